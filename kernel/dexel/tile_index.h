@@ -1,0 +1,17 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+namespace kerf {
+
+/// Columns along one side of a tile: the unit of storage, meshing and sending.
+inline constexpr int kTileSide = 32;
+
+/// A block of kTileSide x kTileSide columns, counted from the block's minimum corner.
+struct TileIndex {
+  std::int32_t x = 0, y = 0;
+  friend constexpr auto operator<=>(const TileIndex&, const TileIndex&) = default;
+};
+
+}  // namespace kerf

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <expected>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace kerf {
+
+/// The shapes a user can define. Lengths in mm, measured from the tip along the axis; angles in degrees.
+struct BallShape {
+  double diameter_mm, length_mm;  ///< length >= diameter / 2
+};
+struct FlatShape {
+  double diameter_mm, length_mm;
+};
+enum class TaperTip { kFlat, kBall };
+struct TaperShape {
+  double diameter_mm;      ///< at the tip (of the ball for TaperTip::kBall)
+  double half_angle_deg;   ///< between axis and side, in (0, 90)
+  double length_mm;
+  TaperTip tip = TaperTip::kFlat;
+};
+struct ConeEndShape {
+  double diameter_mm;
+  double tip_angle_deg;  ///< included angle of the cone at the tip, in (0, 180)
+  double length_mm;      ///< whole length, cone and cylinder
+};
+using ToolShape = std::variant<BallShape, FlatShape, TaperShape, ConeEndShape>;
+
+/// A convex body of revolution about the tool axis; heights in mm above the tip.
+struct BallPiece {
+  double center_mm, radius_mm;
+  friend bool operator==(const BallPiece&, const BallPiece&) = default;
+};
+/// Truncated cone between two discs, z0 < z1; r0 == r1 is a cylinder, r0 == 0 a pointed cone.
+struct FrustumPiece {
+  double z0_mm, r0_mm, z1_mm, r1_mm;
+  friend bool operator==(const FrustumPiece&, const FrustumPiece&) = default;
+};
+using ToolPiece = std::variant<BallPiece, FrustumPiece>;
+
+/// A validated tool: the union of its convex pieces, tip at the origin, axis +Z. Angles end here: a tool holds lengths
+/// only, so that a journal that stores tools replays alike on every CPU (libm's trigonometry does not).
+struct Tool {
+  std::vector<ToolPiece> pieces;  ///< from the tip up
+  double length_mm = 0;
+  double radius_mm = 0;  ///< largest radius of any piece
+  friend bool operator==(const Tool&, const Tool&) = default;
+};
+
+enum class ToolErrorCode { kNotFinite, kNotPositive, kOutOfRange, kTooShort, kTooManyPieces };
+struct ToolError {
+  ToolErrorCode code;
+  std::string field;   ///< the offending field as scenes name it, e.g. "diameter_mm"
+  std::string reason;  ///< one sentence
+};
+
+/// Largest and smallest length that any tool dimension may have.
+inline constexpr double kToolLengthMaxMm = 5000;
+inline constexpr double kToolLengthMinMm = 1e-4;
+
+/// Resolves a shape into its convex pieces, or says which field is wrong.
+std::expected<Tool, ToolError> make_tool(const ToolShape& shape);
+
+/// Checks a tool that came as pieces (from a journal): finite, positive, ordered, within the limits.
+std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> pieces);
+
+}  // namespace kerf
