@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernel/sculpture.h"
+#include "server/formats/scene.h"
+
+namespace kerf {
+
+/// What is wrong with a program, and where.
+struct ProgramError {
+  std::string file;
+  std::size_t line = 0;  ///< from 1; 0 where it concerns the whole file
+  std::string word;      ///< the offending word as written; empty where no single word is to blame
+  std::string reason;    ///< one sentence
+};
+/// "file:line: reason (at 'word')", one line.
+std::string to_string(const ProgramError& error);
+
+/// One motion of a program: the tip on a straight line, the axis on the great circle, both
+/// uniformly. Where `from` is not the `to` of the motion before, the tool was away in between
+/// (program start, tool change, retract in machine coordinates): it jumps there without cutting.
+struct ProgramMotion {
+  ToolId tool = 0;
+  ToolPose from, to;       ///< on the pose grid (pose_grid.h); differ from each other
+  double duration_s = 0;   ///< > 0
+  std::uint32_t line = 0;  ///< of the program text, from 1; 0 where there is none
+  bool rapid = false;      ///< G0, RAPID
+  friend bool operator==(const ProgramMotion&, const ProgramMotion&) = default;
+};
+
+struct Program {
+  std::string name;
+  std::vector<ProgramMotion> motions;
+  std::vector<std::string> warnings;  ///< "file:line: text"; what was read but has no meaning here
+  std::size_t lines = 0;              ///< of the text
+};
+
+enum class ProgramFormat { kGcode, kApt };
+/// By extension: .apt and .cls are APT; .ngc, .nc, .tap, .gcode are G-code; anything else is an
+/// error.
+std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_name);
+
+/// Reads a program (G-code or APT by the extension of `name`) for a scene: its tools, its machine
+/// kinematics, its tolerance (arcs and long rotary moves become chords within it). Every pose is on
+/// the pose grid and no motion turns the axis by more than kTurnMaxDeg. Anything that is not
+/// understood is an error, never skipped.
+std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,
+                                                   const Scene& scene);
+
+/// The same path cut into motions of 1/rate_hz seconds each along the programmed feed (the last one
+/// of a chain of motions may be shorter). Poses are on the pose grid; corners between motions are
+/// cut by at most the way travelled in 1/rate_hz. `rate_hz` > 0.
+Program sample_program(const Program& program, double rate_hz);
+
+}  // namespace kerf

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <expected>
+#include <iosfwd>
+#include <memory>
+#include <string>
+
+#include "server/formats/program.h"
+
+namespace kerf {
+
+/// Why a program cannot be written: a pose that the machine cannot reach, or a stream that failed.
+/// One sentence.
+using WriteResult = std::expected<void, std::string>;
+
+/// Writes motions one after the other, so that a journal of any length can be exported without
+/// holding it in memory. Where a motion does not start where the last one ended, the tool is
+/// retracted and placed anew without cutting.
+class ProgramWriter {
+ public:
+  virtual ~ProgramWriter() = default;
+  virtual WriteResult add(const ProgramMotion& motion) = 0;
+  /// The end of the program; call once, after the last motion.
+  virtual WriteResult finish() = 0;
+};
+
+/// RS-274 for the scene's machine. `xyz` and `tool-vector` hold every pose exactly: reading the
+/// text back gives the same poses bit by bit. `xyzac-trt` and `xyzbc-trt` hold the tip exactly and
+/// the axis to 1e-8 (angles with six decimals). Feeds hold durations to 1e-6 relative. `scene` and
+/// `out` must outlive the writer.
+std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostream& out);
+/// APT CL data: every pose exactly, durations to 1e-6 relative.
+std::unique_ptr<ProgramWriter> make_apt_writer(const Scene& scene, std::ostream& out);
+
+/// All motions of a program through one of the writers above.
+WriteResult write_program(const Program& program, ProgramWriter& writer);
+
+}  // namespace kerf

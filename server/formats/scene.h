@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <expected>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernel/sculpture.h"
+#include "kernel/tool/tool.h"
+
+namespace kerf {
+
+/// How programmed coordinates become tool poses in the workpiece (machine_kinematics.h).
+enum class MachineKinematics { kXyz, kXyzacTrt, kXyzbcTrt, kToolVector };
+/// "xyz", "xyzac-trt", "xyzbc-trt", "tool-vector".
+const char* to_string(MachineKinematics kinematics);
+
+struct SceneTool {
+  ToolShape shape;  ///< as the user wrote it
+  Tool tool;        ///< resolved by make_tool
+};
+
+struct Machine {
+  MachineKinematics kinematics = MachineKinematics::kXyz;
+  double rapid_mm_per_min = 10000;  ///< speed of G0 and RAPID
+};
+
+/// What a session or a carving starts from (design section 8).
+struct Scene {
+  std::string name;
+  SculptureSettings settings;
+  std::map<ToolId, SceneTool> tools;  ///< at least one
+  Machine machine;
+  std::vector<std::string>
+      obstacle_files;  ///< one per settings.obstacles; empty unless read from an STL file
+};
+
+/// What is wrong with a scene, and where.
+struct SceneError {
+  std::string file;
+  std::string path;  ///< JSON path, e.g. "tools[0].diameter_mm"; empty for syntax errors
+  std::size_t line = 0, column = 0;  ///< from 1; 0 where unknown
+  std::string reason;                ///< one sentence
+};
+/// "file:line: path: reason", one line.
+std::string to_string(const SceneError& error);
+
+/// Where a scene text comes from.
+struct SceneSource {
+  std::string name = "scene";  ///< what errors call it
+  std::optional<std::filesystem::path>
+      base_folder;  ///< file references are relative to it; without it they are refused
+};
+
+/// Reads and validates a scene. Unknown fields, wrong types, values out of range and features of
+/// later versions are errors.
+std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneSource& source);
+/// Reads the file; its folder is the base folder.
+std::expected<Scene, SceneError> load_scene(const std::filesystem::path& file);
+
+/// The whole scene as canonical JSON text (every field, sorted as in design section 8); parse_scene
+/// gives it back equal.
+std::string scene_json(const Scene& scene);
+/// Parts of it as JSON text, as welcome messages carry them: the "stock" object, the "tools" array,
+/// the "force" object.
+std::string stock_json(const Scene& scene);
+std::string tools_json(const Scene& scene);
+std::string force_json(const Scene& scene);
+
+/// A table of every field: path, value, default, unit, meaning. `kerf-carve --explain` prints it.
+std::string explain_scene(const Scene& scene);
+
+}  // namespace kerf
