@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace kerf::wire {
+
+/// Writes little-endian fields one after the other. The caller has checked the room.
+class ByteWriter {
+ public:
+  explicit ByteWriter(std::span<std::byte> out) noexcept : out_(out) {}
+
+  template <std::unsigned_integral T>
+  void field(T value) noexcept {
+    assert(at_ + sizeof(T) <= out_.size());
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      out_[at_ + i] = static_cast<std::byte>((value >> (8 * i)) & 0xFFU);
+    }
+    at_ += sizeof(T);
+  }
+  void field(float value) noexcept { field(std::bit_cast<std::uint32_t>(value)); }
+  void field(double value) noexcept { field(std::bit_cast<std::uint64_t>(value)); }
+  template <typename T, std::size_t N>
+  void field(const std::array<T, N>& values) noexcept {
+    for (const T value : values) field(value);
+  }
+  /// Four bytes that mean nothing yet: written as zero.
+  void reserved() noexcept { field(std::uint32_t{0}); }
+
+  std::size_t at() const noexcept { return at_; }
+
+ private:
+  std::span<std::byte> out_;
+  std::size_t at_ = 0;
+};
+
+/// Reads little-endian fields one after the other from bytes whose number the caller has checked,
+/// and remembers where the first number stood that is not finite.
+class ByteReader {
+ public:
+  ByteReader(std::span<const std::byte> in, std::size_t at) noexcept : in_(in), at_(at) {}
+
+  template <std::unsigned_integral T>
+  void field(T& value) noexcept {
+    assert(at_ + sizeof(T) <= in_.size());
+    T bits = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      const T byte = std::to_integer<T>(in_[at_ + i]);
+      bits = static_cast<T>(bits | static_cast<T>(byte << (8 * i)));
+    }
+    value = bits;
+    at_ += sizeof(T);
+  }
+  void field(float& value) noexcept { real<std::uint32_t>(value); }
+  void field(double& value) noexcept { real<std::uint64_t>(value); }
+  template <typename T, std::size_t N>
+  void field(std::array<T, N>& values) noexcept {
+    for (T& value : values) field(value);
+  }
+  /// Four bytes that mean nothing yet: skipped whatever they hold, so that a newer peer may use
+  /// them.
+  void reserved() noexcept {
+    std::uint32_t skipped = 0;
+    field(skipped);
+  }
+
+  std::size_t at() const noexcept { return at_; }
+  /// Offset of the first number that is not finite; 0 if there was none.
+  std::size_t not_finite_at() const noexcept { return not_finite_at_; }
+
+ private:
+  template <typename Bits, typename Real>
+  void real(Real& value) noexcept {
+    const std::size_t at = at_;
+    Bits bits = 0;
+    field(bits);
+    value = std::bit_cast<Real>(bits);
+    if (not_finite_at_ == 0 && !std::isfinite(value)) not_finite_at_ = at;
+  }
+
+  std::span<const std::byte> in_;
+  std::size_t at_;
+  std::size_t not_finite_at_ = 0;
+};
+
+}  // namespace kerf::wire

@@ -1,0 +1,204 @@
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "server/wire/codec.h"
+#include "server/wire/layout.h"
+
+namespace kerf::wire {
+namespace {
+
+using Unexpected = std::unexpected<DecodeError>;
+
+Unexpected refuse(DecodeErrorCode code, std::size_t offset, std::string_view reason) noexcept {
+  return Unexpected(DecodeError{code, offset, reason});
+}
+
+Unexpected refuse_not_finite(std::size_t offset) noexcept {
+  return refuse(DecodeErrorCode::kNotFinite, offset, "a number is not finite");
+}
+
+/// The count in front of a list, checked against its limits and the bytes that follow it.
+std::expected<std::uint32_t, DecodeError> decode_count(ByteReader& from, std::size_t payload_bytes,
+                                                       std::uint32_t least, std::uint32_t most,
+                                                       std::size_t entry_bytes) noexcept {
+  const std::size_t start = from.at();
+  if (payload_bytes < kListHeadBytes) {
+    return refuse(DecodeErrorCode::kTooShort, start, "the payload ends before its count");
+  }
+  std::uint32_t count = 0;
+  from.field(count);
+  from.reserved();
+  if (count < least || count > most) {
+    return refuse(DecodeErrorCode::kBadCount, start, "the count is outside its limits");
+  }
+  if (payload_bytes != kListHeadBytes + count * entry_bytes) {
+    return refuse(DecodeErrorCode::kPayloadMismatch, start, "the count does not match the payload");
+  }
+  return count;
+}
+
+std::expected<MotionBatch, DecodeError> decode_motion(ByteReader& from,
+                                                      std::size_t payload_bytes) noexcept {
+  const auto count = decode_count(from, payload_bytes, 1, kMaxSamplesPerMotion, kSampleBytes);
+  if (!count) return std::unexpected(count.error());
+  MotionBatch batch;
+  batch.count = *count;
+  constexpr std::size_t kAxisOffset = 40;
+  for (std::uint32_t i = 0; i < *count; ++i) {
+    const std::size_t start = from.at();
+    MotionSample& sample = batch.samples[i];
+    walk(from, sample);
+    if (from.not_finite_at() != 0) return refuse_not_finite(from.not_finite_at());
+    const double x = sample.axis[0];
+    const double y = sample.axis[1];
+    const double z = sample.axis[2];
+    if (std::abs(std::sqrt(x * x + y * y + z * z) - 1.0) > kAxisLengthTolerance) {
+      return refuse(DecodeErrorCode::kAxisNotUnit, start + kAxisOffset,
+                    "the axis is not of length 1");
+    }
+    const bool follows = i == 0 || sample.agent_sequence == batch.samples[i - 1].agent_sequence + 1;
+    if (sample.agent_sequence == 0 || !follows) {
+      return refuse(DecodeErrorCode::kBadSequence, start,
+                    "sample numbers are not consecutive from 1");
+    }
+  }
+  return batch;
+}
+
+std::expected<ToolStates, DecodeError> decode_tools(ByteReader& from, std::size_t payload_bytes) {
+  const auto count = decode_count(from, payload_bytes, 0, kMaxToolStates, kToolStateBytes);
+  if (!count) return std::unexpected(count.error());
+  ToolStates states;
+  states.tools.resize(*count);
+  for (ToolState& state : states.tools) walk(from, state);
+  if (from.not_finite_at() != 0) return refuse_not_finite(from.not_finite_at());
+  return states;
+}
+
+std::expected<Result, DecodeError> decode_result(ByteReader& from) noexcept {
+  Result result;
+  walk(from, result);
+  if (from.not_finite_at() != 0) return refuse_not_finite(from.not_finite_at());
+  return result;
+}
+
+Ping decode_ping(ByteReader& from) noexcept {
+  Ping ping;
+  from.field(ping.time_us);
+  return ping;
+}
+
+Pong decode_pong(ByteReader& from) noexcept {
+  Pong pong;
+  from.field(pong.ping_time_us);
+  from.field(pong.time_us);
+  return pong;
+}
+
+/// The payload size of a type that has only one; empty for lists, meshes and unknown types.
+std::optional<std::size_t> fixed_payload_bytes(MessageType type) noexcept {
+  switch (type) {
+    case MessageType::kResult:
+      return kResultBytes;
+    case MessageType::kAck:
+      return 0;
+    case MessageType::kPing:
+      return kPingBytes;
+    case MessageType::kPong:
+      return kPongBytes;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+ErrorCode protocol_error(DecodeErrorCode code) noexcept {
+  switch (code) {
+    case DecodeErrorCode::kTooLong:
+      return ErrorCode::kTooLarge;
+    case DecodeErrorCode::kBadSequence:
+      return ErrorCode::kBadSequence;
+    case DecodeErrorCode::kNotFinite:
+    case DecodeErrorCode::kAxisNotUnit:
+      return ErrorCode::kBadPose;
+    default:
+      return ErrorCode::kBadFrame;
+  }
+}
+
+std::expected<FrameHeader, DecodeError> decode_header(std::span<const std::byte> frame,
+                                                      std::size_t max_bytes) noexcept {
+  if (frame.size() > max_bytes) {
+    return refuse(DecodeErrorCode::kTooLong, max_bytes, "the frame is longer than allowed");
+  }
+  if (frame.size() < kHeaderBytes) {
+    return refuse(DecodeErrorCode::kTooShort, frame.size(), "the frame ends inside its header");
+  }
+  ByteReader from(frame, 0);
+  std::uint32_t magic = 0;
+  std::uint8_t type = 0;
+  FrameHeader header;
+  from.field(magic);
+  from.field(type);
+  walk(from, header);
+  header.type = static_cast<MessageType>(type);
+  if (magic != kMagic) {
+    return refuse(DecodeErrorCode::kBadMagic, 0, "the frame does not start with KRF1");
+  }
+  if (header.header_bytes < kHeaderBytes || header.header_bytes > kMaxHeaderBytes ||
+      header.header_bytes > frame.size()) {
+    return refuse(DecodeErrorCode::kBadHeaderBytes, 6, "header_bytes is outside its limits");
+  }
+  if (header.payload_bytes != frame.size() - header.header_bytes) {
+    return refuse(DecodeErrorCode::kPayloadMismatch, 8, "payload_bytes is not what follows");
+  }
+  return header;
+}
+
+std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
+                                           std::size_t max_bytes) {
+  const auto header = decode_header(frame, max_bytes);
+  if (!header) return std::unexpected(header.error());
+  const auto fixed_bytes = fixed_payload_bytes(header->type);
+  if (fixed_bytes && *fixed_bytes != header->payload_bytes) {
+    return refuse(DecodeErrorCode::kPayloadMismatch, 8,
+                  "the payload has the wrong size for its type");
+  }
+  ByteReader from(frame, header->header_bytes);
+  std::expected<Message, DecodeError> message(std::in_place, *header, UnknownBody{});
+  const auto keep = [&](auto&& body) {
+    if (body) {
+      message->body = std::move(*body);
+    } else {
+      message = std::unexpected(body.error());
+    }
+  };
+  switch (header->type) {
+    case MessageType::kMotion:
+      keep(decode_motion(from, header->payload_bytes));
+      break;
+    case MessageType::kResult:
+      keep(decode_result(from));
+      break;
+    case MessageType::kMesh:
+      message->body = MeshView{frame.subspan(header->header_bytes)};
+      break;
+    case MessageType::kTools:
+      keep(decode_tools(from, header->payload_bytes));
+      break;
+    case MessageType::kAck:
+      message->body = Ack{};
+      break;
+    case MessageType::kPing:
+      message->body = decode_ping(from);
+      break;
+    case MessageType::kPong:
+      message->body = decode_pong(from);
+      break;
+  }
+  return message;
+}
+
+}  // namespace kerf::wire

@@ -1,0 +1,100 @@
+#include <cassert>
+#include <cstring>
+
+#include "server/wire/codec.h"
+#include "server/wire/layout.h"
+
+namespace kerf::wire {
+namespace {
+
+ByteWriter start_frame(const FrameStamp& stamp, MessageType type, std::uint8_t flags,
+                       std::size_t frame_bytes, std::span<std::byte> out) noexcept {
+  assert(out.size() >= kHeaderBytes && frame_bytes <= kMaxServerFrameBytes);
+  const FrameHeader header{.type = type,
+                           .flags = flags,
+                           .header_bytes = kHeaderBytes,
+                           .payload_bytes = static_cast<std::uint32_t>(frame_bytes - kHeaderBytes),
+                           .stamp = stamp};
+  ByteWriter to(out);
+  to.field(kMagic);
+  to.field(static_cast<std::uint8_t>(header.type));
+  walk(to, header);
+  return to;
+}
+
+}  // namespace
+
+std::size_t encoded_bytes(const MotionBatch& batch) noexcept {
+  return kHeaderBytes + kListHeadBytes + batch.count * kSampleBytes;
+}
+std::size_t encoded_bytes(const Result&) noexcept { return kHeaderBytes + kResultBytes; }
+std::size_t encoded_bytes(const MeshView& mesh) noexcept { return kHeaderBytes + mesh.glb.size(); }
+std::size_t encoded_bytes(const ToolStates& states) noexcept {
+  return kHeaderBytes + kListHeadBytes + states.tools.size() * kToolStateBytes;
+}
+std::size_t encoded_bytes(const Ack&) noexcept { return kHeaderBytes; }
+std::size_t encoded_bytes(const Ping&) noexcept { return kHeaderBytes + kPingBytes; }
+std::size_t encoded_bytes(const Pong&) noexcept { return kHeaderBytes + kPongBytes; }
+
+std::size_t encode(const FrameStamp& stamp, const MotionBatch& batch,
+                   std::span<std::byte> out) noexcept {
+  assert(batch.count >= 1 && batch.count <= kMaxSamplesPerMotion);
+  ByteWriter to = start_frame(stamp, MessageType::kMotion, 0, encoded_bytes(batch), out);
+  to.field(batch.count);
+  to.reserved();
+  for (const MotionSample& sample : batch.view()) walk(to, sample);
+  return to.at();
+}
+
+std::size_t encode(const FrameStamp& stamp, const Result& result,
+                   std::span<std::byte> out) noexcept {
+  ByteWriter to = start_frame(stamp, MessageType::kResult, 0, encoded_bytes(result), out);
+  walk(to, result);
+  return to.at();
+}
+
+std::size_t encode(const FrameStamp& stamp, const MeshView& mesh, std::uint8_t flags,
+                   std::span<std::byte> out) noexcept {
+  const std::size_t bytes = encoded_bytes(mesh);
+  start_frame(stamp, MessageType::kMesh, flags, bytes, out);
+  if (!mesh.glb.empty()) {
+    std::memcpy(out.data() + kHeaderBytes, mesh.glb.data(), mesh.glb.size());
+  }
+  return bytes;
+}
+
+std::array<std::byte, kHeaderBytes> mesh_header(const FrameStamp& stamp, std::uint8_t flags,
+                                                std::size_t glb_bytes) noexcept {
+  std::array<std::byte, kHeaderBytes> header{};
+  start_frame(stamp, MessageType::kMesh, flags, kHeaderBytes + glb_bytes, header);
+  return header;
+}
+
+std::size_t encode(const FrameStamp& stamp, const ToolStates& states,
+                   std::span<std::byte> out) noexcept {
+  assert(states.tools.size() <= kMaxToolStates);
+  ByteWriter to = start_frame(stamp, MessageType::kTools, 0, encoded_bytes(states), out);
+  to.field(static_cast<std::uint32_t>(states.tools.size()));
+  to.reserved();
+  for (const ToolState& state : states.tools) walk(to, state);
+  return to.at();
+}
+
+std::size_t encode(const FrameStamp& stamp, const Ack& ack, std::span<std::byte> out) noexcept {
+  return start_frame(stamp, MessageType::kAck, 0, encoded_bytes(ack), out).at();
+}
+
+std::size_t encode(const FrameStamp& stamp, const Ping& ping, std::span<std::byte> out) noexcept {
+  ByteWriter to = start_frame(stamp, MessageType::kPing, 0, encoded_bytes(ping), out);
+  to.field(ping.time_us);
+  return to.at();
+}
+
+std::size_t encode(const FrameStamp& stamp, const Pong& pong, std::span<std::byte> out) noexcept {
+  ByteWriter to = start_frame(stamp, MessageType::kPong, 0, encoded_bytes(pong), out);
+  to.field(pong.ping_time_us);
+  to.field(pong.time_us);
+  return to.at();
+}
+
+}  // namespace kerf::wire

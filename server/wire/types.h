@@ -1,0 +1,123 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "server/wire/frame.h"
+#include "server/wire/limits.h"
+
+namespace kerf::wire {
+
+using Vec3f = std::array<float, 3>;
+using Vec3d = std::array<double, 3>;
+
+/// Bits of MotionSample::buttons.
+inline constexpr std::uint32_t kButtonCutting = 1;
+inline constexpr std::uint32_t kButtonDeadman = 2;
+
+/// Bits of Result::status and ToolState::status.
+inline constexpr std::uint32_t kStatusCutting = 1;
+inline constexpr std::uint32_t kStatusColliding = 2;
+inline constexpr std::uint32_t kStatusRefused = 4;
+
+/// One pose of a tool. The motion that it stands for runs from the sample before it to this one;
+/// without kButtonCutting that motion goes through the air.
+struct MotionSample {
+  /// From 1, consecutive; a repeated number is a repetition and is skipped by the server.
+  std::uint64_t agent_sequence = 0;
+  /// The agent's monotonic clock when the pose was read.
+  std::uint64_t time_us = 0;
+  Vec3d tip_mm{};
+  /// From the tip to the spindle, unit length to kAxisLengthTolerance.
+  Vec3f axis{0.0F, 0.0F, 1.0F};
+  std::uint32_t tool_id = 0;
+  std::uint32_t buttons = 0;
+
+  bool operator==(const MotionSample&) const = default;
+};
+
+/// Up to kMaxSamplesPerMotion samples with consecutive numbers; only the first `count` are sent.
+struct MotionBatch {
+  std::uint32_t count = 0;
+  std::array<MotionSample, kMaxSamplesPerMotion> samples{};
+
+  std::span<const MotionSample> view() const noexcept { return {samples.data(), count}; }
+  bool operator==(const MotionBatch&) const = default;
+};
+
+/// The server's answer to the newest sample that it applied, with the local cutting model:
+/// engaged area, feed direction, centre and specific force, from which force can be rendered
+/// locally.
+struct Result {
+  std::uint64_t agent_sequence = 0;
+  std::uint64_t agent_time_us = 0;
+  std::uint64_t motions_applied = 0;
+  Vec3f force_n{};
+  /// About the pivot.
+  Vec3f torque_nmm{};
+  float engaged_area_mm2 = 0.0F;
+  Vec3f direction{};
+  Vec3d cut_centre_mm{};
+  float specific_force_n_per_mm2 = 0.0F;
+  float removed_mm3 = 0.0F;
+  std::uint32_t status = 0;
+  Vec3f collision_force_n{};
+  std::uint32_t turnaround_us = 0;
+
+  bool operator==(const Result&) const = default;
+};
+
+/// Where one participant's tool is and what it feels, for the viewers.
+struct ToolState {
+  std::uint32_t participant = 0;
+  std::uint32_t tool_id = 0;
+  Vec3d tip_mm{};
+  Vec3f axis{0.0F, 0.0F, 1.0F};
+  std::uint32_t status = 0;
+  Vec3f force_n{};
+  Vec3f torque_nmm{};
+  float removed_rate_mm3_per_s = 0.0F;
+
+  bool operator==(const ToolState&) const = default;
+};
+
+struct ToolStates {
+  std::vector<ToolState> tools;
+  bool operator==(const ToolStates&) const = default;
+};
+
+/// A GLB; the bytes belong to the frame that was decoded and live as long as it does.
+struct MeshView {
+  std::span<const std::byte> glb;
+};
+
+struct Ack {
+  bool operator==(const Ack&) const = default;
+};
+
+struct Ping {
+  std::uint64_t time_us = 0;
+  bool operator==(const Ping&) const = default;
+};
+
+struct Pong {
+  std::uint64_t ping_time_us = 0;
+  std::uint64_t time_us = 0;
+  bool operator==(const Pong&) const = default;
+};
+
+/// A well-formed frame of a type that this version does not know: to be skipped.
+struct UnknownBody {
+  bool operator==(const UnknownBody&) const = default;
+};
+
+struct Message {
+  FrameHeader header;
+  std::variant<MotionBatch, Result, MeshView, ToolStates, Ack, Ping, Pong, UnknownBody> body;
+};
+
+}  // namespace kerf::wire

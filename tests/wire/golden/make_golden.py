@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Writes the golden frames and golden.json beside this file.
+
+The layout is spelled out here a second time, with Python's struct module and straight from the tables of
+server/wire/README.md, so that the bytes do not come from the codec that they test.
+Run it again only for a new version of the protocol; released frames never change.
+"""
+
+import json
+import pathlib
+import struct
+
+HERE = pathlib.Path(__file__).parent
+MAGIC = 0x3146524B
+TYPES = {"motion": 1, "result": 2, "mesh": 3, "tools": 4, "ack": 5, "ping": 6, "pong": 7}
+frames = []
+refused = []
+
+
+def header(kind, payload, flags=0, header_bytes=32, epoch=7, sequence=(1 << 40) + 3,
+           time_us=(1 << 35) + 12345, magic=MAGIC, payload_bytes=None, extra=b""):
+    size = len(payload) if payload_bytes is None else payload_bytes
+    return struct.pack("<IBBHIIQQ", magic, kind, flags, header_bytes, size, epoch, sequence,
+                       time_us) + extra + payload
+
+
+def keep(name, kind, body, payload, flags=0, **options):
+    data = header(TYPES.get(kind, kind), payload, flags, **options)
+    (HERE / f"{name}.bin").write_bytes(data)
+    frames.append({
+        "file": f"{name}.bin", "type": kind if isinstance(kind, str) else "unknown",
+        "type_number": TYPES.get(kind, kind), "flags": flags,
+        "header_bytes": options.get("header_bytes", 32),
+        "payload_bytes": len(payload), "epoch": options.get("epoch", 7),
+        "sequence": options.get("sequence", (1 << 40) + 3),
+        "time_us": options.get("time_us", (1 << 35) + 12345), "body": body})
+
+
+def refuse(name, code, offset, data):
+    (HERE / f"{name}.bin").write_bytes(data)
+    refused.append({"file": f"{name}.bin", "code": code, "offset": offset})
+
+
+def sample_bytes(s):
+    return struct.pack("<QQ3d3fIII", s["agent_sequence"], s["time_us"], *s["tip_mm"], *s["axis"],
+                       s["tool_id"], s["buttons"], 0)
+
+
+def motion_bytes(samples, count=None):
+    head = struct.pack("<II", len(samples) if count is None else count, 0)
+    return head + b"".join(sample_bytes(s) for s in samples)
+
+
+def result_bytes(r):
+    return struct.pack("<QQQ3f3ff3f3dffII3fI", r["agent_sequence"], r["agent_time_us"],
+                       r["motions_applied"], *r["force_n"], *r["torque_nmm"],
+                       r["engaged_area_mm2"], *r["direction"], *r["cut_centre_mm"],
+                       r["specific_force_n_per_mm2"], r["removed_mm3"], r["status"], 0,
+                       *r["collision_force_n"], r["turnaround_us"])
+
+
+def tool_bytes(t):
+    return struct.pack("<II3d3fI3f3ffI", t["participant"], t["tool_id"], *t["tip_mm"], *t["axis"],
+                       t["status"], *t["force_n"], *t["torque_nmm"], t["removed_rate_mm3_per_s"], 0)
+
+
+def sample(number, x):
+    return {"agent_sequence": number, "time_us": (1 << 36) + 1000 * number,
+            "tip_mm": [x, -12.3456789012345, 1e-9], "axis": [0.0, 0.6000000238418579, 0.800000011920929],
+            "tool_id": 3, "buttons": 1 + 2 * (number % 2)}
+
+
+result = {
+    "agent_sequence": (1 << 33) + 17, "agent_time_us": (1 << 36) + 5, "motions_applied": 123456789012,
+    "force_n": [1.5, -2.25, 0.125], "torque_nmm": [-100.5, 64.0, 0.0], "engaged_area_mm2": 3.75,
+    "direction": [0.0, -0.6000000238418579, -0.800000011920929],
+    "cut_centre_mm": [10.1, -20.2, 30.3], "specific_force_n_per_mm2": 0.5, "removed_mm3": 0.0625,
+    "status": 7, "collision_force_n": [8.0, 0.0, -0.5], "turnaround_us": 421}
+tools = [
+    {"participant": 1, "tool_id": 1, "tip_mm": [0.1, 0.2, 0.3], "axis": [0.0, 0.0, 1.0], "status": 1,
+     "force_n": [0.5, 0.25, -4.0], "torque_nmm": [1.0, 2.0, 0.0], "removed_rate_mm3_per_s": 12.5},
+    {"participant": 4000000000, "tool_id": 9, "tip_mm": [-1e6, 1e-3, 0.0], "axis": [1.0, 0.0, 0.0],
+     "status": 2, "force_n": [0.0, 0.0, 0.0], "torque_nmm": [0.0, 0.0, 0.0],
+     "removed_rate_mm3_per_s": 0.0}]
+
+two = [sample(41, 0.1), sample(42, 0.2)]
+sixteen = [sample(100 + i, i * 0.1) for i in range(16)]
+keep("motion_two", "motion", {"samples": two}, motion_bytes(two))
+keep("motion_sixteen", "motion", {"samples": sixteen}, motion_bytes(sixteen))
+keep("result", "result", result, result_bytes(result))
+keep("mesh_last_of_snapshot", "mesh", {"glb_hex": b"glTF\x02\x00\x00\x00".hex()},
+     b"glTF\x02\x00\x00\x00", flags=3)
+keep("tools_two", "tools", {"tools": tools}, struct.pack("<II", 2, 0) + b"".join(map(tool_bytes, tools)))
+keep("tools_none", "tools", {"tools": []}, struct.pack("<II", 0, 0))
+keep("ack", "ack", {}, b"", sequence=12)
+keep("ping", "ping", {"time_us": (1 << 52) + 1}, struct.pack("<Q", (1 << 52) + 1))
+keep("pong", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
+     struct.pack("<QQ", (1 << 52) + 1, 99))
+keep("longer_header", "ping", {"time_us": 5}, struct.pack("<Q", 5), header_bytes=48, extra=b"\xee" * 16)
+keep("unknown_type", 200, {}, b"\x01\x02\x03")
+
+good = header(TYPES["motion"], motion_bytes(two))
+refuse("empty", "too_short", 0, b"")
+refuse("header_cut", "too_short", 31, good[:31])
+refuse("wrong_magic", "bad_magic", 0, header(1, motion_bytes(two), magic=0x3246524B))
+refuse("header_bytes_small", "bad_header_bytes", 6, header(6, bytes(8), header_bytes=31))
+refuse("header_bytes_beyond_frame", "bad_header_bytes", 6, header(5, b"", header_bytes=33))
+refuse("payload_cut", "payload_mismatch", 8, good[:-1])
+refuse("payload_too_long", "payload_mismatch", 8, good + b"\0")
+refuse("payload_bytes_huge", "payload_mismatch", 8, header(1, motion_bytes(two), payload_bytes=0xFFFFFFFF))
+refuse("motion_without_count", "too_short", 32, header(1, bytes(7)))
+refuse("motion_none", "bad_count", 32, header(1, motion_bytes([])))
+refuse("motion_seventeen", "bad_count", 32,
+       header(1, motion_bytes([sample(i + 1, 0.0) for i in range(17)])))
+refuse("motion_count_lies", "payload_mismatch", 32, header(1, motion_bytes(two, count=1)))
+refuse("tools_count_huge", "bad_count", 32, header(4, struct.pack("<II", 0xFFFFFFFF, 0)))
+refuse("motion_sequence_zero", "bad_sequence", 40, header(1, motion_bytes([sample(0, 0.0)])))
+refuse("motion_sequence_gap", "bad_sequence", 104,
+       header(1, motion_bytes([sample(1, 0.0), sample(3, 0.0)])))
+nan, inf = float("nan"), float("inf")
+refuse("motion_tip_nan", "not_finite", 64, header(1, motion_bytes([{**two[0], "tip_mm": [0.0, nan, 0.0]}])))
+refuse("motion_axis_inf", "not_finite", 88, header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, inf]}])))
+refuse("motion_axis_long", "axis_not_unit", 80,
+       header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, 1.002]}])))
+refuse("motion_axis_zero", "axis_not_unit", 80,
+       header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, 0.0]}])))
+refuse("result_short", "payload_mismatch", 8, header(2, result_bytes(result)[:-4]))
+refuse("result_force_nan", "not_finite", 56, header(2, result_bytes({**result, "force_n": [nan, 0.0, 0.0]})))
+refuse("tools_tip_inf", "not_finite", 48,
+       header(4, struct.pack("<II", 1, 0) + tool_bytes({**tools[0], "tip_mm": [-inf, 0.0, 0.0]})))
+refuse("ack_with_payload", "payload_mismatch", 8, header(5, b"\0"))
+refuse("ping_empty", "payload_mismatch", 8, header(6, b""))
+refuse("pong_short", "payload_mismatch", 8, header(7, bytes(8)))
+
+(HERE / "golden.json").write_text(json.dumps({"version": 1, "frames": frames, "refused": refused}, indent=1) + "\n")

@@ -1,0 +1,89 @@
+#include "tests/wire/golden_json.h"
+
+#include <array>
+#include <cstdio>
+
+namespace kerf::wire {
+namespace {
+
+using nlohmann::json;
+
+json widen(const Vec3f& v) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+json describe_body(const MotionBatch& batch) {
+  json samples = json::array();
+  for (const MotionSample& s : batch.view()) {
+    samples.push_back({{"agent_sequence", s.agent_sequence},
+                       {"time_us", s.time_us},
+                       {"tip_mm", s.tip_mm},
+                       {"axis", widen(s.axis)},
+                       {"tool_id", s.tool_id},
+                       {"buttons", s.buttons}});
+  }
+  return {{"samples", samples}};
+}
+
+json describe_body(const Result& r) {
+  return {{"agent_sequence", r.agent_sequence},
+          {"agent_time_us", r.agent_time_us},
+          {"motions_applied", r.motions_applied},
+          {"force_n", widen(r.force_n)},
+          {"torque_nmm", widen(r.torque_nmm)},
+          {"engaged_area_mm2", static_cast<double>(r.engaged_area_mm2)},
+          {"direction", widen(r.direction)},
+          {"cut_centre_mm", r.cut_centre_mm},
+          {"specific_force_n_per_mm2", static_cast<double>(r.specific_force_n_per_mm2)},
+          {"removed_mm3", static_cast<double>(r.removed_mm3)},
+          {"status", r.status},
+          {"collision_force_n", widen(r.collision_force_n)},
+          {"turnaround_us", r.turnaround_us}};
+}
+
+json describe_body(const ToolStates& states) {
+  json tools = json::array();
+  for (const ToolState& t : states.tools) {
+    tools.push_back({{"participant", t.participant},
+                     {"tool_id", t.tool_id},
+                     {"tip_mm", t.tip_mm},
+                     {"axis", widen(t.axis)},
+                     {"status", t.status},
+                     {"force_n", widen(t.force_n)},
+                     {"torque_nmm", widen(t.torque_nmm)},
+                     {"removed_rate_mm3_per_s", static_cast<double>(t.removed_rate_mm3_per_s)}});
+  }
+  return {{"tools", tools}};
+}
+
+json describe_body(const MeshView& mesh) {
+  std::string hex;
+  for (const std::byte byte : mesh.glb) {
+    std::array<char, 3> digits{};
+    std::snprintf(digits.data(), digits.size(), "%02x", std::to_integer<unsigned>(byte));
+    hex += digits.data();
+  }
+  return {{"glb_hex", hex}};
+}
+
+json describe_body(const Ping& ping) { return {{"time_us", ping.time_us}}; }
+json describe_body(const Pong& pong) {
+  return {{"ping_time_us", pong.ping_time_us}, {"time_us", pong.time_us}};
+}
+json describe_body(const Ack&) { return json::object(); }
+json describe_body(const UnknownBody&) { return json::object(); }
+
+}  // namespace
+
+json describe(const Message& message) {
+  return std::visit([](const auto& body) { return describe_body(body); }, message.body);
+}
+
+std::string code_name(DecodeErrorCode code) {
+  constexpr std::array kNames = {"too_short",        "too_long",         "bad_magic",
+                                 "bad_header_bytes", "payload_mismatch", "bad_count",
+                                 "bad_sequence",     "not_finite",       "axis_not_unit"};
+  return kNames.at(static_cast<std::size_t>(code));
+}
+
+}  // namespace kerf::wire

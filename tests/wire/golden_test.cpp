@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "server/wire/codec.h"
+#include "tests/wire/golden_json.h"
+
+namespace kerf::wire {
+namespace {
+
+using nlohmann::json;
+
+std::filesystem::path golden_folder() {
+  return std::filesystem::path(KERF_SOURCE_DIR) / "tests/wire/golden";
+}
+
+std::vector<std::byte> read_bytes(const std::string& name) {
+  std::ifstream file(golden_folder() / name, std::ios::binary);
+  EXPECT_TRUE(file) << name;
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+json read_index() {
+  std::ifstream file(golden_folder() / "golden.json");
+  return json::parse(file);
+}
+
+std::vector<std::byte> encode_again(const Message& message) {
+  std::vector<std::byte> out;
+  const FrameStamp& stamp = message.header.stamp;
+  std::visit(
+      [&]<typename Body>(const Body& body) {
+        if constexpr (std::is_same_v<Body, MeshView>) {
+          append(out, stamp, body, message.header.flags);
+        } else if constexpr (!std::is_same_v<Body, UnknownBody>) {
+          append(out, stamp, body);
+        }
+      },
+      message.body);
+  return out;
+}
+
+TEST(WireGolden, DecodesEachFrameToItsDescription) {
+  const json index = read_index();
+  ASSERT_GE(index["frames"].size(), 11U);
+  for (const json& expected : index["frames"]) {
+    const std::string name = expected["file"];
+    SCOPED_TRACE(name);
+    const auto bytes = read_bytes(name);
+    const auto message = decode(bytes);
+    ASSERT_TRUE(message) << message.error().reason;
+    EXPECT_EQ(static_cast<int>(message->header.type), expected["type_number"]);
+    EXPECT_EQ(message->header.flags, expected["flags"]);
+    EXPECT_EQ(message->header.header_bytes, expected["header_bytes"]);
+    EXPECT_EQ(message->header.payload_bytes, expected["payload_bytes"]);
+    EXPECT_EQ(message->header.stamp.epoch, expected["epoch"]);
+    EXPECT_EQ(message->header.stamp.sequence, expected["sequence"]);
+    EXPECT_EQ(message->header.stamp.time_us, expected["time_us"]);
+    EXPECT_EQ(describe(*message), expected["body"]);
+  }
+}
+
+TEST(WireGolden, EncodesTheSameBytes) {
+  const json index = read_index();
+  for (const json& expected : index["frames"]) {
+    if (expected["type"] == "unknown" || expected["header_bytes"] != kHeaderBytes) continue;
+    const std::string name = expected["file"];
+    SCOPED_TRACE(name);
+    const auto bytes = read_bytes(name);
+    const auto message = decode(bytes);
+    ASSERT_TRUE(message);
+    EXPECT_EQ(encode_again(*message), bytes);
+  }
+}
+
+TEST(WireGolden, RefusesEachMalformedFrameWithItsCodeAndOffset) {
+  const json index = read_index();
+  ASSERT_GE(index["refused"].size(), 20U);
+  for (const json& expected : index["refused"]) {
+    const std::string name = expected["file"];
+    SCOPED_TRACE(name);
+    const auto message = decode(read_bytes(name));
+    ASSERT_FALSE(message);
+    EXPECT_EQ(code_name(message.error().code), expected["code"]);
+    EXPECT_EQ(message.error().offset, expected["offset"]);
+    EXPECT_FALSE(message.error().reason.empty());
+  }
+}
+
+}  // namespace
+}  // namespace kerf::wire
