@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# What run.sh, test.sh and the Dockerfiles share: making a Debian 12 machine able to build Kerf, and saying plainly which
+# step failed. Sourced from the repository's root, or run as a program: `docker/machine.sh install build test`.
+
+KERF_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+KERF_LOGS="$KERF_ROOT/build/logs"
+
+say() { printf '\033[1m%s\033[0m\n' "$*"; }
+fail() { printf '%s\n' "$*" >&2; exit 1; }
+
+# step "what it does" NAME COMMAND...: runs a command with its output in a log, its newest line shown on a terminal; shows
+# the log's tail if it fails. (A pipe and no background job: bash would make a background job deaf to Ctrl-C.)
+step() {
+  local what="$1" log="$KERF_LOGS/$2.log" begin=$SECONDS rc=0
+  shift 2
+  mkdir -p "$KERF_LOGS"
+  printf '%s … ' "$what"
+  if [ -t 1 ]; then
+    printf '\n'
+    "$@" 2>&1 </dev/null | tee "$log" | awk '{ printf "\r\033[K  %.90s", $0; fflush() } END { printf "\r\033[K" }' || rc=$?
+  else
+    "$@" >"$log" 2>&1 </dev/null || rc=$?
+  fi
+  if [ $rc != 0 ]; then
+    printf 'FAILED\n'
+    tail -n 40 "$log" >&2
+    fail "This step failed (exit $rc): $what. Its whole log: $log"
+  fi
+  printf 'done (%d s)\n' $((SECONDS - begin))
+}
+
+# Prints the packages of the named sections, one a line.
+packages_of() {
+  local section
+  for section in "$@"; do
+    sed -n "/^\[$section\]/,/^\[/{/^[^[#]/p}" "$KERF_ROOT/docker/packages.txt"
+  done
+}
+
+# Prints those packages of the named sections that are not installed.
+packages_missing() {
+  local package
+  packages_of "$@" | while read -r package; do
+    dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null | grep -q '^ii' || echo "$package"
+  done
+}
+
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"; else
+    command -v sudo >/dev/null || fail "Packages are missing; run this as root, or install sudo: $*"
+    sudo "$@"
+  fi
+}
+
+apt_install() {
+  as_root apt-get update
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+}
+
+# Installs what is missing of the named sections; asks apt only if something is, so that it works offline afterwards.
+install_sections() {
+  local missing
+  mapfile -t missing < <(packages_missing "$@")
+  if [ ${#missing[@]} -gt 0 ]; then
+    step "Installing ${#missing[@]} Debian packages (${missing[*]})" apt apt_install "${missing[@]}"
+  fi
+}
+
+node_is_new_enough() {
+  command -v node >/dev/null && node -e '
+    const [a, b] = process.versions.node.split(".").map(Number);
+    process.exit(a > 22 || (a === 22 && b >= 12) || (a === 20 && b >= 19) ? 0 : 1)'
+}
+
+# Puts a node that Vite accepts (20.19 or later) first on the PATH: the machine's, or else node 22 from npm.
+use_node() {
+  if ! command -v npm >/dev/null; then install_sections node; fi
+  if node_is_new_enough; then return; fi
+  if [ ! -x "$KERF_ROOT/build/node/node_modules/.bin/node" ]; then
+    mkdir -p "$KERF_ROOT/build/node"
+    step "Fetching node 22 from npm (this machine's is older than Vite asks for)" node \
+      npm install --prefix "$KERF_ROOT/build/node" --no-audit --no-fund node@22
+  fi
+  PATH="$KERF_ROOT/build/node/node_modules/.bin:$PATH"
+  node_is_new_enough || fail "No node of version 20.19 or later could be installed; put one on the PATH."
+}
+
+# The viewer's npm packages, fetched only if the lock file changed since they were fetched last.
+install_web() {
+  use_node
+  local lock="$KERF_ROOT/web/package-lock.json" stamp="$KERF_ROOT/web/node_modules/.kerf-lock"
+  if ! cmp -s "$lock" "$stamp"; then
+    step "Fetching the web viewer's packages" npm-ci npm --prefix "$KERF_ROOT/web" ci --no-audit --no-fund
+    cp "$lock" "$stamp"
+  fi
+}
+
+build_web() {
+  install_web
+  step "Building the web viewer" web npm --prefix "$KERF_ROOT/web" run build
+}
+
+# build_cpp PRESET [CMAKE-OPTION...] -- [TARGET...]
+build_cpp() {
+  local preset="$1" options=() targets=()
+  shift
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do options+=("$1"); shift; done
+  if [ $# -gt 0 ]; then shift; targets=("$@"); fi
+  if [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ] && command -v ccache >/dev/null; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  fi
+  cd "$KERF_ROOT" || exit 1
+  step "Configuring ($preset)" "configure-$preset" cmake --preset "$preset" "${options[@]}"
+  step "Building ($preset); the first time takes minutes" "build-$preset" \
+    cmake --build --preset "$preset" ${targets[0]:+--target "${targets[@]}"}
+}
+
+if [ "${BASH_SOURCE[0]}" = "$0" ]; then
+  set -euo pipefail
+  case "${1:-}" in
+    install) shift; install_sections "$@" ;;
+    packages) shift; packages_of "$@" ;;
+    web) build_web ;;
+    *) fail "usage: docker/machine.sh install|packages SECTION... | web" ;;
+  esac
+fi

@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# Builds everything and runs every test; the last line says `N passed, M failed`. See tests/README.md.
+set -euo pipefail
+cd "$(dirname "$0")"
+# shellcheck source=docker/machine.sh
+. docker/machine.sh
+
+PRESET=release
+FILTER=
+JOBS=$(nproc)
+
+usage() {
+  cat <<'TXT'
+usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N]
+  --preset P      how to build (default: release). asan, tsan: with the sanitizers
+  --filter REGEX  only the test programs whose name matches (ctest -R); the viewer's own tests if it matches "web"
+  --jobs N        test programs at a time (default: the number of cores); server and e2e tests run one at a time
+CI=true makes every compiler warning an error.
+TXT
+}
+
+parse_options() {
+  while [ $# -gt 0 ]; do
+    case "$1" in
+      --preset) PRESET="${2:?--preset needs a name}"; shift 2 ;;
+      --filter) FILTER="${2:?--filter needs a pattern}"; shift 2 ;;
+      --jobs) JOBS="${2:?--jobs needs a number}"; shift 2 ;;
+      -h|--help) usage; exit 0 ;;
+      *) usage >&2; fail "Unknown option: $1" ;;
+    esac
+  done
+  case "$PRESET" in release|dev|asan|tsan) ;; *) fail "Unknown preset: $PRESET" ;; esac
+}
+
+# Real NC programs and the reference interpreter rs274: from Debian's LinuxCNC packages, unpacked under build/, neither
+# installed nor part of this repository (they are GPL). Tests that need them skip, with the reason, where this fails.
+fetch_linuxcnc() {
+  local dir="$KERF_ROOT/build/linuxcnc" log="$KERF_LOGS/linuxcnc.log"
+  mkdir -p "$KERF_LOGS"
+  if [ ! -x "$dir/rs274" ] && ! unpack_linuxcnc "$dir" >"$log" 2>&1; then
+    echo "LinuxCNC's sample programs could not be fetched (offline? log: $log): the tests that need them skip."
+    rm -rf "$dir"
+    return
+  fi
+  export KERF_LINUXCNC_DIR="$dir"
+}
+
+unpack_linuxcnc() {
+  local dir="$1" root="$1/root" deb
+  rm -rf "$dir" && mkdir -p "$root" && cd "$dir" || return 1
+  chmod a+rwx . # apt downloads as its own user
+  apt-get download linuxcnc-uspace libboost-python1.74.0 libmodbus5 \
+    || { as_root apt-get update && apt-get download linuxcnc-uspace libboost-python1.74.0 libmodbus5; } || return 1
+  for deb in ./*.deb; do dpkg -x "$deb" "$root" || return 1; done
+  rm ./*.deb
+  cp "$root/usr/share/linuxcnc/ncfiles/3D_Chips.ngc" . || return 1
+  find "$root" -path '*vismach*' -name 'boat-xyzac.ngc' -exec cp {} . \; || return 1
+  printf 'T1 P1 D10\nT2 P2 D6\nT3 P3 D3\n' >tool.tbl
+  cat >rs274 <<TXT
+#!/bin/sh
+# LinuxCNC's reference interpreter, not installed: its libraries lie beside it, its tool table is given.
+LD_LIBRARY_PATH="$root/usr/lib:$root/usr/lib/$(uname -m)-linux-gnu" exec "$root/usr/bin/rs274" -t "$dir/tool.tbl" "\$@"
+TXT
+  chmod +x rs274
+}
+
+# run_ctest NAME CTEST-OPTION...: one group of tests; its failures are counted at the end, so that later groups still run.
+run_ctest() {
+  local name="$1"
+  shift
+  say "Tests: $name"
+  ctest --test-dir "build/$PRESET" --output-on-failure --no-tests=ignore ${FILTER:+-R "$FILTER"} \
+    --output-junit "$RESULTS/ctest-$name.xml" "$@" || true
+}
+
+run_web_tests() {
+  if [ -n "$FILTER" ] && ! [[ web =~ $FILTER ]]; then return; fi
+  say "Tests: web"
+  (cd web && npx --no-install vitest run --reporter=default --reporter=json \
+    --outputFile.json="$RESULTS/vitest.json") || true
+  [ -s "$RESULTS/vitest.json" ] || echo '{"numPassedTests":0,"numFailedTests":1}' >"$RESULTS/vitest.json"
+}
+
+main() {
+  parse_options "$@"
+  install_sections build test run
+  fetch_linuxcnc
+  build_web
+  build_cpp "$PRESET" -DKERF_WERROR="$([ -n "${CI:-}" ] && echo ON || echo OFF)"
+  RESULTS="$KERF_ROOT/build/$PRESET/results"
+  rm -rf "$RESULTS" && mkdir -p "$RESULTS"
+  export GTEST_OUTPUT="xml:$RESULTS/gtest/"
+  run_ctest fast -LE 'server|e2e' -j "$JOBS"
+  run_web_tests
+  run_ctest server -L server
+  run_ctest e2e -L e2e
+  python3 tests/summary.py "$RESULTS"
+}
+
+main "$@"

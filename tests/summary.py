@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""Adds up the results that test.sh left in a folder and prints `N passed, M failed` as its last line.
+
+A GoogleTest program counts by its cases (its own XML in gtest/), any other ctest entry as one case, vitest by its cases.
+Exit status 1 if anything failed or nothing ran.
+"""
+
+import json
+import pathlib
+import sys
+import xml.etree.ElementTree as ElementTree
+
+
+def gtest_counts(path):
+    """(passed, failed, skipped with their reasons) of one GoogleTest program."""
+    passed, failed, skipped = 0, [], []
+    for case in ElementTree.parse(path).getroot().iter("testcase"):
+        name = f'{case.get("classname")}.{case.get("name")}'
+        skip = case.find("skipped")
+        if case.find("failure") is not None:
+            failed.append(name)
+        elif skip is not None:
+            reason = (skip.get("message") or skip.text or "no reason given").strip()
+            skipped.append(f"{name}: {reason.splitlines()[-1]}")
+        elif case.get("status") == "run":
+            passed += 1
+    return passed, failed, skipped
+
+
+def collect(folder):
+    passed, failed, skipped = 0, [], []
+    for path in sorted(folder.glob("ctest-*.xml")):
+        for case in ElementTree.parse(path).getroot().iter("testcase"):
+            name = case.get("name")
+            own = folder / "gtest" / f"{name}.xml"
+            ok = case.get("status") == "run"
+            if own.exists():
+                p, f, s = gtest_counts(own)
+                passed, failed, skipped = passed + p, failed + [f"{name}: {x}" for x in f], skipped + s
+                if not ok and not f:  # its cases passed, yet it ended badly: a crash at exit, a sanitizer's report
+                    failed.append(f"{name}: ended badly after its tests")
+            elif ok:
+                passed += 1
+            elif case.find("skipped") is not None and case.get("status") in ("disabled", "notrun"):
+                skipped.append(f'{name}: {case.find("skipped").get("message")}')
+            else:
+                failed.append(name)
+    vitest = folder / "vitest.json"
+    if vitest.exists():
+        result = json.loads(vitest.read_text())
+        passed += result["numPassedTests"]
+        failed += ["web (vitest)"] * result["numFailedTests"]
+        if result.get("numFailedTestSuites", 0) and not result["numFailedTests"]:
+            failed.append("web (vitest): a test file could not be loaded")
+    return passed, failed, skipped
+
+
+def main():
+    passed, failed, skipped = collect(pathlib.Path(sys.argv[1]))
+    for line in skipped:
+        print(f"skipped  {line}")
+    for line in failed:
+        print(f"FAILED   {line}")
+    print(f"{passed} passed, {len(failed)} failed")
+    sys.exit(1 if failed or not passed else 0)
+
+
+main()
