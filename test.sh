@@ -45,7 +45,7 @@ fetch_linuxcnc() {
   export KERF_LINUXCNC_DIR="$dir"
 }
 
-unpack_linuxcnc() {
+unpack_linuxcnc() (
   local dir="$1" root="$1/root" deb
   rm -rf "$dir" && mkdir -p "$root" && cd "$dir" || return 1
   chmod a+rwx . # apt downloads as its own user
@@ -62,7 +62,7 @@ unpack_linuxcnc() {
 LD_LIBRARY_PATH="$root/usr/lib:$root/usr/lib/$(uname -m)-linux-gnu" exec "$root/usr/bin/rs274" -t "$dir/tool.tbl" "\$@"
 TXT
   chmod +x rs274
-}
+)
 
 # run_ctest NAME CTEST-OPTION...: one group of tests; its failures are counted at the end, so that later groups still run.
 run_ctest() {

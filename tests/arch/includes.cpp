@@ -1,0 +1,167 @@
+#include "tests/arch/includes.h"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+namespace kerf::arch {
+namespace {
+
+struct Room {
+  std::string_view path;                  ///< a folder, or one file
+  std::vector<std::string_view> may_use;  ///< folders or files, beside the room itself
+};
+
+// The first room that holds a file decides. A file of the project in no room is itself a violation.
+const std::vector<Room>& rooms() {
+  static const std::vector<Room> kRooms = {
+      {"kernel/math", {}},
+      {"kernel/intersect", {"kernel/math"}},
+      {"kernel/dexel", {"kernel/math"}},
+      {"kernel/tool", {"kernel/math"}},
+      {"kernel/sweep", {"kernel/math", "kernel/intersect", "kernel/tool"}},
+      {"kernel/cut",
+       {"kernel/math", "kernel/intersect", "kernel/dexel", "kernel/tool", "kernel/sweep"}},
+      {"kernel/force",
+       {"kernel/math", "kernel/intersect", "kernel/dexel", "kernel/tool", "kernel/sweep",
+        "kernel/cut"}},
+      {"kernel/surface",
+       {"kernel/math", "kernel/intersect", "kernel/dexel", "kernel/tool", "kernel/sweep",
+        "kernel/cut"}},
+      {"kernel", {}},
+      {"server/wire", {}},
+      {"server/formats", {"kernel"}},
+      {"server/carve", {"kernel", "server/formats"}},
+      {"server/store", {"kernel", "server/formats"}},
+      {"server/feed", {"kernel", "server/wire", "server/formats"}},
+      {"server/session",
+       {"kernel", "server/wire", "server/formats", "server/store", "server/feed"}},
+      {"server/net",
+       {"kernel", "server/wire", "server/formats", "server/store", "server/feed",
+        "server/session"}},
+      {"server", {"kernel"}},
+      {"haptic_agent/device", {"server/wire"}},
+      {"haptic_agent/servo", {"server/wire", "haptic_agent/device"}},
+      {"haptic_agent/link", {"server/wire", "haptic_agent/device", "haptic_agent/servo"}},
+      {"haptic_agent/demo", {}},
+      {"haptic_agent", {"server/wire"}},
+      {"tests", {"kernel", "server", "haptic_agent"}},
+  };
+  return kRooms;
+}
+
+struct Library {
+  std::vector<std::string_view> headers;  ///< beginnings of what stands between < and >
+  bool in_headers;                        ///< may a header of ours include it
+  std::vector<std::string_view> rooms;    ///< beside tests
+  std::string_view reason;
+};
+
+const std::vector<Library>& libraries() {
+  static const std::vector<Library> kLibraries = {
+      {{"boost/"},
+       true,
+       {"server/net", "server/main.cpp", "haptic_agent/link"},
+       "Boost takes 10 to 35 s a file to compile"},
+      {{"nlohmann/"},
+       false,
+       {"server/formats", "server/carve", "server/store", "server/session", "server/feed",
+        "server/net", "server/main.cpp", "haptic_agent"},
+       "JSON stays inside the .cpp files that read and write it"},
+      {{"tiny_gltf.h", "tinygltf/"}, false, {"server/formats"}, "glTF is a format"},
+      {{"meshoptimizer.h"},
+       false,
+       {"server/formats", "server/feed"},
+       "meshes are compressed where they are encoded"},
+      {{"sqlite3.h", "zstd.h"}, false, {"server/store"}, "only the store knows the database"},
+      {{"openssl/"}, false, {"server/net", "server/store"}, "TLS belongs to the network"},
+      {{"prometheus/"}, true, {"server/net", "server/main.cpp"}, "metrics leave through the net"},
+      {{"CLI/"},
+       false,
+       {"server/main.cpp", "server/carve", "haptic_agent/main.cpp", "haptic_agent/demo"},
+       "the command line belongs to the programs"},
+      {{"libusb"}, false, {"haptic_agent/device"}, "USB is one of the devices"},
+  };
+  return kLibraries;
+}
+
+// What a kernel without I/O, clock or thread of its own never needs.
+constexpr std::string_view kSystemHeaders[] = {"thread",  "future",     "chrono",
+                                               "fstream", "iostream",   "filesystem",
+                                               "ctime",   "stop_token", "condition_variable",
+                                               "random",  "locale"};
+
+bool is_within(std::string_view path, std::string_view place) {
+  return path == place || (path.starts_with(place) && path.substr(place.size()).starts_with('/'));
+}
+
+bool is_within_any(std::string_view path, const std::vector<std::string_view>& places) {
+  return std::ranges::any_of(places, [&](auto place) { return is_within(path, place); });
+}
+
+const Room* room_of(std::string_view path) {
+  const auto found =
+      std::ranges::find_if(rooms(), [&](const Room& room) { return is_within(path, room.path); });
+  return found == rooms().end() ? nullptr : &*found;
+}
+
+std::optional<std::string> fault_of_project_include(const Source& source, std::string_view target,
+                                                    const std::set<std::string>& paths) {
+  if (!paths.contains(std::string(target))) {
+    return "includes are written from the repository's root; there is no " + std::string(target);
+  }
+  const Room* room = room_of(source.path);
+  if (!room) return "this folder has no place in the dependency rule (tests/arch/includes.cpp)";
+  if (is_within(target, room->path) || is_within_any(target, room->may_use)) return {};
+  return std::string(room->path) + " must not depend on " + std::string(target);
+}
+
+std::optional<std::string> fault_of_system_include(const Source& source, std::string_view target) {
+  if (is_within(source.path, "tests")) return {};
+  for (const Library& library : libraries()) {
+    const bool named = std::ranges::any_of(
+        library.headers, [&](auto beginning) { return target.starts_with(beginning); });
+    if (!named) continue;
+    if (!is_within_any(source.path, library.rooms)) {
+      return "<" + std::string(target) + "> outside its rooms: " + std::string(library.reason);
+    }
+    if (is_header(source.path) && !library.in_headers) {
+      return "<" + std::string(target) + "> in a header: " + std::string(library.reason);
+    }
+    return {};
+  }
+  const bool kernel = is_within(source.path, "kernel");
+  if (!kernel && !is_within(source.path, "server/wire")) return {};
+  if (target.find_first_of("/.") != target.npos) {
+    return "kernel and wire use the standard library only, not <" + std::string(target) + ">";
+  }
+  if (kernel && std::ranges::find(kSystemHeaders, target) != std::end(kSystemHeaders)) {
+    return "the kernel has no I/O, clock or thread of its own: <" + std::string(target) + ">";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<Violation> check_includes(const Source& source, const std::set<std::string>& paths) {
+  std::vector<Violation> violations;
+  if (!is_cpp(source.path)) return violations;
+  std::size_t number = 0;
+  for (std::string_view line : lines_of(source.text)) {
+    ++number;
+    if (!line.starts_with("#include ") || line.size() < 12) continue;
+    const char open = line[9];
+    const std::size_t end = line.find(open == '<' ? '>' : '"', 10);
+    if (end == line.npos) continue;
+    const std::string_view target = line.substr(10, end - 10);
+    const auto fault = open == '"' ? fault_of_project_include(source, target, paths)
+                                   : fault_of_system_include(source, target);
+    if (fault) violations.push_back({source.path, number, *fault});
+  }
+  if (is_header(source.path) && !source.text.starts_with("#pragma once")) {
+    violations.push_back({source.path, 1, "a header begins with #pragma once"});
+  }
+  return violations;
+}
+
+}  // namespace kerf::arch

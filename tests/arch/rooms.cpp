@@ -1,0 +1,100 @@
+#include "tests/arch/rooms.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace kerf::arch {
+namespace {
+
+using Texts = std::map<std::string, std::string, std::less<>>;
+
+bool is_word_char(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.' || c == '/';
+}
+
+bool has_word(std::string_view text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || !is_word_char(text[at - 1])) &&
+        (end == text.size() || !is_word_char(text[end])))
+      return true;
+  }
+  return false;
+}
+
+// Is this file named by the CMakeLists.txt of its folder or of one above it, relative to that
+// folder?
+bool is_built(const Texts& texts, std::string_view path) {
+  for (std::string_view folder = folder_of(path);; folder = folder_of(folder)) {
+    const std::string list = std::string(folder) + (folder.empty() ? "" : "/") + "CMakeLists.txt";
+    const auto found = texts.find(list);
+    const std::string_view name = folder.empty() ? path : path.substr(folder.size() + 1);
+    if (found != texts.end() && has_word(found->second, name)) return true;
+    if (folder.empty()) return false;
+  }
+}
+
+bool is_described(const Texts& texts, std::string_view folder) {
+  for (; !folder.empty(); folder = folder_of(folder)) {
+    if (texts.contains(std::string(folder) + "/README.md")) return true;
+  }
+  return false;
+}
+
+// The room of a header: the first two folders of its path, or the first one.
+std::string room_of(std::string_view path) {
+  const std::size_t first = path.find('/'), second = path.find('/', first + 1);
+  return std::string(path.substr(0, second == path.npos ? first : second));
+}
+
+void check_tests(const std::vector<Source>& tree, std::vector<Violation>& violations) {
+  std::set<std::string> rooms, tested;
+  for (const Source& source : tree) {
+    const bool test = source.path.starts_with("tests/");
+    if (!test && is_header(source.path)) rooms.insert(room_of(source.path));
+    if (!test || !is_cpp(source.path)) continue;
+    for (std::string_view line : lines_of(source.text)) {
+      if (!line.starts_with("#include \"")) continue;
+      tested.insert(room_of(line.substr(10, line.find('"', 10) - 10)));
+    }
+  }
+  for (const std::string& room : rooms) {
+    if (!tested.contains(room))
+      violations.push_back({room, 0, "no test includes any of its headers"});
+  }
+}
+
+}  // namespace
+
+std::vector<Violation> check_rooms(const std::vector<Source>& tree) {
+  static const std::set<std::string_view> kTop = {"server", "kernel", "haptic_agent", "web",
+                                                  "tests",  "docker", ".ci"};
+  Texts texts;
+  for (const Source& source : tree) texts.emplace(source.path, source.text);
+  std::vector<Violation> violations;
+  std::set<std::string_view> folders;
+  for (const Source& source : tree) {
+    if (source.path.ends_with(".cpp") && !is_built(texts, source.path)) {
+      violations.push_back({source.path, 0, "no CMakeLists.txt builds this file"});
+    }
+    if (is_cpp(source.path) || source.path.ends_with(".ts")) folders.insert(folder_of(source.path));
+    const std::string_view top = std::string_view(source.path).substr(0, source.path.find('/'));
+    if (source.path.find('/') != source.path.npos && !kTop.contains(top)) {
+      violations.push_back(
+          {source.path, 0, "the top level is fixed; this folder is not part of it"});
+    }
+  }
+  for (std::string_view folder : folders) {
+    if (!is_described(texts, folder)) {
+      violations.push_back(
+          {std::string(folder), 0, "no README.md here or above says what lives here"});
+    }
+  }
+  check_tests(tree, violations);
+  return violations;
+}
+
+}  // namespace kerf::arch

@@ -1,0 +1,199 @@
+// Each rule can fail, and stays silent where it should: the rules of this folder, held against
+// small made-up sources.
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/arch/includes.h"
+#include "tests/arch/rooms.h"
+#include "tests/arch/sizes.h"
+#include "tests/arch/source.h"
+#include "tests/arch/tokens.h"
+
+namespace kerf::arch {
+namespace {
+
+std::vector<Violation> includes_of(const std::string& path, const std::string& include) {
+  static const std::set<std::string> kPaths = {
+      "kernel/math/vec3.h",   "kernel/cut/cut.h",          "kernel/sculpture.h",
+      "server/wire/frame.h",  "server/session/session.h",  "server/net/listener.h",
+      "server/carve/carve.h", "haptic_agent/servo/loop.h", "tests/arch/source.h"};
+  return check_includes({path, "#pragma once\n#include " + include + "\n"}, kPaths);
+}
+
+std::string lines(std::size_t count, const std::string& line = "x;\n") {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += line;
+  return text;
+}
+
+TEST(ArchIncludes, LowerRoomsMayBeUsedAndHigherOnesNot) {
+  EXPECT_TRUE(includes_of("kernel/cut/cut.cpp", "\"kernel/math/vec3.h\"").empty());
+  EXPECT_EQ(includes_of("kernel/math/vec3.cpp", "\"kernel/cut/cut.h\"").size(), 1u);
+  EXPECT_EQ(includes_of("kernel/force/f.cpp", "\"kernel/sculpture.h\"").size(), 1u);
+  EXPECT_TRUE(includes_of("kernel/sculpture.cpp", "\"kernel/cut/cut.h\"").empty());
+  EXPECT_TRUE(includes_of("server/net/a.cpp", "\"server/session/session.h\"").empty());
+  EXPECT_EQ(includes_of("server/session/a.cpp", "\"server/net/listener.h\"").size(), 1u);
+  EXPECT_EQ(includes_of("kernel/cut/cut.cpp", "\"server/wire/frame.h\"").size(), 1u);
+}
+
+TEST(ArchIncludes, TheWireUsesNothingAndTheAgentOnlyTheWire) {
+  EXPECT_EQ(includes_of("server/wire/a.cpp", "\"kernel/math/vec3.h\"").size(), 1u);
+  EXPECT_TRUE(includes_of("haptic_agent/servo/a.cpp", "\"server/wire/frame.h\"").empty());
+  EXPECT_EQ(includes_of("haptic_agent/servo/a.cpp", "\"kernel/math/vec3.h\"").size(), 1u);
+  EXPECT_EQ(includes_of("haptic_agent/main.cpp", "\"server/net/listener.h\"").size(), 1u);
+}
+
+TEST(ArchIncludes, ViolationNamesFileAndLine) {
+  const auto found = includes_of("kernel/math/vec3.cpp", "\"kernel/cut/cut.h\"");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].path, "kernel/math/vec3.cpp");
+  EXPECT_EQ(found[0].line, 2u);
+}
+
+TEST(ArchIncludes, BoostStaysInItsRooms) {
+  EXPECT_TRUE(includes_of("server/net/a.h", "<boost/asio.hpp>").empty());
+  EXPECT_TRUE(includes_of("server/main.cpp", "<boost/asio.hpp>").empty());
+  EXPECT_TRUE(includes_of("haptic_agent/link/a.cpp", "<boost/asio.hpp>").empty());
+  EXPECT_EQ(includes_of("server/session/a.cpp", "<boost/asio.hpp>").size(), 1u);
+  EXPECT_EQ(includes_of("haptic_agent/servo/a.cpp", "<boost/asio.hpp>").size(), 1u);
+}
+
+TEST(ArchIncludes, HeavyLibrariesStayOutOfHeaders) {
+  EXPECT_TRUE(includes_of("server/formats/scene.cpp", "<nlohmann/json.hpp>").empty());
+  EXPECT_EQ(includes_of("server/formats/scene.h", "<nlohmann/json.hpp>").size(), 1u);
+  EXPECT_EQ(includes_of("server/session/a.cpp", "<sqlite3.h>").size(), 1u);
+}
+
+TEST(ArchIncludes, KernelAndWireUseTheStandardLibraryOnly) {
+  EXPECT_TRUE(includes_of("kernel/math/a.cpp", "<cmath>").empty());
+  EXPECT_EQ(includes_of("kernel/math/a.cpp", "<immintrin.h>").size(), 1u);
+  EXPECT_EQ(includes_of("kernel/math/a.cpp", "<thread>").size(), 1u);
+  EXPECT_EQ(includes_of("server/wire/a.cpp", "<sys/socket.h>").size(), 1u);
+  EXPECT_TRUE(includes_of("server/net/a.cpp", "<sys/socket.h>").empty());
+}
+
+TEST(ArchIncludes, PathsAreWrittenFromTheRoot) {
+  EXPECT_EQ(includes_of("kernel/math/a.cpp", "\"vec3.h\"").size(), 1u);
+  EXPECT_EQ(includes_of("kernel/math/a.cpp", "\"../math/vec3.h\"").size(), 1u);
+}
+
+TEST(ArchIncludes, HeadersBeginWithPragmaOnce) {
+  EXPECT_EQ(check_includes({"kernel/math/a.h", "struct A;\n"}, {}).size(), 1u);
+}
+
+TEST(ArchSizes, LongLinesAreCountedInColumnsNotBytes) {
+  EXPECT_TRUE(check_sizes({"a.cpp", std::string(100, 'x')}).empty());
+  EXPECT_EQ(check_sizes({"a.cpp", "\n" + std::string(101, 'x')})[0].line, 2u);
+  std::string umlauts = "//";
+  for (int i = 0; i < 98; ++i) umlauts += "\xC3\xA4";
+  EXPECT_TRUE(check_sizes({"a.cpp", umlauts}).empty());
+}
+
+TEST(ArchSizes, LongFilesAreFound) {
+  EXPECT_TRUE(check_sizes({"a.ts", lines(400)}).empty());
+  EXPECT_EQ(check_sizes({"a.ts", lines(401)}).size(), 1u);
+  EXPECT_TRUE(check_sizes({"a.json", lines(401)}).empty());
+}
+
+TEST(ArchSizes, LongFunctionsAreFoundWhereverTheyStand) {
+  const std::string body = " {\n" + lines(69) + "}\n";
+  EXPECT_EQ(check_sizes({"a.cpp", "void f()" + body}).size(), 1u);
+  EXPECT_TRUE(check_sizes({"a.cpp", "void f() {\n" + lines(68) + "}\n"}).empty());
+  EXPECT_EQ(
+      check_sizes({"a.cpp", "namespace a {\nclass B {\nint f() const" + body + "};\n}"})[0].line,
+      3u);
+  EXPECT_EQ(check_sizes({"a.cpp", "A::A(int x) : x_{x}, y_(x)" + body}).size(), 1u);
+  EXPECT_EQ(check_sizes({"a.cpp", "template <int N>\nauto f() -> int" + body}).size(), 1u);
+  EXPECT_EQ(check_sizes({"a.cpp", "#include <x>\nbool operator==(A, A)" + body}).size(), 1u);
+  EXPECT_TRUE(check_sizes({"a.cpp", "namespace a" + body + "struct B" + body}).empty());
+}
+
+TEST(ArchSizes, BracesInCommentsAndLiteralsDoNotCount) {
+  const std::string odd = "void f() { g('{', \"}{\", 1'000); /* } */ }  // {\n" + lines(80);
+  EXPECT_TRUE(check_sizes({"a.cpp", odd}).empty());
+}
+
+TEST(ArchTokens, UnfinishedWorkIsFoundInCommentsToo) {
+  EXPECT_EQ(check_tokens({"web/src/a.ts",
+                          "\n// TO"
+                          "DO later"})[0]
+                .line,
+            2u);
+  EXPECT_TRUE(check_tokens({"web/src/a.ts", "mastodon"}).empty());
+}
+
+TEST(ArchTokens, LibmIsAllowedOnlyWhereToolsAreDefined) {
+  EXPECT_EQ(check_tokens({"kernel/sweep/a.cpp", "x = std::sin(y);"}).size(), 1u);
+  EXPECT_EQ(check_tokens({"kernel/math/a.h", "x = hypot(y, z);"}).size(), 1u);
+  EXPECT_TRUE(check_tokens({"kernel/tool/a.cpp", "x = std::sin(y);"}).empty());
+  EXPECT_TRUE(check_tokens({"kernel/sweep/a.cpp", "x = std::sqrt(y);  // not sin(y)"}).empty());
+  EXPECT_TRUE(check_tokens({"kernel/sweep/a.cpp", "x = cos_turn(y);"}).empty());
+  EXPECT_TRUE(check_tokens({"server/net/a.cpp", "x = std::sin(y);"}).empty());
+}
+
+TEST(ArchTokens, FastMathIsFoundInBuildFiles) {
+  EXPECT_EQ(check_tokens({"CMakeLists.txt",
+                          "add_compile_options(-ffast-"
+                          "math)"})
+                .size(),
+            1u);
+}
+
+TEST(ArchTokens, TheServoLoopNeitherAllocatesNorWaitsNorThrows) {
+  const std::string path = "haptic_agent/servo/loop.cpp";
+  for (const std::string code :
+       {"auto p = new int;", "std::mutex m;", "std::lock_guard l(m);", "throw 1;", "malloc(3);",
+        "std::this_thread::sleep_for(d);", "std::printf(s);", "std::make_unique<int>()"}) {
+    EXPECT_EQ(check_tokens({path, code}).size(), 1u) << code;
+  }
+  EXPECT_TRUE(check_tokens({path, "newest = renew; // a new value, no lock"}).empty());
+  EXPECT_TRUE(check_tokens({"haptic_agent/link/a.cpp", "auto p = new int;"}).empty());
+}
+
+const std::vector<Source> kGoodTree = {{"kernel/CMakeLists.txt", "add_library(k math/a.cpp)"},
+                                       {"kernel/README.md", "what lives here"},
+                                       {"kernel/math/a.cpp", ""},
+                                       {"kernel/math/a.h", ""},
+                                       {"tests/CMakeLists.txt", "kerf_test(SOURCES k/a_test.cpp)"},
+                                       {"tests/README.md", "what lives here"},
+                                       {"tests/k/a_test.cpp", "#include \"kernel/math/a.h\"\n"}};
+
+std::vector<Violation> rooms_of(std::size_t changed, Source source) {
+  std::vector<Source> tree = kGoodTree;
+  tree[changed] = std::move(source);
+  return check_rooms(tree);
+}
+
+TEST(ArchRooms, WholeTreePasses) { EXPECT_TRUE(check_rooms(kGoodTree).empty()); }
+
+TEST(ArchRooms, FileThatNothingBuildsIsFound) {
+  const auto found =
+      rooms_of(0, {"kernel/CMakeLists.txt", "add_library(k math/aa.cpp b/math/a.cpp)"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].path, "kernel/math/a.cpp");
+}
+
+TEST(ArchRooms, FolderThatNothingDescribesIsFound) {
+  const auto found = rooms_of(1, {"README.md", "the root's does not count"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].path, "kernel/math");
+}
+
+TEST(ArchRooms, RoomWithoutTestIsFound) {
+  const auto found = rooms_of(6, {"tests/k/a_test.cpp", "#include <gtest/gtest.h>\n"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].path, "kernel/math");
+}
+
+TEST(ArchRooms, FolderAtTheTopIsFound) {
+  std::vector<Source> tree = kGoodTree;
+  tree.push_back({"docs/note.md", ""});
+  EXPECT_EQ(check_rooms(tree).size(), 1u);
+}
+
+}  // namespace
+}  // namespace kerf::arch

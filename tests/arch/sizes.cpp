@@ -1,0 +1,95 @@
+#include "tests/arch/sizes.h"
+
+#include <cctype>
+#include <regex>
+#include <string>
+#include <string_view>
+
+namespace kerf::arch {
+namespace {
+
+// Columns as an editor counts them: a UTF-8 sequence is one.
+std::size_t columns_of(std::string_view line) {
+  std::size_t columns = 0;
+  for (const char c : line) columns += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  return columns;
+}
+
+bool opens_initializer(std::string_view code, std::size_t brace) {
+  if (brace == 0) return false;
+  const char before = code[brace - 1];
+  return std::isalnum(static_cast<unsigned char>(before)) || before == '_' || before == '>';
+}
+
+// Does this text, which stands before an opening brace outside any function, head a function (or a
+// lambda)?
+bool heads_function(const std::string& head) {
+  static const std::regex kScope(
+      R"(^\s*(template\s*<[^{]*>\s*)?(namespace|class|struct|enum|union|extern)\b)");
+  static const std::regex kValue(R"([^=!<>+\-*/]=\s*$)");
+  return head.find('(') != head.npos && !std::regex_search(head, kScope) &&
+         !std::regex_search(head, kValue);
+}
+
+std::size_t matching_brace(std::string_view code, std::size_t open) {
+  int depth = 0;
+  for (std::size_t i = open; i < code.size(); ++i) {
+    if (code[i] == '{') ++depth;
+    if (code[i] == '}' && --depth == 0) return i;
+  }
+  return code.size();
+}
+
+void check_functions(const Source& source, std::vector<Violation>& violations) {
+  std::string code = code_only(source.text);
+  for (std::size_t i = 0; i < code.size(); ++i) {  // a directive is not part of any declaration
+    const bool directive = code[i] == '#' && (i == 0 || code[i - 1] == '\n');
+    while (directive && i < code.size() && code[i] != '\n') code[i++] = ' ';
+  }
+  std::size_t head_begin = 0;
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    if (code[i] == ';' || code[i] == '}') head_begin = i + 1;
+    if (code[i] != '{') continue;
+    if (opens_initializer(code, i)) {
+      i = matching_brace(code, i);
+      continue;
+    }
+    const std::string head = code.substr(head_begin, i - head_begin);
+    head_begin = i + 1;
+    if (!heads_function(head)) continue;
+    const std::size_t end = matching_brace(code, i);
+    const std::size_t first = line_at(code, i), last = line_at(code, end);
+    if (last - first + 1 > kFunctionLinesMax) {
+      violations.push_back({source.path, first,
+                            "a function of " + std::to_string(last - first + 1) +
+                                " lines; what takes more than " +
+                                std::to_string(kFunctionLinesMax) + " does several things"});
+    }
+    i = end;
+    head_begin = end + 1;
+  }
+}
+
+}  // namespace
+
+std::vector<Violation> check_sizes(const Source& source) {
+  std::vector<Violation> violations;
+  const bool cpp = is_cpp(source.path);
+  if (!cpp && !source.path.ends_with(".ts")) return violations;
+  const auto lines = lines_of(source.text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (columns_of(lines[i]) <= kColumnsMax) continue;
+    violations.push_back({source.path, i + 1,
+                          std::to_string(columns_of(lines[i])) + " columns; at most " +
+                              std::to_string(kColumnsMax) + " fit beside a diff"});
+  }
+  if (lines.size() > kFileLinesMax) {
+    violations.push_back({source.path, lines.size(),
+                          std::to_string(lines.size()) + " lines; at most " +
+                              std::to_string(kFileLinesMax) + ": one idea a file"});
+  }
+  if (cpp) check_functions(source, violations);
+  return violations;
+}
+
+}  // namespace kerf::arch
