@@ -1,0 +1,123 @@
+#include "kernel/surface/sheet_table.h"
+
+namespace kerf {
+namespace {
+
+constexpr bool solid(unsigned configuration, unsigned corner) {
+  return ((configuration >> corner) & 1U) != 0;
+}
+
+constexpr bool is_ambiguous(unsigned configuration, const CellFace& face) {
+  const bool first = solid(configuration, face.corners[0]);
+  return first == solid(configuration, face.corners[2]) &&
+         first != solid(configuration, face.corners[1]) &&
+         first != solid(configuration, face.corners[3]);
+}
+
+/// Disjoint sets over the twelve edges: small, and usable at compile time.
+struct EdgeSets {
+  std::array<std::uint8_t, 12> parent{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  constexpr std::uint8_t find(std::uint8_t edge) const {
+    while (parent[edge] != edge) edge = parent[edge];
+    return edge;
+  }
+  constexpr void join(std::uint8_t a, std::uint8_t b) { parent[find(b)] = find(a); }
+};
+
+constexpr void join_across(EdgeSets& sets, unsigned configuration, const CellFace& face,
+                           bool join_solids) {
+  if (is_ambiguous(configuration, face)) {
+    for (unsigned n = 0; n < 4; ++n) {
+      if (solid(configuration, face.corners[n]) != join_solids) {
+        sets.join(face.edges[(n + 3) % 4], face.edges[n]);
+      }
+    }
+    return;
+  }
+  int first = -1;
+  for (unsigned n = 0; n < 4; ++n) {
+    if (solid(configuration, face.corners[n]) == solid(configuration, face.corners[(n + 1) % 4])) {
+      continue;
+    }
+    if (first >= 0) sets.join(static_cast<std::uint8_t>(first), face.edges[n]);
+    first = face.edges[n];
+  }
+}
+
+constexpr CellSheets trace(unsigned configuration, int flipped_face) {
+  EdgeSets sets;
+  std::array<bool, 12> crossed{};
+  for (int f = 0; f < 6; ++f) {
+    const CellFace& face = kCellFaces[static_cast<unsigned>(f)];
+    join_across(sets, configuration, face, f == flipped_face);
+    for (unsigned n = 0; n < 4; ++n) {
+      crossed[face.edges[n]] =
+          solid(configuration, face.corners[n]) != solid(configuration, face.corners[(n + 1) % 4]);
+    }
+  }
+  CellSheets result;
+  result.of_edge.fill(kNoSheet);
+  std::array<std::uint8_t, 12> sheet_of_root{};
+  sheet_of_root.fill(kNoSheet);
+  for (std::uint8_t edge = 0; edge < 12; ++edge) {
+    if (!crossed[edge]) continue;
+    std::uint8_t& sheet = sheet_of_root[sets.find(edge)];
+    if (sheet == kNoSheet) sheet = result.count++;
+    result.of_edge[edge] = sheet;
+    result.edges[sheet] = static_cast<std::uint16_t>(result.edges[sheet] | (1U << edge));
+  }
+  for (int f = 0; f < 6; ++f) {
+    const CellFace& face = kCellFaces[static_cast<unsigned>(f)];
+    if (is_ambiguous(configuration, face) &&
+        result.of_edge[face.edges[0]] == result.of_edge[face.edges[1]] &&
+        result.of_edge[face.edges[0]] == result.of_edge[face.edges[2]]) {
+      result.doubled_face = static_cast<std::int8_t>(f);
+    }
+  }
+  return result;
+}
+
+constexpr std::array<CellSheets, 256> all_sheets(bool flipped) {
+  std::array<CellSheets, 256> table{};
+  for (unsigned configuration = 0; configuration < 256; ++configuration) {
+    table[configuration] = trace(configuration, -1);
+    const int face = table[configuration].doubled_face;
+    if (flipped && face >= 0) {
+      table[configuration] = trace(configuration, face);
+      table[configuration].doubled_face = static_cast<std::int8_t>(face);
+    }
+  }
+  return table;
+}
+
+constexpr auto kSheets = all_sheets(false);
+constexpr auto kFlippedSheets = all_sheets(true);
+
+/// Flipping is sound only while a doubled face is the one ambiguous face of its cell (no other
+/// face's decision is touched) and flipping gives it two sheets.
+constexpr bool flipping_is_sound() {
+  for (unsigned configuration = 0; configuration < 256; ++configuration) {
+    const int doubled = kSheets[configuration].doubled_face;
+    if (doubled < 0) continue;
+    int ambiguous = 0;
+    for (const CellFace& face : kCellFaces) ambiguous += is_ambiguous(configuration, face) ? 1 : 0;
+    const CellFace& face = kCellFaces[static_cast<unsigned>(doubled)];
+    const CellSheets& flipped = kFlippedSheets[configuration];
+    bool one_sheet = true;
+    for (unsigned n = 1; n < 4; ++n) {
+      one_sheet &= flipped.of_edge[face.edges[0]] == flipped.of_edge[face.edges[n]];
+    }
+    if (ambiguous != 1 || one_sheet) return false;
+  }
+  return true;
+}
+static_assert(flipping_is_sound());
+
+}  // namespace
+
+const CellSheets& sheets_of(std::uint8_t configuration) { return kSheets[configuration]; }
+const CellSheets& flipped_sheets_of(std::uint8_t configuration) {
+  return kFlippedSheets[configuration];
+}
+
+}  // namespace kerf

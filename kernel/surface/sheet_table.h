@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+// Manifold dual contouring after G. Nielson, Dual Marching Cubes (2004) and R. Wenger, Isosurfaces
+// (2013, chapter 3): a lattice cell holds one vertex for each sheet of the surface that runs
+// through it.
+//
+// Corner c of a cell is dx + 2 dy + 4 dz; a configuration has bit c set where that corner is solid.
+// Edges: 0-3 along x (dy + 2 dz), 4-7 along y (4 + dx + 2 dz), 8-11 along z (8 + dx + 2 dy).
+// Faces: 0 -x, 1 +x, 2 -y, 3 +y, 4 -z, 5 +z.
+
+namespace kerf {
+
+inline constexpr std::uint8_t kNoSheet = 0xff;
+inline constexpr int kSheetsMax = 4;
+
+/// How the surface runs through one configuration.
+struct CellSheets {
+  std::uint8_t count = 0;  ///< sheets, 0 to 4
+  std::array<std::uint8_t, 12>
+      of_edge{};  ///< sheet that crosses the edge; kNoSheet where none does
+  std::array<std::uint16_t, kSheetsMax> edges{};  ///< per sheet: bit e set where it crosses edge e
+  std::int8_t doubled_face = -1;  ///< ambiguous face that one sheet crosses twice; -1: none
+};
+
+/// Corners and edges of a face, both going round it; edge n joins corners n and n + 1.
+struct CellFace {
+  std::array<std::uint8_t, 4> corners, edges;
+};
+inline constexpr std::array<CellFace, 6> kCellFaces{{
+    {{0, 2, 6, 4}, {4, 10, 6, 8}},
+    {{1, 3, 7, 5}, {5, 11, 7, 9}},
+    {{0, 1, 5, 4}, {0, 9, 2, 8}},
+    {{2, 3, 7, 6}, {1, 11, 3, 10}},
+    {{0, 1, 3, 2}, {0, 5, 1, 4}},
+    {{4, 5, 7, 6}, {2, 7, 3, 6}},
+}};
+
+/// On an ambiguous face (solid corners on one diagonal, empty ones on the other) the solid corners
+/// are kept apart. Both cells at the face decide alike, since both see only the face. Where one
+/// sheet crosses that face twice in both cells, the two quadrangles there would share an edge: then
+/// both cells use `flipped_sheets` instead, which joins the solid corners.
+const CellSheets& sheets_of(std::uint8_t configuration);
+const CellSheets& flipped_sheets_of(std::uint8_t configuration);
+
+}  // namespace kerf

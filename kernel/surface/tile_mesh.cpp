@@ -1,0 +1,199 @@
+#include "kernel/surface/tile_mesh.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+#include "kernel/surface/column_window.h"
+#include "kernel/surface/lattice_cells.h"
+#include "kernel/surface/vertex_placement.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
+
+/// One of the four cells around a crossed lattice edge.
+struct Corner {
+  std::size_t position = 0;  ///< in LatticeCells
+  std::int32_t x = 0, y = 0;
+  unsigned edge = 0;  ///< the crossed edge, as this cell numbers it
+};
+using Corners = std::array<Corner, 4>;
+
+double distance_squared(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  const double x = static_cast<double>(a[0]) - static_cast<double>(b[0]);
+  const double y = static_cast<double>(a[1]) - static_cast<double>(b[1]);
+  const double z = static_cast<double>(a[2]) - static_cast<double>(b[2]);
+  return x * x + y * y + z * z;
+}
+
+/// Makes one tile's mesh: a quadrangle for each crossed lattice edge that the tile owns. An edge
+/// belongs to the tile of its column; one between two columns to the tile of the lower one, or of
+/// the only one that is in the grid.
+class TileMesher {
+ public:
+  TileMesher(const DexelSnapshot& snapshot, TileIndex tile)
+      : first_x_(tile.x * kTileSide),
+        first_y_(tile.y * kTileSide),
+        end_x_(std::min(first_x_ + kTileSide, snapshot.grid().columns_x)),
+        end_y_(std::min(first_y_ + kTileSide, snapshot.grid().columns_y)),
+        window_(snapshot, first_x_ - 1 - kPlacementMargin, first_y_ - 1 - kPlacementMargin,
+                kTileSide + 2 + 2 * kPlacementMargin),
+        cells_(window_, first_x_ - 1, first_y_ - 1, kTileSide + 1),
+        placement_(window_),
+        vertex_(cells_.size(), kNoVertex) {
+    mesh_.tile = tile;
+  }
+
+  TileMesh run() {
+    for (std::int32_t j = first_y_; j < end_y_; ++j) {
+      for (std::int32_t i = first_x_; i < end_x_; ++i) add_ends(i, j);
+    }
+    for (std::int32_t j = first_y_; j < end_y_; ++j) {
+      for (std::int32_t i = first_x_ == 0 ? -1 : first_x_; i < end_x_; ++i) add_sides(i, j, true);
+    }
+    for (std::int32_t j = first_y_ == 0 ? -1 : first_y_; j < end_y_; ++j) {
+      for (std::int32_t i = first_x_; i < end_x_; ++i) add_sides(i, j, false);
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  /// The quadrangles across the ends of a column's runs.
+  void add_ends(std::int32_t i, std::int32_t j) {
+    const auto runs = window_.runs(i, j);
+    for (const SolidRun& run : runs) {
+      add_quad(around_upright(i, j, run.first), true);
+      add_quad(around_upright(i, j, run.end), false);
+    }
+  }
+
+  Corners around_upright(std::int32_t i, std::int32_t j, std::int32_t layer) const {
+    return {Corner{cells_.find(i - 1, j - 1, layer), i - 1, j - 1, 11},
+            Corner{cells_.find(i, j - 1, layer), i, j - 1, 10},
+            Corner{cells_.find(i, j, layer), i, j, 8},
+            Corner{cells_.find(i - 1, j, layer), i - 1, j, 9}};
+  }
+
+  /// The quadrangles between column (i, j) and its next neighbour, at the samples where exactly one
+  /// of them is solid.
+  void add_sides(std::int32_t i, std::int32_t j, bool along_x) {
+    const auto a = window_.runs(i, j);
+    const auto b = along_x ? window_.runs(i + 1, j) : window_.runs(i, j + 1);
+    std::size_t na = 0, nb = 0;  // changes passed, two per run
+    const auto change = [](std::span<const SolidRun> runs, std::size_t n) {
+      if (n / 2 >= runs.size()) return std::numeric_limits<std::int32_t>::max();
+      return n % 2 == 0 ? runs[n / 2].first : runs[n / 2].end;
+    };
+    while (na < 2 * a.size() || nb < 2 * b.size()) {
+      const std::int32_t first = std::min(change(a, na), change(b, nb));
+      if (change(a, na) == first) ++na;
+      if (change(b, nb) == first) ++nb;
+      if (na % 2 == nb % 2) continue;
+      const std::int32_t end = std::min(change(a, na), change(b, nb));
+      add_wall(i, j, along_x, first, end, na % 2 == 0);
+    }
+  }
+
+  /// Samples [first, end): the columns differ there, `reversed` if the lower one is empty.
+  void add_wall(std::int32_t i, std::int32_t j, bool along_x, std::int32_t first, std::int32_t end,
+                bool reversed) {
+    // Cells before and behind the edge, so ordered that (before, behind, up) turns right-handed
+    // about the edge.
+    const std::int32_t before_x = along_x ? i : i;
+    const std::int32_t before_y = along_x ? j - 1 : j;
+    const std::int32_t behind_x = along_x ? i : i - 1;
+    const std::int32_t behind_y = j;
+    const unsigned edge_before = along_x ? 1 : 4;
+    const unsigned edge_behind = along_x ? 0 : 5;
+    std::size_t before = cells_.find(before_x, before_y, first);
+    std::size_t behind = cells_.find(behind_x, behind_y, first);
+    for (std::int32_t sample = first; sample < end; ++sample, ++before, ++behind) {
+      add_quad({Corner{before, before_x, before_y, edge_before + 2},
+                Corner{behind, behind_x, behind_y, edge_behind + 2},
+                Corner{behind + 1, behind_x, behind_y, edge_behind},
+                Corner{before + 1, before_x, before_y, edge_before}},
+               reversed);
+    }
+  }
+
+  void add_quad(const Corners& corners, bool reversed) {
+    std::array<std::uint32_t, 4> v{};
+    for (std::size_t n = 0; n < 4; ++n) v[n] = vertex_of(corners[n]);
+    if (reversed) std::swap(v[1], v[3]);
+    const auto& p = mesh_.positions_mm;
+    const bool other_diagonal =
+        distance_squared(p[v[1]], p[v[3]]) < distance_squared(p[v[0]], p[v[2]]);
+    if (other_diagonal) v = {v[1], v[2], v[3], v[0]};
+    mesh_.indices.insert(mesh_.indices.end(), {v[0], v[1], v[2], v[0], v[2], v[3]});
+  }
+
+  /// Vertices are made when a quadrangle first asks for them: the tile's mesh holds none that it
+  /// does not use.
+  std::uint32_t vertex_of(const Corner& corner) {
+    const CellSheets& sheets = cells_.sheets(corner.position);
+    const std::uint8_t sheet = sheets.of_edge[corner.edge];
+    assert(sheet != kNoSheet);
+    std::uint32_t& first = vertex_[corner.position];
+    if (sheets.count == 1) {
+      if (first == kNoVertex) {
+        first = add_vertex(placement_.place(cell_of(corner), sheets.edges[0]));
+      }
+      return first;
+    }
+    if (first == kNoVertex) {
+      first = static_cast<std::uint32_t>(sheet_vertices_.size());
+      sheet_vertices_.resize(sheet_vertices_.size() + kSheetsMax, kNoVertex);
+    }
+    std::uint32_t& vertex = sheet_vertices_[first + sheet];
+    if (vertex == kNoVertex) {
+      vertex = add_vertex(placement_.place_sheet(cell_of(corner), sheets, sheet));
+    }
+    return vertex;
+  }
+
+  LatticeCell cell_of(const Corner& corner) const {
+    return cells_.cell(corner.position, corner.x, corner.y);
+  }
+
+  std::uint32_t add_vertex(const SurfaceVertex& vertex) {
+    mesh_.positions_mm.push_back(vertex.position_mm);
+    mesh_.normals.push_back(vertex.normal);
+    return static_cast<std::uint32_t>(mesh_.positions_mm.size() - 1);
+  }
+
+  std::int32_t first_x_, first_y_, end_x_, end_y_;
+  ColumnWindow window_;
+  LatticeCells cells_;
+  VertexPlacement placement_;
+  std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or its place in sheet_vertices_
+  std::vector<std::uint32_t> sheet_vertices_;  ///< kSheetsMax per cell with several sheets
+  TileMesh mesh_;
+};
+
+}  // namespace
+
+TileMesh mesh_tile(const DexelSnapshot& snapshot, TileIndex tile) {
+  return TileMesher(snapshot, tile).run();
+}
+
+std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,
+                                       const std::vector<TileIndex>& changed) {
+  std::vector<TileIndex> tiles;
+  tiles.reserve(changed.size() * 9);
+  for (const TileIndex tile : changed) {
+    for (std::int32_t y = std::max(tile.y - 1, 0); y <= std::min(tile.y + 1, grid.tiles_y() - 1);
+         ++y) {
+      for (std::int32_t x = std::max(tile.x - 1, 0); x <= std::min(tile.x + 1, grid.tiles_x() - 1);
+           ++x) {
+        tiles.push_back({x, y});
+      }
+    }
+  }
+  std::sort(tiles.begin(), tiles.end());
+  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+  return tiles;
+}
+
+}  // namespace kerf
