@@ -9,25 +9,18 @@
 #include <vector>
 
 #include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/force/force_settings.h"
 #include "kernel/force/obstacle.h"
 #include "kernel/force/wrench.h"
+#include "kernel/sweep/motion_kind.h"
 #include "kernel/tool/tool.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {
 
 class DexelField;
-
-enum class MotionModel { kPaper, kTight };              ///< paper Eq. 12; second order
-enum class ForceLaw { kDexelRemovalRate, kSpecificEnergy };  ///< scene words "drr", "specific_energy"
-
-/// What decides the force–torque of a cut (paper section 3, per unit time).
-struct ForceSettings {
-  ForceLaw law = ForceLaw::kSpecificEnergy;
-  double specific_force_n_per_mm2 = 0.5;  ///< u of F = u A, A = removed volume / path
-  double drr_n_s_per_mm3 = 0.01;          ///< K of F = K dV/dt
-  double pivot_mm = 60;                   ///< distance of the torque's pivot from the tip along the axis
-};
+class Obstacles;
+struct ToolMotion;
 
 struct SculptureSettings {
   StockShape stock;
@@ -45,20 +38,19 @@ struct DefineTool {
   ToolId id = 0;
   Tool tool;
 };
-/// Moves a tool from one pose to the next: the tip on a straight line, the axis on the great circle, both uniformly.
+/// Moves a tool from one pose to the next: the tip on a straight line, the axis on the great
+/// circle, both uniformly.
 struct MoveTool {
   ToolId tool = 0;
   ToolPose from, to;
-  double duration_s = 0;  ///< > 0; only the force depends on it
+  double duration_s = 0;  ///< >= 0; only the force depends on it, and there is none at 0
   bool feel = true;       ///< false: nobody feels this motion, no force is computed
 };
 /// The only way to change a Sculpture; what a journal records.
 using Command = std::variant<DefineTool, MoveTool>;
 
-/// The four cases of paper section 2.4.
-enum class MotionKind { kRest, kAxial, kRotation, kTranslation, kGeneral };
-
-/// What an agent needs to render the cut between two results from its own velocity (design section 7).
+/// What an agent needs to render the cut between two results from its own velocity (design section
+/// 7).
 struct CuttingModel {
   double engaged_area_mm2 = 0;  ///< A = removed volume / path length
   Vec3 direction;               ///< unit direction of the cutting force; zero when nothing was cut
@@ -67,8 +59,8 @@ struct CuttingModel {
 
 struct MotionResult {
   MotionKind kind = MotionKind::kRest;
-  Wrench wrench;                ///< cutting + collision
-  Wrench collision;             ///< the collision part alone
+  Wrench wrench;     ///< cutting + collision
+  Wrench collision;  ///< the collision part alone
   CuttingModel cutting;
   double removed_mm3 = 0;
   std::uint32_t sub_motions = 0;
@@ -76,8 +68,20 @@ struct MotionResult {
 };
 
 enum class SculptureErrorCode {
-  kBadStock, kBadPitch, kTooManyColumns, kBadTolerance, kBadForce, kBadObstacle,
-  kUnknownTool, kBadTool, kNotFinite, kBadAxis, kTurnTooLarge, kOutOfRange, kBadDuration, kTooManySubMotions
+  kBadStock,
+  kBadPitch,
+  kTooManyColumns,
+  kBadTolerance,
+  kBadForce,
+  kBadObstacle,
+  kUnknownTool,
+  kBadTool,
+  kNotFinite,
+  kBadAxis,
+  kTurnTooLarge,
+  kOutOfRange,
+  kBadDuration,
+  kTooManySubMotions
 };
 struct SculptureError {
   SculptureErrorCode code;
@@ -87,15 +91,15 @@ struct SculptureError {
 const char* to_string(SculptureErrorCode code);
 
 /// A motion may turn the axis by at most this much (design section 3).
-inline constexpr double kTurnMaxDeg = 170;
+inline constexpr double kTurnMaxRad = 170 * 3.14159265358979323846 / 180;
 /// Positions farther than this from the origin are refused.
 inline constexpr double kCoordinateMaxMm = 1e6;
 /// Most columns that one field may have.
 inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 32;
 
-/// The deterministic state machine: equal settings and equal commands give equal bytes, on any CPU, at any optimisation
-/// level. A command that is refused leaves it as it was. Not thread-safe: one executor owns it; snapshots may be read
-/// anywhere.
+/// The deterministic state machine: equal settings and equal commands give equal bytes, on any CPU,
+/// at any optimisation level. A command that is refused leaves it as it was. Not thread-safe: one
+/// executor owns it; snapshots may be read anywhere.
 class Sculpture {
  public:
   static std::expected<Sculpture, SculptureError> create(SculptureSettings settings);
@@ -121,11 +125,13 @@ class Sculpture {
   std::uint64_t sub_motions() const { return sub_motions_; }
 
  private:
-  Sculpture(SculptureSettings settings, std::unique_ptr<DexelField> field);
-  std::expected<MotionResult, SculptureError> move(const MoveTool& command);
+  explicit Sculpture(SculptureSettings settings);
+  std::expected<void, SculptureError> check_move(const MoveTool& command) const;
+  MotionResult move(const MoveTool& command);
 
   SculptureSettings settings_;
   std::unique_ptr<DexelField> field_;
+  std::unique_ptr<Obstacles> obstacles_;  ///< null in a scene without any
   std::map<ToolId, Tool> tools_;
   double stock_volume_mm3_ = 0;
   double removed_mm3_ = 0;

@@ -43,7 +43,7 @@ const std::vector<Room>& rooms() {
       {"haptic_agent/device", {"server/wire"}},
       {"haptic_agent/servo", {"server/wire", "haptic_agent/device"}},
       {"haptic_agent/link", {"server/wire", "haptic_agent/device", "haptic_agent/servo"}},
-      {"haptic_agent/demo", {"kernel/math"}},
+      {"haptic_agent/demo", {}},
       {"haptic_agent", {"server/wire"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
   };

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "kernel/cut/removal.h"
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/sweep/swept_tool.h"
+
+namespace kerf {
+
+/// Removes a swept piece from the field and fills `removal` with what was taken (its former content
+/// is dropped). The three updates of paper Fig. 1 (c–e): the top of an element is shortened, its
+/// bottom is shortened, or it is split. Ends are rounded to the nearest depth quantum before they
+/// are compared, so that any order of the same cuts leaves the same bytes. Columns that do not
+/// change are not written.
+void cut(DexelField& field, const SweptPiece& swept, Removal& removal);
+
+}  // namespace kerf

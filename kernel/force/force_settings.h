@@ -1,0 +1,17 @@
+#pragma once
+
+namespace kerf {
+
+/// Scene words "drr" (the paper's: force grows with the volume removed per second, so it is
+/// viscous) and "specific_energy" (force grows with the engaged area, as cutting behaves).
+enum class ForceLaw { kDexelRemovalRate, kSpecificEnergy };
+
+/// What decides the force–torque of a cut (paper section 3, per unit time).
+struct ForceSettings {
+  ForceLaw law = ForceLaw::kSpecificEnergy;
+  double specific_force_n_per_mm2 = 0.5;  ///< u of F = u A, A = removed volume / path
+  double drr_n_s_per_mm3 = 0.01;          ///< K of F = K dV/dt
+  double pivot_mm = 60;  ///< distance of the torque's pivot from the tip along the axis
+};
+
+}  // namespace kerf

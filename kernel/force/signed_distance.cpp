@@ -1,0 +1,119 @@
+#include "kernel/force/signed_distance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernel/math/rotation.h"
+
+namespace kerf {
+namespace {
+
+/// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+Vec3 nearest_on_triangle(const std::array<Vec3, 3>& t, Vec3 p) {
+  const auto [a, b, c] = t;
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const Vec3 bp = p - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + ab * (d1 / (d1 - d3));
+  const Vec3 cp = p - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 / (d2 - d6));
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  }
+  const double n = 1 / (va + vb + vc);
+  return a + ab * (vb * n) + ac * (vc * n);
+}
+
+/// Whether the ray from p along +Z crosses the triangle; half-open edges, so that a shared edge
+/// counts once.
+bool crosses_upward(const std::array<Vec3, 3>& t, Vec3 p) {
+  bool inside = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 a = t[i], b = t[(i + 1) % 3];
+    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))) {
+      inside = !inside;
+    }
+  }
+  if (!inside) return false;
+  const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
+  if (n.z == 0) return false;
+  return t[0].z - (n.x * (p.x - t[0].x) + n.y * (p.y - t[0].y)) / n.z > p.z;
+}
+
+}  // namespace
+
+SignedDistance signed_distance(const BoxObstacle& box, Vec3 p) {
+  const Vec3 near{std::clamp(p.x, box.min_mm.x, box.max_mm.x),
+                  std::clamp(p.y, box.min_mm.y, box.max_mm.y),
+                  std::clamp(p.z, box.min_mm.z, box.max_mm.z)};
+  const Vec3 away = p - near;
+  const double outside = length(away);
+  if (outside > 0) return {outside, away * (1 / outside)};
+  SignedDistance best{-1e300, {}};
+  const std::array<SignedDistance, 6> faces{{{box.min_mm.x - p.x, {-1, 0, 0}},
+                                             {p.x - box.max_mm.x, {1, 0, 0}},
+                                             {box.min_mm.y - p.y, {0, -1, 0}},
+                                             {p.y - box.max_mm.y, {0, 1, 0}},
+                                             {box.min_mm.z - p.z, {0, 0, -1}},
+                                             {p.z - box.max_mm.z, {0, 0, 1}}}};
+  for (const SignedDistance& face : faces) {
+    if (face.distance_mm > best.distance_mm) best = face;
+  }
+  return best;
+}
+
+SignedDistance signed_distance(const CylinderObstacle& c, Vec3 p) {
+  const Vec3 axis = c.to_mm - c.from_mm;
+  const double n = length(axis);
+  const Vec3 u = axis * (1 / n);
+  const Vec3 rel = p - c.from_mm;
+  const double along = dot(rel, u);
+  const Vec3 across = rel - u * along;
+  const double r = length(across);
+  const Vec3 radial = r > 0 ? across * (1 / r) : any_perpendicular(u);
+  const double side = r - c.radius_mm;
+  const double end = std::max(-along, along - n);
+  const Vec3 cap = along < n / 2 ? -u : u;
+  if (side <= 0 || end <= 0) {
+    return side > end ? SignedDistance{side, radial} : SignedDistance{end, cap};
+  }
+  const double d = std::sqrt(side * side + end * end);
+  return {d, radial * (side / d) + cap * (end / d)};
+}
+
+SignedDistance signed_distance(const SphereObstacle& s, Vec3 p) {
+  const Vec3 away = p - s.center_mm;
+  const double d = length(away);
+  return {d - s.radius_mm, d > 0 ? away * (1 / d) : Vec3{0, 0, 1}};
+}
+
+SignedDistance signed_distance(const MeshObstacle& mesh, Vec3 p) {
+  double best2 = 1e300;
+  Vec3 away{0, 0, 1};
+  Vec3 face{0, 0, 1};
+  bool inside = false;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 to = p - nearest_on_triangle(t, p);
+    const double d2 = dot(to, to);
+    if (d2 < best2) {
+      best2 = d2;
+      away = to;
+      face = normalized(cross(t[1] - t[0], t[2] - t[0]));
+    }
+    if (crosses_upward(t, p)) inside = !inside;
+  }
+  const double d = std::sqrt(best2);
+  if (d == 0) return {0, face};
+  return inside ? SignedDistance{-d, away * (-1 / d)} : SignedDistance{d, away * (1 / d)};
+}
+
+}  // namespace kerf

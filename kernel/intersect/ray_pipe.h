@@ -1,0 +1,46 @@
+#pragma once
+
+#include "kernel/math/quadratic.h"
+#include "kernel/math/span.h"
+#include "kernel/math/tolerance.h"
+#include "kernel/math/vec3.h"
+
+namespace kerf {
+
+/// Dexel ray with the pipe that a circle sweeps along a straight line (paper Eqs. 14–17): centre c,
+/// unit normal u, radius r, moved by d. Eq. 17 divides by the motion's part along the normal, d·u,
+/// which is 0 for the commonest motion of all. Division-free: the point at height cz + w that is in
+/// the plane of the circle at share s fulfils α + uz w = s (d·u), α = px ux + py uy. That line in
+/// the (s, w) plane, (s, w) = −α (−du, uz) / n + τ (uz, du), n = uz² + du², has no singular
+/// direction; its point seen from the moved centre is q(τ) = q0 + τ g, g = du ẑ − uz d, and |q|² =
+/// r² is quadratic. g = 0 (the circle moves along the ray) bounds nothing: the circle's start and
+/// end do.
+struct RayPipe {
+  Vec3 center, normal, along, g;
+  double radius2, du, inverse_n, a, slack;
+
+  RayPipe(Vec3 center_mm, Vec3 unit_normal, double radius_mm, Vec3 along_mm)
+      : center(center_mm),
+        normal(unit_normal),
+        along(along_mm),
+        g{-unit_normal.z * along_mm.x, -unit_normal.z * along_mm.y,
+          unit_normal.x * along_mm.x + unit_normal.y * along_mm.y},
+        radius2(radius_mm * radius_mm),
+        du(dot(along_mm, unit_normal)),
+        inverse_n(1 / (unit_normal.z * unit_normal.z + du * du)),
+        a(dot(g, g)),
+        slack(kEdgeEpsilonMm / length(along_mm)) {}
+
+  void extend(Span& span, double x, double y) const {
+    const double px = x - center.x, py = y - center.y;
+    const double alpha = (px * normal.x + py * normal.y) * inverse_n;
+    const double s0 = alpha * du, w0 = -alpha * normal.z;
+    const Vec3 q0{px - s0 * along.x, py - s0 * along.y, w0 - s0 * along.z};
+    const QuadraticRoots tau = solve_quadratic(a, dot(q0, g), dot(q0, q0) - radius2);
+    const double s1 = s0 + tau.first * normal.z, s2 = s0 + tau.second * normal.z;
+    include(span, (s1 >= -slack) & (s1 <= 1 + slack), center.z + w0 + tau.first * du);
+    include(span, (s2 >= -slack) & (s2 <= 1 + slack), center.z + w0 + tau.second * du);
+  }
+};
+
+}  // namespace kerf

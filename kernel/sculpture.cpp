@@ -1,0 +1,249 @@
+#include "kernel/sculpture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/cut/cut.h"
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/dexel/stock_column.h"
+#include "kernel/force/collision.h"
+#include "kernel/force/cutting_force.h"
+#include "kernel/math/rotation.h"
+#include "kernel/sweep/swept_tool.h"
+#include "kernel/sweep/tool_motion.h"
+
+namespace kerf {
+namespace {
+
+using Check = std::expected<void, SculptureError>;
+
+Check refuse(SculptureErrorCode code, std::string reason) {
+  return std::unexpected(SculptureError{code, std::move(reason)});
+}
+
+bool in_range(Vec3 v) {
+  return std::abs(v.x) <= kCoordinateMaxMm && std::abs(v.y) <= kCoordinateMaxMm &&
+         std::abs(v.z) <= kCoordinateMaxMm;
+}
+
+Check check_box(Vec3 lo, Vec3 hi) {
+  using enum SculptureErrorCode;
+  if (!is_finite(lo) || !is_finite(hi)) return refuse(kBadStock, "the stock is not finite");
+  if (!in_range(lo) || !in_range(hi)) return refuse(kBadStock, "the stock is out of range");
+  if (!(lo.x < hi.x && lo.y < hi.y && lo.z < hi.z)) {
+    return refuse(kBadStock, "the stock is empty: every minimum must be below its maximum");
+  }
+  return {};
+}
+
+Check check_stock(const StockShape& stock) {
+  if (const auto* box = std::get_if<BoxStock>(&stock)) return check_box(box->min_mm, box->max_mm);
+  const auto& c = std::get<CylinderStock>(stock);
+  const double r = c.radius_mm;
+  return check_box({c.center_x_mm - r, c.center_y_mm - r, c.min_z_mm},
+                   {c.center_x_mm + r, c.center_y_mm + r, c.max_z_mm});
+}
+
+Check check_settings(const SculptureSettings& s) {
+  using enum SculptureErrorCode;
+  if (auto c = check_stock(s.stock); !c) return c;
+  if (!(s.pitch_mm >= 1e-4 && s.pitch_mm <= 1000)) {
+    return refuse(kBadPitch, "pitch_mm must be between 0.0001 and 1000");
+  }
+  if (!(s.tolerance_mm >= 1e-6 && s.tolerance_mm <= 100)) {
+    return refuse(kBadTolerance, "tolerance_mm must be between 0.000001 and 100");
+  }
+  const DexelGrid grid = make_grid(s.stock, std::max(s.pitch_mm, 1e-4));
+  if (double(grid.columns_x) * double(grid.columns_y) > double(kColumnsMax)) {
+    return refuse(kTooManyColumns, "the stock needs more than 2^32 columns at this pitch_mm");
+  }
+  const ForceSettings& f = s.force;
+  const auto usable = [](double v) { return std::isfinite(v) && v >= 0; };
+  if (!usable(f.specific_force_n_per_mm2) || !usable(f.drr_n_s_per_mm3) || !usable(f.pivot_mm)) {
+    return refuse(kBadForce, "every force setting must be a finite number, not below zero");
+  }
+  for (std::size_t i = 0; i < s.obstacles.size(); ++i) {
+    const std::string wrong = check_obstacle(s.obstacles[i]);
+    if (!wrong.empty()) {
+      return refuse(kBadObstacle, "obstacle " + std::to_string(i) + ": " + wrong);
+    }
+  }
+  return {};
+}
+
+Check check_pose(const char* which, const ToolPose& pose) {
+  using enum SculptureErrorCode;
+  const std::string name = which;
+  if (!is_finite(pose.tip_mm) || !is_finite(pose.axis)) {
+    return refuse(kNotFinite, name + " pose is not finite");
+  }
+  if (!in_range(pose.tip_mm)) {
+    return refuse(kOutOfRange, name + " tip is farther than 1e6 mm from the origin");
+  }
+  const double n = length(pose.axis);
+  if (!(n >= 0.5 && n <= 2)) {
+    return refuse(kBadAxis, name + " axis must have a length between 0.5 and 2 (1 is meant)");
+  }
+  return {};
+}
+
+ToolMotion motion_of(const MoveTool& command, const Tool& tool) {
+  return make_motion({command.from.tip_mm, normalized(command.from.axis)},
+                     {command.to.tip_mm, normalized(command.to.axis)}, tool.length_mm);
+}
+
+ZRange z_range(const DexelGrid& grid) { return {grid.origin_mm.z, grid.z_mm(grid.height_quanta)}; }
+
+}  // namespace
+
+const char* to_string(SculptureErrorCode code) {
+  switch (code) {
+    using enum SculptureErrorCode;
+    case kBadStock:
+      return "bad_stock";
+    case kBadPitch:
+      return "bad_pitch";
+    case kTooManyColumns:
+      return "too_many_columns";
+    case kBadTolerance:
+      return "bad_tolerance";
+    case kBadForce:
+      return "bad_force";
+    case kBadObstacle:
+      return "bad_obstacle";
+    case kUnknownTool:
+      return "unknown_tool";
+    case kBadTool:
+      return "bad_tool";
+    case kNotFinite:
+      return "not_finite";
+    case kBadAxis:
+      return "bad_axis";
+    case kTurnTooLarge:
+      return "turn_too_large";
+    case kOutOfRange:
+      return "out_of_range";
+    case kBadDuration:
+      return "bad_duration";
+    case kTooManySubMotions:
+      return "too_many_sub_motions";
+  }
+  return "unknown";
+}
+
+Sculpture::Sculpture(SculptureSettings settings)
+    : settings_(std::move(settings)),
+      field_(std::make_unique<DexelField>(settings_.stock, settings_.pitch_mm)),
+      obstacles_(settings_.obstacles.empty() ? nullptr
+                                             : std::make_unique<Obstacles>(settings_.obstacles)),
+      stock_volume_mm3_(field_->stock_volume_mm3()) {}
+
+Sculpture::Sculpture(Sculpture&&) noexcept = default;
+Sculpture& Sculpture::operator=(Sculpture&&) noexcept = default;
+Sculpture::~Sculpture() = default;
+
+std::expected<Sculpture, SculptureError> Sculpture::create(SculptureSettings settings) {
+  if (auto c = check_settings(settings); !c) return std::unexpected(c.error());
+  return Sculpture(std::move(settings));
+}
+
+const DexelGrid& Sculpture::grid() const { return field_->grid(); }
+
+const Tool* Sculpture::tool(ToolId id) const {
+  const auto it = tools_.find(id);
+  return it == tools_.end() ? nullptr : &it->second;
+}
+
+DexelSnapshot Sculpture::snapshot() { return field_->snapshot(); }
+
+std::uint64_t Sculpture::state_hash() { return field_->snapshot().hash(); }
+
+std::expected<void, SculptureError> Sculpture::check(const Command& command) const {
+  if (const auto* move = std::get_if<MoveTool>(&command)) return check_move(*move);
+  const auto& define = std::get<DefineTool>(command);
+  if (auto tool = make_tool(define.tool.pieces); !tool) {
+    return refuse(SculptureErrorCode::kBadTool, tool.error().field + " " + tool.error().reason);
+  }
+  return {};
+}
+
+std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& command) const {
+  using enum SculptureErrorCode;
+  const Tool* used = tool(command.tool);
+  if (used == nullptr) {
+    return refuse(kUnknownTool, "tool " + std::to_string(command.tool) + " is not defined");
+  }
+  if (auto c = check_pose("start", command.from); !c) return c;
+  if (auto c = check_pose("end", command.to); !c) return c;
+  if (!std::isfinite(command.duration_s) || command.duration_s < 0) {
+    return refuse(kBadDuration, "duration_s must be a finite number, not below zero");
+  }
+  const ToolMotion motion = motion_of(command, *used);
+  if (motion.turn_rad > kTurnMaxRad) {
+    return refuse(kTurnTooLarge, "the axis turns by more than 170 degrees in one motion");
+  }
+  std::int64_t parts = 0;
+  for (const std::int64_t n : sub_motion_counts(*used, motion, settings_.motion,
+                                                settings_.tolerance_mm, z_range(grid()))) {
+    parts += n;
+  }
+  if (parts > kSubMotionsMax) {
+    return refuse(kTooManySubMotions,
+                  "the motion needs more than 2^20 sub-motions at this tolerance_mm");
+  }
+  return {};
+}
+
+std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& command) {
+  if (auto c = check(command); !c) return std::unexpected(c.error());
+  if (const auto* define = std::get_if<DefineTool>(&command)) {
+    // Rebuilt from its pieces, so that a tool from a journal and one from a scene are the same.
+    tools_[define->id] = *make_tool(define->tool.pieces);
+    return MotionResult{};
+  }
+  return move(std::get<MoveTool>(command));
+}
+
+MotionResult Sculpture::move(const MoveTool& command) {
+  const Tool& used = tools_.at(command.tool);
+  const ToolMotion motion = motion_of(command, used);
+  const bool feel = command.feel && command.duration_s > 0;
+  MotionResult result;
+  result.kind = motion.kind;
+  CuttingForce force(settings_.force, grid(), command.duration_s);
+  Removal removal;
+  std::int64_t quanta = 0;
+  sweep_tool(used, motion, settings_.motion, settings_.tolerance_mm, z_range(grid()),
+             [&](const SubMotion& part) {
+               cut(*field_, part.swept, removal);
+               quanta += removal.quanta;
+               result.changed_tiles.insert(result.changed_tiles.end(),
+                                           removal.changed_tiles.begin(),
+                                           removal.changed_tiles.end());
+               if (feel) force.add(removal, part.motion, part.share);
+               ++result.sub_motions;
+             });
+  std::ranges::sort(result.changed_tiles);
+  const auto repeated = std::ranges::unique(result.changed_tiles);
+  result.changed_tiles.erase(repeated.begin(), repeated.end());
+  const DexelGrid& g = grid();
+  result.removed_mm3 = static_cast<double>(quanta) * g.z_quantum_mm * g.pitch_mm * g.pitch_mm;
+  if (feel) {
+    result.wrench = force.wrench();
+    if (quanta > 0) {
+      result.cutting = {force.engaged_area_mm2(), normalized(result.wrench.force_n),
+                        force.center_mm()};
+    }
+    if (obstacles_) {
+      const ToolPose end = motion.to;
+      result.collision = obstacles_->push(used, end, settings_.force.pivot_mm);
+      result.wrench = result.wrench + result.collision;
+    }
+  }
+  removed_mm3_ += result.removed_mm3;
+  ++motions_;
+  sub_motions_ += result.sub_motions;
+  return result;
+}
+
+}  // namespace kerf
