@@ -21,6 +21,15 @@ struct Corner {
 };
 using Corners = std::array<Corner, 4>;
 
+/// Marks the place of a SplitVertex among the vertices of cells.
+constexpr std::uint32_t kSplit = std::uint32_t{1} << 31;
+
+/// A vertex that the mesh may hold several times, with different normals.
+struct SplitVertex {
+  SurfaceVertex vertex;
+  std::array<std::uint32_t, 3> index;  ///< by axis
+};
+
 double distance_squared(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   const double x = static_cast<double>(a[0]) - static_cast<double>(b[0]);
   const double y = static_cast<double>(a[1]) - static_cast<double>(b[1]);
@@ -101,7 +110,7 @@ class TileMesher {
                 bool reversed) {
     // Cells before and behind the edge, so ordered that (before, behind, up) turns right-handed
     // about the edge.
-    const std::int32_t before_x = along_x ? i : i;
+    const std::int32_t before_x = i;
     const std::int32_t before_y = along_x ? j - 1 : j;
     const std::int32_t behind_x = along_x ? i : i - 1;
     const std::int32_t behind_y = j;
@@ -132,34 +141,46 @@ class TileMesher {
   /// Vertices are made when a quadrangle first asks for them: the tile's mesh holds none that it
   /// does not use.
   std::uint32_t vertex_of(const Corner& corner) {
+    std::uint32_t& entry = vertex_[corner.position];
     const CellSheets& sheets = cells_.sheets(corner.position);
+    if (entry == kNoVertex) {
+      if (sheets.count == 1) {
+        const SurfaceVertex vertex = placement_.place(cell_of(corner), sheets.edges[0]);
+        if (vertex.smooth()) return entry = add_vertex(vertex, 0);
+        split_.push_back({vertex, {kNoVertex, kNoVertex, kNoVertex}});
+      } else {
+        for (std::uint8_t sheet = 0; sheet < sheets.count; ++sheet) {
+          split_.push_back({placement_.place_sheet(cell_of(corner), sheets, sheet),
+                            {kNoVertex, kNoVertex, kNoVertex}});
+        }
+      }
+      entry = kSplit | static_cast<std::uint32_t>(split_.size() - sheets.count);
+    }
+    if ((entry & kSplit) == 0) return entry;
     const std::uint8_t sheet = sheets.of_edge[corner.edge];
     assert(sheet != kNoSheet);
-    std::uint32_t& first = vertex_[corner.position];
-    if (sheets.count == 1) {
-      if (first == kNoVertex) {
-        first = add_vertex(placement_.place(cell_of(corner), sheets.edges[0]));
+    return split_vertex(split_[(entry & ~kSplit) + sheet], corner.edge / 4);
+  }
+
+  std::uint32_t split_vertex(SplitVertex& split, unsigned axis) {
+    if (split.index[axis] == kNoVertex) {
+      const std::uint32_t index = add_vertex(split.vertex, axis);
+      for (unsigned other = 0; other < 3; ++other) {
+        if (split.vertex.normal_of[other] == split.vertex.normal_of[axis]) {
+          split.index[other] = index;
+        }
       }
-      return first;
     }
-    if (first == kNoVertex) {
-      first = static_cast<std::uint32_t>(sheet_vertices_.size());
-      sheet_vertices_.resize(sheet_vertices_.size() + kSheetsMax, kNoVertex);
-    }
-    std::uint32_t& vertex = sheet_vertices_[first + sheet];
-    if (vertex == kNoVertex) {
-      vertex = add_vertex(placement_.place_sheet(cell_of(corner), sheets, sheet));
-    }
-    return vertex;
+    return split.index[axis];
   }
 
   LatticeCell cell_of(const Corner& corner) const {
     return cells_.cell(corner.position, corner.x, corner.y);
   }
 
-  std::uint32_t add_vertex(const SurfaceVertex& vertex) {
+  std::uint32_t add_vertex(const SurfaceVertex& vertex, unsigned axis) {
     mesh_.positions_mm.push_back(vertex.position_mm);
-    mesh_.normals.push_back(vertex.normal);
+    mesh_.normals.push_back(vertex.normal_of[axis]);
     return static_cast<std::uint32_t>(mesh_.positions_mm.size() - 1);
   }
 
@@ -167,8 +188,8 @@ class TileMesher {
   ColumnWindow window_;
   LatticeCells cells_;
   VertexPlacement placement_;
-  std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or its place in sheet_vertices_
-  std::vector<std::uint32_t> sheet_vertices_;  ///< kSheetsMax per cell with several sheets
+  std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or kSplit and its place in split_
+  std::vector<SplitVertex> split_;     ///< of cells with several sheets or a crease
   TileMesh mesh_;
 };
 

@@ -9,7 +9,7 @@
 namespace kerf {
 
 /// The part of the surface that belongs to one tile. Tiles meet without cracks: the vertices that two tiles share have
-/// equal bits in both.
+/// equal bits in both. At a sharp crease a position is repeated, once with the normal of each side.
 struct TileMesh {
   TileIndex tile;
   std::vector<std::array<float, 3>> positions_mm;  ///< relative to the block's minimum corner (DexelGrid::origin_mm)

@@ -24,6 +24,10 @@ constexpr double kFractionMin = 1.0 / 16;
 constexpr double kHeightMin = 1.0 / 1024;
 /// Vertices of two sheets that coincide are moved apart by this share of the pitch.
 constexpr double kSheetShift = 1.0 / 64;
+/// Faces whose normals differ by more than this (its cosine) meet in a crease and are shaded apart.
+constexpr double kCreaseCosine = 0.5;
+/// Rows on each side of a wall's crossing that take part in the line fitted to the wall.
+constexpr int kWallRows = 2;
 /// A sum of unit normals shorter than this has no direction.
 constexpr double kNormalMin = 1e-6;
 
@@ -36,6 +40,7 @@ struct VertexPlacement::Side {
   double fraction = 0.5;  ///< from the column with the lower index
   bool wall = true;
   bool at_grid_border = false;
+  int rows = 0;  ///< neighbouring rows that see the same wall; without any its direction is a guess
   Vec3 normal;
 };
 
@@ -45,8 +50,47 @@ struct VertexPlacement::Sums {
   Vec3 all, level;       ///< sums of points; x and y in pitches from column 0, z in quanta
   double upright_z = 0;  ///< quanta
   std::optional<double> border_x, border_y;
-  Vec3 normal;
+  int rows_x = 0, rows_y = 0;
+  Vec3 floor, wall_x, wall_y;  ///< sums of normals: ends and slopes, walls across x, walls across y
 };
+
+namespace {
+
+std::array<float, 3> unit_float(Vec3 sum) {
+  // The normals of a thin wall's two faces may cancel; any direction is as good as another there.
+  const Vec3 n = length(sum) > kNormalMin ? normalized(sum) : Vec3{0, 0, 1};
+  return {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
+}
+
+/// Gives both sums the same direction unless they meet in a crease or one of them is empty.
+bool blend(Vec3& a, Vec3& b) {
+  const double la = length(a);
+  const double lb = length(b);
+  if (la <= kNormalMin || lb <= kNormalMin || dot(a, b) < kCreaseCosine * la * lb) return false;
+  a = a + b;
+  b = a;
+  return true;
+}
+
+/// The normals that faces across edges along x, y and z see, from the sums of one vertex's
+/// crossings.
+std::array<std::array<float, 3>, 3> normals_by_axis(Vec3 floor, Vec3 wall_x, Vec3 wall_y) {
+  const bool has_floor = floor != Vec3{};
+  const bool has_x = wall_x != Vec3{};
+  const bool has_y = wall_y != Vec3{};
+  if (!has_x && !has_y) {
+    const auto normal = unit_float(floor);
+    return {normal, normal, normal};
+  }
+  const bool one_wall = blend(wall_x, wall_y);
+  if (blend(floor, wall_x) && one_wall) wall_y = wall_x;
+  if (!one_wall) blend(floor, wall_y);
+  // An axis without a wall of its own has slopes only, or no edge at all.
+  const Vec3 any = has_floor ? floor : has_x ? wall_x : wall_y;
+  return {unit_float(has_x ? wall_x : any), unit_float(has_y ? wall_y : any), unit_float(any)};
+}
+
+}  // namespace
 
 VertexPlacement::VertexPlacement(const ColumnWindow& window)
     : window_(window),
@@ -103,6 +147,48 @@ Vec3 VertexPlacement::end_normal(std::int32_t i, std::int32_t j, DexelEnd kind, 
           static_cast<double>(cached.z)};
 }
 
+/// Where the wall stands in the row of column (i, j), in columns from the crossing looked for, read
+/// from the two columns on each side of it: -1, 0 or 1; 2 if the row shows no wall there.
+int VertexPlacement::wall_offset(std::int32_t i, std::int32_t j, bool along_x, std::int32_t sample,
+                                 bool reversed) const {
+  int solid = 0;
+  for (int n = -1; n <= 2; ++n) {
+    const bool here =
+        window_.solid(i + (along_x ? n : 0), j + (along_x ? 0 : n), sample) != reversed;
+    if (here && solid != n + 1) return 2;  // solid again behind a gap
+    solid += here ? 1 : 0;
+  }
+  return solid == 0 || solid == 4 ? 2 : solid - 2;
+}
+
+/// Columns know a wall only to half a pitch: a slanted one would become a staircase. So a line is
+/// fitted to where the neighbouring rows see it, as far as they do.
+void VertexPlacement::fit_wall(Side& side, std::int32_t i, std::int32_t j, bool along_x,
+                               std::int32_t sample, bool reversed) const {
+  int count = 1, sum_r = 0, sum_rr = 0, sum_w = 0, sum_rw = 0;  // the crossing itself: r = 0, w = 0
+  for (const int direction : {-1, 1}) {
+    for (int n = 1; n <= kWallRows; ++n) {
+      const int row = direction * n;
+      const int w =
+          wall_offset(i + (along_x ? 0 : row), j + (along_x ? row : 0), along_x, sample, reversed);
+      if (w == 2) break;
+      ++count;
+      sum_r += row;
+      sum_rr += row * row;
+      sum_w += w;
+      sum_rw += row * w;
+    }
+  }
+  side.rows = count - 1;
+  if (sum_w == 0 && sum_rw == 0) return;
+  const double determinant = count * sum_rr - sum_r * sum_r;
+  const double offset = (sum_rr * sum_w - sum_r * sum_rw) / determinant;
+  const double slope = (count * sum_rw - sum_r * sum_w) / determinant;
+  side.fraction = std::clamp(0.5 + offset, kFractionMin, 1 - kFractionMin);
+  const double sign = reversed ? -1 : 1;
+  side.normal = normalized(along_x ? Vec3{sign, -sign * slope, 0} : Vec3{-sign * slope, sign, 0});
+}
+
 VertexPlacement::Side VertexPlacement::side_crossing(std::int32_t i, std::int32_t j, bool along_x,
                                                      std::int32_t sample) {
   std::int32_t step_x = along_x ? 1 : 0;
@@ -111,7 +197,11 @@ VertexPlacement::Side VertexPlacement::side_crossing(std::int32_t i, std::int32_
   Side side;
   side.normal = {(reversed ? -1.0 : 1.0) * step_x, (reversed ? -1.0 : 1.0) * step_y, 0};
   side.at_grid_border = !window_.in_grid(i, j) || !window_.in_grid(i + step_x, j + step_y);
-  if (side.at_grid_border) return side;
+  if (side.at_grid_border) {
+    side.rows = 2 * kWallRows;
+    return side;
+  }
+  fit_wall(side, i, j, along_x, sample, reversed);
   if (reversed) {
     i += step_x;
     j += step_y;
@@ -160,7 +250,7 @@ void VertexPlacement::add_upright(Sums& sums, const LatticeCell& cell, int dx, i
   const double z = kind == DexelEnd::kTop ? runs[run].top : runs[run].bottom;
   sums.all = sums.all + Vec3{static_cast<double>(i), static_cast<double>(j), z};
   sums.upright_z += z;
-  sums.normal = sums.normal + end_normal(i, j, kind, run);
+  sums.floor = sums.floor + end_normal(i, j, kind, run);
   ++sums.crossings;
   ++sums.upright_crossings;
 }
@@ -177,7 +267,9 @@ void VertexPlacement::add_level(Sums& sums, const LatticeCell& cell, bool along_
   sums.has_wall |= side.wall;
   sums.all = sums.all + point;
   sums.level = sums.level + point;
-  sums.normal = sums.normal + side.normal;
+  Vec3& normal = !side.wall ? sums.floor : along_x ? sums.wall_x : sums.wall_y;
+  normal = normal + side.normal;
+  if (side.wall) (along_x ? sums.rows_x : sums.rows_y) += side.rows;
   ++sums.crossings;
   ++sums.level_crossings;
 }
@@ -201,13 +293,19 @@ SurfaceVertex VertexPlacement::place(const LatticeCell& cell, std::uint16_t edge
   const double low = window_.level(cell.layer - 1);
   const double high = window_.level(cell.layer);
   p.z = std::clamp(p.z, low + kHeightMin * (high - low), high);
-  // The normals of a thin wall's two faces may cancel; any direction is as good as another there.
-  const Vec3 n = length(sums.normal) > kNormalMin ? normalized(sums.normal) : Vec3{0, 0, 1};
+  SurfaceVertex vertex;
   const DexelGrid& grid = window_.grid();
-  return {{static_cast<float>((p.x + 0.5) * grid.pitch_mm),
-           static_cast<float>((p.y + 0.5) * grid.pitch_mm),
-           static_cast<float>(p.z * grid.z_quantum_mm)},
-          {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)}};
+  vertex.position_mm = {static_cast<float>((p.x + 0.5) * grid.pitch_mm),
+                        static_cast<float>((p.y + 0.5) * grid.pitch_mm),
+                        static_cast<float>(p.z * grid.z_quantum_mm)};
+  if (sums.wall_x != Vec3{} && sums.wall_y != Vec3{}) {
+    // The jog of a slanted wall: the side that sees only the jog follows the one that sees the
+    // wall.
+    if (sums.rows_x == 0 && sums.rows_y > 0) sums.wall_x = sums.wall_y;
+    if (sums.rows_y == 0 && sums.rows_x > 0) sums.wall_y = sums.wall_x;
+  }
+  vertex.normal_of = normals_by_axis(sums.floor, sums.wall_x, sums.wall_y);
+  return vertex;
 }
 
 SurfaceVertex VertexPlacement::place_sheet(const LatticeCell& cell, const CellSheets& sheets,

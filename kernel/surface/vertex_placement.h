@@ -16,9 +16,12 @@ struct LatticeCell {
   std::int32_t x = 0, y = 0, layer = 0;
 };
 
+/// A point of the mesh. Where a wall meets a floor or another wall, the faces on the sides of the
+/// crease see different normals: one for the faces across lattice edges along each axis.
 struct SurfaceVertex {
-  std::array<float, 3> position_mm;  ///< relative to DexelGrid::origin_mm
-  std::array<float, 3> normal;
+  std::array<float, 3> position_mm;               ///< relative to DexelGrid::origin_mm
+  std::array<std::array<float, 3>, 3> normal_of;  ///< by axis of the crossed edge: x, y, z
+  bool smooth() const { return normal_of[0] == normal_of[1] && normal_of[0] == normal_of[2]; }
 };
 
 /// Columns around a cell that decide its vertices: cells [first, end) need columns [first - 2, end
@@ -49,6 +52,10 @@ class VertexPlacement {
                    DexelEnd kind, std::int32_t height) const;
   bool is_wall(std::int32_t i, std::int32_t j, std::int32_t step_x, std::int32_t step_y,
                DexelEnd kind, std::int32_t near, std::int32_t far) const;
+  void fit_wall(Side& side, std::int32_t i, std::int32_t j, bool along_x, std::int32_t sample,
+                bool reversed) const;
+  int wall_offset(std::int32_t i, std::int32_t j, bool along_x, std::int32_t sample,
+                  bool reversed) const;
   Side side_crossing(std::int32_t i, std::int32_t j, bool along_x, std::int32_t sample);
   void add_upright(Sums& sums, const LatticeCell& cell, int dx, int dy);
   void add_level(Sums& sums, const LatticeCell& cell, bool along_x, int across, int dz);
