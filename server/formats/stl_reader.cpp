@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "server/formats/stl.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 84;
+constexpr std::size_t kFacetBytes = 50;
+
+using Result = std::expected<std::vector<StlTriangle>, StlError>;
+
+std::unexpected<StlError> error(StlErrorCode code, std::string reason) {
+  return std::unexpected(StlError{code, std::move(reason)});
+}
+
+std::uint32_t get_u32(const std::byte* at) {
+  std::uint32_t value = 0;
+  for (int n = 0; n < 4; ++n) value |= std::to_integer<std::uint32_t>(at[n]) << (8 * n);
+  return value;
+}
+
+double get_float(const std::byte* at) {
+  return static_cast<double>(std::bit_cast<float>(get_u32(at)));
+}
+
+std::string too_many(std::uint64_t facets, std::uint64_t facets_max) {
+  return std::to_string(facets) + " facets; at most " + std::to_string(facets_max) +
+         " are accepted";
+}
+
+Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
+  if (bytes.size() < kHeaderBytes) {
+    return error(StlErrorCode::kTruncated, "the file ends after " + std::to_string(bytes.size()) +
+                                               " bytes; a binary STL has a header of 84");
+  }
+  const std::uint64_t facets = get_u32(bytes.data() + 80);
+  if (facets == 0) return error(StlErrorCode::kEmpty, "the file holds no facet");
+  if (facets > facets_max) return error(StlErrorCode::kTooLarge, too_many(facets, facets_max));
+  if (bytes.size() != stl_file_bytes(facets)) {
+    const bool shorter = bytes.size() < stl_file_bytes(facets);
+    return error(shorter ? StlErrorCode::kTruncated : StlErrorCode::kCountMismatch,
+                 "the header announces " + std::to_string(facets) + " facets, that is " +
+                     std::to_string(stl_file_bytes(facets)) + " bytes; the file has " +
+                     std::to_string(bytes.size()));
+  }
+  std::vector<StlTriangle> triangles(static_cast<std::size_t>(facets));
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    const std::byte* at = bytes.data() + kHeaderBytes + f * kFacetBytes + 12;
+    for (Vec3& corner : triangles[f]) {
+      corner = {get_float(at), get_float(at + 4), get_float(at + 8)};
+      at += 12;
+      if (!is_finite(corner)) {
+        return error(StlErrorCode::kNotFinite,
+                     "facet " + std::to_string(f + 1) + " has a coordinate that is not finite");
+      }
+    }
+  }
+  return triangles;
+}
+
+/// Splits ASCII STL into words and counts lines.
+class Words {
+ public:
+  explicit Words(std::string_view text) : text_(text) {}
+  std::size_t line() const { return line_; }
+  /// The next word; empty at the end.
+  std::string_view next() {
+    skip_blanks();
+    const std::size_t first = at_;
+    while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
+    return text_.substr(first, at_ - first);
+  }
+  void skip_line() {
+    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+  }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+  void skip_blanks() {
+    for (; at_ < text_.size() && is_blank(text_[at_]); ++at_) line_ += text_[at_] == '\n' ? 1 : 0;
+  }
+  std::string_view text_;
+  std::size_t at_ = 0, line_ = 1;
+};
+
+bool equal_ignoring_case(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return (x | 0x20) == (y | 0x20); });
+}
+
+/// Reads statement by statement; the first error stops it.
+class AsciiReader {
+ public:
+  AsciiReader(std::string_view text, std::uint64_t facets_max)
+      : words_(text), facets_max_(facets_max) {}
+
+  Result read() {
+    while (!error_) {
+      const std::string_view word = words_.next();
+      if (word.empty()) break;
+      if (equal_ignoring_case(word, "solid") || equal_ignoring_case(word, "endsolid")) {
+        inside_ = equal_ignoring_case(word, "solid");
+        words_.skip_line();  // the rest of the line is a name
+      } else if (inside_ && equal_ignoring_case(word, "facet")) {
+        read_facet();
+      } else {
+        fail_at(word, inside_ ? "facet or endsolid" : "solid");
+      }
+    }
+    if (!error_ && inside_) fail(StlErrorCode::kTruncated, "the file ends without endsolid");
+    if (!error_ && triangles_.empty()) fail(StlErrorCode::kEmpty, "the file holds no facet");
+    if (error_) return std::unexpected(*error_);
+    return std::move(triangles_);
+  }
+
+ private:
+  void read_facet() {
+    if (triangles_.size() == facets_max_) {
+      fail(StlErrorCode::kTooLarge, too_many(triangles_.size() + 1, facets_max_));
+      return;
+    }
+    expect("normal");
+    // Normals are ignored, and exporters write nan for those of degenerate facets.
+    for (int n = 0; n < 3 && !error_; ++n) words_.next();
+    expect("outer");
+    expect("loop");
+    StlTriangle triangle;
+    for (Vec3& corner : triangle) {
+      expect("vertex");
+      corner.x = number();
+      corner.y = number();
+      corner.z = number();
+    }
+    expect("endloop");
+    expect("endfacet");
+    if (!error_) triangles_.push_back(triangle);
+  }
+
+  void expect(std::string_view wanted) {
+    if (error_) return;
+    const std::string_view word = words_.next();
+    if (!equal_ignoring_case(word, wanted)) fail_at(word, wanted);
+  }
+
+  double number() {
+    if (error_) return 0;
+    std::string_view word = words_.next();
+    const std::string_view whole = word;
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double value = 0;
+    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (word.empty() || code != std::errc{} || end != word.data() + word.size()) {
+      fail_at(whole, "a number");
+    } else if (!std::isfinite(value)) {
+      fail(StlErrorCode::kNotFinite, "a coordinate is not finite: " + std::string(whole));
+    }
+    return value;
+  }
+
+  void fail_at(std::string_view word, std::string_view wanted) {
+    if (word.empty()) {
+      fail(StlErrorCode::kTruncated,
+           "the file ends where " + std::string(wanted) + " should stand");
+      return;
+    }
+    constexpr std::size_t kShownMax = 40;
+    fail(StlErrorCode::kSyntax, "\"" + std::string(word.substr(0, kShownMax)) + "\" where " +
+                                    std::string(wanted) + " should stand");
+  }
+
+  void fail(StlErrorCode code, const std::string& reason) {
+    error_ = StlError{code, "line " + std::to_string(words_.line()) + ": " + reason};
+  }
+
+  Words words_;
+  std::uint64_t facets_max_;
+  bool inside_ = false;
+  std::vector<StlTriangle> triangles_;
+  std::optional<StlError> error_;
+};
+
+bool looks_ascii(std::span<const std::byte> bytes) {
+  constexpr std::string_view kSolid = "solid";
+  constexpr std::size_t kLookMax = 512;
+  if (bytes.size() < kSolid.size() ||
+      !equal_ignoring_case({reinterpret_cast<const char*>(bytes.data()), kSolid.size()}, kSolid)) {
+    return false;
+  }
+  const bool exact_binary =
+      bytes.size() >= kHeaderBytes && bytes.size() == stl_file_bytes(get_u32(bytes.data() + 80));
+  const auto head = bytes.first(std::min(bytes.size(), kLookMax));
+  return !exact_binary && std::find(head.begin(), head.end(), std::byte{0}) == head.end();
+}
+
+}  // namespace
+
+Result read_stl(std::span<const std::byte> bytes, std::uint64_t facets_max) {
+  if (!looks_ascii(bytes)) return read_binary(bytes, facets_max);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return AsciiReader(text, facets_max).read();
+}
+
+}  // namespace kerf
