@@ -18,8 +18,8 @@ struct GlbError {
 
 /// The surface of a whole snapshot as one GLB (glTF 2.0, float positions and normals, one node per
 /// tile) for download. glTF is in metres with +Y up: the root node `kerf` carries scale 0.001 and
-/// the rotation Z-up to Y-up, and its children stay in mm in the scene's frame. Fails only where
-/// the model exceeds GLB's 4 GiB.
+/// the rotation Z-up to Y-up, and its children are in mm, Z up, from the block's minimum corner.
+/// Fails only where the model exceeds GLB's 4 GiB.
 std::expected<std::vector<std::byte>, GlbError> make_model_glb(const DexelSnapshot& snapshot,
                                                                std::string_view scene_name,
                                                                const MeshProgress& progress = {});

@@ -170,8 +170,9 @@ class AsciiReader {
       return;
     }
     constexpr std::size_t kShownMax = 40;
-    fail(StlErrorCode::kSyntax, "\"" + std::string(word.substr(0, kShownMax)) + "\" where " +
-                                    std::string(wanted) + " should stand");
+    std::string reason = "\"";
+    reason.append(word.substr(0, kShownMax)).append("\" where ").append(wanted);
+    fail(StlErrorCode::kSyntax, reason.append(" should stand"));
   }
 
   void fail(StlErrorCode code, const std::string& reason) {
