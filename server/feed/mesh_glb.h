@@ -27,10 +27,13 @@ struct EncodedTile {
   bool wide_indices = false;                 ///< 32-bit instead of 16-bit
   std::array<double, 3> translation_mm{};    ///< where step 0 lies, in the world
   std::array<std::int16_t, 3> min{}, max{};  ///< of the positions, steps
-  std::vector<std::byte> positions;          ///< int16 x, y, z, padding: 8 bytes per vertex
-  std::vector<std::byte> normals;            ///< int8 x, y, z, padding: 4 bytes per vertex
-  std::vector<std::byte> index_bytes;        ///< padded to 4 bytes
+  std::array<std::int8_t, 3> normal_min{}, normal_max{};
+  std::vector<std::byte> positions;    ///< int16 x, y, z, padding: 8 bytes per vertex
+  std::vector<std::byte> normals;      ///< int8 x, y, z, padding: 4 bytes per vertex
+  std::vector<std::byte> index_bytes;  ///< padded to 4 bytes
   std::size_t bytes() const { return positions.size() + normals.size() + index_bytes.size(); }
+  /// The same surface, whatever the version.
+  bool same_surface(const EncodedTile& other) const;
 };
 EncodedTile encode_tile(const TileMesh& mesh, const MeshQuantization& quantization,
                         std::uint32_t version);

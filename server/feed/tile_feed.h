@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "kernel/dexel/dexel_snapshot.h"
@@ -85,14 +87,25 @@ class TileFeed {
     EncodedTile encoded;  ///< version 0: not meshed yet
     bool stale = true;    ///< columns that it reads have changed since it was meshed
   };
+  /// Tiles to look at, oldest first.
+  class TileQueue {
+   public:
+    bool empty() const { return head_ == tiles_.size(); }
+    void push(std::uint32_t tile) { tiles_.push_back(tile); }
+    std::uint32_t pop();
+
+   private:
+    std::vector<std::uint32_t> tiles_;
+    std::size_t head_ = 0;
+  };
   struct Viewer {
     std::uint64_t sent = 0, acked = 0;   ///< frame sequences
     std::uint64_t revision = 0;          ///< of the last frame
-    std::size_t first_left = 0;          ///< tiles of the first snapshot not sent yet
     std::vector<std::uint32_t> version;  ///< per tile; 0: never sent
-    std::vector<std::uint32_t> lacking;  ///< tiles to look at, oldest first
-    std::size_t lacking_head = 0;
-    std::vector<bool> is_lacking;
+    TileQueue first;                     ///< tiles of the first snapshot that have not been sent
+    TileQueue changed;                   ///< tiles that have changed since they were sent
+    std::vector<bool> in_changed;
+    bool lacks_nothing() const { return first.empty() && changed.empty(); }
   };
   struct ComposedFrame {
     std::vector<std::uint64_t> key;  ///< revisions and the tiles with their versions
@@ -100,12 +113,11 @@ class TileFeed {
   };
 
   void take_news();
-  void mark_lacking(Viewer& viewer, std::uint32_t tile);
   const EncodedTile& current(std::uint32_t tile);
-  bool lacks_nothing(const Viewer& viewer) const;
-  std::vector<const EncodedTile*> pick_tiles(Viewer& viewer);
-  std::shared_ptr<const std::vector<std::byte>> compose(
-      const std::vector<const EncodedTile*>& tiles, std::uint64_t from, std::uint64_t to);
+  std::size_t pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes, std::size_t bytes_max,
+                         std::vector<std::uint32_t>& picked);
+  std::shared_ptr<const std::vector<std::byte>> compose(const std::vector<std::uint32_t>& tiles,
+                                                        std::uint64_t from);
 
   const FeedSettings settings_;
   const MeshQuantization quantization_;
@@ -121,7 +133,7 @@ class TileFeed {
   std::vector<CachedTile> tiles_;  ///< row-major
   std::unordered_map<ViewerId, Viewer> viewers_;
   ViewerId next_viewer_ = 1;
-  std::vector<ComposedFrame> recent_;  ///< the last few frames, for viewers in step
+  std::deque<ComposedFrame> recent_;  ///< the last few frames, for viewers in step
   Stats stats_;
 };
 

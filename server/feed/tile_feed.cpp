@@ -1,0 +1,213 @@
+#include "server/feed/tile_feed.h"
+
+#include <algorithm>
+
+namespace kerf {
+namespace {
+
+/// What a tile adds to a frame's JSON, roughly; only the byte budget looks at it.
+constexpr std::size_t kTileJsonBytes = 600;
+/// Frames kept for other viewers that are in step.
+constexpr std::size_t kRecentFramesMax = 16;
+
+}  // namespace
+
+std::uint32_t TileFeed::TileQueue::pop() {
+  const std::uint32_t tile = tiles_[head_++];
+  if (head_ == tiles_.size() || head_ > 4096) {
+    tiles_.erase(tiles_.begin(), tiles_.begin() + static_cast<std::ptrdiff_t>(head_));
+    head_ = 0;
+  }
+  return tile;
+}
+
+TileFeed::TileFeed(DexelSnapshot snapshot, std::uint64_t revision, FeedSettings settings)
+    : settings_(settings),
+      quantization_(mesh_quantization(snapshot.grid())),
+      news_snapshot_(snapshot),
+      news_revision_(revision),
+      snapshot_(std::move(snapshot)),
+      revision_(revision) {
+  const DexelGrid& grid = snapshot_.grid();
+  tiles_.resize(static_cast<std::size_t>(grid.tiles_x()) *
+                static_cast<std::size_t>(grid.tiles_y()));
+}
+
+void TileFeed::note_change(DexelSnapshot snapshot, std::span<const TileIndex> changed,
+                           std::uint64_t revision) {
+  const std::scoped_lock lock(news_mutex_);
+  std::swap(news_snapshot_, snapshot);  // the old one is destroyed after the lock is gone
+  news_tiles_.insert(news_tiles_.end(), changed.begin(), changed.end());
+  std::sort(news_tiles_.begin(), news_tiles_.end());
+  news_tiles_.erase(std::unique(news_tiles_.begin(), news_tiles_.end()), news_tiles_.end());
+  news_revision_ = revision;
+}
+
+void TileFeed::take_news() {
+  std::vector<TileIndex> changed;
+  {
+    const std::scoped_lock lock(news_mutex_);
+    if (news_revision_ == revision_ && news_tiles_.empty()) return;
+    changed.swap(news_tiles_);
+    snapshot_ = news_snapshot_;
+    revision_ = news_revision_;
+  }
+  const DexelGrid& grid = snapshot_.grid();
+  for (const TileIndex tile : tiles_to_remesh(grid, changed)) {
+    const auto n = static_cast<std::uint32_t>(tile.y * grid.tiles_x() + tile.x);
+    tiles_[n].stale = true;
+    for (auto& [id, viewer] : viewers_) {
+      // A tile that was never sent waits in the first snapshot and will be meshed anew there.
+      if (viewer.version[n] == 0 || viewer.in_changed[n]) continue;
+      viewer.in_changed[n] = true;
+      viewer.changed.push(n);
+    }
+  }
+}
+
+ViewerId TileFeed::add_viewer() {
+  const std::scoped_lock lock(lane_mutex_);
+  take_news();
+  Viewer viewer;
+  viewer.version.resize(tiles_.size());
+  viewer.in_changed.resize(tiles_.size());
+  const std::int32_t tiles_x = snapshot_.grid().tiles_x();
+  // What has been carved is what people came to see.
+  for (const bool touched : {true, false}) {
+    for (std::size_t n = 0; n < tiles_.size(); ++n) {
+      const auto tile = static_cast<std::int32_t>(n);
+      if (snapshot_.touched({tile % tiles_x, tile / tiles_x}) == touched) {
+        viewer.first.push(static_cast<std::uint32_t>(n));
+      }
+    }
+  }
+  viewers_.emplace(next_viewer_, std::move(viewer));
+  return next_viewer_++;
+}
+
+void TileFeed::remove_viewer(ViewerId viewer) {
+  const std::scoped_lock lock(lane_mutex_);
+  viewers_.erase(viewer);
+}
+
+std::size_t TileFeed::viewers() const {
+  const std::scoped_lock lock(lane_mutex_);
+  return viewers_.size();
+}
+
+const EncodedTile& TileFeed::current(std::uint32_t tile) {
+  CachedTile& cached = tiles_[tile];
+  if (!cached.stale) return cached.encoded;
+  const auto n = static_cast<std::int32_t>(tile);
+  const std::int32_t tiles_x = snapshot_.grid().tiles_x();
+  const TileMesh mesh = mesh_tile(snapshot_, {n % tiles_x, n / tiles_x});
+  EncodedTile fresh = encode_tile(mesh, quantization_, cached.encoded.version + 1);
+  cached.stale = false;
+  ++stats_.tiles_meshed;
+  stats_.triangles_meshed += mesh.indices.size() / 3;
+  if (cached.encoded.version > 0 && cached.encoded.same_surface(fresh)) {
+    ++stats_.tiles_unchanged;
+  } else {
+    cached.encoded = std::move(fresh);
+  }
+  return cached.encoded;
+}
+
+std::size_t TileFeed::pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes,
+                                 std::size_t bytes_max, std::vector<std::uint32_t>& picked) {
+  while (!queue.empty() && bytes < bytes_max) {
+    const std::uint32_t tile = queue.pop();
+    if (&queue == &viewer.changed) viewer.in_changed[tile] = false;
+    const EncodedTile& encoded = current(tile);
+    if (viewer.version[tile] == encoded.version) continue;
+    viewer.version[tile] = encoded.version;
+    picked.push_back(tile);
+    bytes += encoded.bytes() + kTileJsonBytes;
+  }
+  return bytes;
+}
+
+std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
+  const std::scoped_lock lock(lane_mutex_);
+  take_news();
+  const auto found = viewers_.find(viewer_id);
+  if (found == viewers_.end()) return std::nullopt;
+  Viewer& viewer = found->second;
+  if (viewer.sent - viewer.acked >= settings_.frames_in_flight_max) return std::nullopt;
+
+  const bool first_snapshot = !viewer.first.empty();
+  std::vector<std::uint32_t> picked;
+  // While the first snapshot is under way, changes get at most half of a frame, so that neither
+  // starves the other.
+  const std::size_t changed_max = settings_.frame_bytes_max / (first_snapshot ? 2 : 1);
+  const std::size_t bytes = pick_tiles(viewer, viewer.changed, 0, changed_max, picked);
+  pick_tiles(viewer, viewer.first, bytes, settings_.frame_bytes_max, picked);
+  if (picked.empty()) return std::nullopt;
+
+  FeedFrame frame;
+  if (first_snapshot) frame.flags |= kFirstSnapshot;
+  if (first_snapshot && viewer.first.empty()) frame.flags |= kFirstSnapshotEnd;
+  frame.sequence = ++viewer.sent;
+  frame.glb = compose(picked, viewer.revision);
+  viewer.revision = revision_;
+  return frame;
+}
+
+std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(
+    const std::vector<std::uint32_t>& tiles, std::uint64_t from) {
+  std::vector<std::uint64_t> key{from, revision_};
+  for (const std::uint32_t tile : tiles) {
+    key.push_back(std::uint64_t{tile} << 32U | tiles_[tile].encoded.version);
+  }
+  for (const ComposedFrame& recent : recent_) {
+    if (recent.key != key) continue;
+    ++stats_.frames_shared;
+    return recent.glb;
+  }
+  std::vector<const EncodedTile*> encoded;
+  encoded.reserve(tiles.size());
+  for (const std::uint32_t tile : tiles) encoded.push_back(&tiles_[tile].encoded);
+  auto glb = std::make_shared<const std::vector<std::byte>>(
+      write_mesh_glb(encoded, quantization_, from, revision_));
+  ++stats_.frames_composed;
+  stats_.bytes_composed += glb->size();
+  if (recent_.size() == kRecentFramesMax) recent_.pop_front();
+  recent_.push_back({std::move(key), glb});
+  return glb;
+}
+
+bool TileFeed::ack(ViewerId viewer_id, std::uint64_t sequence) {
+  const std::scoped_lock lock(lane_mutex_);
+  const auto found = viewers_.find(viewer_id);
+  if (found == viewers_.end() || sequence > found->second.sent) return false;
+  found->second.acked = std::max(found->second.acked, sequence);
+  return true;
+}
+
+std::optional<TileFeed::ViewerState> TileFeed::viewer_state(ViewerId viewer_id) const {
+  const std::scoped_lock lock(lane_mutex_);
+  const auto found = viewers_.find(viewer_id);
+  if (found == viewers_.end()) return std::nullopt;
+  const Viewer& viewer = found->second;
+  ViewerState state;
+  {
+    const std::scoped_lock news_lock(news_mutex_);
+    state.revision = news_revision_;
+    state.sent = news_tiles_.empty() && viewer.lacks_nothing();
+  }
+  state.applied = state.sent && viewer.acked == viewer.sent;
+  state.frames_in_flight = static_cast<std::uint32_t>(viewer.sent - viewer.acked);
+  return state;
+}
+
+std::pair<DexelSnapshot, std::uint64_t> TileFeed::newest() const {
+  const std::scoped_lock lock(news_mutex_);
+  return {news_snapshot_, news_revision_};
+}
+
+TileFeed::Stats TileFeed::stats() const {
+  const std::scoped_lock lock(lane_mutex_);
+  return stats_;
+}
+
+}  // namespace kerf
