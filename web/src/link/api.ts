@@ -1,0 +1,49 @@
+// The server's HTTP side, as far as the viewer needs it.
+
+export interface SessionSummary {
+  id: string;
+  name: string;
+  motions: number;
+  removedVolumeMm3: number;
+  participants: number;
+}
+
+function numberOr(value: unknown, otherwise: number): number {
+  return typeof value === 'number' && Number.isFinite(value) ? value : otherwise;
+}
+
+function summaryOf(value: unknown): SessionSummary | null {
+  if (typeof value !== 'object' || value === null) return null;
+  const from = value as Record<string, unknown>;
+  const id = from['id'] ?? from['session'];
+  if (typeof id !== 'string') return null;
+  const people = from['participants'];
+  return {
+    id,
+    name: typeof from['name'] === 'string' && from['name'] !== '' ? from['name'] : id,
+    motions: numberOr(from['motions'], 0),
+    removedVolumeMm3: numberOr(from['removed_volume_mm3'], 0),
+    participants: Array.isArray(people) ? people.length : numberOr(people, 0),
+  };
+}
+
+/** All sessions of this server. Rejects with a sentence for a person. */
+export async function listSessions(): Promise<SessionSummary[]> {
+  const response = await fetch('/v1/sessions', { headers: { accept: 'application/json' } })
+    .catch(() => { throw new Error('The server does not answer.'); });
+  if (!response.ok) throw new Error(`The server answered ${response.status} ${response.statusText}.`);
+  const body: unknown = await response.json().catch(() => { throw new Error('The server answered something that is no list of sessions.'); });
+  const list = Array.isArray(body) ? body : (body as { sessions?: unknown } | null)?.sessions;
+  if (!Array.isArray(list)) throw new Error('The server answered something that is no list of sessions.');
+  return list.map(summaryOf).filter((summary) => summary !== null);
+}
+
+/** Why a session cannot be joined for good, or null if trying again makes sense. */
+export async function probeSession(id: string): Promise<string | null> {
+  try {
+    const response = await fetch(`/v1/sessions/${encodeURIComponent(id)}`);
+    return response.status === 404 ? `There is no session “${id}” on this server.` : null;
+  } catch {
+    return null; // the server is away; it may come back
+  }
+}

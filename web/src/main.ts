@@ -1,0 +1,48 @@
+import '@fontsource-variable/inter/wght.css';
+import './ui/style.css';
+import { installHook } from './hook';
+import { recall, remember } from './ui/memory';
+import { failurePage } from './ui/notice';
+import { showSessions } from './ui/session_list';
+import { SessionPage } from './ui/session_page';
+
+function viewerName(parameters: URLSearchParams): string {
+  const asked = parameters.get('name')?.trim().slice(0, 40);
+  if (asked) return asked;
+  const saved = recall('name');
+  if (saved) return saved;
+  const name = `Guest ${100 + Math.floor(Math.random() * 900)}`;
+  remember('name', name);
+  return name;
+}
+
+function openSession(app: HTMLElement, session: string, name: string): void {
+  document.title = `${session} · Kerf`;
+  try {
+    const page = new SessionPage(app, session, name);
+    installHook(page);
+    page.start();
+  } catch (problem) {
+    console.error(problem);
+    app.replaceChildren(failurePage('This browser cannot draw in 3D',
+      `Kerf needs WebGL 2. Switch on hardware acceleration in the browser's settings, or try another browser. (${(problem as Error).message})`,
+      [{ label: 'Try again', href: location.search || '?' }]));
+  }
+}
+
+async function main(): Promise<void> {
+  const app = document.getElementById('app') as HTMLElement;
+  const parameters = new URLSearchParams(location.search);
+  const asked = parameters.get('session');
+  if (asked) {
+    openSession(app, asked, viewerName(parameters));
+    return;
+  }
+  const only = await showSessions(app);
+  if (only !== null) {
+    history.replaceState(null, '', `?session=${encodeURIComponent(only)}`);
+    openSession(app, only, viewerName(parameters));
+  }
+}
+
+void main();

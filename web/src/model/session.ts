@@ -1,0 +1,96 @@
+// Everything the page knows about the session, and no drawing. The link feeds it; the views read it.
+
+import type { LinkStatus } from '../link/view_link';
+import type { Header, ServerMessage, StateMessage, Stock, ToolInfo, ToolState, Vec3, Welcome } from '../wire/types';
+import { RateMeter, ServerClock } from './clock';
+import { Participants } from './participants';
+import { TileTable } from './tiles';
+
+export interface Bounds {
+  min: Vec3;
+  max: Vec3;
+}
+
+export function stockBounds(stock: Stock): Bounds {
+  if (stock.shape === 'box') return { min: stock.min_mm, max: stock.max_mm };
+  const [x, y] = stock.center_mm;
+  const r = stock.radius_mm;
+  return { min: [x - r, y - r, stock.min_z_mm], max: [x + r, y + r, stock.max_z_mm] };
+}
+
+export class SessionModel {
+  readonly tiles = new TileTable();
+  readonly participants = new Participants();
+  readonly clock = new ServerClock();
+  readonly frames = new RateMeter();
+  welcome: Welcome | null = null;
+  state: StateMessage | null = null;
+  status: LinkStatus = 'connecting';
+  statusReason = '';
+  problem = '';
+  problems = 0;
+  meshFrames = 0;
+  meshBytes = 0;
+  private lastFrameMs_ = -Infinity;
+  private lastFrameUs_ = 0n;
+
+  setStatus(status: LinkStatus, reason: string): void {
+    this.status = status;
+    this.statusReason = reason;
+  }
+
+  apply(message: ServerMessage): void {
+    switch (message.type) {
+      case 'welcome':
+        this.welcome = message;
+        this.state = null;
+        this.tiles.beginSnapshot();
+        this.clock.reset();
+        this.participants.setList(message.participants);
+        this.participants.forgetPoses();
+        break;
+      case 'participants': this.participants.setList(message.participants); break;
+      case 'state': this.state = message; break;
+      case 'error': this.addProblem(`${message.reason} (${message.code})`); break;
+      case 'bye': this.statusReason = message.reason; break;
+    }
+  }
+
+  applyTools(header: Header, tools: ToolState[], nowMs: number): void {
+    this.frameArrived_(header, nowMs);
+    this.participants.applyTools(tools, this.clock.toLocalMs(header.time_us));
+  }
+
+  meshArrived(header: Header, bytes: number, nowMs: number): void {
+    this.frameArrived_(header, nowMs);
+    this.meshFrames += 1;
+    this.meshBytes += bytes;
+  }
+
+  addProblem(text: string): void {
+    this.problem = text;
+    this.problems += 1;
+  }
+
+  /** Age of what is shown: since the server sent the newest frame, in ms; NaN while unknown. */
+  stalenessMs(nowMs: number): number {
+    if (this.lastFrameMs_ === -Infinity) return Number.NaN;
+    return this.clock.ageMs(nowMs, this.lastFrameUs_);
+  }
+
+  /** True while somebody's tool has been moving in the last second, so that silence means trouble. */
+  active(nowMs: number): boolean {
+    return nowMs - this.lastFrameMs_ < 1000;
+  }
+
+  tool(id: number): ToolInfo | undefined {
+    return this.welcome?.tools.find((tool) => tool.id === id);
+  }
+
+  private frameArrived_(header: Header, nowMs: number): void {
+    this.clock.arrived(nowMs, header.time_us);
+    this.frames.tick(nowMs);
+    this.lastFrameMs_ = nowMs;
+    this.lastFrameUs_ = header.time_us;
+  }
+}

@@ -1,0 +1,81 @@
+// The outline of a tool: smooth pieces of its meridian as points (r, z), tip at the origin, z upward along the axis. Pieces meet
+// in edges, so each is lathed by itself and keeps its own normals. Lengths in mm.
+
+import type { ToolInfo } from '../wire/types';
+
+export type OutlinePoint = [r: number, z: number];
+
+export interface ToolProfile {
+  pieces: OutlinePoint[][];
+  lengthMm: number;
+  /** Largest radius. */
+  radiusMm: number;
+  /** Radius where the shank begins. */
+  topRadiusMm: number;
+}
+
+const ARC_STEPS = 16;
+
+function arc(centerR: number, centerZ: number, radius: number, from: number, to: number): OutlinePoint[] {
+  const points: OutlinePoint[] = [];
+  for (let i = 0; i <= ARC_STEPS; ++i) {
+    const angle = from + ((to - from) * i) / ARC_STEPS;
+    points.push([Math.max(0, centerR + radius * Math.cos(angle)), centerZ + radius * Math.sin(angle)]);
+  }
+  return points;
+}
+
+function finish(pieces: OutlinePoint[][], lengthMm: number): ToolProfile {
+  const last = pieces.at(-1)?.at(-1) as OutlinePoint;
+  const radiusMm = Math.max(...pieces.flat().map(([r]) => r));
+  return {
+    pieces: [...pieces, [last, [0, last[1]]]],
+    lengthMm,
+    radiusMm,
+    topRadiusMm: last[0],
+  };
+}
+
+function taper(radius: number, halfAngle: number, length: number, ballTip: boolean): ToolProfile {
+  const slope = Math.tan(halfAngle);
+  if (!ballTip) {
+    return finish([[[0, 0], [radius, 0]], [[radius, 0], [radius + slope * length, length]]], length);
+  }
+  // The ball meets the side where both have the side's direction, so the outline has no edge there.
+  const tipArc = arc(0, radius, radius, -Math.PI / 2, -halfAngle);
+  const [r, z] = tipArc.at(-1) as OutlinePoint;
+  return finish([tipArc, [[r, z], [r + slope * Math.max(0, length - z), Math.max(z, length)]]], length);
+}
+
+/** The outline of a tool as the scene describes it. An unknown shape is drawn as a plain cylinder of its diameter and length. */
+export function toolProfile(tool: ToolInfo): ToolProfile {
+  const radius = Math.max(0.05, (tool.diameter_mm ?? 6) / 2);
+  const length = Math.max(radius, tool.length_mm ?? 40);
+  const side = (z: number): OutlinePoint[] => [[radius, z], [radius, Math.max(z, length)]];
+  switch (tool.shape) {
+    case 'ball':
+      return finish([arc(0, radius, radius, -Math.PI / 2, 0), side(radius)], length);
+    case 'taper': {
+      const halfAngle = ((tool.half_angle_deg ?? 10) * Math.PI) / 180;
+      return taper(radius, halfAngle, length, tool.tip === 'ball');
+    }
+    case 'cone_end': {
+      const height = radius / Math.tan(((tool.tip_angle_deg ?? 90) * Math.PI) / 360);
+      return finish([[[0, 0], [radius, height]], side(height)], length);
+    }
+    case 'bull_nose': {
+      const corner = Math.min(radius, Math.max(0, tool.corner_radius_mm ?? 0));
+      const flat: OutlinePoint[] = [[0, 0], [radius - corner, 0]];
+      return finish([flat, arc(radius - corner, corner, corner, -Math.PI / 2, 0), side(corner)], length);
+    }
+    default: // flat, and what this viewer does not know
+      return finish([[[0, 0], [radius, 0]], side(0)], length);
+  }
+}
+
+/** What a tool is called in the list of people. */
+export function toolName(tool: ToolInfo | undefined): string {
+  if (!tool) return 'no tool';
+  const diameter = tool.diameter_mm === undefined ? '' : ` ${Number(tool.diameter_mm.toFixed(2))} mm`;
+  return `${tool.shape.replace('_', ' ')}${diameter}`;
+}

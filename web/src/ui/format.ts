@@ -1,0 +1,28 @@
+// Numbers as people read them.
+
+const WHOLE = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
+
+/** 1234567 → "1,234,567" */
+export function count(value: number): string {
+  return WHOLE.format(value);
+}
+
+/** A value with about three significant digits: 0.0123, 1.23, 12.3, 123. */
+export function figure(value: number): string {
+  if (!Number.isFinite(value)) return '–';
+  const size = Math.abs(value);
+  if (size < 0.0005) return '0';
+  const digits = Math.max(0, Math.min(4, 2 - Math.floor(Math.log10(size))));
+  return new Intl.NumberFormat('en', { maximumFractionDigits: digits }).format(value);
+}
+
+/** Cubic millimetres, in cm³ from a cubic centimetre upward. */
+export function volume(mm3: number): [value: string, unit: string] {
+  return mm3 >= 1000 ? [figure(mm3 / 1000), 'cm³'] : [figure(mm3), 'mm³'];
+}
+
+export function milliseconds(value: number): string {
+  if (Number.isNaN(value)) return '–';
+  if (value >= 10000) return `${figure(value / 1000)} s`;
+  return value >= 10 ? `${Math.round(value)} ms` : `${value.toFixed(1)} ms`;
+}

@@ -1,0 +1,125 @@
+// The side panel (a bottom sheet on a phone): figures, people, plots, downloads, material.
+
+import { STOCK_LOOKS } from '../model/materials';
+import type { StockLook } from '../model/materials';
+import type { SessionModel } from '../model/session';
+import { h, setText } from './dom';
+import { count, figure, volume } from './format';
+import { ICONS } from './icons';
+import { recall, remember } from './memory';
+import { People } from './people';
+import { Plots } from './plots';
+
+const DOWNLOADS = [
+  ['model.stl', 'STL', 'Closed surface for printing'],
+  ['model.glb', 'GLB', 'Surface for viewers and AR'],
+  ['program.ngc', 'NC', 'G-code of every motion'],
+  ['program.apt', 'APT', 'Tool poses of every motion'],
+  ['forces.csv', 'CSV', 'Force and torque of every motion'],
+] as const;
+
+export interface PanelActions {
+  pressedPerson(participant: number): void;
+  chosenLook(look: StockLook): void;
+  /** The panel's size on screen changed. */
+  layoutChanged(): void;
+}
+
+class Figure {
+  private readonly value_ = h('b');
+  private readonly unit_ = h('small');
+  readonly element: HTMLElement;
+
+  constructor(label: string) {
+    this.element = h('div', { class: 'figure' }, h('dt', {}, label), h('dd', {}, this.value_, this.unit_));
+  }
+
+  set(value: string, unit = ''): void {
+    setText(this.value_, value);
+    setText(this.unit_, unit);
+  }
+}
+
+function section(title: string, ...content: HTMLElement[]): HTMLElement {
+  return h('section', { 'aria-label': title }, h('h2', {}, title), ...content);
+}
+
+export class Panel {
+  readonly element: HTMLElement;
+  private readonly handle_ = h('button', { type: 'button', class: 'sheet-handle', 'aria-expanded': 'false' }, 'Show details');
+  private readonly motions_ = new Figure('Motions');
+  private readonly removed_ = new Figure('Removed');
+  private readonly triangles_ = new Figure('Triangles');
+  private readonly pitch_ = new Figure('Pitch');
+  private readonly hash_ = h('code', { title: 'State hash: equal for everybody who sees the same block' });
+  private readonly plotOf_ = h('span', { class: 'plot-of' });
+  private readonly people_: People;
+  private readonly plots_: Plots;
+
+  constructor(private readonly model: SessionModel, session: string, colors: { force: string; torque: string }, actions: PanelActions) {
+    this.people_ = new People(model, actions.pressedPerson);
+    this.plots_ = new Plots(colors.force, colors.torque);
+    const figures = h('dl', { class: 'figures' },
+      this.motions_.element, this.removed_.element, this.triangles_.element, this.pitch_.element);
+    const forces = section('Forces', this.plots_.element);
+    forces.querySelector('h2')?.append(this.plotOf_);
+    this.element = h('aside', { class: 'panel', 'aria-label': 'Session details' },
+      this.handle_,
+      h('div', { class: 'panel-scroll' },
+        figures, section('At the block', this.people_.root), forces,
+        section('Take it home', downloads(session)), section('Material', looks(actions.chosenLook)),
+        h('p', { class: 'quiet hash' }, 'State ', this.hash_)));
+    this.handle_.addEventListener('click', () => this.toggle_());
+    new ResizeObserver(() => actions.layoutChanged()).observe(this.element);
+  }
+
+  /** Redraws from the model; called a few times a second. */
+  update(selected: number | null, followed: number | null, nowMs: number): void {
+    const { state, welcome, tiles } = this.model;
+    this.motions_.set(state ? count(state.motions) : '–');
+    this.removed_.set(...(state ? volume(state.removed_volume_mm3) : ['–', ''] as [string, string]));
+    this.triangles_.set(count(tiles.triangles));
+    this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
+    setText(this.hash_, state ? state.state_hash : '–');
+    this.hash_.classList.toggle('settled', state?.settled === true);
+    this.people_.update(selected, followed, nowMs);
+    const participant = selected === null ? undefined : this.model.participants.get(selected);
+    setText(this.plotOf_, participant ? participant.info.name : '');
+    if (participant) this.plots_.show(participant.forces, nowMs / 1000);
+  }
+
+  private toggle_(): void {
+    const open = this.element.classList.toggle('open');
+    this.handle_.setAttribute('aria-expanded', String(open));
+    this.handle_.textContent = open ? 'Hide details' : 'Show details';
+  }
+}
+
+function downloads(session: string): HTMLElement {
+  const links = DOWNLOADS.map(([file, name, title]) => {
+    const link = h('a', {
+      class: 'download', href: `/v1/sessions/${encodeURIComponent(session)}/${file}`, download: `${session}-${file}`, title,
+    }, name);
+    link.insertAdjacentHTML('afterbegin', ICONS.download);
+    return link;
+  });
+  return h('div', { class: 'downloads' }, ...links);
+}
+
+function looks(chosen: (look: StockLook) => void): HTMLElement {
+  const group = h('div', { class: 'looks', role: 'radiogroup', 'aria-label': 'Material' });
+  const saved = recall('look');
+  const first = STOCK_LOOKS.find((look) => look.name === saved) ?? STOCK_LOOKS[0] as StockLook;
+  for (const look of STOCK_LOOKS) {
+    const input = h('input', { type: 'radio', name: 'look', 'aria-label': look.name });
+    input.checked = look === first;
+    input.addEventListener('change', () => {
+      remember('look', look.name);
+      chosen(look);
+    });
+    const swatch = h('span', { class: 'look', style: `background:linear-gradient(135deg, ${look.core} 55%, ${look.skin} 56%)` });
+    group.append(h('label', { title: look.name }, input, swatch));
+  }
+  chosen(first);
+  return group;
+}

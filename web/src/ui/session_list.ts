@@ -1,0 +1,39 @@
+// The front page: the sessions of this server, or straight into the only one.
+
+import { listSessions } from '../link/api';
+import type { SessionSummary } from '../link/api';
+import { h } from './dom';
+import { count, volume } from './format';
+import { failurePage } from './notice';
+
+export function sessionUrl(id: string): string {
+  return `?session=${encodeURIComponent(id)}`;
+}
+
+function card(session: SessionSummary): HTMLElement {
+  const people = session.participants === 1 ? '1 person' : `${session.participants} people`;
+  return h('li', {}, h('a', { class: 'card', href: sessionUrl(session.id) },
+    h('strong', {}, session.name),
+    h('span', { class: 'quiet' }, session.id),
+    h('span', {}, `${people} · ${count(session.motions)} motions · ${volume(session.removedVolumeMm3).join(' ')} removed`)));
+}
+
+/** Shows the list, or returns the id of the only session. */
+export async function showSessions(app: HTMLElement): Promise<string | null> {
+  let sessions: SessionSummary[];
+  try {
+    sessions = await listSessions();
+  } catch (problem) {
+    const text = `${(problem as Error).message} Is kerf-server running, and is this its address?`;
+    app.replaceChildren(failurePage('No connection', text, [{ label: 'Try again', href: '?' }]));
+    return null;
+  }
+  if (sessions.length === 1) return (sessions[0] as SessionSummary).id;
+  const body = sessions.length === 0
+    ? h('p', {}, 'There is no session yet. Start the server with a scene (', h('code', {}, 'kerf-server --scene scene.json'),
+      ') or POST one to ', h('code', {}, '/v1/sessions'), '.')
+    : h('ul', { class: 'cards' }, ...sessions.map(card));
+  app.replaceChildren(h('main', { class: 'page' },
+    h('h1', {}, 'Kerf'), h('p', { class: 'lead' }, 'Blocks being carved on this server. Pick one to watch.'), body));
+  return null;
+}

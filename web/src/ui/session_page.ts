@@ -1,0 +1,233 @@
+// One session on screen: puts link, model, view and panels together.
+
+import { probeSession } from '../link/api';
+import { ViewLink } from '../link/view_link';
+import type { Socket } from '../link/view_link';
+import { SessionModel } from '../model/session';
+import { Viewer } from '../view/viewer';
+import type { Insets } from '../view/camera_rig';
+import { FORCE_COLOR, TORQUE_COLOR } from '../view/wrench_view';
+import { Badge } from './badge';
+import { h, iconButton, setText } from './dom';
+import { figure } from './format';
+import { helpDialog } from './help';
+import { ICONS } from './icons';
+import { listenToKeys } from './keyboard';
+import { failurePage, Notice } from './notice';
+import { Panel } from './panel';
+
+const PANEL_EVERY_MS = 100;
+
+export class SessionPage {
+  readonly model = new SessionModel();
+  private readonly canvas_ = h('canvas', { class: 'canvas', tabindex: '0', role: 'img', 'aria-label': 'The block and the tools, in 3D' });
+  private readonly overlay_ = h('div', { class: 'overlay', 'aria-hidden': 'true' });
+  private readonly notice_ = new Notice();
+  private readonly badge_ = new Badge();
+  private readonly scale_ = h('div', { class: 'arrow-scale', 'aria-hidden': 'true' });
+  private readonly help_ = helpDialog();
+  private readonly toolbar_: HTMLElement;
+  private readonly bar_: HTMLElement;
+  private readonly panel_: Panel;
+  private readonly viewer_: Viewer;
+  private readonly link_: ViewLink;
+  private selected_: number | null = null;
+  private panelMs_ = 0;
+  private contextLost_ = false;
+
+  /** Throws where there is no WebGL. */
+  constructor(private readonly app: HTMLElement, private readonly session: string, name: string) {
+    this.viewer_ = new Viewer(this.canvas_, this.overlay_, this.model);
+    this.panel_ = new Panel(this.model, session, { force: FORCE_COLOR, torque: TORQUE_COLOR }, {
+      pressedPerson: (id) => this.pressedPerson_(id),
+      chosenLook: (look) => this.viewer_.setLook(look),
+      layoutChanged: () => this.resize_(),
+    });
+    this.toolbar_ = this.makeToolbar_();
+    this.bar_ = this.makeBar_();
+    this.link_ = this.makeLink_(name);
+    app.replaceChildren(h('main', { class: 'viewer' },
+      this.canvas_, this.overlay_, this.bar_, this.toolbar_, this.scale_, this.panel_.element, this.notice_.element, this.help_));
+    this.listen_();
+    this.resize_();
+  }
+
+  start(): void {
+    this.link_.start();
+    const frame = (nowMs: number): void => {
+      this.viewer_.tick(nowMs);
+      if (nowMs - this.panelMs_ >= PANEL_EVERY_MS) this.updatePanel_(nowMs);
+      requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+
+  /** The tool whose view is followed, or null. */
+  get followed(): number | null {
+    return this.viewer_.followed;
+  }
+
+  private makeLink_(name: string): ViewLink {
+    const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
+    return new ViewLink({
+      url: `${scheme}://${location.host}/v1/sessions/${encodeURIComponent(this.session)}/view`,
+      name,
+      open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
+      probe: () => probeSession(this.session),
+      nowMs: () => performance.now(),
+    }, {
+      status: (status, reason) => {
+        this.model.setStatus(status, reason);
+        if (status === 'stopped') this.showStopped_(reason);
+      },
+      message: (message) => {
+        this.model.apply(message);
+        if (message.type === 'welcome') this.viewer_.welcome(message);
+      },
+      tools: (header, tools) => this.model.applyTools(header, tools, performance.now()),
+      mesh: async (header, glb) => {
+        this.model.meshArrived(header, glb.byteLength, performance.now());
+        await this.viewer_.applyMesh(header, glb);
+      },
+      pong: (sent, received, serverUs) => this.model.clock.pong(sent, received, serverUs),
+      problem: (reason) => {
+        this.model.addProblem(reason);
+        console.warn(reason);
+      },
+    });
+  }
+
+  private makeBar_(): HTMLElement {
+    const copy = iconButton(ICONS.link, 'Copy a link to this session', '', () => {
+      void navigator.clipboard?.writeText(location.href).then(() => this.flash_('Link copied.'));
+    });
+    const home = h('a', { class: 'brand', href: '?list', 'aria-label': 'Kerf: all sessions' },
+      h('img', { src: './icon.svg', alt: '', width: '28', height: '28' }), 'Kerf');
+    return h('header', { class: 'bar' }, home, h('h1', { class: 'session-name', title: this.session }, this.session), copy, this.badge_.element);
+  }
+
+  private makeToolbar_(): HTMLElement {
+    const view = this.viewer_;
+    const now = (): number => performance.now();
+    return h('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'View' },
+      iconButton(ICONS.fit, 'Fit', 'F', () => view.rig.fit(now())),
+      iconButton(ICONS.iso, 'Three-quarter view', '0', () => view.rig.preset('iso', now())),
+      iconButton(ICONS.front, 'Front', '1', () => view.rig.preset('front', now())),
+      iconButton(ICONS.right, 'Right', '3', () => view.rig.preset('right', now())),
+      iconButton(ICONS.top, 'Top', '7', () => view.rig.preset('top', now())),
+      iconButton(ICONS.follow, 'Follow the next tool', 'N', () => this.followNext_()),
+      iconButton(ICONS.arrows, 'Force and torque arrows', 'A', () => this.toggleArrows_()),
+      iconButton(ICONS.help, 'Keyboard and pointer', '?', () => this.help_.showModal()));
+  }
+
+  private listen_(): void {
+    const { rig, stage } = this.viewer_;
+    listenToKeys({
+      preset: (preset) => rig.preset(preset, performance.now()),
+      fit: () => rig.fit(performance.now()),
+      orbit: (around, up) => rig.orbit(around, up),
+      pan: (right, up) => rig.pan(right, up),
+      zoom: (factor) => rig.zoom(factor),
+      followNext: () => this.followNext_(),
+      followNone: () => this.viewer_.follow(null),
+      toggleArrows: () => this.toggleArrows_(),
+      toggleGrid: () => {
+        stage.gridVisible = !stage.gridVisible;
+        this.viewer_.touch();
+      },
+      help: () => this.help_.showModal(),
+    });
+    window.addEventListener('resize', () => this.resize_());
+    window.addEventListener('online', () => this.link_.retryNow());
+    this.canvas_.addEventListener('dblclick', (event) => this.viewer_.lookAtPixel(event.offsetX, event.offsetY));
+    this.canvas_.addEventListener('webglcontextlost', (event) => {
+      event.preventDefault();
+      this.contextLost_ = true;
+    });
+    this.canvas_.addEventListener('webglcontextrestored', () => {
+      this.contextLost_ = false;
+      this.viewer_.touch();
+    });
+  }
+
+  private resize_(): void {
+    const width = Math.max(1, this.app.clientWidth);
+    const height = Math.max(1, this.app.clientHeight);
+    this.viewer_.resize(width, height, this.insets_(width, height));
+  }
+
+  /** What the panels cover of the picture. */
+  private insets_(width: number, height: number): Insets {
+    const panel = this.panel_.element.getBoundingClientRect();
+    const bar = this.bar_.getBoundingClientRect();
+    const sheet = panel.width > 0.9 * width;
+    return sheet
+      ? { left: 0, right: 0, top: bar.bottom, bottom: Math.min(0.6 * height, Math.max(0, height - panel.top)) }
+      : { left: 0, right: Math.max(0, width - panel.left), top: bar.bottom, bottom: 24 };
+  }
+
+  private updatePanel_(nowMs: number): void {
+    this.panelMs_ = nowMs;
+    const { participants } = this.model;
+    if (this.selected_ === null || !participants.get(this.selected_)) {
+      this.selected_ = participants.carvers()[0]?.info.participant ?? null;
+    }
+    if (this.followed !== null && !participants.get(this.followed)) this.viewer_.follow(null);
+    this.panel_.update(this.selected_, this.followed, nowMs);
+    this.badge_.update(this.model, nowMs);
+    const shown = participants.carvers().length > 0 && this.viewer_.arrowsVisible;
+    this.scale_.hidden = !shown;
+    if (shown) this.updateScale_();
+    this.notice_.show(this.noticeText_(nowMs));
+  }
+
+  private updateScale_(): void {
+    const { forceFullN, torqueFullNmm } = this.viewer_;
+    if (this.scale_.childElementCount === 0) {
+      this.scale_.append(
+        h('span', { style: `--line:${FORCE_COLOR}` }), h('span', { style: `--line:${TORQUE_COLOR}` }));
+    }
+    setText(this.scale_.children[0] as HTMLElement, `${figure(forceFullN)} N`);
+    setText(this.scale_.children[1] as HTMLElement, `${figure(torqueFullNmm)} N·mm`);
+  }
+
+  private flashText_ = '';
+  private flashUntilMs_ = 0;
+
+  private flash_(text: string): void {
+    this.flashText_ = text;
+    this.flashUntilMs_ = performance.now() + 2500;
+  }
+
+  private noticeText_(nowMs: number): string {
+    const { status, statusReason, tiles } = this.model;
+    if (this.contextLost_) return 'The graphics device was lost. The picture comes back as soon as the browser gives it back.';
+    if (status === 'reconnecting') return `${statusReason || 'The connection was lost.'} Trying again…`;
+    if (status === 'connecting') return 'Connecting…';
+    if (status === 'connected' && !tiles.complete) return 'Loading the block…';
+    return nowMs < this.flashUntilMs_ ? this.flashText_ : '';
+  }
+
+  private showStopped_(reason: string): void {
+    if (this.model.welcome) return; // the last picture stays, the badge tells
+    this.app.replaceChildren(failurePage('Nothing to watch here', reason || 'The server closed the session.', [
+      { label: 'All sessions', href: '?list' }, { label: 'Try again', href: location.search },
+    ]));
+  }
+
+  private pressedPerson_(id: number): void {
+    this.selected_ = id;
+    this.viewer_.follow(this.followed === id ? null : id);
+  }
+
+  private followNext_(): void {
+    const ids = this.model.participants.carvers().map((p) => p.info.participant);
+    const next = ids[ids.indexOf(this.followed ?? -1) + 1] ?? null;
+    if (next !== null) this.selected_ = next;
+    this.viewer_.follow(next);
+  }
+
+  private toggleArrows_(): void {
+    this.viewer_.arrowsVisible = !this.viewer_.arrowsVisible;
+  }
+}

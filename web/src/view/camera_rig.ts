@@ -1,0 +1,187 @@
+// The camera: orbit, pan and zoom with damping (mouse, pen, touch), preset views with a short flight, fit, and following a tool.
+
+import * as THREE from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import type { Bounds } from '../model/session';
+
+export type Preset = 'iso' | 'front' | 'back' | 'left' | 'right' | 'top' | 'bottom';
+
+const DIRECTIONS: Record<Preset, [number, number, number]> = {
+  iso: [-0.62, -1, 0.78],
+  front: [0, -1, 0],
+  back: [0, 1, 0],
+  left: [-1, 0, 0],
+  right: [1, 0, 0],
+  top: [0, -0.0002, 1],
+  bottom: [0, -0.0002, -1],
+};
+const FLIGHT_MS = 450;
+const FIT_MARGIN = 1.12;
+
+/** Parts of the canvas that panels cover, CSS pixels. */
+export interface Insets {
+  left: number;
+  right: number;
+  top: number;
+  bottom: number;
+}
+
+interface Flight {
+  startMs: number;
+  fromPosition: THREE.Vector3;
+  fromTarget: THREE.Vector3;
+  toPosition: THREE.Vector3;
+  toTarget: THREE.Vector3;
+}
+
+export class CameraRig {
+  readonly camera = new THREE.PerspectiveCamera(30, 1, 1, 1000);
+  readonly controls: OrbitControls;
+  private readonly center_ = new THREE.Vector3();
+  private readonly offset_ = new THREE.Vector3();
+  private radius_ = 100;
+  private width_ = 1;
+  private height_ = 1;
+  private insets_: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
+  private flight_: Flight | null = null;
+  private readonly follow_ = new THREE.Vector3();
+  private following_ = false;
+  private changed_ = true;
+
+  constructor(element: HTMLElement, private readonly reducedMotion: boolean) {
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, element);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.zoomToCursor = true;
+    this.controls.screenSpacePanning = true;
+    this.controls.addEventListener('change', () => { this.changed_ = true; });
+    this.controls.addEventListener('start', () => { this.flight_ = null; });
+  }
+
+  setBounds(bounds: Bounds): void {
+    const min = new THREE.Vector3(...bounds.min);
+    const max = new THREE.Vector3(...bounds.max);
+    this.center_.copy(min).add(max).multiplyScalar(0.5);
+    this.radius_ = Math.max(1e-3, min.distanceTo(max) / 2);
+    this.camera.near = this.radius_ / 50;
+    this.camera.far = this.radius_ * 40;
+    this.controls.minDistance = this.radius_ / 12;
+    this.controls.maxDistance = this.radius_ * 14;
+  }
+
+  resize(width: number, height: number, insets: Insets): void {
+    this.width_ = width;
+    this.height_ = height;
+    this.insets_ = insets;
+    this.camera.aspect = width / height;
+    // The picture's middle moves into the middle of what no panel covers.
+    const { left, right, top, bottom } = insets;
+    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
+    this.changed_ = true;
+  }
+
+  /** Flies to a preset direction, with the whole block in view. */
+  preset(preset: Preset, nowMs: number): void {
+    this.lookFrom_(new THREE.Vector3(...DIRECTIONS[preset]).normalize(), nowMs);
+  }
+
+  /** Brings the whole block into view from where the camera is. */
+  fit(nowMs: number): void {
+    this.lookFrom_(this.camera.position.clone().sub(this.controls.target).normalize(), nowMs);
+  }
+
+  /** Makes a point the middle of the picture. */
+  lookAt(point: THREE.Vector3, nowMs: number): void {
+    this.fly_(this.camera.position.clone().add(point).sub(this.controls.target), point, nowMs);
+  }
+
+  /** Keeps a point in the middle, smoothly; null stops. Turning and zooming stay free. */
+  followPoint(point: readonly [number, number, number] | null): void {
+    this.following_ = point !== null;
+    if (point) this.follow_.set(...point);
+  }
+
+  orbit(aroundRad: number, upRad: number): void {
+    const arm = this.offset_.copy(this.camera.position).sub(this.controls.target);
+    const polar = Math.acos(THREE.MathUtils.clamp(arm.z / arm.length(), -1, 1));
+    const toPolar = THREE.MathUtils.clamp(polar - upRad, 0.001, Math.PI - 0.001);
+    const azimuth = Math.atan2(arm.y, arm.x) + aroundRad;
+    const length = arm.length();
+    arm.set(Math.sin(toPolar) * Math.cos(azimuth), Math.sin(toPolar) * Math.sin(azimuth), Math.cos(toPolar));
+    this.camera.position.copy(this.controls.target).addScaledVector(arm, length);
+    this.changed_ = true;
+  }
+
+  /** Shifts the view by parts of its height. */
+  pan(right: number, up: number): void {
+    const reach = this.camera.position.distanceTo(this.controls.target) * Math.tan((this.camera.fov * Math.PI) / 360) * 2;
+    const move = new THREE.Vector3()
+      .addScaledVector(new THREE.Vector3().setFromMatrixColumn(this.camera.matrix, 0), right * reach)
+      .addScaledVector(new THREE.Vector3().setFromMatrixColumn(this.camera.matrix, 1), up * reach);
+    this.camera.position.add(move);
+    this.controls.target.add(move);
+    this.changed_ = true;
+  }
+
+  zoom(factor: number): void {
+    const arm = this.offset_.copy(this.camera.position).sub(this.controls.target);
+    const length = THREE.MathUtils.clamp(arm.length() * factor, this.controls.minDistance, this.controls.maxDistance);
+    this.camera.position.copy(this.controls.target).addScaledVector(arm.normalize(), length);
+    this.changed_ = true;
+  }
+
+  /** Advances flight, following and damping. Returns true if the picture changed. */
+  update(nowMs: number, sinceMs: number): boolean {
+    if (this.flight_) this.advance_(this.flight_, nowMs);
+    else if (this.following_) this.chase_(sinceMs);
+    this.controls.update();
+    const changed = this.changed_;
+    this.changed_ = false;
+    return changed;
+  }
+
+  private chase_(sinceMs: number): void {
+    const step = this.offset_.copy(this.follow_).sub(this.controls.target).multiplyScalar(1 - Math.exp(-sinceMs / 180));
+    if (step.lengthSq() < 1e-10 * this.radius_ * this.radius_) return;
+    this.controls.target.add(step);
+    this.camera.position.add(step);
+    this.changed_ = true;
+  }
+
+  private lookFrom_(direction: THREE.Vector3, nowMs: number): void {
+    const freeHeight = Math.max(80, this.height_ - this.insets_.top - this.insets_.bottom) / this.height_;
+    const freeWidth = Math.max(80, this.width_ - this.insets_.left - this.insets_.right) / this.height_;
+    const tangent = Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(freeHeight, freeWidth);
+    const distance = (FIT_MARGIN * this.radius_) / Math.sin(Math.atan(tangent));
+    this.fly_(this.center_.clone().addScaledVector(direction, distance), this.center_, nowMs);
+  }
+
+  private fly_(position: THREE.Vector3, target: THREE.Vector3, nowMs: number): void {
+    this.flight_ = {
+      startMs: this.reducedMotion ? -Infinity : nowMs,
+      fromPosition: this.camera.position.clone().sub(this.controls.target),
+      fromTarget: this.controls.target.clone(),
+      toPosition: position.clone().sub(target),
+      toTarget: target.clone(),
+    };
+    if (this.flight_.fromPosition.lengthSq() === 0) this.flight_.startMs = -Infinity; // the first view of all
+  }
+
+  /** The arm turns and stretches separately, so that a flight does not cut through the block. */
+  private advance_(flight: Flight, nowMs: number): void {
+    const linear = Math.min(1, (nowMs - flight.startMs) / FLIGHT_MS);
+    const part = linear * linear * (3 - 2 * linear);
+    const arm = flight.toPosition.clone().normalize();
+    if (part < 1) {
+      const from = flight.fromPosition.clone().normalize();
+      const turn = new THREE.Quaternion().setFromUnitVectors(from, arm);
+      arm.copy(from).applyQuaternion(new THREE.Quaternion().slerp(turn, part));
+    }
+    const length = THREE.MathUtils.lerp(flight.fromPosition.length(), flight.toPosition.length(), part);
+    this.controls.target.lerpVectors(flight.fromTarget, flight.toTarget, part);
+    this.camera.position.copy(this.controls.target).addScaledVector(arm, length);
+    if (part >= 1) this.flight_ = null;
+    this.changed_ = true;
+  }
+}

@@ -1,0 +1,148 @@
+// Renderer, light and ground: a bright studio with one soft key light and a sheet of paper with a millimetre grid under the
+// block. World units are mm, Z is up.
+
+import * as THREE from 'three';
+import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
+import type { Bounds } from '../model/session';
+
+const GRID_VERTEX = /* glsl */ `
+varying vec3 vWorld;
+void main() {
+  vec4 world = modelMatrix * vec4(position, 1.0);
+  vWorld = world.xyz;
+  gl_Position = projectionMatrix * viewMatrix * world;
+}`;
+
+const GRID_FRAGMENT = /* glsl */ `
+varying vec3 vWorld;
+uniform vec2 center;
+uniform float reach;
+uniform float step;
+uniform vec2 footMin;
+uniform vec2 footMax;
+float lines(float spacing) {
+  vec2 at = vWorld.xy / spacing;
+  vec2 width = fwidth(at);
+  vec2 line = 1.0 - smoothstep(vec2(0.0), width * 1.2, abs(fract(at - 0.5) - 0.5));
+  return max(line.x, line.y) * (1.0 - smoothstep(0.25, 0.6, max(width.x, width.y)));
+}
+void main() {
+  float fade = 1.0 - smoothstep(0.25 * reach, reach, distance(vWorld.xy, center));
+  float ink = max(0.20 * lines(step), 0.42 * lines(step * 10.0));
+  ink *= fade * fade;
+  // The soft dark rim where a body stands on paper.
+  vec2 beside = max(max(footMin - vWorld.xy, vWorld.xy - footMax), vec2(0.0));
+  float rim = 0.34 * exp(-length(beside) / (0.035 * reach)) + 0.10 * exp(-length(beside) / (0.12 * reach));
+  float alpha = 1.0 - (1.0 - ink) * (1.0 - rim);
+  gl_FragColor = vec4(mix(vec3(0.44, 0.53, 0.64), vec3(0.19, 0.23, 0.29), rim / max(alpha, 1e-4)), alpha);
+}`;
+
+export class Stage {
+  readonly scene = new THREE.Scene();
+  readonly renderer: THREE.WebGLRenderer;
+  private readonly key_ = new THREE.DirectionalLight('#fff3e2', 2.3);
+  private readonly fill_ = new THREE.DirectionalLight('#dfeaff', 0.55);
+  private readonly ground_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ opacity: 0.22 }));
+  private readonly gridMaterial_ = new THREE.ShaderMaterial({
+    vertexShader: GRID_VERTEX,
+    fragmentShader: GRID_FRAGMENT,
+    uniforms: {
+      center: { value: new THREE.Vector2() }, reach: { value: 1 }, step: { value: 10 },
+      footMin: { value: new THREE.Vector2() }, footMax: { value: new THREE.Vector2() },
+    },
+    transparent: true,
+    depthWrite: false,
+  });
+  private readonly grid_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), this.gridMaterial_);
+
+  private size_ = '';
+
+  /** Throws where there is no WebGL 2. */
+  constructor(canvas: HTMLCanvasElement) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.renderer.toneMapping = THREE.NeutralToneMapping;
+    this.renderer.toneMappingExposure = 1.0;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false;
+    this.addLight_();
+    this.grid_.renderOrder = -1;
+    this.ground_.receiveShadow = true;
+    this.scene.add(this.ground_, this.grid_);
+  }
+
+  /** True where the processor draws instead of a graphics card (remote desktops, virtual machines). */
+  get drawsInSoftware(): boolean {
+    const gl = this.renderer.getContext();
+    const info = gl.getExtension('WEBGL_debug_renderer_info');
+    const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  }
+
+  private addLight_(): void {
+    const room = new RoomEnvironment();
+    const generator = new THREE.PMREMGenerator(this.renderer);
+    this.scene.environment = generator.fromScene(room, 0.04).texture;
+    this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // the room is made with Y up
+    this.scene.environmentIntensity = 0.62;
+    generator.dispose();
+    room.dispose();
+    this.key_.castShadow = true;
+    this.key_.shadow.mapSize.set(2048, 2048);
+    this.key_.shadow.radius = 5;
+    this.scene.add(this.key_, this.key_.target, this.fill_, this.fill_.target);
+  }
+
+  /** Fits lights, shadow and ground to the block. */
+  setBounds(bounds: Bounds, pitchMm: number): void {
+    const min = new THREE.Vector3(...bounds.min);
+    const max = new THREE.Vector3(...bounds.max);
+    const center = min.clone().add(max).multiplyScalar(0.5);
+    const diagonal = min.distanceTo(max);
+    const shadow = this.key_.shadow;
+    this.key_.position.copy(center).add(new THREE.Vector3(-0.95, -0.2, 1.05).multiplyScalar(diagonal));
+    this.key_.target.position.copy(center);
+    this.fill_.position.copy(center).add(new THREE.Vector3(1.2, -0.5, 0.5).multiplyScalar(diagonal));
+    this.fill_.target.position.copy(center);
+    const half = 0.85 * diagonal;
+    Object.assign(shadow.camera, { left: -half, right: half, top: half, bottom: -half, near: 0.1 * diagonal, far: 3.2 * diagonal });
+    shadow.camera.updateProjectionMatrix();
+    shadow.normalBias = Math.max(0.6 * pitchMm, diagonal / 900);
+    shadow.bias = -0.0004;
+    const reach = 2.1 * diagonal;
+    for (const sheet of [this.ground_, this.grid_]) {
+      sheet.position.set(center.x, center.y, min.z - 0.0005 * diagonal);
+      sheet.scale.set(2 * reach, 2 * reach, 1);
+    }
+    const { uniforms } = this.gridMaterial_;
+    Object.assign(uniforms, {
+      center: { value: new THREE.Vector2(center.x, center.y) },
+      reach: { value: reach },
+      step: { value: diagonal > 40 ? 10 : 1 },
+      footMin: { value: new THREE.Vector2(min.x, min.y) },
+      footMax: { value: new THREE.Vector2(max.x, max.y) },
+    });
+  }
+
+  set gridVisible(visible: boolean) {
+    this.grid_.visible = visible;
+  }
+
+  get gridVisible(): boolean {
+    return this.grid_.visible;
+  }
+
+  /** Does nothing if nothing changes, because setting a canvas' size clears it. */
+  setSize(width: number, height: number, pixelRatio: number): void {
+    const wanted = `${width}x${height}@${pixelRatio}`;
+    if (wanted === this.size_) return;
+    this.size_ = wanted;
+    this.renderer.setPixelRatio(pixelRatio);
+    this.renderer.setSize(width, height, false);
+  }
+
+  render(camera: THREE.Camera, withShadows: boolean): void {
+    if (withShadows) this.renderer.shadowMap.needsUpdate = true;
+    this.renderer.render(this.scene, camera);
+  }
+}

@@ -1,0 +1,81 @@
+// A participant's tool: the cutter as the scene defines it, a collar in the participant's colour, and a translucent holder upward.
+// The group's origin is the tool's tip, its +Z the tool's axis.
+
+import * as THREE from 'three';
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { toolProfile } from '../model/tool_profile';
+import type { OutlinePoint, ToolProfile } from '../model/tool_profile';
+import type { ToolInfo } from '../wire/types';
+
+const ROUND_SEGMENTS = 48;
+const UP = new THREE.Vector3(0, 0, 1);
+
+function lathe(pieces: OutlinePoint[][]): THREE.BufferGeometry {
+  const parts = pieces.map((piece) =>
+    new THREE.LatheGeometry(piece.map(([r, z]) => new THREE.Vector2(r, z)), ROUND_SEGMENTS));
+  const merged = mergeGeometries(parts);
+  for (const part of parts) part.dispose();
+  return merged.rotateX(Math.PI / 2); // LatheGeometry turns about Y
+}
+
+function cylinder(radius: number, z0: number, z1: number): OutlinePoint[][] {
+  return [[[0, z0], [radius, z0]], [[radius, z0], [radius, z1]], [[radius, z1], [0, z1]]];
+}
+
+export class ToolView {
+  readonly group = new THREE.Group();
+  profile: ToolProfile;
+  /** Height of the holder's top above the tip, where the name hangs. */
+  readonly topMm: number;
+  private readonly axis_ = new THREE.Vector3();
+
+  constructor(tool: ToolInfo, color: string, pivotMm: number) {
+    this.profile = toolProfile(tool);
+    const { lengthMm: length, topRadiusMm: radius } = this.profile;
+    this.topMm = Math.max(length * 1.35, length + 18, pivotMm);
+    const collarRadius = radius * 1.25 + 0.8;
+    const collarTop = length + Math.max(2.5, radius * 0.5);
+    this.group.add(
+      this.part_(this.profile.pieces, new THREE.MeshStandardMaterial({
+        color: '#e4e9ef', metalness: 0.75, roughness: 0.28, envMapIntensity: 1.8, side: THREE.DoubleSide,
+      })),
+      this.part_(cylinder(collarRadius, length, collarTop), new THREE.MeshStandardMaterial({
+        color, metalness: 0.05, roughness: 0.45,
+      })),
+    );
+    const holder = this.part_(cylinder(collarRadius * 0.92, collarTop, this.topMm), new THREE.MeshStandardMaterial({
+      color, transparent: true, opacity: 0.26, roughness: 0.3, depthWrite: false,
+    }));
+    holder.castShadow = false;
+    holder.renderOrder = 2;
+    this.group.add(holder, this.spindleLine_(color));
+  }
+
+  setPose(tip: readonly [number, number, number], axis: readonly [number, number, number]): void {
+    this.group.position.set(...tip);
+    this.group.quaternion.setFromUnitVectors(UP, this.axis_.set(...axis));
+  }
+
+  dispose(): void {
+    this.group.traverse((object) => {
+      const drawn = object as THREE.Mesh<THREE.BufferGeometry, THREE.Material>;
+      drawn.geometry?.dispose();
+      drawn.material?.dispose();
+    });
+    this.group.removeFromParent();
+  }
+
+  private part_(pieces: OutlinePoint[][], material: THREE.Material): THREE.Mesh {
+    const mesh = new THREE.Mesh(lathe(pieces), material);
+    mesh.castShadow = true;
+    mesh.receiveShadow = true;
+    return mesh;
+  }
+
+  private spindleLine_(color: string): THREE.Line {
+    const geometry = new THREE.BufferGeometry().setFromPoints([
+      new THREE.Vector3(0, 0, this.topMm), new THREE.Vector3(0, 0, this.topMm * 1.25),
+    ]);
+    return new THREE.Line(geometry, new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.6 }));
+  }
+}

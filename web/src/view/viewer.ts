@@ -1,0 +1,276 @@
+// Draws the session: owns the views, moves them from the model once per displayed frame, and draws only when something changed.
+
+import * as THREE from 'three';
+import type { StockLook } from '../model/materials';
+import { roundUp125 } from '../model/forces';
+import type { Participant } from '../model/participants';
+import { emptyPose } from '../model/pose_track';
+import type { Pose } from '../model/pose_track';
+import { Quality } from '../model/quality';
+import { stockBounds } from '../model/session';
+import type { SessionModel } from '../model/session';
+import { MESH_SNAPSHOT_LAST } from '../wire/types';
+import type { Header, Welcome } from '../wire/types';
+import { CameraRig } from './camera_rig';
+import type { Insets } from './camera_rig';
+import { TileParser } from './glb_tiles';
+import { Label } from './labels';
+import { Stage } from './stage';
+import { StockMaterial } from './stock_material';
+import { TileView } from './tile_view';
+import { ToolView } from './tool_view';
+import { WrenchView } from './wrench_view';
+
+const PLAYOUT_MS = 90; // how far in the past tools are drawn, so that there is a later sample to move towards
+const STILL_AFTER_MS = 260;
+const ARROW_PART = 0.34; // a full-scale arrow relative to the block's diagonal
+const RESCALE_EVERY_MS = 250;
+const LEAST_FULL_N = 0.1; // below this an arrow would show noise
+const LEAST_FULL_NMM = 1;
+
+interface Carver {
+  tool: ToolView | null;
+  toolId: number;
+  color: string;
+  wrench: WrenchView;
+  label: Label;
+  pose: Pose;
+  moved: Pose;
+}
+
+export class Viewer {
+  readonly rig: CameraRig;
+  readonly stage: Stage;
+  /** What a full-length arrow stands for. */
+  forceFullN = 1;
+  torqueFullNmm = 1;
+  private arrowsVisible_ = true;
+  private readonly stockMaterial_ = new StockMaterial();
+  private readonly tiles_ = new TileView(this.stockMaterial_.material);
+  private readonly parser_ = new TileParser();
+  private readonly carvers_ = new Map<number, Carver>();
+  private readonly quality_: Quality;
+  private readonly top_ = new THREE.Vector3();
+  private width_ = 1;
+  private height_ = 1;
+  private pivotMm_ = 60;
+  private arrowMm_ = 40;
+  private dirty_ = true;
+  private shadowsDirty_ = true;
+  private stillDrawn_ = false;
+  private lastDrawMs_ = 0;
+  private lastTickMs_ = 0;
+  private rescaledMs_ = -Infinity;
+  private followed_: number | null = null;
+  private fitted_ = false;
+
+  constructor(canvas: HTMLCanvasElement, private readonly overlay: HTMLElement, private readonly model: SessionModel) {
+    this.stage = new Stage(canvas);
+    this.quality_ = new Quality(Math.min(2, window.devicePixelRatio || 1), this.stage.drawsInSoftware);
+    this.stage.scene.add(this.tiles_.group);
+    this.rig = new CameraRig(canvas, window.matchMedia('(prefers-reduced-motion: reduce)').matches);
+  }
+
+  /** A session was joined, for the first time or again. */
+  welcome(welcome: Welcome): void {
+    const bounds = stockBounds(welcome.stock);
+    this.stage.setBounds(bounds, welcome.pitch_mm);
+    this.rig.setBounds(bounds);
+    this.stockMaterial_.setStock(
+      welcome.stock, welcome.pitch_mm, new THREE.Vector3(...bounds.min), new THREE.Vector3(...bounds.max));
+    this.pivotMm_ = welcome.pivot_mm;
+    this.arrowMm_ = ARROW_PART * new THREE.Vector3(...bounds.min).distanceTo(new THREE.Vector3(...bounds.max));
+    for (const id of [...this.carvers_.keys()]) this.removeCarver_(id); // their tools may have been redefined
+    if (!this.fitted_) this.rig.preset('iso', performance.now());
+    this.fitted_ = true;
+    this.touch();
+  }
+
+  /** Swaps in the tiles of one mesh frame that are newer than what is shown. */
+  async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
+    for (const tile of await this.parser_.parse(glb)) {
+      if (this.model.tiles.offer(tile.x, tile.y, tile.version, tile.triangles)) this.tiles_.set(tile);
+      else tile.geometry?.dispose();
+    }
+    if (header.flags & MESH_SNAPSHOT_LAST) {
+      for (const key of this.model.tiles.finishSnapshot()) this.tiles_.remove(key);
+    }
+    this.shadowsDirty_ = true;
+    this.touch();
+  }
+
+  setLook(look: StockLook): void {
+    this.stockMaterial_.setLook(look);
+    this.touch();
+  }
+
+  get arrowsVisible(): boolean {
+    return this.arrowsVisible_;
+  }
+
+  set arrowsVisible(visible: boolean) {
+    this.arrowsVisible_ = visible;
+    for (const carver of this.carvers_.values()) carver.wrench.group.visible = visible;
+    this.touch();
+  }
+
+  /** Something changed: draw again. */
+  touch(): void {
+    this.dirty_ = true;
+  }
+
+  follow(participant: number | null): void {
+    this.followed_ = participant;
+    if (participant === null) this.rig.followPoint(null);
+  }
+
+  get followed(): number | null {
+    return this.followed_;
+  }
+
+  resize(width: number, height: number, insets: Insets): void {
+    this.width_ = width;
+    this.height_ = height;
+    this.stage.setSize(width, height, this.quality_.movingRatio);
+    this.rig.resize(width, height, insets);
+    this.touch();
+  }
+
+  /** Makes the point of the block under a position on the canvas (CSS pixels) the middle of the picture. */
+  lookAtPixel(x: number, y: number): void {
+    const pointer = new THREE.Vector2((x / this.width_) * 2 - 1, 1 - (y / this.height_) * 2);
+    const raycaster = new THREE.Raycaster();
+    raycaster.setFromCamera(pointer, this.rig.camera);
+    const point = this.tiles_.pick(raycaster);
+    if (point) this.rig.lookAt(point, performance.now());
+  }
+
+  /** One displayed frame. */
+  tick(nowMs: number): void {
+    const since = Math.min(100, nowMs - this.lastTickMs_);
+    this.lastTickMs_ = nowMs;
+    this.moveTools_(nowMs);
+    if (this.rig.update(nowMs, since)) this.touch();
+    if (this.dirty_) this.drawMoving_(nowMs);
+    else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > STILL_AFTER_MS) this.drawStill_();
+  }
+
+  private drawMoving_(nowMs: number): void {
+    const moving = !this.stillDrawn_;
+    if (moving) this.quality_.frame(nowMs - this.lastDrawMs_);
+    this.stage.setSize(this.width_, this.height_, this.quality_.movingRatio);
+    this.draw_(this.shadowsDirty_ && this.quality_.shadowsWhileMoving);
+    this.dirty_ = false;
+    this.stillDrawn_ = false;
+    this.lastDrawMs_ = nowMs;
+  }
+
+  private drawStill_(): void {
+    this.stage.setSize(this.width_, this.height_, this.quality_.stillRatio);
+    this.draw_(this.shadowsDirty_);
+    this.stillDrawn_ = true;
+  }
+
+  private draw_(withShadows: boolean): void {
+    if (withShadows) this.shadowsDirty_ = false;
+    this.stage.render(this.rig.camera, withShadows);
+    for (const carver of this.carvers_.values()) {
+      if (!carver.tool) continue;
+      this.top_.set(0, 0, carver.tool.topMm * 1.25).applyMatrix4(carver.tool.group.matrixWorld);
+      carver.label.place(this.top_, this.rig.camera, this.width_, this.height_);
+    }
+  }
+
+  private moveTools_(nowMs: number): void {
+    const present = this.model.participants.carvers();
+    for (const id of [...this.carvers_.keys()]) {
+      if (!this.model.participants.get(id)) this.removeCarver_(id);
+    }
+    this.rescaleArrows_(present, nowMs);
+    for (const participant of present) {
+      const carver = this.carver_(participant);
+      if (!carver.tool || !participant.track.sample(nowMs - PLAYOUT_MS, carver.pose)) continue;
+      if (participant.info.participant === this.followed_) this.rig.followPoint(carver.pose.tip);
+      if (!differs(carver.pose, carver.moved)) continue;
+      copyPose(carver.pose, carver.moved);
+      carver.tool.group.visible = true;
+      carver.tool.setPose(carver.pose.tip, carver.pose.axis);
+      carver.wrench.group.visible = this.arrowsVisible_;
+      carver.wrench.set(carver.pose, this.pivotMm_, this.arrowMm_, this.forceFullN, this.torqueFullNmm);
+      this.shadowsDirty_ = true;
+      this.touch();
+    }
+  }
+
+  /** One scale for everybody, so that arrows can be compared: the largest of the last seconds, rounded up. */
+  private rescaleArrows_(present: readonly Participant[], nowMs: number): void {
+    if (nowMs - this.rescaledMs_ < RESCALE_EVERY_MS) return;
+    this.rescaledMs_ = nowMs;
+    let forceN = LEAST_FULL_N;
+    let torqueNmm = LEAST_FULL_NMM;
+    for (const { forces } of present) {
+      const { peak } = forces;
+      forceN = Math.max(forceN, peak.forceN);
+      torqueNmm = Math.max(torqueNmm, peak.torqueNmm);
+    }
+    this.forceFullN = roundUp125(forceN);
+    this.torqueFullNmm = roundUp125(torqueNmm);
+  }
+
+  private carver_(participant: Participant): Carver {
+    const { participant: id, color, name } = participant.info;
+    let carver = this.carvers_.get(id);
+    if (!carver) {
+      carver = {
+        tool: null, toolId: 0, color, wrench: new WrenchView(), label: new Label(this.overlay),
+        pose: emptyPose(), moved: emptyPose(),
+      };
+      carver.label.element.hidden = true;
+      this.stage.scene.add(carver.wrench.group);
+      this.carvers_.set(id, carver);
+    }
+    if (carver.toolId !== participant.tool || carver.color !== color) this.replaceTool_(carver, participant.tool, color);
+    carver.label.set(name, color);
+    return carver;
+  }
+
+  private replaceTool_(carver: Carver, toolId: number, color: string): void {
+    carver.tool?.dispose();
+    const info = this.model.tool(toolId);
+    carver.tool = info ? new ToolView(info, color, this.pivotMm_) : null;
+    carver.toolId = toolId;
+    carver.color = color;
+    carver.moved.tip[0] = Number.NaN; // the next pose counts as new
+    if (!carver.tool) return;
+    carver.tool.group.visible = false; // until there is a pose
+    this.stage.scene.add(carver.tool.group);
+  }
+
+  private removeCarver_(id: number): void {
+    const carver = this.carvers_.get(id);
+    if (!carver) return;
+    carver.tool?.dispose();
+    carver.wrench.dispose();
+    carver.label.dispose();
+    this.carvers_.delete(id);
+    this.shadowsDirty_ = true;
+    this.touch();
+  }
+}
+
+function differs(a: Pose, b: Pose): boolean {
+  for (let i = 0; i < 3; ++i) {
+    if (a.tip[i] !== b.tip[i] || a.axis[i] !== b.axis[i] || a.force[i] !== b.force[i] || a.torque[i] !== b.torque[i]) return true;
+  }
+  return false;
+}
+
+function copyPose(from: Pose, to: Pose): void {
+  for (let i = 0; i < 3; ++i) {
+    to.tip[i] = from.tip[i] as number;
+    to.axis[i] = from.axis[i] as number;
+    to.force[i] = from.force[i] as number;
+    to.torque[i] = from.torque[i] as number;
+  }
+  to.removedRate = from.removedRate;
+}

@@ -1,0 +1,250 @@
+// Binary frames: encode and decode (server/wire/README.md). The viewer needs a few of them; all are here because both codecs
+// must pass the same golden bytes. Nothing here throws on what a peer sent.
+
+import { Reader, Writer } from './cursor';
+import {
+  AXIS_LENGTH_TOLERANCE, FrameType, HEADER_BYTES, HEADER_BYTES_MAX, LIST_HEAD_BYTES, MAGIC, RESULT_BYTES, SAMPLE_BYTES,
+  SAMPLES_PER_MESSAGE_MAX, TOOL_STATE_BYTES, TOOL_STATES_MAX,
+} from './types';
+import type { Decoded, DecodeError, Frame, Header, Payload, Result, Sample, ToolState } from './types';
+
+type Failure = { ok: false; error: DecodeError };
+
+function refuse(code: DecodeError['code'], offset: number, reason: string): Failure {
+  return { ok: false, error: { code, offset, reason } };
+}
+
+function readSample(from: Reader): Sample {
+  const sample = {
+    agent_sequence: from.u64(),
+    time_us: from.u64(),
+    tip_mm: from.vec3d(),
+    axis: from.vec3f(),
+    tool_id: from.u32(),
+    buttons: from.u32(),
+  };
+  from.u32(); // reserved
+  return sample;
+}
+
+function writeSample(to: Writer, s: Sample): void {
+  to.u64(s.agent_sequence);
+  to.u64(s.time_us);
+  to.vec3d(s.tip_mm);
+  to.vec3f(s.axis);
+  to.u32(s.tool_id);
+  to.u32(s.buttons);
+  to.u32(0);
+}
+
+function readToolState(from: Reader): ToolState {
+  const state = {
+    participant: from.u32(),
+    tool_id: from.u32(),
+    tip_mm: from.vec3d(),
+    axis: from.vec3f(),
+    status: from.u32(),
+    force_n: from.vec3f(),
+    torque_nmm: from.vec3f(),
+    removed_rate_mm3_per_s: from.f32(),
+  };
+  from.u32(); // reserved
+  return state;
+}
+
+function writeToolState(to: Writer, t: ToolState): void {
+  to.u32(t.participant);
+  to.u32(t.tool_id);
+  to.vec3d(t.tip_mm);
+  to.vec3f(t.axis);
+  to.u32(t.status);
+  to.vec3f(t.force_n);
+  to.vec3f(t.torque_nmm);
+  to.f32(t.removed_rate_mm3_per_s);
+  to.u32(0);
+}
+
+function readResult(from: Reader): Result {
+  const head = {
+    agent_sequence: from.u64(),
+    agent_time_us: from.u64(),
+    motions_applied: from.u64(),
+    force_n: from.vec3f(),
+    torque_nmm: from.vec3f(),
+    engaged_area_mm2: from.f32(),
+    direction: from.vec3f(),
+    cut_centre_mm: from.vec3d(),
+    specific_force_n_per_mm2: from.f32(),
+    removed_mm3: from.f32(),
+    status: from.u32(),
+  };
+  from.u32(); // reserved
+  return { ...head, collision_force_n: from.vec3f(), turnaround_us: from.u32() };
+}
+
+function writeResult(to: Writer, r: Result): void {
+  to.u64(r.agent_sequence);
+  to.u64(r.agent_time_us);
+  to.u64(r.motions_applied);
+  to.vec3f(r.force_n);
+  to.vec3f(r.torque_nmm);
+  to.f32(r.engaged_area_mm2);
+  to.vec3f(r.direction);
+  to.vec3d(r.cut_centre_mm);
+  to.f32(r.specific_force_n_per_mm2);
+  to.f32(r.removed_mm3);
+  to.u32(r.status);
+  to.u32(0);
+  to.vec3f(r.collision_force_n);
+  to.u32(r.turnaround_us);
+}
+
+/** The count in front of a list, checked against its limits and the bytes that follow it. */
+function readCount(from: Reader, bytes: number, least: number, most: number, entryBytes: number): Decoded<number> {
+  const start = from.at;
+  if (bytes < LIST_HEAD_BYTES) return refuse('too_short', start, 'the payload ends before its count');
+  const count = from.u32();
+  from.u32(); // reserved
+  if (count < least || count > most) return refuse('bad_count', start, `count ${count} is not in ${least}..${most}`);
+  if (bytes !== LIST_HEAD_BYTES + count * entryBytes) {
+    return refuse('payload_mismatch', start, `${count} entries do not fill ${bytes} bytes`);
+  }
+  return { ok: true, value: count };
+}
+
+function notFinite(from: Reader): Failure | null {
+  return from.notFiniteAt < 0 ? null : refuse('not_finite', from.notFiniteAt, 'a number is not finite');
+}
+
+function readMotion(from: Reader, bytes: number): Decoded<Payload> {
+  const count = readCount(from, bytes, 1, SAMPLES_PER_MESSAGE_MAX, SAMPLE_BYTES);
+  if (!count.ok) return count;
+  const samples: Sample[] = [];
+  for (let i = 0; i < count.value; ++i) {
+    const start = from.at;
+    const sample = readSample(from);
+    const failure = notFinite(from);
+    if (failure) return failure;
+    if (Math.abs(Math.hypot(...sample.axis) - 1) > AXIS_LENGTH_TOLERANCE) {
+      return refuse('axis_not_unit', start + 40, 'the axis is not of length 1');
+    }
+    const follows = i === 0 || sample.agent_sequence === (samples[i - 1] as Sample).agent_sequence + 1n;
+    if (sample.agent_sequence === 0n || !follows) {
+      return refuse('bad_sequence', start, 'sample numbers are not consecutive from 1');
+    }
+    samples.push(sample);
+  }
+  return { ok: true, value: { kind: 'motion', samples } };
+}
+
+function readTools(from: Reader, bytes: number): Decoded<Payload> {
+  const count = readCount(from, bytes, 0, TOOL_STATES_MAX, TOOL_STATE_BYTES);
+  if (!count.ok) return count;
+  const tools: ToolState[] = [];
+  for (let i = 0; i < count.value; ++i) tools.push(readToolState(from));
+  return notFinite(from) ?? { ok: true, value: { kind: 'tools', tools } };
+}
+
+const FIXED_BYTES = new Map<number, number>([
+  [FrameType.Result, RESULT_BYTES], [FrameType.Ack, 0], [FrameType.Ping, 8], [FrameType.Pong, 16],
+]);
+
+function readPayload(view: DataView, type: number, at: number, bytes: number): Decoded<Payload> {
+  const fixed = FIXED_BYTES.get(type);
+  if (fixed !== undefined && fixed !== bytes) {
+    return refuse('payload_mismatch', 8, `type ${type} needs ${fixed} payload bytes, not ${bytes}`);
+  }
+  const from = new Reader(view, at);
+  switch (type) {
+    case FrameType.Motion: return readMotion(from, bytes);
+    case FrameType.Tools: return readTools(from, bytes);
+    case FrameType.Mesh:
+      return { ok: true, value: { kind: 'mesh', glb: new Uint8Array(view.buffer, view.byteOffset + at, bytes) } };
+    case FrameType.Result: {
+      const result = readResult(from);
+      return notFinite(from) ?? { ok: true, value: { kind: 'result', result } };
+    }
+    case FrameType.Ack: return { ok: true, value: { kind: 'ack' } };
+    case FrameType.Ping: return { ok: true, value: { kind: 'ping', time_us: from.u64() } };
+    case FrameType.Pong:
+      return { ok: true, value: { kind: 'pong', ping_time_us: from.u64(), time_us: from.u64() } };
+    default: return { ok: true, value: { kind: 'unknown' } };
+  }
+}
+
+/** Reads one binary frame. A type that this version does not know is not an error: it comes back as `unknown`. */
+export function decodeFrame(bytes: ArrayBuffer | Uint8Array): Decoded<Frame> {
+  const view = bytes instanceof Uint8Array
+    ? new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength)
+    : new DataView(bytes);
+  const size = view.byteLength;
+  if (size < HEADER_BYTES) return refuse('too_short', size, 'the frame ends inside its header');
+  if (view.getUint32(0, true) !== MAGIC) return refuse('bad_magic', 0, 'the frame does not start with KRF1');
+  const headerBytes = view.getUint16(6, true);
+  if (headerBytes < HEADER_BYTES || headerBytes > Math.min(HEADER_BYTES_MAX, size)) {
+    return refuse('bad_header_bytes', 6, `header_bytes is ${headerBytes}`);
+  }
+  const payloadBytes = view.getUint32(8, true);
+  if (payloadBytes !== size - headerBytes) {
+    return refuse('payload_mismatch', 8, `payload_bytes is ${payloadBytes}, but ${size - headerBytes} follow`);
+  }
+  const header: Header = {
+    type: view.getUint8(4),
+    flags: view.getUint8(5),
+    epoch: view.getUint32(12, true),
+    sequence: view.getBigUint64(16, true),
+    time_us: view.getBigUint64(24, true),
+  };
+  const payload = readPayload(view, header.type, headerBytes, payloadBytes);
+  return payload.ok ? { ok: true, value: { header, ...payload.value } } : payload;
+}
+
+function payloadSize(frame: Payload): number {
+  switch (frame.kind) {
+    case 'motion': return LIST_HEAD_BYTES + frame.samples.length * SAMPLE_BYTES;
+    case 'result': return RESULT_BYTES;
+    case 'mesh': return frame.glb.byteLength;
+    case 'tools': return LIST_HEAD_BYTES + frame.tools.length * TOOL_STATE_BYTES;
+    case 'ping': return 8;
+    case 'pong': return 16;
+    case 'ack': case 'unknown': return 0;
+  }
+}
+
+function writeList<T>(to: Writer, entries: readonly T[], write: (to: Writer, entry: T) => void): void {
+  to.u32(entries.length);
+  to.u32(0);
+  for (const entry of entries) write(to, entry);
+}
+
+function writePayload(to: Writer, bytes: Uint8Array, frame: Payload): void {
+  switch (frame.kind) {
+    case 'motion': writeList(to, frame.samples, writeSample); break;
+    case 'result': writeResult(to, frame.result); break;
+    case 'mesh': bytes.set(frame.glb, to.at); break;
+    case 'tools': writeList(to, frame.tools, writeToolState); break;
+    case 'ping': to.u64(frame.time_us); break;
+    case 'pong':
+      to.u64(frame.ping_time_us);
+      to.u64(frame.time_us);
+      break;
+    case 'ack': case 'unknown': break;
+  }
+}
+
+/** Writes one frame. The header's type must be that of the payload; the lengths are computed. */
+export function encodeFrame(frame: Frame): Uint8Array<ArrayBuffer> {
+  const payloadBytes = payloadSize(frame);
+  const bytes = new Uint8Array(HEADER_BYTES + payloadBytes);
+  const view = new DataView(bytes.buffer);
+  view.setUint32(0, MAGIC, true);
+  view.setUint8(4, frame.header.type);
+  view.setUint8(5, frame.header.flags);
+  view.setUint16(6, HEADER_BYTES, true);
+  view.setUint32(8, payloadBytes, true);
+  view.setUint32(12, frame.header.epoch, true);
+  view.setBigUint64(16, frame.header.sequence, true);
+  view.setBigUint64(24, frame.header.time_us, true);
+  writePayload(new Writer(view, HEADER_BYTES), bytes, frame);
+  return bytes;
+}

@@ -1,0 +1,129 @@
+// JSON control messages from the server: parse and check. What the viewer draws from must be there and finite; unknown
+// fields are left alone and unknown types are skipped, so that an older viewer lives with a newer server.
+
+import type { Decoded, ParticipantInfo, ServerMessage, Stock, ToolInfo, Vec3, Welcome } from './types';
+
+type Json = Record<string, unknown>;
+
+class Missing extends Error {}
+
+function object(value: unknown, field: string): Json {
+  if (typeof value !== 'object' || value === null || Array.isArray(value)) throw new Missing(`${field} is not an object`);
+  return value as Json;
+}
+
+function list(value: unknown, field: string): unknown[] {
+  if (!Array.isArray(value)) throw new Missing(`${field} is not a list`);
+  return value;
+}
+
+function number(from: Json, field: string): number {
+  const value = from[field];
+  if (typeof value !== 'number' || !Number.isFinite(value)) throw new Missing(`${field} is not a number`);
+  return value;
+}
+
+function text(from: Json, field: string): string {
+  const value = from[field];
+  if (typeof value !== 'string') throw new Missing(`${field} is not a text`);
+  return value;
+}
+
+function numbers(from: Json, field: string, count: number): number[] {
+  const values = list(from[field], field);
+  const good = values.length === count && values.every((v) => typeof v === 'number' && Number.isFinite(v));
+  if (!good) throw new Missing(`${field} is not ${count} numbers`);
+  return values as number[];
+}
+
+function participantOf(value: unknown): ParticipantInfo {
+  const from = object(value, 'participant');
+  const kind = from['kind'];
+  return {
+    participant: number(from, 'participant'),
+    name: text(from, 'name'),
+    color: colorOf(from['color']),
+    kind: kind === 'program' || kind === 'viewer' ? kind : 'agent',
+    ...(typeof from['tool'] === 'number' ? { tool: from['tool'] } : {}),
+  };
+}
+
+/** Only plain hexadecimal colours are let through: the text ends up in style attributes. */
+function colorOf(value: unknown): string {
+  return typeof value === 'string' && /^#[0-9a-fA-F]{6}$/.test(value) ? value : '#7a8699';
+}
+
+function participantsOf(value: unknown): ParticipantInfo[] {
+  return list(value, 'participants').map(participantOf);
+}
+
+function stockOf(value: unknown): Stock {
+  const from = object(value, 'stock');
+  if (from['shape'] === 'box') {
+    return { shape: 'box', min_mm: numbers(from, 'min_mm', 3) as Vec3, max_mm: numbers(from, 'max_mm', 3) as Vec3 };
+  }
+  if (from['shape'] === 'cylinder') {
+    return {
+      shape: 'cylinder',
+      center_mm: numbers(from, 'center_mm', 2) as [number, number],
+      radius_mm: number(from, 'radius_mm'),
+      min_z_mm: number(from, 'min_z_mm'),
+      max_z_mm: number(from, 'max_z_mm'),
+    };
+  }
+  throw new Missing(`stock.shape ${JSON.stringify(from['shape'])} is unknown`);
+}
+
+function toolOf(value: unknown): ToolInfo {
+  const from = object(value, 'tool');
+  return { ...(from as unknown as ToolInfo), id: number(from, 'id'), shape: text(from, 'shape') };
+}
+
+function welcomeOf(from: Json): Welcome {
+  const grid = object(from['grid'], 'grid');
+  return {
+    type: 'welcome',
+    session: text(from, 'session'),
+    participant: number(from, 'participant'),
+    epoch: number(from, 'epoch'),
+    color: colorOf(from['color']),
+    pitch_mm: number(from, 'pitch_mm'),
+    pivot_mm: number(from, 'pivot_mm'),
+    stock: stockOf(from['stock']),
+    tools: list(from['tools'], 'tools').map(toolOf),
+    participants: participantsOf(from['participants']),
+    grid: {
+      origin_mm: numbers(grid, 'origin_mm', 3) as Vec3,
+      columns: numbers(grid, 'columns', 2) as [number, number],
+      tile: number(grid, 'tile'),
+    },
+  };
+}
+
+function messageOf(from: Json): ServerMessage | null {
+  switch (from['type']) {
+    case 'welcome': return welcomeOf(from);
+    case 'participants': return { type: 'participants', participants: participantsOf(from['participants']) };
+    case 'state':
+      return {
+        type: 'state',
+        motions: number(from, 'motions'),
+        removed_volume_mm3: number(from, 'removed_volume_mm3'),
+        state_hash: text(from, 'state_hash'),
+        settled: from['settled'] === true,
+      };
+    case 'error':
+      return { type: 'error', code: text(from, 'code'), reason: text(from, 'reason'), fatal: from['fatal'] === true };
+    case 'bye': return { type: 'bye', reason: text(from, 'reason') };
+    default: return null;
+  }
+}
+
+/** Reads one text frame; null is a message type that this version does not know. */
+export function parseControl(frame: string): Decoded<ServerMessage | null> {
+  try {
+    return { ok: true, value: messageOf(object(JSON.parse(frame), 'message')) };
+  } catch (problem) {
+    return { ok: false, error: { code: 'bad_json', offset: 0, reason: (problem as Error).message } };
+  }
+}

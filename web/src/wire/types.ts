@@ -1,0 +1,173 @@
+// The protocol's messages, version 1: the mirror of server/wire. Fields keep the wire's names, so that a line here can be
+// compared with server/wire/README.md word for word. Units stand last. u64 is bigint: exact, also beyond 2^53.
+
+export const MAGIC = 0x3146524b; // the bytes 'KRF1'
+export const HEADER_BYTES = 32;
+export const HEADER_BYTES_MAX = 256; // a header may grow in a later minor version
+export const LIST_HEAD_BYTES = 8;
+export const SAMPLE_BYTES = 64;
+export const RESULT_BYTES = 120;
+export const TOOL_STATE_BYTES = 80;
+export const SAMPLES_PER_MESSAGE_MAX = 16;
+export const TOOL_STATES_MAX = 1024;
+export const AXIS_LENGTH_TOLERANCE = 1e-3;
+
+export const VIEW_PROTOCOL = 'kerf.view.v1';
+
+export enum FrameType {
+  Motion = 1,
+  Result = 2,
+  Mesh = 3,
+  Tools = 4,
+  Ack = 5,
+  Ping = 6,
+  Pong = 7,
+}
+
+/** Flags of a mesh frame. */
+export const MESH_SNAPSHOT = 1;
+export const MESH_SNAPSHOT_LAST = 2;
+
+/** Bits of a tool state's and a result's status. */
+export const STATUS_CUTTING = 1;
+export const STATUS_COLLIDING = 2;
+export const STATUS_REFUSED = 4;
+
+export type Vec3 = [number, number, number];
+
+export interface Header {
+  type: number;
+  flags: number;
+  epoch: number;
+  sequence: bigint;
+  time_us: bigint;
+}
+
+export interface Sample {
+  agent_sequence: bigint;
+  time_us: bigint;
+  tip_mm: Vec3;
+  axis: Vec3;
+  tool_id: number;
+  buttons: number;
+}
+
+export interface Result {
+  agent_sequence: bigint;
+  agent_time_us: bigint;
+  motions_applied: bigint;
+  force_n: Vec3;
+  torque_nmm: Vec3;
+  engaged_area_mm2: number;
+  direction: Vec3;
+  cut_centre_mm: Vec3;
+  specific_force_n_per_mm2: number;
+  removed_mm3: number;
+  status: number;
+  collision_force_n: Vec3;
+  turnaround_us: number;
+}
+
+export interface ToolState {
+  participant: number;
+  tool_id: number;
+  tip_mm: Vec3;
+  axis: Vec3;
+  status: number;
+  force_n: Vec3;
+  torque_nmm: Vec3;
+  removed_rate_mm3_per_s: number;
+}
+
+export type Payload =
+  | { kind: 'motion'; samples: Sample[] }
+  | { kind: 'result'; result: Result }
+  | { kind: 'mesh'; glb: Uint8Array }
+  | { kind: 'tools'; tools: ToolState[] }
+  | { kind: 'ack' }
+  | { kind: 'ping'; time_us: bigint }
+  | { kind: 'pong'; ping_time_us: bigint; time_us: bigint }
+  | { kind: 'unknown' };
+
+export type Frame = { header: Header } & Payload;
+
+/** Why a frame was refused; `offset` is the byte, from the start of the frame, of the field at fault. */
+export interface DecodeError {
+  code:
+    | 'too_short' | 'bad_magic' | 'bad_header_bytes' | 'payload_mismatch' | 'bad_count' | 'bad_sequence'
+    | 'not_finite' | 'axis_not_unit' | 'bad_json';
+  offset: number;
+  reason: string;
+}
+
+export type Decoded<T> = { ok: true; value: T } | { ok: false; error: DecodeError };
+
+// JSON control messages -------------------------------------------------------------------------------------------------
+
+export type ParticipantKind = 'agent' | 'program' | 'viewer';
+
+export interface ParticipantInfo {
+  participant: number;
+  name: string;
+  color: string;
+  tool?: number;
+  kind: ParticipantKind;
+}
+
+/** A tool as the scene defines it; lengths in mm, angles in degrees. Shapes that this viewer does not know are drawn plainly. */
+export interface ToolInfo {
+  id: number;
+  shape: string;
+  diameter_mm?: number;
+  length_mm?: number;
+  half_angle_deg?: number;
+  tip_angle_deg?: number;
+  corner_radius_mm?: number;
+  tip?: 'flat' | 'ball';
+}
+
+export interface BoxStock {
+  shape: 'box';
+  min_mm: Vec3;
+  max_mm: Vec3;
+}
+
+/** An upright cylinder. */
+export interface CylinderStock {
+  shape: 'cylinder';
+  center_mm: [number, number];
+  radius_mm: number;
+  min_z_mm: number;
+  max_z_mm: number;
+}
+
+export type Stock = BoxStock | CylinderStock;
+
+export interface Welcome {
+  type: 'welcome';
+  session: string;
+  participant: number;
+  epoch: number;
+  color: string;
+  pitch_mm: number;
+  pivot_mm: number;
+  stock: Stock;
+  tools: ToolInfo[];
+  participants: ParticipantInfo[];
+  grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
+}
+
+export interface StateMessage {
+  type: 'state';
+  motions: number;
+  removed_volume_mm3: number;
+  state_hash: string;
+  settled: boolean;
+}
+
+export type ServerMessage =
+  | Welcome
+  | { type: 'participants'; participants: ParticipantInfo[] }
+  | StateMessage
+  | { type: 'error'; code: string; reason: string; fatal: boolean }
+  | { type: 'bye'; reason: string };

@@ -1,0 +1,116 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import WebSocket from 'ws';
+import { Backoff } from '../src/link/backoff';
+import { ViewLink } from '../src/link/view_link';
+import type { LinkStatus, Socket } from '../src/link/view_link';
+import { SessionModel } from '../src/model/session';
+import { FakeServer } from './support/fake_server.mjs';
+
+/** A link to the fake server whose events fill a model; mesh frames are taken as applied. */
+function join(port: number, session: string, probe: () => Promise<string | null> = async () => null) {
+  const model = new SessionModel();
+  const statuses: LinkStatus[] = [];
+  const applied: bigint[] = [];
+  const link = new ViewLink({
+    url: `ws://127.0.0.1:${port}/v1/sessions/${session}/view`,
+    name: 'Tester',
+    open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
+    probe,
+    nowMs: () => performance.now(),
+    backoff: new Backoff(5, 20),
+  }, {
+    status: (status, reason) => {
+      statuses.push(status);
+      model.setStatus(status, reason);
+    },
+    message: (message) => model.apply(message),
+    tools: (header, tools) => model.applyTools(header, tools, performance.now()),
+    mesh: async (header) => {
+      await Promise.resolve();
+      applied.push(header.sequence);
+    },
+    pong: (sent, received, serverUs) => model.clock.pong(sent, received, serverUs),
+    problem: (reason) => model.addProblem(reason),
+  });
+  link.start();
+  return { link, model, statuses, applied };
+}
+
+describe('view link', () => {
+  let server: FakeServer;
+  beforeEach(async () => {
+    server = new FakeServer({ pitchMm: 2 });
+    await server.listen();
+  });
+  afterEach(() => server.close());
+
+  const soon = { timeout: 4000, interval: 5 };
+
+  it('joins, hears of people and tools, and learns the round trip', async () => {
+    const { link, model } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(model.participants.get(1)?.forces.count).toBeGreaterThan(2), soon);
+    expect(model.status).toBe('connected');
+    expect(server.hellos).toEqual(['Tester']);
+    expect(model.participants.carvers().map((p) => p.info.name)).toEqual(['Ada', 'Linus']);
+    await vi.waitFor(() => expect(model.clock.rttMs).toBeGreaterThan(0), soon);
+    link.stop();
+  });
+
+  it('acknowledges each mesh frame, in order, after it was applied', async () => {
+    const { link, applied } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(server.acks.length).toBeGreaterThan(4), soon);
+    link.stop();
+    expect(server.acks).toEqual(applied.slice(0, server.acks.length));
+  });
+
+  it('comes back by itself after the line broke, and gets everything anew', async () => {
+    const { link, model, statuses } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(model.state).not.toBeNull(), soon);
+    server.dropViewers();
+    await vi.waitFor(() => expect(statuses.filter((status) => status === 'connected')).toHaveLength(2), soon);
+    expect(server.hellos).toHaveLength(2);
+    expect(model.tiles.complete).toBe(false);
+    await vi.waitFor(() => expect(model.state).not.toBeNull(), soon);
+    link.stop();
+    expect(statuses).toEqual(expect.arrayContaining(['connecting', 'connected', 'reconnecting', 'stopped']));
+  });
+
+  it('gives up on a session that does not exist, and says so', async () => {
+    const { model } = join(server.port, 'nowhere', async () => 'There is no session “nowhere” on this server.');
+    await vi.waitFor(() => expect(model.status).toBe('stopped'), soon);
+    expect(model.statusReason).toContain('nowhere');
+  });
+
+  it('gives up after a fatal error of the server', async () => {
+    const { model } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    const text = JSON.stringify({ type: 'error', code: 'unknown_session', reason: 'The session was closed.', fatal: true });
+    for (const { ws } of server.viewers) ws.send(text);
+    await vi.waitFor(() => expect(model.status).toBe('stopped'), soon);
+    expect(model.statusReason).toBe('The session was closed.');
+  });
+
+  it('survives nonsense from the server and reports it', async () => {
+    const { link, model } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    for (const { ws } of server.viewers) {
+      ws.send(new Uint8Array([1, 2, 3]));
+      ws.send('{"type":"welcome"}');
+      ws.send('not json');
+    }
+    await vi.waitFor(() => expect(model.problems).toBe(3), soon);
+    const motions = model.state?.motions ?? 0;
+    await vi.waitFor(() => expect(model.state?.motions ?? 0).toBeGreaterThan(motions), soon);
+    expect(model.status).toBe('connected');
+    link.stop();
+  });
+
+  it('stays stopped', async () => {
+    const { link, model } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    link.stop('Enough.');
+    await new Promise((resolve) => setTimeout(resolve, 60));
+    expect(model.status).toBe('stopped');
+    expect(server.hellos).toHaveLength(1);
+  });
+});

@@ -1,0 +1,11 @@
+export class FakeServer {
+  constructor(options?: { root?: string; pitchMm?: number; hz?: number; agents?: number });
+  readonly port: number;
+  readonly acks: bigint[];
+  readonly hellos: string[];
+  readonly viewers: Set<{ ws: { send(data: string | Uint8Array): void } }>;
+  listen(port?: number): Promise<number>;
+  close(): Promise<void>;
+  dropViewers(): void;
+  step(): void;
+}

@@ -1,0 +1,68 @@
+import { describe, expect, it } from 'vitest';
+import { TileTable } from '../src/model/tiles';
+
+function table(): TileTable {
+  const tiles = new TileTable();
+  tiles.beginSnapshot();
+  return tiles;
+}
+
+describe('tiles', () => {
+  it('shows the newer version, whatever order they come in', () => {
+    const tiles = table();
+    expect(tiles.offer(1, 2, 5, 100)).toBe(true);
+    expect(tiles.offer(1, 2, 4, 90)).toBe(false);
+    expect(tiles.offer(1, 2, 5, 100)).toBe(false);
+    expect(tiles.offer(1, 2, 6, 70)).toBe(true);
+    expect(tiles.version(1, 2)).toBe(6);
+    expect(tiles.triangles).toBe(70);
+  });
+
+  it('ends in the same state for every order of the same frames', () => {
+    type Offer = [x: number, y: number, version: number, triangles: number];
+    const offers: Offer[] = [[0, 0, 1, 10], [0, 0, 2, 20], [0, 1, 1, 30], [0, 0, 3, 0], [0, 1, 7, 5]];
+    const results = new Set<string>();
+    const permute = (rest: Offer[], done: Offer[]): void => {
+      if (rest.length === 0) {
+        const tiles = table();
+        for (const offer of done) tiles.offer(...offer);
+        results.add(JSON.stringify([tiles.list(), tiles.triangles]));
+      }
+      rest.forEach((offer, i) => permute(rest.filter((_, k) => k !== i), [...done, offer]));
+    };
+    permute(offers, []);
+    expect(results.size).toBe(1);
+  });
+
+  it('does not confuse tiles whose coordinates read alike', () => {
+    const tiles = table();
+    expect(tiles.offer(1, 11, 1, 1)).toBe(true);
+    expect(tiles.offer(11, 1, 1, 2)).toBe(true);
+    expect(tiles.size).toBe(2);
+    expect(tiles.triangles).toBe(3);
+  });
+
+  it('takes over lower versions after a reconnection, because the server may have started anew', () => {
+    const tiles = table();
+    tiles.offer(0, 0, 9, 50);
+    tiles.finishSnapshot();
+    tiles.beginSnapshot();
+    expect(tiles.complete).toBe(false);
+    expect(tiles.offer(0, 0, 1, 40)).toBe(true);
+    expect(tiles.triangles).toBe(40);
+  });
+
+  it('keeps old tiles until the new snapshot is complete, then drops those it did not bring', () => {
+    const tiles = table();
+    tiles.offer(0, 0, 1, 10);
+    tiles.offer(5, 0, 1, 20);
+    expect(tiles.finishSnapshot()).toEqual([]);
+    tiles.beginSnapshot();
+    tiles.offer(0, 0, 1, 11);
+    expect(tiles.size).toBe(2);
+    expect(tiles.finishSnapshot()).toHaveLength(1);
+    expect(tiles.list()).toMatchObject([{ x: 0, y: 0, triangles: 11 }]);
+    expect(tiles.triangles).toBe(11);
+    expect(tiles.complete).toBe(true);
+  });
+});

@@ -1,0 +1,16 @@
+import { defineConfig } from 'vitest/config';
+
+// During development the page is served by Vite and everything under /v1 comes from a running kerf-server (or from
+// `npm run fake`). In production the server itself serves the files of dist/.
+const server = process.env['KERF_SERVER'] ?? 'http://127.0.0.1:8080';
+
+export default defineConfig({
+  base: './',
+  build: {
+    target: 'es2022',
+    chunkSizeWarningLimit: 900,
+    rollupOptions: { output: { manualChunks: { three: ['three'] } } },
+  },
+  server: { proxy: { '/v1': { target: server, ws: true, changeOrigin: false } } },
+  test: { environment: 'node', include: ['test/**/*.test.ts'] },
+});
