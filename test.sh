@@ -86,7 +86,7 @@ main() {
   install_sections build test run
   fetch_linuxcnc
   build_web
-  build_cpp "$PRESET" -DKERF_WERROR="$([ -n "${CI:-}" ] && echo ON || echo OFF)"
+  build_cpp "$PRESET" -DKERF_TESTS=ON ${CI:+-DKERF_WERROR=ON}
   RESULTS="$KERF_ROOT/build/$PRESET/results"
   rm -rf "$RESULTS" && mkdir -p "$RESULTS"
   export GTEST_OUTPUT="xml:$RESULTS/gtest/"

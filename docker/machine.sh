@@ -115,12 +115,18 @@ build_cpp() {
     cmake --build --preset "$preset" ${targets[0]:+--target "${targets[@]}"}
 }
 
+# Prints the packages whose shared libraries a program loads: what a slim image needs to run it.
+libraries_of() {
+  ldd "$1" | awk '$2 == "=>" { print $3 }' | xargs -n 1 realpath | xargs dpkg-query -S | cut -d: -f1 | sort -u
+}
+
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   set -euo pipefail
   case "${1:-}" in
     install) shift; install_sections "$@" ;;
     packages) shift; packages_of "$@" ;;
     web) build_web ;;
-    *) fail "usage: docker/machine.sh install|packages SECTION... | web" ;;
+    libraries) libraries_of "$2" ;;
+    *) fail "usage: docker/machine.sh install|packages SECTION... | web | libraries PROGRAM" ;;
   esac
 fi

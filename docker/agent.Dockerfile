@@ -1,0 +1,25 @@
+# kerf-agent, for a machine beside a device or for a simulated hand. Build from the repository's root:
+#   docker build -f docker/agent.Dockerfile -t kerf-agent .
+# The servo loop asks for real-time scheduling; it runs without, with more jitter: --cap-add SYS_NICE --ulimit rtprio=80.
+FROM debian:12-slim AS build
+WORKDIR /kerf
+COPY docker/machine.sh docker/packages.txt docker/
+RUN docker/machine.sh install build
+COPY CMakeLists.txt CMakePresets.json ./
+COPY kernel kernel
+COPY server server
+COPY haptic_agent haptic_agent
+RUN cmake --preset release -DKERF_TESTS=OFF \
+ && cmake --build --preset release --target kerf-agent kerf-demo \
+ && build/release/haptic_agent/demo/kerf-demo haptic_agent/demo \
+ && docker/machine.sh libraries build/release/haptic_agent/kerf-agent >/kerf/libraries.txt
+
+FROM debian:12-slim
+COPY --from=build /kerf/libraries.txt /tmp/
+RUN apt-get update \
+ && xargs apt-get install -y --no-install-recommends ca-certificates </tmp/libraries.txt \
+ && rm -rf /var/lib/apt/lists/* && useradd --system kerf
+COPY --from=build /kerf/build/release/haptic_agent/kerf-agent /usr/bin/
+COPY --from=build /kerf/haptic_agent/demo /usr/share/kerf/demo
+USER kerf
+ENTRYPOINT ["kerf-agent"]

@@ -1,0 +1,156 @@
+#!/usr/bin/env bash
+# From a fresh clone on Debian 12 to a running demo: installs what is missing, builds, starts the server and two simulated
+# hands that carve an ammonite, and prints the address to open. See README.md.
+set -euo pipefail
+cd "$(dirname "$0")"
+# shellcheck source=docker/machine.sh
+. docker/machine.sh
+
+PORT=8080
+LISTEN=127.0.0.1
+DATA=
+DEMO=true
+BUILD_ONLY=false
+BIN="$KERF_ROOT/build/release"
+SESSION=demo
+CHILDREN=()
+SERVER=
+SCRATCH=
+
+usage() {
+  cat <<'TXT'
+usage: ./run.sh [--port N] [--listen ADDR] [--data DIR] [--no-demo] [--build-only]
+  --port N       the port to serve on (default 8080; the next free one if it is taken)
+  --listen ADDR  the address to serve on (default 127.0.0.1; 0.0.0.0 lets others in the network watch)
+  --data DIR     where sessions are kept. Without it the demo's block is new each time and forgotten at the end;
+                 with --no-demo it is ~/.local/share/kerf
+  --no-demo      the server alone
+  --build-only   install and build, start nothing
+Ctrl-C ends everything that this started.
+TXT
+}
+
+parse_options() {
+  while [ $# -gt 0 ]; do
+    case "$1" in
+      --port) PORT="${2:?--port needs a number}"; shift 2 ;;
+      --listen) LISTEN="${2:?--listen needs an address}"; shift 2 ;;
+      --data) DATA="${2:?--data needs a folder}"; shift 2 ;;
+      --no-demo) DEMO=false; shift ;;
+      --build-only) BUILD_ONLY=true; shift ;;
+      -h|--help) usage; exit 0 ;;
+      *) usage >&2; fail "Unknown option: $1" ;;
+    esac
+  done
+  if ! [[ $PORT =~ ^[0-9]{1,5}$ ]] || ((PORT < 1 || PORT > 65535)); then fail "Not a port: $PORT"; fi
+}
+
+build() {
+  local tests=ON
+  if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # what only tests need is installed by test.sh
+  install_sections build run
+  build_web
+  build_cpp release -DKERF_TESTS=$tests -- kerf-server kerf-agent kerf-carve kerf-demo
+}
+
+is_taken() { (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
+
+find_port() {
+  local wanted=$PORT
+  while is_taken "$PORT"; do
+    PORT=$((PORT + 1))
+    if ((PORT > wanted + 50 || PORT > 65535)); then fail "No free port from $wanted on; name one with --port."; fi
+  done
+  if [ "$PORT" != "$wanted" ]; then echo "Port $wanted is taken; using $PORT."; fi
+}
+
+# Ends what runs, gently first; called however this script ends.
+stop_children() {
+  trap - EXIT INT TERM
+  local child
+  for child in "${CHILDREN[@]}"; do kill -TERM "$child" 2>/dev/null || true; done
+  for _ in {1..50}; do
+    [ -n "$(jobs -rp)" ] || break
+    sleep 0.1
+  done
+  for child in $(jobs -rp); do kill -KILL "$child" 2>/dev/null || true; done
+  wait 2>/dev/null || true
+  if [ -n "$SCRATCH" ]; then rm -rf "$SCRATCH"; fi
+}
+
+# start NAME COMMAND...: in the background, with its output in a log.
+start() {
+  local log="$KERF_LOGS/$1.log"
+  shift
+  "$@" >"$log" 2>&1 </dev/null &
+  CHILDREN+=($!)
+}
+
+server_failed() {
+  tail -n 20 "$KERF_LOGS/kerf-server.log" >&2
+  fail "$1 Its whole log: $KERF_LOGS/kerf-server.log"
+}
+
+start_server() {
+  local options=(--listen "$LISTEN:$PORT" --data "$DATA")
+  if $DEMO; then options+=(--scene "haptic_agent/demo/$SESSION.json"); fi
+  start kerf-server "$BIN/server/kerf-server" "${options[@]}"
+  SERVER=$!
+  for _ in {1..150}; do
+    if curl -fsS -o /dev/null "http://$(local_address)/healthz" 2>/dev/null; then return; fi
+    kill -0 "$SERVER" 2>/dev/null || server_failed "The server ended at its start."
+    sleep 0.1
+  done
+  server_failed "The server did not answer /healthz within 15 s."
+}
+
+# Where this machine reaches the server, whatever it listens on.
+local_address() {
+  case "$LISTEN" in 0.0.0.0|::|'[::]') echo "127.0.0.1:$PORT" ;; *) echo "$LISTEN:$PORT" ;; esac
+}
+
+start_hand() {
+  start "kerf-agent-$1" "$BIN/haptic_agent/kerf-agent" --server "http://$(local_address)" --session "$SESSION" \
+    --name "$2" --color "$3" --device "sim:$SCRATCH/$1.apt"
+}
+
+start_demo() {
+  "$BIN/haptic_agent/demo/kerf-demo" "$SCRATCH" >/dev/null
+  start_hand first Ada '#d9541e'
+  start_hand second Grace '#1e7ad9'
+}
+
+# Stays until the server ends or Ctrl-C comes; says so if a hand ends badly.
+watch_over() {
+  local ended rc
+  while [ ${#CHILDREN[@]} -gt 0 ]; do
+    rc=0
+    wait -n -p ended || rc=$?
+    if [ "${ended:-}" = "$SERVER" ]; then server_failed "The server ended (exit $rc)."; fi
+    if [ $rc != 0 ]; then
+      tail -n 5 "$KERF_LOGS"/kerf-agent-*.log >&2
+      echo "A simulated hand ended (exit $rc); its log is in $KERF_LOGS. The server goes on." >&2
+    fi
+  done
+}
+
+main() {
+  parse_options "$@"
+  build
+  if $BUILD_ONLY; then return; fi
+  SCRATCH="$(mktemp -d)"
+  trap stop_children EXIT
+  trap 'echo; exit 130' INT
+  trap 'exit 143' TERM
+  if [ -z "$DATA" ]; then
+    if $DEMO; then DATA="$SCRATCH/data"; else DATA="${XDG_DATA_HOME:-$HOME/.local/share}/kerf"; fi
+  fi
+  mkdir -p "$DATA" "$KERF_LOGS"
+  find_port
+  start_server
+  if $DEMO; then start_demo; fi
+  say "Kerf serves at http://$(local_address)/    (Ctrl-C ends it)"
+  watch_over
+}
+
+main "$@"
