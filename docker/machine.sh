@@ -117,7 +117,9 @@ build_cpp() {
 
 # Prints the packages whose shared libraries a program loads: what a slim image needs to run it.
 libraries_of() {
-  ldd "$1" | awk '$2 == "=>" { print $3 }' | xargs -n 1 realpath | xargs dpkg-query -S | cut -d: -f1 | sort -u
+  # By name, not by path: dpkg knows /lib/x, the loader's /usr/lib/x is the same file through a link.
+  ldd "$1" | awk '$2 == "=>" { print $3 }' | xargs -n 1 realpath | sed 's|.*/|*-linux-gnu/|' |
+    xargs dpkg-query -S | cut -d: -f1 | sort -u
 }
 
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then
