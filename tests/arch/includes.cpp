@@ -19,7 +19,7 @@ const std::vector<Room>& rooms() {
       {"kernel/intersect", {"kernel/math"}},
       {"kernel/dexel", {"kernel/math"}},
       {"kernel/tool", {"kernel/math"}},
-      {"kernel/sweep", {"kernel/math", "kernel/intersect", "kernel/tool"}},
+      {"kernel/sweep", {"kernel/math", "kernel/intersect", "kernel/dexel", "kernel/tool"}},
       {"kernel/cut",
        {"kernel/math", "kernel/intersect", "kernel/dexel", "kernel/tool", "kernel/sweep"}},
       {"kernel/force",
@@ -43,7 +43,7 @@ const std::vector<Room>& rooms() {
       {"haptic_agent/device", {"server/wire"}},
       {"haptic_agent/servo", {"server/wire", "haptic_agent/device"}},
       {"haptic_agent/link", {"server/wire", "haptic_agent/device", "haptic_agent/servo"}},
-      {"haptic_agent/demo", {}},
+      {"haptic_agent/demo", {"kernel/math"}},
       {"haptic_agent", {"server/wire"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
   };

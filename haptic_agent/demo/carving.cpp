@@ -1,0 +1,134 @@
+#include "haptic_agent/demo/carving.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace kerf::demo {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kMapPitchMm = 0.2;
+constexpr double kPastMouthRad = 0.14;  // strokes begin before the mouth, to free its face
+
+using Line = std::vector<Vec3>;
+
+// How far the dish's floor reaches from a point in a direction: where its fraction comes to
+// `fraction`.
+double reach_in_dish(const Ammonite& ammonite, Vec3 from, double angle, double fraction) {
+  double low = 0, high = 200;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = (low + high) / 2;
+    const bool inside = ammonite.dish_fraction(from.x + middle * std::cos(angle),
+                                               from.y + middle * std::sin(angle)) < fraction;
+    (inside ? low : high) = middle;
+  }
+  return low;
+}
+
+// One arm of a spiral from the rim of the dish to its middle; a second arm, half a turn on, lies
+// between its turns.
+Line dish_spiral(const Ammonite& ammonite, double begin_angle, double turns, double rim) {
+  Line line;
+  const int count = static_cast<int>(turns * 180);
+  for (int i = 0; i <= count; ++i) {
+    const double angle = begin_angle - kTurn * i / 180.0;
+    // The first half turn goes around the rim, so that the two arms leave nothing there.
+    const double share = std::clamp((i - 90.0) / (count - 90.0), 0.0, 1.0);
+    const double radius = (1 - share) * reach_in_dish(ammonite, {}, angle, rim);
+    line.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+  }
+  return line;
+}
+
+// The shell's outline as a distance from the spiral's centre; the step at the mouth is spread over
+// a part of a turn.
+double outline(const Ammonite& ammonite, double angle) {
+  double along = std::fmod(angle - ammonite.mouth_angle_rad, kTurn);
+  if (along <= 0) along += kTurn;  // (0, turn]: 0 is just past the mouth
+  const double radius = ammonite.tube_radius(ammonite.mouth_angle_rad - kTurn + along);
+  constexpr double kSpreadRad = 0.09;
+  if (along > kSpreadRad) return radius;
+  const double share = along / kSpreadRad;
+  return ammonite.outer_radius_mm * (1 - share) + radius * share;
+}
+
+// Rings that pass from the rim of the dish over into the shell's outline.
+Line dish_rings(const Ammonite& ammonite, int rings, double rim) {
+  Line line;
+  const Vec3 center = ammonite.center_mm;
+  for (int i = 0; i <= rings * 240; ++i) {
+    const double angle = ammonite.mouth_angle_rad + kTurn * i / 240.0;
+    const double share = std::clamp((i - 240.0) / (rings * 240.0 - 480.0), 0.0, 1.0);
+    const double outer = reach_in_dish(ammonite, center, angle, rim);
+    const double inner = std::min(outer, outline(ammonite, angle) - 1.5);
+    const double radius = outer + share * (inner - outer);
+    line.push_back(center + Vec3{radius * std::cos(angle), radius * std::sin(angle), 0});
+  }
+  return line;
+}
+
+// Strokes across the last whorl from the mouth back, forth and back without lifting; they lean like
+// the ribs.
+Line across_whorl(const Ammonite& ammonite, double turns, double step_mm) {
+  Line line;
+  bool outwards = false;
+  double angle = ammonite.mouth_angle_rad + kPastMouthRad;
+  while (angle > ammonite.mouth_angle_rad - turns * kTurn) {
+    for (int i = -24; i <= 24; ++i) {
+      const double fraction = (outwards ? i : -i) / 24.0 * 1.08;
+      const double lean = 0.035 * (1.1 * fraction * fraction + 0.5 * fraction - 0.6);
+      const double at = std::min(angle + lean, ammonite.mouth_angle_rad + kPastMouthRad);
+      line.push_back(ammonite.across(at, fraction));
+    }
+    outwards = !outwards;
+    angle -= step_mm / (0.8 * ammonite.tube_radius(angle));
+  }
+  return line;
+}
+
+// Strokes along the coil, out and back, each a little farther across the tube.
+Line along_coil(const Ammonite& ammonite, double first_angle, double last_angle, int strokes) {
+  Line line;
+  for (int k = 0; k < strokes; ++k) {
+    const double fraction = -1.05 + 2.1 * k / (strokes - 1.0);
+    const int count = static_cast<int>((last_angle - first_angle) / 0.05);
+    for (int i = 0; i <= count; ++i) {
+      const double share = 1.0 * (k % 2 == 0 ? i : count - i) / count;
+      line.push_back(ammonite.across(first_angle + share * (last_angle - first_angle), fraction));
+    }
+  }
+  return line;
+}
+
+}  // namespace
+
+Carving carve(const Ammonite& ammonite) {
+  const HeightMap wanted(ammonite.block_min_mm, ammonite.block_max_mm, kMapPitchMm,
+                         [&](double x, double y) { return ammonite.height(x, y); });
+  Carving carving;
+  for (const double level_mm : {ammonite.floor_mm / 2, ammonite.floor_mm}) {
+    const Follower coarse(wanted, kCoarse,
+                          {.leave_mm = 0.6,
+                           .above_mm = level_mm,
+                           .tilt_max_deg = 22,
+                           .tilt_share = 0.6,
+                           .step_mm = 1,
+                           .smooth_mm = 12});
+    carving.first.push_back(coarse.along(dish_spiral(ammonite, 0, 4.5, 0.9), 55));
+    carving.second.push_back(coarse.along(dish_spiral(ammonite, kTurn / 2, 4.5, 0.9), 55));
+  }
+  const double one_back = ammonite.mouth_angle_rad - kTurn;
+  carving.first.push_back(Follower(wanted, kShell, {.step_mm = 0.8, .smooth_mm = 5})
+                              .along(across_whorl(ammonite, 1.06, 0.5), 55));
+  carving.second.push_back(
+      Follower(wanted, kFloor, {.tilt_max_deg = 30, .step_mm = 0.8, .smooth_mm = 8})
+          .along(dish_rings(ammonite, 21, 0.985), 60));
+  carving.second.push_back(Follower(wanted, kFine, {.step_mm = 0.5, .smooth_mm = 3})
+                               .along(along_coil(ammonite, ammonite.first_angle_rad() + kTurn * 0.3,
+                                                 one_back + 0.35, 25),
+                                      45));
+  return carving;
+}
+
+}  // namespace kerf::demo
