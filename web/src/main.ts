@@ -16,10 +16,10 @@ function viewerName(parameters: URLSearchParams): string {
   return name;
 }
 
-function openSession(app: HTMLElement, session: string, name: string): void {
+function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
   document.title = `${session} · Kerf`;
   try {
-    const page = new SessionPage(app, session, name);
+    const page = new SessionPage(app, session, viewerName(parameters), parameters.get('quality') === 'full');
     installHook(page);
     page.start();
   } catch (problem) {
@@ -35,13 +35,13 @@ async function main(): Promise<void> {
   const parameters = new URLSearchParams(location.search);
   const asked = parameters.get('session');
   if (asked) {
-    openSession(app, asked, viewerName(parameters));
+    openSession(app, asked, parameters);
     return;
   }
   const only = await showSessions(app);
   if (only !== null) {
     history.replaceState(null, '', `?session=${encodeURIComponent(only)}`);
-    openSession(app, only, viewerName(parameters));
+    openSession(app, only, parameters);
   }
 }
 

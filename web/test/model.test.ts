@@ -61,6 +61,17 @@ describe('quality', () => {
   });
 });
 
+describe('quality on a hopeless device', () => {
+  it('leaves room between frames until the picture stands still', () => {
+    const quality = new Quality(1, true);
+    expect(quality.pauseMs).toBe(0);
+    for (let i = 0; i < 60; ++i) quality.frame(200);
+    expect(quality.pauseMs).toBeGreaterThan(50);
+    quality.rested();
+    expect(quality.pauseMs).toBe(0);
+  });
+});
+
 describe('backoff', () => {
   it('doubles up to a limit and begins anew after a success', () => {
     const backoff = new Backoff(250, 8000, () => 1);

@@ -6,11 +6,14 @@ const SLOW_MS = 30;
 const QUICK_MS = 13;
 const SAMPLES_DOWN = 6;
 const SAMPLES_UP = 90;
+const CRAWL_AFTER = 30; // slow frames at the lowest ratio
+const CRAWL_MS = 140;
 
 export class Quality {
   private level_: number;
   private slow_ = 0;
   private quick_ = 0;
+  private crawling_ = false;
 
   /**
    * @param fullRatio the pixel ratio of a still picture
@@ -26,6 +29,7 @@ export class Quality {
     this.slow_ = milliseconds > SLOW_MS ? this.slow_ + 1 : 0;
     this.quick_ = milliseconds < QUICK_MS ? this.quick_ + 1 : 0;
     if (this.slow_ >= SAMPLES_DOWN && this.level_ < LEVELS.length - 1) return this.step_(1);
+    if (this.slow_ >= CRAWL_AFTER) this.crawling_ = true;
     if (this.quick_ >= SAMPLES_UP && this.level_ > 0) return this.step_(-1);
     return false;
   }
@@ -33,6 +37,17 @@ export class Quality {
   /** Pixel ratio for a moving picture. */
   get movingRatio(): number {
     return this.fullRatio * (LEVELS[this.level_] as number);
+  }
+
+  /** Least time between two frames: on a device that cannot keep up even so, the rest of the page needs room to breathe. */
+  get pauseMs(): number {
+    return this.crawling_ ? CRAWL_MS : 0;
+  }
+
+  /** The picture stood still: what made it slow may be over. */
+  rested(): void {
+    this.crawling_ = false;
+    this.slow_ = 0;
   }
 
   get stillRatio(): number {

@@ -36,8 +36,8 @@ export class SessionPage {
   private contextLost_ = false;
 
   /** Throws where there is no WebGL. */
-  constructor(private readonly app: HTMLElement, private readonly session: string, name: string) {
-    this.viewer_ = new Viewer(this.canvas_, this.overlay_, this.model);
+  constructor(private readonly app: HTMLElement, private readonly session: string, name: string, fixedQuality: boolean) {
+    this.viewer_ = new Viewer(this.canvas_, this.overlay_, this.model, fixedQuality);
     this.panel_ = new Panel(this.model, session, { force: FORCE_COLOR, torque: TORQUE_COLOR }, {
       pressedPerson: (id) => this.pressedPerson_(id),
       chosenLook: (look) => this.viewer_.setLook(look),

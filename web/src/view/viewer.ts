@@ -64,9 +64,13 @@ export class Viewer {
   private followed_: number | null = null;
   private fitted_ = false;
 
-  constructor(canvas: HTMLCanvasElement, private readonly overlay: HTMLElement, private readonly model: SessionModel) {
+  /** @param fixedQuality draw every frame at full quality, whatever it costs */
+  constructor(
+    canvas: HTMLCanvasElement, private readonly overlay: HTMLElement, private readonly model: SessionModel,
+    private readonly fixedQuality: boolean,
+  ) {
     this.stage = new Stage(canvas);
-    this.quality_ = new Quality(Math.min(2, window.devicePixelRatio || 1), this.stage.drawsInSoftware);
+    this.quality_ = new Quality(Math.min(2, window.devicePixelRatio || 1), !fixedQuality && this.stage.drawsInSoftware);
     this.stage.scene.add(this.tiles_.group);
     this.rig = new CameraRig(canvas, window.matchMedia('(prefers-reduced-motion: reduce)').matches);
   }
@@ -151,13 +155,14 @@ export class Viewer {
     this.lastTickMs_ = nowMs;
     this.moveTools_(nowMs);
     if (this.rig.update(nowMs, since)) this.touch();
-    if (this.dirty_) this.drawMoving_(nowMs);
-    else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > STILL_AFTER_MS) this.drawStill_();
+    if (this.dirty_) {
+      if (nowMs - this.lastDrawMs_ >= this.quality_.pauseMs) this.drawMoving_(nowMs);
+    } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > STILL_AFTER_MS) this.drawStill_();
   }
 
   private drawMoving_(nowMs: number): void {
     const moving = !this.stillDrawn_;
-    if (moving) this.quality_.frame(nowMs - this.lastDrawMs_);
+    if (moving && !this.fixedQuality) this.quality_.frame(nowMs - this.lastDrawMs_);
     this.stage.setSize(this.width_, this.height_, this.quality_.movingRatio);
     this.draw_(this.shadowsDirty_ && this.quality_.shadowsWhileMoving);
     this.dirty_ = false;
@@ -169,6 +174,7 @@ export class Viewer {
     this.stage.setSize(this.width_, this.height_, this.quality_.stillRatio);
     this.draw_(this.shadowsDirty_);
     this.stillDrawn_ = true;
+    this.quality_.rested();
   }
 
   private draw_(withShadows: boolean): void {

@@ -1,0 +1,53 @@
+// A viewer without a browser: joins by the documented protocol and keeps every mesh frame's GLB as it came over the wire.
+
+import WebSocket from 'ws';
+
+const HEADER_BYTES = 32;
+const MESH = 3;
+const TOOLS = 4;
+const ACK = 5;
+
+export class WireViewer {
+  constructor(baseUrl, session) {
+    this.glbs = [];
+    this.toolFrames = 0;
+    this.snapshotComplete = false;
+    this.errors = [];
+    this.state = null;
+    this.welcome = null;
+    this.socket = new WebSocket(`${baseUrl.replace('http', 'ws')}/v1/sessions/${session}/view`, 'kerf.view.v1');
+    this.socket.on('open', () => this.socket.send(JSON.stringify({ type: 'hello', name: 'wire test' })));
+    this.socket.on('message', (data, binary) => (binary ? this.frame_(data) : this.message_(JSON.parse(data.toString()))));
+    this.socket.on('error', (problem) => this.errors.push(problem.message));
+  }
+
+  message_(message) {
+    if (message.type === 'welcome') this.welcome = message;
+    if (message.type === 'state') this.state = message;
+    if (message.type === 'error') this.errors.push(`${message.code}: ${message.reason}`);
+  }
+
+  frame_(data) {
+    const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
+    const type = view.getUint8(4);
+    if (type === TOOLS) this.toolFrames += 1;
+    if (type !== MESH) return;
+    this.glbs.push(Buffer.from(data.subarray(view.getUint16(6, true))));
+    if (view.getUint8(5) & 2) this.snapshotComplete = true;
+    this.acknowledge_(view);
+  }
+
+  acknowledge_(of) {
+    const frame = new DataView(new ArrayBuffer(HEADER_BYTES));
+    frame.setUint32(0, 0x3146524b, true);
+    frame.setUint8(4, ACK);
+    frame.setUint16(6, HEADER_BYTES, true);
+    frame.setUint32(12, of.getUint32(12, true), true);
+    frame.setBigUint64(16, of.getBigUint64(16, true), true);
+    this.socket.send(new Uint8Array(frame.buffer));
+  }
+
+  close() {
+    this.socket.close();
+  }
+}
