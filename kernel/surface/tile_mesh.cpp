@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 #include "kernel/surface/column_window.h"
+#include "kernel/surface/flat_quads.h"
 #include "kernel/surface/lattice_cells.h"
 #include "kernel/surface/vertex_placement.h"
 
@@ -65,6 +67,7 @@ class TileMesher {
     for (std::int32_t j = first_y_ == 0 ? -1 : first_y_; j < end_y_; ++j) {
       for (std::int32_t i = first_x_; i < end_x_; ++i) add_sides(i, j, false);
     }
+    if (flat_.append_triangles(mesh_.indices)) drop_unused_vertices();
     return std::move(mesh_);
   }
 
@@ -73,8 +76,8 @@ class TileMesher {
   void add_ends(std::int32_t i, std::int32_t j) {
     const auto runs = window_.runs(i, j);
     for (const SolidRun& run : runs) {
-      add_quad(around_upright(i, j, run.first), true);
-      add_quad(around_upright(i, j, run.end), false);
+      add_quad(around_upright(i, j, run.first), {2, true, run.bottom}, i, j);
+      add_quad(around_upright(i, j, run.end), {2, false, run.top}, i, j);
     }
   }
 
@@ -118,24 +121,55 @@ class TileMesher {
     const unsigned edge_behind = along_x ? 0 : 5;
     std::size_t before = cells_.find(before_x, before_y, first);
     std::size_t behind = cells_.find(behind_x, behind_y, first);
+    const FlatPlane plane{static_cast<std::uint8_t>(along_x ? 0 : 1), reversed, along_x ? i : j};
+    const std::int32_t u = along_x ? j : -i;  // grows from before to behind
     for (std::int32_t sample = first; sample < end; ++sample, ++before, ++behind) {
       add_quad({Corner{before, before_x, before_y, edge_before + 2},
                 Corner{behind, behind_x, behind_y, edge_behind + 2},
                 Corner{behind + 1, behind_x, behind_y, edge_behind},
                 Corner{before + 1, before_x, before_y, edge_before}},
-               reversed);
+               plane, u, sample);
     }
   }
 
-  void add_quad(const Corners& corners, bool reversed) {
-    std::array<std::uint32_t, 4> v{};
-    for (std::size_t n = 0; n < 4; ++n) v[n] = vertex_of(corners[n]);
-    if (reversed) std::swap(v[1], v[3]);
+  /// Adds the quadrangle at (u, v) of the plane: by itself, or to those that are flat and may be
+  /// joined.
+  void add_quad(const Corners& corners, const FlatPlane& plane, std::int32_t u, std::int32_t v) {
+    std::array<std::uint32_t, 4> c{};
+    for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n]);
+    if (is_flat(c, plane.axis)) {
+      flat_.add(plane, u, v, c);
+      return;
+    }
+    if (plane.reversed) std::swap(c[1], c[3]);
     const auto& p = mesh_.positions_mm;
     const bool other_diagonal =
-        distance_squared(p[v[1]], p[v[3]]) < distance_squared(p[v[0]], p[v[2]]);
-    if (other_diagonal) v = {v[1], v[2], v[3], v[0]};
-    mesh_.indices.insert(mesh_.indices.end(), {v[0], v[1], v[2], v[0], v[2], v[3]});
+        distance_squared(p[c[1]], p[c[3]]) < distance_squared(p[c[0]], p[c[2]]);
+    if (other_diagonal) c = {c[1], c[2], c[3], c[0]};
+    mesh_.indices.insert(mesh_.indices.end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
+  }
+
+  /// Square to the axis to the last bit, in position and in normals.
+  bool is_flat(const std::array<std::uint32_t, 4>& corners, std::size_t axis) const {
+    const float position = mesh_.positions_mm[corners[0]][axis];
+    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+      return mesh_.positions_mm[v][axis] == position && std::abs(mesh_.normals[v][axis]) == 1;
+    });
+  }
+
+  void drop_unused_vertices() {
+    std::vector<std::uint32_t> renumbered(mesh_.positions_mm.size(), kNoVertex);
+    std::uint32_t kept = 0;
+    for (const std::uint32_t index : mesh_.indices) renumbered[index] = 0;
+    for (std::size_t v = 0; v < renumbered.size(); ++v) {
+      if (renumbered[v] == kNoVertex) continue;
+      mesh_.positions_mm[kept] = mesh_.positions_mm[v];
+      mesh_.normals[kept] = mesh_.normals[v];
+      renumbered[v] = kept++;
+    }
+    mesh_.positions_mm.resize(kept);
+    mesh_.normals.resize(kept);
+    for (std::uint32_t& index : mesh_.indices) index = renumbered[index];
   }
 
   /// Vertices are made when a quadrangle first asks for them: the tile's mesh holds none that it
@@ -190,6 +224,7 @@ class TileMesher {
   VertexPlacement placement_;
   std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or kSplit and its place in split_
   std::vector<SplitVertex> split_;     ///< of cells with several sheets or a crease
+  FlatQuads flat_;
   TileMesh mesh_;
 };
 

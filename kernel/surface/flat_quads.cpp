@@ -1,0 +1,170 @@
+#include "kernel/surface/flat_quads.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace kerf {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+/// Rectangles that save fewer triangles than this are left as they are.
+constexpr std::int64_t kSavingMin = 6;
+/// Most rectangles sought in one plane: what remains after so many is ragged and saves little.
+constexpr int kRectanglesMax = 48;
+
+struct Rectangle {
+  std::int32_t u = 0, v = 0, width = 0, height = 0;
+  /// A quadrangle is two triangles; a rectangle is a fan with one triangle for each step of its
+  /// rim.
+  std::int64_t saving() const {
+    if (width < 2 || height < 2) return 0;
+    return 2 * std::int64_t{width} * height - 2 * (std::int64_t{width} + height);
+  }
+};
+
+void append_triangle(std::vector<std::uint32_t>& indices, bool reversed, std::uint32_t a,
+                     std::uint32_t b, std::uint32_t c) {
+  if (reversed) std::swap(b, c);
+  indices.insert(indices.end(), {a, b, c});
+}
+
+}  // namespace
+
+/// The quadrangles of one plane by their place.
+class FlatQuads::Grid {
+ public:
+  explicit Grid(const std::vector<Quad>& quads) : quads_(quads) {
+    first_u_ = last_u_ = quads[0].u;
+    first_v_ = last_v_ = quads[0].v;
+    for (const Quad& quad : quads) {
+      first_u_ = std::min(first_u_, quad.u);
+      last_u_ = std::max(last_u_, quad.u);
+      first_v_ = std::min(first_v_, quad.v);
+      last_v_ = std::max(last_v_, quad.v);
+    }
+    width_ = last_u_ - first_u_ + 1;
+    height_ = last_v_ - first_v_ + 1;
+    at_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), kNone);
+    for (std::size_t n = 0; n < quads.size(); ++n) {
+      std::uint32_t& place = at_[index(quads[n].u - first_u_, quads[n].v - first_v_)];
+      regular_ &= place == kNone;  // two sheets may touch in one plane: then nothing is joined
+      place = static_cast<std::uint32_t>(n);
+    }
+    for (std::int32_t v = 0; v < height_ && regular_; ++v) {
+      for (std::int32_t u = 0; u < width_ && regular_; ++u) regular_ = neighbours_agree(u, v);
+    }
+  }
+
+  /// Takes rectangles out of the grid, the best first, then the single quadrangles that remain.
+  bool append_triangles(bool reversed, std::vector<std::uint32_t>& indices) {
+    bool joined = false;
+    for (int n = 0; n < kRectanglesMax && regular_; ++n) {
+      const Rectangle best = best_rectangle();
+      if (best.saving() < kSavingMin) break;
+      append_fan(best, reversed, indices);
+      joined = true;
+      for (std::int32_t v = best.v; v < best.v + best.height; ++v) {
+        for (std::int32_t u = best.u; u < best.u + best.width; ++u) taken_or_none(u, v) = kNone;
+      }
+    }
+    for (std::size_t n = 0; n < quads_.size(); ++n) {
+      const Quad& quad = quads_[n];
+      const bool left = at_[index(quad.u - first_u_, quad.v - first_v_)] != kNone;
+      if (regular_ && !left) continue;
+      append_triangle(indices, reversed, quad.corners[0], quad.corners[1], quad.corners[2]);
+      append_triangle(indices, reversed, quad.corners[0], quad.corners[2], quad.corners[3]);
+    }
+    return joined;
+  }
+
+ private:
+  std::size_t index(std::int32_t u, std::int32_t v) const {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(u);
+  }
+  std::uint32_t& taken_or_none(std::int32_t u, std::int32_t v) { return at_[index(u, v)]; }
+  const Quad* quad(std::int32_t u, std::int32_t v) const {
+    if (u >= width_ || v >= height_ || at_[index(u, v)] == kNone) return nullptr;
+    return &quads_[at_[index(u, v)]];
+  }
+
+  bool neighbours_agree(std::int32_t u, std::int32_t v) const {
+    const Quad* here = quad(u, v);
+    if (here == nullptr) return true;
+    const auto& c = here->corners;
+    const Quad* right = quad(u + 1, v);
+    const Quad* above = quad(u, v + 1);
+    return (right == nullptr || (c[1] == right->corners[0] && c[2] == right->corners[3])) &&
+           (above == nullptr || (c[3] == above->corners[0] && c[2] == above->corners[1]));
+  }
+
+  /// The rectangle that saves most: for each row the largest one under the skyline of free places
+  /// above it.
+  Rectangle best_rectangle() const {
+    Rectangle best;
+    std::vector<std::int32_t> skyline(static_cast<std::size_t>(width_) + 1, 0);
+    std::vector<std::int32_t> starts;
+    for (std::int32_t v = 0; v < height_; ++v) {
+      for (std::int32_t u = 0; u < width_; ++u) {
+        std::int32_t& h = skyline[static_cast<std::size_t>(u)];
+        h = at_[index(u, v)] == kNone ? 0 : h + 1;
+      }
+      starts.clear();
+      for (std::int32_t u = 0; u <= width_; ++u) {
+        const auto height_of = [&skyline](std::int32_t at) {
+          return skyline[static_cast<std::size_t>(at)];
+        };
+        while (!starts.empty() && height_of(starts.back()) >= height_of(u)) {
+          const std::int32_t height = height_of(starts.back());
+          starts.pop_back();
+          const std::int32_t first = starts.empty() ? 0 : starts.back() + 1;
+          const Rectangle candidate{first, v - height + 1, u - first, height};
+          if (candidate.saving() > best.saving()) best = candidate;
+        }
+        starts.push_back(u);
+      }
+    }
+    return best;
+  }
+
+  void append_fan(const Rectangle& r, bool reversed, std::vector<std::uint32_t>& indices) const {
+    std::vector<std::uint32_t> rim;
+    const auto corner = [this](std::int32_t u, std::int32_t v, std::size_t n) {
+      return quads_[at_[index(u, v)]].corners[n];
+    };
+    const std::int32_t end_u = r.u + r.width;
+    const std::int32_t end_v = r.v + r.height;
+    for (std::int32_t u = r.u; u < end_u; ++u) rim.push_back(corner(u, r.v, 0));
+    for (std::int32_t v = r.v; v < end_v; ++v) rim.push_back(corner(end_u - 1, v, 1));
+    for (std::int32_t u = end_u; u > r.u; --u) rim.push_back(corner(u - 1, end_v - 1, 2));
+    for (std::int32_t v = end_v; v > r.v; --v) rim.push_back(corner(r.u, v - 1, 3));
+    const std::uint32_t center = corner(r.u + r.width / 2, r.v + r.height / 2, 0);
+    for (std::size_t n = 0; n < rim.size(); ++n) {
+      append_triangle(indices, reversed, center, rim[n], rim[(n + 1) % rim.size()]);
+    }
+  }
+
+  const std::vector<Quad>& quads_;
+  std::int32_t first_u_ = 0, last_u_ = 0, first_v_ = 0, last_v_ = 0, width_ = 0, height_ = 0;
+  std::vector<std::uint32_t> at_;  ///< number of the quadrangle at each place
+  bool regular_ = true;
+};
+
+void FlatQuads::add(const FlatPlane& plane, std::int32_t u, std::int32_t v,
+                    const std::array<std::uint32_t, 4>& corners) {
+  if (last_ == nullptr || plane != last_plane_) {
+    last_ = &planes_[plane];
+    last_plane_ = plane;
+  }
+  last_->push_back({u, v, corners});
+}
+
+bool FlatQuads::append_triangles(std::vector<std::uint32_t>& indices) const {
+  bool joined = false;
+  for (const auto& [plane, quads] : planes_) {
+    joined |= Grid(quads).append_triangles(plane.reversed, indices);
+  }
+  return joined;
+}
+
+}  // namespace kerf
