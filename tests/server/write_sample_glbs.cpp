@@ -1,0 +1,61 @@
+// Writes one GLB of every kind that Kerf makes into a folder, for gltf-validator: the download of a
+// carved block, a frame with many tiles, one with an empty tile among others, one with nothing but
+// an empty tile, one without tiles. Usage: write_sample_glbs FOLDER
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "server/feed/mesh_glb.h"
+#include "server/formats/glb.h"
+#include "tests/support/carvings.h"
+#include "tests/support/mesh_check.h"
+
+namespace {
+
+using namespace kerf;
+
+bool write(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) std::fprintf(stderr, "%s: cannot be written\n", path.c_str());
+  return bool(file);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: write_sample_glbs FOLDER\n");
+    return 2;
+  }
+  const std::filesystem::path folder = argv[1];
+  std::filesystem::create_directories(folder);
+  const BoxStock block{{-20, 10, 5}, {17, 40, 19}};
+  Sculpture sculpture = test::make_sculpture(block, 0.25);
+  test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, 1);
+  for (int n = 0; n < 60; ++n) carver.cut();
+  const DexelSnapshot snapshot = sculpture.snapshot();
+  const MeshQuantization quantization = mesh_quantization(snapshot.grid());
+  std::vector<EncodedTile> tiles;
+  for (const TileMesh& mesh : test::mesh_all(snapshot)) {
+    tiles.push_back(encode_tile(mesh, quantization, 3));
+  }
+  EncodedTile gone;
+  gone.tile = {90, 91};
+  gone.version = 4;
+  std::vector<const EncodedTile*> all;
+  for (const EncodedTile& tile : tiles) all.push_back(&tile);
+  const std::vector<const EncodedTile*> mixed{&tiles[0], &gone, &tiles[1]};
+  const std::vector<const EncodedTile*> only_gone{&gone};
+  const auto model = make_model_glb(snapshot, "sample \"block\"");
+  const bool ok = model && write(folder / "model.glb", *model) &&
+                  write(folder / "frame_all.glb", write_mesh_glb(all, quantization, 0, 60)) &&
+                  write(folder / "frame_mixed.glb", write_mesh_glb(mixed, quantization, 59, 60)) &&
+                  write(folder / "frame_gone.glb", write_mesh_glb(only_gone, quantization, 1, 2)) &&
+                  write(folder / "frame_empty.glb", write_mesh_glb({}, quantization, 1, 2));
+  return ok ? 0 : 1;
+}
