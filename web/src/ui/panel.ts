@@ -23,6 +23,8 @@ export interface PanelActions {
   chosenLook(look: StockLook): void;
   /** The panel's size on screen changed. */
   layoutChanged(): void;
+  /** On a phone: the sheet was opened or closed. */
+  toggled(open: boolean): void;
 }
 
 class Figure {
@@ -56,7 +58,10 @@ export class Panel {
   private readonly people_: People;
   private readonly plots_: Plots;
 
-  constructor(private readonly model: SessionModel, session: string, colors: { force: string; torque: string }, actions: PanelActions) {
+  constructor(
+    private readonly model: SessionModel, session: string, colors: { force: string; torque: string },
+    private readonly actions: PanelActions,
+  ) {
     this.people_ = new People(model, actions.pressedPerson);
     this.plots_ = new Plots(colors.force, colors.torque);
     const figures = h('dl', { class: 'figures' },
@@ -92,6 +97,7 @@ export class Panel {
     const open = this.element.classList.toggle('open');
     this.handle_.setAttribute('aria-expanded', String(open));
     this.handle_.textContent = open ? 'Hide details' : 'Show details';
+    this.actions.toggled(open);
   }
 }
 

@@ -17,6 +17,7 @@ import { failurePage, Notice } from './notice';
 import { Panel } from './panel';
 
 const PANEL_EVERY_MS = 100;
+const SHEET_MS = 240; // the sheet's way up or down (style.css)
 
 export class SessionPage {
   readonly model = new SessionModel();
@@ -42,6 +43,10 @@ export class SessionPage {
       pressedPerson: (id) => this.pressedPerson_(id),
       chosenLook: (look) => this.viewer_.setLook(look),
       layoutChanged: () => this.resize_(),
+      toggled: (open) => {
+        this.toolbar_.classList.toggle('covered', open);
+        setTimeout(() => this.viewer_.rig.fit(performance.now()), SHEET_MS);
+      },
     });
     this.toolbar_ = this.makeToolbar_();
     this.bar_ = this.makeBar_();

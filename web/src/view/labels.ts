@@ -23,14 +23,15 @@ export class Label {
     this.element.style.setProperty('--who', color);
   }
 
-  place(world: THREE.Vector3, camera: THREE.Camera, width: number, height: number): void {
+  /** @param clearTop what bars cover at the top, CSS pixels */
+  place(world: THREE.Vector3, camera: THREE.Camera, width: number, height: number, clearTop: number): void {
     this.projected_.copy(world).project(camera);
     const { x, y, z } = this.projected_;
     const shown = z > -1 && z < 1;
     this.element.hidden = !shown;
     if (!shown) return;
     const left = THREE.MathUtils.clamp(((x + 1) / 2) * width, SCREEN_MARGIN_PX, width - SCREEN_MARGIN_PX);
-    const top = THREE.MathUtils.clamp(((1 - y) / 2) * height, 4 * SCREEN_MARGIN_PX, height - SCREEN_MARGIN_PX);
+    const top = THREE.MathUtils.clamp(((1 - y) / 2) * height, clearTop + 4 * SCREEN_MARGIN_PX, height - SCREEN_MARGIN_PX);
     this.element.style.transform = `translate(-50%, -100%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
   }
 

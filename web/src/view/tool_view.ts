@@ -37,7 +37,7 @@ export class ToolView {
     const collarTop = length + Math.max(2.5, radius * 0.5);
     this.group.add(
       this.part_(this.profile.pieces, new THREE.MeshStandardMaterial({
-        color: '#e4e9ef', metalness: 0.75, roughness: 0.28, envMapIntensity: 1.8, side: THREE.DoubleSide,
+        color: '#e8edf2', metalness: 0.88, roughness: 0.22, envMapIntensity: 1.7, side: THREE.DoubleSide,
       })),
       this.part_(cylinder(collarRadius, length, collarTop), new THREE.MeshStandardMaterial({
         color, metalness: 0.05, roughness: 0.45,
@@ -67,8 +67,7 @@ export class ToolView {
 
   private part_(pieces: OutlinePoint[][], material: THREE.Material): THREE.Mesh {
     const mesh = new THREE.Mesh(lathe(pieces), material);
-    mesh.castShadow = true;
-    mesh.receiveShadow = true;
+    mesh.castShadow = true; // but receives none: on thin round parts it would only show the shadow map's grain
     return mesh;
   }
 

@@ -8,7 +8,7 @@ import { emptyPose } from '../model/pose_track';
 import type { Pose } from '../model/pose_track';
 import { Quality } from '../model/quality';
 import { stockBounds } from '../model/session';
-import type { SessionModel } from '../model/session';
+import type { Bounds, SessionModel } from '../model/session';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
 import type { Header, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
@@ -53,6 +53,7 @@ export class Viewer {
   private readonly top_ = new THREE.Vector3();
   private width_ = 1;
   private height_ = 1;
+  private clearTop_ = 0;
   private pivotMm_ = 60;
   private arrowMm_ = 40;
   private dirty_ = true;
@@ -79,7 +80,7 @@ export class Viewer {
   welcome(welcome: Welcome): void {
     const bounds = stockBounds(welcome.stock);
     this.stage.setBounds(bounds, welcome.pitch_mm);
-    this.rig.setBounds(bounds);
+    this.rig.setBounds(withRoomForTools(bounds, welcome));
     this.stockMaterial_.setStock(
       welcome.stock, welcome.pitch_mm, new THREE.Vector3(...bounds.min), new THREE.Vector3(...bounds.max));
     this.pivotMm_ = welcome.pivot_mm;
@@ -135,6 +136,7 @@ export class Viewer {
   resize(width: number, height: number, insets: Insets): void {
     this.width_ = width;
     this.height_ = height;
+    this.clearTop_ = insets.top;
     this.stage.setSize(width, height, this.quality_.movingRatio);
     this.rig.resize(width, height, insets);
     this.touch();
@@ -183,7 +185,7 @@ export class Viewer {
     for (const carver of this.carvers_.values()) {
       if (!carver.tool) continue;
       this.top_.set(0, 0, carver.tool.topMm * 1.25).applyMatrix4(carver.tool.group.matrixWorld);
-      carver.label.place(this.top_, this.rig.camera, this.width_, this.height_);
+      carver.label.place(this.top_, this.rig.camera, this.width_, this.height_, this.clearTop_);
     }
   }
 
@@ -262,6 +264,13 @@ export class Viewer {
     this.shadowsDirty_ = true;
     this.touch();
   }
+}
+
+/** What a whole view shows: the block, and above it a good part of the longest tool. */
+function withRoomForTools({ min, max }: Bounds, { tools }: Welcome): Bounds {
+  const longest = Math.max(0, ...tools.map(({ length_mm: length }) => length ?? 0));
+  const diagonal = Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
+  return { min, max: [max[0], max[1], max[2] + Math.min(0.7 * longest, 0.3 * diagonal)] };
 }
 
 function differs(a: Pose, b: Pose): boolean {
