@@ -90,6 +90,17 @@ describe('view link', () => {
     expect(model.statusReason).toBe('The session was closed.');
   });
 
+  it('passes on why the server said goodbye', async () => {
+    const { link, model } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    for (const { ws } of server.viewers) ws.send(JSON.stringify({ type: 'bye', reason: 'The server is going down.' }));
+    await server.close();
+    await vi.waitFor(() => expect(model.status).toBe('reconnecting'), soon);
+    expect(model.statusReason).toBe('The server is going down.');
+    link.stop();
+    await server.listen();
+  });
+
   it('survives nonsense from the server and reports it', async () => {
     const { link, model } = join(server.port, 'demo');
     await vi.waitFor(() => expect(model.status).toBe('connected'), soon);

@@ -53,6 +53,7 @@ export class ViewLink {
   private sequence_ = 0n;
   private heardMs_ = 0;
   private tickMs_ = 0;
+  private byeReason_ = '';
   private welcomed_ = false;
   private stopped_ = false;
   private pingTimer_: ReturnType<typeof setInterval> | undefined;
@@ -86,6 +87,7 @@ export class ViewLink {
   private connect_(status: LinkStatus, reason: string): void {
     const generation = ++this.generation_;
     this.welcomed_ = false;
+    this.byeReason_ = '';
     this.heardMs_ = this.options.nowMs();
     this.tickMs_ = this.heardMs_;
     this.events.status(status, reason);
@@ -100,7 +102,7 @@ export class ViewLink {
       if (current()) this.received_(event.data, current);
     };
     socket.onclose = (event) => {
-      if (current()) void this.lost_(event.reason || 'The connection to the server was lost.');
+      if (current()) void this.lost_(this.byeReason_ || event.reason || 'The connection to the server was lost.');
     };
     socket.onerror = () => {}; // a close event always follows and says the same
     clearInterval(this.pingTimer_);
@@ -179,6 +181,7 @@ export class ViewLink {
       this.tick_();
       return;
     }
+    if (message.type === 'bye') this.byeReason_ = message.reason;
     this.events.message(message);
     if (message.type === 'error' && message.fatal) this.stop(message.reason);
   }

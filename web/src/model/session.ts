@@ -52,7 +52,7 @@ export class SessionModel {
       case 'participants': this.participants.setList(message.participants); break;
       case 'state': this.state = message; break;
       case 'error': this.addProblem(`${message.reason} (${message.code})`); break;
-      case 'bye': this.statusReason = message.reason; break;
+      case 'bye': break; // the link tells the reason when the connection ends
     }
   }
 

@@ -167,7 +167,7 @@ export class SessionPage {
     const bar = this.bar_.getBoundingClientRect();
     const sheet = panel.width > 0.9 * width;
     return sheet
-      ? { left: 0, right: 0, top: bar.bottom, bottom: Math.min(0.6 * height, Math.max(0, height - panel.top)) }
+      ? { left: 0, right: 0, top: bar.bottom, bottom: Math.min(0.75 * height, Math.max(0, height - panel.top)) }
       : { left: 0, right: Math.max(0, width - panel.left), top: bar.bottom, bottom: 24 };
   }
 
@@ -208,13 +208,14 @@ export class SessionPage {
     const { status, statusReason, tiles } = this.model;
     if (this.contextLost_) return 'The graphics device was lost. The picture comes back as soon as the browser gives it back.';
     if (status === 'reconnecting') return `${statusReason || 'The connection was lost.'} Trying again…`;
+    if (status === 'stopped') return `${statusReason || 'The server closed the session.'} This is the last picture.`;
     if (status === 'connecting') return 'Connecting…';
     if (status === 'connected' && !tiles.complete) return 'Loading the block…';
     return nowMs < this.flashUntilMs_ ? this.flashText_ : '';
   }
 
   private showStopped_(reason: string): void {
-    if (this.model.welcome) return; // the last picture stays, the badge tells
+    if (this.model.welcome) return; // the last picture stays; badge and notice tell
     this.app.replaceChildren(failurePage('Nothing to watch here', reason || 'The server closed the session.', [
       { label: 'All sessions', href: '?list' }, { label: 'Try again', href: location.search },
     ]));
