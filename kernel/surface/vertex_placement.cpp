@@ -140,7 +140,8 @@ Vec3 VertexPlacement::end_normal(std::int32_t i, std::int32_t j, DexelEnd kind, 
     const double slope_x = end_slope(i, j, 1, 0, kind, height);
     const double slope_y = end_slope(i, j, 0, 1, kind, height);
     const double sign = top ? 1 : -1;
-    const Vec3 n = normalized({-sign * slope_x, -sign * slope_y, sign});
+    const bool level = slope_x == 0 && slope_y == 0;
+    const Vec3 n = level ? Vec3{0, 0, sign} : normalized({-sign * slope_x, -sign * slope_y, sign});
     cached = {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z), true};
   }
   return {static_cast<double>(cached.x), static_cast<double>(cached.y),

@@ -1,0 +1,108 @@
+// How fast the surface is made and encoded on one core, and how large it gets: the standard job's
+// block, before and after it is carved in three and in five axes. Times are CPU seconds of this
+// thread. Usage: surface_bench [pitch_mm=0.25]
+
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <vector>
+
+#include "kernel/surface/tile_mesh.h"
+#include "server/feed/mesh_glb.h"
+#include "tests/support/standard_job.h"
+
+namespace {
+
+using namespace kerf;
+
+double cpu_seconds() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Vertical distance of corners and centroids from the exact three-axis surface, away from the ends
+/// of the rows.
+void measure_error(const std::vector<TileMesh>& meshes, double pitch_mm) {
+  double worst = 0, sum = 0;
+  std::size_t count = 0;
+  const auto add = [&](Vec3 p) {
+    constexpr double kRowEndsMm = 10;
+    const bool inside = p.x > kRowEndsMm && p.x < 100 - kRowEndsMm && p.y > kRowEndsMm &&
+                        p.y < 100 - kRowEndsMm && p.z > 40;
+    if (!inside) return;
+    const double error = std::abs(p.z - test::standard_surface(p.y));
+    worst = std::max(worst, error);
+    sum += error * error;
+    ++count;
+  };
+  for (const TileMesh& mesh : meshes) {
+    for (std::size_t n = 0; n < mesh.indices.size(); n += 3) {
+      Vec3 centroid;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto& q = mesh.positions_mm[mesh.indices[n + c]];
+        const Vec3 p{double(q[0]), double(q[1]), double(q[2])};
+        add(p);
+        centroid = centroid + p * (1.0 / 3);
+      }
+      add(centroid);
+    }
+  }
+  const double rms = std::sqrt(sum / static_cast<double>(count));
+  std::printf("  error  max %.4f mm (%.3f pitch), rms %.4f mm\n", worst, worst / pitch_mm, rms);
+}
+
+std::vector<TileMesh> measure(const char* name, const DexelSnapshot& snapshot) {
+  const DexelGrid& grid = snapshot.grid();
+  const MeshQuantization quantization = mesh_quantization(grid);
+  std::vector<TileMesh> meshes;
+  std::size_t triangles = 0, bytes = 0;
+  const double start = cpu_seconds();
+  for (std::int32_t y = 0; y < grid.tiles_y(); ++y) {
+    for (std::int32_t x = 0; x < grid.tiles_x(); ++x) {
+      meshes.push_back(mesh_tile(snapshot, {x, y}));
+      triangles += meshes.back().indices.size() / 3;
+    }
+  }
+  const double meshed = cpu_seconds();
+  std::vector<EncodedTile> encoded;
+  for (const TileMesh& mesh : meshes) encoded.push_back(encode_tile(mesh, quantization, 1));
+  const double done = cpu_seconds();
+  std::vector<const EncodedTile*> pointers;
+  for (const EncodedTile& tile : encoded) {
+    bytes += tile.bytes();
+    pointers.push_back(&tile);
+  }
+  const double before_glb = cpu_seconds();
+  const std::size_t glb_bytes = write_mesh_glb(pointers, quantization, 0, 1).size();
+  const double glb_seconds = cpu_seconds() - before_glb;
+  const auto tiles = static_cast<double>(meshes.size());
+  std::printf("%-10s %6.0f tiles %9zu triangles (%5.0f/tile)\n", name, tiles, triangles,
+              static_cast<double>(triangles) / tiles);
+  std::printf("  mesh   %8.2f M triangles/s %8.0f tiles/s %7.0f us/tile\n",
+              1e-6 * static_cast<double>(triangles) / (meshed - start), tiles / (meshed - start),
+              1e6 * (meshed - start) / tiles);
+  std::printf("  encode %8.0f tiles/s, %8.0f bytes/tile; GLB of all: %.2f MB in %.1f ms\n",
+              tiles / (done - meshed), static_cast<double>(bytes) / tiles,
+              1e-6 * static_cast<double>(glb_bytes), 1e3 * glb_seconds);
+  return meshes;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
+  std::printf("block 100 x 100 x 50 mm, pitch %.3g mm, one core, CPU time\n", pitch_mm);
+  for (const bool five_axis : {false, true}) {
+    auto sculpture = *Sculpture::create(test::standard_settings(pitch_mm, 0.01));
+    if (!five_axis) measure("untouched", sculpture.snapshot());
+    sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
+    const std::vector<ToolPose> path = test::standard_path(five_axis);
+    for (std::size_t n = 1; n < path.size(); ++n) {
+      sculpture.apply(MoveTool{1, path[n - 1], path[n], 0.01, false}).value();
+    }
+    const auto meshes = measure(five_axis ? "five axes" : "three axes", sculpture.snapshot());
+    if (!five_axis) measure_error(meshes, pitch_mm);
+  }
+  return 0;
+}
