@@ -12,7 +12,7 @@ DATA=
 DEMO=true
 BUILD_ONLY=false
 BIN="$KERF_ROOT/build/release"
-SESSION=demo
+SESSION=ammonite # the server names a session after its scene
 CHILDREN=()
 SERVER=
 SCRATCH=
@@ -92,8 +92,8 @@ server_failed() {
 }
 
 start_server() {
-  local options=(--listen "$LISTEN:$PORT" --data "$DATA")
-  if $DEMO; then options+=(--scene "haptic_agent/demo/$SESSION.json"); fi
+  local options=(--listen "$LISTEN:$PORT" --data "$DATA" --web web/dist)
+  if $DEMO; then options+=(--scene haptic_agent/demo/demo.json); fi
   start kerf-server "$BIN/server/kerf-server" "${options[@]}"
   SERVER=$!
   for _ in {1..150}; do
@@ -149,7 +149,7 @@ main() {
   find_port
   start_server
   if $DEMO; then start_demo; fi
-  say "Kerf serves at http://$(local_address)/    (Ctrl-C ends it)"
+  say "Kerf serves at http://$(local_address)/$($DEMO && echo "?session=$SESSION")    (Ctrl-C ends it)"
   watch_over
 }
 
