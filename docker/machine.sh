@@ -5,7 +5,7 @@
 KERF_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 KERF_LOGS="$KERF_ROOT/build/logs"
 
-say() { printf '\033[1m%s\033[0m\n' "$*"; }
+say() { if [ -t 1 ]; then printf '\033[1m%s\033[0m\n' "$*"; else printf '%s\n' "$*"; fi; }
 fail() { printf '%s\n' "$*" >&2; exit 1; }
 
 # step "what it does" NAME COMMAND...: runs a command with its output in a log, its newest line shown on a terminal; shows

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <regex>
 #include <set>
 #include <string>
 #include <string_view>
@@ -67,6 +68,21 @@ void check_tests(const std::vector<Source>& tree, std::vector<Violation>& violat
   }
 }
 
+// Links from one README to another are relative to the folder that they stand in.
+void check_links(const Texts& texts, std::vector<Violation>& violations) {
+  static const std::regex kLink(R"(\]\(([A-Za-z_][A-Za-z0-9_/.-]*\.md)\))");
+  for (const auto& [path, text] : texts) {
+    if (!path.ends_with(".md")) continue;
+    const std::string folder(folder_of(path));
+    for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
+      const std::string target = (folder.empty() ? "" : folder + "/") + it->str(1);
+      if (texts.contains(target)) continue;
+      violations.push_back({path, line_at(text, static_cast<std::size_t>(it->position())),
+                            "this link leads nowhere: " + target});
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Violation> check_rooms(const std::vector<Source>& tree) {
@@ -93,6 +109,7 @@ std::vector<Violation> check_rooms(const std::vector<Source>& tree) {
           {std::string(folder), 0, "no README.md here or above says what lives here"});
     }
   }
+  check_links(texts, violations);
   check_tests(tree, violations);
   return violations;
 }

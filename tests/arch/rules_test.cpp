@@ -81,6 +81,14 @@ TEST(ArchIncludes, PathsAreWrittenFromTheRoot) {
   EXPECT_EQ(includes_of("kernel/math/a.cpp", "\"../math/vec3.h\"").size(), 1u);
 }
 
+TEST(ArchIncludes, TheViewersWireImportsOnlyItself) {
+  const std::string path = "web/src/wire/codec.ts";
+  EXPECT_TRUE(check_includes({path, "import { Reader } from './cursor';\n"}, {}).empty());
+  EXPECT_EQ(check_includes({path, "\nimport { Box3 } from 'three';\n"}, {})[0].line, 2u);
+  EXPECT_EQ(check_includes({path, "import {\n  A,\n} from '../model/tiles';\n"}, {})[0].line, 3u);
+  EXPECT_TRUE(check_includes({"web/src/main.ts", "import { A } from 'three';\n"}, {}).empty());
+}
+
 TEST(ArchIncludes, HeadersBeginWithPragmaOnce) {
   EXPECT_EQ(check_includes({"kernel/math/a.h", "struct A;\n"}, {}).size(), 1u);
 }
@@ -187,6 +195,13 @@ TEST(ArchRooms, RoomWithoutTestIsFound) {
   const auto found = rooms_of(6, {"tests/k/a_test.cpp", "#include <gtest/gtest.h>\n"});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].path, "kernel/math");
+}
+
+TEST(ArchRooms, LinkThatLeadsNowhereIsFound) {
+  EXPECT_TRUE(rooms_of(1, {"kernel/README.md", "[a](https://a.md) [b](../tests/b.md)"}).empty());
+  const auto found = rooms_of(1, {"kernel/README.md", "\n[math](math/README.md)"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].line, 2u);
 }
 
 TEST(ArchRooms, FolderAtTheTopIsFound) {
