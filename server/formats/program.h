@@ -27,12 +27,15 @@ std::string to_string(const ProgramError& error);
 /// (program start, tool change, retract in machine coordinates): it jumps there without cutting.
 struct ProgramMotion {
   ToolId tool = 0;
-  ToolPose from, to;       ///< on the pose grid (pose_grid.h); differ from each other
+  ToolPose from, to;       ///< on the pose grid (pose_grid.h)
   double duration_s = 0;   ///< > 0
   std::uint32_t line = 0;  ///< of the program text, from 1; 0 where there is none
   bool rapid = false;      ///< G0, RAPID
   friend bool operator==(const ProgramMotion&, const ProgramMotion&) = default;
 };
+
+/// A program collects at most this many warnings.
+inline constexpr std::size_t kProgramWarningsMax = 100;
 
 struct Program {
   std::string name;
@@ -48,7 +51,7 @@ std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_
 
 /// Reads a program (G-code or APT by the extension of `name`) for a scene: its tools, its machine
 /// kinematics, its tolerance (arcs and long rotary moves become chords within it). Every pose is on
-/// the pose grid and no motion turns the axis by more than kTurnMaxDeg. Anything that is not
+/// the pose grid and no motion turns the axis by more than kTurnMaxRad. Anything that is not
 /// understood is an error, never skipped.
 std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,
                                                    const Scene& scene);
@@ -57,5 +60,10 @@ std::expected<Program, ProgramError> parse_program(const std::string& name, std:
 /// of a chain of motions may be shorter). Poses are on the pose grid; corners between motions are
 /// cut by at most the way travelled in 1/rate_hz. `rate_hz` > 0.
 Program sample_program(const Program& program, double rate_hz);
+
+/// About how many motions sample_program would make.
+double sample_count(const Program& program, double rate_hz);
+/// Most that a caller should ask for: 100 bytes each.
+inline constexpr double kSamplesMax = 2e7;
 
 }  // namespace kerf

@@ -1,0 +1,358 @@
+#include "server/formats/apt_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "kernel/math/rotation.h"
+#include "server/formats/machine_kinematics.h"
+#include "server/formats/motion_sink.h"
+#include "server/formats/text_lines.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kMmPerInch = 25.4;
+// A file whose CUTTER says another diameter than the scene's tool gets a warning.
+constexpr double kCutterDifferenceMm = 1e-3;
+// Shorter axes have no direction.
+constexpr double kAxisLengthMin = 1e-6;
+
+// Thrown within this file where a statement cannot be understood; read_apt adds file and line.
+struct Fault {
+  std::string word, reason;
+};
+
+struct Statement {
+  std::string major;               ///< upper case
+  std::vector<std::string> minor;  ///< upper case, trimmed, after '/'
+};
+
+std::string clean(std::string_view text) {
+  std::string result;
+  for (const char c : text)
+    if (c != ' ' && c != '\t' && c != '\r')
+      result += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return result;
+}
+
+Statement parse_statement(const std::string& text) {
+  Statement statement;
+  const std::size_t slash = text.find('/');
+  statement.major = text.substr(0, slash);
+  if (slash == std::string::npos) return statement;
+  std::size_t from = slash + 1;
+  while (true) {
+    const std::size_t comma = text.find(',', from);
+    statement.minor.push_back(text.substr(from, comma - from));
+    if (comma == std::string::npos) return statement;
+    from = comma + 1;
+  }
+}
+
+std::optional<double> as_number(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0;
+  const auto read = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (read.ec != std::errc{} || read.ptr != word.data() + word.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+double number(const std::string& word) {
+  const auto value = as_number(word);
+  if (!value) throw Fault{word, word.empty() ? "a number is missing" : "is not a number"};
+  return *value;
+}
+
+enum class FeedUnit { kPerMinute, kPerRevolution };
+
+class AptReader {
+ public:
+  AptReader(std::string name, const Scene& scene) : scene_(scene), sink_(program_) {
+    program_.name = std::move(name);
+  }
+
+  std::expected<Program, ProgramError> read(std::string_view text) {
+    try {
+      TextLines lines(text);
+      while (!finished_ && lines.next()) {
+        line_ = lines.number();
+        read_line(lines);
+      }
+      if (!finished_) warn("the program ends without FINI");
+    } catch (const Fault& fault) {
+      return std::unexpected(ProgramError{program_.name, line_, fault.word, fault.reason});
+    }
+    program_.lines = line_;
+    return std::move(program_);
+  }
+
+ private:
+  // Texts may hold anything, also '$' and '/'.
+  static bool is_text(const std::string& statement) {
+    return statement.starts_with("PARTNO") || statement.starts_with("PPRINT") ||
+           statement.starts_with("REMARK");
+  }
+
+  void read_line(TextLines& lines) {
+    std::string text = clean(lines.line());
+    if (is_text(text)) return;
+    while (true) {
+      if (const std::size_t comment = text.find("$$"); comment != std::string::npos)
+        text.erase(comment);
+      if (!text.ends_with('$')) break;
+      text.pop_back();
+      if (!lines.next()) throw Fault{"$", "the statement is continued, but the file ends"};
+      text += clean(lines.line());
+    }
+    if (text.empty()) return;
+    const Statement statement = parse_statement(text);
+    const auto handler = std::find_if(kStatements.begin(), kStatements.end(),
+                                      [&](const auto& h) { return h.first == statement.major; });
+    if (handler == kStatements.end())
+      throw Fault{statement.major, "is not an APT word that Kerf understands"};
+    (this->*handler->second)(statement);
+  }
+
+  void warn(const std::string& text) {
+    if (program_.warnings.size() < kProgramWarningsMax)
+      program_.warnings.push_back(program_.name + ":" + std::to_string(line_) + ": " + text);
+  }
+
+  static void need_count(const Statement& s, std::size_t least, std::size_t most) {
+    if (s.minor.size() < least || s.minor.size() > most)
+      throw Fault{s.major, "needs " + std::to_string(least) +
+                               (least == most ? "" : " to " + std::to_string(most)) +
+                               " values, not " + std::to_string(s.minor.size())};
+  }
+
+  static void check(const MotionSink::Result& result) {
+    if (!result) throw Fault{"", result.error()};
+  }
+
+  void nothing(const Statement&) {}
+  void fini(const Statement&) { finished_ = true; }
+
+  void units(const Statement& s) {
+    need_count(s, 1, 1);
+    if (s.minor[0] == "MM") {
+      unit_mm_ = 1;
+    } else if (s.minor[0] == "INCHES" || s.minor[0] == "INCH") {
+      unit_mm_ = kMmPerInch;
+    } else {
+      throw Fault{s.minor[0], "is not a unit; use MM or INCHES"};
+    }
+  }
+
+  void multax(const Statement& s) {
+    need_count(s, 0, 1);
+    if (!s.minor.empty() && s.minor[0] != "ON" && s.minor[0] != "OFF")
+      throw Fault{s.minor[0], "must be ON or OFF"};
+    multiaxis_ = s.minor.empty() || s.minor[0] == "ON";
+  }
+
+  void load_tool(const Statement& s) {
+    need_count(s, 1, 1);
+    const double id = number(s.minor[0]);
+    if (id < 1 || id > 4294967295.0 || id != std::floor(id) ||
+        !scene_.tools.contains(static_cast<ToolId>(id)))
+      throw Fault{s.minor[0], "the scene has no such tool"};
+    sink_.set_tool(static_cast<ToolId>(id));
+  }
+
+  void cutter(const Statement& s) {
+    need_count(s, 1, 7);
+    for (const std::string& word : s.minor) number(word);
+    const double diameter = number(s.minor[0]) * unit_mm_;
+    if (diameter <= 0) throw Fault{s.minor[0], "a cutter needs a diameter above 0"};
+    if (!sink_.tool()) return;
+    const double loaded = 2 * scene_.tools.at(*sink_.tool()).tool.radius_mm;
+    if (std::abs(diameter - loaded) > kCutterDifferenceMm)
+      warn("CUTTER says " + std::to_string(diameter) + " mm; the scene's tool " +
+           std::to_string(*sink_.tool()) + " has " + std::to_string(loaded) + " mm and is used");
+  }
+
+  void feed_rate(const Statement& s) {
+    need_count(s, 1, 2);
+    std::optional<double> value;
+    double unit = unit_mm_;
+    FeedUnit per = FeedUnit::kPerMinute;
+    for (const std::string& word : s.minor) {
+      if (word == "MMPM" || word == "MMPR") {
+        unit = 1;
+        per = word == "MMPM" ? FeedUnit::kPerMinute : FeedUnit::kPerRevolution;
+      } else if (word == "IPM" || word == "IPR") {
+        unit = kMmPerInch;
+        per = word == "IPM" ? FeedUnit::kPerMinute : FeedUnit::kPerRevolution;
+      } else if (word == "PERMIN" || word == "PERREV") {
+        per = word == "PERMIN" ? FeedUnit::kPerMinute : FeedUnit::kPerRevolution;
+      } else if (value) {
+        throw Fault{word, "is not a feed unit; use MMPM, MMPR, IPM or IPR"};
+      } else {
+        value = number(word);
+      }
+    }
+    if (!value || *value <= 0) throw Fault{"FEDRAT", "needs a feed above 0"};
+    feed_ = *value;
+    feed_mm_ = *value * unit;
+    feed_unit_ = per;
+    rapid_ = false;
+  }
+
+  void rapid(const Statement& s) {
+    need_count(s, 0, 0);
+    rapid_ = true;
+  }
+
+  void spindle(const Statement& s) {
+    need_count(s, 1, 4);
+    static constexpr std::array kWords{"ON", "OFF", "CLW", "CCLW", "RPM", "NEUTRL", "LOCK"};
+    for (const std::string& word : s.minor) {
+      if (std::find(kWords.begin(), kWords.end(), word) != kWords.end()) continue;
+      spindle_rpm_ = number(word);
+      if (spindle_rpm_ < 0) throw Fault{word, "a spindle speed cannot be negative"};
+    }
+  }
+
+  void coolant(const Statement& s) {
+    need_count(s, 1, 1);
+    static constexpr std::array kWords{"ON", "OFF", "MIST", "FLOOD", "THRU"};
+    if (std::find(kWords.begin(), kWords.end(), s.minor[0]) == kWords.end())
+      throw Fault{s.minor[0], "is not a coolant; use ON, OFF, MIST, FLOOD or THRU"};
+  }
+
+  void delay(const Statement& s) {
+    need_count(s, 1, 1);
+    const double seconds = number(s.minor[0]);
+    if (seconds < 0) throw Fault{s.minor[0], "a delay cannot be negative"};
+    if (sink_.placed()) need_tool();
+    check(sink_.dwell(seconds, line_));
+  }
+
+  ToolPose read_pose(const Statement& s) {
+    if (s.minor.size() != 3 && s.minor.size() != 6)
+      throw Fault{s.major,
+                  "needs x,y,z or x,y,z,i,j,k, not " + std::to_string(s.minor.size()) + " values"};
+    ToolPose pose{{number(s.minor[0]) * unit_mm_, number(s.minor[1]) * unit_mm_,
+                   number(s.minor[2]) * unit_mm_},
+                  axis_};
+    if (s.minor.size() == 6) {
+      if (!multiaxis_) throw Fault{s.major, "has a tool axis, but MULTAX/ON was not given"};
+      pose.axis = {number(s.minor[3]), number(s.minor[4]), number(s.minor[5])};
+      const double size = length(pose.axis);
+      if (!(size > kAxisLengthMin) || !std::isfinite(size))
+        throw Fault{s.major, "the tool axis has no direction"};
+      const bool tilted = pose.axis.x != 0 || pose.axis.y != 0 || pose.axis.z < 0;
+      if (tilted && scene_.machine.kinematics == MachineKinematics::kXyz)
+        throw Fault{s.major, "the machine xyz cannot tilt its tool"};
+    }
+    return pose;
+  }
+
+  void from(const Statement& s) {
+    const ToolPose pose = read_pose(s);
+    check(sink_.place(pose));
+    axis_ = pose.axis;
+  }
+
+  void go_to(const Statement& s) { move(read_pose(s)); }
+
+  void go_delta(const Statement& s) {
+    if (!sink_.placed()) throw Fault{s.major, "needs a position: give FROM or GOTO before"};
+    ToolPose pose = *sink_.last();
+    if (s.minor.size() == 1) {
+      pose.tip_mm = pose.tip_mm + normalized(pose.axis) * (number(s.minor[0]) * unit_mm_);
+    } else {
+      need_count(s, 3, 3);
+      pose.tip_mm =
+          pose.tip_mm + Vec3{number(s.minor[0]), number(s.minor[1]), number(s.minor[2])} * unit_mm_;
+    }
+    move(pose);
+  }
+
+  void need_tool() {
+    if (sink_.tool()) return;
+    if (scene_.tools.size() != 1)
+      throw Fault{"", "no tool was loaded with LOADTL, and the scene has several"};
+    warn("no tool was loaded; the scene's only tool is taken");
+    sink_.set_tool(scene_.tools.begin()->first);
+  }
+
+  void move(const ToolPose& to) {
+    need_tool();
+    if (!sink_.placed()) {
+      check(sink_.place(to));
+    } else {
+      check(sink_.line(to, duration_s(*sink_.last(), to), rapid_, line_));
+    }
+    axis_ = to.axis;
+    rapid_ = false;
+  }
+
+  double duration_s(const ToolPose& from, const ToolPose& to) const {
+    const double way = length(to.tip_mm - from.tip_mm);
+    const double turn_deg =
+        angle_between(normalized(from.axis), normalized(to.axis)) * 180 / std::numbers::pi;
+    // Where the tip rests and the axis turns, a feed is in degrees per minute, as in G-code.
+    const double path = way > 0 ? way : turn_deg;
+    if (rapid_) return 60 * path / scene_.machine.rapid_mm_per_min;
+    const double feed = way > 0 ? feed_mm_ : feed_;
+    if (feed <= 0) throw Fault{"", "the feed is 0: give FEDRAT before the first cutting motion"};
+    if (feed_unit_ == FeedUnit::kPerMinute) return 60 * path / feed;
+    if (spindle_rpm_ <= 0)
+      throw Fault{"", "a feed per revolution needs a spindle speed: give SPINDL"};
+    return 60 * path / (feed * spindle_rpm_);
+  }
+
+  using Handler = void (AptReader::*)(const Statement&);
+  static const std::array<std::pair<std::string_view, Handler>, 16> kStatements;
+
+  const Scene& scene_;
+  Program program_;
+  MotionSink sink_;
+  std::size_t line_ = 0;
+  bool finished_ = false;
+  double unit_mm_ = 1;
+  bool multiaxis_ = false;
+  bool rapid_ = false;
+  double feed_ = 0;     ///< as written
+  double feed_mm_ = 0;  ///< in mm
+  FeedUnit feed_unit_ = FeedUnit::kPerMinute;
+  double spindle_rpm_ = 0;
+  Vec3 axis_{0, 0, 1};
+};
+
+const std::array<std::pair<std::string_view, AptReader::Handler>, 16> AptReader::kStatements{{
+    {"UNITS", &AptReader::units},
+    {"MULTAX", &AptReader::multax},
+    {"LOADTL", &AptReader::load_tool},
+    {"CUTTER", &AptReader::cutter},
+    {"FEDRAT", &AptReader::feed_rate},
+    {"RAPID", &AptReader::rapid},
+    {"SPINDL", &AptReader::spindle},
+    {"COOLNT", &AptReader::coolant},
+    {"DELAY", &AptReader::delay},
+    {"FROM", &AptReader::from},
+    {"GOTO", &AptReader::go_to},
+    {"GODLTA", &AptReader::go_delta},
+    {"STOP", &AptReader::nothing},
+    {"OPSTOP", &AptReader::nothing},
+    {"END", &AptReader::nothing},
+    {"FINI", &AptReader::fini},
+}};
+
+}  // namespace
+
+std::expected<Program, ProgramError> read_apt(const std::string& name, std::string_view text,
+                                              const Scene& scene) {
+  return AptReader(name, scene).read(text);
+}
+
+}  // namespace kerf

@@ -1,0 +1,107 @@
+#include <cmath>
+#include <numbers>
+#include <ostream>
+
+#include "kernel/math/rotation.h"
+#include "server/formats/machine_kinematics.h"
+#include "server/formats/number_text.h"
+#include "server/formats/pose_grid.h"
+#include "server/formats/program_writer.h"
+#include "server/formats/tool_text.h"
+
+namespace kerf {
+namespace {
+
+constexpr int kFeedDigits = 7;
+
+std::string one_line(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  return result;
+}
+
+std::string pose_text(const ToolPose& pose) {
+  std::string text = exact_text(pose.tip_mm.x);
+  for (const double value : {pose.tip_mm.y, pose.tip_mm.z, pose.axis.x, pose.axis.y, pose.axis.z}) {
+    text += ',';
+    text += exact_text(value);
+  }
+  return text;
+}
+
+class AptWriter final : public ProgramWriter {
+ public:
+  AptWriter(const Scene& scene, std::ostream& out) : scene_(scene), out_(out) {}
+
+  WriteResult add(const ProgramMotion& motion) override {
+    if (!started_) header();
+    const ToolPose from = admit_pose(motion.from);
+    const ToolPose to = admit_pose(motion.to);
+    if (!placed_ || motion.tool != tool_) out_ << "LOADTL/" << motion.tool << '\n';
+    if (!placed_ || motion.tool != tool_ || !(from == last_))
+      out_ << "FROM/" << pose_text(from) << '\n';
+    placed_ = true;
+    tool_ = motion.tool;
+    if (from == to) {
+      out_ << "DELAY/" << exact_text(motion.duration_s) << '\n';
+    } else {
+      if (motion.rapid) {
+        out_ << "RAPID\n";
+      } else {
+        feed(from, to, motion.duration_s);
+      }
+      out_ << "GOTO/" << pose_text(to) << '\n';
+    }
+    last_ = to;
+    return state();
+  }
+
+  WriteResult finish() override {
+    if (!started_) header();
+    out_ << "FINI\n";
+    out_.flush();
+    return state();
+  }
+
+ private:
+  WriteResult state() const {
+    if (out_.good()) return {};
+    return std::unexpected("the output cannot be written");
+  }
+
+  void header() {
+    started_ = true;
+    out_ << "PARTNO/" << one_line(scene_.name) << "\n$$ written by Kerf; coordinates are those of "
+         << "the tool tip\n";
+    for (const auto& [id, tool] : scene_.tools)
+      out_ << "$$ tool " << id << ": " << tool_text(tool.shape) << '\n';
+    out_ << "$$ read back, every pose has the same bits; durations are kept to 1e-6\n"
+         << "$$ FROM within the program: the tool is brought there without cutting\n"
+         << "UNITS/MM\nMULTAX/ON\n";
+  }
+
+  void feed(const ToolPose& from, const ToolPose& to, double duration_s) {
+    const double way = length(to.tip_mm - from.tip_mm);
+    const double turn_deg =
+        angle_between(normalized(from.axis), normalized(to.axis)) * 180 / std::numbers::pi;
+    std::string feed = significant_text(60 * (way > 0 ? way : turn_deg) / duration_s, kFeedDigits);
+    if (feed == feed_) return;
+    feed_ = std::move(feed);
+    out_ << "FEDRAT/" << feed_ << ",MMPM\n";
+  }
+
+  const Scene& scene_;
+  std::ostream& out_;
+  bool started_ = false, placed_ = false;
+  ToolId tool_ = 0;
+  ToolPose last_;
+  std::string feed_;
+};
+
+}  // namespace
+
+std::unique_ptr<ProgramWriter> make_apt_writer(const Scene& scene, std::ostream& out) {
+  return std::make_unique<AptWriter>(scene, out);
+}
+
+}  // namespace kerf

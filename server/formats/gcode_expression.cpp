@@ -1,0 +1,226 @@
+#include "server/formats/gcode_expression.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "server/formats/gcode_fault.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+bool equal(double a, double b) { return std::abs(a - b) < kGcodeEqualTolerance; }
+
+struct BinaryOperator {
+  std::string_view word;
+  int precedence;  ///< higher binds tighter; equal ones go from left to right
+  double (*apply)(double, double);
+};
+
+double modulo(double a, double b) {
+  const double rest = std::fmod(a, b);
+  return rest < 0 ? rest + std::abs(b) : rest;
+}
+
+// "**" stands before "*" because the first match counts.
+constexpr std::array kOperators{
+    BinaryOperator{"**", 5, [](double a, double b) { return std::pow(a, b); }},
+    BinaryOperator{"*", 4, [](double a, double b) { return a * b; }},
+    BinaryOperator{"/", 4, [](double a, double b) { return a / b; }},
+    BinaryOperator{"mod", 4, modulo},
+    BinaryOperator{"+", 3, [](double a, double b) { return a + b; }},
+    BinaryOperator{"-", 3, [](double a, double b) { return a - b; }},
+    BinaryOperator{"eq", 2, [](double a, double b) { return equal(a, b) ? 1.0 : 0.0; }},
+    BinaryOperator{"ne", 2, [](double a, double b) { return equal(a, b) ? 0.0 : 1.0; }},
+    BinaryOperator{"gt", 2, [](double a, double b) { return a > b ? 1.0 : 0.0; }},
+    BinaryOperator{"ge", 2, [](double a, double b) { return a >= b || equal(a, b) ? 1.0 : 0.0; }},
+    BinaryOperator{"lt", 2, [](double a, double b) { return a < b ? 1.0 : 0.0; }},
+    BinaryOperator{"le", 2, [](double a, double b) { return a <= b || equal(a, b) ? 1.0 : 0.0; }},
+    BinaryOperator{"and", 1, [](double a, double b) { return a != 0 && b != 0 ? 1.0 : 0.0; }},
+    BinaryOperator{"xor", 1, [](double a, double b) { return (a != 0) != (b != 0) ? 1.0 : 0.0; }},
+    BinaryOperator{"or", 1, [](double a, double b) { return a != 0 || b != 0 ? 1.0 : 0.0; }},
+};
+
+struct Function {
+  std::string_view word;
+  double (*apply)(double);
+};
+
+// Longer words stand before their beginnings. A value outside of a function's domain gives NaN,
+// which the caller refuses.
+constexpr std::array kFunctions{
+    Function{"abs", [](double x) { return std::abs(x); }},
+    Function{"acos", [](double x) { return std::acos(x) / kRadPerDeg; }},
+    Function{"asin", [](double x) { return std::asin(x) / kRadPerDeg; }},
+    Function{"cos", [](double x) { return std::cos(x * kRadPerDeg); }},
+    Function{"exp", [](double x) { return std::exp(x); }},
+    Function{"fix", [](double x) { return std::floor(x); }},
+    Function{"fup", [](double x) { return std::ceil(x); }},
+    Function{"ln", [](double x) { return x > 0 ? std::log(x) : std::nan(""); }},
+    Function{"round", [](double x) { return std::round(x); }},
+    Function{"sin", [](double x) { return std::sin(x * kRadPerDeg); }},
+    Function{"sqrt", [](double x) { return std::sqrt(x); }},
+    Function{"tan", [](double x) { return std::tan(x * kRadPerDeg); }},
+};
+
+}  // namespace
+
+bool is_gcode_integer(double value) {
+  return std::abs(value) <= 1e9 && std::abs(value - std::round(value)) <= kGcodeIntegerTolerance;
+}
+
+void GcodeValueReader::refuse(const std::string& reason) const {
+  throw GcodeFault{std::string(line_.substr(std::min(at_, line_.size()))), reason};
+}
+
+bool GcodeValueReader::accept(std::string_view word) {
+  if (!line_.substr(at_).starts_with(word)) return false;
+  at_ += word.size();
+  return true;
+}
+
+void GcodeValueReader::expect(char c) {
+  if (peek() != c) refuse(std::string("expected '") + c + "'");
+  skip();
+}
+
+double GcodeValueReader::value() {
+  const std::size_t start = at_;
+  if (++depth_ > kGcodeNestingMax) refuse("is nested too deeply");
+  const double result = value_within();
+  --depth_;
+  if (!std::isfinite(result)) {
+    throw GcodeFault{text_since(start), "has no finite value"};
+  }
+  return result;
+}
+
+double GcodeValueReader::value_within() {
+  const char c = peek();
+  if (c == '[') return bracket();
+  if (c == '#') {
+    skip();
+    return parameter();
+  }
+  if (c == '+' || c == '-') {
+    skip();
+    const double magnitude = value();
+    return c == '-' ? -magnitude : magnitude;
+  }
+  if (is_digit(c) || c == '.') return number();
+  if (c >= 'a' && c <= 'z') return function();
+  refuse(done() ? "a value is missing" : "is not a value");
+}
+
+double GcodeValueReader::number() {
+  const std::size_t start = at_;
+  bool digits = false;
+  bool point = false;
+  while (is_digit(peek()) || (peek() == '.' && !point)) {
+    (peek() == '.' ? point : digits) = true;
+    skip();
+  }
+  if (!digits) throw GcodeFault{text_since(start), "is not a number"};
+  const std::string_view text = line_.substr(start, at_ - start);
+  double result = 0;
+  const auto read = std::from_chars(text.begin(), text.end(), result, std::chars_format::fixed);
+  if (read.ec != std::errc{}) throw GcodeFault{std::string(text), "is not a number"};
+  return result;
+}
+
+double GcodeValueReader::bracket() {
+  expect('[');
+  const double result = operation(value(), 1);
+  if (peek() != ']') refuse(done() ? "a ']' is missing" : "is not an operator or ']'");
+  skip();
+  return result;
+}
+
+double GcodeValueReader::operation(double left, int precedence) {
+  while (true) {
+    const std::size_t start = at_;
+    const BinaryOperator* found = nullptr;
+    for (const BinaryOperator& candidate : kOperators) {
+      if (candidate.precedence < precedence || !accept(candidate.word)) continue;
+      found = &candidate;
+      break;
+    }
+    // A looser operator that begins like a tighter one cannot occur: only "*" and "**" share a
+    // beginning.
+    if (found == nullptr) return left;
+    double right = value();
+    right = operation(right, found->precedence + 1);
+    left = found->apply(left, right);
+    if (!std::isfinite(left)) throw GcodeFault{text_since(start), "has no finite result"};
+  }
+}
+
+double GcodeValueReader::function() {
+  const std::size_t start = at_;
+  if (accept("atan")) {
+    const double y = bracket();
+    expect('/');
+    return std::atan2(y, bracket()) / kRadPerDeg;
+  }
+  if (accept("exists")) return exists();
+  for (const Function& candidate : kFunctions) {
+    if (!accept(candidate.word)) continue;
+    const double result = candidate.apply(bracket());
+    if (std::isnan(result))
+      throw GcodeFault{text_since(start), "is outside of what the function takes"};
+    return result;
+  }
+  refuse("is not a function");
+}
+
+double GcodeValueReader::exists() {
+  expect('[');
+  expect('#');
+  const auto key = parameter_key();
+  expect(']');
+  if (const auto* name = std::get_if<std::string>(&key)) return parameters_.named(*name) ? 1 : 0;
+  return 1;  // every numbered parameter exists
+}
+
+std::variant<int, std::string> GcodeValueReader::parameter_key() {
+  const std::size_t start = at_;
+  if (peek() != '<') {
+    const int key = integer("a parameter number");
+    if (key < 1 || key > kGcodeParameterMax)
+      throw GcodeFault{"#" + text_since(start), "is not a parameter; they run from 1 to " +
+                                                    std::to_string(kGcodeParameterMax)};
+    return key;
+  }
+  skip();
+  const std::size_t first = at_;
+  while (!done() && peek() != '>') skip();
+  const std::string name = text_since(first);
+  if (done()) throw GcodeFault{"#" + text_since(start), "has no '>'"};
+  skip();
+  if (name.empty()) throw GcodeFault{"#<>", "names no parameter"};
+  return name;
+}
+
+double GcodeValueReader::parameter() {
+  const auto key = parameter_key();
+  if (const int* number = std::get_if<int>(&key)) return parameters_.numbered(*number);
+  const std::string& name = std::get<std::string>(key);
+  const auto value = parameters_.named(name);
+  if (!value) throw GcodeFault{"#<" + name + ">", "is not assigned"};
+  return *value;
+}
+
+int GcodeValueReader::integer(const char* what) {
+  const std::size_t start = at_;
+  const double number = value();
+  if (!is_gcode_integer(number))
+    throw GcodeFault{text_since(start), std::string("must be a whole number (") + what + ")"};
+  return static_cast<int>(std::lround(number));
+}
+
+}  // namespace kerf

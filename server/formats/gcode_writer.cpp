@@ -1,0 +1,204 @@
+#include <cmath>
+#include <numbers>
+#include <ostream>
+
+#include "server/formats/machine_kinematics.h"
+#include "server/formats/number_text.h"
+#include "server/formats/pose_grid.h"
+#include "server/formats/program_writer.h"
+#include "server/formats/tool_text.h"
+
+namespace kerf {
+namespace {
+
+constexpr int kFeedDigits = 7;
+constexpr int kAngleDecimals = 6;
+// Halvings of one motion for a rotary machine; the pieces are then at the grain of the angles.
+constexpr int kHalvingsMax = 16;
+
+// Comments end at the first parenthesis, and control characters would end the line.
+std::string comment_text(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const bool plain = static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
+    result += c == '(' ? '[' : c == ')' ? ']' : plain ? c : '?';
+  }
+  return result;
+}
+
+class GcodeWriter final : public ProgramWriter {
+ public:
+  GcodeWriter(const Scene& scene, std::ostream& out)
+      : scene_(scene),
+        out_(out),
+        kind_(scene.machine.kinematics),
+        rotary_(has_rotary_table(kind_)),
+        vector_(kind_ == MachineKinematics::kToolVector) {}
+
+  WriteResult add(const ProgramMotion& motion) override {
+    if (!started_) header();
+    const ToolPose from = admit_pose(motion.from);
+    const ToolPose to = admit_pose(motion.to);
+    if (kind_ == MachineKinematics::kXyz)
+      for (const Vec3& axis : {from.axis, to.axis})
+        if (axis.x != 0 || axis.y != 0 || axis.z < 0)
+          return std::unexpected(
+              "the tool is tilted, and the scene's machine is xyz; write it for tool-vector, "
+              "xyzac-trt or xyzbc-trt");
+    if (!placed_ || !(from == last_) || motion.tool != tool_) place(from, motion.tool);
+    if (from == to) {
+      out_ << "G4 P" << exact_text(motion.duration_s) << '\n';
+    } else if (rotary_) {
+      turn(from, to, motion, 0);
+    } else {
+      block(to, motion.rapid, motion.duration_s);
+    }
+    last_ = to;
+    return state();
+  }
+
+  WriteResult finish() override {
+    if (!started_) header();
+    if (placed_) retract();
+    out_ << "M2\n%\n";
+    out_.flush();
+    return state();
+  }
+
+ private:
+  WriteResult state() const {
+    if (out_.good()) return {};
+    return std::unexpected("the output cannot be written");
+  }
+
+  void header() {
+    started_ = true;
+    out_ << "%\n(" << comment_text(scene_.name) << ")\n(written by Kerf for a machine "
+         << to_string(kind_) << "; mm; coordinates are those of the tool tip)\n";
+    for (const auto& [id, tool] : scene_.tools)
+      out_ << "(T" << id << ": " << tool_text(tool.shape) << ")\n";
+    out_ << (rotary_ ? "(the tip is exact to 0.000001 mm, angles to 0.000001 degrees, durations to "
+                       "1e-6)\n"
+                     : "(read back, every pose has the same bits; durations are kept to 1e-6)\n")
+         << "(G53 G0 Z0 must be a safe height; speeds of the spindle are left to the operator)\n"
+         << "G21 G17 G90 G40 G49 G80 G54 " << (inverse_time() ? "G93" : "G94") << '\n';
+  }
+
+  bool inverse_time() const { return rotary_ || vector_; }
+
+  void retract() {
+    if (tcp_on_) out_ << "M429\n";
+    tcp_on_ = false;
+    out_ << "G53 G0 Z0\n";
+    motion_ = "G0";
+  }
+
+  // Brings the tool to a pose without cutting: up to the machine's top, over, down. kerf reads it
+  // back as a jump.
+  void place(const ToolPose& pose, ToolId tool) {
+    retract();
+    if (!placed_ || tool != tool_) out_ << 'T' << tool << " M6\n";
+    tool_ = tool;
+    placed_ = true;
+    if (rotary_) {
+      out_ << "M428\n";
+      tcp_on_ = true;
+      angles_ = angles_from_axis(kind_, normalized(pose.axis), angles_);
+      out_ << "G0" << rotary_words(angles_) << '\n';
+    }
+    out_ << "G0 X" << exact_text(pose.tip_mm.x) << " Y" << exact_text(pose.tip_mm.y);
+    if (vector_) out_ << vector_words(pose.axis);
+    out_ << "\nG0 Z" << exact_text(pose.tip_mm.z) << '\n';
+    last_ = pose;
+  }
+
+  static std::string vector_words(Vec3 axis) {
+    return " I" + exact_text(axis.x) + " J" + exact_text(axis.y) + " K" + exact_text(axis.z);
+  }
+  std::string rotary_words(const RotaryAngles& angles) const {
+    const bool ac = kind_ == MachineKinematics::kXyzacTrt;
+    return (ac ? " A" + decimal_text(angles.a, kAngleDecimals)
+               : " B" + decimal_text(angles.b, kAngleDecimals)) +
+           " C" + decimal_text(angles.c, kAngleDecimals);
+  }
+
+  // A machine turns uniformly in its angles; where that strays from the great circle, the motion is
+  // halved.
+  void turn(const ToolPose& from, const ToolPose& to, const ProgramMotion& motion, int halvings) {
+    const Vec3 a = normalized(from.axis);
+    const Vec3 b = normalized(to.axis);
+    const RotaryAngles end = angles_from_axis(kind_, b, angles_);
+    double stray = 0;
+    for (const double s : {0.25, 0.5, 0.75}) {
+      const RotaryAngles angles{angles_.a + (end.a - angles_.a) * s,
+                                angles_.b + (end.b - angles_.b) * s,
+                                angles_.c + (end.c - angles_.c) * s};
+      stray = std::max(stray, length(table_axis(kind_, angles) - turned_axis(a, b, s)));
+    }
+    const double reach = scene_.tools.contains(motion.tool)
+                             ? scene_.tools.at(motion.tool).tool.length_mm
+                             : scene_.settings.force.pivot_mm;
+    if (stray * reach > scene_.settings.tolerance_mm && halvings < kHalvingsMax) {
+      const ToolPose middle = admit_pose({(from.tip_mm + to.tip_mm) * 0.5, turned_axis(a, b, 0.5)});
+      turn(from, middle, motion, halvings + 1);
+      turn(middle, to, motion, halvings + 1);
+      return;
+    }
+    last_ = from;
+    end_angles_ = end;
+    block(to, motion.rapid, motion.duration_s / (1 << halvings));
+    angles_ = end;
+    last_ = to;
+  }
+
+  void block(const ToolPose& to, bool rapid, double duration_s) {
+    std::string words;
+    const auto axis_word = [&words](char letter, double was, double is) {
+      if (was != is) words += std::string(" ") + letter + exact_text(is);
+    };
+    axis_word('X', last_.tip_mm.x, to.tip_mm.x);
+    axis_word('Y', last_.tip_mm.y, to.tip_mm.y);
+    axis_word('Z', last_.tip_mm.z, to.tip_mm.z);
+    if (vector_ && !(last_.axis == to.axis)) words += vector_words(to.axis);
+    if (rotary_ && !(last_.axis == to.axis)) words += rotary_words(end_angles_);
+    if (words.empty()) return;
+    const std::string code = rapid ? "G0" : "G1";
+    std::string text = code == motion_ ? words : code + words;
+    if (!rapid) text += feed_word(to, duration_s);
+    motion_ = code;
+    out_ << (text.front() == ' ' ? text.substr(1) : text) << '\n';
+  }
+
+  std::string feed_word(const ToolPose& to, double duration_s) {
+    if (inverse_time()) return " F" + significant_text(60 / duration_s, kFeedDigits);
+    const double way = length(to.tip_mm - last_.tip_mm);
+    std::string feed = significant_text(60 * way / duration_s, kFeedDigits);
+    if (feed == feed_) return "";
+    feed_ = std::move(feed);
+    return " F" + feed_;
+  }
+
+  const Scene& scene_;
+  std::ostream& out_;
+  const MachineKinematics kind_;
+  const bool rotary_, vector_;
+  bool started_ = false, placed_ = false, tcp_on_ = false;
+  ToolId tool_ = 0;
+  ToolPose last_;
+  RotaryAngles angles_, end_angles_;
+  std::string motion_, feed_;
+};
+
+}  // namespace
+
+std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostream& out) {
+  return std::make_unique<GcodeWriter>(scene, out);
+}
+
+WriteResult write_program(const Program& program, ProgramWriter& writer) {
+  for (const ProgramMotion& motion : program.motions)
+    if (WriteResult written = writer.add(motion); !written) return written;
+  return writer.finish();
+}
+
+}  // namespace kerf

@@ -1,0 +1,42 @@
+#include "server/formats/number_text.h"
+
+#include <array>
+#include <charconv>
+
+namespace kerf {
+namespace {
+
+// The longest double without exponent has 309 digits before its point or 1074 behind it.
+using Buffer = std::array<char, 1100>;
+
+}  // namespace
+
+std::string exact_text(double value) {
+  Buffer buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value + 0.0,
+                                 std::chars_format::fixed);
+  return {buffer.data(), end.ptr};
+}
+
+std::string decimal_text(double value, int decimals) {
+  Buffer buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::fixed, decimals);
+  std::string text(buffer.data(), end.ptr);
+  if (text.find('.') != std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.ends_with('.')) text.pop_back();
+  }
+  return text == "-0" ? "0" : text;
+}
+
+std::string significant_text(double value, int digits) {
+  Buffer buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::scientific, digits - 1);
+  double rounded = 0;
+  std::from_chars(buffer.data(), end.ptr, rounded);
+  return exact_text(rounded);
+}
+
+}  // namespace kerf

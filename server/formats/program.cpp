@@ -1,0 +1,53 @@
+#include "server/formats/program.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "server/formats/apt_reader.h"
+#include "server/formats/gcode_reader.h"
+
+namespace kerf {
+namespace {
+
+// Errors quote at most this much of a hostile line, and nothing that moves a terminal's cursor.
+constexpr std::size_t kQuoteMax = 60;
+
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  text += word.substr(0, kQuoteMax);
+  for (char& c : text)
+    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
+  text += word.size() > kQuoteMax ? "…'" : "'";
+  return text;
+}
+
+}  // namespace
+
+std::string to_string(const ProgramError& error) {
+  std::string text = error.file + ":";
+  if (error.line > 0) text += std::to_string(error.line) + ":";
+  if (!error.word.empty()) text.append(" ").append(quoted(error.word));
+  return text.append(" ").append(error.reason);
+}
+
+std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_name) {
+  const std::size_t dot = file_name.rfind('.');
+  std::string extension(dot == std::string_view::npos ? "" : file_name.substr(dot + 1));
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == "apt" || extension == "cls") return ProgramFormat::kApt;
+  if (extension == "ngc" || extension == "nc" || extension == "tap" || extension == "gcode")
+    return ProgramFormat::kGcode;
+  return std::unexpected(ProgramError{std::string(file_name), 0, "",
+                                      "the extension must be ngc, nc, tap or gcode for G-code, or "
+                                      "apt or cls for APT"});
+}
+
+std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,
+                                                   const Scene& scene) {
+  const auto format = program_format(name);
+  if (!format) return std::unexpected(format.error());
+  return *format == ProgramFormat::kApt ? read_apt(name, text, scene)
+                                        : read_gcode(name, text, scene);
+}
+
+}  // namespace kerf

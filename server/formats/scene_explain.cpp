@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "server/formats/scene.h"
+
+namespace kerf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct FieldHelp {
+  std::string_view path;      ///< list indices left out: tools[].id
+  std::string_view standard;  ///< default; "-" where the field is required
+  std::string_view unit;
+  std::string_view meaning;
+};
+
+constexpr std::array kHelp{
+    FieldHelp{"name", "untitled", "", "what files and viewers call the scene"},
+    FieldHelp{"stock.shape", "-", "", "box or cylinder"},
+    FieldHelp{"stock.min_mm", "-", "mm", "lowest corner of the block"},
+    FieldHelp{"stock.max_mm", "-", "mm", "highest corner of the block"},
+    FieldHelp{"stock.center_mm", "-", "mm", "x and y of the upright cylinder's axis"},
+    FieldHelp{"stock.radius_mm", "-", "mm", "radius of the cylinder"},
+    FieldHelp{"stock.min_z_mm", "-", "mm", "lower end of the cylinder"},
+    FieldHelp{"stock.max_z_mm", "-", "mm", "upper end of the cylinder"},
+    FieldHelp{"accuracy.rays", "dexel", "", "dexel: one field of rays along Z"},
+    FieldHelp{"accuracy.pitch_mm", "0.25", "mm", "distance of neighbouring rays"},
+    FieldHelp{"accuracy.tolerance_mm", "0.01", "mm",
+              "greatest error of a dexel's end; also of chords for arcs"},
+    FieldHelp{"accuracy.motion", "tight", "", "tight (second order) or paper (Eq. 12)"},
+    FieldHelp{"tools[].id", "-", "", "T number, LOADTL number"},
+    FieldHelp{"tools[].shape", "-", "", "ball, flat, taper or cone_end"},
+    FieldHelp{"tools[].diameter_mm", "-", "mm", "diameter (of a taper: at its tip)"},
+    FieldHelp{"tools[].length_mm", "-", "mm", "cutting length from the tip up"},
+    FieldHelp{"tools[].half_angle_deg", "-", "deg", "between the axis and the side of a taper"},
+    FieldHelp{"tools[].tip", "flat", "", "tip of a taper: flat or ball"},
+    FieldHelp{"tools[].tip_angle_deg", "-", "deg", "included angle of the cone at the tip"},
+    FieldHelp{"force.law", "specific_energy", "",
+              "specific_energy: F = u A; drr: F = K dV/dt (the paper's)"},
+    FieldHelp{"force.specific_force_n_per_mm2", "0.5", "N/mm2", "u"},
+    FieldHelp{"force.drr_n_s_per_mm3", "0.01", "N s/mm3", "K"},
+    FieldHelp{"force.pivot_mm", "60", "mm", "pivot of the torque: distance from the tip"},
+    FieldHelp{"machine.kinematics", "xyz", "", "xyz, xyzac-trt, xyzbc-trt or tool-vector"},
+    FieldHelp{"machine.rapid_mm_per_min", "10000", "mm/min", "speed of G0 and RAPID"},
+    FieldHelp{"obstacles", "[]", "", "what pushes back and is never cut"},
+    FieldHelp{"obstacles[].shape", "-", "", "box, cylinder, sphere or stl"},
+    FieldHelp{"obstacles[].min_mm", "-", "mm", "lowest corner of the box"},
+    FieldHelp{"obstacles[].max_mm", "-", "mm", "highest corner of the box"},
+    FieldHelp{"obstacles[].from_mm", "-", "mm", "one end of the cylinder's axis"},
+    FieldHelp{"obstacles[].to_mm", "-", "mm", "other end of the cylinder's axis"},
+    FieldHelp{"obstacles[].radius_mm", "-", "mm", "radius of the cylinder or sphere"},
+    FieldHelp{"obstacles[].center_mm", "-", "mm", "centre of the sphere"},
+    FieldHelp{"obstacles[].file", "-", "", "STL file, relative to the scene"},
+    FieldHelp{"obstacles[].stiffness_n_per_mm", "1", "N/mm", "force per depth of penetration"},
+};
+
+struct Row {
+  std::string path, value;
+};
+
+// Numbers in lists are one value; objects and lists of objects are walked into.
+void flatten(const Json& json, const std::string& path, std::vector<Row>& rows) {
+  if (json.is_object()) {
+    for (const auto& [key, value] : json.items())
+      flatten(value, path.empty() ? key : path + "." + key, rows);
+  } else if (json.is_array() && !json.empty() && json.front().is_object()) {
+    for (std::size_t i = 0; i < json.size(); ++i)
+      flatten(json[i], path + "[" + std::to_string(i) + "]", rows);
+  } else {
+    rows.push_back({path, json.is_string() ? json.get<std::string>() : json.dump()});
+  }
+}
+
+std::string without_indices(const std::string& path) {
+  std::string result;
+  bool index = false;
+  for (const char c : path) {
+    if (c == ']') index = false;
+    if (!index) result += c;
+    if (c == '[') index = true;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string explain_scene(const Scene& scene) {
+  std::vector<Row> rows;
+  flatten(Json::parse(scene_json(scene)), "", rows);
+  std::size_t path_width = 5;
+  std::size_t value_width = 5;
+  for (const Row& row : rows) {
+    path_width = std::max(path_width, row.path.size());
+    value_width = std::max(value_width, row.value.size());
+  }
+  std::ostringstream out;
+  const auto line = [&](std::string_view path, std::string_view value, std::string_view standard,
+                        std::string_view unit, std::string_view meaning) {
+    const auto pad = [&out](std::string_view text, std::size_t width) {
+      out << text << std::string(width > text.size() ? width - text.size() : 0, ' ') << "  ";
+    };
+    pad(path, path_width);
+    pad(value, value_width);
+    pad(standard, 15);
+    pad(unit, 8);
+    out << meaning << '\n';
+  };
+  line("field", "value", "default", "unit", "meaning");
+  for (const Row& row : rows) {
+    const std::string path = without_indices(row.path);
+    const auto help = std::find_if(kHelp.begin(), kHelp.end(),
+                                   [&path](const FieldHelp& h) { return h.path == path; });
+    if (help == kHelp.end()) {
+      line(row.path, row.value, "", "", "");
+    } else {
+      line(row.path, row.value, help->standard == "-" ? "(required)" : help->standard, help->unit,
+           help->meaning);
+    }
+  }
+  return out.str();
+}
+
+}  // namespace kerf

@@ -1,0 +1,135 @@
+#include <nlohmann/json.hpp>
+
+#include "server/formats/scene.h"
+
+namespace kerf {
+namespace {
+
+// Ordered, so that a canonical scene reads like the one in design section 8.
+using Json = nlohmann::ordered_json;
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
+
+Json to_json(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+
+Json to_json(const StockShape& stock) {
+  return std::visit(Overloaded{[](const BoxStock& box) {
+                                 return Json{{"shape", "box"},
+                                             {"min_mm", to_json(box.min_mm)},
+                                             {"max_mm", to_json(box.max_mm)}};
+                               },
+                               [](const CylinderStock& c) {
+                                 return Json{
+                                     {"shape", "cylinder"},
+                                     {"center_mm", Json::array({c.center_x_mm, c.center_y_mm})},
+                                     {"radius_mm", c.radius_mm},
+                                     {"min_z_mm", c.min_z_mm},
+                                     {"max_z_mm", c.max_z_mm}};
+                               }},
+                    stock);
+}
+
+Json to_json(ToolId id, const ToolShape& shape) {
+  Json json{{"id", id}};
+  std::visit(Overloaded{[&](const BallShape& s) {
+                          json.update({{"shape", "ball"},
+                                       {"diameter_mm", s.diameter_mm},
+                                       {"length_mm", s.length_mm}});
+                        },
+                        [&](const FlatShape& s) {
+                          json.update({{"shape", "flat"},
+                                       {"diameter_mm", s.diameter_mm},
+                                       {"length_mm", s.length_mm}});
+                        },
+                        [&](const TaperShape& s) {
+                          json.update({{"shape", "taper"},
+                                       {"diameter_mm", s.diameter_mm},
+                                       {"half_angle_deg", s.half_angle_deg},
+                                       {"length_mm", s.length_mm},
+                                       {"tip", s.tip == TaperTip::kBall ? "ball" : "flat"}});
+                        },
+                        [&](const ConeEndShape& s) {
+                          json.update({{"shape", "cone_end"},
+                                       {"diameter_mm", s.diameter_mm},
+                                       {"tip_angle_deg", s.tip_angle_deg},
+                                       {"length_mm", s.length_mm}});
+                        }},
+             shape);
+  return json;
+}
+
+Json tools_to_json(const Scene& scene) {
+  Json tools = Json::array();
+  for (const auto& [id, tool] : scene.tools) tools.push_back(to_json(id, tool.shape));
+  return tools;
+}
+
+Json to_json(const ForceSettings& force) {
+  return {{"law", force.law == ForceLaw::kSpecificEnergy ? "specific_energy" : "drr"},
+          {"specific_force_n_per_mm2", force.specific_force_n_per_mm2},
+          {"drr_n_s_per_mm3", force.drr_n_s_per_mm3},
+          {"pivot_mm", force.pivot_mm}};
+}
+
+Json to_json(const Obstacle& obstacle, const std::string& file) {
+  Json json = std::visit(
+      Overloaded{[](const BoxObstacle& box) {
+                   return Json{{"shape", "box"},
+                               {"min_mm", to_json(box.min_mm)},
+                               {"max_mm", to_json(box.max_mm)}};
+                 },
+                 [](const CylinderObstacle& c) {
+                   return Json{{"shape", "cylinder"},
+                               {"from_mm", to_json(c.from_mm)},
+                               {"to_mm", to_json(c.to_mm)},
+                               {"radius_mm", c.radius_mm}};
+                 },
+                 [](const SphereObstacle& s) {
+                   return Json{{"shape", "sphere"},
+                               {"center_mm", to_json(s.center_mm)},
+                               {"radius_mm", s.radius_mm}};
+                 },
+                 [&file](const MeshObstacle&) { return Json{{"shape", "stl"}, {"file", file}}; }},
+      obstacle.shape);
+  json["stiffness_n_per_mm"] = obstacle.stiffness_n_per_mm;
+  return json;
+}
+
+// A name that is no UTF-8 cannot come from a file (the parser refuses it); one given by code is
+// repaired.
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string scene_json(const Scene& scene) {
+  const SculptureSettings& settings = scene.settings;
+  Json obstacles = Json::array();
+  for (std::size_t i = 0; i < settings.obstacles.size(); ++i)
+    obstacles.push_back(to_json(settings.obstacles[i], scene.obstacle_files[i]));
+  return text_of({{"name", scene.name},
+                  {"stock", to_json(settings.stock)},
+                  {"accuracy",
+                   {{"rays", "dexel"},
+                    {"pitch_mm", settings.pitch_mm},
+                    {"tolerance_mm", settings.tolerance_mm},
+                    {"motion", settings.motion == MotionModel::kTight ? "tight" : "paper"}}},
+                  {"tools", tools_to_json(scene)},
+                  {"force", to_json(settings.force)},
+                  {"machine",
+                   {{"kinematics", to_string(scene.machine.kinematics)},
+                    {"rapid_mm_per_min", scene.machine.rapid_mm_per_min}}},
+                  {"obstacles", obstacles}});
+}
+
+std::string stock_json(const Scene& scene) { return text_of(to_json(scene.settings.stock)); }
+std::string tools_json(const Scene& scene) { return text_of(tools_to_json(scene)); }
+std::string force_json(const Scene& scene) { return text_of(to_json(scene.settings.force)); }
+
+}  // namespace kerf

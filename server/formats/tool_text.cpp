@@ -1,0 +1,34 @@
+#include "server/formats/tool_text.h"
+
+#include "server/formats/number_text.h"
+
+namespace kerf {
+namespace {
+
+std::string size_text(double diameter_mm, double length_mm) {
+  return "diameter " + exact_text(diameter_mm) + " mm, length " + exact_text(length_mm) + " mm";
+}
+
+struct Describe {
+  std::string operator()(const BallShape& s) const {
+    return "ball, " + size_text(s.diameter_mm, s.length_mm);
+  }
+  std::string operator()(const FlatShape& s) const {
+    return "flat, " + size_text(s.diameter_mm, s.length_mm);
+  }
+  std::string operator()(const TaperShape& s) const {
+    return std::string("taper with ") + (s.tip == TaperTip::kBall ? "ball" : "flat") + " tip, " +
+           size_text(s.diameter_mm, s.length_mm) + ", half angle " + exact_text(s.half_angle_deg) +
+           " degrees";
+  }
+  std::string operator()(const ConeEndShape& s) const {
+    return "cone end, " + size_text(s.diameter_mm, s.length_mm) + ", tip angle " +
+           exact_text(s.tip_angle_deg) + " degrees";
+  }
+};
+
+}  // namespace
+
+std::string tool_text(const ToolShape& shape) { return std::visit(Describe{}, shape); }
+
+}  // namespace kerf

@@ -1,0 +1,137 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/formats/scene_fixture.h"
+
+namespace kerf {
+namespace {
+
+using test::error_of;
+using test::scene_for;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Program apt(const std::string& text, const std::string& kinematics = "tool-vector") {
+  return test::read(scene_for(kinematics), "p.apt", text);
+}
+
+const std::string kStart =
+    "PARTNO/a part, with $ and /\nUNITS/MM\nMULTAX/ON\nLOADTL/1\nFEDRAT/600,MMPM\n";
+
+TEST(AptReader, TheFirstGotoPlacesTheTool) {
+  const Program program = apt(kStart + "GOTO/1,2,3\nGOTO/11,2,3\nFINI\n");
+  ASSERT_EQ(program.motions.size(), 1u);
+  EXPECT_EQ(program.motions[0],
+            (ProgramMotion{1, {{1, 2, 3}, {0, 0, 1}}, {{11, 2, 3}, {0, 0, 1}}, 1.0, 7, false}));
+  EXPECT_THAT(program.warnings, IsEmpty());
+}
+
+TEST(AptReader, FromPlacesTheToolAgain) {
+  const Program program =
+      apt(kStart + "FROM/0,0,0\nGOTO/1,0,0\nFROM/5,5,5,0,1,0\nGOTO/6,5,5,0,1,0\nFINI\n");
+  ASSERT_EQ(program.motions.size(), 2u);
+  EXPECT_EQ(program.motions[1].from, (ToolPose{{5, 5, 5}, {0, 1, 0}}));
+}
+
+TEST(AptReader, TheAxisStaysUntilItIsGivenAnew) {
+  const Program program =
+      apt(kStart + "GOTO/0,0,0,0,3,4\nGOTO/1,0,0\nGODLTA/5\nGODLTA/0,0,1\nFINI\n");
+  ASSERT_EQ(program.motions.size(), 3u);
+  EXPECT_EQ(program.motions[0].to.axis, (Vec3{0, 0.6, 0.8}));
+  EXPECT_EQ(program.motions[1].to.tip_mm, (Vec3{1, 3, 4}));
+  EXPECT_EQ(program.motions[2].to.tip_mm, (Vec3{1, 3, 5}));
+}
+
+TEST(AptReader, FeedsHaveUnits) {
+  const auto duration = [](const std::string& feed) {
+    return apt(kStart + "SPINDL/200,CLW\n" + feed + "\nFROM/0,0,0\nGOTO/10,0,0\nFINI\n")
+        .motions[0]
+        .duration_s;
+  };
+  EXPECT_EQ(duration("FEDRAT/100,MMPM"), 6);
+  EXPECT_EQ(duration("FEDRAT/MMPM,100"), 6);
+  EXPECT_EQ(duration("FEDRAT/100"), 6);
+  EXPECT_EQ(duration("FEDRAT/0.5,MMPR"), 6);
+  EXPECT_NEAR(duration("FEDRAT/10,IPM"), 60 / 25.4, 1e-12);
+  EXPECT_NEAR(duration("FEDRAT/0.05,IPR"), 60 / 25.4, 1e-12);
+  EXPECT_EQ(duration("FEDRAT/100,PERMIN"), 6);
+  EXPECT_NEAR(duration("UNITS/INCHES\nFEDRAT/10"), 60, 1e-12);
+  EXPECT_EQ(duration("RAPID"), 0.06);
+}
+
+TEST(AptReader, RapidIsForOneMotion) {
+  const Program program = apt(kStart + "FROM/0,0,0\nRAPID\nGOTO/1,0,0\nGOTO/2,0,0\nFINI\n");
+  EXPECT_TRUE(program.motions[0].rapid);
+  EXPECT_FALSE(program.motions[1].rapid);
+}
+
+TEST(AptReader, WhatDoesNotMoveIsAccepted) {
+  EXPECT_THAT(
+      apt(kStart + "PPRINT any $$ text\nREMARK/x\nSPINDL/ON\nSPINDL/RPM,100,CCLW\nCOOLNT/FLOOD\n"
+                   "CUTTER/10,5\nSTOP\nOPSTOP\n$$ a comment\n  goto / 1 , 2 , 3 $$ small\n"
+                   "GOTO/4,$\n 5,$ \n6\nDELAY/2\nEND\nFINI\n")
+          .warnings,
+      IsEmpty());
+  EXPECT_THAT(apt(kStart + "CUTTER/8\nFINI\n").warnings, ElementsAre(HasSubstr("10.0")));
+}
+
+struct BadStatement {
+  const char* text;
+  const char* word;
+  const char* reason;
+};
+
+class BadApt : public testing::TestWithParam<BadStatement> {};
+
+TEST_P(BadApt, IsRefusedWithLineAndWord) {
+  const ProgramError error = error_of(scene_for("tool-vector"), "p.apt",
+                                      kStart + "FROM/0,0,0\n" + GetParam().text + "\nFINI\n");
+  EXPECT_EQ(error.line, 7u);
+  EXPECT_EQ(error.word, GetParam().word);
+  EXPECT_THAT(error.reason, HasSubstr(GetParam().reason));
+}
+
+INSTANTIATE_TEST_SUITE_P(AptReader, BadApt,
+                         testing::Values(BadStatement{"GOFWD/C1", "GOFWD", "not an APT word"},
+                                         BadStatement{"CYCLE/DRILL,5", "CYCLE", "not an APT word"},
+                                         BadStatement{"GOTO/1,2", "GOTO", "needs x,y,z"},
+                                         BadStatement{"GOTO/1,2,x", "X", "not a number"},
+                                         BadStatement{"GOTO/1,2,", "", "a number is missing"},
+                                         BadStatement{"GOTO/1,2,nan", "NAN", "not a number"},
+                                         BadStatement{"GOTO/1,2,inf", "INF", "not a number"},
+                                         BadStatement{"GOTO/1,2,3,0,0,0", "GOTO", "no direction"},
+                                         BadStatement{"GOTO/1,2,3,0,0,-1", "", "opposite"},
+                                         BadStatement{"GOTO/1,2,9999999", "", "limit"},
+                                         BadStatement{"GODLTA/1,2", "GODLTA", "needs 3"},
+                                         BadStatement{"UNITS/CM", "CM", "not a unit"},
+                                         BadStatement{"MULTAX/MAYBE", "MAYBE", "ON or OFF"},
+                                         BadStatement{"LOADTL/9", "9", "no such tool"},
+                                         BadStatement{"LOADTL/1.5", "1.5", "no such tool"},
+                                         BadStatement{"FEDRAT/0", "FEDRAT", "above 0"},
+                                         BadStatement{"FEDRAT/5,FURLONGS", "FURLONGS",
+                                                      "not a feed unit"},
+                                         BadStatement{"SPINDL/FAST", "FAST", "not a number"},
+                                         BadStatement{"COOLNT/BEER", "BEER", "not a coolant"},
+                                         BadStatement{"CUTTER/0", "0", "above 0"},
+                                         BadStatement{"DELAY/-1", "-1", "negative"},
+                                         BadStatement{"RAPID/1", "RAPID", "needs 0"}));
+
+TEST(AptReader, WhatIsMissingIsSaid) {
+  const Scene scene = scene_for("tool-vector");
+  EXPECT_THAT(error_of(scene, "p.apt", "GOTO/1,2,3\n").reason, HasSubstr("no tool was loaded"));
+  EXPECT_THAT(error_of(scene, "p.apt", "LOADTL/1\nGOTO/1,2,3\nGOTO/2,2,3\n").reason,
+              HasSubstr("feed is 0"));
+  EXPECT_THAT(error_of(scene, "p.apt", "LOADTL/1\nFEDRAT/1,MMPR\nGOTO/1,2,3\nGOTO/2,2,3\n").reason,
+              HasSubstr("SPINDL"));
+  EXPECT_THAT(error_of(scene, "p.apt", "GODLTA/1\n").reason, HasSubstr("needs a position"));
+  EXPECT_THAT(error_of(scene, "p.apt", "LOADTL/1\nGOTO/1,2,3,1,0,0\n").reason, HasSubstr("MULTAX"));
+  EXPECT_THAT(error_of(scene, "p.apt", "GOTO/1,2,$").reason, HasSubstr("the file ends"));
+  EXPECT_THAT(error_of(scene_for("xyz"), "p.apt", "MULTAX\nLOADTL/1\nGOTO/1,2,3,1,0,0\n").reason,
+              HasSubstr("cannot tilt"));
+}
+
+}  // namespace
+}  // namespace kerf

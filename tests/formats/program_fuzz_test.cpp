@@ -1,0 +1,122 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <sstream>
+#include <vector>
+
+#include "kernel/math/rotation.h"
+#include "server/formats/pose_grid.h"
+#include "tests/formats/scene_fixture.h"
+
+namespace kerf {
+namespace {
+
+using test::scene_for;
+
+const char* const kGcodeSeed =
+    "%\n(a program)\n#<scale> = 1.5\n#1=[#<scale>*2 + sin[30]]\nN10 G21 G90 G94 G64 P0.1\n"
+    "T1 M6\nM428\nG0 X0 Y0 Z5 A0 C0\nG1 Z-1 F300\nX[#1*2] Y#1 A-5.5 C-25.6\nX0 Y0\nG2 X5 Y5 I2.5 "
+    "J2.5\n"
+    "G18 G3 X0 Z0 R10\nG17 G93\nG1 X3 C90 F60\nG94 G91 G1 X1 F100\nG90 G92 X5\nG10 L2 P2 X1\n"
+    "G55 G1 X2\nG4 P0.1\nG53 G0 Z0\nM429\n/G1 X5\nG28\nM30\n%\n";
+const char* const kAptSeed =
+    "PARTNO/FUZZ\nUNITS/MM\nMULTAX/ON\nCUTTER/10,5\nLOADTL/1\nSPINDL/1000,CLW\nCOOLNT/ON\n"
+    "FEDRAT/6000,MMPM\nFROM/0,0,10\nGOTO/1,2,3,0,0.6,0.8\nRAPID\nGODLTA/0,0,-1\nGODLTA/5\n"
+    "GOTO/1,$\n2,3\nDELAY/1\n$$ comment\nEND\nFINI\n";
+const char* const kSceneSeed =
+    R"({"name": "s", "stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [1,1,1]},
+ "accuracy": {"rays": "dexel", "pitch_mm": 0.25}, "machine": {"kinematics": "xyz"},
+ "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60}],
+ "obstacles": [{"shape": "sphere", "center_mm": [0,0,0], "radius_mm": 1}]})";
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+// A few changes of bytes, words or lines; the same for the same seed.
+std::string mutated(const std::string& text, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const auto below = [&random](std::size_t n) { return n == 0 ? 0 : random() % n; };
+  static const char kBytes[] =
+      "GMXYZABCIJKRPFSTLHN#<>[]()=+-*/%;.,0123456789 \n\r\t\"{}:$e\x00\xff";
+  std::string result = text;
+  for (std::size_t i = 1 + below(4); i > 0; --i) {
+    const std::size_t at = below(result.size());
+    const char byte = kBytes[below(sizeof kBytes)];
+    switch (below(6)) {
+      case 0:
+        result.insert(at, 1, byte);
+        break;
+      case 1:
+        result.erase(at, 1 + below(5));
+        break;
+      case 2:
+        result.insert(at, std::string(1 + below(300), byte));
+        break;
+      case 3:
+        result.insert(at, std::to_string(std::exp(static_cast<double>(below(90)))));
+        break;
+      case 4: {
+        std::vector<std::string> lines = lines_of(result);
+        if (lines.size() > 1) std::swap(lines[below(lines.size())], lines[below(lines.size())]);
+        result.clear();
+        for (const std::string& line : lines) result.append(line).append("\n");
+        break;
+      }
+      default:
+        if (!result.empty()) result[at] = byte;
+    }
+  }
+  return result;
+}
+
+void expect_sound(const std::expected<Program, ProgramError>& program, std::uint64_t seed) {
+  if (!program) {
+    EXPECT_FALSE(program.error().reason.empty()) << "seed " << seed;
+    EXPECT_EQ(to_string(program.error()).find('\n'), std::string::npos) << "seed " << seed;
+    return;
+  }
+  for (const ProgramMotion& m : program->motions) {
+    ASSERT_TRUE(is_finite(m.to.tip_mm) && is_finite(m.to.axis)) << "seed " << seed;
+    ASSERT_EQ(admit_pose(m.to), m.to) << "seed " << seed;
+    ASSERT_EQ(admit_pose(m.from), m.from) << "seed " << seed;
+    ASSERT_GT(m.duration_s, 0) << "seed " << seed;
+    ASSERT_LE(m.duration_s, 1e9) << "seed " << seed;
+    ASSERT_LE(angle_between(normalized(m.from.axis), normalized(m.to.axis)), kTurnMaxRad)
+        << "seed " << seed;
+  }
+}
+
+TEST(ProgramFuzz, GcodeGivesSoundMotionsOrAnError) {
+  const Scene scene = scene_for("xyzac-trt");
+  expect_sound(parse_program("p.ngc", kGcodeSeed, scene), 0);
+  ASSERT_TRUE(parse_program("p.ngc", kGcodeSeed, scene).has_value());
+  for (std::uint64_t seed = 1; seed <= 6000; ++seed)
+    expect_sound(parse_program("p.ngc", mutated(kGcodeSeed, seed), scene), seed);
+}
+
+TEST(ProgramFuzz, AptGivesSoundMotionsOrAnError) {
+  const Scene scene = scene_for("tool-vector");
+  ASSERT_TRUE(parse_program("p.apt", kAptSeed, scene).has_value());
+  for (std::uint64_t seed = 1; seed <= 6000; ++seed)
+    expect_sound(parse_program("p.apt", mutated(kAptSeed, seed), scene), seed);
+}
+
+TEST(ProgramFuzz, ScenesAreReadOrRefused) {
+  ASSERT_TRUE(parse_scene(kSceneSeed, {}).has_value());
+  for (std::uint64_t seed = 1; seed <= 6000; ++seed) {
+    const auto scene = parse_scene(mutated(kSceneSeed, seed), {});
+    if (!scene) {
+      EXPECT_FALSE(scene.error().reason.empty()) << "seed " << seed;
+    } else {
+      EXPECT_TRUE(parse_scene(scene_json(*scene), {}).has_value()) << "seed " << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf

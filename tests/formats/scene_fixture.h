@@ -1,0 +1,44 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "server/formats/program.h"
+#include "server/formats/scene.h"
+
+namespace kerf::test {
+
+/// A 100 mm cube around the origin, a ball (1) and a flat (2) of 10 mm, for a machine.
+inline Scene scene_for(const std::string& kinematics, double tolerance_mm = 0.01) {
+  const std::string text =
+      R"({"name": "test", "stock": {"shape": "box", "min_mm": [-50,-50,-50], "max_mm": [50,50,0]},
+          "accuracy": {"tolerance_mm": )" +
+      std::to_string(tolerance_mm) +
+      R"(}, "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
+                      {"id": 2, "shape": "flat", "diameter_mm": 10, "length_mm": 50}],
+          "machine": {"kinematics": ")" +
+      kinematics + R"("}})";
+  auto scene = parse_scene(text, {});
+  EXPECT_TRUE(scene.has_value()) << to_string(scene.error());
+  return scene.value();
+}
+
+/// Reads a program that must be right.
+inline Program read(const Scene& scene, const std::string& name, const std::string& text) {
+  auto program = parse_program(name, text, scene);
+  EXPECT_TRUE(program.has_value()) << to_string(program.error()) << "\n" << text;
+  return program ? *program : Program{};
+}
+inline Program gcode(const Scene& scene, const std::string& text) {
+  return read(scene, "p.ngc", text);
+}
+
+/// The error of a program that must be wrong.
+inline ProgramError error_of(const Scene& scene, const std::string& name, const std::string& text) {
+  auto program = parse_program(name, text, scene);
+  EXPECT_FALSE(program.has_value()) << text;
+  return program ? ProgramError{} : program.error();
+}
+
+}  // namespace kerf::test

@@ -1,0 +1,200 @@
+#include "server/formats/scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/formats/scene_fixture.h"
+
+namespace kerf {
+namespace {
+
+using testing::HasSubstr;
+
+// A scene in which one thing is replaced by another.
+std::string with(const std::string& from, const std::string& to) {
+  std::string text =
+      R"({"name": "chips", "stock": {"shape": "box", "min_mm": [-50,-50,-50], "max_mm": [50,50,0]},
+ "accuracy": {"rays": "dexel", "pitch_mm": 0.25, "tolerance_mm": 0.01, "motion": "tight"},
+ "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60}],
+ "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.5, "drr_n_s_per_mm3": 0.01, "pivot_mm": 60},
+ "machine": {"kinematics": "xyzac-trt"}, "obstacles": []})";
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+SceneError error_of(const std::string& text) {
+  auto scene = parse_scene(text, {.name = "s.json", .base_folder = {}});
+  EXPECT_FALSE(scene.has_value()) << text;
+  return scene ? SceneError{} : scene.error();
+}
+
+TEST(Scene, TheExampleOfTheDesignIsRead) {
+  const auto scene = parse_scene(with("chips", "chips"), {});
+  ASSERT_TRUE(scene.has_value());
+  EXPECT_EQ(scene->name, "chips");
+  EXPECT_EQ(std::get<BoxStock>(scene->settings.stock), (BoxStock{{-50, -50, -50}, {50, 50, 0}}));
+  EXPECT_EQ(scene->settings.pitch_mm, 0.25);
+  EXPECT_EQ(scene->tools.at(1).tool.radius_mm, 5);
+  EXPECT_EQ(scene->machine.kinematics, MachineKinematics::kXyzacTrt);
+}
+
+TEST(Scene, OnlyStockAndToolsAreRequired) {
+  const auto scene = parse_scene(
+      R"({"stock": {"shape": "cylinder", "center_mm": [1, 2], "radius_mm": 20, "min_z_mm": 0, "max_z_mm": 9},
+          "tools": [{"id": 7, "shape": "taper", "diameter_mm": 2, "half_angle_deg": 10, "length_mm": 20, "tip": "ball"},
+                    {"id": 8, "shape": "cone_end", "diameter_mm": 6, "tip_angle_deg": 90, "length_mm": 20}]})",
+      {});
+  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+  EXPECT_EQ(std::get<CylinderStock>(scene->settings.stock), (CylinderStock{1, 2, 20, 0, 9}));
+  EXPECT_EQ(scene->settings.tolerance_mm, 0.01);
+  EXPECT_EQ(scene->settings.force.pivot_mm, 60);
+  EXPECT_EQ(scene->machine.kinematics, MachineKinematics::kXyz);
+  EXPECT_EQ(scene->machine.rapid_mm_per_min, 10000);
+  EXPECT_EQ(error_of(R"({"tools": []})").path, "stock");
+  EXPECT_EQ(
+      error_of(with(R"("tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60}])",
+                    R"("tools": [])"))
+          .path,
+      "tools");
+}
+
+TEST(Scene, CanonicalTextReadsBackEqual) {
+  const auto scene = parse_scene(
+      with(
+          R"("obstacles": [])",
+          R"("obstacles": [{"shape": "box", "min_mm": [0,0,0], "max_mm": [1,2,3], "stiffness_n_per_mm": 7},
+ {"shape": "cylinder", "from_mm": [0,0,0], "to_mm": [0.1,0,9], "radius_mm": 2},
+ {"shape": "sphere", "center_mm": [0,0,0], "radius_mm": 0.3}])"),
+      {});
+  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+  const std::string text = scene_json(*scene);
+  const auto again = parse_scene(text, {});
+  ASSERT_TRUE(again.has_value()) << to_string(again.error());
+  EXPECT_EQ(scene_json(*again), text);
+  ASSERT_EQ(again->settings.obstacles.size(), 3u);
+  EXPECT_EQ(again->settings.obstacles[0].stiffness_n_per_mm, 7);
+  EXPECT_EQ(again->settings.obstacles[1].stiffness_n_per_mm, 1);
+  EXPECT_EQ(std::get<CylinderObstacle>(again->settings.obstacles[1].shape).to_mm.x, 0.1);
+}
+
+TEST(Scene, WelcomeMessagesCarryItsParts) {
+  const Scene scene = test::scene_for("xyz");
+  EXPECT_EQ(stock_json(scene),
+            R"({"shape":"box","min_mm":[-50.0,-50.0,-50.0],"max_mm":[50.0,50.0,0.0]})");
+  EXPECT_EQ(
+      force_json(scene),
+      R"({"law":"specific_energy","specific_force_n_per_mm2":0.5,"drr_n_s_per_mm3":0.01,"pivot_mm":60.0})");
+  EXPECT_THAT(tools_json(scene), HasSubstr(R"({"id":2,"shape":"flat","diameter_mm":10.0)"));
+}
+
+struct BadScene {
+  const char* from;
+  const char* to;
+  const char* path;
+  const char* reason;
+};
+
+class BadScenes : public testing::TestWithParam<BadScene> {};
+
+TEST_P(BadScenes, AreRefusedWithPathAndReason) {
+  const SceneError error = error_of(with(GetParam().from, GetParam().to));
+  EXPECT_EQ(error.file, "s.json");
+  EXPECT_EQ(error.path, GetParam().path);
+  EXPECT_THAT(error.reason, HasSubstr(GetParam().reason));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scene, BadScenes,
+    testing::Values(
+        BadScene{R"("name": "chips")", R"("nmae": "chips")", "nmae", "not a field"},
+        BadScene{R"("name": "chips")", R"("name": 3)", "name", "text"},
+        BadScene{R"("shape": "box")", R"("shape": "torus")", "stock.shape", "torus"},
+        BadScene{R"("shape": "box")", R"("shape": "stl")", "stock.shape", "not supported yet"},
+        BadScene{"[-50,-50,-50]", "[-50,-50]", "stock.min_mm", "3 numbers"},
+        BadScene{"[-50,-50,-50]", "[-50,-50,\"a\"]", "stock.min_mm[2]", "number"},
+        BadScene{"[50,50,0]", "[50,-50,0]", "stock.max_mm", "greater"},
+        BadScene{"\"pitch_mm\": 0.25", "\"pitch_mm\": 0", "accuracy.pitch_mm", "above 0"},
+        BadScene{"\"pitch_mm\": 0.25", "\"pitch_mm\": \"x\"", "accuracy.pitch_mm", "number"},
+        BadScene{"\"dexel\"", "\"tri-dexel\"", "accuracy.rays", "not supported yet"},
+        BadScene{"\"dexel\"", "\"voxel\"", "accuracy.rays", "voxel"},
+        BadScene{"\"tight\"", "\"loose\"", "accuracy.motion", "loose"},
+        BadScene{"\"rays\"", "\"target_mm\": 0.1, \"rays\"", "accuracy.target_mm",
+                 "not supported yet"},
+        BadScene{"\"id\": 1", "\"id\": 0", "tools[0].id", "above 0"},
+        BadScene{"\"id\": 1", "\"id\": 1.5", "tools[0].id", "whole"},
+        BadScene{"\"ball\"", "\"bull_nose\"", "tools[0].shape", "not supported yet"},
+        BadScene{"\"ball\"", "\"spoon\"", "tools[0].shape", "spoon"},
+        BadScene{"\"length_mm\": 60", "\"length_mm\": 60, \"holder\": []", "tools[0].holder",
+                 "not supported yet"},
+        BadScene{"\"length_mm\": 60", "\"length_mm\": 1", "tools[0].length_mm", ""},
+        BadScene{"\"length_mm\": 60}", "\"length_mm\": 60}, {\"id\": 1}", "tools[1].id", "already"},
+        BadScene{"\"specific_energy\"", "\"magic\"", "force.law", "magic"},
+        BadScene{"\"pivot_mm\": 60", "\"pivot_mm\": -1", "force.pivot_mm", "negative"},
+        BadScene{"xyzac-trt", "hexapod", "machine.kinematics", "hexapod"},
+        BadScene{"\"obstacles\": []", "\"obstacles\": {}", "obstacles", "list"},
+        BadScene{"\"obstacles\": []", "\"obstacles\": [{\"shape\": \"cone\"}]",
+                 "obstacles[0].shape", "cone"},
+        BadScene{"\"obstacles\": []",
+                 "\"obstacles\": [{\"shape\": \"stl\", \"file\": \"/etc/passwd\"}]",
+                 "obstacles[0].file", "may not name files"},
+        BadScene{"\"name\": \"chips\"", "\"name\": \"a\", \"name\": \"b\"", "name", "twice"}));
+
+TEST(Scene, SyntaxErrorsHaveLineAndColumn) {
+  const SceneError error = error_of("{\n  \"name\": nonsense\n}");
+  EXPECT_EQ(error.line, 2u);
+  EXPECT_EQ(error.column, 12u);
+  EXPECT_THAT(to_string(error), HasSubstr("s.json:2:12:"));
+  error_of("");
+  error_of("[]");
+  error_of("{\"stock\": 1e999}");
+  error_of(std::string(100000, '['));
+}
+
+TEST(Scene, StlObstaclesAreReadRelativeToTheScene) {
+  const auto folder =
+      std::filesystem::temp_directory_path() /
+      ("kerf-scene-" + std::to_string(testing::UnitTest::GetInstance()->random_seed()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "wall.stl")
+      << "solid wall\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+         "endloop\nendfacet\nendsolid wall\n";
+  const auto scene_of = [&](const std::string& file) {
+    std::ofstream(folder / "s.json") << with(
+        "\"obstacles\": []", "\"obstacles\": [{\"shape\": \"stl\", \"file\": \"" + file + "\"}]");
+    return load_scene(folder / "s.json");
+  };
+  const auto scene = scene_of("wall.stl");
+  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+  EXPECT_EQ(std::get<MeshObstacle>(scene->settings.obstacles[0].shape).triangles.size(), 1u);
+  EXPECT_EQ(scene->obstacle_files[0], "wall.stl");
+  EXPECT_THAT(to_string(scene_of("none.stl").error()), HasSubstr("cannot be read"));
+  EXPECT_THAT(to_string(scene_of("s.json").error()), HasSubstr("obstacles[0].file"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Scene, ExplainNamesEveryFieldWithItsMeaning) {
+  const auto scene = parse_scene(
+      with(
+          R"("obstacles": [])",
+          R"("obstacles": [{"shape": "cylinder", "from_mm": [0,0,0], "to_mm": [0,0,9], "radius_mm": 2},
+              {"shape": "sphere", "center_mm": [0,0,0], "radius_mm": 2}])"),
+      {});
+  ASSERT_TRUE(scene.has_value());
+  std::istringstream lines(explain_scene(*scene));
+  std::string line;
+  int count = 0;
+  while (std::getline(lines, line)) {
+    ++count;
+    // A field without help would end after its value.
+    EXPECT_FALSE(line.ends_with(' ')) << line;
+  }
+  EXPECT_EQ(count, 28);
+}
+
+}  // namespace
+}  // namespace kerf
