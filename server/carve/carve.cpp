@@ -1,0 +1,276 @@
+#include "server/carve/carve.h"
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <iostream>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "kernel/sculpture.h"
+#include "server/carve/carve_report.h"
+#include "server/carve/output_file.h"
+#include "server/carve/progress.h"
+#include "server/formats/forces_csv.h"
+#include "server/formats/glb.h"
+#include "server/formats/program.h"
+#include "server/formats/program_writer.h"
+#include "server/formats/scene.h"
+#include "server/formats/stl.h"
+#include "server/formats/text_file.h"
+
+namespace kerf {
+namespace {
+
+constexpr int kBadInput = 2;
+constexpr int kBadOutput = 1;
+constexpr int kInterrupted = 128 + SIGINT;
+// Rapids through material are told apart up to this many.
+constexpr std::size_t kRapidCutsMax = 20;
+// Less than this is rounding on a surface that was cut before, mm^3.
+constexpr double kRapidCutMm3 = 1e-6;
+
+volatile std::sig_atomic_t interrupted = 0;
+void on_interrupt(int) { interrupted = 1; }
+
+struct Failure {
+  int status;
+  std::string line;
+};
+
+class Stopwatch {
+ public:
+  /// Seconds since construction or the last lap.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+class Carving {
+ public:
+  explicit Carving(const CarveOptions& options) : options_(options) {}
+
+  std::expected<void, Failure> run() {
+    for (const auto step : {&Carving::read_scene, &Carving::read_program, &Carving::cut,
+                            &Carving::write_models, &Carving::write_report, &Carving::commit}) {
+      if (auto done = (this->*step)(); !done) return done;
+      if (interrupted != 0) return std::unexpected(Failure{kInterrupted, "interrupted"});
+    }
+    progress_.clear();
+    for (const std::string& warning : report_.warnings) std::cerr << "warning: " << warning << '\n';
+    return {};
+  }
+
+ private:
+  using Result = std::expected<void, Failure>;
+  static Result bad_input(std::string line) {
+    return std::unexpected(Failure{kBadInput, std::move(line)});
+  }
+  static Result bad_output(std::string line) {
+    return std::unexpected(Failure{kBadOutput, std::move(line)});
+  }
+
+  Result read_scene() {
+    auto scene = load_scene(options_.scene);
+    if (!scene) return bad_input(to_string(scene.error()));
+    scene_ = *std::move(scene);
+    SculptureSettings& settings = scene_.settings;
+    settings.pitch_mm = options_.pitch_mm.value_or(settings.pitch_mm);
+    settings.tolerance_mm = options_.tolerance_mm.value_or(settings.tolerance_mm);
+    if (options_.motion)
+      settings.motion = *options_.motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
+    if (options_.law)
+      settings.force.law =
+          *options_.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
+    report_.scene_file = options_.scene.string();
+    auto sculpture = Sculpture::create(settings);
+    if (!sculpture) return bad_input(options_.scene.string() + ": " + sculpture.error().reason);
+    sculpture_ = std::make_unique<Sculpture>(*std::move(sculpture));
+    for (const auto& [id, tool] : scene_.tools)
+      if (auto defined = sculpture_->apply(DefineTool{id, tool.tool}); !defined)
+        return bad_input(options_.scene.string() + ": tool " + std::to_string(id) + ": " +
+                         defined.error().reason);
+    return {};
+  }
+
+  Result read_program() {
+    const std::string name = options_.program.string();
+    const auto text = read_file(options_.program);
+    if (!text) return bad_input(name + ": cannot be read");
+    auto program = parse_program(name, *text, scene_);
+    if (!program) return bad_input(to_string(program.error()));
+    program_ = *std::move(program);
+    if (options_.rate_hz) {
+      const double samples = sample_count(program_, *options_.rate_hz);
+      if (samples > kSamplesMax)
+        return bad_input(name + ": would need " + std::to_string(samples) +
+                         " motions at this --rate; the limit is " + std::to_string(kSamplesMax));
+      program_ = sample_program(program_, *options_.rate_hz);
+    }
+    report_.program_file = name;
+    report_.program_lines = program_.lines;
+    report_.warnings = program_.warnings;
+    report_.read_s = watch_.lap();
+    return {};
+  }
+
+  Result cut() {
+    std::ofstream forces;
+    if (options_.forces) {
+      forces.open(output(*options_.forces).temporary(), std::ios::binary);
+      write_forces_header(forces);
+    }
+    for (const ProgramMotion& motion : program_.motions) {
+      if (interrupted != 0) return {};
+      auto result = sculpture_->apply(MoveTool{.tool = motion.tool,
+                                               .from = motion.from,
+                                               .to = motion.to,
+                                               .duration_s = motion.duration_s,
+                                               .feel = options_.forces.has_value()});
+      if (!result)
+        return bad_input(program_.name + ":" + std::to_string(motion.line) + ": " +
+                         result.error().reason);
+      report_.machining_s += motion.duration_s;
+      if (motion.rapid && result->removed_mm3 > kRapidCutMm3) warn_of_rapid(motion, *result);
+      if (options_.forces)
+        write_forces_row(forces, report_.machining_s, motion.to, result->wrench,
+                         result->removed_mm3);
+      progress_.show("carving", static_cast<double>(++report_.motions) /
+                                    static_cast<double>(program_.motions.size()));
+    }
+    if (options_.forces && !forces.flush())
+      return bad_output(options_.forces->string() + ": cannot be written");
+    report_.stock_volume_mm3 = sculpture_->stock_volume_mm3();
+    report_.removed_volume_mm3 = sculpture_->removed_volume_mm3();
+    report_.sub_motions = sculpture_->sub_motions();
+    report_.state_hash = sculpture_->state_hash();
+    report_.cut_s = watch_.lap();
+    return {};
+  }
+
+  void warn_of_rapid(const ProgramMotion& motion, const MotionResult& result) {
+    if (!rapid_lines_.insert(motion.line).second || rapid_lines_.size() > kRapidCutsMax) return;
+    report_.warnings.push_back(
+        program_.name + ":" + std::to_string(motion.line) +
+        ": a rapid goes through material: " + std::to_string(result.removed_mm3) + " mm3 removed");
+  }
+
+  // Every file is a job of its own: the same bytes, whether they are written one after the other or
+  // at the same time.
+  Result write_models() {
+    const DexelSnapshot snapshot = sculpture_->snapshot();
+    std::vector<std::function<Result()>> jobs;
+    const bool parallel = options_.threads > 1;
+    const MeshProgress bar = [this](double share) { progress_.show("meshing", share); };
+    const MeshProgress quiet;
+    if (options_.stl) jobs.push_back(stl_job(snapshot, parallel ? quiet : bar));
+    if (options_.glb) jobs.push_back(glb_job(snapshot, parallel ? quiet : bar));
+    if (auto done = run_jobs(jobs); !done) return done;
+    report_.mesh_s = watch_.lap();
+    jobs.clear();
+    if (options_.ngc) jobs.push_back(program_job(*options_.ngc, make_gcode_writer));
+    if (options_.apt) jobs.push_back(program_job(*options_.apt, make_apt_writer));
+    auto done = run_jobs(jobs);
+    report_.write_s = watch_.lap();
+    return done;
+  }
+
+  std::function<Result()> stl_job(const DexelSnapshot& snapshot, const MeshProgress& bar) {
+    return [this, snapshot, bar, &file = output(*options_.stl)]() -> Result {
+      auto written = write_stl_file(file.temporary(), snapshot, scene_.name, bar);
+      if (!written) return bad_output(file.target().string() + ": " + written.error().reason);
+      report_.triangles = written->facets;
+      return {};
+    };
+  }
+
+  std::function<Result()> glb_job(const DexelSnapshot& snapshot, const MeshProgress& bar) {
+    return [this, snapshot, bar, &file = output(*options_.glb)]() -> Result {
+      // Only the STL writer counts triangles as it goes.
+      if (!options_.stl) report_.triangles = StlStream(snapshot, scene_.name).facets();
+      auto written = write_model_glb_file(file.temporary(), snapshot, scene_.name, bar);
+      if (!written) return bad_output(file.target().string() + ": " + written.error().reason);
+      return {};
+    };
+  }
+
+  using MakeWriter = std::unique_ptr<ProgramWriter> (*)(const Scene&, std::ostream&);
+  std::function<Result()> program_job(const std::filesystem::path& path, MakeWriter make) {
+    return [this, make, &file = output(path)]() -> Result {
+      std::ofstream stream(file.temporary(), std::ios::binary);
+      const WriteResult written = write_program(program_, *make(scene_, stream));
+      if (!written) return bad_output(file.target().string() + ": " + written.error());
+      return {};
+    };
+  }
+
+  Result run_jobs(const std::vector<std::function<Result()>>& jobs) const {
+    std::vector<std::future<Result>> running;
+    const auto policy = options_.threads > 1 ? std::launch::async : std::launch::deferred;
+    running.reserve(jobs.size());
+    for (const auto& job : jobs) running.push_back(std::async(policy, job));
+    Result all;
+    for (auto& job : running)
+      if (Result one = job.get(); !one && all) all = std::move(one);
+    return all;
+  }
+
+  Result write_report() {
+    if (!options_.report) return {};
+    OutputFile& file = output(*options_.report);
+    std::ofstream stream(file.temporary(), std::ios::binary);
+    stream << report_json(report_, scene_, program_);
+    if (!stream.flush()) return bad_output(file.target().string() + ": cannot be written");
+    return {};
+  }
+
+  Result commit() {
+    for (const auto& file : outputs_)
+      if (auto done = file->commit(); !done) return bad_output(done.error());
+    return {};
+  }
+
+  OutputFile& output(const std::filesystem::path& path) {
+    return *outputs_.emplace_back(std::make_unique<OutputFile>(path));
+  }
+
+  const CarveOptions& options_;
+  Stopwatch watch_;
+  Progress progress_;
+  Scene scene_;
+  Program program_;
+  std::unique_ptr<Sculpture> sculpture_;
+  CarveReport report_;
+  std::set<std::uint32_t> rapid_lines_;
+  std::vector<std::unique_ptr<OutputFile>> outputs_;
+};
+
+int fail(const Failure& failure) {
+  std::cerr << failure.line << '\n';
+  return failure.status;
+}
+
+}  // namespace
+
+int run_carve(const CarveOptions& options) {
+  if (options.explain) {
+    const auto scene = load_scene(*options.explain);
+    if (!scene) return fail({kBadInput, to_string(scene.error())});
+    std::cout << explain_scene(*scene);
+    return 0;
+  }
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  const auto done = Carving(options).run();
+  return done ? 0 : fail(done.error());
+}
+
+}  // namespace kerf

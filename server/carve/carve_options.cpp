@@ -1,0 +1,78 @@
+#include "server/carve/carve_options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+
+namespace kerf {
+namespace {
+
+constexpr int kThreadsMax = 256;
+
+std::string check_positive(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value) || value <= 0)
+    return "must be a number above 0, not " + text;
+  return {};
+}
+
+std::string check_rays(const std::string& text) {
+  if (text == "dexel") return {};
+  if (text == "tri-dexel") return "tri-dexel is not supported yet; use dexel";
+  return text + " is not a ray model; use dexel";
+}
+
+void declare(CLI::App& app, CarveOptions& options, std::string& rays) {
+  app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
+  app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
+  app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
+  app.add_option("--explain", options.explain, "print every field of a scene, and stop");
+  app.add_option("--stl", options.stl, "write the carved block as binary STL");
+  app.add_option("--glb", options.glb, "write the carved block as glTF binary");
+  app.add_option("--ngc", options.ngc, "write the motions as G-code for the scene's machine");
+  app.add_option("--apt", options.apt, "write the motions as APT CL data");
+  app.add_option("--forces", options.forces, "write force and torque of each motion (CSV)");
+  app.add_option("--report", options.report, "write what was done and how long it took (JSON)");
+  app.add_option("--pitch", options.pitch_mm, "distance of rays, mm (instead of the scene's)")
+      ->check(check_positive);
+  app.add_option("--tolerance", options.tolerance_mm, "mm (instead of the scene's)")
+      ->check(check_positive);
+  app.add_option("--rays", rays, "dexel")->check(check_rays);
+  app.add_option("--motion", options.motion, "paper or tight (instead of the scene's)")
+      ->check(CLI::IsMember({"paper", "tight"}));
+  app.add_option("--law", options.law, "drr or specific_energy (instead of the scene's)")
+      ->check(CLI::IsMember({"drr", "specific_energy"}));
+  app.add_option("--rate", options.rate_hz,
+                 "cut the path into motions of 1/HZ seconds (default: one motion per block)")
+      ->check(check_positive);
+  app.add_option("--threads", options.threads, "most files that are written at the same time")
+      ->check(CLI::Range(1, kThreadsMax));
+}
+
+int refuse(const std::string& reason) {
+  std::cerr << "kerf-carve: " << reason << '\n';
+  return 2;
+}
+
+}  // namespace
+
+std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
+  CLI::App app(
+      "Carves a block with an NC program: a scene and a program in; model, forces and report out.",
+      "kerf-carve");
+  CarveOptions options;
+  std::string rays;
+  declare(app, options, rays);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return refuse(error.what());
+  }
+  if (options.explain) return options;
+  if (options.scene.empty()) return refuse("--scene is required");
+  if (options.program.empty()) return refuse("--program is required");
+  return options;
+}
+
+}  // namespace kerf

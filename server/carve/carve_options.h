@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace kerf {
+
+/// What the command line of kerf-carve asks for (design section 8).
+struct CarveOptions {
+  std::filesystem::path scene, program;
+  std::optional<std::filesystem::path> explain;  ///< explain this scene and do nothing else
+  std::optional<std::filesystem::path> stl, glb, ngc, apt, forces, report;
+  std::optional<double> pitch_mm, tolerance_mm, rate_hz;
+  std::optional<std::string> motion, law;
+  int threads = 1;
+};
+
+/// The options, or the exit status where the command line has been answered already (--help,
+/// --version: 0; a mistake, with one line on stderr: 2).
+std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv);
+
+}  // namespace kerf

@@ -1,0 +1,74 @@
+#include "server/carve/carve_report.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace kerf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::uint64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string hex(std::uint64_t hash) {
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return text.data();
+}
+
+// Where the tip has been: the first thing to look at when a program does not hit its block.
+Json tip_extents(const Program& program) {
+  if (program.motions.empty()) return nullptr;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3 low{kInfinity, kInfinity, kInfinity};
+  Vec3 high{-kInfinity, -kInfinity, -kInfinity};
+  for (const ProgramMotion& motion : program.motions) {
+    for (const Vec3 p : {motion.from.tip_mm, motion.to.tip_mm}) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  return {{"min_mm", {low.x, low.y, low.z}}, {"max_mm", {high.x, high.y, high.z}}};
+}
+
+}  // namespace
+
+std::string report_json(const CarveReport& report, const Scene& scene, const Program& program) {
+  std::set<ToolId> tools;
+  for (const ProgramMotion& motion : program.motions) tools.insert(motion.tool);
+  const Json triangles = report.triangles ? Json(*report.triangles) : Json(nullptr);
+  const Json json{{"scene", report.scene_file},
+                  {"name", scene.name},
+                  {"program", report.program_file},
+                  {"program_lines", report.program_lines},
+                  {"tools_used", tools},
+                  {"tip_extents", tip_extents(program)},
+                  {"pitch_mm", scene.settings.pitch_mm},
+                  {"tolerance_mm", scene.settings.tolerance_mm},
+                  {"stock_volume_mm3", report.stock_volume_mm3},
+                  {"removed_volume_mm3", report.removed_volume_mm3},
+                  {"motions", report.motions},
+                  {"sub_motions", report.sub_motions},
+                  {"machining_seconds", report.machining_s},
+                  {"read_seconds", report.read_s},
+                  {"cut_seconds", report.cut_s},
+                  {"mesh_seconds", report.mesh_s},
+                  {"write_seconds", report.write_s},
+                  {"triangles", triangles},
+                  {"peak_memory_bytes", peak_memory_bytes()},
+                  {"state_hash", hex(report.state_hash)},
+                  {"warnings", report.warnings}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kerf

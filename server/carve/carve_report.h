@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/formats/program.h"
+
+namespace kerf {
+
+/// What kerf-carve did; the fields of --report (design section 8, and more).
+struct CarveReport {
+  std::string scene_file, program_file;
+  std::size_t program_lines = 0;
+  std::uint64_t motions = 0, sub_motions = 0;
+  double machining_s = 0;  ///< sum of the motions' durations
+  double stock_volume_mm3 = 0, removed_volume_mm3 = 0;
+  double read_s = 0, cut_s = 0, mesh_s = 0, write_s = 0;
+  std::optional<std::uint64_t> triangles;  ///< none where no model was asked for
+  std::uint64_t state_hash = 0;
+  std::vector<std::string> warnings;
+};
+
+/// As JSON text. Adds the greatest memory that the process has used.
+std::string report_json(const CarveReport& report, const Scene& scene, const Program& program);
+
+}  // namespace kerf

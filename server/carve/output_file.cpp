@@ -1,0 +1,51 @@
+#include "server/carve/output_file.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <iostream>
+#include <system_error>
+#include <utility>
+
+namespace kerf {
+
+namespace fs = std::filesystem;
+
+OutputFile::OutputFile(fs::path target) : target_(std::move(target)) {
+  std::error_code error;
+  const fs::path resolved = fs::weakly_canonical(target_, error);
+  // A link is written through, as a shell would do.
+  // /dev/stdout leads to whatever the shell has opened, perhaps a file: that is never replaced.
+  const bool device = target_.string().starts_with("/dev/");
+  const fs::path real = error || device ? target_ : resolved;
+  copy_ = device || (fs::exists(real, error) && !fs::is_regular_file(real, error));
+  const std::string name = real.filename().string() + ".part-" + std::to_string(::getpid());
+  const fs::path folder = copy_ ? fs::temp_directory_path(error) : real.parent_path();
+  temporary_ = folder / name;
+  if (!copy_) target_ = real;
+}
+
+OutputFile::~OutputFile() {
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+}
+
+std::expected<void, std::string> OutputFile::commit() {
+  if (copy_) {
+    std::ifstream from(temporary_, std::ios::binary);
+    std::ofstream file;
+    // Opened anew, standard output would lose what has been written to it, or where it stands.
+    std::ostream& to = target_ == "/dev/stdout" ? std::cout : file;
+    if (&to == &file) file.open(target_, std::ios::binary | std::ios::app);
+    if (from.peek() != std::ifstream::traits_type::eof()) to << from.rdbuf();
+    to.flush();
+    if (from.bad() || !to) return std::unexpected(target_.string() + ": cannot be written");
+    return {};
+  }
+  std::error_code error;
+  fs::rename(temporary_, target_, error);
+  if (error) return std::unexpected(target_.string() + ": " + error.message());
+  return {};
+}
+
+}  // namespace kerf

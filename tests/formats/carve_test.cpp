@@ -1,0 +1,216 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "server/carve/carve_options.h"
+#include "server/formats/stl.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const char* const kScene =
+    R"({"name": "t", "stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [20,20,10]},
+        "accuracy": {"pitch_mm": 0.5},
+        "tools": [{"id": 1, "shape": "flat", "diameter_mm": 4, "length_mm": 20}],
+        "machine": {"kinematics": "tool-vector"}})";
+// A slot of 4 mm, 2 mm deep, 20 mm long, entered and left outside; then a tilted pass.
+const char* const kProgram =
+    "G21 G90 T1 M6\nG0 X-5 Y10 Z8 I0 J0 K1\nG1 X25 F600\nG0 Z15\nX25 Y5\nG1 Z9 I0 J0.6 "
+    "K0.8\nX-5\nM2\n";
+
+class KerfCarve : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("kerf-carve-test-" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    write("scene.json", kScene);
+    write("p.ngc", kProgram);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+  std::string content(const std::string& name) const {
+    std::ifstream file(folder_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+  // The exit status; what it writes lands in the files out and err.
+  int run(const std::string& arguments) const {
+    const std::string command =
+        "cd '" + folder_.string() + "' && '" KERF_CARVE "' " + arguments + " >out 2>err </dev/null";
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  nlohmann::json report(const std::string& arguments) const {
+    EXPECT_EQ(run(arguments + " --report r.json"), 0) << content("err");
+    return nlohmann::json::parse(content("r.json"), nullptr, false);
+  }
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  fs::path folder_;
+};
+
+const std::string kInput = "--scene scene.json --program p.ngc";
+
+TEST_F(KerfCarve, WritesEverythingThatIsAskedFor) {
+  const auto json =
+      report(kInput + " --stl m.stl --glb m.glb --ngc o.ngc --apt o.apt --forces f.csv");
+  for (const char* field :
+       {"stock_volume_mm3", "removed_volume_mm3", "motions", "sub_motions", "cut_seconds",
+        "mesh_seconds", "triangles", "peak_memory_bytes", "state_hash", "warnings"})
+    EXPECT_TRUE(json.contains(field)) << field;
+  EXPECT_EQ(json["stock_volume_mm3"], 4000);
+  EXPECT_GT(json["removed_volume_mm3"], 160);
+  EXPECT_EQ(json["motions"], 5);
+  EXPECT_GT(json["peak_memory_bytes"], 1 << 20);
+  const std::string stl = content("m.stl");
+  const auto triangles = read_stl(std::as_bytes(std::span(stl)));
+  ASSERT_TRUE(triangles.has_value());
+  EXPECT_EQ(json["triangles"], triangles->size());
+  EXPECT_THAT(content("m.glb"), StartsWith("glTF"));
+  const std::string forces = content("f.csv");
+  EXPECT_EQ(std::count(forces.begin(), forces.end(), '\n'), 6);
+  EXPECT_EQ(content("out"), "");
+  EXPECT_EQ(files(), (std::vector<std::string>{"err", "f.csv", "m.glb", "m.stl", "o.apt", "o.ngc",
+                                               "out", "p.ngc", "r.json", "scene.json"}));
+}
+
+TEST_F(KerfCarve, AnExportedProgramGivesTheSameHash) {
+  const std::string hash = report(kInput + " --ngc o.ngc --apt o.apt")["state_hash"];
+  EXPECT_EQ(hash.size(), 16u);
+  EXPECT_EQ(report("--scene scene.json --program o.ngc")["state_hash"], hash);
+  EXPECT_EQ(report("--scene scene.json --program o.apt")["state_hash"], hash);
+  EXPECT_NE(report(kInput + " --pitch 0.25")["state_hash"], hash);
+}
+
+TEST_F(KerfCarve, ASampledProgramIsExportedAsItWasCarved) {
+  const auto json = report(kInput + " --rate 20 --apt o.apt");
+  EXPECT_GT(json["motions"], 60);
+  EXPECT_EQ(report("--scene scene.json --program o.apt")["state_hash"], json["state_hash"]);
+}
+
+TEST_F(KerfCarve, OptionsReplaceWhatTheSceneSays) {
+  const auto json = report(kInput + " --pitch 1 --tolerance 0.5 --motion paper --law drr");
+  EXPECT_EQ(json["pitch_mm"], 1);
+  EXPECT_EQ(json["tolerance_mm"], 0.5);
+  EXPECT_EQ(json["triangles"], nullptr);
+}
+
+TEST_F(KerfCarve, TheBytesDoNotDependOnTheThreads) {
+  ASSERT_EQ(run(kInput + " --stl a.stl --glb a.glb --ngc a.ngc --threads 1"), 0);
+  ASSERT_EQ(run(kInput + " --stl b.stl --glb b.glb --ngc b.ngc --threads 4"), 0);
+  EXPECT_EQ(content("a.stl"), content("b.stl"));
+  EXPECT_EQ(content("a.glb"), content("b.glb"));
+  EXPECT_EQ(content("a.ngc"), content("b.ngc"));
+}
+
+TEST_F(KerfCarve, RapidsThroughMaterialAreWarnedOf) {
+  write("p.ngc", "T1 M6\nG0 X-5 Y10 Z8\nG0 X25\nM2\n");
+  const auto json = report(kInput);
+  ASSERT_EQ(json["warnings"].size(), 1u);
+  EXPECT_THAT(std::string(json["warnings"][0]), StartsWith("p.ngc:3: a rapid goes through"));
+  EXPECT_THAT(content("err"), StartsWith("warning: p.ngc:3:"));
+}
+
+TEST_F(KerfCarve, ToldToWriteToStandardOutputItDoes) {
+  ASSERT_EQ(run(kInput + " --report /dev/stdout"), 0);
+  EXPECT_THAT(content("out"), HasSubstr("state_hash"));
+}
+
+TEST_F(KerfCarve, HelpVersionAndExplain) {
+  EXPECT_EQ(run("--help"), 0);
+  EXPECT_THAT(content("out"), HasSubstr("--scene"));
+  EXPECT_EQ(run("--version"), 0);
+  EXPECT_THAT(content("out"), StartsWith("kerf-carve "));
+  EXPECT_EQ(run("--explain scene.json"), 0);
+  EXPECT_THAT(content("out"), HasSubstr("accuracy.pitch_mm"));
+}
+
+struct BadInput {
+  const char* name;
+  const char* file;  ///< a file that is written first
+  const char* text;
+  const char* arguments;
+  const char* error;  ///< beginning of the one line
+};
+
+class BadInputs : public KerfCarve, public testing::WithParamInterface<BadInput> {};
+
+TEST_P(BadInputs, ExitWithTwoAndOneLineAndLeaveNothingBehind) {
+  if (GetParam().file[0] != '\0') write(GetParam().file, GetParam().text);
+  std::vector<std::string> before = files();
+  EXPECT_EQ(run(std::string(GetParam().arguments) +
+                " --stl m.stl --glb m.glb --ngc o.ngc --apt o.apt --forces f.csv --report r.json"),
+            2);
+  const std::string error = content("err");
+  EXPECT_THAT(error, StartsWith(GetParam().error));
+  EXPECT_EQ(std::count(error.begin(), error.end(), '\n'), 1) << error;
+  before.insert(before.end(), {"err", "out"});
+  std::sort(before.begin(), before.end());
+  EXPECT_EQ(files(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    KerfCarve, BadInputs,
+    testing::Values(
+        BadInput{"Code", "p.ngc", "G0 X1\nG77 X5\n", "--scene scene.json --program p.ngc",
+                 "p.ngc:2: 'G77' is not a code"},
+        BadInput{"Apt", "p.apt", "GOFWD/C1\n", "--scene scene.json --program p.apt",
+                 "p.apt:1: 'GOFWD' is not"},
+        BadInput{"SceneSyntax", "s.json", "{\n]", "--scene s.json --program p.ngc",
+                 "s.json:2:1: is not JSON"},
+        BadInput{"SceneField", "s.json", R"({"stock": {"shape": "ball"}})",
+                 "--scene s.json --program p.ngc", "s.json: stock.shape \"ball\" is not"},
+        BadInput{"NoScene", "", "", "--scene none.json --program p.ngc", "none.json: cannot"},
+        BadInput{"NoProgram", "", "", "--scene scene.json --program none.ngc", "none.ngc: cannot"},
+        BadInput{"Folder", "", "", "--scene scene.json --program .", ".: "},
+        BadInput{"Extension", "p.txt", "G0 X1\n", "--scene scene.json --program p.txt", "p.txt: "},
+        BadInput{"Usage", "", "", "--program p.ngc", "kerf-carve: --scene is required"},
+        BadInput{"Option", "", "", "--scene scene.json --program p.ngc --wobble 3", "kerf-carve: "},
+        BadInput{"Pitch", "", "", "--scene scene.json --program p.ngc --pitch nan", "kerf-carve: "},
+        BadInput{"TinyPitch", "", "", "--scene scene.json --program p.ngc --pitch 1e-9",
+                 "scene.json: "},
+        BadInput{"TriDexel", "", "", "--scene scene.json --program p.ngc --rays tri-dexel",
+                 "kerf-carve: "},
+        BadInput{"Rate", "", "", "--scene scene.json --program p.ngc --rate 1e12",
+                 "p.ngc: would need"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(KerfCarve, AFolderThatCannotBeWrittenIsReported) {
+  EXPECT_EQ(run(kInput + " --stl m.stl --ngc none/o.ngc"), 1);
+  EXPECT_THAT(content("err"), HasSubstr("o.ngc"));
+  EXPECT_FALSE(fs::exists(folder_ / "m.stl"));
+}
+
+TEST(CarveOptions, AreReadFromTheCommandLine) {
+  std::vector<std::string> words{"kerf-carve", "--scene", "s",     "--program", "p",
+                                 "--rate",     "1000",    "--law", "drr"};
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  const auto parsed = parse_carve_options(static_cast<int>(argv.size()), argv.data());
+  const auto& options = std::get<CarveOptions>(parsed);
+  EXPECT_EQ(options.rate_hz, 1000);
+  EXPECT_EQ(options.law, "drr");
+  EXPECT_FALSE(options.stl.has_value());
+}
+
+}  // namespace
+}  // namespace kerf
