@@ -66,7 +66,8 @@ find_port() {
 
 # Ends what runs, gently first; called however this script ends.
 stop_children() {
-  trap - EXIT INT TERM
+  trap - EXIT
+  trap '' INT TERM # a second Ctrl-C must not leave anything behind
   local child
   for child in "${CHILDREN[@]}"; do kill -TERM "$child" 2>/dev/null || true; done
   for _ in {1..50}; do
@@ -115,14 +116,13 @@ start_hand() {
 }
 
 start_demo() {
-  "$BIN/haptic_agent/demo/kerf-demo" "$SCRATCH" >/dev/null
   start_hand first Ada '#d9541e'
   start_hand second Grace '#1e7ad9'
 }
 
 # Stays until the server ends or Ctrl-C comes; says so if a hand ends badly.
 watch_over() {
-  local ended rc
+  local ended rc hands=$((${#CHILDREN[@]} - 1))
   while [ ${#CHILDREN[@]} -gt 0 ]; do
     rc=0
     wait -n -p ended || rc=$?
@@ -131,6 +131,8 @@ watch_over() {
       tail -n 5 "$KERF_LOGS"/kerf-agent-*.log >&2
       echo "A simulated hand ended (exit $rc); its log is in $KERF_LOGS. The server goes on." >&2
     fi
+    hands=$((hands - 1))
+    if [ $hands = 0 ]; then echo "The hands are done; the block stays there until Ctrl-C."; fi
   done
 }
 
@@ -146,6 +148,7 @@ main() {
     if $DEMO; then DATA="$SCRATCH/data"; else DATA="${XDG_DATA_HOME:-$HOME/.local/share}/kerf"; fi
   fi
   mkdir -p "$DATA" "$KERF_LOGS"
+  if $DEMO; then step "Computing what the hands will carve" kerf-demo "$BIN/haptic_agent/demo/kerf-demo" "$SCRATCH"; fi
   find_port
   start_server
   if $DEMO; then start_demo; fi
