@@ -112,7 +112,7 @@ local_address() {
 
 start_hand() {
   start "kerf-agent-$1" "$BIN/haptic_agent/kerf-agent" --server "http://$(local_address)" --session "$SESSION" \
-    --name "$2" --color "$3" --device "sim:$SCRATCH/$1.apt"
+    --name "$2" --color "$3" --device "sim:$SCRATCH/$1.apt" --stiffness 10
 }
 
 start_demo() {
