@@ -11,7 +11,6 @@ LISTEN=127.0.0.1
 DATA=
 DEMO=true
 BUILD_ONLY=false
-BIN="$KERF_ROOT/build/release"
 SESSION=ammonite # the server names a session after its scene
 CHILDREN=()
 SERVER=
@@ -52,6 +51,8 @@ build() {
   build_web
   build_cpp release -DKERF_TESTS=$tests -- kerf-server kerf-agent kerf-carve kerf-demo
 }
+
+program() { find "$KERF_ROOT/build/release" -type f -executable -name "$1" -print -quit; }
 
 is_taken() { (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 
@@ -95,7 +96,7 @@ server_failed() {
 start_server() {
   local options=(--listen "$LISTEN:$PORT" --data "$DATA" --web web/dist)
   if $DEMO; then options+=(--scene haptic_agent/demo/demo.json); fi
-  start kerf-server "$BIN/server/kerf-server" "${options[@]}"
+  start kerf-server "$(program kerf-server)" "${options[@]}"
   SERVER=$!
   for _ in {1..150}; do
     if curl -fsS -o /dev/null "http://$(local_address)/healthz" 2>/dev/null; then return; fi
@@ -111,7 +112,7 @@ local_address() {
 }
 
 start_hand() {
-  start "kerf-agent-$1" "$BIN/haptic_agent/kerf-agent" --server "http://$(local_address)" --session "$SESSION" \
+  start "kerf-agent-$1" "$(program kerf-agent)" --server "http://$(local_address)" --session "$SESSION" \
     --name "$2" --color "$3" --device "sim:$SCRATCH/$1.apt" --stiffness 10
 }
 
@@ -148,7 +149,7 @@ main() {
     if $DEMO; then DATA="$SCRATCH/data"; else DATA="${XDG_DATA_HOME:-$HOME/.local/share}/kerf"; fi
   fi
   mkdir -p "$DATA" "$KERF_LOGS"
-  if $DEMO; then step "Computing what the hands will carve" kerf-demo "$BIN/haptic_agent/demo/kerf-demo" "$SCRATCH"; fi
+  if $DEMO; then step "Computing what the hands will carve" kerf-demo "$(program kerf-demo)" "$SCRATCH"; fi
   find_port
   start_server
   if $DEMO; then start_demo; fi

@@ -101,6 +101,13 @@ TEST(ArchSizes, LongLinesAreCountedInColumnsNotBytes) {
   EXPECT_TRUE(check_sizes({"a.cpp", umlauts}).empty());
 }
 
+TEST(ArchSizes, RawLiteralsMayBeLong) {
+  const std::string wide(120, 'x');
+  EXPECT_TRUE(check_sizes({"a.cpp", "f(R\"(" + wide + "\n" + wide + "\n)\");"}).empty());
+  EXPECT_EQ(check_sizes({"a.cpp", "f(\"" + wide + "\");"}).size(), 1u);
+  EXPECT_EQ(check_sizes({"a.cpp", "// " + wide}).size(), 1u);
+}
+
 TEST(ArchSizes, LongFilesAreFound) {
   EXPECT_TRUE(check_sizes({"a.ts", lines(400)}).empty());
   EXPECT_EQ(check_sizes({"a.ts", lines(401)}).size(), 1u);
