@@ -1,6 +1,7 @@
 #include "server/feed/tile_feed.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace kerf {
 namespace {
@@ -9,6 +10,23 @@ namespace {
 constexpr std::size_t kTileJsonBytes = 600;
 /// Frames kept for other viewers that are in step.
 constexpr std::size_t kRecentFramesMax = 16;
+
+/// FNV-1a over words: tells a tile that a cut only passed by from one that it changed, before
+/// anything is encoded.
+std::uint64_t hash_of(const TileMesh& mesh) {
+  std::uint64_t hash = 14695981039346656037U;
+  const auto mix = [&hash](std::uint32_t word) {
+    hash = (hash ^ word) * 1099511628211U;
+    hash ^= hash >> 32U;
+  };
+  for (const auto* vectors : {&mesh.positions_mm, &mesh.normals}) {
+    for (const auto& v : *vectors) {
+      for (const float component : v) mix(std::bit_cast<std::uint32_t>(component));
+    }
+  }
+  for (const std::uint32_t index : mesh.indices) mix(index);
+  return hash;
+}
 
 }  // namespace
 
@@ -101,14 +119,16 @@ const EncodedTile& TileFeed::current(std::uint32_t tile) {
   const auto n = static_cast<std::int32_t>(tile);
   const std::int32_t tiles_x = snapshot_.grid().tiles_x();
   const TileMesh mesh = mesh_tile(snapshot_, {n % tiles_x, n / tiles_x});
-  EncodedTile fresh = encode_tile(mesh, quantization_, cached.encoded.version + 1);
+  const std::uint64_t hash = hash_of(mesh);
   cached.stale = false;
   ++stats_.tiles_meshed;
   stats_.triangles_meshed += mesh.indices.size() / 3;
-  if (cached.encoded.version > 0 && cached.encoded.same_surface(fresh)) {
+  if (cached.encoded.version > 0 && cached.mesh_hash == hash) {
     ++stats_.tiles_unchanged;
   } else {
-    cached.encoded = std::move(fresh);
+    cached.mesh_hash = hash;
+    cached.encoded =
+        encode_tile(mesh, quantization_, cached.encoded.version + 1, settings_.compression);
   }
   return cached.encoded;
 }

@@ -22,6 +22,7 @@ using ViewerId = std::uint32_t;
 struct FeedSettings {
   std::size_t frame_bytes_max = 256 * 1024;  ///< a frame ends with the tile that reaches it
   std::uint32_t frames_in_flight_max = 2;    ///< the credit: frames sent and not yet acknowledged
+  TileCompression compression = TileCompression::kMeshopt;
 };
 
 /// One mesh message for one viewer. The GLB is shared by all viewers that get the same tiles.
@@ -84,8 +85,9 @@ class TileFeed {
 
  private:
   struct CachedTile {
-    EncodedTile encoded;  ///< version 0: not meshed yet
-    bool stale = true;    ///< columns that it reads have changed since it was meshed
+    EncodedTile encoded;          ///< version 0: not meshed yet
+    std::uint64_t mesh_hash = 0;  ///< of the mesh that was encoded
+    bool stale = true;            ///< columns that it reads have changed since it was meshed
   };
   /// Tiles to look at, oldest first.
   class TileQueue {

@@ -66,7 +66,8 @@ std::vector<TileMesh> measure(const char* name, const DexelSnapshot& snapshot) {
   }
   const double meshed = cpu_seconds();
   std::vector<EncodedTile> encoded;
-  for (const TileMesh& mesh : meshes) encoded.push_back(encode_tile(mesh, quantization, 1));
+  for (const TileMesh& mesh : meshes)
+    encoded.push_back(encode_tile(mesh, quantization, 1, TileCompression::kMeshopt));
   const double done = cpu_seconds();
   std::vector<const EncodedTile*> pointers;
   for (const EncodedTile& tile : encoded) {

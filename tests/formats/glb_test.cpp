@@ -6,17 +6,27 @@
 
 #include "kernel/surface/tile_mesh.h"
 #include "tests/support/carvings.h"
-#include "tests/support/glb_reader.h"
 
 namespace kerf {
 namespace {
+
+tinygltf::Model load(const std::vector<std::byte>& glb) {
+  tinygltf::Model model;
+  std::string error, warning;
+  const bool ok = tinygltf::TinyGLTF().LoadBinaryFromMemory(
+      &model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()),
+      static_cast<unsigned>(glb.size()));
+  EXPECT_TRUE(ok) << error;
+  EXPECT_TRUE(warning.empty()) << warning;
+  return model;
+}
 
 TEST(ModelGlb, HoldsEveryTileUnderOneRootInMetresAndYUp) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{100, 200, 300}, {120, 220, 310}}, 0.5);
   const DexelSnapshot snapshot = sculpture.snapshot();
   const auto glb = make_model_glb(snapshot, "a \"quoted\" name");
   ASSERT_TRUE(glb) << glb.error().reason;
-  const tinygltf::Model model = test::load_glb(*glb);
+  const tinygltf::Model model = load(*glb);
   EXPECT_EQ(model.asset.extras.Get("scene").Get<std::string>(), "a \"quoted\" name");
   const tinygltf::Node& root = model.nodes.at(0);
   EXPECT_EQ(root.name, "kerf");
@@ -46,7 +56,7 @@ TEST(ModelGlb, OfNothingIsAnEmptyScene) {
   ASSERT_TRUE(sculpture.apply(MoveTool{1, {{2, 2, -1}}, {{2, 2, -1}}, 1, false}));
   const auto glb = make_model_glb(sculpture.snapshot(), "gone");
   ASSERT_TRUE(glb);
-  EXPECT_TRUE(test::load_glb(*glb).meshes.empty());
+  EXPECT_TRUE(load(*glb).meshes.empty());
 }
 
 TEST(ModelGlb, FileAppearsWholeOrNotAtAll) {

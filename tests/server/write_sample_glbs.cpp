@@ -42,18 +42,21 @@ int main(int argc, char** argv) {
   const MeshQuantization quantization = mesh_quantization(snapshot.grid());
   std::vector<EncodedTile> tiles;
   for (const TileMesh& mesh : test::mesh_all(snapshot)) {
-    tiles.push_back(encode_tile(mesh, quantization, 3));
+    tiles.push_back(encode_tile(mesh, quantization, 3, TileCompression::kMeshopt));
   }
   EncodedTile gone;
   gone.tile = {90, 91};
   gone.version = 4;
   std::vector<const EncodedTile*> all;
   for (const EncodedTile& tile : tiles) all.push_back(&tile);
-  const std::vector<const EncodedTile*> mixed{&tiles[0], &gone, &tiles[1]};
+  const EncodedTile plain = encode_tile(mesh_tile(snapshot, {0, 0}), quantization, 3);
+  const std::vector<const EncodedTile*> raw{&plain, &gone};
+  const std::vector<const EncodedTile*> mixed{&tiles[1], &gone, &plain, &tiles[2]};
   const std::vector<const EncodedTile*> only_gone{&gone};
   const auto model = make_model_glb(snapshot, "sample \"block\"");
   const bool ok = model && write(folder / "model.glb", *model) &&
                   write(folder / "frame_all.glb", write_mesh_glb(all, quantization, 0, 60)) &&
+                  write(folder / "frame_raw.glb", write_mesh_glb(raw, quantization, 0, 60)) &&
                   write(folder / "frame_mixed.glb", write_mesh_glb(mixed, quantization, 59, 60)) &&
                   write(folder / "frame_gone.glb", write_mesh_glb(only_gone, quantization, 1, 2)) &&
                   write(folder / "frame_empty.glb", write_mesh_glb({}, quantization, 1, 2));

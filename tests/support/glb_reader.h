@@ -1,10 +1,13 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <tiny_gltf.h>
+#include <meshoptimizer.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -12,17 +15,6 @@
 #include "kernel/math/vec3.h"
 
 namespace kerf::test {
-
-inline tinygltf::Model load_glb(const std::vector<std::byte>& glb) {
-  tinygltf::Model model;
-  std::string error, warning;
-  const bool ok = tinygltf::TinyGLTF().LoadBinaryFromMemory(
-      &model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()),
-      static_cast<unsigned>(glb.size()));
-  EXPECT_TRUE(ok) << error;
-  EXPECT_TRUE(warning.empty()) << warning;
-  return model;
-}
 
 /// A tile as a viewer sees it: in the world, mm.
 struct DecodedTile {
@@ -35,56 +27,117 @@ struct DecodedFrame {
   std::map<TileIndex, DecodedTile> tiles;
 };
 
-template <typename T>
-Vec3 vector_at(const tinygltf::Model& model, const tinygltf::Accessor& accessor, std::size_t n) {
-  const tinygltf::BufferView& view = model.bufferViews.at(std::size_t(accessor.bufferView));
-  const std::size_t at =
-      view.byteOffset + accessor.byteOffset + n * std::size_t(accessor.ByteStride(view));
-  std::array<T, 3> v{};
-  std::memcpy(v.data(), model.buffers.at(0).data.data() + at, sizeof v);
-  return {double(v[0]), double(v[1]), double(v[2])};
+/// The parts of a GLB.
+struct GlbParts {
+  nlohmann::json json;
+  std::vector<std::byte> binary;
+};
+inline GlbParts split_glb(const std::vector<std::byte>& glb) {
+  const auto word = [&glb](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, glb.data() + at, 4);
+    return value;
+  };
+  EXPECT_EQ(word(0), 0x46546C67U);
+  EXPECT_EQ(word(8), glb.size());
+  const std::size_t json_bytes = word(12);
+  const auto* text = reinterpret_cast<const char*>(glb.data()) + 20;
+  GlbParts parts{nlohmann::json::parse(text, text + json_bytes), {}};
+  const std::size_t binary_at = 20 + json_bytes + 8;
+  if (glb.size() > binary_at) parts.binary.assign(glb.begin() + long(binary_at), glb.end());
+  return parts;
 }
 
-inline std::uint32_t index_at(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
-                              std::size_t n) {
-  const bool wide = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-  const std::size_t width = wide ? 4 : 2;
-  const tinygltf::BufferView& view = model.bufferViews.at(std::size_t(accessor.bufferView));
-  std::uint32_t index = 0;
-  std::memcpy(&index,
-              model.buffers.at(0).data.data() + view.byteOffset + accessor.byteOffset + n * width,
-              width);
-  return index;
+/// The uncompressed bytes of a buffer view.
+inline std::vector<std::byte> view_bytes(const GlbParts& glb, const nlohmann::json& view) {
+  std::vector<std::byte> out(view.at("byteLength").get<std::size_t>());
+  if (!view.contains("extensions")) {
+    std::memcpy(out.data(), glb.binary.data() + view.at("byteOffset").get<std::size_t>(),
+                out.size());
+    return out;
+  }
+  const nlohmann::json& packed = view.at("extensions").at("EXT_meshopt_compression");
+  const auto* from = reinterpret_cast<const unsigned char*>(glb.binary.data()) +
+                     packed.at("byteOffset").get<std::size_t>();
+  const auto bytes = packed.at("byteLength").get<std::size_t>();
+  const auto count = packed.at("count").get<std::size_t>();
+  const auto stride = packed.at("byteStride").get<std::size_t>();
+  EXPECT_EQ(count * stride, out.size());
+  const int failed = packed.at("mode") == "TRIANGLES"
+                         ? meshopt_decodeIndexBuffer(out.data(), count, stride, from, bytes)
+                         : meshopt_decodeVertexBuffer(out.data(), count, stride, from, bytes);
+  EXPECT_EQ(failed, 0);
+  return out;
 }
 
-/// Reads a mesh frame through a library that shares no code with its writer.
-inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb) {
-  const tinygltf::Model model = load_glb(glb);
+template <typename T, std::size_t N>
+std::array<T, N> element(const std::vector<std::byte>& bytes, std::size_t stride, std::size_t n) {
+  std::array<T, N> out{};
+  std::memcpy(out.data(), bytes.data() + n * stride, sizeof out);
+  return out;
+}
+
+inline void decode_mesh(const GlbParts& glb, const nlohmann::json& node, DecodedTile& out) {
+  const auto& primitive = glb.json["meshes"].at(node["mesh"].get<std::size_t>())["primitives"][0];
+  const auto accessor = [&](const nlohmann::json& number) {
+    return glb.json["accessors"].at(number.get<std::size_t>());
+  };
+  const auto bytes_of = [&](const nlohmann::json& a) {
+    return view_bytes(glb, glb.json["bufferViews"].at(a["bufferView"].get<std::size_t>()));
+  };
+  const auto position = accessor(primitive["attributes"]["POSITION"]);
+  const auto positions = bytes_of(position);
+  const auto normals = bytes_of(accessor(primitive["attributes"]["NORMAL"]));
+  const auto at = node["translation"].get<std::array<double, 3>>();
+  const double scale = node["scale"][0].get<double>();
+  for (std::size_t n = 0; n < position["count"].get<std::size_t>(); ++n) {
+    const auto p = element<std::int16_t, 3>(positions, 8, n);
+    const auto q = element<std::int8_t, 3>(normals, 4, n);
+    out.positions_mm.push_back({at[0] + p[0] * scale, at[1] + p[1] * scale, at[2] + p[2] * scale});
+    out.normals.push_back(Vec3{double(q[0]), double(q[1]), double(q[2])} * (1.0 / 127));
+  }
+  const auto index = accessor(primitive["indices"]);
+  const auto indices = bytes_of(index);
+  for (std::size_t n = 0; n < index["count"].get<std::size_t>(); ++n) {
+    out.indices.push_back(index["componentType"] == 5125
+                              ? element<std::uint32_t, 1>(indices, 4, n)[0]
+                              : element<std::uint16_t, 1>(indices, 2, n)[0]);
+  }
+}
+
+/// Reads a mesh frame by the book, sharing no code with its writer.
+inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes) {
+  const GlbParts glb = split_glb(glb_bytes);
   DecodedFrame frame;
-  const tinygltf::Value& extras = model.scenes.at(0).extras;
-  frame.from = std::uint64_t(extras.Get("from").GetNumberAsInt());
-  frame.to = std::uint64_t(extras.Get("to").GetNumberAsInt());
-  for (const tinygltf::Node& node : model.nodes) {
-    const tinygltf::Value& tile = node.extras.Get("tile");
-    const TileIndex index{tile.Get(0).GetNumberAsInt(), tile.Get(1).GetNumberAsInt()};
-    EXPECT_EQ(node.name, "t_" + std::to_string(index.x) + "_" + std::to_string(index.y));
-    DecodedTile& out = frame.tiles[index];
-    out.version = std::uint64_t(node.extras.Get("version").GetNumberAsInt());
-    if (node.mesh < 0) continue;
-    const tinygltf::Primitive& primitive = model.meshes.at(std::size_t(node.mesh)).primitives.at(0);
-    const auto& position = model.accessors.at(std::size_t(primitive.attributes.at("POSITION")));
-    const auto& normal = model.accessors.at(std::size_t(primitive.attributes.at("NORMAL")));
-    const auto& indices = model.accessors.at(std::size_t(primitive.indices));
-    const Vec3 at{node.translation[0], node.translation[1], node.translation[2]};
-    for (std::size_t n = 0; n < position.count; ++n) {
-      out.positions_mm.push_back(at + vector_at<std::int16_t>(model, position, n) * node.scale[0]);
-      out.normals.push_back(vector_at<std::int8_t>(model, normal, n) * (1.0 / 127));
-    }
-    for (std::size_t n = 0; n < indices.count; ++n) {
-      out.indices.push_back(index_at(model, indices, n));
-    }
+  frame.from = glb.json["scenes"][0]["extras"]["from"].get<std::uint64_t>();
+  frame.to = glb.json["scenes"][0]["extras"]["to"].get<std::uint64_t>();
+  if (!glb.json.contains("nodes")) return frame;
+  for (const auto& node : glb.json["nodes"]) {
+    const TileIndex tile{node["extras"]["tile"][0], node["extras"]["tile"][1]};
+    EXPECT_EQ(node["name"], "t_" + std::to_string(tile.x) + "_" + std::to_string(tile.y));
+    DecodedTile& out = frame.tiles[tile];
+    out.version = node["extras"]["version"].get<std::uint64_t>();
+    if (node.contains("mesh")) decode_mesh(glb, node, out);
   }
   return frame;
+}
+
+/// The tile's triangles in an order that does not depend on how they were sent: corners with their
+/// normals.
+inline std::vector<std::array<std::array<double, 6>, 3>> triangles_of(const DecodedTile& tile) {
+  std::vector<std::array<std::array<double, 6>, 3>> triangles;
+  for (std::size_t t = 0; t + 2 < tile.indices.size(); t += 3) {
+    auto& triangle = triangles.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vec3 p = tile.positions_mm.at(tile.indices[t + c]);
+      const Vec3 n = tile.normals.at(tile.indices[t + c]);
+      triangle[c] = {p.x, p.y, p.z, n.x, n.y, n.z};
+    }
+    std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()),
+                triangle.end());
+  }
+  std::sort(triangles.begin(), triangles.end());
+  return triangles;
 }
 
 }  // namespace kerf::test
