@@ -107,16 +107,13 @@ Carving carve(const Ammonite& ammonite) {
   const HeightMap wanted(ammonite.block_min_mm, ammonite.block_max_mm, kMapPitchMm,
                          [&](double x, double y) { return ammonite.height(x, y); });
   Carving carving;
+  const Follower coarse(
+      wanted, kCoarse,
+      {.leave_mm = 0.6, .tilt_max_deg = 22, .tilt_share = 0.6, .step_mm = 1, .smooth_mm = 12});
   for (const double level_mm : {ammonite.floor_mm / 2, ammonite.floor_mm}) {
-    const Follower coarse(wanted, kCoarse,
-                          {.leave_mm = 0.6,
-                           .above_mm = level_mm,
-                           .tilt_max_deg = 22,
-                           .tilt_share = 0.6,
-                           .step_mm = 1,
-                           .smooth_mm = 12});
-    carving.first.push_back(coarse.along(dish_spiral(ammonite, 0, 4.5, 0.9), 55));
-    carving.second.push_back(coarse.along(dish_spiral(ammonite, kTurn / 2, 4.5, 0.9), 55));
+    carving.first.push_back(coarse.along(dish_spiral(ammonite, 0, 4.5, 0.9), 55, level_mm));
+    carving.second.push_back(
+        coarse.along(dish_spiral(ammonite, kTurn / 2, 4.5, 0.9), 55, level_mm));
   }
   const double one_back = ammonite.mouth_angle_rad - kTurn;
   carving.first.push_back(Follower(wanted, kShell, {.step_mm = 0.8, .smooth_mm = 5})

@@ -54,9 +54,8 @@ Follower::Follower(const HeightMap& wanted, BallTool tool, Following following)
       following_(following),
       centers_(wanted.centers_of_ball(tool.radius_mm + following.leave_mm)) {}
 
-Vec3 Follower::center(Vec3 at) const {
-  const double level = following_.above_mm + tool_.radius_mm;
-  return {at.x, at.y, std::max(centers_.at(at.x, at.y) + kClearMm, level)};
+Vec3 Follower::center(Vec3 at, double level_mm) const {
+  return {at.x, at.y, std::max(centers_.at(at.x, at.y) + kClearMm, level_mm + tool_.radius_mm)};
 }
 
 Vec3 Follower::wished_axis(Vec3 center_mm) const {
@@ -88,10 +87,10 @@ Vec3 Follower::clear_axis(Vec3 center_mm, Vec3 axis) const {
   return kUp;
 }
 
-Stroke Follower::along(const std::vector<Vec3>& line, double feed_mm_per_s) const {
+Stroke Follower::along(const std::vector<Vec3>& line, double feed_mm_per_s, double level_mm) const {
   std::vector<Vec3> centers, axes;
   for (const Vec3 at : resampled(line, following_.step_mm)) {
-    centers.push_back(center(at));
+    centers.push_back(center(at, level_mm));
     axes.push_back(wished_axis(centers.back()));
   }
   axes = smoothed(axes, static_cast<std::size_t>(following_.smooth_mm / following_.step_mm));

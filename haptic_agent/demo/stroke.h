@@ -33,7 +33,6 @@ struct Stroke {
 /// How a tool follows the surface.
 struct Following {
   double leave_mm = 0;       ///< stays on the wanted surface
-  double above_mm = -1e9;    ///< the tip stays above this height: a level of a coarse pass
   double tilt_max_deg = 38;  ///< from +Z
   double tilt_share = 1;     ///< of the angle between +Z and the surface's normal
   double step_mm = 0.7;      ///< between poses
@@ -46,11 +45,11 @@ struct Following {
 class Follower {
  public:
   Follower(const HeightMap& wanted, BallTool tool, Following following);
-  /// `line` has at least two points; its z does not matter.
-  Stroke along(const std::vector<Vec3>& line, double feed_mm_per_s) const;
+  /// `line` has at least two points; its z does not matter. The tip stays above `level_mm`.
+  Stroke along(const std::vector<Vec3>& line, double feed_mm_per_s, double level_mm = -1e9) const;
 
  private:
-  Vec3 center(Vec3 at) const;
+  Vec3 center(Vec3 at, double level_mm) const;
   Vec3 wished_axis(Vec3 center_mm) const;
   Vec3 clear_axis(Vec3 center_mm, Vec3 axis) const;
   bool is_clear(Vec3 center_mm, Vec3 axis) const;
