@@ -29,11 +29,13 @@ export async function showSessions(app: HTMLElement): Promise<string | null> {
     return null;
   }
   if (sessions.length === 1) return (sessions[0] as SessionSummary).id;
-  const body = sessions.length === 0
-    ? h('p', {}, 'There is no session yet. Start the server with a scene (', h('code', {}, 'kerf-server --scene scene.json'),
+  const empty = sessions.length === 0;
+  const lead = empty ? 'No block is being carved on this server.' : 'Blocks being carved on this server. Pick one to watch.';
+  const body = empty
+    ? h('p', {}, 'Start the server with a scene (', h('code', {}, 'kerf-server --scene scene.json'),
       ') or POST one to ', h('code', {}, '/v1/sessions'), '.')
     : h('ul', { class: 'cards' }, ...sessions.map(card));
   app.replaceChildren(h('main', { class: 'page' },
-    h('h1', {}, 'Kerf'), h('p', { class: 'lead' }, 'Blocks being carved on this server. Pick one to watch.'), body));
+    h('h1', {}, 'Kerf'), h('p', { class: 'lead' }, lead), body));
   return null;
 }
