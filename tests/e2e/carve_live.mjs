@@ -31,6 +31,7 @@ const SCENE = {
     { id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 },
     { id: 2, shape: 'flat', diameter_mm: 4, length_mm: 30 },
   ],
+  machine: { kinematics: 'tool-vector' }, // hands tilt their tools
 };
 
 let step = 0;
@@ -67,7 +68,7 @@ async function startServer(folder) {
 
 async function openViewers(base, browser) {
   const viewers = await Promise.all(['Grace', 'Mary'].map((name) =>
-    openViewer(browser, `${base}/?session=${SESSION}&name=${name}`, { width: 720, height: 480 })));
+    openViewer(browser, `${base}/?session=${SESSION}&name=${name}`, { width: 900, height: 560 })));
   const wire = new WireViewer(base, SESSION);
   for (const { state } of viewers) await until('whole block in a browser', SETTLE_S, async () => (await state())?.snapshotComplete);
   await until('whole block on the wire', SETTLE_S, () => wire.snapshotComplete);
