@@ -81,13 +81,22 @@ describe('view link', () => {
     expect(model.statusReason).toContain('nowhere');
   });
 
-  it('gives up after a fatal error of the server', async () => {
+  it('gives up when the server says that there is no such session', async () => {
     const { model } = join(server.port, 'demo');
     await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
     const text = JSON.stringify({ type: 'error', code: 'unknown_session', reason: 'The session was closed.', fatal: true });
     for (const { ws } of server.viewers) ws.send(text);
     await vi.waitFor(() => expect(model.status).toBe('stopped'), soon);
     expect(model.statusReason).toBe('The session was closed.');
+  });
+
+  it('tries again after a fatal error that may pass', async () => {
+    const { link, model, statuses } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    const text = JSON.stringify({ type: 'error', code: 'no_hello', reason: 'no hello within 5 s', fatal: true });
+    for (const { ws } of server.viewers) ws.send(text);
+    await vi.waitFor(() => expect(statuses.filter((status) => status === 'connected')).toHaveLength(2), soon);
+    link.stop();
   });
 
   it('passes on why the server said goodbye', async () => {

@@ -4,7 +4,7 @@ import { RateMeter, ServerClock } from '../src/model/clock';
 import { Quality } from '../src/model/quality';
 import { stockBounds } from '../src/model/session';
 import { toolName, toolProfile } from '../src/model/tool_profile';
-import { figure, volume } from '../src/ui/format';
+import { figure, sentence, volume } from '../src/ui/format';
 
 describe('server clock', () => {
   it('maps server times to local ones by the fastest frames, whatever the offset', () => {
@@ -128,6 +128,11 @@ describe('figures', () => {
     expect([0, 0.01234, 1.2345, 12.345, 123.45, 123456].map(figure)).toEqual(['0', '0.0123', '1.23', '12.3', '123', '123,456']);
     expect(volume(999)).toEqual(['999', 'mm³']);
     expect(volume(49666)).toEqual(['49.7', 'cm³']);
+  });
+
+  it('and reasons read well', () => {
+    expect(sentence('no hello within 5 s')).toBe('No hello within 5 s.');
+    expect(sentence('All is well.')).toBe('All is well.');
   });
 
   it('bound a cylinder', () => {

@@ -183,7 +183,10 @@ export class ViewLink {
     }
     if (message.type === 'bye') this.byeReason_ = message.reason;
     this.events.message(message);
-    if (message.type === 'error' && message.fatal) this.stop(message.reason);
+    if (message.type !== 'error' || !message.fatal) return;
+    // Only what will not change by itself is final; a page that was too slow to say hello, or a full server, tries again.
+    if (message.code === 'unknown_session') this.stop(message.reason);
+    else void this.lost_(message.reason);
   }
 
   private receivedFrame_(frame: Frame, current: () => boolean): void {

@@ -26,3 +26,9 @@ export function milliseconds(value: number): string {
   if (value >= 10000) return `${figure(value / 1000)} s`;
   return value >= 10 ? `${Math.round(value)} ms` : `${value.toFixed(1)} ms`;
 }
+
+/** A reason as a sentence: "no hello within 5 s" → "No hello within 5 s." */
+export function sentence(reason: string): string {
+  const text = reason.charAt(0).toUpperCase() + reason.slice(1);
+  return /[.!?…]$/.test(text) ? text : `${text}.`;
+}

@@ -9,7 +9,7 @@ import type { Insets } from '../view/camera_rig';
 import { FORCE_COLOR, TORQUE_COLOR } from '../view/wrench_view';
 import { Badge } from './badge';
 import { h, iconButton, setText } from './dom';
-import { figure } from './format';
+import { figure, sentence } from './format';
 import { helpDialog } from './help';
 import { ICONS } from './icons';
 import { listenToKeys } from './keyboard';
@@ -207,8 +207,8 @@ export class SessionPage {
   private noticeText_(nowMs: number): string {
     const { status, statusReason, tiles } = this.model;
     if (this.contextLost_) return 'The graphics device was lost. The picture comes back as soon as the browser gives it back.';
-    if (status === 'reconnecting') return `${statusReason || 'The connection was lost.'} Trying again…`;
-    if (status === 'stopped') return `${statusReason || 'The server closed the session.'} This is the last picture.`;
+    if (status === 'reconnecting') return `${sentence(statusReason || 'The connection was lost')} Trying again…`;
+    if (status === 'stopped') return `${sentence(statusReason || 'The server closed the session')} This is the last picture.`;
     if (status === 'connecting') return 'Connecting…';
     if (status === 'connected' && !tiles.complete) return 'Loading the block…';
     return nowMs < this.flashUntilMs_ ? this.flashText_ : '';
@@ -216,7 +216,7 @@ export class SessionPage {
 
   private showStopped_(reason: string): void {
     if (this.model.welcome) return; // the last picture stays; badge and notice tell
-    this.app.replaceChildren(failurePage('Nothing to watch here', reason || 'The server closed the session.', [
+    this.app.replaceChildren(failurePage('Nothing to watch here', sentence(reason || 'The server closed the session'), [
       { label: 'All sessions', href: '?list' }, { label: 'Try again', href: location.search },
     ]));
   }

@@ -40,8 +40,8 @@ void main() {
 export class Stage {
   readonly scene = new THREE.Scene();
   readonly renderer: THREE.WebGLRenderer;
-  private readonly key_ = new THREE.DirectionalLight('#fff3e2', 2.3);
-  private readonly fill_ = new THREE.DirectionalLight('#dfeaff', 0.55);
+  private readonly key_ = new THREE.DirectionalLight('#fff1de', 2.9);
+  private readonly fill_ = new THREE.DirectionalLight('#e6eeff', 1.15);
   private readonly ground_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ opacity: 0.22 }));
   private readonly gridMaterial_ = new THREE.ShaderMaterial({
     vertexShader: GRID_VERTEX,
@@ -85,7 +85,7 @@ export class Stage {
     const generator = new THREE.PMREMGenerator(this.renderer);
     this.scene.environment = generator.fromScene(room, 0.04).texture;
     this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // the room is made with Y up
-    this.scene.environmentIntensity = 0.62;
+    this.scene.environmentIntensity = 0.42;
     generator.dispose();
     room.dispose();
     this.key_.castShadow = true;
@@ -101,9 +101,9 @@ export class Stage {
     const center = min.clone().add(max).multiplyScalar(0.5);
     const diagonal = min.distanceTo(max);
     const shadow = this.key_.shadow;
-    this.key_.position.copy(center).add(new THREE.Vector3(-0.95, -0.2, 1.05).multiplyScalar(diagonal));
+    this.key_.position.copy(center).add(new THREE.Vector3(-1.0, 0.12, 0.78).multiplyScalar(diagonal));
     this.key_.target.position.copy(center);
-    this.fill_.position.copy(center).add(new THREE.Vector3(1.2, -0.5, 0.5).multiplyScalar(diagonal));
+    this.fill_.position.copy(center).add(new THREE.Vector3(0.7, -1.2, 0.55).multiplyScalar(diagonal));
     this.fill_.target.position.copy(center);
     const half = 0.85 * diagonal;
     Object.assign(shadow.camera, { left: -half, right: half, top: half, bottom: -half, near: 0.1 * diagonal, far: 3.2 * diagonal });

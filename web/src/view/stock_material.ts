@@ -26,6 +26,7 @@ uniform vec3 stockSkin;
 uniform vec3 stockCore;
 uniform vec3 stockRing;
 uniform float stockGrain;
+uniform float stockDetail; // radius of curvature that counts as a sharp valley, mm
 
 float onFace(float distanceMm, float reach, float facing) {
   return (1.0 - smoothstep(reach, reach * 1.6, distanceMm)) * smoothstep(0.55, 0.8, facing);
@@ -56,14 +57,27 @@ float yearRing(vec3 p) {
   float fiberBlur = clamp(fwidth(fiber) * 0.5, 0.0, 1.0);
   return mix(late * late, 0.3, blur) * 0.85 + 0.15 * mix(0.5 + 0.5 * sin(fiber), 0.5, fiberBlur);
 }
+
+// Mean curvature along the screen's axes, 1/mm: positive on ridges, negative in valleys.
+float ridge(vec3 p, vec3 n) {
+  vec3 px = dFdx(p);
+  vec3 py = dFdy(p);
+  return 0.5 * (dot(dFdx(n), px) / max(dot(px, px), 1e-9) + dot(dFdy(n), py) / max(dot(py, py), 1e-9));
+}
 `;
 
 const FRAGMENT_COLOR = /* glsl */ `
-float stockOuter = stockOutside(vStockPosition, normalize(vStockNormal));
+vec3 stockNormal = normalize(vStockNormal);
+float stockOuter = stockOutside(vStockPosition, stockNormal);
 float stockYears = stockGrain > 0.0 ? yearRing(vStockPosition) * stockGrain : 0.0;
 vec3 stockInner = mix(stockCore, stockRing, stockYears * 0.75);
 vec3 stockOuterColor = stockSkin * (1.0 - 0.22 * stockYears);
 diffuseColor.rgb = mix(stockInner, stockOuterColor, stockOuter);
+// Valleys collect shade, ridges are worn bright, and what lies deep sees less of the sky.
+float stockRelief = clamp(ridge(vStockPosition, stockNormal) * stockDetail, -1.0, 0.6);
+float stockDepth = (stockMax.z - vStockPosition.z) / (stockMax.z - stockMin.z);
+float stockSky = 1.0 - 0.22 * smoothstep(0.0, 0.6, stockDepth) * (1.0 - stockOuter);
+diffuseColor.rgb *= stockSky * (1.0 + 0.30 * stockRelief);
 `;
 
 /** A material for all tiles of one block. */
@@ -78,6 +92,7 @@ export class StockMaterial {
     stockCore: { value: new THREE.Color() },
     stockRing: { value: new THREE.Color() },
     stockGrain: { value: 0 },
+    stockDetail: { value: 1 },
   };
 
   constructor() {
@@ -93,6 +108,7 @@ export class StockMaterial {
     this.uniforms_.stockMin.value.copy(min);
     this.uniforms_.stockMax.value.copy(max);
     this.uniforms_.stockRound.value = stock.shape === 'cylinder' ? stock.radius_mm : 0;
+    this.uniforms_.stockDetail.value = Math.max(2.5 * pitchMm, min.distanceTo(max) / 90);
     // Walls of the mesh stand up to a column beside the true side; its top and bottom are exact.
     this.uniforms_.stockReach.value.set(1.1 * pitchMm, 1.1 * pitchMm, 0.04 * pitchMm);
   }

@@ -270,7 +270,7 @@ export class Viewer {
 function withRoomForTools({ min, max }: Bounds, { tools }: Welcome): Bounds {
   const longest = Math.max(0, ...tools.map(({ length_mm: length }) => length ?? 0));
   const diagonal = Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
-  return { min, max: [max[0], max[1], max[2] + Math.min(0.7 * longest, 0.3 * diagonal)] };
+  return { min, max: [max[0], max[1], max[2] + Math.min(0.6 * longest, 0.16 * diagonal)] };
 }
 
 function differs(a: Pose, b: Pose): boolean {
