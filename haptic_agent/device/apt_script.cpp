@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+
+#include "haptic_agent/device/pose_script.h"
+#include "haptic_agent/device/text_fields.h"
+
+namespace kerf::agent {
+namespace {
+
+/// Words that say something about the machine or the text, and nothing about the path.
+constexpr std::array<std::string_view, 15> kWordsWithoutMotion = {
+    "PARTNO", "PPRINT", "REMARK", "MACHIN", "MULTAX", "CUTTER", "SPINDL", "COOLNT",
+    "INTOL",  "OUTTOL", "TOLER",  "STOP",   "OPSTOP", "END",    "FINI"};
+/// Words whose rest is free text.
+constexpr std::array<std::string_view, 3> kTextWords = {"PARTNO", "PPRINT", "REMARK"};
+
+constexpr double kAxisMinLength = 1e-6;
+/// Axes that point against each other leave open which way to turn.
+constexpr double kOppositeDot = -0.999;
+
+char to_upper(char c) noexcept {
+  return static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+}
+
+class AptReader {
+ public:
+  explicit AptReader(const std::string& name) : name_(name) {}
+
+  std::expected<PoseScript, ScriptError> read(std::string_view text) {
+    while (!text.empty() || !statement_.empty()) {
+      if (!take_statement(text)) break;
+      if (auto ok = obey(); !ok) return std::unexpected(ok.error());
+      statement_.clear();
+    }
+    if (script_.empty()) return refuse_file("has no GOTO");
+    return std::move(script_);
+  }
+
+ private:
+  using Done = std::expected<void, ScriptError>;
+
+  std::unexpected<ScriptError> refuse(std::string reason) const {
+    return std::unexpected(ScriptError{name_, statement_line_, std::move(reason)});
+  }
+  std::unexpected<ScriptError> refuse_file(std::string reason) const {
+    return std::unexpected(ScriptError{name_, 0, std::move(reason)});
+  }
+
+  /// One statement without comments, its continuation lines joined. False at the end of the text.
+  bool take_statement(std::string_view& text) {
+    statement_line_ = line_ + 1;
+    while (!text.empty()) {
+      const std::size_t end = text.find('\n');
+      std::string_view line = text.substr(0, end);
+      text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+      ++line_;
+      line = trim(line.substr(0, line.find("$$")));
+      const bool continues = line.ends_with('$');
+      if (continues) line.remove_suffix(1);
+      statement_ += line;
+      if (continues) continue;
+      if (!statement_.empty()) return true;
+      statement_line_ = line_ + 1;
+    }
+    return !statement_.empty();
+  }
+
+  Done obey() {
+    const std::size_t slash = statement_.find_first_of("/ \t");
+    std::string word(statement_.substr(0, slash));
+    std::ranges::transform(word, word.begin(), to_upper);
+    if (std::ranges::find(kTextWords, word) != kTextWords.end()) return {};
+    std::ranges::transform(statement_, statement_.begin(), to_upper);
+    const std::size_t bar = statement_.find('/');
+    const bool has_fields = bar != std::string::npos;
+    fields_ = has_fields ? split_fields(std::string_view(statement_).substr(bar + 1))
+                         : std::vector<std::string_view>{};
+    if (word == "GOTO") return go_to();
+    if (word == "FROM") {
+      script_started_anew_ = true;
+      return go_to();
+    }
+    if (word == "FEDRAT") return feed();
+    if (word == "LOADTL") return load_tool();
+    if (word == "UNITS") return units();
+    if (word == "DELAY") return delay();
+    if (word == "RAPID") {
+      rapid_ = true;
+      return {};
+    }
+    if (std::ranges::find(kWordsWithoutMotion, word) != kWordsWithoutMotion.end()) return {};
+    return refuse(join({"the word ", word, " is not understood"}));
+  }
+
+  Done go_to() {
+    if (fields_.size() != 3 && fields_.size() != 6) return refuse("GOTO needs 3 or 6 numbers");
+    std::array<double, 6> v{};
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      const auto number = to_number(fields_[i]);
+      if (!number) return refuse(join({"'", fields_[i], "' is not a finite number"}));
+      v[i] = *number;
+    }
+    TimedPose pose{.tip_mm = {v[0], v[1], v[2]}, .axis = axis_, .tool_id = tool_id_};
+    if (fields_.size() == 6) {
+      const Vec3 axis{v[3], v[4], v[5]};
+      if (length(axis) < kAxisMinLength) return refuse("the tool axis has no length");
+      pose.axis = axis_ = normalised(axis);
+    }
+    return append(pose);
+  }
+
+  Done append(TimedPose pose) {
+    if (script_.empty()) {
+      pose.cutting = false;
+    } else {
+      const TimedPose& last = script_.back();
+      if (dot(last.axis, pose.axis) < kOppositeDot) {
+        return refuse("the axis turns around completely in one move");
+      }
+      pose.cutting = !script_started_anew_;
+      const bool fast = rapid_ || script_started_anew_;
+      if (!fast && !feed_mm_per_s_) return refuse("GOTO before any FEDRAT or RAPID");
+      const double speed = fast ? kRapidMmPerS : *feed_mm_per_s_;
+      pose.time_s = last.time_s + travel_time_s(last, pose, speed);
+    }
+    script_.push_back(pose);
+    script_started_anew_ = false;
+    rapid_ = false;
+    return {};
+  }
+
+  Done feed() {
+    const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
+    if (!value || *value <= 0) return refuse("FEDRAT needs a number above zero");
+    if (fields_.size() > 2) return refuse("FEDRAT has too many fields");
+    if (fields_.size() == 2 && fields_[1] != "MMPM" && fields_[1] != "PERMIN") {
+      return refuse(join({"FEDRAT is understood in MMPM only, not in ", fields_[1]}));
+    }
+    feed_mm_per_s_ = *value / 60.0;
+    rapid_ = false;
+    return {};
+  }
+
+  Done load_tool() {
+    const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
+    constexpr double kMost = 1e9;
+    if (!value || *value < 1 || *value > kMost || *value != std::floor(*value)) {
+      return refuse("LOADTL needs a whole number above zero");
+    }
+    tool_id_ = static_cast<std::uint32_t>(*value);
+    script_started_anew_ = true;
+    return {};
+  }
+
+  Done units() {
+    if (fields_.size() != 1 || fields_[0] != "MM")
+      return refuse("UNITS other than MM are not read");
+    return {};
+  }
+
+  Done delay() {
+    const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
+    if (!value || *value < 0) return refuse("DELAY needs seconds");
+    if (script_.empty()) return {};
+    TimedPose rest = script_.back();
+    rest.time_s += *value;
+    rest.cutting = false;
+    script_.push_back(rest);
+    return {};
+  }
+
+  const std::string& name_;
+  std::size_t line_ = 0;
+  std::size_t statement_line_ = 0;
+  std::string statement_;
+  std::vector<std::string_view> fields_;
+  PoseScript script_;
+  Vec3 axis_{0, 0, 1};
+  std::uint32_t tool_id_ = 0;
+  std::optional<double> feed_mm_per_s_;
+  bool rapid_ = false;
+  bool script_started_anew_ = false;
+};
+
+}  // namespace
+
+std::expected<PoseScript, ScriptError> parse_apt_script(const std::string& name,
+                                                        std::string_view text) {
+  return AptReader(name).read(text);
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,47 @@
+#include "haptic_agent/device/pose_script.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace kerf::agent {
+namespace {
+
+/// Larger files are refused before they are read: 100 times the largest program seen so far.
+constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{512} << 20;
+
+std::unexpected<ScriptError> refuse(const std::string& path, std::string reason) {
+  return std::unexpected(ScriptError{path, 0, std::move(reason)});
+}
+
+}  // namespace
+
+std::string to_string(const ScriptError& error) {
+  if (error.line == 0) return error.file + ": " + error.reason;
+  return error.file + ":" + std::to_string(error.line) + ": " + error.reason;
+}
+
+double travel_time_s(const TimedPose& from, const TimedPose& to, double speed_mm_per_s) noexcept {
+  const double way_mm = length(to.tip_mm - from.tip_mm);
+  if (way_mm > 0) return way_mm / speed_mm_per_s;
+  const double turn_rad = std::atan2(length(cross(from.axis, to.axis)), dot(from.axis, to.axis));
+  return turn_rad / kTurnRadPerS;
+}
+
+std::expected<PoseScript, ScriptError> load_script(const std::string& path) {
+  std::error_code failed;
+  const auto bytes = std::filesystem::file_size(path, failed);
+  if (failed) return refuse(path, "cannot be read: " + failed.message());
+  if (bytes > kMaxFileBytes) return refuse(path, "is larger than 512 MiB");
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) return refuse(path, "cannot be read");
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".csv") return parse_csv_script(path, text);
+  if (extension == ".apt" || extension == ".cls") return parse_apt_script(path, text);
+  return refuse(path, "is not a pose list: the agent plays .apt, .cls and .csv files");
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/device/path_cursor.h"
+
+namespace kerf::agent {
+
+/// The mechanics of the simulated hand. The dampers are critical for mass and spring.
+struct HandSettings {
+  /// Hand and device at the pivot, moved by force.
+  double mass_kg = 0.3;
+  double stiffness_n_per_mm = 2.0;
+  /// About the pivot, moved by torque.
+  double inertia_kg_m2 = 2e-4;
+  double turn_stiffness_nmm_per_rad = 1340.0;
+  /// From the tip along the axis to where the hand holds the tool; the server's torque is about it.
+  double pivot_mm = 60.0;
+};
+
+/// A hand that wants to follow a path: a mass and an inertia at the pivot, each drawn to the path's
+/// point by a spring and a damper. Force and torque push it off the path, as they would a person.
+/// It makes 5 DOF: nothing acts on or turns about the tool's own axis.
+class SimulatedHand final : public HapticDevice {
+ public:
+  SimulatedHand(PathCursor path, const HandSettings& settings);
+
+  DeviceCapabilities capabilities() const override;
+  DeviceState read(std::uint64_t now_us) noexcept override;
+  void write(const Wrench& wrench) noexcept override { wrench_ = wrench; }
+
+  /// The farthest that the tip has been from where the hand wanted it.
+  double max_deviation_mm() const noexcept { return max_deviation_mm_; }
+
+ private:
+  void step(double dt_s) noexcept;
+
+  PathCursor path_;
+  HandSettings settings_;
+  double damping_n_s_per_mm_;
+  double turn_damping_nmm_s_per_rad_;
+  Wrench wrench_;
+  PathPoint target_;
+  Vec3 pivot_mm_;
+  Vec3 pivot_mm_per_s_;
+  Vec3 axis_;
+  Vec3 turn_rad_per_s_;
+  bool started_ = false;
+  std::uint64_t last_us_ = 0;
+  double path_s_ = 0;
+  double rested_s_ = 0;
+  double max_deviation_mm_ = 0;
+};
+
+}  // namespace kerf::agent

@@ -1,0 +1,73 @@
+#include "haptic_agent/link/control_message.h"
+
+#include <nlohmann/json.hpp>
+
+#include "server/wire/control.h"
+
+namespace kerf::agent {
+namespace {
+
+using nlohmann::json;
+
+Vec3 vec3(const json& numbers) {
+  return {numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>()};
+}
+
+/// Throws json::exception on a field that is missing or of a wrong type, as all of these.
+StockBox stock_box(const json& stock) {
+  if (stock.at("shape") == "cylinder") {
+    const double x = stock.at("center_mm").at(0);
+    const double y = stock.at("center_mm").at(1);
+    const double radius = stock.at("radius_mm");
+    return {.min_mm = {x - radius, y - radius, stock.at("min_z_mm")},
+            .max_mm = {x + radius, y + radius, stock.at("max_z_mm")}};
+  }
+  return {.min_mm = vec3(stock.at("min_mm")), .max_mm = vec3(stock.at("max_mm"))};
+}
+
+Welcome read_welcome(const json& message) {
+  Welcome welcome{.session = message.at("session"),
+                  .participant = message.at("participant"),
+                  .epoch = message.at("epoch"),
+                  .color = message.value("color", ""),
+                  .pivot_mm = message.at("pivot_mm"),
+                  .stock = stock_box(message.at("stock")),
+                  .tool_ids = {}};
+  for (const json& tool : message.at("tools")) welcome.tool_ids.push_back(tool.at("id"));
+  return welcome;
+}
+
+ControlMessage read_message(const json& message) {
+  const std::string type = message.at("type");
+  if (type == wire::kTypeWelcome) return read_welcome(message);
+  if (type == wire::kTypeError) {
+    return ServerError{.code = message.at("code"),
+                       .reason = message.value("reason", ""),
+                       .fatal = message.value("fatal", false)};
+  }
+  if (type == wire::kTypeBye) return Bye{.reason = message.value("reason", "")};
+  return OtherMessage{};
+}
+
+}  // namespace
+
+std::string hello_text(const Hello& hello) {
+  json message = {{"type", wire::kTypeHello}, {"name", hello.name}, {"feel", true}};
+  if (!hello.color.empty()) message["color"] = hello.color;
+  if (hello.tool_id != 0) message["tool"] = hello.tool_id;
+  return message.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string tool_text(std::uint32_t tool_id) {
+  return json{{"type", wire::kTypeTool}, {"tool", tool_id}}.dump();
+}
+
+std::expected<ControlMessage, std::string> parse_control(std::string_view text) {
+  try {
+    return read_message(json::parse(text));
+  } catch (const json::exception& error) {
+    return std::unexpected(error.what());
+  }
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "haptic_agent/device/carving_figure.h"
+
+namespace kerf::agent {
+
+/// Who comes to the block.
+struct Hello {
+  std::string name;
+  /// "#rrggbb"; empty: the server picks one.
+  std::string color;
+  /// 0: the server picks the session's first.
+  std::uint32_t tool_id = 0;
+};
+
+/// What an agent needs of the server's welcome.
+struct Welcome {
+  std::string session;
+  std::uint32_t participant = 0;
+  std::uint32_t epoch = 0;
+  std::string color;
+  double pivot_mm = 0;
+  /// The box around the stock, whatever its shape.
+  StockBox stock;
+  std::vector<std::uint32_t> tool_ids;
+};
+
+struct ServerError {
+  std::string code;
+  std::string reason;
+  bool fatal = false;
+};
+
+struct Bye {
+  std::string reason;
+};
+
+/// A message that an agent has no use for.
+struct OtherMessage {};
+
+using ControlMessage = std::variant<Welcome, ServerError, Bye, OtherMessage>;
+
+std::string hello_text(const Hello& hello);
+std::string tool_text(std::uint32_t tool_id);
+
+/// Reads a text frame. The error says what is wrong with it, in one sentence.
+std::expected<ControlMessage, std::string> parse_control(std::string_view text);
+
+}  // namespace kerf::agent

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace kerf::agent {
+
+/// How many samples may go out now. After an interruption a backlog is sent a little faster than it
+/// grows instead of at once, so that the server's own limit never cuts it off.
+class Pace {
+ public:
+  static constexpr double kSamplesPerS = 1200.0;
+  static constexpr double kBurst = 500.0;
+
+  /// Whole samples that may be sent at this time; times must not go back.
+  std::size_t allowed(std::uint64_t now_us) noexcept {
+    constexpr double kSPerUs = 1e-6;
+    if (last_us_ != 0) {
+      tokens_ += static_cast<double>(now_us - last_us_) * kSPerUs * kSamplesPerS;
+      tokens_ = std::min(tokens_, kBurst);
+    }
+    last_us_ = now_us;
+    return static_cast<std::size_t>(tokens_);
+  }
+  /// That many were sent; not more than were allowed.
+  void sent(std::size_t samples) noexcept { tokens_ -= static_cast<double>(samples); }
+
+ private:
+  double tokens_ = kBurst;
+  std::uint64_t last_us_ = 0;
+};
+
+}  // namespace kerf::agent

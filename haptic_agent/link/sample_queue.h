@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "server/wire/types.h"
+
+namespace kerf::agent {
+
+/// Samples that the server has not answered yet, sent or not. Each gets its number when it is first
+/// sent, so that numbers are consecutive even where samples have been merged. After a reconnection
+/// everything that was not answered is sent again, behind the last sample that was: from there the
+/// first motion starts. A cut made twice is the same cut, so this changes nothing that had arrived.
+class SampleQueue {
+ public:
+  /// More than this are never kept: eight seconds at 1 kHz.
+  static constexpr std::size_t kMostKept = 8192;
+  /// With more than this unsent, the server is behind, and moves through the air are merged.
+  static constexpr std::size_t kMergeAirAbove = 64;
+
+  /// Takes a sample, whose number is ignored.
+  void push(const wire::MotionSample& sample);
+  /// The next samples to send, at most `most` (and what a message holds), all of one tool; numbers
+  /// the new ones.
+  wire::MotionBatch take(std::size_t most);
+  /// All numbers up to this one are answered. A number that was never sent is ignored.
+  void answered(std::uint64_t agent_sequence);
+  /// The connection is new: what is not answered goes out again.
+  void rewind() noexcept;
+
+  std::size_t unsent() const noexcept { return samples_.size() - next_; }
+  /// True if every sample taken so far is answered.
+  bool settled() const noexcept;
+  /// Samples whose fate is unknown: sent or not, but not answered.
+  std::uint64_t unanswered() const noexcept;
+  /// The tool of the next sample to send; empty if there is none.
+  std::optional<std::uint32_t> next_tool() const noexcept;
+
+  std::uint64_t resent() const noexcept { return resent_; }
+  /// Moves through the air that were merged into the next one.
+  std::uint64_t merged_air() const noexcept { return merged_air_; }
+  /// Cutting samples left out because nothing else made room: the path there is a chord.
+  std::uint64_t thinned_cuts() const noexcept { return thinned_cuts_; }
+  /// Samples given up although the server had not answered them.
+  std::uint64_t forgotten() const noexcept { return forgotten_; }
+
+ private:
+  void make_room();
+  void merge_air();
+  void thin_cuts();
+
+  /// In order; the front one may be answered already and is kept as the place to start again from.
+  std::deque<wire::MotionSample> samples_;
+  std::size_t next_ = 0;
+  std::size_t merge_above_ = kMergeAirAbove;
+  std::uint64_t last_number_ = 0;
+  std::uint64_t answered_ = 0;
+  std::uint64_t resent_ = 0;
+  std::uint64_t merged_air_ = 0;
+  std::uint64_t thinned_cuts_ = 0;
+  std::uint64_t forgotten_ = 0;
+};
+
+}  // namespace kerf::agent

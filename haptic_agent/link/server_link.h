@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "haptic_agent/link/clock_sync.h"
+#include "haptic_agent/link/control_message.h"
+#include "haptic_agent/link/server_url.h"
+#include "haptic_agent/servo/servo_cycle.h"
+
+namespace kerf::agent {
+
+struct LinkSettings {
+  ServerUrl server;
+  std::string session;
+  Hello hello;
+  /// How long to go on trying to reach the server, at the start and after each loss.
+  double patience_s = 30.0;
+  /// Called on the link's thread with one line for the user: a server's complaint (the first of
+  /// each kind), a connection lost, a connection made again.
+  std::function<void(const std::string&)> notice;
+  /// Called on the link's thread when the link has given up.
+  std::function<void()> failed;
+};
+
+struct ServerComplaint {
+  std::uint64_t count = 0;
+  std::string first_reason;
+};
+
+/// What the link has seen; complete when it has stopped.
+struct LinkReport {
+  std::uint64_t connections = 0;
+  std::uint64_t samples_sent = 0;
+  std::uint64_t messages_sent = 0;
+  std::uint64_t resent = 0;
+  std::uint64_t merged_air = 0;
+  std::uint64_t thinned_cuts = 0;
+  std::uint64_t forgotten = 0;
+  std::uint64_t unanswered = 0;
+  std::uint64_t results = 0;
+  std::uint64_t refused_results = 0;
+  std::uint64_t bad_frames = 0;
+  std::uint64_t motions_in_session = 0;
+  double removed_mm3 = 0;
+  double max_server_force_n = 0;
+  ClockSync clock;
+  /// From when a pose was measured to when its answer was here.
+  Histogram answer_us;
+  Histogram turnaround_us;
+  std::map<std::string, ServerComplaint> complaints;
+  /// Why the link gave up; empty if it did not.
+  std::string failure;
+};
+
+/// The connection to the server, on a thread of its own: carries samples from the ring to the
+/// server and wrenches back, and connects again when it breaks. Every sample goes out exactly once
+/// on a connection that holds, and again, with its number, on the next one if it was not answered.
+class ServerLink final : public SampleListener {
+ public:
+  /// Both references must outlive the link.
+  ServerLink(LinkSettings settings, SampleRing& samples, LatestValue<ServerWrench>& wrenches);
+  ~ServerLink() override;
+  ServerLink(const ServerLink&) = delete;
+  ServerLink& operator=(const ServerLink&) = delete;
+
+  /// Starts the thread. Call once.
+  void start();
+  /// Waits for the first welcome, or for what makes it impossible (one sentence).
+  std::expected<Welcome, std::string> wait_welcome();
+  /// Ends a wait and every attempt to connect, from any thread; the link then fails.
+  void interrupt();
+  /// Sends what is left, waits for its answers for at most `drain_s`, says good-bye and ends the
+  /// thread. Call from the thread that called start.
+  void stop(double drain_s);
+
+  void sample_ready() noexcept override;
+
+  /// Read it after stop.
+  const LinkReport& report() const noexcept;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf::agent

@@ -1,0 +1,69 @@
+#include "haptic_agent/link/server_url.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "server/wire/limits.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr std::string_view kDefaultPort = "8080";
+constexpr int kMaxPort = 65535;
+
+bool is_port(std::string_view text) noexcept {
+  int port = 0;
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return failed == std::errc{} && end == text.data() + text.size() && port > 0 && port <= kMaxPort;
+}
+
+}  // namespace
+
+std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
+  if (text.starts_with("https://") || text.starts_with("wss://")) {
+    return std::unexpected("TLS is not available yet: use http:// or ws://");
+  }
+  for (const std::string_view scheme : {"http://", "ws://"}) {
+    if (text.starts_with(scheme)) {
+      text.remove_prefix(scheme.size());
+      break;
+    }
+  }
+  if (text.find("://") != std::string_view::npos) {
+    return std::unexpected("the server's address must start with http:// or ws://");
+  }
+  if (text.ends_with('/')) text.remove_suffix(1);
+  if (text.find_first_of("/?# ") != std::string_view::npos) {
+    return std::unexpected("the server's address has more than a host and a port");
+  }
+  ServerUrl url{.host = {}, .port = std::string(kDefaultPort)};
+  std::string_view rest;
+  if (text.starts_with('[')) {
+    const std::size_t close = text.find(']');
+    if (close == std::string_view::npos) return std::unexpected("a bracket is not closed");
+    url.host = text.substr(1, close - 1);
+    rest = text.substr(close + 1);
+  } else {
+    const std::size_t colon = text.find(':');
+    url.host = text.substr(0, colon);
+    rest = colon == std::string_view::npos ? std::string_view{} : text.substr(colon);
+  }
+  if (url.host.empty()) return std::unexpected("the server's address has no host");
+  if (rest.empty()) return url;
+  if (rest.front() != ':' || !is_port(rest.substr(1))) {
+    return std::unexpected("the server's port must be a number from 1 to 65535");
+  }
+  url.port = rest.substr(1);
+  return url;
+}
+
+bool is_session_id(std::string_view text) noexcept {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+           c == '_' || c == '-';
+  };
+  return !text.empty() && text.size() <= wire::kMaxSessionIdBytes && text.front() != '.' &&
+         std::ranges::all_of(text, allowed);
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,110 @@
+#include "haptic_agent/options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <iostream>
+
+#include "server/wire/limits.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr int kBadInput = 2;
+constexpr double kMostSeconds = 1e6;
+constexpr double kMostForceN = 50.0;
+constexpr double kMostTorqueNmm = 2000.0;
+constexpr double kMostSpeed = 100.0;
+constexpr double kMostStiffnessNPerMm = 20.0;
+
+std::unexpected<EarlyExit> complain(const std::string& reason) {
+  std::cerr << "kerf-agent: " << reason << '\n';
+  return std::unexpected(EarlyExit{kBadInput});
+}
+
+std::string check_color(const std::string& color) {
+  const bool good =
+      color.size() == 7 && color.front() == '#' &&
+      std::ranges::all_of(color.substr(1), [](unsigned char c) { return std::isxdigit(c) != 0; });
+  return good ? "" : "must be of the form #rrggbb";
+}
+
+std::string check_session(const std::string& session) {
+  return is_session_id(session) ? "" : "must be letters, digits, '.', '_' or '-', at most 64";
+}
+
+std::string check_name(const std::string& name) {
+  return name.size() <= wire::kMaxNameBytes ? "" : "is longer than 64 bytes";
+}
+
+struct Texts {
+  std::string server = "http://localhost:8080";
+  std::string device;
+};
+
+void describe(CLI::App& app, Options& options, Texts& texts) {
+  app.add_option("--server", texts.server, "where the server listens, http://HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--session", options.link.session, "the block to join")
+      ->required()
+      ->check(CLI::Validator(check_session, "ID"));
+  app.add_option(
+         "--device", texts.device,
+         "sim: a simulated hand that carves a figure; sim:FILE: it follows an .apt, .cls or "
+         ".csv path; replay:FILE: the path exactly, without a hand")
+      ->required();
+  app.add_option("--name", options.link.hello.name, "who you are for the others")
+      ->check(CLI::Validator(check_name, "NAME"));
+  app.add_option("--color", options.link.hello.color, "your tool's colour")
+      ->check(CLI::Validator(check_color, "#RRGGBB"));
+  app.add_option("--tool", options.link.hello.tool_id, "one of the session's tools, by number")
+      ->check(CLI::Range(1U, 1'000'000'000U));
+  app.add_option("--duration", options.duration_s, "seconds after which to leave")
+      ->check(CLI::Range(1e-3, kMostSeconds));
+  app.add_flag("--loop", options.device_options.loop, "start over at the end of the path");
+  app.add_option("--speed", options.device_options.speed, "play the path this many times as fast")
+      ->check(CLI::Range(1.0 / kMostSpeed, kMostSpeed));
+  app.add_option("--stiffness", options.device_options.stiffness_n_per_mm,
+                 "of the simulated hand, N/mm")
+      ->check(CLI::Range(1e-2, kMostStiffnessNPerMm))
+      ->capture_default_str();
+  app.add_option("--force-max", options.limits.force_n, "greatest force shown, N")
+      ->check(CLI::Range(0.0, kMostForceN))
+      ->capture_default_str();
+  app.add_option("--torque-max", options.limits.torque_nmm, "greatest torque shown, N·mm")
+      ->check(CLI::Range(0.0, kMostTorqueNmm))
+      ->capture_default_str();
+  app.add_option("--patience", options.link.patience_s,
+                 "seconds to go on trying while the server cannot be reached")
+      ->check(CLI::Range(0.0, kMostSeconds))
+      ->capture_default_str();
+  app.add_option("--status-json", options.status_json,
+                 "write the summary as JSON to a file, or to standard output for -");
+}
+
+}  // namespace
+
+std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv) {
+  Options options;
+  Texts texts;
+  CLI::App app(
+      "Joins a Kerf session with a hand-held device: streams its motion at 1 kHz and shows it the "
+      "force and torque of the cut.",
+      "kerf-agent");
+  describe(app, options, texts);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return std::unexpected(EarlyExit{app.exit(error)});
+    return complain(error.what());
+  }
+  auto server = parse_server_url(texts.server);
+  if (!server) return complain("--server: " + server.error());
+  options.link.server = *std::move(server);
+  auto device = choose_device(texts.device);
+  if (!device) return complain(device.error());
+  options.device = *std::move(device);
+  return options;
+}
+
+}  // namespace kerf::agent

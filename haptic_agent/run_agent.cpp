@@ -1,0 +1,164 @@
+#include "haptic_agent/run_agent.h"
+
+#include <algorithm>
+#include <csignal>
+#include <ctime>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <thread>
+
+#include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/summary.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr double kDrainS = 2.0;
+constexpr double kUsPerS = 1e6;
+
+/// Calls `leave` when SIGINT or SIGTERM comes. Made before any other thread, so that all of them
+/// have the signals blocked and only this one receives them.
+class LeaveOnSignal {
+ public:
+  explicit LeaveOnSignal(std::function<void()> leave) : leave_(std::move(leave)) {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+  }
+  void start() {
+    thread_ = std::jthread([this](std::stop_token stop) { wait(stop); });
+  }
+
+ private:
+  void wait(const std::stop_token& stop) {
+    constexpr timespec kLookUp{.tv_sec = 0, .tv_nsec = 100'000'000};
+    while (!stop.stop_requested()) {
+      if (sigtimedwait(&signals_, nullptr, &kLookUp) > 0) leave_();
+    }
+  }
+
+  sigset_t signals_{};
+  std::function<void()> leave_;
+  std::jthread thread_;
+};
+
+void say(const std::string& text) { std::cerr << join({"kerf-agent: ", text, "\n"}) << std::flush; }
+
+/// The tools that the device will ask for must all be the session's: a wrong one is said at once,
+/// not after a minute of carving.
+std::expected<std::uint32_t, std::string> pick_tool(const Options& options,
+                                                    const Welcome& welcome) {
+  const auto has = [&](std::uint32_t tool) {
+    return std::ranges::find(welcome.tool_ids, tool) != welcome.tool_ids.end();
+  };
+  if (welcome.tool_ids.empty()) return std::unexpected("the session has no tools");
+  const std::uint32_t tool = options.link.hello.tool_id;
+  if (tool != 0 && !has(tool)) {
+    return std::unexpected(join({"the session has no tool ", std::to_string(tool)}));
+  }
+  if (options.device.script) {
+    for (const TimedPose& pose : *options.device.script) {
+      if (pose.tool_id != 0 && !has(pose.tool_id)) {
+        return std::unexpected(join({"the path asks for tool ", std::to_string(pose.tool_id),
+                                     ", which the session does not have"}));
+      }
+    }
+  }
+  return tool != 0 ? tool : welcome.tool_ids.front();
+}
+
+bool write_status(const std::string& where, const Summary& summary) {
+  if (where.empty()) return true;
+  if (where == "-") {
+    std::cout << summary_json(summary) << std::flush;
+    return true;
+  }
+  std::ofstream file(where);
+  file << summary_json(summary);
+  file.close();
+  if (!file) say(join({"cannot write ", where}));
+  return static_cast<bool>(file);
+}
+
+/// Runs the device at 1 kHz until it ends; fills in what the servo side has to tell.
+void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, Summary& summary) {
+  std::thread servo([&] {
+    summary.realtime = make_realtime(kServoPriority);
+    if (!summary.realtime.warning.empty()) say(join({"warning: ", summary.realtime.warning}));
+    loop.run(cycle);
+  });
+  servo.join();
+  summary.device = device.capabilities().name;
+  summary.cycles = loop.stats();
+  summary.servo = cycle.report();
+  summary.saturated_ticks = cycle.limiter().saturated();
+  summary.slewed_ticks = cycle.limiter().slewed();
+  summary.not_finite_wrenches = cycle.limiter().not_finite();
+  if (const auto* hand = dynamic_cast<const SimulatedHand*>(&device)) {
+    summary.max_deviation_mm = hand->max_deviation_mm();
+  }
+}
+
+}  // namespace
+
+int run_agent(Options options) {
+  SampleRing samples;
+  LatestValue<ServerWrench> wrenches;
+  MonotonicClock clock;
+  ServoLoop loop(clock);
+  std::atomic<bool> joined{false};
+
+  options.link.notice = say;
+  options.link.failed = [&loop] { loop.stop(); };
+  std::function<void()> leave = [&loop] { loop.stop(); };
+  LeaveOnSignal signals([&leave] { leave(); });
+  ServerLink link(options.link, samples, wrenches);
+  leave = [&] {
+    loop.stop();
+    if (!joined.load()) link.interrupt();
+  };
+  signals.start();
+  link.start();
+
+  Summary summary;
+  const auto welcome = link.wait_welcome();
+  if (!welcome) {
+    link.stop(0);
+    say(welcome.error());
+    return kFailed;
+  }
+  joined.store(true);
+  summary.welcome = *welcome;
+  const auto tool = pick_tool(options, *welcome);
+  if (!tool) {
+    link.stop(0);
+    say(tool.error());
+    return kFailed;
+  }
+  const auto device = make_device(
+      options.device,
+      {.stock = welcome->stock, .pivot_mm = welcome->pivot_mm, .participant = welcome->participant},
+      options.device_options);
+  say(join({"carving '", welcome->session, "' as participant ",
+            std::to_string(welcome->participant), " with the ", device->capabilities().name,
+            "; Ctrl-C leaves"}));
+
+  const ServoSettings settings{
+      .limits = within(device->capabilities(), options.limits),
+      .tool_id = *tool,
+      .duration_us = static_cast<std::uint64_t>(options.duration_s * kUsPerS)};
+  ServoCycle cycle(*device, samples, wrenches, link, settings);
+  run_servo(*device, loop, cycle, summary);
+  link.stop(kDrainS);
+  summary.link = link.report();
+
+  print_summary(options.status_json == "-" ? std::cerr : std::cout, summary);
+  const bool written = write_status(options.status_json, summary);
+  if (!summary.link.failure.empty()) say(summary.link.failure);
+  return written && summary.link.failure.empty() ? 0 : kFailed;
+}
+
+}  // namespace kerf::agent

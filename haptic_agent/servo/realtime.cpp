@@ -1,0 +1,31 @@
+#include "haptic_agent/servo/realtime.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace kerf::agent {
+
+RealtimeReport make_realtime(int priority) {
+  RealtimeReport report;
+  const sched_param wanted{.sched_priority = priority};
+  if (const int failed = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted); failed == 0) {
+    report.fifo = true;
+  } else {
+    report.warning = "no real-time priority (" + std::generic_category().message(failed) +
+                     "): the 1 kHz loop runs as an ordinary thread; allow it with rtprio in "
+                     "limits.conf or CAP_SYS_NICE";
+  }
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
+    report.memory_locked = true;
+  } else {
+    if (!report.warning.empty()) report.warning += "; ";
+    report.warning += "memory is not locked (" + std::generic_category().message(errno) + ")";
+  }
+  return report;
+}
+
+}  // namespace kerf::agent

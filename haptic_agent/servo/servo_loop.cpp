@@ -1,0 +1,35 @@
+#include "haptic_agent/servo/servo_loop.h"
+
+#include <algorithm>
+
+namespace kerf::agent {
+namespace {
+constexpr std::uint64_t kNsPerUs = 1000;
+}  // namespace
+
+void ServoLoop::run(ServoTask& task) noexcept {
+  std::uint64_t due_ns = clock_.now_ns() + kPeriodNs;
+  std::uint64_t last_ns = 0;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    clock_.sleep_until_ns(due_ns);
+    const std::uint64_t now_ns = clock_.now_ns();
+    const std::uint64_t behind_ns = now_ns > due_ns ? now_ns - due_ns : 0;
+    // Of the ticks that are overdue only the newest runs.
+    const std::uint64_t lost = behind_ns / kPeriodNs;
+    stats_.lost += lost;
+    stats_.late += behind_ns > kLateNs ? 1 : 0;
+    stats_.wake_us.add(behind_ns / kNsPerUs);
+    if (last_ns != 0) {
+      stats_.longest_gap_us = std::max(stats_.longest_gap_us, (now_ns - last_ns) / kNsPerUs);
+    }
+    last_ns = now_ns;
+    const bool more = task.tick(now_ns / kNsPerUs);
+    ++stats_.ticks;
+    stats_.longest_tick_us =
+        std::max(stats_.longest_tick_us, (clock_.now_ns() - now_ns) / kNsPerUs);
+    if (!more) return;
+    due_ns += (lost + 1) * kPeriodNs;
+  }
+}
+
+}  // namespace kerf::agent

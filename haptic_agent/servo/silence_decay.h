@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace kerf::agent {
+
+/// Up to here a wrench counts in full.
+inline constexpr std::uint64_t kFullWrenchUs = 20'000;
+/// From here on there is none.
+inline constexpr std::uint64_t kNoWrenchUs = 120'000;
+/// Between the two it falls with this time constant.
+inline constexpr double kDecayUs = 40'000.0;
+
+/// What is left of a wrench of this age: a hand must not go on feeling what nobody computes any
+/// more.
+inline double wrench_share(std::uint64_t age_us) noexcept {
+  if (age_us <= kFullWrenchUs) return 1.0;
+  if (age_us >= kNoWrenchUs) return 0.0;
+  return std::exp(-static_cast<double>(age_us - kFullWrenchUs) / kDecayUs);
+}
+
+/// The age of an answer: the time since it came, or, if that is more, the time since the pose that
+/// it answers less the round trip that still counts as prompt. So a server that answers steadily
+/// but ever later falls silent too.
+inline std::uint64_t answer_age_us(std::uint64_t now_us, std::uint64_t arrival_us,
+                                   std::uint64_t pose_us) noexcept {
+  const std::uint64_t silent_us = now_us > arrival_us ? now_us - arrival_us : 0;
+  const std::uint64_t lag_us = now_us > pose_us ? now_us - pose_us : 0;
+  return std::max(silent_us, lag_us > kFullWrenchUs ? lag_us - kFullWrenchUs : 0);
+}
+
+}  // namespace kerf::agent

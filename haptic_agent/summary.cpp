@@ -1,0 +1,120 @@
+#include "haptic_agent/summary.h"
+
+#include <iomanip>
+#include <nlohmann/json.hpp>
+
+namespace kerf::agent {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMedian = 0.5;
+constexpr double kP99 = 0.99;
+constexpr double kP999 = 0.999;
+
+json quantiles(const Histogram& histogram) {
+  return {{"count", histogram.total()},
+          {"p50", histogram.quantile_us(kMedian)},
+          {"p99", histogram.quantile_us(kP99)},
+          {"p999", histogram.quantile_us(kP999)},
+          {"max", histogram.max_us()}};
+}
+
+struct Quantiles {
+  const Histogram& of;
+};
+
+std::ostream& operator<<(std::ostream& out, const Quantiles& q) {
+  constexpr double kMsPerUs = 1e-3;
+  const auto ms = [&](std::uint64_t us) { return static_cast<double>(us) * kMsPerUs; };
+  return out << std::fixed << std::setprecision(2) << "p50 " << ms(q.of.quantile_us(kMedian))
+             << "  p99 " << ms(q.of.quantile_us(kP99)) << "  p99.9 " << ms(q.of.quantile_us(kP999))
+             << "  max " << ms(q.of.max_us()) << " ms";
+}
+
+}  // namespace
+
+void print_summary(std::ostream& out, const Summary& s) {
+  const CycleStats& c = s.cycles;
+  const LinkReport& l = s.link;
+  out << "servo    " << c.ticks << " ticks at 1 kHz, " << c.late << " late, " << c.lost
+      << " lost, longest gap " << c.longest_gap_us << " us"
+      << (s.realtime.fifo ? ", SCHED_FIFO" : ", no real-time priority") << '\n'
+      << "wake-up  " << Quantiles{c.wake_us} << '\n'
+      << "answer   " << Quantiles{l.answer_us} << "  (pose measured to wrench received)\n"
+      << "ping     " << Quantiles{l.clock.rtt_us()} << '\n'
+      << "link     " << l.samples_sent << " samples in " << l.messages_sent << " messages, "
+      << l.results << " results, " << l.connections << " connection"
+      << (l.connections == 1 ? "" : "s") << ", " << l.resent << " resent, " << l.unanswered
+      << " unanswered, " << l.merged_air + l.thinned_cuts << " merged\n"
+      << "force    up to " << std::setprecision(2) << s.servo.max_force_n << " N and "
+      << s.servo.max_torque_nmm << " N·mm shown (server: " << l.max_server_force_n
+      << " N), saturated in " << s.saturated_ticks << " ticks, faded in " << s.servo.decayed_ticks
+      << '\n'
+      << "carved   " << l.removed_mm3 << " mm³";
+  if (s.max_deviation_mm > 0) {
+    out << "; the cut pushed the hand up to " << s.max_deviation_mm << " mm off its path";
+  }
+  out << '\n';
+  for (const auto& [code, complaint] : l.complaints) {
+    out << "refused  " << complaint.count << " x " << code << ": " << complaint.first_reason
+        << '\n';
+  }
+}
+
+std::string summary_json(const Summary& s) {
+  const CycleStats& c = s.cycles;
+  const LinkReport& l = s.link;
+  json errors = json::object();
+  for (const auto& [code, complaint] : l.complaints) {
+    errors[code] = {{"count", complaint.count}, {"first_reason", complaint.first_reason}};
+  }
+  const json summary = {{"session", s.welcome.session},
+                        {"participant", s.welcome.participant},
+                        {"device", s.device},
+                        {"failure", l.failure},
+                        {"servo",
+                         {{"ticks", c.ticks},
+                          {"due", c.ticks + c.lost},
+                          {"late", c.late},
+                          {"lost", c.lost},
+                          {"longest_gap_us", c.longest_gap_us},
+                          {"longest_tick_us", c.longest_tick_us},
+                          {"wake_us", quantiles(c.wake_us)},
+                          {"fifo", s.realtime.fifo},
+                          {"memory_locked", s.realtime.memory_locked},
+                          {"samples", s.servo.samples},
+                          {"ring_overflows", s.servo.ring_overflows},
+                          {"invalid_poses", s.servo.invalid_poses}}},
+                        {"link",
+                         {{"connections", l.connections},
+                          {"samples_sent", l.samples_sent},
+                          {"messages_sent", l.messages_sent},
+                          {"resent", l.resent},
+                          {"merged_air", l.merged_air},
+                          {"thinned_cuts", l.thinned_cuts},
+                          {"forgotten", l.forgotten},
+                          {"unanswered", l.unanswered},
+                          {"results", l.results},
+                          {"refused_results", l.refused_results},
+                          {"bad_frames", l.bad_frames},
+                          {"ping_us", quantiles(l.clock.rtt_us())},
+                          {"answer_us", quantiles(l.answer_us)},
+                          {"turnaround_us", quantiles(l.turnaround_us)},
+                          {"clock_offset_us", l.clock.offset_us()},
+                          {"errors", errors}}},
+                        {"force",
+                         {{"max_n", s.servo.max_force_n},
+                          {"max_torque_nmm", s.servo.max_torque_nmm},
+                          {"server_max_n", l.max_server_force_n},
+                          {"saturated_ticks", s.saturated_ticks},
+                          {"slewed_ticks", s.slewed_ticks},
+                          {"decayed_ticks", s.servo.decayed_ticks},
+                          {"not_finite", s.not_finite_wrenches}}},
+                        {"removed_mm3", l.removed_mm3},
+                        {"motions_in_session", l.motions_in_session},
+                        {"max_deviation_mm", s.max_deviation_mm}};
+  return summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kerf::agent
