@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cctype>
 #include <iostream>
+#include <sstream>
 
+#include "haptic_agent/device/text_fields.h"
 #include "server/wire/limits.h"
 
 namespace kerf::agent {
@@ -37,6 +39,20 @@ std::string check_name(const std::string& name) {
   return name.size() <= wire::kMaxNameBytes ? "" : "is longer than 64 bytes";
 }
 
+/// CLI::Range lets a number pass that is not one.
+CLI::Validator number_in(double least, double most) {
+  const auto check = [least, most](const std::string& text) -> std::string {
+    const auto number = to_number(text);
+    if (number && *number >= least && *number <= most) return "";
+    std::ostringstream reason;
+    reason << "must be a number from " << least << " to " << most;
+    return reason.str();
+  };
+  std::ostringstream name;
+  name << least << ".." << most;
+  return {check, name.str()};
+}
+
 struct Texts {
   std::string server = "http://localhost:8080";
   std::string device;
@@ -60,23 +76,23 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--tool", options.link.hello.tool_id, "one of the session's tools, by number")
       ->check(CLI::Range(1U, 1'000'000'000U));
   app.add_option("--duration", options.duration_s, "seconds after which to leave")
-      ->check(CLI::Range(1e-3, kMostSeconds));
+      ->check(number_in(1e-3, kMostSeconds));
   app.add_flag("--loop", options.device_options.loop, "start over at the end of the path");
   app.add_option("--speed", options.device_options.speed, "play the path this many times as fast")
-      ->check(CLI::Range(1.0 / kMostSpeed, kMostSpeed));
+      ->check(number_in(1.0 / kMostSpeed, kMostSpeed));
   app.add_option("--stiffness", options.device_options.stiffness_n_per_mm,
                  "of the simulated hand, N/mm")
-      ->check(CLI::Range(1e-2, kMostStiffnessNPerMm))
+      ->check(number_in(1e-2, kMostStiffnessNPerMm))
       ->capture_default_str();
   app.add_option("--force-max", options.limits.force_n, "greatest force shown, N")
-      ->check(CLI::Range(0.0, kMostForceN))
+      ->check(number_in(0.0, kMostForceN))
       ->capture_default_str();
   app.add_option("--torque-max", options.limits.torque_nmm, "greatest torque shown, N·mm")
-      ->check(CLI::Range(0.0, kMostTorqueNmm))
+      ->check(number_in(0.0, kMostTorqueNmm))
       ->capture_default_str();
   app.add_option("--patience", options.link.patience_s,
                  "seconds to go on trying while the server cannot be reached")
-      ->check(CLI::Range(0.0, kMostSeconds))
+      ->check(number_in(0.0, kMostSeconds))
       ->capture_default_str();
   app.add_option("--status-json", options.status_json,
                  "write the summary as JSON to a file, or to standard output for -");

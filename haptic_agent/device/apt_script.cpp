@@ -20,8 +20,11 @@ constexpr double kAxisMinLength = 1e-6;
 /// Axes that point against each other leave open which way to turn.
 constexpr double kOppositeDot = -0.999;
 
-char to_upper(char c) noexcept {
-  return static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+std::string upper(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return result;
 }
 
 class AptReader {
@@ -57,8 +60,8 @@ class AptReader {
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       ++line_;
       line = trim(line.substr(0, line.find("$$")));
-      const bool continues = line.ends_with('$');
-      if (continues) line.remove_suffix(1);
+      const bool continues = line.find('$') != std::string_view::npos;
+      line = line.substr(0, line.find('$'));
       statement_ += line;
       if (continues) continue;
       if (!statement_.empty()) return true;
@@ -69,10 +72,8 @@ class AptReader {
 
   Done obey() {
     const std::size_t slash = statement_.find_first_of("/ \t");
-    std::string word(statement_.substr(0, slash));
-    std::ranges::transform(word, word.begin(), to_upper);
+    const std::string word = upper(std::string_view(statement_).substr(0, slash));
     if (std::ranges::find(kTextWords, word) != kTextWords.end()) return {};
-    std::ranges::transform(statement_, statement_.begin(), to_upper);
     const std::size_t bar = statement_.find('/');
     const bool has_fields = bar != std::string::npos;
     fields_ = has_fields ? split_fields(std::string_view(statement_).substr(bar + 1))
@@ -135,7 +136,7 @@ class AptReader {
     const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
     if (!value || *value <= 0) return refuse("FEDRAT needs a number above zero");
     if (fields_.size() > 2) return refuse("FEDRAT has too many fields");
-    if (fields_.size() == 2 && fields_[1] != "MMPM" && fields_[1] != "PERMIN") {
+    if (fields_.size() == 2 && upper(fields_[1]) != "MMPM" && upper(fields_[1]) != "PERMIN") {
       return refuse(join({"FEDRAT is understood in MMPM only, not in ", fields_[1]}));
     }
     feed_mm_per_s_ = *value / 60.0;
@@ -155,7 +156,7 @@ class AptReader {
   }
 
   Done units() {
-    if (fields_.size() != 1 || fields_[0] != "MM")
+    if (fields_.size() != 1 || upper(fields_[0]) != "MM")
       return refuse("UNITS other than MM are not read");
     return {};
   }

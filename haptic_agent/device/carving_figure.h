@@ -8,8 +8,8 @@ namespace kerf::agent {
 
 /// The box around a block of stock.
 struct StockBox {
-  Vec3 min_mm;
-  Vec3 max_mm;
+  Vec3 min_mm{};
+  Vec3 max_mm{};
 };
 
 /// A path that suits any block: from above, rosettes into its top with an axis that leans outwards,

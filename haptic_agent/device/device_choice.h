@@ -28,7 +28,7 @@ std::expected<DeviceChoice, std::string> choose_device(std::string_view text);
 
 /// What the session decides about a device.
 struct DevicePlace {
-  StockBox stock;
+  StockBox stock{};
   double pivot_mm = 60;
   std::uint32_t participant = 0;
 };

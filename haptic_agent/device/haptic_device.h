@@ -9,7 +9,7 @@ namespace kerf::agent {
 
 /// What a device tells about the hand at one instant.
 struct DeviceState {
-  Vec3 tip_mm;
+  Vec3 tip_mm{};
   /// Unit, from the tip to the spindle.
   Vec3 axis{0, 0, 1};
   /// As wire::MotionSample::buttons.
@@ -26,14 +26,14 @@ struct DeviceState {
 
 /// Force at the pivot and torque about it, as the device shows them to the hand.
 struct Wrench {
-  Vec3 force_n;
-  Vec3 torque_nmm;
+  Vec3 force_n{};
+  Vec3 torque_nmm{};
 
   bool operator==(const Wrench&) const = default;
 };
 
 struct DeviceCapabilities {
-  std::string name;
+  std::string name{};
   int sensed_dof = 0;
   int actuated_dof = 0;
   /// What the motors can give; 0 for a device without motors.

@@ -51,8 +51,6 @@ PathCursor::PathCursor(PoseScript script, bool loop, double speed)
 PathPoint PathCursor::resting(const TimedPose& pose) const noexcept {
   return {.tip_mm = pose.tip_mm,
           .axis = pose.axis,
-          .tip_mm_per_s = {},
-          .turn_rad_per_s = {},
           .cutting = pose.cutting,
           .tool_id = pose.tool_id,
           .at_end = true};

@@ -9,10 +9,10 @@ namespace kerf::agent {
 
 /// Where a path is at one time, and how fast.
 struct PathPoint {
-  Vec3 tip_mm;
+  Vec3 tip_mm{};
   Vec3 axis{0, 0, 1};
-  Vec3 tip_mm_per_s;
-  Vec3 turn_rad_per_s;
+  Vec3 tip_mm_per_s{};
+  Vec3 turn_rad_per_s{};
   bool cutting = false;
   std::uint32_t tool_id = 0;
   bool at_end = false;

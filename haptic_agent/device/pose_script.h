@@ -14,7 +14,7 @@ namespace kerf::agent {
 /// A pose and when to be there. `cutting` and `tool_id` are those of the way from the pose before.
 struct TimedPose {
   double time_s = 0;
-  Vec3 tip_mm;
+  Vec3 tip_mm{};
   Vec3 axis{0, 0, 1};
   bool cutting = true;
   std::uint32_t tool_id = 0;

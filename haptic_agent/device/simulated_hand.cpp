@@ -66,9 +66,6 @@ DeviceState SimulatedHand::read(std::uint64_t now_us) noexcept {
 }
 
 void SimulatedHand::step(double dt_s) noexcept {
-  path_s_ += dt_s;
-  target_ = path_.at(path_s_);
-  if (target_.at_end) rested_s_ += dt_s;
   const double arm_mm = settings_.pivot_mm;
   const Vec3 goal_mm = target_.tip_mm + target_.axis * arm_mm;
   const Vec3 goal_mm_per_s =
@@ -91,6 +88,10 @@ void SimulatedHand::step(double dt_s) noexcept {
       turn_rad_per_s_ + torque_nmm * (1.0 / (settings_.inertia_kg_m2 * kNmmPerNm) * dt_s);
   turn_rad_per_s_ = turn_rad_per_s_ - axis_ * dot(axis_, turn_rad_per_s_);
   axis_ = normalised(axis_ + cross(turn_rad_per_s_, axis_) * dt_s);
+
+  path_s_ += dt_s;
+  target_ = path_.at(path_s_);
+  if (target_.at_end) rested_s_ += dt_s;
 }
 
 }  // namespace kerf::agent

@@ -446,10 +446,12 @@ class ServerLink::Impl {
     if (failed && !connection.loss) connection.loss = Loss{failed.message()};
   }
 
-  bool finished() const noexcept {
+  bool finished() {
     if (interrupted()) return true;
     const std::uint64_t until_us = drain_until_us_.load();
-    return until_us != 0 && (queue_.settled() || now_us() >= until_us);
+    if (until_us == 0) return false;
+    drain_ring();
+    return queue_.settled() || now_us() >= until_us;
   }
 
   /// The tool that the next sample asks for, if the others at the block do not know it yet.

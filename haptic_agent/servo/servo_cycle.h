@@ -20,7 +20,7 @@ class SampleListener {
 };
 
 struct ServoSettings {
-  WrenchLimits limits;
+  WrenchLimits limits{};
   /// The tool of samples whose device asks for none.
   std::uint32_t tool_id = 1;
   /// Ends the loop after this time; 0: never.

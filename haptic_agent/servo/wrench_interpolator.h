@@ -8,7 +8,7 @@ namespace kerf::agent {
 
 /// What the server answered to a pose, with both times on the agent's clock.
 struct ServerWrench {
-  Wrench wrench;
+  Wrench wrench{};
   /// When the pose was measured that this answers.
   std::uint64_t pose_us = 0;
   /// When the answer arrived.

@@ -1,0 +1,377 @@
+#include "haptic_agent/link/server_link.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "tests/agent/link/fake_server.h"
+
+namespace kerf::agent {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Waits until something has happened; the bound only ends a test that has failed.
+template <typename Condition>
+bool eventually(Condition condition) {
+  for (int i = 0; i < 2000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return false;
+}
+
+/// What the servers of these tests have received, over all connections.
+struct Received {
+  mutable std::mutex mutex;
+  std::vector<std::vector<wire::MotionSample>> connections;
+
+  void add(int connection, const wire::MotionBatch& batch) {
+    const std::scoped_lock lock(mutex);
+    connections.resize(static_cast<std::size_t>(connection) + 1);
+    auto& samples = connections[static_cast<std::size_t>(connection)];
+    samples.insert(samples.end(), batch.view().begin(), batch.view().end());
+  }
+  std::size_t count(std::size_t connection) const {
+    const std::scoped_lock lock(mutex);
+    return connection < connections.size() ? connections[connection].size() : 0;
+  }
+};
+
+class ServerLinkTest : public ::testing::Test {
+ protected:
+  LinkSettings settings(const FakeServer& server) {
+    return {.server = {.host = "127.0.0.1", .port = std::to_string(server.port())},
+            .session = "demo",
+            .hello = {.name = "Ada", .color = "#112233", .tool_id = 2},
+            .patience_s = 5.0,
+            .notice =
+                [this](const std::string& text) {
+                  const std::scoped_lock lock(mutex);
+                  notices.push_back(text);
+                },
+            .failed = [this] { failed = true; }};
+  }
+
+  void push(ServerLink& link, std::uint64_t from, std::uint64_t to,
+            std::uint32_t buttons = wire::kButtonCutting) {
+    for (std::uint64_t i = from; i <= to; ++i) {
+      while (!samples.push({.time_us = i, .tool_id = 2, .buttons = buttons})) {
+        std::this_thread::sleep_for(milliseconds(1));
+      }
+      link.sample_ready();
+    }
+  }
+
+  static wire::Result answer_to(const wire::MotionBatch& batch, float fz = 0) {
+    const wire::MotionSample& last = batch.view().back();
+    return {.agent_sequence = last.agent_sequence,
+            .agent_time_us = last.time_us,
+            .force_n = {0, 0, fz}};
+  }
+
+  SampleRing samples;
+  LatestValue<ServerWrench> wrenches;
+  std::mutex mutex;
+  std::vector<std::string> notices;
+  std::atomic<bool> failed{false};
+};
+
+TEST_F(ServerLinkTest, SaysHelloAndReadsTheWelcome) {
+  std::string hello;
+  FakeServer server([&](FakePeer& peer, int) {
+    hello = peer.read_text().value_or("");
+    peer.send_text(R"({"type":"participants","participants":[]})");
+    peer.send_text(welcome_text());
+    peer.read_motion();
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  const auto welcome = link.wait_welcome();
+  ASSERT_TRUE(welcome) << welcome.error();
+  EXPECT_EQ(welcome->participant, 3U);
+  EXPECT_EQ(welcome->pivot_mm, 60);
+  EXPECT_EQ(welcome->stock.min_mm, (Vec3{-50, -50, -50}));
+  EXPECT_EQ(welcome->tool_ids, (std::vector<std::uint32_t>{1, 2}));
+  EXPECT_EQ(nlohmann::json::parse(hello),
+            nlohmann::json::parse(
+                R"({"type":"hello","name":"Ada","color":"#112233","tool":2,"feel":true})"));
+  EXPECT_EQ(server.target(), "/v1/sessions/demo/agent");
+  link.stop(1.0);
+  EXPECT_EQ(link.report().failure, "");
+}
+
+TEST_F(ServerLinkTest, SendsEverySampleOnceInOrderAndBringsTheAnswersBack) {
+  Received received;
+  std::atomic<int> pings{0};
+  FakeServer server([&](FakePeer& peer, int connection) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    while (const auto batch = peer.read_motion()) {
+      received.add(connection, *batch);
+      pings = peer.pings;
+      peer.send_result(answer_to(*batch, 1.5F), 1);
+    }
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  ASSERT_TRUE(link.wait_welcome());
+  push(link, 1, 700);
+  ASSERT_TRUE(eventually([&] { return received.count(0) == 700; }));
+  push(link, 701, 701);
+  link.stop(5.0);
+  ASSERT_EQ(received.count(0), 701U) << "stopping sends what is left";
+  for (std::size_t i = 0; i < 701; ++i) {
+    ASSERT_EQ(received.connections[0][i].agent_sequence, i + 1);
+    ASSERT_EQ(received.connections[0][i].time_us, i + 1);
+  }
+  EXPECT_EQ(link.report().unanswered, 0U);
+  EXPECT_EQ(link.report().resent, 0U);
+  EXPECT_EQ(link.report().samples_sent, 701U);
+  EXPECT_GE(pings, 1);
+  EXPECT_GE(link.report().clock.rtt_us().total(), 1U);
+  EXPECT_NEAR(static_cast<double>(link.report().clock.offset_us()), 5e6, 1e6);
+  ServerWrench wrench;
+  ASSERT_TRUE(wrenches.read(wrench));
+  EXPECT_EQ(wrench.wrench.force_n, (Vec3{0, 0, 1.5}));
+  EXPECT_EQ(wrench.pose_us, 701U);
+}
+
+TEST_F(ServerLinkTest, AfterALossItSendsWhatWasNotAnsweredBehindWhatWas) {
+  Received received;
+  FakeServer server([&](FakePeer& peer, int connection) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    while (const auto batch = peer.read_motion()) {
+      received.add(connection, *batch);
+      // On the first connection only the first ten are answered, and the line breaks at 40.
+      if (connection == 0 && batch->view().back().agent_sequence > 10) {
+        if (batch->view().back().agent_sequence >= 40) return peer.cut();
+        continue;
+      }
+      peer.send_result(answer_to(*batch), 1);
+    }
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  ASSERT_TRUE(link.wait_welcome());
+  for (std::uint64_t i = 1; i <= 10; ++i) push(link, i, i);
+  ASSERT_TRUE(eventually([&] { return received.count(0) == 10; }));
+  push(link, 11, 60);
+  ASSERT_TRUE(eventually([&] { return received.count(1) > 0; }));
+  push(link, 61, 80);
+  link.stop(5.0);
+  const auto& again = received.connections[1];
+  ASSERT_FALSE(again.empty());
+  EXPECT_LE(again.front().agent_sequence, 10U) << "the last answered one is where motion starts";
+  EXPECT_EQ(again.back().agent_sequence, 80U);
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    ASSERT_EQ(again[i].agent_sequence, again.front().agent_sequence + i);
+    ASSERT_EQ(again[i].time_us, again[i].agent_sequence) << "a number always means one sample";
+  }
+  EXPECT_EQ(link.report().connections, 2U);
+  EXPECT_GE(link.report().resent, 30U);
+  EXPECT_EQ(link.report().unanswered, 0U);
+  EXPECT_EQ(link.report().failure, "");
+}
+
+TEST_F(ServerLinkTest, TellsTheOthersOfAToolChange) {
+  std::atomic<bool> told{false};
+  std::string text;
+  FakeServer server([&](FakePeer& peer, int) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    while (const auto batch = peer.read_motion()) {
+      if (batch->view().front().tool_id == 1 && !peer.texts.empty()) {
+        text = peer.texts.front();
+        told = true;
+      }
+      peer.send_result(answer_to(*batch), 1);
+    }
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  ASSERT_TRUE(link.wait_welcome());
+  push(link, 1, 5);
+  samples.push({.time_us = 6, .tool_id = 1});
+  link.sample_ready();
+  EXPECT_TRUE(eventually([&] { return told.load(); }));
+  link.stop(1.0);
+  EXPECT_EQ(text, R"({"tool":1,"type":"tool"})");
+}
+
+TEST_F(ServerLinkTest, ReportsComplaintsAndGoesOn) {
+  FakeServer server([&](FakePeer& peer, int) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    peer.send_text(R"({"type":"error","code":"too_fast","reason":"sample 3","fatal":false})");
+    peer.send_text(R"({"type":"error","code":"too_fast","reason":"sample 9","fatal":false})");
+    peer.send_text("{nonsense");
+    peer.send_bytes(std::vector<std::byte>(40));
+    while (const auto batch = peer.read_motion()) peer.send_result(answer_to(*batch), 1);
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  ASSERT_TRUE(link.wait_welcome());
+  push(link, 1, 20);
+  link.stop(5.0);
+  const LinkReport& report = link.report();
+  ASSERT_TRUE(report.complaints.contains("too_fast"));
+  EXPECT_EQ(report.complaints.at("too_fast").count, 2U);
+  EXPECT_EQ(report.complaints.at("too_fast").first_reason, "sample 3");
+  EXPECT_EQ(report.bad_frames, 2U);
+  EXPECT_EQ(report.unanswered, 0U);
+  ASSERT_EQ(notices.size(), 1U) << "the user hears of each kind once";
+  EXPECT_NE(notices[0].find("sample 3"), std::string::npos);
+}
+
+TEST_F(ServerLinkTest, AFatalErrorEndsIt) {
+  FakeServer server([&](FakePeer& peer, int) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    peer.send_text(R"({"type":"error","code":"bad_frame","reason":"enough","fatal":true})");
+    peer.read_motion();
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  ASSERT_TRUE(link.wait_welcome());
+  EXPECT_TRUE(eventually([&] { return failed.load(); }));
+  link.stop(1.0);
+  EXPECT_EQ(link.report().failure, "bad_frame: enough");
+  EXPECT_EQ(link.report().connections, 1U);
+}
+
+TEST_F(ServerLinkTest, AnErrorInsteadOfTheWelcomeIsFinal) {
+  FakeServer server([&](FakePeer& peer, int) {
+    peer.read_text();
+    peer.send_text(R"({"type":"error","code":"unknown_tool","reason":"no tool 2","fatal":true})");
+    peer.read_text();
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  const auto welcome = link.wait_welcome();
+  ASSERT_FALSE(welcome);
+  EXPECT_NE(welcome.error().find("unknown_tool: no tool 2"), std::string::npos);
+  link.stop(0);
+}
+
+TEST_F(ServerLinkTest, AnUnknownSessionIsFinal) {
+  FakeServer server([](FakePeer&, int) {}, {.decline_status = 404});
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  const auto welcome = link.wait_welcome();
+  ASSERT_FALSE(welcome);
+  EXPECT_NE(welcome.error().find("404: no such block"), std::string::npos) << welcome.error();
+  link.stop(0);
+}
+
+TEST_F(ServerLinkTest, AServerOfAnotherProtocolIsRefused) {
+  FakeServer server([](FakePeer& peer, int) { peer.read_text(); }, {.protocol = "kerf.agent.v2"});
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  const auto welcome = link.wait_welcome();
+  ASSERT_FALSE(welcome);
+  EXPECT_NE(welcome.error().find("kerf.agent.v1"), std::string::npos) << welcome.error();
+  link.stop(0);
+}
+
+TEST_F(ServerLinkTest, GivesUpOnAServerThatIsNotThereWhenPatienceEnds) {
+  std::uint16_t port = 0;
+  {
+    const FakeServer gone([](FakePeer&, int) {});
+    port = gone.port();
+  }
+  ServerLink link({.server = {.host = "127.0.0.1", .port = std::to_string(port)},
+                   .session = "demo",
+                   .hello = {},
+                   .patience_s = 0.2,
+                   .notice = {},
+                   .failed = [this] { failed = true; }},
+                  samples, wrenches);
+  link.start();
+  const auto welcome = link.wait_welcome();
+  ASSERT_FALSE(welcome);
+  EXPECT_NE(welcome.error().find("cannot connect to 127.0.0.1"), std::string::npos);
+  EXPECT_TRUE(failed);
+  link.stop(0);
+}
+
+TEST_F(ServerLinkTest, AnInterruptEndsTheWaitForAServerThatSaysNothing) {
+  FakeServer server([](FakePeer& peer, int) {
+    while (peer.read_text()) {
+    }
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  link.interrupt();
+  const auto welcome = link.wait_welcome();
+  ASSERT_FALSE(welcome);
+  EXPECT_EQ(welcome.error(), "interrupted");
+  link.stop(0);
+}
+
+TEST_F(ServerLinkTest, ASessionThatWasRebuiltIsJoinedAnew) {
+  Received received;
+  FakeServer server([&](FakePeer& peer, int connection) {
+    peer.read_text();
+    const auto epoch = static_cast<std::uint32_t>(1 + connection);
+    peer.send_text(welcome_text(epoch));
+    while (const auto batch = peer.read_motion()) {
+      received.add(connection, *batch);
+      // The first connection lives to see the session taken over.
+      peer.send_result(answer_to(*batch), 2);
+    }
+  });
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  ASSERT_TRUE(link.wait_welcome());
+  push(link, 1, 30);
+  EXPECT_TRUE(eventually([&] { return received.count(1) >= 30; }));
+  link.stop(5.0);
+  EXPECT_EQ(link.report().connections, 2U);
+  EXPECT_EQ(link.report().unanswered, 0U);
+}
+
+TEST_F(ServerLinkTest, ASilentServerLeavesNoForceInTheHand) {
+  std::atomic<bool> silent{false};
+  FakeServer server([&](FakePeer& peer, int) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    while (const auto batch = peer.read_motion()) {
+      if (!silent) peer.send_result(answer_to(*batch, 3.0F), 1);
+    }
+  });
+  class Still final : public HapticDevice {
+   public:
+    DeviceCapabilities capabilities() const override { return {.name = "still"}; }
+    DeviceState read(std::uint64_t now_us) noexcept override {
+      return {.tool_id = 2, .time_us = now_us, .valid = true};
+    }
+    void write(const Wrench& wrench) noexcept override { shown_n = wrench.force_n.z; }
+    std::atomic<double> shown_n{0};
+  } device;
+  ServerLink link(settings(server), samples, wrenches);
+  link.start();
+  ASSERT_TRUE(link.wait_welcome());
+  ServoCycle cycle(device, samples, wrenches, link, {});
+  MonotonicClock clock;
+  ServoLoop loop(clock);
+  std::thread servo([&] { loop.run(cycle); });
+  const bool felt = eventually([&] { return device.shown_n > 2.0; });
+  silent = true;
+  const bool gone = eventually([&] { return device.shown_n == 0.0; });
+  loop.stop();
+  servo.join();
+  link.stop(0.1);
+  EXPECT_TRUE(felt);
+  EXPECT_TRUE(gone);
+  EXPECT_GT(cycle.report().decayed_ticks, 0U);
+}
+
+}  // namespace
+}  // namespace kerf::agent

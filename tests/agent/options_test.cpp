@@ -1,0 +1,80 @@
+#include "haptic_agent/options.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "haptic_agent/run_agent.h"
+#include "haptic_agent/summary.h"
+
+namespace kerf::agent {
+namespace {
+
+std::expected<Options, EarlyExit> read(std::vector<const char*> words) {
+  words.insert(words.begin(), "kerf-agent");
+  return read_options(static_cast<int>(words.size()), words.data());
+}
+
+TEST(Options, ReadsAWholeCommandLine) {
+  const auto options = read({"--server", "http://127.0.0.1:9", "--session", "demo", "--device",
+                             "sim", "--name", "Ada", "--color", "#a0B1c2", "--tool", "2",
+                             "--duration", "1.5", "--loop", "--force-max", "3"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->link.server, (ServerUrl{"127.0.0.1", "9"}));
+  EXPECT_EQ(options->link.hello.tool_id, 2U);
+  EXPECT_EQ(options->limits.force_n, 3.0);
+  EXPECT_TRUE(options->device_options.loop);
+}
+
+TEST(Options, HelpIsNotAnError) {
+  const auto options = read({"--help"});
+  ASSERT_FALSE(options);
+  EXPECT_EQ(options.error().code, 0);
+}
+
+TEST(Options, BadInputExitsWithTwo) {
+  const std::vector<std::vector<const char*>> lines = {
+      {},
+      {"--session", "demo"},
+      {"--session", "demo", "--device", "usb"},
+      {"--session", "a/b", "--device", "sim"},
+      {"--session", "demo", "--device", "sim", "--color", "red"},
+      {"--session", "demo", "--device", "sim", "--tool", "0"},
+      {"--session", "demo", "--device", "sim", "--force-max", "-1"},
+      {"--session", "demo", "--device", "sim", "--duration", "nan"},
+      {"--session", "demo", "--device", "sim", "--server", "https://x"},
+      {"--session", "demo", "--device", "replay:/no/such/file.apt"},
+      {"--session", "demo", "--device", "sim", "--nonsense"}};
+  for (const auto& line : lines) {
+    const auto options = read(line);
+    ASSERT_FALSE(options);
+    EXPECT_EQ(options.error().code, 2);
+  }
+}
+
+TEST(RunAgent, ExitsWithOneWhenTheServerCannotBeReached) {
+  auto options = read({"--server", "http://127.0.0.1:1", "--session", "demo", "--device", "sim",
+                       "--patience", "0"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(run_agent(*options), 1);
+}
+
+TEST(Summary, TheJsonHoldsWhatTestsRelyOn) {
+  Summary summary;
+  summary.welcome.session = "demo";
+  summary.cycles.ticks = 10;
+  summary.cycles.lost = 2;
+  summary.link.complaints["too_fast"] = {.count = 3, .first_reason = "why"};
+  const auto json = nlohmann::json::parse(summary_json(summary));
+  EXPECT_EQ(json["servo"]["due"], 12);
+  EXPECT_EQ(json["link"]["errors"]["too_fast"]["count"], 3);
+  for (const char* field : {"results", "unanswered", "answer_us", "ping_us"}) {
+    EXPECT_TRUE(json["link"].contains(field)) << field;
+  }
+  EXPECT_TRUE(json["force"].contains("max_n"));
+}
+
+}  // namespace
+}  // namespace kerf::agent

@@ -1,0 +1,237 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "haptic_agent/servo/servo_cycle.h"
+#include "haptic_agent/servo/servo_loop.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr std::uint64_t kMs = 1'000'000;
+
+/// Time that passes only where the test says so.
+class FakeClock final : public ServoClock {
+ public:
+  std::uint64_t now_ns() noexcept override { return now_ns_; }
+  void sleep_until_ns(std::uint64_t time_ns) noexcept override {
+    now_ns_ = std::max(now_ns_, time_ns) + (wake_ < lateness_ns_.size() ? lateness_ns_[wake_] : 0);
+    ++wake_;
+  }
+  void pass(std::uint64_t ns) { now_ns_ += ns; }
+  /// How late each wake-up comes.
+  std::vector<std::uint64_t> lateness_ns_;
+
+ private:
+  std::uint64_t now_ns_ = 500 * kMs;
+  std::size_t wake_ = 0;
+};
+
+class Task final : public ServoTask {
+ public:
+  explicit Task(std::function<bool(std::uint64_t)> what) : what_(std::move(what)) {}
+  bool tick(std::uint64_t now_us) noexcept override {
+    times_us.push_back(now_us);
+    return what_(now_us);
+  }
+  std::vector<std::uint64_t> times_us;
+
+ private:
+  std::function<bool(std::uint64_t)> what_;
+};
+
+TEST(ServoLoop, TicksEveryMillisecondWithoutDrift) {
+  FakeClock clock;
+  ServoLoop loop(clock);
+  Task task([&](std::uint64_t) {
+    clock.pass(300'000);
+    return task.times_us.size() < 100;
+  });
+  loop.run(task);
+  EXPECT_EQ(task.times_us.front(), 501'000U);
+  EXPECT_EQ(task.times_us.back(), 600'000U);
+  EXPECT_EQ(loop.stats().ticks, 100U);
+  EXPECT_EQ(loop.stats().late, 0U);
+  EXPECT_EQ(loop.stats().lost, 0U);
+  EXPECT_EQ(loop.stats().longest_gap_us, 1000U);
+  EXPECT_EQ(loop.stats().longest_tick_us, 300U);
+}
+
+TEST(ServoLoop, CountsLateAndLostTicksAndKeepsItsBeat) {
+  FakeClock clock;
+  clock.lateness_ns_ = {0, 400'000, 0, 5 * kMs + 100'000, 0};
+  ServoLoop loop(clock);
+  Task task([&](std::uint64_t) { return task.times_us.size() < 6; });
+  loop.run(task);
+  EXPECT_EQ(task.times_us,
+            (std::vector<std::uint64_t>{501'000, 502'400, 503'000, 509'100, 510'000, 511'000}));
+  EXPECT_EQ(loop.stats().ticks, 6U);
+  EXPECT_EQ(loop.stats().late, 2U);
+  EXPECT_EQ(loop.stats().lost, 5U) << "504 to 508 never ran";
+  EXPECT_EQ(loop.stats().longest_gap_us, 6100U);
+  EXPECT_EQ(loop.stats().wake_us.max_us(), 5100U);
+}
+
+TEST(ServoLoop, ATickThatTakesTooLongLosesTheOnesItOverran) {
+  FakeClock clock;
+  ServoLoop loop(clock);
+  Task task([&](std::uint64_t) {
+    if (task.times_us.size() == 1) clock.pass(3 * kMs + kMs / 2);
+    return task.times_us.size() < 3;
+  });
+  loop.run(task);
+  EXPECT_EQ(task.times_us, (std::vector<std::uint64_t>{501'000, 504'500, 505'000}));
+  EXPECT_EQ(loop.stats().lost, 2U);
+}
+
+TEST(ServoLoop, StopsWhenToldTo) {
+  FakeClock clock;
+  ServoLoop loop(clock);
+  Task task([&](std::uint64_t) {
+    if (task.times_us.size() == 7) loop.stop();
+    return true;
+  });
+  loop.run(task);
+  EXPECT_EQ(loop.stats().ticks, 7U);
+}
+
+class FakeDevice final : public HapticDevice {
+ public:
+  DeviceCapabilities capabilities() const override { return {.name = "fake"}; }
+  DeviceState read(std::uint64_t now_us) noexcept override {
+    state.time_us = now_us;
+    return state;
+  }
+  void write(const Wrench& wrench) noexcept override { shown = wrench; }
+  DeviceState state{.valid = true};
+  Wrench shown;
+};
+
+class Listener final : public SampleListener {
+ public:
+  void sample_ready() noexcept override { ++calls; }
+  int calls = 0;
+};
+
+class ServoCycleTest : public ::testing::Test {
+ protected:
+  ServoCycle make(ServoSettings settings = {}) {
+    return {device, samples, wrenches, listener, settings};
+  }
+  void answer(double fz, std::uint64_t now_us) {
+    wrenches.write({.wrench = {.force_n = {0, 0, fz}, .torque_nmm = {}},
+                    .pose_us = now_us - 1000,
+                    .arrival_us = now_us});
+  }
+
+  FakeDevice device;
+  SampleRing samples;
+  LatestValue<ServerWrench> wrenches;
+  Listener listener;
+};
+
+TEST_F(ServoCycleTest, HandsEachPoseToTheLink) {
+  ServoCycle cycle = make({.tool_id = 4});
+  device.state.tip_mm = {1, 2, 3};
+  device.state.buttons = wire::kButtonCutting;
+  EXPECT_TRUE(cycle.tick(10'000));
+  device.state.tool_id = 9;
+  EXPECT_TRUE(cycle.tick(11'000));
+  wire::MotionSample sample;
+  ASSERT_TRUE(samples.pop(sample));
+  EXPECT_EQ(sample.time_us, 10'000U);
+  EXPECT_EQ(sample.tip_mm, (wire::Vec3d{1, 2, 3}));
+  EXPECT_EQ(sample.tool_id, 4U);
+  EXPECT_EQ(sample.buttons, wire::kButtonCutting);
+  ASSERT_TRUE(samples.pop(sample));
+  EXPECT_EQ(sample.tool_id, 9U) << "a program's own tool goes first";
+  EXPECT_EQ(listener.calls, 2);
+}
+
+TEST_F(ServoCycleTest, ShowsTheServersForceAndFadesItWhenTheServerFallsSilent) {
+  ServoCycle cycle = make();
+  std::uint64_t now_us = 10'000;
+  for (int i = 0; i < 200; ++i, now_us += 1000) {
+    answer(2.0, now_us);
+    cycle.tick(now_us);
+  }
+  EXPECT_NEAR(device.shown.force_n.z, 2.0, 1e-12);
+  const std::uint64_t silent_from_us = now_us - 1000;
+  double last = device.shown.force_n.z;
+  for (; now_us < silent_from_us + 200'000; now_us += 1000) {
+    cycle.tick(now_us);
+    const double shown = device.shown.force_n.z;
+    EXPECT_LE(shown, last);
+    last = shown;
+    if (now_us <= silent_from_us + 20'000) {
+      EXPECT_NEAR(shown, 2.0, 1e-12);
+    }
+    if (now_us >= silent_from_us + 120'000) {
+      EXPECT_EQ(shown, 0.0);
+    }
+  }
+  EXPECT_GT(cycle.report().decayed_ticks, 90U);
+  EXPECT_NEAR(cycle.report().max_force_n, 2.0, 1e-12);
+}
+
+TEST_F(ServoCycleTest, APoseThatIsNotFiniteIsNotSentAndGetsNoForce) {
+  ServoCycle cycle = make();
+  std::uint64_t now_us = 10'000;
+  for (int i = 0; i < 100; ++i, now_us += 1000) {
+    answer(2.0, now_us);
+    cycle.tick(now_us);
+  }
+  wire::MotionSample sample;
+  while (samples.pop(sample)) {
+  }
+  const auto expect_refused = [&] {
+    answer(2.0, now_us);
+    cycle.tick(now_us += 1000);
+    EXPECT_FALSE(samples.pop(sample));
+    EXPECT_EQ(device.shown, Wrench{});
+  };
+  device.state.tip_mm.y = std::numeric_limits<double>::quiet_NaN();
+  expect_refused();
+  device.state.tip_mm.y = 0;
+  device.state.axis = {0, 0, 0.9};
+  expect_refused();
+  device.state.axis = {0, std::numeric_limits<double>::infinity(), 1};
+  expect_refused();
+  device.state = {};
+  expect_refused();
+  EXPECT_EQ(cycle.report().invalid_poses, 4U);
+}
+
+TEST_F(ServoCycleTest, LeavesNoForceBehindAtItsEnd) {
+  ServoCycle cycle = make({.duration_us = 50'000});
+  std::uint64_t now_us = 10'000;
+  bool more = true;
+  while (more && now_us < 1'000'000) {
+    answer(3.0, now_us);
+    more = cycle.tick(now_us);
+    now_us += 1000;
+  }
+  EXPECT_EQ(now_us, 61'000U);
+  EXPECT_EQ(device.shown, Wrench{});
+  EXPECT_GT(cycle.report().max_force_n, 0);
+}
+
+TEST_F(ServoCycleTest, AFullRingDropsTheSampleAndCountsIt) {
+  ServoCycle cycle = make();
+  for (std::size_t i = 0; i < SampleRing::kCapacity + 5; ++i) cycle.tick(10'000 + 1000 * i);
+  EXPECT_EQ(cycle.report().samples, SampleRing::kCapacity);
+  EXPECT_EQ(cycle.report().ring_overflows, 5U);
+}
+
+TEST_F(ServoCycleTest, EndsWithTheDeviceAfterItsLastPose) {
+  ServoCycle cycle = make();
+  EXPECT_TRUE(cycle.tick(10'000));
+  device.state.finished = true;
+  EXPECT_FALSE(cycle.tick(11'000));
+  EXPECT_EQ(cycle.report().samples, 2U);
+}
+
+}  // namespace
+}  // namespace kerf::agent

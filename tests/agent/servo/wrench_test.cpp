@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "haptic_agent/servo/silence_decay.h"
+#include "haptic_agent/servo/wrench_interpolator.h"
+#include "haptic_agent/servo/wrench_limiter.h"
+
+namespace kerf::agent {
+namespace {
+
+Wrench force(double x, double y = 0, double z = 0) {
+  return {.force_n = {x, y, z}, .torque_nmm = {}};
+}
+
+ServerWrench answer(double fx, std::uint64_t arrival_us) {
+  return {.wrench = force(fx), .pose_us = arrival_us - 1000, .arrival_us = arrival_us};
+}
+
+TEST(WrenchInterpolator, IsZeroBeforeTheFirstAnswer) {
+  const WrenchInterpolator interpolator;
+  EXPECT_EQ(interpolator.at(123), Wrench{});
+}
+
+TEST(WrenchInterpolator, RunsStraightFromTheLastAnswerToTheNewest) {
+  WrenchInterpolator interpolator;
+  interpolator.take(answer(0, 10'000), 10'000);
+  interpolator.take(answer(4, 20'000), 20'000);
+  EXPECT_DOUBLE_EQ(interpolator.at(20'000).force_n.x, 0);
+  EXPECT_DOUBLE_EQ(interpolator.at(25'000).force_n.x, 2);
+  EXPECT_DOUBLE_EQ(interpolator.at(30'000).force_n.x, 4);
+  EXPECT_DOUBLE_EQ(interpolator.at(90'000).force_n.x, 4) << "fading is not its business";
+}
+
+TEST(WrenchInterpolator, IsUnbrokenWhenAnAnswerComesEarly) {
+  WrenchInterpolator interpolator;
+  interpolator.take(answer(0, 10'000), 10'000);
+  interpolator.take(answer(10, 20'000), 20'000);
+  const double before = interpolator.at(23'000).force_n.x;
+  interpolator.take(answer(-10, 23'000), 23'000);
+  EXPECT_DOUBLE_EQ(interpolator.at(23'000).force_n.x, before);
+  EXPECT_DOUBLE_EQ(interpolator.at(26'000).force_n.x, -10);
+}
+
+TEST(WrenchInterpolator, DoesNotStretchOverALongGap) {
+  WrenchInterpolator interpolator;
+  interpolator.take(answer(0, 10'000), 10'000);
+  interpolator.take(answer(8, 2'010'000), 2'010'000);
+  EXPECT_DOUBLE_EQ(interpolator.at(2'020'000).force_n.x, 4);
+  EXPECT_DOUBLE_EQ(interpolator.at(2'030'000).force_n.x, 8);
+}
+
+TEST(SilenceDecay, HoldsThenFallsThenIsGone) {
+  EXPECT_EQ(wrench_share(0), 1.0);
+  EXPECT_EQ(wrench_share(20'000), 1.0);
+  EXPECT_NEAR(wrench_share(60'000), std::exp(-1.0), 1e-12);
+  EXPECT_GT(wrench_share(119'999), 0.0);
+  EXPECT_EQ(wrench_share(120'000), 0.0);
+  EXPECT_EQ(wrench_share(std::numeric_limits<std::uint64_t>::max()), 0.0);
+}
+
+TEST(SilenceDecay, AnswersThatComeEverLaterAgeToo) {
+  EXPECT_EQ(answer_age_us(1'000'000, 999'000, 985'000), 1000U) << "15 ms round trip are prompt";
+  EXPECT_EQ(answer_age_us(1'000'000, 999'000, 850'000), 130'000U);
+  EXPECT_EQ(answer_age_us(1'000'000, 900'000, 899'000), 100'000U);
+  EXPECT_EQ(answer_age_us(1'000'000, 1'000'001, 1'000'001), 0U);
+}
+
+constexpr double kTickS = 0.001;
+
+TEST(WrenchLimiter, SaturatesForceAndTorqueEachInItsDirection) {
+  WrenchLimiter limiter(
+      {.force_n = 5, .torque_nmm = 100, .force_rise_n_per_s = 1e9, .torque_rise_nmm_per_s = 1e9});
+  const Wrench shown = limiter.limit({.force_n = {30, 40, 0}, .torque_nmm = {0, 0, -10}}, kTickS);
+  EXPECT_NEAR(shown.force_n.x, 3, 1e-12);
+  EXPECT_NEAR(shown.force_n.y, 4, 1e-12);
+  EXPECT_EQ(shown.torque_nmm, (Vec3{0, 0, -10}));
+  EXPECT_EQ(limiter.saturated(), 1U);
+}
+
+TEST(WrenchLimiter, RisesSlowlyAndFallsAtOnce) {
+  WrenchLimiter limiter({.force_rise_n_per_s = 400});
+  EXPECT_NEAR(limiter.limit(force(8), kTickS).force_n.x, 0.4, 1e-12);
+  EXPECT_NEAR(limiter.limit(force(8), kTickS).force_n.x, 0.8, 1e-12);
+  for (int i = 0; i < 30; ++i) limiter.limit(force(8), kTickS);
+  EXPECT_NEAR(limiter.limit(force(8), kTickS).force_n.x, 8, 1e-12);
+  EXPECT_NEAR(limiter.limit(force(1), kTickS).force_n.x, 1, 1e-12);
+  EXPECT_EQ(limiter.limit(force(0), kTickS), Wrench{});
+}
+
+TEST(WrenchLimiter, AReversalPassesThroughZeroAndRisesAnew) {
+  WrenchLimiter limiter({.force_rise_n_per_s = 400});
+  for (int i = 0; i < 30; ++i) limiter.limit(force(8), kTickS);
+  EXPECT_NEAR(limiter.limit(force(-8), kTickS).force_n.x, -0.4, 1e-12);
+}
+
+TEST(WrenchLimiter, ANumberThatIsNotFiniteGivesNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {nan, std::numeric_limits<double>::infinity(), 1e300}) {
+    WrenchLimiter limiter({});
+    limiter.limit(force(3), kTickS);
+    EXPECT_EQ(limiter.limit(force(bad), kTickS), Wrench{});
+    EXPECT_EQ(limiter.limit({.force_n = {}, .torque_nmm = {0, bad, 0}}, kTickS), Wrench{});
+    EXPECT_EQ(limiter.not_finite(), 2U);
+    EXPECT_GT(limiter.limit(force(3), kTickS).force_n.x, 0) << "and the next good one counts";
+  }
+}
+
+TEST(WrenchLimiter, StaysWithinItsLimitsWhateverItIsGiven) {
+  const WrenchLimits limits;
+  WrenchLimiter limiter(limits);
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> any(0, 12);
+  Vec3 last;
+  for (int i = 0; i < 100'000; ++i) {
+    const Wrench shown =
+        limiter.limit({.force_n = {any(random), any(random), any(random)},
+                       .torque_nmm = {20 * any(random), 20 * any(random), 20 * any(random)}},
+                      kTickS);
+    ASSERT_LE(length(shown.force_n), limits.force_n * (1 + 1e-12));
+    ASSERT_LE(length(shown.torque_nmm), limits.torque_nmm * (1 + 1e-12));
+    ASSERT_LE(length(shown.force_n), length(last) + limits.force_rise_n_per_s * kTickS + 1e-12);
+    last = shown.force_n;
+  }
+}
+
+TEST(WrenchLimits, AreAShareOfWhatTheDeviceCanGive) {
+  const auto limits = within({.name = "d", .max_force_n = 3.3, .max_torque_nmm = 1000}, {});
+  EXPECT_NEAR(limits.force_n, 1.98, 1e-12);
+  EXPECT_EQ(limits.torque_nmm, WrenchLimits{}.torque_nmm);
+  EXPECT_EQ(within({.name = "no motors"}, {}).force_n, WrenchLimits{}.force_n);
+}
+
+}  // namespace
+}  // namespace kerf::agent
