@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "haptic_agent/device/text_fields.h"
+
 namespace kerf::agent {
 
 RealtimeReport make_realtime(int priority) {
@@ -15,15 +17,15 @@ RealtimeReport make_realtime(int priority) {
   if (const int failed = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted); failed == 0) {
     report.fifo = true;
   } else {
-    report.warning = "no real-time priority (" + std::generic_category().message(failed) +
-                     "): the 1 kHz loop runs as an ordinary thread; allow it with rtprio in "
-                     "limits.conf or CAP_SYS_NICE";
+    report.warning = join({"no real-time priority (", std::generic_category().message(failed),
+                           "): the 1 kHz loop runs as an ordinary thread; allow it with rtprio in "
+                           "limits.conf or CAP_SYS_NICE"});
   }
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
     report.memory_locked = true;
   } else {
     if (!report.warning.empty()) report.warning += "; ";
-    report.warning += "memory is not locked (" + std::generic_category().message(errno) + ")";
+    report.warning += join({"memory is not locked (", std::generic_category().message(errno), ")"});
   }
   return report;
 }

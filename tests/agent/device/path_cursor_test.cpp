@@ -55,6 +55,7 @@ TEST(PathCursor, ALoopComesBackThroughTheAir) {
   PathCursor cursor(kCorner, true);
   const double lap_s = cursor.duration_s();
   EXPECT_GT(lap_s, 3.0);
+  cursor.at(3.0);
   const PathPoint home = cursor.at(3.0 + (lap_s - 3.0) / 2);
   EXPECT_FALSE(home.cutting);
   EXPECT_NEAR(home.tip_mm.x, 5.0, 1e-9);
