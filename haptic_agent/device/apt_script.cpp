@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <numbers>
 #include <optional>
 
 #include "haptic_agent/device/pose_script.h"
@@ -10,12 +11,14 @@ namespace kerf::agent {
 namespace {
 
 /// Words that say something about the machine or the text, and nothing about the path.
-constexpr std::array<std::string_view, 15> kWordsWithoutMotion = {
-    "PARTNO", "PPRINT", "REMARK", "MACHIN", "MULTAX", "CUTTER", "SPINDL", "COOLNT",
-    "INTOL",  "OUTTOL", "TOLER",  "STOP",   "OPSTOP", "END",    "FINI"};
+constexpr std::array<std::string_view, 13> kWordsWithoutMotion = {
+    "PARTNO", "PPRINT", "REMARK", "MACHIN", "MULTAX", "CUTTER", "SPINDL",
+    "COOLNT", "INTOL",  "OUTTOL", "TOLER",  "STOP",   "OPSTOP"};
 /// Words whose rest is free text.
 constexpr std::array<std::string_view, 3> kTextWords = {"PARTNO", "PPRINT", "REMARK"};
 
+constexpr double kSPerMinute = 60.0;
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kAxisMinLength = 1e-6;
 /// Axes that point against each other leave open which way to turn.
 constexpr double kOppositeDot = -0.999;
@@ -32,7 +35,7 @@ class AptReader {
   explicit AptReader(const std::string& name) : name_(name) {}
 
   std::expected<PoseScript, ScriptError> read(std::string_view text) {
-    while (!text.empty() || !statement_.empty()) {
+    while (!ended_) {
       if (!take_statement(text)) break;
       if (auto ok = obey(); !ok) return std::unexpected(ok.error());
       statement_.clear();
@@ -87,6 +90,10 @@ class AptReader {
     if (word == "LOADTL") return load_tool();
     if (word == "UNITS") return units();
     if (word == "DELAY") return delay();
+    if (word == "FINI" || word == "END") {
+      ended_ = true;
+      return {};
+    }
     if (word == "RAPID") {
       rapid_ = true;
       return {};
@@ -122,8 +129,10 @@ class AptReader {
       }
       pose.cutting = !script_started_anew_;
       const bool fast = rapid_ || script_started_anew_;
-      if (!fast && !feed_mm_per_s_) return refuse("GOTO before any FEDRAT or RAPID");
-      const double speed = fast ? kRapidMmPerS : *feed_mm_per_s_;
+      if (!fast && !feed_per_s_) return refuse("GOTO before any FEDRAT or RAPID");
+      // Where the tip rests, a feed is in degrees a minute, as in G-code.
+      const MoveSpeed speed =
+          fast ? MoveSpeed{} : MoveSpeed{*feed_per_s_, *feed_per_s_ * kRadPerDeg};
       pose.time_s = last.time_s + travel_time_s(last, pose, speed);
     }
     script_.push_back(pose);
@@ -139,7 +148,7 @@ class AptReader {
     if (fields_.size() == 2 && upper(fields_[1]) != "MMPM" && upper(fields_[1]) != "PERMIN") {
       return refuse(join({"FEDRAT is understood in MMPM only, not in ", fields_[1]}));
     }
-    feed_mm_per_s_ = *value / 60.0;
+    feed_per_s_ = *value / kSPerMinute;
     rapid_ = false;
     return {};
   }
@@ -180,8 +189,9 @@ class AptReader {
   PoseScript script_;
   Vec3 axis_{0, 0, 1};
   std::uint32_t tool_id_ = 0;
-  std::optional<double> feed_mm_per_s_;
+  std::optional<double> feed_per_s_;
   bool rapid_ = false;
+  bool ended_ = false;
   bool script_started_anew_ = false;
 };
 

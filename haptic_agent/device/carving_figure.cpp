@@ -54,7 +54,8 @@ PoseScript make_carving_figure(const StockBox& stock, std::uint32_t variant) {
   const auto go = [&](TimedPose pose, bool cutting) {
     pose.cutting = cutting;
     if (!script.empty()) {
-      pose.time_s = script.back().time_s + travel_time_s(script.back(), pose, speed);
+      pose.time_s =
+          script.back().time_s + travel_time_s(script.back(), pose, {.tip_mm_per_s = speed});
     }
     script.push_back(pose);
   };

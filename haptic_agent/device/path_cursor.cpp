@@ -42,7 +42,7 @@ PathCursor::PathCursor(PoseScript script, bool loop, double speed)
   for (TimedPose& pose : script_) pose.time_s = (pose.time_s - start_s) / speed;
   if (!loop_) return;
   TimedPose home = script_.front();
-  home.time_s = script_.back().time_s + travel_time_s(script_.back(), home, kRapidMmPerS);
+  home.time_s = script_.back().time_s + travel_time_s(script_.back(), home, {});
   home.cutting = false;
   script_.push_back(home);
   loop_ = home.time_s >= kShortestLapS;

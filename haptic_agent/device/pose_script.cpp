@@ -23,11 +23,11 @@ std::string to_string(const ScriptError& error) {
   return error.file + ":" + std::to_string(error.line) + ": " + error.reason;
 }
 
-double travel_time_s(const TimedPose& from, const TimedPose& to, double speed_mm_per_s) noexcept {
+double travel_time_s(const TimedPose& from, const TimedPose& to, const MoveSpeed& speed) noexcept {
   const double way_mm = length(to.tip_mm - from.tip_mm);
-  if (way_mm > 0) return way_mm / speed_mm_per_s;
+  if (way_mm > 0) return way_mm / speed.tip_mm_per_s;
   const double turn_rad = std::atan2(length(cross(from.axis, to.axis)), dot(from.axis, to.axis));
-  return turn_rad / kTurnRadPerS;
+  return turn_rad / speed.turn_rad_per_s;
 }
 
 std::expected<PoseScript, ScriptError> load_script(const std::string& path) {

@@ -37,11 +37,16 @@ std::string to_string(const ScriptError& error);
 /// How fast the tool goes where a program does not say: RAPID, and the way to a place where the
 /// program starts anew (its first pose, another tool).
 inline constexpr double kRapidMmPerS = 10000.0 / 60.0;
-/// How fast the axis turns where the tip rests.
+/// How fast the axis turns there where the tip rests.
 inline constexpr double kTurnRadPerS = 1.0;
 
-/// Time for a way at `speed_mm_per_s`, but no faster than kTurnRadPerS where only the axis moves.
-double travel_time_s(const TimedPose& from, const TimedPose& to, double speed_mm_per_s) noexcept;
+/// Speed of a move: of the tip, or, where the tip rests, of the axis.
+struct MoveSpeed {
+  double tip_mm_per_s = kRapidMmPerS;
+  double turn_rad_per_s = kTurnRadPerS;
+};
+/// How long the move from one pose to the next takes.
+double travel_time_s(const TimedPose& from, const TimedPose& to, const MoveSpeed& speed) noexcept;
 
 /// APT CL data: GOTO, FROM, FEDRAT (mm/min), RAPID, LOADTL, and the words that do not move the
 /// tool. Anything else is an error. Moves cut; the way to the first pose after FROM or LOADTL does

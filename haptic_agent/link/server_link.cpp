@@ -24,10 +24,8 @@
 #include <system_error>
 #include <thread>
 
-#include "haptic_agent/link/pace.h"
-#include "haptic_agent/link/sample_queue.h"
+#include "haptic_agent/link/traffic.h"
 #include "haptic_agent/servo/servo_clock.h"
-#include "server/wire/codec.h"
 #include "server/wire/control.h"
 
 namespace kerf::agent {
@@ -54,12 +52,6 @@ constexpr seconds kIdleTimeout{6};
 constexpr milliseconds kCloseTimeout{500};
 /// How often the ring is emptied where no sample wakes the link, and pauses are looked at.
 constexpr milliseconds kHousekeeping{10};
-constexpr std::uint64_t kPingEveryUs = 100'000;
-/// An HTTP refusal is quoted up to here.
-constexpr std::size_t kMaxQuotedBytes = 200;
-constexpr unsigned kHttpClientError = 400;
-constexpr unsigned kHttpServerError = 500;
-constexpr unsigned kHttpTooMany = 429;
 constexpr double kUsPerS = 1e6;
 
 std::uint64_t now_us() noexcept {
@@ -67,18 +59,8 @@ std::uint64_t now_us() noexcept {
   return MonotonicClock{}.now_ns() / kNsPerUs;
 }
 
-/// Why a connection ended. A final one is not tried again.
-struct Loss {
-  std::string reason;
-  bool final = false;
-};
-
 std::span<const std::byte> bytes_of(const beast::flat_buffer& buffer) noexcept {
   return {static_cast<const std::byte*>(buffer.data().data()), buffer.size()};
-}
-
-Vec3 to_vec3(const wire::Vec3f& v) noexcept {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
 /// One connection, shared by the coroutine that reads and the one that writes.
@@ -92,12 +74,6 @@ struct Connection {
   asio::steady_timer reader_ended;
   bool reading = false;
   std::optional<Loss> loss;
-  std::optional<std::uint64_t> pong_due;
-  std::uint64_t next_ping_us = 0;
-  std::uint64_t motion_sequence = 0;
-  std::uint64_t ping_sequence = 0;
-  std::uint64_t pong_sequence = 0;
-  std::uint32_t tool_id = 0;
 };
 
 }  // namespace
@@ -106,12 +82,11 @@ class ServerLink::Impl {
  public:
   Impl(LinkSettings settings, SampleRing& samples, LatestValue<ServerWrench>& wrenches)
       : settings_(std::move(settings)),
-        ring_(samples),
-        wrenches_(wrenches),
         wake_fd_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
         wake_(io_, wake_fd_),
         housekeeping_(io_),
-        back_off_(io_) {}
+        back_off_(io_),
+        traffic_(samples, wrenches) {}
 
   ~Impl() {
     interrupt();
@@ -157,11 +132,6 @@ class ServerLink::Impl {
     if (settings_.notice) settings_.notice(text);
   }
 
-  void drain_ring() {
-    wire::MotionSample sample;
-    while (ring_.pop(sample)) queue_.push(sample);
-  }
-
   /// The whole life of the link: connect, serve, connect again.
   asio::awaitable<void> run() {
     milliseconds pause = kFirstBackOff;
@@ -195,7 +165,6 @@ class ServerLink::Impl {
     {
       const std::scoped_lock lock(mutex_);
       failure_ = reason.empty() ? "the connection is lost" : reason;
-      report_.failure = failure_;
     }
     changed_.notify_all();
     if (settings_.failed) settings_.failed();
@@ -203,12 +172,9 @@ class ServerLink::Impl {
 
   void end() {
     if (!welcome_ && failure_.empty()) fail("interrupted");
-    drain_ring();
-    report_.resent = queue_.resent();
-    report_.merged_air = queue_.merged_air();
-    report_.thinned_cuts = queue_.thinned_cuts();
-    report_.forgotten = queue_.forgotten();
-    report_.unanswered = queue_.unanswered();
+    traffic_.collect();
+    report_ = traffic_.report();
+    report_.failure = failure_;
     ended_ = true;
     housekeeping_.cancel();
   }
@@ -218,7 +184,7 @@ class ServerLink::Impl {
     while (!ended_) {
       housekeeping_.expires_after(kHousekeeping);
       co_await housekeeping_.async_wait(kAwait);
-      drain_ring();
+      traffic_.collect();
       wake();
       if (!finished()) continue;
       // Nobody waits any longer for a server that does not answer.
@@ -262,15 +228,7 @@ class ServerLink::Impl {
     const std::string target = "/v1/sessions/" + settings_.session + "/agent";
     const auto [failed] = co_await socket.async_handshake(response, host, target, kAwait);
     if (failed == websocket::error::upgrade_declined) {
-      const unsigned status = response.result_int();
-      std::string said = response.body();
-      said.resize(std::min(said.size(), kMaxQuotedBytes));
-      std::erase(said, '\n');
-      const bool for_good =
-          status >= kHttpClientError && status < kHttpServerError && status != kHttpTooMany;
-      co_return Loss{"the server refuses session '" + settings_.session + "': HTTP " +
-                         std::to_string(status) + (said.empty() ? "" : ": " + said),
-                     for_good};
+      co_return declined(settings_.session, response.result_int(), response.body());
     }
     if (failed) co_return Loss{"no WebSocket: " + failed.message()};
     if (response[http::field::sec_websocket_protocol] !=
@@ -307,18 +265,15 @@ class ServerLink::Impl {
         co_return Loss{"the server says good-bye: " + bye->reason};
       }
       if (const auto* welcome = std::get_if<Welcome>(&*message)) {
-        enter(connection, *welcome);
+        enter(*welcome);
         co_return std::nullopt;
       }
     }
   }
 
-  void enter(Connection& connection, const Welcome& welcome) {
-    connection.tool_id = settings_.hello.tool_id;
-    ++report_.connections;
-    epoch_ = welcome.epoch;
-    queue_.rewind();
-    if (report_.connections > 1) notice("connected again");
+  void enter(const Welcome& welcome) {
+    traffic_.begin(welcome.epoch, settings_.hello.tool_id, now_us());
+    if (welcome_) notice("connected again");
     {
       const std::scoped_lock lock(mutex_);
       if (!welcome_) welcome_ = welcome;
@@ -352,84 +307,31 @@ class ServerLink::Impl {
         if (!connection->loss) connection->loss = Loss{failed.message()};
         break;
       }
-      if (connection->socket.got_text()) {
-        take_text(*connection, beast::buffers_to_string(frame.data()));
-      } else {
-        take_frame(*connection, bytes_of(frame));
-      }
+      std::string said;
+      const std::optional<Loss> loss =
+          connection->socket.got_text()
+              ? traffic_.take_text(beast::buffers_to_string(frame.data()), said)
+              : traffic_.take_frame(bytes_of(frame), now_us());
+      if (!said.empty()) notice(said);
+      if (loss) connection->loss = loss;
     }
     connection->reading = false;
     connection->reader_ended.cancel();
     wake();
   }
 
-  void take_text(Connection& connection, const std::string& text) {
-    const auto message = parse_control(text);
-    if (!message) {
-      ++report_.bad_frames;
-    } else if (const auto* error = std::get_if<ServerError>(&*message)) {
-      ServerComplaint& complaint = report_.complaints[error->code];
-      if (complaint.count++ == 0) {
-        complaint.first_reason = error->reason;
-        notice("server: " + error->code + ": " + error->reason);
-      }
-      if (error->fatal) connection.loss = Loss{error->code + ": " + error->reason, true};
-    } else if (const auto* bye = std::get_if<Bye>(&*message)) {
-      connection.loss = Loss{"the server says good-bye: " + bye->reason};
-    }
-  }
-
-  void take_frame(Connection& connection, std::span<const std::byte> frame) {
-    const auto message = wire::decode(frame);
-    if (!message) {
-      ++report_.bad_frames;
-      return;
-    }
-    if (const auto* result = std::get_if<wire::Result>(&message->body)) {
-      if (message->header.stamp.epoch != epoch_) {
-        connection.loss = Loss{"the session has been rebuilt"};
-        return;
-      }
-      take_result(*result);
-    } else if (const auto* pong = std::get_if<wire::Pong>(&message->body)) {
-      report_.clock.take(pong->ping_time_us, pong->time_us, now_us());
-    } else if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
-      connection.pong_due = ping->time_us;
-      wake();
-    }
-  }
-
-  void take_result(const wire::Result& result) {
-    const std::uint64_t arrival_us = now_us();
-    const Wrench wrench{.force_n = to_vec3(result.force_n),
-                        .torque_nmm = to_vec3(result.torque_nmm)};
-    wrenches_.write({.wrench = wrench, .pose_us = result.agent_time_us, .arrival_us = arrival_us});
-    queue_.answered(result.agent_sequence);
-    ++report_.results;
-    if ((result.status & wire::kStatusRefused) != 0) ++report_.refused_results;
-    report_.motions_in_session = result.motions_applied;
-    report_.removed_mm3 += static_cast<double>(result.removed_mm3);
-    report_.max_server_force_n = std::max(report_.max_server_force_n, length(wrench.force_n));
-    if (arrival_us >= result.agent_time_us) {
-      report_.answer_us.add(arrival_us - result.agent_time_us);
-    }
-    report_.turnaround_us.add(result.turnaround_us);
-  }
-
   /// Writes whatever is due, one frame at a time, until the connection breaks or the link is to
   /// stop.
   asio::awaitable<void> write_all(Connection& connection) {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
-    connection.next_ping_us = now_us();
     while (!connection.loss && !finished()) {
-      drain_ring();
-      if (const std::uint32_t tool = next_tool(connection); tool != 0) {
+      traffic_.collect();
+      if (const std::uint32_t tool = traffic_.take_tool_change(); tool != 0) {
         const std::string text = tool_text(tool);
         co_await write(connection, true, asio::buffer(text));
-        connection.tool_id = tool;
         continue;
       }
-      const std::size_t bytes = fill(connection, frame);
+      const std::size_t bytes = traffic_.fill(now_us(), frame);
       if (bytes > 0) {
         co_await write(connection, false, asio::buffer(frame.data(), bytes));
       } else {
@@ -450,43 +352,11 @@ class ServerLink::Impl {
     if (interrupted()) return true;
     const std::uint64_t until_us = drain_until_us_.load();
     if (until_us == 0) return false;
-    drain_ring();
-    return queue_.settled() || now_us() >= until_us;
-  }
-
-  /// The tool that the next sample asks for, if the others at the block do not know it yet.
-  std::uint32_t next_tool(const Connection& connection) const noexcept {
-    const auto tool = queue_.next_tool();
-    return tool && *tool != connection.tool_id ? *tool : 0;
-  }
-
-  /// Encodes the next binary frame, if one is due; its size, or 0.
-  std::size_t fill(Connection& connection, std::span<std::byte> frame) {
-    const std::uint64_t time_us = now_us();
-    const auto stamp = [&](std::uint64_t sequence) {
-      return wire::FrameStamp{.epoch = epoch_, .sequence = sequence, .time_us = time_us};
-    };
-    if (connection.pong_due) {
-      const wire::Pong pong{.ping_time_us = *connection.pong_due, .time_us = time_us};
-      connection.pong_due.reset();
-      return wire::encode(stamp(++connection.pong_sequence), pong, frame);
-    }
-    if (time_us >= connection.next_ping_us) {
-      connection.next_ping_us = time_us + kPingEveryUs;
-      return wire::encode(stamp(++connection.ping_sequence), wire::Ping{time_us}, frame);
-    }
-    const std::size_t most = pace_.allowed(time_us);
-    if (most == 0 || queue_.unsent() == 0) return 0;
-    const wire::MotionBatch batch = queue_.take(most);
-    pace_.sent(batch.count);
-    report_.samples_sent += batch.count;
-    ++report_.messages_sent;
-    return wire::encode(stamp(++connection.motion_sequence), batch, frame);
+    traffic_.collect();
+    return traffic_.settled() || now_us() >= until_us;
   }
 
   LinkSettings settings_;
-  SampleRing& ring_;
-  LatestValue<ServerWrench>& wrenches_;
   std::atomic<bool> interrupted_{false};
   std::atomic<std::uint64_t> drain_until_us_{0};
 
@@ -496,9 +366,7 @@ class ServerLink::Impl {
   asio::posix::stream_descriptor wake_;
   asio::steady_timer housekeeping_;
   asio::steady_timer back_off_;
-  SampleQueue queue_;
-  Pace pace_;
-  std::uint32_t epoch_ = 0;
+  Traffic traffic_;
   /// The connection that is being made, if one is.
   std::shared_ptr<Connection> greeting_;
   bool ended_ = false;

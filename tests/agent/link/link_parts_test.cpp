@@ -7,6 +7,7 @@
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/pace.h"
 #include "haptic_agent/link/server_url.h"
+#include "haptic_agent/link/traffic.h"
 #include "tests/agent/link/fake_server.h"
 
 namespace kerf::agent {
@@ -60,6 +61,15 @@ TEST(Control, UnknownMessagesAreSkippedAndMalformedOnesRefused) {
 TEST(Control, AHelloLeavesOutWhatTheServerIsToPick) {
   const auto hello = nlohmann::json::parse(hello_text({.name = "Ada", .color = "", .tool_id = 0}));
   EXPECT_EQ(hello, nlohmann::json::parse(R"({"type":"hello","name":"Ada","feel":true})"));
+}
+
+TEST(Declined, OnlyTheAgentsOwnFaultsAreFinal) {
+  EXPECT_TRUE(declined("demo", 404, "").final);
+  EXPECT_FALSE(declined("demo", 429, "").final);
+  EXPECT_FALSE(declined("demo", 503, "").final);
+  EXPECT_EQ(declined("demo", 403, "not\nyours\n").reason,
+            "the server refuses session 'demo': HTTP 403: notyours");
+  EXPECT_LT(declined("demo", 500, std::string(10'000, 'x')).reason.size(), 300U);
 }
 
 TEST(Pace, LetsABacklogOutALittleFasterThanItGrows) {

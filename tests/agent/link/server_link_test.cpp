@@ -234,12 +234,14 @@ TEST_F(ServerLinkTest, AFatalErrorEndsIt) {
   FakeServer server([&](FakePeer& peer, int) {
     peer.read_text();
     peer.send_text(welcome_text());
+    peer.read_motion();
     peer.send_text(R"({"type":"error","code":"bad_frame","reason":"enough","fatal":true})");
     peer.read_motion();
   });
   ServerLink link(settings(server), samples, wrenches);
   link.start();
   ASSERT_TRUE(link.wait_welcome());
+  push(link, 1, 1);
   EXPECT_TRUE(eventually([&] { return failed.load(); }));
   link.stop(1.0);
   EXPECT_EQ(link.report().failure, "bad_frame: enough");

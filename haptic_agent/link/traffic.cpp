@@ -1,0 +1,139 @@
+#include "haptic_agent/link/traffic.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "haptic_agent/link/control_message.h"
+#include "server/wire/codec.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr std::uint64_t kPingEveryUs = 100'000;
+/// A refusal is quoted up to here.
+constexpr std::size_t kMaxQuotedBytes = 200;
+constexpr unsigned kHttpClientError = 400;
+constexpr unsigned kHttpTooMany = 429;
+constexpr unsigned kHttpServerError = 500;
+
+Vec3 to_vec3(const wire::Vec3f& v) noexcept {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+}  // namespace
+
+Loss declined(const std::string& session, unsigned status, std::string_view body) {
+  std::string said(body.substr(0, kMaxQuotedBytes));
+  std::erase(said, '\n');
+  std::string reason = "the server refuses session '" + session + "': HTTP ";
+  reason += std::to_string(status);
+  if (!said.empty()) reason += ": " + said;
+  const bool final =
+      status >= kHttpClientError && status < kHttpServerError && status != kHttpTooMany;
+  return {std::move(reason), final};
+}
+
+void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us) {
+  ++report_.connections;
+  epoch_ = epoch;
+  tool_id_ = tool_id;
+  motion_sequence_ = ping_sequence_ = pong_sequence_ = 0;
+  next_ping_us_ = now_us;
+  pong_due_.reset();
+  queue_.rewind();
+}
+
+void Traffic::collect() {
+  wire::MotionSample sample;
+  while (ring_.pop(sample)) queue_.push(sample);
+}
+
+std::uint32_t Traffic::take_tool_change() noexcept {
+  const auto tool = queue_.next_tool();
+  if (!tool || *tool == tool_id_) return 0;
+  return tool_id_ = *tool;
+}
+
+std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
+  const auto stamp = [&](std::uint64_t sequence) {
+    return wire::FrameStamp{.epoch = epoch_, .sequence = sequence, .time_us = now_us};
+  };
+  if (pong_due_) {
+    const wire::Pong pong{.ping_time_us = *pong_due_, .time_us = now_us};
+    pong_due_.reset();
+    return wire::encode(stamp(++pong_sequence_), pong, frame);
+  }
+  if (now_us >= next_ping_us_) {
+    next_ping_us_ = now_us + kPingEveryUs;
+    return wire::encode(stamp(++ping_sequence_), wire::Ping{now_us}, frame);
+  }
+  const std::size_t most = pace_.allowed(now_us);
+  if (most == 0 || queue_.unsent() == 0) return 0;
+  const wire::MotionBatch batch = queue_.take(most);
+  pace_.sent(batch.count);
+  report_.samples_sent += batch.count;
+  ++report_.messages_sent;
+  return wire::encode(stamp(++motion_sequence_), batch, frame);
+}
+
+std::optional<Loss> Traffic::take_text(std::string_view text, std::string& notice) {
+  const auto message = parse_control(text);
+  if (!message) {
+    ++report_.bad_frames;
+    return std::nullopt;
+  }
+  if (const auto* bye = std::get_if<Bye>(&*message)) {
+    return Loss{"the server says good-bye: " + bye->reason};
+  }
+  const auto* error = std::get_if<ServerError>(&*message);
+  if (error == nullptr) return std::nullopt;
+  ServerComplaint& complaint = report_.complaints[error->code];
+  if (complaint.count++ == 0) {
+    complaint.first_reason = error->reason;
+    notice = "server: " + error->code + ": " + error->reason;
+  }
+  if (!error->fatal) return std::nullopt;
+  return Loss{error->code + ": " + error->reason, true};
+}
+
+std::optional<Loss> Traffic::take_frame(std::span<const std::byte> frame, std::uint64_t now_us) {
+  const auto message = wire::decode(frame);
+  if (!message) {
+    ++report_.bad_frames;
+    return std::nullopt;
+  }
+  if (const auto* result = std::get_if<wire::Result>(&message->body)) {
+    if (message->header.stamp.epoch != epoch_) return Loss{"the session has been rebuilt"};
+    take_result(*result, now_us);
+  } else if (const auto* pong = std::get_if<wire::Pong>(&message->body)) {
+    report_.clock.take(pong->ping_time_us, pong->time_us, now_us);
+  } else if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
+    pong_due_ = ping->time_us;
+  }
+  return std::nullopt;
+}
+
+void Traffic::take_result(const wire::Result& result, std::uint64_t now_us) {
+  const Wrench wrench{.force_n = to_vec3(result.force_n), .torque_nmm = to_vec3(result.torque_nmm)};
+  wrenches_.write({.wrench = wrench, .pose_us = result.agent_time_us, .arrival_us = now_us});
+  queue_.answered(result.agent_sequence);
+  ++report_.results;
+  if ((result.status & wire::kStatusRefused) != 0) ++report_.refused_results;
+  report_.motions_in_session = result.motions_applied;
+  report_.removed_mm3 += static_cast<double>(result.removed_mm3);
+  report_.max_server_force_n = std::max(report_.max_server_force_n, length(wrench.force_n));
+  if (now_us >= result.agent_time_us) report_.answer_us.add(now_us - result.agent_time_us);
+  report_.turnaround_us.add(result.turnaround_us);
+}
+
+LinkReport Traffic::report() const {
+  LinkReport report = report_;
+  report.resent = queue_.resent();
+  report.merged_air = queue_.merged_air();
+  report.thinned_cuts = queue_.thinned_cuts();
+  report.forgotten = queue_.forgotten();
+  report.unanswered = queue_.unanswered();
+  return report;
+}
+
+}  // namespace kerf::agent

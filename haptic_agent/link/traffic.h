@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "haptic_agent/link/link_report.h"
+#include "haptic_agent/link/pace.h"
+#include "haptic_agent/link/sample_queue.h"
+#include "haptic_agent/servo/latest_value.h"
+#include "haptic_agent/servo/sample_ring.h"
+#include "haptic_agent/servo/wrench_interpolator.h"
+#include "server/wire/types.h"
+
+namespace kerf::agent {
+
+/// Why a connection ended. A final one is not tried again.
+struct Loss {
+  std::string reason;
+  bool final = false;
+};
+
+/// What it means that a server answers the wish for a WebSocket with an HTTP status and a body: the
+/// client's own faults (4xx) are final, but for "too many requests".
+Loss declined(const std::string& session, unsigned status, std::string_view body);
+
+/// What goes over a connection and what comes back, apart from the connection itself: decides which
+/// frame is due, reads each that comes, and keeps the count. Used by the link's thread only.
+class Traffic {
+ public:
+  /// Both references must outlive it.
+  Traffic(SampleRing& samples, LatestValue<ServerWrench>& wrenches)
+      : ring_(samples), wrenches_(wrenches) {}
+
+  /// A connection has been made and welcomed; `tool_id` is the one named in the hello.
+  void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us);
+
+  /// Takes what the servo has left in the ring.
+  void collect();
+  /// True if every sample that was collected is answered.
+  bool settled() const noexcept { return queue_.settled(); }
+
+  /// The tool to tell the others of before the next frame; 0: none.
+  std::uint32_t take_tool_change() noexcept;
+  /// Encodes the next binary frame that is due into `frame` (kMaxClientFrameBytes); its size, or 0.
+  std::size_t fill(std::uint64_t now_us, std::span<std::byte> frame);
+
+  /// A frame has come: why the connection must end, if so; `notice` is what the user should read.
+  std::optional<Loss> take_text(std::string_view text, std::string& notice);
+  std::optional<Loss> take_frame(std::span<const std::byte> frame, std::uint64_t now_us);
+
+  /// The counts so far, those of the queue included.
+  LinkReport report() const;
+
+ private:
+  void take_result(const wire::Result& result, std::uint64_t now_us);
+
+  SampleRing& ring_;
+  LatestValue<ServerWrench>& wrenches_;
+  SampleQueue queue_;
+  Pace pace_;
+  LinkReport report_;
+  std::uint32_t epoch_ = 0;
+  std::uint32_t tool_id_ = 0;
+  std::uint64_t motion_sequence_ = 0;
+  std::uint64_t ping_sequence_ = 0;
+  std::uint64_t pong_sequence_ = 0;
+  std::uint64_t next_ping_us_ = 0;
+  std::optional<std::uint64_t> pong_due_;
+};
+
+}  // namespace kerf::agent
