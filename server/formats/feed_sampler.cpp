@@ -4,6 +4,7 @@
 
 #include "kernel/math/rotation.h"
 #include "server/formats/machine_kinematics.h"
+#include "server/formats/number_text.h"
 #include "server/formats/pose_grid.h"
 #include "server/formats/program.h"
 
@@ -14,6 +15,16 @@ namespace {
 // kernel takes.
 constexpr double kSampleTurnMaxRad = std::numbers::pi / 2;
 constexpr int kHalvingsMax = 20;
+// Corners that are cut by more than this are worth a warning: the usual tolerance of a scene.
+constexpr double kCornerWarnMm = 0.01;
+
+// Distance of a point from a segment.
+double distance_mm(Vec3 point, Vec3 from, Vec3 to) {
+  const Vec3 way = to - from;
+  const double square = dot(way, way);
+  const double s = square > 0 ? std::clamp(dot(point - from, way) / square, 0.0, 1.0) : 0;
+  return length(point - (from + way * s));
+}
 
 // A run of motions of one tool, each starting where the last one ended.
 struct Chain {
@@ -29,6 +40,9 @@ class ChainSampler {
       ends_.push_back(end += m->duration_s);
     last_ = chain.first->from;
   }
+
+  /// The farthest that a corner of the path is from the sample that spans it, mm.
+  double corner_cut_mm() const { return corner_cut_mm_; }
 
   void run(double rate_hz) {
     const double duration = ends_.back();
@@ -67,7 +81,11 @@ class ChainSampler {
       sample(middle, to_s, halvings + 1);
       return;
     }
-    const ProgramMotion& motion = chain_.first[motion_at(to_s)];
+    const std::size_t last = motion_at(to_s);
+    for (std::size_t i = motion_at(from_s); i < last; ++i)
+      corner_cut_mm_ =
+          std::max(corner_cut_mm_, distance_mm(chain_.first[i].to.tip_mm, last_.tip_mm, to.tip_mm));
+    const ProgramMotion& motion = chain_.first[last];
     out_.motions.push_back({.tool = motion.tool,
                             .from = last_,
                             .to = to,
@@ -81,7 +99,14 @@ class ChainSampler {
   Program& out_;
   std::vector<double> ends_;
   ToolPose last_;
+  double corner_cut_mm_ = 0;
 };
+
+void warn_of_corners(Program& sampled, double corner_cut_mm) {
+  if (corner_cut_mm <= kCornerWarnMm) return;
+  sampled.warnings.push_back(sampled.name + ": at this rate corners are cut by up to " +
+                             significant_text(corner_cut_mm, 3) + " mm");
+}
 
 }  // namespace
 
@@ -94,13 +119,17 @@ double sample_count(const Program& program, double rate_hz) {
 Program sample_program(const Program& program, double rate_hz) {
   Program sampled{
       .name = program.name, .motions = {}, .warnings = program.warnings, .lines = program.lines};
+  double corner_cut_mm = 0;
   const ProgramMotion* const end = program.motions.data() + program.motions.size();
   for (const ProgramMotion* first = program.motions.data(); first != end;) {
     const ProgramMotion* last = first + 1;
     while (last != end && last->from == (last - 1)->to && last->tool == first->tool) ++last;
-    ChainSampler({first, last}, sampled).run(rate_hz);
+    ChainSampler sampler({first, last}, sampled);
+    sampler.run(rate_hz);
+    corner_cut_mm = std::max(corner_cut_mm, sampler.corner_cut_mm());
     first = last;
   }
+  warn_of_corners(sampled, corner_cut_mm);
   return sampled;
 }
 

@@ -64,6 +64,9 @@ MotionSink::Result MotionSink::emit(const ToolPose& to, double duration_s, bool 
   if (!tool_) return std::unexpected("a motion needs a tool, and none is loaded");
   if (!std::isfinite(duration_s) || duration_s > kDurationMaxS)
     return std::unexpected("the feed is so slow that the motion would not end");
+  if (program_.motions.size() >= kProgramMotionsMax)
+    return std::unexpected("the program has more than " + std::to_string(kProgramMotionsMax) +
+                           " motions");
   program_.motions.push_back({.tool = *tool_,
                               .from = *last_,
                               .to = to,

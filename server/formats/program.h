@@ -34,6 +34,9 @@ struct ProgramMotion {
   friend bool operator==(const ProgramMotion&, const ProgramMotion&) = default;
 };
 
+/// Most motions that a program may become, 112 bytes each: a few lines of hostile text can ask for
+/// any number.
+inline constexpr std::size_t kProgramMotionsMax = 10'000'000;
 /// A program collects at most this many warnings.
 inline constexpr std::size_t kProgramWarningsMax = 100;
 
@@ -57,8 +60,9 @@ std::expected<Program, ProgramError> parse_program(const std::string& name, std:
                                                    const Scene& scene);
 
 /// The same path cut into motions of 1/rate_hz seconds each along the programmed feed (the last one
-/// of a chain of motions may be shorter). Poses are on the pose grid; corners between motions are
-/// cut by at most the way travelled in 1/rate_hz. `rate_hz` > 0.
+/// of a chain of motions may be shorter). Poses are on the pose grid. A motion that spans a corner
+/// cuts it; from 0.01 mm on a warning says by how much. `rate_hz` > 0. Check sample_count first: a
+/// slow program at a high rate has no end.
 Program sample_program(const Program& program, double rate_hz);
 
 /// About how many motions sample_program would make.

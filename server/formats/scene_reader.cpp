@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "server/formats/json_location.h"
 #include "server/formats/scene.h"
 #include "server/formats/stl.h"
 #include "server/formats/text_file.h"
@@ -313,15 +314,13 @@ Scene read_scene(const Json& json, const SceneSource& source) {
   return scene;
 }
 
-SceneError syntax_error(std::string_view text, const SceneSource& source, std::size_t byte,
-                        std::string reason) {
-  SceneError error{
-      .file = source.name, .path = {}, .line = 1, .column = 1, .reason = std::move(reason)};
-  for (const char c : text.substr(0, byte > 0 ? byte - 1 : 0)) {
-    error.column = c == '\n' ? 1 : error.column + 1;
-    error.line += c == '\n' ? 1 : 0;
-  }
-  return error;
+SceneError error_at(TextPlace place, const SceneSource& source, std::string path,
+                    std::string reason) {
+  return {.file = source.name,
+          .path = std::move(path),
+          .line = place.line,
+          .column = place.column,
+          .reason = std::move(reason)};
 }
 
 // nlohmann keeps the last of two equal keys without a word; a scene that says a thing twice is
@@ -358,12 +357,13 @@ std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneS
     return read_scene(json, source);
   } catch (const Refusal& refusal) {
     return std::unexpected(
-        SceneError{.file = source.name, .path = refusal.path, .reason = refusal.reason});
+        error_at(locate_json(text, refusal.path), source, refusal.path, refusal.reason));
   } catch (const Json::parse_error& error) {
-    return std::unexpected(syntax_error(text, source, error.byte, "is not JSON here"));
+    const TextPlace place = place_of(text, error.byte > 0 ? error.byte - 1 : 0);
+    return std::unexpected(error_at(place, source, "", "is not JSON here"));
   } catch (const Json::exception& error) {
     // Numbers beyond the range of a double end here.
-    return std::unexpected(syntax_error(text, source, 0, "has a value that cannot be read"));
+    return std::unexpected(error_at({}, source, "", "has a value that cannot be read"));
   }
 }
 

@@ -178,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"SceneSyntax", "s.json", "{\n]", "--scene s.json --program p.ngc",
                  "s.json:2:1: is not JSON"},
         BadInput{"SceneField", "s.json", R"({"stock": {"shape": "ball"}})",
-                 "--scene s.json --program p.ngc", "s.json: stock.shape \"ball\" is not"},
+                 "--scene s.json --program p.ngc", "s.json:1:21: stock.shape \"ball\" is not"},
         BadInput{"NoScene", "", "", "--scene none.json --program p.ngc", "none.json: cannot"},
         BadInput{"NoProgram", "", "", "--scene scene.json --program none.ngc", "none.ngc: cannot"},
         BadInput{"Folder", "", "", "--scene scene.json --program .", ".: "},

@@ -59,6 +59,14 @@ TEST(FeedSampler, MotionsConnectAndStayTurnable) {
   }
 }
 
+TEST(FeedSampler, CornersThatAreCutAreWarnedOf) {
+  const Program program = gcode(scene_for("xyz"), "T1 M6\nG0 X0 Y0 Z0\nG1 X10.5 F60\nY10.5\nM2\n");
+  EXPECT_TRUE(sample_program(program, 2).warnings.empty());
+  const Program coarse = sample_program(program, 1);
+  ASSERT_EQ(coarse.warnings.size(), 1u);
+  EXPECT_EQ(coarse.warnings[0], "p.ngc: at this rate corners are cut by up to 0.354 mm");
+}
+
 TEST(FeedSampler, AnEmptyProgramHasNoSamples) {
   EXPECT_TRUE(sample_program({}, 1000).motions.empty());
 }

@@ -155,6 +155,17 @@ TEST(Scene, SyntaxErrorsHaveLineAndColumn) {
   error_of(std::string(100000, '['));
 }
 
+TEST(Scene, OtherErrorsHaveTheLineOfTheValue) {
+  const SceneError error = error_of(with("\"pitch_mm\": 0.25", "\n\n  \"pitch_mm\":\n 0"));
+  EXPECT_EQ(error.line, 5u);
+  EXPECT_EQ(error.column, 2u);
+  EXPECT_EQ(error_of(with("\"id\": 1", "\n\"id\": 0")).line, 4u);
+  EXPECT_EQ(error_of(with("50,50,0]", "50,\n\"a \\\" ] }\",0]")).line, 2u);
+  // What is missing is looked for in the object around it.
+  EXPECT_EQ(error_of(with("\"diameter_mm\": 10,", "\n")).line, 3u);
+  EXPECT_EQ(error_of("\n\n []").line, 3u);
+}
+
 TEST(Scene, StlObstaclesAreReadRelativeToTheScene) {
   const auto folder =
       std::filesystem::temp_directory_path() /
