@@ -78,7 +78,7 @@ const std::vector<Library>& libraries() {
       {{"prometheus/"}, true, {"server/net", "server/main.cpp"}, "metrics leave through the net"},
       {{"CLI/"},
        false,
-       {"server/main.cpp", "server/carve", "haptic_agent/main.cpp", "haptic_agent/demo"},
+       {"server/main.cpp", "server/carve", "haptic_agent/main.cpp", "haptic_agent/options.cpp"},
        "the command line belongs to the programs"},
       {{"libusb"}, false, {"haptic_agent/device"}, "USB is one of the devices"},
   };
