@@ -29,7 +29,7 @@ ColumnRange columns_in(double lo_mm, double hi_mm, double origin_mm, double pitc
 KERF_VECTOR_CLONES
 void quantize(const ColumnRow& row, double origin_z, double inverse_quantum, double height,
               CutRow& out) {
-  for (int i = 0; i < row.count; ++i) {
+  for (int i = 0; i < row.lanes; ++i) {
     double lo = (row.lo_mm[i] - origin_z) * inverse_quantum;
     double hi = (row.hi_mm[i] - origin_z) * inverse_quantum;
     lo = lo > 0 ? lo : 0;
@@ -39,6 +39,19 @@ void quantize(const ColumnRow& row, double origin_z, double inverse_quantum, dou
     out.bottom[i] = static_cast<std::int32_t>(lo + 0.5);
     out.top[i] = static_cast<std::int32_t>(hi + 0.5);
   }
+}
+
+/// The part of a run in which the stock reaches above the plane that bounds the sweep from below.
+ColumnRange reaching_above(const LowerPlane& plane, const ColumnRow& row, const std::int32_t* top,
+                           double origin_z, double quantum) {
+  ColumnRange range{0, row.count - 1};
+  const double at_row = plane.at_origin_mm + plane.by_y * row.y_mm - origin_z - quantum;
+  const auto is_below = [&](std::int32_t c) {
+    return top[c] * quantum <= at_row + plane.by_x * row.x_mm[c];
+  };
+  while (range.first <= range.last && is_below(range.first)) ++range.first;
+  while (range.last > range.first && is_below(range.last)) --range.last;
+  return range;
 }
 
 /// Whether the cut overlaps the topmost element of any of the columns.
@@ -63,6 +76,7 @@ class Cutter {
     const SweepBounds b = std::visit([](const auto& s) { return s.bounds(); }, swept_);
     const double top_mm = grid_.z_mm(grid_.height_quanta);
     if (!(b.max_mm.z > grid_.origin_mm.z && b.min_mm.z < top_mm)) return;
+    plane_ = std::visit([](const auto& s) { return s.lower_plane(); }, swept_);
     lowest_ = (b.min_mm.z - grid_.origin_mm.z) / grid_.z_quantum_mm - 1;
     const ColumnRange is =
         columns_in(b.min_mm.x, b.max_mm.x, grid_.origin_mm.x, grid_.pitch_mm, grid_.columns_x);
@@ -93,17 +107,16 @@ class Cutter {
     if (!(x.lo_mm <= x.hi_mm)) return;
     const ColumnRange is =
         columns_in(x.lo_mm, x.hi_mm, grid_.origin_mm.x, grid_.pitch_mm, grid_.columns_x);
-    const std::int32_t first = std::max(is.first, tile.x * kTileSide);
+    std::int32_t first = std::max(is.first, tile.x * kTileSide);
     const std::int32_t last = std::min(is.last, tile.x * kTileSide + kTileSide - 1);
     if (first > last) return;
-    row.count = last - first + 1;
-    for (int c = 0; c < row.count; ++c) row.x_mm[c] = grid_.x_mm(first + c);
+    const DexelTile* stored = changed != nullptr ? changed : field_.find(tile);
+    if (!fill_row(row, first, last, j, stored)) return;
     std::visit([&](const auto& s) { s.evaluate(row); }, swept_);
     CutRow cut;
     quantize(row, grid_.origin_mm.z, 1 / grid_.z_quantum_mm, grid_.height_quanta, cut);
 
     const int column = (j % kTileSide) * kTileSide + first % kTileSide;
-    const DexelTile* stored = changed != nullptr ? changed : field_.find(tile);
     if (!hits(stored, column, cut, row.count)) return;
     if (changed == nullptr) {
       const std::size_t before = removal_.segments.size();
@@ -114,6 +127,22 @@ class Cutter {
     } else {
       apply(*changed, column, first, j, cut, row.count);
     }
+  }
+
+  /// Puts the columns first..last of row j into `row`, less those at its ends whose stock is below
+  /// the sweep; `first` is moved accordingly. False if none is left.
+  bool fill_row(ColumnRow& row, std::int32_t& first, std::int32_t last, std::int32_t j,
+                const DexelTile* stored) const {
+    row.assign(last - first + 1, [&](int c) { return grid_.x_mm(first + c); });
+    if (stored == nullptr) return true;
+    const std::int32_t* top =
+        &stored->top[std::size_t((j % kTileSide) * kTileSide + first % kTileSide)];
+    const ColumnRange left =
+        reaching_above(plane_, row, top, grid_.origin_mm.z, grid_.z_quantum_mm);
+    if (left.first > left.last) return false;
+    first += left.first;
+    row.assign(left.last - left.first + 1, [&](int c) { return grid_.x_mm(first + c); });
+    return true;
   }
 
   /// Whether the cut may change a column of the run: exact for columns of one element, generous for
@@ -189,7 +218,8 @@ class Cutter {
   const SweptPiece& swept_;
   Removal& removal_;
   ColumnRange rows_{0, -1};
-  double lowest_ = 0;
+  double lowest_ = 0;  ///< no sweep below this depth
+  LowerPlane plane_{};
   std::vector<Dexel> before_, after_;
 };
 

@@ -11,7 +11,7 @@ namespace {
 KERF_VECTOR_CLONES
 void evaluate_row(ColumnRow& row, const RaySphere& start, const RayCylinder& envelope,
                   const RaySphere& end) {
-  for (int i = 0; i < row.count; ++i) {
+  for (int i = 0; i < row.lanes; ++i) {
     Span span;
     start.extend(span, row.x_mm[i], row.y_mm);
     envelope.extend(span, row.x_mm[i], row.y_mm);
@@ -31,6 +31,8 @@ SweepBounds BallSweep::bounds() const {
   return {Vec3{std::min(from_.x, to_.x), std::min(from_.y, to_.y), std::min(from_.z, to_.z)} - r,
           Vec3{std::max(from_.x, to_.x), std::max(from_.y, to_.y), std::max(from_.z, to_.z)} + r};
 }
+
+LowerPlane BallSweep::lower_plane() const { return {bounds().min_mm.z, 0, 0}; }
 
 XRange BallSweep::row_range(double y_mm) const {
   return Outline({from_, to_, to_, to_}, radius_).row(y_mm);

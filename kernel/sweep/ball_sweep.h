@@ -11,6 +11,7 @@ class BallSweep {
   BallSweep(Vec3 from_mm, Vec3 to_mm, double radius_mm);
 
   SweepBounds bounds() const;
+  LowerPlane lower_plane() const;
   XRange row_range(double y_mm) const;
   /// Fills lo and hi of every column of the row.
   void evaluate(ColumnRow& row) const;

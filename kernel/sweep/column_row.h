@@ -10,15 +10,33 @@ namespace kerf {
 /// long enough to fill vector registers.
 struct ColumnRow {
   double y_mm = 0;
-  double x_mm[kTileSide];
-  double lo_mm[kTileSide];  ///< out: lowest removed height; +inf where the piece misses the column
-  double hi_mm[kTileSide];  ///< out: highest removed height; -inf where it misses
-  int count = 0;            ///< columns in use, at most kTileSide
+  alignas(64) double x_mm[kTileSide];
+  alignas(64) double lo_mm[kTileSide];  ///< out: lowest removed height; +inf where the piece misses
+                                        ///< the column
+  alignas(64) double hi_mm[kTileSide];  ///< out: highest removed height; -inf where it misses
+  int count = 0;                        ///< columns in use, at most kTileSide
+  int lanes = 0;                        ///< count rounded up to whole vectors: what loops run over
+
+  /// Takes the columns x(0) … x(n − 1); the lanes behind them repeat the last one.
+  template <class X>
+  void assign(int n, X x) {
+    count = n;
+    lanes = (n + kLanes - 1) / kLanes * kLanes;
+    for (int c = 0; c < lanes; ++c) x_mm[c] = x(c < n ? c : n - 1);
+  }
+
+  static constexpr int kLanes = 8;  ///< doubles in the widest vector
 };
 
 /// Limits of a swept piece; nothing outside is removed.
 struct SweepBounds {
   Vec3 min_mm, max_mm;
+};
+
+/// A plane z = at_origin + by_x x + by_y y that no point of a swept piece lies below. Where the
+/// stock is lower already, the piece has nothing to remove and is not evaluated.
+struct LowerPlane {
+  double at_origin_mm, by_x, by_y;
 };
 
 /// A range of x (mm); empty when lo > hi.

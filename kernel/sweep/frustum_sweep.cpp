@@ -6,6 +6,10 @@
 namespace kerf {
 namespace {
 
+/// Squared sine of the lean from which on a plane along the axis bounds the piece better than a
+/// level one.
+constexpr double kLeanForPlane = 1e-4;
+
 RayCone at_pose(const FrustumPiece& p, const ToolPose& pose) {
   return {pose.tip_mm + pose.axis * p.z0_mm, pose.axis, p.z1_mm - p.z0_mm, p.r0_mm, p.r1_mm};
 }
@@ -34,7 +38,7 @@ KERF_VECTOR_CLONES
 void evaluate_translated(ColumnRow& row, const RayCone& start, const RayCone& end,
                          const RayParallelogram& left, const RayParallelogram& right,
                          const RayPipe& lower, const RayPipe& upper) {
-  for (int i = 0; i < row.count; ++i) {
+  for (int i = 0; i < row.lanes; ++i) {
     Span span;
     const double x = row.x_mm[i], y = row.y_mm;
     start.extend(span, x, y);
@@ -50,32 +54,10 @@ void evaluate_translated(ColumnRow& row, const RayCone& start, const RayCone& en
 
 KERF_VECTOR_CLONES
 void evaluate_standing(ColumnRow& row, const RayCone& start, const RayCone& end) {
-  for (int i = 0; i < row.count; ++i) {
+  for (int i = 0; i < row.lanes; ++i) {
     Span span;
     start.extend(span, row.x_mm[i], row.y_mm);
     end.extend(span, row.x_mm[i], row.y_mm);
-    row.lo_mm[i] = span.lo;
-    row.hi_mm[i] = span.hi;
-  }
-}
-
-KERF_VECTOR_CLONES
-void include_turning_sides(ColumnRow& row, const TurningFrustum& f) {
-  for (int i = 0; i < row.count; ++i) {
-    Span span{row.lo_mm[i], row.hi_mm[i]};
-    include_side_contact(span, f, +1.0, row.x_mm[i], row.y_mm);
-    include_side_contact(span, f, -1.0, row.x_mm[i], row.y_mm);
-    row.lo_mm[i] = span.lo;
-    row.hi_mm[i] = span.hi;
-  }
-}
-
-KERF_VECTOR_CLONES
-void include_turning_rim(ColumnRow& row, const TurningFrustum& f, double height, double radius) {
-  for (int i = 0; i < row.count; ++i) {
-    Span span{row.lo_mm[i], row.hi_mm[i]};
-    include_rim_contact(span, f, height, radius, +1.0, row.x_mm[i], row.y_mm);
-    include_rim_contact(span, f, height, radius, -1.0, row.x_mm[i], row.y_mm);
     row.lo_mm[i] = span.lo;
     row.hi_mm[i] = span.hi;
   }
@@ -131,6 +113,24 @@ SweepBounds FrustumSweep::bounds() const {
   return b;
 }
 
+LowerPlane FrustumSweep::lower_plane() const {
+  const LowerPlane level{bounds().min_mm.z, 0, 0};
+  const Vec3 u = normalized(start_.axis + end_.axis);
+  const double lean2 = u.x * u.x + u.y * u.y;
+  if (!(lean2 > kLeanForPlane && u.z > 0)) return level;
+  // The plane along the middle axis that touches the piece from below: n is the upward normal of
+  // the axis. Discs reach their radius below their centres along n; sines of the half turn are
+  // covered by taking whole radii.
+  const double lean = std::sqrt(lean2);
+  const Vec3 n{-u.x * u.z / lean, -u.y * u.z / lean, lean};
+  double support = 1e300;
+  for (const RayCone& cone : {start_, end_}) {
+    support = std::min({support, dot(n, cone.base) - piece_.r0_mm,
+                        dot(n, cone.base + cone.axis * cone.height) - piece_.r1_mm});
+  }
+  return {support / n.z, -n.x / n.z, -n.y / n.z};
+}
+
 void FrustumSweep::evaluate(ColumnRow& row) const {
   if (const auto* e = std::get_if<TranslationEnvelope>(&envelope_)) {
     evaluate_translated(row, start_, end_, e->left, e->right, e->lower, e->upper);
@@ -138,9 +138,7 @@ void FrustumSweep::evaluate(ColumnRow& row) const {
   }
   const auto& turning = std::get<TurningFrustum>(envelope_);
   evaluate_standing(row, start_, end_);
-  include_turning_sides(row, turning);
-  if (piece_.r0_mm > 0) include_turning_rim(row, turning, 0, piece_.r0_mm);
-  if (piece_.r1_mm > 0) include_turning_rim(row, turning, turning.height, piece_.r1_mm);
+  include_turning_contacts(row, turning, piece_);
 }
 
 }  // namespace kerf

@@ -23,6 +23,7 @@ class FrustumSweep {
   FrustumSweep(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to);
 
   SweepBounds bounds() const;
+  LowerPlane lower_plane() const;
   XRange row_range(double y_mm) const { return outline_.row(y_mm); }
   /// Fills lo and hi of every column of the row.
   void evaluate(ColumnRow& row) const;

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "kernel/math/span.h"
 #include "kernel/math/tolerance.h"
 #include "kernel/math/vec3.h"
+#include "kernel/sweep/column_row.h"
 #include "kernel/tool/tool.h"
 #include "kernel/tool/tool_pose.h"
 
@@ -18,8 +18,9 @@ struct TurningFrustum {
   Vec3 base;  ///< centre of the lower disc at the middle pose
   Vec3 w, k, u;
   double height, r0, slope;
-  double omega;       ///< chord of the turn: 2 sin(turn / 2)
-  double va, vb, vc;  ///< velocity of `base` along w, k, u
+  double omega;             ///< chord of the turn: 2 sin(turn / 2)
+  double va, vb, vc;        ///< velocity of `base` along w, k, u
+  double straightening_mm;  ///< farthest that a straight way ends from the true end pose
 
   TurningFrustum(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to);
 };
@@ -43,8 +44,12 @@ struct ContactPoint {
     return {(ex * by_second.y - ey * by_second.x) * inverse,
             (by_first.x * ey - by_first.y * ex) * inverse};
   }
-  bool meets(double x, double y) const {
-    return (std::abs(x - at.x) <= kContactEpsilonMm) & (std::abs(y - at.y) <= kContactEpsilonMm);
+  /// Whether the point lies on the ray, as nearly as the model knows where its ways end: a contact
+  /// just beyond the end of one sub-motion and just before the start of the next must be claimed by
+  /// one of them.
+  bool meets(double x, double y, double straightening_mm) const {
+    const double allowed = straightening_mm + kContactEpsilonMm;
+    return (std::abs(x - at.x) <= allowed) & (std::abs(y - at.y) <= allowed);
   }
 };
 
@@ -83,20 +88,6 @@ struct SideContact : ContactPoint {
   }
 };
 
-/// Adds the contact of the frustum's side on one side of its motion, if the ray at (x, y) meets it.
-inline void include_side_contact(Span& span, const TurningFrustum& f, double sign, double x,
-                                 double y) {
-  const double px = x - f.base.x, py = y - f.base.y;
-  double l = f.height / 2, s = 0;
-  for (int step = 0; step < kContactSteps; ++step) {
-    const auto [dl, ds] = SideContact(f, sign, l, s).towards(px, py);
-    l = clamp(l + dl, -kEdgeEpsilonMm, f.height + kEdgeEpsilonMm);
-    s = clamp(s + ds, -0.5, 0.5);
-  }
-  const SideContact contact(f, sign, l, s);
-  include(span, contact.exists & contact.meets(px, py), f.base.z + contact.at.z);
-}
-
 /// A rim's point in the radial direction (ew, ek) at share s; unknowns: the angle of the direction,
 /// and s.
 struct RimContact : ContactPoint {
@@ -109,41 +100,36 @@ struct RimContact : ContactPoint {
   }
 };
 
-/// Adds a contact of the rim at `height` above the base, if the ray at (x, y) meets it; `sign`
-/// picks one of the two that a translation would have (RayPipe), from which the search starts.
-inline void include_rim_contact(Span& span, const TurningFrustum& f, double height, double radius,
-                                double sign, double x, double y) {
-  const double px = x - f.base.x, py = y - f.base.y;
-  const double va = f.va + height * f.omega;
-  const Vec3 d = in_world(f, va, f.vb, f.vc);
-  const double qx = px - f.u.x * height, qy = py - f.u.y * height;
-  // As RayPipe, with the centre at the middle of its way and the nearest point where the ray passes
-  // by.
-  const double inverse_n = 1 / (f.u.z * f.u.z + f.vc * f.vc);
-  const double alpha = (qx * f.u.x + qy * f.u.y) * inverse_n;
-  const double s0 = alpha * f.vc, w0 = -alpha * f.u.z;
-  const Vec3 q0{qx - s0 * d.x, qy - s0 * d.y, w0 - s0 * d.z};
-  const Vec3 g{-f.u.z * d.x, -f.u.z * d.y, f.vc - f.u.z * d.z};
-  const double gg = dot(g, g), b = dot(q0, g);
-  const double inside = b * b - gg * (dot(q0, q0) - radius * radius);
-  const double tau = (sign * std::sqrt(inside > 0 ? inside : 0) - b) / gg;
-  const Vec3 q{q0.x + tau * g.x, q0.y + tau * g.y, q0.z + tau * g.z};
-  double ew = dot(q, f.w), ek = dot(q, f.k);
-  double s = clamp(s0 + tau * f.u.z, -0.5, 0.5);
-  for (int step = 0; step < kContactSteps; ++step) {
-    const double scale = 1 / std::sqrt(ew * ew + ek * ek);
-    ew *= scale;
-    ek *= scale;
-    const auto [da, ds] = RimContact(f, height, radius, ew, ek, s).towards(px, py);
-    const double turn = clamp(da, -0.5, 0.5);
-    const double tw = ew - turn * ek, tk = ek + turn * ew;
-    ew = tw;
-    ek = tk;
-    s = clamp(s + ds, -0.5, 0.5);
+/// Where the search for a rim's contact starts: one of the two contacts that a translation with the
+/// velocity of the rim's centre would have (RayPipe, centred on the middle of its way), or the
+/// nearest point of the rim where the ray passes by
+/// (`sign` +1, −1); or where the ray crosses the plane of the rim (`sign` 0), for a rim that tilts
+/// about a centre nearly at rest, which no translation resembles. The radial direction is not
+/// normalised.
+struct RimStart {
+  double ew, ek, s;
+
+  RimStart(const TurningFrustum& f, double height, double radius, double sign, double x, double y) {
+    const double va = f.va + height * f.omega;
+    const Vec3 d = in_world(f, va, f.vb, f.vc);
+    const double px = x - f.u.x * height, py = y - f.u.y * height;
+    const double inverse_n = 1 / (f.u.z * f.u.z + f.vc * f.vc);
+    const double alpha = (px * f.u.x + py * f.u.y) * inverse_n;
+    const double s0 = alpha * f.vc, w0 = -alpha * f.u.z;
+    const Vec3 q0{px - s0 * d.x, py - s0 * d.y, w0 - s0 * d.z};
+    const Vec3 g{-f.u.z * d.x, -f.u.z * d.y, f.vc - f.u.z * d.z};
+    const double gg = dot(g, g), b = dot(q0, g);
+    const double inside = b * b - gg * (dot(q0, q0) - radius * radius);
+    const double tau = sign == 0 ? 0 : (sign * std::sqrt(inside > 0 ? inside : 0) - b) / gg;
+    const Vec3 q{q0.x + tau * g.x, q0.y + tau * g.y, q0.z + tau * g.z};
+    ew = dot(q, f.w);
+    ek = dot(q, f.k);
+    s = clamp(s0 + tau * f.u.z, -0.5, 0.5);
   }
-  const double scale = 1 / std::sqrt(ew * ew + ek * ek);
-  const RimContact contact(f, height, radius, ew * scale, ek * scale, s);
-  include(span, contact.meets(px, py), f.base.z + contact.at.z);
-}
+};
+
+/// Widens each column's range by the contacts of the turning frustum's envelope with it: both
+/// sides, both rims.
+void include_turning_contacts(ColumnRow& row, const TurningFrustum& f, const FrustumPiece& piece);
 
 }  // namespace kerf
