@@ -2,96 +2,98 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kernel/force/signed_distance.h"
-#include "kernel/math/rotation.h"
 
 namespace kerf {
 namespace {
-
-/// A piece of the tool where it stands.
-struct PlacedPiece {
-  Vec3 from, to, axis;  ///< ends of the piece's own axis (equal for a ball)
-  double r_from, r_to;  ///< radii of the discs at the ends; the ball's radius
-  bool ball;
-
-  /// The point of the piece that lies farthest along `way`.
-  Vec3 support(Vec3 way) const {
-    if (ball) return from + normalized(way) * r_from;
-    const Vec3 radial = normalized(way - axis * dot(way, axis));
-    const Vec3 a = from + radial * r_from, b = to + radial * r_to;
-    return dot(a, way) > dot(b, way) ? a : b;
-  }
-  Vec3 middle() const { return (from + to) * 0.5; }
-};
-
-PlacedPiece place(const ToolPiece& piece, const ToolPose& pose) {
-  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    const Vec3 c = pose.tip_mm + pose.axis * ball->center_mm;
-    return {c, c, pose.axis, ball->radius_mm, ball->radius_mm, true};
-  }
-  const auto& f = std::get<FrustumPiece>(piece);
-  return {pose.tip_mm + pose.axis * f.z0_mm,
-          pose.tip_mm + pose.axis * f.z1_mm,
-          pose.axis,
-          f.r0_mm,
-          f.r1_mm,
-          false};
-}
 
 SignedDistance distance(const Obstacle& obstacle, Vec3 p) {
   return std::visit([&](const auto& shape) { return signed_distance(shape, p); }, obstacle.shape);
 }
 
-constexpr int kStarts =
-    5;  ///< points of the axis from which the search for the deepest point starts
-constexpr int kDescentSteps = 24;
-constexpr int kLineSteps = 12;
+/// A disc of the tool, normal to its axis.
+struct Disc {
+  Vec3 center, axis;
+  double radius;
+};
 
-/// Moves p towards q as long as the distance falls: golden ratios are not needed for a convex
-/// function over so few steps.
+constexpr int kHeightSteps = 20;  ///< each leaves two thirds of the heights in question
+constexpr int kDescentSteps = 3;
+constexpr int kLineSteps = 10;
+
+/// Where the distance is least on the segment from p to q: exact for convex obstacles, a local
+/// answer for meshes.
 Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   double lo = 0, hi = 1;
+  const auto at = [&](double t) { return distance(obstacle, p + (q - p) * t).distance_mm; };
   for (int i = 0; i < kLineSteps; ++i) {
     const double a = lo + (hi - lo) / 3, b = hi - (hi - lo) / 3;
-    if (distance(obstacle, p + (q - p) * a).distance_mm <=
-        distance(obstacle, p + (q - p) * b).distance_mm) {
+    if (at(a) <= at(b)) {
       hi = b;
     } else {
       lo = a;
     }
   }
-  const Vec3 end = distance(obstacle, q).distance_mm <=
-                           distance(obstacle, p + (q - p) * ((lo + hi) / 2)).distance_mm
-                       ? q
-                       : p + (q - p) * ((lo + hi) / 2);
-  return end;
+  const double middle = (lo + hi) / 2;
+  return at(1) <= at(middle) ? q : p + (q - p) * middle;
 }
 
-/// The deepest point of a convex piece in an obstacle, by conditional gradient (Frank and Wolfe
-/// 1956): exact direction for convex obstacles, a local answer for meshes.
-Vec3 deepest_point(const PlacedPiece& piece, const Obstacle& obstacle) {
-  Vec3 p = piece.middle();
-  double best = distance(obstacle, p).distance_mm;
-  for (int i = 0; i < kStarts; ++i) {
-    const Vec3 q = piece.from + (piece.to - piece.from) * (i / double(kStarts - 1));
-    const double d = distance(obstacle, q).distance_mm;
-    if (d < best) {
-      best = d;
-      p = q;
-    }
-  }
+/// The deepest point of a disc, by conditional gradient (Frank and Wolfe 1956).
+Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
+  Vec3 p = disc.center;
   for (int i = 0; i < kDescentSteps; ++i) {
     const SignedDistance here = distance(obstacle, p);
-    const Vec3 q = lowest_between(obstacle, p, piece.support(-here.outward));
-    const double gain = here.distance_mm - distance(obstacle, q).distance_mm;
-    if (!(gain > 0)) break;
+    const Vec3 across = here.outward - disc.axis * dot(here.outward, disc.axis);
+    if (across == Vec3{}) break;
+    const Vec3 q = lowest_between(obstacle, p, disc.center - normalized(across) * disc.radius);
+    if (!(distance(obstacle, q).distance_mm < here.distance_mm)) break;
     p = q;
-    if (gain < 1e-9) break;
   }
   return p;
 }
+
+/// The deepest point of a truncated cone: the depth of its deepest disc is a convex function of the
+/// height.
+Vec3 deepest_of_frustum(const FrustumPiece& f, const ToolPose& pose, const Obstacle& obstacle) {
+  const double slope = (f.r1_mm - f.r0_mm) / (f.z1_mm - f.z0_mm);
+  const auto point = [&](double z) {
+    return deepest_of_disc(
+        {pose.tip_mm + pose.axis * z, pose.axis, f.r0_mm + slope * (z - f.z0_mm)}, obstacle);
+  };
+  const auto depth = [&](double z) { return distance(obstacle, point(z)).distance_mm; };
+  double lo = f.z0_mm, hi = f.z1_mm;
+  double best_z = lo, best = depth(lo);
+  const auto consider = [&](double z) {
+    const double d = depth(z);
+    if (d < best) {
+      best = d;
+      best_z = z;
+    }
+    return d;
+  };
+  consider(hi);
+  for (int i = 0; i < kHeightSteps; ++i) {
+    const double a = lo + (hi - lo) / 3, b = hi - (hi - lo) / 3;
+    if (consider(a) <= consider(b)) {
+      hi = b;
+    } else {
+      lo = a;
+    }
+  }
+  return point(best_z);
+}
+
+Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
+  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
+    const Vec3 center = pose.tip_mm + pose.axis * ball->center_mm;
+    return center - distance(obstacle, center).outward * ball->radius_mm;
+  }
+  return deepest_of_frustum(std::get<FrustumPiece>(piece), pose, obstacle);
+}
+
+/// Meshes are asked triangle by triangle, a thousand times for each piece of a tool that is near.
+constexpr std::size_t kMeshTrianglesMax = 1000;
 
 struct Ball {
   Vec3 center;
@@ -140,6 +142,7 @@ std::string check_shape(const SphereObstacle& s) {
 }
 std::string check_shape(const MeshObstacle& m) {
   if (m.triangles.empty()) return "mesh has no triangles";
+  if (m.triangles.size() > kMeshTrianglesMax) return "mesh has more than 1000 triangles";
   for (const auto& t : m.triangles) {
     for (const Vec3& v : t) {
       if (!is_finite(v)) return "mesh is not finite";
@@ -172,7 +175,7 @@ Wrench Obstacles::push(const Tool& tool, const ToolPose& pose, double pivot_mm) 
   for (const Bounded& b : obstacles_) {
     if (length(tool_middle - b.center_mm) > tool_radius + b.radius_mm) continue;
     for (const ToolPiece& piece : tool.pieces) {
-      const Vec3 p = deepest_point(place(piece, pose), b.obstacle);
+      const Vec3 p = deepest_point(piece, pose, b.obstacle);
       const SignedDistance d = distance(b.obstacle, p);
       if (d.distance_mm >= 0) continue;
       const Vec3 f = d.outward * (-d.distance_mm * b.obstacle.stiffness_n_per_mm);

@@ -20,7 +20,7 @@ struct SphereObstacle {
   Vec3 center_mm;
   double radius_mm;
 };
-/// A closed triangle mesh; counter-clockwise seen from outside.
+/// A closed triangle mesh of at most 1000 triangles, counter-clockwise seen from outside.
 struct MeshObstacle {
   std::vector<std::array<Vec3, 3>> triangles;
 };

@@ -73,10 +73,11 @@ void include_rim(ColumnRow& row, const TurningFrustum& f, double height, double 
   }
 }
 
-void include_side_contacts(ColumnRow& row, const TurningFrustum& f, double sign) {
+void include_side_contacts(ColumnRow& row, const TurningFrustum& f, double sign,
+                           double start_height) {
   Unknowns u;
   for (int i = 0; i < row.lanes; ++i) {
-    u.l[i] = f.height / 2;
+    u.l[i] = start_height;
     u.s[i] = 0;
   }
   for (int step = 0; step < kContactSteps; ++step) step_sides(row, f, sign, u);
@@ -96,8 +97,12 @@ void include_rim_contacts(ColumnRow& row, const TurningFrustum& f, double height
 }  // namespace
 
 void include_turning_contacts(ColumnRow& row, const TurningFrustum& f, const FrustumPiece& piece) {
-  include_side_contacts(row, f, 1);
-  include_side_contacts(row, f, -1);
+  for (const double sign : {1.0, -1.0}) {
+    include_side_contacts(row, f, sign, f.height / 2);
+    // Towards the point of a cone the contact curve bends away from where a search from the middle
+    // looks.
+    if (f.slope != 0) include_side_contacts(row, f, sign, f.height / 16);
+  }
   include_rim_contacts(row, f, 0, piece.r0_mm);
   include_rim_contacts(row, f, f.height, piece.r1_mm);
 }

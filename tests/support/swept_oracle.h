@@ -11,8 +11,8 @@
 
 namespace kerf::test {
 
-/// The true motion of design section 3, taken straight from its definition with libm: tip on a line, axis on the great
-/// circle. Shares no code with the kernel.
+/// The true motion of design section 3, taken straight from its definition with libm: tip on a
+/// line, axis on the great circle. Shares no code with the kernel.
 inline ToolPose true_pose(const ToolPose& from, const ToolPose& to, double t) {
   const Vec3 tip = from.tip_mm * (1 - t) + to.tip_mm * t;
   const Vec3 normal = cross(from.axis, to.axis);
@@ -22,8 +22,8 @@ inline ToolPose true_pose(const ToolPose& from, const ToolPose& to, double t) {
   return {tip, from.axis * (std::sin((1 - t) * angle) / s) + to.axis * (std::sin(t * angle) / s)};
 }
 
-/// How far a point is outside a piece that stands upright at the origin: convex in the point, negative inside. Not a
-/// Euclidean distance, but zero on the surface.
+/// How far a point is outside a piece that stands upright at the origin: convex in the point,
+/// negative inside. Not a Euclidean distance, but zero on the surface.
 inline double outside(const ToolPiece& piece, double radial, double height) {
   if (const auto* b = std::get_if<BallPiece>(&piece)) {
     return std::sqrt(radial * radial + (height - b->center_mm) * (height - b->center_mm)) -
@@ -31,7 +31,8 @@ inline double outside(const ToolPiece& piece, double radial, double height) {
   }
   const auto& f = std::get<FrustumPiece>(piece);
   const double slope = (f.r1_mm - f.r0_mm) / (f.z1_mm - f.z0_mm);
-  const double side = (radial - f.r0_mm - slope * (height - f.z0_mm)) / std::sqrt(1 + slope * slope);
+  const double side =
+      (radial - f.r0_mm - slope * (height - f.z0_mm)) / std::sqrt(1 + slope * slope);
   return std::max({side, f.z0_mm - height, height - f.z1_mm});
 }
 
@@ -41,7 +42,8 @@ inline double outside(const ToolPiece& piece, const ToolPose& pose, Vec3 point) 
   return outside(piece, length(p - pose.axis * h), h);
 }
 
-/// The heights at which the vertical line through (x, y) is inside a piece at one pose, by bisection of a convex function.
+/// The heights at which the vertical line through (x, y) is inside a piece at one pose, by
+/// bisection of a convex function.
 inline Span static_span(const ToolPiece& piece, const ToolPose& pose, double x, double y,
                         double z_lo, double z_hi) {
   const auto f = [&](double z) { return outside(piece, pose, {x, y, z}); };
@@ -67,8 +69,8 @@ inline Span static_span(const ToolPiece& piece, const ToolPose& pose, double x, 
   return {edge(inner, z_lo), edge(inner, z_hi)};
 }
 
-/// The heights that a piece sweeps along the true motion at (x, y), between z_lo and z_hi: dense poses, then a golden
-/// section around the best one. Slow and plain: what the kernel is judged by.
+/// The heights that a piece sweeps along the true motion at (x, y), between z_lo and z_hi: dense
+/// poses, then a golden section around the best one. Slow and plain: what the kernel is judged by.
 inline Span swept_span(const ToolPiece& piece, const ToolPose& from, const ToolPose& to, double x,
                        double y, double z_lo, double z_hi, int samples = 64) {
   const auto at = [&](double t) {

@@ -1,0 +1,183 @@
+#include "kernel/cut/cut.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "kernel/sculpture.h"
+
+namespace kerf {
+namespace {
+
+const Vec3 kUp{0, 0, 1};
+
+Sculpture block(double pitch_mm = 0.5) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{0, 0, 0}, {40, 40, 20}};
+  settings.pitch_mm = pitch_mm;
+  auto s = *Sculpture::create(settings);
+  s.apply(DefineTool{1, *make_tool(FlatShape{10, 5})}).value();
+  s.apply(DefineTool{2, *make_tool(BallShape{6, 30})}).value();
+  return s;
+}
+
+std::vector<Dexel> column_at(Sculpture& s, double x, double y) {
+  const DexelSnapshot snapshot = s.snapshot();
+  const DexelGrid& g = snapshot.grid();
+  std::vector<Dexel> scratch;
+  const auto dexels = snapshot.column(int((x - g.origin_mm.x) / g.pitch_mm),
+                                      int((y - g.origin_mm.y) / g.pitch_mm), scratch);
+  return {dexels.begin(), dexels.end()};
+}
+
+MoveTool stand(ToolId tool, Vec3 tip) { return {tool, {tip, kUp}, {tip, kUp}, 0}; }
+
+TEST(Cut, ShortensTheTop) {
+  Sculpture s = block();
+  s.apply(stand(1, {20, 20, 17})).value();
+  const auto c = column_at(s, 20.1, 20.1);
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_DOUBLE_EQ(s.grid().z_mm(c[0].top), 17);
+  EXPECT_EQ(c[0].bottom, 0);
+}
+
+TEST(Cut, ShortensTheBottom) {
+  Sculpture s = block();
+  s.apply(stand(1, {20, 20, -2})).value();
+  const auto c = column_at(s, 20.1, 20.1);
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_DOUBLE_EQ(s.grid().z_mm(c[0].bottom), 3);
+  EXPECT_EQ(c[0].top, s.grid().height_quanta);
+}
+
+TEST(Cut, SplitsAColumnAndSplitsItAgain) {
+  Sculpture s = block();
+  s.apply(stand(1, {20, 20, 12})).value();
+  s.apply(stand(1, {20, 20, 3})).value();
+  const auto c = column_at(s, 20.1, 20.1);
+  ASSERT_EQ(c.size(), 3u);
+  EXPECT_DOUBLE_EQ(s.grid().z_mm(c[0].top), 3);
+  EXPECT_DOUBLE_EQ(s.grid().z_mm(c[1].bottom), 8);
+  EXPECT_DOUBLE_EQ(s.grid().z_mm(c[1].top), 12);
+  EXPECT_DOUBLE_EQ(s.grid().z_mm(c[2].bottom), 17);
+  s.apply(stand(1, {20, 20, 7.5})).value();  // Takes the middle element and joins the two gaps.
+  EXPECT_EQ(column_at(s, 20.1, 20.1).size(), 2u);
+}
+
+TEST(Cut, CanTakeAColumnAway) {
+  Sculpture s = block();
+  for (const double z : {0.0, 5.0, 10.0, 15.0}) s.apply(stand(1, {20, 20, z})).value();
+  EXPECT_TRUE(column_at(s, 20.1, 20.1).empty());
+}
+
+TEST(Cut, TheSamePathAgainChangesNothing) {
+  Sculpture s = block();
+  const MoveTool move{2, {{5, 5, 14}, kUp}, {{33, 30, 11}, normalized({0.2, 0.1, 1})}, 1};
+  EXPECT_GT(s.apply(move).value().removed_mm3, 10);
+  const std::uint64_t hash = s.state_hash();
+  for (int i = 0; i < 100; ++i) {
+    const MotionResult again = s.apply(move).value();
+    ASSERT_EQ(again.removed_mm3, 0);
+    ASSERT_TRUE(again.changed_tiles.empty());
+  }
+  EXPECT_EQ(s.state_hash(), hash);
+}
+
+std::vector<MoveTool> random_moves(unsigned seed, int count) {
+  std::mt19937 random(seed);
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  std::vector<MoveTool> moves;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 a = normalized({in(-0.5, 0.5), in(-0.5, 0.5), 1});
+    const Vec3 b = normalized({a.x + in(-0.1, 0.1), a.y + in(-0.1, 0.1), a.z});
+    const Vec3 tip{in(0, 40), in(0, 40), in(2, 19)};
+    moves.push_back(
+        {ToolId(1 + i % 2), {tip, a}, {tip + Vec3{in(-5, 5), in(-5, 5), in(-2, 2)}, b}, 0.1});
+  }
+  return moves;
+}
+
+TEST(Cut, AnyOrderOfTheSameMotionsLeavesTheSameBytes) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    std::vector<MoveTool> moves = random_moves(seed, 40);
+    Sculpture first = block();
+    for (const MoveTool& m : moves) first.apply(m).value();
+    std::mt19937 random(seed + 100);
+    std::ranges::shuffle(moves, random);
+    Sculpture second = block();
+    for (const MoveTool& m : moves) second.apply(m).value();
+    EXPECT_EQ(first.state_hash(), second.state_hash()) << "seed " << seed;
+    EXPECT_NEAR(first.removed_volume_mm3(), second.removed_volume_mm3(), 1e-6);
+  }
+}
+
+TEST(Cut, VolumeOnlyFallsAndAddsUp) {
+  Sculpture s = block();
+  double removed = 0;
+  for (const MoveTool& m : random_moves(9, 60)) {
+    const MotionResult r = s.apply(m).value();
+    ASSERT_GE(r.removed_mm3, 0);
+    removed += r.removed_mm3;
+  }
+  EXPECT_NEAR(s.snapshot().volume_mm3(), s.stock_volume_mm3() - removed, 1e-6);
+}
+
+TEST(Cut, SplittingATranslationChangesNothingBeyondRounding) {
+  Sculpture whole = block(), halves = block();
+  const ToolPose a{{5, 8, 14}, normalized({0.3, -0.1, 1})}, b{{31, 27, 12}, a.axis};
+  const ToolPose middle{(a.tip_mm + b.tip_mm) * 0.5, a.axis};
+  whole.apply(MoveTool{2, a, b, 1}).value();
+  halves.apply(MoveTool{2, a, middle, 1}).value();
+  halves.apply(MoveTool{2, middle, b, 1}).value();
+  const DexelSnapshot s = whole.snapshot(), t = halves.snapshot();
+  std::vector<Dexel> c, d;
+  for (int j = 0; j < s.grid().columns_y; ++j) {
+    for (int i = 0; i < s.grid().columns_x; ++i) {
+      const auto p = s.column(i, j, c), q = t.column(i, j, d);
+      ASSERT_EQ(p.size(), q.size()) << i << ' ' << j;
+      for (std::size_t k = 0; k < p.size(); ++k) {
+        EXPECT_NEAR(s.grid().z_mm(p[k].top), s.grid().z_mm(q[k].top), 1e-6);
+        EXPECT_NEAR(s.grid().z_mm(p[k].bottom), s.grid().z_mm(q[k].bottom), 1e-6);
+      }
+    }
+  }
+}
+
+TEST(Cut, ATornDownSnapshotKeepsWhatItSaw) {
+  Sculpture s = block();
+  s.apply(stand(1, {20, 20, 17})).value();
+  const DexelSnapshot before = s.snapshot();
+  const std::uint64_t hash = before.hash();
+  s.apply(stand(1, {20, 20, 10})).value();
+  s.apply(stand(1, {5, 5, 10})).value();
+  EXPECT_EQ(before.hash(), hash);
+  EXPECT_NE(s.state_hash(), hash);
+}
+
+TEST(Cut, TouchesOnlyTheTilesItChanges) {
+  Sculpture s = block();  // 80 x 80 columns: 3 x 3 tiles of 16 mm
+  const MotionResult r = s.apply(stand(2, {8, 8, 15})).value();
+  EXPECT_EQ(r.changed_tiles, (std::vector<TileIndex>{{0, 0}}));
+  EXPECT_FALSE(s.snapshot().touched({1, 0}));
+  EXPECT_TRUE(s.snapshot().touched({0, 0}));
+  EXPECT_TRUE(s.apply(stand(2, {8, 8, 25})).value().changed_tiles.empty());
+}
+
+TEST(Cut, CylinderStockIsRound) {
+  SculptureSettings settings;
+  settings.stock = CylinderStock{10, -5, 20, 0, 30};
+  settings.pitch_mm = 0.1;
+  auto s = *Sculpture::create(settings);
+  EXPECT_NEAR(s.stock_volume_mm3() / (M_PI * 400 * 30), 1, 1e-3);
+  EXPECT_NEAR(s.snapshot().volume_mm3(), s.stock_volume_mm3(), 1e-6);
+  s.apply(DefineTool{1, *make_tool(FlatShape{100, 50})}).value();
+  const double removed = s.apply(stand(1, {10, -5, 25})).value().removed_mm3;
+  EXPECT_NEAR(removed / (M_PI * 400 * 5), 1, 1e-3);
+}
+
+}  // namespace
+}  // namespace kerf

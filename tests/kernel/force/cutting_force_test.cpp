@@ -1,0 +1,196 @@
+// Forces against what can be worked out by hand.
+
+#include "kernel/force/cutting_force.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernel/sculpture.h"
+
+namespace kerf {
+namespace {
+
+const Vec3 kUp{0, 0, 1};
+constexpr double kSpecific = 0.5;
+constexpr double kDrr = 0.01;
+constexpr double kPivot = 60;
+
+Sculpture block(ForceLaw law, const ToolShape& shape, double pitch_mm = 0.1) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{-20, -20, -20}, {20, 20, 0}};
+  settings.pitch_mm = pitch_mm;
+  settings.tolerance_mm = 0.001;
+  settings.force = {law, kSpecific, kDrr, kPivot};
+  auto s = *Sculpture::create(settings);
+  s.apply(DefineTool{1, *make_tool(shape)}).value();
+  return s;
+}
+
+/// Mean force over a straight path taken in ticks, and what was removed.
+struct Path {
+  Vec3 force;
+  double removed_mm3 = 0;
+};
+
+Path follow(Sculpture& s, Vec3 from, Vec3 to, int ticks, double tick_s) {
+  Path r;
+  for (int i = 0; i < ticks; ++i) {
+    const Vec3 a = from + (to - from) * (double(i) / ticks);
+    const Vec3 b = from + (to - from) * (double(i + 1) / ticks);
+    const MotionResult m = s.apply(MoveTool{1, {a, kUp}, {b, kUp}, tick_s}).value();
+    r.force = r.force + m.wrench.force_n * (1.0 / ticks);
+    r.removed_mm3 += m.removed_mm3;
+  }
+  return r;
+}
+
+TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
+  // A single removed segment at a known place: dV = 0.5 mm x (0.5 mm)^2 around (1, 2, -0.25),
+  // moving along +X.
+  const DexelGrid grid{{0.75, 1.75, -1}, 0.5, 0.25, 1, 1, 4};
+  Removal removal;
+  removal.segments = {{0, 0, 2, 4}};
+  removal.quanta = 2;
+  CuttingForce force({ForceLaw::kSpecificEnergy, 2, 0, 10}, grid, 0.001);
+  const ToolMotion motion = make_motion({{0, 2, -0.5}, kUp}, {{0.5, 2, -0.5}, kUp}, 50);
+  force.add(removal, motion, 1);
+  const double f = 2 * (0.5 * 0.25) / 0.5;  // u dV / ds
+  EXPECT_NEAR(force.wrench().force_n.x, -f, 1e-15);
+  EXPECT_EQ(force.wrench().force_n.y, 0);
+  EXPECT_EQ(force.wrench().force_n.z, 0);
+  // Pivot at (0.25, 2, 9.5); arm = (1, 2, -0.25) − pivot = (0.75, 0, −9.75); torque = arm × f =
+  // (0, 9.75 f, 0).
+  EXPECT_NEAR(force.wrench().torque_nmm.y, 9.75 * f, 1e-12);
+  EXPECT_EQ(force.wrench().torque_nmm.x, 0);
+  EXPECT_EQ(force.wrench().torque_nmm.z, 0);
+  EXPECT_NEAR(force.center_mm().x, 1, 1e-12);
+  EXPECT_NEAR(force.center_mm().z, -0.25, 1e-12);
+}
+
+TEST(Force, PlungePushesUpWithTheExactRemovalRate) {
+  // Flat: area π r². Ball of radius 5 between depths 2 and 3: mean area of the cap's circles, π (2
+  // r h − h²) averaged.
+  const double flat_area = M_PI * 25;
+  const double ball_area = M_PI * (5 * (9 - 4) - (27 - 8) / 3.0);
+  for (const auto& [shape, area] : {std::pair<ToolShape, double>{FlatShape{10, 50}, flat_area},
+                                    {BallShape{10, 50}, ball_area}}) {
+    auto s = block(ForceLaw::kSpecificEnergy, shape);
+    follow(s, {0, 0, 1}, {0, 0, -2}, 30, 0.001);
+    const Path r = follow(s, {0, 0, -2}, {0, 0, -3}, 40, 0.001);
+    EXPECT_NEAR(r.force.z / (kSpecific * area), 1, 0.01);
+    EXPECT_NEAR(r.force.x, 0, 1e-9);
+    EXPECT_NEAR(r.removed_mm3 / area, 1, 0.01);
+  }
+}
+
+TEST(Force, SlotPushesBackWithTheExactRemovalRate) {
+  // Slot 2 mm deep. Flat: width 10 x 2. Ball: circular segment of height 2 in a circle of radius 5.
+  const double segment = 25 * std::acos(3.0 / 5) - 3 * std::sqrt(25 - 9.0);
+  for (const auto& [shape, area] :
+       {std::pair<ToolShape, double>{FlatShape{10, 50}, 20}, {BallShape{10, 50}, segment}}) {
+    auto s = block(ForceLaw::kSpecificEnergy, shape);
+    follow(s, {-12, 0.033, -2}, {0, 0.033, -2}, 120, 0.001);
+    const Path r = follow(s, {0, 0.033, -2}, {1, 0.033, -2}, 33, 0.001);
+    EXPECT_NEAR(r.force.x / (-kSpecific * area), 1, 0.01);
+    EXPECT_NEAR(r.force.z, 0, 1e-9);
+    EXPECT_NEAR(r.removed_mm3 / area, 1, 0.01);
+  }
+}
+
+TEST(Force, SideCutPushesBackWithTheExactRemovalRate) {
+  // The tool's flank takes a strip 2 mm wide and 3 mm deep off the block's side (flat), moving
+  // along it.
+  auto s = block(ForceLaw::kSpecificEnergy, FlatShape{10, 50});
+  follow(s, {-15, 23.0, -3}, {0, 23.0, -3}, 150, 0.001);
+  const Path r = follow(s, {0, 23.0, -3}, {1, 23.0, -3}, 30, 0.001);
+  EXPECT_NEAR(r.force.x / (-kSpecific * 2 * 3), 1, 0.01);
+
+  // Ball, its centre on the face: the quarter of its section that is below the surface and inside.
+  auto b = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
+  follow(b, {-15, 20.0, -5}, {0, 20.0, -5}, 150, 0.001);
+  const Path q = follow(b, {0, 20.0, -5}, {1, 20.0, -5}, 30, 0.001);
+  EXPECT_NEAR(q.force.x / (-kSpecific * M_PI * 25 / 4), 1, 0.01);
+}
+
+TEST(Force, RemovalRateLawGrowsWithSpeed) {
+  for (const double tick_s : {0.001, 0.004}) {
+    auto s = block(ForceLaw::kDexelRemovalRate, FlatShape{10, 50});
+    follow(s, {-12, 0, -2}, {0, 0, -2}, 120, tick_s);
+    const Path r = follow(s, {0, 0, -2}, {2, 0, -2}, 20, tick_s);  // 0.1 mm a tick
+    const double rate = 20 * 0.1 / tick_s;
+    EXPECT_NEAR(r.force.x / (-kDrr * rate), 1, 0.01);
+  }
+}
+
+TEST(Force, DoesNotDependOnTheTickRate) {
+  Vec3 reference;
+  for (const int ticks : {10, 40, 160}) {
+    auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
+    follow(s, {-12, 0, -2}, {0, 0, -2}, 60, 0.001);
+    const Path r = follow(s, {0, 0, -2}, {4, 0, -2}, ticks, 0.16 / ticks);
+    if (ticks == 10) {
+      reference = r.force;
+    } else {
+      EXPECT_NEAR(r.force.x / reference.x, 1, 0.02) << ticks;
+    }
+  }
+}
+
+TEST(ForceDirection, AxialCutPushesAlongTheAxisBothWays) {
+  auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
+  const Vec3 axis = normalized({0.3, 0.2, 1});
+  const auto down = s.apply(MoveTool{1, {axis * 2, axis}, {axis * -4, axis}, 0.1}).value();
+  EXPECT_EQ(down.kind, MotionKind::kAxial);
+  EXPECT_NEAR(dot(normalized(down.wrench.force_n), axis), 1, 1e-9);
+
+  auto from_below = block(ForceLaw::kSpecificEnergy, FlatShape{10, 5});
+  const auto up =
+      from_below.apply(MoveTool{1, {{0, 0, -26}, kUp}, {{0, 0, -22}, kUp}, 0.1}).value();
+  EXPECT_GT(up.removed_mm3, 0);
+  EXPECT_LT(up.wrench.force_n.z, 0);
+}
+
+TEST(ForceDirection, TurningToolIsPushedBackAroundItsTip) {
+  auto s = block(ForceLaw::kSpecificEnergy, FlatShape{10, 15});
+  const auto r =
+      s.apply(MoveTool{1, {{0, 0, -10}, kUp}, {{0, 0, -10}, normalized({0.3, 0, 1})}, 0.1}).value();
+  EXPECT_EQ(r.kind, MotionKind::kRotation);
+  EXPECT_GT(r.removed_mm3, 0);
+  EXPECT_LT(r.wrench.force_n.x, 0);  // The shaft moves to +X.
+  EXPECT_GT(r.wrench.torque_nmm.y,
+            0);  // Seen from the pivot above, the push below it turns the tool on.
+}
+
+TEST(ForceDirection, GeneralMotionIsPushedBackAlongTheTipsWay) {
+  auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
+  const auto r =
+      s.apply(MoveTool{1, {{-5, 0, -3}, kUp}, {{5, 0, -3}, normalized({0, 0.1, 1})}, 0.1}).value();
+  EXPECT_EQ(r.kind, MotionKind::kGeneral);
+  EXPECT_NEAR(normalized(r.wrench.force_n).x, -1, 1e-9);
+}
+
+TEST(Force, HasNoTorqueAboutTheToolsAxis) {
+  auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
+  const Vec3 axis = normalized({0.4, -0.3, 1});
+  s.apply(MoveTool{1, {{-9, 2, -4}, axis}, {{0, 2, -4}, axis}, 0.1}).value();
+  const auto r = s.apply(MoveTool{1, {{0, 2, -4}, axis}, {{0, 6, -4}, axis}, 0.1}).value();
+  EXPECT_GT(length(r.wrench.torque_nmm), 1);
+  EXPECT_NEAR(dot(r.wrench.torque_nmm, axis), 0, 1e-9 * length(r.wrench.torque_nmm));
+}
+
+TEST(Force, IsNotComputedForWhoDoesNotFeel) {
+  auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
+  const auto r = s.apply(MoveTool{1, {{-9, 2, -4}, kUp}, {{0, 2, -4}, kUp}, 0.1, false}).value();
+  EXPECT_GT(r.removed_mm3, 0);
+  EXPECT_EQ(r.wrench, Wrench{});
+}
+
+TEST(Force, AirHasNone) {
+  auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
+  EXPECT_EQ(s.apply(MoveTool{1, {{-9, 2, 4}, kUp}, {{0, 2, 4}, kUp}, 0.1}).value().wrench,
+            Wrench{});
+}
+
+}  // namespace
+}  // namespace kerf

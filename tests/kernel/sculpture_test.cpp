@@ -1,0 +1,104 @@
+#include "kernel/sculpture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+namespace {
+
+const Vec3 kUp{0, 0, 1};
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+SculptureSettings settings() {
+  SculptureSettings s;
+  s.stock = BoxStock{{0, 0, 0}, {30, 30, 20}};
+  return s;
+}
+
+Sculpture sculpture() {
+  auto s = *Sculpture::create(settings());
+  s.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
+  s.apply(MoveTool{1, {{5, 5, 16}, kUp}, {{20, 20, 15}, kUp}, 0.1}).value();
+  return s;
+}
+
+TEST(Sculpture, RefusesBadSettingsByName) {
+  using enum SculptureErrorCode;
+  const auto code = [](auto change) {
+    SculptureSettings s = settings();
+    change(s);
+    const auto made = Sculpture::create(s);
+    EXPECT_FALSE(made);
+    return made ? kNotFinite : made.error().code;
+  };
+  EXPECT_EQ(code([](auto& s) { s.stock = BoxStock{{0, 0, 0}, {0, 1, 1}}; }), kBadStock);
+  EXPECT_EQ(code([](auto& s) { s.stock = BoxStock{{kNan, 0, 0}, {1, 1, 1}}; }), kBadStock);
+  EXPECT_EQ(code([](auto& s) { s.stock = CylinderStock{0, 0, -1, 0, 1}; }), kBadStock);
+  EXPECT_EQ(code([](auto& s) { s.pitch_mm = 0; }), kBadPitch);
+  EXPECT_EQ(code([](auto& s) { s.pitch_mm = kNan; }), kBadPitch);
+  EXPECT_EQ(code([](auto& s) { s.pitch_mm = 1e-4; }), kTooManyColumns);
+  EXPECT_EQ(code([](auto& s) { s.tolerance_mm = 0; }), kBadTolerance);
+  EXPECT_EQ(code([](auto& s) { s.force.pivot_mm = kNan; }), kBadForce);
+  EXPECT_EQ(code([](auto& s) { s.obstacles = {{SphereObstacle{{0, 0, 0}, -1}, 1}}; }),
+            kBadObstacle);
+}
+
+TEST(Sculpture, RefusedCommandLeavesItAsItWas) {
+  using enum SculptureErrorCode;
+  auto s = sculpture();
+  const std::uint64_t hash = s.state_hash();
+  const std::uint64_t motions = s.motions();
+  const ToolPose good{{10, 10, 10}, kUp};
+  const auto code = [&](const Command& c) {
+    EXPECT_FALSE(s.check(c));
+    const auto r = s.apply(c);
+    EXPECT_FALSE(r);
+    EXPECT_FALSE(r.error().reason.empty());
+    return r.error().code;
+  };
+  EXPECT_EQ(code(MoveTool{9, good, good, 0.1}), kUnknownTool);
+  EXPECT_EQ(code(MoveTool{1, good, {{kNan, 0, 0}, kUp}, 0.1}), kNotFinite);
+  EXPECT_EQ(code(MoveTool{1, {{0, 0, 0}, {0, kNan, 1}}, good, 0.1}), kNotFinite);
+  EXPECT_EQ(code(MoveTool{1, good, {{1e9, 0, 0}, kUp}, 0.1}), kOutOfRange);
+  EXPECT_EQ(code(MoveTool{1, good, {{0, 0, 0}, {0, 0, 0}}, 0.1}), kBadAxis);
+  EXPECT_EQ(code(MoveTool{1, good, {{0, 0, 0}, {0, 0, 1e-310}}, 0.1}), kBadAxis);
+  EXPECT_EQ(code(MoveTool{1, good, {{0, 0, 0}, {0, 0.01, -1}}, 0.1}), kTurnTooLarge);
+  EXPECT_EQ(code(MoveTool{1, good, good, -1}), kBadDuration);
+  EXPECT_EQ(code(MoveTool{1, good, good, kNan}), kBadDuration);
+  EXPECT_EQ(code(DefineTool{2, Tool{}}), kBadTool);
+  EXPECT_EQ(s.state_hash(), hash);
+  EXPECT_EQ(s.motions(), motions);
+}
+
+TEST(Sculpture, RefusesAMotionThatWouldNeedForever) {
+  SculptureSettings slow = settings();
+  slow.tolerance_mm = 1e-6;
+  slow.motion = MotionModel::kPaper;
+  auto s = *Sculpture::create(slow);
+  s.apply(DefineTool{1, *make_tool(FlatShape{10, 50})}).value();
+  const auto r = s.apply(MoveTool{1, {{10, 10, 10}, kUp}, {{10, 10, 10}, {1, 0, 0.1}}, 1});
+  ASSERT_FALSE(r);
+  EXPECT_EQ(r.error().code, SculptureErrorCode::kTooManySubMotions);
+}
+
+TEST(Sculpture, TurnsOfUpTo170DegreesAreCarved) {
+  auto s = sculpture();
+  const double angle = 169.9 * M_PI / 180;
+  const auto r = s.apply(
+      MoveTool{1, {{15, 15, 12}, kUp}, {{15, 15, 12}, {std::sin(angle), 0, std::cos(angle)}}, 1});
+  ASSERT_TRUE(r);
+  EXPECT_GT(r->removed_mm3, 0);
+}
+
+TEST(Sculpture, RedefiningAToolChangesLaterCutsOnly) {
+  auto s = sculpture();
+  const std::uint64_t hash = s.state_hash();
+  s.apply(DefineTool{1, *make_tool(FlatShape{4, 20})}).value();
+  EXPECT_EQ(s.state_hash(), hash);
+  EXPECT_EQ(s.tool(1)->radius_mm, 2);
+}
+
+}  // namespace
+}  // namespace kerf

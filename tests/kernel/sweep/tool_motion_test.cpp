@@ -1,0 +1,39 @@
+#include "kernel/sweep/tool_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+Vec3 leaning(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
+
+MotionKind kind(const ToolPose& from, const ToolPose& to) { return make_motion(from, to, 50).kind; }
+
+TEST(ToolMotion, NamesTheFourCases) {
+  const Vec3 up{0, 0, 1};
+  EXPECT_EQ(kind({{0, 0, 0}, up}, {{0, 0, 0}, up}), MotionKind::kRest);
+  EXPECT_EQ(kind({{0, 0, 0}, up}, {{0, 0, -1}, up}), MotionKind::kAxial);
+  EXPECT_EQ(kind({{0, 0, 0}, up}, {{0, 0, 1}, up}), MotionKind::kAxial);
+  EXPECT_EQ(kind({{0, 0, 0}, up}, {{1, 0, 0}, up}), MotionKind::kTranslation);
+  EXPECT_EQ(kind({{0, 0, 0}, up}, {{0, 0, 0}, leaning(0.1)}), MotionKind::kRotation);
+  EXPECT_EQ(kind({{0, 0, 0}, up}, {{1, 0, 0}, leaning(0.1)}), MotionKind::kGeneral);
+}
+
+TEST(ToolMotion, TinyTurnsAndStepsAreStillTurnsAndSteps) {
+  const Vec3 up{0, 0, 1};
+  EXPECT_EQ(kind({{0, 0, 0}, up}, {{0, 0, 0}, normalized(leaning(1e-9))}), MotionKind::kRotation);
+  EXPECT_EQ(kind({{0, 0, 0}, up}, {{1e-9, 0, 0}, up}), MotionKind::kTranslation);
+}
+
+TEST(ToolMotion, PoseHalfwayIsHalfway) {
+  const ToolMotion m = make_motion({{0, 0, 0}, {0, 0, 1}}, {{2, 4, 6}, leaning(0.4)}, 50);
+  const ToolPose half = m.at(0.5);
+  EXPECT_EQ(half.tip_mm, (Vec3{1, 2, 3}));
+  EXPECT_NEAR(half.axis.x, std::sin(0.2), 1e-15);
+  EXPECT_NEAR(half.axis.z, std::cos(0.2), 1e-15);
+}
+
+}  // namespace
+}  // namespace kerf
