@@ -11,15 +11,17 @@ COPY server server
 COPY haptic_agent haptic_agent
 RUN cmake --preset release -DKERF_TESTS=OFF \
  && cmake --build --preset release --target kerf-agent kerf-demo \
- && build/release/haptic_agent/demo/kerf-demo haptic_agent/demo \
- && docker/machine.sh libraries build/release/haptic_agent/kerf-agent >/kerf/libraries.txt
+ && mkdir bin demo \
+ && find build/release -type f -executable -name 'kerf-*' -exec cp {} bin/ ';' \
+ && bin/kerf-demo demo \
+ && docker/machine.sh libraries bin/kerf-agent >libraries.txt
 
 FROM debian:12-slim
 COPY --from=build /kerf/libraries.txt /tmp/
 RUN apt-get update \
  && xargs apt-get install -y --no-install-recommends ca-certificates </tmp/libraries.txt \
  && rm -rf /var/lib/apt/lists/* && useradd --system kerf
-COPY --from=build /kerf/build/release/haptic_agent/kerf-agent /usr/bin/
-COPY --from=build /kerf/haptic_agent/demo /usr/share/kerf/demo
+COPY --from=build /kerf/bin/kerf-agent /usr/bin/
+COPY --from=build /kerf/demo /usr/share/kerf/demo
 USER kerf
 ENTRYPOINT ["kerf-agent"]

@@ -11,9 +11,11 @@ COPY kernel kernel
 COPY server server
 COPY haptic_agent haptic_agent
 RUN cmake --preset release -DKERF_TESTS=OFF \
- && cmake --build --preset release --target kerf-server kerf-carve kerf-agent kerf-demo \
- && build/release/haptic_agent/demo/kerf-demo haptic_agent/demo \
- && docker/machine.sh libraries build/release/server/kerf-server >/kerf/libraries.txt
+ && cmake --build --preset release --target kerf-server kerf-carve kerf-demo \
+ && mkdir bin demo \
+ && find build/release -type f -executable -name 'kerf-*' -exec cp {} bin/ ';' \
+ && bin/kerf-demo demo && cp haptic_agent/demo/demo.json demo/ \
+ && docker/machine.sh libraries bin/kerf-server >libraries.txt
 
 FROM debian:12-slim
 COPY --from=build /kerf/libraries.txt /tmp/
@@ -21,11 +23,11 @@ RUN apt-get update \
  && xargs apt-get install -y --no-install-recommends curl </tmp/libraries.txt \
  && rm -rf /var/lib/apt/lists/* \
  && useradd --system --create-home --home-dir /var/lib/kerf kerf
-COPY --from=build /kerf/build/release/server/kerf-server /kerf/build/release/server/carve/kerf-carve /usr/bin/
+COPY --from=build /kerf/bin/kerf-server /kerf/bin/kerf-carve /usr/bin/
 COPY --from=build /kerf/web/dist /usr/share/kerf/web
-COPY --from=build /kerf/haptic_agent/demo /usr/share/kerf/demo
+COPY --from=build /kerf/demo /usr/share/kerf/demo
 USER kerf
 VOLUME /var/lib/kerf
 EXPOSE 8080
 HEALTHCHECK CMD curl -fsS http://127.0.0.1:8080/healthz
-ENTRYPOINT ["kerf-server", "--listen", "0.0.0.0:8080", "--data", "/var/lib/kerf"]
+ENTRYPOINT ["kerf-server", "--listen", "0.0.0.0:8080", "--data", "/var/lib/kerf", "--web", "/usr/share/kerf/web"]
