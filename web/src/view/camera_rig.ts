@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { boxCenter, fitDistance } from '../model/fit';
 import type { Bounds } from '../model/session';
 
 export type Preset = 'iso' | 'front' | 'back' | 'left' | 'right' | 'top' | 'bottom';
@@ -16,7 +17,7 @@ const DIRECTIONS: Record<Preset, [number, number, number]> = {
   bottom: [0, -0.0002, -1],
 };
 const FLIGHT_MS = 450;
-const FIT_MARGIN = 1.12;
+const FIT_MARGIN = 1.08;
 
 /** Parts of the canvas that panels cover, CSS pixels. */
 export interface Insets {
@@ -39,6 +40,7 @@ export class CameraRig {
   readonly controls: OrbitControls;
   private readonly center_ = new THREE.Vector3();
   private readonly offset_ = new THREE.Vector3();
+  private bounds_: Bounds = { min: [0, 0, 0], max: [1, 1, 1] };
   private radius_ = 100;
   private width_ = 1;
   private height_ = 1;
@@ -62,7 +64,8 @@ export class CameraRig {
   setBounds(bounds: Bounds): void {
     const min = new THREE.Vector3(...bounds.min);
     const max = new THREE.Vector3(...bounds.max);
-    this.center_.copy(min).add(max).multiplyScalar(0.5);
+    this.bounds_ = bounds;
+    this.center_.set(...boxCenter(bounds));
     this.radius_ = Math.max(1e-3, min.distanceTo(max) / 2);
     this.camera.near = this.radius_ / 50;
     this.camera.far = this.radius_ * 40;
@@ -152,8 +155,9 @@ export class CameraRig {
   private lookFrom_(direction: THREE.Vector3, nowMs: number): void {
     const freeHeight = Math.max(80, this.height_ - this.insets_.top - this.insets_.bottom) / this.height_;
     const freeWidth = Math.max(80, this.width_ - this.insets_.left - this.insets_.right) / this.height_;
-    const tangent = Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(freeHeight, freeWidth);
-    const distance = (FIT_MARGIN * this.radius_) / Math.sin(Math.atan(tangent));
+    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    const distance = FIT_MARGIN * fitDistance(
+      this.bounds_, direction.toArray(), tangent * freeWidth, tangent * freeHeight);
     this.fly_(this.center_.clone().addScaledVector(direction, distance), this.center_, nowMs);
   }
 

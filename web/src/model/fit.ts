@@ -1,0 +1,44 @@
+// How far away a camera must stand to see all of a box.
+
+import type { Bounds } from './session';
+
+type V = readonly [number, number, number];
+
+function dot(a: V, b: V): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+function cross(a: V, b: V): [number, number, number] {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+
+function unit(a: V): [number, number, number] {
+  const length = Math.hypot(...a) || 1;
+  return [a[0] / length, a[1] / length, a[2] / length];
+}
+
+export function boxCenter({ min, max }: Bounds): [number, number, number] {
+  return [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
+}
+
+/**
+ * Least distance from the box's centre, along the unit vector `towardsCamera`, at which all eight corners lie within the half
+ * angles given by their tangents. Z is up in the picture.
+ */
+export function fitDistance(bounds: Bounds, towardsCamera: V, tanHalfWidth: number, tanHalfHeight: number): number {
+  const center = boxCenter(bounds);
+  const side = unit(cross([0, 0, 1], towardsCamera));
+  const up = cross(towardsCamera, side);
+  let distance = 0;
+  for (let corner = 0; corner < 8; ++corner) {
+    const arm: V = [
+      (corner & 1 ? bounds.max[0] : bounds.min[0]) - center[0],
+      (corner & 2 ? bounds.max[1] : bounds.min[1]) - center[1],
+      (corner & 4 ? bounds.max[2] : bounds.min[2]) - center[2],
+    ];
+    const nearer = dot(arm, towardsCamera);
+    distance = Math.max(distance,
+      nearer + Math.abs(dot(arm, side)) / tanHalfWidth, nearer + Math.abs(dot(arm, up)) / tanHalfHeight);
+  }
+  return distance;
+}
