@@ -24,6 +24,9 @@ constexpr double kCutterDifferenceMm = 1e-3;
 // Shorter axes have no direction.
 constexpr double kAxisLengthMin = 1e-6;
 
+constexpr std::array kSpindleWords{"ON", "OFF", "CLW", "CCLW", "RPM", "NEUTRL", "LOCK"};
+constexpr std::array kCoolantWords{"ON", "OFF", "MIST", "FLOOD", "THRU"};
+
 // Thrown within this file where a statement cannot be understood; read_apt adds file and line.
 struct Fault {
   std::string word, reason;
@@ -213,9 +216,9 @@ class AptReader {
 
   void spindle(const Statement& s) {
     need_count(s, 1, 4);
-    static constexpr std::array kWords{"ON", "OFF", "CLW", "CCLW", "RPM", "NEUTRL", "LOCK"};
     for (const std::string& word : s.minor) {
-      if (std::find(kWords.begin(), kWords.end(), word) != kWords.end()) continue;
+      if (std::find(kSpindleWords.begin(), kSpindleWords.end(), word) != kSpindleWords.end())
+        continue;
       spindle_rpm_ = number(word);
       if (spindle_rpm_ < 0) throw Fault{word, "a spindle speed cannot be negative"};
     }
@@ -223,8 +226,7 @@ class AptReader {
 
   void coolant(const Statement& s) {
     need_count(s, 1, 1);
-    static constexpr std::array kWords{"ON", "OFF", "MIST", "FLOOD", "THRU"};
-    if (std::find(kWords.begin(), kWords.end(), s.minor[0]) == kWords.end())
+    if (std::find(kCoolantWords.begin(), kCoolantWords.end(), s.minor[0]) == kCoolantWords.end())
       throw Fault{s.minor[0], "is not a coolant; use ON, OFF, MIST, FLOOD or THRU"};
   }
 

@@ -188,6 +188,15 @@ TEST(Scene, StlObstaclesAreReadRelativeToTheScene) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Scene, TheExampleScenesAreRead) {
+  for (const char* name : {"chips", "boat"}) {
+    const auto scene =
+        load_scene(std::string(KERF_SOURCE_DIR "/tests/formats/scenes/") + name + ".json");
+    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+    EXPECT_EQ(scene->name, name);
+  }
+}
+
 TEST(Scene, ExplainNamesEveryFieldWithItsMeaning) {
   const auto scene = parse_scene(
       with(
