@@ -42,7 +42,7 @@ fetch_linuxcnc() {
     rm -rf "$dir"
     return
   fi
-  export KERF_LINUXCNC_DIR="$dir"
+  export KERF_LINUXCNC_DIR="$dir" PATH="$dir:$PATH"
 }
 
 unpack_linuxcnc() (
