@@ -32,10 +32,10 @@ struct SplitVertex {
   std::array<std::uint32_t, 3> index;  ///< by axis
 };
 
-double distance_squared(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  const double x = static_cast<double>(a[0]) - static_cast<double>(b[0]);
-  const double y = static_cast<double>(a[1]) - static_cast<double>(b[1]);
-  const double z = static_cast<double>(a[2]) - static_cast<double>(b[2]);
+float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  const float x = a[0] - b[0];
+  const float y = a[1] - b[1];
+  const float z = a[2] - b[2];
   return x * x + y * y + z * z;
 }
 

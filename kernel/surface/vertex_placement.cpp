@@ -141,11 +141,12 @@ Vec3 VertexPlacement::end_normal(std::int32_t i, std::int32_t j, DexelEnd kind, 
     const double slope_y = end_slope(i, j, 0, 1, kind, height);
     const double sign = top ? 1 : -1;
     const bool level = slope_x == 0 && slope_y == 0;
-    const Vec3 n = level ? Vec3{0, 0, sign} : normalized({-sign * slope_x, -sign * slope_y, sign});
-    cached = {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z), true};
+    // Kept as doubles: GCC 12's vectoriser forgets to round a double that goes through a float and
+    // back (-O2 and above), which would make the mesh depend on the optimisation level.
+    cached.normal = level ? Vec3{0, 0, sign} : normalized({-sign * slope_x, -sign * slope_y, sign});
+    cached.known = true;
   }
-  return {static_cast<double>(cached.x), static_cast<double>(cached.y),
-          static_cast<double>(cached.z)};
+  return cached.normal;
 }
 
 /// Where the wall stands in the row of column (i, j), in columns from the crossing looked for, read
@@ -312,14 +313,15 @@ SurfaceVertex VertexPlacement::place(const LatticeCell& cell, std::uint16_t edge
 SurfaceVertex VertexPlacement::place_sheet(const LatticeCell& cell, const CellSheets& sheets,
                                            std::uint8_t sheet) {
   std::array<SurfaceVertex, kSheetsMax> placed;
-  const double center_x = (cell.x + 1) * window_.grid().pitch_mm;
+  const double pitch = window_.grid().pitch_mm;
+  const auto center_x = static_cast<float>((cell.x + 1) * pitch);
   for (std::uint8_t n = 0; n <= sheet; ++n) {
     placed[n] = place(cell, sheets.edges[n]);
     for (std::uint8_t before = 0; before < n; ++before) {
       if (placed[before].position_mm != placed[n].position_mm) continue;
-      const double x = static_cast<double>(placed[n].position_mm[0]);
-      const double shift = n * kSheetShift * window_.grid().pitch_mm;
-      placed[n].position_mm[0] = static_cast<float>(x < center_x ? x + shift : x - shift);
+      const auto shift = static_cast<float>(n * kSheetShift * pitch);
+      float& x = placed[n].position_mm[0];
+      x += x < center_x ? shift : -shift;
     }
   }
   return placed[sheet];

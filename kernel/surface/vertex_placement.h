@@ -41,7 +41,7 @@ class VertexPlacement {
 
  private:
   struct EndNormal {
-    float x = 0, y = 0, z = 0;
+    Vec3 normal;
     bool known = false;
   };
   struct Side;

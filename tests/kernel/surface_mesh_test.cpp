@@ -56,11 +56,11 @@ TEST(SurfaceMesh, EdgesOfABoxAreShadedSharp) {
 }
 
 TEST(SurfaceMesh, RandomCarvingsAreClosedManifolds) {
-  for (unsigned seed = 1; seed <= 24; ++seed) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(seed);
     Sculpture sculpture = make_sculpture(kBlock, seed % 2 == 0 ? 0.25 : 0.4);
     RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, seed);
-    for (unsigned n = 0; n < 5 * seed; ++n) carver.cut();
+    for (unsigned n = 0; n < 10 * seed; ++n) carver.cut();
     const DexelSnapshot snapshot = sculpture.snapshot();
     const MeshReport report = check_mesh(mesh_all(snapshot));
     expect_closed(report);
@@ -191,7 +191,7 @@ TEST(SurfaceMesh, BytesAreTheSameEverywhere) {
   Sculpture sculpture = make_sculpture(kBlock, 0.4);
   RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, 99);
   for (int n = 0; n < 30; ++n) carver.cut();
-  EXPECT_EQ(check_mesh(mesh_all(sculpture.snapshot())).hash, 18193655246370761540U);
+  EXPECT_EQ(check_mesh(mesh_all(sculpture.snapshot())).hash, 17736476170379294354U);
 }
 
 TEST(TilesToRemesh, AreTheTileAndItsNeighboursWithinTheGrid) {
