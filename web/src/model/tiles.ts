@@ -62,6 +62,11 @@ export class TileTable {
     return this.complete_;
   }
 
+  /** Counts the snapshots begun. What was read for one must not be offered to the next: versions of two servers do not compare. */
+  get generation(): number {
+    return this.generation_;
+  }
+
   get size(): number {
     return this.entries_.size;
   }

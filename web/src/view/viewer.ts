@@ -93,7 +93,10 @@ export class Viewer {
 
   /** Swaps in the tiles of one mesh frame that are newer than what is shown. */
   async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
-    for (const tile of await this.parser_.parse(glb)) {
+    const { generation } = this.model.tiles;
+    const tiles = await this.parser_.parse(glb);
+    if (generation !== this.model.tiles.generation) return; // the line broke meanwhile, and a new snapshot is coming
+    for (const tile of tiles) {
       if (this.model.tiles.offer(tile.x, tile.y, tile.version, tile.triangles)) this.tiles_.set(tile);
       else tile.geometry?.dispose();
     }
