@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <ostream>
@@ -37,18 +38,19 @@ class AptWriter final : public ProgramWriter {
     if (!started_) header();
     const ToolPose from = admit_pose(motion.from);
     const ToolPose to = admit_pose(motion.to);
+    const double duration_s = std::max(motion.duration_s, kWrittenDurationMinS);
     if (!placed_ || motion.tool != tool_) out_ << "LOADTL/" << motion.tool << '\n';
     if (!placed_ || motion.tool != tool_ || !(from == last_))
       out_ << "FROM/" << pose_text(from) << '\n';
     placed_ = true;
     tool_ = motion.tool;
     if (from == to) {
-      out_ << "DELAY/" << exact_text(motion.duration_s) << '\n';
+      out_ << "DELAY/" << exact_text(duration_s) << '\n';
     } else {
       if (motion.rapid) {
         out_ << "RAPID\n";
       } else {
-        feed(from, to, motion.duration_s);
+        feed(from, to, duration_s);
       }
       out_ << "GOTO/" << pose_text(to) << '\n';
     }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <ostream>
@@ -35,8 +36,10 @@ class GcodeWriter final : public ProgramWriter {
         rotary_(has_rotary_table(kind_)),
         vector_(kind_ == MachineKinematics::kToolVector) {}
 
-  WriteResult add(const ProgramMotion& motion) override {
+  WriteResult add(const ProgramMotion& given) override {
     if (!started_) header();
+    ProgramMotion motion = given;
+    motion.duration_s = std::max(given.duration_s, kWrittenDurationMinS);
     const ToolPose from = admit_pose(motion.from);
     const ToolPose to = admit_pose(motion.to);
     if (kind_ == MachineKinematics::kXyz)

@@ -32,6 +32,10 @@ std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostrea
 /// APT CL data: every pose exactly, durations to 1e-6 relative.
 std::unique_ptr<ProgramWriter> make_apt_writer(const Scene& scene, std::ostream& out);
 
+/// No motion is written shorter than this, s: a motion without duration has no feed, and none is
+/// needed for what it cuts.
+inline constexpr double kWrittenDurationMinS = 1e-9;
+
 /// All motions of a program through one of the writers above.
 WriteResult write_program(const Program& program, ProgramWriter& writer);
 

@@ -1,13 +1,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "server/carve/carve_options.h"
 #include "server/formats/stl.h"
@@ -193,6 +197,28 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"Rate", "", "", "--scene scene.json --program p.ngc --rate 1e12",
                  "p.ngc: would need"}),
     [](const auto& test) { return test.param.name; });
+
+TEST_F(KerfCarve, AnInterruptLeavesNothingBehind) {
+  // Thousands of turns: far more than can be carved before the signal comes.
+  std::string program = "T1 M6\nG0 X15 Y10 Z9\n";
+  for (int i = 0; i < 2; ++i) program += "G2 I-5 P1000 F1000\n";
+  write("p.ngc", program + "M2\n");
+  const std::vector<std::string> before = files();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::chdir(folder_.c_str()) != 0) ::_exit(9);
+    ::execl(KERF_CARVE, "kerf-carve", "--scene", "scene.json", "--program", "p.ngc", "--tolerance",
+            "0.001", "--forces", "f.csv", static_cast<char*>(nullptr));
+    ::_exit(9);
+  }
+  while (files() == before && ::waitpid(child, nullptr, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(child, SIGTERM);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child) << "it ended before it was interrupted";
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(files(), before);
+}
 
 TEST_F(KerfCarve, AFolderThatCannotBeWrittenIsReported) {
   EXPECT_EQ(run(kInput + " --stl m.stl --ngc none/o.ngc"), 1);

@@ -189,6 +189,24 @@ TEST(ProgramWriter, NamesCannotBecomeCode) {
   expect_same_poses(program, test::read(scene, "p.apt", apt), apt);
 }
 
+TEST(ProgramWriter, MotionsWithoutDurationKeepTheirPoses) {
+  Program program = random_program(3, true);
+  for (ProgramMotion& motion : program.motions) motion.duration_s = 0;
+  program.motions.insert(program.motions.begin(), program.motions.front());
+  program.motions[0].to = program.motions[0].from;
+  for (ProgramMotion& motion : program.motions) motion.rapid = false;
+  const Scene scene = scene_for("tool-vector");
+  for (const MakeWriter make : {make_gcode_writer, make_apt_writer}) {
+    const std::string name = make == make_apt_writer ? "p.apt" : "p.ngc";
+    const Program read = test::read(scene, name, text_of(program, scene, make));
+    ASSERT_EQ(read.motions.size(), program.motions.size());
+    for (std::size_t i = 0; i < read.motions.size(); ++i) {
+      EXPECT_EQ(read.motions[i].from, program.motions[i].from);
+      EXPECT_EQ(read.motions[i].to, program.motions[i].to);
+    }
+  }
+}
+
 TEST(ProgramWriter, AnEmptyProgramIsAProgram) {
   const Scene scene = scene_for("xyzac-trt");
   EXPECT_TRUE(test::gcode(scene, text_of({}, scene, make_gcode_writer)).motions.empty());
