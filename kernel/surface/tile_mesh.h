@@ -8,21 +8,25 @@
 
 namespace kerf {
 
-/// The part of the surface that belongs to one tile. Tiles meet without cracks: the vertices that two tiles share have
-/// equal bits in both. At a sharp crease a position is repeated, once with the normal of each side.
+/// The part of the surface that belongs to one tile. Tiles meet without cracks: the vertices that
+/// two tiles share have equal bits in both. At a sharp crease a position is repeated, once with the
+/// normal of each side.
 struct TileMesh {
   TileIndex tile;
-  std::vector<std::array<float, 3>> positions_mm;  ///< relative to the block's minimum corner (DexelGrid::origin_mm)
-  std::vector<std::array<float, 3>> normals;       ///< unit, outward; one per position
+  std::vector<std::array<float, 3>>
+      positions_mm;  ///< relative to the block's minimum corner (DexelGrid::origin_mm)
+  std::vector<std::array<float, 3>> normals;  ///< unit, outward; one per position
   std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise seen from outside
 };
 
-/// Extracts the surface owned by one tile from the tile and the columns around it. The union over all tiles of a snapshot
-/// is closed, consistently oriented, and has no degenerate triangle. Equal snapshots give equal bytes.
+/// Extracts the surface owned by one tile from the tile and the columns around it. The union over
+/// all tiles of a snapshot is closed, consistently oriented, and has no degenerate triangle. Equal
+/// snapshots give equal bytes.
 TileMesh mesh_tile(const DexelSnapshot& snapshot, TileIndex tile);
 
-/// The tiles whose mesh may change when `changed` tiles change: themselves and the neighbours that read their columns.
-/// Sorted, without duplicates, within the grid.
-std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid, const std::vector<TileIndex>& changed);
+/// The tiles whose mesh may change when `changed` tiles change: themselves and the neighbours that
+/// read their columns. Sorted, without duplicates, within the grid.
+std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,
+                                       const std::vector<TileIndex>& changed);
 
 }  // namespace kerf
