@@ -155,6 +155,10 @@ int run_agent(Options options) {
   link.stop(kDrainS);
   summary.link = link.report();
 
+  if (summary.link.failure.empty() && summary.link.unanswered > 0) {
+    summary.link.failure = join({"the server has not answered the last ",
+                                 std::to_string(summary.link.unanswered), " samples"});
+  }
   print_summary(options.status_json == "-" ? std::cerr : std::cout, summary);
   const bool written = write_status(options.status_json, summary);
   if (!summary.link.failure.empty()) say(summary.link.failure);

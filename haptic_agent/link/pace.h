@@ -10,8 +10,8 @@ namespace kerf::agent {
 /// grows instead of at once, so that the server's own limit never cuts it off.
 class Pace {
  public:
-  static constexpr double kSamplesPerS = 1200.0;
-  static constexpr double kBurst = 500.0;
+  static constexpr double kSamplesPerS = 1225.0;
+  static constexpr double kBurst = 900.0;
 
   /// Whole samples that may be sent at this time; times must not go back.
   std::size_t allowed(std::uint64_t now_us) noexcept {

@@ -25,6 +25,7 @@
 #include <thread>
 
 #include "haptic_agent/link/traffic.h"
+#include "haptic_agent/servo/realtime.h"
 #include "haptic_agent/servo/servo_clock.h"
 #include "server/wire/control.h"
 
@@ -96,7 +97,11 @@ class ServerLink::Impl {
   void start() {
     asio::co_spawn(io_, run(), asio::detached);
     asio::co_spawn(io_, keep_house(), asio::detached);
-    thread_ = std::thread([this] { io_.run(); });
+    thread_ = std::thread([this] {
+      // The servo thread reports what a refusal means.
+      request_fifo(kLinkPriority);
+      io_.run();
+    });
   }
 
   std::expected<Welcome, std::string> wait_welcome() {

@@ -11,10 +11,14 @@
 
 namespace kerf::agent {
 
+int request_fifo(int priority) noexcept {
+  const sched_param wanted{.sched_priority = priority};
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+}
+
 RealtimeReport make_realtime(int priority) {
   RealtimeReport report;
-  const sched_param wanted{.sched_priority = priority};
-  if (const int failed = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted); failed == 0) {
+  if (const int failed = request_fifo(priority); failed == 0) {
     report.fifo = true;
   } else {
     report.warning = join({"no real-time priority (", std::generic_category().message(failed),

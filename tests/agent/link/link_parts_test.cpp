@@ -76,7 +76,7 @@ TEST(Pace, LetsABacklogOutALittleFasterThanItGrows) {
   Pace pace;
   std::uint64_t now_us = 1'000'000;
   std::size_t sent = pace.allowed(now_us);
-  EXPECT_EQ(sent, 500U);
+  EXPECT_EQ(sent, 900U);
   pace.sent(sent);
   EXPECT_EQ(pace.allowed(now_us), 0U);
   for (int i = 0; i < 1000; ++i) {
@@ -85,7 +85,7 @@ TEST(Pace, LetsABacklogOutALittleFasterThanItGrows) {
     pace.sent(now);
     sent += now;
   }
-  EXPECT_NEAR(static_cast<double>(sent), 500 + 12'000, 2);
+  EXPECT_NEAR(static_cast<double>(sent), 900 + 12'250, 2);
 }
 
 TEST(ClockSync, TheQuickestAnswerKnowsTheOffset) {
