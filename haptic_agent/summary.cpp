@@ -46,7 +46,7 @@ void print_summary(std::ostream& out, const Summary& s) {
       << "link     " << l.samples_sent << " samples in " << l.messages_sent << " messages, "
       << l.results << " results, " << l.connections << " connection"
       << (l.connections == 1 ? "" : "s") << ", " << l.resent << " resent, " << l.unanswered
-      << " unanswered, " << l.merged_air + l.thinned_cuts << " merged\n"
+      << " unanswered, " << l.merged_air + l.merged_cuts + l.thinned_cuts << " merged\n"
       << "force    up to " << std::setprecision(2) << s.servo.max_force_n << " N and "
       << s.servo.max_torque_nmm << " N·mm shown (server: " << l.max_server_force_n
       << " N), saturated in " << s.saturated_ticks << " ticks, faded in " << s.servo.decayed_ticks
@@ -92,7 +92,8 @@ std::string summary_json(const Summary& s) {
                           {"messages_sent", l.messages_sent},
                           {"resent", l.resent},
                           {"merged_air", l.merged_air},
-                          {"thinned_cuts", l.thinned_cuts},
+                          {"merged_cuts", l.merged_cuts},
+        {"thinned_cuts", l.thinned_cuts},
                           {"forgotten", l.forgotten},
                           {"unanswered", l.unanswered},
                           {"results", l.results},

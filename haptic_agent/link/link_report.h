@@ -21,6 +21,7 @@ struct LinkReport {
   std::uint64_t messages_sent = 0;
   std::uint64_t resent = 0;
   std::uint64_t merged_air = 0;
+  std::uint64_t merged_cuts = 0;
   std::uint64_t thinned_cuts = 0;
   std::uint64_t forgotten = 0;
   std::uint64_t unanswered = 0;

@@ -1,12 +1,42 @@
 #include "haptic_agent/link/sample_queue.h"
 
 #include <algorithm>
+#include <array>
+
+#include "haptic_agent/device/vec3.h"
 
 namespace kerf::agent {
 namespace {
 
+template <typename T>
+Vec3 to_vec3(const std::array<T, 3>& v) noexcept {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
 bool cuts(const wire::MotionSample& sample) noexcept {
   return (sample.buttons & wire::kButtonCutting) != 0;
+}
+
+/// True if the samples between `from` and `to` may be left out: the motion is one cut with one
+/// tool, and each of them lies on the straight way between the two, tip and axis alike.
+bool is_chord(const std::deque<wire::MotionSample>& samples, std::size_t from, std::size_t to) {
+  const wire::MotionSample& a = samples[from];
+  const wire::MotionSample& c = samples[to];
+  if (!cuts(c) || c.tool_id != a.tool_id) return false;
+  const Vec3 start = to_vec3(a.tip_mm);
+  const Vec3 way = to_vec3(c.tip_mm) - start;
+  const double square = dot(way, way);
+  const Vec3 axis = to_vec3(a.axis);
+  const Vec3 turn = to_vec3(c.axis) - axis;
+  for (std::size_t i = from + 1; i < to; ++i) {
+    const wire::MotionSample& b = samples[i];
+    if (!cuts(b) || b.agent_sequence != 0 || b.tool_id != a.tool_id) return false;
+    const Vec3 offset = to_vec3(b.tip_mm) - start;
+    const double part = square > 0 ? std::clamp(dot(offset, way) / square, 0.0, 1.0) : 0.0;
+    if (length(offset - way * part) > SampleQueue::kChordMm) return false;
+    if (length(to_vec3(b.axis) - axis - turn * part) > SampleQueue::kChordRad) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -14,11 +44,11 @@ bool cuts(const wire::MotionSample& sample) noexcept {
 void SampleQueue::push(const wire::MotionSample& sample) {
   samples_.push_back(sample);
   samples_.back().agent_sequence = 0;
-  if (unsent() > merge_above_) {
+  ++fresh_;
+  if (unsent() > kMergeAbove && fresh_ >= kMergeAbove) {
     merge_air();
-    // The next pass waits until as many again have come, so that each sample is looked at a few
-    // times only.
-    merge_above_ = std::max(kMergeAirAbove, 2 * unsent());
+    merge_straight();
+    fresh_ = 0;
   }
   if (samples_.size() > kMostKept) make_room();
 }
@@ -28,6 +58,7 @@ wire::MotionBatch SampleQueue::take(std::size_t most) {
   const std::size_t room = std::min<std::size_t>(most, wire::kMaxSamplesPerMotion);
   while (batch.count < room && next_ < samples_.size()) {
     wire::MotionSample& sample = samples_[next_];
+    if (!in_window(sample)) break;
     if (batch.count > 0 && sample.tool_id != batch.samples[0].tool_id) break;
     ++next_;
     if (sample.agent_sequence == 0) {
@@ -37,7 +68,6 @@ wire::MotionBatch SampleQueue::take(std::size_t most) {
     }
     batch.samples[batch.count++] = sample;
   }
-  if (unsent() <= kMergeAirAbove) merge_above_ = kMergeAirAbove;
   return batch;
 }
 
@@ -54,6 +84,14 @@ void SampleQueue::answered(std::uint64_t agent_sequence) {
 
 void SampleQueue::rewind() noexcept { next_ = 0; }
 
+bool SampleQueue::in_window(const wire::MotionSample& sample) const noexcept {
+  for (std::size_t i = 0; i < next_; ++i) {
+    if (samples_[i].agent_sequence <= answered_) continue;
+    return sample.time_us <= samples_[i].time_us + kWindowUs;
+  }
+  return true;
+}
+
 bool SampleQueue::settled() const noexcept {
   return unsent() == 0 && (samples_.empty() || samples_.back().agent_sequence <= answered_);
 }
@@ -69,20 +107,40 @@ std::optional<std::uint32_t> SampleQueue::next_tool() const noexcept {
   return samples_[next_].tool_id;
 }
 
+std::size_t SampleQueue::first_fresh() const noexcept {
+  return std::max(next_, samples_.size() - std::min(samples_.size(), fresh_));
+}
+
 void SampleQueue::merge_air() {
-  const auto first = samples_.begin() + static_cast<std::ptrdiff_t>(next_);
-  auto keep = first;
-  for (auto at = first; at != samples_.end(); ++at) {
-    const auto after = std::next(at);
-    const bool merges = at->agent_sequence == 0 && after != samples_.end() && !cuts(*at) &&
-                        !cuts(*after) && at->tool_id == after->tool_id;
-    if (merges) {
-      ++merged_air_;
-    } else {
-      *keep++ = *at;
-    }
+  // A move through the air merges with one that has been looked at before: it has no path to keep.
+  const std::size_t start = std::max(next_, first_fresh() - (first_fresh() > 0 ? 1 : 0));
+  std::size_t keep = start;
+  for (std::size_t at = start; at < samples_.size(); ++at) {
+    const wire::MotionSample& sample = samples_[at];
+    const bool merges = sample.agent_sequence == 0 && at + 1 < samples_.size() && !cuts(sample) &&
+                        !cuts(samples_[at + 1]) && sample.tool_id == samples_[at + 1].tool_id;
+    if (!merges) samples_[keep++] = sample;
   }
-  samples_.erase(keep, samples_.end());
+  const std::size_t merged = samples_.size() - keep;
+  merged_air_ += merged;
+  fresh_ -= std::min(fresh_, merged);
+  samples_.resize(keep);
+}
+
+void SampleQueue::merge_straight() {
+  std::size_t keep = first_fresh();
+  for (std::size_t at = keep; at < samples_.size();) {
+    samples_[keep++] = samples_[at];
+    // From here on, `at` is where a chord starts; `end` is the farthest place where it may end.
+    std::size_t end = at + 1;
+    while (end + 1 < samples_.size() && end + 1 - at <= kLongestChord &&
+           is_chord(samples_, at, end + 1)) {
+      ++end;
+    }
+    merged_cuts_ += end - at - 1;
+    at = end;
+  }
+  samples_.resize(keep);
 }
 
 void SampleQueue::thin_cuts() {

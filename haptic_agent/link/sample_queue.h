@@ -17,13 +17,20 @@ class SampleQueue {
  public:
   /// More than this are never kept: eight seconds at 1 kHz.
   static constexpr std::size_t kMostKept = 8192;
-  /// With more than this unsent, the server is behind, and moves through the air are merged.
-  static constexpr std::size_t kMergeAirAbove = 64;
+  /// No sample goes out that is more than this after the oldest unanswered one: a server that
+  /// cannot keep up shall not be buried. An answer older than this gives no force anyway.
+  static constexpr std::uint64_t kWindowUs = 120'000;
+  /// With more than this unsent, the server is behind, and samples are merged where that costs
+  /// nothing: through the air, and where the path is straight to within the two tolerances below.
+  static constexpr std::size_t kMergeAbove = 32;
+  static constexpr std::size_t kLongestChord = 16;
+  static constexpr double kChordMm = 0.005;
+  static constexpr double kChordRad = 1e-4;
 
   /// Takes a sample, whose number is ignored.
   void push(const wire::MotionSample& sample);
-  /// The next samples to send, at most `most` (and what a message holds), all of one tool; numbers
-  /// the new ones.
+  /// The next samples to send, at most `most` (and what a message holds), all of one tool and
+  /// within the window; numbers the new ones.
   wire::MotionBatch take(std::size_t most);
   /// All numbers up to this one are answered. A number that was never sent is ignored.
   void answered(std::uint64_t agent_sequence);
@@ -41,6 +48,8 @@ class SampleQueue {
   std::uint64_t resent() const noexcept { return resent_; }
   /// Moves through the air that were merged into the next one.
   std::uint64_t merged_air() const noexcept { return merged_air_; }
+  /// Cutting samples left out because the chord over them is the same path.
+  std::uint64_t merged_cuts() const noexcept { return merged_cuts_; }
   /// Cutting samples left out because nothing else made room: the path there is a chord.
   std::uint64_t thinned_cuts() const noexcept { return thinned_cuts_; }
   /// Samples given up although the server had not answered them.
@@ -48,17 +57,23 @@ class SampleQueue {
 
  private:
   void make_room();
+  bool in_window(const wire::MotionSample& sample) const noexcept;
+  std::size_t first_fresh() const noexcept;
   void merge_air();
+  void merge_straight();
   void thin_cuts();
 
   /// In order; the front one may be answered already and is kept as the place to start again from.
   std::deque<wire::MotionSample> samples_;
   std::size_t next_ = 0;
-  std::size_t merge_above_ = kMergeAirAbove;
+  /// How many at the end have not been looked at for merging. None is looked at twice, or the
+  /// errors of chords over chords would add up.
+  std::size_t fresh_ = 0;
   std::uint64_t last_number_ = 0;
   std::uint64_t answered_ = 0;
   std::uint64_t resent_ = 0;
   std::uint64_t merged_air_ = 0;
+  std::uint64_t merged_cuts_ = 0;
   std::uint64_t thinned_cuts_ = 0;
   std::uint64_t forgotten_ = 0;
 };

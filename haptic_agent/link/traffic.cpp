@@ -70,6 +70,7 @@ std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
   const std::size_t most = pace_.allowed(now_us);
   if (most == 0 || queue_.unsent() == 0) return 0;
   const wire::MotionBatch batch = queue_.take(most);
+  if (batch.count == 0) return 0;
   pace_.sent(batch.count);
   report_.samples_sent += batch.count;
   ++report_.messages_sent;
@@ -130,6 +131,7 @@ LinkReport Traffic::report() const {
   LinkReport report = report_;
   report.resent = queue_.resent();
   report.merged_air = queue_.merged_air();
+  report.merged_cuts = queue_.merged_cuts();
   report.thinned_cuts = queue_.thinned_cuts();
   report.forgotten = queue_.forgotten();
   report.unanswered = queue_.unanswered();

@@ -2,11 +2,27 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 namespace kerf::agent {
 namespace {
 
+/// A path that is bent at every sample, so that none of them may be left out.
 wire::MotionSample sample(std::uint64_t time_us, bool cuts = true, std::uint32_t tool = 1) {
-  return {.time_us = time_us, .tool_id = tool, .buttons = cuts ? wire::kButtonCutting : 0};
+  const double x = 0.1 * static_cast<double>(time_us);
+  return {.time_us = time_us,
+          .tip_mm = {x, time_us % 2 == 0 ? 0.1 : 0.0, 0},
+          .tool_id = tool,
+          .buttons = cuts ? wire::kButtonCutting : 0};
+}
+
+std::vector<wire::MotionSample> take_all(SampleQueue& queue) {
+  std::vector<wire::MotionSample> sent;
+  for (auto batch = queue.take(16); batch.count > 0; batch = queue.take(16)) {
+    sent.insert(sent.end(), batch.view().begin(), batch.view().end());
+  }
+  return sent;
 }
 
 TEST(SampleQueue, NumbersSamplesFromOneAsTheyGoOut) {
@@ -72,15 +88,56 @@ TEST(SampleQueue, WhenTheServerIsBehindMovesThroughTheAirAreMergedAndCutsAreNot)
   queue.push(sample(1, false));
   for (std::uint64_t i = 2; i <= 60; ++i) queue.push(sample(i, false));
   for (std::uint64_t i = 61; i <= 80; ++i) queue.push(sample(i, true));
-  std::vector<wire::MotionSample> sent;
-  for (auto batch = queue.take(16); batch.count > 0; batch = queue.take(16)) {
-    sent.insert(sent.end(), batch.view().begin(), batch.view().end());
-  }
+  const auto sent = take_all(queue);
   ASSERT_EQ(sent.size(), 21U);
   EXPECT_EQ(sent[0].time_us, 60U) << "where the cut begins stays";
   EXPECT_EQ(queue.merged_air(), 59U);
   EXPECT_EQ(queue.thinned_cuts(), 0U);
   for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(sent[i].agent_sequence, i + 1);
+}
+
+TEST(SampleQueue, SendsNoFurtherAheadThanItsWindow) {
+  SampleQueue queue;
+  for (std::uint64_t i = 0; i < 30; ++i) queue.push(sample(10'000 * i));
+  EXPECT_EQ(take_all(queue).back().time_us, 120'000U);
+  EXPECT_EQ(queue.take(16).count, 0U);
+  queue.answered(5);
+  EXPECT_EQ(take_all(queue).back().time_us, 170'000U);
+  queue.rewind();
+  EXPECT_EQ(take_all(queue).front().agent_sequence, 5U);
+}
+
+TEST(SampleQueue, WhenTheServerIsBehindStraightCutsBecomeChords) {
+  SampleQueue queue;
+  constexpr std::uint64_t kCorner = 40;
+  for (std::uint64_t i = 0; i <= 2 * kCorner; ++i) {
+    const auto along = static_cast<double>(std::min(i, kCorner));
+    const auto across = static_cast<double>(i - std::min(i, kCorner));
+    queue.push(
+        {.time_us = i, .tip_mm = {0.1 * along, 0.1 * across, 0}, .buttons = wire::kButtonCutting});
+  }
+  const auto sent = take_all(queue);
+  EXPECT_LT(sent.size(), 60U);
+  EXPECT_GT(queue.merged_cuts(), 20U);
+  EXPECT_EQ(sent.size() + queue.merged_cuts(), 2 * kCorner + 1);
+  for (std::size_t i = 1; i < sent.size(); ++i) {
+    EXPECT_LE(sent[i].time_us - sent[i - 1].time_us, SampleQueue::kLongestChord);
+    // Every chord keeps to one side of the corner: no motion cuts across it.
+    EXPECT_TRUE(sent[i].time_us <= kCorner || sent[i - 1].time_us >= kCorner);
+  }
+  EXPECT_EQ(sent.back().time_us, 2 * kCorner);
+}
+
+TEST(SampleQueue, AnAxisThatTurnsUnevenlyIsNotMerged) {
+  SampleQueue queue;
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    const float lean = i % 2 == 0 ? 0.001F : 0.0F;
+    queue.push({.time_us = i,
+                .tip_mm = {0.1 * static_cast<double>(i), 0, 0},
+                .axis = {lean, 0, 1},
+                .buttons = wire::kButtonCutting});
+  }
+  EXPECT_EQ(take_all(queue).size(), 60U);
 }
 
 TEST(SampleQueue, AQueueThatIsFullOfCutsIsThinnedAndNeverGrowsBeyondItsBound) {
@@ -94,11 +151,7 @@ TEST(SampleQueue, AQueueThatIsFullOfCutsIsThinnedAndNeverGrowsBeyondItsBound) {
   EXPECT_EQ(queue.forgotten(), 0U);
   const auto first = queue.take(1);
   EXPECT_EQ(first.samples[0].time_us, 1U) << "the path still begins where it began";
-  std::uint64_t last = 0;
-  for (auto batch = queue.take(16); batch.count > 0; batch = queue.take(16)) {
-    last = batch.view().back().time_us;
-  }
-  EXPECT_EQ(last, many);
+  EXPECT_EQ(take_all(queue).back().time_us, many);
 }
 
 TEST(SampleQueue, WhatWasSentAndNeverAnsweredIsForgottenInTheEnd) {
