@@ -15,7 +15,9 @@ namespace kerf::agent {
 namespace {
 
 constexpr int kFailed = 1;
-constexpr double kDrainS = 2.0;
+/// A server that keeps up needs a few milliseconds; one that is far behind gets time to finish the
+/// cut.
+constexpr double kDrainS = 10.0;
 constexpr double kUsPerS = 1e6;
 
 /// Calls `leave` when SIGINT or SIGTERM comes. Made before any other thread, so that all of them
