@@ -46,6 +46,8 @@ std::expected<Program, ProgramError> parse_program(const std::string& name, std:
                                                    const Scene& scene) {
   const auto format = program_format(name);
   if (!format) return std::unexpected(format.error());
+  // Editors on Windows put a byte order mark before the first word.
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   return *format == ProgramFormat::kApt ? read_apt(name, text, scene)
                                         : read_gcode(name, text, scene);
 }

@@ -118,6 +118,7 @@ TEST(GcodeReader, PercentSignsFrameTheProgram) {
   EXPECT_THAT(gcode(scene, "%\n" + kStart + "G1 Z0 F10\nM30\n%\n").warnings, IsEmpty());
   EXPECT_THAT(gcode(scene, kStart + "G1 Z0 F10").warnings, ElementsAre(HasSubstr("without M2")));
   EXPECT_EQ(gcode(scene, "").motions.size(), 0u);
+  EXPECT_EQ(gcode(scene, "\xEF\xBB\xBF%\n" + kStart + "G1 Z0 F10\n%\n").motions.size(), 1u);
   EXPECT_EQ(gcode(scene, kStart + "\r\nG1 Z0 F10\r\nM2\r\n").motions.size(), 1u);
 }
 
