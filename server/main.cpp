@@ -1,0 +1,115 @@
+// kerf-server: sessions in which several people carve one block, over HTTP and WebSockets.
+#include <pthread.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "server/net/server.h"
+#include "server/net/static_files.h"
+
+namespace {
+
+using kerf::net::Server;
+using kerf::net::ServerOptions;
+
+struct CommandLine {
+  std::string listen = "127.0.0.1:8080";
+  std::vector<std::string> scenes;
+  ServerOptions server;
+};
+
+/// Splits ADDR:PORT; an IPv6 address stands in brackets.
+bool parse_listen(const std::string& text, ServerOptions& options) {
+  const auto colon = text.rfind(':');
+  if (colon == std::string::npos) return false;
+  options.address = text.substr(0, colon);
+  if (options.address.size() > 2 && options.address.front() == '[' &&
+      options.address.back() == ']') {
+    options.address = options.address.substr(1, options.address.size() - 2);
+  }
+  const char* end = text.data() + text.size();
+  const auto port = std::from_chars(text.data() + colon + 1, end, options.port);
+  return !options.address.empty() && port.ec == std::errc() && port.ptr == end;
+}
+
+/// Creates the session of a scene file unless it is there already, e.g. from before a restart. Says
+/// what is wrong.
+std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file) {
+  const auto scene = kerf::load_scene(file);
+  if (!scene) return to_string(scene.error());
+  const std::string id = kerf::id_from_name(scene->name);
+  if (sessions.find(id)) return {};
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  kerf::SceneSource source;
+  source.name = file;
+  source.base_folder = std::filesystem::path(file).parent_path();
+  const auto created = sessions.create(id, text, source);
+  return created ? "" : created.error().reason;
+}
+
+int serve(const CommandLine& line) {
+  // Signals are waited for by this thread alone; it must block them before it starts any other.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+
+  auto server = Server::create(line.server);
+  if (!server) {
+    std::fprintf(stderr, "kerf-server: %s\n", server.error().c_str());
+    return 1;
+  }
+  for (const std::string& file : line.scenes) {
+    if (const std::string error = open_scene((*server)->sessions(), file); !error.empty()) {
+      std::fprintf(stderr, "kerf-server: %s\n", error.c_str());
+      return 2;
+    }
+  }
+  if (auto ok = (*server)->listen(); !ok) {
+    std::fprintf(stderr, "kerf-server: %s\n", ok.error().c_str());
+    return 1;
+  }
+  std::printf("%s\n", (*server)->url().c_str());
+  std::fflush(stdout);
+  for (const auto& session : (*server)->sessions().list()) {
+    spdlog::info("session {}: {}/?session={}", session->id(), (*server)->url(), session->id());
+  }
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("going down");
+  (*server)->stop();
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandLine line;
+  line.server.web_folder = kerf::net::find_web_folder();
+  CLI::App app{"kerf-server: several people carve one block and feel it"};
+  app.add_option("--listen", line.listen, "ADDR:PORT; port 0 lets the system pick one")
+      ->capture_default_str();
+  app.add_option("--data", line.server.data_folder, "folder of the journals, one per session")
+      ->capture_default_str();
+  app.add_option("--scene", line.scenes, "scene file; its session is created unless it exists");
+  app.add_option("--web", line.server.web_folder, "folder of the built viewer");
+  app.add_option("--allow-origin", line.server.allow_origins,
+                 "origin of web pages elsewhere that may connect, e.g. https://kerf.example");
+  CLI11_PARSE(app, argc, argv);
+  spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout carries the address alone
+  spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
+  if (!parse_listen(line.listen, line.server)) {
+    std::fprintf(stderr, "kerf-server: --listen %s is not ADDR:PORT\n", line.listen.c_str());
+    return 2;
+  }
+  return serve(line);
+}

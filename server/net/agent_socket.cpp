@@ -1,0 +1,278 @@
+// One agent's WebSocket. Lives on the lane of its session: what it reads is cut and answered by the
+// same thread.
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <deque>
+
+#include "server/net/control_json.h"
+#include "server/net/lane.h"
+#include "server/net/metrics.h"
+#include "server/net/websocket.h"
+#include "server/session/rate_limit.h"
+#include "server/wire/codec.h"
+
+namespace kerf::net {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+
+/// A peer that keeps making mistakes is told of this many per second; all are counted.
+constexpr double kErrorsPerS = 20;
+constexpr double kErrorsBurst = 50;
+
+class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
+ public:
+  AgentSocket(asio::ip::tcp::socket socket, std::shared_ptr<Session> session, Context& context)
+      : session_(std::move(session)),
+        context_(context),
+        socket_(std::move(socket)),
+        hello_timer_(socket_.get_executor()) {
+    ++context_.metrics.agents;
+  }
+  ~AgentSocket() { --context_.metrics.agents; }
+
+  void start(UpgradeRequest request) {
+    auto run = [self = shared_from_this(), request = std::move(request)]() mutable {
+      return self->run(std::move(request));
+    };
+    asio::co_spawn(socket_.get_executor(), std::move(run), asio::detached);
+  }
+
+ private:
+  asio::awaitable<void> run(UpgradeRequest request);
+  void limit_hello();
+  void on_event(const SessionEvent& event);
+  void on_frame(std::span<const std::byte> frame, bool text, Clock::time_point arrived);
+  void on_control(std::string_view text);
+  void on_hello(const HelloMessage& hello);
+  void on_binary(std::span<const std::byte> frame, Clock::time_point arrived);
+  void on_motion(const wire::MotionBatch& batch, Clock::time_point arrived);
+  void refuse(const Refusal& refusal, bool fatal = false);
+  void say(std::string text);
+  void say_pong(const wire::Ping& ping);
+  void finish();
+  void pump();
+  void written(error_code error, bool was_result);
+
+  std::shared_ptr<Session> session_;
+  Context& context_;
+  WebSocket socket_;
+  asio::steady_timer hello_timer_;
+  beast::flat_buffer in_;
+  std::optional<Participant> self_;
+  int listener_ = 0;
+  RateLimit errors_{kErrorsPerS, kErrorsBurst};
+
+  std::array<std::byte, wire::kHeaderBytes + wire::kResultBytes> result_{}, out_{};
+  Clock::time_point result_arrived_, out_arrived_;
+  bool has_result_ = false;
+  std::uint64_t results_ = 0, pongs_ = 0;
+  std::deque<std::pair<std::string, bool>> control_;  ///< bytes, and whether they are text
+  std::pair<std::string, bool> control_out_;
+  bool writing_ = false, finishing_ = false, broken_ = false;
+};
+
+asio::awaitable<void> AgentSocket::run(UpgradeRequest request) {
+  error_code error;
+  prepare(socket_, wire::kAgentProtocol);
+  co_await socket_.async_accept(request, asio::redirect_error(asio::use_awaitable, error));
+  if (error) co_return;
+  listener_ = session_->listen([this](const SessionEvent& event) { on_event(event); });
+  limit_hello();
+  while (!error && !broken_) {
+    in_.consume(in_.size());
+    co_await socket_.async_read(in_, asio::redirect_error(asio::use_awaitable, error));
+    if (error || finishing_) continue;
+    const auto data = in_.cdata();
+    on_frame({static_cast<const std::byte*>(data.data()), data.size()}, socket_.got_text(),
+             Clock::now());
+  }
+  hello_timer_.cancel();
+  session_->unlisten(listener_);
+  if (self_) session_->leave(self_->id);
+}
+
+void AgentSocket::limit_hello() {
+  hello_timer_.expires_after(std::chrono::microseconds(std::int64_t(wire::kHelloTimeoutS * 1e6)));
+  hello_timer_.async_wait([self = shared_from_this()](error_code error) {
+    if (error || self->self_) return;
+    self->refuse({wire::ErrorCode::kNoHello, "no hello within 5 s"}, true);
+    self->finish();
+  });
+}
+
+void AgentSocket::on_event(const SessionEvent& event) {
+  if (event.closing.empty()) {
+    if (self_) say(participants_message(session_->participants()));
+    return;
+  }
+  say(bye_message(event.closing));
+  finish();
+}
+
+void AgentSocket::on_frame(std::span<const std::byte> frame, bool text, Clock::time_point arrived) {
+  if (frame.size() > wire::kMaxClientFrameBytes) {
+    refuse({wire::ErrorCode::kTooLarge, "a frame of " + std::to_string(frame.size()) +
+                                            " bytes; at most " +
+                                            std::to_string(wire::kMaxClientFrameBytes)});
+  } else if (text) {
+    on_control({reinterpret_cast<const char*>(frame.data()), frame.size()});
+  } else {
+    on_binary(frame, arrived);
+  }
+}
+
+void AgentSocket::on_control(std::string_view text) {
+  const auto message = parse_control(text);
+  if (!message) return refuse(message.error());
+  if (const auto* hello = std::get_if<HelloMessage>(&*message)) return on_hello(*hello);
+  if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+  const auto chosen = session_->choose_tool(self_->id, std::get<ToolMessage>(*message).tool);
+  if (!chosen) refuse(chosen.error());
+}
+
+void AgentSocket::on_hello(const HelloMessage& hello) {
+  if (self_) return refuse({wire::ErrorCode::kBadMessage, "hello was said before"});
+  JoinRequest request{ParticipantKind::kAgent, hello.name, hello.color, hello.tool, hello.feel};
+  const auto joined = session_->join(request);
+  if (!joined) {
+    const bool fatal = joined.error().code == wire::ErrorCode::kBusy;
+    refuse(joined.error(), fatal);
+    if (fatal) finish();
+    return;
+  }
+  self_ = *joined;
+  hello_timer_.cancel();
+  say(agent_welcome(*session_, *self_, context_.options.session));
+  say(participants_message(session_->participants()));
+}
+
+void AgentSocket::on_binary(std::span<const std::byte> frame, Clock::time_point arrived) {
+  const auto message = wire::decode(frame, wire::kMaxClientFrameBytes);
+  if (!message) {
+    return refuse({wire::protocol_error(message.error().code),
+                   std::string(message.error().reason) + " (byte " +
+                       std::to_string(message.error().offset) + " of the frame)"});
+  }
+  if (const auto* ping = std::get_if<wire::Ping>(&message->body)) return say_pong(*ping);
+  if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
+    return on_motion(*batch, arrived);
+  }
+  const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||
+                       std::holds_alternative<wire::Pong>(message->body);
+  if (!skipped) refuse({wire::ErrorCode::kBadMessage, "an agent does not send such frames"});
+}
+
+void AgentSocket::on_motion(const wire::MotionBatch& batch, Clock::time_point arrived) {
+  if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+  auto answer = session_->move(self_->id, batch.view());
+  for (const Refusal& refusal : answer.refusals) refuse(refusal);
+  answer.result.turnaround_us = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - arrived).count());
+  // Only the newest wrench is worth feeling: it replaces one that has not left yet.
+  wire::encode({session_->epoch(), ++results_, clock_us()}, answer.result, result_);
+  result_arrived_ = arrived;
+  has_result_ = true;
+  pump();
+}
+
+void AgentSocket::refuse(const Refusal& refusal, bool fatal) {
+  context_.metrics.refused(wire::to_string(refusal.code));
+  if (fatal || errors_.allow(Clock::now())) say(error_message(refusal, fatal));
+}
+
+void AgentSocket::say(std::string text) {
+  if (finishing_ || broken_) return;
+  if (control_.size() >= kControlQueueMax) {
+    broken_ = true;  // it does not read: nothing that we say would arrive
+    beast::get_lowest_layer(socket_).close();
+    return;
+  }
+  control_.emplace_back(std::move(text), true);
+  pump();
+}
+
+void AgentSocket::say_pong(const wire::Ping& ping) {
+  if (control_.size() >= kControlQueueMax || finishing_) return;
+  const wire::Pong pong{ping.time_us, clock_us()};
+  std::string bytes(wire::encoded_bytes(pong), '\0');
+  wire::encode({session_->epoch(), ++pongs_, clock_us()}, pong,
+               std::as_writable_bytes(std::span(bytes)));
+  control_.emplace_back(std::move(bytes), false);
+  pump();
+}
+
+void AgentSocket::finish() {
+  finishing_ = true;
+  pump();
+}
+
+void AgentSocket::pump() {
+  if (writing_ || broken_) return;
+  const bool result = has_result_ && !finishing_;
+  if (!result && control_.empty()) {
+    if (!finishing_) return;
+    writing_ = true;
+    socket_.async_close(beast::websocket::close_code::going_away,
+                        [self = shared_from_this()](error_code) {});
+    return;
+  }
+  writing_ = true;
+  auto done = [self = shared_from_this(), result](error_code error, std::size_t) {
+    self->written(error, result);
+  };
+  if (result) {
+    has_result_ = false;
+    out_ = result_;
+    out_arrived_ = result_arrived_;
+    socket_.binary(true);
+    socket_.async_write(asio::buffer(out_), std::move(done));
+  } else {
+    control_out_ = std::move(control_.front());
+    control_.pop_front();
+    socket_.text(control_out_.second);
+    socket_.async_write(asio::buffer(control_out_.first), std::move(done));
+  }
+}
+
+void AgentSocket::written(error_code error, bool was_result) {
+  writing_ = false;
+  if (error) {
+    broken_ = true;
+    return;
+  }
+  if (was_result) {
+    context_.metrics.motion_answered(
+        std::chrono::duration<double>(Clock::now() - out_arrived_).count());
+  }
+  pump();
+}
+
+}  // namespace
+
+void serve_agent(asio::ip::tcp::socket socket, UpgradeRequest request,
+                 std::shared_ptr<Session> session, Context& context) {
+  error_code error;
+  socket.set_option(asio::ip::tcp::no_delay(true), error);
+  const auto protocol = socket.local_endpoint(error).protocol();
+  const auto native = socket.release(error);
+  if (error) return;
+  // The server makes all executors of sessions, and makes them lanes.
+  auto& lane = static_cast<Lane&>(session->executor());
+  lane.post([native, protocol, &lane, request = std::move(request), session = std::move(session),
+             &context]() mutable {
+    asio::ip::tcp::socket moved(lane.context(), protocol, native);
+    std::make_shared<AgentSocket>(std::move(moved), std::move(session), context)
+        ->start(std::move(request));
+  });
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "server/net/server.h"
+
+namespace kerf::net {
+
+class Api;
+class HubDirectory;
+class Lane;
+class Metrics;
+
+/// What a connection needs of the server; outlives every connection.
+struct Context {
+  const ServerOptions& options;
+  SessionRegistry& registry;
+  Metrics& metrics;
+  Api& api;
+  HubDirectory& hubs;
+  Lane& viewers;  ///< HTTP and viewers' sockets: one thread
+  Lane& meshing;  ///< short background work: meshing for viewers, state hashes
+  Lane& control;  ///< HTTP requests that are answered at once
+  Lane& workers;  ///< HTTP requests that may take long: downloads, uploads
+};
+
+}  // namespace kerf::net

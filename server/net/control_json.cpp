@@ -1,0 +1,151 @@
+#include "server/net/control_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "kernel/dexel/tile_index.h"
+#include "server/session/hash_text.h"
+
+namespace kerf::net {
+namespace {
+
+using Json = nlohmann::json;
+
+Refusal bad_field(const char* field, const char* what) {
+  return {wire::ErrorCode::kBadMessage, std::string("field \"") + field + "\" " + what};
+}
+
+std::expected<std::string, Refusal> text_field(const Json& object, const char* field) {
+  const auto found = object.find(field);
+  if (found == object.end()) return std::string();
+  if (!found->is_string()) return std::unexpected(bad_field(field, "is not a string"));
+  return found->get<std::string>();
+}
+
+std::expected<ToolId, Refusal> tool_field(const Json& object, bool required) {
+  const auto found = object.find("tool");
+  if (found == object.end()) {
+    if (required) return std::unexpected(bad_field("tool", "is missing"));
+    return 0;
+  }
+  if (!found->is_number_unsigned() || found->get<std::uint64_t>() > 0xFFFFFFFFU) {
+    return std::unexpected(bad_field("tool", "is not a tool number"));
+  }
+  return found->get<ToolId>();
+}
+
+std::expected<ControlMessage, Refusal> parse_hello(const Json& object) {
+  HelloMessage hello;
+  auto name = text_field(object, "name");
+  if (!name) return std::unexpected(name.error());
+  hello.name = *std::move(name);
+  auto color = text_field(object, "color");
+  if (!color) return std::unexpected(color.error());
+  hello.color = *std::move(color);
+  const auto tool = tool_field(object, false);
+  if (!tool) return std::unexpected(tool.error());
+  hello.tool = *tool;
+  if (const auto feel = object.find("feel"); feel != object.end()) {
+    if (!feel->is_boolean()) return std::unexpected(bad_field("feel", "is not true or false"));
+    hello.feel = feel->get<bool>();
+  }
+  return hello;
+}
+
+Json participants_json(const std::vector<Participant>& participants) {
+  Json list = Json::array();
+  for (const Participant& who : participants) {
+    Json entry = {{"participant", who.id},
+                  {"name", who.name},
+                  {"color", who.color},
+                  {"kind", to_string(who.kind)}};
+    if (who.tool != 0) entry["tool"] = who.tool;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+Json welcome(const Session& session, const Participant& self) {
+  const Scene& scene = session.scene();
+  return {{"type", wire::kTypeWelcome},
+          {"session", session.id()},
+          {"participant", self.id},
+          {"epoch", session.epoch()},
+          {"color", self.color},
+          {"pitch_mm", scene.settings.pitch_mm},
+          {"pivot_mm", scene.settings.force.pivot_mm},
+          {"force", Json::parse(force_json(scene))},
+          {"stock", Json::parse(stock_json(scene))},
+          {"tools", Json::parse(tools_json(scene))}};
+}
+
+std::string text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::expected<ControlMessage, Refusal> parse_control(std::string_view frame) {
+  const Json object = Json::parse(frame, nullptr, false);
+  if (object.is_discarded() || !object.is_object()) {
+    return std::unexpected(Refusal{wire::ErrorCode::kBadJson, "the message is not a JSON object"});
+  }
+  const auto type = text_field(object, "type");
+  if (!type) return std::unexpected(type.error());
+  if (*type == wire::kTypeHello) return parse_hello(object);
+  if (*type == wire::kTypeTool) {
+    const auto tool = tool_field(object, true);
+    if (!tool) return std::unexpected(tool.error());
+    return ToolMessage{*tool};
+  }
+  return std::unexpected(
+      Refusal{wire::ErrorCode::kBadMessage, "\"type\" is neither \"hello\" nor \"tool\""});
+}
+
+std::string agent_welcome(const Session& session, const Participant& self,
+                          const SessionLimits& limits) {
+  Json json = welcome(session, self);
+  json["rate_hz"] = wire::kMotionRateHz;
+  json["limits"] = {{"samples_per_message", wire::kMaxSamplesPerMotion},
+                    {"speed_mm_per_s", limits.speed_mm_per_s},
+                    {"samples_per_s", limits.samples_per_s},
+                    {"frame_bytes", wire::kMaxClientFrameBytes}};
+  return text(json);
+}
+
+std::string viewer_welcome(const Session& session, const Participant& self,
+                           const std::vector<Participant>& participants) {
+  Json json = welcome(session, self);
+  const DexelGrid& grid = session.grid();
+  json["participants"] = participants_json(participants);
+  json["grid"] = {{"origin_mm", {grid.origin_mm.x, grid.origin_mm.y, grid.origin_mm.z}},
+                  {"columns", {grid.columns_x, grid.columns_y}},
+                  {"tile", kTileSide}};
+  return text(json);
+}
+
+std::string participants_message(const std::vector<Participant>& participants) {
+  return text(
+      {{"type", wire::kTypeParticipants}, {"participants", participants_json(participants)}});
+}
+
+std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
+                          bool settled) {
+  return text({{"type", wire::kTypeState},
+               {"motions", motions},
+               {"removed_volume_mm3", removed_mm3},
+               {"state_hash", hash_text(hash)},
+               {"settled", settled}});
+}
+
+std::string error_message(const Refusal& refusal, bool fatal) {
+  return text({{"type", wire::kTypeError},
+               {"code", wire::to_string(refusal.code)},
+               {"reason", refusal.reason},
+               {"fatal", fatal}});
+}
+
+std::string bye_message(std::string_view reason) {
+  return text({{"type", wire::kTypeBye}, {"reason", reason}});
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "server/session/session.h"
+
+namespace kerf::net {
+
+/// What a peer may say in a text frame (server/wire/README.md).
+struct HelloMessage {
+  std::string name, color;
+  ToolId tool = 0;  ///< 0: the first of the scene
+  bool feel = true;
+};
+struct ToolMessage {
+  ToolId tool = 0;
+};
+using ControlMessage = std::variant<HelloMessage, ToolMessage>;
+
+/// Reads one text frame. Unknown fields are skipped; errors are bad_json (no JSON object) or
+/// bad_message (with the field).
+std::expected<ControlMessage, Refusal> parse_control(std::string_view text);
+
+std::string agent_welcome(const Session& session, const Participant& self,
+                          const SessionLimits& limits);
+std::string viewer_welcome(const Session& session, const Participant& self,
+                           const std::vector<Participant>& participants);
+std::string participants_message(const std::vector<Participant>& participants);
+std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
+                          bool settled);
+std::string error_message(const Refusal& refusal, bool fatal);
+std::string bye_message(std::string_view reason);
+
+}  // namespace kerf::net

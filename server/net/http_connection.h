@@ -1,0 +1,14 @@
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/ip/tcp.hpp>
+
+#include "server/net/context.h"
+
+namespace kerf::net {
+
+/// Serves one connection: requests one after the other, until it closes or becomes a WebSocket.
+/// Runs on the viewer lane.
+boost::asio::awaitable<void> serve_http(boost::asio::ip::tcp::socket socket, Context& context);
+
+}  // namespace kerf::net

@@ -1,0 +1,136 @@
+#include "server/net/server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/detached.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <thread>
+
+#include "server/net/api.h"
+#include "server/net/http_connection.h"
+#include "server/net/lane.h"
+#include "server/net/metrics.h"
+#include "server/net/viewer_hub.h"
+#include "server/net/visit.h"
+
+namespace kerf::net {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+/// On the way out, the time in which peers may read their bye.
+constexpr std::chrono::seconds kDrainTime{2};
+/// Out of file descriptors and the like: try again a little later rather than spin.
+constexpr std::chrono::milliseconds kAcceptPause{100};
+
+}  // namespace
+
+struct Server::Impl {
+  explicit Impl(ServerOptions server_options)
+      : options(std::move(server_options)),
+        viewers("viewers", 1, 5),
+        meshing("meshing", 1, 8),
+        control("control", 1, 5),
+        workers("workers", 2, 10),
+        registry(
+            {options.data_folder, options.sessions_max, options.session},
+            [](const std::string& id) { return std::make_shared<Lane>("s:" + id, 1, 0); }, meshing),
+        api(options, registry, metrics),
+        acceptor(viewers.context()) {}
+
+  asio::awaitable<void> accept();
+
+  ServerOptions options;
+  Metrics metrics;
+  Lane viewers, meshing, control, workers;
+  SessionRegistry registry;
+  Api api;
+  HubDirectory hubs;
+  Context context{options, registry, metrics, api, hubs, viewers, meshing, control, workers};
+  tcp::acceptor acceptor;
+  std::uint16_t port = 0;
+  bool stopped = false;
+};
+
+asio::awaitable<void> Server::Impl::accept() {
+  for (;;) {
+    error_code error;
+    tcp::socket socket =
+        co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
+    if (error == asio::error::operation_aborted || !acceptor.is_open()) co_return;
+    if (error) {
+      spdlog::warn("accept: {}", error.message());
+      asio::steady_timer pause(viewers.context(), kAcceptPause);
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      continue;
+    }
+    const std::int64_t open = metrics.connections + metrics.viewers + metrics.agents;
+    if (static_cast<std::size_t>(open) >= options.connections_max) continue;  // closed at once
+    asio::co_spawn(viewers.context(), serve_http(std::move(socket), context), asio::detached);
+  }
+}
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Server::~Server() { stop(); }
+
+std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.data_folder, error);
+  if (!std::filesystem::is_directory(options.data_folder)) {
+    return std::unexpected(options.data_folder.string() + ": " + error.message());
+  }
+  auto impl = std::make_unique<Impl>(std::move(options));
+  for (const JournalError& failure : impl->registry.load_all()) {
+    spdlog::error("{}: {}", to_string(failure.code), describe(failure));
+  }
+  return std::unique_ptr<Server>(new Server(std::move(impl)));
+}
+
+SessionRegistry& Server::sessions() { return impl_->registry; }
+std::uint16_t Server::port() const { return impl_->port; }
+
+std::string Server::url() const {
+  const std::string& address = impl_->options.address;
+  const bool v6 = address.find(':') != std::string::npos;
+  return "http://" + (v6 ? "[" + address + "]" : address) + ":" + std::to_string(impl_->port);
+}
+
+std::expected<void, std::string> Server::listen() {
+  error_code error;
+  const auto address = asio::ip::make_address(impl_->options.address, error);
+  if (error) return std::unexpected(impl_->options.address + " is no IP address");
+  const tcp::endpoint endpoint(address, impl_->options.port);
+  tcp::acceptor& acceptor = impl_->acceptor;
+  const auto fail = [&] {
+    return std::unexpected("cannot listen on " + impl_->options.address + ":" +
+                           std::to_string(impl_->options.port) + ": " + error.message());
+  };
+  if (acceptor.open(endpoint.protocol(), error)) return fail();
+  if (acceptor.set_option(tcp::acceptor::reuse_address(true), error)) return fail();
+  if (acceptor.bind(endpoint, error)) return fail();
+  if (acceptor.listen(asio::socket_base::max_listen_connections, error)) return fail();
+  impl_->port = acceptor.local_endpoint(error).port();
+  asio::co_spawn(impl_->viewers.context(), impl_->accept(), asio::detached);
+  return {};
+}
+
+void Server::stop() {
+  if (std::exchange(impl_->stopped, true)) return;
+  impl_->viewers.post([impl = impl_.get()] {
+    error_code ignored;
+    impl->acceptor.close(ignored);
+  });
+  impl_->registry.close_all("the server is going down");
+  const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
+  while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
+         std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <expected>
+
+#include "kernel/sculpture.h"
+#include "server/session/refusal.h"
+#include "server/wire/types.h"
+
+namespace kerf {
+
+/// The pose of a sample, checked (finite, in range, unit axis) and put on the pose grid, so that
+/// every cut of the session can be written into a program and carved again alike.
+std::expected<ToolPose, Refusal> to_pose(const wire::MotionSample& sample);
+
+/// Narrowed for the wire; the wire promises seven digits for forces.
+wire::Vec3f to_wire_float(Vec3 value);
+wire::Vec3d to_wire(Vec3 value);
+
+/// What one batch of motions gave, as one answer. The wrench is the mean over the batch weighted by
+/// time (the hand feels momentum, so none may get lost between answers); removed volume is the sum;
+/// the cutting model is the newest one that cut.
+class BatchSum {
+ public:
+  void add(const MotionResult& result, double duration_s);
+  bool empty() const { return motions_ == 0; }
+  double removed_mm3() const { return removed_mm3_; }
+  double duration_s() const { return duration_s_; }
+  /// Fills force, torque, collision, cutting model, removed volume and the cutting and colliding
+  /// bits.
+  void write(wire::Result& result) const;
+
+ private:
+  Wrench impulse_, collision_impulse_;  ///< N s, N mm s
+  CuttingModel cutting_;
+  double duration_s_ = 0, removed_mm3_ = 0, last_specific_ = 0;
+  int motions_ = 0;
+};
+
+}  // namespace kerf

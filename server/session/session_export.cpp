@@ -1,0 +1,102 @@
+#include "server/session/session_export.h"
+
+#include <ostream>
+#include <set>
+
+#include "server/formats/forces_csv.h"
+#include "server/formats/program_writer.h"
+#include "server/session/replay.h"
+
+namespace kerf {
+namespace {
+
+/// Calls `use` with each record that a MoveTool makes; stops at the first error, ours or the
+/// journal's.
+template <typename Use>
+ExportResult for_each_motion(JournalReader& reader, Use&& use) {
+  for (;;) {
+    const auto record = reader.next();
+    if (!record) return std::unexpected(describe(record.error()));
+    if (!*record) return {};
+    if (auto ok = use(**record); !ok) return ok;
+  }
+}
+
+ExportResult write_motions(const std::filesystem::path& journal, ParticipantId who,
+                           ProgramWriter& writer) {
+  auto reader = JournalReader::open(journal);
+  if (!reader) return std::unexpected(describe(reader.error()));
+  return for_each_motion(*reader, [&](const JournalRecord& record) -> ExportResult {
+    const auto* move = std::get_if<MoveTool>(&record.command);
+    if (move == nullptr || record.participant != who || move->from == move->to) return {};
+    ProgramMotion motion;
+    motion.tool = move->tool;
+    motion.from = move->from;
+    motion.to = move->to;
+    motion.duration_s = move->duration_s;
+    return writer.add(motion);
+  });
+}
+
+std::expected<std::set<ParticipantId>, std::string> carvers(JournalReader& reader) {
+  std::set<ParticipantId> found;
+  auto ok = for_each_motion(reader, [&](const JournalRecord& record) -> ExportResult {
+    if (std::holds_alternative<MoveTool>(record.command)) found.insert(record.participant);
+    return {};
+  });
+  if (!ok) return std::unexpected(ok.error());
+  return found;
+}
+
+}  // namespace
+
+ExportResult export_program(const std::filesystem::path& journal, ProgramFormat format,
+                            std::optional<ParticipantId> only, std::ostream& out) {
+  auto reader = JournalReader::open(journal);
+  if (!reader) return std::unexpected(describe(reader.error()));
+  const auto scene = journal_scene(*reader, journal);
+  if (!scene) return std::unexpected(describe(scene.error()));
+  std::set<ParticipantId> people;
+  if (only) {
+    people.insert(*only);
+  } else {
+    auto found = carvers(*reader);
+    if (!found) return std::unexpected(found.error());
+    people = *std::move(found);
+  }
+  const auto writer =
+      format == ProgramFormat::kApt ? make_apt_writer(*scene, out) : make_gcode_writer(*scene, out);
+  for (const ParticipantId who : people) {
+    if (auto ok = write_motions(journal, who, *writer); !ok) return ok;
+  }
+  if (auto ok = writer->finish(); !ok) return ok;
+  if (!out) return std::unexpected("the output could not be written");
+  return {};
+}
+
+ExportResult export_forces(const std::filesystem::path& journal, std::optional<ParticipantId> only,
+                           std::ostream& out) {
+  auto reader = JournalReader::open(journal);
+  if (!reader) return std::unexpected(describe(reader.error()));
+  const auto scene = journal_scene(*reader, journal);
+  if (!scene) return std::unexpected(describe(scene.error()));
+  auto sculpture = Sculpture::create(scene->settings);
+  if (!sculpture) return std::unexpected(sculpture.error().reason);
+  write_forces_header(out);
+  double time_s = 0;
+  auto ok = for_each_motion(*reader, [&](const JournalRecord& record) -> ExportResult {
+    Command command = record.command;
+    auto* move = std::get_if<MoveTool>(&command);
+    if (move != nullptr) move->feel = !only || *only == record.participant;
+    const auto result = sculpture->apply(command);
+    if (!result) return std::unexpected(result.error().reason);
+    if (move == nullptr || !move->feel) return {};
+    time_s += move->duration_s;
+    write_forces_row(out, time_s, move->to, result->wrench, result->removed_mm3);
+    return {};
+  });
+  if (ok && !out) return std::unexpected("the output could not be written");
+  return ok;
+}
+
+}  // namespace kerf

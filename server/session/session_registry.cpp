@@ -1,0 +1,254 @@
+#include "server/session/session_registry.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <future>
+#include <utility>
+
+#include "server/wire/limits.h"
+
+namespace kerf {
+namespace {
+
+constexpr const char* kExtension = ".kerf";
+
+RegistryError journal_failure(const JournalError& error) {
+  return {RegistryErrorCode::kJournal, describe(error), {}};
+}
+
+/// Writes the journal of a session in which nothing has happened yet but its tools.
+std::expected<void, JournalError> write_first_records(const std::filesystem::path& file,
+                                                      const JournalHeader& header,
+                                                      const Scene& scene) {
+  auto journal = JournalWriter::create(file, header);
+  if (!journal) return std::unexpected(journal.error());
+  for (const auto& [id, tool] : scene.tools) {
+    if (auto ok = journal->append(0, DefineTool{id, tool.tool}); !ok) {
+      return std::unexpected(ok.error());
+    }
+  }
+  return journal->flush();
+}
+
+/// SQLite keeps a log and an index beside the file while it is open, and after a crash.
+void remove_journal(const std::filesystem::path& file) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    std::filesystem::remove(file.string() + suffix, ignored);
+  }
+}
+
+}  // namespace
+
+const char* to_string(RegistryErrorCode code) {
+  switch (code) {
+    case RegistryErrorCode::kBadId:
+      return "bad_id";
+    case RegistryErrorCode::kBadScene:
+      return "bad_scene";
+    case RegistryErrorCode::kExists:
+      return "session_exists";
+    case RegistryErrorCode::kTooMany:
+      return "too_many_sessions";
+    case RegistryErrorCode::kUnknown:
+      return "unknown_session";
+    case RegistryErrorCode::kJournal:
+      return "journal_error";
+  }
+  return "journal_error";
+}
+
+bool is_session_id(std::string_view id) {
+  return !id.empty() && id.size() <= wire::kMaxSessionIdBytes &&
+         std::ranges::all_of(id, [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+         });
+}
+
+std::string id_from_name(std::string_view name) {
+  std::string id;
+  for (const char c : name.substr(0, wire::kMaxSessionIdBytes - 8)) {
+    const auto lower = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    id.push_back(is_session_id(std::string_view(&lower, 1)) ? lower : '-');
+  }
+  return id.empty() ? "session" : id;
+}
+
+SessionRegistry::SessionRegistry(RegistryOptions options, MakeExecutor make_executor,
+                                 Executor& workers)
+    : options_(std::move(options)), make_executor_(std::move(make_executor)), workers_(workers) {}
+
+std::filesystem::path SessionRegistry::journal_path(const std::string& id) const {
+  return options_.data_folder / (id + kExtension);
+}
+
+std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(
+    const std::string& id) {
+  const auto file = journal_path(id);
+  auto replayed = replay(file);
+  if (!replayed) return std::unexpected(replayed.error());
+  auto journal = JournalWriter::open(file, replayed->last_sequence);
+  if (!journal) return std::unexpected(journal.error());
+  return std::make_shared<Session>(id, *std::move(replayed), *std::move(journal), options_.session,
+                                   make_executor_(id), workers_);
+}
+
+std::vector<JournalError> SessionRegistry::load_all() {
+  std::vector<JournalError> failures;
+  std::vector<std::string> ids;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(options_.data_folder, error)) {
+    const std::string id = entry.path().stem().string();
+    if (entry.path().extension() == kExtension && is_session_id(id)) ids.push_back(id);
+  }
+  if (error) {
+    failures.push_back({JournalErrorCode::kIo, options_.data_folder.string(), 0, error.message()});
+  }
+  std::ranges::sort(ids);
+  for (const std::string& id : ids) {
+    auto session = start(id);
+    if (!session) {
+      failures.push_back(session.error());
+      continue;
+    }
+    const std::lock_guard lock(mutex_);
+    sessions_[id] = *std::move(session);
+  }
+  return failures;
+}
+
+std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string id,
+                                                                   const std::string& name) {
+  using enum RegistryErrorCode;
+  const std::lock_guard lock(mutex_);
+  const auto taken = [&](const std::string& candidate) {
+    std::error_code ignored;
+    return sessions_.contains(candidate) ||
+           std::filesystem::exists(journal_path(candidate), ignored);
+  };
+  if (sessions_.size() >= options_.sessions_max) {
+    return std::unexpected(RegistryError{kTooMany,
+                                         "the server has as many sessions as it admits (" +
+                                             std::to_string(options_.sessions_max) + ")",
+                                         {}});
+  }
+  if (id.empty()) {
+    const std::string base = id_from_name(name);
+    id = base;
+    for (int n = 2; taken(id); ++n) id = base + "-" + std::to_string(n);
+  } else if (taken(id)) {
+    return std::unexpected(RegistryError{kExists, "there is a session " + id + " already", {}});
+  }
+  sessions_[id] = nullptr;
+  return id;
+}
+
+std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
+    std::string id, std::string_view scene_text, const SceneSource& source) {
+  using enum RegistryErrorCode;
+  if (!id.empty() && !is_session_id(id)) {
+    return std::unexpected(
+        RegistryError{kBadId, "a session id is 1 to 64 of a-z, 0-9, - and _", {}});
+  }
+  const auto scene = parse_scene(scene_text, source);
+  if (!scene) {
+    return std::unexpected(RegistryError{kBadScene, to_string(scene.error()), scene.error().path});
+  }
+  // What only the kernel can judge (too many columns, an obstacle inside out) is asked before a
+  // file exists.
+  if (const auto probe = Sculpture::create(scene->settings); !probe) {
+    return std::unexpected(RegistryError{kBadScene, probe.error().reason, {}});
+  }
+  const auto reserved = reserve(std::move(id), scene->name);
+  if (!reserved) return std::unexpected(reserved.error());
+  JournalHeader header{*reserved, scene_json(*scene), {}, 1};
+  if (source.base_folder) {
+    std::error_code ignored;
+    header.base_folder = std::filesystem::absolute(*source.base_folder, ignored).string();
+  }
+  auto written = write_first_records(journal_path(*reserved), header, *scene);
+  auto session = written ? start(*reserved) : std::unexpected(written.error());
+  const std::lock_guard lock(mutex_);
+  if (!session) {
+    sessions_.erase(*reserved);
+    if (session.error().code != JournalErrorCode::kExists) remove_journal(journal_path(*reserved));
+    return std::unexpected(journal_failure(session.error()));
+  }
+  sessions_[*reserved] = *session;
+  return *session;
+}
+
+std::shared_ptr<Session> SessionRegistry::find(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(id);
+  return found == sessions_.end() ? nullptr : found->second;
+}
+
+std::vector<std::shared_ptr<Session>> SessionRegistry::list() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<Session>> list;
+  for (const auto& [id, session] : sessions_) {
+    if (session) list.push_back(session);
+  }
+  return list;
+}
+
+void SessionRegistry::end(const std::shared_ptr<Session>& session, const std::string& reason) {
+  std::promise<void> closed;
+  session->executor().post([&] {
+    session->close(reason);
+    closed.set_value();
+  });
+  closed.get_future().wait();
+}
+
+std::expected<void, RegistryError> SessionRegistry::close(const std::string& id, bool purge) {
+  std::shared_ptr<Session> session;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = sessions_.find(id);
+    if (found == sessions_.end() || !found->second) {
+      return std::unexpected(
+          RegistryError{RegistryErrorCode::kUnknown, "there is no session " + id, {}});
+    }
+    session = std::move(found->second);
+    found->second = nullptr;  // the id stays taken until the file has moved
+  }
+  end(session, "the session was closed by its operator");
+  const auto flushed = session->finish_journal();
+  const auto file = journal_path(id);
+  std::error_code error;
+  if (purge) {
+    remove_journal(file);
+  } else {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(
+                             std::chrono::system_clock::now().time_since_epoch())
+                             .count();
+    const auto folder = options_.data_folder / "closed";
+    std::filesystem::create_directories(folder, error);
+    const std::string to = (folder / (id + "-" + std::to_string(seconds) + kExtension)).string();
+    for (const char* suffix : {"-wal", "-shm", ""}) {
+      std::error_code moved;
+      std::filesystem::rename(file.string() + suffix, to + suffix, moved);
+      if (*suffix == '\0') error = moved;
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  sessions_.erase(id);
+  if (!flushed) return std::unexpected(journal_failure(flushed.error()));
+  if (error)
+    return std::unexpected(RegistryError{RegistryErrorCode::kJournal, error.message(), {}});
+  return {};
+}
+
+void SessionRegistry::close_all(const std::string& reason) {
+  for (const auto& session : list()) {
+    end(session, reason);
+    (void)session->finish_journal();
+  }
+  const std::lock_guard lock(mutex_);
+  sessions_.clear();
+}
+
+}  // namespace kerf

@@ -1,0 +1,143 @@
+#include "server/store/journal_file.h"
+
+#include <system_error>
+
+#include "server/store/crc32.h"
+
+namespace kerf {
+namespace {
+
+// WITHOUT ROWID is not used: rows arrive in the order of their integer key, which a rowid table
+// appends in place.
+constexpr const char* kTables = R"(
+  CREATE TABLE session(id TEXT NOT NULL, scene TEXT NOT NULL, crc INTEGER NOT NULL,
+                       base_folder TEXT NOT NULL, epoch INTEGER NOT NULL);
+  CREATE TABLE participants(participant INTEGER PRIMARY KEY, name TEXT NOT NULL,
+                            color TEXT NOT NULL, kind TEXT NOT NULL);
+  CREATE TABLE commands(sequence INTEGER PRIMARY KEY, participant INTEGER NOT NULL,
+                        bytes BLOB NOT NULL, crc INTEGER NOT NULL);
+  CREATE TABLE state_hashes(sequence INTEGER PRIMARY KEY, hash INTEGER NOT NULL);
+)";
+
+JournalError make_error(JournalErrorCode code, const std::filesystem::path& file,
+                        std::string reason) {
+  return {code, file.string(), 0, std::move(reason)};
+}
+
+}  // namespace
+
+const char* to_string(JournalErrorCode code) {
+  switch (code) {
+    case JournalErrorCode::kNotFound:
+      return "journal_not_found";
+    case JournalErrorCode::kExists:
+      return "journal_exists";
+    case JournalErrorCode::kNotAJournal:
+      return "not_a_journal";
+    case JournalErrorCode::kForeignVersion:
+      return "foreign_journal_version";
+    case JournalErrorCode::kCorrupt:
+      return "corrupt_journal";
+    case JournalErrorCode::kIo:
+      return "journal_io";
+    case JournalErrorCode::kFull:
+      return "journal_full";
+  }
+  return "journal_io";
+}
+
+std::string describe(const JournalError& error) {
+  std::string text = error.file + ": ";
+  if (error.sequence != 0) text += "record " + std::to_string(error.sequence) + ": ";
+  return text + error.reason;
+}
+
+JournalError to_journal_error(const std::filesystem::path& file, const SqlError& error) {
+  const auto code = is_damage(error) ? JournalErrorCode::kCorrupt : JournalErrorCode::kIo;
+  return make_error(code, file, error.reason);
+}
+
+std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::path& file,
+                                                        const JournalHeader& header) {
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored)) {
+    return std::unexpected(
+        make_error(JournalErrorCode::kExists, file, "the journal already exists"));
+  }
+  auto database = SqlDatabase::open(file, SqlMode::kCreate);
+  if (!database) return std::unexpected(to_journal_error(file, database.error()));
+  const auto fill = [&]() -> SqlResult<void> {
+    const std::string setup = "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; BEGIN;" +
+                              std::string(kTables) +
+                              "PRAGMA application_id=" + std::to_string(kJournalApplicationId) +
+                              "; PRAGMA user_version=" + std::to_string(kJournalVersion) + ";";
+    if (auto ok = database->execute(setup); !ok) return ok;
+    auto insert = database->prepare("INSERT INTO session VALUES(?,?,?,?,1)");
+    if (!insert) return std::unexpected(insert.error());
+    insert->bind(1, header.session);
+    insert->bind(2, header.scene_json);
+    insert->bind(3, std::int64_t{crc32(std::as_bytes(std::span(header.scene_json)))});
+    insert->bind(4, header.base_folder);
+    if (auto row = insert->step(); !row) return std::unexpected(row.error());
+    return database->execute("COMMIT");
+  };
+  if (auto ok = fill(); !ok) {
+    const JournalError error = to_journal_error(file, ok.error());
+    std::filesystem::remove(file, ignored);
+    return std::unexpected(error);
+  }
+  return *std::move(database);
+}
+
+std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::path& file,
+                                                      SqlMode mode) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    return std::unexpected(
+        make_error(JournalErrorCode::kNotFound, file, "there is no such journal"));
+  }
+  auto database = SqlDatabase::open(file, mode);
+  if (!database) return std::unexpected(to_journal_error(file, database.error()));
+  const auto application = database->integer("PRAGMA application_id");
+  if (!application) {
+    auto error = to_journal_error(file, application.error());
+    if (error.code == JournalErrorCode::kCorrupt) error.code = JournalErrorCode::kNotAJournal;
+    return std::unexpected(error);
+  }
+  if (*application != kJournalApplicationId) {
+    return std::unexpected(make_error(JournalErrorCode::kNotAJournal, file,
+                                      "the file is a database, but not a journal of Kerf"));
+  }
+  const auto version = database->integer("PRAGMA user_version");
+  if (!version) return std::unexpected(to_journal_error(file, version.error()));
+  if (*version != kJournalVersion) {
+    return std::unexpected(make_error(JournalErrorCode::kForeignVersion, file,
+                                      "the journal has version " + std::to_string(*version) +
+                                          "; this program reads version " +
+                                          std::to_string(kJournalVersion)));
+  }
+  if (mode == SqlMode::kWrite) {
+    const std::string setup = "PRAGMA synchronous=FULL; UPDATE session SET epoch=epoch+1";
+    if (auto ok = database->execute(setup); !ok) {
+      return std::unexpected(to_journal_error(file, ok.error()));
+    }
+  }
+  return *std::move(database);
+}
+
+std::expected<void, JournalError> copy_journal(const std::filesystem::path& from,
+                                               const std::filesystem::path& to) {
+  auto database = open_journal(from, SqlMode::kRead);
+  if (!database) return std::unexpected(database.error());
+  // query_only forbids VACUUM too, although it changes nothing here.
+  if (auto ok = database->execute("PRAGMA query_only=OFF"); !ok) {
+    return std::unexpected(to_journal_error(from, ok.error()));
+  }
+  auto copy = database->prepare("VACUUM INTO ?");
+  if (!copy) return std::unexpected(to_journal_error(from, copy.error()));
+  copy->bind(1, to.string());
+  if (auto row = copy->step(); !row) return std::unexpected(to_journal_error(to, row.error()));
+  return {};
+}
+
+}  // namespace kerf

@@ -1,0 +1,106 @@
+#include "server/store/journal_reader.h"
+
+#include <bit>
+#include <limits>
+#include <utility>
+
+#include "server/store/crc32.h"
+
+namespace kerf {
+
+JournalReader::JournalReader(std::filesystem::path file, SqlDatabase database,
+                             SqlStatement commands)
+    : file_(std::move(file)), database_(std::move(database)), commands_(std::move(commands)) {}
+
+JournalError JournalReader::corrupt(std::uint64_t sequence, std::string reason) const {
+  return {JournalErrorCode::kCorrupt, file_.string(), sequence, std::move(reason)};
+}
+
+std::expected<JournalReader, JournalError> JournalReader::open(const std::filesystem::path& file) {
+  auto database = open_journal(file, SqlMode::kRead);
+  if (!database) return std::unexpected(database.error());
+  // One transaction for all reads, so that hashes and commands are of the same moment.
+  if (auto ok = database->execute("BEGIN"); !ok) {
+    return std::unexpected(to_journal_error(file, ok.error()));
+  }
+  auto commands =
+      database->prepare("SELECT sequence, participant, bytes, crc FROM commands ORDER BY sequence");
+  if (!commands) return std::unexpected(to_journal_error(file, commands.error()));
+  JournalReader reader(file, *std::move(database), *std::move(commands));
+  if (auto ok = reader.read_head(); !ok) return std::unexpected(ok.error());
+  return reader;
+}
+
+std::expected<void, JournalError> JournalReader::read_head() {
+  const auto each = [&](std::string_view sql, auto&& use) -> std::expected<void, JournalError> {
+    auto statement = database_.prepare(sql);
+    if (!statement) return std::unexpected(to_journal_error(file_, statement.error()));
+    for (;;) {
+      const auto row = statement->step();
+      if (!row) return std::unexpected(to_journal_error(file_, row.error()));
+      if (!*row) return {};
+      use(*statement);
+    }
+  };
+  std::int64_t crc = -1;
+  auto ok =
+      each("SELECT id, scene, crc, base_folder, epoch FROM session", [&](const SqlStatement& row) {
+        header_ = {row.text(0), row.text(1), row.text(3),
+                   static_cast<std::uint32_t>(row.integer(4))};
+        crc = row.integer(2);
+      });
+  if (!ok) return ok;
+  if (crc != std::int64_t{crc32(std::as_bytes(std::span(header_.scene_json)))}) {
+    return std::unexpected(corrupt(0, "the scene is missing or fails its checksum"));
+  }
+  ok = each("SELECT participant, name, color, kind FROM participants ORDER BY participant",
+            [&](const SqlStatement& row) {
+              people_.push_back({static_cast<ParticipantId>(row.integer(0)), row.text(1),
+                                 row.text(2), row.text(3)});
+            });
+  if (!ok) return ok;
+  return each("SELECT sequence, hash FROM state_hashes ORDER BY sequence",
+              [&](const SqlStatement& row) {
+                hashes_.push_back({static_cast<std::uint64_t>(row.integer(0)),
+                                   std::bit_cast<std::uint64_t>(row.integer(1))});
+              });
+}
+
+std::expected<std::optional<JournalRecord>, JournalError> JournalReader::next() {
+  const std::uint64_t expected_sequence = sequence_ + 1;
+  const auto row = commands_.step();
+  if (!row) {
+    auto error = to_journal_error(file_, row.error());
+    error.sequence = expected_sequence;
+    return std::unexpected(error);
+  }
+  if (!*row) {
+    if (!hashes_.empty() && hashes_.back().sequence > sequence_) {
+      return std::unexpected(corrupt(expected_sequence,
+                                     "the record is missing: the journal ends "
+                                     "before its last state hash"));
+    }
+    return std::nullopt;
+  }
+  const std::int64_t sequence = commands_.integer(0);
+  if (sequence != static_cast<std::int64_t>(expected_sequence)) {
+    return std::unexpected(corrupt(expected_sequence, "the record is missing: record " +
+                                                          std::to_string(sequence) +
+                                                          " follows the one before it"));
+  }
+  JournalRecord record;
+  record.sequence = expected_sequence;
+  record.participant = static_cast<ParticipantId>(commands_.integer(1));
+  const auto bytes = commands_.blob(2);
+  if (commands_.integer(3) !=
+      std::int64_t{record_checksum(record.sequence, record.participant, bytes)}) {
+    return std::unexpected(corrupt(expected_sequence, "the record fails its checksum"));
+  }
+  auto command = decode_command(bytes);
+  if (!command) return std::unexpected(corrupt(expected_sequence, command.error()));
+  record.command = *std::move(command);
+  sequence_ = expected_sequence;
+  return record;
+}
+
+}  // namespace kerf

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "server/store/journal_error.h"
+#include "server/store/journal_file.h"
+#include "server/store/journal_record.h"
+
+namespace kerf {
+
+/// Someone who took part, as the journal remembers them.
+struct JournalPerson {
+  ParticipantId participant = 0;
+  std::string name, color, kind;
+};
+
+/// The hash of the solid after the record `sequence`.
+struct StateHash {
+  std::uint64_t sequence = 0;
+  std::uint64_t hash = 0;
+};
+
+/// Reads a journal from its beginning, verifying each record. May run beside a writer of the same
+/// file: it sees what was committed when it was opened.
+class JournalReader {
+ public:
+  static std::expected<JournalReader, JournalError> open(const std::filesystem::path& file);
+
+  const JournalHeader& header() const { return header_; }
+  const std::vector<JournalPerson>& people() const { return people_; }
+  /// Sorted by sequence.
+  const std::vector<StateHash>& state_hashes() const { return hashes_; }
+  /// The next record; nullopt after the last. An error names the first bad record, and reading ends
+  /// there.
+  std::expected<std::optional<JournalRecord>, JournalError> next();
+
+ private:
+  JournalReader(std::filesystem::path file, SqlDatabase database, SqlStatement commands);
+  std::expected<void, JournalError> read_head();
+  JournalError corrupt(std::uint64_t sequence, std::string reason) const;
+
+  std::filesystem::path file_;
+  SqlDatabase database_;
+  SqlStatement commands_;
+  JournalHeader header_;
+  std::vector<JournalPerson> people_;
+  std::vector<StateHash> hashes_;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace kerf

@@ -1,0 +1,188 @@
+#include "server/store/journal_record.h"
+
+#include <bit>
+#include <utility>
+
+#include "server/store/crc32.h"
+
+namespace kerf {
+namespace {
+
+/// More pieces than any tool of a scene resolves to; a larger number in a file is damage.
+constexpr std::uint32_t kPiecesMax = 4096;
+constexpr std::uint8_t kBallPiece = 1;
+constexpr std::uint8_t kFrustumPiece = 2;
+
+class ByteWriter {
+ public:
+  template <typename Unsigned>
+  void put(Unsigned value) {
+    for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
+      bytes_.push_back(static_cast<std::byte>((value >> (8 * i)) & 0xFFU));
+    }
+  }
+  void put(double value) { put(std::bit_cast<std::uint64_t>(value)); }
+  void put(Vec3 value) {
+    put(value.x);
+    put(value.y);
+    put(value.z);
+  }
+  void reserve(std::size_t size) { bytes_.reserve(size); }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+class ByteReader {
+ public:
+  explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  template <typename Unsigned>
+  Unsigned get() {
+    if (bytes_.size() < sizeof(Unsigned)) {
+      bytes_ = {};
+      short_ = true;
+      return 0;
+    }
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
+      value |= std::to_integer<std::uint64_t>(bytes_[i]) << (8 * i);
+    }
+    bytes_ = bytes_.subspan(sizeof(Unsigned));
+    return static_cast<Unsigned>(value);
+  }
+  double get_double() { return std::bit_cast<double>(get<std::uint64_t>()); }
+  Vec3 get_vec3() {
+    const double x = get_double();
+    const double y = get_double();
+    const double z = get_double();
+    return {x, y, z};
+  }
+  bool ran_short() const { return short_; }
+  bool at_end() const { return bytes_.empty(); }
+
+ private:
+  std::span<const std::byte> bytes_;
+  bool short_ = false;
+};
+
+void put_piece(ByteWriter& out, const ToolPiece& piece) {
+  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
+    out.put(kBallPiece);
+    out.put(ball->center_mm);
+    out.put(ball->radius_mm);
+    return;
+  }
+  const auto& frustum = std::get<FrustumPiece>(piece);
+  out.put(kFrustumPiece);
+  out.put(frustum.z0_mm);
+  out.put(frustum.r0_mm);
+  out.put(frustum.z1_mm);
+  out.put(frustum.r1_mm);
+}
+
+void put_define_tool(ByteWriter& out, const DefineTool& define) {
+  static_assert(std::variant_size_v<ToolPiece> == 2, "a new piece needs a new layout number");
+  out.put(std::to_underlying(CommandLayout::kDefineTool1));
+  out.put(define.id);
+  out.put(static_cast<std::uint32_t>(define.tool.pieces.size()));
+  for (const ToolPiece& piece : define.tool.pieces) put_piece(out, piece);
+}
+
+void put_move_tool(ByteWriter& out, const MoveTool& move) {
+  out.reserve(110);
+  out.put(std::to_underlying(CommandLayout::kMoveTool1));
+  out.put(move.tool);
+  for (const ToolPose& pose : {move.from, move.to}) {
+    out.put(pose.tip_mm);
+    out.put(pose.axis);
+  }
+  out.put(move.duration_s);
+  out.put(static_cast<std::uint8_t>(move.feel ? 1 : 0));
+}
+
+std::expected<Command, std::string> get_define_tool(ByteReader& in) {
+  DefineTool define;
+  define.id = in.get<std::uint32_t>();
+  const auto count = in.get<std::uint32_t>();
+  if (count > kPiecesMax) return std::unexpected("a tool has too many pieces");
+  std::vector<ToolPiece> pieces;
+  for (std::uint32_t i = 0; i < count && !in.ran_short(); ++i) {
+    const auto kind = in.get<std::uint8_t>();
+    if (kind == kBallPiece) {
+      const double center_mm = in.get_double();
+      pieces.emplace_back(BallPiece{center_mm, in.get_double()});
+    } else if (kind == kFrustumPiece) {
+      FrustumPiece frustum{};
+      frustum.z0_mm = in.get_double();
+      frustum.r0_mm = in.get_double();
+      frustum.z1_mm = in.get_double();
+      frustum.r1_mm = in.get_double();
+      pieces.emplace_back(frustum);
+    } else {
+      return std::unexpected("a tool piece is of unknown kind " + std::to_string(kind));
+    }
+  }
+  if (in.ran_short()) return std::unexpected("a tool definition ends too early");
+  auto tool = make_tool(std::move(pieces));
+  if (!tool) return std::unexpected("a stored tool is invalid: " + tool.error().reason);
+  define.tool = *std::move(tool);
+  return define;
+}
+
+Command get_move_tool(ByteReader& in) {
+  MoveTool move;
+  move.tool = in.get<std::uint32_t>();
+  move.from.tip_mm = in.get_vec3();
+  move.from.axis = in.get_vec3();
+  move.to.tip_mm = in.get_vec3();
+  move.to.axis = in.get_vec3();
+  move.duration_s = in.get_double();
+  move.feel = in.get<std::uint8_t>() != 0;
+  return move;
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_command(const Command& command) {
+  static_assert(std::variant_size_v<Command> == 2, "a new command needs a new layout number");
+  ByteWriter out;
+  if (const auto* define = std::get_if<DefineTool>(&command)) {
+    put_define_tool(out, *define);
+  } else {
+    put_move_tool(out, std::get<MoveTool>(command));
+  }
+  return out.take();
+}
+
+std::expected<Command, std::string> decode_command(std::span<const std::byte> bytes) {
+  ByteReader in(bytes);
+  const auto layout = in.get<std::uint8_t>();
+  std::expected<Command, std::string> command;
+  switch (static_cast<CommandLayout>(layout)) {
+    case CommandLayout::kDefineTool1:
+      command = get_define_tool(in);
+      break;
+    case CommandLayout::kMoveTool1:
+      command = get_move_tool(in);
+      break;
+    default:
+      return std::unexpected("a command is of unknown layout " + std::to_string(layout));
+  }
+  if (!command) return command;
+  if (in.ran_short()) return std::unexpected("a command ends too early");
+  if (!in.at_end()) return std::unexpected("a command has bytes behind its end");
+  return command;
+}
+
+std::uint32_t record_checksum(std::uint64_t sequence, ParticipantId participant,
+                              std::span<const std::byte> bytes) {
+  ByteWriter head;
+  head.put(sequence);
+  head.put(participant);
+  const std::vector<std::byte> head_bytes = head.take();
+  return crc32(bytes, crc32(head_bytes));
+}
+
+}  // namespace kerf

@@ -1,0 +1,101 @@
+#include "server/store/sqlite.h"
+
+#include <sqlite3.h>
+
+namespace kerf {
+namespace {
+
+SqlError last_error(sqlite3* database) {
+  if (database == nullptr) return {SQLITE_NOMEM, "out of memory"};
+  return {sqlite3_extended_errcode(database), sqlite3_errmsg(database)};
+}
+
+}  // namespace
+
+bool is_damage(const SqlError& error) {
+  const int primary = error.code & 0xFF;
+  return primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB || primary == SQLITE_FORMAT;
+}
+
+void SqlStatement::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
+void SqlDatabase::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
+
+void SqlStatement::bind(int parameter, std::int64_t value) {
+  sqlite3_bind_int64(statement_.get(), parameter, value);
+}
+void SqlStatement::bind(int parameter, std::string_view text) {
+  sqlite3_bind_text64(statement_.get(), parameter, text.data(), text.size(), SQLITE_TRANSIENT,
+                      SQLITE_UTF8);
+}
+void SqlStatement::bind(int parameter, std::span<const std::byte> blob) {
+  sqlite3_bind_blob64(statement_.get(), parameter, blob.data(), blob.size(), SQLITE_TRANSIENT);
+}
+
+SqlResult<bool> SqlStatement::step() {
+  const int code = sqlite3_step(statement_.get());
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) {
+    sqlite3_reset(statement_.get());
+    return false;
+  }
+  const SqlError error = last_error(sqlite3_db_handle(statement_.get()));
+  sqlite3_reset(statement_.get());
+  return std::unexpected(error);
+}
+
+std::int64_t SqlStatement::integer(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
+std::string SqlStatement::text(int column) const {
+  const auto bytes = blob(column);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+std::span<const std::byte> SqlStatement::blob(int column) const {
+  const void* data = sqlite3_column_blob(statement_.get(), column);
+  const int size = sqlite3_column_bytes(statement_.get(), column);
+  return {static_cast<const std::byte*>(data), static_cast<std::size_t>(size)};
+}
+
+SqlResult<SqlDatabase> SqlDatabase::open(const std::filesystem::path& file, SqlMode mode) {
+  // A reader opens for writing too: the first connection after a crash must be able to recover the
+  // write-ahead log.
+  int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_READWRITE;
+  if (mode == SqlMode::kCreate) flags |= SQLITE_OPEN_CREATE;
+  sqlite3* raw = nullptr;
+  const int code = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
+  SqlDatabase database(raw);
+  if (code != SQLITE_OK) return std::unexpected(last_error(raw));
+  sqlite3_busy_timeout(raw, 5000);
+  if (mode == SqlMode::kRead) {
+    if (auto ok = database.execute("PRAGMA query_only=ON"); !ok) return std::unexpected(ok.error());
+  }
+  return database;
+}
+
+SqlResult<void> SqlDatabase::execute(const std::string& sql) {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) {
+    return std::unexpected(last_error(database_.get()));
+  }
+  return {};
+}
+
+SqlResult<SqlStatement> SqlDatabase::prepare(std::string_view sql) {
+  sqlite3_stmt* raw = nullptr;
+  const int code = sqlite3_prepare_v3(database_.get(), sql.data(), static_cast<int>(sql.size()),
+                                      SQLITE_PREPARE_PERSISTENT, &raw, nullptr);
+  if (code != SQLITE_OK) return std::unexpected(last_error(database_.get()));
+  return SqlStatement(raw);
+}
+
+SqlResult<std::int64_t> SqlDatabase::integer(std::string_view sql) {
+  auto statement = prepare(sql);
+  if (!statement) return std::unexpected(statement.error());
+  const auto row = statement->step();
+  if (!row) return std::unexpected(row.error());
+  if (!*row) return std::unexpected(SqlError{SQLITE_NOTFOUND, "no row"});
+  return statement->integer(0);
+}
+
+}  // namespace kerf

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace kerf {
+
+/// What SQLite answered; `code` is its extended result code.
+struct SqlError {
+  int code = 0;
+  std::string reason;
+};
+template <typename T>
+using SqlResult = std::expected<T, SqlError>;
+
+/// True where the code says that the file itself is damaged or is no database.
+bool is_damage(const SqlError& error);
+
+/// A prepared statement. Parameters count from 1, columns from 0.
+class SqlStatement {
+ public:
+  void bind(int parameter, std::int64_t value);
+  void bind(int parameter, std::string_view text);
+  void bind(int parameter, std::span<const std::byte> blob);
+  /// Advances: true while there is a row. After the last row the statement is ready to be bound
+  /// again.
+  SqlResult<bool> step();
+  std::int64_t integer(int column) const;
+  std::string text(int column) const;
+  std::span<const std::byte> blob(int column) const;  ///< valid until the next step
+
+ private:
+  friend class SqlDatabase;
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  explicit SqlStatement(sqlite3_stmt* statement) : statement_(statement) {}
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+};
+
+enum class SqlMode { kRead, kWrite, kCreate };
+
+/// One connection. May be moved between threads, not shared.
+class SqlDatabase {
+ public:
+  static SqlResult<SqlDatabase> open(const std::filesystem::path& file, SqlMode mode);
+  SqlResult<void> execute(const std::string& sql);
+  SqlResult<SqlStatement> prepare(std::string_view sql);
+  /// The first column of the first row of a query; an error if there is no row.
+  SqlResult<std::int64_t> integer(std::string_view sql);
+
+ private:
+  struct Close {
+    void operator()(sqlite3* database) const;
+  };
+  explicit SqlDatabase(sqlite3* database) : database_(database) {}
+  std::unique_ptr<sqlite3, Close> database_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,90 @@
+#include "server/session/convert.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "server/formats/pose_grid.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+wire::MotionSample sample_at(wire::Vec3d tip, wire::Vec3f axis = {0, 0, 1}) {
+  wire::MotionSample sample;
+  sample.agent_sequence = 5;
+  sample.tip_mm = tip;
+  sample.axis = axis;
+  return sample;
+}
+
+MotionResult result_of(double force_n, double removed_mm3, double area_mm2) {
+  MotionResult result;
+  result.wrench.force_n = {force_n, 0, 0};
+  result.removed_mm3 = removed_mm3;
+  result.cutting = {area_mm2, {1, 0, 0}, {area_mm2, 2, 3}};
+  return result;
+}
+
+TEST(ToPose, PutsThePoseOnTheGrid) {
+  const auto pose = to_pose(sample_at({1.23456789, 0, 0}, {0.6F, 0, 0.8F}));
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->tip_mm.x, 1.234568);
+  EXPECT_EQ(admit_pose(*pose), *pose);
+  EXPECT_NEAR(length(pose->axis), 1, 1e-8);
+}
+
+TEST(ToPose, RefusesWhatIsNoPose) {
+  for (const auto& bad : {sample_at({kNan, 0, 0}), sample_at({0, 0, 2e6}),
+                          sample_at({0, 0, 0}, {0, 0, 0}), sample_at({0, 0, 0}, {0, 0, 1.01F}),
+                          sample_at({0, 0, 0}, {static_cast<float>(kNan), 0, 1})}) {
+    const auto pose = to_pose(bad);
+    ASSERT_FALSE(pose);
+    EXPECT_EQ(pose.error().code, wire::ErrorCode::kBadPose);
+    EXPECT_NE(pose.error().reason.find("sample 5"), std::string::npos);
+  }
+}
+
+TEST(BatchSum, WeighsForcesByTime) {
+  BatchSum sum;
+  sum.add(result_of(10, 1, 4), 0.001);
+  sum.add(result_of(40, 2, 8), 0.003);
+  wire::Result result;
+  sum.write(result);
+  EXPECT_FLOAT_EQ(result.force_n[0], (10 * 1 + 40 * 3) / 4.0F);
+  EXPECT_FLOAT_EQ(result.removed_mm3, 3);
+  EXPECT_EQ(result.status, wire::kStatusCutting);
+}
+
+TEST(BatchSum, KeepsTheNewestCuttingModel) {
+  BatchSum sum;
+  sum.add(result_of(10, 1, 4), 0.001);
+  sum.add(result_of(40, 2, 8), 0.001);
+  sum.add(result_of(0, 0, 0), 0.001);  // through the air: the last cut stays the model
+  wire::Result result;
+  sum.write(result);
+  EXPECT_FLOAT_EQ(result.engaged_area_mm2, 8);
+  EXPECT_DOUBLE_EQ(result.cut_centre_mm[0], 8);
+  EXPECT_FLOAT_EQ(result.specific_force_n_per_mm2, 5);
+}
+
+TEST(BatchSum, EmptyBatchGivesNoForce) {
+  wire::Result result;
+  BatchSum().write(result);
+  EXPECT_EQ(result, wire::Result{});
+}
+
+TEST(BatchSum, MarksCollisions) {
+  MotionResult hit = result_of(3, 0, 0);
+  hit.collision.force_n = {3, 0, 0};
+  BatchSum sum;
+  sum.add(hit, 0.002);
+  wire::Result result;
+  sum.write(result);
+  EXPECT_EQ(result.status, wire::kStatusColliding);
+  EXPECT_FLOAT_EQ(result.collision_force_n[0], 3);
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,86 @@
+#include "server/store/journal_record.h"
+
+#include <gtest/gtest.h>
+
+#include "server/store/crc32.h"
+
+namespace kerf {
+namespace {
+
+MoveTool some_move() {
+  MoveTool move;
+  move.tool = 7;
+  move.from = {{1.5, -2.25, 1e-300}, {0, 0, 1}};
+  move.to = {{0.1, 0.2, 0.30000000000000004}, {0.6, 0, 0.8}};
+  move.duration_s = 0.001;
+  move.feel = false;
+  return move;
+}
+
+DefineTool some_tool() {
+  auto tool = make_tool(std::vector<ToolPiece>{BallPiece{5, 5}, FrustumPiece{5, 5, 60, 5}});
+  return {3, tool.value()};
+}
+
+TEST(Crc32, IsTheCommonOne) {
+  const std::string text = "123456789";
+  EXPECT_EQ(crc32(std::as_bytes(std::span(text))), 0xCBF43926U);
+  const auto head = crc32(std::as_bytes(std::span(text).first(4)));
+  EXPECT_EQ(crc32(std::as_bytes(std::span(text).subspan(4)), head), 0xCBF43926U);
+}
+
+TEST(JournalRecord, MoveComesBackBitForBit) {
+  const auto decoded = decode_command(encode_command(some_move()));
+  ASSERT_TRUE(decoded) << decoded.error();
+  const auto& move = std::get<MoveTool>(*decoded);
+  EXPECT_EQ(move.tool, 7U);
+  EXPECT_EQ(move.from, some_move().from);
+  EXPECT_EQ(move.to, some_move().to);
+  EXPECT_EQ(move.duration_s, 0.001);
+  EXPECT_FALSE(move.feel);
+}
+
+TEST(JournalRecord, ToolComesBackWithAllItsPieces) {
+  const auto decoded = decode_command(encode_command(some_tool()));
+  ASSERT_TRUE(decoded) << decoded.error();
+  const auto& define = std::get<DefineTool>(*decoded);
+  EXPECT_EQ(define.id, 3U);
+  EXPECT_EQ(define.tool, some_tool().tool);
+}
+
+TEST(JournalRecord, EveryTruncationIsAnError) {
+  for (const Command& command : {Command(some_move()), Command(some_tool())}) {
+    const auto bytes = encode_command(command);
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_FALSE(decode_command(std::span(bytes).first(size))) << size;
+    }
+  }
+}
+
+TEST(JournalRecord, TrailingBytesAndUnknownLayoutsAreErrors) {
+  auto bytes = encode_command(some_move());
+  bytes.push_back(std::byte{0});
+  EXPECT_FALSE(decode_command(bytes));
+  bytes = encode_command(some_move());
+  bytes[0] = std::byte{99};
+  const auto decoded = decode_command(bytes);
+  ASSERT_FALSE(decoded);
+  EXPECT_NE(decoded.error().find("layout 99"), std::string::npos);
+}
+
+TEST(JournalRecord, ToolThatTheKernelWouldRefuseIsAnError) {
+  auto bytes = encode_command(some_tool());
+  for (std::size_t i = bytes.size() - 8; i < bytes.size(); ++i) bytes[i] = std::byte{0xFF};  // NaN
+  EXPECT_FALSE(decode_command(bytes));
+}
+
+TEST(JournalRecord, ChecksumCoversOrderAndOwner) {
+  const auto bytes = encode_command(some_move());
+  const auto sum = record_checksum(1, 2, bytes);
+  EXPECT_NE(sum, record_checksum(2, 2, bytes));
+  EXPECT_NE(sum, record_checksum(1, 3, bytes));
+  EXPECT_NE(sum, record_checksum(1, 2, std::span(bytes).first(bytes.size() - 1)));
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,250 @@
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <fstream>
+
+#include "server/store/journal_reader.h"
+#include "server/store/journal_writer.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+const JournalHeader kHeader{"demo", "{\"name\":\"demo\"}", "/scenes", 1};
+
+MoveTool move_to(double x_mm) {
+  MoveTool move;
+  move.tool = 1;
+  move.from.tip_mm = {x_mm - 1, 0, 0};
+  move.to.tip_mm = {x_mm, 0, 0};
+  move.duration_s = 0.001;
+  return move;
+}
+
+class Journal : public testing::Test {
+ protected:
+  /// A journal of ten motions by participants 1 and 2, with one state hash.
+  void write_ten() {
+    auto writer = JournalWriter::create(file, kHeader);
+    ASSERT_TRUE(writer) << describe(writer.error());
+    writer->append(JournalPerson{1, "Ada", "#112233", "agent"});
+    for (int i = 1; i <= 10; ++i) {
+      const auto sequence = writer->append(static_cast<ParticipantId>(1 + i % 2), move_to(i));
+      ASSERT_TRUE(sequence);
+      EXPECT_EQ(*sequence, static_cast<std::uint64_t>(i));
+    }
+    writer->append(StateHash{10, 0xFEDCBA9876543210U});
+    ASSERT_TRUE(writer->flush());
+  }
+  void sql(const std::string& text) const {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, text.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << text;
+    sqlite3_close(database);
+  }
+  /// Reads to the first error; it must be kCorrupt at `sequence`.
+  void expect_corrupt_at(std::uint64_t sequence) const {
+    auto reader = JournalReader::open(file);
+    ASSERT_TRUE(reader) << describe(reader.error());
+    for (std::uint64_t good = 1; good < sequence; ++good) {
+      const auto record = reader->next();
+      ASSERT_TRUE(record && *record) << good;
+    }
+    const auto bad = reader->next();
+    ASSERT_FALSE(bad);
+    EXPECT_EQ(bad.error().code, JournalErrorCode::kCorrupt);
+    EXPECT_EQ(bad.error().sequence, sequence);
+    EXPECT_EQ(bad.error().file, file.string());
+  }
+
+  test::TemporaryFolder folder;
+  std::filesystem::path file = folder / "demo.kerf";
+};
+
+TEST_F(Journal, GivesBackWhatWasAppended) {
+  write_ten();
+  auto reader = JournalReader::open(file);
+  ASSERT_TRUE(reader) << describe(reader.error());
+  EXPECT_EQ(reader->header().session, "demo");
+  EXPECT_EQ(reader->header().scene_json, kHeader.scene_json);
+  EXPECT_EQ(reader->header().base_folder, "/scenes");
+  ASSERT_EQ(reader->people().size(), 1U);
+  EXPECT_EQ(reader->people()[0].name, "Ada");
+  ASSERT_EQ(reader->state_hashes().size(), 1U);
+  EXPECT_EQ(reader->state_hashes()[0].hash, 0xFEDCBA9876543210U);
+  for (int i = 1; i <= 10; ++i) {
+    const auto record = reader->next();
+    ASSERT_TRUE(record && *record);
+    EXPECT_EQ((*record)->participant, static_cast<ParticipantId>(1 + i % 2));
+    EXPECT_EQ(std::get<MoveTool>((*record)->command).to, move_to(i).to);
+  }
+  const auto end = reader->next();
+  ASSERT_TRUE(end);
+  EXPECT_FALSE(*end);
+}
+
+TEST_F(Journal, ContinuesBehindTheLastRecordAndCountsItsOpenings) {
+  write_ten();
+  auto writer = JournalWriter::open(file, 10);
+  ASSERT_TRUE(writer) << describe(writer.error());
+  EXPECT_EQ(writer->epoch(), 2U);
+  EXPECT_EQ(writer->append(1, move_to(11)).value(), 11U);
+  ASSERT_TRUE(writer->flush());
+  EXPECT_EQ(writer->lag(), 0U);
+  auto reader = JournalReader::open(file);
+  int count = 0;
+  while (reader->next().value()) ++count;
+  EXPECT_EQ(count, 11);
+}
+
+TEST_F(Journal, ReaderBesideAWriterSeesWhatWasCommitted) {
+  auto writer = JournalWriter::create(file, kHeader);
+  ASSERT_TRUE(writer);
+  for (int i = 1; i <= 1000; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
+  ASSERT_TRUE(writer->flush());
+  for (int i = 1001; i <= 2000; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
+  auto reader = JournalReader::open(file);
+  ASSERT_TRUE(reader);
+  int count = 0;
+  while (reader->next().value()) ++count;
+  EXPECT_GE(count, 1000);
+}
+
+TEST_F(Journal, DestructorCommitsWhatIsLeft) {
+  {
+    auto writer = JournalWriter::create(file, kHeader);
+    for (int i = 1; i <= 100; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
+  }
+  auto reader = JournalReader::open(file);
+  int count = 0;
+  while (reader->next().value()) ++count;
+  EXPECT_EQ(count, 100);
+}
+
+TEST_F(Journal, FinishedFileStandsAloneAndTakesNoMore) {
+  auto writer = JournalWriter::create(file, kHeader);
+  for (int i = 1; i <= 100; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
+  ASSERT_TRUE(writer->finish());
+  EXPECT_FALSE(std::filesystem::exists(file.string() + "-wal"));
+  EXPECT_FALSE(writer->append(1, move_to(101)));
+  EXPECT_FALSE(writer->flush());
+  std::filesystem::rename(file, folder / "moved.kerf");
+  auto reader = JournalReader::open(folder / "moved.kerf");
+  int count = 0;
+  while (reader->next().value()) ++count;
+  EXPECT_EQ(count, 100);
+}
+
+TEST_F(Journal, DoesNotOverwriteAnother) {
+  write_ten();
+  const auto again = JournalWriter::create(file, kHeader);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, JournalErrorCode::kExists);
+}
+
+TEST_F(Journal, FlippedBitIsFoundWhereItIs) {
+  write_ten();
+  sql("UPDATE commands SET bytes = CAST(substr(bytes,1,20) || x'FF' || substr(bytes,22) AS BLOB) "
+      "WHERE sequence = 4");
+  expect_corrupt_at(4);
+}
+
+TEST_F(Journal, ChangedOwnerIsFound) {
+  write_ten();
+  sql("UPDATE commands SET participant = 9 WHERE sequence = 6");
+  expect_corrupt_at(6);
+}
+
+TEST_F(Journal, MissingRecordIsFound) {
+  write_ten();
+  sql("DELETE FROM commands WHERE sequence = 3");
+  expect_corrupt_at(3);
+}
+
+TEST_F(Journal, MissingTailIsFound) {
+  write_ten();
+  sql("DELETE FROM commands WHERE sequence > 8");
+  expect_corrupt_at(9);
+}
+
+TEST_F(Journal, SwappedRecordsAreFound) {
+  write_ten();
+  sql("UPDATE commands SET sequence = 99 WHERE sequence = 2;"
+      "UPDATE commands SET sequence = 2 WHERE sequence = 4;"
+      "UPDATE commands SET sequence = 4 WHERE sequence = 99");
+  expect_corrupt_at(2);
+}
+
+TEST_F(Journal, ChangedSceneIsFound) {
+  write_ten();
+  sql("UPDATE session SET scene = '{}'");
+  const auto reader = JournalReader::open(file);
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(reader.error().code, JournalErrorCode::kCorrupt);
+}
+
+TEST_F(Journal, ForeignVersionIsNamed) {
+  write_ten();
+  sql("PRAGMA user_version = 7");
+  const auto reader = JournalReader::open(file);
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(reader.error().code, JournalErrorCode::kForeignVersion);
+  EXPECT_NE(reader.error().reason.find("version 7"), std::string::npos);
+}
+
+TEST_F(Journal, DatabaseOfAnotherProgramIsNoJournal) {
+  sql("CREATE TABLE songs(name TEXT)");
+  const auto reader = JournalReader::open(file);
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(reader.error().code, JournalErrorCode::kNotAJournal);
+}
+
+TEST_F(Journal, TextIsNoJournal) {
+  std::ofstream(file) << std::string(5000, 'x');
+  const auto reader = JournalReader::open(file);
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(reader.error().code, JournalErrorCode::kNotAJournal);
+}
+
+TEST_F(Journal, MissingFileIsNotFound) {
+  const auto reader = JournalReader::open(file);
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(reader.error().code, JournalErrorCode::kNotFound);
+}
+
+TEST_F(Journal, EveryTruncationIsATypedError) {
+  {
+    auto writer = JournalWriter::create(file, kHeader);
+    for (int i = 1; i <= 500; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
+    writer->append(StateHash{500, 1});
+  }
+  const auto whole = std::filesystem::file_size(file);
+  for (std::uintmax_t size = 0; size < whole; size += 1777) {
+    const auto cut = folder / "cut.kerf";
+    std::filesystem::copy_file(file, cut, std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::resize_file(cut, size);
+    auto reader = JournalReader::open(cut);
+    bool failed = !reader;
+    while (!failed) {
+      const auto record = reader->next();
+      failed = !record;
+      if (record && !*record) break;
+    }
+    EXPECT_TRUE(failed) << "cut to " << size << " of " << whole << " bytes";
+  }
+}
+
+TEST_F(Journal, CopyIsComplete) {
+  auto writer = JournalWriter::create(file, kHeader);
+  for (int i = 1; i <= 50; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
+  ASSERT_TRUE(writer->flush());
+  ASSERT_TRUE(copy_journal(file, folder / "copy.kerf"));
+  auto reader = JournalReader::open(folder / "copy.kerf");
+  ASSERT_TRUE(reader) << describe(reader.error());
+  int count = 0;
+  while (reader->next().value()) ++count;
+  EXPECT_EQ(count, 50);
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,73 @@
+"""Starts and stops a real kerf-server for the tests."""
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+from wire_client import Http, WebSocket  # noqa: E402
+
+PROGRAM = os.environ["KERF_SERVER"]
+
+SCENE = {
+    "name": "block",
+    "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
+    "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
+    "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
+              {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 60}],
+    "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.5},
+    "machine": {"kinematics": "tool-vector"},
+}
+
+
+class Server:
+    def __init__(self, data, *more):
+        self.data = data
+        self.process = subprocess.Popen(
+            [PROGRAM, "--listen", "127.0.0.1:0", "--data", data, *more],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        if not line.startswith("http://127.0.0.1:"):
+            raise RuntimeError(self.process.communicate()[1])
+        self.port = int(line.rsplit(":", 1)[1])
+        self.http = Http(self.port)
+
+    def stop(self, how=signal.SIGTERM):
+        """Gives the exit status and what was logged."""
+        self.process.send_signal(how)
+        log = self.process.communicate(timeout=60)[1]  # closes the pipes too
+        return self.process.returncode, log
+
+    def create(self, session="block", scene=None):
+        status, body = self.http.json("POST", f"/v1/sessions?id={session}",
+                                      json.dumps(scene or SCENE))
+        assert status == 201, body
+        return body
+
+    def info(self, session="block"):
+        return self.http.json("GET", f"/v1/sessions/{session}")[1]
+
+    def hash(self, session="block"):
+        return self.info(session)["state_hash"]
+
+
+class LiveTest(unittest.TestCase):
+    """A server with one session `block` per test."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="kerf-test-")
+        self.server = Server(self.folder.name)
+        self.server.create()
+        self.port = self.server.port
+
+    def tearDown(self):
+        while WebSocket.opened:
+            WebSocket.opened.pop().close()
+        if self.server.process.poll() is None:
+            status, log = self.server.stop()
+            self.assertEqual(status, 0, log)
+        self.folder.cleanup()

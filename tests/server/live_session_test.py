@@ -1,0 +1,400 @@
+"""A real server with agents, programs and viewers at once; restarts; downloads."""
+import glob
+import json
+import math
+import os
+import shutil
+import signal
+import sqlite3
+import threading
+import time
+import unittest
+
+from live_server import SCENE, LiveTest, Server
+from wire_client import Agent, Closed, Viewer
+
+PROGRAM = """%
+G21 G90 G17 G94
+T2 M6
+G0 X-15 Y-15 Z5
+G1 Z-3 F600
+X15 F1200
+Y15
+G3 X-15 Y15 I-15 J0
+G1 Z5
+M2
+%
+"""
+
+
+def carve(agent, steps=400, phase=0.0, pace_s=0.0):
+    """A spiral that keeps cutting; gives the removed volume that the agent was told of."""
+    removed, sent = 0.0, 0
+    for i in range(steps):
+        angle = phase + i * 0.02
+        radius = 4 + 8 * i / steps
+        agent.move([(radius * math.cos(angle), radius * math.sin(angle), -2 - i / steps)])
+        sent += 1
+        result = agent.result()
+        removed += result["removed"]
+        if pace_s:
+            time.sleep(pace_s)
+    return removed
+
+
+def finish(server, program, session="block", timeout=60):
+    end = time.monotonic() + timeout
+    while time.monotonic() < end:
+        status = server.http.json("GET", f"/v1/sessions/{session}/programs/{program}")[1]
+        if status["state"] != "running":
+            return status
+        time.sleep(0.02)
+    raise AssertionError("the program does not end")
+
+
+def upload(server, text, query, session="block"):
+    status, body = server.http.json("POST", f"/v1/sessions/{session}/programs?{query}", text)
+    assert status == 202, body
+    return body
+
+
+class Carving(LiveTest):
+    def test_agent_feels_what_it_removes(self):
+        agent = Agent(self.port, "block")
+        agent.move([(-30, 0, -2)])
+        told = 0.0
+        force = 0.0
+        for i in range(300):
+            agent.move([(-30 + 0.1 * i, 0, -2)])
+            result = agent.result()
+            told += result["removed"]
+            force = max(force, -result["fx"])
+        self.assertAlmostEqual(told, self.server.info()["removed_volume_mm3"], delta=told * 1e-5)
+        self.assertGreater(told, 50)
+        self.assertGreater(force, 0.5)
+        self.assertGreater(result["area"], 1)
+        self.assertEqual(result["status"] & 1, 1)
+
+    def test_air_moves_cut_nothing(self):
+        agent = Agent(self.port, "block")
+        for i in range(10):
+            agent.move([(-10 + i, 0, -2)], buttons=0)
+            agent.result()
+        info = self.server.info()
+        self.assertEqual((info["motions"], info["removed_volume_mm3"]), (0, 0))
+
+    def test_gap_between_samples_sweeps_the_chord(self):
+        one, two = Agent(self.port, "block"), Agent(self.port, "block")
+        one.move([(-10, 0, -2)])
+        one.result()
+        one.sequence += 50  # fifty samples were lost on the way
+        one.move([(10, 0, -2)], step_us=50_000)
+        self.assertGreater(one.result()["removed"], 100)
+        two.move([(0, 0, -2)])
+        two.move([(1, 0, -2)])
+        self.assertEqual(two.result()["removed"], 0)
+
+    def test_batch_is_answered_by_one_result(self):
+        agent = Agent(self.port, "block")
+        agent.move([(0.1 * i, 0, -2) for i in range(16)])
+        result = agent.result(16)
+        self.assertEqual(result["motions"], 15)
+        removed = self.server.info()["removed_volume_mm3"]
+        self.assertAlmostEqual(result["removed"], removed, delta=1e-3)
+
+    def test_two_agents_and_a_program_at_once(self):
+        agents = [Agent(self.port, "block", name) for name in ("Ada", "Grace")]
+        viewer = Viewer(self.port, "block")
+        program = upload(self.server, PROGRAM, "pace=fast&name=frame.ngc")
+        removed = [0.0, 0.0]
+
+        def work(n):
+            removed[n] = carve(agents[n], 300, n * math.pi)
+
+        threads = [threading.Thread(target=work, args=(n,)) for n in (0, 1)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        status = finish(self.server, program["id"])
+        self.assertEqual((status["state"], status["progress"]), ("finished", 1.0))
+        info = self.server.info()
+        total = sum(removed) + status["removed_volume_mm3"]
+        self.assertAlmostEqual(info["removed_volume_mm3"], total, delta=total * 1e-4)
+        self.assertGreater(min(removed), 1)
+        state = viewer.settled()
+        while state["state_hash"] != self.server.hash():
+            state = viewer.settled()
+        self.assertEqual(state["motions"], info["motions"])
+
+    def test_program_leaves_agents_their_turn(self):
+        agent = Agent(self.port, "block")
+        lines = ["G21 G90 T2 M6", "G0 X0 Y0 Z-1"]
+        lines += [f"G1 X{15 if i % 2 else -15} Y{(i % 300) / 10 - 15:.1f} F3000"
+                  for i in range(20000)]
+        program = upload(self.server, "\n".join(lines + ["M2"]), "pace=fast&name=long.ngc")
+        carve(agent, 50)
+        status = self.server.http.json("GET", program["url"])[1]
+        self.assertEqual(status["state"], "running")
+        status, body = self.server.http.json("DELETE", program["url"])
+        self.assertEqual((status, body["state"]), (200, "cancelled"))
+        self.assertEqual(self.server.http.json("DELETE", program["url"])[0], 409)
+        kinds = [who["kind"] for who in self.server.info()["participants"]]
+        self.assertEqual(kinds, ["agent"])
+
+    def test_program_at_feed_rate_takes_its_time(self):
+        program = upload(self.server, "G21 G90 T2 M6\nG0 X-5 Y0 Z-1\nG1 X5 F600\nM2\n",
+                         "pace=feed&name=slow.ngc")
+        start = time.monotonic()
+        self.assertAlmostEqual(program["programmed_s"], 1.0, delta=0.2)
+        status = finish(self.server, program["id"])
+        self.assertEqual(status["state"], "finished")
+        self.assertGreater(time.monotonic() - start, 0.5)
+        self.assertGreater(status["motions"], 50)
+
+    def test_people_see_each_other_come_change_tool_and_go(self):
+        ada = Agent(self.port, "block", "Ada", color="#123456")
+        viewer = Viewer(self.port, "block", "Grace")
+        names = {p["name"]: p for p in viewer.welcome["participants"]}
+        self.assertEqual(names["Ada"]["color"], "#123456")
+        ada.send_json({"type": "tool", "tool": 2})
+        people = viewer.receive_json("participants")["participants"]
+        while {p["name"]: p for p in people}["Ada"]["tool"] != 2:
+            people = viewer.receive_json("participants")["participants"]
+        ada.move([(1, 2, 3)], tool=2)
+        while not viewer.tools:
+            viewer.take()
+        self.assertEqual(viewer.tools[0][:5], (ada.participant, 2, 1.0, 2.0, 3.0))
+        ada.close()
+        people = viewer.receive_json("participants")["participants"]
+        self.assertEqual([p["name"] for p in people], ["Grace"])
+
+    def test_viewers_settle_on_the_hash_of_the_server(self):
+        early = Viewer(self.port, "block")
+        self.assertEqual(early.settled()["state_hash"], self.server.hash())
+        tiles = len(early.tiles)
+        self.assertEqual(tiles, 9)  # 80 columns a side are 3 x 3 tiles
+        agent = Agent(self.port, "block")
+        carve(agent, 200)
+        late = Viewer(self.port, "block")
+        for viewer in (early, late):
+            state = viewer.settled()
+            while state["state_hash"] != self.server.hash():
+                state = viewer.settled()
+            self.assertEqual(len(viewer.tiles), 9)
+        self.assertGreater(max(early.tiles.values()), 1)
+
+
+class Downloads(LiveTest):
+    def setUp(self):
+        super().setUp()
+        self.agent = Agent(self.port, "block")
+        carve(self.agent, 300)
+        finish(self.server, upload(self.server, PROGRAM, "pace=fast&name=a.ngc")["id"])
+
+    def get(self, name, **headers):
+        return self.server.http.request("GET", f"/v1/sessions/block/{name}", headers=headers)
+
+    def test_etag_is_the_state_hash_and_spares_the_second_download(self):
+        status, headers, body = self.get("model.stl")
+        self.assertEqual(status, 200)
+        self.assertEqual(headers["etag"], f'"{self.server.hash()}"')
+        self.assertEqual(len(body), int(headers["content-length"]))
+        self.assertEqual((len(body) - 84) % 50, 0)
+        status, _, body = self.get("model.stl", **{"If-None-Match": headers["etag"]})
+        self.assertEqual((status, body), (304, b""))
+        status, head, body = self.server.http.request("HEAD", "/v1/sessions/block/model.stl")
+        self.assertEqual((status, body), (200, b""))
+        self.assertEqual(head["content-length"], headers["content-length"])
+
+    def test_glb_is_one(self):
+        status, headers, body = self.get("model.glb")
+        self.assertEqual((status, body[:4]), (200, b"glTF"))
+        self.assertEqual(headers["content-type"], "model/gltf-binary")
+
+    def test_exported_programs_carve_the_same_solid(self):
+        for name in ("program.ngc", "program.apt"):
+            status, _, text = self.get(name)
+            self.assertEqual(status, 200, text)
+            session = name.replace(".", "-")
+            self.server.create(session)
+            run = upload(self.server, text, f"pace=fast&name={name}", session)
+            status = finish(self.server, run["id"], session)
+            self.assertEqual(status["state"], "finished", status)
+            self.assertEqual(self.server.hash(session), self.server.hash(), name)
+
+    def test_forces_have_one_line_per_motion_and_the_whole_volume(self):
+        status, headers, body = self.get("forces.csv")
+        self.assertEqual((status, headers["content-type"]), (200, "text/csv"))
+        lines = body.decode().splitlines()
+        self.assertEqual(lines[0], "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,"
+                                   "removed_mm3")
+        info = self.server.info()
+        self.assertEqual(len(lines) - 1, info["motions"])
+        removed = sum(float(line.split(",")[13]) for line in lines[1:])
+        self.assertAlmostEqual(removed, info["removed_volume_mm3"], delta=1e-6 * removed)
+        one = self.get(f"forces.csv?participant={self.agent.participant}")[2].decode().splitlines()
+        self.assertEqual(len(one) - 1, 299)
+
+    def test_journal_opens_elsewhere_with_the_same_hash(self):
+        status, _, body = self.get("journal")
+        self.assertEqual(status, 200)
+        with open(os.path.join(self.folder.name, "copy.kerf"), "wb") as file:
+            file.write(body)
+        wanted = self.server.hash()
+        self.server.stop()
+        self.server = Server(self.folder.name)
+        self.assertEqual(self.server.hash("copy"), wanted)
+        self.assertEqual(self.server.hash("block"), wanted)
+
+
+class Restarts(LiveTest):
+    def restart(self, how):
+        code, log = self.server.stop(how)
+        self.server = Server(self.folder.name)
+        self.port = self.server.port
+        return code, log
+
+    def test_killed_server_comes_back_with_the_same_hash(self):
+        agent = Agent(self.port, "block")
+        carve(agent, 300)
+        before = self.server.info()
+        time.sleep(0.1)  # ten group commits
+        code, _ = self.restart(signal.SIGKILL)
+        self.assertEqual(code, -signal.SIGKILL)
+        after = self.server.info()
+        self.assertEqual(after["state_hash"], before["state_hash"])
+        self.assertEqual(after["motions"], before["motions"])
+        self.assertEqual(after["epoch"], before["epoch"] + 1)
+        ada = Agent(self.port, "block")
+        self.assertGreater(ada.participant, agent.participant)
+        carve(ada, 100, 1.0)
+
+    def test_killed_while_carving_keeps_a_prefix_and_goes_on(self):
+        agent = Agent(self.port, "block")
+        carve(agent, 100)
+        for i in range(200):  # nobody waits for these answers
+            agent.move([(i * 0.05, i * 0.01, -2)])
+        code, _ = self.restart(signal.SIGKILL)
+        info = self.server.info()
+        self.assertGreaterEqual(info["motions"], 0)
+        self.assertLessEqual(info["motions"], 300)
+        carve(Agent(self.port, "block"), 50)
+
+    def test_terminated_server_says_bye_and_loses_nothing(self):
+        agent = Agent(self.port, "block")
+        viewer = Viewer(self.port, "block")
+        carve(agent, 100)
+        before = self.server.hash()
+        code, log = self.restart(signal.SIGTERM)
+        self.assertEqual(code, 0, log)
+        for peer in (agent, viewer):
+            self.assertIn("going down", peer.receive_json("bye")["reason"])
+            with self.assertRaises(Closed):
+                peer.receive(5)
+        self.assertEqual(self.server.hash(), before)
+
+    def test_damaged_journals_do_not_keep_the_others_from_starting(self):
+        agent = Agent(self.port, "block")
+        carve(agent, 200)
+        agent.close()
+        self.server.create("other")
+        wanted = self.server.hash()
+        self.server.stop()
+        path = os.path.join(self.folder.name, "block.kerf")
+        for name in ("flipped", "foreign", "truncated"):
+            shutil.copy(path, os.path.join(self.folder.name, name + ".kerf"))
+        with sqlite3.connect(os.path.join(self.folder.name, "flipped.kerf")) as flipped:
+            flipped.execute("UPDATE commands SET bytes = zeroblob(110) WHERE sequence = 77")
+        with sqlite3.connect(os.path.join(self.folder.name, "foreign.kerf")) as foreign:
+            foreign.execute("PRAGMA user_version = 99")
+        flipped.close()
+        foreign.close()
+        os.truncate(os.path.join(self.folder.name, "truncated.kerf"), 9000)
+        with open(os.path.join(self.folder.name, "text.kerf"), "w") as text:
+            text.write("this is no database, but long enough to be taken for one " * 20)
+        self.server = Server(self.folder.name)
+        sessions = [s["id"] for s in self.server.http.json("GET", "/v1/sessions")[1]["sessions"]]
+        self.assertEqual(sessions, ["block", "other"])
+        self.assertEqual(self.server.hash(), wanted)
+        code, log = self.server.stop()
+        self.assertIn("flipped.kerf: record 77: the record fails its checksum", log)
+        self.assertIn("foreign_journal_version", log)
+        self.assertIn("truncated.kerf", log)
+        self.assertIn("not_a_journal", log)
+
+    def test_scene_option_creates_a_session_once(self):
+        scene = os.path.join(self.folder.name, "scene.json")
+        with open(scene, "w") as file:
+            json.dump(dict(SCENE, name="From File"), file)
+        self.server.stop()
+        self.server = Server(self.folder.name, "--scene", scene)
+        carve(Agent(self.server.port, "from-file"), 50)
+        wanted = self.server.hash("from-file")
+        self.server.stop()
+        self.server = Server(self.folder.name, "--scene", scene)
+        self.assertEqual(self.server.hash("from-file"), wanted)
+
+
+class Control(LiveTest):
+    def test_sessions_are_created_listed_closed_and_purged(self):
+        http = self.server.http
+        status, headers, body = http.request("POST", "/v1/sessions", json.dumps(SCENE))
+        self.assertEqual(status, 201)
+        self.assertEqual(json.loads(body)["id"], "block-2")  # the name's id is taken
+        self.assertEqual(headers["location"], "/v1/sessions/block-2")
+        agent = Agent(self.port, "block-2")
+        self.assertEqual(http.json("DELETE", "/v1/sessions/block-2")[0], 200)
+        self.assertIn("closed", agent.receive_json("bye")["reason"])
+        self.assertEqual(http.json("GET", "/v1/sessions/block-2")[0], 404)
+        self.assertEqual(len(glob.glob(self.folder.name + "/closed/block-2-*.kerf")), 1)
+        self.assertEqual(http.json("DELETE", "/v1/sessions/block?purge=1")[0], 200)
+        self.assertEqual(glob.glob(self.folder.name + "/block*.kerf*"), [])
+        self.assertEqual(http.json("GET", "/v1/sessions")[1]["sessions"], [])
+
+    def test_info_tells_what_the_session_is(self):
+        Viewer(self.port, "block")
+        info = self.server.info()
+        self.assertEqual(info["stock_volume_mm3"], 40 * 40 * 20)
+        self.assertEqual(info["stock"]["shape"], "box")
+        self.assertEqual([tool["id"] for tool in info["tools"]], [1, 2])
+        self.assertEqual(info["participants"][0]["kind"], "viewer")
+
+    def test_health_and_metrics(self):
+        carve(Agent(self.port, "block"), 20)
+        self.assertEqual(self.server.http.json("GET", "/healthz"), (200, {"status": "ok"}))
+        status, headers, body = self.server.http.request("GET", "/metrics")
+        text = body.decode()
+        self.assertIn("text/plain", headers["content-type"])
+        self.assertIn("kerf_sessions 1", text)
+        self.assertIn('kerf_connections{kind="agent"} 1', text)
+        self.assertIn('kerf_session_motions{session="block"} 19', text)
+        self.assertIn("kerf_turnaround_seconds_count 20", text)
+
+    def test_two_requests_on_one_connection(self):
+        import http.client
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
+        for _ in range(3):
+            connection.request("GET", "/healthz")
+            self.assertEqual(connection.getresponse().read(), b'{"status":"ok"}\n')
+        connection.close()
+
+    def test_viewer_files_are_served(self):
+        web = os.path.join(self.folder.name, "web")
+        os.makedirs(os.path.join(web, "assets"))
+        for name, text in (("index.html", "<p>hi"), ("assets/a.js", "1"), (".secret", "x")):
+            with open(os.path.join(web, name), "w") as file:
+                file.write(text)
+        self.server.stop()
+        self.server = Server(self.folder.name, "--web", web)
+        get = self.server.http.request
+        self.assertEqual(get("GET", "/?session=block")[2], b"<p>hi")
+        status, headers, _ = get("GET", "/assets/a.js")
+        self.assertEqual((status, headers["content-type"]), (200, "text/javascript; charset=utf-8"))
+        self.assertIn("immutable", headers["cache-control"])
+        for path in ("/.secret", "/assets", "/assets/..%2findex.html", "/nothing"):
+            self.assertEqual(get("GET", path)[0], 404, path)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <deque>
+#include <utility>
+
+#include "server/session/executor.h"
+
+namespace kerf::test {
+
+/// Runs nothing until a test says so, then everything in the order of posting; delays are taken as
+/// elapsed.
+class ManualExecutor final : public Executor {
+ public:
+  void post(Work work) override { queue_.push_back(std::move(work)); }
+  void post_after(std::chrono::microseconds delay, Work work) override {
+    delayed_.push_back(std::move(work));
+    last_delay = delay;
+  }
+  /// Runs what is posted, and what that posts, without the delayed work.
+  void run() {
+    while (!queue_.empty()) run_one();
+  }
+  bool run_one() {
+    if (queue_.empty()) return false;
+    Work work = std::move(queue_.front());
+    queue_.pop_front();
+    work();
+    return true;
+  }
+  void run_delayed() {
+    for (Work& work : std::exchange(delayed_, {})) work();
+    run();
+  }
+  std::size_t waiting() const { return queue_.size(); }
+
+  std::chrono::microseconds last_delay{0};
+
+ private:
+  std::deque<Work> queue_;
+  std::deque<Work> delayed_;
+};
+
+}  // namespace kerf::test

@@ -1,0 +1,131 @@
+#include "server/session/program_runs.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace kerf {
+namespace {
+
+using Clock = ProgramRuns::Clock;
+
+Program program_of(std::size_t motions, double duration_s = 0.001) {
+  Program program;
+  program.name = "p.ngc";
+  for (std::size_t i = 0; i < motions; ++i) {
+    ProgramMotion motion;
+    motion.tool = 1;
+    motion.from.tip_mm.x = static_cast<double>(i);
+    motion.to.tip_mm.x = static_cast<double>(i + 1);
+    motion.duration_s = duration_s;
+    motion.line = static_cast<std::uint32_t>(i + 10);
+    program.motions.push_back(motion);
+  }
+  return program;
+}
+
+std::expected<double, Refusal> quick_cut(ParticipantId, const ProgramMotion&, bool) { return 0.5; }
+
+std::expected<double, Refusal> slow_cut(ParticipantId, const ProgramMotion&, bool) {
+  std::this_thread::sleep_for(std::chrono::microseconds(200));
+  return 0.5;
+}
+
+TEST(ProgramRuns, FastProgramIsCarvedInSlices) {
+  ProgramRuns runs;
+  const auto id = runs.start(1, program_of(50), ProgramPace::kFast, Clock::now()).id;
+  const auto wait = runs.slice(slow_cut);
+  ASSERT_TRUE(wait);
+  EXPECT_EQ(wait->count(), 0);
+  EXPECT_LT(runs.status(id)->motions_done, 10U);
+  while (runs.slice(slow_cut)) {
+  }
+  EXPECT_EQ(runs.status(id)->state, ProgramState::kFinished);
+  EXPECT_EQ(runs.status(id)->removed_mm3, 25);
+  EXPECT_EQ(runs.status(id)->line, 59U);
+  EXPECT_EQ(runs.take_ended(), std::vector<ParticipantId>{1});
+  EXPECT_TRUE(runs.take_ended().empty());
+}
+
+TEST(ProgramRuns, TwoProgramsTakeTurns) {
+  ProgramRuns runs;
+  std::vector<ParticipantId> order;
+  runs.start(1, program_of(4), ProgramPace::kFast, Clock::now());
+  runs.start(2, program_of(4), ProgramPace::kFast, Clock::now());
+  while (runs.slice([&](ParticipantId who, const ProgramMotion&, bool) {
+    order.push_back(who);
+    return std::expected<double, Refusal>(0);
+  })) {
+  }
+  EXPECT_EQ(order, (std::vector<ParticipantId>{1, 2, 1, 2, 1, 2, 1, 2}));
+}
+
+TEST(ProgramRuns, FeedProgramWaitsForItsTime) {
+  ProgramRuns runs;
+  const auto start = Clock::now();
+  const auto early = runs.start(1, program_of(3, 1000), ProgramPace::kFeed, start).id;
+  const auto late =
+      runs.start(2, program_of(3, 1), ProgramPace::kFeed, start - std::chrono::seconds(100)).id;
+  const auto wait = runs.slice(quick_cut);
+  ASSERT_TRUE(wait);
+  EXPECT_GT(wait->count(), 0);
+  EXPECT_EQ(runs.status(early)->motions_done, 0U);
+  EXPECT_EQ(runs.status(late)->state, ProgramState::kFinished);
+}
+
+TEST(ProgramRuns, OnlyFeedRateIsFelt) {
+  ProgramRuns runs;
+  std::map<ParticipantId, bool> felt;
+  runs.start(1, program_of(1), ProgramPace::kFeed, Clock::now() - std::chrono::seconds(9));
+  runs.start(2, program_of(1), ProgramPace::kFast, Clock::now());
+  runs.slice([&](ParticipantId who, const ProgramMotion&, bool feel) {
+    felt[who] = feel;
+    return std::expected<double, Refusal>(0);
+  });
+  EXPECT_TRUE(felt.at(1));
+  EXPECT_FALSE(felt.at(2));
+}
+
+TEST(ProgramRuns, RefusedMotionFailsTheProgramAndNamesTheLine) {
+  ProgramRuns runs;
+  const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
+  int calls = 0;
+  const auto wait = runs.slice([&](ParticipantId, const ProgramMotion&, bool) {
+    return ++calls == 3 ? std::expected<double, Refusal>(
+                              std::unexpect, Refusal{wire::ErrorCode::kBadPose, "too far"})
+                        : std::expected<double, Refusal>(1);
+  });
+  EXPECT_FALSE(wait);
+  EXPECT_EQ(runs.status(id)->state, ProgramState::kFailed);
+  EXPECT_EQ(runs.status(id)->error, "p.ngc:12: too far");
+  EXPECT_EQ(runs.status(id)->motions_done, 2U);
+}
+
+TEST(ProgramRuns, CancelledProgramStops) {
+  ProgramRuns runs;
+  const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
+  EXPECT_TRUE(runs.cancel(id));
+  EXPECT_FALSE(runs.cancel(id));
+  EXPECT_FALSE(runs.cancel(id + 1));
+  EXPECT_FALSE(runs.slice(slow_cut));
+  EXPECT_EQ(runs.status(id)->state, ProgramState::kCancelled);
+}
+
+TEST(ProgramRuns, EmptyProgramIsFinishedAtOnce) {
+  ProgramRuns runs;
+  EXPECT_EQ(runs.start(1, program_of(0), ProgramPace::kFast, Clock::now()).state,
+            ProgramState::kFinished);
+  EXPECT_EQ(runs.take_ended().size(), 1U);
+}
+
+TEST(ProgramRuns, OldReportsAreForgotten) {
+  ProgramRuns runs;
+  for (std::size_t i = 0; i < 2 * ProgramRuns::kRemembered; ++i) {
+    runs.start(1, program_of(0), ProgramPace::kFast, Clock::now());
+  }
+  EXPECT_EQ(runs.list().size(), ProgramRuns::kRemembered);
+  EXPECT_FALSE(runs.status(1));
+}
+
+}  // namespace
+}  // namespace kerf

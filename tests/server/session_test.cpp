@@ -1,0 +1,309 @@
+#include "server/session/session.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+#include "server/formats/program.h"
+#include "server/session/session_export.h"
+#include "server/session/session_registry.h"
+#include "tests/server/manual_executor.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+constexpr const char* kScene = R"({
+  "name": "Test block",
+  "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
+  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
+  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
+            {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 60}],
+  "machine": {"kinematics": "tool-vector"}})";
+
+class SessionRoom : public testing::Test {
+ protected:
+  /// Forgets the sessions and starts with the same folder, as a restarted program does.
+  void restart() {
+    registry.emplace(
+        RegistryOptions{folder.path(), 4, limits}, [this](const std::string&) { return executor; },
+        workers);
+  }
+  void SetUp() override { restart(); }
+  std::shared_ptr<Session> start() {
+    auto created = registry->create("block", kScene, SceneSource{});
+    EXPECT_TRUE(created) << created.error().reason;
+    return *created;
+  }
+  ParticipantId join(Session& session, const std::string& name = "Ada") {
+    const auto joined = session.join({ParticipantKind::kAgent, name, "", 1, true});
+    EXPECT_TRUE(joined);
+    return joined->id;
+  }
+  /// One sample a millisecond after the last one of the test.
+  wire::MotionSample next(double x_mm, double y_mm, double z_mm) {
+    wire::MotionSample sample;
+    sample.agent_sequence = ++sequence;
+    sample.time_us = 1000 * sequence;
+    sample.tip_mm = {x_mm, y_mm, z_mm};
+    sample.tool_id = 1;
+    sample.buttons = wire::kButtonCutting;
+    return sample;
+  }
+  MotionAnswer move(Session& session, ParticipantId who, double x_mm, double y_mm, double z_mm) {
+    const wire::MotionSample sample = next(x_mm, y_mm, z_mm);
+    return session.move(who, {&sample, 1});
+  }
+  void carve_circle(Session& session, ParticipantId who, int steps = 200) {
+    for (int i = 0; i <= steps; ++i) {
+      const double angle = 6.4 * i / steps;
+      const auto answer =
+          move(session, who, 10 * std::cos(angle), 10 * std::sin(angle), -1 - 0.01 * i);
+      ASSERT_TRUE(answer.refusals.empty());
+    }
+  }
+
+  test::TemporaryFolder folder;
+  SessionLimits limits;
+  std::shared_ptr<test::ManualExecutor> executor = std::make_shared<test::ManualExecutor>();
+  test::ManualExecutor workers;
+  std::optional<SessionRegistry> registry;
+  std::uint64_t sequence = 0;
+};
+
+TEST_F(SessionRoom, AppliesMotionsAndJournalsThem) {
+  const auto session = start();
+  const auto who = join(*session);
+  carve_circle(*session, who);
+  EXPECT_EQ(session->info().motions, 200U);
+  EXPECT_GT(session->info().removed_mm3, 100);
+  ASSERT_TRUE(session->flush());
+  auto reader = JournalReader::open(session->journal_file());
+  ASSERT_TRUE(reader);
+  int moves = 0;
+  while (auto record = reader->next().value()) {
+    moves += std::holds_alternative<MoveTool>(record->command) ? 1 : 0;
+  }
+  EXPECT_EQ(moves, 200);
+  EXPECT_EQ(reader->people().at(0).name, "Ada");
+}
+
+TEST_F(SessionRoom, ReplayGivesTheSameHash) {
+  const auto session = start();
+  carve_circle(*session, join(*session));
+  const std::uint64_t hash = session->snapshot().hash();
+  ASSERT_TRUE(session->flush());
+  const auto replayed = replay(session->journal_file());
+  ASSERT_TRUE(replayed) << describe(replayed.error());
+  EXPECT_EQ(replayed->hash.hash, hash);
+  EXPECT_EQ(replayed->last_sequence, session->sequence());
+}
+
+TEST_F(SessionRoom, ReplayThatDivergesFromItsStateHashIsAnError) {
+  const auto session = start();
+  carve_circle(*session, join(*session));
+  session->note_hash({session->sequence(), 0xBAD});
+  ASSERT_TRUE(session->flush());
+  const auto replayed = replay(session->journal_file());
+  ASSERT_FALSE(replayed);
+  EXPECT_EQ(replayed.error().code, JournalErrorCode::kCorrupt);
+  EXPECT_NE(replayed.error().reason.find("0000000000000bad"), std::string::npos);
+}
+
+TEST_F(SessionRoom, RegistryBringsSessionsBack) {
+  std::uint64_t hash = 0;
+  {
+    const auto session = start();
+    carve_circle(*session, join(*session));
+    hash = session->snapshot().hash();
+    ASSERT_TRUE(session->flush());
+  }
+  restart();
+  EXPECT_TRUE(registry->load_all().empty());
+  const auto session = registry->find("block");
+  ASSERT_TRUE(session);
+  EXPECT_EQ(session->current_hash()->hash, hash);
+  EXPECT_EQ(session->epoch(), 3U);  // created, started, started again
+  EXPECT_GT(join(*session), 1U);
+}
+
+TEST_F(SessionRoom, RefusedSampleIsSkippedAndTheRestOfTheBatchApplied) {
+  const auto session = start();
+  const auto who = join(*session);
+  std::vector<wire::MotionSample> batch = {next(0, 0, -1), next(1, 0, -1), next(2, 0, -1),
+                                           next(3, 0, -1)};
+  batch[1].tool_id = 9;
+  const auto answer = session->move(who, batch);
+  ASSERT_EQ(answer.refusals.size(), 1U);
+  EXPECT_EQ(answer.refusals[0].code, wire::ErrorCode::kUnknownTool);
+  EXPECT_EQ(answer.result.status & wire::kStatusRefused, wire::kStatusRefused);
+  EXPECT_EQ(session->info().motions, 2U);  // 0 to 2, the chord over the gap, and 2 to 3
+}
+
+TEST_F(SessionRoom, TooFastAMotionIsNotCutButTheToolIsThere) {
+  const auto session = start();
+  const auto who = join(*session);
+  move(*session, who, 0, 0, 5);
+  const auto jump = move(*session, who, 0, 0, -15);
+  ASSERT_EQ(jump.refusals.size(), 1U);
+  EXPECT_EQ(jump.refusals[0].code, wire::ErrorCode::kTooFast);
+  EXPECT_EQ(session->info().motions, 0U);
+  EXPECT_TRUE(move(*session, who, 0.5, 0, -15).refusals.empty());
+  EXPECT_EQ(session->info().motions, 1U);
+}
+
+TEST_F(SessionRoom, ToolAtRestIsNotJournaled) {
+  const auto session = start();
+  const auto who = join(*session);
+  const auto before = session->sequence();
+  for (int i = 0; i < 10; ++i) move(*session, who, 0, 0, -1);
+  EXPECT_EQ(session->sequence(), before);
+}
+
+TEST_F(SessionRoom, ChangedTilesAreReportedOnce) {
+  const auto session = start();
+  const auto who = join(*session);
+  move(*session, who, 0, 0, -1);
+  move(*session, who, 1, 0, -1);
+  const auto frame = session->frame(false);
+  EXPECT_FALSE(frame.changed.empty());
+  EXPECT_TRUE(frame.snapshot);
+  ASSERT_EQ(frame.tools.tools.size(), 1U);
+  EXPECT_EQ(frame.tools.tools[0].tip_mm[0], 1.0);
+  const auto again = session->frame(false);
+  EXPECT_TRUE(again.changed.empty());
+  EXPECT_FALSE(again.snapshot);
+}
+
+TEST_F(SessionRoom, HashIsComputedByTheWorkersAfterAChange) {
+  const auto session = start();
+  const auto who = join(*session);
+  move(*session, who, 0, 0, -1);
+  move(*session, who, 1, 0, -1);
+  EXPECT_FALSE(session->current_hash());
+  executor->run_delayed();
+  workers.run();
+  executor->run();
+  ASSERT_TRUE(session->current_hash());
+  EXPECT_EQ(session->current_hash()->hash, session->snapshot().hash());
+}
+
+TEST_F(SessionRoom, AgentsAreServedBetweenTheSlicesOfAProgram) {
+  const auto session = start();
+  const auto who = join(*session);
+  std::string text = "G21 G90 T2 M6\n";
+  for (int i = 0; i < 3000; ++i) text += "G1 X" + std::to_string(i % 30) + " Y0 Z-1 F1000\n";
+  const auto program = parse_program("long.ngc", text + "M2\n", session->scene());
+  ASSERT_TRUE(program) << to_string(program.error());
+  const auto run = session->start_program(*program, ProgramPace::kFast);
+  ASSERT_TRUE(run);
+  executor->run_one();
+  EXPECT_EQ(session->program(run->id)->state, ProgramState::kRunning);
+  EXPECT_LE(executor->waiting(), 2U);  // the next slice is behind whatever agents post now
+  move(*session, who, 0, 0, -1);
+  EXPECT_GT(move(*session, who, 0, 1, -1).result.motions_applied, 0U);
+  executor->run();
+  EXPECT_EQ(session->program(run->id)->state, ProgramState::kFinished);
+  EXPECT_EQ(session->participants().size(), 1U);
+}
+
+TEST_F(SessionRoom, ProgramWithUnknownToolCutsNothing) {
+  const auto session = start();
+  Program program;
+  program.name = "x.ngc";
+  program.motions.resize(1);
+  program.motions[0].tool = 9;
+  program.motions[0].line = 4;
+  const auto run = session->start_program(program, ProgramPace::kFast);
+  ASSERT_FALSE(run);
+  EXPECT_EQ(run.error().code, wire::ErrorCode::kUnknownTool);
+  EXPECT_NE(run.error().reason.find("x.ngc:4"), std::string::npos);
+}
+
+TEST_F(SessionRoom, ExportedProgramCarvesTheSameSolid) {
+  const auto session = start();
+  const auto ada = join(*session, "Ada");
+  const auto grace = join(*session, "Grace");
+  carve_circle(*session, ada);
+  sequence = 0;
+  for (int i = 0; i < 100; ++i) move(*session, grace, -15 + 0.2 * i, 3 + std::sin(0.1 * i), -2);
+  ASSERT_TRUE(session->flush());
+  for (const auto format : {ProgramFormat::kGcode, ProgramFormat::kApt}) {
+    std::stringstream text;
+    ASSERT_TRUE(export_program(session->journal_file(), format, std::nullopt, text));
+    const auto program = parse_program(format == ProgramFormat::kApt ? "x.apt" : "x.ngc",
+                                       text.str(), session->scene());
+    ASSERT_TRUE(program) << to_string(program.error());
+    const auto other = registry->create("", kScene, SceneSource{});
+    ASSERT_TRUE(other);
+    ASSERT_TRUE((*other)->start_program(*program, ProgramPace::kFast));
+    executor->run();
+    EXPECT_EQ((*other)->snapshot().hash(), session->snapshot().hash());
+  }
+}
+
+TEST_F(SessionRoom, ForcesOfTheJournalAreThoseThatWereFelt) {
+  const auto session = start();
+  const auto who = join(*session);
+  move(*session, who, -10, 0, -2);
+  const auto felt = move(*session, who, -9, 0, -2);
+  ASSERT_TRUE(session->flush());
+  std::stringstream csv;
+  ASSERT_TRUE(export_forces(session->journal_file(), std::nullopt, csv));
+  std::string head, line;
+  std::getline(csv, head);
+  std::getline(csv, line);
+  std::vector<double> numbers;
+  std::stringstream fields(line);
+  for (std::string field; std::getline(fields, field, ',');) numbers.push_back(std::stod(field));
+  ASSERT_EQ(numbers.size(), 14U);
+  EXPECT_NEAR(numbers[7], static_cast<double>(felt.result.force_n[0]), 1e-5);
+  EXPECT_NEAR(numbers[13], static_cast<double>(felt.result.removed_mm3), 1e-5);
+  EXPECT_LT(numbers[7], 0);
+}
+
+TEST_F(SessionRoom, LimitsAreTypedRefusals) {
+  limits.agents_max = 2;
+  restart();
+  const auto session = start();
+  join(*session);
+  join(*session);
+  const auto third = session->join({ParticipantKind::kAgent, "Third", "", 1, true});
+  ASSERT_FALSE(third);
+  EXPECT_EQ(third.error().code, wire::ErrorCode::kBusy);
+  const auto named = session->join({ParticipantKind::kViewer, std::string(65, 'x'), "", 0, true});
+  ASSERT_FALSE(named);
+  EXPECT_EQ(named.error().code, wire::ErrorCode::kTooLarge);
+}
+
+TEST_F(SessionRoom, ClosedSessionAppliesNothing) {
+  const auto session = start();
+  const auto who = join(*session);
+  move(*session, who, 0, 0, -1);
+  std::string told;
+  session->listen([&](const SessionEvent& event) { told = event.closing; });
+  session->close("enough");
+  EXPECT_EQ(told, "enough");
+  EXPECT_FALSE(move(*session, who, 1, 0, -1).refusals.empty());
+  EXPECT_EQ(session->info().motions, 0U);
+  EXPECT_FALSE(session->join({ParticipantKind::kAgent, "Late", "", 1, true}));
+}
+
+TEST_F(SessionRoom, RegistryLimitsAndNamesSessions) {
+  EXPECT_EQ((*registry->create("", kScene, SceneSource{}))->id(), "test-block");
+  EXPECT_EQ((*registry->create("", kScene, SceneSource{}))->id(), "test-block-2");
+  const auto bad = registry->create("", "{\"name\": 1}", SceneSource{});
+  ASSERT_FALSE(bad);
+  EXPECT_EQ(bad.error().code, RegistryErrorCode::kBadScene);
+  EXPECT_TRUE(registry->create("three", kScene, SceneSource{}));
+  EXPECT_TRUE(registry->create("four", kScene, SceneSource{}));
+  const auto fifth = registry->create("five", kScene, SceneSource{});
+  ASSERT_FALSE(fifth);
+  EXPECT_EQ(fifth.error().code, RegistryErrorCode::kTooMany);
+  EXPECT_EQ(registry->list().size(), 4U);
+}
+
+}  // namespace
+}  // namespace kerf
