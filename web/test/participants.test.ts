@@ -98,6 +98,15 @@ describe('force history', () => {
     expect(history.peak).toEqual({ forceN: 30, torqueNmm: 60 });
   });
 
+  it('knows what is usual, whatever a single jolt was and however long nothing was cut', () => {
+    const history = new ForceHistory(10);
+    for (let i = 0; i < 600; ++i) history.push(i / 60, i % 2 === 0 ? 0 : i === 301 ? 20 : 3, 0);
+    expect(history.typical.forceN).toBeGreaterThan(2.9);
+    expect(history.typical.forceN).toBeLessThan(3.5);
+    expect(history.typical.torqueNmm).toBe(0);
+    expect(history.peak.forceN).toBe(20);
+  });
+
   it('goes on for hours without growing, and never mixes up its order', () => {
     const history = new ForceHistory(10);
     for (let i = 0; i < 50000; ++i) history.push(i / 60, i, i);

@@ -51,6 +51,23 @@ export class ForceHistory {
     return { forceN, torqueNmm };
   }
 
+  /** What the kept samples usually are while there is any force: root mean square of those above zero, N and N·mm. */
+  get typical(): { forceN: number; torqueNmm: number } {
+    return { forceN: this.rootMeanSquare_(this.forces_), torqueNmm: this.rootMeanSquare_(this.torques_) };
+  }
+
+  private rootMeanSquare_(values: Float64Array): number {
+    let sum = 0;
+    let count = 0;
+    for (let i = this.begin_; i < this.end_; ++i) {
+      const value = values[i] as number;
+      if (value <= 0) continue;
+      sum += value * value;
+      count += 1;
+    }
+    return count > 0 ? Math.sqrt(sum / count) : 0;
+  }
+
   private compact_(): void {
     // A window too long for the buffer loses its older half rather than its newest sample.
     const keepFrom = Math.max(this.begin_, CAPACITY / 2);

@@ -25,7 +25,9 @@ const PLAYOUT_MS = 90; // how far in the past tools are drawn, so that there is 
 const STILL_AFTER_MS = 260;
 const ARROW_PART = 0.34; // a full-scale arrow relative to the block's diagonal
 const RESCALE_EVERY_MS = 250;
+const FULL_PER_TYPICAL = 2;
 const LEAST_FULL_N = 0.1; // below this an arrow would show noise
+const FULL_PER_TYPICAL = 2;
 const LEAST_FULL_NMM = 1;
 
 interface Carver {
@@ -213,16 +215,17 @@ export class Viewer {
     }
   }
 
-  /** One scale for everybody, so that arrows can be compared: the largest of the last seconds, rounded up. */
+  /** One scale for everybody, so that arrows can be compared. It goes by what is usual, not by the largest: a single jolt must
+   * not make all other arrows vanish for ten seconds. */
   private rescaleArrows_(present: readonly Participant[], nowMs: number): void {
     if (nowMs - this.rescaledMs_ < RESCALE_EVERY_MS) return;
     this.rescaledMs_ = nowMs;
     let forceN = LEAST_FULL_N;
     let torqueNmm = LEAST_FULL_NMM;
     for (const { forces } of present) {
-      const { peak } = forces;
-      forceN = Math.max(forceN, peak.forceN);
-      torqueNmm = Math.max(torqueNmm, peak.torqueNmm);
+      const { typical } = forces;
+      forceN = Math.max(forceN, FULL_PER_TYPICAL * typical.forceN);
+      torqueNmm = Math.max(torqueNmm, FULL_PER_TYPICAL * typical.torqueNmm);
     }
     this.forceFullN = roundUp125(forceN);
     this.torqueFullNmm = roundUp125(torqueNmm);
