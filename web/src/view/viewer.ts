@@ -27,7 +27,6 @@ const ARROW_PART = 0.34; // a full-scale arrow relative to the block's diagonal
 const RESCALE_EVERY_MS = 250;
 const FULL_PER_TYPICAL = 2;
 const LEAST_FULL_N = 0.1; // below this an arrow would show noise
-const FULL_PER_TYPICAL = 2;
 const LEAST_FULL_NMM = 1;
 
 interface Carver {
