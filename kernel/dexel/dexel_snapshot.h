@@ -12,14 +12,16 @@ namespace kerf {
 
 struct DexelTile;
 
-/// One solid depth element of a column, in quanta above the block's lowest plane (see DexelGrid::z_quantum_mm).
+/// One solid depth element of a column, in quanta above the block's lowest plane (see
+/// DexelGrid::z_quantum_mm).
 struct Dexel {
   std::int32_t bottom = 0, top = 0;  ///< bottom < top
   friend constexpr bool operator==(const Dexel&, const Dexel&) = default;
 };
 
-/// The regular grid of columns that a dexel field stands on. Column (i, j) is the ray along +Z through
-/// x = origin.x + (i + 1/2) pitch, y = origin.y + (j + 1/2) pitch. A depth d stands for z = origin.z + d * z_quantum_mm.
+/// The regular grid of columns that a dexel field stands on. Column (i, j) is the ray along +Z
+/// through x = origin.x + (i + 1/2) pitch, y = origin.y + (j + 1/2) pitch. A depth d stands for z =
+/// origin.z + d * z_quantum_mm.
 struct DexelGrid {
   Vec3 origin_mm;           ///< minimum corner of the block
   double pitch_mm = 1;      ///< distance of neighbouring rays
@@ -33,8 +35,8 @@ struct DexelGrid {
   double z_mm(std::int32_t depth) const { return origin_mm.z + depth * z_quantum_mm; }
 };
 
-/// An immutable picture of a dexel field: cheap to take and to copy (tiles are shared until the field changes them), safe
-/// to read on any thread while the field goes on changing.
+/// An immutable picture of a dexel field: cheap to take and to copy (tiles are shared until the
+/// field changes them), safe to read on any thread while the field goes on changing.
 class DexelSnapshot {
  public:
   DexelSnapshot(DexelGrid grid, StockShape stock,
@@ -43,12 +45,14 @@ class DexelSnapshot {
   const DexelGrid& grid() const { return grid_; }
   /// False while the tile is still exactly the stock's shape (nothing is stored for it).
   bool touched(TileIndex tile) const;
-  /// The solid elements of a column, sorted from the bottom up, disjoint, gaps > 0. `scratch` is used where the column
-  /// is not stored in that form; the result is valid until the next call with the same scratch. Outside the grid: empty.
+  /// The solid elements of a column, sorted from the bottom up, disjoint, gaps > 0. `scratch` is
+  /// used where the column is not stored in that form; the result is valid until the next call with
+  /// the same scratch. Outside the grid: empty.
   std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const;
   /// Solid volume, mm^3 (columns x pitch^2).
   double volume_mm3() const;
-  /// FNV-1a over every column's solid elements in row-major order: equal for equal solids, touched or not.
+  /// FNV-1a over every column's solid elements in row-major order: equal for equal solids, touched
+  /// or not.
   std::uint64_t hash() const;
 
  private:

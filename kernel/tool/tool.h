@@ -7,7 +7,8 @@
 
 namespace kerf {
 
-/// The shapes a user can define. Lengths in mm, measured from the tip along the axis; angles in degrees.
+/// The shapes a user can define. Lengths in mm, measured from the tip along the axis; angles in
+/// degrees.
 struct BallShape {
   double diameter_mm, length_mm;  ///< length >= diameter / 2
 };
@@ -16,8 +17,8 @@ struct FlatShape {
 };
 enum class TaperTip { kFlat, kBall };
 struct TaperShape {
-  double diameter_mm;      ///< at the tip (of the ball for TaperTip::kBall)
-  double half_angle_deg;   ///< between axis and side, in (0, 90)
+  double diameter_mm;     ///< at the tip (of the ball for TaperTip::kBall)
+  double half_angle_deg;  ///< between axis and side, in (0, 90)
   double length_mm;
   TaperTip tip = TaperTip::kFlat;
 };
@@ -40,8 +41,9 @@ struct FrustumPiece {
 };
 using ToolPiece = std::variant<BallPiece, FrustumPiece>;
 
-/// A validated tool: the union of its convex pieces, tip at the origin, axis +Z. Angles end here: a tool holds lengths
-/// only, so that a journal that stores tools replays alike on every CPU (libm's trigonometry does not).
+/// A validated tool: the union of its convex pieces, tip at the origin, axis +Z. Angles end here: a
+/// tool holds lengths only, so that a journal that stores tools replays alike on every CPU (libm's
+/// trigonometry does not).
 struct Tool {
   std::vector<ToolPiece> pieces;  ///< from the tip up
   double length_mm = 0;
@@ -63,7 +65,8 @@ inline constexpr double kToolLengthMinMm = 1e-4;
 /// Resolves a shape into its convex pieces, or says which field is wrong.
 std::expected<Tool, ToolError> make_tool(const ToolShape& shape);
 
-/// Checks a tool that came as pieces (from a journal): finite, positive, ordered, within the limits.
+/// Checks a tool that came as pieces (from a journal): finite, positive, ordered, within the
+/// limits.
 std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> pieces);
 
 }  // namespace kerf

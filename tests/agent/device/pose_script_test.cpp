@@ -54,8 +54,8 @@ TEST(AptScript, ANewToolIsPlacedWithoutCutting) {
 }
 
 TEST(AptScript, APureTurnTakesTime) {
-  const auto script = apt(
-      "FEDRAT/60\nGOTO/0,0,0,0,0,1\nGOTO/0,0,0,1,0,0\nFINI\nGOTO/anything may follow\n");
+  const auto script =
+      apt("FEDRAT/60\nGOTO/0,0,0,0,0,1\nGOTO/0,0,0,1,0,0\nFINI\nGOTO/anything may follow\n");
   EXPECT_NEAR(script[1].time_s, 90.0, 1e-9) << "a feed of 60 is a degree a second";
 }
 

@@ -1,0 +1,48 @@
+// The rules of the house, held against the tree as it stands.
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/arch/includes.h"
+#include "tests/arch/rooms.h"
+#include "tests/arch/sizes.h"
+#include "tests/arch/source.h"
+#include "tests/arch/tokens.h"
+
+namespace kerf::arch {
+namespace {
+
+const std::vector<Source>& tree() {
+  static const std::vector<Source> kTree = load_tree(KERF_SOURCE_DIR);
+  return kTree;
+}
+
+void report(const std::vector<Violation>& violations) {
+  for (const Violation& v : violations) {
+    ADD_FAILURE() << v.path << ":" << v.line << ": " << v.reason;
+  }
+}
+
+template <typename Check>
+void report_each(Check check) {
+  ASSERT_FALSE(tree().empty()) << "no source below " KERF_SOURCE_DIR;
+  for (const Source& source : tree()) report(check(source));
+}
+
+TEST(Arch, EveryFolderIncludesOnlyWhatItMayDependOn) {
+  std::set<std::string> paths;
+  for (const Source& source : tree()) paths.insert(source.path);
+  report_each([&](const Source& source) { return check_includes(source, paths); });
+}
+
+TEST(Arch, LinesFilesAndFunctionsAreShort) { report_each(check_sizes); }
+
+TEST(Arch, NoBannedWordStandsAnywhere) { report_each(check_tokens); }
+
+TEST(Arch, EveryFileIsBuiltDescribedAndTested) { report(check_rooms(tree())); }
+
+}  // namespace
+}  // namespace kerf::arch
