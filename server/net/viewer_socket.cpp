@@ -38,7 +38,10 @@ class ViewerSocket final : public ViewerSink, public std::enable_shared_from_thi
         hello_timer_(socket_.get_executor()) {
     ++context_.metrics.viewers;
   }
-  ~ViewerSocket() override { --context_.metrics.viewers; }
+  ~ViewerSocket() override {
+    if (hub_) hub_->remove(self_->id);  // also if an exception ended run()
+    --context_.metrics.viewers;
+  }
 
   void start(UpgradeRequest request) {
     auto run = [self = shared_from_this(), request = std::move(request)]() mutable {

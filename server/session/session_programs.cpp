@@ -29,7 +29,18 @@ std::expected<ProgramStatus, Refusal> Session::start_program(Program program, Pr
   return status;
 }
 
+namespace {
+
+/// While an agent moves, a slice is followed by a pause as long as it took, within these bounds.
+/// One frame of an agent takes several turns of the executor; without the pause each of them would
+/// wait for a slice, and 1 kHz would fall behind.
+constexpr std::chrono::microseconds kPauseMin{200}, kPauseMax{5000};
+constexpr std::chrono::milliseconds kAgentIsActive{200};
+
+}  // namespace
+
 void Session::run_programs() {
+  const auto start = Clock::now();
   const auto wait =
       programs_.slice([this](ParticipantId who, const ProgramMotion& motion, bool feel) {
         return carve_program_motion(who, motion, feel);
@@ -39,11 +50,20 @@ void Session::run_programs() {
     programs_scheduled_ = false;
     return;
   }
+  const auto now = Clock::now();
+  auto pause = *wait;
+  const bool agents = std::ranges::any_of(seats_ | std::views::values, [&](const Seat& seat) {
+    return seat.who.kind == ParticipantKind::kAgent && now - seat.state_at < kAgentIsActive;
+  });
+  if (agents && pause.count() == 0) {
+    const auto spent = std::chrono::duration_cast<std::chrono::microseconds>(now - start);
+    pause = std::clamp(spent, kPauseMin, kPauseMax);
+  }
   Work again = [self = shared_from_this()] { self->run_programs(); };
-  if (wait->count() == 0) {
+  if (pause.count() == 0) {
     executor_->post(std::move(again));
   } else {
-    executor_->post_after(*wait, std::move(again));
+    executor_->post_after(pause, std::move(again));
   }
 }
 

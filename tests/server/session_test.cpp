@@ -204,7 +204,10 @@ TEST_F(SessionRoom, AgentsAreServedBetweenTheSlicesOfAProgram) {
   EXPECT_LE(executor->waiting(), 2U);  // the next slice is behind whatever agents post now
   move(*session, who, 0, 0, -1);
   EXPECT_GT(move(*session, who, 0, 1, -1).result.motions_applied, 0U);
-  executor->run();
+  executor->run_one();
+  EXPECT_EQ(executor->waiting(), 0U);  // an agent moves: the next slice comes after a pause
+  EXPECT_GE(executor->last_delay.count(), 200);
+  while (session->program(run->id)->state == ProgramState::kRunning) executor->run_delayed();
   EXPECT_EQ(session->program(run->id)->state, ProgramState::kFinished);
   EXPECT_EQ(session->participants().size(), 1U);
 }
