@@ -363,8 +363,11 @@ class Control(LiveTest):
     def test_health_and_metrics(self):
         carve(Agent(self.port, "block"), 20)
         self.assertEqual(self.server.http.json("GET", "/healthz"), (200, {"status": "ok"}))
-        status, headers, body = self.server.http.request("GET", "/metrics")
-        text = body.decode()
+        text, end = "", time.monotonic() + 10
+        # The last answer is counted after it was sent, so it may be read before.
+        while "kerf_turnaround_seconds_count 20" not in text and time.monotonic() < end:
+            _, headers, body = self.server.http.request("GET", "/metrics")
+            text = body.decode()
         self.assertIn("text/plain", headers["content-type"])
         self.assertIn("kerf_sessions 1", text)
         self.assertIn('kerf_connections{kind="agent"} 1', text)
