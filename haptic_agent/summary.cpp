@@ -93,7 +93,7 @@ std::string summary_json(const Summary& s) {
                           {"resent", l.resent},
                           {"merged_air", l.merged_air},
                           {"merged_cuts", l.merged_cuts},
-        {"thinned_cuts", l.thinned_cuts},
+                          {"thinned_cuts", l.thinned_cuts},
                           {"forgotten", l.forgotten},
                           {"unanswered", l.unanswered},
                           {"results", l.results},
