@@ -194,6 +194,12 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
   return {};
 }
 
+Wrench Sculpture::collision(ToolId id, const ToolPose& pose) const {
+  const Tool* used = tool(id);
+  if (obstacles_ == nullptr || used == nullptr || !check_pose("the", pose)) return {};
+  return obstacles_->push(*used, {pose.tip_mm, normalized(pose.axis)}, settings_.force.pivot_mm);
+}
+
 std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& command) {
   if (auto c = check(command); !c) return std::unexpected(c.error());
   if (const auto* define = std::get_if<DefineTool>(&command)) {

@@ -112,6 +112,11 @@ class Sculpture {
   /// What apply would refuse, without changing anything: the session checks before it journals.
   std::expected<void, SculptureError> check(const Command& command) const;
 
+  /// F_collision and τ_collision of a tool that stands at a pose without cutting (N, N·mm about the
+  /// pivot); zero in a scene without obstacles, for an unknown tool, and for a pose that a motion
+  /// to it would be refused for.
+  Wrench collision(ToolId tool, const ToolPose& pose) const;
+
   const SculptureSettings& settings() const { return settings_; }
   const DexelGrid& grid() const;
   const Tool* tool(ToolId id) const;  ///< null if not defined

@@ -142,6 +142,7 @@ std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample
   seat.last_sequence = sample.agent_sequence;
   const auto name = [&] { return "sample " + std::to_string(sample.agent_sequence) + ": "; };
   if (!seat.samples.allow(Clock::now())) {
+    seat.pose.reset();  // what was refused leaves a gap: a chord across it would gouge the block
     return Refusal{kTooFast, name() + "more samples per second than the session admits"};
   }
   auto pose = to_pose(sample);
@@ -157,7 +158,11 @@ std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample
   seat.last_time_us = sample.time_us;
   seat.state.tool_id = sample.tool_id;
   const bool cutting = (sample.buttons & wire::kButtonCutting) != 0;
-  if (!from || !cutting) return std::nullopt;
+  if (!from) return std::nullopt;
+  if (!cutting) {
+    touch(seat, *pose, sample.time_us > from_us ? sample.time_us - from_us : 0, sum);
+    return std::nullopt;
+  }
   if (*from == *pose && scene_.settings.obstacles.empty()) return std::nullopt;  // rests in peace
   if (sample.time_us <= from_us) {
     return Refusal{kBadMessage, name() + "time_us does not advance"};
@@ -173,6 +178,14 @@ std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample
   if (!result) return Refusal{result.error().code, name() + result.error().reason};
   sum.add(*result, duration_s);
   return std::nullopt;
+}
+
+void Session::touch(const Seat& seat, const ToolPose& pose, std::uint64_t duration_us,
+                    BatchSum& sum) {
+  if (!seat.feel || scene_.settings.obstacles.empty()) return;
+  MotionResult touched;
+  touched.wrench = touched.collision = sculpture_.collision(seat.state.tool_id, pose);
+  sum.add(touched, static_cast<double>(duration_us) * kMicrosecond);
 }
 
 MotionAnswer Session::move(ParticipantId id, std::span<const wire::MotionSample> samples) {

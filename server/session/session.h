@@ -136,6 +136,8 @@ class Session : public std::enable_shared_from_this<Session> {
     Clock::time_point state_at{};
   };
 
+  /// What a tool that moves through the air feels: obstacles push it whether it cuts or not.
+  void touch(const Seat& seat, const ToolPose& pose, std::uint64_t duration_us, BatchSum& sum);
   std::optional<Refusal> take_sample(Seat& seat, const wire::MotionSample& sample, BatchSum& sum);
   std::expected<MotionResult, Refusal> carve(ParticipantId who, const MoveTool& move);
   static void show(Seat& seat, const wire::Result& result, const BatchSum& sum);

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <sstream>
+#include <thread>
 
 #include "server/formats/program.h"
 #include "server/session/session_export.h"
@@ -72,6 +74,42 @@ class SessionRoom : public testing::Test {
   std::optional<SessionRegistry> registry;
   std::uint64_t sequence = 0;
 };
+
+TEST_F(SessionRoom, RefusedSamplesLeaveAGapAndNotAChord) {
+  limits.samples_burst = 2;
+  limits.samples_per_s = 20;
+  restart();
+  const auto session = start();
+  const auto who = join(*session);
+  move(*session, who, -15, 0, -3);
+  const auto cut = move(*session, who, -14.9, 0, -3);
+  EXPECT_GT(cut.result.removed_mm3, 0);
+  const auto dropped = move(*session, who, -14.8, 5, -3);
+  ASSERT_EQ(dropped.refusals.size(), 1U);
+  EXPECT_EQ(dropped.refusals[0].code, wire::ErrorCode::kTooFast);
+  // The allowance comes back while the hand has gone elsewhere.
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(move(*session, who, 15, 5, -3).result.removed_mm3, 0);
+  EXPECT_GT(move(*session, who, 15, 4.9, -3).result.removed_mm3, 0);
+}
+
+TEST_F(SessionRoom, ObstaclesPushAToolThatDoesNotCut) {
+  std::string scene = kScene;
+  scene.insert(scene.rfind('}'), R"(, "obstacles": [{"shape": "box", "min_mm": [-20, -20, 5],
+    "max_mm": [20, 20, 10], "stiffness_n_per_mm": 2}])");
+  const auto session = *registry->create("post", scene, SceneSource{});
+  const auto who = join(*session);
+  for (const double z : {12.0, 9.5}) {
+    wire::MotionSample sample = next(0, 0, z);
+    sample.buttons = 0;
+    const MotionAnswer answer = session->move(who, {&sample, 1});
+    EXPECT_TRUE(answer.refusals.empty());
+    const bool touches = z < 10;
+    EXPECT_NEAR(double(answer.result.force_n[2]), touches ? 2 * 0.5 : 0, 1e-3);
+    EXPECT_EQ((answer.result.status & wire::kStatusColliding) != 0, touches);
+  }
+  EXPECT_EQ(session->info().motions, 0U);
+}
 
 TEST_F(SessionRoom, AppliesMotionsAndJournalsThem) {
   const auto session = start();
