@@ -12,9 +12,9 @@ export interface StockLook {
 }
 
 export const STOCK_LOOKS: readonly StockLook[] = [
-  { name: 'Limewood', skin: '#a06c43', core: '#ecd0a3', ring: '#d3a56d', grain: 1, roughness: 0.62, metalness: 0 },
+  { name: 'Limewood', skin: '#a06c43', core: '#d9bd94', ring: '#bd9566', grain: 1, roughness: 0.62, metalness: 0 },
   { name: 'Walnut', skin: '#5a3d2b', core: '#a9805c', ring: '#7d573b', grain: 1, roughness: 0.58, metalness: 0 },
-  { name: 'Tooling board', skin: '#5f8fa8', core: '#dfe8ea', ring: '#dfe8ea', grain: 0, roughness: 0.72, metalness: 0 },
-  { name: 'Aluminium', skin: '#8b949e', core: '#dfe4e9', ring: '#dfe4e9', grain: 0, roughness: 0.34, metalness: 0.85 },
+  { name: 'Tooling board', skin: '#5f8fa8', core: '#d3dde0', ring: '#d3dde0', grain: 0, roughness: 0.72, metalness: 0 },
+  { name: 'Aluminium', skin: '#8b949e', core: '#d3d9df', ring: '#d3d9df', grain: 0, roughness: 0.36, metalness: 0.6 },
   { name: 'Clay', skin: '#b5694c', core: '#cf8a6b', ring: '#cf8a6b', grain: 0, roughness: 0.9, metalness: 0 },
 ];

@@ -8,7 +8,7 @@ import type { Bounds } from '../model/session';
 export type Preset = 'iso' | 'front' | 'back' | 'left' | 'right' | 'top' | 'bottom';
 
 const DIRECTIONS: Record<Preset, [number, number, number]> = {
-  iso: [-0.62, -1, 0.78],
+  iso: [-0.45, -1, 1.42],
   front: [0, -1, 0],
   back: [0, 1, 0],
   left: [-1, 0, 0],
@@ -17,7 +17,7 @@ const DIRECTIONS: Record<Preset, [number, number, number]> = {
   bottom: [0, -0.0002, -1],
 };
 const FLIGHT_MS = 450;
-const FIT_MARGIN = 1.08;
+const FIT_MARGIN = 1.03;
 
 /** Parts of the canvas that panels cover, CSS pixels. */
 export interface Insets {

@@ -1,4 +1,4 @@
-// Renderer, light and ground: a bright studio with one soft key light and a sheet of paper with a millimetre grid under the
+// Renderer, light and ground: a bright studio with one low key light and a sheet of paper with a millimetre grid under the
 // block. World units are mm, Z is up.
 
 import * as THREE from 'three';
@@ -40,9 +40,9 @@ void main() {
 export class Stage {
   readonly scene = new THREE.Scene();
   readonly renderer: THREE.WebGLRenderer;
-  private readonly key_ = new THREE.DirectionalLight('#fff1de', 2.9);
+  private readonly key_ = new THREE.DirectionalLight('#fff0dc', 4.1);
   private readonly fill_ = new THREE.DirectionalLight('#e6eeff', 1.15);
-  private readonly ground_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ opacity: 0.22 }));
+  private readonly ground_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ opacity: 0.13 }));
   private readonly gridMaterial_ = new THREE.ShaderMaterial({
     vertexShader: GRID_VERTEX,
     fragmentShader: GRID_FRAGMENT,
@@ -85,12 +85,12 @@ export class Stage {
     const generator = new THREE.PMREMGenerator(this.renderer);
     this.scene.environment = generator.fromScene(room, 0.04).texture;
     this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // the room is made with Y up
-    this.scene.environmentIntensity = 0.42;
+    this.scene.environmentIntensity = 0.26;
     generator.dispose();
     room.dispose();
     this.key_.castShadow = true;
     this.key_.shadow.mapSize.set(2048, 2048);
-    this.key_.shadow.radius = 5;
+    this.key_.shadow.radius = 7;
     this.scene.add(this.key_, this.key_.target, this.fill_, this.fill_.target);
   }
 
@@ -101,11 +101,13 @@ export class Stage {
     const center = min.clone().add(max).multiplyScalar(0.5);
     const diagonal = min.distanceTo(max);
     const shadow = this.key_.shadow;
-    this.key_.position.copy(center).add(new THREE.Vector3(-1.0, 0.12, 0.78).multiplyScalar(diagonal));
+    // The key light grazes the top from behind the usual camera's left, so that a low relief stands out by light and shade; the
+    // fill comes from the camera's side and keeps the faces towards it from going black.
+    this.key_.position.copy(center).add(new THREE.Vector3(-1.0, 0.52, 0.74).multiplyScalar(diagonal));
     this.key_.target.position.copy(center);
     this.fill_.position.copy(center).add(new THREE.Vector3(0.7, -1.2, 0.55).multiplyScalar(diagonal));
     this.fill_.target.position.copy(center);
-    const half = 0.85 * diagonal;
+    const half = 0.72 * diagonal;
     Object.assign(shadow.camera, { left: -half, right: half, top: half, bottom: -half, near: 0.1 * diagonal, far: 3.2 * diagonal });
     shadow.camera.updateProjectionMatrix();
     shadow.normalBias = Math.max(0.6 * pitchMm, diagonal / 900);

@@ -70,14 +70,14 @@ const FRAGMENT_COLOR = /* glsl */ `
 vec3 stockNormal = normalize(vStockNormal);
 float stockOuter = stockOutside(vStockPosition, stockNormal);
 float stockYears = stockGrain > 0.0 ? yearRing(vStockPosition) * stockGrain : 0.0;
-vec3 stockInner = mix(stockCore, stockRing, stockYears * 0.75);
+vec3 stockInner = mix(stockCore, stockRing, stockYears * 0.5);
 vec3 stockOuterColor = stockSkin * (1.0 - 0.22 * stockYears);
 diffuseColor.rgb = mix(stockInner, stockOuterColor, stockOuter);
 // Valleys collect shade, ridges are worn bright, and what lies deep sees less of the sky.
 float stockRelief = clamp(ridge(vStockPosition, stockNormal) * stockDetail, -1.0, 0.6);
 float stockDepth = (stockMax.z - vStockPosition.z) / (stockMax.z - stockMin.z);
 float stockSky = 1.0 - 0.22 * smoothstep(0.0, 0.6, stockDepth) * (1.0 - stockOuter);
-diffuseColor.rgb *= stockSky * (1.0 + 0.30 * stockRelief);
+diffuseColor.rgb *= stockSky * (1.0 + 0.42 * stockRelief);
 `;
 
 /** A material for all tiles of one block. */

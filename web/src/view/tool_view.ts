@@ -37,7 +37,7 @@ export class ToolView {
     const collarTop = length + Math.max(2.5, radius * 0.5);
     this.group.add(
       this.part_(this.profile.pieces, new THREE.MeshStandardMaterial({
-        color: '#e8edf2', metalness: 0.88, roughness: 0.22, envMapIntensity: 1.7, side: THREE.DoubleSide,
+        color: '#e8edf2', metalness: 0.6, roughness: 0.28, side: THREE.DoubleSide,
       })),
       this.part_(cylinder(collarRadius, length, collarTop), new THREE.MeshStandardMaterial({
         color, metalness: 0.05, roughness: 0.45,
