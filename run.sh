@@ -52,7 +52,7 @@ build() {
   build_cpp release -DKERF_TESTS=$tests -- kerf-server kerf-agent kerf-carve kerf-demo
 }
 
-program() { find "$KERF_ROOT/build/release" -type f -executable -name "$1" -print -quit; }
+program() { echo "$KERF_ROOT/build/release/bin/$1"; }
 
 is_taken() { (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 
