@@ -27,7 +27,7 @@ std::optional<ToolPiece> clip_to_block(const ToolPiece& piece, const ToolMotion&
   const double lean = std::sqrt(std::max(0.0, 1 - uz * uz));
   const double reach = (block.max_mm - tip_z + std::max(f.r0_mm, f.r1_mm) * lean) / uz;
   const double needed = reach + 1e-3 * (f.z1_mm - f.z0_mm);  // Well clear of the block's top.
-  if (needed <= f.z0_mm) return std::nullopt;
+  if (reach <= f.z0_mm) return std::nullopt;
   if (needed < f.z1_mm) {
     f.r1_mm = f.r0_mm + (f.r1_mm - f.r0_mm) * ((needed - f.z0_mm) / (f.z1_mm - f.z0_mm));
     f.z1_mm = needed;
