@@ -49,8 +49,9 @@ unpack_linuxcnc() (
   local dir="$1" root="$1/root" deb
   rm -rf "$dir" && mkdir -p "$root" && cd "$dir" || return 1
   chmod a+rwx . # apt downloads as its own user
-  apt-get download linuxcnc-uspace libboost-python1.74.0 libmodbus5 \
-    || { as_root apt-get update && apt-get download linuxcnc-uspace libboost-python1.74.0 libmodbus5; } || return 1
+  local packages=(linuxcnc-uspace libboost-python1.74.0 libmodbus5 libpython3.11)
+  apt-get download "${packages[@]}" \
+    || { as_root apt-get update && apt-get download "${packages[@]}"; } || return 1
   for deb in ./*.deb; do dpkg -x "$deb" "$root" || return 1; done
   rm ./*.deb
   cp "$root/usr/share/linuxcnc/ncfiles/3D_Chips.ngc" . || return 1
@@ -62,6 +63,8 @@ unpack_linuxcnc() (
 LD_LIBRARY_PATH="$root/usr/lib:$root/usr/lib/$(uname -m)-linux-gnu" exec "$root/usr/bin/rs274" -t "$dir/tool.tbl" "\$@"
 TXT
   chmod +x rs274
+  printf 'G21 G0 X1\nM2\n' >check.ngc
+  ./rs274 -g check.ngc || rm rs274 # a library that is missing shows here, in the log, and not in a test
 )
 
 # run_ctest NAME CTEST-OPTION...: one group of tests; its failures are counted at the end, so that later groups still run.
