@@ -89,8 +89,23 @@ TEST_F(SessionRoom, RefusedSamplesLeaveAGapAndNotAChord) {
   EXPECT_EQ(dropped.refusals[0].code, wire::ErrorCode::kTooFast);
   // The allowance comes back while the hand has gone elsewhere.
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(move(*session, who, 15, 5, -3).result.removed_mm3, 0);
-  EXPECT_GT(move(*session, who, 15, 4.9, -3).result.removed_mm3, 0);
+  const auto elsewhere = move(*session, who, -12, 5, -3);
+  EXPECT_TRUE(elsewhere.refusals.empty());
+  EXPECT_EQ(elsewhere.result.removed_mm3, 0);
+  EXPECT_GT(move(*session, who, -12, 4.9, -3).result.removed_mm3, 0);
+}
+
+TEST_F(SessionRoom, RefusedMotionsAreNotJournaled) {
+  const auto session = start();
+  const auto who = join(*session);
+  move(*session, who, -15, 0, -3);
+  const std::uint64_t before = session->info().sequence;
+  wire::MotionSample flipped = next(-14, 0, -3);
+  flipped.axis = {0, 0, -1};
+  const MotionAnswer answer = session->move(who, {&flipped, 1});
+  ASSERT_EQ(answer.refusals.size(), 1U);
+  EXPECT_EQ(answer.refusals[0].code, wire::ErrorCode::kTurnTooLarge);
+  EXPECT_EQ(session->info().sequence, before);
 }
 
 TEST_F(SessionRoom, ObstaclesPushAToolThatDoesNotCut) {
