@@ -2,6 +2,7 @@
 
 #include "kernel/math/quadratic.h"
 #include "kernel/math/span.h"
+#include "kernel/math/tolerance.h"
 #include "kernel/math/vec3.h"
 
 namespace kerf {
@@ -14,13 +15,13 @@ struct RayCylinder {
   Vec3 start, along;
   double radius2, length2, a, slack;
 
-  RayCylinder(Vec3 from, Vec3 d, double radius, double edge_epsilon_mm)
+  RayCylinder(Vec3 from, Vec3 d, double radius)
       : start(from),
         along(d),
         radius2(radius * radius),
         length2(dot(d, d)),
         a(d.x * d.x + d.y * d.y),
-        slack(edge_epsilon_mm * std::sqrt(dot(d, d))) {}
+        slack(kEdgeEpsilonMm * length(d)) {}
 
   void extend(Span& span, double x, double y) const {
     const double px = x - start.x, py = y - start.y;

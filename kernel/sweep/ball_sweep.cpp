@@ -2,7 +2,6 @@
 
 #include "kernel/intersect/ray_cylinder.h"
 #include "kernel/intersect/ray_sphere.h"
-#include "kernel/math/tolerance.h"
 #include "kernel/sweep/outline.h"
 
 namespace kerf {
@@ -40,7 +39,7 @@ XRange BallSweep::row_range(double y_mm) const {
 
 void BallSweep::evaluate(ColumnRow& row) const {
   const double r2 = radius_ * radius_;
-  evaluate_row(row, RaySphere{from_, r2}, RayCylinder(from_, to_ - from_, radius_, kEdgeEpsilonMm),
+  evaluate_row(row, RaySphere{from_, r2}, RayCylinder(from_, to_ - from_, radius_),
                RaySphere{to_, r2});
 }
 

@@ -31,7 +31,7 @@ TEST(RaySphere, EntersAndLeavesAtTheSphere) {
 }
 
 TEST(RayCylinder, HorizontalCylinderIsACircleAcross) {
-  const RayCylinder c({0, 0, 10}, {8, 0, 0}, 5, 1e-9);
+  const RayCylinder c({0, 0, 10}, {8, 0, 0}, 5);
   const Span s = hit(c, 4, 3);
   EXPECT_DOUBLE_EQ(s.lo, 6);
   EXPECT_DOUBLE_EQ(s.hi, 14);
@@ -41,7 +41,7 @@ TEST(RayCylinder, HorizontalCylinderIsACircleAcross) {
 }
 
 TEST(RayCylinder, VerticalCylinderHasNoEndOnTheRay) {
-  EXPECT_TRUE(misses(hit(RayCylinder({0, 0, 0}, {0, 0, 9}, 5, 1e-9), 1, 1)));
+  EXPECT_TRUE(misses(hit(RayCylinder({0, 0, 0}, {0, 0, 9}, 5), 1, 1)));
 }
 
 TEST(RayCone, UprightCylinderEndsAtItsDiscs) {
