@@ -119,11 +119,11 @@ class Cutter {
     const int column = (j % kTileSide) * kTileSide + first % kTileSide;
     if (!hits(stored, column, cut, row.count)) return;
     if (changed == nullptr) {
-      const std::size_t before = removal_.segments.size();
+      const std::int64_t before = removal_.quanta;
       DexelTile& made = field_.edit(tile);
       apply(made, column, first, j, cut, row.count);
       // The empty corners beside a cylinder may have looked like a hit.
-      if (removal_.segments.size() > before) changed = &made;
+      if (removal_.quanta > before) changed = &made;
     } else {
       apply(*changed, column, first, j, cut, row.count);
     }
@@ -209,7 +209,15 @@ class Cutter {
   }
 
   void note(std::int32_t i, std::int32_t j, Dexel d) {
-    removal_.segments.push_back({i, j, d.bottom, d.top});
+    const std::int32_t lane = i % RemovedGroup::kLanes;
+    const std::int32_t first = i - lane;
+    std::vector<RemovedGroup>& groups = removal_.groups;
+    if (groups.empty() || groups.back().i != first || groups.back().j != j ||
+        groups.back().bottom[lane] < groups.back().top[lane]) {
+      groups.push_back({first, j, {}, {}});
+    }
+    groups.back().bottom[lane] = d.bottom;
+    groups.back().top[lane] = d.top;
     removal_.quanta += d.top - d.bottom;
   }
 

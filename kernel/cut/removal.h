@@ -7,22 +7,25 @@
 
 namespace kerf {
 
-/// One piece of a dexel that a cut took away: column (i, j), depths in quanta (Δx_i of paper Eq. 18
-/// is top − bottom).
-struct RemovedSegment {
+/// What a cut took away from one element each of eight neighbouring columns of a row: columns i …
+/// i + 7 of row j, i a multiple of eight; depths in quanta (Δx_i of paper Eq. 18 is top − bottom),
+/// bottom == top where nothing was taken. The unit that vector registers hold.
+struct RemovedGroup {
+  static constexpr int kLanes = 8;
   std::int32_t i, j;
-  std::int32_t bottom, top;
+  std::int32_t bottom[kLanes], top[kLanes];
 };
 
-/// What one sub-motion removed. Segments come in tile order, row-major within a tile: sums over
-/// them run in one order whatever the machine.
+/// What one sub-motion removed. Groups come in tile order, row-major within a tile: sums over them
+/// run in one order whatever the machine. Columns of which several elements were cut stand in
+/// several groups.
 struct Removal {
-  std::vector<RemovedSegment> segments;
-  std::int64_t quanta = 0;  ///< total length of the segments
+  std::vector<RemovedGroup> groups;
+  std::int64_t quanta = 0;  ///< total length of what was removed
   std::vector<TileIndex> changed_tiles;
 
   void clear() {
-    segments.clear();
+    groups.clear();
     quanta = 0;
     changed_tiles.clear();
   }

@@ -48,14 +48,18 @@ void CuttingForce::add(const Removal& removal, const ToolMotion& motion, double 
   // Sums of dV_i f_dir, of (P_i − P_pivot) × dV_i f_dir (Eqs. 23, 24; the sign of Eq. 19), and of
   // dV_i P_i.
   Vec3 push, turn, moment;
-  for (const RemovedSegment& s : removal.segments) {
-    const Vec3 p{grid_.x_mm(s.i), grid_.y_mm(s.j),
-                 grid_.origin_mm.z + (double(s.bottom) + double(s.top)) / 2 * grid_.z_quantum_mm};
-    const double volume = (s.top - s.bottom) * quantum_mm3;
-    const Vec3 f = direction.at(p) * volume;
-    push = push + f;
-    turn = turn + cross(p - pivot, f);
-    moment = moment + p * volume;
+  for (const RemovedGroup& g : removal.groups) {
+    for (int c = 0; c < RemovedGroup::kLanes; ++c) {
+      if (g.bottom[c] == g.top[c]) continue;
+      const double middle = (double(g.bottom[c]) + double(g.top[c])) / 2;
+      const Vec3 p{grid_.x_mm(g.i + c), grid_.y_mm(g.j),
+                   grid_.origin_mm.z + middle * grid_.z_quantum_mm};
+      const double volume = (g.top[c] - g.bottom[c]) * quantum_mm3;
+      const Vec3 f = direction.at(p) * volume;
+      push = push + f;
+      turn = turn + cross(p - pivot, f);
+      moment = moment + p * volume;
+    }
   }
   const double volume_mm3 = static_cast<double>(removal.quanta) * quantum_mm3;
   volume_mm3_ += volume_mm3;

@@ -51,6 +51,9 @@ Tool assemble(std::vector<ToolPiece> pieces) {
     if (const auto* ball = std::get_if<BallPiece>(&piece)) {
       tool.length_mm = std::max(tool.length_mm, ball->center_mm + ball->radius_mm);
       tool.radius_mm = std::max(tool.radius_mm, ball->radius_mm);
+    } else if (const auto* arc = std::get_if<ArcPiece>(&piece)) {
+      tool.length_mm = std::max(tool.length_mm, arc->z1_mm);
+      tool.radius_mm = std::max(tool.radius_mm, arc->center_r_mm + arc->radius_mm);
     } else {
       const auto& frustum = std::get<FrustumPiece>(piece);
       tool.length_mm = std::max(tool.length_mm, frustum.z1_mm);
@@ -138,6 +141,19 @@ std::string check_piece(const FrustumPiece& p) {
   if (p.z0_mm < 0 || p.z1_mm > kToolLengthMaxMm || p.z0_mm >= p.z1_mm) {
     return "has heights out of range or out of order";
   }
+  return {};
+}
+
+std::string check_piece(const ArcPiece& p) {
+  for (const double v : {p.center_r_mm, p.center_z_mm, p.radius_mm, p.z0_mm, p.z1_mm}) {
+    if (!std::isfinite(v)) return "is not finite";
+    if (std::abs(v) > kToolLengthMaxMm) return "is out of range";
+  }
+  if (p.radius_mm <= 0) return "has no radius";
+  if (p.z0_mm < 0 || p.z0_mm >= p.z1_mm) return "has heights out of range or out of order";
+  const double below = p.z0_mm - p.center_z_mm, above = p.z1_mm - p.center_z_mm;
+  const double r2 = p.radius_mm * p.radius_mm;
+  if (below * below > r2 || above * above > r2) return "has heights beyond its arc";
   return {};
 }
 

@@ -50,7 +50,7 @@ TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   // moving along +X.
   const DexelGrid grid{{0.75, 1.75, -1}, 0.5, 0.25, 1, 1, 4};
   Removal removal;
-  removal.segments = {{0, 0, 2, 4}};
+  removal.groups = {{0, 0, {2}, {4}}};
   removal.quanta = 2;
   CuttingForce force({ForceLaw::kSpecificEnergy, 2, 0, 10}, grid, 0.001);
   const ToolMotion motion = make_motion({{0, 2, -0.5}, kUp}, {{0.5, 2, -0.5}, kUp}, 50);
