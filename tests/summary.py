@@ -33,6 +33,14 @@ def skipped_on_purpose(case):
     return skip is not None and (skip.get("message") or "").startswith(("SKIP_", "Disabled"))
 
 
+def reason_printed(case):
+    """What the program said after "skipped: ", or else ctest's own words."""
+    for line in (case.findtext("system-out") or "").splitlines():
+        if line.startswith("skipped: "):
+            return line.removeprefix("skipped: ")
+    return case.find("skipped").get("message")
+
+
 def collect(folder):
     passed, failed, skipped = 0, [], []
     for path in sorted(folder.glob("ctest-*.xml")):
@@ -48,7 +56,7 @@ def collect(folder):
             elif ok:
                 passed += 1
             elif skipped_on_purpose(case):
-                skipped.append(f'{name}: {case.find("skipped").get("message")}')
+                skipped.append(f"{name}: {reason_printed(case)}")
             else:
                 failed.append(name)
     vitest = folder / "vitest.json"

@@ -44,13 +44,22 @@ struct XRange {
   double lo_mm, hi_mm;
 };
 
-// The loops over a row are compiled for three instruction sets. With contraction off all give equal
-// bits.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+// The loops over a row are compiled for three instruction sets, of which the program takes the best
+// that the CPU has. With contraction off all give equal bits; to show it, a build may ask for one
+// of them (CMake's KERF_VECTOR). Clang 19 drops inline functions that only clones call, so a build
+// by Clang gets no clones.
+#if !defined(__x86_64__) || defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || \
+    defined(KERF_VECTOR_NONE)
+#define KERF_VECTOR_CLONES
+#elif defined(KERF_VECTOR_AVX2)
+#define KERF_VECTOR_CLONES __attribute__((target("arch=x86-64-v3")))
+#elif defined(KERF_VECTOR_AVX512)
+#define KERF_VECTOR_CLONES __attribute__((target("arch=x86-64-v4")))
+#elif defined(__clang__)
+#define KERF_VECTOR_CLONES
+#else
 #define KERF_VECTOR_CLONES \
   __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define KERF_VECTOR_CLONES
 #endif
 
 }  // namespace kerf

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Builds the kernel and state_hashes once more, with another compiler, optimisation level or instruction set, and compares
+what it prints, byte for byte, with what this build's state_hashes prints.
+
+Exit status: 0 equal, 1 different or not built, 77 this machine cannot run that build (the reason is printed).
+"""
+
+import argparse
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+CANNOT_RUN = 77
+SOURCES = pathlib.Path(__file__).resolve().parents[2]
+# What x86-64-v3 and x86-64-v4 ask of a CPU, as /proc/cpuinfo names it.
+NEEDS = {"avx2": {"avx2", "fma", "bmi2"}, "avx512": {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}}
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--compiler", required=True)
+    parser.add_argument("--flags", required=True, help="what the compiler is asked for, e.g. -O2")
+    parser.add_argument("--vector", required=True, choices=["clones", "avx2", "avx512", "none"])
+    parser.add_argument("--folder", required=True, type=pathlib.Path, help="where to build")
+    parser.add_argument("--reference", required=True, type=pathlib.Path, help="the state_hashes to compare with")
+    return parser.parse_args()
+
+
+def why_not(options):
+    """Why this machine cannot run the build, or nothing."""
+    if shutil.which(options.compiler) is None:
+        return f"{options.compiler} is not installed"
+    cpu = pathlib.Path("/proc/cpuinfo").read_text().split()
+    missing = NEEDS.get(options.vector, set()) - set(cpu)
+    return f"this CPU has no {', '.join(sorted(missing))}" if missing else ""
+
+
+def build(options):
+    # Not the environment's compiler or flags: this build says itself what it is made with.
+    environment = {k: v for k, v in os.environ.items() if k not in ("CXX", "CXXFLAGS", "CC", "CFLAGS")}
+    launcher = shutil.which("ccache")
+    configure = ["cmake", "-G", "Ninja", "-S", SOURCES, "-B", options.folder, "-DKERF_KERNEL_ONLY=ON",
+                 f"-DCMAKE_CXX_COMPILER={options.compiler}", f"-DCMAKE_CXX_FLAGS={options.flags}",
+                 f"-DKERF_VECTOR={options.vector}"]
+    if launcher:
+        configure.append(f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}")
+    # One job: ctest itself runs several of these builds at a time.
+    for command in (configure, ["cmake", "--build", options.folder, "--target", "state_hashes", "-j", "1"]):
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{done.stdout}\nThis build failed: {' '.join(map(str, command))}")
+
+
+def printed_by(program):
+    return subprocess.run([program], check=True, stdout=subprocess.PIPE).stdout
+
+
+def main():
+    options = arguments()
+    reason = why_not(options)
+    if reason:
+        print(f"skipped: {reason}")
+        sys.exit(CANNOT_RUN)
+    build(options)
+    expected = printed_by(options.reference)
+    seen = printed_by(options.folder / "tests/determinism/state_hashes")
+    if seen == expected:
+        print(f"{len(expected.splitlines())} jobs give equal bytes")
+        return
+    for a, b in zip(expected.splitlines(), seen.splitlines()):
+        if a != b:
+            print(f"expected  {a.decode()}\nseen      {b.decode()}")
+    sys.exit("The two builds do not agree.")
+
+
+main()

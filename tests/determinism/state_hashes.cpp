@@ -1,0 +1,157 @@
+// Runs one job for every tool, ray model, motion model and force law and prints, a line each, the
+// hash of the state and the hash of every result: forces, volumes, tiles. Two builds of the kernel
+// that print the same bytes agree to the last bit. Nothing here may depend on the machine: poses
+// come from whole numbers by + − × ÷ √ alone.
+
+#include <bit>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "kernel/math/hash.h"
+#include "kernel/sculpture.h"
+#include "kernel/surface/tile_mesh.h"
+
+namespace {
+
+using namespace kerf;
+
+struct NamedTool {
+  std::string name;
+  Tool tool;
+};
+
+std::vector<NamedTool> tools() {
+  return {{"ball", *make_tool(BallShape{6, 30})},
+          {"flat", *make_tool(FlatShape{6, 30})},
+          {"taper", *make_tool(TaperShape{3, 12, 30})},
+          {"taper_ball", *make_tool(TaperShape{4, 8, 30, TaperTip::kBall})},
+          {"cone_end", *make_tool(ConeEndShape{8, 90, 30})}};
+}
+
+/// Knuth's 64-bit linear congruence: the same numbers everywhere, unlike the distributions of
+/// <random>.
+class Numbers {
+ public:
+  explicit Numbers(std::uint64_t seed) : state_(seed) {}
+  /// Uniform in [lo, hi), a multiple of (hi − lo) / 2^20.
+  double in(double lo, double hi) {
+    state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
+    return lo + (hi - lo) * (double(state_ >> 44) / 1048576);
+  }
+  Vec3 vec(double lo, double hi) {
+    const double x = in(lo, hi), y = in(lo, hi), z = in(lo, hi);
+    return {x, y, z};
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// A wandering path: short moves and long ones, axis steady, turning slowly, and swinging far.
+std::vector<ToolPose> path(std::uint64_t seed, int moves) {
+  Numbers numbers(seed);
+  std::vector<ToolPose> poses{{{0, 0, -1}, {0, 0, 1}}};
+  for (int i = 0; i < moves; ++i) {
+    const ToolPose& last = poses.back();
+    const int what = i % 4;
+    const double reach = what == 3 ? 9 : 1;
+    const Vec3 tip = last.tip_mm + numbers.vec(-reach, reach);
+    const Vec3 lean = numbers.vec(-1, 1) * (what == 0 ? 0.0 : what == 1 ? 0.05 : 0.7);
+    const auto within = [](double v, double lo, double hi) {
+      return v < lo ? lo : v > hi ? hi : v;
+    };
+    const Vec3 axis = what == 0 ? last.axis : normalized(Vec3{0, 0, 1} + lean);
+    poses.push_back({{within(tip.x, -11, 11), within(tip.y, -11, 11), within(tip.z, -7, 1)}, axis});
+  }
+  return poses;
+}
+
+void add(Hash& hash, double value) { hash.add(std::bit_cast<std::uint64_t>(value)); }
+void add(Hash& hash, Vec3 v) {
+  add(hash, v.x);
+  add(hash, v.y);
+  add(hash, v.z);
+}
+
+void add(Hash& hash, const MotionResult& result) {
+  hash.add(static_cast<std::uint64_t>(result.kind));
+  for (const Wrench& w : {result.wrench, result.collision}) {
+    add(hash, w.force_n);
+    add(hash, w.torque_nmm);
+  }
+  add(hash, result.cutting.engaged_area_mm2);
+  add(hash, result.cutting.direction);
+  add(hash, result.cutting.center_mm);
+  add(hash, result.removed_mm3);
+  hash.add(result.sub_motions);
+  for (const TileIndex tile : result.changed_tiles) {
+    hash.add(static_cast<std::uint64_t>(tile.x) << 32 | static_cast<std::uint32_t>(tile.y));
+  }
+}
+
+std::uint64_t mesh_hash(const DexelSnapshot& snapshot) {
+  Hash hash;
+  const DexelGrid& grid = snapshot.grid();
+  for (std::int32_t y = 0; y < grid.tiles_y(); ++y) {
+    for (std::int32_t x = 0; x < grid.tiles_x(); ++x) {
+      const TileMesh mesh = mesh_tile(snapshot, {x, y});
+      for (const auto* vectors : {&mesh.positions_mm, &mesh.normals}) {
+        for (const auto& v : *vectors) {
+          for (const float f : v) hash.add(std::bit_cast<std::uint32_t>(f));
+        }
+      }
+      for (const std::uint32_t index : mesh.indices) hash.add(index);
+    }
+  }
+  return hash.value();
+}
+
+void run(const std::string& name, const SculptureSettings& settings, const Tool& tool,
+         const std::vector<ToolPose>& poses) {
+  auto sculpture = *Sculpture::create(settings);
+  sculpture.apply(DefineTool{1, tool}).value();
+  Hash results;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const auto moved = sculpture.apply(MoveTool{1, poses[i - 1], poses[i], 0.01});
+    if (moved) {
+      add(results, *moved);
+    } else {
+      results.add(static_cast<std::uint64_t>(moved.error().code));
+    }
+  }
+  const auto hex = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
+  std::printf("%-36s state %016llx results %016llx mesh %016llx\n", name.c_str(),
+              hex(sculpture.state_hash()), hex(results.value()),
+              hex(mesh_hash(sculpture.snapshot())));
+}
+
+}  // namespace
+
+int main() {
+  SculptureSettings box;
+  box.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
+  box.pitch_mm = 0.4;
+  box.force.pivot_mm = 30;
+  SculptureSettings round = box;
+  round.stock = CylinderStock{1, -1, 10, -8, 0};
+  round.force.law = ForceLaw::kDexelRemovalRate;
+  round.obstacles = {{SphereObstacle{{5, 5, 2}, 3}, 2}, {BoxObstacle{{-9, -9, -9}, {-6, 9, 1}}, 1}};
+  std::uint64_t seed = 1;
+  for (const NamedTool& tool : tools()) {
+    for (const double tolerance : {0.01, 0.001}) {
+      for (SculptureSettings settings : {box, round}) {
+        settings.tolerance_mm = tolerance;
+        const std::string name = tool.name + (settings.obstacles.empty() ? " box" : " cylinder") +
+                                 " tolerance " + std::to_string(tolerance);
+        run(name, settings, tool.tool, path(++seed, 8));
+        if (tolerance < 0.01) continue;
+        settings.tolerance_mm = 0.03;
+        settings.motion = MotionModel::kPaper;
+        run(name + " paper", settings, tool.tool, path(++seed, 1));
+      }
+    }
+  }
+  return 0;
+}
