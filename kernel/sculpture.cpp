@@ -1,7 +1,9 @@
 #include "kernel/sculpture.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <span>
 
 #include "kernel/cut/cut.h"
 #include "kernel/dexel/dexel_field.h"
@@ -13,6 +15,13 @@
 #include "kernel/sweep/tool_motion.h"
 
 namespace kerf {
+
+/// What a motion removed from one field, and how many elements of columns it shortened: the area,
+/// in squares of the pitch, that the cut shows to the field's rays.
+struct RemovedVolume {
+  double mm3, elements;
+};
+
 namespace {
 
 using Check = std::expected<void, SculptureError>;
@@ -44,6 +53,12 @@ Check check_stock(const StockShape& stock) {
                    {c.center_x_mm + r, c.center_y_mm + r, c.max_z_mm});
 }
 
+/// In the order in which they are cut, and in which forces are summed.
+std::span<const RayAxis> axes_of(Rays rays) {
+  static constexpr RayAxis kAxes[] = {RayAxis::kZ, RayAxis::kX, RayAxis::kY};
+  return {kAxes, rays == Rays::kTriDexel ? 3u : 1u};
+}
+
 Check check_settings(const SculptureSettings& s) {
   using enum SculptureErrorCode;
   if (auto c = check_stock(s.stock); !c) return c;
@@ -53,9 +68,10 @@ Check check_settings(const SculptureSettings& s) {
   if (!(s.tolerance_mm >= 1e-6 && s.tolerance_mm <= 100)) {
     return refuse(kBadTolerance, "tolerance_mm must be between 0.000001 and 100");
   }
-  const DexelGrid grid = make_grid(s.stock, std::max(s.pitch_mm, 1e-4));
-  if (double(grid.columns_x) * double(grid.columns_y) > double(kColumnsMax)) {
-    return refuse(kTooManyColumns, "the stock needs more than 2^32 columns at this pitch_mm");
+  for (const RayAxis axis : axes_of(s.rays)) {
+    if (columns_in_field(s.stock, s.pitch_mm, axis) > double(kColumnsMax)) {
+      return refuse(kTooManyColumns, "the stock needs more than 2^32 columns at this pitch_mm");
+    }
   }
   const ForceSettings& f = s.force;
   const auto usable = [](double v) { return std::isfinite(v) && v >= 0; };
@@ -92,9 +108,32 @@ ToolMotion motion_of(const MoveTool& command, const Tool& tool) {
                      {command.to.tip_mm, normalized(command.to.axis)}, tool.length_mm);
 }
 
+/// The same motion as the field along `axis` sees it.
+ToolMotion in_frame(RayAxis axis, ToolMotion motion) {
+  for (ToolPose* pose : {&motion.from, &motion.to}) {
+    *pose = {to_frame(axis, pose->tip_mm), to_frame(axis, pose->axis)};
+  }
+  return motion;
+}
+
+/// Of three fields each counts by the square of the area that it sees. For a thin layer with normal
+/// n that area is |n_a| of the layer's, so the weights are n_a²: a field is heard where its rays
+/// meet the surface steeply, and not where they graze it and know it only to a pitch.
+double combined_mm3(std::span<const RemovedVolume> fields) {
+  if (fields.size() == 1) return fields.front().mm3;
+  double sum = 0, weights = 0;
+  for (const RemovedVolume& f : fields) {
+    sum += f.elements * f.elements * f.mm3;
+    weights += f.elements * f.elements;
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
 ZRange z_range(const DexelGrid& grid) { return {grid.origin_mm.z, grid.z_mm(grid.height_quanta)}; }
 
 }  // namespace
+
+const char* to_string(Rays rays) { return rays == Rays::kTriDexel ? "tri-dexel" : "dexel"; }
 
 const char* to_string(SculptureErrorCode code) {
   switch (code) {
@@ -133,10 +172,14 @@ const char* to_string(SculptureErrorCode code) {
 
 Sculpture::Sculpture(SculptureSettings settings)
     : settings_(std::move(settings)),
-      field_(std::make_unique<DexelField>(settings_.stock, settings_.pitch_mm)),
       obstacles_(settings_.obstacles.empty() ? nullptr
-                                             : std::make_unique<Obstacles>(settings_.obstacles)),
-      stock_volume_mm3_(field_->stock_volume_mm3()) {}
+                                             : std::make_unique<Obstacles>(settings_.obstacles)) {
+  for (const RayAxis axis : axes_of(settings_.rays)) {
+    fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis);
+    stock_volume_mm3_ += fields_.back().stock_volume_mm3();
+  }
+  stock_volume_mm3_ /= double(fields_.size());
+}
 
 Sculpture::Sculpture(Sculpture&&) noexcept = default;
 Sculpture& Sculpture::operator=(Sculpture&&) noexcept = default;
@@ -147,16 +190,31 @@ std::expected<Sculpture, SculptureError> Sculpture::create(SculptureSettings set
   return Sculpture(std::move(settings));
 }
 
-const DexelGrid& Sculpture::grid() const { return field_->grid(); }
+const DexelGrid& Sculpture::grid() const { return fields_.front().grid(); }
+
+bool Sculpture::has_field(RayAxis axis) const {
+  return std::ranges::any_of(fields_, [axis](auto& f) { return f.grid().axis == axis; });
+}
+
+DexelField& Sculpture::field(RayAxis axis) {
+  const auto found =
+      std::ranges::find_if(fields_, [axis](auto& f) { return f.grid().axis == axis; });
+  assert(found != fields_.end());
+  return *found;
+}
 
 const Tool* Sculpture::tool(ToolId id) const {
   const auto it = tools_.find(id);
   return it == tools_.end() ? nullptr : &it->second;
 }
 
-DexelSnapshot Sculpture::snapshot() { return field_->snapshot(); }
+DexelSnapshot Sculpture::snapshot(RayAxis axis) { return field(axis).snapshot(); }
 
-std::uint64_t Sculpture::state_hash() { return field_->snapshot().hash(); }
+SolidSnapshot Sculpture::solid() {
+  SolidSnapshot all;
+  for (DexelField& f : fields_) all.fields.push_back(f.snapshot());
+  return all;
+}
 
 std::expected<void, SculptureError> Sculpture::check(const Command& command) const {
   if (const auto* move = std::get_if<MoveTool>(&command)) return check_move(*move);
@@ -183,9 +241,12 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
     return refuse(kTurnTooLarge, "the axis turns by more than 170 degrees in one motion");
   }
   std::int64_t parts = 0;
-  for (const std::int64_t n : sub_motion_counts(*used, motion, settings_.motion,
-                                                settings_.tolerance_mm, z_range(grid()))) {
-    parts += n;
+  for (const DexelField& f : fields_) {
+    for (const std::int64_t n :
+         sub_motion_counts(*used, in_frame(f.grid().axis, motion), settings_.motion,
+                           settings_.tolerance_mm, z_range(f.grid()))) {
+      parts += n;
+    }
   }
   if (parts > kSubMotionsMax) {
     return refuse(kTooManySubMotions,
@@ -210,33 +271,48 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
   return move(std::get<MoveTool>(command));
 }
 
+RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,
+                                   MotionResult& result, CuttingForce* force) {
+  const DexelGrid& grid = field.grid();
+  const bool alone = fields_.size() == 1;
+  Removal removal;
+  std::int64_t quanta = 0;
+  std::int64_t elements = 0;
+  sweep_tool(tool, in_frame(grid.axis, motion), settings_.motion, settings_.tolerance_mm,
+             z_range(grid), [&](const SubMotion& part) {
+               cut(field, part.swept, removal);
+               quanta += removal.quanta;
+               if (!alone) elements += removal.elements();
+               if (grid.axis == RayAxis::kZ) {
+                 result.changed_tiles.insert(result.changed_tiles.end(),
+                                             removal.changed_tiles.begin(),
+                                             removal.changed_tiles.end());
+               }
+               if (force != nullptr) force->add(grid, removal, part.motion, part.share);
+               ++result.sub_motions;
+             });
+  return {static_cast<double>(quanta) * grid.z_quantum_mm * grid.pitch_mm * grid.pitch_mm,
+          static_cast<double>(elements)};
+}
+
 MotionResult Sculpture::move(const MoveTool& command) {
   const Tool& used = tools_.at(command.tool);
   const ToolMotion motion = motion_of(command, used);
   const bool feel = command.feel && command.duration_s > 0;
   MotionResult result;
   result.kind = motion.kind;
-  CuttingForce force(settings_.force, grid(), command.duration_s);
-  Removal removal;
-  std::int64_t quanta = 0;
-  sweep_tool(used, motion, settings_.motion, settings_.tolerance_mm, z_range(grid()),
-             [&](const SubMotion& part) {
-               cut(*field_, part.swept, removal);
-               quanta += removal.quanta;
-               result.changed_tiles.insert(result.changed_tiles.end(),
-                                           removal.changed_tiles.begin(),
-                                           removal.changed_tiles.end());
-               if (feel) force.add(removal, part.motion, part.share);
-               ++result.sub_motions;
-             });
+  CuttingForce force(settings_.force, command.duration_s, static_cast<int>(fields_.size()));
+  std::vector<RemovedVolume> removed;
+  for (DexelField& f : fields_) {
+    removed.push_back(cut_field(f, used, motion, result, feel ? &force : nullptr));
+  }
+  result.removed_mm3 = combined_mm3(removed);
   std::ranges::sort(result.changed_tiles);
   const auto repeated = std::ranges::unique(result.changed_tiles);
   result.changed_tiles.erase(repeated.begin(), repeated.end());
-  const DexelGrid& g = grid();
-  result.removed_mm3 = static_cast<double>(quanta) * g.z_quantum_mm * g.pitch_mm * g.pitch_mm;
   if (feel) {
     result.wrench = force.wrench();
-    if (quanta > 0) {
+    if (result.removed_mm3 > 0) {
       result.cutting = {force.engaged_area_mm2(), normalized(result.wrench.force_n),
                         force.center_mm()};
     }

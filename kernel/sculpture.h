@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/solid_snapshot.h"
 #include "kernel/force/force_settings.h"
 #include "kernel/force/obstacle.h"
 #include "kernel/force/wrench.h"
@@ -18,12 +18,22 @@
 
 namespace kerf {
 
+class CuttingForce;
 class DexelField;
 class Obstacles;
+struct RemovedVolume;
 struct ToolMotion;
+
+/// Along which axes rays measure the stock. One field along Z (the paper's) is cheapest and blind
+/// to the exact place of walls parallel to Z; three fields along X, Y and Z see every surface, at
+/// three times the cost.
+enum class Rays : std::uint8_t { kDexel, kTriDexel };
+/// "dexel", "tri-dexel".
+const char* to_string(Rays rays);
 
 struct SculptureSettings {
   StockShape stock;
+  Rays rays = Rays::kDexel;
   double pitch_mm = 0.25;
   double tolerance_mm = 0.01;  ///< greatest end-point error of MotionModel::kTight and kPaper
   MotionModel motion = MotionModel::kTight;
@@ -62,9 +72,9 @@ struct MotionResult {
   Wrench wrench;     ///< cutting + collision
   Wrench collision;  ///< the collision part alone
   CuttingModel cutting;
-  double removed_mm3 = 0;
-  std::uint32_t sub_motions = 0;
-  std::vector<TileIndex> changed_tiles;  ///< sorted, without duplicates
+  double removed_mm3 = 0;                ///< of three fields: direction-weighted (kernel/README.md)
+  std::uint32_t sub_motions = 0;         ///< cuts made, in all fields together
+  std::vector<TileIndex> changed_tiles;  ///< of the field along Z; sorted, without duplicates
 };
 
 enum class SculptureErrorCode {
@@ -118,12 +128,17 @@ class Sculpture {
   Wrench collision(ToolId tool, const ToolPose& pose) const;
 
   const SculptureSettings& settings() const { return settings_; }
-  const DexelGrid& grid() const;
+  const DexelGrid& grid() const;      ///< of the field along Z
   const Tool* tool(ToolId id) const;  ///< null if not defined
-  /// A picture of the block as it is now; O(tiles), copies no column.
-  DexelSnapshot snapshot();
-  /// Hash of the solid (DexelSnapshot::hash): what replay, peers and tests compare.
-  std::uint64_t state_hash();
+  /// Whether there are rays along this axis.
+  bool has_field(RayAxis axis) const;
+  /// A picture of one field as it is now; O(tiles), copies no column. The field must exist.
+  DexelSnapshot snapshot(RayAxis axis = RayAxis::kZ);
+  /// A picture of all fields.
+  SolidSnapshot solid();
+  /// Hash of the solid, over every field: what replay, peers and tests compare.
+  std::uint64_t state_hash() { return solid().hash(); }
+  /// Of three fields: the mean of theirs.
   double stock_volume_mm3() const { return stock_volume_mm3_; }
   double removed_volume_mm3() const { return removed_mm3_; }
   std::uint64_t motions() const { return motions_; }
@@ -133,9 +148,13 @@ class Sculpture {
   explicit Sculpture(SculptureSettings settings);
   std::expected<void, SculptureError> check_move(const MoveTool& command) const;
   MotionResult move(const MoveTool& command);
+  DexelField& field(RayAxis axis);
+  /// Cuts one field and notes in `result` and `force` (null: not felt) what that took.
+  RemovedVolume cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,
+                          MotionResult& result, CuttingForce* force);
 
   SculptureSettings settings_;
-  std::unique_ptr<DexelField> field_;
+  std::vector<DexelField> fields_;        ///< along Z; then along X and Y, if asked for
   std::unique_ptr<Obstacles> obstacles_;  ///< null in a scene without any
   std::map<ToolId, Tool> tools_;
   double stock_volume_mm3_ = 0;

@@ -24,6 +24,15 @@ struct Removal {
   std::int64_t quanta = 0;  ///< total length of what was removed
   std::vector<TileIndex> changed_tiles;
 
+  /// How many elements were shortened, split or taken whole.
+  std::int64_t elements() const {
+    std::int64_t count = 0;
+    for (const RemovedGroup& g : groups) {
+      for (int c = 0; c < RemovedGroup::kLanes; ++c) count += g.bottom[c] < g.top[c] ? 1 : 0;
+    }
+    return count;
+  }
+
   void clear() {
     groups.clear();
     quanta = 0;

@@ -9,14 +9,14 @@
 
 namespace kerf {
 
-/// The stock that is being cut: a grid of columns along Z in lazily allocated tiles (paper
+/// The stock that is being cut: a grid of columns along one axis in lazily allocated tiles (paper
 /// section 2.1, Fig. 2a). An untouched tile is not stored. A tile that a snapshot holds is copied
 /// before it is next changed, so taking a snapshot costs no column and readers on other threads
 /// never wait.
 class DexelField {
  public:
   /// Stock and pitch must have been validated (Sculpture::create does).
-  DexelField(const StockShape& stock, double pitch_mm);
+  DexelField(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }

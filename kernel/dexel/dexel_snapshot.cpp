@@ -25,8 +25,8 @@ std::span<const Dexel> DexelSnapshot::column(std::int32_t i, std::int32_t j,
       std::size_t(j / kTileSide) * std::size_t(grid_.tiles_x()) + std::size_t(i / kTileSide);
   if (const DexelTile* tile = tiles_[index].get()) {
     tile->read((j % kTileSide) * kTileSide + i % kTileSide, scratch);
-  } else if (stock_has_column(stock_, grid_, i, j)) {
-    scratch.push_back({0, grid_.height_quanta});
+  } else if (const Dexel whole = stock_column(stock_, grid_, i, j); whole.bottom < whole.top) {
+    scratch.push_back(whole);
   }
   return scratch;
 }

@@ -1,28 +1,26 @@
 #pragma once
 
 #include <cstdint>
-#include <expected>
-#include <string>
 
 #include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/dexel/stock_shape.h"
 
 namespace kerf {
 
-/// What the untouched stock holds in column (i, j): its whole height, or nothing beside a cylinder.
-/// A column whose centre is exactly on the cylinder's surface is solid.
-inline bool stock_has_column(const StockShape& stock, const DexelGrid& grid, std::int32_t i,
-                             std::int32_t j) {
-  const auto* cylinder = std::get_if<CylinderStock>(&stock);
-  if (cylinder == nullptr) return true;
-  const double dx = grid.x_mm(i) - cylinder->center_x_mm;
-  const double dy = grid.y_mm(j) - cylinder->center_y_mm;
-  return dx * dx + dy * dy <= cylinder->radius_mm * cylinder->radius_mm;
-}
+/// What the untouched stock holds in column (i, j): one element, or nothing (bottom == top) beside
+/// a cylinder. Along the cylinder's axis a column is whole or empty, and one whose centre is
+/// exactly on the surface is solid. Across it a column is a chord, its ends rounded to the nearest
+/// quantum; a ray that only touches the cylinder meets nothing.
+Dexel stock_column(const StockShape& stock, const DexelGrid& grid, std::int32_t i, std::int32_t j);
 
-/// Lays the grid under a stock: as many columns as have their centre within the stock's bounds (at
-/// least one), and the finest power of two as depth quantum with which the height stays below 2^30
-/// quanta (6e-8 mm for a block of 50 mm). Stock and pitch must have been validated.
-DexelGrid make_grid(const StockShape& stock, double pitch_mm);
+/// Lays the grid of the field along `axis` under a stock: as many columns as have their centre
+/// within the stock's bounds (at least one), and the finest power of two as depth quantum with
+/// which the field's own height stays below 2^30 quanta (6e-8 mm for a block of 50 mm). Stock and
+/// pitch must have been validated.
+DexelGrid make_grid(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ);
+
+/// Columns of that grid, without making it: a number of them that no field can have is not an error
+/// here.
+double columns_in_field(const StockShape& stock, double pitch_mm, RayAxis axis);
 
 }  // namespace kerf

@@ -37,14 +37,15 @@ class ForceDirection {
 
 }  // namespace
 
-CuttingForce::CuttingForce(const ForceSettings& settings, const DexelGrid& grid, double duration_s)
-    : settings_(settings), grid_(grid), duration_s_(duration_s) {}
+CuttingForce::CuttingForce(const ForceSettings& settings, double duration_s, int fields)
+    : settings_(settings), duration_s_(duration_s), weight_(1.0 / fields) {}
 
-void CuttingForce::add(const Removal& removal, const ToolMotion& motion, double share) {
+void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion,
+                       double share) {
   if (removal.quanta == 0) return;
   const ForceDirection direction(motion);
   const Vec3 pivot = direction.pose().tip_mm + direction.pose().axis * settings_.pivot_mm;
-  const double quantum_mm3 = grid_.z_quantum_mm * grid_.pitch_mm * grid_.pitch_mm;
+  const double quantum_mm3 = grid.z_quantum_mm * grid.pitch_mm * grid.pitch_mm;
   // Sums of dV_i f_dir, of (P_i − P_pivot) × dV_i f_dir (Eqs. 23, 24; the sign of Eq. 19), and of
   // dV_i P_i.
   Vec3 push, turn, moment;
@@ -52,8 +53,8 @@ void CuttingForce::add(const Removal& removal, const ToolMotion& motion, double 
     for (int c = 0; c < RemovedGroup::kLanes; ++c) {
       if (g.bottom[c] == g.top[c]) continue;
       const double middle = (double(g.bottom[c]) + double(g.top[c])) / 2;
-      const Vec3 p{grid_.x_mm(g.i + c), grid_.y_mm(g.j),
-                   grid_.origin_mm.z + middle * grid_.z_quantum_mm};
+      const Vec3 p{grid.x_mm(g.i + c), grid.y_mm(g.j),
+                   grid.origin_mm.z + middle * grid.z_quantum_mm};
       const double volume = (g.top[c] - g.bottom[c]) * quantum_mm3;
       const Vec3 f = direction.at(p) * volume;
       push = push + f;
@@ -62,8 +63,8 @@ void CuttingForce::add(const Removal& removal, const ToolMotion& motion, double 
     }
   }
   const double volume_mm3 = static_cast<double>(removal.quanta) * quantum_mm3;
-  volume_mm3_ += volume_mm3;
-  moment_ = moment_ + moment;
+  volume_mm3_ += weight_ * volume_mm3;
+  moment_ = moment_ + from_frame(grid.axis, moment) * weight_;
 
   // The path of the contact: how far the tool's material moved where it cut.
   const Vec3 center = moment * (1 / volume_mm3);
@@ -71,7 +72,7 @@ void CuttingForce::add(const Removal& removal, const ToolMotion& motion, double 
   const Vec3 way =
       motion.to.tip_mm - motion.from.tip_mm + cross(chord, center - direction.pose().tip_mm);
   const double path_mm = length(way);
-  if (path_mm > kRestEpsilonMm) area_mm2_ += share * volume_mm3 / path_mm;
+  if (path_mm > kRestEpsilonMm) area_mm2_ += weight_ * share * volume_mm3 / path_mm;
 
   double scale =
       0;  // N per mm^3 removed in this sub-motion, as its part of the mean over the motion
@@ -83,7 +84,8 @@ void CuttingForce::add(const Removal& removal, const ToolMotion& motion, double 
   const Vec3 axis = direction.pose().axis;
   Vec3 torque = turn * scale;
   torque = torque - axis * dot(torque, axis);  // A 5-DOF device cannot twist the pen about itself.
-  sum_ = sum_ + Wrench{push * scale, torque};
+  sum_ = sum_ + Wrench{from_frame(grid.axis, push * (scale * weight_)),
+                       from_frame(grid.axis, torque * weight_)};
 }
 
 }  // namespace kerf

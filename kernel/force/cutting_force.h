@@ -12,11 +12,13 @@ namespace kerf {
 /// time).
 class CuttingForce {
  public:
-  /// `duration_s` is that of the whole motion, > 0.
-  CuttingForce(const ForceSettings& settings, const DexelGrid& grid, double duration_s);
+  /// `duration_s` is that of the whole motion, > 0. `fields` of rays (1 or 3) see the same motion;
+  /// the result is their mean.
+  CuttingForce(const ForceSettings& settings, double duration_s, int fields = 1);
 
-  /// Adds what one sub-motion removed; `share` is its part of the duration.
-  void add(const Removal& removal, const ToolMotion& motion, double share);
+  /// Adds what one sub-motion removed from the field that stands on `grid`; `motion` is the
+  /// sub-motion in that field's own frame (grid.axis), `share` its part of the duration.
+  void add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion, double share);
 
   /// Mean over the motion: force (N), torque about the pivot (N·mm).
   Wrench wrench() const { return sum_; }
@@ -28,8 +30,8 @@ class CuttingForce {
 
  private:
   ForceSettings settings_;
-  DexelGrid grid_;
   double duration_s_;
+  double weight_;  ///< of one field
   Wrench sum_;
   Vec3 moment_;
   double volume_mm3_ = 0;

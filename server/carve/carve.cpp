@@ -85,6 +85,8 @@ class Carving {
     SculptureSettings& settings = scene_.settings;
     settings.pitch_mm = options_.pitch_mm.value_or(settings.pitch_mm);
     settings.tolerance_mm = options_.tolerance_mm.value_or(settings.tolerance_mm);
+    if (options_.rays)
+      settings.rays = *options_.rays == "tri-dexel" ? Rays::kTriDexel : Rays::kDexel;
     if (options_.motion)
       settings.motion = *options_.motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
     if (options_.law)

@@ -16,13 +16,7 @@ std::string check_positive(const std::string& text) {
   return {};
 }
 
-std::string check_rays(const std::string& text) {
-  if (text == "dexel") return {};
-  if (text == "tri-dexel") return "tri-dexel is not supported yet; use dexel";
-  return text + " is not a ray model; use dexel";
-}
-
-void declare(CLI::App& app, CarveOptions& options, std::string& rays) {
+void declare(CLI::App& app, CarveOptions& options) {
   app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
   app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
   app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
@@ -37,7 +31,8 @@ void declare(CLI::App& app, CarveOptions& options, std::string& rays) {
       ->check(check_positive);
   app.add_option("--tolerance", options.tolerance_mm, "mm (instead of the scene's)")
       ->check(check_positive);
-  app.add_option("--rays", rays, "dexel")->check(check_rays);
+  app.add_option("--rays", options.rays, "dexel or tri-dexel (instead of the scene's)")
+      ->check(CLI::IsMember({"dexel", "tri-dexel"}));
   app.add_option("--motion", options.motion, "paper or tight (instead of the scene's)")
       ->check(CLI::IsMember({"paper", "tight"}));
   app.add_option("--law", options.law, "drr or specific_energy (instead of the scene's)")
@@ -61,8 +56,7 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
       "Carves a block with an NC program: a scene and a program in; model, forces and report out.",
       "kerf-carve");
   CarveOptions options;
-  std::string rays;
-  declare(app, options, rays);
+  declare(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

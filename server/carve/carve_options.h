@@ -13,7 +13,7 @@ struct CarveOptions {
   std::optional<std::filesystem::path> explain;  ///< explain this scene and do nothing else
   std::optional<std::filesystem::path> stl, glb, ngc, apt, forces, report;
   std::optional<double> pitch_mm, tolerance_mm, rate_hz;
-  std::optional<std::string> motion, law;
+  std::optional<std::string> rays, motion, law;
   int threads = 1;
 };
 

@@ -53,6 +53,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"program_lines", report.program_lines},
                   {"tools_used", tools},
                   {"tip_extents", tip_extents(program)},
+                  {"rays", to_string(scene.settings.rays)},
                   {"pitch_mm", scene.settings.pitch_mm},
                   {"tolerance_mm", scene.settings.tolerance_mm},
                   {"stock_volume_mm3", report.stock_volume_mm3},

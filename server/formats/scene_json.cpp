@@ -116,7 +116,7 @@ std::string scene_json(const Scene& scene) {
   return text_of({{"name", scene.name},
                   {"stock", to_json(settings.stock)},
                   {"accuracy",
-                   {{"rays", "dexel"},
+                   {{"rays", to_string(settings.rays)},
                     {"pitch_mm", settings.pitch_mm},
                     {"tolerance_mm", settings.tolerance_mm},
                     {"motion", settings.motion == MotionModel::kTight ? "tight" : "paper"}}},

@@ -158,12 +158,17 @@ MotionModel read_motion(Fields& accuracy) {
   accuracy.refuse("motion", "\"" + motion + "\" is not a motion model; use tight or paper");
 }
 
+Rays read_rays(Fields& accuracy) {
+  const std::string rays = accuracy.text("rays", "dexel");
+  if (rays == "dexel") return Rays::kDexel;
+  if (rays == "tri-dexel") return Rays::kTriDexel;
+  accuracy.refuse("rays", "\"" + rays + "\" is not a ray model; use dexel or tri-dexel");
+}
+
 void read_accuracy(const Json& json, SculptureSettings& settings) {
   Fields fields(json, "accuracy");
   fields.not_yet("target_mm", "choosing the accuracy from a target");
-  const std::string rays = fields.text("rays", "dexel");
-  if (rays == "tri-dexel") fields.refuse("rays", "tri-dexel is not supported yet; use dexel");
-  if (rays != "dexel") fields.refuse("rays", "\"" + rays + "\" is not a ray model; use dexel");
+  settings.rays = read_rays(fields);
   settings.pitch_mm = fields.positive("pitch_mm", settings.pitch_mm);
   settings.tolerance_mm = fields.positive("tolerance_mm", settings.tolerance_mm);
   settings.motion = read_motion(fields);

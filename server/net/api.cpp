@@ -92,8 +92,7 @@ ApiResponse error_response(unsigned status, std::string_view code, std::string_v
 StateHash current_hash(Session& session) {
   const auto known = on_executor(session, [](Session& s) {
     const auto hash = s.current_hash();
-    return std::pair(hash,
-                     hash ? std::nullopt : std::optional(std::pair(s.sequence(), s.snapshot())));
+    return std::pair(hash, hash ? std::nullopt : std::optional(std::pair(s.sequence(), s.solid())));
   });
   if (known.first) return *known.first;
   const StateHash hash{known.second->first, known.second->second.hash()};

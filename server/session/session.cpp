@@ -128,7 +128,8 @@ std::expected<MotionResult, Refusal> Session::carve(ParticipantId who, const Mov
     changed_[static_cast<std::size_t>(tile.y) * tiles_x + static_cast<std::size_t>(tile.x)] = true;
     any_changed_ = true;
   }
-  if (!result->changed_tiles.empty()) {
+  // Rays along X and Y may lose something where those along Z, which viewers see, do not.
+  if (result->removed_mm3 > 0) {
     changed_sequence_ = sequence();
     hash_soon();
   }
@@ -291,9 +292,9 @@ void Session::hash_soon() {
 void Session::start_hash() {
   hash_scheduled_ = false;
   if (closed_ || current_hash()) return;
-  workers_.post([self = shared_from_this(), snapshot = sculpture_.snapshot(), at = sequence()] {
+  workers_.post([self = shared_from_this(), solid = sculpture_.solid(), at = sequence()] {
     const auto start = Clock::now();
-    const std::uint64_t hash = snapshot.hash();
+    const std::uint64_t hash = solid.hash();
     const auto cost = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
     self->executor_->post([self, at, hash, cost] {
       self->hash_cost_ = cost;

@@ -111,6 +111,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::vector<Participant> participants() const;
   SessionFrame frame(bool with_snapshot);
   DexelSnapshot snapshot() { return sculpture_.snapshot(); }
+  SolidSnapshot solid() { return sculpture_.solid(); }
   std::uint64_t sequence() const { return journal_.last_sequence(); }
   /// The hash of the solid as it is now, if it is known; its sequence is sequence().
   std::optional<StateHash> current_hash() const;

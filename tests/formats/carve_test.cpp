@@ -118,6 +118,15 @@ TEST_F(KerfCarve, OptionsReplaceWhatTheSceneSays) {
   EXPECT_EQ(json["triangles"], nullptr);
 }
 
+TEST_F(KerfCarve, ThreeFieldsOfRaysSeeWhatOneDoes) {
+  const auto one = report(kInput), three = report(kInput + " --rays tri-dexel");
+  EXPECT_EQ(one["rays"], "dexel");
+  EXPECT_EQ(three["rays"], "tri-dexel");
+  EXPECT_NE(three["state_hash"], one["state_hash"]);
+  const double removed = one["removed_volume_mm3"];
+  EXPECT_NEAR(three["removed_volume_mm3"], removed, 0.05 * removed);
+}
+
 TEST_F(KerfCarve, TheBytesDoNotDependOnTheThreads) {
   ASSERT_EQ(run(kInput + " --stl a.stl --glb a.glb --ngc a.ngc --threads 1"), 0);
   ASSERT_EQ(run(kInput + " --stl b.stl --glb b.glb --ngc b.ngc --threads 4"), 0);
@@ -192,8 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"Pitch", "", "", "--scene scene.json --program p.ngc --pitch nan", "kerf-carve: "},
         BadInput{"TinyPitch", "", "", "--scene scene.json --program p.ngc --pitch 1e-9",
                  "scene.json: "},
-        BadInput{"TriDexel", "", "", "--scene scene.json --program p.ngc --rays tri-dexel",
-                 "kerf-carve: "},
+        BadInput{"Rays", "", "", "--scene scene.json --program p.ngc --rays voxel", "kerf-carve: "},
         BadInput{"Rate", "", "", "--scene scene.json --program p.ngc --rate 1e12",
                  "p.ngc: would need"}),
     [](const auto& test) { return test.param.name; });

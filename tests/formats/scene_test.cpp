@@ -82,6 +82,15 @@ TEST(Scene, CanonicalTextReadsBackEqual) {
   EXPECT_EQ(std::get<CylinderObstacle>(again->settings.obstacles[1].shape).to_mm.x, 0.1);
 }
 
+TEST(Scene, RaysAreOneFieldOrThree) {
+  const auto three = parse_scene(with("\"dexel\"", "\"tri-dexel\""), {});
+  ASSERT_TRUE(three.has_value()) << to_string(three.error());
+  EXPECT_EQ(three->settings.rays, Rays::kTriDexel);
+  EXPECT_EQ(parse_scene(scene_json(*three), {})->settings.rays, Rays::kTriDexel);
+  const auto one = parse_scene(with("\"dexel\"", "\"dexel\""), {});
+  EXPECT_EQ(parse_scene(scene_json(*one), {})->settings.rays, Rays::kDexel);
+}
+
 TEST(Scene, WelcomeMessagesCarryItsParts) {
   const Scene scene = test::scene_for("xyz");
   EXPECT_EQ(stock_json(scene),
@@ -120,7 +129,6 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"[50,50,0]", "[50,-50,0]", "stock.max_mm", "greater"},
         BadScene{"\"pitch_mm\": 0.25", "\"pitch_mm\": 0", "accuracy.pitch_mm", "above 0"},
         BadScene{"\"pitch_mm\": 0.25", "\"pitch_mm\": \"x\"", "accuracy.pitch_mm", "number"},
-        BadScene{"\"dexel\"", "\"tri-dexel\"", "accuracy.rays", "not supported yet"},
         BadScene{"\"dexel\"", "\"voxel\"", "accuracy.rays", "voxel"},
         BadScene{"\"tight\"", "\"loose\"", "accuracy.motion", "loose"},
         BadScene{"\"rays\"", "\"target_mm\": 0.1, \"rays\"", "accuracy.target_mm",

@@ -34,8 +34,8 @@ class SessionRoom : public testing::Test {
         workers);
   }
   void SetUp() override { restart(); }
-  std::shared_ptr<Session> start() {
-    auto created = registry->create("block", kScene, SceneSource{});
+  std::shared_ptr<Session> start(const std::string& scene = kScene) {
+    auto created = registry->create("block", scene, SceneSource{});
     EXPECT_TRUE(created) << created.error().reason;
     return *created;
   }
@@ -146,12 +146,26 @@ TEST_F(SessionRoom, AppliesMotionsAndJournalsThem) {
 TEST_F(SessionRoom, ReplayGivesTheSameHash) {
   const auto session = start();
   carve_circle(*session, join(*session));
-  const std::uint64_t hash = session->snapshot().hash();
+  const std::uint64_t hash = session->solid().hash();
   ASSERT_TRUE(session->flush());
   const auto replayed = replay(session->journal_file());
   ASSERT_TRUE(replayed) << describe(replayed.error());
   EXPECT_EQ(replayed->hash.hash, hash);
   EXPECT_EQ(replayed->last_sequence, session->sequence());
+}
+
+TEST_F(SessionRoom, ReplayOfThreeFieldsOfRaysGivesTheSameHash) {
+  std::string scene = kScene;
+  scene.replace(scene.find("dexel"), 5, "tri-dexel");
+  const auto session = start(scene);
+  carve_circle(*session, join(*session));
+  const SolidSnapshot solid = session->solid();
+  EXPECT_EQ(solid.fields.size(), 3U);
+  ASSERT_TRUE(session->flush());
+  const auto replayed = replay(session->journal_file());
+  ASSERT_TRUE(replayed) << describe(replayed.error());
+  EXPECT_EQ(replayed->scene.settings.rays, Rays::kTriDexel);
+  EXPECT_EQ(replayed->hash.hash, solid.hash());
 }
 
 TEST_F(SessionRoom, ReplayThatDivergesFromItsStateHashIsAnError) {
@@ -170,7 +184,7 @@ TEST_F(SessionRoom, RegistryBringsSessionsBack) {
   {
     const auto session = start();
     carve_circle(*session, join(*session));
-    hash = session->snapshot().hash();
+    hash = session->solid().hash();
     ASSERT_TRUE(session->flush());
   }
   restart();
@@ -240,7 +254,7 @@ TEST_F(SessionRoom, HashIsComputedByTheWorkersAfterAChange) {
   workers.run();
   executor->run();
   ASSERT_TRUE(session->current_hash());
-  EXPECT_EQ(session->current_hash()->hash, session->snapshot().hash());
+  EXPECT_EQ(session->current_hash()->hash, session->solid().hash());
 }
 
 TEST_F(SessionRoom, AgentsAreServedBetweenTheSlicesOfAProgram) {
@@ -296,7 +310,7 @@ TEST_F(SessionRoom, ExportedProgramCarvesTheSameSolid) {
     ASSERT_TRUE(other);
     ASSERT_TRUE((*other)->start_program(*program, ProgramPace::kFast));
     executor->run();
-    EXPECT_EQ((*other)->snapshot().hash(), session->snapshot().hash());
+    EXPECT_EQ((*other)->solid().hash(), session->solid().hash());
   }
 }
 

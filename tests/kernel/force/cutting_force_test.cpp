@@ -52,9 +52,9 @@ TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   Removal removal;
   removal.groups = {{0, 0, {2}, {4}}};
   removal.quanta = 2;
-  CuttingForce force({ForceLaw::kSpecificEnergy, 2, 0, 10}, grid, 0.001);
+  CuttingForce force({ForceLaw::kSpecificEnergy, 2, 0, 10}, 0.001);
   const ToolMotion motion = make_motion({{0, 2, -0.5}, kUp}, {{0.5, 2, -0.5}, kUp}, 50);
-  force.add(removal, motion, 1);
+  force.add(grid, removal, motion, 1);
   const double f = 2 * (0.5 * 0.25) / 0.5;  // u dV / ds
   EXPECT_NEAR(force.wrench().force_n.x, -f, 1e-15);
   EXPECT_EQ(force.wrench().force_n.y, 0);

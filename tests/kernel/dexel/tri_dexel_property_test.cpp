@@ -1,0 +1,190 @@
+// The three fields of a tri-dexel block against each other and against the true motion. Rays of the
+// three fields meet in a lattice of points, one ray of each field through every point: there all of
+// them must say the same.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "kernel/sculpture.h"
+#include "tests/support/standard_job.h"
+#include "tests/support/swept_oracle.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::array kAxes{RayAxis::kX, RayAxis::kY, RayAxis::kZ};
+
+struct Motion {
+  Tool tool;
+  ToolPose from, to;
+};
+
+/// How far a point is outside everything that the motions sweep (negative: inside).
+double outside_all(const std::vector<Motion>& motions, Vec3 point) {
+  double least = 1e300;
+  for (const Motion& m : motions) {
+    for (const ToolPiece& piece : m.tool.pieces) {
+      least = std::min(least, test::swept_outside(piece, m.from, m.to, point, 150));
+    }
+  }
+  return least;
+}
+
+/// The columns of one field, read for whole numbers of samples.
+class Field {
+ public:
+  Field(Sculpture& s, RayAxis axis) : axis_(axis), snapshot_(s.snapshot(axis)) {}
+
+  const DexelGrid& grid() const { return snapshot_.grid(); }
+  Vec3 world(std::int32_t i, std::int32_t j, double depth_mm) const {
+    return from_frame(axis_, {grid().x_mm(i), grid().y_mm(j), depth_mm});
+  }
+  std::vector<Dexel> column(std::int32_t i, std::int32_t j) const {
+    std::vector<Dexel> scratch;
+    const auto c = snapshot_.column(i, j, scratch);
+    return {c.begin(), c.end()};
+  }
+  /// Whether the lattice point (i, j, k) of the world is solid here.
+  bool solid(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    const std::array<std::int32_t, 3> p{x, y, z};
+    const std::size_t first = axis_ == RayAxis::kZ ? 0 : axis_ == RayAxis::kX ? 1 : 2;
+    const double depth_mm = (p[(first + 2) % 3] + 0.5) * grid().pitch_mm;
+    for (const Dexel& d : column(p[first], p[(first + 1) % 3])) {
+      if (d.bottom * grid().z_quantum_mm <= depth_mm && depth_mm <= d.top * grid().z_quantum_mm) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  RayAxis axis_;
+  DexelSnapshot snapshot_;
+};
+
+struct Carved {
+  std::vector<Motion> motions;
+  std::unique_ptr<Sculpture> sculpture;
+};
+
+constexpr double kHalfSide = 12;
+constexpr double kPitch = 0.75;
+
+/// A few random motions of a random tool each, leaning up to a right angle and turning up to 0.5
+/// rad.
+Carved carve_at_random(unsigned seed, double tolerance) {
+  SculptureSettings settings;
+  settings.stock =
+      BoxStock{{-kHalfSide, -kHalfSide, -kHalfSide}, {kHalfSide, kHalfSide, kHalfSide}};
+  settings.rays = Rays::kTriDexel;
+  settings.pitch_mm = kPitch;
+  settings.tolerance_mm = tolerance;
+  Carved carved{{}, std::make_unique<Sculpture>(*Sculpture::create(settings))};
+  const std::vector<ToolShape> shapes{BallShape{6, 30}, FlatShape{8, 30}, TaperShape{3, 12, 30},
+                                      TaperShape{4, 8, 30, TaperTip::kBall},
+                                      ConeEndShape{8, 90, 30}};
+  std::mt19937 random(seed);
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  for (ToolId id = 0; id < 4; ++id) {
+    const Tool tool = *make_tool(shapes[(seed + id) % shapes.size()]);
+    const Vec3 axis = normalized({in(-1, 1), in(-1, 1), in(0, 1)});
+    const Vec3 side = normalized(cross(axis, Vec3{in(-1, 1), in(-1, 1), in(-1, 1)}));
+    const double turn = id % 2 == 0 ? 0 : in(0, 0.5);
+    const Vec3 tip{in(-9, 9), in(-9, 9), in(-9, 9)};
+    const ToolPose from{tip, axis};
+    const ToolPose to{tip + Vec3{in(-5, 5), in(-5, 5), in(-5, 5)},
+                      normalized(axis * std::cos(turn) + side * std::sin(turn))};
+    carved.sculpture->apply(DefineTool{id, tool}).value();
+    carved.sculpture->apply(MoveTool{id, from, to, 0.01}).value();
+    carved.motions.push_back({tool, from, to});
+  }
+  return carved;
+}
+
+class TriDexel : public testing::TestWithParam<unsigned> {};
+
+TEST_P(TriDexel, EndsOfEveryFieldLieOnTheTrueSurface) {
+  constexpr double kTolerance = 0.005;
+  Carved carved = carve_at_random(GetParam(), kTolerance);
+  int ends = 0;
+  for (const RayAxis axis : kAxes) {
+    const Field field(*carved.sculpture, axis);
+    for (std::int32_t j = 0; j < field.grid().columns_y; j += 2) {
+      for (std::int32_t i = 0; i < field.grid().columns_x; ++i) {
+        for (const Dexel& d : field.column(i, j)) {
+          for (const std::int32_t end : {d.bottom, d.top}) {
+            if (end == 0 || end == field.grid().height_quanta) continue;
+            ++ends;
+            const Vec3 p = field.world(i, j, field.grid().z_mm(end));
+            EXPECT_LE(std::abs(outside_all(carved.motions, p)), kTolerance)
+                << "axis " << int(axis) << " column " << i << ' ' << j << " depth " << end;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(ends, 200);
+}
+
+TEST_P(TriDexel, FieldsAgreeWhereTheirRaysMeet) {
+  constexpr double kTolerance = 0.005;
+  Carved carved = carve_at_random(GetParam() + 100, kTolerance);
+  const Field x(*carved.sculpture, RayAxis::kX), y(*carved.sculpture, RayAxis::kY),
+      z(*carved.sculpture, RayAxis::kZ);
+  const auto side = static_cast<std::int32_t>(2 * kHalfSide / kPitch);
+  int empty = 0;
+  for (std::int32_t k = 0; k < side; ++k) {
+    for (std::int32_t j = 0; j < side; ++j) {
+      for (std::int32_t i = 0; i < side; ++i) {
+        const bool solid = z.solid(i, j, k);
+        empty += solid ? 0 : 1;
+        if (x.solid(i, j, k) == solid && y.solid(i, j, k) == solid) continue;
+        // Only a point on the surface may be solid for one field and empty for another.
+        const Vec3 p = z.world(i, j, -kHalfSide + (k + 0.5) * kPitch);
+        EXPECT_LE(std::abs(outside_all(carved.motions, p)), kTolerance)
+            << "point " << i << ' ' << j << ' ' << k;
+      }
+    }
+  }
+  EXPECT_GT(empty, 100);
+}
+
+TEST_P(TriDexel, FieldsRemoveTheSameVolume) {
+  Carved carved = carve_at_random(GetParam() + 200, 0.005);
+  Sculpture& s = *carved.sculpture;
+  for (const RayAxis axis : kAxes) {
+    const double removed = s.stock_volume_mm3() - s.snapshot(axis).volume_mm3();
+    // A wall parallel to the rays is placed to half a pitch.
+    EXPECT_NEAR(removed / s.removed_volume_mm3(), 1, 0.03) << "axis " << int(axis);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, TriDexel, testing::Range(0u, 6u));
+
+TEST(TriDexelStandardJob, EveryFieldRemovesTheExactVolumeToHalfAPitchOfWhatItsRaysGraze) {
+  SculptureSettings settings = test::standard_settings(0.25, 0.001);
+  settings.rays = Rays::kTriDexel;
+  auto s = *Sculpture::create(settings);
+  s.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
+  const std::vector<ToolPose> path = test::standard_path(false);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    s.apply(MoveTool{1, path[i - 1], path[i], 0.01, false}).value();
+  }
+  for (const RayAxis axis : kAxes) {
+    const double removed = s.stock_volume_mm3() - s.snapshot(axis).volume_mm3();
+    // Rays along X and Y graze the floor of 100 x 100 mm.
+    const double most = axis == RayAxis::kZ ? 10 : 0.5 * 0.25 * 1e4;
+    EXPECT_NEAR(removed, test::kStandardRemovedMm3, most) << "axis " << int(axis);
+  }
+  EXPECT_NEAR(s.removed_volume_mm3() / test::kStandardRemovedMm3, 1, 5e-3);
+}
+
+}  // namespace
+}  // namespace kerf
