@@ -219,7 +219,7 @@ SolidSnapshot Sculpture::solid() {
 std::expected<void, SculptureError> Sculpture::check(const Command& command) const {
   if (const auto* move = std::get_if<MoveTool>(&command)) return check_move(*move);
   const auto& define = std::get<DefineTool>(command);
-  if (auto tool = make_tool(define.tool.pieces); !tool) {
+  if (auto tool = make_tool(define.tool.pieces, define.tool.non_cutting); !tool) {
     return refuse(SculptureErrorCode::kBadTool, tool.error().field + " " + tool.error().reason);
   }
   return {};
@@ -265,7 +265,7 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
   if (auto c = check(command); !c) return std::unexpected(c.error());
   if (const auto* define = std::get_if<DefineTool>(&command)) {
     // Rebuilt from its pieces, so that a tool from a journal and one from a scene are the same.
-    tools_[define->id] = *make_tool(define->tool.pieces);
+    tools_[define->id] = *make_tool(define->tool.pieces, define->tool.non_cutting);
     return MotionResult{};
   }
   return move(std::get<MoveTool>(command));

@@ -2,89 +2,72 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
+
+#include "kernel/tool/outline.h"
+#include "kernel/tool/tool_check.h"
 
 namespace kerf {
 namespace {
 
-using Check = std::expected<void, ToolError>;
+using Pieces = std::expected<std::vector<ToolPiece>, ToolError>;
 
-constexpr std::size_t kPiecesMax = 64;
+struct Extent {
+  double top_mm, radius_mm;
+};
 
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
-Check check_length(const char* field, double value_mm) {
-  if (!std::isfinite(value_mm)) {
-    return std::unexpected(ToolError{ToolErrorCode::kNotFinite, field, "is not a finite number"});
-  }
-  if (value_mm <= 0) {
-    return std::unexpected(
-        ToolError{ToolErrorCode::kNotPositive, field, "must be greater than zero"});
-  }
-  if (value_mm < kToolLengthMinMm || value_mm > kToolLengthMaxMm) {
-    return std::unexpected(
-        ToolError{ToolErrorCode::kOutOfRange, field, "must be between 0.0001 and 5000 mm"});
-  }
-  return {};
-}
-
-Check check_angle(const char* field, double value_deg, double max_deg) {
-  if (!std::isfinite(value_deg)) {
-    return std::unexpected(ToolError{ToolErrorCode::kNotFinite, field, "is not a finite number"});
-  }
-  if (value_deg <= 0 || value_deg >= max_deg) {
-    return std::unexpected(
-        ToolError{ToolErrorCode::kOutOfRange, field,
-                  "must lie strictly between 0 and " + std::to_string(int(max_deg)) + " degrees"});
-  }
-  return {};
+Extent extent(const BallPiece& p) { return {p.center_mm + p.radius_mm, p.radius_mm}; }
+Extent extent(const FrustumPiece& p) { return {p.z1_mm, std::max(p.r0_mm, p.r1_mm)}; }
+Extent extent(const ArcPiece& p) {
+  // Widest at the height of its centre, or at the end that is nearest to it.
+  const double off = std::clamp(p.center_z_mm, p.z0_mm, p.z1_mm) - p.center_z_mm;
+  return {p.z1_mm, p.center_r_mm + std::sqrt(std::max(0.0, p.radius_mm * p.radius_mm - off * off))};
 }
 
 ToolError too_short(std::string reason) {
   return {ToolErrorCode::kTooShort, "length_mm", std::move(reason)};
 }
 
-Tool assemble(std::vector<ToolPiece> pieces) {
-  Tool tool;
-  for (const ToolPiece& piece : pieces) {
-    if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-      tool.length_mm = std::max(tool.length_mm, ball->center_mm + ball->radius_mm);
-      tool.radius_mm = std::max(tool.radius_mm, ball->radius_mm);
-    } else if (const auto* arc = std::get_if<ArcPiece>(&piece)) {
-      tool.length_mm = std::max(tool.length_mm, arc->z1_mm);
-      tool.radius_mm = std::max(tool.radius_mm, arc->center_r_mm + arc->radius_mm);
-    } else {
-      const auto& frustum = std::get<FrustumPiece>(piece);
-      tool.length_mm = std::max(tool.length_mm, frustum.z1_mm);
-      tool.radius_mm = std::max({tool.radius_mm, frustum.r0_mm, frustum.r1_mm});
-    }
-  }
-  tool.pieces = std::move(pieces);
-  return tool;
-}
-
-std::expected<Tool, ToolError> make(const BallShape& s) {
+Pieces make(const BallShape& s) {
   if (auto c = check_length("diameter_mm", s.diameter_mm); !c) return std::unexpected(c.error());
   if (auto c = check_length("length_mm", s.length_mm); !c) return std::unexpected(c.error());
   const double r = s.diameter_mm / 2;
   if (s.length_mm < r) return std::unexpected(too_short("must be at least half the diameter"));
   std::vector<ToolPiece> pieces{BallPiece{r, r}};
   if (s.length_mm > r) pieces.emplace_back(FrustumPiece{r, r, s.length_mm, r});
-  return assemble(std::move(pieces));
+  return pieces;
 }
 
-std::expected<Tool, ToolError> make(const FlatShape& s) {
+Pieces make(const FlatShape& s) {
   if (auto c = check_length("diameter_mm", s.diameter_mm); !c) return std::unexpected(c.error());
   if (auto c = check_length("length_mm", s.length_mm); !c) return std::unexpected(c.error());
   const double r = s.diameter_mm / 2;
-  return assemble({FrustumPiece{0, r, s.length_mm, r}});
+  return std::vector<ToolPiece>({FrustumPiece{0, r, s.length_mm, r}});
 }
 
-std::expected<Tool, ToolError> make(const TaperShape& s) {
+Pieces make(const BullNoseShape& s) {
   if (auto c = check_length("diameter_mm", s.diameter_mm); !c) return std::unexpected(c.error());
   if (auto c = check_length("length_mm", s.length_mm); !c) return std::unexpected(c.error());
-  if (auto c = check_angle("half_angle_deg", s.half_angle_deg, 90); !c) {
+  const double r = s.diameter_mm / 2, corner = s.corner_radius_mm;
+  if (corner != 0) {
+    if (auto c = check_length("corner_radius_mm", corner); !c) return std::unexpected(c.error());
+  }
+  if (corner > r) {
+    return std::unexpected(ToolError{ToolErrorCode::kOutOfRange, "corner_radius_mm",
+                                     "must be at most half the diameter"});
+  }
+  if (s.length_mm < corner) return std::unexpected(too_short("ends within the rounded corner"));
+  if (corner == 0) return make(FlatShape{s.diameter_mm, s.length_mm});
+  if (corner == r) return make(BallShape{s.diameter_mm, s.length_mm});
+  std::vector<ToolPiece> pieces{ArcPiece{r - corner, corner, corner, 0, corner}};
+  if (s.length_mm > corner) pieces.emplace_back(FrustumPiece{corner, r, s.length_mm, r});
+  return pieces;
+}
+
+Pieces make(const TaperShape& s) {
+  if (auto c = check_length("diameter_mm", s.diameter_mm); !c) return std::unexpected(c.error());
+  if (auto c = check_length("length_mm", s.length_mm); !c) return std::unexpected(c.error());
+  if (auto c = check_angle("half_angle_deg", s.half_angle_deg, 0, 90); !c) {
     return std::unexpected(c.error());
   }
   const double r = s.diameter_mm / 2;
@@ -106,13 +89,13 @@ std::expected<Tool, ToolError> make(const TaperShape& s) {
                                      "makes the upper radius larger than 5000 mm"});
   }
   pieces.emplace_back(FrustumPiece{z0, r0, s.length_mm, r1});
-  return assemble(std::move(pieces));
+  return pieces;
 }
 
-std::expected<Tool, ToolError> make(const ConeEndShape& s) {
+Pieces make(const ConeEndShape& s) {
   if (auto c = check_length("diameter_mm", s.diameter_mm); !c) return std::unexpected(c.error());
   if (auto c = check_length("length_mm", s.length_mm); !c) return std::unexpected(c.error());
-  if (auto c = check_angle("tip_angle_deg", s.tip_angle_deg, 180); !c) {
+  if (auto c = check_angle("tip_angle_deg", s.tip_angle_deg, 0, 180); !c) {
     return std::unexpected(c.error());
   }
   const double r = s.diameter_mm / 2;
@@ -121,8 +104,10 @@ std::expected<Tool, ToolError> make(const ConeEndShape& s) {
   if (s.length_mm < cone) return std::unexpected(too_short("is shorter than the cone at the tip"));
   std::vector<ToolPiece> pieces{FrustumPiece{0, 0, cone, r}};
   if (s.length_mm > cone) pieces.emplace_back(FrustumPiece{cone, r, s.length_mm, r});
-  return assemble(std::move(pieces));
+  return pieces;
 }
+
+Pieces make(const AptShape& s) { return resolve(s); }
 
 std::string check_piece(const BallPiece& p) {
   if (!std::isfinite(p.center_mm) || !std::isfinite(p.radius_mm)) return "is not finite";
@@ -154,27 +139,103 @@ std::string check_piece(const ArcPiece& p) {
   const double below = p.z0_mm - p.center_z_mm, above = p.z1_mm - p.center_z_mm;
   const double r2 = p.radius_mm * p.radius_mm;
   if (below * below > r2 || above * above > r2) return "has heights beyond its arc";
+  // The radius is a concave function of the height, so it is least at an end.
+  const double least = p.center_r_mm + std::sqrt(r2 - std::max(below * below, above * above));
+  if (least < -kOutlineEpsilonMm) return "has a negative radius";
+  return {};
+}
+
+ToolCheck check_pieces(const std::vector<ToolPiece>& pieces, const char* field) {
+  if (pieces.size() > kToolPiecesMax) {
+    return std::unexpected(ToolError{ToolErrorCode::kTooManyPieces, field, "must be at most 1024"});
+  }
+  for (const ToolPiece& piece : pieces) {
+    std::string wrong = std::visit([](const auto& p) { return check_piece(p); }, piece);
+    if (!wrong.empty()) {
+      return std::unexpected(ToolError{ToolErrorCode::kOutOfRange, field, std::move(wrong)});
+    }
+  }
   return {};
 }
 
 }  // namespace
 
-std::expected<Tool, ToolError> make_tool(const ToolShape& shape) {
-  return std::visit([](const auto& s) { return make(s); }, shape);
+ToolCheck check_length(const std::string& field, double value_mm) {
+  if (!std::isfinite(value_mm)) {
+    return std::unexpected(ToolError{ToolErrorCode::kNotFinite, field, "is not a finite number"});
+  }
+  if (value_mm <= 0) {
+    return std::unexpected(
+        ToolError{ToolErrorCode::kNotPositive, field, "must be greater than zero"});
+  }
+  if (value_mm < kToolLengthMinMm || value_mm > kToolLengthMaxMm) {
+    return std::unexpected(
+        ToolError{ToolErrorCode::kOutOfRange, field, "must be between 0.0001 and 5000 mm"});
+  }
+  return {};
 }
 
-std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> pieces) {
-  if (pieces.empty() || pieces.size() > kPiecesMax) {
+ToolCheck check_coordinate(const std::string& field, double value_mm, double least_mm) {
+  if (!std::isfinite(value_mm)) {
+    return std::unexpected(ToolError{ToolErrorCode::kNotFinite, field, "is not a finite number"});
+  }
+  if (value_mm < least_mm || value_mm > kToolLengthMaxMm) {
     return std::unexpected(
-        ToolError{ToolErrorCode::kTooManyPieces, "pieces", "must be between 1 and 64"});
+        ToolError{ToolErrorCode::kOutOfRange, field,
+                  "must be between " + std::to_string(int(least_mm)) + " and 5000 mm"});
   }
-  for (const ToolPiece& piece : pieces) {
-    std::string wrong = std::visit([](const auto& p) { return check_piece(p); }, piece);
-    if (!wrong.empty()) {
-      return std::unexpected(ToolError{ToolErrorCode::kOutOfRange, "pieces", std::move(wrong)});
-    }
+  return {};
+}
+
+ToolCheck check_angle(const std::string& field, double value_deg, double above_deg,
+                      double below_deg) {
+  if (!std::isfinite(value_deg)) {
+    return std::unexpected(ToolError{ToolErrorCode::kNotFinite, field, "is not a finite number"});
   }
-  return assemble(std::move(pieces));
+  if (value_deg <= above_deg || value_deg >= below_deg) {
+    return std::unexpected(ToolError{ToolErrorCode::kOutOfRange, field,
+                                     "must lie strictly between " + std::to_string(int(above_deg)) +
+                                         " and " + std::to_string(int(below_deg)) + " degrees"});
+  }
+  return {};
+}
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+Tool assemble(std::vector<ToolPiece> cutting, std::vector<ToolPiece> non_cutting) {
+  Tool tool;
+  for (const ToolPiece& piece : cutting) {
+    const Extent e = std::visit([](const auto& p) { return extent(p); }, piece);
+    tool.length_mm = std::max(tool.length_mm, e.top_mm);
+    tool.radius_mm = std::max(tool.radius_mm, e.radius_mm);
+  }
+  tool.whole_length_mm = tool.length_mm;
+  tool.whole_radius_mm = tool.radius_mm;
+  for (const ToolPiece& piece : non_cutting) {
+    const Extent e = std::visit([](const auto& p) { return extent(p); }, piece);
+    tool.whole_length_mm = std::max(tool.whole_length_mm, e.top_mm);
+    tool.whole_radius_mm = std::max(tool.whole_radius_mm, e.radius_mm);
+  }
+  tool.pieces = std::move(cutting);
+  tool.non_cutting = std::move(non_cutting);
+  return tool;
+}
+
+std::expected<Tool, ToolError> make_tool(const ToolShape& shape) {
+  auto pieces = std::visit([](const auto& s) { return make(s); }, shape);
+  if (!pieces) return std::unexpected(pieces.error());
+  return make_tool(*std::move(pieces));
+}
+
+std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> cutting,
+                                         std::vector<ToolPiece> non_cutting) {
+  if (cutting.empty()) {
+    return std::unexpected(
+        ToolError{ToolErrorCode::kTooShort, "pieces", "must have at least one that cuts"});
+  }
+  if (auto c = check_pieces(cutting, "pieces"); !c) return std::unexpected(c.error());
+  if (auto c = check_pieces(non_cutting, "non_cutting"); !c) return std::unexpected(c.error());
+  return assemble(std::move(cutting), std::move(non_cutting));
 }
 
 }  // namespace kerf

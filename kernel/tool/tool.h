@@ -1,33 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <expected>
 #include <string>
 #include <variant>
 #include <vector>
 
-namespace kerf {
+#include "kernel/tool/tool_shape.h"
 
-/// The shapes a user can define. Lengths in mm, measured from the tip along the axis; angles in
-/// degrees.
-struct BallShape {
-  double diameter_mm, length_mm;  ///< length >= diameter / 2
-};
-struct FlatShape {
-  double diameter_mm, length_mm;
-};
-enum class TaperTip { kFlat, kBall };
-struct TaperShape {
-  double diameter_mm;     ///< at the tip (of the ball for TaperTip::kBall)
-  double half_angle_deg;  ///< between axis and side, in (0, 90)
-  double length_mm;
-  TaperTip tip = TaperTip::kFlat;
-};
-struct ConeEndShape {
-  double diameter_mm;
-  double tip_angle_deg;  ///< included angle of the cone at the tip, in (0, 180)
-  double length_mm;      ///< whole length, cone and cylinder
-};
-using ToolShape = std::variant<BallShape, FlatShape, TaperShape, ConeEndShape>;
+namespace kerf {
 
 /// A convex body of revolution about the tool axis; heights in mm above the tip.
 struct BallPiece {
@@ -54,13 +35,23 @@ using ToolPiece = std::variant<BallPiece, FrustumPiece, ArcPiece>;
 /// tool holds lengths only, so that a journal that stores tools replays alike on every CPU (libm's
 /// trigonometry does not).
 struct Tool {
-  std::vector<ToolPiece> pieces;  ///< from the tip up
-  double length_mm = 0;
-  double radius_mm = 0;  ///< largest radius of any piece
+  std::vector<ToolPiece> pieces;       ///< what cuts, from the tip up
+  double length_mm = 0;                ///< top of the highest cutting piece
+  double radius_mm = 0;                ///< largest radius of any cutting piece
+  std::vector<ToolPiece> non_cutting;  ///< shank and holder, from below: they collide, never cut
+  double whole_length_mm = 0;          ///< as length_mm and radius_mm, over all pieces
+  double whole_radius_mm = 0;
   friend bool operator==(const Tool&, const Tool&) = default;
 };
 
-enum class ToolErrorCode { kNotFinite, kNotPositive, kOutOfRange, kTooShort, kTooManyPieces };
+enum class ToolErrorCode {
+  kNotFinite,
+  kNotPositive,
+  kOutOfRange,
+  kTooShort,
+  kTooManyPieces,
+  kInconsistent  ///< fields that are sound by themselves do not fit together
+};
 struct ToolError {
   ToolErrorCode code;
   std::string field;   ///< the offending field as scenes name it, e.g. "diameter_mm"
@@ -70,12 +61,15 @@ struct ToolError {
 /// Largest and smallest length that any tool dimension may have.
 inline constexpr double kToolLengthMaxMm = 5000;
 inline constexpr double kToolLengthMinMm = 1e-4;
+/// Most convex pieces that the cutting or the non-cutting part of a tool may have.
+inline constexpr std::size_t kToolPiecesMax = 1024;
 
 /// Resolves a shape into its convex pieces, or says which field is wrong.
 std::expected<Tool, ToolError> make_tool(const ToolShape& shape);
 
 /// Checks a tool that came as pieces (from a journal): finite, positive, ordered, within the
 /// limits.
-std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> pieces);
+std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> cutting,
+                                         std::vector<ToolPiece> non_cutting = {});
 
 }  // namespace kerf

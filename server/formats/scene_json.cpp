@@ -58,6 +58,22 @@ Json to_json(ToolId id, const ToolShape& shape) {
                                        {"diameter_mm", s.diameter_mm},
                                        {"tip_angle_deg", s.tip_angle_deg},
                                        {"length_mm", s.length_mm}});
+                        },
+                        [&](const BullNoseShape& s) {
+                          json.update({{"shape", "bull_nose"},
+                                       {"diameter_mm", s.diameter_mm},
+                                       {"corner_radius_mm", s.corner_radius_mm},
+                                       {"length_mm", s.length_mm}});
+                        },
+                        [&](const AptShape& s) {
+                          json.update({{"shape", "apt"},
+                                       {"d_mm", s.d_mm},
+                                       {"r_mm", s.r_mm},
+                                       {"e_mm", s.e_mm},
+                                       {"f_mm", s.f_mm},
+                                       {"alpha_deg", s.alpha_deg},
+                                       {"beta_deg", s.beta_deg},
+                                       {"h_mm", s.h_mm}});
                         }},
              shape);
   return json;

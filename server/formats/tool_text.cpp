@@ -25,6 +25,17 @@ struct Describe {
     return "cone end, " + size_text(s.diameter_mm, s.length_mm) + ", tip angle " +
            exact_text(s.tip_angle_deg) + " degrees";
   }
+  std::string operator()(const BullNoseShape& s) const {
+    return "bull nose, " + size_text(s.diameter_mm, s.length_mm) + ", corner radius " +
+           exact_text(s.corner_radius_mm) + " mm";
+  }
+  std::string operator()(const AptShape& s) const {
+    std::string text = "APT cutter ";
+    for (const double v : {s.d_mm, s.r_mm, s.e_mm, s.f_mm, s.alpha_deg, s.beta_deg}) {
+      text += exact_text(v) + ",";
+    }
+    return text + exact_text(s.h_mm);
+  }
 };
 
 }  // namespace

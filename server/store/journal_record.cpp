@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint32_t kPiecesMax = 4096;
 constexpr std::uint8_t kBallPiece = 1;
 constexpr std::uint8_t kFrustumPiece = 2;
+constexpr std::uint8_t kArcPiece = 3;
 
 class ByteWriter {
  public:
@@ -74,6 +75,15 @@ void put_piece(ByteWriter& out, const ToolPiece& piece) {
     out.put(ball->radius_mm);
     return;
   }
+  if (const auto* arc = std::get_if<ArcPiece>(&piece)) {
+    out.put(kArcPiece);
+    out.put(arc->center_r_mm);
+    out.put(arc->center_z_mm);
+    out.put(arc->radius_mm);
+    out.put(arc->z0_mm);
+    out.put(arc->z1_mm);
+    return;
+  }
   const auto& frustum = std::get<FrustumPiece>(piece);
   out.put(kFrustumPiece);
   out.put(frustum.z0_mm);
@@ -82,12 +92,17 @@ void put_piece(ByteWriter& out, const ToolPiece& piece) {
   out.put(frustum.r1_mm);
 }
 
+void put_pieces(ByteWriter& out, const std::vector<ToolPiece>& pieces) {
+  out.put(static_cast<std::uint32_t>(pieces.size()));
+  for (const ToolPiece& piece : pieces) put_piece(out, piece);
+}
+
 void put_define_tool(ByteWriter& out, const DefineTool& define) {
-  static_assert(std::variant_size_v<ToolPiece> == 2, "a new piece needs a new layout number");
-  out.put(std::to_underlying(CommandLayout::kDefineTool1));
+  static_assert(std::variant_size_v<ToolPiece> == 3, "a new piece needs a new layout number");
+  out.put(std::to_underlying(CommandLayout::kDefineTool2));
   out.put(define.id);
-  out.put(static_cast<std::uint32_t>(define.tool.pieces.size()));
-  for (const ToolPiece& piece : define.tool.pieces) put_piece(out, piece);
+  put_pieces(out, define.tool.pieces);
+  put_pieces(out, define.tool.non_cutting);
 }
 
 void put_move_tool(ByteWriter& out, const MoveTool& move) {
@@ -102,30 +117,58 @@ void put_move_tool(ByteWriter& out, const MoveTool& move) {
   out.put(static_cast<std::uint8_t>(move.feel ? 1 : 0));
 }
 
-std::expected<Command, std::string> get_define_tool(ByteReader& in) {
-  DefineTool define;
-  define.id = in.get<std::uint32_t>();
+std::expected<ToolPiece, std::string> get_piece(ByteReader& in) {
+  const auto kind = in.get<std::uint8_t>();
+  if (kind == kBallPiece) {
+    const double center_mm = in.get_double();
+    return BallPiece{center_mm, in.get_double()};
+  }
+  if (kind == kFrustumPiece) {
+    FrustumPiece frustum{};
+    frustum.z0_mm = in.get_double();
+    frustum.r0_mm = in.get_double();
+    frustum.z1_mm = in.get_double();
+    frustum.r1_mm = in.get_double();
+    return frustum;
+  }
+  if (kind == kArcPiece) {
+    ArcPiece arc{};
+    arc.center_r_mm = in.get_double();
+    arc.center_z_mm = in.get_double();
+    arc.radius_mm = in.get_double();
+    arc.z0_mm = in.get_double();
+    arc.z1_mm = in.get_double();
+    return arc;
+  }
+  if (in.ran_short()) return std::unexpected("a tool definition ends too early");
+  return std::unexpected("a tool piece is of unknown kind " + std::to_string(kind));
+}
+
+std::expected<std::vector<ToolPiece>, std::string> get_pieces(ByteReader& in) {
   const auto count = in.get<std::uint32_t>();
   if (count > kPiecesMax) return std::unexpected("a tool has too many pieces");
   std::vector<ToolPiece> pieces;
-  for (std::uint32_t i = 0; i < count && !in.ran_short(); ++i) {
-    const auto kind = in.get<std::uint8_t>();
-    if (kind == kBallPiece) {
-      const double center_mm = in.get_double();
-      pieces.emplace_back(BallPiece{center_mm, in.get_double()});
-    } else if (kind == kFrustumPiece) {
-      FrustumPiece frustum{};
-      frustum.z0_mm = in.get_double();
-      frustum.r0_mm = in.get_double();
-      frustum.z1_mm = in.get_double();
-      frustum.r1_mm = in.get_double();
-      pieces.emplace_back(frustum);
-    } else {
-      return std::unexpected("a tool piece is of unknown kind " + std::to_string(kind));
-    }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto piece = get_piece(in);
+    if (!piece) return std::unexpected(piece.error());
+    pieces.push_back(*piece);
   }
   if (in.ran_short()) return std::unexpected("a tool definition ends too early");
-  auto tool = make_tool(std::move(pieces));
+  return pieces;
+}
+
+std::expected<Command, std::string> get_define_tool(ByteReader& in, bool has_non_cutting) {
+  DefineTool define;
+  define.id = in.get<std::uint32_t>();
+  auto cutting = get_pieces(in);
+  if (!cutting) return std::unexpected(cutting.error());
+  std::vector<ToolPiece> non_cutting;
+  if (has_non_cutting) {
+    auto pieces = get_pieces(in);
+    if (!pieces) return std::unexpected(pieces.error());
+    non_cutting = *std::move(pieces);
+  }
+  auto tool = make_tool(*std::move(cutting), std::move(non_cutting));
   if (!tool) return std::unexpected("a stored tool is invalid: " + tool.error().reason);
   define.tool = *std::move(tool);
   return define;
@@ -162,7 +205,10 @@ std::expected<Command, std::string> decode_command(std::span<const std::byte> by
   std::expected<Command, std::string> command;
   switch (static_cast<CommandLayout>(layout)) {
     case CommandLayout::kDefineTool1:
-      command = get_define_tool(in);
+      command = get_define_tool(in, false);
+      break;
+    case CommandLayout::kDefineTool2:
+      command = get_define_tool(in, true);
       break;
     case CommandLayout::kMoveTool1:
       command = get_move_tool(in);

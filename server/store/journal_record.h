@@ -23,7 +23,11 @@ struct JournalRecord {
 
 /// The first byte of an encoded command names its layout. A changed layout gets a new number; the
 /// old one stays readable.
-enum class CommandLayout : std::uint8_t { kDefineTool1 = 1, kMoveTool1 = 2 };
+enum class CommandLayout : std::uint8_t {
+  kDefineTool1 = 1,  ///< cutting pieces only: balls and frusta
+  kMoveTool1 = 2,
+  kDefineTool2 = 3  ///< cutting pieces, then non-cutting ones; arcs too
+};
 
 /// A command as bytes: layout number, then fixed-width little-endian fields (doubles as IEEE 754
 /// bits, so that replay sees the very same numbers).

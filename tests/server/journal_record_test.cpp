@@ -48,8 +48,31 @@ TEST(JournalRecord, ToolComesBackWithAllItsPieces) {
   EXPECT_EQ(define.tool, some_tool().tool);
 }
 
+DefineTool some_tool_with_holder() {
+  auto tool = make_tool({ArcPiece{3, 2, 2, 0, 2}, FrustumPiece{2, 5, 20, 5}},
+                        {FrustumPiece{20, 4, 40, 4}, ArcPiece{-3, 50, 20, 41, 59}});
+  return {4, tool.value()};
+}
+
+TEST(JournalRecord, ArcsAndWhatDoesNotCutComeBack) {
+  const auto decoded = decode_command(encode_command(some_tool_with_holder()));
+  ASSERT_TRUE(decoded) << decoded.error();
+  EXPECT_EQ(std::get<DefineTool>(*decoded).tool, some_tool_with_holder().tool);
+}
+
+TEST(JournalRecord, ToolOfAnEarlierVersionIsRead) {
+  // Layout 1 as it was written before arcs and holders: the same bytes without the second list.
+  auto bytes = encode_command(some_tool());
+  bytes[0] = std::byte{1};
+  bytes.resize(bytes.size() - 4);
+  const auto decoded = decode_command(bytes);
+  ASSERT_TRUE(decoded) << decoded.error();
+  EXPECT_EQ(std::get<DefineTool>(*decoded).tool, some_tool().tool);
+}
+
 TEST(JournalRecord, EveryTruncationIsAnError) {
-  for (const Command& command : {Command(some_move()), Command(some_tool())}) {
+  for (const Command& command :
+       {Command(some_move()), Command(some_tool()), Command(some_tool_with_holder())}) {
     const auto bytes = encode_command(command);
     for (std::size_t size = 0; size < bytes.size(); ++size) {
       EXPECT_FALSE(decode_command(std::span(bytes).first(size))) << size;
@@ -69,7 +92,7 @@ TEST(JournalRecord, TrailingBytesAndUnknownLayoutsAreErrors) {
 }
 
 TEST(JournalRecord, ToolThatTheKernelWouldRefuseIsAnError) {
-  auto bytes = encode_command(some_tool());
+  auto bytes = encode_command(some_tool_with_holder());
   for (std::size_t i = bytes.size() - 8; i < bytes.size(); ++i) bytes[i] = std::byte{0xFF};  // NaN
   EXPECT_FALSE(decode_command(bytes));
 }

@@ -29,6 +29,14 @@ inline double outside(const ToolPiece& piece, double radial, double height) {
     return std::sqrt(radial * radial + (height - b->center_mm) * (height - b->center_mm)) -
            b->radius_mm;
   }
+  if (const auto* a = std::get_if<ArcPiece>(&piece)) {
+    // The distance from the disc of radius center_r, or, where the centre lies beyond the axis,
+    // from its circle's centre in the half-plane of the point: convex either way.
+    const double across = std::max(radial - a->center_r_mm, 0.0);
+    const double along = height - a->center_z_mm;
+    return std::max({std::sqrt(across * across + along * along) - a->radius_mm, a->z0_mm - height,
+                     height - a->z1_mm});
+  }
   const auto& f = std::get<FrustumPiece>(piece);
   const double slope = (f.r1_mm - f.r0_mm) / (f.z1_mm - f.z0_mm);
   const double side =

@@ -33,6 +33,30 @@ TEST(Tool, ConeEndHasItsAngle) {
   EXPECT_NEAR(std::get<FrustumPiece>(t.pieces[0]).z1_mm, 5, 1e-12);
 }
 
+TEST(Tool, BullNoseIsARoundedCornerAndACylinder) {
+  const Tool t = *make_tool(BullNoseShape{10, 2, 50});
+  ASSERT_EQ(t.pieces.size(), 2u);
+  EXPECT_EQ(std::get<ArcPiece>(t.pieces[0]), (ArcPiece{3, 2, 2, 0, 2}));
+  EXPECT_EQ(std::get<FrustumPiece>(t.pieces[1]), (FrustumPiece{2, 5, 50, 5}));
+  EXPECT_EQ(t.radius_mm, 5);
+}
+
+TEST(Tool, BullNoseReachesFromFlatToBall) {
+  EXPECT_EQ(*make_tool(BullNoseShape{10, 0, 50}), *make_tool(FlatShape{10, 50}));
+  EXPECT_EQ(*make_tool(BullNoseShape{10, 5, 50}), *make_tool(BallShape{10, 50}));
+  EXPECT_EQ(make_tool(BullNoseShape{10, 2, 2})->pieces.size(), 1u);
+}
+
+TEST(Tool, KnowsItsLengthWithAndWithoutWhatDoesNotCut) {
+  const Tool t = *make_tool({FrustumPiece{0, 3, 20, 3}}, {FrustumPiece{20, 10, 60, 15}});
+  EXPECT_EQ(t.length_mm, 20);
+  EXPECT_EQ(t.radius_mm, 3);
+  EXPECT_EQ(t.whole_length_mm, 60);
+  EXPECT_EQ(t.whole_radius_mm, 15);
+  EXPECT_EQ(make_tool({FrustumPiece{0, 3, 20, 3}}, {BallPiece{-1, 2}}).error().field,
+            "non_cutting");
+}
+
 struct Refused {
   ToolShape shape;
   ToolErrorCode code;
@@ -51,6 +75,10 @@ TEST(Tool, RefusesWhatCannotBeMade) {
                             {BallShape{10, 4}, kTooShort, "length_mm"},
                             {BallShape{1e5, 1e6}, kOutOfRange, "diameter_mm"},
                             {FlatShape{1e-9, 50}, kOutOfRange, "diameter_mm"},
+                            {BullNoseShape{10, 5.1, 50}, kOutOfRange, "corner_radius_mm"},
+                            {BullNoseShape{10, -1, 50}, kNotPositive, "corner_radius_mm"},
+                            {BullNoseShape{10, nan, 50}, kNotFinite, "corner_radius_mm"},
+                            {BullNoseShape{10, 2, 1.9}, kTooShort, "length_mm"},
                             {TaperShape{4, 0, 40}, kOutOfRange, "half_angle_deg"},
                             {TaperShape{4, 90, 40}, kOutOfRange, "half_angle_deg"},
                             {TaperShape{4, 89.99, 4000}, kOutOfRange, "half_angle_deg"},
@@ -71,7 +99,9 @@ TEST(Tool, RefusesBadPiecesFromAJournal) {
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{FrustumPiece{5, 1, 5, 1}}));
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{FrustumPiece{0, 0, 5, 0}}));
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{BallPiece{5, std::nan("")}}));
-  EXPECT_FALSE(make_tool(std::vector<ToolPiece>(65, BallPiece{5, 5})));
+  EXPECT_FALSE(make_tool(std::vector<ToolPiece>{ArcPiece{3, 2, 2, 0, 4.1}}));
+  EXPECT_FALSE(make_tool(std::vector<ToolPiece>{ArcPiece{-3, 2, 4, 0, 6}}));  // r(6) = -3
+  EXPECT_FALSE(make_tool(std::vector<ToolPiece>(1025, BallPiece{5, 5})));
 }
 
 }  // namespace
