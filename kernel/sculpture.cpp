@@ -42,6 +42,10 @@ Check check_box(Vec3 lo, Vec3 hi) {
   if (!(lo.x < hi.x && lo.y < hi.y && lo.z < hi.z)) {
     return refuse(kBadStock, "the stock is empty: every minimum must be below its maximum");
   }
+  const Vec3 size = hi - lo;
+  if (!(std::min({size.x, size.y, size.z}) >= kStockSizeMinMm)) {
+    return refuse(kBadStock, "the stock is thinner than 0.0001 mm");
+  }
   return {};
 }
 
@@ -87,6 +91,12 @@ Check check_settings(const SculptureSettings& s) {
   return {};
 }
 
+/// A number so small that it has lost digits: nothing that moves a tool computes one on purpose.
+bool has_denormal(Vec3 v) {
+  return std::fpclassify(v.x) == FP_SUBNORMAL || std::fpclassify(v.y) == FP_SUBNORMAL ||
+         std::fpclassify(v.z) == FP_SUBNORMAL;
+}
+
 Check check_pose(const char* which, const ToolPose& pose) {
   using enum SculptureErrorCode;
   const std::string name = which;
@@ -99,6 +109,9 @@ Check check_pose(const char* which, const ToolPose& pose) {
   const double n = length(pose.axis);
   if (!(n >= 0.5 && n <= 2)) {
     return refuse(kBadAxis, name + " axis must have a length between 0.5 and 2 (1 is meant)");
+  }
+  if (has_denormal(pose.tip_mm) || has_denormal(pose.axis)) {
+    return refuse(kNotFinite, name + " pose holds a denormal number");
   }
   return {};
 }
@@ -233,8 +246,9 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
   }
   if (auto c = check_pose("start", command.from); !c) return c;
   if (auto c = check_pose("end", command.to); !c) return c;
-  if (!std::isfinite(command.duration_s) || command.duration_s < 0) {
-    return refuse(kBadDuration, "duration_s must be a finite number, not below zero");
+  const int duration = std::fpclassify(command.duration_s);
+  if (!(duration == FP_ZERO || duration == FP_NORMAL) || command.duration_s < 0) {
+    return refuse(kBadDuration, "duration_s must be a finite number, not denormal, not below zero");
   }
   const ToolMotion motion = motion_of(command, *used);
   if (motion.turn_rad > kTurnMaxRad) {

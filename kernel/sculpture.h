@@ -104,6 +104,8 @@ const char* to_string(SculptureErrorCode code);
 inline constexpr double kTurnMaxRad = 170 * 3.14159265358979323846 / 180;
 /// Positions farther than this from the origin are refused.
 inline constexpr double kCoordinateMaxMm = 1e6;
+/// A stock whose sides are shorter than this is refused.
+inline constexpr double kStockSizeMinMm = 1e-4;
 /// Most columns that one field may have.
 inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 32;
 

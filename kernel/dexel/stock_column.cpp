@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 namespace {
 
 constexpr int kDepthBits = 30;
+constexpr double kSideColumnsMax = 0x7fffff00;
 
 BoxStock bounds(const StockShape& stock) {
   if (const auto* box = std::get_if<BoxStock>(&stock)) return *box;
@@ -54,7 +56,9 @@ Dexel stock_column(const StockShape& stock, const DexelGrid& grid, std::int32_t 
 double columns_in_field(const StockShape& stock, double pitch_mm, RayAxis axis) {
   const BoxStock box = bounds(stock);
   const Vec3 size = to_frame(axis, box.max_mm - box.min_mm);
-  return columns(size.x, pitch_mm) * columns(size.y, pitch_mm);
+  const double x = columns(size.x, pitch_mm), y = columns(size.y, pitch_mm);
+  // A side of more columns than their numbers can count is as good as endless.
+  return std::max(x, y) < kSideColumnsMax ? x * y : std::numeric_limits<double>::infinity();
 }
 
 DexelGrid make_grid(const StockShape& stock, double pitch_mm, RayAxis axis) {
