@@ -17,6 +17,7 @@ std::string check_positive(const std::string& text) {
 }
 
 void declare(CLI::App& app, CarveOptions& options) {
+  app.footer("kerf-carve tradeoff --help: carve at many accuracies and compare error and time.");
   app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
   app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
   app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");

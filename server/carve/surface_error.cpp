@@ -1,0 +1,64 @@
+#include "server/carve/surface_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "kernel/surface/tile_mesh.h"
+
+namespace kerf {
+namespace {
+
+// A mesh costs more than the samples that are taken from it.
+constexpr std::size_t kTilesMax = 400;
+
+std::vector<TileIndex> touched_tiles(const DexelSnapshot& snapshot) {
+  std::vector<TileIndex> tiles;
+  for (std::int32_t y = 0; y < snapshot.grid().tiles_y(); ++y)
+    for (std::int32_t x = 0; x < snapshot.grid().tiles_x(); ++x)
+      if (snapshot.touched({x, y})) tiles.push_back({x, y});
+  return tiles;
+}
+
+// Corners, then centroids, in the world.
+std::vector<Vec3> points_of(const TileMesh& mesh, Vec3 origin_mm) {
+  std::vector<Vec3> points;
+  for (const auto& p : mesh.positions_mm)
+    points.push_back(origin_mm + Vec3{double(p[0]), double(p[1]), double(p[2])});
+  for (std::size_t n = 0; n + 2 < mesh.indices.size(); n += 3)
+    points.push_back(
+        (points[mesh.indices[n]] + points[mesh.indices[n + 1]] + points[mesh.indices[n + 2]]) *
+        (1.0 / 3));
+  return points;
+}
+
+}  // namespace
+
+SurfaceError measure_surface(const DexelSnapshot& snapshot, const TrueSolid& truth,
+                             std::size_t samples) {
+  const std::vector<TileIndex> tiles = touched_tiles(snapshot);
+  const std::size_t meshed = std::min(tiles.size(), kTilesMax);
+  std::vector<Vec3> points;
+  for (std::size_t n = 0; n < meshed; ++n) {
+    const auto more =
+        points_of(mesh_tile(snapshot, tiles[n * tiles.size() / meshed]), snapshot.grid().origin_mm);
+    points.insert(points.end(), more.begin(), more.end());
+  }
+  std::vector<double> errors;
+  const std::size_t taken = std::min(points.size(), samples);
+  double squares = 0;
+  for (std::size_t n = 0; n < taken; ++n) {
+    const auto [mm, cut] = truth.distance(points[n * points.size() / taken]);
+    if (!cut) continue;
+    errors.push_back(mm);
+    squares += mm * mm;
+  }
+  if (errors.empty()) return {};
+  std::ranges::sort(errors);
+  return {.max_mm = errors.back(),
+          .rms_mm = std::sqrt(squares / double(errors.size())),
+          .p99_mm = errors[errors.size() * 99 / 100],
+          .samples = errors.size()};
+}
+
+}  // namespace kerf

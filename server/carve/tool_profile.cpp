@@ -1,0 +1,184 @@
+#include "server/carve/tool_profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+namespace {
+
+// How often an interval between two ends of pieces is asked which piece is widest there.
+constexpr int kLooks = 64;
+constexpr int kBisections = 60;
+// Less than this between two radii is rounding, mm.
+constexpr double kSameMm = 1e-10;
+
+struct Heights {
+  double low, high;
+};
+
+Heights heights(const ToolPiece& piece) {
+  if (const auto* ball = std::get_if<BallPiece>(&piece))
+    return {ball->center_mm - ball->radius_mm, ball->center_mm + ball->radius_mm};
+  if (const auto* arc = std::get_if<ArcPiece>(&piece)) return {arc->z0_mm, arc->z1_mm};
+  const auto& frustum = std::get<FrustumPiece>(piece);
+  return {frustum.z0_mm, frustum.z1_mm};
+}
+
+double half_chord(double radius, double off) {
+  return std::sqrt(std::max(0.0, radius * radius - off * off));
+}
+
+// Radius of a piece at a height; below zero where it does not reach.
+double radius_of(const ToolPiece& piece, double h) {
+  const auto [low, high] = heights(piece);
+  if (h < low || h > high) return -1;
+  if (const auto* ball = std::get_if<BallPiece>(&piece))
+    return half_chord(ball->radius_mm, h - ball->center_mm);
+  if (const auto* arc = std::get_if<ArcPiece>(&piece))
+    return arc->center_r_mm + half_chord(arc->radius_mm, h - arc->center_z_mm);
+  const auto& f = std::get<FrustumPiece>(piece);
+  return f.r0_mm + (f.r1_mm - f.r0_mm) * ((h - f.z0_mm) / (f.z1_mm - f.z0_mm));
+}
+
+// The widest piece at a height; `likely` where it is as wide as any.
+std::size_t widest(const std::vector<ToolPiece>& pieces, double h, std::size_t likely) {
+  std::size_t best = likely;
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (radius_of(pieces[i], h) > radius_of(pieces[best], h) + kSameMm) best = i;
+  return best;
+}
+
+}  // namespace
+
+ToolProfile::ToolProfile(const Tool& tool) : pieces_(tool.pieces) {
+  std::vector<double> ends;
+  for (const ToolPiece& piece : pieces_) {
+    const auto [low, high] = heights(piece);
+    ends.push_back(low);
+    ends.push_back(high);
+  }
+  std::ranges::sort(ends);
+  low_mm_ = ends.front();
+  high_mm_ = ends.back();
+  double reached = 0;  // radius at which the outline stands
+  for (std::size_t e = 1; e < ends.size(); ++e) {
+    double low = ends[e - 1];
+    const double high = ends[e];
+    if (high - low < kSameMm) continue;
+    const double step = (high - low) / kLooks;
+    std::size_t now = widest(pieces_, low + step / 2, 0);
+    const auto finish = [&](std::size_t piece, double to) {
+      add_step(reached, std::max(0.0, radius_of(pieces_[piece], low)), low);
+      add_outline(pieces_[piece], low, to);
+      reached = std::max(0.0, radius_of(pieces_[piece], to));
+      low = to;
+    };
+    for (int k = 1; k < kLooks; ++k) {
+      double in = ends[e - 1] + (k - 0.5) * step;
+      double out = in + step;
+      const std::size_t next = widest(pieces_, out, now);
+      if (next == now) continue;
+      for (int n = 0; n < kBisections; ++n) {
+        const double middle = (in + out) / 2;
+        (widest(pieces_, middle, now) == now ? in : out) = middle;
+      }
+      finish(now, in);
+      now = next;
+    }
+    finish(now, high);
+  }
+  add_step(reached, 0, high_mm_);
+  convex_ = is_convex();
+}
+
+void ToolProfile::add_step(double from_r, double to_r, double height_mm) {
+  if (std::abs(from_r - to_r) > kSameMm)
+    parts_.push_back({.a = {from_r, height_mm}, .b = {to_r, height_mm}});
+}
+
+void ToolProfile::add_outline(const ToolPiece& piece, double low, double high) {
+  Part part{.a = {radius_of(piece, low), low}, .b = {radius_of(piece, high), high}};
+  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
+    part.center = {0, ball->center_mm};
+    part.radius = ball->radius_mm;
+  } else if (const auto* arc = std::get_if<ArcPiece>(&piece)) {
+    part.center = {arc->center_r_mm, arc->center_z_mm};
+    part.radius = arc->radius_mm;
+  }
+  parts_.push_back(part);
+}
+
+double ToolProfile::radius_at(double height_mm) const {
+  double radius = -1;
+  for (const ToolPiece& piece : pieces_) radius = std::max(radius, radius_of(piece, height_mm));
+  return radius;
+}
+
+bool ToolProfile::is_convex() const {
+  constexpr int kSteps = 1024;
+  const double step = (high_mm_ - low_mm_) / kSteps;
+  for (int i = 1; i < kSteps; ++i) {
+    const double h = low_mm_ + i * step;
+    if (2 * radius_at(h) < radius_at(h - step) + radius_at(h + step) - 1e-9) return false;
+  }
+  return true;
+}
+
+ToolProfile::Point ToolProfile::nearest_on(const Part& part, Point p) {
+  if (part.radius > 0) {
+    const double r = p.r - part.center.r;
+    const double h = p.h - part.center.h;
+    const double n = std::sqrt(r * r + h * h);
+    if (n > 0 && r >= 0) {
+      const Point q{part.center.r + r * (part.radius / n), part.center.h + h * (part.radius / n)};
+      if (q.h >= part.a.h && q.h <= part.b.h) return q;
+    }
+    const auto squared = [&p](Point q) {
+      return (p.r - q.r) * (p.r - q.r) + (p.h - q.h) * (p.h - q.h);
+    };
+    return squared(part.a) < squared(part.b) ? part.a : part.b;
+  }
+  const double dr = part.b.r - part.a.r;
+  const double dh = part.b.h - part.a.h;
+  const double along = ((p.r - part.a.r) * dr + (p.h - part.a.h) * dh) / (dr * dr + dh * dh);
+  const double t = std::clamp(along, 0.0, 1.0);
+  return {part.a.r + t * dr, part.a.h + t * dh};
+}
+
+// The outline is walked from the tip up, with the tool to its left.
+ToolProfile::Point ToolProfile::normal_of(const Part& part, Point q) {
+  if (part.radius > 0)
+    return {(q.r - part.center.r) / part.radius, (q.h - part.center.h) / part.radius};
+  const double dr = part.b.r - part.a.r;
+  const double dh = part.b.h - part.a.h;
+  const double n = std::sqrt(dr * dr + dh * dh);
+  return {dh / n, -dr / n};
+}
+
+ToolProfile::Nearest ToolProfile::nearest(double radial_mm, double height_mm) const {
+  const Point p{radial_mm, height_mm};
+  double best = std::numeric_limits<double>::infinity();
+  const Part* nearest_part = nullptr;
+  Point nearest_point{0, 0};
+  for (const Part& part : parts_) {
+    const Point q = nearest_on(part, p);
+    const double squared = (p.r - q.r) * (p.r - q.r) + (p.h - q.h) * (p.h - q.h);
+    if (squared >= best) continue;
+    best = squared;
+    nearest_part = &part;
+    nearest_point = q;
+  }
+  const double distance = std::sqrt(best);
+  const bool inside =
+      height_mm > low_mm_ && height_mm < high_mm_ && radial_mm < radius_at(height_mm);
+  const double sign = inside ? -1 : 1;
+  if (distance < kSameMm) {
+    const Point n = normal_of(*nearest_part, nearest_point);
+    return {sign * distance, n.r, n.h};
+  }
+  return {sign * distance, sign * (p.r - nearest_point.r) / distance,
+          sign * (p.h - nearest_point.h) / distance};
+}
+
+}  // namespace kerf

@@ -1,0 +1,343 @@
+#include "server/carve/tradeoff.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "kernel/dexel/stock_column.h"
+#include "server/carve/output_file.h"
+#include "server/carve/progress.h"
+#include "server/carve/surface_error.h"
+#include "server/carve/tradeoff_plot.h"
+#include "server/carve/tradeoff_run.h"
+#include "server/carve/tradeoff_table.h"
+#include "server/formats/text_file.h"
+
+namespace kerf {
+namespace {
+
+constexpr int kBadInput = 2;
+constexpr int kBadOutput = 1;
+constexpr int kInterrupted = 128 + SIGINT;
+// Parts of the time budget: what the configurations may take together, what one of them may.
+constexpr double kSweepShare = 0.7;
+constexpr double kOneShare = 0.25;
+// The reference's pitch against the finest one: no simple ratio, so that a wall which happens to
+// lie well for one grid does not for the other.
+constexpr double kReferencePitch = 0.38;
+constexpr double kReferenceTolerance = 0.1;
+// How far the pitch of a reference may be moved so that rays fit the block in x and y.
+constexpr double kFitShare = 0.12;
+// The reference is compared with a coarser one, to know its own error.
+constexpr double kCheckPitch = 1.5;
+// Short runs are repeated and the quickest counts: the rest is what else the machine did.
+constexpr double kRepeatBelowS = 0.3;
+constexpr int kRepeats = 3;
+// Distances from cuts are of no interest beyond this many of the coarsest pitch.
+constexpr double kReachPitches = 4;
+
+volatile std::sig_atomic_t interrupted = 0;
+void on_interrupt(int) { interrupted = 1; }
+
+struct Failure {
+  int status;
+  std::string line;
+};
+using Result = std::expected<void, Failure>;
+
+std::unexpected<Failure> bad_input(std::string line) {
+  return std::unexpected(Failure{kBadInput, std::move(line)});
+}
+
+std::string figure(const char* format, double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  return text.data();
+}
+
+std::string machine_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "this machine";
+}
+
+// A pitch near the wanted one of which the block is most nearly a whole multiple in x and y: what a
+// grid adds or lacks at the block's sides is volume that no cut is to blame for.
+double fitting_pitch(const StockShape& stock, double wanted_mm) {
+  const DexelGrid grid = make_grid(stock, wanted_mm);
+  const auto* box = std::get_if<BoxStock>(&stock);
+  if (box == nullptr) return wanted_mm;
+  const Vec3 size = box->max_mm - box->min_mm;
+  double best_mm = wanted_mm, best_misfit = 1;
+  for (double n = std::ceil(grid.columns_x * (1 - kFitShare));
+       n <= grid.columns_x * (1 + kFitShare); ++n) {
+    const double pitch = size.x / n;
+    const double rows = size.y / pitch;
+    const double misfit = std::abs(std::max(1.0, std::round(rows)) / rows - 1);
+    const bool nearer = std::abs(pitch - wanted_mm) < std::abs(best_mm - wanted_mm);
+    if (misfit < best_misfit - 1e-9 || (misfit < best_misfit + 1e-9 && nearer)) {
+      best_misfit = misfit;
+      best_mm = pitch;
+    }
+  }
+  return best_mm;
+}
+
+class Tradeoff {
+ public:
+  explicit Tradeoff(const TradeoffOptions& options) : options_(options) {}
+
+  Result run() {
+    if (auto read = read_input(); !read) return read;
+    plan();
+    for (std::size_t n = 0; n < rows_.size(); ++n) measure(n);
+    progress_.clear();
+    if (interrupted == 0) compare_with_reference();
+    progress_.clear();
+    if (interrupted != 0) return std::unexpected(Failure{kInterrupted, "interrupted"});
+    mark_front(rows_);
+    if (options_.target_mm) mark_cheapest(rows_, *options_.target_mm);
+    print();
+    return write();
+  }
+
+ private:
+  Result read_input() {
+    auto scene = load_scene(options_.scene);
+    if (!scene) return bad_input(to_string(scene.error()));
+    scene_ = *std::move(scene);
+    const double pitch = scene_.settings.pitch_mm, tolerance = scene_.settings.tolerance_mm;
+    pitches_ = options_.pitches_mm;
+    if (pitches_.empty()) pitches_ = {4 * pitch, 2 * pitch, pitch, pitch / 2};
+    tolerances_ = options_.tolerances_mm;
+    if (tolerances_.empty()) tolerances_ = {10 * tolerance, tolerance, tolerance / 10};
+    for (auto* list : {&pitches_, &tolerances_}) {
+      std::ranges::sort(*list, std::greater());
+      list->erase(std::ranges::unique(*list).begin(), list->end());
+    }
+    for (const double p : pitches_) {
+      for (const double t : tolerances_) {
+        SculptureSettings settings = scene_.settings;
+        settings.pitch_mm = p;
+        settings.tolerance_mm = t;
+        if (auto made = Sculpture::create(settings); !made)
+          return bad_input("kerf-carve tradeoff: " + made.error().reason);
+      }
+    }
+    // Chords of arcs are made at the finest tolerance: every configuration carves the same motions.
+    scene_.settings.tolerance_mm = tolerances_.back();
+    const std::string name = options_.program.string();
+    const auto text = read_file(options_.program);
+    if (!text) return bad_input(name + ": cannot be read");
+    auto program = parse_program(name, *text, scene_);
+    if (!program) return bad_input(to_string(program.error()));
+    program_ = *std::move(program);
+    if (program_.motions.empty()) return bad_input(name + ": has no motions");
+    turns_ = std::ranges::any_of(program_.motions, [](const ProgramMotion& motion) {
+      return motion.from.axis != motion.to.axis;
+    });
+    truth_ = std::make_unique<TrueSolid>(scene_.settings.stock, scene_.tools, program_.motions,
+                                         kReachPitches * pitches_.front());
+    return {};
+  }
+
+  // From cheap to expensive. Where no axis turns, all motion models and tolerances are the same.
+  void plan() {
+    const auto either = [](const std::vector<std::string>& asked,
+                           std::vector<std::string> otherwise) {
+      return asked.empty() ? otherwise : asked;
+    };
+    const auto rays = either(options_.rays, {"dexel", "tri-dexel"});
+    const auto motions = either(options_.motions, {"tight", "paper"});
+    for (const double pitch : pitches_) {
+      for (const std::string& ray : rays) {
+        for (const std::string& motion : motions) {
+          for (const double tolerance : tolerances_) {
+            if (!turns_ && (motion != motions.front() || tolerance != tolerances_.back())) continue;
+            TradeoffRow& row = rows_.emplace_back();
+            row.rays = ray == "tri-dexel" ? Rays::kTriDexel : Rays::kDexel;
+            row.motion = motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
+            row.pitch_mm = pitch;
+            row.tolerance_mm = tolerance;
+          }
+        }
+      }
+    }
+    results_.resize(rows_.size());
+  }
+
+  SculptureSettings settings_of(const TradeoffRow& row) const {
+    SculptureSettings settings = scene_.settings;
+    settings.rays = row.rays;
+    settings.pitch_mm = row.pitch_mm;
+    settings.tolerance_mm = row.tolerance_mm;
+    settings.motion = row.motion;
+    return settings;
+  }
+
+  double elapsed_s() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+  std::string too_large(const SculptureSettings& settings) const {
+    const double mb = 1e-6 * bytes_if_all_touched(settings);
+    if (mb <= options_.budget_mb) return {};
+    return "its stock may need " + figure("%.0f", mb) + " MB; --budget-mb is " +
+           figure("%.0f", options_.budget_mb);
+  }
+
+  // Carves unless a budget says no; the error says which, and is empty after an interrupt.
+  std::expected<CarvedOnce, std::string> carve(const SculptureSettings& settings, double until_s,
+                                               const std::string& phase) {
+    if (std::string large = too_large(settings); !large.empty())
+      return std::unexpected(std::move(large));
+    double reached = 0;
+    const GoOn go_on = [&](double share) {
+      progress_.show(phase, share);
+      reached = share;
+      return interrupted == 0 && elapsed_s() < until_s;
+    };
+    auto carved = carve_once(settings, scene_, program_, go_on);
+    if (!carved && carved.error().empty())
+      return std::unexpected("it would take longer than --budget-seconds allows; " +
+                             figure("%.0f", 100 * reached) + " % was carved");
+    return carved;
+  }
+
+  void measure(std::size_t n) {
+    TradeoffRow& row = rows_[n];
+    const double end_s = kSweepShare * options_.budget_seconds;
+    const double until_s = std::min(end_s, elapsed_s() + kOneShare * options_.budget_seconds);
+    const std::string phase = std::to_string(n + 1) + " of " + std::to_string(rows_.size()) +
+                              ": pitch " + figure("%.4g", row.pitch_mm);
+    auto carved = carve(settings_of(row), until_s, phase);
+    if (!carved) {
+      row.skipped = carved.error();
+      return;
+    }
+    for (int again = 1; again < kRepeats && carved->cpu_s < kRepeatBelowS; ++again) {
+      const auto repeated = carve(settings_of(row), until_s, phase);
+      if (repeated) carved->cpu_s = std::min(carved->cpu_s, repeated->cpu_s);
+    }
+    const auto motions = double(program_.motions.size());
+    row.us_per_motion = 1e6 * carved->cpu_s / motions;
+    row.bytes = carved->bytes;
+    row.sub_motions = carved->sub_motions;
+    const SurfaceError surface = measure_surface(carved->snapshot, *truth_, options_.samples);
+    row.surface_max_mm = surface.max_mm;
+    row.surface_rms_mm = surface.rms_mm;
+    samples_ = std::max(samples_, surface.samples);
+    results_[n] = {carved->removed_mm3, std::move(carved->forces_n)};
+  }
+
+  void compare_with_reference() {
+    SculptureSettings settings = scene_.settings;
+    settings.motion = MotionModel::kTight;
+    settings.tolerance_mm = std::max(kReferenceTolerance * tolerances_.back(), 1e-6);
+    // Rays along X and Y know a floor to half a pitch only, and floors are what most programs make.
+    settings.rays = Rays::kDexel;
+    double finest = 0;
+    for (const TradeoffRow& row : rows_)
+      if (row.skipped.empty()) finest = row.pitch_mm;
+    if (finest == 0) return;
+    settings.pitch_mm = fitting_pitch(settings.stock, kReferencePitch * finest);
+    const auto reference = carve(settings, options_.budget_seconds, "reference");
+    if (!reference) {
+      reference_ = "No reference (pitch " + figure("%.4g", settings.pitch_mm) +
+                   " mm): " + reference.error() + ". Volume and force errors are not known.\n";
+      return;
+    }
+    for (std::size_t n = 0; n < rows_.size(); ++n) {
+      if (!rows_[n].skipped.empty()) continue;
+      rows_[n].volume_error = volume_difference(results_[n].removed_mm3, reference->removed_mm3);
+      rows_[n].force_error = force_difference(program_, results_[n].forces_n, reference->forces_n);
+    }
+    reference_ = "Volume and force are compared with pitch " + figure("%.4g", settings.pitch_mm) +
+                 " mm, tolerance " + figure("%.3g", settings.tolerance_mm) + " mm, " +
+                 to_string(settings.rays) + ", tight";
+    settings.pitch_mm = fitting_pitch(settings.stock, kCheckPitch * settings.pitch_mm);
+    if (const auto check = carve(settings, 2 * options_.budget_seconds, "reference's own error"))
+      reference_ +=
+          "; against that, pitch " + figure("%.4g", settings.pitch_mm) + " mm differs by " +
+          figure("%.1g", volume_difference(check->removed_mm3, reference->removed_mm3)) +
+          " in volume and " +
+          figure("%.1g", force_difference(program_, check->forces_n, reference->forces_n)) +
+          " in force";
+    reference_ += ".\n";
+  }
+
+  static double volume_difference(double removed_mm3, double reference_mm3) {
+    return reference_mm3 > 0 ? std::abs(removed_mm3 - reference_mm3) / reference_mm3 : 0;
+  }
+
+  void print() const {
+    std::cout << scene_.name << ", " << program_.name << ": " << program_.motions.size()
+              << " motions; CPU time of one core of " << machine_name() << "\n\n"
+              << tradeoff_text(rows_) << "\n* Pareto front of time and greatest surface error.";
+    if (options_.target_mm) std::cout << " < cheapest within " << *options_.target_mm << " mm.";
+    std::cout << "\nSurface: " << samples_
+              << " or fewer corners and centroids of the mesh against the true solid.\n"
+              << reference_;
+    if (!turns_)
+      std::cout << "No axis turns in this program: motion model and tolerance change nothing.\n";
+  }
+
+  Result write() const {
+    const std::string title = scene_.name + ", " + options_.program.filename().string();
+    const std::string note =
+        std::to_string(program_.motions.size()) + " motions; one core of " + machine_name();
+    std::vector<std::unique_ptr<OutputFile>> files;
+    const auto write_one = [&files](const std::filesystem::path& path, const std::string& text) {
+      auto& file = *files.emplace_back(std::make_unique<OutputFile>(path));
+      std::ofstream stream(file.temporary(), std::ios::binary);
+      return bool((stream << text).flush());
+    };
+    const Failure failure{kBadOutput, "kerf-carve tradeoff: a file cannot be written"};
+    if (options_.csv && !write_one(*options_.csv, tradeoff_csv(rows_)))
+      return std::unexpected(failure);
+    if (options_.svg && !write_one(*options_.svg, tradeoff_svg(rows_, title, note)))
+      return std::unexpected(failure);
+    for (const auto& file : files)
+      if (auto done = file->commit(); !done)
+        return std::unexpected(Failure{kBadOutput, done.error()});
+    return {};
+  }
+
+  struct Carved {
+    double removed_mm3 = 0;
+    std::vector<Vec3> forces_n;
+  };
+  const TradeoffOptions& options_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Progress progress_;
+  Scene scene_;
+  Program program_;
+  std::vector<double> pitches_, tolerances_;
+  bool turns_ = false;
+  std::unique_ptr<TrueSolid> truth_;
+  std::vector<TradeoffRow> rows_;
+  std::vector<Carved> results_;
+  std::size_t samples_ = 0;
+  std::string reference_;
+};
+
+}  // namespace
+
+int run_tradeoff(const TradeoffOptions& options) {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  const auto done = Tradeoff(options).run();
+  if (done) return 0;
+  std::cerr << done.error().line << '\n';
+  return done.error().status;
+}
+
+}  // namespace kerf
