@@ -9,31 +9,26 @@ namespace kerf {
 namespace {
 
 using enum ToolErrorCode;
-using Pieces = std::expected<std::vector<ToolPiece>, ToolError>;
-
-/// mm. A line that misses the corner arc by less is tangent to it: cutter data comes rounded to
-/// three decimals. If it grows, wrong cutters are accepted.
-constexpr double kMissAllowanceMm = 1e-3;
 
 /// A line of the outline in the half-plane (r, h), in the direction in which the outline runs.
 struct Line {
-  OutlinePoint point;
+  ProfilePoint point;
   double dr, dh;  ///< unit direction
-  OutlinePoint at(double t) const { return {point.r_mm + t * dr, point.h_mm + t * dh}; }
+  ProfilePoint at(double t) const { return {point.r_mm + t * dr, point.h_mm + t * dh}; }
 };
 
 /// Where a line meets the corner circle: touches it, or, of the two points where it crosses it,
 /// the first (where it enters) or the second (where it leaves). Nothing if it misses it.
-std::optional<OutlinePoint> meet(const Line& line, const AptShape& s, bool where_it_leaves) {
+std::optional<ProfilePoint> meet(const Line& line, const AptShape& s, bool where_it_leaves) {
   const double cr = s.e_mm - line.point.r_mm, ch = s.f_mm - line.point.h_mm;
   const double foot = cr * line.dr + ch * line.dh;
   const double miss = std::abs(line.dr * ch - line.dh * cr) - s.r_mm;
   if (miss > kMissAllowanceMm) return std::nullopt;
-  const OutlinePoint near = line.at(foot);
+  const ProfilePoint near = line.at(foot);
   if (std::abs(miss) <= kOutlineEpsilonMm) return near;
   if (miss > 0) {
     const double scale = s.r_mm / (s.r_mm + miss);
-    return OutlinePoint{s.e_mm + (near.r_mm - s.e_mm) * scale,
+    return ProfilePoint{s.e_mm + (near.r_mm - s.e_mm) * scale,
                         s.f_mm + (near.h_mm - s.f_mm) * scale};
   }
   const double half = std::sqrt(-miss * (2 * s.r_mm + miss));
@@ -58,7 +53,7 @@ ToolCheck check_fields(const AptShape& s) {
 
 /// The outline above the point where the arc ends, or where the bottom line does for a sharp
 /// corner.
-Pieces with_side(std::vector<OutlineSection> outline, OutlinePoint from, const Line& side,
+Pieces with_side(std::vector<OutlineSection> outline, ProfilePoint from, const Line& side,
                  double h_mm) {
   if (h_mm - from.h_mm > kOutlineEpsilonMm) {
     double r = side.point.r_mm;
@@ -107,8 +102,8 @@ Pieces resolve(const AptShape& s) {
     return refuse(kInconsistent, "e_mm", "leaves no arc between the bottom and the side line");
   }
   if (s.h_mm <= start->h_mm) return refuse(kTooShort, "h_mm", "is below the corner arc");
-  const OutlinePoint from{std::max(start->r_mm, 0.0), std::max(start->h_mm, 0.0)};
-  OutlinePoint to = *end;
+  const ProfilePoint from{std::max(start->r_mm, 0.0), std::max(start->h_mm, 0.0)};
+  ProfilePoint to = *end;
   if (s.h_mm < to.h_mm) {
     // The cutter ends within its arc.
     const double above = s.h_mm - s.f_mm;

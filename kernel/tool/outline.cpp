@@ -41,8 +41,8 @@ std::vector<ToolPiece> pieces_of(const std::vector<OutlineSection>& outline) {
   double z0 = 0;  // Carried on, so that pieces touch even where a low section was left out.
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const OutlineSection* next = i + 1 < outline.size() ? &outline[i + 1] : nullptr;
-    const OutlinePoint from = std::visit([](const auto& s) { return s.from; }, outline[i]);
-    const OutlinePoint to = std::visit([](const auto& s) { return s.to; }, outline[i]);
+    const ProfilePoint from = std::visit([](const auto& s) { return s.from; }, outline[i]);
+    const ProfilePoint to = std::visit([](const auto& s) { return s.to; }, outline[i]);
     if (i == 0) z0 = from.h_mm;
     if (to.h_mm - z0 <= kOutlineEpsilonMm) continue;
     const auto* arc = std::get_if<OutlineArc>(&outline[i]);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <expected>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -9,20 +7,15 @@
 
 namespace kerf {
 
-/// A point of a tool's outline in the half-plane (r, h): distance from the axis, height above the
-/// tip, mm.
-struct OutlinePoint {
-  double r_mm, h_mm;
-};
 /// The outline of a body of revolution, section by section from the tip up. A horizontal line is a
 /// shoulder and bounds the sections beside it.
 struct OutlineLine {
-  OutlinePoint from, to;
+  ProfilePoint from, to;
 };
 /// An arc that bulges away from the axis, at most from the bottom of its circle to the top.
 struct OutlineArc {
-  OutlinePoint from, to;
-  OutlinePoint center;
+  ProfilePoint from, to;
+  ProfilePoint center;
   double radius_mm;
 };
 using OutlineSection = std::variant<OutlineLine, OutlineArc>;

@@ -64,8 +64,9 @@ inline constexpr double kToolLengthMinMm = 1e-4;
 /// Most convex pieces that the cutting or the non-cutting part of a tool may have.
 inline constexpr std::size_t kToolPiecesMax = 1024;
 
-/// Resolves a shape into its convex pieces, or says which field is wrong.
-std::expected<Tool, ToolError> make_tool(const ToolShape& shape);
+/// Resolves a shape, and the shank and holder above it, into convex pieces, or says which field is
+/// wrong.
+std::expected<Tool, ToolError> make_tool(const ToolShape& shape, const ToolBody& body = {});
 
 /// Checks a tool that came as pieces (from a journal): finite, positive, ordered, within the
 /// limits.

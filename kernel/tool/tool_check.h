@@ -2,13 +2,22 @@
 
 #include <expected>
 #include <string>
+#include <vector>
 
 #include "kernel/tool/tool.h"
 
 namespace kerf {
 
-/// What the definitions of shapes share: checks that name the field.
+// What the definitions of shapes share.
+
 using ToolCheck = std::expected<void, ToolError>;
+/// The convex pieces of a shape, from the tip up.
+using Pieces = std::expected<std::vector<ToolPiece>, ToolError>;
+
+/// mm. Where lines and arcs of a definition should meet and miss by less, they do: cutter data
+/// comes rounded to three decimals. Owner: kernel/tool. If it grows, wrong definitions are
+/// accepted.
+inline constexpr double kMissAllowanceMm = 1e-3;
 
 /// A length between kToolLengthMinMm and kToolLengthMaxMm.
 ToolCheck check_length(const std::string& field, double value_mm);
@@ -18,13 +27,21 @@ ToolCheck check_coordinate(const std::string& field, double value_mm, double lea
 /// An angle strictly between two others.
 ToolCheck check_angle(const std::string& field, double value_deg, double above_deg,
                       double below_deg);
+/// Pieces of a definition or a journal: their number, and each finite, ordered and within the
+/// limits.
+ToolCheck check_pieces(const std::string& field, const std::vector<ToolPiece>& pieces);
 
 double radians(double degrees);
 
-/// The union of pieces that have been checked, with its lengths and radii.
-Tool assemble(std::vector<ToolPiece> cutting, std::vector<ToolPiece> non_cutting = {});
-
-/// Each shape's convex pieces, from the tip up.
-std::expected<std::vector<ToolPiece>, ToolError> resolve(const AptShape& shape);
+Pieces resolve(const BallShape& shape);
+Pieces resolve(const FlatShape& shape);
+Pieces resolve(const BullNoseShape& shape);
+Pieces resolve(const TaperShape& shape);
+Pieces resolve(const ConeEndShape& shape);
+Pieces resolve(const AptShape& shape);
+/// Errors name fields with the prefix before them.
+Pieces resolve(const ProfileShape& shape, const std::string& prefix = "");
+/// Shank and holder on a tool whose cutting part is so long.
+Pieces resolve(const ToolBody& body, double cutting_length_mm);
 
 }  // namespace kerf

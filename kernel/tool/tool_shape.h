@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <variant>
+#include <vector>
 
 namespace kerf {
 
@@ -45,7 +47,58 @@ struct AptShape {
   double beta_deg;   ///< in (-90, 90)
   double h_mm;       ///< height of the cutter
 };
-using ToolShape =
-    std::variant<BallShape, FlatShape, TaperShape, ConeEndShape, BullNoseShape, AptShape>;
+/// A point of an outline in the half-plane (r, h): distance from the axis and height above the tip.
+struct ProfilePoint {
+  double r_mm, h_mm;
+};
+/// Whether an arc bulges away from the axis (a rounded edge) or towards it (a fillet).
+enum class ArcBulge { kOut, kIn };
+/// The arc of at most half a circle from the point before to `to`.
+struct ProfileArc {
+  ProfilePoint to;
+  double radius_mm;
+  ArcBulge bulge = ArcBulge::kOut;
+};
+struct ProfileCenteredArc {
+  ProfilePoint to;
+  ProfilePoint center;  ///< equally far from both ends, to 0.001 mm
+  ArcBulge bulge = ArcBulge::kOut;
+};
+/// One step of an outline: a straight line to a point, or an arc.
+using ProfileStep = std::variant<ProfilePoint, ProfileArc, ProfileCenteredArc>;
+
+/// mm. Default of ProfileShape::chord_tolerance_mm.
+inline constexpr double kChordToleranceMm = 1e-4;
+
+/// A free outline from the tip up: lollipops, dovetails, T-slot and form cutters. It starts with a
+/// point at height 0, on the axis or off it; from step to step the height never falls; where it
+/// stays the same there is a shoulder. Arcs that bulge out are exact. Those that bulge in are
+/// divided into straight sections that touch the arc from the tool's inside, at most
+/// chord_tolerance_mm off: such a tool never removes what the true one would leave.
+struct ProfileShape {
+  std::vector<ProfileStep> steps;
+  double chord_tolerance_mm = kChordToleranceMm;
+};
+using ToolShape = std::variant<BallShape, FlatShape, TaperShape, ConeEndShape, BullNoseShape,
+                               AptShape, ProfileShape>;
+
+/// Height of the cutting part of a shape that make_tool accepts.
+double cutting_length_mm(const ToolShape& shape);
+
+/// A cylinder from the end of the cutting length upwards.
+struct Shank {
+  double diameter_mm, length_mm;
+};
+/// A cylinder, or a cone that opens or closes upwards.
+struct HolderSection {
+  double diameter_mm, top_diameter_mm, length_mm;
+};
+/// Sections stacked from below, or an outline whose heights count from the holder's lower end.
+using Holder = std::variant<std::vector<HolderSection>, ProfileShape>;
+/// What is above the cutting part of a tool. It does not cut: it collides.
+struct ToolBody {
+  std::optional<Shank> shank;
+  std::optional<Holder> holder;  ///< above the shank
+};
 
 }  // namespace kerf
