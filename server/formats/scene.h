@@ -21,6 +21,7 @@ const char* to_string(MachineKinematics kinematics);
 
 struct SceneTool {
   ToolShape shape;  ///< as the user wrote it
+  ToolBody body;    ///< its shank and holder
   Tool tool;        ///< resolved by make_tool
 };
 

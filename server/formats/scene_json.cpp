@@ -34,6 +34,30 @@ Json to_json(const StockShape& stock) {
                     stock);
 }
 
+Json to_json(const ProfilePoint& point) { return Json::array({point.r_mm, point.h_mm}); }
+
+Json to_json(const ProfileStep& step) {
+  const auto side = [](ArcBulge bulge) { return bulge == ArcBulge::kOut ? "out" : "in"; };
+  return std::visit(Overloaded{[](const ProfilePoint& point) { return to_json(point); },
+                               [&](const ProfileArc& arc) {
+                                 return Json{{"to", to_json(arc.to)},
+                                             {"radius", arc.radius_mm},
+                                             {"bulge", side(arc.bulge)}};
+                               },
+                               [&](const ProfileCenteredArc& arc) {
+                                 return Json{{"to", to_json(arc.to)},
+                                             {"center", to_json(arc.center)},
+                                             {"bulge", side(arc.bulge)}};
+                               }},
+                    step);
+}
+
+Json to_json(const ProfileShape& profile) {
+  Json steps = Json::array();
+  for (const ProfileStep& step : profile.steps) steps.push_back(to_json(step));
+  return {{"profile_mm", steps}, {"chord_tolerance_mm", profile.chord_tolerance_mm}};
+}
+
 Json to_json(ToolId id, const ToolShape& shape) {
   Json json{{"id", id}};
   std::visit(Overloaded{[&](const BallShape& s) {
@@ -74,14 +98,39 @@ Json to_json(ToolId id, const ToolShape& shape) {
                                        {"alpha_deg", s.alpha_deg},
                                        {"beta_deg", s.beta_deg},
                                        {"h_mm", s.h_mm}});
+                        },
+                        [&](const ProfileShape& s) {
+                          json["shape"] = "profile";
+                          json.update(to_json(s));
                         }},
              shape);
   return json;
 }
 
+Json to_json(const Holder& holder) {
+  if (const auto* profile = std::get_if<ProfileShape>(&holder)) return to_json(*profile);
+  Json sections = Json::array();
+  for (const HolderSection& s : std::get<std::vector<HolderSection>>(holder)) {
+    sections.push_back({{"diameter_mm", s.diameter_mm},
+                        {"top_diameter_mm", s.top_diameter_mm},
+                        {"length_mm", s.length_mm}});
+  }
+  return sections;
+}
+
+Json to_json(ToolId id, const SceneTool& tool) {
+  Json json = to_json(id, tool.shape);
+  if (tool.body.shank) {
+    json["shank"] = {{"diameter_mm", tool.body.shank->diameter_mm},
+                     {"length_mm", tool.body.shank->length_mm}};
+  }
+  if (tool.body.holder) json["holder"] = to_json(*tool.body.holder);
+  return json;
+}
+
 Json tools_to_json(const Scene& scene) {
   Json tools = Json::array();
-  for (const auto& [id, tool] : scene.tools) tools.push_back(to_json(id, tool.shape));
+  for (const auto& [id, tool] : scene.tools) tools.push_back(to_json(id, tool));
   return tools;
 }
 

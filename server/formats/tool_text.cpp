@@ -36,6 +36,10 @@ struct Describe {
     }
     return text + exact_text(s.h_mm);
   }
+  std::string operator()(const ProfileShape& s) const {
+    return "profile of " + std::to_string(s.steps.size()) + " points, length " +
+           exact_text(cutting_length_mm(s)) + " mm";
+  }
 };
 
 }  // namespace
