@@ -37,6 +37,10 @@ class Carving {
   double error_mm(int columns, double interest_mm, unsigned seed = 1);
   /// The same as a test: no error above the scene's tolerance and the rounding of depths.
   void expect_within_tolerance(const std::string& what, int columns = 40, unsigned seed = 1);
+  /// Of the ends of dexels that all judgements so far have looked at: how many, and the root of the
+  /// mean square of their distance from the true surface.
+  long ends_judged() const { return ends_judged_; }
+  double rms_mm() const;
   /// Where the greatest error was seen.
   const std::string& worst_place() const { return worst_place_; }
   /// What an end may err beside the tolerance: half a depth quantum, and double rounding at these
@@ -54,7 +58,13 @@ class Carving {
   Tool tool_;
   std::vector<TrueSweep> sweeps_;
   std::string worst_place_;
+  long ends_judged_ = 0;
+  double squares_mm2_ = 0;
 };
+
+/// How much harder than in the test suite to look: the environment's KERF_EFFORT, 1 if it is not
+/// set. Tests with random motions take that many times as many.
+int effort();
 
 /// A pose whose axis leans by `lean_rad` from +Z towards `azimuth_rad`.
 ToolPose leaning(Vec3 tip, double lean_rad, double azimuth_rad = 0);
