@@ -49,7 +49,7 @@ Vec3 surface_point(const Tool& tool, const ToolPose& pose, Random& random) {
 
 std::string text_of(Vec3 v) {
   char text[100];
-  std::snprintf(text, sizeof text, "(%.9g, %.9g, %.9g)", v.x, v.y, v.z);
+  std::snprintf(text, sizeof text, "{%.17g, %.17g, %.17g}", v.x, v.y, v.z);
   return text;
 }
 
@@ -191,11 +191,21 @@ double Carving::field_error(const DexelSnapshot& snapshot, int columns, double i
   return worst;
 }
 
+std::string Carving::motions_text() const {
+  std::string text;
+  for (const TrueSweep& sweep : sweeps_) {
+    const ToolPose a = sweep.at(0), b = sweep.at(1);
+    text += "\n  tip " + text_of(a.tip_mm) + " to " + text_of(b.tip_mm) + ", axis " +
+            text_of(a.axis) + " to " + text_of(b.axis);
+  }
+  return text;
+}
+
 void Carving::expect_within_tolerance(const std::string& what, int columns, unsigned seed) {
   const double tolerance = sculpture_.settings().tolerance_mm;
   const double allowed = tolerance + rounding_mm();
   const double error = error_mm(columns, 10 * allowed + 0.1, seed);
-  EXPECT_LE(error, allowed) << what << ": " << worst_place_;
+  EXPECT_LE(error, allowed) << what << ": " << worst_place_ << motions_text();
 }
 
 int effort() {

@@ -51,6 +51,7 @@ class Carving {
   double field_error(const DexelSnapshot& snapshot, int columns, double interest_mm, unsigned seed);
   double column_error(const DexelSnapshot& snapshot, std::int32_t i, std::int32_t j,
                       double interest_mm);
+  std::string motions_text() const;
   void note(double error, double& worst, Vec3 at, const char* what);
   double outside(Vec3 point, double interest_mm) const;
 

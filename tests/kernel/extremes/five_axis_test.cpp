@@ -97,6 +97,48 @@ TEST_P(FiveAxis, TicksOfAHand) {
   }
 }
 
+TEST_P(FiveAxis, PlungesThatTurn) {
+  // Mostly along the axis: the side of a cone is lit all around for part of the way only.
+  for (const NamedTool& t : every_tool()) {
+    for (unsigned seed = 0; seed < 6 * unsigned(effort()); ++seed) {
+      Random random(4000000 + seed);
+      const ToolPose a = start(random, 0.6);
+      const Vec3 u = turned(a.axis, random.direction(), random.in(0, seed % 2 == 0 ? 0.02 : 0.4));
+      const Vec3 way = a.axis * random.in(-8, 8) + random.direction() * random.in(0, 0.5);
+      judge(t, GetParam(), {a, {a.tip_mm + way, u}}, "plunge " + std::to_string(seed), 15);
+    }
+  }
+}
+
+TEST_P(FiveAxis, LyingAndUpsideDownTools) {
+  for (const NamedTool& t : every_tool()) {
+    for (unsigned seed = 0; seed < 6 * unsigned(effort()); ++seed) {
+      Random random(5000000 + seed);
+      const double lean = (seed % 2 == 0 ? random.in(80, 100) : random.in(100, 180)) * kDegree;
+      const ToolPose a = leaning({random.in(-9, 9), random.in(-9, 9), random.in(-14, -4)}, lean,
+                                 random.in(0, 6.2));
+      const Vec3 u = turned(a.axis, random.direction(), random.in(0, 0.3));
+      judge(t, GetParam(), {a, {a.tip_mm + random.direction() * random.in(0, 4), u}},
+            "lying " + std::to_string(seed), 15);
+    }
+  }
+}
+
+TEST_P(FiveAxis, EveryFieldOfThree) {
+  for (const NamedTool& t : every_tool()) {
+    for (unsigned seed = 0; seed < 3 * unsigned(effort()); ++seed) {
+      Random random(6000000 + seed);
+      const ToolPose a = start(random, 1.2);
+      const Vec3 u = turned(a.axis, random.direction(), random.in(0, 0.5));
+      SculptureSettings settings = block(44, 20, 1.3, GetParam());
+      settings.rays = Rays::kTriDexel;
+      Carving carving(settings, t.tool);
+      carving.move(a, {a.tip_mm + random.direction() * random.in(0, 6), u});
+      carving.expect_within_tolerance(t.name + " seed " + std::to_string(seed), 12);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Tolerance, FiveAxis, testing::Values(0.1, 0.01, 0.001, 0.0001),
                          [](const auto& p) {
                            return p.param == 0.1     ? "tenth"
