@@ -74,7 +74,7 @@ Check check_settings(const SculptureSettings& s) {
   }
   for (const RayAxis axis : axes_of(s.rays)) {
     if (columns_in_field(s.stock, s.pitch_mm, axis) > double(kColumnsMax)) {
-      return refuse(kTooManyColumns, "the stock needs more than 2^32 columns at this pitch_mm");
+      return refuse(kTooManyColumns, "the stock needs more than 2^36 columns at this pitch_mm");
     }
   }
   const ForceSettings& f = s.force;
@@ -223,6 +223,12 @@ const Tool* Sculpture::tool(ToolId id) const {
 
 DexelSnapshot Sculpture::snapshot(RayAxis axis) { return field(axis).snapshot(); }
 
+std::size_t Sculpture::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const DexelField& f : fields_) bytes += f.memory_bytes();
+  return bytes;
+}
+
 SolidSnapshot Sculpture::solid() {
   SolidSnapshot all;
   for (DexelField& f : fields_) all.fields.push_back(f.snapshot());
@@ -305,8 +311,7 @@ RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const To
                if (force != nullptr) force->add(grid, removal, part.motion, part.share);
                ++result.sub_motions;
              });
-  return {static_cast<double>(quanta) * grid.z_quantum_mm * grid.pitch_mm * grid.pitch_mm,
-          static_cast<double>(elements)};
+  return {static_cast<double>(quanta) * grid.quantum_mm3(), static_cast<double>(elements)};
 }
 
 MotionResult Sculpture::move(const MoveTool& command) {

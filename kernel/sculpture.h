@@ -107,7 +107,7 @@ inline constexpr double kCoordinateMaxMm = 1e6;
 /// A stock whose sides are shorter than this is refused.
 inline constexpr double kStockSizeMinMm = 1e-4;
 /// Most columns that one field may have.
-inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 32;
+inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 36;
 
 /// The deterministic state machine: equal settings and equal commands give equal bytes, on any CPU,
 /// at any optimisation level. A command that is refused leaves it as it was. Not thread-safe: one
@@ -141,6 +141,8 @@ class Sculpture {
   /// Hash of the solid, over every field: what replay, peers and tests compare.
   std::uint64_t state_hash() { return solid().hash(); }
   /// Of three fields: the mean of theirs.
+  /// Memory that the block holds, in all fields; walks the touched tiles.
+  std::size_t memory_bytes() const;
   double stock_volume_mm3() const { return stock_volume_mm3_; }
   double removed_volume_mm3() const { return removed_mm3_; }
   std::uint64_t motions() const { return motions_; }

@@ -96,7 +96,7 @@ class Cutter {
     const std::int32_t last = std::min(rows_.last, tile.y * kTileSide + kTileSide - 1);
     for (std::int32_t j = first; j <= last; ++j) cut_row(tile, j, changed);
     if (changed == nullptr) return;
-    changed->top_max = *std::max_element(changed->top.begin(), changed->top.end());
+    changed->update_bounds();
     removal_.changed_tiles.push_back(tile);
   }
 

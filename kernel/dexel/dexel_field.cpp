@@ -1,7 +1,5 @@
 #include "kernel/dexel/dexel_field.h"
 
-#include <algorithm>
-
 #include "kernel/dexel/stock_column.h"
 
 namespace kerf {
@@ -9,12 +7,13 @@ namespace kerf {
 DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis)
     : stock_(stock),
       grid_(make_grid(stock, pitch_mm, axis)),
-      tiles_(std::size_t(grid_.tiles_x()) * std::size_t(grid_.tiles_y())) {}
+      tiles_(grid_.tiles_x(), grid_.tiles_y()) {}
 
 DexelTile& DexelField::edit(TileIndex tile) {
-  std::shared_ptr<DexelTile>& slot = tiles_[index(tile)];
+  std::shared_ptr<DexelTile>& slot = tiles_.slot(tile, era_);
   if (!slot) {
-    slot = make_tile(tile);
+    slot = std::make_shared<DexelTile>();
+    fill_from_stock(stock_, grid_, tile, *slot);
   } else if (slot->era != era_) {
     slot = std::make_shared<DexelTile>(*slot);
   }
@@ -22,43 +21,19 @@ DexelTile& DexelField::edit(TileIndex tile) {
   return *slot;
 }
 
-std::shared_ptr<DexelTile> DexelField::make_tile(TileIndex tile) const {
-  auto made = std::make_shared<DexelTile>();
-  made->bottom.fill(0);
-  made->top.fill(0);
-  for (int row = 0; row < kTileSide; ++row) {
-    const std::int32_t j = tile.y * kTileSide + row;
-    for (int c = 0; c < kTileSide; ++c) {
-      const std::int32_t i = tile.x * kTileSide + c;
-      if (i >= grid_.columns_x || j >= grid_.columns_y) continue;
-      const Dexel whole = stock_column(stock_, grid_, i, j);
-      if (whole.bottom >= whole.top) continue;
-      made->bottom[std::size_t(row * kTileSide + c)] = whole.bottom;
-      made->top[std::size_t(row * kTileSide + c)] = whole.top;
-      made->top_max = std::max(made->top_max, whole.top);
-    }
-  }
-  return made;
-}
-
 DexelSnapshot DexelField::snapshot() {
   ++era_;
-  return {grid_, stock_, {tiles_.begin(), tiles_.end()}};
+  return {grid_, stock_, tiles_};
 }
 
 double DexelField::stock_volume_mm3() const {
-  std::int64_t quanta = 0;
-  if (std::holds_alternative<BoxStock>(stock_)) {
-    quanta = std::int64_t{grid_.columns_x} * grid_.columns_y * grid_.height_quanta;
-  } else {
-    for (std::int32_t j = 0; j < grid_.columns_y; ++j) {
-      for (std::int32_t i = 0; i < grid_.columns_x; ++i) {
-        const Dexel whole = stock_column(stock_, grid_, i, j);
-        quanta += whole.top - whole.bottom;
-      }
-    }
-  }
-  return static_cast<double>(quanta) * grid_.z_quantum_mm * grid_.pitch_mm * grid_.pitch_mm;
+  return stock_quanta(stock_, grid_) * grid_.quantum_mm3();
+}
+
+std::size_t DexelField::memory_bytes() const {
+  std::size_t bytes = sizeof *this + tiles_.bytes();
+  tiles_.for_each([&](TileIndex, const DexelTile& tile) { bytes += tile.bytes(); });
+  return bytes;
 }
 
 }  // namespace kerf

@@ -1,5 +1,6 @@
 #include "kernel/dexel/dexel_snapshot.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "kernel/dexel/dexel_tile.h"
@@ -7,23 +8,65 @@
 #include "kernel/math/hash.h"
 
 namespace kerf {
+namespace {
 
-DexelSnapshot::DexelSnapshot(DexelGrid grid, StockShape stock,
-                             std::vector<std::shared_ptr<const DexelTile>> tiles)
-    : grid_(grid), stock_(stock), tiles_(std::move(tiles)) {}
-
-bool DexelSnapshot::touched(TileIndex tile) const {
-  return tiles_[std::size_t(tile.y) * std::size_t(grid_.tiles_x()) + std::size_t(tile.x)] !=
-         nullptr;
+/// Calls visit(column within the tile, i, j) for the columns of a tile that lie in the grid, as
+/// long as it returns true.
+template <class Visit>
+void for_columns(const DexelGrid& grid, TileIndex tile, Visit&& visit) {
+  const std::int32_t i0 = tile.x * kTileSide, j0 = tile.y * kTileSide;
+  const std::int32_t columns = std::min(kTileSide, grid.columns_x - i0);
+  const std::int32_t rows = std::min(kTileSide, grid.columns_y - j0);
+  for (std::int32_t row = 0; row < rows; ++row) {
+    for (std::int32_t c = 0; c < columns; ++c) {
+      if (!visit(row * kTileSide + c, i0 + c, j0 + row)) return;
+    }
+  }
 }
+
+/// Columns that were cut and found to be empty already leave a tile touched and the solid as it
+/// was.
+bool is_like_stock(const DexelTile& tile, TileIndex at, const StockShape& stock,
+                   const DexelGrid& grid) {
+  bool like = true;
+  for_columns(grid, at, [&](int column, std::int32_t i, std::int32_t j) {
+    const Dexel whole = stock_column(stock, grid, i, j);
+    const auto c = std::size_t(column);
+    const std::int32_t length = tile.top[c] - tile.bottom[c];
+    like = !tile.is_split(column) && length == whole.top - whole.bottom &&
+           (length == 0 || tile.top[c] == whole.top);
+    return like;
+  });
+  return like;
+}
+
+void add(Hash& hash, double value) { hash.add(std::bit_cast<std::uint64_t>(value)); }
+void add(Hash& hash, std::int32_t a, std::int32_t b) {
+  hash.add(std::uint64_t(static_cast<std::uint32_t>(a)) << 32 | static_cast<std::uint32_t>(b));
+}
+
+void add(Hash& hash, const DexelGrid& grid, const StockShape& stock) {
+  for (const double v :
+       {grid.pitch_mm, grid.z_quantum_mm, grid.origin_mm.x, grid.origin_mm.y, grid.origin_mm.z}) {
+    add(hash, v);
+  }
+  add(hash, grid.columns_x, grid.columns_y);
+  add(hash, grid.height_quanta, static_cast<std::int32_t>(grid.axis));
+  if (const auto* c = std::get_if<CylinderStock>(&stock)) {
+    for (const double v : {c->center_x_mm, c->center_y_mm, c->radius_mm}) add(hash, v);
+  }
+}
+
+}  // namespace
+
+DexelSnapshot::DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles)
+    : grid_(grid), stock_(stock), tiles_(std::move(tiles)) {}
 
 std::span<const Dexel> DexelSnapshot::column(std::int32_t i, std::int32_t j,
                                              std::vector<Dexel>& scratch) const {
   scratch.clear();
   if (i < 0 || j < 0 || i >= grid_.columns_x || j >= grid_.columns_y) return scratch;
-  const auto index =
-      std::size_t(j / kTileSide) * std::size_t(grid_.tiles_x()) + std::size_t(i / kTileSide);
-  if (const DexelTile* tile = tiles_[index].get()) {
+  if (const DexelTile* tile = tiles_.find({i / kTileSide, j / kTileSide})) {
     tile->read((j % kTileSide) * kTileSide + i % kTileSide, scratch);
   } else if (const Dexel whole = stock_column(stock_, grid_, i, j); whole.bottom < whole.top) {
     scratch.push_back(whole);
@@ -32,34 +75,34 @@ std::span<const Dexel> DexelSnapshot::column(std::int32_t i, std::int32_t j,
 }
 
 double DexelSnapshot::volume_mm3() const {
-  std::int64_t quanta = 0;
+  std::int64_t lacking = 0;
   std::vector<Dexel> scratch;
-  for (std::int32_t j = 0; j < grid_.columns_y; ++j) {
-    for (std::int32_t i = 0; i < grid_.columns_x; ++i) {
-      for (const Dexel& d : column(i, j, scratch)) quanta += d.top - d.bottom;
-    }
-  }
-  return static_cast<double>(quanta) * grid_.z_quantum_mm * grid_.pitch_mm * grid_.pitch_mm;
+  tiles_.for_each([&](TileIndex at, const DexelTile& tile) {
+    for_columns(grid_, at, [&](int column, std::int32_t i, std::int32_t j) {
+      const Dexel whole = stock_column(stock_, grid_, i, j);
+      lacking += whole.top - whole.bottom;
+      tile.read(column, scratch);
+      for (const Dexel& d : scratch) lacking -= d.top - d.bottom;
+      return true;
+    });
+  });
+  return (stock_quanta(stock_, grid_) - static_cast<double>(lacking)) * grid_.quantum_mm3();
 }
 
 std::uint64_t DexelSnapshot::hash() const {
   Hash hash;
-  hash.add(std::bit_cast<std::uint64_t>(grid_.pitch_mm));
-  hash.add(std::bit_cast<std::uint64_t>(grid_.z_quantum_mm));
-  hash.add(std::bit_cast<std::uint64_t>(grid_.origin_mm.x));
-  hash.add(std::bit_cast<std::uint64_t>(grid_.origin_mm.y));
-  hash.add(std::bit_cast<std::uint64_t>(grid_.origin_mm.z));
+  add(hash, grid_, stock_);
   std::vector<Dexel> scratch;
-  for (std::int32_t j = 0; j < grid_.columns_y; ++j) {
-    for (std::int32_t i = 0; i < grid_.columns_x; ++i) {
-      const std::span<const Dexel> dexels = column(i, j, scratch);
-      hash.add(dexels.size());
-      for (const Dexel& d : dexels) {
-        hash.add(std::uint64_t(static_cast<std::uint32_t>(d.bottom)) << 32 |
-                 static_cast<std::uint32_t>(d.top));
-      }
-    }
-  }
+  tiles_.for_each([&](TileIndex at, const DexelTile& tile) {
+    if (is_like_stock(tile, at, stock_, grid_)) return;
+    add(hash, at.x, at.y);
+    for_columns(grid_, at, [&](int column, std::int32_t, std::int32_t) {
+      tile.read(column, scratch);
+      hash.add(scratch.size());
+      for (const Dexel& d : scratch) add(hash, d.bottom, d.top);
+      return true;
+    });
+  });
   return hash.value();
 }
 

@@ -1,32 +1,26 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/dexel.h"
+#include "kernel/dexel/lower_elements.h"
 #include "kernel/dexel/tile_index.h"
 
 namespace kerf {
 
-inline constexpr int kTileColumns = kTileSide * kTileSide;
-
-/// The columns of one touched tile, row-major. Nearly every column holds one solid element or none,
-/// so the topmost element of each stands in two flat arrays that the cutting loop reads like a
-/// height map; what lies below it, in the few columns that have been split, is kept in `lower`.
+/// The columns of one touched tile, row-major. Most columns hold one solid element or none, so the
+/// topmost element of each stands in two flat arrays that the cutting loop reads like a height map;
+/// what lies below it, in the columns that have been split, is kept in `lower`.
 struct DexelTile {
-  struct Lower {
-    std::uint16_t column;
-    Dexel dexel;
-    friend bool operator==(const Lower&, const Lower&) = default;
-  };
-
   alignas(64) std::array<std::int32_t, kTileColumns> bottom;
   alignas(64) std::array<std::int32_t, kTileColumns> top;  ///< top == bottom: the column is empty
   std::array<std::uint32_t, kTileSide>
-      split{};               ///< per row, bit i: column i has elements in `lower`
-  std::vector<Lower> lower;  ///< by column, then from the bottom up
+      split{};  ///< per row, bit i: column i has elements in `lower`
+  LowerElements lower;
   std::int32_t top_max = 0;  ///< no element of the tile reaches higher
   std::uint64_t era = 0;     ///< the field's era in which the tile was made
 
@@ -37,6 +31,11 @@ struct DexelTile {
   void read(int column, std::vector<Dexel>& out) const;
   /// Replaces a column's elements (sorted, disjoint).
   void write(int column, std::span<const Dexel> dexels);
+  /// Brings the bounds of the tile up to date; whoever changes `top` calls it before anyone else
+  /// looks.
+  void update_bounds() { top_max = *std::max_element(top.begin(), top.end()); }
+  /// Memory, with what hangs on it.
+  std::size_t bytes() const { return sizeof *this + lower.bytes(); }
 };
 
 }  // namespace kerf

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/dexel/dexel_tile.h"
+
 namespace kerf {
 namespace {
 
@@ -30,6 +32,31 @@ Dexel chord(const CylinderStock& c, const DexelGrid& grid, double aside_mm, doub
   return {depth(center_mm - half), depth(center_mm + half)};
 }
 
+std::int32_t length(Dexel d) { return d.top - d.bottom; }
+
+/// Columns of row j of the field along Z whose centres lie in the cylinder: a run around the
+/// cylinder's axis, whose ends are found by halving.
+std::int64_t row_of_cylinder(const CylinderStock& c, const DexelGrid& grid, std::int32_t j) {
+  const auto solid = [&](std::int32_t i) { return length(stock_column(c, grid, i, j)) > 0; };
+  const double middle = (c.center_x_mm - grid.origin_mm.x) / grid.pitch_mm;
+  const auto near = static_cast<std::int32_t>(std::clamp(middle, 0.0, grid.columns_x - 1.0));
+  std::int32_t inside = -1;
+  for (const std::int32_t i : {near - 1, near, near + 1}) {
+    if (i >= 0 && i < grid.columns_x && solid(i)) inside = i;
+  }
+  if (inside < 0) return 0;
+  std::int32_t first = inside, last = inside;
+  for (std::int32_t out = -1; first - out > 1;) {
+    const std::int32_t i = out + (first - out) / 2;
+    (solid(i) ? first : out) = i;
+  }
+  for (std::int32_t out = grid.columns_x; out - last > 1;) {
+    const std::int32_t i = last + (out - last) / 2;
+    (solid(i) ? last : out) = i;
+  }
+  return last - first + 1;
+}
+
 double columns(double size_mm, double pitch_mm) {
   return std::max(1.0, std::floor(size_mm / pitch_mm + 0.5));
 }
@@ -51,6 +78,44 @@ Dexel stock_column(const StockShape& stock, const DexelGrid& grid, std::int32_t 
   const double dy = grid.y_mm(j) - c->center_y_mm;
   const bool solid = dx * dx + dy * dy <= c->radius_mm * c->radius_mm;
   return {0, solid ? grid.height_quanta : 0};
+}
+
+void fill_from_stock(const StockShape& stock, const DexelGrid& grid, TileIndex at,
+                     DexelTile& tile) {
+  tile.bottom.fill(0);
+  tile.top.fill(0);
+  for (int row = 0; row < kTileSide; ++row) {
+    const std::int32_t j = at.y * kTileSide + row;
+    for (int c = 0; c < kTileSide; ++c) {
+      const std::int32_t i = at.x * kTileSide + c;
+      if (i >= grid.columns_x || j >= grid.columns_y) continue;
+      const Dexel whole = stock_column(stock, grid, i, j);
+      if (whole.bottom >= whole.top) continue;
+      tile.bottom[std::size_t(row * kTileSide + c)] = whole.bottom;
+      tile.top[std::size_t(row * kTileSide + c)] = whole.top;
+    }
+  }
+  tile.update_bounds();
+}
+
+double stock_quanta(const StockShape& stock, const DexelGrid& grid) {
+  const auto* c = std::get_if<CylinderStock>(&stock);
+  if (c == nullptr) {
+    return double(grid.columns_x) * double(grid.columns_y) * double(grid.height_quanta);
+  }
+  std::int64_t sum = 0;
+  switch (grid.axis) {
+    case RayAxis::kX:  // All rows are alike.
+      for (std::int32_t i = 0; i < grid.columns_x; ++i) sum += length(stock_column(*c, grid, i, 0));
+      return double(sum) * grid.columns_y;
+    case RayAxis::kY:  // All columns of a row are alike.
+      for (std::int32_t j = 0; j < grid.columns_y; ++j) sum += length(stock_column(*c, grid, 0, j));
+      return double(sum) * grid.columns_x;
+    case RayAxis::kZ:
+      break;
+  }
+  for (std::int32_t j = 0; j < grid.columns_y; ++j) sum += row_of_cylinder(*c, grid, j);
+  return double(sum) * grid.height_quanta;
 }
 
 double columns_in_field(const StockShape& stock, double pitch_mm, RayAxis axis) {

@@ -2,16 +2,26 @@
 
 #include <cstdint>
 
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/dexel.h"
+#include "kernel/dexel/dexel_grid.h"
 #include "kernel/dexel/stock_shape.h"
 
 namespace kerf {
+
+struct DexelTile;
 
 /// What the untouched stock holds in column (i, j): one element, or nothing (bottom == top) beside
 /// a cylinder. Along the cylinder's axis a column is whole or empty, and one whose centre is
 /// exactly on the surface is solid. Across it a column is a chord, its ends rounded to the nearest
 /// quantum; a ray that only touches the cylinder meets nothing.
 Dexel stock_column(const StockShape& stock, const DexelGrid& grid, std::int32_t i, std::int32_t j);
+
+/// Makes a tile what it is before any tool touches it; columns beyond the grid are empty.
+void fill_from_stock(const StockShape& stock, const DexelGrid& grid, TileIndex at, DexelTile& tile);
+
+/// Length of all columns of the untouched stock together, in quanta (a whole number, as far as a
+/// double can hold it). Costs at most the columns along the grid's sides.
+double stock_quanta(const StockShape& stock, const DexelGrid& grid);
 
 /// Lays the grid of the field along `axis` under a stock: as many columns as have their centre
 /// within the stock's bounds (at least one), and the finest power of two as depth quantum with
@@ -20,7 +30,7 @@ Dexel stock_column(const StockShape& stock, const DexelGrid& grid, std::int32_t 
 DexelGrid make_grid(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ);
 
 /// Columns of that grid, without making it: a number of them that no field can have is not an error
-/// here.
+/// here, and infinite where one side alone has more than its index can hold (2^30).
 double columns_in_field(const StockShape& stock, double pitch_mm, RayAxis axis);
 
 }  // namespace kerf

@@ -7,6 +7,7 @@ namespace kerf {
 
 /// Columns along one side of a tile: the unit of storage, meshing and sending.
 inline constexpr int kTileSide = 32;
+inline constexpr int kTileColumns = kTileSide * kTileSide;
 
 /// A block of kTileSide x kTileSide columns, counted from the block's minimum corner.
 struct TileIndex {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+
+namespace kerf {
+
+/// One solid depth element of a column, in quanta above the block's lowest plane (see
+/// DexelGrid::z_quantum_mm).
+struct Dexel {
+  std::int32_t bottom = 0, top = 0;  ///< bottom < top
+  friend constexpr bool operator==(const Dexel&, const Dexel&) = default;
+};
+
+}  // namespace kerf

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "kernel/dexel/tile_index.h"
+
+namespace kerf {
+
+struct DexelTile;
+
+/// Where the touched tiles of a field are: a tree of three levels, 16 x 16 children each below a
+/// root of as many as the block needs (one per 8192 x 8192 columns). A part of the block that no
+/// tool has touched has no nodes. A copy shares all nodes; nodes and tiles belong to an era of
+/// their owner, and what is of an earlier era than the owner's is shared and copied before it is
+/// changed.
+class TileDirectory {
+ public:
+  TileDirectory(std::int32_t tiles_x, std::int32_t tiles_y);
+
+  /// The tile, or null while it is untouched; it must lie in the grid.
+  const DexelTile* find(TileIndex tile) const {
+    const Branch* branch = root_->child[root_index(tile)].get();
+    if (branch == nullptr) return nullptr;
+    const Leaf* leaf = branch->child[index(tile, kLeafBits)].get();
+    return leaf == nullptr ? nullptr : leaf->child[index(tile, 0)].get();
+  }
+  /// Where the tile is kept, to be filled or replaced; makes and copies the nodes on the way. `era`
+  /// never decreases from call to call.
+  std::shared_ptr<DexelTile>& slot(TileIndex tile, std::uint64_t era);
+
+  /// Calls visit(TileIndex, const DexelTile&) for every touched tile, in an order that depends on
+  /// their places alone.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (std::size_t r = 0; r < root_->child.size(); ++r) {
+      const Branch* branch = root_->child[r].get();
+      if (branch == nullptr) continue;
+      const TileIndex at{static_cast<std::int32_t>(r % std::size_t(root_x_)) << (2 * kLeafBits),
+                         static_cast<std::int32_t>(r / std::size_t(root_x_)) << (2 * kLeafBits)};
+      for (std::size_t b = 0; b < kChildren; ++b) {
+        if (branch->child[b]) visit_leaf(*branch->child[b], moved(at, b, kLeafBits), visit);
+      }
+    }
+  }
+  /// Memory of the nodes, without the tiles.
+  std::size_t bytes() const;
+
+ private:
+  static constexpr int kLeafBits = 4;
+  static constexpr std::size_t kChildren = std::size_t{1} << (2 * kLeafBits);
+  template <class Child>
+  struct Node {
+    std::uint64_t era = 0;
+    std::array<std::shared_ptr<Child>, kChildren> child;
+  };
+  using Leaf = Node<DexelTile>;
+  using Branch = Node<Leaf>;
+  struct Root {
+    std::uint64_t era = 0;
+    std::vector<std::shared_ptr<Branch>> child;  ///< row-major
+  };
+
+  static std::size_t index(TileIndex tile, int shift) {
+    constexpr std::int32_t kMask = (1 << kLeafBits) - 1;
+    return std::size_t(((tile.y >> shift) & kMask) << kLeafBits | ((tile.x >> shift) & kMask));
+  }
+  static TileIndex moved(TileIndex at, std::size_t child, int shift) {
+    constexpr std::size_t kMask = (std::size_t{1} << kLeafBits) - 1;
+    return {at.x + (static_cast<std::int32_t>(child & kMask) << shift),
+            at.y + (static_cast<std::int32_t>(child >> kLeafBits) << shift)};
+  }
+  std::size_t root_index(TileIndex tile) const {
+    return std::size_t(tile.y >> (2 * kLeafBits)) * std::size_t(root_x_) +
+           std::size_t(tile.x >> (2 * kLeafBits));
+  }
+  template <class Visit>
+  static void visit_leaf(const Leaf& leaf, TileIndex at, Visit& visit) {
+    for (std::size_t c = 0; c < kChildren; ++c) {
+      if (leaf.child[c]) visit(moved(at, c, 0), std::as_const(*leaf.child[c]));
+    }
+  }
+
+  std::int32_t root_x_;
+  std::shared_ptr<Root> root_;
+};
+
+}  // namespace kerf
