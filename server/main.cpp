@@ -51,6 +51,7 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
   source.name = file;
   source.base_folder = std::filesystem::path(file).parent_path();
   const auto created = sessions.create(id, text, source);
+  if (created && scene->accuracy) spdlog::info("session {}: {}", id, scene->accuracy->reason);
   return created ? "" : created.error().reason;
 }
 

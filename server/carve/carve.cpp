@@ -83,15 +83,10 @@ class Carving {
     if (!scene) return bad_input(to_string(scene.error()));
     scene_ = *std::move(scene);
     SculptureSettings& settings = scene_.settings;
-    settings.pitch_mm = options_.pitch_mm.value_or(settings.pitch_mm);
-    settings.tolerance_mm = options_.tolerance_mm.value_or(settings.tolerance_mm);
-    if (options_.rays)
-      settings.rays = *options_.rays == "tri-dexel" ? Rays::kTriDexel : Rays::kDexel;
-    if (options_.motion)
-      settings.motion = *options_.motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
     if (options_.law)
       settings.force.law =
           *options_.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
+    if (auto settled = settle_options(); !settled) return settled;
     report_.scene_file = options_.scene.string();
     auto sculpture = Sculpture::create(settings);
     if (!sculpture) return bad_input(options_.scene.string() + ": " + sculpture.error().reason);
@@ -100,6 +95,33 @@ class Carving {
       if (auto defined = sculpture_->apply(DefineTool{id, tool.tool}); !defined)
         return bad_input(options_.scene.string() + ": tool " + std::to_string(id) + ": " +
                          defined.error().reason);
+    return {};
+  }
+
+  // What the command line says stands instead of what the scene says; where the scene names a
+  // target, the rest is chosen for it.
+  Result settle_options() {
+    AccuracyRequest request;
+    if (scene_.accuracy) request = scene_.accuracy->request;
+    if (options_.pitch_mm) request.pitch_mm = options_.pitch_mm;
+    if (options_.tolerance_mm) request.tolerance_mm = options_.tolerance_mm;
+    if (options_.rays)
+      request.rays = *options_.rays == "tri-dexel" ? Rays::kTriDexel : Rays::kDexel;
+    if (options_.motion)
+      request.motion = *options_.motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
+    if (scene_.accuracy) {
+      const auto settled = settle_accuracy(scene_, request);
+      if (!settled)
+        return bad_input(options_.scene.string() + ": accuracy." + settled.error().field + " " +
+                         settled.error().reason);
+      std::cerr << "accuracy: " << scene_.accuracy->reason << '\n';
+      return {};
+    }
+    SculptureSettings& settings = scene_.settings;
+    settings.pitch_mm = request.pitch_mm.value_or(settings.pitch_mm);
+    settings.tolerance_mm = request.tolerance_mm.value_or(settings.tolerance_mm);
+    settings.rays = request.rays.value_or(settings.rays);
+    settings.motion = request.motion.value_or(settings.motion);
     return {};
   }
 

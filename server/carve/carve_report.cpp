@@ -53,6 +53,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"program_lines", report.program_lines},
                   {"tools_used", tools},
                   {"tip_extents", tip_extents(program)},
+                  {"accuracy", Json::parse(accuracy_json(scene))},
                   {"rays", to_string(scene.settings.rays)},
                   {"pitch_mm", scene.settings.pitch_mm},
                   {"tolerance_mm", scene.settings.tolerance_mm},

@@ -25,6 +25,27 @@ std::string to_string(const SceneError& error) {
   return text + " " + error.reason;
 }
 
+Accuracy accuracy_of(const Scene& scene) {
+  const SculptureSettings& s = scene.settings;
+  return {s.rays, s.pitch_mm, s.tolerance_mm, s.motion};
+}
+
+std::expected<void, AccuracyError> settle_accuracy(Scene& scene, const AccuracyRequest& request) {
+  AccuracyUse use{.stock = scene.settings.stock,
+                  .tools = {},
+                  .turns = scene.machine.kinematics != MachineKinematics::kXyz};
+  for (const auto& [id, tool] : scene.tools) use.tools.push_back(tool.tool);
+  auto choice = choose_accuracy(request, use);
+  if (!choice) return std::unexpected(choice.error());
+  const Accuracy& a = choice->accuracy;
+  scene.settings.rays = a.rays;
+  scene.settings.pitch_mm = a.pitch_mm;
+  scene.settings.tolerance_mm = a.tolerance_mm;
+  scene.settings.motion = a.motion;
+  scene.accuracy = *std::move(choice);
+  return {};
+}
+
 std::expected<Scene, SceneError> load_scene(const std::filesystem::path& path) {
   const SceneSource source{.name = path.string(), .base_folder = path.parent_path()};
   const auto text = read_file(path);

@@ -11,6 +11,7 @@
 
 #include "kernel/sculpture.h"
 #include "kernel/tool/tool.h"
+#include "server/formats/accuracy_choice.h"
 
 namespace kerf {
 
@@ -36,6 +37,7 @@ struct Scene {
   SculptureSettings settings;
   std::map<ToolId, SceneTool> tools;  ///< at least one
   Machine machine;
+  std::optional<AccuracyChoice> accuracy;  ///< where a target was asked for; stands in settings
   std::vector<std::string>
       obstacle_files;  ///< one per settings.obstacles; empty unless read from an STL file
 };
@@ -63,6 +65,12 @@ std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneS
 /// Reads the file; its folder is the base folder.
 std::expected<Scene, SceneError> load_scene(const std::filesystem::path& file);
 
+/// The accuracy that the settings hold.
+Accuracy accuracy_of(const Scene& scene);
+/// Chooses the accuracy of a scene for a target (accuracy_choice.h) and notes it in the scene and
+/// its settings; a scene that cannot be chosen for stays as it was.
+std::expected<void, AccuracyError> settle_accuracy(Scene& scene, const AccuracyRequest& request);
+
 /// The whole scene as canonical JSON text (every field, sorted as in design section 8); parse_scene
 /// gives it back equal.
 std::string scene_json(const Scene& scene);
@@ -71,6 +79,9 @@ std::string scene_json(const Scene& scene);
 std::string stock_json(const Scene& scene);
 std::string tools_json(const Scene& scene);
 std::string force_json(const Scene& scene);
+/// The "accuracy" object as it was resolved: of a chosen one also the target, what is to be
+/// expected and why.
+std::string accuracy_json(const Scene& scene);
 
 /// A table of every field: path, value, default, unit, meaning. `kerf-carve --explain` prints it.
 std::string explain_scene(const Scene& scene);

@@ -26,6 +26,8 @@ constexpr std::array kHelp{
     FieldHelp{"stock.radius_mm", "-", "mm", "radius of the cylinder"},
     FieldHelp{"stock.min_z_mm", "-", "mm", "lower end of the cylinder"},
     FieldHelp{"stock.max_z_mm", "-", "mm", "upper end of the cylinder"},
+    FieldHelp{"accuracy.target_mm", "none", "mm",
+              "wanted surface error: what of the next four is not given is chosen for it"},
     FieldHelp{"accuracy.rays", "dexel", "",
               "dexel: one field of rays along Z; tri-dexel: three, along X, Y and Z"},
     FieldHelp{"accuracy.pitch_mm", "0.25", "mm", "distance of neighbouring rays"},
@@ -111,6 +113,10 @@ std::string without_indices(const std::string& path) {
 std::string explain_scene(const Scene& scene) {
   std::vector<Row> rows;
   flatten(Json::parse(scene_json(scene)), "", rows);
+  if (!scene.accuracy) {
+    const auto at = std::ranges::find(rows, "accuracy.rays", &Row::path);
+    rows.insert(at, {"accuracy.target_mm", "none"});
+  }
   std::size_t path_width = 5;
   std::size_t value_width = 5;
   for (const Row& row : rows) {
@@ -141,6 +147,9 @@ std::string explain_scene(const Scene& scene) {
            help->meaning);
     }
   }
+  if (scene.accuracy)
+    out << "\naccuracy for a target of " << scene.accuracy->request.target_mm
+        << " mm: " << scene.accuracy->reason << '\n';
   return out.str();
 }
 

@@ -165,6 +165,19 @@ Json to_json(const Obstacle& obstacle, const std::string& file) {
   return json;
 }
 
+// A target stands beside what was chosen for it: read back, everything is given and nothing is
+// chosen anew, so that a journal keeps its values whatever a later version would choose.
+Json accuracy_to_json(const Scene& scene) {
+  const SculptureSettings& s = scene.settings;
+  Json json = Json::object();
+  if (scene.accuracy) json["target_mm"] = scene.accuracy->request.target_mm;
+  json.update({{"rays", to_string(s.rays)},
+               {"pitch_mm", s.pitch_mm},
+               {"tolerance_mm", s.tolerance_mm},
+               {"motion", s.motion == MotionModel::kTight ? "tight" : "paper"}});
+  return json;
+}
+
 // A name that is no UTF-8 cannot come from a file (the parser refuses it); one given by code is
 // repaired.
 std::string text_of(const Json& json) {
@@ -180,11 +193,7 @@ std::string scene_json(const Scene& scene) {
     obstacles.push_back(to_json(settings.obstacles[i], scene.obstacle_files[i]));
   return text_of({{"name", scene.name},
                   {"stock", to_json(settings.stock)},
-                  {"accuracy",
-                   {{"rays", to_string(settings.rays)},
-                    {"pitch_mm", settings.pitch_mm},
-                    {"tolerance_mm", settings.tolerance_mm},
-                    {"motion", settings.motion == MotionModel::kTight ? "tight" : "paper"}}},
+                  {"accuracy", accuracy_to_json(scene)},
                   {"tools", tools_to_json(scene)},
                   {"force", to_json(settings.force)},
                   {"machine",
@@ -195,6 +204,14 @@ std::string scene_json(const Scene& scene) {
 
 std::string stock_json(const Scene& scene) { return text_of(to_json(scene.settings.stock)); }
 std::string tools_json(const Scene& scene) { return text_of(tools_to_json(scene)); }
+std::string accuracy_json(const Scene& scene) {
+  Json json = accuracy_to_json(scene);
+  if (scene.accuracy) {
+    json["predicted_error_mm"] = scene.accuracy->predicted_error_mm;
+    json["reason"] = scene.accuracy->reason;
+  }
+  return text_of(json);
+}
 std::string force_json(const Scene& scene) { return text_of(to_json(scene.settings.force)); }
 
 }  // namespace kerf

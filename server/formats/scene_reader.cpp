@@ -47,27 +47,44 @@ StockShape read_stock(const SceneValue& value) {
 }
 
 MotionModel read_motion(SceneFields& accuracy) {
-  const std::string motion = accuracy.text("motion", "tight");
+  const std::string motion = accuracy.text("motion");
   if (motion == "tight") return MotionModel::kTight;
   if (motion == "paper") return MotionModel::kPaper;
   accuracy.refuse("motion", "\"" + motion + "\" is not a motion model; use tight or paper");
 }
 
 Rays read_rays(SceneFields& accuracy) {
-  const std::string rays = accuracy.text("rays", "dexel");
+  const std::string rays = accuracy.text("rays");
   if (rays == "dexel") return Rays::kDexel;
   if (rays == "tri-dexel") return Rays::kTriDexel;
   accuracy.refuse("rays", "\"" + rays + "\" is not a ray model; use dexel or tri-dexel");
 }
 
-void read_accuracy(const SceneValue& value, SculptureSettings& settings) {
+// What is not given is chosen where there is a target, and has its default where there is none.
+AccuracyRequest read_accuracy(const SceneValue& value) {
   SceneFields fields(value);
-  fields.not_yet("target_mm", "choosing the accuracy from a target");
-  settings.rays = read_rays(fields);
-  settings.pitch_mm = fields.positive("pitch_mm", settings.pitch_mm);
-  settings.tolerance_mm = fields.positive("tolerance_mm", settings.tolerance_mm);
-  settings.motion = read_motion(fields);
+  AccuracyRequest request;
+  if (fields.find("target_mm")) request.target_mm = fields.positive("target_mm");
+  if (fields.find("rays")) request.rays = read_rays(fields);
+  if (fields.find("pitch_mm")) request.pitch_mm = fields.positive("pitch_mm");
+  if (fields.find("tolerance_mm")) request.tolerance_mm = fields.positive("tolerance_mm");
+  if (fields.find("motion")) request.motion = read_motion(fields);
   fields.refuse_the_rest();
+  return request;
+}
+
+// Tools and machine must have been read: the choice depends on them.
+void settle(const AccuracyRequest& request, Scene& scene) {
+  if (request.target_mm > 0) {
+    if (auto done = settle_accuracy(scene, request); !done)
+      throw SceneRefusal{"accuracy." + done.error().field, done.error().reason};
+    return;
+  }
+  SculptureSettings& settings = scene.settings;
+  settings.rays = request.rays.value_or(settings.rays);
+  settings.pitch_mm = request.pitch_mm.value_or(settings.pitch_mm);
+  settings.tolerance_mm = request.tolerance_mm.value_or(settings.tolerance_mm);
+  settings.motion = request.motion.value_or(settings.motion);
 }
 
 ForceSettings read_force(const SceneValue& value) {
@@ -152,7 +169,8 @@ Scene read_scene(const Json& json, const SceneSource& source) {
   Scene scene;
   scene.name = fields.text("name", "untitled");
   scene.settings.stock = read_stock(fields.need("stock"));
-  if (const auto accuracy = fields.find("accuracy")) read_accuracy(*accuracy, scene.settings);
+  AccuracyRequest accuracy;
+  if (const auto value = fields.find("accuracy")) accuracy = read_accuracy(*value);
   if (const auto force = fields.find("force")) scene.settings.force = read_force(*force);
   if (const auto machine = fields.find("machine")) scene.machine = read_machine(*machine);
   const auto tools = fields.need("tools").items();
@@ -162,6 +180,7 @@ Scene read_scene(const Json& json, const SceneSource& source) {
     for (const SceneValue& obstacle : obstacles->items()) read_obstacle(obstacle, source, scene);
   }
   fields.refuse_the_rest();
+  settle(accuracy, scene);
   return scene;
 }
 

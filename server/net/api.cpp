@@ -54,6 +54,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"removed_volume_mm3", info.removed_mm3},
           {"journal_lag", info.journal_lag},
           {"pitch_mm", session.scene().settings.pitch_mm},
+          {"accuracy", Json::parse(accuracy_json(session.scene()))},
           {"stock", Json::parse(stock_json(session.scene()))},
           {"tools", Json::parse(tools_json(session.scene()))},
           {"participants", people}};
@@ -177,7 +178,10 @@ ApiResponse Api::create_session(const ApiRequest& request) {
   const auto created = registry_.create(id, request.body, SceneSource{});
   if (!created) return registry_failure(created.error());
   const std::string url = "/v1/sessions/" + (*created)->id();
-  auto response = json_response(201, {{"id", (*created)->id()}, {"url", url}});
+  Json created_json = {{"id", (*created)->id()}, {"url", url}};
+  const Scene& scene = (*created)->scene();
+  if (scene.accuracy) created_json["accuracy"] = Json::parse(accuracy_json(scene));
+  auto response = json_response(201, created_json);
   response.headers.emplace_back("Location", url);
   return response;
 }

@@ -127,6 +127,24 @@ TEST_F(KerfCarve, ThreeFieldsOfRaysSeeWhatOneDoes) {
   EXPECT_NEAR(three["removed_volume_mm3"], removed, 0.05 * removed);
 }
 
+TEST_F(KerfCarve, ATargetIsResolvedAndReported) {
+  std::string scene = kScene;
+  scene.replace(scene.find("\"pitch_mm\": 0.5"), 15, "\"target_mm\": 0.4");
+  write("target.json", scene);
+  const auto json = report("--scene target.json --program p.ngc");
+  EXPECT_EQ(json["accuracy"]["target_mm"], 0.4);
+  EXPECT_EQ(json["accuracy"]["pitch_mm"], json["pitch_mm"]);
+  EXPECT_LE(json["accuracy"]["predicted_error_mm"], 0.4);
+  EXPECT_THAT(content("err"), StartsWith("accuracy: dexel, pitch "));
+  // What the command line fixes is not chosen.
+  const auto fixed = report("--scene target.json --program p.ngc --pitch 0.1");
+  EXPECT_EQ(fixed["pitch_mm"], 0.1);
+  EXPECT_GT(fixed["tolerance_mm"], json["tolerance_mm"]);
+  EXPECT_EQ(run("--scene target.json --program p.ngc --pitch 1"), 2);
+  EXPECT_THAT(content("err"), StartsWith("target.json: accuracy.pitch_mm is 1 mm"));
+  EXPECT_FALSE(report(kInput)["accuracy"].contains("target_mm"));
+}
+
 TEST_F(KerfCarve, TheBytesDoNotDependOnTheThreads) {
   ASSERT_EQ(run(kInput + " --stl a.stl --glb a.glb --ngc a.ngc --threads 1"), 0);
   ASSERT_EQ(run(kInput + " --stl b.stl --glb b.glb --ngc b.ngc --threads 4"), 0);

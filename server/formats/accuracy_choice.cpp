@@ -1,0 +1,223 @@
+#include "server/formats/accuracy_choice.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "kernel/dexel/stock_column.h"
+#include "server/formats/number_text.h"
+
+namespace kerf {
+namespace {
+
+// The laws, as server/carve/README.md derives them from measurements. Only + - x / and roots: equal
+// scenes give equal choices on every CPU.
+
+// Greatest distance of the mesh from the true solid, in pitches: at steep walls and their edges.
+// The mesh is made from the rays along Z, whatever the ray model.
+constexpr double kErrorPerPitch = 0.88;
+// And what a dexel's end and a chord of an arc may be off.
+constexpr double kErrorPerTolerance = 1;
+// CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: a part for each
+// sub-motion and a part for each column under the tool.
+constexpr double kUsPerSubMotion = 2.0;
+constexpr double kUsPerColumn = 0.0072;
+// Sub-motions: 1 + kTight / sqrt(tolerance), 1 + kPaper / tolerance (mm).
+constexpr double kTightParts = 0.06;
+constexpr double kPaperParts = 0.35;
+// Three fields against one.
+constexpr double kTriDexelCost = 3.0;
+// Of which the footprint is taken: 1 mm of a motion.
+constexpr double kTravelMm = 1;
+
+constexpr double kBytesMax = 4.0 * 1024 * 1024 * 1024;
+constexpr double kBytesPerColumn = 8.3;
+// Pitches that a tool's radius must have at least: below that its cuts fall between the rays.
+constexpr double kPitchesPerRadius = 1;
+// Parts of the target that the tolerance takes: where the product of columns (1 / pitch^2) and
+// sub-motions is least. They are constant, so that a smaller target never gets a coarser pitch.
+// Where no axis turns, a tolerance costs nothing but chords of arcs.
+constexpr double kTightShare = 0.1, kPaperShare = 0.3, kUprightShare = 0.02;
+// The same limits as Sculpture::create.
+constexpr double kPitchMinMm = 1e-4, kPitchMaxMm = 1000;
+constexpr double kToleranceMinMm = 1e-6;
+
+// The nearest number not above `value` with this many significant digits: settings that people can
+// read.
+double rounded_down(double value, int digits) {
+  double unit = 1;
+  int exponent = 0;
+  const double limit = digits == 3 ? 1000 : 100;
+  for (; value / unit >= limit; ++exponent) unit *= 10;
+  for (; value / unit < limit / 10; --exponent) unit /= 10;
+  const auto whole = static_cast<long>(value / unit * (1 + 1e-12));
+  const std::string text = std::to_string(whole) + "e" + std::to_string(exponent);
+  double result = value;
+  std::from_chars(text.data(), text.data() + text.size(), result);
+  return result;
+}
+
+double smallest_radius_mm(const std::vector<Tool>& tools) {
+  double radius = kPitchMaxMm;
+  for (const Tool& tool : tools) radius = std::min(radius, tool.radius_mm);
+  return radius;
+}
+
+double largest_radius_mm(const std::vector<Tool>& tools) {
+  double radius = 0;
+  for (const Tool& tool : tools) radius = std::max(radius, tool.radius_mm);
+  return radius;
+}
+
+// Fields of rays.
+int fields(Rays rays) { return rays == Rays::kTriDexel ? 3 : 1; }
+
+std::string mm(double value) { return significant_text(value, 3) + " mm"; }
+
+// The coarsest pitch that the target leaves room for beside the tolerance.
+double pitch_for(double target_mm, double tolerance_mm) {
+  return (target_mm - kErrorPerTolerance * tolerance_mm) / kErrorPerPitch;
+}
+
+std::unexpected<AccuracyError> no(AccuracyErrorCode code, std::string field, std::string reason) {
+  return std::unexpected(AccuracyError{code, std::move(field), std::move(reason)});
+}
+
+double share_of(MotionModel motion, bool turns) {
+  if (!turns) return kUprightShare;
+  return motion == MotionModel::kTight ? kTightShare : kPaperShare;
+}
+
+// What stands in the way of the target whatever is chosen for the rest.
+std::expected<void, AccuracyError> check(const AccuracyRequest& r, const AccuracyUse& use) {
+  using enum AccuracyErrorCode;
+  const double tolerance = r.tolerance_mm.value_or(0);
+  if (kErrorPerTolerance * tolerance >= r.target_mm)
+    return no(kUnreachable, "tolerance_mm",
+              "is " + mm(tolerance) + ", which leaves nothing of a target of " + mm(r.target_mm));
+  if (r.pitch_mm && kErrorPerPitch * *r.pitch_mm + tolerance >= r.target_mm)
+    return no(kUnreachable, "pitch_mm",
+              "is " + mm(*r.pitch_mm) + ", with which a surface error of " +
+                  mm(kErrorPerPitch * *r.pitch_mm + tolerance) +
+                  " is to be expected: more than the target of " + mm(r.target_mm));
+  const double share =
+      r.tolerance_mm ? 0 : share_of(r.motion.value_or(MotionModel::kTight), use.turns);
+  const double pitch = r.pitch_mm.value_or(
+      std::min({pitch_for(r.target_mm, tolerance + share * r.target_mm), kPitchMaxMm,
+                smallest_radius_mm(use.tools) / kPitchesPerRadius}));
+  const double least_tolerance = r.tolerance_mm.value_or(
+      (r.target_mm - kErrorPerPitch * r.pitch_mm.value_or(0)) / kErrorPerTolerance / 2);
+  if (pitch < kPitchMinMm || least_tolerance < kToleranceMinMm)
+    return no(kOutOfRange, "target_mm",
+              "is " + mm(r.target_mm) + ", for which the pitch would have to be " + mm(pitch) +
+                  ": the least is " + mm(kPitchMinMm));
+  Accuracy finest{r.rays.value_or(Rays::kDexel), pitch, tolerance, MotionModel::kTight};
+  const double bytes = predicted_bytes(finest, use.stock);
+  if (bytes > kBytesMax) {
+    finest.pitch_mm = pitch * std::sqrt(bytes / kBytesMax);
+    return no(kTooMuchMemory, "target_mm",
+              "is " + mm(r.target_mm) + ", for which this stock could need " +
+                  significant_text(bytes / kBytesMax * 4, 3) +
+                  " GiB; the limit is 4 GiB, which allows a target of " +
+                  mm(predicted_error_mm(finest) / (1 - share)));
+  }
+  return {};
+}
+
+// The cheapest for given rays and motion model; check has passed.
+Accuracy cheapest(const AccuracyRequest& r, const AccuracyUse& use, Rays rays, MotionModel motion) {
+  const double coarsest = std::min(smallest_radius_mm(use.tools) / kPitchesPerRadius, kPitchMaxMm);
+  // With a fixed pitch the tolerance may take half of what is left.
+  const double room = r.pitch_mm ? (r.target_mm - kErrorPerPitch * *r.pitch_mm) / 2
+                                 : share_of(motion, use.turns) * r.target_mm;
+  const double tolerance = r.tolerance_mm.value_or(room / kErrorPerTolerance);
+  const double pitch =
+      r.pitch_mm.value_or(rounded_down(std::min(pitch_for(r.target_mm, tolerance), coarsest), 3));
+  return {rays, pitch, r.tolerance_mm.value_or(rounded_down(tolerance, 2)), motion};
+}
+
+bool all_given(const AccuracyRequest& r) {
+  return r.rays && r.pitch_mm && r.tolerance_mm && r.motion;
+}
+
+std::string why(const AccuracyChoice& choice, const AccuracyUse& use) {
+  const AccuracyRequest& r = choice.request;
+  const Accuracy& a = choice.accuracy;
+  const auto given = [&r](bool is) { return is && !all_given(r) ? " (given)" : ""; };
+  std::string text =
+      std::string(to_string(a.rays)) + given(r.rays.has_value()) + ", pitch " +
+      exact_text(a.pitch_mm) + " mm" + given(r.pitch_mm.has_value()) + ", tolerance " +
+      exact_text(a.tolerance_mm) + " mm" + given(r.tolerance_mm.has_value()) + ", " +
+      (a.motion == MotionModel::kTight ? "tight" : "paper") + given(r.motion.has_value()) +
+      ": a surface error of " + mm(choice.predicted_error_mm) + " is to be expected";
+  if (choice.predicted_error_mm > r.target_mm)
+    return text + ", which misses the target of " + mm(r.target_mm);
+  text += " (" + exact_text(kErrorPerPitch) + " pitch + tolerance)";
+  if (!r.pitch_mm && a.pitch_mm * kPitchesPerRadius >= smallest_radius_mm(use.tools) * 0.99)
+    text += "; the pitch is held to the radius of the smallest tool";
+  if (!r.rays)
+    text += "; three fields of rays would take " + exact_text(kTriDexelCost) +
+            " times as long for the same surface, which is made from those along Z";
+  if (!r.motion) {
+    Accuracy paper = a;
+    paper.motion = MotionModel::kPaper;
+    if (use.turns)
+      text += "; the paper's motion model would take " +
+              significant_text(predicted_us(paper, use) / choice.predicted_us, 2) +
+              " times as long";
+  }
+  return text;
+}
+
+}  // namespace
+
+double predicted_error_mm(const Accuracy& a) {
+  return kErrorPerPitch * a.pitch_mm + kErrorPerTolerance * a.tolerance_mm;
+}
+
+double predicted_us(const Accuracy& a, const AccuracyUse& use) {
+  const double r = largest_radius_mm(use.tools);
+  const double columns = 2 * r * (2 * r + kTravelMm) / (a.pitch_mm * a.pitch_mm);
+  double parts = 1;
+  if (use.turns && a.motion == MotionModel::kTight)
+    parts += kTightParts / std::sqrt(a.tolerance_mm);
+  if (use.turns && a.motion == MotionModel::kPaper) parts += kPaperParts / a.tolerance_mm;
+  const double one_field = parts * (kUsPerSubMotion + kUsPerColumn * columns);
+  return a.rays == Rays::kTriDexel ? kTriDexelCost * one_field : one_field;
+}
+
+double predicted_bytes(const Accuracy& a, const StockShape& stock) {
+  const DexelGrid grid = make_grid(stock, std::max(a.pitch_mm, kPitchMinMm));
+  const double x = grid.columns_x, y = grid.columns_y;
+  if (fields(a.rays) == 1) return kBytesPerColumn * x * y;
+  const double z = double(grid.height_quanta) * grid.z_quantum_mm / a.pitch_mm;
+  return kBytesPerColumn * (x * y + y * z + z * x);
+}
+
+std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyRequest& r,
+                                                             const AccuracyUse& use) {
+  AccuracyChoice choice{.request = r, .accuracy = {}, .reason = {}};
+  if (all_given(r)) {
+    choice.accuracy = {*r.rays, *r.pitch_mm, *r.tolerance_mm, *r.motion};
+  } else {
+    if (auto possible = check(r, use); !possible) return std::unexpected(possible.error());
+    bool first = true;
+    for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+      if (r.rays.value_or(rays) != rays) continue;
+      for (const MotionModel motion : {MotionModel::kTight, MotionModel::kPaper}) {
+        if (r.motion.value_or(motion) != motion) continue;
+        const Accuracy one = cheapest(r, use, rays, motion);
+        if (first || predicted_us(one, use) < predicted_us(choice.accuracy, use))
+          choice.accuracy = one;
+        first = false;
+      }
+    }
+  }
+  choice.predicted_error_mm = predicted_error_mm(choice.accuracy);
+  choice.predicted_us = predicted_us(choice.accuracy, use);
+  choice.reason = why(choice, use);
+  return choice;
+}
+
+}  // namespace kerf
