@@ -18,14 +18,6 @@ double cpu_seconds() {
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-std::uint64_t bytes_of(const DexelSnapshot& snapshot) {
-  std::uint64_t bytes = 0;
-  for (std::int32_t y = 0; y < snapshot.grid().tiles_y(); ++y)
-    for (std::int32_t x = 0; x < snapshot.grid().tiles_x(); ++x)
-      bytes += sizeof(void*) + (snapshot.touched({x, y}) ? sizeof(DexelTile) : 0);
-  return bytes;
-}
-
 }  // namespace
 
 std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& settings,
@@ -52,9 +44,7 @@ std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& setti
     since = cpu_seconds();
   }
   cpu_s += cpu_seconds() - since;
-  std::uint64_t bytes = 0;
-  for (const RayAxis axis : {RayAxis::kX, RayAxis::kY, RayAxis::kZ})
-    if (sculpture->has_field(axis)) bytes += bytes_of(sculpture->snapshot(axis));
+  const std::uint64_t bytes = sculpture->memory_bytes();
   return CarvedOnce{sculpture->snapshot(),           cpu_s,
                     sculpture->sub_motions(),        bytes,
                     sculpture->removed_volume_mm3(), std::move(forces)};

@@ -13,7 +13,7 @@ namespace kerf {
 namespace {
 
 std::map<ToolId, SceneTool> tool_map(const ToolShape& shape) {
-  return {{1, SceneTool{shape, make_tool(shape).value()}}};
+  return {{1, SceneTool{.shape = shape, .body = {}, .tool = make_tool(shape).value()}}};
 }
 
 const BoxStock kBlock{{0, 0, 0}, {40, 40, 20}};
@@ -82,7 +82,7 @@ TEST(TrueSolid, AgreesWithBruteForceForTurningMotions) {
   const auto uniform = [&](double a, double b) {
     return a + (b - a) * (double(random()) / 4294967296.0);
   };
-  for (const ToolShape shape : {ToolShape(BallShape{8, 25}), ToolShape(FlatShape{6, 25})}) {
+  for (const ToolShape& shape : {ToolShape(BallShape{8, 25}), ToolShape(FlatShape{6, 25})}) {
     const auto tools = tool_map(shape);
     for (int k = 0; k < 20; ++k) {
       const ToolPose from{{uniform(10, 30), uniform(10, 30), uniform(5, 15)}, {0, 0, 1}};

@@ -1,0 +1,216 @@
+// What each thing in a scene costs: CPU time and bytes per motion with it absent and present. The
+// variants of a group run in turns (A B C A B C …) and each is compared with the first of its own
+// turn, so that what else the machine does cancels; medians of all turns are printed.
+// Usage: cost_bench [turns=15] [pitch_mm=0.2]
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "kernel/sculpture.h"
+#include "kernel/surface/tile_mesh.h"
+
+namespace {
+
+using namespace kerf;
+
+constexpr double kBlockMm = 100, kHeightMm = 50, kDepthMm = 3;
+// Viewers get what has changed 30 times a second; a hand moves 1000 times.
+constexpr std::size_t kMotionsPerFrame = 33;
+
+double cpu_seconds() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+enum class Viewer { kNone, kSnapshots, kMeshes };
+
+struct Variant {
+  std::string name;
+  SculptureSettings settings;
+  Tool tool;
+  std::vector<ToolPose> path;
+  bool feel = true;
+  Viewer viewer = Viewer::kNone;
+};
+
+struct Cost {
+  double us = 0;  ///< per motion
+  double bytes = 0;
+};
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+/// A hand's breadth around `center`: rows of 1 mm moves, 3 mm apart, the axis swinging by up to 20
+/// degrees, `kDepthMm` below the top.
+std::vector<ToolPose> hand_path(Vec3 center_mm, double top_mm, bool swing) {
+  std::vector<ToolPose> path;
+  for (int row = 0; row <= 30; ++row) {
+    for (int i = 0; i <= 90; ++i) {
+      const double x = row % 2 == 0 ? i - 45 : 45 - i;
+      const double lean = swing ? 20 * std::numbers::pi / 180 * std::sin(0.1 * i + row) : 0;
+      path.push_back({{center_mm.x + x, center_mm.y + 3 * row - 45.03, top_mm - kDepthMm},
+                      {std::sin(lean), 0, std::cos(lean)}});
+    }
+  }
+  return path;
+}
+
+SculptureSettings block(double side_mm, double height_mm, double pitch_mm) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{0, 0, 0}, {side_mm, side_mm, height_mm}};
+  settings.pitch_mm = pitch_mm;
+  settings.tolerance_mm = 0.005;
+  return settings;
+}
+
+Cost run(const Variant& v) {
+  auto sculpture = *Sculpture::create(v.settings);
+  sculpture.apply(DefineTool{1, v.tool}).value();
+  std::vector<TileIndex> changed;
+  const double start = cpu_seconds();
+  for (std::size_t n = 1; n < v.path.size(); ++n) {
+    const auto result =
+        sculpture.apply(MoveTool{1, v.path[n - 1], v.path[n], 0.001, v.feel}).value();
+    if (v.viewer == Viewer::kNone) continue;
+    changed.insert(changed.end(), result.changed_tiles.begin(), result.changed_tiles.end());
+    if (n % kMotionsPerFrame != 0) continue;
+    const DexelSnapshot snapshot = sculpture.snapshot();
+    std::ranges::sort(changed);
+    changed.erase(std::ranges::unique(changed).begin(), changed.end());
+    if (v.viewer == Viewer::kMeshes)
+      for (const TileIndex tile : tiles_to_remesh(snapshot.grid(), changed))
+        mesh_tile(snapshot, tile);
+    changed.clear();
+  }
+  const double seconds = cpu_seconds() - start;
+  const auto motions = double(v.path.size() - 1);
+  return {1e6 * seconds / motions, double(sculpture.memory_bytes())};
+}
+
+void compare(const char* title, const std::vector<Variant>& variants, int turns) {
+  std::printf("\n%s\n  %-44s %10s %8s %12s\n", title, "", "us/motion", "ratio", "bytes");
+  std::vector<std::vector<double>> us(variants.size()), ratio(variants.size());
+  std::vector<double> bytes(variants.size());
+  for (int turn = 0; turn < turns; ++turn) {
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      const Cost cost = run(variants[i]);
+      us[i].push_back(cost.us);
+      ratio[i].push_back(cost.us / us[0].back());
+      bytes[i] = cost.bytes;
+    }
+  }
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    std::printf("  %-44s %10.2f %8.3f %12.0f\n", variants[i].name.c_str(), median(us[i]),
+                median(ratio[i]), bytes[i]);
+  }
+  std::fflush(stdout);
+}
+
+Obstacle box_obstacle(Vec3 low, Vec3 high) { return {BoxObstacle{low, high}, 1}; }
+
+/// A wall beside the block that the tool's holder passes at 2 mm, or one that is 5 m away.
+std::vector<Obstacle> walls(int count, double x_mm) {
+  std::vector<Obstacle> obstacles;
+  for (int n = 0; n < count; ++n) {
+    const double x = x_mm + 3 * n;
+    obstacles.push_back(box_obstacle({x, -50, 0}, {x + 2, 150, 300}));
+  }
+  return obstacles;
+}
+
+void measure(int turns, double pitch_mm) {
+  const Tool ball = *make_tool(BallShape{10, 30});
+  const auto path = hand_path({50, 50, 0}, kHeightMm, true);
+  const Variant plain{"", block(kBlockMm, kHeightMm, pitch_mm), ball, path};
+  const auto variant = [&plain](std::string name, const std::function<void(Variant&)>& change) {
+    Variant made = plain;
+    made.name = std::move(name);
+    change(made);
+    return made;
+  };
+  const auto nothing = [](Variant&) {};
+  const auto with_walls = [](int count, double x_mm) {
+    return [=](Variant& v) { v.settings.obstacles = walls(count, x_mm); };
+  };
+  compare("nothing against itself: the noise of this run",
+          {variant("once", nothing), variant("again", nothing)}, turns);
+  compare("obstacles",
+          {variant("none", nothing), variant("1, 5 m away", with_walls(1, 5000)),
+           variant("20, 5 m away", with_walls(20, 5000)),
+           variant("1, beside the tool's way", with_walls(1, 103)),
+           variant("20, beside the tool's way", with_walls(20, 103))},
+          turns);
+  const ToolBody body{Shank{8, 40}, std::vector<HolderSection>{{30, 40, 20}, {40, 40, 60}}};
+  const Tool whole = *make_tool(BallShape{10, 30}, body);
+  const auto with_body = [&](int count, double x_mm) {
+    return [&, count, x_mm](Variant& v) {
+      v.tool = whole;
+      if (count > 0) v.settings.obstacles = walls(count, x_mm);
+    };
+  };
+  compare("shank and holder (two sections)",
+          {variant("none", nothing), variant("present, no obstacle", with_body(0, 0)),
+           variant("present, obstacle 5 m away", with_body(1, 5000)),
+           variant("present, obstacle beside the way", with_body(1, 103))},
+          turns);
+  compare("forces",
+          {variant("nobody feels", [](Variant& v) { v.feel = false; }),
+           variant("felt, specific energy", nothing),
+           variant("felt, removal rate",
+                   [](Variant& v) { v.settings.force.law = ForceLaw::kDexelRemovalRate; })},
+          turns);
+  compare("fields of rays",
+          {variant("dexel", nothing),
+           variant("tri-dexel", [](Variant& v) { v.settings.rays = Rays::kTriDexel; })},
+          turns);
+  compare("surface (30 frames a second at 1000 motions)",
+          {variant("nobody looks", nothing),
+           variant("snapshots taken", [](Variant& v) { v.viewer = Viewer::kSnapshots; }),
+           variant("and changed tiles meshed", [](Variant& v) { v.viewer = Viewer::kMeshes; })},
+          turns);
+}
+
+void measure_blocks(int turns) {
+  constexpr double kPitchMm = 0.25;  // a block of 10 m has fewer than 2^32 columns
+  const Tool ball = *make_tool(BallShape{10, 30});
+  std::vector<Variant> variants;
+  for (const double side : {100.0, 1000.0, 10000.0}) {
+    const double middle = side / 2;
+    for (const double height : {kHeightMm, side}) {
+      if (height != kHeightMm && side == 100.0) continue;
+      char name[64];
+      std::snprintf(name, sizeof name, "%.3g x %.3g x %.3g m", side / 1000, side / 1000,
+                    height / 1000);
+      variants.push_back({name, block(side, height, kPitchMm), ball,
+                          hand_path({middle, middle, 0}, height, true)});
+    }
+  }
+  // Here most of the hand's breadth is air.
+  variants.push_back({"0.01 x 0.01 x 0.01 m (most of the way is air)", block(10, 10, kPitchMm),
+                      ball, hand_path({5, 5, 0}, 10, true)});
+  compare("untouched stock around a carved hand's breadth, pitch 0.25 mm", variants, turns);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int turns = argc > 1 ? std::max(1, std::atoi(argv[1])) : 15;
+  const double pitch_mm = argc > 2 ? std::atof(argv[2]) : 0.2;
+  std::printf("ball 10 mm, %.0f mm deep, moves of 1 mm, axis swinging 20 degrees, pitch %.3g mm\n",
+              kDepthMm, pitch_mm);
+  std::printf("median of %d turns, CPU time of one core\n", turns);
+  measure(turns, pitch_mm);
+  measure_blocks(turns);
+  return 0;
+}

@@ -1,0 +1,243 @@
+// Whether the accuracy that "target_mm" chooses meets the target, and what the cheapest that does
+// would have cost. Programs are made up here; each is carved as chosen and with coarser and looser
+// settings around that, and measured against the true solid (server/carve/true_solid.h).
+// Usage: target_bench [samples=20000]; target_bench laws
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "server/carve/surface_error.h"
+#include "server/carve/tradeoff_run.h"
+#include "tests/support/standard_job.h"
+
+namespace {
+
+using namespace kerf;
+
+// The truth's arcs are made of chords this near to them, mm.
+constexpr double kTrueChordMm = 1e-4;
+constexpr int kRepeats = 3;
+
+struct Job {
+  std::string name, tool, kinematics, program;
+};
+
+std::string line(const char* word, Vec3 p, Vec3 axis, bool turns) {
+  char text[200];
+  std::snprintf(text, sizeof text, "%s X%.4f Y%.4f Z%.4f", word, p.x, p.y, p.z);
+  std::string result = text;
+  if (turns) {
+    std::snprintf(text, sizeof text, " I%.6f J%.6f K%.6f", axis.x, axis.y, axis.z);
+    result += text;
+  }
+  return result + "\n";
+}
+
+// Slots in all directions, down to 12 mm deep, plunged into and left again; `turns`: the axis leans
+// by up to 35 degrees and turns on the way.
+std::string slots(bool turns, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](double a, double b) {
+    return a + (b - a) * (double(random()) / 4294967296.0);
+  };
+  const auto lean = [&] {
+    const double angle = uniform(0, 0.6), around = uniform(0, 2 * std::numbers::pi);
+    return Vec3{std::sin(angle) * std::cos(around), std::sin(angle) * std::sin(around),
+                std::cos(angle)};
+  };
+  std::string text = "T1 M6\nF1000\n";
+  for (int k = 0; k < 40; ++k) {
+    const double way = uniform(5, 25), around = uniform(0, 2 * std::numbers::pi);
+    const Vec3 above{uniform(20, 80), uniform(20, 80), 60};
+    const Vec3 from{above.x, above.y, uniform(38, 48)};
+    const Vec3 to = from + Vec3{way * std::cos(around), way * std::sin(around), uniform(-2, 2)};
+    const Vec3 first = turns ? lean() : Vec3{0, 0, 1}, last = turns ? lean() : Vec3{0, 0, 1};
+    text += line("G0", above, first, turns) + line("G1", from, first, turns);
+    text += line("G1", to, last, turns) + line("G1", {to.x, to.y, 60}, last, turns);
+  }
+  return text + "M2\n";
+}
+
+// Round pockets and bosses: arcs in the plane.
+std::string rings() {
+  std::string text = "T1 M6\nF1000\n";
+  for (int k = 0; k < 12; ++k) {
+    char block[200];
+    const double x = 17.03 + 22 * (k % 4), y = 18.07 + 30 * (k / 4), r = 4.3 + 0.37 * k;
+    std::snprintf(block, sizeof block, "G0 Z60\nX%.3f Y%.3f\nG1 Z%.3f\nG2 I%.3f J0\n", x - r, y,
+                  47.0 - 0.4 * k, r);
+    text += block;
+  }
+  return text + "G0 Z60\nM2\n";
+}
+
+std::string raster(bool five_axis) {
+  std::string text = "T1 M6\nF1000\n";
+  for (const ToolPose& pose : test::standard_path(five_axis))
+    text += line("G1", pose.tip_mm, pose.axis, true);
+  return text + "M2\n";
+}
+
+Scene scene_of(const Job& job, const std::string& accuracy) {
+  return parse_scene(
+             R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [100,100,50]}, "accuracy": )" +
+                 accuracy + R"(, "tools": [{"id": 1, )" + job.tool +
+                 R"(}], "machine": {"kinematics": ")" + job.kinematics + "\"}}",
+             {})
+      .value();
+}
+
+struct Measured {
+  double us = 0, error_mm = 0;
+};
+
+class Bench {
+ public:
+  Bench(const Job& job, std::size_t samples)
+      : job_(job), samples_(samples), scene_(scene_of(job, "{}")) {
+    scene_.settings.tolerance_mm = kTrueChordMm;
+    const Program program = parse_program("p.ngc", job.program, scene_).value();
+    truth_.emplace(scene_.settings.stock, scene_.tools, program.motions, 6);
+  }
+
+  // Carves with what a user would get: arcs at the same tolerance. Time is of the whole program,
+  // for looser arcs have fewer motions.
+  Measured measure(const Accuracy& a) {
+    scene_.settings.rays = a.rays;
+    scene_.settings.pitch_mm = a.pitch_mm;
+    scene_.settings.tolerance_mm = a.tolerance_mm;
+    scene_.settings.motion = a.motion;
+    const Program program = parse_program("p.ngc", job_.program, scene_).value();
+    Measured best{.us = 1e300};
+    for (int n = 0; n < kRepeats; ++n) {
+      const auto carved =
+          carve_once(scene_.settings, scene_, program, [](double) { return true; }).value();
+      best.us = std::min(best.us, 1e6 * carved.cpu_s);
+      if (n == 0) best.error_mm = measure_surface(carved.snapshot, *truth_, samples_).max_mm;
+    }
+    return best;
+  }
+
+ private:
+  const Job& job_;
+  std::size_t samples_;
+  Scene scene_;
+  std::optional<TrueSolid> truth_;
+};
+
+// The cheapest of those around the choice that meets the target.
+void search(Bench& bench, const AccuracyChoice& choice, bool turns) {
+  const double target = choice.request.target_mm;
+  const Accuracy& chosen = choice.accuracy;
+  const Measured of_choice = bench.measure(chosen);
+  Measured best = of_choice;
+  Accuracy best_at = chosen;
+  if (of_choice.error_mm > target) best.us = 1e300;
+  int tried = 0;
+  for (const MotionModel motion : {MotionModel::kTight, MotionModel::kPaper}) {
+    for (const double looser : {1.0, 2.0, 4.0, 8.0}) {
+      if (!turns && (motion == MotionModel::kPaper || looser > 1)) continue;
+      for (double coarser = 0.85; coarser < 12; coarser *= 1.09) {
+        const Accuracy a{chosen.rays, chosen.pitch_mm * coarser, chosen.tolerance_mm * looser,
+                         motion};
+        // No grid meets a target that is a quarter of what it is expected to be off on a benign
+        // job.
+        if (a.pitch_mm > 12 * target) break;
+        const Measured m = bench.measure(a);
+        ++tried;
+        if (m.error_mm > target) {
+          // Far beyond the target nothing coarser will do.
+          if (m.error_mm > 2 * target) break;
+          continue;
+        }
+        if (m.us >= best.us) continue;
+        best = m;
+        best_at = a;
+      }
+    }
+  }
+  std::printf(" %6.3g | %7.4g %8.2g %7.4f %s %9.0f | %7.4g %8.2g %-5s %9.0f | %5.2f | %d\n", target,
+              chosen.pitch_mm, chosen.tolerance_mm, of_choice.error_mm,
+              of_choice.error_mm <= target ? "meets" : "FAILS", of_choice.us, best_at.pitch_mm,
+              best_at.tolerance_mm, best_at.motion == MotionModel::kTight ? "tight" : "paper",
+              best.us, of_choice.us / best.us, tried);
+  std::fflush(stdout);
+}
+
+std::vector<Job> jobs() {
+  const std::string ball = R"("shape": "ball", "diameter_mm": 6, "length_mm": 40)";
+  const std::string flat = R"("shape": "flat", "diameter_mm": 6, "length_mm": 40)";
+  const std::string cone =
+      R"("shape": "cone_end", "diameter_mm": 6, "tip_angle_deg": 90, "length_mm": 40)";
+  const std::string thin = R"("shape": "flat", "diameter_mm": 2, "length_mm": 40)";
+  const std::string standard = R"("shape": "ball", "diameter_mm": 10, "length_mm": 50)";
+  return {{"slots, flat 6 mm", flat, "xyz", slots(false, 1)},
+          {"slots, ball 6 mm", ball, "xyz", slots(false, 2)},
+          {"slots, cone end 6 mm", cone, "xyz", slots(false, 3)},
+          {"slots, flat 2 mm", thin, "xyz", slots(false, 4)},
+          {"rings, flat 6 mm", flat, "xyz", rings()},
+          {"turning slots, flat 6 mm", flat, "tool-vector", slots(true, 5)},
+          {"turning slots, ball 6 mm", ball, "tool-vector", slots(true, 6)},
+          {"raster, 3-axis, ball 10 mm", standard, "tool-vector", raster(false)},
+          {"raster, 5-axis, ball 10 mm", standard, "tool-vector", raster(true)}};
+}
+
+// What the laws of server/formats/accuracy_choice.cpp are fitted to: the 5-axis raster.
+void print_laws() {
+  const Job job = jobs().back();
+  Scene scene = scene_of(job, "{}");
+  const Program program = parse_program("p.ngc", job.program, scene).value();
+  AccuracyUse use{.stock = scene.settings.stock, .tools = {scene.tools.at(1).tool}};
+  std::printf("rays      motion  pitch tolerance us/motion predicted sub-motions/motion\n");
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    for (const MotionModel motion : {MotionModel::kTight, MotionModel::kPaper}) {
+      for (const double tolerance : {0.1, 0.01, 0.001, 0.0001}) {
+        for (const double pitch : {0.8, 0.4, 0.2, 0.1}) {
+          if (motion == MotionModel::kPaper && tolerance < 0.01) continue;
+          const Accuracy a{rays, pitch, tolerance, motion};
+          scene.settings.rays = rays;
+          scene.settings.pitch_mm = pitch;
+          scene.settings.tolerance_mm = tolerance;
+          scene.settings.motion = motion;
+          const auto carved =
+              carve_once(scene.settings, scene, program, [](double) { return true; }).value();
+          const auto motions = double(program.motions.size());
+          std::printf("%-9s %-6s %6.3g %9.2g %9.2f %9.2f %18.2f\n", to_string(rays),
+                      motion == MotionModel::kTight ? "tight" : "paper", pitch, tolerance,
+                      1e6 * carved.cpu_s / motions, predicted_us(a, use),
+                      double(carved.sub_motions) / motions);
+          std::fflush(stdout);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "laws") {
+    print_laws();
+    return 0;
+  }
+  const std::size_t samples = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 20000;
+  std::printf(
+      "target |  chosen: pitch, tolerance, greatest error, us | cheapest that meets it: "
+      "pitch, tolerance, motion, us | ratio | tried\n");
+  for (const Job& job : jobs()) {
+    std::printf("%s\n", job.name.c_str());
+    Bench bench(job, samples);
+    for (const char* target : {"0.4", "0.15", "0.06"}) {
+      const Scene scene = scene_of(job, std::string(R"({"target_mm": )") + target + "}");
+      search(bench, *scene.accuracy, job.program.find('K') != std::string::npos);
+    }
+  }
+  return 0;
+}
