@@ -175,6 +175,7 @@ class Carving {
     report_.stock_volume_mm3 = sculpture_->stock_volume_mm3();
     report_.removed_volume_mm3 = sculpture_->removed_volume_mm3();
     report_.sub_motions = sculpture_->sub_motions();
+    report_.stock_memory_bytes = sculpture_->memory_bytes();
     report_.state_hash = sculpture_->state_hash();
     report_.cut_s = watch_.lap();
     return {};

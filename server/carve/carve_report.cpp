@@ -68,6 +68,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"write_seconds", report.write_s},
                   {"triangles", triangles},
                   {"peak_memory_bytes", peak_memory_bytes()},
+                  {"stock_memory_bytes", report.stock_memory_bytes},
                   {"state_hash", hex(report.state_hash)},
                   {"warnings", report.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

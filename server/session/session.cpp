@@ -44,11 +44,7 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       workers_(workers),
       last_participant_(replayed.last_participant),
       changed_sequence_(replayed.last_sequence),
-      hash_(replayed.hash) {
-  const DexelGrid& grid = sculpture_.grid();
-  changed_.assign(
-      static_cast<std::size_t>(grid.tiles_x()) * static_cast<std::size_t>(grid.tiles_y()), false);
-}
+      hash_(replayed.hash) {}
 
 std::expected<Participant, Refusal> Session::join(const JoinRequest& request) {
   using enum wire::ErrorCode;
@@ -123,11 +119,7 @@ std::expected<MotionResult, Refusal> Session::carve(ParticipantId who, const Mov
   auto result = sculpture_.apply(command);
   if (!result) return std::unexpected(to_refusal(result.error()));
   motions_applied_.fetch_add(1, std::memory_order_relaxed);
-  const auto tiles_x = static_cast<std::size_t>(sculpture_.grid().tiles_x());
-  for (const TileIndex tile : result->changed_tiles) {
-    changed_[static_cast<std::size_t>(tile.y) * tiles_x + static_cast<std::size_t>(tile.x)] = true;
-    any_changed_ = true;
-  }
+  changed_.insert(result->changed_tiles.begin(), result->changed_tiles.end());
   // Rays along X and Y may lose something where those along Z, which viewers see, do not.
   if (result->removed_mm3 > 0) {
     changed_sequence_ = sequence();
@@ -245,18 +237,9 @@ SessionFrame Session::frame(bool with_snapshot) {
     }
     frame.tools.tools.push_back(state);
   }
-  if (any_changed_) {
-    const auto tiles_x = static_cast<std::size_t>(sculpture_.grid().tiles_x());
-    for (std::size_t i = 0; i < changed_.size(); ++i) {
-      if (!changed_[i]) continue;
-      frame.changed.push_back(
-          {static_cast<std::int32_t>(i % tiles_x), static_cast<std::int32_t>(i / tiles_x)});
-      changed_[i] = false;
-    }
-    std::ranges::sort(frame.changed);
-  }
-  if (any_changed_ || with_snapshot) frame.snapshot = sculpture_.snapshot();
-  any_changed_ = false;
+  frame.changed.assign(changed_.begin(), changed_.end());
+  if (!changed_.empty() || with_snapshot) frame.snapshot = sculpture_.snapshot();
+  changed_.clear();
   return frame;
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,8 +32,9 @@ struct SessionLimits {
   std::size_t programs_max = 16;  ///< running at once
   double samples_per_s =
       1250;  ///< of one agent, on average: 1 kHz and a clock that runs a little fast
-  double samples_burst = 1000;   ///< one second of a network that stood still
-  double speed_mm_per_s = 5000;  ///< of a cutting tip
+  double samples_burst = 1000;       ///< one second of a network that stood still
+  double speed_mm_per_s = 5000;      ///< of a cutting tip
+  std::int64_t tiles_max = 1 << 20;  ///< of a block: viewers are sent every one of them
 };
 
 /// The answer to a batch of samples: what to send back to that agent, and nobody else.
@@ -163,8 +165,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool programs_scheduled_ = false;
   std::map<int, SessionListener> listeners_;
   int last_listener_ = 0;
-  std::vector<bool> changed_;  ///< per tile, row-major: since the last frame
-  bool any_changed_ = false;
+  std::set<TileIndex> changed_;  ///< since the last frame
   std::uint64_t changed_sequence_ = 0;
   std::optional<StateHash> hash_;
   bool hash_scheduled_ = false;

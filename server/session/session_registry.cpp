@@ -39,6 +39,17 @@ void remove_journal(const std::filesystem::path& file) {
   }
 }
 
+/// The kernel holds blocks of which a viewer could not be shown the whole surface.
+std::expected<void, RegistryError> check_tiles(const DexelGrid& grid, std::int64_t tiles_max) {
+  const std::int64_t tiles = std::int64_t{grid.tiles_x()} * grid.tiles_y();
+  if (tiles <= tiles_max) return {};
+  return std::unexpected(RegistryError{RegistryErrorCode::kBadScene,
+                                       "the block has " + std::to_string(tiles) +
+                                           " tiles of 32 x 32 columns at this pitch_mm; a " +
+                                           "session shows at most " + std::to_string(tiles_max),
+                                       "accuracy.pitch_mm"});
+}
+
 }  // namespace
 
 const char* to_string(RegistryErrorCode code) {
@@ -157,8 +168,10 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
   }
   // What only the kernel can judge (too many columns, an obstacle inside out) is asked before a
   // file exists.
-  if (const auto probe = Sculpture::create(scene->settings); !probe) {
-    return std::unexpected(RegistryError{kBadScene, probe.error().reason, {}});
+  const auto probe = Sculpture::create(scene->settings);
+  if (!probe) return std::unexpected(RegistryError{kBadScene, probe.error().reason, {}});
+  if (auto shown = check_tiles(probe->grid(), options_.session.tiles_max); !shown) {
+    return std::unexpected(shown.error());
   }
   const auto reserved = reserve(std::move(id), scene->name);
   if (!reserved) return std::unexpected(reserved.error());

@@ -85,6 +85,8 @@ TEST_F(KerfCarve, WritesEverythingThatIsAskedFor) {
   EXPECT_GT(json["removed_volume_mm3"], 160);
   EXPECT_EQ(json["motions"], 5);
   EXPECT_GT(json["peak_memory_bytes"], 1 << 20);
+  EXPECT_GT(json["stock_memory_bytes"], 8192);
+  EXPECT_LT(json["stock_memory_bytes"], json["peak_memory_bytes"]);
   const std::string stl = content("m.stl");
   const auto triangles = read_stl(std::as_bytes(std::span(stl)));
   ASSERT_TRUE(triangles.has_value());

@@ -361,6 +361,16 @@ TEST_F(SessionRoom, ClosedSessionAppliesNothing) {
   EXPECT_FALSE(session->join({ParticipantKind::kAgent, "Late", "", 1, true}));
 }
 
+TEST_F(SessionRoom, ABlockOfMoreTilesThanViewersCanBeShownIsRefused) {
+  std::string scene = kScene;
+  scene.replace(scene.find("0.5"), 3, "0.001");
+  const auto refused = registry->create("fine", scene, SceneSource{});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, RegistryErrorCode::kBadScene);
+  EXPECT_EQ(refused.error().path, "accuracy.pitch_mm");
+  EXPECT_NE(refused.error().reason.find("1562500 tiles"), std::string::npos);
+}
+
 TEST_F(SessionRoom, RegistryLimitsAndNamesSessions) {
   EXPECT_EQ((*registry->create("", kScene, SceneSource{}))->id(), "test-block");
   EXPECT_EQ((*registry->create("", kScene, SceneSource{}))->id(), "test-block-2");
