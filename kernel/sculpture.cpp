@@ -10,6 +10,7 @@
 #include "kernel/dexel/stock_column.h"
 #include "kernel/force/collision.h"
 #include "kernel/force/cutting_force.h"
+#include "kernel/force/stock_contact.h"
 #include "kernel/math/rotation.h"
 #include "kernel/sweep/swept_tool.h"
 #include "kernel/sweep/tool_motion.h"
@@ -79,7 +80,8 @@ Check check_settings(const SculptureSettings& s) {
   }
   const ForceSettings& f = s.force;
   const auto usable = [](double v) { return std::isfinite(v) && v >= 0; };
-  if (!usable(f.specific_force_n_per_mm2) || !usable(f.drr_n_s_per_mm3) || !usable(f.pivot_mm)) {
+  if (!usable(f.specific_force_n_per_mm2) || !usable(f.drr_n_s_per_mm3) || !usable(f.pivot_mm) ||
+      !usable(f.contact_stiffness_n_per_mm)) {
     return refuse(kBadForce, "every force setting must be a finite number, not below zero");
   }
   for (std::size_t i = 0; i < s.obstacles.size(); ++i) {
@@ -277,8 +279,15 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
 
 Wrench Sculpture::collision(ToolId id, const ToolPose& pose) const {
   const Tool* used = tool(id);
-  if (obstacles_ == nullptr || used == nullptr || !check_pose("the", pose)) return {};
-  return obstacles_->push(*used, {pose.tip_mm, normalized(pose.axis)}, settings_.force.pivot_mm);
+  if (used == nullptr || !check_pose("the", pose)) return {};
+  return collision(*used, {pose.tip_mm, normalized(pose.axis)});
+}
+
+Wrench Sculpture::collision(const Tool& tool, const ToolPose& pose) const {
+  Wrench sum;
+  if (obstacles_) sum = obstacles_->push(tool, pose, settings_.force.pivot_mm);
+  if (tool.non_cutting.empty()) return sum;
+  return sum + stock_contact(tool, pose, fields_, settings_.force, settings_.tolerance_mm).wrench;
 }
 
 std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& command) {
@@ -329,17 +338,17 @@ MotionResult Sculpture::move(const MoveTool& command) {
   std::ranges::sort(result.changed_tiles);
   const auto repeated = std::ranges::unique(result.changed_tiles);
   result.changed_tiles.erase(repeated.begin(), repeated.end());
+  if (!used.non_cutting.empty()) {
+    result.stock_contact_mm = deepest_stock_contact(used, motion, fields_, settings_.tolerance_mm);
+  }
   if (feel) {
     result.wrench = force.wrench();
     if (result.removed_mm3 > 0) {
       result.cutting = {force.engaged_area_mm2(), normalized(result.wrench.force_n),
                         force.center_mm()};
     }
-    if (obstacles_) {
-      const ToolPose end = motion.to;
-      result.collision = obstacles_->push(used, end, settings_.force.pivot_mm);
-      result.wrench = result.wrench + result.collision;
-    }
+    result.collision = collision(used, motion.to);
+    result.wrench = result.wrench + result.collision;
   }
   removed_mm3_ += result.removed_mm3;
   ++motions_;

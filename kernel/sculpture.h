@@ -72,8 +72,9 @@ struct MotionResult {
   Wrench wrench;     ///< cutting + collision
   Wrench collision;  ///< the collision part alone
   CuttingModel cutting;
-  double removed_mm3 = 0;                ///< of three fields: direction-weighted (kernel/README.md)
-  std::uint32_t sub_motions = 0;         ///< cuts made, in all fields together
+  double stock_contact_mm = 0;    ///< deepest that shank or holder were in the stock on the way
+  double removed_mm3 = 0;         ///< of three fields: direction-weighted (kernel/README.md)
+  std::uint32_t sub_motions = 0;  ///< cuts made, in all fields together
   std::vector<TileIndex> changed_tiles;  ///< of the field along Z; sorted, without duplicates
 };
 
@@ -124,9 +125,9 @@ class Sculpture {
   /// What apply would refuse, without changing anything: the session checks before it journals.
   std::expected<void, SculptureError> check(const Command& command) const;
 
-  /// F_collision and τ_collision of a tool that stands at a pose without cutting (N, N·mm about the
-  /// pivot); zero in a scene without obstacles, for an unknown tool, and for a pose that a motion
-  /// to it would be refused for.
+  /// F_collision and τ_collision of a tool that stands at a pose without cutting, from obstacles
+  /// and from stock against its shank and holder (N, N·mm about the pivot); zero for an unknown
+  /// tool, and for a pose that a motion to it would be refused for.
   Wrench collision(ToolId tool, const ToolPose& pose) const;
 
   const SculptureSettings& settings() const { return settings_; }
@@ -152,6 +153,7 @@ class Sculpture {
   explicit Sculpture(SculptureSettings settings);
   std::expected<void, SculptureError> check_move(const MoveTool& command) const;
   MotionResult move(const MoveTool& command);
+  Wrench collision(const Tool& tool, const ToolPose& pose) const;
   DexelField& field(RayAxis axis);
   /// Cuts one field and notes in `result` and `force` (null: not felt) what that took.
   RemovedVolume cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,

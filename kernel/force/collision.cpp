@@ -53,16 +53,31 @@ Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   return p;
 }
 
-/// The deepest point of a truncated cone: the depth of its deepest disc is a convex function of the
-/// height.
-Vec3 deepest_of_frustum(const FrustumPiece& f, const ToolPose& pose, const Obstacle& obstacle) {
-  const double slope = (f.r1_mm - f.r0_mm) / (f.z1_mm - f.z0_mm);
+struct Frustum {
+  const FrustumPiece& f;
+  double radius(double z) const {
+    return f.r0_mm + (f.r1_mm - f.r0_mm) * ((z - f.z0_mm) / (f.z1_mm - f.z0_mm));
+  }
+};
+struct Arc {
+  const ArcPiece& a;
+  double radius(double z) const {
+    const double off = z - a.center_z_mm;
+    const double r = std::sqrt(std::max(0.0, a.radius_mm * a.radius_mm - off * off));
+    return std::max(0.0, a.center_r_mm + r);
+  }
+};
+
+/// The deepest point of a convex body of discs: the depth of its deepest disc is a convex function
+/// of the height.
+template <typename Body>
+Vec3 deepest_of_discs(const Body& body, double z0, double z1, const ToolPose& pose,
+                      const Obstacle& obstacle) {
   const auto point = [&](double z) {
-    return deepest_of_disc(
-        {pose.tip_mm + pose.axis * z, pose.axis, f.r0_mm + slope * (z - f.z0_mm)}, obstacle);
+    return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, body.radius(z)}, obstacle);
   };
   const auto depth = [&](double z) { return distance(obstacle, point(z)).distance_mm; };
-  double lo = f.z0_mm, hi = f.z1_mm;
+  double lo = z0, hi = z1;
   double best_z = lo, best = depth(lo);
   const auto consider = [&](double z) {
     const double d = depth(z);
@@ -89,7 +104,11 @@ Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle&
     const Vec3 center = pose.tip_mm + pose.axis * ball->center_mm;
     return center - distance(obstacle, center).outward * ball->radius_mm;
   }
-  return deepest_of_frustum(std::get<FrustumPiece>(piece), pose, obstacle);
+  if (const auto* arc = std::get_if<ArcPiece>(&piece)) {
+    return deepest_of_discs(Arc{*arc}, arc->z0_mm, arc->z1_mm, pose, obstacle);
+  }
+  const auto& f = std::get<FrustumPiece>(piece);
+  return deepest_of_discs(Frustum{f}, f.z0_mm, f.z1_mm, pose, obstacle);
 }
 
 /// Meshes are asked triangle by triangle, a thousand times for each piece of a tool that is near.
@@ -170,16 +189,18 @@ Obstacles::Obstacles(std::vector<Obstacle> obstacles) {
 Wrench Obstacles::push(const Tool& tool, const ToolPose& pose, double pivot_mm) const {
   Wrench sum;
   const Vec3 pivot = pose.tip_mm + pose.axis * pivot_mm;
-  const Vec3 tool_middle = pose.tip_mm + pose.axis * (tool.length_mm / 2);
-  const double tool_radius = tool.length_mm / 2 + tool.radius_mm;
+  const Vec3 tool_middle = pose.tip_mm + pose.axis * (tool.whole_length_mm / 2);
+  const double tool_radius = tool.whole_length_mm / 2 + tool.whole_radius_mm;
   for (const Bounded& b : obstacles_) {
     if (length(tool_middle - b.center_mm) > tool_radius + b.radius_mm) continue;
-    for (const ToolPiece& piece : tool.pieces) {
-      const Vec3 p = deepest_point(piece, pose, b.obstacle);
-      const SignedDistance d = distance(b.obstacle, p);
-      if (d.distance_mm >= 0) continue;
-      const Vec3 f = d.outward * (-d.distance_mm * b.obstacle.stiffness_n_per_mm);
-      sum = sum + Wrench{f, cross(p - pivot, f)};
+    for (const auto* pieces : {&tool.pieces, &tool.non_cutting}) {
+      for (const ToolPiece& piece : *pieces) {
+        const Vec3 p = deepest_point(piece, pose, b.obstacle);
+        const SignedDistance d = distance(b.obstacle, p);
+        if (d.distance_mm >= 0) continue;
+        const Vec3 f = d.outward * (-d.distance_mm * b.obstacle.stiffness_n_per_mm);
+        sum = sum + Wrench{f, cross(p - pivot, f)};
+      }
     }
   }
   sum.torque_nmm = sum.torque_nmm - pose.axis * dot(sum.torque_nmm, pose.axis);

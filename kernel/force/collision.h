@@ -21,7 +21,8 @@ class Obstacles {
   /// All obstacles must have passed check_obstacle.
   explicit Obstacles(std::vector<Obstacle> obstacles);
 
-  /// F_collision and τ_collision on the tool at a pose: each convex piece is pushed out of each
+  /// F_collision and τ_collision on the tool at a pose: each convex piece, cutting or
+  /// not, is pushed out of each
   /// obstacle along the shortest way by stiffness x depth of its deepest point; torque about
   /// `pivot_mm` up the axis, none about the axis itself. Zero when nothing touches.
   Wrench push(const Tool& tool, const ToolPose& pose, double pivot_mm) const;

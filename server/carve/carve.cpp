@@ -15,6 +15,7 @@
 #include "server/carve/carve_report.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
+#include "server/carve/stock_contacts.h"
 #include "server/formats/forces_csv.h"
 #include "server/formats/glb.h"
 #include "server/formats/program.h"
@@ -163,6 +164,7 @@ class Carving {
         return bad_input(program_.name + ":" + std::to_string(motion.line) + ": " +
                          result.error().reason);
       report_.machining_s += motion.duration_s;
+      contacts_.follow(motion, result->stock_contact_mm);
       if (motion.rapid && result->removed_mm3 > kRapidCutMm3) warn_of_rapid(motion, *result);
       if (options_.forces)
         write_forces_row(forces, report_.machining_s, motion.to, result->wrench,
@@ -170,6 +172,7 @@ class Carving {
       progress_.show("carving", static_cast<double>(++report_.motions) /
                                     static_cast<double>(program_.motions.size()));
     }
+    contacts_.warn(program_.name, report_.warnings);
     if (options_.forces && !forces.flush())
       return bad_output(options_.forces->string() + ": cannot be written");
     report_.stock_volume_mm3 = sculpture_->stock_volume_mm3();
@@ -275,6 +278,7 @@ class Carving {
   std::unique_ptr<Sculpture> sculpture_;
   CarveReport report_;
   std::set<std::uint32_t> rapid_lines_;
+  StockContacts contacts_;
   std::vector<std::unique_ptr<OutputFile>> outputs_;
 };
 

@@ -66,6 +66,8 @@ constexpr std::array kHelp{
     FieldHelp{"force.specific_force_n_per_mm2", "0.5", "N/mm2", "u"},
     FieldHelp{"force.drr_n_s_per_mm3", "0.01", "N s/mm3", "K"},
     FieldHelp{"force.pivot_mm", "60", "mm", "pivot of the torque: distance from the tip"},
+    FieldHelp{"force.contact_stiffness_n_per_mm", "1", "N/mm",
+              "of the stock against shank and holder"},
     FieldHelp{"machine.kinematics", "xyz", "", "xyz, xyzac-trt, xyzbc-trt or tool-vector"},
     FieldHelp{"machine.rapid_mm_per_min", "10000", "mm/min", "speed of G0 and RAPID"},
     FieldHelp{"obstacles", "[]", "", "what pushes back and is never cut"},

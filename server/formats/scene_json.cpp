@@ -138,7 +138,8 @@ Json to_json(const ForceSettings& force) {
   return {{"law", force.law == ForceLaw::kSpecificEnergy ? "specific_energy" : "drr"},
           {"specific_force_n_per_mm2", force.specific_force_n_per_mm2},
           {"drr_n_s_per_mm3", force.drr_n_s_per_mm3},
-          {"pivot_mm", force.pivot_mm}};
+          {"pivot_mm", force.pivot_mm},
+          {"contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm}};
 }
 
 Json to_json(const Obstacle& obstacle, const std::string& file) {

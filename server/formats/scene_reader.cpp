@@ -100,6 +100,8 @@ ForceSettings read_force(const SceneValue& value) {
       fields.not_negative("specific_force_n_per_mm2", force.specific_force_n_per_mm2);
   force.drr_n_s_per_mm3 = fields.not_negative("drr_n_s_per_mm3", force.drr_n_s_per_mm3);
   force.pivot_mm = fields.not_negative("pivot_mm", force.pivot_mm);
+  force.contact_stiffness_n_per_mm =
+      fields.not_negative("contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm);
   fields.refuse_the_rest();
   return force;
 }

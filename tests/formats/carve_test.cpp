@@ -163,6 +163,19 @@ TEST_F(KerfCarve, RapidsThroughMaterialAreWarnedOf) {
   EXPECT_THAT(content("err"), StartsWith("warning: p.ngc:3:"));
 }
 
+TEST_F(KerfCarve, ShankInTheStockIsWarnedOfOncePerContact) {
+  write("s.json", R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [40,20,10]},
+    "accuracy": {"pitch_mm": 0.5}, "tools": [{"id": 1, "shape": "flat", "diameter_mm": 2,
+    "length_mm": 4, "shank": {"diameter_mm": 10, "length_mm": 50}}]})");
+  write("q.ngc", "T1 M6\nF600\nG0 X10 Y10 Z15\nG1 Z7\nG1 Z5\nX12\nZ15\nX30\nZ5.5\nM2\n");
+  const auto json = report("--scene s.json --program q.ngc");
+  ASSERT_EQ(json["warnings"].size(), 2u) << json["warnings"];
+  EXPECT_THAT(std::string(json["warnings"][0]),
+              StartsWith("q.ngc:5: shank or holder of tool 1 goes into the stock, up to 0.9"));
+  EXPECT_THAT(std::string(json["warnings"][0]), HasSubstr("until line 6"));
+  EXPECT_THAT(std::string(json["warnings"][1]), StartsWith("q.ngc:9:"));
+}
+
 TEST_F(KerfCarve, ToldToWriteToStandardOutputItDoes) {
   ASSERT_EQ(run(kInput + " --report /dev/stdout"), 0);
   EXPECT_THAT(content("out"), HasSubstr("state_hash"));

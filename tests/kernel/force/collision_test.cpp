@@ -66,6 +66,35 @@ TEST(Collision, LeaningRimTouchesFirst) {
   EXPECT_NEAR(w.force_n.z, 0.5, 1e-3);
 }
 
+TEST(Collision, RoundedCornerTouchesWithItsArc) {
+  // Leaning by atan(1/2), the lowest point of a torus is center_r sideways and radius straight
+  // down.
+  const Obstacle floor{BoxObstacle{{-50, -50, -10}, {50, 50, 0}}, 1};
+  const Vec3 axis = normalized({0.5, 0, 1});
+  const double lowest = 2 * axis.z - 3 * axis.x - 2;  // Of the corner of radius 2 about (3, 2).
+  const Wrench w = push(floor, BullNoseShape{10, 2, 50}, {{0, 0, -lowest - 0.5}, axis});
+  EXPECT_NEAR(w.force_n.z, 0.5, 1e-3);
+}
+
+TEST(Collision, BarrelAgainstAPostIsPushedByItsWidestPlace) {
+  // A flank of radius 60, 8 mm wide at the height 20.
+  const Obstacle post{CylinderObstacle{{0, -50, 20}, {0, 50, 20}, 4}, 2};
+  const Wrench w = push(post, AptShape{16, 60, -52, 20, 0, 0, 20}, {{-11.5, 0, 0}, kUp});
+  EXPECT_NEAR(w.force_n.x, -2 * 0.5, 1e-3);
+}
+
+TEST(Collision, ShankAndHolderArePushedToo) {
+  ToolBody body;
+  body.shank = Shank{10, 20};
+  body.holder = std::vector<HolderSection>{{30, 30, 20}};
+  const Tool tool = *make_tool(FlatShape{4, 10}, body);
+  const Obstacle post{CylinderObstacle{{8, 0, -50}, {8, 0, 25}, 4}, 2};  // Ends below the holder.
+  const Wrench w = Obstacles({post}).push(tool, {{0, 0, 0}, kUp}, 60);
+  EXPECT_NEAR(w.force_n.x, -2 * 1.0, 1e-4);
+  const Obstacle high{SphereObstacle{{18, 0, 40}, 4}, 2};
+  EXPECT_NEAR(Obstacles({high}).push(tool, {{0, 0, 0}, kUp}, 60).force_n.x, -2 * 1.0, 1e-2);
+}
+
 TEST(Collision, MeshOfABoxPushesLikeTheBox) {
   const Obstacle box{BoxObstacle{{-20, -20, -10}, {20, 20, 0}}, 3};
   const Obstacle mesh{MeshObstacle{box_triangles({-20, -20, -10}, {20, 20, 0})}, 3};

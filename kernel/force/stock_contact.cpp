@@ -1,0 +1,333 @@
+#include "kernel/force/stock_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "kernel/dexel/stock_column.h"
+
+namespace kerf {
+namespace {
+
+/// How far a point (r, h) of the half-plane is outside a piece's side and bottom: a distance inside
+/// and near it, convex, growing by at most 1 per mm. The top is left out: what lies below the next
+/// piece's lower end is no way out.
+struct Outside {
+  double mm;
+  double nr, nh;  ///< unit, in which it grows
+};
+
+Outside below(double z0, double h, Outside side) {
+  return z0 - h > side.mm ? Outside{z0 - h, 0, -1} : side;
+}
+
+Outside round(double radius, double across, double along) {
+  const double n = std::sqrt(across * across + along * along);
+  return n > 0 ? Outside{n - radius, across / n, along / n} : Outside{-radius, 1, 0};
+}
+
+Outside outside(const BallPiece& b, double r, double h) {
+  return round(b.radius_mm, r, h - b.center_mm);
+}
+Outside outside(const FrustumPiece& f, double r, double h) {
+  const double k = (f.r1_mm - f.r0_mm) / (f.z1_mm - f.z0_mm);
+  const double n = std::sqrt(1 + k * k);
+  return below(f.z0_mm, h, {(r - f.r0_mm - k * (h - f.z0_mm)) / n, 1 / n, -k / n});
+}
+Outside outside(const ArcPiece& a, double r, double h) {
+  return below(a.z0_mm, h, round(a.radius_mm, std::max(r - a.center_r_mm, 0.0), h - a.center_z_mm));
+}
+
+struct Reach {
+  double z0, z1, radius;
+};
+Reach reach(const BallPiece& b) {
+  return {b.center_mm - b.radius_mm, b.center_mm + b.radius_mm, b.radius_mm};
+}
+Reach reach(const FrustumPiece& f) { return {f.z0_mm, f.z1_mm, std::max(f.r0_mm, f.r1_mm)}; }
+Reach reach(const ArcPiece& a) { return {a.z0_mm, a.z1_mm, a.center_r_mm + a.radius_mm}; }
+
+struct Heights {
+  double lo, hi;
+};
+struct Deepest {
+  double outside = 0, z = 0;
+};
+
+constexpr int kSearchSteps = 60;  ///< each leaves at most nine tenths of the heights in question
+/// mm. A depth counts as found when it is missed by less. If it grows, contacts become shallower.
+constexpr double kDepthEpsilonMm = 1e-7;
+
+/// One non-cutting piece where it stands in the frame of a field.
+class PlacedPiece {
+ public:
+  PlacedPiece(const ToolPiece& piece, const ToolPose& pose)
+      : piece_(piece),
+        pose_(pose),
+        reach_(std::visit([](const auto& p) { return reach(p); }, piece)) {
+    const Vec3 u = pose.axis, a = pose.tip_mm + u * reach_.z0, b = pose.tip_mm + u * reach_.z1;
+    const auto wide = [&](double along) {
+      return reach_.radius * std::sqrt(std::max(0.0, 1 - along * along));
+    };
+    const Vec3 half{wide(u.x), wide(u.y), wide(u.z)};
+    lo = Vec3{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)} - half;
+    hi = Vec3{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)} + half;
+  }
+
+  Vec3 lo, hi;  ///< a box around it
+
+  /// Its outside distance at a point and, where asked for, the direction in which that grows.
+  double at(Vec3 point, Vec3* outward = nullptr) const {
+    const Vec3 p = point - pose_.tip_mm;
+    const double h = dot(p, pose_.axis);
+    const Vec3 across = p - pose_.axis * h;
+    const double r = length(across);
+    const Outside o = std::visit([&](const auto& s) { return outside(s, r, h); }, piece_);
+    if (outward != nullptr) {
+      const Vec3 e = r > 0 ? across * (1 / r) : Vec3{};
+      *outward = e * o.nr + pose_.axis * o.nh;
+    }
+    return o.mm;
+  }
+
+  /// The part of the heights of a column that is not above the piece's top.
+  Heights below_top(double x, double y, Heights z) const {
+    const Vec3 u = pose_.axis, t = pose_.tip_mm;
+    const double rest = reach_.z1 - (x - t.x) * u.x - (y - t.y) * u.y;  // u.z (z - t.z) <= rest
+    if (u.z > 0) z.hi = std::min(z.hi, t.z + rest / u.z);
+    if (u.z < 0) z.lo = std::max(z.lo, t.z + rest / u.z);
+    if (u.z == 0 && rest < 0) return {1, 0};
+    return z;
+  }
+
+  /// Where a column is deepest inside the piece. Between two heights a convex function is above its
+  /// tangents there: where those meet is the next to be asked, and how low they meet tells when no
+  /// height can be less than `interesting` outside, and when it was found.
+  Deepest least(double x, double y, Heights z, double interesting) const {
+    Tangent a = tangent(x, y, z.lo), b = tangent(x, y, z.hi);
+    for (int i = 0; i < kSearchSteps && a.slope < 0 && b.slope > 0; ++i) {
+      const double width = b.z - a.z;
+      const double meet = (a.mm - b.mm + b.slope * width) / (b.slope - a.slope);
+      const double bound = a.mm + a.slope * meet;
+      if (bound >= interesting || std::min(a.mm, b.mm) - bound <= kDepthEpsilonMm) break;
+      const double inner = std::clamp(meet, 0.1 * width, 0.9 * width);
+      const Tangent c = tangent(x, y, a.z + inner);
+      (c.slope < 0 ? a : b) = c;
+    }
+    return a.mm <= b.mm ? Deepest{a.mm, a.z} : Deepest{b.mm, b.z};
+  }
+
+ private:
+  struct Tangent {
+    double z, mm, slope;
+  };
+  Tangent tangent(double x, double y, double z) const {
+    Vec3 outward;
+    const double mm = at({x, y, z}, &outward);
+    return {z, mm, outward.z};
+  }
+
+  const ToolPiece& piece_;
+  ToolPose pose_;
+  Reach reach_;
+};
+
+/// What all solid points inside a piece say together.
+struct Overlap {
+  double depth = 0;
+  Vec3 deepest, deepest_outward;
+  double weight = 0;
+  Vec3 moment, outward;  ///< sums over samples by their weight
+
+  Vec3 point() const { return weight > 0 ? moment * (1 / weight) : deepest; }
+  Vec3 way() const { return outward == Vec3{} ? deepest_outward : outward; }
+};
+
+/// One piece against one field, all in the field's frame.
+class FieldContact {
+ public:
+  FieldContact(const DexelField& field, const PlacedPiece& piece)
+      : field_(field), grid_(field.grid()), piece_(piece) {
+    const auto first = [&](double v, double origin, std::int32_t n) {
+      const double i = std::ceil((v - origin) / grid_.pitch_mm - 0.5);
+      return static_cast<std::int32_t>(std::clamp(i, 0.0, double(n)));
+    };
+    i0_ = first(piece.lo.x, grid_.origin_mm.x, grid_.columns_x);
+    i1_ = first(piece.hi.x, grid_.origin_mm.x, grid_.columns_x);
+    j0_ = first(piece.lo.y, grid_.origin_mm.y, grid_.columns_y);
+    j1_ = first(piece.hi.y, grid_.origin_mm.y, grid_.columns_y);
+    z_ = {std::max(piece.lo.z, grid_.origin_mm.z),
+          std::min(piece.hi.z, grid_.z_mm(grid_.height_quanta))};
+  }
+
+  bool beside() const { return i0_ >= i1_ || j0_ >= j1_ || z_.lo >= z_.hi; }
+
+  /// Raises the overlap's depth to that of the deepest solid point.
+  void find_deepest(Overlap& found) {
+    for (std::int32_t j = j0_ / kTileSide; j * kTileSide < j1_; ++j) {
+      for (std::int32_t i = i0_ / kTileSide; i * kTileSide < i1_; ++i) {
+        const DexelTile* tile = field_.find({i, j});
+        const double top = tile == nullptr ? z_.hi : std::min(z_.hi, grid_.z_mm(tile->top_max));
+        if (top > z_.lo) search({i * kTileSide, j * kTileSide, kTileSide}, {z_.lo, top}, found);
+      }
+    }
+  }
+
+  /// Adds what evenly spread columns say about the overlap's middle and its way out.
+  void add_samples(Overlap& found) {
+    constexpr std::int32_t kAcross = 16;
+    const std::int32_t step = std::max(i1_ - i0_, j1_ - j0_) / kAcross + 1;
+    const auto first = [step](std::int32_t from, std::int32_t to) {
+      return from + ((to - from - 1) % step) / 2;  // As far from one end as from the other.
+    };
+    for (std::int32_t j = first(j0_, j1_); j < j1_; j += step) {
+      for (std::int32_t i = first(i0_, i1_); i < i1_; i += step) {
+        const double x = grid_.x_mm(i), y = grid_.y_mm(j);
+        each_solid(i, j, [&](Heights z) { add_sample(x, y, z, double(step) * step, found); });
+      }
+    }
+  }
+
+ private:
+  struct Square {
+    std::int32_t i, j, side;
+  };
+
+  template <typename Visit>
+  void each_solid(std::int32_t i, std::int32_t j, Visit visit) {
+    const DexelTile* tile = field_.find({i / kTileSide, j / kTileSide});
+    if (tile == nullptr) {
+      solid_.assign(1, stock_column(field_.stock(), grid_, i, j));
+    } else {
+      tile->read((j % kTileSide) * kTileSide + i % kTileSide, solid_);
+    }
+    for (const Dexel& d : solid_) {
+      const Heights z = piece_.below_top(
+          grid_.x_mm(i), grid_.y_mm(j),
+          {std::max(z_.lo, grid_.z_mm(d.bottom)), std::min(z_.hi, grid_.z_mm(d.top))});
+      if (z.lo < z.hi) visit(z);
+    }
+  }
+
+  /// A square of columns can be left out when its middle is so far outside that no column of it
+  /// can be deeper than what was found.
+  void search(Square s, Heights z, Overlap& found) {
+    if (s.i >= i1_ || s.j >= j1_ || s.i + s.side <= i0_ || s.j + s.side <= j0_) return;
+    if (s.side == 1) return search_column(s.i, s.j, found);
+    const double half = s.side / 2.0;
+    const double around = half * grid_.pitch_mm * 1.4142135623730951;
+    const double x = grid_.origin_mm.x + (s.i + half) * grid_.pitch_mm;
+    const double y = grid_.origin_mm.y + (s.j + half) * grid_.pitch_mm;
+    const double interesting = around - found.depth;
+    if (piece_.least(x, y, z, interesting).outside >= interesting) return;
+    const std::int32_t h = s.side / 2;
+    search({s.i, s.j, h}, z, found);
+    search({s.i + h, s.j, h}, z, found);
+    search({s.i, s.j + h, h}, z, found);
+    search({s.i + h, s.j + h, h}, z, found);
+  }
+
+  void search_column(std::int32_t i, std::int32_t j, Overlap& found) {
+    const double x = grid_.x_mm(i), y = grid_.y_mm(j);
+    each_solid(i, j, [&](Heights z) {
+      const Deepest d = piece_.least(x, y, z, -found.depth);
+      if (!(-d.outside > found.depth)) return;
+      found.depth = -d.outside;
+      Vec3 outward;
+      piece_.at({x, y, d.z}, &outward);
+      found.deepest = from_frame(grid_.axis, {x, y, d.z});
+      found.deepest_outward = from_frame(grid_.axis, outward);
+    });
+  }
+
+  void add_sample(double x, double y, Heights z, double area, Overlap& found) const {
+    const Deepest d = piece_.least(x, y, z, 0);
+    if (!(d.outside < 0)) return;
+    const auto edge = [&](double in, double out) {
+      if (piece_.at({x, y, out}) <= 0) return out;
+      for (int i = 0; i < 24; ++i) {
+        const double middle = (in + out) / 2;
+        (piece_.at({x, y, middle}) <= 0 ? in : out) = middle;
+      }
+      return in;
+    };
+    const double bottom = edge(d.z, z.lo), top = edge(d.z, z.hi);
+    const Vec3 p{x, y, (bottom + top) / 2};
+    Vec3 outward;
+    const double weight = -piece_.at(p, &outward) * (top - bottom) * area;
+    if (!(weight > 0)) return;
+    found.weight += weight;
+    found.moment = found.moment + from_frame(grid_.axis, p) * weight;
+    found.outward = found.outward + from_frame(grid_.axis, outward) * weight;
+  }
+
+  const DexelField& field_;
+  const DexelGrid& grid_;
+  const PlacedPiece& piece_;
+  std::int32_t i0_, i1_, j0_, j1_;  ///< columns that the piece's box covers
+  Heights z_;
+  std::vector<Dexel> solid_;
+};
+
+Overlap overlap(const ToolPiece& piece, const ToolPose& pose, std::span<const DexelField> fields,
+                double allowance_mm, bool whole) {
+  Overlap found;
+  found.depth = allowance_mm;
+  const auto each = [&](auto visit) {
+    for (const DexelField& field : fields) {
+      const RayAxis axis = field.grid().axis;
+      const PlacedPiece placed(piece, {to_frame(axis, pose.tip_mm), to_frame(axis, pose.axis)});
+      FieldContact contact(field, placed);
+      if (contact.beside()) return;  // Beside the block along one axis is beside it for all.
+      visit(contact);
+    }
+  };
+  each([&](FieldContact& contact) { contact.find_deepest(found); });
+  if (whole && found.depth > allowance_mm) {
+    each([&](FieldContact& contact) { contact.add_samples(found); });
+  }
+  return found;
+}
+
+}  // namespace
+
+StockContact stock_contact(const Tool& tool, const ToolPose& pose,
+                           std::span<const DexelField> fields, const ForceSettings& settings,
+                           double allowance_mm) {
+  StockContact sum;
+  const Vec3 pivot = pose.tip_mm + pose.axis * settings.pivot_mm;
+  for (const ToolPiece& piece : tool.non_cutting) {
+    const Overlap found = overlap(piece, pose, fields, allowance_mm, true);
+    const double depth = found.depth - allowance_mm;
+    if (!(depth > 0)) continue;
+    sum.depth_mm = std::max(sum.depth_mm, depth);
+    const Vec3 f = normalized(found.way()) * (-depth * settings.contact_stiffness_n_per_mm);
+    sum.wrench = sum.wrench + Wrench{f, cross(found.point() - pivot, f)};
+  }
+  Vec3& torque = sum.wrench.torque_nmm;
+  torque = torque - pose.axis * dot(torque, pose.axis);
+  return sum;
+}
+
+double deepest_stock_contact(const Tool& tool, const ToolMotion& motion,
+                             std::span<const DexelField> fields, double allowance_mm) {
+  constexpr double kPosesMax = 256;
+  double thinnest = tool.whole_radius_mm;
+  for (const ToolPiece& piece : tool.non_cutting) {
+    const Reach r = std::visit([](const auto& p) { return reach(p); }, piece);
+    thinnest = std::min(thinnest, r.radius);
+  }
+  const double way = motion.travel_mm + motion.turn_rad * tool.whole_length_mm;
+  const double n = std::clamp(std::ceil(way / (thinnest / 2)), 1.0, kPosesMax);
+  double deepest = 0;
+  for (double k = 1; k <= n; ++k) {
+    const ToolPose pose = k == n ? motion.to : motion.at(k / n);
+    for (const ToolPiece& piece : tool.non_cutting) {
+      const Overlap found = overlap(piece, pose, fields, allowance_mm, false);
+      deepest = std::max(deepest, found.depth - allowance_mm);
+    }
+  }
+  return deepest;
+}
+
+}  // namespace kerf
