@@ -1,0 +1,152 @@
+// The force while the engagement is constant: slots of constant depth and plunges at 30 mm/s with
+// ball and flat end mills, in several directions of the grid. A perfect force would not change from
+// tick to tick, nor with the rate of the ticks, nor with the pitch. Prints one table.
+// Usage: force_bench [pitch_mm=0.1]
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "kernel/sculpture.h"
+
+namespace {
+
+using namespace kerf;
+
+constexpr double kSpeedMmS = 30;
+constexpr double kRateHz = 1000;
+constexpr double kRadiusMm = 3;
+constexpr double kDepthMm = 2.03;
+constexpr double kMeasuredMm = 6;
+constexpr double kPivotMm = 60;
+
+struct Setup {
+  bool ball = true;
+  ForceLaw law = ForceLaw::kSpecificEnergy;
+  double pitch_mm = 0.1;
+  double rate_hz = kRateHz;
+};
+
+/// One cut of constant engagement: from `start` the tool is sunk without being felt, cuts its way
+/// to where the engagement is constant, and is then measured.
+struct Cut {
+  std::string name;
+  Vec3 start, way;
+};
+
+Cut slot(double degrees) {
+  const double a = degrees * std::numbers::pi / 180;
+  const Vec3 way{std::cos(a), std::sin(a), 0};
+  char name[32];
+  std::snprintf(name, sizeof name, "slot %.0f", degrees);
+  return {name, Vec3{0.0371, 0.0213, -kDepthMm} - way * 7, way};
+}
+
+Cut plunge() { return {"plunge", {0.0371, 0.0213, -3.513}, {0, 0, -1}}; }
+
+struct Statistics {
+  Vec3 force, torque;                          ///< means
+  double force_ripple = 0, torque_ripple = 0;  ///< rms of the deviation / |mean force|, / its lever
+};
+
+/// The rms of what differs from the mean, by `scale`.
+double ripple(const std::vector<Vec3>& values, Vec3 mean, double scale) {
+  double sum = 0;
+  for (const Vec3& v : values) sum += dot(v - mean, v - mean);
+  return std::sqrt(sum / double(values.size())) / scale;
+}
+
+Vec3 mean(const std::vector<Vec3>& values) {
+  Vec3 sum;
+  for (const Vec3& v : values) sum = sum + v;
+  return sum * (1 / double(values.size()));
+}
+
+Sculpture block(const Setup& setup) {
+  SculptureSettings s;
+  s.stock = BoxStock{{-14, -14, -16}, {14, 14, 0}};
+  s.pitch_mm = setup.pitch_mm;
+  s.tolerance_mm = 0.001;
+  s.force.law = setup.law;
+  s.force.pivot_mm = kPivotMm;
+  return *Sculpture::create(s);
+}
+
+Statistics measure(const Setup& setup, const Cut& cut) {
+  Sculpture sculpture = block(setup);
+  const double d = 2 * kRadiusMm;
+  const ToolShape shape = setup.ball ? ToolShape{BallShape{d, 40}} : ToolShape{FlatShape{d, 40}};
+  sculpture.apply(DefineTool{1, *make_tool(shape)}).value();
+  const Vec3 up{0, 0, 1};
+  const Vec3 above{cut.start.x, cut.start.y, 1};
+  sculpture.apply(MoveTool{1, {above, up}, {cut.start, up}, 1, false}).value();
+  const double step_mm = kSpeedMmS / setup.rate_hz;
+  const int lead = int(std::lround(4 / step_mm));
+  const int ticks = int(std::lround(kMeasuredMm / step_mm));
+  std::vector<Vec3> forces, torques;
+  for (int i = 0; i < lead + ticks; ++i) {
+    const Vec3 from = cut.start + cut.way * (i * step_mm);
+    const Vec3 to = cut.start + cut.way * ((i + 1) * step_mm);
+    const MotionResult r =
+        sculpture.apply(MoveTool{1, {from, up}, {to, up}, 1 / setup.rate_hz}).value();
+    if (i < lead) continue;
+    forces.push_back(r.wrench.force_n);
+    torques.push_back(r.wrench.torque_nmm);
+  }
+  Statistics s{mean(forces), mean(torques)};
+  // A plunge has no mean torque; the push times the radius is what its ripple is compared with.
+  const double push = length(s.force);
+  const double torque = std::max(length(s.torque), push * kRadiusMm);
+  s.force_ripple = ripple(forces, s.force, push);
+  s.torque_ripple = ripple(torques, s.torque, torque);
+  return s;
+}
+
+/// Greatest relative difference of the mean forces of several measurements from their first.
+double spread(const std::vector<Vec3>& forces) {
+  double worst = 0;
+  for (const Vec3& f : forces) {
+    worst = std::max(worst, length(f - forces.front()) / length(forces.front()));
+  }
+  return worst;
+}
+
+void row(const Setup& setup, const Cut& cut) {
+  const Statistics s = measure(setup, cut);
+  std::vector<Vec3> by_rate{s.force}, by_pitch{s.force};
+  for (const double rate_hz : {250.0, 500.0, 2000.0, 4000.0}) {
+    Setup other = setup;
+    other.rate_hz = rate_hz;
+    by_rate.push_back(measure(other, cut).force);
+  }
+  Setup finer = setup;
+  finer.pitch_mm /= 2;
+  by_pitch.push_back(measure(finer, cut).force);
+  std::printf("%-5s %-9s %-9s %9.3f %8.2f %8.2f %8.2f %8.2f\n", setup.ball ? "ball" : "flat",
+              setup.law == ForceLaw::kSpecificEnergy ? "specific" : "drr", cut.name.c_str(),
+              length(s.force), 100 * s.force_ripple, 100 * s.torque_ripple, 100 * spread(by_rate),
+              100 * spread(by_pitch));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.1;
+  const std::vector<Cut> cuts{slot(0), slot(30), slot(45), slot(90), plunge()};
+  std::printf(
+      "Constant engagement, %.0f mm/s, pitch %.3g mm, %.0f Hz, tools of %.0f mm, slots %.2f mm "
+      "deep. Ripple: rms / mean.\n",
+      kSpeedMmS, pitch_mm, kRateHz, 2 * kRadiusMm, kDepthMm);
+  std::printf("%-5s %-9s %-9s %9s %8s %8s %8s %8s\n", "tool", "law", "cut", "force_N", "ripple%",
+              "torque%", "rates%", "pitch%");
+  for (const bool ball : {true, false}) {
+    for (const ForceLaw law : {ForceLaw::kSpecificEnergy, ForceLaw::kDexelRemovalRate}) {
+      for (const Cut& cut : cuts) row({ball, law, pitch_mm}, cut);
+    }
+  }
+  return 0;
+}
