@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "kernel/cut/cut.h"
@@ -188,7 +189,8 @@ const char* to_string(SculptureErrorCode code) {
 Sculpture::Sculpture(SculptureSettings settings)
     : settings_(std::move(settings)),
       obstacles_(settings_.obstacles.empty() ? nullptr
-                                             : std::make_unique<Obstacles>(settings_.obstacles)) {
+                                             : std::make_unique<Obstacles>(settings_.obstacles)),
+      engagements_(std::make_unique<Engagements>(settings_.pitch_mm)) {
   for (const RayAxis axis : axes_of(settings_.rays)) {
     fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis);
     stock_volume_mm3_ += fields_.back().stock_volume_mm3();
@@ -294,6 +296,7 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
   if (auto c = check(command); !c) return std::unexpected(c.error());
   if (const auto* define = std::get_if<DefineTool>(&command)) {
     // Rebuilt from its pieces, so that a tool from a journal and one from a scene are the same.
+    engagements_->forget(define->id);
     tools_[define->id] = *make_tool(define->tool.pieces, define->tool.non_cutting);
     return MotionResult{};
   }
@@ -329,10 +332,15 @@ MotionResult Sculpture::move(const MoveTool& command) {
   const bool feel = command.feel && command.duration_s > 0;
   MotionResult result;
   result.kind = motion.kind;
-  CuttingForce force(settings_.force, command.duration_s, static_cast<int>(fields_.size()));
+  std::optional<CuttingForce> force;
+  if (feel) {
+    force.emplace(settings_.force, used, motion, command.duration_s,
+                  static_cast<int>(fields_.size()),
+                  engagements_->follow(command.tool, motion.from, motion.to));
+  }
   std::vector<RemovedVolume> removed;
   for (DexelField& f : fields_) {
-    removed.push_back(cut_field(f, used, motion, result, feel ? &force : nullptr));
+    removed.push_back(cut_field(f, used, motion, result, feel ? &*force : nullptr));
   }
   result.removed_mm3 = combined_mm3(removed);
   std::ranges::sort(result.changed_tiles);
@@ -342,10 +350,10 @@ MotionResult Sculpture::move(const MoveTool& command) {
     result.stock_contact_mm = deepest_stock_contact(used, motion, fields_, settings_.tolerance_mm);
   }
   if (feel) {
-    result.wrench = force.wrench();
-    if (result.removed_mm3 > 0) {
-      result.cutting = {force.engaged_area_mm2(), normalized(result.wrench.force_n),
-                        force.center_mm()};
+    const FeltCut felt = force->finish();
+    result.wrench = felt.wrench;
+    if (felt.area_mm2 > 0) {
+      result.cutting = {felt.area_mm2, normalized(felt.wrench.force_n), felt.center_mm};
     }
     result.collision = collision(used, motion.to);
     result.wrench = result.wrench + result.collision;

@@ -20,6 +20,7 @@ namespace kerf {
 
 class CuttingForce;
 class DexelField;
+class Engagements;
 class Obstacles;
 struct RemovedVolume;
 struct ToolMotion;
@@ -59,10 +60,9 @@ struct MoveTool {
 /// The only way to change a Sculpture; what a journal records.
 using Command = std::variant<DefineTool, MoveTool>;
 
-/// What an agent needs to render the cut between two results from its own velocity (design section
-/// 7).
+/// What an agent needs to render the cut between two results from its own velocity.
 struct CuttingModel {
-  double engaged_area_mm2 = 0;  ///< A = removed volume / path length
+  double engaged_area_mm2 = 0;  ///< A = felt volume / path length (kernel/README.md, "Force")
   Vec3 direction;               ///< unit direction of the cutting force; zero when nothing was cut
   Vec3 center_mm;               ///< volume centre of what was removed
 };
@@ -162,6 +162,7 @@ class Sculpture {
   SculptureSettings settings_;
   std::vector<DexelField> fields_;        ///< along Z; then along X and Y, if asked for
   std::unique_ptr<Obstacles> obstacles_;  ///< null in a scene without any
+  std::unique_ptr<Engagements> engagements_;
   std::map<ToolId, Tool> tools_;
   double stock_volume_mm3_ = 0;
   double removed_mm3_ = 0;

@@ -1,91 +1,120 @@
 #include "kernel/force/cutting_force.h"
 
+#include <cmath>
+
 #include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
 
-/// Which way each removed dexel pushes the tool (paper Fig. 12).
-class ForceDirection {
- public:
-  explicit ForceDirection(const ToolMotion& motion) : pose_(motion.at(0.5)) {
-    const Vec3 travel = motion.to.tip_mm - motion.from.tip_mm;
-    switch (motion.kind) {
-      case MotionKind::kAxial:  // Eq. 20: along the axis, against the way taken.
-        common_ = dot(travel, pose_.axis) < 0 ? pose_.axis : -pose_.axis;
-        break;
-      case MotionKind::kRotation:  // Eq. 21: against each point's way around the tip.
-        turn_ = cross(motion.from.axis, motion.to.axis);
-        break;
-      default:  // Eq. 22: against the way of the tip.
-        common_ = -normalized(travel);
-    }
-  }
+/// How much travel along the rays counts, beside travel across them, when a column's square is
+/// crossed: little, but enough for what is left to be delivered when the tool goes straight up.
+constexpr double kAlongRays = 0.25;
 
-  /// Zero for a point on the axis of the turn, which does not move (the degenerate case of Eq. 21).
-  Vec3 at(Vec3 point_mm) const {
-    if (turn_ == Vec3{}) return common_;
-    return -normalized(cross(turn_, point_mm - pose_.tip_mm));
-  }
-  const ToolPose& pose() const { return pose_; }
+Twist twist_of(const ToolMotion& motion) {
+  return {motion.to.tip_mm - motion.from.tip_mm,
+          normalized(cross(motion.from.axis, motion.to.axis)) * motion.turn_rad};
+}
 
- private:
-  ToolPose pose_;
-  Vec3 common_;
-  Vec3 turn_;
+/// A way as the squares of the columns see it: how far it crosses them, and what part of a cut
+/// comes from crossing them.
+struct Crossing {
+  double mm, share;
 };
+Crossing crossing_of(Vec3 way) {
+  const double across2 = way.x * way.x + way.y * way.y;
+  const double along2 = way.z * way.z * (kAlongRays * kAlongRays);
+  const double both2 = across2 + along2;
+  return {std::sqrt(both2), both2 > 0 ? across2 / both2 : 0};
+}
+
+CutSum to_world(RayAxis axis, const CutSum& s) {
+  return {s.volume_mm3, from_frame(axis, s.moment_mm4), from_frame(axis, s.push_mm3),
+          from_frame(axis, s.turn_mm4)};
+}
 
 }  // namespace
 
-CuttingForce::CuttingForce(const ForceSettings& settings, double duration_s, int fields)
-    : settings_(settings), duration_s_(duration_s), weight_(1.0 / fields) {}
+CuttingForce::CuttingForce(const ForceSettings& settings, const Tool& tool,
+                           const ToolMotion& motion, double duration_s, int fields,
+                           Engagement& engagement)
+    : settings_(settings),
+      motion_(motion),
+      reach_mm_(tool.length_mm + tool.radius_mm),
+      duration_s_(duration_s),
+      engagement_(engagement) {
+  if (fields > 1) weight_.emplace(tool);
+}
+
+void CuttingForce::Part::add(const CutSum& s, double share, double path_mm) {
+  sum = sum + s;
+  if (path_mm > kRestEpsilonMm) per_mm_mm2 += share * s.volume_mm3 / path_mm;
+}
+
+double CuttingForce::Part::path_mm(double otherwise) const {
+  return per_mm_mm2 > 0 ? sum.volume_mm3 / per_mm_mm2 : otherwise;
+}
 
 void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion,
                        double share) {
   if (removal.quanta == 0) return;
-  const ForceDirection direction(motion);
-  const Vec3 pivot = direction.pose().tip_mm + direction.pose().axis * settings_.pivot_mm;
-  const double quantum_mm3 = grid.z_quantum_mm * grid.pitch_mm * grid.pitch_mm;
-  // Sums of dV_i f_dir, of (P_i − P_pivot) × dV_i f_dir (Eqs. 23, 24; the sign of Eq. 19), and of
-  // dV_i P_i.
-  Vec3 push, turn, moment;
-  for (const RemovedGroup& g : removal.groups) {
-    for (int c = 0; c < RemovedGroup::kLanes; ++c) {
-      if (g.bottom[c] == g.top[c]) continue;
-      const double middle = (double(g.bottom[c]) + double(g.top[c])) / 2;
-      const Vec3 p{grid.x_mm(g.i + c), grid.y_mm(g.j),
-                   grid.origin_mm.z + middle * grid.z_quantum_mm};
-      const double volume = (g.top[c] - g.bottom[c]) * quantum_mm3;
-      const Vec3 f = direction.at(p) * volume;
-      push = push + f;
-      turn = turn + cross(p - pivot, f);
-      moment = moment + p * volume;
-    }
-  }
-  const double volume_mm3 = static_cast<double>(removal.quanta) * quantum_mm3;
-  volume_mm3_ += weight_ * volume_mm3;
-  moment_ = moment_ + from_frame(grid.axis, moment) * weight_;
+  const ToolPose middle = motion.at(0.5);
+  const Twist twist = twist_of(motion);
+  const CutSum local = sum_cut(removal.groups, grid, twist,
+                               {middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_},
+                               weight_ ? &*weight_ : nullptr);
+  const Vec3 way = twist.at(local.center_mm());
+  const CutSum sum = to_world(grid.axis, local);
+  all_.add(sum, share, length(way));
+  if (weight_) return;
+  const Crossing crossing = crossing_of(way);
+  gradual_.add(sum * crossing.share, share, crossing.mm);
+}
 
-  // The path of the contact: how far the tool's material moved where it cut.
-  const Vec3 center = moment * (1 / volume_mm3);
-  const Vec3 chord = cross(motion.from.axis, motion.to.axis);
-  const Vec3 way =
-      motion.to.tip_mm - motion.from.tip_mm + cross(chord, center - direction.pose().tip_mm);
-  const double path_mm = length(way);
-  if (path_mm > kRestEpsilonMm) area_mm2_ += weight_ * share * volume_mm3 / path_mm;
+/// What was cut in earlier motions pushes as it did then, but never along with the way of the tool:
+/// who turns back cuts nothing.
+CutSum CuttingForce::carried(TravelQueue& queue, double path_mm, Vec3 way) const {
+  CutSum due = queue.advance(path_mm);
+  const double along = dot(due.push_mm3, way);
+  if (along <= 0) return due;
+  const Vec3 taken = way * -along;
+  const Vec3 axis = motion_.to.axis;
+  const Vec3 turn = cross(due.center_mm() - axis * settings_.pivot_mm, taken);
+  due.push_mm3 = due.push_mm3 + taken;
+  due.turn_mm4 = due.turn_mm4 + turn - axis * dot(turn, axis);
+  return due;
+}
 
-  double scale =
-      0;  // N per mm^3 removed in this sub-motion, as its part of the mean over the motion
+FeltCut CuttingForce::finish() {
+  Engagement& e = engagement_;
+  const Twist twist = twist_of(motion_);
+  const Vec3 way = twist.at(all_.sum.volume_mm3 > 0 ? all_.sum.center_mm() : e.center_mm);
+  const double way_mm = length(way);
+  e.way = (e.way * kFeltTravelMm + way) * (1 / (kFeltTravelMm + way_mm));
+  const Vec3 direction = normalized(e.way);
+
+  const double path_mm = all_.path_mm(way_mm);
+  const double crossing_mm = gradual_.path_mm(crossing_of(way).mm);
+  CutSum due = carried(e.gradual, crossing_mm, direction);
+  due = due + carried(e.prompt, path_mm, direction);
+  due = due + e.gradual.take(gradual_.sum, crossing_mm);
+  due = due + e.prompt.take(all_.sum + gradual_.sum * -1, path_mm);
+  FeltCut felt;
+  felt.volume_mm3 = due.volume_mm3;
+  if (due.volume_mm3 > 0) e.center_mm = due.center_mm();
+  const bool rests = path_mm <= kRestEpsilonMm;
+  const CutSum per_mm =
+      rests ? e.gradual.due_per_mm() + e.prompt.due_per_mm() : due * (1 / path_mm);
+  felt.area_mm2 = per_mm.volume_mm3;
+  felt.center_mm = motion_.at(0.5).tip_mm + e.center_mm;
   if (settings_.law == ForceLaw::kDexelRemovalRate) {
-    scale = settings_.drr_n_s_per_mm3 / duration_s_;
-  } else if (path_mm > kRestEpsilonMm) {
-    scale = settings_.specific_force_n_per_mm2 * share / path_mm;
+    const double scale = settings_.drr_n_s_per_mm3 / duration_s_;
+    felt.wrench = {due.push_mm3 * scale, due.turn_mm4 * scale};
+  } else {
+    const double scale = settings_.specific_force_n_per_mm2;
+    felt.wrench = {per_mm.push_mm3 * scale, per_mm.turn_mm4 * scale};
   }
-  const Vec3 axis = direction.pose().axis;
-  Vec3 torque = turn * scale;
-  torque = torque - axis * dot(torque, axis);  // A 5-DOF device cannot twist the pen about itself.
-  sum_ = sum_ + Wrench{from_frame(grid.axis, push * (scale * weight_)),
-                       from_frame(grid.axis, torque * weight_)};
+  return felt;
 }
 
 }  // namespace kerf

@@ -26,6 +26,7 @@ constexpr double kPivotMm = 60;
 
 struct Setup {
   bool ball = true;
+  Rays rays = Rays::kDexel;
   ForceLaw law = ForceLaw::kSpecificEnergy;
   double pitch_mm = 0.1;
   double rate_hz = kRateHz;
@@ -71,6 +72,7 @@ Sculpture block(const Setup& setup) {
   s.stock = BoxStock{{-14, -14, -16}, {14, 14, 0}};
   s.pitch_mm = setup.pitch_mm;
   s.tolerance_mm = 0.001;
+  s.rays = setup.rays;
   s.force.law = setup.law;
   s.force.pivot_mm = kPivotMm;
   return *Sculpture::create(s);
@@ -126,10 +128,10 @@ void row(const Setup& setup, const Cut& cut) {
   Setup finer = setup;
   finer.pitch_mm /= 2;
   by_pitch.push_back(measure(finer, cut).force);
-  std::printf("%-5s %-9s %-9s %9.3f %8.2f %8.2f %8.2f %8.2f\n", setup.ball ? "ball" : "flat",
-              setup.law == ForceLaw::kSpecificEnergy ? "specific" : "drr", cut.name.c_str(),
-              length(s.force), 100 * s.force_ripple, 100 * s.torque_ripple, 100 * spread(by_rate),
-              100 * spread(by_pitch));
+  std::printf("%-5s %-9s %-9s %-9s %9.3f %8.2f %8.2f %8.2f %8.2f\n", setup.ball ? "ball" : "flat",
+              to_string(setup.rays), setup.law == ForceLaw::kSpecificEnergy ? "specific" : "drr",
+              cut.name.c_str(), length(s.force), 100 * s.force_ripple, 100 * s.torque_ripple,
+              100 * spread(by_rate), 100 * spread(by_pitch));
 }
 
 }  // namespace
@@ -141,11 +143,13 @@ int main(int argc, char** argv) {
       "Constant engagement, %.0f mm/s, pitch %.3g mm, %.0f Hz, tools of %.0f mm, slots %.2f mm "
       "deep. Ripple: rms / mean.\n",
       kSpeedMmS, pitch_mm, kRateHz, 2 * kRadiusMm, kDepthMm);
-  std::printf("%-5s %-9s %-9s %9s %8s %8s %8s %8s\n", "tool", "law", "cut", "force_N", "ripple%",
-              "torque%", "rates%", "pitch%");
+  std::printf("%-5s %-9s %-9s %-9s %9s %8s %8s %8s %8s\n", "tool", "rays", "law", "cut", "force_N",
+              "ripple%", "torque%", "rates%", "pitch%");
   for (const bool ball : {true, false}) {
-    for (const ForceLaw law : {ForceLaw::kSpecificEnergy, ForceLaw::kDexelRemovalRate}) {
-      for (const Cut& cut : cuts) row({ball, law, pitch_mm}, cut);
+    for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+      for (const ForceLaw law : {ForceLaw::kSpecificEnergy, ForceLaw::kDexelRemovalRate}) {
+        for (const Cut& cut : cuts) row({ball, rays, law, pitch_mm}, cut);
+      }
     }
   }
   return 0;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "kernel/sculpture.h"
 
@@ -47,25 +48,23 @@ Path follow(Sculpture& s, Vec3 from, Vec3 to, int ticks, double tick_s) {
 
 TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   // A single removed segment at a known place: dV = 0.5 mm x (0.5 mm)^2 around (1, 2, -0.25),
-  // moving along +X.
+  // moving along +X with the tip at (0.25, 2, -0.5), the pivot 10 mm above it.
   const DexelGrid grid{{0.75, 1.75, -1}, 0.5, 0.25, 1, 1, 4};
-  Removal removal;
-  removal.groups = {{0, 0, {2}, {4}}};
-  removal.quanta = 2;
-  CuttingForce force({ForceLaw::kSpecificEnergy, 2, 0, 10}, 0.001);
-  const ToolMotion motion = make_motion({{0, 2, -0.5}, kUp}, {{0.5, 2, -0.5}, kUp}, 50);
-  force.add(grid, removal, motion, 1);
-  const double f = 2 * (0.5 * 0.25) / 0.5;  // u dV / ds
-  EXPECT_NEAR(force.wrench().force_n.x, -f, 1e-15);
-  EXPECT_EQ(force.wrench().force_n.y, 0);
-  EXPECT_EQ(force.wrench().force_n.z, 0);
+  const std::vector<RemovedGroup> groups{{0, 0, {2}, {4}}};
+  const Twist along_x{{0.5, 0, 0}, {}};
+  const CutSum sum = sum_cut(groups, grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50}, nullptr);
+  const double volume = 0.5 * 0.25;
+  EXPECT_NEAR(sum.volume_mm3, volume, 1e-15);
+  EXPECT_NEAR(sum.push_mm3.x, -volume, 1e-15);
+  EXPECT_EQ(sum.push_mm3.y, 0);
+  EXPECT_EQ(sum.push_mm3.z, 0);
   // Pivot at (0.25, 2, 9.5); arm = (1, 2, -0.25) − pivot = (0.75, 0, −9.75); torque = arm × f =
   // (0, 9.75 f, 0).
-  EXPECT_NEAR(force.wrench().torque_nmm.y, 9.75 * f, 1e-12);
-  EXPECT_EQ(force.wrench().torque_nmm.x, 0);
-  EXPECT_EQ(force.wrench().torque_nmm.z, 0);
-  EXPECT_NEAR(force.center_mm().x, 1, 1e-12);
-  EXPECT_NEAR(force.center_mm().z, -0.25, 1e-12);
+  EXPECT_NEAR(sum.turn_mm4.y, 9.75 * volume, 1e-12);
+  EXPECT_EQ(sum.turn_mm4.x, 0);
+  EXPECT_EQ(sum.turn_mm4.z, 0);
+  EXPECT_NEAR(sum.center_mm().x, 0.75, 1e-12);
+  EXPECT_NEAR(sum.center_mm().z, 0.25, 1e-12);
 }
 
 TEST(Force, PlungePushesUpWithTheExactRemovalRate) {
@@ -167,7 +166,8 @@ TEST(ForceDirection, GeneralMotionIsPushedBackAlongTheTipsWay) {
   const auto r =
       s.apply(MoveTool{1, {{-5, 0, -3}, kUp}, {{5, 0, -3}, normalized({0, 0.1, 1})}, 0.1}).value();
   EXPECT_EQ(r.kind, MotionKind::kGeneral);
-  EXPECT_NEAR(normalized(r.wrench.force_n).x, -1, 1e-9);
+  // Every element against its own way: it turns a little besides.
+  EXPECT_NEAR(normalized(r.wrench.force_n).x, -1, 1e-3);
 }
 
 TEST(Force, HasNoTorqueAboutTheToolsAxis) {

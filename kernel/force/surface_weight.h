@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include "kernel/cut/removal.h"
+#include "kernel/math/vec3.h"
+#include "kernel/tool/tool.h"
+
+namespace kerf {
+
+/// Points of one group of columns, from the tool's tip (mm).
+struct GroupPoints {
+  static constexpr int kLanes = RemovedGroup::kLanes;
+  double x[kLanes], y, z[kLanes];
+};
+
+/// What part of a removed element the rays of one of three fields count: n_z² in the field's frame,
+/// n being the normal of the tool's surface where it is nearest to the element. Over the three
+/// fields these parts add up to one; a field counts nothing of a wall that its rays are parallel
+/// to, which is just the wall whose place it knows only to a pitch.
+class SurfaceWeight {
+ public:
+  explicit SurfaceWeight(const Tool& tool);
+
+  /// The part of each of a group's points, for a tool whose unit axis is `axis` in the field's
+  /// frame.
+  void evaluate(const GroupPoints& points, Vec3 axis, double* weight) const;
+
+ private:
+  enum class Side { kLine, kArc };
+  /// A convex piece in the half-plane (ρ, h): distance from the axis, height above the tip. The
+  /// discs at its ends bound the tool only beyond the radii to which other pieces cover them.
+  struct Piece {
+    Side side;
+    double z0, z1;                      ///< heights of its ends
+    double r0, slope, normal_r;         /// of a line: ρ at z0, dρ/dh, and 1/√(1 + slope²)
+    double center_r, center_z, radius;  ///< of an arc
+    double covered_below, covered_above;
+
+    double radius_at(double h) const;
+  };
+  struct Lanes;
+  static Piece piece_of(const ToolPiece& piece);
+  static void nearest_of(const Piece& piece, const Lanes& at, double* nearest, double* normal_z);
+
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace kerf

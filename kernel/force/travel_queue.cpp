@@ -1,0 +1,85 @@
+#include "kernel/force/travel_queue.h"
+
+#include <algorithm>
+
+namespace kerf {
+namespace {
+
+/// Ways shorter than this part of the width count as a point: the difference quotient below would
+/// be all rounding.
+constexpr double kPointShare = 1e-5;
+
+/// ∫∫ of the kernel box(1) * box(1): what of a steady stream, begun at 0, is delivered at x >= 0.
+double ramp(double x) {
+  if (x >= 2) return x - 1;
+  if (x >= 1) {
+    const double rest = 2 - x;
+    return x - 1 + rest * rest * rest / 6;
+  }
+  return x * x * x / 6;
+}
+
+/// ∫ of the kernel: what of a pulse at 0 is delivered at x >= 0.
+double step(double x) {
+  if (x >= 2) return 1;
+  if (x >= 1) return 1 - (2 - x) * (2 - x) / 2;
+  return x * x / 2;
+}
+
+/// What of a stream over the last `path` is delivered `ahead` further on; all in widths.
+double delivered(double ahead, double path) {
+  return path > kPointShare ? (ramp(ahead + path) - ramp(ahead)) / path : step(ahead);
+}
+
+}  // namespace
+
+CutSum TravelQueue::advance(double path_mm) {
+  CutSum due;
+  if (empty_) return due;
+  for (int k = 0; k < kBins; ++k) {
+    if (path_mm < head_left_mm_) {
+      const double part = path_mm / head_left_mm_;
+      due = due + bin(0) * part;
+      bin(0) = bin(0) * (1 - part);
+      head_left_mm_ -= path_mm;
+      return due;
+    }
+    due = due + bin(0);
+    bin(0) = {};
+    path_mm -= head_left_mm_;
+    head_left_mm_ = bin_mm();
+    head_ = (head_ + 1) % kBins;
+  }
+  empty_ = true;
+  return due;
+}
+
+CutSum TravelQueue::take(const CutSum& removed, double path_mm) {
+  if (!(removed.volume_mm3 > 0)) return {};
+  const double path = path_mm / width_mm_;
+  double until_mm = head_left_mm_;
+  const double now = delivered(0, path);
+  double before = now;
+  for (int k = 0; k < kBins; ++k) {
+    // Two widths ahead all is delivered; said outright, nothing is lost to rounding.
+    const double then = k + 1 < kBins ? delivered(until_mm / width_mm_, path) : 1;
+    bin(k) = bin(k) + removed * (then - before);
+    before = then;
+    until_mm += bin_mm();
+  }
+  empty_ = false;
+  return removed * now;
+}
+
+CutSum TravelQueue::due_per_mm() const {
+  if (empty_) return {};
+  return (bin(0) + bin(1)) * (1 / (head_left_mm_ + bin_mm()));
+}
+
+double TravelQueue::pending_mm3() const {
+  double sum = 0;
+  for (const CutSum& b : bins_) sum += b.volume_mm3;
+  return sum;
+}
+
+}  // namespace kerf

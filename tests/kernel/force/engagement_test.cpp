@@ -1,0 +1,120 @@
+// What is cut is felt over the travel that follows: all of it, evenly, and by the hand that cut it.
+
+#include "kernel/force/engagement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "kernel/force/travel_queue.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kWidth = 0.1;
+
+CutSum volume(double mm3) {
+  return {mm3, {mm3, 2 * mm3, 3 * mm3}, {-mm3, 0, mm3}, {0, 5 * mm3, 0}};
+}
+
+double step(TravelQueue& queue, double removed_mm3, double path_mm) {
+  const double due = queue.advance(path_mm).volume_mm3;
+  return due + queue.take(volume(removed_mm3), path_mm).volume_mm3;
+}
+
+TEST(TravelQueue, DeliversAllThatItTook) {
+  std::mt19937_64 random(7);
+  for (int round = 0; round < 200; ++round) {
+    TravelQueue queue(kWidth);
+    double in = 0, out = 0;
+    for (int i = 0; i < 300; ++i) {
+      // Ticks from nothing to many widths, cutting every other time.
+      const double path =
+          random() % 5 == 0 ? 0 : std::pow(10.0, double(random() % 9000) / 1000 - 8);
+      const double removed = random() % 2 == 0 ? double(random() % 1000) : 0;
+      in += removed;
+      const double due = step(queue, removed, path);
+      EXPECT_GE(due, -1e-9 * in);
+      out += due;
+      ASSERT_NEAR(in, out + queue.pending_mm3(), 1e-12 * in + 1e-9);
+    }
+    out += queue.advance(2 * kWidth + 1e-9).volume_mm3;
+    out += queue.advance(kWidth).volume_mm3;
+    EXPECT_NEAR(out, in, 1e-9 * in);
+    EXPECT_EQ(queue.pending_mm3(), 0);
+    EXPECT_EQ(queue.advance(1).volume_mm3, 0);
+  }
+}
+
+TEST(TravelQueue, MakesAPulseEveryWidthOrPartOfItConstant) {
+  for (const int pulses : {1, 2, 3}) {
+    TravelQueue queue(kWidth);
+    const double path = kWidth / (12 * pulses);  // A tick; each twelfth one cuts.
+    for (int i = 0; i < 600; ++i) {
+      const double due = step(queue, i % 12 == 0 ? 1 : 0, path);
+      if (i <= 12 * 3 * pulses) continue;
+      EXPECT_NEAR(due, 1.0 / 12, 0.02 / 12) << i;
+    }
+  }
+}
+
+TEST(TravelQueue, DelaysByOneWidth) {
+  TravelQueue queue(kWidth);
+  queue.take(volume(1), 0);
+  double moment = 0;
+  for (int i = 0; i < 400; ++i) {
+    moment += queue.advance(kWidth / 200).volume_mm3 * (i + 0.5) * kWidth / 200;
+  }
+  EXPECT_NEAR(moment, kWidth, 0.01 * kWidth);
+}
+
+TEST(TravelQueue, GivesTheSameInTicksOfAnyLength) {
+  const auto after = [](int ticks) {
+    TravelQueue queue(kWidth);
+    for (int i = 0; i < ticks; ++i) step(queue, 20 * 0.33 / ticks, 0.33 / ticks);
+    return queue.advance(0.05).volume_mm3;
+  };
+  for (const int ticks : {3, 10, 100, 1000}) EXPECT_NEAR(after(ticks) / after(1), 1, 0.01) << ticks;
+}
+
+TEST(TravelQueue, KnowsTheEngagementOfAToolThatRests) {
+  TravelQueue queue(kWidth);
+  for (int i = 0; i < 50; ++i) step(queue, 20 * 0.03, 0.03);
+  EXPECT_NEAR(queue.due_per_mm().volume_mm3, 20, 0.4);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(step(queue, 0, 0), 0);
+  EXPECT_NEAR(queue.due_per_mm().volume_mm3, 20, 0.4);
+}
+
+TEST(Engagements, FollowEachHandByWhereItIs) {
+  Engagements all(kWidth);
+  const ToolPose a{{0, 0, 0}}, b{{1, 0, 0}}, c{{2, 0, 0}}, d{{3, 0, 0}};
+  all.follow(1, a, b).center_mm = {7, 0, 0};
+  all.follow(1, c, d).center_mm = {8, 0, 0};         // another hand with the same tool
+  EXPECT_EQ(all.follow(1, b, a).center_mm.x, 7);     // the first goes on
+  EXPECT_EQ(all.follow(1, d, c).center_mm.x, 8);     // and the second
+  EXPECT_EQ(all.follow(2, a, b).center_mm, Vec3{});  // another tool at the same place
+  EXPECT_EQ(all.follow(1, b, c).center_mm, Vec3{});  // nobody was there
+}
+
+TEST(Engagements, ForgetAToolThatIsRedefined) {
+  Engagements all(kWidth);
+  const ToolPose a{{0, 0, 0}}, b{{1, 0, 0}};
+  all.follow(1, a, b).center_mm = {7, 0, 0};
+  all.follow(2, a, b).center_mm = {8, 0, 0};
+  all.forget(1);
+  EXPECT_EQ(all.follow(1, b, a).center_mm, Vec3{});
+  EXPECT_EQ(all.follow(2, b, a).center_mm.x, 8);
+}
+
+TEST(Engagements, ForgetTheHandThatWasStillLongest) {
+  Engagements all(kWidth);
+  const auto at = [](double x) { return ToolPose{{x, 0, 0}}; };
+  for (int i = 0; i < 300; ++i) all.follow(1, at(i), at(i + 0.5)).center_mm = {7, 0, 0};
+  EXPECT_EQ(all.follow(1, at(0.5), at(0.6)).center_mm, Vec3{});
+  EXPECT_EQ(all.follow(1, at(299.5), at(299.6)).center_mm.x, 7);
+}
+
+}  // namespace
+}  // namespace kerf
