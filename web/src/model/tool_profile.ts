@@ -2,8 +2,10 @@
 // in edges, so each is lathed by itself and keeps its own normals. Lengths in mm.
 
 import type { ToolInfo } from '../wire/types';
+import { aptOutline, arc, bodyOutline, profileOutline } from './tool_outline';
+import type { BodyOutline, OutlinePoint } from './tool_outline';
 
-export type OutlinePoint = [r: number, z: number];
+export type { OutlinePoint };
 
 export interface ToolProfile {
   pieces: OutlinePoint[][];
@@ -12,20 +14,13 @@ export interface ToolProfile {
   radiusMm: number;
   /** Radius where the shank begins. */
   topRadiusMm: number;
+  /** Shank and holder, if the scene says what they are; they end at `body.topMm`. */
+  body: BodyOutline;
 }
 
-const ARC_STEPS = 16;
+type Cutter = Omit<ToolProfile, 'body'>;
 
-function arc(centerR: number, centerZ: number, radius: number, from: number, to: number): OutlinePoint[] {
-  const points: OutlinePoint[] = [];
-  for (let i = 0; i <= ARC_STEPS; ++i) {
-    const angle = from + ((to - from) * i) / ARC_STEPS;
-    points.push([Math.max(0, centerR + radius * Math.cos(angle)), centerZ + radius * Math.sin(angle)]);
-  }
-  return points;
-}
-
-function finish(pieces: OutlinePoint[][], lengthMm: number): ToolProfile {
+function finish(pieces: OutlinePoint[][], lengthMm: number): Cutter {
   const last = pieces.at(-1)?.at(-1) as OutlinePoint;
   const radiusMm = Math.max(...pieces.flat().map(([r]) => r));
   return {
@@ -36,7 +31,7 @@ function finish(pieces: OutlinePoint[][], lengthMm: number): ToolProfile {
   };
 }
 
-function taper(radius: number, halfAngle: number, length: number, ballTip: boolean): ToolProfile {
+function taper(radius: number, halfAngle: number, length: number, ballTip: boolean): Cutter {
   const slope = Math.tan(halfAngle);
   if (!ballTip) {
     return finish([[[0, 0], [radius, 0]], [[radius, 0], [radius + slope * length, length]]], length);
@@ -47,8 +42,17 @@ function taper(radius: number, halfAngle: number, length: number, ballTip: boole
   return finish([tipArc, [[r, z], [r + slope * Math.max(0, length - z), Math.max(z, length)]]], length);
 }
 
+function drawn(pieces: OutlinePoint[][]): Cutter {
+  return finish(pieces, pieces.at(-1)?.at(-1)?.[1] as number);
+}
+
 /** The outline of a tool as the scene describes it. An unknown shape is drawn as a plain cylinder of its diameter and length. */
 export function toolProfile(tool: ToolInfo): ToolProfile {
+  const cutter = cutterProfile(tool);
+  return { ...cutter, body: bodyOutline(tool, cutter.lengthMm) };
+}
+
+function cutterProfile(tool: ToolInfo): Cutter {
   const radius = Math.max(0.05, (tool.diameter_mm ?? 6) / 2);
   const length = Math.max(radius, tool.length_mm ?? 40);
   const side = (z: number): OutlinePoint[] => [[radius, z], [radius, Math.max(z, length)]];
@@ -68,6 +72,11 @@ export function toolProfile(tool: ToolInfo): ToolProfile {
       const flat: OutlinePoint[] = [[0, 0], [radius - corner, 0]];
       return finish([flat, arc(radius - corner, corner, corner, -Math.PI / 2, 0), side(corner)], length);
     }
+    case 'apt':
+      return drawn(aptOutline(tool));
+    case 'profile':
+      if (tool.profile_mm && tool.profile_mm.length > 1) return drawn(profileOutline(tool.profile_mm));
+      return finish([[[0, 0], [radius, 0]], side(0)], length);
     default: // flat, and what this viewer does not know
       return finish([[[0, 0], [radius, 0]], side(0)], length);
   }
@@ -76,6 +85,7 @@ export function toolProfile(tool: ToolInfo): ToolProfile {
 /** What a tool is called in the list of people. */
 export function toolName(tool: ToolInfo | undefined): string {
   if (!tool) return 'no tool';
-  const diameter = tool.diameter_mm === undefined ? '' : ` ${Number(tool.diameter_mm.toFixed(2))} mm`;
+  const wide = tool.diameter_mm ?? tool.d_mm ?? (tool.profile_mm && 2 * toolProfile(tool).radiusMm);
+  const diameter = wide === undefined ? '' : ` ${Number(wide.toFixed(2))} mm`;
   return `${tool.shape.replace('_', ' ')}${diameter}`;
 }

@@ -31,7 +31,8 @@ export class ToolView {
 
   constructor(tool: ToolInfo, color: string, pivotMm: number) {
     this.profile = toolProfile(tool);
-    const { lengthMm: length, topRadiusMm: radius } = this.profile;
+    const { topRadiusMm: radius, body } = this.profile;
+    const length = body.topMm; // The collar and what is invented above it stand on what the scene says.
     this.topMm = Math.max(length * 1.35, length + 18, pivotMm);
     const collarRadius = radius * 1.25 + 0.8;
     const collarTop = length + Math.max(2.5, radius * 0.5);
@@ -43,6 +44,11 @@ export class ToolView {
         color, metalness: 0.05, roughness: 0.45,
       })),
     );
+    if (body.pieces.length > 0) {
+      this.group.add(this.part_(body.pieces, new THREE.MeshStandardMaterial({
+        color: '#5d6670', metalness: 0.5, roughness: 0.5, side: THREE.DoubleSide,
+      })));
+    }
     const holder = this.part_(cylinder(collarRadius * 0.92, collarTop, this.topMm), new THREE.MeshStandardMaterial({
       color, transparent: true, opacity: 0.26, roughness: 0.3, depthWrite: false,
     }));

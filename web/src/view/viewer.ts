@@ -9,6 +9,7 @@ import type { Pose } from '../model/pose_track';
 import { Quality } from '../model/quality';
 import { stockBounds } from '../model/session';
 import type { Bounds, SessionModel } from '../model/session';
+import { toolProfile } from '../model/tool_profile';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
 import type { Header, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
@@ -273,7 +274,7 @@ export class Viewer {
 
 /** What a whole view shows: the block, and above it a good part of the longest tool. */
 function withRoomForTools({ min, max }: Bounds, { tools }: Welcome): Bounds {
-  const longest = Math.max(0, ...tools.map(({ length_mm: length }) => length ?? 0));
+  const longest = Math.max(0, ...tools.map((tool) => toolProfile(tool).lengthMm));
   const diagonal = Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
   return { min, max: [max[0], max[1], max[2] + Math.min(0.6 * longest, 0.16 * diagonal)] };
 }

@@ -114,6 +114,11 @@ export interface ParticipantInfo {
   kind: ParticipantKind;
 }
 
+/** A step of an outline: a straight line to a point (r, h), or an arc. */
+export type ProfileStep =
+  | readonly [r: number, h: number]
+  | { to: readonly [number, number]; radius?: number; center?: readonly [number, number]; bulge?: 'out' | 'in' };
+
 /** A tool as the scene defines it; lengths in mm, angles in degrees. Shapes that this viewer does not know are drawn plainly. */
 export interface ToolInfo {
   id: number;
@@ -124,6 +129,16 @@ export interface ToolInfo {
   tip_angle_deg?: number;
   corner_radius_mm?: number;
   tip?: 'flat' | 'ball';
+  d_mm?: number;
+  r_mm?: number;
+  e_mm?: number;
+  f_mm?: number;
+  alpha_deg?: number;
+  beta_deg?: number;
+  h_mm?: number;
+  profile_mm?: ProfileStep[];
+  shank?: { diameter_mm: number; length_mm: number };
+  holder?: { diameter_mm: number; top_diameter_mm?: number; length_mm: number }[] | { profile_mm: ProfileStep[] };
 }
 
 export interface BoxStock {
