@@ -24,6 +24,12 @@ constexpr double kCutterDifferenceMm = 1e-3;
 // Shorter axes have no direction.
 constexpr double kAxisLengthMin = 1e-6;
 
+// What CUTTER calls the diameter: where bottom and side line meet.
+double diameter_mm(const SceneTool& tool) {
+  if (const auto* apt = std::get_if<AptShape>(&tool.shape)) return apt->d_mm;
+  return 2 * tool.tool.radius_mm;
+}
+
 constexpr std::array kSpindleWords{"ON", "OFF", "CLW", "CCLW", "RPM", "NEUTRL", "LOCK"};
 constexpr std::array kCoolantWords{"ON", "OFF", "MIST", "FLOOD", "THRU"};
 
@@ -176,7 +182,7 @@ class AptReader {
     const double diameter = number(s.minor[0]) * unit_mm_;
     if (diameter <= 0) throw Fault{s.minor[0], "a cutter needs a diameter above 0"};
     if (!sink_.tool()) return;
-    const double loaded = 2 * scene_.tools.at(*sink_.tool()).tool.radius_mm;
+    const double loaded = diameter_mm(scene_.tools.at(*sink_.tool()));
     if (std::abs(diameter - loaded) > kCutterDifferenceMm)
       warn("CUTTER says " + std::to_string(diameter) + " mm; the scene's tool " +
            std::to_string(*sink_.tool()) + " has " + std::to_string(loaded) + " mm and is used");

@@ -78,6 +78,22 @@ TEST(AptReader, WhatDoesNotMoveIsAccepted) {
   EXPECT_THAT(apt(kStart + "CUTTER/8\nFINI\n").warnings, ElementsAre(HasSubstr("10.0")));
 }
 
+TEST(AptReader, CutterOfSevenNumbersIsComparedByItsOwnDiameter) {
+  // Bottom and side line of this taper meet at 10 mm; it is 14 mm wide at its top.
+  const auto scene = parse_scene(
+      R"({"stock": {"shape": "box", "min_mm": [0,0,-9], "max_mm": [9,9,0]},
+          "tools": [{"id": 1, "shape": "apt", "d_mm": 10, "r_mm": 0, "e_mm": 5, "f_mm": 0,
+                     "alpha_deg": 0, "beta_deg": 5.71059, "h_mm": 20}],
+          "machine": {"kinematics": "tool-vector"}})",
+      {});
+  ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+  const std::string load = "LOADTL/1\nCUTTER/";
+  EXPECT_THAT(test::read(*scene, "p.apt", load + "10,0,5,0,0,5.71059,20\nFINI\n").warnings,
+              IsEmpty());
+  EXPECT_THAT(test::read(*scene, "p.apt", load + "14,0,7,0,0,0,20\nFINI\n").warnings,
+              ElementsAre(HasSubstr("10.0")));
+}
+
 struct BadStatement {
   const char* text;
   const char* word;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kernel/tool/tool.h"
+#include "tests/support/tool_profile.h"
 
 namespace kerf {
 namespace {
@@ -57,6 +58,35 @@ TEST(AptShape, ArcTouchesTheBottomAndTheSide) {
       EXPECT_NEAR(side.r1_mm - side.r0_mm, (side.z1_mm - side.z0_mm) * std::tan(b), 1e-7);
     }
   }
+}
+
+TEST(AptShape, AnglesNearTheirLimitsAreStillLines) {
+  for (const double alpha : {1e-9, 1e-3, 45.0, 89.0, 89.99}) {
+    const double h = 5 * std::tan(alpha * M_PI / 180);
+    const auto t = make_tool(AptShape{10, 0, 5, h, alpha, 0, h + 10});
+    if (h + 10 > kToolLengthMaxMm) {
+      EXPECT_EQ(t.error().field, "f_mm") << alpha;
+      continue;
+    }
+    ASSERT_TRUE(t) << alpha << " " << t.error().field << " " << t.error().reason;
+    EXPECT_NEAR(test::volume(t->pieces, h + 10), M_PI * 25 * (h / 3 + 10), 1e-4 * (h + 10));
+  }
+  for (const double beta : {-89.0, -1e-9, 1e-9, 89.0}) {
+    const double top = 5 + 0.05 * std::tan(beta * M_PI / 180);
+    const auto t = make_tool(AptShape{10, 0, 5, 0, 0, beta, 0.05});
+    ASSERT_TRUE(t) << beta;
+    const auto side = std::get<FrustumPiece>(t->pieces[0]);
+    EXPECT_NEAR(side.r1_mm, top, 1e-9);
+  }
+}
+
+TEST(AptShape, VolumeIsThatOfConeTorusAndCylinder) {
+  // Corner of radius 2 about (3, 2): disc, quarter ring (Pappus) and cylinder.
+  const Tool t = *make_tool(AptShape{10, 2, 3, 2, 0, 0, 12});
+  const double quarter = M_PI,
+               centroid = 3 + 4 * 2 / (3 * M_PI);  // of the quarter disc of radius 2
+  const double corner = M_PI * 9 * 2 + 2 * M_PI * centroid * quarter;
+  EXPECT_NEAR(test::volume(t.pieces, 12), corner + M_PI * 25 * 10, 1e-3);
 }
 
 TEST(AptShape, LinesThatCrossTheArcCutItOff) {

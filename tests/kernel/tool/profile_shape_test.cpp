@@ -63,6 +63,14 @@ TEST(ProfileShape, DovetailAndTSlotHaveShoulders) {
   EXPECT_NEAR(test::volume(slot.pieces, 40), M_PI * (144 * 6 + 25 * 34), 0.05);
 }
 
+TEST(ProfileShape, LollipopHasTheVolumeOfBallAndNeck) {
+  const Tool t =
+      *make_tool(ProfileShape{{to(0, 0), ProfileCenteredArc{{3, 9}, {0, 5}, kOut}, to(3, 40)}});
+  // The ball without the cap above 9 (height 1), and the neck from there.
+  const double ball = M_PI * (4.0 / 3 * 125 - 1.0 / 3 * (15 - 1));
+  EXPECT_NEAR(test::volume(t.pieces, 40), ball + M_PI * 9 * 31, 1e-2);
+}
+
 TEST(ProfileShape, BarrelWithPointedEndsIsOneArc) {
   // A lens of radius 10 about (-6, 8): on the axis at 0 and 16.
   const Tool t = *make_tool(ProfileShape{{to(0, 0), arc(0, 16, 10)}});
