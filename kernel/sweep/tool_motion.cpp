@@ -17,7 +17,10 @@ ToolMotion make_motion(const ToolPose& from, const ToolPose& to, double reach_mm
   const Vec3 travel = to.tip_mm - from.tip_mm;
   motion.travel_mm = length(travel);
   motion.turn_rad = angle_between(from.axis, to.axis);
-  if (motion.turn_rad < kParallelEpsilon) motion.turn_rad = 0;
+  if (motion.turn_rad < kParallelEpsilon) {
+    motion.turn_rad = 0;
+    motion.to.axis = from.axis;  // Axes that differ by rounding are one axis.
+  }
   const bool moves = motion.travel_mm > kRestEpsilonMm;
   if (motion.turn_rad == 0) {
     if (!moves) return motion;

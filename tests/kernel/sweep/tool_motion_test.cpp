@@ -27,6 +27,17 @@ TEST(ToolMotion, TinyTurnsAndStepsAreStillTurnsAndSteps) {
   EXPECT_EQ(kind({{0, 0, 0}, up}, {{1e-9, 0, 0}, up}), MotionKind::kTranslation);
 }
 
+TEST(ToolMotion, AxesThatDifferByRoundingAreOneAxis) {
+  // Normalised twice, an axis may differ in its last bit; the sweep takes equal axes for a
+  // translation and anything else for a turn.
+  const Vec3 axis = normalized({0.3, 0.2, 0.9});
+  const Vec3 other{axis.x, std::nextafter(axis.y, 1), axis.z};
+  const ToolMotion m = make_motion({{0, 0, 0}, axis}, {{5, 0, 0}, other}, 50);
+  EXPECT_EQ(m.turn_rad, 0);
+  EXPECT_EQ(m.to.axis, axis);
+  EXPECT_EQ(m.kind, MotionKind::kTranslation);
+}
+
 TEST(ToolMotion, PoseHalfwayIsHalfway) {
   const ToolMotion m = make_motion({{0, 0, 0}, {0, 0, 1}}, {{2, 4, 6}, leaning(0.4)}, 50);
   const ToolPose half = m.at(0.5);
