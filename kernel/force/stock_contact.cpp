@@ -52,6 +52,7 @@ struct Heights {
 };
 struct Deepest {
   double outside = 0, z = 0;
+  bool hopeless = true;  ///< nothing interesting was possible, so the search was given up
 };
 
 constexpr int kSearchSteps = 60;  ///< each leaves at most nine tenths of the heights in question
@@ -102,29 +103,40 @@ class PlacedPiece {
 
   /// Where a column is deepest inside the piece. Between two heights a convex function is above its
   /// tangents there: where those meet is the next to be asked, and how low they meet tells when no
-  /// height can be less than `interesting` outside, and when it was found.
-  Deepest least(double x, double y, Heights z, double interesting) const {
+  /// point of the column, or of the columns up to `around_mm` beside it in x and y, can be more
+  /// than `interesting_mm` inside, and when the deepest was found.
+  Deepest least(double x, double y, Heights z, double interesting_mm, double around_mm = 0) const {
     Tangent a = tangent(x, y, z.lo), b = tangent(x, y, z.hi);
-    for (int i = 0; i < kSearchSteps && a.slope < 0 && b.slope > 0; ++i) {
+    Deepest found;
+    for (int i = 0; i < kSearchSteps; ++i) {
+      const bool inner = a.slope() < 0 && b.slope() > 0;
       const double width = b.z - a.z;
-      const double meet = (a.mm - b.mm + b.slope * width) / (b.slope - a.slope);
-      const double bound = a.mm + a.slope * meet;
-      if (bound >= interesting || std::min(a.mm, b.mm) - bound <= kDepthEpsilonMm) break;
-      const double inner = std::clamp(meet, 0.1 * width, 0.9 * width);
-      const Tangent c = tangent(x, y, a.z + inner);
-      (c.slope < 0 ? a : b) = c;
+      const double meet = inner ? (a.mm - b.mm + b.slope() * width) / (b.slope() - a.slope()) : 0;
+      const bool lower = a.mm <= b.mm;
+      found = {lower ? a.mm : b.mm, lower ? a.z : b.z, false};
+      // A plane below the function: of the two tangent planes, the mean that is level in z.
+      const double share = inner ? b.slope() / (b.slope() - a.slope()) : (a.slope() < 0 ? 0 : 1);
+      const Vec3 g = a.gradient * share + b.gradient * (1 - share);
+      const double middle = inner ? a.mm + a.slope() * meet : (share > 0 ? a.mm : b.mm);
+      const double bound = middle - (std::abs(g.x) + std::abs(g.y)) * around_mm;
+      found.hopeless = bound >= -interesting_mm - kDepthEpsilonMm;
+      if (found.hopeless || !inner || found.outside - middle <= kDepthEpsilonMm) break;
+      const Tangent c = tangent(x, y, a.z + std::clamp(meet, 0.1 * width, 0.9 * width));
+      (c.slope() < 0 ? a : b) = c;
     }
-    return a.mm <= b.mm ? Deepest{a.mm, a.z} : Deepest{b.mm, b.z};
+    return found;
   }
 
  private:
   struct Tangent {
-    double z, mm, slope;
+    double z, mm;
+    Vec3 gradient;
+    double slope() const { return gradient.z; }
   };
   Tangent tangent(double x, double y, double z) const {
     Vec3 outward;
     const double mm = at({x, y, z}, &outward);
-    return {z, mm, outward.z};
+    return {z, mm, outward};
   }
 
   const ToolPiece& piece_;
@@ -209,17 +221,15 @@ class FieldContact {
     }
   }
 
-  /// A square of columns can be left out when its middle is so far outside that no column of it
-  /// can be deeper than what was found.
+  /// A square of columns can be left out when none of its columns can be deeper than what was
+  /// found.
   void search(Square s, Heights z, Overlap& found) {
     if (s.i >= i1_ || s.j >= j1_ || s.i + s.side <= i0_ || s.j + s.side <= j0_) return;
     if (s.side == 1) return search_column(s.i, s.j, found);
     const double half = s.side / 2.0;
-    const double around = half * grid_.pitch_mm * 1.4142135623730951;
     const double x = grid_.origin_mm.x + (s.i + half) * grid_.pitch_mm;
     const double y = grid_.origin_mm.y + (s.j + half) * grid_.pitch_mm;
-    const double interesting = around - found.depth;
-    if (piece_.least(x, y, z, interesting).outside >= interesting) return;
+    if (piece_.least(x, y, z, found.depth, half * grid_.pitch_mm).hopeless) return;
     const std::int32_t h = s.side / 2;
     search({s.i, s.j, h}, z, found);
     search({s.i + h, s.j, h}, z, found);
@@ -230,7 +240,7 @@ class FieldContact {
   void search_column(std::int32_t i, std::int32_t j, Overlap& found) {
     const double x = grid_.x_mm(i), y = grid_.y_mm(j);
     each_solid(i, j, [&](Heights z) {
-      const Deepest d = piece_.least(x, y, z, -found.depth);
+      const Deepest d = piece_.least(x, y, z, found.depth);
       if (!(-d.outside > found.depth)) return;
       found.depth = -d.outside;
       Vec3 outward;
