@@ -266,11 +266,8 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
   }
   std::int64_t parts = 0;
   for (const DexelField& f : fields_) {
-    for (const std::int64_t n :
-         sub_motion_counts(*used, in_frame(f.grid().axis, motion), settings_.motion,
-                           settings_.tolerance_mm, z_range(f.grid()))) {
-      parts += n;
-    }
+    parts = std::max(parts,
+                     count_sub_motions(*used, in_frame(f.grid().axis, motion), sweep_settings(f)));
   }
   if (parts > kSubMotionsMax) {
     return refuse(kTooManySubMotions,
@@ -298,31 +295,38 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
     // Rebuilt from its pieces, so that a tool from a journal and one from a scene are the same.
     engagements_->forget(define->id);
     tools_[define->id] = *make_tool(define->tool.pieces, define->tool.non_cutting);
+    last_pose_.erase(define->id);
     return MotionResult{};
   }
   return move(std::get<MoveTool>(command));
 }
 
+SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
+  return {settings_.motion, settings_.tolerance_mm, z_range(field.grid())};
+}
+
 RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,
-                                   MotionResult& result, CuttingForce* force) {
+                                   bool start_is_cut, MotionResult& result, CuttingForce* force) {
   const DexelGrid& grid = field.grid();
   const bool alone = fields_.size() == 1;
   Removal removal;
   std::int64_t quanta = 0;
   std::int64_t elements = 0;
-  sweep_tool(tool, in_frame(grid.axis, motion), settings_.motion, settings_.tolerance_mm,
-             z_range(grid), [&](const SubMotion& part) {
-               cut(field, part.swept, removal);
-               quanta += removal.quanta;
-               if (!alone) elements += removal.elements();
-               if (grid.axis == RayAxis::kZ) {
-                 result.changed_tiles.insert(result.changed_tiles.end(),
-                                             removal.changed_tiles.begin(),
-                                             removal.changed_tiles.end());
-               }
-               if (force != nullptr) force->add(grid, removal, part.motion, part.share);
-               ++result.sub_motions;
-             });
+  std::int64_t parts = 0;
+  SweepSettings settings = sweep_settings(field);
+  settings.start_is_cut = start_is_cut;
+  sweep_tool(tool, in_frame(grid.axis, motion), settings, [&](const SubMotion& part) {
+    cut(field, part.swept, removal);
+    quanta += removal.quanta;
+    if (!alone) elements += removal.elements();
+    if (grid.axis == RayAxis::kZ) {
+      result.changed_tiles.insert(result.changed_tiles.end(), removal.changed_tiles.begin(),
+                                  removal.changed_tiles.end());
+    }
+    if (force != nullptr) force->add(grid, removal, part.motion, part.share);
+    parts += part.count;
+  });
+  result.sub_motions = std::max(result.sub_motions, static_cast<std::uint32_t>(parts));
   return {static_cast<double>(quanta) * grid.quantum_mm3(), static_cast<double>(elements)};
 }
 
@@ -338,10 +342,13 @@ MotionResult Sculpture::move(const MoveTool& command) {
                   static_cast<int>(fields_.size()),
                   engagements_->follow(command.tool, motion.from, motion.to));
   }
+  const auto last = last_pose_.find(command.tool);
+  const bool start_is_cut = last != last_pose_.end() && last->second == motion.from;
   std::vector<RemovedVolume> removed;
   for (DexelField& f : fields_) {
-    removed.push_back(cut_field(f, used, motion, result, feel ? &*force : nullptr));
+    removed.push_back(cut_field(f, used, motion, start_is_cut, result, feel ? &*force : nullptr));
   }
+  last_pose_[command.tool] = motion.to;
   result.removed_mm3 = combined_mm3(removed);
   std::ranges::sort(result.changed_tiles);
   const auto repeated = std::ranges::unique(result.changed_tiles);

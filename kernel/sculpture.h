@@ -23,6 +23,7 @@ class DexelField;
 class Engagements;
 class Obstacles;
 struct RemovedVolume;
+struct SweepSettings;
 struct ToolMotion;
 
 /// Along which axes rays measure the stock. One field along Z (the paper's) is cheapest and blind
@@ -157,13 +158,15 @@ class Sculpture {
   DexelField& field(RayAxis axis);
   /// Cuts one field and notes in `result` and `force` (null: not felt) what that took.
   RemovedVolume cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,
-                          MotionResult& result, CuttingForce* force);
+                          bool start_is_cut, MotionResult& result, CuttingForce* force);
+  SweepSettings sweep_settings(const DexelField& field) const;
 
   SculptureSettings settings_;
   std::vector<DexelField> fields_;        ///< along Z; then along X and Y, if asked for
   std::unique_ptr<Obstacles> obstacles_;  ///< null in a scene without any
   std::unique_ptr<Engagements> engagements_;
   std::map<ToolId, Tool> tools_;
+  std::map<ToolId, ToolPose> last_pose_;  ///< where each tool has been removed from the block last
   double stock_volume_mm3_ = 0;
   double removed_mm3_ = 0;
   std::uint64_t motions_ = 0;

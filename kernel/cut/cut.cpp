@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/cut/subtract_row.h"
+
 namespace kerf {
 namespace {
-
-/// The depths to be removed from each column of a row, in quanta; bottom >= top: nothing.
-struct CutRow {
-  std::int32_t bottom[kTileSide];
-  std::int32_t top[kTileSide];
-};
 
 struct ColumnRange {
   std::int32_t first, last;  ///< inclusive; empty when first > last
@@ -26,172 +22,165 @@ ColumnRange columns_in(double lo_mm, double hi_mm, double origin_mm, double pitc
           static_cast<std::int32_t>(std::clamp(last, -1.0, double(columns) - 1))};
 }
 
-KERF_VECTOR_CLONES
-void quantize(const ColumnRow& row, double origin_z, double inverse_quantum, double height,
-              CutRow& out) {
-  for (int i = 0; i < row.lanes; ++i) {
-    double lo = (row.lo_mm[i] - origin_z) * inverse_quantum;
-    double hi = (row.hi_mm[i] - origin_z) * inverse_quantum;
-    lo = lo > 0 ? lo : 0;
-    hi = hi > 0 ? hi : 0;
-    lo = lo < height ? lo : height;
-    hi = hi < height ? hi : height;
-    out.bottom[i] = static_cast<std::int32_t>(lo + 0.5);
-    out.top[i] = static_cast<std::int32_t>(hi + 0.5);
+SweepBounds bounds_of(const SweptTool& swept) {
+  SweepBounds all{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+  for (const SweptPiece& piece : swept) {
+    const SweepBounds b =
+        std::visit([](const auto& s) -> SweepBounds { return s.bounds(); }, piece);
+    all.min_mm = {std::min(all.min_mm.x, b.min_mm.x), std::min(all.min_mm.y, b.min_mm.y),
+                  std::min(all.min_mm.z, b.min_mm.z)};
+    all.max_mm = {std::max(all.max_mm.x, b.max_mm.x), std::max(all.max_mm.y, b.max_mm.y),
+                  std::max(all.max_mm.z, b.max_mm.z)};
   }
+  return all;
 }
 
-/// The part of a run in which the stock reaches above the plane that bounds the sweep from below.
-ColumnRange reaching_above(const LowerPlane& plane, const ColumnRow& row, const std::int32_t* top,
-                           double origin_z, double quantum) {
-  ColumnRange range{0, row.count - 1};
-  const double at_row = plane.at_origin_mm + plane.by_y * row.y_mm - origin_z - quantum;
-  const auto is_below = [&](std::int32_t c) {
-    return top[c] * quantum <= at_row + plane.by_x * row.x_mm[c];
-  };
-  while (range.first <= range.last && is_below(range.first)) ++range.first;
-  while (range.last > range.first && is_below(range.last)) --range.last;
-  return range;
-}
-
-/// Whether the cut overlaps the topmost element of any of the columns.
 KERF_VECTOR_CLONES
-bool overlaps(const CutRow& cut, const std::int32_t* bottom, const std::int32_t* top, int count) {
-  std::int32_t any = 0;
-  for (int i = 0; i < count; ++i) {
-    const std::int32_t lo = cut.bottom[i] > bottom[i] ? cut.bottom[i] : bottom[i];
-    const std::int32_t hi = cut.top[i] < top[i] ? cut.top[i] : top[i];
-    any |= lo < hi;
-  }
-  return any != 0;
-}
+unsigned lanes_below(const Lanes& a, const Lanes& b) { return bits(a < b); }
 
 /// One sweep at work on one field.
 class Cutter {
  public:
-  Cutter(DexelField& field, const SweptPiece& swept, Removal& removal)
+  Cutter(DexelField& field, const SweptTool& swept, Removal& removal)
       : field_(field), grid_(field.grid()), swept_(swept), removal_(removal) {}
 
   void run() {
-    const SweepBounds b = std::visit([](const auto& s) { return s.bounds(); }, swept_);
+    const SweepBounds b = bounds_of(swept_);
     const double top_mm = grid_.z_mm(grid_.height_quanta);
     if (!(b.max_mm.z > grid_.origin_mm.z && b.min_mm.z < top_mm)) return;
-    plane_ = std::visit([](const auto& s) { return s.lower_plane(); }, swept_);
-    lowest_ = (b.min_mm.z - grid_.origin_mm.z) / grid_.z_quantum_mm - 1;
     const ColumnRange is =
         columns_in(b.min_mm.x, b.max_mm.x, grid_.origin_mm.x, grid_.pitch_mm, grid_.columns_x);
-    rows_ = columns_in(b.min_mm.y, b.max_mm.y, grid_.origin_mm.y, grid_.pitch_mm, grid_.columns_y);
-    if (is.first > is.last || rows_.first > rows_.last) return;
-    for (std::int32_t y = rows_.first / kTileSide; y <= rows_.last / kTileSide; ++y) {
+    const ColumnRange js =
+        columns_in(b.min_mm.y, b.max_mm.y, grid_.origin_mm.y, grid_.pitch_mm, grid_.columns_y);
+    if (is.first > is.last || js.first > js.last) return;
+    for (std::int32_t y = js.first / kTileSide; y <= js.last / kTileSide; ++y) {
       for (std::int32_t x = is.first / kTileSide; x <= is.last / kTileSide; ++x) cut_tile({x, y});
     }
   }
 
  private:
-  void cut_tile(TileIndex tile) {
-    const DexelTile* stored = field_.find(tile);
-    if (stored != nullptr && stored->top_max <= lowest_) return;
+  /// The tile that is being cut, and whether it is ours to write already.
+  struct Work {
+    TileIndex index;
+    const DexelTile* stored;
     DexelTile* changed = nullptr;
-    const std::int32_t first = std::max(rows_.first, tile.y * kTileSide);
-    const std::int32_t last = std::min(rows_.last, tile.y * kTileSide + kTileSide - 1);
-    for (std::int32_t j = first; j <= last; ++j) cut_row(tile, j, changed);
-    if (changed == nullptr) return;
-    changed->update_bounds();
-    removal_.changed_tiles.push_back(tile);
+  };
+
+  Lanes lower_bound(const Discs& discs) const {
+    Lanes z = splat(std::numeric_limits<double>::infinity());
+    for (const SweptPiece& piece : swept_) {
+      std::visit([&](const auto& s) { s.lower_bound(discs, z); }, piece);
+    }
+    return z;
   }
 
-  void cut_row(TileIndex tile, std::int32_t j, DexelTile*& changed) {
-    ColumnRow row;
-    row.y_mm = grid_.y_mm(j);
-    const XRange x = std::visit([&](const auto& s) { return s.row_range(row.y_mm); }, swept_);
-    if (!(x.lo_mm <= x.hi_mm)) return;
-    const ColumnRange is =
-        columns_in(x.lo_mm, x.hi_mm, grid_.origin_mm.x, grid_.pitch_mm, grid_.columns_x);
-    std::int32_t first = std::max(is.first, tile.x * kTileSide);
-    const std::int32_t last = std::min(is.last, tile.x * kTileSide + kTileSide - 1);
-    if (first > last) return;
-    const DexelTile* stored = changed != nullptr ? changed : field_.find(tile);
-    if (!fill_row(row, first, last, j, stored)) return;
-    std::visit([&](const auto& s) { s.evaluate(row); }, swept_);
+  std::int32_t block_top(const Work& work, int block) const {
+    return work.stored != nullptr ? work.stored->block_top[std::size_t(block)]
+                                  : grid_.height_quanta;
+  }
+  /// Height that a sweep must come below to change anything under `top`.
+  double reached_below_mm(std::int32_t top) const { return grid_.z_mm(top) + grid_.z_quantum_mm; }
+
+  void cut_tile(TileIndex tile) {
+    Work work{tile, field_.find(tile)};
+    const std::int64_t before = removal_.quanta;
+    // Two rows of four blocks are asked for at once.
+    for (int block = 0; block < kTileBlocks; block += kLanes) {
+      Discs discs{{}, {}, 3.5 * 1.4142135623730952 * grid_.pitch_mm};
+      Lanes tops;
+      for (int i = 0; i < kLanes; ++i) {
+        const auto [x, y] = first_column(tile, block + i);
+        discs.x_mm[i] = grid_.x_mm(x) + 3.5 * grid_.pitch_mm;
+        discs.y_mm[i] = grid_.y_mm(y) + 3.5 * grid_.pitch_mm;
+        tops[i] = reached_below_mm(block_top(work, block + i));
+      }
+      const unsigned reached = lanes_below(lower_bound(discs), tops);
+      for (int i = 0; i < kLanes; ++i) {
+        if ((reached >> i & 1) != 0) cut_block(work, block + i);
+      }
+    }
+    if (removal_.quanta > before) removal_.changed_tiles.push_back(tile);
+  }
+
+  struct Column {
+    std::int32_t i, j;
+  };
+  static Column first_column(TileIndex tile, int block) {
+    return {tile.x * kTileSide + block % kTileBlocksAcross * kBlockSide,
+            tile.y * kTileSide + block / kTileBlocksAcross * kBlockSide};
+  }
+
+  void cut_block(Work& work, int block) {
+    const Column first = first_column(work.index, block);
+    if (first.i >= grid_.columns_x || first.j >= grid_.columns_y) return;
+    const std::int32_t top = block_top(work, block);
+    Discs discs{splat(grid_.x_mm(first.i) + 3.5 * grid_.pitch_mm), {}, 3.5 * grid_.pitch_mm};
+    for (int i = 0; i < kBlockSide; ++i) {
+      block_.x_mm[i] = grid_.x_mm(first.i + i);
+      discs.y_mm[i] = block_.y_mm[i] = grid_.y_mm(first.j + i);
+    }
+    const std::int32_t rows = std::min(kBlockSide, grid_.columns_y - first.j);
+    block_.rows =
+        lanes_below(lower_bound(discs), splat(reached_below_mm(top))) & ((1U << rows) - 1);
+    if (block_.rows == 0) return;
+    block_.top_mm = grid_.z_mm(top);
+    block_.clear();
+    for (const SweptPiece& piece : swept_) {
+      std::visit([&](const auto& s) { s.evaluate(block_); }, piece);
+    }
+    const std::int64_t before = removal_.quanta;
+    for (int row = 0; row < kBlockSide; ++row) {
+      if ((block_.rows >> row & 1) == 0) continue;
+      cut_row(work, first, row, block_.lo_mm[row], block_.hi_mm[row]);
+    }
+    for (const ColumnBlock::Apart& a : block_.apart) {
+      cut_row(work, first, a.row, a.lo_mm, a.hi_mm);
+    }
+    if (removal_.quanta > before) {
+      work.changed->update_bounds(block);
+    }
+  }
+
+  void cut_row(Work& work, Column first, int row, const Lanes& lo_mm, const Lanes& hi_mm) {
     CutRow cut;
-    quantize(row, grid_.origin_mm.z, 1 / grid_.z_quantum_mm, grid_.height_quanta, cut);
-
-    const int column = (j % kTileSide) * kTileSide + first % kTileSide;
-    if (!hits(stored, column, cut, row.count)) return;
-    if (changed == nullptr) {
-      const std::int64_t before = removal_.quanta;
-      DexelTile& made = field_.edit(tile);
-      apply(made, column, first, j, cut, row.count);
-      // The empty corners beside a cylinder may have looked like a hit.
-      if (removal_.quanta > before) changed = &made;
-    } else {
-      apply(*changed, column, first, j, cut, row.count);
+    quantize(lo_mm, hi_mm, grid_, cut);
+    const std::int32_t j = first.j + row;
+    const int column = j % kTileSide * kTileSide + first.i % kTileSide;
+    if (work.stored == nullptr) {
+      // What is outside the grid is empty in the tile that is made.
+      if (is_empty(cut)) return;
+      make_editable(work);
     }
-  }
-
-  /// Puts the columns first..last of row j into `row`, less those at its ends whose stock is below
-  /// the sweep; `first` is moved accordingly. False if none is left.
-  bool fill_row(ColumnRow& row, std::int32_t& first, std::int32_t last, std::int32_t j,
-                const DexelTile* stored) const {
-    row.assign(last - first + 1, [&](int c) { return grid_.x_mm(first + c); });
-    if (stored == nullptr) return true;
-    const std::int32_t* top =
-        &stored->top[std::size_t((j % kTileSide) * kTileSide + first % kTileSide)];
-    const ColumnRange left =
-        reaching_above(plane_, row, top, grid_.origin_mm.z, grid_.z_quantum_mm);
-    if (left.first > left.last) return false;
-    first += left.first;
-    row.assign(left.last - left.first + 1, [&](int c) { return grid_.x_mm(first + c); });
-    return true;
-  }
-
-  /// Whether the cut may change a column of the run: exact for columns of one element, generous for
-  /// split ones.
-  bool hits(const DexelTile* tile, int column, const CutRow& cut, int count) const {
-    if (tile == nullptr) {
-      for (int i = 0; i < count; ++i) {
-        if (cut.bottom[i] < cut.top[i]) return true;
-      }
-      return false;
+    const DexelTile& tile = *work.stored;
+    const unsigned split = tile.split[std::size_t(j % kTileSide)] >> (first.i % kTileSide) & 0xFFU;
+    RowChange change;
+    subtract_row(cut, &tile.bottom[std::size_t(column)], &tile.top[std::size_t(column)], split,
+                 change);
+    if (change.quanta > 0) {
+      make_editable(work);
+      std::ranges::copy(change.bottom, &work.changed->bottom[std::size_t(column)]);
+      std::ranges::copy(change.top, &work.changed->top[std::size_t(column)]);
+      removal_.groups.push_back({first.i, j, {}, {}});
+      std::ranges::copy(change.removed_bottom, removal_.groups.back().bottom);
+      std::ranges::copy(change.removed_top, removal_.groups.back().top);
+      removal_.quanta += change.quanta;
     }
-    return tile->split[std::size_t(column / kTileSide)] != 0 ||
-           overlaps(cut, &tile->bottom[std::size_t(column)], &tile->top[std::size_t(column)],
-                    count);
-  }
-
-  void apply(DexelTile& tile, int column, std::int32_t i, std::int32_t j, const CutRow& cut,
-             int count) {
-    for (int c = 0; c < count; ++c) {
-      const Dexel removed{cut.bottom[c], cut.top[c]};
-      if (removed.bottom >= removed.top) continue;
-      if (tile.is_split(column + c)) {
-        subtract_from_many(tile, column + c, i + c, j, removed);
-      } else {
-        subtract_from_one(tile, column + c, i + c, j, removed);
+    for (int c = 0; c < kLanes; ++c) {
+      if ((change.left_over >> c & 1) != 0) {
+        subtract_elements(work, column + c, {first.i + c, j}, {cut.bottom[c], cut.top[c]});
       }
     }
   }
 
-  void subtract_from_one(DexelTile& tile, int column, std::int32_t i, std::int32_t j, Dexel cut) {
-    std::int32_t& bottom = tile.bottom[std::size_t(column)];
-    std::int32_t& top = tile.top[std::size_t(column)];
-    const std::int32_t lo = std::max(bottom, cut.bottom), hi = std::min(top, cut.top);
-    if (lo >= hi) return;
-    note(i, j, {lo, hi});
-    if (lo == bottom && hi == top) {
-      bottom = top = 0;
-    } else if (hi == top) {
-      top = lo;
-    } else if (lo == bottom) {
-      bottom = hi;
-    } else {
-      const Dexel parts[] = {{bottom, lo}, {hi, top}};
-      tile.write(column, parts);
-    }
+  void make_editable(Work& work) {
+    if (work.changed != nullptr) return;
+    work.changed = &field_.edit(work.index);
+    work.stored = work.changed;
   }
 
-  void subtract_from_many(DexelTile& tile, int column, std::int32_t i, std::int32_t j, Dexel cut) {
-    tile.read(column, before_);
+  /// Columns of several elements, and those that the cut divides.
+  void subtract_elements(Work& work, int column, Column at, Dexel cut) {
+    work.stored->read(column, before_);
     after_.clear();
     bool any = false;
     for (const Dexel& d : before_) {
@@ -201,41 +190,40 @@ class Cutter {
         continue;
       }
       any = true;
-      note(i, j, {lo, hi});
+      note(at, {lo, hi});
       if (d.bottom < lo) after_.push_back({d.bottom, lo});
       if (hi < d.top) after_.push_back({hi, d.top});
     }
-    if (any) tile.write(column, after_);
+    if (!any) return;
+    make_editable(work);
+    work.changed->write(column, after_);
   }
 
-  void note(std::int32_t i, std::int32_t j, Dexel d) {
-    const std::int32_t lane = i % RemovedGroup::kLanes;
-    const std::int32_t first = i - lane;
+  void note(Column at, Dexel removed) {
+    const std::int32_t lane = at.i % kLanes;
     std::vector<RemovedGroup>& groups = removal_.groups;
-    if (groups.empty() || groups.back().i != first || groups.back().j != j ||
+    if (groups.empty() || groups.back().i != at.i - lane || groups.back().j != at.j ||
         groups.back().bottom[lane] < groups.back().top[lane]) {
-      groups.push_back({first, j, {}, {}});
+      groups.push_back({at.i - lane, at.j, {}, {}});
     }
-    groups.back().bottom[lane] = d.bottom;
-    groups.back().top[lane] = d.top;
-    removal_.quanta += d.top - d.bottom;
+    groups.back().bottom[lane] = removed.bottom;
+    groups.back().top[lane] = removed.top;
+    removal_.quanta += removed.top - removed.bottom;
   }
 
   DexelField& field_;
   const DexelGrid& grid_;
-  const SweptPiece& swept_;
+  const SweptTool& swept_;
   Removal& removal_;
-  ColumnRange rows_{0, -1};
-  double lowest_ = 0;  ///< no sweep below this depth
-  LowerPlane plane_{};
+  ColumnBlock block_;
   std::vector<Dexel> before_, after_;
 };
 
 }  // namespace
 
-void cut(DexelField& field, const SweptPiece& swept, Removal& removal) {
+void cut(DexelField& field, const SweptTool& swept, Removal& removal) {
   removal.clear();
-  Cutter(field, swept, removal).run();
+  if (!swept.empty()) Cutter(field, swept, removal).run();
 }
 
 }  // namespace kerf

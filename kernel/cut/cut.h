@@ -6,11 +6,11 @@
 
 namespace kerf {
 
-/// Removes a swept piece from the field and fills `removal` with what was taken (its former content
+/// Removes a swept tool from the field and fills `removal` with what was taken (its former content
 /// is dropped). The three updates of paper Fig. 1 (c–e): the top of an element is shortened, its
 /// bottom is shortened, or it is split. Ends are rounded to the nearest depth quantum before they
 /// are compared, so that any order of the same cuts leaves the same bytes. Columns that do not
 /// change are not written.
-void cut(DexelField& field, const SweptPiece& swept, Removal& removal);
+void cut(DexelField& field, const SweptTool& swept, Removal& removal);
 
 }  // namespace kerf

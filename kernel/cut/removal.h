@@ -16,8 +16,8 @@ struct RemovedGroup {
   std::int32_t bottom[kLanes], top[kLanes];
 };
 
-/// What one sub-motion removed. Groups come in tile order, row-major within a tile: sums over them
-/// run in one order whatever the machine. Columns of which several elements were cut stand in
+/// What one sub-motion removed. Groups come in tile order, block by block within a tile: sums over
+/// them run in one order whatever the machine. Columns of which several elements were cut stand in
 /// several groups.
 struct Removal {
   std::vector<RemovedGroup> groups;

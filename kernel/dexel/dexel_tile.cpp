@@ -24,4 +24,18 @@ void DexelTile::write(int column, std::span<const Dexel> dexels) {
   row = many ? row | bit : row & ~bit;
 }
 
+void DexelTile::update_bounds() {
+  for (int block = 0; block < kTileBlocks; ++block) update_bounds(block);
+}
+
+void DexelTile::update_bounds(int block) {
+  const int first = block / kTileBlocksAcross * 8 * kTileSide + block % kTileBlocksAcross * 8;
+  std::int32_t highest = 0;
+  for (int row = 0; row < 8; ++row) {
+    const std::int32_t* tops = &top[std::size_t(first + row * kTileSide)];
+    for (int c = 0; c < 8; ++c) highest = tops[c] > highest ? tops[c] : highest;
+  }
+  block_top[std::size_t(block)] = highest;
+}
+
 }  // namespace kerf

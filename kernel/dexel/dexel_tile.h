@@ -12,6 +12,11 @@
 
 namespace kerf {
 
+/// Blocks of 8 x 8 columns along one side of a tile, and in it: what a sweep is compared with
+/// before it is evaluated.
+inline constexpr int kTileBlocksAcross = kTileSide / 8;
+inline constexpr int kTileBlocks = kTileBlocksAcross * kTileBlocksAcross;
+
 /// The columns of one touched tile, row-major. Most columns hold one solid element or none, so the
 /// topmost element of each stands in two flat arrays that the cutting loop reads like a height map;
 /// what lies below it, in the columns that have been split, is kept in `lower`.
@@ -21,8 +26,9 @@ struct DexelTile {
   std::array<std::uint32_t, kTileSide>
       split{};  ///< per row, bit i: column i has elements in `lower`
   LowerElements lower;
-  std::int32_t top_max = 0;  ///< no element of the tile reaches higher
-  std::uint64_t era = 0;     ///< the field's era in which the tile was made
+  /// Of each 8 x 8 columns, row-major: no element reaches higher.
+  std::array<std::int32_t, kTileBlocks> block_top{};
+  std::uint64_t era = 0;  ///< the field's era in which the tile was made
 
   bool is_split(int column) const {
     return (split[std::size_t(column / kTileSide)] >> (column % kTileSide)) & 1;
@@ -33,7 +39,9 @@ struct DexelTile {
   void write(int column, std::span<const Dexel> dexels);
   /// Brings the bounds of the tile up to date; whoever changes `top` calls it before anyone else
   /// looks.
-  void update_bounds() { top_max = *std::max_element(top.begin(), top.end()); }
+  void update_bounds();
+  /// The same for one block.
+  void update_bounds(int block);
   /// Memory, with what hangs on it.
   std::size_t bytes() const { return sizeof *this + lower.bytes(); }
 };

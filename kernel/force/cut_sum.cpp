@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kernel/force/surface_weight.h"
-#include "kernel/sweep/column_row.h"
+#include "kernel/math/lanes.h"
 
 namespace kerf {
 namespace {

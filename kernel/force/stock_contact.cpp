@@ -179,7 +179,9 @@ class FieldContact {
     for (std::int32_t j = j0_ / kTileSide; j * kTileSide < j1_; ++j) {
       for (std::int32_t i = i0_ / kTileSide; i * kTileSide < i1_; ++i) {
         const DexelTile* tile = field_.find({i, j});
-        const double top = tile == nullptr ? z_.hi : std::min(z_.hi, grid_.z_mm(tile->top_max));
+        const double top = tile == nullptr
+                               ? z_.hi
+                               : std::min(z_.hi, grid_.z_mm(std::ranges::max(tile->block_top)));
         if (top > z_.lo) search({i * kTileSide, j * kTileSide, kTileSide}, {z_.lo, top}, found);
       }
     }

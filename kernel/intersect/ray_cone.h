@@ -27,19 +27,20 @@ struct RayCone {
         a(axis.x * axis.x + axis.y * axis.y - slope * slope * axis.z * axis.z),
         inverse_uz(1 / axis.z) {}
 
-  void extend(Span& span, double x, double y) const {
-    const double px = x - base.x, py = y - base.y;
-    const double alpha = px * axis.x + py * axis.y;
-    const double p2 = px * px + py * py;
+  template <class AnySpan, class Real>
+  KERF_INLINE void extend(AnySpan& span, Real x, Real y) const {
+    const Real px = x - base.x, py = y - base.y;
+    const Real alpha = px * axis.x + py * axis.y;
+    const Real p2 = px * px + py * py;
     const double k1 = 1 + slope * slope;
-    const double b = -(k1 * alpha + r0 * slope) * axis.z;
-    const double c = p2 - k1 * alpha * alpha - 2 * r0 * slope * alpha - r0_sq;
-    const QuadraticRoots w = solve_quadratic(a, b, c);
-    const double l0 = alpha + axis.z * w.first, l1 = alpha + axis.z * w.second;
+    const Real b = -(k1 * alpha + r0 * slope) * axis.z;
+    const Real c = p2 - k1 * alpha * alpha - 2 * r0 * slope * alpha - r0_sq;
+    const auto w = solve_quadratic(splat_like(x, a), b, c);
+    const Real l0 = alpha + axis.z * w.first, l1 = alpha + axis.z * w.second;
     include(span, (l0 >= -kEdgeEpsilonMm) & (l0 <= height + kEdgeEpsilonMm), base.z + w.first);
     include(span, (l1 >= -kEdgeEpsilonMm) & (l1 <= height + kEdgeEpsilonMm), base.z + w.second);
     // An axis at right angles to the ray makes these infinite or NaN: no disc is met.
-    const double d0 = -alpha * inverse_uz, d1 = (height - alpha) * inverse_uz;
+    const Real d0 = -alpha * inverse_uz, d1 = (height - alpha) * inverse_uz;
     include(span, p2 + d0 * d0 <= r0_sq, base.z + d0);
     include(span, p2 + d1 * d1 - height * height <= r1_sq, base.z + d1);
   }

@@ -21,11 +21,12 @@ struct RayParallelogram {
         side_slack(kEdgeEpsilonMm / length(side_mm)),
         along_slack(kEdgeEpsilonMm / length(along_mm)) {}
 
-  void extend(Span& span, double x, double y) const {
-    const double px = x - corner.x, py = y - corner.y;
-    const double alpha = (px * along.y - py * along.x) * inverse_det;
-    const double beta = (py * side.x - px * side.y) * inverse_det;
-    const bool hit = (alpha >= -side_slack) & (alpha <= 1 + side_slack) & (beta >= -along_slack) &
+  template <class AnySpan, class Real>
+  KERF_INLINE void extend(AnySpan& span, Real x, Real y) const {
+    const Real px = x - corner.x, py = y - corner.y;
+    const Real alpha = (px * along.y - py * along.x) * inverse_det;
+    const Real beta = (py * side.x - px * side.y) * inverse_det;
+    const auto hit = (alpha >= -side_slack) & (alpha <= 1 + side_slack) & (beta >= -along_slack) &
                      (beta <= 1 + along_slack);
     include(span, hit, corner.z + alpha * side.z + beta * along.z);
   }

@@ -31,13 +31,15 @@ struct RayPipe {
         a(dot(g, g)),
         slack(kEdgeEpsilonMm / length(along_mm)) {}
 
-  void extend(Span& span, double x, double y) const {
-    const double px = x - center.x, py = y - center.y;
-    const double alpha = (px * normal.x + py * normal.y) * inverse_n;
-    const double s0 = alpha * du, w0 = -alpha * normal.z;
-    const Vec3 q0{px - s0 * along.x, py - s0 * along.y, w0 - s0 * along.z};
-    const QuadraticRoots tau = solve_quadratic(a, dot(q0, g), dot(q0, q0) - radius2);
-    const double s1 = s0 + tau.first * normal.z, s2 = s0 + tau.second * normal.z;
+  template <class AnySpan, class Real>
+  KERF_INLINE void extend(AnySpan& span, Real x, Real y) const {
+    const Real px = x - center.x, py = y - center.y;
+    const Real alpha = (px * normal.x + py * normal.y) * inverse_n;
+    const Real s0 = alpha * du, w0 = -alpha * normal.z;
+    const Real qx = px - s0 * along.x, qy = py - s0 * along.y, qz = w0 - s0 * along.z;
+    const auto tau = solve_quadratic(splat_like(x, a), qx * g.x + qy * g.y + qz * g.z,
+                                     qx * qx + qy * qy + qz * qz - radius2);
+    const Real s1 = s0 + tau.first * normal.z, s2 = s0 + tau.second * normal.z;
     include(span, (s1 >= -slack) & (s1 <= 1 + slack), center.z + w0 + tau.first * du);
     include(span, (s2 >= -slack) & (s2 <= 1 + slack), center.z + w0 + tau.second * du);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cmath>
+#include "kernel/math/lanes.h"
 
 namespace kerf {
 
@@ -8,18 +8,21 @@ namespace kerf {
 /// vanishing leading coefficient leaves one root and one infinity, so it needs no special case: a
 /// ramp of exactly the cone's angle is an ordinary ray here. Stable: neither root is a difference
 /// of nearly equal numbers (W. Kahan). Branch-free, so that loops over columns vectorise.
+/// Real is double or Lanes.
+template <class Real>
 struct QuadraticRoots {
-  double first, second;
+  Real first, second;
 };
-inline QuadraticRoots solve_quadratic(double a, double b, double c) {
-  const double root = std::sqrt(b * b - a * c);
-  const double q = b < 0 ? root - b : -b - root;
-  const double t0 = q / a;
-  const double t1 = c / q;
+template <class Real>
+KERF_INLINE QuadraticRoots<Real> solve_quadratic(Real a, Real b, Real c) {
+  const Real root = square_root(b * b - a * c);
+  const Real q = select(b < 0.0, root - b, -b - root);
+  const Real t0 = q / a;
+  const Real t1 = c / q;
   // b = 0 and c = 0: q is 0, the double root is 0 (or every t, when a is 0 too: the NaN says that
   // no end is here).
-  const double t2 = q == 0 ? t0 : t1;
-  return {t2 < t0 ? t2 : t0, t2 < t0 ? t0 : t2};
+  const Real t2 = select(q == 0.0, t0, t1);
+  return {select(t2 < t0, t2, t0), select(t2 < t0, t0, t2)};
 }
 
 }  // namespace kerf

@@ -2,19 +2,28 @@
 
 #include <limits>
 
+#include "kernel/math/lanes.h"
+
 namespace kerf {
 
-/// Closed range of heights along a dexel ray (mm); empty when lo > hi.
+/// Closed range of heights along a dexel ray (mm); empty where lo > hi.
 struct Span {
   double lo = std::numeric_limits<double>::infinity();
   double hi = -std::numeric_limits<double>::infinity();
 };
 
-/// Widens `span` to contain z where `hit` holds. Branch-free; a NaN never enters because its test
-/// fails.
-inline void include(Span& span, bool hit, double z) {
-  span.lo = (hit & (z < span.lo)) ? z : span.lo;
-  span.hi = (hit & (z > span.hi)) ? z : span.hi;
+/// The same along eight rays.
+struct LaneSpan {
+  Lanes lo = splat(std::numeric_limits<double>::infinity());
+  Lanes hi = splat(-std::numeric_limits<double>::infinity());
+};
+
+/// Widens `span` (a Span or a LaneSpan) to contain z where `hit` holds. Branch-free; a NaN never
+/// enters because its test fails.
+template <class AnySpan, class Condition, class Real>
+KERF_INLINE void include(AnySpan& span, Condition hit, Real z) {
+  span.lo = select(hit & (z < span.lo), z, span.lo);
+  span.hi = select(hit & (z > span.hi), z, span.hi);
 }
 
 }  // namespace kerf

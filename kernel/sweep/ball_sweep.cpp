@@ -1,46 +1,85 @@
 #include "kernel/sweep/ball_sweep.h"
 
-#include "kernel/intersect/ray_cylinder.h"
-#include "kernel/intersect/ray_sphere.h"
-#include "kernel/sweep/outline.h"
+#include <algorithm>
+#include <span>
 
 namespace kerf {
 namespace {
 
+/// The lowest height that a capsule removes within each disc. At horizontal distance ρ from the
+/// path the ball reaches √(r² − ρ²) below the path, and the path is nowhere below its lower end.
+/// Where no point of the surface advances any more (the ball moves away from the whole disc), the
+/// ball at the start has removed everything.
+KERF_INLINE Lanes bound_capsule(const RayCapsule& c, const Discs& discs, double radius,
+                                bool start_is_cut) {
+  const Lanes px = discs.x_mm - c.from.x, py = discs.y_mm - c.from.y;
+  const Lanes along = px * c.along_x + py * c.along_y;
+  const Lanes s = lesser(greater(along * c.inverse_h, splat(0)), splat(1));
+  const Lanes ex = px - s * c.d.x, ey = py - s * c.d.y;
+  const Lanes off = greater(square_root(ex * ex + ey * ey) - discs.reach_mm, splat(0));
+  const Lanes w2 = c.radius2 - off * off;
+  const double lowest = c.from.z < c.to.z ? c.from.z : c.to.z;
+  const double away = radius * (c.lean < 0 ? c.lean : -c.lean);
+  const LaneMask reached = w2 >= 0.0;
+  const LaneMask advances = start_is_cut ? along + discs.reach_mm > away : w2 == w2;
+  return select(reached & advances, lowest - square_root(w2),
+                splat(std::numeric_limits<double>::infinity()));
+}
+
 KERF_VECTOR_CLONES
-void evaluate_row(ColumnRow& row, const RaySphere& start, const RayCylinder& envelope,
-                  const RaySphere& end) {
-  for (int i = 0; i < row.lanes; ++i) {
-    Span span;
-    start.extend(span, row.x_mm[i], row.y_mm);
-    envelope.extend(span, row.x_mm[i], row.y_mm);
-    end.extend(span, row.x_mm[i], row.y_mm);
-    row.lo_mm[i] = span.lo;
-    row.hi_mm[i] = span.hi;
+void bound_chain(std::span<const RayCapsule> capsules, const Discs& discs, double radius,
+                 bool start_is_cut, Lanes& z) {
+  for (const RayCapsule& c : capsules) {
+    z = lesser(bound_capsule(c, discs, radius, start_is_cut), z);
+    start_is_cut = true;  // By the capsule before.
+  }
+}
+
+KERF_VECTOR_CLONES
+void evaluate_chain(std::span<const RayCapsule> capsules, ColumnBlock& block) {
+  for (const RayCapsule& c : capsules) {
+    // A ball whose centre stays above the stock has no upper end in it.
+    const bool above = c.from.z >= block.top_mm && c.to.z >= block.top_mm;
+    for (int row = 0; row < kBlockSide; ++row) {
+      if ((block.rows >> row & 1) == 0) continue;
+      LaneSpan span;
+      const Lanes y = splat(block.y_mm[row]);
+      c.include_end(span, block.x_mm, y, splat(-1));
+      if (above) {
+        span.hi = select(span.lo <= span.hi, splat(block.top_mm), span.hi);
+      } else {
+        c.include_end(span, block.x_mm, y, splat(1));
+      }
+      block.add(row, span.lo, span.hi);
+    }
   }
 }
 
 }  // namespace
 
-BallSweep::BallSweep(Vec3 from_mm, Vec3 to_mm, double radius_mm)
-    : from_(from_mm), to_(to_mm), radius_(radius_mm) {}
+BallSweep::BallSweep(const std::vector<Vec3>& centers_mm, double radius_mm, bool start_is_cut)
+    : radius_(radius_mm), start_is_cut_(start_is_cut) {
+  for (std::size_t i = 1; i < centers_mm.size(); ++i) {
+    capsules_.emplace_back(centers_mm[i - 1], centers_mm[i], radius_mm);
+  }
+}
 
 SweepBounds BallSweep::bounds() const {
   const Vec3 r{radius_, radius_, radius_};
-  return {Vec3{std::min(from_.x, to_.x), std::min(from_.y, to_.y), std::min(from_.z, to_.z)} - r,
-          Vec3{std::max(from_.x, to_.x), std::max(from_.y, to_.y), std::max(from_.z, to_.z)} + r};
+  SweepBounds b{capsules_.front().from - r, capsules_.front().from + r};
+  for (const RayCapsule& c : capsules_) {
+    b.min_mm = {std::min(b.min_mm.x, c.to.x - radius_), std::min(b.min_mm.y, c.to.y - radius_),
+                std::min(b.min_mm.z, c.to.z - radius_)};
+    b.max_mm = {std::max(b.max_mm.x, c.to.x + radius_), std::max(b.max_mm.y, c.to.y + radius_),
+                std::max(b.max_mm.z, c.to.z + radius_)};
+  }
+  return b;
 }
 
-LowerPlane BallSweep::lower_plane() const { return {bounds().min_mm.z, 0, 0}; }
-
-XRange BallSweep::row_range(double y_mm) const {
-  return Outline({from_, to_, to_, to_}, radius_).row(y_mm);
+void BallSweep::lower_bound(const Discs& discs, Lanes& z_mm) const {
+  bound_chain(capsules_, discs, radius_, start_is_cut_, z_mm);
 }
 
-void BallSweep::evaluate(ColumnRow& row) const {
-  const double r2 = radius_ * radius_;
-  evaluate_row(row, RaySphere{from_, r2}, RayCylinder(from_, to_ - from_, radius_),
-               RaySphere{to_, r2});
-}
+void BallSweep::evaluate(ColumnBlock& block) const { evaluate_chain(capsules_, block); }
 
 }  // namespace kerf

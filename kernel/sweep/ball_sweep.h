@@ -1,24 +1,29 @@
 #pragma once
 
-#include "kernel/sweep/column_row.h"
+#include <vector>
+
+#include "kernel/intersect/ray_capsule.h"
+#include "kernel/sweep/column_block.h"
 
 namespace kerf {
 
-/// A ball moved on a straight line: a capsule. Exact whatever the tool's axis does meanwhile, as
-/// long as the ball's centre moves straight.
+/// A ball whose centre moves along a chain of straight lines: a capsule for each. Exact whatever
+/// the tool's axis does meanwhile.
 class BallSweep {
  public:
-  BallSweep(Vec3 from_mm, Vec3 to_mm, double radius_mm);
+  /// `centers_mm` has at least two points. `start_is_cut`: the ball at the first centre has been
+  /// removed from the stock already, so only what advances from there is visited.
+  BallSweep(const std::vector<Vec3>& centers_mm, double radius_mm, bool start_is_cut);
 
   SweepBounds bounds() const;
-  LowerPlane lower_plane() const;
-  XRange row_range(double y_mm) const;
-  /// Fills lo and hi of every column of the row.
-  void evaluate(ColumnRow& row) const;
+  /// No height below this one is removed within each disc; +inf where nothing is.
+  void lower_bound(const Discs& discs, Lanes& z_mm) const;
+  void evaluate(ColumnBlock& block) const;
 
  private:
-  Vec3 from_, to_;
+  std::vector<RayCapsule> capsules_;
   double radius_;
+  bool start_is_cut_;
 };
 
 }  // namespace kerf

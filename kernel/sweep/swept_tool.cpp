@@ -4,139 +4,273 @@
 #include <cmath>
 #include <optional>
 
+#include "kernel/sweep/piece_shape.h"
+
 namespace kerf {
 namespace {
 
-using Visitor = std::function<void(const SubMotion&)>;
+/// Shares of the tolerance: the stations of a turning piece, and the search between them.
+constexpr double kStationShare = 0.9, kSearchShare = 0.1;
 
-/// Greatest turn of one sub-motion: the contact search starts from a translation.
-constexpr double kTurnPerSubMotionMax = 0.15;
-
-/// The part of a piece that can reach below the top of the block during the motion, or nothing.
-/// Along a great circle within the upper half the axis leans most at one of its ends, and the tip
-/// is lowest at one of its ends.
-std::optional<ToolPiece> clip_to_block(const ToolPiece& piece, const ToolMotion& m, ZRange block) {
-  const double uz = std::min(m.from.axis.z, m.to.axis.z);
-  const double tip_z = std::min(m.from.tip_mm.z, m.to.tip_mm.z);
-  if (!(uz > 0)) return piece;
-  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    const double lowest = tip_z + uz * ball->center_mm - ball->radius_mm;
-    return lowest > block.max_mm ? std::nullopt : std::optional(piece);
-  }
-  FrustumPiece f = std::get<FrustumPiece>(piece);
-  const double lean = std::sqrt(std::max(0.0, 1 - uz * uz));
-  const double reach = (block.max_mm - tip_z + std::max(f.r0_mm, f.r1_mm) * lean) / uz;
-  const double needed = reach + 1e-3 * (f.z1_mm - f.z0_mm);  // Well clear of the block's top.
-  if (reach <= f.z0_mm) return std::nullopt;
-  if (needed < f.z1_mm) {
-    f.r1_mm = f.r0_mm + (f.r1_mm - f.r0_mm) * ((needed - f.z0_mm) / (f.z1_mm - f.z0_mm));
-    f.z1_mm = needed;
-  }
-  return f;
-}
+/// mm. How near the search goes where nothing turns and the sweep is convex, so that a user's
+/// tolerance has no part in it.
+constexpr double kTranslationSearchMm = 1e-9;
 
 std::int64_t parts(double count) {
   if (!(count < double(kSubMotionsMax))) return kSubMotionsMax + 1;
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(count)));
 }
 
+/// A piece of the tool during a motion of little turn, and in how many parts it is taken.
+struct PiecePlan {
+  ToolPiece piece;
+  std::int64_t parts;
+  std::optional<double> still;  ///< height of the point of its axis that the turn leaves at rest
+};
+
 /// Farthest that a point of the piece is from the tip.
 double reach_of(const ToolPiece& piece) {
-  if (const auto* ball = std::get_if<BallPiece>(&piece)) return ball->center_mm + ball->radius_mm;
-  const auto& f = std::get<FrustumPiece>(piece);
-  return std::sqrt(
-      std::max(f.z0_mm * f.z0_mm + f.r0_mm * f.r0_mm, f.z1_mm * f.z1_mm + f.r1_mm * f.r1_mm));
+  const Envelope e = envelope_of(piece);
+  if (std::holds_alternative<BallPiece>(piece)) return e.hi_mm;
+  const double r = std::max(e.r_lo_mm, e.r_hi_mm);
+  return std::sqrt(std::max(e.lo_mm * e.lo_mm, e.hi_mm * e.hi_mm) + r * r);
 }
 
-std::int64_t tight_parts(const ToolPiece& piece, const ToolMotion& m, double tolerance_mm) {
-  const double turn = m.turn_rad;
-  if (turn == 0) return 1;
-  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    return parts(turn * std::sqrt(ball->center_mm / (8 * tolerance_mm)));
-  }
-  const double error = turn * m.travel_mm / 4 + turn * turn * reach_of(piece) / 4;
-  return parts(std::max(std::sqrt(error / tolerance_mm), turn / kTurnPerSubMotionMax));
-}
-
-std::int64_t paper_parts(const ToolPiece& piece, const ToolMotion& m, double tolerance_mm) {
-  const double turn = m.turn_rad;
-  if (turn == 0) return 1;
-  return parts(std::max(turn * reach_of(piece) / tolerance_mm, turn / kTurnPerSubMotionMax));
-}
-
-std::int64_t parts_of(const ToolPiece& piece, const ToolMotion& m, MotionModel model,
-                      double tolerance_mm) {
-  return model == MotionModel::kTight ? tight_parts(piece, m, tolerance_mm)
-                                      : paper_parts(piece, m, tolerance_mm);
-}
-
-SweptPiece sweep_piece(const ToolPiece& piece, const ToolPose& from, const ToolPose& to) {
-  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    return BallSweep(from.tip_mm + from.axis * ball->center_mm,
-                     to.tip_mm + to.axis * ball->center_mm, ball->radius_mm);
-  }
-  return FrustumSweep(std::get<FrustumPiece>(piece), from, to);
-}
-
-/// A piece whose axis has a point that the turn leaves at rest is cut in two there: on either side
-/// of it the points move in opposite directions, and each half has a plain envelope.
-void visit_sub_motion(const Visitor& visit, const ToolPiece& piece, const ToolMotion& part,
-                      double share) {
+/// Greatest part of the unit normal of the piece's side along the axis.
+double axial_normal(const ToolPiece& piece) {
   const auto* f = std::get_if<FrustumPiece>(&piece);
-  const Vec3 du = part.to.axis - part.from.axis;
+  if (f == nullptr) return 1;
+  const double slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
+  return std::abs(slope) / std::sqrt(1 + slope * slope);
+}
+
+/// Whether a disc of a slice at height z is hidden within a neighbouring piece.
+bool covers(const ToolPiece* neighbour, double z_mm, double radius_mm) {
+  return neighbour != nullptr &&
+         radius_at(*neighbour, z_mm) >= radius_mm * (1 - 1e-12) - kEdgeEpsilonMm;
+}
+
+/// Parts of a slice that turns by `m` (kernel/README.md, "The tight model").
+std::int64_t slice_parts(const ToolPiece& piece, const ToolMotion& m, bool shows_disc,
+                         double tolerance_mm) {
+  const Vec3 u = normalized(m.from.axis + m.to.axis);
+  const Vec3 v = m.to.tip_mm - m.from.tip_mm;
+  const double along0 = std::abs(dot(v, u)), speed = length(v);
+  const double across0 = std::sqrt(std::max(0.0, speed * speed - along0 * along0));
+  const double half_turn = m.turn_rad / 2;
+  const double along = along0 + across0 * half_turn, across = across0 + along0 * half_turn;
+  const Envelope e = envelope_of(piece);
+  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
+  const double nu = axial_normal(piece);
+  double bend =
+      2 * m.turn_rad * (across * nu + along) + m.turn_rad * m.turn_rad * (radius + e.hi_mm * nu);
+  if (shows_disc) {
+    bend = std::max(bend, 2 * m.turn_rad * across + m.turn_rad * m.turn_rad * e.hi_mm);
+  }
+  return parts(std::sqrt(bend / (8 * kStationShare * tolerance_mm)));
+}
+
+/// Where the axis of a slice has a point that the turn leaves at rest: on either side of it the
+/// points move in opposite directions, and each half has a plain envelope.
+std::optional<double> still_point(const Envelope& e, const ToolMotion& m) {
+  const Vec3 du = m.to.axis - m.from.axis;
   const double du2 = dot(du, du);
-  if (f != nullptr && du2 > 0) {
-    const double still = -dot(part.to.tip_mm - part.from.tip_mm, du) / du2;
-    const double margin = 1e-3 * (f->z1_mm - f->z0_mm);
-    if (still > f->z0_mm + margin && still < f->z1_mm - margin) {
-      const double r =
-          f->r0_mm + (f->r1_mm - f->r0_mm) * (still - f->z0_mm) / (f->z1_mm - f->z0_mm);
-      const FrustumPiece below{f->z0_mm, f->r0_mm, still, r}, above{still, r, f->z1_mm, f->r1_mm};
-      visit({sweep_piece(below, part.from, part.to), part, share});
-      visit({sweep_piece(above, part.from, part.to), part, share});
-      return;
+  if (!(du2 > 0)) return std::nullopt;
+  const double still = -dot(m.to.tip_mm - m.from.tip_mm, du) / du2;
+  const double margin = 1e-3 * (e.hi_mm - e.lo_mm);
+  return still > e.lo_mm + margin && still < e.hi_mm - margin ? std::optional(still) : std::nullopt;
+}
+
+std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
+                                   const SweepSettings& settings) {
+  std::vector<PiecePlan> plans;
+  for (std::size_t i = 0; i < tool.pieces.size(); ++i) {
+    const ToolPiece& whole = tool.pieces[i];
+    const auto piece = clip_below(whole, m, settings.block.max_mm);
+    if (!piece) continue;
+    PiecePlan plan{*piece, 1, std::nullopt};
+    if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
+      plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
+    } else if (m.turn_rad > 0) {
+      const Envelope e = envelope_of(whole);
+      const ToolPiece* below = i > 0 ? &tool.pieces[i - 1] : nullptr;
+      const ToolPiece* above = i + 1 < tool.pieces.size() ? &tool.pieces[i + 1] : nullptr;
+      const bool clipped = envelope_of(*piece).hi_mm < e.hi_mm;
+      const bool shows_disc = !covers(below, e.lo_mm, radius_at(whole, e.lo_mm)) ||
+                              (!clipped && !covers(above, e.hi_mm, radius_at(whole, e.hi_mm)));
+      plan.parts = slice_parts(*piece, m, shows_disc, settings.tolerance_mm);
+      plan.still = still_point(envelope_of(*piece), m);
+    }
+    plans.push_back(std::move(plan));
+  }
+  return plans;
+}
+
+std::int64_t most_parts(const std::vector<PiecePlan>& plans) {
+  std::int64_t most = 1;
+  for (const PiecePlan& plan : plans) most = std::max(most, plan.parts);
+  return most;
+}
+
+bool any_still(const std::vector<PiecePlan>& plans) {
+  return std::ranges::any_of(plans, [](const PiecePlan& p) { return p.still.has_value(); });
+}
+
+/// The way between two parts of a motion.
+ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, double reach_mm) {
+  return make_motion(m.at(from_share), m.at(to_share), reach_mm);
+}
+
+SweptPiece sweep_slice(const ToolPiece& piece, const ToolMotion& m, std::int64_t n,
+                       double tolerance_mm) {
+  const bool turns = m.turn_rad > 0;
+  if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
+    if (!turns) return FrustumTranslation(*f, m.from, m.to);
+    return TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, int(n),
+                        kSearchShare * tolerance_mm);
+  }
+  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), envelope_of(piece), m.from, m.to, int(n),
+                      turns ? kSearchShare * tolerance_mm : kTranslationSearchMm);
+}
+
+SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,
+                      bool start_is_cut) {
+  std::vector<Vec3> centers;
+  for (std::int64_t i = 0; i <= n; ++i) {
+    const ToolPose pose = i == n ? m.to : m.at(double(i) / double(n));
+    centers.push_back(pose.tip_mm + pose.axis * ball.center_mm);
+  }
+  return BallSweep(centers, ball.radius_mm, start_is_cut);
+}
+
+SweptTool sweep_pieces(const std::vector<PiecePlan>& plans, const ToolMotion& m,
+                       const SweepSettings& settings) {
+  SweptTool swept;
+  for (const PiecePlan& plan : plans) {
+    if (const auto* ball = std::get_if<BallPiece>(&plan.piece)) {
+      swept.push_back(sweep_ball(*ball, m, plan.parts, settings.start_is_cut));
+      continue;
+    }
+    if (!plan.still) {
+      swept.push_back(sweep_slice(plan.piece, m, plan.parts, settings.tolerance_mm));
+      continue;
+    }
+    const Envelope e = envelope_of(plan.piece);
+    for (const auto& [lo, hi] : {std::pair(e.lo_mm, *plan.still), {*plan.still, e.hi_mm}}) {
+      swept.push_back(
+          sweep_slice(slice_of(plan.piece, lo, hi), m, plan.parts, settings.tolerance_mm));
     }
   }
-  visit({sweep_piece(piece, part.from, part.to), part, share});
+  return swept;
+}
+
+/// Parts that turn little enough for one frame.
+std::int64_t frames_of(const ToolMotion& m) { return parts(m.turn_rad / kTurnPerFrameMaxRad); }
+
+class TightSweep {
+ public:
+  TightSweep(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings)
+      : tool_(tool), motion_(motion), settings_(settings), frames_(frames_of(motion)) {}
+
+  std::int64_t count() const {
+    std::int64_t sum = 0;
+    for (std::int64_t i = 0; i < frames_; ++i) {
+      sum += most_parts(plan_pieces(tool_, frame(i), settings_));
+    }
+    return sum;
+  }
+
+  template <class Visit>
+  void run(const Visit& visit) {
+    for (std::int64_t i = 0; i < frames_; ++i) {
+      const ToolMotion m = frame(i);
+      const std::vector<PiecePlan> plans = plan_pieces(tool_, m, settings_);
+      const std::int64_t n = most_parts(plans);
+      // The point at rest wanders along the axis: each part is cut in two at its own.
+      if (any_still(plans) && n > 1) {
+        for (std::int64_t j = 0; j < n; ++j) {
+          const ToolMotion part =
+              part_of(m, double(j) / double(n), double(j + 1) / double(n), tool_.length_mm);
+          give(visit, one_part_each(plan_pieces(tool_, part, settings_)), part,
+               1 / double(frames_ * n), 1);
+        }
+      } else {
+        give(visit, plans, m, 1 / double(frames_), n);
+      }
+    }
+  }
+
+ private:
+  ToolMotion frame(std::int64_t i) const {
+    if (frames_ == 1) return motion_;
+    return part_of(motion_, double(i) / double(frames_), double(i + 1) / double(frames_),
+                   tool_.length_mm);
+  }
+  static std::vector<PiecePlan> one_part_each(std::vector<PiecePlan> plans) {
+    for (PiecePlan& plan : plans) plan.parts = 1;
+    return plans;
+  }
+  template <class Visit>
+  void give(const Visit& visit, const std::vector<PiecePlan>& plans, const ToolMotion& m,
+            double share, std::int64_t count) {
+    visit({sweep_pieces(plans, m, settings_), m, share, count});
+    settings_.start_is_cut = true;
+  }
+
+  const Tool& tool_;
+  const ToolMotion& motion_;
+  SweepSettings settings_;
+  std::int64_t frames_;
+};
+
+std::int64_t paper_parts(const Tool& tool, const ToolMotion& m, const SweepSettings& settings) {
+  if (m.turn_rad == 0) return 1;
+  double reach = 0;
+  for (const ToolPiece& whole : tool.pieces) {
+    const auto piece = clip_below(whole, m, settings.block.max_mm);
+    if (piece) reach = std::max(reach, reach_of(*piece));
+  }
+  return parts(
+      std::max(m.turn_rad * reach / settings.tolerance_mm, m.turn_rad / kTurnPerFrameMaxRad));
+}
+
+/// Eq. 12: in each part the translation with the start's axis, then the rotation about the tip at
+/// the end.
+template <class Visit>
+void sweep_as_paper(const Tool& tool, const ToolMotion& motion, SweepSettings settings,
+                    const Visit& visit) {
+  const std::int64_t n = paper_parts(tool, motion, settings);
+  const double share = 1 / double(n);
+  const auto give = [&](const ToolMotion& m, double of_time) {
+    visit({sweep_pieces(plan_pieces(tool, m, settings), m, settings), m, of_time, 1});
+    settings.start_is_cut = true;
+  };
+  if (motion.turn_rad == 0) return give(motion, 1);
+  for (std::int64_t i = 0; i < n; ++i) {
+    const ToolPose from = motion.at(double(i) * share);
+    const ToolPose to = i + 1 == n ? motion.to : motion.at(double(i + 1) * share);
+    const ToolPose arrived{to.tip_mm, from.axis};
+    const bool travels = motion.travel_mm > 0;
+    if (travels) give(make_motion(from, arrived, tool.length_mm), share / 2);
+    give(make_motion(arrived, to, tool.length_mm), travels ? share / 2 : share);
+  }
 }
 
 }  // namespace
 
-std::vector<std::int64_t> sub_motion_counts(const Tool& tool, const ToolMotion& motion,
-                                            MotionModel model, double tolerance_mm, ZRange block) {
-  std::vector<std::int64_t> counts;
-  for (const ToolPiece& piece : tool.pieces) {
-    const auto clipped = clip_to_block(piece, motion, block);
-    counts.push_back(clipped ? parts_of(*clipped, motion, model, tolerance_mm) : 0);
-  }
-  return counts;
+std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
+                               const SweepSettings& settings) {
+  if (settings.model == MotionModel::kTight) return TightSweep(tool, motion, settings).count();
+  const bool both = motion.turn_rad > 0 && motion.travel_mm > 0;
+  return paper_parts(tool, motion, settings) * (both ? 2 : 1);
 }
 
-void sweep_tool(const Tool& tool, const ToolMotion& motion, MotionModel model, double tolerance_mm,
-                ZRange block, const Visitor& visit) {
-  const double reach = tool.length_mm;
-  for (const ToolPiece& whole : tool.pieces) {
-    const auto piece = clip_to_block(whole, motion, block);
-    if (!piece) continue;
-    const std::int64_t n = parts_of(*piece, motion, model, tolerance_mm);
-    const double share = 1 / double(n);
-    ToolPose from = motion.from;
-    for (std::int64_t i = 1; i <= n; ++i) {
-      const ToolPose to = motion.at(double(i) * share);
-      if (model == MotionModel::kTight || motion.turn_rad == 0) {
-        visit_sub_motion(visit, *piece, make_motion(from, to, reach), share);
-      } else {
-        // Eq. 12: the translation with the start's axis, then the rotation about the tip at the
-        // end.
-        const ToolPose arrived{to.tip_mm, from.axis};
-        if (motion.travel_mm > 0) {
-          visit_sub_motion(visit, *piece, make_motion(from, arrived, reach), share / 2);
-        }
-        visit_sub_motion(visit, *piece, make_motion(arrived, to, reach),
-                         motion.travel_mm > 0 ? share / 2 : share);
-      }
-      from = to;
-    }
+void sweep_tool(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings,
+                const std::function<void(const SubMotion&)>& visit) {
+  if (settings.model == MotionModel::kTight) {
+    TightSweep(tool, motion, settings).run(visit);
+  } else {
+    sweep_as_paper(tool, motion, settings, visit);
   }
 }
 

@@ -6,23 +6,28 @@
 #include <vector>
 
 #include "kernel/sweep/ball_sweep.h"
-#include "kernel/sweep/frustum_sweep.h"
+#include "kernel/sweep/frustum_translation.h"
 #include "kernel/sweep/tool_motion.h"
+#include "kernel/sweep/turning_sweep.h"
 #include "kernel/tool/tool.h"
 
 namespace kerf {
 
-using SweptPiece = std::variant<BallSweep, FrustumSweep>;
+using SweptPiece = std::variant<BallSweep, FrustumTranslation, TurningSweep>;
 
-/// One piece of the tool during one part of the motion: what is removed, and the motion that the
-/// force opposes.
+/// The tool during one part of its motion: the union of its swept pieces, less those that stay
+/// above the block.
+using SweptTool = std::vector<SweptPiece>;
+
+/// One part of a motion: what is removed, and the motion that the force opposes.
 struct SubMotion {
-  SweptPiece swept;
+  SweptTool swept;
   ToolMotion motion;
-  double share;  ///< of the whole motion's duration
+  double share;        ///< of the whole motion's duration
+  std::int64_t count;  ///< sub-motions that it counts for: the most that a piece is divided into
 };
 
-/// Parts that one motion may need before it is refused.
+/// Sub-motions that one motion may need before it is refused.
 inline constexpr std::int64_t kSubMotionsMax = 1 << 20;
 
 /// The heights between which a block lies (mm): parts of the tool that stay above need no sweep.
@@ -30,16 +35,23 @@ struct ZRange {
   double min_mm, max_mm;
 };
 
-/// In how many parts each piece's motion must be taken so that no end point errs by more than
-/// `tolerance_mm` against the true motion; the bounds are derived in kernel/README.md ("The tight
-/// model", "The paper's model"). Zero for a piece that stays above the block. The sum may exceed
-/// kSubMotionsMax: then the motion is refused.
-std::vector<std::int64_t> sub_motion_counts(const Tool& tool, const ToolMotion& motion,
-                                            MotionModel model, double tolerance_mm, ZRange block);
+/// How a motion is swept.
+struct SweepSettings {
+  MotionModel model;
+  double tolerance_mm;  ///< greatest end-point error against the true motion, off the surface
+  ZRange block;
+  bool start_is_cut =
+      false;  ///< the tool at the first pose has been removed from the block already
+};
 
-/// Calls `visit` for every sub-motion of the sweep of a tool along a motion; their union is the
-/// swept volume (paper Eqs. 9–12). Pieces come from the tip up, the parts of each in order.
-void sweep_tool(const Tool& tool, const ToolMotion& motion, MotionModel model, double tolerance_mm,
-                ZRange block, const std::function<void(const SubMotion&)>& visit);
+/// Sub-motions that a motion needs (kernel/README.md, "The tight model", "The paper's model"). May
+/// exceed kSubMotionsMax: then the motion is refused.
+std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
+                               const SweepSettings& settings);
+
+/// Calls `visit` for every part of the sweep of a tool along a motion, in order; their union is the
+/// swept volume (paper Eqs. 9–12).
+void sweep_tool(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings,
+                const std::function<void(const SubMotion&)>& visit);
 
 }  // namespace kerf

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <random>
 
@@ -89,11 +90,11 @@ TEST(DexelTile, UsesTheMemoryOfElementsThatAreGoneAgain) {
 
 TEST(DexelTile, BoundsFollowTheTops) {
   DexelTile tile = whole_tile();
-  EXPECT_EQ(tile.top_max, 1000);
+  EXPECT_EQ(std::ranges::max(tile.block_top), 1000);
   for (int column = 0; column < kTileColumns; ++column) tile.write(column, {});
   tile.write(77, some_elements(2, 0));
   tile.update_bounds();
-  EXPECT_EQ(tile.top_max, 16);
+  EXPECT_EQ(std::ranges::max(tile.block_top), 16);
 }
 
 }  // namespace

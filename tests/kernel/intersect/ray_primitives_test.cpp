@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "kernel/intersect/ray_capsule.h"
 #include "kernel/intersect/ray_cone.h"
-#include "kernel/intersect/ray_cylinder.h"
 #include "kernel/intersect/ray_parallelogram.h"
 #include "kernel/intersect/ray_pipe.h"
-#include "kernel/intersect/ray_sphere.h"
 
 namespace kerf {
 namespace {
@@ -20,28 +20,53 @@ Span hit(const Primitive& primitive, double x, double y) {
 
 bool misses(const Span& s) { return s.lo > s.hi; }
 
-TEST(RaySphere, EntersAndLeavesAtTheSphere) {
-  const Span s = hit(RaySphere{{1, 2, 3}, 25}, 4, 2);
+TEST(RayCapsule, AtRestIsASphere) {
+  const RayCapsule c({1, 2, 3}, {1, 2, 3}, 5);
+  const Span s = hit(c, 4, 2);
   EXPECT_DOUBLE_EQ(s.lo, 3 - 4);
   EXPECT_DOUBLE_EQ(s.hi, 3 + 4);
-  EXPECT_TRUE(misses(hit(RaySphere{{1, 2, 3}, 25}, 6.0001, 2)));
-  const Span tangent = hit(RaySphere{{1, 2, 3}, 25}, 6, 2);
+  EXPECT_TRUE(misses(hit(c, 6.0001, 2)));
+  const Span tangent = hit(c, 6, 2);
   EXPECT_DOUBLE_EQ(tangent.lo, 3);
   EXPECT_DOUBLE_EQ(tangent.hi, 3);
 }
 
-TEST(RayCylinder, HorizontalCylinderIsACircleAcross) {
-  const RayCylinder c({0, 0, 10}, {8, 0, 0}, 5);
+TEST(RayCapsule, MovedLevelItIsACircleAcross) {
+  const RayCapsule c({0, 0, 10}, {8, 0, 10}, 5);
   const Span s = hit(c, 4, 3);
   EXPECT_DOUBLE_EQ(s.lo, 6);
   EXPECT_DOUBLE_EQ(s.hi, 14);
-  EXPECT_TRUE(misses(hit(c, -0.1, 3)));
-  EXPECT_TRUE(misses(hit(c, 8.1, 3)));
+  EXPECT_DOUBLE_EQ(hit(c, -3, 0).lo, 6);
+  EXPECT_DOUBLE_EQ(hit(c, 11, 0).lo, 6);
+  EXPECT_TRUE(misses(hit(c, -5.001, 0)));
   EXPECT_TRUE(misses(hit(c, 4, 5.001)));
 }
 
-TEST(RayCylinder, VerticalCylinderHasNoEndOnTheRay) {
-  EXPECT_TRUE(misses(hit(RayCylinder({0, 0, 0}, {0, 0, 9}, 5), 1, 1)));
+TEST(RayCapsule, APlungeReachesFromTheLowerToTheUpperBall) {
+  for (const double way : {9.0, -9.0}) {
+    const Span s = hit(RayCapsule({0, 0, 0}, {0, 0, way}, 5), 0, 3);
+    EXPECT_DOUBLE_EQ(s.lo, std::min(way, 0.0) - 4);
+    EXPECT_DOUBLE_EQ(s.hi, std::max(way, 0.0) + 4);
+  }
+}
+
+TEST(RayCapsule, ARampIsBoundedByTheSlantedCylinder) {
+  // At 45 degrees the cylinder of radius 5 is an ellipse of half-height 5 √2 on the ray.
+  const Span s = hit(RayCapsule({-20, 0, -20}, {20, 0, 20}, 5), 0, 0);
+  EXPECT_NEAR(s.lo, -5 * std::sqrt(2), 1e-12);
+  EXPECT_NEAR(s.hi, 5 * std::sqrt(2), 1e-12);
+}
+
+TEST(RayCapsule, TheEndOfOneMotionAndTheStartOfTheNextGiveTheSameBits) {
+  const Vec3 a{0.1, 0.2, 7}, b{1.3, -0.7, 7.9}, c{2.9, 0.3, 7.1};
+  const RayCapsule before(a, b, 5), after(b, c, 5);
+  // Behind the joint the second ends on the ball at b, beyond it the first does.
+  const auto ball = hit(RayCapsule(b, b, 5), 1.31, -4.1);
+  for (const RayCapsule& capsule : {before, after}) {
+    const Span s = hit(capsule, 1.31, -4.1);
+    EXPECT_LE(s.lo, ball.lo);
+    EXPECT_GE(s.hi, ball.hi);
+  }
 }
 
 TEST(RayCone, UprightCylinderEndsAtItsDiscs) {

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "kernel/math/span.h"
+#include "kernel/math/vec3.h"
+
+namespace kerf {
+
+/// Dexel ray with the capsule that a sphere of radius r sweeps from one centre to another (paper
+/// section 2.4, intersection 1 and the sphere's translation). Seen along the motion the ray is
+/// `perp` off the path, where the sphere is a circle of radius ρ = √(r² − perp²) whose lowest point
+/// on the ray belongs to the share s = (along − ρ dz/|d|)/h of the way, h the horizontal length of
+/// d; before the start or beyond the end the sphere's end positions decide. Each end is computed
+/// from its own centre, so that the end of one motion and the start of the next give the same bits.
+struct RayCapsule {
+  Vec3 from, to, d;
+  double radius2, along_x, along_y, inverse_h, lean;
+
+  RayCapsule(Vec3 from_mm, Vec3 to_mm, double radius_mm)
+      : from(from_mm), to(to_mm), d(to_mm - from_mm), radius2(radius_mm * radius_mm) {
+    const double h = std::sqrt(d.x * d.x + d.y * d.y);
+    const double length_mm = length(d);
+    along_x = h > 0 ? d.x / h : 1;
+    along_y = h > 0 ? d.y / h : 0;
+    // A plunge has no path seen from above: an infinite 1 / h picks the lower and the upper end.
+    inverse_h = h > 0 ? 1 / h : 1e300;
+    lean = length_mm > 0 ? d.z / length_mm : 0;
+  }
+
+  /// Both ends of what is swept on the ray.
+  template <class AnySpan, class Real>
+  KERF_INLINE void extend(AnySpan& span, Real x, Real y) const {
+    include_end(span, x, y, splat_like(x, -1));
+    include_end(span, x, y, splat_like(x, 1));
+  }
+  /// `side` −1: the lower end; +1: the upper end.
+  template <class AnySpan, class Real>
+  KERF_INLINE void include_end(AnySpan& span, Real x, Real y, Real side) const {
+    const Real px = x - from.x, py = y - from.y, qx = x - to.x, qy = y - to.y;
+    const Real along = px * along_x + py * along_y;
+    const Real perp = px * along_y - py * along_x;
+    const Real rho2 = radius2 - perp * perp;
+    const Real rho = square_root(select(rho2 > 0.0, rho2, splat_like(x, 0)));
+    const Real s = (along + side * rho * lean) * inverse_h;
+    const auto starts = s <= 0.0, ends = s >= 1.0;
+    const Real ex = select(starts, px, select(ends, qx, px - s * d.x));
+    const Real ey = select(starts, py, select(ends, qy, py - s * d.y));
+    const Real z =
+        select(starts, splat_like(x, from.z), select(ends, splat_like(x, to.z), from.z + s * d.z));
+    const Real w2 = radius2 - ex * ex - ey * ey;
+    include(span, w2 >= 0.0, z + side * square_root(w2));
+  }
+};
+
+}  // namespace kerf

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernel/math/vec3_lanes.h"
+#include "kernel/tool/tool.h"
+
+namespace kerf {
+
+/// Where eight dexel rays are inside the side of a piece that is continued beyond its two discs.
+/// Heights t above the piece's anchor.
+struct SideSpan {
+  Lanes in, out;    ///< may be infinite
+  LaneMask exists;  ///< false: the ray passes by
+  Lanes closest;    ///< then: where it passes closest
+};
+
+/// The side of a truncated cone (paper Eq. 2; a cylinder when the slope is 0), anchored at the
+/// centre of its lower disc. With p = (x, y, t) from the anchor and l = p·u the side is |p|² − l² =
+/// (r0 + k l)², quadratic in t with A = u_x² + u_y² − k² u_z². A > 0: inside is between the roots.
+/// A ≤ 0 (the ray is steeper than the generators): inside is beyond one of them, on the nappe that
+/// belongs to the tool.
+struct ConeSide {
+  double anchor, low, high, r0, slope;
+
+  explicit ConeSide(const FrustumPiece& p)
+      : anchor(p.z0_mm),
+        low(0),
+        high(p.z1_mm - p.z0_mm),
+        r0(p.r0_mm),
+        slope((p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm)) {}
+
+  /// `along` = x u_x + y u_y.
+  KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const double k1 = 1 + slope * slope;
+    const Lanes a = u.x * u.x + u.y * u.y - slope * slope * (u.z * u.z);
+    const Lanes b = -(k1 * along + r0 * slope) * u.z;
+    const Lanes c = x * x + y * y - k1 * along * along - 2 * r0 * slope * along - r0 * r0;
+    const Lanes inside = b * b - a * c;
+    const Lanes root = square_root(greater(inside, splat(0)));
+    const Lanes q = select(b < 0.0, root - b, -b - root);
+    const Lanes t0 = q / a;
+    const Lanes t1 = select(q == 0.0, t0, c / q);
+    const Lanes first = select(t1 < t0, t1, t0), second = select(t1 < t0, t0, t1);
+    const LaneMask convex = a > 0.0;
+    const LaneMask upwards = u.z * slope > 0.0;
+    // An upright cylinder: the ray is inside for its whole length or not at all.
+    const LaneMask parallel = (a == 0.0) & (b == 0.0);
+    Lanes in = select(convex, first, select(upwards, second, splat(-kInfinity)));
+    Lanes out = select(convex, second, select(upwards, splat(kInfinity), first));
+    in = select(parallel, splat(-kInfinity), in);
+    out = select(parallel, splat(kInfinity), out);
+    const LaneMask exists =
+        (convex & (inside >= 0.0)) | (~convex & ~parallel) | (parallel & (c <= 0.0));
+    return {in, out, exists, select(convex, -b / a, splat(0))};
+  }
+  /// Outward normal, of any length, at the point p = (x, y, t) with l = p·u.
+  KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
+    return p - u * (l * (1 + slope * slope) + slope * r0);
+  }
+};
+
+/// The side that a convex arc of the profile sweeps, anchored at the height of the arc's centre: F
+/// = √(m² + l²) − radius = 0, m the distance from the tool's axis less center_r, not below zero. F
+/// is convex along a ray, so Newton's method from outside closes in on its ends monotonically.
+struct ArcSide {
+  double anchor, low, high, center_r, radius, reach;
+
+  explicit ArcSide(const ArcPiece& p)
+      : anchor(p.center_z_mm),
+        low(p.z0_mm - p.center_z_mm),
+        high(p.z1_mm - p.center_z_mm),
+        center_r(p.center_r_mm),
+        radius(p.radius_mm),
+        reach(p.center_r_mm >= 0 ? p.center_r_mm + p.radius_mm
+                                 : std::sqrt(std::max(0.0, p.radius_mm * p.radius_mm -
+                                                               p.center_r_mm * p.center_r_mm))) {}
+
+  KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
+    const Lanes p2 = x * x + y * y;
+    const Lanes ball2 = reach * reach - p2;
+    const LaneMask near = ball2 >= 0.0;
+    const Lanes half = square_root(select(near, ball2, splat(0)));
+    Lanes in = -half, out = half;
+    const LaneMask enters = approach(p2, u.z, along, near, in);
+    if (!any(enters)) return {in, out, enters, select(near, in, splat(0))};
+    approach(p2, u.z, along, enters, out);
+    return {in, out, enters, select(near, in, splat(0))};
+  }
+  KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
+    const Vec3Lanes q = p - u * l;
+    const Lanes rho = square_root(dot(q, q));
+    const Lanes share = select(rho > center_r, 1 - center_r / rho, splat(0));
+    return q * select(share == share, share, splat(1)) + u * l;
+  }
+
+ private:
+  static constexpr int kSteps = 40;  ///< a grazed arc halves the distance at each
+  static constexpr double kFoundMm = 1e-11;
+
+  /// Newton's steps from outside towards the arc, in the lanes `asked`; true where it is met. In
+  /// the others t ends where the ray passes closest.
+  KERF_INLINE LaneMask approach(Lanes p2, Lanes uz, Lanes along, LaneMask asked, Lanes& t) const {
+    LaneMask met = asked;
+    LaneMask moving = asked;
+    const LaneMask from_below = t <= 0.0;
+    for (int i = 0; i < kSteps && any(moving); ++i) {
+      const Lanes l = along + uz * t;
+      const Lanes rho = square_root(greater(p2 + t * t - l * l, splat(0)));
+      const Lanes m = greater(rho - center_r, splat(0));
+      const Lanes d = square_root(m * m + l * l);
+      const Lanes f = d - radius;
+      const Lanes across = select(rho > 0.0, m * (t - l * uz) / rho, splat(0));
+      const Lanes slope = (across + l * uz) / d;
+      const LaneMask outside = f > kFoundMm;
+      const LaneMask closing = select(from_below, slope, -slope) < 0.0;
+      met &= ~(moving & outside & ~closing);
+      moving &= outside & closing;
+      t = select(moving, t - f / slope, t);
+    }
+    return met;
+  }
+};
+
+}  // namespace kerf

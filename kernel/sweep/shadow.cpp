@@ -1,0 +1,93 @@
+#include "kernel/sweep/shadow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf {
+namespace {
+
+/// Squared sine of the lean from which on a plane along the axis bounds the piece better than a
+/// level one.
+constexpr double kLeanForPlane = 1e-4;
+
+constexpr double kCos1 = 0.92387953251128674, kCos2 = 0.70710678118654752;
+constexpr double kCos3 = 0.38268343236508977;
+
+KERF_INLINE Lanes directions_x() {
+  return Lanes{1, kCos1, kCos2, kCos3, 0, -kCos3, -kCos2, -kCos1};
+}
+KERF_INLINE Lanes directions_y() { return Lanes{0, kCos3, kCos2, kCos1, 1, kCos1, kCos2, kCos3}; }
+
+/// Half-width along a unit direction of a disc of radius r whose axis has the component c there.
+double half_width(double r, double c) { return r * std::sqrt(std::max(0.0, 1 - c * c)); }
+
+KERF_VECTOR_CLONES
+void extend_support(const Vec3& center, const Vec3& axis, double radius, Lanes& lo, Lanes& hi) {
+  const Lanes nx = directions_x(), ny = directions_y();
+  const Lanes at = nx * center.x + ny * center.y;
+  const Lanes c = nx * axis.x + ny * axis.y;
+  const Lanes half = square_root(greater(1.0 - c * c, splat(0))) * radius;
+  lo = lesser(at - half, lo);
+  hi = greater(at + half, hi);
+}
+
+KERF_VECTOR_CLONES
+void bound_discs(const Discs& d, const Lanes& support_lo, const Lanes& support_hi, double lowest,
+                 double at_origin, double by_x, double by_y, double steepness, Lanes& z) {
+  const Lanes nx = directions_x(), ny = directions_y();
+  LaneMask reached = d.x_mm == d.x_mm;
+  for (int i = 0; i < kLanes; ++i) {
+    const Lanes at = d.x_mm * nx[i] + d.y_mm * ny[i];
+    reached &= (at + d.reach_mm >= support_lo[i]) & (at - d.reach_mm <= support_hi[i]);
+  }
+  const Lanes on_plane = at_origin + d.x_mm * by_x + d.y_mm * by_y - steepness * d.reach_mm;
+  const Lanes bound = greater(on_plane, splat(lowest));
+  z = select(reached & (bound < z), bound, z);
+}
+
+}  // namespace
+
+Shadow::Shadow(const Envelope& e, const std::vector<ToolPose>& poses, double margin_mm) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  support_lo_ = splat(kInfinity);
+  support_hi_ = splat(-kInfinity);
+  bounds_ = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  const auto each_disc = [&](auto visit) {
+    for (const ToolPose& pose : poses) {
+      visit(pose.tip_mm + pose.axis * e.lo_mm, pose.axis, e.r_lo_mm);
+      visit(pose.tip_mm + pose.axis * e.hi_mm, pose.axis, e.r_hi_mm);
+    }
+  };
+  each_disc([&](Vec3 c, Vec3 u, double r) {
+    extend_support(c, u, r, support_lo_, support_hi_);
+    const Vec3 h{half_width(r, u.x) + margin_mm, half_width(r, u.y) + margin_mm,
+                 half_width(r, u.z) + margin_mm};
+    bounds_.min_mm = {std::min(bounds_.min_mm.x, c.x - h.x), std::min(bounds_.min_mm.y, c.y - h.y),
+                      std::min(bounds_.min_mm.z, c.z - h.z)};
+    bounds_.max_mm = {std::max(bounds_.max_mm.x, c.x + h.x), std::max(bounds_.max_mm.y, c.y + h.y),
+                      std::max(bounds_.max_mm.z, c.z + h.z)};
+  });
+  support_lo_ -= margin_mm;
+  support_hi_ += margin_mm;
+
+  plane_ = {-kInfinity, 0, 0, 0};
+  const Vec3 u = normalized(poses.front().axis + poses.back().axis);
+  const double lean2 = u.x * u.x + u.y * u.y;
+  if (!(lean2 > kLeanForPlane && u.z > 0)) return;
+  // The plane along the middle axis that touches the piece from below: n is the upward normal of
+  // the axis. Discs reach their radius below their centres along n; sines of the half turn are
+  // covered by taking whole radii.
+  const double lean = std::sqrt(lean2);
+  const Vec3 n{-u.x * u.z / lean, -u.y * u.z / lean, lean};
+  double support = kInfinity;
+  each_disc([&](Vec3 c, Vec3, double r) { support = std::min(support, dot(n, c) - r); });
+  plane_ = {(support - margin_mm) / n.z, -n.x / n.z, -n.y / n.z, u.z / lean};
+}
+
+void Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
+  bound_discs(discs, support_lo_, support_hi_, bounds_.min_mm.z, plane_.at_origin_mm, plane_.by_x,
+              plane_.by_y, plane_.steepness, z_mm);
+}
+
+}  // namespace kerf

@@ -1,0 +1,239 @@
+#include "kernel/sweep/turning_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf {
+namespace {
+
+using Path = TurningSweep::Path;
+
+/// Which end of a ray's interval is searched.
+enum class End { kLower, kUpper };
+
+/// Steps of a search; it brackets the solution and stops as soon as every lane is done.
+constexpr int kSearchSteps = 48;
+
+/// Sine from which on a ray is steep to the discs of the piece, so that they say better than the
+/// side how far apart the two are.
+constexpr double kSteep = 0.5;
+
+/// A piece at eight shares, met by eight rays.
+struct Meeting {
+  Lanes lo, hi;  ///< heights of the interval, relative to the middle tip
+  LaneMask hit;
+  LaneMask on_side;  ///< of hits: the end lies on the side, not on a disc
+  /// > 0: later in the motion the end lies farther out, or the piece is nearer to the ray; < 0: it
+  /// was so earlier.
+  Lanes advance;
+  Lanes upright;  ///< advance / upright is how fast the end moves along the ray; 0 where missed
+};
+
+/// `x`, `y` relative to the middle tip.
+template <End end, class Side>
+KERF_INLINE Meeting meet(const Side& side, const Path& path, Lanes x, Lanes y, Lanes share) {
+  const TurningFrame::Poses pose = path.frame.at(share);
+  const Vec3Lanes& u = pose.u;
+  const Vec3Lanes anchor = u * splat(side.anchor);
+  const Lanes px = x - (pose.tip.x + anchor.x), py = y - (pose.tip.y + anchor.y);
+  const Lanes along = px * u.x + py * u.y;
+  const SideSpan span = side.meet(px, py, u, along);
+
+  // A ray at right angles to the axis never crosses the discs: they are far away.
+  const Lanes uz = select(magnitude(u.z) > 1e-290, u.z, splat(1e-290));
+  const Lanes to_low = (side.low - along) / uz, to_high = (side.high - along) / uz;
+  const Lanes disc_in = lesser(to_low, to_high), disc_out = greater(to_low, to_high);
+  const LaneMask below = span.exists & (span.out < disc_in);
+  const LaneMask above = span.exists & (span.in > disc_out);
+  const LaneMask hit = span.exists & ~below & ~above;
+  const Lanes in = greater(span.in, disc_in), out = lesser(span.out, disc_out);
+
+  // The one point that decides: of the end, or where side and discs come closest to meeting.
+  const LaneMask steep = magnitude(u.z) >= kSteep;
+  const LaneMask on_side = end == End::kLower ? span.in >= disc_in : span.out <= disc_out;
+  Lanes t = select(span.exists, select(below, span.out, span.in), span.closest);
+  t = select(steep, lesser(greater(t, disc_in), disc_out), t);
+  t = select(hit, end == End::kLower ? in : out, t);
+  const Vec3Lanes p{px, py, t};
+  const Lanes l = along + u.z * t;
+  const Vec3Lanes n = side.normal(p, l, u);
+  const Vec3Lanes v = path.frame.velocity(anchor + p);
+  const Lanes side_speed = dot(n, v), axis_speed = dot(u, v);
+  const Lanes outward = end == End::kLower ? -axis_speed : axis_speed;
+  const Lanes disc_speed = select(u.z < 0.0, -outward, outward);
+  // A miss: how fast the gap closes, seen from the nearer disc or from the side's end.
+  const Lanes from_disc = side_speed - n.z * axis_speed / uz;
+  const Lanes rise = select(span.exists, u.z * side_speed / n.z, splat(0)) - axis_speed;
+  const Lanes from_side = select(span.exists, select(l < side.low, rise, -rise), side_speed);
+  const Lanes gap_speed = select(steep, from_disc, from_side);
+
+  Meeting m;
+  m.hit = hit;
+  m.on_side = on_side;
+  m.lo = pose.tip.z + anchor.z + in;
+  m.hi = pose.tip.z + anchor.z + out;
+  m.advance = select(hit, select(on_side, side_speed, disc_speed), gap_speed);
+  m.upright = select(hit, select(on_side, n.z, u.z), splat(0));
+  return m;
+}
+
+KERF_INLINE void include_hits(LaneSpan& span, const Meeting& m) {
+  span.lo = select(m.hit & (m.lo < span.lo), m.lo, span.lo);
+  span.hi = select(m.hit & (m.hi > span.hi), m.hi, span.hi);
+}
+
+/// The shares between two stations, and what was met there.
+struct Stretch {
+  double from, to;
+  Meeting first, last;
+};
+
+/// Where a search looks: for the one place where the advance changes from > 0 to < 0; for the end
+/// of what the end of the ray's interval does from the first station on (it stays on its surface
+/// and moves outwards); or for the begin of what it does up to the last station.
+enum class Branch { kWhole, kFirst, kLast };
+
+KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
+  return m.hit & station.hit & ~(m.on_side ^ station.on_side);
+}
+
+/// Searches a stretch in the lanes `searching`: regula falsi in the Illinois variant and halving by
+/// turns, halving alone where the surface changes. Every hit on the way widens `span`.
+template <End end, Branch branch, class Side>
+KERF_INLINE void search(const Side& side, const Path& path, Lanes x, Lanes y,
+                        const Stretch& stretch, LaneMask searching, LaneSpan& span) {
+  Lanes a = splat(stretch.from), b = splat(stretch.to);
+  Lanes fa = stretch.first.advance, fb = stretch.last.advance;
+  for (int i = 0; i < kSearchSteps && any(searching); ++i) {
+    Lanes s = (a + b) * 0.5;
+    if (branch == Branch::kWhole && i % 2 == 0) {
+      const Lanes falsi = a + (b - a) * (fa / (fa - fb));
+      s = select((falsi > a) & (falsi < b), falsi, s);
+    }
+    Meeting m = meet<end>(side, path, x, y, s);
+    LaneMask later = m.advance > 0.0;
+    if (branch == Branch::kFirst) later &= continues(m, stretch.first);
+    if (branch == Branch::kLast) later = ~(continues(m, stretch.last) & (m.advance < 0.0));
+    m.hit &= searching;
+    if (end == End::kLower) {
+      include_hits(span, m);
+    } else {
+      // The lower end is done with, and must not depend on whether this search is needed.
+      span.hi = select(m.hit & (m.hi > span.hi), m.hi, span.hi);
+    }
+    fa = select(later, m.advance, fa * 0.5);
+    fb = select(later, fb * 0.5, m.advance);
+    a = select(later, s, a);
+    b = select(later, b, s);
+    // By convexity the end cannot move farther along the ray than at its present speed, nor off the
+    // surface than the piece moves at all.
+    const Lanes left = select(later, b - s, s - a);
+    LaneMask far = magnitude(m.advance * left) > path.search_mm * magnitude(m.upright);
+    if (branch == Branch::kFirst) far |= ~later;
+    if (branch == Branch::kLast) far |= later;
+    searching &= far & ((b - a) * path.speed_max_mm > path.search_mm);
+  }
+}
+
+/// Looks for the outermost end between two stations. It lies between them where the end moves
+/// outwards at the first and inwards at the last. Elsewhere it may do so too if it changes surface:
+/// up to the edge where the first surface ends, or from the edge where the last begins.
+template <End end, class Side>
+KERF_INLINE void search_stretch(const Side& side, const Path& path, Lanes x, Lanes y,
+                                const Stretch& stretch, LaneMask asked, LaneSpan& span) {
+  const Meeting &first = stretch.first, &last = stretch.last;
+  const LaneMask outwards = first.advance > 0.0, inwards = last.advance < 0.0;
+  const LaneMask changes = asked & ~continues(first, last);
+  search<end, Branch::kWhole>(side, path, x, y, stretch, asked & outwards & inwards, span);
+  search<end, Branch::kFirst>(side, path, x, y, stretch, changes & outwards & ~inwards & first.hit,
+                              span);
+  search<end, Branch::kLast>(side, path, x, y, stretch, changes & inwards & ~outwards & last.hit,
+                             span);
+}
+
+template <class Side>
+KERF_INLINE void evaluate_rows(const Side& side, const Path& path, ColumnBlock& block) {
+  const Lanes x = block.x_mm - path.frame.tip.x;
+  const double top = block.top_mm - path.frame.tip.z;
+  for (int row = 0; row < kBlockSide; ++row) {
+    if ((block.rows >> row & 1) == 0) continue;
+    const Lanes y = splat(block.y_mm[row] - path.frame.tip.y);
+    Meeting from = meet<End::kLower>(side, path, x, y, splat(0));
+    for (int part = 0; part < path.parts; ++part) {
+      const double share_a = double(part) / path.parts;
+      const double share_b = double(part + 1) / path.parts;
+      const Meeting to = meet<End::kLower>(side, path, x, y, splat(share_b));
+      LaneSpan span;
+      include_hits(span, from);
+      include_hits(span, to);
+      search_stretch<End::kLower>(side, path, x, y, {share_a, share_b, from, to}, ~LaneMask{},
+                                  span);
+      // The upper end matters where it lies in the stock.
+      const LaneMask inside = (span.lo <= span.hi) & (span.hi < top);
+      if (any(inside)) {
+        const Meeting first = meet<End::kUpper>(side, path, x, y, splat(share_a));
+        const Meeting last = meet<End::kUpper>(side, path, x, y, splat(share_b));
+        search_stretch<End::kUpper>(side, path, x, y, {share_a, share_b, first, last}, inside,
+                                    span);
+      }
+      block.add(row, span.lo + path.frame.tip.z, span.hi + path.frame.tip.z);
+      from = to;
+    }
+  }
+}
+
+KERF_VECTOR_CLONES
+void evaluate_cone(const ConeSide& side, const Path& path, ColumnBlock& block) {
+  evaluate_rows(side, path, block);
+}
+KERF_VECTOR_CLONES
+void evaluate_arc(const ArcSide& side, const Path& path, ColumnBlock& block) {
+  evaluate_rows(side, path, block);
+}
+
+Path make_path(const Envelope& e, const ToolPose& from, const ToolPose& to, int parts,
+               double search_mm) {
+  const TurningFrame frame(from, to);
+  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
+  const double reach = std::sqrt(e.hi_mm * e.hi_mm + radius * radius);
+  const double speed = length(frame.v) + frame.turn * reach;
+  return {frame, parts, search_mm, speed > 0 ? speed : 1};
+}
+
+std::vector<ToolPose> stations(const Path& path, const ToolPose& from, const ToolPose& to) {
+  const TurningFrame& f = path.frame;
+  std::vector<ToolPose> poses{from};
+  for (int i = 1; i < path.parts; ++i) {
+    const TurningFrame::Poses at = f.at(splat(double(i) / path.parts));
+    poses.push_back({f.tip + Vec3{at.tip.x[0], at.tip.y[0], at.tip.z[0]},
+                     Vec3{at.u.x[0], at.u.y[0], at.u.z[0]}});
+  }
+  poses.push_back(to);
+  return poses;
+}
+
+/// How far a point leaves the chord between two stations.
+double bulge(const Path& path, const Envelope& e) {
+  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
+  const double reach = std::sqrt(e.hi_mm * e.hi_mm + radius * radius);
+  const double turn = path.frame.turn / path.parts;
+  return reach * turn * turn / 8 + kEdgeEpsilonMm;
+}
+
+}  // namespace
+
+TurningSweep::TurningSweep(const std::variant<ConeSide, ArcSide>& side, const Envelope& envelope,
+                           const ToolPose& from, const ToolPose& to, int parts, double search_mm)
+    : side_(side),
+      path_(make_path(envelope, from, to, parts, search_mm)),
+      shadow_(envelope, stations(path_, from, to), bulge(path_, envelope)) {}
+
+void TurningSweep::evaluate(ColumnBlock& block) const {
+  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
+    evaluate_cone(*cone, path_, block);
+  } else {
+    evaluate_arc(std::get<ArcSide>(side_), path_, block);
+  }
+}
+
+}  // namespace kerf
