@@ -15,7 +15,8 @@ import sys
 CANNOT_RUN = 77
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 # What x86-64-v3 and x86-64-v4 ask of a CPU, as /proc/cpuinfo names it.
-NEEDS = {"avx2": {"avx2", "fma", "bmi2"}, "avx512": {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}}
+V3 = {"avx2", "fma", "bmi2"}
+V4 = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
 
 
 def arguments():
@@ -32,8 +33,12 @@ def why_not(options):
     """Why this machine cannot run the build, or nothing."""
     if shutil.which(options.compiler) is None:
         return f"{options.compiler} is not installed"
-    cpu = pathlib.Path("/proc/cpuinfo").read_text().split()
-    missing = NEEDS.get(options.vector, set()) - set(cpu)
+    needs = set()
+    if options.vector == "avx2" or "x86-64-v3" in options.flags:
+        needs = V3
+    elif options.vector == "avx512" or "x86-64-v4" in options.flags:
+        needs = V3 | V4
+    missing = needs - set(pathlib.Path("/proc/cpuinfo").read_text().split())
     return f"this CPU has no {', '.join(sorted(missing))}" if missing else ""
 
 

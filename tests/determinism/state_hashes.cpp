@@ -27,7 +27,11 @@ std::vector<NamedTool> tools() {
           {"flat", *make_tool(FlatShape{6, 30})},
           {"taper", *make_tool(TaperShape{3, 12, 30})},
           {"taper_ball", *make_tool(TaperShape{4, 8, 30, TaperTip::kBall})},
-          {"cone_end", *make_tool(ConeEndShape{8, 90, 30})}};
+          {"cone_end", *make_tool(ConeEndShape{8, 90, 30})},
+          {"bull_nose", *make_tool(BullNoseShape{6, 1, 30})},
+          {"apt", *make_tool(AptShape{10, 1.5, 3.630717035815369, 2.0250053615596113, 8, 6, 25})},
+          {"lollipop", *make_tool(ProfileShape{
+                           {ProfilePoint{0, 0}, ProfileArc{{1, 5.828}, 3}, ProfilePoint{1, 30}}})}};
 }
 
 /// Knuth's 64-bit linear congruence: the same numbers everywhere, unlike the distributions of
@@ -122,7 +126,7 @@ void run(const std::string& name, const SculptureSettings& settings, const Tool&
     }
   }
   const auto hex = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
-  std::printf("%-36s state %016llx results %016llx mesh %016llx\n", name.c_str(),
+  std::printf("%-46s state %016llx results %016llx mesh %016llx\n", name.c_str(),
               hex(sculpture.state_hash()), hex(results.value()),
               hex(mesh_hash(sculpture.snapshot())));
 }
@@ -147,6 +151,10 @@ int main() {
                                  " tolerance " + std::to_string(tolerance);
         run(name, settings, tool.tool, path(++seed, 8));
         if (tolerance < 0.01) continue;
+        settings.rays = Rays::kTriDexel;
+        settings.pitch_mm = 0.6;
+        run(name + " tri-dexel", settings, tool.tool, path(++seed, 6));
+        settings.rays = Rays::kDexel;
         settings.tolerance_mm = 0.03;
         settings.motion = MotionModel::kPaper;
         run(name + " paper", settings, tool.tool, path(++seed, 1));

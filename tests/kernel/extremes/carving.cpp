@@ -18,11 +18,11 @@ double in(Random& random, double a, double b) {
 }
 
 /// A random point on the surface of a piece that stands at the origin: radial distance and height.
-struct ProfilePoint {
+struct Spot {
   double radial, height;
 };
 
-ProfilePoint profile_point(const ToolPiece& piece, Random& random) {
+Spot profile_point(const ToolPiece& piece, Random& random) {
   if (const auto* b = std::get_if<BallPiece>(&piece)) {
     const double a = in(random, -std::numbers::pi / 2, std::numbers::pi / 2);
     return {b->radius_mm * std::cos(a), b->center_mm + b->radius_mm * std::sin(a)};
@@ -39,7 +39,7 @@ ProfilePoint profile_point(const ToolPiece& piece, Random& random) {
 
 Vec3 surface_point(const Tool& tool, const ToolPose& pose, Random& random) {
   const std::size_t which = std::size_t(random() % tool.pieces.size());
-  const ProfilePoint p = profile_point(tool.pieces[which], random);
+  const Spot p = profile_point(tool.pieces[which], random);
   const double a = in(random, 0, 2 * std::numbers::pi);
   const Vec3 u = pose.axis;
   const Vec3 e = normalized(std::abs(u.x) < 0.6 ? cross(u, {1, 0, 0}) : cross(u, {0, 1, 0}));
@@ -60,10 +60,17 @@ std::vector<NamedTool> every_tool(double scale) {
     return NamedTool{name, make_tool(shape).value()};
   };
   const double s = scale;
-  return {shaped("ball", BallShape{10 * s, 50 * s}), shaped("flat", FlatShape{10 * s, 50 * s}),
-          shaped("taper", TaperShape{4 * s, 12, 40 * s}),
-          shaped("taper_ball", TaperShape{6 * s, 8, 40 * s, TaperTip::kBall}),
-          shaped("cone_end", ConeEndShape{10 * s, 90, 50 * s})};
+  return {
+      shaped("ball", BallShape{10 * s, 50 * s}),
+      shaped("flat", FlatShape{10 * s, 50 * s}),
+      shaped("taper", TaperShape{4 * s, 12, 40 * s}),
+      shaped("taper_ball", TaperShape{6 * s, 8, 40 * s, TaperTip::kBall}),
+      shaped("cone_end", ConeEndShape{10 * s, 90, 50 * s}),
+      shaped("lollipop", ProfileShape{{ProfilePoint{0, 0}, ProfileArc{{1.5 * s, 7.708 * s}, 4 * s},
+                                       ProfilePoint{1.5 * s, 40 * s}}}),
+      shaped("t_slot",
+             ProfileShape{{ProfilePoint{0, 0}, ProfilePoint{6 * s, 0}, ProfilePoint{6 * s, 3 * s},
+                           ProfilePoint{2 * s, 3 * s}, ProfilePoint{2 * s, 40 * s}}})};
 }
 
 Carving::Carving(SculptureSettings settings, const Tool& tool)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "tests/kernel/extremes/carving.h"
 
@@ -103,6 +104,24 @@ TEST(Degenerate, AxisParallelToMotion) {
       const ToolPose a = leaning({0.3, 0.1, -4}, lean, 0.4);
       carving.move(a, {a.tip_mm + a.axis * -6.0, a.axis});
       carving.expect_within_tolerance(t.name + " lean " + std::to_string(lean));
+    }
+  }
+}
+
+TEST(Degenerate, TranslationsAreExactWhateverTheToolsTilt) {
+  std::mt19937_64 random(8);
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  for (const NamedTool& t : every_tool()) {
+    for (int k = 0; k < 8 * effort(); ++k) {
+      SculptureSettings settings = small_block(1e-6);
+      settings.rays = k % 2 == 0 ? Rays::kDexel : Rays::kTriDexel;
+      Carving carving(settings, t.tool);
+      const ToolPose a = leaning({in(-4, 4), in(-4, 4), in(-8, -2)}, in(0, 2), in(0, 6.2));
+      const double reach = k % 4 == 3 ? 60 : 6;
+      carving.move(a, {a.tip_mm + Vec3{in(-1, 1), in(-1, 1), in(-0.5, 0.5)} * reach, a.axis});
+      carving.expect_within_tolerance(t.name + " " + std::to_string(k), 25);
     }
   }
 }

@@ -127,6 +127,40 @@ TEST(Invariant, AnyOrderOfTheSameMotionsGivesTheSameBytes) {
   }
 }
 
+TEST(Invariant, AnyOrderOfOnePathsMovesGivesTheSameBytes) {
+  // Each move starts where one before it ended, which a kernel may know to be cut already: only if
+  // it is.
+  for (const NamedTool& t : every_tool(0.6)) {
+    for (const Rays rays : kBoth) {
+      std::vector<Move> moves = random_moves(13, 14);
+      for (std::size_t k = 1; k < moves.size(); ++k) moves[k].from = moves[k - 1].to;
+      const std::uint64_t state = carved(small_block(rays), t.tool, moves).state_hash();
+      Random random(5);
+      for (int k = 0; k < 3; ++k) {
+        std::ranges::shuffle(moves, random);
+        EXPECT_EQ(carved(small_block(rays), t.tool, moves).state_hash(), state) << t.name;
+      }
+    }
+  }
+}
+
+TEST(Invariant, AToolThatIsDefinedAnewCutsWhereItStands) {
+  // The new tool starts where the old one ended; what the new one takes there is not cut yet.
+  const std::vector<NamedTool> tools = every_tool(0.6);
+  for (const NamedTool& t : tools) {
+    Sculpture s = Sculpture::create(small_block(Rays::kDexel)).value();
+    const ToolPose a = leaning({-4, 0.1, -2}, 0.2), b{{4, 0.4, -2}, a.axis};
+    s.apply(DefineTool{1, make_tool(BallShape{1, 20}).value()}).value();
+    s.apply(MoveTool{1, a, b, 0.01}).value();
+    s.apply(DefineTool{1, t.tool}).value();
+    s.apply(MoveTool{1, b, a, 0.01}).value();
+    Sculpture alone = carved(small_block(Rays::kDexel), t.tool, {{b, a}});
+    alone.apply(DefineTool{2, make_tool(BallShape{1, 20}).value()}).value();
+    alone.apply(MoveTool{2, a, b, 0.01}).value();
+    EXPECT_EQ(s.state_hash(), alone.state_hash()) << t.name;
+  }
+}
+
 /// Where two carvings of one grid differ: of the columns that were cut, those with more or fewer
 /// elements, and the ends that differ and by how much.
 struct Difference {
