@@ -145,7 +145,12 @@ double combined_mm3(std::span<const RemovedVolume> fields) {
   return weights > 0 ? sum / weights : 0;
 }
 
-ZRange z_range(const DexelGrid& grid) { return {grid.origin_mm.z, grid.z_mm(grid.height_quanta)}; }
+/// Where the field's rays are.
+SweepBounds bounds_of(const DexelGrid& grid) {
+  return {{grid.x_mm(0), grid.y_mm(0), grid.origin_mm.z},
+          {grid.x_mm(grid.columns_x - 1), grid.y_mm(grid.columns_y - 1),
+           grid.z_mm(grid.height_quanta)}};
+}
 
 }  // namespace
 
@@ -302,7 +307,7 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
 }
 
 SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
-  return {settings_.motion, settings_.tolerance_mm, z_range(field.grid())};
+  return {settings_.motion, settings_.tolerance_mm, bounds_of(field.grid())};
 }
 
 RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 namespace {
@@ -51,22 +52,28 @@ ToolPiece slice_of(const ToolPiece& piece, double z0_mm, double z1_mm) {
   return FrustumPiece{z0_mm, Radius{z0_mm}(f), z1_mm, Radius{z1_mm}(f)};
 }
 
-std::optional<ToolPiece> clip_below(const ToolPiece& piece, const ToolMotion& m, double top_mm) {
-  // Along a great circle within the upper half the axis leans most at one of its ends, and the tip
-  // is lowest at one of its ends.
-  const double uz = std::min(m.from.axis.z, m.to.axis.z);
-  const double tip_z = std::min(m.from.tip_mm.z, m.to.tip_mm.z);
-  if (!(uz > 0)) return piece;
-  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    const double lowest = tip_z + uz * ball->center_mm - ball->radius_mm;
-    return lowest > top_mm ? std::nullopt : std::optional(piece);
+std::optional<ToolPiece> clip_to_block(const ToolPiece& piece, const ToolMotion& m,
+                                       const SweepBounds& block) {
+  const Envelope whole = envelope_of(piece);
+  const double radius = std::max(whole.r_lo_mm, whole.r_hi_mm);
+  double reach = std::numeric_limits<double>::infinity();
+  // `u` and `tip` are the least components of the axis and the tip along one of the six directions
+  // out of the block, `limit` is the block's greatest. Along a great circle on the upper side of a
+  // plane the axis leans most at one of its ends, and the tip is lowest at one of its ends.
+  const auto clip = [&](double u, double tip, double limit) {
+    if (!(u > 0)) return;
+    const double lean = std::sqrt(std::max(0.0, 1 - u * u));
+    reach = std::min(reach, (limit - tip + radius * lean) / u);
+  };
+  const ToolPose &a = m.from, &b = m.to;
+  for (const auto c : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+    clip(std::min(a.axis.*c, b.axis.*c), std::min(a.tip_mm.*c, b.tip_mm.*c), block.max_mm.*c);
+    clip(-std::max(a.axis.*c, b.axis.*c), -std::max(a.tip_mm.*c, b.tip_mm.*c), -block.min_mm.*c);
   }
-  const Envelope e = envelope_of(piece);
-  const double lean = std::sqrt(std::max(0.0, 1 - uz * uz));
-  const double reach = (top_mm - tip_z + std::max(e.r_lo_mm, e.r_hi_mm) * lean) / uz;
-  const double needed = reach + 1e-3 * (e.hi_mm - e.lo_mm);  // Well clear of the block's top.
-  if (reach <= e.lo_mm) return std::nullopt;
-  return needed < e.hi_mm ? slice_of(piece, e.lo_mm, needed) : piece;
+  if (reach <= whole.lo_mm) return std::nullopt;
+  const double needed = reach + 1e-3 * (whole.hi_mm - whole.lo_mm);  // Well clear of the block.
+  if (std::holds_alternative<BallPiece>(piece) || !(needed < whole.hi_mm)) return piece;
+  return slice_of(piece, whole.lo_mm, needed);
 }
 
 }  // namespace kerf

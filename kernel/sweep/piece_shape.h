@@ -17,8 +17,9 @@ Envelope envelope_of(const ToolPiece& piece);
 /// The part of a slice (not a ball) between two heights.
 ToolPiece slice_of(const ToolPiece& piece, double z0_mm, double z1_mm);
 
-/// The part of a piece that can reach below `top_mm` during the motion, or nothing.
-std::optional<ToolPiece> clip_below(const ToolPiece& piece, const ToolMotion& motion,
-                                    double top_mm);
+/// The part of a piece that can reach into the block during the motion, or nothing: what lies
+/// farther up the axis stays outside.
+std::optional<ToolPiece> clip_to_block(const ToolPiece& piece, const ToolMotion& motion,
+                                       const SweepBounds& block);
 
 }  // namespace kerf

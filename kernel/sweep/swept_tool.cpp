@@ -86,7 +86,7 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
   std::vector<PiecePlan> plans;
   for (std::size_t i = 0; i < tool.pieces.size(); ++i) {
     const ToolPiece& whole = tool.pieces[i];
-    const auto piece = clip_below(whole, m, settings.block.max_mm);
+    const auto piece = clip_to_block(whole, m, settings.block);
     if (!piece) continue;
     PiecePlan plan{*piece, 1, std::nullopt};
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
@@ -227,7 +227,7 @@ std::int64_t paper_parts(const Tool& tool, const ToolMotion& m, const SweepSetti
   if (m.turn_rad == 0) return 1;
   double reach = 0;
   for (const ToolPiece& whole : tool.pieces) {
-    const auto piece = clip_below(whole, m, settings.block.max_mm);
+    const auto piece = clip_to_block(whole, m, settings.block);
     if (piece) reach = std::max(reach, reach_of(*piece));
   }
   return parts(

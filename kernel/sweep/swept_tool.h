@@ -30,16 +30,11 @@ struct SubMotion {
 /// Sub-motions that one motion may need before it is refused.
 inline constexpr std::int64_t kSubMotionsMax = 1 << 20;
 
-/// The heights between which a block lies (mm): parts of the tool that stay above need no sweep.
-struct ZRange {
-  double min_mm, max_mm;
-};
-
 /// How a motion is swept.
 struct SweepSettings {
   MotionModel model;
   double tolerance_mm;  ///< greatest end-point error against the true motion, off the surface
-  ZRange block;
+  SweepBounds block;    ///< where rays are: parts of the tool that stay outside need no sweep
   bool start_is_cut =
       false;  ///< the tool at the first pose has been removed from the block already
 };

@@ -1,5 +1,6 @@
-// What the stock costs: the standard job with one field of rays and with three, and the same hand's
-// breadth of carving in blocks from 10 mm to 10 m. CPU time of one thread.
+// What the stock costs: the standard job with one field of rays and with three, a block full of
+// grooves, and the same hand's breadth of carving in blocks from 10 mm to 10 m. CPU time of one
+// thread.
 // Usage: field_bench [pitch_mm=0.1]
 
 #include <cstdio>
@@ -36,10 +37,10 @@ void standard_job(Rays rays, bool five_axis, double pitch_mm) {
   const double snapshot_us = us_per_call(1000, [&] { s.solid(); });
   const double hash_us = us_per_call(5, [&] { s.state_hash(); });
   std::printf(
-      "%-9s %d-axis: %8.1f us/move, removed %.3f mm3, %6.1f MB, snapshot %.2f us, "
+      "%-9s %d-axis: %8.1f us/move, %5.2f cuts/move, removed %.3f mm3, %6.1f MB, snapshot %.2f us, "
       "hash %.1f ms\n",
-      to_string(rays), five_axis ? 5 : 3, us, s.removed_volume_mm3(),
-      double(s.memory_bytes()) * 1e-6, snapshot_us, hash_us * 1e-3);
+      to_string(rays), five_axis ? 5 : 3, us, double(s.sub_motions()) / double(s.motions()),
+      s.removed_volume_mm3(), double(s.memory_bytes()) * 1e-6, snapshot_us, hash_us * 1e-3);
   for (const RayAxis axis : {RayAxis::kX, RayAxis::kY, RayAxis::kZ}) {
     if (!s.has_field(axis)) continue;
     const DexelSnapshot field = s.snapshot(axis);
@@ -47,6 +48,30 @@ void standard_job(Rays rays, bool five_axis, double pitch_mm) {
     std::printf("          along %c: removed %.3f mm3, %.1e columns\n", "XYZ"[int(axis)],
                 s.stock_volume_mm3() - field.volume_mm3(), columns);
   }
+}
+
+/// 99 grooves side by side, with a snapshot now and then: rays along Y cross all of them.
+void grooves(Rays rays, double pitch_mm) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{0, 0, 0}, {100, 100, 20}};
+  settings.pitch_mm = pitch_mm;
+  settings.tolerance_mm = 0.001;
+  settings.rays = rays;
+  auto s = *Sculpture::create(settings);
+  s.apply(DefineTool{1, *make_tool(FlatShape{0.5, 20})}).value();
+  const Vec3 up{0, 0, 1};
+  const double start = cpu_s();
+  for (int k = 0; k < 99; ++k) {
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 tip{double(k % 2 == 0 ? i : 99 - i), k + 0.51, 15};
+      const Vec3 way{k % 2 == 0 ? 1.0 : -1.0, 0, 0};
+      s.apply(MoveTool{1, {tip, up}, {tip + way, up}, 0.01, false}).value();
+      if (i % 33 == 0) s.solid();
+    }
+  }
+  std::printf("%-9s 99 grooves: %6.1f us/move, removed %.3f mm3, %.1f MB\n", to_string(rays),
+              (cpu_s() - start) / 9900 * 1e6, s.removed_volume_mm3(),
+              double(s.memory_bytes()) * 1e-6);
 }
 
 /// 100 ticks of 0.1 mm in the middle of the top of a cube, with a snapshot every tenth.
@@ -87,6 +112,7 @@ int main(int argc, char** argv) {
     standard_job(Rays::kTriDexel, five_axis, pitch_mm);
   }
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    grooves(rays, pitch_mm);
     for (const double side_mm : {10.0, 100.0, 1000.0, 10000.0}) {
       hands_breadth(side_mm, rays, pitch_mm);
     }
