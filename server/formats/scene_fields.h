@@ -63,9 +63,6 @@ class SceneFields {
   }
   std::optional<SceneValue> find(const std::string& field);
   SceneValue need(const std::string& field);
-  void not_yet(const std::string& field, const std::string& what) {
-    if (find(field)) refuse(field, what + " is not supported yet");
-  }
 
   double positive(const std::string& field) { return need(field).number(0); }
   double positive(const std::string& field, double otherwise) {
