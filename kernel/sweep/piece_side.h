@@ -100,11 +100,13 @@ struct ArcSide {
  private:
   static constexpr int kSteps = 40;  ///< a grazed arc halves the distance at each
   static constexpr double kFoundMm = 1e-11;
+  static constexpr double kClosestMm = 1e-5;  ///< the gap there errs by its square over a radius
 
   /// Newton's steps from outside towards the arc, in the lanes `asked`; true where it is met. In
   /// the others t ends where the ray passes closest.
   KERF_INLINE LaneMask approach(Lanes p2, Lanes uz, Lanes along, LaneMask asked, Lanes& t) const {
     LaneMask met = asked;
+    Lanes before = t;
     LaneMask moving = asked;
     const LaneMask from_below = t <= 0.0;
     for (int i = 0; i < kSteps && any(moving); ++i) {
@@ -119,7 +121,23 @@ struct ArcSide {
       const LaneMask closing = select(from_below, slope, -slope) < 0.0;
       met &= ~(moving & outside & ~closing);
       moving &= outside & closing;
+      before = select(moving, t, before);
       t = select(moving, t - f / slope, t);
+    }
+    // Where the ray passes by, Newton's steps have gone past the place where it is closest, and how
+    // the gap moves is asked there: halving between the last two of them finds it.
+    LaneMask passed = asked & ~met;
+    for (int i = 0; i < kSteps && any(passed); ++i) {
+      const Lanes middle = (before + t) * 0.5;
+      const Lanes l = along + uz * middle;
+      const Lanes rho = square_root(magnitude(p2 + middle * middle - l * l));
+      const Lanes m = select(rho > center_r, rho - center_r, rho - rho);
+      const Lanes across = select(rho > 0.0, m * (middle - l * uz) / rho, rho);
+      const Lanes slope = across + l * uz;
+      const LaneMask closing = select(from_below, slope, -slope) < 0.0;
+      before = select(passed & closing, middle, before);
+      t = select(passed & ~closing, middle, t);
+      passed &= magnitude(t - before) > kClosestMm;
     }
     return met;
   }

@@ -1,6 +1,6 @@
-// Tools whose union of pieces is not convex, against the true motion by an oracle that shares no
-// code with the sweeps: between head and neck a column may be left standing, so every solid element
-// and every gap is asked, not one range per column.
+// Tools with arcs and undercuts against the true motion, by an oracle that shares no code with the
+// sweeps. Between head and neck a column may be left standing, so every solid element and every gap
+// is asked, not one range per column.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,11 @@ struct Case {
 std::vector<Case> tools() {
   using P = ProfilePoint;
   using enum ArcBulge;
-  return {{"lollipop", ProfileShape{{P{0, 0}, ProfileCenteredArc{{3, 9}, {0, 5}, kOut}, P{3, 40}}}},
+  return {{"bull_nose", BullNoseShape{10, 2, 50}},
+          {"apt", AptShape{12, 2, 4.296874, 2.383567, 5, 10, 40}},
+          {"barrel", AptShape{16, 60, -52, 20, 0, 0, 35}},
+          {"lens", ProfileShape{{P{0, 0}, ProfileArc{{0, 16}, 10, kOut}}}},
+          {"lollipop", ProfileShape{{P{0, 0}, ProfileCenteredArc{{3, 9}, {0, 5}, kOut}, P{3, 40}}}},
           {"dovetail", ProfileShape{{P{6, 0}, P{3, 6}, P{3, 40}}}},
           {"t_slot", ProfileShape{{P{0, 0}, P{6, 0}, P{6, 3}, P{2.5, 3}, P{2.5, 40}}}},
           {"corner_rounder",
@@ -72,16 +76,16 @@ void check_columns(const Tool& tool, const ToolPose& a, const ToolPose& b, const
   }
 }
 
-class UndercutTool : public testing::TestWithParam<int> {};
+class ShapeMotion : public testing::TestWithParam<int> {};
 
-TEST_P(UndercutTool, StaysWithinToleranceForAnyMotion) {
+TEST_P(ShapeMotion, StaysWithinToleranceForAnyMotion) {
   const Case c = tools()[std::size_t(GetParam())];
   const Tool tool = *make_tool(c.shape);
   std::mt19937 random(unsigned(GetParam()) + 5);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
   };
-  for (int n = 0; n < 5; ++n) {
+  for (int n = 0; n < 12; ++n) {
     SculptureSettings settings;
     settings.stock = BoxStock{{-12, -12, -kDepth}, {12, 12, 0}};
     settings.pitch_mm = 1.3;
@@ -89,18 +93,20 @@ TEST_P(UndercutTool, StaysWithinToleranceForAnyMotion) {
     auto sculpture = *Sculpture::create(settings);
     sculpture.apply(DefineTool{1, tool}).value();
     const Vec3 axis = normalized({in(-0.7, 0.7), in(-0.7, 0.7), 1});
-    const double turn = n == 0 ? 0 : in(0, 0.1);
+    const double turn = n % 4 == 0 ? 0 : n % 4 == 1 ? in(0.1, 0.6) : in(0, 0.1);
     const Vec3 side = normalized(cross(axis, Vec3{in(-1, 1), in(-1, 1), in(-1, 1)}));
     const ToolPose a{{in(-3, 3), in(-3, 3), in(-11, -6)}, axis};
-    const ToolPose b{a.tip_mm + Vec3{in(-4, 4), in(-4, 4), in(-1, 1)},
-                     normalized(axis * std::cos(turn) + side * std::sin(turn))};
+    ToolPose b{a.tip_mm + Vec3{in(-4, 4), in(-4, 4), in(-1, 1)},
+               normalized(axis * std::cos(turn) + side * std::sin(turn))};
+    if (n % 4 == 3)
+      b.tip_mm = a.tip_mm + (a.axis - b.axis) * in(0, 20);  // About a point of the axis.
     sculpture.apply(MoveTool{1, a, b, 0.01}).value();
     check_columns(tool, a, b, sculpture.snapshot(), settings.tolerance_mm,
                   c.name + " motion " + std::to_string(n));
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryTool, UndercutTool, testing::Range(0, 5),
+INSTANTIATE_TEST_SUITE_P(EveryTool, ShapeMotion, testing::Range(0, 9),
                          [](const auto& tool) { return tools()[std::size_t(tool.param)].name; });
 
 }  // namespace
