@@ -16,7 +16,7 @@ namespace {
 
 // Greatest distance of the mesh from the true solid, in pitches: at steep walls and their edges.
 // The mesh is made from the rays along Z, whatever the ray model.
-constexpr double kErrorPerPitch = 0.95;
+constexpr double kErrorPerPitch = 0.93;
 // And what a dexel's end and a chord of an arc may be off.
 constexpr double kErrorPerTolerance = 1;
 // CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: a part for each

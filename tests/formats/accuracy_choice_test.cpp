@@ -133,9 +133,9 @@ TEST(AccuracyChoice, TheTargetThatAMemoryRefusalNamesIsAllowed) {
 TEST(AccuracyChoice, EqualRequestsGiveEqualChoices) {
   // Literal: what a machine chooses, every machine chooses.
   EXPECT_EQ(choose(target(0.05)).accuracy,
-            (Accuracy{Rays::kDexel, 0.0511, 0.005, MotionModel::kTight}));
+            (Accuracy{Rays::kDexel, 0.0483, 0.005, MotionModel::kTight}));
   EXPECT_EQ(choose(target(0.3), use_of(10, false)).accuracy,
-            (Accuracy{Rays::kDexel, 0.334, 0.006, MotionModel::kTight}));
+            (Accuracy{Rays::kDexel, 0.316, 0.006, MotionModel::kTight}));
 }
 
 std::string scene_text(const std::string& accuracy) {
@@ -181,7 +181,7 @@ TEST(SceneTarget, BadTargetsAreRefusedWithTheirPath) {
            {R"({"target_mm": "fine"})", "accuracy.target_mm", "number"},
            {R"({"target_mm": 0.1, "pitch_mm": 1})", "accuracy.pitch_mm", "target"},
            {R"({"target_mm": 0.1, "tolerance_mm": 1})", "accuracy.tolerance_mm", "target"},
-           {R"({"target_mm": 0.0001})", "accuracy.target_mm", "GiB"},
+           {R"({"target_mm": 0.001})", "accuracy.target_mm", "GiB"},
            {R"({"target_mm": 1e-300})", "accuracy.target_mm", ""}}) {
     const auto scene = parse_scene(scene_text(accuracy), {});
     ASSERT_FALSE(scene.has_value()) << accuracy;
