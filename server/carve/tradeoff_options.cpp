@@ -40,7 +40,7 @@ void declare(CLI::App& app, TradeoffOptions& options) {
   app.add_option("--target", options.target_mm, "mark the cheapest with a surface error of MM")
       ->check(check_positive);
   app.add_option("--budget-seconds", options.budget_seconds,
-                 "what would take longer in all is left out, and said so")
+                 "CPU time; what does not fit into it is left out, and said so")
       ->check(check_positive)
       ->capture_default_str();
   app.add_option("--budget-mb", options.budget_mb, "largest stock in memory, MB")

@@ -12,13 +12,13 @@ namespace {
 
 constexpr std::size_t kMotionsPerLook = 16;
 
+}  // namespace
+
 double cpu_seconds() {
   std::timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
-
-}  // namespace
 
 std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& settings,
                                                   const Scene& scene, const Program& program,

@@ -12,6 +12,9 @@
 
 namespace kerf {
 
+/// CPU time of this process, s.
+double cpu_seconds();
+
 /// What came out of carving a program once.
 struct CarvedOnce {
   DexelSnapshot snapshot;
