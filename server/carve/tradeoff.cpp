@@ -261,7 +261,8 @@ class Tradeoff {
       if (row.skipped.empty()) finest = row.pitch_mm;
     if (finest == 0) return;
     settings.pitch_mm = fitting_pitch(settings.stock, kReferencePitch * finest);
-    const auto reference = carve(settings, options_.budget_seconds, "reference");
+    const double until_s = elapsed_s() + (1 - kSweepShare) * options_.budget_seconds;
+    const auto reference = carve(settings, until_s, "reference");
     if (!reference) {
       reference_ = "No reference (pitch " + figure("%.4g", settings.pitch_mm) +
                    " mm): " + reference.error() + ". Volume and force errors are not known.\n";
@@ -276,7 +277,7 @@ class Tradeoff {
                  " mm, tolerance " + figure("%.3g", settings.tolerance_mm) + " mm, " +
                  to_string(settings.rays) + ", tight";
     settings.pitch_mm = fitting_pitch(settings.stock, kCheckPitch * settings.pitch_mm);
-    if (const auto check = carve(settings, 2 * options_.budget_seconds, "reference's own error"))
+    if (const auto check = carve(settings, until_s, "reference's own error"))
       reference_ +=
           "; against that, pitch " + figure("%.4g", settings.pitch_mm) + " mm differs by " +
           figure("%.1g", volume_difference(check->removed_mm3, reference->removed_mm3)) +

@@ -19,15 +19,16 @@ namespace {
 constexpr double kErrorPerPitch = 0.93;
 // And what a dexel's end and a chord of an arc may be off.
 constexpr double kErrorPerTolerance = 1;
-// CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: a part for each
-// sub-motion and a part for each column under the tool.
-constexpr double kUsPerSubMotion = 2.0;
-constexpr double kUsPerColumn = 0.0072;
+// CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: for each
+// sub-motion, for each row of columns under the tool (their number's root) and for each column.
+constexpr double kUsPerSubMotion = 7.4;
+constexpr double kUsPerRow = 0.7;
+constexpr double kUsPerColumn = 0.0079;
 // Sub-motions: 1 + kTight / sqrt(tolerance), 1 + kPaper / tolerance (mm).
-constexpr double kTightParts = 0.06;
-constexpr double kPaperParts = 0.35;
+constexpr double kTightParts = 0.025;
+constexpr double kPaperParts = 0.33;
 // Three fields against one.
-constexpr double kTriDexelCost = 3.0;
+constexpr double kTriDexelCost = 3.5;
 // Of which the footprint is taken: 1 mm of a motion.
 constexpr double kTravelMm = 1;
 
@@ -183,7 +184,8 @@ double predicted_us(const Accuracy& a, const AccuracyUse& use) {
   if (use.turns && a.motion == MotionModel::kTight)
     parts += kTightParts / std::sqrt(a.tolerance_mm);
   if (use.turns && a.motion == MotionModel::kPaper) parts += kPaperParts / a.tolerance_mm;
-  const double one_field = parts * (kUsPerSubMotion + kUsPerColumn * columns);
+  const double one_field =
+      parts * (kUsPerSubMotion + kUsPerRow * std::sqrt(columns) + kUsPerColumn * columns);
   return a.rays == Rays::kTriDexel ? kTriDexelCost * one_field : one_field;
 }
 
