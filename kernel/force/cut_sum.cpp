@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "kernel/force/surface_weight.h"
 #include "kernel/math/lanes.h"
@@ -9,38 +10,38 @@
 namespace kerf {
 namespace {
 
-constexpr int kLanes = RemovedGroup::kLanes;
-
 /// Dimensionless. Where a tool's points differ in their ways by less than this part of the tip's,
 /// all elements push in one direction, that of their middle. Directions err by its square, torque
 /// by it times the spread of the elements.
 constexpr double kCommonWay = 1e-3;
 
-/// Segments longer than this part of the tool's reach are weighted at two points: 1/64 of a tool is
-/// what its normal changes little over.
-constexpr double kShortSegment = 1.0 / 64;
+/// Segments longer than this part of the tool's radius are weighted at two points: over one shorter
+/// a ball's normal makes the weight of the middle wrong by less than a hundredth.
+constexpr double kShortSegment = 0.25;
+
+/// Groups that are worked on at once: what stays in the nearest cache.
+constexpr std::size_t kChunk = 32;
 
 /// Sums lane by lane: of volumes, of volume x place, of volume x direction, of its moment.
 struct LaneSums {
-  double volume[kLanes] = {};
-  double x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
-  double push_x[kLanes] = {}, push_y[kLanes] = {}, push_z[kLanes] = {};
-  double turn_x[kLanes] = {}, turn_y[kLanes] = {}, turn_z[kLanes] = {};
+  Lanes volume{}, x{}, y{}, z{};
+  Lanes push_x{}, push_y{}, push_z{};
+  Lanes turn_x{}, turn_y{}, turn_z{};
 };
 
-double total(const double* lanes) {
+double total(const Lanes& lanes) {
   double sum = 0;
   for (int c = 0; c < kLanes; ++c) sum += lanes[c];
   return sum;
 }
-Vec3 total(const double* x, const double* y, const double* z) {
+Vec3 total(const Lanes& x, const Lanes& y, const Lanes& z) {
   return {total(x), total(y), total(z)};
 }
 
 /// A group as the force sees it: middles of the segments from the tip, and their lengths (mm).
 struct GroupSegments {
   GroupPoints middle;
-  double length[kLanes];
+  Lanes length;
 };
 
 /// Where the tip is in the grid's own numbers, so that points come out from the tip.
@@ -48,88 +49,85 @@ struct TipInGrid {
   double i, j, k, pitch_mm, quantum_mm;
 };
 
-inline __attribute__((always_inline)) void place(const RemovedGroup& g, const TipInGrid& tip,
-                                                 GroupSegments& out) {
-  const double x = (g.i - tip.i) * tip.pitch_mm;
-  out.middle.y = (g.j - tip.j) * tip.pitch_mm;
-  for (int c = 0; c < kLanes; ++c) {
-    const double bottom = g.bottom[c], top = g.top[c];
-    out.middle.x[c] = x + c * tip.pitch_mm;
-    out.middle.z[c] = ((bottom + top) * 0.5 - tip.k) * tip.quantum_mm;
-    out.length[c] = (top - bottom) * tip.quantum_mm;
+KERF_VECTOR_CLONES
+void place(std::span<const RemovedGroup> groups, const TipInGrid& tip, GroupSegments* out) {
+  const Lanes beside = lane_numbers() * tip.pitch_mm;
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    const RemovedGroup& g = groups[k];
+    DepthLanes depth;
+    std::memcpy(&depth, g.bottom, sizeof depth);
+    const Lanes bottom = __builtin_convertvector(depth, Lanes);
+    std::memcpy(&depth, g.top, sizeof depth);
+    const Lanes top = __builtin_convertvector(depth, Lanes);
+    out[k].middle.x = (g.i - tip.i) * tip.pitch_mm + beside;
+    out[k].middle.y = (g.j - tip.j) * tip.pitch_mm;
+    out[k].middle.z = ((bottom + top) * 0.5 - tip.k) * tip.quantum_mm;
+    out[k].length = (top - bottom) * tip.quantum_mm;
   }
 }
 
 /// Multiplies each segment by the part of it that counts.
 void weigh(const SurfaceWeight& surface, Vec3 axis, double short_mm, GroupSegments& group) {
-  double weight[kLanes];
-  if (*std::max_element(group.length, group.length + kLanes) <= short_mm) {
+  double longest = 0;
+  for (int c = 0; c < kLanes; ++c) longest = std::max(longest, group.length[c]);
+  Lanes weight;
+  if (longest <= short_mm) {
     surface.evaluate(group.middle, axis, weight);
-    for (int c = 0; c < kLanes; ++c) group.length[c] *= weight[c];
+    group.length *= weight;
     return;
   }
   // Gauss's two points, a half and 1/√12 of the length apart from the middle.
   constexpr double kGauss = 0.28867513459481287;
   GroupPoints low = group.middle, high = group.middle;
-  for (int c = 0; c < kLanes; ++c) {
-    low.z[c] -= kGauss * group.length[c];
-    high.z[c] += kGauss * group.length[c];
-  }
-  double other[kLanes];
+  low.z -= kGauss * group.length;
+  high.z += kGauss * group.length;
+  Lanes other;
   surface.evaluate(low, axis, weight);
   surface.evaluate(high, axis, other);
-  for (int c = 0; c < kLanes; ++c) group.length[c] *= (weight[c] + other[c]) * 0.5;
+  group.length *= (weight + other) * 0.5;
 }
 
+/// All that is needed where the elements push one way.
 KERF_VECTOR_CLONES
-void add_moments(const GroupSegments& group, LaneSums& s) {
-  for (int c = 0; c < kLanes; ++c) {
-    const double v = group.length[c];
-    s.volume[c] += v;
-    s.x[c] += v * group.middle.x[c];
-    s.y[c] += v * group.middle.y;
-    s.z[c] += v * group.middle.z[c];
+void add_moments(std::span<const GroupSegments> groups, LaneSums& sums) {
+  Lanes volume = sums.volume, x = sums.x, y = sums.y, z = sums.z;
+  for (const GroupSegments& g : groups) {
+    volume += g.length;
+    x += g.length * g.middle.x;
+    y += g.length * g.middle.y;
+    z += g.length * g.middle.z;
   }
-}
-
-/// The same for all groups of a translation that are not weighted: nothing else is needed of them.
-KERF_VECTOR_CLONES
-void add_moments(std::span<const RemovedGroup> groups, const TipInGrid& tip, LaneSums& sums) {
-  LaneSums s;
-  for (const RemovedGroup& g : groups) {
-    GroupSegments group;
-    place(g, tip, group);
-    for (int c = 0; c < kLanes; ++c) {
-      const double v = group.length[c];
-      s.volume[c] += v;
-      s.x[c] += v * group.middle.x[c];
-      s.y[c] += v * group.middle.y;
-      s.z[c] += v * group.middle.z[c];
-    }
-  }
-  sums = s;
+  sums.volume = volume;
+  sums.x = x;
+  sums.y = y;
+  sums.z = z;
 }
 
 /// Adds pushes of elements that each go their own way, and their moments about the pivot.
 KERF_VECTOR_CLONES
-void add_pushes(const GroupSegments& group, const Twist& twist, Vec3 pivot, LaneSums& s) {
+void add_pushes(std::span<const GroupSegments> groups, const Twist& twist, Vec3 pivot,
+                LaneSums& sums) {
   const Vec3 v = twist.travel_mm, w = twist.turn_rad;
-  for (int c = 0; c < kLanes; ++c) {
-    const double x = group.middle.x[c], y = group.middle.y, z = group.middle.z[c];
-    const double way_x = v.x + (w.y * z - w.z * y);
-    const double way_y = v.y + (w.z * x - w.x * z);
-    const double way_z = v.z + (w.x * y - w.y * x);
-    const double n = std::sqrt(way_x * way_x + way_y * way_y + way_z * way_z);
-    const double scale = n > 0 ? -group.length[c] / n : 0;
-    const double fx = way_x * scale, fy = way_y * scale, fz = way_z * scale;
-    const double ax = x - pivot.x, ay = y - pivot.y, az = z - pivot.z;
-    s.push_x[c] += fx;
-    s.push_y[c] += fy;
-    s.push_z[c] += fz;
-    s.turn_x[c] += ay * fz - az * fy;
-    s.turn_y[c] += az * fx - ax * fz;
-    s.turn_z[c] += ax * fy - ay * fx;
+  LaneSums s = sums;
+  for (const GroupSegments& g : groups) {
+    const Lanes x = g.middle.x, z = g.middle.z;
+    const double y = g.middle.y;
+    const Lanes way_x = v.x + (w.y * z - w.z * y);
+    const Lanes way_y = v.y + (w.z * x - w.x * z);
+    const Lanes way_z = v.z + (w.x * y - w.y * x);
+    const Lanes n = square_root(way_x * way_x + way_y * way_y + way_z * way_z);
+    const Lanes scale = select(n > 0.0, -g.length / n, Lanes{});
+    const Lanes fx = way_x * scale, fy = way_y * scale, fz = way_z * scale;
+    const Lanes ax = x - pivot.x, az = z - pivot.z;
+    const double ay = y - pivot.y;
+    s.push_x += fx;
+    s.push_y += fy;
+    s.push_z += fz;
+    s.turn_x += ay * fz - az * fy;
+    s.turn_y += az * fx - ax * fz;
+    s.turn_z += ax * fy - ay * fx;
   }
+  sums = s;
 }
 
 }  // namespace
@@ -144,16 +142,18 @@ CutSum sum_cut(std::span<const RemovedGroup> groups, const DexelGrid& grid, cons
   const bool common =
       length(twist.turn_rad) * frame.reach_mm <= kCommonWay * length(twist.travel_mm);
   LaneSums sums;
-  if (common && weight == nullptr) {
-    add_moments(groups, tip, sums);
-  } else {
-    for (const RemovedGroup& g : groups) {
-      GroupSegments group;
-      place(g, tip, group);
-      if (weight != nullptr) weigh(*weight, frame.axis, kShortSegment * frame.reach_mm, group);
-      add_moments(group, sums);
-      if (!common) add_pushes(group, twist, pivot, sums);
+  GroupSegments chunk[kChunk];
+  for (std::size_t k = 0; k < groups.size(); k += kChunk) {
+    const std::size_t count = std::min(kChunk, groups.size() - k);
+    const std::span<GroupSegments> segments(chunk, count);
+    place(groups.subspan(k, count), tip, chunk);
+    if (weight != nullptr) {
+      for (GroupSegments& g : segments) {
+        weigh(*weight, frame.axis, kShortSegment * frame.radius_mm, g);
+      }
     }
+    add_moments(segments, sums);
+    if (!common) add_pushes(segments, twist, pivot, sums);
   }
   const double area = pitch * pitch;
   CutSum sum{total(sums.volume) * area, total(sums.x, sums.y, sums.z) * area, {}, {}};

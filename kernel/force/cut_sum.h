@@ -39,8 +39,9 @@ struct Twist {
 /// Where the tool is while it cuts: the middle pose of a sub-motion, in the frame of a field.
 struct CutFrame {
   Vec3 tip_mm, axis;
-  double pivot_mm;  ///< of the torque, up the axis
-  double reach_mm;  ///< the tool's length
+  double pivot_mm;   ///< of the torque, up the axis
+  double reach_mm;   ///< farthest point of the tool from its tip
+  double radius_mm;  ///< the tool's
 };
 
 /// Sums over what a sub-motion removed from the field that stands on `grid`; `twist` and `frame`

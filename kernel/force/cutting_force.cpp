@@ -41,6 +41,7 @@ CuttingForce::CuttingForce(const ForceSettings& settings, const Tool& tool,
     : settings_(settings),
       motion_(motion),
       reach_mm_(tool.length_mm + tool.radius_mm),
+      radius_mm_(tool.radius_mm),
       duration_s_(duration_s),
       engagement_(engagement) {
   if (fields > 1) weight_.emplace(tool);
@@ -60,9 +61,10 @@ void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const Tool
   if (removal.quanta == 0) return;
   const ToolPose middle = motion.at(0.5);
   const Twist twist = twist_of(motion);
-  const CutSum local = sum_cut(removal.groups, grid, twist,
-                               {middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_},
-                               weight_ ? &*weight_ : nullptr);
+  const CutSum local =
+      sum_cut(removal.groups, grid, twist,
+              {middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_, radius_mm_},
+              weight_ ? &*weight_ : nullptr);
   const Vec3 way = twist.at(local.center_mm());
   const CutSum sum = to_world(grid.axis, local);
   all_.add(sum, share, length(way));

@@ -51,7 +51,7 @@ class CuttingForce {
 
   ForceSettings settings_;
   const ToolMotion& motion_;
-  double reach_mm_;
+  double reach_mm_, radius_mm_;  ///< of the tool
   double duration_s_;
   std::optional<SurfaceWeight> weight_;  ///< of three fields
   Engagement& engagement_;

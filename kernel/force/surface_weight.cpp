@@ -18,8 +18,8 @@ constexpr double kCoverEpsilonMm = 1e-9;
 
 /// The points of a group in the tool's half-plane. A unit vector (a, b) of the half-plane has the
 /// component a · radial_z + b · axis_z along the rays.
-struct SurfaceWeight::Lanes {
-  double rho[GroupPoints::kLanes], h[GroupPoints::kLanes], radial_z[GroupPoints::kLanes];
+struct SurfaceWeight::Meridian {
+  Lanes rho, h, radial_z;
   double axis_z;
 };
 
@@ -73,55 +73,44 @@ SurfaceWeight::SurfaceWeight(const Tool& tool) {
 
 /// Where a piece is nearer than what was found before (less far outside, or deeper around the
 /// point), takes its distance and its normal's component along the rays.
-inline __attribute__((always_inline)) void SurfaceWeight::nearest_of(const Piece& p,
-                                                                     const Lanes& at,
-                                                                     double* nearest,
-                                                                     double* normal_z) {
-  for (int c = 0; c < GroupPoints::kLanes; ++c) {
-    const double below = p.z0 - at.h[c], above = at.h[c] - p.z1;
-    double face, n;  // signed distance from the side, and its normal along the rays
-    if (p.side == Side::kLine) {
-      face = (at.rho[c] - p.r0 - p.slope * (at.h[c] - p.z0)) * p.normal_r;
-      n = (at.radial_z[c] - p.slope * at.axis_z) * p.normal_r;
-    } else {
-      const double out = at.rho[c] > p.center_r ? at.rho[c] - p.center_r : 0;
-      const double up = at.h[c] - p.center_z;
-      const double d = std::sqrt(out * out + up * up);
-      face = d - p.radius;
-      const double inverse = d > 0 ? 1 / d : 0;
-      n = (out * at.radial_z[c] + up * at.axis_z) * inverse;
-    }
-    double distance = face > below ? face : below;
-    distance = distance > above ? distance : above;
-    const bool lower = at.rho[c] > p.covered_below && below > face;
-    face = lower ? below : face;
-    const bool upper = at.rho[c] > p.covered_above && above > face;
-    n = lower ? -at.axis_z : n;
-    n = upper ? at.axis_z : n;
-    const bool nearer = distance < nearest[c];
-    nearest[c] = nearer ? distance : nearest[c];
-    normal_z[c] = nearer ? n : normal_z[c];
+KERF_INLINE void SurfaceWeight::nearest_of(const Piece& p, const Meridian& at, Lanes& nearest,
+                                           Lanes& normal_z) {
+  const Lanes below = p.z0 - at.h, above = at.h - p.z1;
+  Lanes face, n;  // signed distance from the side, and its normal along the rays
+  if (p.side == Side::kLine) {
+    face = (at.rho - p.r0 + p.slope * below) * p.normal_r;
+    n = (at.radial_z - p.slope * at.axis_z) * p.normal_r;
+  } else {
+    const Lanes out = greater(at.rho - p.center_r, Lanes{});
+    const Lanes up = at.h - p.center_z;
+    const Lanes d = square_root(out * out + up * up);
+    face = d - p.radius;
+    n = select(d > 0.0, (out * at.radial_z + up * at.axis_z) / d, Lanes{});
   }
+  const Lanes distance = greater(greater(face, below), above);
+  const LaneMask lower = (at.rho > p.covered_below) & (below > face);
+  face = select(lower, below, face);
+  const LaneMask upper = (at.rho > p.covered_above) & (above > face);
+  n = select(lower, splat(-at.axis_z), n);
+  n = select(upper, splat(at.axis_z), n);
+  const LaneMask nearer = distance < nearest;
+  nearest = select(nearer, distance, nearest);
+  normal_z = select(nearer, n, normal_z);
 }
 
 KERF_VECTOR_CLONES
-void SurfaceWeight::evaluate(const GroupPoints& points, Vec3 axis, double* weight) const {
-  Lanes at;
+void SurfaceWeight::evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const {
+  const Lanes x = points.x, z = points.z;
+  const double y = points.y;
+  Meridian at;
   at.axis_z = axis.z;
-  double nearest[GroupPoints::kLanes], normal_z[GroupPoints::kLanes];
-  for (int c = 0; c < GroupPoints::kLanes; ++c) {
-    const double x = points.x[c], y = points.y, z = points.z[c];
-    const double h = x * axis.x + y * axis.y + z * axis.z;
-    const double qx = x - h * axis.x, qy = y - h * axis.y, qz = z - h * axis.z;
-    const double rho = std::sqrt(qx * qx + qy * qy + qz * qz);
-    at.h[c] = h;
-    at.rho[c] = rho;
-    at.radial_z[c] = rho > 0 ? qz / rho : 0;
-    nearest[c] = kInfinity;
-    normal_z[c] = 0;
-  }
+  at.h = x * axis.x + y * axis.y + z * axis.z;
+  const Lanes qx = x - at.h * axis.x, qy = y - at.h * axis.y, qz = z - at.h * axis.z;
+  at.rho = square_root(qx * qx + qy * qy + qz * qz);
+  at.radial_z = select(at.rho > 0.0, qz / at.rho, Lanes{});
+  Lanes nearest = splat(kInfinity), normal_z{};
   for (const Piece& p : pieces_) nearest_of(p, at, nearest, normal_z);
-  for (int c = 0; c < GroupPoints::kLanes; ++c) weight[c] = normal_z[c] * normal_z[c];
+  weight = normal_z * normal_z;
 }
 
 }  // namespace kerf

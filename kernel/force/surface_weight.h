@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kernel/cut/removal.h"
+#include "kernel/math/lanes.h"
 #include "kernel/math/vec3.h"
 #include "kernel/tool/tool.h"
 
@@ -10,8 +10,9 @@ namespace kerf {
 
 /// Points of one group of columns, from the tool's tip (mm).
 struct GroupPoints {
-  static constexpr int kLanes = RemovedGroup::kLanes;
-  double x[kLanes], y, z[kLanes];
+  Lanes x;
+  double y;
+  Lanes z;
 };
 
 /// What part of a removed element the rays of one of three fields count: n_z² in the field's frame,
@@ -24,7 +25,7 @@ class SurfaceWeight {
 
   /// The part of each of a group's points, for a tool whose unit axis is `axis` in the field's
   /// frame.
-  void evaluate(const GroupPoints& points, Vec3 axis, double* weight) const;
+  void evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
 
  private:
   enum class Side { kLine, kArc };
@@ -39,9 +40,9 @@ class SurfaceWeight {
 
     double radius_at(double h) const;
   };
-  struct Lanes;
+  struct Meridian;
   static Piece piece_of(const ToolPiece& piece);
-  static void nearest_of(const Piece& piece, const Lanes& at, double* nearest, double* normal_z);
+  static void nearest_of(const Piece& piece, const Meridian& at, Lanes& nearest, Lanes& normal_z);
 
   std::vector<Piece> pieces_;
 };

@@ -52,6 +52,7 @@ Cut plunge() { return {"plunge", {0.0371, 0.0213, -3.513}, {0, 0, -1}}; }
 struct Statistics {
   Vec3 force, torque;                          ///< means
   double force_ripple = 0, torque_ripple = 0;  ///< rms of the deviation / |mean force|, / its lever
+  double delay_mm = 0;  ///< mean travel by which what is felt follows what is cut
 };
 
 /// The rms of what differs from the mean, by `scale`.
@@ -90,11 +91,13 @@ Statistics measure(const Setup& setup, const Cut& cut) {
   const int lead = int(std::lround(4 / step_mm));
   const int ticks = int(std::lround(kMeasuredMm / step_mm));
   std::vector<Vec3> forces, torques;
+  std::vector<double> areas;
   for (int i = 0; i < lead + ticks; ++i) {
     const Vec3 from = cut.start + cut.way * (i * step_mm);
     const Vec3 to = cut.start + cut.way * ((i + 1) * step_mm);
     const MotionResult r =
         sculpture.apply(MoveTool{1, {from, up}, {to, up}, 1 / setup.rate_hz}).value();
+    areas.push_back(r.cutting.engaged_area_mm2);
     if (i < lead) continue;
     forces.push_back(r.wrench.force_n);
     torques.push_back(r.wrench.torque_nmm);
@@ -105,6 +108,11 @@ Statistics measure(const Setup& setup, const Cut& cut) {
   const double torque = std::max(length(s.torque), push * kRadiusMm);
   s.force_ripple = ripple(forces, s.force, push);
   s.torque_ripple = ripple(torques, s.torque, torque);
+  // Nothing was felt before the first tick: what is missing until the engagement is constant is the
+  // delay.
+  double area = 0;
+  for (int i = lead; i < lead + ticks; ++i) area += areas[std::size_t(i)] / ticks;
+  for (int i = 0; i < lead; ++i) s.delay_mm += step_mm * (1 - areas[std::size_t(i)] / area);
   return s;
 }
 
@@ -128,10 +136,11 @@ void row(const Setup& setup, const Cut& cut) {
   Setup finer = setup;
   finer.pitch_mm /= 2;
   by_pitch.push_back(measure(finer, cut).force);
-  std::printf("%-5s %-9s %-9s %-9s %9.3f %8.2f %8.2f %8.2f %8.2f\n", setup.ball ? "ball" : "flat",
-              to_string(setup.rays), setup.law == ForceLaw::kSpecificEnergy ? "specific" : "drr",
-              cut.name.c_str(), length(s.force), 100 * s.force_ripple, 100 * s.torque_ripple,
-              100 * spread(by_rate), 100 * spread(by_pitch));
+  std::printf("%-5s %-9s %-9s %-9s %9.3f %8.2f %8.2f %8.2f %8.2f %8.3f\n",
+              setup.ball ? "ball" : "flat", to_string(setup.rays),
+              setup.law == ForceLaw::kSpecificEnergy ? "specific" : "drr", cut.name.c_str(),
+              length(s.force), 100 * s.force_ripple, 100 * s.torque_ripple, 100 * spread(by_rate),
+              100 * spread(by_pitch), s.delay_mm);
 }
 
 }  // namespace
@@ -143,8 +152,8 @@ int main(int argc, char** argv) {
       "Constant engagement, %.0f mm/s, pitch %.3g mm, %.0f Hz, tools of %.0f mm, slots %.2f mm "
       "deep. Ripple: rms / mean.\n",
       kSpeedMmS, pitch_mm, kRateHz, 2 * kRadiusMm, kDepthMm);
-  std::printf("%-5s %-9s %-9s %-9s %9s %8s %8s %8s %8s\n", "tool", "rays", "law", "cut", "force_N",
-              "ripple%", "torque%", "rates%", "pitch%");
+  std::printf("%-5s %-9s %-9s %-9s %9s %8s %8s %8s %8s %8s\n", "tool", "rays", "law", "cut",
+              "force_N", "ripple%", "torque%", "rates%", "pitch%", "delay_mm");
   for (const bool ball : {true, false}) {
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
       for (const ForceLaw law : {ForceLaw::kSpecificEnergy, ForceLaw::kDexelRemovalRate}) {

@@ -52,7 +52,7 @@ TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   const DexelGrid grid{{0.75, 1.75, -1}, 0.5, 0.25, 1, 1, 4};
   const std::vector<RemovedGroup> groups{{0, 0, {2}, {4}}};
   const Twist along_x{{0.5, 0, 0}, {}};
-  const CutSum sum = sum_cut(groups, grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50}, nullptr);
+  const CutSum sum = sum_cut(groups, grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50, 5}, nullptr);
   const double volume = 0.5 * 0.25;
   EXPECT_NEAR(sum.volume_mm3, volume, 1e-15);
   EXPECT_NEAR(sum.push_mm3.x, -volume, 1e-15);

@@ -17,15 +17,10 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 double weight_at(const SurfaceWeight& surface, Vec3 p, Vec3 axis) {
-  GroupPoints points{};
-  for (int c = 0; c < GroupPoints::kLanes; ++c) {
-    points.x[c] = p.x;
-    points.z[c] = p.z;
-  }
-  points.y = p.y;
-  std::array<double, GroupPoints::kLanes> weight{};
-  surface.evaluate(points, axis, weight.data());
-  for (const double w : weight) EXPECT_EQ(w, weight[0]);
+  const GroupPoints points{splat(p.x), p.y, splat(p.z)};
+  Lanes weight;
+  surface.evaluate(points, axis, weight);
+  for (int c = 0; c < kLanes; ++c) EXPECT_EQ(weight[c], weight[0]);
   return weight[0];
 }
 
