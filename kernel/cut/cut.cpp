@@ -1,7 +1,9 @@
 #include "kernel/cut/cut.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "kernel/cut/subtract_row.h"
 
@@ -35,9 +37,6 @@ SweepBounds bounds_of(const SweptTool& swept) {
   return all;
 }
 
-KERF_VECTOR_CLONES
-unsigned lanes_below(const Lanes& a, const Lanes& b) { return bits(a < b); }
-
 /// One sweep at work on one field.
 class Cutter {
  public:
@@ -66,8 +65,13 @@ class Cutter {
     DexelTile* changed = nullptr;
   };
 
+  static Lanes lower_bound(const SweptPiece& piece, const Discs& discs) {
+    Lanes z = Lanes(std::numeric_limits<double>::infinity());
+    std::visit([&](const auto& s) { s.lower_bound(discs, z); }, piece);
+    return z;
+  }
   Lanes lower_bound(const Discs& discs) const {
-    Lanes z = splat(std::numeric_limits<double>::infinity());
+    Lanes z = Lanes(std::numeric_limits<double>::infinity());
     for (const SweptPiece& piece : swept_) {
       std::visit([&](const auto& s) { s.lower_bound(discs, z); }, piece);
     }
@@ -90,9 +94,9 @@ class Cutter {
       Lanes tops;
       for (int i = 0; i < kLanes; ++i) {
         const auto [x, y] = first_column(tile, block + i);
-        discs.x_mm[i] = grid_.x_mm(x) + 3.5 * grid_.pitch_mm;
-        discs.y_mm[i] = grid_.y_mm(y) + 3.5 * grid_.pitch_mm;
-        tops[i] = reached_below_mm(block_top(work, block + i));
+        discs.x_mm.set(i, grid_.x_mm(x) + 3.5 * grid_.pitch_mm);
+        discs.y_mm.set(i, grid_.y_mm(y) + 3.5 * grid_.pitch_mm);
+        tops.set(i, reached_below_mm(block_top(work, block + i)));
       }
       const unsigned reached = lanes_below(lower_bound(discs), tops);
       for (int i = 0; i < kLanes; ++i) {
@@ -114,23 +118,26 @@ class Cutter {
     const Column first = first_column(work.index, block);
     if (first.i >= grid_.columns_x || first.j >= grid_.columns_y) return;
     const std::int32_t top = block_top(work, block);
-    Discs discs{splat(grid_.x_mm(first.i) + 3.5 * grid_.pitch_mm), {}, 3.5 * grid_.pitch_mm};
+    Discs discs{Lanes(grid_.x_mm(first.i) + 3.5 * grid_.pitch_mm), {}, 3.5 * grid_.pitch_mm};
     for (int i = 0; i < kBlockSide; ++i) {
-      block_.x_mm[i] = grid_.x_mm(first.i + i);
-      discs.y_mm[i] = block_.y_mm[i] = grid_.y_mm(first.j + i);
+      block_.x_mm.set(i, grid_.x_mm(first.i + i));
+      block_.y_mm[i] = grid_.y_mm(first.j + i);
+      discs.y_mm.set(i, block_.y_mm[i]);
     }
-    const std::int32_t rows = std::min(kBlockSide, grid_.columns_y - first.j);
-    block_.rows =
-        lanes_below(lower_bound(discs), splat(reached_below_mm(top))) & ((1U << rows) - 1);
-    if (block_.rows == 0) return;
+    const std::int32_t in_grid = std::min(kBlockSide, grid_.columns_y - first.j);
+    const Lanes reached_below = Lanes(reached_below_mm(top));
     block_.top_mm = grid_.z_mm(top);
     block_.clear();
     for (const SweptPiece& piece : swept_) {
-      std::visit([&](const auto& s) { s.evaluate(block_); }, piece);
+      const Lanes lowest = lower_bound(piece, discs);
+      block_.rows = lanes_below(lowest, reached_below) & ((1U << in_grid) - 1);
+      block_.rows &= ~block_.rows_beyond(lowest);
+      if (block_.rows != 0) std::visit([&](const auto& s) { s.evaluate(block_); }, piece);
     }
+    if (block_.filled == 0) return;
     const std::int64_t before = removal_.quanta;
     for (int row = 0; row < kBlockSide; ++row) {
-      if ((block_.rows >> row & 1) == 0) continue;
+      if ((block_.filled >> row & 1) == 0) continue;
       cut_row(work, first, row, block_.lo_mm[row], block_.hi_mm[row]);
     }
     for (const ColumnBlock::Apart& a : block_.apart) {
@@ -142,33 +149,34 @@ class Cutter {
   }
 
   void cut_row(Work& work, Column first, int row, const Lanes& lo_mm, const Lanes& hi_mm) {
-    CutRow cut;
-    quantize(lo_mm, hi_mm, grid_, cut);
     const std::int32_t j = first.j + row;
     const int column = j % kTileSide * kTileSide + first.i % kTileSide;
+    RowChange change;
     if (work.stored == nullptr) {
-      // What is outside the grid is empty in the tile that is made.
-      if (is_empty(cut)) return;
+      // What is outside the grid or beside the stock is empty in the tile that is made.
+      std::int32_t bottom[kLanes] = {}, top[kLanes];
+      std::ranges::fill(top, grid_.height_quanta);
+      subtract_row(lo_mm, hi_mm, grid_, bottom, top, 0, change);
+      if (change.quanta == 0 && change.left_over == 0) return;
       make_editable(work);
     }
     const DexelTile& tile = *work.stored;
     const unsigned split = tile.split[std::size_t(j % kTileSide)] >> (first.i % kTileSide) & 0xFFU;
-    RowChange change;
-    subtract_row(cut, &tile.bottom[std::size_t(column)], &tile.top[std::size_t(column)], split,
-                 change);
+    subtract_row(lo_mm, hi_mm, grid_, &tile.bottom[std::size_t(column)],
+                 &tile.top[std::size_t(column)], split, change);
     if (change.quanta > 0) {
       make_editable(work);
-      std::ranges::copy(change.bottom, &work.changed->bottom[std::size_t(column)]);
-      std::ranges::copy(change.top, &work.changed->top[std::size_t(column)]);
-      removal_.groups.push_back({first.i, j, {}, {}});
-      std::ranges::copy(change.removed_bottom, removal_.groups.back().bottom);
-      std::ranges::copy(change.removed_top, removal_.groups.back().top);
+      std::memcpy(&work.changed->bottom[std::size_t(column)], change.bottom, sizeof change.bottom);
+      std::memcpy(&work.changed->top[std::size_t(column)], change.top, sizeof change.top);
+      RemovedGroup& removed = removal_.groups.emplace_back(first.i, j);
+      std::memcpy(removed.bottom, change.removed_bottom, sizeof removed.bottom);
+      std::memcpy(removed.top, change.removed_top, sizeof removed.top);
       removal_.quanta += change.quanta;
     }
-    for (int c = 0; c < kLanes; ++c) {
-      if ((change.left_over >> c & 1) != 0) {
-        subtract_elements(work, column + c, {first.i + c, j}, {cut.bottom[c], cut.top[c]});
-      }
+    for (unsigned left = change.left_over; left != 0; left &= left - 1) {
+      const int c = std::countr_zero(left);
+      subtract_elements(work, column + c, {first.i + c, j},
+                        {change.cut_bottom[c], change.cut_top[c]});
     }
   }
 

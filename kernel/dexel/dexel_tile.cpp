@@ -1,6 +1,26 @@
 #include "kernel/dexel/dexel_tile.h"
 
+#include "kernel/math/lanes.h"
+
 namespace kerf {
+namespace {
+
+/// Greatest of a block of 8 x 8 depths in rows of a tile.
+KERF_VECTOR_CLONES
+std::int32_t highest(const std::int32_t* depths) {
+  std::int32_t greatest[8] = {};
+  for (int row = 0; row < 8; ++row) {
+    for (int c = 0; c < 8; ++c) {
+      const std::int32_t depth = depths[row * kTileSide + c];
+      greatest[c] = depth > greatest[c] ? depth : greatest[c];
+    }
+  }
+  std::int32_t all = 0;
+  for (const std::int32_t depth : greatest) all = depth > all ? depth : all;
+  return all;
+}
+
+}  // namespace
 
 void DexelTile::read(int column, std::vector<Dexel>& out) const {
   out.clear();
@@ -30,12 +50,7 @@ void DexelTile::update_bounds() {
 
 void DexelTile::update_bounds(int block) {
   const int first = block / kTileBlocksAcross * 8 * kTileSide + block % kTileBlocksAcross * 8;
-  std::int32_t highest = 0;
-  for (int row = 0; row < 8; ++row) {
-    const std::int32_t* tops = &top[std::size_t(first + row * kTileSide)];
-    for (int c = 0; c < 8; ++c) highest = tops[c] > highest ? tops[c] : highest;
-  }
-  block_top[std::size_t(block)] = highest;
+  block_top[std::size_t(block)] = highest(&top[std::size_t(first)]);
 }
 
 }  // namespace kerf

@@ -37,10 +37,13 @@ struct RayCapsule {
   KERF_INLINE void include_end(AnySpan& span, Real x, Real y, Real side) const {
     const Real px = x - from.x, py = y - from.y, qx = x - to.x, qy = y - to.y;
     const Real along = px * along_x + py * along_y;
-    const Real perp = px * along_y - py * along_x;
-    const Real rho2 = radius2 - perp * perp;
-    const Real rho = square_root(select(rho2 > 0.0, rho2, splat_like(x, 0)));
-    const Real s = (along + side * rho * lean) * inverse_h;
+    Real s = along * inverse_h;
+    if (lean != 0) {
+      const Real perp = px * along_y - py * along_x;
+      const Real rho2 = radius2 - perp * perp;
+      const Real rho = square_root(select(rho2 > 0.0, rho2, splat_like(x, 0)));
+      s = (along + side * rho * lean) * inverse_h;
+    }
     const auto starts = s <= 0.0, ends = s >= 1.0;
     const Real ex = select(starts, px, select(ends, qx, px - s * d.x));
     const Real ey = select(starts, py, select(ends, qy, py - s * d.y));

@@ -5,70 +5,122 @@
 
 namespace kerf {
 
-/// Eight numbers that are computed with at once: the columns of a group. The compiler maps them to
-/// whatever vector registers the target has; operators work lane by lane and round exactly as
-/// plain doubles do, so every instruction set gives the same bits.
-inline constexpr int kLanes = 8;
-typedef double Lanes __attribute__((vector_size(64), aligned(64)));
-typedef std::int64_t LaneMask
-    __attribute__((vector_size(64), aligned(64)));  ///< −1 where true, 0 where false
-typedef std::int32_t DepthLanes __attribute__((vector_size(32), aligned(32)));
-
-// Lanes are only passed between functions that become one: how a vector is passed depends on the
-// instruction set.
+// What computes with lanes becomes one function with its caller: how a vector would be passed
+// depends on the instruction set.
 #define KERF_INLINE inline __attribute__((always_inline))
 
-// The loops over lanes are compiled for three instruction sets, of which the program takes the best
-// that the CPU has. With contraction off all give equal bits; to show it, a build may ask for one
-// of them (CMake's KERF_VECTOR). Clang refuses vectors in functions of several instruction sets, so
-// a build by Clang gets no clones.
-#if !defined(__x86_64__) || defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || \
-    defined(KERF_VECTOR_NONE)
-#define KERF_VECTOR_CLONES
-#elif defined(KERF_VECTOR_AVX2)
-#define KERF_VECTOR_CLONES __attribute__((target("arch=x86-64-v3")))
-#elif defined(KERF_VECTOR_AVX512)
-#define KERF_VECTOR_CLONES __attribute__((target("arch=x86-64-v4")))
-#elif defined(__clang__)
-#define KERF_VECTOR_CLONES
-#else
-#define KERF_VECTOR_CLONES \
-  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#endif
+/// Eight numbers that are computed with at once: the columns of a group. Operators work lane by
+/// lane and round exactly as plain doubles do, so every instruction set gives the same bits. Two
+/// vectors of four, because GCC 12 takes comparisons of vectors that are wider than a register
+/// apart.
+inline constexpr int kLanes = 8;
+typedef double HalfLanes __attribute__((vector_size(32), aligned(32)));
+typedef std::int64_t HalfMask __attribute__((vector_size(32), aligned(32)));
 
-KERF_INLINE Lanes splat(double v) { return Lanes{} + v; }
+struct Lanes {
+  HalfLanes a, b;
+
+  KERF_INLINE Lanes() : a{}, b{} {}
+  KERF_INLINE Lanes(HalfLanes first, HalfLanes last) : a(first), b(last) {}
+  /// The same number in every lane.
+  KERF_INLINE Lanes(double v) : a{v, v, v, v}, b{v, v, v, v} {}
+  KERF_INLINE double operator[](int i) const { return i < 4 ? a[i] : b[i - 4]; }
+  KERF_INLINE void set(int i, double v) {
+    if (i < 4) {
+      a[i] = v;
+    } else {
+      b[i - 4] = v;
+    }
+  }
+};
+
+/// What a comparison of lanes says: all bits set where it holds.
+struct LaneMask {
+  HalfMask a, b;
+};
+
+KERF_INLINE Lanes operator+(Lanes x, Lanes y) { return {x.a + y.a, x.b + y.b}; }
+KERF_INLINE Lanes operator-(Lanes x, Lanes y) { return {x.a - y.a, x.b - y.b}; }
+KERF_INLINE Lanes operator*(Lanes x, Lanes y) { return {x.a * y.a, x.b * y.b}; }
+KERF_INLINE Lanes operator/(Lanes x, Lanes y) { return {x.a / y.a, x.b / y.b}; }
+KERF_INLINE Lanes operator-(Lanes x) { return {-x.a, -x.b}; }
+KERF_INLINE LaneMask operator<(Lanes x, Lanes y) { return {x.a < y.a, x.b < y.b}; }
+KERF_INLINE LaneMask operator>(Lanes x, Lanes y) { return {x.a > y.a, x.b > y.b}; }
+KERF_INLINE LaneMask operator<=(Lanes x, Lanes y) { return {x.a <= y.a, x.b <= y.b}; }
+KERF_INLINE LaneMask operator>=(Lanes x, Lanes y) { return {x.a >= y.a, x.b >= y.b}; }
+KERF_INLINE LaneMask operator==(Lanes x, Lanes y) { return {x.a == y.a, x.b == y.b}; }
+KERF_INLINE LaneMask operator&(LaneMask x, LaneMask y) { return {x.a & y.a, x.b & y.b}; }
+KERF_INLINE LaneMask operator|(LaneMask x, LaneMask y) { return {x.a | y.a, x.b | y.b}; }
+KERF_INLINE LaneMask operator^(LaneMask x, LaneMask y) { return {x.a ^ y.a, x.b ^ y.b}; }
+KERF_INLINE LaneMask operator~(LaneMask x) { return {~x.a, ~x.b}; }
+KERF_INLINE LaneMask& operator&=(LaneMask& x, LaneMask y) { return x = x & y; }
+KERF_INLINE LaneMask& operator|=(LaneMask& x, LaneMask y) { return x = x | y; }
+
 KERF_INLINE double splat_like(double, double v) { return v; }
-KERF_INLINE Lanes splat_like(Lanes, double v) { return splat(v); }
+KERF_INLINE Lanes splat_like(Lanes, double v) { return Lanes(v); }
 
 KERF_INLINE double square_root(double v) { return std::sqrt(v); }
 KERF_INLINE Lanes square_root(Lanes v) {
-  Lanes r;
-  for (int i = 0; i < kLanes; ++i) r[i] = std::sqrt(v[i]);
-  return r;
+  for (int i = 0; i < 4; ++i) v.a[i] = std::sqrt(v.a[i]);
+  for (int i = 0; i < 4; ++i) v.b[i] = std::sqrt(v.b[i]);
+  return v;
 }
 
 KERF_INLINE double select(bool condition, double yes, double no) { return condition ? yes : no; }
-KERF_INLINE Lanes select(LaneMask condition, Lanes yes, Lanes no) { return condition ? yes : no; }
+KERF_INLINE Lanes select(LaneMask condition, Lanes yes, Lanes no) {
+  return {condition.a ? yes.a : no.a, condition.b ? yes.b : no.b};
+}
 
 /// Lesser and greater; the second where either is not a number.
-KERF_INLINE Lanes lesser(Lanes a, Lanes b) { return a < b ? a : b; }
-KERF_INLINE Lanes greater(Lanes a, Lanes b) { return a > b ? a : b; }
-KERF_INLINE Lanes magnitude(Lanes a) { return a < 0.0 ? -a : a; }
+KERF_INLINE Lanes lesser(Lanes x, Lanes y) { return select(x < y, x, y); }
+KERF_INLINE Lanes greater(Lanes x, Lanes y) { return select(x > y, x, y); }
+KERF_INLINE Lanes magnitude(Lanes x) { return select(x < 0.0, -x, x); }
 
+KERF_INLINE LaneMask every_lane() { return Lanes() == Lanes(); }
 KERF_INLINE bool any(LaneMask m) {
-  std::int64_t any = 0;
-  for (int i = 0; i < kLanes; ++i) any |= m[i];
-  return any != 0;
+  const HalfMask either = m.a | m.b;
+  return (either[0] | either[1] | either[2] | either[3]) != 0;
 }
-
 /// Bit i is set where lane i is true.
 KERF_INLINE unsigned bits(LaneMask m) {
-  unsigned bits = 0;
-  for (int i = 0; i < kLanes; ++i) bits |= unsigned(m[i] & 1) << i;
-  return bits;
+  const HalfMask weighted = (m.a & HalfMask{1, 2, 4, 8}) | (m.b & HalfMask{16, 32, 64, 128});
+  return static_cast<unsigned>(weighted[0] | weighted[1] | weighted[2] | weighted[3]);
 }
 
-/// The lane numbers 0 … 7.
-KERF_INLINE Lanes lane_numbers() { return Lanes{0, 1, 2, 3, 4, 5, 6, 7}; }
+// KERF_FOR_EACH_TARGET(Result, name, (parameters), (arguments)) defines the function `name` for
+// three instruction sets, of which the loader picks the best that the CPU has; all of them are the
+// inline function name_in_lanes. With contraction off they give equal bits; to show it, a build may
+// ask for one of them (CMake's KERF_VECTOR). GCC's target_clones will not do: it takes vectors
+// apart before it clones. Clang and sanitizers get plain code. KERF_VECTOR_CLONES is for functions
+// of plain loops.
+#define KERF_FOR_TARGET(attribute, Result, name, parameters, arguments) \
+  attribute Result name parameters { return name##_in_lanes arguments; }
+#define KERF_TARGET_AVX2 __attribute__((target("arch=x86-64-v3")))
+#define KERF_TARGET_AVX512 __attribute__((target("arch=x86-64-v4")))
+#if !defined(__x86_64__) || defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || \
+    defined(KERF_VECTOR_NONE)
+#define KERF_VECTOR_CLONES
+#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
+  KERF_FOR_TARGET(, Result, name, parameters, arguments)
+#elif defined(KERF_VECTOR_AVX2)
+#define KERF_VECTOR_CLONES KERF_TARGET_AVX2
+#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
+  KERF_FOR_TARGET(KERF_TARGET_AVX2, Result, name, parameters, arguments)
+#elif defined(KERF_VECTOR_AVX512)
+#define KERF_VECTOR_CLONES KERF_TARGET_AVX512
+#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
+  KERF_FOR_TARGET(KERF_TARGET_AVX512, Result, name, parameters, arguments)
+#elif defined(__clang__)
+#define KERF_VECTOR_CLONES
+#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
+  KERF_FOR_TARGET(, Result, name, parameters, arguments)
+#else
+#define KERF_VECTOR_CLONES \
+  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments)                          \
+  KERF_FOR_TARGET(__attribute__((target("default"))), Result, name, parameters, arguments) \
+  KERF_FOR_TARGET(KERF_TARGET_AVX2, Result, name, parameters, arguments)                   \
+  KERF_FOR_TARGET(KERF_TARGET_AVX512, Result, name, parameters, arguments)
+#endif
 
 }  // namespace kerf

@@ -14,8 +14,8 @@ struct Span {
 
 /// The same along eight rays.
 struct LaneSpan {
-  Lanes lo = splat(std::numeric_limits<double>::infinity());
-  Lanes hi = splat(-std::numeric_limits<double>::infinity());
+  Lanes lo = Lanes(std::numeric_limits<double>::infinity());
+  Lanes hi = Lanes(-std::numeric_limits<double>::infinity());
 };
 
 /// Widens `span` (a Span or a LaneSpan) to contain z where `hit` holds. Branch-free; a NaN never

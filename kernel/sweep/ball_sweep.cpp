@@ -14,46 +14,50 @@ KERF_INLINE Lanes bound_capsule(const RayCapsule& c, const Discs& discs, double 
                                 bool start_is_cut) {
   const Lanes px = discs.x_mm - c.from.x, py = discs.y_mm - c.from.y;
   const Lanes along = px * c.along_x + py * c.along_y;
-  const Lanes s = lesser(greater(along * c.inverse_h, splat(0)), splat(1));
+  const Lanes s = lesser(greater(along * c.inverse_h, Lanes(0)), Lanes(1));
   const Lanes ex = px - s * c.d.x, ey = py - s * c.d.y;
-  const Lanes off = greater(square_root(ex * ex + ey * ey) - discs.reach_mm, splat(0));
+  const Lanes off = greater(square_root(ex * ex + ey * ey) - discs.reach_mm, Lanes(0));
   const Lanes w2 = c.radius2 - off * off;
   const double lowest = c.from.z < c.to.z ? c.from.z : c.to.z;
   const double away = radius * (c.lean < 0 ? c.lean : -c.lean);
   const LaneMask reached = w2 >= 0.0;
   const LaneMask advances = start_is_cut ? along + discs.reach_mm > away : w2 == w2;
   return select(reached & advances, lowest - square_root(w2),
-                splat(std::numeric_limits<double>::infinity()));
+                Lanes(std::numeric_limits<double>::infinity()));
 }
 
-KERF_VECTOR_CLONES
-void bound_chain(std::span<const RayCapsule> capsules, const Discs& discs, double radius,
-                 bool start_is_cut, Lanes& z) {
+KERF_INLINE void bound_chain_in_lanes(std::span<const RayCapsule> capsules, const Discs& discs,
+                                      double radius, bool start_is_cut, Lanes& z) {
   for (const RayCapsule& c : capsules) {
     z = lesser(bound_capsule(c, discs, radius, start_is_cut), z);
     start_is_cut = true;  // By the capsule before.
   }
 }
+KERF_FOR_EACH_TARGET(void, bound_chain,
+                     (std::span<const RayCapsule> capsules, const Discs& discs, double radius,
+                      bool start_is_cut, Lanes& z),
+                     (capsules, discs, radius, start_is_cut, z))
 
-KERF_VECTOR_CLONES
-void evaluate_chain(std::span<const RayCapsule> capsules, ColumnBlock& block) {
+KERF_INLINE void evaluate_chain_in_lanes(std::span<const RayCapsule> capsules, ColumnBlock& block) {
   for (const RayCapsule& c : capsules) {
     // A ball whose centre stays above the stock has no upper end in it.
     const bool above = c.from.z >= block.top_mm && c.to.z >= block.top_mm;
     for (int row = 0; row < kBlockSide; ++row) {
       if ((block.rows >> row & 1) == 0) continue;
       LaneSpan span;
-      const Lanes y = splat(block.y_mm[row]);
-      c.include_end(span, block.x_mm, y, splat(-1));
+      const Lanes y = Lanes(block.y_mm[row]);
+      c.include_end(span, block.x_mm, y, Lanes(-1));
       if (above) {
-        span.hi = select(span.lo <= span.hi, splat(block.top_mm), span.hi);
+        span.hi = select(span.lo <= span.hi, Lanes(block.top_mm), span.hi);
       } else {
-        c.include_end(span, block.x_mm, y, splat(1));
+        c.include_end(span, block.x_mm, y, Lanes(1));
       }
       block.add(row, span.lo, span.hi);
     }
   }
 }
+KERF_FOR_EACH_TARGET(void, evaluate_chain,
+                     (std::span<const RayCapsule> capsules, ColumnBlock& block), (capsules, block))
 
 }  // namespace
 

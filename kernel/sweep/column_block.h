@@ -28,14 +28,30 @@ struct ColumnBlock {
   Lanes hi_mm[kBlockSide];   ///< out: highest removed height; −inf where nothing is
   std::vector<Apart> apart;  ///< out: further intervals; empty lanes have lo > hi
 
-  /// Empties the intervals of the rows to be evaluated.
-  void clear();
+  unsigned filled = 0;  ///< bit r: row r holds intervals
+
+  /// Empties all rows.
+  void clear() {
+    filled = 0;
+    apart.clear();
+  }
+
+  /// Rows of which every column has lost all that is above `lowest_mm` (of each row) already: what
+  /// does not reach below adds nothing.
+  unsigned rows_beyond(const Lanes& lowest_mm) const;
 
   /// Adds the interval [lo, hi] (empty where lo > hi) to the columns of a row. Intervals that touch
-  /// become one, so that no sliver stays where two pieces of a tool meet.
+  /// become one, so that no sliver stays where two pieces of a tool meet; those above the stock do
+  /// not count.
   KERF_INLINE void add(int row, Lanes lo, Lanes hi) {
+    if ((filled >> row & 1) == 0) {
+      filled |= 1U << row;
+      lo_mm[row] = lo;
+      hi_mm[row] = hi;
+      return;
+    }
     const Lanes present_lo = lo_mm[row], present_hi = hi_mm[row];
-    const LaneMask adds = lo <= hi;
+    const LaneMask adds = (lo <= hi) & (lo < top_mm);
     const LaneMask joins =
         adds & ((present_lo > present_hi) |
                 ((lo <= present_hi + kEdgeEpsilonMm) & (present_lo <= hi + kEdgeEpsilonMm)));
@@ -48,6 +64,9 @@ struct ColumnBlock {
  private:
   void keep_apart(int row, const LaneMask& which, const Lanes& lo, const Lanes& hi);
 };
+
+/// Bit i is set where lane i of a is less than that of b.
+unsigned lanes_below(const Lanes& a, const Lanes& b);
 
 /// Limits of a swept piece (mm); nothing outside is removed.
 struct SweepBounds {

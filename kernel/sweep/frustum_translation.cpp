@@ -49,12 +49,11 @@ Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const To
           RayPipe(start.base + start.axis * start.height, start.axis, piece.r1_mm, d)};
 }
 
-KERF_VECTOR_CLONES
-void evaluate_surfaces(const Surfaces& s, ColumnBlock& block) {
+KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, ColumnBlock& block) {
   for (int row = 0; row < kBlockSide; ++row) {
     if ((block.rows >> row & 1) == 0) continue;
     LaneSpan span;
-    const Lanes x = block.x_mm, y = splat(block.y_mm[row]);
+    const Lanes x = block.x_mm, y = Lanes(block.y_mm[row]);
     s.start.extend(span, x, y);
     s.end.extend(span, x, y);
     s.left.extend(span, x, y);
@@ -64,6 +63,7 @@ void evaluate_surfaces(const Surfaces& s, ColumnBlock& block) {
     block.add(row, span.lo, span.hi);
   }
 }
+KERF_FOR_EACH_TARGET(void, evaluate_surfaces, (const Surfaces& s, ColumnBlock& block), (s, block))
 
 }  // namespace
 

@@ -40,7 +40,7 @@ struct ConeSide {
     const Lanes b = -(k1 * along + r0 * slope) * u.z;
     const Lanes c = x * x + y * y - k1 * along * along - 2 * r0 * slope * along - r0 * r0;
     const Lanes inside = b * b - a * c;
-    const Lanes root = square_root(greater(inside, splat(0)));
+    const Lanes root = square_root(greater(inside, Lanes(0)));
     const Lanes q = select(b < 0.0, root - b, -b - root);
     const Lanes t0 = q / a;
     const Lanes t1 = select(q == 0.0, t0, c / q);
@@ -49,13 +49,13 @@ struct ConeSide {
     const LaneMask upwards = u.z * slope > 0.0;
     // An upright cylinder: the ray is inside for its whole length or not at all.
     const LaneMask parallel = (a == 0.0) & (b == 0.0);
-    Lanes in = select(convex, first, select(upwards, second, splat(-kInfinity)));
-    Lanes out = select(convex, second, select(upwards, splat(kInfinity), first));
-    in = select(parallel, splat(-kInfinity), in);
-    out = select(parallel, splat(kInfinity), out);
+    Lanes in = select(convex, first, select(upwards, second, Lanes(-kInfinity)));
+    Lanes out = select(convex, second, select(upwards, Lanes(kInfinity), first));
+    in = select(parallel, Lanes(-kInfinity), in);
+    out = select(parallel, Lanes(kInfinity), out);
     const LaneMask exists =
         (convex & (inside >= 0.0)) | (~convex & ~parallel) | (parallel & (c <= 0.0));
-    return {in, out, exists, select(convex, -b / a, splat(0))};
+    return {in, out, exists, select(convex, -b / a, Lanes(0))};
   }
   /// Outward normal, of any length, at the point p = (x, y, t) with l = p·u.
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
@@ -83,18 +83,18 @@ struct ArcSide {
     const Lanes p2 = x * x + y * y;
     const Lanes ball2 = reach * reach - p2;
     const LaneMask near = ball2 >= 0.0;
-    const Lanes half = square_root(select(near, ball2, splat(0)));
+    const Lanes half = square_root(select(near, ball2, Lanes(0)));
     Lanes in = -half, out = half;
     const LaneMask enters = approach(p2, u.z, along, near, in);
-    if (!any(enters)) return {in, out, enters, select(near, in, splat(0))};
+    if (!any(enters)) return {in, out, enters, select(near, in, Lanes(0))};
     approach(p2, u.z, along, enters, out);
-    return {in, out, enters, select(near, in, splat(0))};
+    return {in, out, enters, select(near, in, Lanes(0))};
   }
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes q = p - u * l;
     const Lanes rho = square_root(dot(q, q));
-    const Lanes share = select(rho > center_r, 1 - center_r / rho, splat(0));
-    return q * select(share == share, share, splat(1)) + u * l;
+    const Lanes share = select(rho > center_r, 1 - center_r / rho, Lanes(0));
+    return q * select(share == share, share, Lanes(1)) + u * l;
   }
 
  private:
@@ -111,11 +111,11 @@ struct ArcSide {
     const LaneMask from_below = t <= 0.0;
     for (int i = 0; i < kSteps && any(moving); ++i) {
       const Lanes l = along + uz * t;
-      const Lanes rho = square_root(greater(p2 + t * t - l * l, splat(0)));
-      const Lanes m = greater(rho - center_r, splat(0));
+      const Lanes rho = square_root(greater(p2 + t * t - l * l, Lanes(0)));
+      const Lanes m = greater(rho - center_r, Lanes(0));
       const Lanes d = square_root(m * m + l * l);
       const Lanes f = d - radius;
-      const Lanes across = select(rho > 0.0, m * (t - l * uz) / rho, splat(0));
+      const Lanes across = select(rho > 0.0, m * (t - l * uz) / rho, Lanes(0));
       const Lanes slope = (across + l * uz) / d;
       const LaneMask outside = f > kFoundMm;
       const LaneMask closing = select(from_below, slope, -slope) < 0.0;

@@ -15,26 +15,31 @@ constexpr double kCos1 = 0.92387953251128674, kCos2 = 0.70710678118654752;
 constexpr double kCos3 = 0.38268343236508977;
 
 KERF_INLINE Lanes directions_x() {
-  return Lanes{1, kCos1, kCos2, kCos3, 0, -kCos3, -kCos2, -kCos1};
+  return {HalfLanes{1, kCos1, kCos2, kCos3}, HalfLanes{0, -kCos3, -kCos2, -kCos1}};
 }
-KERF_INLINE Lanes directions_y() { return Lanes{0, kCos3, kCos2, kCos1, 1, kCos1, kCos2, kCos3}; }
+KERF_INLINE Lanes directions_y() {
+  return {HalfLanes{0, kCos3, kCos2, kCos1}, HalfLanes{1, kCos1, kCos2, kCos3}};
+}
 
 /// Half-width along a unit direction of a disc of radius r whose axis has the component c there.
 double half_width(double r, double c) { return r * std::sqrt(std::max(0.0, 1 - c * c)); }
 
-KERF_VECTOR_CLONES
-void extend_support(const Vec3& center, const Vec3& axis, double radius, Lanes& lo, Lanes& hi) {
+KERF_INLINE void extend_support_in_lanes(const Vec3& center, const Vec3& axis, double radius,
+                                         Lanes& lo, Lanes& hi) {
   const Lanes nx = directions_x(), ny = directions_y();
   const Lanes at = nx * center.x + ny * center.y;
   const Lanes c = nx * axis.x + ny * axis.y;
-  const Lanes half = square_root(greater(1.0 - c * c, splat(0))) * radius;
+  const Lanes half = square_root(greater(1.0 - c * c, Lanes(0))) * radius;
   lo = lesser(at - half, lo);
   hi = greater(at + half, hi);
 }
+KERF_FOR_EACH_TARGET(void, extend_support,
+                     (const Vec3& center, const Vec3& axis, double radius, Lanes& lo, Lanes& hi),
+                     (center, axis, radius, lo, hi))
 
-KERF_VECTOR_CLONES
-void bound_discs(const Discs& d, const Lanes& support_lo, const Lanes& support_hi, double lowest,
-                 double at_origin, double by_x, double by_y, double steepness, Lanes& z) {
+KERF_INLINE void bound_discs_in_lanes(const Discs& d, const Lanes& support_lo,
+                                      const Lanes& support_hi, double lowest, double at_origin,
+                                      double by_x, double by_y, double steepness, Lanes& z) {
   const Lanes nx = directions_x(), ny = directions_y();
   LaneMask reached = d.x_mm == d.x_mm;
   for (int i = 0; i < kLanes; ++i) {
@@ -42,16 +47,21 @@ void bound_discs(const Discs& d, const Lanes& support_lo, const Lanes& support_h
     reached &= (at + d.reach_mm >= support_lo[i]) & (at - d.reach_mm <= support_hi[i]);
   }
   const Lanes on_plane = at_origin + d.x_mm * by_x + d.y_mm * by_y - steepness * d.reach_mm;
-  const Lanes bound = greater(on_plane, splat(lowest));
+  const Lanes bound = greater(on_plane, Lanes(lowest));
   z = select(reached & (bound < z), bound, z);
 }
+KERF_FOR_EACH_TARGET(void, bound_discs,
+                     (const Discs& d, const Lanes& support_lo, const Lanes& support_hi,
+                      double lowest, double at_origin, double by_x, double by_y, double steepness,
+                      Lanes& z),
+                     (d, support_lo, support_hi, lowest, at_origin, by_x, by_y, steepness, z))
 
 }  // namespace
 
 Shadow::Shadow(const Envelope& e, const std::vector<ToolPose>& poses, double margin_mm) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  support_lo_ = splat(kInfinity);
-  support_hi_ = splat(-kInfinity);
+  support_lo_ = Lanes(kInfinity);
+  support_hi_ = Lanes(-kInfinity);
   bounds_ = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   const auto each_disc = [&](auto visit) {
     for (const ToolPose& pose : poses) {
@@ -68,8 +78,8 @@ Shadow::Shadow(const Envelope& e, const std::vector<ToolPose>& poses, double mar
     bounds_.max_mm = {std::max(bounds_.max_mm.x, c.x + h.x), std::max(bounds_.max_mm.y, c.y + h.y),
                       std::max(bounds_.max_mm.z, c.z + h.z)};
   });
-  support_lo_ -= margin_mm;
-  support_hi_ += margin_mm;
+  support_lo_ = support_lo_ - margin_mm;
+  support_hi_ = support_hi_ + margin_mm;
 
   plane_ = {-kInfinity, 0, 0, 0};
   const Vec3 u = normalized(poses.front().axis + poses.back().axis);

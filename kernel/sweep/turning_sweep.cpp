@@ -34,13 +34,13 @@ template <End end, class Side>
 KERF_INLINE Meeting meet(const Side& side, const Path& path, Lanes x, Lanes y, Lanes share) {
   const TurningFrame::Poses pose = path.frame.at(share);
   const Vec3Lanes& u = pose.u;
-  const Vec3Lanes anchor = u * splat(side.anchor);
+  const Vec3Lanes anchor = u * Lanes(side.anchor);
   const Lanes px = x - (pose.tip.x + anchor.x), py = y - (pose.tip.y + anchor.y);
   const Lanes along = px * u.x + py * u.y;
   const SideSpan span = side.meet(px, py, u, along);
 
   // A ray at right angles to the axis never crosses the discs: they are far away.
-  const Lanes uz = select(magnitude(u.z) > 1e-290, u.z, splat(1e-290));
+  const Lanes uz = select(magnitude(u.z) > 1e-290, u.z, Lanes(1e-290));
   const Lanes to_low = (side.low - along) / uz, to_high = (side.high - along) / uz;
   const Lanes disc_in = lesser(to_low, to_high), disc_out = greater(to_low, to_high);
   const LaneMask below = span.exists & (span.out < disc_in);
@@ -63,7 +63,7 @@ KERF_INLINE Meeting meet(const Side& side, const Path& path, Lanes x, Lanes y, L
   const Lanes disc_speed = select(u.z < 0.0, -outward, outward);
   // A miss: how fast the gap closes, seen from the nearer disc or from the side's end.
   const Lanes from_disc = side_speed - n.z * axis_speed / uz;
-  const Lanes rise = select(span.exists, u.z * side_speed / n.z, splat(0)) - axis_speed;
+  const Lanes rise = select(span.exists, u.z * side_speed / n.z, Lanes(0)) - axis_speed;
   const Lanes from_side = select(span.exists, select(l < side.low, rise, -rise), side_speed);
   const Lanes gap_speed = select(steep, from_disc, from_side);
 
@@ -73,7 +73,7 @@ KERF_INLINE Meeting meet(const Side& side, const Path& path, Lanes x, Lanes y, L
   m.lo = pose.tip.z + anchor.z + in;
   m.hi = pose.tip.z + anchor.z + out;
   m.advance = select(hit, select(on_side, side_speed, disc_speed), gap_speed);
-  m.upright = select(hit, select(on_side, n.z, u.z), splat(0));
+  m.upright = select(hit, select(on_side, n.z, u.z), Lanes(0));
   return m;
 }
 
@@ -90,8 +90,9 @@ struct Stretch {
 
 /// Where a search looks: for the one place where the advance changes from > 0 to < 0; for the end
 /// of what the end of the ray's interval does from the first station on (it stays on its surface
-/// and moves outwards); or for the begin of what it does up to the last station.
-enum class Branch { kWhole, kFirst, kLast };
+/// and moves outwards); for the begin of what it does up to the last station; or for where the
+/// piece meets or leaves the ray.
+enum class Branch { kWhole, kFirst, kLast, kEdge };
 
 KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
   return m.hit & station.hit & ~(m.on_side ^ station.on_side);
@@ -102,7 +103,7 @@ KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
 template <End end, Branch branch, class Side>
 KERF_INLINE void search(const Side& side, const Path& path, Lanes x, Lanes y,
                         const Stretch& stretch, LaneMask searching, LaneSpan& span) {
-  Lanes a = splat(stretch.from), b = splat(stretch.to);
+  Lanes a = Lanes(stretch.from), b = Lanes(stretch.to);
   Lanes fa = stretch.first.advance, fb = stretch.last.advance;
   for (int i = 0; i < kSearchSteps && any(searching); ++i) {
     Lanes s = (a + b) * 0.5;
@@ -114,6 +115,7 @@ KERF_INLINE void search(const Side& side, const Path& path, Lanes x, Lanes y,
     LaneMask later = m.advance > 0.0;
     if (branch == Branch::kFirst) later &= continues(m, stretch.first);
     if (branch == Branch::kLast) later = ~(continues(m, stretch.last) & (m.advance < 0.0));
+    if (branch == Branch::kEdge) later = ~(m.hit ^ stretch.first.hit);
     m.hit &= searching;
     if (end == End::kLower) {
       include_hits(span, m);
@@ -131,13 +133,15 @@ KERF_INLINE void search(const Side& side, const Path& path, Lanes x, Lanes y,
     LaneMask far = magnitude(m.advance * left) > path.search_mm * magnitude(m.upright);
     if (branch == Branch::kFirst) far |= ~later;
     if (branch == Branch::kLast) far |= later;
+    if (branch == Branch::kEdge) far = every_lane();
     searching &= far & ((b - a) * path.speed_max_mm > path.search_mm);
   }
 }
 
 /// Looks for the outermost end between two stations. It lies between them where the end moves
 /// outwards at the first and inwards at the last. Elsewhere it may do so too if it changes surface:
-/// up to the edge where the first surface ends, or from the edge where the last begins.
+/// up to the edge where the first surface ends, or from the edge where the last begins; or, having
+/// turned round in between, at the very edge of the piece.
 template <End end, class Side>
 KERF_INLINE void search_stretch(const Side& side, const Path& path, Lanes x, Lanes y,
                                 const Stretch& stretch, LaneMask asked, LaneSpan& span) {
@@ -149,6 +153,9 @@ KERF_INLINE void search_stretch(const Side& side, const Path& path, Lanes x, Lan
                               span);
   search<end, Branch::kLast>(side, path, x, y, stretch, changes & inwards & ~outwards & last.hit,
                              span);
+  search<end, Branch::kEdge>(
+      side, path, x, y, stretch,
+      asked & ((first.hit & ~last.hit & ~outwards) | (last.hit & ~first.hit & ~inwards)), span);
 }
 
 template <class Side>
@@ -157,22 +164,22 @@ KERF_INLINE void evaluate_rows(const Side& side, const Path& path, ColumnBlock& 
   const double top = block.top_mm - path.frame.tip.z;
   for (int row = 0; row < kBlockSide; ++row) {
     if ((block.rows >> row & 1) == 0) continue;
-    const Lanes y = splat(block.y_mm[row] - path.frame.tip.y);
-    Meeting from = meet<End::kLower>(side, path, x, y, splat(0));
+    const Lanes y = Lanes(block.y_mm[row] - path.frame.tip.y);
+    Meeting from = meet<End::kLower>(side, path, x, y, Lanes(0));
     for (int part = 0; part < path.parts; ++part) {
       const double share_a = double(part) / path.parts;
       const double share_b = double(part + 1) / path.parts;
-      const Meeting to = meet<End::kLower>(side, path, x, y, splat(share_b));
+      const Meeting to = meet<End::kLower>(side, path, x, y, Lanes(share_b));
       LaneSpan span;
       include_hits(span, from);
       include_hits(span, to);
-      search_stretch<End::kLower>(side, path, x, y, {share_a, share_b, from, to}, ~LaneMask{},
+      search_stretch<End::kLower>(side, path, x, y, {share_a, share_b, from, to}, every_lane(),
                                   span);
       // The upper end matters where it lies in the stock.
       const LaneMask inside = (span.lo <= span.hi) & (span.hi < top);
       if (any(inside)) {
-        const Meeting first = meet<End::kUpper>(side, path, x, y, splat(share_a));
-        const Meeting last = meet<End::kUpper>(side, path, x, y, splat(share_b));
+        const Meeting first = meet<End::kUpper>(side, path, x, y, Lanes(share_a));
+        const Meeting last = meet<End::kUpper>(side, path, x, y, Lanes(share_b));
         search_stretch<End::kUpper>(side, path, x, y, {share_a, share_b, first, last}, inside,
                                     span);
       }
@@ -182,14 +189,19 @@ KERF_INLINE void evaluate_rows(const Side& side, const Path& path, ColumnBlock& 
   }
 }
 
-KERF_VECTOR_CLONES
-void evaluate_cone(const ConeSide& side, const Path& path, ColumnBlock& block) {
+KERF_INLINE void evaluate_cone_in_lanes(const ConeSide& side, const Path& path,
+                                        ColumnBlock& block) {
   evaluate_rows(side, path, block);
 }
-KERF_VECTOR_CLONES
-void evaluate_arc(const ArcSide& side, const Path& path, ColumnBlock& block) {
+KERF_FOR_EACH_TARGET(void, evaluate_cone,
+                     (const ConeSide& side, const Path& path, ColumnBlock& block),
+                     (side, path, block))
+KERF_INLINE void evaluate_arc_in_lanes(const ArcSide& side, const Path& path, ColumnBlock& block) {
   evaluate_rows(side, path, block);
 }
+KERF_FOR_EACH_TARGET(void, evaluate_arc,
+                     (const ArcSide& side, const Path& path, ColumnBlock& block),
+                     (side, path, block))
 
 Path make_path(const Envelope& e, const ToolPose& from, const ToolPose& to, int parts,
                double search_mm) {
@@ -204,7 +216,7 @@ std::vector<ToolPose> stations(const Path& path, const ToolPose& from, const Too
   const TurningFrame& f = path.frame;
   std::vector<ToolPose> poses{from};
   for (int i = 1; i < path.parts; ++i) {
-    const TurningFrame::Poses at = f.at(splat(double(i) / path.parts));
+    const TurningFrame::Poses at = f.at(Lanes(double(i) / path.parts));
     poses.push_back({f.tip + Vec3{at.tip.x[0], at.tip.y[0], at.tip.z[0]},
                      Vec3{at.u.x[0], at.u.y[0], at.u.z[0]}});
   }
