@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "kernel/force/surface_weight.h"
@@ -49,22 +50,31 @@ struct TipInGrid {
   double i, j, k, pitch_mm, quantum_mm;
 };
 
-KERF_VECTOR_CLONES
-void place(std::span<const RemovedGroup> groups, const TipInGrid& tip, GroupSegments* out) {
-  const Lanes beside = lane_numbers() * tip.pitch_mm;
+KERF_INLINE Lanes to_lanes(const std::int32_t* depths) {
+  typedef std::int32_t HalfDepths __attribute__((vector_size(16)));
+  HalfDepths first, last;
+  std::memcpy(&first, depths, sizeof first);
+  std::memcpy(&last, depths + 4, sizeof last);
+  return {__builtin_convertvector(first, HalfLanes), __builtin_convertvector(last, HalfLanes)};
+}
+
+KERF_INLINE void place_in_lanes(std::span<const RemovedGroup> groups, const TipInGrid& tip,
+                                GroupSegments* out) {
+  const Lanes beside = Lanes(HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}) * tip.pitch_mm;
   for (std::size_t k = 0; k < groups.size(); ++k) {
     const RemovedGroup& g = groups[k];
-    DepthLanes depth;
-    std::memcpy(&depth, g.bottom, sizeof depth);
-    const Lanes bottom = __builtin_convertvector(depth, Lanes);
-    std::memcpy(&depth, g.top, sizeof depth);
-    const Lanes top = __builtin_convertvector(depth, Lanes);
+    const Lanes bottom = to_lanes(g.bottom), top = to_lanes(g.top);
     out[k].middle.x = (g.i - tip.i) * tip.pitch_mm + beside;
     out[k].middle.y = (g.j - tip.j) * tip.pitch_mm;
     out[k].middle.z = ((bottom + top) * 0.5 - tip.k) * tip.quantum_mm;
     out[k].length = (top - bottom) * tip.quantum_mm;
   }
 }
+
+KERF_FOR_EACH_TARGET(void, place,
+                     (std::span<const RemovedGroup> groups, const TipInGrid& tip,
+                      GroupSegments* out),
+                     (groups, tip, out))
 
 /// Multiplies each segment by the part of it that counts.
 void weigh(const SurfaceWeight& surface, Vec3 axis, double short_mm, GroupSegments& group) {
@@ -73,29 +83,28 @@ void weigh(const SurfaceWeight& surface, Vec3 axis, double short_mm, GroupSegmen
   Lanes weight;
   if (longest <= short_mm) {
     surface.evaluate(group.middle, axis, weight);
-    group.length *= weight;
+    group.length = group.length * weight;
     return;
   }
   // Gauss's two points, a half and 1/√12 of the length apart from the middle.
   constexpr double kGauss = 0.28867513459481287;
   GroupPoints low = group.middle, high = group.middle;
-  low.z -= kGauss * group.length;
-  high.z += kGauss * group.length;
+  low.z = low.z - kGauss * group.length;
+  high.z = high.z + kGauss * group.length;
   Lanes other;
   surface.evaluate(low, axis, weight);
   surface.evaluate(high, axis, other);
-  group.length *= (weight + other) * 0.5;
+  group.length = group.length * ((weight + other) * 0.5);
 }
 
 /// All that is needed where the elements push one way.
-KERF_VECTOR_CLONES
-void add_moments(std::span<const GroupSegments> groups, LaneSums& sums) {
+KERF_INLINE void add_moments_in_lanes(std::span<const GroupSegments> groups, LaneSums& sums) {
   Lanes volume = sums.volume, x = sums.x, y = sums.y, z = sums.z;
   for (const GroupSegments& g : groups) {
-    volume += g.length;
-    x += g.length * g.middle.x;
-    y += g.length * g.middle.y;
-    z += g.length * g.middle.z;
+    volume = volume + g.length;
+    x = x + g.length * g.middle.x;
+    y = y + g.length * g.middle.y;
+    z = z + g.length * g.middle.z;
   }
   sums.volume = volume;
   sums.x = x;
@@ -103,10 +112,12 @@ void add_moments(std::span<const GroupSegments> groups, LaneSums& sums) {
   sums.z = z;
 }
 
+KERF_FOR_EACH_TARGET(void, add_moments, (std::span<const GroupSegments> groups, LaneSums& sums),
+                     (groups, sums))
+
 /// Adds pushes of elements that each go their own way, and their moments about the pivot.
-KERF_VECTOR_CLONES
-void add_pushes(std::span<const GroupSegments> groups, const Twist& twist, Vec3 pivot,
-                LaneSums& sums) {
+KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, const Twist& twist,
+                                     Vec3 pivot, LaneSums& sums) {
   const Vec3 v = twist.travel_mm, w = twist.turn_rad;
   LaneSums s = sums;
   for (const GroupSegments& g : groups) {
@@ -120,15 +131,19 @@ void add_pushes(std::span<const GroupSegments> groups, const Twist& twist, Vec3 
     const Lanes fx = way_x * scale, fy = way_y * scale, fz = way_z * scale;
     const Lanes ax = x - pivot.x, az = z - pivot.z;
     const double ay = y - pivot.y;
-    s.push_x += fx;
-    s.push_y += fy;
-    s.push_z += fz;
-    s.turn_x += ay * fz - az * fy;
-    s.turn_y += az * fx - ax * fz;
-    s.turn_z += ax * fy - ay * fx;
+    s.push_x = s.push_x + fx;
+    s.push_y = s.push_y + fy;
+    s.push_z = s.push_z + fz;
+    s.turn_x = s.turn_x + ay * fz - az * fy;
+    s.turn_y = s.turn_y + az * fx - ax * fz;
+    s.turn_z = s.turn_z + ax * fy - ay * fx;
   }
   sums = s;
 }
+KERF_FOR_EACH_TARGET(void, add_pushes,
+                     (std::span<const GroupSegments> groups, const Twist& twist, Vec3 pivot,
+                      LaneSums& sums),
+                     (groups, twist, pivot, sums))
 
 }  // namespace
 

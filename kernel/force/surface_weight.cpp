@@ -91,15 +91,15 @@ KERF_INLINE void SurfaceWeight::nearest_of(const Piece& p, const Meridian& at, L
   const LaneMask lower = (at.rho > p.covered_below) & (below > face);
   face = select(lower, below, face);
   const LaneMask upper = (at.rho > p.covered_above) & (above > face);
-  n = select(lower, splat(-at.axis_z), n);
-  n = select(upper, splat(at.axis_z), n);
+  n = select(lower, Lanes(-at.axis_z), n);
+  n = select(upper, Lanes(at.axis_z), n);
   const LaneMask nearer = distance < nearest;
   nearest = select(nearer, distance, nearest);
   normal_z = select(nearer, n, normal_z);
 }
 
-KERF_VECTOR_CLONES
-void SurfaceWeight::evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const {
+KERF_INLINE void SurfaceWeight::evaluate_in_lanes(const GroupPoints& points, Vec3 axis,
+                                                  Lanes& weight) const {
   const Lanes x = points.x, z = points.z;
   const double y = points.y;
   Meridian at;
@@ -108,9 +108,26 @@ void SurfaceWeight::evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight
   const Lanes qx = x - at.h * axis.x, qy = y - at.h * axis.y, qz = z - at.h * axis.z;
   at.rho = square_root(qx * qx + qy * qy + qz * qz);
   at.radial_z = select(at.rho > 0.0, qz / at.rho, Lanes{});
-  Lanes nearest = splat(kInfinity), normal_z{};
+  Lanes nearest = Lanes(kInfinity), normal_z{};
   for (const Piece& p : pieces_) nearest_of(p, at, nearest, normal_z);
   weight = normal_z * normal_z;
+}
+
+namespace {
+
+KERF_INLINE void weights_in_lanes(const SurfaceWeight& surface, const GroupPoints& points,
+                                  Vec3 axis, Lanes& weight) {
+  surface.evaluate_in_lanes(points, axis, weight);
+}
+KERF_FOR_EACH_TARGET(void, weights,
+                     (const SurfaceWeight& surface, const GroupPoints& points, Vec3 axis,
+                      Lanes& weight),
+                     (surface, points, axis, weight))
+
+}  // namespace
+
+void SurfaceWeight::evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const {
+  weights(*this, points, axis, weight);
 }
 
 }  // namespace kerf

@@ -27,6 +27,9 @@ class SurfaceWeight {
   /// frame.
   void evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
 
+  /// The same, as part of a function that is compiled for one instruction set.
+  void evaluate_in_lanes(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
+
  private:
   enum class Side { kLine, kArc };
   /// A convex piece in the half-plane (ρ, h): distance from the axis, height above the tip. The

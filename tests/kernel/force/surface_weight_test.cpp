@@ -17,7 +17,7 @@ namespace {
 const Vec3 kUp{0, 0, 1};
 
 double weight_at(const SurfaceWeight& surface, Vec3 p, Vec3 axis) {
-  const GroupPoints points{splat(p.x), p.y, splat(p.z)};
+  const GroupPoints points{Lanes(p.x), p.y, Lanes(p.z)};
   Lanes weight;
   surface.evaluate(points, axis, weight);
   for (int c = 0; c < kLanes; ++c) EXPECT_EQ(weight[c], weight[0]);
