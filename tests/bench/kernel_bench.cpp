@@ -1,12 +1,12 @@
 // The standard job on one core: moves per second with force and torque, end-point error, removed
 // volume. Usage: kernel_bench [pitch_mm=0.1] [tolerance_mm=0.001] [shape=ball|flat|taper|cone_end]
 
+#include <time.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
-
-#include <time.h>
 
 #include "tests/support/standard_job.h"
 
