@@ -53,13 +53,30 @@ struct ConeSide {
     Lanes out = select(convex, second, select(upwards, Lanes(kInfinity), first));
     in = select(parallel, Lanes(-kInfinity), in);
     out = select(parallel, Lanes(kInfinity), out);
+    // Between two roots the ray may be inside the mirrored nappe, which is no part of the tool.
+    const LaneMask own_nappe = r0 + slope * (along - u.z * b / a) >= 0.0;
     const LaneMask exists =
-        (convex & (inside >= 0.0)) | (~convex & ~parallel) | (parallel & (c <= 0.0));
-    return {in, out, exists, select(convex, -b / a, Lanes(0))};
+        (convex & (inside >= 0.0) & own_nappe) | (~convex & ~parallel) | (parallel & (c <= 0.0));
+    Lanes closest = Lanes(0);
+    if (any(convex & ~exists)) closest = select(convex, closest_to(x, y, u, along, a), closest);
+    return {in, out, exists, closest};
   }
-  /// Outward normal, of any length, at the point p = (x, y, t) with l = p·u.
+  /// Outward normal, of any length, at the point p = (x, y, t) with l = p·u: the gradient of ρ −
+  /// (r0 + k l), ρ the distance from the axis.
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
-    return p - u * (l * (1 + slope * slope) + slope * r0);
+    const Vec3Lanes radial = p - u * l;
+    return radial - u * (slope * square_root(dot(radial, radial)));
+  }
+
+ private:
+  /// Where ρ − (r0 + k l), convex along a ray, is least, for rays with A > 0: at t0 + k u_z ρ1 / α
+  /// with α = u_x² + u_y², t0 nearest to the axis, ρ0 there, ρ1 = ρ0 √(α / A).
+  KERF_INLINE Lanes closest_to(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along, Lanes a) const {
+    const Lanes lean2 = u.x * u.x + u.y * u.y;
+    const Lanes t0 = along * u.z / lean2;
+    const Lanes l0 = along + u.z * t0;
+    const Lanes rho2 = greater(x * x + y * y + t0 * t0 - l0 * l0, Lanes(0));
+    return t0 + slope * u.z * square_root(rho2 / (lean2 * a));
   }
 };
 

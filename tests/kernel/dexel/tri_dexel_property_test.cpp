@@ -96,8 +96,8 @@ Carved carve(std::vector<Motion> motions, double tolerance) {
   return carved;
 }
 
-/// A few random motions of a random tool each, leaning up to a right angle and turning up to 0.5
-/// rad.
+/// A few random motions of a random tool each, leaning up to a right angle: one translation, one
+/// that turns up to 0.5 rad, and two that hardly turn.
 Carved carve_at_random(unsigned seed, double tolerance) {
   std::vector<Motion> motions;
   std::mt19937 random(seed);
@@ -108,7 +108,7 @@ Carved carve_at_random(unsigned seed, double tolerance) {
     const Tool tool = *make_tool(shapes()[(seed + id) % shapes().size()]);
     const Vec3 axis = normalized({in(-1, 1), in(-1, 1), in(0, 1)});
     const Vec3 side = normalized(cross(axis, Vec3{in(-1, 1), in(-1, 1), in(-1, 1)}));
-    const double turn = id % 2 == 0 ? 0 : in(0, 0.5);
+    const double turn = id == 0 ? 0 : id == 1 ? in(0, 0.5) : std::pow(10, -in(1.5, 12.5));
     const Vec3 tip{in(-9, 9), in(-9, 9), in(-9, 9)};
     const ToolPose from{tip, axis};
     const ToolPose to{tip + Vec3{in(-5, 5), in(-5, 5), in(-5, 5)},
