@@ -102,10 +102,11 @@ struct ArcSide {
     const LaneMask near = ball2 >= 0.0;
     const Lanes half = square_root(select(near, ball2, Lanes(0)));
     Lanes in = -half, out = half;
+    const Lanes aside = any(~near) ? closest_to(p2, u.z, along) : half - half;
     const LaneMask enters = approach(p2, u.z, along, near, in);
-    if (!any(enters)) return {in, out, enters, select(near, in, Lanes(0))};
+    if (!any(enters)) return {in, out, enters, select(near, in, aside)};
     approach(p2, u.z, along, enters, out);
-    return {in, out, enters, select(near, in, Lanes(0))};
+    return {in, out, enters, select(near, in, aside)};
   }
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes q = p - u * l;
@@ -116,8 +117,25 @@ struct ArcSide {
 
  private:
   static constexpr int kSteps = 40;  ///< a grazed arc halves the distance at each
+  static constexpr int kAsideSteps = 24;
   static constexpr double kFoundMm = 1e-11;
   static constexpr double kClosestMm = 1e-5;  ///< the gap there errs by its square over a radius
+
+  /// Where rays that pass by the ball around the arc are closest to it: F is convex along a ray,
+  /// and its slope changes sign there, not farther from the ball's centre than the ray is.
+  KERF_INLINE Lanes closest_to(Lanes p2, Lanes uz, Lanes along) const {
+    Lanes b = square_root(p2), a = -b;
+    for (int i = 0; i < kAsideSteps; ++i) {
+      const Lanes t = (a + b) * 0.5;
+      const Lanes l = along + uz * t;
+      const Lanes rho = square_root(magnitude(p2 + t * t - l * l));
+      const Lanes m = select(rho > center_r, rho - center_r, rho - rho);
+      const LaneMask falling = select(rho > 0.0, m * (t - l * uz) / rho, rho) + l * uz < 0.0;
+      a = select(falling, t, a);
+      b = select(falling, b, t);
+    }
+    return (a + b) * 0.5;
+  }
 
   /// Newton's steps from outside towards the arc, in the lanes `asked`; true where it is met. In
   /// the others t ends where the ray passes closest.

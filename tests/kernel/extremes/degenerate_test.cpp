@@ -126,6 +126,18 @@ TEST(Degenerate, TranslationsAreExactWhateverTheToolsTilt) {
   }
 }
 
+TEST(Degenerate, AnArcThatComesFromAfarIsNotLost) {
+  // At both ends of the way the rays pass far beside the barrel's arc, and meet it in between.
+  SculptureSettings settings = small_block(1e-6);
+  settings.rays = Rays::kTriDexel;
+  Carving carving(
+      settings, make_tool(ProfileShape{{ProfilePoint{2.5, 0}, ProfileArc{{2.5, 24}, 30}}}).value());
+  const Vec3 axis{0.034486342072559996, -0.50999753794098213, 0.85948426600176386};
+  carving.move({{2.3776783179165113, -2.917867986770871, -7.6818323640088657}, axis},
+               {{40.53763108526514, -7.521485259630051, 17.394813593814007}, axis});
+  carving.expect_within_tolerance("barrel", 400);
+}
+
 /// A ramp whose slope is exactly a cone's angle, one step of a double to either side, and a little
 /// farther: the leading coefficient of the cone's equation is 0, or rounds to it.
 TEST(Degenerate, RampOfTheConesAngle) {
