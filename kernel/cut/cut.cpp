@@ -26,7 +26,7 @@ ColumnRange columns_in(double lo_mm, double hi_mm, double origin_mm, double pitc
 
 SweepBounds bounds_of(const SweptTool& swept) {
   SweepBounds all{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
-  for (const SweptPiece& piece : swept) {
+  for (const SweptPiece& piece : swept.pieces) {
     const SweepBounds b =
         std::visit([](const auto& s) -> SweepBounds { return s.bounds(); }, piece);
     all.min_mm = {std::min(all.min_mm.x, b.min_mm.x), std::min(all.min_mm.y, b.min_mm.y),
@@ -72,7 +72,7 @@ class Cutter {
   }
   Lanes lower_bound(const Discs& discs) const {
     Lanes z = Lanes(std::numeric_limits<double>::infinity());
-    for (const SweptPiece& piece : swept_) {
+    for (const SweptPiece& piece : swept_.pieces) {
       std::visit([&](const auto& s) { s.lower_bound(discs, z); }, piece);
     }
     return z;
@@ -127,8 +127,9 @@ class Cutter {
     const std::int32_t in_grid = std::min(kBlockSide, grid_.columns_y - first.j);
     const Lanes reached_below = Lanes(reached_below_mm(top));
     block_.top_mm = grid_.z_mm(top);
+    block_.join_mm = swept_.join_mm;
     block_.clear();
-    for (const SweptPiece& piece : swept_) {
+    for (const SweptPiece& piece : swept_.pieces) {
       const Lanes lowest = lower_bound(piece, discs);
       block_.rows = lanes_below(lowest, reached_below) & ((1U << in_grid) - 1);
       block_.rows &= ~block_.rows_beyond(lowest);
@@ -231,7 +232,7 @@ class Cutter {
 
 void cut(DexelField& field, const SweptTool& swept, Removal& removal) {
   removal.clear();
-  if (!swept.empty()) Cutter(field, swept, removal).run();
+  if (!swept.pieces.empty()) Cutter(field, swept, removal).run();
 }
 
 }  // namespace kerf

@@ -23,6 +23,7 @@ struct ColumnBlock {
   Lanes x_mm;                ///< of the columns, the same in every row
   double y_mm[kBlockSide];   ///< of the rows
   unsigned rows = 0;         ///< bit r: row r is to be evaluated
+  double join_mm = 0;        ///< intervals of a column that are no farther apart become one
   double top_mm = 0;         ///< no stock of the block reaches higher: ends above need no digits
   Lanes lo_mm[kBlockSide];   ///< out: lowest removed height; +inf where nothing is
   Lanes hi_mm[kBlockSide];   ///< out: highest removed height; −inf where nothing is
@@ -52,9 +53,8 @@ struct ColumnBlock {
     }
     const Lanes present_lo = lo_mm[row], present_hi = hi_mm[row];
     const LaneMask adds = (lo <= hi) & (lo < top_mm);
-    const LaneMask joins =
-        adds & ((present_lo > present_hi) |
-                ((lo <= present_hi + kEdgeEpsilonMm) & (present_lo <= hi + kEdgeEpsilonMm)));
+    const LaneMask joins = adds & ((present_lo > present_hi) |
+                                   ((lo <= present_hi + join_mm) & (present_lo <= hi + join_mm)));
     lo_mm[row] = select(joins & (lo < present_lo), lo, present_lo);
     hi_mm[row] = select(joins & (hi > present_hi), hi, present_hi);
     const LaneMask stays_apart = adds & ~joins;

@@ -146,18 +146,19 @@ SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n
 SweptTool sweep_pieces(const std::vector<PiecePlan>& plans, const ToolMotion& m,
                        const SweepSettings& settings) {
   SweptTool swept;
+  if (m.turn_rad > 0) swept.join_mm = std::max(swept.join_mm, settings.tolerance_mm);
   for (const PiecePlan& plan : plans) {
     if (const auto* ball = std::get_if<BallPiece>(&plan.piece)) {
-      swept.push_back(sweep_ball(*ball, m, plan.parts, settings.start_is_cut));
+      swept.pieces.push_back(sweep_ball(*ball, m, plan.parts, settings.start_is_cut));
       continue;
     }
     if (!plan.still) {
-      swept.push_back(sweep_slice(plan.piece, m, plan.parts, settings.tolerance_mm));
+      swept.pieces.push_back(sweep_slice(plan.piece, m, plan.parts, settings.tolerance_mm));
       continue;
     }
     const Envelope e = envelope_of(plan.piece);
     for (const auto& [lo, hi] : {std::pair(e.lo_mm, *plan.still), {*plan.still, e.hi_mm}}) {
-      swept.push_back(
+      swept.pieces.push_back(
           sweep_slice(slice_of(plan.piece, lo, hi), m, plan.parts, settings.tolerance_mm));
     }
   }

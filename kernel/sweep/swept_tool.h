@@ -16,8 +16,13 @@ namespace kerf {
 using SweptPiece = std::variant<BallSweep, FrustumTranslation, TurningSweep>;
 
 /// The tool during one part of its motion: the union of its swept pieces, less those that stay
-/// above the block.
-using SweptTool = std::vector<SweptPiece>;
+/// outside the block. Where two pieces leave less than `join_mm` of a ray between them it is
+/// removed as well: rounding where nothing turns, else the tolerance, within which each piece may
+/// fall short of the seam.
+struct SweptTool {
+  std::vector<SweptPiece> pieces;
+  double join_mm = kEdgeEpsilonMm;
+};
 
 /// One part of a motion: what is removed, and the motion that the force opposes.
 struct SubMotion {

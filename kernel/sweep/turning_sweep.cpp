@@ -158,32 +158,64 @@ KERF_INLINE void search_stretch(const Side& side, const Path& path, Lanes x, Lan
       asked & ((first.hit & ~last.hit & ~outwards) | (last.hit & ~first.hit & ~inwards)), span);
 }
 
+/// What the piece sweeps of the rays `asked` between two stations. The upper end is looked for
+/// where it lies below `top`.
+template <class Side>
+KERF_INLINE LaneSpan sweep_stretch(const Side& side, const Path& path, Lanes x, Lanes y,
+                                   const Stretch& stretch, LaneMask asked, double top) {
+  LaneSpan span;
+  include_hits(span, stretch.first);
+  include_hits(span, stretch.last);
+  search_stretch<End::kLower>(side, path, x, y, stretch, asked, span);
+  const LaneMask inside = asked & (span.lo <= span.hi) & (span.hi < top);
+  if (any(inside)) {
+    const Meeting first = meet<End::kUpper>(side, path, x, y, stretch.from);
+    const Meeting last = meet<End::kUpper>(side, path, x, y, stretch.to);
+    search_stretch<End::kUpper>(side, path, x, y, {stretch.from, stretch.to, first, last}, inside,
+                                span);
+  }
+  return span;
+}
+
+KERF_INLINE void add_span(ColumnBlock& block, int row, double z, const LaneSpan& span,
+                          LaneMask where) {
+  const Lanes none = std::numeric_limits<double>::infinity();
+  block.add(row, select(where, span.lo + z, none), select(where, span.hi + z, -none));
+}
+
+/// Adds what the piece sweeps between two stations to a row. Where a ray is inside at both, but
+/// apart, and not in between, the piece has left it on one side and come back on the other, as a
+/// disc does that turns about its diameter: each half has its own interval.
+template <class Side>
+KERF_INLINE void evaluate_stretch(const Side& side, const Path& path, Lanes x, Lanes y,
+                                  const Stretch& stretch, int row, ColumnBlock& block) {
+  const Meeting &first = stretch.first, &last = stretch.last;
+  const double z = path.frame.tip.z, top = block.top_mm - z;
+  LaneMask gap = first.hit & last.hit & ((first.lo > last.hi) | (last.lo > first.hi));
+  if (any(gap)) {
+    const double share = (stretch.from + stretch.to) * 0.5;
+    const Meeting middle = meet<End::kLower>(side, path, x, y, share);
+    gap &= ~middle.hit;
+    const Stretch before{stretch.from, share, first, middle};
+    const Stretch after{share, stretch.to, middle, last};
+    add_span(block, row, z, sweep_stretch(side, path, x, y, before, gap, top), gap);
+    add_span(block, row, z, sweep_stretch(side, path, x, y, after, gap, top), gap);
+  }
+  add_span(block, row, z, sweep_stretch(side, path, x, y, stretch, ~gap, top), ~gap);
+}
+
 template <class Side>
 KERF_INLINE void evaluate_rows(const Side& side, const Path& path, ColumnBlock& block) {
   const Lanes x = block.x_mm - path.frame.tip.x;
-  const double top = block.top_mm - path.frame.tip.z;
   for (int row = 0; row < kBlockSide; ++row) {
     if ((block.rows >> row & 1) == 0) continue;
-    const Lanes y = Lanes(block.y_mm[row] - path.frame.tip.y);
-    Meeting from = meet<End::kLower>(side, path, x, y, Lanes(0));
+    const Lanes y = block.y_mm[row] - path.frame.tip.y;
+    Meeting from = meet<End::kLower>(side, path, x, y, 0);
     for (int part = 0; part < path.parts; ++part) {
       const double share_a = double(part) / path.parts;
       const double share_b = double(part + 1) / path.parts;
-      const Meeting to = meet<End::kLower>(side, path, x, y, Lanes(share_b));
-      LaneSpan span;
-      include_hits(span, from);
-      include_hits(span, to);
-      search_stretch<End::kLower>(side, path, x, y, {share_a, share_b, from, to}, every_lane(),
-                                  span);
-      // The upper end matters where it lies in the stock.
-      const LaneMask inside = (span.lo <= span.hi) & (span.hi < top);
-      if (any(inside)) {
-        const Meeting first = meet<End::kUpper>(side, path, x, y, Lanes(share_a));
-        const Meeting last = meet<End::kUpper>(side, path, x, y, Lanes(share_b));
-        search_stretch<End::kUpper>(side, path, x, y, {share_a, share_b, first, last}, inside,
-                                    span);
-      }
-      block.add(row, span.lo + path.frame.tip.z, span.hi + path.frame.tip.z);
+      const Meeting to = meet<End::kLower>(side, path, x, y, share_b);
+      evaluate_stretch(side, path, x, y, {share_a, share_b, from, to}, row, block);
       from = to;
     }
   }
