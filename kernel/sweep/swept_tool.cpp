@@ -50,22 +50,45 @@ bool covers(const ToolPiece* neighbour, double z_mm, double radius_mm) {
          radius_at(*neighbour, z_mm) >= radius_mm * (1 - 1e-12) - kEdgeEpsilonMm;
 }
 
+/// How a slice moves during a motion, in the frame of its middle: fastest along the axis, fastest
+/// and slowest across it (mm per motion).
+struct SliceSpeeds {
+  double along, across, across_least;
+
+  SliceSpeeds(const Envelope& e, const ToolMotion& m) {
+    const Vec3 u = normalized(m.from.axis + m.to.axis);
+    const Vec3 v = m.to.tip_mm - m.from.tip_mm;
+    const Vec3 du = m.to.axis - m.from.axis;
+    const double along0 = std::abs(dot(v, u));
+    const Vec3 across0 = v - u * dot(v, u);
+    // The frame itself turns by half the turn to either side.
+    const double half_turn = m.turn_rad / 2;
+    along = along0 + length(across0) * half_turn;
+    across = length(across0) + along0 * half_turn;
+    const double du2 = dot(du, du);
+    const double still = du2 > 0 ? -dot(across0, du) / du2 : 0;
+    const double nearest = std::clamp(still, e.lo_mm, e.hi_mm);
+    across_least = std::max(0.0, length(across0 + du * nearest) - along0 * half_turn);
+  }
+};
+
 /// Parts of a slice that turns by `m` (kernel/README.md, "The tight model").
 std::int64_t slice_parts(const ToolPiece& piece, const ToolMotion& m, bool shows_disc,
                          double tolerance_mm) {
-  const Vec3 u = normalized(m.from.axis + m.to.axis);
-  const Vec3 v = m.to.tip_mm - m.from.tip_mm;
-  const double along0 = std::abs(dot(v, u)), speed = length(v);
-  const double across0 = std::sqrt(std::max(0.0, speed * speed - along0 * along0));
-  const double half_turn = m.turn_rad / 2;
-  const double along = along0 + across0 * half_turn, across = across0 + along0 * half_turn;
   const Envelope e = envelope_of(piece);
+  const SliceSpeeds v(e, m);
   const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
   const double nu = axial_normal(piece);
-  double bend =
-      2 * m.turn_rad * (across * nu + along) + m.turn_rad * m.turn_rad * (radius + e.hi_mm * nu);
+  double bend = 2 * m.turn_rad * (v.across * nu + v.along) +
+                m.turn_rad * m.turn_rad * (radius + e.hi_mm * nu);
   if (shows_disc) {
-    bend = std::max(bend, 2 * m.turn_rad * across + m.turn_rad * m.turn_rad * e.hi_mm);
+    bend = std::max(bend, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.hi_mm);
+  } else if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
+    // The roundness of the side outweighs the bend: every place where an end is outermost is the
+    // only one.
+    const double slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
+    const double round2 = v.across_least * v.across_least - slope * slope * v.along * v.along;
+    if (round2 >= bend * radius * std::sqrt(1 + slope * slope)) return 1;
   }
   return parts(std::sqrt(bend / (8 * kStationShare * tolerance_mm)));
 }
