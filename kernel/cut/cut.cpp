@@ -130,9 +130,9 @@ class Cutter {
     block_.join_mm = swept_.join_mm;
     block_.clear();
     for (const SweptPiece& piece : swept_.pieces) {
-      const Lanes lowest = lower_bound(piece, discs);
-      block_.rows = lanes_below(lowest, reached_below) & ((1U << in_grid) - 1);
-      block_.rows &= ~block_.rows_beyond(lowest);
+      block_.lowest_mm = lower_bound(piece, discs);
+      block_.rows = lanes_below(block_.lowest_mm, reached_below) & ((1U << in_grid) - 1);
+      block_.leave_closed_rows();
       if (block_.rows != 0) std::visit([&](const auto& s) { s.evaluate(block_); }, piece);
     }
     if (block_.filled == 0) return;

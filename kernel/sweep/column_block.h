@@ -29,6 +29,7 @@ struct ColumnBlock {
   Lanes hi_mm[kBlockSide];   ///< out: highest removed height; −inf where nothing is
   std::vector<Apart> apart;  ///< out: further intervals; empty lanes have lo > hi
 
+  Lanes lowest_mm;      ///< of each row: nothing that is evaluated reaches below
   unsigned filled = 0;  ///< bit r: row r holds intervals
 
   /// Empties all rows.
@@ -37,9 +38,14 @@ struct ColumnBlock {
     apart.clear();
   }
 
-  /// Rows of which every column has lost all that is above `lowest_mm` (of each row) already: what
-  /// does not reach below adds nothing.
-  unsigned rows_beyond(const Lanes& lowest_mm) const;
+  /// Columns of a row that have not yet lost all that is above `lowest_mm`: the others have nothing
+  /// to lose to what is evaluated.
+  KERF_INLINE LaneMask open(int row) const {
+    if ((filled >> row & 1) == 0) return every_lane();
+    return (lo_mm[row] > lowest_mm[row]) | (hi_mm[row] < top_mm);
+  }
+  /// Takes rows without an open column out of `rows`.
+  void leave_closed_rows();
 
   /// Adds the interval [lo, hi] (empty where lo > hi) to the columns of a row. Intervals that touch
   /// become one, so that no sliver stays where two pieces of a tool meet; those above the stock do

@@ -24,13 +24,15 @@ struct SideSpan {
 /// belongs to the tool.
 struct ConeSide {
   double anchor, low, high, r0, slope;
+  double flank;  ///< cosine of the slope
 
   explicit ConeSide(const FrustumPiece& p)
       : anchor(p.z0_mm),
         low(0),
         high(p.z1_mm - p.z0_mm),
         r0(p.r0_mm),
-        slope((p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm)) {}
+        slope((p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm)),
+        flank(1 / std::sqrt(1 + slope * slope)) {}
 
   /// `along` = x u_x + y u_y.
   KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
@@ -66,6 +68,11 @@ struct ConeSide {
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes radial = p - u * l;
     return radial - u * (slope * square_root(dot(radial, radial)));
+  }
+  /// Distance of the point p from the side; below zero inside.
+  KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
+    const Vec3Lanes radial = p - u * l;
+    return (square_root(dot(radial, radial)) - (r0 + slope * l)) * flank;
   }
 
  private:
@@ -113,6 +120,12 @@ struct ArcSide {
     const Lanes rho = square_root(dot(q, q));
     const Lanes share = select(rho > center_r, 1 - center_r / rho, Lanes(0));
     return q * select(share == share, share, Lanes(1)) + u * l;
+  }
+  /// Distance of the point p from the side; below zero inside.
+  KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
+    const Vec3Lanes q = p - u * l;
+    const Lanes m = greater(square_root(dot(q, q)) - center_r, Lanes(0));
+    return square_root(m * m + l * l) - radius;
   }
 
  private:

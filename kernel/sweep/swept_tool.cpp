@@ -25,6 +25,7 @@ std::int64_t parts(double count) {
 struct PiecePlan {
   ToolPiece piece;
   std::int64_t parts;
+  bool shows_disc = true;
   std::optional<double> still;  ///< height of the point of its axis that the turn leaves at rest
 };
 
@@ -111,7 +112,7 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     const ToolPiece& whole = tool.pieces[i];
     const auto piece = clip_to_block(whole, m, settings.block);
     if (!piece) continue;
-    PiecePlan plan{*piece, 1, std::nullopt};
+    PiecePlan plan{.piece = *piece, .parts = 1, .still = {}};
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
     } else if (m.turn_rad > 0) {
@@ -119,9 +120,9 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
       const ToolPiece* below = i > 0 ? &tool.pieces[i - 1] : nullptr;
       const ToolPiece* above = i + 1 < tool.pieces.size() ? &tool.pieces[i + 1] : nullptr;
       const bool clipped = envelope_of(*piece).hi_mm < e.hi_mm;
-      const bool shows_disc = !covers(below, e.lo_mm, radius_at(whole, e.lo_mm)) ||
-                              (!clipped && !covers(above, e.hi_mm, radius_at(whole, e.hi_mm)));
-      plan.parts = slice_parts(*piece, m, shows_disc, settings.tolerance_mm);
+      plan.shows_disc = !covers(below, e.lo_mm, radius_at(whole, e.lo_mm)) ||
+                        (!clipped && !covers(above, e.hi_mm, radius_at(whole, e.hi_mm)));
+      plan.parts = slice_parts(*piece, m, plan.shows_disc, settings.tolerance_mm);
       plan.still = still_point(envelope_of(*piece), m);
     }
     plans.push_back(std::move(plan));
@@ -144,16 +145,18 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
 
-SweptPiece sweep_slice(const ToolPiece& piece, const ToolMotion& m, std::int64_t n,
+/// `piece` is the plan's, or the part of it on one side of its still point.
+SweptPiece sweep_slice(const ToolPiece& piece, const PiecePlan& plan, const ToolMotion& m,
                        double tolerance_mm) {
   const bool turns = m.turn_rad > 0;
+  const int n = static_cast<int>(plan.parts);
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
     if (!turns) return FrustumTranslation(*f, m.from, m.to);
-    return TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, int(n),
-                        kSearchShare * tolerance_mm);
+    return TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, n,
+                        kSearchShare * tolerance_mm, plan.shows_disc);
   }
-  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), envelope_of(piece), m.from, m.to, int(n),
-                      turns ? kSearchShare * tolerance_mm : kTranslationSearchMm);
+  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), envelope_of(piece), m.from, m.to, n,
+                      turns ? kSearchShare * tolerance_mm : kTranslationSearchMm, plan.shows_disc);
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,
@@ -176,13 +179,13 @@ SweptTool sweep_pieces(const std::vector<PiecePlan>& plans, const ToolMotion& m,
       continue;
     }
     if (!plan.still) {
-      swept.pieces.push_back(sweep_slice(plan.piece, m, plan.parts, settings.tolerance_mm));
+      swept.pieces.push_back(sweep_slice(plan.piece, plan, m, settings.tolerance_mm));
       continue;
     }
     const Envelope e = envelope_of(plan.piece);
     for (const auto& [lo, hi] : {std::pair(e.lo_mm, *plan.still), {*plan.still, e.hi_mm}}) {
       swept.pieces.push_back(
-          sweep_slice(slice_of(plan.piece, lo, hi), m, plan.parts, settings.tolerance_mm));
+          sweep_slice(slice_of(plan.piece, lo, hi), plan, m, settings.tolerance_mm));
     }
   }
   return swept;

@@ -12,7 +12,7 @@ using Path = TurningSweep::Path;
 enum class End { kLower, kUpper };
 
 /// Steps of a search; it brackets the solution and stops as soon as every lane is done.
-constexpr int kSearchSteps = 48;
+constexpr int kSearchSteps = 120;
 
 /// Sine from which on a ray is steep to the discs of the piece, so that they say better than the
 /// side how far apart the two are.
@@ -26,7 +26,8 @@ struct Meeting {
   /// > 0: later in the motion the end lies farther out, or the piece is nearer to the ray; < 0: it
   /// was so earlier.
   Lanes advance;
-  Lanes upright;  ///< advance / upright is how fast the end moves along the ray; 0 where missed
+  Lanes clearance;  ///< of a ray that is missed: the least distance, 0 where it is not known
+  Lanes upright;    ///< advance / upright is how fast the end moves along the ray; 0 where missed
 };
 
 /// `x`, `y` relative to the middle tip.
@@ -73,6 +74,9 @@ KERF_INLINE Meeting meet(const Side& side, const Path& path, Lanes x, Lanes y, L
   m.lo = pose.tip.z + anchor.z + in;
   m.hi = pose.tip.z + anchor.z + out;
   m.advance = select(hit, select(on_side, side_speed, disc_speed), gap_speed);
+  // The piece is at least this far from the ray, where that is known.
+  const LaneMask passes = ~span.exists & (t == span.closest);
+  m.clearance = select(passes, side.clearance(p, l, u), Lanes(0));
   m.upright = select(hit, select(on_side, n.z, u.z), Lanes(0));
   return m;
 }
@@ -98,18 +102,27 @@ KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
   return m.hit & station.hit & ~(m.on_side ^ station.on_side);
 }
 
-/// Searches a stretch in the lanes `searching`: regula falsi in the Illinois variant and halving by
-/// turns, halving alone where the surface changes. Every hit on the way widens `span`.
+/// Searches a stretch in the lanes `searching`: regula falsi in the Illinois variant with
+/// halvings, halving alone where the surface changes. Every hit on the way widens `span`.
 template <End end, Branch branch, class Side>
 KERF_INLINE void search(const Side& side, const Path& path, Lanes x, Lanes y,
                         const Stretch& stretch, LaneMask searching, LaneSpan& span) {
   Lanes a = Lanes(stretch.from), b = Lanes(stretch.to);
   Lanes fa = stretch.first.advance, fb = stretch.last.advance;
+  const Lanes way = (stretch.to - stretch.from) * path.speed_max_mm;
+  Lanes length = stretch.to - stretch.from;
+  searching &= (stretch.first.clearance <= way) & (stretch.last.clearance <= way);
   for (int i = 0; i < kSearchSteps && any(searching); ++i) {
     Lanes s = (a + b) * 0.5;
-    if (branch == Branch::kWhole && i % 2 == 0) {
+    if (branch == Branch::kWhole) {
       const Lanes falsi = a + (b - a) * (fa / (fa - fb));
-      s = select((falsi > a) & (falsi < b), falsi, s);
+      LaneMask usable = (falsi > a) & (falsi < b);
+      // Every third step sees whether the stretch has become half as long, and halves it if not.
+      if (i % 3 == 2) {
+        usable &= b - a <= 0.5 * length;
+        length = b - a;
+      }
+      s = select(usable, falsi, s);
     }
     Meeting m = meet<end>(side, path, x, y, s);
     LaneMask later = m.advance > 0.0;
@@ -134,7 +147,8 @@ KERF_INLINE void search(const Side& side, const Path& path, Lanes x, Lanes y,
     if (branch == Branch::kFirst) far |= ~later;
     if (branch == Branch::kLast) far |= later;
     if (branch == Branch::kEdge) far = every_lane();
-    searching &= far & ((b - a) * path.speed_max_mm > path.search_mm);
+    const Lanes reach = (b - a) * path.speed_max_mm;
+    searching &= far & (reach > path.search_mm) & (m.clearance <= reach);
   }
 }
 
@@ -153,6 +167,7 @@ KERF_INLINE void search_stretch(const Side& side, const Path& path, Lanes x, Lan
                               span);
   search<end, Branch::kLast>(side, path, x, y, stretch, changes & inwards & ~outwards & last.hit,
                              span);
+  if (!path.shows_disc) return;
   search<end, Branch::kEdge>(
       side, path, x, y, stretch,
       asked & ((first.hit & ~last.hit & ~outwards) | (last.hit & ~first.hit & ~inwards)), span);
@@ -188,7 +203,8 @@ KERF_INLINE void add_span(ColumnBlock& block, int row, double z, const LaneSpan&
 /// disc does that turns about its diameter: each half has its own interval.
 template <class Side>
 KERF_INLINE void evaluate_stretch(const Side& side, const Path& path, Lanes x, Lanes y,
-                                  const Stretch& stretch, int row, ColumnBlock& block) {
+                                  const Stretch& stretch, LaneMask open, int row,
+                                  ColumnBlock& block) {
   const Meeting &first = stretch.first, &last = stretch.last;
   const double z = path.frame.tip.z, top = block.top_mm - z;
   LaneMask gap = first.hit & last.hit & ((first.lo > last.hi) | (last.lo > first.hi));
@@ -198,10 +214,10 @@ KERF_INLINE void evaluate_stretch(const Side& side, const Path& path, Lanes x, L
     gap &= ~middle.hit;
     const Stretch before{stretch.from, share, first, middle};
     const Stretch after{share, stretch.to, middle, last};
-    add_span(block, row, z, sweep_stretch(side, path, x, y, before, gap, top), gap);
-    add_span(block, row, z, sweep_stretch(side, path, x, y, after, gap, top), gap);
+    add_span(block, row, z, sweep_stretch(side, path, x, y, before, gap & open, top), gap);
+    add_span(block, row, z, sweep_stretch(side, path, x, y, after, gap & open, top), gap);
   }
-  add_span(block, row, z, sweep_stretch(side, path, x, y, stretch, ~gap, top), ~gap);
+  add_span(block, row, z, sweep_stretch(side, path, x, y, stretch, ~gap & open, top), ~gap);
 }
 
 template <class Side>
@@ -210,12 +226,13 @@ KERF_INLINE void evaluate_rows(const Side& side, const Path& path, ColumnBlock& 
   for (int row = 0; row < kBlockSide; ++row) {
     if ((block.rows >> row & 1) == 0) continue;
     const Lanes y = block.y_mm[row] - path.frame.tip.y;
+    const LaneMask open = block.open(row);
     Meeting from = meet<End::kLower>(side, path, x, y, 0);
     for (int part = 0; part < path.parts; ++part) {
       const double share_a = double(part) / path.parts;
       const double share_b = double(part + 1) / path.parts;
       const Meeting to = meet<End::kLower>(side, path, x, y, share_b);
-      evaluate_stretch(side, path, x, y, {share_a, share_b, from, to}, row, block);
+      evaluate_stretch(side, path, x, y, {share_a, share_b, from, to}, open, row, block);
       from = to;
     }
   }
@@ -236,12 +253,12 @@ KERF_FOR_EACH_TARGET(void, evaluate_arc,
                      (side, path, block))
 
 Path make_path(const Envelope& e, const ToolPose& from, const ToolPose& to, int parts,
-               double search_mm) {
+               double search_mm, bool shows_disc) {
   const TurningFrame frame(from, to);
   const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
   const double reach = std::sqrt(e.hi_mm * e.hi_mm + radius * radius);
   const double speed = length(frame.v) + frame.turn * reach;
-  return {frame, parts, search_mm, speed > 0 ? speed : 1};
+  return {frame, parts, search_mm, speed > 0 ? speed : 1, shows_disc};
 }
 
 std::vector<ToolPose> stations(const Path& path, const ToolPose& from, const ToolPose& to) {
@@ -267,9 +284,10 @@ double bulge(const Path& path, const Envelope& e) {
 }  // namespace
 
 TurningSweep::TurningSweep(const std::variant<ConeSide, ArcSide>& side, const Envelope& envelope,
-                           const ToolPose& from, const ToolPose& to, int parts, double search_mm)
+                           const ToolPose& from, const ToolPose& to, int parts, double search_mm,
+                           bool shows_disc)
     : side_(side),
-      path_(make_path(envelope, from, to, parts, search_mm)),
+      path_(make_path(envelope, from, to, parts, search_mm, shows_disc)),
       shadow_(envelope, stations(path_, from, to), bulge(path_, envelope)) {}
 
 void TurningSweep::evaluate(ColumnBlock& block) const {

@@ -16,8 +16,10 @@ namespace kerf {
 class TurningSweep {
  public:
   /// `search_mm`: how near to the outermost end the search goes, measured off the surface.
+  /// `shows_disc`: a disc of the slice is not hidden within its neighbours.
   TurningSweep(const std::variant<ConeSide, ArcSide>& side, const Envelope& envelope,
-               const ToolPose& from, const ToolPose& to, int parts, double search_mm);
+               const ToolPose& from, const ToolPose& to, int parts, double search_mm,
+               bool shows_disc);
 
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   void lower_bound(const Discs& discs, Lanes& z_mm) const { shadow_.lower_bound(discs, z_mm); }
@@ -29,6 +31,7 @@ class TurningSweep {
     int parts;
     double search_mm;
     double speed_max_mm;  ///< fastest that a point of the piece moves, per unit of share
+    bool shows_disc;
   };
 
  private:
