@@ -125,7 +125,12 @@ class Cutter {
       discs.y_mm.set(i, block_.y_mm[i]);
     }
     const std::int32_t in_grid = std::min(kBlockSide, grid_.columns_y - first.j);
-    const Lanes reached_below = Lanes(reached_below_mm(top));
+    Lanes reached_below = reached_below_mm(top);
+    if (work.stored != nullptr) {
+      std::int32_t tops[kBlockSide];
+      work.stored->row_tops(block, tops);
+      for (int i = 0; i < kBlockSide; ++i) reached_below.set(i, reached_below_mm(tops[i]));
+    }
     block_.top_mm = grid_.z_mm(top);
     block_.join_mm = swept_.join_mm;
     block_.clear();

@@ -1,23 +1,23 @@
 #include "kernel/dexel/dexel_tile.h"
 
+#include <algorithm>
+
 #include "kernel/math/lanes.h"
 
 namespace kerf {
 namespace {
 
-/// Greatest of a block of 8 x 8 depths in rows of a tile.
+/// Greatest of each row of a block of 8 x 8 depths.
 KERF_VECTOR_CLONES
-std::int32_t highest(const std::int32_t* depths) {
-  std::int32_t greatest[8] = {};
+void highest_of_rows(const std::int32_t* depths, std::int32_t* greatest) {
   for (int row = 0; row < 8; ++row) {
+    std::int32_t all = 0;
     for (int c = 0; c < 8; ++c) {
       const std::int32_t depth = depths[row * kTileSide + c];
-      greatest[c] = depth > greatest[c] ? depth : greatest[c];
+      all = depth > all ? depth : all;
     }
+    greatest[row] = all;
   }
-  std::int32_t all = 0;
-  for (const std::int32_t depth : greatest) all = depth > all ? depth : all;
-  return all;
 }
 
 }  // namespace
@@ -49,8 +49,14 @@ void DexelTile::update_bounds() {
 }
 
 void DexelTile::update_bounds(int block) {
+  std::int32_t rows[8];
+  row_tops(block, rows);
+  block_top[std::size_t(block)] = *std::max_element(rows, rows + 8);
+}
+
+void DexelTile::row_tops(int block, std::int32_t* tops) const {
   const int first = block / kTileBlocksAcross * 8 * kTileSide + block % kTileBlocksAcross * 8;
-  block_top[std::size_t(block)] = highest(&top[std::size_t(first)]);
+  highest_of_rows(&top[std::size_t(first)], tops);
 }
 
 }  // namespace kerf

@@ -42,6 +42,8 @@ struct DexelTile {
   void update_bounds();
   /// The same for one block.
   void update_bounds(int block);
+  /// Greatest top in each of the eight rows of a block.
+  void row_tops(int block, std::int32_t* tops) const;
   /// Memory, with what hangs on it.
   std::size_t bytes() const { return sizeof *this + lower.bytes(); }
 };

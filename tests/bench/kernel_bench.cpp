@@ -1,13 +1,17 @@
-// The standard job on one core: moves per second with force and torque, end-point error, removed
-// volume. Usage: kernel_bench [pitch_mm=0.1] [tolerance_mm=0.001] [shape=ball|flat|taper|cone_end]
+// The standard job on one core: moves per second with force and torque, sub-motions, removed
+// volume; beside it a bare loop that shows what one core can do on the three-axis job; and ticks of
+// a hand at 1 kHz. Usage: kernel_bench [pitch_mm=0.1] [tolerance_mm=0.001]
+// [shape=ball|flat|taper|cone_end]
 
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
+#include "tests/bench/bare_loop.h"
 #include "tests/support/standard_job.h"
 
 namespace {
@@ -28,8 +32,9 @@ Tool tool_named(const std::string& shape) {
   return *make_tool(BallShape{10, 50});
 }
 
-void run(bool five_axis, double pitch_mm, double tolerance_mm, MotionModel model,
-         const std::string& shape) {
+/// Returns moves per second.
+double run(bool five_axis, double pitch_mm, double tolerance_mm, MotionModel model,
+           const std::string& shape) {
   SculptureSettings settings = test::standard_settings(pitch_mm, tolerance_mm);
   settings.motion = model;
   auto sculpture = *Sculpture::create(settings);
@@ -54,6 +59,52 @@ void run(bool five_axis, double pitch_mm, double tolerance_mm, MotionModel model
       tolerance_mm, moves / seconds, move_us[move_us.size() / 2],
       move_us[move_us.size() * 99 / 100], double(sculpture.sub_motions()) / moves,
       sculpture.removed_volume_mm3(), static_cast<unsigned long long>(sculpture.state_hash()));
+  return moves / seconds;
+}
+
+double run_bare_loop(double pitch_mm) {
+  const std::vector<ToolPose> path = test::standard_path(false);
+  double best = 1e300, removed = 0;
+  for (int repetition = 0; repetition < 3; ++repetition) {
+    test::BareLoop loop(pitch_mm);
+    const double start = cpu_seconds();
+    for (std::size_t i = 1; i < path.size(); ++i) loop.move(path[i - 1].tip_mm, path[i].tip_mm);
+    best = std::min(best, cpu_seconds() - start);
+    removed = loop.removed_mm3();
+  }
+  const double rate = double(path.size() - 1) / best;
+  std::printf("bare loop 3-axis: %8.0f moves/s, removed %.0f mm3\n", rate, removed);
+  return rate;
+}
+
+/// A hand at 1 kHz: 0.1 mm and 0.25 degrees a tick through fresh material.
+void run_hand(double pitch_mm, double tolerance_mm) {
+  constexpr double kTiltRad = 0.26, kDegree = 0.017453292519943295;
+  auto sculpture = *Sculpture::create(test::standard_settings(pitch_mm, tolerance_mm));
+  sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
+  const auto pose = [&](int tick) {
+    const int row = tick / 900, step = tick % 900;
+    const double x = 5 + 0.1 * (row % 2 == 0 ? step : 899 - step), y = 5 + 2.0 * row;
+    const double azimuth = tick * 0.25 * kDegree / std::sin(kTiltRad);
+    return ToolPose{{x, y, 46},
+                    {std::sin(kTiltRad) * std::cos(azimuth), std::sin(kTiltRad) * std::sin(azimuth),
+                     std::cos(kTiltRad)}};
+  };
+  std::vector<double> tick_us;
+  for (int tick = 1; tick < 36000; ++tick) {
+    if (tick % 900 == 0) continue;
+    const double start = cpu_seconds();
+    sculpture.apply(MoveTool{1, pose(tick - 1), pose(tick), 0.001}).value();
+    tick_us.push_back((cpu_seconds() - start) * 1e6);
+  }
+  double sum = 0;
+  for (const double us : tick_us) sum += us;
+  std::ranges::sort(tick_us);
+  std::printf(
+      "hand at 1 kHz, 0.1 mm and 0.25 degrees a tick: p50 %.1f us, p99 %.1f us, mean %.1f us: %.0f "
+      "sculptors a core\n",
+      tick_us[tick_us.size() / 2], tick_us[tick_us.size() * 99 / 100], sum / double(tick_us.size()),
+      1000 / (sum / double(tick_us.size())));
 }
 
 }  // namespace
@@ -62,7 +113,10 @@ int main(int argc, char** argv) {
   const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.1;
   const double tolerance_mm = argc > 2 ? std::atof(argv[2]) : 0.001;
   const std::string shape = argc > 3 ? argv[3] : "ball";
-  run(false, pitch_mm, tolerance_mm, MotionModel::kTight, shape);
+  const double rate = run(false, pitch_mm, tolerance_mm, MotionModel::kTight, shape);
   run(true, pitch_mm, tolerance_mm, MotionModel::kTight, shape);
+  if (shape != "ball") return 0;
+  std::printf("the bare loop is %.1f times as fast\n", run_bare_loop(pitch_mm) / rate);
+  run_hand(pitch_mm, tolerance_mm);
   return 0;
 }
