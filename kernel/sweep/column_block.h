@@ -51,14 +51,15 @@ struct ColumnBlock {
   /// become one, so that no sliver stays where two pieces of a tool meet; those above the stock do
   /// not count.
   KERF_INLINE void add(int row, Lanes lo, Lanes hi) {
+    const LaneMask adds = (lo <= hi) & (lo < top_mm);
     if ((filled >> row & 1) == 0) {
+      const Lanes none = std::numeric_limits<double>::infinity();
       filled |= 1U << row;
-      lo_mm[row] = lo;
-      hi_mm[row] = hi;
+      lo_mm[row] = select(adds, lo, none);
+      hi_mm[row] = select(adds, hi, -none);
       return;
     }
     const Lanes present_lo = lo_mm[row], present_hi = hi_mm[row];
-    const LaneMask adds = (lo <= hi) & (lo < top_mm);
     const LaneMask joins = adds & ((present_lo > present_hi) |
                                    ((lo <= present_hi + join_mm) & (present_lo <= hi + join_mm)));
     lo_mm[row] = select(joins & (lo < present_lo), lo, present_lo);
