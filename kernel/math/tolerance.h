@@ -11,10 +11,6 @@ namespace kerf {
 /// intersect, sweep. If it grows, tools grow.
 inline constexpr double kEdgeEpsilonMm = 1e-9;
 
-/// mm. Greatest residual at which a contact of the rotating envelope counts as found. Owner: sweep.
-/// If it grows, dexel ends err by as much times the slope of the wall.
-inline constexpr double kContactEpsilonMm = 1e-8;
-
 /// Dimensionless. Sines below it are directions that cannot be told from parallel. Owner:
 /// tool_motion. If it grows, slow turns are dropped.
 inline constexpr double kParallelEpsilon = 1e-12;
