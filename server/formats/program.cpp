@@ -4,7 +4,7 @@
 #include <cctype>
 
 #include "server/formats/apt_reader.h"
-#include "server/formats/gcode_reader.h"
+#include "server/formats/gcode/reader.h"
 
 namespace kerf {
 namespace {

@@ -1,5 +1,3 @@
-#include "server/formats/gcode_arc.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +5,8 @@
 #include <numbers>
 #include <random>
 
-#include "server/formats/gcode_fault.h"
+#include "server/formats/gcode/arc.h"
+#include "server/formats/gcode/fault.h"
 #include "tests/formats/scene_fixture.h"
 
 namespace kerf {

@@ -1,11 +1,11 @@
-#include "server/formats/gcode_expression.h"
+#include "server/formats/gcode/expression.h"
 
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 
-#include "server/formats/gcode_fault.h"
+#include "server/formats/gcode/fault.h"
 
 namespace kerf {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/formats/gcode_parameters.h"
+#include "server/formats/gcode/parameters.h"
 
 namespace kerf {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <variant>
 
-#include "server/formats/gcode_parameters.h"
+#include "server/formats/gcode/parameters.h"
 
 namespace kerf {
 

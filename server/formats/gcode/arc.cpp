@@ -1,11 +1,11 @@
-#include "server/formats/gcode_arc.h"
+#include "server/formats/gcode/arc.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 
-#include "server/formats/gcode_fault.h"
+#include "server/formats/gcode/fault.h"
 
 namespace kerf {
 namespace {

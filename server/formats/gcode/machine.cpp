@@ -1,11 +1,11 @@
-#include "server/formats/gcode_machine.h"
+#include "server/formats/gcode/machine.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "server/formats/gcode_expression.h"
-#include "server/formats/gcode_fault.h"
+#include "server/formats/gcode/expression.h"
+#include "server/formats/gcode/fault.h"
 
 namespace kerf {
 namespace {

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "kernel/math/rotation.h"
-#include "server/formats/gcode_fault.h"
-#include "server/formats/gcode_machine.h"
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/machine.h"
 
 namespace kerf {
 namespace {

@@ -1,10 +1,10 @@
-#include "server/formats/gcode_reader.h"
+#include "server/formats/gcode/reader.h"
 
 #include <algorithm>
 
-#include "server/formats/gcode_block.h"
-#include "server/formats/gcode_fault.h"
-#include "server/formats/gcode_machine.h"
+#include "server/formats/gcode/block.h"
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/machine.h"
 #include "server/formats/motion_sink.h"
 #include "server/formats/text_lines.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/formats/gcode_arc.h"
-#include "server/formats/gcode_block.h"
+#include "server/formats/gcode/arc.h"
+#include "server/formats/gcode/block.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/motion_sink.h"
 #include "server/formats/scene.h"

@@ -1,12 +1,12 @@
-#include "server/formats/gcode_block.h"
+#include "server/formats/gcode/block.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
 
-#include "server/formats/gcode_expression.h"
-#include "server/formats/gcode_fault.h"
+#include "server/formats/gcode/expression.h"
+#include "server/formats/gcode/fault.h"
 
 namespace kerf {
 namespace {
