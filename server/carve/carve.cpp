@@ -1,5 +1,6 @@
 #include "server/carve/carve.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
@@ -13,15 +14,14 @@
 
 #include "kernel/sculpture.h"
 #include "server/carve/carve_report.h"
+#include "server/carve/model_outputs.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
 #include "server/carve/stock_contacts.h"
 #include "server/formats/forces_csv.h"
-#include "server/formats/glb.h"
 #include "server/formats/program.h"
 #include "server/formats/program_writer.h"
 #include "server/formats/scene.h"
-#include "server/formats/stl.h"
 #include "server/formats/text_file.h"
 
 namespace kerf {
@@ -196,12 +196,15 @@ class Carving {
   Result write_models() {
     const DexelSnapshot snapshot = sculpture_->snapshot();
     std::vector<std::function<Result()>> jobs;
-    const bool parallel = options_.threads > 1;
-    const MeshProgress bar = [this](double share) { progress_.show("meshing", share); };
-    const MeshProgress quiet;
-    if (options_.stl) jobs.push_back(stl_job(snapshot, parallel ? quiet : bar));
-    if (options_.glb) jobs.push_back(glb_job(snapshot, parallel ? quiet : bar));
+    std::vector<std::uint64_t> triangles(options_.models.size());
+    // One line on a terminal cannot tell of several files at once.
+    ModelProgress bar;
+    if (options_.threads == 1) bar = [this](double share) { progress_.show("meshing", share); };
+    for (std::size_t n = 0; n < options_.models.size(); ++n)
+      jobs.push_back(model_job(options_.models[n], snapshot, bar, triangles[n]));
     if (auto done = run_jobs(jobs); !done) return done;
+    // Quantising may drop triangles; the surface itself has as many as the finest file.
+    if (!triangles.empty()) report_.triangles = std::ranges::max(triangles);
     report_.mesh_s = watch_.lap();
     jobs.clear();
     if (options_.ngc) jobs.push_back(program_job(*options_.ngc, make_gcode_writer));
@@ -211,21 +214,12 @@ class Carving {
     return done;
   }
 
-  std::function<Result()> stl_job(const DexelSnapshot& snapshot, const MeshProgress& bar) {
-    return [this, snapshot, bar, &file = output(*options_.stl)]() -> Result {
-      auto written = write_stl_file(file.temporary(), snapshot, scene_.name, bar);
-      if (!written) return bad_output(file.target().string() + ": " + written.error().reason);
-      report_.triangles = written->facets;
-      return {};
-    };
-  }
-
-  std::function<Result()> glb_job(const DexelSnapshot& snapshot, const MeshProgress& bar) {
-    return [this, snapshot, bar, &file = output(*options_.glb)]() -> Result {
-      // Only the STL writer counts triangles as it goes.
-      if (!options_.stl) report_.triangles = StlStream(snapshot, scene_.name).facets();
-      auto written = write_model_glb_file(file.temporary(), snapshot, scene_.name, bar);
-      if (!written) return bad_output(file.target().string() + ": " + written.error().reason);
+  std::function<Result()> model_job(const ModelChoice& choice, const DexelSnapshot& snapshot,
+                                    const ModelProgress& bar, std::uint64_t& triangles) {
+    return [this, choice, snapshot, bar, &triangles, &file = output(choice.path)]() -> Result {
+      auto written = write_model_choice(choice, file.temporary(), snapshot, scene_.name, bar);
+      if (!written) return bad_output(file.target().string() + ": " + written.error());
+      triangles = *written;
       return {};
     };
   }

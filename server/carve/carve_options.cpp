@@ -16,14 +16,54 @@ std::string check_positive(const std::string& text) {
   return {};
 }
 
+/// What the command line says of one model format.
+struct ModelOption {
+  ModelFormat format;
+  const char* help;
+  std::filesystem::path path;
+  std::string encoding;
+};
+
+std::vector<ModelOption> model_options() {
+  return {{ModelFormat::kStl, "write the carved block as STL", {}, {}},
+          {ModelFormat::kGlb, "write the carved block as glTF binary", {}, {}},
+          {ModelFormat::k3mf, "write the carved block as 3MF", {}, {}},
+          {ModelFormat::kPly, "write the carved block as PLY (binary)", {}, {}},
+          {ModelFormat::kObj, "write the carved block as Wavefront OBJ", {}, {}}};
+}
+
+void declare_models(CLI::App& app, std::vector<ModelOption>& models) {
+  for (ModelOption& model : models) {
+    const std::string name = std::string("--") + to_string(model.format);
+    app.add_option(name, model.path, model.help);
+    std::vector<std::string> encodings;
+    for (const ModelEncoding encoding : model_encodings(model.format))
+      encodings.emplace_back(to_string(encoding));
+    if (encodings.size() == 1) continue;
+    app.add_option(name + "-encoding", model.encoding, "default: " + encodings.front())
+        ->check(CLI::IsMember(encodings));
+  }
+}
+
+std::vector<ModelChoice> chosen_models(const std::vector<ModelOption>& models) {
+  std::vector<ModelChoice> choices;
+  for (const ModelOption& model : models) {
+    if (model.path.empty()) continue;
+    const ModelEncoding standard = model_encodings(model.format).front();
+    choices.push_back(
+        {.format = model.format,
+         .path = model.path,
+         .encoding = model_encoding(model.format, model.encoding).value_or(standard)});
+  }
+  return choices;
+}
+
 void declare(CLI::App& app, CarveOptions& options) {
   app.footer("kerf-carve tradeoff --help: carve at many accuracies and compare error and time.");
   app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
   app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
   app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
   app.add_option("--explain", options.explain, "print every field of a scene, and stop");
-  app.add_option("--stl", options.stl, "write the carved block as binary STL");
-  app.add_option("--glb", options.glb, "write the carved block as glTF binary");
   app.add_option("--ngc", options.ngc, "write the motions as G-code for the scene's machine");
   app.add_option("--apt", options.apt, "write the motions as APT CL data");
   app.add_option("--forces", options.forces, "write force and torque of each motion (CSV)");
@@ -58,12 +98,15 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
       "kerf-carve");
   CarveOptions options;
   declare(app, options);
+  std::vector<ModelOption> models = model_options();
+  declare_models(app, models);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     return refuse(error.what());
   }
+  options.models = chosen_models(models);
   if (options.explain) return options;
   if (options.scene.empty()) return refuse("--scene is required");
   if (options.program.empty()) return refuse("--program is required");

@@ -4,6 +4,9 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
+
+#include "server/carve/model_outputs.h"
 
 namespace kerf {
 
@@ -11,7 +14,8 @@ namespace kerf {
 struct CarveOptions {
   std::filesystem::path scene, program;
   std::optional<std::filesystem::path> explain;  ///< explain this scene and do nothing else
-  std::optional<std::filesystem::path> stl, glb, ngc, apt, forces, report;
+  std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
+  std::optional<std::filesystem::path> ngc, apt, forces, report;
   std::optional<double> pitch_mm, tolerance_mm, rate_hz;
   std::optional<std::string> rays, motion, law;
   int threads = 1;

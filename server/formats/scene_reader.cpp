@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "server/formats/json_location.h"
+#include "server/formats/model/stl_reader.h"
 #include "server/formats/scene.h"
 #include "server/formats/scene_fields.h"
 #include "server/formats/scene_tool_reader.h"
-#include "server/formats/stl.h"
 #include "server/formats/text_file.h"
 
 namespace kerf {

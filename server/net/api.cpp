@@ -90,15 +90,18 @@ ApiResponse error_response(unsigned status, std::string_view code, std::string_v
   return json_response(status, {{"error", error}});
 }
 
-StateHash current_hash(Session& session) {
-  const auto known = on_executor(session, [](Session& s) {
-    const auto hash = s.current_hash();
-    return std::pair(hash, hash ? std::nullopt : std::optional(std::pair(s.sequence(), s.solid())));
-  });
-  if (known.first) return *known.first;
-  const StateHash hash{known.second->first, known.second->second.hash()};
+Moment current_moment(Session& session) {
+  struct Taken {
+    SolidSnapshot solid;
+    std::uint64_t sequence;
+    std::optional<StateHash> hash;
+  };
+  Taken taken = on_executor(
+      session, [](Session& s) { return Taken{s.solid(), s.sequence(), s.current_hash()}; });
+  if (taken.hash) return {std::move(taken.solid), *taken.hash};
+  const StateHash hash{taken.sequence, taken.solid.hash()};
   session.executor().post([self = session.shared_from_this(), hash] { self->note_hash(hash); });
-  return hash;
+  return {std::move(taken.solid), hash};
 }
 
 Api::Api(const ServerOptions& options, SessionRegistry& registry, const Metrics& metrics)
@@ -114,6 +117,7 @@ std::size_t Api::body_bytes_max(const ApiRequest& request) const {
 }
 
 bool Api::is_long(const ApiRequest& request) const {
+  if (request.path.size() == 4 && request.path[3] == "exports") return false;
   return request.method == "POST" || request.path.size() == 4;
 }
 
@@ -146,6 +150,7 @@ ApiResponse Api::v1(const ApiRequest& request) {
     response.headers.emplace_back("Upgrade", "websocket");
     return response;
   }
+  if (path.size() == 4 && path[3] == "exports") return exports(request, found->id());
   if (path.size() == 4) return download(request, found);
   return error_response(404, "not_found", "there is nothing here");
 }
@@ -197,7 +202,7 @@ ApiResponse Api::session(const ApiRequest& request, const SessionPtr& session) {
   }
   if (!is_read(request)) return wrong_method(request, "GET, HEAD, DELETE");
   // The hash comes first: when nothing is being cut, both are of the same moment.
-  const StateHash hash = current_hash(*session);
+  const StateHash hash = current_moment(*session).hash;
   const auto info = on_executor(*session, [](Session& s) { return s.info(); });
   return json_response(200, info_json(*session, info, hash));
 }

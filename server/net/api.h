@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/net/byte_range.h"
 #include "server/net/download_cache.h"
 #include "server/net/metrics.h"
 #include "server/net/server.h"
@@ -20,7 +21,7 @@ struct ApiRequest {
   std::string method;                        ///< GET, HEAD, POST, DELETE
   std::vector<std::string> path;             ///< decoded segments, e.g. {"v1", "sessions"}
   std::map<std::string, std::string> query;  ///< decoded
-  std::string if_none_match;
+  std::string if_none_match, range, if_range;
   std::string body;
 };
 
@@ -29,6 +30,7 @@ struct ApiResponse {
   std::string content_type = "application/json";
   std::string body;
   std::shared_ptr<const OpenFile> file;  ///< instead of a body
+  ByteRange part;                        ///< of the file
   std::vector<std::pair<std::string, std::string>> headers;
 };
 
@@ -60,10 +62,7 @@ class Api {
   ApiResponse programs(const ApiRequest& request, const SessionPtr& session);
   ApiResponse start_program(const ApiRequest& request, const SessionPtr& session);
   ApiResponse download(const ApiRequest& request, const SessionPtr& session);
-  static std::expected<void, std::string> make_download(const std::string& name,
-                                                        std::optional<ParticipantId> who,
-                                                        Session& session,
-                                                        const std::filesystem::path& path);
+  ApiResponse exports(const ApiRequest& request, const std::string& session_id);
 
   const ServerOptions& options_;
   SessionRegistry& registry_;
@@ -71,7 +70,12 @@ class Api {
   DownloadCache downloads_;
 };
 
-/// The newest state of the solid: its hash, computed here if nobody has yet.
-StateHash current_hash(Session& session);
+/// The solid of one moment, and its hash.
+struct Moment {
+  SolidSnapshot solid;
+  StateHash hash;
+};
+/// The newest state of the solid; its hash is computed here if nobody has yet.
+Moment current_moment(Session& session);
 
 }  // namespace kerf::net

@@ -1,10 +1,12 @@
 // The part of the HTTP interface that hands out files made from a session.
 #include <charconv>
+#include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
-#include "server/formats/glb.h"
-#include "server/formats/stl.h"
+#include "server/formats/model/model_writer.h"
 #include "server/net/api.h"
+#include "server/net/download_name.h"
 #include "server/net/on_executor.h"
 #include "server/session/hash_text.h"
 #include "server/session/session_export.h"
@@ -15,40 +17,87 @@ namespace {
 struct Download {
   const char* name;
   const char* content_type;
-  bool of_solid;  ///< depends on the solid alone, so its ETag is the state hash
+  const char* extension;
 };
-constexpr Download kDownloads[] = {
-    {"model.stl", "model/stl", true},     {"model.glb", "model/gltf-binary", true},
-    {"program.ngc", "text/plain", false}, {"program.apt", "text/plain", false},
-    {"forces.csv", "text/csv", false},    {"journal", "application/vnd.sqlite3", false}};
+constexpr Download kOfMotions[] = {{"program.ngc", "text/plain", ".ngc"},
+                                   {"program.apt", "text/plain", ".apt"},
+                                   {"forces.csv", "text/csv", ".csv"},
+                                   {"journal", "application/vnd.sqlite3", ".kerf"}};
+constexpr std::string_view kModel = "model.";
 
-const Download* find_download(const std::string& name) {
-  for (const Download& download : kDownloads) {
-    if (name == download.name) return &download;
-  }
-  return nullptr;
+/// What a request asks for.
+struct Wanted {
+  Download what;
+  std::optional<ModelFormat> model;  ///< none: something that is made of motions
+  ModelEncoding encoding = ModelEncoding::kBinary;
+  std::optional<ParticipantId> who;
+  std::string suffix;  ///< sets its name apart from that of the plain download
+};
+struct BadRequest {
+  unsigned status;
+  const char* code;
+  std::string reason;
+};
+
+const std::string* query(const ApiRequest& request, const char* name) {
+  const auto found = request.query.find(name);
+  return found == request.query.end() ? nullptr : &found->second;
 }
 
-std::expected<std::optional<ParticipantId>, std::string> participant(const ApiRequest& request) {
-  const auto found = request.query.find("participant");
-  if (found == request.query.end()) return std::nullopt;
-  ParticipantId id = 0;
-  const char* end = found->second.data() + found->second.size();
-  const auto parsed = std::from_chars(found->second.data(), end, id);
-  if (parsed.ec != std::errc() || parsed.ptr != end) {
-    return std::unexpected("participant is not a number");
-  }
-  return id;
+template <class T>
+std::optional<T> number(const std::string& text) {
+  T value{};
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, value);
+  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+  return value;
 }
 
-template <typename Write>
-std::expected<void, std::string> write_text(const std::filesystem::path& path, Write&& write) {
-  std::ofstream out(path, std::ios::binary);
-  if (!out) return std::unexpected("the file cannot be created");
-  if (auto ok = write(out); !ok) return ok;
-  out.close();
-  if (!out) return std::unexpected("the disk is full or broken");
+std::expected<void, BadRequest> read_model(const ApiRequest& request, Wanted& wanted) {
+  const ModelFormat format = *wanted.model;
+  wanted.encoding = model_encodings(format).front();
+  if (const std::string* name = query(request, "encoding")) {
+    const auto encoding = model_encoding(format, *name);
+    if (!encoding) {
+      std::string known;
+      for (const ModelEncoding one : model_encodings(format)) {
+        known += (known.empty() ? "" : ", ") + std::string(to_string(one));
+      }
+      return std::unexpected(
+          BadRequest{400, "bad_encoding", "the encodings of this format are: " + known});
+    }
+    if (*encoding != wanted.encoding) wanted.suffix += '-' + *name;
+    wanted.encoding = *encoding;
+  }
   return {};
+}
+
+std::expected<Wanted, BadRequest> read_wanted(const ApiRequest& request) {
+  const std::string& name = request.path[3];
+  for (const Download& what : kOfMotions) {
+    if (name != what.name) continue;
+    Wanted wanted;
+    wanted.what = what;
+    if (const std::string* who = query(request, "participant")) {
+      wanted.who = number<ParticipantId>(*who);
+      if (!wanted.who) {
+        return std::unexpected(BadRequest{400, "bad_participant", "participant is not a number"});
+      }
+      wanted.suffix = "-p" + *who;
+    }
+    return wanted;
+  }
+  if (name.starts_with(kModel)) {
+    if (const auto format = model_format(name.substr(kModel.size()))) {
+      const char* extension = name.c_str() + kModel.size() - 1;
+      Wanted wanted;
+      wanted.what = {name.c_str(), media_type(*format), extension};
+      wanted.model = format;
+      if (auto read = read_model(request, wanted); !read) return std::unexpected(read.error());
+      return wanted;
+    }
+  }
+  return std::unexpected(BadRequest{404, "not_found", "there is no download " + name});
 }
 
 template <typename Result>
@@ -57,69 +106,115 @@ std::expected<void, std::string> reason_only(const Result& result) {
   return {};
 }
 
-std::string file_name(const Session& session, const std::string& name) {
-  if (name == "journal") return session.id() + ".kerf";
-  return session.id() + name.substr(name.find('.'));
+std::expected<void, std::string> write_motions(const Wanted& wanted, Session& session,
+                                               const std::filesystem::path& path) {
+  if (auto ok = session.flush(); !ok) return std::unexpected(describe(ok.error()));
+  const std::string_view name = wanted.what.name;
+  const auto& journal = session.journal_file();
+  if (name == "journal") return reason_only(copy_journal(journal, path));
+  std::ofstream out(path, std::ios::binary);
+  if (!out) return std::unexpected("the file cannot be created");
+  const auto format = name == "program.apt" ? ProgramFormat::kApt : ProgramFormat::kGcode;
+  const auto written = name == "forces.csv" ? export_forces(journal, wanted.who, out)
+                                            : export_program(journal, format, wanted.who, out);
+  if (!written) return written;
+  out.close();
+  if (!out) return std::unexpected("the disk is full or broken");
+  return {};
+}
+
+/// Answers with the whole file, or the part of it that is asked for.
+void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& response) {
+  const std::uint64_t bytes = response.file->bytes();
+  response.part = {0, bytes};
+  response.headers.emplace_back("Accept-Ranges", "bytes");
+  // A part of an older state would not fit to what the client holds.
+  if (!request.if_range.empty() && request.if_range != etag) return;
+  const auto range = parse_range(request.range, bytes);
+  if (!range) {
+    auto refusal =
+        error_response(416, "bad_range", "the file has " + std::to_string(bytes) + " bytes");
+    refusal.headers.emplace_back("Content-Range", "bytes */" + std::to_string(bytes));
+    response = std::move(refusal);
+    return;
+  }
+  if (!*range) return;
+  response.status = 206;
+  response.part = **range;
+  const std::uint64_t last = (*range)->first + (*range)->count - 1;
+  response.headers.emplace_back("Content-Range", "bytes " + std::to_string((*range)->first) + "-" +
+                                                     std::to_string(last) + "/" +
+                                                     std::to_string(bytes));
+}
+
+bool is_same(const std::string& if_none_match, const std::string& etag) {
+  return if_none_match == "*" || if_none_match.find(etag) != std::string::npos;
 }
 
 }  // namespace
 
 ApiResponse Api::download(const ApiRequest& request, const SessionPtr& session) {
-  const std::string& name = request.path[3];
-  const Download* what = find_download(name);
-  if (what == nullptr) return error_response(404, "not_found", "there is no download " + name);
+  const auto wanted = read_wanted(request);
+  if (!wanted)
+    return error_response(wanted.error().status, wanted.error().code, wanted.error().reason);
   if (request.method != "GET" && request.method != "HEAD") {
     auto response = error_response(405, "bad_method", request.method + " is not possible here");
     response.headers.emplace_back("Allow", "GET, HEAD");
     return response;
   }
-  const auto who = participant(request);
-  if (!who) return error_response(400, "bad_participant", who.error());
-
-  const StateHash hash = current_hash(*session);
-  std::string tag = hash_text(hash.hash);
+  const Moment now = current_moment(*session);
+  std::string tag = hash_text(now.hash.hash);
   // Different motions may leave the same solid, so what is made of motions is named by their number
   // too.
-  if (!what->of_solid) tag += "-" + std::to_string(hash.sequence);
-  if (*who) tag += "-p" + std::to_string(**who);
+  if (!wanted->model) tag += "-" + std::to_string(now.hash.sequence);
+  tag += wanted->suffix;
   const std::string etag = '"' + tag + '"';
   ApiResponse response;
   response.headers.emplace_back("ETag", etag);
   response.headers.emplace_back("Cache-Control", "no-cache");
-  if (request.if_none_match == etag || request.if_none_match == "*") {
+  if (is_same(request.if_none_match, etag)) {
     response.status = 304;
     return response;
   }
   const auto file = downloads_.get(
-      session->id() + "/" + name + "/" + tag + "/" + std::to_string(session->epoch()),
-      [&](const std::filesystem::path& path) { return make_download(name, *who, *session, path); });
+      session->id() + "/" + request.path[3] + "/" + tag + "/" + std::to_string(session->epoch()),
+      [&](const std::filesystem::path& path,
+          const DownloadCache::Progress& progress) -> std::expected<void, std::string> {
+        if (!wanted->model) return write_motions(*wanted, *session, path);
+        SnapshotMesh mesh(now.solid.fields.front());
+        return reason_only(write_model(path, mesh,
+                                       {.format = *wanted->model,
+                                        .encoding = wanted->encoding,
+                                        .title = session->scene().name,
+                                        .progress = progress}));
+      });
   if (!file) return error_response(500, "export_failed", file.error());
   response.file = *file;
-  response.content_type = what->content_type;
-  response.headers.emplace_back("Content-Disposition",
-                                "attachment; filename=\"" + file_name(*session, name) + "\"");
+  response.content_type = wanted->what.content_type;
+  const std::string name =
+      download_name(session->scene().name, session->id(), wanted->suffix, wanted->what.extension);
+  response.headers.emplace_back("Content-Disposition", content_disposition(name));
+  put_file(request, etag, response);
   return response;
 }
 
-std::expected<void, std::string> Api::make_download(const std::string& name,
-                                                    std::optional<ParticipantId> who,
-                                                    Session& session,
-                                                    const std::filesystem::path& path) {
-  if (name == "model.stl" || name == "model.glb") {
-    const auto snapshot = on_executor(session, [](Session& s) { return s.snapshot(); });
-    if (name == "model.stl") {
-      return reason_only(write_stl_file(path, snapshot, session.scene().name));
-    }
-    return reason_only(write_model_glb_file(path, snapshot, session.scene().name));
+ApiResponse Api::exports(const ApiRequest& request, const std::string& session_id) {
+  if (request.method != "GET" && request.method != "HEAD") {
+    auto response = error_response(405, "bad_method", request.method + " is not possible here");
+    response.headers.emplace_back("Allow", "GET, HEAD");
+    return response;
   }
-  if (auto ok = session.flush(); !ok) return std::unexpected(describe(ok.error()));
-  const auto& journal = session.journal_file();
-  if (name == "journal") return reason_only(copy_journal(journal, path));
-  return write_text(path, [&](std::ostream& out) -> ExportResult {
-    if (name == "forces.csv") return export_forces(journal, who, out);
-    const auto format = name == "program.apt" ? ProgramFormat::kApt : ProgramFormat::kGcode;
-    return export_program(journal, format, who, out);
-  });
+  nlohmann::json list = nlohmann::json::array();
+  const std::string prefix = session_id + "/";
+  for (const auto& making : downloads_.making(prefix)) {
+    const std::string rest = making.key.substr(prefix.size());
+    list.push_back({{"name", rest.substr(0, rest.find('/'))},
+                    {"share", std::round(making.share * 1000) / 1000},
+                    {"seconds", std::round(making.seconds * 1000) / 1000}});
+  }
+  ApiResponse response;
+  response.body = nlohmann::json{{"exports", list}}.dump() + "\n";
+  return response;
 }
 
 }  // namespace kerf::net

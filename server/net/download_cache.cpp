@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
 
 namespace kerf::net {
 
@@ -36,28 +37,64 @@ DownloadCache::DownloadCache(std::filesystem::path folder) : folder_(std::move(f
   std::filesystem::create_directories(folder_, ignored);
 }
 
-std::expected<std::shared_ptr<const OpenFile>, std::string> DownloadCache::get(
-    const std::string& key, const Make& make) {
+DownloadCache::File DownloadCache::get(const std::string& key, const Make& make) {
   std::filesystem::path path;
+  auto job = std::make_shared<Job>();
   {
-    const std::lock_guard lock(mutex_);
-    const auto found =
-        std::ranges::find_if(entries_, [&](const Entry& entry) { return entry.key == key; });
+    std::unique_lock lock(mutex_);
+    const auto found = std::ranges::find(entries_, key, &Entry::key);
     if (found != entries_.end()) {
       entries_.splice(entries_.begin(), entries_, found);
       return entries_.front().file;
     }
+    for (const auto& other : jobs_) {
+      if (other->key != key) continue;
+      const auto file = other->file;
+      lock.unlock();
+      return file.get();
+    }
+    job->key = key;
+    job->start = std::chrono::steady_clock::now();
+    job->file = job->promise.get_future().share();
+    jobs_.push_back(job);
     path = folder_ / std::to_string(++last_);
   }
-  std::error_code ignored;
-  auto made = make(path);
-  auto file = made ? OpenFile::open(path) : std::unexpected(made.error());
-  std::filesystem::remove(path, ignored);
-  if (!file) return file;
+  File file = make_file(*job, path, make);
   const std::lock_guard lock(mutex_);
-  entries_.push_front({key, *file});
-  if (entries_.size() > kFilesMax) entries_.pop_back();
+  jobs_.remove(job);
+  if (file) {
+    entries_.push_front({key, *file});
+    if (entries_.size() > kFilesMax) entries_.pop_back();
+  }
+  job->promise.set_value(file);
   return file;
+}
+
+// A writer that runs out of memory must not leave those who wait for its file waiting.
+DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::path& path,
+                                             const Make& make) {
+  File file = std::unexpected(std::string("there is not enough memory"));
+  std::error_code ignored;
+  try {
+    const auto made = make(path, [&job](double share) { job.share = share; });
+    file = made ? OpenFile::open(path) : std::unexpected(made.error());
+  } catch (const std::bad_alloc&) {
+    // `file` says so already.
+  }
+  std::filesystem::remove(path, ignored);
+  return file;
+}
+
+std::vector<DownloadCache::Making> DownloadCache::making(std::string_view prefix) const {
+  const auto now = std::chrono::steady_clock::now();
+  std::vector<Making> list;
+  const std::lock_guard lock(mutex_);
+  for (const auto& job : jobs_) {
+    if (!job->key.starts_with(prefix)) continue;
+    const double seconds = std::chrono::duration<double>(now - job->start).count();
+    list.push_back({job->key, job->share.load(), seconds});
+  }
+  return list;
 }
 
 }  // namespace kerf::net

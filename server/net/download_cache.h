@@ -1,13 +1,18 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <list>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace kerf::net {
 
@@ -32,14 +37,26 @@ class OpenFile {
 /// Files made on demand for downloads: written once per state, then served to anybody who asks for
 /// the same. They have no name on the disk, so none is left behind. Writing to a file rather than
 /// into the socket means that a slow client holds neither a thread nor memory, and that the length
-/// is known before the first byte.
+/// is known before the first byte. Thread-safe.
 class DownloadCache {
  public:
   explicit DownloadCache(std::filesystem::path folder);
-  using Make = std::function<std::expected<void, std::string>(const std::filesystem::path&)>;
-  /// The file for `key`; `make` writes it if nobody has yet.
-  std::expected<std::shared_ptr<const OpenFile>, std::string> get(const std::string& key,
-                                                                  const Make& make);
+  using File = std::expected<std::shared_ptr<const OpenFile>, std::string>;
+  using Progress = std::function<void(double)>;  ///< takes the share that is done, 0 to 1
+  using Make = std::function<std::expected<void, std::string>(const std::filesystem::path&,
+                                                              const Progress&)>;
+  /// The file for `key`; `make` writes it if nobody has yet. Who asks while it is being written
+  /// waits for it.
+  File get(const std::string& key, const Make& make);
+
+  /// A file that is being written.
+  struct Making {
+    std::string key;
+    double share = 0;    ///< that is done, 0 to 1
+    double seconds = 0;  ///< since it was begun
+  };
+  /// Those whose key begins with `prefix`.
+  std::vector<Making> making(std::string_view prefix) const;
 
  private:
   static constexpr std::size_t kFilesMax = 16;
@@ -47,9 +64,19 @@ class DownloadCache {
     std::string key;
     std::shared_ptr<const OpenFile> file;
   };
+  struct Job {
+    std::string key;
+    std::chrono::steady_clock::time_point start;
+    std::atomic<double> share = 0;
+    std::promise<File> promise;
+    std::shared_future<File> file;
+  };
+  File make_file(Job& job, const std::filesystem::path& path, const Make& make);
+
   std::filesystem::path folder_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::list<Entry> entries_;  ///< newest first
+  std::list<std::shared_ptr<Job>> jobs_;
   std::uint64_t last_ = 0;
 };
 

@@ -78,7 +78,7 @@ class Connection {
   asio::awaitable<bool> read_body(Parser& parser, const ApiRequest& request);
   asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
   asio::awaitable<bool> refuse_garbage();
-  asio::awaitable<void> send_file(const OpenFile& file);
+  asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
   asio::awaitable<bool> refuse(const Request& request, unsigned status, std::string_view code,
                                std::string_view reason);
   asio::awaitable<void> linger();
@@ -120,6 +120,8 @@ asio::awaitable<bool> Connection::serve_one() {
   }
   if (!co_await read_body(parser, *request)) co_return false;
   request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
+  request->range = std::string(view(parser.get()[http::field::range]));
+  request->if_range = std::string(view(parser.get()[http::field::if_range]));
   request->body = std::move(parser.get().body());
   const bool keep_alive = parser.get().keep_alive();
   const bool large = request->body.size() > kLargeBody;
@@ -213,7 +215,7 @@ asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& re
   const bool head = request.method() == http::verb::head;
   if (response.status != 304) {
     message.set(http::field::content_type, response.content_type);
-    message.content_length(response.file ? response.file->bytes() : response.body.size());
+    message.content_length(response.file ? response.part.count : response.body.size());
   }
   if (!response.file && !head) message.body() = std::move(response.body);
   stream_.expires_after(kChunkTime);
@@ -221,7 +223,7 @@ asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& re
   if (response.file || head) {
     co_await http::async_write_header(stream_, serializer,
                                       asio::redirect_error(asio::use_awaitable, error_));
-    if (!error_ && !head) co_await send_file(*response.file);
+    if (!error_ && !head) co_await send_file(*response.file, response.part);
   } else {
     co_await http::async_write(stream_, serializer,
                                asio::redirect_error(asio::use_awaitable, error_));
@@ -229,10 +231,12 @@ asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& re
   co_return !error_ && keep_alive;
 }
 
-asio::awaitable<void> Connection::send_file(const OpenFile& file) {
-  std::vector<char> chunk(std::min<std::uint64_t>(kFileChunk, file.bytes()));
-  for (std::uint64_t offset = 0; offset < file.bytes() && !error_;) {
-    const std::size_t size = file.read(offset, chunk.data(), chunk.size());
+asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRange& part) {
+  std::vector<char> chunk(std::min<std::uint64_t>(kFileChunk, part.count));
+  const std::uint64_t end = part.first + part.count;
+  for (std::uint64_t offset = part.first; offset < end && !error_;) {
+    const std::size_t wanted = std::min<std::uint64_t>(chunk.size(), end - offset);
+    const std::size_t size = file.read(offset, chunk.data(), wanted);
     if (size == 0) {
       error_ = asio::error::broken_pipe;  // the length is promised: only closing tells the peer
       co_return;

@@ -69,6 +69,7 @@ const std::vector<Library>& libraries() {
         "server/net", "server/main.cpp", "haptic_agent"},
        "JSON stays inside the .cpp files that read and write it"},
       {{"tiny_gltf.h", "tinygltf/"}, false, {"server/formats"}, "glTF is a format"},
+      {{"minizip/", "zlib.h"}, false, {"server/formats"}, "only files are packed"},
       {{"meshoptimizer.h"},
        false,
        {"server/formats", "server/feed"},

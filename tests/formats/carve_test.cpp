@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "server/carve/carve_options.h"
-#include "server/formats/stl.h"
+#include "server/formats/model/stl_reader.h"
 
 namespace kerf {
 namespace {
@@ -76,7 +76,9 @@ const std::string kInput = "--scene scene.json --program p.ngc";
 
 TEST_F(KerfCarve, WritesEverythingThatIsAskedFor) {
   const auto json =
-      report(kInput + " --stl m.stl --glb m.glb --ngc o.ngc --apt o.apt --forces f.csv");
+      report(kInput +
+             " --stl m.stl --glb m.glb --3mf m.3mf --ply m.ply --obj m.obj --ngc o.ngc"
+             " --apt o.apt --forces f.csv");
   for (const char* field :
        {"stock_volume_mm3", "removed_volume_mm3", "motions", "sub_motions", "cut_seconds",
         "mesh_seconds", "triangles", "peak_memory_bytes", "state_hash", "warnings"})
@@ -92,11 +94,25 @@ TEST_F(KerfCarve, WritesEverythingThatIsAskedFor) {
   ASSERT_TRUE(triangles.has_value());
   EXPECT_EQ(json["triangles"], triangles->size());
   EXPECT_THAT(content("m.glb"), StartsWith("glTF"));
+  EXPECT_THAT(content("m.3mf"), StartsWith("PK"));
+  EXPECT_THAT(content("m.ply"), StartsWith("ply"));
+  EXPECT_THAT(content("m.obj"), StartsWith("# "));
   const std::string forces = content("f.csv");
   EXPECT_EQ(std::count(forces.begin(), forces.end(), '\n'), 6);
   EXPECT_EQ(content("out"), "");
-  EXPECT_EQ(files(), (std::vector<std::string>{"err", "f.csv", "m.glb", "m.stl", "o.apt", "o.ngc",
-                                               "out", "p.ngc", "r.json", "scene.json"}));
+  EXPECT_EQ(files(),
+            (std::vector<std::string>{"err", "f.csv", "m.3mf", "m.glb", "m.obj", "m.ply", "m.stl",
+                                      "o.apt", "o.ngc", "out", "p.ngc", "r.json", "scene.json"}));
+}
+
+TEST_F(KerfCarve, WritesTheEncodingThatIsAskedFor) {
+  ASSERT_EQ(run(kInput + " --stl a.stl --stl-encoding ascii --glb a.glb --glb-encoding meshopt"),
+            0);
+  EXPECT_THAT(content("a.stl"), StartsWith("solid "));
+  EXPECT_THAT(content("a.glb"), testing::HasSubstr("EXT_meshopt_compression"));
+  EXPECT_EQ(run(kInput + " --glb a.glb --glb-encoding ascii"), 2);
+  EXPECT_THAT(content("err"), testing::HasSubstr("--glb-encoding"));
+  EXPECT_EQ(run(kInput + " --ply a.ply --ply-encoding ascii"), 2);
 }
 
 TEST_F(KerfCarve, AnExportedProgramGivesTheSameHash) {
@@ -268,15 +284,19 @@ TEST_F(KerfCarve, AFolderThatCannotBeWrittenIsReported) {
 }
 
 TEST(CarveOptions, AreReadFromTheCommandLine) {
-  std::vector<std::string> words{"kerf-carve", "--scene", "s",     "--program", "p",
-                                 "--rate",     "1000",    "--law", "drr"};
+  std::vector<std::string> words{
+      "kerf-carve", "--scene", "s",     "--program", "p",     "--rate",         "1000",     "--law",
+      "drr",        "--3mf",   "m.3mf", "--glb",     "m.glb", "--glb-encoding", "quantized"};
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   const auto parsed = parse_carve_options(static_cast<int>(argv.size()), argv.data());
   const auto& options = std::get<CarveOptions>(parsed);
   EXPECT_EQ(options.rate_hz, 1000);
   EXPECT_EQ(options.law, "drr");
-  EXPECT_FALSE(options.stl.has_value());
+  ASSERT_EQ(options.models.size(), 2U);
+  EXPECT_EQ(options.models[0].format, ModelFormat::kGlb);
+  EXPECT_EQ(options.models[0].encoding, ModelEncoding::kQuantized);
+  EXPECT_EQ(options.models[1].path, "m.3mf");
 }
 
 }  // namespace

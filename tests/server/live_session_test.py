@@ -11,7 +11,7 @@ import time
 import unittest
 
 from live_server import SCENE, LiveTest, Server
-from wire_client import Agent, Closed, Viewer
+from wire_client import Agent, Closed, Http, Viewer
 
 PROGRAM = """%
 G21 G90 G17 G94
@@ -207,10 +207,76 @@ class Downloads(LiveTest):
         self.assertEqual((status, body), (200, b""))
         self.assertEqual(head["content-length"], headers["content-length"])
 
-    def test_glb_is_one(self):
-        status, headers, body = self.get("model.glb")
-        self.assertEqual((status, body[:4]), (200, b"glTF"))
-        self.assertEqual(headers["content-type"], "model/gltf-binary")
+    def test_each_format_has_its_type_its_beginning_and_a_name_to_keep(self):
+        for name, kind, begin, file_name in (
+                ("model.stl", "model/stl", b"Kerf STL", "block.stl"),
+                ("model.stl?encoding=ascii", "model/stl", b"solid block", "block-ascii.stl"),
+                ("model.glb", "model/gltf-binary", b"glTF", "block.glb"),
+                ("model.glb?encoding=quantized", "model/gltf-binary", b"glTF",
+                 "block-quantized.glb"),
+                ("model.glb?encoding=meshopt", "model/gltf-binary", b"glTF", "block-meshopt.glb"),
+                ("model.3mf", "model/3mf", b"PK", "block.3mf"),
+                ("model.ply", "application/vnd.ply", b"ply", "block.ply"),
+                ("model.obj", "model/obj", b"# block", "block.obj"),
+                ("program.ngc", "text/plain", b"%", "block.ngc"),
+                ("journal", "application/vnd.sqlite3", b"SQLite", "block.kerf")):
+            status, headers, body = self.get(name)
+            self.assertEqual((status, headers["content-type"]), (200, kind), name)
+            self.assertEqual(body[:len(begin)], begin)
+            self.assertEqual(headers["content-disposition"],
+                             f'attachment; filename="{file_name}"')
+        status, _, body = self.get("model.glb?encoding=ascii")
+        self.assertEqual((status, json.loads(body)["error"]["code"]), (400, "bad_encoding"))
+        self.assertEqual(self.get("model.dxf")[0], 404)
+
+    def test_a_name_beyond_ascii_is_told_in_both_ways(self):
+        self.server.create("cup", dict(SCENE, name="Täßchen: 1/2"))
+        headers = self.server.http.request("GET", "/v1/sessions/cup/model.stl")[1]
+        self.assertEqual(headers["content-disposition"],
+                         'attachment; filename="T__chen- 1-2.stl"; '
+                         "filename*=UTF-8''T%C3%A4%C3%9Fchen-%201-2.stl")
+
+    def test_ranges(self):
+        _, headers, whole = self.get("model.stl")
+        self.assertEqual(headers["accept-ranges"], "bytes")
+        size, etag = len(whole), headers["etag"]
+        for text, first, last in (("0-99", 0, 99), ("100-", 100, size - 1),
+                                  ("-7", size - 7, size - 1), (f"5-{size + 9}", 5, size - 1)):
+            status, headers, body = self.get("model.stl", Range=f"bytes={text}")
+            self.assertEqual((status, body), (206, whole[first:last + 1]), text)
+            self.assertEqual(headers["content-range"], f"bytes {first}-{last}/{size}")
+        status, headers, body = self.get("model.stl", Range=f"bytes={size}-")
+        self.assertEqual((status, headers["content-range"]), (416, f"bytes */{size}"))
+        self.assertEqual(json.loads(body)["error"]["code"], "bad_range")
+        ranged = {"Range": "bytes=0-9", "If-Range": etag}
+        self.assertEqual(self.get("model.stl", **ranged)[0], 206)
+        # After a change of the block, the rest of the old file would not fit.
+        ranged["If-Range"] = '"0000000000000000"'
+        self.assertEqual(self.get("model.stl", **ranged)[0::2], (200, whole))
+        self.assertEqual(self.get("model.stl", Range="bytes=1-2,4-5")[0], 200)
+        self.assertEqual(self.get("model.stl", Range="lines=1-2")[0], 200)
+        self.assertEqual(self.get("program.apt", Range="bytes=0-6")[2], b"PARTNO/")
+
+    def test_exports_in_the_making_are_listed(self):
+        fine = dict(SCENE, name="fine", accuracy={"pitch_mm": 0.02})
+        self.server.create("fine", fine)
+        seen = []
+
+        def download():
+            Http(self.port).request("GET", "/v1/sessions/fine/model.obj")
+
+        loader = threading.Thread(target=download)
+        loader.start()
+        while loader.is_alive():
+            seen += self.server.http.json("GET", "/v1/sessions/fine/exports")[1]["exports"]
+            time.sleep(0.005)
+        loader.join()
+        self.assertEqual({export["name"] for export in seen}, {"model.obj"})
+        shares = [export["share"] for export in seen]
+        self.assertEqual(shares, sorted(shares))
+        self.assertTrue(0 < shares[-1] <= 1, shares)
+        self.assertEqual(self.server.http.json("GET", "/v1/sessions/fine/exports")[1],
+                         {"exports": []})
 
     def test_exported_programs_carve_the_same_solid(self):
         for name in ("program.ngc", "program.apt"):

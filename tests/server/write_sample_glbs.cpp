@@ -8,7 +8,7 @@
 #include <string>
 
 #include "server/feed/mesh_glb.h"
-#include "server/formats/glb.h"
+#include "server/formats/model/model_writer.h"
 #include "tests/support/carvings.h"
 #include "tests/support/mesh_check.h"
 
@@ -53,12 +53,19 @@ int main(int argc, char** argv) {
   const std::vector<const EncodedTile*> raw{&plain, &gone};
   const std::vector<const EncodedTile*> mixed{&tiles[1], &gone, &plain, &tiles[2]};
   const std::vector<const EncodedTile*> only_gone{&gone};
-  const auto model = make_model_glb(snapshot, "sample \"block\"");
-  const bool ok = model && write(folder / "model.glb", *model) &&
-                  write(folder / "frame_all.glb", write_mesh_glb(all, quantization, 0, 60)) &&
-                  write(folder / "frame_raw.glb", write_mesh_glb(raw, quantization, 0, 60)) &&
-                  write(folder / "frame_mixed.glb", write_mesh_glb(mixed, quantization, 59, 60)) &&
-                  write(folder / "frame_gone.glb", write_mesh_glb(only_gone, quantization, 1, 2)) &&
-                  write(folder / "frame_empty.glb", write_mesh_glb({}, quantization, 1, 2));
+  bool ok = true;
+  for (const ModelEncoding encoding : model_encodings(ModelFormat::kGlb)) {
+    SnapshotMesh mesh(snapshot);
+    ok = ok && write_model(folder / (std::string("model_") + to_string(encoding) + ".glb"), mesh,
+                           {.format = ModelFormat::kGlb,
+                            .encoding = encoding,
+                            .title = "sample \"block\"",
+                            .progress = {}});
+  }
+  ok = ok && write(folder / "frame_all.glb", write_mesh_glb(all, quantization, 0, 60)) &&
+       write(folder / "frame_raw.glb", write_mesh_glb(raw, quantization, 0, 60)) &&
+       write(folder / "frame_mixed.glb", write_mesh_glb(mixed, quantization, 59, 60)) &&
+       write(folder / "frame_gone.glb", write_mesh_glb(only_gone, quantization, 1, 2)) &&
+       write(folder / "frame_empty.glb", write_mesh_glb({}, quantization, 1, 2));
   return ok ? 0 : 1;
 }

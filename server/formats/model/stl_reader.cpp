@@ -1,11 +1,11 @@
+#include "server/formats/model/stl_reader.h"
+
 #include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <string>
-
-#include "server/formats/stl.h"
 
 namespace kerf {
 namespace {

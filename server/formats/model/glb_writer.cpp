@@ -1,0 +1,200 @@
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "server/formats/model/glb_group.h"
+#include "server/formats/model/model_parts.h"
+
+// glTF 2.0, binary. The JSON comes first and needs to know every array's length, so the arrays wait
+// in a spool; tinygltf would hold all of them in memory and drops extensions of buffer views.
+
+namespace kerf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMetresPerMm = 0.001;
+/// Quaternion x, y, z, w that turns Z-up into glTF's Y-up: -90 degrees about x.
+constexpr double kHalfSqrt = 0.70710678118654752;
+constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+
+constexpr std::uint64_t padded(std::uint64_t bytes) { return (bytes + 3) / 4 * 4; }
+
+/// The JSON of a model while its groups arrive.
+class GlbDocument {
+ public:
+  explicit GlbDocument(const ModelOutput& output)
+      : encoding_(output.request.encoding), lattice_(glb_lattice(output.source.size_mm())) {
+    const Vec3 o = output.source.origin_mm();
+    Json extras{{"scene", output.request.title}, {"units_below_root", "mm, Z up"}};
+    if (encoding_ != ModelEncoding::kFloat) extras["step_mm"] = lattice_.step_mm;
+    json_["asset"] = {{"version", "2.0"}, {"generator", "Kerf"}, {"extras", extras}};
+    json_["scene"] = 0;
+    json_["scenes"] = {{{"name", output.request.title}, {"nodes", {0}}}};
+    // Positions count from the block's corner, so that floats keep their precision far from the
+    // scene's zero.
+    json_["nodes"] = {
+        {{"name", "kerf"},
+         {"translation", {o.x * kMetresPerMm, o.z * kMetresPerMm, -o.y * kMetresPerMm}},
+         {"rotation", {-kHalfSqrt, 0, 0, kHalfSqrt}},
+         {"scale", {kMetresPerMm, kMetresPerMm, kMetresPerMm}}}};
+  }
+
+  const GlbLattice& lattice() const { return lattice_; }
+
+  /// Adds a node for a group whose arrays will lie in the binary chunk from `offset` on, each
+  /// padded to four bytes.
+  void add(const std::vector<GlbArray>& arrays, std::uint64_t offset) {
+    Json attributes;
+    Json primitive{{"attributes", nullptr}};
+    for (const GlbArray& array : arrays) {
+      add_view(array, offset);
+      offset += padded(array.bytes.size());
+      Json accessor{{"bufferView", json_["bufferViews"].size() - 1},
+                    {"componentType", array.component},
+                    {"count", array.count},
+                    {"type", array.type}};
+      if (array.normalized) accessor["normalized"] = true;
+      if (!array.min.empty()) {
+        accessor["min"] = bounds(array, array.min);
+        accessor["max"] = bounds(array, array.max);
+      }
+      if (array.name.empty()) {
+        primitive["indices"] = json_["accessors"].size();
+      } else {
+        attributes[array.name] = json_["accessors"].size();
+      }
+      json_["accessors"].push_back(std::move(accessor));
+      colored_ = colored_ || array.name == "COLOR_0";
+    }
+    primitive["attributes"] = std::move(attributes);
+    primitive["material"] = 0;
+    json_["meshes"].push_back({{"primitives", {std::move(primitive)}}});
+    add_node();
+  }
+
+  /// The text of the whole; `binary_bytes` is the length of the binary chunk's content.
+  std::string text(std::uint64_t binary_bytes) {
+    if (binary_bytes > 0) {
+      // Beside colours of its own the surface is white.
+      const Json color = colored_ ? Json{1.0, 1.0, 1.0, 1.0} : Json{0.72, 0.62, 0.48, 1.0};
+      json_["materials"] = {
+          {{"name", "stock"},
+           {"pbrMetallicRoughness",
+            {{"baseColorFactor", color}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.6}}}}};
+      json_["buffers"] = {{{"byteLength", binary_bytes}}};
+      Json extensions;
+      if (encoding_ != ModelEncoding::kFloat) extensions.push_back("KHR_mesh_quantization");
+      if (encoding_ == ModelEncoding::kMeshopt) {
+        extensions.push_back("EXT_meshopt_compression");
+        json_["buffers"].push_back(
+            {{"byteLength", unpacked_bytes_},
+             {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+      }
+      if (!extensions.empty()) {
+        json_["extensionsUsed"] = extensions;
+        json_["extensionsRequired"] = extensions;
+      }
+    }
+    std::string text = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
+    text.resize(padded(text.size()), ' ');
+    return text;
+  }
+
+ private:
+  static Json bounds(const GlbArray& array, const std::vector<double>& values) {
+    Json list = Json::array();
+    const bool whole = array.stride == 8;  // positions in steps
+    for (const double v : values) whole ? list.push_back(static_cast<int>(v)) : list.push_back(v);
+    return list;
+  }
+
+  void add_view(const GlbArray& array, std::uint64_t offset) {
+    const bool is_index = array.name.empty();
+    const std::uint64_t unpacked = array.count * array.stride;
+    Json view{{"buffer", array.compressed ? 1 : 0},
+              {"byteOffset", array.compressed ? unpacked_bytes_ : offset},
+              {"byteLength", unpacked}};
+    if (!is_index) view["byteStride"] = array.stride;
+    view["target"] = is_index ? kElementArrayBuffer : kArrayBuffer;
+    if (array.compressed) {
+      view["extensions"]["EXT_meshopt_compression"] = {
+          {"buffer", 0},
+          {"byteOffset", offset},
+          {"byteLength", array.bytes.size()},
+          {"byteStride", array.stride},
+          {"count", array.count},
+          {"mode", is_index ? "TRIANGLES" : "ATTRIBUTES"}};
+      unpacked_bytes_ += padded(unpacked);
+    }
+    json_["bufferViews"].push_back(std::move(view));
+  }
+
+  void add_node() {
+    const std::size_t number = json_["meshes"].size() - 1;
+    Json node{{"name", "part_" + std::to_string(number)}, {"mesh", number}};
+    if (encoding_ != ModelEncoding::kFloat) {
+      const double half = 32768 * lattice_.step_mm;
+      node["translation"] = {half, half, half};
+      node["scale"] = {lattice_.step_mm, lattice_.step_mm, lattice_.step_mm};
+    }
+    json_["nodes"][0]["children"].push_back(json_["nodes"].size());
+    json_["nodes"].push_back(std::move(node));
+  }
+
+  ModelEncoding encoding_;
+  GlbLattice lattice_;
+  Json json_;
+  std::uint64_t unpacked_bytes_ = 0;
+  bool colored_ = false;
+};
+
+std::vector<std::byte> words(std::initializer_list<std::uint32_t> values) {
+  std::vector<std::byte> bytes;
+  for (const std::uint32_t value : values) put_u32(bytes, value);
+  return bytes;
+}
+
+void spool_group(GlbGroup& group, GlbDocument& document, const ModelOutput& output,
+                 SpoolFile& spool, ModelSummary& summary) {
+  const std::vector<GlbArray> arrays = group.take(output.request.encoding, document.lattice());
+  if (arrays.empty()) return;
+  document.add(arrays, spool.bytes());
+  for (const GlbArray& array : arrays) {
+    spool.write(array.bytes);
+    constexpr std::array<std::byte, 3> kPadding{};
+    spool.write(std::span(kPadding).first(padded(array.bytes.size()) - array.bytes.size()));
+  }
+  summary.vertices += arrays.front().count;
+  summary.triangles += arrays.back().count / 3;
+}
+
+}  // namespace
+
+ModelResult write_glb(const ModelOutput& output) {
+  GlbDocument document(output);
+  SpoolFile spool(output.path);
+  GlbGroup group;
+  ModelSummary summary;
+  MeshPiece piece;
+  while (output.next(piece)) {
+    if (group.is_full_for(piece)) spool_group(group, document, output, spool, summary);
+    if (!piece.indices.empty()) group.add(piece);
+  }
+  if (!group.empty()) spool_group(group, document, output, spool, summary);
+
+  const std::string json = document.text(spool.bytes());
+  const std::uint64_t total = 12 + 8 + json.size() + (spool.bytes() > 0 ? 8 + spool.bytes() : 0);
+  if (total > std::numeric_limits<std::uint32_t>::max()) {
+    return model_error("the surface is larger than the 4 GiB that a GLB can hold");
+  }
+  const auto low = [](std::uint64_t n) { return static_cast<std::uint32_t>(n); };
+  output.sink.write(words({0x46546C67, 2, low(total), low(json.size()), 0x4E4F534A}));
+  output.sink.write(json);
+  if (spool.bytes() == 0) return summary;
+  output.sink.write(words({low(spool.bytes()), 0x004E4942}));
+  const bool whole = spool.read_all([&](std::span<const std::byte> c) { output.sink.write(c); });
+  if (!whole) return model_error("the disk is full or broken");
+  return summary;
+}
+
+}  // namespace kerf

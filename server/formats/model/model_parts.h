@@ -1,0 +1,69 @@
+#pragma once
+
+#include <bit>
+#include <charconv>
+#include <filesystem>
+#include <string>
+
+#include "server/formats/model/file_sink.h"
+#include "server/formats/model/model_writer.h"
+
+namespace kerf {
+
+/// What the writers of the formats share; model_writer.cpp chooses among them.
+struct ModelOutput {
+  FileSink& sink;
+  const std::filesystem::path& path;  ///< of the sink; spools lie beside it
+  MeshSource& source;
+  const ModelRequest& request;
+
+  /// The next piece; tells the one who waits how far it is.
+  bool next(MeshPiece& piece) const {
+    if (!source.next(piece)) return false;
+    if (request.progress) request.progress(source.share());
+    return true;
+  }
+  /// A position in the scene, as every format writes it.
+  std::array<float, 3> in_scene(const std::array<float, 3>& p) const {
+    const Vec3 o = source.origin_mm();
+    return {static_cast<float>(o.x + static_cast<double>(p[0])),
+            static_cast<float>(o.y + static_cast<double>(p[1])),
+            static_cast<float>(o.z + static_cast<double>(p[2]))};
+  }
+};
+
+using ModelResult = std::expected<ModelSummary, ModelError>;
+ModelResult write_stl(const ModelOutput& output);
+ModelResult write_stl_ascii(const ModelOutput& output);
+ModelResult write_glb(const ModelOutput& output);
+ModelResult write_3mf(const ModelOutput& output);
+ModelResult write_ply(const ModelOutput& output);
+ModelResult write_obj(const ModelOutput& output);
+
+inline std::unexpected<ModelError> model_error(std::string reason) {
+  return std::unexpected(ModelError{std::move(reason)});
+}
+
+/// Appends little-endian bytes.
+inline void put_u32(std::vector<std::byte>& out, std::uint32_t value) {
+  for (unsigned n = 0; n < 4; ++n) out.push_back(static_cast<std::byte>(value >> (8 * n)));
+}
+inline void put_float(std::vector<std::byte>& out, float value) {
+  put_u32(out, std::bit_cast<std::uint32_t>(value));
+}
+
+/// Appends the shortest decimal that reads back to the same float or number.
+template <class T>
+void put_number(std::string& out, T value) {
+  std::array<char, 24> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  out.append(digits.data(), end);
+}
+
+/// The unit normal of a triangle, as its own corners give it; zero where they lie on a line.
+std::array<float, 3> facet_normal(const std::array<std::array<float, 3>, 3>& corners);
+
+/// A name without control characters, so that it stays on its line.
+std::string one_line(std::string_view text);
+
+}  // namespace kerf

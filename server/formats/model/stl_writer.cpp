@@ -1,0 +1,96 @@
+#include <cstring>
+
+#include "server/formats/model/model_parts.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::size_t kTitleBytes = 80;
+
+std::vector<std::byte> make_header(std::string_view title) {
+  // Readers take a file that starts with "solid" for ASCII; the scene's name may well do so.
+  std::string text = "Kerf STL, mm: " + one_line(title);
+  text.resize(kTitleBytes, ' ');
+  std::vector<std::byte> header(kTitleBytes);
+  std::memcpy(header.data(), text.data(), kTitleBytes);
+  put_u32(header, 0);
+  return header;
+}
+
+std::array<std::array<float, 3>, 3> corners_of(const ModelOutput& output, const MeshPiece& piece,
+                                               std::size_t first) {
+  std::array<std::array<float, 3>, 3> corners;
+  for (std::size_t c = 0; c < 3; ++c) {
+    corners[c] = output.in_scene(piece.positions_mm[piece.indices[first + c]]);
+  }
+  return corners;
+}
+
+/// The facet normal is that of the triangle, as the format asks, not a shading normal.
+std::array<float, 3> normal_of(const MeshPiece& piece, std::size_t first) {
+  const auto& p = piece.positions_mm;
+  const auto& i = piece.indices;
+  return facet_normal({p[i[first]], p[i[first + 1]], p[i[first + 2]]});
+}
+
+void put(std::string& out, std::string_view before, const std::array<float, 3>& v) {
+  out += before;
+  for (const float c : v) {
+    out += ' ';
+    put_number(out, c);
+  }
+  out += '\n';
+}
+
+}  // namespace
+
+ModelResult write_stl(const ModelOutput& output) {
+  output.sink.write(make_header(output.request.title));
+  ModelSummary summary;
+  MeshPiece piece;
+  std::vector<std::byte> bytes;
+  while (output.next(piece)) {
+    bytes.clear();
+    for (std::size_t first = 0; first + 2 < piece.indices.size(); first += 3) {
+      for (const float c : normal_of(piece, first)) put_float(bytes, c);
+      for (const auto& corner : corners_of(output, piece, first)) {
+        for (const float c : corner) put_float(bytes, c);
+      }
+      bytes.resize(bytes.size() + 2);
+    }
+    output.sink.write(bytes);
+    summary.triangles += piece.indices.size() / 3;
+  }
+  if (summary.triangles > UINT32_MAX) {
+    return model_error("the surface has more facets than an STL file can count");
+  }
+  std::vector<std::byte> count;
+  put_u32(count, static_cast<std::uint32_t>(summary.triangles));
+  output.sink.patch(kTitleBytes, count);
+  summary.vertices = 3 * summary.triangles;
+  return summary;
+}
+
+ModelResult write_stl_ascii(const ModelOutput& output) {
+  const std::string name = one_line(output.request.title);
+  output.sink.write("solid " + name + "\n");
+  ModelSummary summary;
+  MeshPiece piece;
+  std::string text;
+  while (output.next(piece)) {
+    text.clear();
+    for (std::size_t first = 0; first + 2 < piece.indices.size(); first += 3) {
+      put(text, "facet normal", normal_of(piece, first));
+      text += "outer loop\n";
+      for (const auto& corner : corners_of(output, piece, first)) put(text, "vertex", corner);
+      text += "endloop\nendfacet\n";
+    }
+    output.sink.write(text);
+    summary.triangles += piece.indices.size() / 3;
+  }
+  output.sink.write("endsolid " + name + "\n");
+  summary.vertices = 3 * summary.triangles;
+  return summary;
+}
+
+}  // namespace kerf

@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <fstream>
+#include <thread>
+
+#include "server/net/byte_range.h"
+#include "server/net/download_cache.h"
+#include "server/net/download_name.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf::net {
+namespace {
+
+std::optional<ByteRange> range(std::string_view header, std::uint64_t bytes = 1000) {
+  const auto parsed = parse_range(header, bytes);
+  EXPECT_TRUE(parsed) << header;
+  return parsed ? *parsed : std::nullopt;
+}
+
+TEST(ByteRange, TakesTheFormsOfTheRfc) {
+  EXPECT_EQ(range("bytes=0-0"), (ByteRange{0, 1}));
+  EXPECT_EQ(range("bytes=10-19"), (ByteRange{10, 10}));
+  EXPECT_EQ(range("bytes=999-"), (ByteRange{999, 1}));
+  EXPECT_EQ(range("bytes=990-5000"), (ByteRange{990, 10}));
+  EXPECT_EQ(range("bytes=-1"), (ByteRange{999, 1}));
+  EXPECT_EQ(range("bytes=-5000"), (ByteRange{0, 1000}));
+  EXPECT_EQ(range("bytes=0-18446744073709551615"), (ByteRange{0, 1000}));
+}
+
+TEST(ByteRange, WhatIsMalformedOrSeveralIsEverything) {
+  for (const char* text :
+       {"", "bytes", "bytes=", "bytes=-", "bytes=a-b", "bytes=5-4", "bytes=1-2,4-5", "lines=0-1",
+        "bytes= 1-2", "bytes=1-2 ", "bytes=--1", "bytes=0-18446744073709551616", "bytes=1x-2"}) {
+    EXPECT_EQ(range(text), std::nullopt) << text;
+  }
+}
+
+TEST(ByteRange, WhatDoesNotExistIsRefused) {
+  for (const char* text : {"bytes=1000-", "bytes=5000-6000", "bytes=-0"}) {
+    EXPECT_FALSE(parse_range(text, 1000)) << text;
+  }
+  EXPECT_FALSE(parse_range("bytes=0-", 0));
+  EXPECT_FALSE(parse_range("bytes=-1", 0));
+}
+
+TEST(DownloadName, IsTheScenesAndSafeEverywhere) {
+  EXPECT_EQ(download_name("Ammonite", "id", "-meshopt", ".glb"), "Ammonite-meshopt.glb");
+  EXPECT_EQ(download_name("untitled", "demo", "", ".stl"), "demo.stl");
+  EXPECT_EQ(download_name("", "demo", "", ".stl"), "demo.stl");
+  EXPECT_EQ(download_name(" ..\x01 . ", "demo", "", ".stl"), "-.stl");
+  EXPECT_EQ(download_name("../../etc/passwd", "demo", "", ".stl"), "-..-etc-passwd.stl");
+  EXPECT_EQ(download_name("a\"b\\c\r\nd", "demo", "", ".stl"), "a-b-c--d.stl");
+  const std::string longest = download_name(std::string(5000, 'x'), "demo", "", ".stl");
+  EXPECT_EQ(longest, std::string(80, 'x') + ".stl");
+  // A letter of several bytes is not torn.
+  const std::string umlauts = download_name(std::string(79, 'x') + "\u00e4\u00e4", "d", "", "");
+  EXPECT_EQ(umlauts, std::string(79, 'x') + "\u00e4");
+}
+
+TEST(DownloadName, IsToldInAsciiAndUtf8) {
+  EXPECT_EQ(content_disposition("a.stl"), "attachment; filename=\"a.stl\"");
+  EXPECT_EQ(content_disposition("\u00e4 b.stl"),
+            "attachment; filename=\"_ b.stl\"; filename*=UTF-8''%C3%A4%20b.stl");
+}
+
+class DownloadCacheTest : public ::testing::Test {
+ protected:
+  std::expected<void, std::string> write(const std::filesystem::path& path,
+                                         const DownloadCache::Progress& progress) {
+    ++made_;
+    progress(0.25);
+    begun_ = true;
+    while (hold_) std::this_thread::yield();
+    std::ofstream(path) << "text";
+    return {};
+  }
+  DownloadCache::Make maker() {
+    return [this](const auto& path, const auto& progress) { return write(path, progress); };
+  }
+
+  test::TemporaryFolder folder_;
+  std::atomic<int> made_ = 0;
+  std::atomic<bool> hold_ = false, begun_ = false;
+};
+
+TEST_F(DownloadCacheTest, WhoAsksWhileAFileIsMadeWaitsForIt) {
+  DownloadCache cache(folder_.path() / "downloads");
+  hold_ = true;
+  DownloadCache::File first, second;
+  std::jthread one([&] { first = cache.get("s/a", maker()); });
+  while (!begun_) std::this_thread::yield();
+  std::jthread two([&] { second = cache.get("s/a", maker()); });
+  const auto making = cache.making("s/");
+  ASSERT_EQ(making.size(), 1U);
+  EXPECT_EQ(making[0].key, "s/a");
+  EXPECT_EQ(making[0].share, 0.25);
+  EXPECT_TRUE(cache.making("t/").empty());
+  hold_ = false;
+  one.join();
+  two.join();
+  ASSERT_TRUE(first);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(*first, *second);
+  EXPECT_EQ(made_, 1);
+  EXPECT_EQ((*first)->bytes(), 4U);
+  EXPECT_TRUE(cache.making("").empty());
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "downloads"));
+}
+
+TEST_F(DownloadCacheTest, AFailureIsToldAndNotKept) {
+  DownloadCache cache(folder_.path() / "downloads");
+  const auto failed =
+      cache.get("k", [](const auto&, const auto&) -> std::expected<void, std::string> {
+        return std::unexpected(std::string("no"));
+      });
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error(), "no");
+  const auto thrown = cache.get(
+      "k",
+      [](const auto&, const auto&) -> std::expected<void, std::string> { throw std::bad_alloc(); });
+  EXPECT_FALSE(thrown);
+  EXPECT_TRUE(cache.get("k", maker()));
+}
+
+}  // namespace
+}  // namespace kerf::net
