@@ -195,7 +195,8 @@ Sculpture::Sculpture(SculptureSettings settings)
     : settings_(std::move(settings)),
       obstacles_(settings_.obstacles.empty() ? nullptr
                                              : std::make_unique<Obstacles>(settings_.obstacles)),
-      engagements_(std::make_unique<Engagements>(settings_.pitch_mm)) {
+      engagements_(std::make_unique<Engagements>(settings_.pitch_mm)),
+      removal_(std::make_unique<Removal>()) {
   for (const RayAxis axis : axes_of(settings_.rays)) {
     fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis);
     stock_volume_mm3_ += fields_.back().stock_volume_mm3();
@@ -295,6 +296,12 @@ Wrench Sculpture::collision(const Tool& tool, const ToolPose& pose) const {
 }
 
 std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& command) {
+  SerialWorkers alone;
+  return apply(command, alone);
+}
+
+std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& command,
+                                                             Workers& workers) {
   if (auto c = check(command); !c) return std::unexpected(c.error());
   if (const auto* define = std::get_if<DefineTool>(&command)) {
     // Rebuilt from its pieces, so that a tool from a journal and one from a scene are the same.
@@ -303,7 +310,7 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
     last_pose_.erase(define->id);
     return MotionResult{};
   }
-  return move(std::get<MoveTool>(command));
+  return move(std::get<MoveTool>(command), workers);
 }
 
 SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
@@ -311,31 +318,33 @@ SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
 }
 
 RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,
-                                   bool start_is_cut, MotionResult& result, CuttingForce* force) {
+                                   bool start_is_cut, MotionResult& result, CuttingForce* force,
+                                   Workers& workers) {
   const DexelGrid& grid = field.grid();
   const bool alone = fields_.size() == 1;
-  Removal removal;
+  Removal& removal = *removal_;
   std::int64_t quanta = 0;
   std::int64_t elements = 0;
   std::int64_t parts = 0;
   SweepSettings settings = sweep_settings(field);
   settings.start_is_cut = start_is_cut;
   sweep_tool(tool, in_frame(grid.axis, motion), settings, [&](const SubMotion& part) {
-    cut(field, part.swept, removal);
-    quanta += removal.quanta;
+    cut(field, part.swept, removal, workers);
+    quanta += removal.quanta();
     if (!alone) elements += removal.elements();
     if (grid.axis == RayAxis::kZ) {
-      result.changed_tiles.insert(result.changed_tiles.end(), removal.changed_tiles.begin(),
-                                  removal.changed_tiles.end());
+      for (const RemovedPart& p : removal.parts()) {
+        for (const RemovedPart::Tile& t : p.tiles) result.changed_tiles.push_back(t.index);
+      }
     }
-    if (force != nullptr) force->add(grid, removal, part.motion, part.share);
+    if (force != nullptr) force->add(grid, removal, part.motion, part.share, workers);
     parts += part.count;
   });
   result.sub_motions = std::max(result.sub_motions, static_cast<std::uint32_t>(parts));
   return {static_cast<double>(quanta) * grid.quantum_mm3(), static_cast<double>(elements)};
 }
 
-MotionResult Sculpture::move(const MoveTool& command) {
+MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
   const Tool& used = tools_.at(command.tool);
   const ToolMotion motion = motion_of(command, used);
   const bool feel = command.feel && command.duration_s > 0;
@@ -351,7 +360,8 @@ MotionResult Sculpture::move(const MoveTool& command) {
   const bool start_is_cut = last != last_pose_.end() && last->second == motion.from;
   std::vector<RemovedVolume> removed;
   for (DexelField& f : fields_) {
-    removed.push_back(cut_field(f, used, motion, start_is_cut, result, feel ? &*force : nullptr));
+    removed.push_back(
+        cut_field(f, used, motion, start_is_cut, result, feel ? &*force : nullptr, workers));
   }
   last_pose_[command.tool] = motion.to;
   result.removed_mm3 = combined_mm3(removed);

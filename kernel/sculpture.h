@@ -22,6 +22,8 @@ class CuttingForce;
 class DexelField;
 class Engagements;
 class Obstacles;
+class Removal;
+class Workers;
 struct RemovedVolume;
 struct SweepSettings;
 struct ToolMotion;
@@ -121,7 +123,9 @@ class Sculpture {
   Sculpture& operator=(Sculpture&&) noexcept;
   ~Sculpture();
 
-  /// Applies one command. DefineTool gives an empty result; a tool may be redefined.
+  /// Applies one command. DefineTool gives an empty result; a tool may be redefined. A motion that
+  /// is much work is divided among `workers`, with the same result, to the bit.
+  std::expected<MotionResult, SculptureError> apply(const Command& command, Workers& workers);
   std::expected<MotionResult, SculptureError> apply(const Command& command);
   /// What apply would refuse, without changing anything: the session checks before it journals.
   std::expected<void, SculptureError> check(const Command& command) const;
@@ -153,18 +157,20 @@ class Sculpture {
  private:
   explicit Sculpture(SculptureSettings settings);
   std::expected<void, SculptureError> check_move(const MoveTool& command) const;
-  MotionResult move(const MoveTool& command);
+  MotionResult move(const MoveTool& command, Workers& workers);
   Wrench collision(const Tool& tool, const ToolPose& pose) const;
   DexelField& field(RayAxis axis);
   /// Cuts one field and notes in `result` and `force` (null: not felt) what that took.
   RemovedVolume cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,
-                          bool start_is_cut, MotionResult& result, CuttingForce* force);
+                          bool start_is_cut, MotionResult& result, CuttingForce* force,
+                          Workers& workers);
   SweepSettings sweep_settings(const DexelField& field) const;
 
   SculptureSettings settings_;
   std::vector<DexelField> fields_;        ///< along Z; then along X and Y, if asked for
   std::unique_ptr<Obstacles> obstacles_;  ///< null in a scene without any
   std::unique_ptr<Engagements> engagements_;
+  std::unique_ptr<Removal> removal_;  ///< of the last sub-motion; kept for its memory
   std::map<ToolId, Tool> tools_;
   std::map<ToolId, ToolPose> last_pose_;  ///< where each tool has been removed from the block last
   double stock_volume_mm3_ = 0;

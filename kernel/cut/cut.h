@@ -1,6 +1,7 @@
 #pragma once
 
 #include "kernel/cut/removal.h"
+#include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sweep/swept_tool.h"
 
@@ -10,7 +11,7 @@ namespace kerf {
 /// is dropped). The three updates of paper Fig. 1 (c–e): the top of an element is shortened, its
 /// bottom is shortened, or it is split. Ends are rounded to the nearest depth quantum before they
 /// are compared, so that any order of the same cuts leaves the same bytes. Columns that do not
-/// change are not written.
-void cut(DexelField& field, const SweptTool& swept, Removal& removal);
+/// change are not written. Where there is much to do its tiles are divided among `workers`.
+void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers);
 
 }  // namespace kerf

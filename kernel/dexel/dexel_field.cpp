@@ -1,5 +1,7 @@
 #include "kernel/dexel/dexel_field.h"
 
+#include <utility>
+
 #include "kernel/dexel/stock_column.h"
 
 namespace kerf {
@@ -9,16 +11,17 @@ DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis)
       grid_(make_grid(stock, pitch_mm, axis)),
       tiles_(grid_.tiles_x(), grid_.tiles_y()) {}
 
-DexelTile& DexelField::edit(TileIndex tile) {
-  std::shared_ptr<DexelTile>& slot = tiles_.slot(tile, era_);
-  if (!slot) {
-    slot = std::make_shared<DexelTile>();
-    fill_from_stock(stock_, grid_, tile, *slot);
-  } else if (slot->era != era_) {
-    slot = std::make_shared<DexelTile>(*slot);
-  }
-  slot->era = era_;
-  return *slot;
+std::shared_ptr<DexelTile> DexelField::fresh(TileIndex tile) const {
+  const DexelTile* stored = tiles_.find(tile);
+  auto made = stored != nullptr ? std::make_shared<DexelTile>(*stored)
+                                : std::make_shared_for_overwrite<DexelTile>();
+  if (stored == nullptr) fill_from_stock(stock_, grid_, tile, *made);
+  made->era = era_;
+  return made;
+}
+
+void DexelField::put(TileIndex tile, std::shared_ptr<DexelTile> fresh) {
+  tiles_.slot(tile, era_) = std::move(fresh);
 }
 
 DexelSnapshot DexelField::snapshot() {

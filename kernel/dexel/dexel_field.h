@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/dexel/dexel_tile.h"
@@ -21,9 +22,13 @@ class DexelField {
 
   /// The tile as stored, or null while it is untouched. It must lie in the grid.
   const DexelTile* find(TileIndex tile) const { return tiles_.find(tile); }
-  /// The tile to be changed: made from the stock's shape if untouched, copied if a snapshot holds
-  /// it.
-  DexelTile& edit(TileIndex tile);
+  /// The tile to be changed where it is; null while it is untouched or a snapshot holds it.
+  /// Different tiles may be asked for, and changed, on several threads at once.
+  DexelTile* editable(TileIndex tile) { return tiles_.own(tile, era_); }
+  /// What is to be changed instead and then `put` in its place: made from the stock's shape if
+  /// untouched, else a copy. On any thread, as long as nobody calls `put`.
+  std::shared_ptr<DexelTile> fresh(TileIndex tile) const;
+  void put(TileIndex tile, std::shared_ptr<DexelTile> fresh);
   DexelSnapshot snapshot();
   /// Volume of the untouched stock in columns, mm^3.
   double stock_volume_mm3() const;

@@ -7,7 +7,7 @@ namespace {
 
 /// The node, made or copied so that nobody else holds it.
 template <class Node>
-Node& own(std::shared_ptr<Node>& slot, std::uint64_t era) {
+Node& unshared(std::shared_ptr<Node>& slot, std::uint64_t era) {
   if (!slot) {
     slot = std::make_shared<Node>();
   } else if (slot->era != era) {
@@ -26,10 +26,16 @@ TileDirectory::TileDirectory(std::int32_t tiles_x, std::int32_t tiles_y)
   root_->child.resize(std::size_t(root_x_) * std::size_t(roots(tiles_y, 2 * kLeafBits)));
 }
 
+DexelTile* TileDirectory::own(TileIndex tile, std::uint64_t era) {
+  // A tile of this era was put there in it, so the nodes above it are of this era too.
+  DexelTile* stored = locate(tile);
+  return stored != nullptr && stored->era == era ? stored : nullptr;
+}
+
 std::shared_ptr<DexelTile>& TileDirectory::slot(TileIndex tile, std::uint64_t era) {
-  Root& root = own(root_, era);
-  Branch& branch = own(root.child[root_index(tile)], era);
-  Leaf& leaf = own(branch.child[index(tile, kLeafBits)], era);
+  Root& root = unshared(root_, era);
+  Branch& branch = unshared(root.child[root_index(tile)], era);
+  Leaf& leaf = unshared(branch.child[index(tile, kLeafBits)], era);
   return leaf.child[index(tile, 0)];
 }
 

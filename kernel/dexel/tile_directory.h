@@ -23,12 +23,9 @@ class TileDirectory {
   TileDirectory(std::int32_t tiles_x, std::int32_t tiles_y);
 
   /// The tile, or null while it is untouched; it must lie in the grid.
-  const DexelTile* find(TileIndex tile) const {
-    const Branch* branch = root_->child[root_index(tile)].get();
-    if (branch == nullptr) return nullptr;
-    const Leaf* leaf = branch->child[index(tile, kLeafBits)].get();
-    return leaf == nullptr ? nullptr : leaf->child[index(tile, 0)].get();
-  }
+  const DexelTile* find(TileIndex tile) const { return locate(tile); }
+  /// The tile if it is of this era, hence held by no copy; else null.
+  DexelTile* own(TileIndex tile, std::uint64_t era);
   /// Where the tile is kept, to be filled or replaced; makes and copies the nodes on the way. `era`
   /// never decreases from call to call.
   std::shared_ptr<DexelTile>& slot(TileIndex tile, std::uint64_t era);
@@ -73,6 +70,12 @@ class TileDirectory {
     constexpr std::size_t kMask = (std::size_t{1} << kLeafBits) - 1;
     return {at.x + (static_cast<std::int32_t>(child & kMask) << shift),
             at.y + (static_cast<std::int32_t>(child >> kLeafBits) << shift)};
+  }
+  DexelTile* locate(TileIndex tile) const {
+    const Branch* branch = root_->child[root_index(tile)].get();
+    if (branch == nullptr) return nullptr;
+    const Leaf* leaf = branch->child[index(tile, kLeafBits)].get();
+    return leaf == nullptr ? nullptr : leaf->child[index(tile, 0)].get();
   }
   std::size_t root_index(TileIndex tile) const {
     return std::size_t(tile.y >> (2 * kLeafBits)) * std::size_t(root_x_) +

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <span>
+#include <vector>
 
 #include "kernel/force/surface_weight.h"
 #include "kernel/math/lanes.h"
@@ -145,10 +147,75 @@ KERF_FOR_EACH_TARGET(void, add_pushes,
                       LaneSums& sums),
                      (groups, twist, pivot, sums))
 
+KERF_INLINE Lanes& operator+=(Lanes& sum, const Lanes& more) { return sum = sum + more; }
+
+KERF_INLINE void fold_in_lanes(const LaneSums& tile, LaneSums& sums) {
+  sums.volume += tile.volume;
+  sums.x += tile.x;
+  sums.y += tile.y;
+  sums.z += tile.z;
+  sums.push_x += tile.push_x;
+  sums.push_y += tile.push_y;
+  sums.push_z += tile.push_z;
+  sums.turn_x += tile.turn_x;
+  sums.turn_y += tile.turn_y;
+  sums.turn_z += tile.turn_z;
+}
+KERF_FOR_EACH_TARGET(void, fold, (const LaneSums& tile, LaneSums& sums), (tile, sums))
+
+/// What the sums over a tile need to know.
+struct Summing {
+  TipInGrid tip;
+  const Twist& twist;
+  const CutFrame& frame;
+  const SurfaceWeight* weight;
+  Vec3 pivot;
+  bool common;  ///< all elements push in one direction
+};
+
+LaneSums sum_tile(std::span<const RemovedGroup> groups, const Summing& s) {
+  LaneSums sums;
+  GroupSegments chunk[kChunk];
+  for (std::size_t k = 0; k < groups.size(); k += kChunk) {
+    const std::size_t count = std::min(kChunk, groups.size() - k);
+    const std::span<GroupSegments> segments(chunk, count);
+    place(groups.subspan(k, count), s.tip, chunk);
+    if (s.weight != nullptr) {
+      for (GroupSegments& g : segments) {
+        weigh(*s.weight, s.frame.axis, kShortSegment * s.frame.radius_mm, g);
+      }
+    }
+    add_moments(segments, sums);
+    if (!s.common) add_pushes(segments, s.twist, s.pivot, sums);
+  }
+  return sums;
+}
+
+/// Tile by tile, in their order: the same sums however many parts the removal has.
+LaneSums sum_parts(const Removal& removal, const Summing& s, Workers& workers) {
+  const std::span<const RemovedPart> parts = removal.parts();
+  LaneSums sums;
+  if (parts.size() == 1) {
+    for (std::size_t t = 0; t < parts[0].tiles.size(); ++t) fold(sum_tile(parts[0].of(t), s), sums);
+    return sums;
+  }
+  std::vector<std::vector<LaneSums>> tiles(parts.size());
+  workers.run(static_cast<int>(parts.size()), [&](int part) {
+    const auto p = std::size_t(part);
+    for (std::size_t t = 0; t < parts[p].tiles.size(); ++t) {
+      tiles[p].push_back(sum_tile(parts[p].of(t), s));
+    }
+  });
+  for (const std::vector<LaneSums>& part : tiles) {
+    for (const LaneSums& tile : part) fold(tile, sums);
+  }
+  return sums;
+}
+
 }  // namespace
 
-CutSum sum_cut(std::span<const RemovedGroup> groups, const DexelGrid& grid, const Twist& twist,
-               const CutFrame& frame, const SurfaceWeight* weight) {
+CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
+               const CutFrame& frame, const SurfaceWeight* weight, Workers& workers) {
   const double pitch = grid.pitch_mm, quantum = grid.z_quantum_mm;
   const Vec3 from_origin = frame.tip_mm - grid.origin_mm;
   const TipInGrid tip{from_origin.x / pitch - 0.5, from_origin.y / pitch - 0.5,
@@ -156,20 +223,7 @@ CutSum sum_cut(std::span<const RemovedGroup> groups, const DexelGrid& grid, cons
   const Vec3 pivot = frame.axis * frame.pivot_mm;
   const bool common =
       length(twist.turn_rad) * frame.reach_mm <= kCommonWay * length(twist.travel_mm);
-  LaneSums sums;
-  GroupSegments chunk[kChunk];
-  for (std::size_t k = 0; k < groups.size(); k += kChunk) {
-    const std::size_t count = std::min(kChunk, groups.size() - k);
-    const std::span<GroupSegments> segments(chunk, count);
-    place(groups.subspan(k, count), tip, chunk);
-    if (weight != nullptr) {
-      for (GroupSegments& g : segments) {
-        weigh(*weight, frame.axis, kShortSegment * frame.radius_mm, g);
-      }
-    }
-    add_moments(segments, sums);
-    if (!common) add_pushes(segments, twist, pivot, sums);
-  }
+  const LaneSums sums = sum_parts(removal, {tip, twist, frame, weight, pivot, common}, workers);
   const double area = pitch * pitch;
   CutSum sum{total(sums.volume) * area, total(sums.x, sums.y, sums.z) * area, {}, {}};
   if (common) {

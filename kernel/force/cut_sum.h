@@ -1,8 +1,7 @@
 #pragma once
 
-#include <span>
-
 #include "kernel/cut/removal.h"
+#include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/math/vec3.h"
 
@@ -49,8 +48,8 @@ struct CutFrame {
 /// the axis where the tool moves along it (Eq. 20), around the tip where it turns (Eq. 21), against
 /// the tip's way where it is translated (Eq. 22), and without a jump between these. An element that
 /// does not move (the degenerate case of Eq. 21) does not push. `weight`, if not null, says what
-/// part of each element counts.
-CutSum sum_cut(std::span<const RemovedGroup> groups, const DexelGrid& grid, const Twist& twist,
-               const CutFrame& frame, const SurfaceWeight* weight);
+/// part of each element counts. The parts of `removal` are divided among `workers`.
+CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
+               const CutFrame& frame, const SurfaceWeight* weight, Workers& workers);
 
 }  // namespace kerf

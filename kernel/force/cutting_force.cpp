@@ -57,14 +57,13 @@ double CuttingForce::Part::path_mm(double otherwise) const {
 }
 
 void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion,
-                       double share) {
-  if (removal.quanta == 0) return;
+                       double share, Workers& workers) {
+  if (removal.quanta() == 0) return;
   const ToolPose middle = motion.at(0.5);
   const Twist twist = twist_of(motion);
-  const CutSum local =
-      sum_cut(removal.groups, grid, twist,
-              {middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_, radius_mm_},
-              weight_ ? &*weight_ : nullptr);
+  const CutSum local = sum_cut(
+      removal, grid, twist, {middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_, radius_mm_},
+      weight_ ? &*weight_ : nullptr, workers);
   const Vec3 way = twist.at(local.center_mm());
   const CutSum sum = to_world(grid.axis, local);
   all_.add(sum, share, length(way));

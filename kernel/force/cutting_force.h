@@ -33,7 +33,8 @@ class CuttingForce {
 
   /// Adds what one sub-motion removed from the field that stands on `grid`; `motion` is the
   /// sub-motion in that field's own frame (grid.axis), `share` its part of the duration.
-  void add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion, double share);
+  void add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion, double share,
+           Workers& workers);
 
   /// Ends the motion: what the hand feels of it. To be called once.
   FeltCut finish();

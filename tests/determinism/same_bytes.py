@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Builds the kernel and state_hashes once more, with another compiler, optimisation level or instruction set, and compares
-what it prints, byte for byte, with what this build's state_hashes prints.
+what it prints, byte for byte, with what this build's state_hashes prints. Or (--threads) runs this build's on so many threads.
 
 Exit status: 0 equal, 1 different or not built, 77 this machine cannot run that build (the reason is printed).
 """
@@ -21,10 +21,11 @@ V4 = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--compiler", required=True)
-    parser.add_argument("--flags", required=True, help="what the compiler is asked for, e.g. -O2")
-    parser.add_argument("--vector", required=True, choices=["clones", "avx2", "avx512", "none"])
-    parser.add_argument("--folder", required=True, type=pathlib.Path, help="where to build")
+    parser.add_argument("--compiler")
+    parser.add_argument("--flags", help="what the compiler is asked for, e.g. -O2")
+    parser.add_argument("--vector", choices=["clones", "avx2", "avx512", "none"])
+    parser.add_argument("--folder", type=pathlib.Path, help="where to build")
+    parser.add_argument("--threads", type=int, nargs="+", help="build nothing: numbers of threads to compare with one")
     parser.add_argument("--reference", required=True, type=pathlib.Path, help="the state_hashes to compare with")
     return parser.parse_args()
 
@@ -58,26 +59,32 @@ def build(options):
             sys.exit(f"{done.stdout}\nThis build failed: {' '.join(map(str, command))}")
 
 
-def printed_by(program):
-    return subprocess.run([program], check=True, stdout=subprocess.PIPE).stdout
+def printed_by(program, *arguments):
+    return subprocess.run([program, *arguments], check=True, stdout=subprocess.PIPE).stdout
 
 
-def main():
-    options = arguments()
-    reason = why_not(options)
-    if reason:
-        print(f"skipped: {reason}")
-        sys.exit(CANNOT_RUN)
-    build(options)
-    expected = printed_by(options.reference)
-    seen = printed_by(options.folder / "tests/determinism/state_hashes")
+def compare(expected, seen):
     if seen == expected:
         print(f"{len(expected.splitlines())} jobs give equal bytes")
         return
     for a, b in zip(expected.splitlines(), seen.splitlines()):
         if a != b:
             print(f"expected  {a.decode()}\nseen      {b.decode()}")
-    sys.exit("The two builds do not agree.")
+    sys.exit("The two do not agree.")
+
+
+def main():
+    options = arguments()
+    if options.threads:
+        for threads in options.threads:
+            compare(printed_by(options.reference), printed_by(options.reference, str(threads)))
+        return
+    reason = why_not(options)
+    if reason:
+        print(f"skipped: {reason}")
+        sys.exit(CANNOT_RUN)
+    build(options)
+    compare(printed_by(options.reference), printed_by(options.folder / "tests/determinism/state_hashes"))
 
 
 main()

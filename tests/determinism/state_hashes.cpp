@@ -1,17 +1,20 @@
 // Runs one job for every tool, ray model, motion model and force law and prints, a line each, the
 // hash of the state and the hash of every result: forces, volumes, tiles. Two builds of the kernel
 // that print the same bytes agree to the last bit. Nothing here may depend on the machine: poses
-// come from whole numbers by + − × ÷ √ alone.
+// come from whole numbers by + − × ÷ √ alone. Usage: state_hashes [threads=1]; what is printed does
+// not depend on that either.
 
 #include <bit>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "kernel/math/hash.h"
 #include "kernel/sculpture.h"
 #include "kernel/surface/tile_mesh.h"
+#include "tests/support/thread_workers.h"
 
 namespace {
 
@@ -112,13 +115,27 @@ std::uint64_t mesh_hash(const DexelSnapshot& snapshot) {
   return hash.value();
 }
 
+/// Blocks right across, so that there is work for several threads: every other one turns.
+std::vector<ToolPose> long_path(std::uint64_t seed, int moves) {
+  Numbers numbers(seed);
+  std::vector<ToolPose> poses{{{-62, 0, -1}, {0, 0, 1}}};
+  for (int i = 0; i < moves; ++i) {
+    const double x = i % 2 == 0 ? 62 : -62;
+    const double y = numbers.in(-55, 55), z = numbers.in(-6, -1);
+    const Vec3 axis =
+        i % 2 == 0 ? poses.back().axis : normalized(Vec3{0, 0, 1} + numbers.vec(-1, 1) * 0.1);
+    poses.push_back({{x, y, z}, axis});
+  }
+  return poses;
+}
+
 void run(const std::string& name, const SculptureSettings& settings, const Tool& tool,
-         const std::vector<ToolPose>& poses) {
+         const std::vector<ToolPose>& poses, test::ThreadWorkers& workers) {
   auto sculpture = *Sculpture::create(settings);
   sculpture.apply(DefineTool{1, tool}).value();
   Hash results;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    const auto moved = sculpture.apply(MoveTool{1, poses[i - 1], poses[i], 0.01});
+    const auto moved = sculpture.apply(MoveTool{1, poses[i - 1], poses[i], 0.01}, workers);
     if (moved) {
       add(results, *moved);
     } else {
@@ -133,7 +150,8 @@ void run(const std::string& name, const SculptureSettings& settings, const Tool&
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  test::ThreadWorkers workers(argc > 1 ? std::atoi(argv[1]) : 1);
   SculptureSettings box;
   box.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
   box.pitch_mm = 0.4;
@@ -149,17 +167,26 @@ int main() {
         settings.tolerance_mm = tolerance;
         const std::string name = tool.name + (settings.obstacles.empty() ? " box" : " cylinder") +
                                  " tolerance " + std::to_string(tolerance);
-        run(name, settings, tool.tool, path(++seed, 8));
+        run(name, settings, tool.tool, path(++seed, 8), workers);
         if (tolerance < 0.01) continue;
         settings.rays = Rays::kTriDexel;
         settings.pitch_mm = 0.6;
-        run(name + " tri-dexel", settings, tool.tool, path(++seed, 6));
+        run(name + " tri-dexel", settings, tool.tool, path(++seed, 6), workers);
         settings.rays = Rays::kDexel;
         settings.tolerance_mm = 0.03;
         settings.motion = MotionModel::kPaper;
-        run(name + " paper", settings, tool.tool, path(++seed, 1));
+        run(name + " paper", settings, tool.tool, path(++seed, 1), workers);
       }
     }
   }
-  return 0;
+  SculptureSettings wide = box;
+  wide.stock = BoxStock{{-60, -60, -8}, {60, 60, 0}};
+  for (const NamedTool& tool : tools()) {
+    for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+      wide.rays = rays;
+      run(tool.name + " long " + to_string(rays), wide, tool.tool, long_path(++seed, 3), workers);
+    }
+  }
+  // Several threads that were never asked for anything would show nothing.
+  return workers.count() > 1 && workers.runs() == 0 ? 1 : 0;
 }

@@ -60,6 +60,12 @@ TEST(DexelSnapshot, StaysAsItWasWhileTheFieldGoesOn) {
   EXPECT_NE(hash_before, hash_between);
 }
 
+/// The first tile, as a cut gets hold of it.
+DexelTile& edit(DexelField& field) {
+  if (field.editable({0, 0}) == nullptr) field.put({0, 0}, field.fresh({0, 0}));
+  return *field.editable({0, 0});
+}
+
 TEST(DexelSnapshot, ATouchedTileThatIsAsBeforeHashesLikeAnUntouchedOne) {
   for (const StockShape& stock : {StockShape{BoxStock{{0, 0, 0}, {40, 40, 40}}},
                                   StockShape{CylinderStock{20, 20, 19, 0, 40}}}) {
@@ -67,23 +73,23 @@ TEST(DexelSnapshot, ATouchedTileThatIsAsBeforeHashesLikeAnUntouchedOne) {
       DexelField field(stock, 0.5, axis);
       const std::uint64_t untouched = field.snapshot().hash();
       const double volume = field.snapshot().volume_mm3();
-      const DexelTile* tile = &field.edit({0, 0});
+      const DexelTile* tile = &edit(field);
       const DexelSnapshot touched = field.snapshot();
       EXPECT_TRUE(touched.touched({0, 0}));
       EXPECT_EQ(touched.hash(), untouched);
       EXPECT_EQ(touched.volume_mm3(), volume);
       EXPECT_EQ(volume, field.stock_volume_mm3());
       // One quantum of one column is a different solid; which one, too.
-      DexelTile& own = field.edit({0, 0});
+      DexelTile& own = edit(field);
       EXPECT_NE(&own, tile);
       const std::size_t inner = 31 * kTileSide + 31;
       ASSERT_LT(own.bottom[inner], own.top[inner]);
       --own.top[inner];
       const std::uint64_t other = field.snapshot().hash();
       EXPECT_NE(other, untouched);
-      ++field.edit({0, 0}).top[inner];
+      ++edit(field).top[inner];
       EXPECT_EQ(field.snapshot().hash(), untouched);
-      ++field.edit({0, 0}).bottom[inner];
+      ++edit(field).bottom[inner];
       EXPECT_NE(field.snapshot().hash(), untouched);
       EXPECT_NE(field.snapshot().hash(), other);
     }

@@ -50,9 +50,14 @@ TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   // A single removed segment at a known place: dV = 0.5 mm x (0.5 mm)^2 around (1, 2, -0.25),
   // moving along +X with the tip at (0.25, 2, -0.5), the pivot 10 mm above it.
   const DexelGrid grid{{0.75, 1.75, -1}, 0.5, 0.25, 1, 1, 4};
-  const std::vector<RemovedGroup> groups{{0, 0, {2}, {4}}};
+  Removal removal;
+  RemovedPart& part = removal.start(1).front();
+  part.groups = {{0, 0, {2}, {4}}};
+  part.tiles = {{{0, 0}, 1}};
+  SerialWorkers alone;
   const Twist along_x{{0.5, 0, 0}, {}};
-  const CutSum sum = sum_cut(groups, grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50, 5}, nullptr);
+  const CutSum sum =
+      sum_cut(removal, grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50, 5}, nullptr, alone);
   const double volume = 0.5 * 0.25;
   EXPECT_NEAR(sum.volume_mm3, volume, 1e-15);
   EXPECT_NEAR(sum.push_mm3.x, -volume, 1e-15);

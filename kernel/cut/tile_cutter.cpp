@@ -1,0 +1,156 @@
+#include "kernel/cut/tile_cutter.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+
+#include "kernel/cut/subtract_row.h"
+#include "kernel/dexel/dexel_tile.h"
+
+namespace kerf {
+namespace {
+
+Lanes lower_bound(const SweptPiece& piece, const Discs& discs) {
+  Lanes z = Lanes(std::numeric_limits<double>::infinity());
+  std::visit([&](const auto& s) { s.lower_bound(discs, z); }, piece);
+  return z;
+}
+
+}  // namespace
+
+void TileCutter::cut(const ReachedTile& tile) {
+  Work work{tile.index, tile.stored};
+  const std::int64_t before = removed_.quanta;
+  for (unsigned left = tile.blocks; left != 0; left &= left - 1) {
+    cut_block(work, std::countr_zero(left));
+  }
+  if (removed_.quanta > before) removed_.tiles.push_back({tile.index, removed_.groups.size()});
+}
+
+void TileCutter::put_tiles() {
+  for (Made& made : made_) field_.put(made.index, std::move(made.tile));
+}
+
+void TileCutter::cut_block(Work& work, int block) {
+  const Column first{
+      work.index.x * kTileSide + block % kTileBlocksAcross * kBlockSide,
+      work.index.y * kTileSide + block / kTileBlocksAcross * kBlockSide,
+  };
+  if (first.i >= grid_.columns_x || first.j >= grid_.columns_y) return;
+  sweep_block(work, block, first);
+  if (block_.filled == 0) return;
+  const std::int64_t before = removed_.quanta;
+  for (int row = 0; row < kBlockSide; ++row) {
+    if ((block_.filled >> row & 1) == 0) continue;
+    cut_row(work, first, row, block_.lo_mm[row], block_.hi_mm[row]);
+  }
+  for (const ColumnBlock::Apart& a : block_.apart) cut_row(work, first, a.row, a.lo_mm, a.hi_mm);
+  if (removed_.quanta > before) work.changed->update_bounds(block);
+}
+
+/// Fills block_ with what the sweep removes, as far as there is stock.
+void TileCutter::sweep_block(const Work& work, int block, Column first) {
+  const std::int32_t top =
+      work.stored != nullptr ? work.stored->block_top[std::size_t(block)] : grid_.height_quanta;
+  Discs discs{Lanes(grid_.x_mm(first.i) + 3.5 * grid_.pitch_mm), {}, 3.5 * grid_.pitch_mm};
+  for (int i = 0; i < kBlockSide; ++i) {
+    block_.x_mm.set(i, grid_.x_mm(first.i + i));
+    block_.y_mm[i] = grid_.y_mm(first.j + i);
+    discs.y_mm.set(i, block_.y_mm[i]);
+  }
+  const std::int32_t in_grid = std::min(kBlockSide, grid_.columns_y - first.j);
+  Lanes reached_below = reached_below_mm(grid_, top);
+  if (work.stored != nullptr) {
+    std::int32_t tops[kBlockSide];
+    work.stored->row_tops(block, tops);
+    for (int i = 0; i < kBlockSide; ++i) reached_below.set(i, reached_below_mm(grid_, tops[i]));
+  }
+  block_.top_mm = grid_.z_mm(top);
+  block_.join_mm = swept_.join_mm;
+  block_.clear();
+  for (const SweptPiece& piece : swept_.pieces) {
+    block_.lowest_mm = lower_bound(piece, discs);
+    block_.rows = lanes_below(block_.lowest_mm, reached_below) & ((1U << in_grid) - 1);
+    block_.leave_closed_rows();
+    if (block_.rows != 0) std::visit([&](const auto& s) { s.evaluate(block_); }, piece);
+  }
+}
+
+void TileCutter::cut_row(Work& work, Column first, int row, const Lanes& lo_mm,
+                         const Lanes& hi_mm) {
+  const std::int32_t j = first.j + row;
+  const int column = j % kTileSide * kTileSide + first.i % kTileSide;
+  RowChange change;
+  if (work.stored == nullptr) {
+    // What is outside the grid or beside the stock is empty in the tile that is made.
+    std::int32_t bottom[kLanes] = {}, top[kLanes];
+    std::ranges::fill(top, grid_.height_quanta);
+    subtract_row(lo_mm, hi_mm, grid_, bottom, top, 0, change);
+    if (change.quanta == 0 && change.left_over == 0) return;
+    make_editable(work);
+  }
+  const DexelTile& tile = *work.stored;
+  const unsigned split = tile.split[std::size_t(j % kTileSide)] >> (first.i % kTileSide) & 0xFFU;
+  subtract_row(lo_mm, hi_mm, grid_, &tile.bottom[std::size_t(column)],
+               &tile.top[std::size_t(column)], split, change);
+  if (change.quanta > 0) {
+    make_editable(work);
+    std::memcpy(&work.changed->bottom[std::size_t(column)], change.bottom, sizeof change.bottom);
+    std::memcpy(&work.changed->top[std::size_t(column)], change.top, sizeof change.top);
+    RemovedGroup& removed = removed_.groups.emplace_back(first.i, j);
+    std::memcpy(removed.bottom, change.removed_bottom, sizeof removed.bottom);
+    std::memcpy(removed.top, change.removed_top, sizeof removed.top);
+    removed_.quanta += change.quanta;
+  }
+  for (unsigned left = change.left_over; left != 0; left &= left - 1) {
+    const int c = std::countr_zero(left);
+    subtract_elements(work, column + c, {first.i + c, j},
+                      {change.cut_bottom[c], change.cut_top[c]});
+  }
+}
+
+void TileCutter::make_editable(Work& work) {
+  if (work.changed != nullptr) return;
+  work.changed = field_.editable(work.index);
+  if (work.changed == nullptr) {
+    made_.push_back({work.index, field_.fresh(work.index)});
+    work.changed = made_.back().tile.get();
+  }
+  work.stored = work.changed;
+}
+
+/// Columns of several elements, and those that the cut divides.
+void TileCutter::subtract_elements(Work& work, int column, Column at, Dexel cut) {
+  work.stored->read(column, before_);
+  after_.clear();
+  bool any = false;
+  for (const Dexel& d : before_) {
+    const std::int32_t lo = std::max(d.bottom, cut.bottom), hi = std::min(d.top, cut.top);
+    if (lo >= hi) {
+      after_.push_back(d);
+      continue;
+    }
+    any = true;
+    note(at, {lo, hi});
+    if (d.bottom < lo) after_.push_back({d.bottom, lo});
+    if (hi < d.top) after_.push_back({hi, d.top});
+  }
+  if (!any) return;
+  make_editable(work);
+  work.changed->write(column, after_);
+}
+
+void TileCutter::note(Column at, Dexel removed) {
+  const std::int32_t lane = at.i % kLanes;
+  std::vector<RemovedGroup>& groups = removed_.groups;
+  if (groups.empty() || groups.back().i != at.i - lane || groups.back().j != at.j ||
+      groups.back().bottom[lane] < groups.back().top[lane]) {
+    groups.push_back({at.i - lane, at.j, {}, {}});
+  }
+  groups.back().bottom[lane] = removed.bottom;
+  groups.back().top[lane] = removed.top;
+  removed_.quanta += removed.top - removed.bottom;
+}
+
+}  // namespace kerf
