@@ -23,6 +23,7 @@
 #include "server/formats/program_writer.h"
 #include "server/formats/scene.h"
 #include "server/formats/text_file.h"
+#include "server/workers/thread_pool.h"
 
 namespace kerf {
 namespace {
@@ -57,7 +58,7 @@ class Stopwatch {
 
 class Carving {
  public:
-  explicit Carving(const CarveOptions& options) : options_(options) {}
+  explicit Carving(const CarveOptions& options) : options_(options), pool_(options.threads) {}
 
   std::expected<void, Failure> run() {
     for (const auto step : {&Carving::read_scene, &Carving::read_program, &Carving::cut,
@@ -159,7 +160,8 @@ class Carving {
                                                .from = motion.from,
                                                .to = motion.to,
                                                .duration_s = motion.duration_s,
-                                               .feel = options_.forces.has_value()});
+                                               .feel = options_.forces.has_value()},
+                                      pool_);
       if (!result)
         return bad_input(program_.name + ":" + std::to_string(motion.line) + ": " +
                          result.error().reason);
@@ -199,7 +201,8 @@ class Carving {
     std::vector<std::uint64_t> triangles(options_.models.size());
     // One line on a terminal cannot tell of several files at once.
     ModelProgress bar;
-    if (options_.threads == 1) bar = [this](double share) { progress_.show("meshing", share); };
+    if (options_.threads == 1 || options_.models.size() == 1)
+      bar = [this](double share) { progress_.show("meshing", share); };
     for (std::size_t n = 0; n < options_.models.size(); ++n)
       jobs.push_back(model_job(options_.models[n], snapshot, bar, triangles[n]));
     if (auto done = run_jobs(jobs); !done) return done;
@@ -265,6 +268,7 @@ class Carving {
   }
 
   const CarveOptions& options_;
+  ThreadPool pool_;
   Stopwatch watch_;
   Progress progress_;
   Scene scene_;

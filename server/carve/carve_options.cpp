@@ -1,8 +1,11 @@
 #include "server/carve/carve_options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <iostream>
+
+#include "server/workers/thread_pool.h"
 
 namespace kerf {
 namespace {
@@ -81,7 +84,8 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.add_option("--rate", options.rate_hz,
                  "cut the path into motions of 1/HZ seconds (default: one motion per block)")
       ->check(check_positive);
-  app.add_option("--threads", options.threads, "most files that are written at the same time")
+  app.add_option("--threads", options.threads,
+                 "that share long motions, and write files at the same time (default: one a core)")
       ->check(CLI::Range(1, kThreadsMax));
 }
 
@@ -97,6 +101,7 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
       "Carves a block with an NC program: a scene and a program in; model, forces and report out.",
       "kerf-carve");
   CarveOptions options;
+  options.threads = std::min(usable_threads(), kThreadsMax);
   declare(app, options);
   std::vector<ModelOption> models = model_options();
   declare_models(app, models);

@@ -18,7 +18,7 @@ struct CarveOptions {
   std::optional<std::filesystem::path> ngc, apt, forces, report;
   std::optional<double> pitch_mm, tolerance_mm, rate_hz;
   std::optional<std::string> rays, motion, law;
-  int threads = 1;
+  int threads;  ///< that carve, and that write files
 };
 
 /// The options, or the exit status where the command line has been answered already (--help,

@@ -1,0 +1,125 @@
+// What threads gain: long blocks of an NC program, and short ones, that one thread and several
+// carve. The numbers of threads take turns, motion by motion, on blocks of their own, so that what
+// else the machine does meets all of them; the least time of each motion over all turns counts. All
+// must come to the same bytes. Usage: threads_bench [threads=cores] [turns=7] [pitch_mm=0.1]
+// [part of a job's name]
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/workers/thread_pool.h"
+#include "tests/support/standard_job.h"
+
+namespace {
+
+using namespace kerf;
+
+struct Job {
+  std::string name;
+  ToolShape shape;
+  Rays rays = Rays::kDexel;
+  std::vector<ToolPose> path;
+};
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A raster of long blocks, rows `step_mm` apart, 5 mm deep; odd rows lean the other way, so that
+/// the axis turns by twice `lean_rad` along each block.
+std::vector<ToolPose> raster(int rows, double step_mm, double lean_rad, double aside) {
+  std::vector<ToolPose> path;
+  for (int row = 0; row < rows; ++row) {
+    const bool forward = row % 2 == 0;
+    const auto pose = [&](double x, double lean) {
+      return ToolPose{{x, 4 + step_mm * row + aside * x, 45}, {std::sin(lean), 0, std::cos(lean)}};
+    };
+    path.push_back(pose(forward ? 3 : 97, forward ? -lean_rad : lean_rad));
+    path.push_back(pose(forward ? 97 : 3, forward ? lean_rad : -lean_rad));
+  }
+  return path;
+}
+
+/// Least seconds of each motion over the turns, for each number of threads.
+void compare(const Job& job, double pitch_mm, int threads, int turns) {
+  std::vector<int> counts;
+  for (int n = 1; n < threads; n *= 2) counts.push_back(n);
+  counts.push_back(threads);
+  std::vector<std::unique_ptr<ThreadPool>> pools;
+  for (const int n : counts) pools.push_back(std::make_unique<ThreadPool>(n));
+  std::vector<std::vector<double>> least(counts.size(),
+                                         std::vector<double>(job.path.size(), 1e300));
+  bool same = true;
+  for (int turn = 0; turn < turns; ++turn) {
+    std::vector<Sculpture> blocks;
+    SculptureSettings settings = test::standard_settings(pitch_mm, 0.005);
+    settings.rays = job.rays;
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+      blocks.push_back(*Sculpture::create(settings));
+      blocks.back().apply(DefineTool{1, *make_tool(job.shape)}).value();
+    }
+    for (std::size_t i = 1; i < job.path.size(); ++i) {
+      MotionResult first;
+      for (std::size_t k = 0; k < counts.size(); ++k) {
+        const double start = seconds_now();
+        MotionResult result =
+            blocks[k].apply(MoveTool{1, job.path[i - 1], job.path[i], 1}, *pools[k]).value();
+        least[k][i] = std::min(least[k][i], seconds_now() - start);
+        if (k == 0) {
+          first = std::move(result);
+        } else {
+          same &= first.removed_mm3 == result.removed_mm3 &&
+                  first.wrench.force_n == result.wrench.force_n &&
+                  first.changed_tiles == result.changed_tiles;
+        }
+      }
+    }
+    for (Sculpture& s : blocks) same &= s.state_hash() == blocks.front().state_hash();
+  }
+  std::printf("%-40s", job.name.c_str());
+  double one = 0;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    double sum = 0;
+    for (std::size_t i = 1; i < job.path.size(); ++i) sum += least[k][i];
+    const double us = 1e6 * sum / double(job.path.size() - 1);
+    if (k == 0) one = us;
+    std::printf("  %d: %9.1f us, x %.2f", counts[k], us, one / us);
+  }
+  std::printf("  %s\n", same ? "same bytes" : "BYTES DIFFER");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int threads = argc > 1 ? std::max(2, std::atoi(argv[1])) : std::max(2, usable_threads());
+  const int turns = argc > 2 ? std::max(1, std::atoi(argv[2])) : 7;
+  const double pitch_mm = argc > 3 ? std::atof(argv[3]) : 0.1;
+  const std::string only = argc > 4 ? argv[4] : "";
+  std::printf("wall time per motion by number of threads, and gain; pitch %.3g mm\n", pitch_mm);
+  const ToolShape ball = BallShape{10, 50}, flat = FlatShape{10, 50};
+  std::vector<ToolPose> moves = test::standard_path(false), swings = test::standard_path(true);
+  moves.resize(1000);
+  swings.resize(500);
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    const std::string fields = rays == Rays::kDexel ? "1 field: " : "3 fields: ";
+    for (const Job& job : std::vector<Job>{
+             {fields + "100 mm, ball", ball, rays, raster(8, 3, 0, 0)},
+             {fields + "100 mm aslant, ball", ball, rays, raster(8, 3, 0, 0.7)},
+             {fields + "100 mm, flat", flat, rays, raster(8, 7, 0, 0)},
+             {fields + "100 mm turning 20 deg, ball", ball, rays, raster(8, 3, 0.1745, 0)},
+             {fields + "100 mm turning 20 deg, flat", flat, rays, raster(8, 7, 0.1745, 0)},
+             {fields + "1 mm, ball", ball, rays, moves},
+             {fields + "1 mm swinging, ball", ball, rays, swings},
+             {fields + "1 mm swinging, flat", flat, rays, swings}}) {
+      if (job.name.find(only) != std::string::npos) compare(job, pitch_mm, threads, turns);
+    }
+  }
+  return 0;
+}

@@ -1,0 +1,95 @@
+#include "server/workers/thread_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace kerf {
+namespace {
+
+TEST(ThreadPool, DoesEachJobOnce) {
+  for (const int threads : {1, 2, 7}) {
+    ThreadPool pool(threads);
+    EXPECT_EQ(pool.count(), threads);
+    for (const int jobs : {0, 1, 2, 1000}) {
+      std::vector<std::atomic<int>> done(std::size_t(jobs) + 1);
+      pool.run(jobs, [&](int i) { ++done[std::size_t(i)]; });
+      for (int i = 0; i < jobs; ++i) EXPECT_EQ(done[std::size_t(i)], 1) << i;
+      EXPECT_EQ(done[std::size_t(jobs)], 0);
+    }
+  }
+}
+
+TEST(ThreadPool, ManyShortRunsFollowEachOther) {
+  ThreadPool pool(3);
+  std::int64_t sum = 0;
+  for (int run = 0; run < 20000; ++run) {
+    int found[4] = {};
+    pool.run(4, [&](int i) { found[i] = run + i; });
+    for (int i = 0; i < 4; ++i) sum += found[i] - run;
+  }
+  EXPECT_EQ(sum, 20000 * 6);
+}
+
+TEST(ThreadPool, JobsRunAtTheSameTime) {
+  ThreadPool pool(2);
+  // Each of the two waits for the other: one thread alone would stay here for ever.
+  std::atomic<int> arrived = 0;
+  pool.run(2, [&](int) {
+    ++arrived;
+    while (arrived < 2) std::this_thread::yield();
+  });
+  EXPECT_EQ(arrived, 2);
+}
+
+TEST(ThreadPool, WhoFindsItBusyWorksAlone) {
+  ThreadPool pool(2);
+  std::set<std::thread::id> inner;
+  std::mutex mutex;
+  std::atomic<bool> done = false;
+  pool.run(2, [&](int i) {
+    if (i == 1) {
+      while (!done) std::this_thread::yield();
+      return;
+    }
+    std::thread([&] {
+      pool.run(50, [&](int) {
+        const std::scoped_lock lock(mutex);
+        inner.insert(std::this_thread::get_id());
+      });
+    }).join();
+    done = true;
+  });
+  EXPECT_EQ(inner.size(), 1u);
+}
+
+TEST(ThreadPool, ThrowsWhatTheFirstOfItsJobsThrew) {
+  ThreadPool pool(4);
+  for (int repetition = 0; repetition < 100; ++repetition) {
+    std::atomic<int> ended = 0;
+    try {
+      pool.run(20, [&](int i) {
+        ++ended;
+        if (i == 3 || i == 17) throw std::runtime_error(std::to_string(i));
+      });
+      FAIL() << "nothing was thrown";
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "3");
+    }
+    EXPECT_EQ(ended, 20);
+  }
+  int sum = 0;
+  pool.run(1, [&](int) { ++sum; });
+  EXPECT_EQ(sum, 1);
+}
+
+TEST(ThreadPool, AMachineHasAThread) { EXPECT_GE(usable_threads(), 1); }
+
+}  // namespace
+}  // namespace kerf
