@@ -122,6 +122,42 @@ void TileCutter::make_editable(Work& work) {
 
 /// Columns of several elements, and those that the cut divides.
 void TileCutter::subtract_elements(Work& work, int column, Column at, Dexel cut) {
+  if (!subtract_in_place(work, column, at, cut)) rewrite_elements(work, column, at, cut);
+}
+
+/// Whether the cut removes nothing of the column, or one end of one element, and that is done: what
+/// else the column holds need not be touched then.
+bool TileCutter::subtract_in_place(Work& work, int column, Column at, Dexel cut) {
+  const auto c = std::size_t(column);
+  const Dexel top{work.stored->bottom[c], work.stored->top[c]};
+  const std::span<const Dexel> below =
+      work.stored->is_split(column) ? work.stored->lower.of(column) : std::span<const Dexel>{};
+  const auto is_lower = [&](const Dexel& d) { return d.top <= cut.bottom; };
+  const auto first = std::size_t(std::ranges::partition_point(below, is_lower) - below.begin());
+  const std::size_t last = first + 1;
+  const bool meets_top = top.bottom < cut.top && top.bottom < top.top && cut.bottom < top.top;
+  const bool meets_below = first < below.size() && below[first].bottom < cut.top;
+  if (!meets_top && !meets_below) return true;
+  if (meets_below && (meets_top || (last < below.size() && below[last].bottom < cut.top))) {
+    return false;
+  }
+  Dexel rest = meets_top ? top : below[first];
+  const Dexel removed{std::max(rest.bottom, cut.bottom), std::min(rest.top, cut.top)};
+  if ((removed.bottom > rest.bottom) == (removed.top < rest.top)) return false;
+  (removed.bottom > rest.bottom ? rest.top : rest.bottom) =
+      removed.bottom > rest.bottom ? removed.bottom : removed.top;
+  make_editable(work);
+  if (meets_top) {
+    work.changed->bottom[c] = rest.bottom;
+    work.changed->top[c] = rest.top;
+  } else {
+    work.changed->lower.edit(column)[first] = rest;
+  }
+  note(at, removed);
+  return true;
+}
+
+void TileCutter::rewrite_elements(Work& work, int column, Column at, Dexel cut) {
   work.stored->read(column, before_);
   after_.clear();
   bool any = false;

@@ -53,6 +53,8 @@ class TileCutter {
   void cut_row(Work& work, Column first, int row, const Lanes& lo_mm, const Lanes& hi_mm);
   void make_editable(Work& work);
   void subtract_elements(Work& work, int column, Column at, Dexel cut);
+  bool subtract_in_place(Work& work, int column, Column at, Dexel cut);
+  void rewrite_elements(Work& work, int column, Column at, Dexel cut);
   void note(Column at, Dexel removed);
 
   DexelField& field_;

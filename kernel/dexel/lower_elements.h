@@ -25,6 +25,11 @@ class LowerElements {
     const Run& run = runs_[run_of_[std::size_t(column)]];
     return {&pool_[run.first], run.count};
   }
+  /// The same of a column that has some, to be made shorter where they stand.
+  std::span<Dexel> edit(int column) {
+    const Run& run = runs_[run_of_[std::size_t(column)]];
+    return {&pool_[run.first], run.count};
+  }
   /// Replaces them; empty forgets the column. `elements` must not lie in this pool.
   void assign(int column, std::span<const Dexel> elements);
   /// Memory on the heap.

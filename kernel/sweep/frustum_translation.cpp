@@ -1,11 +1,14 @@
 #include "kernel/sweep/frustum_translation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kerf {
 namespace {
 
 using Surfaces = FrustumTranslation::Surfaces;
+using Rectangles = FrustumTranslation::Rectangles;
 
 RayCone at_pose(const FrustumPiece& p, const ToolPose& pose) {
   return {pose.tip_mm + pose.axis * p.z0_mm, pose.axis, p.z1_mm - p.z0_mm, p.r0_mm, p.r1_mm};
@@ -49,29 +52,97 @@ Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const To
           RayPipe(start.base + start.axis * start.height, start.axis, piece.r1_mm, d)};
 }
 
-KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, ColumnBlock& block) {
+/// mm. Rays so far outside a surface's rectangle are not asked for it: far more than the surfaces
+/// allow at their edges and than rounding moves them.
+constexpr double kRectangleMarginMm = 1e-6;
+
+/// Which surface has which lane of the rectangles.
+enum Surface { kStart, kEnd, kLeft, kRight, kLower, kUpper, kSurfaces };
+
+class RectangleMaker {
+ public:
+  explicit RectangleMaker(Rectangles& rectangles, int surface) : r_(rectangles), i_(surface) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    for (Lanes* min : {&r_.min_x, &r_.min_y}) min->set(i_, kInfinity);
+    for (Lanes* max : {&r_.max_x, &r_.max_y}) max->set(i_, -kInfinity);
+  }
+  /// A disc with the unit normal u; a point where the radius is 0.
+  void include(Vec3 center, Vec3 u, double radius) {
+    const double x = radius * std::sqrt(std::max(0.0, 1 - u.x * u.x)) + kRectangleMarginMm;
+    const double y = radius * std::sqrt(std::max(0.0, 1 - u.y * u.y)) + kRectangleMarginMm;
+    r_.min_x.set(i_, std::min(r_.min_x[i_], center.x - x));
+    r_.max_x.set(i_, std::max(r_.max_x[i_], center.x + x));
+    r_.min_y.set(i_, std::min(r_.min_y[i_], center.y - y));
+    r_.max_y.set(i_, std::max(r_.max_y[i_], center.y + y));
+  }
+
+ private:
+  Rectangles& r_;
+  int i_;
+};
+
+Rectangles rectangles_of(const Surfaces& s) {
+  Rectangles all;
+  const auto cone = [&](int i, const RayCone& c) {
+    RectangleMaker r(all, i);
+    r.include(c.base, c.axis, c.r0);
+    r.include(c.base + c.axis * c.height, c.axis, c.r0 + c.slope * c.height);
+  };
+  const auto parallelogram = [&](int i, const RayParallelogram& p) {
+    RectangleMaker r(all, i);
+    for (const Vec3& corner :
+         {p.corner, p.corner + p.side, p.corner + p.along, p.corner + p.side + p.along}) {
+      r.include(corner, {}, 0);
+    }
+  };
+  const auto pipe = [&](int i, const RayPipe& p) {
+    RectangleMaker r(all, i);
+    r.include(p.center, p.normal, std::sqrt(p.radius2));
+    r.include(p.center + p.along, p.normal, std::sqrt(p.radius2));
+  };
+  cone(kStart, s.start);
+  cone(kEnd, s.end);
+  parallelogram(kLeft, s.left);
+  parallelogram(kRight, s.right);
+  pipe(kLower, s.lower);
+  pipe(kUpper, s.upper);
+  return all;
+}
+
+KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const Rectangles& r,
+                                            ColumnBlock& block) {
+  const Lanes x = block.x_mm;
+  const LaneMask beside = (r.min_x <= x[kLanes - 1]) & (r.max_x >= x[0]);
   for (int row = 0; row < kBlockSide; ++row) {
     if ((block.rows >> row & 1) == 0) continue;
+    const double row_y = block.y_mm[row];
+    const unsigned over = bits(beside & (r.min_y <= row_y) & (r.max_y >= row_y));
+    if (over == 0) continue;
+    const auto may_meet = [&](Surface surface) { return (over >> surface & 1) != 0; };
     LaneSpan span;
-    const Lanes x = block.x_mm, y = Lanes(block.y_mm[row]);
-    s.start.extend(span, x, y);
-    s.end.extend(span, x, y);
-    s.left.extend(span, x, y);
-    s.right.extend(span, x, y);
-    s.lower.extend(span, x, y);
-    s.upper.extend(span, x, y);
+    const Lanes y = Lanes(row_y);
+    if (may_meet(kStart)) s.start.extend(span, x, y);
+    if (may_meet(kEnd)) s.end.extend(span, x, y);
+    if (may_meet(kLeft)) s.left.extend(span, x, y);
+    if (may_meet(kRight)) s.right.extend(span, x, y);
+    if (may_meet(kLower)) s.lower.extend(span, x, y);
+    if (may_meet(kUpper)) s.upper.extend(span, x, y);
     block.add(row, span.lo, span.hi);
   }
 }
-KERF_FOR_EACH_TARGET(void, evaluate_surfaces, (const Surfaces& s, ColumnBlock& block), (s, block))
+KERF_FOR_EACH_TARGET(void, evaluate_surfaces,
+                     (const Surfaces& s, const Rectangles& r, ColumnBlock& block), (s, r, block))
 
 }  // namespace
 
 FrustumTranslation::FrustumTranslation(const FrustumPiece& p, const ToolPose& from,
                                        const ToolPose& to)
     : surfaces_(make_surfaces(p, from, to)),
+      rectangles_(rectangles_of(surfaces_)),
       shadow_({p.z0_mm, p.r0_mm, p.z1_mm, p.r1_mm}, {from, to}, kEdgeEpsilonMm) {}
 
-void FrustumTranslation::evaluate(ColumnBlock& block) const { evaluate_surfaces(surfaces_, block); }
+void FrustumTranslation::evaluate(ColumnBlock& block) const {
+  evaluate_surfaces(surfaces_, rectangles_, block);
+}
 
 }  // namespace kerf

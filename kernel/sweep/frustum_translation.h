@@ -23,9 +23,15 @@ class FrustumTranslation {
     RayParallelogram left, right;
     RayPipe lower, upper;
   };
+  /// What the surfaces cover of the XY plane, in the order of Surfaces; a little more, so that no
+  /// ray that meets one is outside.
+  struct Rectangles {
+    Lanes min_x, max_x, min_y, max_y;
+  };
 
  private:
   Surfaces surfaces_;
+  Rectangles rectangles_;
   Shadow shadow_;
 };
 

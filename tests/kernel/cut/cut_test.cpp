@@ -66,6 +66,44 @@ TEST(Cut, SplitsAColumnAndSplitsItAgain) {
   EXPECT_EQ(column_at(s, 20.1, 20.1).size(), 2u);
 }
 
+TEST(Cut, AnySequenceOfCutsLeavesOfAColumnWhatASetOfDepthsDoes) {
+  Sculpture s = block();
+  const std::vector<double> lengths{0.1, 0.3, 1, 2.5};
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    s.apply(DefineTool{ToolId(10 + k), *make_tool(FlatShape{10, lengths[k]})}).value();
+  }
+  const DexelGrid& grid = s.grid();
+  // One character for each 0.05 mm of a column: solid or not.
+  constexpr int kParts = 400;
+  std::vector<bool> solid(kParts, true);
+  std::mt19937 random(7);
+  for (int n = 0; n < 250; ++n) {
+    const std::size_t tool = random() % lengths.size();
+    const int first = int(random() % (kParts + 20)) - 20;
+    const int last = first + int(std::lround(lengths[tool] / 0.05));
+    const MotionResult r = s.apply(stand(ToolId(10 + tool), {20, 20, first * 0.05})).value();
+    int removed = 0;
+    for (int part = std::max(first, 0); part < std::min(last, kParts); ++part) {
+      removed += solid[std::size_t(part)] ? 1 : 0;
+      solid[std::size_t(part)] = false;
+    }
+    // The disc of the tool has 316 columns at this pitch.
+    ASSERT_NEAR(r.removed_mm3, 316 * 0.25 * 0.05 * removed, 1e-3) << n;
+    std::vector<int> ends, expected;
+    for (const Dexel& d : column_at(s, 20.1, 20.1)) {
+      for (const std::int32_t end : {d.bottom, d.top}) {
+        ends.push_back(int(std::lround(grid.z_mm(end) / 0.05)));
+      }
+    }
+    for (int part = 0; part <= kParts; ++part) {
+      const bool below = part > 0 && solid[std::size_t(part - 1)];
+      const bool above = part < kParts && solid[std::size_t(part)];
+      if (below != above) expected.push_back(part);
+    }
+    ASSERT_EQ(ends, expected) << n;
+  }
+}
+
 TEST(Cut, CanTakeAColumnAway) {
   Sculpture s = block();
   for (const double z : {0.0, 5.0, 10.0, 15.0}) s.apply(stand(1, {20, 20, z})).value();
