@@ -18,10 +18,6 @@ namespace {
 /// by it times the spread of the elements.
 constexpr double kCommonWay = 1e-3;
 
-/// Segments longer than this part of the tool's radius are weighted at two points: over one shorter
-/// a ball's normal makes the weight of the middle wrong by less than a hundredth.
-constexpr double kShortSegment = 0.25;
-
 /// Groups that are worked on at once: what stays in the nearest cache.
 constexpr std::size_t kChunk = 32;
 
@@ -40,12 +36,6 @@ double total(const Lanes& lanes) {
 Vec3 total(const Lanes& x, const Lanes& y, const Lanes& z) {
   return {total(x), total(y), total(z)};
 }
-
-/// A group as the force sees it: middles of the segments from the tip, and their lengths (mm).
-struct GroupSegments {
-  GroupPoints middle;
-  Lanes length;
-};
 
 /// Where the tip is in the grid's own numbers, so that points come out from the tip.
 struct TipInGrid {
@@ -77,27 +67,6 @@ KERF_FOR_EACH_TARGET(void, place,
                      (std::span<const RemovedGroup> groups, const TipInGrid& tip,
                       GroupSegments* out),
                      (groups, tip, out))
-
-/// Multiplies each segment by the part of it that counts.
-void weigh(const SurfaceWeight& surface, Vec3 axis, double short_mm, GroupSegments& group) {
-  double longest = 0;
-  for (int c = 0; c < kLanes; ++c) longest = std::max(longest, group.length[c]);
-  Lanes weight;
-  if (longest <= short_mm) {
-    surface.evaluate(group.middle, axis, weight);
-    group.length = group.length * weight;
-    return;
-  }
-  // Gauss's two points, a half and 1/√12 of the length apart from the middle.
-  constexpr double kGauss = 0.28867513459481287;
-  GroupPoints low = group.middle, high = group.middle;
-  low.z = low.z - kGauss * group.length;
-  high.z = high.z + kGauss * group.length;
-  Lanes other;
-  surface.evaluate(low, axis, weight);
-  surface.evaluate(high, axis, other);
-  group.length = group.length * ((weight + other) * 0.5);
-}
 
 /// All that is needed where the elements push one way.
 KERF_INLINE void add_moments_in_lanes(std::span<const GroupSegments> groups, LaneSums& sums) {
@@ -180,11 +149,7 @@ LaneSums sum_tile(std::span<const RemovedGroup> groups, const Summing& s) {
     const std::size_t count = std::min(kChunk, groups.size() - k);
     const std::span<GroupSegments> segments(chunk, count);
     place(groups.subspan(k, count), s.tip, chunk);
-    if (s.weight != nullptr) {
-      for (GroupSegments& g : segments) {
-        weigh(*s.weight, s.frame.axis, kShortSegment * s.frame.radius_mm, g);
-      }
-    }
+    if (s.weight != nullptr) s.weight->weigh(segments, s.frame.axis, s.frame.radius_mm);
     add_moments(segments, sums);
     if (!s.common) add_pushes(segments, s.twist, s.pivot, sums);
   }

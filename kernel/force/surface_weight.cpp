@@ -14,13 +14,23 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Radii that differ by less are the same: a piece that ends where the next begins.
 constexpr double kCoverEpsilonMm = 1e-9;
 
+/// Segments longer than this part of the tool's radius are weighted at two points: over one shorter
+/// a ball's normal makes the weight of the middle wrong by less than a hundredth.
+constexpr double kShortSegment = 0.25;
+
 }  // namespace
 
 /// The points of a group in the tool's half-plane. A unit vector (a, b) of the half-plane has the
 /// component a · radial_z + b · axis_z along the rays.
 struct SurfaceWeight::Meridian {
-  Lanes rho, h, radial_z;
+  Lanes rho2, h;   ///< squared distance from the axis, height
+  Lanes across_z;  ///< component along the rays of the way from the axis, as long as it is
   double axis_z;
+
+  KERF_INLINE Lanes rho() const { return square_root(rho2); }
+  KERF_INLINE Lanes radial_z(const Lanes& rho_mm) const {
+    return select(rho_mm > 0.0, across_z / rho_mm, Lanes{});
+  }
 };
 
 double SurfaceWeight::Piece::radius_at(double h) const {
@@ -61,13 +71,16 @@ SurfaceWeight::Piece SurfaceWeight::piece_of(const ToolPiece& piece) {
 SurfaceWeight::SurfaceWeight(const Tool& tool) {
   for (const ToolPiece& piece : tool.pieces) pieces_.push_back(piece_of(piece));
   for (Piece& p : pieces_) {
+    double below = 0, above = 0;
     for (const Piece& other : pieces_) {
       if (&other == &p) continue;
-      p.covered_below = std::max(p.covered_below, other.radius_at(p.z0));
-      p.covered_above = std::max(p.covered_above, other.radius_at(p.z1));
+      below = std::max(below, other.radius_at(p.z0));
+      above = std::max(above, other.radius_at(p.z1));
     }
-    if (p.covered_below > p.radius_at(p.z0) - kCoverEpsilonMm) p.covered_below = kInfinity;
-    if (p.covered_above > p.radius_at(p.z1) - kCoverEpsilonMm) p.covered_above = kInfinity;
+    const bool hides_below = below > p.radius_at(p.z0) - kCoverEpsilonMm;
+    const bool hides_above = above > p.radius_at(p.z1) - kCoverEpsilonMm;
+    p.covered_below2 = hides_below ? kInfinity : below * below;
+    p.covered_above2 = hides_above ? kInfinity : above * above;
   }
 }
 
@@ -77,20 +90,28 @@ KERF_INLINE void SurfaceWeight::nearest_of(const Piece& p, const Meridian& at, L
                                            Lanes& normal_z) {
   const Lanes below = p.z0 - at.h, above = at.h - p.z1;
   Lanes face, n;  // signed distance from the side, and its normal along the rays
-  if (p.side == Side::kLine) {
-    face = (at.rho - p.r0 + p.slope * below) * p.normal_r;
-    n = (at.radial_z - p.slope * at.axis_z) * p.normal_r;
-  } else {
-    const Lanes out = greater(at.rho - p.center_r, Lanes{});
+  if (p.side == Side::kArc && p.center_r == 0) {
     const Lanes up = at.h - p.center_z;
-    const Lanes d = square_root(out * out + up * up);
+    const Lanes d = square_root(at.rho2 + up * up);
     face = d - p.radius;
-    n = select(d > 0.0, (out * at.radial_z + up * at.axis_z) / d, Lanes{});
+    n = select(d > 0.0, (at.across_z + up * at.axis_z) / d, Lanes{});
+  } else {
+    const Lanes rho = at.rho();
+    if (p.side == Side::kLine) {
+      face = (rho - p.r0 + p.slope * below) * p.normal_r;
+      n = (at.radial_z(rho) - p.slope * at.axis_z) * p.normal_r;
+    } else {
+      const Lanes out = greater(rho - p.center_r, Lanes{});
+      const Lanes up = at.h - p.center_z;
+      const Lanes d = square_root(out * out + up * up);
+      face = d - p.radius;
+      n = select(d > 0.0, (out * at.radial_z(rho) + up * at.axis_z) / d, Lanes{});
+    }
   }
   const Lanes distance = greater(greater(face, below), above);
-  const LaneMask lower = (at.rho > p.covered_below) & (below > face);
+  const LaneMask lower = (at.rho2 > p.covered_below2) & (below > face);
   face = select(lower, below, face);
-  const LaneMask upper = (at.rho > p.covered_above) & (above > face);
+  const LaneMask upper = (at.rho2 > p.covered_above2) & (above > face);
   n = select(lower, Lanes(-at.axis_z), n);
   n = select(upper, Lanes(at.axis_z), n);
   const LaneMask nearer = distance < nearest;
@@ -98,36 +119,68 @@ KERF_INLINE void SurfaceWeight::nearest_of(const Piece& p, const Meridian& at, L
   normal_z = select(nearer, n, normal_z);
 }
 
-KERF_INLINE void SurfaceWeight::evaluate_in_lanes(const GroupPoints& points, Vec3 axis,
-                                                  Lanes& weight) const {
+KERF_INLINE Lanes SurfaceWeight::evaluate_in_lanes(const GroupPoints& points, Vec3 axis) const {
   const Lanes x = points.x, z = points.z;
   const double y = points.y;
   Meridian at;
   at.axis_z = axis.z;
   at.h = x * axis.x + y * axis.y + z * axis.z;
   const Lanes qx = x - at.h * axis.x, qy = y - at.h * axis.y, qz = z - at.h * axis.z;
-  at.rho = square_root(qx * qx + qy * qy + qz * qz);
-  at.radial_z = select(at.rho > 0.0, qz / at.rho, Lanes{});
-  Lanes nearest = Lanes(kInfinity), normal_z{};
-  for (const Piece& p : pieces_) nearest_of(p, at, nearest, normal_z);
-  weight = normal_z * normal_z;
+  at.rho2 = qx * qx + qy * qy + qz * qz;
+  at.across_z = qz;
+  Lanes nearest(kInfinity), normal_z(0);
+  for (const Piece& p : pieces_) {
+    // Most points lie beside all pieces but one: those need no root.
+    if (any(greater(p.z0 - at.h, at.h - p.z1) < nearest)) nearest_of(p, at, nearest, normal_z);
+  }
+  return normal_z * normal_z;
+}
+
+KERF_INLINE void SurfaceWeight::weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis,
+                                               double radius_mm) const {
+  // Gauss's two points, a half and 1/√12 of the length apart from the middle.
+  constexpr double kGauss = 0.28867513459481287;
+  const Lanes short_mm = kShortSegment * radius_mm;
+  for (GroupSegments& g : groups) {
+    if (!any(g.length > short_mm)) {
+      g.length = g.length * evaluate_in_lanes(g.middle, axis);
+      continue;
+    }
+    GroupPoints low = g.middle, high = g.middle;
+    low.z = low.z - kGauss * g.length;
+    high.z = high.z + kGauss * g.length;
+    g.length = g.length * ((evaluate_in_lanes(low, axis) + evaluate_in_lanes(high, axis)) * 0.5);
+  }
 }
 
 namespace {
 
 KERF_INLINE void weights_in_lanes(const SurfaceWeight& surface, const GroupPoints& points,
                                   Vec3 axis, Lanes& weight) {
-  surface.evaluate_in_lanes(points, axis, weight);
+  weight = surface.evaluate_in_lanes(points, axis);
 }
 KERF_FOR_EACH_TARGET(void, weights,
                      (const SurfaceWeight& surface, const GroupPoints& points, Vec3 axis,
                       Lanes& weight),
                      (surface, points, axis, weight))
 
+KERF_INLINE void weigh_all_in_lanes(const SurfaceWeight& surface, std::span<GroupSegments> groups,
+                                    Vec3 axis, double radius_mm) {
+  surface.weigh_in_lanes(groups, axis, radius_mm);
+}
+KERF_FOR_EACH_TARGET(void, weigh_all,
+                     (const SurfaceWeight& surface, std::span<GroupSegments> groups, Vec3 axis,
+                      double radius_mm),
+                     (surface, groups, axis, radius_mm))
+
 }  // namespace
 
 void SurfaceWeight::evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const {
   weights(*this, points, axis, weight);
+}
+
+void SurfaceWeight::weigh(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const {
+  weigh_all(*this, groups, axis, radius_mm);
 }
 
 }  // namespace kerf

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "kernel/math/lanes.h"
@@ -15,6 +16,12 @@ struct GroupPoints {
   Lanes z;
 };
 
+/// What was removed from a group: middles of the segments, and their lengths (mm).
+struct GroupSegments {
+  GroupPoints middle;
+  Lanes length;
+};
+
 /// What part of a removed element the rays of one of three fields count: n_z² in the field's frame,
 /// n being the normal of the tool's surface where it is nearest to the element. Over the three
 /// fields these parts add up to one; a field counts nothing of a wall that its rays are parallel
@@ -27,8 +34,13 @@ class SurfaceWeight {
   /// frame.
   void evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
 
-  /// The same, as part of a function that is compiled for one instruction set.
-  void evaluate_in_lanes(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
+  /// Multiplies the length of each segment by the part of it that counts; one that is long for a
+  /// tool of this radius is asked at two points.
+  void weigh(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
+
+  /// Both, as parts of functions that are compiled for one instruction set.
+  Lanes evaluate_in_lanes(const GroupPoints& points, Vec3 axis) const;
+  void weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
  private:
   enum class Side { kLine, kArc };
@@ -36,10 +48,10 @@ class SurfaceWeight {
   /// discs at its ends bound the tool only beyond the radii to which other pieces cover them.
   struct Piece {
     Side side;
-    double z0, z1;                      ///< heights of its ends
-    double r0, slope, normal_r;         /// of a line: ρ at z0, dρ/dh, and 1/√(1 + slope²)
-    double center_r, center_z, radius;  ///< of an arc
-    double covered_below, covered_above;
+    double z0, z1;                          ///< heights of its ends
+    double r0, slope, normal_r;             /// of a line: ρ at z0, dρ/dh, and 1/√(1 + slope²)
+    double center_r, center_z, radius;      ///< of an arc
+    double covered_below2, covered_above2;  ///< squares of those radii
 
     double radius_at(double h) const;
   };
