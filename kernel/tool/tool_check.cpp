@@ -37,6 +37,10 @@ ToolCheck check_angle(const std::string& field, double value_deg, double above_d
   if (!std::isfinite(value_deg)) {
     return std::unexpected(ToolError{ToolErrorCode::kNotFinite, field, "is not a finite number"});
   }
+  if (std::fpclassify(value_deg) == FP_SUBNORMAL) {
+    return std::unexpected(
+        ToolError{ToolErrorCode::kOutOfRange, field, "must not be a denormal number"});
+  }
   if (value_deg <= above_deg || value_deg >= below_deg) {
     return std::unexpected(ToolError{ToolErrorCode::kOutOfRange, field,
                                      "must lie strictly between " + std::to_string(int(above_deg)) +

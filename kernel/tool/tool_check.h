@@ -24,7 +24,7 @@ ToolCheck check_length(const std::string& field, double value_mm);
 /// A coordinate or a length that may be zero: finite, at least `least_mm`, at most
 /// kToolLengthMaxMm.
 ToolCheck check_coordinate(const std::string& field, double value_mm, double least_mm);
-/// An angle strictly between two others.
+/// An angle strictly between two others; not denormal, for nobody means one.
 ToolCheck check_angle(const std::string& field, double value_deg, double above_deg,
                       double below_deg);
 /// Pieces of a definition or a journal: their number, and each finite, ordered and within the

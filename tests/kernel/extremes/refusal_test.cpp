@@ -156,6 +156,13 @@ TEST(Refusal, ToolsOutOfRange) {
   }
   EXPECT_FALSE(make_tool(TaperShape{4, std::nextafter(90.0, 0), 40}));
   EXPECT_FALSE(make_tool(ConeEndShape{4, kDenormal, 40}));
+  for (const double angle : {kDenormal, 1e-310}) {
+    const auto taper = make_tool(TaperShape{4, angle, 40});
+    ASSERT_FALSE(taper) << angle;
+    EXPECT_EQ(taper.error().code, ToolErrorCode::kOutOfRange);
+    EXPECT_EQ(taper.error().field, "half_angle_deg");
+  }
+  EXPECT_TRUE(make_tool(TaperShape{4, std::numeric_limits<double>::min(), 40}));
   EXPECT_FALSE(make_tool(ConeEndShape{4, 1e-300, 40}));
   for (const double value : {kNan, kInf, -kInf, kHuge, -1.0}) {
     EXPECT_FALSE(make_tool(BullNoseShape{10, value, 50})) << value;
