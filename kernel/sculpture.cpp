@@ -198,7 +198,7 @@ Sculpture::Sculpture(SculptureSettings settings)
       engagements_(std::make_unique<Engagements>(settings_.pitch_mm)),
       removal_(std::make_unique<Removal>()) {
   for (const RayAxis axis : axes_of(settings_.rays)) {
-    fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis);
+    fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis, settings_.keep_normals);
     stock_volume_mm3_ += fields_.back().stock_volume_mm3();
   }
   stock_volume_mm3_ /= double(fields_.size());
@@ -329,7 +329,9 @@ RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const To
   SweepSettings settings = sweep_settings(field);
   settings.start_is_cut = start_is_cut;
   sweep_tool(tool, in_frame(grid.axis, motion), settings, [&](const SubMotion& part) {
-    cut(field, part.swept, removal, workers);
+    std::optional<SweptSurface> surface;
+    if (field.keeps_normals()) surface.emplace(tool, part.motion);
+    cut(field, part.swept, removal, workers, surface ? &*surface : nullptr);
     quanta += removal.quanta();
     if (!alone) elements += removal.elements();
     if (grid.axis == RayAxis::kZ) {

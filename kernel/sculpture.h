@@ -41,6 +41,9 @@ struct SculptureSettings {
   double pitch_mm = 0.25;
   double tolerance_mm = 0.01;  ///< greatest end-point error of MotionModel::kTight and kPaper
   MotionModel motion = MotionModel::kTight;
+  /// Keep with each end of each element how the surface looks there: what meshes are made of. Takes
+  /// as much memory again as the elements, and time for each end that a motion moves.
+  bool keep_normals = true;
   ForceSettings force;
   std::vector<Obstacle> obstacles;
 };

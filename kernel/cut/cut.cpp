@@ -133,7 +133,8 @@ std::vector<std::span<const ReachedTile>> divide(std::span<const ReachedTile> ti
 
 }  // namespace
 
-void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers) {
+void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers,
+         const SweptSurface* surface) {
   removal.start(0);
   if (swept.pieces.empty()) return;
   const std::vector<ReachedTile> reached = Reach(field, swept).find();
@@ -142,7 +143,7 @@ void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& w
   const std::span<RemovedPart> parts = removal.start(runs.size());
   std::vector<TileCutter> cutters;
   cutters.reserve(runs.size());
-  for (RemovedPart& part : parts) cutters.emplace_back(field, swept, part);
+  for (RemovedPart& part : parts) cutters.emplace_back(field, swept, surface, part);
   const auto cut_run = [&](int run) {
     for (const ReachedTile& tile : runs[std::size_t(run)]) cutters[std::size_t(run)].cut(tile);
   };

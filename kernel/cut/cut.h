@@ -3,6 +3,7 @@
 #include "kernel/cut/removal.h"
 #include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_field.h"
+#include "kernel/sweep/swept_surface.h"
 #include "kernel/sweep/swept_tool.h"
 
 namespace kerf {
@@ -11,7 +12,9 @@ namespace kerf {
 /// is dropped). The three updates of paper Fig. 1 (c–e): the top of an element is shortened, its
 /// bottom is shortened, or it is split. Ends are rounded to the nearest depth quantum before they
 /// are compared, so that any order of the same cuts leaves the same bytes. Columns that do not
-/// change are not written. Where there is much to do its tiles are divided among `workers`.
-void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers);
+/// change are not written. Where there is much to do its tiles are divided among `workers`. In a
+/// field that keeps normals `surface` says those of the ends that move; else it is null.
+void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers,
+         const SweptSurface* surface = nullptr);
 
 }  // namespace kerf

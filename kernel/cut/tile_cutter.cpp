@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "kernel/cut/end_normals.h"
 #include "kernel/cut/subtract_row.h"
 #include "kernel/dexel/dexel_tile.h"
 
@@ -25,7 +26,11 @@ void TileCutter::cut(const ReachedTile& tile) {
   for (unsigned left = tile.blocks; left != 0; left &= left - 1) {
     cut_block(work, std::countr_zero(left));
   }
-  if (removed_.quanta > before) removed_.tiles.push_back({tile.index, removed_.groups.size()});
+  if (removed_.quanta == before) return;
+  removed_.tiles.push_back({tile.index, removed_.groups.size()});
+  if (surface_ != nullptr) {
+    note_normals(*work.changed, grid_, removed_.of(removed_.tiles.size() - 1), *surface_);
+  }
 }
 
 void TileCutter::put_tiles() {

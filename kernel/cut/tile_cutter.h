@@ -5,6 +5,7 @@
 
 #include "kernel/cut/removal.h"
 #include "kernel/dexel/dexel_field.h"
+#include "kernel/sweep/swept_surface.h"
 #include "kernel/sweep/swept_tool.h"
 
 namespace kerf {
@@ -26,8 +27,10 @@ inline double reached_below_mm(const DexelGrid& grid, std::int32_t top) {
 /// own.
 class TileCutter {
  public:
-  TileCutter(DexelField& field, const SweptTool& swept, RemovedPart& removed)
-      : field_(field), grid_(field.grid()), swept_(swept), removed_(removed) {}
+  /// `surface`: of the same sweep, for a field that keeps normals; else null.
+  TileCutter(DexelField& field, const SweptTool& swept, const SweptSurface* surface,
+             RemovedPart& removed)
+      : field_(field), grid_(field.grid()), swept_(swept), surface_(surface), removed_(removed) {}
 
   void cut(const ReachedTile& tile);
   /// Puts the tiles that had to be made or copied into the field: when all others have ended.
@@ -60,6 +63,7 @@ class TileCutter {
   DexelField& field_;
   const DexelGrid& grid_;
   const SweptTool& swept_;
+  const SweptSurface* surface_;
   RemovedPart& removed_;
   ColumnBlock block_;
   std::vector<Dexel> before_, after_;

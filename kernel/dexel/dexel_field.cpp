@@ -6,16 +6,20 @@
 
 namespace kerf {
 
-DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis)
+DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis, bool keep_normals)
     : stock_(stock),
       grid_(make_grid(stock, pitch_mm, axis)),
+      keep_normals_(keep_normals),
       tiles_(grid_.tiles_x(), grid_.tiles_y()) {}
 
 std::shared_ptr<DexelTile> DexelField::fresh(TileIndex tile) const {
   const DexelTile* stored = tiles_.find(tile);
   auto made = stored != nullptr ? std::make_shared<DexelTile>(*stored)
                                 : std::make_shared_for_overwrite<DexelTile>();
-  if (stored == nullptr) fill_from_stock(stock_, grid_, tile, *made);
+  if (stored == nullptr) {
+    fill_from_stock(stock_, grid_, tile, *made);
+    if (keep_normals_) made->topmost_codes.resize(kTileColumns);
+  }
   made->era = era_;
   return made;
 }

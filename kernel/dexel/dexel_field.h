@@ -15,10 +15,13 @@ namespace kerf {
 class DexelField {
  public:
   /// Stock and pitch must have been validated (Sculpture::create does).
-  DexelField(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ);
+  /// `keep_normals`: touched tiles have room for the normals of their ends (note_normals).
+  DexelField(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ,
+             bool keep_normals = false);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
+  bool keeps_normals() const { return keep_normals_; }
 
   /// The tile as stored, or null while it is untouched. It must lie in the grid.
   const DexelTile* find(TileIndex tile) const { return tiles_.find(tile); }
@@ -38,6 +41,7 @@ class DexelField {
  private:
   StockShape stock_;
   DexelGrid grid_;
+  bool keep_normals_;
   TileDirectory tiles_;
   std::uint64_t era_ = 1;  ///< grows with each snapshot; what is of earlier eras is shared
 };

@@ -74,6 +74,16 @@ std::span<const Dexel> DexelSnapshot::column(std::int32_t i, std::int32_t j,
   return scratch;
 }
 
+ColumnView DexelSnapshot::view(std::int32_t i, std::int32_t j) const {
+  ColumnView v;
+  if (i < 0 || j < 0 || i >= grid_.columns_x || j >= grid_.columns_y) return v;
+  if (const DexelTile* tile = tiles_.find({i / kTileSide, j / kTileSide})) {
+    return tile->view((j % kTileSide) * kTileSide + i % kTileSide);
+  }
+  v.topmost = stock_column(stock_, grid_, i, j);
+  return v;
+}
+
 double DexelSnapshot::volume_mm3() const {
   std::int64_t lacking = 0;
   std::vector<Dexel> scratch;

@@ -32,7 +32,57 @@ void DexelTile::read(int column, std::vector<Dexel>& out) const {
   if (bottom[c] < top[c]) out.push_back({bottom[c], top[c]});
 }
 
+ColumnView DexelTile::view(int column) const {
+  const auto c = std::size_t(column);
+  ColumnView v{.lower = {}, .topmost = {bottom[c], top[c]}, .lower_codes = {}, .topmost_codes = {}};
+  if (is_split(column)) v.lower = lower.of(column);
+  if (keeps_normals()) {
+    v.topmost_codes = topmost_codes[c];
+    if (is_split(column)) v.lower_codes = lower_codes.of(column);
+  }
+  return v;
+}
+
+/// Gives the elements that are about to be written the codes of those ends that they share with the
+/// present ones. Both are sorted, so one walk up the column finds them.
+void DexelTile::carry_codes(int column, std::span<const Dexel> dexels) {
+  const ColumnView old = view(column);
+  const std::size_t count = old.lower.size() + (old.topmost.bottom < old.topmost.top ? 1 : 0);
+  const auto element = [&](std::size_t n) {
+    return n < old.lower.size() ? old.lower[n] : old.topmost;
+  };
+  const auto codes = [&](std::size_t n) {
+    return n < old.lower.size() ? old.lower_codes[n] : old.topmost_codes;
+  };
+  std::vector<EndCodes> carried(dexels.size());
+  std::size_t b = 0, t = 0;
+  for (std::size_t n = 0; n < dexels.size(); ++n) {
+    while (b < count && element(b).bottom < dexels[n].bottom) ++b;
+    while (t < count && element(t).top < dexels[n].top) ++t;
+    if (b < count && element(b).bottom == dexels[n].bottom) carried[n].bottom = codes(b).bottom;
+    if (t < count && element(t).top == dexels[n].top) carried[n].top = codes(t).top;
+  }
+  const std::size_t below = carried.empty() ? 0 : carried.size() - 1;
+  topmost_codes[std::size_t(column)] = carried.empty() ? EndCodes{} : carried.back();
+  lower_codes.assign(column, std::span(carried).first(below));
+}
+
+NormalCode* DexelTile::lower_top_code(int column, std::int32_t depth) {
+  const std::span<const Dexel> below = lower.of(column);
+  const auto found = std::ranges::lower_bound(below, depth, {}, &Dexel::top);
+  if (found == below.end() || found->top != depth) return nullptr;
+  return &lower_codes.edit(column)[std::size_t(found - below.begin())].top;
+}
+
+NormalCode* DexelTile::lower_bottom_code(int column, std::int32_t depth) {
+  const std::span<const Dexel> below = lower.of(column);
+  const auto found = std::ranges::lower_bound(below, depth, {}, &Dexel::bottom);
+  if (found == below.end() || found->bottom != depth) return nullptr;
+  return &lower_codes.edit(column)[std::size_t(found - below.begin())].bottom;
+}
+
 void DexelTile::write(int column, std::span<const Dexel> dexels) {
+  if (keeps_normals()) carry_codes(column, dexels);
   const auto c = std::size_t(column);
   bottom[c] = dexels.empty() ? 0 : dexels.back().bottom;
   top[c] = dexels.empty() ? 0 : dexels.back().top;

@@ -13,7 +13,8 @@ std::size_t size_class_of(std::size_t count) { return std::size_t(std::bit_width
 
 }  // namespace
 
-std::uint32_t LowerElements::take_block(std::size_t size_class) {
+template <class Element>
+std::uint32_t LowerElements<Element>::take_block(std::size_t size_class) {
   if (free_[size_class] != kNone) {
     const std::uint32_t first = free_[size_class];
     free_[size_class] = std::bit_cast<std::uint32_t>(pool_[first].bottom);
@@ -24,12 +25,14 @@ std::uint32_t LowerElements::take_block(std::size_t size_class) {
   return static_cast<std::uint32_t>(first);
 }
 
-void LowerElements::give_block(std::uint32_t first, std::size_t size_class) {
-  pool_[first].bottom = std::bit_cast<std::int32_t>(free_[size_class]);
+template <class Element>
+void LowerElements<Element>::give_block(std::uint32_t first, std::size_t size_class) {
+  pool_[first].bottom = std::bit_cast<decltype(Element::bottom)>(free_[size_class]);
   free_[size_class] = first;
 }
 
-LowerElements::Run& LowerElements::run_for(int column) {
+template <class Element>
+typename LowerElements<Element>::Run& LowerElements<Element>::run_for(int column) {
   std::uint16_t& n = run_of_[std::size_t(column)];
   if (n == kNoRun) {
     if (free_runs_.empty()) {
@@ -43,7 +46,8 @@ LowerElements::Run& LowerElements::run_for(int column) {
   return runs_[n];
 }
 
-void LowerElements::assign(int column, std::span<const Dexel> elements) {
+template <class Element>
+void LowerElements<Element>::assign(int column, std::span<const Element> elements) {
   if (run_of_.empty()) {
     if (elements.empty()) return;
     run_of_.assign(kTileColumns, kNoRun);
@@ -64,9 +68,13 @@ void LowerElements::assign(int column, std::span<const Dexel> elements) {
   }
 }
 
-std::size_t LowerElements::bytes() const {
+template <class Element>
+std::size_t LowerElements<Element>::bytes() const {
   return run_of_.capacity() * sizeof(std::uint16_t) + runs_.capacity() * sizeof(Run) +
-         free_runs_.capacity() * sizeof(std::uint16_t) + pool_.capacity() * sizeof(Dexel);
+         free_runs_.capacity() * sizeof(std::uint16_t) + pool_.capacity() * sizeof(Element);
 }
+
+template class LowerElements<Dexel>;
+template class LowerElements<EndCodes>;
 
 }  // namespace kerf

@@ -80,6 +80,19 @@ Dexel stock_column(const StockShape& stock, const DexelGrid& grid, std::int32_t 
   return {0, solid ? grid.height_quanta : 0};
 }
 
+Vec3 stock_normal(const StockShape& stock, const DexelGrid& grid, std::int32_t i, std::int32_t j,
+                  std::int32_t depth, bool is_top) {
+  const auto* c = std::get_if<CylinderStock>(&stock);
+  if (c == nullptr || grid.axis == RayAxis::kZ) return {0, 0, is_top ? 1.0 : -1.0};
+  // Seen in its own frame the field along X has the cylinder's axis along its y, the one along Y
+  // along its x.
+  const Vec3 at{grid.x_mm(i), grid.y_mm(j), grid.z_mm(depth)};
+  const Vec3 from_axis = grid.axis == RayAxis::kX
+                             ? Vec3{at.x - c->center_y_mm, 0, at.z - c->center_x_mm}
+                             : Vec3{0, at.y - c->center_x_mm, at.z - c->center_y_mm};
+  return normalized(from_axis);
+}
+
 void fill_from_stock(const StockShape& stock, const DexelGrid& grid, TileIndex at,
                      DexelTile& tile) {
   tile.bottom.fill(0);

@@ -16,6 +16,11 @@ struct DexelTile;
 /// quantum; a ray that only touches the cylinder meets nothing.
 Dexel stock_column(const StockShape& stock, const DexelGrid& grid, std::int32_t i, std::int32_t j);
 
+/// How the untouched stock looks at the end of column (i, j) at that depth, in the field's frame:
+/// unit, outward.
+Vec3 stock_normal(const StockShape& stock, const DexelGrid& grid, std::int32_t i, std::int32_t j,
+                  std::int32_t depth, bool is_top);
+
 /// Makes a tile what it is before any tool touches it; columns beyond the grid are empty.
 void fill_from_stock(const StockShape& stock, const DexelGrid& grid, TileIndex at, DexelTile& tile);
 

@@ -234,6 +234,10 @@ TileMesh mesh_tile(const DexelSnapshot& snapshot, TileIndex tile) {
   return TileMesher(snapshot, tile).run();
 }
 
+TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile) {
+  return mesh_tile(solid.fields.front(), tile);
+}
+
 std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,
                                        const std::vector<TileIndex>& changed) {
   std::vector<TileIndex> tiles;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/solid_snapshot.h"
 
 namespace kerf {
 
@@ -23,6 +24,7 @@ struct TileMesh {
 /// all tiles of a snapshot is closed, consistently oriented, and has no degenerate triangle. Equal
 /// snapshots give equal bytes.
 TileMesh mesh_tile(const DexelSnapshot& snapshot, TileIndex tile);
+TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile);
 
 /// The tiles whose mesh may change when `changed` tiles change: themselves and the neighbours that
 /// read their columns. Sorted, without duplicates, within the grid.

@@ -89,6 +89,7 @@ class Carving {
       settings.force.law =
           *options_.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
     if (auto settled = settle_options(); !settled) return settled;
+    settings.keep_normals = !options_.models.empty();  // Only meshes look at them.
     report_.scene_file = options_.scene.string();
     auto sculpture = Sculpture::create(settings);
     if (!sculpture) return bad_input(options_.scene.string() + ": " + sculpture.error().reason);

@@ -71,6 +71,7 @@ SculptureSettings block(double side_mm, double height_mm, double pitch_mm) {
   settings.stock = BoxStock{{0, 0, 0}, {side_mm, side_mm, height_mm}};
   settings.pitch_mm = pitch_mm;
   settings.tolerance_mm = 0.005;
+  settings.keep_normals = false;
   return settings;
 }
 
@@ -140,6 +141,12 @@ void measure(int turns, double pitch_mm) {
     return made;
   };
   const auto nothing = [](Variant&) {};
+  const auto watched = [](Viewer viewer) {
+    return [viewer](Variant& v) {
+      v.settings.keep_normals = true;
+      v.viewer = viewer;
+    };
+  };
   const auto with_walls = [](int count, double x_mm) {
     return [=](Variant& v) { v.settings.obstacles = walls(count, x_mm); };
   };
@@ -176,8 +183,9 @@ void measure(int turns, double pitch_mm) {
           turns);
   compare("surface (30 frames a second at 1000 motions)",
           {variant("nobody looks", nothing),
-           variant("snapshots taken", [](Variant& v) { v.viewer = Viewer::kSnapshots; }),
-           variant("and changed tiles meshed", [](Variant& v) { v.viewer = Viewer::kMeshes; })},
+           variant("normals kept", [](Variant& v) { v.settings.keep_normals = true; }),
+           variant("and snapshots taken", watched(Viewer::kSnapshots)),
+           variant("and changed tiles meshed", watched(Viewer::kMeshes))},
           turns);
 }
 

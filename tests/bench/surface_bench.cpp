@@ -95,7 +95,9 @@ int main(int argc, char** argv) {
   const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
   std::printf("block 100 x 100 x 50 mm, pitch %.3g mm, one core, CPU time\n", pitch_mm);
   for (const bool five_axis : {false, true}) {
-    auto sculpture = *Sculpture::create(test::standard_settings(pitch_mm, 0.01));
+    SculptureSettings settings = test::standard_settings(pitch_mm, 0.01);
+    settings.keep_normals = true;
+    auto sculpture = *Sculpture::create(settings);
     if (!five_axis) measure("untouched", sculpture.snapshot());
     sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
     const std::vector<ToolPose> path = test::standard_path(five_axis);

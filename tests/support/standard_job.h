@@ -52,6 +52,7 @@ inline SculptureSettings standard_settings(double pitch_mm, double tolerance_mm)
   s.pitch_mm = pitch_mm;
   s.tolerance_mm = tolerance_mm;
   s.force.pivot_mm = 50;
+  s.keep_normals = false;
   return s;
 }
 

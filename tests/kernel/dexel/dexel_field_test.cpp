@@ -148,20 +148,36 @@ TEST(Field, AHandsBreadthOfATenMetreBlockCostsThatHandsBreadth) {
   EXPECT_EQ(s.snapshot(RayAxis::kX).grid().columns_x, 100000);
 }
 
-TEST(Field, TouchedColumnsOfOneElementCostLessThanTwiceTheirBytes) {
-  auto s = block(BoxStock{{0, 0, 0}, {400, 400, 20}}, 0.1);
+/// Bytes that a touched column costs in a block that is touched all over.
+double bytes_of_a_column(bool keep_normals) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{0, 0, 0}, {400, 400, 20}};
+  settings.pitch_mm = 0.2;
+  settings.keep_normals = keep_normals;
+  auto s = *Sculpture::create(settings);
+  EXPECT_TRUE(s.apply(DefineTool{1, *make_tool(BallShape{6, 40})}));
   const std::size_t before = s.memory_bytes();
   std::size_t tiles = 0;
   for (double y = 1; y < 400; y += 3) {
-    cut(s, {0, y, 15}, {400, y, 15});
+    EXPECT_TRUE(s.apply(MoveTool{1, {{0, y, 15}}, {{400, y, 15}}, 1, false}));
   }
   for (std::int32_t y = 0; y < s.grid().tiles_y(); ++y) {
     for (std::int32_t x = 0; x < s.grid().tiles_x(); ++x) {
       tiles += s.snapshot().touched({x, y}) ? 1 : 0;
     }
   }
-  EXPECT_EQ(tiles, std::size_t{125} * 125);
-  EXPECT_LT(s.memory_bytes() - before, tiles * kTileColumns * 2 * sizeof(Dexel));
+  EXPECT_EQ(tiles, std::size_t{63} * 63);
+  return double(s.memory_bytes() - before) / double(tiles * kTileColumns);
+}
+
+TEST(Field, TouchedColumnsOfOneElementCostLessThanTwiceTheirBytes) {
+  EXPECT_LT(bytes_of_a_column(false), 2 * sizeof(Dexel));
+}
+
+TEST(Field, NormalsTakeNoMoreThanTheEndsThatTheyBelongTo) {
+  const double without = bytes_of_a_column(false), with = bytes_of_a_column(true);
+  EXPECT_GT(with, without);
+  EXPECT_LT(with, without + 1.1 * sizeof(EndCodes));
 }
 
 TEST(Field, ABlockOfOneMillimetreIsCarvedLikeABigOne) {

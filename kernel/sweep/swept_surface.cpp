@@ -1,0 +1,209 @@
+#include "kernel/sweep/swept_surface.h"
+
+#include <limits>
+
+namespace kerf {
+namespace {
+
+/// mm. A point this near to a piece lies on it: no other piece need be asked.
+constexpr double kOnSurfaceMm = 1e-6;
+
+/// mm. The way within which a search finds the pose that touches a point: the normal errs by its
+/// ratio to the tool's radius there.
+constexpr double kSearchMm = 1e-6;
+
+constexpr int kSearchSteps = 60;
+
+/// Steps towards the share at which a ball's centre is closest; a straight path needs one, and a
+/// bent one leaves its chord by little.
+constexpr int kBallSteps = 3;
+
+KERF_INLINE Vec3Lanes select(const LaneMask& condition, const Vec3Lanes& yes, const Vec3Lanes& no) {
+  return {kerf::select(condition, yes.x, no.x), kerf::select(condition, yes.y, no.y),
+          kerf::select(condition, yes.z, no.z)};
+}
+
+KERF_INLINE LaneMask lanes_of(unsigned bits) {
+  Lanes v{};
+  for (int i = 0; i < kLanes; ++i) v.set(i, bits >> i & 1U);
+  return v > 0.0;
+}
+
+}  // namespace
+
+SweptSurface::Piece SweptSurface::piece_of(const ToolPiece& piece) {
+  Piece p{};
+  if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
+    p.side = Side::kLine;
+    p.z0 = f->z0_mm;
+    p.z1 = f->z1_mm;
+    p.r0 = f->r0_mm;
+    p.slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
+    p.flank = 1 / std::sqrt(1 + p.slope * p.slope);
+  } else if (const auto* ball = std::get_if<BallPiece>(&piece)) {
+    p.side = Side::kBall;
+    p.center_z = ball->center_mm;
+    p.radius = ball->radius_mm;
+  } else {
+    const auto& arc = std::get<ArcPiece>(piece);
+    p.side = Side::kArc;
+    p.z0 = arc.z0_mm;
+    p.z1 = arc.z1_mm;
+    p.center_r = arc.center_r_mm;
+    p.center_z = arc.center_z_mm;
+    p.radius = arc.radius_mm;
+  }
+  return p;
+}
+
+SweptSurface::SweptSurface(const Tool& tool, const ToolMotion& motion)
+    : frame_(motion.from, motion.to),
+      speed_max_(length(frame_.v) + frame_.turn * (tool.length_mm + tool.radius_mm)) {
+  for (const ToolPiece& piece : tool.pieces) pieces_.push_back(piece_of(piece));
+}
+
+KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Vec3Lanes& point,
+                                                        Lanes share) const {
+  const TurningFrame::Poses pose = frame_.at(share);
+  const Vec3Lanes q = point - pose.tip;
+  const Lanes h = dot(q, pose.u);
+  const Vec3Lanes radial = q - pose.u * h;
+  const Lanes rho = square_root(dot(radial, radial));
+  const Vec3Lanes e = radial * kerf::select(rho > 0.0, 1 / rho, Lanes(0));
+  Contact c;
+  Lanes along;  // the side's normal: across · e + along · u
+  Lanes across;
+  if (p.side == Side::kLine) {
+    c.gap = (rho - p.r0 - p.slope * (h - p.z0)) * p.flank;
+    across = p.flank;
+    along = -p.slope * p.flank;
+  } else {
+    const Lanes m = greater(rho - p.center_r, Lanes(0)), l = h - p.center_z;
+    const Lanes d = square_root(m * m + l * l);
+    const Lanes inverse = kerf::select(d > 0.0, 1 / d, Lanes(0));
+    c.gap = d - p.radius;
+    across = m * inverse;
+    along = l * inverse;
+  }
+  const Lanes below = p.z0 - h, above = h - p.z1;
+  const LaneMask on_low = below > c.gap;
+  c.gap = kerf::select(on_low, below, c.gap);
+  const LaneMask on_high = above > c.gap;
+  c.gap = kerf::select(on_high, above, c.gap);
+  across = kerf::select(on_low | on_high, Lanes(0), across);
+  along = kerf::select(on_high, Lanes(1), kerf::select(on_low, Lanes(-1), along));
+  c.normal = e * across + pose.u * along;
+  c.advance = dot(c.normal, frame_.velocity(q));
+  return c;
+}
+
+/// A ball's centre moves on a line that is hardly bent: where it is closest is found by asking the
+/// tangent.
+KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
+                                                             const Vec3Lanes& point) const {
+  Lanes share = 0.5;
+  Vec3Lanes to_point{};
+  for (int i = 0; i <= kBallSteps; ++i) {
+    const TurningFrame::Poses pose = frame_.at(share);
+    const Vec3Lanes arm = pose.u * Lanes(ball.center_z);
+    to_point = point - pose.tip - arm;
+    if (i == kBallSteps || (i == 1 && frame_.turn == 0)) break;
+    const Vec3Lanes v = frame_.velocity(arm);
+    const Lanes speed2 = dot(v, v);
+    const Lanes step = kerf::select(speed2 > 0.0, dot(to_point, v) / speed2, Lanes(0));
+    share = lesser(greater(share + step, Lanes(0)), Lanes(1));
+  }
+  const Lanes d = square_root(dot(to_point, to_point));
+  return {d - ball.radius, to_point * kerf::select(d > 0.0, 1 / d, Lanes(0)), Lanes(0)};
+}
+
+/// The contact of a piece at the share at which it is least far from the point: bracketed by the
+/// sign of n·V, and found by regula falsi in the Illinois variant with halvings.
+KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, const Vec3Lanes& point,
+                                                        LaneMask asked) const {
+  if (piece.side == Side::kBall) return ball_contact(piece, point);
+  Contact first = contact(piece, point, Lanes(0)), last = contact(piece, point, Lanes(1));
+  // Receding from the start on: it touches there. Still advancing at the end: it touches there.
+  const LaneMask at_start = first.advance <= 0.0, at_end = last.advance >= 0.0;
+  LaneMask searching = asked & ~at_start & ~at_end;
+  Contact found = last;
+  found.gap = kerf::select(at_start, first.gap, last.gap);
+  found.normal = select(at_start, first.normal, last.normal);
+  Lanes a = Lanes(0), b = Lanes(1), fa = first.advance, fb = last.advance;
+  Lanes wide = Lanes(1);
+  for (int i = 0; i < kSearchSteps && any(searching); ++i) {
+    Lanes s = (a + b) * 0.5;
+    const Lanes falsi = a + (b - a) * (fa / (fa - fb));
+    LaneMask usable = (falsi > a) & (falsi < b);
+    if (i % 3 == 2) {
+      usable &= b - a <= 0.5 * wide;
+      wide = b - a;
+    }
+    s = kerf::select(usable, falsi, s);
+    const Contact c = contact(piece, point, s);
+    const LaneMask later = searching & (c.advance > 0.0), sooner = searching & (c.advance < 0.0);
+    const LaneMask there = searching & (c.advance == 0.0);
+    fa = kerf::select(later, c.advance, kerf::select(sooner, fa * 0.5, fa));
+    fb = kerf::select(sooner, c.advance, kerf::select(later, fb * 0.5, fb));
+    a = kerf::select(later, s, a);
+    b = kerf::select(sooner, s, b);
+    first.advance = kerf::select(later, c.advance, first.advance);
+    last.advance = kerf::select(sooner, c.advance, last.advance);
+    first.normal = select(later, c.normal, first.normal);
+    last.normal = select(sooner, c.normal, last.normal);
+    found.gap = kerf::select(searching, c.gap, found.gap);
+    found.normal = select(there, c.normal, found.normal);
+    searching &= ~there;
+    const LaneMask close = searching & ((b - a) * speed_max_ <= kSearchMm);
+    // Between the normals on both sides of the minimum: of the two surfaces of an edge, or of one
+    // surface at two places as good as equal.
+    const Lanes weight = first.advance / (first.advance - last.advance);
+    const Vec3Lanes between = first.normal * (1 - weight) + last.normal * weight;
+    found.normal = select(close, between, found.normal);
+    searching &= ~close;
+  }
+  return found;
+}
+
+KERF_INLINE void SweptSurface::stock_normals_in_lanes(const Vec3Lanes& ends_mm, unsigned asked,
+                                                      double towards, NormalCode* codes) const {
+  const Vec3Lanes point{ends_mm.x - frame_.tip.x, ends_mm.y - frame_.tip.y,
+                        ends_mm.z - frame_.tip.z};
+  const LaneMask wanted = lanes_of(asked);
+  Lanes least = std::numeric_limits<double>::infinity();
+  Vec3Lanes outward{};
+  for (const Piece& piece : pieces_) {
+    const LaneMask open = wanted & (least > kOnSurfaceMm);
+    if (!any(open)) break;
+    const Contact c = nearest(piece, point, open);
+    const LaneMask nearer = open & (c.gap < least);
+    least = kerf::select(nearer, c.gap, least);
+    outward = select(nearer, c.normal, outward);
+  }
+  Vec3Lanes n{-outward.x, -outward.y, -outward.z};
+  // On a surface that the ray grazes the normal may lean over by rounding.
+  n.z = kerf::select(n.z * towards < 0.0, Lanes(0), n.z);
+  const LaneMask none = magnitude(n.x) + magnitude(n.y) + magnitude(n.z) <= 0.0;
+  n.z = kerf::select(none, Lanes(towards), n.z);
+  encode_normals(n, codes);
+}
+
+namespace {
+
+KERF_INLINE void find_stock_normals_in_lanes(const SweptSurface& surface, const Vec3Lanes& ends_mm,
+                                             unsigned asked, double towards, NormalCode* codes) {
+  surface.stock_normals_in_lanes(ends_mm, asked, towards, codes);
+}
+KERF_FOR_EACH_TARGET(void, find_stock_normals,
+                     (const SweptSurface& surface, const Vec3Lanes& ends_mm, unsigned asked,
+                      double towards, NormalCode* codes),
+                     (surface, ends_mm, asked, towards, codes))
+
+}  // namespace
+
+void SweptSurface::stock_normals(const Vec3Lanes& ends_mm, unsigned asked, double towards,
+                                 NormalCode* codes) const {
+  find_stock_normals(*this, ends_mm, asked, towards, codes);
+}
+
+}  // namespace kerf
