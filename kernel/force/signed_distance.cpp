@@ -4,34 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "kernel/math/nearest_on_triangle.h"
 #include "kernel/math/rotation.h"
 
 namespace kerf {
 namespace {
-
-/// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
-Vec3 nearest_on_triangle(const std::array<Vec3, 3>& t, Vec3 p) {
-  const auto [a, b, c] = t;
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const Vec3 bp = p - b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + ab * (d1 / (d1 - d3));
-  const Vec3 cp = p - c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 / (d2 - d6));
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-  }
-  const double n = 1 / (va + vb + vc);
-  return a + ab * (vb * n) + ac * (vc * n);
-}
 
 /// Whether the ray from p along +Z crosses the triangle; half-open edges, so that a shared edge
 /// counts once.
@@ -102,7 +79,7 @@ SignedDistance signed_distance(const MeshObstacle& mesh, Vec3 p) {
   Vec3 face{0, 0, 1};
   bool inside = false;
   for (const auto& t : mesh.triangles) {
-    const Vec3 to = p - nearest_on_triangle(t, p);
+    const Vec3 to = p - nearest_on_triangle(t, p).point;
     const double d2 = dot(to, to);
     if (d2 < best2) {
       best2 = d2;

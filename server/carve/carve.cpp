@@ -89,7 +89,13 @@ class Carving {
       settings.force.law =
           *options_.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
     if (auto settled = settle_options(); !settled) return settled;
-    settings.keep_normals = !options_.models.empty();  // Only meshes look at them.
+    // Only meshes look at them.
+    settings.keep_normals = !options_.models.empty() || options_.surface.reference;
+    if (options_.surface.reference) {
+      auto reference = load_reference(*options_.surface.reference);
+      if (!reference) return bad_input(reference.error());
+      reference_ = *std::move(reference);
+    }
     report_.scene_file = options_.scene.string();
     auto sculpture = Sculpture::create(settings);
     if (!sculpture) return bad_input(options_.scene.string() + ": " + sculpture.error().reason);
@@ -197,7 +203,7 @@ class Carving {
   // Every file is a job of its own: the same bytes, whether they are written one after the other or
   // at the same time.
   Result write_models() {
-    const DexelSnapshot snapshot = sculpture_->snapshot();
+    if (auto made = make_surface(); !made) return made;
     std::vector<std::function<Result()>> jobs;
     std::vector<std::uint64_t> triangles(options_.models.size());
     // One line on a terminal cannot tell of several files at once.
@@ -205,7 +211,7 @@ class Carving {
     if (options_.threads == 1 || options_.models.size() == 1)
       bar = [this](double share) { progress_.show("meshing", share); };
     for (std::size_t n = 0; n < options_.models.size(); ++n)
-      jobs.push_back(model_job(options_.models[n], snapshot, bar, triangles[n]));
+      jobs.push_back(model_job(options_.models[n], bar, triangles[n]));
     if (auto done = run_jobs(jobs); !done) return done;
     // Quantising may drop triangles; the surface itself has as many as the finest file.
     if (!triangles.empty()) report_.triangles = std::ranges::max(triangles);
@@ -218,10 +224,23 @@ class Carving {
     return done;
   }
 
-  std::function<Result()> model_job(const ModelChoice& choice, const DexelSnapshot& snapshot,
-                                    const ModelProgress& bar, std::uint64_t& triangles) {
-    return [this, choice, snapshot, bar, &triangles, &file = output(choice.path)]() -> Result {
-      auto written = write_model_choice(choice, file.temporary(), snapshot, scene_.name, bar);
+  // Simplified and measured once, whatever the number of files; not at all where nobody asks.
+  Result make_surface() {
+    const SurfaceRequest& request = options_.surface;
+    if (options_.models.empty() && !request.reference) return {};
+    const ModelProgress bar = [this](double share) { progress_.show("measuring", share); };
+    auto made = CarvedSurface::make(sculpture_->snapshot(), request,
+                                    reference_ ? &*reference_ : nullptr, bar);
+    if (!made) return bad_input(options_.scene.string() + ": " + made.error());
+    surface_ = *std::move(made);
+    report_.surface = surface_->report();
+    return {};
+  }
+
+  std::function<Result()> model_job(const ModelChoice& choice, const ModelProgress& bar,
+                                    std::uint64_t& triangles) {
+    return [this, choice, bar, &triangles, &file = output(choice.path)]() -> Result {
+      auto written = surface_->write(choice, file.temporary(), scene_.name, bar);
       if (!written) return bad_output(file.target().string() + ": " + written.error());
       triangles = *written;
       return {};
@@ -275,6 +294,8 @@ class Carving {
   Scene scene_;
   Program program_;
   std::unique_ptr<Sculpture> sculpture_;
+  std::optional<IndexedMesh> reference_;
+  std::unique_ptr<CarvedSurface> surface_;
   CarveReport report_;
   std::set<std::uint32_t> rapid_lines_;
   StockContacts contacts_;

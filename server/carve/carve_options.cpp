@@ -48,6 +48,21 @@ void declare_models(CLI::App& app, std::vector<ModelOption>& models) {
   }
 }
 
+void declare_surface(CLI::App& app, SurfaceRequest& surface) {
+  app.add_option("--triangles", surface.simplify.triangles,
+                 "simplify the models to at most so many triangles")
+      ->check(check_positive);
+  app.add_option("--max-error", surface.simplify.error_mm,
+                 "simplify the models, nowhere farther than this from the exact surface, mm")
+      ->check(check_positive);
+  app.add_option(
+      "--deviation", surface.reference,
+      "measure the surface against a mesh (.stl .ply .obj); colours in --ply --glb --obj");
+  app.add_option("--deviation-range", surface.range_mm,
+                 "where the colours end, mm (default: 99 of 100 are nearer)")
+      ->check(check_positive);
+}
+
 std::vector<ModelChoice> chosen_models(const std::vector<ModelOption>& models) {
   std::vector<ModelChoice> choices;
   for (const ModelOption& model : models) {
@@ -105,6 +120,7 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
   declare(app, options);
   std::vector<ModelOption> models = model_options();
   declare_models(app, models);
+  declare_surface(app, options.surface);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

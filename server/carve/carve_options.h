@@ -15,6 +15,7 @@ struct CarveOptions {
   std::filesystem::path scene, program;
   std::optional<std::filesystem::path> explain;  ///< explain this scene and do nothing else
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
+  SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range
   std::optional<std::filesystem::path> ngc, apt, forces, report;
   std::optional<double> pitch_mm, tolerance_mm, rate_hz;
   std::optional<std::string> rays, motion, law;

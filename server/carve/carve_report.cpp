@@ -41,6 +41,19 @@ Json tip_extents(const Program& program) {
   return {{"min_mm", {low.x, low.y, low.z}}, {"max_mm", {high.x, high.y, high.z}}};
 }
 
+Json simplified_json(const SurfaceReport& surface) {
+  if (!surface.exact_triangles) return nullptr;
+  return {{"exact_triangles", *surface.exact_triangles}, {"error_mm", *surface.simplify_error_mm}};
+}
+
+Json deviation_json(const SurfaceReport& surface) {
+  if (!surface.deviation) return nullptr;
+  const DistanceFigures& d = *surface.deviation;
+  return {{"min_mm", d.min_mm}, {"max_mm", d.max_mm},   {"mean_mm", d.mean_mm},
+          {"rms_mm", d.rms_mm}, {"p50_mm", d.p50_mm},   {"p90_mm", d.p90_mm},
+          {"p99_mm", d.p99_mm}, {"samples", d.samples}, {"color_range_mm", surface.range_mm}};
+}
+
 }  // namespace
 
 std::string report_json(const CarveReport& report, const Scene& scene, const Program& program) {
@@ -67,6 +80,8 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"mesh_seconds", report.mesh_s},
                   {"write_seconds", report.write_s},
                   {"triangles", triangles},
+                  {"simplified", simplified_json(report.surface)},
+                  {"deviation", deviation_json(report.surface)},
                   {"peak_memory_bytes", peak_memory_bytes()},
                   {"stock_memory_bytes", report.stock_memory_bytes},
                   {"state_hash", hex(report.state_hash)},

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/carve/model_outputs.h"
 #include "server/formats/program.h"
 
 namespace kerf {
@@ -18,6 +19,7 @@ struct CarveReport {
   double stock_volume_mm3 = 0, removed_volume_mm3 = 0;
   double read_s = 0, cut_s = 0, mesh_s = 0, write_s = 0;
   std::optional<std::uint64_t> triangles;  ///< none where no model was asked for
+  SurfaceReport surface;
   std::uint64_t state_hash = 0;
   std::size_t stock_memory_bytes = 0;  ///< what the carved block itself holds
   std::vector<std::string> warnings;

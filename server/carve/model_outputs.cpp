@@ -1,15 +1,83 @@
 #include "server/carve/model_outputs.h"
 
-namespace kerf {
+#include <algorithm>
+#include <limits>
 
-std::expected<std::uint64_t, std::string> write_model_choice(const ModelChoice& choice,
-                                                             const std::filesystem::path& path,
-                                                             const DexelSnapshot& snapshot,
-                                                             const std::string& title,
-                                                             const ModelProgress& progress) {
-  SnapshotMesh mesh(snapshot);
+#include "server/formats/model/mesh_reader.h"
+#include "server/formats/text_file.h"
+
+namespace kerf {
+namespace {
+
+/// Where nothing deviates, the colours still need an end.
+constexpr double kRangeMinMm = 1e-6;
+/// Samples of the figures are this many pitches apart.
+constexpr double kSpacingPitches = 2;
+
+IndexedMesh to_indexed(const TriangleMesh& mesh) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Vec3 low{kFar, kFar, kFar};
+  for (const Vec3& v : mesh.vertices_mm) {
+    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+  }
+  IndexedMesh indexed{low, {}, mesh.triangles};
+  for (const Vec3& v : mesh.vertices_mm) {
+    const Vec3 p = v - low;
+    indexed.positions_mm.push_back(
+        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  return indexed;
+}
+
+}  // namespace
+
+std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file) {
+  const auto format = mesh_file_format(file.string());
+  if (!format) return std::unexpected(file.string() + ": is no .stl, .ply or .obj");
+  const auto bytes = read_file(file);
+  if (!bytes) return std::unexpected(file.string() + ": cannot be read");
+  const auto mesh = read_mesh(*format, std::as_bytes(std::span(*bytes)));
+  if (!mesh) return std::unexpected(file.string() + ": " + mesh.error().reason);
+  return to_indexed(*mesh);
+}
+
+std::unique_ptr<MeshSource> CarvedSurface::plain() const {
+  if (simplified_) return std::make_unique<WholeMesh>(*simplified_);
+  return std::make_unique<SnapshotMesh>(snapshot_);
+}
+
+std::expected<std::unique_ptr<CarvedSurface>, std::string> CarvedSurface::make(
+    const DexelSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
+    const ModelProgress& progress) {
+  std::unique_ptr<CarvedSurface> surface(new CarvedSurface(snapshot));
+  SurfaceReport& report = surface->report_;
+  if (request.simplify.triangles || request.simplify.error_mm) {
+    SnapshotMesh exact(snapshot);
+    auto simplified = simplify_mesh(exact, request.simplify, progress);
+    if (!simplified) return std::unexpected(simplified.error().reason);
+    report.exact_triangles = simplified->original_triangles;
+    report.simplify_error_mm = simplified->error_mm;
+    surface->simplified_ = std::move(simplified->mesh);
+  }
+  if (reference != nullptr) {
+    const auto mesh = surface->plain();
+    surface->deviation_ = measure_deviation(*mesh, MeshDistance(*reference),
+                                            kSpacingPitches * snapshot.grid().pitch_mm, progress);
+    report.deviation = surface->deviation_->figures;
+    report.range_mm = std::max(request.range_mm.value_or(report.deviation->p99_mm), kRangeMinMm);
+  }
+  return surface;
+}
+
+std::expected<std::uint64_t, std::string> CarvedSurface::write(
+    const ModelChoice& choice, const std::filesystem::path& path, const std::string& title,
+    const ModelProgress& progress) const {
+  std::unique_ptr<MeshSource> mesh = plain();
+  if (deviation_) {
+    mesh = std::make_unique<DeviationMesh>(std::move(mesh), *deviation_, report_.range_mm);
+  }
   const auto written = write_model(
-      path, mesh,
+      path, *mesh,
       {.format = choice.format, .encoding = choice.encoding, .title = title, .progress = progress});
   if (!written) return std::unexpected(written.error().reason);
   return written->triangles;

@@ -34,8 +34,8 @@ std::vector<Vec3> points_of(const TileMesh& mesh, Vec3 origin_mm) {
 
 }  // namespace
 
-SurfaceError measure_surface(const DexelSnapshot& snapshot, const TrueSolid& truth,
-                             std::size_t samples) {
+DistanceFigures measure_surface(const DexelSnapshot& snapshot, const TrueSolid& truth,
+                                std::size_t samples) {
   const std::vector<TileIndex> tiles = touched_tiles(snapshot);
   const std::size_t meshed = std::min(tiles.size(), kTilesMax);
   std::vector<Vec3> points;
@@ -44,21 +44,14 @@ SurfaceError measure_surface(const DexelSnapshot& snapshot, const TrueSolid& tru
         points_of(mesh_tile(snapshot, tiles[n * tiles.size() / meshed]), snapshot.grid().origin_mm);
     points.insert(points.end(), more.begin(), more.end());
   }
-  std::vector<double> errors;
+  std::vector<DistanceSample> errors;
   const std::size_t taken = std::min(points.size(), samples);
-  double squares = 0;
   for (std::size_t n = 0; n < taken; ++n) {
     const auto [mm, cut] = truth.distance(points[n * points.size() / taken]);
     if (!cut) continue;
-    errors.push_back(mm);
-    squares += mm * mm;
+    errors.push_back({mm});
   }
-  if (errors.empty()) return {};
-  std::ranges::sort(errors);
-  return {.max_mm = errors.back(),
-          .rms_mm = std::sqrt(squares / double(errors.size())),
-          .p99_mm = errors[errors.size() * 99 / 100],
-          .samples = errors.size()};
+  return distance_figures(std::move(errors));
 }
 
 }  // namespace kerf

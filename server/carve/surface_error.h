@@ -3,21 +3,17 @@
 #include <cstddef>
 
 #include "kernel/dexel/dexel_snapshot.h"
+#include "server/carve/distance_figures.h"
 #include "server/carve/true_solid.h"
 
 namespace kerf {
 
 /// Distance of a mesh from the true solid, over the corners and centroids of triangles.
-struct SurfaceError {
-  double max_mm = 0, rms_mm = 0;
-  double p99_mm = 0;        ///< 99 of 100 samples are nearer
-  std::size_t samples = 0;  ///< that lie nearest to a cut
-};
-
+///
 /// Meshes tiles that a tool has touched (all, or evenly chosen ones) and measures about `samples`
 /// evenly chosen corners and centroids. Those to which the stock's own border is nearest do not
 /// count: the question is how well cuts are made. Equal snapshots give equal results.
-SurfaceError measure_surface(const DexelSnapshot& snapshot, const TrueSolid& truth,
-                             std::size_t samples);
+DistanceFigures measure_surface(const DexelSnapshot& snapshot, const TrueSolid& truth,
+                                std::size_t samples);
 
 }  // namespace kerf

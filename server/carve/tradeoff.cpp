@@ -243,7 +243,7 @@ class Tradeoff {
     row.us_per_motion = 1e6 * carved->cpu_s / motions;
     row.bytes = carved->bytes;
     row.sub_motions = carved->sub_motions;
-    const SurfaceError surface = measure_surface(carved->snapshot, *truth_, options_.samples);
+    const DistanceFigures surface = measure_surface(carved->snapshot, *truth_, options_.samples);
     row.surface_max_mm = surface.max_mm;
     row.surface_rms_mm = surface.rms_mm;
     samples_ = std::max(samples_, surface.samples);

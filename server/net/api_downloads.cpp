@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/formats/model/model_writer.h"
+#include "server/formats/model/simplify_mesh.h"
 #include "server/net/api.h"
 #include "server/net/download_name.h"
 #include "server/net/on_executor.h"
@@ -30,6 +31,7 @@ struct Wanted {
   Download what;
   std::optional<ModelFormat> model;  ///< none: something that is made of motions
   ModelEncoding encoding = ModelEncoding::kBinary;
+  SimplifyRequest simplify;
   std::optional<ParticipantId> who;
   std::string suffix;  ///< sets its name apart from that of the plain download
 };
@@ -68,6 +70,21 @@ std::expected<void, BadRequest> read_model(const ApiRequest& request, Wanted& wa
     }
     if (*encoding != wanted.encoding) wanted.suffix += '-' + *name;
     wanted.encoding = *encoding;
+  }
+  if (const std::string* text = query(request, "triangles")) {
+    wanted.simplify.triangles = number<std::uint64_t>(*text);
+    if (wanted.simplify.triangles.value_or(0) == 0) {
+      return std::unexpected(BadRequest{400, "bad_triangles", "triangles is no number above 0"});
+    }
+    wanted.suffix += '-' + *text + "-triangles";
+  }
+  if (const std::string* text = query(request, "error_mm")) {
+    wanted.simplify.error_mm = number<double>(*text);
+    const double bound = wanted.simplify.error_mm.value_or(0);
+    if (!(bound > 0) || !std::isfinite(bound)) {
+      return std::unexpected(BadRequest{400, "bad_error_mm", "error_mm is no number above 0"});
+    }
+    wanted.suffix += '-' + *text + "mm";
   }
   return {};
 }
@@ -147,6 +164,22 @@ void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& r
                                                      std::to_string(bytes));
 }
 
+std::expected<void, std::string> write_surface(const Wanted& wanted, const DexelSnapshot& snapshot,
+                                               const std::string& title,
+                                               const std::filesystem::path& path,
+                                               const DownloadCache::Progress& progress) {
+  const ModelRequest request{
+      .format = *wanted.model, .encoding = wanted.encoding, .title = title, .progress = progress};
+  SnapshotMesh exact(snapshot);
+  if (!wanted.simplify.triangles && !wanted.simplify.error_mm) {
+    return reason_only(write_model(path, exact, request));
+  }
+  const auto simplified = simplify_mesh(exact, wanted.simplify, progress);
+  if (!simplified) return std::unexpected(simplified.error().reason);
+  WholeMesh mesh(simplified->mesh);
+  return reason_only(write_model(path, mesh, request));
+}
+
 bool is_same(const std::string& if_none_match, const std::string& etag) {
   return if_none_match == "*" || if_none_match.find(etag) != std::string::npos;
 }
@@ -181,12 +214,8 @@ ApiResponse Api::download(const ApiRequest& request, const SessionPtr& session) 
       [&](const std::filesystem::path& path,
           const DownloadCache::Progress& progress) -> std::expected<void, std::string> {
         if (!wanted->model) return write_motions(*wanted, *session, path);
-        SnapshotMesh mesh(now.solid.fields.front());
-        return reason_only(write_model(path, mesh,
-                                       {.format = *wanted->model,
-                                        .encoding = wanted->encoding,
-                                        .title = session->scene().name,
-                                        .progress = progress}));
+        return write_surface(*wanted, now.solid.fields.front(), session->scene().name, path,
+                             progress);
       });
   if (!file) return error_response(500, "export_failed", file.error());
   response.file = *file;

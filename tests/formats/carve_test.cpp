@@ -105,6 +105,27 @@ TEST_F(KerfCarve, WritesEverythingThatIsAskedFor) {
                                       "o.apt", "o.ngc", "out", "p.ngc", "r.json", "scene.json"}));
 }
 
+TEST_F(KerfCarve, SimplifiesAndMeasuresAgainstAReference) {
+  const auto exact = report(kInput + " --stl m.stl --pitch 0.2");
+  EXPECT_TRUE(exact["simplified"].is_null());
+  EXPECT_TRUE(exact["deviation"].is_null());
+  const auto json = report(kInput + " --pitch 0.2 --max-error 0.05 --stl s.stl --3mf s.3mf");
+  EXPECT_EQ(json["simplified"]["exact_triangles"], exact["triangles"]);
+  EXPECT_LT(json["triangles"], exact["triangles"]);
+  EXPECT_LE(json["simplified"]["error_mm"], 0.05);
+  const auto map =
+      report(kInput + " --pitch 0.4 --deviation m.stl --deviation-range 0.25 --ply d.ply");
+  EXPECT_LT(map["deviation"]["max_mm"], 0.5);
+  EXPECT_LT(map["deviation"]["rms_mm"], 0.1);
+  EXPECT_EQ(map["deviation"]["color_range_mm"], 0.25);
+  EXPECT_THAT(content("d.ply"), testing::HasSubstr("property float quality"));
+  EXPECT_EQ(run(kInput + " --triangles 3 --stl s.stl"), 2);
+  EXPECT_THAT(content("err"), testing::HasSubstr("more than the 3 asked for"));
+  EXPECT_EQ(run(kInput + " --deviation p.ngc"), 2);
+  EXPECT_THAT(content("err"), testing::HasSubstr("p.ngc: is no .stl, .ply or .obj"));
+  EXPECT_EQ(run(kInput + " --deviation none.stl"), 2);
+}
+
 TEST_F(KerfCarve, WritesTheEncodingThatIsAskedFor) {
   ASSERT_EQ(run(kInput + " --stl a.stl --stl-encoding ascii --glb a.glb --glb-encoding meshopt"),
             0);

@@ -119,7 +119,7 @@ TEST(SurfaceError, OfTheStandardJobIsThatOfTheFormula) {
     sculpture.apply(MoveTool{1, path[n - 1], path[n], 0.01, false}).value();
   }
   const TrueSolid truth(sculpture.settings().stock, tools, motions, 4);
-  const SurfaceError error = measure_surface(sculpture.snapshot(), truth, 3000);
+  const DistanceFigures error = measure_surface(sculpture.snapshot(), truth, 3000);
   EXPECT_GT(error.samples, 1000u);
   // surface_bench measures 0.040 and 0.0122 mm away from the borders, where the steep sides of the
   // outermost rows are not.

@@ -225,6 +225,15 @@ class Downloads(LiveTest):
             self.assertEqual(body[:len(begin)], begin)
             self.assertEqual(headers["content-disposition"],
                              f'attachment; filename="{file_name}"')
+        status, headers, body = self.get("model.stl?triangles=500")
+        self.assertLessEqual((len(body) - 84) // 50, 500)
+        self.assertIn('"block-500-triangles.stl"', headers["content-disposition"])
+        whole = self.get("model.stl")[2]
+        self.assertLess(len(self.get("model.stl?error_mm=0.2")[2]), len(whole))
+        self.assertEqual(self.get("model.stl?triangles=0")[0], 400)
+        self.assertEqual(self.get("model.stl?error_mm=nan")[0], 400)
+        status, _, body = self.get("model.stl?triangles=3")
+        self.assertEqual((status, json.loads(body)["error"]["code"]), (500, "export_failed"))
         status, _, body = self.get("model.glb?encoding=ascii")
         self.assertEqual((status, json.loads(body)["error"]["code"]), (400, "bad_encoding"))
         self.assertEqual(self.get("model.dxf")[0], 404)

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <string>
+
+#include "server/formats/model/text_words.h"
 
 namespace kerf {
 namespace {
@@ -13,10 +14,10 @@ namespace {
 constexpr std::size_t kHeaderBytes = 84;
 constexpr std::size_t kFacetBytes = 50;
 
-using Result = std::expected<std::vector<StlTriangle>, StlError>;
+using Result = std::expected<std::vector<StlTriangle>, MeshFileError>;
 
-std::unexpected<StlError> error(StlErrorCode code, std::string reason) {
-  return std::unexpected(StlError{code, std::move(reason)});
+std::unexpected<MeshFileError> error(MeshFileErrorCode code, std::string reason) {
+  return std::unexpected(MeshFileError{code, std::move(reason)});
 }
 
 std::uint32_t get_u32(const std::byte* at) {
@@ -36,15 +37,16 @@ std::string too_many(std::uint64_t facets, std::uint64_t facets_max) {
 
 Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
   if (bytes.size() < kHeaderBytes) {
-    return error(StlErrorCode::kTruncated, "the file ends after " + std::to_string(bytes.size()) +
-                                               " bytes; a binary STL has a header of 84");
+    return error(MeshFileErrorCode::kTruncated, "the file ends after " +
+                                                    std::to_string(bytes.size()) +
+                                                    " bytes; a binary STL has a header of 84");
   }
   const std::uint64_t facets = get_u32(bytes.data() + 80);
-  if (facets == 0) return error(StlErrorCode::kEmpty, "the file holds no facet");
-  if (facets > facets_max) return error(StlErrorCode::kTooLarge, too_many(facets, facets_max));
+  if (facets == 0) return error(MeshFileErrorCode::kEmpty, "the file holds no facet");
+  if (facets > facets_max) return error(MeshFileErrorCode::kTooLarge, too_many(facets, facets_max));
   if (bytes.size() != stl_file_bytes(facets)) {
     const bool shorter = bytes.size() < stl_file_bytes(facets);
-    return error(shorter ? StlErrorCode::kTruncated : StlErrorCode::kCountMismatch,
+    return error(shorter ? MeshFileErrorCode::kTruncated : MeshFileErrorCode::kCountMismatch,
                  "the header announces " + std::to_string(facets) + " facets, that is " +
                      std::to_string(stl_file_bytes(facets)) + " bytes; the file has " +
                      std::to_string(bytes.size()));
@@ -56,42 +58,12 @@ Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
       corner = {get_float(at), get_float(at + 4), get_float(at + 8)};
       at += 12;
       if (!is_finite(corner)) {
-        return error(StlErrorCode::kNotFinite,
+        return error(MeshFileErrorCode::kNotFinite,
                      "facet " + std::to_string(f + 1) + " has a coordinate that is not finite");
       }
     }
   }
   return triangles;
-}
-
-/// Splits ASCII STL into words and counts lines.
-class Words {
- public:
-  explicit Words(std::string_view text) : text_(text) {}
-  std::size_t line() const { return line_; }
-  /// The next word; empty at the end.
-  std::string_view next() {
-    skip_blanks();
-    const std::size_t first = at_;
-    while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
-    return text_.substr(first, at_ - first);
-  }
-  void skip_line() {
-    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
-  }
-
- private:
-  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-  void skip_blanks() {
-    for (; at_ < text_.size() && is_blank(text_[at_]); ++at_) line_ += text_[at_] == '\n' ? 1 : 0;
-  }
-  std::string_view text_;
-  std::size_t at_ = 0, line_ = 1;
-};
-
-bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](char x, char y) { return (x | 0x20) == (y | 0x20); });
 }
 
 /// Reads statement by statement; the first error stops it.
@@ -113,8 +85,8 @@ class AsciiReader {
         fail_at(word, inside_ ? "facet or endsolid" : "solid");
       }
     }
-    if (!error_ && inside_) fail(StlErrorCode::kTruncated, "the file ends without endsolid");
-    if (!error_ && triangles_.empty()) fail(StlErrorCode::kEmpty, "the file holds no facet");
+    if (!error_ && inside_) fail(MeshFileErrorCode::kTruncated, "the file ends without endsolid");
+    if (!error_ && triangles_.empty()) fail(MeshFileErrorCode::kEmpty, "the file holds no facet");
     if (error_) return std::unexpected(*error_);
     return std::move(triangles_);
   }
@@ -122,7 +94,7 @@ class AsciiReader {
  private:
   void read_facet() {
     if (triangles_.size() == facets_max_) {
-      fail(StlErrorCode::kTooLarge, too_many(triangles_.size() + 1, facets_max_));
+      fail(MeshFileErrorCode::kTooLarge, too_many(triangles_.size() + 1, facets_max_));
       return;
     }
     expect("normal");
@@ -150,40 +122,37 @@ class AsciiReader {
 
   double number() {
     if (error_) return 0;
-    std::string_view word = words_.next();
-    const std::string_view whole = word;
-    if (word.starts_with('+')) word.remove_prefix(1);
-    double value = 0;
-    const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (word.empty() || code != std::errc{} || end != word.data() + word.size()) {
-      fail_at(whole, "a number");
-    } else if (!std::isfinite(value)) {
-      fail(StlErrorCode::kNotFinite, "a coordinate is not finite: " + std::string(whole));
+    const std::string_view word = words_.next();
+    const auto value = word_number<double>(word);
+    if (!value) {
+      fail_at(word, "a number");
+    } else if (!std::isfinite(*value)) {
+      fail(MeshFileErrorCode::kNotFinite, "a coordinate is not finite: " + std::string(word));
     }
-    return value;
+    return value.value_or(0);
   }
 
   void fail_at(std::string_view word, std::string_view wanted) {
     if (word.empty()) {
-      fail(StlErrorCode::kTruncated,
+      fail(MeshFileErrorCode::kTruncated,
            "the file ends where " + std::string(wanted) + " should stand");
       return;
     }
     constexpr std::size_t kShownMax = 40;
     std::string reason = "\"";
     reason.append(word.substr(0, kShownMax)).append("\" where ").append(wanted);
-    fail(StlErrorCode::kSyntax, reason.append(" should stand"));
+    fail(MeshFileErrorCode::kSyntax, reason.append(" should stand"));
   }
 
-  void fail(StlErrorCode code, const std::string& reason) {
-    error_ = StlError{code, "line " + std::to_string(words_.line()) + ": " + reason};
+  void fail(MeshFileErrorCode code, const std::string& reason) {
+    error_ = MeshFileError{code, "line " + std::to_string(words_.line()) + ": " + reason};
   }
 
-  Words words_;
+  TextWords words_;
   std::uint64_t facets_max_;
   bool inside_ = false;
   std::vector<StlTriangle> triangles_;
-  std::optional<StlError> error_;
+  std::optional<MeshFileError> error_;
 };
 
 bool looks_ascii(std::span<const std::byte> bytes) {

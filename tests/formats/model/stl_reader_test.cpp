@@ -41,10 +41,10 @@ constexpr std::string_view kAscii =
     "      vertex 0 0 0\n      vertex +1.5 0 0\n      vertex 0 1e1 -0.25\n"
     "    endloop\n  endfacet\nendsolid a name\n";
 
-StlErrorCode error_of(const std::vector<std::byte>& bytes, std::uint64_t facets_max = 1000) {
+MeshFileErrorCode error_of(const std::vector<std::byte>& bytes, std::uint64_t facets_max = 1000) {
   const auto result = read_stl(bytes, facets_max);
   EXPECT_FALSE(result.has_value());
-  if (result) return StlErrorCode{99};
+  if (result) return MeshFileErrorCode{99};
   EXPECT_FALSE(result.error().reason.empty());
   return result.error().code;
 }
@@ -73,7 +73,7 @@ TEST(StlReader, RefusesATruncatedFileAtEveryLength) {
   ASSERT_TRUE(read_stl(bytes));
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_EQ(error_of({bytes.begin(), bytes.begin() + std::ptrdiff_t(size)}),
-              StlErrorCode::kTruncated);
+              MeshFileErrorCode::kTruncated);
   }
   for (std::size_t size = 0; size < kAscii.size() - 20; ++size) {
     const auto result = read_stl(bytes_of(kAscii.substr(0, size)));
@@ -87,16 +87,16 @@ TEST(StlReader, NamesWhatIsWrong) {
   EXPECT_TRUE(read_stl(bytes));
   auto longer = bytes;
   longer.push_back(std::byte{0});
-  EXPECT_EQ(error_of(longer), StlErrorCode::kCountMismatch);
-  EXPECT_EQ(error_of(bytes, 0), StlErrorCode::kTooLarge);
+  EXPECT_EQ(error_of(longer), MeshFileErrorCode::kCountMismatch);
+  EXPECT_EQ(error_of(bytes, 0), MeshFileErrorCode::kTooLarge);
   auto empty = bytes;
   empty[80] = std::byte{0};
-  EXPECT_EQ(error_of(empty), StlErrorCode::kEmpty);
+  EXPECT_EQ(error_of(empty), MeshFileErrorCode::kEmpty);
   auto nan = bytes;
   const auto bits =
       std::bit_cast<std::array<std::byte, 4>>(std::numeric_limits<float>::quiet_NaN());
   std::copy(bits.begin(), bits.end(), nan.begin() + 84 + 12 + 4);
-  EXPECT_EQ(error_of(nan), StlErrorCode::kNotFinite);
+  EXPECT_EQ(error_of(nan), MeshFileErrorCode::kNotFinite);
   EXPECT_NE(read_stl(nan).error().reason.find("facet 1"), std::string::npos);
 }
 
@@ -105,13 +105,13 @@ TEST(StlReader, NamesTheLineOfAnAsciiError) {
   text.replace(text.find("+1.5"), 4, "one!");
   const auto result = read_stl(bytes_of(text));
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().code, StlErrorCode::kSyntax);
+  EXPECT_EQ(result.error().code, MeshFileErrorCode::kSyntax);
   EXPECT_NE(result.error().reason.find("line 5"), std::string::npos) << result.error().reason;
   std::string infinite(kAscii);
   infinite.replace(infinite.find("1e1"), 3, "inf");
-  EXPECT_EQ(error_of(bytes_of(infinite)), StlErrorCode::kNotFinite);
-  EXPECT_EQ(error_of(bytes_of("solid x\nendsolid x\n")), StlErrorCode::kEmpty);
-  EXPECT_EQ(error_of(bytes_of(kAscii), 0), StlErrorCode::kTooLarge);
+  EXPECT_EQ(error_of(bytes_of(infinite)), MeshFileErrorCode::kNotFinite);
+  EXPECT_EQ(error_of(bytes_of("solid x\nendsolid x\n")), MeshFileErrorCode::kEmpty);
+  EXPECT_EQ(error_of(bytes_of(kAscii), 0), MeshFileErrorCode::kTooLarge);
 }
 
 }  // namespace

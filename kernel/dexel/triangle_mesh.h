@@ -1,0 +1,18 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kernel/math/vec3.h"
+
+namespace kerf {
+
+/// Triangles that share their corners, counter-clockwise seen from outside; mm.
+struct TriangleMesh {
+  std::vector<Vec3> vertices_mm;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  friend bool operator==(const TriangleMesh&, const TriangleMesh&) = default;
+};
+
+}  // namespace kerf

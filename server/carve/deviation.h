@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "server/carve/distance_figures.h"
+#include "server/formats/model/mesh_distance.h"
+#include "server/formats/model/mesh_source.h"
+
+namespace kerf {
+
+/// How far each vertex of a surface is from a reference, positive outside of it: material that was
+/// left; negative: too much was taken.
+struct Deviation {
+  std::vector<float> of_vertex_mm;  ///< in the order in which the source hands vertices out
+  DistanceFigures figures;          ///< of samples all over the surface, weighted by area
+};
+
+/// Measures a surface against a reference: at every vertex, and for the figures at points not more
+/// than about `spacing_mm` apart, so that large triangles count as much as many small ones.
+Deviation measure_deviation(MeshSource& surface, const MeshDistance& reference, double spacing_mm,
+                            const std::function<void(double)>& progress = {});
+
+/// A surface with its deviation as colours: from blue (-range_mm and below) through white (0) to
+/// red.
+class DeviationMesh final : public MeshSource {
+ public:
+  /// `deviation` must have been measured of an equal source and outlive this one.
+  DeviationMesh(std::unique_ptr<MeshSource> surface, const Deviation& deviation, double range_mm)
+      : surface_(std::move(surface)), deviation_(deviation), range_mm_(range_mm) {}
+  Vec3 origin_mm() const override { return surface_->origin_mm(); }
+  Vec3 size_mm() const override { return surface_->size_mm(); }
+  bool next(MeshPiece& piece) override;
+  double share() const override { return surface_->share(); }
+
+ private:
+  std::unique_ptr<MeshSource> surface_;
+  const Deviation& deviation_;
+  double range_mm_;
+  std::size_t next_vertex_ = 0;
+};
+
+}  // namespace kerf

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kernel/math/vec3.h"
+#include "server/formats/model/mesh_source.h"
+
+namespace kerf {
+
+/// A surface that is whole in memory, its vertices shared.
+struct IndexedMesh {
+  Vec3 origin_mm;  ///< where position (0, 0, 0) lies in the scene
+  std::vector<std::array<float, 3>> positions_mm;
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside
+
+  Vec3 position(std::uint32_t vertex) const {
+    const auto& p = positions_mm[vertex];
+    return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+  }
+  /// The corners of a triangle, relative to the origin.
+  std::array<Vec3, 3> corners(std::size_t triangle) const {
+    const auto& t = triangles[triangle];
+    return {position(t[0]), position(t[1]), position(t[2])};
+  }
+};
+
+/// All of a source, with shared vertices; about 24 bytes a triangle.
+IndexedMesh collect_mesh(MeshSource& source);
+
+/// How the edges of a mesh meet. Vertices are the same where their numbers are.
+struct EdgeReport {
+  std::size_t open = 0;                 ///< edges with more triangles on one side than on the other
+  std::size_t repeated = 0;             ///< edges that more than two triangles share
+  std::vector<std::uint32_t> vertices;  ///< ends of such edges, sorted, each once
+  bool closed_manifold() const { return open == 0 && repeated == 0; }
+};
+EdgeReport check_edges(std::span<const std::array<std::uint32_t, 3>> triangles);
+
+/// Hands an indexed mesh out in pieces. The normals of a vertex are those of the triangles around
+/// it (weighted by their angle), separate where they meet at more than 40 degrees.
+class WholeMesh final : public MeshSource {
+ public:
+  explicit WholeMesh(const IndexedMesh& mesh);
+  Vec3 origin_mm() const override { return mesh_.origin_mm; }
+  Vec3 size_mm() const override { return size_mm_; }
+  bool next(MeshPiece& piece) override;
+  double share() const override;
+
+ private:
+  Vec3 corner_normal(std::size_t triangle, std::size_t corner) const;
+
+  const IndexedMesh& mesh_;
+  Vec3 size_mm_;
+  std::vector<Vec3> facet_normals_;
+  std::vector<std::uint32_t> first_, around_;  ///< triangles around each vertex
+  std::size_t next_triangle_ = 0;
+};
+
+}  // namespace kerf

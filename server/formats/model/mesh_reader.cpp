@@ -1,0 +1,111 @@
+#include "server/formats/model/mesh_reader.h"
+
+#include <bit>
+#include <unordered_map>
+
+#include "server/formats/model/stl_reader.h"
+#include "server/formats/model/text_words.h"
+
+namespace kerf {
+namespace {
+
+struct SamePlace {
+  // Zero has two signs and one place.
+  static Vec3 plain(Vec3 v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }
+  std::size_t operator()(Vec3 v) const {
+    std::uint64_t hash = 14695981039346656037U;
+    const Vec3 p = plain(v);
+    for (const double c : {p.x, p.y, p.z}) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 1099511628211U;
+      hash ^= hash >> 29U;
+    }
+    return hash;
+  }
+};
+
+TriangleMesh merge_vertices(const TriangleMesh& read) {
+  TriangleMesh mesh;
+  std::unordered_map<Vec3, std::uint32_t, SamePlace> number;
+  std::vector<std::uint32_t> merged;
+  merged.reserve(read.vertices_mm.size());
+  for (const Vec3& v : read.vertices_mm) {
+    const auto fresh = static_cast<std::uint32_t>(mesh.vertices_mm.size());
+    const auto [place, added] = number.try_emplace(v, fresh);
+    if (added) mesh.vertices_mm.push_back(SamePlace::plain(v));
+    merged.push_back(place->second);
+  }
+  for (const auto& t : read.triangles) {
+    const std::array<std::uint32_t, 3> m{merged[t[0]], merged[t[1]], merged[t[2]]};
+    if (m[0] != m[1] && m[1] != m[2] && m[2] != m[0]) mesh.triangles.push_back(m);
+  }
+  return mesh;
+}
+
+MeshFileResult read_unmerged(MeshFileFormat format, std::span<const std::byte> bytes,
+                             std::uint64_t triangles_max) {
+  switch (format) {
+    case MeshFileFormat::kPly:
+      return read_ply(bytes, triangles_max);
+    case MeshFileFormat::kObj:
+      return read_obj({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, triangles_max);
+    case MeshFileFormat::kStl:
+      break;
+  }
+  const auto facets = read_stl(bytes, triangles_max);
+  if (!facets) return std::unexpected(facets.error());
+  TriangleMesh mesh;
+  for (const StlTriangle& facet : *facets) {
+    const auto n = static_cast<std::uint32_t>(mesh.vertices_mm.size());
+    mesh.vertices_mm.insert(mesh.vertices_mm.end(), facet.begin(), facet.end());
+    mesh.triangles.push_back({n, n + 1, n + 2});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+const char* to_string(MeshFileErrorCode code) {
+  switch (code) {
+    case MeshFileErrorCode::kTruncated:
+      return "truncated";
+    case MeshFileErrorCode::kCountMismatch:
+      return "count_mismatch";
+    case MeshFileErrorCode::kNotFinite:
+      return "not_finite";
+    case MeshFileErrorCode::kTooLarge:
+      return "too_large";
+    case MeshFileErrorCode::kSyntax:
+      return "syntax";
+    case MeshFileErrorCode::kBadIndex:
+      return "bad_index";
+    case MeshFileErrorCode::kEmpty:
+      return "empty";
+    case MeshFileErrorCode::kUnsupported:
+      return "unsupported";
+  }
+  return "unknown";
+}
+
+std::optional<MeshFileFormat> mesh_file_format(std::string_view file_name) {
+  const auto dot = file_name.rfind('.');
+  if (dot == file_name.npos) return std::nullopt;
+  const std::string_view extension = file_name.substr(dot + 1);
+  if (equal_ignoring_case(extension, "stl")) return MeshFileFormat::kStl;
+  if (equal_ignoring_case(extension, "ply")) return MeshFileFormat::kPly;
+  if (equal_ignoring_case(extension, "obj")) return MeshFileFormat::kObj;
+  return std::nullopt;
+}
+
+MeshFileResult read_mesh(MeshFileFormat format, std::span<const std::byte> bytes,
+                         std::uint64_t triangles_max) {
+  const auto read = read_unmerged(format, bytes, triangles_max);
+  if (!read) return read;
+  TriangleMesh mesh = merge_vertices(*read);
+  if (mesh.triangles.empty()) {
+    return std::unexpected(
+        MeshFileError{MeshFileErrorCode::kEmpty, "the file holds no triangle with an area"});
+  }
+  return mesh;
+}
+
+}  // namespace kerf

@@ -1,0 +1,124 @@
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "server/formats/model/mesh_reader.h"
+#include "server/formats/model/text_words.h"
+
+// Wavefront OBJ, as its specification of 1995 has it: the statements that make a surface of
+// polygons. What else may stand in a file is known by name and passed over.
+
+namespace kerf {
+namespace {
+
+constexpr std::string_view kPassedOver[] = {
+    "vn",     "vt",       "vp",       "o",          "g",        "s",   "mg",
+    "usemtl", "mtllib",   "usemap",   "l",          "p",        "lod", "bevel",
+    "maplib", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
+
+class ObjReader {
+ public:
+  ObjReader(std::string_view text, std::uint64_t triangles_max)
+      : words_(text), triangles_max_(triangles_max) {}
+
+  MeshFileResult read() {
+    for (std::string_view word = words_.next(); !word.empty() && !error_; word = words_.next()) {
+      if (word.starts_with('#')) {
+        words_.skip_line();
+      } else if (word == "v") {
+        read_vertex();
+      } else if (word == "f" || word == "fo") {
+        read_face();
+      } else if (std::ranges::find(kPassedOver, word) != std::end(kPassedOver)) {
+        words_.skip_line();
+      } else {
+        fail(MeshFileErrorCode::kSyntax, quoted(word) + " is not a statement of OBJ polygons");
+      }
+    }
+    if (!error_ && mesh_.triangles.empty()) {
+      fail(MeshFileErrorCode::kEmpty, "the file holds no face");
+    }
+    if (error_) return std::unexpected(*error_);
+    return std::move(mesh_);
+  }
+
+ private:
+  static std::string quoted(std::string_view word) {
+    constexpr std::size_t kShownMax = 40;
+    return '"' + std::string(word.substr(0, kShownMax)) + '"';
+  }
+
+  void read_vertex() {
+    std::array<double, 3> p{};
+    for (double& c : p) {
+      const std::string_view word = words_.next_in_line();
+      const auto number = word_number<double>(word);
+      if (!number) {
+        fail(MeshFileErrorCode::kSyntax, quoted(word) + " where a coordinate should stand");
+        return;
+      }
+      if (!std::isfinite(*number)) {
+        fail(MeshFileErrorCode::kNotFinite, "a coordinate is not finite: " + std::string(word));
+        return;
+      }
+      c = *number;
+    }
+    words_.skip_line();  // a weight or a colour
+    mesh_.vertices_mm.push_back({p[0], p[1], p[2]});
+  }
+
+  void read_face() {
+    std::vector<std::uint32_t> corners;
+    for (auto word = words_.next_in_line(); !word.empty(); word = words_.next_in_line()) {
+      const auto corner = read_corner(word);
+      if (!corner) return;
+      corners.push_back(*corner);
+    }
+    if (corners.size() < 3) {
+      fail(MeshFileErrorCode::kSyntax, "a face has fewer than three corners");
+      return;
+    }
+    for (std::size_t c = 2; c < corners.size(); ++c) {
+      if (mesh_.triangles.size() == triangles_max_) {
+        fail(MeshFileErrorCode::kTooLarge,
+             "more than " + std::to_string(triangles_max_) + " triangles");
+        return;
+      }
+      mesh_.triangles.push_back({corners[0], corners[c - 1], corners[c]});
+    }
+  }
+
+  /// "7", "7/1", "7/1/2", "7//2"; negative ones count back from the newest vertex.
+  std::optional<std::uint32_t> read_corner(std::string_view word) {
+    const auto number = word_number<std::int64_t>(word.substr(0, word.find('/')));
+    if (!number) {
+      fail(MeshFileErrorCode::kSyntax, quoted(word) + " where a vertex number should stand");
+      return std::nullopt;
+    }
+    const auto count = static_cast<std::int64_t>(mesh_.vertices_mm.size());
+    const std::int64_t index = *number < 0 ? count + *number : *number - 1;
+    if (index < 0 || index >= count || *number == 0) {
+      fail(MeshFileErrorCode::kBadIndex,
+           "there is no vertex " + std::to_string(*number) + " among " + std::to_string(count));
+      return std::nullopt;
+    }
+    return static_cast<std::uint32_t>(index);
+  }
+
+  void fail(MeshFileErrorCode code, const std::string& reason) {
+    error_ = MeshFileError{code, "line " + std::to_string(words_.line()) + ": " + reason};
+  }
+
+  TextWords words_;
+  std::uint64_t triangles_max_;
+  TriangleMesh mesh_;
+  std::optional<MeshFileError> error_;
+};
+
+}  // namespace
+
+MeshFileResult read_obj(std::string_view text, std::uint64_t triangles_max) {
+  return ObjReader(text, triangles_max).read();
+}
+
+}  // namespace kerf

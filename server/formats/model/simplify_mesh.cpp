@@ -1,0 +1,221 @@
+#include "server/formats/model/simplify_mesh.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "server/formats/model/mesh_distance.h"
+#include "server/formats/number_text.h"
+
+namespace kerf {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+using Triangles = std::vector<Triangle>;
+
+/// Rounds of keeping what a collapse would have spoilt; each keeps more around it than the last.
+constexpr int kRoundsMax = 20;
+/// Rounds of collapsing the worst places less where only the number of triangles is given.
+constexpr int kBudgetRounds = 6;
+/// Where more of the vertices than this are beyond the bound, less is collapsed everywhere.
+constexpr double kSpoiltShareMax = 0.002;
+/// But not less than this share of the bound: a rough surface has such places all over.
+constexpr double kEstimateShareMin = 0.05;
+
+/// Triangles that are on top of each other and look away from each other enclose nothing: both go,
+/// and what is around them still closes.
+void cancel_opposites(Triangles& triangles) {
+  const auto key = [](const Triangle& t) {
+    Triangle sorted = t;
+    std::ranges::sort(sorted);
+    return sorted;
+  };
+  const auto turns_up = [](const Triangle& t) {  // an even permutation of its sorted corners
+    const int swaps = (t[0] > t[1] ? 1 : 0) + (t[0] > t[2] ? 1 : 0) + (t[1] > t[2] ? 1 : 0);
+    return swaps % 2 == 0;
+  };
+  std::ranges::stable_sort(triangles, {}, key);
+  Triangles kept;
+  for (std::size_t first = 0; first < triangles.size();) {
+    Triangles up, down;
+    const Triangle same = key(triangles[first]);
+    for (; first < triangles.size() && key(triangles[first]) == same; ++first) {
+      (turns_up(triangles[first]) ? up : down).push_back(triangles[first]);
+    }
+    const std::size_t pairs = std::min(up.size(), down.size());
+    kept.insert(kept.end(), up.begin() + std::ptrdiff_t(pairs), up.end());
+    kept.insert(kept.end(), down.begin() + std::ptrdiff_t(pairs), down.end());
+  }
+  triangles = std::move(kept);
+}
+
+/// Collapses edges, looks at what came of it, and does it again without those that spoilt it.
+class Simplifier {
+ public:
+  explicit Simplifier(const IndexedMesh& exact)
+      : exact_(exact), to_exact_(exact), kept_(exact.positions_mm.size(), false) {
+    scale_ = static_cast<double>(meshopt_simplifyScale(exact.positions_mm.front().data(),
+                                                       exact.positions_mm.size(),
+                                                       sizeof(exact.positions_mm.front())));
+  }
+
+  std::expected<SimplifiedMesh, ModelError> run(const SimplifyRequest& request,
+                                                const ModelProgress& progress) {
+    const std::size_t target = request.triangles.value_or(0);
+    // Without a bound the worst places are collapsed less, as long as that helps.
+    double bound_mm = request.error_mm.value_or(INFINITY);
+    double estimate_mm = bound_mm;  // what meshoptimizer may estimate; a mean, not a maximum
+    std::optional<SimplifiedMesh> best;
+    int rounds = request.error_mm ? kRoundsMax : kBudgetRounds;
+    for (int round = 0; round < rounds; ++round) {
+      if (progress) progress(round / double(rounds));
+      IndexedMesh result{exact_.origin_mm, exact_.positions_mm, collapse(target, estimate_mm)};
+      const EdgeReport edges = check_edges(result.triangles);
+      const bool closed = edges.closed_manifold() && !result.triangles.empty();
+      Measured measured = measure(result, bound_mm);
+      const bool within = request.triangles.value_or(SIZE_MAX) >= result.triangles.size();
+      if (closed && request.error_mm && measured.error_mm <= bound_mm)
+        return SimplifiedMesh{compact(result), 0, measured.error_mm};
+      if (closed && !request.error_mm && (within || !best)) {
+        if (!best || measured.error_mm < best->error_mm)
+          best = SimplifiedMesh{compact(result), 0, measured.error_mm};
+        bound_mm = measured.error_mm / 2;
+        measured = measure(result, bound_mm);
+      } else if (!closed) {
+        rounds = kRoundsMax;
+      }
+      const double spoilt_share =
+          static_cast<double>(measured.beyond.size()) / static_cast<double>(kept_.size());
+      if (best && spoilt_share > kSpoiltShareMax) break;
+      if (spoilt_share > kSpoiltShareMax && estimate_mm > bound_mm * kEstimateShareMin) {
+        estimate_mm /= 2;
+        continue;
+      }
+      std::vector<bool> spoilt(kept_.size(), false);
+      for (const std::uint32_t v : edges.vertices) spoilt[v] = true;
+      for (const std::uint32_t v : measured.beyond) spoilt[v] = true;
+      for (int ring = 0; ring <= round / 4; ++ring) grow(spoilt);
+      for (std::size_t v = 0; v < kept_.size(); ++v) kept_[v] = kept_[v] || spoilt[v];
+    }
+    if (best) return *std::move(best);
+    if (request.error_mm) return SimplifiedMesh{exact_, 0, 0};
+    return std::unexpected(
+        ModelError{"the surface cannot be simplified so far and stay a closed manifold"});
+  }
+
+ private:
+  void grow(std::vector<bool>& vertices) const {
+    const std::vector<bool> before = vertices;
+    for (const Triangle& t : exact_.triangles) {
+      if (before[t[0]] || before[t[1]] || before[t[2]]) {
+        for (const std::uint32_t v : t) vertices[v] = true;
+      }
+    }
+  }
+
+  Triangles collapse(std::size_t target, double error_mm) const {
+    Triangles kept, free;
+    for (const Triangle& t : exact_.triangles) {
+      (kept_[t[0]] && kept_[t[1]] && kept_[t[2]] ? kept : free).push_back(t);
+    }
+    if (!free.empty()) {
+      // Without a bound, as far as the whole model: then only the number of triangles counts.
+      const double relative = std::min(error_mm / scale_, 1e6);
+      const std::size_t goal = target > kept.size() ? target - kept.size() : 0;
+      Triangles out(free.size());
+      const std::size_t indices =
+          meshopt_simplify(out.front().data(), free.front().data(), free.size() * 3,
+                           exact_.positions_mm.front().data(), exact_.positions_mm.size(),
+                           sizeof(exact_.positions_mm.front()), goal * 3,
+                           static_cast<float>(relative), meshopt_SimplifyLockBorder, nullptr);
+      out.resize(indices / 3);
+      kept.insert(kept.end(), out.begin(), out.end());
+    }
+    cancel_opposites(kept);
+    return kept;
+  }
+
+  struct Measured {
+    double error_mm = 0;                ///< the greatest distance between the two surfaces
+    std::vector<std::uint32_t> beyond;  ///< vertices beside which it exceeds the bound
+  };
+  Measured measure(const IndexedMesh& result, double bound_mm) const {
+    Measured measured;
+    if (result.triangles.empty()) {
+      measured.error_mm = INFINITY;
+      measured.beyond.assign(kept_.size(), 0);
+      return measured;  // nothing is left: less must be collapsed
+    }
+    const MeshDistance to_result(result);
+    std::uint32_t near = 0;
+    for (std::uint32_t v = 0; v < exact_.positions_mm.size(); ++v) {
+      const double d = to_result.distance_mm(exact_.position(v) + exact_.origin_mm, near);
+      measured.error_mm = std::max(measured.error_mm, d);
+      if (d > bound_mm) measured.beyond.push_back(v);
+    }
+    near = 0;
+    for (std::size_t t = 0; t < result.triangles.size(); ++t) {
+      const auto [a, b, c] = result.corners(t);
+      for (const Vec3 p : {(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5, (a + b + c) * (1.0 / 3)}) {
+        const double d = to_exact_.distance_mm(p + result.origin_mm, near);
+        measured.error_mm = std::max(measured.error_mm, d);
+        if (d <= bound_mm) continue;
+        const auto &around = exact_.triangles[near], &ends = result.triangles[t];
+        measured.beyond.insert(measured.beyond.end(), around.begin(), around.end());
+        measured.beyond.insert(measured.beyond.end(), ends.begin(), ends.end());
+      }
+    }
+    return measured;
+  }
+
+  /// Leaves out vertices that no triangle uses.
+  static IndexedMesh compact(const IndexedMesh& mesh) {
+    IndexedMesh out{mesh.origin_mm, {}, mesh.triangles};
+    std::vector<std::uint32_t> number(mesh.positions_mm.size(), UINT32_MAX);
+    for (Triangle& t : out.triangles) {
+      for (std::uint32_t& v : t) {
+        if (number[v] == UINT32_MAX) {
+          number[v] = static_cast<std::uint32_t>(out.positions_mm.size());
+          out.positions_mm.push_back(mesh.positions_mm[v]);
+        }
+        v = number[v];
+      }
+    }
+    return out;
+  }
+
+  const IndexedMesh& exact_;
+  MeshDistance to_exact_;
+  std::vector<bool> kept_;  ///< vertices of the exact mesh around which nothing is collapsed
+  double scale_ = 1;
+};
+
+std::unexpected<ModelError> budget_missed(const SimplifyRequest& request, std::size_t reached) {
+  const std::string bound =
+      request.error_mm ? " within " + significant_text(*request.error_mm, 6) + " mm" : "";
+  return std::unexpected(ModelError{"the surface needs " + std::to_string(reached) + " triangles" +
+                                    bound + ", more than the " +
+                                    std::to_string(*request.triangles) + " asked for"});
+}
+
+}  // namespace
+
+std::expected<SimplifiedMesh, ModelError> simplify_mesh(MeshSource& source,
+                                                        const SimplifyRequest& request,
+                                                        const ModelProgress& progress) {
+  const IndexedMesh exact = collect_mesh(source);
+  if (exact.triangles.empty()) return SimplifiedMesh{exact, 0, 0};
+  auto simplified = Simplifier(exact).run(request, progress);
+  if (!simplified) return simplified;
+  simplified->original_triangles = exact.triangles.size();
+  if (request.triangles && simplified->mesh.triangles.size() > *request.triangles) {
+    return budget_missed(request, simplified->mesh.triangles.size());
+  }
+  if (progress) progress(1);
+  return simplified;
+}
+
+}  // namespace kerf

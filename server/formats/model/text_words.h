@@ -1,0 +1,62 @@
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+namespace kerf {
+
+/// Splits text into words and counts lines.
+class TextWords {
+ public:
+  explicit TextWords(std::string_view text) : text_(text) {}
+  std::size_t line() const { return line_; }
+  std::size_t position() const { return at_; }
+  /// The next word; empty at the end.
+  std::string_view next() {
+    skip(true);
+    return take();
+  }
+  /// The next word of this line; empty at its end.
+  std::string_view next_in_line() {
+    skip(false);
+    return take();
+  }
+  void skip_line() {
+    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+  }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+  void skip(bool lines) {
+    for (; at_ < text_.size() && is_blank(text_[at_]) && (lines || text_[at_] != '\n'); ++at_) {
+      line_ += text_[at_] == '\n' ? 1 : 0;
+    }
+  }
+  std::string_view take() {
+    const std::size_t first = at_;
+    while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
+    return text_.substr(first, at_ - first);
+  }
+  std::string_view text_;
+  std::size_t at_ = 0, line_ = 1;
+};
+
+/// A number that is the whole word, perhaps with a + before it.
+template <class T>
+std::optional<T> word_number(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  T value{};
+  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || code != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+inline bool equal_ignoring_case(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return (x | 0x20) == (y | 0x20); });
+}
+
+}  // namespace kerf

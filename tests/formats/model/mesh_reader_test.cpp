@@ -1,0 +1,194 @@
+#include "server/formats/model/mesh_reader.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <random>
+
+#include "server/formats/model/model_writer.h"
+#include "tests/support/carvings.h"
+#include "tests/support/model_files.h"
+
+namespace kerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string written(ModelFormat format, ModelEncoding encoding) {
+  const BoxStock block{{-6, 4, 2}, {8, 16, 9}};
+  Sculpture sculpture = test::make_sculpture(block, 0.4);
+  test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, 3);
+  for (int n = 0; n < 12; ++n) carver.cut();
+  const fs::path path = fs::path(::testing::TempDir()) / (std::to_string(::getpid()) + "_read");
+  SnapshotMesh mesh(sculpture.snapshot());
+  EXPECT_TRUE(write_model(path, mesh, {.format = format, .encoding = encoding}));
+  std::string text = test::file_text(path);
+  fs::remove(path);
+  return text;
+}
+
+MeshFileResult read(MeshFileFormat format, std::string_view text, std::uint64_t most = 100'000) {
+  return read_mesh(format, std::as_bytes(std::span(text)), most);
+}
+
+MeshFileErrorCode code_of(MeshFileFormat format, std::string_view text, std::uint64_t most = 1000) {
+  const auto result = read(format, text, most);
+  EXPECT_FALSE(result) << text;
+  if (result) return MeshFileErrorCode{99};
+  EXPECT_FALSE(result.error().reason.empty());
+  return result.error().code;
+}
+
+const std::string kAsciiPly =
+    "ply\r\nformat ascii 1.0\r\ncomment a pyramid\r\nelement vertex 5\r\n"
+    "property float nx\r\nproperty double x\r\nproperty double y\r\nproperty double z\r\n"
+    "element edge 1\r\nproperty int a\r\nelement face 5\r\nproperty uchar color\r\n"
+    "property list uchar int vertex_indices\r\nend_header\r\n"
+    "9 0 0 0\n9 2 0 0\n9 2 2 0\n9 0 2 0\n9 1 1 1e0\n7\n"
+    "1 4 3 2 1 0\n1 3 0 1 4\n1 3 1 2 4\n1 3 2 3 4\n1 3 3 0 4\n";
+
+const std::string kObj =
+    "# a pyramid\nmtllib x.mtl\no p\nv 0 0 0\nv 2 0 0 1.0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nvn 0 0 1\n"
+    "usemtl m\nf 4 3 2 1\nf 1/1/1 2//1 5\nf -4 -3 -1\nf 3 4 5\nf 4 1 5\n";
+
+TEST(MeshReader, ReadsBackWhatIsWritten) {
+  const auto stl = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
+  ASSERT_TRUE(stl);
+  EXPECT_GT(stl->triangles.size(), 500U);
+  const auto ascii = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kAscii));
+  ASSERT_TRUE(ascii);
+  const auto ply = read(MeshFileFormat::kPly, written(ModelFormat::kPly, ModelEncoding::kBinary));
+  ASSERT_TRUE(ply);
+  const auto obj = read(MeshFileFormat::kObj, written(ModelFormat::kObj, ModelEncoding::kAscii));
+  ASSERT_TRUE(obj);
+  // Text holds the shortest number that is the same float, not the same double.
+  const auto corners = [](const TriangleMesh& mesh) {
+    std::vector<std::array<float, 9>> all;
+    for (const auto& t : mesh.triangles) {
+      auto& c = all.emplace_back();
+      for (std::size_t n = 0; n < 3; ++n) {
+        const Vec3 p = mesh.vertices_mm[t[n]];
+        c[3 * n] = static_cast<float>(p.x);
+        c[3 * n + 1] = static_cast<float>(p.y);
+        c[3 * n + 2] = static_cast<float>(p.z);
+      }
+    }
+    return all;
+  };
+  EXPECT_EQ(corners(*ascii), corners(*stl));
+  EXPECT_EQ(corners(*obj), corners(*stl));
+  EXPECT_EQ(corners(*ply), corners(*stl));
+  EXPECT_EQ(ply->vertices_mm.size(), stl->vertices_mm.size());
+}
+
+TEST(MeshReader, ReadsForeignPlyAndObj) {
+  const auto ply = read(MeshFileFormat::kPly, kAsciiPly);
+  ASSERT_TRUE(ply) << ply.error().reason;
+  EXPECT_EQ(ply->vertices_mm.size(), 5U);
+  EXPECT_EQ(ply->triangles.size(), 6U);
+  const auto obj = read(MeshFileFormat::kObj, kObj);
+  ASSERT_TRUE(obj) << obj.error().reason;
+  EXPECT_EQ(*obj, *ply);
+  std::string big =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\n"
+      "property float y\nproperty double z\nelement face 1\n"
+      "property list uint8 ushort vertex_index\nend_header\n";
+  for (const auto& [x, y] : {std::pair{'\x00', '\x00'}, {'\xff', '\x00'}, {'\x00', '\x3f'}}) {
+    big += {x, x, y, y == 0 ? '\0' : '\x80', 0, 0};
+    big += std::string(8, '\0');
+  }
+  big += {3, 0, 0, 0, 1, 0, 2};
+  const auto read_big = read(MeshFileFormat::kPly, big);
+  ASSERT_TRUE(read_big) << read_big.error().reason;
+  EXPECT_EQ(read_big->vertices_mm[1], (Vec3{-1, 0, 0}));
+  EXPECT_EQ(read_big->vertices_mm[2], (Vec3{0, 1, 0}));
+}
+
+TEST(MeshReader, KnowsAFileByItsExtension) {
+  EXPECT_EQ(mesh_file_format("a/b.STL"), MeshFileFormat::kStl);
+  EXPECT_EQ(mesh_file_format("b.ply"), MeshFileFormat::kPly);
+  EXPECT_EQ(mesh_file_format("b.stl.obj"), MeshFileFormat::kObj);
+  EXPECT_FALSE(mesh_file_format("b.step"));
+  EXPECT_FALSE(mesh_file_format("stl"));
+}
+
+TEST(MeshReader, MergesEqualVerticesAndDropsTrianglesWithoutThem) {
+  const auto mesh = read(MeshFileFormat::kObj,
+                         "v 0 0 0\nv -0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 4\nf 2 3 1\nf 2 4 3\n");
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(mesh->vertices_mm.size(), 3U);
+  EXPECT_EQ(mesh->triangles.size(), 2U);
+}
+
+TEST(MeshReader, NamesWhatIsWrongAndWhere) {
+  using enum MeshFileErrorCode;
+  constexpr auto kObjFile = MeshFileFormat::kObj;
+  EXPECT_EQ(code_of(kObjFile, "v 0 0\nv 1 0 0\n"), kSyntax);
+  EXPECT_EQ(code_of(kObjFile, "v 0 0 nan\n"), kNotFinite);
+  EXPECT_EQ(code_of(kObjFile, "v 0 0 0\nf 1 1\n"), kSyntax);
+  EXPECT_EQ(code_of(kObjFile, "v 0 0 0\nf 1 2 3\n"), kBadIndex);
+  EXPECT_EQ(code_of(kObjFile, "v 0 0 0\nf 0 1 1\n"), kBadIndex);
+  EXPECT_EQ(code_of(kObjFile, "v 0 0 0\nf -2 1 1\n"), kBadIndex);
+  EXPECT_EQ(code_of(kObjFile, "curv 0 1\n"), kSyntax);
+  EXPECT_EQ(code_of(kObjFile, ""), kEmpty);
+  EXPECT_EQ(code_of(kObjFile, "v 0 0 0\nf 1 1 1\n"), kEmpty);
+  EXPECT_EQ(code_of(kObjFile, kObj, 5), kTooLarge);
+  EXPECT_NE(read(kObjFile, "\n\nv 0 0 x\n").error().reason.find("line 3"), std::string::npos);
+  constexpr auto kPlyFile = MeshFileFormat::kPly;
+  EXPECT_EQ(code_of(kPlyFile, "plx"), kSyntax);
+  EXPECT_EQ(code_of(kPlyFile, "ply\nformat binary_middle_endian 1.0\nend_header\n"), kUnsupported);
+  EXPECT_EQ(code_of(kPlyFile, "ply\nformat ascii 1.0\nelement vertex x\nend_header\n"), kSyntax);
+  EXPECT_EQ(code_of(kPlyFile, kAsciiPly, 5), kTooLarge);
+  const auto changed = [](std::string_view from, std::string_view to) {
+    std::string text = kAsciiPly;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  EXPECT_EQ(code_of(kPlyFile, changed("double z", "double w")), kSyntax);
+  EXPECT_EQ(code_of(kPlyFile, changed("3 3 0 4", "3 3 0 5")), kBadIndex);
+  EXPECT_EQ(code_of(kPlyFile, changed("3 3 0 4", "3 3 -1 4")), kBadIndex);
+  EXPECT_EQ(code_of(kPlyFile, changed("3 3 0 4", "-3 3 0 4")), kSyntax);
+  EXPECT_EQ(code_of(kPlyFile, changed("1e0", "inf")), kNotFinite);
+  EXPECT_NE(read(kPlyFile, changed("1e0", "one")).error().reason.find("vertex 4"),
+            std::string::npos);
+  const std::string binary = written(ModelFormat::kPly, ModelEncoding::kBinary);
+  EXPECT_EQ(code_of(kPlyFile, binary + "x", 100'000), kCountMismatch);
+  for (std::size_t bytes = 1; bytes < binary.size(); bytes += 97) {
+    EXPECT_FALSE(read(kPlyFile, std::string_view(binary).substr(0, bytes)));
+  }
+}
+
+TEST(MeshReader, SurvivesDamagedFiles) {
+  const std::vector<std::pair<MeshFileFormat, std::string>> files{
+      {MeshFileFormat::kPly, kAsciiPly},
+      {MeshFileFormat::kObj, kObj},
+      {MeshFileFormat::kPly, written(ModelFormat::kPly, ModelEncoding::kBinary).substr(0, 4000)},
+      {MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kAscii).substr(0, 4000)},
+      {MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary).substr(0, 4000)}};
+  std::mt19937 random(17);
+  for (const auto& [format, good] : files) {
+    for (int n = 0; n < 3000; ++n) {
+      std::string bad = good;
+      for (unsigned k = 0; k <= random() % 4; ++k) {
+        const std::size_t at = random() % bad.size();
+        if (random() % 3 == 0) {
+          bad.erase(at, random() % 9);
+        } else {
+          bad[at] = static_cast<char>(random());
+        }
+        if (bad.empty()) break;
+      }
+      const auto result = read(format, bad);
+      if (!result) {
+        EXPECT_FALSE(result.error().reason.empty());
+        continue;
+      }
+      for (const auto& t : result->triangles) {
+        for (const std::uint32_t v : t) ASSERT_LT(v, result->vertices_mm.size());
+      }
+      for (const Vec3& v : result->vertices_mm) ASSERT_TRUE(is_finite(v));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,187 @@
+#include "server/formats/model/simplify_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/formats/model/mesh_distance.h"
+#include "tests/support/carvings.h"
+
+namespace kerf {
+namespace {
+
+DexelSnapshot carved_block(unsigned seed) {
+  const BoxStock block{{-6, 4, 2}, {10, 20, 10}};
+  Sculpture sculpture = test::make_sculpture(block, 0.4);
+  test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, seed);
+  for (int n = 0; n < 12; ++n) carver.cut();
+  return sculpture.snapshot();
+}
+
+IndexedMesh exact_mesh(unsigned seed) {
+  SnapshotMesh mesh(carved_block(seed));
+  return collect_mesh(mesh);
+}
+
+std::expected<SimplifiedMesh, ModelError> simplified(unsigned seed,
+                                                     const SimplifyRequest& request) {
+  SnapshotMesh mesh(carved_block(seed));
+  return simplify_mesh(mesh, request);
+}
+
+double volume(const IndexedMesh& mesh) {
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [a, b, c] = mesh.corners(t);
+    sum += dot(a, cross(b, c)) / 6;
+  }
+  return sum;
+}
+
+double uniform(std::mt19937& random, double low, double high) {
+  return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
+}
+
+/// The distance of a point from a mesh by its definition: for every triangle the plane where the
+/// point's foot is inside, else the three edges.
+double brute_distance(const IndexedMesh& mesh, Vec3 point_mm) {
+  const Vec3 q = point_mm - mesh.origin_mm;
+  double nearest = 1e9;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [a, b, c] = mesh.corners(t);
+    const Vec3 normal = normalized(cross(b - a, c - a));
+    const Vec3 foot = q - normal * dot(q - a, normal);
+    const auto left = [&](Vec3 from, Vec3 to) {
+      return dot(cross(to - from, foot - from), normal) >= 0;
+    };
+    const auto edge = [&](Vec3 from, Vec3 to) {
+      const Vec3 d = to - from;
+      return length(q - from - d * std::clamp(dot(q - from, d) / dot(d, d), 0.0, 1.0));
+    };
+    const bool inside = left(a, b) && left(b, c) && left(c, a);
+    nearest = std::min(nearest,
+                       inside ? length(q - foot) : std::min({edge(a, b), edge(b, c), edge(c, a)}));
+  }
+  return nearest;
+}
+
+/// The greatest distance of vertices of one mesh from another one.
+double greatest_distance(const IndexedMesh& from, const IndexedMesh& to, std::mt19937& random) {
+  double greatest = 0;
+  for (int n = 0; n < 100; ++n) {
+    const auto vertex = static_cast<std::uint32_t>(random() % from.positions_mm.size());
+    greatest = std::max(greatest, brute_distance(to, from.position(vertex) + from.origin_mm));
+  }
+  return greatest;
+}
+
+TEST(CheckEdges, CountsWhatIsOpenAndWhatIsShared) {
+  using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+  const Triangles tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  EXPECT_TRUE(check_edges(tetrahedron).closed_manifold());
+  Triangles open = tetrahedron;
+  open.pop_back();
+  EXPECT_EQ(check_edges(open).open, 3U);
+  EXPECT_EQ(check_edges(open).vertices, (std::vector<std::uint32_t>{0, 2, 3}));
+  Triangles turned = tetrahedron;
+  std::swap(turned[0][0], turned[0][1]);
+  EXPECT_EQ(check_edges(turned).open, 3U);
+  // Two tetrahedra that share the edge 0-1.
+  Triangles two = tetrahedron;
+  for (const auto& t : Triangles{{0, 4, 1}, {0, 1, 5}, {1, 4, 5}, {4, 0, 5}}) two.push_back(t);
+  EXPECT_EQ(check_edges(two).open, 0U);
+  EXPECT_EQ(check_edges(two).repeated, 1U);
+}
+
+TEST(SimplifyMesh, KeepsTheBudgetAndStaysAClosedManifold) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const std::size_t all = exact_mesh(seed).triangles.size();
+    for (const double share : {0.4, 0.05}) {
+      const auto budget = static_cast<std::uint64_t>(share * double(all));
+      const auto result = simplified(seed, {.triangles = budget, .error_mm = {}});
+      ASSERT_TRUE(result) << result.error().reason;
+      EXPECT_EQ(result->original_triangles, all);
+      EXPECT_LE(result->mesh.triangles.size(), budget);
+      EXPECT_GE(result->mesh.triangles.size(), budget * 9 / 10);
+      EXPECT_TRUE(check_edges(result->mesh.triangles).closed_manifold()) << seed << " " << share;
+    }
+  }
+}
+
+TEST(SimplifyMesh, KeepsTheErrorBoundAndSaysTheError) {
+  std::mt19937 random(11);
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    const IndexedMesh exact = exact_mesh(seed);
+    for (const double bound_mm : {0.3, 0.1}) {
+      const auto result = simplified(seed, {.triangles = {}, .error_mm = bound_mm});
+      ASSERT_TRUE(result);
+      EXPECT_LE(result->error_mm, bound_mm);
+      EXPECT_LT(result->mesh.triangles.size(), exact.triangles.size() * 9 / 10);
+      EXPECT_TRUE(check_edges(result->mesh.triangles).closed_manifold());
+      EXPECT_NEAR(volume(result->mesh), volume(exact), 0.05 * volume(exact));
+      EXPECT_LE(greatest_distance(exact, result->mesh, random), bound_mm);
+      EXPECT_LE(greatest_distance(result->mesh, exact, random), bound_mm);
+    }
+  }
+}
+
+TEST(SimplifyMesh, OfABoxNeedsHardlyMoreThanTwelveTriangles) {
+  Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {12, 8, 5}}, 0.25);
+  SnapshotMesh mesh(sculpture.snapshot());
+  const auto result = simplify_mesh(mesh, {.triangles = {}, .error_mm = 0.01});
+  ASSERT_TRUE(result);
+  EXPECT_LE(result->mesh.triangles.size(), 20U);
+  EXPECT_NEAR(volume(result->mesh), 12 * 8 * 5, 1e-3);
+}
+
+TEST(SimplifyMesh, SaysWhatTheBudgetCannotHold) {
+  const auto few = simplified(1, {.triangles = 2, .error_mm = {}});
+  ASSERT_FALSE(few);
+  EXPECT_NE(few.error().reason.find("more than the 2 asked for"), std::string::npos);
+  const auto both = simplified(1, {.triangles = 100, .error_mm = 0.001});
+  ASSERT_FALSE(both);
+  EXPECT_NE(both.error().reason.find("within 0.001 mm"), std::string::npos) << both.error().reason;
+}
+
+TEST(WholeMesh, HandsOutEveryTriangleWithNormalsThatAreSharpAtCreases) {
+  Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {6, 6, 6}}, 0.5);
+  SnapshotMesh source(sculpture.snapshot());
+  const IndexedMesh mesh = collect_mesh(source);
+  WholeMesh whole(mesh);
+  std::size_t triangles = 0;
+  for (MeshPiece piece; whole.next(piece);) {
+    triangles += piece.indices.size() / 3;
+    for (const auto& n : piece.normals) {
+      EXPECT_NEAR(std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]), 1, 1e-6);
+    }
+  }
+  EXPECT_EQ(triangles, mesh.triangles.size());
+}
+
+TEST(MeshDistance, AgreesWithALookAtEveryTriangle) {
+  const IndexedMesh mesh = exact_mesh(3);
+  const MeshDistance distance(mesh);
+  const DexelSnapshot snapshot = carved_block(3);
+  std::mt19937 random(5);
+  std::vector<Dexel> scratch;
+  std::uint32_t near = 0;
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 p{uniform(random, -8, 12), uniform(random, 2, 22), uniform(random, 0, 12)};
+    const double nearest = brute_distance(mesh, p);
+    const double found = distance.signed_distance_mm(p, near);
+    EXPECT_NEAR(std::abs(found), nearest, 1e-9);
+    // Well away from the surface, the sign is that of the dexels.
+    if (nearest < 0.6) continue;
+    const DexelGrid& grid = snapshot.grid();
+    const auto i = static_cast<std::int32_t>(std::floor((p.x - grid.origin_mm.x) / grid.pitch_mm));
+    const auto j = static_cast<std::int32_t>(std::floor((p.y - grid.origin_mm.y) / grid.pitch_mm));
+    bool solid = false;
+    for (const Dexel& d : snapshot.column(i, j, scratch)) {
+      solid = solid || (p.z > grid.z_mm(d.bottom) && p.z < grid.z_mm(d.top));
+    }
+    EXPECT_EQ(found < 0, solid) << p.x << " " << p.y << " " << p.z;
+  }
+}
+
+}  // namespace
+}  // namespace kerf
