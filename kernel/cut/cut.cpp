@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/cut/block_places.h"
 #include "kernel/cut/tile_cutter.h"
 #include "kernel/dexel/dexel_tile.h"
 
@@ -73,30 +74,35 @@ class Reach {
     const ColumnRange js =
         columns_in(b.min_mm.y, b.max_mm.y, grid_.origin_mm.y, grid_.pitch_mm, grid_.columns_y);
     if (is.first > is.last || js.first > js.last) return {};
+    const std::int32_t first = is.first / kTileSide, last = is.last / kTileSide;
     for (std::int32_t y = js.first / kTileSide; y <= js.last / kTileSide; ++y) {
-      for (std::int32_t x = is.first / kTileSide; x <= is.last / kTileSide; ++x) add({x, y});
+      for (std::int32_t x = first; x <= last; x += kLanes) {
+        add_tiles({x, y}, std::min(kLanes, last - x + 1));
+      }
     }
     return std::move(reached_);
   }
 
  private:
+  /// Those of some neighbouring tiles of a row, eight at most.
+  void add_tiles(TileIndex first, int count) {
+    Discs discs;
+    Lanes reached_below;
+    place_tiles(grid_, first, discs, reached_below);
+    const unsigned reached = lanes_below(lower_bound(swept_, discs), reached_below);
+    for (int i = 0; i < count; ++i) {
+      if ((reached >> i & 1) != 0) add({first.x + i, first.y});
+    }
+  }
   void add(TileIndex at) {
     ReachedTile tile{at, field_.find(at), 0};
+    const std::int32_t* tops = tile.stored != nullptr ? tile.stored->block_top.data() : nullptr;
     // Two rows of four blocks are asked for at once.
-    for (int block = 0; block < kTileBlocks; block += kLanes) {
-      Discs discs{{}, {}, 3.5 * 1.4142135623730952 * grid_.pitch_mm};
-      Lanes tops;
-      for (int i = 0; i < kLanes; ++i) {
-        const int b = block + i;
-        const std::int32_t x = at.x * kTileSide + b % kTileBlocksAcross * kBlockSide;
-        const std::int32_t y = at.y * kTileSide + b / kTileBlocksAcross * kBlockSide;
-        discs.x_mm.set(i, grid_.x_mm(x) + 3.5 * grid_.pitch_mm);
-        discs.y_mm.set(i, grid_.y_mm(y) + 3.5 * grid_.pitch_mm);
-        const std::int32_t top =
-            tile.stored != nullptr ? tile.stored->block_top[std::size_t(b)] : grid_.height_quanta;
-        tops.set(i, reached_below_mm(grid_, top));
-      }
-      tile.blocks |= lanes_below(lower_bound(swept_, discs), tops) << block;
+    for (int half = 0; half < 2; ++half) {
+      Discs discs;
+      Lanes reached_below;
+      place_blocks(grid_, at, half, tops, discs, reached_below);
+      tile.blocks |= lanes_below(lower_bound(swept_, discs), reached_below) << (half * kLanes);
     }
     if (tile.blocks != 0) reached_.push_back(tile);
   }

@@ -5,8 +5,9 @@
 #include <cstring>
 #include <limits>
 
+#include "kernel/cut/block_places.h"
 #include "kernel/cut/end_normals.h"
-#include "kernel/cut/subtract_row.h"
+#include "kernel/cut/subtract_rows.h"
 #include "kernel/dexel/dexel_tile.h"
 
 namespace kerf {
@@ -46,11 +47,12 @@ void TileCutter::cut_block(Work& work, int block) {
   sweep_block(work, block, first);
   if (block_.filled == 0) return;
   const std::int64_t before = removed_.quanta;
-  for (int row = 0; row < kBlockSide; ++row) {
-    if ((block_.filled >> row & 1) == 0) continue;
-    cut_row(work, first, row, block_.lo_mm[row], block_.hi_mm[row]);
+  cut_rows(work, first, block_.filled);
+  for (const ColumnBlock::Apart& a : block_.apart) {
+    block_.lo_mm[a.row] = a.lo_mm;
+    block_.hi_mm[a.row] = a.hi_mm;
+    cut_rows(work, first, 1U << a.row);
   }
-  for (const ColumnBlock::Apart& a : block_.apart) cut_row(work, first, a.row, a.lo_mm, a.hi_mm);
   if (removed_.quanta > before) work.changed->update_bounds(block);
 }
 
@@ -58,19 +60,14 @@ void TileCutter::cut_block(Work& work, int block) {
 void TileCutter::sweep_block(const Work& work, int block, Column first) {
   const std::int32_t top =
       work.stored != nullptr ? work.stored->block_top[std::size_t(block)] : grid_.height_quanta;
-  Discs discs{Lanes(grid_.x_mm(first.i) + 3.5 * grid_.pitch_mm), {}, 3.5 * grid_.pitch_mm};
-  for (int i = 0; i < kBlockSide; ++i) {
-    block_.x_mm.set(i, grid_.x_mm(first.i + i));
-    block_.y_mm[i] = grid_.y_mm(first.j + i);
-    discs.y_mm.set(i, block_.y_mm[i]);
-  }
+  const int corner =
+      block / kTileBlocksAcross * kBlockSide * kTileSide + block % kTileBlocksAcross * kBlockSide;
+  const std::int32_t* tops =
+      work.stored != nullptr ? &work.stored->top[std::size_t(corner)] : nullptr;
+  Discs discs;
+  Lanes reached_below;
+  place_rows(grid_, first.i, first.j, tops, block_, discs, reached_below);
   const std::int32_t in_grid = std::min(kBlockSide, grid_.columns_y - first.j);
-  Lanes reached_below = reached_below_mm(grid_, top);
-  if (work.stored != nullptr) {
-    std::int32_t tops[kBlockSide];
-    work.stored->row_tops(block, tops);
-    for (int i = 0; i < kBlockSide; ++i) reached_below.set(i, reached_below_mm(grid_, tops[i]));
-  }
   block_.top_mm = grid_.z_mm(top);
   block_.join_mm = swept_.join_mm;
   block_.clear();
@@ -82,36 +79,51 @@ void TileCutter::sweep_block(const Work& work, int block, Column first) {
   }
 }
 
-void TileCutter::cut_row(Work& work, Column first, int row, const Lanes& lo_mm,
-                         const Lanes& hi_mm) {
-  const std::int32_t j = first.j + row;
-  const int column = j % kTileSide * kTileSide + first.i % kTileSide;
-  RowChange change;
+/// Subtracts the intervals that block_ holds for some rows.
+void TileCutter::cut_rows(Work& work, Column first, unsigned rows) {
+  RemovedGroup groups[kBlockSide];
   if (work.stored == nullptr) {
     // What is outside the grid or beside the stock is empty in the tile that is made.
     std::int32_t bottom[kLanes] = {}, top[kLanes];
     std::ranges::fill(top, grid_.height_quanta);
-    subtract_row(lo_mm, hi_mm, grid_, bottom, top, 0, change);
-    if (change.quanta == 0 && change.left_over == 0) return;
+    const std::uint32_t split[kBlockSide] = {};
+    BlockChange change;
+    subtract_rows(block_, rows, grid_, {bottom, top, split, 0, 0}, first.i, first.j, groups,
+                  change);
+    if (change.changed == 0 && change.left_overs == 0) return;
     make_editable(work);
   }
+  const int row0 = first.j % kTileSide, column0 = first.i % kTileSide;
+  const auto corner = std::size_t(row0 * kTileSide + column0);
   const DexelTile& tile = *work.stored;
-  const unsigned split = tile.split[std::size_t(j % kTileSide)] >> (first.i % kTileSide) & 0xFFU;
-  subtract_row(lo_mm, hi_mm, grid_, &tile.bottom[std::size_t(column)],
-               &tile.top[std::size_t(column)], split, change);
-  if (change.quanta > 0) {
+  const BlockElements elements{&tile.bottom[corner], &tile.top[corner],
+                               &tile.split[std::size_t(row0)], column0, kTileSide};
+  BlockChange change;
+  subtract_rows(block_, rows, grid_, elements, first.i, first.j, groups, change);
+  const std::size_t first_group = removed_.groups.size();
+  if (change.changed != 0) {
     make_editable(work);
-    std::memcpy(&work.changed->bottom[std::size_t(column)], change.bottom, sizeof change.bottom);
-    std::memcpy(&work.changed->top[std::size_t(column)], change.top, sizeof change.top);
-    RemovedGroup& removed = removed_.groups.emplace_back(first.i, j);
-    std::memcpy(removed.bottom, change.removed_bottom, sizeof removed.bottom);
-    std::memcpy(removed.top, change.removed_top, sizeof removed.top);
+    for (unsigned left = change.changed; left != 0; left &= left - 1) {
+      const int row = std::countr_zero(left);
+      const std::size_t at = corner + std::size_t(row * kTileSide);
+      const BlockChange::Row& stays = change.rows[row];
+      std::memcpy(&work.changed->bottom[at], stays.bottom, sizeof stays.bottom);
+      std::memcpy(&work.changed->top[at], stays.top, sizeof stays.top);
+    }
+    removed_.groups.insert(removed_.groups.end(), groups, groups + std::popcount(change.changed));
     removed_.quanta += change.quanta;
   }
-  for (unsigned left = change.left_over; left != 0; left &= left - 1) {
-    const int c = std::countr_zero(left);
-    subtract_elements(work, column + c, {first.i + c, j},
-                      {change.cut_bottom[c], change.cut_top[c]});
+  for (const BlockChange::LeftOver& rest :
+       std::span(change.left_over, std::size_t(change.left_overs))) {
+    const unsigned before = change.changed & ((1U << rest.row) - 1);
+    const bool has_group = (change.changed >> rest.row & 1) != 0;
+    group_ = has_group ? first_group + std::size_t(std::popcount(before)) : kNoGroup;
+    const int column = static_cast<int>(corner) + rest.row * kTileSide;
+    for (unsigned left = rest.columns; left != 0; left &= left - 1) {
+      const int c = std::countr_zero(left);
+      subtract_elements(work, column + c, {first.i + c, first.j + rest.row},
+                        {rest.cut_bottom[c], rest.cut_top[c]});
+    }
   }
 }
 
@@ -182,15 +194,16 @@ void TileCutter::rewrite_elements(Work& work, int column, Column at, Dexel cut) 
   work.changed->write(column, after_);
 }
 
+/// Notes it in the row's group, or in a further one where that has something of the column already.
 void TileCutter::note(Column at, Dexel removed) {
   const std::int32_t lane = at.i % kLanes;
   std::vector<RemovedGroup>& groups = removed_.groups;
-  if (groups.empty() || groups.back().i != at.i - lane || groups.back().j != at.j ||
-      groups.back().bottom[lane] < groups.back().top[lane]) {
+  if (group_ == kNoGroup || groups[group_].bottom[lane] < groups[group_].top[lane]) {
+    group_ = groups.size();
     groups.push_back({at.i - lane, at.j, {}, {}});
   }
-  groups.back().bottom[lane] = removed.bottom;
-  groups.back().top[lane] = removed.top;
+  groups[group_].bottom[lane] = removed.bottom;
+  groups[group_].top[lane] = removed.top;
   removed_.quanta += removed.top - removed.bottom;
 }
 

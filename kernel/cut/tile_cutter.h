@@ -17,11 +17,6 @@ struct ReachedTile {
   unsigned blocks;          ///< bit b: the sweep comes below the top of the tile's block b
 };
 
-/// Height (mm) that a sweep must come below to change anything under the depth `top`.
-inline double reached_below_mm(const DexelGrid& grid, std::int32_t top) {
-  return grid.z_mm(top) + grid.z_quantum_mm;
-}
-
 /// Cuts tiles of one field with one sweep. It changes nothing but the tiles that it is given and
 /// its own memory, so several of them may work on one field at the same time, each on tiles of its
 /// own.
@@ -53,7 +48,7 @@ class TileCutter {
 
   void cut_block(Work& work, int block);
   void sweep_block(const Work& work, int block, Column first);
-  void cut_row(Work& work, Column first, int row, const Lanes& lo_mm, const Lanes& hi_mm);
+  void cut_rows(Work& work, Column first, unsigned rows);
   void make_editable(Work& work);
   void subtract_elements(Work& work, int column, Column at, Dexel cut);
   bool subtract_in_place(Work& work, int column, Column at, Dexel cut);
@@ -66,6 +61,8 @@ class TileCutter {
   const SweptSurface* surface_;
   RemovedPart& removed_;
   ColumnBlock block_;
+  static constexpr std::size_t kNoGroup = ~std::size_t{0};
+  std::size_t group_ = kNoGroup;  ///< in which what a row loses is noted
   std::vector<Dexel> before_, after_;
   std::vector<Made> made_;
 };

@@ -1,24 +1,28 @@
 #include "kernel/dexel/dexel_tile.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "kernel/math/lanes.h"
 
 namespace kerf {
 namespace {
 
-/// Greatest of each row of a block of 8 x 8 depths.
-KERF_VECTOR_CLONES
-void highest_of_rows(const std::int32_t* depths, std::int32_t* greatest) {
+typedef std::int32_t Depths __attribute__((vector_size(32), aligned(32)));
+
+/// Greatest of a block of 8 x 8 depths.
+KERF_INLINE std::int32_t highest_in_lanes(const std::int32_t* depths) {
+  Depths all{};
   for (int row = 0; row < 8; ++row) {
-    std::int32_t all = 0;
-    for (int c = 0; c < 8; ++c) {
-      const std::int32_t depth = depths[row * kTileSide + c];
-      all = depth > all ? depth : all;
-    }
-    greatest[row] = all;
+    Depths d;
+    std::memcpy(&d, depths + row * kTileSide, sizeof d);
+    all = d > all ? d : all;
   }
+  std::int32_t greatest = 0;
+  for (int c = 0; c < 8; ++c) greatest = all[c] > greatest ? all[c] : greatest;
+  return greatest;
 }
+KERF_FOR_EACH_TARGET(std::int32_t, highest, (const std::int32_t* depths), (depths))
 
 }  // namespace
 
@@ -99,14 +103,8 @@ void DexelTile::update_bounds() {
 }
 
 void DexelTile::update_bounds(int block) {
-  std::int32_t rows[8];
-  row_tops(block, rows);
-  block_top[std::size_t(block)] = *std::max_element(rows, rows + 8);
-}
-
-void DexelTile::row_tops(int block, std::int32_t* tops) const {
   const int first = block / kTileBlocksAcross * 8 * kTileSide + block % kTileBlocksAcross * 8;
-  highest_of_rows(&top[std::size_t(first)], tops);
+  block_top[std::size_t(block)] = highest(&top[std::size_t(first)]);
 }
 
 }  // namespace kerf

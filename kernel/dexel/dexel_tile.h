@@ -56,8 +56,6 @@ struct DexelTile {
   void update_bounds();
   /// The same for one block.
   void update_bounds(int block);
-  /// Greatest top in each of the eight rows of a block.
-  void row_tops(int block, std::int32_t* tops) const;
   bool keeps_normals() const { return !topmost_codes.empty(); }
   /// Of a split column of a tile that keeps normals: where the normal of the top (bottom) end at
   /// that depth is kept; null if no element below the topmost has one there.

@@ -50,41 +50,64 @@ KERF_INLINE Lanes to_lanes(const std::int32_t* depths) {
   return {__builtin_convertvector(first, HalfLanes), __builtin_convertvector(last, HalfLanes)};
 }
 
-KERF_INLINE void place_in_lanes(std::span<const RemovedGroup> groups, const TipInGrid& tip,
-                                GroupSegments* out) {
+KERF_INLINE GroupSegments placed(const RemovedGroup& g, const TipInGrid& tip) {
   const Lanes beside = Lanes(HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}) * tip.pitch_mm;
-  for (std::size_t k = 0; k < groups.size(); ++k) {
-    const RemovedGroup& g = groups[k];
-    const Lanes bottom = to_lanes(g.bottom), top = to_lanes(g.top);
-    out[k].middle.x = (g.i - tip.i) * tip.pitch_mm + beside;
-    out[k].middle.y = (g.j - tip.j) * tip.pitch_mm;
-    out[k].middle.z = ((bottom + top) * 0.5 - tip.k) * tip.quantum_mm;
-    out[k].length = (top - bottom) * tip.quantum_mm;
-  }
+  const Lanes bottom = to_lanes(g.bottom), top = to_lanes(g.top);
+  GroupSegments out;
+  out.middle.x = (g.i - tip.i) * tip.pitch_mm + beside;
+  out.middle.y = (g.j - tip.j) * tip.pitch_mm;
+  out.middle.z = ((bottom + top) * 0.5 - tip.k) * tip.quantum_mm;
+  out.length = (top - bottom) * tip.quantum_mm;
+  return out;
 }
 
-KERF_FOR_EACH_TARGET(void, place,
+KERF_INLINE void place_all_in_lanes(std::span<const RemovedGroup> groups, const TipInGrid& tip,
+                                    GroupSegments* out) {
+  for (std::size_t k = 0; k < groups.size(); ++k) out[k] = placed(groups[k], tip);
+}
+
+KERF_FOR_EACH_TARGET(void, place_all,
                      (std::span<const RemovedGroup> groups, const TipInGrid& tip,
                       GroupSegments* out),
                      (groups, tip, out))
 
 /// All that is needed where the elements push one way.
-KERF_INLINE void add_moments_in_lanes(std::span<const GroupSegments> groups, LaneSums& sums) {
-  Lanes volume = sums.volume, x = sums.x, y = sums.y, z = sums.z;
-  for (const GroupSegments& g : groups) {
+struct Moments {
+  Lanes volume, x, y, z;
+
+  KERF_INLINE explicit Moments(const LaneSums& s) : volume(s.volume), x(s.x), y(s.y), z(s.z) {}
+  KERF_INLINE void add(const GroupSegments& g) {
     volume = volume + g.length;
     x = x + g.length * g.middle.x;
     y = y + g.length * g.middle.y;
     z = z + g.length * g.middle.z;
   }
-  sums.volume = volume;
-  sums.x = x;
-  sums.y = y;
-  sums.z = z;
+  KERF_INLINE void put(LaneSums& s) const {
+    s.volume = volume;
+    s.x = x;
+    s.y = y;
+    s.z = z;
+  }
+};
+
+KERF_INLINE void add_moments_in_lanes(std::span<const GroupSegments> groups, LaneSums& sums) {
+  Moments moments(sums);
+  for (const GroupSegments& g : groups) moments.add(g);
+  moments.put(sums);
+}
+/// The same of groups that need no weight.
+KERF_INLINE void add_plain_moments_in_lanes(std::span<const RemovedGroup> groups,
+                                            const TipInGrid& tip, LaneSums& sums) {
+  Moments moments(sums);
+  for (const RemovedGroup& g : groups) moments.add(placed(g, tip));
+  moments.put(sums);
 }
 
 KERF_FOR_EACH_TARGET(void, add_moments, (std::span<const GroupSegments> groups, LaneSums& sums),
                      (groups, sums))
+KERF_FOR_EACH_TARGET(void, add_plain_moments,
+                     (std::span<const RemovedGroup> groups, const TipInGrid& tip, LaneSums& sums),
+                     (groups, tip, sums))
 
 /// Adds pushes of elements that each go their own way, and their moments about the pivot.
 KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, const Twist& twist,
@@ -144,11 +167,15 @@ struct Summing {
 
 LaneSums sum_tile(std::span<const RemovedGroup> groups, const Summing& s) {
   LaneSums sums;
+  if (s.weight == nullptr && s.common) {
+    add_plain_moments(groups, s.tip, sums);
+    return sums;
+  }
   GroupSegments chunk[kChunk];
   for (std::size_t k = 0; k < groups.size(); k += kChunk) {
     const std::size_t count = std::min(kChunk, groups.size() - k);
     const std::span<GroupSegments> segments(chunk, count);
-    place(groups.subspan(k, count), s.tip, chunk);
+    place_all(groups.subspan(k, count), s.tip, chunk);
     if (s.weight != nullptr) s.weight->weigh(segments, s.frame.axis, s.frame.radius_mm);
     add_moments(segments, sums);
     if (!s.common) add_pushes(segments, s.twist, s.pivot, sums);

@@ -47,8 +47,8 @@ struct RayCapsule {
     const auto starts = s <= 0.0, ends = s >= 1.0;
     const Real ex = select(starts, px, select(ends, qx, px - s * d.x));
     const Real ey = select(starts, py, select(ends, qy, py - s * d.y));
-    const Real z =
-        select(starts, splat_like(x, from.z), select(ends, splat_like(x, to.z), from.z + s * d.z));
+    Real z = splat_like(x, from.z);
+    if (d.z != 0) z = select(starts, z, select(ends, splat_like(x, to.z), from.z + s * d.z));
     const Real w2 = radius2 - ex * ex - ey * ey;
     include(span, w2 >= 0.0, z + side * square_root(w2));
   }

@@ -16,6 +16,7 @@ namespace kerf {
 inline constexpr int kLanes = 8;
 typedef double HalfLanes __attribute__((vector_size(32), aligned(32)));
 typedef std::int64_t HalfMask __attribute__((vector_size(32), aligned(32)));
+typedef std::int64_t QuarterMask __attribute__((vector_size(16), aligned(16)));
 
 struct Lanes {
   HalfLanes a, b;
@@ -79,7 +80,9 @@ KERF_INLINE Lanes magnitude(Lanes x) { return select(x < 0.0, -x, x); }
 KERF_INLINE LaneMask every_lane() { return Lanes() == Lanes(); }
 KERF_INLINE bool any(LaneMask m) {
   const HalfMask either = m.a | m.b;
-  return (either[0] | either[1] | either[2] | either[3]) != 0;
+  const QuarterMask quarter =
+      __builtin_shufflevector(either, either, 0, 1) | __builtin_shufflevector(either, either, 2, 3);
+  return (quarter[0] | quarter[1]) != 0;
 }
 /// Bit i is set where lane i is true.
 KERF_INLINE unsigned bits(LaneMask m) {
