@@ -270,6 +270,7 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
   if (motion.turn_rad > kTurnMaxRad) {
     return refuse(kTurnTooLarge, "the axis turns by more than 170 degrees in one motion");
   }
+  if (motion.turn_rad == 0) return {};  // One sub-motion, whatever the tool.
   std::int64_t parts = 0;
   for (const DexelField& f : fields_) {
     parts = std::max(parts,

@@ -115,16 +115,22 @@ class Reach {
 
 int blocks_of(const ReachedTile& tile) { return std::popcount(tile.blocks); }
 
-/// Runs of tiles with about the same number of blocks, as many as are worth it.
-std::vector<std::span<const ReachedTile>> divide(std::span<const ReachedTile> tiles,
-                                                 const SweptTool& swept, int workers) {
-  if (workers == 1) return {tiles};
+std::int64_t blocks_of(std::span<const ReachedTile> tiles) {
   std::int64_t blocks = 0;
   for (const ReachedTile& tile : tiles) blocks += blocks_of(tile);
+  return blocks;
+}
+
+/// In blocks of a ball.
+double work_of(std::span<const ReachedTile> tiles, const SweptTool& swept) {
   double per_block = 0;
   for (const SweptPiece& piece : swept.pieces) per_block += std::visit(WorkPerBlock{}, piece);
-  if (double(blocks) * per_block < kWorkForThreads) return {tiles};
-  const std::int64_t jobs = std::int64_t{workers} * kJobsPerThread;
+  return double(blocks_of(tiles)) * per_block;
+}
+
+/// Runs of tiles with about the same number of blocks.
+std::vector<std::span<const ReachedTile>> divide(std::span<const ReachedTile> tiles, int workers) {
+  const std::int64_t blocks = blocks_of(tiles), jobs = std::int64_t{workers} * kJobsPerThread;
   std::vector<std::span<const ReachedTile>> runs;
   std::size_t begin = 0;
   std::int64_t done = 0;
@@ -145,7 +151,13 @@ void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& w
   if (swept.pieces.empty()) return;
   const std::vector<ReachedTile> reached = Reach(field, swept).find();
   if (reached.empty()) return;
-  const auto runs = divide(reached, swept, workers.count());
+  if (workers.count() == 1 || work_of(reached, swept) < kWorkForThreads) {
+    TileCutter cutter(field, swept, surface, removal.start(1).front());
+    for (const ReachedTile& tile : reached) cutter.cut(tile);
+    cutter.put_tiles();
+    return;
+  }
+  const auto runs = divide(reached, workers.count());
   const std::span<RemovedPart> parts = removal.start(runs.size());
   std::vector<TileCutter> cutters;
   cutters.reserve(runs.size());
@@ -153,11 +165,7 @@ void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& w
   const auto cut_run = [&](int run) {
     for (const ReachedTile& tile : runs[std::size_t(run)]) cutters[std::size_t(run)].cut(tile);
   };
-  if (runs.size() == 1) {
-    cut_run(0);
-  } else {
-    workers.run(static_cast<int>(runs.size()), cut_run);
-  }
+  workers.run(static_cast<int>(runs.size()), cut_run);
   // The directory of tiles is changed by one thread alone.
   for (TileCutter& cutter : cutters) cutter.put_tiles();
 }

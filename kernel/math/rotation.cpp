@@ -43,6 +43,7 @@ SinCos sin_cos(double angle_rad) {
 }
 
 double angle_between(Vec3 a, Vec3 b) {
+  if (a == b) return 0;
   // Half the chord is sin(angle / 2); beyond a right angle use the supplement, then halve once more
   // for the series.
   const bool obtuse = dot(a, b) < 0;
