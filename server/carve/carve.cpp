@@ -14,6 +14,7 @@
 
 #include "kernel/sculpture.h"
 #include "server/carve/carve_report.h"
+#include "server/carve/environment_files.h"
 #include "server/carve/model_outputs.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
@@ -138,7 +139,9 @@ class Carving {
     const std::string name = options_.program.string();
     const auto text = read_file(options_.program);
     if (!text) return bad_input(name + ": cannot be read");
-    auto program = parse_program(name, *text, scene_);
+    const auto environment = load_environment(options_.environment, options_.program);
+    if (!environment) return bad_input(environment.error());
+    auto program = parse_program(name, *text, scene_, *environment);
     if (!program) return bad_input(to_string(program.error()));
     program_ = *std::move(program);
     if (options_.rate_hz) {

@@ -81,6 +81,15 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
   app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
   app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
+  app.add_option("--tool-table", options.environment.tool_table,
+                 "LinuxCNC tool table (.tbl): lengths and diameters");
+  app.add_option(
+      "--parameters", options.environment.parameters,
+      "LinuxCNC parameter file (.var): offsets, homes; the machine's zero is then known");
+  app.add_option("--subroutines", options.environment.subroutine_folders,
+                 "folder of subroutines (NAME.ngc), searched after the program's own; repeatable");
+  app.add_flag("--inch-machine", options.environment.inch_machine,
+               "tool table and parameters are in inches, and the program begins in G20");
   app.add_option("--explain", options.explain, "print every field of a scene, and stop");
   app.add_option("--ngc", options.ngc, "write the motions as G-code for the scene's machine");
   app.add_option("--apt", options.apt, "write the motions as APT CL data");

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/carve/environment_files.h"
 #include "server/carve/model_outputs.h"
 
 namespace kerf {
@@ -13,6 +14,7 @@ namespace kerf {
 /// What the command line of kerf-carve asks for (design section 8).
 struct CarveOptions {
   std::filesystem::path scene, program;
+  EnvironmentFiles environment;
   std::optional<std::filesystem::path> explain;  ///< explain this scene and do nothing else
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
   SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range

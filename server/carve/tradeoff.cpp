@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "kernel/dexel/stock_column.h"
+#include "server/carve/environment_files.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
 #include "server/carve/surface_error.h"
@@ -137,7 +138,9 @@ class Tradeoff {
     const std::string name = options_.program.string();
     const auto text = read_file(options_.program);
     if (!text) return bad_input(name + ": cannot be read");
-    auto program = parse_program(name, *text, scene_);
+    const auto environment = load_environment({}, options_.program);
+    if (!environment) return bad_input(environment.error());
+    auto program = parse_program(name, *text, scene_, *environment);
     if (!program) return bad_input(to_string(program.error()));
     program_ = *std::move(program);
     if (program_.motions.empty()) return bad_input(name + ": has no motions");

@@ -86,6 +86,7 @@ class AptReader {
  public:
   AptReader(std::string name, const Scene& scene) : scene_(scene), sink_(program_) {
     program_.name = std::move(name);
+    program_.files = {program_.name};
   }
 
   std::expected<Program, ProgramError> read(std::string_view text) {
@@ -173,7 +174,7 @@ class AptReader {
     if (id < 1 || id > 4294967295.0 || id != std::floor(id) ||
         !scene_.tools.contains(static_cast<ToolId>(id)))
       throw Fault{s.minor[0], "the scene has no such tool"};
-    sink_.set_tool(static_cast<ToolId>(id));
+    sink_.change_tool(static_cast<ToolId>(id), line_);
   }
 
   void cutter(const Statement& s) {

@@ -91,7 +91,8 @@ class ChainSampler {
                             .to = to,
                             .duration_s = to_s - from_s,
                             .line = motion.line,
-                            .rapid = motion.rapid});
+                            .rapid = motion.rapid,
+                            .file = motion.file});
     last_ = to;
   }
 
@@ -117,8 +118,12 @@ double sample_count(const Program& program, double rate_hz) {
 }
 
 Program sample_program(const Program& program, double rate_hz) {
-  Program sampled{
-      .name = program.name, .motions = {}, .warnings = program.warnings, .lines = program.lines};
+  Program sampled{.name = program.name,
+                  .motions = {},
+                  .warnings = program.warnings,
+                  .lines = program.lines,
+                  .files = program.files,
+                  .tool_changes = program.tool_changes};
   double corner_cut_mm = 0;
   const ProgramMotion* const end = program.motions.data() + program.motions.size();
   for (const ProgramMotion* first = program.motions.data(); first != end;) {

@@ -59,6 +59,12 @@ MotionSink::Result MotionSink::place(const ToolPose& pose) {
   return {};
 }
 
+void MotionSink::change_tool(std::optional<ToolId> tool, std::size_t line) {
+  set_tool(tool);
+  if (program_.tool_changes.size() < kProgramToolChangesMax)
+    program_.tool_changes.push_back({tool.value_or(0), static_cast<std::uint32_t>(line), file_});
+}
+
 MotionSink::Result MotionSink::emit(const ToolPose& to, double duration_s, bool rapid,
                                     std::size_t line) {
   if (!tool_) return std::unexpected("a motion needs a tool, and none is loaded");
@@ -72,7 +78,8 @@ MotionSink::Result MotionSink::emit(const ToolPose& to, double duration_s, bool 
                               .to = to,
                               .duration_s = std::max(duration_s, kDurationMinS),
                               .line = static_cast<std::uint32_t>(line),
-                              .rapid = rapid});
+                              .rapid = rapid,
+                              .file = file_});
   last_ = to;
   return {};
 }

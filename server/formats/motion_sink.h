@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <expected>
 #include <functional>
 #include <optional>
@@ -30,6 +31,10 @@ class MotionSink {
 
   /// The tool that the next motions move; none while no tool is loaded.
   void set_tool(std::optional<ToolId> tool) { tool_ = tool; }
+  /// set_tool, where the program asks for it: it counts as a tool change.
+  void change_tool(std::optional<ToolId> tool, std::size_t line);
+  /// The motions that follow come from this file (Program::files).
+  void set_file(std::uint32_t file) { file_ = file; }
   std::optional<ToolId> tool() const { return tool_; }
   /// The tool leaves the workpiece; the next thing must be place().
   void lift() { last_.reset(); }
@@ -52,6 +57,7 @@ class MotionSink {
   Result emit(const ToolPose& to, double duration_s, bool rapid, std::size_t line);
 
   Program& program_;
+  std::uint32_t file_ = 0;
   std::optional<ToolId> tool_;
   std::optional<ToolPose> last_;
 };

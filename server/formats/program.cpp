@@ -43,13 +43,19 @@ std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_
 }
 
 std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,
-                                                   const Scene& scene) {
+                                                   const Scene& scene,
+                                                   const GcodeEnvironment& environment) {
   const auto format = program_format(name);
   if (!format) return std::unexpected(format.error());
   // Editors on Windows put a byte order mark before the first word.
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   return *format == ProgramFormat::kApt ? read_apt(name, text, scene)
-                                        : read_gcode(name, text, scene);
+                                        : read_gcode(name, text, scene, environment);
+}
+
+std::string place_of(const Program& program, std::uint32_t file, std::uint32_t line) {
+  return (file < program.files.size() ? program.files[file] : program.name) + ":" +
+         std::to_string(line);
 }
 
 }  // namespace kerf

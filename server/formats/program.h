@@ -8,19 +8,11 @@
 #include <vector>
 
 #include "kernel/sculpture.h"
+#include "server/formats/gcode/environment.h"
+#include "server/formats/program_error.h"
 #include "server/formats/scene.h"
 
 namespace kerf {
-
-/// What is wrong with a program, and where.
-struct ProgramError {
-  std::string file;
-  std::size_t line = 0;  ///< from 1; 0 where it concerns the whole file
-  std::string word;      ///< the offending word as written; empty where no single word is to blame
-  std::string reason;    ///< one sentence
-};
-/// "file:line: reason (at 'word')", one line.
-std::string to_string(const ProgramError& error);
 
 /// One motion of a program: the tip on a straight line, the axis on the great circle, both
 /// uniformly. Where `from` is not the `to` of the motion before, the tool was away in between
@@ -31,20 +23,32 @@ struct ProgramMotion {
   double duration_s = 0;   ///< > 0
   std::uint32_t line = 0;  ///< of the program text, from 1; 0 where there is none
   bool rapid = false;      ///< G0, RAPID
+  std::uint32_t file = 0;  ///< where `line` stands: in Program::files
   friend bool operator==(const ProgramMotion&, const ProgramMotion&) = default;
 };
 
 /// Most motions that a program may become, 112 bytes each: a few lines of hostile text can ask for
 /// any number.
 inline constexpr std::size_t kProgramMotionsMax = 10'000'000;
+/// A program notes at most this many tool changes.
+inline constexpr std::size_t kProgramToolChangesMax = 1'000'000;
 /// A program collects at most this many warnings.
 inline constexpr std::size_t kProgramWarningsMax = 100;
+
+/// A tool that is taken into the spindle.
+struct ToolChange {
+  ToolId tool = 0;  ///< 0: the spindle is left empty
+  std::uint32_t line = 0, file = 0;
+  friend bool operator==(const ToolChange&, const ToolChange&) = default;
+};
 
 struct Program {
   std::string name;
   std::vector<ProgramMotion> motions;
   std::vector<std::string> warnings;  ///< "file:line: text"; what was read but has no meaning here
   std::size_t lines = 0;              ///< of the text
+  std::vector<std::string> files;     ///< the program itself, then the subroutines' files it called
+  std::vector<ToolChange> tool_changes;
 };
 
 enum class ProgramFormat { kGcode, kApt };
@@ -56,8 +60,14 @@ std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_
 /// kinematics, its tolerance (arcs and long rotary moves become chords within it). Every pose is on
 /// the pose grid and no motion turns the axis by more than kTurnMaxRad. Anything that is not
 /// understood is an error, never skipped.
+/// A program in G-code may lean on its controller's tool table, parameters and subroutines:
+/// `environment` tells them. Without it no file is read but the text.
 std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,
-                                                   const Scene& scene);
+                                                   const Scene& scene,
+                                                   const GcodeEnvironment& environment = {});
+
+/// Where a motion stands: "file:line".
+std::string place_of(const Program& program, std::uint32_t file, std::uint32_t line);
 
 /// The same path cut into motions of 1/rate_hz seconds each along the programmed feed (the last one
 /// of a chain of motions may be shorter). Poses are on the pose grid. A motion that spans a corner

@@ -129,7 +129,7 @@ TEST(GcodeArc, WordsOfABlockMakeTheArc) {
   // Offsets from the start, absolute centre, radius, plane and inches all give the same quarter.
   for (const char* block :
        {"G3 X0 Y10 I-10", "G3 X0 Y10 I-10 J0", "G90.1 G3 X0 Y10 I0 J0", "G3 X0 Y10 R10",
-        "G91 G3 X-10 Y10 I-10", "G20 G3 X0 Y[10/25.4] I[-10/25.4] F[600/25.4]"}) {
+        "G91 G3 X-10 Y10 I-10", "G20\nG3 X0 Y[10/25.4] I[-10/25.4] F[600/25.4]"}) {
     const Program program = gcode(scene, start + block + "\nM2\n");
     ASSERT_GT(program.motions.size(), 20u) << block;
     double duration = 0;

@@ -85,7 +85,11 @@ TEST(GcodeReader, FeedModesGiveDurations) {
   const Scene scene = scene_for("xyz");
   EXPECT_EQ(gcode(scene, kStart + "G93 G1 X10 F2\nM2\n").motions[0].duration_s, 30);
   EXPECT_EQ(gcode(scene, kStart + "S100 M3 G95 G1 X10 F0.5\nM2\n").motions[0].duration_s, 12);
-  EXPECT_NEAR(gcode(scene, kStart + "G20 G1 X1 F60\nM2\n").motions[0].duration_s, 1, 1e-12);
+  EXPECT_NEAR(gcode(scene, kStart + "G20\nG1 X1 F60\nM2\n").motions[0].duration_s, 1, 1e-12);
+  // F comes before G20 in the order of execution, as in LinuxCNC.
+  const Program early = gcode(scene, kStart + "G20 G1 X1 F60\nM2\n");
+  EXPECT_NEAR(early.motions[0].duration_s, 25.4, 1e-12);
+  EXPECT_THAT(early.warnings, ElementsAre(HasSubstr("units before this block")));
 }
 
 TEST(GcodeReader, ADwellIsAMotionAtRest) {
@@ -158,27 +162,26 @@ INSTANTIATE_TEST_SUITE_P(
         BadProgram{"G80\nX1", 4, "X1", "motion code"},
         BadProgram{"G1 A5 F1", 3, "A5", "has no A axis"},
         BadProgram{"G1 X1 I0 J0 K1 F1", 3, "I0", "no meaning"},
-        BadProgram{"G41 D1", 3, "G41", "not a code that Kerf understands"},
-        BadProgram{"G83 Z-5 R1 Q1", 3, "G83", "not a code"},
-        BadProgram{"M100", 3, "M100", "not a code"}, BadProgram{"T3", 3, "T3", "no tool 3"},
+        BadProgram{"G83 Z-5 R1 Q1", 3, "G83 Z-5 R1 Q1", "feed is 0"},
+        BadProgram{"M100", 3, "M100", "user's code"}, BadProgram{"T3", 3, "T3", "no tool 3"},
         BadProgram{"T-1", 3, "T-1", "whole number"}, BadProgram{"T1.5", 3, "T1.5", "whole number"},
         BadProgram{"S-5", 3, "S-5", "negative"}, BadProgram{"G4", 3, "G4", "needs P"},
         BadProgram{"G4 P-1", 3, "G4", "needs P"}, BadProgram{"P5", 3, "P5", "no meaning"},
         BadProgram{"H1", 3, "H1", "no meaning"},
-        BadProgram{"G10 L1 P1 X0", 3, "G10", "only L2 and L20"},
+        BadProgram{"G10 L3 P1 X0", 3, "G10", "only L1, L2"},
         BadProgram{"G10 L2 X0", 3, "G10", "needs P"},
         BadProgram{"G10 L2 P12 X0", 3, "P12", "from 0 to 9"},
-        BadProgram{"G10 L2 P1 R5", 3, "R5", "no meaning"}, BadProgram{"G92", 3, "G92", "axis word"},
+        BadProgram{"G10 L20 P1 R5", 3, "R5", "no meaning"},
+        BadProgram{"G92", 3, "G92", "axis word"},
         BadProgram{"G92 G1 X5 F10", 3, "G92", "may not share"},
         BadProgram{"G53 G1 Z0 F10", 3, "G53", "only G53 G0"},
-        BadProgram{"G53 G0", 3, "G53", "axis word"},
-        BadProgram{"G1 X1e5 F10", 3, "e", "begin a word"},
+        BadProgram{"G1 X1e5 F10", 3, "E5", "no meaning"},
         BadProgram{"G1 X1000001 F10", 3, "G1 X1000001 F10", "limit"},
         BadProgram{"G1 X1 F0.00000000001", 3, "G1 X1 F0.00000000001", "would not end"},
-        BadProgram{"o100 call", 3, "o", "not supported"},
+        BadProgram{"o100 call", 3, "O100 CALL", "neither in the program nor in a file"},
         BadProgram{"G1 X#<speed> F1", 3, "#<speed>", "not assigned"},
         BadProgram{"(open", 3, "(open", "does not end"},
-        BadProgram{"#5420=1", 3, "#5420", "kept by the machine"}));
+        BadProgram{"#5420=1", 3, "#5420", "tells a state"}));
 
 TEST(GcodeReader, AToolChangeNeedsASelection) {
   EXPECT_EQ(error_of(scene_for("xyz"), "p.ngc", "M6\n").word, "M6");

@@ -159,7 +159,7 @@ TEST(MachineKinematics, TurnsBeyondTheKernelsLimitAreHalved) {
 TEST(MachineKinematics, EachMachineHasItsOwnAxes) {
   EXPECT_EQ(error_of(scene_for("xyzac-trt"), "p.ngc", "G0 B1\n").word, "B1");
   EXPECT_EQ(error_of(scene_for("xyzbc-trt"), "p.ngc", "G0 A1\n").word, "A1");
-  EXPECT_THAT(error_of(scene_for("xyzac-trt"), "p.ngc", "T1 M6\nG0 X0 Y0 Z0\nG0 C1e\n").word, "e");
+  EXPECT_THAT(error_of(scene_for("xyzac-trt"), "p.ngc", "T1 M6\nG0 X0 Y0 Z0\nG0 C1&\n").word, "&");
   EXPECT_THAT(error_of(scene_for("xyzac-trt"), "p.ngc", "T1 M6\nG0 X0 Y0 Z0\nG0 C99999\n").reason,
               HasSubstr("degrees in one block"));
 }

@@ -127,7 +127,8 @@ TEST(ProgramWriter, RotaryMachinesFollowTheGreatCircle) {
           .duration_s = 2};
       if (seed % 3 == 0) motion.from.axis = {0, 0, 1};
       if (seed % 5 == 0) motion.to.axis = {0, 0, 1};
-      const Program program{.name = "p", .motions = {motion}, .warnings = {}, .lines = 0};
+      Program program;
+      program.motions = {motion};
       const std::string text = text_of(program, scene, make_gcode_writer);
       const Program read = test::gcode(scene, text);
       ASSERT_FALSE(read.motions.empty());

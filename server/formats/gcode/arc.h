@@ -2,12 +2,9 @@
 
 #include <optional>
 
-#include "kernel/math/vec3.h"
+#include "server/formats/gcode/plane.h"
 
 namespace kerf {
-
-/// The plane of an arc; the normal is the axis that is not in it.
-enum class ArcPlane { kXy, kZx, kYz };
 
 /// How the centre of an arc is given, mm.
 struct ArcCenter {
@@ -25,6 +22,7 @@ struct Arc {
   double start_angle_rad = 0;
   double sweep_rad = 0;  ///< > 0 counter-clockwise seen against the normal
   double start_radius = 0, end_radius = 0;
+  int turns = 1;  ///< as arc_about takes it
 
   /// The point at s in [0, 1]; the ends are exact.
   Vec3 at(double s) const;
@@ -35,10 +33,23 @@ struct Arc {
   int chords(double tolerance_mm) const;
 };
 
-/// Resolves G2 (clockwise) and G3. `turns` (P word) counts the full circles begun, at least 1. An
-/// arc whose ends are equal in the plane is a full circle. Throws GcodeFault where LinuxCNC
-/// refuses: a radius that differs between start and end by more than 0.5 mm, or by more than 0.005
-/// mm and 0.1 %; a centre at the start; an R too short to reach or ends equal in R form.
+/// How far an arc's radii may differ between start and end, mm: the greater of this and 0.1 % of
+/// the radius, and never more than a hundred times this. LinuxCNC's figures, for programs in mm and
+/// in inches.
+inline constexpr double kSpiralToleranceMm = 0.028284271247461905;
+inline constexpr double kSpiralToleranceInchMm = 0.07184204896855323;
+
+/// The centre of G2 (clockwise) or G3, in its plane. Throws GcodeFault where LinuxCNC refuses:
+/// radii that differ by more than `spiral_tolerance_mm` allows, a centre at an end, an R too short
+/// to reach the end, equal ends with R.
+PlanePoint arc_center(Vec3 start, Vec3 end, ArcPlane plane, const ArcCenter& center, bool clockwise,
+                      double spiral_tolerance_mm = kSpiralToleranceMm);
+
+/// The arc about a known centre. `turns` counts the full circles begun: > 0 counter-clockwise, < 0
+/// clockwise, never 0. An arc whose ends are equal in the plane is a full circle.
+Arc arc_about(Vec3 start, Vec3 end, ArcPlane plane, PlanePoint center, int turns);
+
+/// arc_about(arc_center()). `turns` (P word) is at least 1.
 Arc make_arc(Vec3 start, Vec3 end, ArcPlane plane, const ArcCenter& center, bool clockwise,
              int turns);
 

@@ -38,9 +38,9 @@ constexpr std::array kOperators{
     BinaryOperator{"eq", 2, [](double a, double b) { return equal(a, b) ? 1.0 : 0.0; }},
     BinaryOperator{"ne", 2, [](double a, double b) { return equal(a, b) ? 0.0 : 1.0; }},
     BinaryOperator{"gt", 2, [](double a, double b) { return a > b ? 1.0 : 0.0; }},
-    BinaryOperator{"ge", 2, [](double a, double b) { return a >= b || equal(a, b) ? 1.0 : 0.0; }},
+    BinaryOperator{"ge", 2, [](double a, double b) { return a >= b ? 1.0 : 0.0; }},
     BinaryOperator{"lt", 2, [](double a, double b) { return a < b ? 1.0 : 0.0; }},
-    BinaryOperator{"le", 2, [](double a, double b) { return a <= b || equal(a, b) ? 1.0 : 0.0; }},
+    BinaryOperator{"le", 2, [](double a, double b) { return a <= b ? 1.0 : 0.0; }},
     BinaryOperator{"and", 1, [](double a, double b) { return a != 0 && b != 0 ? 1.0 : 0.0; }},
     BinaryOperator{"xor", 1, [](double a, double b) { return (a != 0) != (b != 0) ? 1.0 : 0.0; }},
     BinaryOperator{"or", 1, [](double a, double b) { return a != 0 || b != 0 ? 1.0 : 0.0; }},
@@ -197,22 +197,35 @@ std::variant<int, std::string> GcodeValueReader::parameter_key() {
     return key;
   }
   skip();
+  return name();
+}
+
+std::string GcodeValueReader::name() {
   const std::size_t first = at_;
   while (!done() && peek() != '>') skip();
-  const std::string name = text_since(first);
-  if (done()) throw GcodeFault{"#" + text_since(start), "has no '>'"};
+  std::string text = text_since(first);
+  if (done()) throw GcodeFault{"<" + text, "has no '>'"};
   skip();
-  if (name.empty()) throw GcodeFault{"#<>", "names no parameter"};
-  return name;
+  if (text.empty()) throw GcodeFault{"<>", "names nothing"};
+  return text;
 }
 
 double GcodeValueReader::parameter() {
   const auto key = parameter_key();
-  if (const int* number = std::get_if<int>(&key)) return parameters_.numbered(*number);
+  if (const int* number = std::get_if<int>(&key)) {
+    using namespace gcode_parameter;
+    if (!position_readable_ && *number >= kPosition && *number <= kPositionLast)
+      throw GcodeFault{"#" + std::to_string(*number),
+                       "the position cannot be read while cutter compensation is on"};
+    return parameters_.numbered(*number);
+  }
   const std::string& name = std::get<std::string>(key);
   const auto value = parameters_.named(name);
-  if (!value) throw GcodeFault{"#<" + name + ">", "is not assigned"};
-  return *value;
+  if (value) return *value;
+  const bool foreign = name.starts_with("_ini[") || name.starts_with("_hal[");
+  throw GcodeFault{"#<" + name + ">",
+                   foreign ? "is kept by a machine's configuration, which Kerf does not have"
+                           : "is not assigned"};
 }
 
 int GcodeValueReader::integer(const char* what) {

@@ -12,7 +12,7 @@ namespace kerf {
 /// A number differs from a whole one by at most this where a whole one is asked for (LinuxCNC's
 /// figure).
 inline constexpr double kGcodeIntegerTolerance = 1e-4;
-/// eq, ne, ge and le treat numbers nearer than this as equal (LinuxCNC's figure).
+/// eq and ne treat numbers nearer than this as equal (LinuxCNC's figure).
 inline constexpr double kGcodeEqualTolerance = 1e-4;
 /// Deepest nesting of brackets, signs and # in one value: keeps hostile lines off the stack.
 inline constexpr int kGcodeNestingMax = 100;
@@ -21,8 +21,11 @@ inline constexpr int kGcodeNestingMax = 100;
 /// [expressions], #parameters, functions. Angles are degrees. Throws GcodeFault.
 class GcodeValueReader {
  public:
-  GcodeValueReader(std::string_view line, const GcodeParameters& parameters)
-      : line_(line), parameters_(parameters) {}
+  /// `position_readable`: #5420 to #5428 may be asked for (not while the cutter's radius is
+  /// compensated, since the tool is elsewhere).
+  GcodeValueReader(std::string_view line, const GcodeParameters& parameters,
+                   bool position_readable = true)
+      : line_(line), parameters_(parameters), position_readable_(position_readable) {}
 
   bool done() const { return at_ >= line_.size(); }
   /// The next character, '\0' at the end.
@@ -39,21 +42,26 @@ class GcodeValueReader {
   std::variant<int, std::string> parameter_key();
   /// A value that must be whole.
   int integer(const char* what);
+  /// "[…]"; the next character must be '['.
+  double bracket();
+  /// The name within "<…>"; the '<' has been read.
+  std::string name();
+  /// Reads over `word` if it comes next.
+  bool accept(std::string_view word);
 
  private:
   double value_within();
   double number();
-  double bracket();
   double function();
   double parameter();
   double exists();
   double operation(double left, int precedence);
-  bool accept(std::string_view word);
   void expect(char c);
   [[noreturn]] void refuse(const std::string& reason) const;
 
   std::string_view line_;
   const GcodeParameters& parameters_;
+  bool position_readable_;
   std::size_t at_ = 0;
   int depth_ = 0;
 };

@@ -8,259 +8,205 @@
 #include "server/formats/gcode/fault.h"
 
 namespace kerf {
-namespace {
 
-constexpr double kMmPerInch = 25.4;
-// Numbered parameters of LinuxCNC that mirror the offsets and the position.
-constexpr int kG92Parameter = 5211;
-constexpr int kSystemParameter = 5220;
-constexpr int kPositionParameter = 5420;
-constexpr int kSystemStride = 20;
-
-int whole(double value, int least, int most, const GcodeWord& word) {
-  if (!is_gcode_integer(value) || std::lround(value) < least || std::lround(value) > most)
-    throw GcodeFault{word.text, "must be a whole number from " + std::to_string(least) + " to " +
-                                    std::to_string(most)};
-  return static_cast<int>(std::lround(value));
-}
-
-}  // namespace
-
-GcodeMachine::GcodeMachine(const Scene& scene, GcodeParameters& parameters, MotionSink& sink,
+GcodeMachine::GcodeMachine(GcodeSetup setup, GcodeParameters& parameters, GcodeCanon& canon,
                            Warn warn)
-    : scene_(scene), parameters_(parameters), sink_(sink), warn_(std::move(warn)) {
-  publish_position();
+    : setup_(std::move(setup)),
+      parameters_(parameters),
+      canon_(canon),
+      warn_(std::move(warn)),
+      compensation_([this](const CompensatedMove& move) { emit(move); }) {
+  using namespace gcode_parameter;
+  parameters_.set(kDebug, 1);
+  modes_.unit_mm = setup_.unit_mm;
+  const double system = parameters_.numbered(kSelectedSystem);
+  modes_.system = system >= 1 && system < 10 ? static_cast<int>(system + 1e-4) : 1;
+  parameters_.set(kSelectedSystem, modes_.system);
+  frame_ = {system_origin(modes_.system), applied_shift(), system_rotation(modes_.system)};
+  actual_ = frame_.without(at_);
 }
 
-void GcodeMachine::check(const MotionSink::Result& result) {
-  if (!result) throw GcodeFault{"", result.error()};
-}
-
-bool GcodeMachine::execute(GcodeBlock& block, std::size_t line) {
+void GcodeMachine::at_line(std::size_t file, std::size_t line) {
+  file_ = file;
   line_ = line;
+  calls_before_ = calls_;
+  canon_.at_line(file, line);
+  for (std::size_t i = 0; i < at_.size(); ++i)
+    parameters_.set(gcode_parameter::kPosition + static_cast<int>(i),
+                    i < 3 ? at_[i] / modes_.unit_mm : at_[i]);
+}
+
+bool GcodeMachine::execute(GcodeBlock& block) {
   refuse_foreign_axes(block);
-  set_feed(block);
-  change_tool(block);
-  if (const GcodeCode* tcp = block.code(GcodeGroup::kTcp))
-    set_tcp(tcp_by_length_code_, tcp->code == 428);
-  const GcodeCode* special = block.code(GcodeGroup::kNonModal);
-  if (special != nullptr && special->code == 40) {
+  decide_motion(block);
+  set_spindle_and_feed(block);
+  select_tool(block);
+  execute_m(block);
+  if (block.has_code(GcodeGroup::kNonModal, 40)) {
     const auto seconds = block.take('p');
     if (!seconds || *seconds < 0)
-      throw GcodeFault{special->text, "needs P with the seconds to wait"};
-    check(sink_.dwell(*seconds, line_));
+      throw GcodeFault{block.code(GcodeGroup::kNonModal)->text, "needs P with the seconds to wait"};
+    CompensatedInfo info;
+    info.file = file_;
+    info.line = line_;
+    compensation_.dwell(*seconds, info);
   }
   set_modes(block);
-  set_offsets(block);
+  execute_nonmodal(block);
+  if (const GcodeCode* code = block.code(GcodeGroup::kShiftApplied)) {
+    refuse_compensated(*code);
+    restore_shift(code->code);
+  }
   move(block);
   for (const GcodeWord& word : block.words)
     if (!word.used) throw GcodeFault{word.text, "has no meaning in this block"};
-  publish_position();
-  const GcodeCode* stop = block.code(GcodeGroup::kStop);
-  return stop != nullptr && (stop->code == 2 || stop->code == 30);
+  return stop(block);
+}
+
+void GcodeMachine::finish() { compensation_.flush(in_plane(linear(at_), compensation_.plane())); }
+
+void GcodeMachine::refuse_compensated(const GcodeCode& code) const {
+  if (compensation_.on())
+    throw GcodeFault{code.text, "cannot stand while cutter compensation is on"};
 }
 
 void GcodeMachine::refuse_foreign_axes(const GcodeBlock& block) const {
-  const MachineKinematics kind = scene_.machine.kinematics;
-  const std::string_view rotary = kind == MachineKinematics::kXyzacTrt   ? "ac"
-                                  : kind == MachineKinematics::kXyzbcTrt ? "bc"
-                                                                         : "";
-  for (const char letter : {'a', 'b', 'c'}) {
+  for (const char letter : kAxisLetters) {
     const GcodeWord* word = block.find(letter);
-    if (word != nullptr && rotary.find(letter) == std::string_view::npos)
-      throw GcodeFault{word->text, std::string("the machine ") + to_string(kind) + " has no " +
+    if (word != nullptr && setup_.axes.find(letter) == std::string_view::npos)
+      throw GcodeFault{word->text, "the machine " + setup_.machine_name + " has no " +
                                        word->text.front() + " axis"};
   }
 }
 
-void GcodeMachine::set_feed(GcodeBlock& block) {
-  if (const GcodeCode* units = block.code(GcodeGroup::kUnits))
-    unit_mm_ = units->code == 200 ? kMmPerInch : 1;
-  if (const GcodeCode* code = block.code(GcodeGroup::kFeedMode)) {
-    const FeedMode mode = code->code == 930   ? FeedMode::kInverseTime
-                          : code->code == 940 ? FeedMode::kPerMinute
-                                              : FeedMode::kPerRevolution;
-    // A feed of one mode means nothing in another: it must be given anew.
-    if (mode != feed_mode_) feed_ = feed_mm_ = 0;
-    feed_mode_ = mode;
+// Which motion a block asks for, by its own code or by the one in force.
+void GcodeMachine::decide_motion(const GcodeBlock& block) {
+  motion_to_be_ = -1;
+  const bool polar = block.has_any(kPolarLetters);
+  const bool axes = block.has_any(kAxisLetters) || polar;
+  if (polar && (modes_.plane != ArcPlane::kXy || block.has_any("xy")))
+    throw GcodeFault{"", "polar coordinates (@ ^) belong to the plane XY and replace X and Y"};
+  const GcodeCode* special = block.code(GcodeGroup::kNonModal);
+  const GcodeCode* motion = block.code(GcodeGroup::kMotion);
+  const bool taken = special != nullptr && takes_axis_words(special->code);
+  if (taken && (special->code == 920 || special->code == 520) && (polar || !axes))
+    throw GcodeFault{special->text, "needs at least one axis word, and none in polar coordinates"};
+  if (motion != nullptr) {
+    if (motion->code == 800) {
+      if (axes && !taken) throw GcodeFault{motion->text, "ends motions; it takes no axis words"};
+    } else if (taken) {
+      throw GcodeFault{special->text,
+                       "may not share its axis words with a motion code in one block"};
+    } else if (!axes && motion->code > 30) {
+      throw GcodeFault{motion->text, "needs axis words"};
+    }
+    motion_to_be_ = motion->code;
+  } else if (!taken && axes) {
+    const GcodeCode* length = block.code(GcodeGroup::kToolLength);
+    const bool offset = length != nullptr && (length->code == 431 || length->code == 432);
+    if (modes_.motion == 800 && !offset)
+      throw GcodeFault{"", "axis words need a motion code (G0, G1, G2, G3, a cycle) in force"};
+    if (length == nullptr || length->code != 431) motion_to_be_ = modes_.motion;
+  } else if (!taken && block.has_any("ijk") &&
+             (modes_.motion == 20 || modes_.motion == 30 ||
+              (setup_.tool_axis_words && modes_.motion <= 10))) {
+    motion_to_be_ = modes_.motion;
   }
+  if (special == nullptr || special->code != 530) return;
+  if (motion_to_be_ != 0 && motion_to_be_ != 10) throw GcodeFault{special->text, "needs G0 or G1"};
+  const GcodeCode* distance = block.code(GcodeGroup::kDistance);
+  if (distance != nullptr ? distance->code == 910 : modes_.incremental)
+    throw GcodeFault{special->text, "cannot stand with incremental coordinates (G91)"};
+}
+
+void GcodeMachine::set_spindle_and_feed(GcodeBlock& block) {
+  const auto spindle = block.take('$');
+  if (spindle && *spindle != 0 && *spindle != -1)
+    throw GcodeFault{block.find('$')->text, "there is one spindle only, 0"};
+  if (const GcodeCode* code = block.code(GcodeGroup::kSpindleMode)) {
+    modes_.surface_speed = code->code == 960;
+    if (modes_.surface_speed && block.find('s') == nullptr)
+      throw GcodeFault{code->text, "needs S, the speed at the surface"};
+    if (modes_.surface_speed) block.take('d');
+  }
+  if (const GcodeCode* code = block.code(GcodeGroup::kFeedMode)) set_feed_mode(code->code);
   if (const auto feed = block.take('f')) {
     if (*feed < 0) throw GcodeFault{block.find('f')->text, "a feed cannot be negative"};
-    feed_ = *feed;
-    feed_mm_ = *feed * unit_mm_;
+    const GcodeCode* units = block.code(GcodeGroup::kUnits);
+    if (units != nullptr && (units->code == 200) != (modes_.unit_mm != 1))
+      warn_(block.find('f')->text +
+            " is taken in the units before this block, as LinuxCNC does; give F after " +
+            units->text);
+    if (modes_.feed_mode != GcodeFeedMode::kInverseTime) {
+      modes_.feed_deg = *feed;
+      modes_.feed_mm = *feed * modes_.unit_mm;
+    }
   }
   if (const auto speed = block.take('s')) {
     if (*speed < 0) throw GcodeFault{block.find('s')->text, "a spindle speed cannot be negative"};
-    spindle_rpm_ = *speed;
+    modes_.spindle_rpm = *speed;
   }
 }
 
-void GcodeMachine::change_tool(GcodeBlock& block) {
-  if (const auto number = block.take('t')) {
-    const GcodeWord& word = *block.find('t');
-    const auto id = static_cast<ToolId>(whole(*number, 0, 1'000'000'000, word));
-    if (id != 0 && !scene_.tools.contains(id))
-      throw GcodeFault{word.text, "the scene has no tool " + std::to_string(id)};
-    selected_ = id;
-  }
-  const GcodeCode* change = block.code(GcodeGroup::kToolChange);
-  if (change == nullptr) return;
-  if (!selected_) throw GcodeFault{change->text, "no tool was selected with T"};
-  changed_tool_ = true;
-  sink_.set_tool(*selected_ == 0 ? std::nullopt : selected_);
-  if (*selected_ == 0) sink_.lift();
-}
-
-void GcodeMachine::set_tcp(bool by_length_code, bool by_m_code) {
-  // The machine does not move: the same place gets other coordinates.
-  const Vec3 tip = pose(at_).tip_mm;
-  tcp_by_length_code_ = by_length_code;
-  tcp_by_m_code_ = by_m_code;
-  at_.xyz = programmed_from_tip(scene_.machine.kinematics, tool_center_point(), tip, at_.angles);
-}
-
-void GcodeMachine::set_tool_length(GcodeBlock& block, int code) {
-  set_tcp(code == 434, tcp_by_m_code_);
-  if (code == 490) return;
-  const auto number = block.take('h');
-  if (!number) return;
-  const GcodeWord& word = *block.find('h');
-  const auto id = static_cast<ToolId>(whole(*number, 0, 1'000'000'000, word));
-  if (id != 0 && sink_.tool() && *sink_.tool() != id)
-    warn_(word.text +
-          " is the length of another tool than the loaded one; Kerf programs the tip, so lengths "
-          "are not applied");
+void GcodeMachine::set_feed_mode(int code) {
+  modes_.feed_mode = code == 930   ? GcodeFeedMode::kInverseTime
+                     : code == 940 ? GcodeFeedMode::kPerMinute
+                                   : GcodeFeedMode::kPerRevolution;
+  // A feed of one mode means nothing in another: it must be given anew.
+  if (code != 930) modes_.feed_mm = modes_.feed_deg = 0;
 }
 
 void GcodeMachine::set_modes(GcodeBlock& block) {
-  if (const GcodeCode* code = block.code(GcodeGroup::kPlane))
-    plane_ = code->code == 170 ? ArcPlane::kXy : code->code == 180 ? ArcPlane::kZx : ArcPlane::kYz;
-  if (const GcodeCode* code = block.code(GcodeGroup::kToolLength))
-    set_tool_length(block, code->code);
-  if (const GcodeCode* code = block.code(GcodeGroup::kCoordinateSystem))
-    coordinate_system_ = code->code <= 590 ? code->code / 10 - 53 : code->code - 584;
+  if (const GcodeCode* code = block.code(GcodeGroup::kPlane)) {
+    const ArcPlane plane = code->code == 170   ? ArcPlane::kXy
+                           : code->code == 180 ? ArcPlane::kZx
+                                               : ArcPlane::kYz;
+    if (plane != modes_.plane) refuse_compensated(*code);
+    modes_.plane = plane;
+  }
+  if (const GcodeCode* code = block.code(GcodeGroup::kUnits))
+    modes_.unit_mm = code->code == 200 ? kMmPerInch : 1;
+  compensation_.set_unit(modes_.unit_mm);
+  if (const GcodeCode* code = block.code(GcodeGroup::kCutterCompensation))
+    start_compensation(block, code->code);
+  if (const GcodeCode* code = block.code(GcodeGroup::kToolLength)) {
+    refuse_compensated(*code);
+    offset_tool(block, code->code);
+  }
+  if (const GcodeCode* code = block.code(GcodeGroup::kCoordinateSystem)) {
+    refuse_compensated(*code);
+    select_system(code->code <= 590 ? code->code / 10 - 53 : code->code - 584);
+  }
   if (const GcodeCode* code = block.code(GcodeGroup::kPathControl)) {
+    refuse_compensated(*code);
     // How tightly corners are followed is the controller's matter: Kerf follows the programmed
     // path.
-    if (code->code == 640 && block.take('p')) block.take('q');
+    if (code->code == 640) {
+      block.take('p');
+      block.take('q');
+    }
   }
-  if (const GcodeCode* code = block.code(GcodeGroup::kDistance)) incremental_ = code->code == 910;
+  if (const GcodeCode* code = block.code(GcodeGroup::kDistance))
+    modes_.incremental = code->code == 910;
   if (const GcodeCode* code = block.code(GcodeGroup::kArcDistance))
-    arc_absolute_ = code->code == 901;
-}
-
-GcodeMachine::Offset GcodeMachine::offset() const {
-  Offset sum = systems_[static_cast<std::size_t>(coordinate_system_)];
-  if (g92_on_)
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += g92_[i];
-  return sum;
-}
-
-double GcodeMachine::current(int axis) const {
-  switch (axis) {
-    case 0:
-      return at_.xyz.x;
-    case 1:
-      return at_.xyz.y;
-    case 2:
-      return at_.xyz.z;
-    case 3:
-      return at_.angles.a;
-    case 4:
-      return at_.angles.b;
-    default:
-      return at_.angles.c;
+    modes_.arc_absolute = code->code == 901;
+  if (const GcodeCode* code = block.code(GcodeGroup::kRetract)) {
+    refuse_compensated(*code);
+    modes_.retract_to_r = code->code == 990;
   }
 }
 
-void GcodeMachine::set_offsets(GcodeBlock& block) {
-  const GcodeCode* code = block.code(GcodeGroup::kNonModal);
-  if (code == nullptr || code->code == 40 || code->code == 530) return;
-  if (takes_axis_words(code->code) && block.code(GcodeGroup::kMotion) != nullptr &&
-      block.has_any(kAxisLetters))
-    throw GcodeFault{code->text, "may not share its axis words with a motion code in one block"};
-  if (code->code == 280 || code->code == 300) return go_home(block);
-  shift_origin(block, code->code);
+bool GcodeMachine::stop(const GcodeBlock& block) {
+  const GcodeCode* code = block.code(GcodeGroup::kStop);
+  if (code == nullptr) return false;
+  compensation_.flush(in_plane(linear(at_), compensation_.plane()));
+  return code->code == 2 || code->code == 30 || code->code == 99;
 }
 
-void GcodeMachine::shift_origin(GcodeBlock& block, int code) {
-  if (code >= 921) {
-    g92_on_ = code == 923;
-    if (code == 921) g92_ = {};
-    return;
-  }
-  Offset* target = &g92_;
-  bool to_current = true;
-  if (code == 100) {
-    const auto kind = block.take('l');
-    const auto system = block.take('p');
-    if (!kind || (*kind != 2 && *kind != 20))
-      throw GcodeFault{"G10", "only L2 and L20 are supported"};
-    if (!system) throw GcodeFault{"G10", "needs P with the number of the coordinate system"};
-    const int number = whole(*system, 0, 9, *block.find('p'));
-    target = &systems_[static_cast<std::size_t>(number == 0 ? coordinate_system_ : number)];
-    to_current = *kind == 20;
-  } else if (!block.has_any(kAxisLetters)) {
-    throw GcodeFault{"G92", "needs at least one axis word"};
-  }
-  for (int axis = 0; axis < 6; ++axis) {
-    const auto value = block.take(kAxisLetters[static_cast<std::size_t>(axis)]);
-    if (!value) continue;
-    const auto i = static_cast<std::size_t>(axis);
-    const double wanted = *value * (axis < 3 ? unit_mm_ : 1);
-    const double others = code == 920 ? systems_[static_cast<std::size_t>(coordinate_system_)][i]
-                          : g92_on_   ? g92_[i]
-                                      : 0;
-    (*target)[i] = to_current ? current(axis) - wanted - others : wanted;
-  }
-  if (code == 920) {
-    // Axes that are not named keep the shift that is in force.
-    for (std::size_t i = 0; i < 6; ++i)
-      if (!g92_on_ && block.find(kAxisLetters[i]) == nullptr) g92_[i] = 0;
-    g92_on_ = true;
-  }
-}
-
-void GcodeMachine::go_home(GcodeBlock& block) {
-  const bool named = block.has_any(kAxisLetters);
-  const std::array<bool, 3> linear{block.find('x') != nullptr, block.find('y') != nullptr,
-                                   block.find('z') != nullptr};
-  if (named) {
-    const Position via = read_target(block);
-    if (!approach(via, true, true)) straight(via, 0, true);
-    at_ = via;
-  }
-  // Home is a place of the machine, which the workpiece does not know: the tool is away until it is
-  // placed again.
-  sink_.lift();
-  for (std::size_t i = 0; i < 3; ++i)
-    if (linear[i] || !named) known_[i] = false;
-}
-
-void GcodeMachine::publish_position() {
-  const Offset sum = offset();
-  for (int axis = 0; axis < 6; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    const double unit = axis < 3 ? unit_mm_ : 1;
-    parameters_.set(kPositionParameter + axis, (current(axis) - sum[i]) / unit);
-    parameters_.set(kG92Parameter + axis, g92_[i] / unit);
-    for (int system = 1; system <= 9; ++system)
-      parameters_.set(kSystemParameter + 1 + kSystemStride * (system - 1) + axis,
-                      systems_[static_cast<std::size_t>(system)][i] / unit);
-  }
-  parameters_.set(kSystemParameter, coordinate_system_);
-}
-
-double GcodeMachine::tool_length_mm() const {
-  const auto tool = sink_.tool();
-  return tool ? scene_.tools.at(*tool).tool.length_mm : 0;
-}
-
-ToolPose GcodeMachine::pose(const Position& position) const {
-  const MachineKinematics kind = scene_.machine.kinematics;
-  return {
-      tip_from_programmed(kind, tool_center_point(), position.xyz, position.angles),
-      kind == MachineKinematics::kToolVector ? position.axis : table_axis(kind, position.angles)};
+void GcodeMachine::count_call() {
+  if (++calls_ > kGcodeCallsMax)
+    throw GcodeFault{
+        "", "the program asks for more than " + std::to_string(kGcodeCallsMax) + " motions"};
 }
 
 }  // namespace kerf

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/formats/gcode/environment.h"
+
+namespace kerf {
+
+/// Which files tell what a program in G-code finds at its controller.
+struct EnvironmentFiles {
+  std::optional<std::filesystem::path> tool_table, parameters;
+  std::vector<std::filesystem::path> subroutine_folders;  ///< searched after the program's own
+  bool inch_machine = false;  ///< tool table and parameters are in inches; programs begin in G20
+};
+
+/// Reads them for a program, beside which subroutines are looked for first; or "file:line: what is
+/// wrong".
+std::expected<GcodeEnvironment, std::string> load_environment(const EnvironmentFiles& files,
+                                                              const std::filesystem::path& program);
+
+}  // namespace kerf

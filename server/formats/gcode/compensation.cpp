@@ -1,0 +1,264 @@
+#include "server/formats/gcode/compensation.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "server/formats/gcode/fault.h"
+
+// The side of the path, the angle of a corner and where it is told from an inside one follow
+// LinuxCNC's interpreter, so that both give the same path: theta points from the programmed point
+// to the tool, alpha along the next move, beta is how far the path turns away from the tool.
+namespace kerf {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kTwoPi = 2 * kPi;
+constexpr double kHalfPi = kPi / 2;
+// A corner that turns by less than this is none (LinuxCNC's figure, rad).
+constexpr double kCornerMinRad = 0.05;
+// Radii of a compensated arc's ends that differ by more than this, in the program's unit, are an
+// error of the computation.
+constexpr double kArcRadii = 0.01;
+// A compensated arc may come out longer than the programmed one by this angle (LinuxCNC, rad).
+constexpr double kArcLongerRad = 0.0254;
+constexpr double kArcLongerInchRad = 0.001;
+
+bool within_one(double cosine) { return cosine >= -1 && cosine <= 1; }
+
+[[noreturn]] void too_narrow(const char* what) {
+  throw GcodeFault{"", std::string(what) + " cannot be reached by the tool without gouging"};
+}
+
+}  // namespace
+
+double sweep_rad(PlanePoint from, PlanePoint center, int turns, PlanePoint to) {
+  if (turns == 0) return 0;
+  double alpha = direction(center, from);
+  double beta = direction(center, to);
+  if (turns > 0) {
+    if (beta <= alpha) beta += kTwoPi;
+    return beta - alpha + (turns - 1) * kTwoPi;
+  }
+  if (alpha <= beta) alpha += kTwoPi;
+  return beta - alpha + (turns + 1) * kTwoPi;
+}
+
+double CutterCompensation::quarter() const { return side_ > 0 ? kHalfPi : -kHalfPi; }
+
+void CutterCompensation::start(int side, double radius_mm, ArcPlane plane) {
+  side_ = radius_mm < 0 ? -side : side;
+  radius_ = std::abs(radius_mm);
+  plane_ = plane;
+  beside_ = false;
+}
+
+std::optional<PlanePoint> CutterCompensation::end(PlanePoint at) {
+  std::optional<PlanePoint> programmed;
+  if (active() && beside_) {
+    flush(at);
+    programmed = programmed_;
+  }
+  side_ = 0;
+  beside_ = false;
+  return programmed;
+}
+
+void CutterCompensation::push(CompensatedMove move) { waiting_.push_back(std::move(move)); }
+
+void CutterCompensation::flush(PlanePoint at) {
+  shorten_to(at);
+  waiting_from_.reset();
+}
+
+void CutterCompensation::emit_waiting() {
+  const std::vector<CompensatedMove> moves = std::exchange(waiting_, {});
+  waiting_from_.reset();
+  for (const CompensatedMove& move : moves) emit_(move);
+}
+
+// Moves the end of what waits to the corner's point, and emits it.
+void CutterCompensation::shorten_to(PlanePoint point) {
+  if (waiting_.empty()) return;
+  for (CompensatedMove& move : waiting_) {
+    if (move.kind == CompensatedMove::Kind::kDwell) continue;
+    check_shortened(move, point);
+    move.end.first = point.first;
+    move.end.second = point.second;
+  }
+  emit_waiting();
+  waiting_from_ = point;
+}
+
+void CutterCompensation::check_shortened(const CompensatedMove& move, PlanePoint point) const {
+  if (move.kind != CompensatedMove::Kind::kArc) {
+    if (!waiting_from_) return;
+    const double along = move.direction_first * (point.first - waiting_from_->first) +
+                         move.direction_second * (point.second - waiting_from_->second);
+    if (along < 0) too_narrow("the end of a straight move in an inside corner");
+    return;
+  }
+  const double before = distance(move.center, move.end);
+  if (std::abs(before - distance(move.center, point)) > kArcRadii * unit_mm_)
+    too_narrow("the end of an arc in an inside corner");
+  if (move.programmed_sweep_rad == 0 || !waiting_from_) return;
+  const double sweep = sweep_rad(*waiting_from_, move.center, move.turns, point);
+  const double longer = unit_mm_ == 1 ? kArcLongerRad : kArcLongerInchRad;
+  if (std::abs(sweep) > std::abs(move.programmed_sweep_rad) + longer)
+    too_narrow("the end of an arc in an inside corner");
+}
+
+void CutterCompensation::dwell(double seconds, const CompensatedInfo& info) {
+  CompensatedMove move{
+      .kind = CompensatedMove::Kind::kDwell, .end = {}, .center = {}, .info = info};
+  move.seconds = seconds;
+  if (waiting_.empty()) {
+    emit_(move);
+  } else {
+    push(std::move(move));
+  }
+}
+
+PlanePoint CutterCompensation::straight(bool rapid, PlanePoint at, PlanePoint to,
+                                        CompensatedInfo info) {
+  const PlanePoint from = beside_ ? programmed_ : at;
+  if (info.per_move > 0)
+    info.feed.mm_per_min = info.per_move * std::hypot(distance(from, to), to.normal - from.normal);
+  PlanePoint end;
+  if (!beside_) {
+    end = enter_straight(rapid, at, to, info);
+  } else if (to.first == programmed_.first && to.second == programmed_.second) {
+    end = {at.first, at.second, to.normal};
+    CompensatedMove move{
+        .kind = rapid ? CompensatedMove::Kind::kRapid : CompensatedMove::Kind::kFeed,
+        .end = end,
+        .center = {},
+        .info = info};
+    push(std::move(move));
+  } else {
+    end = follow_straight(rapid, at, to, info);
+  }
+  beside_ = true;
+  programmed_ = to;
+  return end;
+}
+
+PlanePoint CutterCompensation::enter_straight(bool rapid, PlanePoint at, PlanePoint to,
+                                              const CompensatedInfo& info) {
+  if (distance(at, to) <= radius_)
+    throw GcodeFault{"",
+                     "the move that begins cutter compensation must be longer than the tool's "
+                     "radius, " +
+                         std::to_string(radius_) + " mm"};
+  const double across = direction(at, to) + quarter();
+  waiting_from_ = at;
+  CompensatedMove move{.kind = rapid ? CompensatedMove::Kind::kRapid : CompensatedMove::Kind::kFeed,
+                       .end = offset_point(to, radius_, across),
+                       .center = {},
+                       .info = info};
+  move.direction_first = std::cos(across);
+  move.direction_second = std::sin(across);
+  const PlanePoint end = move.end;
+  push(std::move(move));
+  return end;
+}
+
+PlanePoint CutterCompensation::follow_straight(bool rapid, PlanePoint at, PlanePoint to,
+                                               const CompensatedInfo& info) {
+  double theta = direction(programmed_, at);
+  double alpha = direction(programmed_, to);
+  double beta;
+  if (side_ > 0) {
+    if (theta < alpha) theta += kTwoPi;
+    beta = theta - alpha - kHalfPi;
+  } else {
+    if (alpha < theta) alpha += kTwoPi;
+    beta = alpha - theta - kHalfPi;
+  }
+  const PlanePoint end = offset_point(to, radius_, alpha + quarter());
+  const PlanePoint round_end = offset_point(programmed_, radius_, alpha + quarter());
+  const bool turns_back_on_arc =
+      beta > kPi - kCornerMinRad && waiting_arc() && !inside(waiting_.front().turns);
+  const bool is_inside = beta < -kCornerMinRad || beta > kPi + kCornerMinRad || turns_back_on_arc;
+  if (is_inside) {
+    shorten_to(waiting_arc() ? inside_corner_after_arc(waiting_.front(), to)
+                             : inside_corner(at, theta, beta));
+  } else if (beta > kCornerMinRad) {
+    shorten_to(at);
+    round_corner(rapid, at, round_end, info);
+  } else {
+    emit_waiting();
+    waiting_from_ = at;
+  }
+  CompensatedMove move{.kind = rapid ? CompensatedMove::Kind::kRapid : CompensatedMove::Kind::kFeed,
+                       .end = {end.first, end.second, to.normal},
+                       .center = {},
+                       .info = info};
+  move.direction_first = to.first - programmed_.first;
+  move.direction_second = to.second - programmed_.second;
+  push(std::move(move));
+  return {end.first, end.second, to.normal};
+}
+
+// Round an outside corner on an arc about the programmed point; a rapid goes straight.
+void CutterCompensation::round_corner(bool rapid, PlanePoint at, PlanePoint to,
+                                      const CompensatedInfo& info) {
+  emit_waiting();
+  CompensatedMove move{.kind = rapid ? CompensatedMove::Kind::kRapid : CompensatedMove::Kind::kArc,
+                       .end = {to.first, to.second, at.normal},
+                       .center = {programmed_.first, programmed_.second, 0},
+                       .turns = side_ > 0 ? -1 : 1,
+                       .info = info};
+  emit_(move);
+  waiting_from_ = to;
+}
+
+PlanePoint CutterCompensation::inside_corner(PlanePoint at, double theta, double beta) const {
+  const double half = (beta + kPi) / 2;
+  if (half == 0) throw GcodeFault{"", "the path turns straight back inside of the tool"};
+  return offset_point(at, radius_ / std::tan(half), theta + quarter());
+}
+
+PlanePoint CutterCompensation::inside_corner_after_arc(const CompensatedMove& arc,
+                                                       PlanePoint to) const {
+  const double radius = distance(arc.center, arc.end);
+  const double along = direction(programmed_, to);
+  const double theta = arc.turns > 0 ? along + kHalfPi : along - kHalfPi;
+  const double phi = direction(programmed_, arc.center);
+  const bool is_inside = inside(arc.turns);
+  const double programmed_radius = is_inside ? radius + radius_ : radius - radius_;
+  const double height =
+      programmed_radius * std::cos(theta - phi) + (is_inside ? -radius_ : radius_);
+  const double cosine = height / radius;
+  if (!within_one(cosine)) too_narrow("the corner of an arc and a straight move");
+  const double turn = (arc.turns > 0) == is_inside ? -std::acos(cosine) : std::acos(cosine);
+  return offset_point(arc.center, radius, turn + theta + kPi);
+}
+
+PlanePoint CutterCompensation::arc(PlanePoint at, PlanePoint to, const ArcCenter& given,
+                                   bool clockwise, int turns, double spiral_tolerance_mm,
+                                   CompensatedInfo info) {
+  const PlanePoint from = beside_ ? programmed_ : at;
+  const PlanePoint center = arc_center(from_plane(from, plane_), from_plane(to, plane_), plane_,
+                                       given, clockwise, spiral_tolerance_mm);
+  const int signed_turns = clockwise ? -turns : turns;
+  if (info.per_move > 0)
+    info.feed.mm_per_min = info.per_move * std::hypot(distance(center, from) *
+                                                          sweep_rad(from, center, signed_turns, to),
+                                                      to.normal - from.normal);
+  const double programmed_radius = given.radius ? std::abs(*given.radius)
+                                   : beside_    ? distance(center, to)
+                                                : distance(center, from);
+  if (inside(signed_turns) && programmed_radius <= radius_)
+    throw GcodeFault{"", "the arc's radius is not greater than the tool's, " +
+                             std::to_string(radius_) + " mm, which is inside of it"};
+  const PlanePoint end =
+      beside_ ? follow_arc(at, to, center, signed_turns, info)
+              : enter_arc(at, to, center, clockwise, turns, spiral_tolerance_mm, info);
+  beside_ = true;
+  programmed_ = to;
+  return end;
+}
+
+}  // namespace kerf

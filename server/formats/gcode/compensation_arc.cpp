@@ -1,0 +1,125 @@
+// Arcs of CutterCompensation, as LinuxCNC's interpreter computes them (compensation.cpp tells the
+// angles).
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "server/formats/gcode/compensation.h"
+#include "server/formats/gcode/fault.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kTwoPi = 2 * kPi;
+constexpr double kHalfPi = kPi / 2;
+constexpr double kCornerMinRad = 0.05;
+constexpr double kNoAngle = 1e-4;
+
+[[noreturn]] void too_narrow(const char* what) {
+  throw GcodeFault{"", std::string(what) + " cannot be reached by the tool without gouging"};
+}
+
+}  // namespace
+
+// From where the tool is, an arc that ends beside the programmed end: its centre lies on the line
+// through the programmed centre and end.
+PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoint center,
+                                         bool clockwise, int turns, double spiral_tolerance_mm,
+                                         const CompensatedInfo& info) {
+  if (distance(at, to) <= radius_)
+    throw GcodeFault{"",
+                     "the arc that begins cutter compensation must be longer than the tool's "
+                     "radius, " +
+                         std::to_string(radius_) + " mm"};
+  const int signed_turns = clockwise ? -turns : turns;
+  const double gamma = inside(signed_turns) ? direction(to, center) : direction(center, to);
+  const PlanePoint end = offset_point(to, radius_, gamma);
+  const double half_chord = distance(end, at) / 2;
+  const double to_center = direction(end, center);
+  const double cosine = std::cos(direction(end, at) - to_center);
+  if (std::abs(cosine) < kNoAngle)
+    throw GcodeFault{"", "the arc that begins cutter compensation has no centre"};
+  const PlanePoint moved = offset_point(end, half_chord / cosine, to_center);
+  if (std::abs(distance(moved, end) - distance(moved, at)) > spiral_tolerance_mm)
+    throw GcodeFault{"", "the arc that begins cutter compensation has no centre"};
+  CompensatedMove move{.kind = CompensatedMove::Kind::kArc,
+                       .end = {end.first, end.second, to.normal},
+                       .center = moved,
+                       .turns = signed_turns,
+                       .info = info};
+  move.programmed_sweep_rad = sweep_rad(at, moved, signed_turns, end);
+  const PlanePoint result = move.end;
+  push(std::move(move));
+  return result;
+}
+
+PlanePoint CutterCompensation::follow_arc(PlanePoint at, PlanePoint to, PlanePoint center,
+                                          int turns, const CompensatedInfo& info) {
+  const double radius = distance(center, to);
+  const double theta = direction(programmed_, at) - quarter();
+  double delta = direction(programmed_, center);
+  const double alpha = turns > 0 ? delta - kHalfPi : delta + kHalfPi;
+  double beta = side_ > 0 ? theta - alpha : alpha - theta;
+  if (beta > 1.5 * kPi) {
+    beta -= kTwoPi;
+  } else if (beta < -kHalfPi) {
+    beta += kTwoPi;
+  }
+  double gamma = direction(to, center);
+  if (!inside(turns)) {
+    gamma = direction(center, to);
+    delta += kPi;
+  }
+  const PlanePoint end = offset_point(to, radius_, gamma);
+  if (beta < -kCornerMinRad || beta > kPi + kCornerMinRad ||
+      (std::abs(beta - kPi) < kCornerMinRad && !inside(turns))) {
+    shorten_to(waiting_arc() ? inside_corner_of_arcs(waiting_.front(), center, radius, turns)
+                             : inside_corner_before_arc(center, radius, theta, beta, turns));
+  } else if (beta > kCornerMinRad) {
+    round_corner(false, at, offset_point(programmed_, radius_, delta), info);
+  } else {
+    emit_waiting();
+    waiting_from_ = at;
+  }
+  CompensatedMove move{.kind = CompensatedMove::Kind::kArc,
+                       .end = {end.first, end.second, to.normal},
+                       .center = center,
+                       .turns = turns,
+                       .info = info};
+  move.programmed_sweep_rad = sweep_rad(programmed_, center, turns, to);
+  const PlanePoint result = move.end;
+  push(std::move(move));
+  return result;
+}
+
+PlanePoint CutterCompensation::inside_corner_before_arc(PlanePoint center, double radius,
+                                                        double theta, double beta,
+                                                        int turns) const {
+  const double center_height = radius * std::sin(beta - kHalfPi);
+  const bool is_inside = inside(turns);
+  const double way = is_inside ? radius - radius_ : radius + radius_;
+  const double sine = (center_height + (is_inside ? radius_ : -radius_)) / way;
+  if (!(sine >= -1 && sine <= 1)) too_narrow("the corner before an arc");
+  const double turn = std::asin(sine);
+  if (is_inside) return offset_point(center, way, turns > 0 ? theta + turn : theta - turn);
+  return offset_point(center, way, turns > 0 ? theta + kPi - turn : theta + kPi + turn);
+}
+
+PlanePoint CutterCompensation::inside_corner_of_arcs(const CompensatedMove& before,
+                                                     PlanePoint center, double radius,
+                                                     int turns) const {
+  const double radius_before = distance(before.center, before.end);
+  const double radius_after = inside(turns) ? radius - radius_ : radius + radius_;
+  const double apart = distance(before.center, center);
+  if (radius_before == 0 || apart == 0)
+    throw GcodeFault{"", "two arcs about one centre cannot follow each other with compensation"};
+  const double cosine =
+      (radius_before * radius_before + apart * apart - radius_after * radius_after) /
+      (2 * radius_before * apart);
+  if (!(cosine >= -1 && cosine <= 1)) too_narrow("the corner of two arcs");
+  const double pull = (turns > 0) == inside(before.turns) ? std::acos(cosine) : -std::acos(cosine);
+  return offset_point(before.center, radius_before, direction(before.center, center) + pull);
+}
+
+}  // namespace kerf

@@ -1,0 +1,200 @@
+#include "server/formats/gcode/cycle.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "server/formats/gcode/fault.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+// Pecking cycles come down at rapid speed to this far above where they were (0.01 inch).
+constexpr double kPeckClearanceMm = 0.254;
+
+class Cycle {
+ public:
+  Cycle(int code, const GcodeModes& modes, const CycleWords& words, CycleMemory& memory,
+        const std::function<void(const CycleStep&)>& step)
+      : code_(code),
+        modes_(modes),
+        words_(words),
+        memory_(memory),
+        step_(step),
+        repeated_(memory.code == code) {}
+
+  PlanePoint run(PlanePoint at) {
+    recall();
+    double level = at.normal;
+    if (!memory_.initial_level) memory_.initial_level = level;
+    double initial = *memory_.initial_level;
+    set_heights(initial);
+    if (initial < r_) {
+      rapid({at.first, at.second, r_});
+      initial = level = r_;
+    }
+    clear_ = modes_.retract_to_r ? r_ : initial;
+    hole_ = {at.first, at.second, 0};
+    if (!modes_.incremental) set_hole();
+    for (int repeat = 0; repeat < words_.repeats; ++repeat) {
+      if (modes_.incremental) advance_hole();
+      if (repeat == 0 && level > r_) {
+        rapid_to(level);
+        rapid_to(r_);
+      } else {
+        rapid_to(clear_);
+        if (clear_ > r_) rapid_to(r_);
+      }
+      drill();
+    }
+    memory_.code = code_;
+    return {hole_.first, hole_.second, clear_};
+  }
+
+ private:
+  // Words that the block leaves out.
+  void recall() {
+    if (!words_.r && !repeated_)
+      throw GcodeFault{"", "the cycle needs R, the plane from which it feeds"};
+    if (!words_.depth && !repeated_)
+      throw GcodeFault{"",
+                       "the cycle needs the depth of its bottom (Z in G17, Y in G18, X in G19)"};
+    if (words_.r) memory_.r = *words_.r;
+    if (words_.depth) memory_.depth = *words_.depth;
+    const bool dwells = code_ == 820 || code_ == 860 || code_ == 880 || code_ == 890;
+    if (dwells && !words_.p && !repeated_)
+      throw GcodeFault{"", "the cycle needs P, the seconds at its bottom"};
+    if (words_.p) memory_.p = *words_.p;
+    const bool pecks = code_ == 730 || code_ == 830;
+    if (pecks && !words_.q && !repeated_)
+      throw GcodeFault{"", "the cycle needs Q, the depth of each peck"};
+    if (words_.q) memory_.q = *words_.q;
+    if (pecks && !(memory_.q > 0)) throw GcodeFault{"", "the depth of a peck, Q, must be above 0"};
+    if (code_ == 870 && !repeated_ && (!words_.i || !words_.j || !words_.k))
+      throw GcodeFault{"", "G87 needs I, J and K"};
+    if (words_.i) memory_.i = *words_.i;
+    if (words_.j) memory_.j = *words_.j;
+    if (words_.k) memory_.k = *words_.k;
+    const bool turns = code_ == 740 || code_ == 840 || (code_ >= 860 && code_ <= 880);
+    if (turns && modes_.spindle == GcodeSpindle::kStopped)
+      throw GcodeFault{"", "the cycle needs a turning spindle (M3 or M4)"};
+    if ((code_ == 840 && modes_.spindle == GcodeSpindle::kCounterClockwise) ||
+        (code_ == 740 && modes_.spindle == GcodeSpindle::kClockwise))
+      throw GcodeFault{"", "the spindle turns the wrong way for this tapping cycle"};
+  }
+
+  void set_heights(double initial) {
+    r_ = modes_.incremental ? memory_.r + initial : memory_.r;
+    bottom_ = modes_.incremental ? r_ + memory_.depth : memory_.depth;
+    if (r_ < bottom_) throw GcodeFault{"", "the cycle's R plane lies below its bottom"};
+    middle_ = modes_.incremental ? bottom_ + memory_.k : memory_.k;
+  }
+
+  void set_hole() {
+    if (words_.distance || words_.angle_deg) {
+      const double radius =
+          words_.distance ? *words_.distance : std::hypot(hole_.first, hole_.second);
+      const double angle =
+          words_.angle_deg ? *words_.angle_deg * kRadPerDeg : std::atan2(hole_.second, hole_.first);
+      hole_.first = radius * std::cos(angle);
+      hole_.second = radius * std::sin(angle);
+      return;
+    }
+    if (words_.first) hole_.first = *words_.first;
+    if (words_.second) hole_.second = *words_.second;
+  }
+
+  void advance_hole() {
+    hole_.first += words_.first.value_or(0);
+    hole_.second += words_.second.value_or(0);
+    const double longer = words_.distance.value_or(0);
+    const double farther = words_.angle_deg.value_or(0) * kRadPerDeg;
+    if (longer == 0 && farther == 0) return;
+    if (hole_.first == 0 && hole_.second == 0)
+      throw GcodeFault{"", "polar steps from the origin have no direction"};
+    const double radius = std::hypot(hole_.first, hole_.second) + longer;
+    const double angle = std::atan2(hole_.second, hole_.first) + farther;
+    hole_.first = radius * std::cos(angle);
+    hole_.second = radius * std::sin(angle);
+  }
+
+  void drill() {
+    switch (code_) {
+      case 730:
+      case 830:
+        return peck();
+      case 850:
+        feed_to(bottom_);
+        feed_to(r_);
+        return rapid_to(clear_);
+      case 740:
+      case 840:
+      case 890:
+        feed_to(bottom_);
+        dwell();
+        return feed_to(clear_);
+      case 870:
+        return bore_back();
+      case 820:
+      case 860:
+        feed_to(bottom_);
+        dwell();
+        return rapid_to(clear_);
+      case 880:  // the operator retracts by hand; the program goes on at the bottom
+        feed_to(bottom_);
+        return dwell();
+      default:
+        feed_to(bottom_);
+        return rapid_to(clear_);
+    }
+  }
+
+  void peck() {
+    for (double depth = r_ - memory_.q; depth > bottom_; depth -= memory_.q) {
+      feed_to(depth);
+      if (code_ == 830) rapid_to(r_);
+      rapid_to(depth + kPeckClearanceMm);
+    }
+    feed_to(bottom_);
+    rapid_to(clear_);
+  }
+
+  // G87: through the hole beside its middle, then the tool bores from below.
+  void bore_back() {
+    const PlanePoint beside{hole_.first + memory_.i, hole_.second + memory_.j, 0};
+    rapid({beside.first, beside.second, r_});
+    rapid({beside.first, beside.second, bottom_});
+    rapid_to(bottom_);
+    feed_to(middle_);
+    feed_to(bottom_);
+    rapid({beside.first, beside.second, bottom_});
+    rapid({beside.first, beside.second, clear_});
+    rapid_to(clear_);
+  }
+
+  void rapid(PlanePoint to) { step_({.kind = CycleStep::Kind::kRapid, .to = to}); }
+  void rapid_to(double normal) { rapid({hole_.first, hole_.second, normal}); }
+  void feed_to(double normal) {
+    step_({.kind = CycleStep::Kind::kFeed, .to = {hole_.first, hole_.second, normal}});
+  }
+  void dwell() { step_({.kind = CycleStep::Kind::kDwell, .seconds = memory_.p}); }
+
+  int code_;
+  const GcodeModes& modes_;
+  const CycleWords& words_;
+  CycleMemory& memory_;
+  const std::function<void(const CycleStep&)>& step_;
+  bool repeated_;
+  PlanePoint hole_;
+  double r_ = 0, bottom_ = 0, middle_ = 0, clear_ = 0;
+};
+
+}  // namespace
+
+PlanePoint expand_cycle(int code, const GcodeModes& modes, PlanePoint at, const CycleWords& words,
+                        CycleMemory& memory, const std::function<void(const CycleStep&)>& step) {
+  return Cycle(code, modes, words, memory, step).run(at);
+}
+
+}  // namespace kerf

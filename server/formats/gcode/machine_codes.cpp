@@ -1,0 +1,124 @@
+// M codes of GcodeMachine, and what it tells of its state.
+#include <cmath>
+
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/machine.h"
+
+namespace kerf {
+
+void GcodeMachine::execute_m(GcodeBlock& block) {
+  if (const GcodeCode* code = block.code(GcodeGroup::kInputOutput)) {
+    refuse_compensated(*code);
+    use_input_output(block, code->code);
+  }
+  if (const GcodeCode* code = block.code(GcodeGroup::kToolChange)) change_tool(block, code->code);
+  if (const GcodeCode* code = block.code(GcodeGroup::kSpindle)) turn_spindle(block, code->code);
+  if (const GcodeCode* code = block.code(GcodeGroup::kCoolant)) {
+    if (code->code == 7) modes_.mist = true;
+    if (code->code == 8) modes_.flood = true;
+    if (code->code == 9) modes_.mist = modes_.flood = false;
+  }
+  if (const GcodeCode* code = block.code(GcodeGroup::kOverride)) {
+    refuse_compensated(*code);
+    override_speeds(block, code->code);
+  }
+  if (const GcodeCode* code = block.code(GcodeGroup::kTcp)) {
+    refuse_compensated(*code);
+    control_tool_center(tcp_by_length_code_, code->code == 428);
+  }
+}
+
+void GcodeMachine::turn_spindle(GcodeBlock& block, int code) {
+  switch (code) {
+    case 3:
+      modes_.spindle = GcodeSpindle::kClockwise;
+      return;
+    case 4:
+      modes_.spindle = GcodeSpindle::kCounterClockwise;
+      return;
+    case 19:
+      block.take('r');
+      block.take('p');
+      block.take('q');
+      [[fallthrough]];
+    case 5:
+      modes_.spindle = GcodeSpindle::kStopped;
+      return;
+    case 71:
+      saved_.back().modes.reset();
+      return;
+    case 72:
+      if (!saved_.back().modes) throw GcodeFault{"M72", "nothing was saved here with M70 or M73"};
+      return restore(*saved_.back().modes);
+    default:  // 70, 73
+      saved_.back().modes = modes_;
+      saved_.back().compensated = compensation_.on();
+      if (code == 73 && saved_.size() > 1) saved_.back().restore_on_return = true;
+  }
+}
+
+void GcodeMachine::leave_subroutine() {
+  const Saved left = saved_.back();
+  if (left.restore_on_return && left.modes) restore(*left.modes);
+  saved_.pop_back();
+}
+
+void GcodeMachine::restore(const GcodeModes& modes) {
+  if (compensation_.on() != saved_.back().compensated) {
+    if (saved_.back().compensated)
+      throw GcodeFault{"", "cutter compensation cannot be taken up again by M72 or M73"};
+    GcodeBlock none;
+    start_compensation(none, 400);
+  }
+  if (modes.system != modes_.system) select_system(modes.system);
+  if (modes.tool_length != modes_.tool_length) {
+    const ToolTableEntry* loaded = tool(loaded_tool_);
+    apply_tool_offset(modes.tool_length && loaded != nullptr ? loaded->offset : GcodeAxes{});
+  }
+  const int motion = modes_.motion;
+  modes_ = modes;
+  modes_.motion = motion;
+}
+
+void GcodeMachine::override_speeds(GcodeBlock& block, int code) {
+  const bool on = code == 48 || (code != 49 && block.take('p').value_or(1) != 0);
+  if (code <= 50) modes_.feed_override = on;
+  if (code <= 49 || code == 51) modes_.speed_override = on;
+  if (code == 52) modes_.adaptive_feed = on;
+  if (code == 53) modes_.feed_hold = on;
+}
+
+// What is switched and measured outside of the workpiece does not change it; an input keeps the
+// value that #5399 has.
+void GcodeMachine::use_input_output(GcodeBlock& block, int code) {
+  const GcodeCode& written = *block.code(GcodeGroup::kInputOutput);
+  const auto digital = block.take('p');
+  if (code <= 65) {
+    if (!digital) throw GcodeFault{written.text, "needs P, the number of the output"};
+    return;
+  }
+  const auto analog = block.take('e');
+  block.take('q');
+  if (code > 66) {
+    if (!analog) throw GcodeFault{written.text, "needs E, the number of the output"};
+    return;
+  }
+  const auto wait = block.take('l');
+  if (digital.has_value() == analog.has_value())
+    throw GcodeFault{written.text, "needs either P or E, the number of the input"};
+  warn_(written.text + " asks for an input, which Kerf does not have; #5399 keeps its value" +
+        (wait.value_or(0) != 0 ? ", and nothing is waited for" : ""));
+  const double kept = parameters_.numbered(gcode_parameter::kInput);
+  if (digital) parameters_.set(gcode_parameter::kInput, kept != 0 ? 1 : 0);
+}
+
+void GcodeMachine::control_tool_center(bool by_length_code, bool by_m_code) {
+  // The machine does not move: the same place gets other coordinates.
+  tcp_by_length_code_ = by_length_code;
+  tcp_by_m_code_ = by_m_code;
+  const GcodePlace at = canon_.control_tool_center(by_length_code || by_m_code, place(at_));
+  at_ = frame_.programmed(at.axes);
+  actual_ = at.axes;
+}
+
+}  // namespace kerf

@@ -1,0 +1,377 @@
+// The motions of GcodeMachine: targets, straight lines, arcs, cycles, feeds.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/machine.h"
+
+namespace kerf {
+namespace {
+
+constexpr std::string_view kCenterLetters = "ijk";
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+constexpr int kTurnsMax = 1000;
+constexpr int kRepeatsMax = 1'000'000;
+
+std::string_view plane_letters(ArcPlane plane) {
+  return plane == ArcPlane::kXy ? "xyz" : plane == ArcPlane::kZx ? "zxy" : "yzx";
+}
+
+}  // namespace
+
+GcodeMachine::Named GcodeMachine::named_axes(const GcodeBlock& block) {
+  Named named{};
+  for (std::size_t i = 0; i < named.size(); ++i) named[i] = block.find(kAxisLetters[i]) != nullptr;
+  if (block.has_any(kPolarLetters)) named[0] = named[1] = true;
+  return named;
+}
+
+GcodePlace GcodeMachine::place(const GcodeAxes& programmed) const {
+  return {frame_.without(programmed), tool_axis_};
+}
+
+void GcodeMachine::move(GcodeBlock& block) {
+  if (motion_to_be_ < 0) return;
+  const int code = motion_to_be_;
+  if (!is_canned_cycle(code)) {
+    cycle_.code = 0;
+    cycle_.initial_level.reset();
+  }
+  if (code == 800) {
+    modes_.motion = code;
+  } else if (is_canned_cycle(code)) {
+    cycle(block, code);
+  } else if (code <= 10) {
+    straight(block, code);
+  } else if (code == 50 || code == 51) {
+    spline(block, code == 50);
+  } else if (code == 331) {
+    tap(block);
+  } else {
+    arc(block, code == 20);
+  }
+}
+
+GcodeAxes GcodeMachine::read_target(GcodeBlock& block) {
+  GcodeAxes to = at_;
+  if (compensation_.beside()) {
+    const Vec3 programmed = from_plane(compensation_.programmed(), compensation_.plane());
+    to[0] = programmed.x;
+    if (compensation_.plane() == ArcPlane::kXy) to[1] = programmed.y;
+    if (compensation_.plane() == ArcPlane::kZx) to[2] = programmed.z;
+  }
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const auto value = block.take(kAxisLetters[i]);
+    if (!value) continue;
+    const double written = *value * (i < 3 ? modes_.unit_mm : 1);
+    to[i] = modes_.incremental ? to[i] + written : written;
+  }
+  read_polar(block, to);
+  return to;
+}
+
+void GcodeMachine::read_polar(GcodeBlock& block, GcodeAxes& to) {
+  const auto distance = block.take('@');
+  const auto angle = block.take('^');
+  if (!distance && !angle) return;
+  if (to[0] == 0 && to[1] == 0 && (modes_.incremental || !angle))
+    throw GcodeFault{"",
+                     "polar coordinates from the origin need both distance and angle, and no G91"};
+  double radius = std::hypot(to[0], to[1]);
+  double turn = std::atan2(to[1], to[0]);
+  if (modes_.incremental) {
+    radius += distance.value_or(0) * modes_.unit_mm;
+    turn += angle.value_or(0) * kRadPerDeg;
+  } else {
+    if (distance) radius = *distance * modes_.unit_mm;
+    if (angle) turn = *angle * kRadPerDeg;
+  }
+  to[0] = radius * std::cos(turn);
+  to[1] = radius * std::sin(turn);
+}
+
+// G53: the words are in the machine's coordinates.
+GcodeAxes GcodeMachine::read_machine_target(GcodeBlock& block) {
+  if (block.has_any(kPolarLetters)) throw GcodeFault{"G53", "cannot stand with polar coordinates"};
+  GcodeAxes target = frame_.without(at_);
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    const auto value = block.take(kAxisLetters[i]);
+    if (value) target[i] = *value * (i < 3 ? modes_.unit_mm : 1) - (i < 3 ? tool_offset_[i] : 0);
+  }
+  GcodeAxes to = frame_.programmed(target);
+  // What is not named stays where it is, to the bit.
+  for (std::size_t i = 2; i < to.size(); ++i)
+    if (block.find(kAxisLetters[i]) == nullptr) to[i] = at_[i];
+  return to;
+}
+
+Vec3 GcodeMachine::read_tool_axis(GcodeBlock& block) {
+  const auto i = block.take('i');
+  const auto j = block.take('j');
+  const auto k = block.take('k');
+  if (!i && !j && !k) return tool_axis_;
+  if (!i || !j || !k) throw GcodeFault{"I J K", "the tool axis needs all three of I, J and K"};
+  const Vec3 axis{*i, *j, *k};
+  const double size = length(axis);
+  if (!(size > 1e-6) || !std::isfinite(size))
+    throw GcodeFault{"I J K", "the tool axis has no direction"};
+  return axis;
+}
+
+void GcodeMachine::require_feed(const GcodeBlock& block) const {
+  if (modes_.feed_mode == GcodeFeedMode::kInverseTime) {
+    if (block.find('f') == nullptr || block.find('f')->value <= 0)
+      throw GcodeFault{"", "in inverse time (G93) every cutting block needs its own F above 0"};
+    return;
+  }
+  if (modes_.feed_deg <= 0)
+    throw GcodeFault{"", "the feed is 0: give F before the first cutting motion"};
+  if (modes_.feed_mode != GcodeFeedMode::kPerRevolution) return;
+  if (modes_.spindle_rpm <= 0)
+    throw GcodeFault{"", "feed per revolution (G95) needs a spindle speed S above 0"};
+  if (modes_.surface_speed)
+    throw GcodeFault{"",
+                     "feed per revolution (G95) at constant surface speed (G96) belongs to "
+                     "lathes: the speed would follow the diameter"};
+}
+
+GcodeFeed GcodeMachine::feed_of(const GcodeBlock& block) const {
+  if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
+    return {.duration_s = 60 / block.find('f')->value};
+  const double turns = modes_.feed_mode == GcodeFeedMode::kPerRevolution ? modes_.spindle_rpm : 1;
+  return {.mm_per_min = modes_.feed_mm * turns, .deg_per_min = modes_.feed_deg * turns};
+}
+
+void GcodeMachine::straight(GcodeBlock& block, int code) {
+  arc_refused_ = false;
+  const bool is_rapid = code == 0;
+  if (!is_rapid) require_feed(block);
+  modes_.motion = code;
+  const bool in_machine = block.has_code(GcodeGroup::kNonModal, 530);
+  const Named named = named_axes(block);
+  if (in_machine) {
+    refuse_compensated(*block.code(GcodeGroup::kNonModal));
+    if (!is_rapid && !setup_.machine_zero_known)
+      throw GcodeFault{"G53",
+                       "only G53 G0 is supported without a parameter file: the machine's "
+                       "zero is not known"};
+  }
+  const GcodeAxes to = in_machine ? read_machine_target(block) : read_target(block);
+  if (setup_.tool_axis_words) tool_axis_ = read_tool_axis(block);
+  if (compensation_.active()) {
+    CompensatedInfo info{.axes = to,
+                         .feed = is_rapid ? GcodeFeed{} : feed_of(block),
+                         .named = named,
+                         .file = file_,
+                         .line = line_};
+    if (!is_rapid && modes_.feed_mode == GcodeFeedMode::kInverseTime) {
+      info.per_move = block.find('f')->value;
+      info.feed.duration_s = 0;
+    }
+    const ArcPlane plane = compensation_.plane();
+    const PlanePoint end = compensation_.straight(is_rapid, in_plane(linear(at_), plane),
+                                                  in_plane(linear(to), plane), info);
+    at_ = to;
+    set_linear(at_, from_plane(end, plane));
+    return;
+  }
+  if (is_rapid) {
+    rapid(to, in_machine ? GcodeRapid::kMachine : GcodeRapid::kPlain, named);
+  } else {
+    feed(to, feed_of(block), named);
+  }
+}
+
+void GcodeMachine::arrive(const GcodeAxes& programmed) {
+  at_ = programmed;
+  actual_ = frame_.without(programmed);
+}
+
+void GcodeMachine::rapid(const GcodeAxes& to, GcodeRapid kind, const Named& named) {
+  count_call();
+  canon_.rapid(place(to), kind, named);
+  arrive(to);
+}
+
+void GcodeMachine::feed(const GcodeAxes& to, const GcodeFeed& feed, const Named& named) {
+  count_call();
+  canon_.feed(place(to), feed, named);
+  arrive(to);
+}
+
+ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
+  ArcCenter center;
+  center.absolute = modes_.arc_absolute;
+  if (const auto radius = block.take('r')) {
+    if (block.has_any(kCenterLetters))
+      throw GcodeFault{block.find('r')->text, "may not stand with I, J or K"};
+    if (*radius == 0) throw GcodeFault{block.find('r')->text, "the radius must not be 0"};
+    const std::string_view ends = plane_letters(modes_.plane).substr(0, 2);
+    if (!block.has_any(ends) && !block.has_any(kPolarLetters))
+      throw GcodeFault{block.find('r')->text, "needs an end in the arc's plane"};
+    center.radius = *radius * modes_.unit_mm;
+    return center;
+  }
+  const std::string_view letters = modes_.plane == ArcPlane::kXy   ? "ij"
+                                   : modes_.plane == ArcPlane::kZx ? "ki"
+                                                                   : "jk";
+  for (const char letter : kCenterLetters) {
+    const GcodeWord* word = block.find(letter);
+    if (word != nullptr && letters.find(letter) == std::string_view::npos)
+      throw GcodeFault{word->text, "is not an offset in the selected plane"};
+  }
+  if (!block.has_any(letters)) throw GcodeFault{"", "an arc needs R, or the offsets of its centre"};
+  if (modes_.arc_absolute &&
+      (block.find(letters[0]) == nullptr || block.find(letters[1]) == nullptr))
+    throw GcodeFault{"G90.1", "an arc needs both coordinates of its centre"};
+  center.ijk = {block.take('i').value_or(0) * modes_.unit_mm,
+                block.take('j').value_or(0) * modes_.unit_mm,
+                block.take('k').value_or(0) * modes_.unit_mm};
+  return center;
+}
+
+void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
+  if (arc_refused_)
+    throw GcodeFault{"", "the move after cutter compensation (G40) must be straight, not an arc"};
+  require_feed(block);
+  const ArcCenter center = read_center(block);
+  int turns = 1;
+  if (const auto p = block.take('p')) {
+    if (*p < 1 || *p > kTurnsMax || *p != std::floor(*p))
+      throw GcodeFault{block.find('p')->text, "the number of turns must be whole, from 1 to 1000"};
+    turns = static_cast<int>(*p);
+  }
+  const Named named = named_axes(block);
+  const GcodeAxes to = read_target(block);
+  modes_.motion = clockwise ? 20 : 30;
+  const double tolerance = modes_.unit_mm == 1 ? kSpiralToleranceMm : kSpiralToleranceInchMm;
+  if (compensation_.active()) {
+    CompensatedInfo info{
+        .axes = to, .feed = feed_of(block), .named = named, .file = file_, .line = line_};
+    if (modes_.feed_mode == GcodeFeedMode::kInverseTime) {
+      info.per_move = block.find('f')->value;
+      info.feed.duration_s = 0;
+    }
+    const ArcPlane plane = compensation_.plane();
+    const PlanePoint end =
+        compensation_.arc(in_plane(linear(at_), plane), in_plane(linear(to), plane), center,
+                          clockwise, turns, tolerance, info);
+    at_ = to;
+    set_linear(at_, from_plane(end, plane));
+    return;
+  }
+  const PlanePoint middle =
+      arc_center(linear(at_), linear(to), modes_.plane, center, clockwise, tolerance);
+  count_call();
+  canon_.arc(arc_about(linear(at_), linear(to), modes_.plane, middle, clockwise ? -turns : turns),
+             frame_, place(to), feed_of(block), named);
+  arrive(to);
+}
+
+void GcodeMachine::emit(const CompensatedMove& move) {
+  count_call();
+  const bool earlier = move.info.line != line_ || move.info.file != file_;
+  if (earlier) canon_.at_line(move.info.file, move.info.line);
+  if (move.kind == CompensatedMove::Kind::kDwell) {
+    canon_.dwell(move.seconds);
+  } else {
+    GcodeAxes to = move.info.axes;
+    set_linear(to, from_plane(move.end, compensation_.plane()));
+    const GcodePlace target = place(to);
+    if (move.kind == CompensatedMove::Kind::kRapid) {
+      canon_.rapid(target, GcodeRapid::kPlain, move.info.named);
+    } else if (move.kind == CompensatedMove::Kind::kFeed) {
+      canon_.feed(target, move.info.feed, move.info.named);
+    } else {
+      canon_.arc(arc_about(linear(frame_.programmed(actual_)), linear(to), compensation_.plane(),
+                           move.center, move.turns),
+                 frame_, target, move.info.feed, move.info.named);
+    }
+    actual_ = target.axes;
+  }
+  if (earlier) canon_.at_line(file_, line_);
+}
+
+CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
+  for (const char letter : {'a', 'b', 'c'})
+    if (const GcodeWord* word = block.find(letter))
+      throw GcodeFault{word->text, "a canned cycle does not turn axes"};
+  const std::string_view letters = plane_letters(modes_.plane);
+  const auto mm = [&](char letter) {
+    const auto value = block.take(letter);
+    return value ? std::optional(*value * modes_.unit_mm) : std::nullopt;
+  };
+  CycleWords words{.first = mm(letters[0]),
+                   .second = mm(letters[1]),
+                   .depth = mm(letters[2]),
+                   .distance = mm('@'),
+                   .angle_deg = block.take('^'),
+                   .r = mm('r'),
+                   .p = block.take('p'),
+                   .q = std::nullopt,
+                   .i = std::nullopt,
+                   .j = std::nullopt,
+                   .k = std::nullopt};
+  if (code == 730 || code == 830) words.q = mm('q');
+  if (code == 870) {
+    const std::string_view offsets = modes_.plane == ArcPlane::kXy   ? "ijk"
+                                     : modes_.plane == ArcPlane::kZx ? "kij"
+                                                                     : "jki";
+    words.i = mm(offsets[0]);
+    words.j = mm(offsets[1]);
+    words.k = mm(offsets[2]);
+  }
+  if (const auto repeats = block.take('l')) {
+    if (*repeats < 1 || *repeats > kRepeatsMax || *repeats != std::floor(*repeats))
+      throw GcodeFault{block.find('l')->text, "repeats must be whole, from 1 to 1000000"};
+    words.repeats = static_cast<int>(*repeats);
+  }
+  return words;
+}
+
+void GcodeMachine::cycle(GcodeBlock& block, int code) {
+  const GcodeCode* written = block.code(GcodeGroup::kMotion);
+  if (compensation_.on())
+    throw GcodeFault{written != nullptr ? written->text : "",
+                     "a canned cycle cannot stand while cutter compensation is on"};
+  if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
+    throw GcodeFault{"", "a canned cycle cannot feed in inverse time (G93)"};
+  require_feed(block);
+  const ArcPlane plane = modes_.plane;
+  const CycleWords words = read_cycle(block, code);
+  Named named = named_axes(block);
+  named[plane == ArcPlane::kXy ? 2 : plane == ArcPlane::kZx ? 1 : 0] = true;
+  const GcodeFeed speed = feed_of(block);
+  const auto step = [&](const CycleStep& s) {
+    if (s.kind == CycleStep::Kind::kDwell) {
+      count_call();
+      return canon_.dwell(s.seconds);
+    }
+    GcodeAxes to = at_;
+    set_linear(to, from_plane(s.to, plane));
+    if (s.kind == CycleStep::Kind::kRapid) return rapid(to, GcodeRapid::kPlain, named);
+    feed(to, speed, named);
+  };
+  const PlanePoint end =
+      expand_cycle(code, modes_, in_plane(linear(at_), plane), words, cycle_, step);
+  set_linear(at_, from_plane(end, plane));
+  modes_.motion = code;
+}
+
+void GcodeMachine::go_home(GcodeBlock& block, int code) {
+  Named named = named_axes(block);
+  const GcodeAxes via = read_target(block);
+  rapid(via, GcodeRapid::kPlain, named);
+  using namespace gcode_parameter;
+  GcodeAxes home = stored_axes(code == 280 ? kHome28 : kHome30);
+  for (std::size_t i = 0; i < 3; ++i) home[i] -= tool_offset_[i];
+  home = frame_.programmed(home);
+  if (named == Named{}) named.fill(true);
+  GcodeAxes to = via;
+  for (std::size_t i = 0; i < to.size(); ++i)
+    if (named[i]) to[i] = home[i];
+  rapid(to, GcodeRapid::kMachine, named);
+}
+
+}  // namespace kerf

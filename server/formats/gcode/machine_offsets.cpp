@@ -1,0 +1,160 @@
+// Coordinate systems of GcodeMachine. They stand in the numbered parameters, in mm and degrees.
+#include <cmath>
+
+#include "server/formats/gcode/expression.h"
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/machine.h"
+
+namespace kerf {
+namespace {
+
+using namespace gcode_parameter;
+
+int system_parameter(int system) { return kSystem + kSystemStride * system; }
+
+}  // namespace
+
+GcodeAxes GcodeMachine::stored_axes(int first) const {
+  GcodeAxes axes{};
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    axes[i] =
+        parameters_.numbered(first + static_cast<int>(i)) * (i < 3 ? setup_.machine_unit_mm : 1);
+  return axes;
+}
+
+void GcodeMachine::store_axis(int first, std::size_t axis, double value) {
+  parameters_.set(first + static_cast<int>(axis),
+                  axis < 3 ? value / setup_.machine_unit_mm : value);
+}
+
+GcodeAxes GcodeMachine::system_origin(int system) const {
+  return stored_axes(system_parameter(system));
+}
+
+double GcodeMachine::system_rotation(int system) const {
+  return parameters_.numbered(system_parameter(system) + kSystemRotation);
+}
+
+GcodeAxes GcodeMachine::applied_shift() const {
+  return parameters_.numbered(kShiftApplied) != 0 ? stored_axes(kShift) : GcodeAxes{};
+}
+
+// The machine does not move: the same place gets other coordinates.
+void GcodeMachine::change_frame(const GcodeFrame& frame) {
+  const GcodeAxes here = frame_.without(at_);
+  frame_ = frame;
+  at_ = frame_.programmed(here);
+}
+
+void GcodeMachine::select_system(int system) {
+  if (system == modes_.system) return;
+  modes_.system = system;
+  parameters_.set(kSelectedSystem, system);
+  change_frame({system_origin(system), frame_.shift, system_rotation(system)});
+}
+
+// Where the tool is in another coordinate system.
+GcodeAxes GcodeMachine::in_system(int system) const {
+  const GcodeFrame frame{system_origin(system), applied_shift(), system_rotation(system)};
+  return frame.programmed(frame_.without(at_));
+}
+
+// G10 L2 says where a system's zero is; L20 what the tool's coordinates in it are from now on.
+void GcodeMachine::set_system(GcodeBlock& block) {
+  const GcodeCode& written = *block.code(GcodeGroup::kNonModal);
+  const bool here = *block.take('l') == 20;
+  const auto number = block.take('p');
+  if (!number) throw GcodeFault{written.text, "needs P with the number of the coordinate system"};
+  if (!is_gcode_integer(*number) || *number < -0.5 || *number > 9.5)
+    throw GcodeFault{block.find('p')->text, "must be a whole number from 0 to 9"};
+  const int given = static_cast<int>(std::lround(*number));
+  const int system = given == 0 ? modes_.system : given;
+  if (system == modes_.system) refuse_compensated(written);
+  const GcodeAxes coordinates = in_system(system);
+  const int first = system_parameter(system);
+  if (!here)
+    if (const auto turn = block.take('r')) parameters_.set(first + kSystemRotation, *turn);
+  const double turn = system_rotation(system);
+  GcodeAxes change{};
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    const auto value = block.take(kAxisLetters[i]);
+    if (!value) continue;
+    const double wanted = *value * (i < 3 ? modes_.unit_mm : 1);
+    if (here) {
+      change[i] = coordinates[i] - wanted;
+    } else {
+      store_axis(first, i, wanted);
+    }
+  }
+  if (here) {
+    turn_xy(change[0], change[1], turn);
+    const GcodeAxes origin = system_origin(system);
+    for (std::size_t i = 0; i < change.size(); ++i)
+      if (change[i] != 0) store_axis(first, i, origin[i] + change[i]);
+  }
+  if (system != modes_.system) return;
+  // As LinuxCNC does it, without the shift of G92; what a new rotation makes of that is its matter.
+  GcodeAxes at = at_;
+  turn_xy(at[0], at[1], frame_.rotation_deg);
+  at = at + frame_.origin - system_origin(system);
+  turn_xy(at[0], at[1], -turn);
+  at_ = at;
+  frame_.origin = system_origin(system);
+  frame_.rotation_deg = turn;
+}
+
+void GcodeMachine::shift_origin(GcodeBlock& block, int code) {
+  parameters_.set(kShiftApplied, 1);
+  for (std::size_t i = 0; i < at_.size(); ++i) {
+    const auto value = block.take(kAxisLetters[i]);
+    if (value) {
+      const double written = *value * (i < 3 ? modes_.unit_mm : 1);
+      if (code == 520) {
+        at_[i] += frame_.shift[i] - written;
+        frame_.shift[i] = written;
+      } else {
+        frame_.shift[i] += at_[i] - written;
+        at_[i] = written;
+      }
+    }
+    store_axis(kShift, i, frame_.shift[i]);
+  }
+}
+
+void GcodeMachine::restore_shift(int code) {
+  parameters_.set(kShiftApplied, code == 923 ? 1 : 0);
+  if (code == 921)
+    for (std::size_t i = 0; i < at_.size(); ++i) store_axis(kShift, i, 0);
+  const GcodeAxes shift = applied_shift();
+  at_ = at_ + (frame_.shift - shift);
+  frame_.shift = shift;
+}
+
+void GcodeMachine::save_home(int code) {
+  const GcodeAxes here = frame_.without(at_) + tool_offset_;
+  for (std::size_t i = 0; i < here.size(); ++i)
+    store_axis(code == 281 ? kHome28 : kHome30, i, here[i]);
+}
+
+void GcodeMachine::execute_nonmodal(GcodeBlock& block) {
+  const GcodeCode* code = block.code(GcodeGroup::kNonModal);
+  if (code == nullptr || code->code == 40 || code->code == 530) return;
+  if (code->code == 100) {
+    const GcodeWord* kind = block.find('l');
+    const int l = kind != nullptr && is_gcode_integer(kind->value)
+                      ? static_cast<int>(std::lround(kind->value))
+                      : -1;
+    if (l == 2 || l == 20) return set_system(block);
+    if (l == 1 || l == 10 || l == 11) {
+      block.take('l');
+      return set_tool_entry(block, l);
+    }
+    throw GcodeFault{code->text, "only L1, L2, L10, L11 and L20 are supported"};
+  }
+  refuse_compensated(*code);
+  if (code->code == 280 || code->code == 300) return go_home(block, code->code);
+  if (code->code == 281 || code->code == 301) return save_home(code->code);
+  shift_origin(block, code->code);
+}
+
+}  // namespace kerf

@@ -1,0 +1,63 @@
+// Motions of GcodeMachine that are seldom met: splines (G5, G5.1) and rigid tapping (G33.1).
+#include <cmath>
+#include <string>
+
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/machine.h"
+
+namespace kerf {
+
+// G5.1 is a parabola with its control point at I J from the start; G5 is a cubic whose second
+// control point lies at P Q from the end, and whose first goes on from the G5 before.
+void GcodeMachine::spline(GcodeBlock& block, bool cubic) {
+  if (compensation_.on())
+    throw GcodeFault{"", "a spline cannot stand while cutter compensation is on"};
+  require_feed(block);
+  if (modes_.plane != ArcPlane::kXy || block.has_any("zabc"))
+    throw GcodeFault{"", "a spline lies in the plane XY and moves X and Y only"};
+  const auto i = block.take('i');
+  const auto j = block.take('j');
+  if (i.has_value() != j.has_value() || (!cubic && !i))
+    throw GcodeFault{"", "a spline needs both I and J"};
+  const bool chained = modes_.motion == 50;
+  if (cubic && !i && !chained) throw GcodeFault{"", "the first G5 of a row needs I and J"};
+  const double unit = modes_.unit_mm;
+  const Vec3 first{at_[0] + (i ? *i * unit : spline_i_), at_[1] + (j ? *j * unit : spline_j_),
+                   at_[2]};
+  const auto named = named_axes(block);
+  const GcodeAxes to = read_target(block);
+  std::vector<Vec3> points{first, linear(to)};
+  if (cubic) {
+    const auto p = block.take('p');
+    const auto q = block.take('q');
+    if (!p || !q) throw GcodeFault{"", "G5 needs both P and Q"};
+    points.insert(points.begin() + 1, Vec3{to[0] + *p * unit, to[1] + *q * unit, to[2]});
+    spline_i_ = -*p * unit;
+    spline_j_ = -*q * unit;
+  }
+  modes_.motion = cubic ? 50 : 51;
+  count_call();
+  canon_.spline(points, frame_, place(to), feed_of(block), named);
+  arrive(to);
+}
+
+// Down with the spindle's pitch, and back to where it began.
+void GcodeMachine::tap(GcodeBlock& block) {
+  if (compensation_.on())
+    throw GcodeFault{"", "a tap cannot go down while cutter compensation is on"};
+  const auto pitch = block.take('k');
+  if (!pitch) throw GcodeFault{"", "G33.1 needs K, the pitch"};
+  if (modes_.spindle == GcodeSpindle::kStopped || modes_.spindle_rpm <= 0)
+    throw GcodeFault{"", "G33.1 needs a turning spindle (M3 or M4) and its speed S"};
+  const double faster = std::max(1.0, block.take('i').value_or(1));
+  const double feed_mm = std::abs(*pitch) * modes_.unit_mm * modes_.spindle_rpm;
+  if (!(feed_mm > 0)) throw GcodeFault{block.find('k')->text, "the pitch must not be 0"};
+  const auto named = named_axes(block);
+  const GcodeAxes from = at_;
+  const GcodeAxes to = read_target(block);
+  modes_.motion = 331;
+  feed(to, {.mm_per_min = feed_mm}, named);
+  feed(from, {.mm_per_min = feed_mm * faster}, named);
+}
+
+}  // namespace kerf

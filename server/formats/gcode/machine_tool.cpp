@@ -1,0 +1,205 @@
+// Tools of GcodeMachine: the spindle's, their offsets, and where their radius is compensated.
+#include <cmath>
+
+#include "server/formats/gcode/expression.h"
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/machine.h"
+
+namespace kerf {
+namespace {
+
+constexpr int kToolNumberMax = 1'000'000'000;
+// Below this two places differ by rounding.
+constexpr double kSamePlaceMm = 1e-6;
+
+int whole(double value, int least, const GcodeWord& word) {
+  if (!is_gcode_integer(value) || std::lround(value) < least)
+    throw GcodeFault{word.text, "must be a whole number from " + std::to_string(least) + " to " +
+                                    std::to_string(kToolNumberMax)};
+  return static_cast<int>(std::lround(value));
+}
+
+}  // namespace
+
+const ToolTableEntry* GcodeMachine::tool(int number) const {
+  const auto it = setup_.tools.find(number);
+  return it == setup_.tools.end() ? nullptr : &it->second;
+}
+
+// 0 names the tool in the spindle; an empty one has no length and no diameter.
+const ToolTableEntry& GcodeMachine::tool_of_word(const GcodeWord& word) const {
+  static const ToolTableEntry kNone;
+  const int number = whole(word.value, 0, word);
+  const ToolTableEntry* entry = tool(number == 0 ? loaded_tool_ : number);
+  if (entry != nullptr) return *entry;
+  if (number == 0) return kNone;
+  throw GcodeFault{word.text, std::string(setup_.tools_of_scene ? "the scene" : "the tool table") +
+                                  " has no tool " + std::to_string(number)};
+}
+
+void GcodeMachine::select_tool(GcodeBlock& block) {
+  if (!block.take('t')) return;
+  const GcodeWord& word = *block.find('t');
+  if (whole(word.value, 0, word) != 0) tool_of_word(word);
+  selected_tool_ = whole(word.value, 0, word);
+}
+
+void GcodeMachine::change_tool(GcodeBlock& block, int code) {
+  const GcodeCode& written = *block.code(GcodeGroup::kToolChange);
+  if (code == 61) {
+    if (!block.take('q'))
+      throw GcodeFault{written.text, "needs Q, the number of the tool in the spindle"};
+    const GcodeWord& word = *block.find('q');
+    if (whole(word.value, 0, word) != 0) tool_of_word(word);
+    loaded_tool_ = whole(word.value, 0, word);
+  } else {
+    refuse_compensated(written);
+    if (!selected_tool_) throw GcodeFault{written.text, "no tool was selected with T"};
+    loaded_tool_ = *selected_tool_;
+    modes_.spindle = GcodeSpindle::kStopped;
+  }
+  publish_tool();
+  // A machine goes on from where it is, which after cutter compensation is beside the path.
+  const GcodeAxes actual = frame_.programmed(actual_);
+  for (std::size_t i = 0; i < at_.size(); ++i)
+    if (std::abs(at_[i] - actual[i]) > kSamePlaceMm) at_[i] = actual[i];
+  canon_.change_tool(loaded_tool_ == 0 ? std::nullopt
+                                       : std::optional(static_cast<ToolId>(loaded_tool_)));
+}
+
+void GcodeMachine::publish_tool() {
+  using namespace gcode_parameter;
+  const ToolTableEntry* loaded = tool(loaded_tool_);
+  const ToolTableEntry entry = loaded != nullptr ? *loaded : ToolTableEntry{};
+  parameters_.set(kTool, loaded_tool_);
+  for (std::size_t i = 0; i < entry.offset.size(); ++i) store_axis(kToolOffset, i, entry.offset[i]);
+  parameters_.set(kToolDiameter, entry.diameter_mm / setup_.machine_unit_mm);
+  parameters_.set(kToolFrontAngle, entry.front_angle_deg);
+  parameters_.set(kToolBackAngle, entry.back_angle_deg);
+  parameters_.set(kToolOrientation, entry.orientation);
+}
+
+void GcodeMachine::offset_tool(GcodeBlock& block, int code) {
+  control_tool_center(code == 434, tcp_by_m_code_);
+  modes_.tool_length = code != 490;
+  if (code == 490) return apply_tool_offset({});
+  GcodeAxes offset{};
+  if (code == 431 || code == 432) {
+    offset = tool_offset_;
+    const bool by_number = code == 432 && block.take('h').has_value();
+    if (code == 432 && by_number == block.has_any(kAxisLetters))
+      throw GcodeFault{"G43.2", "needs either H or axis words"};
+    if (by_number) return apply_tool_offset(offset + tool_of_word(*block.find('h')).offset);
+    for (std::size_t i = 0; i < offset.size(); ++i) {
+      const auto value = block.take(kAxisLetters[i]);
+      if (!value) continue;
+      const double written = *value * (i < 3 ? modes_.unit_mm : 1);
+      offset[i] = code == 431 ? written : offset[i] + written;
+    }
+    return apply_tool_offset(offset);
+  }
+  if (!block.take('h')) {
+    const ToolTableEntry* loaded = tool(loaded_tool_);
+    return apply_tool_offset(loaded != nullptr ? loaded->offset : GcodeAxes{});
+  }
+  const GcodeWord& word = *block.find('h');
+  const int number = whole(word.value, 0, word);
+  if (setup_.tools_of_scene) {
+    if (number != 0 && loaded_tool_ != 0 && loaded_tool_ != number)
+      warn_(word.text +
+            " is the length of another tool than the loaded one; without a tool table Kerf takes "
+            "coordinates for those of the tip, and lengths are not applied");
+    return apply_tool_offset({});
+  }
+  apply_tool_offset(tool_of_word(word).offset);
+}
+
+void GcodeMachine::apply_tool_offset(const GcodeAxes& offset) {
+  GcodeAxes change = tool_offset_ - offset;
+  turn_xy(change[0], change[1], -frame_.rotation_deg);
+  at_ = at_ + change;
+  actual_ = actual_ + (tool_offset_ - offset);
+  tool_offset_ = offset;
+  canon_.offset_tool(offset, place(at_));
+}
+
+// G10 L1 says what an entry of the table is; L10 and L11 so that the tool, where it is now, would
+// have these coordinates in the system in force or in G59.3.
+void GcodeMachine::set_tool_entry(GcodeBlock& block, int kind) {
+  const auto number = block.take('p');
+  if (!number) throw GcodeFault{"G10", "needs P with the number of the tool"};
+  const GcodeWord& word = *block.find('p');
+  const int tool_number = whole(*number, 1, word);
+  tool_of_word(word);
+  ToolTableEntry& entry = setup_.tools[tool_number];
+  if (!block.has_any(kAxisLetters) && !block.has_any("rqij"))
+    throw GcodeFault{"G10", "L" + std::to_string(kind) + " without offsets has no effect"};
+  const GcodeAxes measured =
+      kind == 1 ? GcodeAxes{} : measured_offset(block, kind == 11 ? 9 : modes_.system, entry);
+  for (std::size_t i = 0; i < entry.offset.size(); ++i) {
+    const auto value = block.take(kAxisLetters[i]);
+    if (!value && (kind == 1 || i > 1)) continue;
+    if (kind != 1) {
+      entry.offset[i] = measured[i];
+    } else {
+      entry.offset[i] = *value * (i < 3 ? modes_.unit_mm : 1);
+    }
+  }
+  if (const auto radius = block.take('r')) entry.diameter_mm = 2 * *radius * modes_.unit_mm;
+  if (const auto angle = block.take('i')) entry.front_angle_deg = *angle;
+  if (const auto angle = block.take('j')) entry.back_angle_deg = *angle;
+  if (const auto orientation = block.take('q')) {
+    if (*orientation > 9) throw GcodeFault{block.find('q')->text, "is not an orientation"};
+    entry.orientation = whole(*orientation, 0, *block.find('q'));
+  }
+  publish_tool();
+}
+
+GcodeAxes GcodeMachine::measured_offset(const GcodeBlock& block, int system, ToolTableEntry entry) {
+  const double turn = system_rotation(system);
+  GcodeFrame frame{system_origin(system), frame_.shift, turn};
+  GcodeAxes here = frame.programmed(frame_.without(at_) + tool_offset_);
+  if (system != modes_.system) here = here + frame_.shift;
+  GcodeAxes wanted = entry.offset;
+  turn_xy(wanted[0], wanted[1], -turn);
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    if (const GcodeWord* word = block.find(kAxisLetters[i]))
+      wanted[i] = here[i] - word->value * (i < 3 ? modes_.unit_mm : 1);
+  turn_xy(wanted[0], wanted[1], turn);
+  return wanted;
+}
+
+void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
+  if (code == 400) {
+    if (const auto programmed = compensation_.end(in_plane(linear(at_), compensation_.plane()))) {
+      const PlanePoint p = *programmed;
+      set_linear(at_, from_plane(p, compensation_.plane()));
+      arc_refused_ = true;
+    }
+    return;
+  }
+  const GcodeCode& written = *block.code(GcodeGroup::kCutterCompensation);
+  refuse_compensated(written);
+  if (modes_.plane == ArcPlane::kYz)
+    throw GcodeFault{written.text, "compensates in the planes XY (G17) and ZX (G18) only"};
+  const auto d = block.take('d');
+  int orientation = 0;
+  double diameter_mm = 0;
+  if (code % 10 == 1) {
+    if (!d) throw GcodeFault{written.text, "needs D, the diameter"};
+    diameter_mm = *d * modes_.unit_mm;
+    if (const auto l = block.take('l')) orientation = whole(*l, 0, *block.find('l'));
+    block.take('r');
+  } else {
+    static const GcodeWord kLoaded{'d', 0, "D0", true};
+    const ToolTableEntry& entry = tool_of_word(d ? *block.find('d') : kLoaded);
+    diameter_mm = entry.diameter_mm;
+    orientation = entry.orientation;
+  }
+  if (orientation != 0 && orientation != 9)
+    throw GcodeFault{written.text, "is for a lathe's tool of orientation " +
+                                       std::to_string(orientation) + ", which Kerf does not turn"};
+  compensation_.start(code < 420 ? 1 : -1, diameter_mm / 2, modes_.plane);
+}
+
+}  // namespace kerf

@@ -1,0 +1,73 @@
+#include "server/formats/gcode/source.h"
+
+#include <cctype>
+#include <utility>
+
+#include "server/formats/gcode/fault.h"
+#include "server/formats/text_file.h"
+#include "server/formats/text_lines.h"
+
+namespace kerf {
+namespace {
+
+// Whether a line, past blanks and a line number, goes on with O, or with the M of M98 and M99.
+bool may_hold_o_word(std::string_view line) {
+  std::size_t at = 0;
+  const auto blanks = [&] {
+    while (at < line.size() && std::isspace(static_cast<unsigned char>(line[at])) != 0) ++at;
+  };
+  const auto is = [&](char small) {
+    return at < line.size() && std::tolower(static_cast<unsigned char>(line[at])) == small;
+  };
+  blanks();
+  if (is('n')) {
+    ++at;
+    blanks();
+    while (at < line.size() && (std::isdigit(static_cast<unsigned char>(line[at])) != 0 ||
+                                line[at] == '.' || line[at] == ' ' || line[at] == '\t'))
+      ++at;
+  }
+  return is('o') || is('m') || is('(');
+}
+
+}  // namespace
+
+GcodeFile::GcodeFile(std::string file_name, std::string file_text)
+    : name(std::move(file_name)), text(std::move(file_text)) {
+  TextLines walk(text);
+  while (walk.next()) {
+    if (may_hold_o_word(walk.line())) o_word_lines.push_back(lines.size());
+    lines.push_back(walk.line());
+  }
+}
+
+GcodeSource::GcodeSource(std::string name, std::string_view text,
+                         std::vector<std::filesystem::path> folders)
+    : folders_(std::move(folders)) {
+  files_.push_back(std::make_unique<GcodeFile>(std::move(name), std::string(text)));
+}
+
+std::size_t GcodeSource::find(const std::string& subroutine) {
+  if (const auto it = found_.find(subroutine); it != found_.end()) return it->second;
+  // A name may not lead out of the folders.
+  if (subroutine.find_first_of("/\\") != std::string::npos || subroutine.starts_with("."))
+    throw GcodeFault{"O<" + subroutine + ">", "is not the name of a subroutine's file"};
+  for (const std::filesystem::path& folder : folders_) {
+    const std::filesystem::path path = folder / (subroutine + ".ngc");
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(path, none)) continue;
+    const auto size = std::filesystem::file_size(path, none);
+    if (files_.size() >= kGcodeFilesMax || none || bytes_ + size > kGcodeFilesBytesMax)
+      throw GcodeFault{"O<" + subroutine + ">",
+                       "would be one file more than a program may call from: 1000 files, 256 MiB"};
+    auto text = read_file(path);
+    if (!text) continue;
+    bytes_ += text->size();
+    found_[subroutine] = files_.size();
+    files_.push_back(std::make_unique<GcodeFile>(path.string(), *std::move(text)));
+    return files_.size() - 1;
+  }
+  return 0;
+}
+
+}  // namespace kerf

@@ -1,0 +1,264 @@
+#include "server/formats/gcode/tool_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "kernel/math/rotation.h"
+#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/parameters.h"
+#include "server/formats/pose_grid.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+// A rotary axis that turns farther than this in one block is a slip of the pen.
+constexpr double kTurnInBlockMaxDeg = 36000;
+// The path is compared with a straight motion once for each step of this much rotary travel.
+constexpr double kSampleStepDeg = 5;
+// A spline's length is summed over so many chords, and so many points are compared with a chord.
+constexpr int kSplineSamples = 64;
+
+double rotary_travel_deg(const GcodeAxes& from, const GcodeAxes& to) {
+  return std::hypot(to[3] - from[3], to[4] - from[4], to[5] - from[5]);
+}
+
+bool same_angles(const GcodeAxes& a, const GcodeAxes& b) { return rotary(a) == rotary(b); }
+
+GcodeFrame workpiece_of(const GcodeEnvironment& environment) {
+  GcodeFrame frame;
+  if (!environment.parameters) return frame;
+  const auto value = [&](int number) {
+    const auto it = environment.parameters->find(number);
+    return it == environment.parameters->end() ? 0.0 : it->second;
+  };
+  const int first = gcode_parameter::kSystem + gcode_parameter::kSystemStride;
+  for (int axis = 0; axis < 6; ++axis)
+    frame.origin[static_cast<std::size_t>(axis)] =
+        value(first + axis) * (axis < 3 ? environment.machine_unit_mm : 1);
+  frame.rotation_deg = value(first + gcode_parameter::kSystemRotation);
+  return frame;
+}
+
+}  // namespace
+
+GcodeToolPath::GcodeToolPath(const Scene& scene, const GcodeEnvironment& environment,
+                             MotionSink& sink)
+    : scene_(scene),
+      table_(environment.tools ? &*environment.tools : nullptr),
+      sink_(sink),
+      zero_known_(environment.parameters.has_value()),
+      workpiece_(workpiece_of(environment)) {}
+
+void GcodeToolPath::check(const MotionSink::Result& result) {
+  if (!result) throw GcodeFault{"", result.error()};
+}
+
+void GcodeToolPath::at_line(std::size_t file, std::size_t line) {
+  line_ = line;
+  sink_.set_file(static_cast<std::uint32_t>(file));
+}
+
+GcodePlace GcodeToolPath::in_workpiece(const GcodePlace& place) const {
+  return {workpiece_.programmed(place.axes), place.tool_axis};
+}
+
+void GcodeToolPath::check_turn(const GcodePlace& to) const {
+  for (std::size_t i = 3; i < 6; ++i)
+    if (std::abs(to.axes[i] - at_.axes[i]) > kTurnInBlockMaxDeg)
+      throw GcodeFault{"", "a rotary axis would turn by " +
+                               std::to_string(to.axes[i] - at_.axes[i]) + " degrees in one block"};
+}
+
+bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 6> named) {
+  const bool known = all_known();
+  for (std::size_t i = 0; i < 3; ++i) known_[i] = known_[i] || named[i];
+  if (sink_.placed() && sink_.tool()) return false;
+  if (!sink_.tool() && !changed_tool_ && scene_.tools.size() == 1 && (all_known() || !rapid)) {
+    warn("no tool was loaded; the scene's only tool is taken");
+    sink_.set_tool(scene_.tools.begin()->first);
+  }
+  if (rapid) {
+    if (sink_.tool() && all_known()) check(sink_.place(pose(to)));
+    return true;
+  }
+  if (!sink_.tool()) throw GcodeFault{"", "a motion needs a tool, and none is loaded"};
+  if (!known)
+    warn(
+        "X, Y and Z were not all programmed before this cut; the others are taken as they were, at "
+        "first 0");
+  check(sink_.place(pose(at_)));
+  known_ = {true, true, true};
+  return false;
+}
+
+void GcodeToolPath::rapid(const GcodePlace& given, GcodeRapid kind, std::array<bool, 6> named) {
+  const GcodePlace to = in_workpiece(given);
+  check_turn(to);
+  if (kind == GcodeRapid::kMachine && !zero_known_) {
+    // Kerf does not know where the machine's zero is, only that the tool leaves the workpiece.
+    sink_.lift();
+    for (std::size_t i = 0; i < 3; ++i)
+      if (named[i]) known_[i] = false;
+  } else if (!approach(to, true, named)) {
+    straight(to, 0, true);
+  }
+  at_ = to;
+}
+
+void GcodeToolPath::feed(const GcodePlace& given, const GcodeFeed& feed,
+                         std::array<bool, 6> named) {
+  const GcodePlace to = in_workpiece(given);
+  check_turn(to);
+  // A block that goes nowhere needs no tool.
+  if (to.axes == at_.axes && to.tool_axis == at_.tool_axis && !sink_.placed()) return;
+  approach(to, false, named);
+  straight(to, duration_s(feed, length(linear(to.axes) - linear(at_.axes)), turn_deg(to)), false);
+  at_ = to;
+}
+
+double GcodeToolPath::turn_deg(const GcodePlace& to) const {
+  if (scene_.machine.kinematics != MachineKinematics::kToolVector)
+    return rotary_travel_deg(at_.axes, to.axes);
+  return kDegPerRad * angle_between(normalized(at_.tool_axis), normalized(to.tool_axis));
+}
+
+double GcodeToolPath::duration_s(const GcodeFeed& feed, double way_mm, double turn) const {
+  if (feed.duration_s > 0) return feed.duration_s;
+  // Where only rotary axes move, F is in degrees per minute.
+  return way_mm > 0 ? 60 * way_mm / feed.mm_per_min : 60 * turn / feed.deg_per_min;
+}
+
+void GcodeToolPath::straight(const GcodePlace& to, double duration, bool rapid) {
+  if (rapid) {
+    const double way = length(linear(to.axes) - linear(at_.axes));
+    duration = 60 * (way > 0 ? way : turn_deg(to)) / scene_.machine.rapid_mm_per_min;
+  }
+  if (same_angles(to.axes, at_.axes)) return check(sink_.line(pose(to), duration, rapid, line_));
+  // Rotary axes turn uniformly in their angles, which is the great circle only nearly.
+  const GcodePlace from = at_;
+  const auto path = [&](double s) {
+    if (s >= 1) return pose(to);
+    GcodePlace place = from;
+    for (std::size_t i = 0; i < place.axes.size(); ++i)
+      place.axes[i] += (to.axes[i] - from.axes[i]) * s;
+    return pose(place);
+  };
+  const double travel = rotary_travel_deg(from.axes, to.axes);
+  check(sink_.path(path, tool_length_mm(), scene_.settings.tolerance_mm,
+                   4 + static_cast<int>(travel / kSampleStepDeg), duration, rapid, line_));
+}
+
+void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlace& given,
+                        const GcodeFeed& feed, std::array<bool, 6> named) {
+  const GcodePlace to = in_workpiece(given);
+  check_turn(to);
+  approach(to, false, named);
+  const double duration = duration_s(feed, arc.length_mm(), 0);
+  const double tolerance = scene_.settings.tolerance_mm;
+  const int chords = arc.chords(tolerance);
+  if (chords > kPiecesMax) throw GcodeFault{"", "the arc would need too many chords"};
+  const GcodePlace from = at_;
+  const auto place_at = [&](double s) {
+    if (s >= 1) return to;
+    GcodeAxes programmed{};
+    set_linear(programmed, arc.at(s));
+    GcodePlace place = in_workpiece({frame.without(programmed), from.tool_axis});
+    for (std::size_t i = 3; i < 6; ++i)
+      place.axes[i] = from.axes[i] + (to.axes[i] - from.axes[i]) * s;
+    return place;
+  };
+  if (same_angles(to.axes, from.axes)) {
+    for (int i = 1; i <= chords; ++i)
+      check(sink_.line(pose(place_at(static_cast<double>(i) / chords)), duration / chords, false,
+                       line_));
+  } else {
+    const double travel = rotary_travel_deg(from.axes, to.axes);
+    check(sink_.path([&](double s) { return pose(place_at(s)); }, tool_length_mm(), tolerance,
+                     4 * chords + static_cast<int>(travel / kSampleStepDeg), duration, false,
+                     line_));
+  }
+  at_ = to;
+}
+
+void GcodeToolPath::spline(const std::vector<Vec3>& points, const GcodeFrame& frame,
+                           const GcodePlace& given, const GcodeFeed& feed,
+                           std::array<bool, 6> named) {
+  const GcodePlace to = in_workpiece(given);
+  approach(to, false, named);
+  const GcodePlace from = at_;
+  const auto place_at = [&](double s) {
+    if (s >= 1) return to;
+    GcodeAxes start = frame.programmed(workpiece_.without(from.axes));
+    std::vector<Vec3> level{linear(start)};
+    level.insert(level.end(), points.begin(), points.end());
+    // De Casteljau: each level mixes the neighbours of the level before.
+    for (std::size_t count = level.size() - 1; count > 0; --count)
+      for (std::size_t i = 0; i < count; ++i) level[i] = level[i] + (level[i + 1] - level[i]) * s;
+    set_linear(start, level.front());
+    GcodePlace place = in_workpiece({frame.without(start), from.tool_axis});
+    for (std::size_t i = 3; i < 6; ++i) place.axes[i] = from.axes[i];
+    return place;
+  };
+  double way = 0;
+  for (int i = 0; i < kSplineSamples; ++i)
+    way += length(linear(place_at(static_cast<double>(i + 1) / kSplineSamples).axes) -
+                  linear(place_at(static_cast<double>(i) / kSplineSamples).axes));
+  check(sink_.path([&](double s) { return pose(place_at(s)); }, tool_length_mm(),
+                   scene_.settings.tolerance_mm, kSplineSamples, duration_s(feed, way, 0), false,
+                   line_));
+  at_ = to;
+}
+
+void GcodeToolPath::dwell(double seconds) { check(sink_.dwell(seconds, line_)); }
+
+void GcodeToolPath::change_tool(std::optional<ToolId> tool) {
+  if (tool && !scene_.tools.contains(*tool))
+    throw GcodeFault{"", "the scene has no tool " + std::to_string(*tool)};
+  changed_tool_ = true;
+  sink_.change_tool(tool, line_);
+  if (!tool) sink_.lift();
+  if (table_ == nullptr) return;
+  const auto entry = table_->find(static_cast<int>(tool.value_or(0)));
+  const GcodeAxes before = loaded_;
+  loaded_ = entry == table_->end() ? GcodeAxes{} : entry->second.offset;
+  // The tip of the new tool is elsewhere, without having gone there.
+  if (loaded_ != before) sink_.lift();
+}
+
+void GcodeToolPath::offset_tool(const GcodeAxes& offset, const GcodePlace& at) {
+  const std::optional<ToolPose> before = sink_.last();
+  offset_ = offset;
+  if (table_ == nullptr) loaded_ = offset;
+  at_ = in_workpiece(at);
+  if (before && admit_pose(pose(at_)) != *before) sink_.lift();
+}
+
+GcodePlace GcodeToolPath::control_tool_center(bool on, const GcodePlace& at) {
+  if (on == tool_center_) return at;
+  // The machine does not move: the same place gets other coordinates.
+  const Vec3 tip = pose(at_).tip_mm;
+  tool_center_ = on;
+  set_linear(at_.axes, programmed_from_tip(scene_.machine.kinematics, on, tip, rotary(at_.axes)));
+  return {workpiece_.without(at_.axes), at_.tool_axis};
+}
+
+double GcodeToolPath::tool_length_mm() const {
+  const auto tool = sink_.tool();
+  return tool ? scene_.tools.at(*tool).tool.length_mm : 0;
+}
+
+ToolPose GcodeToolPath::pose(const GcodePlace& place) const {
+  const MachineKinematics kind = scene_.machine.kinematics;
+  ToolPose pose{tip_from_programmed(kind, tool_center_, linear(place.axes), rotary(place.axes)),
+                kind == MachineKinematics::kToolVector ? place.tool_axis
+                                                       : table_axis(kind, rotary(place.axes))};
+  // Where the offset in force is not the tool's own, the tip is beside the controlled point.
+  const GcodeAxes beside = offset_ - loaded_;
+  if (beside == GcodeAxes{}) return pose;
+  pose.tip_mm = pose.tip_mm + Vec3{beside[0], beside[1], 0} + normalized(pose.axis) * beside[2];
+  return pose;
+}
+
+}  // namespace kerf

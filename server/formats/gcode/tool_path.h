@@ -1,0 +1,56 @@
+#pragma once
+
+#include "server/formats/gcode/canon.h"
+#include "server/formats/gcode/environment.h"
+#include "server/formats/motion_sink.h"
+#include "server/formats/scene.h"
+
+namespace kerf {
+
+/// What a scene's machine makes of canonical calls: poses of the tool in the workpiece, put into a
+/// sink.
+class GcodeToolPath final : public GcodeCanon {
+ public:
+  /// All outlive it.
+  GcodeToolPath(const Scene& scene, const GcodeEnvironment& environment, MotionSink& sink);
+
+  void at_line(std::size_t file, std::size_t line) override;
+  void rapid(const GcodePlace& to, GcodeRapid kind, std::array<bool, 6> named) override;
+  void feed(const GcodePlace& to, const GcodeFeed& feed, std::array<bool, 6> named) override;
+  void arc(const Arc& arc, const GcodeFrame& frame, const GcodePlace& to, const GcodeFeed& feed,
+           std::array<bool, 6> named) override;
+  void spline(const std::vector<Vec3>& points, const GcodeFrame& frame, const GcodePlace& to,
+              const GcodeFeed& feed, std::array<bool, 6> named) override;
+  void dwell(double seconds) override;
+  void change_tool(std::optional<ToolId> tool) override;
+  void offset_tool(const GcodeAxes& offset, const GcodePlace& at) override;
+  GcodePlace control_tool_center(bool on, const GcodePlace& at) override;
+
+ private:
+  bool all_known() const { return known_[0] && known_[1] && known_[2]; }
+  void check_turn(const GcodePlace& to) const;
+  /// Before the first cut since the tool was away: a rapid only brings it near and returns true; a
+  /// cut starts where the rapids have led, with a warning unless X, Y and Z were known before.
+  bool approach(const GcodePlace& to, bool rapid, std::array<bool, 6> named);
+  void straight(const GcodePlace& to, double duration_s, bool rapid);
+  double turn_deg(const GcodePlace& to) const;
+  double duration_s(const GcodeFeed& feed, double way_mm, double turn_deg) const;
+  ToolPose pose(const GcodePlace& place) const;
+  GcodePlace in_workpiece(const GcodePlace& place) const;
+  double tool_length_mm() const;
+  static void check(const MotionSink::Result& result);
+
+  const Scene& scene_;
+  const ToolTable* table_;
+  MotionSink& sink_;
+  std::size_t line_ = 0;
+  bool zero_known_;
+  GcodeFrame workpiece_;  ///< where G54 of the parameter file puts the workpiece's zero
+  GcodePlace at_;
+  std::array<bool, 3> known_{};  ///< X, Y, Z have been programmed since the tool was away
+  bool changed_tool_ = false;
+  bool tool_center_ = false;
+  GcodeAxes offset_{}, loaded_{};  ///< the tool's offset in force, and the one that it has
+};
+
+}  // namespace kerf
