@@ -109,11 +109,10 @@ struct ArcSide {
     const LaneMask near = ball2 >= 0.0;
     const Lanes half = square_root(select(near, ball2, Lanes(0)));
     Lanes in = -half, out = half;
-    const Lanes aside = any(~near) ? closest_to(p2, u.z, along) : half - half;
     const LaneMask enters = approach(p2, u.z, along, near, in);
-    if (!any(enters)) return {in, out, enters, select(near, in, aside)};
-    approach(p2, u.z, along, enters, out);
-    return {in, out, enters, select(near, in, aside)};
+    if (any(enters)) approach(p2, u.z, along, enters, out);
+    const Lanes closest = any(~enters) ? closest_to(p2, u.z, along) : half - half;
+    return {in, out, enters, closest};
   }
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes q = p - u * l;
@@ -130,15 +129,16 @@ struct ArcSide {
 
  private:
   static constexpr int kSteps = 40;  ///< a grazed arc halves the distance at each
-  static constexpr int kAsideSteps = 24;
   static constexpr double kFoundMm = 1e-11;
   static constexpr double kClosestMm = 1e-5;  ///< the gap there errs by its square over a radius
 
-  /// Where rays that pass by the ball around the arc are closest to it: F is convex along a ray,
-  /// and its slope changes sign there, not farther from the ball's centre than the ray is.
+  /// Where rays that pass by are closest to the arc: where the slope of F along the ray changes
+  /// sign. With θ the angle of the normal there to the axis it is center_r |cos θ| away from where
+  /// the ray is nearest to the ball's centre (at a tip of the arc less), whatever the gap.
   KERF_INLINE Lanes closest_to(Lanes p2, Lanes uz, Lanes along) const {
-    Lanes b = square_root(p2), a = -b;
-    for (int i = 0; i < kAsideSteps; ++i) {
+    const double farthest = std::abs(center_r);
+    Lanes a = -farthest, b = farthest;
+    for (double width = 2 * farthest; width > kClosestMm; width *= 0.5) {
       const Lanes t = (a + b) * 0.5;
       const Lanes l = along + uz * t;
       const Lanes rho = square_root(magnitude(p2 + t * t - l * l));
@@ -150,11 +150,9 @@ struct ArcSide {
     return (a + b) * 0.5;
   }
 
-  /// Newton's steps from outside towards the arc, in the lanes `asked`; true where it is met. In
-  /// the others t ends where the ray passes closest.
+  /// Newton's steps from outside towards the arc, in the lanes `asked`; true where it is met.
   KERF_INLINE LaneMask approach(Lanes p2, Lanes uz, Lanes along, LaneMask asked, Lanes& t) const {
     LaneMask met = asked;
-    Lanes before = t;
     LaneMask moving = asked;
     const LaneMask from_below = t <= 0.0;
     for (int i = 0; i < kSteps && any(moving); ++i) {
@@ -169,23 +167,7 @@ struct ArcSide {
       const LaneMask closing = select(from_below, slope, -slope) < 0.0;
       met &= ~(moving & outside & ~closing);
       moving &= outside & closing;
-      before = select(moving, t, before);
       t = select(moving, t - f / slope, t);
-    }
-    // Where the ray passes by, Newton's steps have gone past the place where it is closest, and how
-    // the gap moves is asked there: halving between the last two of them finds it.
-    LaneMask passed = asked & ~met;
-    for (int i = 0; i < kSteps && any(passed); ++i) {
-      const Lanes middle = (before + t) * 0.5;
-      const Lanes l = along + uz * middle;
-      const Lanes rho = square_root(magnitude(p2 + middle * middle - l * l));
-      const Lanes m = select(rho > center_r, rho - center_r, rho - rho);
-      const Lanes across = select(rho > 0.0, m * (middle - l * uz) / rho, rho);
-      const Lanes slope = across + l * uz;
-      const LaneMask closing = select(from_below, slope, -slope) < 0.0;
-      before = select(passed & closing, middle, before);
-      t = select(passed & ~closing, middle, t);
-      passed &= magnitude(t - before) > kClosestMm;
     }
     return met;
   }

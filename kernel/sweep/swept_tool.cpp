@@ -25,6 +25,8 @@ std::int64_t parts(double count) {
 struct PiecePlan {
   ToolPiece piece;
   std::int64_t parts;
+  double bend_mm = 0;  ///< κ of a slice
+  bool round = false;  ///< its roundness outweighs the bend
   bool shows_disc = true;
   std::optional<double> still;  ///< height of the point of its axis that the turn leaves at rest
 };
@@ -73,25 +75,37 @@ struct SliceSpeeds {
   }
 };
 
-/// Parts of a slice that turns by `m` (kernel/README.md, "The tight model").
-std::int64_t slice_parts(const ToolPiece& piece, const ToolMotion& m, bool shows_disc,
-                         double tolerance_mm) {
-  const Envelope e = envelope_of(piece);
+/// κ of a slice that turns by `m`, and in how many parts it is taken (kernel/README.md, "The tight
+/// model").
+void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
+  const Envelope e = envelope_of(plan.piece);
   const SliceSpeeds v(e, m);
   const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
-  const double nu = axial_normal(piece);
-  double bend = 2 * m.turn_rad * (v.across * nu + v.along) +
-                m.turn_rad * m.turn_rad * (radius + e.hi_mm * nu);
-  if (shows_disc) {
-    bend = std::max(bend, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.hi_mm);
-  } else if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    // The roundness of the side outweighs the bend: every place where an end is outermost is the
-    // only one.
+  const double nu = axial_normal(plan.piece);
+  plan.bend_mm = 2 * m.turn_rad * (v.across * nu + v.along) +
+                 m.turn_rad * m.turn_rad * (radius + e.hi_mm * nu);
+  if (plan.shows_disc) {
+    plan.bend_mm =
+        std::max(plan.bend_mm, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.hi_mm);
+  } else if (const auto* f = std::get_if<FrustumPiece>(&plan.piece)) {
+    // Every place where an end is outermost is the only one.
     const double slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
     const double round2 = v.across_least * v.across_least - slope * slope * v.along * v.along;
-    if (round2 >= bend * radius * std::sqrt(1 + slope * slope)) return 1;
+    plan.round = round2 >= plan.bend_mm * radius * std::sqrt(1 + slope * slope);
   }
-  return parts(std::sqrt(bend / (8 * kStationShare * tolerance_mm)));
+  if (!plan.round) plan.parts = parts(std::sqrt(plan.bend_mm / (8 * kStationShare * tolerance_mm)));
+}
+
+/// How the ends of a slice are searched. Ragged rays are halved until a part bends by what may be
+/// missed.
+SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
+  if (!(m.turn_rad > 0)) return {.search_mm = kTranslationSearchMm, .shows_disc = plan.shows_disc};
+  const double missed = kStationShare * tolerance_mm;
+  double bend = plan.bend_mm / (double(plan.parts) * double(plan.parts));
+  int halvings = 0;
+  for (; halvings < kHalvingsMax && bend > 2 * missed; bend /= 4) ++halvings;
+  return {static_cast<int>(plan.parts), halvings,       !plan.round, plan.bend_mm, missed,
+          kSearchShare * tolerance_mm,  plan.shows_disc};
 }
 
 /// Where the axis of a slice has a point that the turn leaves at rest: on either side of it the
@@ -122,7 +136,7 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
       const bool clipped = envelope_of(*piece).hi_mm < e.hi_mm;
       plan.shows_disc = !covers(below, e.lo_mm, radius_at(whole, e.lo_mm)) ||
                         (!clipped && !covers(above, e.hi_mm, radius_at(whole, e.hi_mm)));
-      plan.parts = slice_parts(*piece, m, plan.shows_disc, settings.tolerance_mm);
+      plan_slice(plan, m, settings.tolerance_mm);
       plan.still = still_point(envelope_of(*piece), m);
     }
     plans.push_back(std::move(plan));
@@ -148,15 +162,12 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
 /// `piece` is the plan's, or the part of it on one side of its still point.
 SweptPiece sweep_slice(const ToolPiece& piece, const PiecePlan& plan, const ToolMotion& m,
                        double tolerance_mm) {
-  const bool turns = m.turn_rad > 0;
-  const int n = static_cast<int>(plan.parts);
+  const SliceSearch search = search_of(plan, m, tolerance_mm);
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    if (!turns) return FrustumTranslation(*f, m.from, m.to);
-    return TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, n,
-                        kSearchShare * tolerance_mm, plan.shows_disc);
+    if (!(m.turn_rad > 0)) return FrustumTranslation(*f, m.from, m.to);
+    return TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, search);
   }
-  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), envelope_of(piece), m.from, m.to, n,
-                      turns ? kSearchShare * tolerance_mm : kTranslationSearchMm, plan.shows_disc);
+  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), envelope_of(piece), m.from, m.to, search);
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,

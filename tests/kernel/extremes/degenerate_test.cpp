@@ -138,6 +138,25 @@ TEST(Degenerate, AnArcThatComesFromAfarIsNotLost) {
   carving.expect_within_tolerance("barrel", 400);
 }
 
+TEST(Degenerate, AnArcThatARayPassesInsideTheBallAroundItIsNotLost) {
+  // At the start rays enter the ball around the arc, and are closest to the arc outside of it.
+  SculptureSettings settings = small_block(1e-6);
+  settings.rays = Rays::kTriDexel;
+  Carving bull_nose(settings, make_tool(BullNoseShape{10, 2, 50}).value());
+  const Vec3 axis{0.68401015769438511, -0.49843577391730659, 0.53262734012661983};
+  bull_nose.move({{0.52567567349211863, 2.8775911321724212, -2.2652246427579339}, axis},
+                 {{-3.444566107618904, -2.5748682404586134, -1.5744821836938114}, axis});
+  bull_nose.expect_within_tolerance("bull_nose", 25);
+
+  Carving apt(
+      settings,
+      make_tool(AptShape{10, 1.5, 3.630717035815369, 2.0250053615596113, 8, 6, 40}).value());
+  const Vec3 leaning_axis{-0.40082607110029878, 0.092256161467074868, 0.9114972635162758};
+  apt.move({{2.6814109717217516, 3.1459825179412713, -4.7458975776981918}, leaning_axis},
+           {{-42.756855175410863, -17.094742603594515, -16.381372912808828}, leaning_axis});
+  apt.expect_within_tolerance("apt", 25);
+}
+
 /// A ramp whose slope is exactly a cone's angle, one step of a double to either side, and a little
 /// farther: the leading coefficient of the cone's equation is 0, or rounds to it.
 TEST(Degenerate, RampOfTheConesAngle) {

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <limits>
+
+#include "kernel/sweep/piece_side.h"
+#include "kernel/sweep/slice_path.h"
+
+namespace kerf {
+
+/// Which end of a ray's interval is searched.
+enum class End { kLower, kUpper };
+
+/// Sine from which on a ray is steep to the discs of the piece, so that they say better than the
+/// side how far apart the two are.
+constexpr double kSteep = 0.5;
+
+/// A piece at eight shares, met by eight rays.
+struct Meeting {
+  Lanes lo, hi;  ///< heights of the interval, relative to the middle tip; both of the point that
+                 ///< decides where the ray is missed
+  LaneMask hit;
+  Lanes side_lo, side_hi;  ///< of the side, continued beyond the discs; lo > hi where it is missed
+  LaneMask on_side;        ///< of hits: the end lies on the side, not on a disc
+  /// > 0: later in the motion the end lies farther out, or the piece is nearer to the ray; < 0: it
+  /// was so earlier.
+  Lanes advance;
+  Lanes clearance;  ///< the piece is at least this far from the ray; 0 where it is hit
+                    ///< or where only a hidden disc is missed
+  Lanes off_side;   ///< of a ray that the side misses between the discs: how far it stays off it
+  Lanes upright;    ///< advance / upright is how fast the end moves along the ray; 0 where missed
+  Lanes normal2;    ///< square of the length of the normal that both are measured along
+};
+
+/// `x`, `y` relative to the middle tip.
+template <End end, class Side>
+KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes share) {
+  const TurningFrame::Poses pose = path.frame.at(share);
+  const Vec3Lanes& u = pose.u;
+  const Vec3Lanes anchor = u * Lanes(side.anchor);
+  const Lanes px = x - (pose.tip.x + anchor.x), py = y - (pose.tip.y + anchor.y);
+  const Lanes along = px * u.x + py * u.y;
+  const SideSpan span = side.meet(px, py, u, along);
+
+  // A ray at right angles to the axis never crosses the discs: they are far away.
+  const Lanes uz = select(magnitude(u.z) > 1e-290, u.z, Lanes(1e-290));
+  const Lanes to_low = (side.low - along) / uz, to_high = (side.high - along) / uz;
+  const Lanes disc_in = lesser(to_low, to_high), disc_out = greater(to_low, to_high);
+  const LaneMask below = span.exists & (span.out < disc_in);
+  const LaneMask above = span.exists & (span.in > disc_out);
+  const LaneMask hit = span.exists & ~below & ~above;
+  const Lanes in = greater(span.in, disc_in), out = lesser(span.out, disc_out);
+
+  // The one point that decides: of the end, or where side and discs come closest to meeting.
+  const LaneMask steep = magnitude(u.z) >= kSteep;
+  const LaneMask on_side = end == End::kLower ? span.in >= disc_in : span.out <= disc_out;
+  Lanes t = select(span.exists, select(below, span.out, span.in), span.closest);
+  t = select(steep, lesser(greater(t, disc_in), disc_out), t);
+  t = select(hit, end == End::kLower ? in : out, t);
+  const Vec3Lanes p{px, py, t};
+  const Lanes l = along + u.z * t;
+  const Vec3Lanes n = side.normal(p, l, u);
+  const Vec3Lanes v = path.frame.velocity(anchor + p);
+  const Lanes side_speed = dot(n, v), axis_speed = dot(u, v);
+  const Lanes outward = end == End::kLower ? -axis_speed : axis_speed;
+  const Lanes disc_speed = select(u.z < 0.0, -outward, outward);
+  // A miss: how fast the gap closes, seen from the nearer disc or from the side's end.
+  const Lanes from_disc = side_speed - n.z * axis_speed / uz;
+  const Lanes rise = select(span.exists, u.z * side_speed / n.z, Lanes(0)) - axis_speed;
+  const Lanes from_side = select(span.exists, select(l < side.low, rise, -rise), side_speed);
+  const Lanes gap_speed = select(steep, from_disc, from_side);
+
+  Meeting m;
+  m.hit = hit;
+  m.on_side = on_side;
+  const Lanes middle = pose.tip.z + anchor.z;
+  const Lanes none = std::numeric_limits<double>::infinity();
+  m.side_lo = middle + select(span.exists, span.in, none);
+  m.side_hi = middle + select(span.exists, span.out, -none);
+  m.lo = middle + select(hit, in, t);
+  m.hi = middle + select(hit, out, t);
+  m.advance = select(hit, select(on_side, side_speed, disc_speed), gap_speed);
+  m.upright = select(hit, select(on_side, n.z, u.z), Lanes(0));
+  m.normal2 = select(hit & ~on_side, Lanes(1), dot(n, n));
+  m.clearance = m.off_side = Lanes(0);
+  // Past a hidden disc a neighbour is met: nobody asks how far away that disc is.
+  if (!any(path.search.shows_disc ? ~hit : ~span.exists)) return m;
+  const LaneMask by_side = ~hit & (steep | ~span.exists);
+  const Lanes off_side = side.clearance(p, l, u);
+  m.off_side = select(by_side & (off_side > 0.0), off_side, Lanes(0));
+  // Beyond a disc the ray comes nearer to the side by its length at most, and leaves the disc by
+  // its slope; beyond the side's end the other way round.
+  const Lanes slope = magnitude(u.z);
+  const Lanes past_disc = off_side * (slope / (1 + slope));
+  const Lanes off_disc = greater(side.low - l, l - side.high);
+  const Lanes leaves = magnitude(n.z) / square_root(m.normal2);
+  const Lanes past_end = off_disc * (leaves / (leaves + slope));
+  const LaneMask passes = ~span.exists & (t == span.closest);
+  const Lanes least = select(passes, off_side, select(by_side, past_disc, past_end));
+  m.clearance = select(~hit & (least > 0.0), least, Lanes(0));
+  return m;
+}
+
+}  // namespace kerf
