@@ -75,7 +75,9 @@ std::vector<NamedTool> every_tool(double scale) {
                                        ProfilePoint{1.5 * s, 40 * s}}}),
       shaped("t_slot",
              ProfileShape{{ProfilePoint{0, 0}, ProfilePoint{6 * s, 0}, ProfilePoint{6 * s, 3 * s},
-                           ProfilePoint{2 * s, 3 * s}, ProfilePoint{2 * s, 40 * s}}})};
+                           ProfilePoint{2 * s, 3 * s}, ProfilePoint{2 * s, 40 * s}}}),
+      shaped("dovetail", ProfileShape{{ProfilePoint{6 * s, 0}, ProfilePoint{3 * s, 6 * s},
+                                       ProfilePoint{3 * s, 40 * s}}})};
 }
 
 Carving::Carving(SculptureSettings settings, const Tool& tool)
