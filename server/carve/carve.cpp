@@ -8,7 +8,6 @@
 #include <future>
 #include <iostream>
 #include <memory>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -18,7 +17,7 @@
 #include "server/carve/model_outputs.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
-#include "server/carve/stock_contacts.h"
+#include "server/carve/simulation_json.h"
 #include "server/formats/forces_csv.h"
 #include "server/formats/program.h"
 #include "server/formats/program_writer.h"
@@ -32,10 +31,6 @@ namespace {
 constexpr int kBadInput = 2;
 constexpr int kBadOutput = 1;
 constexpr int kInterrupted = 128 + SIGINT;
-// Rapids through material are told apart up to this many.
-constexpr std::size_t kRapidCutsMax = 20;
-// Less than this is rounding on a surface that was cut before, mm^3.
-constexpr double kRapidCutMm3 = 1e-6;
 
 volatile std::sig_atomic_t interrupted = 0;
 void on_interrupt(int) { interrupted = 1; }
@@ -164,6 +159,8 @@ class Carving {
       forces.open(output(*options_.forces).temporary(), std::ios::binary);
       write_forces_header(forces);
     }
+    Simulation simulation(scene_, program_);
+    const DexelSnapshot before = sculpture_->snapshot();
     for (const ProgramMotion& motion : program_.motions) {
       if (interrupted != 0) return {};
       auto result = sculpture_->apply(MoveTool{.tool = motion.tool,
@@ -173,18 +170,16 @@ class Carving {
                                                .feel = options_.forces.has_value()},
                                       pool_);
       if (!result)
-        return bad_input(program_.name + ":" + std::to_string(motion.line) + ": " +
+        return bad_input(place_of(program_, motion.file, motion.line) + ": " +
                          result.error().reason);
       report_.machining_s += motion.duration_s;
-      contacts_.follow(motion, result->stock_contact_mm);
-      if (motion.rapid && result->removed_mm3 > kRapidCutMm3) warn_of_rapid(motion, *result);
+      simulation.follow(motion, *result);
       if (options_.forces)
         write_forces_row(forces, report_.machining_s, motion.to, result->wrench,
                          result->removed_mm3);
       progress_.show("carving", static_cast<double>(++report_.motions) /
                                     static_cast<double>(program_.motions.size()));
     }
-    contacts_.warn(program_.name, report_.warnings);
     if (options_.forces && !forces.flush())
       return bad_output(options_.forces->string() + ": cannot be written");
     report_.stock_volume_mm3 = sculpture_->stock_volume_mm3();
@@ -193,14 +188,25 @@ class Carving {
     report_.stock_memory_bytes = sculpture_->memory_bytes();
     report_.state_hash = sculpture_->state_hash();
     report_.cut_s = watch_.lap();
-    return {};
+    return simulate(simulation, before);
   }
 
-  void warn_of_rapid(const ProgramMotion& motion, const MotionResult& result) {
-    if (!rapid_lines_.insert(motion.line).second || rapid_lines_.size() > kRapidCutsMax) return;
-    report_.warnings.push_back(
-        program_.name + ":" + std::to_string(motion.line) +
-        ": a rapid goes through material: " + std::to_string(result.removed_mm3) + " mm3 removed");
+  // What a machinist asks of a program: times, loads, collisions, gouges.
+  Result simulate(const Simulation& simulation, const DexelSnapshot& before) {
+    std::optional<Gouges> gouges;
+    if (options_.reference) {
+      auto mesh = load_reference(*options_.reference);
+      if (!mesh) return bad_input(mesh.error());
+      const MeshDistance reference(*mesh);
+      const double tolerance = options_.gouge_tolerance_mm.value_or(scene_.settings.tolerance_mm);
+      gouges = find_gouges(before, sculpture_->snapshot(), reference, tolerance,
+                           [this](double share) { progress_.show("looking for gouges", share); });
+      attribute_gouges(*gouges, program_.motions, scene_.tools, scene_.settings.tolerance_mm);
+    }
+    warn_of_simulation(simulation, gouges, report_.warnings);
+    report_.simulation = simulation_json(simulation, options_.tool_change_s, gouges);
+    report_.simulate_s = watch_.lap();
+    return {};
   }
 
   // Every file is a job of its own: the same bytes, whether they are written one after the other or
@@ -300,8 +306,6 @@ class Carving {
   std::optional<IndexedMesh> reference_;
   std::unique_ptr<CarvedSurface> surface_;
   CarveReport report_;
-  std::set<std::uint32_t> rapid_lines_;
-  StockContacts contacts_;
   std::vector<std::unique_ptr<OutputFile>> outputs_;
 };
 

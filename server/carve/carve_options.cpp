@@ -81,6 +81,14 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
   app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
   app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
+  app.add_option("--reference", options.reference,
+                 "report gouges: what is removed below the surface of this mesh (STL, PLY, OBJ)");
+  app.add_option("--gouge-tolerance", options.gouge_tolerance_mm,
+                 "mm below the reference's surface that is no gouge (default: the tolerance)")
+      ->check(check_positive);
+  app.add_option("--tool-change-seconds", options.tool_change_s,
+                 "what a tool change adds to the cycle time (default 0)")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--tool-table", options.environment.tool_table,
                  "LinuxCNC tool table (.tbl): lengths and diameters");
   app.add_option(

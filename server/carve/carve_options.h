@@ -15,6 +15,9 @@ namespace kerf {
 struct CarveOptions {
   std::filesystem::path scene, program;
   EnvironmentFiles environment;
+  std::optional<std::filesystem::path> reference;  ///< gouges into this mesh are reported
+  std::optional<double> gouge_tolerance_mm;        ///< otherwise the scene's tolerance
+  double tool_change_s = 0;
   std::optional<std::filesystem::path> explain;  ///< explain this scene and do nothing else
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
   SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range

@@ -77,6 +77,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"machining_seconds", report.machining_s},
                   {"read_seconds", report.read_s},
                   {"cut_seconds", report.cut_s},
+                  {"simulate_seconds", report.simulate_s},
                   {"mesh_seconds", report.mesh_s},
                   {"write_seconds", report.write_s},
                   {"triangles", triangles},
@@ -85,6 +86,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"peak_memory_bytes", peak_memory_bytes()},
                   {"stock_memory_bytes", report.stock_memory_bytes},
                   {"state_hash", hex(report.state_hash)},
+                  {"simulation", Json::parse(report.simulation)},
                   {"warnings", report.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -17,11 +17,12 @@ struct CarveReport {
   std::uint64_t motions = 0, sub_motions = 0;
   double machining_s = 0;  ///< sum of the motions' durations
   double stock_volume_mm3 = 0, removed_volume_mm3 = 0;
-  double read_s = 0, cut_s = 0, mesh_s = 0, write_s = 0;
+  double read_s = 0, cut_s = 0, simulate_s = 0, mesh_s = 0, write_s = 0;
   std::optional<std::uint64_t> triangles;  ///< none where no model was asked for
   SurfaceReport surface;
   std::uint64_t state_hash = 0;
   std::size_t stock_memory_bytes = 0;  ///< what the carved block itself holds
+  std::string simulation = "null";     ///< JSON text (simulation_json.h)
   std::vector<std::string> warnings;
 };
 

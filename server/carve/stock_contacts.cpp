@@ -6,26 +6,41 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t kWarningsMax = 20;
+// A program that touches all the time with changing tools would fill the memory.
+constexpr std::size_t kRunsMax = 100'000;
 
 }  // namespace
 
-void StockContacts::follow(const ProgramMotion& motion, double depth_mm) {
-  const bool before = touching_ && runs_.back().tool == motion.tool;
-  touching_ = depth_mm > 0;
+void ContactRuns::follow(const ProgramMotion& motion, double amount) {
+  const bool goes_on = touching_ && runs_.back().tool == motion.tool;
+  touching_ = amount > 0 && (goes_on || runs_.size() < kRunsMax);
   if (!touching_) return;
-  if (!before) runs_.push_back({motion.tool, motion.line, motion.line, 0});
-  Run& run = runs_.back();
+  if (!goes_on)
+    runs_.push_back({.tool = motion.tool,
+                     .from_file = motion.file,
+                     .from_line = motion.line,
+                     .tip_mm = motion.to.tip_mm});
+  ContactRun& run = runs_.back();
+  run.to_file = motion.file;
   run.to_line = motion.line;
-  run.depth_mm = std::max(run.depth_mm, depth_mm);
+  run.rapid = run.rapid || motion.rapid;
+  if (amount <= run.worst) return;
+  run.worst = amount;
+  run.tip_mm = motion.to.tip_mm;
 }
 
-void StockContacts::warn(const std::string& program, std::vector<std::string>& warnings) const {
-  for (std::size_t i = 0; i < std::min(runs_.size(), kWarningsMax); ++i) {
-    const Run& run = runs_[i];
-    std::string text = program + ":" + std::to_string(run.from_line) +
+void warn_of_stock_contacts(const ContactRuns& contacts, const Program& program,
+                            std::vector<std::string>& warnings) {
+  for (std::size_t i = 0; i < std::min(contacts.runs().size(), kWarningsMax); ++i) {
+    const ContactRun& run = contacts.runs()[i];
+    std::string text = place_of(program, run.from_file, run.from_line) +
                        ": shank or holder of tool " + std::to_string(run.tool) +
-                       " goes into the stock, up to " + std::to_string(run.depth_mm) + " mm deep";
-    if (run.to_line != run.from_line) text += ", until line " + std::to_string(run.to_line);
+                       " goes into the stock, up to " + std::to_string(run.worst) + " mm deep";
+    if (run.to_file != run.from_file) {
+      text += ", until " + place_of(program, run.to_file, run.to_line);
+    } else if (run.to_line != run.from_line) {
+      text += ", until line " + std::to_string(run.to_line);
+    }
     warnings.push_back(std::move(text));
   }
 }

@@ -7,23 +7,29 @@
 
 namespace kerf {
 
-/// Where shank or holder of a tool went into the stock: one warning for a run of motions, not one
-/// for each.
-class StockContacts {
+/// Motions one after the other, with one tool, in which something was touched that must not be.
+struct ContactRun {
+  ToolId tool = 0;
+  std::uint32_t from_file = 0, from_line = 0, to_file = 0, to_line = 0;
+  double worst = 0;    ///< depth, mm, or force, N
+  Vec3 tip_mm;         ///< at the end of the motion where it was worst
+  bool rapid = false;  ///< a rapid was among them
+};
+
+/// Collects them: one entry for a run of motions, not one for each.
+class ContactRuns {
  public:
-  /// The next motion of the program, and how deep they were in the stock (0: not at all).
-  void follow(const ProgramMotion& motion, double depth_mm);
-  /// Adds "program:line: …" for each run, the first 20 of them.
-  void warn(const std::string& program, std::vector<std::string>& warnings) const;
+  /// The next motion of the program, and how bad it was (0: no contact).
+  void follow(const ProgramMotion& motion, double amount);
+  const std::vector<ContactRun>& runs() const { return runs_; }
 
  private:
-  struct Run {
-    ToolId tool;
-    std::uint32_t from_line, to_line;
-    double depth_mm;
-  };
-  std::vector<Run> runs_;
+  std::vector<ContactRun> runs_;
   bool touching_ = false;
 };
+
+/// Adds a warning for each run in which shank or holder went into the stock, the first 20 of them.
+void warn_of_stock_contacts(const ContactRuns& contacts, const Program& program,
+                            std::vector<std::string>& warnings);
 
 }  // namespace kerf

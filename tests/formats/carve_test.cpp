@@ -320,5 +320,35 @@ TEST(CarveOptions, AreReadFromTheCommandLine) {
   EXPECT_EQ(options.models[1].path, "m.3mf");
 }
 
+TEST_F(KerfCarve, ReportsWhatAControllersFilesAndSubroutinesMakeOfAProgram) {
+  write("scene.json",
+        std::string(kScene).replace(std::string(kScene).find("tool-vector"), 11, "xyz"));
+  fs::create_directories(folder_ / "subs");
+  write("subs/slot.ngc", "o<slot> sub\nG0 X-5 Y#1 Z12\nG1 Z[#2]\nX25\nG0 Z30\no<slot> endsub\n");
+  write("t.tbl", "T1 P1 D4 Z50 ; mill\n");
+  write("p.var", "5161 0\n5163 120\n5221 3\n5223 20\n");
+  write("q.ngc",
+        "G21 G90 T1 M6\nG43\nF600\no<slot> call [10] [8]\no<slot> call [4] [7]\nG28\nM2\n");
+  const std::string controller = " --tool-table t.tbl --parameters p.var --subroutines subs";
+  const auto json = report("--scene scene.json --program q.ngc --stl ref.stl" + controller);
+  const auto& simulation = json["simulation"];
+  EXPECT_NEAR(json["removed_volume_mm3"], 4 * 20 * 2 + 4 * 20 * 3, 8);
+  EXPECT_EQ(simulation["tool_changes"]["count"], 1);
+  EXPECT_EQ(simulation["max_engaged_area"]["place"], "subs/slot.ngc:4");
+  EXPECT_EQ(simulation["gouges"], nullptr);
+  EXPECT_EQ(json["tip_extents"]["max_mm"][2], 120 - 50 - 20);  // home: less tool and G54
+
+  // A program that forgets G43 goes 50 mm deeper, into what the first one has left.
+  write("bad.ngc", "G21 G90 T1 M6\nF600\no<slot> call [10] [57.5]\nM2\n");
+  const auto gouged =
+      report("--scene scene.json --program bad.ngc --reference ref.stl" + controller);
+  EXPECT_EQ(gouged["simulation"]["gouges"]["worst"][0]["place"], "subs/slot.ngc:4");
+  EXPECT_NEAR(gouged["simulation"]["gouges"]["worst"][0]["depth_mm"], 0.5, 0.01);
+  EXPECT_EQ(run("--scene scene.json --program q.ngc --tool-table p.var"), 2);
+  EXPECT_THAT(content("err"), HasSubstr("p.var:1: '5161'"));
+  EXPECT_EQ(run("--scene scene.json --program q.ngc"), 2);
+  EXPECT_THAT(content("err"), HasSubstr("q.ngc:4: 'O<SLOT> CALL' calls a subroutine"));
+}
+
 }  // namespace
 }  // namespace kerf

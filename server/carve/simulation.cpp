@@ -1,0 +1,106 @@
+#include "server/carve/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/math/rotation.h"
+#include "server/formats/machine_kinematics.h"
+
+namespace kerf {
+namespace {
+
+// Obstacles are looked for this far apart along a motion, and at most so often.
+constexpr double kObstacleStepMm = 0.5;
+constexpr int kObstacleStepsMax = 10'000;
+constexpr std::size_t kRapidCutsMax = 1000;
+
+double turn_rad(const ProgramMotion& motion) {
+  return angle_between(normalized(motion.from.axis), normalized(motion.to.axis));
+}
+
+void keep_greatest(Extreme& extreme, double value, const ProgramMotion& motion) {
+  if (value <= extreme.value) return;
+  extreme = {value, motion.file, motion.line, motion.tool, motion.to.tip_mm};
+}
+
+}  // namespace
+
+Simulation::Simulation(const Scene& scene, const Program& program)
+    : scene_(scene), program_(program) {
+  if (!scene.settings.obstacles.empty()) obstacles_.emplace(scene.settings.obstacles);
+}
+
+void Simulation::follow(const ProgramMotion& motion, const MotionResult& result) {
+  const double way = length(motion.to.tip_mm - motion.from.tip_mm);
+  const double turn = turn_rad(motion);
+  const bool cuts = result.removed_mm3 > kNothingRemovedMm3;
+  ToolUse& use = tools_[motion.tool];
+  use.removed_mm3 += result.removed_mm3;
+  const auto add = [&](Travel& travel) {
+    travel.seconds += motion.duration_s;
+    travel.length_mm += way;
+  };
+  if (way == 0 && turn == 0) {
+    dwell_s_ += motion.duration_s;
+  } else if (motion.rapid) {
+    add(rapid_);
+    if (cuts) note_rapid_cut(motion, result.removed_mm3);
+  } else {
+    add(feed_);
+    add(use.feed);
+    if (!cuts) {
+      add(air_);
+      add(use.air);
+    }
+  }
+  if (cuts) {
+    // The way of the contact: of a motion that turns in place, that of the tool's middle.
+    const double path = std::max(way, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
+    const double area = path > 0 ? result.removed_mm3 / path : 0;
+    keep_greatest(use.engaged_area_mm2, area, motion);
+    keep_greatest(use.removal_rate_mm3_per_s, result.removed_mm3 / motion.duration_s, motion);
+    keep_greatest(use.force_n, force_n(motion, result, area), motion);
+  }
+  stock_.follow(motion, result.stock_contact_mm);
+  if (obstacles_) obstacle_.follow(motion, obstacle_push_n(motion));
+}
+
+// What the wrench says where it was computed; otherwise what the law makes of area and rate.
+double Simulation::force_n(const ProgramMotion& motion, const MotionResult& result,
+                           double area_mm2) const {
+  const Vec3 felt = result.wrench.force_n - result.collision.force_n;
+  if (result.cutting.engaged_area_mm2 > 0) return length(felt);
+  const ForceSettings& force = scene_.settings.force;
+  return force.law == ForceLaw::kSpecificEnergy
+             ? force.specific_force_n_per_mm2 * area_mm2
+             : force.drr_n_s_per_mm3 * result.removed_mm3 / motion.duration_s;
+}
+
+double Simulation::obstacle_push_n(const ProgramMotion& motion) const {
+  const Tool& tool = scene_.tools.at(motion.tool).tool;
+  const double travel =
+      length(motion.to.tip_mm - motion.from.tip_mm) + turn_rad(motion) * tool.whole_length_mm;
+  const int steps =
+      std::clamp(static_cast<int>(std::ceil(travel / kObstacleStepMm)), 1, kObstacleStepsMax);
+  double worst = 0;
+  for (int i = 0; i <= steps; ++i) {
+    const double share = static_cast<double>(i) / steps;
+    const ToolPose pose{motion.from.tip_mm + (motion.to.tip_mm - motion.from.tip_mm) * share,
+                        turned_axis(motion.from.axis, motion.to.axis, share)};
+    worst = std::max(worst,
+                     length(obstacles_->push(tool, pose, scene_.settings.force.pivot_mm).force_n));
+  }
+  return worst;
+}
+
+void Simulation::note_rapid_cut(const ProgramMotion& motion, double removed_mm3) {
+  const bool same_line = !rapid_cuts_.empty() && rapid_cuts_.back().line == motion.line &&
+                         rapid_cuts_.back().file == motion.file;
+  if (same_line) {
+    rapid_cuts_.back().removed_mm3 += removed_mm3;
+  } else if (rapid_cuts_.size() < kRapidCutsMax) {
+    rapid_cuts_.push_back({motion.file, motion.line, motion.tool, removed_mm3});
+  }
+}
+
+}  // namespace kerf

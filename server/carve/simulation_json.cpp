@@ -1,0 +1,163 @@
+#include "server/carve/simulation_json.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace kerf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kListMax = 100;
+constexpr std::size_t kWarningsMax = 20;
+
+Json point(Vec3 p) { return {p.x, p.y, p.z}; }
+
+double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+Json extreme_json(const Program& program, const char* unit, const Extreme& extreme) {
+  if (extreme.value <= 0) return nullptr;
+  return {{unit, extreme.value},
+          {"place", place_of(program, extreme.file, extreme.line)},
+          {"tool", extreme.tool},
+          {"tip_mm", point(extreme.tip_mm)}};
+}
+
+const Extreme& greater(const Extreme& a, const Extreme& b) { return b.value > a.value ? b : a; }
+
+Json tools_json(const Simulation& simulation) {
+  const Program& program = simulation.program();
+  Json tools = Json::array();
+  for (const auto& [id, use] : simulation.tools())
+    tools.push_back(
+        {{"tool", id},
+         {"removed_mm3", use.removed_mm3},
+         {"feed_seconds", use.feed.seconds},
+         {"feed_length_mm", use.feed.length_mm},
+         {"air_seconds", use.air.seconds},
+         {"air_length_mm", use.air.length_mm},
+         {"max_engaged_area", extreme_json(program, "mm2", use.engaged_area_mm2)},
+         {"max_removal_rate", extreme_json(program, "mm3_per_s", use.removal_rate_mm3_per_s)},
+         {"max_force", extreme_json(program, "n", use.force_n)}});
+  return tools;
+}
+
+Json tool_changes_json(const Program& program, double tool_change_s) {
+  Json at = Json::array();
+  for (std::size_t i = 0; i < std::min(program.tool_changes.size(), kListMax); ++i) {
+    const ToolChange& change = program.tool_changes[i];
+    at.push_back({{"tool", change.tool}, {"place", place_of(program, change.file, change.line)}});
+  }
+  const auto count = program.tool_changes.size();
+  return {{"count", count},
+          {"seconds_each", tool_change_s},
+          {"seconds", tool_change_s * static_cast<double>(count)},
+          {"first", at}};
+}
+
+void add_contacts(Json& list, const Program& program, const ContactRuns& contacts, const char* with,
+                  const char* unit) {
+  for (std::size_t i = 0; i < std::min(contacts.runs().size(), kListMax); ++i) {
+    const ContactRun& run = contacts.runs()[i];
+    list.push_back({{"with", with},
+                    {"tool", run.tool},
+                    {"from", place_of(program, run.from_file, run.from_line)},
+                    {"to", place_of(program, run.to_file, run.to_line)},
+                    {"in_rapid", run.rapid},
+                    {unit, run.worst},
+                    {"tip_mm", point(run.tip_mm)}});
+  }
+}
+
+Json rapid_cuts_json(const Simulation& simulation) {
+  Json list = Json::array();
+  for (const RapidCut& cut : simulation.rapid_cuts()) {
+    if (list.size() >= kListMax) break;
+    list.push_back({{"place", place_of(simulation.program(), cut.file, cut.line)},
+                    {"tool", cut.tool},
+                    {"removed_mm3", cut.removed_mm3}});
+  }
+  return list;
+}
+
+Json gouges_json(const Program& program, const std::optional<Gouges>& gouges) {
+  if (!gouges) return nullptr;
+  Json list = Json::array();
+  for (const Gouge& gouge : gouges->worst) {
+    Json place = nullptr;
+    Json tool = nullptr;
+    if (gouge.motion) {
+      const ProgramMotion& motion = program.motions[*gouge.motion];
+      place = place_of(program, motion.file, motion.line);
+      tool = motion.tool;
+    }
+    list.push_back({{"depth_mm", gouge.depth_mm},
+                    {"place", place},
+                    {"tool", tool},
+                    {"deepest_mm", point(gouge.deepest_mm)},
+                    {"area_mm2", gouge.area_mm2},
+                    {"volume_mm3", gouge.volume_mm3}});
+  }
+  return {{"tolerance_mm", gouges->tolerance_mm}, {"count", gouges->count}, {"worst", list}};
+}
+
+}  // namespace
+
+std::string simulation_json(const Simulation& simulation, double tool_change_s,
+                            const std::optional<Gouges>& gouges) {
+  const Program& program = simulation.program();
+  Extreme area, rate, force;
+  for (const auto& [id, use] : simulation.tools()) {
+    area = greater(area, use.engaged_area_mm2);
+    rate = greater(rate, use.removal_rate_mm3_per_s);
+    force = greater(force, use.force_n);
+  }
+  const double changes_s = tool_change_s * static_cast<double>(program.tool_changes.size());
+  const Travel& feed = simulation.feed();
+  const Travel& air = simulation.air();
+  Json collisions = Json::array();
+  add_contacts(collisions, program, simulation.stock_contacts(), "stock", "depth_mm");
+  add_contacts(collisions, program, simulation.obstacle_contacts(), "obstacle", "push_n");
+  const Json json{{"cycle_seconds",
+                   feed.seconds + simulation.rapid().seconds + simulation.dwell_s() + changes_s},
+                  {"feed_seconds", feed.seconds},
+                  {"rapid_seconds", simulation.rapid().seconds},
+                  {"dwell_seconds", simulation.dwell_s()},
+                  {"tool_changes", tool_changes_json(program, tool_change_s)},
+                  {"feed_length_mm", feed.length_mm},
+                  {"rapid_length_mm", simulation.rapid().length_mm},
+                  {"air_cutting",
+                   {{"seconds", air.seconds},
+                    {"length_mm", air.length_mm},
+                    {"share_of_feed_time", share(air.seconds, feed.seconds)},
+                    {"share_of_feed_length", share(air.length_mm, feed.length_mm)}}},
+                  {"tools", tools_json(simulation)},
+                  {"max_engaged_area", extreme_json(program, "mm2", area)},
+                  {"max_removal_rate", extreme_json(program, "mm3_per_s", rate)},
+                  {"max_force", extreme_json(program, "n", force)},
+                  {"collisions", collisions},
+                  {"rapids_through_stock", rapid_cuts_json(simulation)},
+                  {"gouges", gouges_json(program, gouges)}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void warn_of_simulation(const Simulation& simulation, const std::optional<Gouges>& gouges,
+                        std::vector<std::string>& warnings) {
+  const Program& program = simulation.program();
+  const auto& cuts = simulation.rapid_cuts();
+  for (std::size_t i = 0; i < std::min(cuts.size(), kWarningsMax); ++i)
+    warnings.push_back(place_of(program, cuts[i].file, cuts[i].line) +
+                       ": a rapid goes through material: " + std::to_string(cuts[i].removed_mm3) +
+                       " mm3 removed");
+  warn_of_stock_contacts(simulation.stock_contacts(), program, warnings);
+  if (!gouges) return;
+  for (std::size_t i = 0; i < std::min(gouges->worst.size(), kWarningsMax); ++i) {
+    const Gouge& gouge = gouges->worst[i];
+    const ProgramMotion* motion = gouge.motion ? &program.motions[*gouge.motion] : nullptr;
+    warnings.push_back(
+        (motion != nullptr ? place_of(program, motion->file, motion->line) : program.name) +
+        ": the reference is cut into, " + std::to_string(gouge.depth_mm) + " mm deep");
+  }
+}
+
+}  // namespace kerf
