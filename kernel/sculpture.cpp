@@ -145,6 +145,37 @@ double combined_mm3(std::span<const RemovedVolume> fields) {
   return weights > 0 ? sum / weights : 0;
 }
 
+/// The tiles of the field along Z above and below what was removed from a field: those whose
+/// surface looks different. A tile's side is as long in every field, so a tile of the field along X
+/// spans one row of them, one of the field along Y one column.
+void note_changed_tiles(const DexelGrid& grid, const Removal& removal,
+                        std::vector<TileIndex>& changed) {
+  const double tile_quanta = kTileSide * grid.pitch_mm / grid.z_quantum_mm;
+  for (const RemovedPart& part : removal.parts()) {
+    for (std::size_t n = 0; n < part.tiles.size(); ++n) {
+      const TileIndex at = part.tiles[n].index;
+      if (grid.axis == RayAxis::kZ) {
+        changed.push_back(at);
+        continue;
+      }
+      std::int32_t low = grid.height_quanta, high = 0;
+      for (const RemovedGroup& g : part.of(n)) {
+        for (int c = 0; c < RemovedGroup::kLanes; ++c) {
+          if (g.bottom[c] >= g.top[c]) continue;
+          low = std::min(low, g.bottom[c]);
+          high = std::max(high, g.top[c]);
+        }
+      }
+      const auto first = static_cast<std::int32_t>(low / tile_quanta);
+      const auto last = static_cast<std::int32_t>(high / tile_quanta);
+      for (std::int32_t t = first; t <= last; ++t) {
+        const TileIndex tile = grid.axis == RayAxis::kX ? TileIndex{t, at.x} : TileIndex{at.y, t};
+        changed.push_back(tile);
+      }
+    }
+  }
+}
+
 /// Where the field's rays are.
 SweepBounds bounds_of(const DexelGrid& grid) {
   return {{grid.x_mm(0), grid.y_mm(0), grid.origin_mm.z},
@@ -335,11 +366,7 @@ RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const To
     cut(field, part.swept, removal, workers, surface ? &*surface : nullptr);
     quanta += removal.quanta();
     if (!alone) elements += removal.elements();
-    if (grid.axis == RayAxis::kZ) {
-      for (const RemovedPart& p : removal.parts()) {
-        for (const RemovedPart::Tile& t : p.tiles) result.changed_tiles.push_back(t.index);
-      }
-    }
+    note_changed_tiles(grid, removal, result.changed_tiles);
     if (force != nullptr) force->add(grid, removal, part.motion, part.share, workers);
     parts += part.count;
   });
@@ -368,6 +395,9 @@ MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
   }
   last_pose_[command.tool] = motion.to;
   result.removed_mm3 = combined_mm3(removed);
+  std::erase_if(result.changed_tiles, [this](TileIndex tile) {
+    return tile.x >= grid().tiles_x() || tile.y >= grid().tiles_y();
+  });
   std::ranges::sort(result.changed_tiles);
   const auto repeated = std::ranges::unique(result.changed_tiles);
   result.changed_tiles.erase(repeated.begin(), repeated.end());

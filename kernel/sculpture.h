@@ -81,7 +81,7 @@ struct MotionResult {
   double stock_contact_mm = 0;    ///< deepest that shank or holder were in the stock on the way
   double removed_mm3 = 0;         ///< of three fields: direction-weighted (kernel/README.md)
   std::uint32_t sub_motions = 0;  ///< cuts made, in all fields together
-  std::vector<TileIndex> changed_tiles;  ///< of the field along Z; sorted, without duplicates
+  std::vector<TileIndex> changed_tiles;  ///< whose surface changed; sorted, without duplicates
 };
 
 enum class SculptureErrorCode {

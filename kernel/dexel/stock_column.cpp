@@ -12,13 +12,6 @@ namespace {
 constexpr int kDepthBits = 30;
 constexpr double kSideColumnsMax = 0x7fffff00;
 
-BoxStock bounds(const StockShape& stock) {
-  if (const auto* box = std::get_if<BoxStock>(&stock)) return *box;
-  const auto& c = std::get<CylinderStock>(stock);
-  return {{c.center_x_mm - c.radius_mm, c.center_y_mm - c.radius_mm, c.min_z_mm},
-          {c.center_x_mm + c.radius_mm, c.center_y_mm + c.radius_mm, c.max_z_mm}};
-}
-
 /// The chord of a ray across an upright cylinder, `aside_mm` from the axis. `center` is the depth
 /// of the axis.
 Dexel chord(const CylinderStock& c, const DexelGrid& grid, double aside_mm, double center_mm) {
@@ -62,6 +55,13 @@ double columns(double size_mm, double pitch_mm) {
 }
 
 }  // namespace
+
+BoxStock stock_bounds(const StockShape& stock) {
+  if (const auto* box = std::get_if<BoxStock>(&stock)) return *box;
+  const auto& c = std::get<CylinderStock>(stock);
+  return {{c.center_x_mm - c.radius_mm, c.center_y_mm - c.radius_mm, c.min_z_mm},
+          {c.center_x_mm + c.radius_mm, c.center_y_mm + c.radius_mm, c.max_z_mm}};
+}
 
 Dexel stock_column(const StockShape& stock, const DexelGrid& grid, std::int32_t i, std::int32_t j) {
   const auto* c = std::get_if<CylinderStock>(&stock);
@@ -132,7 +132,7 @@ double stock_quanta(const StockShape& stock, const DexelGrid& grid) {
 }
 
 double columns_in_field(const StockShape& stock, double pitch_mm, RayAxis axis) {
-  const BoxStock box = bounds(stock);
+  const BoxStock box = stock_bounds(stock);
   const Vec3 size = to_frame(axis, box.max_mm - box.min_mm);
   const double x = columns(size.x, pitch_mm), y = columns(size.y, pitch_mm);
   // A side of more columns than their numbers can count is as good as endless.
@@ -140,7 +140,7 @@ double columns_in_field(const StockShape& stock, double pitch_mm, RayAxis axis) 
 }
 
 DexelGrid make_grid(const StockShape& stock, double pitch_mm, RayAxis axis) {
-  const BoxStock box = bounds(stock);
+  const BoxStock box = stock_bounds(stock);
   const Vec3 size = to_frame(axis, box.max_mm - box.min_mm);
   int exponent = 0;
   std::frexp(size.z, &exponent);  // size.z < 2^exponent

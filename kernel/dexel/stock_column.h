@@ -10,6 +10,9 @@ namespace kerf {
 
 struct DexelTile;
 
+/// The box around a stock.
+BoxStock stock_bounds(const StockShape& stock);
+
 /// What the untouched stock holds in column (i, j): one element, or nothing (bottom == top) beside
 /// a cylinder. Along the cylinder's axis a column is whole or empty, and one whose centre is
 /// exactly on the surface is solid. Across it a column is a chord, its ends rounded to the nearest

@@ -1,45 +1,53 @@
 #include "kernel/surface/column_window.h"
 
-#include <cstdlib>
-
 namespace kerf {
 
-ColumnWindow::ColumnWindow(const DexelSnapshot& snapshot, std::int32_t first_x,
-                           std::int32_t first_y, std::int32_t side)
-    : grid_(snapshot.grid()),
+ColumnWindow::ColumnWindow(const SolidSnapshot& solid, std::int32_t first_x, std::int32_t first_y,
+                           std::int32_t side)
+    : grid_(solid.fields.front().grid()),
       quanta_per_step_(grid_.pitch_mm / grid_.z_quantum_mm),
+      level_zero_(solid.fields.size() == 1 ? 0 : 0.5),
       first_x_(first_x),
       first_y_(first_y),
       side_(side) {
   const auto columns = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
   start_.reserve(columns + 1);
   runs_.reserve(columns * 2);
-  std::vector<Dexel> scratch;
   for (std::int32_t j = first_y; j < first_y + side; ++j) {
     for (std::int32_t i = first_x; i < first_x + side; ++i) {
       start_.push_back(static_cast<std::uint32_t>(runs_.size()));
-      if (in_grid(i, j)) append_column(snapshot.column(i, j, scratch));
+      if (in_grid(i, j)) append_column(solid.fields.front(), i, j);
     }
   }
   start_.push_back(static_cast<std::uint32_t>(runs_.size()));
 }
 
-void ColumnWindow::append_column(std::span<const Dexel> dexels) {
-  for (const Dexel& dexel : dexels) {
-    const SolidRun run{first_sample_at_or_above(dexel.bottom), first_sample_at_or_above(dexel.top),
-                       dexel.bottom, dexel.top};
-    if (run.first == run.end) continue;  // thinner than the lattice: no sample sees it
-    if (runs_.size() > start_.back() && runs_.back().end == run.first) {
-      runs_.back().end = run.end;  // no sample sees the gap
-      runs_.back().top = run.top;
-    } else {
-      runs_.push_back(run);
-    }
+void ColumnWindow::append_column(const DexelSnapshot& field, std::int32_t i, std::int32_t j) {
+  const ColumnView view = field.view(i, j);
+  const auto append = [&](const Dexel& d, const EndCodes& codes) {
+    append_run({first_sample_at_or_above(d.bottom), first_sample_at_or_above(d.top), d.bottom,
+                d.top, field.normal(i, j, d.bottom, false, codes.bottom),
+                field.normal(i, j, d.top, true, codes.top)});
+  };
+  for (std::size_t n = 0; n < view.lower.size(); ++n) {
+    append(view.lower[n], view.lower_codes.empty() ? EndCodes{} : view.lower_codes[n]);
+  }
+  if (view.topmost.bottom < view.topmost.top) append(view.topmost, view.topmost_codes);
+}
+
+void ColumnWindow::append_run(const SolidRun& run) {
+  if (run.first == run.end) return;  // thinner than the lattice: no sample sees it
+  if (runs_.size() > start_.back() && runs_.back().end == run.first) {
+    runs_.back().end = run.end;  // no sample sees the gap
+    runs_.back().top = run.top;
+    runs_.back().top_normal = run.top_normal;
+  } else {
+    runs_.push_back(run);
   }
 }
 
 std::int32_t ColumnWindow::first_sample_at_or_above(std::int32_t height) const {
-  auto sample = static_cast<std::int32_t>(height / quanta_per_step_);
+  auto sample = static_cast<std::int32_t>(steps(height));
   while (level(sample) < height) ++sample;
   while (level(sample - 1) >= height) --sample;
   return sample;
@@ -50,16 +58,6 @@ bool ColumnWindow::solid(std::int32_t i, std::int32_t j, std::int32_t sample) co
     if (sample < run.end) return sample >= run.first;
   }
   return false;
-}
-
-std::optional<std::int32_t> ColumnWindow::nearest_end(std::int32_t i, std::int32_t j, DexelEnd kind,
-                                                      std::int32_t height) const {
-  std::optional<std::int32_t> nearest;
-  for (const SolidRun& run : runs(i, j)) {
-    const std::int32_t end = kind == DexelEnd::kTop ? run.top : run.bottom;
-    if (!nearest || std::abs(end - height) < std::abs(*nearest - height)) nearest = end;
-  }
-  return nearest;
 }
 
 }  // namespace kerf

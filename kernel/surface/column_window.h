@@ -2,11 +2,10 @@
 
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/solid_snapshot.h"
 
 namespace kerf {
 
@@ -15,17 +14,18 @@ namespace kerf {
 struct SolidRun {
   std::int32_t first = 0, end = 0;   ///< samples; first < end
   std::int32_t bottom = 0, top = 0;  ///< quanta
+  Vec3 bottom_normal, top_normal;    ///< of the surface at the ends: unit, outward
 };
 
-enum class DexelEnd : std::uint8_t { kBottom, kTop };
-
-/// A copy of the columns of one tile and a margin around it, sampled at heights that are one pitch
-/// apart. Sample k stands at level(k) quanta; level(0) is the block's lowest plane. A sample is
-/// solid where bottom <= level < top, so an element that contains no sample disappears, and so does
-/// a gap. Columns outside the grid are empty.
+/// A copy of the columns along Z of one tile and a margin around it, sampled at heights that are
+/// one pitch apart. Sample k stands at level(k) quanta. Where there are rays along X and Y as well,
+/// samples stand in the middle between two rows of those, so that each lies on three rays; else
+/// level(0) is the block's lowest plane, and nothing that touches it disappears. A sample is solid
+/// where bottom <= level < top, so an element that contains no sample disappears, and so does a
+/// gap. Columns outside the grid are empty.
 class ColumnWindow {
  public:
-  ColumnWindow(const DexelSnapshot& snapshot, std::int32_t first_x, std::int32_t first_y,
+  ColumnWindow(const SolidSnapshot& solid, std::int32_t first_x, std::int32_t first_y,
                std::int32_t side);
 
   const DexelGrid& grid() const { return grid_; }
@@ -37,29 +37,26 @@ class ColumnWindow {
     const std::size_t n = number(i, j);
     return {runs_.data() + start_[n], runs_.data() + start_[n + 1]};
   }
-  /// Position of the column's first run among all runs of the window.
-  std::size_t run_number(std::int32_t i, std::int32_t j) const { return start_[number(i, j)]; }
-  std::size_t run_count() const { return runs_.size(); }
   bool solid(std::int32_t i, std::int32_t j, std::int32_t sample) const;
-  /// The end of that kind which is nearest to a height (quanta); nothing in an empty column.
-  std::optional<std::int32_t> nearest_end(std::int32_t i, std::int32_t j, DexelEnd kind,
-                                          std::int32_t height) const;
-
   std::int32_t level(std::int32_t sample) const {
-    return static_cast<std::int32_t>(std::floor(sample * quanta_per_step_ + 0.5));
+    return static_cast<std::int32_t>(std::floor((sample + level_zero_) * quanta_per_step_ + 0.5));
   }
-  double quanta_per_step() const { return quanta_per_step_; }
+  /// A height in sample steps: level(k) is k, to rounding.
+  double steps(std::int32_t height) const { return height / quanta_per_step_ - level_zero_; }
+  /// Height of sample 0 above the block's lowest plane, in steps.
+  double level_zero() const { return level_zero_; }
 
  private:
   std::size_t number(std::int32_t i, std::int32_t j) const {
     return static_cast<std::size_t>(j - first_y_) * static_cast<std::size_t>(side_) +
            static_cast<std::size_t>(i - first_x_);
   }
-  void append_column(std::span<const Dexel> dexels);
+  void append_column(const DexelSnapshot& field, std::int32_t i, std::int32_t j);
+  void append_run(const SolidRun& run);
   std::int32_t first_sample_at_or_above(std::int32_t height) const;
 
   DexelGrid grid_;
-  double quanta_per_step_;
+  double quanta_per_step_, level_zero_;
   std::int32_t first_x_, first_y_, side_;
   std::vector<SolidRun> runs_;
   std::vector<std::uint32_t> start_;

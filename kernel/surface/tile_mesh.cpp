@@ -23,14 +23,21 @@ struct Corner {
 };
 using Corners = std::array<Corner, 4>;
 
+/// Sines below which two ways of splitting a quadrangle fit the surface equally well.
+constexpr double kFitEpsilon = 1e-4;
+
 /// Marks the place of a SplitVertex among the vertices of cells.
 constexpr std::uint32_t kSplit = std::uint32_t{1} << 31;
 
 /// A vertex that the mesh may hold several times, with different normals.
 struct SplitVertex {
   SurfaceVertex vertex;
-  std::array<std::uint32_t, 3> index;  ///< by axis
+  std::array<std::uint32_t, kVertexNormalsMax> index;  ///< by group of edges
 };
+
+Vec3 difference(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return {double(a[0]) - double(b[0]), double(a[1]) - double(b[1]), double(a[2]) - double(b[2])};
+}
 
 float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   const float x = a[0] - b[0];
@@ -44,15 +51,15 @@ float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>
 /// the only one that is in the grid.
 class TileMesher {
  public:
-  TileMesher(const DexelSnapshot& snapshot, TileIndex tile)
+  TileMesher(const SolidSnapshot& solid, TileIndex tile)
       : first_x_(tile.x * kTileSide),
         first_y_(tile.y * kTileSide),
-        end_x_(std::min(first_x_ + kTileSide, snapshot.grid().columns_x)),
-        end_y_(std::min(first_y_ + kTileSide, snapshot.grid().columns_y)),
-        window_(snapshot, first_x_ - 1 - kPlacementMargin, first_y_ - 1 - kPlacementMargin,
-                kTileSide + 2 + 2 * kPlacementMargin),
+        end_x_(std::min(first_x_ + kTileSide, solid.fields.front().grid().columns_x)),
+        end_y_(std::min(first_y_ + kTileSide, solid.fields.front().grid().columns_y)),
+        window_(solid, first_x_ - 1 - kGuessMargin, first_y_ - 1 - kGuessMargin,
+                kTileSide + 2 + 2 * kGuessMargin),
         cells_(window_, first_x_ - 1, first_y_ - 1, kTileSide + 1),
-        placement_(window_),
+        placement_(solid, window_),
         vertex_(cells_.size(), kNoVertex) {
     mesh_.tile = tile;
   }
@@ -142,11 +149,31 @@ class TileMesher {
       return;
     }
     if (plane.reversed) std::swap(c[1], c[3]);
-    const auto& p = mesh_.positions_mm;
-    const bool other_diagonal =
-        distance_squared(p[c[1]], p[c[3]]) < distance_squared(p[c[0]], p[c[2]]);
-    if (other_diagonal) c = {c[1], c[2], c[3], c[0]};
+    if (prefers_other_diagonal(c)) c = {c[1], c[2], c[3], c[0]};
     mesh_.indices.insert(mesh_.indices.end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
+  }
+
+  /// Whether a quadrangle is to be split from its second to its fourth corner: the shorter
+  /// diagonal, or, beside a crease, the one that leaves a triangle square to the surface's normal
+  /// where the quadrangle crosses its lattice edge, so that no triangle spans the crease.
+  bool prefers_other_diagonal(const std::array<std::uint32_t, 4>& c) const {
+    const auto& p = mesh_.positions_mm;
+    const bool shorter = distance_squared(p[c[1]], p[c[3]]) < distance_squared(p[c[0]], p[c[2]]);
+    if (!sharp_[c[0]] && !sharp_[c[1]] && !sharp_[c[2]] && !sharp_[c[3]]) return shorter;
+    Vec3 normal;
+    for (const std::uint32_t v : c) {
+      const auto& n = mesh_.normals[v];
+      normal = normal + Vec3{double(n[0]), double(n[1]), double(n[2])};
+    }
+    const auto fit = [&](std::size_t a, std::size_t b, std::size_t d) {
+      const Vec3 square = cross(difference(p[c[b]], p[c[a]]), difference(p[c[d]], p[c[a]]));
+      const double size = length(square);
+      return size > 0 ? dot(square, normal) / size : 0;
+    };
+    const double here = std::max(fit(0, 1, 2), fit(0, 2, 3));
+    const double there = std::max(fit(1, 2, 3), fit(1, 3, 0));
+    const double indifferent = kFitEpsilon * length(normal);
+    return std::abs(here - there) <= indifferent ? shorter : there > here;
   }
 
   /// Square to the axis to the last bit, in position and in normals.
@@ -178,43 +205,30 @@ class TileMesher {
     std::uint32_t& entry = vertex_[corner.position];
     const CellSheets& sheets = cells_.sheets(corner.position);
     if (entry == kNoVertex) {
-      if (sheets.count == 1) {
-        const SurfaceVertex vertex = placement_.place(cell_of(corner), sheets.edges[0]);
-        if (vertex.smooth()) return entry = add_vertex(vertex, 0);
+      for (std::uint8_t sheet = 0; sheet < sheets.count; ++sheet) {
+        const SurfaceVertex vertex = placement_.place(cell_of(corner), sheets, sheet);
+        if (sheets.count == 1 && vertex.normal_count == 1) return entry = add_vertex(vertex, 0);
         split_.push_back({vertex, {kNoVertex, kNoVertex, kNoVertex}});
-      } else {
-        for (std::uint8_t sheet = 0; sheet < sheets.count; ++sheet) {
-          split_.push_back({placement_.place_sheet(cell_of(corner), sheets, sheet),
-                            {kNoVertex, kNoVertex, kNoVertex}});
-        }
       }
       entry = kSplit | static_cast<std::uint32_t>(split_.size() - sheets.count);
     }
     if ((entry & kSplit) == 0) return entry;
     const std::uint8_t sheet = sheets.of_edge[corner.edge];
     assert(sheet != kNoSheet);
-    return split_vertex(split_[(entry & ~kSplit) + sheet], corner.edge / 4);
-  }
-
-  std::uint32_t split_vertex(SplitVertex& split, unsigned axis) {
-    if (split.index[axis] == kNoVertex) {
-      const std::uint32_t index = add_vertex(split.vertex, axis);
-      for (unsigned other = 0; other < 3; ++other) {
-        if (split.vertex.normal_of[other] == split.vertex.normal_of[axis]) {
-          split.index[other] = index;
-        }
-      }
-    }
-    return split.index[axis];
+    SplitVertex& split = split_[(entry & ~kSplit) + sheet];
+    const std::size_t group = split.vertex.group_of_edge[corner.edge];
+    if (split.index[group] == kNoVertex) split.index[group] = add_vertex(split.vertex, group);
+    return split.index[group];
   }
 
   LatticeCell cell_of(const Corner& corner) const {
     return cells_.cell(corner.position, corner.x, corner.y);
   }
 
-  std::uint32_t add_vertex(const SurfaceVertex& vertex, unsigned axis) {
+  std::uint32_t add_vertex(const SurfaceVertex& vertex, std::size_t group) {
     mesh_.positions_mm.push_back(vertex.position_mm);
-    mesh_.normals.push_back(vertex.normal_of[axis]);
+    mesh_.normals.push_back(vertex.normals[group]);
+    sharp_.push_back(vertex.sharp);
     return static_cast<std::uint32_t>(mesh_.positions_mm.size() - 1);
   }
 
@@ -224,18 +238,15 @@ class TileMesher {
   VertexPlacement placement_;
   std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or kSplit and its place in split_
   std::vector<SplitVertex> split_;     ///< of cells with several sheets or a crease
+  std::vector<bool> sharp_;            ///< per vertex of the mesh: a crease runs through it
   FlatQuads flat_;
   TileMesh mesh_;
 };
 
 }  // namespace
 
-TileMesh mesh_tile(const DexelSnapshot& snapshot, TileIndex tile) {
-  return TileMesher(snapshot, tile).run();
-}
-
 TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile) {
-  return mesh_tile(solid.fields.front(), tile);
+  return TileMesher(solid, tile).run();
 }
 
 std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/dexel/solid_snapshot.h"
 
 namespace kerf {
@@ -20,10 +19,10 @@ struct TileMesh {
   std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise seen from outside
 };
 
-/// Extracts the surface owned by one tile from the tile and the columns around it. The union over
-/// all tiles of a snapshot is closed, consistently oriented, and has no degenerate triangle. Equal
-/// snapshots give equal bytes.
-TileMesh mesh_tile(const DexelSnapshot& snapshot, TileIndex tile);
+/// Extracts the surface owned by one tile of the field along Z from the tile and the rays around
+/// it, of all fields. The sculpture must keep normals. The union over all tiles of a solid is
+/// closed, 2-manifold, consistently oriented, and has no degenerate triangle. Equal snapshots give
+/// equal bytes.
 TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile);
 
 /// The tiles whose mesh may change when `changed` tiles change: themselves and the neighbours that

@@ -6,6 +6,9 @@
 #include <vector>
 
 #include "kernel/surface/column_window.h"
+#include "kernel/surface/level_guess.h"
+#include "kernel/surface/level_rays.h"
+#include "kernel/surface/sheet_point.h"
 #include "kernel/surface/sheet_table.h"
 
 namespace kerf {
@@ -16,53 +19,56 @@ struct LatticeCell {
   std::int32_t x = 0, y = 0, layer = 0;
 };
 
-/// A point of the mesh. Where a wall meets a floor or another wall, the faces on the sides of the
-/// crease see different normals: one for the faces across lattice edges along each axis.
+/// Most normals that a vertex has: of the faces that meet in a corner.
+inline constexpr int kVertexNormalsMax = 3;
+
+/// A point of the mesh. Faces on the two sides of a crease see different normals: that of the group
+/// to which the lattice edge that they cross belongs.
 struct SurfaceVertex {
-  std::array<float, 3> position_mm;               ///< relative to DexelGrid::origin_mm
-  std::array<std::array<float, 3>, 3> normal_of;  ///< by axis of the crossed edge: x, y, z
-  bool smooth() const { return normal_of[0] == normal_of[1] && normal_of[0] == normal_of[2]; }
+  std::array<float, 3> position_mm{};  ///< relative to DexelGrid::origin_mm
+  std::array<std::array<float, 3>, kVertexNormalsMax> normals{};
+  int normal_count = 0;
+  std::array<std::uint8_t, 12> group_of_edge{};
+  bool sharp = false;
 };
 
-/// Columns around a cell that decide its vertices: cells [first, end) need columns [first - 2, end
-/// + 2].
-inline constexpr std::int32_t kPlacementMargin = 2;
-
-/// Decides where the vertices of the mesh lie and which way they look, from the columns near them
+/// Decides where the vertices of the mesh lie and which way they look, from the rays near them
 /// only, so that two tiles that compute the same vertex get the same bits.
 class VertexPlacement {
  public:
-  explicit VertexPlacement(const ColumnWindow& window);
+  VertexPlacement(const SolidSnapshot& solid, const ColumnWindow& window);
 
-  /// The vertex of the sheet that crosses these edges (bits as in CellSheets::edges) of the cell.
-  SurfaceVertex place(const LatticeCell& cell, std::uint16_t edges);
-  /// The same for a cell with several sheets: no two of its vertices coincide.
-  SurfaceVertex place_sheet(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
+  /// The vertex of a sheet of the cell; no two of a cell coincide.
+  SurfaceVertex place(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
 
  private:
-  struct EndNormal {
-    Vec3 normal;
-    bool known = false;
+  /// The crossings of one sheet, and the edges that they belong to.
+  struct Crossings {
+    std::array<Crossing, 12> at;
+    std::array<std::uint8_t, 12> edge{};
+    std::size_t count = 0;
   };
-  struct Side;
-  struct Sums;
 
-  Vec3 end_normal(std::int32_t i, std::int32_t j, DexelEnd kind, std::size_t run);
-  double end_slope(std::int32_t i, std::int32_t j, std::int32_t step_x, std::int32_t step_y,
-                   DexelEnd kind, std::int32_t height) const;
-  bool is_wall(std::int32_t i, std::int32_t j, std::int32_t step_x, std::int32_t step_y,
-               DexelEnd kind, std::int32_t near, std::int32_t far) const;
-  void fit_wall(Side& side, std::int32_t i, std::int32_t j, bool along_x, std::int32_t sample,
-                bool reversed) const;
-  int wall_offset(std::int32_t i, std::int32_t j, bool along_x, std::int32_t sample,
-                  bool reversed) const;
-  Side side_crossing(std::int32_t i, std::int32_t j, bool along_x, std::int32_t sample);
-  void add_upright(Sums& sums, const LatticeCell& cell, int dx, int dy);
-  void add_level(Sums& sums, const LatticeCell& cell, bool along_x, int across, int dz);
+  /// A level edge that has been looked at: up to four cells ask for it.
+  struct SeenEdge {
+    std::int32_t i, j, k;
+    std::int8_t axis = -1;  ///< 0 along X, 1 along Y; -1: none
+    Crossing crossing;
+  };
+
+  SurfaceVertex place_alone(const LatticeCell& cell, std::uint16_t edges);
+  void find_crossings(const LatticeCell& cell, std::uint16_t edges);
+  Crossing upright(const LatticeCell& cell, int dx, int dy) const;
+  const Crossing& level(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x);
+  CellLimits limits_of(const LatticeCell& cell) const;
 
   const ColumnWindow& window_;
-  const double steps_per_quantum_;  ///< heights in lattice steps
-  std::vector<EndNormal> normals_;  ///< bottom and top of each run, filled as needed
+  std::optional<LevelRays> rays_;  ///< of a block with three fields
+  LevelGuess guess_;
+  Vec3 stock_low_, stock_high_;  ///< in pitches, as the lattice
+  double margin_;
+  Crossings found_;             ///< of the sheet that is being placed
+  std::vector<SeenEdge> seen_;  ///< by a hash of the edge; a newer one takes an older one's place
 };
 
 }  // namespace kerf

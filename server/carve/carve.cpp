@@ -238,8 +238,8 @@ class Carving {
     const SurfaceRequest& request = options_.surface;
     if (options_.models.empty() && !request.reference) return {};
     const ModelProgress bar = [this](double share) { progress_.show("measuring", share); };
-    auto made = CarvedSurface::make(sculpture_->snapshot(), request,
-                                    reference_ ? &*reference_ : nullptr, bar);
+    auto made =
+        CarvedSurface::make(sculpture_->solid(), request, reference_ ? &*reference_ : nullptr, bar);
     if (!made) return bad_input(options_.scene.string() + ": " + made.error());
     surface_ = *std::move(made);
     report_.surface = surface_->report();

@@ -47,7 +47,7 @@ std::unique_ptr<MeshSource> CarvedSurface::plain() const {
 }
 
 std::expected<std::unique_ptr<CarvedSurface>, std::string> CarvedSurface::make(
-    const DexelSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
+    const SolidSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
     const ModelProgress& progress) {
   std::unique_ptr<CarvedSurface> surface(new CarvedSurface(snapshot));
   SurfaceReport& report = surface->report_;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/solid_snapshot.h"
 #include "server/carve/deviation.h"
 #include "server/formats/model/model_writer.h"
 #include "server/formats/model/simplify_mesh.h"
@@ -45,7 +45,7 @@ class CarvedSurface {
  public:
   /// `reference` may be null. The error is one sentence.
   static std::expected<std::unique_ptr<CarvedSurface>, std::string> make(
-      const DexelSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
+      const SolidSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
       const ModelProgress& progress);
 
   const SurfaceReport& report() const { return report_; }
@@ -56,10 +56,10 @@ class CarvedSurface {
                                                   const ModelProgress& progress) const;
 
  private:
-  explicit CarvedSurface(const DexelSnapshot& snapshot) : snapshot_(snapshot) {}
+  explicit CarvedSurface(const SolidSnapshot& snapshot) : snapshot_(snapshot) {}
   std::unique_ptr<MeshSource> plain() const;
 
-  DexelSnapshot snapshot_;
+  SolidSnapshot snapshot_;
   std::optional<IndexedMesh> simplified_;
   std::optional<Deviation> deviation_;
   SurfaceReport report_;

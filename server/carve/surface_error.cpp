@@ -12,7 +12,7 @@ namespace {
 // A mesh costs more than the samples that are taken from it.
 constexpr std::size_t kTilesMax = 400;
 
-std::vector<TileIndex> touched_tiles(const DexelSnapshot& snapshot) {
+std::vector<TileIndex> touched_tiles(const SolidSnapshot& snapshot) {
   std::vector<TileIndex> tiles;
   for (std::int32_t y = 0; y < snapshot.grid().tiles_y(); ++y)
     for (std::int32_t x = 0; x < snapshot.grid().tiles_x(); ++x)
@@ -34,7 +34,7 @@ std::vector<Vec3> points_of(const TileMesh& mesh, Vec3 origin_mm) {
 
 }  // namespace
 
-DistanceFigures measure_surface(const DexelSnapshot& snapshot, const TrueSolid& truth,
+DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& truth,
                                 std::size_t samples) {
   const std::vector<TileIndex> tiles = touched_tiles(snapshot);
   const std::size_t meshed = std::min(tiles.size(), kTilesMax);

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/solid_snapshot.h"
 #include "server/carve/distance_figures.h"
 #include "server/carve/true_solid.h"
 
@@ -13,7 +13,7 @@ namespace kerf {
 /// Meshes tiles that a tool has touched (all, or evenly chosen ones) and measures about `samples`
 /// evenly chosen corners and centroids. Those to which the stock's own border is nearest do not
 /// count: the question is how well cuts are made. Equal snapshots give equal results.
-DistanceFigures measure_surface(const DexelSnapshot& snapshot, const TrueSolid& truth,
+DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& truth,
                                 std::size_t samples);
 
 }  // namespace kerf

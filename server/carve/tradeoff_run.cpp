@@ -45,9 +45,9 @@ std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& setti
   }
   cpu_s += cpu_seconds() - since;
   const std::uint64_t bytes = sculpture->memory_bytes();
-  return CarvedOnce{sculpture->snapshot(),           cpu_s,
-                    sculpture->sub_motions(),        bytes,
-                    sculpture->removed_volume_mm3(), std::move(forces)};
+  return CarvedOnce{
+      sculpture->solid(), cpu_s, sculpture->sub_motions(), bytes, sculpture->removed_volume_mm3(),
+      std::move(forces)};
 }
 
 double bytes_if_all_touched(const SculptureSettings& settings) {

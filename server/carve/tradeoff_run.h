@@ -17,7 +17,7 @@ double cpu_seconds();
 
 /// What came out of carving a program once.
 struct CarvedOnce {
-  DexelSnapshot snapshot;
+  SolidSnapshot snapshot;
   double cpu_s = 0;  ///< of the cuts, forces included
   std::uint64_t sub_motions = 0, bytes = 0;
   double removed_mm3 = 0;

@@ -39,7 +39,7 @@ std::uint32_t TileFeed::TileQueue::pop() {
   return tile;
 }
 
-TileFeed::TileFeed(DexelSnapshot snapshot, std::uint64_t revision, FeedSettings settings)
+TileFeed::TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings settings)
     : settings_(settings),
       quantization_(mesh_quantization(snapshot.grid())),
       news_snapshot_(snapshot),
@@ -51,7 +51,7 @@ TileFeed::TileFeed(DexelSnapshot snapshot, std::uint64_t revision, FeedSettings 
                 static_cast<std::size_t>(grid.tiles_y()));
 }
 
-void TileFeed::note_change(DexelSnapshot snapshot, std::span<const TileIndex> changed,
+void TileFeed::note_change(SolidSnapshot snapshot, std::span<const TileIndex> changed,
                            std::uint64_t revision) {
   const std::scoped_lock lock(news_mutex_);
   std::swap(news_snapshot_, snapshot);  // the old one is destroyed after the lock is gone
@@ -220,7 +220,7 @@ std::optional<TileFeed::ViewerState> TileFeed::viewer_state(ViewerId viewer_id) 
   return state;
 }
 
-std::pair<DexelSnapshot, std::uint64_t> TileFeed::newest() const {
+std::pair<SolidSnapshot, std::uint64_t> TileFeed::newest() const {
   const std::scoped_lock lock(news_mutex_);
   return {news_snapshot_, news_revision_};
 }

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/solid_snapshot.h"
 #include "server/feed/mesh_glb.h"
 
 namespace kerf {
@@ -46,12 +46,12 @@ class TileFeed {
  public:
   /// `revision` names the state that the snapshot shows (the session's count of motions): it only
   /// grows.
-  TileFeed(DexelSnapshot snapshot, std::uint64_t revision, FeedSettings settings = {});
+  TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings settings = {});
 
   /// The block as it is now, and the tiles that were cut since the last call
   /// (MotionResult::changed_tiles, in any order, repeats allowed). Call it as often as viewers
   /// should see news, 20 to 30 times a second; cost: a few pointer moves.
-  void note_change(DexelSnapshot snapshot, std::span<const TileIndex> changed,
+  void note_change(SolidSnapshot snapshot, std::span<const TileIndex> changed,
                    std::uint64_t revision);
 
   ViewerId add_viewer();
@@ -74,7 +74,7 @@ class TileFeed {
   /// Nothing for an unknown viewer.
   std::optional<ViewerState> viewer_state(ViewerId viewer) const;
   /// The newest snapshot and its revision, e.g. to hash it off the session's thread.
-  std::pair<DexelSnapshot, std::uint64_t> newest() const;
+  std::pair<SolidSnapshot, std::uint64_t> newest() const;
 
   /// Counters since construction, for /metrics.
   struct Stats {
@@ -125,12 +125,12 @@ class TileFeed {
   const MeshQuantization quantization_;
 
   mutable std::mutex news_mutex_;  ///< guards the next three; held for moments only
-  DexelSnapshot news_snapshot_;
+  SolidSnapshot news_snapshot_;
   std::vector<TileIndex> news_tiles_;
   std::uint64_t news_revision_ = 0;
 
   mutable std::mutex lane_mutex_;  ///< guards everything below
-  DexelSnapshot snapshot_;
+  SolidSnapshot snapshot_;
   std::uint64_t revision_ = 0;
   std::vector<CachedTile> tiles_;  ///< row-major
   std::unordered_map<ViewerId, Viewer> viewers_;

@@ -164,7 +164,7 @@ void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& r
                                                      std::to_string(bytes));
 }
 
-std::expected<void, std::string> write_surface(const Wanted& wanted, const DexelSnapshot& snapshot,
+std::expected<void, std::string> write_surface(const Wanted& wanted, const SolidSnapshot& snapshot,
                                                const std::string& title,
                                                const std::filesystem::path& path,
                                                const DownloadCache::Progress& progress) {
@@ -214,8 +214,7 @@ ApiResponse Api::download(const ApiRequest& request, const SessionPtr& session) 
       [&](const std::filesystem::path& path,
           const DownloadCache::Progress& progress) -> std::expected<void, std::string> {
         if (!wanted->model) return write_motions(*wanted, *session, path);
-        return write_surface(*wanted, now.solid.fields.front(), session->scene().name, path,
-                             progress);
+        return write_surface(*wanted, now.solid, session->scene().name, path, progress);
       });
   if (!file) return error_response(500, "export_failed", file.error());
   response.file = *file;

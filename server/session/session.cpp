@@ -238,7 +238,7 @@ SessionFrame Session::frame(bool with_snapshot) {
     frame.tools.tools.push_back(state);
   }
   frame.changed.assign(changed_.begin(), changed_.end());
-  if (!changed_.empty() || with_snapshot) frame.snapshot = sculpture_.snapshot();
+  if (!changed_.empty() || with_snapshot) frame.snapshot = sculpture_.solid();
   changed_.clear();
   return frame;
 }

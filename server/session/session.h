@@ -56,7 +56,7 @@ struct SessionFrame {
   double removed_mm3 = 0;
   wire::ToolStates tools;
   std::vector<TileIndex> changed;         ///< since the frame before; sorted
-  std::optional<DexelSnapshot> snapshot;  ///< present if anything changed, or if asked for
+  std::optional<SolidSnapshot> snapshot;  ///< present if anything changed, or if asked for
   std::uint64_t changed_sequence = 0;     ///< of the last record that took anything away
   std::optional<StateHash> hash;          ///< the newest one known
   bool hash_is_current = false;           ///< it is that of the solid as it is now
@@ -112,7 +112,7 @@ class Session : public std::enable_shared_from_this<Session> {
   SessionInfo info() const;
   std::vector<Participant> participants() const;
   SessionFrame frame(bool with_snapshot);
-  DexelSnapshot snapshot() { return sculpture_.snapshot(); }
+  SolidSnapshot snapshot() { return sculpture_.solid(); }
   SolidSnapshot solid() { return sculpture_.solid(); }
   std::uint64_t sequence() const { return journal_.last_sequence(); }
   /// The hash of the solid as it is now, if it is known; its sequence is sequence().

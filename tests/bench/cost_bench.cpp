@@ -86,7 +86,7 @@ Cost run(const Variant& v) {
     if (v.viewer == Viewer::kNone) continue;
     changed.insert(changed.end(), result.changed_tiles.begin(), result.changed_tiles.end());
     if (n % kMotionsPerFrame != 0) continue;
-    const DexelSnapshot snapshot = sculpture.snapshot();
+    const SolidSnapshot snapshot = sculpture.solid();
     std::ranges::sort(changed);
     changed.erase(std::ranges::unique(changed).begin(), changed.end());
     if (v.viewer == Viewer::kMeshes)

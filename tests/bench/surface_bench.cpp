@@ -52,7 +52,7 @@ void measure_error(const std::vector<TileMesh>& meshes, double pitch_mm) {
   std::printf("  error  max %.4f mm (%.3f pitch), rms %.4f mm\n", worst, worst / pitch_mm, rms);
 }
 
-std::vector<TileMesh> measure(const char* name, const DexelSnapshot& snapshot) {
+std::vector<TileMesh> measure(const char* name, const SolidSnapshot& snapshot) {
   const DexelGrid& grid = snapshot.grid();
   const MeshQuantization quantization = mesh_quantization(grid);
   std::vector<TileMesh> meshes;
@@ -98,13 +98,13 @@ int main(int argc, char** argv) {
     SculptureSettings settings = test::standard_settings(pitch_mm, 0.01);
     settings.keep_normals = true;
     auto sculpture = *Sculpture::create(settings);
-    if (!five_axis) measure("untouched", sculpture.snapshot());
+    if (!five_axis) measure("untouched", sculpture.solid());
     sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
     const std::vector<ToolPose> path = test::standard_path(five_axis);
     for (std::size_t n = 1; n < path.size(); ++n) {
       sculpture.apply(MoveTool{1, path[n - 1], path[n], 0.01, false}).value();
     }
-    const auto meshes = measure(five_axis ? "five axes" : "three axes", sculpture.snapshot());
+    const auto meshes = measure(five_axis ? "five axes" : "three axes", sculpture.solid());
     if (!five_axis) measure_error(meshes, pitch_mm);
   }
   return 0;

@@ -98,7 +98,7 @@ void add(Hash& hash, const MotionResult& result) {
   }
 }
 
-std::uint64_t mesh_hash(const DexelSnapshot& snapshot) {
+std::uint64_t mesh_hash(const SolidSnapshot& snapshot) {
   Hash hash;
   const DexelGrid& grid = snapshot.grid();
   for (std::int32_t y = 0; y < grid.tiles_y(); ++y) {
@@ -145,7 +145,7 @@ void run(const std::string& name, const SculptureSettings& settings, const Tool&
   const auto hex = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
   std::printf("%-46s state %016llx results %016llx mesh %016llx\n", name.c_str(),
               hex(sculpture.state_hash()), hex(results.value()),
-              hex(mesh_hash(sculpture.snapshot())));
+              hex(mesh_hash(sculpture.solid())));
 }
 
 }  // namespace

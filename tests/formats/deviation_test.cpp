@@ -7,13 +7,13 @@
 namespace kerf {
 namespace {
 
-IndexedMesh mesh_of(const DexelSnapshot& snapshot) {
+IndexedMesh mesh_of(const SolidSnapshot& snapshot) {
   SnapshotMesh mesh(snapshot);
   return collect_mesh(mesh);
 }
 
-DexelSnapshot block(double height_mm) {
-  return test::make_sculpture(BoxStock{{0, 0, 0}, {20, 10, height_mm}}, 0.5).snapshot();
+SolidSnapshot block(double height_mm) {
+  return test::make_sculpture(BoxStock{{0, 0, 0}, {20, 10, height_mm}}, 0.5).solid();
 }
 
 TEST(Deviation, IsPositiveWhereMaterialWasLeft) {

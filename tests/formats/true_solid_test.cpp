@@ -119,7 +119,7 @@ TEST(SurfaceError, OfTheStandardJobIsThatOfTheFormula) {
     sculpture.apply(MoveTool{1, path[n - 1], path[n], 0.01, false}).value();
   }
   const TrueSolid truth(sculpture.settings().stock, tools, motions, 4);
-  const DistanceFigures error = measure_surface(sculpture.snapshot(), truth, 3000);
+  const DistanceFigures error = measure_surface(sculpture.solid(), truth, 3000);
   EXPECT_GT(error.samples, 1000u);
   // surface_bench measures 0.040 and 0.0122 mm away from the borders, where the steep sides of the
   // outermost rows are not.
@@ -133,7 +133,7 @@ TEST(SurfaceError, OfTheStandardJobIsThatOfTheFormula) {
 TEST(SurfaceError, AnUntouchedBlockHasNone) {
   auto sculpture = *Sculpture::create(test::standard_settings(2, 0.01));
   const TrueSolid truth(sculpture.settings().stock, tool_map(BallShape{10, 50}), {}, 4);
-  EXPECT_EQ(measure_surface(sculpture.snapshot(), truth, 1000).samples, 0u);
+  EXPECT_EQ(measure_surface(sculpture.solid(), truth, 1000).samples, 0u);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ Sculpture carved_block() {
   return sculpture;
 }
 
-std::vector<EncodedTile> encode_all(const DexelSnapshot& snapshot, TileCompression compression) {
+std::vector<EncodedTile> encode_all(const SolidSnapshot& snapshot, TileCompression compression) {
   std::vector<EncodedTile> tiles;
   for (const TileMesh& mesh : test::mesh_all(snapshot)) {
     tiles.push_back(encode_tile(mesh, mesh_quantization(snapshot.grid()), 7, compression));
@@ -54,7 +54,7 @@ class MeshGlbAccessors : public testing::TestWithParam<TileCompression> {};
 
 TEST(MeshGlb, DecodesToTheMeshWithinHalfAStep) {
   Sculpture sculpture = carved_block();
-  const DexelSnapshot snapshot = sculpture.snapshot();
+  const SolidSnapshot snapshot = sculpture.solid();
   const auto tiles = encode_all(snapshot, TileCompression::kNone);
   const auto decoded = test::read_mesh_glb(glb_of(tiles, snapshot.grid()));
   EXPECT_EQ(decoded.from, 3U);
@@ -81,7 +81,7 @@ TEST(MeshGlb, DecodesToTheMeshWithinHalfAStep) {
 
 TEST(MeshGlb, NeighbouringTilesMeetExactly) {
   Sculpture sculpture = carved_block();
-  const DexelSnapshot snapshot = sculpture.snapshot();
+  const SolidSnapshot snapshot = sculpture.solid();
   const auto decoded =
       test::read_mesh_glb(glb_of(encode_all(snapshot, TileCompression::kNone), snapshot.grid()));
   // Shared vertices are equal after decoding, so the whole is as closed as the mesh was: every
@@ -102,7 +102,7 @@ TEST(MeshGlb, NeighbouringTilesMeetExactly) {
 
 TEST(MeshGlb, CompressionKeepsEveryTriangle) {
   Sculpture sculpture = carved_block();
-  const DexelSnapshot snapshot = sculpture.snapshot();
+  const SolidSnapshot snapshot = sculpture.solid();
   const auto plain =
       test::read_mesh_glb(glb_of(encode_all(snapshot, TileCompression::kNone), snapshot.grid()));
   const auto packed =
@@ -115,7 +115,7 @@ TEST(MeshGlb, CompressionKeepsEveryTriangle) {
 
 TEST_P(MeshGlbAccessors, EveryAccessorHasBoundsThatHold) {
   Sculpture sculpture = carved_block();
-  const DexelSnapshot snapshot = sculpture.snapshot();
+  const SolidSnapshot snapshot = sculpture.solid();
   const auto glb = test::split_glb(glb_of(encode_all(snapshot, GetParam()), snapshot.grid()));
   EXPECT_EQ(glb.json["extensionsRequired"][0], "KHR_mesh_quantization");
   for (const auto& accessor : glb.json["accessors"]) {
@@ -137,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(, MeshGlbAccessors,
 
 TEST(MeshGlbSize, CompressionPays) {
   Sculpture sculpture = carved_block();
-  const DexelSnapshot snapshot = sculpture.snapshot();
+  const SolidSnapshot snapshot = sculpture.solid();
   const auto raw = glb_of(encode_all(snapshot, TileCompression::kNone), snapshot.grid());
   const auto packed = glb_of(encode_all(snapshot, TileCompression::kMeshopt), snapshot.grid());
   EXPECT_LT(2 * packed.size(), raw.size());  // of a rough block; smooth ones gain more

@@ -35,7 +35,7 @@ class Screen {
     }
     return frames;
   }
-  void expect_shows(const DexelSnapshot& snapshot) const {
+  void expect_shows(const SolidSnapshot& snapshot) const {
     const MeshQuantization quantization = mesh_quantization(snapshot.grid());
     for (const TileMesh& mesh : test::mesh_all(snapshot)) {
       const EncodedTile plain = encode_tile(mesh, quantization, 1);
@@ -66,7 +66,7 @@ class TileFeedTest : public ::testing::Test {
       changed.insert(changed.end(), tiles.begin(), tiles.end());
     }
     revision_ += std::uint64_t(moves);
-    feed.note_change(sculpture_.snapshot(), changed, revision_);
+    feed.note_change(sculpture_.solid(), changed, revision_);
   }
 
   Sculpture sculpture_;
@@ -75,7 +75,7 @@ class TileFeedTest : public ::testing::Test {
 };
 
 TEST_F(TileFeedTest, FirstSnapshotComesInPartsAndMarksItsEnd) {
-  TileFeed feed(sculpture_.snapshot(), 0, {.frame_bytes_max = 8192});
+  TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 8192});
   const ViewerId viewer = feed.add_viewer();
   Screen screen;
   std::vector<std::uint8_t> flags;
@@ -89,11 +89,11 @@ TEST_F(TileFeedTest, FirstSnapshotComesInPartsAndMarksItsEnd) {
   for (std::size_t n = 0; n + 1 < flags.size(); ++n) EXPECT_EQ(flags[n], kFirstSnapshot);
   EXPECT_EQ(flags.back(), kFirstSnapshot | kFirstSnapshotEnd);
   EXPECT_EQ(screen.tiles(), std::size_t(sculpture_.grid().tiles_x() * sculpture_.grid().tiles_y()));
-  screen.expect_shows(sculpture_.snapshot());
+  screen.expect_shows(sculpture_.solid());
 }
 
 TEST_F(TileFeedTest, ViewersConvergeToTheNewestStateHoweverSlowTheyAre) {
-  TileFeed feed(sculpture_.snapshot(), 0, {.frame_bytes_max = 30000});
+  TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 30000});
   const ViewerId fast = feed.add_viewer();
   const ViewerId slow = feed.add_viewer();
   Screen fast_screen, slow_screen;
@@ -119,7 +119,7 @@ TEST_F(TileFeedTest, ViewersConvergeToTheNewestStateHoweverSlowTheyAre) {
   fast_screen.drain(feed, fast);
   slow_screen.drain(feed, slow);
   late_screen.drain(feed, late);
-  const DexelSnapshot snapshot = sculpture_.snapshot();
+  const SolidSnapshot snapshot = sculpture_.solid();
   fast_screen.expect_shows(snapshot);
   slow_screen.expect_shows(snapshot);
   late_screen.expect_shows(snapshot);
@@ -132,7 +132,7 @@ TEST_F(TileFeedTest, ViewersConvergeToTheNewestStateHoweverSlowTheyAre) {
 }
 
 TEST_F(TileFeedTest, NoCreditNoFrame) {
-  TileFeed feed(sculpture_.snapshot(), 0, {.frame_bytes_max = 1, .frames_in_flight_max = 2});
+  TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 1, .frames_in_flight_max = 2});
   const ViewerId viewer = feed.add_viewer();
   const auto first = feed.next_frame(viewer);
   const auto second = feed.next_frame(viewer);
@@ -147,7 +147,7 @@ TEST_F(TileFeedTest, NoCreditNoFrame) {
 }
 
 TEST_F(TileFeedTest, AcksThatCannotBeAreRefused) {
-  TileFeed feed(sculpture_.snapshot(), 0);
+  TileFeed feed(sculpture_.solid(), 0);
   const ViewerId viewer = feed.add_viewer();
   EXPECT_FALSE(feed.ack(viewer, 1));
   ASSERT_TRUE(feed.next_frame(viewer));
@@ -163,7 +163,7 @@ TEST_F(TileFeedTest, AcksThatCannotBeAreRefused) {
 }
 
 TEST_F(TileFeedTest, MeshesAndComposesOnceForAllViewers) {
-  TileFeed feed(sculpture_.snapshot(), 0);
+  TileFeed feed(sculpture_.solid(), 0);
   std::vector<ViewerId> viewers;
   for (int n = 0; n < 20; ++n) viewers.push_back(feed.add_viewer());
   std::vector<Screen> screens(viewers.size());
@@ -184,13 +184,13 @@ TEST_F(TileFeedTest, MeshesAndComposesOnceForAllViewers) {
 }
 
 TEST_F(TileFeedTest, NobodyLookingMeansNothingMeshed) {
-  TileFeed feed(sculpture_.snapshot(), 0);
+  TileFeed feed(sculpture_.solid(), 0);
   for (int n = 0; n < 10; ++n) cut(feed);
   EXPECT_EQ(feed.stats().tiles_meshed, 0U);
 }
 
 TEST_F(TileFeedTest, KnowsWhenAViewerHasEverything) {
-  TileFeed feed(sculpture_.snapshot(), 41);
+  TileFeed feed(sculpture_.solid(), 41);
   const ViewerId viewer = feed.add_viewer();
   EXPECT_FALSE(feed.viewer_state(viewer)->sent);
   const auto frame = feed.next_frame(viewer);
@@ -211,14 +211,14 @@ TEST_F(TileFeedTest, KnowsWhenAViewerHasEverything) {
   Screen screen;
   screen.apply(*frame);
   screen.drain(feed, viewer);
-  feed.note_change(sculpture_.snapshot(), {}, 47);
+  feed.note_change(sculpture_.solid(), {}, 47);
   EXPECT_TRUE(feed.viewer_state(viewer)->applied);
   EXPECT_EQ(feed.viewer_state(viewer)->revision, 47U);
   EXPECT_FALSE(feed.next_frame(viewer));
 }
 
 TEST_F(TileFeedTest, SessionAndViewerLanesRunSideBySide) {
-  TileFeed feed(sculpture_.snapshot(), 0, {.frame_bytes_max = 20000});
+  TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 20000});
   std::atomic<bool> stop = false;
   std::array<Screen, 3> screens;
   std::array<ViewerId, 3> viewers{feed.add_viewer(), feed.add_viewer(), feed.add_viewer()};
@@ -232,7 +232,7 @@ TEST_F(TileFeedTest, SessionAndViewerLanesRunSideBySide) {
   for (int n = 0; n < 40; ++n) cut(feed);
   stop = true;
   for (std::thread& lane : lanes) lane.join();
-  for (const Screen& screen : screens) screen.expect_shows(sculpture_.snapshot());
+  for (const Screen& screen : screens) screen.expect_shows(sculpture_.solid());
 }
 
 }  // namespace

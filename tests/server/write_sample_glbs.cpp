@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   Sculpture sculpture = test::make_sculpture(block, 0.25);
   test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, 1);
   for (int n = 0; n < 60; ++n) carver.cut();
-  const DexelSnapshot snapshot = sculpture.snapshot();
+  const SolidSnapshot snapshot = sculpture.solid();
   const MeshQuantization quantization = mesh_quantization(snapshot.grid());
   std::vector<EncodedTile> tiles;
   for (const TileMesh& mesh : test::mesh_all(snapshot)) {

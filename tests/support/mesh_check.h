@@ -11,12 +11,11 @@
 
 namespace kerf::test {
 
-inline std::vector<TileMesh> mesh_all(const DexelSnapshot& snapshot) {
+inline std::vector<TileMesh> mesh_all(const SolidSnapshot& solid) {
   std::vector<TileMesh> meshes;
-  for (std::int32_t y = 0; y < snapshot.grid().tiles_y(); ++y) {
-    for (std::int32_t x = 0; x < snapshot.grid().tiles_x(); ++x) {
-      meshes.push_back(mesh_tile(snapshot, {x, y}));
-    }
+  const DexelGrid& grid = solid.fields.front().grid();
+  for (std::int32_t y = 0; y < grid.tiles_y(); ++y) {
+    for (std::int32_t x = 0; x < grid.tiles_x(); ++x) meshes.push_back(mesh_tile(solid, {x, y}));
   }
   return meshes;
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/dexel/solid_snapshot.h"
 #include "kernel/math/vec3.h"
 
 namespace kerf {
@@ -36,14 +36,14 @@ class MeshSource {
 /// The surface of a snapshot, meshed tile by tile as it is asked for.
 class SnapshotMesh final : public MeshSource {
  public:
-  explicit SnapshotMesh(DexelSnapshot snapshot) : snapshot_(std::move(snapshot)) {}
+  explicit SnapshotMesh(SolidSnapshot snapshot) : snapshot_(std::move(snapshot)) {}
   Vec3 origin_mm() const override { return snapshot_.grid().origin_mm; }
   Vec3 size_mm() const override;
   bool next(MeshPiece& piece) override;
   double share() const override;
 
  private:
-  DexelSnapshot snapshot_;
+  SolidSnapshot snapshot_;
   std::int64_t next_tile_ = 0;
 };
 

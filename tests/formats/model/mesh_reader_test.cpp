@@ -20,7 +20,7 @@ std::string written(ModelFormat format, ModelEncoding encoding) {
   test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, 3);
   for (int n = 0; n < 12; ++n) carver.cut();
   const fs::path path = fs::path(::testing::TempDir()) / (std::to_string(::getpid()) + "_read");
-  SnapshotMesh mesh(sculpture.snapshot());
+  SnapshotMesh mesh(sculpture.solid());
   EXPECT_TRUE(write_model(path, mesh, {.format = format, .encoding = encoding}));
   std::string text = test::file_text(path);
   fs::remove(path);

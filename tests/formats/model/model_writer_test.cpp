@@ -22,12 +22,12 @@ using test::ReadModel;
 
 const BoxStock kBlock{{-6, 4, 2}, {30, 36, 9}};
 
-DexelSnapshot carved_block(unsigned seed, Vec3 moved = {}) {
+SolidSnapshot carved_block(unsigned seed, Vec3 moved = {}) {
   const BoxStock block{kBlock.min_mm + moved, kBlock.max_mm + moved};
   Sculpture sculpture = test::make_sculpture(block, 0.4);
   test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, seed);
   for (int n = 0; n < 25; ++n) carver.cut();
-  return sculpture.snapshot();
+  return sculpture.solid();
 }
 
 fs::path scratch_file(const std::string& name) {
@@ -38,7 +38,7 @@ struct Written {
   ModelSummary summary;
   std::string bytes;
 };
-Written write(const DexelSnapshot& snapshot, ModelFormat format, ModelEncoding encoding,
+Written write(const SolidSnapshot& snapshot, ModelFormat format, ModelEncoding encoding,
               const std::string& title = "block") {
   const fs::path path = scratch_file(std::string("_model.") + to_string(format));
   SnapshotMesh mesh(snapshot);
@@ -56,7 +56,7 @@ Written write(const DexelSnapshot& snapshot, ModelFormat format, ModelEncoding e
   fs::remove(path);
   return written;
 }
-Written write(const DexelSnapshot& snapshot, ModelFormat format) {
+Written write(const SolidSnapshot& snapshot, ModelFormat format) {
   return write(snapshot, format, model_encodings(format).front());
 }
 
@@ -89,7 +89,7 @@ tinygltf::Model load(const std::string& glb) {
 
 TEST(ModelWriter, AllFormatsHoldTheSameTrianglesBitForBit) {
   for (const Vec3 moved : {Vec3{}, Vec3{700, -900, 40}}) {
-    const DexelSnapshot snapshot = carved_block(3, moved);
+    const SolidSnapshot snapshot = carved_block(3, moved);
     const ReadModel stl = read(write(snapshot, ModelFormat::kStl), ModelFormat::kStl);
     const auto triangles = test::sorted_triangles(stl);
     ASSERT_GT(triangles.size(), 3000U);
@@ -106,7 +106,7 @@ TEST(ModelWriter, AllFormatsHoldTheSameTrianglesBitForBit) {
 
 TEST(ModelWriter, IndexedFormatsAreClosedByTheirIndices) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
-    const DexelSnapshot snapshot = carved_block(seed);
+    const SolidSnapshot snapshot = carved_block(seed);
     for (const ModelFormat format : {ModelFormat::kPly, ModelFormat::kObj}) {
       const Written written = write(snapshot, format);
       const ReadModel model = read(written, format);
@@ -131,7 +131,7 @@ TEST(ModelWriter, NothingLeftIsAnEmptyModelInEveryFormat) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {4, 4, 4}}, 0.5);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, make_tool(FlatShape{20, 40}).value()}));
   ASSERT_TRUE(sculpture.apply(MoveTool{1, {{2, 2, -1}}, {{2, 2, -1}}, 1, false}));
-  const DexelSnapshot gone = sculpture.snapshot();
+  const SolidSnapshot gone = sculpture.solid();
   for (const ModelFormat format : kModelFormats) {
     for (const ModelEncoding encoding : model_encodings(format)) {
       EXPECT_EQ(write(gone, format, encoding).summary.triangles, 0U) << to_string(format);
@@ -174,7 +174,7 @@ class FileSizeLimit {
 };
 
 TEST(ModelWriter, SaysWhyTheDiskTookNoMoreAndLeavesNothing) {
-  const DexelSnapshot snapshot = carved_block(1);
+  const SolidSnapshot snapshot = carved_block(1);
   for (const ModelFormat format : kModelFormats) {
     const fs::path path = scratch_file("_too_large");
     SnapshotMesh mesh(snapshot);
@@ -230,7 +230,7 @@ TEST(ObjWriter, KeepsNormalsBesideSharedVertices) {
 
 TEST(GlbWriter, StandsInMetresAndYUpUnderOneRoot) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{100, 200, 300}, {120, 220, 310}}, 0.5);
-  const DexelSnapshot snapshot = sculpture.snapshot();
+  const SolidSnapshot snapshot = sculpture.solid();
   const auto written =
       write(snapshot, ModelFormat::kGlb, ModelEncoding::kFloat, "a \"quoted\" name");
   const tinygltf::Model model = load(written.bytes);
@@ -258,7 +258,7 @@ TEST(GlbWriter, FloatsAreTheSurfaceAndGroupsHoldFewEnoughVertices) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {60, 60, 20}}, 0.2);
   test::RandomCarver carver(sculpture, {0, 0, 5}, {60, 60, 20}, 7);
   for (int n = 0; n < 200; ++n) carver.cut();
-  const DexelSnapshot snapshot = sculpture.snapshot();
+  const SolidSnapshot snapshot = sculpture.solid();
   const auto written = write(snapshot, ModelFormat::kGlb);
   const ReadModel glb = read(written, ModelFormat::kGlb);
   const ReadModel stl = read(write(snapshot, ModelFormat::kStl), ModelFormat::kStl);
@@ -272,7 +272,7 @@ TEST(GlbWriter, FloatsAreTheSurfaceAndGroupsHoldFewEnoughVertices) {
 }
 
 TEST(GlbWriter, QuantizedSurfaceStaysClosedAndWithinHalfAStep) {
-  const DexelSnapshot snapshot = carved_block(8);
+  const SolidSnapshot snapshot = carved_block(8);
   const auto exact = read(write(snapshot, ModelFormat::kGlb), ModelFormat::kGlb);
   const double step = 36.0 / 32768;  // the power of two above 36/65535
   for (const ModelEncoding encoding : {ModelEncoding::kQuantized, ModelEncoding::kMeshopt}) {
@@ -313,7 +313,7 @@ TEST(VertexWelder, ForgetsVerticesWhoseFanIsClosed) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {200, 40, 10}}, 0.25);
   test::RandomCarver carver(sculpture, {0, 0, 0}, {200, 40, 10}, 9);
   for (int n = 0; n < 200; ++n) carver.cut();
-  SnapshotMesh mesh(sculpture.snapshot());
+  SnapshotMesh mesh(sculpture.solid());
   VertexWelder welder;
   std::size_t most = 0;
   for (MeshPiece piece; mesh.next(piece);) {

@@ -10,12 +10,12 @@
 namespace kerf {
 namespace {
 
-DexelSnapshot carved_block(unsigned seed) {
+SolidSnapshot carved_block(unsigned seed) {
   const BoxStock block{{-6, 4, 2}, {10, 20, 10}};
   Sculpture sculpture = test::make_sculpture(block, 0.4);
   test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, seed);
   for (int n = 0; n < 12; ++n) carver.cut();
-  return sculpture.snapshot();
+  return sculpture.solid();
 }
 
 IndexedMesh exact_mesh(unsigned seed) {
@@ -127,7 +127,7 @@ TEST(SimplifyMesh, KeepsTheErrorBoundAndSaysTheError) {
 
 TEST(SimplifyMesh, OfABoxNeedsHardlyMoreThanTwelveTriangles) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {12, 8, 5}}, 0.25);
-  SnapshotMesh mesh(sculpture.snapshot());
+  SnapshotMesh mesh(sculpture.solid());
   const auto result = simplify_mesh(mesh, {.triangles = {}, .error_mm = 0.01});
   ASSERT_TRUE(result);
   EXPECT_LE(result->mesh.triangles.size(), 20U);
@@ -145,7 +145,7 @@ TEST(SimplifyMesh, SaysWhatTheBudgetCannotHold) {
 
 TEST(WholeMesh, HandsOutEveryTriangleWithNormalsThatAreSharpAtCreases) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {6, 6, 6}}, 0.5);
-  SnapshotMesh source(sculpture.snapshot());
+  SnapshotMesh source(sculpture.solid());
   const IndexedMesh mesh = collect_mesh(source);
   WholeMesh whole(mesh);
   std::size_t triangles = 0;
@@ -161,7 +161,7 @@ TEST(WholeMesh, HandsOutEveryTriangleWithNormalsThatAreSharpAtCreases) {
 TEST(MeshDistance, AgreesWithALookAtEveryTriangle) {
   const IndexedMesh mesh = exact_mesh(3);
   const MeshDistance distance(mesh);
-  const DexelSnapshot snapshot = carved_block(3);
+  const SolidSnapshot snapshot = carved_block(3);
   std::mt19937 random(5);
   std::vector<Dexel> scratch;
   std::uint32_t near = 0;

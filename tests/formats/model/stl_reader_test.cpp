@@ -27,7 +27,7 @@ std::vector<std::byte> carved_block(unsigned seed) {
   test::RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, seed);
   for (int n = 0; n < 20; ++n) carver.cut();
   const fs::path path = fs::path(::testing::TempDir()) / (std::to_string(::getpid()) + "_read.stl");
-  SnapshotMesh mesh(sculpture.snapshot());
+  SnapshotMesh mesh(sculpture.solid());
   EXPECT_TRUE(write_model(path, mesh, {.format = ModelFormat::kStl}));
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), {});

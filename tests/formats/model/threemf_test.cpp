@@ -80,7 +80,7 @@ Read3mf read_3mf(const std::filesystem::path& path) {
   return out;
 }
 
-Read3mf write_and_read(const DexelSnapshot& snapshot, const std::string& title) {
+Read3mf write_and_read(const SolidSnapshot& snapshot, const std::string& title) {
   const auto path =
       std::filesystem::path(::testing::TempDir()) / (std::to_string(::getpid()) + "_model.3mf");
   SnapshotMesh mesh(snapshot);
@@ -103,7 +103,7 @@ TEST(ThreemfWriter, IsManifoldAndHoldsTheSurfaceBitForBit) {
     Sculpture sculpture = test::make_sculpture(block, 0.4);
     test::RandomCarver carver(sculpture, block.min_mm, block.max_mm, seed);
     for (int n = 0; n < 25; ++n) carver.cut();
-    const DexelSnapshot snapshot = sculpture.snapshot();
+    const SolidSnapshot snapshot = sculpture.solid();
     const Read3mf read = write_and_read(snapshot, "a <block> & \"more\"\x01");
     EXPECT_EQ(read.warnings, 0U);
     EXPECT_EQ(read.objects, 1U);
@@ -125,7 +125,7 @@ TEST(ThreemfWriter, OfNothingIsAValidPackage) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {4, 4, 4}}, 0.5);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, make_tool(FlatShape{20, 40}).value()}));
   ASSERT_TRUE(sculpture.apply(MoveTool{1, {{2, 2, -1}}, {{2, 2, -1}}, 1, false}));
-  const Read3mf read = write_and_read(sculpture.snapshot(), "gone");
+  const Read3mf read = write_and_read(sculpture.solid(), "gone");
   EXPECT_EQ(read.objects, 0U);
   EXPECT_EQ(read.items, 0U);
 }
