@@ -144,8 +144,7 @@ void run(const std::string& name, const SculptureSettings& settings, const Tool&
   }
   const auto hex = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
   std::printf("%-46s state %016llx results %016llx mesh %016llx\n", name.c_str(),
-              hex(sculpture.state_hash()), hex(results.value()),
-              hex(mesh_hash(sculpture.solid())));
+              hex(sculpture.state_hash()), hex(results.value()), hex(mesh_hash(sculpture.solid())));
 }
 
 }  // namespace

@@ -93,7 +93,8 @@ TEST(ModelWriter, AllFormatsHoldTheSameTrianglesBitForBit) {
     const ReadModel stl = read(write(snapshot, ModelFormat::kStl), ModelFormat::kStl);
     const auto triangles = test::sorted_triangles(stl);
     ASSERT_GT(triangles.size(), 3000U);
-    EXPECT_NEAR(test::volume_mm3(stl), snapshot.volume_mm3(), 0.03 * snapshot.volume_mm3());
+    EXPECT_NEAR(test::volume_mm3(stl), snapshot.fields.front().volume_mm3(),
+                0.03 * snapshot.fields.front().volume_mm3());
     for (const ModelFormat format : {ModelFormat::kPly, ModelFormat::kObj}) {
       const ReadModel model = read(write(snapshot, format), format);
       EXPECT_EQ(test::sorted_triangles(model), triangles) << to_string(format);

@@ -176,7 +176,7 @@ TEST(MeshDistance, AgreesWithALookAtEveryTriangle) {
     const auto i = static_cast<std::int32_t>(std::floor((p.x - grid.origin_mm.x) / grid.pitch_mm));
     const auto j = static_cast<std::int32_t>(std::floor((p.y - grid.origin_mm.y) / grid.pitch_mm));
     bool solid = false;
-    for (const Dexel& d : snapshot.column(i, j, scratch)) {
+    for (const Dexel& d : snapshot.fields.front().column(i, j, scratch)) {
       solid = solid || (p.z > grid.z_mm(d.bottom) && p.z < grid.z_mm(d.top));
     }
     EXPECT_EQ(found < 0, solid) << p.x << " " << p.y << " " << p.z;
