@@ -14,6 +14,7 @@ class FrustumTranslation {
  public:
   FrustumTranslation(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to);
 
+  void leave(const Trail& trail) { shadow_.leave(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   void lower_bound(const Discs& discs, Lanes& z_mm) const { shadow_.lower_bound(discs, z_mm); }
   void evaluate(ColumnBlock& block) const;

@@ -27,6 +27,23 @@ struct Radius {
   }
 };
 
+double slope_of_circle(double radius, double off) {
+  return -off / std::sqrt(std::max(0.0, radius * radius - off * off));
+}
+
+struct Slope {
+  double z;
+  double operator()(const BallPiece& p) const {
+    return slope_of_circle(p.radius_mm, z - p.center_mm);
+  }
+  double operator()(const FrustumPiece& p) const {
+    return (p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm);
+  }
+  double operator()(const ArcPiece& p) const {
+    return slope_of_circle(p.radius_mm, z - p.center_z_mm);
+  }
+};
+
 struct EnvelopeOf {
   Envelope operator()(const BallPiece& p) const {
     return {p.center_mm - p.radius_mm, p.radius_mm, p.center_mm + p.radius_mm, p.radius_mm};
@@ -41,6 +58,8 @@ struct EnvelopeOf {
 }  // namespace
 
 double radius_at(const ToolPiece& piece, double z_mm) { return std::visit(Radius{z_mm}, piece); }
+
+double slope_at(const ToolPiece& piece, double z_mm) { return std::visit(Slope{z_mm}, piece); }
 
 Envelope envelope_of(const ToolPiece& piece) { return std::visit(EnvelopeOf{}, piece); }
 

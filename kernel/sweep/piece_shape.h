@@ -11,6 +11,9 @@ namespace kerf {
 /// Radius of a piece at a height of the tool's axis; below zero where the piece has none.
 double radius_at(const ToolPiece& piece, double z_mm);
 
+/// How fast that radius grows with the height, where it has one.
+double slope_at(const ToolPiece& piece, double z_mm);
+
 /// Heights of a piece and the radii of a truncated cone around it.
 Envelope envelope_of(const ToolPiece& piece);
 

@@ -1,6 +1,7 @@
 #include "kernel/sweep/shadow.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -96,8 +97,18 @@ Shadow::Shadow(const Envelope& e, const std::vector<ToolPose>& poses, double mar
 }
 
 void Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Lanes z = trail_ ? Lanes(kInfinity) : z_mm;
   bound_discs(discs, support_lo_, support_hi_, bounds_.min_mm.z, plane_.at_origin_mm, plane_.by_x,
-              plane_.by_y, plane_.steepness, z_mm);
+              plane_.by_y, plane_.steepness, z);
+  if (trail_) {
+    if (lanes_below(z, Lanes(kInfinity)) == 0) return;
+    for (unsigned behind = trail_->behind(discs); behind != 0; behind &= behind - 1) {
+      z.set(std::countr_zero(behind), kInfinity);
+    }
+    z = lesser(z, z_mm);
+  }
+  z_mm = z;
 }
 
 }  // namespace kerf

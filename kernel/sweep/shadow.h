@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "kernel/sweep/column_block.h"
+#include "kernel/sweep/trail.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {
@@ -20,6 +22,9 @@ class Shadow {
  public:
   Shadow(const Envelope& envelope, const std::vector<ToolPose>& poses, double margin_mm);
 
+  /// The piece has been removed from the stock at its first pose.
+  void leave(const Trail& trail) { trail_ = trail; }
+
   const SweepBounds& bounds() const { return bounds_; }
   /// Lowers `z_mm` to the lowest height that is removed within each disc, where any is.
   void lower_bound(const Discs& discs, Lanes& z_mm) const;
@@ -31,6 +36,7 @@ class Shadow {
   struct Plane {
     double at_origin_mm, by_x, by_y, steepness;
   } plane_;
+  std::optional<Trail> trail_;
 };
 
 }  // namespace kerf

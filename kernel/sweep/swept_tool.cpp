@@ -28,6 +28,7 @@ struct PiecePlan {
   double bend_mm = 0;  ///< κ of a slice
   bool round = false;  ///< its roundness outweighs the bend
   bool shows_disc = true;
+  bool shows_edge = true;       ///< a disc, or an edge that it makes with a neighbour's side
   std::optional<double> still;  ///< height of the point of its axis that the turn leaves at rest
 };
 
@@ -51,6 +52,15 @@ double axial_normal(const ToolPiece& piece) {
 bool covers(const ToolPiece* neighbour, double z_mm, double radius_mm) {
   return neighbour != nullptr &&
          radius_at(*neighbour, z_mm) >= radius_mm * (1 - 1e-12) - kEdgeEpsilonMm;
+}
+
+/// Whether the border of a slice at height z, hidden or not, makes no edge with the neighbour that
+/// covers it: it is buried, or the two sides go on in one direction.
+bool is_smooth(const ToolPiece& slice, const ToolPiece* neighbour, double z_mm) {
+  constexpr double kSameSlope = 1e-6;
+  if (neighbour == nullptr) return false;
+  if (radius_at(*neighbour, z_mm) > radius_at(slice, z_mm) + 1e3 * kEdgeEpsilonMm) return true;
+  return std::abs(slope_at(*neighbour, z_mm) - slope_at(slice, z_mm)) < kSameSlope;
 }
 
 /// How a slice moves during a motion, in the frame of its middle: fastest along the axis, fastest
@@ -129,15 +139,19 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     PiecePlan plan{.piece = *piece, .parts = 1, .still = {}};
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
-    } else if (m.turn_rad > 0) {
+    } else if (m.turn_rad > 0 || std::holds_alternative<FrustumPiece>(*piece)) {
       const Envelope e = envelope_of(whole);
       const ToolPiece* below = i > 0 ? &tool.pieces[i - 1] : nullptr;
       const ToolPiece* above = i + 1 < tool.pieces.size() ? &tool.pieces[i + 1] : nullptr;
       const bool clipped = envelope_of(*piece).hi_mm < e.hi_mm;
       plan.shows_disc = !covers(below, e.lo_mm, radius_at(whole, e.lo_mm)) ||
                         (!clipped && !covers(above, e.hi_mm, radius_at(whole, e.hi_mm)));
-      plan_slice(plan, m, settings.tolerance_mm);
-      plan.still = still_point(envelope_of(*piece), m);
+      plan.shows_edge = plan.shows_disc || !is_smooth(whole, below, e.lo_mm) ||
+                        (!clipped && !is_smooth(whole, above, e.hi_mm));
+      if (m.turn_rad > 0) {
+        plan_slice(plan, m, settings.tolerance_mm);
+        plan.still = still_point(envelope_of(*piece), m);
+      }
     }
     plans.push_back(std::move(plan));
   }
@@ -161,11 +175,15 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
 
 /// `piece` is the plan's, or the part of it on one side of its still point.
 SweptPiece sweep_slice(const ToolPiece& piece, const PiecePlan& plan, const ToolMotion& m,
-                       double tolerance_mm) {
-  const SliceSearch search = search_of(plan, m, tolerance_mm);
+                       const SweepSettings& settings) {
+  const SliceSearch search = search_of(plan, m, settings.tolerance_mm);
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    if (!(m.turn_rad > 0)) return FrustumTranslation(*f, m.from, m.to);
-    return TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, search);
+    const auto trailing = [&](auto sweep) -> SweptPiece {
+      if (settings.start_is_cut) sweep.leave(Trail(*f, m.from, m.to, plan.shows_edge));
+      return sweep;
+    };
+    if (!(m.turn_rad > 0)) return trailing(FrustumTranslation(*f, m.from, m.to));
+    return trailing(TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, search));
   }
   return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), envelope_of(piece), m.from, m.to, search);
 }
@@ -190,13 +208,12 @@ SweptTool sweep_pieces(const std::vector<PiecePlan>& plans, const ToolMotion& m,
       continue;
     }
     if (!plan.still) {
-      swept.pieces.push_back(sweep_slice(plan.piece, plan, m, settings.tolerance_mm));
+      swept.pieces.push_back(sweep_slice(plan.piece, plan, m, settings));
       continue;
     }
     const Envelope e = envelope_of(plan.piece);
     for (const auto& [lo, hi] : {std::pair(e.lo_mm, *plan.still), {*plan.still, e.hi_mm}}) {
-      swept.pieces.push_back(
-          sweep_slice(slice_of(plan.piece, lo, hi), plan, m, settings.tolerance_mm));
+      swept.pieces.push_back(sweep_slice(slice_of(plan.piece, lo, hi), plan, m, settings));
     }
   }
   return swept;

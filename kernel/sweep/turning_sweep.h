@@ -18,6 +18,7 @@ class TurningSweep {
   TurningSweep(const std::variant<ConeSide, ArcSide>& side, const Envelope& envelope,
                const ToolPose& from, const ToolPose& to, const SliceSearch& search);
 
+  void leave(const Trail& trail) { shadow_.leave(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   void lower_bound(const Discs& discs, Lanes& z_mm) const { shadow_.lower_bound(discs, z_mm); }
   void evaluate(ColumnBlock& block) const;

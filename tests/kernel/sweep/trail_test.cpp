@@ -1,0 +1,113 @@
+#include "kernel/sweep/trail.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "kernel/sculpture.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kToleranceMm = 0.001;
+
+Discs discs_at(double x, double y, double reach) { return {Lanes(x), Lanes(y), reach}; }
+
+TEST(Trail, ACylinderThatMovesSidewaysRemovesNothingBehindItsAxis) {
+  const ToolPose from{{0, 0, 0}, {0, 0, 1}}, to{{1, 0, 0}, {0, 0, 1}};
+  const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, false);
+  EXPECT_EQ(trail.behind(discs_at(-1, 2, 0.5)), 0xFFU);
+  EXPECT_EQ(trail.behind(discs_at(-0.4, 2, 0.5)), 0U);  // its half may advance
+  EXPECT_EQ(trail.behind(discs_at(3, 0, 0.5)), 0U);
+  // A disc that shows could be anywhere over the plane.
+  EXPECT_EQ(Trail(FrustumPiece{0, 4, 50, 4}, from, to, true).behind(discs_at(-1, 2, 0.5)), 0U);
+}
+
+TEST(Trail, AlongTheRaysThereIsNothingBehind) {
+  const ToolPose from{{0, 0, 0}, {1, 0, 0}}, to{{0, 0, 1}, {1, 0, 0}};
+  const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, false);
+  for (const double y : {-3.0, 0.0, 3.0}) EXPECT_EQ(trail.behind(discs_at(20, y, 0.5)), 0U);
+}
+
+struct Chain {
+  const char* name;
+  double step_mm, turn;
+};
+
+/// A chain of motions with one tool, whose start is known to be cut, and the same with two tools of
+/// one shape that take turns, where nothing is known: the greatest difference of their ends.
+double greatest_difference(const ToolShape& shape, const Chain& chain, std::uint64_t seed) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
+  settings.pitch_mm = 0.4;
+  settings.tolerance_mm = kToleranceMm;
+  settings.rays = Rays::kTriDexel;
+  auto one = *Sculpture::create(settings), two = *Sculpture::create(settings);
+  for (const ToolId id : {1u, 2u}) {
+    one.apply(DefineTool{id, *make_tool(shape)}).value();
+    two.apply(DefineTool{id, *make_tool(shape)}).value();
+  }
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> any(-1, 1);
+  const auto vec = [&](double z_share) {
+    const double x = any(random), y = any(random);
+    return Vec3{x, y, z_share * any(random)};
+  };
+  ToolPose last{vec(0) * 10 + Vec3{0, 0, -3 + 2 * any(random)},
+                normalized(vec(0) * 0.4 + Vec3{0, 0, 1})};
+  Vec3 way = normalized(vec(0.3));
+  for (ToolId i = 0; i < 10; ++i) {
+    way = normalized(way + vec(0.3) * 0.3);
+    const ToolPose next{last.tip_mm + way * chain.step_mm,
+                        chain.turn > 0 ? normalized(last.axis + vec(1) * chain.turn) : last.axis};
+    one.apply(MoveTool{1, last, next, 0}).value();
+    two.apply(MoveTool{1 + i % 2, last, next, 0}).value();
+    last = next;
+  }
+  double worst = 0;
+  std::vector<Dexel> a, b;
+  for (const RayAxis axis : {RayAxis::kZ, RayAxis::kX, RayAxis::kY}) {
+    const DexelSnapshot of_one = one.snapshot(axis), of_two = two.snapshot(axis);
+    const DexelGrid& grid = of_one.grid();
+    for (std::int32_t j = 0; j < grid.columns_y; ++j) {
+      for (std::int32_t i = 0; i < grid.columns_x; ++i) {
+        const auto first = of_one.column(i, j, a), second = of_two.column(i, j, b);
+        if (first.size() != second.size()) return 1e9;
+        for (std::size_t k = 0; k < first.size(); ++k) {
+          const std::int32_t off = std::max(std::abs(first[k].bottom - second[k].bottom),
+                                            std::abs(first[k].top - second[k].top));
+          worst = std::max(worst, off * grid.z_quantum_mm);
+        }
+      }
+    }
+  }
+  return worst;
+}
+
+TEST(Trail, WhatIsLeftOutBehindAToolHadBeenRemoved) {
+  const std::vector<ToolShape> shapes{
+      FlatShape{6, 30},
+      TaperShape{3, 12, 30},
+      BullNoseShape{6, 1, 30},
+      ConeEndShape{8, 90, 30},
+      TaperShape{4, 8, 30, TaperTip::kBall},
+      ProfileShape{
+          {ProfilePoint{0, 0}, ProfilePoint{4, 0}, ProfilePoint{2, 4}, ProfilePoint{2, 30}}},
+      ProfileShape{{ProfilePoint{0, 0}, ProfileArc{{1, 5.828}, 3}, ProfilePoint{1, 30}}}};
+  for (const Chain& chain : {Chain{"moves", 1, 0.04}, Chain{"ticks", 0.2, 0.004},
+                             Chain{"blocks", 5, 0.3}, Chain{"translations", 1, 0}}) {
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+      for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+        EXPECT_LE(greatest_difference(shapes[k], chain, 10 * k + seed), kToleranceMm)
+            << chain.name << " shape " << k << " seed " << seed;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf
