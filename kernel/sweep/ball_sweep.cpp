@@ -6,6 +6,13 @@
 namespace kerf {
 namespace {
 
+/// One end of what a capsule removes from eight rays, where it meets them.
+struct OneEnd {
+  Lanes z;
+  LaneMask hit;
+};
+KERF_INLINE void include(OneEnd& end, LaneMask hit, Lanes z) { end = {z, hit}; }
+
 /// The lowest height that a capsule removes within each disc. At horizontal distance ρ from the
 /// path the ball reaches √(r² − ρ²) below the path, and the path is nowhere below its lower end.
 /// Where no point of the surface advances any more (the ball moves away from the whole disc), the
@@ -44,13 +51,15 @@ KERF_INLINE void evaluate_chain_in_lanes(std::span<const RayCapsule> capsules, C
     const bool above = c.from.z >= block.top_mm && c.to.z >= block.top_mm;
     for (int row = 0; row < kBlockSide; ++row) {
       if ((block.rows >> row & 1) == 0) continue;
-      LaneSpan span;
       const Lanes y = Lanes(block.y_mm[row]);
-      c.include_end(span, block.x_mm, y, Lanes(-1));
+      LaneSpan span;
       if (above) {
-        span.hi = select(span.lo <= span.hi, Lanes(block.top_mm), span.hi);
+        OneEnd lower;
+        c.include_end(lower, block.x_mm, y, Lanes(-1));
+        span.lo = select(lower.hit, lower.z, span.lo);
+        span.hi = select(lower.hit, Lanes(block.top_mm), span.hi);
       } else {
-        c.include_end(span, block.x_mm, y, Lanes(1));
+        c.extend(span, block.x_mm, y);
       }
       block.add(row, span.lo, span.hi);
     }
