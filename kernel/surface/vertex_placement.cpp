@@ -81,6 +81,7 @@ VertexPlacement::VertexPlacement(const SolidSnapshot& solid, const ColumnWindow&
   const DexelGrid& grid = window.grid();
   const BoxStock box = stock_bounds(solid.fields.front().stock());
   const Vec3 size = (box.max_mm - box.min_mm) * (1 / grid.pitch_mm);
+  is_box_ = std::holds_alternative<BoxStock>(solid.fields.front().stock());
   stock_low_ = {-0.5, -0.5, -window.level_zero()};
   stock_high_ = stock_low_ + size;
   margin_ = std::max(kMarginMin, std::max({size.x, size.y, size.z}) * kMarginOfSize);
@@ -100,11 +101,71 @@ CellLimits VertexPlacement::limits_of(const LatticeCell& cell) const {
 
 Crossing VertexPlacement::upright(const LatticeCell& cell, int dx, int dy) const {
   const std::int32_t i = cell.x + dx, j = cell.y + dy;
+  const SolidRun& run = run_at(i, j, cell.layer);
+  const bool top = run.end == cell.layer;
+  return {.point = {double(i), double(j), window_.steps(top ? run.top : run.bottom)},
+          .normal = top ? run.top_normal : run.bottom_normal};
+}
+
+/// The run of a column that ends at or above the layer first.
+const SolidRun& VertexPlacement::run_at(std::int32_t i, std::int32_t j, std::int32_t layer) const {
   const SolidRun* run = window_.runs(i, j).data();
-  while (run->end < cell.layer) ++run;
-  const bool top = run->end == cell.layer;
-  return {.point = {double(i), double(j), window_.steps(top ? run->top : run->bottom)},
-          .normal = top ? run->top_normal : run->bottom_normal};
+  while (run->end < layer) ++run;
+  return *run;
+}
+
+SurfaceVertex VertexPlacement::flat_vertex(Vec3 place, Vec3 normal) const {
+  const double pitch = window_.grid().pitch_mm;
+  SurfaceVertex vertex;
+  vertex.position_mm = {static_cast<float>((place.x + 0.5) * pitch),
+                        static_cast<float>((place.y + 0.5) * pitch),
+                        static_cast<float>((place.z + window_.level_zero()) * pitch)};
+  vertex.normals[0] = {static_cast<float>(normal.x), static_cast<float>(normal.y),
+                       static_cast<float>(normal.z)};
+  vertex.normal_count = 1;
+  return vertex;
+}
+
+/// Of a sheet that crosses the four upright edges of a cell and no other.
+std::optional<SurfaceVertex> VertexPlacement::place_on_floor(const LatticeCell& cell) const {
+  std::int32_t depth = 0;
+  Vec3 normal;
+  for (int c = 0; c < 4; ++c) {
+    const SolidRun& run = run_at(cell.x + (c & 1), cell.y + (c >> 1), cell.layer);
+    const bool top = run.end == cell.layer;
+    const std::int32_t here = top ? run.top : run.bottom;
+    const Vec3& n = top ? run.top_normal : run.bottom_normal;
+    if (std::abs(n.z) != 1 || (c > 0 && (here != depth || n.z != normal.z))) return std::nullopt;
+    depth = here;
+    normal = n;
+  }
+  return flat_vertex({cell.x + 0.5, cell.y + 0.5, window_.steps(depth)}, normal);
+}
+
+/// Of a sheet that crosses the four edges of a cell along X (or Y) and no other.
+std::optional<SurfaceVertex> VertexPlacement::place_on_side(const LatticeCell& cell,
+                                                            bool along_x) const {
+  if (rays_ || !is_box_) return std::nullopt;
+  const DexelGrid& grid = window_.grid();
+  const bool low = (along_x ? cell.x : cell.y) == -1;
+  const bool high = (along_x ? cell.x : cell.y) == (along_x ? grid.columns_x : grid.columns_y) - 1;
+  if (!low && !high) return std::nullopt;
+  for (int row = 0; row < 2; ++row) {
+    const std::int32_t i = cell.x + (along_x ? (low ? 1 : 0) : row);
+    const std::int32_t j = cell.y + (along_x ? row : (low ? 1 : 0));
+    const SolidRun& run = run_at(i, j, cell.layer);
+    // An element whose ends lean may end before the side.
+    if (run.top_normal.z != 1 || run.bottom_normal.z != -1) return std::nullopt;
+  }
+  const CellLimits limits = limits_of(cell);
+  Vec3 place{cell.x + 0.5, cell.y + 0.5, cell.layer - 0.5};
+  if (along_x) {
+    place.x += low ? limits.low.x : limits.high.x;
+  } else {
+    place.y += low ? limits.low.y : limits.high.y;
+  }
+  const double side = low ? -1 : 1;
+  return flat_vertex(place, along_x ? Vec3{side, 0, 0} : Vec3{0, side, 0});
 }
 
 const Crossing& VertexPlacement::level(std::int32_t i, std::int32_t j, std::int32_t k,
@@ -142,6 +203,14 @@ void VertexPlacement::find_crossings(const LatticeCell& cell, std::uint16_t edge
 }
 
 SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_t edges) {
+  constexpr std::uint16_t kAlongX = 0x00f, kAlongY = 0x0f0, kUpright = 0xf00;
+  std::optional<SurfaceVertex> flat;
+  if (edges == kUpright) {
+    flat = place_on_floor(cell);
+  } else if (edges == kAlongX || edges == kAlongY) {
+    flat = place_on_side(cell, edges == kAlongX);
+  }
+  if (flat) return *flat;
   find_crossings(cell, edges);
   const std::span<const Crossing> crossings(found_.at.data(), found_.count);
   const SheetPoint point = place_sheet(crossings, limits_of(cell));

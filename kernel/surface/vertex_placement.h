@@ -57,6 +57,12 @@ class VertexPlacement {
   };
 
   SurfaceVertex place_alone(const LatticeCell& cell, std::uint16_t edges);
+  /// Most cells hold a piece of a level floor or of the stock's own side: their vertices need no
+  /// crossings. Nothing for any other.
+  std::optional<SurfaceVertex> place_on_floor(const LatticeCell& cell) const;
+  std::optional<SurfaceVertex> place_on_side(const LatticeCell& cell, bool along_x) const;
+  SurfaceVertex flat_vertex(Vec3 place, Vec3 normal) const;
+  const SolidRun& run_at(std::int32_t i, std::int32_t j, std::int32_t layer) const;
   void find_crossings(const LatticeCell& cell, std::uint16_t edges);
   Crossing upright(const LatticeCell& cell, int dx, int dy) const;
   const Crossing& level(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x);
@@ -65,6 +71,7 @@ class VertexPlacement {
   const ColumnWindow& window_;
   std::optional<LevelRays> rays_;  ///< of a block with three fields
   LevelGuess guess_;
+  bool is_box_;                  ///< the stock
   Vec3 stock_low_, stock_high_;  ///< in pitches, as the lattice
   double margin_;
   Crossings found_;             ///< of the sheet that is being placed
