@@ -8,9 +8,11 @@ namespace kerf {
 /// sample k of column (i, j) stands at (i, j, k).
 struct Crossing {
   Vec3 point;
-  Vec3 normal;         ///< unit, outward
-  double weight = 1;   ///< how well the plane is known: 1, or little where it is a guess
-  bool guess = false;  ///< the normal is one; another crossing of the same sheet knows better
+  Vec3 normal;  ///< unit, outward
+  /// 1; less where the normal is a guess, and another crossing of the same sheet knows better.
+  double weight = 1;
+
+  bool is_guess() const { return weight < 1; }
 };
 
 }  // namespace kerf

@@ -201,8 +201,7 @@ Crossing LevelGuess::on_wall(const Edge& edge) const {
   Crossing c{.point = edge.at(std::clamp(0.5 + wall.offset, 0.0, 1.0)),
              .normal = wall.slope == 0 ? edge.direction()
                                        : normalized(edge.direction() - across * wall.slope)};
-  c.guess = wall.rows == 0;
-  if (c.guess) c.weight = kGuessWeight;
+  if (wall.rows == 0) c.weight = kGuessWeight;
   return c;
 }
 

@@ -31,7 +31,7 @@ class PlaneSum {
     for (std::size_t r = 0; r < 3; ++r) {
       for (std::size_t k = r; k < 3; ++k) a_[r][k] += c.weight * n[r] * n[k];
       b_[r] += off * n[r];
-      if (std::abs(n[r]) == 1 && !c.guess) {
+      if (std::abs(n[r]) == 1 && !c.is_guess()) {
         square_[r] += c.weight * p[r];
         squares_[r] += c.weight;
       }

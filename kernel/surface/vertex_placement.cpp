@@ -35,8 +35,8 @@ std::array<float, 3> unit_float(Vec3 sum) {
 void group_normals(std::span<const Crossing> crossings, std::span<const std::uint8_t> edges,
                    SurfaceVertex& vertex) {
   const Crossing& one = crossings.front();
-  const bool smooth = !one.guess && std::ranges::all_of(crossings, [&](const Crossing& c) {
-    return !c.guess && dot(c.normal, one.normal) > kCreaseCosine;
+  const bool smooth = !one.is_guess() && std::ranges::all_of(crossings, [&](const Crossing& c) {
+    return !c.is_guess() && dot(c.normal, one.normal) > kCreaseCosine;
   });
   if (smooth) {
     Vec3 all;
@@ -57,7 +57,7 @@ void group_normals(std::span<const Crossing> crossings, std::span<const std::uin
   for (const bool guesses : {false, true}) {
     for (std::size_t n = 0; n < crossings.size(); ++n) {
       const Crossing& c = crossings[n];
-      if (c.guess != guesses) continue;
+      if (c.is_guess() != guesses) continue;
       std::size_t group = nearest(c.normal);
       const bool fits = count > 0 && (guesses || dot(first[group], c.normal) > kCreaseCosine);
       if (!fits && count < kVertexNormalsMax) {
@@ -99,12 +99,13 @@ CellLimits VertexPlacement::limits_of(const LatticeCell& cell) const {
   return {{x.first, y.first, z.first}, {x.second, y.second, z.second}};
 }
 
-Crossing VertexPlacement::upright(const LatticeCell& cell, int dx, int dy) const {
+void VertexPlacement::upright(const LatticeCell& cell, int dx, int dy, Crossing& crossing) const {
   const std::int32_t i = cell.x + dx, j = cell.y + dy;
   const SolidRun& run = run_at(i, j, cell.layer);
   const bool top = run.end == cell.layer;
-  return {.point = {double(i), double(j), window_.steps(top ? run.top : run.bottom)},
-          .normal = top ? run.top_normal : run.bottom_normal};
+  crossing.point = {double(i), double(j), window_.steps(top ? run.top : run.bottom)};
+  crossing.normal = top ? run.top_normal : run.bottom_normal;
+  crossing.weight = 1;
 }
 
 /// The run of a column that ends at or above the layer first.
@@ -195,7 +196,7 @@ void VertexPlacement::find_crossings(const LatticeCell& cell, std::uint16_t edge
     } else if (e < 8) {
       c = level(cell.x + a, cell.y, cell.layer - 1 + b, false);
     } else {
-      c = upright(cell, a, b);
+      upright(cell, a, b, c);
     }
     c.point = c.point - center;
     all.edge[all.count++] = static_cast<std::uint8_t>(e);

@@ -64,7 +64,7 @@ class VertexPlacement {
   SurfaceVertex flat_vertex(Vec3 place, Vec3 normal) const;
   const SolidRun& run_at(std::int32_t i, std::int32_t j, std::int32_t layer) const;
   void find_crossings(const LatticeCell& cell, std::uint16_t edges);
-  Crossing upright(const LatticeCell& cell, int dx, int dy) const;
+  void upright(const LatticeCell& cell, int dx, int dy, Crossing& crossing) const;
   const Crossing& level(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x);
   CellLimits limits_of(const LatticeCell& cell) const;
 

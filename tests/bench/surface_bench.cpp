@@ -89,14 +89,12 @@ std::vector<TileMesh> measure(const char* name, const SolidSnapshot& snapshot) {
   return meshes;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
-  std::printf("block 100 x 100 x 50 mm, pitch %.3g mm, one core, CPU time\n", pitch_mm);
+void measure(Rays rays, double pitch_mm) {
+  SculptureSettings settings = test::standard_settings(pitch_mm, 0.01);
+  settings.keep_normals = true;
+  settings.rays = rays;
+  std::printf("\n%s\n", to_string(rays));
   for (const bool five_axis : {false, true}) {
-    SculptureSettings settings = test::standard_settings(pitch_mm, 0.01);
-    settings.keep_normals = true;
     auto sculpture = *Sculpture::create(settings);
     if (!five_axis) measure("untouched", sculpture.solid());
     sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
@@ -107,5 +105,13 @@ int main(int argc, char** argv) {
     const auto meshes = measure(five_axis ? "five axes" : "three axes", sculpture.solid());
     if (!five_axis) measure_error(meshes, pitch_mm);
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
+  std::printf("block 100 x 100 x 50 mm, pitch %.3g mm, one core, CPU time\n", pitch_mm);
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) measure(rays, pitch_mm);
   return 0;
 }
