@@ -13,11 +13,10 @@ template <class CodeOf>
 void note_ends(const RemovedGroup& group, const std::int32_t* depths, unsigned ends, double towards,
                const DexelGrid& grid, const SweptSurface& surface, const CodeOf& code_of) {
   if (ends == 0) return;
-  Vec3Lanes at{{}, Lanes(grid.y_mm(group.j)), {}};
-  for (int c = 0; c < kLanes; ++c) {
-    at.x.set(c, grid.x_mm(group.i + c));
-    at.z.set(c, grid.z_mm(depths[c]));
-  }
+  const Lanes places(HalfLanes{0.5, 1.5, 2.5, 3.5}, HalfLanes{4.5, 5.5, 6.5, 7.5});
+  Vec3Lanes at{
+      grid.origin_mm.x + (double(group.i) + places) * grid.pitch_mm, Lanes(grid.y_mm(group.j)), {}};
+  for (int c = 0; c < kLanes; ++c) at.z.set(c, grid.z_mm(depths[c]));
   NormalCode codes[kLanes];
   surface.stock_normals(at, ends, towards, codes);
   for (unsigned left = ends; left != 0; left &= left - 1) {

@@ -16,7 +16,7 @@ constexpr int kSearchSteps = 60;
 
 /// Steps towards the share at which a ball's centre is closest; a straight path needs one, and a
 /// bent one leaves its chord by little.
-constexpr int kBallSteps = 3;
+constexpr int kBallSteps = 2;
 
 KERF_INLINE Vec3Lanes select(const LaneMask& condition, const Vec3Lanes& yes, const Vec3Lanes& no) {
   return {kerf::select(condition, yes.x, no.x), kerf::select(condition, yes.y, no.y),
@@ -101,20 +101,29 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Ve
 /// tangent.
 KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
                                                              const Vec3Lanes& point) const {
-  Lanes share = 0.5;
   Vec3Lanes to_point{};
-  for (int i = 0; i <= kBallSteps; ++i) {
-    const TurningFrame::Poses pose = frame_.at(share);
-    const Vec3Lanes arm = pose.u * Lanes(ball.center_z);
-    to_point = point - pose.tip - arm;
-    if (i == kBallSteps || (i == 1 && frame_.turn == 0)) break;
-    const Vec3Lanes v = frame_.velocity(arm);
-    const Lanes speed2 = dot(v, v);
-    const Lanes step = kerf::select(speed2 > 0.0, dot(to_point, v) / speed2, Lanes(0));
-    share = lesser(greater(share + step, Lanes(0)), Lanes(1));
+  if (frame_.turn == 0) {
+    const Vec3 middle = frame_.u * ball.center_z, v = frame_.v;
+    const double speed2 = dot(v, v), inverse = speed2 > 0 ? 1 / speed2 : 0;
+    to_point = {point.x - middle.x, point.y - middle.y, point.z - middle.z};
+    const Lanes along = (to_point.x * v.x + to_point.y * v.y + to_point.z * v.z) * inverse;
+    const Lanes m = lesser(greater(along, Lanes(-0.5)), Lanes(0.5));
+    to_point = to_point - v * m;
+  } else {
+    Lanes share = 0.5;
+    for (int i = 0; i <= kBallSteps; ++i) {
+      const TurningFrame::Poses pose = frame_.at(share);
+      const Vec3Lanes arm = pose.u * Lanes(ball.center_z);
+      to_point = point - pose.tip - arm;
+      if (i == kBallSteps) break;
+      const Vec3Lanes v = frame_.velocity(arm);
+      const Lanes speed2 = dot(v, v);
+      const Lanes step = kerf::select(speed2 > 0.0, dot(to_point, v) / speed2, Lanes(0));
+      share = lesser(greater(share + step, Lanes(0)), Lanes(1));
+    }
   }
-  const Lanes d = square_root(dot(to_point, to_point));
-  return {d - ball.radius, to_point * kerf::select(d > 0.0, 1 / d, Lanes(0)), Lanes(0)};
+  // The code of a normal does not ask for its length.
+  return {square_root(dot(to_point, to_point)) - ball.radius, to_point, Lanes(0)};
 }
 
 /// The contact of a piece at the share at which it is least far from the point: bracketed by the

@@ -39,7 +39,8 @@ class SweptSurface {
     double r0, slope, flank;            ///< of a line: ρ at z0, dρ/dh, and 1/√(1 + slope²)
     double center_r, center_z, radius;  ///< of an arc or a ball
   };
-  /// How far a point is outside of a piece, the normal there, and n·V of the piece.
+  /// How far a point is outside of a piece, the normal there (of a ball not of unit length), and
+  /// n·V of the piece.
   struct Contact {
     Lanes gap;
     Vec3Lanes normal;
