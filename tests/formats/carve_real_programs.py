@@ -3,7 +3,8 @@
 
 usage: carve_real_programs.py KERF_CARVE SCENES_FOLDER
 KERF_LINUXCNC_DIR names the folder with 3D_Chips.ngc and boat-xyzac.ngc (and rs274, if any); without it the test is skipped
-(exit status 77). For each: the STL is closed (admesh), its volume is the block's less what was removed, and the exported APT
+(exit status 77). For each: the STL is closed and without degenerate facets (admesh) with one field of rays and with three, at
+1 and 0.5 mm (and 0.25 and 0.1 mm where KERF_EFFORT is above 1), its volume is the block's less what was removed, and the exported APT
 program, carved again, gives the same state hash. So does the exported G-code of the three-axis program; that of the
 five-axis one, whose rotary words have six decimals, gives the same removed volume to 0.01 mm3.
 """
@@ -16,9 +17,9 @@ import sys
 import tempfile
 
 
-def carve(kerf_carve, scene, program, folder, name, outputs):
+def carve(kerf_carve, scene, program, folder, name, outputs, options=()):
     report = os.path.join(folder, name + ".json")
-    command = [kerf_carve, "--scene", scene, "--program", program, "--report", report]
+    command = [kerf_carve, "--scene", scene, "--program", program, "--report", report, *options]
     for kind in outputs:
         command += ["--" + kind, os.path.join(folder, f"{name}.{kind}")]
     subprocess.run(command, check=True)
@@ -26,14 +27,25 @@ def carve(kerf_carve, scene, program, folder, name, outputs):
         return json.load(file)
 
 
-def check_mesh(stl, report):
+def check_mesh(stl, report, volume_error=0.01):
     out = subprocess.run(["admesh", "-n", stl], check=True, capture_output=True, text=True).stdout
-    disconnected = int(re.search(r"Total disconnected facets\s*:\s*(\d+)", out).group(1))
+    count = lambda what: int(re.search(what + r"\s*:\s*(\d+)", out).group(1))
     volume = float(re.search(r"Volume\s*:\s*([\d.eE+-]+)", out).group(1))
     expected = report["stock_volume_mm3"] - report["removed_volume_mm3"]
-    assert disconnected == 0, f"{disconnected} disconnected facets"
-    assert abs(volume / expected - 1) < 0.01, f"mesh has {volume} mm3, the dexels {expected}"
+    for fault in ("Total disconnected facets", "Degenerate facets", "Facets reversed", "Backwards edges"):
+        assert count(fault) == 0, f"{fault}: {count(fault)}"
+    assert abs(volume / expected - 1) < volume_error, f"mesh has {volume} mm3, the dexels {expected}"
     assert report["triangles"] > 1000
+
+
+def check_every_resolution(kerf_carve, scene, program, folder, name):
+    pitches = ["1", "0.5"] + (["0.25", "0.1"] if float(os.environ.get("KERF_EFFORT", "1")) > 1 else [])
+    for pitch in pitches:
+        for rays in ("dexel", "tri-dexel"):
+            run = f"{name}-{pitch}-{rays}"
+            report = carve(kerf_carve, scene, program, folder, run, ["stl"], ["--pitch", pitch, "--rays", rays])
+            check_mesh(os.path.join(folder, run + ".stl"), report, 0.03)
+            print(f"{run}: {report['triangles']} triangles, closed")
 
 
 def check(kerf_carve, scenes, folder, linuxcnc, name, file, same_gcode_hash):
@@ -41,6 +53,7 @@ def check(kerf_carve, scenes, folder, linuxcnc, name, file, same_gcode_hash):
     first = carve(kerf_carve, scene, os.path.join(linuxcnc, file), folder, name,
                   ["stl", "glb", "apt", "ngc"])
     check_mesh(os.path.join(folder, name + ".stl"), first)
+    check_every_resolution(kerf_carve, scene, os.path.join(linuxcnc, file), folder, name)
     again = {kind: carve(kerf_carve, scene, os.path.join(folder, f"{name}.{kind}"), folder,
                          f"{name}-again-{kind}", []) for kind in ("apt", "ngc")}
     assert again["apt"]["state_hash"] == first["state_hash"], "APT does not bring the block back"
