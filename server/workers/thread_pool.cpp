@@ -13,6 +13,12 @@ namespace {
 /// program follow each other faster than a thread wakes up.
 constexpr std::chrono::microseconds kLookout{50};
 
+/// A caller is held up where he waits for longer than this part of the time that he worked: jobs
+/// are small, so that others who have a core end soon after him.
+constexpr int kWaitShare = 4;
+/// Most runs that are done alone after that.
+constexpr int kDistrustMax = 63;
+
 void pause() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
@@ -50,7 +56,19 @@ ThreadPool::~ThreadPool() {
 
 void ThreadPool::run(int jobs, const std::function<void(int)>& job) {
   const std::unique_lock caller(caller_, std::try_to_lock);
-  if (helpers_.empty() || jobs < 2 || !caller) return SerialWorkers().run(jobs, job);
+  const bool divides = !helpers_.empty() && jobs > 1 && caller.owns_lock();
+  if (!divides || alone_ > 0) {
+    if (divides) --alone_;
+    return SerialWorkers().run(jobs, job);
+  }
+  divide(jobs, job);
+  const std::scoped_lock lock(mutex_);
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+}
+
+void ThreadPool::divide(int jobs, const std::function<void(int)>& job) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
   {
     const std::scoped_lock lock(mutex_);
     job_ = &job;
@@ -60,10 +78,14 @@ void ThreadPool::run(int jobs, const std::function<void(int)>& job) {
   }
   called_.notify_all();
   work();
+  const auto worked = Clock::now();
   wait_for_helpers();
+  const auto waited = Clock::now() - worked;
+  const bool held_up = waited > kLookout && waited > (worked - start) / kWaitShare;
+  distrust_ = held_up ? std::min(2 * distrust_ + 1, kDistrustMax) : distrust_ / 2;
+  alone_ = held_up ? distrust_ : 0;
   const std::scoped_lock lock(mutex_);
   job_ = nullptr;
-  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 /// Does jobs until none is left to be begun.

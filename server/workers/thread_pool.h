@@ -15,7 +15,8 @@ namespace kerf {
 
 /// Threads that help whoever calls run(): the caller works too, so nobody waits for a thread to
 /// wake up. Any number of callers may share one: who finds it at work for another does his jobs
-/// alone.
+/// alone. Where the cores are busy with something else, and callers wait for a thread that has
+/// begun a job and gets no core, the next runs are done alone too.
 class ThreadPool final : public Workers {
  public:
   /// `threads` >= 1, the caller's among them.
@@ -31,8 +32,11 @@ class ThreadPool final : public Workers {
   void help();
   void work();
   void wait_for_helpers();
+  void divide(int jobs, const std::function<void(int)>& job);
 
-  std::mutex caller_;  ///< held by the one whose jobs are being done
+  std::mutex caller_;  ///< held by the one whose jobs are being done; of the next two
+  int alone_ = 0;      ///< runs yet to be done without help
+  int distrust_ = 0;   ///< how many there were after the last time that help held a caller up
   std::mutex mutex_;   ///< of what follows, but for the atomics
   std::condition_variable called_, done_;
   const std::function<void(int)>* job_ = nullptr;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -67,6 +68,32 @@ TEST(ThreadPool, WhoFindsItBusyWorksAlone) {
     done = true;
   });
   EXPECT_EQ(inner.size(), 1u);
+}
+
+TEST(ThreadPool, WhoIsHeldUpByItsThreadsWorksAloneForAWhile) {
+  ThreadPool pool(2);
+  // The other thread begins a job and does not come on with it, as if it had no core.
+  std::atomic<bool> begun = false;
+  const auto caller = std::this_thread::get_id();
+  pool.run(2, [&](int) {
+    if (std::this_thread::get_id() == caller) {
+      while (!begun) std::this_thread::yield();
+    } else {
+      begun = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  });
+  ASSERT_TRUE(begun);
+  std::set<std::thread::id> threads;
+  pool.run(8, [&](int) { threads.insert(std::this_thread::get_id()); });
+  EXPECT_EQ(threads, std::set{caller});
+  // Then help is asked for again: each of two jobs waits for the other.
+  std::atomic<int> arrived = 0;
+  pool.run(2, [&](int) {
+    ++arrived;
+    while (arrived < 2) std::this_thread::yield();
+  });
+  EXPECT_EQ(arrived, 2);
 }
 
 TEST(ThreadPool, ThrowsWhatTheFirstOfItsJobsThrew) {
