@@ -30,7 +30,7 @@ struct ToolMotion;
 
 /// Along which axes rays measure the stock. One field along Z (the paper's) is cheapest and blind
 /// to the exact place of walls parallel to Z; three fields along X, Y and Z see every surface, at
-/// three times the cost.
+/// 3.5 times the cost or more (kernel/README.md, "Speed").
 enum class Rays : std::uint8_t { kDexel, kTriDexel };
 /// "dexel", "tri-dexel".
 const char* to_string(Rays rays);

@@ -72,15 +72,18 @@ TEST(ThreadPool, WhoFindsItBusyWorksAlone) {
 
 TEST(ThreadPool, WhoIsHeldUpByItsThreadsWorksAloneForAWhile) {
   ThreadPool pool(2);
-  // The other thread begins a job and does not come on with it, as if it had no core.
+  // The other thread begins a job and does not come on with it for longer than the caller has
+  // worked, as if it had no core.
   std::atomic<bool> begun = false;
+  const auto start = std::chrono::steady_clock::now();
   const auto caller = std::this_thread::get_id();
   pool.run(2, [&](int) {
     if (std::this_thread::get_id() == caller) {
       while (!begun) std::this_thread::yield();
     } else {
       begun = true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      const auto passed = std::chrono::steady_clock::now() - start;
+      std::this_thread::sleep_for(passed + std::chrono::milliseconds(20));
     }
   });
   ASSERT_TRUE(begun);
