@@ -9,6 +9,7 @@
 #include "kernel/cut/changed_tiles.h"
 #include "kernel/cut/cut.h"
 #include "kernel/dexel/dexel_field.h"
+#include "kernel/dexel/mesh_stock.h"
 #include "kernel/dexel/stock_column.h"
 #include "kernel/force/collision.h"
 #include "kernel/force/cutting_force.h"
@@ -78,6 +79,10 @@ Check check_settings(const SculptureSettings& s) {
   for (const RayAxis axis : axes_of(s.rays)) {
     if (columns_in_field(s.stock, s.pitch_mm, axis) > double(kColumnsMax)) {
       return refuse(kTooManyColumns, "the stock needs more than 2^36 columns at this pitch_mm");
+    }
+    if (s.stock_mesh && columns_in_field(s.stock, s.pitch_mm, axis) > double(kMeshColumnsMax)) {
+      return refuse(kTooManyColumns,
+                    "a stock from a mesh may have at most 2^28 columns; give a larger pitch_mm");
     }
   }
   const ForceSettings& f = s.force;
@@ -155,43 +160,6 @@ SweepBounds bounds_of(const DexelGrid& grid) {
 
 }  // namespace
 
-const char* to_string(Rays rays) { return rays == Rays::kTriDexel ? "tri-dexel" : "dexel"; }
-
-const char* to_string(SculptureErrorCode code) {
-  switch (code) {
-    using enum SculptureErrorCode;
-    case kBadStock:
-      return "bad_stock";
-    case kBadPitch:
-      return "bad_pitch";
-    case kTooManyColumns:
-      return "too_many_columns";
-    case kBadTolerance:
-      return "bad_tolerance";
-    case kBadForce:
-      return "bad_force";
-    case kBadObstacle:
-      return "bad_obstacle";
-    case kUnknownTool:
-      return "unknown_tool";
-    case kBadTool:
-      return "bad_tool";
-    case kNotFinite:
-      return "not_finite";
-    case kBadAxis:
-      return "bad_axis";
-    case kTurnTooLarge:
-      return "turn_too_large";
-    case kOutOfRange:
-      return "out_of_range";
-    case kBadDuration:
-      return "bad_duration";
-    case kTooManySubMotions:
-      return "too_many_sub_motions";
-  }
-  return "unknown";
-}
-
 Sculpture::Sculpture(SculptureSettings settings)
     : settings_(std::move(settings)),
       obstacles_(settings_.obstacles.empty() ? nullptr
@@ -199,10 +167,15 @@ Sculpture::Sculpture(SculptureSettings settings)
       engagements_(std::make_unique<Engagements>(settings_.pitch_mm)),
       removal_(std::make_unique<Removal>()) {
   for (const RayAxis axis : axes_of(settings_.rays)) {
-    fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis, settings_.keep_normals);
+    if (settings_.stock_mesh) {
+      fields_.emplace_back(*settings_.stock_mesh, settings_.pitch_mm, axis, settings_.keep_normals);
+    } else {
+      fields_.emplace_back(settings_.stock, settings_.pitch_mm, axis, settings_.keep_normals);
+    }
     stock_volume_mm3_ += fields_.back().stock_volume_mm3();
   }
   stock_volume_mm3_ /= double(fields_.size());
+  settings_.stock_mesh.reset();
 }
 
 Sculpture::Sculpture(Sculpture&&) noexcept = default;
@@ -210,6 +183,12 @@ Sculpture& Sculpture::operator=(Sculpture&&) noexcept = default;
 Sculpture::~Sculpture() = default;
 
 std::expected<Sculpture, SculptureError> Sculpture::create(SculptureSettings settings) {
+  if (settings.stock_mesh) {
+    const std::string fault = mesh_stock_fault(*settings.stock_mesh);
+    if (!fault.empty())
+      return std::unexpected(SculptureError{SculptureErrorCode::kBadStock, fault});
+    settings.stock = mesh_bounds(*settings.stock_mesh);
+  }
   if (auto c = check_settings(settings); !c) return std::unexpected(c.error());
   return Sculpture(std::move(settings));
 }

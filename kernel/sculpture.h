@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
+#include "kernel/dexel/triangle_mesh.h"
 #include "kernel/force/force_settings.h"
 #include "kernel/force/obstacle.h"
 #include "kernel/force/wrench.h"
@@ -37,6 +38,9 @@ const char* to_string(Rays rays);
 
 struct SculptureSettings {
   StockShape stock;
+  /// The solid within a mesh (kernel/dexel/mesh_stock.h) instead; `stock` is then not looked at.
+  /// Not held once the block is made.
+  std::shared_ptr<const TriangleMesh> stock_mesh;
   Rays rays = Rays::kDexel;
   double pitch_mm = 0.25;
   double tolerance_mm = 0.01;  ///< greatest end-point error of MotionModel::kTight and kPaper
@@ -115,6 +119,8 @@ inline constexpr double kCoordinateMaxMm = 1e6;
 inline constexpr double kStockSizeMinMm = 1e-4;
 /// Most columns that one field may have.
 inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 36;
+/// Most columns of a field whose stock is a mesh, since most of its tiles are stored.
+inline constexpr std::int64_t kMeshColumnsMax = std::int64_t{1} << 28;
 
 /// The deterministic state machine: equal settings and equal commands give equal bytes, on any CPU,
 /// at any optimisation level. A command that is refused leaves it as it was. Not thread-safe: one

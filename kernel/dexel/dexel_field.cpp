@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "kernel/dexel/mesh_stock.h"
 #include "kernel/dexel/stock_column.h"
 
 namespace kerf {
@@ -10,7 +11,17 @@ DexelField::DexelField(const StockShape& stock, double pitch_mm, RayAxis axis, b
     : stock_(stock),
       grid_(make_grid(stock, pitch_mm, axis)),
       keep_normals_(keep_normals),
-      tiles_(grid_.tiles_x(), grid_.tiles_y()) {}
+      tiles_(grid_.tiles_x(), grid_.tiles_y()),
+      stock_volume_mm3_(stock_quanta(stock_, grid_) * grid_.quantum_mm3()) {}
+
+DexelField::DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals)
+    : DexelField(mesh_bounds(mesh), pitch_mm, axis, keep_normals) {
+  dexelize(mesh, grid_, keep_normals, [this](TileIndex at, std::shared_ptr<DexelTile> tile) {
+    tile->era = era_;
+    put(at, std::move(tile));
+  });
+  stock_volume_mm3_ = snapshot().volume_mm3();
+}
 
 std::shared_ptr<DexelTile> DexelField::fresh(TileIndex tile) const {
   const DexelTile* stored = tiles_.find(tile);
@@ -31,10 +42,6 @@ void DexelField::put(TileIndex tile, std::shared_ptr<DexelTile> fresh) {
 DexelSnapshot DexelField::snapshot() {
   ++era_;
   return {grid_, stock_, tiles_};
-}
-
-double DexelField::stock_volume_mm3() const {
-  return stock_quanta(stock_, grid_) * grid_.quantum_mm3();
 }
 
 std::size_t DexelField::memory_bytes() const {

@@ -6,6 +6,7 @@
 
 #include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/dexel/dexel_tile.h"
+#include "kernel/dexel/triangle_mesh.h"
 
 namespace kerf {
 
@@ -18,6 +19,9 @@ class DexelField {
   /// `keep_normals`: touched tiles have room for the normals of their ends (note_normals).
   DexelField(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ,
              bool keep_normals = false);
+  /// The solid within a mesh (mesh_stock.h), whose bounds are the stock: every tile that it does
+  /// not fill is stored from the beginning, as if a tool had made it.
+  DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
@@ -33,8 +37,8 @@ class DexelField {
   std::shared_ptr<DexelTile> fresh(TileIndex tile) const;
   void put(TileIndex tile, std::shared_ptr<DexelTile> fresh);
   DexelSnapshot snapshot();
-  /// Volume of the untouched stock in columns, mm^3.
-  double stock_volume_mm3() const;
+  /// Volume of the stock in columns, mm^3, before it was first cut.
+  double stock_volume_mm3() const { return stock_volume_mm3_; }
   /// Memory of the field, with what it shares with snapshots; walks the touched tiles.
   std::size_t memory_bytes() const;
 
@@ -43,6 +47,7 @@ class DexelField {
   DexelGrid grid_;
   bool keep_normals_;
   TileDirectory tiles_;
+  double stock_volume_mm3_ = 0;
   std::uint64_t era_ = 1;  ///< grows with each snapshot; what is of earlier eras is shared
 };
 

@@ -226,8 +226,8 @@ class Carving {
     if (!triangles.empty()) report_.triangles = std::ranges::max(triangles);
     report_.mesh_s = watch_.lap();
     jobs.clear();
-    if (options_.ngc) jobs.push_back(program_job(*options_.ngc, make_gcode_writer));
-    if (options_.apt) jobs.push_back(program_job(*options_.apt, make_apt_writer));
+    if (options_.ngc) jobs.push_back(program_job(*options_.ngc, ProgramFormat::kGcode));
+    if (options_.apt) jobs.push_back(program_job(*options_.apt, ProgramFormat::kApt));
     auto done = run_jobs(jobs);
     report_.write_s = watch_.lap();
     return done;
@@ -256,11 +256,12 @@ class Carving {
     };
   }
 
-  using MakeWriter = std::unique_ptr<ProgramWriter> (*)(const Scene&, std::ostream&);
-  std::function<Result()> program_job(const std::filesystem::path& path, MakeWriter make) {
-    return [this, make, &file = output(path)]() -> Result {
+  std::function<Result()> program_job(const std::filesystem::path& path, ProgramFormat format) {
+    return [this, format, &file = output(path)]() -> Result {
       std::ofstream stream(file.temporary(), std::ios::binary);
-      const WriteResult written = write_program(program_, *make(scene_, stream));
+      const auto writer =
+          make_program_writer(format, scene_, stream, options_.nc_tolerance_mm.value_or(0));
+      const WriteResult written = write_program(program_, *writer);
       if (!written) return bad_output(file.target().string() + ": " + written.error());
       return {};
     };

@@ -101,6 +101,9 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.add_option("--explain", options.explain, "print every field of a scene, and stop");
   app.add_option("--ngc", options.ngc, "write the motions as G-code for the scene's machine");
   app.add_option("--apt", options.apt, "write the motions as APT CL data");
+  app.add_option("--nc-tolerance", options.nc_tolerance_mm,
+                 "join motions in --ngc and --apt within this, mm (default: written as they are)")
+      ->check(check_positive);
   app.add_option("--forces", options.forces, "write force and torque of each motion (CSV)");
   app.add_option("--report", options.report, "write what was done and how long it took (JSON)");
   app.add_option("--pitch", options.pitch_mm, "distance of rays, mm (instead of the scene's)")

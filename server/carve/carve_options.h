@@ -22,7 +22,7 @@ struct CarveOptions {
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
   SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range
   std::optional<std::filesystem::path> ngc, apt, forces, report;
-  std::optional<double> pitch_mm, tolerance_mm, rate_hz;
+  std::optional<double> pitch_mm, tolerance_mm, rate_hz, nc_tolerance_mm;
   std::optional<std::string> rays, motion, law;
   int threads;  ///< that carve, and that write files
 };

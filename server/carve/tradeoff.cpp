@@ -124,6 +124,8 @@ class Tradeoff {
       std::ranges::sort(*list, std::greater());
       list->erase(std::ranges::unique(*list).begin(), list->end());
     }
+    if (scene_.settings.stock_mesh)
+      return bad_input("kerf-carve tradeoff: the true solid of a stock from a mesh is not known");
     for (const double p : pitches_) {
       for (const double t : tolerances_) {
         SculptureSettings settings = scene_.settings;

@@ -34,6 +34,8 @@ class AptWriter final : public ProgramWriter {
  public:
   AptWriter(const Scene& scene, std::ostream& out) : scene_(scene), out_(out) {}
 
+  void note(const std::string& line) override { notes_ += "$$ " + one_line(line) + '\n'; }
+
   WriteResult add(const ProgramMotion& motion) override {
     if (!started_) header();
     const ToolPose from = admit_pose(motion.from);
@@ -79,7 +81,7 @@ class AptWriter final : public ProgramWriter {
       out_ << "$$ tool " << id << ": " << tool_text(tool.shape) << '\n';
     out_ << "$$ read back, every pose has the same bits; durations are kept to 1e-6\n"
          << "$$ FROM within the program: the tool is brought there without cutting\n"
-         << "UNITS/MM\nMULTAX/ON\n";
+         << notes_ << "UNITS/MM\nMULTAX/ON\n";
   }
 
   void feed(const ToolPose& from, const ToolPose& to, double duration_s) {
@@ -97,7 +99,7 @@ class AptWriter final : public ProgramWriter {
   bool started_ = false, placed_ = false;
   ToolId tool_ = 0;
   ToolPose last_;
-  std::string feed_;
+  std::string feed_, notes_;
 };
 
 }  // namespace

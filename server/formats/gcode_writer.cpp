@@ -16,6 +16,9 @@ constexpr int kFeedDigits = 7;
 constexpr int kAngleDecimals = 6;
 // Halvings of one motion for a rotary machine; the pieces are then at the grain of the angles.
 constexpr int kHalvingsMax = 16;
+// A C axis that has turned so far is turned back on top, within one turn: 100 turns are what
+// LinuxCNC's sample machines have, and hoses have fewer.
+constexpr double kWindUpMaxDeg = 20 * 360;
 
 // Comments end at the first parenthesis, and control characters would end the line.
 std::string comment_text(const std::string& text) {
@@ -36,6 +39,8 @@ class GcodeWriter final : public ProgramWriter {
         rotary_(has_rotary_table(kind_)),
         vector_(kind_ == MachineKinematics::kToolVector) {}
 
+  void note(const std::string& line) override { notes_ += '(' + comment_text(line) + ")\n"; }
+
   WriteResult add(const ProgramMotion& given) override {
     if (!started_) header();
     ProgramMotion motion = given;
@@ -48,7 +53,9 @@ class GcodeWriter final : public ProgramWriter {
           return std::unexpected(
               "the tool is tilted, and the scene's machine is xyz; write it for tool-vector, "
               "xyzac-trt or xyzbc-trt");
-    if (!placed_ || !(from == last_) || motion.tool != tool_) place(from, motion.tool);
+    const bool wound_up = std::abs(angles_.c) > kWindUpMaxDeg;
+    if (wound_up) angles_.c = std::remainder(angles_.c, 360.0);
+    if (!placed_ || wound_up || !(from == last_) || motion.tool != tool_) place(from, motion.tool);
     if (from == to) {
       out_ << "G4 P" << exact_text(motion.duration_s) << '\n';
     } else if (rotary_) {
@@ -83,6 +90,7 @@ class GcodeWriter final : public ProgramWriter {
     out_ << (rotary_ ? "(the tip is exact to 0.000001 mm, angles to 0.000001 degrees, durations to "
                        "1e-6)\n"
                      : "(read back, every pose has the same bits; durations are kept to 1e-6)\n")
+         << notes_
          << "(G53 G0 Z0 must be a safe height; speeds of the spindle are left to the operator)\n"
          << "G21 G17 G90 G40 G49 G80 G54 " << (inverse_time() ? "G93" : "G94") << '\n';
   }
@@ -104,10 +112,11 @@ class GcodeWriter final : public ProgramWriter {
     tool_ = tool;
     placed_ = true;
     if (rotary_) {
-      out_ << "M428\n";
-      tcp_on_ = true;
+      // The tables turn while the tool is on top and stays there: with the tool-centre point
+      // followed, it would swing along.
       angles_ = angles_from_axis(kind_, normalized(pose.axis), angles_);
-      out_ << "G0" << rotary_words(angles_) << '\n';
+      out_ << "G0" << rotary_words(angles_) << "\nM428\n";
+      tcp_on_ = true;
     }
     out_ << "G0 X" << exact_text(pose.tip_mm.x) << " Y" << exact_text(pose.tip_mm.y);
     if (vector_) out_ << vector_words(pose.axis);
@@ -189,7 +198,7 @@ class GcodeWriter final : public ProgramWriter {
   ToolId tool_ = 0;
   ToolPose last_;
   RotaryAngles angles_, end_angles_;
-  std::string motion_, feed_;
+  std::string motion_, feed_, notes_;
 };
 
 }  // namespace

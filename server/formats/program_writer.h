@@ -19,6 +19,8 @@ using WriteResult = std::expected<void, std::string>;
 class ProgramWriter {
  public:
   virtual ~ProgramWriter() = default;
+  /// A line for the program's head; before the first motion.
+  virtual void note(const std::string& line) = 0;
   virtual WriteResult add(const ProgramMotion& motion) = 0;
   /// The end of the program; call once, after the last motion.
   virtual WriteResult finish() = 0;
@@ -31,6 +33,11 @@ class ProgramWriter {
 std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostream& out);
 /// APT CL data: every pose exactly, durations to 1e-6 relative.
 std::unique_ptr<ProgramWriter> make_apt_writer(const Scene& scene, std::ostream& out);
+
+/// Either of them; with a tolerance above 0, motions are joined within it (program_decimator.h),
+/// and the program's head says so.
+std::unique_ptr<ProgramWriter> make_program_writer(ProgramFormat format, const Scene& scene,
+                                                   std::ostream& out, double tolerance_mm);
 
 /// No motion is written shorter than this, s: a motion without duration has no feed, and none is
 /// needed for what it cuts.

@@ -39,7 +39,9 @@ struct Scene {
   Machine machine;
   std::optional<AccuracyChoice> accuracy;  ///< where a target was asked for; stands in settings
   std::vector<std::string>
-      obstacle_files;  ///< one per settings.obstacles; empty unless read from an STL file
+      obstacle_files;      ///< one per settings.obstacles; empty unless read from an STL file
+  std::string stock_file;  ///< of a stock that is a mesh; empty otherwise
+  std::map<std::string, std::string> files;  ///< what was read of them, if the source keeps it
 };
 
 /// What is wrong with a scene, and where.
@@ -57,6 +59,8 @@ struct SceneSource {
   std::string name = "scene";  ///< what errors call it
   std::optional<std::filesystem::path>
       base_folder;  ///< file references are relative to it; without it they are refused
+  std::map<std::string, std::string> files = {};  ///< stand instead of files of the base folder
+  bool keep_files = false;                        ///< Scene::files gets what was read
 };
 
 /// Reads and validates a scene. Unknown fields, wrong types, values out of range and features of
@@ -75,7 +79,7 @@ std::expected<void, AccuracyError> settle_accuracy(Scene& scene, const AccuracyR
 /// gives it back equal.
 std::string scene_json(const Scene& scene);
 /// Parts of it as JSON text, as welcome messages carry them: the "stock" object, the "tools" array,
-/// the "force" object.
+/// the "force" object. Of a stock that is a mesh, the box around it.
 std::string stock_json(const Scene& scene);
 std::string tools_json(const Scene& scene);
 std::string force_json(const Scene& scene);

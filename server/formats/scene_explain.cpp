@@ -19,7 +19,8 @@ struct FieldHelp {
 
 constexpr std::array kHelp{
     FieldHelp{"name", "untitled", "", "what files and viewers call the scene"},
-    FieldHelp{"stock.shape", "-", "", "box or cylinder"},
+    FieldHelp{"stock.shape", "-", "", "box, cylinder or mesh (stl means the same)"},
+    FieldHelp{"stock.file", "-", "", "closed mesh (.stl .ply .obj), relative to the scene"},
     FieldHelp{"stock.min_mm", "-", "mm", "lowest corner of the block"},
     FieldHelp{"stock.max_mm", "-", "mm", "highest corner of the block"},
     FieldHelp{"stock.center_mm", "-", "mm", "x and y of the upright cylinder's axis"},

@@ -189,11 +189,13 @@ std::string text_of(const Json& json) {
 
 std::string scene_json(const Scene& scene) {
   const SculptureSettings& settings = scene.settings;
+  const Json stock = scene.stock_file.empty() ? to_json(settings.stock)
+                                              : Json{{"shape", "mesh"}, {"file", scene.stock_file}};
   Json obstacles = Json::array();
   for (std::size_t i = 0; i < settings.obstacles.size(); ++i)
     obstacles.push_back(to_json(settings.obstacles[i], scene.obstacle_files[i]));
   return text_of({{"name", scene.name},
-                  {"stock", to_json(settings.stock)},
+                  {"stock", stock},
                   {"accuracy", accuracy_to_json(scene)},
                   {"tools", tools_to_json(scene)},
                   {"force", to_json(settings.force)},

@@ -2,7 +2,9 @@
 #include <set>
 #include <utility>
 
+#include "kernel/dexel/mesh_stock.h"
 #include "server/formats/json_location.h"
+#include "server/formats/model/mesh_reader.h"
 #include "server/formats/model/stl_reader.h"
 #include "server/formats/scene.h"
 #include "server/formats/scene_fields.h"
@@ -22,28 +24,51 @@ void need_box(SceneFields& fields, Vec3 min, Vec3 max) {
     fields.refuse("max_mm", "must be greater than min_mm in every coordinate");
 }
 
-StockShape read_stock(const SceneValue& value) {
+std::string read_scene_file(SceneFields& fields, const std::string& name, const SceneSource& source,
+                            Scene& scene) {
+  const auto kept = source.files.find(name);
+  if (kept == source.files.end() && !source.base_folder)
+    fields.refuse("file", "this scene may not name files: it did not come from a folder");
+  auto bytes = kept != source.files.end() ? std::optional(kept->second)
+                                          : read_file(*source.base_folder / name);
+  if (!bytes) fields.refuse("file", "\"" + name + "\" cannot be read");
+  if (source.keep_files) scene.files[name] = *bytes;
+  return *std::move(bytes);
+}
+
+void read_mesh_stock(SceneFields& fields, const SceneSource& source, Scene& scene) {
+  scene.stock_file = fields.text("file");
+  const auto format = mesh_file_format(scene.stock_file);
+  if (!format) fields.refuse("file", "\"" + scene.stock_file + "\" is no .stl, .ply or .obj");
+  const std::string bytes = read_scene_file(fields, scene.stock_file, source, scene);
+  auto mesh = read_mesh(*format, std::as_bytes(std::span(bytes)));
+  if (!mesh) fields.refuse("file", "\"" + scene.stock_file + "\": " + mesh.error().reason);
+  const std::string fault = mesh_stock_fault(*mesh);
+  if (!fault.empty()) fields.refuse("file", "\"" + scene.stock_file + "\": " + fault);
+  scene.settings.stock = mesh_bounds(*mesh);
+  scene.settings.stock_mesh = std::make_shared<const TriangleMesh>(*std::move(mesh));
+}
+
+void read_stock(const SceneValue& value, const SceneSource& source, Scene& scene) {
   SceneFields fields(value);
   const std::string shape = fields.text("shape");
-  StockShape stock;
   if (shape == "box") {
     const BoxStock box{fields.vec3("min_mm"), fields.vec3("max_mm")};
     need_box(fields, box.min_mm, box.max_mm);
-    stock = box;
+    scene.settings.stock = box;
   } else if (shape == "cylinder") {
     const auto center = fields.numbers<2>("center_mm");
     const CylinderStock cylinder{center[0], center[1], fields.positive("radius_mm"),
                                  fields.any_number("min_z_mm"), fields.any_number("max_z_mm")};
     if (!(cylinder.min_z_mm < cylinder.max_z_mm))
       fields.refuse("max_z_mm", "must be greater than min_z_mm");
-    stock = cylinder;
-  } else if (shape == "stl") {
-    fields.refuse("shape", "a stock from an STL file is not supported yet; use box or cylinder");
+    scene.settings.stock = cylinder;
+  } else if (shape == "stl" || shape == "mesh") {
+    read_mesh_stock(fields, source, scene);
   } else {
-    fields.refuse("shape", "\"" + shape + "\" is not a stock shape; use box or cylinder");
+    fields.refuse("shape", "\"" + shape + "\" is not a stock shape; use box, cylinder or mesh");
   }
   fields.refuse_the_rest();
-  return stock;
 }
 
 MotionModel read_motion(SceneFields& accuracy) {
@@ -126,13 +151,10 @@ Machine read_machine(const SceneValue& value) {
   return machine;
 }
 
-MeshObstacle read_mesh_obstacle(SceneFields& fields, const SceneSource& source) {
+MeshObstacle read_mesh_obstacle(SceneFields& fields, const SceneSource& source, Scene& scene) {
   const std::string name = fields.text("file");
-  if (!source.base_folder)
-    fields.refuse("file", "this scene may not name files: it did not come from a folder");
-  const auto bytes = read_file(*source.base_folder / name);
-  if (!bytes) fields.refuse("file", "\"" + name + "\" cannot be read");
-  auto triangles = read_stl(std::as_bytes(std::span(*bytes)));
+  const std::string bytes = read_scene_file(fields, name, source, scene);
+  auto triangles = read_stl(std::as_bytes(std::span(bytes)));
   if (!triangles) fields.refuse("file", "\"" + name + "\": " + triangles.error().reason);
   return MeshObstacle{*std::move(triangles)};
 }
@@ -155,7 +177,7 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
     obstacle.shape = SphereObstacle{fields.vec3("center_mm"), fields.positive("radius_mm")};
   } else if (shape == "stl") {
     file = fields.text("file");
-    obstacle.shape = read_mesh_obstacle(fields, source);
+    obstacle.shape = read_mesh_obstacle(fields, source, scene);
   } else {
     fields.refuse("shape",
                   "\"" + shape + "\" is not an obstacle; use box, cylinder, sphere or stl");
@@ -170,7 +192,7 @@ Scene read_scene(const Json& json, const SceneSource& source) {
   SceneFields fields(SceneValue(&json, ""));
   Scene scene;
   scene.name = fields.text("name", "untitled");
-  scene.settings.stock = read_stock(fields.need("stock"));
+  read_stock(fields.need("stock"), source, scene);
   AccuracyRequest accuracy;
   if (const auto value = fields.find("accuracy")) accuracy = read_accuracy(*value);
   if (const auto force = fields.find("force")) scene.settings.force = read_force(*force);

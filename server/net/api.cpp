@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kSceneBytesMax = std::size_t{1} << 20;
-constexpr std::size_t kProgramBytesMax = std::size_t{64} << 20;
+constexpr std::size_t kFileBytesMax = std::size_t{64} << 20;  ///< programs and meshes
 
 ApiResponse json_response(unsigned status, const Json& json) {
   ApiResponse response;
@@ -112,7 +112,8 @@ Api::Api(const ServerOptions& options, SessionRegistry& registry, const Metrics&
 
 std::size_t Api::body_bytes_max(const ApiRequest& request) const {
   if (request.method != "POST") return 0;
-  if (request.path.size() == 4 && request.path[3] == "programs") return kProgramBytesMax;
+  if (request.path.size() == 4 && request.path[3] == "programs") return kFileBytesMax;
+  if (request.path.size() == 2 && request.path[1] == "files") return kFileBytesMax;
   return kSceneBytesMax;
 }
 
@@ -137,6 +138,7 @@ ApiResponse Api::handle(const ApiRequest& request) {
 
 ApiResponse Api::v1(const ApiRequest& request) {
   const auto& path = request.path;
+  if (path.size() == 2 && path[1] == "files") return files(request);
   if (path.size() < 2 || path[1] != "sessions") {
     return error_response(404, "not_found", "there is nothing here");
   }
@@ -179,8 +181,11 @@ ApiResponse Api::create_session(const ApiRequest& request) {
       return error_response(400, "bad_id", "a session id is 1 to 64 of a-z, 0-9, - and _");
     }
   }
-  // A scene that comes over the network must not read the server's files: it has no base folder.
-  const auto created = registry_.create(id, request.body, SceneSource{});
+  // A scene that comes over the network must not read the server's files: it has no base folder,
+  // and may name what was uploaded.
+  SceneSource source;
+  source.files = uploads_named_in(request.body);
+  const auto created = registry_.create(id, request.body, source);
   if (!created) return registry_failure(created.error());
   const std::string url = "/v1/sessions/" + (*created)->id();
   Json created_json = {{"id", (*created)->id()}, {"url", url}};

@@ -63,6 +63,10 @@ class Api {
   ApiResponse start_program(const ApiRequest& request, const SessionPtr& session);
   ApiResponse download(const ApiRequest& request, const SessionPtr& session);
   ApiResponse exports(const ApiRequest& request, const std::string& session_id);
+  ApiResponse files(const ApiRequest& request);
+  /// The uploaded files whose names stand in a scene.
+  std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;
+  std::filesystem::path upload_folder() const { return options_.data_folder / "uploads"; }
 
   const ServerOptions& options_;
   SessionRegistry& registry_;

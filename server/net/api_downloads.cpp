@@ -32,8 +32,8 @@ struct Wanted {
   std::optional<ModelFormat> model;  ///< none: something that is made of motions
   ModelEncoding encoding = ModelEncoding::kBinary;
   SimplifyRequest simplify;
-  std::optional<ParticipantId> who;
-  std::string suffix;  ///< sets its name apart from that of the plain download
+  ProgramRequest program;  ///< its participant is that of forces too
+  std::string suffix;      ///< sets its name apart from that of the plain download
 };
 struct BadRequest {
   unsigned status;
@@ -89,19 +89,45 @@ std::expected<void, BadRequest> read_model(const ApiRequest& request, Wanted& wa
   return {};
 }
 
+std::expected<void, BadRequest> read_program(const ApiRequest& request, Wanted& wanted) {
+  ProgramRequest& program = wanted.program;
+  if (std::string_view(wanted.what.name) == "program.apt") program.format = ProgramFormat::kApt;
+  if (const std::string* who = query(request, "participant")) {
+    program.only = number<ParticipantId>(*who);
+    if (!program.only) {
+      return std::unexpected(BadRequest{400, "bad_participant", "participant is not a number"});
+    }
+    wanted.suffix += "-p" + *who;
+  }
+  const auto record = [&](const char* name, std::uint64_t& value) {
+    const std::string* text = query(request, name);
+    if (text == nullptr) return true;
+    const auto given = number<std::uint64_t>(*text);
+    value = given.value_or(0);
+    wanted.suffix += std::string("-") + name + *text;
+    return given.has_value();
+  };
+  if (!record("from", program.first) || !record("to", program.last)) {
+    return std::unexpected(BadRequest{400, "bad_span", "from and to are numbers of records"});
+  }
+  if (const std::string* text = query(request, "tolerance_mm")) {
+    program.tolerance_mm = number<double>(*text).value_or(-1);
+    if (!(program.tolerance_mm >= 0) || !std::isfinite(program.tolerance_mm)) {
+      return std::unexpected(
+          BadRequest{400, "bad_tolerance_mm", "tolerance_mm is no number from 0 on"});
+    }
+    wanted.suffix += '-' + *text + "mm";
+  }
+  return {};
+}
+
 std::expected<Wanted, BadRequest> read_wanted(const ApiRequest& request) {
   const std::string& name = request.path[3];
   for (const Download& what : kOfMotions) {
     if (name != what.name) continue;
     Wanted wanted;
     wanted.what = what;
-    if (const std::string* who = query(request, "participant")) {
-      wanted.who = number<ParticipantId>(*who);
-      if (!wanted.who) {
-        return std::unexpected(BadRequest{400, "bad_participant", "participant is not a number"});
-      }
-      wanted.suffix = "-p" + *who;
-    }
+    if (auto read = read_program(request, wanted); !read) return std::unexpected(read.error());
     return wanted;
   }
   if (name.starts_with(kModel)) {
@@ -131,9 +157,8 @@ std::expected<void, std::string> write_motions(const Wanted& wanted, Session& se
   if (name == "journal") return reason_only(copy_journal(journal, path));
   std::ofstream out(path, std::ios::binary);
   if (!out) return std::unexpected("the file cannot be created");
-  const auto format = name == "program.apt" ? ProgramFormat::kApt : ProgramFormat::kGcode;
-  const auto written = name == "forces.csv" ? export_forces(journal, wanted.who, out)
-                                            : export_program(journal, format, wanted.who, out);
+  const auto written = name == "forces.csv" ? export_forces(journal, wanted.program.only, out)
+                                            : export_program(journal, wanted.program, out);
   if (!written) return written;
   out.close();
   if (!out) return std::unexpected("the disk is full or broken");

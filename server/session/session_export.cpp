@@ -22,13 +22,18 @@ ExportResult for_each_motion(JournalReader& reader, Use&& use) {
   }
 }
 
+bool in_span(const JournalRecord& record, const ProgramRequest& request) {
+  return record.sequence >= request.first && record.sequence <= request.last;
+}
+
 ExportResult write_motions(const std::filesystem::path& journal, ParticipantId who,
-                           ProgramWriter& writer) {
+                           const ProgramRequest& request, ProgramWriter& writer) {
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
   return for_each_motion(*reader, [&](const JournalRecord& record) -> ExportResult {
     const auto* move = std::get_if<MoveTool>(&record.command);
     if (move == nullptr || record.participant != who || move->from == move->to) return {};
+    if (!in_span(record, request)) return {};
     ProgramMotion motion;
     motion.tool = move->tool;
     motion.from = move->from;
@@ -50,24 +55,23 @@ std::expected<std::set<ParticipantId>, std::string> carvers(JournalReader& reade
 
 }  // namespace
 
-ExportResult export_program(const std::filesystem::path& journal, ProgramFormat format,
-                            std::optional<ParticipantId> only, std::ostream& out) {
+ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
+                            std::ostream& out) {
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
   std::set<ParticipantId> people;
-  if (only) {
-    people.insert(*only);
+  if (request.only) {
+    people.insert(*request.only);
   } else {
     auto found = carvers(*reader);
     if (!found) return std::unexpected(found.error());
     people = *std::move(found);
   }
-  const auto writer =
-      format == ProgramFormat::kApt ? make_apt_writer(*scene, out) : make_gcode_writer(*scene, out);
+  const auto writer = make_program_writer(request.format, *scene, out, request.tolerance_mm);
   for (const ParticipantId who : people) {
-    if (auto ok = write_motions(journal, who, *writer); !ok) return ok;
+    if (auto ok = write_motions(journal, who, request, *writer); !ok) return ok;
   }
   if (auto ok = writer->finish(); !ok) return ok;
   if (!out) return std::unexpected("the output could not be written");

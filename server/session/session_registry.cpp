@@ -162,7 +162,10 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
     return std::unexpected(
         RegistryError{kBadId, "a session id is 1 to 64 of a-z, 0-9, - and _", {}});
   }
-  const auto scene = parse_scene(scene_text, source);
+  // The journal keeps what the scene's files hold: they may change, and a restart must not.
+  SceneSource keeping = source;
+  keeping.keep_files = true;
+  auto scene = parse_scene(scene_text, keeping);
   if (!scene) {
     return std::unexpected(RegistryError{kBadScene, to_string(scene.error()), scene.error().path});
   }
@@ -175,7 +178,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
   }
   const auto reserved = reserve(std::move(id), scene->name);
   if (!reserved) return std::unexpected(reserved.error());
-  JournalHeader header{*reserved, scene_json(*scene), {}, 1};
+  JournalHeader header{*reserved, scene_json(*scene), {}, 1, std::exchange(scene->files, {})};
   if (source.base_folder) {
     std::error_code ignored;
     header.base_folder = std::filesystem::absolute(*source.base_folder, ignored).string();

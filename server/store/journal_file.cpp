@@ -19,6 +19,26 @@ constexpr const char* kTables = R"(
   CREATE TABLE state_hashes(sequence INTEGER PRIMARY KEY, hash INTEGER NOT NULL);
 )";
 
+/// A journal whose scene names no file has no such table.
+constexpr const char* kFilesTable =
+    "CREATE TABLE files(name TEXT PRIMARY KEY, bytes BLOB NOT NULL, crc INTEGER NOT NULL)";
+
+SqlResult<void> insert_files(SqlDatabase& database,
+                             const std::map<std::string, std::string>& files) {
+  if (files.empty()) return {};
+  if (auto ok = database.execute(kFilesTable); !ok) return ok;
+  auto insert = database.prepare("INSERT INTO files VALUES(?,?,?)");
+  if (!insert) return std::unexpected(insert.error());
+  for (const auto& [name, text] : files) {
+    const auto bytes = std::as_bytes(std::span(text));
+    insert->bind(1, name);
+    insert->bind(2, bytes);
+    insert->bind(3, std::int64_t{crc32(bytes)});
+    if (auto row = insert->step(); !row) return std::unexpected(row.error());
+  }
+  return {};
+}
+
 JournalError make_error(JournalErrorCode code, const std::filesystem::path& file,
                         std::string reason) {
   return {code, file.string(), 0, std::move(reason)};
@@ -79,6 +99,7 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
     insert->bind(3, std::int64_t{crc32(std::as_bytes(std::span(header.scene_json)))});
     insert->bind(4, header.base_folder);
     if (auto row = insert->step(); !row) return std::unexpected(row.error());
+    if (auto ok = insert_files(*database, header.files); !ok) return ok;
     return database->execute("COMMIT");
   };
   if (auto ok = fill(); !ok) {

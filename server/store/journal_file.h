@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "server/store/journal_error.h"
@@ -21,6 +22,7 @@ struct JournalHeader {
   std::string scene_json;
   std::string base_folder;  ///< where the scene's file references start; empty: it has none
   std::uint32_t epoch = 1;  ///< how often the session was opened for writing
+  std::map<std::string, std::string> files = {};  ///< that the scene names, by those names
 };
 
 /// Creates an empty journal; kExists if the file is already there.

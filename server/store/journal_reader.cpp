@@ -45,13 +45,27 @@ std::expected<void, JournalError> JournalReader::read_head() {
   std::int64_t crc = -1;
   auto ok =
       each("SELECT id, scene, crc, base_folder, epoch FROM session", [&](const SqlStatement& row) {
-        header_ = {row.text(0), row.text(1), row.text(3),
-                   static_cast<std::uint32_t>(row.integer(4))};
+        header_ = {
+            row.text(0), row.text(1), row.text(3), static_cast<std::uint32_t>(row.integer(4)), {}};
         crc = row.integer(2);
       });
   if (!ok) return ok;
   if (crc != std::int64_t{crc32(std::as_bytes(std::span(header_.scene_json)))}) {
     return std::unexpected(corrupt(0, "the scene is missing or fails its checksum"));
+  }
+  const auto tables = database_.integer("SELECT count(*) FROM sqlite_master WHERE name='files'");
+  if (!tables) return std::unexpected(to_journal_error(file_, tables.error()));
+  std::string damaged;
+  if (*tables > 0) {
+    ok = each("SELECT name, bytes, crc FROM files", [&](const SqlStatement& row) {
+      const auto bytes = row.blob(1);
+      if (row.integer(2) != std::int64_t{crc32(bytes)}) damaged = row.text(0);
+      header_.files[row.text(0)].assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    });
+    if (!ok) return ok;
+  }
+  if (!damaged.empty()) {
+    return std::unexpected(corrupt(0, "the file " + damaged + " of the scene fails its checksum"));
   }
   ok = each("SELECT participant, name, color, kind FROM participants ORDER BY participant",
             [&](const SqlStatement& row) {

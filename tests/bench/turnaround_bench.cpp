@@ -1,51 +1,39 @@
 // From motion in to wrench out: a real kerf-server as a child process, one agent at 1 kHz over
 // loopback, a ball of 10 mm that cuts without pause at 0.1 mm pitch.
 //
-//   turnaround_bench [--server PATH] [--seconds S] [--pitch MM] [--program]
+//   turnaround_bench [--server PATH] [--seconds S] [--pitch MM] [--program] [--export NAME]
 //
 // Prints percentiles of two times: in the server, from a motion frame read to its wrench encoded
 // (every result carries it), and at the client, from sending the frame to receiving its result.
-// With --program, the server carves an uploaded program as fast as it can at the same time.
-#include <arpa/inet.h>
-#include <netinet/tcp.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
+// With --program, the server carves an uploaded program as fast as it can at the same time. With
+// --export, the block is first given a rough surface all over, and then a client downloads NAME
+// (model.stl, "model.glb?encoding=meshopt", ...) over and over while the agent cuts; the server's
+// greatest memory before and after tells whether a download needs any.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "server/wire/codec.h"
-
-extern char** environ;
+#include "tests/bench/live_client.h"
 
 namespace {
 
 using namespace kerf::wire;
-using Clock = std::chrono::steady_clock;
-
-[[noreturn]] void fail(const std::string& what) {
-  std::fprintf(stderr, "turnaround_bench: %s\n", what.c_str());
-  std::exit(1);
-}
+using namespace kerf::bench;
 
 struct Options {
   std::string server = KERF_SERVER_PROGRAM;
   double seconds = 20, pitch_mm = 0.1;
   bool program = false;
+  std::string download;
 };
 
 Options parse(int argc, char** argv) {
@@ -58,6 +46,8 @@ Options parse(int argc, char** argv) {
       options.server = argv[++i];
     } else if (i + 1 < argc && name == "--seconds") {
       options.seconds = std::atof(argv[++i]);
+    } else if (i + 1 < argc && name == "--export") {
+      options.download = argv[++i];
     } else if (i + 1 < argc && name == "--pitch") {
       options.pitch_mm = std::atof(argv[++i]);
     } else {
@@ -67,166 +57,40 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-/// The server as a child, with a data folder of its own.
-class ServerProcess {
- public:
-  explicit ServerProcess(const std::string& program) {
-    std::string name = (std::filesystem::temp_directory_path() / "kerf-bench-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    std::array<int, 2> out{};
-    if (pipe(out.data()) != 0) fail("no pipe");
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
-    posix_spawn_file_actions_addclose(&actions, out[0]);
-    const std::string data = folder_.string();
-    std::vector<std::string> words = {program, "--listen", "127.0.0.1:0", "--data", data};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    if (posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments.data(), environ) != 0) {
-      fail("cannot start " + program);
-    }
-    posix_spawn_file_actions_destroy(&actions);
-    close(out[1]);
-    std::array<char, 256> line{};
-    const ssize_t count = read(out[0], line.data(), line.size() - 1);
-    const char* colon = count > 0 ? std::strrchr(line.data(), ':') : nullptr;
-    if (colon == nullptr) fail("the server did not print its address");
-    port_ = static_cast<std::uint16_t>(std::atoi(colon + 1));
-  }
-  ~ServerProcess() {
-    kill(pid_, SIGTERM);
-    waitpid(pid_, nullptr, 0);
-    std::filesystem::remove_all(folder_);
-  }
-  ServerProcess(const ServerProcess&) = delete;
-  ServerProcess& operator=(const ServerProcess&) = delete;
-  std::uint16_t port() const { return port_; }
-
- private:
-  std::filesystem::path folder_;
-  pid_t pid_ = 0;
-  std::uint16_t port_ = 0;
+/// What repeated downloads came to.
+struct Downloads {
+  int count = 0;
+  std::uint64_t bytes = 0;  ///< of the last one
+  double seconds = 0;       ///< for all
 };
 
-class Socket {
- public:
-  explicit Socket(std::uint16_t port) : descriptor_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
-      fail("cannot connect");
-    }
-    const int on = 1;
-    setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-  }
-  ~Socket() { close(descriptor_); }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-
-  void send_all(const void* data, std::size_t size) const {
-    const auto* bytes = static_cast<const char*>(data);
-    while (size > 0) {
-      const ssize_t sent = send(descriptor_, bytes, size, MSG_NOSIGNAL);
-      if (sent <= 0) fail("the connection broke");
-      bytes += sent;
-      size -= static_cast<std::size_t>(sent);
-    }
-  }
-  /// Waits until `until` for more bytes behind `buffer`'s end; false if there are none.
-  bool receive(std::string& buffer, Clock::time_point until) const {
-    const auto wait = std::chrono::ceil<std::chrono::nanoseconds>(until - Clock::now()).count();
-    const timespec limit{wait > 0 ? wait / 1'000'000'000 : 0, wait > 0 ? wait % 1'000'000'000 : 0};
-    pollfd events{descriptor_, POLLIN, 0};
-    if (ppoll(&events, 1, &limit, nullptr) <= 0) return false;
-    std::array<char, 16384> chunk{};
-    const ssize_t count = recv(descriptor_, chunk.data(), chunk.size(), 0);
-    if (count <= 0) fail("the server closed the connection");
-    buffer.append(chunk.data(), static_cast<std::size_t>(count));
-    return true;
-  }
-
- private:
-  int descriptor_;
-};
-
-Clock::time_point in_seconds(double seconds) {
-  return Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(seconds * 1e6));
-}
-
-void post(std::uint16_t port, const std::string& path, const std::string& body) {
-  const Socket socket(port);
-  const std::string request = "POST " + path + " HTTP/1.1\r\nHost: bench\r\nConnection: close\r\n" +
-                              "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
-  socket.send_all(request.data(), request.size());
-  std::string answer;
-  while (answer.find("\r\n") == std::string::npos) socket.receive(answer, in_seconds(60));
-  if (answer.compare(9, 2, "20") != 0) fail(path + ": " + answer);
-}
-
-/// The client's half of a WebSocket, as far as this program needs it.
-class WebSocket {
- public:
-  WebSocket(std::uint16_t port, const std::string& path, const std::string& protocol)
-      : socket_(port) {
+Downloads download_until(const std::atomic<bool>& stop, std::uint16_t port,
+                         const std::string& name) {
+  Downloads downloads;
+  const auto start = Clock::now();
+  while (!stop) {
+    const Socket socket(port);
     const std::string request =
-        "GET " + path +
-        " HTTP/1.1\r\nHost: bench\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
-        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n" +
-        "Sec-WebSocket-Protocol: " + protocol + "\r\n\r\n";
-    socket_.send_all(request.data(), request.size());
+        "GET /v1/sessions/bench/" + name + " HTTP/1.1\r\nHost: bench\r\nConnection: close\r\n\r\n";
+    socket.send_all(request.data(), request.size());
+    std::string answer;
     std::size_t end = 0;
-    while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {
-      socket_.receive(buffer_, in_seconds(10));
+    while ((end = answer.find("\r\n\r\n")) == std::string::npos) {
+      socket.receive(answer, in_seconds(120));
     }
-    if (buffer_.compare(9, 3, "101") != 0) fail(buffer_);
-    buffer_.erase(0, end + 4);
-  }
-  /// A mask of zero is legal and leaves the payload as it is.
-  void send(unsigned char opcode, std::span<const std::byte> payload) {
-    frame_.assign(1, static_cast<char>(0x80 | opcode));
-    if (payload.size() < 126) {
-      frame_.push_back(static_cast<char>(0x80 | payload.size()));
-    } else {
-      frame_.push_back(static_cast<char>(0x80 | 126));
-      frame_.push_back(static_cast<char>(payload.size() >> 8));
-      frame_.push_back(static_cast<char>(payload.size() & 0xFF));
+    if (answer.compare(9, 3, "200") != 0) fail(name + ": " + answer);
+    downloads.bytes =
+        std::strtoull(answer.c_str() + answer.find("Content-Length: ") + 16, nullptr, 10);
+    for (std::uint64_t got = answer.size() - end - 4; got < downloads.bytes;) {
+      answer.clear();
+      socket.receive(answer, in_seconds(120));
+      got += answer.size();
     }
-    frame_.append(4, '\0');
-    frame_.append(reinterpret_cast<const char*>(payload.data()), payload.size());
-    socket_.send_all(frame_.data(), frame_.size());
+    ++downloads.count;
   }
-  /// The next frame's opcode and payload; 0 if none is complete by `until`.
-  unsigned char receive(std::string& payload, Clock::time_point until) {
-    for (;;) {
-      if (const auto opcode = take(payload); opcode != 0) return opcode;
-      if (!socket_.receive(buffer_, until)) return 0;
-    }
-  }
-
- private:
-  unsigned char take(std::string& payload) {
-    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(buffer_[i]); };
-    if (buffer_.size() < 2) return 0;
-    std::size_t head = 2, size = at(1) & 0x7FU;
-    if (size == 126) {
-      if (buffer_.size() < 4) return 0;
-      size = (std::size_t{at(2)} << 8) | at(3);
-      head = 4;
-    }
-    if (buffer_.size() < head + size) return 0;
-    const auto opcode = static_cast<unsigned char>(at(0) & 0x0FU);
-    payload = buffer_.substr(head, size);
-    buffer_.erase(0, head + size);
-    return opcode;
-  }
-
-  Socket socket_;
-  std::string buffer_, frame_;
-};
+  downloads.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return downloads;
+}
 
 void print_row(const char* name, std::vector<double>& times_us) {
   if (times_us.empty()) return;
@@ -317,6 +181,31 @@ std::string scene(double pitch_mm) {
     "tools":[{"id":1,"shape":"ball","diameter_mm":10,"length_mm":60}]})";
 }
 
+/// A raster all over the top, so that the surface has no flat part whose triangles could be joined.
+std::string raster_program() {
+  std::string text = "G21 G90 T1 M6\nG0 X-50 Y-50 Z5\n";
+  for (int row = 0; row <= 100; ++row) {
+    text += "G1 Y" + std::to_string(row - 50) + " Z-0.9 F3000\nG1 X" +
+            (row % 2 == 0 ? "50" : "-50") + "\n";
+  }
+  return text + "M2\n";
+}
+
+void wait_for_programs(std::uint16_t port) {
+  for (std::string answer; answer.find("\"finished\"") == std::string::npos;) {
+    const Socket socket(port);
+    const std::string request =
+        "GET /v1/sessions/bench/programs HTTP/1.1\r\nHost: bench\r\nConnection: close\r\n\r\n";
+    socket.send_all(request.data(), request.size());
+    answer.clear();
+    while (answer.find("\"programs\"") == std::string::npos ||
+           answer.find("}]}") == std::string::npos) {
+      if (!socket.receive(answer, in_seconds(10))) break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+}
+
 std::string long_program() {
   std::string text = "G21 G90 T1 M6\n";
   for (int i = 0; i < 200'000; ++i) {
@@ -335,6 +224,10 @@ int main(int argc, char** argv) {
   if (options.program) {
     post(server.port(), "/v1/sessions/bench/programs?pace=fast&name=load.ngc", long_program());
   }
+  if (!options.download.empty()) {
+    post(server.port(), "/v1/sessions/bench/programs?pace=fast&name=r.ngc", raster_program());
+    wait_for_programs(server.port());
+  }
   WebSocket agent(server.port(), "/v1/sessions/bench/agent", std::string(kAgentProtocol));
   const std::string hello = R"({"type":"hello","name":"bench","tool":1,"feel":true})";
   agent.send(1, std::as_bytes(std::span(hello)));
@@ -342,7 +235,17 @@ int main(int argc, char** argv) {
   agent.receive(payload, in_seconds(10));
   if (payload.find("welcome") == std::string::npos) fail("no welcome: " + payload);
 
+  std::atomic<bool> stop = false;
+  Downloads downloads;
+  std::thread client;
+  const double before_mb = server.peak_memory_mb();
+  if (!options.download.empty()) {
+    client =
+        std::thread([&] { downloads = download_until(stop, server.port(), options.download); });
+  }
   Figures figures = measure(agent, options.seconds);
+  stop = true;
+  if (client.joinable()) client.join();
   std::printf("pitch %g mm, ball 10 mm, %.0f s at 1 kHz%s\n", options.pitch_mm, options.seconds,
               options.program ? ", a program carved beside" : "");
   std::printf("%zu results, %llu of them cutting, %.0f mm3 removed, %llu errors, %llu late ticks\n",
@@ -352,5 +255,12 @@ int main(int argc, char** argv) {
   std::printf("%-34s %8s %8s %8s %8s\n", "us", "p50", "p99", "p99.9", "max");
   print_row("server: frame read to wrench out", figures.server_us);
   print_row("client: round trip over loopback", figures.client_us);
+  if (downloads.count > 0) {
+    std::printf(
+        "%d downloads of %s in %.1f s, the last of %.1f MB (as STL: %.2f million triangles); "
+        "the server's peak memory was %.1f MB before and %.1f MB after\n",
+        downloads.count, options.download.c_str(), downloads.seconds, double(downloads.bytes) / 1e6,
+        double(downloads.bytes) / 50e6, before_mb, server.peak_memory_mb());
+  }
   return figures.server_us.empty() || figures.errors > 0 ? 1 : 0;
 }

@@ -4,10 +4,12 @@
 // come from whole numbers by + − × ÷ √ alone. Usage: state_hashes [threads=1]; what is printed does
 // not depend on that either.
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -147,6 +149,31 @@ void run(const std::string& name, const SculptureSettings& settings, const Tool&
               hex(sculpture.state_hash()), hex(results.value()), hex(mesh_hash(sculpture.solid())));
 }
 
+/// Overlapping octahedra whose corners are where the numbers want them.
+std::shared_ptr<const TriangleMesh> mesh_stock() {
+  auto mesh = std::make_shared<TriangleMesh>();
+  Numbers numbers(77);
+  for (std::uint32_t n = 0; n < 12; ++n) {
+    const Vec3 c = numbers.vec(-8, 8);
+    const double r = numbers.in(3, 7);
+    for (const Vec3& d : {Vec3{r, 0, 0}, Vec3{-r, 0.1, 0}, Vec3{0, r, 0.2}, Vec3{0, -r, 0},
+                          Vec3{0.3, 0, r}, Vec3{0, 0, -r}}) {
+      mesh->vertices_mm.push_back(c + d);
+    }
+    for (const auto& [a, b, e] : {std::array<std::uint32_t, 3>{0, 2, 4},
+                                  {2, 1, 4},
+                                  {1, 3, 4},
+                                  {3, 0, 4},
+                                  {2, 0, 5},
+                                  {1, 2, 5},
+                                  {3, 1, 5},
+                                  {0, 3, 5}}) {
+      mesh->triangles.push_back({6 * n + a, 6 * n + b, 6 * n + e});
+    }
+  }
+  return mesh;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -177,6 +204,13 @@ int main(int argc, char** argv) {
         run(name + " paper", settings, tool.tool, path(++seed, 1), workers);
       }
     }
+  }
+  SculptureSettings meshed = box;
+  meshed.stock_mesh = mesh_stock();
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    meshed.rays = rays;
+    run(std::string("mesh ") + to_string(rays), meshed, tools().front().tool, path(++seed, 4),
+        workers);
   }
   SculptureSettings wide = box;
   wide.stock = BoxStock{{-60, -60, -8}, {60, 60, 0}};

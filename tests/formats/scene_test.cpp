@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -123,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{R"("name": "chips")", R"("nmae": "chips")", "nmae", "not a field"},
         BadScene{R"("name": "chips")", R"("name": 3)", "name", "text"},
         BadScene{R"("shape": "box")", R"("shape": "torus")", "stock.shape", "torus"},
-        BadScene{R"("shape": "box")", R"("shape": "stl")", "stock.shape", "not supported yet"},
+        BadScene{R"("shape": "box")", R"("shape": "stl")", "stock.file", "missing"},
         BadScene{"[-50,-50,-50]", "[-50,-50]", "stock.min_mm", "3 numbers"},
         BadScene{"[-50,-50,-50]", "[-50,-50,\"a\"]", "stock.min_mm[2]", "number"},
         BadScene{"[50,50,0]", "[50,-50,0]", "stock.max_mm", "greater"},
@@ -189,6 +190,78 @@ TEST(Scene, StlObstaclesAreReadRelativeToTheScene) {
   EXPECT_THAT(to_string(scene_of("none.stl").error()), HasSubstr("cannot be read"));
   EXPECT_THAT(to_string(scene_of("s.json").error()), HasSubstr("obstacles[0].file"));
   std::filesystem::remove_all(folder);
+}
+
+class MeshScene : public testing::Test {
+ protected:
+  MeshScene() { std::filesystem::create_directories(folder_); }
+  ~MeshScene() override { std::filesystem::remove_all(folder_); }
+  std::expected<Scene, SceneError> scene_of(const std::string& file, const std::string& shape) {
+    return parse_scene(text_of(file, shape), {.name = "s.json", .base_folder = folder_});
+  }
+  static std::string text_of(const std::string& file, const std::string& shape) {
+    return R"({"stock": {"shape": ")" + shape + R"(", "file": ")" + file +
+           R"("}, "tools": [{"id": 1, "shape": "ball", "diameter_mm": 2, "length_mm": 9}]})";
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+
+  const std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("kerf-mesh-" + std::to_string(::getpid()));
+  const std::string tetrahedron_ =
+      "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+};
+
+TEST_F(MeshScene, IsCarvedFromTheSolidOfTheFile) {
+  write("t.obj", tetrahedron_);
+  for (const char* shape : {"mesh", "stl"}) {
+    const auto scene = scene_of("t.obj", shape);
+    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+    EXPECT_EQ(std::get<BoxStock>(scene->settings.stock).max_mm, (Vec3{10, 10, 10}));
+    const auto sculpture = Sculpture::create(scene->settings);
+    ASSERT_TRUE(sculpture.has_value());
+    EXPECT_NEAR(sculpture->stock_volume_mm3(), 1000.0 / 6, 0.3);
+    // The canonical text names the file again; viewers are told of the box around it.
+    EXPECT_THAT(scene_json(*scene), HasSubstr(R"("stock":{"shape":"mesh","file":"t.obj"})"));
+    EXPECT_THAT(stock_json(*scene), HasSubstr("box"));
+    EXPECT_TRUE(scene->files.empty());
+  }
+}
+
+TEST_F(MeshScene, TakesFilesThatWereKeptInsteadOfTheFolders) {
+  write("t.obj", tetrahedron_);
+  const auto first = parse_scene(text_of("t.obj", "mesh"),
+                                 {.base_folder = folder_, .files = {}, .keep_files = true});
+  ASSERT_TRUE(first.has_value());
+  EXPECT_EQ(first->files.at("t.obj"), tetrahedron_);
+  std::filesystem::remove(folder_ / "t.obj");
+  const auto again =
+      parse_scene(scene_json(*first), {.name = "s", .base_folder = {}, .files = first->files});
+  ASSERT_TRUE(again.has_value()) << to_string(again.error());
+  EXPECT_EQ(*again->settings.stock_mesh, *first->settings.stock_mesh);
+}
+
+TEST_F(MeshScene, IsRefusedWithWhatWasFoundAndWhere) {
+  const auto reason_of = [&](const std::string& file) {
+    const auto scene = scene_of(file, "mesh");
+    EXPECT_FALSE(scene.has_value()) << file;
+    return scene ? std::string() : to_string(scene.error());
+  };
+  write("open.obj", tetrahedron_.substr(0, tetrahedron_.size() - 8));
+  EXPECT_THAT(reason_of("open.obj"), HasSubstr("stock.file"));
+  EXPECT_THAT(reason_of("open.obj"), HasSubstr("3 open edges"));
+  write("bad.obj", "v 0 0 zero\n");
+  EXPECT_THAT(reason_of("bad.obj"), HasSubstr("line 1"));
+  write("short.stl", "short");
+  EXPECT_THAT(reason_of("short.stl"), HasSubstr("after 5 bytes"));
+  EXPECT_THAT(reason_of("none.ply"), HasSubstr("cannot be read"));
+  EXPECT_THAT(reason_of("part.step"), HasSubstr("no .stl, .ply or .obj"));
+  write("t.obj", tetrahedron_);
+  const auto posted = parse_scene(text_of("t.obj", "mesh"), {});
+  ASSERT_FALSE(posted.has_value());
+  EXPECT_EQ(posted.error().path, "stock.file");
+  EXPECT_THAT(posted.error().reason, HasSubstr("may not name files"));
 }
 
 TEST(Scene, TheExampleScenesAreRead) {

@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 import sqlite3
+import tempfile
 import threading
 import time
 import unittest
@@ -298,6 +299,27 @@ class Downloads(LiveTest):
             self.assertEqual(status["state"], "finished", status)
             self.assertEqual(self.server.hash(session), self.server.hash(), name)
 
+    def test_a_program_of_a_span_or_joined_within_a_tolerance(self):
+        whole = self.get("program.apt")[2].count(b"GOTO/")
+        part = self.get("program.apt?from=100&to=150")[2].count(b"GOTO/")
+        self.assertTrue(40 <= part <= 51, part)
+        status, headers, joined = self.get("program.apt?tolerance_mm=0.05")
+        self.assertIn(b"strays more than 0.05 mm", joined)
+        self.assertLess(joined.count(b"GOTO/"), whole * 2 // 3)
+        self.assertIn('"block-0.05mm.apt"', headers["content-disposition"])
+        # What is swept changes by no more than that.
+        self.server.create("joined")
+        run = upload(self.server, joined, "pace=fast&name=j.apt", "joined")
+        self.assertEqual(finish(self.server, run["id"], "joined")["state"], "finished")
+        removed = self.server.info()["removed_volume_mm3"]
+        self.assertAlmostEqual(self.server.info("joined")["removed_volume_mm3"], removed,
+                               delta=0.02 * removed)
+        for query, code in (("from=x", "bad_span"), ("to=-1", "bad_span"),
+                            ("tolerance_mm=-1", "bad_tolerance_mm"),
+                            ("participant=x", "bad_participant")):
+            status, _, body = self.get(f"program.ngc?{query}")
+            self.assertEqual((status, json.loads(body)["error"]["code"]), (400, code))
+
     def test_forces_have_one_line_per_motion_and_the_whole_volume(self):
         status, headers, body = self.get("forces.csv")
         self.assertEqual((status, headers["content-type"]), (200, "text/csv"))
@@ -344,6 +366,56 @@ class Restarts(LiveTest):
         ada = Agent(self.port, "block")
         self.assertGreater(ada.participant, agent.participant)
         carve(ada, 100, 1.0)
+
+    def test_a_mesh_as_stock_lives_in_the_journal(self):
+        # A model that was downloaded is carved on, and its file may go.
+        carve(Agent(self.port, "block"), 100)
+        _, _, model = self.server.http.request("GET", "/v1/sessions/block/model.ply")
+        code, log = self.server.stop()
+        self.assertEqual(code, 0, log)
+        with tempfile.TemporaryDirectory(prefix="kerf-mesh-") as folder:
+            with open(os.path.join(folder, "model.ply"), "wb") as file:
+                file.write(model)
+            with open(os.path.join(folder, "again.json"), "w") as file:
+                json.dump(dict(SCENE, name="again",
+                               stock={"shape": "mesh", "file": "model.ply"}), file)
+            self.server = Server(self.folder.name, "--scene", os.path.join(folder, "again.json"))
+            self.port = self.server.port
+        again = self.server.info("again")
+        block = self.server.info("block")
+        left = block["stock_volume_mm3"] - block["removed_volume_mm3"]
+        self.assertAlmostEqual(again["stock_volume_mm3"], left, delta=0.01 * left)
+        carve(Agent(self.port, "again"), 100, 2.0)
+        wanted = self.server.info("again")
+        self.assertGreater(wanted["removed_volume_mm3"], 0)
+        time.sleep(0.1)
+        self.restart(signal.SIGKILL)
+        found = self.server.info("again")
+        self.assertEqual(found["state_hash"], wanted["state_hash"])
+        self.assertEqual(found["stock_volume_mm3"], again["stock_volume_mm3"])
+        # Over the network a scene may not read the server's disk, but name what was uploaded.
+        status, body = self.server.http.json("POST", "/v1/files?name=model.ply", model)
+        self.assertEqual(status, 201, body)
+        posted = dict(SCENE, name="posted", stock={"shape": "mesh", "file": body["file"]})
+        self.server.create("posted", posted)
+        self.assertEqual(self.server.info("posted")["stock_volume_mm3"],
+                         again["stock_volume_mm3"])
+        for name, sent, code in (("model.ply", model[:-20], "truncated"),
+                                 ("model.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+                                  "not_closed"),
+                                 ("model.step", model, "bad_name"), ("", model, "bad_name")):
+            status, body = self.server.http.json("POST", f"/v1/files?name={name}", sent)
+            self.assertEqual((status, body["error"]["code"]), (400, code), body)
+        self.assertEqual(self.server.http.request("GET", "/v1/files")[0], 405)
+        shutil.rmtree(os.path.join(self.folder.name, "uploads"))
+        wanted = self.server.hash("posted")
+        self.restart(signal.SIGKILL)
+        self.assertEqual(self.server.hash("posted"), wanted)
+        status, body = self.server.http.json(
+            "POST", "/v1/sessions",
+            json.dumps(dict(SCENE, stock={"shape": "mesh", "file": "model.ply"})))
+        self.assertEqual((status, body["error"]["code"], body["error"]["path"]),
+                         (400, "bad_scene", "stock.file"))
 
     def test_killed_while_carving_keeps_a_prefix_and_goes_on(self):
         agent = Agent(self.port, "block")

@@ -16,6 +16,24 @@ namespace {
 
 using namespace kerf;
 
+/// A surface with a colour and a deviation for every vertex.
+class ColoredMesh final : public MeshSource {
+ public:
+  explicit ColoredMesh(SnapshotMesh mesh) : mesh_(std::move(mesh)) {}
+  Vec3 origin_mm() const override { return mesh_.origin_mm(); }
+  Vec3 size_mm() const override { return mesh_.size_mm(); }
+  double share() const override { return mesh_.share(); }
+  bool next(MeshPiece& piece) override {
+    if (!mesh_.next(piece)) return false;
+    piece.colors.assign(piece.positions_mm.size(), {20, 120, 220});
+    piece.deviations_mm.assign(piece.positions_mm.size(), -0.25F);
+    return true;
+  }
+
+ private:
+  SnapshotMesh mesh_;
+};
+
 bool write(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
   std::ofstream file(path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(bytes.data()),
@@ -55,12 +73,13 @@ int main(int argc, char** argv) {
   const std::vector<const EncodedTile*> only_gone{&gone};
   bool ok = true;
   for (const ModelEncoding encoding : model_encodings(ModelFormat::kGlb)) {
+    const ModelRequest request{
+        .format = ModelFormat::kGlb, .encoding = encoding, .title = "sample \"block\""};
     SnapshotMesh mesh(snapshot);
-    ok = ok && write_model(folder / (std::string("model_") + to_string(encoding) + ".glb"), mesh,
-                           {.format = ModelFormat::kGlb,
-                            .encoding = encoding,
-                            .title = "sample \"block\"",
-                            .progress = {}});
+    ColoredMesh colored{SnapshotMesh(snapshot)};
+    const std::string name = std::string(to_string(encoding)) + ".glb";
+    ok = ok && write_model(folder / ("model_" + name), mesh, request) &&
+         write_model(folder / ("colored_" + name), colored, request);
   }
   ok = ok && write(folder / "frame_all.glb", write_mesh_glb(all, quantization, 0, 60)) &&
        write(folder / "frame_raw.glb", write_mesh_glb(raw, quantization, 0, 60)) &&

@@ -1,0 +1,203 @@
+#pragma once
+
+#include <arpa/inet.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+extern char** environ;
+
+namespace kerf::bench {
+
+using Clock = std::chrono::steady_clock;
+
+[[noreturn]] inline void fail(const std::string& what) {
+  std::fprintf(stderr, "%s\n", what.c_str());
+  std::exit(1);
+}
+
+/// The server as a child, with a data folder of its own.
+class ServerProcess {
+ public:
+  explicit ServerProcess(const std::string& program) {
+    std::string name = (std::filesystem::temp_directory_path() / "kerf-bench-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    std::array<int, 2> out{};
+    if (pipe(out.data()) != 0) fail("no pipe");
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addclose(&actions, out[0]);
+    const std::string data = folder_.string();
+    std::vector<std::string> words = {program, "--listen", "127.0.0.1:0", "--data", data};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    if (posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments.data(), environ) != 0) {
+      fail("cannot start " + program);
+    }
+    posix_spawn_file_actions_destroy(&actions);
+    close(out[1]);
+    std::array<char, 256> line{};
+    const ssize_t count = read(out[0], line.data(), line.size() - 1);
+    const char* colon = count > 0 ? std::strrchr(line.data(), ':') : nullptr;
+    if (colon == nullptr) fail("the server did not print its address");
+    port_ = static_cast<std::uint16_t>(std::atoi(colon + 1));
+  }
+  ~ServerProcess() {
+    kill(pid_, SIGTERM);
+    waitpid(pid_, nullptr, 0);
+    std::filesystem::remove_all(folder_);
+  }
+  ServerProcess(const ServerProcess&) = delete;
+  ServerProcess& operator=(const ServerProcess&) = delete;
+  std::uint16_t port() const { return port_; }
+  /// The greatest memory that it has ever had, MB.
+  double peak_memory_mb() const {
+    std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      if (line.starts_with("VmHWM:")) return std::atof(line.c_str() + 6) / 1024;
+    }
+    return 0;
+  }
+
+ private:
+  std::filesystem::path folder_;
+  pid_t pid_ = 0;
+  std::uint16_t port_ = 0;
+};
+
+class Socket {
+ public:
+  explicit Socket(std::uint16_t port) : descriptor_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (connect(descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
+      fail("cannot connect");
+    }
+    const int on = 1;
+    setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  }
+  ~Socket() { close(descriptor_); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  void send_all(const void* data, std::size_t size) const {
+    const auto* bytes = static_cast<const char*>(data);
+    while (size > 0) {
+      const ssize_t sent = send(descriptor_, bytes, size, MSG_NOSIGNAL);
+      if (sent <= 0) fail("the connection broke");
+      bytes += sent;
+      size -= static_cast<std::size_t>(sent);
+    }
+  }
+  /// Waits until `until` for more bytes behind `buffer`'s end; false if there are none.
+  bool receive(std::string& buffer, Clock::time_point until) const {
+    const auto wait = std::chrono::ceil<std::chrono::nanoseconds>(until - Clock::now()).count();
+    const timespec limit{wait > 0 ? wait / 1'000'000'000 : 0, wait > 0 ? wait % 1'000'000'000 : 0};
+    pollfd events{descriptor_, POLLIN, 0};
+    if (ppoll(&events, 1, &limit, nullptr) <= 0) return false;
+    std::array<char, 16384> chunk{};
+    const ssize_t count = recv(descriptor_, chunk.data(), chunk.size(), 0);
+    if (count <= 0) fail("the server closed the connection");
+    buffer.append(chunk.data(), static_cast<std::size_t>(count));
+    return true;
+  }
+
+ private:
+  int descriptor_;
+};
+
+inline Clock::time_point in_seconds(double seconds) {
+  return Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(seconds * 1e6));
+}
+
+inline void post(std::uint16_t port, const std::string& path, const std::string& body) {
+  const Socket socket(port);
+  const std::string request = "POST " + path + " HTTP/1.1\r\nHost: bench\r\nConnection: close\r\n" +
+                              "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+  socket.send_all(request.data(), request.size());
+  std::string answer;
+  while (answer.find("\r\n") == std::string::npos) socket.receive(answer, in_seconds(60));
+  if (answer.compare(9, 2, "20") != 0) fail(path + ": " + answer);
+}
+
+/// The client's half of a WebSocket, as far as this program needs it.
+class WebSocket {
+ public:
+  WebSocket(std::uint16_t port, const std::string& path, const std::string& protocol)
+      : socket_(port) {
+    const std::string request =
+        "GET " + path +
+        " HTTP/1.1\r\nHost: bench\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n" +
+        "Sec-WebSocket-Protocol: " + protocol + "\r\n\r\n";
+    socket_.send_all(request.data(), request.size());
+    std::size_t end = 0;
+    while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {
+      socket_.receive(buffer_, in_seconds(10));
+    }
+    if (buffer_.compare(9, 3, "101") != 0) fail(buffer_);
+    buffer_.erase(0, end + 4);
+  }
+  /// A mask of zero is legal and leaves the payload as it is.
+  void send(unsigned char opcode, std::span<const std::byte> payload) {
+    frame_.assign(1, static_cast<char>(0x80 | opcode));
+    if (payload.size() < 126) {
+      frame_.push_back(static_cast<char>(0x80 | payload.size()));
+    } else {
+      frame_.push_back(static_cast<char>(0x80 | 126));
+      frame_.push_back(static_cast<char>(payload.size() >> 8));
+      frame_.push_back(static_cast<char>(payload.size() & 0xFF));
+    }
+    frame_.append(4, '\0');
+    frame_.append(reinterpret_cast<const char*>(payload.data()), payload.size());
+    socket_.send_all(frame_.data(), frame_.size());
+  }
+  /// The next frame's opcode and payload; 0 if none is complete by `until`.
+  unsigned char receive(std::string& payload, Clock::time_point until) {
+    for (;;) {
+      if (const auto opcode = take(payload); opcode != 0) return opcode;
+      if (!socket_.receive(buffer_, until)) return 0;
+    }
+  }
+
+ private:
+  unsigned char take(std::string& payload) {
+    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(buffer_[i]); };
+    if (buffer_.size() < 2) return 0;
+    std::size_t head = 2, size = at(1) & 0x7FU;
+    if (size == 126) {
+      if (buffer_.size() < 4) return 0;
+      size = (std::size_t{at(2)} << 8) | at(3);
+      head = 4;
+    }
+    if (buffer_.size() < head + size) return 0;
+    const auto opcode = static_cast<unsigned char>(at(0) & 0x0FU);
+    payload = buffer_.substr(head, size);
+    buffer_.erase(0, head + size);
+    return opcode;
+  }
+
+  Socket socket_;
+  std::string buffer_, frame_;
+};
+
+}  // namespace kerf::bench

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Exports programs for each machine, has LinuxCNC's interpreter execute them, and carves what its canonical moves say.
+
+usage: export_to_rs274.py KERF_CARVE [--rs274 PATH]
+Every exported program must be accepted (exit status 0), and the block that the canonical moves leave must be the block that
+the original left, within the tolerance that the export was joined with. Exit status 77 (skipped) where rs274 is missing.
+"""
+import argparse
+import json
+import math
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+TOLERANCE_MM = 0.02
+PITCH_MM = 0.1
+MESH_MM = 0.1 * PITCH_MM  # a mesh knows a wall to a part of a pitch only; a shift of a hair moves its vertices by that
+PRINTED_MM = 2e-4  # rs274 prints four decimals, of degrees too, 30 mm from the axis
+
+
+def scene(kinematics):
+    return {"name": "part (of a test)", "stock": {"shape": "box", "min_mm": [-20, -20, -12], "max_mm": [20, 20, 0]},
+            "accuracy": {"rays": "dexel", "pitch_mm": PITCH_MM, "tolerance_mm": 0.002, "motion": "tight"},
+            "tools": [{"id": 1, "shape": "ball", "diameter_mm": 6, "length_mm": 30},
+                      {"id": 2, "shape": "flat", "diameter_mm": 4, "length_mm": 30}],
+            "machine": {"kinematics": kinematics}}
+
+
+def apt(tilted):
+    """Strokes as a hand at a high rate would leave them: thousands of short motions on curves, two tools, a jump."""
+    lines = ["PARTNO/TEST", "MULTAX/ON", "UNITS/MM"]
+
+    def pose(t, lean):
+        angle = 9 * t  # the table turns more than once
+        tip = (11 * math.cos(angle) * (1 - 0.3 * t), 11 * math.sin(angle) * (1 - 0.3 * t), -2 - 3 * t)
+        tilt = lean * (0.1 + 0.4 * t)
+        return tip + (math.sin(tilt) * math.cos(angle), math.sin(tilt) * math.sin(angle), math.cos(tilt))
+
+    for tool in (1, 2):
+        lean = (1 if tool == 1 else -1) if tilted else 0
+        lines += [f"LOADTL/{tool}", "FROM/" + ",".join("%.6f" % v for v in pose(0, lean)), "FEDRAT/900,MMPM"]
+        for n in range(1, 1201):
+            lines.append("GOTO/" + ",".join("%.6f" % v for v in pose(n / 1200, lean)))
+    # A straight way in a hundred steps: it becomes one block.
+    lines.append("FROM/-18,-15,-3,0,0,1")
+    lines += ["GOTO/%.6f,-15,-3,0,0,1" % (-18 + 0.36 * n) for n in range(1, 101)]
+    return "\n".join(lines + ["FINI", ""])
+
+
+class Carve:
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+
+    def __call__(self, *words):
+        command = [self.program, *map(str, words), "--report", self.folder / "r.json"]
+        run = subprocess.run(command, capture_output=True, text=True, cwd=self.folder)
+        if run.returncode != 0:
+            sys.exit(f"{' '.join(map(str, command))}: {run.stderr}")
+        return json.loads((self.folder / "r.json").read_text())
+
+
+def execute(rs274, folder, file):
+    """The canonical calls of the program; LinuxCNC's own interpreter decides whether it is one."""
+    for code in ("428", "429"):  # which kinematics are on is the machine's matter, not the interpreter's
+        (folder / f"{code}remap.ngc").write_text(f"o<{code}remap>sub\nM68 E3 Q{code[2]}\no<{code}remap>endsub\nM2\n")
+    (folder / "m.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH={folder}\nREMAP=M428 modalgroup=10 ngc=428remap\n"
+                                  "REMAP=M429 modalgroup=10 ngc=429remap\n")
+    (folder / "p.var").write_text("")
+    (folder / "tool.tbl").write_text("T1 P1 D6\nT2 P2 D4\n")
+    run = subprocess.run([rs274, "-i", folder / "m.ini", "-t", folder / "tool.tbl", "-v", folder / "p.var", "-g", file],
+                         capture_output=True, text=True, cwd=folder)
+    complaints = [line for line in run.stderr.splitlines() if line and line != "executing"]
+    if run.returncode != 0 or complaints:
+        sys.exit(f"rs274 refuses {file.name}: exit {run.returncode}, {complaints[:3]}")
+    return run.stdout.splitlines()
+
+
+def canonical_to_apt(calls, kinematics):
+    """What the canonical moves do, as APT: the tip is where the program says while TCP is on, and always on xyz."""
+    lines = ["PARTNO/CANON", "MULTAX/ON", "UNITS/MM", "FEDRAT/900,MMPM"]
+    tool, cutting, followed, at = 0, False, kinematics == "xyz", None
+    for call in calls:
+        match = re.search(r"N\S+\s+(\w+)\((.*)\)", call)
+        if not match:
+            continue
+        name, words = match.group(1), [w.strip() for w in match.group(2).split(",")]
+        if name == "CHANGE_TOOL":
+            tool, cutting = int(words[0]), False
+            lines.append(f"LOADTL/{tool}")
+        elif name == "SET_MOTION_OUTPUT_VALUE" or name == "SET_AUX_OUTPUT_VALUE":
+            followed, cutting = float(words[1]) == 8, False
+        elif name in ("STRAIGHT_TRAVERSE", "STRAIGHT_FEED"):
+            x, y, z, a, b, c = (float(w) for w in words[:6])
+            tilt, turn = math.radians(a if "xyzac" in kinematics else b), math.radians(c)
+            if "xyzac" in kinematics:
+                axis = (math.sin(turn) * math.sin(tilt), math.cos(turn) * math.sin(tilt), math.cos(tilt))
+            elif "xyzbc" in kinematics:
+                axis = (-math.cos(turn) * math.sin(tilt), math.sin(turn) * math.sin(tilt), math.cos(tilt))
+            else:
+                axis = (0, 0, 1)
+            pose = ",".join("%.6f" % v for v in (x, y, z, *axis))
+            if name == "STRAIGHT_FEED" and followed:
+                if not cutting:
+                    lines.append(f"FROM/{at}")
+                cutting = True
+                lines.append(f"GOTO/{pose}")
+            else:
+                cutting = False
+            at = pose
+    return "\n".join(lines + ["FINI", ""])
+
+
+def check(carve, rs274, folder, kinematics):
+    (folder / "s.json").write_text(json.dumps(scene(kinematics)))
+    (folder / "in.apt").write_text(apt(kinematics != "xyz"))
+    original = carve("--scene", "s.json", "--program", "in.apt", "--stl", "in.stl", "--ngc", "exact.ngc")
+    joined = carve("--scene", "s.json", "--program", "in.apt", "--ngc", "out.ngc", "--nc-tolerance", TOLERANCE_MM)
+    assert joined["state_hash"] == original["state_hash"]
+    text, exact = (folder / "out.ngc").read_text(), (folder / "exact.ngc").read_text()
+    assert f"strays more than {TOLERANCE_MM} mm" in text and "strays" not in exact
+    blocks, before = len(text.splitlines()), len(exact.splitlines())
+    assert blocks * 3 < before, f"{kinematics}: {before} blocks were joined into {blocks} only"
+    calls = execute(rs274, folder, folder / "out.ngc")
+    execute(rs274, folder, folder / "exact.ngc")
+    (folder / "canon.apt").write_text(canonical_to_apt(calls, kinematics))
+    again = carve("--scene", "s.json", "--program", "canon.apt", "--deviation", "in.stl")
+    removed, found = original["removed_volume_mm3"], again["removed_volume_mm3"]
+    area = 2 * 2 * 40 * 40
+    if abs(found - removed) > (TOLERANCE_MM + PRINTED_MM) * area / 4:
+        sys.exit(f"{kinematics}: {removed} mm3 removed, {found} after LinuxCNC has read it")
+    figures = again["deviation"]
+    if figures["p99_mm"] > TOLERANCE_MM + PRINTED_MM + MESH_MM:
+        sys.exit(f"{kinematics}: 1 % of the surface is more than {figures['p99_mm']} mm off")
+    print(f"{kinematics}: {before} lines joined into {blocks}; removed {removed:.3f} and {found:.3f} mm3, "
+          f"rms {figures['rms_mm']:.5f}, 99 % within {figures['p99_mm']:.5f}, all within "
+          f"{max(-figures['min_mm'], figures['max_mm']):.3f} mm")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("carve")
+    parser.add_argument("--rs274", default=shutil.which("rs274"))
+    args = parser.parse_args()
+    if not args.rs274:
+        print("skipped: rs274 is not installed")
+        return 77
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for kinematics in ("xyz", "xyzac-trt", "xyzbc-trt"):
+            check(Carve(Path(args.carve).resolve(), folder), args.rs274, folder, kinematics)
+    return 0
+
+
+sys.exit(main())
