@@ -55,7 +55,7 @@ void judge_end(Vec3 at, Vec3 out_of_sweep, const TrueSweep& sweep, Judged& judge
   ++judged.ends;
   const auto outside = [&](Vec3 step) { return sweep.outside(at + step * kStepMm, 1); };
   const Vec3 a = any_perpendicular(out_of_sweep), b = cross(out_of_sweep, a);
-  bool right = outside(out_of_sweep) > 0.5 * kStepMm && outside(-out_of_sweep) < -0.5 * kStepMm;
+  bool right = outside(out_of_sweep) > 0.2 * kStepMm && outside(-out_of_sweep) < -0.2 * kStepMm;
   for (const Vec3 along : {a, -a, b, -b}) right &= std::abs(outside(along)) < kAllowanceMm;
   judged.wrong += right ? 0 : 1;
 }
