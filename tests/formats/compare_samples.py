@@ -41,7 +41,8 @@ def reason_in(text, reasons):
 
 class Walk:
     def __init__(self, canonical_calls, linuxcnc, folder):
-        self.canonical_calls, self.rs274, self.folder = canonical_calls, linuxcnc / "rs274", folder
+        self.canonical_calls, self.folder = canonical_calls, folder
+        self.rs274 = reference.with_nine_decimals(linuxcnc / "rs274", folder)
         nc_files = linuxcnc / "root/usr/share/linuxcnc/ncfiles"
         self.subroutines = [nc_files / s for s in SUBROUTINES]
         self.tools = {}

@@ -245,11 +245,12 @@ def main():
         folder = Path(name)
         file, tools = folder / "p.ngc", folder / "tool.tbl"
         tools.write_text(TOOLS)
+        precise = reference.with_nine_decimals(args.rs274, folder)
         for seed in range(args.first, args.first + args.programs):
             kind = args.kind or KINDS[seed % len(KINDS)]
             text = Generator(seed).program(kind)
             file.write_text(text)
-            theirs, complaint = reference.with_rs274(args.rs274, file, folder, tools)
+            theirs, complaint = reference.with_rs274(precise, file, folder, tools)
             ours, error, _ = reference.with_kerf(args.canonical_calls, file, tools)
             # What both say up to where they stop must agree too.
             differs = reference.difference(ours[:len(theirs)], theirs[:len(ours)])

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/math/rotation.h"
+#include "server/formats/gcode/parameter_file.h"
 #include "server/formats/pose_grid.h"
 #include "tests/formats/scene_fixture.h"
 
@@ -20,6 +21,21 @@ const char* const kGcodeSeed =
     "J2.5\n"
     "G18 G3 X0 Z0 R10\nG17 G93\nG1 X3 C90 F60\nG94 G91 G1 X1 F100\nG90 G92 X5\nG10 L2 P2 X1\n"
     "G55 G1 X2\nG4 P0.1\nG53 G0 Z0\nM429\n/G1 X5\nG28\nM30\n%\n";
+// What G-code has beside motions: flow, cycles, compensation, tools, names.
+const char* const kControllerSeed =
+    "%\n#<_width>=4\nG21 G90 F300\nT1 M6\nS500 M3\nG43 H1\nG0 X0 Y0 Z5\no<hole> "
+    "sub\n#<r>=[#3/2]\no1 if [#<r> "
+    "gt 1]\nG81 X#1 Y#2 Z-1 R1\no1 elseif [#<r> lt 0]\no<hole> return [1]\no1 else\nG83 X#1 Y#2 "
+    "Z-2 R1 "
+    "Q0.7\no1 endif\nG80\no<hole> endsub [#1+1]\n#9=0\no2 while [#9 lt 3]\n#9=[#9+1]\no3 if [#9 eq "
+    "2]\no2 continue\no3 endif\no<hole> call [#9] [#<_value>] [#9]\no2 endwhile\no4 repeat "
+    "[2]\nG91 G1 "
+    "X1\nG90\no4 endrepeat\no5 do\n#9=[#9-1]\no5 while [#9 gt 0]\nG0 X-20 Y0\nG41.1 D2\nG1 X-10 "
+    "Y0\nG1 Y20\nG2 X10 Y20 R10\nG1 Y0\nG40 G0 Z5\nG0 @5 ^30\nG10 L2 P2 X1 R15\nG55 G0 X1\nG10 L1 "
+    "P1 "
+    "Z3\nG43.1 Z1\nG52 X1\nM70\nG20\nM72\nM98 P7 L2\nG5.1 X1 Y1 I1 J2\nG17 G33.1 Z-1 "
+    "K0.5\nM2\nO7\nG1 "
+    "X#<_x>\nM99\n";
 const char* const kAptSeed =
     "PARTNO/FUZZ\nUNITS/MM\nMULTAX/ON\nCUTTER/10,5\nLOADTL/1\nSPINDL/1000,CLW\nCOOLNT/ON\n"
     "FEDRAT/6000,MMPM\nFROM/0,0,10\nGOTO/1,2,3,0,0.6,0.8\nRAPID\nGODLTA/0,0,-1\nGODLTA/5\n"
@@ -42,7 +58,7 @@ std::string mutated(const std::string& text, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&random](std::size_t n) { return n == 0 ? 0 : random() % n; };
   static const char kBytes[] =
-      "GMXYZABCIJKRPFSTLHN#<>[]()=+-*/%;.,0123456789 \n\r\t\"{}:$e\x00\xff";
+      "GMXYZABCIJKRPFSTLHNO#<>[]()=+-*/%;.,@^$0123456789 \n\r\t\"{}:$e\x00\xff";
   std::string result = text;
   for (std::size_t i = 1 + below(4); i > 0; --i) {
     const std::size_t at = below(result.size());
@@ -97,6 +113,30 @@ TEST(ProgramFuzz, GcodeGivesSoundMotionsOrAnError) {
   ASSERT_TRUE(parse_program("p.ngc", kGcodeSeed, scene).has_value());
   for (std::uint64_t seed = 1; seed <= 6000; ++seed)
     expect_sound(parse_program("p.ngc", mutated(kGcodeSeed, seed), scene), seed);
+}
+
+TEST(ProgramFuzz, SubroutinesAndCyclesGiveSoundMotionsOrAnErrorAndEnd) {
+  const Scene scene = scene_for("xyz");
+  GcodeEnvironment environment;
+  environment.lines_max = 5000;
+  const auto whole = parse_program("p.ngc", kControllerSeed, scene, environment);
+  ASSERT_TRUE(whole.has_value()) << to_string(whole.error());
+  ASSERT_GT(whole->motions.size(), 40u);
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed)
+    expect_sound(parse_program("p.ngc", mutated(kControllerSeed, seed), scene, environment), seed);
+}
+
+TEST(ProgramFuzz, ToolTablesAndParameterFilesAreReadOrRefused) {
+  const std::string table = "T1 P1 D0.5 Z+1.25 ; mill\nT2 P2 D.25 X1 I10 J20 Q3\n";
+  const std::string parameters = "5161 1.5\n5162 -2e3\n5220 1\n5221 0.25\n5230 15\n";
+  for (std::uint64_t seed = 1; seed <= 6000; ++seed) {
+    const auto tools = read_tool_table("t.tbl", mutated(table, seed), 25.4);
+    for (const auto& [number, tool] : tools.value_or(ToolTable{}))
+      ASSERT_TRUE(std::isfinite(tool.diameter_mm) && std::isfinite(tool.offset[2])) << seed;
+    const auto read = read_parameter_file("p.var", mutated(parameters, seed));
+    for (const auto& [number, value] : read.value_or(std::map<int, double>{}))
+      ASSERT_TRUE(std::isfinite(value)) << seed;
+  }
 }
 
 TEST(ProgramFuzz, AptGivesSoundMotionsOrAnError) {

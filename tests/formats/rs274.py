@@ -9,8 +9,10 @@ import re
 import subprocess
 from pathlib import Path
 
-# rs274 prints four decimals, in the units of the program: what a printed sum of so many may be off by, mm.
-PRINTED = {1.0: 0.5e-4, 25.4: 0.5e-4 * 25.4}
+# A copy of rs274 is made to print nine decimals instead of four: what a printed number may be off by, mm, by the unit.
+PRINTED = {1.0: 0.5e-9, 25.4: 0.5e-9 * 25.4}
+# What may differ: rounding of the two computations; a hundredth of what was asked for (1e-4 mm).
+COMPUTED_MM = 1e-6
 ORDER = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}  # first, second and normal axis of a plane
 PLANES = {"XY": 0, "XZ": 1, "YZ": 2}
 CALL = re.compile(r"\s*\d+ (?:N\S*\s+)?([A-Z]\w+)\((.*)\)\s*$")
@@ -43,9 +45,9 @@ class Machine:
     def tolerance(self, tolerance):
         """Rounding of the position and of each offset that is not zero."""
         sum_mm = PRINTED[self.unit] + self.rounded["system"] + self.rounded["shift"]
-        # The angle of a rotation has four decimals too.
+        # The angle of a rotation is rounded too.
         far = max(map(abs, self.shift[:2])) + 100
-        return tolerance + 1e-6 + sum_mm * (1.5 if self.turn else 1) + (far * 1e-6 if self.turn else 0)
+        return tolerance + COMPUTED_MM + sum_mm * (1.5 if self.turn else 1) + (far * 2e-11 if self.turn else 0)
 
     def arc(self, words):
         first, second, normal = ORDER[self.plane]
@@ -94,6 +96,19 @@ class Machine:
         if result is not None:
             result["tolerance"] = self.tolerance(0)
             self.calls.append(result)
+
+
+def with_nine_decimals(rs274, folder):
+    """A wrapper like rs274's, in `folder`, of a copy of the program whose formats say %.9f instead of %.4f."""
+    wrapper = Path(rs274).read_text()
+    program = re.search(r'exec "([^"]*rs274)"', wrapper).group(1)
+    copy = folder / "rs274.bin"
+    copy.write_bytes(Path(program).read_bytes().replace(b"%.4f", b"%.9f"))
+    copy.chmod(0o755)
+    precise = folder / "rs274"
+    precise.write_text(wrapper.replace('"%s"' % program, '"%s"' % copy))
+    precise.chmod(0o755)
+    return precise
 
 
 def with_rs274(rs274, program, folder, tools, folders=(), timeout=20):

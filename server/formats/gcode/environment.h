@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -8,6 +9,9 @@
 #include "server/formats/gcode/tool_table.h"
 
 namespace kerf {
+
+/// Most lines that a program may pass, subroutines and loops included, before it counts as endless.
+inline constexpr std::size_t kGcodeLinesMax = 10'000'000;
 
 /// What a program in G-code finds at its controller, beside its own text.
 struct GcodeEnvironment {
@@ -21,6 +25,7 @@ struct GcodeEnvironment {
   /// the machine's zero is known: the workpiece's zero, which is the scene's, lies at the zero of
   /// G54.
   std::optional<std::map<int, double>> parameters;
+  std::size_t lines_max = kGcodeLinesMax;
 };
 
 }  // namespace kerf

@@ -10,8 +10,12 @@ namespace kerf {
 
 using Keyword = OWord::Keyword;
 
-GcodeFlow::GcodeFlow(GcodeSource& source, GcodeParameters& parameters, Listener listener)
-    : source_(source), parameters_(parameters), listener_(std::move(listener)) {}
+GcodeFlow::GcodeFlow(GcodeSource& source, GcodeParameters& parameters, std::size_t lines_max,
+                     Listener listener)
+    : source_(source),
+      parameters_(parameters),
+      lines_max_(lines_max),
+      listener_(std::move(listener)) {}
 
 bool GcodeFlow::is_percent(std::string_view line) {
   const auto first = line.find_first_not_of(" \t\r");
@@ -25,9 +29,9 @@ std::string_view GcodeFlow::line_text() const {
 }
 
 void GcodeFlow::count() {
-  if (++passed_ > kGcodeLinesMax)
+  if (++passed_ > lines_max_)
     throw GcodeFault{
-        "", "the program does not end: it has passed " + std::to_string(kGcodeLinesMax) + " lines"};
+        "", "the program does not end: it has passed " + std::to_string(lines_max_) + " lines"};
   if (++idle_ > kGcodeIdleLinesMax)
     throw GcodeFault{"", "the program does not end: it has passed " +
                              std::to_string(kGcodeIdleLinesMax) + " lines without a motion"};

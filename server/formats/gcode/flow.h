@@ -15,9 +15,7 @@ namespace kerf {
 
 /// Most subroutine calls within each other (LinuxCNC's figure).
 inline constexpr std::size_t kGcodeCallDepthMax = 9;
-/// Most lines that a program may pass, subroutines and loops included, before it counts as endless;
-/// and most in a row without a block that moves.
-inline constexpr std::size_t kGcodeLinesMax = 10'000'000;
+/// Most lines in a row without a block that moves (kGcodeLinesMax: in all).
 inline constexpr std::size_t kGcodeIdleLinesMax = 1'000'000;
 
 /// Which line comes next: walks through the program, its subroutines, loops and branches (O words,
@@ -32,7 +30,8 @@ class GcodeFlow {
     std::function<bool()> position_readable;
   };
 
-  GcodeFlow(GcodeSource& source, GcodeParameters& parameters, Listener listener);
+  GcodeFlow(GcodeSource& source, GcodeParameters& parameters, std::size_t lines_max,
+            Listener listener);
 
   /// The next line that is not control flow, without comments and blanks; none at the end of the
   /// text or at the closing '%'.
@@ -90,6 +89,7 @@ class GcodeFlow {
 
   GcodeSource& source_;
   GcodeParameters& parameters_;
+  std::size_t lines_max_;
   Listener listener_;
   Place at_;
   std::size_t line_ = 0;

@@ -33,7 +33,7 @@ class GcodeRunner {
         source_(name, text, environment.subroutine_folders),
         warn_(warn),
         parameters_(initial(environment)),
-        flow_(source_, parameters_,
+        flow_(source_, parameters_, environment.lines_max,
               {.entered = [this] { machine_.enter_subroutine(); },
                .left = [this] { machine_.leave_subroutine(); },
                .returned = [this](auto value) { machine_.set_returned(value); },
