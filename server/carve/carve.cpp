@@ -159,7 +159,7 @@ class Carving {
       forces.open(output(*options_.forces).temporary(), std::ios::binary);
       write_forces_header(forces);
     }
-    Simulation simulation(scene_, program_);
+    Simulation simulation(scene_, program_, options_.report.has_value());
     const DexelSnapshot before = sculpture_->snapshot();
     for (const ProgramMotion& motion : program_.motions) {
       if (interrupted != 0) return {};

@@ -25,9 +25,10 @@ void keep_greatest(Extreme& extreme, double value, const ProgramMotion& motion) 
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene, const Program& program)
+Simulation::Simulation(const Scene& scene, const Program& program, bool look_for_obstacles)
     : scene_(scene), program_(program) {
-  if (!scene.settings.obstacles.empty()) obstacles_.emplace(scene.settings.obstacles);
+  if (look_for_obstacles && !scene.settings.obstacles.empty())
+    obstacles_.emplace(scene.settings.obstacles);
 }
 
 void Simulation::follow(const ProgramMotion& motion, const MotionResult& result) {

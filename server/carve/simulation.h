@@ -47,8 +47,8 @@ struct RapidCut {
 /// figure.
 class Simulation {
  public:
-  /// Both outlive it.
-  Simulation(const Scene& scene, const Program& program);
+  /// Both outlive it. Obstacles are looked for only if asked: that walks along every motion.
+  Simulation(const Scene& scene, const Program& program, bool look_for_obstacles);
 
   /// The next motion of the program, and what it did.
   void follow(const ProgramMotion& motion, const MotionResult& result);

@@ -150,6 +150,7 @@ void warn_of_simulation(const Simulation& simulation, const std::optional<Gouges
                        ": a rapid goes through material: " + std::to_string(cuts[i].removed_mm3) +
                        " mm3 removed");
   warn_of_stock_contacts(simulation.stock_contacts(), program, warnings);
+  warn_of_obstacle_contacts(simulation.obstacle_contacts(), program, warnings);
   if (!gouges) return;
   for (std::size_t i = 0; i < std::min(gouges->worst.size(), kWarningsMax); ++i) {
     const Gouge& gouge = gouges->worst[i];

@@ -9,6 +9,16 @@ constexpr std::size_t kWarningsMax = 20;
 // A program that touches all the time with changing tools would fill the memory.
 constexpr std::size_t kRunsMax = 100'000;
 
+std::string warning_of(const ContactRun& run, const Program& program, const std::string& what) {
+  std::string text = place_of(program, run.from_file, run.from_line) + ": " + what;
+  if (run.to_file != run.from_file) {
+    text += ", until " + place_of(program, run.to_file, run.to_line);
+  } else if (run.to_line != run.from_line) {
+    text += ", until line " + std::to_string(run.to_line);
+  }
+  return text;
+}
+
 }  // namespace
 
 void ContactRuns::follow(const ProgramMotion& motion, double amount) {
@@ -33,15 +43,19 @@ void warn_of_stock_contacts(const ContactRuns& contacts, const Program& program,
                             std::vector<std::string>& warnings) {
   for (std::size_t i = 0; i < std::min(contacts.runs().size(), kWarningsMax); ++i) {
     const ContactRun& run = contacts.runs()[i];
-    std::string text = place_of(program, run.from_file, run.from_line) +
-                       ": shank or holder of tool " + std::to_string(run.tool) +
-                       " goes into the stock, up to " + std::to_string(run.worst) + " mm deep";
-    if (run.to_file != run.from_file) {
-      text += ", until " + place_of(program, run.to_file, run.to_line);
-    } else if (run.to_line != run.from_line) {
-      text += ", until line " + std::to_string(run.to_line);
-    }
-    warnings.push_back(std::move(text));
+    warnings.push_back(warning_of(run, program,
+                                  "shank or holder of tool " + std::to_string(run.tool) +
+                                      " goes into the stock, up to " + std::to_string(run.worst) +
+                                      " mm deep"));
+  }
+}
+
+void warn_of_obstacle_contacts(const ContactRuns& contacts, const Program& program,
+                               std::vector<std::string>& warnings) {
+  for (std::size_t i = 0; i < std::min(contacts.runs().size(), kWarningsMax); ++i) {
+    const ContactRun& run = contacts.runs()[i];
+    warnings.push_back(
+        warning_of(run, program, "tool " + std::to_string(run.tool) + " touches an obstacle"));
   }
 }
 

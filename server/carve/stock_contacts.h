@@ -31,5 +31,8 @@ class ContactRuns {
 /// Adds a warning for each run in which shank or holder went into the stock, the first 20 of them.
 void warn_of_stock_contacts(const ContactRuns& contacts, const Program& program,
                             std::vector<std::string>& warnings);
+/// The same of runs in which any part of a tool touched an obstacle.
+void warn_of_obstacle_contacts(const ContactRuns& contacts, const Program& program,
+                               std::vector<std::string>& warnings);
 
 }  // namespace kerf

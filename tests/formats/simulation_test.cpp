@@ -46,7 +46,7 @@ Simulated run(const Scene& scene, const std::string& text, const IndexedMesh* re
   auto sculpture = Sculpture::create(scene.settings).value();
   for (const auto& [id, tool] : scene.tools)
     EXPECT_TRUE(sculpture.apply(DefineTool{id, tool.tool}).has_value());
-  Simulation simulation(scene, run.program);
+  Simulation simulation(scene, run.program, true);
   const DexelSnapshot before = sculpture.snapshot();
   for (const ProgramMotion& motion : run.program.motions)
     simulation.follow(motion, sculpture
@@ -115,6 +115,10 @@ TEST(Simulation, CollisionsNameLinesAndWhatWasHit) {
   EXPECT_EQ(obstacle["with"], "obstacle");
   EXPECT_EQ(obstacle["from"], "p.ngc:7");
   EXPECT_TRUE(obstacle["in_rapid"]);
+  // The flutes are 5 mm long: what stands above them is cut on the way up.
+  EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:6: a rapid goes through material"),
+                                      HasSubstr("p.ngc:4: shank or holder"),
+                                      HasSubstr("p.ngc:7: tool 2 touches an obstacle")));
 }
 
 TEST(Simulation, RapidsThroughMaterialAreToldOnceALine) {
