@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <functional>
 
 namespace kerf {
@@ -22,7 +23,15 @@ class SerialWorkers final : public Workers {
  public:
   int count() const override { return 1; }
   void run(int jobs, const std::function<void(int)>& job) override {
-    for (int i = 0; i < jobs; ++i) job(i);
+    std::exception_ptr failure;
+    for (int i = 0; i < jobs; ++i) {
+      try {
+        job(i);
+      } catch (...) {
+        if (!failure) failure = std::current_exception();
+      }
+    }
+    if (failure) std::rethrow_exception(failure);
   }
 };
 

@@ -100,8 +100,10 @@ TEST(ThreadPool, WhoIsHeldUpByItsThreadsWorksAloneForAWhile) {
 }
 
 TEST(ThreadPool, ThrowsWhatTheFirstOfItsJobsThrew) {
-  ThreadPool pool(4);
+  // Also where a pool has one thread, or works alone because it was held up.
+  ThreadPool several(4), one(1);
   for (int repetition = 0; repetition < 100; ++repetition) {
+    ThreadPool& pool = repetition % 2 == 0 ? several : one;
     std::atomic<int> ended = 0;
     try {
       pool.run(20, [&](int i) {
@@ -115,7 +117,7 @@ TEST(ThreadPool, ThrowsWhatTheFirstOfItsJobsThrew) {
     EXPECT_EQ(ended, 20);
   }
   int sum = 0;
-  pool.run(1, [&](int) { ++sum; });
+  several.run(1, [&](int) { ++sum; });
   EXPECT_EQ(sum, 1);
 }
 
