@@ -14,21 +14,22 @@ namespace {
 // The laws, as server/carve/README.md derives them from measurements. Only + - x / and roots: equal
 // scenes give equal choices on every CPU.
 
-// Greatest distance of the mesh from the true solid, in pitches: at steep walls and their edges.
-// The mesh is made from the rays along Z, whatever the ray model.
-constexpr double kErrorPerPitch = 0.93;
+// Greatest distance of the mesh from the true solid, in pitches: at steep walls and their edges
+// with rays along Z alone, at what is smaller than the pitch with three fields.
+constexpr double kErrorPerPitchDexel = 1.35, kErrorPerPitchTriDexel = 0.75;
 // And what a dexel's end and a chord of an arc may be off.
 constexpr double kErrorPerTolerance = 1;
 // CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: for each
 // sub-motion, for each row of columns under the tool (their number's root) and for each column.
-constexpr double kUsPerSubMotion = 7.4;
-constexpr double kUsPerRow = 0.7;
-constexpr double kUsPerColumn = 0.0079;
-// Sub-motions: 1 + kTight / sqrt(tolerance), 1 + kPaper / tolerance (mm).
-constexpr double kTightParts = 0.025;
-constexpr double kPaperParts = 0.33;
+constexpr double kUsPerSubMotion = 2.8;
+constexpr double kUsPerRow = 0.33;
+constexpr double kUsPerColumn = 0.0064;
+// What its sub-motions cost together: 1 + kTight / sqrt(tolerance), 1 + kPaper / tolerance (mm) of
+// one.
+constexpr double kTightParts = 0.005;
+constexpr double kPaperParts = 0.23;
 // Three fields against one.
-constexpr double kTriDexelCost = 3.5;
+constexpr double kTriDexelCost = 5.5;
 // Of which the footprint is taken: 1 mm of a motion.
 constexpr double kTravelMm = 1;
 
@@ -71,14 +72,18 @@ double largest_radius_mm(const std::vector<Tool>& tools) {
   return radius;
 }
 
+double error_per_pitch(Rays rays) {
+  return rays == Rays::kTriDexel ? kErrorPerPitchTriDexel : kErrorPerPitchDexel;
+}
+
 // Fields of rays.
 int fields(Rays rays) { return rays == Rays::kTriDexel ? 3 : 1; }
 
 std::string mm(double value) { return significant_text(value, 3) + " mm"; }
 
 // The coarsest pitch that the target leaves room for beside the tolerance.
-double pitch_for(double target_mm, double tolerance_mm) {
-  return (target_mm - kErrorPerTolerance * tolerance_mm) / kErrorPerPitch;
+double pitch_for(double target_mm, double tolerance_mm, Rays rays) {
+  return (target_mm - kErrorPerTolerance * tolerance_mm) / error_per_pitch(rays);
 }
 
 std::unexpected<AccuracyError> no(AccuracyErrorCode code, std::string field, std::string reason) {
@@ -90,30 +95,32 @@ double share_of(MotionModel motion, bool turns) {
   return motion == MotionModel::kTight ? kTightShare : kPaperShare;
 }
 
-// What stands in the way of the target whatever is chosen for the rest.
-std::expected<void, AccuracyError> check(const AccuracyRequest& r, const AccuracyUse& use) {
+// What stands in the way of the target with these rays, whatever is chosen for the rest.
+std::expected<void, AccuracyError> check(const AccuracyRequest& r, const AccuracyUse& use,
+                                         Rays rays) {
   using enum AccuracyErrorCode;
   const double tolerance = r.tolerance_mm.value_or(0);
+  const double per_pitch = error_per_pitch(rays);
   if (kErrorPerTolerance * tolerance >= r.target_mm)
     return no(kUnreachable, "tolerance_mm",
               "is " + mm(tolerance) + ", which leaves nothing of a target of " + mm(r.target_mm));
-  if (r.pitch_mm && kErrorPerPitch * *r.pitch_mm + tolerance >= r.target_mm)
+  if (r.pitch_mm && per_pitch * *r.pitch_mm + tolerance >= r.target_mm)
     return no(kUnreachable, "pitch_mm",
               "is " + mm(*r.pitch_mm) + ", with which a surface error of " +
-                  mm(kErrorPerPitch * *r.pitch_mm + tolerance) +
+                  mm(per_pitch * *r.pitch_mm + tolerance) +
                   " is to be expected: more than the target of " + mm(r.target_mm));
   const double share =
       r.tolerance_mm ? 0 : share_of(r.motion.value_or(MotionModel::kTight), use.turns);
   const double pitch = r.pitch_mm.value_or(
-      std::min({pitch_for(r.target_mm, tolerance + share * r.target_mm), kPitchMaxMm,
+      std::min({pitch_for(r.target_mm, tolerance + share * r.target_mm, rays), kPitchMaxMm,
                 smallest_radius_mm(use.tools) / kPitchesPerRadius}));
   const double least_tolerance = r.tolerance_mm.value_or(
-      (r.target_mm - kErrorPerPitch * r.pitch_mm.value_or(0)) / kErrorPerTolerance / 2);
+      (r.target_mm - per_pitch * r.pitch_mm.value_or(0)) / kErrorPerTolerance / 2);
   if (pitch < kPitchMinMm || least_tolerance < kToleranceMinMm)
     return no(kOutOfRange, "target_mm",
               "is " + mm(r.target_mm) + ", for which the pitch would have to be " + mm(pitch) +
                   ": the least is " + mm(kPitchMinMm));
-  Accuracy finest{r.rays.value_or(Rays::kDexel), pitch, tolerance, MotionModel::kTight};
+  Accuracy finest{rays, pitch, tolerance, MotionModel::kTight};
   const double bytes = predicted_bytes(finest, use.stock);
   if (bytes > kBytesMax) {
     finest.pitch_mm = pitch * std::sqrt(bytes / kBytesMax);
@@ -130,11 +137,11 @@ std::expected<void, AccuracyError> check(const AccuracyRequest& r, const Accurac
 Accuracy cheapest(const AccuracyRequest& r, const AccuracyUse& use, Rays rays, MotionModel motion) {
   const double coarsest = std::min(smallest_radius_mm(use.tools) / kPitchesPerRadius, kPitchMaxMm);
   // With a fixed pitch the tolerance may take half of what is left.
-  const double room = r.pitch_mm ? (r.target_mm - kErrorPerPitch * *r.pitch_mm) / 2
+  const double room = r.pitch_mm ? (r.target_mm - error_per_pitch(rays) * *r.pitch_mm) / 2
                                  : share_of(motion, use.turns) * r.target_mm;
   const double tolerance = r.tolerance_mm.value_or(room / kErrorPerTolerance);
-  const double pitch =
-      r.pitch_mm.value_or(rounded_down(std::min(pitch_for(r.target_mm, tolerance), coarsest), 3));
+  const double pitch = r.pitch_mm.value_or(
+      rounded_down(std::min(pitch_for(r.target_mm, tolerance, rays), coarsest), 3));
   return {rays, pitch, r.tolerance_mm.value_or(rounded_down(tolerance, 2)), motion};
 }
 
@@ -154,19 +161,21 @@ std::string why(const AccuracyChoice& choice, const AccuracyUse& use) {
       ": a surface error of " + mm(choice.predicted_error_mm) + " is to be expected";
   if (choice.predicted_error_mm > r.target_mm)
     return text + ", which misses the target of " + mm(r.target_mm);
-  text += " (" + exact_text(kErrorPerPitch) + " pitch + tolerance)";
+  text += " (" + exact_text(error_per_pitch(a.rays)) + " pitch + tolerance)";
   if (!r.pitch_mm && a.pitch_mm * kPitchesPerRadius >= smallest_radius_mm(use.tools) * 0.99)
     text += "; the pitch is held to the radius of the smallest tool";
-  if (!r.rays)
-    text += "; three fields of rays would take " + exact_text(kTriDexelCost) +
-            " times as long for the same surface, which is made from those along Z";
+  const auto times = [&](const Accuracy& other) {
+    return significant_text(predicted_us(other, use) / choice.predicted_us, 2) + " times as long";
+  };
+  const bool one_field = a.rays == Rays::kDexel;
+  if (!r.rays && check(r, use, one_field ? Rays::kTriDexel : Rays::kDexel))
+    text +=
+        (one_field ? "; three fields of rays would take " : "; rays along Z alone would take ") +
+        times(cheapest(r, use, one_field ? Rays::kTriDexel : Rays::kDexel, a.motion));
   if (!r.motion) {
     Accuracy paper = a;
     paper.motion = MotionModel::kPaper;
-    if (use.turns)
-      text += "; the paper's motion model would take " +
-              significant_text(predicted_us(paper, use) / choice.predicted_us, 2) +
-              " times as long";
+    if (use.turns) text += "; the paper's motion model would take " + times(paper);
   }
   return text;
 }
@@ -174,7 +183,7 @@ std::string why(const AccuracyChoice& choice, const AccuracyUse& use) {
 }  // namespace
 
 double predicted_error_mm(const Accuracy& a) {
-  return kErrorPerPitch * a.pitch_mm + kErrorPerTolerance * a.tolerance_mm;
+  return error_per_pitch(a.rays) * a.pitch_mm + kErrorPerTolerance * a.tolerance_mm;
 }
 
 double predicted_us(const Accuracy& a, const AccuracyUse& use) {
@@ -203,18 +212,23 @@ std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyReque
   if (all_given(r)) {
     choice.accuracy = {*r.rays, *r.pitch_mm, *r.tolerance_mm, *r.motion};
   } else {
-    if (auto possible = check(r, use); !possible) return std::unexpected(possible.error());
-    bool first = true;
+    std::optional<AccuracyError> obstacle;
+    bool found = false;
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
       if (r.rays.value_or(rays) != rays) continue;
+      if (auto possible = check(r, use, rays); !possible) {
+        obstacle = obstacle.value_or(possible.error());
+        continue;
+      }
       for (const MotionModel motion : {MotionModel::kTight, MotionModel::kPaper}) {
         if (r.motion.value_or(motion) != motion) continue;
         const Accuracy one = cheapest(r, use, rays, motion);
-        if (first || predicted_us(one, use) < predicted_us(choice.accuracy, use))
+        if (!found || predicted_us(one, use) < predicted_us(choice.accuracy, use))
           choice.accuracy = one;
-        first = false;
+        found = true;
       }
     }
+    if (!found) return std::unexpected(*obstacle);
   }
   choice.predicted_error_mm = predicted_error_mm(choice.accuracy);
   choice.predicted_us = predicted_us(choice.accuracy, use);

@@ -193,16 +193,18 @@ std::vector<Job> jobs() {
 
 // Greatest error over all placements, in pitches, at a tolerance that does not matter.
 void print_error_law(std::size_t samples) {
-  std::printf("greatest surface error / pitch        pitch 0.6     0.3    0.15\n");
+  std::printf("greatest surface error / pitch                  pitch 0.6     0.3    0.15\n");
   for (const Job& job : jobs()) {
     Bench bench(job, samples);
-    std::printf("%-40s", job.name.c_str());
-    for (const double pitch : {0.6, 0.3, 0.15}) {
-      const Measured m = bench.measure({Rays::kDexel, pitch, pitch / 50, MotionModel::kTight});
-      std::printf("%8.3f", m.error_mm / pitch);
+    for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+      std::printf("%-40s %-9s", job.name.c_str(), to_string(rays));
+      for (const double pitch : {0.6, 0.3, 0.15}) {
+        const Measured m = bench.measure({rays, pitch, pitch / 50, MotionModel::kTight});
+        std::printf("%8.3f", m.error_mm / pitch);
+        std::fflush(stdout);
+      }
+      std::printf("\n");
     }
-    std::printf("\n");
-    std::fflush(stdout);
   }
 }
 
