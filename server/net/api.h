@@ -4,6 +4,7 @@
 #include <expected>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,7 +31,7 @@ struct ApiResponse {
   std::string content_type = "application/json";
   std::string body;
   std::shared_ptr<const OpenFile> file;  ///< instead of a body
-  ByteRange part;                        ///< of the file
+  std::optional<ByteRange> part;         ///< of the file; none: all of it
   std::vector<std::pair<std::string, std::string>> headers;
 };
 

@@ -168,7 +168,6 @@ std::expected<void, std::string> write_motions(const Wanted& wanted, Session& se
 /// Answers with the whole file, or the part of it that is asked for.
 void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& response) {
   const std::uint64_t bytes = response.file->bytes();
-  response.part = {0, bytes};
   response.headers.emplace_back("Accept-Ranges", "bytes");
   // A part of an older state would not fit to what the client holds.
   if (!request.if_range.empty() && request.if_range != etag) return;
@@ -182,7 +181,7 @@ void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& r
   }
   if (!*range) return;
   response.status = 206;
-  response.part = **range;
+  response.part = *range;
   const std::uint64_t last = (*range)->first + (*range)->count - 1;
   response.headers.emplace_back("Content-Range", "bytes " + std::to_string((*range)->first) + "-" +
                                                      std::to_string(last) + "/" +

@@ -213,9 +213,11 @@ asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& re
   for (const auto& [name, value] : response.headers) message.set(name, value);
   message.keep_alive(keep_alive);
   const bool head = request.method() == http::verb::head;
+  const ByteRange part =
+      response.part.value_or(ByteRange{0, response.file ? response.file->bytes() : 0});
   if (response.status != 304) {
     message.set(http::field::content_type, response.content_type);
-    message.content_length(response.file ? response.part.count : response.body.size());
+    message.content_length(response.file ? part.count : response.body.size());
   }
   if (!response.file && !head) message.body() = std::move(response.body);
   stream_.expires_after(kChunkTime);
@@ -223,7 +225,7 @@ asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& re
   if (response.file || head) {
     co_await http::async_write_header(stream_, serializer,
                                       asio::redirect_error(asio::use_awaitable, error_));
-    if (!error_ && !head) co_await send_file(*response.file, response.part);
+    if (!error_ && !head) co_await send_file(*response.file, part);
   } else {
     co_await http::async_write(stream_, serializer,
                                asio::redirect_error(asio::use_awaitable, error_));

@@ -16,6 +16,8 @@ import subprocess
 import sys
 import tempfile
 
+from rs274 import private_home
+
 
 def carve(kerf_carve, scene, program, folder, name, outputs, options=()):
     report = os.path.join(folder, name + ".json")
@@ -64,7 +66,7 @@ def check(kerf_carve, scenes, folder, linuxcnc, name, file, same_gcode_hash):
     rs274 = shutil.which("rs274")
     if rs274 and same_gcode_hash:
         subprocess.run([rs274, "-g", os.path.join(folder, name + ".ngc")], check=True,
-                       stdout=subprocess.DEVNULL)
+                       stdout=subprocess.DEVNULL, env=private_home(folder))
     print(f"{name}: {first['motions']} motions, {first['removed_volume_mm3']:.3f} mm3, "
           f"{first['triangles']} triangles, {first['state_hash']}")
 

@@ -15,6 +15,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from rs274 import private_home
+
 TOLERANCE_MM = 0.02
 PITCH_MM = 0.1
 MESH_MM = 0.1 * PITCH_MM  # a mesh knows a wall to a part of a pitch only; a shift of a hair moves its vertices by that
@@ -71,7 +73,7 @@ def execute(rs274, folder, file):
     (folder / "p.var").write_text("")
     (folder / "tool.tbl").write_text("T1 P1 D6\nT2 P2 D4\n")
     run = subprocess.run([rs274, "-i", folder / "m.ini", "-t", folder / "tool.tbl", "-v", folder / "p.var", "-g", file],
-                         capture_output=True, text=True, cwd=folder)
+                         capture_output=True, text=True, cwd=folder, env=private_home(folder))
     complaints = [line for line in run.stderr.splitlines() if line and line != "executing"]
     if run.returncode != 0 or complaints:
         sys.exit(f"rs274 refuses {file.name}: exit {run.returncode}, {complaints[:3]}")

@@ -111,6 +111,11 @@ def with_nine_decimals(rs274, folder):
     return precise
 
 
+def private_home(folder):
+    """An environment for rs274: it keeps its tools in a file in HOME, which those that run side by side would share."""
+    return dict(os.environ, LC_ALL="C", HOME=str(folder))
+
+
 def with_rs274(rs274, program, folder, tools, folders=(), timeout=20):
     """Calls, and what it complains about (None if it accepts). `folder` is for its own files."""
     variables, ini = folder / "rs274.var", folder / "rs274.ini"
@@ -126,7 +131,7 @@ def with_rs274(rs274, program, folder, tools, folders=(), timeout=20):
                    % (program.parent, ":".join(str(f) for f in short)))
     command = [rs274, "-t", str(tools), "-v", str(variables), "-i", str(ini), "-b", "-g", str(program)]
     run = subprocess.run(command, capture_output=True, text=True, errors="replace", cwd=program.parent,
-                         timeout=timeout, env=dict(os.environ, LC_ALL="C"))
+                         timeout=timeout, env=private_home(folder))
     machine = Machine()
     for line in run.stdout.splitlines():
         match = CALL.match(line)
