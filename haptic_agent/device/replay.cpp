@@ -25,7 +25,8 @@ DeviceState Replay::read(std::uint64_t now_us) noexcept {
           .tool_id = point.tool_id,
           .time_us = now_us,
           .valid = true,
-          .finished = point.at_end};
+          .finished = point.at_end,
+          .phase = DevicePhase::kReady};
 }
 
 void Replay::write(const Wrench&) noexcept {}

@@ -13,6 +13,7 @@ class Replay final : public HapticDevice {
   DeviceCapabilities capabilities() const override;
   DeviceState read(std::uint64_t now_us) noexcept override;
   void write(const Wrench& wrench) noexcept override;
+  void stop() noexcept override {}
 
  private:
   PathCursor path_;

@@ -41,6 +41,11 @@ DeviceCapabilities SimulatedHand::capabilities() const {
           .max_torque_nmm = 500.0};
 }
 
+void SimulatedHand::write(const Wrench& wrench) noexcept {
+  stopped_.store(false, std::memory_order_release);
+  wrench_ = wrench;
+}
+
 DeviceState SimulatedHand::read(std::uint64_t now_us) noexcept {
   if (!started_) {
     started_ = true;
@@ -49,6 +54,7 @@ DeviceState SimulatedHand::read(std::uint64_t now_us) noexcept {
   constexpr double kSPerUs = 1e-6;
   const double passed_s = static_cast<double>(now_us - last_us_) * kSPerUs;
   last_us_ = now_us;
+  if (stopped_.load(std::memory_order_acquire)) wrench_ = {};
   bool cutting = false;
   for (double left_s = std::min(passed_s, kLongestGapS); left_s > 0; left_s -= kStepS) {
     step(std::min(left_s, kStepS));
@@ -62,7 +68,8 @@ DeviceState SimulatedHand::read(std::uint64_t now_us) noexcept {
           .tool_id = target_.tool_id,
           .time_us = now_us,
           .valid = true,
-          .finished = rested_s_ >= kRestAtEndS};
+          .finished = rested_s_ >= kRestAtEndS,
+          .phase = DevicePhase::kReady};
 }
 
 void SimulatedHand::step(double dt_s) noexcept {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+
 #include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/device/path_cursor.h"
 
@@ -26,7 +28,8 @@ class SimulatedHand final : public HapticDevice {
 
   DeviceCapabilities capabilities() const override;
   DeviceState read(std::uint64_t now_us) noexcept override;
-  void write(const Wrench& wrench) noexcept override { wrench_ = wrench; }
+  void write(const Wrench& wrench) noexcept override;
+  void stop() noexcept override { stopped_.store(true, std::memory_order_release); }
 
   /// The farthest that the tip has been from where the hand wanted it.
   double max_deviation_mm() const noexcept { return max_deviation_mm_; }
@@ -39,6 +42,7 @@ class SimulatedHand final : public HapticDevice {
   double damping_n_s_per_mm_;
   double turn_damping_nmm_s_per_rad_;
   Wrench wrench_;
+  std::atomic<bool> stopped_{false};
   PathPoint target_;
   Vec3 pivot_mm_;
   Vec3 pivot_mm_per_s_;

@@ -50,6 +50,30 @@ TEST(SimulatedHand, ForcePushesItOffItsPathByForceOverStiffness) {
   EXPECT_GT(hand.max_deviation_mm(), 1.9);
 }
 
+TEST(SimulatedHand, StopTakesTheForceAwayUntilTheNextWrite) {
+  SimulatedHand hand(PathCursor(kLine, false), {});
+  const Wrench push{.force_n = {0, 4, 0}, .torque_nmm = {}};
+  std::uint64_t now_us = 1000;
+  const auto go_on_for = [&](int ticks) {
+    DeviceState state;
+    for (int i = 0; i < ticks; ++i) state = hand.read(now_us += 1000);
+    return state;
+  };
+  hand.write(push);
+  EXPECT_NEAR(go_on_for(300).tip_mm.y, 2.0, 0.01);
+  hand.stop();
+  EXPECT_NEAR(go_on_for(300).tip_mm.y, 0.0, 0.01);
+  hand.write(push);
+  EXPECT_NEAR(go_on_for(300).tip_mm.y, 2.0, 0.01);
+}
+
+TEST(SimulatedHand, AndAReplayAreAlwaysReady) {
+  SimulatedHand hand(PathCursor(kLine, false), {});
+  Replay replay(PathCursor(kLine, false));
+  EXPECT_EQ(hand.read(0).phase, DevicePhase::kReady);
+  EXPECT_EQ(replay.read(0).phase, DevicePhase::kReady);
+}
+
 TEST(SimulatedHand, ResistanceOfACutHoldsItBack) {
   SimulatedHand free_hand(PathCursor(kLine, false), {});
   SimulatedHand cutting_hand(PathCursor(kLine, false), {});

@@ -354,9 +354,10 @@ TEST_F(ServerLinkTest, ASilentServerLeavesNoForceInTheHand) {
    public:
     DeviceCapabilities capabilities() const override { return {.name = "still"}; }
     DeviceState read(std::uint64_t now_us) noexcept override {
-      return {.tool_id = 2, .time_us = now_us, .valid = true};
+      return {.tool_id = 2, .time_us = now_us, .valid = true, .phase = DevicePhase::kReady};
     }
     void write(const Wrench& wrench) noexcept override { shown_n = wrench.force_n.z; }
+    void stop() noexcept override { shown_n = 0; }
     std::atomic<double> shown_n{0};
   } device;
   ServerLink link(settings(server), samples, wrenches);

@@ -105,7 +105,8 @@ class FakeDevice final : public HapticDevice {
     return state;
   }
   void write(const Wrench& wrench) noexcept override { shown = wrench; }
-  DeviceState state{.valid = true};
+  void stop() noexcept override { shown = {}; }
+  DeviceState state{.valid = true, .phase = DevicePhase::kReady};
   Wrench shown;
 };
 
