@@ -66,8 +66,9 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
       ->check(CLI::Validator(check_session, "ID"));
   app.add_option(
          "--device", texts.device,
-         "sim: a simulated hand that carves a figure; sim:FILE: it follows an .apt, .cls or "
-         ".csv path; replay:FILE: the path exactly, without a hand")
+         "usb, falcon[:FIRMWARE_FILE], spacemouse: a device on USB; sim: a simulated hand that "
+         "carves a figure; sim:FILE: it follows an .apt, .cls or .csv path; replay:FILE: the path "
+         "exactly, without a hand")
       ->required();
   app.add_option("--name", options.link.hello.name, "who you are for the others")
       ->check(CLI::Validator(check_name, "NAME"));

@@ -114,6 +114,7 @@ int run_agent(Options options) {
   std::atomic<bool> joined{false};
 
   options.link.notice = say;
+  options.device_options.notice = say;
   options.link.failed = [&loop] { loop.stop(); };
   std::function<void()> leave = [&loop] { loop.stop(); };
   LeaveOnSignal signals([&leave] { leave(); });

@@ -1,8 +1,13 @@
 #include "haptic_agent/device/device_choice.h"
 
+#include <charconv>
 #include <utility>
 
+#include "haptic_agent/device/falcon/falcon_firmware.h"
+#include "haptic_agent/device/falcon/falcon_protocol.h"
+#include "haptic_agent/device/reference/reference_protocol.h"
 #include "haptic_agent/device/replay.h"
+#include "haptic_agent/device/spacemouse/space_mouse.h"
 #include "haptic_agent/device/text_fields.h"
 
 namespace kerf::agent {
@@ -14,27 +19,79 @@ std::expected<DeviceChoice, std::string> with_file(DeviceKind kind, std::string_
   return DeviceChoice{.kind = kind, .script = std::move(*script)};
 }
 
+std::optional<std::uint16_t> to_id(std::string_view text) {
+  constexpr int kHexadecimal = 16;
+  std::uint16_t id = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, failed] = std::from_chars(text.data(), end, id, kHexadecimal);
+  if (failed != std::errc{} || stop != end) return std::nullopt;
+  return id;
+}
+
+std::expected<DeviceChoice, std::string> with_ids(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const auto vendor = to_id(text.substr(0, colon));
+  const auto product =
+      colon == std::string_view::npos ? std::nullopt : to_id(text.substr(colon + 1));
+  if (!vendor || !product) {
+    return std::unexpected(join({"'", text, "' is not a pair of USB ids such as 1209:0001"}));
+  }
+  return DeviceChoice{.kind = DeviceKind::kReference, .usb_id = {*vendor, *product}};
+}
+
+std::expected<DeviceChoice, std::string> with_firmware(std::string_view path) {
+  auto firmware = falcon::read_firmware(std::string(path));
+  if (!firmware) return std::unexpected(firmware.error());
+  return DeviceChoice{.kind = DeviceKind::kFalcon, .firmware = std::move(*firmware)};
+}
+
+Vec3 middle_of_top(const StockBox& stock) noexcept {
+  const Vec3 middle = (stock.min_mm + stock.max_mm) * 0.5;
+  return {middle.x, middle.y, stock.max_mm.z};
+}
+
 }  // namespace
 
 std::expected<DeviceChoice, std::string> choose_device(std::string_view text) {
   if (text == "sim") return DeviceChoice{};
+  if (text == "usb") return DeviceChoice{.kind = DeviceKind::kReference};
+  if (text == "falcon") return DeviceChoice{.kind = DeviceKind::kFalcon};
+  if (text == "spacemouse") return DeviceChoice{.kind = DeviceKind::kSpaceMouse};
   const std::size_t colon = text.find(':');
   const std::string_view kind = text.substr(0, colon);
   const std::string_view rest =
       colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
   if (kind == "sim" && !rest.empty()) return with_file(DeviceKind::kSimulated, rest);
   if (kind == "replay" && !rest.empty()) return with_file(DeviceKind::kReplay, rest);
+  if (kind == "usb" && !rest.empty()) return with_ids(rest);
+  if (kind == "falcon" && !rest.empty()) return with_firmware(rest);
   if (kind == "replay") return std::unexpected("replay needs a file: replay:FILE");
-  if (kind == "usb" || kind == "falcon" || kind == "spacemouse") {
-    return std::unexpected(
-        join({"the device ", kind, " is not available yet; use sim, sim:FILE or ", "replay:FILE"}));
-  }
-  return std::unexpected(
-      join({"there is no device '", text, "'; use sim, sim:FILE or replay:FILE"}));
+  return std::unexpected(join({"there is no device '", text,
+                               "'; use usb, falcon, spacemouse, sim, sim:FILE or replay:FILE"}));
 }
 
 std::unique_ptr<HapticDevice> make_device(const DeviceChoice& choice, const DevicePlace& place,
                                           const DeviceOptions& options) {
+  const UsbPortSettings port{.notice = options.notice};
+  const Vec3 middle_mm = middle_of_top(place.stock);
+  switch (choice.kind) {
+    case DeviceKind::kReference:
+      return std::make_unique<UsbHand>(
+          std::make_unique<reference::ReferenceProtocol>(
+              reference::PenPlace{.middle_mm = middle_mm, .pivot_mm = place.pivot_mm},
+              choice.usb_id),
+          port);
+    case DeviceKind::kFalcon:
+      return std::make_unique<UsbHand>(
+          std::make_unique<falcon::FalconProtocol>(
+              falcon::FalconSettings{.middle_mm = middle_mm, .firmware = choice.firmware}),
+          port);
+    case DeviceKind::kSpaceMouse:
+      return std::make_unique<SpaceMouse>(place.stock, port);
+    case DeviceKind::kSimulated:
+    case DeviceKind::kReplay:
+      break;
+  }
   PathCursor path(
       choice.script ? *choice.script : make_carving_figure(place.stock, place.participant),
       options.loop, options.speed);

@@ -38,7 +38,7 @@ TEST(Options, BadInputExitsWithTwo) {
   const std::vector<std::vector<const char*>> lines = {
       {},
       {"--session", "demo"},
-      {"--session", "demo", "--device", "usb"},
+      {"--session", "demo", "--device", "usb:zz"},
       {"--session", "a/b", "--device", "sim"},
       {"--session", "demo", "--device", "sim", "--color", "red"},
       {"--session", "demo", "--device", "sim", "--tool", "0"},

@@ -41,7 +41,9 @@ const std::vector<Room>& rooms() {
        {"kernel", "server/wire", "server/formats", "server/store", "server/feed",
         "server/session"}},
       {"server", {"kernel"}},
-      {"haptic_agent/device", {"server/wire"}},
+      // What every thread of the agent needs: the hand-over of newest values, and a priority.
+      {"haptic_agent/device",
+       {"server/wire", "haptic_agent/servo/latest_value.h", "haptic_agent/servo/realtime.h"}},
       {"haptic_agent/servo", {"server/wire", "haptic_agent/device"}},
       {"haptic_agent/link", {"server/wire", "haptic_agent/device", "haptic_agent/servo"}},
       {"haptic_agent/demo", {"kernel/math"}},

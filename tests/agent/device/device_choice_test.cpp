@@ -27,13 +27,26 @@ TEST(DeviceChoice, AFileMakesAHandOrAReplay) {
   std::filesystem::remove(path);
 }
 
-TEST(DeviceChoice, SaysWhichDevicesAreNotThere) {
+TEST(DeviceChoice, UsbDevicesAreChosenByTheirWord) {
+  EXPECT_EQ(choose_device("usb")->kind, DeviceKind::kReference);
+  EXPECT_EQ(choose_device("falcon")->kind, DeviceKind::kFalcon);
+  EXPECT_EQ(choose_device("spacemouse")->kind, DeviceKind::kSpaceMouse);
+  EXPECT_EQ(choose_device("usb:16c0:0486")->usb_id, (UsbId{0x16c0, 0x0486}));
+}
+
+TEST(DeviceChoice, AUsbDeviceThatIsNotThereIsWaitedFor) {
   for (const char* name : {"usb", "falcon", "spacemouse"}) {
-    const auto choice = choose_device(name);
-    ASSERT_FALSE(choice);
-    EXPECT_NE(choice.error().find("not available yet"), std::string::npos);
+    const auto device = make_device(*choose_device(name), {}, {});
+    const DeviceState state = device->read(1000);
+    EXPECT_FALSE(state.valid) << name;
+    EXPECT_EQ(state.phase, DevicePhase::kClosed) << name;
   }
-  for (const char* name : {"", "joystick", "replay", "replay:", "sim:/no/such.apt", "sim:x.ngc"}) {
+}
+
+TEST(DeviceChoice, WhatIsNoDeviceIsRefused) {
+  for (const char* name :
+       {"", "joystick", "replay", "replay:", "sim:/no/such.apt", "sim:x.ngc", "usb:", "usb:1209",
+        "usb:1209:", "usb:zz:1", "usb:11209:1", "falcon:/no/such", "spacemouse:1"}) {
     EXPECT_FALSE(choose_device(name)) << name;
   }
 }

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/device/reference/arm.h"
+
+namespace kerf::agent {
+
+/// Two arms that hold a pen, each by a ball joint: the front arm at the pen's lower point A, the
+/// rear arm at its upper point B (Zhu & Lee 2004, section 4: a left and a right manipulator).
+struct PenShape {
+  ArmShape front{};
+  ArmShape rear{};
+  /// |B - A|, L.
+  double length_mm = 0;
+  /// From A along the pen to the grip point G, where the hand is; a.
+  double grip_mm = 0;
+
+  bool operator==(const PenShape&) const = default;
+};
+
+/// The dimensions of the device that the protocol page describes. It reaches every grip point
+/// within kGripReachMm of the middle, the pen leaning up to kLeanRad.
+PenShape standard_pen() noexcept;
+inline constexpr Vec3 kGripReachMm{60, 50, 50};
+inline constexpr double kLeanRad = 0.87;
+
+struct PenAngles {
+  ArmAngles front{};
+  ArmAngles rear{};
+};
+
+/// 5 DOF: two points leave open how far the pen has turned about the line through them.
+struct PenPose {
+  Vec3 grip_mm{};
+  /// Unit, u = (B - A)/|B - A|: from the tool's tip towards the spindle.
+  Vec3 axis{0, 0, 1};
+  /// By how much |B - A| misses the pen's length: what the encoders contradict each other by.
+  double mismatch_mm = 0;
+};
+
+/// Forward kinematics. Nothing if an angle is not finite or both points fall together.
+std::optional<PenPose> pen_pose(const PenShape& shape, const PenAngles& q) noexcept;
+
+/// How A and B move when the grip point moves with `velocity` and the pen turns with `turn` about
+/// it (rad/s; its part along the pen moves nothing).
+struct PointVelocities {
+  Vec3 front_mm_per_s{};
+  Vec3 rear_mm_per_s{};
+};
+PointVelocities point_velocities(const PenShape& shape, Vec3 axis, Vec3 velocity_mm_per_s,
+                                 Vec3 turn_rad_per_s) noexcept;
+
+/// What each arm must push with.
+struct PointForces {
+  Vec3 front_n{};
+  Vec3 rear_n{};
+  /// The torque about the pen, N·mm, which no force at two points on one line can give.
+  double left_out_nmm = 0;
+};
+
+/// Distributes force at, and torque about, the grip point to A and B: the two forces of least norm
+/// that do the same work as the wrench in every motion of the pen. With a = |G - A|, L, and
+/// m = T x u: across the pen f_B = (a F + m)/L and f_A = F - f_B are the only solution; along it
+/// each arm takes half.
+PointForces distribute(const PenShape& shape, Vec3 axis, const Wrench& wrench) noexcept;
+
+/// The motors' torques, front arm first: J^T of each arm's force.
+std::array<double, 6> pen_torques(const PenShape& shape, const PenAngles& q,
+                                  const PointForces& forces) noexcept;
+
+}  // namespace kerf::agent

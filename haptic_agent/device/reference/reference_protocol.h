@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "haptic_agent/device/reference/report.h"
+#include "haptic_agent/device/usb/usb_hand.h"
+
+namespace kerf::agent::reference {
+
+/// Where the device's own coordinates lie in the session's.
+struct PenPlace {
+  /// The session's point at the middle of the device's workspace.
+  Vec3 middle_mm{};
+  /// From the tool's tip along its axis to where the hand holds it.
+  double pivot_mm = 60;
+};
+
+/// What the protocol page asks every device to give.
+DeviceCapabilities pen_capabilities(const PenPlace& place);
+
+/// The reference 5-DOF device: reports of joint angles in, torques out.
+class ReferenceProtocol final : public HandProtocol {
+ public:
+  /// `id`: another pair for builders with their own.
+  explicit ReferenceProtocol(const PenPlace& place, UsbId id = {kVendorId, kProductId}) noexcept;
+
+  std::string_view name() const noexcept override { return "5-DOF reference device"; }
+  std::vector<UsbId> ids() const override { return {id_}; }
+  PipeWish pipes() const override;
+  std::uint64_t silence_limit_us() const noexcept override;
+  DeviceCapabilities capabilities() const override { return pen_capabilities(place_); }
+
+  std::expected<void, UsbError> identify(UsbTalk& talk) override;
+  void connected(std::uint64_t now_us) noexcept override;
+  bool take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept override;
+  std::size_t compose(std::span<std::uint8_t> packet, std::uint64_t now_us) noexcept override;
+  void silence() noexcept override { silent_ = true; }
+  void disconnected() noexcept override;
+  DevicePhase phase() const noexcept override;
+  std::string_view trouble() const noexcept override;
+
+ private:
+  bool is_new(std::uint16_t sequence, std::uint64_t now_us) const noexcept;
+  bool is_plausible(const PenPose& pose, std::uint64_t now_us, std::uint64_t gap_us) noexcept;
+  CommandReport command(std::uint64_t now_us) noexcept;
+
+  PenPlace place_;
+  UsbId id_;
+  Identity identity_;
+  std::optional<StateReport> report_;
+  std::uint64_t report_us_ = 0;
+  std::optional<PenPose> pose_;
+  std::uint64_t pose_us_ = 0;
+  bool mismatched_ = false;
+  bool silent_ = false;
+  std::uint16_t sequence_ = 0;
+  std::uint64_t sent_us_ = 0;
+};
+
+}  // namespace kerf::agent::reference

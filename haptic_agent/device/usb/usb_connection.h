@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <expected>
+#include <vector>
+
+#include "haptic_agent/device/usb/usb_counters.h"
+#include "haptic_agent/device/usb/usb_protocol.h"
+
+struct libusb_context;
+struct libusb_device_handle;
+struct libusb_transfer;
+
+namespace kerf::agent {
+
+/// One opened device: claims its interface, keeps kInFlight transfers waiting for what it sends and
+/// at most one on its way out. Lives on the event thread; the context's events call it back.
+class UsbConnection final : public UsbTalk {
+ public:
+  /// Takes over `handle`. `stopping` ends long identifications.
+  UsbConnection(libusb_context* context, libusb_device_handle* handle, UsbProtocol& protocol,
+                UsbCounters& counters, const std::atomic<bool>& stopping) noexcept;
+  ~UsbConnection() override;
+  UsbConnection(const UsbConnection&) = delete;
+  UsbConnection& operator=(const UsbConnection&) = delete;
+
+  /// Walks the descriptors and claims what the protocol wants.
+  std::expected<void, UsbError> claim();
+  /// Begins to stream. Call once, after the protocol has identified the device.
+  std::expected<void, UsbError> start(std::uint64_t now_us);
+  /// What is due: a halt to clear, a packet to send. False: the device is lost; destroy this.
+  bool pump(std::uint64_t now_us);
+  /// Sends what the protocol composes last (no force) and waits for it, at most 20 ms.
+  void farewell();
+
+  std::expected<std::size_t, UsbFault> control(const ControlSetup& setup,
+                                               std::span<std::uint8_t> data) override;
+  std::expected<std::size_t, UsbFault> read(std::span<std::uint8_t> data,
+                                            unsigned timeout_ms) override;
+  std::expected<std::size_t, UsbFault> write(std::span<const std::uint8_t> data,
+                                             unsigned timeout_ms) override;
+  std::uint8_t interface_number() const noexcept override { return pipes_.interface_number; }
+  bool stopping() const noexcept override { return stopping_.load(); }
+
+ private:
+  /// One transfer and its memory, made once and submitted again and again.
+  struct Slot {
+    UsbConnection* owner = nullptr;
+    libusb_transfer* transfer = nullptr;
+    std::vector<std::uint8_t> buffer{};
+    bool in_flight = false;
+  };
+  static constexpr std::size_t kInFlight = 3;
+
+  std::expected<std::size_t, UsbFault> talk(std::uint8_t endpoint, std::uint8_t* data,
+                                            std::size_t bytes, unsigned timeout_ms);
+  static void in_done(libusb_transfer* transfer);
+  static void out_done(libusb_transfer* transfer);
+  bool prepare(Slot& slot, std::uint16_t bytes);
+  void submit(Slot& slot) noexcept;
+  void send(std::uint64_t now_us);
+  void take_packet(const libusb_transfer& transfer) noexcept;
+  void count_failure(int status, std::uint8_t endpoint) noexcept;
+  void cancel_all() noexcept;
+
+  libusb_context* context_;
+  libusb_device_handle* handle_;
+  UsbProtocol& protocol_;
+  UsbCounters& counters_;
+  const std::atomic<bool>& stopping_;
+  Pipes pipes_;
+  bool claimed_ = false;
+  bool streaming_ = false;
+  bool lost_ = false;
+  /// An endpoint whose halt is to be cleared, outside the callbacks; 0: none.
+  std::uint8_t halted_in_ = 0;
+  std::uint8_t halted_out_ = 0;
+  /// Failures without a good packet between them.
+  int failures_ = 0;
+  std::uint64_t heard_us_ = 0;
+  std::array<Slot, kInFlight> ins_;
+  Slot out_;
+};
+
+}  // namespace kerf::agent

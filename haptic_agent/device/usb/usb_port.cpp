@@ -1,0 +1,250 @@
+#include "haptic_agent/device/usb/usb_port.h"
+
+#include <libusb-1.0/libusb.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/device/usb/usb_connection.h"
+#include "haptic_agent/servo/realtime.h"
+
+namespace kerf::agent {
+namespace {
+
+/// How long a connected port sleeps at most: what is composed by time alone is at most this late.
+constexpr int kIdleMs = 5;
+constexpr std::uint64_t kUsPerMs = 1000;
+
+/// The better reason to tell: a device that is there and refuses, before one that is not there.
+bool tells_more(const UsbError& a, const UsbError& b) noexcept {
+  return a.fault != UsbFault::kNotFound && b.fault == UsbFault::kNotFound;
+}
+
+}  // namespace
+
+/// What the event thread owns.
+class UsbPort::Worker {
+ public:
+  explicit Worker(UsbPort& port) : port_(port) {}
+  ~Worker() {
+    hang_up();
+    if (context_ != nullptr) libusb_exit(context_);
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  void run() {
+    if (!begin()) return;
+    std::uint64_t pause_us = port_.settings_.first_pause_us;
+    while (!port_.stopping_.load()) {
+      if (connect()) {
+        pause_us = port_.settings_.first_pause_us;
+        stream();
+      }
+      hang_up();
+      if (wait(pause_us)) {
+        pause_us = port_.settings_.first_pause_us;
+      } else {
+        pause_us = std::min(2 * pause_us, port_.settings_.longest_pause_us);
+      }
+    }
+  }
+
+ private:
+  using Connected = std::expected<void, UsbError>;
+
+  bool begin() {
+    if (port_.settings_.node) {
+      libusb_set_option(nullptr, LIBUSB_OPTION_NO_DEVICE_DISCOVERY);
+    }
+    if (const int code = libusb_init(&context_); code != 0) {
+      context_ = nullptr;
+      port_.set_trouble(join({"USB cannot be used: ", libusb_strerror(code)}));
+      return false;
+    }
+    if (!port_.settings_.node && libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) != 0) {
+      libusb_hotplug_register_callback(context_, LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED,
+                                       LIBUSB_HOTPLUG_NO_FLAGS, LIBUSB_HOTPLUG_MATCH_ANY,
+                                       LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY, arrived,
+                                       this, nullptr);
+    }
+    return true;
+  }
+
+  static int LIBUSB_CALL arrived(libusb_context*, libusb_device*, libusb_hotplug_event,
+                                 void* self) {
+    static_cast<Worker*>(self)->arrived_ = true;
+    return 0;
+  }
+
+  bool connect() {
+    const Connected done = port_.settings_.node ? connect_node() : connect_listed();
+    if (done) {
+      port_.counters_.connections.fetch_add(1, std::memory_order_relaxed);
+      return true;
+    }
+    port_.set_trouble(done.error().text);
+    return false;
+  }
+
+  Connected connect_node() {
+    node_fd_ = port_.settings_.node();
+    if (node_fd_ < 0) return refuse(UsbFault::kNotFound);
+    libusb_device_handle* handle = nullptr;
+    const int code = libusb_wrap_sys_device(context_, node_fd_, &handle);
+    return code == 0 ? take(handle) : refuse(fault_of(code));
+  }
+
+  /// Tries every device of our ids: of two, one may be another agent's.
+  Connected connect_listed() {
+    const std::vector<UsbId> ids = port_.protocol_.ids();
+    libusb_device** list = nullptr;
+    const auto count = libusb_get_device_list(context_, &list);
+    Connected best = refuse(UsbFault::kNotFound);
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      libusb_device_descriptor is{};
+      if (libusb_get_device_descriptor(list[i], &is) != 0) continue;
+      if (std::ranges::find(ids, UsbId{is.idVendor, is.idProduct}) == ids.end()) continue;
+      libusb_device_handle* handle = nullptr;
+      const int code = libusb_open(list[i], &handle);
+      Connected done = code == 0 ? take(handle) : refuse(fault_of(code));
+      if (done || tells_more(done.error(), best.error())) best = std::move(done);
+      if (best) break;
+    }
+    if (count >= 0) libusb_free_device_list(list, 1);
+    return best;
+  }
+
+  std::unexpected<UsbError> refuse(UsbFault fault) const {
+    return std::unexpected(usb_error(fault, port_.protocol_.name()));
+  }
+
+  Connected take(libusb_device_handle* handle) {
+    port_.set_phase(DevicePhase::kOpened);
+    connection_ = std::make_unique<UsbConnection>(context_, handle, port_.protocol_,
+                                                  port_.counters_, port_.stopping_);
+    Connected done = connection_->claim();
+    if (done) done = port_.protocol_.identify(*connection_);
+    if (done) {
+      port_.set_phase(DevicePhase::kIdentified);
+      done = connection_->start(monotonic_us());
+    }
+    if (!done) {
+      connection_.reset();
+      port_.set_phase(DevicePhase::kClosed);
+    }
+    return done;
+  }
+
+  void stream() {
+    bool there = true;
+    while (there && !port_.stopping_.load()) {
+      there = connection_->pump(monotonic_us());
+      port_.set_phase(there ? port_.protocol_.phase() : DevicePhase::kClosed);
+      if (!there) break;
+      port_.set_trouble(port_.protocol_.trouble());
+      sleep_for_events(kIdleMs);
+    }
+    if (there) {
+      connection_->farewell();
+      return;
+    }
+    port_.counters_.losses.fetch_add(1, std::memory_order_relaxed);
+    port_.set_trouble(usb_error(UsbFault::kUnplugged, port_.protocol_.name()).text);
+  }
+
+  /// Until something happens on the bus or somebody calls wake().
+  void sleep_for_events(int timeout_ms) {
+    fds_.assign(1, {.fd = port_.wake_fd_, .events = POLLIN, .revents = 0});
+    if (const libusb_pollfd** fds = libusb_get_pollfds(context_); fds != nullptr) {
+      for (const libusb_pollfd** fd = fds; *fd != nullptr; ++fd) {
+        fds_.push_back({.fd = (*fd)->fd, .events = (*fd)->events, .revents = 0});
+      }
+      libusb_free_pollfds(fds);
+    }
+    poll(fds_.data(), fds_.size(), timeout_ms);
+    std::uint64_t wakes = 0;
+    [[maybe_unused]] const auto drained = ::read(port_.wake_fd_, &wakes, sizeof wakes);
+    timeval at_once{};
+    libusb_handle_events_timeout_completed(context_, &at_once, nullptr);
+  }
+
+  /// Waits before the next attempt; true if a device was plugged in meanwhile.
+  bool wait(std::uint64_t pause_us) {
+    const std::uint64_t until_us = monotonic_us() + pause_us;
+    while (!port_.stopping_.load() && !arrived_) {
+      const std::uint64_t now_us = monotonic_us();
+      if (now_us >= until_us) break;
+      sleep_for_events(static_cast<int>((until_us - now_us) / kUsPerMs) + 1);
+    }
+    return std::exchange(arrived_, false);
+  }
+
+  void hang_up() {
+    port_.set_phase(DevicePhase::kClosed);
+    if (connection_ != nullptr) port_.protocol_.disconnected();
+    connection_.reset();
+    if (node_fd_ >= 0) close(node_fd_);
+    node_fd_ = -1;
+  }
+
+  UsbPort& port_;
+  libusb_context* context_ = nullptr;
+  std::unique_ptr<UsbConnection> connection_;
+  std::vector<pollfd> fds_;
+  int node_fd_ = -1;
+  bool arrived_ = false;
+};
+
+UsbPort::UsbPort(UsbProtocol& protocol, UsbPortSettings settings)
+    : protocol_(protocol),
+      settings_(std::move(settings)),
+      wake_fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+
+UsbPort::~UsbPort() {
+  stop();
+  close(wake_fd_);
+}
+
+void UsbPort::start() {
+  thread_ = std::thread([this] {
+    // A refusal is told once, by the servo's thread, which asks for the same.
+    request_fifo(kUsbPriority);
+    Worker(*this).run();
+  });
+}
+
+void UsbPort::stop() {
+  stopping_.store(true);
+  wake();
+  if (thread_.joinable()) thread_.join();
+}
+
+void UsbPort::wake() noexcept {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto told = ::write(wake_fd_, &one, sizeof one);
+}
+
+std::string UsbPort::trouble() const {
+  const std::lock_guard lock(trouble_mutex_);
+  return trouble_;
+}
+
+void UsbPort::set_trouble(std::string_view text) {
+  {
+    const std::lock_guard lock(trouble_mutex_);
+    if (trouble_ == text) return;
+    trouble_ = text;
+  }
+  if (!settings_.notice) return;
+  settings_.notice(text.empty() ? join({"the ", protocol_.name(), " is ready"})
+                                : std::string(text));
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,194 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "haptic_agent/device/falcon/falcon_firmware.h"
+#include "haptic_agent/device/falcon/falcon_protocol.h"
+#include "server/wire/types.h"
+#include "tests/usb/model/falcon_model.h"
+#include "tests/usb/rig.h"
+
+namespace kerf::usb_test {
+namespace {
+
+using agent::DevicePhase;
+using agent::UsbHand;
+using agent::Vec3;
+using agent::Wrench;
+namespace falcon = agent::falcon;
+
+TEST(FalconKinematics, NewtonFindsThePositionOfItsAngles) {
+  int within = 0;
+  for (double x = -50; x <= 50; x += 12.5) {
+    for (double y = -50; y <= 50; y += 12.5) {
+      for (double z = 85; z <= 165; z += 10) {
+        const auto angles = falcon::leg_angles({x, y, z});
+        if (!angles) continue;
+        ++within;
+        const auto position = falcon::position_of(*angles, falcon::kMiddleMm);
+        ASSERT_TRUE(position) << x << ' ' << y << ' ' << z;
+        ASSERT_LT(length(*position - Vec3{x, y, z}), 1e-6);
+      }
+    }
+  }
+  EXPECT_GT(within, 650);
+}
+
+TEST(FalconKinematics, MotorsDoTheWorkOfTheForce) {
+  std::mt19937 engine{3};
+  std::uniform_real_distribution<double> unit{-1, 1};
+  constexpr double kStepMm = 1e-5;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 at{40 * unit(engine), 40 * unit(engine), 125 + 35 * unit(engine)};
+    const Vec3 way{unit(engine), unit(engine), unit(engine)};
+    const Vec3 force{8 * unit(engine), 8 * unit(engine), 8 * unit(engine)};
+    const auto angles = falcon::leg_angles(at);
+    const auto before = falcon::leg_angles(at - way * kStepMm);
+    const auto after = falcon::leg_angles(at + way * kStepMm);
+    ASSERT_TRUE(angles && before && after);
+    const auto torques = falcon::leg_torques(*angles, at, force);
+    ASSERT_TRUE(torques);
+    double by_motors = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      by_motors += (*torques)[j] * ((*after)[j] - (*before)[j]) / (2 * kStepMm);
+    }
+    ASSERT_NEAR(by_motors, dot(force, way), 1e-4);
+  }
+}
+
+TEST(FalconKinematics, AnglesThatBelongToNoPositionGiveNone) {
+  EXPECT_FALSE(falcon::leg_angles({0, 0, 400}));
+  EXPECT_FALSE(falcon::position_of({std::nan(""), 0, 0}, falcon::kMiddleMm));
+}
+
+TEST(FalconFrame, WordsKeepTheirDirectionAndNeverWrap) {
+  EXPECT_EQ(falcon::motor_words({1, -2, 0}), (std::array<std::int16_t, 3>{-10, 20, 0}));
+  const auto most = falcon::motor_words({30'000, -15'000, 3000});
+  EXPECT_EQ(most, (std::array<std::int16_t, 3>{-4096, 2048, -410}));
+  EXPECT_EQ(falcon::motor_words({1e300, -1e300, 0}), (std::array<std::int16_t, 3>{-4096, 4096, 0}));
+  EXPECT_EQ(falcon::motor_words({std::nan(""), 1, 1}), (std::array<std::int16_t, 3>{}));
+  const auto frame = falcon::encode_command({0x1234, -1, -32768}, falcon::kGreenLight);
+  const std::string text(frame.begin(), frame.end());
+  EXPECT_EQ(text, "<EDCBPPPPAAAICA>");
+}
+
+TEST(FalconFrame, StatusBytesAreDroppedAndFramesPutTogether) {
+  const falcon::FalconState state{.encoders = {-1, 2, 300}, .buttons = 4, .homed = 7};
+  const auto frame = falcon::encode_state(state);
+  falcon::FrameReader reader;
+  EXPECT_FALSE(reader.take(std::array<std::uint8_t, 2>{1, 0x60}));
+  Bytes first{1, 0x60, 'x', 'y'}, second{1, 0x60};
+  first.insert(first.end(), frame.begin(), frame.begin() + 7);
+  second.insert(second.end(), frame.begin() + 7, frame.end());
+  EXPECT_FALSE(reader.take(first));
+  const auto whole = reader.take(second);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(falcon::decode_state(*whole), state);
+}
+
+class Falcon : public ::testing::Test {
+ protected:
+  static std::unique_ptr<UsbHand> make(Rig<FalconModel>& rig, Bytes firmware = {}) {
+    return std::make_unique<UsbHand>(
+        std::make_unique<falcon::FalconProtocol>(
+            falcon::FalconSettings{.middle_mm = {0, 0, 10}, .firmware = std::move(firmware)}),
+        rig.settings());
+  }
+};
+
+TEST_F(Falcon, ShowsNoForceBeforeAllLegsAreHomed) {
+  Rig<FalconModel> rig(FalconModel::Settings{.homing_answers = 100});
+  const auto hand = make(rig);
+  bool pulled_early = false, saw_homing = false;
+  EXPECT_TRUE(eventually([&] {
+    const auto state = hand->read(agent::monotonic_us());
+    hand->write({.force_n = {4, 0, 0}, .torque_nmm = {}});
+    saw_homing = saw_homing || state.phase == DevicePhase::kHoming;
+    return rig.ask([&](FalconModel& model) {
+      const bool pulls = model.motors() != std::array<std::int16_t, 3>{};
+      pulled_early = pulled_early || (pulls && !model.homed());
+      return pulls;
+    });
+  }));
+  EXPECT_TRUE(saw_homing);
+  EXPECT_FALSE(pulled_early);
+  EXPECT_TRUE(rig.notices.has("until its light turns"));
+  EXPECT_EQ(rig.ask([](FalconModel& model) { return model.lights(); }), falcon::kGreenLight);
+}
+
+TEST_F(Falcon, TellsWhereTheGripIs) {
+  Rig<FalconModel> rig;
+  const auto hand = make(rig);
+  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
+  rig.ask([](FalconModel& model) {
+    model.hold(falcon::kMiddleMm + Vec3{5, -3, 8});
+    model.press(falcon::kCentreButton);
+    return 0;
+  });
+  // To the right is to the right, up is up, towards the user is -y.
+  const Vec3 tip{5, -8, 10 - 3};
+  agent::DeviceState state;
+  EXPECT_TRUE(eventually([&] {
+    state = hand->read(agent::monotonic_us());
+    return state.valid && length(state.tip_mm - tip) < 0.1;
+  }));
+  EXPECT_EQ(state.axis, (Vec3{0, 0, 1}));
+  EXPECT_EQ(state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
+}
+
+TEST_F(Falcon, SendsOneCommandForOneAnswer) {
+  Rig<FalconModel> rig;
+  rig.ask([](FalconModel& model) { return model.split_answers(true), 0; });
+  const auto hand = make(rig);
+  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
+  for (int i = 0; i < 300; ++i) {
+    hand->write({.force_n = {0, 0, 2}, .torque_nmm = {}});
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  EXPECT_EQ(rig.ask([](FalconModel& model) { return model.impatient_commands(); }), 0);
+}
+
+TEST_F(Falcon, LoadsItsFirmwareAgainAndAgainUntilItRuns) {
+  Rig<FalconModel> rig(FalconModel::Settings{
+      .has_firmware = false, .firmware_bytes = 300, .deaf_knocks = 3, .garbled_loads = 2});
+  const auto hand = make(rig, Bytes(300, 0x5A));
+  EXPECT_TRUE(eventually([&] { return is_ready(*hand); }));
+  EXPECT_EQ(rig.ask([](FalconModel& model) { return model.loads(); }), 3);
+}
+
+TEST_F(Falcon, WithoutFirmwareItSaysWhatToGiveIt) {
+  Rig<FalconModel> rig(FalconModel::Settings{.has_firmware = false});
+  const auto hand = make(rig);
+  EXPECT_TRUE(eventually([&] { return rig.notices.has("--device falcon:FILE"); }));
+}
+
+TEST_F(Falcon, AFirmwareThatHangsIsNoLongerReady) {
+  Rig<FalconModel> rig;
+  const auto hand = make(rig);
+  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
+  rig.ask([](FalconModel& model) { return model.hang(true), 0; });
+  EXPECT_TRUE(eventually([&] { return !hand->read(agent::monotonic_us()).valid; }));
+  EXPECT_TRUE(eventually([&] { return !is_ready(*hand); }));
+  rig.ask([](FalconModel& model) { return model.hang(false), 0; });
+  EXPECT_TRUE(eventually([&] { return is_ready(*hand); }));
+}
+
+TEST_F(Falcon, UnpluggedItLosesItsHomeAndFindsItAgain) {
+  Rig<FalconModel> rig;
+  const auto hand = make(rig);
+  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
+  rig.bus.unplug();
+  EXPECT_TRUE(eventually([&] { return !is_ready(*hand); }));
+  rig.bus.plug();
+  EXPECT_TRUE(eventually([&] { return is_ready(*hand); }));
+}
+
+TEST(FalconFirmware, AFileThatIsNoneIsRefused) {
+  EXPECT_FALSE(falcon::read_firmware("/no/such/file"));
+  EXPECT_FALSE(falcon::read_firmware("/dev/null"));
+}
+
+}  // namespace
+}  // namespace kerf::usb_test

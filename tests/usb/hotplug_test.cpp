@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include <cerrno>
+
+#include "haptic_agent/device/falcon/falcon_protocol.h"
+#include "haptic_agent/device/reference/reference_protocol.h"
+#include "haptic_agent/device/spacemouse/space_mouse.h"
+#include "haptic_agent/device/usb/usb_hand.h"
+#include "tests/usb/mock_bus.h"
+#include "tests/usb/model/falcon_model.h"
+#include "tests/usb/model/reference_firmware.h"
+#include "tests/usb/model/space_mouse_model.h"
+#include "tests/usb/rig.h"
+
+namespace kerf::usb_test {
+namespace {
+
+using agent::DevicePhase;
+using agent::UsbHand;
+namespace ref = agent::reference;
+
+constexpr std::uint64_t kOftenUs = 20'000;
+/// So rarely that only a hot-plug event explains why a device is found.
+constexpr std::uint64_t kRarelyUs = 3'600'000'000;
+
+class HotPlug : public ::testing::Test {
+ protected:
+  std::unique_ptr<UsbHand> make_pen(std::uint64_t pause_us = kOftenUs) {
+    return std::make_unique<UsbHand>(std::make_unique<ref::ReferenceProtocol>(ref::PenPlace{}),
+                                     settings(pause_us));
+  }
+  agent::UsbPortSettings settings(std::uint64_t pause_us = kOftenUs) {
+    return {.notice = [this](const std::string& line) { notices.add(line); },
+            .first_pause_us = pause_us,
+            .longest_pause_us = pause_us};
+  }
+
+  MockBus bus;
+  Notices notices;
+  ReferenceFirmware firmware;
+};
+
+TEST_F(HotPlug, ADeviceThatIsThereIsFoundAndHomed) {
+  MockDevice device(bus, firmware, 5);
+  device.plug();
+  const auto pen = make_pen();
+  EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
+  EXPECT_TRUE(eventually([&] { return pen->read(agent::monotonic_us()).valid; }));
+}
+
+TEST_F(HotPlug, ADeviceThatIsPluggedInLaterIsFoundAtOnce) {
+  const auto pen = make_pen(kRarelyUs);
+  EXPECT_TRUE(eventually([&] { return notices.has("not plugged in"); }));
+  MockDevice device(bus, firmware, 5);
+  device.plug();
+  EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
+}
+
+TEST_F(HotPlug, ADeviceComesBackWithAnotherAddress) {
+  auto device = std::make_unique<MockDevice>(bus, firmware, 5);
+  device->plug();
+  const auto pen = make_pen();
+  ASSERT_TRUE(eventually([&] { return is_ready(*pen); }));
+  device->unplug();
+  EXPECT_TRUE(
+      eventually([&] { return pen->read(agent::monotonic_us()).phase == DevicePhase::kClosed; }));
+  ReferenceFirmware again;
+  MockDevice next(bus, again, 9);
+  next.plug();
+  EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
+  EXPECT_EQ(pen->counters().losses.load(), 1U);
+}
+
+TEST_F(HotPlug, OfTwoOfAKindTheFreeOneIsTaken) {
+  ReferenceFirmware other;
+  MockDevice held(bus, firmware, 3), free(bus, other, 4);
+  held.refuse_claims(EBUSY);
+  held.plug();
+  free.plug();
+  const auto pen = make_pen();
+  EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
+  EXPECT_TRUE(free.claimed());
+  EXPECT_FALSE(held.claimed());
+}
+
+TEST_F(HotPlug, SeveralDevicesStreamSideBySide) {
+  FalconModel falcon;
+  SpaceMouseModel cap;
+  MockDevice first(bus, cap, 3), second(bus, falcon, 4), third(bus, firmware, 5);
+  for (MockDevice* device : {&first, &second, &third}) device->plug();
+  const auto pen = make_pen();
+  agent::SpaceMouse mouse({}, settings());
+  UsbHand grip(std::make_unique<agent::falcon::FalconProtocol>(agent::falcon::FalconSettings{}),
+               settings());
+  EXPECT_TRUE(eventually([&] { return is_ready(*pen) && is_ready(mouse) && is_ready(grip); }));
+}
+
+TEST_F(HotPlug, ANodeThatMayNotBeOpenedIsSaidWithTheRuleThatOpensIt) {
+  MockDevice device(bus, firmware, 5);
+  device.plug();
+  MockBus::refuse_opening(EACCES);
+  const auto pen = make_pen();
+  EXPECT_TRUE(eventually([&] { return notices.has("70-kerf.rules"); }));
+  MockBus::refuse_opening(0);
+  EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
+}
+
+TEST_F(HotPlug, AnotherDevicesIdsAreLeftAlone) {
+  SpaceMouseModel cap;
+  MockDevice device(bus, cap, 5);
+  device.plug();
+  const auto pen = make_pen();
+  EXPECT_TRUE(eventually([&] { return notices.has("not plugged in"); }));
+  EXPECT_FALSE(device.claimed());
+}
+
+}  // namespace
+}  // namespace kerf::usb_test

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+
+#include "haptic_agent/device/falcon/falcon_frame.h"
+#include "haptic_agent/device/vec3.h"
+#include "tests/usb/model/usb_model.h"
+
+namespace kerf::usb_test {
+
+/// A Novint Falcon behind its serial chip: a loader that must be woken, echoes what it is given and
+/// forgets it with its power, and a firmware that answers each command with one frame.
+class FalconModel final : public UsbModel {
+ public:
+  struct Settings {
+    bool has_firmware = true;
+    std::size_t firmware_bytes = 300;
+    /// Knocks that the loader does not hear, and loads whose echo is garbled.
+    int deaf_knocks = 0;
+    int garbled_loads = 0;
+    /// How many answers it takes until the legs are homed; the user pulls the grip meanwhile.
+    int homing_answers = 20;
+  };
+
+  FalconModel() : FalconModel(Settings{}) {}
+  explicit FalconModel(const Settings& settings);
+
+  UsbShape shape() const override;
+  std::optional<Bytes> control(const Setup& setup, std::span<const std::uint8_t> data) override;
+  std::optional<Bytes> poll_in(std::uint64_t now_us) override;
+  void take_out(std::span<const std::uint8_t> packet, std::uint64_t now_us) override;
+  void power_cycle() override;
+
+  /// Moves the grip, in the Falcon's coordinates; the position must be within reach.
+  void hold(agent::Vec3 position_mm);
+  void press(std::uint8_t buttons) { state_.buttons = buttons; }
+  /// Answers in two packets, as happens at the end of a serial buffer.
+  void split_answers(bool split) { split_ = split; }
+  /// The firmware stands still; the serial chip goes on.
+  void hang(bool hung) { hung_ = hung; }
+
+  std::array<std::int16_t, 3> motors() const { return motors_; }
+  std::uint8_t lights() const { return lights_; }
+  bool runs() const { return mode_ == Mode::kRun; }
+  bool homed() const { return state_.homed == agent::falcon::kAllHomed; }
+  int loads() const { return loads_; }
+  /// Commands that came before the last one was answered: the real firmware loses its place.
+  int impatient_commands() const { return impatient_; }
+
+ private:
+  enum class Mode { kDeaf, kAwake, kLoading, kRun };
+
+  void say(std::span<const std::uint8_t> bytes);
+  void load(std::span<const std::uint8_t> chunk);
+  void obey(std::span<const std::uint8_t> packet);
+
+  Settings settings_;
+  Mode mode_;
+  agent::falcon::FalconState state_;
+  std::array<std::int16_t, 3> motors_{};
+  std::uint8_t lights_ = 0;
+  std::uint16_t baud_ = 0;
+  std::deque<Bytes> packets_;
+  std::size_t loaded_bytes_ = 0;
+  std::uint64_t next_status_us_ = 0;
+  int answers_ = 0;
+  int loads_ = 0;
+  int knocks_ = 0;
+  int impatient_ = 0;
+  bool split_ = false;
+  bool hung_ = false;
+};
+
+}  // namespace kerf::usb_test

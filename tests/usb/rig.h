@@ -1,0 +1,77 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/device/usb/usb_port.h"
+#include "tests/usb/usbfs_calls.h"
+
+namespace kerf::usb_test {
+
+/// Asks every millisecond until it is so; false if it is not within ten seconds, which is no
+/// measurement but an end for tests that fail.
+template <typename Condition>
+bool eventually(Condition condition) {
+  for (int i = 0; i < 10'000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+/// What a device told its user, in order.
+class Notices {
+ public:
+  void add(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    lines_.push_back(line);
+  }
+  bool has(const std::string& part) const {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& line : lines_) {
+      if (line.find(part) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> lines_;
+};
+
+/// A model on a bus without a kernel, and settings that lead a port to it.
+template <typename Model>
+class Rig {
+ public:
+  template <typename... Arguments>
+  explicit Rig(Arguments&&... arguments) : model(std::forward<Arguments>(arguments)...) {}
+
+  agent::UsbPortSettings settings() {
+    return {.node = [this] { return open_stub_node(bus); },
+            .notice = [this](const std::string& line) { notices.add(line); },
+            .first_pause_us = 5000,
+            .longest_pause_us = 20'000};
+  }
+  /// Asks the model something while it stands still.
+  template <typename Look>
+  auto ask(Look look) {
+    return bus.with_model([&] { return look(model); });
+  }
+
+  Model model;
+  UsbfsStub bus{model};
+  Notices notices;
+};
+
+inline bool is_ready(agent::HapticDevice& device) {
+  return device.read(agent::monotonic_us()).phase == agent::DevicePhase::kReady;
+}
+
+}  // namespace kerf::usb_test

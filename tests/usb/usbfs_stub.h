@@ -1,0 +1,110 @@
+#pragma once
+
+#include <linux/usbdevice_fs.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "tests/usb/model/usb_model.h"
+
+namespace kerf::usb_test {
+
+/// What happens to a packet on its way to the host.
+enum class InFault { kNone, kShort, kEmpty, kStall, kBabble, kError, kLate };
+
+/// A usbfs node without a kernel: this program's own ioctl, read, lseek and close act on its
+/// descriptor, so that an unmodified libusb drives the model through libusb_wrap_sys_device. The
+/// descriptor is the write end of a full pipe; it becomes writable when an URB may be reaped, and
+/// reports an error when the device is unplugged, as the real node does.
+class UsbfsStub {
+ public:
+  explicit UsbfsStub(UsbModel& model);
+  ~UsbfsStub();
+  UsbfsStub(const UsbfsStub&) = delete;
+  UsbfsStub& operator=(const UsbfsStub&) = delete;
+
+  /// Opens the node; -1 while unplugged. The caller closes it.
+  int open_node();
+
+  void plug();
+  void unplug();
+  /// What a real controller does at first: every URB fails, and the node stays.
+  void unplug_unnoticed();
+
+  /// The next `count` packets towards the host; `delay_us` is of kLate.
+  void fail_in(InFault fault, int count, std::uint64_t delay_us = 0);
+  /// Packets from the host are taken by nobody.
+  void hold_out(bool hold);
+  void refuse_claims(int error) { claim_error_ = error; }
+  /// Changes the descriptors that are read from now on.
+  void garble_descriptors(std::function<void(Bytes&)> garble);
+
+  /// Calls `look` while the model stands still.
+  template <typename Look>
+  auto with_model(Look look) {
+    const std::lock_guard lock(mutex_);
+    return look();
+  }
+  int address() const { return address_; }
+  int halts_cleared() const { return halts_cleared_; }
+
+  // The node's system calls; errors as errno with -1.
+  int ioctl(unsigned long request, void* argument);
+  long read(void* data, std::size_t bytes);
+  long seek(long offset);
+  void closed();
+
+ private:
+  struct Waiting {
+    usbdevfs_urb* urb = nullptr;
+    Bytes packet{};
+    std::uint64_t due_us = 0;
+  };
+
+  void run();
+  void microframe(std::uint64_t now_us);
+  void give(usbdevfs_urb* urb, std::uint64_t now_us);
+  void complete(usbdevfs_urb* urb, int status, int bytes = 0);
+  void fail_all(int status);
+  int submit(usbdevfs_urb* urb);
+  int discard(usbdevfs_urb* urb);
+  int reap(void* argument);
+  int control_now(usbdevfs_ctrltransfer& transfer);
+  void control_urb(usbdevfs_urb* urb);
+  void fill_pipe();
+  void drain_pipe();
+
+  UsbModel& model_;
+  std::mutex mutex_;
+  std::atomic<bool> ended_{false};
+  bool plugged_ = true;
+  /// A node whose device is gone stays dead, even if another one comes.
+  bool node_dead_ = false;
+  bool failing_ = false;
+  bool hold_out_ = false;
+  bool halted_ = false;
+  std::atomic<int> claim_error_{0};
+  std::atomic<int> address_{3};
+  std::atomic<int> halts_cleared_{0};
+  std::function<void(Bytes&)> garble_;
+  InFault fault_ = InFault::kNone;
+  int fault_count_ = 0;
+  std::uint64_t fault_delay_us_ = 0;
+  int write_end_ = -1;
+  int read_end_ = -1;
+  long offset_ = 0;
+  std::deque<usbdevfs_urb*> ins_;
+  std::deque<usbdevfs_urb*> outs_;
+  std::deque<usbdevfs_urb*> done_;
+  std::deque<Waiting> late_;
+  std::thread bus_;
+};
+
+}  // namespace kerf::usb_test
