@@ -77,7 +77,6 @@ void add_view(Json& json, const Part& part, bool compressed, Sizes& at) {
   json.number(compressed ? at.raw : at.stored);
   json.text(",\"byteLength\":").number(part.raw_bytes());
   if (!part.index) json.text(",\"byteStride\":").number(part.stride);
-  json.text(part.index ? ",\"target\":34963" : ",\"target\":34962");
   if (compressed) {
     json.text(",\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":");
     json.number(at.stored).text(",\"byteLength\":").number(part.bytes.size());
@@ -89,7 +88,9 @@ void add_view(Json& json, const Part& part, bool compressed, Sizes& at) {
   at.stored += padded(part.bytes.size());
 }
 
-/// Three accessors: position, normal, index; each has the view of the same number.
+/// Three accessors: position, normal, index; each has the view of the same number. What glTF leaves
+/// to the writer (bounds of anything but positions, targets of views) is left out: of a compressed
+/// tile every sixth byte is JSON.
 void add_accessors(Json& json, const EncodedTile& tile, int first_view) {
   json.text("{\"bufferView\":").number(first_view);
   json.text(",\"componentType\":5122,\"type\":\"VEC3\",\"count\":").number(tile.vertices);
@@ -97,11 +98,9 @@ void add_accessors(Json& json, const EncodedTile& tile, int first_view) {
   json.text("},{\"bufferView\":").number(first_view + 1);
   json.text(",\"componentType\":5120,\"normalized\":true,\"type\":\"VEC3\",\"count\":");
   json.number(tile.vertices);
-  json.text(",\"min\":").triple(tile.normal_min).text(",\"max\":").triple(tile.normal_max);
   json.text("},{\"bufferView\":").number(first_view + 2);
   json.text(",\"componentType\":").number(tile.wide_indices ? 5125 : 5123);
-  json.text(",\"type\":\"SCALAR\",\"count\":").number(tile.indices);
-  json.text(",\"min\":[0],\"max\":[").number(tile.vertices - 1).text("]}");
+  json.text(",\"type\":\"SCALAR\",\"count\":").number(tile.indices).text("}");
 }
 
 void add_node(Json& json, const EncodedTile& tile, double step_mm, int mesh) {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <mutex>
+#include <numeric>
 
 namespace kerf {
 namespace {
@@ -16,33 +16,96 @@ static_assert(std::endian::native == std::endian::little, "glTF is little-endian
 
 /// Steps that a tile may span: below 65536, so that rounding at both ends still fits.
 constexpr double kStepsMax = 65000;
-/// Finer than this share of the pitch, more bits would only carry noise.
-constexpr double kStepMinPitches = 1.0 / 4096;
+/// Halvings of the pitch down to the step. With 256 steps a pitch, the next column is one in the
+/// upper byte of a coordinate and nothing in the lower one, which is what the codec, working
+/// byte by byte, packs best: 128 or 64 steps would take half as many bytes again.
+constexpr int kStepHalvingsMax = 8;
 /// Pitches that a tile's vertices may span: its columns and half a cell on each side, and some.
 constexpr int kTileSpanPitches = kTileSide + 2;
 /// The largest 16-bit index is reserved.
 constexpr std::uint32_t kShortIndexVerticesMax = 65535;
 constexpr float kNormalScale = 127;
+/// Added before a cast cuts off the fraction, so that it rounds down below zero too.
+constexpr std::int32_t kStepBias = 1 << 16;
 
-using Steps = std::array<std::int64_t, 3>;
+constexpr std::uint32_t kNoPlace = std::numeric_limits<std::uint32_t>::max();
 
 template <typename T>
 void put(std::byte* at, T value) {
   std::memcpy(at, &value, sizeof(T));
 }
 
-void encode_positions(const TileMesh& mesh, const MeshQuantization& quantization,
-                      EncodedTile& out) {
-  std::vector<Steps> steps(mesh.positions_mm.size());
+/// What is sent, in the order in which it is sent.
+struct SendOrder {
+  std::vector<std::uint32_t> vertices;  ///< the mesh's vertex at each place
+  std::vector<std::uint32_t> indices;   ///< places, three a triangle
+};
+
+SendOrder order_of_mesh(const TileMesh& mesh) {
+  SendOrder order{std::vector<std::uint32_t>(mesh.positions_mm.size()), mesh.indices};
+  std::iota(order.vertices.begin(), order.vertices.end(), 0U);
+  return order;
+}
+
+/// The order that the codecs pack well: every triangle on an edge of one just before it, vertices
+/// numbered by first use. The mesher goes through its lattice row by row and leaves both triangles
+/// of a quadrangle together, the diagonal first in each, so all that is missing is to begin each
+/// quadrangle with the triangle that lies on the one before: the one whose own corner was used
+/// later. A general search for strips makes more bytes of it and takes ten times as long.
+class RowOrder {
+ public:
+  explicit RowOrder(const TileMesh& mesh) : place_(mesh.positions_mm.size(), kNoPlace) {
+    order_.vertices.reserve(place_.size());
+    order_.indices.reserve(mesh.indices.size());
+    const std::uint32_t* const end = mesh.indices.data() + mesh.indices.size();
+    for (const std::uint32_t* t = mesh.indices.data(); t != end; t += 3) {
+      const bool quadrangle = end - t >= 6 && t[0] == t[3] && t[2] == t[4];
+      if (!quadrangle) {
+        add(t);
+        continue;
+      }
+      // A corner that was not used yet counts as the oldest.
+      const bool swapped = place_[t[5]] + 1 > place_[t[1]] + 1;
+      add(swapped ? t + 3 : t);
+      add(swapped ? t : t + 3);
+      t += 3;
+    }
+  }
+  SendOrder take() { return std::move(order_); }
+
+ private:
+  void add(const std::uint32_t* corners) {
+    for (int n = 0; n < 3; ++n) {
+      std::uint32_t& place = place_[corners[n]];
+      if (place == kNoPlace) {
+        place = static_cast<std::uint32_t>(order_.vertices.size());
+        order_.vertices.push_back(corners[n]);
+      }
+      order_.indices.push_back(place);
+    }
+  }
+
+  std::vector<std::uint32_t> place_;  ///< by vertex of the mesh
+  SendOrder order_;
+};
+
+using Steps = std::array<std::int32_t, 3>;
+
+void encode_positions(const TileMesh& mesh, const SendOrder& order,
+                      const MeshQuantization& quantization, EncodedTile& out) {
+  std::vector<Steps> steps(order.vertices.size());
+  const double per_mm = 1 / quantization.step_mm;
   Steps low, high;
-  low.fill(std::numeric_limits<std::int64_t>::max());
-  high.fill(std::numeric_limits<std::int64_t>::min());
+  low.fill(std::numeric_limits<std::int32_t>::max());
+  high.fill(std::numeric_limits<std::int32_t>::min());
   for (std::size_t v = 0; v < steps.size(); ++v) {
+    const auto& position = mesh.positions_mm[order.vertices[v]];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto mm = static_cast<double>(mesh.positions_mm[v][axis]);
-      steps[v][axis] = static_cast<std::int64_t>(std::floor(mm / quantization.step_mm + 0.5));
-      low[axis] = std::min(low[axis], steps[v][axis]);
-      high[axis] = std::max(high[axis], steps[v][axis]);
+      const double exact = static_cast<double>(position[axis]) * per_mm;
+      const auto step = static_cast<std::int32_t>(exact + (kStepBias + 0.5)) - kStepBias;
+      steps[v][axis] = step;
+      low[axis] = std::min(low[axis], step);
+      high[axis] = std::max(high[axis], step);
     }
   }
   const Vec3& o = quantization.origin_mm;
@@ -50,8 +113,7 @@ void encode_positions(const TileMesh& mesh, const MeshQuantization& quantization
   Steps center{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     center[axis] = (low[axis] + high[axis] + 1) / 2;
-    out.translation_mm[axis] =
-        origin[axis] + static_cast<double>(center[axis]) * quantization.step_mm;
+    out.translation_mm[axis] = origin[axis] + center[axis] * quantization.step_mm;
     out.min[axis] = static_cast<std::int16_t>(low[axis] - center[axis]);
     out.max[axis] = static_cast<std::int16_t>(high[axis] - center[axis]);
   }
@@ -64,31 +126,28 @@ void encode_positions(const TileMesh& mesh, const MeshQuantization& quantization
   }
 }
 
-void encode_normals(const TileMesh& mesh, EncodedTile& out) {
-  out.normals.resize(mesh.normals.size() * EncodedTile::kNormalStride);
-  out.normal_min.fill(127);
-  out.normal_max.fill(-127);
-  for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
+void encode_normals(const TileMesh& mesh, const SendOrder& order, EncodedTile& out) {
+  out.normals.resize(order.vertices.size() * EncodedTile::kNormalStride);
+  std::byte* at = out.normals.data();
+  for (const std::uint32_t v : order.vertices) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto value =
-          static_cast<std::int8_t>(std::lround(mesh.normals[v][axis] * kNormalScale));
-      put(out.normals.data() + v * EncodedTile::kNormalStride + axis, value);
-      out.normal_min[axis] = std::min(out.normal_min[axis], value);
-      out.normal_max[axis] = std::max(out.normal_max[axis], value);
+      const float scaled = mesh.normals[v][axis] * kNormalScale;
+      const auto rounded = static_cast<int>(scaled + (kNormalScale + 0.5F));
+      put(at + axis, static_cast<std::int8_t>(rounded - static_cast<int>(kNormalScale)));
     }
+    at += EncodedTile::kNormalStride;
   }
 }
 
-void encode_indices(const TileMesh& mesh, EncodedTile& out) {
-  out.wide_indices = out.vertices > kShortIndexVerticesMax;
+void encode_indices(const SendOrder& order, EncodedTile& out) {
   const std::size_t stride = out.index_stride();
-  out.index_bytes.resize(mesh.indices.size() * stride);
-  for (std::size_t n = 0; n < mesh.indices.size(); ++n) {
+  out.index_bytes.resize(order.indices.size() * stride);
+  for (std::size_t n = 0; n < order.indices.size(); ++n) {
     std::byte* at = out.index_bytes.data() + n * stride;
     if (out.wide_indices) {
-      put(at, mesh.indices[n]);
+      put(at, order.indices[n]);
     } else {
-      put(at, static_cast<std::uint16_t>(mesh.indices[n]));
+      put(at, static_cast<std::uint16_t>(order.indices[n]));
     }
   }
 }
@@ -98,45 +157,26 @@ std::vector<std::byte> compressed_vertices(const std::vector<std::byte>& raw, st
   std::vector<std::byte> out(meshopt_encodeVertexBufferBound(count, stride));
   out.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(),
                                         raw.data(), count, stride));
+  out.shrink_to_fit();  // tiles are kept
   return out;
 }
 
-/// The same mesh with triangles in strips and vertices in the order of their use: that is what the
-/// codecs compress well (half of the bytes here), for a quarter of the time that the mesh took.
-TileMesh in_strip_order(const TileMesh& mesh) {
-  const std::size_t vertices = mesh.positions_mm.size();
-  TileMesh out;
-  out.tile = mesh.tile;
-  out.indices.resize(mesh.indices.size());
-  meshopt_optimizeVertexCacheStrip(out.indices.data(), mesh.indices.data(), mesh.indices.size(),
-                                   vertices);
-  std::vector<std::uint32_t> place(vertices);
-  meshopt_optimizeVertexFetchRemap(place.data(), out.indices.data(), out.indices.size(), vertices);
-  out.positions_mm.resize(vertices);
-  out.normals.resize(vertices);
-  for (std::size_t v = 0; v < vertices; ++v) {
-    out.positions_mm[place[v]] = mesh.positions_mm[v];
-    out.normals[place[v]] = mesh.normals[v];
-  }
-  for (std::uint32_t& index : out.indices) index = place[index];
+std::vector<std::byte> compressed_indices(const SendOrder& order) {
+  const std::vector<std::uint32_t>& indices = order.indices;
+  std::vector<std::byte> out(meshopt_encodeIndexBufferBound(indices.size(), order.vertices.size()));
+  out.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(),
+                                       indices.data(), indices.size()));
+  out.shrink_to_fit();
   return out;
 }
 
-void compress(const TileMesh& mesh, EncodedTile& out) {
-  // EXT_meshopt_compression fixes these versions of the two codecs; the library keeps them
-  // globally.
+/// EXT_meshopt_compression fixes these versions of the two codecs; the library keeps them globally.
+void fix_codec_versions() {
   static std::once_flag versions_set;
   std::call_once(versions_set, [] {
     meshopt_encodeVertexVersion(0);
     meshopt_encodeIndexVersion(1);
   });
-  out.compression = TileCompression::kMeshopt;
-  out.positions = compressed_vertices(out.positions, out.vertices, EncodedTile::kPositionStride);
-  out.normals = compressed_vertices(out.normals, out.vertices, EncodedTile::kNormalStride);
-  out.index_bytes.resize(meshopt_encodeIndexBufferBound(out.indices, out.vertices));
-  out.index_bytes.resize(
-      meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(out.index_bytes.data()),
-                                out.index_bytes.size(), mesh.indices.data(), mesh.indices.size()));
 }
 
 }  // namespace
@@ -144,10 +184,9 @@ void compress(const TileMesh& mesh, EncodedTile& out) {
 MeshQuantization mesh_quantization(const DexelGrid& grid) {
   const double span =
       std::max(grid.height_quanta * grid.z_quantum_mm, kTileSpanPitches * grid.pitch_mm);
-  const double step_min = std::max(span / kStepsMax, grid.pitch_mm * kStepMinPitches);
-  double step = 1;
-  while (step < step_min) step *= 2;
-  while (step / 2 >= step_min) step /= 2;
+  double step = grid.pitch_mm;
+  for (int n = 0; n < kStepHalvingsMax && 2 * span <= step * kStepsMax; ++n) step /= 2;
+  while (span > step * kStepsMax) step *= 2;
   return {grid.origin_mm, step};
 }
 
@@ -157,15 +196,22 @@ EncodedTile encode_tile(const TileMesh& mesh, const MeshQuantization& quantizati
   out.tile = mesh.tile;
   out.version = version;
   if (mesh.indices.empty()) return out;
+  out.compression = compression;
   out.vertices = static_cast<std::uint32_t>(mesh.positions_mm.size());
   out.indices = static_cast<std::uint32_t>(mesh.indices.size());
+  out.wide_indices = out.vertices > kShortIndexVerticesMax;
   const bool packed = compression == TileCompression::kMeshopt;
-  const TileMesh ordered = packed ? in_strip_order(mesh) : TileMesh{};
-  const TileMesh& source = packed ? ordered : mesh;
-  encode_positions(source, quantization, out);
-  encode_normals(source, out);
-  encode_indices(source, out);
-  if (packed) compress(source, out);
+  const SendOrder order = packed ? RowOrder(mesh).take() : order_of_mesh(mesh);
+  encode_positions(mesh, order, quantization, out);
+  encode_normals(mesh, order, out);
+  if (!packed) {
+    encode_indices(order, out);
+    return out;
+  }
+  fix_codec_versions();
+  out.positions = compressed_vertices(out.positions, out.vertices, EncodedTile::kPositionStride);
+  out.normals = compressed_vertices(out.normals, out.vertices, EncodedTile::kNormalStride);
+  out.index_bytes = compressed_indices(order);
   return out;
 }
 

@@ -83,9 +83,9 @@ std::vector<TileMesh> measure(const char* name, const SolidSnapshot& snapshot) {
   std::printf("  mesh   %8.2f M triangles/s %8.0f tiles/s %7.0f us/tile\n",
               1e-6 * static_cast<double>(triangles) / (meshed - start), tiles / (meshed - start),
               1e6 * (meshed - start) / tiles);
-  std::printf("  encode %8.0f tiles/s, %8.0f bytes/tile; GLB of all: %.2f MB in %.1f ms\n",
+  std::printf("  encode %8.0f tiles/s, %8.0f bytes/tile; GLB of all: %.0f bytes/tile in %.1f ms\n",
               tiles / (done - meshed), static_cast<double>(bytes) / tiles,
-              1e-6 * static_cast<double>(glb_bytes), 1e3 * glb_seconds);
+              static_cast<double>(glb_bytes) / tiles, 1e3 * glb_seconds);
   return meshes;
 }
 

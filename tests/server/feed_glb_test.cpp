@@ -34,7 +34,7 @@ std::vector<std::byte> glb_of(const std::vector<EncodedTile>& tiles, const Dexel
   return write_mesh_glb(pointers, mesh_quantization(grid), 3, 12);
 }
 
-TEST(MeshQuantization, FitsEveryTileAndIsAPowerOfTwo) {
+TEST(MeshQuantization, HalvesThePitchAsOftenAsEveryTileFits) {
   for (const double pitch : {0.01, 0.1, 0.25, 3.0}) {
     for (const double height : {0.5, 50.0, 900.0}) {
       DexelGrid grid;
@@ -43,7 +43,9 @@ TEST(MeshQuantization, FitsEveryTileAndIsAPowerOfTwo) {
       grid.height_quanta = static_cast<std::int32_t>(std::min(height, 1000.0) / grid.z_quantum_mm);
       const double step = mesh_quantization(grid).step_mm;
       int exponent = 0;
-      EXPECT_EQ(std::frexp(step, &exponent), 0.5);
+      EXPECT_EQ(std::frexp(pitch / step, &exponent), 0.5);
+      EXPECT_GE(step, pitch / 256);
+      EXPECT_TRUE(step == pitch / 256 || std::max(height, 34 * pitch) / step > 65000 / 2);
       EXPECT_LE(height / step, 65535);
       EXPECT_LE((kTileSide + 2) * pitch / step, 65535);
     }

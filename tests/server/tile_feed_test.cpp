@@ -75,14 +75,14 @@ class TileFeedTest : public ::testing::Test {
 };
 
 TEST_F(TileFeedTest, FirstSnapshotComesInPartsAndMarksItsEnd) {
-  TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 8192});
+  TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 4096});
   const ViewerId viewer = feed.add_viewer();
   Screen screen;
   std::vector<std::uint8_t> flags;
   while (auto frame = feed.next_frame(viewer)) {
     flags.push_back(frame->flags);
     screen.apply(*frame);
-    EXPECT_LT(frame->glb->size(), 3 * 8192U);
+    EXPECT_LT(frame->glb->size(), 3 * 4096U);
     ASSERT_TRUE(feed.ack(viewer, frame->sequence));
   }
   ASSERT_GT(flags.size(), 3U);

@@ -133,8 +133,12 @@ inline std::vector<std::array<std::array<double, 6>, 3>> triangles_of(const Deco
       const Vec3 n = tile.normals.at(tile.indices[t + c]);
       triangle[c] = {p.x, p.y, p.z, n.x, n.y, n.z};
     }
-    std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()),
-                triangle.end());
+    // The smallest of its three turns: two corners may lie on one place of the lattice.
+    auto turned = triangle;
+    for (int turn = 0; turn < 2; ++turn) {
+      std::rotate(turned.begin(), turned.begin() + 1, turned.end());
+      triangle = std::min(triangle, turned);
+    }
   }
   std::sort(triangles.begin(), triangles.end());
   return triangles;
