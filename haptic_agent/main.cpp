@@ -1,8 +1,15 @@
+#include <iostream>
+#include <string_view>
+
+#include "haptic_agent/doctor/doctor.h"
 #include "haptic_agent/options.h"
-#include "haptic_agent/run_agent.h"
+#include "haptic_agent/run_agents.h"
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "doctor") {
+    return kerf::agent::run_doctor(argc - 1, argv + 1, std::cout);
+  }
   auto options = kerf::agent::read_options(argc, argv);
   if (!options) return options.error().code;
-  return kerf::agent::run_agent(*std::move(options));
+  return kerf::agent::run_agents(*std::move(options));
 }

@@ -55,7 +55,7 @@ CLI::Validator number_in(double least, double most) {
 
 struct Texts {
   std::string server = "http://localhost:8080";
-  std::string device;
+  std::vector<std::string> devices;
 };
 
 void describe(CLI::App& app, Options& options, Texts& texts) {
@@ -65,10 +65,10 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
       ->required()
       ->check(CLI::Validator(check_session, "ID"));
   app.add_option(
-         "--device", texts.device,
+         "--device", texts.devices,
          "usb, falcon[:FIRMWARE_FILE], spacemouse: a device on USB; sim: a simulated hand that "
          "carves a figure; sim:FILE: it follows an .apt, .cls or .csv path; replay:FILE: the path "
-         "exactly, without a hand")
+         "exactly, without a hand. Given several times, each joins as a participant of its own")
       ->required();
   app.add_option("--name", options.link.hello.name, "who you are for the others")
       ->check(CLI::Validator(check_name, "NAME"));
@@ -118,9 +118,13 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   auto server = parse_server_url(texts.server);
   if (!server) return complain("--server: " + server.error());
   options.link.server = *std::move(server);
-  auto device = choose_device(texts.device);
-  if (!device) return complain(device.error());
-  options.device = *std::move(device);
+  for (const std::string& text : texts.devices) {
+    auto device = choose_device(text);
+    if (!device) return complain(device.error());
+    options.more_devices.push_back(*std::move(device));
+  }
+  options.device = std::move(options.more_devices.front());
+  options.more_devices.erase(options.more_devices.begin());
   return options;
 }
 

@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <string>
+#include <vector>
 
 #include "haptic_agent/device/device_choice.h"
 #include "haptic_agent/link/server_link.h"
@@ -13,6 +14,8 @@ namespace kerf::agent {
 struct Options {
   LinkSettings link;
   DeviceChoice device;
+  /// Further devices, each of which joins as a participant of its own.
+  std::vector<DeviceChoice> more_devices;
   DeviceOptions device_options;
   WrenchLimits limits;
   double duration_s = 0;

@@ -46,6 +46,8 @@ const std::vector<Room>& rooms() {
        {"server/wire", "haptic_agent/servo/latest_value.h", "haptic_agent/servo/realtime.h"}},
       {"haptic_agent/servo", {"server/wire", "haptic_agent/device"}},
       {"haptic_agent/link", {"server/wire", "haptic_agent/device", "haptic_agent/servo"}},
+      {"haptic_agent/doctor",
+       {"haptic_agent/device", "haptic_agent/servo", "haptic_agent/link/server_url.h"}},
       {"haptic_agent/demo", {"kernel/math"}},
       {"haptic_agent", {"server/wire"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
@@ -82,7 +84,8 @@ const std::vector<Library>& libraries() {
       {{"prometheus/"}, true, {"server/net", "server/main.cpp"}, "metrics leave through the net"},
       {{"CLI/"},
        false,
-       {"server/main.cpp", "server/carve", "haptic_agent/main.cpp", "haptic_agent/options.cpp"},
+       {"server/main.cpp", "server/carve", "haptic_agent/main.cpp", "haptic_agent/options.cpp",
+        "haptic_agent/doctor"},
        "the command line belongs to the programs"},
       {{"libusb"}, false, {"haptic_agent/device"}, "USB is one of the devices"},
   };

@@ -1,0 +1,123 @@
+#include <netdb.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/doctor/checks.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr int kTimeoutMs = 3000;
+constexpr int kConnections = 9;
+/// Beyond this a person carving feels the delay of the server's force (haptics hurt before vision).
+constexpr std::uint64_t kPromptUs = 25'000;
+
+class Socket {
+ public:
+  explicit Socket(int fd) : fd_(fd) {}
+  ~Socket() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
+
+bool ready(int fd, short events) {
+  pollfd waited{.fd = fd, .events = events, .revents = 0};
+  return poll(&waited, 1, kTimeoutMs) == 1;
+}
+
+/// Empty: connected.
+std::string connect_to(const addrinfo& address, int fd) {
+  if (connect(fd, address.ai_addr, address.ai_addrlen) == 0) return {};
+  if (errno != EINPROGRESS) return std::generic_category().message(errno);
+  if (!ready(fd, POLLOUT)) return "no answer";
+  int error = 0;
+  socklen_t size = sizeof error;
+  getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error == 0 ? std::string() : std::generic_category().message(error);
+}
+
+/// The first line of the answer to GET /healthz.
+std::string ask_health(int fd, const ServerUrl& server) {
+  const std::string request =
+      join({"GET /healthz HTTP/1.1\r\nHost: ", server.host, "\r\nConnection: close\r\n\r\n"});
+  if (send(fd, request.data(), request.size(), MSG_NOSIGNAL) < 0 || !ready(fd, POLLIN)) return {};
+  std::array<char, 256> answer{};
+  const auto got = recv(fd, answer.data(), answer.size(), 0);
+  if (got <= 0) return {};
+  const std::string text(answer.data(), static_cast<std::size_t>(got));
+  return text.substr(0, text.find('\r'));
+}
+
+Finding unreachable(const ServerUrl& server, const std::string& reason) {
+  return {
+      .health = Health::kBad,
+      .what = join({"the server ", server.host, ":", server.port, " cannot be reached: ", reason}),
+      .advice = {"is kerf-server running there, and does a firewall let this machine in?"}};
+}
+
+}  // namespace
+
+Finding check_server(const ServerUrl& server) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (const int code = getaddrinfo(server.host.c_str(), server.port.c_str(), &hints, &found);
+      code != 0) {
+    return unreachable(server, gai_strerror(code));
+  }
+  const Addresses addresses(found, freeaddrinfo);
+  std::vector<std::uint64_t> times_us;
+  std::string health;
+  for (int i = 0; i < kConnections; ++i) {
+    std::string reason = "no address";
+    for (const addrinfo* at = addresses.get(); at != nullptr; at = at->ai_next) {
+      const Socket socket(
+          ::socket(at->ai_family, at->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, at->ai_protocol));
+      const std::uint64_t start_us = monotonic_us();
+      reason = connect_to(*at, socket.fd());
+      if (!reason.empty()) continue;
+      times_us.push_back(monotonic_us() - start_us);
+      if (i == 0) health = ask_health(socket.fd(), server);
+      break;
+    }
+    if (!reason.empty()) return unreachable(server, reason);
+  }
+  if (health.find(" 200") == std::string::npos) {
+    return {
+        .health = Health::kBad,
+        .what = join({"what answers at ", server.host, ":", server.port,
+                      " is no healthy kerf-server (", health.empty() ? "silence" : health, ")"})};
+  }
+  std::ranges::sort(times_us);
+  const std::uint64_t middle_us = times_us[times_us.size() / 2];
+  Finding finding{.what = join({"the server ", server.host, ":", server.port,
+                                " is well; round trip ", std::to_string(middle_us), " us, at most ",
+                                std::to_string(times_us.back()), " us"})};
+  if (middle_us > kPromptUs) {
+    finding.health = Health::kWarning;
+    finding.advice = {"above 25 ms a hand feels the delay; a server nearer by feels better"};
+  }
+  return finding;
+}
+
+}  // namespace kerf::agent

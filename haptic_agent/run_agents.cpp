@@ -1,0 +1,75 @@
+#include "haptic_agent/run_agents.h"
+
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <string>
+#include <utility>
+
+#include "haptic_agent/run_agent.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr int kFailed = 1;
+
+/// The exit code of a process that was waited for.
+int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : kFailed; }
+
+/// Waits until all have ended, and passes on what ends them.
+int supervise(std::vector<pid_t> children, const sigset_t& signals) {
+  int worst = 0;
+  while (!children.empty()) {
+    const int signal = sigwaitinfo(&signals, nullptr);
+    if (signal == SIGINT || signal == SIGTERM) {
+      for (const pid_t child : children) kill(child, SIGTERM);
+    }
+    int status = 0;
+    for (pid_t ended = 0; (ended = waitpid(-1, &status, WNOHANG)) > 0;) {
+      if (std::erase(children, ended) > 0) worst = std::max(worst, code_of(status));
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::vector<Options> split_options(const Options& options) {
+  std::vector<Options> all(1, options);
+  all.front().more_devices.clear();
+  for (std::size_t i = 0; i < options.more_devices.size(); ++i) {
+    const std::string number = std::to_string(i + 2);
+    Options one = all.front();
+    one.device = options.more_devices[i];
+    if (!one.link.hello.name.empty()) one.link.hello.name += " " + number;
+    if (!one.status_json.empty() && one.status_json != "-") one.status_json += "." + number;
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+int run_agents(Options options) {
+  if (options.more_devices.empty()) return run_agent(std::move(options));
+  sigset_t signals{}, before{};
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGCHLD}) sigaddset(&signals, signal);
+  sigprocmask(SIG_BLOCK, &signals, &before);
+  std::vector<pid_t> children;
+  for (Options& one : split_options(options)) {
+    const pid_t child = fork();
+    if (child == 0) {
+      // A hand must not go on carving when the program that was started is gone.
+      prctl(PR_SET_PDEATHSIG, SIGTERM);
+      sigprocmask(SIG_SETMASK, &before, nullptr);
+      _exit(run_agent(std::move(one)));
+    }
+    if (child > 0) children.push_back(child);
+  }
+  return supervise(std::move(children), signals);
+}
+
+}  // namespace kerf::agent
