@@ -34,7 +34,7 @@ class UsbPort::Worker {
   explicit Worker(UsbPort& port) : port_(port) {}
   ~Worker() {
     hang_up();
-    if (context_ != nullptr) libusb_exit(context_);
+    end();
   }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -50,9 +50,12 @@ class UsbPort::Worker {
       hang_up();
       if (wait(pause_us)) {
         pause_us = port_.settings_.first_pause_us;
-      } else {
-        pause_us = std::min(2 * pause_us, port_.settings_.longest_pause_us);
+        continue;
       }
+      pause_us = std::min(2 * pause_us, port_.settings_.longest_pause_us);
+      // Where no udev daemon tells of new devices (a container), only a new context sees them.
+      end();
+      if (!begin()) return;
     }
   }
 
@@ -75,6 +78,11 @@ class UsbPort::Worker {
                                        this, nullptr);
     }
     return true;
+  }
+
+  void end() {
+    if (context_ != nullptr) libusb_exit(context_);
+    context_ = nullptr;
   }
 
   static int LIBUSB_CALL arrived(libusb_context*, libusb_device*, libusb_hotplug_event,
