@@ -24,7 +24,8 @@ struct SideSpan {
 /// belongs to the tool.
 struct ConeSide {
   double anchor, low, high, r0, slope;
-  double flank;  ///< cosine of the slope
+  double flank;      ///< cosine of the slope
+  double by_chord2;  ///< about how deep a ray is in the side, by the square of its chord
 
   explicit ConeSide(const FrustumPiece& p)
       : anchor(p.z0_mm),
@@ -32,7 +33,8 @@ struct ConeSide {
         high(p.z1_mm - p.z0_mm),
         r0(p.r0_mm),
         slope((p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm)),
-        flank(1 / std::sqrt(1 + slope * slope)) {}
+        flank(1 / std::sqrt(1 + slope * slope)),
+        by_chord2(0.125 / std::max(p.r0_mm, p.r1_mm)) {}
 
   /// `along` = x u_x + y u_y.
   KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
@@ -91,7 +93,7 @@ struct ConeSide {
 /// = √(m² + l²) − radius = 0, m the distance from the tool's axis less center_r, not below zero. F
 /// is convex along a ray, so Newton's method from outside closes in on its ends monotonically.
 struct ArcSide {
-  double anchor, low, high, center_r, radius, reach;
+  double anchor, low, high, center_r, radius, reach, by_chord2;
 
   explicit ArcSide(const ArcPiece& p)
       : anchor(p.center_z_mm),
@@ -101,7 +103,8 @@ struct ArcSide {
         radius(p.radius_mm),
         reach(p.center_r_mm >= 0 ? p.center_r_mm + p.radius_mm
                                  : std::sqrt(std::max(0.0, p.radius_mm * p.radius_mm -
-                                                               p.center_r_mm * p.center_r_mm))) {}
+                                                               p.center_r_mm * p.center_r_mm))),
+        by_chord2(0.125 / reach) {}
 
   KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
     const Lanes p2 = x * x + y * y;

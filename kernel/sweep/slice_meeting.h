@@ -21,15 +21,39 @@ struct Meeting {
   LaneMask hit;
   Lanes side_lo, side_hi;  ///< of the side, continued beyond the discs; lo > hi where it is missed
   LaneMask on_side;        ///< of hits: the end lies on the side, not on a disc
+  Lanes within;   ///< how far the side's end is between the discs, along the ray; < 0 beyond one
+  Lanes through;  ///< how far the ray is from being missed; < 0 by how much it is
   /// > 0: later in the motion the end lies farther out, or the piece is nearer to the ray; < 0: it
   /// was so earlier.
   Lanes advance;
+  Lanes beyond;     ///< advance of the other surface, disc or side, that may end rays here; 0: none
   Lanes clearance;  ///< the piece is at least this far from the ray; 0 where it is hit
-                    ///< or where only a hidden disc is missed
   Lanes off_side;   ///< of a ray that the side misses between the discs: how far it stays off it
   Lanes upright;    ///< advance / upright is how fast the end moves along the ray; 0 where missed
   Lanes normal2;    ///< square of the length of the normal that both are measured along
 };
+
+/// How far at least rays that miss the piece are off it. `p` is the point that decides, at the
+/// height `l` on the axis u; the side's normal there has the component nz along the rays.
+template <class Side>
+KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& span,
+                                const Vec3Lanes& p, const Vec3Lanes& u, Lanes l, Lanes nz,
+                                LaneMask steep) {
+  const LaneMask by_side = ~m.hit & (steep | ~span.exists);
+  const Lanes off_side = side.clearance(p, l, u);
+  m.off_side = select(by_side & (off_side > 0.0), off_side, Lanes(0));
+  // Beyond a disc the ray comes nearer to the side by its length at most, and leaves the disc by
+  // its slope; beyond the side's end the other way round.
+  const Lanes slope = magnitude(u.z);
+  const Lanes past_disc = off_side * (slope / (1 + slope));
+  const Lanes off_disc = greater(side.low - l, l - side.high);
+  const Lanes leaves = magnitude(nz) / square_root(m.normal2);
+  const Lanes past_end = off_disc * (leaves / (leaves + slope));
+  const LaneMask passes = ~span.exists & (p.z == span.closest);
+  const Lanes least = select(passes, off_side, select(by_side, past_disc, past_end));
+  m.clearance = select(~m.hit & (least > 0.0), least, Lanes(0));
+  m.through = select(span.exists, m.through, -off_side);
+}
 
 /// `x`, `y` relative to the middle tip.
 template <End end, class Side>
@@ -72,6 +96,14 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   Meeting m;
   m.hit = hit;
   m.on_side = on_side;
+  const Lanes side_end = end == End::kLower ? span.in : span.out;
+  const Lanes above_in = side_end - disc_in, below_out = disc_out - side_end;
+  m.within = lesser(above_in, below_out);
+  // Near the other disc the ray leaves the piece.
+  const LaneMask ends_here = end == End::kLower ? above_in < below_out : below_out < above_in;
+  const Lanes chord = span.out - span.in;
+  const Lanes by_discs = lesser(span.out - disc_in, disc_out - span.in);
+  m.through = lesser(by_discs, chord * chord * side.by_chord2) * (u.x * u.x + u.y * u.y);
   const Lanes middle = pose.tip.z + anchor.z;
   const Lanes none = std::numeric_limits<double>::infinity();
   m.side_lo = middle + select(span.exists, span.in, none);
@@ -79,24 +111,12 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   m.lo = middle + select(hit, in, t);
   m.hi = middle + select(hit, out, t);
   m.advance = select(hit, select(on_side, side_speed, disc_speed), gap_speed);
+  m.beyond = select(ends_here, select(on_side, disc_speed, side_speed), Lanes(0));
   m.upright = select(hit, select(on_side, n.z, u.z), Lanes(0));
   m.normal2 = select(hit & ~on_side, Lanes(1), dot(n, n));
   m.clearance = m.off_side = Lanes(0);
-  // Past a hidden disc a neighbour is met: nobody asks how far away that disc is.
-  if (!any(path.search.shows_disc ? ~hit : ~span.exists)) return m;
-  const LaneMask by_side = ~hit & (steep | ~span.exists);
-  const Lanes off_side = side.clearance(p, l, u);
-  m.off_side = select(by_side & (off_side > 0.0), off_side, Lanes(0));
-  // Beyond a disc the ray comes nearer to the side by its length at most, and leaves the disc by
-  // its slope; beyond the side's end the other way round.
-  const Lanes slope = magnitude(u.z);
-  const Lanes past_disc = off_side * (slope / (1 + slope));
-  const Lanes off_disc = greater(side.low - l, l - side.high);
-  const Lanes leaves = magnitude(n.z) / square_root(m.normal2);
-  const Lanes past_end = off_disc * (leaves / (leaves + slope));
-  const LaneMask passes = ~span.exists & (t == span.closest);
-  const Lanes least = select(passes, off_side, select(by_side, past_disc, past_end));
-  m.clearance = select(~hit & (least > 0.0), least, Lanes(0));
+  if (!any(~hit)) return m;
+  note_clearance(m, side, span, p, u, l, n.z, steep);
   return m;
 }
 

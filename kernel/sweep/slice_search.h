@@ -65,26 +65,52 @@ KERF_INLINE Searches searches_of(const SlicePath& path, const Stretch& stretch, 
   return s;
 }
 
-/// Searches a stretch: regula falsi in the Illinois variant with halvings, halving alone where the
-/// surface changes. Every hit on the way widens `span`. Returns where it ended.
+/// What is zero at the place that is searched, as far as is known at one side of it.
+struct Sought {
+  Lanes advance, within, through;
+
+  KERF_INLINE explicit Sought(const Meeting& m)
+      : advance(m.advance), within(m.within), through(m.through) {}
+  /// In the lanes `moved` that is `m` now; in the lanes `stayed` it counts half, so that the other
+  /// side moves too.
+  KERF_INLINE void move(LaneMask moved, LaneMask stayed, const Meeting& m) {
+    const Lanes share = select(stayed, Lanes(0.5), Lanes(1));
+    advance = select(moved, m.advance, advance * share);
+    within = select(moved, m.within, within * share);
+    through = select(moved, m.through, through * share);
+  }
+};
+
+/// Where between a and b a straight line is zero: from the one to the other the ray is missed or
+/// met, or its end changes between side and disc, or else it turns round.
+KERF_INLINE Lanes falsi(Lanes a, Lanes b, const Sought& fa, const Sought& fb) {
+  const LaneMask enters = fa.through * fb.through < 0.0, crosses = fa.within * fb.within < 0.0;
+  const Lanes f = select(enters, fa.through, select(crosses, fa.within, fa.advance));
+  const Lanes g = select(enters, fb.through, select(crosses, fb.within, fb.advance));
+  return a + (b - a) * (f / (f - g));
+}
+
+/// Searches a stretch: regula falsi in the Illinois variant with halvings. Every hit on the way
+/// widens `span`. Returns where it ended.
 template <End end, class Side>
 KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                          const Stretch& stretch, const Searches& what, LaneSpan& span) {
   Lanes a = Lanes(stretch.from), b = Lanes(stretch.to);
-  Lanes fa = stretch.first.advance, fb = stretch.last.advance;
+  Sought fa(stretch.first), fb(stretch.last);
+  LaneMask was_later = ~every_lane(), was_earlier = was_later;
   const Lanes way = (stretch.to - stretch.from) * path.speed_max_mm;
   Lanes length = stretch.to - stretch.from;
   LaneMask searching = what.all() & (stretch.first.clearance + stretch.last.clearance <= way);
   Lanes at = a;
   for (int i = 0; i < kSearchSteps && any(searching); ++i) {
-    const Lanes falsi = a + (b - a) * (fa / (fa - fb));
-    LaneMask usable = what.turn & (falsi > a) & (falsi < b);
+    const Lanes guess = falsi(a, b, fa, fb);
+    LaneMask usable = (guess > a) & (guess < b);
     // Every third step sees whether the stretch has become half as long, and halves it if not.
     if (i % 3 == 2) {
       usable &= b - a <= 0.5 * length;
       length = b - a;
     }
-    const Lanes s = select(usable, falsi, (a + b) * 0.5);
+    const Lanes s = select(usable, guess, (a + b) * 0.5);
     Meeting m = meet<end>(side, path, x, y, s);
     at = select(searching, s, at);
     const LaneMask outwards = m.advance > 0.0, inwards = m.advance < 0.0;
@@ -94,18 +120,28 @@ KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes
                            (what.edge & ~(m.hit ^ stretch.first.hit));
     m.hit &= searching;
     include_end<end>(span, m);
-    fa = select(later, m.advance, fa * 0.5);
-    fb = select(later, fb * 0.5, m.advance);
+    const LaneMask crosses = ~what.edge & (fa.within * fb.within < 0.0);
+    const Lanes first_within = fa.within;
+    fa.move(later, ~later & was_earlier, m);
+    fb.move(~later, later & was_later, m);
+    was_later = later;
+    was_earlier = ~later;
     a = select(later, s, a);
     b = select(later, b, s);
     // By convexity the end cannot move farther along the ray than at its present speed, nor off the
-    // surface than the piece moves at all.
+    // surface than the piece moves at all. Where it goes outwards on the one of side and disc and
+    // inwards on the other, it is outermost where they meet: between the two.
     const Lanes left = select(later, b - s, s - a);
+    const LaneMask as_first = m.within * first_within > 0.0;
+    const LaneMask turns =
+        (as_first & outwards & (m.beyond < 0.0)) | (~as_first & inwards & (m.beyond > 0.0));
+    const LaneMask at_rim =
+        m.hit & crosses & turns & (magnitude(m.within) <= path.search.search_mm);
     const LaneMask far =
         (magnitude(m.advance * left) > path.search.search_mm * magnitude(m.upright)) |
         (what.first & ~later) | (what.last & later) | what.edge;
     const Lanes reach = (b - a) * path.speed_max_mm;
-    searching &= far & (reach > path.search.search_mm) & (m.clearance <= reach);
+    searching &= far & ~at_rim & (reach > path.search.search_mm) & (m.clearance <= reach);
   }
   return at;
 }

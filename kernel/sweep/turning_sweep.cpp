@@ -43,23 +43,32 @@ KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes adv
   return greater(m.off_side / closing, m.clearance / path.speed_max_mm);
 }
 
-/// Rays whose stretch is to be halved: those that the piece may meet, leave or come back to, that
-/// is all but those that are inside at both stations without a gap between, and those that cannot
-/// be reached from either. What crosses a hidden disc is in a neighbour: only the side counts then.
-/// From the level on that the bend asks for, only those that are inside at both, but apart.
-KERF_INLINE LaneMask ragged(const SlicePath& path, const Stretch& stretch, LaneMask asked,
+/// What is done about the rays of a stretch.
+struct Division {
+  LaneMask halved, searched;
+};
+
+/// Halved are the rays that the piece may meet, leave or come back to, that is all but those that
+/// are inside at both stations without a gap between, and those that cannot be reached from either:
+/// nothing is searched there. What crosses a hidden disc is in a neighbour: only the side counts
+/// then. From the level on that the bend asks for, only those that are inside at both, but apart.
+KERF_INLINE Division divide(const SlicePath& path, const Stretch& stretch, LaneMask asked,
                             double top, int level) {
   const Meeting &first = stretch.first, &last = stretch.last;
   const LaneMask inside = first.hit & last.hit;
   const LaneMask overlap = (first.lo <= last.hi) & (last.lo <= first.hi);
-  if (level >= path.search.halvings) return asked & inside & ~overlap;
+  if (level >= path.search.halvings) {
+    const LaneMask halved = level < kHalvingsMax ? asked & inside & ~overlap : ~every_lane();
+    return {halved, asked & ~halved};
+  }
   const LaneMask sides = (first.side_lo <= last.side_hi) & (last.side_lo <= first.side_hi);
   const LaneMask gap = asked & ~(path.search.shows_disc ? inside & overlap : sides);
-  if (!any(gap)) return gap;
+  if (!any(gap)) return {gap, asked};
   const double length = stretch.to - stretch.from;
   const Lanes from_first = least_share(path, first, first.advance, top, length);
   const Lanes from_last = least_share(path, last, -last.advance, top, length);
-  return gap & (from_first + from_last <= length);
+  const LaneMask reached = from_first + from_last <= length;
+  return {gap & reached, asked & (~gap | first.hit | last.hit) & ~(gap & reached)};
 }
 
 /// Where a row was met, and the rays that are asked up to there from the station before.
@@ -81,16 +90,17 @@ KERF_INLINE void evaluate_stretch(const Side& side, const SlicePath& path, Lanes
   for (int count = 1; count > 0;) {
     Station& last = waiting[count - 1];
     const Stretch s{first.share, last.share, first.met, last.met};
-    const LaneMask halved =
-        last.level < kHalvingsMax ? ragged(path, s, last.asked, top, last.level) : ~every_lane();
-    const LaneMask rest = last.asked & ~halved;
-    if (any(rest)) add_span(block, row, z, sweep_stretch(side, path, x, y, s, rest, top), rest);
-    if (any(halved)) {
+    const Division rays = divide(path, s, last.asked, top, last.level);
+    if (any(rays.searched)) {
+      const LaneSpan span = sweep_stretch(side, path, x, y, s, rays.searched, top);
+      add_span(block, row, z, span, rays.searched);
+    }
+    if (any(rays.halved)) {
       ++last.level;
-      last.asked = halved;
+      last.asked = rays.halved;
       const double share = (s.from + s.to) * 0.5;
       const Meeting met = meet<End::kLower>(side, path, x, y, share);
-      waiting[count++] = Station{share, last.level, halved, met};
+      waiting[count++] = Station{share, last.level, rays.halved, met};
     } else {
       first = last;
       --count;
@@ -106,16 +116,17 @@ KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, ColumnBl
   for (int row = 0; row < kBlockSide; ++row) {
     if ((block.rows >> row & 1) == 0) continue;
     const Lanes y = block.y_mm[row] - path.frame.tip.y;
-    const LaneMask open = block.open(row);
-    for (int part = 0; part <= parts; ++part) {
+    LaneMask open = block.open(row);
+    first = Station{0, 0, open, meet<End::kLower>(side, path, x, y, 0)};
+    if (!any(open & first.met.hit)) {
+      const double top = block.top_mm - path.frame.tip.z;
+      open &= least_share(path, first.met, first.met.advance, top, 1) <= 1.0;
+      if (!any(open)) continue;
+    }
+    for (int part = 1; part <= parts; ++part) {
       const double share = double(part) / parts;
-      const Meeting met = meet<End::kLower>(side, path, x, y, share);
-      waiting[0] = Station{share, 0, open, met};
-      if (part == 0) {
-        first = waiting[0];
-      } else {
-        evaluate_stretch(side, path, x, y, first, waiting, row, block);
-      }
+      waiting[0] = Station{share, 0, open, meet<End::kLower>(side, path, x, y, share)};
+      evaluate_stretch(side, path, x, y, first, waiting, row, block);
     }
   }
 }
