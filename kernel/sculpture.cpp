@@ -1,13 +1,13 @@
 #include "kernel/sculpture.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <optional>
 #include <span>
 
 #include "kernel/cut/changed_tiles.h"
 #include "kernel/cut/cut.h"
+#include "kernel/cut/owed_normals.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/mesh_stock.h"
 #include "kernel/dexel/stock_column.h"
@@ -174,6 +174,7 @@ Sculpture::Sculpture(SculptureSettings settings)
     }
     stock_volume_mm3_ += fields_.back().stock_volume_mm3();
   }
+  normals_.resize(fields_.size());
   stock_volume_mm3_ /= double(fields_.size());
   settings_.stock_mesh.reset();
 }
@@ -199,19 +200,17 @@ bool Sculpture::has_field(RayAxis axis) const {
   return std::ranges::any_of(fields_, [axis](auto& f) { return f.grid().axis == axis; });
 }
 
-DexelField& Sculpture::field(RayAxis axis) {
-  const auto found =
-      std::ranges::find_if(fields_, [axis](auto& f) { return f.grid().axis == axis; });
-  assert(found != fields_.end());
-  return *found;
-}
-
 const Tool* Sculpture::tool(ToolId id) const {
   const auto it = tools_.find(id);
   return it == tools_.end() ? nullptr : &it->second;
 }
 
-DexelSnapshot Sculpture::snapshot(RayAxis axis) { return field(axis).snapshot(); }
+DexelSnapshot Sculpture::snapshot(RayAxis axis) {
+  std::size_t n = 0;
+  while (fields_[n].grid().axis != axis) ++n;
+  normals_[n].pay(fields_[n]);
+  return fields_[n].snapshot();
+}
 
 std::size_t Sculpture::memory_bytes() const {
   std::size_t bytes = 0;
@@ -221,7 +220,7 @@ std::size_t Sculpture::memory_bytes() const {
 
 SolidSnapshot Sculpture::solid() {
   SolidSnapshot all;
-  for (DexelField& f : fields_) all.fields.push_back(f.snapshot());
+  for (const DexelField& f : fields_) all.fields.push_back(snapshot(f.grid().axis));
   return all;
 }
 
@@ -298,9 +297,9 @@ SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
   return {settings_.motion, settings_.tolerance_mm, bounds_of(field.grid())};
 }
 
-RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,
-                                   bool start_is_cut, MotionResult& result, CuttingForce* force,
-                                   Workers& workers) {
+RemovedVolume Sculpture::cut_field(DexelField& field, OwedNormals& normals, const Tool& tool,
+                                   const ToolMotion& motion, bool start_is_cut,
+                                   MotionResult& result, CuttingForce* force, Workers& workers) {
   const DexelGrid& grid = field.grid();
   const bool alone = fields_.size() == 1;
   Removal& removal = *removal_;
@@ -310,9 +309,10 @@ RemovedVolume Sculpture::cut_field(DexelField& field, const Tool& tool, const To
   SweepSettings settings = sweep_settings(field);
   settings.start_is_cut = start_is_cut;
   sweep_tool(tool, in_frame(grid.axis, motion), settings, [&](const SubMotion& part) {
-    std::optional<SweptSurface> surface;
-    if (field.keeps_normals()) surface.emplace(tool, part.motion);
-    cut(field, part.swept, removal, workers, surface ? &*surface : nullptr);
+    const NormalCode owed =
+        field.keeps_normals() ? normals.owe(field, SweptSurface(tool, part.motion)) : kStockNormal;
+    cut(field, part.swept, removal, workers, owed);
+    if (owed != kStockNormal) normals.note(removal);
     quanta += removal.quanta();
     if (!alone) elements += removal.elements();
     note_changed_tiles(grid, removal, result.changed_tiles);
@@ -338,9 +338,9 @@ MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
   const auto last = last_pose_.find(command.tool);
   const bool start_is_cut = last != last_pose_.end() && last->second == motion.from;
   std::vector<RemovedVolume> removed;
-  for (DexelField& f : fields_) {
-    removed.push_back(
-        cut_field(f, used, motion, start_is_cut, result, feel ? &*force : nullptr, workers));
+  for (std::size_t n = 0; n < fields_.size(); ++n) {
+    removed.push_back(cut_field(fields_[n], normals_[n], used, motion, start_is_cut, result,
+                                feel ? &*force : nullptr, workers));
   }
   last_pose_[command.tool] = motion.to;
   result.removed_mm3 = combined_mm3(removed);

@@ -23,6 +23,7 @@ class CuttingForce;
 class DexelField;
 class Engagements;
 class Obstacles;
+class OwedNormals;
 class Removal;
 class Workers;
 struct RemovedVolume;
@@ -168,15 +169,15 @@ class Sculpture {
   std::expected<void, SculptureError> check_move(const MoveTool& command) const;
   MotionResult move(const MoveTool& command, Workers& workers);
   Wrench collision(const Tool& tool, const ToolPose& pose) const;
-  DexelField& field(RayAxis axis);
   /// Cuts one field and notes in `result` and `force` (null: not felt) what that took.
-  RemovedVolume cut_field(DexelField& field, const Tool& tool, const ToolMotion& motion,
-                          bool start_is_cut, MotionResult& result, CuttingForce* force,
-                          Workers& workers);
+  RemovedVolume cut_field(DexelField& field, OwedNormals& normals, const Tool& tool,
+                          const ToolMotion& motion, bool start_is_cut, MotionResult& result,
+                          CuttingForce* force, Workers& workers);
   SweepSettings sweep_settings(const DexelField& field) const;
 
   SculptureSettings settings_;
   std::vector<DexelField> fields_;        ///< along Z; then along X and Y, if asked for
+  std::vector<OwedNormals> normals_;      ///< of each field
   std::unique_ptr<Obstacles> obstacles_;  ///< null in a scene without any
   std::unique_ptr<Engagements> engagements_;
   std::unique_ptr<Removal> removal_;  ///< of the last sub-motion; kept for its memory

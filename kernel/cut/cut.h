@@ -3,7 +3,6 @@
 #include "kernel/cut/removal.h"
 #include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_field.h"
-#include "kernel/sweep/swept_surface.h"
 #include "kernel/sweep/swept_tool.h"
 
 namespace kerf {
@@ -13,8 +12,8 @@ namespace kerf {
 /// bottom is shortened, or it is split. Ends are rounded to the nearest depth quantum before they
 /// are compared, so that any order of the same cuts leaves the same bytes. Columns that do not
 /// change are not written. Where there is much to do its tiles are divided among `workers`. In a
-/// field that keeps normals `surface` says those of the ends that move; else it is null.
+/// field that keeps normals the ends that move get the code `owed` (owed_normals.h).
 void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers,
-         const SweptSurface* surface = nullptr);
+         NormalCode owed = kStockNormal);
 
 }  // namespace kerf

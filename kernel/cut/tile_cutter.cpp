@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "kernel/cut/block_places.h"
-#include "kernel/cut/end_normals.h"
+#include "kernel/cut/owed_normals.h"
 #include "kernel/cut/subtract_rows.h"
 #include "kernel/dexel/dexel_tile.h"
 
@@ -29,8 +29,8 @@ void TileCutter::cut(const ReachedTile& tile) {
   }
   if (removed_.quanta == before) return;
   removed_.tiles.push_back({tile.index, removed_.groups.size()});
-  if (surface_ != nullptr) {
-    note_normals(*work.changed, grid_, removed_.of(removed_.tiles.size() - 1), *surface_);
+  if (owed_ != kStockNormal) {
+    note_ends(*work.changed, removed_.of(removed_.tiles.size() - 1), owed_);
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include "kernel/cut/removal.h"
 #include "kernel/dexel/dexel_field.h"
-#include "kernel/sweep/swept_surface.h"
 #include "kernel/sweep/swept_tool.h"
 
 namespace kerf {
@@ -22,10 +21,9 @@ struct ReachedTile {
 /// own.
 class TileCutter {
  public:
-  /// `surface`: of the same sweep, for a field that keeps normals; else null.
-  TileCutter(DexelField& field, const SweptTool& swept, const SweptSurface* surface,
-             RemovedPart& removed)
-      : field_(field), grid_(field.grid()), swept_(swept), surface_(surface), removed_(removed) {}
+  /// `owed`: as in cut().
+  TileCutter(DexelField& field, const SweptTool& swept, NormalCode owed, RemovedPart& removed)
+      : field_(field), grid_(field.grid()), swept_(swept), owed_(owed), removed_(removed) {}
 
   void cut(const ReachedTile& tile);
   /// Puts the tiles that had to be made or copied into the field: when all others have ended.
@@ -58,7 +56,7 @@ class TileCutter {
   DexelField& field_;
   const DexelGrid& grid_;
   const SweptTool& swept_;
-  const SweptSurface* surface_;
+  NormalCode owed_;
   RemovedPart& removed_;
   ColumnBlock block_;
   static constexpr std::size_t kNoGroup = ~std::size_t{0};

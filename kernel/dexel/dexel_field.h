@@ -16,7 +16,7 @@ namespace kerf {
 class DexelField {
  public:
   /// Stock and pitch must have been validated (Sculpture::create does).
-  /// `keep_normals`: touched tiles have room for the normals of their ends (note_normals).
+  /// `keep_normals`: touched tiles have room for the normals of their ends (OwedNormals).
   DexelField(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ,
              bool keep_normals = false);
   /// The solid within a mesh (mesh_stock.h), whose bounds are the stock: every tile that it does

@@ -140,6 +140,7 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, cons
   found.normal = select(at_start, first.normal, last.normal);
   Lanes a = Lanes(0), b = Lanes(1), fa = first.advance, fb = last.advance;
   Lanes wide = Lanes(1);
+  LaneMask was_later = ~every_lane(), was_sooner = was_later;
   for (int i = 0; i < kSearchSteps && any(searching); ++i) {
     Lanes s = (a + b) * 0.5;
     const Lanes falsi = a + (b - a) * (fa / (fa - fb));
@@ -152,8 +153,10 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, cons
     const Contact c = contact(piece, point, s);
     const LaneMask later = searching & (c.advance > 0.0), sooner = searching & (c.advance < 0.0);
     const LaneMask there = searching & (c.advance == 0.0);
-    fa = kerf::select(later, c.advance, kerf::select(sooner, fa * 0.5, fa));
-    fb = kerf::select(sooner, c.advance, kerf::select(later, fb * 0.5, fb));
+    fa = kerf::select(later, c.advance, kerf::select(sooner & was_sooner, fa * 0.5, fa));
+    fb = kerf::select(sooner, c.advance, kerf::select(later & was_later, fb * 0.5, fb));
+    was_later = later;
+    was_sooner = sooner;
     a = kerf::select(later, s, a);
     b = kerf::select(sooner, s, b);
     first.advance = kerf::select(later, c.advance, first.advance);

@@ -1,10 +1,10 @@
-#include "kernel/cut/end_normals.h"
-
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 #include <random>
 
+#include "kernel/cut/owed_normals.h"
 #include "kernel/dexel/normal_code.h"
 #include "kernel/math/rotation.h"
 #include "tests/kernel/extremes/carving.h"
@@ -87,6 +87,46 @@ void judge_field(const DexelSnapshot& snapshot, const TrueSweep& sweep, Judged& 
 
 ToolPose any_pose(Numbers& numbers) {
   return {numbers.vec(6) - Vec3{0, 0, 3}, normalized(numbers.vec(1) + Vec3{0, 0, 1.2})};
+}
+
+/// The codes of every end of a block after 300 motions of a hand, looked at every so many motions.
+std::vector<NormalCode> codes_looked_at_every(int motions) {
+  SculptureSettings settings = test::block(20, 12, 0.7, 1e-3);
+  settings.rays = Rays::kTriDexel;
+  auto sculpture = Sculpture::create(settings).value();
+  EXPECT_TRUE(sculpture.apply(DefineTool{1, *make_tool(FlatShape{4, 20})}));
+  Numbers numbers(5);
+  ToolPose at = any_pose(numbers);
+  for (int n = 1; n <= 300; ++n) {
+    ToolPose next{at.tip_mm + numbers.vec(0.4), normalized(at.axis + numbers.vec(0.02))};
+    if (n % 40 == 0) {
+      next = any_pose(numbers);
+    } else {
+      EXPECT_TRUE(sculpture.apply(MoveTool{1, at, next, 0}));
+    }
+    if (n % motions == 0) sculpture.solid();
+    at = next;
+  }
+  std::vector<NormalCode> codes;
+  for (const DexelSnapshot& field : sculpture.solid().fields) {
+    for (std::int32_t j = 0; j < field.grid().columns_y; ++j) {
+      for (std::int32_t i = 0; i < field.grid().columns_x; ++i) {
+        const ColumnView view = field.view(i, j);
+        for (const EndCodes& c : view.lower_codes) codes.insert(codes.end(), {c.bottom, c.top});
+        if (view.topmost.bottom == view.topmost.top) continue;
+        codes.insert(codes.end(), {view.topmost_codes.bottom, view.topmost_codes.top});
+      }
+    }
+  }
+  return codes;
+}
+
+TEST(EndNormals, DoNotDependOnWhenTheyAreLookedAt) {
+  const std::vector<NormalCode> at_once = codes_looked_at_every(1);
+  EXPECT_GT(std::ranges::count_if(at_once, [](NormalCode c) { return c > 0xffff; }), 1000);
+  EXPECT_EQ(std::ranges::count_if(at_once, [](NormalCode c) { return c - 1 < 0xffff; }), 0);
+  EXPECT_EQ(codes_looked_at_every(7), at_once);
+  EXPECT_EQ(codes_looked_at_every(1000), at_once);
 }
 
 TEST(EndNormals, AreThoseOfTheTrueSweepForEveryToolAndMotion) {
