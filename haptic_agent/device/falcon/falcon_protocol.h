@@ -36,6 +36,8 @@ class FalconProtocol final : public HandProtocol {
   void connected(std::uint64_t now_us) noexcept override;
   bool take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept override;
   std::size_t compose(std::span<std::uint8_t> packet, std::uint64_t now_us) noexcept override;
+  /// The answer can only begin now: on a slow bus the command may have waited for long.
+  void sent(std::uint64_t now_us) noexcept override { sent_us_ = now_us; }
   void silence() noexcept override { silent_ = true; }
   void disconnected() noexcept override;
   DevicePhase phase() const noexcept override;

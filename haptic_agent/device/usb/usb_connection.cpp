@@ -149,6 +149,7 @@ void UsbConnection::out_done(libusb_transfer* transfer) {
   slot.in_flight = false;
   if (transfer->status == LIBUSB_TRANSFER_COMPLETED) {
     self.counters_.sent.fetch_add(1, std::memory_order_relaxed);
+    self.protocol_.sent(monotonic_us());
   } else if (self.streaming_) {
     self.count_failure(transfer->status, transfer->endpoint);
   }

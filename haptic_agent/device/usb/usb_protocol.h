@@ -68,6 +68,8 @@ class UsbProtocol {
   /// is on its way out: after every packet that came in or went out and every `wake`, and at least
   /// every 5 ms.
   virtual std::size_t compose(std::span<std::uint8_t> packet, std::uint64_t now_us) noexcept = 0;
+  /// What was composed last has arrived.
+  virtual void sent(std::uint64_t) noexcept {}
   /// No motor may pull any more; what is composed from now on says so.
   virtual void silence() noexcept = 0;
   /// It is gone: what it has told means nothing any more.

@@ -14,6 +14,7 @@ namespace {
 constexpr std::array<std::uint8_t, 2> kModemStatus = {0x01, 0x60};
 constexpr std::size_t kMostData = 62;
 constexpr std::uint64_t kLatencyUs = 1000;
+constexpr std::uint64_t kPatienceUs = 10'000;
 constexpr std::uint8_t kBaudRequest = 3;
 constexpr std::uint16_t kBaud9600 = 0x4138;
 constexpr std::uint16_t kBaudLoader = 0x0015;
@@ -64,13 +65,13 @@ std::optional<Bytes> FalconModel::poll_in(std::uint64_t now_us) {
   return Bytes(kModemStatus.begin(), kModemStatus.end());
 }
 
-void FalconModel::take_out(std::span<const std::uint8_t> packet, std::uint64_t) {
+void FalconModel::take_out(std::span<const std::uint8_t> packet, std::uint64_t now_us) {
   constexpr std::array<std::uint8_t, 3> kKnock = {0x0A, 0x43, 0x0D};
   constexpr std::array<std::uint8_t, 4> kKnockAnswer = {0x0A, 0x44, 0x2C, 0x0D};
   if (mode_ == Mode::kLoading) {
     load(packet);
   } else if (mode_ == Mode::kRun && baud_ != kBaud9600) {
-    obey(packet);
+    obey(packet, now_us);
   } else if (baud_ == kBaud9600 && std::ranges::equal(packet, kKnock)) {
     if (++knocks_ <= settings_.deaf_knocks) {
       say(std::array<std::uint8_t, 1>{0x00});
@@ -99,10 +100,11 @@ void FalconModel::load(std::span<const std::uint8_t> chunk) {
   say(echo);
 }
 
-void FalconModel::obey(std::span<const std::uint8_t> packet) {
+void FalconModel::obey(std::span<const std::uint8_t> packet, std::uint64_t now_us) {
   const auto command = falcon::decode_command(packet);
   if (!command || hung_) return;
-  if (!packets_.empty()) ++impatient_;
+  if (!packets_.empty() && now_us - obeyed_us_ < kPatienceUs) ++impatient_;
+  obeyed_us_ = now_us;
   motors_ = command->motors;
   lights_ = command->lights;
   if (++answers_ >= settings_.homing_answers) state_.homed = falcon::kAllHomed;

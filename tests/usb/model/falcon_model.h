@@ -46,7 +46,8 @@ class FalconModel final : public UsbModel {
   bool runs() const { return mode_ == Mode::kRun; }
   bool homed() const { return state_.homed == agent::falcon::kAllHomed; }
   int loads() const { return loads_; }
-  /// Commands that came before the last one was answered: the real firmware loses its place.
+  /// Commands that came before the last one was answered, and sooner than after the 10 ms in which
+  /// an answer may be thought lost: the real firmware loses its place.
   int impatient_commands() const { return impatient_; }
 
  private:
@@ -54,7 +55,7 @@ class FalconModel final : public UsbModel {
 
   void say(std::span<const std::uint8_t> bytes);
   void load(std::span<const std::uint8_t> chunk);
-  void obey(std::span<const std::uint8_t> packet);
+  void obey(std::span<const std::uint8_t> packet, std::uint64_t now_us);
 
   Settings settings_;
   Mode mode_;
@@ -69,6 +70,7 @@ class FalconModel final : public UsbModel {
   int loads_ = 0;
   int knocks_ = 0;
   int impatient_ = 0;
+  std::uint64_t obeyed_us_ = 0;
   bool split_ = false;
   bool hung_ = false;
 };
