@@ -12,7 +12,7 @@ constexpr double kOnSurfaceMm = 1e-6;
 /// ratio to the tool's radius there.
 constexpr double kSearchMm = 1e-6;
 
-constexpr int kSearchSteps = 60;
+constexpr int kSearchSteps = 120;
 
 /// Steps towards the share at which a ball's centre is closest; a straight path needs one, and a
 /// bent one leaves its chord by little.
@@ -86,6 +86,7 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Ve
     along = l * inverse;
   }
   const Lanes below = p.z0 - h, above = h - p.z1;
+  c.by_side = c.gap - greater(below, above);
   const LaneMask on_low = below > c.gap;
   c.gap = kerf::select(on_low, below, c.gap);
   const LaneMask on_high = above > c.gap;
@@ -123,11 +124,12 @@ KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
     }
   }
   // The code of a normal does not ask for its length.
-  return {square_root(dot(to_point, to_point)) - ball.radius, to_point, Lanes(0)};
+  return {square_root(dot(to_point, to_point)) - ball.radius, to_point, Lanes(0), Lanes(0)};
 }
 
 /// The contact of a piece at the share at which it is least far from the point: bracketed by the
-/// sign of n·V, and found by regula falsi in the Illinois variant with halvings.
+/// sign of n·V, and found by regula falsi in the Illinois variant with halvings; where n·V jumps,
+/// because side and disc take turns, by what makes them do so.
 KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, const Vec3Lanes& point,
                                                         LaneMask asked) const {
   if (piece.side == Side::kBall) return ball_contact(piece, point);
@@ -138,11 +140,14 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, cons
   Contact found = last;
   found.gap = kerf::select(at_start, first.gap, last.gap);
   found.normal = select(at_start, first.normal, last.normal);
-  Lanes a = Lanes(0), b = Lanes(1), fa = first.advance, fb = last.advance;
+  Lanes a = Lanes(0), b = Lanes(1), weight_a = Lanes(1), weight_b = Lanes(1);
   Lanes wide = Lanes(1);
   LaneMask was_later = ~every_lane(), was_sooner = was_later;
   for (int i = 0; i < kSearchSteps && any(searching); ++i) {
     Lanes s = (a + b) * 0.5;
+    const LaneMask jumps = first.by_side * last.by_side < 0.0;
+    const Lanes fa = weight_a * kerf::select(jumps, first.by_side, first.advance);
+    const Lanes fb = weight_b * kerf::select(jumps, last.by_side, last.advance);
     const Lanes falsi = a + (b - a) * (fa / (fa - fb));
     LaneMask usable = (falsi > a) & (falsi < b);
     if (i % 3 == 2) {
@@ -153,14 +158,17 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, cons
     const Contact c = contact(piece, point, s);
     const LaneMask later = searching & (c.advance > 0.0), sooner = searching & (c.advance < 0.0);
     const LaneMask there = searching & (c.advance == 0.0);
-    fa = kerf::select(later, c.advance, kerf::select(sooner & was_sooner, fa * 0.5, fa));
-    fb = kerf::select(sooner, c.advance, kerf::select(later & was_later, fb * 0.5, fb));
+    // What stays twice counts half, so that the other side moves too.
+    weight_a = kerf::select(later, Lanes(1), kerf::select(was_sooner, weight_a * 0.5, weight_a));
+    weight_b = kerf::select(sooner, Lanes(1), kerf::select(was_later, weight_b * 0.5, weight_b));
     was_later = later;
     was_sooner = sooner;
     a = kerf::select(later, s, a);
     b = kerf::select(sooner, s, b);
     first.advance = kerf::select(later, c.advance, first.advance);
     last.advance = kerf::select(sooner, c.advance, last.advance);
+    first.by_side = kerf::select(later, c.by_side, first.by_side);
+    last.by_side = kerf::select(sooner, c.by_side, last.by_side);
     first.normal = select(later, c.normal, first.normal);
     last.normal = select(sooner, c.normal, last.normal);
     found.gap = kerf::select(searching, c.gap, found.gap);

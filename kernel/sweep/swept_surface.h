@@ -39,12 +39,13 @@ class SweptSurface {
     double r0, slope, flank;            ///< of a line: ρ at z0, dρ/dh, and 1/√(1 + slope²)
     double center_r, center_z, radius;  ///< of an arc or a ball
   };
-  /// How far a point is outside of a piece, the normal there (of a ball not of unit length), and
-  /// n·V of the piece.
+  /// How far a point is outside of a piece, the normal there (of a ball not of unit length), n·V of
+  /// the piece, and how much farther outside of its side the point is than of its discs.
   struct Contact {
     Lanes gap;
     Vec3Lanes normal;
     Lanes advance;
+    Lanes by_side;
   };
 
   static Piece piece_of(const ToolPiece& piece);

@@ -121,6 +121,29 @@ std::vector<NormalCode> codes_looked_at_every(int motions) {
   return codes;
 }
 
+// The side of a mill comes nearer fast and its disc goes away slowly: a search that asked for the
+// speed alone took too many steps to where the one follows on the other.
+TEST(EndNormals, OfTheFloorOfASlotThatFallsOrRisesLookUp) {
+  for (const double rise : {0.0, 0.3, -0.3, 1.0, -1.0}) {
+    auto sculpture = Sculpture::create(test::block(60, 20, 0.5, 0.005)).value();
+    ASSERT_TRUE(sculpture.apply(DefineTool{1, *make_tool(FlatShape{6, 40})}));
+    const ToolPose from{{-12, 0.13, -4}, {0, 0, 1}}, to{{12, 3.2, -4 + rise}, {0, 0, 1}};
+    ASSERT_TRUE(sculpture.apply(MoveTool{1, from, to, 0}));
+    const DexelSnapshot field = sculpture.snapshot();
+    int floor = 0, upright = 0;
+    for (std::int32_t j = 0; j < field.grid().columns_y; ++j) {
+      for (std::int32_t i = 0; i < field.grid().columns_x; ++i) {
+        const ColumnView view = field.view(i, j);
+        if (view.topmost_codes.top == kStockNormal) continue;
+        ++floor;
+        upright += decode_normal(view.topmost_codes.top).z > 0.7 ? 1 : 0;
+      }
+    }
+    EXPECT_GT(floor, 600);
+    EXPECT_GE(upright, floor - 5) << "rise " << rise;
+  }
+}
+
 TEST(EndNormals, DoNotDependOnWhenTheyAreLookedAt) {
   const std::vector<NormalCode> at_once = codes_looked_at_every(1);
   EXPECT_GT(std::ranges::count_if(at_once, [](NormalCode c) { return c > 0xffff; }), 1000);
