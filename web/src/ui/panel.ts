@@ -12,10 +12,18 @@ import { Plots } from './plots';
 
 const DOWNLOADS = [
   ['model.stl', 'STL', 'Closed surface for printing'],
+  ['model.3mf', '3MF', 'Closed surface for printing, in millimetres'],
   ['model.glb', 'GLB', 'Surface for viewers and AR'],
+  ['model.ply', 'PLY', 'Surface for mesh tools'],
+  ['model.obj', 'OBJ', 'Surface for modelling programs'],
   ['program.ngc', 'NC', 'G-code of every motion'],
   ['program.apt', 'APT', 'Tool poses of every motion'],
   ['forces.csv', 'CSV', 'Force and torque of every motion'],
+] as const;
+const VARIANTS = [
+  ['model.glb?encoding=quantized', 'GLB quantized', 'Half the size; most viewers read it'],
+  ['model.glb?encoding=meshopt', 'GLB compressed', 'Smallest; for viewers with meshopt'],
+  ['model.stl?encoding=ascii', 'STL text', 'For programs that read no binary STL'],
 ] as const;
 
 export interface PanelActions {
@@ -102,14 +110,16 @@ export class Panel {
 }
 
 function downloads(session: string): HTMLElement {
-  const links = DOWNLOADS.map(([file, name, title]) => {
-    const link = h('a', {
-      class: 'download', href: `/v1/sessions/${encodeURIComponent(session)}/${file}`, download: `${session}-${file}`, title,
-    }, name);
-    link.insertAdjacentHTML('afterbegin', ICONS.download);
-    return link;
+  // The server names the files after the scene; an empty `download` keeps that name.
+  const link = (kind: string, file: string, name: string, title: string): HTMLAnchorElement =>
+    h('a', { class: kind, href: `/v1/sessions/${encodeURIComponent(session)}/${file}`, download: '', title }, name);
+  const buttons = DOWNLOADS.map(([file, name, title]) => {
+    const button = link('download', file, name, title);
+    button.insertAdjacentHTML('afterbegin', ICONS.download);
+    return button;
   });
-  return h('div', { class: 'downloads' }, ...links);
+  const variants = VARIANTS.map(([file, name, title]) => link('variant', file, name, title));
+  return h('div', {}, h('div', { class: 'downloads' }, ...buttons), h('p', { class: 'variants quiet' }, 'Also: ', ...variants));
 }
 
 function looks(chosen: (look: StockLook) => void): HTMLElement {
