@@ -106,7 +106,9 @@ void add_accessors(Json& json, const EncodedTile& tile, int first_view) {
 void add_node(Json& json, const EncodedTile& tile, double step_mm, int mesh) {
   json.text("{\"name\":\"t_").number(tile.tile.x).text("_").number(tile.tile.y);
   json.text("\",\"extras\":{\"tile\":[").number(tile.tile.x).text(",").number(tile.tile.y);
-  json.text("],\"version\":").number(tile.version).text("}");
+  json.text("],\"version\":").number(tile.version);
+  if (tile.level > 0) json.text(",\"level\":").number(int{tile.level});
+  json.text("}");
   if (tile.vertices > 0) {
     json.text(",\"mesh\":").number(mesh);
     json.text(",\"translation\":").triple(tile.translation_mm);

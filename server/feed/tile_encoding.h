@@ -29,6 +29,7 @@ struct EncodedTile {
 
   TileIndex tile;
   std::uint32_t version = 0;
+  std::uint8_t level = 0;  ///< of detail; 0: exact
   TileCompression compression = TileCompression::kNone;
   std::uint32_t vertices = 0, indices = 0;                 ///< both 0: nothing is left of the tile
   bool wide_indices = false;                               ///< 32-bit instead of 16-bit

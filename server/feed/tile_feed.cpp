@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace kerf {
 namespace {
 
 /// What a tile adds to a frame's JSON, roughly; only the byte budget looks at it.
-constexpr std::size_t kTileJsonBytes = 600;
+constexpr std::size_t kTileJsonBytes = 1100;
 /// Frames kept for other viewers that are in step.
 constexpr std::size_t kRecentFramesMax = 16;
+/// Forms of one tile that are kept; viewers near and far ask for a few.
+constexpr std::size_t kFormsMax = 6;
 
 /// FNV-1a over words: tells a tile that a cut only passed by from one that it changed, before
 /// anything is encoded.
@@ -28,6 +31,12 @@ std::uint64_t hash_of(const TileMesh& mesh) {
   return hash;
 }
 
+std::uint64_t word_of(const TileDetail& detail) {
+  std::uint64_t word = detail.level;
+  for (const std::uint8_t side : detail.side) word = word << 8U | side;
+  return word;
+}
+
 }  // namespace
 
 std::uint32_t TileFeed::TileQueue::pop() {
@@ -37,6 +46,12 @@ std::uint32_t TileFeed::TileQueue::pop() {
     head_ = 0;
   }
   return tile;
+}
+
+void TileFeed::Viewer::note(std::uint32_t tile) {
+  if (shown[tile].version == 0 || in_changed[tile]) return;
+  in_changed[tile] = true;
+  changed.push(tile);
 }
 
 TileFeed::TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings settings)
@@ -74,12 +89,7 @@ void TileFeed::take_news() {
   for (const TileIndex tile : tiles_to_remesh(grid, changed)) {
     const auto n = static_cast<std::uint32_t>(tile.y * grid.tiles_x() + tile.x);
     tiles_[n].stale = true;
-    for (auto& [id, viewer] : viewers_) {
-      // A tile that was never sent waits in the first snapshot and will be meshed anew there.
-      if (viewer.version[n] == 0 || viewer.in_changed[n]) continue;
-      viewer.in_changed[n] = true;
-      viewer.changed.push(n);
-    }
+    for (auto& [id, viewer] : viewers_) viewer.note(n);
   }
 }
 
@@ -87,16 +97,13 @@ ViewerId TileFeed::add_viewer() {
   const std::scoped_lock lock(lane_mutex_);
   take_news();
   Viewer viewer;
-  viewer.version.resize(tiles_.size());
+  viewer.shown.resize(tiles_.size());
+  viewer.level.resize(tiles_.size());
   viewer.in_changed.resize(tiles_.size());
-  const std::int32_t tiles_x = snapshot_.grid().tiles_x();
   // What has been carved is what people came to see.
   for (const bool touched : {true, false}) {
-    for (std::size_t n = 0; n < tiles_.size(); ++n) {
-      const auto tile = static_cast<std::int32_t>(n);
-      if (snapshot_.touched({tile % tiles_x, tile / tiles_x}) == touched) {
-        viewer.first.push(static_cast<std::uint32_t>(n));
-      }
+    for (std::uint32_t n = 0; n < tiles_.size(); ++n) {
+      if (snapshot_.touched(index_of(n)) == touched) viewer.first.push(n);
     }
   }
   viewers_.emplace(next_viewer_, std::move(viewer));
@@ -113,36 +120,92 @@ std::size_t TileFeed::viewers() const {
   return viewers_.size();
 }
 
-const EncodedTile& TileFeed::current(std::uint32_t tile) {
-  CachedTile& cached = tiles_[tile];
-  if (!cached.stale) return cached.encoded;
+void TileFeed::look(ViewerId viewer_id, const ViewerLook& look) {
+  const std::scoped_lock lock(lane_mutex_);
+  take_news();  // first, so that viewers who look alike have the same tiles in the same order
+  const auto found = viewers_.find(viewer_id);
+  if (found == viewers_.end()) return;
+  Viewer& viewer = found->second;
+  const DexelGrid& grid = snapshot_.grid();
+  for (std::uint32_t n = 0; n < tiles_.size(); ++n) {
+    const TileIndex tile = index_of(n);
+    const auto level = static_cast<std::uint8_t>(detail_level(look, grid, tile, viewer.level[n]));
+    if (level == viewer.level[n]) continue;
+    viewer.level[n] = level;
+    viewer.note(n);
+    for (const TileIndex side : kSides) {  // their borders may change with it
+      const TileIndex beside{tile.x + side.x, tile.y + side.y};
+      if (beside.x < 0 || beside.y < 0 || beside.x >= grid.tiles_x() || beside.y >= grid.tiles_y())
+        continue;
+      viewer.note(static_cast<std::uint32_t>(beside.y * grid.tiles_x() + beside.x));
+    }
+  }
+}
+
+TileIndex TileFeed::index_of(std::uint32_t tile) const {
   const auto n = static_cast<std::int32_t>(tile);
   const std::int32_t tiles_x = snapshot_.grid().tiles_x();
-  const TileMesh mesh = mesh_tile(snapshot_, {n % tiles_x, n / tiles_x});
-  const std::uint64_t hash = hash_of(mesh);
-  cached.stale = false;
+  return {n % tiles_x, n / tiles_x};
+}
+
+TileDetail TileFeed::detail_of(const Viewer& viewer, std::uint32_t tile) const {
+  const DexelGrid& grid = snapshot_.grid();
+  const TileIndex index = index_of(tile);
+  TileDetail detail{.level = viewer.level[tile], .side = {}};
+  for (std::size_t n = 0; n < kSides.size(); ++n) {
+    const TileIndex beside{index.x + kSides[n].x, index.y + kSides[n].y};
+    const bool inside =
+        beside.x >= 0 && beside.y >= 0 && beside.x < grid.tiles_x() && beside.y < grid.tiles_y();
+    const auto place = static_cast<std::size_t>(beside.y * grid.tiles_x() + beside.x);
+    detail.side[n] = inside ? std::min(detail.level, viewer.level[place]) : 0;
+  }
+  return detail;
+}
+
+TileFeed::SharedTile TileFeed::current(std::uint32_t tile, const TileDetail& detail) {
+  CachedTile& cached = tiles_[tile];
+  const auto known = [&]() -> SharedTile {
+    const auto found = std::ranges::find(cached.forms, detail, &Form::detail);
+    return found == cached.forms.end() ? nullptr : found->encoded;
+  };
+  if (!cached.stale) {
+    if (auto encoded = known()) return encoded;
+  }
+  const TileMesh mesh = mesh_tile(snapshot_, index_of(tile));
   ++stats_.tiles_meshed;
   stats_.triangles_meshed += mesh.indices.size() / 3;
-  if (cached.encoded.version > 0 && cached.mesh_hash == hash) {
-    ++stats_.tiles_unchanged;
-  } else {
-    cached.mesh_hash = hash;
-    cached.encoded =
-        encode_tile(mesh, quantization_, cached.encoded.version + 1, settings_.compression);
+  if (std::exchange(cached.stale, false)) {
+    const std::uint64_t hash = hash_of(mesh);
+    if (cached.version > 0 && cached.mesh_hash == hash) {
+      ++stats_.tiles_unchanged;
+      if (auto encoded = known()) return encoded;
+    } else {
+      cached.mesh_hash = hash;
+      ++cached.version;
+      cached.forms.clear();
+    }
   }
-  return cached.encoded;
+  const bool exact = detail.level == 0;
+  EncodedTile encoded = encode_tile(exact ? mesh : coarser_tile(mesh, snapshot_.grid(), detail),
+                                    quantization_, cached.version, settings_.compression);
+  encoded.level = detail.level;
+  if (cached.forms.size() == kFormsMax) cached.forms.pop_front();
+  cached.forms.push_back({detail, std::make_shared<const EncodedTile>(std::move(encoded))});
+  return cached.forms.back().encoded;
 }
 
 std::size_t TileFeed::pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes,
-                                 std::size_t bytes_max, std::vector<std::uint32_t>& picked) {
+                                 std::size_t bytes_max, std::vector<Picked>& picked) {
   while (!queue.empty() && bytes < bytes_max) {
     const std::uint32_t tile = queue.pop();
     if (&queue == &viewer.changed) viewer.in_changed[tile] = false;
-    const EncodedTile& encoded = current(tile);
-    if (viewer.version[tile] == encoded.version) continue;
-    viewer.version[tile] = encoded.version;
-    picked.push_back(tile);
-    bytes += encoded.bytes() + kTileJsonBytes;
+    const TileDetail detail = detail_of(viewer, tile);
+    auto encoded = current(tile, detail);
+    Shown& shown = viewer.shown[tile];
+    if (shown.version == encoded->version && shown.detail == detail) continue;
+    shown = {encoded->version, detail};
+    bytes += encoded->bytes() + kTileJsonBytes;
+    picked.push_back({tile, {detail, std::move(encoded)}});
   }
   return bytes;
 }
@@ -156,7 +219,7 @@ std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
   if (viewer.sent - viewer.acked >= settings_.frames_in_flight_max) return std::nullopt;
 
   const bool first_snapshot = !viewer.first.empty();
-  std::vector<std::uint32_t> picked;
+  std::vector<Picked> picked;
   // While the first snapshot is under way, changes get at most half of a frame, so that neither
   // starves the other.
   const std::size_t changed_max = settings_.frame_bytes_max / (first_snapshot ? 2 : 1);
@@ -173,11 +236,12 @@ std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
   return frame;
 }
 
-std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(
-    const std::vector<std::uint32_t>& tiles, std::uint64_t from) {
+std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(const std::vector<Picked>& tiles,
+                                                                std::uint64_t from) {
   std::vector<std::uint64_t> key{from, revision_};
-  for (const std::uint32_t tile : tiles) {
-    key.push_back(std::uint64_t{tile} << 32U | tiles_[tile].encoded.version);
+  for (const auto& [tile, form] : tiles) {
+    key.push_back(std::uint64_t{tile} << 32U | form.encoded->version);
+    key.push_back(word_of(form.detail));
   }
   for (const ComposedFrame& recent : recent_) {
     if (recent.key != key) continue;
@@ -186,7 +250,7 @@ std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(
   }
   std::vector<const EncodedTile*> encoded;
   encoded.reserve(tiles.size());
-  for (const std::uint32_t tile : tiles) encoded.push_back(&tiles_[tile].encoded);
+  for (const Picked& picked : tiles) encoded.push_back(picked.form.encoded.get());
   auto glb = std::make_shared<const std::vector<std::byte>>(
       write_mesh_glb(encoded, quantization_, from, revision_));
   ++stats_.frames_composed;

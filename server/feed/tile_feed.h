@@ -13,6 +13,7 @@
 
 #include "kernel/dexel/solid_snapshot.h"
 #include "server/feed/mesh_glb.h"
+#include "server/feed/tile_detail.h"
 
 namespace kerf {
 
@@ -35,7 +36,8 @@ inline constexpr std::uint8_t kFirstSnapshot = 1;     ///< part of the viewer's 
 inline constexpr std::uint8_t kFirstSnapshotEnd = 2;  ///< and its last part
 
 /// Brings the surface of one changing block to many viewers: a changed tile is meshed and encoded
-/// once for all of them, and only when one of them is about to get it; newer versions replace older
+/// once for all of them (once for each level of detail that they show), and only when one of them
+/// is about to get it; newer versions replace older
 /// ones that have not been sent (a viewer has a set of tiles that it lacks, not a queue of frames);
 /// nobody has more than `frames_in_flight_max` frames under way.
 ///
@@ -57,6 +59,10 @@ class TileFeed {
   ViewerId add_viewer();
   void remove_viewer(ViewerId viewer);  ///< unknown viewers are ignored
   std::size_t viewers() const;
+  /// From where a viewer looks from now on: tiles that may be coarser, or must be finer, are sent
+  /// anew. Until the first look everything is as exact as it is. Unknown viewers are ignored. Costs
+  /// a few operations per tile of the block.
+  void look(ViewerId viewer, const ViewerLook& look);
 
   /// The next frame for a viewer; nothing while it has no credit or lacks nothing. Call it again
   /// until it gives nothing: after note_change (for each viewer), after ack, after add_viewer.
@@ -84,10 +90,16 @@ class TileFeed {
   Stats stats() const;
 
  private:
+  using SharedTile = std::shared_ptr<const EncodedTile>;
+  struct Form {
+    TileDetail detail;
+    SharedTile encoded;
+  };
   struct CachedTile {
-    EncodedTile encoded;          ///< version 0: not meshed yet
-    std::uint64_t mesh_hash = 0;  ///< of the mesh that was encoded
+    std::uint32_t version = 0;    ///< 0: not meshed yet
+    std::uint64_t mesh_hash = 0;  ///< of that version
     bool stale = true;            ///< columns that it reads have changed since it was meshed
+    std::deque<Form> forms;       ///< of that version, as far as somebody has asked for them
   };
   /// Tiles to look at, oldest first.
   class TileQueue {
@@ -100,25 +112,39 @@ class TileFeed {
     std::vector<std::uint32_t> tiles_;
     std::size_t head_ = 0;
   };
+  struct Shown {
+    std::uint32_t version = 0;  ///< 0: never sent
+    TileDetail detail;
+  };
   struct Viewer {
-    std::uint64_t sent = 0, acked = 0;   ///< frame sequences
-    std::uint64_t revision = 0;          ///< of the last frame
-    std::vector<std::uint32_t> version;  ///< per tile; 0: never sent
-    TileQueue first;                     ///< tiles of the first snapshot that have not been sent
-    TileQueue changed;                   ///< tiles that have changed since they were sent
+    std::uint64_t sent = 0, acked = 0;  ///< frame sequences
+    std::uint64_t revision = 0;         ///< of the last frame
+    std::vector<Shown> shown;           ///< per tile
+    std::vector<std::uint8_t> level;    ///< per tile: the one that it should have
+    TileQueue first;                    ///< tiles of the first snapshot that have not been sent
+    TileQueue changed;                  ///< tiles that have changed since they were sent
     std::vector<bool> in_changed;
     bool lacks_nothing() const { return first.empty() && changed.empty(); }
+    /// The tile is to be looked at, unless it waits in the first snapshot, or here, anyway.
+    void note(std::uint32_t tile);
   };
   struct ComposedFrame {
-    std::vector<std::uint64_t> key;  ///< revisions and the tiles with their versions
+    std::vector<std::uint64_t> key;  ///< revisions, and the tiles with their versions and details
     std::shared_ptr<const std::vector<std::byte>> glb;
   };
 
   void take_news();
-  const EncodedTile& current(std::uint32_t tile);
+  struct Picked {
+    std::uint32_t tile = 0;
+    Form form;
+  };
+
+  TileIndex index_of(std::uint32_t tile) const;
+  TileDetail detail_of(const Viewer& viewer, std::uint32_t tile) const;
+  SharedTile current(std::uint32_t tile, const TileDetail& detail);
   std::size_t pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes, std::size_t bytes_max,
-                         std::vector<std::uint32_t>& picked);
-  std::shared_ptr<const std::vector<std::byte>> compose(const std::vector<std::uint32_t>& tiles,
+                         std::vector<Picked>& picked);
+  std::shared_ptr<const std::vector<std::byte>> compose(const std::vector<Picked>& tiles,
                                                         std::uint64_t from);
 
   const FeedSettings settings_;

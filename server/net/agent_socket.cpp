@@ -135,7 +135,9 @@ void AgentSocket::on_control(std::string_view text) {
   if (!message) return refuse(message.error());
   if (const auto* hello = std::get_if<HelloMessage>(&*message)) return on_hello(*hello);
   if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
-  const auto chosen = session_->choose_tool(self_->id, std::get<ToolMessage>(*message).tool);
+  const auto* tool = std::get_if<ToolMessage>(&*message);
+  if (tool == nullptr) return refuse({wire::ErrorCode::kBadMessage, "only a viewer looks"});
+  const auto chosen = session_->choose_tool(self_->id, tool->tool);
   if (!chosen) refuse(chosen.error());
 }
 

@@ -143,25 +143,26 @@ std::expected<Wanted, BadRequest> read_wanted(const ApiRequest& request) {
   return std::unexpected(BadRequest{404, "not_found", "there is no download " + name});
 }
 
+using Made = std::expected<void, MakeError>;
+
 template <typename Result>
-std::expected<void, std::string> reason_only(const Result& result) {
-  if (!result) return std::unexpected(result.error().reason);
+Made reason_only(const Result& result) {
+  if (!result) return std::unexpected(MakeError{result.error().reason});
   return {};
 }
 
-std::expected<void, std::string> write_motions(const Wanted& wanted, Session& session,
-                                               const std::filesystem::path& path) {
-  if (auto ok = session.flush(); !ok) return std::unexpected(describe(ok.error()));
+Made write_motions(const Wanted& wanted, Session& session, const std::filesystem::path& path) {
+  if (auto ok = session.flush(); !ok) return std::unexpected(MakeError{describe(ok.error())});
   const std::string_view name = wanted.what.name;
   const auto& journal = session.journal_file();
   if (name == "journal") return reason_only(copy_journal(journal, path));
   std::ofstream out(path, std::ios::binary);
-  if (!out) return std::unexpected("the file cannot be created");
+  if (!out) return std::unexpected(MakeError{"the file cannot be created"});
   const auto written = name == "forces.csv" ? export_forces(journal, wanted.program.only, out)
                                             : export_program(journal, wanted.program, out);
-  if (!written) return written;
+  if (!written) return std::unexpected(MakeError{written.error()});
   out.close();
-  if (!out) return std::unexpected("the disk is full or broken");
+  if (!out) return std::unexpected(MakeError{"the disk is full or broken"});
   return {};
 }
 
@@ -188,10 +189,8 @@ void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& r
                                                      std::to_string(bytes));
 }
 
-std::expected<void, std::string> write_surface(const Wanted& wanted, const SolidSnapshot& snapshot,
-                                               const std::string& title,
-                                               const std::filesystem::path& path,
-                                               const DownloadCache::Progress& progress) {
+Made write_surface(const Wanted& wanted, const SolidSnapshot& snapshot, const std::string& title,
+                   const std::filesystem::path& path, const DownloadCache::Progress& progress) {
   const ModelRequest request{
       .format = *wanted.model, .encoding = wanted.encoding, .title = title, .progress = progress};
   SnapshotMesh exact(snapshot);
@@ -199,7 +198,7 @@ std::expected<void, std::string> write_surface(const Wanted& wanted, const Solid
     return reason_only(write_model(path, exact, request));
   }
   const auto simplified = simplify_mesh(exact, wanted.simplify, progress);
-  if (!simplified) return std::unexpected(simplified.error().reason);
+  if (!simplified) return std::unexpected(MakeError{simplified.error().reason, true});
   WholeMesh mesh(simplified->mesh);
   return reason_only(write_model(path, mesh, request));
 }
@@ -235,12 +234,15 @@ ApiResponse Api::download(const ApiRequest& request, const SessionPtr& session) 
   }
   const auto file = downloads_.get(
       session->id() + "/" + request.path[3] + "/" + tag + "/" + std::to_string(session->epoch()),
-      [&](const std::filesystem::path& path,
-          const DownloadCache::Progress& progress) -> std::expected<void, std::string> {
+      [&](const std::filesystem::path& path, const DownloadCache::Progress& progress) -> Made {
         if (!wanted->model) return write_motions(*wanted, *session, path);
         return write_surface(*wanted, now.solid, session->scene().name, path, progress);
       });
-  if (!file) return error_response(500, "export_failed", file.error());
+  if (!file) {
+    const auto& [reason, impossible] = file.error();
+    return impossible ? error_response(422, "budget_impossible", reason)
+                      : error_response(500, "export_failed", reason);
+  }
   response.file = *file;
   response.content_type = wanted->what.content_type;
   const std::string name =

@@ -1,5 +1,6 @@
 #include "server/net/control_json.h"
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "kernel/dexel/tile_index.h"
@@ -9,6 +10,8 @@ namespace kerf::net {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr double kEyeMaxMm = 1e6;
 
 Refusal bad_field(const char* field, const char* what) {
   return {wire::ErrorCode::kBadMessage, std::string("field \"") + field + "\" " + what};
@@ -49,6 +52,37 @@ std::expected<ControlMessage, Refusal> parse_hello(const Json& object) {
     hello.feel = feel->get<bool>();
   }
   return hello;
+}
+
+std::expected<double, Refusal> number_of(const Json& value, const char* field, double low,
+                                         double high) {
+  if (!value.is_number()) return std::unexpected(bad_field(field, "is not made of numbers"));
+  const double number = value.get<double>();
+  if (!(number >= low && number <= high)) {
+    return std::unexpected(bad_field(field, "is out of range"));
+  }
+  return number;
+}
+
+std::expected<ControlMessage, Refusal> parse_look(const Json& object) {
+  LookMessage message;
+  const auto eye = object.find("eye_mm");
+  if (eye == object.end() || !eye->is_array() || eye->size() != 3) {
+    return std::unexpected(bad_field("eye_mm", "is not three numbers"));
+  }
+  std::array<double, 3> at{};
+  for (std::size_t n = 0; n < at.size(); ++n) {
+    const auto number = number_of((*eye)[n], "eye_mm", -kEyeMaxMm, kEyeMaxMm);
+    if (!number) return std::unexpected(number.error());
+    at[n] = *number;
+  }
+  message.look.eye_mm = {at[0], at[1], at[2]};
+  const auto error = object.find("error_rad");
+  if (error == object.end()) return std::unexpected(bad_field("error_rad", "is missing"));
+  const auto angle = number_of(*error, "error_rad", 0, 1);
+  if (!angle) return std::unexpected(angle.error());
+  message.look.error_rad = *angle;
+  return message;
 }
 
 Json participants_json(const std::vector<Participant>& participants) {
@@ -97,8 +131,9 @@ std::expected<ControlMessage, Refusal> parse_control(std::string_view frame) {
     if (!tool) return std::unexpected(tool.error());
     return ToolMessage{*tool};
   }
-  return std::unexpected(
-      Refusal{wire::ErrorCode::kBadMessage, "\"type\" is neither \"hello\" nor \"tool\""});
+  if (*type == wire::kTypeLook) return parse_look(object);
+  return std::unexpected(Refusal{wire::ErrorCode::kBadMessage,
+                                 "\"type\" is none of \"hello\", \"tool\" and \"look\""});
 }
 
 std::string agent_welcome(const Session& session, const Participant& self,

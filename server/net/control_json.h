@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/feed/tile_detail.h"
 #include "server/session/session.h"
 
 namespace kerf::net {
@@ -20,7 +21,11 @@ struct HelloMessage {
 struct ToolMessage {
   ToolId tool = 0;
 };
-using ControlMessage = std::variant<HelloMessage, ToolMessage>;
+/// Finite; the eye at most 1000 m away, the angle from 0 to 1.
+struct LookMessage {
+  ViewerLook look;
+};
+using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage>;
 
 /// Reads one text frame. Unknown fields are skipped; errors are bad_json (no JSON object) or
 /// bad_message (with the field).

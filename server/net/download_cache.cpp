@@ -73,11 +73,17 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make)
 // A writer that runs out of memory must not leave those who wait for its file waiting.
 DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::path& path,
                                              const Make& make) {
-  File file = std::unexpected(std::string("there is not enough memory"));
+  File file = std::unexpected(MakeError{"there is not enough memory"});
   std::error_code ignored;
   try {
     const auto made = make(path, [&job](double share) { job.share = share; });
-    file = made ? OpenFile::open(path) : std::unexpected(made.error());
+    if (!made) {
+      file = std::unexpected(made.error());
+    } else if (auto opened = OpenFile::open(path)) {
+      file = *std::move(opened);
+    } else {
+      file = std::unexpected(MakeError{opened.error()});
+    }
   } catch (const std::bad_alloc&) {
     // `file` says so already.
   }

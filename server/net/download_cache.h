@@ -34,6 +34,12 @@ class OpenFile {
   std::uint64_t bytes_;
 };
 
+/// Why a file could not be made.
+struct MakeError {
+  std::string reason;
+  bool impossible = false;  ///< what was asked for cannot be; else something is wrong here
+};
+
 /// Files made on demand for downloads: written once per state, then served to anybody who asks for
 /// the same. They have no name on the disk, so none is left behind. Writing to a file rather than
 /// into the socket means that a slow client holds neither a thread nor memory, and that the length
@@ -41,10 +47,10 @@ class OpenFile {
 class DownloadCache {
  public:
   explicit DownloadCache(std::filesystem::path folder);
-  using File = std::expected<std::shared_ptr<const OpenFile>, std::string>;
+  using File = std::expected<std::shared_ptr<const OpenFile>, MakeError>;
   using Progress = std::function<void(double)>;  ///< takes the share that is done, 0 to 1
-  using Make = std::function<std::expected<void, std::string>(const std::filesystem::path&,
-                                                              const Progress&)>;
+  using Make =
+      std::function<std::expected<void, MakeError>(const std::filesystem::path&, const Progress&)>;
   /// The file for `key`; `make` writes it if nobody has yet. Who asks while it is being written
   /// waits for it.
   File get(const std::string& key, const Make& make);

@@ -54,6 +54,11 @@ void ViewerHub::acked(ParticipantId id, std::uint64_t sequence) {
   pump();
 }
 
+void ViewerHub::looks(ParticipantId id, const ViewerLook& look) {
+  next_job_.looks[id] = look;
+  pump();
+}
+
 void ViewerHub::watch() {
   if (std::exchange(watching_, true)) return;
   Lane& lane = lane_of(*session_);
@@ -175,6 +180,10 @@ ViewerHub::JobResult ViewerHub::work(FeedSide& side, const Job& job) {
     if (found != side.ids.end() && !side.feed->ack(found->second, sequence)) {
       result.bad_acks.push_back(id);
     }
+  }
+  for (const auto& [id, look] : job.looks) {
+    const auto found = side.ids.find(id);
+    if (found != side.ids.end()) side.feed->look(found->second, look);
   }
   for (const auto& [id, viewer] : side.ids) {
     while (auto frame = side.feed->next_frame(viewer)) result.frames.emplace_back(id, *frame);

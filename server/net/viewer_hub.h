@@ -42,6 +42,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void add(ParticipantId id, ViewerSink* sink);
   void remove(ParticipantId id);
   void acked(ParticipantId id, std::uint64_t sequence);
+  void looks(ParticipantId id, const ViewerLook& look);  ///< only the newest counts
   const std::shared_ptr<Session>& session() const { return session_; }
 
  private:
@@ -62,6 +63,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   struct Job {
     std::vector<ParticipantId> joined, left;
     std::vector<std::pair<ParticipantId, std::uint64_t>> acks;
+    std::map<ParticipantId, ViewerLook> looks;
   };
   struct JobResult {
     std::vector<std::pair<ParticipantId, FeedFrame>> frames;

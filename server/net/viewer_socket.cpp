@@ -26,6 +26,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kErrorsPerS = 20;
 constexpr double kErrorsBurst = 50;
+/// A look may make the server mesh a block anew; a viewer sends one when its camera has come to
+/// rest.
+constexpr double kLooksPerS = 5;
+constexpr double kLooksBurst = 20;
 /// Without this the kernel hides megabytes of stale frames in its send buffer (README.md).
 constexpr int kNotSentBytes = 32 * 1024;
 
@@ -92,6 +96,7 @@ class ViewerSocket final : public ViewerSink, public std::enable_shared_from_thi
   std::optional<Participant> self_;
   std::shared_ptr<ViewerHub> hub_;
   RateLimit errors_{kErrorsPerS, kErrorsBurst};
+  RateLimit looks_{kLooksPerS, kLooksBurst};
 
   std::deque<std::pair<std::string, bool>> control_;
   std::string control_out_, state_;
@@ -152,6 +157,14 @@ asio::awaitable<void> ViewerSocket::on_control(std::string_view text) {
   const auto message = parse_control(text);
   if (!message) {
     refuse(message.error());
+    co_return;
+  }
+  if (const auto* look = std::get_if<LookMessage>(&*message); look != nullptr && hub_) {
+    if (looks_.allow(Clock::now())) {
+      hub_->looks(self_->id, look->look);
+    } else {
+      refuse({kTooFast, "more than 5 looks a second"});
+    }
     co_return;
   }
   const auto* hello = std::get_if<HelloMessage>(&*message);

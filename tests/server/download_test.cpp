@@ -66,8 +66,8 @@ TEST(DownloadName, IsToldInAsciiAndUtf8) {
 
 class DownloadCacheTest : public ::testing::Test {
  protected:
-  std::expected<void, std::string> write(const std::filesystem::path& path,
-                                         const DownloadCache::Progress& progress) {
+  std::expected<void, MakeError> write(const std::filesystem::path& path,
+                                       const DownloadCache::Progress& progress) {
     ++made_;
     progress(0.25);
     begun_ = true;
@@ -111,14 +111,14 @@ TEST_F(DownloadCacheTest, WhoAsksWhileAFileIsMadeWaitsForIt) {
 TEST_F(DownloadCacheTest, AFailureIsToldAndNotKept) {
   DownloadCache cache(folder_.path() / "downloads");
   const auto failed =
-      cache.get("k", [](const auto&, const auto&) -> std::expected<void, std::string> {
-        return std::unexpected(std::string("no"));
+      cache.get("k", [](const auto&, const auto&) -> std::expected<void, MakeError> {
+        return std::unexpected(MakeError{"no"});
       });
   ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error(), "no");
+  EXPECT_EQ(failed.error().reason, "no");
   const auto thrown = cache.get(
       "k",
-      [](const auto&, const auto&) -> std::expected<void, std::string> { throw std::bad_alloc(); });
+      [](const auto&, const auto&) -> std::expected<void, MakeError> { throw std::bad_alloc(); });
   EXPECT_FALSE(thrown);
   EXPECT_TRUE(cache.get("k", maker()));
 }

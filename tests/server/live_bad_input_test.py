@@ -119,7 +119,8 @@ class BadFrames(LiveTest):
     def test_wrong_fields_are_bad_messages(self):
         for message in ({"type": "dance"}, {"type": "tool"}, {"type": "tool", "tool": "one"},
                         {"type": "tool", "tool": -1}, {"type": 7}, {},
-                        {"type": "hello", "name": "again"}):
+                        {"type": "hello", "name": "again"},
+                        {"type": "look", "eye_mm": [0, 0, 9], "error_rad": 0}):
             self.bad.send_json(message)
             self.expect("bad_message")
         self.bad.send_json({"type": "tool", "tool": 77})
@@ -173,6 +174,15 @@ class BadViewers(LiveTest):
         self.assertEqual(viewer.receive_json("error")["code"], "bad_message")
         viewer.send_json({"type": "tool", "tool": 1})
         self.assertEqual(viewer.receive_json("error")["code"], "bad_message")
+        for look in ({"eye_mm": [1, 2, 3]}, {"error_rad": 0.001},
+                     {"eye_mm": [1, 2], "error_rad": 0.001},
+                     {"eye_mm": [1, 2, "3"], "error_rad": 0.001},
+                     {"eye_mm": [1, 2, 1e7], "error_rad": 0.001},
+                     {"eye_mm": [1, 2, 3], "error_rad": -0.1},
+                     {"eye_mm": [1, 2, 3], "error_rad": 2},
+                     {"eye_mm": [1, 2, 3], "error_rad": None}):
+            viewer.send_json({"type": "look"} | look)
+            self.assertEqual(viewer.receive_json("error")["code"], "bad_message", look)
         viewer.send_binary(b"??")
         self.assertEqual(viewer.receive_json("error")["code"], "bad_frame")
 

@@ -185,6 +185,21 @@ class Carving(LiveTest):
             self.assertEqual(len(viewer.tiles), 9)
         self.assertGreater(max(early.tiles.values()), 1)
 
+    def test_a_viewer_far_away_gets_coarse_tiles_and_near_exact_ones(self):
+        carve(Agent(self.port, "block"), 200)
+        near, far = Viewer(self.port, "block"), Viewer(self.port, "block", "Far")
+        far.send_json({"type": "look", "eye_mm": [0, 0, 1e5], "error_rad": 0.01})
+        while set(far.levels.values()) != {3} or len(far.levels) != 9:
+            far.take()
+        near.settled()
+        self.assertEqual(set(near.levels.values()), {0})
+        far.send_json({"type": "look", "eye_mm": [0, 0, 1e5], "error_rad": 0})
+        while set(far.levels.values()) != {0}:
+            far.take()
+        for _ in range(40):
+            far.send_json({"type": "look", "eye_mm": [0, 0, 1e5], "error_rad": 0})
+        self.assertEqual(far.receive_json("error")["code"], "too_fast")
+
 
 class Downloads(LiveTest):
     def setUp(self):
@@ -234,7 +249,7 @@ class Downloads(LiveTest):
         self.assertEqual(self.get("model.stl?triangles=0")[0], 400)
         self.assertEqual(self.get("model.stl?error_mm=nan")[0], 400)
         status, _, body = self.get("model.stl?triangles=3")
-        self.assertEqual((status, json.loads(body)["error"]["code"]), (500, "export_failed"))
+        self.assertEqual((status, json.loads(body)["error"]["code"]), (422, "budget_impossible"))
         status, _, body = self.get("model.glb?encoding=ascii")
         self.assertEqual((status, json.loads(body)["error"]["code"]), (400, "bad_encoding"))
         self.assertEqual(self.get("model.dxf")[0], 404)

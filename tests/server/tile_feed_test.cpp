@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <thread>
 
 #include "tests/support/carvings.h"
@@ -21,7 +23,8 @@ class Screen {
   void apply(const FeedFrame& frame) {
     bytes_ += frame.glb->size();
     for (auto& [index, tile] : test::read_mesh_glb(*frame.glb).tiles) {
-      EXPECT_GT(tile.version, tiles_[index].version);
+      EXPECT_GE(tile.version, tiles_[index].version);
+      if (tile.version == tiles_[index].version) ++same_version_;
       tiles_[index] = std::move(tile);
     }
   }
@@ -46,11 +49,40 @@ class Screen {
     }
   }
   std::size_t tiles() const { return tiles_.size(); }
+  std::size_t triangles() const {
+    std::size_t count = 0;
+    for (const auto& [index, tile] : tiles_) count += tile.indices.size() / 3;
+    return count;
+  }
+  std::map<int, int> levels() const {
+    std::map<int, int> count;
+    for (const auto& [index, tile] : tiles_) ++count[tile.level];
+    return count;
+  }
+  /// Whether what is shown has no edge without an opposite one, where its vertices are drawn.
+  bool is_closed() const {
+    using Place = std::array<std::int64_t, 3>;
+    std::map<std::pair<Place, Place>, int> edges;
+    for (const auto& [index, tile] : tiles_) {
+      const auto place = [&](std::size_t corner) {
+        const Vec3& p = tile.positions_mm[tile.indices[corner]];
+        return Place{std::llround(p.x * 4096), std::llround(p.y * 4096), std::llround(p.z * 4096)};
+      };
+      for (std::size_t n = 0; n < tile.indices.size(); ++n) {
+        const Place a = place(n), b = place(n % 3 == 2 ? n - 2 : n + 1);
+        if (a < b) ++edges[{a, b}];
+        if (b < a) --edges[{b, a}];
+      }
+    }
+    return std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 0; });
+  }
   std::size_t bytes() const { return bytes_; }
+  /// Tiles that came in a version that was there: as another level, or for nothing.
+  std::size_t same_version() const { return same_version_; }
 
  private:
   std::map<TileIndex, test::DecodedTile> tiles_;
-  std::size_t bytes_ = 0;
+  std::size_t bytes_ = 0, same_version_ = 0;
 };
 
 class TileFeedTest : public ::testing::Test {
@@ -120,6 +152,8 @@ TEST_F(TileFeedTest, ViewersConvergeToTheNewestStateHoweverSlowTheyAre) {
   slow_screen.drain(feed, slow);
   late_screen.drain(feed, late);
   const SolidSnapshot snapshot = sculpture_.solid();
+  EXPECT_EQ(fast_screen.same_version(), 0U);
+  EXPECT_EQ(slow_screen.same_version(), 0U);
   fast_screen.expect_shows(snapshot);
   slow_screen.expect_shows(snapshot);
   late_screen.expect_shows(snapshot);
@@ -215,6 +249,57 @@ TEST_F(TileFeedTest, KnowsWhenAViewerHasEverything) {
   EXPECT_TRUE(feed.viewer_state(viewer)->applied);
   EXPECT_EQ(feed.viewer_state(viewer)->revision, 47U);
   EXPECT_FALSE(feed.next_frame(viewer));
+}
+
+TEST_F(TileFeedTest, FarViewersGetFewerTrianglesAndGetThemBackWhenTheyComeNear) {
+  TileFeed feed(sculpture_.solid(), 0);
+  cut(feed, 6);
+  const ViewerId near = feed.add_viewer();
+  const ViewerId far = feed.add_viewer();
+  feed.look(far, {{20, 15, 3000}, 0.001});
+  Screen near_screen, far_screen;
+  near_screen.drain(feed, near);
+  far_screen.drain(feed, far);
+  const int tiles = int(far_screen.tiles());
+  EXPECT_EQ(far_screen.levels(), (std::map<int, int>{{kDetailLevelMax, tiles}}));
+  EXPECT_EQ(near_screen.levels(), (std::map<int, int>{{0, tiles}}));
+  EXPECT_LT(5 * far_screen.triangles(), near_screen.triangles());
+  EXPECT_TRUE(near_screen.is_closed());
+  EXPECT_TRUE(far_screen.is_closed());
+  feed.look(far, {{20, 15, 3000}, 0});
+  EXPECT_FALSE(feed.viewer_state(far)->sent);
+  far_screen.drain(feed, far);
+  EXPECT_TRUE(feed.viewer_state(far)->applied);
+  far_screen.expect_shows(sculpture_.solid());
+  EXPECT_EQ(far_screen.same_version(), std::size_t(tiles));
+  feed.look(far, {{20, 15, 4000}, 0});  // nothing to see
+  EXPECT_FALSE(feed.next_frame(far));
+  feed.look(far + 7, {{0, 0, 0}, 1});
+}
+
+TEST_F(TileFeedTest, MixedLevelsStayClosedWhileTheBlockIsCarved) {
+  TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 20000});
+  const std::array<ViewerId, 2> viewers{feed.add_viewer(), feed.add_viewer()};
+  std::array<Screen, 2> screens;
+  bool mixed = false;
+  for (int n = 0; n < 12; ++n) {
+    cut(feed, 2);
+    // Low over one corner after the other.
+    const Vec3 eye{n % 2 == 0 ? 0.0 : 40.0, n % 4 < 2 ? 0.0 : 30.0, 9};
+    for (std::size_t v = 0; v < viewers.size(); ++v) {
+      feed.look(viewers[v], {eye, 0.02});
+      screens[v].drain(feed, viewers[v]);
+      EXPECT_TRUE(screens[v].is_closed()) << n;
+    }
+    mixed = mixed || screens[0].levels().size() > 2;
+  }
+  EXPECT_TRUE(mixed);
+  EXPECT_EQ(screens[0].levels(), screens[1].levels());
+  // Viewers that look alike share everything.
+  EXPECT_EQ(feed.stats().frames_shared, feed.stats().frames_composed);
+  for (const ViewerId viewer : viewers) feed.look(viewer, {{}, 0});
+  screens[0].drain(feed, viewers[0]);
+  screens[0].expect_shows(sculpture_.solid());
 }
 
 TEST_F(TileFeedTest, SessionAndViewerLanesRunSideBySide) {

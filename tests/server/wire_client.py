@@ -216,7 +216,8 @@ class Viewer(WebSocket):
         self.send_json({"type": "hello", "name": name})
         self.welcome = self.receive_json("welcome")
         self.participant = self.welcome["participant"]
-        self.tiles = {}
+        self.tiles = {}   # versions
+        self.levels = {}  # of detail
         self.tools = []
 
     def take(self, timeout=30):
@@ -242,6 +243,7 @@ class Viewer(WebSocket):
             tile = node.get("extras", {}).get("tile")
             if tile is not None:
                 self.tiles[tuple(tile)] = node["extras"]["version"]
+                self.levels[tuple(tile)] = node["extras"].get("level", 0)
 
     def settled(self, timeout=30):
         """Follows until the server says that everything has been sent; gives that state message."""

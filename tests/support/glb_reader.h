@@ -19,6 +19,7 @@ namespace kerf::test {
 /// A tile as a viewer sees it: in the world, mm.
 struct DecodedTile {
   std::uint64_t version = 0;
+  int level = 0;
   std::vector<Vec3> positions_mm, normals;
   std::vector<std::uint32_t> indices;
 };
@@ -117,6 +118,7 @@ inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes) {
     EXPECT_EQ(node["name"], "t_" + std::to_string(tile.x) + "_" + std::to_string(tile.y));
     DecodedTile& out = frame.tiles[tile];
     out.version = node["extras"]["version"].get<std::uint64_t>();
+    out.level = node["extras"].value("level", 0);
     if (node.contains("mesh")) decode_mesh(glb, node, out);
   }
   return frame;

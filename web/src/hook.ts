@@ -13,7 +13,7 @@ export function installHook(page: SessionPage): void {
     motions: model.state?.motions ?? 0,
     removedVolumeMm3: model.state?.removed_volume_mm3 ?? 0,
     snapshotComplete: model.tiles.complete,
-    tiles: model.tiles.list().map(({ x, y, version, triangles }) => ({ x, y, version, triangles })),
+    tiles: model.tiles.list().map(({ x, y, version, level, triangles }) => ({ x, y, version, level, triangles })),
     triangles: model.tiles.triangles,
     meshFrames: model.meshFrames,
     problems: model.problems,

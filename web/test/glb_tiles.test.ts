@@ -52,7 +52,7 @@ describe('tile view', () => {
     }
     expect(disposed).toEqual([1]);
     expect(view.group.children).toHaveLength(1);
-    view.set({ x: 0, y: 0, version: 3, triangles: 0, geometry: null, matrix: new THREE.Matrix4() });
+    view.set({ x: 0, y: 0, version: 3, level: 0, triangles: 0, geometry: null, matrix: new THREE.Matrix4() });
     expect(disposed).toEqual([1, 2]);
     expect(view.group.children).toHaveLength(0);
   });

@@ -53,6 +53,8 @@ describe('view link', () => {
     await vi.waitFor(() => expect(model.participants.get(1)?.forces.count).toBeGreaterThan(2), soon);
     expect(model.status).toBe('connected');
     expect(server.hellos).toEqual(['Tester']);
+    link.look({ eye_mm: [1, 2, 300], error_rad: 0.0005 });
+    await vi.waitFor(() => expect(server.looks).toEqual([{ type: 'look', eye_mm: [1, 2, 300], error_rad: 0.0005 }]), soon);
     expect(model.participants.carvers().map((p) => p.info.name)).toEqual(['Ada', 'Linus']);
     await vi.waitFor(() => expect(model.clock.rttMs).toBeGreaterThan(0), soon);
     link.stop();

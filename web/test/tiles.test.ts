@@ -12,7 +12,6 @@ describe('tiles', () => {
     const tiles = table();
     expect(tiles.offer(1, 2, 5, 100)).toBe(true);
     expect(tiles.offer(1, 2, 4, 90)).toBe(false);
-    expect(tiles.offer(1, 2, 5, 100)).toBe(false);
     expect(tiles.offer(1, 2, 6, 70)).toBe(true);
     expect(tiles.version(1, 2)).toBe(6);
     expect(tiles.triangles).toBe(70);
@@ -32,6 +31,15 @@ describe('tiles', () => {
     };
     permute(offers, []);
     expect(results.size).toBe(1);
+  });
+
+  it('shows another level of the same version', () => {
+    const tiles = table();
+    tiles.offer(1, 2, 5, 100);
+    expect(tiles.offer(1, 2, 5, 30, 2)).toBe(true);
+    expect(tiles.list()).toMatchObject([{ version: 5, level: 2, triangles: 30 }]);
+    expect(tiles.offer(1, 2, 5, 100, 0)).toBe(true);
+    expect(tiles.triangles).toBe(100);
   });
 
   it('does not confuse tiles whose coordinates read alike', () => {

@@ -4,7 +4,7 @@
 import { decodeFrame, encodeFrame } from '../wire/codec';
 import { parseControl } from '../wire/control';
 import { FrameType, VIEW_PROTOCOL } from '../wire/types';
-import type { Frame, Header, ServerMessage, ToolState } from '../wire/types';
+import type { Frame, Header, Look, ServerMessage, ToolState } from '../wire/types';
 import { Backoff } from './backoff';
 
 export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped';
@@ -82,6 +82,11 @@ export class ViewLink {
     if (this.stopped_ || this.socket_) return;
     clearTimeout(this.retryTimer_);
     this.connect_('reconnecting', '');
+  }
+
+  /** Tells the server how exact the block must be; nothing while there is no session. */
+  look(look: Look): void {
+    if (this.welcomed_) this.socket_?.send(JSON.stringify({ type: 'look', ...look }));
   }
 
   private connect_(status: LinkStatus, reason: string): void {

@@ -1,11 +1,13 @@
-// Which version of which tile is shown. A mesh frame carries whole tiles and may come late or twice, so the only rule is:
-// newer replaces older. Every connection begins a new generation, because a server that was restarted may count its versions
+// Which version of which tile is shown. A mesh frame carries whole tiles and may come twice, so the only rule is: what comes
+// replaces what is there unless its version is older. An equal version is another level of detail. Every connection begins a new generation, because a server that was restarted may count its versions
 // anew; what an old generation left behind is dropped when the new snapshot is complete, so nothing flickers in between.
 
 export interface TileEntry {
   x: number;
   y: number;
   version: number;
+  /** of detail; 0: exact */
+  level: number;
   triangles: number;
   generation: number;
 }
@@ -27,19 +29,20 @@ export class TileTable {
     this.complete_ = false;
   }
 
-  /** Offers a tile. Returns true if it is news and its mesh must be swapped in; false if it is older than, or what, we have. */
-  offer(x: number, y: number, version: number, triangles: number): boolean {
+  /** Offers a tile. Returns true if its mesh must be swapped in; false if it is older than what we have. */
+  offer(x: number, y: number, version: number, triangles: number, level = 0): boolean {
     const key = tileKey(x, y);
     const entry = this.entries_.get(key);
-    if (entry && entry.generation === this.generation_ && entry.version >= version) return false;
+    if (entry && entry.generation === this.generation_ && entry.version > version) return false;
     if (entry) {
       this.triangles_ += triangles - entry.triangles;
       entry.version = version;
+      entry.level = level;
       entry.triangles = triangles;
       entry.generation = this.generation_;
     } else {
       this.triangles_ += triangles;
-      this.entries_.set(key, { x, y, version, triangles, generation: this.generation_ });
+      this.entries_.set(key, { x, y, version, level, triangles, generation: this.generation_ });
     }
     return true;
   }

@@ -3,6 +3,7 @@
 import { probeSession } from '../link/api';
 import { ViewLink } from '../link/view_link';
 import type { Socket } from '../link/view_link';
+import { LookPolicy } from '../model/look';
 import { SessionModel } from '../model/session';
 import { Viewer } from '../view/viewer';
 import type { Insets } from '../view/camera_rig';
@@ -32,6 +33,7 @@ export class SessionPage {
   private readonly panel_: Panel;
   private readonly viewer_: Viewer;
   private readonly link_: ViewLink;
+  private readonly looks_ = new LookPolicy();
   private selected_: number | null = null;
   private panelMs_ = 0;
   private contextLost_ = false;
@@ -61,6 +63,7 @@ export class SessionPage {
     this.link_.start();
     const frame = (nowMs: number): void => {
       this.viewer_.tick(nowMs);
+      this.tellLook_(nowMs);
       if (nowMs - this.panelMs_ >= PANEL_EVERY_MS) this.updatePanel_(nowMs);
       requestAnimationFrame(frame);
     };
@@ -70,6 +73,13 @@ export class SessionPage {
   /** The tool whose view is followed, or null. */
   get followed(): number | null {
     return this.viewer_.followed;
+  }
+
+  private tellLook_(nowMs: number): void {
+    if (this.model.status !== 'connected') return;
+    const { look, distanceMm } = this.viewer_.look();
+    const news = this.looks_.next(look, distanceMm, nowMs);
+    if (news) this.link_.look(news);
   }
 
   private makeLink_(name: string): ViewLink {
@@ -87,7 +97,9 @@ export class SessionPage {
       },
       message: (message) => {
         this.model.apply(message);
-        if (message.type === 'welcome') this.viewer_.welcome(message);
+        if (message.type !== 'welcome') return;
+        this.viewer_.welcome(message);
+        this.looks_.reset();
       },
       tools: (header, tools) => this.model.applyTools(header, tools, performance.now()),
       mesh: async (header, glb) => {

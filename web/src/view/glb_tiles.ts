@@ -9,6 +9,8 @@ export interface ParsedTile {
   x: number;
   y: number;
   version: number;
+  /** of detail; 0: exact */
+  level: number;
   triangles: number;
   /** null: nothing is left of the tile */
   geometry: THREE.BufferGeometry | null;
@@ -16,14 +18,14 @@ export interface ParsedTile {
 }
 
 function tileOf(node: THREE.Object3D): ParsedTile | null {
-  const { tile, version } = node.userData as { tile?: unknown; version?: unknown };
-  const isTile = Array.isArray(tile) && tile.length === 2 && tile.every(Number.isInteger) && typeof version === 'number';
+  const { tile, version, level = 0 } = node.userData as { tile?: unknown; version?: unknown; level?: unknown };
+  const isTile = Array.isArray(tile) && tile.length === 2 && tile.every(Number.isInteger) && typeof version === 'number' && typeof level === 'number';
   if (!isTile) return null;
   node.updateWorldMatrix(true, false);
   const mesh = node as THREE.Mesh;
   const geometry = mesh.isMesh ? mesh.geometry : null;
   const corners = geometry ? (geometry.index?.count ?? geometry.getAttribute('position').count) : 0;
-  return { x: tile[0], y: tile[1], version, triangles: corners / 3, geometry, matrix: node.matrixWorld.clone() };
+  return { x: tile[0], y: tile[1], version, level, triangles: corners / 3, geometry, matrix: node.matrixWorld.clone() };
 }
 
 /** Reads the tiles of mesh frames. */

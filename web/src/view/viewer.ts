@@ -2,6 +2,7 @@
 
 import * as THREE from 'three';
 import type { StockLook } from '../model/materials';
+import { errorRad } from '../model/look';
 import { roundUp125 } from '../model/forces';
 import type { Participant } from '../model/participants';
 import { emptyPose } from '../model/pose_track';
@@ -11,7 +12,7 @@ import { stockBounds } from '../model/session';
 import type { Bounds, SessionModel } from '../model/session';
 import { toolProfile } from '../model/tool_profile';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
-import type { Header, Welcome } from '../wire/types';
+import type { Header, Look, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
 import type { Insets } from './camera_rig';
 import { TileParser } from './glb_tiles';
@@ -24,6 +25,7 @@ import { WrenchView } from './wrench_view';
 
 const PLAYOUT_MS = 90; // how far in the past tools are drawn, so that there is a later sample to move towards
 const STILL_AFTER_MS = 260;
+const PHONE_WIDTH_PX = 760; // as in style.css
 const ARROW_PART = 0.34; // a full-scale arrow relative to the block's diagonal
 const RESCALE_EVERY_MS = 250;
 const FULL_PER_TYPICAL = 2;
@@ -99,7 +101,7 @@ export class Viewer {
     const tiles = await this.parser_.parse(glb);
     if (generation !== this.model.tiles.generation) return; // the line broke meanwhile, and a new snapshot is coming
     for (const tile of tiles) {
-      if (this.model.tiles.offer(tile.x, tile.y, tile.version, tile.triangles)) this.tiles_.set(tile);
+      if (this.model.tiles.offer(tile.x, tile.y, tile.version, tile.triangles, tile.level)) this.tiles_.set(tile);
       else tile.geometry?.dispose();
     }
     if (header.flags & MESH_SNAPSHOT_LAST) {
@@ -107,6 +109,14 @@ export class Viewer {
     }
     this.shadowsDirty_ = true;
     this.touch();
+  }
+
+  /** From where the block is seen, and how small an error nobody sees there. */
+  look(): { look: Look; distanceMm: number } {
+    const { camera, controls } = this.rig;
+    const weak = this.width_ <= PHONE_WIDTH_PX || this.stage.drawsInSoftware;
+    const error_rad = this.fixedQuality ? 0 : errorRad(camera.fov, this.height_, weak);
+    return { look: { eye_mm: camera.position.toArray(), error_rad }, distanceMm: camera.position.distanceTo(controls.target) };
   }
 
   setLook(look: StockLook): void {

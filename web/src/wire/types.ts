@@ -172,6 +172,13 @@ export interface Welcome {
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 
+/** What a viewer says: from where it looks, so that the server may send far tiles coarser. */
+export interface Look {
+  eye_mm: Vec3;
+  /** an error seen under this angle does not matter; 0: every error does */
+  error_rad: number;
+}
+
 export interface StateMessage {
   type: 'state';
   motions: number;

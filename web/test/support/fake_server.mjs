@@ -29,6 +29,7 @@ export class FakeServer {
     ].slice(0, agents);
     this.acks = [];
     this.hellos = [];
+    this.looks = [];
   }
 
   async listen(port = 0) {
@@ -86,6 +87,7 @@ export class FakeServer {
   }
 
   text_(viewer, message) {
+    if (message.type === 'look') this.looks.push(message);
     if (message.type !== 'hello') return;
     viewer.name = message.name;
     this.hellos.push(message.name);

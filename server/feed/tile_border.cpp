@@ -1,0 +1,258 @@
+#include "server/feed/tile_border.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace kerf {
+namespace {
+
+using Position = std::array<float, 3>;
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+/// An open edge of the tile, between places of equal position.
+struct OpenEdge {
+  std::uint32_t from = 0, to = 0;
+  int count = 0;  ///< how often it is open; 1 unless the surface touches itself there
+  friend auto operator<=>(const OpenEdge&, const OpenEdge&) = default;
+};
+
+/// The cell of a vertex along one axis: cell i lies between columns i and i + 1.
+std::int32_t cell_of(float mm, double pitch_mm) {
+  return static_cast<std::int32_t>(std::floor(static_cast<double>(mm) / pitch_mm - 0.5));
+}
+
+/// What of a tile's mesh lies in the cells that it shares with its neighbours: places (vertices of
+/// equal position), and the edges there that have no opposite within the tile.
+class Border {
+ public:
+  Border(const TileMesh& mesh, const DexelGrid& grid) : place_(mesh.positions_mm.size(), kNone) {
+    std::vector<std::uint8_t> mask(mesh.positions_mm.size());
+    const std::array<std::int32_t, 2> tile{mesh.tile.x, mesh.tile.y};
+    const std::array<std::int32_t, 2> columns{grid.columns_x, grid.columns_y};
+    std::vector<std::uint32_t> vertices;
+    for (std::uint32_t v = 0; v < mask.size(); ++v) {
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const std::int32_t first = tile[axis] * kTileSide;
+        const std::int32_t end = std::min(first + kTileSide, columns[axis]);
+        const std::int32_t cell = cell_of(mesh.positions_mm[v][axis], grid.pitch_mm);
+        if (cell == first - 1 && first > 0) mask[v] |= 1U << (2 * axis);
+        if (cell == end - 1 && end < columns[axis]) mask[v] |= 2U << (2 * axis);
+      }
+      if (mask[v] != 0) vertices.push_back(v);
+    }
+    weld(mesh, vertices, mask);
+    find_open_edges(mesh, mask);
+  }
+
+  std::size_t places() const { return positions_.size(); }
+  const Position& position(std::uint32_t place) const { return positions_[place]; }
+  /// The vertices of a place; the mesh repeats a position for each normal.
+  const std::vector<std::uint32_t>& vertices(std::uint32_t place) const { return at_[place]; }
+  std::uint32_t place(std::uint32_t vertex) const { return place_[vertex]; }
+  /// Bit n: it lies in the cells shared with neighbour n. In a corner of the tile that are two.
+  std::uint8_t sides(std::uint32_t place) const { return sides_[place]; }
+  const std::vector<OpenEdge>& open_edges() const { return open_; }
+
+ private:
+  void weld(const TileMesh& mesh, std::vector<std::uint32_t>& vertices,
+            const std::vector<std::uint8_t>& mask) {
+    std::ranges::sort(vertices, {}, [&](std::uint32_t v) { return mesh.positions_mm[v]; });
+    for (const std::uint32_t v : vertices) {
+      if (positions_.empty() || positions_.back() != mesh.positions_mm[v]) {
+        positions_.push_back(mesh.positions_mm[v]);
+        sides_.push_back(mask[v]);
+        at_.emplace_back();
+      }
+      place_[v] = static_cast<std::uint32_t>(positions_.size() - 1);
+      at_.back().push_back(v);
+    }
+  }
+
+  void find_open_edges(const TileMesh& mesh, const std::vector<std::uint8_t>& mask) {
+    std::vector<OpenEdge> edges;  // from the smaller place; count: +1, or -1 if it is turned round
+    for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t a = mesh.indices[t + c];
+        const std::uint32_t b = mesh.indices[t + (c + 1) % 3];
+        if ((mask[a] & mask[b]) == 0 || place_[a] == place_[b]) continue;
+        const auto [low, high] = std::minmax(place_[a], place_[b]);
+        edges.push_back({low, high, place_[a] == low ? 1 : -1});
+      }
+    }
+    std::ranges::sort(edges);
+    for (std::size_t n = 0; n < edges.size();) {
+      OpenEdge sum{edges[n].from, edges[n].to, 0};
+      for (; n < edges.size() && edges[n].from == sum.from && edges[n].to == sum.to; ++n) {
+        sum.count += edges[n].count;
+      }
+      if (sum.count < 0) sum = {sum.to, sum.from, -sum.count};
+      if (sum.count != 0) open_.push_back(sum);
+    }
+  }
+
+  std::vector<std::uint32_t> place_;  ///< by vertex; kNone away from the borders
+  std::vector<Position> positions_;   ///< by place, ascending
+  std::vector<std::uint8_t> sides_;
+  std::vector<std::vector<std::uint32_t>> at_;
+  std::vector<OpenEdge> open_;
+};
+
+double distance_to_segment(const Position& p, const Position& a, const Position& b) {
+  const auto vec = [](const Position& q) { return Vec3{double(q[0]), double(q[1]), double(q[2])}; };
+  const Vec3 along = vec(b) - vec(a), from = vec(p) - vec(a);
+  const double square = dot(along, along);
+  const double share = square > 0 ? std::clamp(dot(from, along) / square, 0.0, 1.0) : 0;
+  return length(from - along * share);
+}
+
+/// Follows the open edges of a tile from junction to junction, and finds for each place the one
+/// that stands for it.
+class BorderCollapse {
+ public:
+  BorderCollapse(const Border& border, const std::array<double, 4>& error_mm)
+      : border_(border), error_mm_(error_mm), target_(border.places()), next_(border.places()) {
+    std::iota(target_.begin(), target_.end(), 0U);
+    for (const OpenEdge& edge : border.open_edges()) {
+      // Where the surface touches itself, or sides meet, nothing is moved.
+      const bool plain = edge.count == 1;
+      for (const auto& [a, b] : {std::pair{edge.from, edge.to}, {edge.to, edge.from}}) {
+        next_[a].push_back(b);
+        if (!plain) next_[a].push_back(kNone);
+      }
+    }
+    passed_.resize(border.places());
+    for (std::uint32_t p = 0; p < next_.size(); ++p) {
+      if (next_[p].empty() || !is_junction(p)) continue;
+      for (const std::uint32_t q : next_[p]) {
+        if (q != kNone && !is_junction(q) && !passed_[q]) collapse(walk(p, q));
+      }
+    }
+    // What is left are rings without a junction; the smallest place serves as one.
+    for (std::uint32_t p = 0; p < next_.size(); ++p) {
+      if (!next_[p].empty() && !is_junction(p) && !passed_[p]) collapse(walk(p, next_[p][0]));
+    }
+  }
+
+  std::uint32_t target(std::uint32_t place) const { return target_[place]; }
+
+ private:
+  bool is_junction(std::uint32_t p) const {
+    return next_[p].size() != 2 || !std::has_single_bit(border_.sides(p));
+  }
+
+  std::vector<std::uint32_t> walk(std::uint32_t start, std::uint32_t second) {
+    std::vector<std::uint32_t> chain{start};
+    passed_[start] = true;
+    std::uint32_t before = start, here = second;
+    while (!is_junction(here) && here != start) {
+      passed_[here] = true;
+      chain.push_back(here);
+      const auto& both = next_[here];
+      before = std::exchange(here, both[0] == before ? both[1] : both[0]);
+    }
+    chain.push_back(here);
+    // Places are numbered by position, so both tiles turn it the same way.
+    if (std::ranges::lexicographical_compare(
+            chain, std::vector<std::uint32_t>(chain.rbegin(), chain.rend()))) {
+      return chain;
+    }
+    std::ranges::reverse(chain);
+    return chain;
+  }
+
+  /// Keeps of a chain what its shape needs (Douglas, Peucker 1973), and lets each other place go
+  /// where the nearer kept one is.
+  void collapse(const std::vector<std::uint32_t>& chain) {
+    const auto side = static_cast<std::size_t>(std::countr_zero(border_.sides(chain[1])));
+    if (error_mm_[side] <= 0) return;
+    std::vector<bool> kept(chain.size());
+    kept.front() = kept.back() = true;
+    std::vector<std::pair<std::size_t, std::size_t>> open{{0, chain.size() - 1}};
+    while (!open.empty()) {
+      const auto [first, last] = open.back();
+      open.pop_back();
+      double worst = error_mm_[side];
+      std::size_t split = 0;
+      for (std::size_t n = first + 1; n < last; ++n) {
+        const double off =
+            distance_to_segment(border_.position(chain[n]), border_.position(chain[first]),
+                                border_.position(chain[last]));
+        if (off > worst) {
+          worst = off;
+          split = n;
+        }
+      }
+      if (split == 0) continue;
+      kept[split] = true;
+      open.push_back({first, split});
+      open.push_back({split, last});
+    }
+    for (std::size_t first = 0, last = 1; last < chain.size(); ++last) {
+      if (!kept[last]) continue;
+      for (std::size_t n = first + 1; n < last; ++n) {
+        target_[chain[n]] = chain[2 * n <= first + last ? first : last];
+      }
+      first = last;
+    }
+  }
+
+  const Border& border_;
+  const std::array<double, 4>& error_mm_;
+  std::vector<std::uint32_t> target_;
+  std::vector<std::vector<std::uint32_t>> next_;  ///< along open edges, by place
+  std::vector<bool> passed_;
+};
+
+/// The vertex of `place` whose normal is closest to that of vertex `v`.
+std::uint32_t like(const TileMesh& mesh, const Border& border, std::uint32_t place,
+                   std::uint32_t v) {
+  const auto& n = mesh.normals[v];
+  return std::ranges::max(border.vertices(place), {}, [&](std::uint32_t candidate) {
+    const auto& m = mesh.normals[candidate];
+    return n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+  });
+}
+
+}  // namespace
+
+TileMesh with_coarser_borders(const TileMesh& mesh, const DexelGrid& grid,
+                              const std::array<double, 4>& side_error_mm) {
+  const Border border(mesh, grid);
+  const BorderCollapse collapse(border, side_error_mm);
+  std::vector<std::uint32_t> moved(mesh.positions_mm.size());
+  for (std::uint32_t v = 0; v < moved.size(); ++v) {
+    const std::uint32_t place = border.place(v);
+    const bool stays = place == kNone || collapse.target(place) == place;
+    moved[v] = stays ? v : like(mesh, border, collapse.target(place), v);
+  }
+  TileMesh out{mesh.tile, mesh.positions_mm, mesh.normals, {}};
+  out.indices.reserve(mesh.indices.size());
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+    const std::array<std::uint32_t, 3> corners{moved[mesh.indices[t]], moved[mesh.indices[t + 1]],
+                                               moved[mesh.indices[t + 2]]};
+    const auto at = [&](std::size_t c) { return out.positions_mm[corners[c]]; };
+    if (at(0) == at(1) || at(1) == at(2) || at(2) == at(0)) continue;
+    out.indices.insert(out.indices.end(), corners.begin(), corners.end());
+  }
+  return out;
+}
+
+bool same_border(const TileMesh& a, const TileMesh& b, const DexelGrid& grid) {
+  const auto edges = [&](const TileMesh& mesh) {
+    const Border border(mesh, grid);
+    std::vector<std::pair<std::pair<Position, Position>, int>> list;
+    for (const OpenEdge& edge : border.open_edges()) {
+      list.push_back({{border.position(edge.from), border.position(edge.to)}, edge.count});
+    }
+    std::ranges::sort(list);
+    return list;
+  };
+  return edges(a) == edges(b);
+}
+
+}  // namespace kerf

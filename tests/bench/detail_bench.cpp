@@ -1,0 +1,139 @@
+// What coarser levels of detail cost, save and err by: the standard job's block, carved in five
+// axes, at each level, and as viewers see it who look at all of it or at a part. Times are CPU
+// seconds of this thread. Usage: detail_bench [pitch_mm=0.25]
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <vector>
+
+#include "server/feed/mesh_glb.h"
+#include "server/feed/tile_detail.h"
+#include "server/formats/model/mesh_distance.h"
+#include "tests/support/standard_job.h"
+
+namespace {
+
+using namespace kerf;
+using Levels = std::function<int(TileIndex)>;
+
+double cpu_seconds() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+TileDetail detail_of(const DexelGrid& grid, TileIndex tile, const Levels& levels) {
+  TileDetail detail{.level = static_cast<std::uint8_t>(levels(tile)), .side = {}};
+  for (std::size_t n = 0; n < kSides.size(); ++n) {
+    const TileIndex beside{tile.x + kSides[n].x, tile.y + kSides[n].y};
+    const bool inside =
+        beside.x >= 0 && beside.y >= 0 && beside.x < grid.tiles_x() && beside.y < grid.tiles_y();
+    if (inside) {
+      detail.side[n] = std::min(detail.level, static_cast<std::uint8_t>(levels(beside)));
+    }
+  }
+  return detail;
+}
+
+/// All tiles as one mesh, without joining what they share: good for distances.
+IndexedMesh joined(const std::vector<TileMesh>& tiles) {
+  IndexedMesh all;
+  for (const TileMesh& mesh : tiles) {
+    const auto first = static_cast<std::uint32_t>(all.positions_mm.size());
+    all.positions_mm.insert(all.positions_mm.end(), mesh.positions_mm.begin(),
+                            mesh.positions_mm.end());
+    for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+      all.triangles.push_back(
+          {first + mesh.indices[t], first + mesh.indices[t + 1], first + mesh.indices[t + 2]});
+    }
+  }
+  return all;
+}
+
+std::vector<TileMesh> show(const char* name, const std::vector<TileMesh>& exact,
+                           const DexelGrid& grid, const Levels& levels) {
+  std::vector<TileMesh> meshes;
+  const double start = cpu_seconds();
+  for (const TileMesh& mesh : exact) {
+    meshes.push_back(coarser_tile(mesh, grid, detail_of(grid, mesh.tile, levels)));
+  }
+  const double seconds = cpu_seconds() - start;
+  const MeshQuantization quantization = mesh_quantization(grid);
+  std::vector<EncodedTile> encoded;
+  std::size_t triangles = 0, bytes = 0;
+  for (const TileMesh& mesh : meshes) {
+    encoded.push_back(encode_tile(mesh, quantization, 1, TileCompression::kMeshopt));
+    triangles += mesh.indices.size() / 3;
+    bytes += encoded.back().bytes();
+  }
+  std::vector<const EncodedTile*> pointers;
+  for (const EncodedTile& tile : encoded) pointers.push_back(&tile);
+  const auto tiles = static_cast<double>(exact.size());
+  std::printf("%-34s %9zu triangles (%6.0f/tile) %6.0f bytes/tile, GLB %7.3f MB, %5.0f us/tile\n",
+              name, triangles, static_cast<double>(triangles) / tiles,
+              static_cast<double>(bytes) / tiles,
+              1e-6 * static_cast<double>(write_mesh_glb(pointers, quantization, 0, 1).size()),
+              1e6 * seconds / tiles);
+  return meshes;
+}
+
+void print_error(const std::vector<TileMesh>& exact, const std::vector<TileMesh>& coarse,
+                 double pitch_mm) {
+  const IndexedMesh from = joined(exact), to = joined(coarse);
+  const MeshDistance distance(to);
+  std::vector<double> off;
+  std::uint32_t near = 0;
+  for (std::uint32_t v = 0; v < from.positions_mm.size(); ++v) {
+    off.push_back(distance.distance_mm(from.position(v), near) / pitch_mm);
+  }
+  std::ranges::sort(off);
+  std::printf("    exact vertices off by: half %.4f, 99 of 100 %.3f, all %.3f pitches\n",
+              off[off.size() / 2], off[off.size() * 99 / 100], off.back());
+}
+
+/// Looking down at the middle of the block from `distance_mm`, 52 degrees steep, with a field of
+/// view of 30 degrees; a picture of `height_px`, errors up to `error_px`.
+Levels look_from(const DexelGrid& grid, double distance_mm, double height_px, double error_px) {
+  const double steep = 52 * std::numbers::pi / 180;
+  const Vec3 eye{50, 50 - distance_mm * std::cos(steep), 50 + distance_mm * std::sin(steep)};
+  const double pixel_rad = 2 * std::tan(std::numbers::pi / 12) / height_px;
+  const ViewerLook look{eye, error_px * pixel_rad};
+  return [look, grid](TileIndex tile) { return detail_level(look, grid, tile, 0); };
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
+  SculptureSettings settings = test::standard_settings(pitch_mm, 0.01);
+  settings.keep_normals = true;
+  auto sculpture = *Sculpture::create(settings);
+  sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
+  const std::vector<ToolPose> path = test::standard_path(true);
+  for (std::size_t n = 1; n < path.size(); ++n) {
+    sculpture.apply(MoveTool{1, path[n - 1], path[n], 0.01, false}).value();
+  }
+  const SolidSnapshot solid = sculpture.solid();
+  const DexelGrid& grid = solid.grid();
+  std::vector<TileMesh> exact;
+  const double start = cpu_seconds();
+  for (std::int32_t y = 0; y < grid.tiles_y(); ++y) {
+    for (std::int32_t x = 0; x < grid.tiles_x(); ++x) exact.push_back(mesh_tile(solid, {x, y}));
+  }
+  std::printf(
+      "block 100 x 100 x 50 mm, five axes, pitch %.3g mm, %zu tiles; meshing %.0f us/tile\n",
+      pitch_mm, exact.size(), 1e6 * (cpu_seconds() - start) / static_cast<double>(exact.size()));
+  for (int level = 0; level <= kDetailLevelMax; ++level) {
+    const std::string name = "level " + std::to_string(level);
+    const auto coarse = show(name.c_str(), exact, grid, [level](TileIndex) { return level; });
+    if (level > 0) print_error(exact, coarse, pitch_mm);
+  }
+  show("whole block, 1000 px high", exact, grid, look_from(grid, 300, 1000, 0.5));
+  show("whole block on a phone, 800 px", exact, grid, look_from(grid, 480, 800, 1));
+  show("close to its middle, 1000 px high", exact, grid, look_from(grid, 60, 1000, 0.5));
+  return 0;
+}
