@@ -275,6 +275,21 @@ Wrench Sculpture::collision(const Tool& tool, const ToolPose& pose) const {
   return sum + stock_contact(tool, pose, fields_, settings_.force, settings_.tolerance_mm).wrench;
 }
 
+std::vector<ContactPlane> Sculpture::contact(ToolId id, const ToolPose& given, bool cutting) const {
+  std::vector<ContactPlane> planes;
+  const Tool* used = tool(id);
+  if (used == nullptr || !check_pose("the", given)) return planes;
+  const ToolPose pose{given.tip_mm, normalized(given.axis)};
+  if (obstacles_) obstacles_->planes(*used, pose, planes);
+  const auto touch = [&](std::span<const ToolPiece> pieces) {
+    stock_planes(pieces, pose, fields_, settings_.force, settings_.tolerance_mm, planes);
+  };
+  touch(used->non_cutting);
+  if (!cutting) touch(used->pieces);
+  std::ranges::stable_sort(planes, std::greater{}, &ContactPlane::depth_mm);
+  return planes;
+}
+
 std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& command) {
   SerialWorkers alone;
   return apply(command, alone);

@@ -10,6 +10,7 @@
 
 #include "kernel/dexel/solid_snapshot.h"
 #include "kernel/dexel/triangle_mesh.h"
+#include "kernel/force/contact_plane.h"
 #include "kernel/force/force_settings.h"
 #include "kernel/force/obstacle.h"
 #include "kernel/force/wrench.h"
@@ -144,6 +145,11 @@ class Sculpture {
   /// and from stock against its shank and holder (N, N·mm about the pivot); zero for an unknown
   /// tool, and for a pose that a motion to it would be refused for.
   Wrench collision(ToolId tool, const ToolPose& pose) const;
+
+  /// What pushes a tool at a pose, or is about to: obstacles nearer than kContactReachMm; the stock
+  /// against shank and holder, and against the cutting part as well unless the tool is `cutting`.
+  /// Deepest first; none for an unknown tool or a pose that would be refused.
+  std::vector<ContactPlane> contact(ToolId tool, const ToolPose& pose, bool cutting) const;
 
   const SculptureSettings& settings() const { return settings_; }
   const DexelGrid& grid() const;      ///< of the field along Z

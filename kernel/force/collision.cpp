@@ -170,6 +170,24 @@ std::string check_shape(const MeshObstacle& m) {
   return {};
 }
 
+/// Calls visit(obstacle, p, distance of p) for the deepest point p of each piece against each
+/// obstacle whose bounding ball is nearer to the tool's than `reach_mm`.
+template <typename Bounded, typename Visit>
+void each_piece(const std::vector<Bounded>& obstacles, const Tool& tool, const ToolPose& pose,
+                double reach_mm, Visit visit) {
+  const Vec3 tool_middle = pose.tip_mm + pose.axis * (tool.whole_length_mm / 2);
+  const double tool_radius = tool.whole_length_mm / 2 + tool.whole_radius_mm + reach_mm;
+  for (const Bounded& b : obstacles) {
+    if (length(tool_middle - b.center_mm) > tool_radius + b.radius_mm) continue;
+    for (const auto* pieces : {&tool.pieces, &tool.non_cutting}) {
+      for (const ToolPiece& piece : *pieces) {
+        const Vec3 p = deepest_point(piece, pose, b.obstacle);
+        visit(b.obstacle, p, distance(b.obstacle, p));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::string check_obstacle(const Obstacle& obstacle) {
@@ -189,22 +207,22 @@ Obstacles::Obstacles(std::vector<Obstacle> obstacles) {
 Wrench Obstacles::push(const Tool& tool, const ToolPose& pose, double pivot_mm) const {
   Wrench sum;
   const Vec3 pivot = pose.tip_mm + pose.axis * pivot_mm;
-  const Vec3 tool_middle = pose.tip_mm + pose.axis * (tool.whole_length_mm / 2);
-  const double tool_radius = tool.whole_length_mm / 2 + tool.whole_radius_mm;
-  for (const Bounded& b : obstacles_) {
-    if (length(tool_middle - b.center_mm) > tool_radius + b.radius_mm) continue;
-    for (const auto* pieces : {&tool.pieces, &tool.non_cutting}) {
-      for (const ToolPiece& piece : *pieces) {
-        const Vec3 p = deepest_point(piece, pose, b.obstacle);
-        const SignedDistance d = distance(b.obstacle, p);
-        if (d.distance_mm >= 0) continue;
-        const Vec3 f = d.outward * (-d.distance_mm * b.obstacle.stiffness_n_per_mm);
-        sum = sum + Wrench{f, cross(p - pivot, f)};
-      }
-    }
-  }
+  each_piece(obstacles_, tool, pose, 0, [&](const Obstacle& o, Vec3 p, const SignedDistance& d) {
+    if (d.distance_mm >= 0) return;
+    const Vec3 f = d.outward * (-d.distance_mm * o.stiffness_n_per_mm);
+    sum = sum + Wrench{f, cross(p - pivot, f)};
+  });
   sum.torque_nmm = sum.torque_nmm - pose.axis * dot(sum.torque_nmm, pose.axis);
   return sum;
+}
+
+void Obstacles::planes(const Tool& tool, const ToolPose& pose,
+                       std::vector<ContactPlane>& out) const {
+  const auto visit = [&](const Obstacle& o, Vec3 p, const SignedDistance& d) {
+    if (d.distance_mm >= kContactReachMm) return;
+    out.push_back({p, d.outward, -d.distance_mm, o.stiffness_n_per_mm, 2 * kContactReachMm, false});
+  };
+  each_piece(obstacles_, tool, pose, kContactReachMm, visit);
 }
 
 }  // namespace kerf

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/force/contact_plane.h"
 #include "kernel/force/obstacle.h"
 #include "kernel/force/wrench.h"
 #include "kernel/tool/tool.h"
@@ -26,6 +27,9 @@ class Obstacles {
   /// obstacle along the shortest way by stiffness x depth of its deepest point; torque about
   /// `pivot_mm` up the axis, none about the axis itself. Zero when nothing touches.
   Wrench push(const Tool& tool, const ToolPose& pose, double pivot_mm) const;
+  /// Appends the plane of each convex piece against each obstacle that is nearer than
+  /// kContactReachMm; wrench_of them is push.
+  void planes(const Tool& tool, const ToolPose& pose, std::vector<ContactPlane>& out) const;
 
  private:
   struct Bounded {

@@ -321,6 +321,18 @@ StockContact stock_contact(const Tool& tool, const ToolPose& pose,
   return sum;
 }
 
+void stock_planes(std::span<const ToolPiece> pieces, const ToolPose& pose,
+                  std::span<const DexelField> fields, const ForceSettings& settings,
+                  double allowance_mm, std::vector<ContactPlane>& out) {
+  for (const ToolPiece& piece : pieces) {
+    const Overlap found = overlap(piece, pose, fields, allowance_mm, true);
+    const double depth = found.depth - allowance_mm;
+    if (!(depth > 0)) continue;
+    out.push_back({found.point(), normalized(found.way()) * -1, depth,
+                   settings.contact_stiffness_n_per_mm, kContactReachMm, true});
+  }
+}
+
 double deepest_stock_contact(const Tool& tool, const ToolMotion& motion,
                              std::span<const DexelField> fields, double allowance_mm) {
   constexpr double kPosesMax = 256;

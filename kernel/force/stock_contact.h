@@ -1,8 +1,10 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "kernel/dexel/dexel_field.h"
+#include "kernel/force/contact_plane.h"
 #include "kernel/force/force_settings.h"
 #include "kernel/force/wrench.h"
 #include "kernel/sweep/tool_motion.h"
@@ -26,6 +28,13 @@ struct StockContact {
 StockContact stock_contact(const Tool& tool, const ToolPose& pose,
                            std::span<const DexelField> fields, const ForceSettings& settings,
                            double allowance_mm);
+
+/// Appends one plane for each of `pieces` that holds solid points; wrench_of those of a tool's
+/// non-cutting pieces is what stock_contact gives. A tool that does not cut is touched all over:
+/// its cutting pieces may be given too.
+void stock_planes(std::span<const ToolPiece> pieces, const ToolPose& pose,
+                  std::span<const DexelField> fields, const ForceSettings& settings,
+                  double allowance_mm, std::vector<ContactPlane>& out);
 
 /// The greatest depth at poses along a motion, its end included, at most half the thinnest
 /// non-cutting piece's radius apart (but no more than 256): a long motion may pass through stock

@@ -71,9 +71,15 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   int listener_ = 0;
   RateLimit errors_{kErrorsPerS, kErrorsBurst};
 
-  std::array<std::byte, wire::kHeaderBytes + wire::kResultBytes> result_{}, out_{};
+  std::array<std::byte, wire::kHeaderBytes + wire::kMaxResultBytes> result_{}, out_{};
+  std::size_t result_bytes_ = 0;
   Clock::time_point result_arrived_, out_arrived_;
   bool has_result_ = false;
+  /// The state of the participant whom this one feels; the newest replaces one that has not left.
+  std::array<std::byte, wire::kHeaderBytes + wire::kListHeadBytes + wire::kToolStateBytes> felt_{},
+      felt_out_{};
+  bool has_felt_ = false;
+  std::uint64_t felts_ = 0;
   std::uint64_t results_ = 0, pongs_ = 0;
   std::deque<std::pair<std::string, bool>> control_;  ///< bytes, and whether they are text
   std::pair<std::string, bool> control_out_;
@@ -143,7 +149,8 @@ void AgentSocket::on_control(std::string_view text) {
 
 void AgentSocket::on_hello(const HelloMessage& hello) {
   if (self_) return refuse({wire::ErrorCode::kBadMessage, "hello was said before"});
-  JoinRequest request{ParticipantKind::kAgent, hello.name, hello.color, hello.tool, hello.feel};
+  JoinRequest request{
+      ParticipantKind::kAgent, hello.name, hello.color, hello.tool, hello.feel, hello.feel_of};
   const auto joined = session_->join(request);
   if (!joined) {
     const bool fatal = joined.error().code == wire::ErrorCode::kBusy;
@@ -180,9 +187,14 @@ void AgentSocket::on_motion(const wire::MotionBatch& batch, Clock::time_point ar
   answer.result.turnaround_us = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - arrived).count());
   // Only the newest wrench is worth feeling: it replaces one that has not left yet.
-  wire::encode({session_->epoch(), ++results_, clock_us()}, answer.result, result_);
+  result_bytes_ = wire::encode({session_->epoch(), ++results_, clock_us()}, answer.result, result_);
   result_arrived_ = arrived;
   has_result_ = true;
+  if (answer.felt) {
+    wire::encode({session_->epoch(), ++felts_, clock_us()}, wire::ToolStates{{*answer.felt}},
+                 felt_);
+    has_felt_ = true;
+  }
   pump();
 }
 
@@ -220,7 +232,8 @@ void AgentSocket::finish() {
 void AgentSocket::pump() {
   if (writing_ || broken_) return;
   const bool result = has_result_ && !finishing_;
-  if (!result && control_.empty()) {
+  const bool felt = !result && has_felt_ && !finishing_;
+  if (!result && !felt && control_.empty()) {
     if (!finishing_) return;
     writing_ = true;
     socket_.async_close(beast::websocket::close_code::going_away,
@@ -236,7 +249,12 @@ void AgentSocket::pump() {
     out_ = result_;
     out_arrived_ = result_arrived_;
     socket_.binary(true);
-    socket_.async_write(asio::buffer(out_), std::move(done));
+    socket_.async_write(asio::buffer(out_, result_bytes_), std::move(done));
+  } else if (felt) {
+    has_felt_ = false;
+    felt_out_ = felt_;
+    socket_.binary(true);
+    socket_.async_write(asio::buffer(felt_out_), std::move(done));
   } else {
     control_out_ = std::move(control_.front());
     control_.pop_front();

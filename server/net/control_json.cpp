@@ -51,6 +51,12 @@ std::expected<ControlMessage, Refusal> parse_hello(const Json& object) {
     if (!feel->is_boolean()) return std::unexpected(bad_field("feel", "is not true or false"));
     hello.feel = feel->get<bool>();
   }
+  if (const auto other = object.find("feel_of"); other != object.end()) {
+    if (!other->is_number_unsigned() || other->get<std::uint64_t>() > UINT32_MAX) {
+      return std::unexpected(bad_field("feel_of", "is not the number of a participant"));
+    }
+    hello.feel_of = other->get<ParticipantId>();
+  }
   return hello;
 }
 

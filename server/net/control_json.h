@@ -17,6 +17,7 @@ struct HelloMessage {
   std::string name, color;
   ToolId tool = 0;  ///< 0: the first of the scene
   bool feel = true;
+  ParticipantId feel_of = 0;  ///< whose force to send along; 0: nobody's
 };
 struct ToolMessage {
   ToolId tool = 0;

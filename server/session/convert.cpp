@@ -1,5 +1,6 @@
 #include "server/session/convert.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/formats/pose_grid.h"
@@ -78,7 +79,22 @@ void BatchSum::add(const MotionResult& result, double duration_s) {
   ++motions_;
 }
 
+void BatchSum::touch(std::span<const ContactPlane> planes) {
+  planes_count_ = 0;
+  for (const ContactPlane& plane : planes.first(std::min(planes.size(), planes_.size()))) {
+    planes_[planes_count_++] = {
+        .point_mm = to_wire(plane.point_mm),
+        .normal = to_wire_float(plane.normal),
+        .depth_mm = static_cast<float>(plane.depth_mm),
+        .stiffness_n_per_mm = static_cast<float>(plane.stiffness_n_per_mm),
+        .radius_mm = static_cast<float>(plane.radius_mm),
+        .flags = plane.stock ? wire::kContactStock : wire::kContactObstacle};
+  }
+}
+
 void BatchSum::write(wire::Result& result) const {
+  result.plane_count = planes_count_;
+  result.planes = planes_;
   if (empty() || duration_s_ <= 0) return;
   const double scale = 1 / duration_s_;
   result.force_n = to_wire_float(impulse_.force_n * scale);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <expected>
+#include <span>
 
 #include "kernel/sculpture.h"
 #include "server/session/refusal.h"
@@ -22,6 +24,8 @@ wire::Vec3d to_wire(Vec3 value);
 class BatchSum {
  public:
   void add(const MotionResult& result, double duration_s);
+  /// What touches the tool where the newest sample put it.
+  void touch(std::span<const ContactPlane> planes);
   bool empty() const { return motions_ == 0; }
   double removed_mm3() const { return removed_mm3_; }
   double duration_s() const { return duration_s_; }
@@ -34,6 +38,8 @@ class BatchSum {
   CuttingModel cutting_;
   double duration_s_ = 0, removed_mm3_ = 0, last_specific_ = 0;
   int motions_ = 0;
+  std::uint32_t planes_count_ = 0;
+  std::array<wire::ContactPlane, wire::kMaxContactPlanes> planes_{};
 };
 
 }  // namespace kerf

@@ -25,7 +25,8 @@ struct JoinRequest {
   std::string name;
   std::string color;  ///< empty: the session picks one
   ToolId tool = 0;
-  bool feel = true;  ///< false: no force is computed for this participant
+  bool feel = true;           ///< false: no force is computed for this participant
+  ParticipantId feel_of = 0;  ///< whose force to answer beside its own; 0: nobody's
 };
 
 }  // namespace kerf

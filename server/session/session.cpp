@@ -80,6 +80,7 @@ std::expected<Participant, Refusal> Session::join(const JoinRequest& request) {
   }
   if (seat.who.color.empty()) seat.who.color = kColors[(seat.who.id - 1) % kColors.size()];
   seat.feel = request.feel;
+  seat.feel_of = request.feel_of;
   seat.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
   // Viewers come and go and leave no trace in the block: the journal names only those who may
   // carve.
@@ -156,7 +157,7 @@ std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample
     touch(seat, *pose, sample.time_us > from_us ? sample.time_us - from_us : 0, sum);
     return std::nullopt;
   }
-  if (*from == *pose && scene_.settings.obstacles.empty()) return std::nullopt;  // rests in peace
+  if (*from == *pose && !has_obstacles()) return std::nullopt;  // rests in peace
   if (sample.time_us <= from_us) {
     return Refusal{kBadMessage, name() + "time_us does not advance"};
   }
@@ -170,14 +171,19 @@ std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample
       carve(seat.who.id, MoveTool{sample.tool_id, *from, *pose, duration_s, seat.feel});
   if (!result) return Refusal{result.error().code, name() + result.error().reason};
   sum.add(*result, duration_s);
+  if (seat.feel && (has_obstacles() || !sculpture_.tool(sample.tool_id)->non_cutting.empty())) {
+    sum.touch(sculpture_.contact(sample.tool_id, *pose, true));
+  }
   return std::nullopt;
 }
 
 void Session::touch(const Seat& seat, const ToolPose& pose, std::uint64_t duration_us,
                     BatchSum& sum) {
-  if (!seat.feel || scene_.settings.obstacles.empty()) return;
+  if (!seat.feel) return;
+  const auto planes = sculpture_.contact(seat.state.tool_id, pose, false);
+  sum.touch(planes);
   MotionResult touched;
-  touched.wrench = touched.collision = sculpture_.collision(seat.state.tool_id, pose);
+  touched.wrench = touched.collision = wrench_of(planes, pose, scene_.settings.force.pivot_mm);
   sum.add(touched, static_cast<double>(duration_us) * kMicrosecond);
 }
 
@@ -201,7 +207,18 @@ MotionAnswer Session::move(ParticipantId id, std::span<const wire::MotionSample>
   sum.write(result);
   if (!answer.refusals.empty()) result.status |= wire::kStatusRefused;
   show(seat, result, sum);
+  answer.felt = felt_by(seat);
   return answer;
+}
+
+std::optional<wire::ToolState> Session::felt_by(const Seat& seat) const {
+  const auto other = seats_.find(seat.feel_of);
+  if (other == seats_.end() || other->second.who.id == seat.who.id) return std::nullopt;
+  wire::ToolState state = other->second.state;
+  if (!other->second.pose || Clock::now() - other->second.state_at > kForceShown) {
+    state.force_n = state.torque_nmm = {};
+  }
+  return state;
 }
 
 void Session::show(Seat& seat, const wire::Result& result, const BatchSum& sum) {

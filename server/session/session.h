@@ -40,7 +40,8 @@ struct SessionLimits {
 /// The answer to a batch of samples: what to send back to that agent, and nobody else.
 struct MotionAnswer {
   wire::Result result;
-  std::vector<Refusal> refusals;  ///< at most one per sample
+  std::vector<Refusal> refusals;        ///< at most one per sample
+  std::optional<wire::ToolState> felt;  ///< of the participant whom this one feels, if it is there
 };
 
 /// Somebody came, went or changed tool (`closing` empty), or the session ends (`closing` says why).
@@ -132,6 +133,7 @@ class Session : public std::enable_shared_from_this<Session> {
   struct Seat {
     Participant who;
     bool feel = true;
+    ParticipantId feel_of = 0;
     std::optional<ToolPose> pose;
     std::uint64_t last_sequence = 0, last_time_us = 0;
     RateLimit samples{0, 0};
@@ -139,10 +141,12 @@ class Session : public std::enable_shared_from_this<Session> {
     Clock::time_point state_at{};
   };
 
-  /// What a tool that moves through the air feels: obstacles push it whether it cuts or not.
+  bool has_obstacles() const { return !scene_.settings.obstacles.empty(); }
+  /// What a tool that does not cut feels: obstacles push it, and so does the stock.
   void touch(const Seat& seat, const ToolPose& pose, std::uint64_t duration_us, BatchSum& sum);
   std::optional<Refusal> take_sample(Seat& seat, const wire::MotionSample& sample, BatchSum& sum);
   std::expected<MotionResult, Refusal> carve(ParticipantId who, const MoveTool& move);
+  std::optional<wire::ToolState> felt_by(const Seat& seat) const;
   static void show(Seat& seat, const wire::Result& result, const BatchSum& sum);
   void run_programs();
   std::expected<double, Refusal> carve_program_motion(ParticipantId who,

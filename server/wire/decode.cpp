@@ -76,9 +76,23 @@ std::expected<ToolStates, DecodeError> decode_tools(ByteReader& from, std::size_
   return states;
 }
 
-std::expected<Result, DecodeError> decode_result(ByteReader& from) noexcept {
+std::expected<Result, DecodeError> decode_result(ByteReader& from,
+                                                 std::size_t payload_bytes) noexcept {
+  constexpr std::size_t kPlaneCountOffset = 100;
+  const std::size_t start = from.at();
   Result result;
+  if (payload_bytes < kResultBytes) {
+    return refuse(DecodeErrorCode::kPayloadMismatch, 8, "the payload ends inside the result");
+  }
   walk(from, result);
+  if (result.plane_count > kMaxContactPlanes) {
+    return refuse(DecodeErrorCode::kBadCount, start + kPlaneCountOffset,
+                  "the count is outside its limits");
+  }
+  if (payload_bytes != kResultBytes + result.plane_count * kContactPlaneBytes) {
+    return refuse(DecodeErrorCode::kPayloadMismatch, 8, "the count does not match the payload");
+  }
+  for (std::uint32_t i = 0; i < result.plane_count; ++i) walk(from, result.planes[i]);
   if (from.not_finite_at() != 0) return refuse_not_finite(from.not_finite_at());
   return result;
 }
@@ -96,11 +110,10 @@ Pong decode_pong(ByteReader& from) noexcept {
   return pong;
 }
 
-/// The payload size of a type that has only one; empty for lists, meshes and unknown types.
+/// The payload size of a type that has only one; empty for lists, results, meshes and unknown
+/// types.
 std::optional<std::size_t> fixed_payload_bytes(MessageType type) noexcept {
   switch (type) {
-    case MessageType::kResult:
-      return kResultBytes;
     case MessageType::kAck:
       return 0;
     case MessageType::kPing:
@@ -180,7 +193,7 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
       keep(decode_motion(from, header->payload_bytes));
       break;
     case MessageType::kResult:
-      keep(decode_result(from));
+      keep(decode_result(from, header->payload_bytes));
       break;
     case MessageType::kMesh:
       message->body = MeshView{frame.subspan(header->header_bytes)};

@@ -27,7 +27,9 @@ ByteWriter start_frame(const FrameStamp& stamp, MessageType type, std::uint8_t f
 std::size_t encoded_bytes(const MotionBatch& batch) noexcept {
   return kHeaderBytes + kListHeadBytes + batch.count * kSampleBytes;
 }
-std::size_t encoded_bytes(const Result&) noexcept { return kHeaderBytes + kResultBytes; }
+std::size_t encoded_bytes(const Result& result) noexcept {
+  return kHeaderBytes + kResultBytes + result.plane_count * kContactPlaneBytes;
+}
 std::size_t encoded_bytes(const MeshView& mesh) noexcept { return kHeaderBytes + mesh.glb.size(); }
 std::size_t encoded_bytes(const ToolStates& states) noexcept {
   return kHeaderBytes + kListHeadBytes + states.tools.size() * kToolStateBytes;
@@ -48,8 +50,10 @@ std::size_t encode(const FrameStamp& stamp, const MotionBatch& batch,
 
 std::size_t encode(const FrameStamp& stamp, const Result& result,
                    std::span<std::byte> out) noexcept {
+  assert(result.plane_count <= kMaxContactPlanes);
   ByteWriter to = start_frame(stamp, MessageType::kResult, 0, encoded_bytes(result), out);
   walk(to, result);
+  for (const ContactPlane& plane : result.contact()) walk(to, plane);
   return to.at();
 }
 

@@ -49,9 +49,20 @@ void walk(Io& io, R& result) noexcept {
   io.field(result.specific_force_n_per_mm2);
   io.field(result.removed_mm3);
   io.field(result.status);
-  io.reserved();
+  io.field(result.plane_count);
   io.field(result.collision_force_n);
   io.field(result.turnaround_us);
+}
+
+template <typename Io, MaybeConst<ContactPlane> Plane>
+void walk(Io& io, Plane& plane) noexcept {
+  io.field(plane.point_mm);
+  io.field(plane.normal);
+  io.field(plane.depth_mm);
+  io.field(plane.stiffness_n_per_mm);
+  io.field(plane.radius_mm);
+  io.field(plane.flags);
+  io.reserved();
 }
 
 template <typename Io, MaybeConst<ToolState> State>

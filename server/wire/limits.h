@@ -14,12 +14,17 @@ inline constexpr std::size_t kMaxHeaderBytes = 256;
 inline constexpr std::size_t kListHeadBytes = 8;
 inline constexpr std::size_t kSampleBytes = 64;
 inline constexpr std::size_t kResultBytes = 120;
+inline constexpr std::size_t kContactPlaneBytes = 56;
 inline constexpr std::size_t kToolStateBytes = 80;
 inline constexpr std::size_t kPingBytes = 8;
 inline constexpr std::size_t kPongBytes = 16;
 
 inline constexpr std::uint32_t kMaxSamplesPerMotion = 16;
 inline constexpr std::uint32_t kMaxToolStates = 1024;
+/// Planes in one result: more places than these are never felt apart.
+inline constexpr std::uint32_t kMaxContactPlanes = 8;
+inline constexpr std::size_t kMaxResultBytes =
+    kResultBytes + kMaxContactPlanes * kContactPlaneBytes;
 
 /// What an agent or a viewer may send in one frame, text or binary (`limits.frame_bytes`).
 inline constexpr std::size_t kMaxClientFrameBytes = 4096;

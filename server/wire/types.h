@@ -49,9 +49,32 @@ struct MotionBatch {
   bool operator==(const MotionBatch&) const = default;
 };
 
+/// Bits of ContactPlane::flags: what the tool touches or is about to touch.
+inline constexpr std::uint32_t kContactObstacle = 1;
+inline constexpr std::uint32_t kContactStock = 2;
+
+/// The surface of something that pushes the tool, near one place of the tool, as a plane (Adachi's
+/// intermediate representation): what an agent needs to render the contact between two results.
+struct ContactPlane {
+  /// The place of the tool that is deepest, where the answered sample put it.
+  Vec3d point_mm{};
+  /// Unit, out of the surface: the way in which it pushes.
+  Vec3f normal{};
+  /// How far that place is beyond the surface; below zero: a gap that is still open.
+  float depth_mm = 0.0F;
+  /// Force per depth.
+  float stiffness_n_per_mm = 0.0F;
+  /// Farther from `point_mm` than this the plane says nothing.
+  float radius_mm = 0.0F;
+  std::uint32_t flags = 0;
+
+  bool operator==(const ContactPlane&) const = default;
+};
+
 /// The server's answer to the newest sample that it applied, with the local cutting model:
 /// engaged area, feed direction, centre and specific force, from which force can be rendered
-/// locally.
+/// locally. Collision force and planes say the same: the force is that of the planes whose depth is
+/// above zero.
 struct Result {
   std::uint64_t agent_sequence = 0;
   std::uint64_t agent_time_us = 0;
@@ -67,7 +90,11 @@ struct Result {
   std::uint32_t status = 0;
   Vec3f collision_force_n{};
   std::uint32_t turnaround_us = 0;
+  /// Only the first `plane_count` are sent.
+  std::uint32_t plane_count = 0;
+  std::array<ContactPlane, kMaxContactPlanes> planes{};
 
+  std::span<const ContactPlane> contact() const noexcept { return {planes.data(), plane_count}; }
   bool operator==(const Result&) const = default;
 };
 

@@ -11,69 +11,10 @@
 #include "server/formats/program.h"
 #include "server/session/session_export.h"
 #include "server/session/session_registry.h"
-#include "tests/server/manual_executor.h"
-#include "tests/server/temporary_folder.h"
+#include "tests/server/session_room.h"
 
 namespace kerf {
 namespace {
-
-constexpr const char* kScene = R"({
-  "name": "Test block",
-  "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
-  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
-  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
-            {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 60}],
-  "machine": {"kinematics": "tool-vector"}})";
-
-class SessionRoom : public testing::Test {
- protected:
-  /// Forgets the sessions and starts with the same folder, as a restarted program does.
-  void restart() {
-    registry.emplace(
-        RegistryOptions{folder.path(), 4, limits}, [this](const std::string&) { return executor; },
-        workers);
-  }
-  void SetUp() override { restart(); }
-  std::shared_ptr<Session> start(const std::string& scene = kScene) {
-    auto created = registry->create("block", scene, SceneSource{});
-    EXPECT_TRUE(created) << created.error().reason;
-    return *created;
-  }
-  ParticipantId join(Session& session, const std::string& name = "Ada") {
-    const auto joined = session.join({ParticipantKind::kAgent, name, "", 1, true});
-    EXPECT_TRUE(joined);
-    return joined->id;
-  }
-  /// One sample a millisecond after the last one of the test.
-  wire::MotionSample next(double x_mm, double y_mm, double z_mm) {
-    wire::MotionSample sample;
-    sample.agent_sequence = ++sequence;
-    sample.time_us = 1000 * sequence;
-    sample.tip_mm = {x_mm, y_mm, z_mm};
-    sample.tool_id = 1;
-    sample.buttons = wire::kButtonCutting;
-    return sample;
-  }
-  MotionAnswer move(Session& session, ParticipantId who, double x_mm, double y_mm, double z_mm) {
-    const wire::MotionSample sample = next(x_mm, y_mm, z_mm);
-    return session.move(who, {&sample, 1});
-  }
-  void carve_circle(Session& session, ParticipantId who, int steps = 200) {
-    for (int i = 0; i <= steps; ++i) {
-      const double angle = 6.4 * i / steps;
-      const auto answer =
-          move(session, who, 10 * std::cos(angle), 10 * std::sin(angle), -1 - 0.01 * i);
-      ASSERT_TRUE(answer.refusals.empty());
-    }
-  }
-
-  test::TemporaryFolder folder;
-  SessionLimits limits;
-  std::shared_ptr<test::ManualExecutor> executor = std::make_shared<test::ManualExecutor>();
-  test::ManualExecutor workers;
-  std::optional<SessionRegistry> registry;
-  std::uint64_t sequence = 0;
-};
 
 TEST_F(SessionRoom, RefusedSamplesLeaveAGapAndNotAChord) {
   limits.samples_burst = 2;

@@ -179,7 +179,7 @@ def parse_result(payload):
     names = ("agent_sequence", "agent_time_us", "motions", "fx", "fy", "fz", "tx", "ty", "tz",
              "area", "dx", "dy", "dz", "cx", "cy", "cz", "specific", "removed", "status",
              "reserved", "kx", "ky", "kz", "turnaround_us")
-    return dict(zip(names, struct.unpack("<3Q3f3ff3f3dffII3fI", payload)))
+    return dict(zip(names, struct.unpack("<3Q3f3ff3f3dffII3fI", payload[:120])))
 
 
 class Agent(WebSocket):

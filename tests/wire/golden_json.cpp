@@ -25,6 +25,19 @@ json describe_body(const MotionBatch& batch) {
   return {{"samples", samples}};
 }
 
+json describe_planes(const Result& r) {
+  json planes = json::array();
+  for (const ContactPlane& p : r.contact()) {
+    planes.push_back({{"point_mm", p.point_mm},
+                      {"normal", widen(p.normal)},
+                      {"depth_mm", static_cast<double>(p.depth_mm)},
+                      {"stiffness_n_per_mm", static_cast<double>(p.stiffness_n_per_mm)},
+                      {"radius_mm", static_cast<double>(p.radius_mm)},
+                      {"flags", p.flags}});
+  }
+  return planes;
+}
+
 json describe_body(const Result& r) {
   return {{"agent_sequence", r.agent_sequence},
           {"agent_time_us", r.agent_time_us},
@@ -38,7 +51,8 @@ json describe_body(const Result& r) {
           {"removed_mm3", static_cast<double>(r.removed_mm3)},
           {"status", r.status},
           {"collision_force_n", widen(r.collision_force_n)},
-          {"turnaround_us", r.turnaround_us}};
+          {"turnaround_us", r.turnaround_us},
+          {"planes", describe_planes(r)}};
 }
 
 json describe_body(const ToolStates& states) {

@@ -51,12 +51,18 @@ def motion_bytes(samples, count=None):
     return head + b"".join(sample_bytes(s) for s in samples)
 
 
-def result_bytes(r):
+def plane_bytes(p):
+    return struct.pack("<3d3ffffII", *p["point_mm"], *p["normal"], p["depth_mm"],
+                       p["stiffness_n_per_mm"], p["radius_mm"], p["flags"], 0)
+
+
+def result_bytes(r, planes=None):
     return struct.pack("<QQQ3f3ff3f3dffII3fI", r["agent_sequence"], r["agent_time_us"],
                        r["motions_applied"], *r["force_n"], *r["torque_nmm"],
                        r["engaged_area_mm2"], *r["direction"], *r["cut_centre_mm"],
-                       r["specific_force_n_per_mm2"], r["removed_mm3"], r["status"], 0,
-                       *r["collision_force_n"], r["turnaround_us"])
+                       r["specific_force_n_per_mm2"], r["removed_mm3"], r["status"],
+                       len(r["planes"]) if planes is None else planes,
+                       *r["collision_force_n"], r["turnaround_us"]) + b"".join(map(plane_bytes, r["planes"]))
 
 
 def tool_bytes(t):
@@ -75,7 +81,13 @@ result = {
     "force_n": [1.5, -2.25, 0.125], "torque_nmm": [-100.5, 64.0, 0.0], "engaged_area_mm2": 3.75,
     "direction": [0.0, -0.6000000238418579, -0.800000011920929],
     "cut_centre_mm": [10.1, -20.2, 30.3], "specific_force_n_per_mm2": 0.5, "removed_mm3": 0.0625,
-    "status": 7, "collision_force_n": [8.0, 0.0, -0.5], "turnaround_us": 421}
+    "status": 7, "collision_force_n": [8.0, 0.0, -0.5], "turnaround_us": 421, "planes": []}
+planes = [
+    {"point_mm": [10.25, -20.5, 1e-9], "normal": [0.0, 0.6000000238418579, 0.800000011920929],
+     "depth_mm": 0.75, "stiffness_n_per_mm": 1.5, "radius_mm": 5.0, "flags": 1},
+    {"point_mm": [-1e6, 0.1, 0.3], "normal": [-1.0, 0.0, 0.0], "depth_mm": -2.5,
+     "stiffness_n_per_mm": 0.25, "radius_mm": 12.5, "flags": 2}]
+touching = {**result, "planes": planes}
 tools = [
     {"participant": 1, "tool_id": 1, "tip_mm": [0.1, 0.2, 0.3], "axis": [0.0, 0.0, 1.0], "status": 1,
      "force_n": [0.5, 0.25, -4.0], "torque_nmm": [1.0, 2.0, 0.0], "removed_rate_mm3_per_s": 12.5},
@@ -88,6 +100,7 @@ sixteen = [sample(100 + i, i * 0.1) for i in range(16)]
 keep("motion_two", "motion", {"samples": two}, motion_bytes(two))
 keep("motion_sixteen", "motion", {"samples": sixteen}, motion_bytes(sixteen))
 keep("result", "result", result, result_bytes(result))
+keep("result_planes", "result", touching, result_bytes(touching))
 keep("mesh_last_of_snapshot", "mesh", {"glb_hex": b"glTF\x02\x00\x00\x00".hex()},
      b"glTF\x02\x00\x00\x00", flags=3)
 keep("tools_two", "tools", {"tools": tools}, struct.pack("<II", 2, 0) + b"".join(map(tool_bytes, tools)))
@@ -126,6 +139,11 @@ refuse("motion_axis_zero", "axis_not_unit", 80,
        header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, 0.0]}])))
 refuse("result_short", "payload_mismatch", 8, header(2, result_bytes(result)[:-4]))
 refuse("result_force_nan", "not_finite", 56, header(2, result_bytes({**result, "force_n": [nan, 0.0, 0.0]})))
+refuse("result_nine_planes", "bad_count", 132,
+       header(2, result_bytes({**result, "planes": planes[:1] * 9})))
+refuse("result_planes_lie", "payload_mismatch", 8, header(2, result_bytes(touching, planes=1)))
+refuse("result_plane_nan", "not_finite", 176,
+       header(2, result_bytes({**result, "planes": [{**planes[0], "normal": [nan, 0.0, 0.0]}]})))
 refuse("tools_tip_inf", "not_finite", 48,
        header(4, struct.pack("<II", 1, 0) + tool_bytes({**tools[0], "tip_mm": [-inf, 0.0, 0.0]})))
 refuse("ack_with_payload", "payload_mismatch", 8, header(5, b"\0"))

@@ -3,10 +3,10 @@
 
 import { Reader, Writer } from './cursor';
 import {
-  AXIS_LENGTH_TOLERANCE, FrameType, HEADER_BYTES, HEADER_BYTES_MAX, LIST_HEAD_BYTES, MAGIC, RESULT_BYTES, SAMPLE_BYTES,
-  SAMPLES_PER_MESSAGE_MAX, TOOL_STATE_BYTES, TOOL_STATES_MAX,
+  AXIS_LENGTH_TOLERANCE, CONTACT_PLANE_BYTES, CONTACT_PLANES_MAX, FrameType, HEADER_BYTES, HEADER_BYTES_MAX,
+  LIST_HEAD_BYTES, MAGIC, RESULT_BYTES, SAMPLE_BYTES, SAMPLES_PER_MESSAGE_MAX, TOOL_STATE_BYTES, TOOL_STATES_MAX,
 } from './types';
-import type { Decoded, DecodeError, Frame, Header, Payload, Result, Sample, ToolState } from './types';
+import type { ContactPlane, Decoded, DecodeError, Frame, Header, Payload, Result, Sample, ToolState } from './types';
 
 type Failure = { ok: false; error: DecodeError };
 
@@ -64,7 +64,32 @@ function writeToolState(to: Writer, t: ToolState): void {
   to.u32(0);
 }
 
-function readResult(from: Reader): Result {
+function readPlane(from: Reader): ContactPlane {
+  const plane = {
+    point_mm: from.vec3d(),
+    normal: from.vec3f(),
+    depth_mm: from.f32(),
+    stiffness_n_per_mm: from.f32(),
+    radius_mm: from.f32(),
+    flags: from.u32(),
+  };
+  from.u32(); // reserved
+  return plane;
+}
+
+function writePlane(to: Writer, p: ContactPlane): void {
+  to.vec3d(p.point_mm);
+  to.vec3f(p.normal);
+  to.f32(p.depth_mm);
+  to.f32(p.stiffness_n_per_mm);
+  to.f32(p.radius_mm);
+  to.u32(p.flags);
+  to.u32(0);
+}
+
+function readResult(from: Reader, bytes: number): Decoded<Payload> {
+  if (bytes < RESULT_BYTES) return refuse('payload_mismatch', 8, `${bytes} payload bytes end inside the result`);
+  const start = from.at;
   const head = {
     agent_sequence: from.u64(),
     agent_time_us: from.u64(),
@@ -78,8 +103,14 @@ function readResult(from: Reader): Result {
     removed_mm3: from.f32(),
     status: from.u32(),
   };
-  from.u32(); // reserved
-  return { ...head, collision_force_n: from.vec3f(), turnaround_us: from.u32() };
+  const count = from.u32();
+  if (count > CONTACT_PLANES_MAX) return refuse('bad_count', start + 100, `${count} planes`);
+  if (bytes !== RESULT_BYTES + count * CONTACT_PLANE_BYTES) {
+    return refuse('payload_mismatch', 8, `${count} planes do not fill ${bytes} bytes`);
+  }
+  const tail = { collision_force_n: from.vec3f(), turnaround_us: from.u32() };
+  const planes = Array.from({ length: count }, () => readPlane(from));
+  return notFinite(from) ?? { ok: true, value: { kind: 'result', result: { ...head, ...tail, planes } } };
 }
 
 function writeResult(to: Writer, r: Result): void {
@@ -94,9 +125,10 @@ function writeResult(to: Writer, r: Result): void {
   to.f32(r.specific_force_n_per_mm2);
   to.f32(r.removed_mm3);
   to.u32(r.status);
-  to.u32(0);
+  to.u32(r.planes.length);
   to.vec3f(r.collision_force_n);
   to.u32(r.turnaround_us);
+  for (const plane of r.planes) writePlane(to, plane);
 }
 
 /** The count in front of a list, checked against its limits and the bytes that follow it. */
@@ -146,7 +178,7 @@ function readTools(from: Reader, bytes: number): Decoded<Payload> {
 }
 
 const FIXED_BYTES = new Map<number, number>([
-  [FrameType.Result, RESULT_BYTES], [FrameType.Ack, 0], [FrameType.Ping, 8], [FrameType.Pong, 16],
+  [FrameType.Ack, 0], [FrameType.Ping, 8], [FrameType.Pong, 16],
 ]);
 
 function readPayload(view: DataView, type: number, at: number, bytes: number): Decoded<Payload> {
@@ -160,10 +192,7 @@ function readPayload(view: DataView, type: number, at: number, bytes: number): D
     case FrameType.Tools: return readTools(from, bytes);
     case FrameType.Mesh:
       return { ok: true, value: { kind: 'mesh', glb: new Uint8Array(view.buffer, view.byteOffset + at, bytes) } };
-    case FrameType.Result: {
-      const result = readResult(from);
-      return notFinite(from) ?? { ok: true, value: { kind: 'result', result } };
-    }
+    case FrameType.Result: return readResult(from, bytes);
     case FrameType.Ack: return { ok: true, value: { kind: 'ack' } };
     case FrameType.Ping: return { ok: true, value: { kind: 'ping', time_us: from.u64() } };
     case FrameType.Pong:
@@ -202,7 +231,7 @@ export function decodeFrame(bytes: ArrayBuffer | Uint8Array): Decoded<Frame> {
 function payloadSize(frame: Payload): number {
   switch (frame.kind) {
     case 'motion': return LIST_HEAD_BYTES + frame.samples.length * SAMPLE_BYTES;
-    case 'result': return RESULT_BYTES;
+    case 'result': return RESULT_BYTES + frame.result.planes.length * CONTACT_PLANE_BYTES;
     case 'mesh': return frame.glb.byteLength;
     case 'tools': return LIST_HEAD_BYTES + frame.tools.length * TOOL_STATE_BYTES;
     case 'ping': return 8;

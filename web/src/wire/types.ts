@@ -7,6 +7,8 @@ export const HEADER_BYTES_MAX = 256; // a header may grow in a later minor versi
 export const LIST_HEAD_BYTES = 8;
 export const SAMPLE_BYTES = 64;
 export const RESULT_BYTES = 120;
+export const CONTACT_PLANE_BYTES = 56;
+export const CONTACT_PLANES_MAX = 8;
 export const TOOL_STATE_BYTES = 80;
 export const SAMPLES_PER_MESSAGE_MAX = 16;
 export const TOOL_STATES_MAX = 1024;
@@ -52,6 +54,16 @@ export interface Sample {
   buttons: number;
 }
 
+/** Where something pushes the tool, or is about to. */
+export interface ContactPlane {
+  point_mm: Vec3;
+  normal: Vec3;
+  depth_mm: number;
+  stiffness_n_per_mm: number;
+  radius_mm: number;
+  flags: number;
+}
+
 export interface Result {
   agent_sequence: bigint;
   agent_time_us: bigint;
@@ -66,6 +78,7 @@ export interface Result {
   status: number;
   collision_force_n: Vec3;
   turnaround_us: number;
+  planes: ContactPlane[];
 }
 
 export interface ToolState {
