@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <iostream>
+#include <map>
 #include <sstream>
 
 #include "haptic_agent/device/text_fields.h"
@@ -38,6 +39,10 @@ std::string check_session(const std::string& session) {
 std::string check_name(const std::string& name) {
   return name.size() <= wire::kMaxNameBytes ? "" : "is longer than 64 bytes";
 }
+
+const std::map<std::string, ForceMode> kModes = {{"model", ForceMode::kModel},
+                                                 {"interpolated", ForceMode::kInterpolated},
+                                                 {"hold", ForceMode::kHold}};
 
 /// CLI::Range lets a number pass that is not one.
 CLI::Validator number_in(double least, double most) {
@@ -91,10 +96,25 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--torque-max", options.limits.torque_nmm, "greatest torque shown, N·mm")
       ->check(number_in(0.0, kMostTorqueNmm))
       ->capture_default_str();
+  app.add_option("--cpu", options.cpu, "the processor on which the 1 kHz loop stays, from 0")
+      ->check(CLI::Range(0, 1023));
+  app.add_option("--feel", options.link.hello.feel_of,
+                 "feel along, passively, what this participant feels, by number")
+      ->check(CLI::Range(1U, 1'000'000'000U));
+  app.add_flag("--deadband", options.link.traffic.deadband,
+               "out of contact, do not send poses that differ by less than a hand can feel");
+  app.add_option("--mode", options.mode,
+                 "what is made of the server's answers: model renders them for where the hand is "
+                 "now, interpolated and hold show them as they come")
+      ->transform(CLI::CheckedTransformer(kModes))
+      ->default_str("model");
   app.add_option("--patience", options.link.patience_s,
                  "seconds to go on trying while the server cannot be reached")
       ->check(number_in(0.0, kMostSeconds))
       ->capture_default_str();
+  app.add_flag("--view", options.view, "show state, force, energy and link on the terminal");
+  app.add_option("--trip-log", options.trip_log,
+                 "write the last 200 ms before each safety trip to this file");
   app.add_option("--status-json", options.status_json,
                  "write the summary as JSON to a file, or to standard output for -");
 }

@@ -6,7 +6,7 @@
 
 #include "haptic_agent/device/device_choice.h"
 #include "haptic_agent/link/server_link.h"
-#include "haptic_agent/servo/wrench_limiter.h"
+#include "haptic_agent/servo/servo_cycle.h"
 
 namespace kerf::agent {
 
@@ -18,7 +18,14 @@ struct Options {
   std::vector<DeviceChoice> more_devices;
   DeviceOptions device_options;
   WrenchLimits limits;
+  ForceMode mode = ForceMode::kModel;
   double duration_s = 0;
+  /// The processor on which the loop stays; below 0: any.
+  int cpu = -1;
+  /// Draw the agent's state on the terminal.
+  bool view = false;
+  /// Where the last 200 ms before a trip go; empty: to standard error.
+  std::string trip_log;
   /// Where the summary goes as JSON: a file, "-" for standard output, or nowhere.
   std::string status_json;
 };

@@ -6,10 +6,14 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <optional>
 #include <thread>
 
 #include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/servo/watchdog.h"
 #include "haptic_agent/summary.h"
+#include "haptic_agent/terminal_view.h"
+#include "haptic_agent/trip_log.h"
 
 namespace kerf::agent {
 namespace {
@@ -85,14 +89,36 @@ bool write_status(const std::string& where, const Summary& summary) {
   return static_cast<bool>(file);
 }
 
+ServoSettings servo_settings(const Options& options, const Welcome& welcome,
+                             const HapticDevice& device, std::uint32_t tool) {
+  return settings_for(device.capabilities(),
+                      {.limits = options.limits,
+                       .tool_id = tool,
+                       .duration_us = static_cast<std::uint64_t>(options.duration_s * kUsPerS),
+                       .mode = options.mode,
+                       .model = {.law = welcome.law},
+                       .pivot_mm = welcome.pivot_mm});
+}
+
 /// Runs the device at 1 kHz until it ends; fills in what the servo side has to tell.
-void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, Summary& summary) {
+void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, int cpu,
+               Summary& summary) {
+  Watchdog watchdog(loop, [&device] { device.stop(); });
+  watchdog.start();
   std::thread servo([&] {
-    summary.realtime = make_realtime(kServoPriority);
+    summary.realtime = make_realtime({.priority = kServoPriority, .cpu = cpu});
     if (!summary.realtime.warning.empty()) say(join({"warning: ", summary.realtime.warning}));
     loop.run(cycle);
   });
   servo.join();
+  watchdog.end();
+  summary.watchdog_stops = watchdog.stops();
+  summary.trips = cycle.supervisor().trips();
+  summary.last_trip = cycle.supervisor().code();
+  summary.degraded_ticks = cycle.supervisor().degraded_ticks();
+  summary.projected_wrenches = cycle.passivity().projected();
+  summary.given_mj = cycle.passivity().account().given_mj();
+  summary.most_returned_mj = cycle.passivity().account().most_returned_mj();
   summary.device = device.capabilities().name;
   summary.cycles = loop.stats();
   summary.servo = cycle.report();
@@ -113,6 +139,8 @@ int run_agent(Options options) {
   ServoLoop loop(clock);
   std::atomic<bool> joined{false};
 
+  LatestValue<LinkStatus> link_status;
+  options.link.traffic.status = &link_status;
   options.link.notice = say;
   options.device_options.notice = say;
   options.link.failed = [&loop] { loop.stop(); };
@@ -149,12 +177,14 @@ int run_agent(Options options) {
             std::to_string(welcome->participant), " with the ", device->capabilities().name,
             "; Ctrl-C leaves"}));
 
-  const ServoSettings settings{
-      .limits = within(device->capabilities(), options.limits),
-      .tool_id = *tool,
-      .duration_us = static_cast<std::uint64_t>(options.duration_s * kUsPerS)};
+  const ServoSettings settings = servo_settings(options, *welcome, *device, *tool);
   ServoCycle cycle(*device, samples, wrenches, link, settings);
-  run_servo(*device, loop, cycle, summary);
+  {
+    const TripWriter trips(cycle.recorder(), options.trip_log);
+    std::optional<TerminalView> view;
+    if (options.view) view.emplace(cycle.status(), link_status, settings, std::cerr);
+    run_servo(*device, loop, cycle, options.cpu, summary);
+  }
   link.stop(kDrainS);
   summary.link = link.report();
 

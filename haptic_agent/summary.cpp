@@ -11,12 +11,14 @@ using nlohmann::json;
 constexpr double kMedian = 0.5;
 constexpr double kP99 = 0.99;
 constexpr double kP999 = 0.999;
+constexpr double kP9999 = 0.9999;
 
 json quantiles(const Histogram& histogram) {
   return {{"count", histogram.total()},
           {"p50", histogram.quantile_us(kMedian)},
           {"p99", histogram.quantile_us(kP99)},
           {"p999", histogram.quantile_us(kP999)},
+          {"p9999", histogram.quantile_us(kP9999)},
           {"max", histogram.max_us()}};
 }
 
@@ -29,7 +31,8 @@ std::ostream& operator<<(std::ostream& out, const Quantiles& q) {
   const auto ms = [&](std::uint64_t us) { return static_cast<double>(us) * kMsPerUs; };
   return out << std::fixed << std::setprecision(2) << "p50 " << ms(q.of.quantile_us(kMedian))
              << "  p99 " << ms(q.of.quantile_us(kP99)) << "  p99.9 " << ms(q.of.quantile_us(kP999))
-             << "  max " << ms(q.of.max_us()) << " ms";
+             << "  p99.99 " << ms(q.of.quantile_us(kP9999)) << "  max " << ms(q.of.max_us())
+             << " ms";
 }
 
 }  // namespace
@@ -51,6 +54,11 @@ void print_summary(std::ostream& out, const Summary& s) {
       << s.servo.max_torque_nmm << " N·mm shown (server: " << l.max_server_force_n
       << " N), saturated in " << s.saturated_ticks << " ticks, faded in " << s.servo.decayed_ticks
       << '\n'
+      << "energy   " << -s.given_mj << " mJ taken from the hand, at most " << s.most_returned_mj
+      << " mJ given back over any time; " << s.projected_wrenches << " wrenches corrected\n"
+      << "safety   " << s.trips << " trips" << (s.trips > 0 ? ", last: " : "")
+      << (s.trips > 0 ? to_string(s.last_trip) : "") << "; degraded in " << s.degraded_ticks
+      << " ticks; stopped by the watchdog " << s.watchdog_stops << " times\n"
       << "carved   " << l.removed_mm3 << " mm³";
   if (s.max_deviation_mm > 0) {
     out << "; the cut pushed the hand up to " << s.max_deviation_mm << " mm off its path";
@@ -78,11 +86,13 @@ std::string summary_json(const Summary& s) {
                           {"due", c.ticks + c.lost},
                           {"late", c.late},
                           {"lost", c.lost},
+                          {"most_lost_at_once", c.most_lost_at_once},
                           {"longest_gap_us", c.longest_gap_us},
                           {"longest_tick_us", c.longest_tick_us},
                           {"wake_us", quantiles(c.wake_us)},
                           {"fifo", s.realtime.fifo},
                           {"memory_locked", s.realtime.memory_locked},
+                          {"pinned", s.realtime.pinned},
                           {"samples", s.servo.samples},
                           {"ring_overflows", s.servo.ring_overflows},
                           {"invalid_poses", s.servo.invalid_poses}}},
@@ -95,6 +105,7 @@ std::string summary_json(const Summary& s) {
                           {"merged_cuts", l.merged_cuts},
                           {"thinned_cuts", l.thinned_cuts},
                           {"forgotten", l.forgotten},
+                          {"held_back", l.held_back},
                           {"unanswered", l.unanswered},
                           {"results", l.results},
                           {"refused_results", l.refused_results},
@@ -111,7 +122,15 @@ std::string summary_json(const Summary& s) {
                           {"saturated_ticks", s.saturated_ticks},
                           {"slewed_ticks", s.slewed_ticks},
                           {"decayed_ticks", s.servo.decayed_ticks},
-                          {"not_finite", s.not_finite_wrenches}}},
+                          {"not_finite", s.not_finite_wrenches},
+                          {"projected", s.projected_wrenches},
+                          {"given_mj", s.given_mj},
+                          {"most_returned_mj", s.most_returned_mj}}},
+                        {"safety",
+                         {{"trips", s.trips},
+                          {"last_trip", to_string(s.last_trip)},
+                          {"degraded_ticks", s.degraded_ticks},
+                          {"watchdog_stops", s.watchdog_stops}}},
                         {"removed_mm3", l.removed_mm3},
                         {"motions_in_session", l.motions_in_session},
                         {"max_deviation_mm", s.max_deviation_mm}};

@@ -23,6 +23,14 @@ struct Summary {
   std::uint64_t not_finite_wrenches = 0;
   /// How far the simulated hand was pushed off its path; 0 for other devices.
   double max_deviation_mm = 0;
+  std::uint64_t watchdog_stops = 0;
+  std::uint64_t trips = 0;
+  TripCode last_trip = TripCode::kNone;
+  std::uint64_t degraded_ticks = 0;
+  std::uint64_t projected_wrenches = 0;
+  /// Net work into the hand, and the most over any interval.
+  double given_mj = 0;
+  double most_returned_mj = 0;
   LinkReport link;
 };
 

@@ -13,6 +13,9 @@
 namespace kerf::agent {
 namespace {
 
+/// Longer than arming takes at the longest delay (haptic_agent/README.md).
+constexpr double kRestAtStartS = 0.5;
+
 std::expected<DeviceChoice, std::string> with_file(DeviceKind kind, std::string_view path) {
   auto script = load_script(std::string(path));
   if (!script) return std::unexpected(to_string(script.error()));
@@ -97,8 +100,9 @@ std::unique_ptr<HapticDevice> make_device(const DeviceChoice& choice, const Devi
       options.loop, options.speed);
   if (choice.kind == DeviceKind::kReplay) return std::make_unique<Replay>(std::move(path));
   return std::make_unique<SimulatedHand>(
-      std::move(path),
-      HandSettings{.stiffness_n_per_mm = options.stiffness_n_per_mm, .pivot_mm = place.pivot_mm});
+      std::move(path), HandSettings{.stiffness_n_per_mm = options.stiffness_n_per_mm,
+                                    .pivot_mm = place.pivot_mm,
+                                    .rest_at_start_s = kRestAtStartS});
 }
 
 }  // namespace kerf::agent

@@ -31,7 +31,8 @@ SimulatedHand::SimulatedHand(PathCursor path, const HandSettings& settings)
                                                   settings.inertia_kg_m2 * kNmmPerNm)),
       target_(path_.at(0)),
       pivot_mm_(target_.tip_mm + target_.axis * settings.pivot_mm),
-      axis_(target_.axis) {}
+      axis_(target_.axis),
+      path_s_(-settings.rest_at_start_s) {}
 
 DeviceCapabilities SimulatedHand::capabilities() const {
   return {.name = "simulated hand",
@@ -97,7 +98,7 @@ void SimulatedHand::step(double dt_s) noexcept {
   axis_ = normalised(axis_ + cross(turn_rad_per_s_, axis_) * dt_s);
 
   path_s_ += dt_s;
-  target_ = path_.at(path_s_);
+  target_ = path_.at(std::max(0.0, path_s_));
   if (target_.at_end) rested_s_ += dt_s;
 }
 

@@ -17,6 +17,8 @@ struct HandSettings {
   double turn_stiffness_nmm_per_rad = 1340.0;
   /// From the tip along the axis to where the hand holds the tool; the server's torque is about it.
   double pivot_mm = 60.0;
+  /// The hand waits so long at the first pose, as a person does until the device is armed.
+  double rest_at_start_s = 0;
 };
 
 /// A hand that wants to follow a path: a mass and an inertia at the pivot, each drawn to the path's

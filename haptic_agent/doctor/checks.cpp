@@ -89,7 +89,7 @@ class Load {
 
 RealtimeReport probe_realtime() {
   RealtimeReport report;
-  std::thread([&] { report = make_realtime(kServoPriority); }).join();
+  std::thread([&] { report = make_realtime({}); }).join();
   munlockall();
   return report;
 }
@@ -155,7 +155,7 @@ LoopMeasurement measure_loop(double seconds, bool load) {
   ServoLoop loop(clock);
   Idle idle(seconds);
   std::thread([&] {
-    measurement.realtime = make_realtime(kServoPriority);
+    measurement.realtime = make_realtime({});
     loop.run(idle);
   }).join();
   munlockall();

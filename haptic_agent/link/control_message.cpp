@@ -25,12 +25,19 @@ StockBox stock_box(const json& stock) {
   return {.min_mm = vec3(stock.at("min_mm")), .max_mm = vec3(stock.at("max_mm"))};
 }
 
+/// A law that this agent does not know is rendered as the one whose force does not grow with speed.
+CutLaw cut_law(const json& message) {
+  const json force = message.value("force", json::object());
+  return force.value("law", "") == "drr" ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
+}
+
 Welcome read_welcome(const json& message) {
   Welcome welcome{.session = message.at("session"),
                   .participant = message.at("participant"),
                   .epoch = message.at("epoch"),
                   .color = message.value("color", ""),
                   .pivot_mm = message.at("pivot_mm"),
+                  .law = cut_law(message),
                   .stock = stock_box(message.at("stock")),
                   .tool_ids = {}};
   for (const json& tool : message.at("tools")) welcome.tool_ids.push_back(tool.at("id"));
@@ -54,6 +61,7 @@ ControlMessage read_message(const json& message) {
 std::string hello_text(const Hello& hello) {
   json message = {{"type", wire::kTypeHello}, {"name", hello.name}, {"feel", true}};
   if (!hello.color.empty()) message["color"] = hello.color;
+  if (hello.feel_of != 0) message["feel_of"] = hello.feel_of;
   if (hello.tool_id != 0) message["tool"] = hello.tool_id;
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptic_agent/device/carving_figure.h"
+#include "haptic_agent/servo/local_model.h"
 
 namespace kerf::agent {
 
@@ -18,6 +19,8 @@ struct Hello {
   std::string color;
   /// 0: the server picks the session's first.
   std::uint32_t tool_id = 0;
+  /// The participant whose force is felt along; 0: nobody.
+  std::uint32_t feel_of = 0;
 };
 
 /// What an agent needs of the server's welcome.
@@ -27,6 +30,7 @@ struct Welcome {
   std::uint32_t epoch = 0;
   std::string color;
   double pivot_mm = 0;
+  CutLaw law = CutLaw::kSpecificEnergy;
   /// The box around the stock, whatever its shape.
   StockBox stock;
   std::vector<std::uint32_t> tool_ids;

@@ -14,6 +14,15 @@ struct ServerComplaint {
   std::string first_reason;
 };
 
+/// How the link is doing now, for whoever looks on.
+struct LinkStatus {
+  std::uint64_t connections = 0;
+  std::uint64_t samples_sent = 0;
+  std::uint64_t results = 0;
+  std::uint64_t rtt_us = 0;  ///< of the last ping
+  std::int64_t clock_offset_us = 0;
+};
+
 /// What the link has seen; complete when it has stopped.
 struct LinkReport {
   std::uint64_t connections = 0;
@@ -24,6 +33,8 @@ struct LinkReport {
   std::uint64_t merged_cuts = 0;
   std::uint64_t thinned_cuts = 0;
   std::uint64_t forgotten = 0;
+  /// Left out of contact, because a hand would not feel the difference.
+  std::uint64_t held_back = 0;
   std::uint64_t unanswered = 0;
   std::uint64_t results = 0;
   std::uint64_t refused_results = 0;

@@ -87,7 +87,7 @@ void SampleQueue::rewind() noexcept { next_ = 0; }
 bool SampleQueue::in_window(const wire::MotionSample& sample) const noexcept {
   for (std::size_t i = 0; i < next_; ++i) {
     if (samples_[i].agent_sequence <= answered_) continue;
-    return sample.time_us <= samples_[i].time_us + kWindowUs;
+    return sample.time_us <= samples_[i].time_us + kWindowUs + way_us_;
   }
   return true;
 }

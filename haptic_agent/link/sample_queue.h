@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -20,6 +21,7 @@ class SampleQueue {
   /// No sample goes out that is more than this after the oldest unanswered one: a server that
   /// cannot keep up shall not be buried. An answer older than this gives no force anyway.
   static constexpr std::uint64_t kWindowUs = 120'000;
+  static constexpr std::uint64_t kLongestWayUs = 300'000;
   /// With more than this unsent, the server is behind, and samples are merged where that costs
   /// nothing: through the air, and where the path is straight to within the two tolerances below.
   static constexpr std::size_t kMergeAbove = 32;
@@ -34,6 +36,9 @@ class SampleQueue {
   wire::MotionBatch take(std::size_t most);
   /// All numbers up to this one are answered. A number that was never sent is ignored.
   void answered(std::uint64_t agent_sequence);
+  /// The way to the server and back takes so long: the window grows by as much, up to
+  /// kLongestWayUs.
+  void allow_for(std::uint64_t rtt_us) noexcept { way_us_ = std::min(rtt_us, kLongestWayUs); }
   /// The connection is new: what is not answered goes out again.
   void rewind() noexcept;
 
@@ -69,6 +74,7 @@ class SampleQueue {
   /// How many at the end have not been looked at for merging. None is looked at twice, or the
   /// errors of chords over chords would add up.
   std::size_t fresh_ = 0;
+  std::uint64_t way_us_ = 0;
   std::uint64_t last_number_ = 0;
   std::uint64_t answered_ = 0;
   std::uint64_t resent_ = 0;

@@ -87,7 +87,7 @@ class ServerLink::Impl {
         wake_(io_, wake_fd_),
         housekeeping_(io_),
         back_off_(io_),
-        traffic_(samples, wrenches) {}
+        traffic_(samples, wrenches, settings_.traffic) {}
 
   ~Impl() {
     interrupt();

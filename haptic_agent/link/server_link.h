@@ -9,6 +9,7 @@
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/link_report.h"
 #include "haptic_agent/link/server_url.h"
+#include "haptic_agent/link/traffic.h"
 #include "haptic_agent/servo/servo_cycle.h"
 
 namespace kerf::agent {
@@ -17,6 +18,7 @@ struct LinkSettings {
   ServerUrl server;
   std::string session;
   Hello hello;
+  TrafficOptions traffic;
   /// How long to go on trying to reach the server, at the start and after each loss.
   double patience_s = 30.0;
   /// Called on the link's thread with one line for the user: a server's complaint (the first of

@@ -45,7 +45,39 @@ void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t no
 
 void Traffic::collect() {
   wire::MotionSample sample;
-  while (ring_.pop(sample)) queue_.push(sample);
+  while (ring_.pop(sample)) {
+    if (options_.deadband && holds_back(sample)) {
+      held_ = sample;
+      ++report_.held_back;
+      continue;
+    }
+    // A cut starts where the hand was, not where it was when a pose last went out.
+    const bool cuts = (sample.buttons & wire::kButtonCutting) != 0;
+    if (held_ && cuts) queue_.push(*held_);
+    held_.reset();
+    queue_.push(sample);
+    queued_ = sample;
+  }
+}
+
+/// Only through free air, only what is nearer to the last pose than a hand feels, and never for
+/// longer than a heartbeat: silence must stay a sign of death.
+bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
+  constexpr double kDeadbandMm = 0.05;
+  constexpr double kDeadbandRad = 1e-3;
+  constexpr std::uint64_t kHeartbeatUs = 10'000;
+  if (!out_of_contact_ || !queued_ || sample.buttons != queued_->buttons) return false;
+  if ((sample.buttons & wire::kButtonCutting) != 0) return false;
+  if (sample.tool_id != queued_->tool_id) return false;
+  if (sample.time_us >= queued_->time_us + kHeartbeatUs) return false;
+  double way2 = 0, turn2 = 0;
+  for (std::size_t i = 0; i < sample.tip_mm.size(); ++i) {
+    const double way = sample.tip_mm[i] - queued_->tip_mm[i];
+    const double turn = static_cast<double>(sample.axis[i] - queued_->axis[i]);
+    way2 += way * way;
+    turn2 += turn * turn;
+  }
+  return way2 < kDeadbandMm * kDeadbandMm && turn2 < kDeadbandRad * kDeadbandRad;
 }
 
 std::uint32_t Traffic::take_tool_change() noexcept {
@@ -107,16 +139,48 @@ std::optional<Loss> Traffic::take_frame(std::span<const std::byte> frame, std::u
     if (message->header.stamp.epoch != epoch_) return Loss{"the session has been rebuilt"};
     take_result(*result, now_us);
   } else if (const auto* pong = std::get_if<wire::Pong>(&message->body)) {
-    report_.clock.take(pong->ping_time_us, pong->time_us, now_us);
+    take_pong(*pong, now_us);
+  } else if (const auto* states = std::get_if<wire::ToolStates>(&message->body)) {
+    take_felt(*states);
   } else if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
     pong_due_ = ping->time_us;
   }
   return std::nullopt;
 }
 
+void Traffic::take_pong(const wire::Pong& pong, std::uint64_t now_us) {
+  report_.clock.take(pong.ping_time_us, pong.time_us, now_us);
+  const std::uint64_t rtt_us = now_us > pong.ping_time_us ? now_us - pong.ping_time_us : 0;
+  // A long way is no sign of a server that cannot keep up.
+  queue_.allow_for(rtt_us);
+  if (options_.status == nullptr) return;
+  options_.status->write({.connections = report_.connections,
+                          .samples_sent = report_.samples_sent,
+                          .results = report_.results,
+                          .rtt_us = rtt_us,
+                          .clock_offset_us = report_.clock.offset_us()});
+}
+
+void Traffic::take_felt(const wire::ToolStates& states) {
+  felt_ = {};
+  for (const wire::ToolState& state : states.tools) {
+    felt_ = {.force_n = to_vec3(state.force_n), .torque_nmm = to_vec3(state.torque_nmm)};
+  }
+}
+
 void Traffic::take_result(const wire::Result& result, std::uint64_t now_us) {
   const Wrench wrench{.force_n = to_vec3(result.force_n), .torque_nmm = to_vec3(result.torque_nmm)};
-  wrenches_.write({.wrench = wrench, .pose_us = result.agent_time_us, .arrival_us = now_us});
+  wrenches_.write(
+      {.wrench = wrench,
+       .pose_us = result.agent_time_us,
+       .arrival_us = now_us,
+       .engaged_area_mm2 = static_cast<double>(result.engaged_area_mm2),
+       .cut_centre_mm = {result.cut_centre_mm[0], result.cut_centre_mm[1], result.cut_centre_mm[2]},
+       .felt = felt_,
+       .plane_count = result.plane_count,
+       .planes = result.planes});
+  constexpr std::uint32_t kFelt = wire::kStatusCutting | wire::kStatusColliding;
+  out_of_contact_ = (result.status & kFelt) == 0 && result.plane_count == 0;
   queue_.answered(result.agent_sequence);
   ++report_.results;
   if ((result.status & wire::kStatusRefused) != 0) ++report_.refused_results;

@@ -27,13 +27,20 @@ struct Loss {
 /// client's own faults (4xx) are final, but for "too many requests".
 Loss declined(const std::string& session, unsigned status, std::string_view body);
 
+struct TrafficOptions {
+  /// Poses out of contact that a hand could not tell from the last one are not sent.
+  bool deadband = false;
+  /// Where to show how the link is doing; may be null.
+  LatestValue<LinkStatus>* status = nullptr;
+};
+
 /// What goes over a connection and what comes back, apart from the connection itself: decides which
 /// frame is due, reads each that comes, and keeps the count. Used by the link's thread only.
 class Traffic {
  public:
   /// Both references must outlive it.
-  Traffic(SampleRing& samples, LatestValue<ServerWrench>& wrenches)
-      : ring_(samples), wrenches_(wrenches) {}
+  Traffic(SampleRing& samples, LatestValue<ServerWrench>& wrenches, TrafficOptions options = {})
+      : ring_(samples), wrenches_(wrenches), options_(options) {}
 
   /// A connection has been made and welcomed; `tool_id` is the one named in the hello.
   void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us);
@@ -56,11 +63,21 @@ class Traffic {
   LinkReport report() const;
 
  private:
+  bool holds_back(const wire::MotionSample& sample) const noexcept;
+  void take_pong(const wire::Pong& pong, std::uint64_t now_us);
+  void take_felt(const wire::ToolStates& states);
   void take_result(const wire::Result& result, std::uint64_t now_us);
 
   SampleRing& ring_;
   LatestValue<ServerWrench>& wrenches_;
+  TrafficOptions options_;
   SampleQueue queue_;
+  /// The last sample that went into the queue, and one behind it that was held back.
+  std::optional<wire::MotionSample> queued_;
+  std::optional<wire::MotionSample> held_;
+  /// The newest result has nothing to feel in it.
+  bool out_of_contact_ = false;
+  Wrench felt_;
   Pace pace_;
   LinkReport report_;
   std::uint32_t epoch_ = 0;

@@ -8,20 +8,31 @@ namespace kerf::agent {
 struct RealtimeReport {
   bool fifo = false;
   bool memory_locked = false;
+  bool pinned = false;
   /// What was refused and what to do about it; empty if nothing was.
   std::string warning;
 };
 
-/// Above ordinary threads, below the kernel's own and a watchdog.
+/// The watchdog must run while the servo does not end.
+inline constexpr int kWatchdogPriority = 90;
+/// Above ordinary threads, below the kernel's own and the watchdog.
 inline constexpr int kServoPriority = 80;
 /// The link must get its samples out and its wrenches in while a machine is busy, after the servo.
 inline constexpr int kLinkPriority = 60;
 
+/// What a thread asks for.
+struct RealtimeWish {
+  int priority = kServoPriority;
+  /// The processor to stay on, from 0; below 0: any.
+  int cpu = -1;
+};
+
 /// Asks for SCHED_FIFO for the calling thread; 0, or the error number of the refusal.
 int request_fifo(int priority) noexcept;
 
-/// Asks for SCHED_FIFO for the calling thread and for memory that is never paged out. A refusal is
-/// reported, not fatal: the loop then runs as well as an ordinary thread can.
-RealtimeReport make_realtime(int priority);
+/// Asks for SCHED_FIFO and a processor for the calling thread, and for memory that is never paged
+/// out, and touches the stack that the thread will use. A refusal is reported, not fatal: the loop
+/// then runs as well as an ordinary thread can.
+RealtimeReport make_realtime(const RealtimeWish& wish);
 
 }  // namespace kerf::agent

@@ -9,15 +9,34 @@ namespace kerf::agent {
 namespace {
 
 constexpr double kSPerUs = 1e-6;
-/// A step of the wrench is never allowed more rise than this time would give, so that a loop that
-/// stood still does not come back with a jerk.
-constexpr double kLongestStepS = 0.002;
+constexpr std::uint64_t kTickUs = 1000;
+/// Another participant's wrench is smoothed with this time constant: it comes in steps.
+constexpr double kFeltS = 0.01;
+/// Of what a device shows stably at 1 kHz, this much is used.
+constexpr double kStableShare = 0.5;
 
 wire::Vec3f to_wire_axis(Vec3 v) noexcept {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
 }  // namespace
+
+ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings settings) {
+  settings.limits = within(device, settings.limits);
+  if (device.max_stiffness_n_per_mm > 0) {
+    settings.model.stiffness_most = kStableShare * device.max_stiffness_n_per_mm;
+  }
+  if (device.max_damping_n_s_per_mm > 0) {
+    settings.model.damping_most = kStableShare * device.max_damping_n_s_per_mm;
+    settings.passivity.damping_most = settings.model.damping_most;
+  }
+  settings.safety.continuous_force_n = device.continuous_force_n;
+  settings.safety.continuous_torque_nmm = device.continuous_torque_nmm;
+  settings.safety.workspace_min_mm = device.workspace_min_mm;
+  settings.safety.workspace_max_mm = device.workspace_max_mm;
+  settings.safety.motors = device.max_force_n > 0;
+  return settings;
+}
 
 ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
                        LatestValue<ServerWrench>& wrenches, SampleListener& listener,
@@ -27,20 +46,35 @@ ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
       wrenches_(wrenches),
       listener_(listener),
       settings_(settings),
-      limiter_(settings.limits) {}
+      model_(settings.model),
+      velocity_(settings.velocity_cutoff_hz),
+      output_(settings.passivity, settings.limits),
+      supervisor_(settings.safety) {}
 
 bool ServoCycle::tick(std::uint64_t now_us) noexcept {
-  if (last_us_ == 0) start_us_ = last_us_ = now_us;
-  const double dt_s = std::min(static_cast<double>(now_us - last_us_) * kSPerUs, kLongestStepS);
+  if (last_us_ == 0) {
+    start_us_ = now_us;
+    last_us_ = now_us - kTickUs;
+  }
+  const std::uint64_t passed_us = now_us - last_us_;
+  const double dt_s = static_cast<double>(passed_us) * kSPerUs;
+  lost_now_ = (passed_us + kTickUs / 2) / kTickUs;
+  lost_now_ -= lost_now_ > 0 ? 1 : 0;
   last_us_ = now_us;
 
   const DeviceState state = device_.read(now_us);
   const bool usable = send(state);
-  const Wrench shown = limiter_.limit(usable ? wanted(now_us) : Wrench{}, dt_s);
-  device_.write(shown);
+  output_.settle(follow(state, usable, now_us, dt_s));
+  const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
+  const Wrench wrench = usable ? wanted(now_us, cutting, dt_s) : Wrench{};
+  const SafetyInput seen = look(state, usable, wrench);
+  const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
+  const double gain = supervisor_.tick(seen);
+  if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
+  device_.write(usable && gain > 0 ? output_.release(wrench * gain, velocity_.velocity(), dt_s)
+                                   : output_.silence());
+  note(seen, wrench);
 
-  report_.max_force_n = std::max(report_.max_force_n, length(shown.force_n));
-  report_.max_torque_nmm = std::max(report_.max_torque_nmm, length(shown.torque_nmm));
   const bool timed_out = settings_.duration_us > 0 && now_us - start_us_ >= settings_.duration_us;
   if (state.finished || timed_out) {
     device_.write(Wrench{});
@@ -69,15 +103,108 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   return true;
 }
 
-Wrench ServoCycle::wanted(std::uint64_t now_us) noexcept {
-  ServerWrench next;
-  if (wrenches_.read(next)) interpolator_.take(next, now_us);
-  if (!interpolator_.has_wrench()) return {};
+/// Notes where the hand is; gives how it has moved since the tick before.
+Twist ServoCycle::follow(const DeviceState& state, bool usable, std::uint64_t now_us,
+                         double dt_s) noexcept {
+  if (!usable) {
+    has_hold_ = false;
+    velocity_.reset();
+    return {};
+  }
+  const Hold hold{state.tip_mm + state.axis * settings_.pivot_mm, state.axis};
+  const Twist moved = has_hold_ ? between(now_.hold, hold) : Twist{};
+  const Vec3 way = has_hold_ ? state.tip_mm - tip_mm_ : Vec3{};
+  jumped_mm_ = length(way);
+  tip_mm_ = state.tip_mm;
+  has_hold_ = true;
+  // As the answer will name it: the sample's own time, which may be before the tick's.
+  now_ = {.time_us = std::min(state.time_us, now_us),
+          .hold = hold,
+          .velocity = velocity_.take(moved, dt_s),
+          .way_mm = now_.way_mm + jumped_mm_,
+          .heading = LocalModel::heading(now_.heading, way)};
+  history_.push(now_);
+  return moved;
+}
+
+std::uint64_t ServoCycle::answer_age(std::uint64_t now_us) const noexcept {
   const ServerWrench& newest = interpolator_.newest();
-  const double share = wrench_share(answer_age_us(now_us, newest.arrival_us, newest.pose_us));
+  return settings_.mode == ForceMode::kModel
+             ? model_age_us(now_us, newest.arrival_us, newest.pose_us)
+             : answer_age_us(now_us, newest.arrival_us, newest.pose_us);
+}
+
+Wrench ServoCycle::wanted(std::uint64_t now_us, bool cutting, double dt_s) noexcept {
+  ServerWrench next;
+  if (wrenches_.read(next)) {
+    interpolator_.take(next, now_us);
+    const PastHold* then = history_.at(next.pose_us);
+    model_.take(next, then != nullptr ? *then : now_, now_);
+    has_answer_ = true;
+  }
+  if (!has_answer_) return {};
+  const double share = wrench_share(answer_age(now_us));
   if (share < 1.0) ++report_.decayed_ticks;
-  const Wrench wrench = interpolator_.at(now_us);
-  return {.force_n = wrench.force_n * share, .torque_nmm = wrench.torque_nmm * share};
+  felt_ = felt_ + (interpolator_.newest().felt - felt_) * (dt_s / (kFeltS + dt_s));
+  Wrench own = felt_;
+  switch (settings_.mode) {
+    case ForceMode::kModel:
+      own = own + model_.at(now_, cutting, dt_s);
+      break;
+    case ForceMode::kInterpolated:
+      own = own + interpolator_.at(now_us);
+      break;
+    case ForceMode::kHold:
+      own = own + interpolator_.newest().wrench;
+      break;
+  }
+  return own * share;
+}
+
+SafetyInput ServoCycle::look(const DeviceState& state, bool usable,
+                             const Wrench& wanted) const noexcept {
+  const Twist& velocity = velocity_.velocity();
+  const Vec3 arm = now_.hold.axis * -settings_.pivot_mm;
+  return {.now_us = last_us_,
+          .dt_s = static_cast<double>(lost_now_ + 1) * kTickUs * kSPerUs,
+          .present = state.valid && state.phase == DevicePhase::kReady,
+          .finite = usable || !state.valid,
+          .deadman = (state.buttons & wire::kButtonDeadman) != 0,
+          .tip_mm = tip_mm_,
+          .jumped_mm = jumped_mm_,
+          .tip_mm_per_s = length(velocity_at(velocity, arm)),
+          .turn_rad_per_s = length(velocity.turn),
+          .has_answer = has_answer_,
+          .answer_age_us = has_answer_ ? answer_age(last_us_) : 0,
+          .lost_now = lost_now_,
+          .wanted = wanted,
+          .shown = output_.shown(),
+          .starving = output_.passivity().starving(),
+          .overdrawn = output_.passivity().overdrawn()};
+}
+
+void ServoCycle::note(const SafetyInput& seen, const Wrench& wanted) noexcept {
+  report_.max_force_n = std::max(report_.max_force_n, length(output_.shown().force_n));
+  report_.max_torque_nmm = std::max(report_.max_torque_nmm, length(output_.shown().torque_nmm));
+  const Twist& velocity = velocity_.velocity();
+  recorder_.note({.time_us = last_us_,
+                  .tip_mm = tip_mm_,
+                  .velocity_mm_per_s = velocity.move,
+                  .wanted = wanted,
+                  .shown = output_.shown(),
+                  .energy_mj = output_.passivity().account().level_mj(),
+                  .answer_age_us = seen.answer_age_us,
+                  .lost_now = lost_now_,
+                  .phase = supervisor_.phase()});
+  if (supervisor_.trips() != noted_trips_) recorder_.trip(supervisor_.code());
+  noted_trips_ = supervisor_.trips();
+  status_.write({.phase = supervisor_.phase(),
+                 .code = supervisor_.code(),
+                 .trips = noted_trips_,
+                 .shown = output_.shown(),
+                 .energy_mj = output_.passivity().account().level_mj(),
+                 .speed_mm_per_s = seen.tip_mm_per_s,
+                 .answer_age_us = seen.answer_age_us});
 }
 
 }  // namespace kerf::agent

@@ -4,11 +4,16 @@
 #include <cstdint>
 
 #include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/servo/flight_recorder.h"
+#include "haptic_agent/servo/hold_history.h"
 #include "haptic_agent/servo/latest_value.h"
+#include "haptic_agent/servo/local_model.h"
+#include "haptic_agent/servo/output_stage.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/servo_loop.h"
+#include "haptic_agent/servo/supervisor.h"
+#include "haptic_agent/servo/velocity_estimator.h"
 #include "haptic_agent/servo/wrench_interpolator.h"
-#include "haptic_agent/servo/wrench_limiter.h"
 
 namespace kerf::agent {
 
@@ -19,13 +24,34 @@ class SampleListener {
   virtual void sample_ready() noexcept = 0;
 };
 
+/// What a tick makes of the server's answers.
+enum class ForceMode : std::uint8_t {
+  /// The local model, driven by the hand's own motion: right at any delay.
+  kModel,
+  /// The paper's: the straight line from the wrench before to the newest.
+  kInterpolated,
+  /// The newest wrench until the next.
+  kHold,
+};
+
 struct ServoSettings {
   WrenchLimits limits{};
   /// The tool of samples whose device asks for none.
   std::uint32_t tool_id = 1;
   /// Ends the loop after this time; 0: never.
   std::uint64_t duration_us = 0;
+  ForceMode mode = ForceMode::kModel;
+  ModelSettings model{};
+  PassivitySettings passivity{};
+  SafetyLimits safety{.motors = false};
+  /// Distance of the pivot from the tip along the axis, mm.
+  double pivot_mm = 60;
+  /// Of the velocity estimate; belongs to the device.
+  double velocity_cutoff_hz = 100;
 };
+
+/// The settings that suit a device: what it shows stably, its ratings, its workspace.
+ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings settings);
 
 /// What the cycle has seen; read it when the loop has ended.
 struct ServoReport {
@@ -40,9 +66,20 @@ struct ServoReport {
   double max_torque_nmm = 0;
 };
 
-/// One tick: read the device, hand the pose to the link, and show the newest wrench: interpolated,
-/// faded when the server falls silent, limited. No allocation, lock, exception or output.
-/// The passivity layer of the README belongs between fading and limiting.
+/// The newest tick, for whoever wants to look on.
+struct ServoStatus {
+  ServoPhase phase = ServoPhase::kReady;
+  TripCode code = TripCode::kNone;
+  std::uint64_t trips = 0;
+  Wrench shown{};
+  double energy_mj = 0;
+  double speed_mm_per_s = 0;
+  std::uint64_t answer_age_us = 0;
+};
+
+/// One tick: read the device, hand the pose to the link, and show what the newest answer means here
+/// and now: faded when the server falls silent, released by the supervisor, made passive, limited.
+/// No allocation, lock, exception or output.
 class ServoCycle final : public ServoTask {
  public:
   /// All references must outlive the cycle.
@@ -52,11 +89,20 @@ class ServoCycle final : public ServoTask {
   bool tick(std::uint64_t now_us) noexcept override;
 
   const ServoReport& report() const noexcept { return report_; }
-  const WrenchLimiter& limiter() const noexcept { return limiter_; }
+  const WrenchLimiter& limiter() const noexcept { return output_.limiter(); }
+  const Passivity& passivity() const noexcept { return output_.passivity(); }
+  const Supervisor& supervisor() const noexcept { return supervisor_; }
+  /// For one other thread each.
+  LatestValue<ServoStatus>& status() noexcept { return status_; }
+  FlightRecorder& recorder() noexcept { return recorder_; }
 
  private:
   bool send(const DeviceState& state) noexcept;
-  Wrench wanted(std::uint64_t now_us) noexcept;
+  Twist follow(const DeviceState& state, bool usable, std::uint64_t now_us, double dt_s) noexcept;
+  Wrench wanted(std::uint64_t now_us, bool cutting, double dt_s) noexcept;
+  std::uint64_t answer_age(std::uint64_t now_us) const noexcept;
+  SafetyInput look(const DeviceState& state, bool usable, const Wrench& wanted) const noexcept;
+  void note(const SafetyInput& seen, const Wrench& wanted) noexcept;
 
   HapticDevice& device_;
   SampleRing& samples_;
@@ -64,8 +110,23 @@ class ServoCycle final : public ServoTask {
   SampleListener& listener_;
   ServoSettings settings_;
   WrenchInterpolator interpolator_;
-  WrenchLimiter limiter_;
+  LocalModel model_;
+  HoldHistory history_;
+  VelocityEstimator velocity_;
+  OutputStage output_;
+  Supervisor supervisor_;
+  FlightRecorder recorder_;
+  LatestValue<ServoStatus> status_;
   ServoReport report_;
+  PastHold now_;
+  /// The felt wrench of the newest answer, smoothed.
+  Wrench felt_{};
+  Vec3 tip_mm_{};
+  double jumped_mm_ = 0;
+  bool has_hold_ = false;
+  bool has_answer_ = false;
+  std::uint64_t lost_now_ = 0;
+  std::uint64_t noted_trips_ = 0;
   std::uint64_t start_us_ = 0;
   std::uint64_t last_us_ = 0;
 };

@@ -16,7 +16,9 @@ void ServoLoop::run(ServoTask& task) noexcept {
     const std::uint64_t behind_ns = now_ns > due_ns ? now_ns - due_ns : 0;
     // Of the ticks that are overdue only the newest runs.
     const std::uint64_t lost = behind_ns / kPeriodNs;
+    heartbeat_ns_.store(now_ns);
     stats_.lost += lost;
+    stats_.most_lost_at_once = std::max(stats_.most_lost_at_once, lost);
     stats_.late += behind_ns > kLateNs ? 1 : 0;
     stats_.wake_us.add(behind_ns / kNsPerUs);
     if (last_ns != 0) {

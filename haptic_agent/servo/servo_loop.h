@@ -15,6 +15,8 @@ struct CycleStats {
   std::uint64_t late = 0;
   /// Ticks that were due and never ran, because the loop was a whole period behind.
   std::uint64_t lost = 0;
+  /// The most of them between two ticks that ran.
+  std::uint64_t most_lost_at_once = 0;
   std::uint64_t longest_gap_us = 0;
   /// Time spent inside the longest tick.
   std::uint64_t longest_tick_us = 0;
@@ -45,12 +47,16 @@ class ServoLoop {
   /// From any thread, or from a signal handler.
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
-  /// Read it when `run` has returned.
+  /// When the newest tick started, ns on the loop's clock; 0 before the first. From any thread:
+  /// what a watchdog looks at.
+  std::uint64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(); }
+  /// Read it when `run` has returned, or within a tick.
   const CycleStats& stats() const noexcept { return stats_; }
 
  private:
   ServoClock& clock_;
   std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> heartbeat_ns_{0};
   CycleStats stats_;
 };
 

@@ -31,4 +31,16 @@ inline std::uint64_t answer_age_us(std::uint64_t now_us, std::uint64_t arrival_u
   return std::max(silent_us, lag_us > kFullWrenchUs ? lag_us - kFullWrenchUs : 0);
 }
 
+/// A model goes on being right while its answers are late, so only these are too late for it: a
+/// round trip of 250 ms and its jitter still count as prompt.
+inline constexpr std::uint64_t kModelLagUs = 350'000;
+
+/// As answer_age_us, for the local model.
+inline std::uint64_t model_age_us(std::uint64_t now_us, std::uint64_t arrival_us,
+                                  std::uint64_t pose_us) noexcept {
+  const std::uint64_t silent_us = now_us > arrival_us ? now_us - arrival_us : 0;
+  const std::uint64_t lag_us = now_us > pose_us ? now_us - pose_us : 0;
+  return std::max(silent_us, lag_us > kModelLagUs ? lag_us - kModelLagUs : 0);
+}
+
 }  // namespace kerf::agent

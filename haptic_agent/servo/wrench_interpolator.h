@@ -2,18 +2,9 @@
 
 #include <cstdint>
 
-#include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/servo/server_wrench.h"
 
 namespace kerf::agent {
-
-/// What the server answered to a pose, with both times on the agent's clock.
-struct ServerWrench {
-  Wrench wrench{};
-  /// When the pose was measured that this answers.
-  std::uint64_t pose_us = 0;
-  /// When the answer arrived.
-  std::uint64_t arrival_us = 0;
-};
 
 /// Zhu & Lee 2004, section 4: between two wrenches from the server the loop shows the straight line
 /// from the one before to the newest, over the time that passed between their arrivals. This costs

@@ -55,4 +55,15 @@ Wrench WrenchLimiter::limit(const Wrench& wanted, double dt_s) noexcept {
   return shown_;
 }
 
+Wrench WrenchLimiter::fit(const Wrench& wanted) noexcept {
+  double share = 1;
+  const auto most_share = [&share](double is, double most) {
+    if (is > most) share = std::min(share, most / is);
+  };
+  most_share(length(wanted.force_n), limits_.force_n);
+  most_share(length(wanted.torque_nmm), limits_.torque_nmm);
+  shown_ = {.force_n = wanted.force_n * share, .torque_nmm = wanted.torque_nmm * share};
+  return shown_;
+}
+
 }  // namespace kerf::agent

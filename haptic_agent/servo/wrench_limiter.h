@@ -30,6 +30,10 @@ class WrenchLimiter {
   /// The wrench to show `dt_s` after the last one.
   Wrench limit(const Wrench& wanted, double dt_s) noexcept;
 
+  /// Force and torque shortened alike, so that neither is above its most; remembered as shown. What
+  /// does no work before does none after.
+  Wrench fit(const Wrench& wanted) noexcept;
+
   std::uint64_t saturated() const noexcept { return saturated_; }
   std::uint64_t slewed() const noexcept { return slewed_; }
   std::uint64_t not_finite() const noexcept { return not_finite_; }

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -18,6 +19,7 @@
 #include <fstream>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 extern char** environ;
@@ -67,6 +69,8 @@ class ServerProcess {
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
   std::uint16_t port() const { return port_; }
+  /// SIGSTOP, SIGCONT, SIGKILL.
+  void signal(int number) const { kill(pid_, number); }
   /// The greatest memory that it has ever had, MB.
   double peak_memory_mb() const {
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
@@ -95,18 +99,29 @@ class Socket {
     const int on = 1;
     setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   }
-  ~Socket() { close(descriptor_); }
+  ~Socket() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  Socket(Socket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
   void send_all(const void* data, std::size_t size) const {
+    if (!try_send_all(data, size, -1)) fail("the connection broke");
+  }
+  /// False if the peer has gone, or takes nothing for `wait_ms` (below 0: waits for ever).
+  bool try_send_all(const void* data, std::size_t size, int wait_ms) const {
     const auto* bytes = static_cast<const char*>(data);
     while (size > 0) {
-      const ssize_t sent = send(descriptor_, bytes, size, MSG_NOSIGNAL);
-      if (sent <= 0) fail("the connection broke");
+      pollfd events{descriptor_, POLLOUT, 0};
+      if (poll(&events, 1, wait_ms) <= 0) return false;
+      const ssize_t sent = ::send(descriptor_, bytes, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent < 0 && errno == EAGAIN) continue;
+      if (sent <= 0) return false;
       bytes += sent;
       size -= static_cast<std::size_t>(sent);
     }
+    return true;
   }
   /// Waits until `until` for more bytes behind `buffer`'s end; false if there are none.
   bool receive(std::string& buffer, Clock::time_point until) const {
@@ -159,17 +174,11 @@ class WebSocket {
   }
   /// A mask of zero is legal and leaves the payload as it is.
   void send(unsigned char opcode, std::span<const std::byte> payload) {
-    frame_.assign(1, static_cast<char>(0x80 | opcode));
-    if (payload.size() < 126) {
-      frame_.push_back(static_cast<char>(0x80 | payload.size()));
-    } else {
-      frame_.push_back(static_cast<char>(0x80 | 126));
-      frame_.push_back(static_cast<char>(payload.size() >> 8));
-      frame_.push_back(static_cast<char>(payload.size() & 0xFF));
-    }
-    frame_.append(4, '\0');
-    frame_.append(reinterpret_cast<const char*>(payload.data()), payload.size());
-    socket_.send_all(frame_.data(), frame_.size());
+    if (!put(opcode, payload, -1)) fail("the connection broke");
+  }
+  /// False if the server has gone or takes nothing for a second.
+  bool try_send(unsigned char opcode, std::span<const std::byte> payload) {
+    return put(opcode, payload, 1000);
   }
   /// The next frame's opcode and payload; 0 if none is complete by `until`.
   unsigned char receive(std::string& payload, Clock::time_point until) {
@@ -180,6 +189,19 @@ class WebSocket {
   }
 
  private:
+  bool put(unsigned char opcode, std::span<const std::byte> payload, int wait_ms) {
+    frame_.assign(1, static_cast<char>(0x80 | opcode));
+    if (payload.size() < 126) {
+      frame_.push_back(static_cast<char>(0x80 | payload.size()));
+    } else {
+      frame_.push_back(static_cast<char>(0x80 | 126));
+      frame_.push_back(static_cast<char>(payload.size() >> 8));
+      frame_.push_back(static_cast<char>(payload.size() & 0xFF));
+    }
+    frame_.append(4, '\0');
+    frame_.append(reinterpret_cast<const char*>(payload.data()), payload.size());
+    return socket_.try_send_all(frame_.data(), frame_.size(), wait_ms);
+  }
   unsigned char take(std::string& payload) {
     const auto at = [&](std::size_t i) { return static_cast<unsigned char>(buffer_[i]); };
     if (buffer_.size() < 2) return 0;

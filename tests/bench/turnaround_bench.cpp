@@ -2,13 +2,17 @@
 // loopback, a ball of 10 mm that cuts without pause at 0.1 mm pitch.
 //
 //   turnaround_bench [--server PATH] [--seconds S] [--pitch MM] [--program] [--export NAME]
+//                    [--agents N] [--viewers N] [--hostile]
 //
 // Prints percentiles of two times: in the server, from a motion frame read to its wrench encoded
 // (every result carries it), and at the client, from sending the frame to receiving its result.
 // With --program, the server carves an uploaded program as fast as it can at the same time. With
 // --export, the block is first given a rough surface all over, and then a client downloads NAME
 // (model.stl, "model.glb?encoding=meshopt", ...) over and over while the agent cuts; the server's
-// greatest memory before and after tells whether a download needs any.
+// greatest memory before and after tells whether a download needs any. With --agents, so many cut
+// at once, each on a thread of its own; the last row is the agent with the worst p99. --viewers
+// look on and read all they are sent. --hostile is one more agent that sends as fast as it can,
+// half of it nonsense, and reads nothing.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -32,7 +36,8 @@ using namespace kerf::bench;
 struct Options {
   std::string server = KERF_SERVER_PROGRAM;
   double seconds = 20, pitch_mm = 0.1;
-  bool program = false;
+  bool program = false, hostile = false;
+  int agents = 1, viewers = 0;
   std::string download;
 };
 
@@ -42,6 +47,12 @@ Options parse(int argc, char** argv) {
     const std::string name = argv[i];
     if (name == "--program") {
       options.program = true;
+    } else if (name == "--hostile") {
+      options.hostile = true;
+    } else if (i + 1 < argc && name == "--agents") {
+      options.agents = std::clamp(std::atoi(argv[++i]), 1, 31);
+    } else if (i + 1 < argc && name == "--viewers") {
+      options.viewers = std::clamp(std::atoi(argv[++i]), 0, 64);
     } else if (i + 1 < argc && name == "--server") {
       options.server = argv[++i];
     } else if (i + 1 < argc && name == "--seconds") {
@@ -104,9 +115,10 @@ void print_row(const char* name, std::vector<double>& times_us) {
 }
 
 /// A raster through fresh stock, 3 mm deep, at 50 mm/s: the tool never leaves the material.
-MotionSample sample_at(std::uint64_t n) {
+/// `ahead` samples of it are skipped, so that several agents cut at several places.
+MotionSample sample_at(std::uint64_t n, std::uint64_t ahead) {
   constexpr double kStepMm = 0.05, kRowMm = 80, kStepOverMm = 4;
-  const double way = static_cast<double>(n) * kStepMm;
+  const double way = static_cast<double>(n + ahead) * kStepMm;
   const double lap = kRowMm + kStepOverMm;
   const auto row = static_cast<int>(way / lap);
   const double along = way - row * lap;
@@ -146,7 +158,7 @@ void take_frame(unsigned char opcode, const std::string& payload,
   figures.cutting += (result->status & kStatusCutting) != 0 ? 1 : 0;
 }
 
-Figures measure(WebSocket& agent, double seconds) {
+Figures measure(WebSocket& agent, double seconds, std::uint64_t ahead) {
   Figures figures;
   const auto count = static_cast<std::uint64_t>(seconds * 1000);
   std::vector<Clock::time_point> sent(count + 1);
@@ -162,7 +174,7 @@ Figures measure(WebSocket& agent, double seconds) {
     if (Clock::now() > tick + std::chrono::milliseconds(1)) ++figures.late;
     MotionBatch batch;
     batch.count = 1;
-    batch.samples[0] = sample_at(n);
+    batch.samples[0] = sample_at(n, ahead);
     frame.clear();
     append(frame, {1, n, n * 1000}, batch);
     sent[n] = Clock::now();
@@ -215,6 +227,87 @@ std::string long_program() {
   return text + "M2\n";
 }
 
+WebSocket join(std::uint16_t port, const char* kind, std::string_view protocol) {
+  WebSocket socket(port, std::string("/v1/sessions/bench/") + kind, std::string(protocol));
+  const std::string hello = R"({"type":"hello","name":"bench"})";
+  socket.send(1, std::as_bytes(std::span(hello)));
+  return socket;
+}
+
+WebSocket join_agent(std::uint16_t port) {
+  WebSocket agent = join(port, "agent", kAgentProtocol);
+  std::string payload;
+  agent.receive(payload, in_seconds(10));
+  if (payload.find("welcome") == std::string::npos) fail("no welcome: " + payload);
+  return agent;
+}
+
+void look_on(const std::atomic<bool>& stop, std::uint16_t port) {
+  WebSocket viewer = join(port, "view", kViewProtocol);
+  std::string payload;
+  std::vector<std::byte> ack;
+  while (!stop) {
+    if (viewer.receive(payload, in_seconds(0.1)) != 2) continue;
+    const auto message = decode(std::as_bytes(std::span(payload)));
+    if (!message || !std::holds_alternative<MeshView>(message->body)) continue;
+    ack.clear();
+    append(ack, {1, message->header.stamp.sequence, 0}, Ack{});
+    viewer.send(2, ack);
+  }
+}
+
+void be_hostile(const std::atomic<bool>& stop, std::uint16_t port) {
+  WebSocket agent = join(port, "agent", kAgentProtocol);
+  std::vector<std::byte> frame;
+  for (std::uint64_t n = 1; !stop; ++n) {
+    MotionBatch batch;
+    batch.count = 1;
+    batch.samples[0] = sample_at(n, 20'000);
+    frame.clear();
+    append(frame, {1, n, n * 1000}, batch);
+    if (n % 2 == 0) frame[40] = std::byte{0xFF};
+    if (!agent.try_send(2, frame)) return;  // thrown out: as it should be
+  }
+}
+
+/// Several agents at once; the last entry is the one with the worst p99 of the server's time.
+std::vector<Figures> measure_all(const Options& options, std::uint16_t port) {
+  constexpr std::uint64_t kLayer = 33'600;  // samples of one layer of sample_at
+  const auto count = static_cast<std::size_t>(options.agents);
+  std::vector<Figures> all(count);
+  std::vector<WebSocket> agents;
+  for (std::size_t i = 0; i < count; ++i) agents.push_back(join_agent(port));
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < count; ++i) {
+      threads.emplace_back(
+          [&, i] { all[i] = measure(agents[i], options.seconds, i * kLayer / count); });
+    }
+  }
+  const auto p99 = [](const Figures& figures) {
+    std::vector<double> times = figures.server_us;
+    if (times.empty()) return 0.0;
+    std::sort(times.begin(), times.end());
+    return times[times.size() * 99 / 100];
+  };
+  std::sort(all.begin(), all.end(),
+            [&](const Figures& a, const Figures& b) { return p99(a) < p99(b); });
+  return all;
+}
+
+Figures sum_of(const std::vector<Figures>& all) {
+  Figures sum;
+  for (const Figures& f : all) {
+    sum.server_us.insert(sum.server_us.end(), f.server_us.begin(), f.server_us.end());
+    sum.client_us.insert(sum.client_us.end(), f.client_us.begin(), f.client_us.end());
+    sum.late += f.late;
+    sum.errors += f.errors;
+    sum.cutting += f.cutting;
+    sum.removed_mm3 += f.removed_mm3;
+  }
+  return sum;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -228,13 +321,6 @@ int main(int argc, char** argv) {
     post(server.port(), "/v1/sessions/bench/programs?pace=fast&name=r.ngc", raster_program());
     wait_for_programs(server.port());
   }
-  WebSocket agent(server.port(), "/v1/sessions/bench/agent", std::string(kAgentProtocol));
-  const std::string hello = R"({"type":"hello","name":"bench","tool":1,"feel":true})";
-  agent.send(1, std::as_bytes(std::span(hello)));
-  std::string payload;
-  agent.receive(payload, in_seconds(10));
-  if (payload.find("welcome") == std::string::npos) fail("no welcome: " + payload);
-
   std::atomic<bool> stop = false;
   Downloads downloads;
   std::thread client;
@@ -243,11 +329,20 @@ int main(int argc, char** argv) {
     client =
         std::thread([&] { downloads = download_until(stop, server.port(), options.download); });
   }
-  Figures figures = measure(agent, options.seconds);
+  std::vector<std::thread> others;
+  for (int i = 0; i < options.viewers; ++i) {
+    others.emplace_back([&] { look_on(stop, server.port()); });
+  }
+  if (options.hostile) others.emplace_back([&] { be_hostile(stop, server.port()); });
+  std::vector<Figures> all = measure_all(options, server.port());
+  Figures figures = sum_of(all);
   stop = true;
+  for (std::thread& other : others) other.join();
   if (client.joinable()) client.join();
-  std::printf("pitch %g mm, ball 10 mm, %.0f s at 1 kHz%s\n", options.pitch_mm, options.seconds,
-              options.program ? ", a program carved beside" : "");
+  std::printf("pitch %g mm, ball 10 mm, %.0f s at 1 kHz, %d agents, %d viewers%s%s\n",
+              options.pitch_mm, options.seconds, options.agents, options.viewers,
+              options.program ? ", a program carved beside" : "",
+              options.hostile ? ", a hostile agent beside" : "");
   std::printf("%zu results, %llu of them cutting, %.0f mm3 removed, %llu errors, %llu late ticks\n",
               figures.server_us.size(), static_cast<unsigned long long>(figures.cutting),
               figures.removed_mm3, static_cast<unsigned long long>(figures.errors),
@@ -255,6 +350,7 @@ int main(int argc, char** argv) {
   std::printf("%-34s %8s %8s %8s %8s\n", "us", "p50", "p99", "p99.9", "max");
   print_row("server: frame read to wrench out", figures.server_us);
   print_row("client: round trip over loopback", figures.client_us);
+  if (options.agents > 1) print_row("server: the agent that fared worst", all.back().server_us);
   if (downloads.count > 0) {
     std::printf(
         "%d downloads of %s in %.1f s, the last of %.1f MB (as STL: %.2f million triangles); "

@@ -1,13 +1,16 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "haptic_agent/link/clock_sync.h"
 #include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/pace.h"
 #include "haptic_agent/link/server_url.h"
 #include "haptic_agent/link/traffic.h"
+#include "server/wire/codec.h"
 #include "tests/agent/link/fake_server.h"
 
 namespace kerf::agent {
@@ -70,6 +73,114 @@ TEST(Declined, OnlyTheAgentsOwnFaultsAreFinal) {
   EXPECT_EQ(declined("demo", 403, "not\nyours\n").reason,
             "the server refuses session 'demo': HTTP 403: notyours");
   EXPECT_LT(declined("demo", 500, std::string(10'000, 'x')).reason.size(), 300U);
+}
+
+class TrafficTest : public ::testing::Test {
+ protected:
+  Traffic make(TrafficOptions options = {}) {
+    Traffic traffic(ring, wrenches, options);
+    traffic.begin(1, 1, now_us);
+    return traffic;
+  }
+  template <typename Body>
+  void take(Traffic& traffic, const Body& body) {
+    std::vector<std::byte> frame;
+    wire::append(frame, {.epoch = 1, .sequence = 1, .time_us = 1}, body);
+    ASSERT_FALSE(traffic.take_frame(frame, now_us));
+  }
+  /// What goes out of a pose a millisecond after the last one.
+  std::vector<wire::MotionSample> pass(Traffic& traffic, double x_mm, bool cutting) {
+    now_us += 1000;
+    EXPECT_TRUE(ring.push({.time_us = now_us,
+                           .tip_mm = {x_mm, 0, 0},
+                           .tool_id = 1,
+                           .buttons = cutting ? wire::kButtonCutting : 0U}));
+    traffic.collect();
+    std::vector<wire::MotionSample> sent;
+    std::array<std::byte, wire::kMaxClientFrameBytes> frame;
+    while (const std::size_t bytes = traffic.fill(now_us, frame)) {
+      const auto message = wire::decode(std::span(frame).first(bytes));
+      const auto* batch = std::get_if<wire::MotionBatch>(&message->body);
+      if (batch != nullptr) sent.insert(sent.end(), batch->view().begin(), batch->view().end());
+    }
+    return sent;
+  }
+
+  SampleRing ring;
+  LatestValue<ServerWrench> wrenches;
+  std::uint64_t now_us = 1'000'000;
+};
+
+TEST_F(TrafficTest, ADeadbandSavesMostPosesInFreeAirAndKeepsAHeartbeat) {
+  Traffic traffic = make({.deadband = true});
+  EXPECT_EQ(pass(traffic, 0, false).size(), 1U);
+  EXPECT_EQ(pass(traffic, 0.001, false).size(), 1U) << "contact is not ruled out yet";
+  take(traffic, wire::Result{.agent_sequence = 2});
+  std::size_t sent = 0;
+  double last_mm = 0.001, worst_mm = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double x_mm = 0.001 + 0.004 * (i + 1);  // 4 mm/s
+    for (const auto& sample : pass(traffic, x_mm, false)) {
+      ++sent;
+      last_mm = sample.tip_mm[0];
+      take(traffic, wire::Result{.agent_sequence = sample.agent_sequence});
+    }
+    worst_mm = std::max(worst_mm, x_mm - last_mm);
+  }
+  EXPECT_LE(sent, 200U) << "four fifths saved";
+  EXPECT_GE(sent, 100U) << "one each 10 ms at least";
+  EXPECT_LE(worst_mm, 0.05);
+  EXPECT_EQ(traffic.report().held_back, 1000 - sent);
+}
+
+TEST_F(TrafficTest, ACutAfterSilenceStartsWhereTheHandWas) {
+  Traffic traffic = make({.deadband = true});
+  pass(traffic, 0, false);
+  take(traffic, wire::Result{.agent_sequence = 1});
+  EXPECT_TRUE(pass(traffic, 0.02, false).empty());
+  const auto sent = pass(traffic, 0.03, true);
+  ASSERT_EQ(sent.size(), 2U);
+  EXPECT_EQ(sent[0].tip_mm[0], 0.02);
+  EXPECT_EQ(sent[1].tip_mm[0], 0.03);
+}
+
+TEST_F(TrafficTest, NothingIsHeldBackInContact) {
+  Traffic traffic = make({.deadband = true});
+  pass(traffic, 0, false);
+  wire::Result result{.agent_sequence = 1};
+  result.plane_count = 1;
+  take(traffic, result);
+  EXPECT_EQ(pass(traffic, 0, false).size(), 1U);
+  take(traffic, wire::Result{.agent_sequence = 2, .status = wire::kStatusCutting});
+  EXPECT_EQ(pass(traffic, 0, false).size(), 1U);
+  take(traffic, wire::Result{.agent_sequence = 3});
+  EXPECT_TRUE(pass(traffic, 0, false).empty());
+  EXPECT_EQ(pass(traffic, 0, true).size(), 2U);
+  EXPECT_EQ(pass(traffic, 0, true).size(), 1U) << "a cut is never held back";
+}
+
+TEST_F(TrafficTest, HandsOnWhatAnotherFeels) {
+  Traffic traffic = make();
+  wire::ToolState other;
+  other.force_n = {1, 2, 3};
+  other.torque_nmm = {4, 5, 6};
+  take(traffic, wire::ToolStates{{other}});
+  take(traffic, wire::Result{.agent_sequence = 1});
+  ServerWrench answer;
+  ASSERT_TRUE(wrenches.read(answer));
+  EXPECT_EQ(answer.felt, (Wrench{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(answer.wrench, Wrench{});
+}
+
+TEST_F(TrafficTest, ShowsHowItIsDoing) {
+  LatestValue<LinkStatus> status;
+  Traffic traffic = make({.status = &status});
+  now_us += 40'000;
+  take(traffic, wire::Pong{.ping_time_us = now_us - 30'000, .time_us = 5'000'000});
+  LinkStatus now;
+  ASSERT_TRUE(status.read(now));
+  EXPECT_EQ(now.rtt_us, 30'000U);
+  EXPECT_EQ(now.connections, 1U);
 }
 
 TEST(Pace, LetsABacklogOutALittleFasterThanItGrows) {

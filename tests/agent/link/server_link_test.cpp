@@ -350,20 +350,29 @@ TEST_F(ServerLinkTest, ASilentServerLeavesNoForceInTheHand) {
       if (!silent) peer.send_result(answer_to(*batch, 3.0F), 1);
     }
   });
-  class Still final : public HapticDevice {
+  /// Goes down against the force: a hand at rest would be given nothing that it has not put in.
+  class Sinking final : public HapticDevice {
    public:
-    DeviceCapabilities capabilities() const override { return {.name = "still"}; }
+    DeviceCapabilities capabilities() const override { return {.name = "sinking"}; }
     DeviceState read(std::uint64_t now_us) noexcept override {
-      return {.tool_id = 2, .time_us = now_us, .valid = true, .phase = DevicePhase::kReady};
+      z_mm_ -= 0.05;
+      return {.tip_mm = {0, 0, z_mm_},
+              .tool_id = 2,
+              .time_us = now_us,
+              .valid = true,
+              .phase = DevicePhase::kReady};
     }
     void write(const Wrench& wrench) noexcept override { shown_n = wrench.force_n.z; }
     void stop() noexcept override { shown_n = 0; }
     std::atomic<double> shown_n{0};
+
+   private:
+    double z_mm_ = 0;
   } device;
   ServerLink link(settings(server), samples, wrenches);
   link.start();
   ASSERT_TRUE(link.wait_welcome());
-  ServoCycle cycle(device, samples, wrenches, link, {});
+  ServoCycle cycle(device, samples, wrenches, link, {.mode = ForceMode::kHold});
   MonotonicClock clock;
   ServoLoop loop(clock);
   std::thread servo([&] { loop.run(cycle); });

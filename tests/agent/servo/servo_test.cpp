@@ -97,6 +97,20 @@ TEST(ServoLoop, StopsWhenToldTo) {
   EXPECT_EQ(loop.stats().ticks, 7U);
 }
 
+TEST(ServoLoop, ShowsItsHeartbeatAndTheLongestLoss) {
+  FakeClock clock;
+  clock.lateness_ns_ = {0, 2 * kMs + 1000, 0, 3 * kMs + 1000};
+  ServoLoop loop(clock);
+  EXPECT_EQ(loop.heartbeat_ns(), 0U);
+  Task task([&](std::uint64_t now_us) {
+    EXPECT_EQ(loop.heartbeat_ns() / 1000, now_us);
+    return task.times_us.size() < 4;
+  });
+  loop.run(task);
+  EXPECT_EQ(loop.stats().lost, 5U);
+  EXPECT_EQ(loop.stats().most_lost_at_once, 3U);
+}
+
 class FakeDevice final : public HapticDevice {
  public:
   DeviceCapabilities capabilities() const override { return {.name = "fake"}; }
@@ -118,8 +132,13 @@ class Listener final : public SampleListener {
 
 class ServoCycleTest : public ::testing::Test {
  protected:
-  ServoCycle make(ServoSettings settings = {}) {
+  ServoCycle make(ServoSettings settings = {.mode = ForceMode::kInterpolated}) {
     return {device, samples, wrenches, listener, settings};
+  }
+  /// A tick of a hand that goes down at 50 mm/s, against a force upwards.
+  bool sink(ServoCycle& cycle, std::uint64_t now_us) {
+    device.state.tip_mm.z -= 0.05;
+    return cycle.tick(now_us);
   }
   void answer(double fz, std::uint64_t now_us) {
     wrenches.write({.wrench = {.force_n = {0, 0, fz}, .torque_nmm = {}},
@@ -156,13 +175,13 @@ TEST_F(ServoCycleTest, ShowsTheServersForceAndFadesItWhenTheServerFallsSilent) {
   std::uint64_t now_us = 10'000;
   for (int i = 0; i < 200; ++i, now_us += 1000) {
     answer(2.0, now_us);
-    cycle.tick(now_us);
+    sink(cycle, now_us);
   }
   EXPECT_NEAR(device.shown.force_n.z, 2.0, 1e-12);
   const std::uint64_t silent_from_us = now_us - 1000;
   double last = device.shown.force_n.z;
   for (; now_us < silent_from_us + 200'000; now_us += 1000) {
-    cycle.tick(now_us);
+    sink(cycle, now_us);
     const double shown = device.shown.force_n.z;
     EXPECT_LE(shown, last);
     last = shown;
@@ -182,7 +201,7 @@ TEST_F(ServoCycleTest, APoseThatIsNotFiniteIsNotSentAndGetsNoForce) {
   std::uint64_t now_us = 10'000;
   for (int i = 0; i < 100; ++i, now_us += 1000) {
     answer(2.0, now_us);
-    cycle.tick(now_us);
+    sink(cycle, now_us);
   }
   wire::MotionSample sample;
   while (samples.pop(sample)) {
@@ -206,12 +225,12 @@ TEST_F(ServoCycleTest, APoseThatIsNotFiniteIsNotSentAndGetsNoForce) {
 }
 
 TEST_F(ServoCycleTest, LeavesNoForceBehindAtItsEnd) {
-  ServoCycle cycle = make({.duration_us = 50'000});
+  ServoCycle cycle = make({.duration_us = 50'000, .mode = ForceMode::kInterpolated});
   std::uint64_t now_us = 10'000;
   bool more = true;
   while (more && now_us < 1'000'000) {
     answer(3.0, now_us);
-    more = cycle.tick(now_us);
+    more = sink(cycle, now_us);
     now_us += 1000;
   }
   EXPECT_EQ(now_us, 61'000U);

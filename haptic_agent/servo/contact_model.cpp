@@ -1,0 +1,55 @@
+#include "haptic_agent/servo/contact_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf::agent {
+namespace {
+
+template <typename T>
+Vec3 to_vec3(const std::array<T, 3>& v) noexcept {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+}  // namespace
+
+Wrench ContactModel::push(const Hold& now, double stiffness_most) const noexcept {
+  Wrench sum;
+  const Vec3 turn = between(then_, now).turn;
+  for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
+    const wire::ContactPlane& plane = answer_.planes[i];
+    const Vec3 arm = rotated(to_vec3(plane.point_mm) - then_.pivot_mm, turn);
+    const Vec3 way = now.pivot_mm + arm - to_vec3(plane.point_mm);
+    const Vec3 normal = to_vec3(plane.normal);
+    const double depth = static_cast<double>(plane.depth_mm) - dot(normal, way);
+    // Where the plane ends it lets go over another radius.
+    const double hold =
+        std::clamp(2 - length(way) / static_cast<double>(plane.radius_mm), 0.0, 1.0);
+    if (!(depth > 0) || !(hold > 0)) continue;
+    const double stiffness =
+        std::min(static_cast<double>(plane.stiffness_n_per_mm), stiffness_most);
+    const Vec3 force = normal * (stiffness * depth * hold);
+    sum = sum + Wrench{force, cross(arm, force)};
+  }
+  sum.torque_nmm = sum.torque_nmm - now.axis * dot(sum.torque_nmm, now.axis);
+  return sum;
+}
+
+void ContactModel::take(const ServerWrench& answer, const Hold& then, const Hold& now) noexcept {
+  const Wrench before = push(now, stiffness_most_) + fading_;
+  answer_ = answer;
+  then_ = then;
+  fading_ = before - push(now, stiffness_most_);
+}
+
+Wrench ContactModel::at(const Hold& now, double dt_s) noexcept {
+  fading_ = fading_ * std::exp(-dt_s / kFadeS);
+  return push(now, stiffness_most_) + fading_;
+}
+
+Wrench ContactModel::in_answer() const noexcept {
+  return push(then_, std::numeric_limits<double>::infinity());
+}
+
+}  // namespace kerf::agent

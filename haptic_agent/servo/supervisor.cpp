@@ -1,0 +1,165 @@
+#include "haptic_agent/servo/supervisor.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::agent {
+namespace {
+
+constexpr std::uint64_t kUsPerMs = 1000;
+/// What arming asks for, and for how long: a force must not greet a hand that is moving, nor one
+/// that already leans against something.
+constexpr std::uint64_t kArmingUs = 50 * kUsPerMs;
+constexpr double kArmingMmPerS = 50;
+constexpr double kArmingForceN = 0.2;
+constexpr double kArmingTorqueNmm = 10;
+/// An answer is fresh up to here; older ones fade (silence_decay.h).
+constexpr std::uint64_t kFreshUs = 20 * kUsPerMs;
+/// Without an answer for this long, the agent arms anew.
+constexpr std::uint64_t kDisarmUs = 1000 * kUsPerMs;
+/// So long must all be well again before a degraded agent says that it is.
+constexpr std::uint64_t kRecoverUs = 200 * kUsPerMs;
+constexpr std::uint64_t kStarvingUs = 100 * kUsPerMs;
+/// The deadman must be let go for this long to take back a trip.
+constexpr std::uint64_t kForgiveUs = 300 * kUsPerMs;
+constexpr std::uint64_t kSlotUs = 100 * kUsPerMs;
+constexpr double kTicksPerS = 1000;
+constexpr double kUsPerS = 1e6;
+
+bool outside(Vec3 p, Vec3 low, Vec3 high) noexcept {
+  if (low == high) return false;
+  return p.x < low.x || p.y < low.y || p.z < low.z || p.x > high.x || p.y > high.y || p.z > high.z;
+}
+
+bool small(const Wrench& wrench) noexcept {
+  return length(wrench.force_n) < kArmingForceN && length(wrench.torque_nmm) < kArmingTorqueNmm;
+}
+
+}  // namespace
+
+void Supervisor::count_lost(const SafetyInput& in) noexcept {
+  const std::uint64_t slot = in.now_us / kSlotUs;
+  if (slot - lost_slot_ > lost_.size()) {
+    lost_.fill(0);
+    lost_slot_ = slot;
+  }
+  while (lost_slot_ < slot) lost_[++lost_slot_ % lost_.size()] = 0;
+  lost_[slot % lost_.size()] += static_cast<std::uint32_t>(in.lost_now);
+}
+
+double Supervisor::lost_share() const noexcept {
+  std::uint64_t lost = 0;
+  for (const std::uint32_t slot : lost_) lost += slot;
+  return static_cast<double>(lost) / kTicksPerS;
+}
+
+TripCode Supervisor::fault(const SafetyInput& in) noexcept {
+  if (!in.finite) return TripCode::kNotFinite;
+  if (!is_finite(in.wanted)) return TripCode::kRefusedWrench;
+  if (outside(in.tip_mm, limits_.workspace_min_mm, limits_.workspace_max_mm)) {
+    return TripCode::kWorkspace;
+  }
+  constexpr double kMsPerS = 1000;
+  const double ticks = std::max(1.0, in.dt_s * kMsPerS);
+  if (in.jumped_mm > limits_.jump_mm * ticks) return TripCode::kJump;
+  if (in.tip_mm_per_s > limits_.tip_mm_per_s) return TripCode::kSpeed;
+  if (in.turn_rad_per_s > limits_.turn_rad_per_s) return TripCode::kTurnSpeed;
+  if (in.lost_now >= limits_.lost_in_a_row) return TripCode::kLostTicksInARow;
+  if (lost_share() > limits_.lost_share) return TripCode::kLostTicks;
+  if (force_.too_much()) return TripCode::kThermalForce;
+  if (torque_.too_much()) return TripCode::kThermalTorque;
+  if (in.overdrawn) return TripCode::kOverdrawn;
+  return TripCode::kNone;
+}
+
+void Supervisor::go(ServoPhase phase, const SafetyInput& in) noexcept {
+  phase_ = phase;
+  since_us_ = in.now_us;
+  steady_from_us_ = 0;
+  starving_from_us_ = 0;
+}
+
+/// From kReady to kRamp, and out of kSafe: each waits until something has held for a while.
+void Supervisor::advance(const SafetyInput& in) noexcept {
+  const bool fresh = in.has_answer && in.answer_age_us <= kFreshUs;
+  bool holds = false;
+  std::uint64_t wait_us = 0;
+  ServoPhase next = phase_;
+  switch (phase_) {
+    case ServoPhase::kReady:
+      holds = in.present && in.deadman && fresh;
+      next = ServoPhase::kArmed;
+      break;
+    case ServoPhase::kArmed:
+      holds = fresh && in.tip_mm_per_s < kArmingMmPerS && small(in.wanted);
+      wait_us = kArmingUs;
+      next = ServoPhase::kRamp;
+      break;
+    case ServoPhase::kSafe:
+      holds = in.present && !in.deadman;
+      wait_us = kForgiveUs;
+      next = ServoPhase::kReady;
+      break;
+    default:
+      return;
+  }
+  if (!holds) {
+    steady_from_us_ = 0;
+    return;
+  }
+  if (steady_from_us_ == 0) steady_from_us_ = in.now_us;
+  if (in.now_us - steady_from_us_ >= wait_us) go(next, in);
+}
+
+/// While there is force: kRamp, kActive and kDegraded.
+void Supervisor::watch(const SafetyInput& in) noexcept {
+  if (!in.starving) starving_from_us_ = 0;
+  if (in.starving && starving_from_us_ == 0) starving_from_us_ = in.now_us;
+  const bool starved = in.starving && in.now_us - starving_from_us_ > kStarvingUs;
+  const bool well = in.answer_age_us <= kFreshUs && in.lost_now == 0 && !starved;
+  if (phase_ == ServoPhase::kRamp) {
+    const auto ramp_us = static_cast<std::uint64_t>(limits_.ramp_s * kUsPerS);
+    if (in.now_us - since_us_ >= ramp_us) go(ServoPhase::kActive, in);
+    return;
+  }
+  if (phase_ == ServoPhase::kActive) {
+    if (!well) go(ServoPhase::kDegraded, in);
+    return;
+  }
+  ++degraded_ticks_;
+  if (!well) steady_from_us_ = 0;
+  if (well && steady_from_us_ == 0) steady_from_us_ = in.now_us;
+  if (well && in.now_us - steady_from_us_ >= kRecoverUs) go(ServoPhase::kActive, in);
+}
+
+double Supervisor::tick(const SafetyInput& in) noexcept {
+  if (!limits_.motors) {
+    phase_ = ServoPhase::kActive;
+    return 1;
+  }
+  count_lost(in);
+  force_.take(length(in.shown.force_n), in.dt_s);
+  torque_.take(length(in.shown.torque_nmm), in.dt_s);
+  if (has_force()) {
+    const TripCode trip = in.present ? fault(in) : TripCode::kDeviceLost;
+    if (trip != TripCode::kNone) {
+      code_ = trip;
+      ++trips_;
+      go(ServoPhase::kSafe, in);
+    } else if (!in.deadman || in.answer_age_us > kDisarmUs) {
+      go(ServoPhase::kReady, in);
+    } else {
+      watch(in);
+    }
+  } else if (phase_ == ServoPhase::kArmed && !(in.present && in.deadman && in.finite)) {
+    go(ServoPhase::kReady, in);
+  } else {
+    advance(in);
+  }
+  if (!has_force()) return 0;
+  if (phase_ != ServoPhase::kRamp) return 1;
+  const double ramped_s = static_cast<double>(in.now_us - since_us_) / kUsPerS;
+  return limits_.ramp_s > 0 ? std::min(1.0, ramped_s / limits_.ramp_s) : 1.0;
+}
+
+}  // namespace kerf::agent

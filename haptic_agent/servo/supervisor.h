@@ -1,0 +1,143 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "haptic_agent/servo/thermal.h"
+#include "haptic_agent/servo/twist.h"
+
+namespace kerf::agent {
+
+/// How far the agent has come towards showing force.
+enum class ServoPhase : std::uint8_t {
+  /// Poses come; no force. The deadman and a fresh answer arm it.
+  kReady,
+  /// No force yet: the hand must be slow and the wrench small for a while.
+  kArmed,
+  /// The force grows to its full share.
+  kRamp,
+  kActive,
+  /// As kActive, but the server is late, ticks are lost or the tank is empty.
+  kDegraded,
+  /// A trip: no force until the user lets go of the deadman and takes it again.
+  kSafe,
+};
+
+/// Why the force was cut off for good.
+enum class TripCode : std::uint8_t {
+  kNone,
+  kDeviceLost,
+  kNotFinite,
+  kWorkspace,
+  kJump,
+  kSpeed,
+  kTurnSpeed,
+  kLostTicksInARow,
+  kLostTicks,
+  kThermalForce,
+  kThermalTorque,
+  kOverdrawn,
+  kRefusedWrench,
+};
+
+inline constexpr std::array<std::string_view, 6> kPhaseNames = {"ready",  "armed",    "ramp",
+                                                                "active", "degraded", "safe"};
+inline constexpr std::array<std::string_view, 13> kTripNames = {"none",
+                                                                "device_lost",
+                                                                "pose_not_finite",
+                                                                "out_of_workspace",
+                                                                "pose_jump",
+                                                                "tip_too_fast",
+                                                                "turns_too_fast",
+                                                                "lost_ticks_in_a_row",
+                                                                "lost_ticks",
+                                                                "force_too_long",
+                                                                "torque_too_long",
+                                                                "energy_overdrawn",
+                                                                "wrench_not_finite"};
+constexpr std::string_view to_string(ServoPhase phase) noexcept {
+  return kPhaseNames[static_cast<std::size_t>(phase)];
+}
+constexpr std::string_view to_string(TripCode code) noexcept {
+  return kTripNames[static_cast<std::size_t>(code)];
+}
+
+/// The safety envelope; every part of it is on unless the device has no motors.
+struct SafetyLimits {
+  double tip_mm_per_s = 1000;
+  double turn_rad_per_s = 15;
+  double jump_mm = 5;  ///< of the tip, each ms
+  std::uint64_t lost_in_a_row = 5;
+  double lost_share = 0.02;  ///< of the ticks of the last second
+  /// 0: unknown, not watched.
+  double continuous_force_n = 0;
+  double continuous_torque_nmm = 0;
+  Vec3 workspace_min_mm{};
+  Vec3 workspace_max_mm{};  ///< both equal: unknown, not watched
+  double ramp_s = 0.5;
+  /// A device without motors needs no arming and cannot trip.
+  bool motors = true;
+};
+
+/// What one tick tells.
+struct SafetyInput {
+  std::uint64_t now_us = 0;
+  double dt_s = 0.001;
+  bool present = true;  ///< the device is ready and has a pose
+  bool finite = true;   ///< of the pose
+  bool deadman = false;
+  Vec3 tip_mm{};
+  double jumped_mm = 0;  ///< of the tip, since the tick before
+  double tip_mm_per_s = 0;
+  double turn_rad_per_s = 0;
+  bool has_answer = false;
+  std::uint64_t answer_age_us = 0;
+  std::uint64_t lost_now = 0;  ///< ticks lost since the one before
+  Wrench wanted{};             ///< before the gain
+  Wrench shown{};              ///< in the tick before
+  bool starving = false;
+  bool overdrawn = false;
+};
+
+/// Decides in each tick whether force may be shown, and how much of it.
+class Supervisor {
+ public:
+  explicit Supervisor(const SafetyLimits& limits) noexcept
+      : limits_(limits), force_(limits.continuous_force_n), torque_(limits.continuous_torque_nmm) {}
+
+  /// The share of the wrench that may be shown in this tick, 0 to 1.
+  double tick(const SafetyInput& in) noexcept;
+
+  ServoPhase phase() const noexcept { return phase_; }
+  /// Of the trip that led to kSafe last; kNone before the first.
+  TripCode code() const noexcept { return code_; }
+  std::uint64_t trips() const noexcept { return trips_; }
+  /// Ticks in which the tank was empty although a wrench was wanted.
+  std::uint64_t degraded_ticks() const noexcept { return degraded_ticks_; }
+
+ private:
+  bool has_force() const noexcept {
+    return phase_ >= ServoPhase::kRamp && phase_ < ServoPhase::kSafe;
+  }
+  TripCode fault(const SafetyInput& in) noexcept;
+  void go(ServoPhase phase, const SafetyInput& in) noexcept;
+  void advance(const SafetyInput& in) noexcept;
+  void watch(const SafetyInput& in) noexcept;
+  void count_lost(const SafetyInput& in) noexcept;
+  double lost_share() const noexcept;
+
+  SafetyLimits limits_;
+  ThermalLoad force_, torque_;
+  ServoPhase phase_ = ServoPhase::kReady;
+  TripCode code_ = TripCode::kNone;
+  std::uint64_t trips_ = 0;
+  std::uint64_t since_us_ = 0;        ///< of the phase
+  std::uint64_t steady_from_us_ = 0;  ///< what the phase waits for has held since; 0: it does not
+  std::uint64_t starving_from_us_ = 0;
+  std::uint64_t degraded_ticks_ = 0;
+  std::array<std::uint32_t, 10> lost_{};  ///< by tenths of a second
+  std::uint64_t lost_slot_ = 0;
+};
+
+}  // namespace kerf::agent

@@ -1,0 +1,36 @@
+#include "haptic_agent/servo/watchdog.h"
+
+#include "haptic_agent/servo/realtime.h"
+
+namespace kerf::agent {
+
+bool Watchdog::look(std::uint64_t now_ns) {
+  const std::uint64_t beat_ns = loop_.heartbeat_ns();
+  if (beat_ns == 0 || now_ns < beat_ns || now_ns - beat_ns <= kStaleNs) return false;
+  // At every look, not once: a wrench may have been written after the first.
+  stop_();
+  if (beat_ns != stopped_at_) stops_.fetch_add(1);
+  stopped_at_ = beat_ns;
+  return true;
+}
+
+void Watchdog::start() {
+  thread_ = std::thread([this] {
+    // The servo thread reports what a refusal means.
+    request_fifo(kWatchdogPriority);
+    MonotonicClock clock;
+    std::uint64_t due_ns = clock.now_ns();
+    while (!ending_.load()) {
+      due_ns += kEveryNs;
+      clock.sleep_until_ns(due_ns);
+      look(clock.now_ns());
+    }
+  });
+}
+
+void Watchdog::end() {
+  ending_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,68 @@
+#include "haptic_agent/terminal_view.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace kerf::agent {
+namespace {
+
+constexpr int kBarColumns = 30;
+constexpr const char* kEndOfLine = "\x1b[K\n";
+constexpr const char* kSixLinesUp = "\x1b[6A";
+
+}  // namespace
+
+std::string bar(double value, double most, int columns) {
+  const double share = most > 0 ? std::clamp(value / most, 0.0, 1.0) : 0;
+  const auto full = static_cast<std::size_t>(std::lround(share * columns));
+  return "[" + std::string(full, '#') + std::string(static_cast<std::size_t>(columns) - full, '.') +
+         "]";
+}
+
+std::string view_text(const ServoStatus& servo, const LinkStatus& link, const WrenchLimits& limits,
+                      double tank_mj) {
+  constexpr double kMsPerUs = 1e-3;
+  const auto ms = [](auto us) { return static_cast<double>(us) * kMsPerUs; };
+  const double force = length(servo.shown.force_n);
+  const double torque = length(servo.shown.torque_nmm);
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(1) << "state   " << to_string(servo.phase);
+  if (servo.trips > 0) out << "   trips " << servo.trips << ", last " << to_string(servo.code);
+  out << kEndOfLine << "force   " << bar(force, limits.force_n, kBarColumns) << ' ' << force << " N"
+      << kEndOfLine << "torque  " << bar(torque, limits.torque_nmm, kBarColumns) << ' ' << torque
+      << " N·mm" << kEndOfLine << "energy  " << bar(servo.energy_mj, tank_mj, kBarColumns) << ' '
+      << servo.energy_mj << " mJ of " << tank_mj << kEndOfLine << "link    round trip "
+      << ms(link.rtt_us) << " ms, answer " << ms(servo.answer_age_us) << " ms old, clock "
+      << std::showpos << ms(link.clock_offset_us) << std::noshowpos << " ms, connection "
+      << link.connections << kEndOfLine << "rate    " << link.samples_sent << " poses out, "
+      << link.results << " answers in, tip " << servo.speed_mm_per_s << " mm/s" << kEndOfLine;
+  return out.str();
+}
+
+TerminalView::TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStatus>& link,
+                           const ServoSettings& settings, std::ostream& out)
+    : thread_([&servo, &link, &out, limits = settings.limits,
+               tank_mj = settings.passivity.tank_mj](const std::stop_token& stop) {
+        constexpr std::chrono::milliseconds kEvery{100};
+        ServoStatus shown;
+        LinkStatus linked;
+        bool first = true;
+        while (!stop.stop_requested()) {
+          servo.read(shown);
+          link.read(linked);
+          if (!first) out << kSixLinesUp;
+          out << view_text(shown, linked, limits, tank_mj) << std::flush;
+          first = false;
+          std::this_thread::sleep_for(kEvery);
+        }
+      }) {}
+
+TerminalView::~TerminalView() {
+  thread_.request_stop();
+  thread_.join();
+}
+
+}  // namespace kerf::agent

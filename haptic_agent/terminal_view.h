@@ -1,0 +1,33 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <thread>
+
+#include "haptic_agent/link/link_report.h"
+#include "haptic_agent/servo/servo_cycle.h"
+
+namespace kerf::agent {
+
+/// What the view shows of a bar: how much of `most` is `value`, in `columns` characters.
+std::string bar(double value, double most, int columns);
+
+/// One picture of the agent, six lines, each ended by "erase to the end of the line".
+std::string view_text(const ServoStatus& servo, const LinkStatus& link, const WrenchLimits& limits,
+                      double tank_mj);
+
+/// Draws the agent's state on a terminal ten times a second, in place, from an ordinary thread.
+class TerminalView {
+ public:
+  /// All references must outlive it. Begins at once.
+  TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStatus>& link,
+               const ServoSettings& settings, std::ostream& out);
+  ~TerminalView();
+  TerminalView(const TerminalView&) = delete;
+  TerminalView& operator=(const TerminalView&) = delete;
+
+ private:
+  std::jthread thread_;
+};
+
+}  // namespace kerf::agent

@@ -1,0 +1,62 @@
+#include "haptic_agent/trip_log.h"
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+namespace kerf::agent {
+namespace {
+
+std::ostream& operator<<(std::ostream& out, const Vec3& v) {
+  return out << v.x << ',' << v.y << ',' << v.z;
+}
+
+}  // namespace
+
+std::string trip_csv(const FlightLog& log) {
+  std::ostringstream out;
+  out << "# trip: " << to_string(log.code) << '\n'
+      << "t_us,x_mm,y_mm,z_mm,vx,vy,vz,wanted_fx_n,wanted_fy_n,wanted_fz_n,fx_n,fy_n,fz_n,tx_nmm,"
+         "ty_nmm,tz_nmm,energy_mj,answer_age_us,lost,phase\n";
+  for (std::size_t i = 0; i < log.count; ++i) {
+    const FlightTick& t = log.ticks[i];
+    out << t.time_us << ',' << t.tip_mm << ',' << t.velocity_mm_per_s << ',' << t.wanted.force_n
+        << ',' << t.shown.force_n << ',' << t.shown.torque_nmm << ',' << t.energy_mj << ','
+        << t.answer_age_us << ',' << t.lost_now << ',' << to_string(t.phase) << '\n';
+  }
+  return out.str();
+}
+
+TripWriter::TripWriter(FlightRecorder& recorder, std::string file)
+    : recorder_(recorder), file_(std::move(file)), thread_([this](const std::stop_token& stop) {
+        constexpr std::chrono::milliseconds kLookUp{20};
+        while (!stop.stop_requested()) {
+          write_one();
+          std::this_thread::sleep_for(kLookUp);
+        }
+      }) {}
+
+TripWriter::~TripWriter() {
+  thread_.request_stop();
+  thread_.join();
+  write_one();
+}
+
+void TripWriter::write_one() {
+  const FlightLog* log = recorder_.log();
+  if (log == nullptr) return;
+  std::cerr << "kerf-agent: no force any more: " << to_string(log->code)
+            << "; let go of the device and take it again\n";
+  if (file_.empty()) {
+    std::cerr << trip_csv(*log) << std::flush;
+  } else {
+    std::ofstream out(file_, std::ios::app);
+    out << trip_csv(*log);
+    out.close();
+    if (!out) std::cerr << "kerf-agent: cannot write " << file_ << '\n';
+  }
+  recorder_.done();
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,193 @@
+#include "haptic_agent/servo/local_model.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::agent {
+namespace {
+
+constexpr double kDt = 0.001;
+constexpr double kPivotMm = 50;
+
+PastHold next(const PastHold& before, Vec3 moved_mm, double dt_s = kDt) {
+  PastHold now = before;
+  now.time_us += 1000;
+  now.hold.pivot_mm = before.hold.pivot_mm + moved_mm;
+  now.velocity = {moved_mm * (1 / dt_s), {}};
+  now.way_mm += length(moved_mm);
+  now.heading = LocalModel::heading(before.heading, moved_mm);
+  return now;
+}
+
+PastHold start() {
+  PastHold hold;
+  hold.time_us = 1'000'000;
+  hold.hold.pivot_mm = {0, 0, kPivotMm};
+  return hold;
+}
+
+/// The cut of a tool that goes along +x with so many newtons against it, at its tip.
+ServerWrench cut_of(const PastHold& then, double newtons) {
+  ServerWrench answer;
+  const Vec3 arm{0, 0, -kPivotMm};
+  answer.wrench = {{-newtons, 0, 0}, cross(arm, Vec3{-newtons, 0, 0})};
+  answer.pose_us = then.time_us;
+  answer.engaged_area_mm2 = 2;
+  answer.cut_centre_mm = then.hold.pivot_mm + arm;
+  return answer;
+}
+
+PastHold run_along_x(PastHold hold, int ticks, double step_mm = 0.05) {
+  for (int i = 0; i < ticks; ++i) hold = next(hold, {step_mm, 0, 0});
+  return hold;
+}
+
+TEST(LocalModel, GivesBackAnAnswerThatIsNotLate) {
+  LocalModel model({});
+  const PastHold now = run_along_x(start(), 200);
+  const ServerWrench answer = cut_of(now, 3);
+  model.take(answer, now, now);
+  const Wrench shown = model.at(now, true, kDt);
+  EXPECT_NEAR(shown.force_n.x, -3, 1e-9);
+  EXPECT_NEAR(shown.torque_nmm.y, answer.wrench.torque_nmm.y, 1e-6);
+  EXPECT_EQ(model.at(now, false, kDt), Wrench{}) << "who does not ask to cut feels no cut";
+}
+
+TEST(LocalModel, FollowsARisingCutAlongItsWayThoughAnswersAreLate) {
+  LocalModel model({});
+  PastHold holds[300];
+  holds[0] = start();
+  for (int i = 1; i < 300; ++i) holds[i] = next(holds[i - 1], {0.05, 0, 0});
+  const auto newtons = [&](int i) { return 1 + 0.2 * holds[i].way_mm; };
+  constexpr int kLate = 50;
+  double worst = 0, held = 0;
+  for (int i = 100; i < 300; ++i) {
+    model.take(cut_of(holds[i - kLate], newtons(i - kLate)), holds[i - kLate], holds[i]);
+    const double shown = -model.at(holds[i], true, kDt).force_n.x;
+    if (i < 150) continue;
+    worst = std::max(worst, std::abs(shown - newtons(i)));
+    held = std::max(held, std::abs(newtons(i - kLate) - newtons(i)));
+  }
+  EXPECT_LT(worst, 0.01);
+  EXPECT_GT(held, 0.4) << "what holding the answer would err";
+}
+
+TEST(LocalModel, TurnsTheForceWithTheHand) {
+  LocalModel model({});
+  PastHold now = run_along_x(start(), 200);
+  model.take(cut_of(now, 3), now, now);
+  const double half = std::sqrt(0.5);
+  for (int i = 0; i < 200; ++i) now = next(now, {0.05 * half, 0.05 * half, 0});
+  const Vec3 force = model.at(now, true, kDt).force_n;
+  EXPECT_NEAR(force.x, -3 * half, 0.02);
+  EXPECT_NEAR(force.y, -3 * half, 0.02);
+}
+
+TEST(LocalModel, WhoTurnsBackIsNotPushedOn) {
+  LocalModel model({});
+  PastHold now = run_along_x(start(), 200);
+  model.take(cut_of(now, 3), now, now);
+  double before = model.at(now, true, kDt).force_n.x;
+  for (int i = 0; i < 100; ++i) {
+    now = next(now, {-0.05, 0, 0});
+    const double force = model.at(now, true, kDt).force_n.x;
+    EXPECT_LE(std::abs(force - before), 0.7) << "no step at tick " << i;
+    before = force;
+  }
+  EXPECT_NEAR(before, 0, 1e-9);
+}
+
+TEST(LocalModel, TheRemovalRateLawIsADamperWithinWhatTheDeviceShows) {
+  LocalModel model({.law = CutLaw::kRemovalRate, .damping_most = 0.04});
+  PastHold now = run_along_x(start(), 200);
+  model.take(cut_of(now, 1.5), now, now);  // 50 mm/s: 0.03 N s/mm
+  EXPECT_NEAR(model.at(now, true, kDt).force_n.x, -1.5, 1e-9);
+  now = next(now, {0.1, 0, 0});
+  EXPECT_NEAR(model.at(now, true, kDt).force_n.x, -3, 0.02) << "twice as fast";
+  model.take(cut_of(now, 30), now, now);
+  now = next(now, {0.05, 0, 0});
+  EXPECT_LE(std::abs(model.at(now, true, kDt).force_n.x), 0.04 * 50 + 1e-9);
+}
+
+TEST(LocalModel, ATorqueThatTheCentreDoesNotExplainIsKept) {
+  LocalModel model({});
+  const PastHold now = run_along_x(start(), 200);
+  ServerWrench answer = cut_of(now, 3);
+  answer.wrench.torque_nmm = answer.wrench.torque_nmm + Vec3{7, 0, 0};
+  model.take(answer, now, now);
+  EXPECT_NEAR(model.at(now, true, kDt).torque_nmm.x, 7, 1e-9);
+}
+
+ServerWrench wall_at(const PastHold& then, double depth_mm, double stiffness = 1) {
+  ServerWrench answer;
+  answer.pose_us = then.time_us;
+  answer.plane_count = 1;
+  answer.planes[0] = {.point_mm = {then.hold.pivot_mm.x, 0, 0},
+                      .normal = {-1, 0, 0},
+                      .depth_mm = static_cast<float>(depth_mm),
+                      .stiffness_n_per_mm = static_cast<float>(stiffness),
+                      .radius_mm = 5,
+                      .flags = wire::kContactObstacle};
+  const double f = std::max(0.0, depth_mm) * stiffness;
+  answer.wrench = {{-f, 0, 0}, cross(Vec3{0, 0, -kPivotMm}, Vec3{-f, 0, 0})};
+  return answer;
+}
+
+TEST(ContactModel, IsAWallThatWasKnownBeforeItWasTouched) {
+  ContactModel contact(2);
+  PastHold now = start();
+  contact.take(wall_at(now, -1), now.hold, now.hold);
+  EXPECT_EQ(contact.at(now.hold, kDt), Wrench{});
+  now = next(now, {1.5, 0, 0});
+  const Wrench shown = contact.at(now.hold, kDt);
+  EXPECT_NEAR(shown.force_n.x, -0.5, 1e-6);
+  EXPECT_NEAR(shown.torque_nmm.y, kPivotMm * 0.5, 1e-4);
+}
+
+TEST(ContactModel, IsNeverStifferThanTheDeviceShows) {
+  ContactModel contact(2);
+  PastHold now = start();
+  contact.take(wall_at(now, 0, 50), now.hold, now.hold);
+  now = next(now, {0.5, 0, 0});
+  EXPECT_NEAR(contact.at(now.hold, kDt).force_n.x, -1, 1e-6);
+}
+
+TEST(ContactModel, ANewPlaneFadesInWithoutAStep) {
+  ContactModel contact(2);
+  const PastHold now = start();
+  contact.take(wall_at(now, 2), now.hold, now.hold);
+  EXPECT_EQ(contact.at(now.hold, 0), Wrench{});
+  double before = 0, most = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double force = -contact.at(now.hold, kDt).force_n.x;
+    most = std::max(most, force - before);
+    before = force;
+  }
+  EXPECT_LT(most, 0.15);
+  EXPECT_NEAR(before, 2, 1e-3);
+  contact.take(ServerWrench{}, now.hold, now.hold);
+  EXPECT_NEAR(contact.at(now.hold, 0).force_n.x, -2, 1e-3) << "nor does one that goes make a step";
+}
+
+TEST(ContactModel, LetsGoBeyondItsRadius) {
+  ContactModel contact(2);
+  PastHold now = start();
+  contact.take(wall_at(now, 0), now.hold, now.hold);
+  now = next(now, {11, 0, 0});
+  EXPECT_EQ(contact.at(now.hold, kDt), Wrench{});
+}
+
+TEST(HoldHistory, FindsTheHoldOfAnAnswer) {
+  HoldHistory history;
+  EXPECT_EQ(history.at(5), nullptr);
+  for (std::uint64_t i = 1; i <= 3000; ++i) history.push({.time_us = 1000 * i});
+  ASSERT_NE(history.at(2'900'500), nullptr);
+  EXPECT_EQ(history.at(2'900'500)->time_us, 2'900'000U);
+  EXPECT_EQ(history.at(9'000'000)->time_us, 3'000'000U);
+  EXPECT_EQ(history.at(1'000'000), nullptr) << "too long ago";
+}
+
+}  // namespace
+}  // namespace kerf::agent

@@ -1,0 +1,193 @@
+#include "haptic_agent/servo/supervisor.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace kerf::agent {
+namespace {
+
+constexpr std::uint64_t kMs = 1000;
+
+class SupervisorTest : public ::testing::Test {
+ protected:
+  /// Ticks for so many ms; gives the share of the last one.
+  double pass(int ms) {
+    double share = 0;
+    for (int i = 0; i < ms; ++i) {
+      in.now_us += kMs;
+      share = supervisor.tick(in);
+    }
+    return share;
+  }
+  void arm() {
+    pass(700);
+    ASSERT_EQ(supervisor.phase(), ServoPhase::kActive);
+  }
+  void expect_trip(TripCode code) {
+    EXPECT_EQ(pass(1), 0) << "at once";
+    EXPECT_EQ(supervisor.phase(), ServoPhase::kSafe);
+    EXPECT_EQ(to_string(supervisor.code()), to_string(code));
+    EXPECT_EQ(supervisor.trips(), 1U);
+  }
+
+  SafetyLimits limits{.continuous_force_n = 2,
+                      .workspace_min_mm = {-100, -100, -100},
+                      .workspace_max_mm = {100, 100, 100}};
+  Supervisor supervisor{limits};
+  SafetyInput in{.now_us = 1'000'000, .deadman = true, .has_answer = true};
+};
+
+TEST_F(SupervisorTest, ArmsThenRampsThenShowsAll) {
+  EXPECT_EQ(pass(1), 0);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);
+  EXPECT_EQ(pass(50), 0);
+  EXPECT_EQ(pass(1), 0) << "the ramp starts at nothing";
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kRamp);
+  EXPECT_NEAR(pass(250), 0.5, 0.01);
+  EXPECT_EQ(pass(250), 1);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kActive);
+}
+
+TEST_F(SupervisorTest, DoesNotArmWithoutHandOrServer) {
+  in.deadman = false;
+  pass(1000);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
+  in.deadman = true;
+  in.has_answer = false;
+  pass(1000);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
+  in.has_answer = true;
+  in.present = false;
+  pass(1000);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
+}
+
+TEST_F(SupervisorTest, DoesNotRampIntoAForceOrAHurry) {
+  in.wanted.force_n = {0, 0, 0.3};
+  pass(1000);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);
+  in.wanted = {};
+  in.tip_mm_per_s = 60;
+  pass(1000);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);
+  in.tip_mm_per_s = 10;
+  arm();
+}
+
+TEST_F(SupervisorTest, LetsGoWithTheDeadmanInTheSameTickAndArmsAnew) {
+  arm();
+  in.deadman = false;
+  EXPECT_EQ(pass(1), 0);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
+  EXPECT_EQ(supervisor.trips(), 0U);
+  in.deadman = true;
+  EXPECT_EQ(pass(50), 0);
+  EXPECT_LT(pass(100), 0.5) << "and ramps again";
+}
+
+TEST_F(SupervisorTest, TripsOnEachPartOfTheEnvelope) {
+  struct Case {
+    TripCode code;
+    void (*spoil)(SafetyInput&);
+  };
+  const Case cases[] = {
+      {TripCode::kDeviceLost, [](SafetyInput& i) { i.present = false; }},
+      {TripCode::kNotFinite, [](SafetyInput& i) { i.finite = false; }},
+      {TripCode::kWorkspace, [](SafetyInput& i) { i.tip_mm = {0, 101, 0}; }},
+      {TripCode::kJump, [](SafetyInput& i) { i.jumped_mm = 5.1; }},
+      {TripCode::kSpeed, [](SafetyInput& i) { i.tip_mm_per_s = 1001; }},
+      {TripCode::kTurnSpeed, [](SafetyInput& i) { i.turn_rad_per_s = 15.1; }},
+      {TripCode::kLostTicksInARow, [](SafetyInput& i) { i.lost_now = 5; }},
+      {TripCode::kOverdrawn, [](SafetyInput& i) { i.overdrawn = true; }},
+      {TripCode::kRefusedWrench,
+       [](SafetyInput& i) { i.wanted.force_n.x = std::numeric_limits<double>::quiet_NaN(); }},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(to_string(c.code));
+    supervisor = Supervisor(limits);
+    in = SafetyInput{.now_us = 1'000'000, .deadman = true, .has_answer = true};
+    arm();
+    c.spoil(in);
+    expect_trip(c.code);
+  }
+}
+
+TEST_F(SupervisorTest, TripsOnLostTicksThatAddUp) {
+  arm();
+  in.lost_now = 4;
+  for (int i = 0; i < 5; ++i) {
+    in.now_us += 50 * kMs;
+    EXPECT_GT(supervisor.tick(in), 0) << i;
+  }
+  expect_trip(TripCode::kLostTicks);
+}
+
+TEST_F(SupervisorTest, ForgetsLostTicksAfterASecond) {
+  arm();
+  for (int i = 0; i < 20; ++i) {
+    in.lost_now = 4;
+    pass(1);
+    in.lost_now = 0;
+    EXPECT_GT(pass(300), 0) << i;
+  }
+}
+
+TEST_F(SupervisorTest, TripsOnWarmMotorsNotOnAPeak) {
+  arm();
+  in.shown.force_n = {6, 0, 0};
+  EXPECT_GT(pass(1000), 0) << "a second of thrice the rating is nothing";
+  in.shown.force_n = {3, 0, 0};
+  pass(10'000);
+  EXPECT_EQ(supervisor.code(), TripCode::kThermalForce);
+}
+
+TEST_F(SupervisorTest, StaysSafeUntilTheHandLetsGo) {
+  arm();
+  in.tip_mm_per_s = 2000;
+  expect_trip(TripCode::kSpeed);
+  in.tip_mm_per_s = 0;
+  EXPECT_EQ(pass(5000), 0);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kSafe);
+  in.deadman = false;
+  pass(301);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
+  in.deadman = true;
+  arm();
+}
+
+TEST_F(SupervisorTest, IsDegradedWhileTheServerIsLateAndDisarmsWhenItIsGone) {
+  arm();
+  in.answer_age_us = 30 * kMs;
+  EXPECT_EQ(pass(10), 1) << "fading is not its business";
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kDegraded);
+  in.answer_age_us = 1 * kMs;
+  pass(199);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kDegraded);
+  pass(10);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kActive);
+  in.answer_age_us = 1001 * kMs;
+  EXPECT_EQ(pass(1), 0);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
+  in.answer_age_us = 0;
+  pass(60);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kRamp) << "and comes back without a jump";
+}
+
+TEST_F(SupervisorTest, IsDegradedByAnEmptyTankAfterAWhile) {
+  arm();
+  in.starving = true;
+  pass(100);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kActive);
+  pass(10);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kDegraded);
+}
+
+TEST(SupervisorOfNoMotors, NeverHoldsBackAndNeverTrips) {
+  Supervisor supervisor({.motors = false});
+  EXPECT_EQ(supervisor.tick({.now_us = 5, .jumped_mm = 100, .tip_mm_per_s = 9000}), 1);
+  EXPECT_EQ(supervisor.trips(), 0U);
+}
+
+}  // namespace
+}  // namespace kerf::agent

@@ -1,0 +1,107 @@
+#include "tests/agent/stability/experiments.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "haptic_agent/device/carving_figure.h"
+#include "haptic_agent/device/simulated_hand.h"
+#include "tests/agent/stability/bench_hand.h"
+#include "tests/agent/stability/test_bed.h"
+
+namespace kerf::agent {
+namespace {
+
+/// While the hand waits so long at its start, the agent arms.
+constexpr double kRestS = 0.9;
+
+std::string swing_scene(double damping_n_s_per_m) {
+  // A flat end of 10 mm, 2 mm deep: 20 mm² when fully engaged.
+  const double drr = damping_n_s_per_m / 1000 / 20;
+  return R"({"name":"swing","stock":{"shape":"box","min_mm":[-30,-20,-10],"max_mm":[30,40,0]},
+    "accuracy":{"rays":"dexel","pitch_mm":0.5,"tolerance_mm":0.01,"motion":"tight"},
+    "tools":[{"id":1,"shape":"flat","diameter_mm":10,"length_mm":40}],
+    "force":{"law":"drr","drr_n_s_per_mm3":)" +
+         std::to_string(drr) + R"(,"pivot_mm":60}})";
+}
+
+constexpr const char* kCarvingScene = R"({"name":"carving",
+    "stock":{"shape":"box","min_mm":[-30,-30,-20],"max_mm":[30,30,0]},
+    "accuracy":{"rays":"dexel","pitch_mm":0.25,"tolerance_mm":0.01,"motion":"tight"},
+    "tools":[{"id":1,"shape":"ball","diameter_mm":6,"length_mm":40}],
+    "force":{"law":"specific_energy","specific_force_n_per_mm2":0.2,"pivot_mm":20}})";
+
+/// 30 mm at 1 Hz along x, beginning beside the block, slowly along y into what is still there.
+Vec3 swinging(double time_s) {
+  const double t = std::max(0.0, time_s - kRestS);
+  const double x = -38 + 30 * (1 - std::cos(2 * std::numbers::pi * t));
+  return {x, -15 + 6 * t, -2};
+}
+
+/// A simulated hand whose poses are kept.
+class Recorder final : public HapticDevice {
+ public:
+  Recorder(SimulatedHand& hand, std::vector<DeviceState>& poses) : hand_(hand), poses_(poses) {}
+  DeviceCapabilities capabilities() const override { return hand_.capabilities(); }
+  DeviceState read(std::uint64_t now_us) noexcept override {
+    poses_.push_back(hand_.read(now_us));
+    return poses_.back();
+  }
+  /// A firm hand: the recorded path does not depend on what was shown.
+  void write(const Wrench&) noexcept override {}
+  void stop() noexcept override {}
+
+ private:
+  SimulatedHand& hand_;
+  std::vector<DeviceState>& poses_;
+};
+
+}  // namespace
+
+SwingOutcome swing(const Swing& swing) {
+  BenchHand hand(swinging, {});
+  TestBed bed(swing_scene(swing.damping_n_s_per_m), hand, {.mode = swing.mode}, swing.line);
+  SwingOutcome outcome;
+  const int ticks = static_cast<int>((swing.seconds + kRestS) * 1000);
+  for (int i = 0; i < ticks; ++i) bed.tick();
+  const ServoCycle& servo = bed.servo();
+  outcome.fastest_mm_per_s = hand.fastest();
+  outcome.returned_mj = servo.passivity().account().most_returned_mj();
+  outcome.most_force_n = servo.report().max_force_n;
+  outcome.active = servo.supervisor().phase() >= ServoPhase::kRamp;
+  outcome.trips = servo.supervisor().trips();
+  return outcome;
+}
+
+Recording record_carving(double seconds) {
+  Recording recording;
+  const StockBox stock{{-30, -30, -20}, {30, 30, 0}};
+  SimulatedHand hand(PathCursor(make_carving_figure(stock, 1), false),
+                     {.pivot_mm = 20, .rest_at_start_s = kRestS});
+  Recorder recorder(hand, recording.poses);
+  TestBed bed(kCarvingScene, recorder, {.mode = ForceMode::kInterpolated}, {});
+  for (int i = 0; i < static_cast<int>(seconds * 1000); ++i) {
+    bed.tick();
+    const auto& f = bed.newest().force_n;
+    recording.force_n.push_back(
+        {static_cast<double>(f[0]), static_cast<double>(f[1]), static_cast<double>(f[2])});
+  }
+  return recording;
+}
+
+double force_error(const Recording& recording, ForceMode mode, const LineQuality& line) {
+  RecordedHand hand(recording.poses);
+  TestBed bed(kCarvingScene, hand, {.mode = mode}, line);
+  double error2 = 0, force2 = 0;
+  for (std::size_t i = 0; i < recording.poses.size(); ++i) {
+    bed.tick();
+    // Until the force has ramped up there is nothing to compare.
+    if (i < static_cast<std::size_t>(kRestS * 1000) + 800) continue;
+    const Vec3 difference = hand.shown.force_n - recording.force_n[i];
+    error2 += dot(difference, difference);
+    force2 += dot(recording.force_n[i], recording.force_n[i]);
+  }
+  return force2 > 0 ? std::sqrt(error2 / force2) : 0;
+}
+
+}  // namespace kerf::agent

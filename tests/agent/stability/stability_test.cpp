@@ -1,0 +1,31 @@
+#include <gtest/gtest.h>
+
+#include "tests/agent/stability/experiments.h"
+
+namespace kerf::agent {
+namespace {
+
+TEST(Stability, TheModelIsStableAtTwentyAndAHundredMs) {
+  for (const LineQuality& line :
+       {LineQuality{.rtt_ms = 0}, LineQuality{.rtt_ms = 25, .jitter = 0.2},
+        LineQuality{.rtt_ms = 100, .jitter = 0.2, .loss = 0.02},
+        LineQuality{.rtt_ms = 250, .bursts = true}}) {
+    const SwingOutcome outcome =
+        swing({.mode = ForceMode::kModel, .line = line, .damping_n_s_per_m = 20});
+    EXPECT_TRUE(outcome.stable()) << line.rtt_ms << " ms: " << outcome.fastest_mm_per_s << " mm/s, "
+                                  << outcome.returned_mj << " mJ";
+    EXPECT_GT(outcome.most_force_n, 0.2) << "there must be something to be stable with";
+  }
+}
+
+TEST(Stability, TheModelErrsLessThanWhatIsHeld) {
+  const Recording recording = record_carving(4);
+  const LineQuality line{.rtt_ms = 25};
+  const double model = force_error(recording, ForceMode::kModel, line);
+  EXPECT_LT(model, 0.15);
+  EXPECT_LT(model, 0.6 * force_error(recording, ForceMode::kHold, line));
+  EXPECT_LT(model, 0.6 * force_error(recording, ForceMode::kInterpolated, line));
+}
+
+}  // namespace
+}  // namespace kerf::agent

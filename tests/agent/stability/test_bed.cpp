@@ -1,0 +1,60 @@
+#include "tests/agent/stability/test_bed.h"
+
+#include <array>
+#include <stdexcept>
+
+namespace kerf::agent {
+
+TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
+                 const LineQuality& quality, std::uint32_t seed)
+    : up_(quality, 2 * seed), down_(quality, 2 * seed + 1) {
+  // Virtual time runs faster than the clock by which the session limits rates.
+  SessionLimits limits;
+  limits.samples_per_s = limits.samples_burst = 1e12;
+  registry_.emplace(
+      RegistryOptions{folder_.path(), 4, limits}, [this](const std::string&) { return executor_; },
+      workers_);
+  auto created = registry_->create("bed", scene, SceneSource{});
+  if (!created) throw std::runtime_error(created.error().reason);
+  session_ = *created;
+  self_ = session_->join({ParticipantKind::kAgent, "hand", "", 0, true}).value().id;
+  const ForceSettings& force = session_->scene().settings.force;
+  settings.model.law =
+      force.law == ForceLaw::kDexelRemovalRate ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
+  settings.pivot_mm = force.pivot_mm;
+  servo_ = std::make_unique<ServoCycle>(device, samples_, wrenches_, listener_,
+                                        settings_for(device.capabilities(), settings));
+  traffic_.begin(session_->epoch(), 0, now_us_);
+}
+
+void TestBed::serve(std::span<const std::byte> frame) {
+  const auto message = wire::decode(frame);
+  if (!message) throw std::runtime_error("a frame of the agent is malformed");
+  std::array<std::byte, wire::kHeaderBytes + wire::kMaxResultBytes> answer;
+  std::size_t bytes = 0;
+  if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
+    newest_ = session_->move(self_, batch->view()).result;
+    bytes = wire::encode({session_->epoch(), ++results_, now_us_}, newest_, answer);
+  } else if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
+    bytes =
+        wire::encode({session_->epoch(), 1, now_us_}, wire::Pong{ping->time_us, now_us_}, answer);
+  }
+  down_.send(std::span(answer).first(bytes), now_us_);
+}
+
+void TestBed::tick() {
+  now_us_ += 1000;
+  servo_->tick(now_us_);
+  traffic_.collect();
+  traffic_.take_tool_change();
+  std::array<std::byte, wire::kMaxClientFrameBytes> frame;
+  while (const std::size_t bytes = traffic_.fill(now_us_, frame)) {
+    up_.send(std::span(frame).first(bytes), now_us_);
+  }
+  up_.receive(now_us_, [this](std::span<const std::byte> bytes) { serve(bytes); });
+  down_.receive(now_us_,
+                [this](std::span<const std::byte> bytes) { traffic_.take_frame(bytes, now_us_); });
+  executor_->run();
+}
+
+}  // namespace kerf::agent

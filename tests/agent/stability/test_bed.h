@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "haptic_agent/link/traffic.h"
+#include "haptic_agent/servo/servo_cycle.h"
+#include "server/session/session_registry.h"
+#include "server/wire/codec.h"
+#include "tests/agent/stability/virtual_line.h"
+#include "tests/server/manual_executor.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf::agent {
+
+/// The real session with its block, the real traffic, codec and servo, and between them a line, all
+/// in virtual time: one call of `tick` is one millisecond.
+class TestBed {
+ public:
+  /// `scene` as the server reads it. `device` must outlive the bed.
+  TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
+          const LineQuality& quality, std::uint32_t seed = 1);
+
+  void tick();
+
+  const ServoCycle& servo() const { return *servo_; }
+  /// The newest result that the server made, before it went on its way.
+  const wire::Result& newest() const { return newest_; }
+  Session& session() { return *session_; }
+  LinkReport link() const { return traffic_.report(); }
+  std::uint64_t now_us() const { return now_us_; }
+
+ private:
+  struct Listener final : SampleListener {
+    void sample_ready() noexcept override {}
+  };
+  void serve(std::span<const std::byte> frame);
+
+  test::TemporaryFolder folder_;
+  std::shared_ptr<test::ManualExecutor> executor_ = std::make_shared<test::ManualExecutor>();
+  test::ManualExecutor workers_;
+  std::optional<SessionRegistry> registry_;
+  std::shared_ptr<Session> session_;
+  ParticipantId self_ = 0;
+  SampleRing samples_;
+  LatestValue<ServerWrench> wrenches_;
+  Listener listener_;
+  Traffic traffic_{samples_, wrenches_};
+  VirtualLine up_, down_;
+  std::unique_ptr<ServoCycle> servo_;
+  wire::Result newest_;
+  std::uint64_t results_ = 0;
+  std::uint64_t now_us_ = 2'000'000;
+};
+
+}  // namespace kerf::agent

@@ -1,0 +1,42 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "haptic_agent/terminal_view.h"
+#include "haptic_agent/trip_log.h"
+
+namespace kerf::agent {
+namespace {
+
+TEST(TerminalView, ABarShowsItsShareAndNeverMore) {
+  EXPECT_EQ(bar(0, 8, 4), "[....]");
+  EXPECT_EQ(bar(4, 8, 4), "[##..]");
+  EXPECT_EQ(bar(80, 8, 4), "[####]");
+  EXPECT_EQ(bar(-1, 8, 4), "[....]");
+  EXPECT_EQ(bar(1, 0, 2), "[..]");
+}
+
+TEST(TerminalView, SaysInSixLinesHowTheAgentIsDoing) {
+  ServoStatus servo{.phase = ServoPhase::kSafe, .code = TripCode::kJump, .trips = 2};
+  servo.shown.force_n = {0, 3, 4};
+  const std::string text = view_text(servo, {.rtt_us = 25'300}, {}, 30);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 6);
+  for (const char* part : {"safe", "trips 2, last pose_jump", "5.0 N", "round trip 25.3 ms"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+  }
+}
+
+TEST(TripLog, WritesALineForEachTickBehindTheCode) {
+  FlightRecorder recorder;
+  for (std::uint64_t i = 1; i <= 500; ++i) recorder.note({.time_us = i, .energy_mj = 0.5});
+  recorder.trip(TripCode::kSpeed);
+  ASSERT_NE(recorder.log(), nullptr);
+  const std::string csv = trip_csv(*recorder.log());
+  EXPECT_TRUE(csv.starts_with("# trip: tip_too_fast\nt_us,"));
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 2 + 200);
+  EXPECT_NE(csv.find("\n301,0,0,0,"), std::string::npos) << "the oldest of the last 200";
+  EXPECT_NE(csv.find("\n500,"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kerf::agent

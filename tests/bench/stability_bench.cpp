@@ -1,0 +1,91 @@
+// The agent at a distance: the real session and block, traffic, codec and servo in virtual time, a
+// line between them that delays, jitters, loses (and sends again, in order, as TCP does) and stands
+// still.
+//
+//   stability_bench [--fast]
+//
+// First table: a light hand (0.1 kg, 20 N/m) swings through stock whose cut is a damper of so many
+// N s/m; for each line and mode, the largest of the dampings tried up to which all were stable, and
+// the greatest speed and returned energy among them all. Second table: rms error of the shown force
+// along a recorded path, against the server's force at no delay.
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+#include "tests/agent/stability/experiments.h"
+
+namespace {
+
+using namespace kerf::agent;
+
+constexpr ForceMode kModes[] = {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold};
+constexpr double kRttMs[] = {0, 1, 5, 10, 25, 50, 100, 250};
+
+struct Row {
+  double stable_to = 0, fastest = 0, returned = 0;
+};
+
+Row try_dampings(ForceMode mode, const LineQuality& line, bool fast) {
+  Row row;
+  bool all = true;
+  for (const double damping : {1.0, 2.0, 5.0, 10.0, 20.0}) {
+    if (fast && damping < 20) continue;
+    const SwingOutcome outcome = swing(
+        {.mode = mode, .line = line, .damping_n_s_per_m = damping, .seconds = fast ? 2.0 : 4.0});
+    all = all && outcome.stable();
+    if (all) row.stable_to = damping;
+    row.fastest = std::max(row.fastest, outcome.fastest_mm_per_s);
+    row.returned = std::max(row.returned, outcome.returned_mj);
+  }
+  return row;
+}
+
+bool stability_table(bool fast) {
+  bool model_is_stable = true;
+  std::printf("%-8s %-7s %-12s | %-27s | %-27s | %-27s\n", "RTT ms", "jitter", "loss", "model",
+              "interpolated", "hold");
+  std::printf("%-29s | %s\n", "", "stable to N s/m, most mm/s, most mJ returned");
+  for (const double rtt : kRttMs) {
+    for (const double jitter : {0.0, 0.2}) {
+      for (const double loss : {0.0, 0.01, 0.05, -1.0}) {
+        const LineQuality line{
+            .rtt_ms = rtt, .jitter = jitter, .loss = std::max(0.0, loss), .bursts = loss < 0};
+        char name[16];
+        std::snprintf(name, sizeof name, loss < 0 ? "200 ms burst" : "%.0f %%", loss * 100);
+        std::printf("%-8.0f %-7.1f %-12s", rtt, jitter, name);
+        for (const ForceMode mode : kModes) {
+          const Row row = try_dampings(mode, line, fast);
+          std::printf(" | %6.0f %10.0f %9.2f", row.stable_to, row.fastest, row.returned);
+          if (mode == ForceMode::kModel) model_is_stable = model_is_stable && row.stable_to >= 20;
+        }
+        std::printf("\n");
+        std::fflush(stdout);
+      }
+    }
+  }
+  return model_is_stable;
+}
+
+void error_table(bool fast) {
+  const Recording recording = record_carving(fast ? 5 : 12);
+  std::printf("\n%-8s %12s %12s %12s   rms force error, %%\n", "RTT ms", "model", "interpolated",
+              "hold");
+  for (const double rtt : kRttMs) {
+    std::printf("%-8.0f", rtt);
+    for (const ForceMode mode : kModes) {
+      std::printf(" %12.1f", 100 * force_error(recording, mode, {.rtt_ms = rtt}));
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool fast = argc > 1 && std::strcmp(argv[1], "--fast") == 0;
+  error_table(fast);
+  const bool stable = stability_table(fast);
+  std::printf("model mode: %s\n", stable ? "stable everywhere" : "NOT stable everywhere");
+  return stable ? 0 : 1;
+}
