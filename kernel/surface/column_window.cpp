@@ -1,6 +1,12 @@
 #include "kernel/surface/column_window.h"
 
 namespace kerf {
+namespace {
+
+/// Sine of the angle below which a ray is parallel to the surface that it ends on: 0.2 degrees.
+constexpr double kGrazing = 0.0035;
+
+}  // namespace
 
 ColumnWindow::ColumnWindow(const SolidSnapshot& solid, std::int32_t first_x, std::int32_t first_y,
                            std::int32_t side)
@@ -12,22 +18,30 @@ ColumnWindow::ColumnWindow(const SolidSnapshot& solid, std::int32_t first_x, std
       side_(side) {
   const auto columns = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
   start_.reserve(columns + 1);
-  runs_.reserve(columns * 2);
+  runs_->reserve(columns * 2);
   for (std::int32_t j = first_y; j < first_y + side; ++j) {
     for (std::int32_t i = first_x; i < first_x + side; ++i) {
-      start_.push_back(static_cast<std::uint32_t>(runs_.size()));
+      start_.push_back(static_cast<std::uint32_t>(runs_->size()));
       if (in_grid(i, j)) append_column(solid.fields.front(), i, j);
     }
   }
-  start_.push_back(static_cast<std::uint32_t>(runs_.size()));
+  start_.push_back(static_cast<std::uint32_t>(runs_->size()));
+}
+
+/// A ray that ends on a wall parallel to it ends where the wall does, on what bounds that from
+/// above or below: a level floor, for all that the end tells.
+Vec3 ColumnWindow::end_normal(const DexelSnapshot& field, std::int32_t i, std::int32_t j,
+                              std::int32_t depth, bool top, NormalCode code) {
+  const Vec3 normal = field.normal(i, j, depth, top, code);
+  return std::abs(normal.z) < kGrazing ? Vec3{0, 0, top ? 1.0 : -1.0} : normal;
 }
 
 void ColumnWindow::append_column(const DexelSnapshot& field, std::int32_t i, std::int32_t j) {
   const ColumnView view = field.view(i, j);
   const auto append = [&](const Dexel& d, const EndCodes& codes) {
     append_run({first_sample_at_or_above(d.bottom), first_sample_at_or_above(d.top), d.bottom,
-                d.top, field.normal(i, j, d.bottom, false, codes.bottom),
-                field.normal(i, j, d.top, true, codes.top)});
+                d.top, end_normal(field, i, j, d.bottom, false, codes.bottom),
+                end_normal(field, i, j, d.top, true, codes.top)});
   };
   for (std::size_t n = 0; n < view.lower.size(); ++n) {
     append(view.lower[n], view.lower_codes.empty() ? EndCodes{} : view.lower_codes[n]);
@@ -37,12 +51,12 @@ void ColumnWindow::append_column(const DexelSnapshot& field, std::int32_t i, std
 
 void ColumnWindow::append_run(const SolidRun& run) {
   if (run.first == run.end) return;  // thinner than the lattice: no sample sees it
-  if (runs_.size() > start_.back() && runs_.back().end == run.first) {
-    runs_.back().end = run.end;  // no sample sees the gap
-    runs_.back().top = run.top;
-    runs_.back().top_normal = run.top_normal;
+  if (runs_->size() > start_.back() && runs_->back().end == run.first) {
+    runs_->back().end = run.end;  // no sample sees the gap
+    runs_->back().top = run.top;
+    runs_->back().top_normal = run.top_normal;
   } else {
-    runs_.push_back(run);
+    runs_->push_back(run);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
+#include "kernel/surface/scratch.h"
 
 namespace kerf {
 
@@ -35,7 +36,7 @@ class ColumnWindow {
   /// The runs of column (i, j), from the bottom up; (i, j) must lie in the window.
   std::span<const SolidRun> runs(std::int32_t i, std::int32_t j) const {
     const std::size_t n = number(i, j);
-    return {runs_.data() + start_[n], runs_.data() + start_[n + 1]};
+    return {runs_->data() + start_[n], runs_->data() + start_[n + 1]};
   }
   bool solid(std::int32_t i, std::int32_t j, std::int32_t sample) const;
   std::int32_t level(std::int32_t sample) const {
@@ -51,6 +52,8 @@ class ColumnWindow {
     return static_cast<std::size_t>(j - first_y_) * static_cast<std::size_t>(side_) +
            static_cast<std::size_t>(i - first_x_);
   }
+  static Vec3 end_normal(const DexelSnapshot& field, std::int32_t i, std::int32_t j,
+                         std::int32_t depth, bool top, NormalCode code);
   void append_column(const DexelSnapshot& field, std::int32_t i, std::int32_t j);
   void append_run(const SolidRun& run);
   std::int32_t first_sample_at_or_above(std::int32_t height) const;
@@ -58,7 +61,7 @@ class ColumnWindow {
   DexelGrid grid_;
   double quanta_per_step_, level_zero_;
   std::int32_t first_x_, first_y_, side_;
-  std::vector<SolidRun> runs_;
+  Scratch<SolidRun> runs_;
   std::vector<std::uint32_t> start_;
 };
 

@@ -11,6 +11,7 @@ struct Crossing {
   Vec3 normal;  ///< unit, outward
   /// 1; less where the normal is a guess, and another crossing of the same sheet knows better.
   double weight = 1;
+  bool wall = false;  ///< of a wall that no ray meets: the place is known to half a pitch
 
   bool is_guess() const { return weight < 1; }
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 namespace kerf {
 namespace {
@@ -33,7 +34,7 @@ void append_triangle(std::vector<std::uint32_t>& indices, bool reversed, std::ui
 /// The quadrangles of one plane by their place.
 class FlatQuads::Grid {
  public:
-  explicit Grid(const std::vector<Quad>& quads) : quads_(quads) {
+  explicit Grid(std::span<const Quad> quads) : quads_(quads) {
     first_u_ = last_u_ = quads[0].u;
     first_v_ = last_v_ = quads[0].v;
     for (const Quad& quad : quads) {
@@ -144,7 +145,7 @@ class FlatQuads::Grid {
     }
   }
 
-  const std::vector<Quad>& quads_;
+  std::span<const Quad> quads_;
   std::int32_t first_u_ = 0, last_u_ = 0, first_v_ = 0, last_v_ = 0, width_ = 0, height_ = 0;
   std::vector<std::uint32_t> at_;  ///< number of the quadrangle at each place
   bool regular_ = true;
@@ -153,15 +154,27 @@ class FlatQuads::Grid {
 void FlatQuads::add(const FlatPlane& plane, std::int32_t u, std::int32_t v,
                     const std::array<std::uint32_t, 4>& corners) {
   if (last_ == nullptr || plane != last_plane_) {
-    last_ = &planes_[plane];
+    const auto number = static_cast<std::uint32_t>(planes_.size());
+    last_ = &planes_.emplace(plane, Plane{number}).first->second;
     last_plane_ = plane;
   }
-  last_->push_back({u, v, corners});
+  ++last_->quads;
+  entries_->push_back({last_->number, {u, v, corners}});
 }
 
 bool FlatQuads::append_triangles(std::vector<std::uint32_t>& indices) const {
+  std::vector<std::size_t> next(planes_.size());
+  std::size_t begin = 0;
+  for (const auto& [plane, of] : planes_) {
+    next[of.number] = begin;
+    begin += of.quads;
+  }
+  Scratch<Quad> sorted;
+  sorted->resize(entries_->size());
+  for (const Entry& entry : *entries_) (*sorted)[next[entry.plane]++] = entry.quad;
   bool joined = false;
-  for (const auto& [plane, quads] : planes_) {
+  for (const auto& [plane, of] : planes_) {
+    const std::span<const Quad> quads(sorted->data() + next[of.number] - of.quads, of.quads);
     joined |= Grid(quads).append_triangles(plane.reversed, indices);
   }
   return joined;

@@ -6,6 +6,8 @@
 #include <map>
 #include <vector>
 
+#include "kernel/surface/scratch.h"
+
 namespace kerf {
 
 /// Where a quadrangle lies that is flat and square to an axis: only those of one plane can be
@@ -34,8 +36,17 @@ class FlatQuads {
     std::int32_t u, v;
     std::array<std::uint32_t, 4> corners;
   };
-  std::map<FlatPlane, std::vector<Quad>> planes_;
-  std::vector<Quad>* last_ = nullptr;
+  struct Entry {
+    std::uint32_t plane;  ///< its number
+    Quad quad;
+  };
+  struct Plane {
+    std::uint32_t number;
+    std::uint32_t quads = 0;
+  };
+  std::map<FlatPlane, Plane> planes_;
+  Scratch<Entry> entries_;  ///< as they came
+  Plane* last_ = nullptr;
   FlatPlane last_plane_;
 
   class Grid;

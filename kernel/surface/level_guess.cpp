@@ -5,63 +5,32 @@
 #include <utility>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/surface/edge_slice.h"
 
 namespace kerf {
 namespace {
 
-/// Cosine of the angle between two ends' normals up to which the surface between them is bent, not
-/// creased.
-constexpr double kSmoothCosine = 0.985;
-/// Pitches. By so much two planes may miss each other and still be one surface.
-constexpr double kMissMax = 0.03;
-/// By this share of the rise between two ends the plane of one may miss the other.
-constexpr double kBendShare = 0.25;
 /// A steeper plane than this (its normal's upward part) is taken to be so steep.
 constexpr double kUprightMin = 1e-4;
 /// Rows on each side of a wall's crossing that take part in the line fitted to the wall.
 constexpr int kWallRows = 2;
+/// Pitches from the middle between two columns. Farther out that line is not believed: the wall may
+/// be bent, and the middle is off by half a pitch at most.
+constexpr double kOffsetMax = 0.3;
+/// Pitches. So far beyond the solid column an arc may pass that is taken for the surface there.
+constexpr double kPastMax = 0.1;
 /// What the plane of a wall counts whose direction is a guess.
 constexpr double kGuessWeight = 0.02;
 
-/// An end of an element seen along an edge: its height in steps and the slope of its plane.
-struct End {
-  double z, slope;
-  Vec3 normal;
-};
-
-/// Where a surface that runs from end `a` at 0 to end `b` at 1 passes `level`: the place and the
-/// normal; nothing if no such surface does.
-struct Passage {
-  double place;
-  Vec3 normal;
-};
-std::optional<Passage> passage(const End& a, const End& b, double level) {
-  const double rise = b.z - a.z, turn = a.slope - b.slope;
-  const double chord = rise == 0 ? 0.5 : std::clamp((level - a.z) / rise, 0.0, 1.0);
-  // By so much each plane lies above the other's end.
-  const double above_b = a.z + a.slope - b.z, above_a = b.z - b.slope - a.z;
-  const bool smooth = dot(a.normal, b.normal) > kSmoothCosine;
-  if (std::abs(above_b) <= kMissMax && std::abs(above_a) <= kMissMax) {
-    return Passage{chord, normalized(a.normal * (1 - chord) + b.normal * chord)};
-  }
-  const double crease = turn == 0 ? -1 : above_a / turn;  // the planes meet here
-  const bool meet = crease >= 0 && crease <= 1;
-  // One surface is bent, and its plane misses the other end, where it meets that one's surface.
-  const double miss_max = kBendShare * std::abs(rise);
-  if (!meet && std::abs(above_a) > miss_max && std::abs(above_b) > miss_max) return std::nullopt;
-  const double crease_z = a.z + a.slope * crease;
-  const bool on_b = meet ? level >= std::min(b.z, crease_z) && level <= std::max(b.z, crease_z)
-                         : std::abs(above_a) < std::abs(above_b);
-  double place = on_b ? (b.slope != 0 ? 1 + (level - b.z) / b.slope : 1)
-                      : (a.slope != 0 ? (level - a.z) / a.slope : 0);
-  place = std::clamp(place, 0.0, 1.0);
-  if (!smooth) return Passage{place, on_b ? b.normal : a.normal};
-  // Of a bent surface the chord is as far on one side as the planes are on the other.
-  place = 0.5 * (place + chord);
-  return Passage{place, normalized(a.normal * (1 - place) + b.normal * place)};
-}
-
 }  // namespace
+
+/// The ends beside an edge: of the element that holds its solid sample, and of the elements of the
+/// empty column next below and next above.
+struct LevelGuess::Ends {
+  SliceEnd top, bottom;
+  std::optional<SliceEnd> below, above;
+  bool nothing_beyond;  ///< the empty column holds nothing at all
+};
 
 /// An edge from its solid sample to its empty one.
 struct LevelGuess::Edge {
@@ -71,6 +40,7 @@ struct LevelGuess::Edge {
   bool along_x() const { return di != 0; }
   Vec3 direction() const { return {double(di), double(dj), 0}; }
   Vec3 at(double place) const { return {i + di * place, j + dj * place, double(k)}; }
+  double way(const Crossing& c) const { return (c.point.x - i) * di + (c.point.y - j) * dj; }
 };
 
 Crossing LevelGuess::find(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x) const {
@@ -78,56 +48,96 @@ Crossing LevelGuess::find(std::int32_t i, std::int32_t j, std::int32_t k, bool a
   if (!window_.solid(i, j, k)) {
     edge = {i + edge.di, j + edge.dj, k, -edge.di, -edge.dj};
   }
-  const std::optional<Crossing> slope = on_slope(edge), stock = on_stock(edge);
+  const Ends ends = ends_beside(edge);
+  const std::optional<Crossing> slope = on_slope(edge, ends), stock = on_stock(edge);
   if (slope && stock) {
     // What the tool has left ends where the first of the two is met.
-    const auto way = [&](const Crossing& c) {
-      return (c.point.x - edge.i) * edge.di + (c.point.y - edge.j) * edge.dj;
-    };
-    return way(*slope) < way(*stock) ? *slope : *stock;
+    return edge.way(*slope) < edge.way(*stock) ? *slope : *stock;
   }
   if (slope) return *slope;
   if (stock) return *stock;
-  return on_wall(edge);
+  return on_wall(edge, ends);
+}
+
+SliceEnd LevelGuess::slice_end(const Edge& edge, const SolidRun& run, bool top) const {
+  const Vec3& normal = top ? run.top_normal : run.bottom_normal;
+  const double upright = std::max(std::abs(normal.z), kUprightMin);
+  return {window_.steps(top ? run.top : run.bottom),
+          -dot(normal, edge.direction()) / std::copysign(upright, normal.z), normal};
+}
+
+LevelGuess::Ends LevelGuess::ends_beside(const Edge& edge) const {
+  const SolidRun* solid = window_.runs(edge.i, edge.j).data();
+  while (solid->end <= edge.k) ++solid;
+  Ends ends{slice_end(edge, *solid, true), slice_end(edge, *solid, false), {}, {}, false};
+  const auto runs = window_.runs(edge.i + edge.di, edge.j + edge.dj);
+  for (const SolidRun& run : runs) {
+    if (run.end <= edge.k) ends.below = slice_end(edge, run, true);
+    if (run.first > edge.k && !ends.above) ends.above = slice_end(edge, run, false);
+  }
+  ends.nothing_beyond = runs.empty();
+  return ends;
 }
 
 /// The surface leaves the solid column's element through its top, down to an end of the empty
 /// column, or through its bottom, up to one.
-std::optional<Crossing> LevelGuess::on_slope(const Edge& edge) const {
-  const Vec3 e = edge.direction();
-  const auto end_of = [&](std::int32_t height, Vec3 normal) {
-    const double upright = std::max(std::abs(normal.z), kUprightMin);
-    return End{window_.steps(height), -dot(normal, e) / std::copysign(upright, normal.z), normal};
-  };
-  const auto solid_runs = window_.runs(edge.i, edge.j);
-  const SolidRun* solid = solid_runs.data();
-  while (solid->end <= edge.k) ++solid;
-  const SolidRun *below = nullptr, *above = nullptr;
-  const auto empty_runs = window_.runs(edge.i + edge.di, edge.j + edge.dj);
-  for (const SolidRun& run : empty_runs) {
-    if (run.end <= edge.k) below = &run;
-    if (run.first > edge.k && above == nullptr) above = &run;
-  }
-  const End top = end_of(solid->top, solid->top_normal);
-  const End bottom = end_of(solid->bottom, solid->bottom_normal);
+std::optional<Crossing> LevelGuess::on_slope(const Edge& edge, const Ends& ends) const {
   std::optional<Passage> best;
   const auto consider = [&](const std::optional<Passage>& passage) {
     if (passage && (!best || passage->place < best->place)) best = passage;
   };
-  if (below != nullptr) consider(passage(top, end_of(below->top, below->top_normal), edge.k));
-  if (above != nullptr) {
-    consider(passage(bottom, end_of(above->bottom, above->bottom_normal), edge.k));
+  if (ends.below) consider(passage(ends.top, *ends.below, edge.k));
+  if (ends.above) consider(passage(ends.bottom, *ends.above, edge.k));
+  if (!best || best->trust != Trust::kBoth) {
+    // Where a tool's side rises steeply the planes of the ends do not know how it bends.
+    if (const auto bent = on_arc(edge, ends, best && best->trust == Trust::kHollow)) return bent;
   }
-  if (!best && empty_runs.empty()) {
+  if (!best && ends.nothing_beyond) {
     // Nothing beyond: a surface that bends down (up) to its outline.
-    for (const End& end : {top, bottom}) {
+    for (const SliceEnd& end : {ends.top, ends.bottom}) {
       if (end.slope == 0) continue;
       const double place = (edge.k - end.z) / end.slope;
-      if (place >= 0 && place <= 1) consider(Passage{place, end.normal});
+      if (place >= 0 && place <= 1) consider(Passage{place, end.normal, Trust::kBoth});
     }
   }
   if (!best) return std::nullopt;
   return Crossing{.point = edge.at(best->place), .normal = best->normal};
+}
+
+/// The end that is nearest to a height, of a column so many steps behind the edge's solid one.
+std::optional<SliceEnd> LevelGuess::nearest_end(const Edge& edge, int steps, double z,
+                                                bool top) const {
+  std::optional<SliceEnd> nearest;
+  for (const SolidRun& run : window_.runs(edge.i + steps * edge.di, edge.j + steps * edge.dj)) {
+    const SliceEnd end = slice_end(edge, run, top);
+    if (!nearest || std::abs(end.z - z) < std::abs(nearest->z - z)) nearest = end;
+  }
+  return nearest;
+}
+
+/// The surface goes on from the empty column's end as the two columns behind that say; `arrives`:
+/// only if it comes to the end of the solid column.
+std::optional<Crossing> LevelGuess::on_arc(const Edge& edge, const Ends& ends, bool arrives) const {
+  std::optional<Crossing> best;
+  double best_way = -1;
+  for (const bool top : {true, false}) {
+    const std::optional<SliceEnd>& b = top ? ends.below : ends.above;
+    if (!b) continue;
+    const auto c = nearest_end(edge, 2, b->z + b->slope, top);
+    if (!c) continue;
+    const auto d = nearest_end(edge, 3, 2 * c->z - b->z, top);
+    const double up = top ? 1 : -1;
+    const auto arc = SideArc::through(*b, *c, d, up, edge.direction() * -1);
+    if (!arc) continue;
+    const double height = (edge.k - b->z) * up, way = arc->way(height);
+    // An arc that goes past the solid column is not what stands here.
+    if (way < 0 || way > 1 + kPastMax || way <= best_way) continue;
+    const double end = (top ? ends.top.z : ends.bottom.z) - b->z;
+    if (arrives && std::abs(arc->way(end * up) - 1) > kPastMax) continue;
+    best_way = way;
+    best = Crossing{.point = edge.at(std::max(1 - way, 0.0)), .normal = arc->normal(height)};
+  }
+  return best;
 }
 
 /// Between a column of the stock and the place beside it the stock's own side stands.
@@ -195,13 +205,30 @@ LevelGuess::Wall LevelGuess::fit_wall(const Edge& edge) const {
           (count * sum_rw - sum_r * sum_w) / determinant, count - 1};
 }
 
-Crossing LevelGuess::on_wall(const Edge& edge) const {
+Crossing LevelGuess::on_wall(const Edge& edge, const Ends& ends) const {
   const Wall wall = fit_wall(edge);
   const Vec3 across = edge.along_x() ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
-  Crossing c{.point = edge.at(std::clamp(0.5 + wall.offset, 0.0, 1.0)),
+  double place = 0.5 + std::clamp(wall.offset, -kOffsetMax, kOffsetMax);
+  Crossing c{.point = {},
              .normal = wall.slope == 0 ? edge.direction()
-                                       : normalized(edge.direction() - across * wall.slope)};
+                                       : normalized(edge.direction() - across * wall.slope),
+             .wall = true};
   if (wall.rows == 0) c.weight = kGuessWeight;
+  // The wall ends where it meets the planes of the ends beside it: what cut them is convex, so that
+  // it took nothing from behind its plane.
+  const auto meet = [&](const SliceEnd& end, double from, bool nearer) {
+    if (end.slope == 0) return;
+    const double there = from + (edge.k - end.z) / end.slope;
+    if (there <= 0 || there >= 1 || (nearer ? there >= place : there <= place)) return;
+    place = there;
+    c.normal = end.normal;
+    c.weight = 1;
+  };
+  if (ends.below && ends.below->slope < 0) meet(*ends.below, 1, false);
+  if (ends.above && ends.above->slope > 0) meet(*ends.above, 1, false);
+  if (ends.top.slope < 0) meet(ends.top, 0, true);
+  if (ends.bottom.slope > 0) meet(ends.bottom, 0, true);
+  c.point = edge.at(place);
   return c;
 }
 

@@ -6,12 +6,13 @@
 #include "kernel/dexel/stock_shape.h"
 #include "kernel/surface/column_window.h"
 #include "kernel/surface/crossing.h"
+#include "kernel/surface/edge_slice.h"
 
 namespace kerf {
 
 /// Columns around an edge that decide where the surface crosses it: edges of cells [first, end)
-/// need columns [first - 2, end + 2].
-inline constexpr std::int32_t kGuessMargin = 2;
+/// need columns [first - 3, end + 3].
+inline constexpr std::int32_t kGuessMargin = 3;
 
 /// Where the surface crosses the edges between neighbouring columns, as far as the ends of the
 /// columns and their tangent planes tell. Two ends whose planes meet between the columns belong to
@@ -28,15 +29,20 @@ class LevelGuess {
 
  private:
   struct Edge;
+  struct Ends;
   struct Wall {
     double offset;  ///< pitches from the middle of the edge
     double slope;   ///< of the line through the rows
     int rows;       ///< neighbouring rows that see the wall
   };
 
-  std::optional<Crossing> on_slope(const Edge& edge) const;
+  Ends ends_beside(const Edge& edge) const;
+  SliceEnd slice_end(const Edge& edge, const SolidRun& run, bool top) const;
+  std::optional<SliceEnd> nearest_end(const Edge& edge, int steps, double z, bool top) const;
+  std::optional<Crossing> on_slope(const Edge& edge, const Ends& ends) const;
+  std::optional<Crossing> on_arc(const Edge& edge, const Ends& ends, bool arrives) const;
   std::optional<Crossing> on_stock(const Edge& edge) const;
-  Crossing on_wall(const Edge& edge) const;
+  Crossing on_wall(const Edge& edge, const Ends& ends) const;
   Wall fit_wall(const Edge& edge) const;
   int wall_offset(const Edge& edge, int row) const;
 

@@ -8,6 +8,7 @@
 #include "kernel/surface/column_window.h"
 #include "kernel/surface/flat_quads.h"
 #include "kernel/surface/lattice_cells.h"
+#include "kernel/surface/scratch.h"
 #include "kernel/surface/vertex_placement.h"
 
 namespace kerf {
@@ -52,7 +53,8 @@ float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>
 class TileMesher {
  public:
   TileMesher(const SolidSnapshot& solid, TileIndex tile)
-      : first_x_(tile.x * kTileSide),
+      : tile_(tile),
+        first_x_(tile.x * kTileSide),
         first_y_(tile.y * kTileSide),
         end_x_(std::min(first_x_ + kTileSide, solid.fields.front().grid().columns_x)),
         end_y_(std::min(first_y_ + kTileSide, solid.fields.front().grid().columns_y)),
@@ -60,9 +62,7 @@ class TileMesher {
                 kTileSide + 2 + 2 * kGuessMargin),
         cells_(window_, first_x_ - 1, first_y_ - 1, kTileSide + 1),
         placement_(solid, window_),
-        vertex_(cells_.size(), kNoVertex) {
-    mesh_.tile = tile;
-  }
+        vertex_(cells_.size(), kNoVertex) {}
 
   TileMesh run() {
     for (std::int32_t j = first_y_; j < end_y_; ++j) {
@@ -74,8 +74,14 @@ class TileMesher {
     for (std::int32_t j = first_y_ == 0 ? -1 : first_y_; j < end_y_; ++j) {
       for (std::int32_t i = first_x_; i < end_x_; ++i) add_sides(i, j, false);
     }
-    if (flat_.append_triangles(mesh_.indices)) drop_unused_vertices();
-    return std::move(mesh_);
+    if (flat_.append_triangles(*indices_)) drop_unused_vertices();
+    // Of just the size that they need.
+    TileMesh mesh;
+    mesh.tile = tile_;
+    mesh.positions_mm.assign(positions_->begin(), positions_->end());
+    mesh.normals.assign(normals_->begin(), normals_->end());
+    mesh.indices.assign(indices_->begin(), indices_->end());
+    return mesh;
   }
 
  private:
@@ -150,19 +156,19 @@ class TileMesher {
     }
     if (plane.reversed) std::swap(c[1], c[3]);
     if (prefers_other_diagonal(c)) c = {c[1], c[2], c[3], c[0]};
-    mesh_.indices.insert(mesh_.indices.end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
+    indices_->insert(indices_->end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
   }
 
   /// Whether a quadrangle is to be split from its second to its fourth corner: the shorter
   /// diagonal, or, beside a crease, the one that leaves a triangle square to the surface's normal
   /// where the quadrangle crosses its lattice edge, so that no triangle spans the crease.
   bool prefers_other_diagonal(const std::array<std::uint32_t, 4>& c) const {
-    const auto& p = mesh_.positions_mm;
+    const auto& p = *positions_;
     const bool shorter = distance_squared(p[c[1]], p[c[3]]) < distance_squared(p[c[0]], p[c[2]]);
     if (!sharp_[c[0]] && !sharp_[c[1]] && !sharp_[c[2]] && !sharp_[c[3]]) return shorter;
     Vec3 normal;
     for (const std::uint32_t v : c) {
-      const auto& n = mesh_.normals[v];
+      const auto& n = (*normals_)[v];
       normal = normal + Vec3{double(n[0]), double(n[1]), double(n[2])};
     }
     const auto fit = [&](std::size_t a, std::size_t b, std::size_t d) {
@@ -178,25 +184,25 @@ class TileMesher {
 
   /// Square to the axis to the last bit, in position and in normals.
   bool is_flat(const std::array<std::uint32_t, 4>& corners, std::size_t axis) const {
-    const float position = mesh_.positions_mm[corners[0]][axis];
+    const float position = (*positions_)[corners[0]][axis];
     return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-      return mesh_.positions_mm[v][axis] == position && std::abs(mesh_.normals[v][axis]) == 1;
+      return (*positions_)[v][axis] == position && std::abs((*normals_)[v][axis]) == 1;
     });
   }
 
   void drop_unused_vertices() {
-    std::vector<std::uint32_t> renumbered(mesh_.positions_mm.size(), kNoVertex);
+    std::vector<std::uint32_t> renumbered(positions_->size(), kNoVertex);
     std::uint32_t kept = 0;
-    for (const std::uint32_t index : mesh_.indices) renumbered[index] = 0;
+    for (const std::uint32_t index : *indices_) renumbered[index] = 0;
     for (std::size_t v = 0; v < renumbered.size(); ++v) {
       if (renumbered[v] == kNoVertex) continue;
-      mesh_.positions_mm[kept] = mesh_.positions_mm[v];
-      mesh_.normals[kept] = mesh_.normals[v];
+      (*positions_)[kept] = (*positions_)[v];
+      (*normals_)[kept] = (*normals_)[v];
       renumbered[v] = kept++;
     }
-    mesh_.positions_mm.resize(kept);
-    mesh_.normals.resize(kept);
-    for (std::uint32_t& index : mesh_.indices) index = renumbered[index];
+    positions_->resize(kept);
+    normals_->resize(kept);
+    for (std::uint32_t& index : *indices_) index = renumbered[index];
   }
 
   /// Vertices are made when a quadrangle first asks for them: the tile's mesh holds none that it
@@ -226,12 +232,13 @@ class TileMesher {
   }
 
   std::uint32_t add_vertex(const SurfaceVertex& vertex, std::size_t group) {
-    mesh_.positions_mm.push_back(vertex.position_mm);
-    mesh_.normals.push_back(vertex.normals[group]);
+    positions_->push_back(vertex.position_mm);
+    normals_->push_back(vertex.normals[group]);
     sharp_.push_back(vertex.sharp);
-    return static_cast<std::uint32_t>(mesh_.positions_mm.size() - 1);
+    return static_cast<std::uint32_t>(positions_->size() - 1);
   }
 
+  TileIndex tile_;
   std::int32_t first_x_, first_y_, end_x_, end_y_;
   ColumnWindow window_;
   LatticeCells cells_;
@@ -240,7 +247,10 @@ class TileMesher {
   std::vector<SplitVertex> split_;     ///< of cells with several sheets or a crease
   std::vector<bool> sharp_;            ///< per vertex of the mesh: a crease runs through it
   FlatQuads flat_;
-  TileMesh mesh_;
+  /// Of the mesh.
+  Scratch<std::array<float, 3>, 0> positions_;
+  Scratch<std::array<float, 3>, 1> normals_;
+  Scratch<std::uint32_t> indices_;
 };
 
 }  // namespace

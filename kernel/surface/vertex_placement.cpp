@@ -24,6 +24,33 @@ constexpr double kNormalMin = 1e-6;
 /// Level edges that are remembered, a power of two: those of two rows of cells.
 constexpr std::size_t kEdgesSeen = 1024;
 
+/// A wall that no ray meets is known only to lie between two columns, and its direction less well:
+/// where guessed planes meet may be anywhere. A vertex of such a sheet stays between its crossings;
+/// where walls of both directions meet, midway: nobody knows whether they meet in a corner.
+CellLimits within_walls(std::span<const Crossing> crossings, std::span<const std::uint8_t> edges,
+                        CellLimits limits) {
+  const bool any = std::ranges::any_of(crossings, [](const Crossing& c) { return c.wall; });
+  if (!any) return limits;
+  Vec3 low = crossings.front().point, high = low, sum;
+  std::array<int, 3> along{};  // crossings of edges along x, y and z
+  for (std::size_t n = 0; n < crossings.size(); ++n) {
+    const Vec3& p = crossings[n].point;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), 0};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), 0};
+    ++along[edges[n] / 4U];
+    if (edges[n] < 8) sum = sum + p;
+  }
+  if (along[0] > 0 && along[1] > 0) low = high = sum * (1.0 / (along[0] + along[1]));
+  const auto narrow = [](double& least, double& most, double from, double to) {
+    const double l = least, m = most;
+    least = std::clamp(from, l, m);
+    most = std::clamp(to, l, m);
+  };
+  narrow(limits.low.x, limits.high.x, low.x, high.x);
+  narrow(limits.low.y, limits.high.y, low.y, high.y);
+  return limits;
+}
+
 std::array<float, 3> unit_float(Vec3 sum) {
   // The normals of a thin wall's two faces may cancel; any direction is as good as another there.
   const Vec3 n = length(sum) > kNormalMin ? normalized(sum) : Vec3{0, 0, 1};
@@ -76,7 +103,8 @@ void group_normals(std::span<const Crossing> crossings, std::span<const std::uin
 }  // namespace
 
 VertexPlacement::VertexPlacement(const SolidSnapshot& solid, const ColumnWindow& window)
-    : window_(window), guess_(window, solid.fields.front().stock()), seen_(kEdgesSeen) {
+    : window_(window), guess_(window, solid.fields.front().stock()) {
+  seen_->resize(kEdgesSeen);
   if (solid.fields.size() == 3) rays_.emplace(solid);
   const DexelGrid& grid = window.grid();
   const BoxStock box = stock_bounds(solid.fields.front().stock());
@@ -106,6 +134,7 @@ void VertexPlacement::upright(const LatticeCell& cell, int dx, int dy, Crossing&
   crossing.point = {double(i), double(j), window_.steps(top ? run.top : run.bottom)};
   crossing.normal = top ? run.top_normal : run.bottom_normal;
   crossing.weight = 1;
+  crossing.wall = false;
 }
 
 /// The run of a column that ends at or above the layer first.
@@ -175,7 +204,7 @@ const Crossing& VertexPlacement::level(std::int32_t i, std::int32_t j, std::int3
   // Neighbours, among which the cells of one row are, have places of their own.
   const auto hash = (std::uint32_t(i) * 2 + std::uint32_t(axis)) ^ std::uint32_t(j) * 73U ^
                     std::uint32_t(k) * 593U;
-  SeenEdge& seen = seen_[hash % kEdgesSeen];
+  SeenEdge& seen = (*seen_)[hash % kEdgesSeen];
   if (seen.i == i && seen.j == j && seen.k == k && seen.axis == axis) return seen.crossing;
   std::optional<Crossing> exact;
   if (rays_) exact = rays_->find(i, j, k, along_x, window_.solid(i, j, k));
@@ -214,7 +243,9 @@ SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_
   if (flat) return *flat;
   find_crossings(cell, edges);
   const std::span<const Crossing> crossings(found_.at.data(), found_.count);
-  const SheetPoint point = place_sheet(crossings, limits_of(cell));
+  const std::span<const std::uint8_t> edges_found(found_.edge.data(), found_.count);
+  const SheetPoint point =
+      place_sheet(crossings, within_walls(crossings, edges_found, limits_of(cell)));
   SurfaceVertex vertex;
   vertex.sharp = point.sharp;
   const DexelGrid& grid = window_.grid();
@@ -222,7 +253,7 @@ SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_
   vertex.position_mm = {static_cast<float>((cell.x + 1 + point.place.x) * grid.pitch_mm),
                         static_cast<float>((cell.y + 1 + point.place.y) * grid.pitch_mm),
                         static_cast<float>(z * grid.pitch_mm)};
-  group_normals(crossings, {found_.edge.data(), found_.count}, vertex);
+  group_normals(crossings, edges_found, vertex);
   return vertex;
 }
 

@@ -8,6 +8,7 @@
 #include "kernel/surface/column_window.h"
 #include "kernel/surface/level_guess.h"
 #include "kernel/surface/level_rays.h"
+#include "kernel/surface/scratch.h"
 #include "kernel/surface/sheet_point.h"
 #include "kernel/surface/sheet_table.h"
 
@@ -74,8 +75,8 @@ class VertexPlacement {
   bool is_box_;                  ///< the stock
   Vec3 stock_low_, stock_high_;  ///< in pitches, as the lattice
   double margin_;
-  Crossings found_;             ///< of the sheet that is being placed
-  std::vector<SeenEdge> seen_;  ///< by a hash of the edge; a newer one takes an older one's place
+  Crossings found_;         ///< of the sheet that is being placed
+  Scratch<SeenEdge> seen_;  ///< by a hash of the edge; a newer one takes an older one's place
 };
 
 }  // namespace kerf

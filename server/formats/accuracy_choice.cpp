@@ -16,7 +16,7 @@ namespace {
 
 // Greatest distance of the mesh from the true solid, in pitches: at steep walls and their edges
 // with rays along Z alone, at what is smaller than the pitch with three fields.
-constexpr double kErrorPerPitchDexel = 1.35, kErrorPerPitchTriDexel = 0.75;
+constexpr double kErrorPerPitchDexel = 0.9, kErrorPerPitchTriDexel = 0.75;
 // And what a dexel's end and a chord of an arc may be off.
 constexpr double kErrorPerTolerance = 1;
 // CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: for each

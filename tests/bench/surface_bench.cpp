@@ -1,14 +1,19 @@
 // How fast the surface is made and encoded on one core, and how large it gets: the standard job's
 // block, before and after it is carved in three and in five axes. Times are CPU seconds of this
-// thread. Usage: surface_bench [pitch_mm=0.25]
+// thread. `features` prints instead how far the mesh of random carvings is off, everywhere and away
+// from features below the pitch; `crossings` how many of its triangles cross each other.
+// Usage: surface_bench [pitch_mm=0.25]; surface_bench features; surface_bench crossings
 
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <string_view>
 #include <vector>
 
 #include "kernel/surface/tile_mesh.h"
 #include "server/feed/mesh_glb.h"
+#include "tests/bench/crossing_count.h"
+#include "tests/bench/feature_error.h"
 #include "tests/support/standard_job.h"
 
 namespace {
@@ -110,6 +115,15 @@ void measure(Rays rays, double pitch_mm) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const std::string_view what = argc > 1 ? argv[1] : "";
+  if (what == "features") {
+    print_feature_errors();
+    return 0;
+  }
+  if (what == "crossings") {
+    print_crossings();
+    return 0;
+  }
   const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;
   std::printf("block 100 x 100 x 50 mm, pitch %.3g mm, one core, CPU time\n", pitch_mm);
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) measure(rays, pitch_mm);

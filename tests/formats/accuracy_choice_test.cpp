@@ -90,9 +90,9 @@ TEST(AccuracyChoice, OneFieldAndTheTightModelAreCheapest) {
 }
 
 TEST(AccuracyChoice, ThreeFieldsAreTakenWhereOneCannotMeetTheTarget) {
-  const Accuracy coarse = choose({.target_mm = 0.1, .pitch_mm = 0.1}).accuracy;
+  const Accuracy coarse = choose({.target_mm = 0.1, .pitch_mm = 0.12}).accuracy;
   EXPECT_EQ(coarse.rays, Rays::kTriDexel);
-  EXPECT_EQ(refusal({.target_mm = 0.1, .rays = Rays::kDexel, .pitch_mm = 0.1}),
+  EXPECT_EQ(refusal({.target_mm = 0.1, .rays = Rays::kDexel, .pitch_mm = 0.12}),
             AccuracyErrorCode::kUnreachable);
 }
 
@@ -140,9 +140,9 @@ TEST(AccuracyChoice, TheTargetThatAMemoryRefusalNamesIsAllowed) {
 TEST(AccuracyChoice, EqualRequestsGiveEqualChoices) {
   // Literal: what a machine chooses, every machine chooses.
   EXPECT_EQ(choose(target(0.05)).accuracy,
-            (Accuracy{Rays::kDexel, 0.0333, 0.005, MotionModel::kTight}));
+            (Accuracy{Rays::kDexel, 0.05, 0.005, MotionModel::kTight}));
   EXPECT_EQ(choose(target(0.3), use_of(10, false)).accuracy,
-            (Accuracy{Rays::kDexel, 0.217, 0.006, MotionModel::kTight}));
+            (Accuracy{Rays::kDexel, 0.326, 0.006, MotionModel::kTight}));
 }
 
 std::string scene_text(const std::string& accuracy) {

@@ -80,6 +80,52 @@ TEST(SharpSurface, ThreeFieldsPlaceWallsExactly) {
   EXPECT_NEAR(rim, 2, 0.002 * pitch);
 }
 
+/// Rays along Z meet the steep side of a ball's slot once or not at all between one pitch and the
+/// next; the ends behind tell how it goes on. Along the grid its slice is a circle, else an
+/// ellipse.
+TEST(SharpSurface, OneFieldFollowsTheSidesOfABallsSlot) {
+  for (const Vec3 way : {Vec3{0, 24, 0}, Vec3{12, 24, 0}, Vec3{24, 15, 0}}) {
+    const double pitch = 0.5;
+    Sculpture s = sculpture_of(BoxStock{{0, 0, 0}, {30, 30, 12}}, pitch, Rays::kDexel);
+    EXPECT_TRUE(s.apply(DefineTool{1, *make_tool(BallShape{10, 50})}));
+    const Vec3 from{15.13 - way.x / 2, 15.07 - way.y / 2, 4};
+    EXPECT_TRUE(s.apply(MoveTool{1, {from}, {from + way}, 1, false}));
+    const Vec3 along = normalized(way);
+    double side = 0;
+    int count = 0;
+    for_vertices(s, [&](Vec3 p, Vec3) {
+      const Vec3 q = p - (from + way * 0.5 + Vec3{0, 0, 5});
+      const Vec3 across = q - along * dot(q, along);
+      // Below its equator, beside the middle of the way.
+      if (std::abs(dot(q, along)) > 6 || across.z > -0.3 || length(across) > 7 || p.z < 1) return;
+      side = std::max(side, std::abs(length(across) - 5));
+      ++count;
+    });
+    EXPECT_GT(count, 500);
+    EXPECT_LT(side, 0.06 * pitch) << way.x;
+  }
+}
+
+/// A wall that no ray meets lies between two columns; no vertex of it is farther off than that.
+TEST(SharpSurface, OneFieldKnowsAWallToHalfAPitch) {
+  const double pitch = 0.5;
+  for (const double turn : {0.0, 0.1, 0.35, 0.7}) {
+    Sculpture s = sculpture_of(BoxStock{{0, 0, 0}, {30, 30, 6}}, pitch, Rays::kDexel);
+    EXPECT_TRUE(s.apply(DefineTool{1, *make_tool(FlatShape{4, 40})}));
+    const Vec3 along{std::cos(turn), std::sin(turn), 0}, middle{15.2, 14.9, 2.2};
+    EXPECT_TRUE(s.apply(MoveTool{1, {middle - along * 10}, {middle + along * 10}, 1, false}));
+    double wall = 0;
+    for_vertices(s, [&](Vec3 p, Vec3) {
+      const Vec3 q = p - middle;
+      const double off = length(q - along * dot(q, along) - Vec3{0, 0, q.z});
+      if (std::abs(dot(q, along)) > 9 || off > 3 || p.z < 2.5 || p.z > 5.7) return;
+      wall = std::max(wall, std::abs(off - 2));
+    });
+    EXPECT_GT(wall, 0) << turn;
+    EXPECT_LE(wall, 0.6 * pitch) << turn;
+  }
+}
+
 TEST(SharpSurface, ARoundStockIsRoundForBothRayModels) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     Sculpture s = sculpture_of(CylinderStock{3, -2, 8, 0, 10}, 0.5, rays);

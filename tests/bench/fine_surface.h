@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "kernel/math/vec3.h"
+#include "kernel/surface/tile_mesh.h"
+
+namespace kerf {
+
+/// The surface of a solid, meshed several times as fine as what is judged by it: it tells where
+/// that has features that the coarser lattice cannot hold.
+class FineSurface {
+ public:
+  /// `size_mm`: about how large the places are that are asked for.
+  FineSurface(const std::vector<TileMesh>& meshes, double size_mm);
+
+  /// Whether the surface within `radius_mm` of a point is as plain as one lattice cell can hold: a
+  /// face without a crease, two faces that meet in one, or three that meet in a corner. A face is
+  /// what can be walked without crossing a crease and without leaving the ball; it may turn by 60
+  /// degrees, and two may meet at 30 degrees or more. Anything else is a feature below that size: a
+  /// thin wall, a narrow gap, a step, a narrow strip, a small radius, a knife's edge.
+  bool plain(Vec3 point, double radius_mm) const;
+
+ private:
+  struct Triangle {
+    std::array<std::uint32_t, 3> corners;
+    Vec3 normal;
+    double area_mm2;
+    std::array<std::uint32_t, 3> neighbours;  ///< across the edge from each corner to the next
+  };
+  struct Face {
+    Vec3 normal_sum, first;
+    double area_mm2 = 0, turned = 1;  ///< least cosine to the first normal
+    std::vector<std::uint32_t> triangles;
+  };
+
+  void join_neighbours();
+  void fill_boxes();
+  std::int64_t box_of(std::int64_t x, std::int64_t y, std::int64_t z) const;
+  std::vector<std::uint32_t> near(Vec3 point, double radius_mm) const;
+  std::vector<Face> faces(const std::vector<std::uint32_t>& near, double radius_mm) const;
+  bool meet(const std::vector<Face>& faces, double reach_mm) const;
+  double distance(Vec3 point, const Triangle& triangle) const;
+
+  double size_mm_;
+  std::vector<Vec3> corners_;
+  std::vector<Triangle> triangles_;
+  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> boxes_;
+};
+
+}  // namespace kerf
