@@ -9,7 +9,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { parseArgs } from 'node:util';
 import { launchBrowser, openViewer, photograph } from './support/browser.mjs';
-import { gltfComplaints, stlFacts } from './support/checks.mjs';
+import { gltfComplaints, stlFacts, tilesOf } from './support/checks.mjs';
 import { run, start, stop, stopAll, until } from './support/processes.mjs';
 import { WireViewer } from './support/wire_viewer.mjs';
 
@@ -122,6 +122,60 @@ async function compare(base, viewers, wire) {
   return session;
 }
 
+/** What a viewer of mesh frames has in the end: the newest of each tile. */
+function shown(wire) {
+  return [...new Map(wire.glbs.flatMap(tilesOf).map((tile) => [tile.tile, tile])).values()];
+}
+
+function trianglesOf(tiles) {
+  return tiles.reduce((sum, { triangles }) => sum + triangles, 0);
+}
+
+/** Who looks from afar gets coarser tiles, and exact ones again when coming near; a browser asks for them by itself. */
+async function compareDetail(viewer, wire) {
+  const exact = shown(wire);
+  assert(exact.every(({ level }) => level === 0), 'a viewer that said nothing got coarse tiles');
+  const away = await until('coarse tiles in a browser', SETTLE_S, async () => {
+    const state = await viewer.state();
+    return state.tiles.every(({ level }) => level > 0) && state;
+  });
+  assert(2 * away.triangles < trianglesOf(exact), `${away.triangles} of ${trianglesOf(exact)} triangles`);
+  await viewer.page.locator('.canvas').focus();
+  for (let i = 0; i < 12; ++i) await viewer.page.keyboard.press('+');
+  const near = await until('exact tiles in a browser that came near', SETTLE_S, async () => {
+    const state = await viewer.state();
+    return state.tiles.some(({ level }) => level === 0) && state;
+  });
+  assert(near.triangles > away.triangles);
+  assert.equal(near.problems, 0, near.problem);
+
+  wire.look([0, 0, 5000], 0.01);
+  await until('the coarsest tiles on the wire', SETTLE_S, () => shown(wire).every(({ level }) => level === 3));
+  const coarse = trianglesOf(shown(wire));
+  assert(5 * coarse < trianglesOf(exact), `${coarse} of ${trianglesOf(exact)} triangles`);
+  wire.look([0, 0, 5000], 0);
+  await until('exact tiles on the wire', SETTLE_S, () => shown(wire).every(({ level }) => level === 0));
+  assert.deepEqual(shown(wire), exact);
+  say(`levels of detail: ${trianglesOf(exact)} triangles, ${away.triangles} in a browser, ${coarse} from afar, and back`);
+}
+
+/** Every download of the page works, and has the name that the server gave it. */
+async function pressButtons(viewer) {
+  const links = await viewer.page.locator('a.download, a.variant').evaluateAll((all) => all.map((a) => [a.textContent, a.href]));
+  const names = links.map(([name]) => name);
+  for (const name of ['STL', '3MF', 'GLB', 'PLY', 'OBJ', 'NC', 'APT', 'CSV', 'GLB compressed']) assert(names.includes(name), `no ${name}`);
+  for (const [name, url] of links) {
+    const response = await fetch(url);
+    assert.equal(response.status, 200, `${name}: ${url} answered ${response.status}`);
+    assert((await response.arrayBuffer()).byteLength > 100, `${name} is empty`);
+    assert.match(response.headers.get('content-disposition'), /filename="end to end/);
+  }
+  const coming = viewer.page.waitForEvent('download');
+  await viewer.page.getByRole('link', { name: '3MF' }).click();
+  assert.equal((await coming).suggestedFilename(), 'end to end.3mf');
+  say(`all ${links.length} downloads of the page work`);
+}
+
 async function takeHome(base, folder, session, wire) {
   const url = `${base}/v1/sessions/${SESSION}`;
   const model = await download(`${url}/model.glb`, join(options.out, 'model.glb'));
@@ -158,6 +212,8 @@ async function test(folder) {
     const still = await photograph(viewers[1], join(options.out, 'carved.png'));
     for (const variance of [live, still]) assert(variance > 8, `the picture is blank: brightness varies by ${variance.toFixed(1)}`);
     say(`pictures are not blank (brightness varies by ${live.toFixed(0)} and ${still.toFixed(0)}): ${options.out}/carved.png`);
+    await compareDetail(viewers[0], wire);
+    await pressButtons(viewers[1]);
     await takeHome(base, folder, session, wire);
     wire.close();
   } finally {

@@ -16,7 +16,7 @@ export function launchBrowser() {
 export async function openViewer(browser, url, viewport) {
   const context = await browser.newContext({ viewport });
   const page = await context.newPage();
-  page.setDefaultTimeout(60_000);
+  page.setDefaultTimeout(120_000);
   const problems = [];
   page.on('pageerror', (problem) => problems.push(problem.message));
   page.on('console', (message) => {

@@ -12,6 +12,14 @@ export async function gltfComplaints(bytes, name) {
   return errors.map(({ code, message, pointer }) => `${name}: ${code} ${message} at ${pointer}`);
 }
 
+/** Tiles of a mesh frame: where they are, of which version and level, and how many triangles they have. */
+export function tilesOf(glb) {
+  const { nodes = [], meshes, accessors } = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString());
+  return nodes.map(({ extras: { tile, version, level = 0 }, mesh }) => ({
+    tile: tile.join(), version, level, triangles: mesh === undefined ? 0 : accessors[meshes[mesh].primitives[0].indices].count / 3,
+  }));
+}
+
 /** What `admesh -n` counts about a file: facets, and facets that are not connected on all sides. */
 export async function stlFacts(file) {
   const text = await run('admesh', ['-n', file]);

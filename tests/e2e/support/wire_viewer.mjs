@@ -47,6 +47,11 @@ export class WireViewer {
     this.socket.send(new Uint8Array(frame.buffer));
   }
 
+  /** Says from where it looks; the server answers with tiles of other levels. */
+  look(eye_mm, error_rad) {
+    this.socket.send(JSON.stringify({ type: 'look', eye_mm, error_rad }));
+  }
+
   close() {
     this.socket.close();
   }
