@@ -18,7 +18,7 @@ struct LinkSettings {
   ServerUrl server;
   std::string session;
   Hello hello;
-  TrafficOptions traffic;
+  TrafficOptions traffic{};
   /// How long to go on trying to reach the server, at the start and after each loss.
   double patience_s = 30.0;
   /// Called on the link's thread with one line for the user: a server's complaint (the first of
