@@ -29,7 +29,7 @@ class OwedNormals {
 
  private:
   /// Few enough that paying is no pause for a hand, many enough that most ends are gone by then.
-  static constexpr std::size_t kSweepsMax = 128;
+  static constexpr std::size_t kSweepsMax = 256;
   struct End {
     NormalCode* code;
     double x_mm, y_mm, z_mm;
