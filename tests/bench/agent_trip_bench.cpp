@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -80,6 +81,9 @@ const Event kEvents[] = {
     {"device unplugged", 20, [](Leaning& d, kerf::bench::ServerProcess&) { d.plugged = false; }},
     {"loop stalled", 20, [](Leaning& d, kerf::bench::ServerProcess&) { d.frozen = true; }}};
 
+/// Longest that an event is watched.
+constexpr int kWaitMs = 2000;
+
 constexpr ServoPhase kStates[] = {ServoPhase::kRamp, ServoPhase::kActive, ServoPhase::kDegraded};
 
 void pause_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
@@ -112,8 +116,9 @@ bool reach(ServoPhase state, ServoCycle& cycle, Leaning& device,
   return reached;
 }
 
-/// ms to no force, or less than zero if it could not be tried.
-double time_to_silence(const std::string& program, const Event& event, ServoPhase state) {
+/// ms to no force, at most kWaitMs; nothing if the state was not reached with a force on.
+std::optional<double> time_to_silence(const std::string& program, const Event& event,
+                                      ServoPhase state) {
   kerf::bench::ServerProcess server(program);
   kerf::bench::post(server.port(), "/v1/sessions?id=trip", kScene);
   Leaning device;
@@ -125,7 +130,7 @@ double time_to_silence(const std::string& program, const Event& event, ServoPhas
   settings.patience_s = 1;
   ServerLink link(settings, samples, wrenches);
   link.start();
-  if (!link.wait_welcome()) return -1;
+  if (!link.wait_welcome()) return std::nullopt;
   MonotonicClock clock;
   ServoLoop loop(clock);
   ServoCycle cycle(device, samples, wrenches, link, settings_for(device.capabilities(), {}));
@@ -135,13 +140,15 @@ double time_to_silence(const std::string& program, const Event& event, ServoPhas
     make_realtime({});
     loop.run(cycle);
   });
-  double ms = -1;
+  std::optional<double> ms;
   if (reach(state, cycle, device, server) && device.force_n > 0) {
     const auto start = Clock::now();
     event.happen(device, server);
-    while (device.silent_ns == 0 && Clock::now() - start < std::chrono::seconds(2)) pause_ms(1);
+    const auto end = start + std::chrono::milliseconds(kWaitMs);
+    while (device.silent_ns == 0 && Clock::now() < end) pause_ms(1);
     const auto silent = Clock::time_point(Clock::duration(device.silent_ns.load()));
-    ms = std::chrono::duration<double, std::milli>(silent - start).count();
+    const auto until = device.silent_ns == 0 ? end : silent;
+    ms = std::chrono::duration<double, std::milli>(until - start).count();
   }
   device.frozen = false;
   loop.stop();
@@ -153,6 +160,16 @@ double time_to_silence(const std::string& program, const Event& event, ServoPhas
   return ms;
 }
 
+/// The same, tried again where a busy machine was too slow to catch the hand in that state.
+std::optional<double> try_to_silence(const std::string& program, const Event& event,
+                                     ServoPhase state) {
+  constexpr int kTries = 5;
+  for (int i = 0; i < kTries; ++i) {
+    if (const auto ms = time_to_silence(program, event, state)) return ms;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -160,18 +177,21 @@ int main(int argc, char** argv) {
   if (argc == 3 && std::strcmp(argv[1], "--server") == 0) program = argv[2];
   std::printf("%-18s %8s %8s %9s %8s   ms to no force\n", "", "ramp", "active", "degraded",
               "limit");
-  bool kept = true;
+  bool kept = true, tried = true;
   for (const Event& event : kEvents) {
     std::printf("%-18s", event.name);
     for (const ServoPhase state : kStates) {
-      const double ms = time_to_silence(program, event, state);
-      kept = kept && ms >= 0 && ms <= event.limit_ms;
-      std::printf(" %8.1f", ms);
+      const std::optional<double> ms = try_to_silence(program, event, state);
+      kept = kept && (!ms || *ms <= event.limit_ms);
+      tried = tried && ms;
+      std::printf(" %8s", ms ? std::to_string(*ms).substr(0, 6).c_str() : "-");
       std::fflush(stdout);
     }
     std::printf(" %9.0f\n", event.limit_ms);
   }
   std::printf("ready, armed and safe show no force at all\n%s\n",
-              kept ? "all within their limits" : "OVER A LIMIT");
-  return kept ? 0 : 1;
+              !kept    ? "OVER A LIMIT"
+              : !tried ? "within the limits, as far as it could be tried"
+                       : "all within their limits");
+  return kept && tried ? 0 : 1;
 }
