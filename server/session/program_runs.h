@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "server/convert/refusal.h"
 #include "server/formats/program.h"
-#include "server/session/refusal.h"
 #include "server/store/journal_record.h"
 
 namespace kerf {

@@ -6,6 +6,8 @@
 #include <ranges>
 #include <utility>
 
+#include "server/convert/sample_pose.h"
+
 namespace kerf {
 namespace {
 
@@ -18,8 +20,6 @@ constexpr std::chrono::milliseconds kForceShown{150};
 /// Shortest time between two state hashes, and how many times their cost at least.
 constexpr std::chrono::microseconds kHashInterval{500'000};
 constexpr int kHashCostShare = 20;
-/// An agent's clock may give two samples the same microsecond only by mistake.
-constexpr double kMicrosecond = 1e-6;
 
 bool is_color(const std::string& text) {
   return text.size() == 7 && text.front() == '#' &&
@@ -105,7 +105,7 @@ std::expected<void, Refusal> Session::choose_tool(ParticipantId id, ToolId tool)
   }
   if (seat->second.who.tool == tool) return {};
   seat->second.who.tool = tool;
-  seat->second.pose.reset();  // the new tool starts where its next sample puts it
+  seat->second.track.lift();  // the new tool starts where its next sample puts it
   tell({});
   return {};
 }
@@ -131,60 +131,27 @@ std::expected<MotionResult, Refusal> Session::carve(ParticipantId who, const Mov
 
 std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample& sample,
                                             BatchSum& sum) {
-  using enum wire::ErrorCode;
   if (sample.agent_sequence <= seat.last_sequence) return std::nullopt;  // a repetition
   seat.last_sequence = sample.agent_sequence;
   const auto name = [&] { return "sample " + std::to_string(sample.agent_sequence) + ": "; };
   if (!seat.samples.allow(Clock::now())) {
-    seat.pose.reset();  // what was refused leaves a gap: a chord across it would gouge the block
-    return Refusal{kTooFast, name() + "more samples per second than the session admits"};
+    seat.track.lift();  // what was refused leaves a gap: a chord across it would gouge the block
+    return Refusal{wire::ErrorCode::kTooFast,
+                   name() + "more samples per second than the session admits"};
   }
-  auto pose = to_pose(sample);
-  if (!pose) return pose.error();
-  if (sculpture_.tool(sample.tool_id) == nullptr) {
-    return Refusal{kUnknownTool, name() + "no tool " + std::to_string(sample.tool_id)};
-  }
-  const bool same_tool = seat.state.tool_id == sample.tool_id;
-  const std::optional<ToolPose> from = same_tool ? seat.pose : std::nullopt;
-  const std::uint64_t from_us = seat.last_time_us;
-  // From here on the tool is there, whatever becomes of the way to it.
-  seat.pose = *pose;
-  seat.last_time_us = sample.time_us;
+  auto step = seat.track.take(sample, sculpture_, limits_.speed_mm_per_s);
+  if (!step) return step.error();
   seat.state.tool_id = sample.tool_id;
-  const bool cutting = (sample.buttons & wire::kButtonCutting) != 0;
-  if (!from) return std::nullopt;
-  if (!cutting) {
-    touch(seat, *pose, sample.time_us > from_us ? sample.time_us - from_us : 0, sum);
-    return std::nullopt;
+  if (const auto* touch = std::get_if<ToolTrack::Touch>(&*step); touch != nullptr && seat.feel) {
+    add_touch(sum, sculpture_, *touch);
   }
-  if (*from == *pose && !has_obstacles()) return std::nullopt;  // rests in peace
-  if (sample.time_us <= from_us) {
-    return Refusal{kBadMessage, name() + "time_us does not advance"};
-  }
-  const double duration_s = static_cast<double>(sample.time_us - from_us) * kMicrosecond;
-  const double way_mm = length(pose->tip_mm - from->tip_mm);
-  if (way_mm > limits_.speed_mm_per_s * duration_s) {
-    return Refusal{kTooFast, name() + std::to_string(way_mm / duration_s) + " mm/s, at most " +
-                                 std::to_string(limits_.speed_mm_per_s) + " while cutting"};
-  }
-  const auto result =
-      carve(seat.who.id, MoveTool{sample.tool_id, *from, *pose, duration_s, seat.feel});
-  if (!result) return Refusal{result.error().code, name() + result.error().reason};
-  sum.add(*result, duration_s);
-  if (seat.feel && (has_obstacles() || !sculpture_.tool(sample.tool_id)->non_cutting.empty())) {
-    sum.touch(sculpture_.contact(sample.tool_id, *pose, true));
+  if (auto* move = std::get_if<MoveTool>(&*step)) {
+    move->feel = seat.feel;
+    const auto result = carve(seat.who.id, *move);
+    if (!result) return Refusal{result.error().code, name() + result.error().reason};
+    add_motion(sum, sculpture_, *move, *result);
   }
   return std::nullopt;
-}
-
-void Session::touch(const Seat& seat, const ToolPose& pose, std::uint64_t duration_us,
-                    BatchSum& sum) {
-  if (!seat.feel) return;
-  const auto planes = sculpture_.contact(seat.state.tool_id, pose, false);
-  sum.touch(planes);
-  MotionResult touched;
-  touched.wrench = touched.collision = wrench_of(planes, pose, scene_.settings.force.pivot_mm);
-  sum.add(touched, static_cast<double>(duration_us) * kMicrosecond);
 }
 
 MotionAnswer Session::move(ParticipantId id, std::span<const wire::MotionSample> samples) {
@@ -202,7 +169,7 @@ MotionAnswer Session::move(ParticipantId id, std::span<const wire::MotionSample>
   }
   wire::Result& result = answer.result;
   result.agent_sequence = seat.last_sequence;
-  result.agent_time_us = samples.empty() ? seat.last_time_us : samples.back().time_us;
+  result.agent_time_us = samples.empty() ? seat.track.time_us() : samples.back().time_us;
   result.motions_applied = sculpture_.motions();
   sum.write(result);
   if (!answer.refusals.empty()) result.status |= wire::kStatusRefused;
@@ -215,16 +182,16 @@ std::optional<wire::ToolState> Session::felt_by(const Seat& seat) const {
   const auto other = seats_.find(seat.feel_of);
   if (other == seats_.end() || other->second.who.id == seat.who.id) return std::nullopt;
   wire::ToolState state = other->second.state;
-  if (!other->second.pose || Clock::now() - other->second.state_at > kForceShown) {
+  if (!other->second.track.pose() || Clock::now() - other->second.state_at > kForceShown) {
     state.force_n = state.torque_nmm = {};
   }
   return state;
 }
 
 void Session::show(Seat& seat, const wire::Result& result, const BatchSum& sum) {
-  if (seat.pose) {
-    seat.state.tip_mm = to_wire(seat.pose->tip_mm);
-    seat.state.axis = to_wire_float(seat.pose->axis);
+  if (const auto& pose = seat.track.pose()) {
+    seat.state.tip_mm = to_wire(pose->tip_mm);
+    seat.state.axis = to_wire_float(pose->axis);
   }
   seat.state.participant = seat.who.id;
   seat.state.status = result.status;
@@ -245,7 +212,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.hash_is_current = current_hash().has_value();
   const auto now = Clock::now();
   for (const auto& seat : seats_ | std::views::values) {
-    if (!seat.pose || frame.tools.tools.size() == wire::kMaxToolStates) continue;
+    if (!seat.track.pose() || frame.tools.tools.size() == wire::kMaxToolStates) continue;
     wire::ToolState state = seat.state;
     if (now - seat.state_at > kForceShown) {
       state.status = 0;

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "server/convert/refusal.h"
+#include "server/convert/tool_track.h"
 #include "server/formats/scene.h"
-#include "server/session/convert.h"
 #include "server/session/executor.h"
 #include "server/session/participant.h"
 #include "server/session/program_runs.h"
 #include "server/session/rate_limit.h"
-#include "server/session/refusal.h"
 #include "server/session/replay.h"
 #include "server/store/journal_writer.h"
 #include "server/wire/types.h"
@@ -134,16 +134,13 @@ class Session : public std::enable_shared_from_this<Session> {
     Participant who;
     bool feel = true;
     ParticipantId feel_of = 0;
-    std::optional<ToolPose> pose;
-    std::uint64_t last_sequence = 0, last_time_us = 0;
+    ToolTrack track;
+    std::uint64_t last_sequence = 0;
     RateLimit samples{0, 0};
     wire::ToolState state;
     Clock::time_point state_at{};
   };
 
-  bool has_obstacles() const { return !scene_.settings.obstacles.empty(); }
-  /// What a tool that does not cut feels: obstacles push it, and so does the stock.
-  void touch(const Seat& seat, const ToolPose& pose, std::uint64_t duration_us, BatchSum& sum);
   std::optional<Refusal> take_sample(Seat& seat, const wire::MotionSample& sample, BatchSum& sum);
   std::expected<MotionResult, Refusal> carve(ParticipantId who, const MoveTool& move);
   std::optional<wire::ToolState> felt_by(const Seat& seat) const;

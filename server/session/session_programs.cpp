@@ -77,7 +77,7 @@ std::expected<double, Refusal> Session::carve_program_motion(ParticipantId who,
     Seat& seat = found->second;
     const bool other_tool = seat.who.tool != motion.tool;
     seat.who.tool = seat.state.tool_id = motion.tool;
-    seat.pose = motion.to;
+    seat.track.place(motion.to);
     BatchSum sum;
     sum.add(*result, motion.duration_s);
     wire::Result shown;

@@ -1,9 +1,9 @@
-#include "server/session/convert.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "server/convert/batch_sum.h"
+#include "server/convert/sample_pose.h"
 #include "server/formats/pose_grid.h"
 
 namespace kerf {

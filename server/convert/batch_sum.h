@@ -1,22 +1,12 @@
 #pragma once
 
 #include <array>
-#include <expected>
 #include <span>
 
 #include "kernel/sculpture.h"
-#include "server/session/refusal.h"
 #include "server/wire/types.h"
 
 namespace kerf {
-
-/// The pose of a sample, checked (finite, in range, unit axis) and put on the pose grid, so that
-/// every cut of the session can be written into a program and carved again alike.
-std::expected<ToolPose, Refusal> to_pose(const wire::MotionSample& sample);
-
-/// Narrowed for the wire; the wire promises seven digits for forces.
-wire::Vec3f to_wire_float(Vec3 value);
-wire::Vec3d to_wire(Vec3 value);
 
 /// What one batch of motions gave, as one answer. The wrench is the mean over the batch weighted by
 /// time (the hand feels momentum, so none may get lost between answers); removed volume is the sum;

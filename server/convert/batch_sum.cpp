@@ -1,67 +1,10 @@
-#include "server/session/convert.h"
+#include "server/convert/batch_sum.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "server/formats/pose_grid.h"
-#include "server/session/participant.h"
-#include "server/wire/limits.h"
+#include "server/convert/sample_pose.h"
 
 namespace kerf {
-
-const char* to_string(ParticipantKind kind) {
-  switch (kind) {
-    case ParticipantKind::kAgent:
-      return wire::kKindAgent.data();
-    case ParticipantKind::kProgram:
-      return wire::kKindProgram.data();
-    case ParticipantKind::kViewer:
-      return wire::kKindViewer.data();
-  }
-  return wire::kKindViewer.data();
-}
-
-Refusal to_refusal(const SculptureError& error) {
-  using enum SculptureErrorCode;
-  switch (error.code) {
-    case kTurnTooLarge:
-      return {wire::ErrorCode::kTurnTooLarge, error.reason};
-    case kUnknownTool:
-      return {wire::ErrorCode::kUnknownTool, error.reason};
-    case kNotFinite:
-    case kBadAxis:
-    case kOutOfRange:
-      return {wire::ErrorCode::kBadPose, error.reason};
-    default:
-      return {wire::ErrorCode::kMotionRefused, error.reason};
-  }
-}
-
-std::expected<ToolPose, Refusal> to_pose(const wire::MotionSample& sample) {
-  const auto refuse = [&](const char* what) {
-    return std::unexpected(
-        Refusal{wire::ErrorCode::kBadPose,
-                "sample " + std::to_string(sample.agent_sequence) + ": " + what});
-  };
-  ToolPose pose;
-  pose.tip_mm = {sample.tip_mm[0], sample.tip_mm[1], sample.tip_mm[2]};
-  pose.axis = {static_cast<double>(sample.axis[0]), static_cast<double>(sample.axis[1]),
-               static_cast<double>(sample.axis[2])};
-  if (!is_finite(pose.tip_mm)) return refuse("the tip is not finite");
-  if (!is_finite(pose.axis)) return refuse("the axis is not finite");
-  for (const double coordinate : sample.tip_mm) {
-    if (std::abs(coordinate) > kCoordinateMaxMm) return refuse("the tip is out of range");
-  }
-  if (std::abs(length(pose.axis) - 1) > wire::kAxisLengthTolerance) {
-    return refuse("the axis is not of unit length");
-  }
-  return admit_pose(pose);
-}
-
-wire::Vec3f to_wire_float(Vec3 value) {
-  return {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z)};
-}
-wire::Vec3d to_wire(Vec3 value) { return {value.x, value.y, value.z}; }
 
 void BatchSum::add(const MotionResult& result, double duration_s) {
   impulse_.force_n = impulse_.force_n + result.wrench.force_n * duration_s;

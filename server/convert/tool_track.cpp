@@ -1,0 +1,68 @@
+#include "server/convert/tool_track.h"
+
+#include <string>
+#include <utility>
+
+#include "server/convert/sample_pose.h"
+
+namespace kerf {
+namespace {
+
+/// An agent's clock may give two samples the same microsecond only by mistake.
+constexpr double kMicrosecond = 1e-6;
+
+bool has_obstacles(const Sculpture& sculpture) { return !sculpture.settings().obstacles.empty(); }
+
+}  // namespace
+
+std::expected<ToolTrack::Step, Refusal> ToolTrack::take(const wire::MotionSample& sample,
+                                                        const Sculpture& sculpture,
+                                                        double speed_max_mm_per_s) {
+  using enum wire::ErrorCode;
+  const auto refuse = [&](wire::ErrorCode code, const std::string& what) {
+    return std::unexpected(
+        Refusal{code, "sample " + std::to_string(sample.agent_sequence) + ": " + what});
+  };
+  const auto pose = to_pose(sample);
+  if (!pose) return std::unexpected(pose.error());
+  if (sculpture.tool(sample.tool_id) == nullptr) {
+    return refuse(kUnknownTool, "no tool " + std::to_string(sample.tool_id));
+  }
+  const bool follows = pose_.has_value() && tool_ == sample.tool_id;
+  const ToolPose from = pose_.value_or(*pose);
+  const std::uint64_t from_us = std::exchange(time_us_, sample.time_us);
+  pose_ = *pose;
+  tool_ = sample.tool_id;
+  if (!follows) return Step{};
+  const std::uint64_t passed_us = sample.time_us > from_us ? sample.time_us - from_us : 0;
+  const double duration_s = static_cast<double>(passed_us) * kMicrosecond;
+  if ((sample.buttons & wire::kButtonCutting) == 0) return Touch{tool_, *pose, duration_s};
+  if (from == *pose && !has_obstacles(sculpture)) return Step{};  // rests in peace
+  if (passed_us == 0) return refuse(kBadMessage, "time_us does not advance");
+  const double way_mm = length(pose->tip_mm - from.tip_mm);
+  if (way_mm > speed_max_mm_per_s * duration_s) {
+    return refuse(kTooFast, std::to_string(way_mm / duration_s) + " mm/s, at most " +
+                                std::to_string(speed_max_mm_per_s) + " while cutting");
+  }
+  return MoveTool{tool_, from, *pose, duration_s, true};
+}
+
+void add_touch(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Touch& touch) {
+  const auto planes = sculpture.contact(touch.tool, touch.pose, false);
+  sum.touch(planes);
+  MotionResult touched;
+  touched.wrench = touched.collision =
+      wrench_of(planes, touch.pose, sculpture.settings().force.pivot_mm);
+  sum.add(touched, touch.duration_s);
+}
+
+void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
+                const MotionResult& result) {
+  sum.add(result, move.duration_s);
+  if (!move.feel) return;
+  if (has_obstacles(sculpture) || !sculpture.tool(move.tool)->non_cutting.empty()) {
+    sum.touch(sculpture.contact(move.tool, move.to, true));
+  }
+}
+
+}  // namespace kerf
