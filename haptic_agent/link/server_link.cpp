@@ -5,17 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
@@ -24,32 +16,22 @@
 #include <system_error>
 #include <thread>
 
+#include "haptic_agent/link/connection.h"
 #include "haptic_agent/link/traffic.h"
 #include "haptic_agent/servo/realtime.h"
 #include "haptic_agent/servo/servo_clock.h"
-#include "server/wire/control.h"
 
 namespace kerf::agent {
 namespace {
 
 namespace asio = boost::asio;
 namespace beast = boost::beast;
-namespace http = beast::http;
 namespace websocket = beast::websocket;
-using asio::ip::tcp;
 using boost::system::error_code;
 using std::chrono::milliseconds;
-using std::chrono::seconds;
-
-/// Errors come as values, never as exceptions.
-constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);
 
 constexpr milliseconds kFirstBackOff{50};
 constexpr milliseconds kLongestBackOff{2000};
-constexpr seconds kConnectTimeout{3};
-constexpr seconds kWelcomeTimeout{5};
-/// A server that says nothing at all for this long, not even to a ping of the WebSocket, is gone.
-constexpr seconds kIdleTimeout{6};
 constexpr milliseconds kCloseTimeout{500};
 /// How often the ring is emptied where no sample wakes the link, and pauses are looked at.
 constexpr milliseconds kHousekeeping{10};
@@ -63,19 +45,6 @@ std::uint64_t now_us() noexcept {
 std::span<const std::byte> bytes_of(const beast::flat_buffer& buffer) noexcept {
   return {static_cast<const std::byte*>(buffer.data().data()), buffer.size()};
 }
-
-/// One connection, shared by the coroutine that reads and the one that writes.
-struct Connection {
-  explicit Connection(asio::io_context& io) : socket(io), reader_ended(io) {
-    reader_ended.expires_at(asio::steady_timer::time_point::max());
-  }
-
-  websocket::stream<beast::tcp_stream> socket;
-  /// Cancelled when the reader has ended: the way to wait for it.
-  asio::steady_timer reader_ended;
-  bool reading = false;
-  std::optional<Loss> loss;
-};
 
 }  // namespace
 
@@ -144,21 +113,22 @@ class ServerLink::Impl {
     while (!finished()) {
       auto connection = std::make_shared<Connection>(io_);
       greeting_ = connection;
-      const std::optional<Loss> refused = co_await connect(*connection);
+      const std::expected<Welcome, Loss> welcome = co_await join(*connection, settings_);
       greeting_.reset();
-      if (!refused) {
+      if (welcome) {
+        enter(*welcome);
         pause = kFirstBackOff;
         co_await serve(connection);
         trying_since_us = now_us();
       }
-      const Loss loss = refused ? *refused : connection->loss.value_or(Loss{});
+      const Loss loss = welcome ? connection->loss.value_or(Loss{}) : welcome.error();
       if (finished()) break;
       if (loss.final ||
           static_cast<double>(now_us() - trying_since_us) / kUsPerS > settings_.patience_s) {
         fail(loss.reason);
         break;
       }
-      if (!refused) notice("connection lost (" + loss.reason + "), connecting again");
+      if (welcome) notice("connection lost (" + loss.reason + "), connecting again");
       back_off_.expires_after(pause);
       co_await back_off_.async_wait(kAwait);
       pause = std::min(pause * 2, kLongestBackOff);
@@ -195,84 +165,6 @@ class ServerLink::Impl {
       // Nobody waits any longer for a server that does not answer.
       back_off_.cancel();
       if (greeting_) beast::get_lowest_layer(greeting_->socket).close();
-    }
-  }
-
-  asio::awaitable<std::optional<Loss>> connect(Connection& connection) {
-    tcp::resolver resolver(io_);
-    const auto [unresolved, addresses] =
-        co_await resolver.async_resolve(settings_.server.host, settings_.server.port, kAwait);
-    if (unresolved) {
-      co_return Loss{"cannot find " + settings_.server.host + ": " + unresolved.message()};
-    }
-    beast::tcp_stream& stream = beast::get_lowest_layer(connection.socket);
-    stream.expires_after(kConnectTimeout);
-    const auto [unconnected, address] = co_await stream.async_connect(addresses, kAwait);
-    if (unconnected) {
-      co_return Loss{"cannot connect to " + settings_.server.host + ":" + settings_.server.port +
-                     ": " + unconnected.message()};
-    }
-    stream.socket().set_option(tcp::no_delay(true));
-    stream.expires_never();
-    std::optional<Loss> refused = co_await upgrade(connection.socket);
-    if (!refused) refused = co_await greet(connection);
-    co_return refused;
-  }
-
-  asio::awaitable<std::optional<Loss>> upgrade(websocket::stream<beast::tcp_stream>& socket) {
-    socket.set_option(websocket::stream_base::timeout{.handshake_timeout = kConnectTimeout,
-                                                      .idle_timeout = kIdleTimeout,
-                                                      .keep_alive_pings = true});
-    socket.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
-      request.set(http::field::sec_websocket_protocol,
-                  beast::string_view(wire::kAgentProtocol.data(), wire::kAgentProtocol.size()));
-    }));
-    socket.read_message_max(wire::kMaxServerFrameBytes);
-    websocket::response_type response;
-    const std::string host = settings_.server.host + ":" + settings_.server.port;
-    const std::string target = "/v1/sessions/" + settings_.session + "/agent";
-    const auto [failed] = co_await socket.async_handshake(response, host, target, kAwait);
-    if (failed == websocket::error::upgrade_declined) {
-      co_return declined(settings_.session, response.result_int(), response.body());
-    }
-    if (failed) co_return Loss{"no WebSocket: " + failed.message()};
-    if (response[http::field::sec_websocket_protocol] !=
-        beast::string_view(wire::kAgentProtocol.data(), wire::kAgentProtocol.size())) {
-      co_return Loss{"the server does not speak " + std::string(wire::kAgentProtocol), true};
-    }
-    co_return std::nullopt;
-  }
-
-  /// Says hello and waits for the welcome, or for the error that stands in its place.
-  asio::awaitable<std::optional<Loss>> greet(Connection& connection) {
-    asio::steady_timer deadline(io_, kWelcomeTimeout);
-    deadline.async_wait([&connection](error_code stopped) {
-      if (!stopped) beast::get_lowest_layer(connection.socket).close();
-    });
-    const std::string hello = hello_text(settings_.hello);
-    connection.socket.text(true);
-    const auto [unsent, sent] = co_await connection.socket.async_write(asio::buffer(hello), kAwait);
-    if (unsent) co_return Loss{"the server hung up: " + unsent.message()};
-    beast::flat_buffer frame;
-    while (true) {
-      frame.clear();
-      const auto [unread, got] = co_await connection.socket.async_read(frame, kAwait);
-      if (unread) co_return Loss{"no welcome from the server: " + unread.message()};
-      if (!connection.socket.got_text()) continue;
-      const auto message = parse_control(beast::buffers_to_string(frame.data()));
-      if (!message)
-        co_return Loss{"the server's welcome is not understood: " + message.error(), true};
-      if (const auto* error = std::get_if<ServerError>(&*message)) {
-        co_return Loss{"the server refuses: " + error->code + ": " + error->reason,
-                       error->code != wire::to_string(wire::ErrorCode::kBusy)};
-      }
-      if (const auto* bye = std::get_if<Bye>(&*message)) {
-        co_return Loss{"the server says good-bye: " + bye->reason};
-      }
-      if (const auto* welcome = std::get_if<Welcome>(&*message)) {
-        enter(*welcome);
-        co_return std::nullopt;
-      }
     }
   }
 

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <expected>
+#include <optional>
+
+#include "haptic_agent/link/server_link.h"
+
+namespace kerf::agent {
+
+/// Errors come as values, never as exceptions.
+inline constexpr auto kAwait = boost::asio::as_tuple(boost::asio::use_awaitable);
+
+/// One connection, shared by the coroutine that reads and the one that writes.
+struct Connection {
+  explicit Connection(boost::asio::io_context& io) : socket(io), reader_ended(io) {
+    reader_ended.expires_at(boost::asio::steady_timer::time_point::max());
+  }
+
+  boost::beast::websocket::stream<boost::beast::tcp_stream> socket;
+  /// Cancelled when the reader has ended: the way to wait for it.
+  boost::asio::steady_timer reader_ended;
+  bool reading = false;
+  std::optional<Loss> loss;
+};
+
+/// Connects to the server, asks for the session's WebSocket, says hello and waits for the welcome.
+/// Both references must outlive the wait.
+boost::asio::awaitable<std::expected<Welcome, Loss>> join(Connection& connection,
+                                                          const LinkSettings& settings);
+
+}  // namespace kerf::agent
