@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <iostream>
 #include <string>
 #include <utility>
 
@@ -65,7 +66,10 @@ int run_agents(Options options) {
       // A hand must not go on carving when the program that was started is gone.
       prctl(PR_SET_PDEATHSIG, SIGTERM);
       sigprocmask(SIG_SETMASK, &before, nullptr);
-      _exit(run_agent(std::move(one)));
+      const int code = run_agent(std::move(one));
+      // _exit, which spares what the parent has registered, does not write out what waits.
+      std::cout << std::flush;
+      _exit(code);
     }
     if (child > 0) children.push_back(child);
   }
