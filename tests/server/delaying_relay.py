@@ -1,0 +1,125 @@
+"""A TCP relay that makes loopback as slow as a real network, between a real server and real agents.
+
+As tests/agent/stability/virtual_line.h does in virtual time: each direction delays what it carries
+by half the round trip, with jitter; what a network would have lost comes one round trip later and
+holds up all behind it, since nothing overtakes in TCP; and the line may stand still now and then.
+"""
+import asyncio
+import contextlib
+import dataclasses
+import random
+import threading
+
+SEGMENT_BYTES = 1448  # what one packet of Ethernet carries
+AGAIN_S = 0.01        # beyond the round trip, until what was lost is sent again
+
+
+@dataclasses.dataclass(frozen=True)
+class Line:
+    """`jitter` is a share of the one-way delay, either way; `loss` one of the segments. The line
+    stands still for `stall_s` at the end of every `stall_every_s`."""
+    rtt_s: float = 0.0
+    jitter: float = 0.0
+    loss: float = 0.0
+    stall_s: float = 0.0
+    stall_every_s: float = 2.0
+
+
+class Way:
+    """When each piece arrives that goes one way."""
+
+    def __init__(self, line, seed):
+        self.line = line
+        self.random = random.Random(seed)
+        self.last_s = 0.0
+        self.pieces = self.lost = self.stalled = 0
+
+    def due(self, now_s, count):
+        line = self.line
+        delay = line.rtt_s / 2 * (1 + line.jitter * self.random.uniform(-1, 1))
+        segments = -(-count // SEGMENT_BYTES)
+        if self.random.random() > (1 - line.loss) ** segments:
+            delay += line.rtt_s + AGAIN_S
+            self.lost += 1
+        due_s = now_s + delay
+        moving_s = line.stall_every_s - line.stall_s
+        if line.stall_s > 0 and due_s % line.stall_every_s > moving_s:
+            due_s += line.stall_every_s - due_s % line.stall_every_s
+            self.stalled += 1
+        self.pieces += 1
+        self.last_s = max(self.last_s, due_s)
+        return self.last_s
+
+
+class Relay:
+    """Listens on `port` and carries each connection to `target_port`, both on 127.0.0.1, until the
+    end of a `with`. `up` leads to the target, `down` back; read their counts after that."""
+
+    def __init__(self, target_port, line, seed=1):
+        self.up, self.down = Way(line, seed), Way(line, seed + 1)
+        self.connections = 0
+        self._target_port = target_port
+        self._loop = asyncio.new_event_loop()
+        self._tasks = set()
+        self._server = self._loop.run_until_complete(
+            asyncio.start_server(self._carry, "127.0.0.1", 0))
+        self.port = self._server.sockets[0].getsockname()[1]
+        self._thread = threading.Thread(target=self._loop.run_forever)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        asyncio.run_coroutine_threadsafe(self._end(), self._loop).result(30)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
+
+    async def _end(self):
+        self._server.close()
+        for task in list(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+    async def _carry(self, reader, writer):
+        """Both ways of one connection, until both have ended."""
+        self._tasks.add(asyncio.current_task())
+        self.connections += 1
+        target = None
+        try:
+            back, target = await asyncio.open_connection("127.0.0.1", self._target_port)
+            await asyncio.gather(self._pass(reader, target, self.up),
+                                 self._pass(back, writer, self.down))
+        except (OSError, asyncio.CancelledError):
+            pass  # either end may go without a word
+        finally:
+            for end in (writer, target):
+                if end is not None:
+                    end.close()
+            self._tasks.discard(asyncio.current_task())
+
+    async def _pass(self, reader, writer, way):
+        """Reads at once and writes when it is due; an end of the stream is due as data is."""
+        waiting = asyncio.Queue()
+        writing = asyncio.ensure_future(self._write(waiting, writer))
+        try:
+            data = None
+            while data != b"":
+                data = await reader.read(SEGMENT_BYTES)
+                await waiting.put((way.due(self._loop.time(), len(data)), data))
+            await writing
+        finally:
+            writing.cancel()
+            with contextlib.suppress(OSError, asyncio.CancelledError):
+                await writing
+
+    async def _write(self, waiting, writer):
+        while True:
+            due_s, data = await waiting.get()
+            await asyncio.sleep(max(0.0, due_s - self._loop.time()))
+            if not data:
+                writer.write_eof()
+                return
+            writer.write(data)
+            await writer.drain()
