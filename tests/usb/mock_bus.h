@@ -47,6 +47,12 @@ class MockDevice {
   void unplug();
   void refuse_claims(int error) { claim_error_ = error; }
   bool claimed() const { return claimed_; }
+  /// Calls `look` while the model stands still.
+  template <typename Look>
+  auto with_model(Look look) {
+    const std::lock_guard lock(mutex_);
+    return look();
+  }
 
   bool handle(_UMockdevIoctlClient* client);
 

@@ -38,6 +38,8 @@ class ReferenceFirmware final : public UsbModel {
 
   /// What the motors pull with now, N·mm: zero unless everything allows it.
   std::array<double, 6> motors_nmm(std::uint64_t now_us);
+  /// Where its encoders say the joints are.
+  agent::PenAngles angles() const { return agent::reference::angles_of(report_); }
   bool homed() const { return (report_.status & agent::reference::kHomedMask) == kAllHomed; }
   bool watchdog_tripped() const { return tripped_; }
   std::uint64_t commands() const { return commands_; }

@@ -1,0 +1,150 @@
+// The reference device on a mocked bus, for programs that are not to know: under umockdev-wrapper
+// it makes a bus, names it, and does as it is told, one line of standard input after the other:
+//
+//   plug ADDRESS     puts the pen in, switched on anew
+//   unplug
+//   press [cut] [grip]
+//   go X Y Z MM_PER_S  moves the tip there, upright; mm from the middle of the workspace
+//   felt             the most that the hand has felt since it was asked last: "NEWTONS N·MM"
+//   state            "homed" or "not homed", and how many commands were refused
+//
+// Every line is answered by one, when it is done. A program that is started under umockdev-wrapper
+// with UMOCKDEV_DIR as it is named at the start sees this bus and nothing else.
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include "haptic_agent/device/usb/monotonic.h"
+#include "tests/usb/mock_bus.h"
+#include "tests/usb/model/felt_wrench.h"
+#include "tests/usb/model/reference_firmware.h"
+
+namespace {
+
+using namespace kerf::usb_test;
+using kerf::agent::Vec3;
+namespace ref = kerf::agent::reference;
+
+/// The firmware with a hand that notes what each command makes it feel.
+class HeldPen final : public UsbModel {
+ public:
+  HeldPen() : firmware_(slowly_homing()) {}
+
+  UsbShape shape() const override { return firmware_.shape(); }
+  std::optional<Bytes> control(const Setup& setup, std::span<const std::uint8_t> data) override {
+    return firmware_.control(setup, data);
+  }
+  std::optional<Bytes> poll_in(std::uint64_t now_us) override { return firmware_.poll_in(now_us); }
+  void power_cycle() override { firmware_.power_cycle(); }
+  void take_out(std::span<const std::uint8_t> packet, std::uint64_t now_us) override {
+    firmware_.take_out(packet, now_us);
+    const auto felt =
+        felt_wrench(kerf::agent::standard_pen(), firmware_.angles(), firmware_.motors_nmm(now_us));
+    most_n_ = std::max(most_n_, length(felt.force_n));
+    most_nmm_ = std::max(most_nmm_, length(felt.torque_nmm));
+  }
+
+  ReferenceFirmware& firmware() { return firmware_; }
+  std::string take_felt() {
+    std::ostringstream text;
+    text << most_n_ << ' ' << most_nmm_;
+    most_n_ = most_nmm_ = 0;
+    return text.str();
+  }
+
+ private:
+  static ReferenceFirmware::Settings slowly_homing() {
+    auto settings = ReferenceFirmware::standard();
+    settings.homing_us = 200'000;
+    return settings;
+  }
+
+  ReferenceFirmware firmware_;
+  double most_n_ = 0, most_nmm_ = 0;
+};
+
+/// The pen, and the hand that holds it.
+class MockPen {
+  /// Asks the pen something while it stands still.
+  template <typename Look>
+  auto ask(Look look) {
+    return device_->with_model(look);
+  }
+
+ public:
+  std::string obey(const std::string& line) {
+    std::istringstream words(line);
+    std::string verb;
+    words >> verb;
+    if (verb == "plug") return plug(words);
+    if (!device_) return "not plugged in";
+    if (verb == "unplug") return device_->unplug(), device_.reset(), "ok";
+    if (verb == "press") return press(words);
+    if (verb == "go") return go(words);
+    if (verb == "felt") return ask([&] { return pen_.take_felt(); });
+    if (verb == "state") return ask([&] { return state(); });
+    return "unknown: " + line;
+  }
+
+ private:
+  std::string plug(std::istringstream& words) {
+    int address = 0;
+    words >> address;
+    device_ = std::make_unique<MockDevice>(bus_, pen_, address);
+    device_->plug();
+    return "ok";
+  }
+
+  std::string press(std::istringstream& words) {
+    std::uint16_t buttons = 0;
+    for (std::string word; words >> word;) {
+      if (word == "cut") buttons |= ref::kCutButton;
+      if (word == "grip") buttons |= ref::kGripSensor;
+    }
+    return ask([&] { return pen_.firmware().press(buttons), "ok"; });
+  }
+
+  std::string go(std::istringstream& words) {
+    Vec3 to;
+    double mm_per_s = 0;
+    words >> to.x >> to.y >> to.z >> mm_per_s;
+    if (!words || !(mm_per_s > 0)) return "go X Y Z MM_PER_S";
+    const Vec3 from = tip_, way = to - from;
+    const std::uint64_t start_us = kerf::agent::monotonic_us();
+    for (double part = 0; part < 1;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const double gone_mm =
+          mm_per_s * 1e-6 * static_cast<double>(kerf::agent::monotonic_us() - start_us);
+      part = gone_mm < length(way) ? gone_mm / length(way) : 1;
+      tip_ = from + way * part;
+      ask([&] { return pen_.firmware().hold(tip_ + kUpright, {0, 0, 1}), 0; });
+    }
+    return "ok";
+  }
+
+  std::string state() {
+    const char* homed = pen_.firmware().homed() ? "homed " : "not homed ";
+    return homed + std::to_string(pen_.firmware().refused());
+  }
+
+  /// From the tip's place in the workspace to the grip's in the device's coordinates.
+  static constexpr Vec3 kUpright{0, 0, 40};
+
+  MockBus bus_;
+  HeldPen pen_;
+  std::unique_ptr<MockDevice> device_;
+  Vec3 tip_;
+};
+
+}  // namespace
+
+int main() {
+  MockPen pen;
+  std::cout << std::getenv("UMOCKDEV_DIR") << std::endl;
+  for (std::string line; std::getline(std::cin, line);) std::cout << pen.obey(line) << std::endl;
+}
