@@ -20,22 +20,39 @@ using kerf::net::ServerOptions;
 
 struct CommandLine {
   std::string listen = "127.0.0.1:8080";
+  std::string udp;
   std::vector<std::string> scenes;
   ServerOptions server;
 };
 
+bool parse_port(std::string_view text, std::uint16_t& port) {
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, port);
+  return parsed.ec == std::errc() && parsed.ptr == end;
+}
+
 /// Splits ADDR:PORT; an IPv6 address stands in brackets.
-bool parse_listen(const std::string& text, ServerOptions& options) {
+bool parse_listen(const std::string& text, std::string& address, std::uint16_t& port) {
   const auto colon = text.rfind(':');
   if (colon == std::string::npos) return false;
-  options.address = text.substr(0, colon);
-  if (options.address.size() > 2 && options.address.front() == '[' &&
-      options.address.back() == ']') {
-    options.address = options.address.substr(1, options.address.size() - 2);
+  address = text.substr(0, colon);
+  if (address.size() > 2 && address.front() == '[' && address.back() == ']') {
+    address = address.substr(1, address.size() - 2);
   }
-  const char* end = text.data() + text.size();
-  const auto port = std::from_chars(text.data() + colon + 1, end, options.port);
-  return !options.address.empty() && port.ec == std::errc() && port.ptr == end;
+  return !address.empty() && parse_port(std::string_view(text).substr(colon + 1), port);
+}
+
+/// Reads [ADDR:]PORT or off; empty text leaves what is the default.
+bool parse_udp(const std::string& text, kerf::net::UdpOptions& udp) {
+  if (text.empty()) return true;
+  udp.on = text != "off";
+  if (!udp.on) return true;
+  udp.required = true;
+  std::uint16_t port = 0;
+  const bool good =
+      text.contains(':') ? parse_listen(text, udp.address, port) : parse_port(text, port);
+  udp.port = port;
+  return good;
 }
 
 /// Creates the session of a scene file unless it is there already, e.g. from before a restart. Says
@@ -81,6 +98,7 @@ int serve(const CommandLine& line) {
   }
   std::printf("%s\n", (*server)->url().c_str());
   std::fflush(stdout);
+  if (const auto port = (*server)->udp_port(); port != 0) spdlog::info("UDP lane: port {}", port);
   for (const auto& session : (*server)->sessions().list()) {
     spdlog::info("session {}: {}/?session={}", session->id(), (*server)->url(), session->id());
   }
@@ -99,6 +117,9 @@ int main(int argc, char** argv) {
   CLI::App app{"kerf-server: several people carve one block and feel it"};
   app.add_option("--listen", line.listen, "ADDR:PORT; port 0 lets the system pick one")
       ->capture_default_str();
+  app.add_option("--udp", line.udp,
+                 "[ADDR:]PORT of the UDP lane that agents may ask for, or off; by default the "
+                 "address and port of --listen");
   app.add_option("--data", line.server.data_folder, "folder of the journals, one per session")
       ->capture_default_str();
   app.add_option("--scene", line.scenes, "scene file; its session is created unless it exists");
@@ -108,8 +129,12 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout carries the address alone
   spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
-  if (!parse_listen(line.listen, line.server)) {
+  if (!parse_listen(line.listen, line.server.address, line.server.port)) {
     std::fprintf(stderr, "kerf-server: --listen %s is not ADDR:PORT\n", line.listen.c_str());
+    return 2;
+  }
+  if (!parse_udp(line.udp, line.server.udp)) {
+    std::fprintf(stderr, "kerf-server: --udp %s is not [ADDR:]PORT or off\n", line.udp.c_str());
     return 2;
   }
   return serve(line);

@@ -9,6 +9,9 @@
 
 namespace kerf::datagram {
 
+/// As the welcome names it.
+inline constexpr std::string_view kCipherName = "chacha20-poly1305";
+
 inline constexpr std::size_t kKeyBytes = 32;
 using Key = std::array<std::byte, kKeyBytes>;
 

@@ -12,6 +12,8 @@
 #include "server/net/control_json.h"
 #include "server/net/lane.h"
 #include "server/net/metrics.h"
+#include "server/net/sample_gate.h"
+#include "server/net/udp_port.h"
 #include "server/net/websocket.h"
 #include "server/session/rate_limit.h"
 #include "server/wire/codec.h"
@@ -37,7 +39,10 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
         hello_timer_(socket_.get_executor()) {
     ++context_.metrics.agents;
   }
-  ~AgentSocket() { --context_.metrics.agents; }
+  ~AgentSocket() {
+    close_udp();
+    --context_.metrics.agents;
+  }
 
   void start(UpgradeRequest request) {
     auto run = [self = shared_from_this(), request = std::move(request)]() mutable {
@@ -55,6 +60,13 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   void on_hello(const HelloMessage& hello);
   void on_binary(std::span<const std::byte> frame, Clock::time_point arrived);
   void on_motion(const wire::MotionBatch& batch, Clock::time_point arrived);
+  MotionAnswer apply(const wire::MotionBatch& batch, Clock::time_point arrived);
+  void open_udp();
+  void close_udp();
+  void on_datagram(std::span<const std::byte> frame, Clock::time_point arrived);
+  void on_datagram_motion(const wire::MotionBatch& batch, Clock::time_point arrived);
+  template <typename Body>
+  void send_datagram(std::uint64_t sequence, const Body& body);
   void refuse(const Refusal& refusal, bool fatal = false);
   void say(std::string text);
   void say_pong(const wire::Ping& ping);
@@ -84,6 +96,11 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   std::deque<std::pair<std::string, bool>> control_;  ///< bytes, and whether they are text
   std::pair<std::string, bool> control_out_;
   bool writing_ = false, finishing_ = false, broken_ = false;
+
+  /// Null without a UDP lane.
+  std::shared_ptr<UdpPeer> udp_;
+  SampleGate gate_;
+  wire::Result last_answer_;
 };
 
 asio::awaitable<void> AgentSocket::run(UpgradeRequest request) {
@@ -102,6 +119,7 @@ asio::awaitable<void> AgentSocket::run(UpgradeRequest request) {
              Clock::now());
   }
   hello_timer_.cancel();
+  close_udp();
   session_->unlisten(listener_);
   if (self_) session_->leave(self_->id);
 }
@@ -160,7 +178,8 @@ void AgentSocket::on_hello(const HelloMessage& hello) {
   }
   self_ = *joined;
   hello_timer_.cancel();
-  say(agent_welcome(*session_, *self_, context_.options.session));
+  if (hello.udp) open_udp();
+  say(agent_welcome(*session_, *self_, context_.options.session, udp_ ? &udp_->offer() : nullptr));
   say(participants_message(session_->participants()));
 }
 
@@ -182,10 +201,7 @@ void AgentSocket::on_binary(std::span<const std::byte> frame, Clock::time_point 
 
 void AgentSocket::on_motion(const wire::MotionBatch& batch, Clock::time_point arrived) {
   if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
-  auto answer = session_->move(self_->id, batch.view());
-  for (const Refusal& refusal : answer.refusals) refuse(refusal);
-  answer.result.turnaround_us = static_cast<std::uint32_t>(
-      std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - arrived).count());
+  const MotionAnswer answer = apply(batch, arrived);
   // Only the newest wrench is worth feeling: it replaces one that has not left yet.
   result_bytes_ = wire::encode({session_->epoch(), ++results_, clock_us()}, answer.result, result_);
   result_arrived_ = arrived;
@@ -196,6 +212,69 @@ void AgentSocket::on_motion(const wire::MotionBatch& batch, Clock::time_point ar
     has_felt_ = true;
   }
   pump();
+}
+
+MotionAnswer AgentSocket::apply(const wire::MotionBatch& batch, Clock::time_point arrived) {
+  auto answer = session_->move(self_->id, batch.view());
+  for (const Refusal& refusal : answer.refusals) refuse(refusal);
+  answer.result.turnaround_us = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - arrived).count());
+  gate_.applied(answer.result.agent_sequence);
+  last_answer_ = answer.result;
+  return answer;
+}
+
+void AgentSocket::open_udp() {
+  auto take = [weak = weak_from_this()](std::span<const std::byte> frame,
+                                        Clock::time_point arrived) {
+    if (const auto self = weak.lock()) self->on_datagram(frame, arrived);
+  };
+  udp_ = context_.udp.open(session_->executor(), std::move(take));
+}
+
+void AgentSocket::close_udp() {
+  if (udp_) context_.udp.close(*udp_);
+  udp_.reset();
+}
+
+void AgentSocket::on_datagram(std::span<const std::byte> frame, Clock::time_point arrived) {
+  if (!udp_ || finishing_ || broken_) return;
+  const auto message = wire::decode(frame, wire::kMaxClientFrameBytes);
+  if (!message) {
+    return refuse(
+        {wire::protocol_error(message.error().code), std::string(message.error().reason)});
+  }
+  if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
+    send_datagram(++pongs_, wire::Pong{ping->time_us, clock_us()});
+  } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
+    on_datagram_motion(*batch, arrived);
+  }
+}
+
+/// What was lost on the way is never guessed: behind a gap nothing is applied, and the answer
+/// before goes out again, so that the agent knows from where on to repeat.
+void AgentSocket::on_datagram_motion(const wire::MotionBatch& batch, Clock::time_point arrived) {
+  const Arrival arrival = gate_.judge(batch);
+  if (arrival == Arrival::kNew) {
+    const MotionAnswer answer = apply(batch, arrived);
+    if (answer.felt) send_datagram(++felts_, wire::ToolStates{{*answer.felt}});
+    send_datagram(++results_, answer.result);
+    context_.metrics.motion_answered(std::chrono::duration<double>(Clock::now() - arrived).count());
+    return;
+  }
+  wire::Result again = last_answer_;
+  if (arrival == Arrival::kGap) {
+    context_.metrics.motion_gap();
+    again.status |= wire::kStatusGap;
+  }
+  send_datagram(++results_, again);
+}
+
+template <typename Body>
+void AgentSocket::send_datagram(std::uint64_t sequence, const Body& body) {
+  std::array<std::byte, datagram::kMaxFrameBytes> frame;
+  const std::size_t bytes = wire::encode({session_->epoch(), sequence, clock_us()}, body, frame);
+  udp_->send(std::span(frame).first(bytes));
 }
 
 void AgentSocket::refuse(const Refusal& refusal, bool fatal) {

@@ -8,6 +8,7 @@ class Api;
 class HubDirectory;
 class Lane;
 class Metrics;
+class UdpPort;
 
 /// What a connection needs of the server; outlives every connection.
 struct Context {
@@ -20,6 +21,7 @@ struct Context {
   Lane& meshing;  ///< short background work: meshing for viewers, state hashes
   Lane& control;  ///< HTTP requests that are answered at once
   Lane& workers;  ///< HTTP requests that may take long: downloads, uploads
+  UdpPort& udp;   ///< agents that ask for the UDP lane
 };
 
 }  // namespace kerf::net

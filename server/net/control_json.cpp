@@ -57,6 +57,10 @@ std::expected<ControlMessage, Refusal> parse_hello(const Json& object) {
     }
     hello.feel_of = other->get<ParticipantId>();
   }
+  if (const auto udp = object.find("udp"); udp != object.end()) {
+    if (!udp->is_boolean()) return std::unexpected(bad_field("udp", "is not true or false"));
+    hello.udp = udp->get<bool>();
+  }
   return hello;
 }
 
@@ -118,6 +122,14 @@ Json welcome(const Session& session, const Participant& self) {
           {"tools", Json::parse(tools_json(scene))}};
 }
 
+Json udp_json(const datagram::Offer& offer) {
+  return {{"port", offer.port},
+          {"connection", offer.connection},
+          {"cipher", datagram::kCipherName},
+          {"key_to_server", datagram::to_text(offer.to_server)},
+          {"key_to_agent", datagram::to_text(offer.to_agent)}};
+}
+
 std::string text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -143,13 +155,14 @@ std::expected<ControlMessage, Refusal> parse_control(std::string_view frame) {
 }
 
 std::string agent_welcome(const Session& session, const Participant& self,
-                          const SessionLimits& limits) {
+                          const SessionLimits& limits, const datagram::Offer* udp) {
   Json json = welcome(session, self);
   json["rate_hz"] = wire::kMotionRateHz;
   json["limits"] = {{"samples_per_message", wire::kMaxSamplesPerMotion},
                     {"speed_mm_per_s", limits.speed_mm_per_s},
                     {"samples_per_s", limits.samples_per_s},
                     {"frame_bytes", wire::kMaxClientFrameBytes}};
+  if (udp != nullptr) json["udp"] = udp_json(*udp);
   return text(json);
 }
 

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/datagram/key.h"
 #include "server/feed/tile_detail.h"
 #include "server/session/session.h"
 
@@ -18,6 +19,7 @@ struct HelloMessage {
   ToolId tool = 0;  ///< 0: the first of the scene
   bool feel = true;
   ParticipantId feel_of = 0;  ///< whose force to send along; 0: nobody's
+  bool udp = false;           ///< offer the UDP lane
 };
 struct ToolMessage {
   ToolId tool = 0;
@@ -33,7 +35,7 @@ using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage>;
 std::expected<ControlMessage, Refusal> parse_control(std::string_view text);
 
 std::string agent_welcome(const Session& session, const Participant& self,
-                          const SessionLimits& limits);
+                          const SessionLimits& limits, const datagram::Offer* udp = nullptr);
 std::string viewer_welcome(const Session& session, const Participant& self,
                            const std::vector<Participant>& participants);
 std::string participants_message(const std::vector<Participant>& participants);

@@ -6,6 +6,8 @@
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
+#include <array>
+
 namespace kerf::net {
 namespace {
 
@@ -13,6 +15,9 @@ namespace {
 /// by.
 const prometheus::Histogram::BucketBoundaries kTurnaroundS = {
     20e-6, 50e-6, 100e-6, 150e-6, 200e-6, 300e-6, 500e-6, 750e-6, 1e-3, 2e-3, 5e-3, 10e-3, 50e-3};
+
+constexpr std::array<const char*, 5> kDropNames = {"malformed", "unknown_connection",
+                                                   "not_authentic", "replayed", "too_many"};
 
 }  // namespace
 
@@ -34,6 +39,21 @@ struct Metrics::Impl {
       counter("kerf_mesh_bytes_composed_total",
               "Bytes of mesh frames composed, before they are shared among viewers.")
           .Add({});
+  prometheus::Counter& datagrams_received =
+      counter("kerf_datagrams_received_total", "Datagrams of agents with a true seal.").Add({});
+  prometheus::Counter& datagrams_sent =
+      counter("kerf_datagrams_sent_total", "Datagrams sent to agents.").Add({});
+  prometheus::Family<prometheus::Counter>& drops =
+      counter("kerf_datagrams_dropped_total", "Datagrams dropped, by reason.");
+  std::array<prometheus::Counter*, kDropNames.size()> dropped = [this] {
+    std::array<prometheus::Counter*, kDropNames.size()> counters{};
+    for (std::size_t i = 0; i < counters.size(); ++i) {
+      counters[i] = &drops.Add({{"reason", kDropNames[i]}});
+    }
+    return counters;
+  }();
+  prometheus::Counter& gaps =
+      counter("kerf_motion_gaps_total", "Datagrams whose samples left a gap: not applied.").Add({});
   prometheus::Histogram& turnaround = prometheus::BuildHistogram()
                                           .Name("kerf_turnaround_seconds")
                                           .Help("Motion frame in to wrench handed to the socket.")
@@ -87,6 +107,13 @@ void Metrics::mesh_made(std::uint64_t tiles, std::uint64_t bytes) {
 void Metrics::http_answered(unsigned status) {
   impl_->http.Add({{"status", std::to_string(status)}}).Increment();
 }
+
+void Metrics::datagram_received() { impl_->datagrams_received.Increment(); }
+void Metrics::datagram_sent() { impl_->datagrams_sent.Increment(); }
+void Metrics::datagram_dropped(DatagramDrop why) {
+  impl_->dropped[static_cast<std::size_t>(why)]->Increment();
+}
+void Metrics::motion_gap() { impl_->gaps.Increment(); }
 
 std::string Metrics::text(const SessionRegistry& registry) const {
   prometheus::Registry now;

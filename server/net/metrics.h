@@ -10,6 +10,15 @@
 
 namespace kerf::net {
 
+/// Why a datagram was not taken, in the order of kDropNames in the .cpp.
+enum class DatagramDrop : std::uint8_t {
+  kMalformed,
+  kUnknownConnection,
+  kNotAuthentic,
+  kReplayed,
+  kTooMany,
+};
+
 /// What the server counts; written by any thread, read by /metrics in the text format of
 /// Prometheus.
 class Metrics {
@@ -24,6 +33,12 @@ class Metrics {
   /// What a hub's feed did since it was asked last.
   void mesh_made(std::uint64_t tiles, std::uint64_t bytes);
   void http_answered(unsigned status);
+  /// Datagrams of the UDP lane: under a true seal, and sent.
+  void datagram_received();
+  void datagram_sent();
+  void datagram_dropped(DatagramDrop why);
+  /// A batch came behind a gap: the agent was told to go back.
+  void motion_gap();
 
   std::atomic<std::int64_t> agents{0}, viewers{0}, connections{0};
 

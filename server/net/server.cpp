@@ -12,6 +12,7 @@
 #include "server/net/http_connection.h"
 #include "server/net/lane.h"
 #include "server/net/metrics.h"
+#include "server/net/udp_port.h"
 #include "server/net/viewer_hub.h"
 #include "server/net/visit.h"
 
@@ -44,18 +45,30 @@ struct Server::Impl {
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
+  std::expected<void, std::string> listen_udp();
 
   ServerOptions options;
   Metrics metrics;
+  UdpPort udp{metrics};
   Lane viewers, meshing, control, workers;
   SessionRegistry registry;
   Api api;
   HubDirectory hubs;
-  Context context{options, registry, metrics, api, hubs, viewers, meshing, control, workers};
+  Context context{options, registry, metrics, api, hubs, viewers, meshing, control, workers, udp};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
 };
+
+std::expected<void, std::string> Server::Impl::listen_udp() {
+  const UdpOptions& wish = options.udp;
+  if (!wish.on) return {};
+  auto listening =
+      udp.listen(wish.address.empty() ? options.address : wish.address, wish.port.value_or(port));
+  if (listening || wish.required) return listening;
+  spdlog::warn("{}; agents will use their WebSockets", listening.error());
+  return {};
+}
 
 asio::awaitable<void> Server::Impl::accept() {
   for (;;) {
@@ -93,6 +106,7 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
 
 SessionRegistry& Server::sessions() { return impl_->registry; }
 std::uint16_t Server::port() const { return impl_->port; }
+std::uint16_t Server::udp_port() const { return impl_->udp.port(); }
 
 std::string Server::url() const {
   const std::string& address = impl_->options.address;
@@ -115,6 +129,7 @@ std::expected<void, std::string> Server::listen() {
   if (acceptor.bind(endpoint, error)) return fail();
   if (acceptor.listen(asio::socket_base::max_listen_connections, error)) return fail();
   impl_->port = acceptor.local_endpoint(error).port();
+  if (auto ok = impl_->listen_udp(); !ok) return ok;
   asio::co_spawn(impl_->viewers.context(), impl_->accept(), asio::detached);
   return {};
 }

@@ -4,12 +4,22 @@
 #include <expected>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "server/session/session_registry.h"
 
 namespace kerf::net {
+
+/// The UDP lane that agents may ask for.
+struct UdpOptions {
+  bool on = true;
+  /// Named by the user: it must work. Otherwise a port that is taken is a warning.
+  bool required = false;
+  std::string address;                ///< empty: that of HTTP
+  std::optional<std::uint16_t> port;  ///< empty: that of HTTP; 0: the system picks one
+};
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
@@ -21,6 +31,7 @@ struct ServerOptions {
   std::size_t connections_max = 4096;
   std::size_t sessions_max = 64;
   SessionLimits session;
+  UdpOptions udp;
 };
 
 /// The whole service in one process: registry, lanes, listener.
@@ -36,6 +47,8 @@ class Server {
   /// "http://ADDRESS:PORT" with the port that is really bound.
   std::string url() const;
   std::uint16_t port() const;
+  /// 0 if there is no UDP lane.
+  std::uint16_t udp_port() const;
   /// Says bye to everybody, commits the journals, stops. Called by the destructor too.
   void stop();
 

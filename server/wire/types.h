@@ -23,6 +23,8 @@ inline constexpr std::uint32_t kButtonDeadman = 2;
 inline constexpr std::uint32_t kStatusCutting = 1;
 inline constexpr std::uint32_t kStatusColliding = 2;
 inline constexpr std::uint32_t kStatusRefused = 4;
+/// Of a result over UDP: samples are missing between this one and those that came.
+inline constexpr std::uint32_t kStatusGap = 8;
 
 /// One pose of a tool. The motion that it stands for runs from the sample before it to this one;
 /// without kButtonCutting that motion goes through the air.
