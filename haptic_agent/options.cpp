@@ -101,6 +101,10 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--feel", options.link.hello.feel_of,
                  "feel along, passively, what this participant feels, by number")
       ->check(CLI::Range(1U, 1'000'000'000U));
+  app.add_flag(
+      "--udp", options.link.hello.udp,
+      "carry poses and answers over UDP where the server offers it and it gets through: for "
+      "networks that lose packets");
   app.add_flag("--deadband", options.link.traffic.deadband,
                "out of contact, do not send poses that differ by less than a hand can feel");
   app.add_option("--mode", options.mode,

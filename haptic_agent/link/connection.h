@@ -8,8 +8,10 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <expected>
+#include <memory>
 #include <optional>
 
+#include "haptic_agent/link/datagram_socket.h"
 #include "haptic_agent/link/server_link.h"
 
 namespace kerf::agent {
@@ -27,6 +29,8 @@ struct Connection {
   /// Cancelled when the reader has ended: the way to wait for it.
   boost::asio::steady_timer reader_ended;
   bool reading = false;
+  /// Null without a UDP lane.
+  std::unique_ptr<DatagramSocket> udp;
   std::optional<Loss> loss;
 };
 

@@ -31,6 +31,19 @@ CutLaw cut_law(const json& message) {
   return force.value("law", "") == "drr" ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
 }
 
+/// An offer that is not understood is none: the WebSocket carries everything.
+std::optional<datagram::Offer> read_offer(const json& message) {
+  const auto found = message.find("udp");
+  if (found == message.end() || !found->is_object()) return std::nullopt;
+  const auto key = [&](const char* name) {
+    return datagram::key_from_text(found->value(name, std::string()));
+  };
+  if (found->value("cipher", "") != datagram::kCipherName) return std::nullopt;
+  const auto to_server = key("key_to_server"), to_agent = key("key_to_agent");
+  if (!to_server || !to_agent) return std::nullopt;
+  return datagram::Offer{found->at("port"), found->at("connection"), *to_server, *to_agent};
+}
+
 Welcome read_welcome(const json& message) {
   Welcome welcome{.session = message.at("session"),
                   .participant = message.at("participant"),
@@ -39,7 +52,8 @@ Welcome read_welcome(const json& message) {
                   .pivot_mm = message.at("pivot_mm"),
                   .law = cut_law(message),
                   .stock = stock_box(message.at("stock")),
-                  .tool_ids = {}};
+                  .tool_ids = {},
+                  .udp = read_offer(message)};
   for (const json& tool : message.at("tools")) welcome.tool_ids.push_back(tool.at("id"));
   return welcome;
 }
@@ -63,6 +77,7 @@ std::string hello_text(const Hello& hello) {
   if (!hello.color.empty()) message["color"] = hello.color;
   if (hello.feel_of != 0) message["feel_of"] = hello.feel_of;
   if (hello.tool_id != 0) message["tool"] = hello.tool_id;
+  if (hello.udp) message["udp"] = true;
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

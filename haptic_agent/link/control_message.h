@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -9,6 +10,7 @@
 
 #include "haptic_agent/device/carving_figure.h"
 #include "haptic_agent/servo/local_model.h"
+#include "server/datagram/key.h"
 
 namespace kerf::agent {
 
@@ -21,6 +23,8 @@ struct Hello {
   std::uint32_t tool_id = 0;
   /// The participant whose force is felt along; 0: nobody.
   std::uint32_t feel_of = 0;
+  /// Ask for the UDP lane.
+  bool udp = false;
 };
 
 /// What an agent needs of the server's welcome.
@@ -34,6 +38,8 @@ struct Welcome {
   /// The box around the stock, whatever its shape.
   StockBox stock;
   std::vector<std::uint32_t> tool_ids;
+  /// The UDP lane, if it was asked for, the server has one and this agent understands it.
+  std::optional<datagram::Offer> udp;
 };
 
 struct ServerError {

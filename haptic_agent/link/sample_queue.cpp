@@ -71,6 +71,57 @@ wire::MotionBatch SampleQueue::take(std::size_t most) {
   return batch;
 }
 
+SampleQueue::Repeating SampleQueue::take_repeating(std::size_t most) {
+  // Answers to what went out before a go_back may have come since.
+  next_ = std::max(next_, first_unanswered());
+  Repeating out;
+  const std::size_t start = next_;
+  while (out.batch.count < kNewPerDatagram && next_ < samples_.size()) {
+    wire::MotionSample& sample = samples_[next_];
+    const bool fresh = sample.agent_sequence == 0;
+    if (fresh && out.fresh == most) break;
+    if (!in_window(sample) || sample.tool_id != samples_[start].tool_id) break;
+    ++next_;
+    if (fresh) {
+      sample.agent_sequence = ++last_number_;
+      ++out.fresh;
+    } else {
+      ++resent_;
+    }
+    out.batch.samples[out.batch.count++] = sample;
+  }
+  out.due = out.batch.count;
+  if (out.due > 0) put_before(out.batch, start);
+  return out;
+}
+
+/// Puts the unanswered samples that stand before `end` in front of the batch.
+void SampleQueue::put_before(wire::MotionBatch& batch, std::size_t end) {
+  std::size_t from = end;
+  while (from > 0 && end - from + batch.count < wire::kMaxSamplesPerMotion &&
+         samples_[from - 1].agent_sequence > answered_ &&
+         samples_[from - 1].tool_id == batch.samples[0].tool_id) {
+    --from;
+  }
+  const auto repeats = static_cast<std::uint32_t>(end - from);
+  std::shift_right(batch.samples.begin(), batch.samples.begin() + batch.count + repeats, repeats);
+  for (std::uint32_t i = 0; i < repeats; ++i) batch.samples[i] = samples_[from + i];
+  batch.count += repeats;
+  repeated_ += repeats;
+}
+
+std::size_t SampleQueue::first_unanswered() const noexcept {
+  std::size_t at = 0;
+  // What has never gone out has no number yet.
+  while (at < samples_.size() && samples_[at].agent_sequence != 0 &&
+         samples_[at].agent_sequence <= answered_) {
+    ++at;
+  }
+  return at;
+}
+
+void SampleQueue::go_back() noexcept { next_ = std::min(next_, first_unanswered()); }
+
 void SampleQueue::answered(std::uint64_t agent_sequence) {
   if (agent_sequence > last_number_ || agent_sequence <= answered_) return;
   answered_ = agent_sequence;

@@ -34,6 +34,21 @@ class SampleQueue {
   /// The next samples to send, at most `most` (and what a message holds), all of one tool and
   /// within the window; numbers the new ones.
   wire::MotionBatch take(std::size_t most);
+  /// What goes into one datagram, which may be lost.
+  struct Repeating {
+    wire::MotionBatch batch;
+    /// How many at its end are not there just in case, and how many of these never went out before.
+    std::uint32_t due = 0, fresh = 0;
+  };
+  /// Few new samples a datagram, so that even a backlog goes out in two datagrams each.
+  static constexpr std::size_t kNewPerDatagram = 8;
+  /// The next samples to send, as take does but at most `most` that never went out, behind
+  /// unanswered ones that did, as many as fit. Empty if there is none to send.
+  Repeating take_repeating(std::size_t most);
+  /// The connection holds, but what is unanswered has been lost: it goes out again.
+  void go_back() noexcept;
+  /// True if something that was sent is not answered.
+  bool in_flight() const noexcept { return last_number_ > answered_; }
   /// All numbers up to this one are answered. A number that was never sent is ignored.
   void answered(std::uint64_t agent_sequence);
   /// The way to the server and back takes so long: the window grows by as much, up to
@@ -51,6 +66,8 @@ class SampleQueue {
   std::optional<std::uint32_t> next_tool() const noexcept;
 
   std::uint64_t resent() const noexcept { return resent_; }
+  /// Samples that went along with new ones although nobody knew them to be lost.
+  std::uint64_t repeated() const noexcept { return repeated_; }
   /// Moves through the air that were merged into the next one.
   std::uint64_t merged_air() const noexcept { return merged_air_; }
   /// Cutting samples left out because the chord over them is the same path.
@@ -63,6 +80,8 @@ class SampleQueue {
  private:
   void make_room();
   bool in_window(const wire::MotionSample& sample) const noexcept;
+  std::size_t first_unanswered() const noexcept;
+  void put_before(wire::MotionBatch& batch, std::size_t end);
   std::size_t first_fresh() const noexcept;
   void merge_air();
   void merge_straight();
@@ -78,6 +97,7 @@ class SampleQueue {
   std::uint64_t last_number_ = 0;
   std::uint64_t answered_ = 0;
   std::uint64_t resent_ = 0;
+  std::uint64_t repeated_ = 0;
   std::uint64_t merged_air_ = 0;
   std::uint64_t merged_cuts_ = 0;
   std::uint64_t thinned_cuts_ = 0;

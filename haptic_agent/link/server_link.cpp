@@ -117,6 +117,7 @@ class ServerLink::Impl {
       greeting_.reset();
       if (welcome) {
         enter(*welcome);
+        open_udp(connection, *welcome);
         pause = kFirstBackOff;
         co_await serve(connection);
         trying_since_us = now_us();
@@ -169,13 +170,40 @@ class ServerLink::Impl {
   }
 
   void enter(const Welcome& welcome) {
-    traffic_.begin(welcome.epoch, settings_.hello.tool_id, now_us());
+    traffic_.begin(welcome.epoch, settings_.hello.tool_id, now_us(), welcome.udp.has_value());
     if (welcome_) notice("connected again");
     {
       const std::scoped_lock lock(mutex_);
       if (!welcome_) welcome_ = welcome;
     }
     changed_.notify_all();
+  }
+
+  /// Beside the WebSocket, for as long as it lasts.
+  void open_udp(const std::shared_ptr<Connection>& connection, const Welcome& welcome) {
+    error_code failed;
+    const auto server =
+        beast::get_lowest_layer(connection->socket).socket().remote_endpoint(failed);
+    if (!welcome.udp || failed) return;
+    connection->udp = std::make_unique<DatagramSocket>(io_, server.address(), *welcome.udp,
+                                                       traffic_.udp_counts());
+    auto read = [this, connection] {
+      return connection->udp->read_all([this, connection](std::span<const std::byte> frame) {
+        if (connection->loss) return;
+        connection->loss = traffic_.take_datagram(frame, now_us());
+        wake();
+      });
+    };
+    asio::co_spawn(io_, std::move(read), asio::detached);
+  }
+
+  void send_datagrams(Connection& connection) {
+    if (!connection.udp) return;
+    std::array<std::byte, datagram::kMaxFrameBytes> frame;
+    while (const std::size_t bytes = traffic_.fill_datagram(now_us(), frame)) {
+      connection.udp->send(std::span(frame).first(bytes));
+    }
+    if (const std::string said = traffic_.take_notice(); !said.empty()) notice(said);
   }
 
   asio::awaitable<void> serve(std::shared_ptr<Connection> connection) {
@@ -192,6 +220,7 @@ class ServerLink::Impl {
       co_await connection->socket.async_close(websocket::close_code::normal, kAwait);
     }
     beast::get_lowest_layer(connection->socket).close();
+    if (connection->udp) connection->udp->close();
     while (connection->reading) co_await connection->reader_ended.async_wait(kAwait);
   }
 
@@ -223,6 +252,7 @@ class ServerLink::Impl {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     while (!connection.loss && !finished()) {
       traffic_.collect();
+      send_datagrams(connection);
       if (const std::uint32_t tool = traffic_.take_tool_change(); tool != 0) {
         const std::string text = tool_text(tool);
         co_await write(connection, true, asio::buffer(text));

@@ -33,7 +33,8 @@ Loss declined(const std::string& session, unsigned status, std::string_view body
   return {std::move(reason), final};
 }
 
-void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us) {
+void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
+                    bool udp_offered) {
   ++report_.connections;
   epoch_ = epoch;
   tool_id_ = tool_id;
@@ -41,6 +42,11 @@ void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t no
   next_ping_us_ = now_us;
   pong_due_.reset();
   queue_.rewind();
+  newest_result_ = newest_felt_ = base_ = 0;
+  based_ = false;
+  progress_us_ = now_us;
+  lanes_.begin(udp_offered, now_us);
+  report_.udp.offered |= udp_offered;
 }
 
 void Traffic::collect() {
@@ -83,21 +89,30 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
 std::uint32_t Traffic::take_tool_change() noexcept {
   const auto tool = queue_.next_tool();
   if (!tool || *tool == tool_id_) return 0;
+  // A change of tool is told over the WebSocket, and has its place among the samples: those before
+  // it go ahead of it there, and UDP has to wait until one behind it is answered.
+  base_ = 0;
+  based_ = false;
+  if (lanes_.over_udp()) {
+    lanes_.leave();
+    queue_.go_back();
+    return 0;
+  }
   return tool_id_ = *tool;
 }
 
 std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
-  const auto stamp = [&](std::uint64_t sequence) {
-    return wire::FrameStamp{.epoch = epoch_, .sequence = sequence, .time_us = now_us};
-  };
+  choose_lane(now_us);
   if (pong_due_) {
     const wire::Pong pong{.ping_time_us = *pong_due_, .time_us = now_us};
     pong_due_.reset();
-    return wire::encode(stamp(++pong_sequence_), pong, frame);
+    return wire::encode(stamp(++pong_sequence_, now_us), pong, frame);
   }
+  if (lanes_.over_udp())
+    return 0;  // where the pings go too: their times are to be those of the lane
   if (now_us >= next_ping_us_) {
     next_ping_us_ = now_us + kPingEveryUs;
-    return wire::encode(stamp(++ping_sequence_), wire::Ping{now_us}, frame);
+    return wire::encode(stamp(++ping_sequence_, now_us), wire::Ping{now_us}, frame);
   }
   const std::size_t most = pace_.allowed(now_us);
   if (most == 0 || queue_.unsent() == 0) return 0;
@@ -106,7 +121,8 @@ std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
   pace_.sent(batch.count);
   report_.samples_sent += batch.count;
   ++report_.messages_sent;
-  return wire::encode(stamp(++motion_sequence_), batch, frame);
+  if (base_ == 0) base_ = batch.samples[0].agent_sequence;
+  return wire::encode(stamp(++motion_sequence_, now_us), batch, frame);
 }
 
 std::optional<Loss> Traffic::take_text(std::string_view text, std::string& notice) {
@@ -135,14 +151,18 @@ std::optional<Loss> Traffic::take_frame(std::span<const std::byte> frame, std::u
     ++report_.bad_frames;
     return std::nullopt;
   }
-  if (const auto* result = std::get_if<wire::Result>(&message->body)) {
-    if (message->header.stamp.epoch != epoch_) return Loss{"the session has been rebuilt"};
+  return take_message(*message, now_us);
+}
+
+std::optional<Loss> Traffic::take_message(const wire::Message& message, std::uint64_t now_us) {
+  if (const auto* result = std::get_if<wire::Result>(&message.body)) {
+    if (message.header.stamp.epoch != epoch_) return Loss{"the session has been rebuilt"};
     take_result(*result, now_us);
-  } else if (const auto* pong = std::get_if<wire::Pong>(&message->body)) {
+  } else if (const auto* pong = std::get_if<wire::Pong>(&message.body)) {
     take_pong(*pong, now_us);
-  } else if (const auto* states = std::get_if<wire::ToolStates>(&message->body)) {
+  } else if (const auto* states = std::get_if<wire::ToolStates>(&message.body)) {
     take_felt(*states);
-  } else if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
+  } else if (const auto* ping = std::get_if<wire::Ping>(&message.body)) {
     pong_due_ = ping->time_us;
   }
   return std::nullopt;
@@ -158,7 +178,8 @@ void Traffic::take_pong(const wire::Pong& pong, std::uint64_t now_us) {
                           .samples_sent = report_.samples_sent,
                           .results = report_.results,
                           .rtt_us = rtt_us,
-                          .clock_offset_us = report_.clock.offset_us()});
+                          .clock_offset_us = report_.clock.offset_us(),
+                          .udp = udp_report()});
 }
 
 void Traffic::take_felt(const wire::ToolStates& states) {
@@ -169,6 +190,12 @@ void Traffic::take_felt(const wire::ToolStates& states) {
 }
 
 void Traffic::take_result(const wire::Result& result, std::uint64_t now_us) {
+  if ((result.status & wire::kStatusGap) != 0) take_gap(now_us);
+  if (result.agent_sequence <= newest_result_) {
+    ++report_.old_results;
+    return;
+  }
+  note_progress(result, now_us);
   const Wrench wrench{.force_n = to_vec3(result.force_n), .torque_nmm = to_vec3(result.torque_nmm)};
   wrenches_.write(
       {.wrench = wrench,
@@ -199,6 +226,7 @@ LinkReport Traffic::report() const {
   report.thinned_cuts = queue_.thinned_cuts();
   report.forgotten = queue_.forgotten();
   report.unanswered = queue_.unanswered();
+  report.udp = udp_report();
   return report;
 }
 

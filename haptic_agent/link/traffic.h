@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "haptic_agent/link/lane_switch.h"
 #include "haptic_agent/link/link_report.h"
 #include "haptic_agent/link/pace.h"
 #include "haptic_agent/link/sample_queue.h"
@@ -43,7 +44,8 @@ class Traffic {
       : ring_(samples), wrenches_(wrenches), options_(options) {}
 
   /// A connection has been made and welcomed; `tool_id` is the one named in the hello.
-  void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us);
+  void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
+             bool udp_offered = false);
 
   /// Takes what the servo has left in the ring.
   void collect();
@@ -54,10 +56,17 @@ class Traffic {
   std::uint32_t take_tool_change() noexcept;
   /// Encodes the next binary frame that is due into `frame` (kMaxClientFrameBytes); its size, or 0.
   std::size_t fill(std::uint64_t now_us, std::span<std::byte> frame);
+  /// The same for the UDP lane (datagram::kMaxFrameBytes).
+  std::size_t fill_datagram(std::uint64_t now_us, std::span<std::byte> frame);
 
   /// A frame has come: why the connection must end, if so; `notice` is what the user should read.
   std::optional<Loss> take_text(std::string_view text, std::string& notice);
   std::optional<Loss> take_frame(std::span<const std::byte> frame, std::uint64_t now_us);
+  std::optional<Loss> take_datagram(std::span<const std::byte> frame, std::uint64_t now_us);
+  /// What the user should read of the UDP lane; empty if nothing.
+  std::string take_notice();
+  /// Counted by whoever has the UDP socket.
+  UdpReport& udp_counts() noexcept { return report_.udp; }
 
   /// The counts so far, those of the queue included.
   LinkReport report() const;
@@ -67,6 +76,15 @@ class Traffic {
   void take_pong(const wire::Pong& pong, std::uint64_t now_us);
   void take_felt(const wire::ToolStates& states);
   void take_result(const wire::Result& result, std::uint64_t now_us);
+  std::optional<Loss> take_message(const wire::Message& message, std::uint64_t now_us);
+  UdpReport udp_report() const;
+  void choose_lane(std::uint64_t now_us);
+  void repeat_what_is_lost(std::uint64_t now_us);
+  void take_gap(std::uint64_t now_us);
+  void note_progress(const wire::Result& result, std::uint64_t now_us);
+  wire::FrameStamp stamp(std::uint64_t sequence, std::uint64_t now_us) const noexcept {
+    return {.epoch = epoch_, .sequence = sequence, .time_us = now_us};
+  }
 
   SampleRing& ring_;
   LatestValue<ServerWrench>& wrenches_;
@@ -87,6 +105,20 @@ class Traffic {
   std::uint64_t pong_sequence_ = 0;
   std::uint64_t next_ping_us_ = 0;
   std::optional<std::uint64_t> pong_due_;
+  std::uint64_t newest_result_ = 0;
+
+  LaneSwitch lanes_;
+  /// The first sample after which the order of the WebSocket no longer matters: of a connection, or
+  /// of a new tool. 0: it has not gone out yet.
+  std::uint64_t base_ = 0;
+  /// The server has answered the base.
+  bool based_ = false;
+  std::uint64_t progress_us_ = 0;
+  std::uint64_t went_back_us_ = 0;
+  /// Repetitions since the last progress; the silence ends them before they are many.
+  unsigned vain_repeats_ = 0;
+  std::uint64_t udp_rtt_us_ = 0;
+  std::uint64_t newest_felt_ = 0;
 };
 
 }  // namespace kerf::agent

@@ -1,0 +1,69 @@
+#include "haptic_agent/link/datagram_socket.h"
+
+#include <array>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+namespace kerf::agent {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using boost::system::error_code;
+
+DatagramSocket::DatagramSocket(asio::io_context& io, const asio::ip::address& server,
+                               const datagram::Offer& offer, UdpReport& counts)
+    : socket_(io),
+      sealer_(offer.connection, offer.to_server),
+      opener_(offer.connection, offer.to_agent),
+      counts_(counts),
+      lost_before_(counts.lost) {
+  const udp::endpoint there(server, offer.port);
+  error_code failed;
+  if (socket_.open(there.protocol(), failed)) return;
+  // Connected, so that datagrams of others do not even get here.
+  if (!socket_.connect(there, failed)) socket_.non_blocking(true, failed);
+  if (failed) close();
+}
+
+void DatagramSocket::send(std::span<const std::byte> frame) {
+  std::array<std::byte, datagram::kMaxBytes> out;
+  const std::size_t bytes = sealer_.seal(frame, out);
+  error_code failed;
+  if (bytes > 0) socket_.send(asio::buffer(out.data(), bytes), 0, failed);
+  if (bytes > 0 && !failed) ++counts_.sent;
+}
+
+asio::awaitable<void> DatagramSocket::read_all(
+    std::function<void(std::span<const std::byte>)> take) {
+  constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);
+  while (socket_.is_open()) {
+    co_await socket_.async_wait(udp::socket::wait_read, kAwait);
+    while (receive(take)) {
+    }
+  }
+}
+
+bool DatagramSocket::receive(const std::function<void(std::span<const std::byte>)>& take) {
+  std::array<std::byte, datagram::kMaxBytes + 1> bytes;
+  error_code failed;
+  const std::size_t count = socket_.receive(asio::buffer(bytes), 0, failed);
+  // Refused: what a host answers where nobody listens. The next datagram may fare better.
+  if (failed) return failed == asio::error::connection_refused;
+  std::array<std::byte, datagram::kMaxFrameBytes> frame;
+  const auto opened = opener_.open(std::span(bytes).first(count), frame);
+  if (!opened) {
+    ++counts_.dropped;
+    return true;
+  }
+  ++counts_.received;
+  counts_.lost = lost_before_ + opener_.newest() - opener_.opened();
+  take(std::span(frame).first(opened->frame_bytes));
+  return true;
+}
+
+void DatagramSocket::close() {
+  error_code ignored;
+  socket_.close(ignored);
+}
+
+}  // namespace kerf::agent

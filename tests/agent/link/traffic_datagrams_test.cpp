@@ -1,0 +1,304 @@
+// What goes over which lane, on a made-up clock and a made-up network.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "haptic_agent/link/traffic.h"
+#include "server/datagram/layout.h"
+#include "server/wire/codec.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr std::uint64_t kRttUs = 10'000;
+
+class TrafficDatagrams : public ::testing::Test {
+ protected:
+  using Numbers = std::vector<std::uint64_t>;
+
+  void SetUp() override { traffic.begin(1, 1, now_us, true); }
+
+  void push(int count, std::uint32_t tool = 1) {
+    for (int i = 0; i < count; ++i) {
+      // A zigzag, of which nothing may be left out.
+      const double z = ++pushed % 2 == 0 ? 1 : 0;
+      ASSERT_TRUE(ring.push({.time_us = now_us,
+                             .tip_mm = {0, 0, z},
+                             .tool_id = tool,
+                             .buttons = wire::kButtonCutting}));
+    }
+    traffic.collect();
+  }
+
+  static Numbers numbers(const std::optional<wire::MotionBatch>& batch) {
+    Numbers found;
+    if (!batch) return found;
+    for (const auto& sample : batch->view()) found.push_back(sample.agent_sequence);
+    return found;
+  }
+
+  /// The next motion over a lane, pings left aside.
+  std::optional<wire::MotionBatch> next(bool udp) {
+    std::array<std::byte, datagram::kMaxFrameBytes> frame;
+    while (const std::size_t bytes =
+               udp ? traffic.fill_datagram(now_us, frame) : traffic.fill(now_us, frame)) {
+      const auto message = wire::decode(std::span(frame).first(bytes));
+      if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) return *batch;
+      ++pings;
+    }
+    return std::nullopt;
+  }
+  Numbers over_udp() { return numbers(next(true)); }
+  Numbers over_web_socket() { return numbers(next(false)); }
+  /// Everything that is due, in order, over UDP.
+  std::vector<Numbers> all_over_udp() {
+    std::vector<Numbers> all;
+    for (Numbers one = over_udp(); !one.empty(); one = over_udp()) all.push_back(one);
+    return all;
+  }
+
+  template <typename Body>
+  void take(const Body& body, bool udp) {
+    std::vector<std::byte> frame;
+    wire::append(frame, {.epoch = 1, .sequence = ++sequence, .time_us = 1}, body);
+    ASSERT_FALSE(udp ? traffic.take_datagram(frame, now_us) : traffic.take_frame(frame, now_us));
+  }
+  void answer(std::uint64_t number, bool udp, std::uint32_t status = 0, float fz = 0) {
+    take(wire::Result{.agent_sequence = number, .force_n = {0, 0, fz}, .status = status}, udp);
+  }
+  void pong() { take(wire::Pong{.ping_time_us = now_us - kRttUs, .time_us = 1}, true); }
+
+  /// Samples 1 to 3 over the WebSocket, answered, and UDP proven.
+  void take_over() {
+    push(3);
+    ASSERT_EQ(over_web_socket(), (Numbers{1, 2, 3}));
+    answer(3, false);
+    pong();
+    next(true);
+    ASSERT_TRUE(traffic.report().udp.carries);
+  }
+
+  SampleRing ring;
+  LatestValue<ServerWrench> wrenches;
+  Traffic traffic{ring, wrenches};
+  std::uint64_t now_us = 1'000'000, pushed = 0, sequence = 0;
+  int pings = 0;
+};
+
+TEST_F(TrafficDatagrams, TheWebSocketCarriesUntilUdpIsProven) {
+  push(3);
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(pings, 1) << "a probe";
+  EXPECT_EQ(over_web_socket(), (Numbers{1, 2, 3}));
+  answer(3, false);
+  push(1);
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(over_web_socket(), (Numbers{4}));
+  pong();
+  push(1);
+  EXPECT_EQ(over_udp(), (Numbers{4, 5})) << "with what is unanswered";
+  push(1);
+  EXPECT_TRUE(over_web_socket().empty());
+  EXPECT_EQ(over_udp(), (Numbers{4, 5, 6}));
+}
+
+TEST_F(TrafficDatagrams, TheWebSocketCarriesUntilTheServerHasAnsweredOnIt) {
+  pong();
+  push(3);
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(over_web_socket(), (Numbers{1, 2, 3}));
+  push(1);
+  EXPECT_TRUE(over_udp().empty()) << "where motions start is not known there yet";
+  answer(1, false);
+  EXPECT_EQ(over_udp(), (Numbers{2, 3, 4}));
+}
+
+TEST_F(TrafficDatagrams, WithoutAnOfferNothingGoesOverUdp) {
+  traffic.begin(1, 1, now_us, false);
+  push(3);
+  pong();
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(pings, 0);
+  EXPECT_EQ(over_web_socket(), (Numbers{1, 2, 3}));
+}
+
+TEST_F(TrafficDatagrams, EachDatagramRepeatsWhatIsUnansweredAsFarAsItFits) {
+  take_over();
+  Numbers last;
+  for (int i = 0; i < 40; ++i) {
+    push(1);
+    last = over_udp();
+  }
+  ASSERT_EQ(last.size(), wire::kMaxSamplesPerMotion);
+  EXPECT_EQ(last.front(), 43U - 15U);
+  EXPECT_EQ(last.back(), 43U);
+  answer(41, true);
+  push(1);
+  EXPECT_EQ(over_udp(), (Numbers{42, 43, 44}));
+  EXPECT_EQ(traffic.report().samples_sent, 44U);
+  EXPECT_EQ(traffic.report().resent, 0U);
+  EXPECT_GT(traffic.report().udp.repeated, 15U * 20U);
+}
+
+TEST_F(TrafficDatagrams, ABacklogGoesOutTwice) {
+  take_over();
+  push(20);
+  const auto all = all_over_udp();
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].front(), 4U);
+  EXPECT_EQ(all[0].back(), 11U);
+  EXPECT_EQ(all[1].front(), 4U);
+  EXPECT_EQ(all[1].back(), 19U);
+  EXPECT_EQ(all[2].back(), 23U);
+}
+
+TEST_F(TrafficDatagrams, AGapLeadsBackToWhatIsUnanswered) {
+  take_over();
+  now_us += 100'000;
+  for (int i = 0; i < 30; ++i) {
+    push(1);
+    over_udp();
+  }
+  now_us += 1000;
+  answer(5, true);
+  answer(5, true, wire::kStatusGap);
+  const auto again = all_over_udp();
+  ASSERT_FALSE(again.empty());
+  EXPECT_EQ(again.front().front(), 6U);
+  EXPECT_EQ(again.back().back(), 33U);
+  // Those that were under way behind the lost ones bring the same answer; once is enough.
+  answer(5, true, wire::kStatusGap);
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(traffic.report().udp.gaps, 2U);
+  EXPECT_EQ(traffic.report().unanswered, 28U);
+}
+
+TEST_F(TrafficDatagrams, WhatNoAnswerComesToGoesOutAgainMoreAndMoreSeldom) {
+  take_over();
+  push(1);
+  EXPECT_EQ(over_udp(), (Numbers{4}));
+  std::vector<std::uint64_t> at_us;
+  const std::uint64_t start_us = now_us;
+  for (int i = 0; i < 280; ++i) {
+    now_us += 1000;
+    if (!over_udp().empty()) at_us.push_back(now_us - start_us);
+  }
+  ASSERT_GE(at_us.size(), 2U);
+  EXPECT_LE(at_us.size(), 5U);
+  EXPECT_GT(at_us[1] - at_us[0], at_us[0]);
+}
+
+TEST_F(TrafficDatagrams, SilenceLeadsBackToTheWebSocketWithWhatIsUnanswered) {
+  take_over();
+  push(2);
+  over_udp();
+  now_us += LaneSwitch::kSilenceUs + kRttUs;
+  over_udp();
+  EXPECT_TRUE(over_web_socket().empty()) << "not yet";
+  now_us += 1;
+  EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
+  EXPECT_FALSE(traffic.report().udp.carries);
+  EXPECT_EQ(traffic.report().udp.fell_back, 1U);
+  EXPECT_EQ(traffic.take_notice(), "UDP has gone silent, back on the WebSocket");
+  EXPECT_EQ(traffic.take_notice(), "");
+  // Tried again after a pause, and taken again once it is proven anew.
+  answer(5, false);
+  pong();
+  push(1);
+  EXPECT_TRUE(over_udp().empty()) << "an answer from before proves nothing";
+  EXPECT_EQ(over_web_socket(), (Numbers{6}));
+  answer(6, false);
+  now_us += LaneSwitch::kFirstPauseUs;
+  next(true);
+  pong();
+  push(1);
+  EXPECT_EQ(over_udp(), (Numbers{7}));
+}
+
+TEST_F(TrafficDatagrams, SilenceWhereNothingIsUnansweredIsNoFault) {
+  take_over();
+  now_us += 10 * LaneSwitch::kSilenceUs;
+  push(1);
+  EXPECT_EQ(over_udp(), (Numbers{4}));
+}
+
+TEST_F(TrafficDatagrams, ABlockedPortIsTriedNowAndThen) {
+  push(1);
+  EXPECT_EQ(over_web_socket(), (Numbers{1}));
+  answer(1, false);
+  for (int i = 0; i < 600; ++i) {
+    now_us += 100'000;
+    next(true);
+  }
+  EXPECT_LT(pings, 80) << "seldom, in a minute";
+  EXPECT_GT(pings, LaneSwitch::kProbes);
+  EXPECT_EQ(traffic.take_notice(), "no answer over UDP, staying on the WebSocket");
+  EXPECT_EQ(traffic.take_notice(), "");
+}
+
+TEST_F(TrafficDatagrams, ANewToolIsToldBetweenTheSamples) {
+  take_over();
+  push(2);
+  over_udp();
+  push(2, 2);
+  EXPECT_TRUE(over_udp().empty()) << "samples of the new tool wait for the word";
+  EXPECT_EQ(traffic.take_tool_change(), 0U) << "the old tool's samples go ahead of it";
+  EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
+  EXPECT_EQ(traffic.take_tool_change(), 2U);
+  EXPECT_EQ(over_web_socket(), (Numbers{6, 7}));
+  answer(5, true);
+  push(1, 2);
+  EXPECT_TRUE(over_udp().empty()) << "the word may still be on its way";
+  EXPECT_EQ(over_web_socket(), (Numbers{8}));
+  answer(6, false);
+  push(1, 2);
+  EXPECT_EQ(over_udp(), (Numbers{7, 8, 9}));
+}
+
+TEST_F(TrafficDatagrams, OldAnswersAreNotFelt) {
+  take_over();
+  push(5);
+  over_udp();
+  answer(7, true, 0, 2.0F);
+  answer(6, true, 0, 5.0F);
+  answer(7, true, wire::kStatusGap, 6.0F);
+  ServerWrench wrench;
+  ASSERT_TRUE(wrenches.read(wrench));
+  EXPECT_EQ(wrench.wrench.force_n.z, 2.0);
+  EXPECT_EQ(traffic.report().old_results, 2U);
+  EXPECT_EQ(traffic.report().results, 2U);
+}
+
+TEST_F(TrafficDatagrams, WhatAnotherFeelsIsNeverOlderThanBefore) {
+  take_over();
+  wire::ToolState other;
+  other.force_n = {1, 0, 0};
+  std::vector<std::byte> early;
+  wire::append(early, {.epoch = 1, .sequence = 50, .time_us = 1}, wire::ToolStates{{other}});
+  other.force_n = {2, 0, 0};
+  std::vector<std::byte> late;
+  wire::append(late, {.epoch = 1, .sequence = 51, .time_us = 1}, wire::ToolStates{{other}});
+  EXPECT_FALSE(traffic.take_datagram(late, now_us));
+  EXPECT_FALSE(traffic.take_datagram(early, now_us));
+  push(1);
+  over_udp();
+  answer(4, true);
+  ServerWrench wrench;
+  ASSERT_TRUE(wrenches.read(wrench));
+  EXPECT_EQ(wrench.felt.force_n.x, 2.0);
+}
+
+TEST_F(TrafficDatagrams, ANewConnectionStartsOnTheWebSocket) {
+  take_over();
+  push(2);
+  over_udp();
+  traffic.begin(1, 1, now_us, true);
+  push(1);
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(over_web_socket(), (Numbers{3, 4, 5, 6})) << "behind the last answered sample";
+}
+
+}  // namespace
+}  // namespace kerf::agent
