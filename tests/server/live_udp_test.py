@@ -1,0 +1,292 @@
+"""The UDP lane of a real server, from a client that shares neither codec nor cipher with it."""
+import random
+import struct
+import time
+import unittest
+
+from datagram_client import Lane, NotAuthentic, aead_open, aead_seal, seal, unseal
+from live_server import LiveTest, Server
+from wire_client import PING, PONG, RESULT, Agent, header, motion_frame, parse_header, parse_result, sample
+
+GAP = 8
+
+
+def ping(time_us=7):
+    return header(PING, 8) + struct.pack("<Q", time_us)
+
+
+def counters(server):
+    """What /metrics says of datagrams."""
+    text = server.http.request("GET", "/metrics")[2].decode()
+    found = {}
+    for line in text.splitlines():
+        if line.startswith(("kerf_datagrams", "kerf_motion_gaps")):
+            name, value = line.rsplit(" ", 1)
+            found[name.replace('kerf_datagrams_dropped_total{reason="', "").replace('"}', "")] = float(value)
+    return found
+
+
+class UdpAgent(Agent):
+    """Places its tool over the WebSocket, as everybody must, and goes on over UDP."""
+
+    def __init__(self, port, session="block"):
+        super().__init__(port, session, udp=True)
+        self.lane = Lane(self.welcome["udp"])
+        self.move([(-10, 0, -2)])
+        self.result()
+
+    def samples(self, count):
+        """The next ones of a straight way along X."""
+        made = []
+        for _ in range(count):
+            self.sequence += 1
+            self.time_us += 1000
+            made.append(sample(self.sequence, self.time_us, (-10 + 0.1 * self.sequence, 0, -2)))
+        return made
+
+    def answer(self):
+        """The next result over UDP."""
+        while True:
+            frame = self.lane.receive()
+            if parse_header(frame)["type"] == RESULT:
+                return parse_result(frame[32:])
+
+    def is_silent(self):
+        """A ping goes out behind what was sent, and its pong is the next that comes."""
+        self.lane.send(ping(99))
+        frame = self.lane.receive()
+        return parse_header(frame)["type"] == PONG and struct.unpack("<Q", frame[32:40])[0] == 99
+
+    def close(self):
+        if hasattr(self, "lane"):
+            self.lane.close()
+        super().close()
+
+
+class Cipher(unittest.TestCase):
+    """The cipher of these tests is that of RFC 8439, 2.8.2."""
+
+    def test_example_of_the_rfc(self):
+        key = bytes(range(0x80, 0xA0))
+        nonce = bytes.fromhex("070000004041424344454647")
+        head = bytes.fromhex("50515253c0c1c2c3c4c5c6c7")
+        text = (b"Ladies and Gentlemen of the class of '99: If I could offer you only one tip for the "
+                b"future, sunscreen would be it.")
+        sealed = aead_seal(key, nonce, head, text)
+        self.assertEqual(sealed[:16].hex(), "d31a8d34648e60db7b86afbc53ef7ec2")
+        self.assertEqual(sealed[-16:].hex(), "1ae10b594f09e26a7e902ecbd0600691")
+        self.assertEqual(aead_open(key, nonce, head, sealed), text)
+        with self.assertRaises(NotAuthentic):
+            aead_open(key, nonce, head, sealed[:-1] + bytes([sealed[-1] ^ 1]))
+
+
+class Offer(LiveTest):
+    def test_only_who_asks_is_offered_and_each_gets_keys_of_its_own(self):
+        self.assertNotIn("udp", Agent(self.port, "block").welcome)
+        self.assertNotIn("udp", Agent(self.port, "block", udp=False).welcome)
+        offers = [Agent(self.port, "block", udp=True).welcome["udp"] for _ in range(3)]
+        self.assertEqual({offer["port"] for offer in offers}, {self.port})
+        for field in ("connection", "key_to_server", "key_to_agent"):
+            self.assertEqual(len({offer[field] for offer in offers}), 3)
+        self.assertNotEqual(offers[0]["key_to_server"], offers[0]["key_to_agent"])
+
+    def test_a_wish_that_is_none_is_refused(self):
+        agent = Agent(self.port, "block", hello=False)
+        agent.send_json({"type": "hello", "name": "Ada", "udp": "yes"})
+        self.assertEqual(agent.receive_json("error")["code"], "bad_message")
+
+    def test_off_means_off(self):
+        other = Server(self.folder.name + "/off", "--udp", "off")
+        try:
+            other.create()
+            self.assertNotIn("udp", Agent(other.port, "block", udp=True).welcome)
+        finally:
+            other.stop()
+
+    def test_a_port_of_its_own(self):
+        other = Server(self.folder.name + "/own", "--udp", "127.0.0.1:0")
+        try:
+            other.create()
+            agent = UdpAgent(other.port)
+            self.assertNotEqual(agent.lane.to[1], 0)
+            self.assertTrue(agent.is_silent())
+        finally:
+            other.stop()
+
+    def test_keys_end_with_their_web_socket(self):
+        agent = UdpAgent(self.port)
+        self.assertTrue(agent.is_silent())
+        agent.socket.shutdown(2)
+        while any(who["name"] == "Ada" for who in self.server.info()["participants"]):
+            time.sleep(0.01)
+        before = counters(self.server)["unknown_connection"]
+        agent.lane.send(ping())
+        while counters(self.server)["unknown_connection"] == before:
+            time.sleep(0.01)
+        self.assertIsNone(agent.lane.receive(timeout=0.2))
+
+
+class Motions(LiveTest):
+    def carve_over_web_socket(self, count):
+        """The same way on another block; gives its hash."""
+        self.server.create("other")
+        agent = Agent(self.port, "other")
+        agent.move([(-10, 0, -2)])
+        for n in range(2, count + 1):
+            agent.move([(-10 + 0.1 * n, 0, -2)])
+        agent.result()
+        return self.server.hash("other")
+
+    def test_samples_are_cut_and_answered_over_udp(self):
+        agent = UdpAgent(self.port)
+        for n in range(60):
+            agent.lane.send(motion_frame(agent.samples(1)))
+            result = agent.answer()
+            self.assertEqual((result["agent_sequence"], result["motions"]), (n + 2, n + 1))
+        self.assertGreater(result["area"], 1)
+        self.assertLess(result["fx"], 0)
+        self.assertEqual(self.server.hash(), self.carve_over_web_socket(61))
+
+    def test_nothing_is_cut_across_a_gap(self):
+        agent = UdpAgent(self.port)
+        first, lost, later = agent.samples(4), agent.samples(20), agent.samples(4)
+        agent.lane.send(motion_frame(first))
+        force = agent.answer()["fx"]
+        before = self.server.hash()
+        for _ in range(3):
+            agent.lane.send(motion_frame(later))
+            result = agent.answer()
+            self.assertEqual((result["agent_sequence"], result["status"] & GAP), (5, GAP))
+            self.assertEqual(result["fx"], force, "the answer from before the gap")
+        self.assertEqual(self.server.hash(), before)
+        self.assertEqual(counters(self.server)["kerf_motion_gaps_total"], 3)
+        # The agent goes back: what was lost, and then everything that follows, partly known.
+        agent.lane.send(motion_frame(lost[:16]))
+        self.assertEqual(agent.answer()["agent_sequence"], 21)
+        agent.lane.send(motion_frame(lost[12:] + later))
+        result = agent.answer()
+        self.assertEqual((result["agent_sequence"], result["status"] & GAP), (29, 0))
+        self.assertEqual(result["motions"], 28)
+        self.assertEqual(self.server.hash(), self.carve_over_web_socket(29))
+
+    def test_repetitions_and_old_datagrams_change_nothing(self):
+        agent = UdpAgent(self.port)
+        batches = [agent.samples(2) for _ in range(5)]
+        for batch in batches:
+            agent.lane.send(motion_frame(batch))
+            newest = agent.answer()
+        before = self.server.hash()
+        for batch in reversed(batches):
+            agent.lane.send(motion_frame(batch))
+            result = agent.answer()
+            self.assertEqual(result["agent_sequence"], 11)
+            self.assertEqual(result["fx"], newest["fx"], "in place of an answer that was lost")
+        self.assertEqual((self.server.hash(), self.server.info()["motions"]), (before, 10))
+
+    def test_where_an_agent_begins_is_said_over_the_web_socket(self):
+        agent = Agent(self.port, "block", udp=True)
+        lane = Lane(agent.welcome["udp"])
+        lane.send(motion_frame([sample(1, 1000, (-10, 0, -2)), sample(2, 2000, (-9, 0, -2))]))
+        result = parse_result(lane.receive()[32:])
+        self.assertEqual((result["agent_sequence"], result["status"] & GAP), (0, GAP))
+        self.assertEqual(self.server.info()["motions"], 0)
+        lane.close()
+
+    def test_both_lanes_tell_one_story(self):
+        agent = UdpAgent(self.port)
+        rng = random.Random(5)
+        for _ in range(40):
+            batch = agent.samples(rng.randint(1, 4))
+            lanes = rng.choice([(True,), (False,), (True, False), (False, True)])
+            for udp in lanes:
+                if udp:
+                    agent.lane.send(motion_frame(batch))
+                    self.assertEqual(agent.answer()["agent_sequence"], agent.sequence)
+                else:
+                    agent.send_binary(motion_frame(batch))
+                    agent.result()
+        self.assertEqual(self.server.info()["motions"], agent.sequence - 1)
+        self.assertEqual(self.server.hash(), self.carve_over_web_socket(agent.sequence))
+
+
+class Strangers(LiveTest):
+    """Who cannot seal gets no answer, changes nothing, and is counted."""
+
+    def test_an_agent_that_moves_is_followed_by_its_newest_datagram_only(self):
+        agent = UdpAgent(self.port)
+        old = agent.lane.sealed(ping(1))
+        self.assertTrue(agent.is_silent())
+        stranger = Lane(agent.welcome["udp"])
+        stranger.send_raw(old)  # held back by somebody, and sent from elsewhere
+        self.assertIsNotNone(agent.lane.receive(), "the answer goes where the agent was last")
+        self.assertIsNone(stranger.receive(timeout=0.2))
+        agent.lane.move()
+        self.assertTrue(agent.is_silent())
+        agent.lane.send(motion_frame(agent.samples(2)))
+        self.assertEqual(agent.answer()["agent_sequence"], 3)
+        stranger.close()
+
+    def test_tampering_and_nonsense(self):
+        agent = UdpAgent(self.port)
+        offer = agent.welcome["udp"]
+        frame = motion_frame(agent.samples(1))
+        good = agent.lane.sealed(frame)
+        wrong = [b"", b"\0", good[:16], good[:32], good[:-1], good + b"\0", good + bytes(1400)]
+        for at in range(len(good)):
+            wrong.append(good[:at] + bytes([good[at] ^ 1 << at % 8]) + good[at + 1:])
+        wrong.append(seal(agent.lane.key_in, offer["connection"], 50, frame))  # the other direction's
+        wrong.append(seal(agent.lane.key_out, offer["connection"] ^ 1, 51, frame))
+        rng = random.Random(1)
+        for size in (1, 33, 40, 200, 1200, 1201, 1500):
+            wrong.append(rng.randbytes(size))
+            wrong.append((good[:16] + rng.randbytes(size))[:1472])
+        before, hash_before = counters(self.server), self.server.hash()
+        for datagram in wrong:
+            agent.lane.send_raw(datagram)
+        self.assertTrue(agent.is_silent(), "not a word about any of them")
+        after = counters(self.server)
+        reasons = ("malformed", "unknown_connection", "not_authentic", "replayed")
+        self.assertEqual(sum(after[r] - before[r] for r in reasons), len(wrong))
+        for reason in reasons[:3]:
+            self.assertGreater(after[reason], before[reason])
+        self.assertEqual(self.server.hash(), hash_before)
+        # And none of it has spoilt the true one, which has waited.
+        agent.lane.send_raw(good)
+        self.assertEqual(agent.answer()["agent_sequence"], 2)
+
+    def test_a_replay_is_dropped(self):
+        agent = UdpAgent(self.port)
+        datagram = agent.lane.sealed(motion_frame(agent.samples(1)))
+        for _ in range(20):
+            agent.lane.send_raw(datagram)
+        self.assertEqual(agent.answer()["agent_sequence"], 2)
+        self.assertTrue(agent.is_silent())
+        self.assertEqual(counters(self.server)["replayed"], 19)
+
+    def test_sealed_nonsense_is_a_mistake_like_any_other(self):
+        agent = UdpAgent(self.port)
+        for frame in (b"x", bytes(40), motion_frame(agent.samples(1))[:-8], header(77, 0)):
+            agent.lane.send(frame)
+        self.assertTrue(agent.is_silent())
+        for _ in range(3):
+            self.assertEqual(agent.receive_json("error")["code"], "bad_frame")
+
+    def test_a_flood_is_bounded_and_the_others_go_on(self):
+        agent, other = UdpAgent(self.port), Agent(self.port, "block", "Grace")
+        datagrams = [agent.lane.sealed(ping(n)) for n in range(4000)]
+        for n, datagram in enumerate(datagrams):
+            agent.lane.send_raw(datagram)
+            agent.lane.send_raw(datagram)
+            if n % 100 == 0:
+                other.move([(5 + 0.01 * n, 5, -1)])
+                other.result()
+        while not counters(self.server)["replayed"]:
+            time.sleep(0.01)
+        self.assertEqual(self.server.http.json("GET", "/v1/sessions/block")[0], 200)
+        agent.lane.move()
+        while agent.lane.receive(timeout=0.05) is None:
+            agent.lane.send(ping(99))
+
+
+if __name__ == "__main__":
+    unittest.main()
