@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
+#include "kernel/dexel/tile_columns.h"
 #include "kernel/dexel/triangle_mesh.h"
 #include "kernel/force/contact_plane.h"
 #include "kernel/force/force_settings.h"
@@ -79,6 +80,13 @@ struct CuttingModel {
   Vec3 center_mm;               ///< volume centre of what was removed
 };
 
+/// A tile of one of the fields.
+struct FieldTile {
+  RayAxis axis = RayAxis::kZ;
+  TileIndex tile;
+  friend constexpr auto operator<=>(const FieldTile&, const FieldTile&) = default;
+};
+
 struct MotionResult {
   MotionKind kind = MotionKind::kRest;
   Wrench wrench;     ///< cutting + collision
@@ -88,6 +96,7 @@ struct MotionResult {
   double removed_mm3 = 0;         ///< of three fields: direction-weighted (kernel/README.md)
   std::uint32_t sub_motions = 0;  ///< cuts made, in all fields together
   std::vector<TileIndex> changed_tiles;  ///< whose surface changed; sorted, without duplicates
+  std::vector<FieldTile> cut_tiles;  ///< that lost something, in any field; repeats are possible
 };
 
 enum class SculptureErrorCode {
@@ -155,7 +164,14 @@ class Sculpture {
   const DexelGrid& grid() const;      ///< of the field along Z
   const Tool* tool(ToolId id) const;  ///< null if not defined
   /// Whether there are rays along this axis.
-  bool has_field(RayAxis axis) const;
+  bool has_field(RayAxis axis) const { return field(axis) != nullptr; }
+  /// The field along an axis as it is now, whose normals may be owed still (snapshot pays them);
+  /// null where there is none.
+  const DexelField* field(RayAxis axis) const;
+  /// Takes from a tile what another copy of the block lacks (tile_columns.h). That is no motion: it
+  /// counts in no volume and gives no force. Nothing happens to a tile that is not in the block.
+  /// Normals of ends that this makes are the stock's, so it is for blocks that keep none.
+  void keep_common(FieldTile at, const TileColumns& other);
   /// A picture of one field as it is now; O(tiles), copies no column. The field must exist.
   DexelSnapshot snapshot(RayAxis axis = RayAxis::kZ);
   /// A picture of all fields.

@@ -20,6 +20,9 @@ struct DexelGrid {
   RayAxis axis = RayAxis::kZ;      ///< of the world: where the frame's Z points
   std::int32_t tiles_x() const { return (columns_x + kTileSide - 1) / kTileSide; }
   std::int32_t tiles_y() const { return (columns_y + kTileSide - 1) / kTileSide; }
+  bool has(TileIndex tile) const {
+    return tile.x >= 0 && tile.y >= 0 && tile.x < tiles_x() && tile.y < tiles_y();
+  }
   double x_mm(std::int32_t i) const { return origin_mm.x + (i + 0.5) * pitch_mm; }
   double y_mm(std::int32_t j) const { return origin_mm.y + (j + 0.5) * pitch_mm; }
   double z_mm(std::int32_t depth) const { return origin_mm.z + depth * z_quantum_mm; }
