@@ -29,6 +29,8 @@ using Clock = std::chrono::steady_clock;
 /// A peer that keeps making mistakes is told of this many per second; all are counted.
 constexpr double kErrorsPerS = 20;
 constexpr double kErrorsBurst = 50;
+/// An agent's copy of the block hears of what others cut this often, if there is anything to hear.
+constexpr std::chrono::milliseconds kStockInterval{20};
 
 class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
  public:
@@ -52,6 +54,8 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   }
 
  private:
+  enum class Leaving : std::uint8_t { kNothing, kResult, kFelt, kControl, kStock };
+
   asio::awaitable<void> run(UpgradeRequest request);
   void limit_hello();
   void on_event(const SessionEvent& event);
@@ -70,9 +74,11 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   void refuse(const Refusal& refusal, bool fatal = false);
   void say(std::string text);
   void say_pong(const wire::Ping& ping);
+  void say_stock();
   void finish();
   void pump();
-  void written(error_code error, bool was_result);
+  Leaving next_to_leave() const;
+  void written(error_code error, Leaving what);
 
   std::shared_ptr<Session> session_;
   Context& context_;
@@ -91,6 +97,9 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   std::array<std::byte, wire::kHeaderBytes + wire::kListHeadBytes + wire::kToolStateBytes> felt_{},
       felt_out_{};
   bool has_felt_ = false;
+  std::vector<std::byte> stock_;  ///< the stock frame on its way
+  Clock::time_point stock_due_;
+  bool has_stock_ = false;
   std::uint64_t felts_ = 0;
   std::uint64_t results_ = 0, pongs_ = 0;
   std::deque<std::pair<std::string, bool>> control_;  ///< bytes, and whether they are text
@@ -159,6 +168,9 @@ void AgentSocket::on_control(std::string_view text) {
   if (!message) return refuse(message.error());
   if (const auto* hello = std::get_if<HelloMessage>(&*message)) return on_hello(*hello);
   if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+  if (std::holds_alternative<StockMessage>(*message)) {
+    return session_->start_stock_afresh(self_->id);
+  }
   const auto* tool = std::get_if<ToolMessage>(&*message);
   if (tool == nullptr) return refuse({wire::ErrorCode::kBadMessage, "only a viewer looks"});
   const auto chosen = session_->choose_tool(self_->id, tool->tool);
@@ -167,8 +179,9 @@ void AgentSocket::on_control(std::string_view text) {
 
 void AgentSocket::on_hello(const HelloMessage& hello) {
   if (self_) return refuse({wire::ErrorCode::kBadMessage, "hello was said before"});
-  JoinRequest request{
-      ParticipantKind::kAgent, hello.name, hello.color, hello.tool, hello.feel, hello.feel_of};
+  const JoinRequest request{
+      ParticipantKind::kAgent, hello.name, hello.color, hello.tool, hello.feel,
+      hello.feel_of,           hello.stock};
   const auto joined = session_->join(request);
   if (!joined) {
     const bool fatal = joined.error().code == wire::ErrorCode::kBusy;
@@ -194,6 +207,10 @@ void AgentSocket::on_binary(std::span<const std::byte> frame, Clock::time_point 
   if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
     return on_motion(*batch, arrived);
   }
+  if (std::holds_alternative<wire::Ack>(message->body)) {
+    if (self_ && session_->ack_stock(self_->id, message->header.stamp.sequence)) return;
+    return refuse({wire::ErrorCode::kBadSequence, "no such stock frame was sent"});
+  }
   const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||
                        std::holds_alternative<wire::Pong>(message->body);
   if (!skipped) refuse({wire::ErrorCode::kBadMessage, "an agent does not send such frames"});
@@ -211,6 +228,7 @@ void AgentSocket::on_motion(const wire::MotionBatch& batch, Clock::time_point ar
                  felt_);
     has_felt_ = true;
   }
+  say_stock();
   pump();
 }
 
@@ -259,6 +277,8 @@ void AgentSocket::on_datagram_motion(const wire::MotionBatch& batch, Clock::time
     const MotionAnswer answer = apply(batch, arrived);
     if (answer.felt) send_datagram(++felts_, wire::ToolStates{{*answer.felt}});
     send_datagram(++results_, answer.result);
+    say_stock();
+    pump();
     context_.metrics.motion_answered(std::chrono::duration<double>(Clock::now() - arrived).count());
     return;
   }
@@ -275,6 +295,18 @@ void AgentSocket::send_datagram(std::uint64_t sequence, const Body& body) {
   std::array<std::byte, datagram::kMaxFrameBytes> frame;
   const std::size_t bytes = wire::encode({session_->epoch(), sequence, clock_us()}, body, frame);
   udp_->send(std::span(frame).first(bytes));
+}
+
+/// Asks for what the agent's copy of the block lacks, while nothing of it is on its way.
+void AgentSocket::say_stock() {
+  const auto now = Clock::now();
+  if (has_stock_ || now < stock_due_) return;
+  stock_due_ = now + kStockInterval;
+  const auto news = session_->stock_news(self_->id);
+  if (!news) return;
+  stock_.clear();
+  wire::append(stock_, {session_->epoch(), news->sequence, clock_us()}, news->patch());
+  has_stock_ = true;
 }
 
 void AgentSocket::refuse(const Refusal& refusal, bool fatal) {
@@ -308,50 +340,61 @@ void AgentSocket::finish() {
   pump();
 }
 
+/// What leaves next: a wrench before all else, the block's columns last.
+AgentSocket::Leaving AgentSocket::next_to_leave() const {
+  if (has_result_ && !finishing_) return Leaving::kResult;
+  if (has_felt_ && !finishing_) return Leaving::kFelt;
+  if (!control_.empty()) return Leaving::kControl;
+  if (has_stock_ && !finishing_) return Leaving::kStock;
+  return Leaving::kNothing;
+}
+
 void AgentSocket::pump() {
   if (writing_ || broken_) return;
-  const bool result = has_result_ && !finishing_;
-  const bool felt = !result && has_felt_ && !finishing_;
-  if (!result && !felt && control_.empty()) {
-    if (!finishing_) return;
-    writing_ = true;
+  const Leaving what = next_to_leave();
+  if (what == Leaving::kNothing && !finishing_) return;
+  writing_ = true;
+  if (what == Leaving::kNothing) {
     socket_.async_close(beast::websocket::close_code::going_away,
                         [self = shared_from_this()](error_code) {});
     return;
   }
-  writing_ = true;
-  auto done = [self = shared_from_this(), result](error_code error, std::size_t) {
-    self->written(error, result);
+  socket_.binary(true);
+  auto done = [self = shared_from_this(), what](error_code error, std::size_t) {
+    self->written(error, what);
   };
-  if (result) {
-    has_result_ = false;
-    out_ = result_;
-    out_arrived_ = result_arrived_;
-    socket_.binary(true);
-    socket_.async_write(asio::buffer(out_, result_bytes_), std::move(done));
-  } else if (felt) {
-    has_felt_ = false;
-    felt_out_ = felt_;
-    socket_.binary(true);
-    socket_.async_write(asio::buffer(felt_out_), std::move(done));
-  } else {
-    control_out_ = std::move(control_.front());
-    control_.pop_front();
-    socket_.text(control_out_.second);
-    socket_.async_write(asio::buffer(control_out_.first), std::move(done));
+  switch (what) {
+    case Leaving::kResult:
+      has_result_ = false;
+      out_ = result_;
+      out_arrived_ = result_arrived_;
+      return socket_.async_write(asio::buffer(out_, result_bytes_), std::move(done));
+    case Leaving::kFelt:
+      has_felt_ = false;
+      felt_out_ = felt_;
+      return socket_.async_write(asio::buffer(felt_out_), std::move(done));
+    case Leaving::kControl:
+      control_out_ = std::move(control_.front());
+      control_.pop_front();
+      socket_.text(control_out_.second);
+      return socket_.async_write(asio::buffer(control_out_.first), std::move(done));
+    case Leaving::kStock:
+    case Leaving::kNothing:
+      return socket_.async_write(asio::buffer(stock_), std::move(done));
   }
 }
 
-void AgentSocket::written(error_code error, bool was_result) {
+void AgentSocket::written(error_code error, Leaving what) {
   writing_ = false;
   if (error) {
     broken_ = true;
     return;
   }
-  if (was_result) {
+  if (what == Leaving::kResult) {
     context_.metrics.motion_answered(
         std::chrono::duration<double>(Clock::now() - out_arrived_).count());
   }
+  if (what == Leaving::kStock) has_stock_ = false;
   pump();
 }
 

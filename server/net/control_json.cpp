@@ -51,6 +51,10 @@ std::expected<ControlMessage, Refusal> parse_hello(const Json& object) {
     if (!feel->is_boolean()) return std::unexpected(bad_field("feel", "is not true or false"));
     hello.feel = feel->get<bool>();
   }
+  if (const auto stock = object.find("stock"); stock != object.end()) {
+    if (!stock->is_boolean()) return std::unexpected(bad_field("stock", "is not true or false"));
+    hello.stock = stock->get<bool>();
+  }
   if (const auto other = object.find("feel_of"); other != object.end()) {
     if (!other->is_number_unsigned() || other->get<std::uint64_t>() > UINT32_MAX) {
       return std::unexpected(bad_field("feel_of", "is not the number of a participant"));
@@ -150,13 +154,16 @@ std::expected<ControlMessage, Refusal> parse_control(std::string_view frame) {
     return ToolMessage{*tool};
   }
   if (*type == wire::kTypeLook) return parse_look(object);
-  return std::unexpected(Refusal{wire::ErrorCode::kBadMessage,
-                                 "\"type\" is none of \"hello\", \"tool\" and \"look\""});
+  if (*type == wire::kTypeStock) return StockMessage{};
+  return std::unexpected(
+      Refusal{wire::ErrorCode::kBadMessage,
+              "\"type\" is none of \"hello\", \"tool\", \"look\" and \"stock\""});
 }
 
 std::string agent_welcome(const Session& session, const Participant& self,
                           const SessionLimits& limits, const datagram::Offer* udp) {
   Json json = welcome(session, self);
+  json["accuracy"] = Json::parse(accuracy_json(session.scene()));
   json["rate_hz"] = wire::kMotionRateHz;
   json["limits"] = {{"samples_per_message", wire::kMaxSamplesPerMotion},
                     {"speed_mm_per_s", limits.speed_mm_per_s},

@@ -20,6 +20,7 @@ struct HelloMessage {
   bool feel = true;
   ParticipantId feel_of = 0;  ///< whose force to send along; 0: nobody's
   bool udp = false;           ///< offer the UDP lane
+  bool stock = false;         ///< wants stock frames
 };
 struct ToolMessage {
   ToolId tool = 0;
@@ -28,7 +29,9 @@ struct ToolMessage {
 struct LookMessage {
   ViewerLook look;
 };
-using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage>;
+/// Stock frames are to begin afresh.
+struct StockMessage {};
+using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, StockMessage>;
 
 /// Reads one text frame. Unknown fields are skipped; errors are bad_json (no JSON object) or
 /// bad_message (with the field).

@@ -27,6 +27,7 @@ struct JoinRequest {
   ToolId tool = 0;
   bool feel = true;           ///< false: no force is computed for this participant
   ParticipantId feel_of = 0;  ///< whose force to answer beside its own; 0: nobody's
+  bool stock = false;         ///< keeps a copy of the block near its tool (StockFeed)
 };
 
 }  // namespace kerf

@@ -81,6 +81,7 @@ std::expected<Participant, Refusal> Session::join(const JoinRequest& request) {
   if (seat.who.color.empty()) seat.who.color = kColors[(seat.who.id - 1) % kColors.size()];
   seat.feel = request.feel;
   seat.feel_of = request.feel_of;
+  if (request.stock) seat.stock.emplace();
   seat.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
   // Viewers come and go and leave no trace in the block: the journal names only those who may
   // carve.
@@ -121,6 +122,9 @@ std::expected<MotionResult, Refusal> Session::carve(ParticipantId who, const Mov
   if (!result) return std::unexpected(to_refusal(result.error()));
   motions_applied_.fetch_add(1, std::memory_order_relaxed);
   changed_.insert(result->changed_tiles.begin(), result->changed_tiles.end());
+  for (auto& [id, seat] : seats_) {
+    if (id != who && seat.stock) seat.stock->note_cut(result->cut_tiles);
+  }
   // Rays along X and Y may lose something where those along Z, which viewers see, do not.
   if (result->removed_mm3 > 0) {
     changed_sequence_ = sequence();
@@ -166,6 +170,10 @@ MotionAnswer Session::move(ParticipantId id, std::span<const wire::MotionSample>
   BatchSum sum;
   for (const wire::MotionSample& sample : samples) {
     if (auto refusal = take_sample(seat, sample, sum)) answer.refusals.push_back(*refusal);
+  }
+  // Whoever keeps a copy has cut there what was refused here.
+  if (!answer.refusals.empty() && seat.stock) {
+    seat.stock->start_afresh();
   }
   wire::Result& result = answer.result;
   result.agent_sequence = seat.last_sequence;

@@ -14,6 +14,7 @@
 
 #include "server/convert/refusal.h"
 #include "server/convert/tool_track.h"
+#include "server/feed/stock_feed.h"
 #include "server/formats/scene.h"
 #include "server/session/executor.h"
 #include "server/session/participant.h"
@@ -104,6 +105,13 @@ class Session : public std::enable_shared_from_this<Session> {
   /// not stop the others.
   MotionAnswer move(ParticipantId id, std::span<const wire::MotionSample> samples);
 
+  /// For a participant that keeps a copy of the block near its tool: what it lacks, if anything.
+  std::optional<StockNews> stock_news(ParticipantId id);
+  /// It has every patch up to this one; false for one that was never sent.
+  bool ack_stock(ParticipantId id, std::uint64_t sequence);
+  /// Its copy is wrong: the next patch begins a new one. Nothing for whoever keeps none.
+  void start_stock_afresh(ParticipantId id);
+
   /// Carves a program as one more participant.
   std::expected<ProgramStatus, Refusal> start_program(Program program, ProgramPace pace);
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
@@ -139,6 +147,7 @@ class Session : public std::enable_shared_from_this<Session> {
     RateLimit samples{0, 0};
     wire::ToolState state;
     Clock::time_point state_at{};
+    std::optional<StockFeed> stock;  ///< of one who keeps a copy of the block
   };
 
   std::optional<Refusal> take_sample(Seat& seat, const wire::MotionSample& sample, BatchSum& sum);

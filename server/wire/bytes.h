@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
@@ -29,6 +30,11 @@ class ByteWriter {
   template <typename T, std::size_t N>
   void field(const std::array<T, N>& values) noexcept {
     for (const T value : values) field(value);
+  }
+  void bytes(std::span<const std::byte> values) noexcept {
+    assert(at_ + values.size() <= out_.size());
+    std::ranges::copy(values, out_.begin() + static_cast<std::ptrdiff_t>(at_));
+    at_ += values.size();
   }
   /// Four bytes that mean nothing yet: written as zero.
   void reserved() noexcept { field(std::uint32_t{0}); }
@@ -68,6 +74,13 @@ class ByteReader {
   void reserved() noexcept {
     std::uint32_t skipped = 0;
     field(skipped);
+  }
+
+  /// The next so many bytes as they are.
+  std::span<const std::byte> bytes(std::size_t count) noexcept {
+    assert(at_ + count <= in_.size());
+    at_ += count;
+    return in_.subspan(at_ - count, count);
   }
 
   std::size_t at() const noexcept { return at_; }

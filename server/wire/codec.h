@@ -38,7 +38,7 @@ ErrorCode protocol_error(DecodeErrorCode code) noexcept;
 
 /// Reads one frame of at most `max_bytes`. Checks everything that does not need the session: sizes,
 /// counts, consecutive numbers, finite numbers, unit axes. Reads nothing outside `frame`; a
-/// MeshView points into it. Allocates only for ToolStates.
+/// MeshView and a StockPatch point into it. Allocates only for ToolStates and StockPatch.
 std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
                                            std::size_t max_bytes = kMaxServerFrameBytes);
 
@@ -54,6 +54,7 @@ std::size_t encoded_bytes(const ToolStates& states) noexcept;
 std::size_t encoded_bytes(const Ack& ack) noexcept;
 std::size_t encoded_bytes(const Ping& ping) noexcept;
 std::size_t encoded_bytes(const Pong& pong) noexcept;
+std::size_t encoded_bytes(const StockPatch& patch) noexcept;
 
 /// Each writes one frame to the start of `out`, which must hold encoded_bytes(body), and returns
 /// that number. Counts must be within limits.h. They neither allocate nor check the numbers
@@ -69,6 +70,9 @@ std::size_t encode(const FrameStamp& stamp, const ToolStates& states,
 std::size_t encode(const FrameStamp& stamp, const Ack& ack, std::span<std::byte> out) noexcept;
 std::size_t encode(const FrameStamp& stamp, const Ping& ping, std::span<std::byte> out) noexcept;
 std::size_t encode(const FrameStamp& stamp, const Pong& pong, std::span<std::byte> out) noexcept;
+
+std::size_t encode(const FrameStamp& stamp, const StockPatch& patch,
+                   std::span<std::byte> out) noexcept;
 
 /// The header of a mesh frame alone, for a sender that shares one buffer with the GLB among
 /// receivers.

@@ -97,6 +97,47 @@ std::expected<Result, DecodeError> decode_result(ByteReader& from,
   return result;
 }
 
+std::expected<StockPatch, DecodeError> decode_stock(ByteReader& from, std::size_t payload_bytes,
+                                                    std::uint8_t flags) {
+  const std::size_t start = from.at(), end = start + payload_bytes;
+  if (payload_bytes < kStockHeadBytes) {
+    return refuse(DecodeErrorCode::kTooShort, start, "the payload ends before its count");
+  }
+  StockPatch patch;
+  patch.afresh = (flags & kStockAfresh) != 0;
+  std::uint32_t count = 0;
+  from.field(patch.agent_time_us);
+  const std::size_t count_at = from.at();
+  from.field(count);
+  from.reserved();
+  if (count > kMaxStockTiles || count * kStockTileBytes > end - from.at()) {
+    return refuse(DecodeErrorCode::kBadCount, count_at, "the count is outside its limits");
+  }
+  patch.tiles.resize(count);
+  for (StockTile& tile : patch.tiles) {
+    const std::size_t tile_at = from.at();
+    std::uint32_t bytes = 0;
+    if (end - tile_at < kStockTileBytes) {
+      return refuse(DecodeErrorCode::kPayloadMismatch, tile_at, "the payload ends inside a tile");
+    }
+    from.field(tile.axis);
+    from.field(tile.x);
+    from.field(tile.y);
+    from.field(bytes);
+    if (tile.axis > 2) {
+      return refuse(DecodeErrorCode::kBadCount, tile_at, "there is no such axis");
+    }
+    if (bytes > end - from.at()) {
+      return refuse(DecodeErrorCode::kPayloadMismatch, tile_at, "the payload ends inside a tile");
+    }
+    tile.columns = from.bytes(bytes);
+  }
+  if (from.at() != end) {
+    return refuse(DecodeErrorCode::kPayloadMismatch, from.at(), "more follows the last tile");
+  }
+  return patch;
+}
+
 Ping decode_ping(ByteReader& from) noexcept {
   Ping ping;
   from.field(ping.time_us);
@@ -209,6 +250,9 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
       break;
     case MessageType::kPong:
       message->body = decode_pong(from);
+      break;
+    case MessageType::kStock:
+      keep(decode_stock(from, header->payload_bytes, header->flags));
       break;
   }
   return message;

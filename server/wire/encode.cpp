@@ -38,6 +38,12 @@ std::size_t encoded_bytes(const Ack&) noexcept { return kHeaderBytes; }
 std::size_t encoded_bytes(const Ping&) noexcept { return kHeaderBytes + kPingBytes; }
 std::size_t encoded_bytes(const Pong&) noexcept { return kHeaderBytes + kPongBytes; }
 
+std::size_t encoded_bytes(const StockPatch& patch) noexcept {
+  std::size_t bytes = kHeaderBytes + kStockHeadBytes;
+  for (const StockTile& tile : patch.tiles) bytes += kStockTileBytes + tile.columns.size();
+  return bytes;
+}
+
 std::size_t encode(const FrameStamp& stamp, const MotionBatch& batch,
                    std::span<std::byte> out) noexcept {
   assert(batch.count >= 1 && batch.count <= kMaxSamplesPerMotion);
@@ -98,6 +104,24 @@ std::size_t encode(const FrameStamp& stamp, const Pong& pong, std::span<std::byt
   ByteWriter to = start_frame(stamp, MessageType::kPong, 0, encoded_bytes(pong), out);
   to.field(pong.ping_time_us);
   to.field(pong.time_us);
+  return to.at();
+}
+
+std::size_t encode(const FrameStamp& stamp, const StockPatch& patch,
+                   std::span<std::byte> out) noexcept {
+  assert(patch.tiles.size() <= kMaxStockTiles);
+  ByteWriter to = start_frame(stamp, MessageType::kStock, patch.afresh ? kStockAfresh : 0,
+                              encoded_bytes(patch), out);
+  to.field(patch.agent_time_us);
+  to.field(static_cast<std::uint32_t>(patch.tiles.size()));
+  to.reserved();
+  for (const StockTile& tile : patch.tiles) {
+    to.field(tile.axis);
+    to.field(tile.x);
+    to.field(tile.y);
+    to.field(static_cast<std::uint32_t>(tile.columns.size()));
+    to.bytes(tile.columns);
+  }
   return to.at();
 }
 

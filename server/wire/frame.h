@@ -18,11 +18,15 @@ enum class MessageType : std::uint8_t {
   kAck = 5,
   kPing = 6,
   kPong = 7,
+  kStock = 8,
 };
 
 /// Flags of a mesh frame: it belongs to the first snapshot; it is the snapshot's last part.
 inline constexpr std::uint8_t kMeshSnapshot = 1;
 inline constexpr std::uint8_t kMeshSnapshotEnd = 2;
+
+/// Flag of a stock frame: StockPatch::afresh.
+inline constexpr std::uint8_t kStockAfresh = 1;
 
 /// What a sender chooses for each frame; the encoder fills in the rest of the header.
 struct FrameStamp {

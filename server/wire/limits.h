@@ -18,6 +18,8 @@ inline constexpr std::size_t kContactPlaneBytes = 56;
 inline constexpr std::size_t kToolStateBytes = 80;
 inline constexpr std::size_t kPingBytes = 8;
 inline constexpr std::size_t kPongBytes = 16;
+inline constexpr std::size_t kStockHeadBytes = 16;
+inline constexpr std::size_t kStockTileBytes = 16;
 
 inline constexpr std::uint32_t kMaxSamplesPerMotion = 16;
 inline constexpr std::uint32_t kMaxToolStates = 1024;
@@ -38,6 +40,10 @@ inline constexpr std::size_t kMaxNameBytes = 64;
 inline constexpr double kHelloTimeoutS = 5.0;
 /// Mesh frames that a viewer has not acknowledged and that may still be under way.
 inline constexpr std::uint32_t kMeshFramesInFlight = 2;
+/// Stock frames that an agent has not acknowledged and that may still be under way.
+inline constexpr std::uint32_t kStockFramesInFlight = 2;
+/// Tiles in one stock frame.
+inline constexpr std::uint32_t kMaxStockTiles = 4096;
 /// How far from 1 the length of a sample's axis may be.
 inline constexpr double kAxisLengthTolerance = 1e-3;
 /// Fastest motion of the tip that the server accepts (`limits.speed_mm_per_s`).

@@ -124,6 +124,25 @@ struct MeshView {
   std::span<const std::byte> glb;
 };
 
+/// What one tile of the block still holds, at most: an agent's copy keeps what both have. The bytes
+/// belong to the frame that was decoded and live as long as it does.
+struct StockTile {
+  /// Of the rays: 0 for X, 1 for Y, 2 for Z.
+  std::uint32_t axis = 2;
+  std::uint32_t x = 0, y = 0;
+  /// Columns as README.md says; none: nothing more than what is known of the tile already.
+  std::span<const std::byte> columns;
+};
+
+/// Tiles near an agent's tool.
+struct StockPatch {
+  /// Forget what came before: the block is as the welcome said, less what follows.
+  bool afresh = false;
+  /// The newest sample of this agent that is cut out of them, by the agent's clock; 0: none.
+  std::uint64_t agent_time_us = 0;
+  std::vector<StockTile> tiles;
+};
+
 struct Ack {
   bool operator==(const Ack&) const = default;
 };
@@ -146,7 +165,8 @@ struct UnknownBody {
 
 struct Message {
   FrameHeader header;
-  std::variant<MotionBatch, Result, MeshView, ToolStates, Ack, Ping, Pong, UnknownBody> body;
+  std::variant<MotionBatch, Result, MeshView, ToolStates, Ack, Ping, Pong, StockPatch, UnknownBody>
+      body;
 };
 
 }  // namespace kerf::wire

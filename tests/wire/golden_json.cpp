@@ -70,14 +70,25 @@ json describe_body(const ToolStates& states) {
   return {{"tools", tools}};
 }
 
-json describe_body(const MeshView& mesh) {
+std::string hex_of(std::span<const std::byte> bytes) {
   std::string hex;
-  for (const std::byte byte : mesh.glb) {
+  for (const std::byte byte : bytes) {
     std::array<char, 3> digits{};
     std::snprintf(digits.data(), digits.size(), "%02x", std::to_integer<unsigned>(byte));
     hex += digits.data();
   }
-  return {{"glb_hex", hex}};
+  return hex;
+}
+
+json describe_body(const MeshView& mesh) { return {{"glb_hex", hex_of(mesh.glb)}}; }
+
+json describe_body(const StockPatch& patch) {
+  json tiles = json::array();
+  for (const StockTile& tile : patch.tiles) {
+    tiles.push_back(
+        {{"axis", tile.axis}, {"x", tile.x}, {"y", tile.y}, {"columns_hex", hex_of(tile.columns)}});
+  }
+  return {{"afresh", patch.afresh}, {"agent_time_us", patch.agent_time_us}, {"tiles", tiles}};
 }
 
 json describe_body(const Ping& ping) { return {{"time_us", ping.time_us}}; }

@@ -19,7 +19,12 @@ function bytesOf(file: string): Uint8Array {
 /** What a frame holds in golden.json's words: u64 as numbers, a GLB as hexadecimal digits. */
 function bodyOf(frame: Frame): unknown {
   const { header: _header, kind: _kind, ...payload } = frame;
-  if (frame.kind === 'mesh') return { glb_hex: Buffer.from(frame.glb).toString('hex') };
+  const hex = (bytes: Uint8Array) => Buffer.from(bytes).toString('hex');
+  if (frame.kind === 'mesh') return { glb_hex: hex(frame.glb) };
+  if (frame.kind === 'stock') {
+    const tiles = frame.tiles.map(({ columns, ...tile }) => ({ ...tile, columns_hex: hex(columns) }));
+    return { afresh: frame.afresh, agent_time_us: Number(frame.agent_time_us), tiles };
+  }
   const plain = frame.kind === 'result' ? frame.result : payload;
   return JSON.parse(JSON.stringify(plain, (_key, value: unknown) => (typeof value === 'bigint' ? Number(value) : value)));
 }

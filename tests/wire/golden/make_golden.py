@@ -12,7 +12,8 @@ import struct
 
 HERE = pathlib.Path(__file__).parent
 MAGIC = 0x3146524B
-TYPES = {"motion": 1, "result": 2, "mesh": 3, "tools": 4, "ack": 5, "ping": 6, "pong": 7}
+TYPES = {"motion": 1, "result": 2, "mesh": 3, "tools": 4, "ack": 5, "ping": 6, "pong": 7,
+         "stock": 8}
 frames = []
 refused = []
 
@@ -70,6 +71,12 @@ def tool_bytes(t):
                        t["status"], *t["force_n"], *t["torque_nmm"], t["removed_rate_mm3_per_s"], 0)
 
 
+def stock_bytes(time_us, tiles, count=None):
+    head = struct.pack("<QII", time_us, len(tiles) if count is None else count, 0)
+    return head + b"".join(struct.pack("<4I", t["axis"], t["x"], t["y"], len(t["columns_hex"]) // 2)
+                           + bytes.fromhex(t["columns_hex"]) for t in tiles)
+
+
 def sample(number, x):
     return {"agent_sequence": number, "time_us": (1 << 36) + 1000 * number,
             "tip_mm": [x, -12.3456789012345, 1e-9], "axis": [0.0, 0.6000000238418579, 0.800000011920929],
@@ -95,6 +102,9 @@ tools = [
      "status": 2, "force_n": [0.0, 0.0, 0.0], "torque_nmm": [0.0, 0.0, 0.0],
      "removed_rate_mm3_per_s": 0.0}]
 
+tiles = [{"axis": 2, "x": 3, "y": 70000, "columns_hex": "0500c80182018c1f" + "06" * 16},
+         {"axis": 0, "x": 0, "y": 0, "columns_hex": ""}]
+
 two = [sample(41, 0.1), sample(42, 0.2)]
 sixteen = [sample(100 + i, i * 0.1) for i in range(16)]
 keep("motion_two", "motion", {"samples": two}, motion_bytes(two))
@@ -109,6 +119,9 @@ keep("ack", "ack", {}, b"", sequence=12)
 keep("ping", "ping", {"time_us": (1 << 52) + 1}, struct.pack("<Q", (1 << 52) + 1))
 keep("pong", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
      struct.pack("<QQ", (1 << 52) + 1, 99))
+keep("stock_two", "stock", {"afresh": False, "agent_time_us": (1 << 36) + 5, "tiles": tiles},
+     stock_bytes((1 << 36) + 5, tiles))
+keep("stock_afresh", "stock", {"afresh": True, "agent_time_us": 0, "tiles": []}, stock_bytes(0, []), flags=1)
 keep("longer_header", "ping", {"time_us": 5}, struct.pack("<Q", 5), header_bytes=48, extra=b"\xee" * 16)
 keep("unknown_type", 200, {}, b"\x01\x02\x03")
 
@@ -146,6 +159,12 @@ refuse("result_plane_nan", "not_finite", 176,
        header(2, result_bytes({**result, "planes": [{**planes[0], "normal": [nan, 0.0, 0.0]}]})))
 refuse("tools_tip_inf", "not_finite", 48,
        header(4, struct.pack("<II", 1, 0) + tool_bytes({**tools[0], "tip_mm": [-inf, 0.0, 0.0]})))
+refuse("stock_without_count", "too_short", 32, header(8, bytes(15)))
+refuse("stock_count_huge", "bad_count", 40, header(8, stock_bytes(1, tiles, count=4097)))
+refuse("stock_count_lies", "payload_mismatch", 88, header(8, stock_bytes(1, tiles, count=1)))
+refuse("stock_count_over", "payload_mismatch", 104, header(8, stock_bytes(1, tiles, count=3)))
+refuse("stock_axis_three", "bad_count", 48, header(8, stock_bytes(1, [{**tiles[0], "axis": 3}])))
+refuse("stock_tile_cut", "payload_mismatch", 48, header(8, stock_bytes(1, tiles[:1])[:-1]))
 refuse("ack_with_payload", "payload_mismatch", 8, header(5, b"\0"))
 refuse("ping_empty", "payload_mismatch", 8, header(6, b""))
 refuse("pong_short", "payload_mismatch", 8, header(7, bytes(8)))

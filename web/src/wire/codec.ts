@@ -4,9 +4,10 @@
 import { Reader, Writer } from './cursor';
 import {
   AXIS_LENGTH_TOLERANCE, CONTACT_PLANE_BYTES, CONTACT_PLANES_MAX, FrameType, HEADER_BYTES, HEADER_BYTES_MAX,
-  LIST_HEAD_BYTES, MAGIC, RESULT_BYTES, SAMPLE_BYTES, SAMPLES_PER_MESSAGE_MAX, TOOL_STATE_BYTES, TOOL_STATES_MAX,
+  LIST_HEAD_BYTES, MAGIC, RESULT_BYTES, SAMPLE_BYTES, SAMPLES_PER_MESSAGE_MAX, STOCK_AFRESH, STOCK_HEAD_BYTES,
+  STOCK_TILE_BYTES, STOCK_TILES_MAX, TOOL_STATE_BYTES, TOOL_STATES_MAX,
 } from './types';
-import type { ContactPlane, Decoded, DecodeError, Frame, Header, Payload, Result, Sample, ToolState } from './types';
+import type { ContactPlane, Decoded, DecodeError, Frame, Header, Payload, Result, Sample, StockTile, ToolState } from './types';
 
 type Failure = { ok: false; error: DecodeError };
 
@@ -177,11 +178,43 @@ function readTools(from: Reader, bytes: number): Decoded<Payload> {
   return notFinite(from) ?? { ok: true, value: { kind: 'tools', tools } };
 }
 
+function readStock(from: Reader, bytes: number, flags: number): Decoded<Payload> {
+  const start = from.at;
+  const end = start + bytes;
+  if (bytes < STOCK_HEAD_BYTES) return refuse('too_short', start, 'the payload ends before its count');
+  const agent_time_us = from.u64();
+  const count = from.u32();
+  from.u32(); // reserved
+  if (count > STOCK_TILES_MAX || count * STOCK_TILE_BYTES > end - from.at) {
+    return refuse('bad_count', start + 8, `${count} tiles`);
+  }
+  const tiles: StockTile[] = [];
+  for (let i = 0; i < count; ++i) {
+    const at = from.at;
+    if (end - at < STOCK_TILE_BYTES) return refuse('payload_mismatch', at, 'the payload ends inside a tile');
+    const tile = { axis: from.u32(), x: from.u32(), y: from.u32() };
+    const columnBytes = from.u32();
+    if (tile.axis > 2) return refuse('bad_count', at, `there is no axis ${tile.axis}`);
+    if (columnBytes > end - from.at) return refuse('payload_mismatch', at, 'the payload ends inside a tile');
+    tiles.push({ ...tile, columns: from.bytes(columnBytes) });
+  }
+  if (from.at !== end) return refuse('payload_mismatch', from.at, 'more follows the last tile');
+  return { ok: true, value: { kind: 'stock', afresh: (flags & STOCK_AFRESH) !== 0, agent_time_us, tiles } };
+}
+
+function writeStockTile(to: Writer, tile: StockTile): void {
+  to.u32(tile.axis);
+  to.u32(tile.x);
+  to.u32(tile.y);
+  to.u32(tile.columns.byteLength);
+  to.bytes(tile.columns);
+}
+
 const FIXED_BYTES = new Map<number, number>([
   [FrameType.Ack, 0], [FrameType.Ping, 8], [FrameType.Pong, 16],
 ]);
 
-function readPayload(view: DataView, type: number, at: number, bytes: number): Decoded<Payload> {
+function readPayload(view: DataView, type: number, flags: number, at: number, bytes: number): Decoded<Payload> {
   const fixed = FIXED_BYTES.get(type);
   if (fixed !== undefined && fixed !== bytes) {
     return refuse('payload_mismatch', 8, `type ${type} needs ${fixed} payload bytes, not ${bytes}`);
@@ -193,6 +226,7 @@ function readPayload(view: DataView, type: number, at: number, bytes: number): D
     case FrameType.Mesh:
       return { ok: true, value: { kind: 'mesh', glb: new Uint8Array(view.buffer, view.byteOffset + at, bytes) } };
     case FrameType.Result: return readResult(from, bytes);
+    case FrameType.Stock: return readStock(from, bytes, flags);
     case FrameType.Ack: return { ok: true, value: { kind: 'ack' } };
     case FrameType.Ping: return { ok: true, value: { kind: 'ping', time_us: from.u64() } };
     case FrameType.Pong:
@@ -224,7 +258,7 @@ export function decodeFrame(bytes: ArrayBuffer | Uint8Array): Decoded<Frame> {
     sequence: view.getBigUint64(16, true),
     time_us: view.getBigUint64(24, true),
   };
-  const payload = readPayload(view, header.type, headerBytes, payloadBytes);
+  const payload = readPayload(view, header.type, header.flags, headerBytes, payloadBytes);
   return payload.ok ? { ok: true, value: { header, ...payload.value } } : payload;
 }
 
@@ -234,6 +268,8 @@ function payloadSize(frame: Payload): number {
     case 'result': return RESULT_BYTES + frame.result.planes.length * CONTACT_PLANE_BYTES;
     case 'mesh': return frame.glb.byteLength;
     case 'tools': return LIST_HEAD_BYTES + frame.tools.length * TOOL_STATE_BYTES;
+    case 'stock':
+      return frame.tiles.reduce((sum, tile) => sum + STOCK_TILE_BYTES + tile.columns.byteLength, STOCK_HEAD_BYTES);
     case 'ping': return 8;
     case 'pong': return 16;
     case 'ack': case 'unknown': return 0;
@@ -252,6 +288,10 @@ function writePayload(to: Writer, bytes: Uint8Array, frame: Payload): void {
     case 'result': writeResult(to, frame.result); break;
     case 'mesh': bytes.set(frame.glb, to.at); break;
     case 'tools': writeList(to, frame.tools, writeToolState); break;
+    case 'stock':
+      to.u64(frame.agent_time_us);
+      writeList(to, frame.tiles, writeStockTile);
+      break;
     case 'ping': to.u64(frame.time_us); break;
     case 'pong':
       to.u64(frame.ping_time_us);

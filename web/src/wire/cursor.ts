@@ -33,6 +33,12 @@ export class Reader {
     return value;
   }
 
+  /** The next so many bytes as they are. */
+  bytes(count: number): Uint8Array {
+    this.at += count;
+    return new Uint8Array(this.view.buffer, this.view.byteOffset + this.at - count, count);
+  }
+
   vec3f(): Vec3 {
     return [this.f32(), this.f32(), this.f32()];
   }
@@ -63,6 +69,11 @@ export class Writer {
   f32(value: number): void {
     this.view.setFloat32(this.at, value, true);
     this.at += 4;
+  }
+
+  bytes(values: Uint8Array): void {
+    new Uint8Array(this.view.buffer, this.view.byteOffset).set(values, this.at);
+    this.at += values.byteLength;
   }
 
   vec3f(v: Vec3): void {

@@ -12,6 +12,9 @@ export const CONTACT_PLANES_MAX = 8;
 export const TOOL_STATE_BYTES = 80;
 export const SAMPLES_PER_MESSAGE_MAX = 16;
 export const TOOL_STATES_MAX = 1024;
+export const STOCK_HEAD_BYTES = 16;
+export const STOCK_TILE_BYTES = 16;
+export const STOCK_TILES_MAX = 4096;
 export const AXIS_LENGTH_TOLERANCE = 1e-3;
 
 export const VIEW_PROTOCOL = 'kerf.view.v1';
@@ -24,11 +27,15 @@ export enum FrameType {
   Ack = 5,
   Ping = 6,
   Pong = 7,
+  Stock = 8,
 }
 
 /** Flags of a mesh frame. */
 export const MESH_SNAPSHOT = 1;
 export const MESH_SNAPSHOT_LAST = 2;
+
+/** Flag of a stock frame. */
+export const STOCK_AFRESH = 1;
 
 /** Bits of a tool state's and a result's status. */
 export const STATUS_CUTTING = 1;
@@ -92,6 +99,14 @@ export interface ToolState {
   removed_rate_mm3_per_s: number;
 }
 
+/** What one tile of the block still holds, at most. */
+export interface StockTile {
+  axis: number;
+  x: number;
+  y: number;
+  columns: Uint8Array;
+}
+
 export type Payload =
   | { kind: 'motion'; samples: Sample[] }
   | { kind: 'result'; result: Result }
@@ -100,6 +115,7 @@ export type Payload =
   | { kind: 'ack' }
   | { kind: 'ping'; time_us: bigint }
   | { kind: 'pong'; ping_time_us: bigint; time_us: bigint }
+  | { kind: 'stock'; afresh: boolean; agent_time_us: bigint; tiles: StockTile[] }
   | { kind: 'unknown' };
 
 export type Frame = { header: Header } & Payload;

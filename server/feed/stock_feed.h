@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "kernel/dexel/dexel_tile.h"
+#include "kernel/sculpture.h"
+#include "kernel/tool/tool_bounds.h"
+#include "server/wire/types.h"
+
+namespace kerf {
+
+/// Where an agent's tool is.
+struct ToolWatch {
+  const Tool& tool;
+  ToolPose pose;
+  std::uint64_t time_us = 0;  ///< when it was there, by the agent's clock
+};
+
+/// What one agent is to be told of the block.
+struct StockNews {
+  std::uint64_t sequence = 0;  ///< per feed, from 1, for the frame's header; ack names it
+  bool afresh = false;
+  std::uint64_t agent_time_us = 0;  ///< of the agent's newest sample that is cut out of the tiles
+  struct Tile {
+    FieldTile at;
+    std::vector<std::byte> columns;  ///< stock_columns.h; none: the agent has all there is to know
+  };
+  std::vector<Tile> tiles;
+
+  /// As the wire wants it; it points into this.
+  wire::StockPatch patch() const;
+};
+
+/// Keeps one agent's copy of the block right where its tool is and soon will be. Stock only shrinks
+/// and the agent takes away itself what its own tool removes, so it needs a tile once, when it
+/// comes near, and again only when somebody else has cut it; then only the columns that changed. No
+/// clock and no thread: it belongs to the session's executor.
+class StockFeed {
+ public:
+  /// Bytes of columns after which a patch ends.
+  static constexpr std::size_t kPatchBytes = 32 * 1024;
+
+  /// Somebody else has cut these.
+  void note_cut(std::span<const FieldTile> tiles);
+  /// The agent's copy can no longer be trusted: the next patch begins a new one.
+  void start_afresh();
+  /// What the agent lacks near its tool and where the tool is going, the nearest tiles first;
+  /// nothing while it lacks nothing or
+  /// has kStockFramesInFlight patches under way. Costs a few operations for each tile near by.
+  std::optional<StockNews> next(const Sculpture& sculpture, const ToolWatch& watch);
+  /// The agent has every patch up to `sequence`. False (and no effect) for one it was never sent.
+  bool ack(std::uint64_t sequence);
+
+ private:
+  struct Known {
+    bool stale = false;
+    /// The tile as it was sent; null if it was untouched, or is far away by now.
+    std::unique_ptr<DexelTile> sent;
+  };
+  struct Lacking {
+    double distance_mm;
+    FieldTile at;
+  };
+  Bounds reach(const ToolWatch& watch);
+  void collect(const DexelField& field, const Bounds& near, Vec3 tip_mm,
+               std::vector<Lacking>& lacking) const;
+  bool tell(const DexelField& field, FieldTile at, StockNews& news);
+  void forget_far(const Sculpture& sculpture, const Bounds& near);
+
+  std::map<FieldTile, Known> known_;
+  std::uint64_t sent_ = 0, acked_ = 0;
+  Vec3 last_tip_mm_;  ///< at the last call of next, and when that was
+  std::uint64_t last_us_ = 0;
+  bool afresh_ = true;
+};
+
+}  // namespace kerf

@@ -1,0 +1,25 @@
+// What the session tells those who keep a copy of the block near their tool.
+#include "server/session/session.h"
+
+namespace kerf {
+
+std::optional<StockNews> Session::stock_news(ParticipantId id) {
+  const auto found = seats_.find(id);
+  if (found == seats_.end() || closed_) return std::nullopt;
+  Seat& seat = found->second;
+  if (!seat.stock || !seat.track.pose()) return std::nullopt;
+  const Tool* tool = sculpture_.tool(seat.track.tool());
+  return seat.stock->next(sculpture_, {*tool, *seat.track.pose(), seat.track.time_us()});
+}
+
+bool Session::ack_stock(ParticipantId id, std::uint64_t sequence) {
+  const auto found = seats_.find(id);
+  return found != seats_.end() && found->second.stock && found->second.stock->ack(sequence);
+}
+
+void Session::start_stock_afresh(ParticipantId id) {
+  const auto found = seats_.find(id);
+  if (found != seats_.end() && found->second.stock) found->second.stock->start_afresh();
+}
+
+}  // namespace kerf
