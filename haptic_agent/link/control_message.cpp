@@ -53,7 +53,8 @@ Welcome read_welcome(const json& message) {
                   .law = cut_law(message),
                   .stock = stock_box(message.at("stock")),
                   .tool_ids = {},
-                  .udp = read_offer(message)};
+                  .udp = read_offer(message),
+                  .text = message.dump()};
   for (const json& tool : message.at("tools")) welcome.tool_ids.push_back(tool.at("id"));
   return welcome;
 }
@@ -75,6 +76,7 @@ ControlMessage read_message(const json& message) {
 std::string hello_text(const Hello& hello) {
   json message = {{"type", wire::kTypeHello}, {"name", hello.name}, {"feel", true}};
   if (!hello.color.empty()) message["color"] = hello.color;
+  if (hello.stock) message["stock"] = true;
   if (hello.feel_of != 0) message["feel_of"] = hello.feel_of;
   if (hello.tool_id != 0) message["tool"] = hello.tool_id;
   if (hello.udp) message["udp"] = true;
@@ -84,6 +86,8 @@ std::string hello_text(const Hello& hello) {
 std::string tool_text(std::uint32_t tool_id) {
   return json{{"type", wire::kTypeTool}, {"tool", tool_id}}.dump();
 }
+
+std::string stock_text() { return json{{"type", wire::kTypeStock}}.dump(); }
 
 std::expected<ControlMessage, std::string> parse_control(std::string_view text) {
   try {

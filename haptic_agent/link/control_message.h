@@ -25,6 +25,8 @@ struct Hello {
   std::uint32_t feel_of = 0;
   /// Ask for the UDP lane.
   bool udp = false;
+  /// Wants to be told what the block near its tool still holds.
+  bool stock = false;
 };
 
 /// What an agent needs of the server's welcome.
@@ -40,6 +42,8 @@ struct Welcome {
   std::vector<std::uint32_t> tool_ids;
   /// The UDP lane, if it was asked for, the server has one and this agent understands it.
   std::optional<datagram::Offer> udp;
+  /// The whole message, for whoever makes a copy of the block.
+  std::string text;
 };
 
 struct ServerError {
@@ -59,6 +63,8 @@ using ControlMessage = std::variant<Welcome, ServerError, Bye, OtherMessage>;
 
 std::string hello_text(const Hello& hello);
 std::string tool_text(std::uint32_t tool_id);
+/// Asks for the block near the tool afresh.
+std::string stock_text();
 
 /// Reads a text frame. The error says what is wrong with it, in one sentence.
 std::expected<ControlMessage, std::string> parse_control(std::string_view text);

@@ -253,8 +253,7 @@ class ServerLink::Impl {
     while (!connection.loss && !finished()) {
       traffic_.collect();
       send_datagrams(connection);
-      if (const std::uint32_t tool = traffic_.take_tool_change(); tool != 0) {
-        const std::string text = tool_text(tool);
+      if (const std::string text = traffic_.take_control(); !text.empty()) {
         co_await write(connection, true, asio::buffer(text));
         continue;
       }

@@ -86,9 +86,10 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
   return way2 < kDeadbandMm * kDeadbandMm && turn2 < kDeadbandRad * kDeadbandRad;
 }
 
-std::uint32_t Traffic::take_tool_change() noexcept {
+std::string Traffic::take_control() {
+  if (options_.copy != nullptr && options_.copy->wants_afresh()) return stock_text();
   const auto tool = queue_.next_tool();
-  if (!tool || *tool == tool_id_) return 0;
+  if (!tool || *tool == tool_id_) return {};
   // A change of tool is told over the WebSocket, and has its place among the samples: those before
   // it go ahead of it there, and UDP has to wait until one behind it is answered.
   base_ = 0;
@@ -96,9 +97,10 @@ std::uint32_t Traffic::take_tool_change() noexcept {
   if (lanes_.over_udp()) {
     lanes_.leave();
     queue_.go_back();
-    return 0;
+    return {};
   }
-  return tool_id_ = *tool;
+  tool_id_ = *tool;
+  return tool_text(tool_id_);
 }
 
 std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
@@ -107,6 +109,11 @@ std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
     const wire::Pong pong{.ping_time_us = *pong_due_, .time_us = now_us};
     pong_due_.reset();
     return wire::encode(stamp(++pong_sequence_, now_us), pong, frame);
+  }
+  if (ack_due_) {
+    const std::uint64_t sequence = *ack_due_;
+    ack_due_.reset();
+    return wire::encode(stamp(sequence, now_us), wire::Ack{}, frame);
   }
   if (lanes_.over_udp())
     return 0;  // where the pings go too: their times are to be those of the lane
@@ -149,6 +156,11 @@ std::optional<Loss> Traffic::take_frame(std::span<const std::byte> frame, std::u
   const auto message = wire::decode(frame);
   if (!message) {
     ++report_.bad_frames;
+    return std::nullopt;
+  }
+  if (std::holds_alternative<wire::StockPatch>(message->body)) {
+    ack_due_ = message->header.stamp.sequence;
+    if (options_.copy != nullptr) options_.copy->take_stock(frame);
     return std::nullopt;
   }
   return take_message(*message, now_us);
@@ -196,16 +208,10 @@ void Traffic::take_result(const wire::Result& result, std::uint64_t now_us) {
     return;
   }
   note_progress(result, now_us);
-  const Wrench wrench{.force_n = to_vec3(result.force_n), .torque_nmm = to_vec3(result.torque_nmm)};
-  wrenches_.write(
-      {.wrench = wrench,
-       .pose_us = result.agent_time_us,
-       .arrival_us = now_us,
-       .engaged_area_mm2 = static_cast<double>(result.engaged_area_mm2),
-       .cut_centre_mm = {result.cut_centre_mm[0], result.cut_centre_mm[1], result.cut_centre_mm[2]},
-       .felt = felt_,
-       .plane_count = result.plane_count,
-       .planes = result.planes});
+  ServerWrench answer = answer_of(result, now_us);
+  answer.felt = felt_;
+  wrenches_.write(answer);
+  if (options_.copy != nullptr) options_.copy->take_result(result);
   constexpr std::uint32_t kFelt = wire::kStatusCutting | wire::kStatusColliding;
   out_of_contact_ = (result.status & kFelt) == 0 && result.plane_count == 0;
   queue_.answered(result.agent_sequence);
@@ -213,7 +219,7 @@ void Traffic::take_result(const wire::Result& result, std::uint64_t now_us) {
   if ((result.status & wire::kStatusRefused) != 0) ++report_.refused_results;
   report_.motions_in_session = result.motions_applied;
   report_.removed_mm3 += static_cast<double>(result.removed_mm3);
-  report_.max_server_force_n = std::max(report_.max_server_force_n, length(wrench.force_n));
+  report_.max_server_force_n = std::max(report_.max_server_force_n, length(answer.wrench.force_n));
   if (now_us >= result.agent_time_us) report_.answer_us.add(now_us - result.agent_time_us);
   report_.turnaround_us.add(result.turnaround_us);
 }

@@ -11,6 +11,7 @@
 #include "haptic_agent/link/link_report.h"
 #include "haptic_agent/link/pace.h"
 #include "haptic_agent/link/sample_queue.h"
+#include "haptic_agent/link/stock_listener.h"
 #include "haptic_agent/servo/latest_value.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/wrench_interpolator.h"
@@ -33,6 +34,8 @@ struct TrafficOptions {
   bool deadband = false;
   /// Where to show how the link is doing; may be null.
   LatestValue<LinkStatus>* status = nullptr;
+  /// Who keeps a copy of the block; null: nobody, and the server is not asked for it.
+  StockListener* copy = nullptr;
 };
 
 /// What goes over a connection and what comes back, apart from the connection itself: decides which
@@ -52,8 +55,9 @@ class Traffic {
   /// True if every sample that was collected is answered.
   bool settled() const noexcept { return queue_.settled(); }
 
-  /// The tool to tell the others of before the next frame; 0: none.
-  std::uint32_t take_tool_change() noexcept;
+  /// The control message that is due before the next frame, e.g. that the tool has changed; empty:
+  /// none.
+  std::string take_control();
   /// Encodes the next binary frame that is due into `frame` (kMaxClientFrameBytes); its size, or 0.
   std::size_t fill(std::uint64_t now_us, std::span<std::byte> frame);
   /// The same for the UDP lane (datagram::kMaxFrameBytes).
@@ -119,6 +123,8 @@ class Traffic {
   unsigned vain_repeats_ = 0;
   std::uint64_t udp_rtt_us_ = 0;
   std::uint64_t newest_felt_ = 0;
+  /// The stock frame to be acknowledged.
+  std::optional<std::uint64_t> ack_due_;
 };
 
 }  // namespace kerf::agent

@@ -19,6 +19,7 @@ Wrench ContactModel::push(const Hold& now, double stiffness_most) const noexcept
   const Vec3 turn = between(then_, now).turn;
   for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
     const wire::ContactPlane& plane = answer_.planes[i];
+    if ((plane.flags & flags_) == 0) continue;
     const Vec3 arm = rotated(to_vec3(plane.point_mm) - then_.pivot_mm, turn);
     const Vec3 way = now.pivot_mm + arm - to_vec3(plane.point_mm);
     const Vec3 normal = to_vec3(plane.normal);

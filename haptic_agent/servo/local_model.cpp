@@ -34,7 +34,23 @@ Vec3 LocalModel::heading(Vec3 before, Vec3 moved_mm) noexcept {
 
 void LocalModel::take(const ServerWrench& answer, const PastHold& then,
                       const PastHold& now) noexcept {
-  contact_.take(answer, then.hold, now.hold);
+  obstacles_.take(answer, then.hold, now.hold);
+  ServerWrench rest = answer;
+  rest.wrench = answer.wrench - obstacles_.in_answer();
+  take_stock(rest, then, now);
+}
+
+void LocalModel::take_near(const ServerWrench& answer, const PastHold& then,
+                           const PastHold& now) noexcept {
+  take_stock(answer, then, now);
+}
+
+/// Takes contact with the stock and the cut from whoever has answered the newest pose.
+void LocalModel::take_stock(const ServerWrench& answer, const PastHold& then,
+                            const PastHold& now) noexcept {
+  if (answer.pose_us < answered_us_) return;
+  answered_us_ = answer.pose_us;
+  stock_.take(answer, then.hold, now.hold);
   take_cut(answer, then);
   constexpr double kSPerUs = 1e-6;
   lag_s_ = static_cast<double>(now.time_us - then.time_us) * kSPerUs;
@@ -45,7 +61,7 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastHold& then) noex
     trend_.reset();
     return;
   }
-  cut_ = answer.wrench - contact_.in_answer();
+  cut_ = answer.wrench - stock_.in_answer();
   arm_mm_ = answer.cut_centre_mm - then.hold.pivot_mm;
   double strength = length(cut_.force_n);
   if (settings_.law == CutLaw::kRemovalRate) {
@@ -86,7 +102,7 @@ Wrench LocalModel::cut(const PastHold& now) const noexcept {
 }
 
 Wrench LocalModel::at(const PastHold& now, bool cutting, double dt_s) noexcept {
-  const Wrench touched = contact_.at(now.hold, dt_s);
+  const Wrench touched = stock_.at(now.hold, dt_s) + obstacles_.at(now.hold, dt_s);
   return cutting ? touched + cut(now) : touched;
 }
 

@@ -27,10 +27,15 @@ struct ModelSettings {
 class LocalModel {
  public:
   explicit LocalModel(const ModelSettings& settings) noexcept
-      : settings_(settings), contact_(settings.stiffness_most) {}
+      : settings_(settings),
+        stock_(settings.stiffness_most, wire::kContactStock),
+        obstacles_(settings.stiffness_most, wire::kContactObstacle) {}
 
-  /// `then` is where the hand was when the answered pose was measured.
+  /// What the server answered; `then` is where the hand was when the answered pose was measured.
+  /// Of an answer to an older pose than one that was answered near by, only the obstacles count.
   void take(const ServerWrench& answer, const PastHold& then, const PastHold& now) noexcept;
+  /// What a copy of the block near the tool answered, which knows no obstacles.
+  void take_near(const ServerWrench& answer, const PastHold& then, const PastHold& now) noexcept;
   /// The wrench at the newest hold, `dt_s` after the one before. `cutting`: the hand asks to cut.
   Wrench at(const PastHold& now, bool cutting, double dt_s) noexcept;
 
@@ -40,16 +45,19 @@ class LocalModel {
 
  private:
   Wrench cut(const PastHold& now) const noexcept;
+  void take_stock(const ServerWrench& answer, const PastHold& then, const PastHold& now) noexcept;
   void take_cut(const ServerWrench& answer, const PastHold& then) noexcept;
 
   ModelSettings settings_;
-  ContactModel contact_;
+  ContactModel stock_, obstacles_;
   EngagementTrend trend_;
   /// The cut as it was answered.
   Wrench cut_;
   PastHold then_;
   Vec3 arm_mm_{};
   double lag_s_ = 0;
+  /// The newest pose that stock and cut were answered for.
+  std::uint64_t answered_us_ = 0;
 };
 
 }  // namespace kerf::agent

@@ -17,6 +17,8 @@ struct RealtimeReport {
 inline constexpr int kWatchdogPriority = 90;
 /// Above ordinary threads, below the kernel's own and the watchdog.
 inline constexpr int kServoPriority = 80;
+/// The copy of the block must answer before the next tick, and never delay one.
+inline constexpr int kReplicaPriority = 70;
 /// The link must get its samples out and its wrenches in while a machine is busy, after the servo.
 inline constexpr int kLinkPriority = 60;
 

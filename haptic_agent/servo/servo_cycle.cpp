@@ -40,11 +40,12 @@ ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings setti
 
 ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
                        LatestValue<ServerWrench>& wrenches, SampleListener& listener,
-                       const ServoSettings& settings) noexcept
+                       const ServoSettings& settings, NearAnswers* near) noexcept
     : device_(device),
       samples_(samples),
       wrenches_(wrenches),
       listener_(listener),
+      near_(near),
       settings_(settings),
       model_(settings.model),
       velocity_(settings.velocity_cutoff_hz),
@@ -99,6 +100,7 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   } else {
     ++report_.ring_overflows;
   }
+  if (near_ != nullptr && !near_->push(sample)) ++report_.near_overflows;
   listener_.sample_ready();
   return true;
 }
@@ -134,14 +136,25 @@ std::uint64_t ServoCycle::answer_age(std::uint64_t now_us) const noexcept {
              : answer_age_us(now_us, newest.arrival_us, newest.pose_us);
 }
 
-Wrench ServoCycle::wanted(std::uint64_t now_us, bool cutting, double dt_s) noexcept {
+void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
+  const auto hold_at = [this](std::uint64_t time_us) {
+    const PastHold* then = history_.at(time_us);
+    return then != nullptr ? *then : now_;
+  };
   ServerWrench next;
   if (wrenches_.read(next)) {
     interpolator_.take(next, now_us);
-    const PastHold* then = history_.at(next.pose_us);
-    model_.take(next, then != nullptr ? *then : now_, now_);
+    model_.take(next, hold_at(next.pose_us), now_);
     has_answer_ = true;
   }
+  if (near_ != nullptr && near_->read(next)) {
+    model_.take_near(next, hold_at(next.pose_us), now_);
+    ++report_.near_answers;
+  }
+}
+
+Wrench ServoCycle::wanted(std::uint64_t now_us, bool cutting, double dt_s) noexcept {
+  take_answers(now_us);
   if (!has_answer_) return {};
   const double share = wrench_share(answer_age(now_us));
   if (share < 1.0) ++report_.decayed_ticks;

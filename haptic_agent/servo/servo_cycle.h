@@ -8,6 +8,7 @@
 #include "haptic_agent/servo/hold_history.h"
 #include "haptic_agent/servo/latest_value.h"
 #include "haptic_agent/servo/local_model.h"
+#include "haptic_agent/servo/near_answers.h"
 #include "haptic_agent/servo/output_stage.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/servo_loop.h"
@@ -58,6 +59,10 @@ struct ServoReport {
   std::uint64_t samples = 0;
   /// The link was a whole ring behind, and the sample was dropped.
   std::uint64_t ring_overflows = 0;
+  /// Who answers from near by was a whole ring behind.
+  std::uint64_t near_overflows = 0;
+  /// Ticks that had a new answer from near by.
+  std::uint64_t near_answers = 0;
   /// The device had no pose, or none that was finite.
   std::uint64_t invalid_poses = 0;
   /// Ticks in which an answer was too old to be shown in full.
@@ -82,9 +87,10 @@ struct ServoStatus {
 /// No allocation, lock, exception or output.
 class ServoCycle final : public ServoTask {
  public:
-  /// All references must outlive the cycle.
+  /// All references must outlive the cycle, and so must whoever answers from near by; null: nobody.
   ServoCycle(HapticDevice& device, SampleRing& samples, LatestValue<ServerWrench>& wrenches,
-             SampleListener& listener, const ServoSettings& settings) noexcept;
+             SampleListener& listener, const ServoSettings& settings,
+             NearAnswers* near = nullptr) noexcept;
 
   bool tick(std::uint64_t now_us) noexcept override;
 
@@ -99,6 +105,7 @@ class ServoCycle final : public ServoTask {
  private:
   bool send(const DeviceState& state) noexcept;
   Twist follow(const DeviceState& state, bool usable, std::uint64_t now_us, double dt_s) noexcept;
+  void take_answers(std::uint64_t now_us) noexcept;
   Wrench wanted(std::uint64_t now_us, bool cutting, double dt_s) noexcept;
   std::uint64_t answer_age(std::uint64_t now_us) const noexcept;
   SafetyInput look(const DeviceState& state, bool usable, const Wrench& wanted) const noexcept;
@@ -108,6 +115,7 @@ class ServoCycle final : public ServoTask {
   SampleRing& samples_;
   LatestValue<ServerWrench>& wrenches_;
   SampleListener& listener_;
+  NearAnswers* near_;
   ServoSettings settings_;
   WrenchInterpolator interpolator_;
   LocalModel model_;

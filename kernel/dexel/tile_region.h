@@ -11,6 +11,7 @@ namespace kerf {
 /// A rectangle of tiles of one field: those from `begin` up to, but not with, `end`.
 struct TileRegion {
   TileIndex begin, end;
+  friend constexpr bool operator==(const TileRegion&, const TileRegion&) = default;
 
   bool has(TileIndex tile) const {
     return tile.x >= begin.x && tile.y >= begin.y && tile.x < end.x && tile.y < end.y;

@@ -50,6 +50,10 @@ const std::vector<Room>& rooms() {
       {"haptic_agent/servo", {"server/wire", "haptic_agent/device"}},
       {"haptic_agent/link",
        {"server/wire", "server/datagram", "haptic_agent/device", "haptic_agent/servo"}},
+      // The one place of the agent that holds stock.
+      {"haptic_agent/replica",
+       {"kernel", "server/wire", "server/convert", "server/formats/scene.h", "haptic_agent/device",
+        "haptic_agent/servo", "haptic_agent/link/stock_listener.h"}},
       {"haptic_agent/doctor",
        {"haptic_agent/device", "haptic_agent/servo", "haptic_agent/link/server_url.h"}},
       {"haptic_agent/demo", {"kernel/math"}},

@@ -18,20 +18,33 @@ namespace {
 
 using namespace kerf::agent;
 
-constexpr ForceMode kModes[] = {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold};
+/// What is compared: the model with a copy of the block near the tool, the model of the server's
+/// answers alone, the paper's, and the newest wrench.
+struct Scheme {
+  const char* name;
+  ForceMode mode;
+  bool copy;
+};
+constexpr Scheme kSchemes[] = {{"model", ForceMode::kModel, true},
+                               {"answers only", ForceMode::kModel, false},
+                               {"interpolated", ForceMode::kInterpolated, false},
+                               {"hold", ForceMode::kHold, false}};
 constexpr double kRttMs[] = {0, 1, 5, 10, 25, 50, 100, 250};
 
 struct Row {
   double stable_to = 0, fastest = 0, returned = 0;
 };
 
-Row try_dampings(ForceMode mode, const LineQuality& line, bool fast) {
+Row try_dampings(const Scheme& scheme, const LineQuality& line, bool fast) {
   Row row;
   bool all = true;
   for (const double damping : {1.0, 2.0, 5.0, 10.0, 20.0}) {
     if (fast && damping < 20) continue;
-    const SwingOutcome outcome = swing(
-        {.mode = mode, .line = line, .damping_n_s_per_m = damping, .seconds = fast ? 2.0 : 4.0});
+    const SwingOutcome outcome = swing({.mode = scheme.mode,
+                                        .line = line,
+                                        .damping_n_s_per_m = damping,
+                                        .seconds = fast ? 2.0 : 4.0,
+                                        .copy = scheme.copy});
     all = all && outcome.stable();
     if (all) row.stable_to = damping;
     row.fastest = std::max(row.fastest, outcome.fastest_mm_per_s);
@@ -42,9 +55,9 @@ Row try_dampings(ForceMode mode, const LineQuality& line, bool fast) {
 
 bool stability_table(bool fast) {
   bool model_is_stable = true;
-  std::printf("%-8s %-7s %-12s | %-27s | %-27s | %-27s\n", "RTT ms", "jitter", "loss", "model",
-              "interpolated", "hold");
-  std::printf("%-29s | %s\n", "", "stable to N s/m, most mm/s, most mJ returned");
+  std::printf("%-8s %-7s %-12s", "RTT ms", "jitter", "loss");
+  for (const Scheme& scheme : kSchemes) std::printf(" | %-25s", scheme.name);
+  std::printf("\n%-29s | %s\n", "", "stable to N s/m, most mm/s, most mJ returned");
   for (const double rtt : kRttMs) {
     for (const double jitter : {0.0, 0.2}) {
       for (const double loss : {0.0, 0.01, 0.05, -1.0}) {
@@ -53,10 +66,11 @@ bool stability_table(bool fast) {
         char name[16];
         std::snprintf(name, sizeof name, loss < 0 ? "200 ms burst" : "%.0f %%", loss * 100);
         std::printf("%-8.0f %-7.1f %-12s", rtt, jitter, name);
-        for (const ForceMode mode : kModes) {
-          const Row row = try_dampings(mode, line, fast);
-          std::printf(" | %6.0f %10.0f %9.2f", row.stable_to, row.fastest, row.returned);
-          if (mode == ForceMode::kModel) model_is_stable = model_is_stable && row.stable_to >= 20;
+        for (const Scheme& scheme : kSchemes) {
+          const Row row = try_dampings(scheme, line, fast);
+          std::printf(" | %6.0f %8.0f %9.2f", row.stable_to, row.fastest, row.returned);
+          const bool counts = scheme.mode == ForceMode::kModel;
+          model_is_stable = model_is_stable && (!counts || row.stable_to >= 20);
         }
         std::printf("\n");
         std::fflush(stdout);
@@ -68,12 +82,14 @@ bool stability_table(bool fast) {
 
 void error_table(bool fast) {
   const Recording recording = record_carving(fast ? 5 : 12);
-  std::printf("\n%-8s %12s %12s %12s   rms force error, %%\n", "RTT ms", "model", "interpolated",
-              "hold");
+  std::printf("\n%-8s", "RTT ms");
+  for (const Scheme& scheme : kSchemes) std::printf(" %12s", scheme.name);
+  std::printf("   rms force error, %%\n");
   for (const double rtt : kRttMs) {
     std::printf("%-8.0f", rtt);
-    for (const ForceMode mode : kModes) {
-      std::printf(" %12.1f", 100 * force_error(recording, mode, {.rtt_ms = rtt}));
+    for (const Scheme& scheme : kSchemes) {
+      const double error = force_error(recording, scheme.mode, {.rtt_ms = rtt}, scheme.copy);
+      std::printf(" %12.1f", 100 * error);
     }
     std::printf("\n");
     std::fflush(stdout);

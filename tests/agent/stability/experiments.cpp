@@ -60,7 +60,8 @@ class Recorder final : public HapticDevice {
 
 SwingOutcome swing(const Swing& swing) {
   BenchHand hand(swinging, {});
-  TestBed bed(swing_scene(swing.damping_n_s_per_m), hand, {.mode = swing.mode}, swing.line);
+  TestBed bed(swing_scene(swing.damping_n_s_per_m), hand, {.mode = swing.mode}, swing.line,
+              swing.copy);
   SwingOutcome outcome;
   const int ticks = static_cast<int>((swing.seconds + kRestS) * 1000);
   for (int i = 0; i < ticks; ++i) bed.tick();
@@ -79,7 +80,7 @@ Recording record_carving(double seconds) {
   SimulatedHand hand(PathCursor(make_carving_figure(stock, 1), false),
                      {.pivot_mm = 20, .rest_at_start_s = kRestS});
   Recorder recorder(hand, recording.poses);
-  TestBed bed(kCarvingScene, recorder, {.mode = ForceMode::kInterpolated}, {});
+  TestBed bed(kCarvingScene, recorder, {.mode = ForceMode::kInterpolated}, {}, false);
   for (int i = 0; i < static_cast<int>(seconds * 1000); ++i) {
     bed.tick();
     const auto& f = bed.newest().force_n;
@@ -89,9 +90,9 @@ Recording record_carving(double seconds) {
   return recording;
 }
 
-double force_error(const Recording& recording, ForceMode mode, const LineQuality& line) {
+double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy) {
   RecordedHand hand(recording.poses);
-  TestBed bed(kCarvingScene, hand, {.mode = mode}, line);
+  TestBed bed(kCarvingScene, hand, {.mode = mode}, line, copy);
   double error2 = 0, force2 = 0;
   for (std::size_t i = 0; i < recording.poses.size(); ++i) {
     bed.tick();

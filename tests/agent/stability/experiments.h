@@ -13,6 +13,7 @@ struct Swing {
   LineQuality line{};
   double damping_n_s_per_m = 10;  ///< of the cut, where the tool is fully engaged
   double seconds = 3;
+  bool copy = true;  ///< of the block near the tool, kept by the agent
 };
 struct SwingOutcome {
   double fastest_mm_per_s = 0;  ///< free motion reaches 190
@@ -38,6 +39,6 @@ Recording record_carving(double seconds);
 
 /// How far the shown force is from the server's at no delay along that path: rms of the difference
 /// over rms of the force.
-double force_error(const Recording& recording, ForceMode mode, const LineQuality& line);
+double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy);
 
 }  // namespace kerf::agent

@@ -21,10 +21,10 @@ TEST(Stability, TheModelIsStableAtTwentyAndAHundredMs) {
 TEST(Stability, TheModelErrsLessThanWhatIsHeld) {
   const Recording recording = record_carving(4);
   const LineQuality line{.rtt_ms = 25};
-  const double model = force_error(recording, ForceMode::kModel, line);
+  const double model = force_error(recording, ForceMode::kModel, line, false);
   EXPECT_LT(model, 0.15);
-  EXPECT_LT(model, 0.6 * force_error(recording, ForceMode::kHold, line));
-  EXPECT_LT(model, 0.6 * force_error(recording, ForceMode::kInterpolated, line));
+  EXPECT_LT(model, 0.6 * force_error(recording, ForceMode::kHold, line, false));
+  EXPECT_LT(model, 0.6 * force_error(recording, ForceMode::kInterpolated, line, false));
 }
 
 }  // namespace

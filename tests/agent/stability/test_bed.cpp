@@ -6,7 +6,7 @@
 namespace kerf::agent {
 
 TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
-                 const LineQuality& quality, std::uint32_t seed)
+                 const LineQuality& quality, bool copy, std::uint32_t seed)
     : up_(quality, 2 * seed), down_(quality, 2 * seed + 1) {
   // Virtual time runs faster than the clock by which the session limits rates.
   SessionLimits limits;
@@ -17,14 +17,56 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
   auto created = registry_->create("bed", scene, SceneSource{});
   if (!created) throw std::runtime_error(created.error().reason);
   session_ = *created;
-  self_ = session_->join({ParticipantKind::kAgent, "hand", "", 0, true}).value().id;
+  self_ =
+      session_->join({.kind = ParticipantKind::kAgent, .name = "hand", .color = "", .stock = copy})
+          .value()
+          .id;
+  if (copy) keep_copy();
+  traffic_ = std::make_unique<Traffic>(samples_, wrenches_,
+                                       TrafficOptions{.copy = copy ? &copy_ : nullptr});
   const ForceSettings& force = session_->scene().settings.force;
   settings.model.law =
       force.law == ForceLaw::kDexelRemovalRate ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
   settings.pivot_mm = force.pivot_mm;
   servo_ = std::make_unique<ServoCycle>(device, samples_, wrenches_, listener_,
-                                        settings_for(device.capabilities(), settings));
-  traffic_.begin(session_->epoch(), 0, now_us_);
+                                        settings_for(device.capabilities(), settings),
+                                        copy ? &near_ : nullptr);
+  traffic_->begin(session_->epoch(), 0, now_us_);
+}
+
+/// Made from what a welcome would say.
+void TestBed::keep_copy() {
+  const Scene& scene = session_->scene();
+  auto source = BlockSource::read(R"({"stock":)" + stock_json(scene) + R"(,"tools":)" +
+                                  tools_json(scene) + R"(,"force":)" + force_json(scene) +
+                                  R"(,"accuracy":)" + accuracy_json(scene) + "}");
+  if (!source) throw std::runtime_error(source.error());
+  copy_.replica.emplace(*std::move(source));
+}
+
+void TestBed::Copy::take_stock(std::span<const std::byte> frame) {
+  const auto message = wire::decode(frame);
+  if (!replica->take(std::get<wire::StockPatch>(message->body))) {
+    throw std::runtime_error("the copy takes no patch of the server");
+  }
+}
+
+void TestBed::Copy::answer(NearAnswers& servo, std::uint64_t now_us) {
+  wire::MotionSample sample;
+  while (servo.pop(sample)) {
+    if (const auto mine = replica->move(sample)) servo.write(answer_of(*mine, now_us));
+  }
+}
+
+/// As the server does: every 20 ms, if there is anything to tell.
+void TestBed::tell_stock() {
+  if (now_us_ < told_us_ + 20'000) return;
+  const auto news = session_->stock_news(self_);
+  if (!news) return;
+  told_us_ = now_us_;
+  std::vector<std::byte> frame;
+  wire::append(frame, {session_->epoch(), news->sequence, now_us_}, news->patch());
+  down_.send(frame, now_us_);
 }
 
 void TestBed::serve(std::span<const std::byte> frame) {
@@ -35,6 +77,10 @@ void TestBed::serve(std::span<const std::byte> frame) {
   if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
     newest_ = session_->move(self_, batch->view()).result;
     bytes = wire::encode({session_->epoch(), ++results_, now_us_}, newest_, answer);
+    tell_stock();
+  } else if (std::holds_alternative<wire::Ack>(message->body)) {
+    session_->ack_stock(self_, message->header.stamp.sequence);
+    return;
   } else if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
     bytes =
         wire::encode({session_->epoch(), 1, now_us_}, wire::Pong{ping->time_us, now_us_}, answer);
@@ -45,15 +91,16 @@ void TestBed::serve(std::span<const std::byte> frame) {
 void TestBed::tick() {
   now_us_ += 1000;
   servo_->tick(now_us_);
-  traffic_.collect();
-  traffic_.take_tool_change();
+  if (copy_.replica) copy_.answer(near_, now_us_);
+  traffic_->collect();
+  traffic_->take_control();
   std::array<std::byte, wire::kMaxClientFrameBytes> frame;
-  while (const std::size_t bytes = traffic_.fill(now_us_, frame)) {
+  while (const std::size_t bytes = traffic_->fill(now_us_, frame)) {
     up_.send(std::span(frame).first(bytes), now_us_);
   }
   up_.receive(now_us_, [this](std::span<const std::byte> bytes) { serve(bytes); });
   down_.receive(now_us_,
-                [this](std::span<const std::byte> bytes) { traffic_.take_frame(bytes, now_us_); });
+                [this](std::span<const std::byte> bytes) { traffic_->take_frame(bytes, now_us_); });
   executor_->run();
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "haptic_agent/link/traffic.h"
+#include "haptic_agent/replica/replica.h"
 #include "haptic_agent/servo/servo_cycle.h"
 #include "server/session/session_registry.h"
 #include "server/wire/codec.h"
@@ -18,9 +19,10 @@ namespace kerf::agent {
 /// in virtual time: one call of `tick` is one millisecond.
 class TestBed {
  public:
-  /// `scene` as the server reads it. `device` must outlive the bed.
+  /// `scene` as the server reads it. `device` must outlive the bed. `copy`: the agent keeps a copy
+  /// of the block near its tool.
   TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
-          const LineQuality& quality, std::uint32_t seed = 1);
+          const LineQuality& quality, bool copy, std::uint32_t seed = 1);
 
   void tick();
 
@@ -28,14 +30,27 @@ class TestBed {
   /// The newest result that the server made, before it went on its way.
   const wire::Result& newest() const { return newest_; }
   Session& session() { return *session_; }
-  LinkReport link() const { return traffic_.report(); }
+  /// Null if none is kept.
+  const Replica* replica() const { return copy_.replica ? &*copy_.replica : nullptr; }
+  LinkReport link() const { return traffic_->report(); }
   std::uint64_t now_us() const { return now_us_; }
 
  private:
   struct Listener final : SampleListener {
     void sample_ready() noexcept override {}
   };
+  /// The agent's copy, which has all the time it needs between two ticks.
+  struct Copy final : StockListener {
+    std::optional<Replica> replica;
+    void take_stock(std::span<const std::byte> frame) override;
+    void take_result(const wire::Result& result) override { replica->compare(result); }
+    bool wants_afresh() override { return replica->take_doubt(); }
+    void answer(NearAnswers& servo, std::uint64_t now_us);
+  };
+
+  void keep_copy();
   void serve(std::span<const std::byte> frame);
+  void tell_stock();
 
   test::TemporaryFolder folder_;
   std::shared_ptr<test::ManualExecutor> executor_ = std::make_shared<test::ManualExecutor>();
@@ -46,11 +61,13 @@ class TestBed {
   SampleRing samples_;
   LatestValue<ServerWrench> wrenches_;
   Listener listener_;
-  Traffic traffic_{samples_, wrenches_};
+  NearAnswers near_;
+  Copy copy_;
+  std::unique_ptr<Traffic> traffic_;
   VirtualLine up_, down_;
   std::unique_ptr<ServoCycle> servo_;
   wire::Result newest_;
-  std::uint64_t results_ = 0;
+  std::uint64_t results_ = 0, told_us_ = 0;
   std::uint64_t now_us_ = 2'000'000;
 };
 

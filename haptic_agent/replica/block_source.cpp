@@ -1,0 +1,55 @@
+#include "haptic_agent/replica/block_source.h"
+
+#include <nlohmann/json.hpp>
+
+#include "server/formats/scene.h"
+#include "server/wire/limits.h"
+
+namespace kerf::agent {
+namespace {
+
+using nlohmann::json;
+
+/// What of the welcome is a scene; throws json::exception where something is missing.
+std::string scene_text(const json& welcome) {
+  json accuracy;
+  for (const char* field : {"rays", "pitch_mm", "tolerance_mm", "motion"}) {
+    accuracy[field] = welcome.at("accuracy").at(field);
+  }
+  const json scene = {{"name", "copy"},
+                      {"stock", welcome.at("stock")},
+                      {"accuracy", accuracy},
+                      {"tools", welcome.at("tools")},
+                      {"force", welcome.at("force")}};
+  return scene.dump();
+}
+
+}  // namespace
+
+std::expected<BlockSource, std::string> BlockSource::read(std::string_view welcome) {
+  BlockSource source;
+  try {
+    const json message = json::parse(welcome);
+    const auto scene = parse_scene(scene_text(message), {.name = "welcome", .base_folder = {}});
+    if (!scene) return std::unexpected(to_string(scene.error()));
+    source.settings_ = scene->settings;
+    source.settings_.keep_normals = false;
+    for (const auto& [id, tool] : scene->tools) source.tools_.emplace(id, tool.tool);
+    source.speed_max_mm_per_s_ =
+        message.value("limits", json::object()).value("speed_mm_per_s", wire::kMaxSpeedMmPerS);
+  } catch (const json::exception& error) {
+    return std::unexpected(error.what());
+  }
+  if (const auto block = Sculpture::create(source.settings_); !block) {
+    return std::unexpected(block.error().reason);
+  }
+  return source;
+}
+
+Sculpture BlockSource::make() const {
+  Sculpture block = *Sculpture::create(settings_);
+  for (const auto& [id, tool] : tools_) block.apply(DefineTool{id, tool}).value();
+  return block;
+}
+
+}  // namespace kerf::agent
