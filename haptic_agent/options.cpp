@@ -112,6 +112,9 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
                  "now, interpolated and hold show them as they come")
       ->transform(CLI::CheckedTransformer(kModes))
       ->default_str("model");
+  app.add_flag("--copy,!--no-copy", options.keep_copy,
+               "in mode model, keep a copy of the block near the tool and feel that, so that a "
+               "far server is felt like a near one (default); it takes a tenth of a processor");
   app.add_option("--patience", options.link.patience_s,
                  "seconds to go on trying while the server cannot be reached")
       ->check(number_in(0.0, kMostSeconds))

@@ -19,6 +19,8 @@ struct Options {
   DeviceOptions device_options;
   WrenchLimits limits;
   ForceMode mode = ForceMode::kModel;
+  /// In mode model: keep a copy of the block near the tool, and feel that.
+  bool keep_copy = true;
   double duration_s = 0;
   /// The processor on which the loop stays; below 0: any.
   int cpu = -1;

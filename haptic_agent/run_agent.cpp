@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "haptic_agent/summary.h"
 #include "haptic_agent/terminal_view.h"
@@ -100,6 +101,19 @@ ServoSettings servo_settings(const Options& options, const Welcome& welcome,
                        .pivot_mm = welcome.pivot_mm});
 }
 
+/// Starts the copy of the block near the tool. Null, with a word to the user, if the welcome does
+/// not say enough for one: the server's answers are then felt alone.
+NearAnswers* start_copy(ReplicaThread& copy, NearAnswers& near, const Welcome& welcome) {
+  auto source = BlockSource::read(welcome.text);
+  if (!source) {
+    say(join({"keeps no copy of the block: ", source.error()}));
+    copy.stop();
+    return nullptr;
+  }
+  copy.start(*std::move(source));
+  return &near;
+}
+
 /// Runs the device at 1 kHz until it ends; fills in what the servo side has to tell.
 void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, int cpu,
                Summary& summary) {
@@ -144,6 +158,11 @@ int run_agent(Options options) {
   options.link.notice = say;
   options.device_options.notice = say;
   options.link.failed = [&loop] { loop.stop(); };
+  NearAnswers near;
+  ReplicaThread copy(near);
+  const bool keep_copy = options.keep_copy && options.mode == ForceMode::kModel;
+  options.link.hello.stock = keep_copy;
+  options.link.traffic.copy = keep_copy ? &copy : nullptr;
   std::function<void()> leave = [&loop] { loop.stop(); };
   LeaveOnSignal signals([&leave] { leave(); });
   ServerLink link(options.link, samples, wrenches);
@@ -178,13 +197,16 @@ int run_agent(Options options) {
             "; Ctrl-C leaves"}));
 
   const ServoSettings settings = servo_settings(options, *welcome, *device, *tool);
-  ServoCycle cycle(*device, samples, wrenches, link, settings);
+  ServoCycle cycle(*device, samples, wrenches, link, settings,
+                   keep_copy ? start_copy(copy, near, *welcome) : nullptr);
   {
     const TripWriter trips(cycle.recorder(), options.trip_log);
     std::optional<TerminalView> view;
     if (options.view) view.emplace(cycle.status(), link_status, settings, std::cerr);
     run_servo(*device, loop, cycle, options.cpu, summary);
   }
+  copy.stop();
+  summary.copy = copy.report();
   link.stop(kDrainS);
   summary.link = link.report();
 

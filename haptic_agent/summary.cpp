@@ -35,6 +35,21 @@ std::ostream& operator<<(std::ostream& out, const Quantiles& q) {
              << " ms";
 }
 
+struct Copy {
+  const ReplicaReport& of;
+};
+
+/// Nothing if no copy was kept.
+std::ostream& operator<<(std::ostream& out, const Copy& copy) {
+  constexpr double kPercent = 100, kKilo = 1000;
+  const ReplicaReport& c = copy.of;
+  if (c.samples == 0) return out;
+  return out << "copy     answered " << c.answered << " of " << c.samples << " samples, "
+             << Quantiles{c.answer_us} << "; forces differ from the server's by "
+             << c.error * kPercent << " % rms; " << c.tiles << " tiles, "
+             << static_cast<double>(c.bytes) / kKilo << " kB\n";
+}
+
 }  // namespace
 
 void print_summary(std::ostream& out, const Summary& s) {
@@ -54,8 +69,9 @@ void print_summary(std::ostream& out, const Summary& s) {
       << s.servo.max_torque_nmm << " N·mm shown (server: " << l.max_server_force_n
       << " N), saturated in " << s.saturated_ticks << " ticks, faded in " << s.servo.decayed_ticks
       << '\n'
-      << "energy   " << -s.given_mj << " mJ taken from the hand, at most " << s.most_returned_mj
-      << " mJ given back over any time; " << s.projected_wrenches << " wrenches corrected\n"
+      << Copy{s.copy} << "energy   " << -s.given_mj << " mJ taken from the hand, at most "
+      << s.most_returned_mj << " mJ given back over any time; " << s.projected_wrenches
+      << " wrenches corrected\n"
       << "safety   " << s.trips << " trips" << (s.trips > 0 ? ", last: " : "")
       << (s.trips > 0 ? to_string(s.last_trip) : "") << "; degraded in " << s.degraded_ticks
       << " ticks; stopped by the watchdog " << s.watchdog_stops << " times\n"
@@ -126,6 +142,19 @@ std::string summary_json(const Summary& s) {
                           {"projected", s.projected_wrenches},
                           {"given_mj", s.given_mj},
                           {"most_returned_mj", s.most_returned_mj}}},
+                        {"copy",
+                         {{"samples", s.copy.samples},
+                          {"answered", s.copy.answered},
+                          {"felt_ticks", s.servo.near_answers},
+                          {"overflows", s.servo.near_overflows},
+                          {"patches", s.copy.patches},
+                          {"bad_patches", s.copy.bad_patches},
+                          {"tiles", s.copy.tiles},
+                          {"bytes", s.copy.bytes},
+                          {"begun_afresh", s.copy.begun_afresh},
+                          {"answer_us", quantiles(s.copy.answer_us)},
+                          {"compared", s.copy.compared},
+                          {"error", s.copy.error}}},
                         {"safety",
                          {{"trips", s.trips},
                           {"last_trip", to_string(s.last_trip)},

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "haptic_agent/link/server_link.h"
+#include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/realtime.h"
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/servo_loop.h"
@@ -32,6 +33,7 @@ struct Summary {
   double given_mj = 0;
   double most_returned_mj = 0;
   LinkReport link;
+  ReplicaReport copy;
 };
 
 /// For a person: a few lines.

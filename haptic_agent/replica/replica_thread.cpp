@@ -82,7 +82,10 @@ void ReplicaThread::take_samples() {
     newest = replica_->move(sample);
     report_.answered += newest ? 1 : 0;
   }
-  if (newest) servo_.write(answer_of(*newest, now_us()));
+  if (!newest) return;
+  const std::uint64_t now = now_us();
+  servo_.write(answer_of(*newest, now));
+  if (now >= newest->agent_time_us) report_.answer_us.add(now - newest->agent_time_us);
 }
 
 }  // namespace kerf::agent

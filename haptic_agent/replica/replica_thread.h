@@ -10,6 +10,7 @@
 
 #include "haptic_agent/link/stock_listener.h"
 #include "haptic_agent/replica/replica.h"
+#include "haptic_agent/servo/histogram.h"
 #include "haptic_agent/servo/latest_value.h"
 #include "haptic_agent/servo/near_answers.h"
 
@@ -19,6 +20,7 @@ namespace kerf::agent {
 struct ReplicaReport {
   std::uint64_t samples = 0;   ///< taken from the servo
   std::uint64_t answered = 0;  ///< of these
+  Histogram answer_us;         ///< from the pose's measurement to its answer
   std::uint64_t patches = 0, tiles = 0, bytes = 0;
   std::uint64_t bad_patches = 0;
   std::uint64_t begun_afresh = 0;
