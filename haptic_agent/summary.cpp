@@ -22,6 +22,85 @@ json quantiles(const Histogram& histogram) {
           {"max", histogram.max_us()}};
 }
 
+json servo_json(const Summary& s) {
+  const CycleStats& c = s.cycles;
+  return {{"ticks", c.ticks},
+          {"due", c.ticks + c.lost},
+          {"late", c.late},
+          {"lost", c.lost},
+          {"most_lost_at_once", c.most_lost_at_once},
+          {"longest_gap_us", c.longest_gap_us},
+          {"longest_tick_us", c.longest_tick_us},
+          {"wake_us", quantiles(c.wake_us)},
+          {"fifo", s.realtime.fifo},
+          {"memory_locked", s.realtime.memory_locked},
+          {"pinned", s.realtime.pinned},
+          {"samples", s.servo.samples},
+          {"ring_overflows", s.servo.ring_overflows},
+          {"invalid_poses", s.servo.invalid_poses}};
+}
+
+json link_json(const Summary& s) {
+  const LinkReport& l = s.link;
+  json errors = json::object();
+  for (const auto& [code, complaint] : l.complaints) {
+    errors[code] = {{"count", complaint.count}, {"first_reason", complaint.first_reason}};
+  }
+  return {{"connections", l.connections},
+          {"samples_sent", l.samples_sent},
+          {"messages_sent", l.messages_sent},
+          {"resent", l.resent},
+          {"merged_air", l.merged_air},
+          {"merged_cuts", l.merged_cuts},
+          {"thinned_cuts", l.thinned_cuts},
+          {"forgotten", l.forgotten},
+          {"held_back", l.held_back},
+          {"unanswered", l.unanswered},
+          {"results", l.results},
+          {"refused_results", l.refused_results},
+          {"bad_frames", l.bad_frames},
+          {"ping_us", quantiles(l.clock.rtt_us())},
+          {"answer_us", quantiles(l.answer_us)},
+          {"turnaround_us", quantiles(l.turnaround_us)},
+          {"clock_offset_us", l.clock.offset_us()},
+          {"errors", errors}};
+}
+
+json force_json(const Summary& s) {
+  return {{"max_n", s.servo.max_force_n},
+          {"max_torque_nmm", s.servo.max_torque_nmm},
+          {"server_max_n", s.link.max_server_force_n},
+          {"saturated_ticks", s.saturated_ticks},
+          {"slewed_ticks", s.slewed_ticks},
+          {"decayed_ticks", s.servo.decayed_ticks},
+          {"not_finite", s.not_finite_wrenches},
+          {"projected", s.projected_wrenches},
+          {"given_mj", s.given_mj},
+          {"most_returned_mj", s.most_returned_mj}};
+}
+
+json copy_json(const Summary& s) {
+  return {{"samples", s.copy.samples},
+          {"answered", s.copy.answered},
+          {"felt_ticks", s.servo.near_answers},
+          {"overflows", s.servo.near_overflows},
+          {"patches", s.copy.patches},
+          {"bad_patches", s.copy.bad_patches},
+          {"tiles", s.copy.tiles},
+          {"bytes", s.copy.bytes},
+          {"begun_afresh", s.copy.begun_afresh},
+          {"answer_us", quantiles(s.copy.answer_us)},
+          {"compared", s.copy.compared},
+          {"error", s.copy.error}};
+}
+
+json safety_json(const Summary& s) {
+  return {{"trips", s.trips},
+          {"last_trip", to_string(s.last_trip)},
+          {"degraded_ticks", s.degraded_ticks},
+          {"watchdog_stops", s.watchdog_stops}};
+}
+
 struct Quantiles {
   const Histogram& of;
 };
@@ -87,79 +166,16 @@ void print_summary(std::ostream& out, const Summary& s) {
 }
 
 std::string summary_json(const Summary& s) {
-  const CycleStats& c = s.cycles;
   const LinkReport& l = s.link;
-  json errors = json::object();
-  for (const auto& [code, complaint] : l.complaints) {
-    errors[code] = {{"count", complaint.count}, {"first_reason", complaint.first_reason}};
-  }
   const json summary = {{"session", s.welcome.session},
                         {"participant", s.welcome.participant},
                         {"device", s.device},
                         {"failure", l.failure},
-                        {"servo",
-                         {{"ticks", c.ticks},
-                          {"due", c.ticks + c.lost},
-                          {"late", c.late},
-                          {"lost", c.lost},
-                          {"most_lost_at_once", c.most_lost_at_once},
-                          {"longest_gap_us", c.longest_gap_us},
-                          {"longest_tick_us", c.longest_tick_us},
-                          {"wake_us", quantiles(c.wake_us)},
-                          {"fifo", s.realtime.fifo},
-                          {"memory_locked", s.realtime.memory_locked},
-                          {"pinned", s.realtime.pinned},
-                          {"samples", s.servo.samples},
-                          {"ring_overflows", s.servo.ring_overflows},
-                          {"invalid_poses", s.servo.invalid_poses}}},
-                        {"link",
-                         {{"connections", l.connections},
-                          {"samples_sent", l.samples_sent},
-                          {"messages_sent", l.messages_sent},
-                          {"resent", l.resent},
-                          {"merged_air", l.merged_air},
-                          {"merged_cuts", l.merged_cuts},
-                          {"thinned_cuts", l.thinned_cuts},
-                          {"forgotten", l.forgotten},
-                          {"held_back", l.held_back},
-                          {"unanswered", l.unanswered},
-                          {"results", l.results},
-                          {"refused_results", l.refused_results},
-                          {"bad_frames", l.bad_frames},
-                          {"ping_us", quantiles(l.clock.rtt_us())},
-                          {"answer_us", quantiles(l.answer_us)},
-                          {"turnaround_us", quantiles(l.turnaround_us)},
-                          {"clock_offset_us", l.clock.offset_us()},
-                          {"errors", errors}}},
-                        {"force",
-                         {{"max_n", s.servo.max_force_n},
-                          {"max_torque_nmm", s.servo.max_torque_nmm},
-                          {"server_max_n", l.max_server_force_n},
-                          {"saturated_ticks", s.saturated_ticks},
-                          {"slewed_ticks", s.slewed_ticks},
-                          {"decayed_ticks", s.servo.decayed_ticks},
-                          {"not_finite", s.not_finite_wrenches},
-                          {"projected", s.projected_wrenches},
-                          {"given_mj", s.given_mj},
-                          {"most_returned_mj", s.most_returned_mj}}},
-                        {"copy",
-                         {{"samples", s.copy.samples},
-                          {"answered", s.copy.answered},
-                          {"felt_ticks", s.servo.near_answers},
-                          {"overflows", s.servo.near_overflows},
-                          {"patches", s.copy.patches},
-                          {"bad_patches", s.copy.bad_patches},
-                          {"tiles", s.copy.tiles},
-                          {"bytes", s.copy.bytes},
-                          {"begun_afresh", s.copy.begun_afresh},
-                          {"answer_us", quantiles(s.copy.answer_us)},
-                          {"compared", s.copy.compared},
-                          {"error", s.copy.error}}},
-                        {"safety",
-                         {{"trips", s.trips},
-                          {"last_trip", to_string(s.last_trip)},
-                          {"degraded_ticks", s.degraded_ticks},
-                          {"watchdog_stops", s.watchdog_stops}}},
+                        {"servo", servo_json(s)},
+                        {"link", link_json(s)},
+                        {"force", force_json(s)},
+                        {"copy", copy_json(s)},
+                        {"safety", safety_json(s)},
                         {"removed_mm3", l.removed_mm3},
                         {"motions_in_session", l.motions_in_session},
                         {"max_deviation_mm", s.max_deviation_mm}};

@@ -25,13 +25,14 @@ class Replica {
   explicit Replica(BlockSource source);
 
   /// The next sample of the hand, in their order. Empty while it is not known what the tool may
-  /// touch there.
+  /// touch there, and over the next two pitches of a cut: what a force is made of goes back so far
+  /// (TravelQueue).
   std::optional<wire::Result> move(const wire::MotionSample& sample);
   /// What tiles near the tool still hold. The error says what of the patch is wrong: nothing of
   /// that tile, nor of those behind it, has been taken.
   std::expected<void, std::string_view> take(const wire::StockPatch& patch);
   /// What the server answered to a sample that this has answered.
-  void compare(const wire::Result& theirs);
+  void compare(const wire::Result& theirs) { agreement_.compare(theirs); }
   /// True once after the answers have differed for so long that the copy must begin afresh: the
   /// server is to be asked to.
   bool take_doubt() { return agreement_.take_doubt(); }
@@ -50,8 +51,10 @@ class Replica {
   static constexpr std::uint64_t kRememberedUs = 4'000'000;
 
   bool knows(const MoveTool& motion);
+  bool settles(const MoveTool& motion, bool known);
   bool knows(const DexelField& field, std::size_t n, const TileRegion& region);
-  void begin_afresh(std::uint64_t server_has_us);
+  std::expected<void, std::string_view> take_tile(const wire::StockTile& tile);
+  void cut_again(std::uint64_t server_has_us);
 
   BlockSource source_;
   Sculpture block_;
@@ -61,6 +64,8 @@ class Replica {
   /// again.
   std::array<std::optional<TileRegion>, 3> known_region_;
   std::deque<Cut> cuts_;
+  /// Way of the tool until its force no longer holds anything of what was not known.
+  double unsettled_mm_ = 0;
   Agreement agreement_;
 };
 

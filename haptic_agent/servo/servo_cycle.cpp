@@ -131,9 +131,14 @@ Twist ServoCycle::follow(const DeviceState& state, bool usable, std::uint64_t no
 
 std::uint64_t ServoCycle::answer_age(std::uint64_t now_us) const noexcept {
   const ServerWrench& newest = interpolator_.newest();
-  return settings_.mode == ForceMode::kModel
-             ? model_age_us(now_us, newest.arrival_us, newest.pose_us)
-             : answer_age_us(now_us, newest.arrival_us, newest.pose_us);
+  if (settings_.mode != ForceMode::kModel) {
+    return answer_age_us(now_us, newest.arrival_us, newest.pose_us);
+  }
+  const bool near = near_us_ != 0 && now_us - near_us_ <= kFullWrenchUs;
+  if (!near) return model_age_us(now_us, newest.arrival_us, newest.pose_us);
+  // A server that answers ever later is no authority any more.
+  return std::max(near_age_us(now_us, newest.arrival_us),
+                  model_age_us(now_us, now_us, newest.pose_us));
 }
 
 void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
@@ -149,6 +154,7 @@ void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
   }
   if (near_ != nullptr && near_->read(next)) {
     model_.take_near(next, hold_at(next.pose_us), now_);
+    near_us_ = now_us;
     ++report_.near_answers;
   }
 }

@@ -133,6 +133,8 @@ class ServoCycle final : public ServoTask {
   double jumped_mm_ = 0;
   bool has_hold_ = false;
   bool has_answer_ = false;
+  /// When somebody near by has answered last; 0: never.
+  std::uint64_t near_us_ = 0;
   std::uint64_t lost_now_ = 0;
   std::uint64_t noted_trips_ = 0;
   std::uint64_t start_us_ = 0;

@@ -35,6 +35,20 @@ inline std::uint64_t answer_age_us(std::uint64_t now_us, std::uint64_t arrival_u
 /// round trip of 250 ms and its jitter still count as prompt.
 inline constexpr std::uint64_t kModelLagUs = 350'000;
 
+/// A copy of the block that answers the newest poses is right without the server, so a silence of
+/// the server up to here counts as no more than a prompt answer's age ...
+inline constexpr std::uint64_t kNearSilenceUs = 100'000;
+/// ... and from here on as one that gives no force: within the 150 ms that a lost server may take.
+inline constexpr std::uint64_t kNearNoneUs = 140'000;
+
+/// As answer_age_us, while a copy near by answers.
+inline std::uint64_t near_age_us(std::uint64_t now_us, std::uint64_t arrival_us) noexcept {
+  const std::uint64_t silent_us = now_us > arrival_us ? now_us - arrival_us : 0;
+  if (silent_us <= kNearSilenceUs) return std::min(silent_us, kFullWrenchUs);
+  return kFullWrenchUs + (silent_us - kNearSilenceUs) * (kNoWrenchUs - kFullWrenchUs) /
+                             (kNearNoneUs - kNearSilenceUs);
+}
+
 /// As answer_age_us, for the local model.
 inline std::uint64_t model_age_us(std::uint64_t now_us, std::uint64_t arrival_us,
                                   std::uint64_t pose_us) noexcept {

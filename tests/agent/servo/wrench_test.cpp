@@ -61,6 +61,19 @@ TEST(SilenceDecay, HoldsThenFallsThenIsGone) {
   EXPECT_EQ(wrench_share(std::numeric_limits<std::uint64_t>::max()), 0.0);
 }
 
+TEST(SilenceDecay, WhoIsAnsweredNearByFeelsNothingOfAStallUpToATenthOfASecond) {
+  const auto share = [](std::uint64_t silent_us) {
+    return wrench_share(near_age_us(1'000'000 + silent_us, 1'000'000));
+  };
+  EXPECT_EQ(share(0), 1.0);
+  EXPECT_EQ(share(100'000), 1.0);
+  EXPECT_LT(share(120'000), 0.5);
+  EXPECT_GT(share(120'000), 0.1);
+  EXPECT_GT(share(139'000), 0.0);
+  EXPECT_EQ(share(140'000), 0.0);
+  EXPECT_EQ(near_age_us(5, 10), 0U) << "an answer from the future is new";
+}
+
 TEST(SilenceDecay, AnswersThatComeEverLaterAgeToo) {
   EXPECT_EQ(answer_age_us(1'000'000, 999'000, 985'000), 1000U) << "15 ms round trip are prompt";
   EXPECT_EQ(answer_age_us(1'000'000, 999'000, 850'000), 130'000U);

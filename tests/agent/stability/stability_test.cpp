@@ -10,12 +10,23 @@ TEST(Stability, TheModelIsStableAtTwentyAndAHundredMs) {
        {LineQuality{.rtt_ms = 0}, LineQuality{.rtt_ms = 25, .jitter = 0.2},
         LineQuality{.rtt_ms = 100, .jitter = 0.2, .loss = 0.02},
         LineQuality{.rtt_ms = 250, .bursts = true}}) {
-    const SwingOutcome outcome =
-        swing({.mode = ForceMode::kModel, .line = line, .damping_n_s_per_m = 20});
-    EXPECT_TRUE(outcome.stable()) << line.rtt_ms << " ms: " << outcome.fastest_mm_per_s << " mm/s, "
-                                  << outcome.returned_mj << " mJ";
-    EXPECT_GT(outcome.most_force_n, 0.2) << "there must be something to be stable with";
+    for (const bool copy : {true, false}) {
+      const SwingOutcome outcome =
+          swing({.mode = ForceMode::kModel, .line = line, .damping_n_s_per_m = 20, .copy = copy});
+      EXPECT_TRUE(outcome.stable()) << line.rtt_ms << " ms: " << outcome.fastest_mm_per_s
+                                    << " mm/s, " << outcome.returned_mj << " mJ";
+      EXPECT_GT(outcome.most_force_n, 0.2) << "there must be something to be stable with";
+    }
   }
+}
+
+TEST(Stability, WithACopyTheForceIsRightHoweverFarTheServerIs) {
+  const Recording recording = record_carving(4);
+  EXPECT_LT(force_error(recording, ForceMode::kModel, {.rtt_ms = 0}, true), 0.05);
+  EXPECT_LT(force_error(recording, ForceMode::kModel, {.rtt_ms = 25}, true), 0.05);
+  EXPECT_LT(force_error(recording, ForceMode::kModel, {.rtt_ms = 100}, true), 0.05);
+  const LineQuality poor{.rtt_ms = 100, .jitter = 0.2, .loss = 0.02};
+  EXPECT_LT(force_error(recording, ForceMode::kModel, poor, true), 0.1);
 }
 
 TEST(Stability, TheModelErrsLessThanWhatIsHeld) {
