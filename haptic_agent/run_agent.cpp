@@ -144,6 +144,18 @@ void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, int cpu
   }
 }
 
+/// Says how it went; gives the program's exit code.
+int tell(const Options& options, Summary& summary) {
+  if (summary.link.failure.empty() && summary.link.unanswered > 0) {
+    summary.link.failure = join({"the server has not answered the last ",
+                                 std::to_string(summary.link.unanswered), " samples"});
+  }
+  print_summary(options.status_json == "-" ? std::cerr : std::cout, summary);
+  const bool written = write_status(options.status_json, summary);
+  if (!summary.link.failure.empty()) say(summary.link.failure);
+  return written && summary.link.failure.empty() ? 0 : kFailed;
+}
+
 }  // namespace
 
 int run_agent(Options options) {
@@ -210,14 +222,7 @@ int run_agent(Options options) {
   link.stop(kDrainS);
   summary.link = link.report();
 
-  if (summary.link.failure.empty() && summary.link.unanswered > 0) {
-    summary.link.failure = join({"the server has not answered the last ",
-                                 std::to_string(summary.link.unanswered), " samples"});
-  }
-  print_summary(options.status_json == "-" ? std::cerr : std::cout, summary);
-  const bool written = write_status(options.status_json, summary);
-  if (!summary.link.failure.empty()) say(summary.link.failure);
-  return written && summary.link.failure.empty() ? 0 : kFailed;
+  return tell(options, summary);
 }
 
 }  // namespace kerf::agent
