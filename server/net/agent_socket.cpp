@@ -208,8 +208,10 @@ void AgentSocket::on_binary(std::span<const std::byte> frame, Clock::time_point 
     return on_motion(*batch, arrived);
   }
   if (std::holds_alternative<wire::Ack>(message->body)) {
-    if (self_ && session_->ack_stock(self_->id, message->header.stamp.sequence)) return;
-    return refuse({wire::ErrorCode::kBadSequence, "no such stock frame was sent"});
+    if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+    const auto taken = session_->ack_stock(self_->id, message->header.stamp.sequence);
+    if (!taken) refuse(taken.error());
+    return;
   }
   const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||
                        std::holds_alternative<wire::Pong>(message->body);

@@ -107,8 +107,9 @@ class Session : public std::enable_shared_from_this<Session> {
 
   /// For a participant that keeps a copy of the block near its tool: what it lacks, if anything.
   std::optional<StockNews> stock_news(ParticipantId id);
-  /// It has every patch up to this one; false for one that was never sent.
-  bool ack_stock(ParticipantId id, std::uint64_t sequence);
+  /// It has every patch up to this one. Refuses a patch that was never sent, and whoever is sent
+  /// none.
+  std::expected<void, Refusal> ack_stock(ParticipantId id, std::uint64_t sequence);
   /// Its copy is wrong: the next patch begins a new one. Nothing for whoever keeps none.
   void start_stock_afresh(ParticipantId id);
 

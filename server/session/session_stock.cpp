@@ -12,9 +12,15 @@ std::optional<StockNews> Session::stock_news(ParticipantId id) {
   return seat.stock->next(sculpture_, {*tool, *seat.track.pose(), seat.track.time_us()});
 }
 
-bool Session::ack_stock(ParticipantId id, std::uint64_t sequence) {
+std::expected<void, Refusal> Session::ack_stock(ParticipantId id, std::uint64_t sequence) {
+  using enum wire::ErrorCode;
   const auto found = seats_.find(id);
-  return found != seats_.end() && found->second.stock && found->second.stock->ack(sequence);
+  if (found == seats_.end() || !found->second.stock) {
+    return std::unexpected(Refusal{kBadMessage, "no stock frames were asked for"});
+  }
+  if (found->second.stock->ack(sequence)) return {};
+  return std::unexpected(
+      Refusal{kBadSequence, "stock frame " + std::to_string(sequence) + " was never sent"});
 }
 
 void Session::start_stock_afresh(ParticipantId id) {

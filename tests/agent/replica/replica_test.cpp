@@ -252,6 +252,15 @@ TEST_P(ReplicaRoom, FeelsAShankAgainstAWall) {
   }
 }
 
+TEST_P(ReplicaRoom, OnlyPatchesThatWereSentAreAcknowledged) {
+  begin(GetParam());
+  EXPECT_EQ(session_->ack_stock(other_, 1).error().code, wire::ErrorCode::kBadMessage);
+  EXPECT_EQ(session_->ack_stock(hand_, 1).error().code, wire::ErrorCode::kBadSequence);
+  EXPECT_FALSE(session_->stock_news(other_)) << "who keeps no copy is told nothing";
+  hand({0, 0, 2});
+  EXPECT_TRUE(session_->ack_stock(hand_, 1));
+}
+
 INSTANTIATE_TEST_SUITE_P(Rays, ReplicaRoom, testing::Values("dexel", "tri-dexel"));
 
 TEST_F(SessionRoom, ACopyAnswersNothingWhereItKnowsNothing) {

@@ -79,7 +79,7 @@ void TestBed::serve(std::span<const std::byte> frame) {
     bytes = wire::encode({session_->epoch(), ++results_, now_us_}, newest_, answer);
     tell_stock();
   } else if (std::holds_alternative<wire::Ack>(message->body)) {
-    session_->ack_stock(self_, message->header.stamp.sequence);
+    session_->ack_stock(self_, message->header.stamp.sequence).value();
     return;
   } else if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
     bytes =
