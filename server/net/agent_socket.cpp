@@ -7,8 +7,8 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <deque>
 
+#include "server/net/agent_outbox.h"
 #include "server/net/control_json.h"
 #include "server/net/lane.h"
 #include "server/net/metrics.h"
@@ -54,8 +54,6 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   }
 
  private:
-  enum class Leaving : std::uint8_t { kNothing, kResult, kFelt, kControl, kStock };
-
   asio::awaitable<void> run(UpgradeRequest request);
   void limit_hello();
   void on_event(const SessionEvent& event);
@@ -72,13 +70,15 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   template <typename Body>
   void send_datagram(std::uint64_t sequence, const Body& body);
   void refuse(const Refusal& refusal, bool fatal = false);
-  void say(std::string text);
+  void say(std::string_view text);
   void say_pong(const wire::Ping& ping);
   void say_stock();
   void finish();
   void pump();
-  Leaving next_to_leave() const;
-  void written(error_code error, Leaving what);
+  void written(error_code error);
+  wire::FrameStamp stamp(std::uint64_t sequence) const {
+    return {session_->epoch(), sequence, clock_us()};
+  }
 
   std::shared_ptr<Session> session_;
   Context& context_;
@@ -89,21 +89,10 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   int listener_ = 0;
   RateLimit errors_{kErrorsPerS, kErrorsBurst};
 
-  std::array<std::byte, wire::kHeaderBytes + wire::kMaxResultBytes> result_{}, out_{};
-  std::size_t result_bytes_ = 0;
-  Clock::time_point result_arrived_, out_arrived_;
-  bool has_result_ = false;
-  /// The state of the participant whom this one feels; the newest replaces one that has not left.
-  std::array<std::byte, wire::kHeaderBytes + wire::kListHeadBytes + wire::kToolStateBytes> felt_{},
-      felt_out_{};
-  bool has_felt_ = false;
-  std::vector<std::byte> stock_;  ///< the stock frame on its way
+  AgentOutbox out_;
+  AgentOutbox::Frame leaving_;
   Clock::time_point stock_due_;
-  bool has_stock_ = false;
-  std::uint64_t felts_ = 0;
-  std::uint64_t results_ = 0, pongs_ = 0;
-  std::deque<std::pair<std::string, bool>> control_;  ///< bytes, and whether they are text
-  std::pair<std::string, bool> control_out_;
+  std::uint64_t felts_ = 0, results_ = 0, pongs_ = 0;
   bool writing_ = false, finishing_ = false, broken_ = false;
 
   /// Null without a UDP lane.
@@ -221,15 +210,8 @@ void AgentSocket::on_binary(std::span<const std::byte> frame, Clock::time_point 
 void AgentSocket::on_motion(const wire::MotionBatch& batch, Clock::time_point arrived) {
   if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
   const MotionAnswer answer = apply(batch, arrived);
-  // Only the newest wrench is worth feeling: it replaces one that has not left yet.
-  result_bytes_ = wire::encode({session_->epoch(), ++results_, clock_us()}, answer.result, result_);
-  result_arrived_ = arrived;
-  has_result_ = true;
-  if (answer.felt) {
-    wire::encode({session_->epoch(), ++felts_, clock_us()}, wire::ToolStates{{*answer.felt}},
-                 felt_);
-    has_felt_ = true;
-  }
+  out_.put_result(stamp(++results_), answer.result, arrived);
+  if (answer.felt) out_.put_felt(stamp(++felts_), *answer.felt);
   say_stock();
   pump();
 }
@@ -295,20 +277,18 @@ void AgentSocket::on_datagram_motion(const wire::MotionBatch& batch, Clock::time
 template <typename Body>
 void AgentSocket::send_datagram(std::uint64_t sequence, const Body& body) {
   std::array<std::byte, datagram::kMaxFrameBytes> frame;
-  const std::size_t bytes = wire::encode({session_->epoch(), sequence, clock_us()}, body, frame);
+  const std::size_t bytes = wire::encode(stamp(sequence), body, frame);
   udp_->send(std::span(frame).first(bytes));
 }
 
-/// Asks for what the agent's copy of the block lacks, while nothing of it is on its way.
+/// Asks for what the agent's copy of the block lacks, while nothing of it waits to leave.
 void AgentSocket::say_stock() {
   const auto now = Clock::now();
-  if (has_stock_ || now < stock_due_) return;
+  if (out_.has_stock() || now < stock_due_) return;
   stock_due_ = now + kStockInterval;
-  const auto news = session_->stock_news(self_->id);
-  if (!news) return;
-  stock_.clear();
-  wire::append(stock_, {session_->epoch(), news->sequence, clock_us()}, news->patch());
-  has_stock_ = true;
+  if (const auto news = session_->stock_news(self_->id)) {
+    out_.put_stock(stamp(news->sequence), news->patch());
+  }
 }
 
 void AgentSocket::refuse(const Refusal& refusal, bool fatal) {
@@ -316,87 +296,53 @@ void AgentSocket::refuse(const Refusal& refusal, bool fatal) {
   if (fatal || errors_.allow(Clock::now())) say(error_message(refusal, fatal));
 }
 
-void AgentSocket::say(std::string text) {
-  if (finishing_ || broken_) return;
-  if (control_.size() >= kControlQueueMax) {
+void AgentSocket::say(std::string_view text) {
+  if (broken_) return;
+  if (!out_.put_text(text)) {
     broken_ = true;  // it does not read: nothing that we say would arrive
     beast::get_lowest_layer(socket_).close();
     return;
   }
-  control_.emplace_back(std::move(text), true);
   pump();
 }
 
 void AgentSocket::say_pong(const wire::Ping& ping) {
-  if (control_.size() >= kControlQueueMax || finishing_) return;
-  const wire::Pong pong{ping.time_us, clock_us()};
-  std::string bytes(wire::encoded_bytes(pong), '\0');
-  wire::encode({session_->epoch(), ++pongs_, clock_us()}, pong,
-               std::as_writable_bytes(std::span(bytes)));
-  control_.emplace_back(std::move(bytes), false);
+  out_.put_pong(stamp(++pongs_), {ping.time_us, clock_us()});
   pump();
 }
 
 void AgentSocket::finish() {
   finishing_ = true;
+  out_.close();
   pump();
-}
-
-/// What leaves next: a wrench before all else, the block's columns last.
-AgentSocket::Leaving AgentSocket::next_to_leave() const {
-  if (has_result_ && !finishing_) return Leaving::kResult;
-  if (has_felt_ && !finishing_) return Leaving::kFelt;
-  if (!control_.empty()) return Leaving::kControl;
-  if (has_stock_ && !finishing_) return Leaving::kStock;
-  return Leaving::kNothing;
 }
 
 void AgentSocket::pump() {
   if (writing_ || broken_) return;
-  const Leaving what = next_to_leave();
-  if (what == Leaving::kNothing && !finishing_) return;
+  const bool leaves = out_.take(leaving_);
+  if (!leaves && !finishing_) return;
   writing_ = true;
-  if (what == Leaving::kNothing) {
+  if (!leaves) {
     socket_.async_close(beast::websocket::close_code::going_away,
                         [self = shared_from_this()](error_code) {});
     return;
   }
-  socket_.binary(true);
-  auto done = [self = shared_from_this(), what](error_code error, std::size_t) {
-    self->written(error, what);
-  };
-  switch (what) {
-    case Leaving::kResult:
-      has_result_ = false;
-      out_ = result_;
-      out_arrived_ = result_arrived_;
-      return socket_.async_write(asio::buffer(out_, result_bytes_), std::move(done));
-    case Leaving::kFelt:
-      has_felt_ = false;
-      felt_out_ = felt_;
-      return socket_.async_write(asio::buffer(felt_out_), std::move(done));
-    case Leaving::kControl:
-      control_out_ = std::move(control_.front());
-      control_.pop_front();
-      socket_.text(control_out_.second);
-      return socket_.async_write(asio::buffer(control_out_.first), std::move(done));
-    case Leaving::kStock:
-    case Leaving::kNothing:
-      return socket_.async_write(asio::buffer(stock_), std::move(done));
-  }
+  socket_.text(leaving_.kind == AgentOutbox::Kind::kText);
+  socket_.async_write(
+      asio::buffer(leaving_.bytes),
+      [self = shared_from_this()](error_code error, std::size_t) { self->written(error); });
 }
 
-void AgentSocket::written(error_code error, Leaving what) {
+void AgentSocket::written(error_code error) {
   writing_ = false;
   if (error) {
     broken_ = true;
     return;
   }
-  if (what == Leaving::kResult) {
+  if (leaving_.kind == AgentOutbox::Kind::kResult) {
     context_.metrics.motion_answered(
-        std::chrono::duration<double>(Clock::now() - out_arrived_).count());
+        std::chrono::duration<double>(Clock::now() - leaving_.arrived).count());
   }
-  if (what == Leaving::kStock) has_stock_ = false;
   pump();
 }
 

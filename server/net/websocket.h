@@ -10,6 +10,7 @@
 #include <string>
 
 #include "server/net/context.h"
+#include "server/net/control_queue.h"
 
 namespace kerf::net {
 
@@ -19,8 +20,6 @@ using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_bod
 /// Larger frames close the connection with 1009 before they are read; those between the protocol's
 /// limit and this one are answered with a typed error.
 inline constexpr std::size_t kFrameReadMax = 64 * 1024;
-/// Control messages that wait for a peer that does not read; more end the connection.
-inline constexpr std::size_t kControlQueueMax = 64;
 
 /// Options that agents and viewers share: no compression (a shared frame is encoded once for all),
 /// keep-alive pings, small frames in, sub-protocol out.
