@@ -64,6 +64,49 @@ TEST(Control, UnknownMessagesAreSkippedAndMalformedOnesRefused) {
 TEST(Control, AHelloLeavesOutWhatTheServerIsToPick) {
   const auto hello = nlohmann::json::parse(hello_text({.name = "Ada", .color = "", .tool_id = 0}));
   EXPECT_EQ(hello, nlohmann::json::parse(R"({"type":"hello","name":"Ada","feel":true})"));
+  EXPECT_EQ(nlohmann::json::parse(hello_text({.name = "", .color = "", .udp = true}))["udp"], true);
+}
+
+TEST(Control, AnOfferThatIsNotUnderstoodIsNone) {
+  const auto offered = [](const nlohmann::json& udp) {
+    auto message = nlohmann::json::parse(welcome_text());
+    message["udp"] = udp;
+    const auto control = parse_control(message.dump());
+    EXPECT_TRUE(control) << udp;
+    return control ? std::get<Welcome>(*control).udp : std::nullopt;
+  };
+  const nlohmann::json good = {{"port", 8080},
+                               {"connection", 4'000'000'000U},
+                               {"cipher", "chacha20-poly1305"},
+                               {"key_to_server", std::string(64, '1')},
+                               {"key_to_agent", std::string(64, 'f')}};
+  ASSERT_TRUE(offered(good));
+  EXPECT_EQ(offered(good)->port, 8080);
+  EXPECT_EQ(offered(good)->connection, 4'000'000'000U);
+  EXPECT_EQ(offered(good)->to_server.front(), std::byte{0x11});
+  EXPECT_EQ(offered(good)->to_agent.front(), std::byte{0xFF});
+  for (const auto& [field, bad] :
+       std::vector<std::pair<std::string, nlohmann::json>>{{"port", "x"},
+                                                           {"port", 0},
+                                                           {"port", 65'536},
+                                                           {"port", -1},
+                                                           {"port", nullptr},
+                                                           {"connection", "x"},
+                                                           {"connection", -1},
+                                                           {"connection", 4'294'967'296ULL},
+                                                           {"cipher", "rot13"},
+                                                           {"cipher", 5},
+                                                           {"key_to_server", "1"},
+                                                           {"key_to_agent", 7}}) {
+    nlohmann::json udp = good;
+    udp[field] = bad;
+    EXPECT_FALSE(offered(udp)) << udp;
+    udp.erase(field);
+    EXPECT_FALSE(offered(udp)) << udp;
+  }
+  for (const nlohmann::json& bad : {nlohmann::json(true), nlohmann::json::array({1, 2})}) {
+    EXPECT_FALSE(offered(bad)) << bad;
+  }
 }
 
 TEST(Declined, OnlyTheAgentsOwnFaultsAreFinal) {
