@@ -133,11 +133,14 @@ class TrafficTest : public ::testing::Test {
   }
   /// What goes out of a pose a millisecond after the last one.
   std::vector<wire::MotionSample> pass(Traffic& traffic, double x_mm, bool cutting) {
+    return pass(
+        traffic,
+        {.tip_mm = {x_mm, 0, 0}, .tool_id = 1, .buttons = cutting ? wire::kButtonCutting : 0U});
+  }
+  std::vector<wire::MotionSample> pass(Traffic& traffic, wire::MotionSample sample) {
     now_us += 1000;
-    EXPECT_TRUE(ring.push({.time_us = now_us,
-                           .tip_mm = {x_mm, 0, 0},
-                           .tool_id = 1,
-                           .buttons = cutting ? wire::kButtonCutting : 0U}));
+    sample.time_us = now_us;
+    EXPECT_TRUE(ring.push(sample));
     traffic.collect();
     std::vector<wire::MotionSample> sent;
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
@@ -200,6 +203,21 @@ TEST_F(TrafficTest, NothingIsHeldBackInContact) {
   EXPECT_TRUE(pass(traffic, 0, false).empty());
   EXPECT_EQ(pass(traffic, 0, true).size(), 2U);
   EXPECT_EQ(pass(traffic, 0, true).size(), 1U) << "a cut is never held back";
+}
+
+TEST_F(TrafficTest, HoldsBackOnlyWhatIsTheSameInAllElse) {
+  const wire::MotionSample rest{.axis = {0, 0, 1}, .tool_id = 1};
+  wire::MotionSample held = rest, leaning = rest, other_tool = rest;
+  held.buttons = wire::kButtonDeadman;
+  leaning.axis = {0.002F, 0, 1};
+  other_tool.tool_id = 2;
+  for (const wire::MotionSample& changed : {held, leaning, other_tool}) {
+    Traffic traffic = make({.deadband = true});
+    pass(traffic, rest);
+    take(traffic, wire::Result{.agent_sequence = 1});
+    EXPECT_TRUE(pass(traffic, rest).empty());
+    EXPECT_EQ(pass(traffic, changed).size(), 1U);
+  }
 }
 
 TEST_F(TrafficTest, HandsOnWhatAnotherFeels) {
