@@ -116,6 +116,13 @@ class Offer(LiveTest):
         finally:
             other.stop()
 
+    def test_a_port_that_is_taken_is_an_error_only_where_it_was_named(self):
+        with self.assertRaisesRegex(RuntimeError, "no UDP lane on 127.0.0.1"):
+            Server(self.folder.name + "/two", "--udp", f"127.0.0.1:{self.port}")
+        for wrong in ("x", "1.2.3.4:", "70000", ":5", "-1"):
+            with self.assertRaisesRegex(RuntimeError, "is not"):
+                Server(self.folder.name + "/two", f"--udp={wrong}")
+
     def test_an_answer_comes_from_the_address_that_was_asked(self):
         for listen, hosts in (("0.0.0.0:0", ("127.0.0.1", "127.0.0.2")),
                               ("[::]:0", ("127.0.0.1", "127.0.0.3"))):
