@@ -96,7 +96,7 @@ std::uint32_t Traffic::take_tool_change() noexcept {
   if (lanes_.over_udp()) {
     lanes_.leave();
     queue_.go_back();
-    return 0;
+    if (queue_.next_tool() == tool_id_) return 0;
   }
   return tool_id_ = *tool;
 }

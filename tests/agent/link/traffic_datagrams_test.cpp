@@ -257,6 +257,15 @@ TEST_F(TrafficDatagrams, ANewToolIsToldBetweenTheSamples) {
   EXPECT_EQ(over_udp(), (Numbers{7, 8, 9}));
 }
 
+TEST_F(TrafficDatagrams, ANewToolIsToldAtOnceWhereEverythingIsAnswered) {
+  take_over();
+  push(2, 2);
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(traffic.take_tool_change(), 2U);
+  EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
+  EXPECT_EQ(traffic.take_tool_change(), 0U);
+}
+
 TEST_F(TrafficDatagrams, OldAnswersAreNotFelt) {
   take_over();
   push(5);
