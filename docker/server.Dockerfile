@@ -28,6 +28,6 @@ COPY --from=build /kerf/web/dist /usr/share/kerf/web
 COPY --from=build /kerf/demo /usr/share/kerf/demo
 USER kerf
 VOLUME /var/lib/kerf
-EXPOSE 8080
+EXPOSE 8080 8080/udp
 HEALTHCHECK CMD curl -fsS http://127.0.0.1:8080/healthz
 ENTRYPOINT ["kerf-server", "--listen", "0.0.0.0:8080", "--data", "/var/lib/kerf", "--web", "/usr/share/kerf/web"]

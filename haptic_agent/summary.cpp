@@ -2,6 +2,8 @@
 
 #include <iomanip>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 
 namespace kerf::agent {
 namespace {
@@ -40,6 +42,21 @@ json servo_json(const Summary& s) {
           {"invalid_poses", s.servo.invalid_poses}};
 }
 
+json udp_json(const UdpReport& udp) {
+  return {{"asked", udp.asked},
+          {"offered", udp.offered},
+          {"carries", udp.carries},
+          {"taken_over", udp.taken_over},
+          {"fell_back", udp.fell_back},
+          {"datagrams_sent", udp.sent},
+          {"datagrams_received", udp.received},
+          {"datagrams_lost", udp.lost},
+          {"datagrams_dropped", udp.dropped},
+          {"samples", udp.samples},
+          {"repeated", udp.repeated},
+          {"gaps", udp.gaps}};
+}
+
 json link_json(const Summary& s) {
   const LinkReport& l = s.link;
   json errors = json::object();
@@ -58,7 +75,9 @@ json link_json(const Summary& s) {
           {"unanswered", l.unanswered},
           {"results", l.results},
           {"refused_results", l.refused_results},
+          {"old_results", l.old_results},
           {"bad_frames", l.bad_frames},
+          {"udp", udp_json(l.udp)},
           {"ping_us", quantiles(l.clock.rtt_us())},
           {"answer_us", quantiles(l.answer_us)},
           {"turnaround_us", quantiles(l.turnaround_us)},
@@ -114,6 +133,20 @@ std::ostream& operator<<(std::ostream& out, const Quantiles& q) {
              << " ms";
 }
 
+/// Empty where the lane was not asked for.
+std::string udp_line(const UdpReport& udp, std::uint64_t samples_sent) {
+  if (!udp.asked) return {};
+  if (!udp.offered) return "udp      the server has no UDP lane\n";
+  std::ostringstream out;
+  out << "udp      " << udp.samples << " of " << samples_sent
+      << " samples first sent over it, taken over " << udp.taken_over << " times, fallen back "
+      << udp.fell_back << " times, at the end " << (udp.carries ? "in use" : "not in use")
+      << "; datagrams: " << udp.sent << " out, " << udp.received << " in, " << udp.lost << " lost, "
+      << udp.dropped << " dropped; " << udp.repeated << " samples repeated, " << udp.gaps
+      << " gaps\n";
+  return out.str();
+}
+
 struct Copy {
   const ReplicaReport& of;
 };
@@ -144,10 +177,10 @@ void print_summary(std::ostream& out, const Summary& s) {
       << l.results << " results, " << l.connections << " connection"
       << (l.connections == 1 ? "" : "s") << ", " << l.resent << " resent, " << l.unanswered
       << " unanswered, " << l.merged_air + l.merged_cuts + l.thinned_cuts << " merged\n"
-      << "force    up to " << std::setprecision(2) << s.servo.max_force_n << " N and "
-      << s.servo.max_torque_nmm << " N·mm shown (server: " << l.max_server_force_n
-      << " N), saturated in " << s.saturated_ticks << " ticks, faded in " << s.servo.decayed_ticks
-      << '\n'
+      << udp_line(l.udp, l.samples_sent - l.resent) << "force    up to " << std::setprecision(2)
+      << s.servo.max_force_n << " N and " << s.servo.max_torque_nmm
+      << " N·mm shown (server: " << l.max_server_force_n << " N), saturated in "
+      << s.saturated_ticks << " ticks, faded in " << s.servo.decayed_ticks << '\n'
       << Copy{s.copy} << "energy   " << -s.given_mj << " mJ taken from the hand, at most "
       << s.most_returned_mj << " mJ given back over any time; " << s.projected_wrenches
       << " wrenches corrected\n"

@@ -13,6 +13,13 @@ constexpr int kBarColumns = 30;
 constexpr const char* kEndOfLine = "\x1b[K\n";
 constexpr const char* kSixLinesUp = "\x1b[6A";
 
+/// Empty where there is no such lane.
+std::string udp_rate(const UdpReport& udp) {
+  if (!udp.offered) return {};
+  return "datagrams " + std::to_string(udp.sent) + " out, " + std::to_string(udp.received) +
+         " in, " + std::to_string(udp.lost) + " lost, ";
+}
+
 }  // namespace
 
 std::string bar(double value, double most, int columns) {
@@ -37,8 +44,9 @@ std::string view_text(const ServoStatus& servo, const LinkStatus& link, const Wr
       << servo.energy_mj << " mJ of " << tank_mj << kEndOfLine << "link    round trip "
       << ms(link.rtt_us) << " ms, answer " << ms(servo.answer_age_us) << " ms old, clock "
       << std::showpos << ms(link.clock_offset_us) << std::noshowpos << " ms, connection "
-      << link.connections << kEndOfLine << "rate    " << link.samples_sent << " poses out, "
-      << link.results << " answers in, tip " << servo.speed_mm_per_s << " mm/s" << kEndOfLine;
+      << link.connections << (link.udp.carries ? ", UDP" : ", WebSocket") << kEndOfLine
+      << "rate    " << link.samples_sent << " poses out, " << link.results << " answers in, "
+      << udp_rate(link.udp) << "tip " << servo.speed_mm_per_s << " mm/s" << kEndOfLine;
   return out.str();
 }
 

@@ -33,15 +33,27 @@ CutLaw cut_law(const json& message) {
 
 /// An offer that is not understood is none: the WebSocket carries everything.
 std::optional<datagram::Offer> read_offer(const json& message) {
-  const auto found = message.find("udp");
-  if (found == message.end() || !found->is_object()) return std::nullopt;
-  const auto key = [&](const char* name) {
-    return datagram::key_from_text(found->value(name, std::string()));
+  const json offer = message.value("udp", json::object());
+  if (!offer.is_object()) return std::nullopt;
+  const auto text = [&](const char* name) {
+    const auto field = offer.find(name);
+    return field != offer.end() && field->is_string() ? field->get<std::string>() : std::string();
   };
-  if (found->value("cipher", "") != datagram::kCipherName) return std::nullopt;
-  const auto to_server = key("key_to_server"), to_agent = key("key_to_agent");
-  if (!to_server || !to_agent) return std::nullopt;
-  return datagram::Offer{found->at("port"), found->at("connection"), *to_server, *to_agent};
+  const auto number = [&](const char* name, std::uint64_t most) -> std::uint64_t {
+    const auto field = offer.find(name);
+    if (field == offer.end() || !field->is_number_unsigned()) return most + 1;
+    return field->get<std::uint64_t>();
+  };
+  const std::uint64_t port = number("port", UINT16_MAX);
+  const std::uint64_t connection = number("connection", UINT32_MAX);
+  const auto to_server = datagram::key_from_text(text("key_to_server"));
+  const auto to_agent = datagram::key_from_text(text("key_to_agent"));
+  if (text("cipher") != datagram::kCipherName || !to_server || !to_agent || port == 0 ||
+      port > UINT16_MAX || connection > UINT32_MAX) {
+    return std::nullopt;
+  }
+  return datagram::Offer{static_cast<std::uint16_t>(port), static_cast<std::uint32_t>(connection),
+                         *to_server, *to_agent};
 }
 
 Welcome read_welcome(const json& message) {

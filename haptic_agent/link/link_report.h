@@ -16,6 +16,7 @@ struct ServerComplaint {
 
 /// What the UDP lane has seen; all zero where it was not asked for.
 struct UdpReport {
+  bool asked = false;
   bool offered = false;
   /// UDP carries the samples now, or did so at the end.
   bool carries = false;

@@ -15,6 +15,7 @@
 #include <optional>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "haptic_agent/link/connection.h"
 #include "haptic_agent/link/traffic.h"
@@ -170,6 +171,7 @@ class ServerLink::Impl {
   }
 
   void enter(const Welcome& welcome) {
+    if (settings_.hello.udp) traffic_.ask_for_udp();
     traffic_.begin(welcome.epoch, settings_.hello.tool_id, now_us(), welcome.udp.has_value());
     if (welcome_) notice("connected again");
     {
@@ -184,6 +186,9 @@ class ServerLink::Impl {
     error_code failed;
     const auto server =
         beast::get_lowest_layer(connection->socket).socket().remote_endpoint(failed);
+    if (settings_.hello.udp && !welcome.udp && !std::exchange(told_of_no_udp_, true)) {
+      notice("the server has no UDP lane, staying on the WebSocket");
+    }
     if (!welcome.udp || failed) return;
     connection->udp = std::make_unique<DatagramSocket>(io_, server.address(), *welcome.udp,
                                                        traffic_.udp_counts());
@@ -296,6 +301,7 @@ class ServerLink::Impl {
   /// The connection that is being made, if one is.
   std::shared_ptr<Connection> greeting_;
   bool ended_ = false;
+  bool told_of_no_udp_ = false;
   LinkReport report_;
   std::thread thread_;
 

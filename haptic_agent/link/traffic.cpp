@@ -97,7 +97,7 @@ std::string Traffic::take_control() {
   if (lanes_.over_udp()) {
     lanes_.leave();
     queue_.go_back();
-    return {};
+    if (queue_.next_tool() == tool_id_) return {};
   }
   tool_id_ = *tool;
   return tool_text(tool_id_);

@@ -49,6 +49,8 @@ class Traffic {
   /// A connection has been made and welcomed; `tool_id` is the one named in the hello.
   void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
              bool udp_offered = false);
+  /// The user wants the UDP lane, whether there is one or not.
+  void ask_for_udp() noexcept { report_.udp.asked = true; }
 
   /// Takes what the servo has left in the ring.
   void collect();

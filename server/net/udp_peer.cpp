@@ -69,15 +69,13 @@ void UdpPeer::send(std::span<const std::byte> frame) {
     const std::scoped_lock lock(address_mutex_);
     to = address_;
   }
-  if (to.bytes == 0) return;
+  if (to.peer_bytes == 0) return;
   std::array<std::byte, datagram::kMaxBytes> out;
   const std::size_t bytes = sealer_.seal(frame, out);
   // What the system does not take at once is lost, as it might be on the way.
-  const ssize_t sent =
-      bytes == 0 ? -1
-                 : ::sendto(socket_->descriptor(), out.data(), bytes, MSG_DONTWAIT | MSG_NOSIGNAL,
-                            reinterpret_cast<const sockaddr*>(&to.storage), to.bytes);
-  if (sent >= 0) metrics_.datagram_sent();
+  if (bytes > 0 && send_datagram(socket_->descriptor(), std::span(out).first(bytes), to)) {
+    metrics_.datagram_sent();
+  }
 }
 
 }  // namespace kerf::net

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <sys/socket.h>
-
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -10,6 +8,7 @@
 #include <span>
 
 #include "server/datagram/cipher.h"
+#include "server/net/udp_address.h"
 #include "server/session/executor.h"
 #include "server/session/rate_limit.h"
 
@@ -28,11 +27,6 @@ class UdpSocket {
 
  private:
   int descriptor_;
-};
-
-struct UdpAddress {
-  sockaddr_storage storage{};
-  socklen_t bytes = 0;  ///< 0: not known
 };
 
 /// One agent on the UDP lane, as long as its WebSocket lasts.

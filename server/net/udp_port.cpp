@@ -1,7 +1,5 @@
 #include "server/net/udp_port.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sys/eventfd.h>
@@ -9,8 +7,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
-#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -23,38 +19,6 @@ namespace {
 constexpr int kReceiveBytes = 1 << 20;
 /// Read this many before looking whether to stop.
 constexpr int kAtOnce = 64;
-
-std::optional<UdpAddress> to_address(const std::string& text, std::uint16_t port) {
-  UdpAddress address;
-  in_addr four{};
-  if (inet_pton(AF_INET, text.c_str(), &four) == 1) {
-    sockaddr_in in{};
-    in.sin_family = AF_INET;
-    in.sin_port = htons(port);
-    in.sin_addr = four;
-    address.bytes = sizeof in;
-    std::memcpy(&address.storage, &in, sizeof in);
-    return address;
-  }
-  sockaddr_in6 in{};
-  if (inet_pton(AF_INET6, text.c_str(), &in.sin6_addr) != 1) return std::nullopt;
-  in.sin6_family = AF_INET6;
-  in.sin6_port = htons(port);
-  address.bytes = sizeof in;
-  std::memcpy(&address.storage, &in, sizeof in);
-  return address;
-}
-
-std::uint16_t port_of(int descriptor) {
-  sockaddr_storage storage{};
-  socklen_t bytes = sizeof storage;
-  if (getsockname(descriptor, reinterpret_cast<sockaddr*>(&storage), &bytes) != 0) return 0;
-  in_port_t port = 0;  // at the same place in both families
-  static_assert(offsetof(sockaddr_in, sin_port) == offsetof(sockaddr_in6, sin6_port));
-  std::memcpy(&port, reinterpret_cast<const char*>(&storage) + offsetof(sockaddr_in, sin_port),
-              sizeof port);
-  return ntohs(port);
-}
 
 }  // namespace
 
@@ -73,11 +37,12 @@ std::expected<void, std::string> UdpPort::listen(const std::string& address, std
   const auto here = to_address(address, port);
   if (!here) return fail("no IP address");
   const int descriptor =
-      ::socket(here->storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+      ::socket(here->peer.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return fail(std::generic_category().message(errno));
   auto socket = std::make_shared<UdpSocket>(descriptor);
   ::setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &kReceiveBytes, sizeof kReceiveBytes);
-  if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&here->storage), here->bytes) != 0) {
+  ask_for_own_address(descriptor, here->peer.ss_family);
+  if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&here->peer), here->peer_bytes) != 0) {
     return fail(std::generic_category().message(errno));
   }
   stop_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -120,9 +85,7 @@ bool UdpPort::receive_one() {
   // One byte more than the longest, so that a longer one is seen to be longer.
   std::array<std::byte, datagram::kMaxBytes + 1> bytes;
   UdpAddress from;
-  from.bytes = sizeof from.storage;
-  const ssize_t count = ::recvfrom(socket_->descriptor(), bytes.data(), bytes.size(), MSG_DONTWAIT,
-                                   reinterpret_cast<sockaddr*>(&from.storage), &from.bytes);
+  const ssize_t count = receive_datagram(socket_->descriptor(), bytes, from);
   if (count < 0) return errno == EINTR;
   const auto arrived = UdpPeer::Clock::now();
   const auto datagram = std::span(bytes).first(static_cast<std::size_t>(count));

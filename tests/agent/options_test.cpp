@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,13 @@ std::expected<Options, EarlyExit> read(std::vector<const char*> words) {
 TEST(Options, ReadsAWholeCommandLine) {
   const auto options = read({"--server", "http://127.0.0.1:9", "--session", "demo", "--device",
                              "sim", "--name", "Ada", "--color", "#a0B1c2", "--tool", "2",
-                             "--duration", "1.5", "--loop", "--force-max", "3"});
+                             "--duration", "1.5", "--loop", "--force-max", "3", "--udp"});
   ASSERT_TRUE(options);
   EXPECT_EQ(options->link.server, (ServerUrl{"127.0.0.1", "9"}));
   EXPECT_EQ(options->link.hello.tool_id, 2U);
   EXPECT_EQ(options->limits.force_n, 3.0);
   EXPECT_TRUE(options->device_options.loop);
+  EXPECT_TRUE(options->link.hello.udp);
 }
 
 TEST(Options, HelpIsNotAnError) {
@@ -74,6 +76,23 @@ TEST(Summary, TheJsonHoldsWhatTestsRelyOn) {
     EXPECT_TRUE(json["link"].contains(field)) << field;
   }
   EXPECT_TRUE(json["force"].contains("max_n"));
+  EXPECT_EQ(json["link"]["udp"]["carries"], false);
+}
+
+TEST(Summary, TellsOfTheUdpLaneWhereItWasAskedFor) {
+  const auto printed = [](const UdpReport& udp) {
+    Summary summary;
+    summary.link.udp = udp;
+    std::ostringstream out;
+    print_summary(out, summary);
+    return out.str();
+  };
+  EXPECT_EQ(printed({}).find("udp"), std::string::npos);
+  EXPECT_NE(printed({.asked = true}).find("the server has no UDP lane"), std::string::npos);
+  const std::string text =
+      printed({.asked = true, .offered = true, .carries = true, .taken_over = 2, .lost = 7});
+  EXPECT_NE(text.find("taken over 2 times"), std::string::npos) << text;
+  EXPECT_NE(text.find("7 lost"), std::string::npos) << text;
 }
 
 }  // namespace

@@ -26,6 +26,21 @@ TEST(TerminalView, SaysInSixLinesHowTheAgentIsDoing) {
   }
 }
 
+TEST(TerminalView, SaysWhichLaneCarries) {
+  const auto text = [](const UdpReport& udp) {
+    LinkStatus link;
+    link.udp = udp;
+    return view_text({}, link, {}, 30);
+  };
+  EXPECT_NE(text({}).find("WebSocket"), std::string::npos);
+  EXPECT_EQ(text({}).find("datagrams"), std::string::npos);
+  const std::string carried =
+      text({.offered = true, .carries = true, .sent = 1234, .received = 1200, .lost = 34});
+  EXPECT_NE(carried.find("UDP"), std::string::npos);
+  EXPECT_NE(carried.find("datagrams 1234 out, 1200 in, 34 lost"), std::string::npos) << carried;
+  EXPECT_EQ(std::ranges::count(carried, '\n'), 6);
+}
+
 TEST(TripLog, WritesALineForEachTickBehindTheCode) {
   FlightRecorder recorder;
   for (std::uint64_t i = 1; i <= 500; ++i) recorder.note({.time_us = i, .energy_mj = 0.5});

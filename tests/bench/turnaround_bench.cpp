@@ -114,21 +114,30 @@ void print_row(const char* name, std::vector<double>& times_us) {
               times_us.back());
 }
 
-/// A raster through fresh stock, 3 mm deep, at 50 mm/s: the tool never leaves the material.
-/// `ahead` samples of it are skipped, so that several agents cut at several places.
+constexpr double kStepMm = 0.05, kRowMm = 80, kStepOverMm = 4, kDownMm = 3;
+constexpr int kRows = 20;
+/// Samples of one layer of the raster below.
+constexpr auto kLayer = static_cast<std::uint64_t>(kRows * (kRowMm + kStepOverMm) / kStepMm);
+
+/// A raster through fresh stock, 3 mm deep, at 50 mm/s: the tool never leaves the material. Where a
+/// layer ends the next one begins below, and leads back. `ahead` samples of it are skipped, so that
+/// several agents cut at several places.
 MotionSample sample_at(std::uint64_t n, std::uint64_t ahead) {
-  constexpr double kStepMm = 0.05, kRowMm = 80, kStepOverMm = 4;
   const double way = static_cast<double>(n + ahead) * kStepMm;
   const double lap = kRowMm + kStepOverMm;
   const auto row = static_cast<int>(way / lap);
   const double along = way - row * lap;
   const double x = std::min(along, kRowMm);
+  const double over = std::max(0.0, along - kRowMm) / kStepOverMm;
+  const int layer = row / kRows;
+  const bool last = row % kRows == kRows - 1;
+  const double rows = row % kRows + (last ? 0 : over);
+  const double y = kStepOverMm * (layer % 2 == 0 ? rows : kRows - 1 - rows);
   MotionSample sample;
   sample.agent_sequence = n;
   sample.time_us = n * 1000;
-  sample.tip_mm = {row % 2 == 0 ? x - 40 : 40 - x,
-                   std::fmod(row * kStepOverMm + std::max(0.0, along - kRowMm), 80) - 40,
-                   -3.0 - 3 * std::floor(row * kStepOverMm / 80)};
+  sample.tip_mm = {row % 2 == 0 ? x - 40 : 40 - x, y - 40,
+                   -kDownMm * (1 + layer + (last ? over : 0))};
   sample.tool_id = 1;
   sample.buttons = kButtonCutting;
   return sample;
@@ -272,7 +281,6 @@ void be_hostile(const std::atomic<bool>& stop, std::uint16_t port) {
 
 /// Several agents at once; the last entry is the one with the worst p99 of the server's time.
 std::vector<Figures> measure_all(const Options& options, std::uint16_t port) {
-  constexpr std::uint64_t kLayer = 33'600;  // samples of one layer of sample_at
   const auto count = static_cast<std::size_t>(options.agents);
   std::vector<Figures> all(count);
   std::vector<WebSocket> agents;

@@ -1,6 +1,9 @@
 """The UDP lane of a real server, from a client that shares neither codec nor cipher with it."""
+import json
+import os
 import random
 import struct
+import subprocess
 import time
 import unittest
 
@@ -113,6 +116,30 @@ class Offer(LiveTest):
         finally:
             other.stop()
 
+    def test_a_port_that_is_taken_is_an_error_only_where_it_was_named(self):
+        with self.assertRaisesRegex(RuntimeError, "no UDP lane on 127.0.0.1"):
+            Server(self.folder.name + "/two", "--udp", f"127.0.0.1:{self.port}")
+        for wrong in ("x", "1.2.3.4:", "70000", ":5", "-1"):
+            with self.assertRaisesRegex(RuntimeError, "is not"):
+                Server(self.folder.name + "/two", f"--udp={wrong}")
+
+    def test_an_answer_comes_from_the_address_that_was_asked(self):
+        for listen, hosts in (("0.0.0.0:0", ("127.0.0.1", "127.0.0.2")),
+                              ("[::]:0", ("127.0.0.1", "127.0.0.3"))):
+            other = Server(self.folder.name + "/all" + listen[:2], "--udp", listen)
+            try:
+                other.create()
+                offer = Agent(other.port, "block", udp=True).welcome["udp"]
+                lane = Lane(offer)
+                for host in hosts:
+                    lane.to = (host, offer["port"])
+                    lane.send(ping())
+                    lane.socket.settimeout(30)
+                    self.assertEqual(lane.socket.recvfrom(2048)[1], lane.to)
+                lane.close()
+            finally:
+                other.stop()
+
     def test_keys_end_with_their_web_socket(self):
         agent = UdpAgent(self.port)
         self.assertTrue(agent.is_silent())
@@ -207,6 +234,43 @@ class Motions(LiveTest):
                     agent.result()
         self.assertEqual(self.server.info()["motions"], agent.sequence - 1)
         self.assertEqual(self.server.hash(), self.carve_over_web_socket(agent.sequence))
+
+
+class RealAgent(LiveTest):
+    """kerf-agent itself: what it says of the lane."""
+
+    def run_agent(self, port, *more):
+        path = os.path.join(self.folder.name, "path.csv")
+        with open(path, "w") as file:
+            file.write("t_s,x,y,z,i,j,k,cutting,tool\n")
+            for n in range(9):
+                file.write(f"{0.2 * n},{-10 + 2 * n},{n % 2},-2,0,0,1,1,1\n")
+        done = subprocess.run(
+            [os.environ["KERF_AGENT"], "--server", f"http://127.0.0.1:{port}", "--session", "block", "--device",
+             f"replay:{path}", "--status-json", "-", *more], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)["link"], done.stderr
+
+    def test_carries_over_udp_where_it_is_asked_to(self):
+        link, _ = self.run_agent(self.port, "--udp")
+        self.assertTrue(link["udp"]["offered"])
+        self.assertGreater(link["udp"]["samples"], 0)
+        self.assertEqual(link["unanswered"], 0)
+        self.assertGreater(counters(self.server)["kerf_datagrams_received_total"], 0)
+        link, _ = self.run_agent(self.port)
+        self.assertFalse(link["udp"]["asked"])
+        self.assertEqual(link["udp"]["datagrams_sent"], 0)
+
+    def test_does_without_where_there_is_none(self):
+        other = Server(self.folder.name + "/off", "--udp", "off")
+        try:
+            other.create()
+            link, said = self.run_agent(other.port, "--udp")
+            self.assertIn("the server has no UDP lane", said)
+            self.assertEqual((link["udp"]["asked"], link["udp"]["offered"], link["unanswered"]),
+                             (True, False, 0))
+        finally:
+            other.stop()
 
 
 class Strangers(LiveTest):

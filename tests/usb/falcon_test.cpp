@@ -185,6 +185,54 @@ TEST_F(Falcon, UnpluggedItLosesItsHomeAndFindsItAgain) {
   EXPECT_TRUE(eventually([&] { return is_ready(*hand); }));
 }
 
+/// The protocol alone, at a time that stands still.
+class FalconProtocolAlone : public ::testing::Test {
+ protected:
+  void SetUp() override { protocol.connected(now_us); }
+  /// The Falcon answers that its grip is there.
+  bool answer(Vec3 position_mm, std::uint64_t at_us, std::uint8_t homed = falcon::kAllHomed) {
+    falcon::FalconState state{.homed = homed};
+    const auto angles = falcon::leg_angles(position_mm).value();
+    for (std::size_t i = 0; i < 3; ++i) state.encoders[i] = falcon::count_of(angles[i]);
+    const auto frame = falcon::encode_state(state);
+    Bytes packet{1, 0x60};
+    packet.insert(packet.end(), frame.begin(), frame.end());
+    return protocol.take(packet, at_us);
+  }
+  bool pulls() {
+    protocol.mailbox().show({.force_n = {4, 0, 0}, .torque_nmm = {}});
+    std::array<std::uint8_t, 64> packet{};
+    const std::size_t bytes = protocol.compose(packet, now_us);
+    const auto command = falcon::decode_command(std::span(packet).first(bytes));
+    return command.value().motors != std::array<std::int16_t, 3>{};
+  }
+
+  const std::uint64_t now_us = agent::monotonic_us();
+  falcon::FalconProtocol protocol{{}};
+};
+
+TEST_F(FalconProtocolAlone, PullsOnNoPoseThatIsOld) {
+  ASSERT_TRUE(answer(falcon::kMiddleMm, now_us - agent::HandMailbox::kPoseLifeUs));
+  EXPECT_FALSE(pulls());
+  ASSERT_TRUE(answer(falcon::kMiddleMm, now_us));
+  EXPECT_TRUE(pulls());
+}
+
+TEST_F(FalconProtocolAlone, PullsOnlyWithAllLegsHomed) {
+  for (const int some : {0, 1, 3, 5, 6}) {
+    ASSERT_TRUE(answer(falcon::kMiddleMm, now_us, static_cast<std::uint8_t>(some)));
+    EXPECT_FALSE(pulls()) << some;
+    ASSERT_TRUE(answer(falcon::kMiddleMm, now_us));
+    EXPECT_TRUE(pulls());
+  }
+}
+
+TEST_F(FalconProtocolAlone, AJumpThatNoHandMakesIsNoPose) {
+  ASSERT_TRUE(answer(falcon::kMiddleMm, now_us));
+  EXPECT_FALSE(answer(falcon::kMiddleMm + Vec3{30, 0, 0}, now_us + 1000));
+  EXPECT_TRUE(answer(falcon::kMiddleMm + Vec3{0.5, 0, 0}, now_us + 2000));
+}
+
 TEST(FalconFirmware, AFileThatIsNoneIsRefused) {
   EXPECT_FALSE(falcon::read_firmware("/no/such/file"));
   EXPECT_FALSE(falcon::read_firmware("/dev/null"));

@@ -2,6 +2,7 @@
 #include <libusb-1.0/libusb.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <limits>
@@ -90,6 +91,32 @@ TEST_F(Fault, AFewErrorsAreNoUnplugging) {
   EXPECT_TRUE(eventually([&] { return count(hand->counters().errors) == 5; }));
   EXPECT_TRUE(eventually([&] { return streams(); }));
   EXPECT_EQ(count(hand->counters().losses), 0U);
+}
+
+TEST_F(Fault, ErrorsAmongGoodReportsAreNoUnplugging) {
+  for (std::uint64_t rounds = 1; rounds <= 5; ++rounds) {
+    rig.bus.fail_in(InFault::kError, 10);
+    EXPECT_TRUE(eventually([&] { return count(hand->counters().errors) == 10 * rounds; }));
+    EXPECT_TRUE(eventually([&] { return streams(); }));
+    const auto reports = count(hand->counters().reports);
+    EXPECT_TRUE(eventually([&] { return count(hand->counters().reports) > reports + 10; }));
+  }
+  EXPECT_EQ(count(hand->counters().losses), 0U);
+}
+
+TEST_F(Fault, ADeviceThatOnlyFailsIsLookedForAnew) {
+  // They end before the device would be taken for a silent one.
+  rig.bus.fail_in(InFault::kError, 100);
+  EXPECT_TRUE(eventually([&] { return count(hand->counters().errors) >= 16; }));
+  EXPECT_TRUE(eventually([&] { return count(hand->counters().losses) >= 1; }));
+  EXPECT_TRUE(eventually([&] { return streams(); }));
+}
+
+TEST_F(Fault, ADeviceThatHangsIsLookedForAnew) {
+  rig.ask([](ReferenceFirmware& firmware) { return firmware.hang(true), 0; });
+  EXPECT_TRUE(eventually([&] { return count(hand->counters().losses) >= 1; }));
+  rig.ask([](ReferenceFirmware& firmware) { return firmware.hang(false), 0; });
+  EXPECT_TRUE(eventually([&] { return streams(); }));
 }
 
 TEST_F(Fault, ABurstOfErrorsIsAnUnpluggedDevice) {
@@ -226,6 +253,20 @@ TEST(FaultBeforeStreaming, UnpluggedWhileTheProgramEnds) {
     hand.reset();
     pull.join();
   }
+}
+
+TEST(FaultBeforeStreaming, WhatKeepsItIsSaidOnceHoweverOftenItIsTried) {
+  Rig<ReferenceFirmware> rig;
+  std::atomic<int> attempts{0};
+  auto settings = rig.settings();
+  settings.node = [&, open = settings.node] { return ++attempts, open(); };
+  rig.bus.unplug();
+  UsbHand hand(std::make_unique<ref::ReferenceProtocol>(ref::PenPlace{}), std::move(settings));
+  EXPECT_TRUE(eventually([&] { return attempts >= 5; }));
+  EXPECT_EQ(rig.notices.count("not plugged in"), 1);
+  rig.bus.plug();
+  EXPECT_TRUE(eventually([&] { return hand.counters().reports.load() > 50; }));
+  EXPECT_EQ(rig.notices.count("is ready"), 1);
 }
 
 TEST(FaultBeforeStreaming, AHeldInterfaceIsNamedAndTriedAgain) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <utility>
 
 #include "haptic_agent/device/falcon/falcon_protocol.h"
 #include "haptic_agent/device/reference/reference_protocol.h"
@@ -71,16 +72,18 @@ TEST_F(HotPlug, ADeviceComesBackWithAnotherAddress) {
   EXPECT_EQ(pen->counters().losses.load(), 1U);
 }
 
-TEST_F(HotPlug, OfTwoOfAKindTheFreeOneIsTaken) {
-  ReferenceFirmware other;
-  MockDevice held(bus, firmware, 3), free(bus, other, 4);
-  held.refuse_claims(EBUSY);
-  held.plug();
-  free.plug();
-  const auto pen = make_pen();
-  EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
-  EXPECT_TRUE(free.claimed());
-  EXPECT_FALSE(held.claimed());
+TEST_F(HotPlug, OfTwoOfAKindTheFreeOneIsTakenWhicheverIsListedFirst) {
+  for (const auto& [held_at, free_at] : {std::pair{3, 4}, {4, 3}}) {
+    ReferenceFirmware one, other;
+    MockDevice held(bus, one, held_at), free(bus, other, free_at);
+    held.refuse_claims(EBUSY);
+    held.plug();
+    free.plug();
+    const auto pen = make_pen();
+    EXPECT_TRUE(eventually([&] { return is_ready(*pen); })) << free_at;
+    EXPECT_TRUE(free.claimed());
+    EXPECT_FALSE(held.claimed());
+  }
 }
 
 TEST_F(HotPlug, SeveralDevicesStreamSideBySide) {

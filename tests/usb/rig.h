@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -33,12 +35,11 @@ class Notices {
     const std::lock_guard lock(mutex_);
     lines_.push_back(line);
   }
-  bool has(const std::string& part) const {
+  bool has(const std::string& part) const { return count(part) > 0; }
+  std::ptrdiff_t count(const std::string& part) const {
     const std::lock_guard lock(mutex_);
-    for (const std::string& line : lines_) {
-      if (line.find(part) != std::string::npos) return true;
-    }
-    return false;
+    return std::ranges::count_if(
+        lines_, [&](const std::string& line) { return line.find(part) != std::string::npos; });
   }
 
  private:

@@ -107,6 +107,18 @@ TEST_P(SpaceMouseTest, ACapThatFallsSilentMovesNothingAfterFiftyMilliseconds) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return read().tip_mm.z == before;
   }));
+  EXPECT_GT(read().tip_mm.z, mouse.capabilities().workspace_min_mm.z) << "not by its edge";
+}
+
+TEST_P(SpaceMouseTest, AServoThatStoodStillDoesNotMakeTheToolLeap) {
+  ASSERT_TRUE(eventually([&] { return is_ready(mouse); }));
+  push({350, 0, 0, 0, 0, 0});
+  EXPECT_TRUE(eventually([&] { return read().tip_mm.x > 51; }));
+  for (int i = 0; i < 5; ++i) {
+    const double before = read().tip_mm.x;
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    EXPECT_LE(read().tip_mm.x - before, 0.601) << "ten milliseconds' way";
+  }
 }
 
 TEST_P(SpaceMouseTest, CutsWhileTheLeftButtonIsHeld) {

@@ -64,6 +64,49 @@ TEST(Control, UnknownMessagesAreSkippedAndMalformedOnesRefused) {
 TEST(Control, AHelloLeavesOutWhatTheServerIsToPick) {
   const auto hello = nlohmann::json::parse(hello_text({.name = "Ada", .color = "", .tool_id = 0}));
   EXPECT_EQ(hello, nlohmann::json::parse(R"({"type":"hello","name":"Ada","feel":true})"));
+  EXPECT_EQ(nlohmann::json::parse(hello_text({.name = "", .color = "", .udp = true}))["udp"], true);
+}
+
+TEST(Control, AnOfferThatIsNotUnderstoodIsNone) {
+  const auto offered = [](const nlohmann::json& udp) {
+    auto message = nlohmann::json::parse(welcome_text());
+    message["udp"] = udp;
+    const auto control = parse_control(message.dump());
+    EXPECT_TRUE(control) << udp;
+    return control ? std::get<Welcome>(*control).udp : std::nullopt;
+  };
+  const nlohmann::json good = {{"port", 8080},
+                               {"connection", 4'000'000'000U},
+                               {"cipher", "chacha20-poly1305"},
+                               {"key_to_server", std::string(64, '1')},
+                               {"key_to_agent", std::string(64, 'f')}};
+  ASSERT_TRUE(offered(good));
+  EXPECT_EQ(offered(good)->port, 8080);
+  EXPECT_EQ(offered(good)->connection, 4'000'000'000U);
+  EXPECT_EQ(offered(good)->to_server.front(), std::byte{0x11});
+  EXPECT_EQ(offered(good)->to_agent.front(), std::byte{0xFF});
+  for (const auto& [field, bad] :
+       std::vector<std::pair<std::string, nlohmann::json>>{{"port", "x"},
+                                                           {"port", 0},
+                                                           {"port", 65'536},
+                                                           {"port", -1},
+                                                           {"port", nullptr},
+                                                           {"connection", "x"},
+                                                           {"connection", -1},
+                                                           {"connection", 4'294'967'296ULL},
+                                                           {"cipher", "rot13"},
+                                                           {"cipher", 5},
+                                                           {"key_to_server", "1"},
+                                                           {"key_to_agent", 7}}) {
+    nlohmann::json udp = good;
+    udp[field] = bad;
+    EXPECT_FALSE(offered(udp)) << udp;
+    udp.erase(field);
+    EXPECT_FALSE(offered(udp)) << udp;
+  }
+  for (const nlohmann::json& bad : {nlohmann::json(true), nlohmann::json::array({1, 2})}) {
+    EXPECT_FALSE(offered(bad)) << bad;
+  }
 }
 
 TEST(Declined, OnlyTheAgentsOwnFaultsAreFinal) {
@@ -90,11 +133,14 @@ class TrafficTest : public ::testing::Test {
   }
   /// What goes out of a pose a millisecond after the last one.
   std::vector<wire::MotionSample> pass(Traffic& traffic, double x_mm, bool cutting) {
+    return pass(
+        traffic,
+        {.tip_mm = {x_mm, 0, 0}, .tool_id = 1, .buttons = cutting ? wire::kButtonCutting : 0U});
+  }
+  std::vector<wire::MotionSample> pass(Traffic& traffic, wire::MotionSample sample) {
     now_us += 1000;
-    EXPECT_TRUE(ring.push({.time_us = now_us,
-                           .tip_mm = {x_mm, 0, 0},
-                           .tool_id = 1,
-                           .buttons = cutting ? wire::kButtonCutting : 0U}));
+    sample.time_us = now_us;
+    EXPECT_TRUE(ring.push(sample));
     traffic.collect();
     std::vector<wire::MotionSample> sent;
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
@@ -157,6 +203,21 @@ TEST_F(TrafficTest, NothingIsHeldBackInContact) {
   EXPECT_TRUE(pass(traffic, 0, false).empty());
   EXPECT_EQ(pass(traffic, 0, true).size(), 2U);
   EXPECT_EQ(pass(traffic, 0, true).size(), 1U) << "a cut is never held back";
+}
+
+TEST_F(TrafficTest, HoldsBackOnlyWhatIsTheSameInAllElse) {
+  const wire::MotionSample rest{.axis = {0, 0, 1}, .tool_id = 1};
+  wire::MotionSample held = rest, leaning = rest, other_tool = rest;
+  held.buttons = wire::kButtonDeadman;
+  leaning.axis = {0.002F, 0, 1};
+  other_tool.tool_id = 2;
+  for (const wire::MotionSample& changed : {held, leaning, other_tool}) {
+    Traffic traffic = make({.deadband = true});
+    pass(traffic, rest);
+    take(traffic, wire::Result{.agent_sequence = 1});
+    EXPECT_TRUE(pass(traffic, rest).empty());
+    EXPECT_EQ(pass(traffic, changed).size(), 1U);
+  }
 }
 
 TEST_F(TrafficTest, HandsOnWhatAnotherFeels) {

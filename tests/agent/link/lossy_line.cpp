@@ -156,14 +156,7 @@ class LossyLine::Impl {
     const ssize_t count = ::recv(socket, bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (count < 0 && errno == EAGAIN) return;
     bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
-    auto arrives = Clock::now() + faults_.delay + faults_.tcp_delay;
-    if (faults_.retransmission.count() > 0 && happens(faults_.loss)) {
-      arrives += faults_.retransmission;
-      const std::scoped_lock lock(mutex_);
-      ++counts_.held_back;
-    }
-    // What follows a piece that is missing waits for it.
-    end.last = std::max(end.last, arrives);
+    end.last = std::max(end.last, Clock::now() + faults_.delay + faults_.tcp_delay);
     const int to = end.other;
     const auto at = end.last;
     if (count <= 0) {  // nothing more comes from here

@@ -6,7 +6,8 @@
 
 namespace kerf::agent {
 
-/// What a line does to what goes over it, in both directions alike.
+/// What a line does to what goes over it, in both directions alike. TCP is delayed only: a relay of
+/// bytes cannot lose what TCP sends (tests/bench/lossy_path.h can).
 struct LineFaults {
   std::chrono::microseconds delay{0};
   /// TCP takes this much longer.
@@ -15,16 +16,11 @@ struct LineFaults {
   double loss = 0, duplication = 0, reordering = 0;
   /// Each so many datagrams, so many are lost in a row; 0: none.
   int burst_every = 0, burst = 0;
-  /// A byte relay cannot lose what TCP sends. It holds back as much of it as datagrams are lost,
-  /// and all that follows with it, for as long as TCP takes to send it again.
-  std::chrono::microseconds retransmission{0};
   std::uint64_t seed = 1;
 };
 
 struct LineCounts {
   std::uint64_t datagrams = 0, lost = 0, duplicated = 0, reordered = 0;
-  /// Pieces of TCP that were held back.
-  std::uint64_t held_back = 0;
 };
 
 /// A line to a server on 127.0.0.1: takes TCP and UDP on 127.0.0.2, at the server's own two port

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "haptic_agent/link/control_message.h"
 #include "haptic_agent/link/traffic.h"
 #include "server/datagram/layout.h"
 #include "server/wire/codec.h"
@@ -244,9 +245,9 @@ TEST_F(TrafficDatagrams, ANewToolIsToldBetweenTheSamples) {
   over_udp();
   push(2, 2);
   EXPECT_TRUE(over_udp().empty()) << "samples of the new tool wait for the word";
-  EXPECT_EQ(traffic.take_tool_change(), 0U) << "the old tool's samples go ahead of it";
+  EXPECT_EQ(traffic.take_control(), "") << "the old tool's samples go ahead of it";
   EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
-  EXPECT_EQ(traffic.take_tool_change(), 2U);
+  EXPECT_EQ(traffic.take_control(), tool_text(2));
   EXPECT_EQ(over_web_socket(), (Numbers{6, 7}));
   answer(5, true);
   push(1, 2);
@@ -255,6 +256,15 @@ TEST_F(TrafficDatagrams, ANewToolIsToldBetweenTheSamples) {
   answer(6, false);
   push(1, 2);
   EXPECT_EQ(over_udp(), (Numbers{7, 8, 9}));
+}
+
+TEST_F(TrafficDatagrams, ANewToolIsToldAtOnceWhereEverythingIsAnswered) {
+  take_over();
+  push(2, 2);
+  EXPECT_TRUE(over_udp().empty());
+  EXPECT_EQ(traffic.take_control(), tool_text(2));
+  EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
+  EXPECT_EQ(traffic.take_control(), "");
 }
 
 TEST_F(TrafficDatagrams, OldAnswersAreNotFelt) {

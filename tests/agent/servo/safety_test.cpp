@@ -177,6 +177,7 @@ TEST(Watchdog, StopsADeviceWhoseLoopStandsStill) {
   EXPECT_TRUE(watchdog.look(clock.time_ns + 2 * Watchdog::kStaleNs));
   EXPECT_EQ(stops, 2);
   EXPECT_EQ(watchdog.stops(), 1U) << "one standstill";
+  static_assert(Watchdog::kStaleNs + Watchdog::kEveryNs <= 15'000'000, "as the README promises");
 }
 
 TEST(Watchdog, DoesSoFromAThreadOfItsOwn) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -124,6 +125,28 @@ class FakeDevice final : public HapticDevice {
   Wrench shown;
 };
 
+TEST(SettingsFor, TakeEachLimitFromWhatTheDeviceSaysOfItself) {
+  const ServoSettings settings = settings_for({.max_force_n = 10,
+                                               .max_torque_nmm = 200,
+                                               .continuous_force_n = 3,
+                                               .continuous_torque_nmm = 40,
+                                               .max_stiffness_n_per_mm = 2,
+                                               .max_damping_n_s_per_mm = 0.03,
+                                               .workspace_min_mm = {-1, -2, -3},
+                                               .workspace_max_mm = {4, 5, 6}},
+                                              {});
+  EXPECT_DOUBLE_EQ(settings.limits.force_n, 6);
+  EXPECT_DOUBLE_EQ(settings.limits.torque_nmm, 120);
+  EXPECT_EQ(settings.safety.continuous_force_n, 3);
+  EXPECT_EQ(settings.safety.continuous_torque_nmm, 40);
+  EXPECT_EQ(settings.safety.workspace_min_mm, (Vec3{-1, -2, -3}));
+  EXPECT_EQ(settings.safety.workspace_max_mm, (Vec3{4, 5, 6}));
+  EXPECT_TRUE(settings.safety.motors);
+  EXPECT_DOUBLE_EQ(settings.model.stiffness_most, 1) << "half of what is stable";
+  EXPECT_DOUBLE_EQ(settings.model.damping_most, 0.015);
+  EXPECT_DOUBLE_EQ(settings.passivity.damping_most, 0.015);
+}
+
 class Listener final : public SampleListener {
  public:
   void sample_ready() noexcept override { ++calls; }
@@ -146,6 +169,7 @@ class ServoCycleTest : public ::testing::Test {
                     .arrival_us = now_us});
   }
 
+  static constexpr Wrench kUpwards{.force_n = {0, 0, 2}, .torque_nmm = {}};
   FakeDevice device;
   SampleRing samples;
   LatestValue<ServerWrench> wrenches;
@@ -194,6 +218,46 @@ TEST_F(ServoCycleTest, ShowsTheServersForceAndFadesItWhenTheServerFallsSilent) {
   }
   EXPECT_GT(cycle.report().decayed_ticks, 90U);
   EXPECT_NEAR(cycle.report().max_force_n, 2.0, 1e-12);
+}
+
+TEST_F(ServoCycleTest, ShowsWhatAnotherFeelsWithoutItsStepsAndFadesItToo) {
+  for (const ForceMode mode : {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold}) {
+    ServoCycle cycle = make({.mode = mode});
+    std::uint64_t now_us = 10'000;
+    const auto feel = [&](int ticks) {
+      for (int i = 0; i < ticks; ++i, now_us += 1000) {
+        wrenches.write({.pose_us = now_us, .arrival_us = now_us, .felt = kUpwards});
+        sink(cycle, now_us);
+      }
+      return device.shown.force_n.z;
+    };
+    EXPECT_LT(feel(3), 0.6) << "the first tenth of a step";
+    EXPECT_NEAR(feel(7), 2 * (1 - std::exp(-1.0)), 0.1) << "after its time constant";
+    EXPECT_NEAR(feel(90), 2, 0.01);
+    const std::uint64_t silent_from_us = now_us;
+    for (; now_us < silent_from_us + 60'000; now_us += 1000) sink(cycle, now_us);
+    EXPECT_NEAR(device.shown.force_n.z, 2 * std::exp(-1.0), 0.1);
+    for (; now_us < silent_from_us + 121'000; now_us += 1000) sink(cycle, now_us);
+    EXPECT_EQ(device.shown, Wrench{});
+  }
+}
+
+TEST_F(ServoCycleTest, WhatAnotherFeelsIsGivenFromTheAccountOnly) {
+  ServoCycle cycle = make({.mode = ForceMode::kModel});
+  std::uint64_t now_us = 10'000;
+  const auto rest = [&](double move_mm) {
+    for (int i = 0; i < 200; ++i, now_us += 1000) {
+      wrenches.write({.pose_us = now_us, .arrival_us = now_us, .felt = kUpwards});
+      device.state.tip_mm.z += move_mm;
+      cycle.tick(now_us);
+    }
+    return device.shown.force_n.z;
+  };
+  EXPECT_EQ(rest(0), 0) << "a hand that has given nothing is given nothing";
+  rest(-0.05);
+  EXPECT_NEAR(rest(0), 2, 0.01);
+  EXPECT_LT(rest(0.05), 0.1) << "the 18 mJ that the account holds are spent after 9 mm";
+  EXPECT_LT(cycle.passivity().account().most_returned_mj(), 30);
 }
 
 TEST_F(ServoCycleTest, APoseThatIsNotFiniteIsNotSentAndGetsNoForce) {

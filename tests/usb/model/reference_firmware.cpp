@@ -94,7 +94,7 @@ void ReferenceFirmware::go_on(std::uint64_t now_us) {
 std::optional<Bytes> ReferenceFirmware::poll_in(std::uint64_t now_us) {
   go_on(now_us);
   if (next_us_ == 0) next_us_ = now_us;
-  if (now_us < next_us_) return std::nullopt;
+  if (hangs_ || now_us < next_us_) return std::nullopt;
   // A host that is late gets the newest report, not those that it missed.
   while (next_us_ <= now_us) next_us_ += settings_.identity.period_us;
   ++report_.sequence;

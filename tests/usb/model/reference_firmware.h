@@ -33,6 +33,8 @@ class ReferenceFirmware final : public UsbModel {
   void hold(agent::Vec3 grip_mm, agent::Vec3 axis);
   void press(std::uint16_t buttons) { report_.buttons = buttons; }
   void fail(std::uint16_t status_bits) { faults_ = status_bits; }
+  /// Hangs: it reports nothing, and is still plugged in.
+  void hang(bool hangs) { hangs_ = hangs; }
   /// Changes each report before it is summed up; empty: nothing.
   std::function<void(agent::reference::StateReport&)> tamper;
 
@@ -58,6 +60,7 @@ class ReferenceFirmware final : public UsbModel {
   bool enabled_ = false;
   bool tripped_ = false;
   bool heard_ = false;
+  bool hangs_ = false;
   std::uint16_t faults_ = 0;
   std::uint64_t heard_us_ = 0;
   std::uint64_t next_us_ = 0;

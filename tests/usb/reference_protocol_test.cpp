@@ -1,0 +1,120 @@
+// The reference device's protocol alone: each of its gates, where the port and the mailbox would
+// otherwise do the same and hide that one is missing.
+#include "haptic_agent/device/reference/reference_protocol.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "haptic_agent/device/usb/monotonic.h"
+#include "tests/usb/model/reference_firmware.h"
+
+namespace kerf::usb_test {
+namespace {
+
+using agent::DevicePhase;
+using agent::monotonic_us;
+using agent::Wrench;
+namespace ref = agent::reference;
+
+/// Says who it is, and nothing else.
+class Introduction final : public agent::UsbTalk {
+ public:
+  std::expected<std::size_t, agent::UsbFault> control(const agent::ControlSetup&,
+                                                      std::span<std::uint8_t> data) override {
+    const auto bytes = ref::encode(ReferenceFirmware::standard().identity);
+    std::ranges::copy(bytes, data.begin());
+    return bytes.size();
+  }
+  std::expected<std::size_t, agent::UsbFault> read(std::span<std::uint8_t>, unsigned) override {
+    return std::unexpected(agent::UsbFault::kTimeout);
+  }
+  std::expected<std::size_t, agent::UsbFault> write(std::span<const std::uint8_t>,
+                                                    unsigned) override {
+    return std::unexpected(agent::UsbFault::kTimeout);
+  }
+  std::uint8_t interface_number() const noexcept override { return 0; }
+  bool stopping() const noexcept override { return false; }
+};
+
+class ReferenceProtocolAlone : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    Introduction introduction;
+    ASSERT_TRUE(protocol.identify(introduction));
+    protocol.connected(now_us);
+  }
+  /// The device reports the pen upright in the middle, homed, with these bits beside.
+  bool report(std::uint16_t status, std::uint64_t at_us, double longer_mm = 0) {
+    const auto pen = agent::standard_pen();
+    const auto front = reach_for(pen.front, {0, 0, 0});
+    const auto rear = reach_for(pen.rear, {0, 0, pen.length_mm + longer_mm});
+    ref::StateReport state{.sequence = ++sequence};
+    state.status = static_cast<std::uint16_t>(ref::kHomedMask | status);
+    for (std::size_t i = 0; i < 3; ++i) {
+      state.angles_urad[i] = static_cast<std::int32_t>(front[i] * 1e6);
+      state.angles_urad[i + 3] = static_cast<std::int32_t>(rear[i] * 1e6);
+    }
+    return protocol.take(ref::encode(state), at_us);
+  }
+  /// The servo writes a force, and the port asks at once for what to send; true: some torque.
+  bool pulls() {
+    protocol.mailbox().show({.force_n = {3, 0, 0}, .torque_nmm = {}});
+    return composed().value_or(ref::CommandReport{}).torques_dnmm != Still{};
+  }
+  std::optional<ref::CommandReport> composed() {
+    std::array<std::uint8_t, 64> packet{};
+    const std::size_t bytes = protocol.compose(packet, now_us);
+    return ref::decode_command(std::span(packet).first(bytes));
+  }
+
+  using Still = std::array<std::int16_t, 6>;
+  /// Stands still, so that nothing grows old by itself.
+  const std::uint64_t now_us = monotonic_us();
+  ref::ReferenceProtocol protocol{ref::PenPlace{}};
+  std::uint16_t sequence = 0;
+};
+
+TEST_F(ReferenceProtocolAlone, PullsWhereAllIsWell) {
+  EXPECT_FALSE(pulls()) << "nothing is known of the pen yet";
+  ASSERT_TRUE(report(0, now_us));
+  EXPECT_TRUE(pulls());
+}
+
+TEST_F(ReferenceProtocolAlone, PullsWithNoFaultOfTheDevice) {
+  for (const std::uint16_t fault :
+       {ref::kTooHotBit, ref::kOverCurrentBit, ref::kEmergencyStopBit, ref::kWatchdogBit}) {
+    ASSERT_TRUE(report(0, now_us));
+    ASSERT_TRUE(pulls());
+    ASSERT_TRUE(report(fault, now_us));
+    EXPECT_FALSE(pulls()) << fault;
+  }
+}
+
+TEST_F(ReferenceProtocolAlone, PullsOnNoPoseThatIsOld) {
+  ASSERT_TRUE(report(0, now_us - agent::HandMailbox::kPoseLifeUs));
+  EXPECT_FALSE(pulls());
+  ASSERT_TRUE(report(0, now_us));
+  EXPECT_TRUE(pulls());
+}
+
+TEST_F(ReferenceProtocolAlone, AForceDoesNotOutliveItsConnection) {
+  ASSERT_TRUE(report(0, now_us));
+  ASSERT_TRUE(pulls());
+  protocol.disconnected();
+  protocol.connected(now_us);
+  ASSERT_TRUE(report(0, now_us));
+  ASSERT_TRUE(composed());
+  EXPECT_EQ(composed().value_or(ref::CommandReport{}).torques_dnmm, Still{});
+  EXPECT_TRUE(pulls());
+}
+
+TEST_F(ReferenceProtocolAlone, ArmsThatContradictEachOtherAreNoPose) {
+  EXPECT_FALSE(report(0, now_us, 2.5));
+  EXPECT_FALSE(pulls());
+  EXPECT_TRUE(report(0, now_us, 1.5));
+  EXPECT_TRUE(pulls());
+}
+
+}  // namespace
+}  // namespace kerf::usb_test
