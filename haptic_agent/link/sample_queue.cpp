@@ -71,7 +71,7 @@ wire::MotionBatch SampleQueue::take(std::size_t most) {
   return batch;
 }
 
-SampleQueue::Repeating SampleQueue::take_repeating(std::size_t most) {
+SampleQueue::Repeating SampleQueue::take_repeating(std::size_t most, std::uint32_t tool_id) {
   // Answers to what went out before a go_back may have come since.
   next_ = std::max(next_, first_unanswered());
   Repeating out;
@@ -80,7 +80,7 @@ SampleQueue::Repeating SampleQueue::take_repeating(std::size_t most) {
     wire::MotionSample& sample = samples_[next_];
     const bool fresh = sample.agent_sequence == 0;
     if (fresh && out.fresh == most) break;
-    if (!in_window(sample) || sample.tool_id != samples_[start].tool_id) break;
+    if (!in_window(sample) || sample.tool_id != tool_id) break;
     ++next_;
     if (fresh) {
       sample.agent_sequence = ++last_number_;

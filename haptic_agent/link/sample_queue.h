@@ -43,8 +43,8 @@ class SampleQueue {
   /// Few new samples a datagram, so that even a backlog goes out in two datagrams each.
   static constexpr std::size_t kNewPerDatagram = 8;
   /// The next samples to send, as take does but at most `most` that never went out, behind
-  /// unanswered ones that did, as many as fit. Empty if there is none to send.
-  Repeating take_repeating(std::size_t most);
+  /// unanswered ones that did, as many as fit. All of this tool; empty if there is none to send.
+  Repeating take_repeating(std::size_t most, std::uint32_t tool_id);
   /// The connection holds, but what is unanswered has been lost: it goes out again.
   void go_back() noexcept;
   /// True if something that was sent is not answered.

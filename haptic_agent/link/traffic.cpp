@@ -42,7 +42,8 @@ void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t no
   next_ping_us_ = now_us;
   pong_due_.reset();
   queue_.rewind();
-  newest_result_ = newest_felt_ = base_ = 0;
+  newest_result_ = newest_felt_ = 0;
+  base_ = 0;
   based_ = false;
   progress_us_ = now_us;
   lanes_.begin(udp_offered, now_us);
@@ -92,13 +93,14 @@ std::string Traffic::take_control() {
   if (!tool || *tool == tool_id_) return {};
   // A change of tool is told over the WebSocket, and has its place among the samples: those before
   // it go ahead of it there, and UDP has to wait until one behind it is answered.
-  base_ = 0;
+  base_.reset();
   based_ = false;
   if (lanes_.over_udp()) {
     lanes_.leave();
     queue_.go_back();
     if (queue_.next_tool() == tool_id_) return {};
   }
+  base_ = 0;
   tool_id_ = *tool;
   return tool_text(tool_id_);
 }
@@ -128,7 +130,7 @@ std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
   pace_.sent(batch.count);
   report_.samples_sent += batch.count;
   ++report_.messages_sent;
-  if (base_ == 0) base_ = batch.samples[0].agent_sequence;
+  if (base_ && *base_ == 0) base_ = batch.samples[0].agent_sequence;
   return wire::encode(stamp(++motion_sequence_, now_us), batch, frame);
 }
 

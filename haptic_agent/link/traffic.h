@@ -115,8 +115,8 @@ class Traffic {
 
   LaneSwitch lanes_;
   /// The first sample after which the order of the WebSocket no longer matters: of a connection, or
-  /// of a new tool. 0: it has not gone out yet.
-  std::uint64_t base_ = 0;
+  /// of a new tool. 0: it has not gone out yet; none: the new tool has not been told yet.
+  std::optional<std::uint64_t> base_ = 0;
   /// The server has answered the base.
   bool based_ = false;
   std::uint64_t progress_us_ = 0;

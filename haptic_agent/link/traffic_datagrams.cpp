@@ -19,9 +19,8 @@ constexpr std::uint64_t late_after_us(std::uint64_t rtt_us) noexcept {
 
 void Traffic::choose_lane(std::uint64_t now_us) {
   if (!queue_.in_flight()) progress_us_ = now_us;
-  const bool ready = based_ && queue_.next_tool().value_or(tool_id_) == tool_id_;
   const bool was = lanes_.over_udp();
-  if (lanes_.update(now_us, ready, now_us - progress_us_, udp_rtt_us_)) queue_.go_back();
+  if (lanes_.update(now_us, based_, now_us - progress_us_, udp_rtt_us_)) queue_.go_back();
   // A new lane has its own time to answer in.
   if (was == lanes_.over_udp()) return;
   progress_us_ = went_back_us_ = now_us;
@@ -36,8 +35,7 @@ std::size_t Traffic::fill_datagram(std::uint64_t now_us, std::span<std::byte> fr
   if (!lanes_.over_udp()) return 0;
   repeat_what_is_lost(now_us);
   // A new tool is told over the WebSocket first.
-  if (queue_.next_tool().value_or(tool_id_) != tool_id_) return 0;
-  const auto out = queue_.take_repeating(pace_.allowed(now_us));
+  const auto out = queue_.take_repeating(pace_.allowed(now_us), tool_id_);
   if (out.batch.count == 0) return 0;
   // The server counts each number once.
   pace_.sent(out.fresh);
@@ -71,7 +69,7 @@ void Traffic::note_progress(const wire::Result& result, std::uint64_t now_us) {
   newest_result_ = result.agent_sequence;
   progress_us_ = now_us;
   vain_repeats_ = 0;
-  if (base_ != 0 && result.agent_sequence >= base_) based_ = true;
+  if (base_.value_or(0) != 0 && result.agent_sequence >= *base_) based_ = true;
 }
 
 std::optional<Loss> Traffic::take_datagram(std::span<const std::byte> frame, std::uint64_t now_us) {

@@ -14,10 +14,11 @@ MOCK_PEN = os.environ["KERF_MOCK_PEN"]
 WRAPPER = os.environ["KERF_UMOCKDEV_WRAPPER"]
 # At most 0.6 of what the device can give, as it says of itself: 10 N and 250 N·mm.
 MOST_N, MOST_NMM = 6.0, 150.0
-# What rounding a motor's torque to 0.1 N·mm does to a wrench.
-ROUNDING = 0.02
-# What the machine does to the agent: a test machine has other work to do as well.
-BUSY_MACHINE = {"lost_ticks", "lost_ticks_in_a_row"}
+# What rounding the six motors' torques to 0.1 N·mm can do to a wrench.
+ROUNDING_N, ROUNDING_NMM = 0.01, 0.2
+# What the machine does to the agent: a test machine has other work to do as well, and reports that
+# were held up come as one leap.
+BUSY_MACHINE = {"lost_ticks", "lost_ticks_in_a_row", "pose_jump", "tip_too_fast"}
 # Beyond what the agent waits for: none of these times is asserted.
 LETTING_GO_S, ARMING_S = 0.4, 0.8
 ROWS = range(-16, 17, 2)
@@ -115,7 +116,7 @@ class Session(UsbTest):
         """Above the block, lets go of the pen and takes it again."""
         self.row = next(self.rows)
         self.pen("press")
-        self.pen("go", -24, self.row, 5, 200)
+        self.pen("go", -24, self.row, 5, 100)
         time.sleep(LETTING_GO_S)
         self.pen("press", "grip")
         time.sleep(ARMING_S)
@@ -123,14 +124,14 @@ class Session(UsbTest):
     def cut(self, *buttons, to=24):
         """Along the row, 2 mm deep; then up and back through the air."""
         self.pen("press", *buttons)
-        self.pen("go", -24, self.row, -2, 100)
+        self.pen("go", -24, self.row, -2, 60)
         self.pen("press", "cut", *buttons)
         self.pen("go", to, self.row, -2, 40)
 
     def rise(self):
         self.pen("press", "grip")
         self.pen("go", 24, self.row, 5, 100)
-        self.pen("go", -24, self.row, 5, 200)
+        self.pen("go", -24, self.row, 5, 100)
 
     def feel_a_cut(self, to=24):
         """Row after row, should the machine have tripped the agent, until a force was felt."""
@@ -139,8 +140,8 @@ class Session(UsbTest):
             self.pen.felt()
             self.cut("grip", to=to)
             force_n, torque_nmm = self.pen.felt()
-            self.assertLessEqual(force_n, MOST_N + ROUNDING)
-            self.assertLessEqual(torque_nmm, MOST_NMM + ROUNDING)
+            self.assertLessEqual(force_n, MOST_N + ROUNDING_N)
+            self.assertLessEqual(torque_nmm, MOST_NMM + ROUNDING_NMM)
             if force_n > 0.5:
                 self.assertGreater(torque_nmm, 1)
                 return
@@ -154,7 +155,7 @@ class Session(UsbTest):
 
         # A row of 40 x 6 x 2 mm. Nobody holds the grip, so nobody feels it.
         self.row = next(self.rows)
-        self.pen("go", -24, self.row, 5, 200)
+        self.pen("go", -24, self.row, 5, 100)
         self.cut()
         self.wait_for(lambda: abs(self.removed() - 480) < 5, "the row was not carved")
         self.assertEqual(self.pen.felt(), (0, 0))

@@ -5,7 +5,8 @@
 //   unplug
 //   press [cut] [grip]
 //   go X Y Z MM_PER_S  moves the tip there, upright; mm from the middle of the workspace
-//   felt             the most that the hand has felt since it was asked last: "NEWTONS N·MM"
+//   felt             the most that the hand has felt since it was asked last, or since the pen was
+//                    unplugged: "NEWTONS N·MM"
 //   state            "homed" or "not homed", and how many commands were refused
 //
 // Every line is answered by one, when it is done. A program that is started under umockdev-wrapper
@@ -40,7 +41,10 @@ class HeldPen final : public UsbModel {
     return firmware_.control(setup, data);
   }
   std::optional<Bytes> poll_in(std::uint64_t now_us) override { return firmware_.poll_in(now_us); }
-  void power_cycle() override { firmware_.power_cycle(); }
+  void power_cycle() override {
+    firmware_.power_cycle();
+    most_n_ = most_nmm_ = 0;
+  }
   void take_out(std::span<const std::uint8_t> packet, std::uint64_t now_us) override {
     firmware_.take_out(packet, now_us);
     const auto felt =
@@ -114,14 +118,11 @@ class MockPen {
     double mm_per_s = 0;
     words >> to.x >> to.y >> to.z >> mm_per_s;
     if (!words || !(mm_per_s > 0)) return "go X Y Z MM_PER_S";
-    const Vec3 from = tip_, way = to - from;
-    const std::uint64_t start_us = kerf::agent::monotonic_us();
-    for (double part = 0; part < 1;) {
+    // A step a millisecond, or later: while this program is held up, so is the hand.
+    const double step_mm = mm_per_s / 1000;
+    for (double left_mm = length(to - tip_); left_mm > 0; left_mm = length(to - tip_)) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      const double gone_mm =
-          mm_per_s * 1e-6 * static_cast<double>(kerf::agent::monotonic_us() - start_us);
-      part = gone_mm < length(way) ? gone_mm / length(way) : 1;
-      tip_ = from + way * part;
+      tip_ = left_mm > step_mm ? tip_ + (to - tip_) * (step_mm / left_mm) : to;
       ask([&] { return pen_.firmware().hold(tip_ + kUpright, {0, 0, 1}), 0; });
     }
     return "ok";
