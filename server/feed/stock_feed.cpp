@@ -106,7 +106,10 @@ void StockFeed::forget_far(const Sculpture& sculpture, const Bounds& near) {
 }
 
 std::optional<StockNews> StockFeed::next(const Sculpture& sculpture, const ToolWatch& watch) {
-  if (sent_ - acked_ >= wire::kStockFramesInFlight) return std::nullopt;
+  if (under_way_.size() >= wire::kStockFramesInFlight ||
+      bytes_under_way_ >= wire::kStockBytesInFlight) {
+    return std::nullopt;
+  }
   const Bounds near = reach(watch);
   std::vector<Lacking> lacking;
   for (const RayAxis axis : kAxes) {
@@ -128,13 +131,18 @@ std::optional<StockNews> StockFeed::next(const Sculpture& sculpture, const ToolW
   if (news.tiles.empty() && !afresh_) return std::nullopt;
   afresh_ = false;
   news.sequence = ++sent_;
+  under_way_.push_back(bytes);
+  bytes_under_way_ += bytes;
   if (sent_ % kForgetEvery == 0) forget_far(sculpture, near);
   return news;
 }
 
 bool StockFeed::ack(std::uint64_t sequence) {
   if (sequence > sent_) return false;
-  acked_ = std::max(acked_, sequence);
+  while (!under_way_.empty() && sent_ - under_way_.size() < sequence) {
+    bytes_under_way_ -= under_way_.front();
+    under_way_.pop_front();
+  }
   return true;
 }
 

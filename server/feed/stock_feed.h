@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -52,7 +53,7 @@ class StockFeed {
   void start_afresh();
   /// What the agent lacks near its tool and where the tool is going, the nearest tiles first;
   /// nothing while it lacks nothing or
-  /// has kStockFramesInFlight patches under way. Costs a few operations for each tile near by.
+  /// has what wire/limits.h allows under way. Costs a few operations for each tile near by.
   std::optional<StockNews> next(const Sculpture& sculpture, const ToolWatch& watch);
   /// The agent has every patch up to `sequence`. False (and no effect) for one it was never sent.
   bool ack(std::uint64_t sequence);
@@ -74,7 +75,9 @@ class StockFeed {
   void forget_far(const Sculpture& sculpture, const Bounds& near);
 
   std::map<FieldTile, Known> known_;
-  std::uint64_t sent_ = 0, acked_ = 0;
+  std::uint64_t sent_ = 0;
+  std::deque<std::size_t> under_way_;  ///< bytes of the patches that are not acknowledged
+  std::size_t bytes_under_way_ = 0;
   Vec3 last_tip_mm_;  ///< at the last call of next, and when that was
   std::uint64_t last_us_ = 0;
   bool afresh_ = true;

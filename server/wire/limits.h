@@ -40,8 +40,10 @@ inline constexpr std::size_t kMaxNameBytes = 64;
 inline constexpr double kHelloTimeoutS = 5.0;
 /// Mesh frames that a viewer has not acknowledged and that may still be under way.
 inline constexpr std::uint32_t kMeshFramesInFlight = 2;
-/// Stock frames that an agent has not acknowledged and that may still be under way.
-inline constexpr std::uint32_t kStockFramesInFlight = 2;
+/// Stock frames, and bytes of columns in them, that an agent has not acknowledged and that may
+/// still be under way: on a long way there are many small ones, on a narrow one few large ones.
+inline constexpr std::uint32_t kStockFramesInFlight = 16;
+inline constexpr std::size_t kStockBytesInFlight = 64 * 1024;
 /// Tiles in one stock frame.
 inline constexpr std::uint32_t kMaxStockTiles = 4096;
 /// How far from 1 the length of a sample's axis may be.

@@ -1,5 +1,5 @@
-// From what goes wrong to no force, in real time: the real servo, watchdog and link, a real server
-// as a child, and a device that leans on a wall.
+// From what goes wrong to no force, in real time: the real servo, watchdog, link and copy of the
+// block, a real server as a child, and a device that leans on a wall.
 //
 //   agent_trip_bench [--server PATH]
 //
@@ -26,6 +26,7 @@
 #include <thread>
 
 #include "haptic_agent/link/server_link.h"
+#include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/realtime.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "tests/bench/live_client.h"
@@ -212,13 +213,19 @@ std::optional<double> time_to_silence(const std::string& program, const Event& e
   settings.server = {"127.0.0.1", std::to_string(server.port())};
   settings.session = "trip";
   settings.patience_s = 1;
+  NearAnswers near;
+  ReplicaThread copy(near);
+  settings.hello.stock = true;
+  settings.traffic.copy = &copy;
   ServerLink link(settings, samples, wrenches);
   Freezer freezer;
   freezer.aim([&] { link.start(); });
-  if (!link.wait_welcome()) return std::nullopt;
+  const auto welcome = link.wait_welcome();
+  if (!welcome) return std::nullopt;
+  copy.start(BlockSource::read(welcome->text).value());
   MonotonicClock clock;
   ServoLoop loop(clock);
-  ServoCycle cycle(device, samples, wrenches, link, settings_for(device.capabilities(), {}));
+  ServoCycle cycle(device, samples, wrenches, link, settings_for(device.capabilities(), {}), &near);
   Watchdog watchdog(loop, [&] { device.stop(); });
   watchdog.start();
   std::thread servo([&] {
@@ -234,6 +241,7 @@ std::optional<double> time_to_silence(const std::string& program, const Event& e
   loop.stop();
   servo.join();
   watchdog.end();
+  copy.stop();
   server.signal(SIGCONT);
   link.interrupt();
   link.stop(0);

@@ -12,7 +12,8 @@
 // greatest memory before and after tells whether a download needs any. With --agents, so many cut
 // at once, each on a thread of its own; the last row is the agent with the worst p99. --viewers
 // look on and read all they are sent. --hostile is one more agent that sends as fast as it can,
-// half of it nonsense, and reads nothing.
+// half of it nonsense, and reads nothing. Agents ask for the columns near their tools, as
+// kerf-agent does, and acknowledge them.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -145,11 +146,19 @@ MotionSample sample_at(std::uint64_t n, std::uint64_t ahead) {
 
 struct Figures {
   std::vector<double> server_us, client_us;
-  std::uint64_t late = 0, errors = 0, cutting = 0;
+  std::uint64_t late = 0, errors = 0, cutting = 0, stock_bytes = 0;
   double removed_mm3 = 0;
 };
 
-void take_frame(unsigned char opcode, const std::string& payload,
+/// Acknowledged as an agent that keeps a copy of the block does, so that more is sent.
+void take_stock(WebSocket& agent, const Message& message, std::size_t bytes, Figures& figures) {
+  figures.stock_bytes += bytes;
+  std::vector<std::byte> ack;
+  append(ack, {1, message.header.stamp.sequence, 0}, Ack{});
+  agent.send(2, ack);
+}
+
+void take_frame(WebSocket& agent, unsigned char opcode, const std::string& payload,
                 const std::vector<Clock::time_point>& sent, Figures& figures) {
   if (opcode == 1 && payload.find("\"error\"") != std::string::npos) {
     if (figures.errors++ == 0) std::fprintf(stderr, "%s\n", payload.c_str());
@@ -157,6 +166,9 @@ void take_frame(unsigned char opcode, const std::string& payload,
   if (opcode != 2) return;
   const auto message = decode(std::as_bytes(std::span(payload)));
   if (!message) fail("a frame of the server is malformed");
+  if (std::holds_alternative<StockPatch>(message->body)) {
+    return take_stock(agent, *message, payload.size(), figures);
+  }
   const auto* result = std::get_if<Result>(&message->body);
   if (result == nullptr) return;
   const auto now = Clock::now();
@@ -178,7 +190,7 @@ Figures measure(WebSocket& agent, double seconds, std::uint64_t ahead) {
     const auto tick = start + std::chrono::milliseconds(n);
     while (Clock::now() < tick) {
       if (const auto opcode = agent.receive(payload, tick))
-        take_frame(opcode, payload, sent, figures);
+        take_frame(agent, opcode, payload, sent, figures);
     }
     if (Clock::now() > tick + std::chrono::milliseconds(1)) ++figures.late;
     MotionBatch batch;
@@ -190,7 +202,7 @@ Figures measure(WebSocket& agent, double seconds, std::uint64_t ahead) {
     agent.send(2, frame);
   }
   while (const auto opcode = agent.receive(payload, in_seconds(0.5))) {
-    take_frame(opcode, payload, sent, figures);
+    take_frame(agent, opcode, payload, sent, figures);
   }
   return figures;
 }
@@ -238,7 +250,7 @@ std::string long_program() {
 
 WebSocket join(std::uint16_t port, const char* kind, std::string_view protocol) {
   WebSocket socket(port, std::string("/v1/sessions/bench/") + kind, std::string(protocol));
-  const std::string hello = R"({"type":"hello","name":"bench"})";
+  const std::string hello = R"({"type":"hello","name":"bench","stock":true})";
   socket.send(1, std::as_bytes(std::span(hello)));
   return socket;
 }
@@ -310,6 +322,7 @@ Figures sum_of(const std::vector<Figures>& all) {
     sum.client_us.insert(sum.client_us.end(), f.client_us.begin(), f.client_us.end());
     sum.late += f.late;
     sum.errors += f.errors;
+    sum.stock_bytes += f.stock_bytes;
     sum.cutting += f.cutting;
     sum.removed_mm3 += f.removed_mm3;
   }
@@ -355,6 +368,8 @@ int main(int argc, char** argv) {
               figures.server_us.size(), static_cast<unsigned long long>(figures.cutting),
               figures.removed_mm3, static_cast<unsigned long long>(figures.errors),
               static_cast<unsigned long long>(figures.late));
+  std::printf("%.1f kB/s of columns to each agent, for its copy of the block\n",
+              double(figures.stock_bytes) / 1e3 / options.seconds / options.agents);
   std::printf("%-34s %8s %8s %8s %8s\n", "us", "p50", "p99", "p99.9", "max");
   print_row("server: frame read to wrench out", figures.server_us);
   print_row("client: round trip over loopback", figures.client_us);

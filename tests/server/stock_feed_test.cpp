@@ -8,6 +8,7 @@
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/tile_region.h"
 #include "server/convert/stock_columns.h"
+#include "server/wire/limits.h"
 
 namespace kerf {
 namespace {
@@ -135,17 +136,36 @@ TEST_P(StockFeedRoom, LooksAhead) {
   expect_right_near({140, 50, -1});
 }
 
-TEST_P(StockFeedRoom, HasTwoPatchesUnderWayAtMost) {
-  others({20, 20, -4}, {380, 90, -4});
+TEST_P(StockFeedRoom, HasSoManyPatchesUnderWayAtMost) {
   std::vector<StockNews> way;
-  for (int n = 0; n < 5; ++n) {
-    if (auto news = next({40.0 + 80 * n, 50, -1}, false)) way.push_back(std::move(*news));
+  for (int n = 0; n < 40; ++n) {
+    others({60, 50, -1 - 0.2 * n}, {60.5, 50, -1 - 0.2 * n});
+    if (auto news = next({60, 50, 5}, false)) way.push_back(std::move(*news));
   }
-  ASSERT_EQ(way.size(), 2U);
+  ASSERT_EQ(way.size(), std::size_t{wire::kStockFramesInFlight});
   EXPECT_EQ(way[0].sequence, 1U);
   EXPECT_TRUE(way[0].afresh);
   EXPECT_FALSE(way[1].afresh);
-  EXPECT_FALSE(feed_.ack(3)) << "was never sent";
+  EXPECT_FALSE(feed_.ack(17)) << "was never sent";
+  EXPECT_TRUE(feed_.ack(3));
+  EXPECT_TRUE(feed_.ack(2)) << "an old one is no mistake";
+  for (int n = 0; n < 10; ++n) {
+    others({60, 50, -10 - 0.2 * n}, {60.5, 50, -10 - 0.2 * n});
+    if (auto news = next({60, 50, 5}, false)) way.push_back(std::move(*news));
+  }
+  EXPECT_EQ(way.size(), std::size_t{wire::kStockFramesInFlight} + 3);
+}
+
+TEST_P(StockFeedRoom, HasSoManyBytesUnderWayAtMost) {
+  for (double y = 2; y < 100; y += 2) others({0, y, -4}, {400, y + 1, -5});
+  std::size_t bytes = 0;
+  for (int n = 0; n < 10; ++n) {
+    const auto news = next({40.0 + 30 * n, 50, -1}, false);
+    if (!news) continue;
+    for (const StockNews::Tile& tile : news->tiles) bytes += tile.columns.size();
+  }
+  EXPECT_GT(bytes, wire::kStockBytesInFlight);
+  EXPECT_LT(bytes, wire::kStockBytesInFlight + 2 * StockFeed::kPatchBytes);
   EXPECT_TRUE(feed_.ack(2));
   EXPECT_TRUE(next({360, 50, -1}));
 }

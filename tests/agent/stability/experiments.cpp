@@ -56,6 +56,12 @@ class Recorder final : public HapticDevice {
   std::vector<DeviceState>& poses_;
 };
 
+/// What the server has answered last, before it went on its way.
+Vec3 felt(const TestBed& bed) {
+  const auto& f = bed.newest().force_n;
+  return {static_cast<double>(f[0]), static_cast<double>(f[1]), static_cast<double>(f[2])};
+}
+
 }  // namespace
 
 SwingOutcome swing(const Swing& swing) {
@@ -83,9 +89,24 @@ Recording record_carving(double seconds) {
   TestBed bed(kCarvingScene, recorder, {.mode = ForceMode::kInterpolated}, {}, false);
   for (int i = 0; i < static_cast<int>(seconds * 1000); ++i) {
     bed.tick();
-    const auto& f = bed.newest().force_n;
-    recording.force_n.push_back(
-        {static_cast<double>(f[0]), static_cast<double>(f[1]), static_cast<double>(f[2])});
+    recording.force_n.push_back(felt(bed));
+  }
+  return recording;
+}
+
+Recording beside_another(const Recording& alone, double ahead_s) {
+  Recording recording{.poses = alone.poses, .force_n = {}, .another = {}};
+  const auto ahead = static_cast<std::size_t>(ahead_s * 1000);
+  for (std::size_t i = 0; i < alone.poses.size(); ++i) {
+    const DeviceState& pose = alone.poses[std::min(i + ahead, alone.poses.size() - 1)];
+    recording.another.push_back(pose.tip_mm + Vec3{1.4, 1.4, 0});
+  }
+  RecordedHand hand(recording.poses);
+  TestBed bed(kCarvingScene, hand, {.mode = ForceMode::kInterpolated}, {}, false);
+  for (const Vec3& tip : recording.another) {
+    bed.another_cuts_to(tip);
+    bed.tick();
+    recording.force_n.push_back(felt(bed));
   }
   return recording;
 }
@@ -95,6 +116,7 @@ double force_error(const Recording& recording, ForceMode mode, const LineQuality
   TestBed bed(kCarvingScene, hand, {.mode = mode}, line, copy);
   double error2 = 0, force2 = 0;
   for (std::size_t i = 0; i < recording.poses.size(); ++i) {
+    if (!recording.another.empty()) bed.another_cuts_to(recording.another[i]);
     bed.tick();
     // Until the force has ramped up there is nothing to compare.
     if (i < static_cast<std::size_t>(kRestS * 1000) + 800) continue;

@@ -34,8 +34,13 @@ SwingOutcome swing(const Swing& swing);
 struct Recording {
   std::vector<DeviceState> poses;
   std::vector<Vec3> force_n;
+  /// Where somebody else cuts at each tick; empty: nobody does.
+  std::vector<Vec3> another;
 };
 Recording record_carving(double seconds);
+/// The same path while somebody else carves 2 mm beside where the hand will be in `ahead_s`: much
+/// of what the hand comes to is gone, and was not when it was last heard of.
+Recording beside_another(const Recording& recording, double ahead_s);
 
 /// How far the shown force is from the server's at no delay along that path: rms of the difference
 /// over rms of the force.

@@ -88,6 +88,21 @@ void TestBed::serve(std::span<const std::byte> frame) {
   down_.send(std::span(answer).first(bytes), now_us_);
 }
 
+void TestBed::another_cuts_to(Vec3 tip_mm) {
+  if (another_ == 0) {
+    another_ = session_->join({.kind = ParticipantKind::kAgent, .name = "another", .color = ""})
+                   .value()
+                   .id;
+  }
+  wire::MotionSample sample;
+  sample.agent_sequence = ++another_sequence_;
+  sample.time_us = now_us_;
+  sample.tip_mm = {tip_mm.x, tip_mm.y, tip_mm.z};
+  sample.tool_id = session_->scene().tools.begin()->first;
+  sample.buttons = wire::kButtonCutting;
+  session_->move(another_, {&sample, 1});
+}
+
 void TestBed::tick() {
   now_us_ += 1000;
   servo_->tick(now_us_);

@@ -25,6 +25,8 @@ class TestBed {
           const LineQuality& quality, bool copy, std::uint32_t seed = 1);
 
   void tick();
+  /// Somebody else, whom no line holds up, cuts to there with the first tool.
+  void another_cuts_to(Vec3 tip_mm);
 
   const ServoCycle& servo() const { return *servo_; }
   /// The newest result that the server made, before it went on its way.
@@ -57,7 +59,8 @@ class TestBed {
   test::ManualExecutor workers_;
   std::optional<SessionRegistry> registry_;
   std::shared_ptr<Session> session_;
-  ParticipantId self_ = 0;
+  ParticipantId self_ = 0, another_ = 0;
+  std::uint64_t another_sequence_ = 0;
   SampleRing samples_;
   LatestValue<ServerWrench> wrenches_;
   Listener listener_;
