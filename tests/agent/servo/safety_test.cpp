@@ -99,6 +99,75 @@ TEST_F(Safety, LosingTheServerEndsTheForceWithin150Ms) {
   EXPECT_LE(ms, 150);
 }
 
+/// A hand that cuts its way down, answered by a copy of the block after each tick, and by the
+/// server 100 ms later.
+class SafetyNear : public Safety {
+ protected:
+  SafetyNear() {
+    device.state.buttons |= wire::kButtonCutting;
+    cycle = std::make_unique<ServoCycle>(device, samples, wrenches, nobody,
+                                         settings_for(device.capabilities(), {}), &near);
+  }
+  static ServerWrench cut(double newtons, std::uint64_t pose_us, std::uint64_t arrival_us) {
+    return {.wrench = {.force_n = {0, 0, newtons}, .torque_nmm = {}},
+            .pose_us = pose_us,
+            .arrival_us = arrival_us,
+            .engaged_area_mm2 = newtons};
+  }
+  void tick_near(bool copy, bool server, double copy_n = 2, double server_n = 2) {
+    if (server) wrenches.write(cut(server_n, now_us - 100 * kMs, now_us));
+    tick(false);
+    wire::MotionSample sample;
+    while (near.pop(sample)) {
+      if (copy) near.write(cut(copy_n, sample.time_us, now_us));
+    }
+  }
+  void activate_near() {
+    moving = false;
+    for (int i = 0; i < 700; ++i) tick_near(true, true, 0, 0);
+    moving = true;
+    for (int i = 0; i < 300; ++i) tick_near(true, true, 2, 1);
+    ASSERT_EQ(cycle->supervisor().phase(), ServoPhase::kActive);
+  }
+
+  NearAnswers near;
+};
+
+TEST_F(SafetyNear, TheNewerPosesAnswerIsFelt) {
+  activate_near();
+  EXPECT_NEAR(device.shown.force_n.z, 2, 0.05) << "not the 1 N of 100 ms ago";
+}
+
+TEST_F(SafetyNear, LosingTheServerEndsTheForceWithin150MsThoughTheCopyGoesOn) {
+  activate_near();
+  int ms = 0;
+  for (; ms < 1000 && device.shown != Wrench{}; ++ms) tick_near(true, false);
+  EXPECT_GT(ms, 100);
+  EXPECT_LE(ms, 150);
+}
+
+TEST_F(SafetyNear, AStallOfTheServerUpToATenthOfASecondIsNotFelt) {
+  activate_near();
+  for (int ms = 0; ms < 98; ++ms) {
+    tick_near(true, false);
+    ASSERT_NEAR(device.shown.force_n.z, 2, 0.05) << ms;
+  }
+  EXPECT_EQ(cycle->supervisor().phase(), ServoPhase::kActive);
+}
+
+TEST_F(SafetyNear, ACopyThatFallsSilentLeavesTheServersAnswers) {
+  activate_near();
+  for (int ms = 0; ms < 400; ++ms) tick_near(false, true, 0, 1);
+  EXPECT_NEAR(device.shown.force_n.z, 1, 0.05);
+}
+
+TEST_F(SafetyNear, WithoutEitherTheForceEndsAsSoonAsWithoutACopy) {
+  activate_near();
+  int ms = 0;
+  for (; ms < 1000 && device.shown != Wrench{}; ++ms) tick_near(false, false);
+  EXPECT_LE(ms, 125);
+}
+
 TEST_F(Safety, LettingGoEndsItInTheNextTick) {
   activate();
   EXPECT_EQ(ms_to_silence([&] { device.state.buttons = 0; }, true), 1);
