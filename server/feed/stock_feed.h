@@ -20,14 +20,14 @@ namespace kerf {
 struct ToolWatch {
   const Tool& tool;
   ToolPose pose;
-  std::uint64_t time_us = 0;  ///< when it was there, by the agent's clock
+  std::uint64_t time_us = 0;  ///< of the agent's newest sample, by its clock
 };
 
 /// What one agent is to be told of the block.
 struct StockNews {
   std::uint64_t sequence = 0;  ///< per feed, from 1, for the frame's header; ack names it
   bool afresh = false;
-  std::uint64_t agent_time_us = 0;  ///< of the agent's newest sample that is cut out of the tiles
+  std::uint64_t agent_time_us = 0;  ///< samples up to here are cut out of the tiles, or refused
   struct Tile {
     FieldTile at;
     std::vector<std::byte> columns;  ///< stock_columns.h; none: the agent has all there is to know

@@ -137,6 +137,7 @@ std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample
                                             BatchSum& sum) {
   if (sample.agent_sequence <= seat.last_sequence) return std::nullopt;  // a repetition
   seat.last_sequence = sample.agent_sequence;
+  seat.newest_us = sample.time_us;
   const auto name = [&] { return "sample " + std::to_string(sample.agent_sequence) + ": "; };
   if (!seat.samples.allow(Clock::now())) {
     seat.track.lift();  // what was refused leaves a gap: a chord across it would gouge the block

@@ -145,6 +145,7 @@ class Session : public std::enable_shared_from_this<Session> {
     ParticipantId feel_of = 0;
     ToolTrack track;
     std::uint64_t last_sequence = 0;
+    std::uint64_t newest_us = 0;  ///< of the newest sample, refused or not, by the agent's clock
     RateLimit samples{0, 0};
     wire::ToolState state;
     Clock::time_point state_at{};

@@ -9,7 +9,7 @@ std::optional<StockNews> Session::stock_news(ParticipantId id) {
   Seat& seat = found->second;
   if (!seat.stock || !seat.track.pose()) return std::nullopt;
   const Tool* tool = sculpture_.tool(seat.track.tool());
-  return seat.stock->next(sculpture_, {*tool, *seat.track.pose(), seat.track.time_us()});
+  return seat.stock->next(sculpture_, {*tool, *seat.track.pose(), seat.newest_us});
 }
 
 std::expected<void, Refusal> Session::ack_stock(ParticipantId id, std::uint64_t sequence) {

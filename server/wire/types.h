@@ -138,7 +138,7 @@ struct StockTile {
 struct StockPatch {
   /// Forget what came before: the block is as the welcome said, less what follows.
   bool afresh = false;
-  /// The newest sample of this agent that is cut out of them, by the agent's clock; 0: none.
+  /// Samples of this agent up to here, by its clock, are cut out of them or were refused; 0: none.
   std::uint64_t agent_time_us = 0;
   std::vector<StockTile> tiles;
 };

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <deque>
+#include <thread>
 
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/tool/tool_bounds.h"
@@ -38,7 +40,8 @@ class ReplicaRoom : public SessionRoom, public testing::WithParamInterface<const
  protected:
   void begin(const char* rays) {
     // Samples come faster here than the clock by which the session limits rates.
-    limits.samples_per_s = limits.samples_burst = 1e12;
+    limits.samples_burst = samples_most;
+    limits.samples_per_s = 2.5 * samples_most;
     restart();
     way_.clear();
     sequence = other_sequence_ = 0;
@@ -124,6 +127,7 @@ class ReplicaRoom : public SessionRoom, public testing::WithParamInterface<const
   std::optional<Replica> copy_;
   std::deque<wire::MotionSample> way_;
   std::size_t delay = 0;
+  double samples_most = 1e12;
   std::uint64_t other_sequence_ = 0;
   wire::Result theirs_;
   int blocks_ = 0;
@@ -219,13 +223,40 @@ TEST_P(ReplicaRoom, KeepsItsOwnCutsWhenItBeginsAfresh) {
   expect_equal_near(winding(299));
 }
 
-TEST_P(ReplicaRoom, AMotionThatTheServerRefusesIsHealed) {
+TEST_P(ReplicaRoom, AMotionThatNobodyTakesIsInNeitherBlock) {
   begin(GetParam());
   hand({-20, 0, -4});
-  hand({20, 0, -4});  // 40 m/s: nobody cuts that
+  hand({20, 0, -4});  // 40 m/s
   for (int n = 0; n < 50; ++n) hand({20 - 0.1 * n, 0, -4});
   arrive_all();
   expect_equal_near({15, 0, -4});
+}
+
+TEST_P(ReplicaRoom, AMotionThatTheServerAloneRefusesIsHealed) {
+  samples_most = 20;
+  begin(GetParam());
+  for (int n = 0; n < 40; ++n) hand({-10 + 0.5 * n, 0, -4});  // the last ones are too many
+  EXPECT_TRUE(theirs_.status & wire::kStatusRefused);
+  while ((theirs_.status & wire::kStatusRefused) != 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    hand({9.5, 0, -4});
+  }
+  arrive_all();
+  expect_equal_near({9.5, 0, -4});
+}
+
+TEST_P(ReplicaRoom, WhatWasKnownBeforeItBeganAfreshIsNot) {
+  begin(GetParam());
+  for (int n = 0; n < 20; ++n) hand({-20, -20, -1}, {0, 0, 1}, 1, 0);
+  ASSERT_TRUE(hand({-20, -20, -1}, {0, 0, 1}, 1, 0));
+  for (int n = 0; n < 20; ++n) hand({24, 24, -1}, {0, 0, 1}, 1, 0);
+  session_->start_stock_afresh(hand_);
+  hand({24, 24, -1}, {0, 0, 1}, 1, 0);
+  EXPECT_TRUE(hand({24, 24, -1}, {0, 0, 1}, 1, 0));
+  delay = 5;
+  EXPECT_FALSE(hand({-20, -20, -1}, {0, 0, 1}, 1, 0));
+  arrive_all();
+  EXPECT_TRUE(hand({-20, -20, -1}, {0, 0, 1}, 1, 0));
 }
 
 TEST_P(ReplicaRoom, FeelsTheStockWhereItsToolDoesNotCut) {

@@ -138,6 +138,14 @@ TEST_F(SafetyNear, TheNewerPosesAnswerIsFelt) {
   EXPECT_NEAR(device.shown.force_n.z, 2, 0.05) << "not the 1 N of 100 ms ago";
 }
 
+TEST_F(SafetyNear, AnOldAnswerThatComesBetweenTwoOfTheCopyIsNotFelt) {
+  activate_near();
+  for (int ms = 0; ms < 50; ++ms) {
+    tick_near(ms % 4 == 0, true, 2, 1);
+    EXPECT_NEAR(device.shown.force_n.z, 2, 0.05) << ms;
+  }
+}
+
 TEST_F(SafetyNear, LosingTheServerEndsTheForceWithin150MsThoughTheCopyGoesOn) {
   activate_near();
   int ms = 0;
