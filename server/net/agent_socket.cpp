@@ -261,9 +261,9 @@ void AgentSocket::on_datagram_motion(const wire::MotionBatch& batch, Clock::time
     const MotionAnswer answer = apply(batch, arrived);
     if (answer.felt) send_datagram(++felts_, wire::ToolStates{{*answer.felt}});
     send_datagram(++results_, answer.result);
+    context_.metrics.motion_answered(std::chrono::duration<double>(Clock::now() - arrived).count());
     say_stock();
     pump();
-    context_.metrics.motion_answered(std::chrono::duration<double>(Clock::now() - arrived).count());
     return;
   }
   wire::Result again = last_answer_;

@@ -6,6 +6,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <future>
 #include <thread>
 
 #include "server/net/api.h"
@@ -136,10 +137,15 @@ std::expected<void, std::string> Server::listen() {
 
 void Server::stop() {
   if (std::exchange(impl_->stopped, true)) return;
-  impl_->viewers.post([impl = impl_.get()] {
+  // Waited for: the acceptor belongs to that lane until it is closed, and then goes with this
+  // thread.
+  std::promise<void> closed;
+  impl_->viewers.post([&closed, impl = impl_.get()] {
     error_code ignored;
     impl->acceptor.close(ignored);
+    closed.set_value();
   });
+  closed.get_future().wait();
   impl_->registry.close_all("the server is going down");
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
   while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&

@@ -12,8 +12,8 @@ from live_server import SCENE, LiveTest
 AGENT = os.environ["KERF_AGENT"]
 MOCK_PEN = os.environ["KERF_MOCK_PEN"]
 WRAPPER = os.environ["KERF_UMOCKDEV_WRAPPER"]
-# At most 0.6 of what the device can give, as it says of itself: 10 N and 250 N·mm.
-MOST_N, MOST_NMM = 6.0, 150.0
+# Less than the cut asks for (6 N), and than warms the motors (3 and 100 in the mean of 10 s).
+MOST_N, MOST_NMM = 4.0, 80.0
 # What rounding the six motors' torques to 0.1 N·mm can do to a wrench.
 ROUNDING_N, ROUNDING_NMM = 0.01, 0.2
 # What the machine does to the agent: a test machine has other work to do as well, and reports that
@@ -21,7 +21,8 @@ ROUNDING_N, ROUNDING_NMM = 0.01, 0.2
 BUSY_MACHINE = {"lost_ticks", "lost_ticks_in_a_row", "pose_jump", "tip_too_fast"}
 # Beyond what the agent waits for: none of these times is asserted.
 LETTING_GO_S, ARMING_S = 0.4, 0.8
-ROWS = range(-16, 17, 2)
+# Side by side and then one below the other: each is 6 mm wide and 2 mm deep.
+ROWS = [(y, z) for z in range(-2, -17, -2) for y in range(-15, 16, 6)]
 
 
 class Pen:
@@ -71,6 +72,7 @@ class Session(UsbTest):
         with open(self.file("agent.log"), "w") as log:
             self.agent = subprocess.Popen(
                 self.agent_words("--session", "block", "--device", "usb", "--tool", "2",
+                                 "--force-max", str(MOST_N), "--torque-max", str(MOST_NMM),
                                  "--trip-log", self.file("trips.csv"),
                                  "--status-json", self.file("status.json")),
                 env=self.on_the_bus(), stdout=log, stderr=log)
@@ -112,40 +114,43 @@ class Session(UsbTest):
         self.pen("unplug")
         self.wait_for(lambda: self.log().count("unplugged") > before, "the loss was not noticed")
 
-    def take_hold(self):
+    def take_hold(self, arming_s=ARMING_S):
         """Above the block, lets go of the pen and takes it again."""
         self.row = next(self.rows)
         self.pen("press")
-        self.pen("go", -24, self.row, 5, 100)
+        self.pen("go", -24, self.row[0], 5, 100)
         time.sleep(LETTING_GO_S)
         self.pen("press", "grip")
-        time.sleep(ARMING_S)
+        time.sleep(arming_s)
 
     def cut(self, *buttons, to=24):
-        """Along the row, 2 mm deep; then up and back through the air."""
+        """Along the row."""
         self.pen("press", *buttons)
-        self.pen("go", -24, self.row, -2, 60)
+        self.pen("go", -24, *self.row, 60)
         self.pen("press", "cut", *buttons)
-        self.pen("go", to, self.row, -2, 40)
+        self.pen("go", to, *self.row, 40)
 
     def rise(self):
+        """And back through the air."""
         self.pen("press", "grip")
-        self.pen("go", 24, self.row, 5, 100)
-        self.pen("go", -24, self.row, 5, 100)
+        self.pen("go", 24, self.row[0], 5, 100)
+        self.pen("go", -24, self.row[0], 5, 100)
 
-    def feel_a_cut(self, to=24):
-        """Row after row, should the machine have tripped the agent, until a force was felt."""
-        for _ in range(4):
-            self.take_hold()
+    def feel_a_cut(self, least_n=0.5, to=24):
+        """Row after row, should the machine have tripped the agent, until that much was felt."""
+        for attempt in range(6):
+            self.take_hold(ARMING_S * (1 + attempt))
             self.pen.felt()
             self.cut("grip", to=to)
             force_n, torque_nmm = self.pen.felt()
             self.assertLessEqual(force_n, MOST_N + ROUNDING_N)
             self.assertLessEqual(torque_nmm, MOST_NMM + ROUNDING_NMM)
-            if force_n > 0.5:
+            if force_n > least_n:
                 self.assertGreater(torque_nmm, 1)
                 return
             self.rise()
+        if os.getloadavg()[0] > 2 * os.cpu_count():
+            self.skipTest("this machine is too busy for a loop of 1 kHz")
         self.fail(f"no force\n{self.log()}")
 
     def test_is_homed_carves_is_unplugged_comes_back_and_leaves(self):
@@ -155,13 +160,14 @@ class Session(UsbTest):
 
         # A row of 40 x 6 x 2 mm. Nobody holds the grip, so nobody feels it.
         self.row = next(self.rows)
-        self.pen("go", -24, self.row, 5, 100)
+        self.pen("go", -24, self.row[0], 5, 100)
         self.cut()
         self.wait_for(lambda: abs(self.removed() - 480) < 5, "the row was not carved")
         self.assertEqual(self.pen.felt(), (0, 0))
         self.rise()
 
-        self.feel_a_cut()
+        # A whole row is felt as strongly as is allowed.
+        self.feel_a_cut(least_n=MOST_N - ROUNDING_N)
         self.rise()
         for address in range(6, 9):
             self.feel_a_cut(to=0)

@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/servo/realtime.h"
 #include "tests/usb/mock_bus.h"
 #include "tests/usb/model/felt_wrench.h"
 #include "tests/usb/model/reference_firmware.h"
@@ -30,6 +31,8 @@ namespace {
 using namespace kerf::usb_test;
 using kerf::agent::Vec3;
 namespace ref = kerf::agent::reference;
+
+constexpr int kAboveAllOfTheAgent = 95;
 
 /// The firmware with a hand that notes what each command makes it feel.
 class HeldPen final : public UsbModel {
@@ -145,6 +148,8 @@ class MockPen {
 }  // namespace
 
 int main() {
+  // It stands for hardware, which no program holds up; its threads inherit this, where allowed.
+  kerf::agent::request_fifo(kAboveAllOfTheAgent);
   MockPen pen;
   std::cout << std::getenv("UMOCKDEV_DIR") << std::endl;
   for (std::string line; std::getline(std::cin, line);) std::cout << pen.obey(line) << std::endl;
