@@ -17,9 +17,10 @@ constexpr RayAxis kAxes[] = {RayAxis::kZ, RayAxis::kX, RayAxis::kY};
 Replica::Replica(BlockSource source) : source_(std::move(source)), block_(source_.make()) {}
 
 bool Replica::knows(const DexelField& field, std::size_t n, const TileRegion& region) {
-  if (known_region_[n] == region) return true;
-  const bool all = region.all_of(
-      [&](TileIndex tile) { return known_.contains(FieldTile{field.grid().axis, tile}); });
+  const TileRegion& before = known_region_[n];
+  const bool all = region.all_of([&](TileIndex tile) {
+    return before.has(tile) || known_.contains({field.grid().axis, tile});
+  });
   if (all) known_region_[n] = region;
   return all;
 }

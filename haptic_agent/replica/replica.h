@@ -60,9 +60,9 @@ class Replica {
   Sculpture block_;
   ToolTrack track_;
   std::set<FieldTile> known_;
-  /// The tiles of each field last asked for, all of which were known: most samples ask for them
-  /// again.
-  std::array<std::optional<TileRegion>, 3> known_region_;
+  /// The tiles of each field last asked for, all of which were known: most of the next ones are
+  /// among them.
+  std::array<TileRegion, 3> known_region_;
   std::deque<Cut> cuts_;
   /// Way of the tool until its force no longer holds anything of what was not known.
   double unsettled_mm_ = 0;

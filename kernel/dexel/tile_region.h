@@ -13,6 +13,9 @@ struct TileRegion {
   TileIndex begin, end;
   friend constexpr bool operator==(const TileRegion&, const TileRegion&) = default;
 
+  std::int64_t count() const {
+    return std::int64_t{std::max(end.x - begin.x, 0)} * std::max(end.y - begin.y, 0);
+  }
   bool has(TileIndex tile) const {
     return tile.x >= begin.x && tile.y >= begin.y && tile.x < end.x && tile.y < end.y;
   }

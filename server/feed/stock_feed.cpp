@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "kernel/dexel/dexel_field.h"
-#include "kernel/dexel/tile_region.h"
 #include "server/convert/stock_columns.h"
 #include "server/wire/limits.h"
 
@@ -37,18 +36,20 @@ wire::StockPatch StockNews::patch() const {
 
 void StockFeed::note_cut(std::span<const FieldTile> tiles) {
   for (const FieldTile& tile : tiles) {
-    const auto known = known_.find(tile);
-    if (known != known_.end()) known->second.stale = true;
+    if (known_.contains(tile)) stale_.insert(tile);
   }
 }
 
 void StockFeed::start_afresh() {
   known_.clear();
+  stale_.clear();
+  complete_ = {};
   afresh_ = true;
 }
 
-/// What the tool may reach before the next patches arrive.
-Bounds StockFeed::reach(const ToolWatch& watch) {
+/// What the tool may reach before the next patches arrive; nothing if that is too much to look at.
+std::optional<StockFeed::Regions> StockFeed::reach(const Sculpture& sculpture,
+                                                   const ToolWatch& watch) {
   constexpr double kSPerUs = 1e-6;
   ToolPose later = watch.pose;
   if (last_us_ != 0 && watch.time_us > last_us_) {
@@ -59,49 +60,69 @@ Bounds StockFeed::reach(const ToolWatch& watch) {
   }
   last_tip_mm_ = watch.pose.tip_mm;
   last_us_ = watch.time_us;
-  return grown(joined(tool_bounds(watch.tool, watch.pose), tool_bounds(watch.tool, later)),
-               kReachMm);
+  const Bounds now = tool_bounds(watch.tool, watch.pose);
+  for (const Bounds& wish : {joined(now, tool_bounds(watch.tool, later)), now}) {
+    const Bounds box = grown(wish, kReachMm);
+    Regions regions;
+    bool small = true;
+    for (std::size_t n = 0; n < regions.size(); ++n) {
+      const DexelField* field = sculpture.field(kAxes[n]);
+      if (field == nullptr) continue;
+      regions[n] = tiles_through(field->grid(), box.lo_mm, box.hi_mm);
+      small = small && regions[n].count() <= kTilesMost;
+    }
+    if (small) return regions;
+  }
+  return std::nullopt;
 }
 
-void StockFeed::collect(const DexelField& field, const Bounds& near, Vec3 tip_mm,
-                        std::vector<Lacking>& lacking) const {
-  const DexelGrid& grid = field.grid();
-  const Vec3 tip = to_frame(grid.axis, tip_mm);
-  constexpr double kHalf = kTileSide / 2.0;
-  tiles_through(grid, near.lo_mm, near.hi_mm).all_of([&](TileIndex tile) {
-    const FieldTile at{grid.axis, tile};
-    const auto known = known_.find(at);
-    if (known != known_.end() && !known->second.stale) return true;
-    const double x = grid.origin_mm.x + (tile.x * kTileSide + kHalf) * grid.pitch_mm - tip.x;
-    const double y = grid.origin_mm.y + (tile.y * kTileSide + kHalf) * grid.pitch_mm - tip.y;
-    lacking.push_back({std::hypot(x, y), at});
-    return true;
-  });
+std::vector<StockFeed::Lacking> StockFeed::lacking(const Sculpture& sculpture, const Regions& near,
+                                                   Vec3 tip_mm) const {
+  std::vector<Lacking> list;
+  for (std::size_t n = 0; n < near.size(); ++n) {
+    const DexelField* field = sculpture.field(kAxes[n]);
+    if (field == nullptr) continue;
+    const DexelGrid& grid = field->grid();
+    const Vec3 tip = to_frame(grid.axis, tip_mm);
+    const auto add = [&](TileIndex tile) {
+      constexpr double kHalf = kTileSide / 2.0;
+      const double x = grid.origin_mm.x + (tile.x * kTileSide + kHalf) * grid.pitch_mm - tip.x;
+      const double y = grid.origin_mm.y + (tile.y * kTileSide + kHalf) * grid.pitch_mm - tip.y;
+      list.push_back({std::hypot(x, y), {grid.axis, tile}});
+    };
+    near[n].all_of([&](TileIndex tile) {
+      if (!complete_[n].has(tile) && !known_.contains({grid.axis, tile})) add(tile);
+      return true;
+    });
+    for (const FieldTile& at : stale_) {
+      if (at.axis == grid.axis && near[n].has(at.tile)) add(at.tile);
+    }
+  }
+  std::ranges::sort(list, {}, &Lacking::distance_mm);
+  return list;
 }
 
 /// Adds a tile to the news, if there is anything to say of it.
 bool StockFeed::tell(const DexelField& field, FieldTile at, StockNews& news) {
-  const auto [place, is_new] = known_.try_emplace(at);
-  Known& known = place->second;
-  known.stale = false;
+  const auto [known, is_new] = known_.try_emplace(at);
+  stale_.erase(at);
   const DexelTile* tile = field.find(at.tile);
   std::vector<std::byte> columns;
   if (tile != nullptr) {
-    columns = encode_columns(*tile, known.sent.get());
-    known.sent = std::make_unique<DexelTile>(*tile);
-    known.sent->topmost_codes = {};  // normals are not sent
-    known.sent->lower_codes = {};
+    columns = encode_columns(*tile, known->second.get());
+    known->second = std::make_unique<DexelTile>(*tile);
+    known->second->topmost_codes = {};  // normals are not sent
+    known->second->lower_codes = {};
   }
   if (columns.empty() && !is_new) return false;
   news.tiles.push_back({at, std::move(columns)});
   return true;
 }
 
-void StockFeed::forget_far(const Sculpture& sculpture, const Bounds& near) {
-  for (auto& [at, known] : known_) {
-    const TileRegion region =
-        tiles_through(sculpture.field(at.axis)->grid(), near.lo_mm, near.hi_mm);
-    if (!region.has(at.tile)) known.sent.reset();
+void StockFeed::forget_far(const Regions& near) {
+  for (auto& [at, sent] : known_) {
+    const auto n = std::size_t(std::ranges::find(kAxes, at.axis) - std::begin(kAxes));
+    if (!near[n].has(at.tile)) sent.reset();
   }
 }
 
@@ -110,30 +131,27 @@ std::optional<StockNews> StockFeed::next(const Sculpture& sculpture, const ToolW
       bytes_under_way_ >= wire::kStockBytesInFlight) {
     return std::nullopt;
   }
-  const Bounds near = reach(watch);
-  std::vector<Lacking> lacking;
-  for (const RayAxis axis : kAxes) {
-    if (const DexelField* field = sculpture.field(axis)) {
-      collect(*field, near, watch.pose.tip_mm, lacking);
-    }
-  }
-  if (lacking.empty() && !afresh_) return std::nullopt;
-  std::ranges::sort(lacking, {}, &Lacking::distance_mm);
+  const auto near = reach(sculpture, watch);
+  if (!near) return std::nullopt;
   StockNews news;
   news.afresh = afresh_;
   news.agent_time_us = watch.time_us;
-  std::size_t bytes = 0;
-  for (const Lacking& one : lacking) {
+  std::size_t bytes = 0, looked_at = 0;
+  const std::vector<Lacking> list = lacking(sculpture, *near, watch.pose.tip_mm);
+  for (const Lacking& one : list) {
     if (bytes >= kPatchBytes || news.tiles.size() == wire::kMaxStockTiles) break;
-    if (tell(*sculpture.field(one.at.axis), one.at, news))
+    if (tell(*sculpture.field(one.at.axis), one.at, news)) {
       bytes += news.tiles.back().columns.size();
+    }
+    ++looked_at;
   }
+  if (looked_at == list.size()) complete_ = *near;
   if (news.tiles.empty() && !afresh_) return std::nullopt;
   afresh_ = false;
   news.sequence = ++sent_;
   under_way_.push_back(bytes);
   bytes_under_way_ += bytes;
-  if (sent_ % kForgetEvery == 0) forget_far(sculpture, near);
+  if (sent_ % kForgetEvery == 0) forget_far(*near);
   return news;
 }
 

@@ -1,15 +1,18 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
 #include "kernel/dexel/dexel_tile.h"
+#include "kernel/dexel/tile_region.h"
 #include "kernel/sculpture.h"
 #include "kernel/tool/tool_bounds.h"
 #include "server/wire/types.h"
@@ -53,28 +56,33 @@ class StockFeed {
   void start_afresh();
   /// What the agent lacks near its tool and where the tool is going, the nearest tiles first;
   /// nothing while it lacks nothing or
-  /// has what wire/limits.h allows under way. Costs a few operations for each tile near by.
+  /// has what wire/limits.h allows under way. Costs an operation for each tile near by.
   std::optional<StockNews> next(const Sculpture& sculpture, const ToolWatch& watch);
   /// The agent has every patch up to `sequence`. False (and no effect) for one it was never sent.
   bool ack(std::uint64_t sequence);
 
  private:
-  struct Known {
-    bool stale = false;
-    /// The tile as it was sent; null if it was untouched, or is far away by now.
-    std::unique_ptr<DexelTile> sent;
-  };
+  /// A region of more tiles than this, in any field, is looked at without where the tool is going,
+  /// or not at all: a copy of so fine a block would cost the others' time.
+  static constexpr std::int64_t kTilesMost = 16384;
+
   struct Lacking {
     double distance_mm;
     FieldTile at;
   };
-  Bounds reach(const ToolWatch& watch);
-  void collect(const DexelField& field, const Bounds& near, Vec3 tip_mm,
-               std::vector<Lacking>& lacking) const;
-  bool tell(const DexelField& field, FieldTile at, StockNews& news);
-  void forget_far(const Sculpture& sculpture, const Bounds& near);
+  /// The tiles of each field that the tool may reach; empty for a field that is not there.
+  using Regions = std::array<TileRegion, 3>;
 
-  std::map<FieldTile, Known> known_;
+  std::optional<Regions> reach(const Sculpture& sculpture, const ToolWatch& watch);
+  std::vector<Lacking> lacking(const Sculpture& sculpture, const Regions& near, Vec3 tip_mm) const;
+  bool tell(const DexelField& field, FieldTile at, StockNews& news);
+  void forget_far(const Regions& near);
+
+  /// The tiles that the agent knows, as they were sent; null if one was untouched, or is far away
+  /// by now.
+  std::map<FieldTile, std::unique_ptr<DexelTile>> known_;
+  std::set<FieldTile> stale_;  ///< of these, those that somebody else has cut since
+  Regions complete_;           ///< every tile here is known
   std::uint64_t sent_ = 0;
   std::deque<std::size_t> under_way_;  ///< bytes of the patches that are not acknowledged
   std::size_t bytes_under_way_ = 0;

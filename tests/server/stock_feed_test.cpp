@@ -210,6 +210,24 @@ TEST_P(StockFeedRoom, FollowsALongWalkAmongOthers) {
   expect_right_near(tip_);
 }
 
+TEST(StockFeed, DoesNotLookAtMoreTilesThanItHasTimeFor) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{0, 0, -20}, {400, 400, 0}};
+  settings.pitch_mm = 0.01;  // tiles of 0.32 mm
+  settings.keep_normals = false;
+  auto server = *Sculpture::create(settings);
+  server.apply(DefineTool{1, *make_tool(BallShape{6, 40})}).value();
+  server.apply(DefineTool{2, *make_tool(BallShape{60, 80})}).value();
+  StockFeed feed;
+  const ToolPose middle{{200, 200, -1}, kUp};
+  const auto news = feed.next(server, {*server.tool(1), middle, 1000});
+  ASSERT_TRUE(news);
+  EXPECT_LT(news->tiles.size(), 4097U);
+  EXPECT_FALSE(feed.next(server, {*server.tool(2), middle, 21'000})) << "225 x 225 tiles";
+  EXPECT_TRUE(feed.next(server, {*server.tool(1), {{150, 200, -1}, kUp}, 41'000}))
+      << "50 mm ahead are too many, those around the tool are not";
+}
+
 INSTANTIATE_TEST_SUITE_P(Rays, StockFeedRoom, testing::Values(Rays::kDexel, Rays::kTriDexel));
 
 }  // namespace
