@@ -178,9 +178,9 @@ class Sculpture {
   SolidSnapshot solid();
   /// Hash of the solid, over every field: what replay, peers and tests compare.
   std::uint64_t state_hash() { return solid().hash(); }
-  /// Of three fields: the mean of theirs.
   /// Memory that the block holds, in all fields; walks the touched tiles.
   std::size_t memory_bytes() const;
+  /// Of three fields: the mean of theirs.
   double stock_volume_mm3() const { return stock_volume_mm3_; }
   double removed_volume_mm3() const { return removed_mm3_; }
   std::uint64_t motions() const { return motions_; }
