@@ -10,6 +10,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <exception>
+#include <future>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -62,6 +63,12 @@ Lane::~Lane() {
       thread.join();
     }
   }
+}
+
+std::shared_ptr<Lane> Lane::make(const std::string& name, int threads, int niceness) {
+  std::promise<std::shared_ptr<Lane>> made;
+  post([&] { made.set_value(std::make_shared<Lane>(name, threads, niceness)); });
+  return made.get_future().get();
 }
 
 void Lane::post(Work work) { asio::post(state_->context, std::move(work)); }

@@ -15,8 +15,12 @@ namespace kerf::net {
 /// lower priority, and never share a thread with an agent.
 class Lane final : public Executor {
  public:
-  /// `niceness` 0 for agents, higher for those who can wait.
+  /// `niceness` 0 for agents, higher for those who can wait. A thread takes over the niceness of
+  /// the one that makes it and cannot lower it: whoever waits longer must not make a lane for
+  /// agents.
   Lane(const std::string& name, int threads, int niceness);
+  /// Makes a lane on this one's thread and waits for it; not to be called there.
+  std::shared_ptr<Lane> make(const std::string& name, int threads, int niceness);
   /// Stops the threads. May happen on one of them: then that thread ends by itself afterwards.
   ~Lane() override;
   Lane(const Lane&) = delete;

@@ -35,13 +35,14 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 struct Server::Impl {
   explicit Impl(ServerOptions server_options)
       : options(std::move(server_options)),
+        births("births", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
         control("control", 1, 5),
         workers("workers", 2, 10),
         registry(
             {options.data_folder, options.sessions_max, options.session},
-            [](const std::string& id) { return std::make_shared<Lane>("s:" + id, 1, 0); }, meshing),
+            [this](const std::string& id) { return births.make("s:" + id, 1, 0); }, meshing),
         api(options, registry, metrics),
         acceptor(viewers.context()) {}
 
@@ -51,6 +52,7 @@ struct Server::Impl {
   ServerOptions options;
   Metrics metrics;
   UdpPort udp{metrics};
+  Lane births;  ///< makes the sessions' lanes, which must not be as nice as the workers
   Lane viewers, meshing, control, workers;
   SessionRegistry registry;
   Api api;

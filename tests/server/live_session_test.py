@@ -76,6 +76,22 @@ class Carving(LiveTest):
         self.assertGreater(result["area"], 1)
         self.assertEqual(result["status"] & 1, 1)
 
+    def test_nobody_waits_behind_uploads_and_meshes(self):
+        """A session that was made by an upload is as urgent as one that was there from the start."""
+        def niceness(task):
+            with open(f"{task}/stat") as stat:
+                return int(stat.read().rpartition(")")[2].split()[16])
+
+        tasks = [f"/proc/{self.server.process.pid}/task/{task}"
+                 for task in os.listdir(f"/proc/{self.server.process.pid}/task")]
+        lanes = {}
+        for task in tasks:
+            with open(f"{task}/comm") as comm:
+                lanes.setdefault(comm.read().strip(), niceness(task))
+        own = os.getpriority(os.PRIO_PROCESS, 0)
+        self.assertEqual(lanes["s:block"], own)
+        self.assertGreater(lanes["workers"], own)
+
     def test_air_moves_cut_nothing(self):
         agent = Agent(self.port, "block")
         for i in range(10):
