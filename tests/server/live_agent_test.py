@@ -131,6 +131,12 @@ class ThroughASlowLine(AgentTest):
         self.assertGreater(status["force"]["max_n"], 0.2)
         self.assertLessEqual(status["force"]["max_n"], 8)
         self.assertEqual(status["force"]["not_finite"], 0)
+        # What it felt came from its own copy of the block, and was what the server said later.
+        copy = status["copy"]
+        self.assertGreater(copy["felt_ticks"], 0.8 * copy["samples"])
+        self.assertGreater(copy["compared"], 20)
+        self.assertLess(copy["error"], 0.2)
+        self.assertEqual((copy["bad_patches"], copy["begun_afresh"]), (0, 1))
 
     def test_a_hand_feels_the_cut_and_is_given_no_energy_at_100_ms_with_loss(self):
         self.check_felt(self.feel(FAR))
