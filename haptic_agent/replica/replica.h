@@ -47,7 +47,7 @@ class Replica {
     std::uint64_t time_us;
     MoveTool move;
   };
-  /// The server has had an answer to every motion that is older than this.
+  /// Motions older than this have reached the server: no afresh copy lacks them.
   static constexpr std::uint64_t kRememberedUs = 4'000'000;
 
   bool knows(const MoveTool& motion);

@@ -55,8 +55,8 @@ class StockFeed {
   /// The agent's copy can no longer be trusted: the next patch begins a new one.
   void start_afresh();
   /// What the agent lacks near its tool and where the tool is going, the nearest tiles first;
-  /// nothing while it lacks nothing or
-  /// has what wire/limits.h allows under way. Costs an operation for each tile near by.
+  /// nothing while it lacks nothing or has what wire/limits.h allows under way. Costs an operation
+  /// for each tile near by.
   std::optional<StockNews> next(const Sculpture& sculpture, const ToolWatch& watch);
   /// The agent has every patch up to `sequence`. False (and no effect) for one it was never sent.
   bool ack(std::uint64_t sequence);
