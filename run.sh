@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # From a fresh clone on Debian 12 to a running demo: installs what is missing, builds, starts the server and two simulated
 # hands that carve an ammonite, and prints the address to open. See README.md.
 set -euo pipefail

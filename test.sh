@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds everything and runs every test; the last line says `N passed, M failed`. See tests/README.md.
 set -euo pipefail
 cd "$(dirname "$0")"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # kerf-agent, for a machine beside a device or for a simulated hand. Build from the repository's root:
 #   docker build -f docker/agent.Dockerfile -t kerf-agent .
 # The servo loop asks for real-time scheduling; it runs without, with more jitter: --cap-add SYS_NICE --ulimit rtprio=80.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What run.sh, test.sh and the Dockerfiles share: making a Debian 12 machine able to build Kerf, and saying plainly which
 # step failed. Sourced from the repository's root, or run as a program: `docker/machine.sh install build test`.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # kerf-server with the web viewer. Build from the repository's root:
 #   docker build -f docker/server.Dockerfile -t kerf-server .
 FROM debian:12-slim AS build

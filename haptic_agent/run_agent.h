@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "haptic_agent/options.h"
@@ -5,7 +6,7 @@
 namespace kerf::agent {
 
 /// Joins the session, runs the device until it ends, the time is up or a signal asks to leave, and
-/// prints the summary. Returns the exit code: 0, or 1 if the server could not be reached, refused,
+/// prints the summary. Returns the exit code: 0, or 1 if the server could not be reached, rejected,
 /// or was lost for good.
 int run_agent(Options options);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/summary.h"
 
 #include <iomanip>
@@ -74,7 +75,7 @@ json link_json(const Summary& s) {
           {"held_back", l.held_back},
           {"unanswered", l.unanswered},
           {"results", l.results},
-          {"refused_results", l.refused_results},
+          {"rejected_results", l.rejected_results},
           {"old_results", l.old_results},
           {"bad_frames", l.bad_frames},
           {"udp", udp_json(l.udp)},
@@ -107,7 +108,7 @@ json copy_json(const Summary& s) {
           {"bad_patches", s.copy.bad_patches},
           {"tiles", s.copy.tiles},
           {"bytes", s.copy.bytes},
-          {"begun_afresh", s.copy.begun_afresh},
+          {"resyncs", s.copy.resyncs},
           {"answer_us", quantiles(s.copy.answer_us)},
           {"compared", s.copy.compared},
           {"error", s.copy.error}};
@@ -193,7 +194,7 @@ void print_summary(std::ostream& out, const Summary& s) {
   }
   out << '\n';
   for (const auto& [code, complaint] : l.complaints) {
-    out << "refused  " << complaint.count << " x " << code << ": " << complaint.first_reason
+    out << "rejected  " << complaint.count << " x " << code << ": " << complaint.first_reason
         << '\n';
   }
 }

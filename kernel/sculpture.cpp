@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/sculpture.h"
 
 #include <algorithm>
@@ -144,7 +145,7 @@ std::expected<void, SculptureError> Sculpture::check(const Command& command) con
   if (const auto* move = std::get_if<MoveTool>(&command)) return check_move(*move);
   const auto& define = std::get<DefineTool>(command);
   if (auto tool = make_tool(define.tool.pieces, define.tool.non_cutting); !tool) {
-    return refuse(SculptureErrorCode::kBadTool, tool.error().field + " " + tool.error().reason);
+    return reject(SculptureErrorCode::kBadTool, tool.error().field + " " + tool.error().reason);
   }
   return {};
 }
@@ -153,17 +154,17 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
   using enum SculptureErrorCode;
   const Tool* used = tool(command.tool);
   if (used == nullptr) {
-    return refuse(kUnknownTool, "tool " + std::to_string(command.tool) + " is not defined");
+    return reject(kUnknownTool, "tool " + std::to_string(command.tool) + " is not defined");
   }
   if (auto c = check_pose("start", command.from); !c) return c;
   if (auto c = check_pose("end", command.to); !c) return c;
   const int duration = std::fpclassify(command.duration_s);
   if (!(duration == FP_ZERO || duration == FP_NORMAL) || command.duration_s < 0) {
-    return refuse(kBadDuration, "duration_s must be a finite number, not denormal, not below zero");
+    return reject(kBadDuration, "duration_s must be a finite number, not denormal, not below zero");
   }
   const ToolMotion motion = motion_of(command, *used);
   if (motion.turn_rad > kTurnMaxRad) {
-    return refuse(kTurnTooLarge, "the axis turns by more than 170 degrees in one motion");
+    return reject(kTurnTooLarge, "the axis turns by more than 170 degrees in one motion");
   }
   if (motion.turn_rad == 0) return {};  // One sub-motion, whatever the tool.
   std::int64_t parts = 0;
@@ -172,7 +173,7 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
                      count_sub_motions(*used, in_frame(f.grid().axis, motion), sweep_settings(f)));
   }
   if (parts > kSubMotionsMax) {
-    return refuse(kTooManySubMotions,
+    return reject(kTooManySubMotions,
                   "the motion needs more than 2^20 sub-motions at this tolerance_mm");
   }
   return {};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -124,9 +125,9 @@ const char* to_string(SculptureErrorCode code);
 
 /// A motion may turn the axis by at most this much (design section 3).
 inline constexpr double kTurnMaxRad = 170 * 3.14159265358979323846 / 180;
-/// Positions farther than this from the origin are refused.
+/// Positions farther than this from the origin are rejected.
 inline constexpr double kCoordinateMaxMm = 1e6;
-/// A stock whose sides are shorter than this is refused.
+/// A stock whose sides are shorter than this is rejected.
 inline constexpr double kStockSizeMinMm = 1e-4;
 /// Most columns that one field may have.
 inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 36;
@@ -134,7 +135,7 @@ inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 36;
 inline constexpr std::int64_t kMeshColumnsMax = std::int64_t{1} << 28;
 
 /// The deterministic state machine: equal settings and equal commands give equal bytes, on any CPU,
-/// at any optimisation level. A command that is refused leaves it as it was. Not thread-safe: one
+/// at any optimisation level. A command that is rejected leaves it as it was. Not thread-safe: one
 /// executor owns it; snapshots may be read anywhere.
 class Sculpture {
  public:
@@ -147,17 +148,17 @@ class Sculpture {
   /// is much work is divided among `workers`, with the same result, to the bit.
   std::expected<MotionResult, SculptureError> apply(const Command& command, Workers& workers);
   std::expected<MotionResult, SculptureError> apply(const Command& command);
-  /// What apply would refuse, without changing anything: the session checks before it journals.
+  /// What apply would reject, without changing anything: the session checks before it journals.
   std::expected<void, SculptureError> check(const Command& command) const;
 
   /// F_collision and τ_collision of a tool that stands at a pose without cutting, from obstacles
   /// and from stock against its shank and holder (N, N·mm about the pivot); zero for an unknown
-  /// tool, and for a pose that a motion to it would be refused for.
+  /// tool, and for a pose that a motion to it would be rejected for.
   Wrench collision(ToolId tool, const ToolPose& pose) const;
 
   /// What pushes a tool at a pose, or is about to: obstacles nearer than kContactReachMm; the stock
   /// against shank and holder, and against the cutting part as well unless the tool is `cutting`.
-  /// Deepest first; none for an unknown tool or a pose that would be refused.
+  /// Deepest first; none for an unknown tool or a pose that would be rejected.
   std::vector<ContactPlane> contact(ToolId tool, const ToolPose& pose, bool cutting) const;
 
   const SculptureSettings& settings() const { return settings_; }

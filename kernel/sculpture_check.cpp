@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/sculpture_check.h"
 
 #include <algorithm>
@@ -18,14 +19,14 @@ bool in_range(Vec3 v) {
 
 Check check_box(Vec3 lo, Vec3 hi) {
   using enum SculptureErrorCode;
-  if (!is_finite(lo) || !is_finite(hi)) return refuse(kBadStock, "the stock is not finite");
-  if (!in_range(lo) || !in_range(hi)) return refuse(kBadStock, "the stock is out of range");
+  if (!is_finite(lo) || !is_finite(hi)) return reject(kBadStock, "the stock is not finite");
+  if (!in_range(lo) || !in_range(hi)) return reject(kBadStock, "the stock is out of range");
   if (!(lo.x < hi.x && lo.y < hi.y && lo.z < hi.z)) {
-    return refuse(kBadStock, "the stock is empty: every minimum must be below its maximum");
+    return reject(kBadStock, "the stock is empty: every minimum must be below its maximum");
   }
   const Vec3 size = hi - lo;
   if (!(std::min({size.x, size.y, size.z}) >= kStockSizeMinMm)) {
-    return refuse(kBadStock, "the stock is thinner than 0.0001 mm");
+    return reject(kBadStock, "the stock is thinner than 0.0001 mm");
   }
   return {};
 }
@@ -46,7 +47,7 @@ bool has_denormal(Vec3 v) {
 
 }  // namespace
 
-Check refuse(SculptureErrorCode code, std::string reason) {
+Check reject(SculptureErrorCode code, std::string reason) {
   return std::unexpected(SculptureError{code, std::move(reason)});
 }
 
@@ -54,17 +55,17 @@ Check check_settings(const SculptureSettings& s) {
   using enum SculptureErrorCode;
   if (auto c = check_stock(s.stock); !c) return c;
   if (!(s.pitch_mm >= 1e-4 && s.pitch_mm <= 1000)) {
-    return refuse(kBadPitch, "pitch_mm must be between 0.0001 and 1000");
+    return reject(kBadPitch, "pitch_mm must be between 0.0001 and 1000");
   }
   if (!(s.tolerance_mm >= 1e-6 && s.tolerance_mm <= 100)) {
-    return refuse(kBadTolerance, "tolerance_mm must be between 0.000001 and 100");
+    return reject(kBadTolerance, "tolerance_mm must be between 0.000001 and 100");
   }
   for (const RayAxis axis : axes_of(s.rays)) {
     if (columns_in_field(s.stock, s.pitch_mm, axis) > double(kColumnsMax)) {
-      return refuse(kTooManyColumns, "the stock needs more than 2^36 columns at this pitch_mm");
+      return reject(kTooManyColumns, "the stock needs more than 2^36 columns at this pitch_mm");
     }
     if (s.stock_mesh && columns_in_field(s.stock, s.pitch_mm, axis) > double(kMeshColumnsMax)) {
-      return refuse(kTooManyColumns,
+      return reject(kTooManyColumns,
                     "a stock from a mesh may have at most 2^28 columns; give a larger pitch_mm");
     }
   }
@@ -72,12 +73,12 @@ Check check_settings(const SculptureSettings& s) {
   const auto usable = [](double v) { return std::isfinite(v) && v >= 0; };
   if (!usable(f.specific_force_n_per_mm2) || !usable(f.drr_n_s_per_mm3) || !usable(f.pivot_mm) ||
       !usable(f.contact_stiffness_n_per_mm)) {
-    return refuse(kBadForce, "every force setting must be a finite number, not below zero");
+    return reject(kBadForce, "every force setting must be a finite number, not below zero");
   }
   for (std::size_t i = 0; i < s.obstacles.size(); ++i) {
     const std::string wrong = check_obstacle(s.obstacles[i]);
     if (!wrong.empty()) {
-      return refuse(kBadObstacle, "obstacle " + std::to_string(i) + ": " + wrong);
+      return reject(kBadObstacle, "obstacle " + std::to_string(i) + ": " + wrong);
     }
   }
   return {};
@@ -87,17 +88,17 @@ Check check_pose(const char* which, const ToolPose& pose) {
   using enum SculptureErrorCode;
   const std::string name = which;
   if (!is_finite(pose.tip_mm) || !is_finite(pose.axis)) {
-    return refuse(kNotFinite, name + " pose is not finite");
+    return reject(kNotFinite, name + " pose is not finite");
   }
   if (!in_range(pose.tip_mm)) {
-    return refuse(kOutOfRange, name + " tip is farther than 1e6 mm from the origin");
+    return reject(kOutOfRange, name + " tip is farther than 1e6 mm from the origin");
   }
   const double n = length(pose.axis);
   if (!(n >= 0.5 && n <= 2)) {
-    return refuse(kBadAxis, name + " axis must have a length between 0.5 and 2 (1 is meant)");
+    return reject(kBadAxis, name + " axis must have a length between 0.5 and 2 (1 is meant)");
   }
   if (has_denormal(pose.tip_mm) || has_denormal(pose.axis)) {
-    return refuse(kNotFinite, name + " pose holds a denormal number");
+    return reject(kNotFinite, name + " pose holds a denormal number");
   }
   return {};
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <expected>
@@ -12,7 +13,7 @@ namespace kerf {
 /// fault with one sentence that names the field.
 using Check = std::expected<void, SculptureError>;
 
-Check refuse(SculptureErrorCode code, std::string reason);
+Check reject(SculptureErrorCode code, std::string reason);
 /// Stock, pitch, tolerance, force and obstacles.
 Check check_settings(const SculptureSettings& settings);
 /// Finite, in range, with an axis of about unit length; `which` begins the sentence.

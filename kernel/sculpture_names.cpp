@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the wire and the command line call a sculpture's choices and errors.
 #include "kernel/sculpture.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // kerf-server: sessions in which several people carve one block, over HTTP and WebSockets.
 #include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>

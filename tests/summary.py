@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Adds up the results that test.sh left in a folder and prints `N passed, M failed` as its last line.
 
 A GoogleTest program counts by its cases (its own XML in gtest/), any other ctest entry as one case, vitest by its cases.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { defineConfig } from 'vitest/config';
 
 // During development the page is served by Vite and everything under /v1 comes from a running kerf-server (or from

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // kerf-demo writes the two APT programs that the demo's agents carve.
 
 #include <cstdio>

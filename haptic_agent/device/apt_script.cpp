@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -40,17 +41,17 @@ class AptReader {
       if (auto ok = obey(); !ok) return std::unexpected(ok.error());
       statement_.clear();
     }
-    if (script_.empty()) return refuse_file("has no GOTO");
+    if (script_.empty()) return reject_file("has no GOTO");
     return std::move(script_);
   }
 
  private:
   using Done = std::expected<void, ScriptError>;
 
-  std::unexpected<ScriptError> refuse(std::string reason) const {
+  std::unexpected<ScriptError> reject(std::string reason) const {
     return std::unexpected(ScriptError{name_, statement_line_, std::move(reason)});
   }
-  std::unexpected<ScriptError> refuse_file(std::string reason) const {
+  std::unexpected<ScriptError> reject_file(std::string reason) const {
     return std::unexpected(ScriptError{name_, 0, std::move(reason)});
   }
 
@@ -99,21 +100,21 @@ class AptReader {
       return {};
     }
     if (std::ranges::find(kWordsWithoutMotion, word) != kWordsWithoutMotion.end()) return {};
-    return refuse(join({"the word ", word, " is not understood"}));
+    return reject(join({"the word ", word, " is not understood"}));
   }
 
   Done go_to() {
-    if (fields_.size() != 3 && fields_.size() != 6) return refuse("GOTO needs 3 or 6 numbers");
+    if (fields_.size() != 3 && fields_.size() != 6) return reject("GOTO needs 3 or 6 numbers");
     std::array<double, 6> v{};
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const auto number = to_number(fields_[i]);
-      if (!number) return refuse(join({"'", fields_[i], "' is not a finite number"}));
+      if (!number) return reject(join({"'", fields_[i], "' is not a finite number"}));
       v[i] = *number;
     }
     TimedPose pose{.tip_mm = {v[0], v[1], v[2]}, .axis = axis_, .tool_id = tool_id_};
     if (fields_.size() == 6) {
       const Vec3 axis{v[3], v[4], v[5]};
-      if (length(axis) < kAxisMinLength) return refuse("the tool axis has no length");
+      if (length(axis) < kAxisMinLength) return reject("the tool axis has no length");
       pose.axis = axis_ = normalised(axis);
     }
     return append(pose);
@@ -125,11 +126,11 @@ class AptReader {
     } else {
       const TimedPose& last = script_.back();
       if (dot(last.axis, pose.axis) < kOppositeDot) {
-        return refuse("the axis turns around completely in one move");
+        return reject("the axis turns around completely in one move");
       }
       pose.cutting = !script_started_anew_;
       const bool fast = rapid_ || script_started_anew_;
-      if (!fast && !feed_per_s_) return refuse("GOTO before any FEDRAT or RAPID");
+      if (!fast && !feed_per_s_) return reject("GOTO before any FEDRAT or RAPID");
       // Where the tip rests, a feed is in degrees a minute, as in G-code.
       const MoveSpeed speed =
           fast ? MoveSpeed{} : MoveSpeed{*feed_per_s_, *feed_per_s_ * kRadPerDeg};
@@ -143,10 +144,10 @@ class AptReader {
 
   Done feed() {
     const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
-    if (!value || *value <= 0) return refuse("FEDRAT needs a number above zero");
-    if (fields_.size() > 2) return refuse("FEDRAT has too many fields");
+    if (!value || *value <= 0) return reject("FEDRAT needs a number above zero");
+    if (fields_.size() > 2) return reject("FEDRAT has too many fields");
     if (fields_.size() == 2 && upper(fields_[1]) != "MMPM" && upper(fields_[1]) != "PERMIN") {
-      return refuse(join({"FEDRAT is understood in MMPM only, not in ", fields_[1]}));
+      return reject(join({"FEDRAT is understood in MMPM only, not in ", fields_[1]}));
     }
     feed_per_s_ = *value / kSPerMinute;
     rapid_ = false;
@@ -157,7 +158,7 @@ class AptReader {
     const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
     constexpr double kMost = 1e9;
     if (!value || *value < 1 || *value > kMost || *value != std::floor(*value)) {
-      return refuse("LOADTL needs a whole number above zero");
+      return reject("LOADTL needs a whole number above zero");
     }
     tool_id_ = static_cast<std::uint32_t>(*value);
     script_started_anew_ = true;
@@ -166,13 +167,13 @@ class AptReader {
 
   Done units() {
     if (fields_.size() != 1 || upper(fields_[0]) != "MM")
-      return refuse("UNITS other than MM are not read");
+      return reject("UNITS other than MM are not read");
     return {};
   }
 
   Done delay() {
     const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
-    if (!value || *value < 0) return refuse("DELAY needs seconds");
+    if (!value || *value < 0) return reject("DELAY needs seconds");
     if (script_.empty()) return {};
     TimedPose rest = script_.back();
     rest.time_s += *value;

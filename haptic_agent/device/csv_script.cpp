@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -31,15 +32,15 @@ class CsvReader {
       if (!done) return std::unexpected(done.error());
     }
     line_ = 0;
-    if (!has_header_) return refuse("is empty");
-    if (script_.empty()) return refuse("has no row below its header");
+    if (!has_header_) return reject("is empty");
+    if (script_.empty()) return reject("has no row below its header");
     return std::move(script_);
   }
 
  private:
   using Done = std::expected<void, ScriptError>;
 
-  std::unexpected<ScriptError> refuse(std::string reason) const {
+  std::unexpected<ScriptError> reject(std::string reason) const {
     return std::unexpected(ScriptError{name_, line_, std::move(reason)});
   }
 
@@ -51,7 +52,7 @@ class CsvReader {
     };
     for (std::size_t i = 0; i < kColumns.size(); ++i) {
       at_[i] = find(kColumns[i]);
-      if (!at_[i]) return refuse(join({"the header has no column ", kColumns[i]}));
+      if (!at_[i]) return reject(join({"the header has no column ", kColumns[i]}));
     }
     at_[kCuttingColumn] = find("cutting");
     at_[kToolColumn] = find("tool");
@@ -62,7 +63,7 @@ class CsvReader {
 
   Done row(const std::vector<std::string_view>& fields) {
     if (fields.size() != width_) {
-      return refuse(join({"has ", std::to_string(fields.size()), " fields, the header has ",
+      return reject(join({"has ", std::to_string(fields.size()), " fields, the header has ",
                           std::to_string(width_)}));
     }
     std::array<double, kColumnCount> v{};
@@ -70,14 +71,14 @@ class CsvReader {
       if (!at_[i]) continue;
       const std::string_view field = fields[*at_[i]];
       const auto number = to_number(field);
-      if (!number) return refuse(join({"'", field, "' is not a finite number"}));
+      if (!number) return reject(join({"'", field, "' is not a finite number"}));
       v[i] = *number;
     }
     const Vec3 axis{v[4], v[5], v[6]};
-    if (length(axis) < kAxisMinLength) return refuse("the tool axis has no length");
+    if (length(axis) < kAxisMinLength) return reject("the tool axis has no length");
     if (v[kToolColumn] < 0 || v[kToolColumn] > kMaxToolId)
-      return refuse("the tool is out of range");
-    if (!script_.empty() && v[0] < script_.back().time_s) return refuse("t_s goes back");
+      return reject("the tool is out of range");
+    if (!script_.empty() && v[0] < script_.back().time_s) return reject("t_s goes back");
     const bool cutting = !script_.empty() && (!at_[kCuttingColumn] || v[kCuttingColumn] != 0);
     script_.push_back({.time_s = v[0],
                        .tip_mm = {v[1], v[2], v[3]},

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/pose_script.h"
 
 #include <algorithm>
@@ -9,10 +10,10 @@
 namespace kerf::agent {
 namespace {
 
-/// Larger files are refused before they are read: 100 times the largest program seen so far.
+/// Larger files are rejected before they are read: 100 times the largest program seen so far.
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{512} << 20;
 
-std::unexpected<ScriptError> refuse(const std::string& path, std::string reason) {
+std::unexpected<ScriptError> reject(const std::string& path, std::string reason) {
   return std::unexpected(ScriptError{path, 0, std::move(reason)});
 }
 
@@ -33,15 +34,15 @@ double travel_time_s(const TimedPose& from, const TimedPose& to, const MoveSpeed
 std::expected<PoseScript, ScriptError> load_script(const std::string& path) {
   std::error_code failed;
   const auto bytes = std::filesystem::file_size(path, failed);
-  if (failed) return refuse(path, "cannot be read: " + failed.message());
-  if (bytes > kMaxFileBytes) return refuse(path, "is larger than 512 MiB");
+  if (failed) return reject(path, "cannot be read: " + failed.message());
+  if (bytes > kMaxFileBytes) return reject(path, "is larger than 512 MiB");
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) return refuse(path, "cannot be read");
+  if (!file) return reject(path, "cannot be read");
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".csv") return parse_csv_script(path, text);
   if (extension == ".apt" || extension == ".cls") return parse_apt_script(path, text);
-  return refuse(path, "is not a pose list: the agent plays .apt, .cls and .csv files");
+  return reject(path, "is not a pose list: the agent plays .apt, .cls and .csv files");
 }
 
 }  // namespace kerf::agent

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/doctor/checks.h"
 
 #include <sys/mman.h>
@@ -97,7 +98,7 @@ RealtimeReport probe_realtime() {
 Finding judge_priority(const RealtimeReport& report) {
   if (report.fifo) return {.what = "real-time priority: granted"};
   return {.health = Health::kWarning,
-          .what = join({"real-time priority: refused (rtprio limit ", limit_text(RLIMIT_RTPRIO),
+          .what = join({"real-time priority: rejected (rtprio limit ", limit_text(RLIMIT_RTPRIO),
                         "); the 1 kHz loop runs as an ordinary thread and loses ticks under load"}),
           .advice = {"as root, put these lines into /etc/security/limits.d/kerf.conf and log in "
                      "again as a member of plugdev:",
@@ -109,7 +110,7 @@ Finding judge_priority(const RealtimeReport& report) {
 Finding judge_memory_lock(const RealtimeReport& report) {
   if (report.memory_locked) return {.what = "memory lock: granted"};
   return {.health = Health::kWarning,
-          .what = join({"memory lock: refused (memlock limit ", limit_text(RLIMIT_MEMLOCK),
+          .what = join({"memory lock: rejected (memlock limit ", limit_text(RLIMIT_MEMLOCK),
                         " bytes); a page fault may hold the loop up"}),
           .advice = {"@plugdev - memlock unlimited   in /etc/security/limits.d/kerf.conf"}};
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a connection begins, up to the welcome.
 #include "haptic_agent/link/connection.h"
 
@@ -90,7 +91,7 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Socket& socket, const Hello&
           Loss{"the server's welcome is not understood: " + message.error(), true});
     }
     if (const auto* error = std::get_if<ServerError>(&*message)) {
-      co_return std::unexpected(Loss{"the server refuses: " + error->code + ": " + error->reason,
+      co_return std::unexpected(Loss{"the server rejects: " + error->code + ": " + error->reason,
                                      error->code != wire::to_string(wire::ErrorCode::kBusy)});
     }
     if (const auto* bye = std::get_if<Bye>(&*message)) {
@@ -104,9 +105,9 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Socket& socket, const Hello&
 
 asio::awaitable<std::expected<Welcome, Loss>> join(Connection& connection,
                                                    const LinkSettings& settings) {
-  std::optional<Loss> refused = co_await connect(connection.socket, settings.server);
-  if (!refused) refused = co_await upgrade(connection.socket, settings);
-  if (refused) co_return std::unexpected(*refused);
+  std::optional<Loss> rejected = co_await connect(connection.socket, settings.server);
+  if (!rejected) rejected = co_await upgrade(connection.socket, settings);
+  if (rejected) co_return std::unexpected(*rejected);
   co_return co_await greet(connection.socket, settings.hello);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/datagram_socket.h"
 
 #include <array>
@@ -47,7 +48,7 @@ bool DatagramSocket::receive(const std::function<void(std::span<const std::byte>
   std::array<std::byte, datagram::kMaxBytes + 1> bytes;
   error_code failed;
   const std::size_t count = socket_.receive(asio::buffer(bytes), 0, failed);
-  // Refused: what a host answers where nobody listens. The next datagram may fare better.
+  // Rejected: what a host answers where nobody listens. The next datagram may fare better.
   if (failed) return failed == asio::error::connection_refused;
   std::array<std::byte, datagram::kMaxFrameBytes> frame;
   const auto opened = opener_.open(std::span(bytes).first(count), frame);

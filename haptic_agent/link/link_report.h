@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -62,7 +63,7 @@ struct LinkReport {
   std::uint64_t held_back = 0;
   std::uint64_t unanswered = 0;
   std::uint64_t results = 0;
-  std::uint64_t refused_results = 0;
+  std::uint64_t rejected_results = 0;
   /// Answers that were not newer than one that had come before.
   std::uint64_t old_results = 0;
   std::uint64_t bad_frames = 0;

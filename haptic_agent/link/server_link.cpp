@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/server_link.h"
 
 #include <sys/eventfd.h>
@@ -68,7 +69,7 @@ class ServerLink::Impl {
     asio::co_spawn(io_, run(), asio::detached);
     asio::co_spawn(io_, keep_house(), asio::detached);
     thread_ = std::thread([this] {
-      // The servo thread reports what a refusal means.
+      // The servo thread reports what a rejection means.
       request_fifo(kLinkPriority);
       io_.run();
     });

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -16,7 +17,7 @@ class StockListener {
   virtual void take_stock(std::span<const std::byte> frame) = 0;
   virtual void take_result(const wire::Result& result) = 0;
   /// True once when the server is to begin afresh.
-  virtual bool wants_afresh() = 0;
+  virtual bool wants_reset() = 0;
 };
 
 }  // namespace kerf::agent

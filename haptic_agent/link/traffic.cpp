@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/traffic.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kPingEveryUs = 100'000;
-/// A refusal is quoted up to here.
+/// A rejection is quoted up to here.
 constexpr std::size_t kMaxQuotedBytes = 200;
 constexpr unsigned kHttpClientError = 400;
 constexpr unsigned kHttpTooMany = 429;
@@ -25,7 +26,7 @@ Vec3 to_vec3(const wire::Vec3f& v) noexcept {
 Loss declined(const std::string& session, unsigned status, std::string_view body) {
   std::string said(body.substr(0, kMaxQuotedBytes));
   std::erase(said, '\n');
-  std::string reason = "the server refuses session '" + session + "': HTTP ";
+  std::string reason = "the server rejects session '" + session + "': HTTP ";
   reason += std::to_string(status);
   if (!said.empty()) reason += ": " + said;
   const bool final =
@@ -88,7 +89,7 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
 }
 
 std::string Traffic::take_control() {
-  if (options_.copy != nullptr && options_.copy->wants_afresh()) return stock_text();
+  if (options_.copy != nullptr && options_.copy->wants_reset()) return stock_text();
   const auto tool = queue_.next_tool();
   if (!tool || *tool == tool_id_) return {};
   // A change of tool is told over the WebSocket, and has its place among the samples: those before
@@ -218,7 +219,7 @@ void Traffic::take_result(const wire::Result& result, std::uint64_t now_us) {
   out_of_contact_ = (result.status & kFelt) == 0 && result.plane_count == 0;
   queue_.answered(result.agent_sequence);
   ++report_.results;
-  if ((result.status & wire::kStatusRefused) != 0) ++report_.refused_results;
+  if ((result.status & wire::kStatusRejected) != 0) ++report_.rejected_results;
   report_.motions_in_session = result.motions_applied;
   report_.removed_mm3 += static_cast<double>(result.removed_mm3);
   report_.max_server_force_n = std::max(report_.max_server_force_n, length(answer.wrench.force_n));

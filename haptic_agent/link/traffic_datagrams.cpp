@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes over the UDP lane, which may lose, repeat and reorder it.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/replica/replica.h"
 
 #include <algorithm>
@@ -103,7 +104,7 @@ std::expected<void, std::string_view> Replica::take_tile(const wire::StockTile& 
 }
 
 std::expected<void, std::string_view> Replica::take(const wire::StockPatch& patch) {
-  if (patch.afresh) {
+  if (patch.reset) {
     block_ = source_.make();
     known_.clear();
     known_region_ = {};
@@ -113,7 +114,7 @@ std::expected<void, std::string_view> Replica::take(const wire::StockPatch& patc
     taken = take_tile(tile);
     if (!taken) break;
   }
-  if (patch.afresh) cut_again(patch.agent_time_us);
+  if (patch.reset) cut_again(patch.agent_time_us);
   return taken;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/replica/replica_thread.h"
 
 #include <utility>
@@ -21,7 +22,7 @@ ReplicaThread::~ReplicaThread() { stop(); }
 void ReplicaThread::start(BlockSource source) {
   replica_ = std::make_unique<Replica>(std::move(source));
   thread_ = std::thread([this] {
-    // The servo thread reports what a refusal means.
+    // The servo thread reports what a rejection means.
     request_fifo(kReplicaPriority);
     run();
   });
@@ -47,7 +48,7 @@ void ReplicaThread::run() {
     take_patches();
     take_samples();
     if (wire::Result theirs; results_.read(theirs)) replica_->compare(theirs);
-    if (replica_->take_doubt()) wants_afresh_.store(true);
+    if (replica_->take_doubt()) wants_reset_.store(true);
   }
   report_.compared = replica_->agreement().compared();
   report_.error = replica_->agreement().error();
@@ -64,13 +65,13 @@ void ReplicaThread::take_patches() {
     const auto* patch = message ? std::get_if<wire::StockPatch>(&message->body) : nullptr;
     if (patch == nullptr || !replica_->take(*patch)) {
       ++report_.bad_patches;
-      wants_afresh_.store(true);
+      wants_reset_.store(true);
       continue;
     }
     ++report_.patches;
     report_.tiles += patch->tiles.size();
     report_.bytes += frame.size();
-    report_.begun_afresh += patch->afresh ? 1 : 0;
+    report_.resyncs += patch->reset ? 1 : 0;
   }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <atomic>
@@ -23,7 +24,7 @@ struct ReplicaReport {
   Histogram answer_us;         ///< from the pose's measurement to its answer
   std::uint64_t patches = 0, tiles = 0, bytes = 0;
   std::uint64_t bad_patches = 0;
-  std::uint64_t begun_afresh = 0;
+  std::uint64_t resyncs = 0;
   std::uint64_t compared = 0;  ///< with answers of the server
   double error = 0;            ///< rms difference of their forces, over the rms of the server's
 };
@@ -47,7 +48,7 @@ class ReplicaThread final : public StockListener {
 
   void take_stock(std::span<const std::byte> frame) override;
   void take_result(const wire::Result& result) override;
-  bool wants_afresh() override { return wants_afresh_.exchange(false); }
+  bool wants_reset() override { return wants_reset_.exchange(false); }
 
  private:
   void run();
@@ -59,7 +60,7 @@ class ReplicaThread final : public StockListener {
   LatestValue<wire::Result> results_;
   std::mutex mutex_;  ///< between link and replica
   std::deque<std::vector<std::byte>> patches_;
-  std::atomic<bool> wants_afresh_{false}, stopping_{false};
+  std::atomic<bool> wants_reset_{false}, stopping_{false};
   ReplicaReport report_;
   std::thread thread_;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/contact_model.h"
 
 #include <algorithm>

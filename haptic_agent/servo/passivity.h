@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -69,7 +70,7 @@ class BasicPassivity {
   /// The account is overdrawn by more than an estimate can be wrong; nothing is shown until
   /// restart.
   bool overdrawn() const noexcept { return account_.level_mj() < -settings_.reserve_mj; }
-  /// The last wrench was refused for want of energy.
+  /// The last wrench was rejected for want of energy.
   bool starving() const noexcept { return starving_; }
   /// Wrenches of which a part was taken.
   std::uint64_t projected() const noexcept { return projected_; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -9,7 +10,7 @@ struct RealtimeReport {
   bool fifo = false;
   bool memory_locked = false;
   bool pinned = false;
-  /// What was refused and what to do about it; empty if nothing was.
+  /// What was rejected and what to do about it; empty if nothing was.
   std::string warning;
 };
 
@@ -29,12 +30,12 @@ struct RealtimeWish {
   int cpu = -1;
 };
 
-/// Asks for SCHED_FIFO for the calling thread; 0, or the error number of the refusal.
+/// Asks for SCHED_FIFO for the calling thread; 0, or the error number of the rejection.
 int request_fifo(int priority) noexcept;
 
 /// Asks for SCHED_FIFO and a processor for the calling thread, and for memory that is never paged
-/// out, and touches the stack that the thread will use. A refusal is reported, not fatal: the loop
-/// then runs as well as an ordinary thread can.
+/// out, and touches the stack that the thread will use. A rejection is reported, not fatal: the
+/// loop then runs as well as an ordinary thread can.
 RealtimeReport make_realtime(const RealtimeWish& wish);
 
 }  // namespace kerf::agent

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/supervisor.h"
 
 #include <algorithm>
@@ -55,7 +56,7 @@ double Supervisor::lost_share() const noexcept {
 
 TripCode Supervisor::fault(const SafetyInput& in) noexcept {
   if (!in.finite) return TripCode::kNotFinite;
-  if (!is_finite(in.wanted)) return TripCode::kRefusedWrench;
+  if (!is_finite(in.wanted)) return TripCode::kRejectedWrench;
   if (outside(in.tip_mm, limits_.workspace_min_mm, limits_.workspace_max_mm)) {
     return TripCode::kWorkspace;
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -38,7 +39,7 @@ enum class TripCode : std::uint8_t {
   kThermalForce,
   kThermalTorque,
   kOverdrawn,
-  kRefusedWrench,
+  kRejectedWrench,
 };
 
 inline constexpr std::array<std::string_view, 6> kPhaseNames = {"ready",  "armed",    "ramp",

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/watchdog.h"
 
 #include "haptic_agent/servo/realtime.h"
@@ -16,7 +17,7 @@ bool Watchdog::look(std::uint64_t now_ns) {
 
 void Watchdog::start() {
   thread_ = std::thread([this] {
-    // The servo thread reports what a refusal means.
+    // The servo thread reports what a rejection means.
     request_fifo(kWatchdogPriority);
     MonotonicClock clock;
     std::uint64_t due_ns = clock.now_ns();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/wrench_limiter.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/cut/block_places.h"
 
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/dexel/mesh_stock.h"
 
 #include <algorithm>

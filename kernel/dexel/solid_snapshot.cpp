@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/dexel/solid_snapshot.h"
 
 #include "kernel/math/hash.h"

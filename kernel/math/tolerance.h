@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Every rounding allowance of the kernel, with its unit, its owner and what breaks if it grows. A

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/frustum_translation.h"
 
 #include <algorithm>

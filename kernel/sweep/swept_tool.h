@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -32,7 +33,7 @@ struct SubMotion {
   std::int64_t count;  ///< sub-motions that it counts for: the most that a piece is divided into
 };
 
-/// Sub-motions that one motion may need before it is refused.
+/// Sub-motions that one motion may need before it is rejected.
 inline constexpr std::int64_t kSubMotionsMax = 1 << 20;
 
 /// How a motion is swept.
@@ -45,7 +46,7 @@ struct SweepSettings {
 };
 
 /// Sub-motions that a motion needs (kernel/README.md, "The tight model", "The paper's model"). May
-/// exceed kSubMotionsMax: then the motion is refused.
+/// exceed kSubMotionsMax: then the motion is rejected.
 std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
                                const SweepSettings& settings);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/tool_motion.h"
 
 #include "kernel/math/rotation.h"

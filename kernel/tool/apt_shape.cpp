@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -35,7 +36,7 @@ std::optional<ProfilePoint> meet(const Line& line, const AptShape& s, bool where
   return line.at(where_it_leaves ? foot + half : foot - half);
 }
 
-Pieces refuse(ToolErrorCode code, const char* field, std::string reason) {
+Pieces reject(ToolErrorCode code, const char* field, std::string reason) {
   return std::unexpected(ToolError{code, field, std::move(reason)});
 }
 
@@ -59,10 +60,10 @@ Pieces with_side(std::vector<OutlineSection> outline, ProfilePoint from, const L
     double r = side.point.r_mm;
     if (side.dr != 0) r += (h_mm - side.point.h_mm) * (side.dr / side.dh);
     if (r < -kOutlineEpsilonMm) {
-      return refuse(kInconsistent, "beta_deg", "leans the side across the axis below h_mm");
+      return reject(kInconsistent, "beta_deg", "leans the side across the axis below h_mm");
     }
     if (r > kToolLengthMaxMm) {
-      return refuse(kOutOfRange, "beta_deg", "makes the upper radius larger than 5000 mm");
+      return reject(kOutOfRange, "beta_deg", "makes the upper radius larger than 5000 mm");
     }
     outline.emplace_back(OutlineLine{from, {std::max(r, 0.0), h_mm}});
   }
@@ -71,13 +72,13 @@ Pieces with_side(std::vector<OutlineSection> outline, ProfilePoint from, const L
 
 Pieces sharp_corner(const AptShape& s, const Line& side) {
   if (std::abs(s.e_mm - side.point.r_mm) > kMissAllowanceMm) {
-    return refuse(kInconsistent, "e_mm", "must be d_mm / 2 where r_mm is 0");
+    return reject(kInconsistent, "e_mm", "must be d_mm / 2 where r_mm is 0");
   }
   if (std::abs(s.f_mm - side.point.h_mm) > kMissAllowanceMm) {
-    return refuse(kInconsistent, "f_mm", "must be d_mm / 2 tan(alpha_deg) where r_mm is 0");
+    return reject(kInconsistent, "f_mm", "must be d_mm / 2 tan(alpha_deg) where r_mm is 0");
   }
   if (s.h_mm < side.point.h_mm) {
-    return refuse(kTooShort, "h_mm", "is below the corner of bottom and side");
+    return reject(kTooShort, "h_mm", "is below the corner of bottom and side");
   }
   return with_side({OutlineLine{{0, 0}, side.point}}, side.point, side, s.h_mm);
 }
@@ -92,16 +93,16 @@ Pieces resolve(const AptShape& s) {
   if (s.r_mm == 0) return sharp_corner(s, side);
 
   const auto start = meet(bottom, s, true), end = meet(side, s, false);
-  if (!start) return refuse(kInconsistent, "f_mm", "keeps the corner arc off the bottom line");
-  if (!end) return refuse(kInconsistent, "d_mm", "keeps the side line off the corner arc");
+  if (!start) return reject(kInconsistent, "f_mm", "keeps the corner arc off the bottom line");
+  if (!end) return reject(kInconsistent, "d_mm", "keeps the side line off the corner arc");
   if (start->r_mm < -kOutlineEpsilonMm || start->h_mm < -kOutlineEpsilonMm) {
-    return refuse(kInconsistent, "f_mm", "lets the corner arc reach below the tip");
+    return reject(kInconsistent, "f_mm", "lets the corner arc reach below the tip");
   }
   if (start->r_mm < s.e_mm - kOutlineEpsilonMm || end->r_mm < s.e_mm - kOutlineEpsilonMm ||
       end->h_mm < start->h_mm - kOutlineEpsilonMm) {
-    return refuse(kInconsistent, "e_mm", "leaves no arc between the bottom and the side line");
+    return reject(kInconsistent, "e_mm", "leaves no arc between the bottom and the side line");
   }
-  if (s.h_mm <= start->h_mm) return refuse(kTooShort, "h_mm", "is below the corner arc");
+  if (s.h_mm <= start->h_mm) return reject(kTooShort, "h_mm", "is below the corner arc");
   const ProfilePoint from{std::max(start->r_mm, 0.0), std::max(start->h_mm, 0.0)};
   ProfilePoint to = *end;
   if (s.h_mm < to.h_mm) {

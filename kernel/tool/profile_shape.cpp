@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -10,7 +11,7 @@ namespace {
 
 using enum ToolErrorCode;
 
-std::unexpected<ToolError> refuse(ToolErrorCode code, std::string field, std::string reason) {
+std::unexpected<ToolError> reject(ToolErrorCode code, std::string field, std::string reason) {
   return std::unexpected(ToolError{code, std::move(field), std::move(reason)});
 }
 
@@ -40,7 +41,7 @@ std::expected<double, ToolError> offset(const ProfileArc& arc, const Chord& chor
                                         ProfilePoint /*from*/) {
   if (auto c = check_length(".radius", arc.radius_mm); !c) return std::unexpected(c.error());
   if (chord.half - arc.radius_mm > kMissAllowanceMm) {
-    return refuse(kInconsistent, ".radius",
+    return reject(kInconsistent, ".radius",
                   "is less than half the distance of the arc's ends, " +
                       std::to_string(2 * chord.half) + " mm");
   }
@@ -60,7 +61,7 @@ std::expected<double, ToolError> offset(const ProfileCenteredArc& arc, const Cho
   const double to_start = std::hypot(from.r_mm - c.r_mm, from.h_mm - c.h_mm);
   const double to_end = std::hypot(arc.to.r_mm - c.r_mm, arc.to.h_mm - c.h_mm);
   if (std::abs(to_start - to_end) > kMissAllowanceMm) {
-    return refuse(kInconsistent, ".center",
+    return reject(kInconsistent, ".center",
                   "is " + std::to_string(to_start) + " mm from the arc's start and " +
                       std::to_string(to_end) + " mm from its end");
   }
@@ -68,7 +69,7 @@ std::expected<double, ToolError> offset(const ProfileCenteredArc& arc, const Cho
   const double off =
       (c.r_mm - chord.middle.r_mm) * chord.nr + (c.h_mm - chord.middle.h_mm) * chord.nh;
   if (arc.bulge == ArcBulge::kOut ? off < -kMissAllowanceMm : off > kMissAllowanceMm) {
-    return refuse(kInconsistent, ".center", "lies on the side to which the arc is to bulge");
+    return reject(kInconsistent, ".center", "lies on the side to which the arc is to bulge");
   }
   return off;
 }
@@ -107,14 +108,14 @@ template <typename Arc>
 Sections sections_of(ProfilePoint from, const Arc& arc, double chord_tolerance_mm) {
   const ProfilePoint to = arc.to;
   if (std::hypot(to.r_mm - from.r_mm, to.h_mm - from.h_mm) <= kOutlineEpsilonMm) {
-    return refuse(kInconsistent, "", "is an arc that ends where it starts");
+    return reject(kInconsistent, "", "is an arc that ends where it starts");
   }
   const Chord chord = chord_of(from, to);
   const auto off = offset(arc, chord, from);
   if (!off) return std::unexpected(off.error());
   const double radius = std::hypot(chord.half, *off);
   if (radius > kToolLengthMaxMm) {
-    return refuse(kOutOfRange, "", "is an arc with a radius of more than 5000 mm");
+    return reject(kOutOfRange, "", "is an arc with a radius of more than 5000 mm");
   }
   ProfilePoint center{chord.middle.r_mm + chord.nr * *off, chord.middle.h_mm + chord.nh * *off};
   if (std::abs(center.r_mm) <= kOutlineEpsilonMm) center.r_mm = 0;
@@ -126,7 +127,7 @@ Sections sections_of(ProfilePoint from, const Arc& arc, double chord_tolerance_m
   const double dips = beyond(from) ? from.h_mm - (center.h_mm - radius) : 0;
   const double rises = beyond(to) ? (center.h_mm + radius) - to.h_mm : 0;
   if (dips > kMissAllowanceMm || rises > kMissAllowanceMm) {
-    return refuse(
+    return reject(
         kInconsistent, "",
         std::string("is an arc that ") + (dips > kMissAllowanceMm ? "first falls below its start"
                                                                   : "falls back before its end"));
@@ -134,7 +135,7 @@ Sections sections_of(ProfilePoint from, const Arc& arc, double chord_tolerance_m
   const OutlineArc exact{from, to, center, radius};
   if (out) return std::vector<OutlineSection>{exact};
   auto lines = tangents(exact, chord_tolerance_mm);
-  if (lines.empty()) return refuse(kTooManyPieces, "", "needs a larger chord_tolerance_mm");
+  if (lines.empty()) return reject(kTooManyPieces, "", "needs a larger chord_tolerance_mm");
   return lines;
 }
 
@@ -144,13 +145,13 @@ Sections sections_of(ProfilePoint from, const ProfilePoint& to, double /*chord_t
 
 ToolCheck check_points(const ProfileShape& shape, const std::string& field) {
   if (shape.steps.size() < 2) {
-    return refuse(kTooShort, field, "must have at least two points");
+    return reject(kTooShort, field, "must have at least two points");
   }
   if (shape.steps.size() > kToolPiecesMax) {
-    return refuse(kTooManyPieces, field, "has more than 1024 points");
+    return reject(kTooManyPieces, field, "has more than 1024 points");
   }
   if (!std::holds_alternative<ProfilePoint>(shape.steps.front())) {
-    return refuse(kInconsistent, field + "[0]", "must be a point: an outline starts with one");
+    return reject(kInconsistent, field + "[0]", "must be a point: an outline starts with one");
   }
   for (std::size_t i = 0; i < shape.steps.size(); ++i) {
     const ProfilePoint p = end_of(shape.steps[i]);
@@ -158,9 +159,9 @@ ToolCheck check_points(const ProfileShape& shape, const std::string& field) {
     for (const double v : {p.r_mm, p.h_mm}) {
       if (auto c = check_coordinate(name, v, 0); !c) return c;
     }
-    if (i == 0 && p.h_mm != 0) return refuse(kInconsistent, name, "must be at height 0: the tip");
+    if (i == 0 && p.h_mm != 0) return reject(kInconsistent, name, "must be at height 0: the tip");
     if (i > 0 && p.h_mm < end_of(shape.steps[i - 1]).h_mm) {
-      return refuse(kInconsistent, name, "is lower than the point before it");
+      return reject(kInconsistent, name, "is lower than the point before it");
     }
   }
   return check_length(field, end_of(shape.steps.back()).h_mm);
@@ -181,7 +182,7 @@ Pieces resolve(const ProfileShape& shape, const std::string& prefix) {
   const std::string field = prefix + "profile_mm";
   if (auto c = check_points(shape, field); !c) return std::unexpected(c.error());
   if (!(shape.chord_tolerance_mm >= 1e-6 && shape.chord_tolerance_mm <= 1)) {
-    return refuse(kOutOfRange, prefix + "chord_tolerance_mm", "must be between 0.000001 and 1 mm");
+    return reject(kOutOfRange, prefix + "chord_tolerance_mm", "must be between 0.000001 and 1 mm");
   }
   std::vector<OutlineSection> outline;
   for (std::size_t i = 1; i < shape.steps.size(); ++i) {
@@ -191,9 +192,9 @@ Pieces resolve(const ProfileShape& shape, const std::string& prefix) {
         [&](const auto& step) { return sections_of(from, step, shape.chord_tolerance_mm); },
         shape.steps[i]);
     if (!sections) {
-      return refuse(sections.error().code, name + sections.error().field, sections.error().reason);
+      return reject(sections.error().code, name + sections.error().field, sections.error().reason);
     }
-    if (has_needle(*sections)) return refuse(kInconsistent, name, "runs along the axis");
+    if (has_needle(*sections)) return reject(kInconsistent, name, "runs along the axis");
     outline.insert(outline.end(), sections->begin(), sections->end());
   }
   auto pieces = pieces_of(outline);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/carve/carve_options.h"
 
 #include <CLI/CLI.hpp>
@@ -124,7 +125,7 @@ void declare(CLI::App& app, CarveOptions& options) {
       ->check(CLI::Range(1, kThreadsMax));
 }
 
-int refuse(const std::string& reason) {
+int reject(const std::string& reason) {
   std::cerr << "kerf-carve: " << reason << '\n';
   return 2;
 }
@@ -145,12 +146,12 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    return refuse(error.what());
+    return reject(error.what());
   }
   options.models = chosen_models(models);
   if (options.explain) return options;
-  if (options.scene.empty()) return refuse("--scene is required");
-  if (options.program.empty()) return refuse("--program is required");
+  if (options.scene.empty()) return reject("--scene is required");
+  if (options.program.empty()) return reject("--program is required");
   return options;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/carve/environment_files.h"
 
 #include "server/formats/gcode/modes.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/carve/output_file.h"
 
 #include <unistd.h>

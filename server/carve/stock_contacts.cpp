@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/carve/stock_contacts.h"
 
 #include <algorithm>

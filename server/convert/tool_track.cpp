@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/convert/tool_track.h"
 
 #include <string>
@@ -15,18 +16,18 @@ bool has_obstacles(const Sculpture& sculpture) { return !sculpture.settings().ob
 
 }  // namespace
 
-std::expected<ToolTrack::Step, Refusal> ToolTrack::take(const wire::MotionSample& sample,
-                                                        const Sculpture& sculpture,
-                                                        double speed_max_mm_per_s) {
+std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSample& sample,
+                                                          const Sculpture& sculpture,
+                                                          double speed_max_mm_per_s) {
   using enum wire::ErrorCode;
-  const auto refuse = [&](wire::ErrorCode code, const std::string& what) {
+  const auto reject = [&](wire::ErrorCode code, const std::string& what) {
     return std::unexpected(
-        Refusal{code, "sample " + std::to_string(sample.agent_sequence) + ": " + what});
+        Rejection{code, "sample " + std::to_string(sample.agent_sequence) + ": " + what});
   };
   const auto pose = to_pose(sample);
   if (!pose) return std::unexpected(pose.error());
   if (sculpture.tool(sample.tool_id) == nullptr) {
-    return refuse(kUnknownTool, "no tool " + std::to_string(sample.tool_id));
+    return reject(kUnknownTool, "no tool " + std::to_string(sample.tool_id));
   }
   const bool follows = pose_.has_value() && tool_ == sample.tool_id;
   const ToolPose from = pose_.value_or(*pose);
@@ -38,10 +39,10 @@ std::expected<ToolTrack::Step, Refusal> ToolTrack::take(const wire::MotionSample
   const double duration_s = static_cast<double>(passed_us) * kMicrosecond;
   if ((sample.buttons & wire::kButtonCutting) == 0) return Touch{tool_, *pose, duration_s};
   if (from == *pose && !has_obstacles(sculpture)) return Step{};  // rests in peace
-  if (passed_us == 0) return refuse(kBadMessage, "time_us does not advance");
+  if (passed_us == 0) return reject(kBadMessage, "time_us does not advance");
   const double way_mm = length(pose->tip_mm - from.tip_mm);
   if (way_mm > speed_max_mm_per_s * duration_s) {
-    return refuse(kTooFast, std::to_string(way_mm / duration_s) + " mm/s, at most " +
+    return reject(kTooFast, std::to_string(way_mm / duration_s) + " mm/s, at most " +
                                 std::to_string(speed_max_mm_per_s) + " while cutting");
   }
   return MoveTool{tool_, from, *pose, duration_s, true};

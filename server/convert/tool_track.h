@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -7,7 +8,7 @@
 
 #include "kernel/sculpture.h"
 #include "server/convert/batch_sum.h"
-#include "server/convert/refusal.h"
+#include "server/convert/rejection.h"
 #include "server/wire/types.h"
 
 namespace kerf {
@@ -25,11 +26,11 @@ class ToolTrack {
   /// Nothing: the tool has come, or rests.
   using Step = std::variant<std::monostate, Touch, MoveTool>;
 
-  /// Takes the next sample. A refusal (a pose that is none, an unknown tool, a clock that stands
+  /// Takes the next sample. A rejection (a pose that is none, an unknown tool, a clock that stands
   /// still, a tip faster than `speed_max_mm_per_s` while cutting) says which sample and why; the
   /// tool is at a sound pose from then on, whatever becomes of the way to it.
-  std::expected<Step, Refusal> take(const wire::MotionSample& sample, const Sculpture& sculpture,
-                                    double speed_max_mm_per_s);
+  std::expected<Step, Rejection> take(const wire::MotionSample& sample, const Sculpture& sculpture,
+                                      double speed_max_mm_per_s);
   /// The tool is nowhere: its next sample places it without a motion.
   void lift() { pose_.reset(); }
   /// The tool has been brought there in some other way.

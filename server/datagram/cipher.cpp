@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ChaCha20-Poly1305 (RFC 8439): as fast in plain code as with any processor's help, and constant in
 // time everywhere.
 #include "server/datagram/cipher.h"

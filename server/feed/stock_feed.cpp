@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/feed/stock_feed.h"
 
 #include <algorithm>
@@ -22,9 +23,9 @@ constexpr std::uint64_t kForgetEvery = 64;
 
 }  // namespace
 
-wire::StockPatch StockNews::patch() const {
+wire::StockPatch StockUpdate::patch() const {
   wire::StockPatch patch;
-  patch.afresh = afresh;
+  patch.reset = reset;
   patch.agent_time_us = agent_time_us;
   for (const Tile& tile : tiles) {
     patch.tiles.push_back({static_cast<std::uint32_t>(tile.at.axis),
@@ -40,11 +41,11 @@ void StockFeed::note_cut(std::span<const FieldTile> tiles) {
   }
 }
 
-void StockFeed::start_afresh() {
+void StockFeed::restart() {
   known_.clear();
   stale_.clear();
   complete_ = {};
-  afresh_ = true;
+  reset_ = true;
 }
 
 /// What the tool may reach before the next patches arrive; nothing if that is too much to look at.
@@ -103,7 +104,7 @@ std::vector<StockFeed::Lacking> StockFeed::lacking(const Sculpture& sculpture, c
 }
 
 /// Adds a tile to the news, if there is anything to say of it.
-bool StockFeed::tell(const DexelField& field, FieldTile at, StockNews& news) {
+bool StockFeed::tell(const DexelField& field, FieldTile at, StockUpdate& news) {
   const auto [known, is_new] = known_.try_emplace(at);
   stale_.erase(at);
   const DexelTile* tile = field.find(at.tile);
@@ -126,15 +127,15 @@ void StockFeed::forget_far(const Regions& near) {
   }
 }
 
-std::optional<StockNews> StockFeed::next(const Sculpture& sculpture, const ToolWatch& watch) {
+std::optional<StockUpdate> StockFeed::next(const Sculpture& sculpture, const ToolWatch& watch) {
   if (under_way_.size() >= wire::kStockFramesInFlight ||
       bytes_under_way_ >= wire::kStockBytesInFlight) {
     return std::nullopt;
   }
   const auto near = reach(sculpture, watch);
   if (!near) return std::nullopt;
-  StockNews news;
-  news.afresh = afresh_;
+  StockUpdate news;
+  news.reset = reset_;
   news.agent_time_us = watch.time_us;
   std::size_t bytes = 0, looked_at = 0;
   const std::vector<Lacking> list = lacking(sculpture, *near, watch.pose.tip_mm);
@@ -146,8 +147,8 @@ std::optional<StockNews> StockFeed::next(const Sculpture& sculpture, const ToolW
     ++looked_at;
   }
   if (looked_at == list.size()) complete_ = *near;
-  if (news.tiles.empty() && !afresh_) return std::nullopt;
-  afresh_ = false;
+  if (news.tiles.empty() && !reset_) return std::nullopt;
+  reset_ = false;
   news.sequence = ++sent_;
   under_way_.push_back(bytes);
   bytes_under_way_ += bytes;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -27,10 +28,10 @@ struct ToolWatch {
 };
 
 /// What one agent is to be told of the block.
-struct StockNews {
+struct StockUpdate {
   std::uint64_t sequence = 0;  ///< per feed, from 1, for the frame's header; ack names it
-  bool afresh = false;
-  std::uint64_t agent_time_us = 0;  ///< samples up to here are cut out of the tiles, or refused
+  bool reset = false;
+  std::uint64_t agent_time_us = 0;  ///< samples up to here are cut out of the tiles, or rejected
   struct Tile {
     FieldTile at;
     std::vector<std::byte> columns;  ///< stock_columns.h; none: the agent has all there is to know
@@ -53,11 +54,11 @@ class StockFeed {
   /// Somebody else has cut these.
   void note_cut(std::span<const FieldTile> tiles);
   /// The agent's copy can no longer be trusted: the next patch begins a new one.
-  void start_afresh();
+  void restart();
   /// What the agent lacks near its tool and where the tool is going, the nearest tiles first;
   /// nothing while it lacks nothing or has what wire/limits.h allows under way. Costs an operation
   /// for each tile near by.
-  std::optional<StockNews> next(const Sculpture& sculpture, const ToolWatch& watch);
+  std::optional<StockUpdate> next(const Sculpture& sculpture, const ToolWatch& watch);
   /// The agent has every patch up to `sequence`. False (and no effect) for one it was never sent.
   bool ack(std::uint64_t sequence);
 
@@ -75,7 +76,7 @@ class StockFeed {
 
   std::optional<Regions> reach(const Sculpture& sculpture, const ToolWatch& watch);
   std::vector<Lacking> lacking(const Sculpture& sculpture, const Regions& near, Vec3 tip_mm) const;
-  bool tell(const DexelField& field, FieldTile at, StockNews& news);
+  bool tell(const DexelField& field, FieldTile at, StockUpdate& news);
   void forget_far(const Regions& near);
 
   /// The tiles that the agent knows, as they were sent; null if one was untouched, or is far away
@@ -88,7 +89,7 @@ class StockFeed {
   std::size_t bytes_under_way_ = 0;
   Vec3 last_tip_mm_;  ///< at the last call of next, and when that was
   std::uint64_t last_us_ = 0;
-  bool afresh_ = true;
+  bool reset_ = true;
 };
 
 }  // namespace kerf

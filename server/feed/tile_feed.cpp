@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/feed/tile_feed.h"
 
 #include <algorithm>
@@ -57,8 +58,8 @@ void TileFeed::Viewer::note(std::uint32_t tile) {
 TileFeed::TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings settings)
     : settings_(settings),
       quantization_(mesh_quantization(snapshot.grid())),
-      news_snapshot_(snapshot),
-      news_revision_(revision),
+      update_snapshot_(snapshot),
+      update_revision_(revision),
       snapshot_(std::move(snapshot)),
       revision_(revision) {
   const DexelGrid& grid = snapshot_.grid();
@@ -68,22 +69,22 @@ TileFeed::TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings 
 
 void TileFeed::note_change(SolidSnapshot snapshot, std::span<const TileIndex> changed,
                            std::uint64_t revision) {
-  const std::scoped_lock lock(news_mutex_);
-  std::swap(news_snapshot_, snapshot);  // the old one is destroyed after the lock is gone
-  news_tiles_.insert(news_tiles_.end(), changed.begin(), changed.end());
-  std::sort(news_tiles_.begin(), news_tiles_.end());
-  news_tiles_.erase(std::unique(news_tiles_.begin(), news_tiles_.end()), news_tiles_.end());
-  news_revision_ = revision;
+  const std::scoped_lock lock(update_mutex_);
+  std::swap(update_snapshot_, snapshot);  // the old one is destroyed after the lock is gone
+  update_tiles_.insert(update_tiles_.end(), changed.begin(), changed.end());
+  std::sort(update_tiles_.begin(), update_tiles_.end());
+  update_tiles_.erase(std::unique(update_tiles_.begin(), update_tiles_.end()), update_tiles_.end());
+  update_revision_ = revision;
 }
 
-void TileFeed::take_news() {
+void TileFeed::take_update() {
   std::vector<TileIndex> changed;
   {
-    const std::scoped_lock lock(news_mutex_);
-    if (news_revision_ == revision_ && news_tiles_.empty()) return;
-    changed.swap(news_tiles_);
-    snapshot_ = news_snapshot_;
-    revision_ = news_revision_;
+    const std::scoped_lock lock(update_mutex_);
+    if (update_revision_ == revision_ && update_tiles_.empty()) return;
+    changed.swap(update_tiles_);
+    snapshot_ = update_snapshot_;
+    revision_ = update_revision_;
   }
   const DexelGrid& grid = snapshot_.grid();
   for (const TileIndex tile : tiles_to_remesh(grid, changed)) {
@@ -95,7 +96,7 @@ void TileFeed::take_news() {
 
 ViewerId TileFeed::add_viewer() {
   const std::scoped_lock lock(lane_mutex_);
-  take_news();
+  take_update();
   Viewer viewer;
   viewer.shown.resize(tiles_.size());
   viewer.level.resize(tiles_.size());
@@ -122,7 +123,7 @@ std::size_t TileFeed::viewers() const {
 
 void TileFeed::look(ViewerId viewer_id, const ViewerLook& look) {
   const std::scoped_lock lock(lane_mutex_);
-  take_news();  // first, so that viewers who look alike have the same tiles in the same order
+  take_update();  // first, so that viewers who look alike have the same tiles in the same order
   const auto found = viewers_.find(viewer_id);
   if (found == viewers_.end()) return;
   Viewer& viewer = found->second;
@@ -212,7 +213,7 @@ std::size_t TileFeed::pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t b
 
 std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
   const std::scoped_lock lock(lane_mutex_);
-  take_news();
+  take_update();
   const auto found = viewers_.find(viewer_id);
   if (found == viewers_.end()) return std::nullopt;
   Viewer& viewer = found->second;
@@ -275,9 +276,9 @@ std::optional<TileFeed::ViewerState> TileFeed::viewer_state(ViewerId viewer_id) 
   const Viewer& viewer = found->second;
   ViewerState state;
   {
-    const std::scoped_lock news_lock(news_mutex_);
-    state.revision = news_revision_;
-    state.sent = news_tiles_.empty() && viewer.lacks_nothing();
+    const std::scoped_lock update_lock(update_mutex_);
+    state.revision = update_revision_;
+    state.sent = update_tiles_.empty() && viewer.lacks_nothing();
   }
   state.applied = state.sent && viewer.acked == viewer.sent;
   state.frames_in_flight = static_cast<std::uint32_t>(viewer.sent - viewer.acked);
@@ -285,8 +286,8 @@ std::optional<TileFeed::ViewerState> TileFeed::viewer_state(ViewerId viewer_id) 
 }
 
 std::pair<SolidSnapshot, std::uint64_t> TileFeed::newest() const {
-  const std::scoped_lock lock(news_mutex_);
-  return {news_snapshot_, news_revision_};
+  const std::scoped_lock lock(update_mutex_);
+  return {update_snapshot_, update_revision_};
 }
 
 TileFeed::Stats TileFeed::stats() const {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -133,7 +134,7 @@ class TileFeed {
     std::shared_ptr<const std::vector<std::byte>> glb;
   };
 
-  void take_news();
+  void take_update();
   struct Picked {
     std::uint32_t tile = 0;
     Form form;
@@ -150,10 +151,10 @@ class TileFeed {
   const FeedSettings settings_;
   const MeshQuantization quantization_;
 
-  mutable std::mutex news_mutex_;  ///< guards the next three; held for moments only
-  SolidSnapshot news_snapshot_;
-  std::vector<TileIndex> news_tiles_;
-  std::uint64_t news_revision_ = 0;
+  mutable std::mutex update_mutex_;  ///< guards the next three; held for moments only
+  SolidSnapshot update_snapshot_;
+  std::vector<TileIndex> update_tiles_;
+  std::uint64_t update_revision_ = 0;
 
   mutable std::mutex lane_mutex_;  ///< guards everything below
   SolidSnapshot snapshot_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/program_decimator.h"
 
 #include <algorithm>

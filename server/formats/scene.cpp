@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/scene.h"
 
 #include "server/formats/text_file.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -58,7 +59,7 @@ std::string to_string(const SceneError& error);
 struct SceneSource {
   std::string name = "scene";  ///< what errors call it
   std::optional<std::filesystem::path>
-      base_folder;  ///< file references are relative to it; without it they are refused
+      base_folder;  ///< file references are relative to it; without it they are rejected
   std::map<std::string, std::string> files = {};  ///< stand instead of files of the base folder
   bool keep_files = false;                        ///< Scene::files gets what was read
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/scene_fields.h"
 
 #include <cmath>
@@ -22,25 +23,25 @@ bool SceneValue::is_object() const { return node(json_).is_object(); }
 bool SceneValue::is_text() const { return node(json_).is_string(); }
 
 double SceneValue::number(double above, double most) const {
-  if (!node(json_).is_number()) refuse("must be a number");
+  if (!node(json_).is_number()) reject("must be a number");
   const double number = node(json_).get<double>();
-  if (!std::isfinite(number)) refuse("must be a finite number");
+  if (!std::isfinite(number)) reject("must be a finite number");
   if (number <= above || number > most) {
-    refuse("is " + number_text(number) + "; it must be above " + number_text(above) +
+    reject("is " + number_text(number) + "; it must be above " + number_text(above) +
            (most < kInfinity ? " and at most " + number_text(most) : ""));
   }
   return number;
 }
 
 std::string SceneValue::text() const {
-  if (!is_text()) refuse("must be a text in quotes");
+  if (!is_text()) reject("must be a text in quotes");
   return node(json_).get<std::string>();
 }
 
 std::vector<SceneValue> SceneValue::items() const {
-  if (!is_list()) refuse("must be a list […]");
+  if (!is_list()) reject("must be a list […]");
   if (node(json_).size() > kSceneItemsMax) {
-    refuse("has more than " + std::to_string(kSceneItemsMax) + " items");
+    reject("has more than " + std::to_string(kSceneItemsMax) + " items");
   }
   std::vector<SceneValue> items;
   for (std::size_t i = 0; i < node(json_).size(); ++i) {
@@ -51,14 +52,14 @@ std::vector<SceneValue> SceneValue::items() const {
 
 void SceneValue::read_numbers(std::span<double> into) const {
   if (!is_list() || node(json_).size() != into.size()) {
-    refuse("must be a list of " + std::to_string(into.size()) + " numbers");
+    reject("must be a list of " + std::to_string(into.size()) + " numbers");
   }
   const auto values = items();
   for (std::size_t i = 0; i < into.size(); ++i) into[i] = values[i].number();
 }
 
 SceneFields::SceneFields(SceneValue object) : object_(std::move(object)) {
-  if (!object_.is_object()) object_.refuse("must be an object {…}");
+  if (!object_.is_object()) object_.reject("must be an object {…}");
 }
 
 std::optional<SceneValue> SceneFields::find(const std::string& field) {
@@ -71,7 +72,7 @@ std::optional<SceneValue> SceneFields::find(const std::string& field) {
 
 SceneValue SceneFields::need(const std::string& field) {
   auto value = find(field);
-  if (!value) refuse(field, "is missing");
+  if (!value) reject(field, "is missing");
   return *std::move(value);
 }
 
@@ -79,13 +80,13 @@ double SceneFields::not_negative(const std::string& field, double otherwise) {
   const auto value = find(field);
   if (!value) return otherwise;
   const double number = value->number();
-  if (number < 0) refuse(field, "is " + number_text(number) + "; it must not be negative");
+  if (number < 0) reject(field, "is " + number_text(number) + "; it must not be negative");
   return number;
 }
 
-void SceneFields::refuse_the_rest() const {
+void SceneFields::reject_the_rest() const {
   for (const auto& [field, value] : node(object_.json_).items()) {
-    if (!asked_.contains(field)) refuse(field, "is not a field of a scene");
+    if (!asked_.contains(field)) reject(field, "is not a field of a scene");
   }
 }
 

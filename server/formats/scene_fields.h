@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -16,11 +17,11 @@ namespace kerf {
 // How the files that read a scene take values out of its JSON, and say where one is wrong.
 
 /// Leaves the reader from any depth; parse_scene catches it, nobody else sees it.
-struct SceneRefusal {
+struct SceneRejection {
   std::string path, reason;
 };
 
-/// One value of the document while it is read. Every function refuses, with the value's path, what
+/// One value of the document while it is read. Every function rejects, with the value's path, what
 /// is not of its type or out of range.
 class SceneValue {
  public:
@@ -28,14 +29,14 @@ class SceneValue {
   SceneValue(const void* json, std::string path) : json_(json), path_(std::move(path)) {}
 
   const std::string& path() const { return path_; }
-  [[noreturn]] void refuse(const std::string& reason) const { throw SceneRefusal{path_, reason}; }
+  [[noreturn]] void reject(const std::string& reason) const { throw SceneRejection{path_, reason}; }
   bool is_list() const;
   bool is_object() const;
   bool is_text() const;
   /// Above `above`, at most `most`.
   double number(double above = -kInfinity, double most = kInfinity) const;
   std::string text() const;
-  /// Refuses a list of more than 1000 items.
+  /// Rejects a list of more than 1000 items.
   std::vector<SceneValue> items() const;
   template <std::size_t N>
   std::array<double, N> numbers() const {
@@ -53,13 +54,13 @@ class SceneValue {
   std::string path_;
 };
 
-/// One object: hands out its fields and, at the end, refuses those nobody asked for.
+/// One object: hands out its fields and, at the end, rejects those nobody asked for.
 class SceneFields {
  public:
   explicit SceneFields(SceneValue object);
 
-  [[noreturn]] void refuse(const std::string& field, const std::string& reason) const {
-    throw SceneRefusal{path_of(field), reason};
+  [[noreturn]] void reject(const std::string& field, const std::string& reason) const {
+    throw SceneRejection{path_of(field), reason};
   }
   std::optional<SceneValue> find(const std::string& field);
   SceneValue need(const std::string& field);
@@ -86,7 +87,7 @@ class SceneFields {
   }
 
   /// Call last.
-  void refuse_the_rest() const;
+  void reject_the_rest() const;
 
  private:
   std::string path_of(const std::string& field) const {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
 #include "server/formats/scene.h"
@@ -179,7 +180,7 @@ Json accuracy_to_json(const Scene& scene) {
   return json;
 }
 
-// A name that is no UTF-8 cannot come from a file (the parser refuses it); one given by code is
+// A name that is no UTF-8 cannot come from a file (the parser rejects it); one given by code is
 // repaired.
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

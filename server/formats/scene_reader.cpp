@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -21,17 +22,17 @@ constexpr std::size_t kSceneBytesMax = std::size_t{1} << 20;
 
 void need_box(SceneFields& fields, Vec3 min, Vec3 max) {
   if (!(min.x < max.x && min.y < max.y && min.z < max.z))
-    fields.refuse("max_mm", "must be greater than min_mm in every coordinate");
+    fields.reject("max_mm", "must be greater than min_mm in every coordinate");
 }
 
 std::string read_scene_file(SceneFields& fields, const std::string& name, const SceneSource& source,
                             Scene& scene) {
   const auto kept = source.files.find(name);
   if (kept == source.files.end() && !source.base_folder)
-    fields.refuse("file", "this scene may not name files: it did not come from a folder");
+    fields.reject("file", "this scene may not name files: it did not come from a folder");
   auto bytes = kept != source.files.end() ? std::optional(kept->second)
                                           : read_file(*source.base_folder / name);
-  if (!bytes) fields.refuse("file", "\"" + name + "\" cannot be read");
+  if (!bytes) fields.reject("file", "\"" + name + "\" cannot be read");
   if (source.keep_files) scene.files[name] = *bytes;
   return *std::move(bytes);
 }
@@ -39,12 +40,12 @@ std::string read_scene_file(SceneFields& fields, const std::string& name, const 
 void read_mesh_stock(SceneFields& fields, const SceneSource& source, Scene& scene) {
   scene.stock_file = fields.text("file");
   const auto format = mesh_file_format(scene.stock_file);
-  if (!format) fields.refuse("file", "\"" + scene.stock_file + "\" is no .stl, .ply or .obj");
+  if (!format) fields.reject("file", "\"" + scene.stock_file + "\" is no .stl, .ply or .obj");
   const std::string bytes = read_scene_file(fields, scene.stock_file, source, scene);
   auto mesh = read_mesh(*format, std::as_bytes(std::span(bytes)));
-  if (!mesh) fields.refuse("file", "\"" + scene.stock_file + "\": " + mesh.error().reason);
+  if (!mesh) fields.reject("file", "\"" + scene.stock_file + "\": " + mesh.error().reason);
   const std::string fault = mesh_stock_fault(*mesh);
-  if (!fault.empty()) fields.refuse("file", "\"" + scene.stock_file + "\": " + fault);
+  if (!fault.empty()) fields.reject("file", "\"" + scene.stock_file + "\": " + fault);
   scene.settings.stock = mesh_bounds(*mesh);
   scene.settings.stock_mesh = std::make_shared<const TriangleMesh>(*std::move(mesh));
 }
@@ -61,28 +62,28 @@ void read_stock(const SceneValue& value, const SceneSource& source, Scene& scene
     const CylinderStock cylinder{center[0], center[1], fields.positive("radius_mm"),
                                  fields.any_number("min_z_mm"), fields.any_number("max_z_mm")};
     if (!(cylinder.min_z_mm < cylinder.max_z_mm))
-      fields.refuse("max_z_mm", "must be greater than min_z_mm");
+      fields.reject("max_z_mm", "must be greater than min_z_mm");
     scene.settings.stock = cylinder;
   } else if (shape == "stl" || shape == "mesh") {
     read_mesh_stock(fields, source, scene);
   } else {
-    fields.refuse("shape", "\"" + shape + "\" is not a stock shape; use box, cylinder or mesh");
+    fields.reject("shape", "\"" + shape + "\" is not a stock shape; use box, cylinder or mesh");
   }
-  fields.refuse_the_rest();
+  fields.reject_the_rest();
 }
 
 MotionModel read_motion(SceneFields& accuracy) {
   const std::string motion = accuracy.text("motion");
   if (motion == "tight") return MotionModel::kTight;
   if (motion == "paper") return MotionModel::kPaper;
-  accuracy.refuse("motion", "\"" + motion + "\" is not a motion model; use tight or paper");
+  accuracy.reject("motion", "\"" + motion + "\" is not a motion model; use tight or paper");
 }
 
 Rays read_rays(SceneFields& accuracy) {
   const std::string rays = accuracy.text("rays");
   if (rays == "dexel") return Rays::kDexel;
   if (rays == "tri-dexel") return Rays::kTriDexel;
-  accuracy.refuse("rays", "\"" + rays + "\" is not a ray model; use dexel or tri-dexel");
+  accuracy.reject("rays", "\"" + rays + "\" is not a ray model; use dexel or tri-dexel");
 }
 
 // What is not given is chosen where there is a target, and has its default where there is none.
@@ -94,7 +95,7 @@ AccuracyRequest read_accuracy(const SceneValue& value) {
   if (fields.find("pitch_mm")) request.pitch_mm = fields.positive("pitch_mm");
   if (fields.find("tolerance_mm")) request.tolerance_mm = fields.positive("tolerance_mm");
   if (fields.find("motion")) request.motion = read_motion(fields);
-  fields.refuse_the_rest();
+  fields.reject_the_rest();
   return request;
 }
 
@@ -102,7 +103,7 @@ AccuracyRequest read_accuracy(const SceneValue& value) {
 void settle(const AccuracyRequest& request, Scene& scene) {
   if (request.target_mm > 0) {
     if (auto done = settle_accuracy(scene, request); !done)
-      throw SceneRefusal{"accuracy." + done.error().field, done.error().reason};
+      throw SceneRejection{"accuracy." + done.error().field, done.error().reason};
     return;
   }
   SculptureSettings& settings = scene.settings;
@@ -119,7 +120,7 @@ ForceSettings read_force(const SceneValue& value) {
   if (law == "drr") {
     force.law = ForceLaw::kDexelRemovalRate;
   } else if (law != "specific_energy") {
-    fields.refuse("law", "\"" + law + "\" is not a force law; use specific_energy or drr");
+    fields.reject("law", "\"" + law + "\" is not a force law; use specific_energy or drr");
   }
   force.specific_force_n_per_mm2 =
       fields.not_negative("specific_force_n_per_mm2", force.specific_force_n_per_mm2);
@@ -127,7 +128,7 @@ ForceSettings read_force(const SceneValue& value) {
   force.pivot_mm = fields.not_negative("pivot_mm", force.pivot_mm);
   force.contact_stiffness_n_per_mm =
       fields.not_negative("contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm);
-  fields.refuse_the_rest();
+  fields.reject_the_rest();
   return force;
 }
 
@@ -143,11 +144,11 @@ Machine read_machine(const SceneValue& value) {
     known = true;
   }
   if (!known)
-    fields.refuse(
+    fields.reject(
         "kinematics",
         "\"" + kinematics + "\" is not known; use xyz, xyzac-trt, xyzbc-trt or tool-vector");
   machine.rapid_mm_per_min = fields.positive("rapid_mm_per_min", machine.rapid_mm_per_min);
-  fields.refuse_the_rest();
+  fields.reject_the_rest();
   return machine;
 }
 
@@ -155,7 +156,7 @@ MeshObstacle read_mesh_obstacle(SceneFields& fields, const SceneSource& source, 
   const std::string name = fields.text("file");
   const std::string bytes = read_scene_file(fields, name, source, scene);
   auto triangles = read_stl(std::as_bytes(std::span(bytes)));
-  if (!triangles) fields.refuse("file", "\"" + name + "\": " + triangles.error().reason);
+  if (!triangles) fields.reject("file", "\"" + name + "\": " + triangles.error().reason);
   return MeshObstacle{*std::move(triangles)};
 }
 
@@ -171,7 +172,7 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
   } else if (shape == "cylinder") {
     const CylinderObstacle cylinder{fields.vec3("from_mm"), fields.vec3("to_mm"),
                                     fields.positive("radius_mm")};
-    if (cylinder.from_mm == cylinder.to_mm) fields.refuse("to_mm", "must differ from from_mm");
+    if (cylinder.from_mm == cylinder.to_mm) fields.reject("to_mm", "must differ from from_mm");
     obstacle.shape = cylinder;
   } else if (shape == "sphere") {
     obstacle.shape = SphereObstacle{fields.vec3("center_mm"), fields.positive("radius_mm")};
@@ -179,11 +180,11 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
     file = fields.text("file");
     obstacle.shape = read_mesh_obstacle(fields, source, scene);
   } else {
-    fields.refuse("shape",
+    fields.reject("shape",
                   "\"" + shape + "\" is not an obstacle; use box, cylinder, sphere or stl");
   }
   obstacle.stiffness_n_per_mm = fields.positive("stiffness_n_per_mm", obstacle.stiffness_n_per_mm);
-  fields.refuse_the_rest();
+  fields.reject_the_rest();
   scene.settings.obstacles.push_back(std::move(obstacle));
   scene.obstacle_files.push_back(std::move(file));
 }
@@ -198,12 +199,12 @@ Scene read_scene(const Json& json, const SceneSource& source) {
   if (const auto force = fields.find("force")) scene.settings.force = read_force(*force);
   if (const auto machine = fields.find("machine")) scene.machine = read_machine(*machine);
   const auto tools = fields.need("tools").items();
-  if (tools.empty()) fields.refuse("tools", "must have at least one tool");
+  if (tools.empty()) fields.reject("tools", "must have at least one tool");
   for (const SceneValue& tool : tools) read_scene_tool(tool, scene.tools);
   if (const auto obstacles = fields.find("obstacles")) {
     for (const SceneValue& obstacle : obstacles->items()) read_obstacle(obstacle, source, scene);
   }
-  fields.refuse_the_rest();
+  fields.reject_the_rest();
   settle(accuracy, scene);
   return scene;
 }
@@ -218,14 +219,14 @@ SceneError error_at(TextPlace place, const SceneSource& source, std::string path
 }
 
 // nlohmann keeps the last of two equal keys without a word; a scene that says a thing twice is
-// refused.
+// rejected.
 class DuplicateKeys {
  public:
   bool operator()(int /*depth*/, Json::parse_event_t event, Json& parsed) {
     if (event == Json::parse_event_t::object_start) open_.emplace_back();
     if (event == Json::parse_event_t::object_end) open_.pop_back();
     if (event == Json::parse_event_t::key && !open_.back().insert(parsed.get<std::string>()).second)
-      throw SceneRefusal{parsed.get<std::string>(), "is given twice in one object"};
+      throw SceneRejection{parsed.get<std::string>(), "is given twice in one object"};
     return true;
   }
 
@@ -249,9 +250,9 @@ std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneS
           return keys(depth, event, parsed);
         });
     return read_scene(json, source);
-  } catch (const SceneRefusal& refusal) {
+  } catch (const SceneRejection& rejection) {
     return std::unexpected(
-        error_at(locate_json(text, refusal.path), source, refusal.path, refusal.reason));
+        error_at(locate_json(text, rejection.path), source, rejection.path, rejection.reason));
   } catch (const Json::parse_error& error) {
     const TextPlace place = place_of(text, error.byte > 0 ? error.byte - 1 : 0);
     return std::unexpected(error_at(place, source, "", "is not JSON here"));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/scene_tool_reader.h"
 
 #include <cmath>
@@ -10,14 +11,14 @@ TaperTip read_taper_tip(SceneFields& fields) {
   const std::string tip = fields.text("tip", "flat");
   if (tip == "flat") return TaperTip::kFlat;
   if (tip == "ball") return TaperTip::kBall;
-  fields.refuse("tip", "\"" + tip + "\" is not a tip; use flat or ball");
+  fields.reject("tip", "\"" + tip + "\" is not a tip; use flat or ball");
 }
 
 ArcBulge read_bulge(SceneFields& fields) {
   const std::string bulge = fields.text("bulge", "out");
   if (bulge == "out") return ArcBulge::kOut;
   if (bulge == "in") return ArcBulge::kIn;
-  fields.refuse("bulge", "\"" + bulge + "\" is not a side; use out or in");
+  fields.reject("bulge", "\"" + bulge + "\" is not a side; use out or in");
 }
 
 ProfilePoint read_point(const SceneValue& value) {
@@ -28,13 +29,13 @@ ProfilePoint read_point(const SceneValue& value) {
 // [r, h], {"to": [r, h], "radius": …, "bulge": …} or {"to": [r, h], "center": [r, h], "bulge": …}.
 ProfileStep read_step(const SceneValue& value) {
   if (value.is_list()) return read_point(value);
-  if (!value.is_object()) value.refuse("must be a point [r, h] or an arc {\"to\": [r, h], …}");
+  if (!value.is_object()) value.reject("must be a point [r, h] or an arc {\"to\": [r, h], …}");
   SceneFields fields(value);
   const ProfilePoint to = read_point(fields.need("to"));
   const ArcBulge bulge = read_bulge(fields);
   const auto radius = fields.find("radius"), center = fields.find("center");
-  fields.refuse_the_rest();
-  if (radius.has_value() == center.has_value()) value.refuse("must have either radius or center");
+  fields.reject_the_rest();
+  if (radius.has_value() == center.has_value()) value.reject("must have either radius or center");
   if (radius) return ProfileArc{to, radius->number(0), bulge};
   return ProfileCenteredArc{to, read_point(*center), bulge};
 }
@@ -80,7 +81,7 @@ ToolShape read_shape(SceneFields& fields) {
   }
   if (shape == "apt") return read_apt(fields);
   if (shape == "profile") return read_profile(fields);
-  fields.refuse("shape", "\"" + shape +
+  fields.reject("shape", "\"" + shape +
                              "\" is not a tool shape; use ball, flat, bull_nose, taper, cone_end, "
                              "apt or profile");
 }
@@ -91,7 +92,7 @@ HolderSection read_section(const SceneValue& value) {
   section.diameter_mm = fields.positive("diameter_mm");
   section.top_diameter_mm = fields.positive("top_diameter_mm", section.diameter_mm);
   section.length_mm = fields.positive("length_mm");
-  fields.refuse_the_rest();
+  fields.reject_the_rest();
   return section;
 }
 
@@ -100,7 +101,7 @@ ToolBody read_body(SceneFields& fields) {
   if (const auto value = fields.find("shank")) {
     SceneFields shank(*value);
     body.shank = Shank{shank.positive("diameter_mm"), shank.positive("length_mm")};
-    shank.refuse_the_rest();
+    shank.reject_the_rest();
   }
   const auto value = fields.find("holder");
   if (!value) return body;
@@ -110,17 +111,17 @@ ToolBody read_body(SceneFields& fields) {
     body.holder = std::move(sections);
     return body;
   }
-  if (!value->is_object()) value->refuse("must be a list of sections or an object with profile_mm");
+  if (!value->is_object()) value->reject("must be a list of sections or an object with profile_mm");
   SceneFields holder(*value);
   body.holder = read_profile(holder);
-  holder.refuse_the_rest();
+  holder.reject_the_rest();
   return body;
 }
 
 ToolId read_id(SceneFields& fields) {
   const double id = fields.positive("id");
   if (id != std::floor(id) || id > std::numeric_limits<ToolId>::max()) {
-    fields.refuse("id", "must be a whole number from 1 to 4294967295");
+    fields.reject("id", "must be a whole number from 1 to 4294967295");
   }
   return static_cast<ToolId>(id);
 }
@@ -131,12 +132,12 @@ void read_scene_tool(const SceneValue& value, std::map<ToolId, SceneTool>& tools
   SceneFields fields(value);
   const ToolId id = read_id(fields);
   if (tools.contains(id)) {
-    fields.refuse("id", "is " + std::to_string(id) + ", which another tool has already");
+    fields.reject("id", "is " + std::to_string(id) + ", which another tool has already");
   }
   SceneTool tool{.shape = read_shape(fields), .body = read_body(fields), .tool = {}};
-  fields.refuse_the_rest();
+  fields.reject_the_rest();
   auto made = make_tool(tool.shape, tool.body);
-  if (!made) fields.refuse(made.error().field, made.error().reason);
+  if (!made) fields.reject(made.error().field, made.error().reason);
   tool.tool = *std::move(made);
   tools.emplace(id, std::move(tool));
 }

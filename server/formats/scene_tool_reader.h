@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <map>
@@ -7,7 +8,7 @@
 
 namespace kerf {
 
-/// Adds one item of a scene's "tools" to those before it. Throws SceneRefusal.
+/// Adds one item of a scene's "tools" to those before it. Throws SceneRejection.
 void read_scene_tool(const SceneValue& value, std::map<ToolId, SceneTool>& tools);
 
 }  // namespace kerf

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/tool_text.h"
 
 #include "server/formats/number_text.h"

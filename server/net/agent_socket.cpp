@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One agent's WebSocket. Lives on the lane of its session: what it reads is cut and answered by the
 // same thread.
 #include <boost/asio/co_spawn.hpp>
@@ -69,7 +70,7 @@ class AgentSocket : public std::enable_shared_from_this<AgentSocket> {
   void on_datagram_motion(const wire::MotionBatch& batch, Clock::time_point arrived);
   template <typename Body>
   void send_datagram(std::uint64_t sequence, const Body& body);
-  void refuse(const Refusal& refusal, bool fatal = false);
+  void reject(const Rejection& rejection, bool fatal = false);
   void say(std::string_view text);
   void say_pong(const wire::Ping& ping);
   void say_stock();
@@ -126,7 +127,7 @@ void AgentSocket::limit_hello() {
   hello_timer_.expires_after(std::chrono::microseconds(std::int64_t(wire::kHelloTimeoutS * 1e6)));
   hello_timer_.async_wait([self = shared_from_this()](error_code error) {
     if (error || self->self_) return;
-    self->refuse({wire::ErrorCode::kNoHello, "no hello within 5 s"}, true);
+    self->reject({wire::ErrorCode::kNoHello, "no hello within 5 s"}, true);
     self->finish();
   });
 }
@@ -142,7 +143,7 @@ void AgentSocket::on_event(const SessionEvent& event) {
 
 void AgentSocket::on_frame(std::span<const std::byte> frame, bool text, Clock::time_point arrived) {
   if (frame.size() > wire::kMaxClientFrameBytes) {
-    refuse({wire::ErrorCode::kTooLarge, "a frame of " + std::to_string(frame.size()) +
+    reject({wire::ErrorCode::kTooLarge, "a frame of " + std::to_string(frame.size()) +
                                             " bytes; at most " +
                                             std::to_string(wire::kMaxClientFrameBytes)});
   } else if (text) {
@@ -154,27 +155,27 @@ void AgentSocket::on_frame(std::span<const std::byte> frame, bool text, Clock::t
 
 void AgentSocket::on_control(std::string_view text) {
   const auto message = parse_control(text);
-  if (!message) return refuse(message.error());
+  if (!message) return reject(message.error());
   if (const auto* hello = std::get_if<HelloMessage>(&*message)) return on_hello(*hello);
-  if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+  if (!self_) return reject({wire::ErrorCode::kNoHello, "the first message must be a hello"});
   if (std::holds_alternative<StockMessage>(*message)) {
-    return session_->start_stock_afresh(self_->id);
+    return session_->reset_stock(self_->id);
   }
   const auto* tool = std::get_if<ToolMessage>(&*message);
-  if (tool == nullptr) return refuse({wire::ErrorCode::kBadMessage, "only a viewer looks"});
+  if (tool == nullptr) return reject({wire::ErrorCode::kBadMessage, "only a viewer looks"});
   const auto chosen = session_->choose_tool(self_->id, tool->tool);
-  if (!chosen) refuse(chosen.error());
+  if (!chosen) reject(chosen.error());
 }
 
 void AgentSocket::on_hello(const HelloMessage& hello) {
-  if (self_) return refuse({wire::ErrorCode::kBadMessage, "hello was said before"});
+  if (self_) return reject({wire::ErrorCode::kBadMessage, "hello was said before"});
   const JoinRequest request{
       ParticipantKind::kAgent, hello.name, hello.color, hello.tool, hello.feel,
       hello.feel_of,           hello.stock};
   const auto joined = session_->join(request);
   if (!joined) {
     const bool fatal = joined.error().code == wire::ErrorCode::kBusy;
-    refuse(joined.error(), fatal);
+    reject(joined.error(), fatal);
     if (fatal) finish();
     return;
   }
@@ -188,7 +189,7 @@ void AgentSocket::on_hello(const HelloMessage& hello) {
 void AgentSocket::on_binary(std::span<const std::byte> frame, Clock::time_point arrived) {
   const auto message = wire::decode(frame, wire::kMaxClientFrameBytes);
   if (!message) {
-    return refuse({wire::protocol_error(message.error().code),
+    return reject({wire::protocol_error(message.error().code),
                    std::string(message.error().reason) + " (byte " +
                        std::to_string(message.error().offset) + " of the frame)"});
   }
@@ -197,18 +198,18 @@ void AgentSocket::on_binary(std::span<const std::byte> frame, Clock::time_point 
     return on_motion(*batch, arrived);
   }
   if (std::holds_alternative<wire::Ack>(message->body)) {
-    if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+    if (!self_) return reject({wire::ErrorCode::kNoHello, "the first message must be a hello"});
     const auto taken = session_->ack_stock(self_->id, message->header.stamp.sequence);
-    if (!taken) refuse(taken.error());
+    if (!taken) reject(taken.error());
     return;
   }
   const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||
                        std::holds_alternative<wire::Pong>(message->body);
-  if (!skipped) refuse({wire::ErrorCode::kBadMessage, "an agent does not send such frames"});
+  if (!skipped) reject({wire::ErrorCode::kBadMessage, "an agent does not send such frames"});
 }
 
 void AgentSocket::on_motion(const wire::MotionBatch& batch, Clock::time_point arrived) {
-  if (!self_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+  if (!self_) return reject({wire::ErrorCode::kNoHello, "the first message must be a hello"});
   const MotionAnswer answer = apply(batch, arrived);
   out_.put_result(stamp(++results_), answer.result, arrived);
   if (answer.felt) out_.put_felt(stamp(++felts_), *answer.felt);
@@ -218,7 +219,7 @@ void AgentSocket::on_motion(const wire::MotionBatch& batch, Clock::time_point ar
 
 MotionAnswer AgentSocket::apply(const wire::MotionBatch& batch, Clock::time_point arrived) {
   auto answer = session_->move(self_->id, batch.view());
-  for (const Refusal& refusal : answer.refusals) refuse(refusal);
+  for (const Rejection& rejection : answer.rejections) reject(rejection);
   answer.result.turnaround_us = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - arrived).count());
   gate_.applied(answer.result.agent_sequence);
@@ -243,7 +244,7 @@ void AgentSocket::on_datagram(std::span<const std::byte> frame, Clock::time_poin
   if (!udp_ || finishing_ || broken_) return;
   const auto message = wire::decode(frame, wire::kMaxClientFrameBytes);
   if (!message) {
-    return refuse(
+    return reject(
         {wire::protocol_error(message.error().code), std::string(message.error().reason)});
   }
   if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
@@ -286,14 +287,14 @@ void AgentSocket::say_stock() {
   const auto now = Clock::now();
   if (out_.has_stock() || now < stock_due_) return;
   stock_due_ = now + kStockInterval;
-  if (const auto news = session_->stock_news(self_->id)) {
+  if (const auto news = session_->stock_update(self_->id)) {
     out_.put_stock(stamp(news->sequence), news->patch());
   }
 }
 
-void AgentSocket::refuse(const Refusal& refusal, bool fatal) {
-  context_.metrics.refused(wire::to_string(refusal.code));
-  if (fatal || errors_.allow(Clock::now())) say(error_message(refusal, fatal));
+void AgentSocket::reject(const Rejection& rejection, bool fatal) {
+  context_.metrics.rejected(wire::to_string(rejection.code));
+  if (fatal || errors_.allow(Clock::now())) say(error_message(rejection, fatal));
 }
 
 void AgentSocket::say(std::string_view text) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The part of the HTTP interface that hands out files made from a session.
 #include <charconv>
 #include <cmath>
@@ -174,10 +175,10 @@ void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& r
   if (!request.if_range.empty() && request.if_range != etag) return;
   const auto range = parse_range(request.range, bytes);
   if (!range) {
-    auto refusal =
+    auto rejection =
         error_response(416, "bad_range", "the file has " + std::to_string(bytes) + " bytes");
-    refusal.headers.emplace_back("Content-Range", "bytes */" + std::to_string(bytes));
-    response = std::move(refusal);
+    rejection.headers.emplace_back("Content-Range", "bytes */" + std::to_string(bytes));
+    response = std::move(rejection);
     return;
   }
   if (!*range) return;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The part of the HTTP interface that takes meshes which scenes may then name.
 #include <algorithm>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The part of the HTTP interface that carves uploaded programs.
 #include <charconv>
 #include <cmath>

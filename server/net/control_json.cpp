@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/net/control_json.h"
 
 #include <array>
@@ -13,18 +14,18 @@ using Json = nlohmann::json;
 
 constexpr double kEyeMaxMm = 1e6;
 
-Refusal bad_field(const char* field, const char* what) {
+Rejection bad_field(const char* field, const char* what) {
   return {wire::ErrorCode::kBadMessage, std::string("field \"") + field + "\" " + what};
 }
 
-std::expected<std::string, Refusal> text_field(const Json& object, const char* field) {
+std::expected<std::string, Rejection> text_field(const Json& object, const char* field) {
   const auto found = object.find(field);
   if (found == object.end()) return std::string();
   if (!found->is_string()) return std::unexpected(bad_field(field, "is not a string"));
   return found->get<std::string>();
 }
 
-std::expected<ToolId, Refusal> tool_field(const Json& object, bool required) {
+std::expected<ToolId, Rejection> tool_field(const Json& object, bool required) {
   const auto found = object.find("tool");
   if (found == object.end()) {
     if (required) return std::unexpected(bad_field("tool", "is missing"));
@@ -36,7 +37,7 @@ std::expected<ToolId, Refusal> tool_field(const Json& object, bool required) {
   return found->get<ToolId>();
 }
 
-std::expected<ControlMessage, Refusal> parse_hello(const Json& object) {
+std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
   HelloMessage hello;
   auto name = text_field(object, "name");
   if (!name) return std::unexpected(name.error());
@@ -68,8 +69,8 @@ std::expected<ControlMessage, Refusal> parse_hello(const Json& object) {
   return hello;
 }
 
-std::expected<double, Refusal> number_of(const Json& value, const char* field, double low,
-                                         double high) {
+std::expected<double, Rejection> number_of(const Json& value, const char* field, double low,
+                                           double high) {
   if (!value.is_number()) return std::unexpected(bad_field(field, "is not made of numbers"));
   const double number = value.get<double>();
   if (!(number >= low && number <= high)) {
@@ -78,7 +79,7 @@ std::expected<double, Refusal> number_of(const Json& value, const char* field, d
   return number;
 }
 
-std::expected<ControlMessage, Refusal> parse_look(const Json& object) {
+std::expected<ControlMessage, Rejection> parse_look(const Json& object) {
   LookMessage message;
   const auto eye = object.find("eye_mm");
   if (eye == object.end() || !eye->is_array() || eye->size() != 3) {
@@ -140,10 +141,11 @@ std::string text(const Json& json) {
 
 }  // namespace
 
-std::expected<ControlMessage, Refusal> parse_control(std::string_view frame) {
+std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
   const Json object = Json::parse(frame, nullptr, false);
   if (object.is_discarded() || !object.is_object()) {
-    return std::unexpected(Refusal{wire::ErrorCode::kBadJson, "the message is not a JSON object"});
+    return std::unexpected(
+        Rejection{wire::ErrorCode::kBadJson, "the message is not a JSON object"});
   }
   const auto type = text_field(object, "type");
   if (!type) return std::unexpected(type.error());
@@ -156,8 +158,8 @@ std::expected<ControlMessage, Refusal> parse_control(std::string_view frame) {
   if (*type == wire::kTypeLook) return parse_look(object);
   if (*type == wire::kTypeStock) return StockMessage{};
   return std::unexpected(
-      Refusal{wire::ErrorCode::kBadMessage,
-              "\"type\" is none of \"hello\", \"tool\", \"look\" and \"stock\""});
+      Rejection{wire::ErrorCode::kBadMessage,
+                "\"type\" is none of \"hello\", \"tool\", \"look\" and \"stock\""});
 }
 
 std::string agent_welcome(const Session& session, const Participant& self,
@@ -198,10 +200,10 @@ std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64
                {"settled", settled}});
 }
 
-std::string error_message(const Refusal& refusal, bool fatal) {
+std::string error_message(const Rejection& rejection, bool fatal) {
   return text({{"type", wire::kTypeError},
-               {"code", wire::to_string(refusal.code)},
-               {"reason", refusal.reason},
+               {"code", wire::to_string(rejection.code)},
+               {"reason", rejection.reason},
                {"fatal", fatal}});
 }
 

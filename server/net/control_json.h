@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,7 @@ using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, Stoc
 
 /// Reads one text frame. Unknown fields are skipped; errors are bad_json (no JSON object) or
 /// bad_message (with the field).
-std::expected<ControlMessage, Refusal> parse_control(std::string_view text);
+std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 
 std::string agent_welcome(const Session& session, const Participant& self,
                           const SessionLimits& limits, const datagram::Offer* udp = nullptr);
@@ -44,7 +45,7 @@ std::string viewer_welcome(const Session& session, const Participant& self,
 std::string participants_message(const std::vector<Participant>& participants);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
                           bool settled);
-std::string error_message(const Refusal& refusal, bool fatal);
+std::string error_message(const Rejection& rejection, bool fatal);
 std::string bye_message(std::string_view reason);
 
 }  // namespace kerf::net

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/net/download_name.h"
 
 #include <cstddef>
@@ -7,7 +8,7 @@ namespace {
 
 constexpr std::size_t kNameBytesMax = 80;
 
-bool is_refused_somewhere(char c) {
+bool is_rejected_somewhere(char c) {
   return static_cast<unsigned char>(c) < 0x20 || c == 0x7f ||
          std::string_view("\\/:*?\"<>|%").find(c) != std::string_view::npos;
 }
@@ -18,7 +19,7 @@ std::string clean(std::string_view text) {
   std::string name;
   for (const char c : text) {
     if (name.size() >= kNameBytesMax && !is_continuation(c)) break;
-    name.push_back(is_refused_somewhere(c) ? '-' : c);
+    name.push_back(is_rejected_somewhere(c) ? '-' : c);
   }
   // Leading dots hide a file; dots and blanks at the end are lost on some systems.
   while (!name.empty() && (name.front() == '.' || name.front() == ' ')) name.erase(0, 1);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/net/http_connection.h"
 
 #include <boost/asio/redirect_error.hpp>
@@ -77,9 +78,9 @@ class Connection {
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_body(Parser& parser, const ApiRequest& request);
   asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
-  asio::awaitable<bool> refuse_garbage();
+  asio::awaitable<bool> reject_garbage();
   asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
-  asio::awaitable<bool> refuse(const Request& request, unsigned status, std::string_view code,
+  asio::awaitable<bool> reject(const Request& request, unsigned status, std::string_view code,
                                std::string_view reason);
   asio::awaitable<void> linger();
   std::optional<ApiResponse> check_upgrade(const Request& request, const ApiRequest& target,
@@ -106,9 +107,9 @@ asio::awaitable<bool> Connection::serve_one() {
   stream_.expires_after(std::exchange(first_, false) ? kHeaderTime : kIdleTime);
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
-  if (error_) co_return co_await refuse_garbage();
+  if (error_) co_return co_await reject_garbage();
   auto request = parse_target(view(parser.get().target()));
-  if (!request) co_return co_await refuse(parser.get(), 400, "bad_target", request.error());
+  if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));
   if (beast::websocket::is_upgrade(parser.get())) {
     co_await upgrade(parser.get(), *request);
@@ -116,7 +117,7 @@ asio::awaitable<bool> Connection::serve_one() {
   }
   const bool read_only = request->method == "GET" || request->method == "HEAD";
   if (!read_only && !origin_allowed(parser.get(), context_.options)) {
-    co_return co_await refuse(parser.get(), 403, "bad_origin", kForeignOrigin);
+    co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
   }
   if (!co_await read_body(parser, *request)) co_return false;
   request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
@@ -140,36 +141,36 @@ asio::awaitable<bool> Connection::serve_one() {
   co_return co_await answer(parser.get(), response, keep_alive);
 }
 
-asio::awaitable<bool> Connection::refuse_garbage() {
+asio::awaitable<bool> Connection::reject_garbage() {
   const bool spoke =
       error_.category() == http::make_error_code(http::error::bad_method).category() &&
       error_ != http::error::end_of_stream && error_ != http::error::partial_message;
   if (!spoke) co_return false;
   const Request unknown;
   if (error_ == http::error::header_limit) {
-    co_return co_await refuse(unknown, 431, "too_large", "the header of the request is too large");
+    co_return co_await reject(unknown, 431, "too_large", "the header of the request is too large");
   }
   if (error_ == http::error::body_limit) {
-    co_return co_await refuse(unknown, 413, "too_large", "the body of the request is too large");
+    co_return co_await reject(unknown, 413, "too_large", "the body of the request is too large");
   }
   const std::string reason = error_.message();
-  co_return co_await refuse(unknown, 400, "bad_request", reason);
+  co_return co_await reject(unknown, 400, "bad_request", reason);
 }
 
 asio::awaitable<bool> Connection::read_body(Parser& parser, const ApiRequest& request) {
   const std::size_t most = context_.api.body_bytes_max(request);
   const auto length = parser.content_length();
   if (parser.chunked() && most > 0) {
-    co_return co_await refuse(parser.get(), 411, "length_required",
+    co_return co_await reject(parser.get(), 411, "length_required",
                               "send the body with a Content-Length");
   }
   if (length && *length > most) {
     const std::string reason =
         "the body has " + std::to_string(*length) + " bytes; at most " + std::to_string(most);
-    co_return co_await refuse(parser.get(), 413, "too_large", reason);
+    co_return co_await reject(parser.get(), 413, "too_large", reason);
   }
   if (length && *length > kLargeBody && large_bodies >= kLargeBodiesMax) {
-    co_return co_await refuse(parser.get(), 503, "busy", "too many uploads at once");
+    co_return co_await reject(parser.get(), 503, "busy", "too many uploads at once");
   }
   stream_.expires_after(kBodyTime);
   if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
@@ -185,7 +186,7 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, const ApiRequest& re
 
 // Nothing but references and views crosses a co_await here: g++ 12 destroys some temporaries of
 // such calls twice.
-asio::awaitable<bool> Connection::refuse(const Request& request, unsigned status,
+asio::awaitable<bool> Connection::reject(const Request& request, unsigned status,
                                          std::string_view code, std::string_view reason) {
   ApiResponse response = error_response(status, code, reason);
   co_return co_await answer(request, response, false);
@@ -274,8 +275,8 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
 
 asio::awaitable<void> Connection::upgrade(const Request& request, const ApiRequest& target) {
   std::shared_ptr<Session> session;
-  if (auto refusal = check_upgrade(request, target, session)) {
-    co_await answer(request, *refusal, false);
+  if (auto rejection = check_upgrade(request, target, session)) {
+    co_await answer(request, *rejection, false);
     co_return;
   }
   context_.metrics.http_answered(101);

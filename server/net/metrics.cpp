@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/net/metrics.h"
 
 #include <prometheus/counter.h>
@@ -26,8 +27,8 @@ struct Metrics::Impl {
   prometheus::Family<prometheus::Counter>& counter(const char* name, const char* help) {
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
   }
-  prometheus::Family<prometheus::Counter>& refusals =
-      counter("kerf_refused_total", "Refused requests of peers by code.");
+  prometheus::Family<prometheus::Counter>& rejections =
+      counter("kerf_refused_total", "Rejected requests of peers by code.");
   prometheus::Family<prometheus::Counter>& http =
       counter("kerf_http_responses_total", "HTTP responses by status.");
   prometheus::Counter& mesh_frames =
@@ -93,8 +94,8 @@ Metrics::Metrics() : impl_(std::make_unique<Impl>()) {}
 Metrics::~Metrics() = default;
 
 void Metrics::motion_answered(double turnaround_s) { impl_->turnaround.Observe(turnaround_s); }
-void Metrics::refused(std::string_view code) {
-  impl_->refusals.Add({{"code", std::string(code)}}).Increment();
+void Metrics::rejected(std::string_view code) {
+  impl_->rejections.Add({{"code", std::string(code)}}).Increment();
 }
 void Metrics::mesh_sent(std::size_t bytes) {
   impl_->mesh_frames.Increment();

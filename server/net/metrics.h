@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <atomic>
@@ -28,7 +29,7 @@ class Metrics {
 
   /// From the arrival of a motion frame to its result being handed to the socket.
   void motion_answered(double turnaround_s);
-  void refused(std::string_view code);
+  void rejected(std::string_view code);
   void mesh_sent(std::size_t bytes);
   /// What a hub's feed did since it was asked last.
   void mesh_made(std::uint64_t tiles, std::uint64_t bytes);

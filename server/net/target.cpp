@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads the target of an HTTP request.
 #include <cctype>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/net/viewer_hub.h"
 
 #include <boost/asio/detached.hpp>

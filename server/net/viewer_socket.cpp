@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One viewer's WebSocket, on the viewer lane.
 #include <netinet/tcp.h>
 #include <sys/socket.h>
@@ -68,7 +69,7 @@ class ViewerSocket final : public ViewerSink, public std::enable_shared_from_thi
   }
   void send_control(std::string text) override { say(std::move(text), true); }
   void bad_ack() override {
-    refuse({wire::ErrorCode::kBadSequence, "ack of a mesh frame that was never sent"});
+    reject({wire::ErrorCode::kBadSequence, "ack of a mesh frame that was never sent"});
   }
   void end(const std::string& reason) override {
     say(bye_message(reason), true);
@@ -82,7 +83,7 @@ class ViewerSocket final : public ViewerSink, public std::enable_shared_from_thi
   asio::awaitable<void> on_control(std::string_view text);
   void on_binary(std::span<const std::byte> frame);
   void limit_hello();
-  void refuse(const Refusal& refusal, bool fatal = false);
+  void reject(const Rejection& rejection, bool fatal = false);
   void say(std::string bytes, bool text);
   void pump();
   template <typename Buffers>
@@ -133,7 +134,7 @@ void ViewerSocket::limit_hello() {
   hello_timer_.expires_after(std::chrono::microseconds(std::int64_t(wire::kHelloTimeoutS * 1e6)));
   hello_timer_.async_wait([self = shared_from_this()](error_code error) {
     if (error || self->self_) return;
-    self->refuse({wire::ErrorCode::kNoHello, "no hello within 5 s"}, true);
+    self->reject({wire::ErrorCode::kNoHello, "no hello within 5 s"}, true);
     self->finishing_ = true;
     self->pump();
   });
@@ -141,7 +142,7 @@ void ViewerSocket::limit_hello() {
 
 asio::awaitable<void> ViewerSocket::on_frame(std::span<const std::byte> frame, bool text) {
   if (frame.size() > wire::kMaxClientFrameBytes) {
-    refuse({wire::ErrorCode::kTooLarge, "a frame of " + std::to_string(frame.size()) +
+    reject({wire::ErrorCode::kTooLarge, "a frame of " + std::to_string(frame.size()) +
                                             " bytes; at most " +
                                             std::to_string(wire::kMaxClientFrameBytes)});
   } else if (text) {
@@ -156,25 +157,25 @@ asio::awaitable<void> ViewerSocket::on_control(std::string_view text) {
   using enum wire::ErrorCode;
   const auto message = parse_control(text);
   if (!message) {
-    refuse(message.error());
+    reject(message.error());
     co_return;
   }
   if (const auto* look = std::get_if<LookMessage>(&*message); look != nullptr && hub_) {
     if (looks_.allow(Clock::now())) {
       hub_->looks(self_->id, look->look);
     } else {
-      refuse({kTooFast, "more than 5 looks a second"});
+      reject({kTooFast, "more than 5 looks a second"});
     }
     co_return;
   }
   const auto* hello = std::get_if<HelloMessage>(&*message);
   if (hello == nullptr || self_) {
-    refuse({self_ ? kBadMessage : kNoHello, self_ ? "a viewer has no tool and says hello once"
+    reject({self_ ? kBadMessage : kNoHello, self_ ? "a viewer has no tool and says hello once"
                                                   : "the first message must be a hello"});
     co_return;
   }
   JoinRequest request{ParticipantKind::kViewer, hello->name, hello->color, 0, false};
-  using Joined = std::pair<std::expected<Participant, Refusal>, std::vector<Participant>>;
+  using Joined = std::pair<std::expected<Participant, Rejection>, std::vector<Participant>>;
   auto join = [session = session_, request]() {
     auto joined = session->join(request);
     return Joined{std::move(joined), session->participants()};
@@ -182,7 +183,7 @@ asio::awaitable<void> ViewerSocket::on_control(std::string_view text) {
   const Joined joined = co_await on_lane(lane_of(*session_), std::move(join));
   if (!joined.first) {
     const bool fatal = joined.first.error().code == kBusy;
-    refuse(joined.first.error(), fatal);
+    reject(joined.first.error(), fatal);
     finishing_ = finishing_ || fatal;
     pump();
     co_return;
@@ -197,7 +198,7 @@ asio::awaitable<void> ViewerSocket::on_control(std::string_view text) {
 void ViewerSocket::on_binary(std::span<const std::byte> frame) {
   const auto message = wire::decode(frame, wire::kMaxClientFrameBytes);
   if (!message) {
-    return refuse({wire::protocol_error(message.error().code),
+    return reject({wire::protocol_error(message.error().code),
                    std::string(message.error().reason) + " (byte " +
                        std::to_string(message.error().offset) + " of the frame)"});
   }
@@ -209,17 +210,17 @@ void ViewerSocket::on_binary(std::span<const std::byte> frame) {
     return say(std::move(bytes), false);
   }
   if (std::holds_alternative<wire::Ack>(message->body)) {
-    if (!hub_) return refuse({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+    if (!hub_) return reject({wire::ErrorCode::kNoHello, "the first message must be a hello"});
     return hub_->acked(self_->id, message->header.stamp.sequence);
   }
   const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||
                        std::holds_alternative<wire::Pong>(message->body);
-  if (!skipped) refuse({wire::ErrorCode::kBadMessage, "a viewer does not send such frames"});
+  if (!skipped) reject({wire::ErrorCode::kBadMessage, "a viewer does not send such frames"});
 }
 
-void ViewerSocket::refuse(const Refusal& refusal, bool fatal) {
-  context_.metrics.refused(wire::to_string(refusal.code));
-  if (fatal || errors_.allow(Clock::now())) say(error_message(refusal, fatal), true);
+void ViewerSocket::reject(const Rejection& rejection, bool fatal) {
+  context_.metrics.rejected(wire::to_string(rejection.code));
+  if (fatal || errors_.allow(Clock::now())) say(error_message(rejection, fatal), true);
 }
 
 void ViewerSocket::say(std::string bytes, bool text) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -9,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "server/convert/refusal.h"
+#include "server/convert/rejection.h"
 #include "server/formats/program.h"
 #include "server/store/journal_record.h"
 
@@ -41,8 +42,8 @@ class ProgramRuns {
  public:
   using Clock = std::chrono::steady_clock;
   /// Carves one motion for a participant; gives the removed volume, mm^3.
-  using Carve =
-      std::function<std::expected<double, Refusal>(ParticipantId, const ProgramMotion&, bool feel)>;
+  using Carve = std::function<std::expected<double, Rejection>(ParticipantId, const ProgramMotion&,
+                                                               bool feel)>;
   /// Longest time for which a slice starts further motions.
   static constexpr std::chrono::microseconds kSlice{300};
   /// Reports kept of programs that ran; the oldest is forgotten first.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <expected>
@@ -20,7 +21,7 @@ struct Replayed {
 };
 
 /// Applies every record of a journal to a fresh block and compares with the newest state hash that
-/// it stores. Errors name the file and the first record that is damaged, that the kernel refuses,
+/// it stores. Errors name the file and the first record that is damaged, that the kernel rejects,
 /// or at which the solid differs.
 std::expected<Replayed, JournalError> replay(const std::filesystem::path& file);
 

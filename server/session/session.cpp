@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/session/session.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ bool is_color(const std::string& text) {
                      [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
-Refusal journal_refusal(const JournalError& error) {
+Rejection journal_rejection(const JournalError& error) {
   return {wire::ErrorCode::kBusy, "the journal takes no more: " + error.reason};
 }
 
@@ -46,25 +47,25 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       changed_sequence_(replayed.last_sequence),
       hash_(replayed.hash) {}
 
-std::expected<Participant, Refusal> Session::join(const JoinRequest& request) {
+std::expected<Participant, Rejection> Session::join(const JoinRequest& request) {
   using enum wire::ErrorCode;
-  if (closed_) return std::unexpected(Refusal{kUnknownSession, "the session is closed"});
+  if (closed_) return std::unexpected(Rejection{kUnknownSession, "the session is closed"});
   const auto count = static_cast<std::size_t>(std::ranges::count_if(
       seats_ | std::views::values, [&](auto& seat) { return seat.who.kind == request.kind; }));
   const std::size_t most = request.kind == ParticipantKind::kViewer  ? limits_.viewers_max
                            : request.kind == ParticipantKind::kAgent ? limits_.agents_max
                                                                      : limits_.programs_max;
   if (count >= most) {
-    return std::unexpected(Refusal{
+    return std::unexpected(Rejection{
         kBusy, std::string("the session has as many participants of kind ") +
                    to_string(request.kind) + " as it admits (" + std::to_string(most) + ")"});
   }
   if (request.name.size() > wire::kMaxNameBytes) {
-    return std::unexpected(Refusal{
+    return std::unexpected(Rejection{
         kTooLarge, "name is longer than " + std::to_string(wire::kMaxNameBytes) + " bytes"});
   }
   if (!request.color.empty() && !is_color(request.color)) {
-    return std::unexpected(Refusal{kBadMessage, "color is not of the form #rrggbb"});
+    return std::unexpected(Rejection{kBadMessage, "color is not of the form #rrggbb"});
   }
   Seat seat;
   seat.who = {++last_participant_, request.kind, request.name, request.color, 0};
@@ -72,7 +73,7 @@ std::expected<Participant, Refusal> Session::join(const JoinRequest& request) {
     seat.who.tool = request.tool != 0 ? request.tool : scene_.tools.begin()->first;
     if (sculpture_.tool(seat.who.tool) == nullptr) {
       return std::unexpected(
-          Refusal{kUnknownTool, "the session has no tool " + std::to_string(seat.who.tool)});
+          Rejection{kUnknownTool, "the session has no tool " + std::to_string(seat.who.tool)});
     }
   }
   if (seat.who.name.empty()) {
@@ -98,11 +99,11 @@ void Session::leave(ParticipantId id) {
   if (seats_.erase(id) > 0) tell({});
 }
 
-std::expected<void, Refusal> Session::choose_tool(ParticipantId id, ToolId tool) {
+std::expected<void, Rejection> Session::choose_tool(ParticipantId id, ToolId tool) {
   const auto seat = seats_.find(id);
   if (seat == seats_.end() || sculpture_.tool(tool) == nullptr) {
-    return std::unexpected(
-        Refusal{wire::ErrorCode::kUnknownTool, "the session has no tool " + std::to_string(tool)});
+    return std::unexpected(Rejection{wire::ErrorCode::kUnknownTool,
+                                     "the session has no tool " + std::to_string(tool)});
   }
   if (seat->second.who.tool == tool) return {};
   seat->second.who.tool = tool;
@@ -111,15 +112,15 @@ std::expected<void, Refusal> Session::choose_tool(ParticipantId id, ToolId tool)
   return {};
 }
 
-std::expected<MotionResult, Refusal> Session::carve(ParticipantId who, const MoveTool& move) {
+std::expected<MotionResult, Rejection> Session::carve(ParticipantId who, const MoveTool& move) {
   if (closed_)
-    return std::unexpected(Refusal{wire::ErrorCode::kUnknownSession, "the session is closed"});
+    return std::unexpected(Rejection{wire::ErrorCode::kUnknownSession, "the session is closed"});
   const Command command = move;
-  if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_refusal(ok.error()));
+  if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
   if (auto ok = journal_.append(who, command); !ok)
-    return std::unexpected(journal_refusal(ok.error()));
+    return std::unexpected(journal_rejection(ok.error()));
   auto result = sculpture_.apply(command);
-  if (!result) return std::unexpected(to_refusal(result.error()));
+  if (!result) return std::unexpected(to_rejection(result.error()));
   motions_applied_.fetch_add(1, std::memory_order_relaxed);
   changed_.insert(result->changed_tiles.begin(), result->changed_tiles.end());
   for (auto& [id, seat] : seats_) {
@@ -133,16 +134,16 @@ std::expected<MotionResult, Refusal> Session::carve(ParticipantId who, const Mov
   return *std::move(result);
 }
 
-std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample& sample,
-                                            BatchSum& sum) {
+std::optional<Rejection> Session::take_sample(Seat& seat, const wire::MotionSample& sample,
+                                              BatchSum& sum) {
   if (sample.agent_sequence <= seat.last_sequence) return std::nullopt;  // a repetition
   seat.last_sequence = sample.agent_sequence;
   seat.newest_us = sample.time_us;
   const auto name = [&] { return "sample " + std::to_string(sample.agent_sequence) + ": "; };
   if (!seat.samples.allow(Clock::now())) {
-    seat.track.lift();  // what was refused leaves a gap: a chord across it would gouge the block
-    return Refusal{wire::ErrorCode::kTooFast,
-                   name() + "more samples per second than the session admits"};
+    seat.track.lift();  // what was rejected leaves a gap: a chord across it would gouge the block
+    return Rejection{wire::ErrorCode::kTooFast,
+                     name() + "more samples per second than the session admits"};
   }
   auto step = seat.track.take(sample, sculpture_, limits_.speed_mm_per_s);
   if (!step) return step.error();
@@ -153,7 +154,7 @@ std::optional<Refusal> Session::take_sample(Seat& seat, const wire::MotionSample
   if (auto* move = std::get_if<MoveTool>(&*step)) {
     move->feel = seat.feel;
     const auto result = carve(seat.who.id, *move);
-    if (!result) return Refusal{result.error().code, name() + result.error().reason};
+    if (!result) return Rejection{result.error().code, name() + result.error().reason};
     add_motion(sum, sculpture_, *move, *result);
   }
   return std::nullopt;
@@ -163,25 +164,25 @@ MotionAnswer Session::move(ParticipantId id, std::span<const wire::MotionSample>
   MotionAnswer answer;
   const auto found = seats_.find(id);
   if (found == seats_.end() || closed_) {
-    answer.refusals.push_back(
+    answer.rejections.push_back(
         {wire::ErrorCode::kUnknownSession, "not a participant of the session"});
     return answer;
   }
   Seat& seat = found->second;
   BatchSum sum;
   for (const wire::MotionSample& sample : samples) {
-    if (auto refusal = take_sample(seat, sample, sum)) answer.refusals.push_back(*refusal);
+    if (auto rejection = take_sample(seat, sample, sum)) answer.rejections.push_back(*rejection);
   }
-  // Whoever keeps a copy has cut there what was refused here.
-  if (!answer.refusals.empty() && seat.stock) {
-    seat.stock->start_afresh();
+  // Whoever keeps a copy has cut there what was rejected here.
+  if (!answer.rejections.empty() && seat.stock) {
+    seat.stock->restart();
   }
   wire::Result& result = answer.result;
   result.agent_sequence = seat.last_sequence;
   result.agent_time_us = samples.empty() ? seat.track.time_us() : samples.back().time_us;
   result.motions_applied = sculpture_.motions();
   sum.write(result);
-  if (!answer.refusals.empty()) result.status |= wire::kStatusRefused;
+  if (!answer.rejections.empty()) result.status |= wire::kStatusRejected;
   show(seat, result, sum);
   answer.felt = felt_by(seat);
   return answer;

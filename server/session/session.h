@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <atomic>
@@ -12,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "server/convert/refusal.h"
+#include "server/convert/rejection.h"
 #include "server/convert/tool_track.h"
 #include "server/feed/stock_feed.h"
 #include "server/formats/scene.h"
@@ -26,7 +27,7 @@
 
 namespace kerf {
 
-/// What one session admits. Every limit answers with a typed refusal to the peer that hits it.
+/// What one session admits. Every limit answers with a typed rejection to the peer that hits it.
 struct SessionLimits {
   std::size_t agents_max = 32;
   std::size_t viewers_max = 2000;
@@ -41,7 +42,7 @@ struct SessionLimits {
 /// The answer to a batch of samples: what to send back to that agent, and nobody else.
 struct MotionAnswer {
   wire::Result result;
-  std::vector<Refusal> refusals;        ///< at most one per sample
+  std::vector<Rejection> rejections;    ///< at most one per sample
   std::optional<wire::ToolState> felt;  ///< of the participant whom this one feels, if it is there
 };
 
@@ -98,23 +99,23 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t motions_applied() const { return motions_applied_.load(std::memory_order_relaxed); }
 
   // ---- executor only ----
-  std::expected<Participant, Refusal> join(const JoinRequest& request);
+  std::expected<Participant, Rejection> join(const JoinRequest& request);
   void leave(ParticipantId id);
-  std::expected<void, Refusal> choose_tool(ParticipantId id, ToolId tool);
-  /// Validates, journals and applies each sample in turn; a refused one changes nothing and does
+  std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
+  /// Validates, journals and applies each sample in turn; a rejected one changes nothing and does
   /// not stop the others.
   MotionAnswer move(ParticipantId id, std::span<const wire::MotionSample> samples);
 
   /// For a participant that keeps a copy of the block near its tool: what it lacks, if anything.
-  std::optional<StockNews> stock_news(ParticipantId id);
-  /// It has every patch up to this one. Refuses a patch that was never sent, and whoever is sent
+  std::optional<StockUpdate> stock_update(ParticipantId id);
+  /// It has every patch up to this one. Rejects a patch that was never sent, and whoever is sent
   /// none.
-  std::expected<void, Refusal> ack_stock(ParticipantId id, std::uint64_t sequence);
+  std::expected<void, Rejection> ack_stock(ParticipantId id, std::uint64_t sequence);
   /// Its copy is wrong: the next patch begins a new one. Nothing for whoever keeps none.
-  void start_stock_afresh(ParticipantId id);
+  void reset_stock(ParticipantId id);
 
   /// Carves a program as one more participant.
-  std::expected<ProgramStatus, Refusal> start_program(Program program, ProgramPace pace);
+  std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramPace pace);
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
   bool cancel_program(ProgramId id);
@@ -145,20 +146,20 @@ class Session : public std::enable_shared_from_this<Session> {
     ParticipantId feel_of = 0;
     ToolTrack track;
     std::uint64_t last_sequence = 0;
-    std::uint64_t newest_us = 0;  ///< of the newest sample, refused or not, by the agent's clock
+    std::uint64_t newest_us = 0;  ///< of the newest sample, rejected or not, by the agent's clock
     RateLimit samples{0, 0};
     wire::ToolState state;
     Clock::time_point state_at{};
     std::optional<StockFeed> stock;  ///< of one who keeps a copy of the block
   };
 
-  std::optional<Refusal> take_sample(Seat& seat, const wire::MotionSample& sample, BatchSum& sum);
-  std::expected<MotionResult, Refusal> carve(ParticipantId who, const MoveTool& move);
+  std::optional<Rejection> take_sample(Seat& seat, const wire::MotionSample& sample, BatchSum& sum);
+  std::expected<MotionResult, Rejection> carve(ParticipantId who, const MoveTool& move);
   std::optional<wire::ToolState> felt_by(const Seat& seat) const;
   static void show(Seat& seat, const wire::Result& result, const BatchSum& sum);
   void run_programs();
-  std::expected<double, Refusal> carve_program_motion(ParticipantId who,
-                                                      const ProgramMotion& motion, bool feel);
+  std::expected<double, Rejection> carve_program_motion(ParticipantId who,
+                                                        const ProgramMotion& motion, bool feel);
   void retire_programs();
   void hash_soon();
   void start_hash();

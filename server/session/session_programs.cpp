@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The part of Session that carves uploaded programs.
 #include <algorithm>
 #include <ranges>
@@ -7,13 +8,14 @@
 
 namespace kerf {
 
-std::expected<ProgramStatus, Refusal> Session::start_program(Program program, ProgramPace pace) {
+std::expected<ProgramStatus, Rejection> Session::start_program(Program program, ProgramPace pace) {
   // Unknown tools are found before anything is cut, not in the middle of the work.
   for (const ProgramMotion& motion : program.motions) {
     if (sculpture_.tool(motion.tool) != nullptr) continue;
-    return std::unexpected(Refusal{wire::ErrorCode::kUnknownTool,
-                                   program.name + ":" + std::to_string(motion.line) +
-                                       ": the session has no tool " + std::to_string(motion.tool)});
+    return std::unexpected(
+        Rejection{wire::ErrorCode::kUnknownTool, program.name + ":" + std::to_string(motion.line) +
+                                                     ": the session has no tool " +
+                                                     std::to_string(motion.tool)});
   }
   JoinRequest request;
   request.kind = ParticipantKind::kProgram;
@@ -67,9 +69,9 @@ void Session::run_programs() {
   }
 }
 
-std::expected<double, Refusal> Session::carve_program_motion(ParticipantId who,
-                                                             const ProgramMotion& motion,
-                                                             bool feel) {
+std::expected<double, Rejection> Session::carve_program_motion(ParticipantId who,
+                                                               const ProgramMotion& motion,
+                                                               bool feel) {
   const auto result =
       carve(who, MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, feel});
   if (!result) return std::unexpected(result.error());

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the session tells those who keep a copy of the block near their tool.
 #include "server/session/session.h"
 
 namespace kerf {
 
-std::optional<StockNews> Session::stock_news(ParticipantId id) {
+std::optional<StockUpdate> Session::stock_update(ParticipantId id) {
   const auto found = seats_.find(id);
   if (found == seats_.end() || closed_) return std::nullopt;
   Seat& seat = found->second;
@@ -12,20 +13,20 @@ std::optional<StockNews> Session::stock_news(ParticipantId id) {
   return seat.stock->next(sculpture_, {*tool, *seat.track.pose(), seat.newest_us});
 }
 
-std::expected<void, Refusal> Session::ack_stock(ParticipantId id, std::uint64_t sequence) {
+std::expected<void, Rejection> Session::ack_stock(ParticipantId id, std::uint64_t sequence) {
   using enum wire::ErrorCode;
   const auto found = seats_.find(id);
   if (found == seats_.end() || !found->second.stock) {
-    return std::unexpected(Refusal{kBadMessage, "no stock frames were asked for"});
+    return std::unexpected(Rejection{kBadMessage, "no stock frames were asked for"});
   }
   if (found->second.stock->ack(sequence)) return {};
   return std::unexpected(
-      Refusal{kBadSequence, "stock frame " + std::to_string(sequence) + " was never sent"});
+      Rejection{kBadSequence, "stock frame " + std::to_string(sequence) + " was never sent"});
 }
 
-void Session::start_stock_afresh(ParticipantId id) {
+void Session::reset_stock(ParticipantId id) {
   const auto found = seats_.find(id);
-  if (found != seats_.end() && found->second.stock) found->second.stock->start_afresh();
+  if (found != seats_.end() && found->second.stock) found->second.stock->restart();
 }
 
 }  // namespace kerf

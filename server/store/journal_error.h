@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@ enum class JournalErrorCode {
   kNotAJournal,     ///< not SQLite, or SQLite of another program
   kForeignVersion,  ///< written by a version of Kerf that this one cannot read
   kCorrupt,         ///< damaged: `sequence` is the first bad record (0: outside the records)
-  kIo,              ///< the disk or the operating system refused
+  kIo,              ///< the disk or the operating system rejected
   kFull             ///< the disk does not keep up: the bounded buffer is full
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@ namespace kerf {
 
 /// "KERF" in the header of the SQLite file: tells our files from those of other programs.
 inline constexpr std::int64_t kJournalApplicationId = 0x4B455246;
-/// Version of the tables. A file with another version is refused with kForeignVersion, never
+/// Version of the tables. A file with another version is rejected with kForeignVersion, never
 /// guessed at.
 inline constexpr std::int64_t kJournalVersion = 1;
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -48,8 +49,8 @@ class JournalWriter {
 
   /// Blocks until everything appended before the call is committed, or tells why it cannot be.
   std::expected<void, JournalError> flush();
-  /// flush(), then closes the file: it may be moved or deleted afterwards. append() is refused from
-  /// now on.
+  /// flush(), then closes the file: it may be moved or deleted afterwards. append() is rejected
+  /// from now on.
   std::expected<void, JournalError> finish();
   std::uint64_t last_sequence() const;
   /// Grows each time that a journal is opened: peers use it to notice that a server was restarted.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -25,7 +26,7 @@ enum class DecodeErrorCode : std::uint8_t {
   kAxisNotUnit,
 };
 
-/// Why a frame was refused. `offset` is the byte, from the start of the frame, of the field at
+/// Why a frame was rejected. `offset` is the byte, from the start of the frame, of the field at
 /// fault; `reason` is static text.
 struct DecodeError {
   DecodeErrorCode code = DecodeErrorCode::kTooShort;
@@ -33,7 +34,7 @@ struct DecodeError {
   std::string_view reason;
 };
 
-/// The error code with which a server answers a frame refused for `code`.
+/// The error code with which a server answers a frame rejected for `code`.
 ErrorCode protocol_error(DecodeErrorCode code) noexcept;
 
 /// Reads one frame of at most `max_bytes`. Checks everything that does not need the session: sizes,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -10,12 +11,12 @@ namespace {
 
 using Unexpected = std::unexpected<DecodeError>;
 
-Unexpected refuse(DecodeErrorCode code, std::size_t offset, std::string_view reason) noexcept {
+Unexpected reject(DecodeErrorCode code, std::size_t offset, std::string_view reason) noexcept {
   return Unexpected(DecodeError{code, offset, reason});
 }
 
-Unexpected refuse_not_finite(std::size_t offset) noexcept {
-  return refuse(DecodeErrorCode::kNotFinite, offset, "a number is not finite");
+Unexpected reject_not_finite(std::size_t offset) noexcept {
+  return reject(DecodeErrorCode::kNotFinite, offset, "a number is not finite");
 }
 
 /// The count in front of a list, checked against its limits and the bytes that follow it.
@@ -24,16 +25,16 @@ std::expected<std::uint32_t, DecodeError> decode_count(ByteReader& from, std::si
                                                        std::size_t entry_bytes) noexcept {
   const std::size_t start = from.at();
   if (payload_bytes < kListHeadBytes) {
-    return refuse(DecodeErrorCode::kTooShort, start, "the payload ends before its count");
+    return reject(DecodeErrorCode::kTooShort, start, "the payload ends before its count");
   }
   std::uint32_t count = 0;
   from.field(count);
   from.reserved();
   if (count < least || count > most) {
-    return refuse(DecodeErrorCode::kBadCount, start, "the count is outside its limits");
+    return reject(DecodeErrorCode::kBadCount, start, "the count is outside its limits");
   }
   if (payload_bytes != kListHeadBytes + count * entry_bytes) {
-    return refuse(DecodeErrorCode::kPayloadMismatch, start, "the count does not match the payload");
+    return reject(DecodeErrorCode::kPayloadMismatch, start, "the count does not match the payload");
   }
   return count;
 }
@@ -49,17 +50,17 @@ std::expected<MotionBatch, DecodeError> decode_motion(ByteReader& from,
     const std::size_t start = from.at();
     MotionSample& sample = batch.samples[i];
     walk(from, sample);
-    if (from.not_finite_at() != 0) return refuse_not_finite(from.not_finite_at());
+    if (from.not_finite_at() != 0) return reject_not_finite(from.not_finite_at());
     const double x = sample.axis[0];
     const double y = sample.axis[1];
     const double z = sample.axis[2];
     if (std::abs(std::sqrt(x * x + y * y + z * z) - 1.0) > kAxisLengthTolerance) {
-      return refuse(DecodeErrorCode::kAxisNotUnit, start + kAxisOffset,
+      return reject(DecodeErrorCode::kAxisNotUnit, start + kAxisOffset,
                     "the axis is not of length 1");
     }
     const bool follows = i == 0 || sample.agent_sequence == batch.samples[i - 1].agent_sequence + 1;
     if (sample.agent_sequence == 0 || !follows) {
-      return refuse(DecodeErrorCode::kBadSequence, start,
+      return reject(DecodeErrorCode::kBadSequence, start,
                     "sample numbers are not consecutive from 1");
     }
   }
@@ -72,7 +73,7 @@ std::expected<ToolStates, DecodeError> decode_tools(ByteReader& from, std::size_
   ToolStates states;
   states.tools.resize(*count);
   for (ToolState& state : states.tools) walk(from, state);
-  if (from.not_finite_at() != 0) return refuse_not_finite(from.not_finite_at());
+  if (from.not_finite_at() != 0) return reject_not_finite(from.not_finite_at());
   return states;
 }
 
@@ -82,18 +83,18 @@ std::expected<Result, DecodeError> decode_result(ByteReader& from,
   const std::size_t start = from.at();
   Result result;
   if (payload_bytes < kResultBytes) {
-    return refuse(DecodeErrorCode::kPayloadMismatch, 8, "the payload ends inside the result");
+    return reject(DecodeErrorCode::kPayloadMismatch, 8, "the payload ends inside the result");
   }
   walk(from, result);
   if (result.plane_count > kMaxContactPlanes) {
-    return refuse(DecodeErrorCode::kBadCount, start + kPlaneCountOffset,
+    return reject(DecodeErrorCode::kBadCount, start + kPlaneCountOffset,
                   "the count is outside its limits");
   }
   if (payload_bytes != kResultBytes + result.plane_count * kContactPlaneBytes) {
-    return refuse(DecodeErrorCode::kPayloadMismatch, 8, "the count does not match the payload");
+    return reject(DecodeErrorCode::kPayloadMismatch, 8, "the count does not match the payload");
   }
   for (std::uint32_t i = 0; i < result.plane_count; ++i) walk(from, result.planes[i]);
-  if (from.not_finite_at() != 0) return refuse_not_finite(from.not_finite_at());
+  if (from.not_finite_at() != 0) return reject_not_finite(from.not_finite_at());
   return result;
 }
 
@@ -101,39 +102,39 @@ std::expected<StockPatch, DecodeError> decode_stock(ByteReader& from, std::size_
                                                     std::uint8_t flags) {
   const std::size_t start = from.at(), end = start + payload_bytes;
   if (payload_bytes < kStockHeadBytes) {
-    return refuse(DecodeErrorCode::kTooShort, start, "the payload ends before its count");
+    return reject(DecodeErrorCode::kTooShort, start, "the payload ends before its count");
   }
   StockPatch patch;
-  patch.afresh = (flags & kStockAfresh) != 0;
+  patch.reset = (flags & kStockReset) != 0;
   std::uint32_t count = 0;
   from.field(patch.agent_time_us);
   const std::size_t count_at = from.at();
   from.field(count);
   from.reserved();
   if (count > kMaxStockTiles || count * kStockTileBytes > end - from.at()) {
-    return refuse(DecodeErrorCode::kBadCount, count_at, "the count is outside its limits");
+    return reject(DecodeErrorCode::kBadCount, count_at, "the count is outside its limits");
   }
   patch.tiles.resize(count);
   for (StockTile& tile : patch.tiles) {
     const std::size_t tile_at = from.at();
     std::uint32_t bytes = 0;
     if (end - tile_at < kStockTileBytes) {
-      return refuse(DecodeErrorCode::kPayloadMismatch, tile_at, "the payload ends inside a tile");
+      return reject(DecodeErrorCode::kPayloadMismatch, tile_at, "the payload ends inside a tile");
     }
     from.field(tile.axis);
     from.field(tile.x);
     from.field(tile.y);
     from.field(bytes);
     if (tile.axis > 2) {
-      return refuse(DecodeErrorCode::kBadCount, tile_at, "there is no such axis");
+      return reject(DecodeErrorCode::kBadCount, tile_at, "there is no such axis");
     }
     if (bytes > end - from.at()) {
-      return refuse(DecodeErrorCode::kPayloadMismatch, tile_at, "the payload ends inside a tile");
+      return reject(DecodeErrorCode::kPayloadMismatch, tile_at, "the payload ends inside a tile");
     }
     tile.columns = from.bytes(bytes);
   }
   if (from.at() != end) {
-    return refuse(DecodeErrorCode::kPayloadMismatch, from.at(), "more follows the last tile");
+    return reject(DecodeErrorCode::kPayloadMismatch, from.at(), "more follows the last tile");
   }
   return patch;
 }
@@ -185,10 +186,10 @@ ErrorCode protocol_error(DecodeErrorCode code) noexcept {
 std::expected<FrameHeader, DecodeError> decode_header(std::span<const std::byte> frame,
                                                       std::size_t max_bytes) noexcept {
   if (frame.size() > max_bytes) {
-    return refuse(DecodeErrorCode::kTooLong, max_bytes, "the frame is longer than allowed");
+    return reject(DecodeErrorCode::kTooLong, max_bytes, "the frame is longer than allowed");
   }
   if (frame.size() < kHeaderBytes) {
-    return refuse(DecodeErrorCode::kTooShort, frame.size(), "the frame ends inside its header");
+    return reject(DecodeErrorCode::kTooShort, frame.size(), "the frame ends inside its header");
   }
   ByteReader from(frame, 0);
   std::uint32_t magic = 0;
@@ -199,14 +200,14 @@ std::expected<FrameHeader, DecodeError> decode_header(std::span<const std::byte>
   walk(from, header);
   header.type = static_cast<MessageType>(type);
   if (magic != kMagic) {
-    return refuse(DecodeErrorCode::kBadMagic, 0, "the frame does not start with KRF1");
+    return reject(DecodeErrorCode::kBadMagic, 0, "the frame does not start with KRF1");
   }
   if (header.header_bytes < kHeaderBytes || header.header_bytes > kMaxHeaderBytes ||
       header.header_bytes > frame.size()) {
-    return refuse(DecodeErrorCode::kBadHeaderBytes, 6, "header_bytes is outside its limits");
+    return reject(DecodeErrorCode::kBadHeaderBytes, 6, "header_bytes is outside its limits");
   }
   if (header.payload_bytes != frame.size() - header.header_bytes) {
-    return refuse(DecodeErrorCode::kPayloadMismatch, 8, "payload_bytes is not what follows");
+    return reject(DecodeErrorCode::kPayloadMismatch, 8, "payload_bytes is not what follows");
   }
   return header;
 }
@@ -217,7 +218,7 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
   if (!header) return std::unexpected(header.error());
   const auto fixed_bytes = fixed_payload_bytes(header->type);
   if (fixed_bytes && *fixed_bytes != header->payload_bytes) {
-    return refuse(DecodeErrorCode::kPayloadMismatch, 8,
+    return reject(DecodeErrorCode::kPayloadMismatch, 8,
                   "the payload has the wrong size for its type");
   }
   ByteReader from(frame, header->header_bytes);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cassert>
 #include <cstring>
 
@@ -110,7 +111,7 @@ std::size_t encode(const FrameStamp& stamp, const Pong& pong, std::span<std::byt
 std::size_t encode(const FrameStamp& stamp, const StockPatch& patch,
                    std::span<std::byte> out) noexcept {
   assert(patch.tiles.size() <= kMaxStockTiles);
-  ByteWriter to = start_frame(stamp, MessageType::kStock, patch.afresh ? kStockAfresh : 0,
+  ByteWriter to = start_frame(stamp, MessageType::kStock, patch.reset ? kStockReset : 0,
                               encoded_bytes(patch), out);
   to.field(patch.agent_time_us);
   to.field(static_cast<std::uint32_t>(patch.tiles.size()));

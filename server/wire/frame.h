@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -25,8 +26,8 @@ enum class MessageType : std::uint8_t {
 inline constexpr std::uint8_t kMeshSnapshot = 1;
 inline constexpr std::uint8_t kMeshSnapshotEnd = 2;
 
-/// Flag of a stock frame: StockPatch::afresh.
-inline constexpr std::uint8_t kStockAfresh = 1;
+/// Flag of a stock frame: StockPatch::reset.
+inline constexpr std::uint8_t kStockReset = 1;
 
 /// What a sender chooses for each frame; the encoder fills in the rest of the header.
 struct FrameStamp {

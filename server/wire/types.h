@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -22,7 +23,7 @@ inline constexpr std::uint32_t kButtonDeadman = 2;
 /// Bits of Result::status and ToolState::status.
 inline constexpr std::uint32_t kStatusCutting = 1;
 inline constexpr std::uint32_t kStatusColliding = 2;
-inline constexpr std::uint32_t kStatusRefused = 4;
+inline constexpr std::uint32_t kStatusRejected = 4;
 /// Of a result over UDP: samples are missing between this one and those that came.
 inline constexpr std::uint32_t kStatusGap = 8;
 
@@ -137,8 +138,8 @@ struct StockTile {
 /// Tiles near an agent's tool.
 struct StockPatch {
   /// Forget what came before: the block is as the welcome said, less what follows.
-  bool afresh = false;
-  /// Samples of this agent up to here, by its clock, are cut out of them or were refused; 0: none.
+  bool reset = false;
+  /// Samples of this agent up to here, by its clock, are cut out of them or were rejected; 0: none.
   std::uint64_t agent_time_us = 0;
   std::vector<StockTile> tiles;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The demo's programs carve what they promise: nothing below the wanted surface, hardly anything
 // left above it.
 

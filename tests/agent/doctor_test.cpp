@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/doctor/doctor.h"
 
 #include <gtest/gtest.h>
@@ -69,7 +70,7 @@ TEST(Doctor, TheRuleFileThatIsShippedNamesEveryDeviceThatIsDriven) {
   }
 }
 
-TEST(Doctor, RightsThatAreRefusedComeWithTheLinesThatGrantThem) {
+TEST(Doctor, RightsThatAreRejectedComeWithTheLinesThatGrantThem) {
   EXPECT_EQ(judge_priority(rights(true, false)).health, Health::kFine);
   EXPECT_EQ(judge_priority(rights(false, false)).health, Health::kWarning);
   EXPECT_TRUE(says(judge_priority(rights(false, false)), "@plugdev - rtprio 90"));

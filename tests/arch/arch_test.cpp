@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The rules of the house, held against the tree as it stands.
 
 #include <gtest/gtest.h>

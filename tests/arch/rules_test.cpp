@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Each rule can fail, and stays silent where it should: the rules of this folder, held against
 // small made-up sources.
 

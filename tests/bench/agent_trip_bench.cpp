@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From what goes wrong to no force, in real time: the real servo, watchdog, link and copy of the
 // block, a real server as a child, and a device that leans on a wall.
 //

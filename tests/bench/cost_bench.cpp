@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What each thing in a scene costs: CPU time and bytes per motion with it absent and present. The
 // variants of a group run in turns (A B C A B C …) and each is compared with the first of its own
 // turn, so that what else the machine does cancels; medians of all turns are printed.

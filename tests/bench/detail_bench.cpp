@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What coarser levels of detail cost, save and err by: the standard job's block, carved in five
 // axes, at each level, and as viewers see it who look at all of it or at a part. Times are CPU
 // seconds of this thread. Usage: detail_bench [pitch_mm=0.25]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far the ends of dexels lie off the true swept surface, for every tool shape and tolerance,
 // and how many sub-motions that takes. Usage: endpoint_bench [moves=60]
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the stock costs: the standard job with one field of rays and with three, a block full of
 // grooves, and the same hand's breadth of carving in blocks from 10 mm to 10 m. CPU time of one
 // thread.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The force while the engagement is constant: slots of constant depth and plunges at 30 mm/s with
 // ball and flat end mills, in several directions of the grid. A perfect force would not change from
 // tick to tick, nor with the rate of the ticks, nor with the pitch. Prints one table.

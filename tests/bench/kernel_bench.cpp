@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The standard job on one core: moves per second with force and torque, sub-motions, removed
 // volume; beside it a bare loop that shows what one core can do on the three-axis job; and ticks of
 // a hand at 1 kHz. Usage: kernel_bench [pitch_mm=0.1] [tolerance_mm=0.001]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a hand waits for an answer on a network that loses packets: the agent's link and a real
 // server with a path between them that delays IP packets and loses some, TCP's and UDP's alike.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/lossy_path.h"
 
 #include <arpa/inet.h>

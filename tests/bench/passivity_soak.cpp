@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The promise of the agent's passivity layer, asked of many random adversarial traces of two
 // seconds:
 //

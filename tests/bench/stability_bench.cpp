@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The agent at a distance: the real session and block, traffic, codec and servo in virtual time, a
 // line between them that delays, jitters, loses (and sends again, in order, as TCP does) and stands
 // still.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The standard job as an APT program on stdout; its scene is tests/formats/scenes/standard.json.
 // Usage: standard_program 3|5 > job.apt
 

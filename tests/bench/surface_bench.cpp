@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How fast the surface is made and encoded on one core, and how large it gets: the standard job's
 // block, before and after it is carved in three and in five axes. Times are CPU seconds of this
 // thread. `features` prints instead how far the mesh of random carvings is off, everywhere and away

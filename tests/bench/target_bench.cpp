@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether the accuracy that "target_mm" chooses meets the target, and what the cheapest that does
 // would have cost. Programs are made up here; each is carved as chosen and with coarser and looser
 // settings around that, and measured against the true solid (server/carve/true_solid.h).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What threads gain: long blocks of an NC program, and short ones, that one thread and several
 // carve. The numbers of threads take turns, motion by motion, on blocks of their own, so that what
 // else the machine does meets all of them; the least time of each motion over all turns counts. All

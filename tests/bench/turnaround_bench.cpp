@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From motion in to wrench out: a real kerf-server as a child process, one agent at 1 kHz over
 // loopback, a ball of 10 mm that cuts without pause at 0.1 mm pitch.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/datagram/cipher.h"
 
 #include <gtest/gtest.h>
@@ -107,7 +108,7 @@ TEST_F(CipherTest, EveryFlippedBitIsFoundAndChangesNothing) {
   EXPECT_EQ(opened(opener, good), ping_frame());
 }
 
-TEST_F(CipherTest, EveryOtherLengthIsRefused) {
+TEST_F(CipherTest, EveryOtherLengthIsRejected) {
   const Bytes good = sealed(sealer, ping_frame());
   for (std::size_t size = 0; size <= kMaxBytes + 100; ++size) {
     Bytes bad = good;
@@ -116,7 +117,7 @@ TEST_F(CipherTest, EveryOtherLengthIsRefused) {
   }
 }
 
-TEST_F(CipherTest, AnotherKeyOrConnectionIsRefused) {
+TEST_F(CipherTest, AnotherKeyOrConnectionIsRejected) {
   const Bytes good = sealed(sealer, ping_frame());
   Key other = counting_key();
   other.back() ^= std::byte{1};

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Builds the kernel and state_hashes once more, with another compiler, optimisation level or instruction set, and compares
 what it prints, byte for byte, with what this build's state_hashes prints. Or (--threads) runs this build's on so many threads.
 

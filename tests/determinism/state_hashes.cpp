@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs one job for every tool, ray model, motion model and force law and prints, a line each, the
 // hash of the state and the hash of every result: forces, volumes, tiles. Two builds of the kernel
 // that print the same bytes agree to the last bit. Nothing here may depend on the machine: poses

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The whole line, end to end: the real server, two agents at 1 kHz on one block, two browsers and a viewer without a browser.
 // At the end all of them must have the same block, and what can be taken home must be sound. See README.md.
 //

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Fetches the npm packages of the end-to-end tests, unless those of this lock file are there already.
 set -euo pipefail
 cd "$(dirname "$0")"

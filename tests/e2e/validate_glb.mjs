@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Validates GLB files with Khronos's gltf-validator. Usage: node validate_glb.mjs FILE.glb...
 // Prints one line per file and every message that is not a hint; exits with 1 if any file has an error or a warning.
 import { readFile } from 'node:fs/promises';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/accuracy_choice.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +25,7 @@ AccuracyChoice choose(const AccuracyRequest& request, const AccuracyUse& use = u
   return choice.value();
 }
 
-AccuracyErrorCode refusal(const AccuracyRequest& request, const AccuracyUse& use = use_of()) {
+AccuracyErrorCode rejection(const AccuracyRequest& request, const AccuracyUse& use = use_of()) {
   const auto choice = choose_accuracy(request, use);
   EXPECT_FALSE(choice.has_value());
   return choice.error().code;
@@ -68,7 +69,7 @@ TEST(AccuracyChoice, WhatIsFixedStays) {
   EXPECT_THAT(choose(tolerance).reason, HasSubstr("0.033 mm (given)"));
 }
 
-TEST(AccuracyChoice, WhereEverythingIsGivenNothingIsRefused) {
+TEST(AccuracyChoice, WhereEverythingIsGivenNothingIsRejected) {
   const AccuracyRequest all{.target_mm = 0.01,
                             .rays = Rays::kDexel,
                             .pitch_mm = 2.0,
@@ -92,7 +93,7 @@ TEST(AccuracyChoice, OneFieldAndTheTightModelAreCheapest) {
 TEST(AccuracyChoice, ThreeFieldsAreTakenWhereOneCannotMeetTheTarget) {
   const Accuracy coarse = choose({.target_mm = 0.1, .pitch_mm = 0.12}).accuracy;
   EXPECT_EQ(coarse.rays, Rays::kTriDexel);
-  EXPECT_EQ(refusal({.target_mm = 0.1, .rays = Rays::kDexel, .pitch_mm = 0.12}),
+  EXPECT_EQ(rejection({.target_mm = 0.1, .rays = Rays::kDexel, .pitch_mm = 0.12}),
             AccuracyErrorCode::kUnreachable);
 }
 
@@ -114,26 +115,26 @@ TEST(AccuracyChoice, RaysDoNotMissTheSmallestTool) {
   EXPECT_GT(choose(target(3), use_of(10)).accuracy.pitch_mm, 1.5);
 }
 
-TEST(AccuracyChoice, AnUnreachableTargetIsRefusedWithItsKind) {
-  EXPECT_EQ(refusal({.target_mm = 0.1, .pitch_mm = 0.2}), AccuracyErrorCode::kUnreachable);
-  EXPECT_EQ(refusal({.target_mm = 0.1, .tolerance_mm = 0.1}), AccuracyErrorCode::kUnreachable);
-  EXPECT_EQ(refusal({.target_mm = 0.1, .pitch_mm = 0.1, .tolerance_mm = 0.05}),
+TEST(AccuracyChoice, AnUnreachableTargetIsRejectedWithItsKind) {
+  EXPECT_EQ(rejection({.target_mm = 0.1, .pitch_mm = 0.2}), AccuracyErrorCode::kUnreachable);
+  EXPECT_EQ(rejection({.target_mm = 0.1, .tolerance_mm = 0.1}), AccuracyErrorCode::kUnreachable);
+  EXPECT_EQ(rejection({.target_mm = 0.1, .pitch_mm = 0.1, .tolerance_mm = 0.05}),
             AccuracyErrorCode::kUnreachable);
-  EXPECT_EQ(refusal(target(0.001)), AccuracyErrorCode::kTooMuchMemory);
-  EXPECT_EQ(refusal(target(1e-6)), AccuracyErrorCode::kOutOfRange);
-  EXPECT_EQ(refusal({.target_mm = 0.003, .rays = Rays::kTriDexel}),
+  EXPECT_EQ(rejection(target(0.001)), AccuracyErrorCode::kTooMuchMemory);
+  EXPECT_EQ(rejection(target(1e-6)), AccuracyErrorCode::kOutOfRange);
+  EXPECT_EQ(rejection({.target_mm = 0.003, .rays = Rays::kTriDexel}),
             AccuracyErrorCode::kTooMuchMemory);
 }
 
-TEST(AccuracyChoice, TheTargetThatAMemoryRefusalNamesIsAllowed) {
+TEST(AccuracyChoice, TheTargetThatAMemoryRejectionNamesIsAllowed) {
   AccuracyUse use = use_of();
   use.stock = BoxStock{{0, 0, 0}, {10000, 10000, 100}};
-  const auto refused = choose_accuracy(target(0.05), use);
-  ASSERT_FALSE(refused.has_value());
+  const auto rejected = choose_accuracy(target(0.05), use);
+  ASSERT_FALSE(rejected.has_value());
   const std::string words = "allows a target of ";
-  const auto at = refused.error().reason.find(words);
-  ASSERT_NE(at, std::string::npos) << refused.error().reason;
-  const double allowed = std::stod(refused.error().reason.substr(at + words.size()));
+  const auto at = rejected.error().reason.find(words);
+  ASSERT_NE(at, std::string::npos) << rejected.error().reason;
+  const double allowed = std::stod(rejected.error().reason.substr(at + words.size()));
   EXPECT_TRUE(choose_accuracy(target(1.1 * allowed), use).has_value()) << allowed;
 }
 
@@ -181,7 +182,7 @@ TEST(SceneTarget, WhatAJournalHoldsIsNeverChosenAnew) {
   EXPECT_EQ(accuracy_of(*scene), (Accuracy{Rays::kDexel, 3, 1, MotionModel::kPaper}));
 }
 
-TEST(SceneTarget, BadTargetsAreRefusedWithTheirPath) {
+TEST(SceneTarget, BadTargetsAreRejectedWithTheirPath) {
   for (const auto& [accuracy, path, reason] : std::vector<std::array<const char*, 3>>{
            {R"({"target_mm": 0})", "accuracy.target_mm", "above 0"},
            {R"({"target_mm": -1})", "accuracy.target_mm", "above 0"},

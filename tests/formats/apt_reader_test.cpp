@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -102,7 +103,7 @@ struct BadStatement {
 
 class BadApt : public testing::TestWithParam<BadStatement> {};
 
-TEST_P(BadApt, IsRefusedWithLineAndWord) {
+TEST_P(BadApt, IsRejectedWithLineAndWord) {
   const ProgramError error = error_of(scene_for("tool-vector"), "p.apt",
                                       kStart + "FROM/0,0,0\n" + GetParam().text + "\nFINI\n");
   EXPECT_EQ(error.line, 7u);

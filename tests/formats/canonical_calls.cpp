@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // canonical_calls [--tools TABLE] [--parameters FILE] [--folder DIR]... PROGRAM: what Kerf's reader
 // asks an inch machine with axes X Y Z A B C to do, one line each, in mm and degrees, without
 // offsets:

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Carves two real programs with kerf-carve and hands what comes out to other programs.
 
 usage: carve_real_programs.py KERF_CARVE SCENES_FOLDER

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Reads every sample program of LinuxCNC with Kerf and with rs274 and compares every canonical call; prints a table.
 
 usage: compare_samples.py CANONICAL_CALLS [--linuxcnc DIR] [--list]
 DIR is what test.sh unpacks (rs274 and root/ in it). Exit status 77 (skipped) where it is not there; 1 if the two disagree
-on a program, or if Kerf refuses one that rs274 accepts for a reason that does not stand in REASONS.
+on a program, or if Kerf rejects one that rs274 accepts for a reason that does not stand in REASONS.
 """
 import argparse
 import collections
@@ -15,15 +16,15 @@ from pathlib import Path
 
 import rs274 as reference
 
-# Why Kerf refuses what LinuxCNC reads: parts of its messages.
+# Why Kerf rejects what LinuxCNC reads: parts of its messages.
 REASONS = {
     "probes": "probing: where a probe trips, only a machine knows",
     "belongs to lathes": "lathe cycles",
     "threads by the spindle's angle": "lathe threads",
 }
-# Why rs274, as it stands alone, refuses what Kerf reads.
+# Why rs274, as it stands alone, rejects what Kerf reads.
 THEIR_REASONS = {
-    "File ended with no percent sign": "no M2, M30 or %: Kerf warns, rs274 refuses (subroutines, for the most part)",
+    "File ended with no percent sign": "no M2, M30 or %: Kerf warns, rs274 rejects (subroutines, for the most part)",
     "M-code greater than 199": "M428, M429: remapped by the sample machines' configurations",
 }
 SUBROUTINES = ["", "ngcgui_lib", "ngcgui_lib/utilitysubs", "gladevcp_lib", "remap_lib/common_nc_subs"]
@@ -59,7 +60,7 @@ class Walk:
         return ours, theirs, complaint, error, None
 
     def judge(self, program):
-        """(category, what to print), category being one of "agree", "both refuse", … or "wrong: …"."""
+        """(category, what to print), category being one of "agree", "both reject", … or "wrong: …"."""
         ours, theirs, complaint, error, differs = self.compare(program)
         if differs:
             # After M6 the stand-alone rs274 forgets the offset of a G43 that stands in the same block.
@@ -72,13 +73,13 @@ class Walk:
             return "agree" if moves else "agree: nothing moves", len(ours), ""
         if complaint is None:
             why = reason_in(error, REASONS)
-            return ("Kerf refuses: " + why if why else "wrong: Kerf refuses without a stated reason"), 0, error
+            return ("Kerf rejects: " + why if why else "wrong: Kerf rejects without a stated reason"), 0, error
         if error is None:
             why = reason_in(complaint, THEIR_REASONS)
             if "program end" in complaint and (differs := reference.difference(ours, theirs)):
                 return "wrong: they disagree", 0, differs
-            return ("rs274 refuses: " + why if why else "wrong: only rs274 refuses"), 0, complaint
-        return "both refuse", 0, error
+            return ("rs274 rejects: " + why if why else "wrong: only rs274 rejects"), 0, complaint
+        return "both reject", 0, error
 
 
 def caller_of(program, folder):
@@ -114,7 +115,7 @@ def main():
             count[category] += 1
             calls += equal if category.startswith("agree") else 0
             line = "%s: %s %s" % (program.relative_to(share), category, text.replace(str(share) + "/", ""))
-            if category.startswith(("wrong", "Kerf refuses")) or args.list:
+            if category.startswith(("wrong", "Kerf rejects")) or args.list:
                 print(line)
             if category.startswith("wrong"):
                 wrong.append(line)

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Reads random G-code with Kerf and with LinuxCNC's stand-alone interpreter and compares every canonical call.
 
 usage: compare_with_rs274.py CANONICAL_CALLS [--rs274 PATH] [--programs N] [--first SEED] [--kind KIND]
@@ -263,11 +264,11 @@ def main():
                 if args.keep:
                     Path(args.keep).write_text(text)
                 return 1
-            count[kind, "refused" if error else "agree"] += 1
+            count[kind, "rejected" if error else "agree"] += 1
             count[kind, "calls"] += len(ours)
     for kind in KINDS:
-        print("%-13s %4d programs agree, %3d refused by both, %6d calls equal"
-              % (kind, count[kind, "agree"], count[kind, "refused"], count[kind, "calls"]))
+        print("%-13s %4d programs agree, %3d rejected by both, %6d calls equal"
+              % (kind, count[kind, "agree"], count[kind, "rejected"], count[kind, "calls"]))
     return 0
 
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Exports programs for each machine, has LinuxCNC's interpreter execute them, and carves what its canonical moves say.
 
 usage: export_to_rs274.py KERF_CARVE [--rs274 PATH]
@@ -76,7 +77,7 @@ def execute(rs274, folder, file):
                          capture_output=True, text=True, cwd=folder, env=private_home(folder))
     complaints = [line for line in run.stderr.splitlines() if line and line != "executing"]
     if run.returncode != 0 or complaints:
-        sys.exit(f"rs274 refuses {file.name}: exit {run.returncode}, {complaints[:3]}")
+        sys.exit(f"rs274 rejects {file.name}: exit {run.returncode}, {complaints[:3]}")
     return run.stdout.splitlines()
 
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -110,7 +111,7 @@ TEST(GcodeArc, ChordsStayWithinTheTolerance) {
   }
 }
 
-TEST(GcodeArc, ImpossibleArcsAreRefused) {
+TEST(GcodeArc, ImpossibleArcsAreRejected) {
   const auto fault = [](Vec3 end, const ArcCenter& center) {
     EXPECT_THROW(make_arc({0, 0, 0}, end, ArcPlane::kXy, center, false, 1), GcodeFault);
   };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -77,7 +78,7 @@ struct Bad {
 };
 class BadCompensation : public testing::TestWithParam<Bad> {};
 
-TEST_P(BadCompensation, IsRefused) {
+TEST_P(BadCompensation, IsRejected) {
   const ProgramError error = run_error_of(kStart + GetParam().text + "\nM2\n");
   EXPECT_EQ(error.line, GetParam().line) << error.reason;
   EXPECT_THAT(error.reason, HasSubstr(GetParam().reason));

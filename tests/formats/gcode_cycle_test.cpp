@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -81,7 +82,7 @@ struct Bad {
 };
 class BadCycle : public testing::TestWithParam<Bad> {};
 
-TEST_P(BadCycle, IsRefused) {
+TEST_P(BadCycle, IsRejected) {
   const ProgramError error = run_error_of(kStart + GetParam().text + "\nM2\n");
   EXPECT_EQ(error.line, 3u);
   EXPECT_THAT(error.reason, HasSubstr(GetParam().reason));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -66,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"exists[#<a>]", 1}, Case{"exists[#<nothing>]", 0}, Case{"exists[#9]", 1},
                     Case{"SQRT[ 4 ]", 2}, Case{"1 2 . 5", 12.5}));
 
-TEST(GcodeExpression, WhatHasNoValueIsRefused) {
+TEST(GcodeExpression, WhatHasNoValueIsRejected) {
   EXPECT_THAT(fault_of("x[1/0]").reason, testing::HasSubstr("finite"));
   EXPECT_EQ(fault_of("xsqrt[-1]").word, "sqrt[-1]");
   for (const char* line :
@@ -114,7 +115,7 @@ TEST(GcodeBlock, CommentsAreNotCode) {
   EXPECT_THROW(split_gcode_line("G1 )"), GcodeFault);
 }
 
-TEST(GcodeBlock, WhatContradictsItselfIsRefused) {
+TEST(GcodeBlock, WhatContradictsItselfIsRejected) {
   EXPECT_EQ(fault_of("G0 G1 X1").word, "G1");
   EXPECT_THAT(fault_of("G0 G1 X1").reason, testing::HasSubstr("modal group"));
   EXPECT_EQ(fault_of("G90 X1 G91").word, "G91");

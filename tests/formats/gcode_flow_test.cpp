@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -89,7 +90,7 @@ struct Bad {
 };
 class BadFlow : public testing::TestWithParam<Bad> {};
 
-TEST_P(BadFlow, IsRefusedWithLineAndWord) {
+TEST_P(BadFlow, IsRejectedWithLineAndWord) {
   const ProgramError error = run_error_of(GetParam().text);
   EXPECT_EQ(error.line, GetParam().line) << error.reason;
   EXPECT_EQ(error.word, GetParam().word) << error.reason;

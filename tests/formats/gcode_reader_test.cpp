@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -140,7 +141,7 @@ struct BadProgram {
 
 class BadGcode : public testing::TestWithParam<BadProgram> {};
 
-TEST_P(BadGcode, IsRefusedWithLineAndWord) {
+TEST_P(BadGcode, IsRejectedWithLineAndWord) {
   const BadProgram& bad = GetParam();
   const ProgramError error = error_of(scene_for("xyz"), "p.ngc", kStart + bad.text + "\nM2\n");
   EXPECT_EQ(error.file, "p.ngc");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -126,7 +127,7 @@ TEST(ProgramFuzz, SubroutinesAndCyclesGiveSoundMotionsOrAnErrorAndEnd) {
     expect_sound(parse_program("p.ngc", mutated(kControllerSeed, seed), scene, environment), seed);
 }
 
-TEST(ProgramFuzz, ToolTablesAndParameterFilesAreReadOrRefused) {
+TEST(ProgramFuzz, ToolTablesAndParameterFilesAreReadOrRejected) {
   const std::string table = "T1 P1 D0.5 Z+1.25 ; mill\nT2 P2 D.25 X1 I10 J20 Q3\n";
   const std::string parameters = "5161 1.5\n5162 -2e3\n5220 1\n5221 0.25\n5230 15\n";
   for (std::uint64_t seed = 1; seed <= 6000; ++seed) {
@@ -146,7 +147,7 @@ TEST(ProgramFuzz, AptGivesSoundMotionsOrAnError) {
     expect_sound(parse_program("p.apt", mutated(kAptSeed, seed), scene), seed);
 }
 
-TEST(ProgramFuzz, ScenesAreReadOrRefused) {
+TEST(ProgramFuzz, ScenesAreReadOrRejected) {
   ASSERT_TRUE(parse_scene(kSceneSeed, {}).has_value());
   for (std::uint64_t seed = 1; seed <= 6000; ++seed) {
     const auto scene = parse_scene(mutated(kSceneSeed, seed), {});

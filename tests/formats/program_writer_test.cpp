@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/program_writer.h"
 
 #include <gmock/gmock.h>
@@ -162,7 +163,7 @@ TEST(ProgramWriter, RotaryAxesDoNotUnwind) {
   EXPECT_THAT(text, HasSubstr("M428"));
 }
 
-TEST(ProgramWriter, ATiltedToolIsRefusedForXyz) {
+TEST(ProgramWriter, ATiltedToolIsRejectedForXyz) {
   std::ostringstream out;
   const Scene scene = scene_for("xyz");
   const auto writer = make_gcode_writer(scene, out);

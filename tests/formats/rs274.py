@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What LinuxCNC's stand-alone interpreter, rs274, and Kerf's reader make of a program: lists of canonical calls.
 
 A call is a dictionary: kind ("rapid", "feed", "arc", "dwell", "tool"), and for moves `to` (X Y Z in mm and A B C in
@@ -138,8 +139,8 @@ def with_rs274(rs274, program, folder, tools, folders=(), timeout=20):
         if match:
             machine.take(*match.groups())
     complaints = [l.strip() for l in run.stderr.splitlines() if l.strip() and l != "executing"]
-    refused = run.returncode != 0 or any("PROGRAM_END" in l for l in run.stdout.splitlines()) is False and complaints
-    return machine.calls, (" / ".join(complaints) or "exit %d" % run.returncode) if refused else None
+    rejected = run.returncode != 0 or any("PROGRAM_END" in l for l in run.stdout.splitlines()) is False and complaints
+    return machine.calls, (" / ".join(complaints) or "exit %d" % run.returncode) if rejected else None
 
 
 def with_kerf(canonical_calls, program, tools, folders=()):

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/scene.h"
 
 #include <gmock/gmock.h>
@@ -111,7 +112,7 @@ struct BadScene {
 
 class BadScenes : public testing::TestWithParam<BadScene> {};
 
-TEST_P(BadScenes, AreRefusedWithPathAndReason) {
+TEST_P(BadScenes, AreRejectedWithPathAndReason) {
   const SceneError error = error_of(with(GetParam().from, GetParam().to));
   EXPECT_EQ(error.file, "s.json");
   EXPECT_EQ(error.path, GetParam().path);
@@ -242,7 +243,7 @@ TEST_F(MeshScene, TakesFilesThatWereKeptInsteadOfTheFolders) {
   EXPECT_EQ(*again->settings.stock_mesh, *first->settings.stock_mesh);
 }
 
-TEST_F(MeshScene, IsRefusedWithWhatWasFoundAndWhere) {
+TEST_F(MeshScene, IsRejectedWithWhatWasFoundAndWhere) {
   const auto reason_of = [&](const std::string& file) {
     const auto scene = scene_of(file, "mesh");
     EXPECT_FALSE(scene.has_value()) << file;

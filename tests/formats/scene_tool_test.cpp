@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -89,7 +90,7 @@ struct BadTool {
 
 class BadTools : public testing::TestWithParam<BadTool> {};
 
-TEST_P(BadTools, AreRefusedWithPathAndReason) {
+TEST_P(BadTools, AreRejectedWithPathAndReason) {
   const auto scene = parse_scene(scene_with(GetParam().tool), {});
   ASSERT_FALSE(scene.has_value());
   EXPECT_EQ(scene.error().path, GetParam().path) << scene.error().reason;
@@ -144,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"("shape": "flat", "diameter_mm": 9, "length_mm": 9, "holder": {"profile_mm": [[3,1],[3,2]]})",
             "tools[0].holder.profile_mm[0]", "height 0"}));
 
-TEST(SceneTool, MangledProfilesAreReadOrRefused) {
+TEST(SceneTool, MangledProfilesAreReadOrRejected) {
   std::mt19937_64 random(3);
   const std::string whole = scene_with(kFormCutter);
   const std::string bits = "[]{},:\"0-9.eE";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -225,7 +226,7 @@ TEST_F(Tradeoff, WhatIsTooExpensiveIsSkippedAndSaidSo) {
   EXPECT_THAT(content("out"), HasSubstr("skipped"));
 }
 
-TEST_F(Tradeoff, BadInputIsRefusedInOneLine) {
+TEST_F(Tradeoff, BadInputIsRejectedInOneLine) {
   write("bad.ngc", "G77\n");
   const std::vector<std::pair<std::string, std::string>> cases{
       {"--program p.ngc", "kerf-carve tradeoff: --scene"},

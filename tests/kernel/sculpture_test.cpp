@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/sculpture.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ Sculpture sculpture() {
   return s;
 }
 
-TEST(Sculpture, RefusesBadSettingsByName) {
+TEST(Sculpture, RejectsBadSettingsByName) {
   using enum SculptureErrorCode;
   const auto code = [](auto change) {
     SculptureSettings s = settings();
@@ -45,7 +46,7 @@ TEST(Sculpture, RefusesBadSettingsByName) {
             kBadObstacle);
 }
 
-TEST(Sculpture, RefusedCommandLeavesItAsItWas) {
+TEST(Sculpture, RejectedCommandLeavesItAsItWas) {
   using enum SculptureErrorCode;
   auto s = sculpture();
   const std::uint64_t hash = s.state_hash();
@@ -72,7 +73,7 @@ TEST(Sculpture, RefusedCommandLeavesItAsItWas) {
   EXPECT_EQ(s.motions(), motions);
 }
 
-TEST(Sculpture, RefusesAMotionThatWouldNeedForever) {
+TEST(Sculpture, RejectsAMotionThatWouldNeedForever) {
   SculptureSettings slow = settings();
   slow.tolerance_mm = 1e-6;
   slow.motion = MotionModel::kPaper;

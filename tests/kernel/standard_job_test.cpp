@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The standard job: exact values, end-point error against the true motion, and literal state
 // hashes.
 

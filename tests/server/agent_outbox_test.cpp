@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What leaves first for an agent, and what is replaced by something newer.
 
 #include "server/net/agent_outbox.h"

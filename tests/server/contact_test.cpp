@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What touches a tool, and what others feel, as the session answers it.
 
 #include "tests/server/session_room.h"

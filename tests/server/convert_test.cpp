@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -35,7 +36,7 @@ TEST(ToPose, PutsThePoseOnTheGrid) {
   EXPECT_NEAR(length(pose->axis), 1, 1e-8);
 }
 
-TEST(ToPose, RefusesWhatIsNoPose) {
+TEST(ToPose, RejectsWhatIsNoPose) {
   for (const auto& bad : {sample_at({kNan, 0, 0}), sample_at({0, 0, 2e6}),
                           sample_at({0, 0, 0}, {0, 0, 0}), sample_at({0, 0, 0}, {0, 0, 1.01F}),
                           sample_at({0, 0, 0}, {static_cast<float>(kNan), 0, 1})}) {

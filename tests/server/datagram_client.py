@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The UDP lane of an agent, for the tests: RFC 8439 and the datagrams of server/wire/README.md, written out a second time.
 
 ChaCha20-Poly1305 in plain Python is slow (a millisecond or two a datagram) and shares nothing with OpenSSL, which both

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A TCP relay that makes loopback as slow as a real network, between a real server and real agents.
 
 As tests/agent/stability/virtual_line.h does in virtual time: each direction delays what it carries

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -36,7 +37,7 @@ TEST(ByteRange, WhatIsMalformedOrSeveralIsEverything) {
   }
 }
 
-TEST(ByteRange, WhatDoesNotExistIsRefused) {
+TEST(ByteRange, WhatDoesNotExistIsRejected) {
   for (const char* text : {"bytes=1000-", "bytes=5000-6000", "bytes=-0"}) {
     EXPECT_FALSE(parse_range(text, 1000)) << text;
   }

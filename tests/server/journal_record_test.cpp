@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_record.h"
 
 #include <gtest/gtest.h>
@@ -91,7 +92,7 @@ TEST(JournalRecord, TrailingBytesAndUnknownLayoutsAreErrors) {
   EXPECT_NE(decoded.error().find("layout 99"), std::string::npos);
 }
 
-TEST(JournalRecord, ToolThatTheKernelWouldRefuseIsAnError) {
+TEST(JournalRecord, ToolThatTheKernelWouldRejectIsAnError) {
   auto bytes = encode_command(some_tool_with_holder());
   for (std::size_t i = bytes.size() - 8; i < bytes.size(); ++i) bytes[i] = std::byte{0xFF};  // NaN
   EXPECT_FALSE(decode_command(bytes));

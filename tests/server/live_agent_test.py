@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The real kerf-agent against the real server: through a slow line, as several hands, its doctor."""
 import json
 import math
@@ -77,7 +78,7 @@ class AgentTest(LiveTest):
     def check_arrived(self, status, info):
         """Every sample was answered, on one connection, and the server lost nothing of it."""
         link = status["link"]
-        self.assertEqual((link["unanswered"], link["refused_results"], link["bad_frames"]),
+        self.assertEqual((link["unanswered"], link["rejected_results"], link["bad_frames"]),
                          (0, 0, 0))
         self.assertEqual((link["connections"], link["forgotten"], link["errors"]), (1, 0, {}))
         self.assertGreater(link["results"], 0)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Whatever a peer sends, it gets a typed error, and the session and the others in it go on."""
 import json
 import socket
@@ -6,7 +7,7 @@ import time
 import unittest
 
 from live_server import SCENE, LiveTest, Server
-from wire_client import (ACK, MOTION, Agent, Closed, Refused, Viewer, WebSocket, header,
+from wire_client import (ACK, MOTION, Agent, Closed, Rejected, Viewer, WebSocket, header,
                          motion_frame, sample)
 
 NAN = float("nan")
@@ -101,7 +102,7 @@ class BadFrames(LiveTest):
         self.bad.move([(0, 0, -15)])
         self.expect("too_fast")
 
-    def test_axis_that_turns_over_is_refused(self):
+    def test_axis_that_turns_over_is_rejected(self):
         self.bad.move([(0, 0, 5)], axis=(0, 0, 1))
         self.bad.move([(0, 0, 5)], axis=(0, 0, -1))
         self.expect("turn_too_large")
@@ -194,23 +195,23 @@ class BadViewers(LiveTest):
 
 
 class BadUpgrades(LiveTest):
-    def refuse(self, path, protocol, status, code, headers=()):
-        with self.assertRaises(Refused) as refused:
+    def reject(self, path, protocol, status, code, headers=()):
+        with self.assertRaises(Rejected) as rejected:
             WebSocket(self.port, path, protocol, headers)
-        self.assertEqual(refused.exception.status, status)
-        self.assertEqual(refused.exception.body["error"]["code"], code)
+        self.assertEqual(rejected.exception.status, status)
+        self.assertEqual(rejected.exception.body["error"]["code"], code)
 
     def test_unknown_session_is_404(self):
-        self.refuse("/v1/sessions/nobody/agent", "kerf.agent.v1", 404, "unknown_session")
-        self.refuse("/v1/sessions/nobody/view", "kerf.view.v1", 404, "unknown_session")
+        self.reject("/v1/sessions/nobody/agent", "kerf.agent.v1", 404, "unknown_session")
+        self.reject("/v1/sessions/nobody/view", "kerf.view.v1", 404, "unknown_session")
 
     def test_wrong_sub_protocol_is_400(self):
-        self.refuse("/v1/sessions/block/agent", "kerf.view.v1", 400, "bad_protocol")
-        self.refuse("/v1/sessions/block/agent", "kerf.agent.v9", 400, "bad_protocol")
-        self.refuse("/v1/sessions/block/view", None, 400, "bad_protocol")
+        self.reject("/v1/sessions/block/agent", "kerf.view.v1", 400, "bad_protocol")
+        self.reject("/v1/sessions/block/agent", "kerf.agent.v9", 400, "bad_protocol")
+        self.reject("/v1/sessions/block/view", None, 400, "bad_protocol")
 
     def test_foreign_origin_is_403(self):
-        self.refuse("/v1/sessions/block/view", "kerf.view.v1", 403, "bad_origin",
+        self.reject("/v1/sessions/block/view", "kerf.view.v1", 403, "bad_origin",
                     ["Origin: https://evil.example"])
 
     def test_own_origin_is_welcome(self):
@@ -218,13 +219,13 @@ class BadUpgrades(LiveTest):
                   [f"Origin: http://127.0.0.1:{self.port}"]).close()
 
     def test_other_paths_are_404(self):
-        self.refuse("/v1/sessions/block/spy", "kerf.view.v1", 404, "not_found")
+        self.reject("/v1/sessions/block/spy", "kerf.view.v1", 404, "not_found")
 
     def test_plain_get_is_told_to_upgrade(self):
         status, body = self.server.http.json("GET", "/v1/sessions/block/agent")
         self.assertEqual((status, body["error"]["code"]), (426, "upgrade_required"))
 
-    def test_motion_before_hello_is_refused(self):
+    def test_motion_before_hello_is_rejected(self):
         silent = Agent(self.port, "block", hello=False)
         silent.move([(0, 0, 0)])
         self.assertEqual(silent.receive_json("error")["code"], "no_hello")

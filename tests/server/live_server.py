@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Starts and stops a real kerf-server for the tests."""
 import json
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A real server with agents, programs and viewers at once; restarts; downloads."""
 import glob
 import json

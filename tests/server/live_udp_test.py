@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The UDP lane of a real server, from a client that shares neither codec nor cipher with it."""
 import json
 import os
@@ -93,7 +94,7 @@ class Offer(LiveTest):
             self.assertEqual(len({offer[field] for offer in offers}), 3)
         self.assertNotEqual(offers[0]["key_to_server"], offers[0]["key_to_agent"])
 
-    def test_a_wish_that_is_none_is_refused(self):
+    def test_a_wish_that_is_none_is_rejected(self):
         agent = Agent(self.port, "block", hello=False)
         agent.send_json({"type": "hello", "name": "Ada", "udp": "yes"})
         self.assertEqual(agent.receive_json("error")["code"], "bad_message")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A whole session with a device on USB: the unmodified kerf-agent finds the reference device on a mocked
 bus, homes it, carves on the real server, loses it in the middle of a cut and finds it again."""
 import json
@@ -203,7 +204,7 @@ class Session(UsbTest):
         self.assertEqual(status["safety"]["trips"], len(self.trips()))
         removed = self.removed()
         self.assertAlmostEqual(status["removed_mm3"], removed, delta=removed * 1e-4)
-        self.assertEqual(self.pen("state"), "homed 0")  # no command was refused
+        self.assertEqual(self.pen("state"), "homed 0")  # no command was rejected
 
 
 class Doctor(UsbTest):

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/session/program_runs.h"
 
 #include <gtest/gtest.h>
@@ -24,9 +25,11 @@ Program program_of(std::size_t motions, double duration_s = 0.001) {
   return program;
 }
 
-std::expected<double, Refusal> quick_cut(ParticipantId, const ProgramMotion&, bool) { return 0.5; }
+std::expected<double, Rejection> quick_cut(ParticipantId, const ProgramMotion&, bool) {
+  return 0.5;
+}
 
-std::expected<double, Refusal> slow_cut(ParticipantId, const ProgramMotion&, bool) {
+std::expected<double, Rejection> slow_cut(ParticipantId, const ProgramMotion&, bool) {
   std::this_thread::sleep_for(std::chrono::microseconds(200));
   return 0.5;
 }
@@ -54,7 +57,7 @@ TEST(ProgramRuns, TwoProgramsTakeTurns) {
   runs.start(2, program_of(4), ProgramPace::kFast, Clock::now());
   while (runs.slice([&](ParticipantId who, const ProgramMotion&, bool) {
     order.push_back(who);
-    return std::expected<double, Refusal>(0);
+    return std::expected<double, Rejection>(0);
   })) {
   }
   EXPECT_EQ(order, (std::vector<ParticipantId>{1, 2, 1, 2, 1, 2, 1, 2}));
@@ -80,20 +83,20 @@ TEST(ProgramRuns, OnlyFeedRateIsFelt) {
   runs.start(2, program_of(1), ProgramPace::kFast, Clock::now());
   runs.slice([&](ParticipantId who, const ProgramMotion&, bool feel) {
     felt[who] = feel;
-    return std::expected<double, Refusal>(0);
+    return std::expected<double, Rejection>(0);
   });
   EXPECT_TRUE(felt.at(1));
   EXPECT_FALSE(felt.at(2));
 }
 
-TEST(ProgramRuns, RefusedMotionFailsTheProgramAndNamesTheLine) {
+TEST(ProgramRuns, RejectedMotionFailsTheProgramAndNamesTheLine) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
   int calls = 0;
   const auto wait = runs.slice([&](ParticipantId, const ProgramMotion&, bool) {
-    return ++calls == 3 ? std::expected<double, Refusal>(
-                              std::unexpect, Refusal{wire::ErrorCode::kBadPose, "too far"})
-                        : std::expected<double, Refusal>(1);
+    return ++calls == 3 ? std::expected<double, Rejection>(
+                              std::unexpect, Rejection{wire::ErrorCode::kBadPose, "too far"})
+                        : std::expected<double, Rejection>(1);
   });
   EXPECT_FALSE(wait);
   EXPECT_EQ(runs.status(id)->state, ProgramState::kFailed);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <gtest/gtest.h>
@@ -59,7 +60,7 @@ class SessionRoom : public testing::Test {
       const double angle = 6.4 * i / steps;
       const auto answer =
           move(session, who, 10 * std::cos(angle), 10 * std::sin(angle), -1 - 0.01 * i);
-      ASSERT_TRUE(answer.refusals.empty());
+      ASSERT_TRUE(answer.rejections.empty());
     }
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/session/session.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,7 @@
 namespace kerf {
 namespace {
 
-TEST_F(SessionRoom, RefusedSamplesLeaveAGapAndNotAChord) {
+TEST_F(SessionRoom, RejectedSamplesLeaveAGapAndNotAChord) {
   limits.samples_burst = 2;
   limits.samples_per_s = 20;
   restart();
@@ -26,17 +27,17 @@ TEST_F(SessionRoom, RefusedSamplesLeaveAGapAndNotAChord) {
   const auto cut = move(*session, who, -14.9, 0, -3);
   EXPECT_GT(cut.result.removed_mm3, 0);
   const auto dropped = move(*session, who, -14.8, 5, -3);
-  ASSERT_EQ(dropped.refusals.size(), 1U);
-  EXPECT_EQ(dropped.refusals[0].code, wire::ErrorCode::kTooFast);
+  ASSERT_EQ(dropped.rejections.size(), 1U);
+  EXPECT_EQ(dropped.rejections[0].code, wire::ErrorCode::kTooFast);
   // The allowance comes back while the hand has gone elsewhere.
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   const auto elsewhere = move(*session, who, -12, 5, -3);
-  EXPECT_TRUE(elsewhere.refusals.empty());
+  EXPECT_TRUE(elsewhere.rejections.empty());
   EXPECT_EQ(elsewhere.result.removed_mm3, 0);
   EXPECT_GT(move(*session, who, -12, 4.9, -3).result.removed_mm3, 0);
 }
 
-TEST_F(SessionRoom, RefusedMotionsAreNotJournaled) {
+TEST_F(SessionRoom, RejectedMotionsAreNotJournaled) {
   const auto session = start();
   const auto who = join(*session);
   move(*session, who, -15, 0, -3);
@@ -44,8 +45,8 @@ TEST_F(SessionRoom, RefusedMotionsAreNotJournaled) {
   wire::MotionSample flipped = next(-14, 0, -3);
   flipped.axis = {0, 0, -1};
   const MotionAnswer answer = session->move(who, {&flipped, 1});
-  ASSERT_EQ(answer.refusals.size(), 1U);
-  EXPECT_EQ(answer.refusals[0].code, wire::ErrorCode::kTurnTooLarge);
+  ASSERT_EQ(answer.rejections.size(), 1U);
+  EXPECT_EQ(answer.rejections[0].code, wire::ErrorCode::kTurnTooLarge);
   EXPECT_EQ(session->info().sequence, before);
 }
 
@@ -59,7 +60,7 @@ TEST_F(SessionRoom, ObstaclesPushAToolThatDoesNotCut) {
     wire::MotionSample sample = next(0, 0, z);
     sample.buttons = 0;
     const MotionAnswer answer = session->move(who, {&sample, 1});
-    EXPECT_TRUE(answer.refusals.empty());
+    EXPECT_TRUE(answer.rejections.empty());
     const bool touches = z < 10;
     EXPECT_NEAR(double(answer.result.force_n[2]), touches ? 2 * 0.5 : 0, 1e-3);
     EXPECT_EQ((answer.result.status & wire::kStatusColliding) != 0, touches);
@@ -137,16 +138,16 @@ TEST_F(SessionRoom, RegistryBringsSessionsBack) {
   EXPECT_GT(join(*session), 1U);
 }
 
-TEST_F(SessionRoom, RefusedSampleIsSkippedAndTheRestOfTheBatchApplied) {
+TEST_F(SessionRoom, RejectedSampleIsSkippedAndTheRestOfTheBatchApplied) {
   const auto session = start();
   const auto who = join(*session);
   std::vector<wire::MotionSample> batch = {next(0, 0, -1), next(1, 0, -1), next(2, 0, -1),
                                            next(3, 0, -1)};
   batch[1].tool_id = 9;
   const auto answer = session->move(who, batch);
-  ASSERT_EQ(answer.refusals.size(), 1U);
-  EXPECT_EQ(answer.refusals[0].code, wire::ErrorCode::kUnknownTool);
-  EXPECT_EQ(answer.result.status & wire::kStatusRefused, wire::kStatusRefused);
+  ASSERT_EQ(answer.rejections.size(), 1U);
+  EXPECT_EQ(answer.rejections[0].code, wire::ErrorCode::kUnknownTool);
+  EXPECT_EQ(answer.result.status & wire::kStatusRejected, wire::kStatusRejected);
   EXPECT_EQ(session->info().motions, 2U);  // 0 to 2, the chord over the gap, and 2 to 3
 }
 
@@ -155,10 +156,10 @@ TEST_F(SessionRoom, TooFastAMotionIsNotCutButTheToolIsThere) {
   const auto who = join(*session);
   move(*session, who, 0, 0, 5);
   const auto jump = move(*session, who, 0, 0, -15);
-  ASSERT_EQ(jump.refusals.size(), 1U);
-  EXPECT_EQ(jump.refusals[0].code, wire::ErrorCode::kTooFast);
+  ASSERT_EQ(jump.rejections.size(), 1U);
+  EXPECT_EQ(jump.rejections[0].code, wire::ErrorCode::kTooFast);
   EXPECT_EQ(session->info().motions, 0U);
-  EXPECT_TRUE(move(*session, who, 0.5, 0, -15).refusals.empty());
+  EXPECT_TRUE(move(*session, who, 0.5, 0, -15).rejections.empty());
   EXPECT_EQ(session->info().motions, 1U);
 }
 
@@ -275,7 +276,7 @@ TEST_F(SessionRoom, ForcesOfTheJournalAreThoseThatWereFelt) {
   EXPECT_LT(numbers[7], 0);
 }
 
-TEST_F(SessionRoom, LimitsAreTypedRefusals) {
+TEST_F(SessionRoom, LimitsAreTypedRejections) {
   limits.agents_max = 2;
   restart();
   const auto session = start();
@@ -297,19 +298,19 @@ TEST_F(SessionRoom, ClosedSessionAppliesNothing) {
   session->listen([&](const SessionEvent& event) { told = event.closing; });
   session->close("enough");
   EXPECT_EQ(told, "enough");
-  EXPECT_FALSE(move(*session, who, 1, 0, -1).refusals.empty());
+  EXPECT_FALSE(move(*session, who, 1, 0, -1).rejections.empty());
   EXPECT_EQ(session->info().motions, 0U);
   EXPECT_FALSE(session->join({ParticipantKind::kAgent, "Late", "", 1, true}));
 }
 
-TEST_F(SessionRoom, ABlockOfMoreTilesThanViewersCanBeShownIsRefused) {
+TEST_F(SessionRoom, ABlockOfMoreTilesThanViewersCanBeShownIsRejected) {
   std::string scene = kScene;
   scene.replace(scene.find("0.5"), 3, "0.001");
-  const auto refused = registry->create("fine", scene, SceneSource{});
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, RegistryErrorCode::kBadScene);
-  EXPECT_EQ(refused.error().path, "accuracy.pitch_mm");
-  EXPECT_NE(refused.error().reason.find("1562500 tiles"), std::string::npos);
+  const auto rejected = registry->create("fine", scene, SceneSource{});
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.error().code, RegistryErrorCode::kBadScene);
+  EXPECT_EQ(rejected.error().path, "accuracy.pitch_mm");
+  EXPECT_NE(rejected.error().reason.find("1562500 tiles"), std::string::npos);
 }
 
 TEST_F(SessionRoom, RegistryLimitsAndNamesSessions) {

@@ -1,4 +1,5 @@
-// The columns of a stock frame: what is written is read back, what is no column is refused.
+// SPDX-License-Identifier: Apache-2.0
+// The columns of a stock frame: what is written is read back, what is no column is rejected.
 
 #include "server/convert/stock_columns.h"
 
@@ -91,28 +92,28 @@ TEST(StockColumns, HaveTheseBytes) {
   EXPECT_TRUE(decode_columns({}));
 }
 
-TEST(StockColumns, ThatAreNoneAreRefused) {
-  const auto refused = [](std::initializer_list<int> values) {
+TEST(StockColumns, ThatAreNoneAreRejected) {
+  const auto rejected = [](std::initializer_list<int> values) {
     return !decode_columns(bytes_of(values)).has_value();
   };
-  EXPECT_TRUE(refused({0x03})) << "no such token";
-  EXPECT_TRUE(refused({0x00})) << "skips nothing";
-  EXPECT_TRUE(refused({0x06})) << "nothing to repeat";
-  EXPECT_TRUE(refused({0x84, 0x20})) << "1025 columns skipped";
-  EXPECT_TRUE(refused({0x05, 0x14})) << "ends inside a column";
-  EXPECT_TRUE(refused({0x85})) << "ends inside a number";
-  EXPECT_TRUE(refused({0x05, 0x14, 0x14, 0x00})) << "skips nothing after a column";
-  EXPECT_TRUE(refused({0x05, 0x14, 0x00})) << "top not above bottom";
-  EXPECT_TRUE(refused({0x05, 0x01, 0x14})) << "below the block";
-  EXPECT_TRUE(refused({0x09, 0x00, 0x08, 0x00, 0x08})) << "elements without a gap";
-  EXPECT_TRUE(refused({0x05, 0x00, 0x80, 0x80, 0x80, 0x80, 0x08})) << "above 2^30";
+  EXPECT_TRUE(rejected({0x03})) << "no such token";
+  EXPECT_TRUE(rejected({0x00})) << "skips nothing";
+  EXPECT_TRUE(rejected({0x06})) << "nothing to repeat";
+  EXPECT_TRUE(rejected({0x84, 0x20})) << "1025 columns skipped";
+  EXPECT_TRUE(rejected({0x05, 0x14})) << "ends inside a column";
+  EXPECT_TRUE(rejected({0x85})) << "ends inside a number";
+  EXPECT_TRUE(rejected({0x05, 0x14, 0x14, 0x00})) << "skips nothing after a column";
+  EXPECT_TRUE(rejected({0x05, 0x14, 0x00})) << "top not above bottom";
+  EXPECT_TRUE(rejected({0x05, 0x01, 0x14})) << "below the block";
+  EXPECT_TRUE(rejected({0x09, 0x00, 0x08, 0x00, 0x08})) << "elements without a gap";
+  EXPECT_TRUE(rejected({0x05, 0x00, 0x80, 0x80, 0x80, 0x80, 0x08})) << "above 2^30";
 }
 
 TEST(StockColumns, SurviveAnyBytes) {
   const auto s = carved(8);
   const auto sound = encode_columns(*s.field(RayAxis::kZ)->fresh({0, 0}), nullptr);
   std::mt19937 random(11);
-  std::size_t refused = 0;
+  std::size_t rejected = 0;
   for (int round = 0; round < 20000; ++round) {
     auto bytes = sound;
     bytes.resize(random() % (sound.size() + 1));
@@ -120,7 +121,7 @@ TEST(StockColumns, SurviveAnyBytes) {
       bytes[random() % bytes.size()] = static_cast<std::byte>(random());
     }
     const auto columns = decode_columns(bytes);
-    refused += !columns.has_value();
+    rejected += !columns.has_value();
     if (!columns) continue;
     std::int32_t last = -1;
     for (std::size_t n = 0; n < columns->columns.size(); ++n) {
@@ -135,7 +136,7 @@ TEST(StockColumns, SurviveAnyBytes) {
     }
     EXPECT_LT(last, kTileColumns);
   }
-  EXPECT_GT(refused, 1000U);
+  EXPECT_GT(rejected, 1000U);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An agent's copy of the block is right where its tool is and where it will be, told no more than
 // it needs.
 
@@ -39,7 +40,7 @@ class StockFeedRoom : public testing::TestWithParam<Rays> {
     const auto cut = server_.apply(MoveTool{1, {from, kUp}, {to, kUp}, 0.001, false});
     feed_.note_cut(cut->cut_tiles);
   }
-  std::optional<StockNews> next(Vec3 tip, bool acknowledge = true) {
+  std::optional<StockUpdate> next(Vec3 tip, bool acknowledge = true) {
     tip_ = tip;
     time_us_ += 20'000;
     auto news = feed_.next(server_, {*server_.tool(1), {tip, kUp}, time_us_});
@@ -48,8 +49,8 @@ class StockFeedRoom : public testing::TestWithParam<Rays> {
     }
     return news;
   }
-  void merge(const StockNews& news) {
-    for (const StockNews::Tile& tile : news.tiles) {
+  void merge(const StockUpdate& news) {
+    for (const StockUpdate::Tile& tile : news.tiles) {
       const auto columns = decode_columns(tile.columns);
       ASSERT_TRUE(columns) << columns.error();
       copy_.keep_common(tile.at, *columns);
@@ -102,7 +103,7 @@ TEST_P(StockFeedRoom, SaysNothingOfTheAgentsOwnCuts) {
   follow({30, 30, 2});
   own({30, 30, -2}, {36, 30, -2});
   if (const auto news = next({36, 30, -2})) {  // of tiles that have come near
-    for (const StockNews::Tile& tile : news->tiles) EXPECT_TRUE(tile.columns.empty());
+    for (const StockUpdate::Tile& tile : news->tiles) EXPECT_TRUE(tile.columns.empty());
   }
   expect_right_near({36, 30, -2});
 }
@@ -119,8 +120,8 @@ TEST_P(StockFeedRoom, LooksAhead) {
   others({150, 50, -4}, {200, 50, -4});
   tip_ = {100, 50, -1};
   follow({100, 50, -1});
-  const auto has_far = [&](const StockNews& news) {
-    return std::ranges::any_of(news.tiles, [](const StockNews::Tile& tile) {
+  const auto has_far = [&](const StockUpdate& news) {
+    return std::ranges::any_of(news.tiles, [](const StockUpdate::Tile& tile) {
       return tile.at.axis == RayAxis::kZ && tile.at.tile.x >= 9;
     });
   };
@@ -137,15 +138,15 @@ TEST_P(StockFeedRoom, LooksAhead) {
 }
 
 TEST_P(StockFeedRoom, HasSoManyPatchesUnderWayAtMost) {
-  std::vector<StockNews> way;
+  std::vector<StockUpdate> way;
   for (int n = 0; n < 40; ++n) {
     others({60, 50, -1 - 0.2 * n}, {60.5, 50, -1 - 0.2 * n});
     if (auto news = next({60, 50, 5}, false)) way.push_back(std::move(*news));
   }
   ASSERT_EQ(way.size(), std::size_t{wire::kStockFramesInFlight});
   EXPECT_EQ(way[0].sequence, 1U);
-  EXPECT_TRUE(way[0].afresh);
-  EXPECT_FALSE(way[1].afresh);
+  EXPECT_TRUE(way[0].reset);
+  EXPECT_FALSE(way[1].reset);
   EXPECT_FALSE(feed_.ack(17)) << "was never sent";
   EXPECT_TRUE(feed_.ack(3));
   EXPECT_TRUE(feed_.ack(2)) << "an old one is no mistake";
@@ -162,7 +163,7 @@ TEST_P(StockFeedRoom, HasSoManyBytesUnderWayAtMost) {
   for (int n = 0; n < 10; ++n) {
     const auto news = next({40.0 + 30 * n, 50, -1}, false);
     if (!news) continue;
-    for (const StockNews::Tile& tile : news->tiles) bytes += tile.columns.size();
+    for (const StockUpdate::Tile& tile : news->tiles) bytes += tile.columns.size();
   }
   EXPECT_GT(bytes, wire::kStockBytesInFlight);
   EXPECT_LT(bytes, wire::kStockBytesInFlight + 2 * StockFeed::kPatchBytes);
@@ -170,15 +171,15 @@ TEST_P(StockFeedRoom, HasSoManyBytesUnderWayAtMost) {
   EXPECT_TRUE(next({360, 50, -1}));
 }
 
-TEST_P(StockFeedRoom, BeginsANewCopyAfresh) {
+TEST_P(StockFeedRoom, ResetsTheCopy) {
   others({20, 20, -4}, {60, 50, -4});
   follow({30, 30, 2});
   own({30, 30, -3}, {30, 30, -8});
   copy_ = block(GetParam());
-  feed_.start_afresh();
+  feed_.restart();
   const auto news = next({30, 30, -8});
   ASSERT_TRUE(news);
-  EXPECT_TRUE(news->afresh);
+  EXPECT_TRUE(news->reset);
   EXPECT_EQ(news->agent_time_us, time_us_);
   merge(*news);
   follow({30, 30, -8});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include "server/net/api.h"
@@ -25,7 +26,7 @@ TEST(Target, EncodedSlashStaysInsideItsSegment) {
   EXPECT_EQ(parse_target("/a%2Fb/c")->path, (Path{"a/b", "c"}));
 }
 
-TEST(Target, RefusesWhatIsNoPath) {
+TEST(Target, RejectsWhatIsNoPath) {
   for (const char* bad : {"", "x", "http://host/", "*", "/%", "/%4", "/%zz", "/a%00b", "/?a=%f"}) {
     EXPECT_FALSE(parse_target(bad)) << bad;
   }

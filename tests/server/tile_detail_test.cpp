@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/feed/tile_detail.h"
 
 #include <gtest/gtest.h>

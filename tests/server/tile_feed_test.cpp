@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/feed/tile_feed.h"
 
 #include <gtest/gtest.h>
@@ -180,7 +181,7 @@ TEST_F(TileFeedTest, NoCreditNoFrame) {
   EXPECT_FALSE(feed.next_frame(viewer));
 }
 
-TEST_F(TileFeedTest, AcksThatCannotBeAreRefused) {
+TEST_F(TileFeedTest, AcksThatCannotBeAreRejected) {
   TileFeed feed(sculpture_.solid(), 0);
   const ViewerId viewer = feed.add_viewer();
   EXPECT_FALSE(feed.ack(viewer, 1));

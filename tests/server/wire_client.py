@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A client of kerf-server for the tests: HTTP by the standard library, WebSocket and wire by hand.
 
 Nothing is shared with the server's own code, so a mistake in its codec cannot hide itself.
@@ -23,7 +24,7 @@ class Closed(Exception):
         self.code = code
 
 
-class Refused(Exception):
+class Rejected(Exception):
     """The server answered the upgrade with an HTTP status other than 101."""
 
     def __init__(self, status, body):
@@ -73,7 +74,7 @@ class WebSocket:
             length = int(self.headers.split("content-length:")[1].split()[0])
             while len(self.buffer) < length:
                 self._fill()
-            raise Refused(status, json.loads(self.buffer[:length]))
+            raise Rejected(status, json.loads(self.buffer[:length]))
 
     def _fill(self):
         data = self.socket.recv(65536)

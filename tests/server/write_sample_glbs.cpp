@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes one GLB of every kind that Kerf makes into a folder, for gltf-validator: the download of a
 // carved block, a frame with many tiles, one with an empty tile among others, one with nothing but
 // an empty tile, one without tiles. Usage: write_sample_glbs FOLDER

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -233,7 +234,7 @@ TEST_F(FalconProtocolAlone, AJumpThatNoHandMakesIsNoPose) {
   EXPECT_TRUE(answer(falcon::kMiddleMm + Vec3{0.5, 0, 0}, now_us + 2000));
 }
 
-TEST(FalconFirmware, AFileThatIsNoneIsRefused) {
+TEST(FalconFirmware, AFileThatIsNoneIsRejected) {
   EXPECT_FALSE(falcon::read_firmware("/no/such/file"));
   EXPECT_FALSE(falcon::read_firmware("/dev/null"));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 #include <libusb-1.0/libusb.h>
 
@@ -57,7 +58,7 @@ class Fault : public ::testing::Test {
   const Wrench push{.force_n = {3, 0, 0}, .torque_nmm = {}};
 };
 
-TEST_F(Fault, ShortReportsAreRefusedAndCounted) {
+TEST_F(Fault, ShortReportsAreRejectedAndCounted) {
   rig.bus.fail_in(InFault::kShort, 10);
   EXPECT_TRUE(eventually([&] { return count(hand->counters().bad_reports) == 10; }));
   EXPECT_TRUE(eventually([&] { return streams(); }));
@@ -194,7 +195,7 @@ TEST_F(Fault, AJumpThatNoHandMakesIsNoPose) {
   const auto before = state().tip_mm;
   const auto bad = count(hand->counters().bad_reports);
   rig.ask([](ReferenceFirmware& firmware) { return firmware.hold({60, 0, 40}, {0, 0, 1}), 0; });
-  // Refused again and again, until the pen has stayed there for a while.
+  // Rejected again and again, until the pen has stayed there for a while.
   EXPECT_TRUE(eventually([&] { return streams() && length(state().tip_mm - before) > 50; }));
   EXPECT_GT(count(hand->counters().bad_reports), bad + 10);
 }
@@ -271,15 +272,15 @@ TEST(FaultBeforeStreaming, WhatKeepsItIsSaidOnceHoweverOftenItIsTried) {
 
 TEST(FaultBeforeStreaming, AHeldInterfaceIsNamedAndTriedAgain) {
   Rig<ReferenceFirmware> rig;
-  rig.bus.refuse_claims(EBUSY);
+  rig.bus.reject_claims(EBUSY);
   UsbHand hand(std::make_unique<ref::ReferenceProtocol>(ref::PenPlace{}), rig.settings());
   EXPECT_TRUE(eventually([&] { return rig.notices.has("held by another program"); }));
-  rig.bus.refuse_claims(0);
+  rig.bus.reject_claims(0);
   EXPECT_TRUE(eventually([&] { return is_ready(hand); }));
   EXPECT_TRUE(eventually([&] { return rig.notices.has("is ready"); }));
 }
 
-TEST(FaultBeforeStreaming, WrongDescriptorsAreRefused) {
+TEST(FaultBeforeStreaming, WrongDescriptorsAreRejected) {
   constexpr std::size_t kInterfaceClassAt = 18 + 9 + 5;
   constexpr std::size_t kPacketBytesAt = 18 + 9 + 9 + 4;
   for (const auto& [at, value] : {std::pair{kInterfaceClassAt, 3}, {kPacketBytesAt, 8}}) {

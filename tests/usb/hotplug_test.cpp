@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cerrno>
@@ -76,7 +77,7 @@ TEST_F(HotPlug, OfTwoOfAKindTheFreeOneIsTakenWhicheverIsListedFirst) {
   for (const auto& [held_at, free_at] : {std::pair{3, 4}, {4, 3}}) {
     ReferenceFirmware one, other;
     MockDevice held(bus, one, held_at), free(bus, other, free_at);
-    held.refuse_claims(EBUSY);
+    held.reject_claims(EBUSY);
     held.plug();
     free.plug();
     const auto pen = make_pen();
@@ -101,10 +102,10 @@ TEST_F(HotPlug, SeveralDevicesStreamSideBySide) {
 TEST_F(HotPlug, ANodeThatMayNotBeOpenedIsSaidWithTheRuleThatOpensIt) {
   MockDevice device(bus, firmware, 5);
   device.plug();
-  MockBus::refuse_opening(EACCES);
+  MockBus::reject_opening(EACCES);
   const auto pen = make_pen();
   EXPECT_TRUE(eventually([&] { return notices.has("70-kerf.rules"); }));
-  MockBus::refuse_opening(0);
+  MockBus::reject_opening(0);
   EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/usb/mock_bus.h"
 
 // The ioctl numbers need this one first.
@@ -50,7 +51,7 @@ std::string three_digits(int number) {
 
 MockBus::MockBus() : testbed_(umockdev_testbed_new()) {}
 MockBus::~MockBus() { g_object_unref(testbed_); }
-void MockBus::refuse_opening(int error) { open_error = error; }
+void MockBus::reject_opening(int error) { open_error = error; }
 
 MockDevice::MockDevice(MockBus& bus, UsbModel& model, int address)
     : bus_(bus), model_(model), address_(address), handler_(umockdev_ioctl_base_new()) {
@@ -228,7 +229,7 @@ int open_node(const char* name, const char* path, int flags, unsigned mode) {
 
 }  // namespace
 
-// Root may open everything, so that a refusal must be made.
+// Root may open everything, so that a rejection must be made.
 extern "C" {
 
 int open(const char* path, int flags, ...) {

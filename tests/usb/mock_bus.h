@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <linux/usbdevice_fs.h>
@@ -29,7 +30,7 @@ class MockBus {
   _UMockdevTestbed* testbed() const { return testbed_; }
 
   /// What opening any node answers from now on; 0: it opens.
-  static void refuse_opening(int error);
+  static void reject_opening(int error);
 
  private:
   _UMockdevTestbed* testbed_;
@@ -45,7 +46,7 @@ class MockDevice {
 
   void plug();
   void unplug();
-  void refuse_claims(int error) { claim_error_ = error; }
+  void reject_claims(int error) { claim_error_ = error; }
   bool claimed() const { return claimed_; }
   /// Calls `look` while the model stands still.
   template <typename Look>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reference device on a mocked bus, for programs that are not to know: under umockdev-wrapper
 // it makes a bus, names it, and does as it is told, one line of standard input after the other:
 //
@@ -7,7 +8,7 @@
 //   go X Y Z MM_PER_S  moves the tip there, upright; mm from the middle of the workspace
 //   felt             the most that the hand has felt since it was asked last, or since the pen was
 //                    unplugged: "NEWTONS N·MM"
-//   state            "homed" or "not homed", and how many commands were refused
+//   state            "homed" or "not homed", and how many commands were rejected
 //
 // Every line is answered by one, when it is done. A program that is started under umockdev-wrapper
 // with UMOCKDEV_DIR as it is named at the start sees this bus and nothing else.
@@ -133,7 +134,7 @@ class MockPen {
 
   std::string state() {
     const char* homed = pen_.firmware().homed() ? "homed " : "not homed ";
-    return homed + std::to_string(pen_.firmware().refused());
+    return homed + std::to_string(pen_.firmware().rejected());
   }
 
   /// From the tip's place in the workspace to the grip's in the device's coordinates.

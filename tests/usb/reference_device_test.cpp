@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -186,7 +187,7 @@ TEST_F(ReferenceDevice, FaultsOfItsOwnKeepItFromBeingReady) {
   }
 }
 
-TEST_F(ReferenceDevice, AnotherVersionIsNamedAndRefused) {
+TEST_F(ReferenceDevice, AnotherVersionIsNamedAndRejected) {
   auto settings = ReferenceFirmware::standard();
   settings.identity.version = 2;
   Rig<ReferenceFirmware> other(settings);
@@ -195,7 +196,7 @@ TEST_F(ReferenceDevice, AnotherVersionIsNamedAndRefused) {
   EXPECT_EQ(hand.read(agent::monotonic_us()).phase, DevicePhase::kClosed);
 }
 
-TEST_F(ReferenceDevice, ASlowWatchdogIsRefused) {
+TEST_F(ReferenceDevice, ASlowWatchdogIsRejected) {
   auto settings = ReferenceFirmware::standard();
   settings.identity.watchdog_ms = 100;
   Rig<ReferenceFirmware> other(settings);

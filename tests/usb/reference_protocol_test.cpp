@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reference device's protocol alone: each of its gates, where the port and the mailbox would
 // otherwise do the same and hide that one is missing.
 #include "haptic_agent/device/reference/reference_protocol.h"

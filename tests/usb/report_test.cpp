@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/reference/report.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ const StateReport kState{.sequence = 0xFFFE,
                          .buttons = kCutButton,
                          .angles_urad = {1, -2, 3'000'000, -3'000'000, 5, -6},
                          .accepted = 9,
-                         .refused = 1,
+                         .rejected = 1,
                          .temperature_dc = -15};
 
 TEST(ReferenceReport, SumIsThatOfTheStandard) {
@@ -62,7 +63,7 @@ TEST(ReferenceReport, EveryChangedBitIsFound) {
   }
 }
 
-TEST(ReferenceReport, AnyBytesOfAnyLengthAreOnlyRefused) {
+TEST(ReferenceReport, AnyBytesOfAnyLengthAreOnlyRejected) {
   std::mt19937 engine{1};
   for (int i = 0; i < 20'000; ++i) {
     std::vector<std::uint8_t> bytes(engine() % 100);

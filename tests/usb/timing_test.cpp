@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,14 +53,14 @@ TEST(UsbTiming, OneSecondAtOneKilohertzThroughLibusb) {
   servo.join();
   print(fifo ? "age of the pose, SCHED_FIFO" : "age of the pose, SCHED_OTHER", ages_us);
   print("between two poses", intervals_us);
-  const auto [lost, refused] = rig.ask([](ReferenceFirmware& firmware) {
-    return std::pair{firmware.lost_commands(), firmware.refused()};
+  const auto [lost, rejected] = rig.ask([](ReferenceFirmware& firmware) {
+    return std::pair{firmware.lost_commands(), firmware.rejected()};
   });
   std::printf("[ timing   ] %lu reports, %lu commands\n",
               static_cast<unsigned long>(hand.counters().reports - before),
               static_cast<unsigned long>(hand.counters().sent.load()));
   EXPECT_LE(lost, hand.counters().timeouts.load());
-  EXPECT_EQ(refused, 0U);
+  EXPECT_EQ(rejected, 0U);
   EXPECT_EQ(hand.counters().bad_reports.load(), 0U);
   EXPECT_GT(hand.counters().reports.load(), before);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The four system calls through which libusb speaks to a usbfs node, as this program's own: libusb
 // finds these before the C library's. They act on nodes that a stub has opened and leave all other
 // descriptors to the kernel.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <linux/usbdevice_fs.h>
@@ -42,7 +43,7 @@ class UsbfsStub {
   void fail_in(InFault fault, int count, std::uint64_t delay_us = 0);
   /// Packets from the host are taken by nobody.
   void hold_out(bool hold);
-  void refuse_claims(int error) { claim_error_ = error; }
+  void reject_claims(int error) { claim_error_ = error; }
   /// Changes the descriptors that are read from now on.
   void garble_descriptors(std::function<void(Bytes&)> garble);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/wire/codec.h"
 
 #include <gtest/gtest.h>
@@ -74,7 +75,7 @@ TEST(WireCodec, MeshHeaderAloneEqualsTheHeaderOfTheWholeFrame) {
   EXPECT_TRUE(std::ranges::equal(std::get<MeshView>(back->body).glb, glb));
 }
 
-TEST(WireCodec, RefusesAFrameLongerThanTheReceiversLimit) {
+TEST(WireCodec, RejectsAFrameLongerThanTheReceiversLimit) {
   const auto frame = frame_of(motion_batch(16, 1));
   const auto back = decode(frame, frame.size() - 1);
   ASSERT_FALSE(back);
@@ -105,7 +106,7 @@ TEST(WireCodec, AxisLengthWithinToleranceIsAccepted) {
   EXPECT_FALSE(decode(frame_of(batch)));
 }
 
-TEST(WireCodec, EveryPrefixOfAFrameIsRefused) {
+TEST(WireCodec, EveryPrefixOfAFrameIsRejected) {
   ToolStates tools;
   tools.tools.resize(3);
   const std::array columns{std::byte{5}, std::byte{0}};
@@ -177,7 +178,7 @@ void expect_stable(const Message& message) {
       message.body);
 }
 
-TEST(WireFuzz, MutatedFramesAreRefusedOrUnderstoodAndNeverReadBeyondTheirEnd) {
+TEST(WireFuzz, MutatedFramesAreRejectedOrUnderstoodAndNeverReadBeyondTheirEnd) {
   const auto corpus = golden_frames();
   ASSERT_GE(corpus.size(), 30U);
   constexpr std::uint64_t kSeed = 20041125;

@@ -88,7 +88,7 @@ json describe_body(const StockPatch& patch) {
     tiles.push_back(
         {{"axis", tile.axis}, {"x", tile.x}, {"y", tile.y}, {"columns_hex", hex_of(tile.columns)}});
   }
-  return {{"afresh", patch.afresh}, {"agent_time_us", patch.agent_time_us}, {"tiles", tiles}};
+  return {{"reset", patch.reset}, {"agent_time_us", patch.agent_time_us}, {"tiles", tiles}};
 }
 
 json describe_body(const Ping& ping) { return {{"time_us", ping.time_us}}; }

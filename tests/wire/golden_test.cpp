@@ -80,7 +80,7 @@ TEST(WireGolden, EncodesTheSameBytes) {
   }
 }
 
-TEST(WireGolden, RefusesEachMalformedFrameWithItsCodeAndOffset) {
+TEST(WireGolden, RejectsEachMalformedFrameWithItsCodeAndOffset) {
   const json index = read_index();
   ASSERT_GE(index["refused"].size(), 20U);
   for (const json& expected : index["refused"]) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A read-only look into the page for tests: window.kerf.state().
 
 import type { SessionPage } from './ui/session_page';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import '@fontsource-variable/inter/wght.css';
 import './ui/style.css';
 import { installHook } from './hook';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { decodeFrame, encodeFrame } from '../src/wire/codec';
@@ -9,8 +10,8 @@ interface Accepted {
   file: string; type: string; type_number: number; flags: number; header_bytes: number; epoch: number; sequence: number;
   time_us: number; body: Record<string, unknown>;
 }
-interface Refused { file: string; code: string; offset: number }
-const index = JSON.parse(readFileSync(new URL('golden.json', golden), 'utf8')) as { version: number; frames: Accepted[]; refused: Refused[] };
+interface Rejected { file: string; code: string; offset: number }
+const index = JSON.parse(readFileSync(new URL('golden.json', golden), 'utf8')) as { version: number; frames: Accepted[]; rejected: Rejected[] };
 
 function bytesOf(file: string): Uint8Array {
   return new Uint8Array(readFileSync(new URL(file, golden)));
@@ -23,7 +24,7 @@ function bodyOf(frame: Frame): unknown {
   if (frame.kind === 'mesh') return { glb_hex: hex(frame.glb) };
   if (frame.kind === 'stock') {
     const tiles = frame.tiles.map(({ columns, ...tile }) => ({ ...tile, columns_hex: hex(columns) }));
-    return { afresh: frame.afresh, agent_time_us: Number(frame.agent_time_us), tiles };
+    return { reset: frame.reset, agent_time_us: Number(frame.agent_time_us), tiles };
   }
   const plain = frame.kind === 'result' ? frame.result : payload;
   return JSON.parse(JSON.stringify(plain, (_key, value: unknown) => (typeof value === 'bigint' ? Number(value) : value)));
@@ -33,7 +34,7 @@ describe('codec', () => {
   it('knows this version of the golden frames', () => {
     expect(index.version).toBe(1);
     expect(index.frames.length).toBeGreaterThan(8);
-    expect(index.refused.length).toBeGreaterThan(15);
+    expect(index.rejected.length).toBeGreaterThan(15);
   });
 
   it.each(index.frames)('reads $file as it is written down', (expected) => {
@@ -56,13 +57,13 @@ describe('codec', () => {
     expect(Buffer.from(encodeFrame(decoded.value)).equals(bytes)).toBe(true);
   });
 
-  it.each(index.refused)('refuses $file with $code at byte $offset', ({ file, code, offset }) => {
+  it.each(index.rejected)('rejects $file with $code at byte $offset', ({ file, code, offset }) => {
     const decoded = decodeFrame(bytesOf(file));
     expect(decoded.ok).toBe(false);
     if (!decoded.ok) expect({ code: decoded.error.code, offset: decoded.error.offset }).toEqual({ code, offset });
   });
 
-  it('refuses every proper prefix of every good frame and never throws', () => {
+  it('rejects every proper prefix of every good frame and never throws', () => {
     for (const { file } of index.frames) {
       const bytes = bytesOf(file);
       for (let size = 0; size < bytes.length; ++size) expect(decodeFrame(bytes.subarray(0, size)).ok).toBe(false);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import { parseControl } from '../src/wire/control';
 
@@ -26,13 +27,13 @@ describe('control messages', () => {
   it.each([
     ['epoch', 'one'], ['stock', { shape: 'donut' }], ['stock', { shape: 'box', min_mm: [0, 0], max_mm: [1, 1, 1] }],
     ['tools', {}], ['tools', [{ shape: 'ball' }]], ['participants', [{ participant: 1 }]], ['grid', null], ['pitch_mm', null],
-  ])('refuses a welcome whose %s is %j and names the field', (field, value) => {
+  ])('rejects a welcome whose %s is %j and names the field', (field, value) => {
     const result = parse({ ...welcome, [field]: value });
     expect(result.ok).toBe(false);
     if (!result.ok) expect(result.error.code).toBe('bad_json');
   });
 
-  it('refuses what is no JSON object', () => {
+  it('rejects what is no JSON object', () => {
     for (const text of ['', '{', '[]', 'null', '7', '"welcome"']) expect(parseControl(text).ok).toBe(false);
   });
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { beforeAll, describe, expect, it } from 'vitest';
 import * as THREE from 'three';
 import { TileParser } from '../src/view/glb_tiles';
@@ -36,7 +37,7 @@ describe('mesh frames', () => {
     expect(tiles).toMatchObject([{ x: 2, y: 3, version: 9, triangles: 0, geometry: null }]);
   });
 
-  it('are refused when they are no GLB', async () => {
+  it('are rejected when they are no GLB', async () => {
     await expect(parser.parse(new Uint8Array([1, 2, 3, 4]))).rejects.toThrow();
   });
 });

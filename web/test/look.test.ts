@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import { errorRad, LookPolicy } from '../src/model/look';
 import type { Look } from '../src/wire/types';

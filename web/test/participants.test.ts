@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import { ForceHistory, roundUp125 } from '../src/model/forces';
 import { Participants } from '../src/model/participants';

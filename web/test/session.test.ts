@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
 import { SessionModel } from '../src/model/session';
 import type { Header, ToolState, Welcome } from '../src/wire/types';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/reference/report.h"
 
 #include <algorithm>
@@ -126,7 +127,7 @@ std::array<std::uint8_t, kStateBytes> encode(const StateReport& report) noexcept
   out.put(report.buttons);
   for (const std::int32_t angle : report.angles_urad) out.put(angle);
   out.put(report.accepted);
-  out.put(report.refused);
+  out.put(report.rejected);
   out.put(report.temperature_dc);
   out.put(std::uint16_t{0});
   out.put_sum();
@@ -174,7 +175,7 @@ std::optional<StateReport> decode_state(std::span<const std::uint8_t> bytes) noe
   report.buttons = in.take<std::uint16_t>();
   for (std::int32_t& angle : report.angles_urad) angle = in.take<std::int32_t>();
   report.accepted = in.take<std::uint16_t>();
-  report.refused = in.take<std::uint16_t>();
+  report.rejected = in.take<std::uint16_t>();
   report.temperature_dc = in.take<std::int16_t>();
   return report;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -20,7 +21,7 @@ inline constexpr std::uint8_t kVersion = 1;
 inline constexpr std::uint8_t kIdentityRequest = 0x01;
 /// Vendor, interface, towards the host.
 inline constexpr std::uint8_t kIdentityRequestType = 0xC1;
-/// A device whose motors go on for longer without a command is refused.
+/// A device whose motors go on for longer without a command is rejected.
 inline constexpr unsigned kWatchdogMs = 20;
 
 inline constexpr std::size_t kIdentityBytes = 84;
@@ -67,7 +68,7 @@ struct StateReport {
   std::array<std::int32_t, 6> angles_urad{};
   /// Of the last command that was accepted, and how many were not.
   std::uint16_t accepted = 0;
-  std::uint16_t refused = 0;
+  std::uint16_t rejected = 0;
   std::int16_t temperature_dc = 0;
 
   bool operator==(const StateReport&) const = default;

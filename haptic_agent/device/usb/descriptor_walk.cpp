@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/usb/descriptor_walk.h"
 
 #include <libusb-1.0/libusb.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/usb/usb_connection.h"
 
 #include <libusb-1.0/libusb.h>
@@ -101,7 +102,7 @@ void UsbConnection::submit(Slot& slot) noexcept {
   const int code = libusb_submit_transfer(slot.transfer);
   slot.in_flight = code == 0;
   if (code == 0) return;
-  // Whatever refuses a submission has no device behind it any more.
+  // Whatever rejects a submission has no device behind it any more.
   lost_ = true;
 }
 

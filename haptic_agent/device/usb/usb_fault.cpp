@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/usb/usb_fault.h"
 
 #include <libusb-1.0/libusb.h>
@@ -23,7 +24,7 @@ std::string_view sentence_of(UsbFault fault) {
     case UsbFault::kUnplugged:
       return "has been unplugged";
     case UsbFault::kStall:
-      return "refuses a request (stall)";
+      return "rejects a request (stall)";
     case UsbFault::kOverflow:
       return "sends more than it announced (babble)";
     case UsbFault::kTimeout:

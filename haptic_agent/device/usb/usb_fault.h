@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ enum class UsbFault : std::uint8_t {
   /// Its descriptors or its answer are not those of the device that its ids promise.
   kWrongDevice,
   kUnplugged,
-  /// The endpoint refused; it wants its halt cleared.
+  /// The endpoint rejected; it wants its halt cleared.
   kStall,
   /// It sent more than its endpoint's packet (babble).
   kOverflow,

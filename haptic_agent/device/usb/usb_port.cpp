@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/usb/usb_port.h"
 
 #include <libusb-1.0/libusb.h>
@@ -21,7 +22,7 @@ namespace {
 constexpr int kIdleMs = 5;
 constexpr std::uint64_t kUsPerMs = 1000;
 
-/// The better reason to tell: a device that is there and refuses, before one that is not there.
+/// The better reason to tell: a device that is there and rejects, before one that is not there.
 bool tells_more(const UsbError& a, const UsbError& b) noexcept {
   return a.fault != UsbFault::kNotFound && b.fault == UsbFault::kNotFound;
 }
@@ -103,10 +104,10 @@ class UsbPort::Worker {
 
   Connected connect_node() {
     node_fd_ = port_.settings_.node();
-    if (node_fd_ < 0) return refuse(UsbFault::kNotFound);
+    if (node_fd_ < 0) return reject(UsbFault::kNotFound);
     libusb_device_handle* handle = nullptr;
     const int code = libusb_wrap_sys_device(context_, node_fd_, &handle);
-    return code == 0 ? take(handle) : refuse(fault_of(code));
+    return code == 0 ? take(handle) : reject(fault_of(code));
   }
 
   /// Tries every device of our ids: of two, one may be another agent's.
@@ -114,14 +115,14 @@ class UsbPort::Worker {
     const std::vector<UsbId> ids = port_.protocol_.ids();
     libusb_device** list = nullptr;
     const auto count = libusb_get_device_list(context_, &list);
-    Connected best = refuse(UsbFault::kNotFound);
+    Connected best = reject(UsbFault::kNotFound);
     for (std::ptrdiff_t i = 0; i < count; ++i) {
       libusb_device_descriptor is{};
       if (libusb_get_device_descriptor(list[i], &is) != 0) continue;
       if (std::ranges::find(ids, UsbId{is.idVendor, is.idProduct}) == ids.end()) continue;
       libusb_device_handle* handle = nullptr;
       const int code = libusb_open(list[i], &handle);
-      Connected done = code == 0 ? take(handle) : refuse(fault_of(code));
+      Connected done = code == 0 ? take(handle) : reject(fault_of(code));
       if (done || tells_more(done.error(), best.error())) best = std::move(done);
       if (best) break;
     }
@@ -129,7 +130,7 @@ class UsbPort::Worker {
     return best;
   }
 
-  std::unexpected<UsbError> refuse(UsbFault fault) const {
+  std::unexpected<UsbError> reject(UsbFault fault) const {
     return std::unexpected(usb_error(fault, port_.protocol_.name()));
   }
 
@@ -222,7 +223,7 @@ UsbPort::~UsbPort() {
 
 void UsbPort::start() {
   thread_ = std::thread([this] {
-    // A refusal is told once, by the servo's thread, which asks for the same.
+    // A rejection is told once, by the servo's thread, which asks for the same.
     request_fifo(kUsbPriority);
     Worker(*this).run();
   });

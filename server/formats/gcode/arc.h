@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -39,7 +40,7 @@ struct Arc {
 inline constexpr double kSpiralToleranceMm = 0.028284271247461905;
 inline constexpr double kSpiralToleranceInchMm = 0.07184204896855323;
 
-/// The centre of G2 (clockwise) or G3, in its plane. Throws GcodeFault where LinuxCNC refuses:
+/// The centre of G2 (clockwise) or G3, in its plane. Throws GcodeFault where LinuxCNC rejects:
 /// radii that differ by more than `spiral_tolerance_mm` allows, a centre at an end, an R too short
 /// to reach the end, equal ends with R.
 PlanePoint arc_center(Vec3 start, Vec3 end, ArcPlane plane, const ArcCenter& center, bool clockwise,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/gcode/codes.h"
 
 #include <array>
@@ -13,7 +14,7 @@ namespace {
 struct Codes {
   int first, last;
   GcodeGroup group;
-  std::string_view refusal = {};
+  std::string_view rejection = {};
 };
 
 constexpr std::string_view kTurning =
@@ -120,7 +121,7 @@ const Codes* find(std::span<const Codes> known, int code) {
 GcodeGroup gcode_group(char letter, int code, const std::string& text) {
   const Codes* known = letter == 'g' ? find(kGCodes, code) : find(kMCodes, code);
   if (known == nullptr) throw GcodeFault{text, "is not a code that Kerf understands"};
-  if (!known->refusal.empty()) throw GcodeFault{text, std::string(known->refusal)};
+  if (!known->rejection.empty()) throw GcodeFault{text, std::string(known->rejection)};
   return known->group;
 }
 

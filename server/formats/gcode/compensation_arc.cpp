@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Arcs of CutterCompensation, as LinuxCNC's interpreter computes them (compensation.cpp tells the
 // angles).
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/gcode/expression.h"
 
 #include <array>
@@ -52,7 +53,7 @@ struct Function {
 };
 
 // Longer words stand before their beginnings. A value outside of a function's domain gives NaN,
-// which the caller refuses.
+// which the caller rejects.
 constexpr std::array kFunctions{
     Function{"abs", [](double x) { return std::abs(x); }},
     Function{"acos", [](double x) { return std::acos(x) / kRadPerDeg; }},
@@ -74,7 +75,7 @@ bool is_gcode_integer(double value) {
   return std::abs(value) <= 1e9 && std::abs(value - std::round(value)) <= kGcodeIntegerTolerance;
 }
 
-void GcodeValueReader::refuse(const std::string& reason) const {
+void GcodeValueReader::reject(const std::string& reason) const {
   throw GcodeFault{std::string(line_.substr(std::min(at_, line_.size()))), reason};
 }
 
@@ -85,13 +86,13 @@ bool GcodeValueReader::accept(std::string_view word) {
 }
 
 void GcodeValueReader::expect(char c) {
-  if (peek() != c) refuse(std::string("expected '") + c + "'");
+  if (peek() != c) reject(std::string("expected '") + c + "'");
   skip();
 }
 
 double GcodeValueReader::value() {
   const std::size_t start = at_;
-  if (++depth_ > kGcodeNestingMax) refuse("is nested too deeply");
+  if (++depth_ > kGcodeNestingMax) reject("is nested too deeply");
   const double result = value_within();
   --depth_;
   if (!std::isfinite(result)) {
@@ -114,7 +115,7 @@ double GcodeValueReader::value_within() {
   }
   if (is_digit(c) || c == '.') return number();
   if (c >= 'a' && c <= 'z') return function();
-  refuse(done() ? "a value is missing" : "is not a value");
+  reject(done() ? "a value is missing" : "is not a value");
 }
 
 double GcodeValueReader::number() {
@@ -136,7 +137,7 @@ double GcodeValueReader::number() {
 double GcodeValueReader::bracket() {
   expect('[');
   const double result = operation(value(), 1);
-  if (peek() != ']') refuse(done() ? "a ']' is missing" : "is not an operator or ']'");
+  if (peek() != ']') reject(done() ? "a ']' is missing" : "is not an operator or ']'");
   skip();
   return result;
 }
@@ -175,7 +176,7 @@ double GcodeValueReader::function() {
       throw GcodeFault{text_since(start), "is outside of what the function takes"};
     return result;
   }
-  refuse("is not a function");
+  reject("is not a function");
 }
 
 double GcodeValueReader::exists() {

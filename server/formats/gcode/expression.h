@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -57,7 +58,7 @@ class GcodeValueReader {
   double exists();
   double operation(double left, int precedence);
   void expect(char c);
-  [[noreturn]] void refuse(const std::string& reason) const;
+  [[noreturn]] void reject(const std::string& reason) const;
 
   std::string_view line_;
   const GcodeParameters& parameters_;

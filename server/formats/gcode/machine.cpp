@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/gcode/machine.h"
 
 #include <algorithm>
@@ -37,7 +38,7 @@ void GcodeMachine::at_line(std::size_t file, std::size_t line) {
 }
 
 bool GcodeMachine::execute(GcodeBlock& block) {
-  refuse_foreign_axes(block);
+  reject_foreign_axes(block);
   decide_motion(block);
   set_spindle_and_feed(block);
   select_tool(block);
@@ -54,7 +55,7 @@ bool GcodeMachine::execute(GcodeBlock& block) {
   set_modes(block);
   execute_nonmodal(block);
   if (const GcodeCode* code = block.code(GcodeGroup::kShiftApplied)) {
-    refuse_compensated(*code);
+    reject_compensated(*code);
     restore_shift(code->code);
   }
   move(block);
@@ -65,12 +66,12 @@ bool GcodeMachine::execute(GcodeBlock& block) {
 
 void GcodeMachine::finish() { compensation_.flush(in_plane(linear(at_), compensation_.plane())); }
 
-void GcodeMachine::refuse_compensated(const GcodeCode& code) const {
+void GcodeMachine::reject_compensated(const GcodeCode& code) const {
   if (compensation_.on())
     throw GcodeFault{code.text, "cannot stand while cutter compensation is on"};
 }
 
-void GcodeMachine::refuse_foreign_axes(const GcodeBlock& block) const {
+void GcodeMachine::reject_foreign_axes(const GcodeBlock& block) const {
   for (const char letter : kAxisLetters) {
     const GcodeWord* word = block.find(letter);
     if (word != nullptr && setup_.axes.find(letter) == std::string_view::npos)
@@ -161,7 +162,7 @@ void GcodeMachine::set_modes(GcodeBlock& block) {
     const ArcPlane plane = code->code == 170   ? ArcPlane::kXy
                            : code->code == 180 ? ArcPlane::kZx
                                                : ArcPlane::kYz;
-    if (plane != modes_.plane) refuse_compensated(*code);
+    if (plane != modes_.plane) reject_compensated(*code);
     modes_.plane = plane;
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kUnits))
@@ -170,15 +171,15 @@ void GcodeMachine::set_modes(GcodeBlock& block) {
   if (const GcodeCode* code = block.code(GcodeGroup::kCutterCompensation))
     start_compensation(block, code->code);
   if (const GcodeCode* code = block.code(GcodeGroup::kToolLength)) {
-    refuse_compensated(*code);
+    reject_compensated(*code);
     offset_tool(block, code->code);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kCoordinateSystem)) {
-    refuse_compensated(*code);
+    reject_compensated(*code);
     select_system(code->code <= 590 ? code->code / 10 - 53 : code->code - 584);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kPathControl)) {
-    refuse_compensated(*code);
+    reject_compensated(*code);
     // How tightly corners are followed is the controller's matter: Kerf follows the programmed
     // path.
     if (code->code == 640) {
@@ -191,7 +192,7 @@ void GcodeMachine::set_modes(GcodeBlock& block) {
   if (const GcodeCode* code = block.code(GcodeGroup::kArcDistance))
     modes_.arc_absolute = code->code == 901;
   if (const GcodeCode* code = block.code(GcodeGroup::kRetract)) {
-    refuse_compensated(*code);
+    reject_compensated(*code);
     modes_.retract_to_r = code->code == 990;
   }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
@@ -77,7 +78,7 @@ class GcodeMachine {
 
   // machine.cpp, machine_codes.cpp: the order of a block, feeds, M codes
   void decide_motion(const GcodeBlock& block);
-  void refuse_foreign_axes(const GcodeBlock& block) const;
+  void reject_foreign_axes(const GcodeBlock& block) const;
   void set_spindle_and_feed(GcodeBlock& block);
   void set_feed_mode(int code);
   void set_modes(GcodeBlock& block);
@@ -87,7 +88,7 @@ class GcodeMachine {
   void use_input_output(GcodeBlock& block, int code);
   void restore(const GcodeModes& modes);
   bool stop(const GcodeBlock& block);
-  void refuse_compensated(const GcodeCode& code) const;
+  void reject_compensated(const GcodeCode& code) const;
   void control_tool_center(bool by_length_code, bool by_m_code);
 
   // tool.cpp
@@ -158,7 +159,7 @@ class GcodeMachine {
   CutterCompensation compensation_;
   CycleMemory cycle_;
   double spline_i_ = 0, spline_j_ = 0;  ///< where the last G5 pointed
-  bool arc_refused_ = false;            ///< the tool is beside the path since G40
+  bool arc_rejected_ = false;           ///< the tool is beside the path since G40
   std::optional<int> selected_tool_;
   int loaded_tool_ = 0;
   bool tcp_by_length_code_ = false, tcp_by_m_code_ = false;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // M codes of GcodeMachine, and what it tells of its state.
 #include <cmath>
 
@@ -8,7 +9,7 @@ namespace kerf {
 
 void GcodeMachine::execute_m(GcodeBlock& block) {
   if (const GcodeCode* code = block.code(GcodeGroup::kInputOutput)) {
-    refuse_compensated(*code);
+    reject_compensated(*code);
     use_input_output(block, code->code);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kToolChange)) change_tool(block, code->code);
@@ -19,11 +20,11 @@ void GcodeMachine::execute_m(GcodeBlock& block) {
     if (code->code == 9) modes_.mist = modes_.flood = false;
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kOverride)) {
-    refuse_compensated(*code);
+    reject_compensated(*code);
     override_speeds(block, code->code);
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kTcp)) {
-    refuse_compensated(*code);
+    reject_compensated(*code);
     control_tool_center(tcp_by_length_code_, code->code == 428);
   }
 }

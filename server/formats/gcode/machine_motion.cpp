@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The motions of GcodeMachine: targets, straight lines, arcs, cycles, feeds.
 #include <algorithm>
 #include <cmath>
@@ -144,14 +145,14 @@ GcodeFeed GcodeMachine::feed_of(const GcodeBlock& block) const {
 }
 
 void GcodeMachine::straight(GcodeBlock& block, int code) {
-  arc_refused_ = false;
+  arc_rejected_ = false;
   const bool is_rapid = code == 0;
   if (!is_rapid) require_feed(block);
   modes_.motion = code;
   const bool in_machine = block.has_code(GcodeGroup::kNonModal, 530);
   const Named named = named_axes(block);
   if (in_machine) {
-    refuse_compensated(*block.code(GcodeGroup::kNonModal));
+    reject_compensated(*block.code(GcodeGroup::kNonModal));
     if (!is_rapid && !setup_.machine_zero_known)
       throw GcodeFault{"G53",
                        "only G53 G0 is supported without a parameter file: the machine's "
@@ -232,7 +233,7 @@ ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
 }
 
 void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
-  if (arc_refused_)
+  if (arc_rejected_)
     throw GcodeFault{"", "the move after cutter compensation (G40) must be straight, not an arc"};
   require_feed(block);
   const ArcCenter center = read_center(block);

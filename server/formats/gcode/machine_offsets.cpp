@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Coordinate systems of GcodeMachine. They stand in the numbered parameters, in mm and degrees.
 #include <cmath>
 
@@ -69,7 +70,7 @@ void GcodeMachine::set_system(GcodeBlock& block) {
     throw GcodeFault{block.find('p')->text, "must be a whole number from 0 to 9"};
   const int given = static_cast<int>(std::lround(*number));
   const int system = given == 0 ? modes_.system : given;
-  if (system == modes_.system) refuse_compensated(written);
+  if (system == modes_.system) reject_compensated(written);
   const GcodeAxes coordinates = in_system(system);
   const int first = system_parameter(system);
   if (!here)
@@ -151,7 +152,7 @@ void GcodeMachine::execute_nonmodal(GcodeBlock& block) {
     }
     throw GcodeFault{code->text, "only L1, L2, L10, L11 and L20 are supported"};
   }
-  refuse_compensated(*code);
+  reject_compensated(*code);
   if (code->code == 280 || code->code == 300) return go_home(block, code->code);
   if (code->code == 281 || code->code == 301) return save_home(code->code);
   shift_origin(block, code->code);

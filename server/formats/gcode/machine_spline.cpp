@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Motions of GcodeMachine that are seldom met: splines (G5, G5.1) and rigid tapping (G33.1).
 #include <cmath>
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tools of GcodeMachine: the spindle's, their offsets, and where their radius is compensated.
 #include <cmath>
 
@@ -53,7 +54,7 @@ void GcodeMachine::change_tool(GcodeBlock& block, int code) {
     if (whole(word.value, 0, word) != 0) tool_of_word(word);
     loaded_tool_ = whole(word.value, 0, word);
   } else {
-    refuse_compensated(written);
+    reject_compensated(written);
     if (!selected_tool_) throw GcodeFault{written.text, "no tool was selected with T"};
     loaded_tool_ = *selected_tool_;
     modes_.spindle = GcodeSpindle::kStopped;
@@ -174,12 +175,12 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
     if (const auto programmed = compensation_.end(in_plane(linear(at_), compensation_.plane()))) {
       const PlanePoint p = *programmed;
       set_linear(at_, from_plane(p, compensation_.plane()));
-      arc_refused_ = true;
+      arc_rejected_ = true;
     }
     return;
   }
   const GcodeCode& written = *block.code(GcodeGroup::kCutterCompensation);
-  refuse_compensated(written);
+  reject_compensated(written);
   if (modes_.plane == ArcPlane::kYz)
     throw GcodeFault{written.text, "compensates in the planes XY (G17) and ZX (G18) only"};
   const auto d = block.take('d');

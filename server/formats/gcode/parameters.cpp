@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/gcode/parameters.h"
 
 #include <algorithm>

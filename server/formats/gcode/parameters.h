@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
@@ -54,7 +55,7 @@ class GcodeParameters {
   void set(int number, double value) { numbered_[static_cast<std::size_t>(number)] = value; }
 
   std::optional<double> named(const std::string& name) const;
-  /// Refuses predefined names and one more than kGcodeNamesMax.
+  /// Rejects predefined names and one more than kGcodeNamesMax.
   void set(const std::string& name, double value);
   /// From where its assignment is read on, a new name exists with the value 0 (as in LinuxCNC).
   void declare(const std::string& name) {

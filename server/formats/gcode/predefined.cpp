@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The predefined named parameters of LinuxCNC, as far as they tell something of a program's state.
 #include "server/formats/gcode/machine.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/model_parts.h"
 #include "server/formats/model/vertex_welder.h"
 

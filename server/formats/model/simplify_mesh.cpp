@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/simplify_mesh.h"
 
 #include <meshoptimizer.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/stl_reader.h"
 
 #include <algorithm>

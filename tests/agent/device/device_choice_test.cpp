@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/device_choice.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +44,7 @@ TEST(DeviceChoice, AUsbDeviceThatIsNotThereIsWaitedFor) {
   }
 }
 
-TEST(DeviceChoice, WhatIsNoDeviceIsRefused) {
+TEST(DeviceChoice, WhatIsNoDeviceIsRejected) {
   for (const char* name :
        {"", "joystick", "replay", "replay:", "sim:/no/such.apt", "sim:x.ngc", "usb:", "usb:1209",
         "usb:1209:", "usb:zz:1", "usb:11209:1", "falcon:/no/such", "spacemouse:1"}) {

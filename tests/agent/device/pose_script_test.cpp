@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/device/pose_script.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +68,7 @@ struct BadText {
 
 class BadApt : public ::testing::TestWithParam<BadText> {};
 
-TEST_P(BadApt, IsRefusedWithItsLine) {
+TEST_P(BadApt, IsRejectedWithItsLine) {
   const auto script = parse_apt_script("bad.apt", GetParam().text);
   ASSERT_FALSE(script);
   EXPECT_EQ(script.error().line, GetParam().line);
@@ -115,7 +116,7 @@ TEST(CsvScript, ColumnsMayStandInAnyOrderAndSayWhatCuts) {
 
 class BadCsv : public ::testing::TestWithParam<BadText> {};
 
-TEST_P(BadCsv, IsRefusedWithItsLine) {
+TEST_P(BadCsv, IsRejectedWithItsLine) {
   const auto script = parse_csv_script("bad.csv", GetParam().text);
   ASSERT_FALSE(script);
   EXPECT_EQ(script.error().line, GetParam().line);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whatever a network does, each sample is applied once, in order, each motion where it was made.
 // The agent's traffic and the server's gate, on a made-up network and a made-up clock, many times
 // over.

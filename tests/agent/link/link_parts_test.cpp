@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <array>
@@ -23,7 +24,7 @@ TEST(ServerUrl, ReadsHostAndPort) {
   EXPECT_EQ(parse_server_url("http://[::1]:81"), (ServerUrl{"::1", "81"}));
 }
 
-TEST(ServerUrl, RefusesWhatItCannotReach) {
+TEST(ServerUrl, RejectsWhatItCannotReach) {
   for (const char* text :
        {"", "http://", "https://host", "wss://host", "ftp://host", "host:0", "host:65536", "host:x",
         "host:", "host/path", "host?q", "[::1", "[::1]x", ":80"}) {
@@ -53,7 +54,7 @@ TEST(Control, AWelcomeWithACylinderGivesTheBoxAroundIt) {
   EXPECT_EQ(welcome.stock.max_mm, (Vec3{15, 25, 4}));
 }
 
-TEST(Control, UnknownMessagesAreSkippedAndMalformedOnesRefused) {
+TEST(Control, UnknownMessagesAreSkippedAndMalformedOnesRejected) {
   EXPECT_TRUE(std::holds_alternative<OtherMessage>(*parse_control(R"({"type":"weather"})")));
   for (const char* text :
        {"", "[]", "{}", R"({"type":5})", R"({"type":"welcome"})", R"({"type":"error"})", "\xff"}) {
@@ -114,7 +115,7 @@ TEST(Declined, OnlyTheAgentsOwnFaultsAreFinal) {
   EXPECT_FALSE(declined("demo", 429, "").final);
   EXPECT_FALSE(declined("demo", 503, "").final);
   EXPECT_EQ(declined("demo", 403, "not\nyours\n").reason,
-            "the server refuses session 'demo': HTTP 403: notyours");
+            "the server rejects session 'demo': HTTP 403: notyours");
   EXPECT_LT(declined("demo", 500, std::string(10'000, 'x')).reason.size(), 300U);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/agent/link/lossy_line.h"
 
 #include <arpa/inet.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/server_link.h"
 
 #include <gtest/gtest.h>
@@ -274,7 +275,7 @@ TEST_F(ServerLinkTest, AnUnknownSessionIsFinal) {
   link.stop(0);
 }
 
-TEST_F(ServerLinkTest, AServerOfAnotherProtocolIsRefused) {
+TEST_F(ServerLinkTest, AServerOfAnotherProtocolIsRejected) {
   FakeServer server([](FakePeer& peer, int) { peer.read_text(); }, {.protocol = "kerf.agent.v2"});
   ServerLink link(settings(server), samples, wrenches);
   link.start();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes over which lane, on a made-up clock and a made-up network.
 #include <gtest/gtest.h>
 

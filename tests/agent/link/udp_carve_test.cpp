@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The real link against the real server, in one process: what is carved over a bad line is what is
 // carved over a good one, to the bit.
 #include <gtest/gtest.h>

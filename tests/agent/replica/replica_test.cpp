@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The agent's copy of the block against the real session, which has the authority.
 
 #include "haptic_agent/replica/replica.h"
@@ -86,7 +87,7 @@ class ReplicaRoom : public SessionRoom, public testing::WithParamInterface<const
   }
   /// A patch there and its acknowledgement back.
   bool tell() {
-    const auto news = session_->stock_news(hand_);
+    const auto news = session_->stock_update(hand_);
     if (!news) return false;
     EXPECT_TRUE(session_->ack_stock(hand_, news->sequence));
     EXPECT_TRUE(copy_->take(news->patch()));
@@ -99,7 +100,7 @@ class ReplicaRoom : public SessionRoom, public testing::WithParamInterface<const
     sample.tip_mm = {tip.x, tip.y, tip.z};
     sample.tool_id = 1;
     sample.buttons = wire::kButtonCutting;
-    EXPECT_TRUE(session_->move(other_, {&sample, 1}).refusals.empty());
+    EXPECT_TRUE(session_->move(other_, {&sample, 1}).rejections.empty());
   }
   void expect_equal_near(Vec3 tip) {
     const SolidSnapshot solid = session_->solid();
@@ -210,13 +211,13 @@ TEST_P(ReplicaRoom, ComesIntoABlockThatWasCarvedBefore) {
   expect_equal_near(winding(299));
 }
 
-TEST_P(ReplicaRoom, KeepsItsOwnCutsWhenItBeginsAfresh) {
+TEST_P(ReplicaRoom, KeepsItsOwnCutsAfterAReset) {
   begin(GetParam());
   delay = 50;
   for (int n = 0; n < 200; ++n) hand(winding(n));
   other(winding(400));
   other(winding(405));
-  session_->start_stock_afresh(hand_);
+  session_->reset_stock(hand_);
   for (int n = 200; n < 300; ++n) hand(winding(n));
   arrive_all();
   EXPECT_LT(copy_->agreement().error(), 0.05);
@@ -232,12 +233,12 @@ TEST_P(ReplicaRoom, AMotionThatNobodyTakesIsInNeitherBlock) {
   expect_equal_near({15, 0, -4});
 }
 
-TEST_P(ReplicaRoom, AMotionThatTheServerAloneRefusesIsHealed) {
+TEST_P(ReplicaRoom, AMotionThatTheServerAloneRejectsIsHealed) {
   samples_most = 20;
   begin(GetParam());
   for (int n = 0; n < 40; ++n) hand({-10 + 0.5 * n, 0, -4});  // the last ones are too many
-  EXPECT_TRUE(theirs_.status & wire::kStatusRefused);
-  while ((theirs_.status & wire::kStatusRefused) != 0) {
+  EXPECT_TRUE(theirs_.status & wire::kStatusRejected);
+  while ((theirs_.status & wire::kStatusRejected) != 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     hand({9.5, 0, -4});
   }
@@ -245,12 +246,12 @@ TEST_P(ReplicaRoom, AMotionThatTheServerAloneRefusesIsHealed) {
   expect_equal_near({9.5, 0, -4});
 }
 
-TEST_P(ReplicaRoom, WhatWasKnownBeforeItBeganAfreshIsNot) {
+TEST_P(ReplicaRoom, TilesKnownBeforeAResetAreSentAgain) {
   begin(GetParam());
   for (int n = 0; n < 20; ++n) hand({-20, -20, -1}, {0, 0, 1}, 1, 0);
   ASSERT_TRUE(hand({-20, -20, -1}, {0, 0, 1}, 1, 0));
   for (int n = 0; n < 20; ++n) hand({24, 24, -1}, {0, 0, 1}, 1, 0);
-  session_->start_stock_afresh(hand_);
+  session_->reset_stock(hand_);
   hand({24, 24, -1}, {0, 0, 1}, 1, 0);
   EXPECT_TRUE(hand({24, 24, -1}, {0, 0, 1}, 1, 0));
   delay = 5;
@@ -287,7 +288,7 @@ TEST_P(ReplicaRoom, OnlyPatchesThatWereSentAreAcknowledged) {
   begin(GetParam());
   EXPECT_EQ(session_->ack_stock(other_, 1).error().code, wire::ErrorCode::kBadMessage);
   EXPECT_EQ(session_->ack_stock(hand_, 1).error().code, wire::ErrorCode::kBadSequence);
-  EXPECT_FALSE(session_->stock_news(other_)) << "who keeps no copy is told nothing";
+  EXPECT_FALSE(session_->stock_update(other_)) << "who keeps no copy is told nothing";
   hand({0, 0, 2});
   EXPECT_TRUE(session_->ack_stock(hand_, 1));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/latest_value.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +51,7 @@ TEST(LatestValue, NeverTearsAValueAndNeverGoesBack) {
   EXPECT_TRUE(whole);
 }
 
-TEST(SampleRing, RefusesWhenFullAndKeepsTheOrder) {
+TEST(SampleRing, RejectsWhenFullAndKeepsTheOrder) {
   SampleRing ring;
   wire::MotionSample sample;
   EXPECT_FALSE(ring.pop(sample));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -229,7 +230,7 @@ TEST_F(Safety, AWrenchThatIsNoNumberTrips) {
   tick(true, std::numeric_limits<double>::quiet_NaN());
   tick(true, std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(device.shown, Wrench{});
-  EXPECT_EQ(cycle->supervisor().code(), TripCode::kRefusedWrench);
+  EXPECT_EQ(cycle->supervisor().code(), TripCode::kRejectedWrench);
 }
 
 class OnDemand final : public ServoClock {

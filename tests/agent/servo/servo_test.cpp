@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -270,21 +271,21 @@ TEST_F(ServoCycleTest, APoseThatIsNotFiniteIsNotSentAndGetsNoForce) {
   wire::MotionSample sample;
   while (samples.pop(sample)) {
   }
-  const auto expect_refused = [&] {
+  const auto expect_rejected = [&] {
     answer(2.0, now_us);
     cycle.tick(now_us += 1000);
     EXPECT_FALSE(samples.pop(sample));
     EXPECT_EQ(device.shown, Wrench{});
   };
   device.state.tip_mm.y = std::numeric_limits<double>::quiet_NaN();
-  expect_refused();
+  expect_rejected();
   device.state.tip_mm.y = 0;
   device.state.axis = {0, 0, 0.9};
-  expect_refused();
+  expect_rejected();
   device.state.axis = {0, std::numeric_limits<double>::infinity(), 1};
-  expect_refused();
+  expect_rejected();
   device.state = {};
-  expect_refused();
+  expect_rejected();
   EXPECT_EQ(cycle.report().invalid_poses, 4U);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/supervisor.h"
 
 #include <gtest/gtest.h>
@@ -115,7 +116,7 @@ TEST_F(SupervisorTest, TripsOnEachPartOfTheEnvelope) {
       {TripCode::kTurnSpeed, [](SafetyInput& i) { i.turn_rad_per_s = 15.1; }},
       {TripCode::kLostTicksInARow, [](SafetyInput& i) { i.lost_now = 5; }},
       {TripCode::kOverdrawn, [](SafetyInput& i) { i.overdrawn = true; }},
-      {TripCode::kRefusedWrench,
+      {TripCode::kRejectedWrench,
        [](SafetyInput& i) { i.wanted.force_n.x = std::numeric_limits<double>::quiet_NaN(); }},
   };
   for (const Case& c : cases) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/agent/stability/test_bed.h"
 
 #include <array>
@@ -61,7 +62,7 @@ void TestBed::Copy::answer(NearAnswers& servo, std::uint64_t now_us) {
 /// As the server does: every 20 ms, if there is anything to tell.
 void TestBed::tell_stock() {
   if (now_us_ < told_us_ + 20'000) return;
-  const auto news = session_->stock_news(self_);
+  const auto news = session_->stock_update(self_);
   if (!news) return;
   told_us_ = now_us_;
   std::vector<std::byte> frame;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <memory>
@@ -46,7 +47,7 @@ class TestBed {
     std::optional<Replica> replica;
     void take_stock(std::span<const std::byte> frame) override;
     void take_result(const wire::Result& result) override { replica->compare(result); }
-    bool wants_afresh() override { return replica->take_doubt(); }
+    bool wants_reset() override { return replica->take_doubt(); }
     void answer(NearAnswers& servo, std::uint64_t now_us);
   };
 

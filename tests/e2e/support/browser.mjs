@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Headless Chromium with software WebGL, and what the test needs from a page.
 
 import { writeFile } from 'node:fs/promises';

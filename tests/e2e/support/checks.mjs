@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Judges from outside: the glTF validator, and admesh for STL.
 
 import assert from 'node:assert/strict';

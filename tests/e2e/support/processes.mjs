@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Programs under test: started with captured output, stopped at the end whatever happens.
 
 import { spawn } from 'node:child_process';

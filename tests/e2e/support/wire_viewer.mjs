@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A viewer without a browser: joins by the documented protocol and keeps every mesh frame's GLB as it came over the wire.
 
 import WebSocket from 'ws';

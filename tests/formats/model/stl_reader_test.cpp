@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/formats/model/stl_reader.h"
 
 #include <gtest/gtest.h>
@@ -65,7 +66,7 @@ TEST(StlReader, ReadsABinaryFileWhoseTitleStartsWithSolid) {
   EXPECT_EQ(stl_file_bytes(triangles->size()), bytes.size());
 }
 
-TEST(StlReader, RefusesATruncatedFileAtEveryLength) {
+TEST(StlReader, RejectsATruncatedFileAtEveryLength) {
   std::vector<std::byte> bytes = carved_block(6);
   bytes.resize(84 + 50 * 3);
   bytes[80] = std::byte{3};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // 3MF as the consortium's own library reads it, in its strict mode.
 #include <Model/COM/NMR_DLLInterfaces.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Long motions on several threads: the same bytes as on one.
 
 #include <gtest/gtest.h>

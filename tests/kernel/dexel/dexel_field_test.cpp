@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fields as wholes: snapshots stay, hashes compare solids, and a block costs what was touched of
 // it, from 1 mm to 10 m and far from the origin.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Copies of a block that compare what they have left come to the same block, in whatever order.
 
 #include "kernel/dexel/tile_columns.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The three fields of a tri-dexel block against each other and against the true motion. Rays of the
 // three fields meet in a lattice of points, one ray of each field through every point: there all of
 // them must say the same.

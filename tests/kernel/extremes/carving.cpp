@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/kernel/extremes/carving.h"
 
 #include <gtest/gtest.h>
@@ -88,7 +89,7 @@ Carving::Carving(SculptureSettings settings, const Tool& tool)
 MotionResult Carving::move(const ToolPose& from, const ToolPose& to) {
   const auto moved = sculpture_.apply(MoveTool{1, from, to, 0.01});
   if (!moved) {
-    ADD_FAILURE() << "refused: " << moved.error().reason;
+    ADD_FAILURE() << "rejected: " << moved.error().reason;
     return {};
   }
   sweeps_.emplace_back(tool_, from, to);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <random>
@@ -22,7 +23,7 @@ class Carving {
  public:
   Carving(SculptureSettings settings, const Tool& tool);
 
-  /// Moves the tool; a refusal fails the test and changes nothing.
+  /// Moves the tool; a rejection fails the test and changes nothing.
   MotionResult move(const ToolPose& from, const ToolPose& to);
   /// Judges what was carved by this sweep too: for motions that were applied to the sculpture
   /// itself.

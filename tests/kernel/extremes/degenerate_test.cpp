@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Motions and poses at which a formula divides by zero, two surfaces coincide, or a case
 // distinction has no case: each against an exact value or the true sweep.
 
@@ -180,7 +181,7 @@ TEST(Degenerate, RampOfTheConesAngle) {
   }
 }
 
-TEST(Degenerate, HalfTurnIsRefusedAndNearlyAHalfTurnIsNot) {
+TEST(Degenerate, HalfTurnIsRejectedAndNearlyAHalfTurnIsNot) {
   Carving carving(small_block(0.05), *make_tool(BallShape{6, 20}));
   Sculpture& s = carving.sculpture();
   const std::uint64_t before = s.state_hash();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The promise of the tight model: whatever the motion, no end point errs by more than the
 // tolerance.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What must hold for any motions in any order, whatever they cut: seeded random motions, every
 // tool, one field and three.
 

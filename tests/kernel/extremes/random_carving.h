@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <gtest/gtest.h>
@@ -43,7 +44,7 @@ struct RandomCarving {
       const ToolPose from{tip, normalized(vec(1) + Vec3{0, 0, 1})};
       const Vec3 way = vec(0.3 * w);
       const ToolPose to{tip + way, normalized(from.axis + vec(0.3))};
-      // A turn beyond 170 degrees is refused.
+      // A turn beyond 170 degrees is rejected.
       if (sculpture.apply(MoveTool{id, from, to, 1, false})) {
         sweeps.emplace_back(tools[t].tool, from, to);
       }

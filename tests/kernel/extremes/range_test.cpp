@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From micrometres to ten metres: pitches, blocks, offsets, tools, ways, turns and cones at both
 // ends of what a user may ask for, each judged by the true sweep.
 

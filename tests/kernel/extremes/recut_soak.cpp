@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cuts one path again and again with every tool, one field and three, and fails if a bit of the
 // state, the volume or a result changes. Usage: recut_soak [times=1000000]
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The judge on trial: a judge that sees nothing would pass every kernel.
 
 #include "tests/kernel/extremes/true_sweep.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/collision.h"
 
 #include <gtest/gtest.h>
@@ -104,7 +105,7 @@ TEST(Collision, MeshOfABoxPushesLikeTheBox) {
   EXPECT_NEAR(a.force_n.z, b.force_n.z, 1e-3);
 }
 
-TEST(Collision, MeshTooLargeToFeelIsRefused) {
+TEST(Collision, MeshTooLargeToFeelIsRejected) {
   const std::vector<std::array<Vec3, 3>> many(1001, {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}});
   EXPECT_FALSE(check_obstacle({MeshObstacle{many}, 1}).empty());
 }

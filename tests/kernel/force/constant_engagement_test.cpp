@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a hand must feel: constant engagement is a constant force, whatever the direction, the rate
 // of the ticks and the pitch; nothing jumps between one kind of motion and the next; nothing is
 // felt that was not cut. The bounds are generous; force_bench prints the figures.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Forces against what can be worked out by hand.
 
 #include "kernel/force/cutting_force.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is cut is felt over the travel that follows: all of it, evenly, and by the hand that cut it.
 
 #include "kernel/force/engagement.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/stock_contact.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which part of a removed element the rays of a field count: the square of the normal's component.
 
 #include "kernel/force/surface_weight.h"

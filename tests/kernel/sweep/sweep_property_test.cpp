@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sweeps against the true motion, by an oracle that shares no code with them: random poses,
 // every tool, both models.
 

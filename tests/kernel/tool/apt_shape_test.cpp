@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -120,34 +121,34 @@ TEST(AptShape, TaperedBallRoundedToThreeDecimalsIsAccepted) {
   EXPECT_NEAR(t->radius_mm, exact.radius_mm, 1e-3);
 }
 
-struct Refused {
+struct Rejected {
   AptShape shape;
   ToolErrorCode code;
   const char* field;
 };
 
-TEST(AptShape, RefusesWhatDoesNotFitTogether) {
+TEST(AptShape, RejectsWhatDoesNotFitTogether) {
   const double nan = std::nan("");
   using enum ToolErrorCode;
   for (const auto& [shape, code, field] :
-       std::vector<Refused>{{{0, 1, 4, 1, 0, 0, 50}, kNotPositive, "d_mm"},
-                            {{10, nan, 4, 1, 0, 0, 50}, kNotFinite, "r_mm"},
-                            {{10, -1, 4, 1, 0, 0, 50}, kOutOfRange, "r_mm"},
-                            {{10, 1, nan, 1, 0, 0, 50}, kNotFinite, "e_mm"},
-                            {{10, 1, 4, 1, 90, 0, 50}, kOutOfRange, "alpha_deg"},
-                            {{10, 1, 4, 1, -5, 0, 50}, kOutOfRange, "alpha_deg"},
-                            {{10, 1, 4, 1, 0, 90, 50}, kOutOfRange, "beta_deg"},
-                            {{10, 1, 4, 1, 0, -90, 50}, kOutOfRange, "beta_deg"},
-                            {{10, 1, 4, 1, 0, 0, 0}, kNotPositive, "h_mm"},
-                            {{10, 1, 4, 3, 0, 0, 50}, kInconsistent, "f_mm"},
-                            {{10, 1, 2, 1, 0, 0, 50}, kInconsistent, "d_mm"},
-                            {{10, 0, 4, 0, 0, 0, 50}, kInconsistent, "e_mm"},
-                            {{10, 0, 5, 1, 0, 0, 50}, kInconsistent, "f_mm"},
-                            {{10, 0, 5, 5, 45, 0, 4}, kTooShort, "h_mm"},
-                            {{0.2, 5.1, -5, 3, 0, 0, 50}, kInconsistent, "f_mm"},
-                            {{10, 10, -5, -1, 0, 0, 50}, kInconsistent, "e_mm"},
-                            {{10, 0, 5, 0, 0, -45, 6}, kInconsistent, "beta_deg"},
-                            {{10, 0, 5, 0, 0, 89.95, 50}, kOutOfRange, "beta_deg"}}) {
+       std::vector<Rejected>{{{0, 1, 4, 1, 0, 0, 50}, kNotPositive, "d_mm"},
+                             {{10, nan, 4, 1, 0, 0, 50}, kNotFinite, "r_mm"},
+                             {{10, -1, 4, 1, 0, 0, 50}, kOutOfRange, "r_mm"},
+                             {{10, 1, nan, 1, 0, 0, 50}, kNotFinite, "e_mm"},
+                             {{10, 1, 4, 1, 90, 0, 50}, kOutOfRange, "alpha_deg"},
+                             {{10, 1, 4, 1, -5, 0, 50}, kOutOfRange, "alpha_deg"},
+                             {{10, 1, 4, 1, 0, 90, 50}, kOutOfRange, "beta_deg"},
+                             {{10, 1, 4, 1, 0, -90, 50}, kOutOfRange, "beta_deg"},
+                             {{10, 1, 4, 1, 0, 0, 0}, kNotPositive, "h_mm"},
+                             {{10, 1, 4, 3, 0, 0, 50}, kInconsistent, "f_mm"},
+                             {{10, 1, 2, 1, 0, 0, 50}, kInconsistent, "d_mm"},
+                             {{10, 0, 4, 0, 0, 0, 50}, kInconsistent, "e_mm"},
+                             {{10, 0, 5, 1, 0, 0, 50}, kInconsistent, "f_mm"},
+                             {{10, 0, 5, 5, 45, 0, 4}, kTooShort, "h_mm"},
+                             {{0.2, 5.1, -5, 3, 0, 0, 50}, kInconsistent, "f_mm"},
+                             {{10, 10, -5, -1, 0, 0, 50}, kInconsistent, "e_mm"},
+                             {{10, 0, 5, 0, 0, -45, 6}, kInconsistent, "beta_deg"},
+                             {{10, 0, 5, 0, 0, 89.95, 50}, kOutOfRange, "beta_deg"}}) {
     const auto made = make_tool(shape);
     ASSERT_FALSE(made) << field;
     EXPECT_EQ(made.error().code, code) << field << " " << made.error().reason;

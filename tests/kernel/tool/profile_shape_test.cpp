@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -126,16 +127,16 @@ TEST(ProfileShape, PointsRoundedToThreeDecimalsAreAccepted) {
               std::get<ArcPiece>(c->pieces[0]).center_r_mm, 2e-3);
 }
 
-struct Refused {
+struct Rejected {
   ProfileShape shape;
   ToolErrorCode code;
   const char* field;
 };
 
-TEST(ProfileShape, RefusesWithTheStepAndTheReason) {
+TEST(ProfileShape, RejectsWithTheStepAndTheReason) {
   const double nan = std::nan("");
   using enum ToolErrorCode;
-  for (const auto& [shape, code, field] : std::vector<Refused>{
+  for (const auto& [shape, code, field] : std::vector<Rejected>{
            {{{}}, kTooShort, "profile_mm"},
            {{{to(5, 0)}}, kTooShort, "profile_mm"},
            {{{arc(5, 0, 1), to(5, 5)}}, kInconsistent, "profile_mm[0]"},
@@ -170,9 +171,9 @@ TEST(ProfileShape, RefusesWithTheStepAndTheReason) {
   }
 }
 
-/// Whatever comes in is refused with a field, or it is a sound tool: pieces stacked without gaps,
+/// Whatever comes in is rejected with a field, or it is a sound tool: pieces stacked without gaps,
 /// within the drawn heights, nowhere negative.
-TEST(ProfileShape, RandomOutlinesAreSoundOrRefused) {
+TEST(ProfileShape, RandomOutlinesAreSoundOrRejected) {
   std::mt19937_64 random(7);
   const auto number = [&] {
     switch (random() % 12) {

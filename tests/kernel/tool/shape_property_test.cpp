@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tools with arcs and undercuts against the true motion, by an oracle that shares no code with the
 // sweeps. Between head and neck a column may be left standing, so every solid element and every gap
 // is asked, not one range per column.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,17 +45,17 @@ TEST(ToolBody, IsKeptWhenAToolIsMadeFromItsPieces) {
   }
 }
 
-struct Refused {
+struct Rejected {
   ToolBody body;
   ToolErrorCode code;
   const char* field;
 };
 
-TEST(ToolBody, RefusesWithTheFieldAndTheReason) {
+TEST(ToolBody, RejectsWithTheFieldAndTheReason) {
   const double nan = std::nan("");
   using Sections = std::vector<HolderSection>;
   using enum ToolErrorCode;
-  for (const auto& [body, code, field] : std::vector<Refused>{
+  for (const auto& [body, code, field] : std::vector<Rejected>{
            {{Shank{0, 10}, {}}, kNotPositive, "shank.diameter_mm"},
            {{Shank{8, nan}, {}}, kNotFinite, "shank.length_mm"},
            {{Shank{8, 4999}, {}}, kOutOfRange, "shank.length_mm"},

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "kernel/tool/tool.h"
 
 #include <gtest/gtest.h>
@@ -57,35 +58,35 @@ TEST(Tool, KnowsItsLengthWithAndWithoutWhatDoesNotCut) {
             "non_cutting");
 }
 
-struct Refused {
+struct Rejected {
   ToolShape shape;
   ToolErrorCode code;
   const char* field;
 };
 
-TEST(Tool, RefusesWhatCannotBeMade) {
+TEST(Tool, RejectsWhatCannotBeMade) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   using enum ToolErrorCode;
   for (const auto& [shape, code, field] :
-       std::vector<Refused>{{BallShape{nan, 50}, kNotFinite, "diameter_mm"},
-                            {BallShape{10, inf}, kNotFinite, "length_mm"},
-                            {BallShape{0, 50}, kNotPositive, "diameter_mm"},
-                            {BallShape{-1, 50}, kNotPositive, "diameter_mm"},
-                            {BallShape{10, 4}, kTooShort, "length_mm"},
-                            {BallShape{1e5, 1e6}, kOutOfRange, "diameter_mm"},
-                            {FlatShape{1e-9, 50}, kOutOfRange, "diameter_mm"},
-                            {BullNoseShape{10, 5.1, 50}, kOutOfRange, "corner_radius_mm"},
-                            {BullNoseShape{10, -1, 50}, kNotPositive, "corner_radius_mm"},
-                            {BullNoseShape{10, nan, 50}, kNotFinite, "corner_radius_mm"},
-                            {BullNoseShape{10, 2, 1.9}, kTooShort, "length_mm"},
-                            {TaperShape{4, 0, 40}, kOutOfRange, "half_angle_deg"},
-                            {TaperShape{4, 90, 40}, kOutOfRange, "half_angle_deg"},
-                            {TaperShape{4, 89.99, 4000}, kOutOfRange, "half_angle_deg"},
-                            {TaperShape{10, 10, 2, TaperTip::kBall}, kTooShort, "length_mm"},
-                            {ConeEndShape{10, 180, 40}, kOutOfRange, "tip_angle_deg"},
-                            {ConeEndShape{10, nan, 40}, kNotFinite, "tip_angle_deg"},
-                            {ConeEndShape{10, 20, 5}, kTooShort, "length_mm"}}) {
+       std::vector<Rejected>{{BallShape{nan, 50}, kNotFinite, "diameter_mm"},
+                             {BallShape{10, inf}, kNotFinite, "length_mm"},
+                             {BallShape{0, 50}, kNotPositive, "diameter_mm"},
+                             {BallShape{-1, 50}, kNotPositive, "diameter_mm"},
+                             {BallShape{10, 4}, kTooShort, "length_mm"},
+                             {BallShape{1e5, 1e6}, kOutOfRange, "diameter_mm"},
+                             {FlatShape{1e-9, 50}, kOutOfRange, "diameter_mm"},
+                             {BullNoseShape{10, 5.1, 50}, kOutOfRange, "corner_radius_mm"},
+                             {BullNoseShape{10, -1, 50}, kNotPositive, "corner_radius_mm"},
+                             {BullNoseShape{10, nan, 50}, kNotFinite, "corner_radius_mm"},
+                             {BullNoseShape{10, 2, 1.9}, kTooShort, "length_mm"},
+                             {TaperShape{4, 0, 40}, kOutOfRange, "half_angle_deg"},
+                             {TaperShape{4, 90, 40}, kOutOfRange, "half_angle_deg"},
+                             {TaperShape{4, 89.99, 4000}, kOutOfRange, "half_angle_deg"},
+                             {TaperShape{10, 10, 2, TaperTip::kBall}, kTooShort, "length_mm"},
+                             {ConeEndShape{10, 180, 40}, kOutOfRange, "tip_angle_deg"},
+                             {ConeEndShape{10, nan, 40}, kNotFinite, "tip_angle_deg"},
+                             {ConeEndShape{10, 20, 5}, kTooShort, "length_mm"}}) {
     const auto made = make_tool(shape);
     ASSERT_FALSE(made) << field;
     EXPECT_EQ(made.error().code, code) << field;
@@ -94,7 +95,7 @@ TEST(Tool, RefusesWhatCannotBeMade) {
   }
 }
 
-TEST(Tool, RefusesBadPiecesFromAJournal) {
+TEST(Tool, RejectsBadPiecesFromAJournal) {
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{}));
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{FrustumPiece{5, 1, 5, 1}}));
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{FrustumPiece{0, 0, 5, 0}}));

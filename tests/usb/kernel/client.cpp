@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver against a real kernel's usbfs; runs inside the guest that run.sh starts. The argument
 // is the gadget's UDC attribute: writing to it plugs and unplugs. Prints a line a step; the last
 // one says `kernel route: passed` or `failed`.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reference firmware's model as a gadget of a real kernel: FunctionFS carries its bytes. Runs
 // inside the guest that run.sh starts; the argument is the folder where FunctionFS is mounted.
 #include <endian.h>

@@ -1,4 +1,5 @@
 #!/bin/busybox sh
+# SPDX-License-Identifier: Apache-2.0
 # What the guest of run.sh runs first, and last: a bus, a gadget on it, the driver.
 /bin/busybox --install -s /bin
 export PATH=/bin

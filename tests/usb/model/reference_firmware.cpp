@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/usb/model/reference_firmware.h"
 
 #include <algorithm>
@@ -116,8 +117,8 @@ void ReferenceFirmware::take_out(std::span<const std::uint8_t> packet, std::uint
   const auto ahead =
       command ? static_cast<std::int16_t>(command->sequence - report_.accepted) : std::int16_t{0};
   if (!command || (heard_ && ahead <= 0)) {
-    ++refused_;
-    ++report_.refused;
+    ++rejected_;
+    ++report_.rejected;
     return;
   }
   if (heard_) lost_ += static_cast<std::uint64_t>(ahead - 1);

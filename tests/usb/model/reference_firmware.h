@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -45,7 +46,7 @@ class ReferenceFirmware final : public UsbModel {
   bool homed() const { return (report_.status & agent::reference::kHomedMask) == kAllHomed; }
   bool watchdog_tripped() const { return tripped_; }
   std::uint64_t commands() const { return commands_; }
-  std::uint64_t refused() const { return refused_; }
+  std::uint64_t rejected() const { return rejected_; }
   /// The greatest gap between two numbers of accepted commands, less one: what was lost.
   std::uint64_t lost_commands() const { return lost_; }
 
@@ -66,7 +67,7 @@ class ReferenceFirmware final : public UsbModel {
   std::uint64_t next_us_ = 0;
   std::uint64_t homing_since_us_ = 0;
   std::uint64_t commands_ = 0;
-  std::uint64_t refused_ = 0;
+  std::uint64_t rejected_ = 0;
   std::uint64_t lost_ = 0;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/usb/model/space_mouse_model.h"
 
 #include <algorithm>

@@ -15,7 +15,7 @@ MAGIC = 0x3146524B
 TYPES = {"motion": 1, "result": 2, "mesh": 3, "tools": 4, "ack": 5, "ping": 6, "pong": 7,
          "stock": 8}
 frames = []
-refused = []
+rejected = []
 
 
 def header(kind, payload, flags=0, header_bytes=32, epoch=7, sequence=(1 << 40) + 3,
@@ -37,9 +37,9 @@ def keep(name, kind, body, payload, flags=0, **options):
         "time_us": options.get("time_us", (1 << 35) + 12345), "body": body})
 
 
-def refuse(name, code, offset, data):
+def reject(name, code, offset, data):
     (HERE / f"{name}.bin").write_bytes(data)
-    refused.append({"file": f"{name}.bin", "code": code, "offset": offset})
+    rejected.append({"file": f"{name}.bin", "code": code, "offset": offset})
 
 
 def sample_bytes(s):
@@ -119,54 +119,54 @@ keep("ack", "ack", {}, b"", sequence=12)
 keep("ping", "ping", {"time_us": (1 << 52) + 1}, struct.pack("<Q", (1 << 52) + 1))
 keep("pong", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
      struct.pack("<QQ", (1 << 52) + 1, 99))
-keep("stock_two", "stock", {"afresh": False, "agent_time_us": (1 << 36) + 5, "tiles": tiles},
+keep("stock_two", "stock", {"reset": False, "agent_time_us": (1 << 36) + 5, "tiles": tiles},
      stock_bytes((1 << 36) + 5, tiles))
-keep("stock_afresh", "stock", {"afresh": True, "agent_time_us": 0, "tiles": []}, stock_bytes(0, []), flags=1)
+keep("stock_reset", "stock", {"reset": True, "agent_time_us": 0, "tiles": []}, stock_bytes(0, []), flags=1)
 keep("longer_header", "ping", {"time_us": 5}, struct.pack("<Q", 5), header_bytes=48, extra=b"\xee" * 16)
 keep("unknown_type", 200, {}, b"\x01\x02\x03")
 
 good = header(TYPES["motion"], motion_bytes(two))
-refuse("empty", "too_short", 0, b"")
-refuse("header_cut", "too_short", 31, good[:31])
-refuse("wrong_magic", "bad_magic", 0, header(1, motion_bytes(two), magic=0x3246524B))
-refuse("header_bytes_small", "bad_header_bytes", 6, header(6, bytes(8), header_bytes=31))
-refuse("header_bytes_beyond_frame", "bad_header_bytes", 6, header(5, b"", header_bytes=33))
-refuse("payload_cut", "payload_mismatch", 8, good[:-1])
-refuse("payload_too_long", "payload_mismatch", 8, good + b"\0")
-refuse("payload_bytes_huge", "payload_mismatch", 8, header(1, motion_bytes(two), payload_bytes=0xFFFFFFFF))
-refuse("motion_without_count", "too_short", 32, header(1, bytes(7)))
-refuse("motion_none", "bad_count", 32, header(1, motion_bytes([])))
-refuse("motion_seventeen", "bad_count", 32,
+reject("empty", "too_short", 0, b"")
+reject("header_cut", "too_short", 31, good[:31])
+reject("wrong_magic", "bad_magic", 0, header(1, motion_bytes(two), magic=0x3246524B))
+reject("header_bytes_small", "bad_header_bytes", 6, header(6, bytes(8), header_bytes=31))
+reject("header_bytes_beyond_frame", "bad_header_bytes", 6, header(5, b"", header_bytes=33))
+reject("payload_cut", "payload_mismatch", 8, good[:-1])
+reject("payload_too_long", "payload_mismatch", 8, good + b"\0")
+reject("payload_bytes_huge", "payload_mismatch", 8, header(1, motion_bytes(two), payload_bytes=0xFFFFFFFF))
+reject("motion_without_count", "too_short", 32, header(1, bytes(7)))
+reject("motion_none", "bad_count", 32, header(1, motion_bytes([])))
+reject("motion_seventeen", "bad_count", 32,
        header(1, motion_bytes([sample(i + 1, 0.0) for i in range(17)])))
-refuse("motion_count_lies", "payload_mismatch", 32, header(1, motion_bytes(two, count=1)))
-refuse("tools_count_huge", "bad_count", 32, header(4, struct.pack("<II", 0xFFFFFFFF, 0)))
-refuse("motion_sequence_zero", "bad_sequence", 40, header(1, motion_bytes([sample(0, 0.0)])))
-refuse("motion_sequence_gap", "bad_sequence", 104,
+reject("motion_count_lies", "payload_mismatch", 32, header(1, motion_bytes(two, count=1)))
+reject("tools_count_huge", "bad_count", 32, header(4, struct.pack("<II", 0xFFFFFFFF, 0)))
+reject("motion_sequence_zero", "bad_sequence", 40, header(1, motion_bytes([sample(0, 0.0)])))
+reject("motion_sequence_gap", "bad_sequence", 104,
        header(1, motion_bytes([sample(1, 0.0), sample(3, 0.0)])))
 nan, inf = float("nan"), float("inf")
-refuse("motion_tip_nan", "not_finite", 64, header(1, motion_bytes([{**two[0], "tip_mm": [0.0, nan, 0.0]}])))
-refuse("motion_axis_inf", "not_finite", 88, header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, inf]}])))
-refuse("motion_axis_long", "axis_not_unit", 80,
+reject("motion_tip_nan", "not_finite", 64, header(1, motion_bytes([{**two[0], "tip_mm": [0.0, nan, 0.0]}])))
+reject("motion_axis_inf", "not_finite", 88, header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, inf]}])))
+reject("motion_axis_long", "axis_not_unit", 80,
        header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, 1.002]}])))
-refuse("motion_axis_zero", "axis_not_unit", 80,
+reject("motion_axis_zero", "axis_not_unit", 80,
        header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, 0.0]}])))
-refuse("result_short", "payload_mismatch", 8, header(2, result_bytes(result)[:-4]))
-refuse("result_force_nan", "not_finite", 56, header(2, result_bytes({**result, "force_n": [nan, 0.0, 0.0]})))
-refuse("result_nine_planes", "bad_count", 132,
+reject("result_short", "payload_mismatch", 8, header(2, result_bytes(result)[:-4]))
+reject("result_force_nan", "not_finite", 56, header(2, result_bytes({**result, "force_n": [nan, 0.0, 0.0]})))
+reject("result_nine_planes", "bad_count", 132,
        header(2, result_bytes({**result, "planes": planes[:1] * 9})))
-refuse("result_planes_lie", "payload_mismatch", 8, header(2, result_bytes(touching, planes=1)))
-refuse("result_plane_nan", "not_finite", 176,
+reject("result_planes_lie", "payload_mismatch", 8, header(2, result_bytes(touching, planes=1)))
+reject("result_plane_nan", "not_finite", 176,
        header(2, result_bytes({**result, "planes": [{**planes[0], "normal": [nan, 0.0, 0.0]}]})))
-refuse("tools_tip_inf", "not_finite", 48,
+reject("tools_tip_inf", "not_finite", 48,
        header(4, struct.pack("<II", 1, 0) + tool_bytes({**tools[0], "tip_mm": [-inf, 0.0, 0.0]})))
-refuse("stock_without_count", "too_short", 32, header(8, bytes(15)))
-refuse("stock_count_huge", "bad_count", 40, header(8, stock_bytes(1, tiles, count=4097)))
-refuse("stock_count_lies", "payload_mismatch", 88, header(8, stock_bytes(1, tiles, count=1)))
-refuse("stock_count_over", "payload_mismatch", 104, header(8, stock_bytes(1, tiles, count=3)))
-refuse("stock_axis_three", "bad_count", 48, header(8, stock_bytes(1, [{**tiles[0], "axis": 3}])))
-refuse("stock_tile_cut", "payload_mismatch", 48, header(8, stock_bytes(1, tiles[:1])[:-1]))
-refuse("ack_with_payload", "payload_mismatch", 8, header(5, b"\0"))
-refuse("ping_empty", "payload_mismatch", 8, header(6, b""))
-refuse("pong_short", "payload_mismatch", 8, header(7, bytes(8)))
+reject("stock_without_count", "too_short", 32, header(8, bytes(15)))
+reject("stock_count_huge", "bad_count", 40, header(8, stock_bytes(1, tiles, count=4097)))
+reject("stock_count_lies", "payload_mismatch", 88, header(8, stock_bytes(1, tiles, count=1)))
+reject("stock_count_over", "payload_mismatch", 104, header(8, stock_bytes(1, tiles, count=3)))
+reject("stock_axis_three", "bad_count", 48, header(8, stock_bytes(1, [{**tiles[0], "axis": 3}])))
+reject("stock_tile_cut", "payload_mismatch", 48, header(8, stock_bytes(1, tiles[:1])[:-1]))
+reject("ack_with_payload", "payload_mismatch", 8, header(5, b"\0"))
+reject("ping_empty", "payload_mismatch", 8, header(6, b""))
+reject("pong_short", "payload_mismatch", 8, header(7, bytes(8)))
 
-(HERE / "golden.json").write_text(json.dumps({"version": 1, "frames": frames, "refused": refused}, indent=1) + "\n")
+(HERE / "golden.json").write_text(json.dumps({"version": 1, "frames": frames, "refused": rejected}, indent=1) + "\n")

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The server's HTTP side, as far as the viewer needs it.
 
 export interface SessionSummary {

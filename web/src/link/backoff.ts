@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /** Delays between attempts to connect: doubling from 250 ms to 8 s, with a spread so that viewers do not return in step. */
 export class Backoff {
   private attempt_ = 0;

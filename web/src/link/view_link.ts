@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The viewer's connection to one session: says hello, hands out typed events, acknowledges mesh frames after they were applied
 // (the acknowledgement is the credit for the next one), measures the round trip, and comes back by itself when the line breaks.
 
@@ -165,14 +166,14 @@ export class ViewLink {
     } else if (data instanceof ArrayBuffer) {
       const frame = decodeFrame(data);
       if (frame.ok) this.receivedFrame_(frame.value, current);
-      else this.events.problem(`A frame was refused: ${frame.error.reason} (${frame.error.code}).`);
+      else this.events.problem(`A frame was rejected: ${frame.error.reason} (${frame.error.code}).`);
     }
   }
 
   private receivedText_(text: string): void {
     const parsed = parseControl(text);
     if (!parsed.ok) {
-      this.events.problem(`A message was refused: ${parsed.error.reason}.`);
+      this.events.problem(`A message was rejected: ${parsed.error.reason}.`);
       return;
     }
     const message = parsed.value;

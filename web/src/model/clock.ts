@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The server's clock as seen from here, and how old what we see is. The smallest (arrival − sent) of the recent frames is the
 // offset plus the least delay; ping pairs give the round trip, so the real age of a frame can be told apart from clock offset.
 

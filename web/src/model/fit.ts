@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far away a camera must stand to see all of a box.
 
 import type { Bounds } from './session';

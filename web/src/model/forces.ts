@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Force and torque magnitudes of one participant over the last seconds: what the plots draw. Samples go into a straight
 // buffer that is moved down only when it is full, so that a plot gets views of it, not copies.
 

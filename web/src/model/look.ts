@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How exact the server must be: it is told where the eye is and how small an error nobody sees, and sends far tiles coarser.
 
 import type { Look } from '../wire/types';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the block seems to be made of. `skin` is the untouched outside, `core` what the tool lays open, so a cut shows at once;
 // `ring` and `grain` draw year rings through the whole block, as real wood has them.
 

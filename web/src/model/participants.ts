@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who is at the block, and what their tools do. Two messages feed it: the participants list (names, colours) and the tool
 // states (poses, forces); either may arrive first, so an entry exists as soon as the list names it, and a tool state of somebody
 // unknown waits for the list.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where a tool is between two messages. Tool states arrive 20 to 60 times a second and not evenly; drawn as they come, a tool
 // would stutter. So the last states are kept and drawn a little in the past, interpolated at display rate.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Keeps drawing fluent on weak devices: while the picture moves, the pixel ratio steps down when frames are slow and back up
 // when they are quick; once it stands still, one full-quality picture is drawn.
 

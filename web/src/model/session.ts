@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything the page knows about the session, and no drawing. The link feeds it; the views read it.
 
 import type { LinkStatus } from '../link/view_link';

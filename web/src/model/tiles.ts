@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which version of which tile is shown. A mesh frame carries whole tiles and may come twice, so the only rule is: what comes
 // replaces what is there unless its version is older. An equal version is another level of detail. Every connection begins a new generation, because a server that was restarted may count its versions
 // anew; what an old generation left behind is dropped when the new snapshot is complete, so nothing flickers in between.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Outlines that a scene draws itself: free profiles, APT cutters, shanks and holders. As points (r, z), lengths in mm. The server
 // has checked them (kernel/tool); here they are only drawn.
 

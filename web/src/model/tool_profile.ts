@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The outline of a tool: smooth pieces of its meridian as points (r, z), tip at the origin, z upward along the axis. Pieces meet
 // in edges, so each is lathed by itself and keeps its own normals. Lengths in mm.
 

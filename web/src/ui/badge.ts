@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The connection at a glance: state, round trip, frames per second, and how old the picture is.
 
 import type { SessionModel } from '../model/session';

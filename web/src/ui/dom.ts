@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Building the page: one small function instead of a framework.
 
 type Child = Node | string;

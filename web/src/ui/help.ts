@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the keys, the mouse and fingers do.
 
 import { h } from './dom';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Icons, drawn on a 24-unit square in the text's colour.
 
 function icon(path: string): string {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The keyboard map (help.ts shows it to the user).
 
 import type { Preset } from '../view/camera_rig';

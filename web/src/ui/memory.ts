@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small things that the browser keeps for the user. Browsers that forbid it just forget.
 
 export function remember(key: string, value: string): void {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Messages for a person: a short one over the picture while it goes on, or a full page when nothing can be shown.
 
 import { h, setText } from './dom';

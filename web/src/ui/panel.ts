@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The side panel (a bottom sheet on a phone): figures, people, plots, downloads, material.
 
 import { STOCK_LOOKS } from '../model/materials';

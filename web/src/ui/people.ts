@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who is at the block: colour, name, tool, live force. Pressing a name follows that tool and shows its forces in the plots.
 
 import { toolName } from '../model/tool_profile';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Live plots of force and torque magnitude over the last seconds.
 
 import uPlot from 'uplot';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The front page: the sessions of this server, or straight into the only one.
 
 import { listSessions } from '../link/api';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One session on screen: puts link, model, view and panels together.
 
 import { probeSession } from '../link/api';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The camera: orbit, pan and zoom with damping (mouse, pen, touch), preset views with a short flight, fit, and following a tool.
 
 import * as THREE from 'three';

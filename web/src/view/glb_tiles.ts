@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mesh frames: a GLB with one node per tile (server/wire/README.md). Which tile and which version comes from `extras`; node
 // names are not used, because GLTFLoader rewrites them.
 

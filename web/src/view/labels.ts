@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Names above the tools, as HTML over the canvas: sharp at any pixel ratio and readable by screen readers.
 
 import * as THREE from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Renderer, light and ground: a bright studio with one low key light and a sheet of paper with a millimetre grid under the
 // block. World units are mm, Z is up.
 

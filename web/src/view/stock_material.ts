@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The block's material: three's standard material with two additions in the shader. Where a surface still lies on the stock's
 // original outside it has the skin's colour, elsewhere the core's; and year rings run through the solid.
 

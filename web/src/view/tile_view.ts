@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The block's surface: one mesh per tile. A tile is swapped as a whole; the buffers of the old one are given back at once.
 
 import * as THREE from 'three';

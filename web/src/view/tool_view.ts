@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A participant's tool: the cutter as the scene defines it, a collar in the participant's colour, and a translucent holder upward.
 // The group's origin is the tool's tip, its +Z the tool's axis.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws the session: owns the views, moves them from the model once per displayed frame, and draws only when something changed.
 
 import * as THREE from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Force and torque as arrows, as in Fig. 16 of the paper: force in blue at the tool's tip, torque in red at the pivot, with the
 // double head of a turning vector (right hand). They are drawn over everything: an arrow inside the block would tell nothing.
 

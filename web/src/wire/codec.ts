@@ -1,17 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 // Binary frames: encode and decode (server/wire/README.md). The viewer needs a few of them; all are here because both codecs
 // must pass the same golden bytes. Nothing here throws on what a peer sent.
 
 import { Reader, Writer } from './cursor';
 import {
   AXIS_LENGTH_TOLERANCE, CONTACT_PLANE_BYTES, CONTACT_PLANES_MAX, FrameType, HEADER_BYTES, HEADER_BYTES_MAX,
-  LIST_HEAD_BYTES, MAGIC, RESULT_BYTES, SAMPLE_BYTES, SAMPLES_PER_MESSAGE_MAX, STOCK_AFRESH, STOCK_HEAD_BYTES,
+  LIST_HEAD_BYTES, MAGIC, RESULT_BYTES, SAMPLE_BYTES, SAMPLES_PER_MESSAGE_MAX, STOCK_RESET, STOCK_HEAD_BYTES,
   STOCK_TILE_BYTES, STOCK_TILES_MAX, TOOL_STATE_BYTES, TOOL_STATES_MAX,
 } from './types';
 import type { ContactPlane, Decoded, DecodeError, Frame, Header, Payload, Result, Sample, StockTile, ToolState } from './types';
 
 type Failure = { ok: false; error: DecodeError };
 
-function refuse(code: DecodeError['code'], offset: number, reason: string): Failure {
+function reject(code: DecodeError['code'], offset: number, reason: string): Failure {
   return { ok: false, error: { code, offset, reason } };
 }
 
@@ -89,7 +90,7 @@ function writePlane(to: Writer, p: ContactPlane): void {
 }
 
 function readResult(from: Reader, bytes: number): Decoded<Payload> {
-  if (bytes < RESULT_BYTES) return refuse('payload_mismatch', 8, `${bytes} payload bytes end inside the result`);
+  if (bytes < RESULT_BYTES) return reject('payload_mismatch', 8, `${bytes} payload bytes end inside the result`);
   const start = from.at;
   const head = {
     agent_sequence: from.u64(),
@@ -105,9 +106,9 @@ function readResult(from: Reader, bytes: number): Decoded<Payload> {
     status: from.u32(),
   };
   const count = from.u32();
-  if (count > CONTACT_PLANES_MAX) return refuse('bad_count', start + 100, `${count} planes`);
+  if (count > CONTACT_PLANES_MAX) return reject('bad_count', start + 100, `${count} planes`);
   if (bytes !== RESULT_BYTES + count * CONTACT_PLANE_BYTES) {
-    return refuse('payload_mismatch', 8, `${count} planes do not fill ${bytes} bytes`);
+    return reject('payload_mismatch', 8, `${count} planes do not fill ${bytes} bytes`);
   }
   const tail = { collision_force_n: from.vec3f(), turnaround_us: from.u32() };
   const planes = Array.from({ length: count }, () => readPlane(from));
@@ -135,18 +136,18 @@ function writeResult(to: Writer, r: Result): void {
 /** The count in front of a list, checked against its limits and the bytes that follow it. */
 function readCount(from: Reader, bytes: number, least: number, most: number, entryBytes: number): Decoded<number> {
   const start = from.at;
-  if (bytes < LIST_HEAD_BYTES) return refuse('too_short', start, 'the payload ends before its count');
+  if (bytes < LIST_HEAD_BYTES) return reject('too_short', start, 'the payload ends before its count');
   const count = from.u32();
   from.u32(); // reserved
-  if (count < least || count > most) return refuse('bad_count', start, `count ${count} is not in ${least}..${most}`);
+  if (count < least || count > most) return reject('bad_count', start, `count ${count} is not in ${least}..${most}`);
   if (bytes !== LIST_HEAD_BYTES + count * entryBytes) {
-    return refuse('payload_mismatch', start, `${count} entries do not fill ${bytes} bytes`);
+    return reject('payload_mismatch', start, `${count} entries do not fill ${bytes} bytes`);
   }
   return { ok: true, value: count };
 }
 
 function notFinite(from: Reader): Failure | null {
-  return from.notFiniteAt < 0 ? null : refuse('not_finite', from.notFiniteAt, 'a number is not finite');
+  return from.notFiniteAt < 0 ? null : reject('not_finite', from.notFiniteAt, 'a number is not finite');
 }
 
 function readMotion(from: Reader, bytes: number): Decoded<Payload> {
@@ -159,11 +160,11 @@ function readMotion(from: Reader, bytes: number): Decoded<Payload> {
     const failure = notFinite(from);
     if (failure) return failure;
     if (Math.abs(Math.hypot(...sample.axis) - 1) > AXIS_LENGTH_TOLERANCE) {
-      return refuse('axis_not_unit', start + 40, 'the axis is not of length 1');
+      return reject('axis_not_unit', start + 40, 'the axis is not of length 1');
     }
     const follows = i === 0 || sample.agent_sequence === (samples[i - 1] as Sample).agent_sequence + 1n;
     if (sample.agent_sequence === 0n || !follows) {
-      return refuse('bad_sequence', start, 'sample numbers are not consecutive from 1');
+      return reject('bad_sequence', start, 'sample numbers are not consecutive from 1');
     }
     samples.push(sample);
   }
@@ -181,25 +182,25 @@ function readTools(from: Reader, bytes: number): Decoded<Payload> {
 function readStock(from: Reader, bytes: number, flags: number): Decoded<Payload> {
   const start = from.at;
   const end = start + bytes;
-  if (bytes < STOCK_HEAD_BYTES) return refuse('too_short', start, 'the payload ends before its count');
+  if (bytes < STOCK_HEAD_BYTES) return reject('too_short', start, 'the payload ends before its count');
   const agent_time_us = from.u64();
   const count = from.u32();
   from.u32(); // reserved
   if (count > STOCK_TILES_MAX || count * STOCK_TILE_BYTES > end - from.at) {
-    return refuse('bad_count', start + 8, `${count} tiles`);
+    return reject('bad_count', start + 8, `${count} tiles`);
   }
   const tiles: StockTile[] = [];
   for (let i = 0; i < count; ++i) {
     const at = from.at;
-    if (end - at < STOCK_TILE_BYTES) return refuse('payload_mismatch', at, 'the payload ends inside a tile');
+    if (end - at < STOCK_TILE_BYTES) return reject('payload_mismatch', at, 'the payload ends inside a tile');
     const tile = { axis: from.u32(), x: from.u32(), y: from.u32() };
     const columnBytes = from.u32();
-    if (tile.axis > 2) return refuse('bad_count', at, `there is no axis ${tile.axis}`);
-    if (columnBytes > end - from.at) return refuse('payload_mismatch', at, 'the payload ends inside a tile');
+    if (tile.axis > 2) return reject('bad_count', at, `there is no axis ${tile.axis}`);
+    if (columnBytes > end - from.at) return reject('payload_mismatch', at, 'the payload ends inside a tile');
     tiles.push({ ...tile, columns: from.bytes(columnBytes) });
   }
-  if (from.at !== end) return refuse('payload_mismatch', from.at, 'more follows the last tile');
-  return { ok: true, value: { kind: 'stock', afresh: (flags & STOCK_AFRESH) !== 0, agent_time_us, tiles } };
+  if (from.at !== end) return reject('payload_mismatch', from.at, 'more follows the last tile');
+  return { ok: true, value: { kind: 'stock', reset: (flags & STOCK_RESET) !== 0, agent_time_us, tiles } };
 }
 
 function writeStockTile(to: Writer, tile: StockTile): void {
@@ -217,7 +218,7 @@ const FIXED_BYTES = new Map<number, number>([
 function readPayload(view: DataView, type: number, flags: number, at: number, bytes: number): Decoded<Payload> {
   const fixed = FIXED_BYTES.get(type);
   if (fixed !== undefined && fixed !== bytes) {
-    return refuse('payload_mismatch', 8, `type ${type} needs ${fixed} payload bytes, not ${bytes}`);
+    return reject('payload_mismatch', 8, `type ${type} needs ${fixed} payload bytes, not ${bytes}`);
   }
   const from = new Reader(view, at);
   switch (type) {
@@ -241,15 +242,15 @@ export function decodeFrame(bytes: ArrayBuffer | Uint8Array): Decoded<Frame> {
     ? new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength)
     : new DataView(bytes);
   const size = view.byteLength;
-  if (size < HEADER_BYTES) return refuse('too_short', size, 'the frame ends inside its header');
-  if (view.getUint32(0, true) !== MAGIC) return refuse('bad_magic', 0, 'the frame does not start with KRF1');
+  if (size < HEADER_BYTES) return reject('too_short', size, 'the frame ends inside its header');
+  if (view.getUint32(0, true) !== MAGIC) return reject('bad_magic', 0, 'the frame does not start with KRF1');
   const headerBytes = view.getUint16(6, true);
   if (headerBytes < HEADER_BYTES || headerBytes > Math.min(HEADER_BYTES_MAX, size)) {
-    return refuse('bad_header_bytes', 6, `header_bytes is ${headerBytes}`);
+    return reject('bad_header_bytes', 6, `header_bytes is ${headerBytes}`);
   }
   const payloadBytes = view.getUint32(8, true);
   if (payloadBytes !== size - headerBytes) {
-    return refuse('payload_mismatch', 8, `payload_bytes is ${payloadBytes}, but ${size - headerBytes} follow`);
+    return reject('payload_mismatch', 8, `payload_bytes is ${payloadBytes}, but ${size - headerBytes} follow`);
   }
   const header: Header = {
     type: view.getUint8(4),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JSON control messages from the server: parse and check. What the viewer draws from must be there and finite; unknown
 // fields are left alone and unknown types are skipped, so that an older viewer lives with a newer server.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Little-endian reading and writing in the order of the fields, as the tables of server/wire/README.md list them.
 
 import type { Vec3 } from './types';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The protocol's messages, version 1: the mirror of server/wire. Fields keep the wire's names, so that a line here can be
 // compared with server/wire/README.md word for word. Units stand last. u64 is bigint: exact, also beyond 2^53.
 
@@ -35,7 +36,7 @@ export const MESH_SNAPSHOT = 1;
 export const MESH_SNAPSHOT_LAST = 2;
 
 /** Flag of a stock frame. */
-export const STOCK_AFRESH = 1;
+export const STOCK_RESET = 1;
 
 /** Bits of a tool state's and a result's status. */
 export const STATUS_CUTTING = 1;
@@ -115,12 +116,12 @@ export type Payload =
   | { kind: 'ack' }
   | { kind: 'ping'; time_us: bigint }
   | { kind: 'pong'; ping_time_us: bigint; time_us: bigint }
-  | { kind: 'stock'; afresh: boolean; agent_time_us: bigint; tiles: StockTile[] }
+  | { kind: 'stock'; reset: boolean; agent_time_us: bigint; tiles: StockTile[] }
   | { kind: 'unknown' };
 
 export type Frame = { header: Header } & Payload;
 
-/** Why a frame was refused; `offset` is the byte, from the start of the frame, of the field at fault. */
+/** Why a frame was rejected; `offset` is the byte, from the start of the frame, of the field at fault. */
 export interface DecodeError {
   code:
     | 'too_short' | 'bad_magic' | 'bad_header_bytes' | 'payload_mismatch' | 'bad_count' | 'bad_sequence'

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A block as a height field, carved by a ball. Just enough to feed the viewer while no kerf-server runs; no part of the product.
 
 export class FakeBlock {

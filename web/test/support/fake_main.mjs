@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // npm run fake: the built viewer (npm run build) and a carved block, without any C++. With Vite: KERF_SERVER=http://127.0.0.1:8080.
 
 import { fileURLToPath } from 'node:url';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A stand-in for kerf-server: serves the built viewer, the list of sessions and one carved session, by the documented protocol.
 // For developing the viewer and for its tests; the end-to-end test uses the real server.
 

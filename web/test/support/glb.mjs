@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes mesh frames as server/wire/README.md describes them: one node per tile, int16 positions on one global lattice, int8
 // normals, KHR_mesh_quantization. An implementation of its own, so that the viewer is not tested against itself.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -9,12 +10,12 @@ namespace kerf {
 
 /// Why a peer's request was not carried out: goes to that peer alone, and changes nothing for the
 /// others.
-struct Refusal {
+struct Rejection {
   wire::ErrorCode code = wire::ErrorCode::kBadMessage;
   std::string reason;  ///< one sentence
 };
 
-/// What the sculpture refused, in the words of the protocol.
-Refusal to_refusal(const SculptureError& error);
+/// What the sculpture rejected, in the words of the protocol.
+Rejection to_rejection(const SculptureError& error);
 
 }  // namespace kerf

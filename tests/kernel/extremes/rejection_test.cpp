@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers that no block can be carved with: NaN, infinities, denormals, out of every range. Each is
-// refused with a typed error and leaves the state, to the bit, as it was.
+// rejected with a typed error and leaves the state, to the bit, as it was.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +31,7 @@ double& number_of(MoveTool& move, int which) {
 }
 constexpr int kNumbers = 12;
 
-TEST(Refusal, NumbersThatAreNoneLeaveTheStateAsItWas) {
+TEST(Rejection, NumbersThatAreNoneLeaveTheStateAsItWas) {
   Carving carving(block(20, 10, 0.5, 0.01), *make_tool(BallShape{6, 30}));
   const MoveTool good{1, leaning({-3, 0, -2}, 0.1), leaning({3, 1, -2}, 0.2, 1), 0.01};
   Sculpture& s = carving.sculpture();
@@ -57,7 +58,7 @@ TEST(Refusal, NumbersThatAreNoneLeaveTheStateAsItWas) {
   EXPECT_EQ(s.motions(), 1u);
 }
 
-TEST(Refusal, DenormalPosesAndDurations) {
+TEST(Rejection, DenormalPosesAndDurations) {
   Carving carving(block(20, 10, 0.5, 0.01), *make_tool(BallShape{6, 30}));
   const MoveTool good{1, leaning({-3, 0, -2}, 0.1), leaning({3, 1, -2}, 0.2, 1), 0.01};
   Sculpture& s = carving.sculpture();
@@ -77,7 +78,7 @@ TEST(Refusal, DenormalPosesAndDurations) {
   EXPECT_TRUE(s.apply(good));
 }
 
-TEST(Refusal, AxesWithoutADirection) {
+TEST(Rejection, AxesWithoutADirection) {
   Carving carving(block(20, 10, 0.5, 0.01), *make_tool(BallShape{6, 30}));
   for (const Vec3 axis : {Vec3{}, Vec3{-0.0, 0.0, -0.0}, Vec3{0, 0, 1e-9}, Vec3{0, 0, 2.1},
                           Vec3{1e154, 1e154, 1e154}}) {
@@ -88,17 +89,17 @@ TEST(Refusal, AxesWithoutADirection) {
   }
 }
 
-TEST(Refusal, SettingsOutOfRange) {
+TEST(Rejection, SettingsOutOfRange) {
   const SculptureSettings good = block(20, 10, 0.5, 0.01);
-  const auto refused = [](const SculptureSettings& s) { return !Sculpture::create(s); };
-  ASSERT_FALSE(refused(good));
+  const auto rejected = [](const SculptureSettings& s) { return !Sculpture::create(s); };
+  ASSERT_FALSE(rejected(good));
   for (const double value : {kNan, kInf, -kInf, kHuge, kDenormal, 0.0, -0.0, -1.0}) {
     SculptureSettings s = good;
     s.pitch_mm = value;
-    EXPECT_TRUE(refused(s)) << "pitch " << value;
+    EXPECT_TRUE(rejected(s)) << "pitch " << value;
     s = good;
     s.tolerance_mm = value;
-    EXPECT_TRUE(refused(s)) << "tolerance " << value;
+    EXPECT_TRUE(rejected(s)) << "tolerance " << value;
   }
   for (const double value : {kNan, kInf, -kInf, kHuge, -kHuge}) {
     for (int k = 0; k < 6; ++k) {
@@ -106,25 +107,25 @@ TEST(Refusal, SettingsOutOfRange) {
       auto& box = std::get<BoxStock>(s.stock);
       Vec3& corner = k < 3 ? box.min_mm : box.max_mm;
       (k % 3 == 0 ? corner.x : k % 3 == 1 ? corner.y : corner.z) = value;
-      EXPECT_TRUE(refused(s)) << "corner " << k << ' ' << value;
+      EXPECT_TRUE(rejected(s)) << "corner " << k << ' ' << value;
     }
     SculptureSettings s = good;
     s.stock = CylinderStock{0, 0, value, -5, 0};
-    EXPECT_TRUE(refused(s)) << "radius " << value;
+    EXPECT_TRUE(rejected(s)) << "radius " << value;
     s.stock = CylinderStock{value, 0, 5, -5, 0};
-    EXPECT_TRUE(refused(s)) << "centre " << value;
+    EXPECT_TRUE(rejected(s)) << "centre " << value;
   }
   for (const double value : {kNan, kInf, -1.0}) {
     SculptureSettings s = good;
     s.force.specific_force_n_per_mm2 = value;
-    EXPECT_TRUE(refused(s));
+    EXPECT_TRUE(rejected(s));
     s = good;
     s.force.pivot_mm = value;
-    EXPECT_TRUE(refused(s));
+    EXPECT_TRUE(rejected(s));
   }
 }
 
-TEST(Refusal, BlocksTooThinToHoldADepthOrTooLongToCount) {
+TEST(Rejection, BlocksTooThinToHoldADepthOrTooLongToCount) {
   SculptureSettings s = block(20, 10, 0.5, 0.01);
   for (const double size : {kDenormal, 1e-300, 1e-30, 9e-5}) {
     for (const Vec3 top : {Vec3{10, 10, size}, Vec3{10, size, 10}, Vec3{size, 10, 10}}) {
@@ -141,7 +142,7 @@ TEST(Refusal, BlocksTooThinToHoldADepthOrTooLongToCount) {
   EXPECT_EQ(created.error().code, SculptureErrorCode::kTooManyColumns);
 }
 
-TEST(Refusal, ToolsOutOfRange) {
+TEST(Rejection, ToolsOutOfRange) {
   for (const double value : {kNan, kInf, -kInf, kHuge, kDenormal, 0.0, -1.0, 1e-5, 6000.0}) {
     EXPECT_FALSE(make_tool(BallShape{value, 50})) << value;
     EXPECT_FALSE(make_tool(BallShape{10, value})) << value;
@@ -186,7 +187,7 @@ TEST(Refusal, ToolsOutOfRange) {
   }
 }
 
-TEST(Refusal, MotionsThatWouldNeedTooManyParts) {
+TEST(Rejection, MotionsThatWouldNeedTooManyParts) {
   Carving carving(block(20, 10, 0.5, 1e-6), *make_tool(FlatShape{500, 500}));
   const std::uint64_t state = carving.sculpture().state_hash();
   const auto moved = carving.sculpture().apply(

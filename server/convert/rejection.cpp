@@ -1,8 +1,9 @@
-#include "server/convert/refusal.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "server/convert/rejection.h"
 
 namespace kerf {
 
-Refusal to_refusal(const SculptureError& error) {
+Rejection to_rejection(const SculptureError& error) {
   using enum SculptureErrorCode;
   switch (error.code) {
     case kTurnTooLarge:
