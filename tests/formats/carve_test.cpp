@@ -121,7 +121,7 @@ TEST_F(KerfCarve, SimplifiesAndMeasuresAgainstAReference) {
   EXPECT_EQ(map["deviation"]["color_range_mm"], 0.25);
   EXPECT_THAT(content("d.ply"), testing::HasSubstr("property float quality"));
   EXPECT_EQ(run(kInput + " --triangles 3 --stl s.stl"), 2);
-  EXPECT_THAT(content("err"), testing::HasSubstr("more than the 3 asked for"));
+  EXPECT_THAT(content("err"), testing::HasSubstr("more than the 3 requested"));
   EXPECT_EQ(run(kInput + " --deviation p.ngc"), 2);
   EXPECT_THAT(content("err"), testing::HasSubstr("p.ngc: is no .stl, .ply or .obj"));
   EXPECT_EQ(run(kInput + " --deviation none.stl"), 2);

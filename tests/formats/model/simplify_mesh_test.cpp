@@ -138,7 +138,7 @@ TEST(SimplifyMesh, OfABoxNeedsHardlyMoreThanTwelveTriangles) {
 TEST(SimplifyMesh, SaysWhatTheBudgetCannotHold) {
   const auto few = simplified(1, {.triangles = 2, .error_mm = {}});
   ASSERT_FALSE(few);
-  EXPECT_NE(few.error().reason.find("more than the 2 asked for"), std::string::npos);
+  EXPECT_NE(few.error().reason.find("more than the 2 requested"), std::string::npos);
   const auto both = simplified(1, {.triangles = 100, .error_mm = 0.001});
   ASSERT_FALSE(both);
   EXPECT_NE(both.error().reason.find("within 0.001 mm"), std::string::npos) << both.error().reason;
