@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-// Obstacles are looked for this far apart along a motion, and at most so often.
+// Spacing of obstacle tests along a motion, and their greatest number.
 constexpr double kObstacleStepMm = 0.5;
 constexpr int kObstacleStepsMax = 10'000;
 constexpr std::size_t kRapidCutsMax = 1000;
@@ -56,7 +56,7 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
     }
   }
   if (cuts) {
-    // The way of the contact: of a motion that turns in place, that of the tool's middle.
+    // Path of the contact: for a rotation in place, that of the middle of the tool.
     const double path = std::max(way, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
     const double area = path > 0 ? result.removed_mm3 / path : 0;
     keep_greatest(use.engaged_area_mm2, area, motion);
@@ -67,7 +67,7 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
   if (obstacles_) obstacle_.follow(motion, obstacle_push_n(motion));
 }
 
-// What the wrench says where it was computed; otherwise what the law makes of area and rate.
+// Returns the force of the wrench if it was computed, else that of the force law for area and rate.
 double Simulation::force_n(const ProgramMotion& motion, const MotionResult& result,
                            double area_mm2) const {
   const Vec3 felt = result.wrench.force_n - result.collision.force_n;

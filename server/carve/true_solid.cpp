@@ -12,10 +12,10 @@
 namespace kerf {
 namespace {
 
-// mm. The least distance along a motion is found to this.
+// mm. Accuracy of the least distance along a motion.
 constexpr double kFoundMm = 1e-6;
-// mm. A part of a motion in which no point of the tool moves farther is taken as a parabola: for a
-// tool of 0.1 mm radius that errs by less than 1e-7 mm.
+// mm. Parts of a motion in which no point of the tool moves farther are approximated by a parabola;
+// for a tool of 0.1 mm radius the error is below 1e-7 mm.
 constexpr double kPartMm = 0.005;
 constexpr int kCellsPerSide = 256;
 constexpr int kStepsMax = 64;
@@ -32,7 +32,7 @@ BoxStock bounds_of(const StockShape& stock) {
           {c.center_x_mm + c.radius_mm, c.center_y_mm + c.radius_mm, c.max_z_mm}};
 }
 
-// The distance of one point from a tool on its way, as a function of the share of the way.
+// Distance of a point from a moving tool as a function of the fraction of the motion.
 struct Way {
   const ToolProfile& tool;
   ToolPose from, to;
@@ -55,13 +55,13 @@ struct Least {
   double share, mm;
 };
 
-// Distance from a convex body along a straight motion is convex: golden section.
+// The distance from a convex body along a straight motion is convex: golden-section search.
 Least least_of_convex(const Way& way, double travel_mm, Least best) {
   constexpr double kGolden = 0.6180339887498949;
   double a = 0, b = 1;
   double m1 = b - kGolden, m2 = a + kGolden;
   double f1 = way(m1), f2 = way(m2);
-  // The rest of the interval could still hold less by at most its length.
+  // The minimum in the rest of the interval is lower by at most its length.
   while ((b - a) * travel_mm > kPartMm / 10) {
     if (std::min(f1, f2) - (b - a) * travel_mm > best.mm) return best;
     if (f1 < f2) {
@@ -79,8 +79,8 @@ Least least_of_convex(const Way& way, double travel_mm, Least best) {
   return best;
 }
 
-// Nowhere does the distance change faster than a point of the tool moves: what cannot hold less is
-// left out.
+// The distance changes no faster than the fastest point of the tool moves: intervals that cannot
+// contain a lower value are skipped.
 class Search {
  public:
   Search(const Way& way, double speed_mm, Least best)
@@ -105,7 +105,7 @@ class Search {
       }
       return;
     }
-    // The half that promises more goes first: it may spare the other.
+    // The more promising half is searched first; it may make the other unnecessary.
     const bool left = fa < fb;
     if (left) descend(a, fa, middle, fm);
     descend(middle, fm, b, fb);
@@ -139,7 +139,7 @@ TrueSolid::TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>&
         sweep.high = greatest(sweep.high, end);
       }
     }
-    // The radius, and how far the upper end leaves its chord while the axis turns.
+    // The radius, plus the deviation of the upper end from its chord while the axis turns.
     const double more = tool.radius_mm + tool.length_mm * (1 - std::cos(m.turn_rad / 2));
     sweep.low = sweep.low - Vec3{more, more, more};
     sweep.high = sweep.high + Vec3{more, more, more};
@@ -201,7 +201,7 @@ TrueSolid::Signed TrueSolid::from_stock(Vec3 point) const {
   return {d.distance_mm, d.outward};
 }
 
-// Negative inside of a cut. Beyond the reach it is the reach.
+// Negative inside a cut, limited to the reach.
 TrueSolid::Signed TrueSolid::from_sweeps(Vec3 point) const {
   Least best{0, reach_mm_};
   const Sweep* nearest = nullptr;
@@ -241,7 +241,7 @@ TrueSolid::Distance TrueSolid::distance(Vec3 point) const {
   const Signed sweeps = from_sweeps(point);
   if (stock.mm <= 0 && sweeps.mm >= 0)
     return {std::min(-stock.mm, sweeps.mm), sweeps.mm < -stock.mm};
-  // Outside of the solid: out of whatever holds the point deepest, until nothing does.
+  // Outside the solid: moves the point out of the sweep that contains it deepest, until none does.
   const bool cut = -sweeps.mm > stock.mm;
   Vec3 at = point;
   Signed from = stock, cuts = sweeps;

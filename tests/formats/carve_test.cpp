@@ -209,7 +209,7 @@ TEST_F(KerfCarve, ShankInTheStockIsWarnedOfOncePerContact) {
   const auto json = report("--scene s.json --program q.ngc");
   ASSERT_EQ(json["warnings"].size(), 2u) << json["warnings"];
   EXPECT_THAT(std::string(json["warnings"][0]),
-              StartsWith("q.ngc:5: shank or holder of tool 1 goes into the stock, up to 0.9"));
+              StartsWith("q.ngc:5: shank or holder of tool 1 enters the stock, up to 0.9"));
   EXPECT_THAT(std::string(json["warnings"][0]), HasSubstr("until line 6"));
   EXPECT_THAT(std::string(json["warnings"][1]), StartsWith("q.ngc:9:"));
 }
@@ -274,7 +274,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "scene.json: "},
         BadInput{"Rays", "", "", "--scene scene.json --program p.ngc --rays voxel", "kerf-carve: "},
         BadInput{"Rate", "", "", "--scene scene.json --program p.ngc --rate 1e12",
-                 "p.ngc: would need"}),
+                 "p.ngc: needs"}),
     [](const auto& test) { return test.param.name; });
 
 TEST_F(KerfCarve, AnInterruptLeavesNothingBehind) {

@@ -211,7 +211,7 @@ TEST_F(Tradeoff, OneConfigurationWillDoWhereNoAxisTurns) {
   write("p.ngc", "T1 M6\nG0 X-5 Y10 Z7 I0 J0 K1\nG1 X25 F600\nM2\n");
   ASSERT_EQ(run(kInput + " --rays dexel --pitches 1,0.5 --csv t.csv"), 0) << content("err");
   EXPECT_EQ(cells(content("t.csv")).size(), 3u);
-  EXPECT_THAT(content("out"), HasSubstr("No axis turns"));
+  EXPECT_THAT(content("out"), HasSubstr("The program has no rotation"));
 }
 
 TEST_F(Tradeoff, WhatIsTooExpensiveIsSkippedAndSaidSo) {
