@@ -122,13 +122,13 @@ std::vector<Gouge> joined(const std::vector<GougedColumn>& columns, const DexelG
 // is reached. No point moves faster than the farthest point of the tool, which bounds the steps.
 double least_distance_mm(Vec3 point, const ProgramMotion& motion, const ToolProfile& profile,
                          double reach_mm, double enough_mm) {
-  const Vec3 way = motion.to.tip_mm - motion.from.tip_mm;
-  const double speed = length(way) + reach_mm * angle_between(normalized(motion.from.axis),
-                                                              normalized(motion.to.axis));
+  const Vec3 travel = motion.to.tip_mm - motion.from.tip_mm;
+  const double speed = length(travel) + reach_mm * angle_between(normalized(motion.from.axis),
+                                                                 normalized(motion.to.axis));
   double least = 1e300;
   for (double s = 0;;) {
     const Vec3 axis = normalized(turned_axis(motion.from.axis, motion.to.axis, s));
-    const Vec3 from_tip = point - (motion.from.tip_mm + way * s);
+    const Vec3 from_tip = point - (motion.from.tip_mm + travel * s);
     const double height = dot(from_tip, axis);
     const double distance = profile.nearest(length(from_tip - axis * height), height).distance_mm;
     least = std::min(least, distance);

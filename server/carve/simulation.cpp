@@ -33,16 +33,16 @@ Simulation::Simulation(const Scene& scene, const Program& program, bool look_for
 }
 
 void Simulation::follow(const ProgramMotion& motion, const MotionResult& result) {
-  const double way = length(motion.to.tip_mm - motion.from.tip_mm);
+  const double path_mm = length(motion.to.tip_mm - motion.from.tip_mm);
   const double turn = turn_rad(motion);
   const bool cuts = result.removed_mm3 > kNothingRemovedMm3;
   ToolUse& use = tools_[motion.tool];
   use.removed_mm3 += result.removed_mm3;
   const auto add = [&](Travel& travel) {
     travel.seconds += motion.duration_s;
-    travel.length_mm += way;
+    travel.length_mm += path_mm;
   };
-  if (way == 0 && turn == 0) {
+  if (path_mm == 0 && turn == 0) {
     dwell_s_ += motion.duration_s;
   } else if (motion.rapid) {
     add(rapid_);
@@ -57,8 +57,9 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
   }
   if (cuts) {
     // Path of the contact: for a rotation in place, that of the middle of the tool.
-    const double path = std::max(way, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
-    const double area = path > 0 ? result.removed_mm3 / path : 0;
+    const double contact_mm =
+        std::max(path_mm, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
+    const double area = contact_mm > 0 ? result.removed_mm3 / contact_mm : 0;
     keep_greatest(use.engaged_area_mm2, area, motion);
     keep_greatest(use.removal_rate_mm3_per_s, result.removed_mm3 / motion.duration_s, motion);
     keep_greatest(use.force_n, force_n(motion, result, area), motion);
