@@ -146,8 +146,8 @@ async function carve(base, folder, viewers) {
   const variance = await photograph(viewers[0], join(options.out, 'carving.png'));
   for (const agent of agents)
     assert.equal(await agent.ended, 0, `${agent.name}: ${agent.errors}${agent.lines.join('\n')}`);
-  say(
-    `two agents carved at 1 kHz for ${options.seconds} s; a browser displayed both tools and their forces`,
+  report(
+    `two agents carved at 1 kHz for ${options.seconds} s; a browser displayed tools and forces`,
   );
   return variance;
 }
@@ -175,8 +175,9 @@ async function compare(base, viewers, wire) {
   for (const state of states) assert.equal(state.problems, 0, state.problem);
   for (const { problems } of viewers) assert.deepEqual(problems, []);
   assert.deepEqual(wire.errors, []);
-  say(
-    `server, browsers and wire agree: state ${session.state_hash}, ${session.motions} motions, ${first.triangles} triangles`,
+  report(
+    `server and viewers agree: state ${session.state_hash}, ${session.motions} motions, ` +
+      `${first.triangles} triangles`,
   );
   return session;
 }
@@ -228,8 +229,9 @@ async function compareDetail(viewer, wire) {
     newestTiles(wire).every(({ level }) => level === 0),
   );
   assert.deepEqual(newestTiles(wire), exact);
-  say(
-    `levels of detail: ${trianglesOf(exact)} triangles, ${away.triangles} in a browser, ${coarse} at the coarsest level`,
+  report(
+    `levels of detail: ${trianglesOf(exact)} triangles, ${away.triangles} in a browser, ` +
+      `${coarse} at the coarsest level`,
   );
 }
 
@@ -303,8 +305,9 @@ async function test(folder) {
     const still = await photograph(viewers[1], join(options.out, 'carved.png'));
     for (const variance of [live, still])
       assert(variance > 8, `the screenshot is blank: brightness varies by ${variance.toFixed(1)}`);
-    say(
-      `screenshots are not blank (brightness varies by ${live.toFixed(0)} and ${still.toFixed(0)}): ${options.out}/carved.png`,
+    report(
+      `screenshots are not blank (brightness varies by ${live.toFixed(0)} and ` +
+        `${still.toFixed(0)}): ${options.out}/carved.png`,
     );
     await compareDetail(viewers[0], wire);
     await checkDownloads(viewers[1]);
