@@ -17,12 +17,12 @@
 #include "server/convert/tool_track.h"
 #include "server/feed/stock_feed.h"
 #include "server/formats/scene.h"
-#include "server/session/executor.h"
 #include "server/session/participant.h"
 #include "server/session/program_runs.h"
 #include "server/session/rate_limit.h"
 #include "server/session/replay.h"
 #include "server/store/journal_writer.h"
+#include "server/threads/executor.h"
 #include "server/wire/types.h"
 
 namespace kerf {
