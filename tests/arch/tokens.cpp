@@ -19,19 +19,20 @@ struct Ban {
 // Words are split in two so that this file does not match its own rules.
 const std::vector<Ban>& bans() {
   static const std::vector<Ban> kBans = {
-    {"", "", false,
-     std::regex("\\b(TO"
-                "DO|FIX"
-                "ME|XX"
-                "X|HA"
-                "CK)\\b"),
-     "unfinished work belongs in an issue"},
-    {"kernel/", "kernel/tool/", true,
-     std::regex(R"(\b(a?(sin|cos|tan)h?|atan2|exp2?)"
-                R"(|expm1|log(2|10|1p)?|pow|cbrt|hypot|fma|sincos)f?\s*\()"),
-     "libm results differ between CPUs; after tool definition only + - * / and sqrt are used"},
-    {"", "", false,
-     std::regex("-ffast-"
-                "math|-O"
-                "fast"),
-     "fast-math breaks determinism: equal commands must give equal bytes"},
+      {"", "", false,
+       std::regex("\\b(TO"
+                  "DO|FIX"
+                  "ME|XX"
+                  "X|HA"
+                  "CK)\\b"),
+       "unfinished work belongs in an issue"},
+      {"kernel/", "kernel/tool/", true,
+       std::regex(R"(\b(a?(sin|cos|tan)h?|atan2|exp2?)"
+                  R"(|expm1|log(2|10|1p)?|pow|cbrt|hypot|fma|sincos)f?\s*\()"),
+       "libm results differ between CPUs; after tool definition only + - * / and sqrt are used"},
+      {"", "", false,
+       std::regex("-ffast-"
+                  "math|-O"
+                  "fast"),
+       "fast-math breaks determinism: equal commands must give equal bytes"},
+
