@@ -13,7 +13,7 @@
 #include "server/session/session_registry.h"
 #include "server/socket/peer_context.h"
 #include "server/threads/run_and_wait.h"
-#include "tests/server/session_room.h"
+#include "tests/server/session_fixture.h"
 
 namespace kerf {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/metrics/metrics.h"
 
-#include "tests/server/session_room.h"
+#include "tests/server/session_fixture.h"
 
 namespace kerf::net {
 namespace {
 
-class MetricsTest : public SessionRoom {
+class MetricsTest : public SessionTest {
  protected:
   bool has_line(const std::string& line) {
     return metrics.text(*registry).find("\n" + line + "\n") != std::string::npos;

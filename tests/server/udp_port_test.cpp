@@ -9,7 +9,7 @@
 
 #include "server/datagram/cipher.h"
 #include "server/metrics/metrics.h"
-#include "tests/server/session_room.h"
+#include "tests/server/session_fixture.h"
 
 namespace kerf::net {
 namespace {
@@ -27,10 +27,10 @@ TEST(UdpAddress, ReadsNumericAddressesOnly) {
 }
 
 /// A port on the loopback interface, one peer, and a client socket that knows the peer's keys.
-class UdpPortTest : public SessionRoom {
+class UdpPortTest : public SessionTest {
  protected:
   void SetUp() override {
-    SessionRoom::SetUp();
+    SessionTest::SetUp();
     ASSERT_TRUE(port.listen("127.0.0.1", 0));
     peer = port.open(posted, [this](std::span<const std::byte> frame, auto) {
       frames.emplace_back(frame.begin(), frame.end());
