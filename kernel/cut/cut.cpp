@@ -14,7 +14,7 @@ namespace kerf {
 namespace {
 
 /// Cost of evaluating one piece over a block of 8 x 8 columns, relative to a ball's (measured:
-/// kernel/README.md, "Threads").
+/// kernel/cut/README.md, "Threads").
 struct WorkPerBlock {
   double operator()(const BallSweep&) const { return 1; }
   double operator()(const FrustumTranslation&) const { return 4; }
