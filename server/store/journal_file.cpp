@@ -8,8 +8,8 @@
 namespace kerf {
 namespace {
 
-// WITHOUT ROWID is not used: rows arrive in the order of their integer key, which a rowid table
-// appends in place.
+// Not WITHOUT ROWID: rows arrive in the order of their integer key, and a rowid table appends them
+// in place.
 constexpr const char* kTables = R"(
   CREATE TABLE session(id TEXT NOT NULL, scene TEXT NOT NULL, crc INTEGER NOT NULL,
                        base_folder TEXT NOT NULL, epoch INTEGER NOT NULL);
@@ -20,7 +20,7 @@ constexpr const char* kTables = R"(
   CREATE TABLE state_hashes(sequence INTEGER PRIMARY KEY, hash INTEGER NOT NULL);
 )";
 
-/// A journal whose scene names no file has no such table.
+/// Created only if the scene names files.
 constexpr const char* kFilesTable =
     "CREATE TABLE files(name TEXT PRIMARY KEY, bytes BLOB NOT NULL, crc INTEGER NOT NULL)";
 
@@ -116,7 +116,7 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {
     return std::unexpected(
-        make_error(JournalErrorCode::kNotFound, file, "there is no such journal"));
+        make_error(JournalErrorCode::kNotFound, file, "the journal does not exist"));
   }
   auto database = SqlDatabase::open(file, mode);
   if (!database) return std::unexpected(to_journal_error(file, database.error()));
@@ -128,14 +128,14 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
   }
   if (*application != kJournalApplicationId) {
     return std::unexpected(make_error(JournalErrorCode::kNotAJournal, file,
-                                      "the file is a database, but not a journal of Kerf"));
+                                      "the file is an SQLite database but not a Kerf journal"));
   }
   const auto version = database->integer("PRAGMA user_version");
   if (!version) return std::unexpected(to_journal_error(file, version.error()));
   if (*version != kJournalVersion) {
     return std::unexpected(make_error(JournalErrorCode::kForeignVersion, file,
-                                      "the journal has version " + std::to_string(*version) +
-                                          "; this program reads version " +
+                                      "journal version " + std::to_string(*version) +
+                                          " is not supported; this program reads version " +
                                           std::to_string(kJournalVersion)));
   }
   if (mode == SqlMode::kWrite) {
@@ -151,7 +151,7 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
                                                const std::filesystem::path& to) {
   auto database = open_journal(from, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
-  // query_only forbids VACUUM too, although it changes nothing here.
+  // query_only forbids VACUUM, which does not change this file.
   if (auto ok = database->execute("PRAGMA query_only=OFF"); !ok) {
     return std::unexpected(to_journal_error(from, ok.error()));
   }

@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// Someone who took part, as the journal remembers them.
+/// A participant as stored in the journal.
 struct JournalPerson {
   ParticipantId participant = 0;
   std::string name, color, kind;
@@ -24,8 +24,8 @@ struct StateHash {
   std::uint64_t hash = 0;
 };
 
-/// Reads a journal from its beginning, verifying each record. May run beside a writer of the same
-/// file: it sees what was committed when it was opened.
+/// Reads a journal from its beginning and verifies each record. May run beside a writer of the same
+/// file; it reads the state that was committed when it was opened.
 class JournalReader {
  public:
   static std::expected<JournalReader, JournalError> open(const std::filesystem::path& file);
@@ -34,8 +34,8 @@ class JournalReader {
   const std::vector<JournalPerson>& people() const { return people_; }
   /// Sorted by sequence.
   const std::vector<StateHash>& state_hashes() const { return hashes_; }
-  /// The next record; nullopt after the last. An error names the first bad record, and reading ends
-  /// there.
+  /// Returns the next record; nullopt after the last. An error names the first bad record; reading
+  /// stops there.
   std::expected<std::optional<JournalRecord>, JournalError> next();
 
  private:

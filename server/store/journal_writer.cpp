@@ -63,7 +63,7 @@ struct JournalWriter::Impl {
   }
   ~Impl() { stop(); }
 
-  /// Commits what is left and ends the flusher.
+  /// Commits the pending records and joins the flusher.
   void stop() {
     {
       const std::lock_guard lock(mutex);
@@ -81,7 +81,7 @@ struct JournalWriter::Impl {
       buffer.push_back(std::move(item));
       ++pushed;
     }
-    // The flusher sleeps through its interval anyway; only an idle one has to be woken.
+    // A flusher that collects a group wakes up by itself; only an idle one must be notified.
     if (was_empty) wake.notify_one();
   }
 
@@ -116,7 +116,7 @@ struct JournalWriter::Impl {
 
   std::filesystem::path file;
   std::optional<SqlDatabase> database;
-  std::optional<Inserts> inserts;  // before the database in the order of destruction
+  std::optional<Inserts> inserts;  // destroyed before the database
   std::uint32_t epoch;
 
   mutable std::mutex mutex;
@@ -179,8 +179,10 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
     const std::lock_guard lock(impl_->mutex);
     if (impl_->failure) return std::unexpected(*impl_->failure);
     if (impl_->buffer.size() + impl_->in_commit >= kJournalBufferRecords) {
-      return std::unexpected(JournalError{JournalErrorCode::kFull, impl_->file.string(), 0,
-                                          "the disk does not keep up with the session"});
+      return std::unexpected(
+          JournalError{JournalErrorCode::kFull, impl_->file.string(), 0,
+                       "the disk does not keep up: " + std::to_string(kJournalBufferRecords) +
+                           " records are pending"});
     }
     sequence = ++impl_->last_sequence;
   }
