@@ -8,14 +8,13 @@
 
 namespace kerf {
 
-/// Why a peer's request was not carried out: goes to that peer alone, and changes nothing for the
-/// others.
+/// The error of a request of a peer. It is sent to that peer only; the request had no effect.
 struct Rejection {
   wire::ErrorCode code = wire::ErrorCode::kBadMessage;
   std::string reason;  ///< one sentence
 };
 
-/// What the sculpture rejected, in the words of the protocol.
+/// Converts an error of the sculpture to an error of the protocol.
 Rejection to_rejection(const SculptureError& error);
 
 }  // namespace kerf

@@ -60,7 +60,7 @@ MotionAnswer Carving::move(ParticipantState& state, std::span<const wire::Motion
     if (auto rejection = take_sample(state, sample, sum)) answer.rejections.push_back(*rejection);
   }
   // The agent's replica has already applied the rejected sample: resynchronize it.
-  if (!answer.rejections.empty() && state.stock) state.stock->restart();
+  if (!answer.rejections.empty() && state.stock) state.stock->reset();
   wire::Result& result = answer.result;
   result.agent_sequence = state.last_sequence;
   result.agent_time_us = samples.empty() ? state.track.time_us() : samples.back().time_us;
