@@ -80,7 +80,7 @@ std::optional<StockFeed::Regions> StockFeed::reach(const Sculpture& sculpture,
 
 std::vector<StockFeed::MissingTile> StockFeed::missing(const Sculpture& sculpture,
                                                        const Regions& near, Vec3 tip_mm) const {
-  std::vector<Lacking> list;
+  std::vector<MissingTile> list;
   for (std::size_t n = 0; n < near.size(); ++n) {
     const DexelField* field = sculpture.field(kAxes[n]);
     if (field == nullptr) continue;
@@ -133,7 +133,7 @@ std::optional<StockUpdate> StockFeed::next(const Sculpture& sculpture, const Tra
       bytes_in_flight_ >= wire::kStockBytesInFlight) {
     return std::nullopt;
   }
-  const auto near = reach(sculpture, watch);
+  const auto near = reach(sculpture, tracked);
   if (!near) return std::nullopt;
   StockUpdate update;
   update.reset = reset_;

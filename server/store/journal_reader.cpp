@@ -70,8 +70,8 @@ std::expected<void, JournalError> JournalReader::read_head() {
   }
   ok = each("SELECT participant, name, color, kind FROM participants ORDER BY participant",
             [&](const SqlStatement& row) {
-              people_.push_back({static_cast<ParticipantId>(row.integer(0)), row.text(1),
-                                 row.text(2), row.text(3)});
+              participants_.push_back({static_cast<ParticipantId>(row.integer(0)), row.text(1),
+                                       row.text(2), row.text(3)});
             });
   if (!ok) return ok;
   return each("SELECT sequence, hash FROM state_hashes ORDER BY sequence",

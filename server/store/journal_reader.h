@@ -13,7 +13,7 @@
 namespace kerf {
 
 /// A participant as stored in the journal.
-struct JournalPerson {
+struct JournalParticipant {
   ParticipantId participant = 0;
   std::string name, color, kind;
 };
@@ -31,7 +31,7 @@ class JournalReader {
   static std::expected<JournalReader, JournalError> open(const std::filesystem::path& file);
 
   const JournalHeader& header() const { return header_; }
-  const std::vector<JournalPerson>& people() const { return people_; }
+  const std::vector<JournalParticipant>& participants() const { return participants_; }
   /// Sorted by sequence.
   const std::vector<StateHash>& state_hashes() const { return hashes_; }
   /// Returns the next record; nullopt after the last. An error names the first bad record; reading
@@ -47,7 +47,7 @@ class JournalReader {
   SqlDatabase database_;
   SqlStatement commands_;
   JournalHeader header_;
-  std::vector<JournalPerson> people_;
+  std::vector<JournalParticipant> participants_;
   std::vector<StateHash> hashes_;
   std::uint64_t sequence_ = 0;
 };

@@ -18,10 +18,10 @@ struct PendingCommand {
   ParticipantId participant;
   std::vector<std::byte> bytes;
 };
-using Pending = std::variant<PendingCommand, JournalPerson, StateHash>;
+using Pending = std::variant<PendingCommand, JournalParticipant, StateHash>;
 
 struct Inserts {
-  SqlStatement command, person, hash;
+  SqlStatement command, participant, hash;
 };
 
 SqlResult<void> insert(Inserts& inserts, const Pending& pending) {
@@ -33,12 +33,12 @@ SqlResult<void> insert(Inserts& inserts, const Pending& pending) {
     statement->bind(3, std::span<const std::byte>(command->bytes));
     statement->bind(
         4, std::int64_t{record_checksum(command->sequence, command->participant, command->bytes)});
-  } else if (const auto* person = std::get_if<JournalPerson>(&pending)) {
-    statement = &inserts.person;
-    statement->bind(1, std::int64_t{person->participant});
-    statement->bind(2, person->name);
-    statement->bind(3, person->color);
-    statement->bind(4, person->kind);
+  } else if (const auto* participant = std::get_if<JournalParticipant>(&pending)) {
+    statement = &inserts.participant;
+    statement->bind(1, std::int64_t{participant->participant});
+    statement->bind(2, participant->name);
+    statement->bind(3, participant->color);
+    statement->bind(4, participant->kind);
   } else {
     const auto& state = std::get<StateHash>(pending);
     statement = &inserts.hash;
@@ -141,11 +141,11 @@ namespace {
 SqlResult<Inserts> prepare_inserts(SqlDatabase& database) {
   auto command = database.prepare("INSERT INTO commands VALUES(?,?,?,?)");
   if (!command) return std::unexpected(command.error());
-  auto person = database.prepare("INSERT OR REPLACE INTO participants VALUES(?,?,?,?)");
-  if (!person) return std::unexpected(person.error());
+  auto participant = database.prepare("INSERT OR REPLACE INTO participants VALUES(?,?,?,?)");
+  if (!participant) return std::unexpected(participant.error());
   auto hash = database.prepare("INSERT OR REPLACE INTO state_hashes VALUES(?,?)");
   if (!hash) return std::unexpected(hash.error());
-  return Inserts{*std::move(command), *std::move(person), *std::move(hash)};
+  return Inserts{*std::move(command), *std::move(participant), *std::move(hash)};
 }
 
 }  // namespace
@@ -190,7 +190,7 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
   return sequence;
 }
 
-void JournalWriter::append(const JournalPerson& person) { impl_->push(person); }
+void JournalWriter::append(const JournalParticipant& participant) { impl_->push(participant); }
 void JournalWriter::append(StateHash state) { impl_->push(state); }
 
 std::expected<void, JournalError> JournalWriter::flush() {

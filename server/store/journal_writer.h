@@ -41,7 +41,7 @@ class JournalWriter {
   std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
                                                     const Command& command);
   /// Stores or replaces a participant.
-  void append(const JournalPerson& person);
+  void append(const JournalParticipant& participant);
   /// Appends the hash of the solid after record `state.sequence`.
   void append(StateHash state);
 

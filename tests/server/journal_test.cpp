@@ -28,7 +28,7 @@ class Journal : public testing::Test {
   void write_ten() {
     auto writer = JournalWriter::create(file, kHeader);
     ASSERT_TRUE(writer) << describe(writer.error());
-    writer->append(JournalPerson{1, "Ada", "#112233", "agent"});
+    writer->append(JournalParticipant{1, "Ada", "#112233", "agent"});
     for (int i = 1; i <= 10; ++i) {
       const auto sequence = writer->append(static_cast<ParticipantId>(1 + i % 2), move_to(i));
       ASSERT_TRUE(sequence);
@@ -69,8 +69,8 @@ TEST_F(Journal, ReadsWhatWasAppended) {
   EXPECT_EQ(reader->header().session, "demo");
   EXPECT_EQ(reader->header().scene_json, kHeader.scene_json);
   EXPECT_EQ(reader->header().base_folder, "/scenes");
-  ASSERT_EQ(reader->people().size(), 1U);
-  EXPECT_EQ(reader->people()[0].name, "Ada");
+  ASSERT_EQ(reader->participants().size(), 1U);
+  EXPECT_EQ(reader->participants()[0].name, "Ada");
   ASSERT_EQ(reader->state_hashes().size(), 1U);
   EXPECT_EQ(reader->state_hashes()[0].hash, 0xFEDCBA9876543210U);
   for (int i = 1; i <= 10; ++i) {
