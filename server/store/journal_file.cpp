@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_file.h"
 
-#include <system_error>
+#include <string>
+#include <utility>
 
 #include "server/store/crc32.h"
 
@@ -39,6 +40,10 @@ SqlResult<void> insert_files(SqlDatabase& database,
   }
   return {};
 }
+
+/// Suffixes of the write-ahead log and its index, which SQLite keeps beside an open database and
+/// leaves after a crash.
+constexpr const char* kSideFileSuffixes[] = {"-wal", "-shm"};
 
 JournalError make_error(JournalErrorCode code, const std::filesystem::path& file,
                         std::string reason) {
@@ -160,6 +165,23 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
   copy->bind(1, to.string());
   if (auto row = copy->step(); !row) return std::unexpected(to_journal_error(to, row.error()));
   return {};
+}
+
+std::error_code move_journal(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code error;
+  for (const char* suffix : kSideFileSuffixes) {
+    std::filesystem::rename(from.string() + suffix, to.string() + suffix, error);  // often absent
+  }
+  std::filesystem::rename(from, to, error);
+  return error;
+}
+
+void remove_journal(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  for (const char* suffix : kSideFileSuffixes) {
+    std::filesystem::remove(file.string() + suffix, ignored);
+  }
 }
 
 }  // namespace kerf

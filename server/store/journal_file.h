@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <system_error>
 
 #include "server/store/journal_error.h"
 #include "server/store/sqlite.h"
@@ -34,6 +35,10 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
 /// Writes a consistent copy of a journal, which may be in use by a writer.
 std::expected<void, JournalError> copy_journal(const std::filesystem::path& from,
                                                const std::filesystem::path& to);
+/// Moves a closed journal, and the files that SQLite may have left beside it.
+std::error_code move_journal(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Deletes a journal, and the files that SQLite may have left beside it. Errors are ignored.
+void remove_journal(const std::filesystem::path& file);
 /// Converts an SQLite error: kCorrupt if the file is damaged, otherwise kIo.
 JournalError to_journal_error(const std::filesystem::path& file, const SqlError& error);
 
