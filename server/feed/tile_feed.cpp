@@ -136,10 +136,9 @@ void TileFeed::look(ViewerId viewer_id, const ViewerLook& look) {
     viewer.level[n] = level;
     viewer.queue_change(n);
     for (const TileIndex side : kSides) {  // the borders of its neighbors may change too
-      const TileIndex beside{tile.x + side.x, tile.y + side.y};
-      if (beside.x < 0 || beside.y < 0 || beside.x >= grid.tiles_x() || beside.y >= grid.tiles_y())
-        continue;
-      viewer.queue_change(static_cast<std::uint32_t>(beside.y * grid.tiles_x() + beside.x));
+      if (const auto neighbor = number_of({tile.x + side.x, tile.y + side.y})) {
+        viewer.queue_change(*neighbor);
+      }
     }
   }
 }
@@ -150,16 +149,20 @@ TileIndex TileFeed::index_of(std::uint32_t tile) const {
   return {n % tiles_x, n / tiles_x};
 }
 
-TileDetail TileFeed::detail_of(const Viewer& viewer, std::uint32_t tile) const {
+std::optional<std::uint32_t> TileFeed::number_of(TileIndex index) const {
   const DexelGrid& grid = snapshot_.grid();
+  if (index.x < 0 || index.y < 0 || index.x >= grid.tiles_x() || index.y >= grid.tiles_y()) {
+    return std::nullopt;
+  }
+  return static_cast<std::uint32_t>(index.y * grid.tiles_x() + index.x);
+}
+
+TileDetail TileFeed::detail_of(const Viewer& viewer, std::uint32_t tile) const {
   const TileIndex index = index_of(tile);
   TileDetail detail{.level = viewer.level[tile], .side = {}};
   for (std::size_t n = 0; n < kSides.size(); ++n) {
-    const TileIndex beside{index.x + kSides[n].x, index.y + kSides[n].y};
-    const bool inside =
-        beside.x >= 0 && beside.y >= 0 && beside.x < grid.tiles_x() && beside.y < grid.tiles_y();
-    const auto place = static_cast<std::size_t>(beside.y * grid.tiles_x() + beside.x);
-    detail.side[n] = inside ? std::min(detail.level, viewer.level[place]) : 0;
+    const auto neighbor = number_of({index.x + kSides[n].x, index.y + kSides[n].y});
+    detail.side[n] = neighbor ? std::min(detail.level, viewer.level[*neighbor]) : 0;
   }
   return detail;
 }

@@ -143,6 +143,8 @@ class TileFeed {
 
   void take_update();
   TileIndex index_of(std::uint32_t tile) const;
+  /// Number of the tile at `index`; nullopt outside the block.
+  std::optional<std::uint32_t> number_of(TileIndex index) const;
   TileDetail detail_of(const Viewer& viewer, std::uint32_t tile) const;
   SharedTile current(std::uint32_t tile, const TileDetail& detail);
   std::size_t pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes, std::size_t bytes_max,
