@@ -5,6 +5,7 @@
 
 #include "kernel/sculpture.h"
 #include "server/wire/control.h"
+#include "server/wire/types.h"
 
 namespace kerf {
 
@@ -14,6 +15,9 @@ struct Rejection {
   std::string reason;  ///< one sentence
 };
 
+/// Returns the rejection of one sample; prefixes the reason with the sample's number.
+Rejection sample_rejection(const wire::MotionSample& sample, wire::ErrorCode code,
+                           const std::string& reason);
 /// Converts an error of the sculpture to an error of the protocol.
 Rejection to_rejection(const SculptureError& error);
 

@@ -20,8 +20,7 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
                                                           double speed_max_mm_per_s) {
   using enum wire::ErrorCode;
   const auto reject = [&](wire::ErrorCode code, const std::string& reason) {
-    return std::unexpected(
-        Rejection{code, "sample " + std::to_string(sample.agent_sequence) + ": " + reason});
+    return std::unexpected(sample_rejection(sample, code, reason));
   };
   const auto pose = to_pose(sample);
   if (!pose) return std::unexpected(pose.error());

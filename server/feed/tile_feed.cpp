@@ -123,8 +123,8 @@ std::size_t TileFeed::viewers() const {
 
 void TileFeed::look(ViewerId viewer_id, const ViewerLook& look) {
   const std::scoped_lock lock(mutex_);
-  take_update();  // first, so that viewers with equal viewpoints have the same tiles in the same
-                  // order
+  // First, so that viewers with equal viewpoints have the same tiles in the same order.
+  take_update();
   const auto found = viewers_.find(viewer_id);
   if (found == viewers_.end()) return;
   Viewer& viewer = found->second;
