@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernel/cut/lazy_normals.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+namespace kerf {
+namespace {
+
+/// The codes 1 to kPendingMax name the sweep that made an end whose normal is not yet computed.
+/// Codes of normals are at least 2¹⁶ (normal_code.h).
+constexpr NormalCode kPendingMax = 0xffff;
+
+constexpr bool is_pending(NormalCode code) { return code - 1 < kPendingMax; }
+
+/// Marks, of the topmost elements of eight columns from `first` on, the ends that now lie at an end
+/// of the removed element.
+void mark_topmost(DexelTile& tile, std::size_t first, const RemovedGroup& group, NormalCode code) {
+  const std::int32_t *bottom = &tile.bottom[first], *top = &tile.top[first];
+  EndCodes* codes = &tile.topmost_codes[first];
+  for (int c = 0; c < RemovedGroup::kLanes; ++c) {
+    const bool any = (group.bottom[c] < group.top[c]) & (bottom[c] < top[c]);
+    codes[c].top = any & (top[c] == group.bottom[c]) ? code : codes[c].top;
+    codes[c].bottom = any & (bottom[c] == group.top[c]) ? code : codes[c].bottom;
+  }
+}
+
+/// Computes the normals of the upper or lower ends that one sweep made, eight at a time.
+template <class End>
+void resolve_ends(const SweptSurface& surface, const std::vector<End>& ends, double towards) {
+  for (std::size_t first = 0; first < ends.size(); first += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, ends.size() - first);
+    Vec3Lanes at{};
+    for (int c = 0; c < kLanes; ++c) {
+      const End& end = ends[first + std::min(std::size_t(c), count - 1)];
+      at.x.set(c, end.x_mm);
+      at.y.set(c, end.y_mm);
+      at.z.set(c, end.z_mm);
+    }
+    NormalCode codes[kLanes];
+    surface.stock_normals(at, (1U << count) - 1, towards, codes);
+    for (std::size_t c = 0; c < count; ++c) *ends[first + c].code = codes[c];
+  }
+}
+
+}  // namespace
+
+void mark_ends(DexelTile& tile, std::span<const RemovedGroup> removed, NormalCode code) {
+  for (const RemovedGroup& group : removed) {
+    const std::int32_t row = group.j % kTileSide;
+    const int first = row * kTileSide + group.i % kTileSide;
+    mark_topmost(tile, std::size_t(first), group, code);
+    const unsigned split = tile.split[std::size_t(row)] >> (group.i % kTileSide) & 0xFFU;
+    for (unsigned left = split; left != 0; left &= left - 1) {
+      const int c = std::countr_zero(left);
+      if (group.bottom[c] >= group.top[c]) continue;
+      if (NormalCode* top = tile.lower_top_code(first + c, group.bottom[c])) *top = code;
+      if (NormalCode* bottom = tile.lower_bottom_code(first + c, group.top[c])) *bottom = code;
+    }
+  }
+}
+
+NormalCode LazyNormals::add_sweep(DexelField& field, const SweptSurface& surface) {
+  static_assert(kSweepsMax <= kPendingMax);
+  if (sweeps_.size() == kSweepsMax) resolve(field);
+  sweeps_.push_back(surface);
+  return static_cast<NormalCode>(sweeps_.size());
+}
+
+void LazyNormals::add_tiles(const Removal& removal) {
+  for (const RemovedPart& part : removal.parts()) {
+    for (const RemovedPart::Tile& tile : part.tiles) tiles_.push_back(tile.index);
+  }
+}
+
+void LazyNormals::resolve(DexelField& field) {
+  if (sweeps_.empty()) return;
+  std::ranges::sort(tiles_);
+  tiles_.erase(std::ranges::unique(tiles_).begin(), tiles_.end());
+  ends_.resize(std::max(ends_.size(), sweeps_.size()));
+  for (const TileIndex at : tiles_) {
+    DexelTile* tile = field.editable(at);
+    assert(tile != nullptr);  // It was changed after the last snapshot, so it is not shared.
+    collect(*tile, at, field.grid());
+  }
+  for (std::size_t n = 0; n < sweeps_.size(); ++n) {
+    resolve_ends(sweeps_[n], ends_[n].tops, 1);
+    resolve_ends(sweeps_[n], ends_[n].bottoms, -1);
+    ends_[n].tops.clear();
+    ends_[n].bottoms.clear();
+  }
+  sweeps_.clear();
+  tiles_.clear();
+}
+
+void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid) {
+  const auto take = [&](int column, EndCodes& codes, Dexel element) {
+    const double x = grid.x_mm(at.x * kTileSide + column % kTileSide);
+    const double y = grid.y_mm(at.y * kTileSide + column / kTileSide);
+    if (is_pending(codes.top)) {
+      ends_[codes.top - 1].tops.push_back({&codes.top, x, y, grid.z_mm(element.top)});
+    }
+    if (is_pending(codes.bottom)) {
+      ends_[codes.bottom - 1].bottoms.push_back({&codes.bottom, x, y, grid.z_mm(element.bottom)});
+    }
+  };
+  for (int column = 0; column < kTileColumns; ++column) {
+    const auto c = std::size_t(column);
+    EndCodes& codes = tile.topmost_codes[c];
+    if (is_pending(codes.top) | is_pending(codes.bottom)) {
+      take(column, codes, {tile.bottom[c], tile.top[c]});
+    }
+    if (!tile.is_split(column)) continue;
+    const std::span<const Dexel> elements = tile.lower.of(column);
+    const std::span<EndCodes> lower = tile.lower_codes.edit(column);
+    for (std::size_t n = 0; n < lower.size(); ++n) take(column, lower[n], elements[n]);
+  }
+}
+
+}  // namespace kerf
