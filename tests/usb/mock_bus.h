@@ -49,8 +49,8 @@ class MockDevice {
   void reject_claims(int error) { claim_error_ = error; }
   bool claimed() const { return claimed_; }
   /// Calls `inspect` while the model does not change.
-  template <typename Look>
-  auto with_model(Look inspect) {
+  template <typename Inspect>
+  auto with_model(Inspect inspect) {
     const std::lock_guard lock(mutex_);
     return inspect();
   }

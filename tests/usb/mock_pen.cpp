@@ -80,7 +80,7 @@ class MockPen {
   /// Runs a query while the pen does not change.
   template <typename Query>
   auto query(Query inspect) {
-    return device_->with_model(look);
+    return device_->with_model(inspect);
   }
 
  public:

@@ -136,7 +136,7 @@ TEST_P(SpaceMouseTest, CutsWhileTheLeftButtonIsPressed) {
   EXPECT_FALSE(read().valid);
 }
 
-INSTANTIATE_TEST_SUITE_P(BothShapes, SpaceMouseTest, ::testing::Bool());
+INSTANTIATE_TEST_SUITE_P(BothFormats, SpaceMouseTest, ::testing::Bool());
 
 }  // namespace
 }  // namespace kerf::usb_test

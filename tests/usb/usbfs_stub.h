@@ -49,8 +49,8 @@ class UsbfsStub {
   void garble_descriptors(std::function<void(Bytes&)> garble);
 
   /// Calls `inspect` while the model does not change.
-  template <typename Look>
-  auto with_model(Look inspect) {
+  template <typename Inspect>
+  auto with_model(Inspect inspect) {
     const std::lock_guard lock(mutex_);
     return inspect();
   }
