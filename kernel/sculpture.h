@@ -15,7 +15,7 @@
 #include "kernel/force/contact_plane.h"
 #include "kernel/force/force_settings.h"
 #include "kernel/force/obstacle.h"
-#include "kernel/force/wrench.h"
+#include "kernel/math/wrench.h"
 #include "kernel/sweep/motion_kind.h"
 #include "kernel/tool/tool.h"
 #include "kernel/tool/tool_pose.h"

@@ -4,7 +4,7 @@
 #include "kernel/cut/removal.h"
 #include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_snapshot.h"
-#include "kernel/math/vec3.h"
+#include "kernel/math/wrench.h"
 
 namespace kerf {
 
@@ -30,12 +30,6 @@ constexpr CutSum operator*(const CutSum& a, double s) {
   return {a.volume_mm3 * s, a.moment_mm4 * s, a.push_mm3 * s, a.turn_mm4 * s};
 }
 
-/// How a rigid tool moves: its point r from the tip goes `travel` + `turn` × r (mm, rad).
-struct Twist {
-  Vec3 travel_mm, turn_rad;
-  constexpr Vec3 at(Vec3 r_mm) const { return travel_mm + cross(turn_rad, r_mm); }
-};
-
 /// Where the tool is while it cuts: the middle pose of a sub-motion, in the frame of a field.
 struct CutFrame {
   Vec3 tip_mm, axis;
@@ -44,12 +38,13 @@ struct CutFrame {
   double radius_mm;  ///< the tool's
 };
 
-/// Sums over what a sub-motion removed from the field that stands on `grid`; `twist` and `frame`
-/// are given in that field's frame. Every element pushes against its own way, twist.at(r): along
-/// the axis where the tool moves along it (Eq. 20), around the tip where it turns (Eq. 21), against
-/// the tip's way where it is translated (Eq. 22), and without a jump between these. An element that
-/// does not move (the degenerate case of Eq. 21) does not push. `weight`, if not null, says what
-/// part of each element counts. The parts of `removal` are divided among `workers`.
+/// Sums over what a sub-motion removed from the field that stands on `grid`; `twist` (a
+/// displacement, about the tip) and `frame` are given in that field's frame. Every element pushes
+/// against its own way, twist.at(r): along the axis where the tool moves along it (Eq. 20), around
+/// the tip where it turns (Eq. 21), against the tip's way where it is translated (Eq. 22), and
+/// without a jump between these. An element that does not move (the degenerate case of Eq. 21) does
+/// not push. `weight`, if not null, says what part of each element counts. The parts of `removal`
+/// are divided among `workers`.
 CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
                const CutFrame& frame, const SurfaceWeight* weight, Workers& workers);
 

@@ -200,8 +200,8 @@ std::optional<wire::ToolState> Session::felt_by(const Seat& seat) const {
 
 void Session::show(Seat& seat, const wire::Result& result, const BatchSum& sum) {
   if (const auto& pose = seat.track.pose()) {
-    seat.state.tip_mm = to_wire(pose->tip_mm);
-    seat.state.axis = to_wire_float(pose->axis);
+    seat.state.tip_mm = pose->tip_mm;
+    seat.state.axis = Vec3f(pose->axis);
   }
   seat.state.participant = seat.who.id;
   seat.state.status = result.status;

@@ -30,7 +30,7 @@ const std::vector<Room>& rooms() {
        {"kernel/math", "kernel/intersect", "kernel/dexel", "kernel/tool", "kernel/sweep",
         "kernel/cut"}},
       {"kernel", {}},
-      {"server/wire", {}},
+      {"server/wire", {"kernel/math/vec3.h"}},
       {"server/datagram", {"server/wire"}},
       {"server/formats", {"kernel"}},
       {"server/workers", {"kernel"}},
@@ -47,10 +47,13 @@ const std::vector<Room>& rooms() {
       {"server", {"kernel"}},
       // What every thread of the agent needs: the hand-over of newest values, and a priority.
       {"haptic_agent/device",
-       {"server/wire", "haptic_agent/servo/latest_value.h", "haptic_agent/servo/realtime.h"}},
-      {"haptic_agent/servo", {"server/wire", "haptic_agent/device"}},
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire",
+        "haptic_agent/servo/latest_value.h", "haptic_agent/servo/realtime.h"}},
+      {"haptic_agent/servo",
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/device"}},
       {"haptic_agent/link",
-       {"server/wire", "server/datagram", "haptic_agent/device", "haptic_agent/servo"}},
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "server/datagram",
+        "haptic_agent/device", "haptic_agent/servo"}},
       // The one place of the agent that holds stock.
       {"haptic_agent/replica",
        {"kernel", "server/wire", "server/convert", "server/formats/scene.h", "haptic_agent/device",
@@ -58,7 +61,7 @@ const std::vector<Room>& rooms() {
       {"haptic_agent/doctor",
        {"haptic_agent/device", "haptic_agent/servo", "haptic_agent/link/server_url.h"}},
       {"haptic_agent/demo", {"kernel/math"}},
-      {"haptic_agent", {"server/wire"}},
+      {"haptic_agent", {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
   };
   return kRooms;

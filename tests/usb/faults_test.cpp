@@ -17,7 +17,6 @@ namespace {
 
 using agent::DevicePhase;
 using agent::UsbHand;
-using agent::Wrench;
 namespace ref = agent::reference;
 
 /// What no fault may do: end the device for good, show a pose that is none, or leave a force on.
