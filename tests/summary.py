@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Adds up the results that test.sh left in a folder and prints `N passed, M failed` as its last line.
+"""Sums the results that test.sh wrote to a folder and prints `N passed, M failed` as its last line.
 
 A GoogleTest program counts by its cases (its own XML in gtest/), any other ctest entry as one case, vitest by its cases.
 Exit status 1 if anything failed or nothing ran.

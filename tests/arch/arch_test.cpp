@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rules of the house, held against the tree as it stands.
+// Checks the project's rules against the source tree.
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/arch/includes.h"
-#include "tests/arch/rooms.h"
+#include "tests/arch/modules.h"
 #include "tests/arch/sizes.h"
 #include "tests/arch/source.h"
 #include "tests/arch/tokens.h"
@@ -33,17 +33,17 @@ void report_each(Check check) {
   for (const Source& source : tree()) report(check(source));
 }
 
-TEST(Arch, EveryFolderIncludesOnlyWhatItMayDependOn) {
+TEST(Arch, IncludesFollowTheDependencyTable) {
   std::set<std::string> paths;
   for (const Source& source : tree()) paths.insert(source.path);
   report_each([&](const Source& source) { return check_includes(source, paths); });
 }
 
-TEST(Arch, LinesFilesAndFunctionsAreShort) { report_each(check_sizes); }
+TEST(Arch, LinesFilesAndFunctionsAreWithinTheirLimits) { report_each(check_sizes); }
 
-TEST(Arch, NoBannedWordStandsAnywhere) { report_each(check_tokens); }
+TEST(Arch, NoBannedTokenIsUsed) { report_each(check_tokens); }
 
-TEST(Arch, EveryFileIsBuiltDescribedAndTested) { report(check_rooms(tree())); }
+TEST(Arch, EveryFileIsBuiltDescribedAndTested) { report(check_modules(tree())); }
 
 }  // namespace
 }  // namespace kerf::arch

@@ -8,14 +8,14 @@
 namespace kerf::arch {
 namespace {
 
-struct Room {
+struct Module {
   std::string_view path;                  ///< a folder, or one file
-  std::vector<std::string_view> may_use;  ///< folders or files, beside the room itself
+  std::vector<std::string_view> may_use;  ///< folders or files besides the module itself
 };
 
-// The first room that holds a file decides. A file of the project in no room is itself a violation.
-const std::vector<Room>& rooms() {
-  static const std::vector<Room> kRooms = {
+// The first entry that contains a file decides. A file outside every module is a violation.
+const std::vector<Module>& modules() {
+  static const std::vector<Module> kModules = {
       {"kernel/math", {}},
       {"kernel/intersect", {"kernel/math"}},
       {"kernel/dexel", {"kernel/math"}},
@@ -45,7 +45,7 @@ const std::vector<Room>& rooms() {
        {"kernel", "server/wire", "server/convert", "server/datagram", "server/formats",
         "server/store", "server/feed", "server/session"}},
       {"server", {"kernel"}},
-      // What every thread of the agent needs: the hand-over of newest values, and a priority.
+      // Shared by all threads of the agent: exchange of the latest value, thread priority.
       {"haptic_agent/device",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire",
         "haptic_agent/servo/latest_value.h", "haptic_agent/servo/realtime.h"}},
@@ -54,7 +54,7 @@ const std::vector<Room>& rooms() {
       {"haptic_agent/link",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "server/datagram",
         "haptic_agent/device", "haptic_agent/servo"}},
-      // The one place of the agent that holds stock.
+      // The only module of the agent that depends on the rest of the kernel.
       {"haptic_agent/replica",
        {"kernel", "server/wire", "server/convert", "server/formats/scene.h", "haptic_agent/device",
         "haptic_agent/servo", "haptic_agent/link/stock_listener.h"}},
@@ -64,13 +64,13 @@ const std::vector<Room>& rooms() {
       {"haptic_agent", {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
   };
-  return kRooms;
+  return kModules;
 }
 
 struct Library {
-  std::vector<std::string_view> headers;  ///< beginnings of what stands between < and >
-  bool in_headers;                        ///< may a header of ours include it
-  std::vector<std::string_view> rooms;    ///< beside tests
+  std::vector<std::string_view> headers;  ///< prefixes of the name between < and >
+  bool in_headers;                        ///< whether a header of the project may include it
+  std::vector<std::string_view> modules;  ///< besides tests
   std::string_view reason;
 };
 
@@ -79,14 +79,17 @@ const std::vector<Library>& libraries() {
       {{"boost/"},
        true,
        {"server/net", "server/main.cpp", "haptic_agent/link"},
-       "Boost takes 10 to 35 s a file to compile"},
+       "a file that includes Boost takes 10 to 35 s to compile"},
       {{"nlohmann/"},
        false,
        {"server/formats", "server/carve", "server/store", "server/session", "server/feed",
         "server/net", "server/main.cpp", "haptic_agent"},
        "JSON stays inside the .cpp files that read and write it"},
-      {{"tiny_gltf.h", "tinygltf/"}, false, {"server/formats"}, "glTF is a format"},
-      {{"minizip/", "zlib.h"}, false, {"server/formats"}, "only files are packed"},
+      {{"tiny_gltf.h", "tinygltf/"}, false, {"server/formats"}, "glTF is a file format"},
+      {{"minizip/", "zlib.h"},
+       false,
+       {"server/formats"},
+       "compression belongs to the file formats"},
       {{"meshoptimizer.h"},
        false,
        {"server/formats", "server/feed"},
@@ -95,19 +98,22 @@ const std::vector<Library>& libraries() {
       {{"openssl/"},
        false,
        {"server/net", "server/store", "server/datagram"},
-       "TLS belongs to the network"},
-      {{"prometheus/"}, true, {"server/net", "server/main.cpp"}, "metrics leave through the net"},
+       "cryptography belongs to the network and the journal"},
+      {{"prometheus/"},
+       true,
+       {"server/net", "server/main.cpp"},
+       "metrics are exported by the network modules"},
       {{"CLI/"},
        false,
        {"server/main.cpp", "server/carve", "haptic_agent/main.cpp", "haptic_agent/options.cpp",
         "haptic_agent/doctor"},
        "the command line belongs to the programs"},
-      {{"libusb"}, false, {"haptic_agent/device"}, "USB is one of the devices"},
+      {{"libusb"}, false, {"haptic_agent/device"}, "USB belongs to the devices"},
   };
   return kLibraries;
 }
 
-// What a kernel without I/O, clock or thread of its own never needs.
+// Headers of I/O, clocks and threads, which the kernel does not use.
 constexpr std::string_view kSystemHeaders[] = {"thread",  "future",     "chrono",
                                                "fstream", "iostream",   "filesystem",
                                                "ctime",   "stop_token", "condition_variable",
@@ -121,21 +127,21 @@ bool is_within_any(std::string_view path, const std::vector<std::string_view>& p
   return std::ranges::any_of(places, [&](auto place) { return is_within(path, place); });
 }
 
-const Room* room_of(std::string_view path) {
+const Module* module_of(std::string_view path) {
   const auto found =
-      std::ranges::find_if(rooms(), [&](const Room& room) { return is_within(path, room.path); });
-  return found == rooms().end() ? nullptr : &*found;
+      std::ranges::find_if(modules(), [&](const Module& m) { return is_within(path, m.path); });
+  return found == modules().end() ? nullptr : &*found;
 }
 
 std::optional<std::string> fault_of_project_include(const Source& source, std::string_view target,
                                                     const std::set<std::string>& paths) {
   if (!paths.contains(std::string(target))) {
-    return "includes are written from the repository's root; there is no " + std::string(target);
+    return "include paths start at the repository root; there is no " + std::string(target);
   }
-  const Room* room = room_of(source.path);
-  if (!room) return "this folder has no place in the dependency rule (tests/arch/includes.cpp)";
-  if (is_within(target, room->path) || is_within_any(target, room->may_use)) return {};
-  return std::string(room->path) + " must not depend on " + std::string(target);
+  const Module* module = module_of(source.path);
+  if (!module) return "this folder is missing from the dependency table (tests/arch/includes.cpp)";
+  if (is_within(target, module->path) || is_within_any(target, module->may_use)) return {};
+  return std::string(module->path) + " must not depend on " + std::string(target);
 }
 
 std::optional<std::string> fault_of_system_include(const Source& source, std::string_view target) {
@@ -144,8 +150,8 @@ std::optional<std::string> fault_of_system_include(const Source& source, std::st
     const bool named = std::ranges::any_of(
         library.headers, [&](auto beginning) { return target.starts_with(beginning); });
     if (!named) continue;
-    if (!is_within_any(source.path, library.rooms)) {
-      return "<" + std::string(target) + "> outside its rooms: " + std::string(library.reason);
+    if (!is_within_any(source.path, library.modules)) {
+      return "<" + std::string(target) + "> outside its modules: " + std::string(library.reason);
     }
     if (is_header(source.path) && !library.in_headers) {
       return "<" + std::string(target) + "> in a header: " + std::string(library.reason);
@@ -163,7 +169,7 @@ std::optional<std::string> fault_of_system_include(const Source& source, std::st
   return {};
 }
 
-// The viewer's codec mirrors server/wire and is as alone as that one.
+// The viewer's codec mirrors server/wire and, like it, depends on nothing.
 std::vector<Violation> check_viewer_wire(const Source& source) {
   std::vector<Violation> violations;
   std::size_t number = 0;
@@ -194,8 +200,9 @@ std::vector<Violation> check_includes(const Source& source, const std::set<std::
                                    : fault_of_system_include(source, target);
     if (fault) violations.push_back({source.path, number, *fault});
   }
-  if (is_header(source.path) && !source.text.starts_with("#pragma once")) {
-    violations.push_back({source.path, 1, "a header begins with #pragma once"});
+  if (is_header(source.path) &&
+      !source.text.starts_with("// SPDX-License-Identifier: Apache-2.0\n#pragma once")) {
+    violations.push_back({source.path, 1, "a header begins with the SPDX line and #pragma once"});
   }
   return violations;
 }

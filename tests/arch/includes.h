@@ -9,9 +9,9 @@
 
 namespace kerf::arch {
 
-/// What breaks the dependency rule of the README: includes of another room, of a library outside
-/// its rooms, of the system in a leaf, or not written from the repository's root. `paths` holds
-/// every path of the tree.
+/// Returns the includes that break the dependency rules of the README: of a module or library that
+/// this file may not use, of a system header in the kernel or wire, or of a path that does not
+/// start at the repository root. `paths` holds every path of the tree.
 std::vector<Violation> check_includes(const Source& source, const std::set<std::string>& paths);
 
 }  // namespace kerf::arch

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/arch/sizes.h"
 
+#include <algorithm>
 #include <cctype>
 #include <regex>
 #include <string>
@@ -9,14 +10,14 @@
 namespace kerf::arch {
 namespace {
 
-// Columns as an editor counts them: a UTF-8 sequence is one.
+// Counts columns as an editor does: a UTF-8 sequence is one.
 std::size_t columns_of(std::string_view line) {
   std::size_t columns = 0;
   for (const char c : line) columns += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
   return columns;
 }
 
-// Is this line long because of a raw literal, which no tool may break?
+// Returns true if the line is part of a raw literal, which must not be broken.
 bool holds_raw_literal(std::string_view line, std::string_view code) {
   const bool comment = line.find("//") != line.npos;
   const bool inside = code.find_first_not_of(' ') == code.npos;
@@ -30,8 +31,8 @@ bool opens_initializer(std::string_view code, std::size_t brace) {
   return std::isalnum(static_cast<unsigned char>(before)) || before == '_' || before == '>';
 }
 
-// Does this text, which stands before an opening brace outside any function, head a function (or a
-// lambda)?
+// Returns true if the text before an opening brace outside any function is the head of a function
+// or lambda.
 bool heads_function(const std::string& head) {
   static const std::regex kScope(
       R"(^\s*(template\s*<[^{]*>\s*)?(namespace|class|struct|enum|union|extern)\b)");
@@ -51,7 +52,7 @@ std::size_t matching_brace(std::string_view code, std::size_t open) {
 
 void check_functions(const Source& source, std::vector<Violation>& violations) {
   std::string code = code_only(source.text);
-  for (std::size_t i = 0; i < code.size(); ++i) {  // a directive is not part of any declaration
+  for (std::size_t i = 0; i < code.size(); ++i) {  // directives are not part of declarations
     const bool directive = code[i] == '#' && (i == 0 || code[i - 1] == '\n');
     while (directive && i < code.size() && code[i] != '\n') code[i++] = ' ';
   }
@@ -71,8 +72,8 @@ void check_functions(const Source& source, std::vector<Violation>& violations) {
     if (last - first + 1 > kFunctionLinesMax) {
       violations.push_back({source.path, first,
                             "a function of " + std::to_string(last - first + 1) +
-                                " lines; what takes more than " +
-                                std::to_string(kFunctionLinesMax) + " does several things"});
+                                " lines; the limit is " + std::to_string(kFunctionLinesMax) +
+                                ": split it"});
     }
     i = end;
     head_begin = end + 1;
@@ -91,13 +92,13 @@ std::vector<Violation> check_sizes(const Source& source) {
   for (std::size_t i = 0; cpp && i < lines.size(); ++i) {
     if (columns_of(lines[i]) <= kColumnsMax || holds_raw_literal(lines[i], code_lines[i])) continue;
     violations.push_back({source.path, i + 1,
-                          std::to_string(columns_of(lines[i])) + " columns; at most " +
-                              std::to_string(kColumnsMax) + " fit beside a diff"});
+                          std::to_string(columns_of(lines[i])) + " columns; the limit is " +
+                              std::to_string(kColumnsMax)});
   }
   if (lines.size() > kFileLinesMax) {
     violations.push_back({source.path, lines.size(),
-                          std::to_string(lines.size()) + " lines; at most " +
-                              std::to_string(kFileLinesMax) + ": one idea a file"});
+                          std::to_string(lines.size()) + " lines; the limit is " +
+                              std::to_string(kFileLinesMax) + ": one idea per file"});
   }
   if (cpp) check_functions(source, violations);
   return violations;

@@ -7,9 +7,9 @@
 
 namespace kerf::arch {
 
-/// Words that must not stand where they stand: unfinished work anywhere, libm in the kernel (equal
-/// commands must give equal bytes on any CPU), fast-math in a build file, allocation and locks in
-/// the servo loop.
+/// Returns the banned tokens of a source: unfinished work anywhere, libm in the kernel (equal
+/// commands must give equal bytes on any CPU), epsilons outside kernel/math/tolerance.h, fast-math
+/// in a build file, allocation and locks in the servo loop.
 std::vector<Violation> check_tokens(const Source& source);
 
 }  // namespace kerf::arch

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// From what goes wrong to no force, in real time: the real servo, watchdog, link and copy of the
-// block, a real server as a child, and a device that leans on a wall.
+// Measures, in real time, how long force is still output after a fault: real servo, watchdog, link
+// and replica, a real server as a child process, and a device that leans on a wall.
 //
 //   agent_trip_bench [--server PATH]
 //
-// For each event in each state in which there is force or soon would be, prints the ms until the
-// device shows none any more, and its limit: 150 ms for the server and the network's thread, 20 ms
-// for the hand, the device and the loop. That thread alone is frozen by a signal whose handler does
-// not return. Without real-time rights the machine's own delays are in the figures. Fails if one is
-// over its limit.
+// Prints, for each fault in each state that outputs force or is about to, the time until the device
+// receives zero force, and the limit: 150 ms for faults of the server and of the link thread, 20 ms
+// for the user, the device and the loop. The link thread alone is frozen by a signal whose handler
+// does not return. Without real-time priority the figures include the machine's own scheduling
+// delays. Fails if a figure exceeds its limit.
 #include <pthread.h>
 #include <signal.h>
 #include <sys/syscall.h>
@@ -37,7 +37,7 @@ namespace {
 using namespace kerf::agent;
 using kerf::bench::Clock;
 
-/// Rests above an obstacle until told to sink 1.5 mm into it, slowly.
+/// Rests above an obstacle, then sinks 1.5 mm into it slowly on request.
 class Leaning final : public HapticDevice {
  public:
   explicit Leaning(double height_mm) : height_mm_(height_mm) {}
@@ -58,7 +58,7 @@ class Leaning final : public HapticDevice {
 
   std::atomic<bool> lean{false}, deadman{true}, plugged{true}, frozen{false};
   std::atomic<double> force_n{0};
-  /// When the force became nothing, ns of the steady clock; 0 while there is some.
+  /// Time at which the force became zero, ns of the steady clock; 0 while there is force.
   std::atomic<std::int64_t> silent_ns{0};
 
  private:
@@ -87,7 +87,7 @@ std::set<pid_t> threads_of_this_program() {
   return threads;
 }
 
-/// Holds one thread still wherever it is, and nothing else: inside the handler of a signal.
+/// Freezes one thread inside a signal handler; all other threads go on.
 class Freezer {
  public:
   Freezer() {
@@ -105,7 +105,7 @@ class Freezer {
   Freezer(const Freezer&) = delete;
   Freezer& operator=(const Freezer&) = delete;
 
-  /// Runs `start`, and aims at the first thread that it starts.
+  /// Runs `start` and selects the first thread that it creates.
   template <typename Start>
   void aim(Start start) {
     const std::set<pid_t> before = threads_of_this_program();
@@ -127,7 +127,7 @@ class Freezer {
   pid_t thread_ = 0;
 };
 
-/// What can be broken.
+/// The parts in which faults are injected.
 struct Parts {
   Leaning& device;
   const kerf::bench::ServerProcess& server;
@@ -146,9 +146,9 @@ const Event kEvents[] = {{"server killed", 150, [](Parts p) { p.server.signal(SI
                          {"device unplugged", 20, [](Parts p) { p.device.plugged = false; }},
                          {"loop stalled", 20, [](Parts p) { p.device.frozen = true; }}};
 
-/// Longest that an event is watched.
+/// Longest observation after a fault.
 constexpr int kWaitMs = 2000;
-/// Where there was no force yet, so long it must stay away.
+/// Time for which the force must stay zero if there was none before the fault.
 constexpr int kStayMs = 500;
 
 constexpr ServoPhase kStates[] = {ServoPhase::kArmed, ServoPhase::kRamp, ServoPhase::kActive,
@@ -156,7 +156,7 @@ constexpr ServoPhase kStates[] = {ServoPhase::kArmed, ServoPhase::kRamp, ServoPh
 
 void pause_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
-/// Waits for a state; false if it does not come within five seconds.
+/// Waits for a state; returns false after five seconds.
 bool wait_for(ServoCycle& cycle, ServoPhase phase) {
   for (int i = 0; i < 5000; ++i, pause_ms(1)) {
     ServoStatus status;
@@ -165,7 +165,7 @@ bool wait_for(ServoCycle& cycle, ServoPhase phase) {
   return false;
 }
 
-/// Leads the agent into a state, the hand leaning on the wall or about to.
+/// Brings the agent into a state, with the user leaning on the wall or about to.
 bool reach(ServoPhase state, ServoCycle& cycle, Leaning& device,
            const kerf::bench::ServerProcess& server) {
   if (state == ServoPhase::kArmed) {
@@ -189,7 +189,7 @@ bool reach(ServoPhase state, ServoCycle& cycle, Leaning& device,
   return reached;
 }
 
-/// Lets the event happen and watches the force; ms until there was none any more.
+/// Injects the fault and returns the time until the force was zero, ms.
 double watch(const Event& event, const Parts& parts, bool forced) {
   const auto start = Clock::now();
   event.happen(parts);
@@ -201,7 +201,8 @@ double watch(const Event& event, const Parts& parts, bool forced) {
   return std::chrono::duration<double, std::milli>(until - start).count();
 }
 
-/// ms to no force, about kWaitMs at most; nothing if the state was not reached with its force on.
+/// Returns the ms until zero force, about kWaitMs at most; empty if the state was not reached with
+/// force.
 std::optional<double> time_to_silence(const std::string& program, const Event& event,
                                       ServoPhase state) {
   kerf::bench::ServerProcess server(program);
@@ -249,7 +250,7 @@ std::optional<double> time_to_silence(const std::string& program, const Event& e
   return ms;
 }
 
-/// The same, tried again where a busy machine was too slow to catch the hand in that state.
+/// Repeats the measurement if a busy machine missed the state.
 std::optional<double> try_to_silence(const std::string& program, const Event& event,
                                      ServoPhase state) {
   constexpr int kTries = 5;
@@ -278,9 +279,9 @@ int main(int argc, char** argv) {
     }
     std::printf(" %9.0f\n", event.limit_ms);
   }
-  std::printf("ready and safe show no force at all\n%s\n",
+  std::printf("there is no force in the states ready and safe\n%s\n",
               !kept    ? "OVER A LIMIT"
-              : !tried ? "within the limits, as far as it could be tried"
-                       : "all within their limits");
+              : !tried ? "within the limits; some cases could not be reached"
+                       : "all within the limits");
   return kept && tried ? 0 : 1;
 }

@@ -7,9 +7,10 @@
 
 namespace kerf::test {
 
-/// What one core can do on the three-axis standard job: a bare height map under a ball of 10 mm
-/// that moves level, in floats, with sums in any order; one number a column, no interval list, no
-/// other tool. Volume and its moments as the force needs them.
+/// Runs the three-axis standard job on a bare height map as an upper bound of the speed of one
+/// core: a 10 mm ball in horizontal translation, single precision, sums in any order, one number
+/// per column, no interval lists and no other tool. Computes the removed volume and its moments, as
+/// the force requires.
 class BareLoop {
  public:
   explicit BareLoop(double pitch_mm);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each thing in a scene costs: CPU time and bytes per motion with it absent and present. The
-// variants of a group run in turns (A B C A B C …) and each is compared with the first of its own
-// turn, so that what else the machine does cancels; medians of all turns are printed.
+// Measures the cost of each element of a scene: CPU time and bytes per motion without and with it.
+// The variants of a group are interleaved (A B C A B C …) and each is compared with the first of
+// its round, which cancels other load on the machine; the medians over all rounds are printed.
 // Usage: cost_bench [turns=15] [pitch_mm=0.2]
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 using namespace kerf;
 
 constexpr double kBlockMm = 100, kHeightMm = 50, kDepthMm = 3;
-// Viewers get what has changed 30 times a second; a hand moves 1000 times.
+// Viewers receive changes at 30 Hz; an agent sends samples at 1 kHz.
 constexpr std::size_t kMotionsPerFrame = 33;
 
 double cpu_seconds() {
@@ -52,8 +52,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// A hand's breadth around `center`: rows of 1 mm moves, 3 mm apart, the axis swinging by up to 20
-/// degrees, `kDepthMm` below the top.
+/// Returns a small raster around `center`: rows of 1 mm moves, 3 mm apart, with the axis swinging
+/// by up to 20 degrees, `kDepthMm` below the top.
 std::vector<ToolPose> hand_path(Vec3 center_mm, double top_mm, bool swing) {
   std::vector<ToolPose> path;
   for (int row = 0; row <= 30; ++row) {
@@ -121,7 +121,7 @@ void compare(const char* title, const std::vector<Variant>& variants, int turns)
 
 Obstacle box_obstacle(Vec3 low, Vec3 high) { return {BoxObstacle{low, high}, 1}; }
 
-/// A wall beside the block that the tool's holder passes at 2 mm, or one that is 5 m away.
+/// Returns a wall that the tool's holder passes at a distance of 2 mm, or one that is 5 m away.
 std::vector<Obstacle> walls(int count, double x_mm) {
   std::vector<Obstacle> obstacles;
   for (int n = 0; n < count; ++n) {
@@ -151,13 +151,13 @@ void measure(int turns, double pitch_mm) {
   const auto with_walls = [](int count, double x_mm) {
     return [=](Variant& v) { v.settings.obstacles = walls(count, x_mm); };
   };
-  compare("nothing against itself: the noise of this run",
+  compare("identical scenes: noise of this run",
           {variant("once", nothing), variant("again", nothing)}, turns);
   compare("obstacles",
           {variant("none", nothing), variant("1, 5 m away", with_walls(1, 5000)),
            variant("20, 5 m away", with_walls(20, 5000)),
-           variant("1, beside the tool's way", with_walls(1, 103)),
-           variant("20, beside the tool's way", with_walls(20, 103))},
+           variant("1, beside the tool's path", with_walls(1, 103)),
+           variant("20, beside the tool's path", with_walls(20, 103))},
           turns);
   const ToolBody body{Shank{8, 40}, std::vector<HolderSection>{{30, 40, 20}, {40, 40, 60}}};
   const Tool whole = *make_tool(BallShape{10, 30}, body);
@@ -170,12 +170,12 @@ void measure(int turns, double pitch_mm) {
   compare("shank and holder (two sections)",
           {variant("none", nothing), variant("present, no obstacle", with_body(0, 0)),
            variant("present, obstacle 5 m away", with_body(1, 5000)),
-           variant("present, obstacle beside the way", with_body(1, 103))},
+           variant("present, obstacle beside the path", with_body(1, 103))},
           turns);
   compare("forces",
-          {variant("nobody feels", [](Variant& v) { v.feel = false; }),
-           variant("felt, specific energy", nothing),
-           variant("felt, removal rate",
+          {variant("no force computed", [](Variant& v) { v.feel = false; }),
+           variant("specific energy", nothing),
+           variant("removal rate",
                    [](Variant& v) { v.settings.force.law = ForceLaw::kDexelRemovalRate; })},
           turns);
   compare("fields of rays",
@@ -183,10 +183,10 @@ void measure(int turns, double pitch_mm) {
            variant("tri-dexel", [](Variant& v) { v.settings.rays = Rays::kTriDexel; })},
           turns);
   compare("surface (30 frames a second at 1000 motions)",
-          {variant("nobody looks", nothing),
+          {variant("no viewer", nothing),
            variant("normals kept", [](Variant& v) { v.settings.keep_normals = true; }),
-           variant("and snapshots taken", watched(Viewer::kSnapshots)),
-           variant("and changed tiles meshed", watched(Viewer::kMeshes))},
+           variant("normals and snapshots", watched(Viewer::kSnapshots)),
+           variant("normals, snapshots and meshes", watched(Viewer::kMeshes))},
           turns);
 }
 
@@ -205,10 +205,10 @@ void measure_blocks(int turns) {
                           hand_path({middle, middle, 0}, height, true)});
     }
   }
-  // Here most of the hand's breadth is air.
-  variants.push_back({"0.01 x 0.01 x 0.01 m (most of the way is air)", block(10, 10, kPitchMm),
-                      ball, hand_path({5, 5, 0}, 10, true)});
-  compare("untouched stock around a carved hand's breadth, pitch 0.25 mm", variants, turns);
+  // Most of the raster is outside this small block.
+  variants.push_back({"0.01 x 0.01 x 0.01 m (mostly air moves)", block(10, 10, kPitchMm), ball,
+                      hand_path({5, 5, 0}, 10, true)});
+  compare("untouched stock around a small carved area, pitch 0.25 mm", variants, turns);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 
 constexpr unsigned kCarvings = 200;
 constexpr double kColumns = 24;
-// Of an edge and of a triangle's height: an edge that only touches does not cross.
+// Relative to the edge and to the triangle's height: an edge that only touches does not cross.
 constexpr double kTouch = 1e-4;
 
 struct Triangle {
@@ -43,14 +43,14 @@ std::vector<Triangle> triangles_of(const SolidSnapshot& solid) {
   return all;
 }
 
-// Whether the segment passes through the inside of the triangle (Möller and Trumbore).
+// Returns true if the segment passes through the interior of the triangle (Möller and Trumbore).
 bool pierces(Vec3 from, Vec3 to, const Triangle& t) {
-  const Vec3 way = to - from, u = t.p[1] - t.p[0], v = t.p[2] - t.p[0];
-  const Vec3 h = cross(way, v);
+  const Vec3 edge = to - from, u = t.p[1] - t.p[0], v = t.p[2] - t.p[0];
+  const Vec3 h = cross(edge, v);
   const double determinant = dot(u, h);
-  if (std::abs(determinant) < 1e-9 * length(way) * length(u) * length(v)) return false;
+  if (std::abs(determinant) < 1e-9 * length(edge) * length(u) * length(v)) return false;
   const Vec3 s = from - t.p[0], q = cross(s, u);
-  const double a = dot(s, h) / determinant, b = dot(way, q) / determinant;
+  const double a = dot(s, h) / determinant, b = dot(edge, q) / determinant;
   const double share = dot(v, q) / determinant;
   return a > kTouch && b > kTouch && a + b < 1 - kTouch && share > kTouch && share < 1 - kTouch;
 }
@@ -65,7 +65,7 @@ bool cross_each_other(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-// Sorted along x: those whose extents overlap are tested.
+// Sorted along x; triangles with overlapping extents are tested.
 std::size_t crossings(std::vector<Triangle> all) {
   std::ranges::sort(all, {}, [](const Triangle& t) { return t.low.x; });
   std::vector<bool> crossed(all.size());

@@ -3,9 +3,9 @@
 
 namespace kerf {
 
-/// Prints for one field of rays and for three in how many of 200 random carvings triangles of the
-/// mesh cross each other, and how many do: of pairs that share no corner, those where an edge of
-/// one passes through the inside of the other.
+/// Prints, for one field of rays and for three, the number of crossing triangles in the meshes of
+/// 200 random carvings, and the number of carvings that contain any. Two triangles without a common
+/// corner cross if an edge of one passes through the interior of the other.
 void print_crossings();
 
 }  // namespace kerf

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What coarser levels of detail cost, save and err by: the standard job's block, carved in five
-// axes, at each level, and as viewers see it who look at all of it or at a part. Times are CPU
+// Measures the time, size and error of each level of detail on the five-axis standard job, and of
+// the mixture of levels sent to viewers that see the whole block or a part of it. Times are CPU
 // seconds of this thread. Usage: detail_bench [pitch_mm=0.25]
 
 #include <algorithm>
@@ -40,7 +40,7 @@ TileDetail detail_of(const DexelGrid& grid, TileIndex tile, const Levels& levels
   return detail;
 }
 
-/// All tiles as one mesh, without joining what they share: good for distances.
+/// Returns all tiles as one mesh without merging shared vertices, for distance queries.
 IndexedMesh joined(const std::vector<TileMesh>& tiles) {
   IndexedMesh all;
   for (const TileMesh& mesh : tiles) {
@@ -96,8 +96,9 @@ void print_error(const std::vector<TileMesh>& exact, const std::vector<TileMesh>
               off[off.size() / 2], off[off.size() * 99 / 100], off.back());
 }
 
-/// Looking down at the middle of the block from `distance_mm`, 52 degrees steep, with a field of
-/// view of 30 degrees; a picture of `height_px`, errors up to `error_px`.
+/// Returns a camera aimed at the middle of the block from `distance_mm`, 52 degrees above the
+/// horizontal, with a field of view of 30 degrees, an image height of `height_px` and an allowed
+/// error of `error_px`.
 Levels look_from(const DexelGrid& grid, double distance_mm, double height_px, double error_px) {
   const double steep = 52 * std::numbers::pi / 180;
   const Vec3 eye{50, 50 - distance_mm * std::cos(steep), 50 + distance_mm * std::sin(steep)};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far the ends of dexels lie off the true swept surface, for every tool shape and tolerance,
-// and how many sub-motions that takes. Usage: endpoint_bench [moves=60]
+// Measures the distance of dexel ends from the true swept surface, and the number of sub-motions,
+// for every tool shape and tolerance. Usage: endpoint_bench [moves=60]
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ struct Figures {
   double rms_mm() const { return ends > 0 ? std::sqrt(squares / ends) : 0; }
 };
 
-/// One motion in a block of its own, so that each is judged alone.
+/// Carves one motion in its own block and measures it alone.
 void judge(Figures& figures, const Tool& tool, double tolerance, const ToolPose& from,
            const ToolPose& to, unsigned seed) {
   test::Carving carving(test::block(44, 20, 0.9, tolerance), tool);
@@ -41,7 +41,7 @@ void judge(Figures& figures, const Tool& tool, double tolerance, const ToolPose&
   figures.add(carving, r.sub_motions, 1, 30, 20 * tolerance, seed);
 }
 
-/// As in the standard job: 1 mm along the path, 2.5 degrees, about a random axis.
+/// A move as in the standard job: 1 mm along the path, 2.5 degrees about a random axis.
 Figures standard_moves(const Tool& tool, double tolerance, int moves) {
   std::mt19937_64 random(1);
   const auto in = [&](double a, double b) {
@@ -50,17 +50,17 @@ Figures standard_moves(const Tool& tool, double tolerance, int moves) {
   Figures figures;
   for (int k = 0; k < moves; ++k) {
     const ToolPose a = test::leaning({in(-1, 1), in(-1, 1), -5}, in(0, 0.35), in(0, 6.2));
-    const double way = in(0, 6.2);
+    const double heading = in(0, 6.2);
     const Vec3 about{in(-1, 1), in(-1, 1), in(-1, 1)};
     judge(figures, tool, tolerance, a,
-          {a.tip_mm + Vec3{std::cos(way), std::sin(way), 0},
+          {a.tip_mm + Vec3{std::cos(heading), std::sin(heading), 0},
            test::turned(a.axis, about, 2.5 * kDegree)},
           unsigned(k));
   }
   return figures;
 }
 
-/// One block of a program that turns the tool by 170 degrees, about points on its axis and beside.
+/// A program block that turns the tool by 170 degrees about points on its axis and beside it.
 Figures large_turns(const Tool& tool, double tolerance, int moves) {
   std::mt19937_64 random(2);
   const auto in = [&](double a, double b) {
@@ -78,7 +78,7 @@ Figures large_turns(const Tool& tool, double tolerance, int moves) {
   return figures;
 }
 
-/// The first rows of the three-axis standard job, judged together.
+/// The first rows of the three-axis standard job, measured together.
 Figures three_axes(const Tool& tool) {
   const std::vector<ToolPose> path = test::standard_path(false);
   test::Carving carving(test::standard_settings(0.5, 1e-3), tool);
@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
                   b.sub_motions / b.moves, good ? "" : "  BEYOND");
     }
   }
-  std::printf("\nThree axes, standard job (aim: 2e-6):\n");
+  std::printf("\nThree axes, standard job (target: 2e-6):\n");
   for (const test::NamedTool& t : test::every_tool()) {
     const Figures f = three_axes(t.tool);
     std::printf("%-12s max %.2e rms %.2e, %.0f ends\n", t.name.c_str(), f.max_mm, f.rms_mm(),

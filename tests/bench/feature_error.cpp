@@ -13,10 +13,10 @@ namespace kerf {
 namespace {
 
 constexpr double kWidthMm = 9, kPitchMm = 0.25;
-// How much finer the surface is that tells where features are.
+// Refinement of the surface that locates features.
 constexpr double kFiner = 6;
 constexpr unsigned kCarvings = 8;
-// Of the triangles of a mesh every so many are judged, at a corner and at their centroid.
+// Every n-th triangle is measured, at a corner and at its centroid.
 constexpr std::size_t kEvery = 3;
 
 struct Errors {
@@ -52,7 +52,7 @@ void print(const char* where, std::vector<double>& errors, std::size_t of) {
 }  // namespace
 
 void print_feature_errors() {
-  std::printf("random five-axis carvings, %u of %.0f columns, pitch %.2g mm; samples judged\n",
+  std::printf("random five-axis carvings, %u of %.0f columns, pitch %.2g mm; samples measured\n",
               kCarvings, kWidthMm / kPitchMm, kPitchMm);
   std::vector<Errors> errors(2);
   for (unsigned seed = 1; seed <= kCarvings; ++seed) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the stock costs: the standard job with one field of rays and with three, a block full of
-// grooves, and the same hand's breadth of carving in blocks from 10 mm to 10 m. CPU time of one
+// Measures time and memory of the stock: the standard job with one field of rays and with three, a
+// block full of grooves, and the same small carving in blocks from 10 mm to 10 m. CPU time of one
 // thread.
 // Usage: field_bench [pitch_mm=0.1]
 
@@ -16,7 +16,7 @@ using namespace kerf;
 
 double cpu_s() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
-/// Mean CPU time of one call.
+/// Returns the mean CPU time of one call.
 template <class Work>
 double us_per_call(int calls, Work work) {
   const double start = cpu_s();
@@ -51,7 +51,7 @@ void standard_job(Rays rays, bool five_axis, double pitch_mm) {
   }
 }
 
-/// 99 grooves side by side, with a snapshot now and then: rays along Y cross all of them.
+/// Cuts 99 parallel grooves with periodic snapshots; rays along Y cross all of them.
 void grooves(Rays rays, double pitch_mm) {
   SculptureSettings settings;
   settings.stock = BoxStock{{0, 0, 0}, {100, 100, 20}};
@@ -65,8 +65,8 @@ void grooves(Rays rays, double pitch_mm) {
   for (int k = 0; k < 99; ++k) {
     for (int i = 0; i < 100; ++i) {
       const Vec3 tip{double(k % 2 == 0 ? i : 99 - i), k + 0.51, 15};
-      const Vec3 way{k % 2 == 0 ? 1.0 : -1.0, 0, 0};
-      s.apply(MoveTool{1, {tip, up}, {tip + way, up}, 0.01, false}).value();
+      const Vec3 step{k % 2 == 0 ? 1.0 : -1.0, 0, 0};
+      s.apply(MoveTool{1, {tip, up}, {tip + step, up}, 0.01, false}).value();
       if (i % 33 == 0) s.solid();
     }
   }
@@ -75,7 +75,7 @@ void grooves(Rays rays, double pitch_mm) {
               double(s.memory_bytes()) * 1e-6);
 }
 
-/// 100 ticks of 0.1 mm in the middle of the top of a cube, with a snapshot every tenth.
+/// Cuts 100 ticks of 0.1 mm in the middle of the top of a cube, with a snapshot every tenth tick.
 void hands_breadth(double side_mm, Rays rays, double pitch_mm) {
   SculptureSettings settings;
   const double half = side_mm / 2;

@@ -12,12 +12,12 @@ namespace kerf {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-// Cosines of the angle between neighbouring triangles at a crease, of the turn of one face, and
-// between the normals of two faces that leave a wedge.
+// Cosines of: the angle between neighboring triangles at a crease; the greatest turn of one face;
+// the angle between the normals of two faces that form a wedge.
 constexpr double kCrease = 0.9, kTurn = 0.5, kWedge = -0.866;
-// Of the ball's radius squared: what is smaller is a sliver beside a crease, not a face.
+// Relative to the ball's radius squared: a smaller area is a sliver beside a crease, not a face.
 constexpr double kFaceArea = 0.03;
-// Of the ball's radius: so near to one point three faces come in a corner.
+// Relative to the ball's radius: distance within which three faces form a corner.
 constexpr double kCornerReach = 0.3;
 
 }  // namespace
@@ -93,11 +93,11 @@ double FineSurface::distance(Vec3 p, const Triangle& t) const {
   bool inside = t.area_mm2 > 0;
   double best = std::numeric_limits<double>::infinity();
   for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
-    const Vec3 way = to - from;
-    inside &= dot(cross(way, foot - from), t.normal) >= 0;
-    const double size = dot(way, way);
-    const double share = size > 0 ? std::clamp(dot(p - from, way) / size, 0.0, 1.0) : 0;
-    best = std::min(best, length(p - from - way * share));
+    const Vec3 edge = to - from;
+    inside &= dot(cross(edge, foot - from), t.normal) >= 0;
+    const double size = dot(edge, edge);
+    const double share = size > 0 ? std::clamp(dot(p - from, edge) / size, 0.0, 1.0) : 0;
+    best = std::min(best, length(p - from - edge * share));
   }
   return inside ? length(p - foot) : best;
 }

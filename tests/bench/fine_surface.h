@@ -11,18 +11,18 @@
 
 namespace kerf {
 
-/// The surface of a solid, meshed several times as fine as what is judged by it: it tells where
-/// that has features that the coarser lattice cannot hold.
+/// The surface of a solid meshed several times finer than the mesh under test; locates features
+/// that the coarser lattice cannot represent.
 class FineSurface {
  public:
-  /// `size_mm`: about how large the places are that are asked for.
+  /// `size_mm`: approximate radius of the queries.
   FineSurface(const std::vector<TileMesh>& meshes, double size_mm);
 
-  /// Whether the surface within `radius_mm` of a point is as plain as one lattice cell can hold: a
-  /// face without a crease, two faces that meet in one, or three that meet in a corner. A face is
-  /// what can be walked without crossing a crease and without leaving the ball; it may turn by 60
-  /// degrees, and two may meet at 30 degrees or more. Anything else is a feature below that size: a
-  /// thin wall, a narrow gap, a step, a narrow strip, a small radius, a knife's edge.
+  /// Returns true if one lattice cell can represent the surface within `radius_mm` of a point: one
+  /// face without a crease, two faces that meet in a crease, or three that meet in a corner. A face
+  /// is a region connected without crossing a crease or leaving the ball; it may turn by up to 60
+  /// degrees, and two faces may meet at 30 degrees or more. Anything else is a feature below that
+  /// size: a thin wall, narrow gap, step, narrow strip, small radius or sharp edge.
   bool plain(Vec3 point, double radius_mm) const;
 
  private:
@@ -34,7 +34,8 @@ class FineSurface {
   };
   struct Face {
     Vec3 normal_sum, first;
-    double area_mm2 = 0, turned = 1;  ///< least cosine to the first normal
+    double area_mm2 = 0;
+    double turned = 1;  ///< smallest cosine to the first normal
     std::vector<std::uint32_t> triangles;
   };
 

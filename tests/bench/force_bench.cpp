@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The force while the engagement is constant: slots of constant depth and plunges at 30 mm/s with
-// ball and flat end mills, in several directions of the grid. A perfect force would not change from
-// tick to tick, nor with the rate of the ticks, nor with the pitch. Prints one table.
-// Usage: force_bench [pitch_mm=0.1]
+// Measures the force at constant engagement: slots of constant depth and plunges at 30 mm/s with
+// ball and flat end mills, in several directions of the grid. An ideal force is constant over the
+// ticks, and independent of the tick rate and of the pitch. Prints one table. Usage: force_bench
+// [pitch_mm=0.1]
 
 #include <algorithm>
 #include <cmath>
@@ -33,19 +33,19 @@ struct Setup {
   double rate_hz = kRateHz;
 };
 
-/// One cut of constant engagement: from `start` the tool is sunk without being felt, cuts its way
-/// to where the engagement is constant, and is then measured.
+/// One cut of constant engagement: the tool is sunk at `start` without force, cuts until the
+/// engagement is constant, and is then measured.
 struct Cut {
   std::string name;
-  Vec3 start, way;
+  Vec3 start, direction;
 };
 
 Cut slot(double degrees) {
   const double a = degrees * std::numbers::pi / 180;
-  const Vec3 way{std::cos(a), std::sin(a), 0};
+  const Vec3 direction{std::cos(a), std::sin(a), 0};
   char name[32];
   std::snprintf(name, sizeof name, "slot %.0f", degrees);
-  return {name, Vec3{0.0371, 0.0213, -kDepthMm} - way * 7, way};
+  return {name, Vec3{0.0371, 0.0213, -kDepthMm} - direction * 7, direction};
 }
 
 Cut plunge() { return {"plunge", {0.0371, 0.0213, -3.513}, {0, 0, -1}}; }
@@ -53,10 +53,10 @@ Cut plunge() { return {"plunge", {0.0371, 0.0213, -3.513}, {0, 0, -1}}; }
 struct Statistics {
   Vec3 force, torque;                          ///< means
   double force_ripple = 0, torque_ripple = 0;  ///< rms of the deviation / |mean force|, / its lever
-  double delay_mm = 0;  ///< mean travel by which what is felt follows what is cut
+  double delay_mm = 0;                         ///< mean travel by which the force lags the cut
 };
 
-/// The rms of what differs from the mean, by `scale`.
+/// Returns the rms deviation from the mean, relative to `scale`.
 double ripple(const std::vector<Vec3>& values, Vec3 mean, double scale) {
   double sum = 0;
   for (const Vec3& v : values) sum += dot(v - mean, v - mean);
@@ -94,8 +94,8 @@ Statistics measure(const Setup& setup, const Cut& cut) {
   std::vector<Vec3> forces, torques;
   std::vector<double> areas;
   for (int i = 0; i < lead + ticks; ++i) {
-    const Vec3 from = cut.start + cut.way * (i * step_mm);
-    const Vec3 to = cut.start + cut.way * ((i + 1) * step_mm);
+    const Vec3 from = cut.start + cut.direction * (i * step_mm);
+    const Vec3 to = cut.start + cut.direction * ((i + 1) * step_mm);
     const MotionResult r =
         sculpture.apply(MoveTool{1, {from, up}, {to, up}, 1 / setup.rate_hz}).value();
     areas.push_back(r.cutting.engaged_area_mm2);
@@ -104,20 +104,19 @@ Statistics measure(const Setup& setup, const Cut& cut) {
     torques.push_back(r.wrench.torque_nmm);
   }
   Statistics s{mean(forces), mean(torques)};
-  // A plunge has no mean torque; the push times the radius is what its ripple is compared with.
+  // A plunge has no mean torque; its ripple is relative to the force times the radius.
   const double push = length(s.force);
   const double torque = std::max(length(s.torque), push * kRadiusMm);
   s.force_ripple = ripple(forces, s.force, push);
   s.torque_ripple = ripple(torques, s.torque, torque);
-  // Nothing was felt before the first tick: what is missing until the engagement is constant is the
-  // delay.
+  // The force starts at zero: the impulse missing until the engagement is constant gives the delay.
   double area = 0;
   for (int i = lead; i < lead + ticks; ++i) area += areas[std::size_t(i)] / ticks;
   for (int i = 0; i < lead; ++i) s.delay_mm += step_mm * (1 - areas[std::size_t(i)] / area);
   return s;
 }
 
-/// Greatest relative difference of the mean forces of several measurements from their first.
+/// Returns the greatest relative difference between the mean forces and the first of them.
 double spread(const std::vector<Vec3>& forces) {
   double worst = 0;
   for (const Vec3& f : forces) {

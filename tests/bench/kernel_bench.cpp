@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The standard job on one core: moves per second with force and torque, sub-motions, removed
-// volume; beside it a bare loop that shows what one core can do on the three-axis job; and ticks of
-// a hand at 1 kHz. Usage: kernel_bench [pitch_mm=0.1] [tolerance_mm=0.001]
+// Measures the standard job on one core: moves per second including force and torque, sub-motions,
+// removed volume; a bare height-map loop on the three-axis job as an upper bound; and samples of
+// one operator at 1 kHz. Usage: kernel_bench [pitch_mm=0.1] [tolerance_mm=0.001]
 // [shape=ball|flat|taper|cone_end]
 
 #include <time.h>
@@ -19,7 +19,7 @@ namespace {
 
 using namespace kerf;
 
-/// Time that this thread has had of a core: what other programs take does not count.
+/// Returns the CPU time of this thread, s.
 double cpu_seconds() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -78,7 +78,7 @@ double run_bare_loop(double pitch_mm) {
   return rate;
 }
 
-/// A hand at 1 kHz: 0.1 mm and 0.25 degrees a tick through fresh material.
+/// Cuts fresh material at 1 kHz with 0.1 mm and 0.25 degrees per tick.
 void run_hand(double pitch_mm, double tolerance_mm) {
   constexpr double kTiltRad = 0.26, kDegree = 0.017453292519943295;
   auto sculpture = *Sculpture::create(test::standard_settings(pitch_mm, tolerance_mm));
@@ -102,8 +102,9 @@ void run_hand(double pitch_mm, double tolerance_mm) {
   for (const double us : tick_us) sum += us;
   std::ranges::sort(tick_us);
   std::printf(
-      "hand at 1 kHz, 0.1 mm and 0.25 degrees a tick: p50 %.1f us, p99 %.1f us, mean %.1f us: %.0f "
-      "sculptors a core\n",
+      "operator at 1 kHz, 0.1 mm and 0.25 degrees per tick: p50 %.1f us, p99 %.1f us, mean %.1f "
+      "us: "
+      "%.0f operators per core\n",
       tick_us[tick_us.size() / 2], tick_us[tick_us.size() * 99 / 100], sum / double(tick_us.size()),
       1000 / (sum / double(tick_us.size())));
 }

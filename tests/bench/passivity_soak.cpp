@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The promise of the agent's passivity layer, asked of many random adversarial traces of two
-// seconds:
+// Checks the bound of the agent's passivity layer with random adversarial traces of two seconds:
 //
 //   passivity_soak [TRACES]        default 100000
 //
-// Prints the most energy that any interval of any trace gave to the hand, against the tank, and
-// what the same traces give where a deficit is forgiven. Fails if the tank does not hold.
+// Prints the greatest energy delivered to the user over any interval of any trace, compared with
+// the tank, and the result of the same traces if deficits are forgiven. Fails if the tank is
+// exceeded.
 #include <cstdio>
 #include <cstdlib>
 

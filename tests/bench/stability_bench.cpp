@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The agent at a distance: the real session and block, traffic, codec and servo in virtual time, a
-// line between them that delays, jitters, loses (and sends again, in order, as TCP does) and stands
-// still.
+// Measures the agent over a slow network: the real session, block, traffic, codec and servo in
+// virtual time, connected by a simulated line with delay, jitter, loss (retransmitted in order, as
+// by TCP) and outages.
 //
 //   stability_bench [--fast]
 //
-// First table: a light hand (0.1 kg, 20 N/m) swings through stock whose cut is a damper of so many
-// N s/m; for each line and mode, the largest of the dampings tried up to which all were stable, and
-// the greatest speed and returned energy among them all. Second table: rms error of the shown force
-// along a recorded path, against the server's force at no delay.
+// First table: a light simulated hand (0.1 kg, 20 N/m) swings through stock that acts as a damper;
+// for each line and mode, the largest damping (N s/m) up to which all runs were stable, and the
+// greatest speed and returned energy of all runs. Second table: rms error of the output force along
+// a recorded path, relative to the server's force without delay.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -19,15 +19,15 @@ namespace {
 
 using namespace kerf::agent;
 
-/// What is compared: the model with a copy of the block near the tool, the model of the server's
-/// answers alone, the paper's, and the newest wrench.
+/// The compared schemes: local model with a replica of the block near the tool, local model from
+/// server results alone, the paper's interpolation, and the newest wrench.
 struct Scheme {
   const char* name;
   ForceMode mode;
   bool copy;
 };
 constexpr Scheme kSchemes[] = {{"model", ForceMode::kModel, true},
-                               {"answers only", ForceMode::kModel, false},
+                               {"results only", ForceMode::kModel, false},
                                {"interpolated", ForceMode::kInterpolated, false},
                                {"hold", ForceMode::kHold, false}};
 constexpr double kRttMs[] = {0, 1, 5, 10, 25, 50, 100, 250};
@@ -58,7 +58,7 @@ bool stability_table(bool fast) {
   bool model_is_stable = true;
   std::printf("%-8s %-7s %-12s", "RTT ms", "jitter", "loss");
   for (const Scheme& scheme : kSchemes) std::printf(" | %-25s", scheme.name);
-  std::printf("\n%-29s | %s\n", "", "stable to N s/m, most mm/s, most mJ returned");
+  std::printf("\n%-29s | %s\n", "", "stable to N s/m, max mm/s, max mJ returned");
   for (const double rtt : kRttMs) {
     for (const double jitter : {0.0, 0.2}) {
       for (const double loss : {0.0, 0.01, 0.05, -1.0}) {
@@ -99,7 +99,7 @@ void error_table(const char* title, const Recording& recording) {
 void error_tables(bool fast) {
   const Recording alone = record_carving(fast ? 5 : 12);
   error_table("rms force error, %", alone);
-  error_table("rms force error, %, another carves 0.2 s ahead", beside_another(alone, 0.2));
+  error_table("rms force error, %, another user carves 0.2 s ahead", beside_another(alone, 0.2));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The standard job as an APT program on stdout; its scene is tests/formats/scenes/standard.json.
+// Prints the standard job as an APT program; its scene is tests/formats/scenes/standard.json.
 // Usage: standard_program 3|5 > job.apt
 
 #include <cstdio>

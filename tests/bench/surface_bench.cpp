@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast the surface is made and encoded on one core, and how large it gets: the standard job's
-// block, before and after it is carved in three and in five axes. Times are CPU seconds of this
-// thread. `features` prints instead how far the mesh of random carvings is off, everywhere and away
-// from features below the pitch; `crossings` how many of its triangles cross each other.
-// Usage: surface_bench [pitch_mm=0.25]; surface_bench features; surface_bench crossings
+// Measures the speed of meshing and encoding on one core and the size of the result: the block of
+// the standard job, untouched, carved in three axes and in five. Times are CPU seconds of this
+// thread. `features` prints the mesh error of random carvings, everywhere and away from features
+// below the pitch; `crossings` prints the number of triangles that cross each other. Usage:
+// surface_bench [pitch_mm=0.25]; surface_bench features; surface_bench crossings
 
 #include <cstdio>
 #include <cstdlib>
@@ -27,8 +27,8 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Vertical distance of corners and centroids from the exact three-axis surface, away from the ends
-/// of the rows.
+/// Prints the vertical distance of corners and centroids from the exact three-axis surface, away
+/// from the ends of the rows.
 void measure_error(const std::vector<TileMesh>& meshes, double pitch_mm) {
   double worst = 0, sum = 0;
   std::size_t count = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the accuracy that "target_mm" chooses meets the target, and what the cheapest that does
-// would have cost. Programs are made up here; each is carved as chosen and with coarser and looser
-// settings around that, and measured against the true solid (server/carve/true_solid.h).
-// `laws` prints what the laws of server/formats/accuracy_choice.cpp are taken from.
+// Checks that the accuracy chosen for "target_mm" meets the target, and compares its cost with the
+// cheapest settings that do. Each generated program is carved with the chosen settings and with
+// coarser ones, and measured against the true solid (server/carve/true_solid.h). `laws` prints the
+// data to which the laws of server/formats/accuracy_choice.cpp are fitted.
 // Usage: target_bench [samples=30000]; target_bench laws [samples]
 
 #include <array>
@@ -24,10 +24,10 @@ namespace {
 
 using namespace kerf;
 
-// The truth's arcs are made of chords this near to them, mm.
+// Chord tolerance of the arcs in the true solid, mm.
 constexpr double kTrueChordMm = 1e-4;
-// Where the rays of one pitch happen to lie decides over a third of the greatest error. A
-// configuration meets a target if it does for each of these placements (parts of a pitch).
+// The position of the rays changes the greatest error by up to a third. A configuration meets a
+// target if it does so for each of these offsets (fractions of a pitch).
 constexpr std::array kPlacements{Vec3{0, 0, 0}, Vec3{0.31, 0.57, 0.43}, Vec3{0.72, 0.19, 0.81}};
 
 struct Job {
@@ -45,8 +45,8 @@ std::string line(const char* word, Vec3 p, Vec3 axis, bool turns) {
   return result + "\n";
 }
 
-// Slots in all directions, down to 12 mm deep, plunged into and left again; `turns`: the axis leans
-// by up to 35 degrees and turns on the way.
+// Slots in all directions, up to 12 mm deep, with plunge and retract; `turns`: the axis leans by up
+// to 35 degrees and turns along the slot.
 std::string slots(bool turns, unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&](double a, double b) {
@@ -59,10 +59,11 @@ std::string slots(bool turns, unsigned seed) {
   };
   std::string text = "T1 M6\nF1000\n";
   for (int k = 0; k < 40; ++k) {
-    const double way = uniform(5, 25), around = uniform(0, 2 * std::numbers::pi);
+    const double length_mm = uniform(5, 25), around = uniform(0, 2 * std::numbers::pi);
     const Vec3 above{uniform(20, 80), uniform(20, 80), 60};
     const Vec3 from{above.x, above.y, uniform(38, 48)};
-    const Vec3 to = from + Vec3{way * std::cos(around), way * std::sin(around), uniform(-2, 2)};
+    const Vec3 to =
+        from + Vec3{length_mm * std::cos(around), length_mm * std::sin(around), uniform(-2, 2)};
     const Vec3 first = turns ? lean() : Vec3{0, 0, 1}, last = turns ? lean() : Vec3{0, 0, 1};
     text += line("G0", above, first, turns) + line("G1", from, first, turns);
     text += line("G1", to, last, turns) + line("G1", {to.x, to.y, 60}, last, turns);
@@ -112,8 +113,8 @@ class Bench {
     truth_.emplace(scene_.settings.stock, scene_.tools, program.motions, 6);
   }
 
-  // Carves with what a user would get: arcs at the same tolerance. Time is of the whole program,
-  // for looser arcs have fewer motions; the error is the greatest over all placements.
+  // Carves as for a user, with arcs at the same tolerance. The time is that of the whole program,
+  // because looser arcs have fewer motions; the error is the greatest over all offsets.
   Measured measure(const Accuracy& a, double enough_mm = 1e300) {
     scene_.settings.rays = a.rays;
     scene_.settings.pitch_mm = a.pitch_mm;
@@ -159,7 +160,7 @@ void search(Bench& bench, const AccuracyChoice& choice, bool turns) {
                        chosen.motion};
       const Measured m = bench.measure(a, target);
       ++tried;
-      // Far beyond the target nothing coarser will do.
+      // Coarser settings cannot meet a target missed by this much.
       if (m.error_mm > 1.7 * target) break;
       if (m.error_mm > target || m.us >= best.us) continue;
       best = m;
@@ -192,7 +193,7 @@ std::vector<Job> jobs() {
           {"raster, 5-axis, ball 10 mm", standard, "tool-vector", raster(true)}};
 }
 
-// Greatest error over all placements, in pitches, at a tolerance that does not matter.
+// Greatest error over all offsets, in pitches, at a negligible tolerance.
 void print_error_law(std::size_t samples) {
   std::printf("greatest surface error / pitch                  pitch 0.6     0.3    0.15\n");
   for (const Job& job : jobs()) {
@@ -255,7 +256,7 @@ int main(int argc, char** argv) {
   for (const Job& job : jobs()) {
     std::printf("%s\n", job.name.c_str());
     const bool turns = job.program.find('K') != std::string::npos;
-    // Distances along turning motions take longer to find.
+    // Distances to turning motions take longer to compute.
     Bench bench(job, turns ? samples / 4 : samples);
     for (const char* target : {"0.4", "0.15", "0.06"}) {
       if (turns && std::string(target) == "0.06") continue;

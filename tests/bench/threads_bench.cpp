@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What threads gain: long blocks of an NC program, and short ones, that one thread and several
-// carve. The numbers of threads take turns, motion by motion, on blocks of their own, so that what
-// else the machine does meets all of them; the least time of each motion over all turns counts. All
-// must come to the same bytes. Usage: threads_bench [threads=cores] [turns=7] [pitch_mm=0.1]
-// [part of a job's name]
+// Measures the speed-up by several threads on long and short blocks of NC programs. The thread
+// counts are interleaved motion by motion on separate stocks, so that other load affects all of
+// them alike; the least time of each motion over all rounds counts. All results must be
+// byte-identical. Usage: threads_bench [threads=cores] [turns=7] [pitch_mm=0.1] [part of a job's
+// name]
 
 #include <algorithm>
 #include <chrono>
@@ -32,8 +32,8 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// A raster of long blocks, rows `step_mm` apart, 5 mm deep; odd rows lean the other way, so that
-/// the axis turns by twice `lean_rad` along each block.
+/// Returns a raster of long blocks, rows `step_mm` apart, 5 mm deep; odd rows lean to the opposite
+/// side, so that the axis turns by twice `lean_rad` along each block.
 std::vector<ToolPose> raster(int rows, double step_mm, double lean_rad, double aside) {
   std::vector<ToolPose> path;
   for (int row = 0; row < rows; ++row) {
@@ -47,7 +47,7 @@ std::vector<ToolPose> raster(int rows, double step_mm, double lean_rad, double a
   return path;
 }
 
-/// Least seconds of each motion over the turns, for each number of threads.
+/// Returns the least seconds of each motion over the rounds, for each thread count.
 void compare(const Job& job, double pitch_mm, int threads, int turns) {
   std::vector<int> counts;
   for (int n = 1; n < threads; n *= 2) counts.push_back(n);

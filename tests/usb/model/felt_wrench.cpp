@@ -5,7 +5,6 @@ namespace kerf::usb_test {
 
 namespace {
 
-
 /// The force f at the arm's end that these torques hold: each torque is f's part along the way that
 /// its joint moves the end.
 Vec3 end_force(const agent::ArmShape& arm, const agent::ArmAngles& q, const double* torques_nmm) {
@@ -26,7 +25,7 @@ Vec3 end_force(const agent::ArmShape& arm, const agent::ArmAngles& q, const doub
 }  // namespace
 
 Wrench felt_wrench(const agent::PenShape& pen, const agent::PenAngles& q,
-                          const std::array<double, 6>& motors_nmm) {
+                   const std::array<double, 6>& motors_nmm) {
   const Vec3 front_n = end_force(pen.front, q.front, motors_nmm.data());
   const Vec3 rear_n = end_force(pen.rear, q.rear, motors_nmm.data() + 3);
   const Vec3 along = arm_point(pen.rear, q.rear) - arm_point(pen.front, q.front);

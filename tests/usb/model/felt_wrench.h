@@ -11,6 +11,6 @@ namespace kerf::usb_test {
 /// arm's force from its torques, by finite differences of where the arm ends. The driver's way back
 /// to front, and none of its code but the arm's position.
 Wrench felt_wrench(const agent::PenShape& pen, const agent::PenAngles& q,
-                          const std::array<double, 6>& motors_nmm);
+                   const std::array<double, 6>& motors_nmm);
 
 }  // namespace kerf::usb_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/arch/rooms.h"
+#include "tests/arch/modules.h"
 
 #include <algorithm>
 #include <map>
@@ -27,8 +27,8 @@ bool has_word(std::string_view text, std::string_view word) {
   return false;
 }
 
-// Is this file named by the CMakeLists.txt of its folder or of one above it, relative to that
-// folder?
+// Returns true if the CMakeLists.txt of the file's folder, or of one above it, names the file
+// relative to that folder.
 bool is_built(const Texts& texts, std::string_view path) {
   for (std::string_view folder = folder_of(path);; folder = folder_of(folder)) {
     const std::string list = std::string(folder) + (folder.empty() ? "" : "/") + "CMakeLists.txt";
@@ -46,30 +46,30 @@ bool is_described(const Texts& texts, std::string_view folder) {
   return false;
 }
 
-// The room of a header: the first two folders of its path, or the first one.
-std::string room_of(std::string_view path) {
+// Returns the module of a header: the first two folders of its path, or the first one.
+std::string module_of(std::string_view path) {
   const std::size_t first = path.find('/'), second = path.find('/', first + 1);
   return std::string(path.substr(0, second == path.npos ? first : second));
 }
 
 void check_tests(const std::vector<Source>& tree, std::vector<Violation>& violations) {
-  std::set<std::string> rooms, tested;
+  std::set<std::string> modules, tested;
   for (const Source& source : tree) {
     const bool test = source.path.starts_with("tests/");
-    if (!test && is_header(source.path)) rooms.insert(room_of(source.path));
+    if (!test && is_header(source.path)) modules.insert(module_of(source.path));
     if (!test || !is_cpp(source.path)) continue;
     for (std::string_view line : lines_of(source.text)) {
       if (!line.starts_with("#include \"")) continue;
-      tested.insert(room_of(line.substr(10, line.find('"', 10) - 10)));
+      tested.insert(module_of(line.substr(10, line.find('"', 10) - 10)));
     }
   }
-  for (const std::string& room : rooms) {
-    if (!tested.contains(room))
-      violations.push_back({room, 0, "no test includes any of its headers"});
+  for (const std::string& module : modules) {
+    if (!tested.contains(module))
+      violations.push_back({module, 0, "no test includes any of its headers"});
   }
 }
 
-// Links from one README to another are relative to the folder that they stand in.
+// A link from one README to another is relative to the folder of the README that contains it.
 void check_links(const Texts& texts, std::vector<Violation>& violations) {
   static const std::regex kLink(R"(\]\(([A-Za-z_][A-Za-z0-9_/.-]*\.md)\))");
   for (const auto& [path, text] : texts) {
@@ -86,7 +86,7 @@ void check_links(const Texts& texts, std::vector<Violation>& violations) {
 
 }  // namespace
 
-std::vector<Violation> check_rooms(const std::vector<Source>& tree) {
+std::vector<Violation> check_modules(const std::vector<Source>& tree) {
   static const std::set<std::string_view> kTop = {"server", "kernel", "haptic_agent", "web",
                                                   "tests",  "docker", ".ci"};
   Texts texts;
@@ -101,13 +101,13 @@ std::vector<Violation> check_rooms(const std::vector<Source>& tree) {
     const std::string_view top = std::string_view(source.path).substr(0, source.path.find('/'));
     if (source.path.find('/') != source.path.npos && !kTop.contains(top)) {
       violations.push_back(
-          {source.path, 0, "the top level is fixed; this folder is not part of it"});
+          {source.path, 0, "the top level is fixed and does not include this folder"});
     }
   }
   for (std::string_view folder : folders) {
     if (!is_described(texts, folder)) {
       violations.push_back(
-          {std::string(folder), 0, "no README.md here or above says what lives here"});
+          {std::string(folder), 0, "no README.md in this folder or above it describes it"});
     }
   }
   check_links(texts, violations);

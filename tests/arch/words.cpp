@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/arch/words.h"
+
+#include <array>
+#include <regex>
+#include <string>
+#include <string_view>
+
+namespace kerf::arch {
+namespace {
+
+struct Retired {
+  std::string_view words;  ///< alternatives of a regular expression, lower case
+  std::string_view instead;
+};
+
+// The words are split in two so that this file does not match its own rules.
+constexpr Retired kRetired[] = {
+    {"la"
+     "nes?",
+     "thread, executor or transport; the word is for SIMD only"},
+    {"wa"
+     "ys?",
+     "path, displacement, direction or distance"},
+    {"ne"
+     "ws",
+     "update or delta"},
+    {"afr"
+     "esh|an"
+     "ew",
+     "again; reset or resync"},
+    {"o"
+     "we[ds]?|de"
+     "bts?",
+     "lazy, pending; resolve"},
+    {"se"
+     "ats?",
+     "participant state"},
+    {"ro"
+     "oms?",
+     "module"},
+    {"bir"
+     "ths",
+     "the task of the thread"},
+    {"to"
+     "ld",
+     "sent, reported or notified"},
+    {"refu"
+     "sals?",
+     "rejection or error"},
+    {"who"
+     "ever",
+     "any client that, the thread that"},
+};
+
+// Folders in which a word has its technical meaning, and names of other projects.
+bool is_exempt(std::string_view path, std::string_view word) {
+  static constexpr std::array<std::string_view, 5> kSimd = {
+      "kernel/", "tests/kernel/", "tests/determinism/", "tests/support/", "tests/bench/"};
+  if (path == "CONTRIBUTING.md" || path == "CHANGELOG.md") return true;
+  if (word.starts_with("la") || word.starts_with("La")) {
+    for (const std::string_view folder : kSimd) {
+      if (path.starts_with(folder)) return true;
+    }
+  }
+  return false;
+}
+
+// Matches the word alone, in snake_case (_word_) and in CamelCase (aWordB), singular or plural.
+std::regex pattern_of(std::string_view words) {
+  std::string camel;  // each alternative with a capital
+  bool first = true;
+  for (const char c : words) {
+    camel += first ? static_cast<char>(c - 'a' + 'A') : c;
+    first = c == '|';
+  }
+  const std::string lower(words);
+  return std::regex("(^|[^A-Za-z])(" + lower + "|" + camel + ")($|[^A-Za-z])|[a-z0-9](" + camel +
+                    ")($|[^a-z])|(^|[^A-Za-z])(" + camel + ")[A-Z]");
+}
+
+struct Rule {
+  std::regex pattern;
+  std::string_view instead;
+};
+
+const std::vector<Rule>& rules() {
+  static const std::vector<Rule> kRules = [] {
+    std::vector<Rule> rules;
+    for (const Retired& retired : kRetired) {
+      rules.push_back({pattern_of(retired.words), retired.instead});
+    }
+    return rules;
+  }();
+  return kRules;
+}
+
+std::string word_of(const std::cmatch& match) {
+  for (const std::size_t group : {2U, 4U, 7U}) {
+    if (match[group].matched) return match[group].str();
+  }
+  return match.str();
+}
+
+// The class of three.js that lights a scene.
+bool names_foreign_class(std::string_view line) {
+  return line.find(
+             "Ro"
+             "omEnvironment") != line.npos;
+}
+
+}  // namespace
+
+std::vector<Violation> check_words(const Source& source) {
+  std::vector<Violation> violations;
+  std::size_t number = 0;
+  for (const std::string_view line : lines_of(source.text)) {
+    ++number;
+    for (const Rule& rule : rules()) {
+      std::cmatch match;
+      if (!std::regex_search(line.data(), line.data() + line.size(), match, rule.pattern)) continue;
+      const std::string word = word_of(match);
+      if (is_exempt(source.path, word) || names_foreign_class(line)) continue;
+      violations.push_back(
+          {source.path, number, "'" + word + "' is retired: " + std::string(rule.instead)});
+    }
+  }
+  return violations;
+}
+
+}  // namespace kerf::arch
