@@ -11,7 +11,8 @@ namespace {
 constexpr int kLaps = 6;
 constexpr int kPetals = 5;
 constexpr int kPointsPerLap = 720;
-/// Successive laps and variants turned by it never fall on each other.
+/// Rotation between successive laps and variants; an irrational fraction of a turn, so that none
+/// coincide.
 const double kGoldenAngleRad = std::numbers::pi * (3.0 - std::sqrt(5.0));
 constexpr double kReach = 0.4;
 constexpr double kDepthShare = 0.04;
@@ -21,7 +22,7 @@ constexpr double kSlowestMmPerS = 5.0;
 constexpr double kFastestMmPerS = 60.0;
 
 struct Figure {
-  Vec3 middle_mm;  // of the top
+  Vec3 middle_mm;  // center of the top
   double reach_mm = 0;
   double depth_mm = 0;
 };

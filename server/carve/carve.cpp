@@ -24,7 +24,7 @@
 #include "server/formats/program_writer.h"
 #include "server/formats/scene.h"
 #include "server/formats/text_file.h"
-#include "server/workers/thread_pool.h"
+#include "server/threads/thread_pool.h"
 
 namespace kerf {
 namespace {

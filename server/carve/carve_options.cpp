@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "server/workers/thread_pool.h"
+#include "server/threads/thread_pool.h"
 
 namespace kerf {
 namespace {

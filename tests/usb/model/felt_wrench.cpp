@@ -5,21 +5,21 @@ namespace kerf::usb_test {
 
 namespace {
 
-/// The force f at the arm's end that these torques hold: each torque is f's part along the way that
-/// its joint moves the end.
+/// Returns the force f at the arm's end that these torques balance: each torque is the component of
+/// f along the end's displacement per joint angle.
 Vec3 end_force(const agent::ArmShape& arm, const agent::ArmAngles& q, const double* torques_nmm) {
   constexpr double kTurn = 1e-6;
-  std::array<Vec3, 3> way{};
+  std::array<Vec3, 3> travel{};
   for (std::size_t i = 0; i < 3; ++i) {
     agent::ArmAngles ahead = q, behind = q;
     ahead[i] += kTurn;
     behind[i] -= kTurn;
-    way[i] = (arm_point(arm, ahead) - arm_point(arm, behind)) * (0.5 / kTurn);
+    travel[i] = (arm_point(arm, ahead) - arm_point(arm, behind)) * (0.5 / kTurn);
   }
-  const Vec3 force = cross(way[1], way[2]) * torques_nmm[0] +
-                     cross(way[2], way[0]) * torques_nmm[1] +
-                     cross(way[0], way[1]) * torques_nmm[2];
-  return force * (1.0 / dot(way[0], cross(way[1], way[2])));
+  const Vec3 force = cross(travel[1], travel[2]) * torques_nmm[0] +
+                     cross(travel[2], travel[0]) * torques_nmm[1] +
+                     cross(travel[0], travel[1]) * torques_nmm[2];
+  return force * (1.0 / dot(travel[0], cross(travel[1], travel[2])));
 }
 
 }  // namespace
