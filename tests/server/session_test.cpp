@@ -85,7 +85,7 @@ TEST_F(SessionTest, AppliesMotionsAndJournalsThem) {
     moves += std::holds_alternative<MoveTool>((*record)->command) ? 1 : 0;
   }
   EXPECT_EQ(moves, 200);
-  EXPECT_EQ(reader->people().at(0).name, "Ada");
+  EXPECT_EQ(reader->participants().at(0).name, "Ada");
 }
 
 TEST_F(SessionTest, ReplayGivesTheSameHash) {
