@@ -57,7 +57,9 @@ TEST(ContactPlane, AnObstacleIsReportedWithinReach) {
   const Sculpture s = block_and_ball();
   const auto gap_at = [&s](double x) {
     double gap = std::numeric_limits<double>::infinity();
-    for (const ContactPlane& p : s.contact(1, {{x, 0, -60}, kUp}, true)) gap = -p.depth_mm;
+    for (const ContactPlane& p : s.contact(1, {{x, 0, -60}, kUp}, true)) {
+      if (!p.stock) gap = -p.depth_mm;
+    }
     return gap;
   };
   EXPECT_NEAR(gap_at(-12 + 6 + 5 + 3), 3, 1e-6);  // The shank's axis is 3 + 5 mm from the ball.
