@@ -30,7 +30,7 @@
 namespace {
 
 using namespace kerf::usb_test;
-using kerf::agent::Vec3;
+using kerf::Vec3;
 namespace ref = kerf::agent::reference;
 
 constexpr int kAboveAllOfTheAgent = 95;
