@@ -21,7 +21,7 @@ std::expected<ToolPose, Rejection> to_pose(const wire::MotionSample& sample) {
   if (!is_finite(pose.axis)) return reject("the axis must be finite");
   for (const double coordinate : {pose.tip_mm.x, pose.tip_mm.y, pose.tip_mm.z}) {
     if (std::abs(coordinate) > kCoordinateMaxMm)
-      return reject("tip coordinates must be within ±1e6 mm");
+      return reject("tip coordinates must be between -1e6 and 1e6 mm");
   }
   if (std::abs(length(pose.axis) - 1) > wire::kAxisLengthTolerance) {
     return reject("the axis must have unit length");
