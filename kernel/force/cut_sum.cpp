@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
 #include "kernel/force/surface_weight.h"
-#include "kernel/math/lanes.h"
+#include "kernel/math/int_lanes.h"
 
 namespace kerf {
 namespace {
@@ -43,17 +42,9 @@ struct TipInGrid {
   double i, j, k, pitch_mm, quantum_mm;
 };
 
-KERF_INLINE Lanes to_lanes(const std::int32_t* depths) {
-  typedef std::int32_t HalfDepths __attribute__((vector_size(16)));
-  HalfDepths first, last;
-  std::memcpy(&first, depths, sizeof first);
-  std::memcpy(&last, depths + 4, sizeof last);
-  return {__builtin_convertvector(first, HalfLanes), __builtin_convertvector(last, HalfLanes)};
-}
-
 KERF_INLINE GroupSegments placed(const RemovedGroup& g, const TipInGrid& tip) {
-  const Lanes beside = Lanes(HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}) * tip.pitch_mm;
-  const Lanes bottom = to_lanes(g.bottom), top = to_lanes(g.top);
+  const Lanes beside = lane_numbers() * tip.pitch_mm;
+  const Lanes bottom = to_lanes(load_ints(g.bottom)), top = to_lanes(load_ints(g.top));
   GroupSegments out;
   out.middle.x = (g.i - tip.i) * tip.pitch_mm + beside;
   out.middle.y = (g.j - tip.j) * tip.pitch_mm;

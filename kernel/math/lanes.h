@@ -4,11 +4,9 @@
 #include <cmath>
 #include <cstdint>
 
-namespace kerf {
+#include "kernel/math/targets.h"
 
-// What computes with lanes becomes one function with its caller: how a vector would be passed
-// depends on the instruction set.
-#define KERF_INLINE inline __attribute__((always_inline))
+namespace kerf {
 
 /// Eight numbers that are computed with at once: the columns of a group. Operators work lane by
 /// lane and round exactly as plain doubles do, so every instruction set gives the same bits. Two
@@ -78,6 +76,9 @@ KERF_INLINE Lanes lesser(Lanes x, Lanes y) { return select(x < y, x, y); }
 KERF_INLINE Lanes greater(Lanes x, Lanes y) { return select(x > y, x, y); }
 KERF_INLINE Lanes magnitude(Lanes x) { return select(x < 0.0, -x, x); }
 
+/// 0, 1, … 7.
+KERF_INLINE Lanes lane_numbers() { return {HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}}; }
+
 KERF_INLINE LaneMask every_lane() { return Lanes() == Lanes(); }
 KERF_INLINE bool any(LaneMask m) {
   const HalfMask either = m.a | m.b;
@@ -90,41 +91,5 @@ KERF_INLINE unsigned bits(LaneMask m) {
   const HalfMask weighted = (m.a & HalfMask{1, 2, 4, 8}) | (m.b & HalfMask{16, 32, 64, 128});
   return static_cast<unsigned>(weighted[0] | weighted[1] | weighted[2] | weighted[3]);
 }
-
-// KERF_FOR_EACH_TARGET(Result, name, (parameters), (arguments)) defines the function `name` for
-// three instruction sets, of which the loader picks the best that the CPU has; all of them are the
-// inline function name_in_lanes. With contraction off they give equal bits; to show it, a build may
-// ask for one of them (CMake's KERF_VECTOR). GCC's target_clones will not do: it takes vectors
-// apart before it clones. Clang and sanitizers get plain code. KERF_VECTOR_CLONES is for functions
-// of plain loops.
-#define KERF_FOR_TARGET(attribute, Result, name, parameters, arguments) \
-  attribute Result name parameters { return name##_in_lanes arguments; }
-#define KERF_TARGET_AVX2 __attribute__((target("arch=x86-64-v3")))
-#define KERF_TARGET_AVX512 __attribute__((target("arch=x86-64-v4")))
-#if !defined(__x86_64__) || defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || \
-    defined(KERF_VECTOR_NONE)
-#define KERF_VECTOR_CLONES
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(, Result, name, parameters, arguments)
-#elif defined(KERF_VECTOR_AVX2)
-#define KERF_VECTOR_CLONES KERF_TARGET_AVX2
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(KERF_TARGET_AVX2, Result, name, parameters, arguments)
-#elif defined(KERF_VECTOR_AVX512)
-#define KERF_VECTOR_CLONES KERF_TARGET_AVX512
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(KERF_TARGET_AVX512, Result, name, parameters, arguments)
-#elif defined(__clang__)
-#define KERF_VECTOR_CLONES
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(, Result, name, parameters, arguments)
-#else
-#define KERF_VECTOR_CLONES \
-  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments)                          \
-  KERF_FOR_TARGET(__attribute__((target("default"))), Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(KERF_TARGET_AVX2, Result, name, parameters, arguments)                   \
-  KERF_FOR_TARGET(KERF_TARGET_AVX512, Result, name, parameters, arguments)
-#endif
 
 }  // namespace kerf

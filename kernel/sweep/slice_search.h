@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "kernel/math/span.h"
 #include "kernel/sweep/slice_meeting.h"
 
 namespace kerf {
