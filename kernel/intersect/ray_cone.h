@@ -5,6 +5,7 @@
 #include "kernel/math/span.h"
 #include "kernel/math/tolerance.h"
 #include "kernel/math/vec3.h"
+#include "kernel/piece/frustum.h"
 
 namespace kerf {
 
@@ -17,14 +18,14 @@ struct RayCone {
   Vec3 base, axis;
   double height, r0, slope, r0_sq, r1_sq, a, inverse_uz;
 
-  RayCone(Vec3 base_mm, Vec3 unit_axis, double height_mm, double r0_mm, double r1_mm)
-      : base(base_mm),
+  RayCone(const FrustumPiece& p, Vec3 tip_mm, Vec3 unit_axis)
+      : base(tip_mm + unit_axis * p.z0_mm),
         axis(unit_axis),
-        height(height_mm),
-        r0(r0_mm),
-        slope((r1_mm - r0_mm) / height_mm),
-        r0_sq(r0_mm * r0_mm),
-        r1_sq(r1_mm * r1_mm),
+        height(p.z1_mm - p.z0_mm),
+        r0(p.r0_mm),
+        slope(kerf::slope(p)),
+        r0_sq(p.r0_mm * p.r0_mm),
+        r1_sq(p.r1_mm * p.r1_mm),
         a(axis.x * axis.x + axis.y * axis.y - slope * slope * axis.z * axis.z),
         inverse_uz(1 / axis.z) {}
 

@@ -72,6 +72,8 @@ KERF_INLINE Lanes select(LaneMask condition, Lanes yes, Lanes no) {
 }
 
 /// Lesser and greater; the second where either is not a number.
+KERF_INLINE double lesser(double x, double y) { return x < y ? x : y; }
+KERF_INLINE double greater(double x, double y) { return x > y ? x : y; }
 KERF_INLINE Lanes lesser(Lanes x, Lanes y) { return select(x < y, x, y); }
 KERF_INLINE Lanes greater(Lanes x, Lanes y) { return select(x > y, x, y); }
 KERF_INLINE Lanes magnitude(Lanes x) { return select(x < 0.0, -x, x); }

@@ -5,15 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/piece/bounds.h"
+
 namespace kerf {
 namespace {
 
 using Surfaces = FrustumTranslation::Surfaces;
 using Rectangles = FrustumTranslation::Rectangles;
-
-RayCone at_pose(const FrustumPiece& p, const ToolPose& pose) {
-  return {pose.tip_mm + pose.axis * p.z0_mm, pose.axis, p.z1_mm - p.z0_mm, p.r0_mm, p.r1_mm};
-}
 
 /// The two generators of the side along which n·V = 0 (paper Eqs. 1–8, with cosines instead of
 /// angles): radial directions e with (e − k u)·d = 0. None where the whole side is lit or dark, |k
@@ -36,7 +34,7 @@ CuttingProfile cutting_profile(Vec3 u, double slope, Vec3 d) {
 }
 
 Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to) {
-  const RayCone start = at_pose(piece, from);
+  const RayCone start(piece, from.tip_mm, from.axis);
   const Vec3 d = to.tip_mm - from.tip_mm;
   const CuttingProfile profile = cutting_profile(start.axis, start.slope, d);
   const auto side = [&](Vec3 e) {
@@ -46,7 +44,7 @@ Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const To
                             (start.axis + e * start.slope) * start.height, d);
   };
   return {start,
-          at_pose(piece, to),
+          RayCone(piece, to.tip_mm, to.axis),
           side(profile.radial[0]),
           side(profile.radial[1]),
           RayPipe(start.base, start.axis, piece.r0_mm, d),
@@ -69,8 +67,8 @@ class RectangleMaker {
   }
   /// A disc with the unit normal u; a point where the radius is 0.
   void include(Vec3 center, Vec3 u, double radius) {
-    const double x = radius * std::sqrt(std::max(0.0, 1 - u.x * u.x)) + kRectangleMarginMm;
-    const double y = radius * std::sqrt(std::max(0.0, 1 - u.y * u.y)) + kRectangleMarginMm;
+    const double x = disc_half_width(radius, u.x) + kRectangleMarginMm;
+    const double y = disc_half_width(radius, u.y) + kRectangleMarginMm;
     r_.min_x.set(i_, std::min(r_.min_x[i_], center.x - x));
     r_.max_x.set(i_, std::max(r_.max_x[i_], center.x + x));
     r_.min_y.set(i_, std::min(r_.min_y[i_], center.y - y));
@@ -140,7 +138,7 @@ FrustumTranslation::FrustumTranslation(const FrustumPiece& p, const ToolPose& fr
                                        const ToolPose& to)
     : surfaces_(make_surfaces(p, from, to)),
       rectangles_(rectangles_of(surfaces_)),
-      shadow_({p.z0_mm, p.r0_mm, p.z1_mm, p.r1_mm}, {from, to}, kEdgeEpsilonMm) {}
+      shadow_(p, {from, to}, kEdgeEpsilonMm) {}
 
 void FrustumTranslation::evaluate(ColumnBlock& block) const {
   evaluate_surfaces(surfaces_, rectangles_, block);

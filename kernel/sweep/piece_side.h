@@ -6,7 +6,8 @@
 #include <limits>
 
 #include "kernel/math/vec3_lanes.h"
-#include "kernel/tool/tool.h"
+#include "kernel/piece/arc.h"
+#include "kernel/piece/frustum.h"
 
 namespace kerf {
 
@@ -24,23 +25,21 @@ struct SideSpan {
 /// A ≤ 0 (the ray is steeper than the generators): inside is beyond one of them, on the nappe that
 /// belongs to the tool.
 struct ConeSide {
-  double anchor, low, high, r0, slope;
-  double flank;      ///< cosine of the slope
+  double anchor, low, high;
+  FrustumSide side;
   double by_chord2;  ///< about how deep a ray is in the side, by the square of its chord
 
   explicit ConeSide(const FrustumPiece& p)
       : anchor(p.z0_mm),
         low(0),
         high(p.z1_mm - p.z0_mm),
-        r0(p.r0_mm),
-        slope((p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm)),
-        flank(1 / std::sqrt(1 + slope * slope)),
-        by_chord2(0.125 / std::max(p.r0_mm, p.r1_mm)) {}
+        side(p),
+        by_chord2(0.125 / extent(p).radius_mm) {}
 
   /// `along` = x u_x + y u_y.
   KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const double k1 = 1 + slope * slope;
+    const double r0 = side.r0_mm, slope = side.slope, k1 = 1 + slope * slope;
     const Lanes a = u.x * u.x + u.y * u.y - slope * slope * (u.z * u.z);
     const Lanes b = -(k1 * along + r0 * slope) * u.z;
     const Lanes c = x * x + y * y - k1 * along * along - 2 * r0 * slope * along - r0 * r0;
@@ -70,12 +69,12 @@ struct ConeSide {
   /// (r0 + k l), ρ the distance from the axis.
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes radial = p - u * l;
-    return radial - u * (slope * square_root(dot(radial, radial)));
+    return radial - u * (side.slope * square_root(dot(radial, radial)));
   }
   /// Distance of the point p from the side; below zero inside.
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes radial = p - u * l;
-    return (square_root(dot(radial, radial)) - (r0 + slope * l)) * flank;
+    return side.distance(square_root(dot(radial, radial)), l);
   }
 
  private:
@@ -86,7 +85,7 @@ struct ConeSide {
     const Lanes t0 = along * u.z / lean2;
     const Lanes l0 = along + u.z * t0;
     const Lanes rho2 = greater(x * x + y * y + t0 * t0 - l0 * l0, Lanes(0));
-    return t0 + slope * u.z * square_root(rho2 / (lean2 * a));
+    return t0 + side.slope * u.z * square_root(rho2 / (lean2 * a));
   }
 };
 
@@ -127,8 +126,7 @@ struct ArcSide {
   /// Distance of the point p from the side; below zero inside.
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes q = p - u * l;
-    const Lanes m = greater(square_root(dot(q, q)) - center_r, Lanes(0));
-    return square_root(m * m + l * l) - radius;
+    return circle_distance(center_r, radius, square_root(dot(q, q)), l).mm;
   }
 
  private:
@@ -162,16 +160,14 @@ struct ArcSide {
     for (int i = 0; i < kSteps && any(moving); ++i) {
       const Lanes l = along + uz * t;
       const Lanes rho = square_root(greater(p2 + t * t - l * l, Lanes(0)));
-      const Lanes m = greater(rho - center_r, Lanes(0));
-      const Lanes d = square_root(m * m + l * l);
-      const Lanes f = d - radius;
-      const Lanes across = select(rho > 0.0, m * (t - l * uz) / rho, Lanes(0));
-      const Lanes slope = (across + l * uz) / d;
-      const LaneMask outside = f > kFoundMm;
+      const CircleDistance<Lanes> d = circle_distance(center_r, radius, rho, l);
+      const Lanes across = select(rho > 0.0, d.across * (t - l * uz) / rho, Lanes(0));
+      const Lanes slope = (across + l * uz) / d.length;
+      const LaneMask outside = d.mm > kFoundMm;
       const LaneMask closing = select(from_below, slope, -slope) < 0.0;
       met &= ~(moving & outside & ~closing);
       moving &= outside & closing;
-      t = select(moving, t - f / slope, t);
+      t = select(moving, t - d.mm / slope, t);
     }
     return met;
   }

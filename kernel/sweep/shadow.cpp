@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/piece/bounds.h"
+
 namespace kerf {
 namespace {
 
@@ -22,9 +24,6 @@ KERF_INLINE Lanes directions_x() {
 KERF_INLINE Lanes directions_y() {
   return {HalfLanes{0, kCos3, kCos2, kCos1}, HalfLanes{1, kCos1, kCos2, kCos3}};
 }
-
-/// Half-width along a unit direction of a disc of radius r whose axis has the component c there.
-double half_width(double r, double c) { return r * std::sqrt(std::max(0.0, 1 - c * c)); }
 
 KERF_INLINE void extend_support_in_lanes(const Vec3& center, const Vec3& axis, double radius,
                                          Lanes& lo, Lanes& hi) {
@@ -60,21 +59,20 @@ KERF_FOR_EACH_TARGET(void, bound_discs,
 
 }  // namespace
 
-Shadow::Shadow(const Envelope& e, const std::vector<ToolPose>& poses, double margin_mm) {
+Shadow::Shadow(const FrustumPiece& e, const std::vector<ToolPose>& poses, double margin_mm) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   support_lo_ = Lanes(kInfinity);
   support_hi_ = Lanes(-kInfinity);
   bounds_ = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   const auto each_disc = [&](auto visit) {
     for (const ToolPose& pose : poses) {
-      visit(pose.tip_mm + pose.axis * e.lo_mm, pose.axis, e.r_lo_mm);
-      visit(pose.tip_mm + pose.axis * e.hi_mm, pose.axis, e.r_hi_mm);
+      visit(pose.tip_mm + pose.axis * e.z0_mm, pose.axis, e.r0_mm);
+      visit(pose.tip_mm + pose.axis * e.z1_mm, pose.axis, e.r1_mm);
     }
   };
   each_disc([&](Vec3 c, Vec3 u, double r) {
     extend_support(c, u, r, support_lo_, support_hi_);
-    const Vec3 h{half_width(r, u.x) + margin_mm, half_width(r, u.y) + margin_mm,
-                 half_width(r, u.z) + margin_mm};
+    const Vec3 h = disc_half_widths(r, u) + Vec3{margin_mm, margin_mm, margin_mm};
     bounds_.min_mm = {std::min(bounds_.min_mm.x, c.x - h.x), std::min(bounds_.min_mm.y, c.y - h.y),
                       std::min(bounds_.min_mm.z, c.z - h.z)};
     bounds_.max_mm = {std::max(bounds_.max_mm.x, c.x + h.x), std::max(bounds_.max_mm.y, c.y + h.y),

@@ -4,24 +4,19 @@
 #include <optional>
 #include <vector>
 
+#include "kernel/piece/frustum.h"
 #include "kernel/sweep/column_block.h"
 #include "kernel/sweep/trail.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {
 
-/// Heights lo < hi of a piece of revolution on the tool's axis, and the radius of a truncated cone
-/// around it there: what its sweep is bounded by.
-struct Envelope {
-  double lo_mm, r_lo_mm, hi_mm, r_hi_mm;
-};
-
 /// The outline on the XY plane of a piece that takes some poses, and from below a plane: they tell
 /// which parts of the stock the piece cannot change. Both allow for `margin_mm`, how far the piece
 /// may leave the hull of its poses in between.
 class Shadow {
  public:
-  Shadow(const Envelope& envelope, const std::vector<ToolPose>& poses, double margin_mm);
+  Shadow(const FrustumPiece& envelope, const std::vector<ToolPose>& poses, double margin_mm);
 
   /// The piece has been removed from the stock at its first pose.
   void leave(const Trail& trail) { trail_ = trail; }

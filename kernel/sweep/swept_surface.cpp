@@ -32,39 +32,14 @@ KERF_INLINE LaneMask lanes_of(unsigned bits) {
 
 }  // namespace
 
-SweptSurface::Piece SweptSurface::piece_of(const ToolPiece& piece) {
-  Piece p{};
-  if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    p.side = Side::kLine;
-    p.z0 = f->z0_mm;
-    p.z1 = f->z1_mm;
-    p.r0 = f->r0_mm;
-    p.slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
-    p.flank = 1 / std::sqrt(1 + p.slope * p.slope);
-  } else if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    p.side = Side::kBall;
-    p.center_z = ball->center_mm;
-    p.radius = ball->radius_mm;
-  } else {
-    const auto& arc = std::get<ArcPiece>(piece);
-    p.side = Side::kArc;
-    p.z0 = arc.z0_mm;
-    p.z1 = arc.z1_mm;
-    p.center_r = arc.center_r_mm;
-    p.center_z = arc.center_z_mm;
-    p.radius = arc.radius_mm;
-  }
-  return p;
-}
-
 SweptSurface::SweptSurface(const Tool& tool, const ToolMotion& motion)
     : frame_(motion.from, motion.to),
       speed_max_(length(frame_.v) + frame_.turn * (tool.length_mm + tool.radius_mm)) {
-  for (const ToolPiece& piece : tool.pieces) pieces_.push_back(piece_of(piece));
+  for (const ToolPiece& piece : tool.pieces) pieces_.emplace_back(piece);
 }
 
-KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Vec3Lanes& point,
-                                                        Lanes share) const {
+KERF_INLINE SweptSurface::Contact SweptSurface::contact(const PieceProfile& p,
+                                                        const Vec3Lanes& point, Lanes share) const {
   const TurningFrame::Poses pose = frame_.at(share);
   const Vec3Lanes q = point - pose.tip;
   const Lanes h = dot(q, pose.u);
@@ -74,19 +49,18 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Ve
   Contact c;
   Lanes along;  // the side's normal: across · e + along · u
   Lanes across;
-  if (p.side == Side::kLine) {
-    c.gap = (rho - p.r0 - p.slope * (h - p.z0)) * p.flank;
-    across = p.flank;
-    along = -p.slope * p.flank;
+  if (p.side == PieceProfile::Side::kLine) {
+    c.gap = p.line_distance(rho, h);
+    across = p.line.cosine;
+    along = -p.line.slope * p.line.cosine;
   } else {
-    const Lanes m = greater(rho - p.center_r, Lanes(0)), l = h - p.center_z;
-    const Lanes d = square_root(m * m + l * l);
-    const Lanes inverse = kerf::select(d > 0.0, 1 / d, Lanes(0));
-    c.gap = d - p.radius;
-    across = m * inverse;
-    along = l * inverse;
+    const CircleDistance<Lanes> d = p.arc_distance(rho, h);
+    const Lanes inverse = kerf::select(d.length > 0.0, 1 / d.length, Lanes(0));
+    c.gap = d.mm;
+    across = d.across * inverse;
+    along = d.along * inverse;
   }
-  const Lanes below = p.z0 - h, above = h - p.z1;
+  const Lanes below = p.z0_mm - h, above = h - p.z1_mm;
   c.by_side = c.gap - greater(below, above);
   const LaneMask on_low = below > c.gap;
   c.gap = kerf::select(on_low, below, c.gap);
@@ -101,11 +75,11 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Ve
 
 /// A ball's centre moves on a line that is hardly bent: where it is closest is found by asking the
 /// tangent.
-KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
+KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const PieceProfile& ball,
                                                              const Vec3Lanes& point) const {
   Vec3Lanes to_point{};
   if (frame_.turn == 0) {
-    const Vec3 middle = frame_.u * ball.center_z, v = frame_.v;
+    const Vec3 middle = frame_.u * ball.center_z_mm, v = frame_.v;
     const double speed2 = dot(v, v), inverse = speed2 > 0 ? 1 / speed2 : 0;
     to_point = {point.x - middle.x, point.y - middle.y, point.z - middle.z};
     const Lanes along = (to_point.x * v.x + to_point.y * v.y + to_point.z * v.z) * inverse;
@@ -115,7 +89,7 @@ KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
     Lanes share = 0.5;
     for (int i = 0; i <= kBallSteps; ++i) {
       const TurningFrame::Poses pose = frame_.at(share);
-      const Vec3Lanes arm = pose.u * Lanes(ball.center_z);
+      const Vec3Lanes arm = pose.u * Lanes(ball.center_z_mm);
       to_point = point - pose.tip - arm;
       if (i == kBallSteps) break;
       const Vec3Lanes v = frame_.velocity(arm);
@@ -125,15 +99,16 @@ KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
     }
   }
   // The code of a normal does not ask for its length.
-  return {square_root(dot(to_point, to_point)) - ball.radius, to_point, Lanes(0), Lanes(0)};
+  return {square_root(dot(to_point, to_point)) - ball.radius_mm, to_point, Lanes(0), Lanes(0)};
 }
 
 /// The contact of a piece at the share at which it is least far from the point: bracketed by the
 /// sign of n·V, and found by regula falsi in the Illinois variant with halvings; where n·V jumps,
 /// because side and disc take turns, by what makes them do so.
-KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, const Vec3Lanes& point,
+KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const PieceProfile& piece,
+                                                        const Vec3Lanes& point,
                                                         LaneMask asked) const {
-  if (piece.side == Side::kBall) return ball_contact(piece, point);
+  if (piece.side == PieceProfile::Side::kBall) return ball_contact(piece, point);
   Contact first = contact(piece, point, Lanes(0)), last = contact(piece, point, Lanes(1));
   // Receding from the start on: it touches there. Still advancing at the end: it touches there.
   const LaneMask at_start = first.advance <= 0.0, at_end = last.advance >= 0.0;
@@ -193,7 +168,7 @@ KERF_INLINE void SweptSurface::stock_normals_in_lanes(const Vec3Lanes& ends_mm, 
   const LaneMask wanted = lanes_of(asked);
   Lanes least = std::numeric_limits<double>::infinity();
   Vec3Lanes outward{};
-  for (const Piece& piece : pieces_) {
+  for (const PieceProfile& piece : pieces_) {
     const LaneMask open = wanted & (least > kOnSurfaceMm);
     if (!any(open)) break;
     const Contact c = nearest(piece, point, open);

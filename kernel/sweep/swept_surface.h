@@ -32,14 +32,6 @@ class SweptSurface {
                               NormalCode* codes) const;
 
  private:
-  enum class Side { kLine, kArc, kBall };
-  /// A convex piece in the half-plane (ρ, h): distance from the axis, height above the tip.
-  struct Piece {
-    Side side;
-    double z0, z1;                      ///< heights of its discs
-    double r0, slope, flank;            ///< of a line: ρ at z0, dρ/dh, and 1/√(1 + slope²)
-    double center_r, center_z, radius;  ///< of an arc or a ball
-  };
   /// How far a point is outside of a piece, the normal there (of a ball not of unit length), n·V of
   /// the piece, and how much farther outside of its side the point is than of its discs.
   struct Contact {
@@ -49,14 +41,13 @@ class SweptSurface {
     Lanes by_side;
   };
 
-  static Piece piece_of(const ToolPiece& piece);
-  Contact contact(const Piece& piece, const Vec3Lanes& point, Lanes share) const;
-  Contact ball_contact(const Piece& ball, const Vec3Lanes& point) const;
-  Contact nearest(const Piece& piece, const Vec3Lanes& point, LaneMask asked) const;
+  Contact contact(const PieceProfile& piece, const Vec3Lanes& point, Lanes share) const;
+  Contact ball_contact(const PieceProfile& ball, const Vec3Lanes& point) const;
+  Contact nearest(const PieceProfile& piece, const Vec3Lanes& point, LaneMask asked) const;
 
   TurningFrame frame_;
   double speed_max_;  ///< fastest that a point of the tool moves, mm per unit of share
-  std::vector<Piece> pieces_;
+  std::vector<PieceProfile> pieces_;
 };
 
 }  // namespace kerf

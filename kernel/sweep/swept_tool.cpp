@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "kernel/sweep/piece_shape.h"
+#include "kernel/sweep/clip_to_block.h"
 
 namespace kerf {
 namespace {
@@ -35,18 +35,17 @@ struct PiecePlan {
 
 /// Farthest that a point of the piece is from the tip.
 double reach_of(const ToolPiece& piece) {
-  const Envelope e = envelope_of(piece);
-  if (std::holds_alternative<BallPiece>(piece)) return e.hi_mm;
-  const double r = std::max(e.r_lo_mm, e.r_hi_mm);
-  return std::sqrt(std::max(e.lo_mm * e.lo_mm, e.hi_mm * e.hi_mm) + r * r);
+  const Extent e = extent(piece);
+  if (std::holds_alternative<BallPiece>(piece)) return e.z1_mm;
+  return std::sqrt(std::max(e.z0_mm * e.z0_mm, e.z1_mm * e.z1_mm) + e.radius_mm * e.radius_mm);
 }
 
 /// Greatest part of the unit normal of the piece's side along the axis.
 double axial_normal(const ToolPiece& piece) {
   const auto* f = std::get_if<FrustumPiece>(&piece);
   if (f == nullptr) return 1;
-  const double slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
-  return std::abs(slope) / std::sqrt(1 + slope * slope);
+  const double k = slope(*f);
+  return std::abs(k) / std::sqrt(1 + k * k);
 }
 
 /// Whether a disc of a slice at height z is hidden within a neighbouring piece.
@@ -69,7 +68,7 @@ bool is_smooth(const ToolPiece& slice, const ToolPiece* neighbour, double z_mm) 
 struct SliceSpeeds {
   double along, across, across_least;
 
-  SliceSpeeds(const Envelope& e, const ToolMotion& m) {
+  SliceSpeeds(const Extent& e, const ToolMotion& m) {
     const Vec3 u = normalized(m.from.axis + m.to.axis);
     const Vec3 v = m.to.tip_mm - m.from.tip_mm;
     const Vec3 du = m.to.axis - m.from.axis;
@@ -81,7 +80,7 @@ struct SliceSpeeds {
     across = length(across0) + along0 * half_turn;
     const double du2 = dot(du, du);
     const double still = du2 > 0 ? -dot(across0, du) / du2 : 0;
-    const double nearest = std::clamp(still, e.lo_mm, e.hi_mm);
+    const double nearest = std::clamp(still, e.z0_mm, e.z1_mm);
     across_least = std::max(0.0, length(across0 + du * nearest) - along0 * half_turn);
   }
 };
@@ -89,20 +88,19 @@ struct SliceSpeeds {
 /// κ of a slice that turns by `m`, and in how many parts it is taken (kernel/README.md, "The tight
 /// model").
 void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
-  const Envelope e = envelope_of(plan.piece);
+  const Extent e = extent(plan.piece);
   const SliceSpeeds v(e, m);
-  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
   const double nu = axial_normal(plan.piece);
   plan.bend_mm = 2 * m.turn_rad * (v.across * nu + v.along) +
-                 m.turn_rad * m.turn_rad * (radius + e.hi_mm * nu);
+                 m.turn_rad * m.turn_rad * (e.radius_mm + e.z1_mm * nu);
   if (plan.shows_disc) {
     plan.bend_mm =
-        std::max(plan.bend_mm, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.hi_mm);
+        std::max(plan.bend_mm, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.z1_mm);
   } else if (const auto* f = std::get_if<FrustumPiece>(&plan.piece)) {
     // Every place where an end is outermost is the only one.
-    const double slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
-    const double round2 = v.across_least * v.across_least - slope * slope * v.along * v.along;
-    plan.round = round2 >= plan.bend_mm * radius * std::sqrt(1 + slope * slope);
+    const double k = slope(*f);
+    const double round2 = v.across_least * v.across_least - k * k * v.along * v.along;
+    plan.round = round2 >= plan.bend_mm * e.radius_mm * std::sqrt(1 + k * k);
   }
   if (!plan.round) plan.parts = parts(std::sqrt(plan.bend_mm / (8 * kStationShare * tolerance_mm)));
 }
@@ -121,13 +119,13 @@ SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double toleran
 
 /// Where the axis of a slice has a point that the turn leaves at rest: on either side of it the
 /// points move in opposite directions, and each half has a plain envelope.
-std::optional<double> still_point(const Envelope& e, const ToolMotion& m) {
+std::optional<double> still_point(const Extent& e, const ToolMotion& m) {
   const Vec3 du = m.to.axis - m.from.axis;
   const double du2 = dot(du, du);
   if (!(du2 > 0)) return std::nullopt;
   const double still = -dot(m.to.tip_mm - m.from.tip_mm, du) / du2;
-  const double margin = 1e-3 * (e.hi_mm - e.lo_mm);
-  return still > e.lo_mm + margin && still < e.hi_mm - margin ? std::optional(still) : std::nullopt;
+  const double margin = 1e-3 * (e.z1_mm - e.z0_mm);
+  return still > e.z0_mm + margin && still < e.z1_mm - margin ? std::optional(still) : std::nullopt;
 }
 
 std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
@@ -141,17 +139,17 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
     } else if (m.turn_rad > 0 || std::holds_alternative<FrustumPiece>(*piece)) {
-      const Envelope e = envelope_of(whole);
+      const Extent e = extent(whole);
       const ToolPiece* below = i > 0 ? &tool.pieces[i - 1] : nullptr;
       const ToolPiece* above = i + 1 < tool.pieces.size() ? &tool.pieces[i + 1] : nullptr;
-      const bool clipped = envelope_of(*piece).hi_mm < e.hi_mm;
-      plan.shows_disc = !covers(below, e.lo_mm, radius_at(whole, e.lo_mm)) ||
-                        (!clipped && !covers(above, e.hi_mm, radius_at(whole, e.hi_mm)));
-      plan.shows_edge = plan.shows_disc || !is_smooth(whole, below, e.lo_mm) ||
-                        (!clipped && !is_smooth(whole, above, e.hi_mm));
+      const bool clipped = extent(*piece).z1_mm < e.z1_mm;
+      plan.shows_disc = !covers(below, e.z0_mm, radius_at(whole, e.z0_mm)) ||
+                        (!clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm)));
+      plan.shows_edge = plan.shows_disc || !is_smooth(whole, below, e.z0_mm) ||
+                        (!clipped && !is_smooth(whole, above, e.z1_mm));
       if (m.turn_rad > 0) {
         plan_slice(plan, m, settings.tolerance_mm);
-        plan.still = still_point(envelope_of(*piece), m);
+        plan.still = still_point(extent(*piece), m);
       }
     }
     plans.push_back(std::move(plan));
@@ -184,9 +182,10 @@ SweptPiece sweep_slice(const ToolPiece& piece, const PiecePlan& plan, const Tool
       return sweep;
     };
     if (!(m.turn_rad > 0)) return trailing(FrustumTranslation(*f, m.from, m.to));
-    return trailing(TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, search));
+    return trailing(TurningSweep(ConeSide(*f), *f, m.from, m.to, search));
   }
-  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), envelope_of(piece), m.from, m.to, search);
+  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), enclosing_frustum(piece), m.from, m.to,
+                      search);
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,
@@ -212,8 +211,8 @@ SweptTool sweep_pieces(const std::vector<PiecePlan>& plans, const ToolMotion& m,
       swept.pieces.push_back(sweep_slice(plan.piece, plan, m, settings));
       continue;
     }
-    const Envelope e = envelope_of(plan.piece);
-    for (const auto& [lo, hi] : {std::pair(e.lo_mm, *plan.still), {*plan.still, e.hi_mm}}) {
+    const Extent e = extent(plan.piece);
+    for (const auto& [lo, hi] : {std::pair(e.z0_mm, *plan.still), {*plan.still, e.z1_mm}}) {
       swept.pieces.push_back(sweep_slice(slice_of(plan.piece, lo, hi), plan, m, settings));
     }
   }

@@ -48,7 +48,7 @@ KERF_FOR_EACH_TARGET(unsigned, behind_discs, (const Trail::Motion& m, const Disc
 
 Trail::Trail(const FrustumPiece& p, const ToolPose& from, const ToolPose& to, bool shows_edge) {
   const TurningFrame f(from, to);
-  const double slope = (p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm);
+  const double slope = kerf::slope(p);
   m_.tip = f.tip;
   m_.axis = f.u;
   m_.v = f.v;
@@ -62,7 +62,7 @@ Trail::Trail(const FrustumPiece& p, const ToolPose& from, const ToolPose& to, bo
   const double climb = slope * dot(f.u, f.v);
   m_.climb0 = climb * r_at_0;
   m_.climb1 = climb * slope;
-  m_.radius = std::max(p.r0_mm, p.r1_mm);
+  m_.radius = extent(p).radius_mm;
   m_.lean = std::sqrt(std::max(0.0, 1 - f.u.z * f.u.z));
   m_.level = std::sqrt(f.u.x * f.u.x + f.u.y * f.u.y);
 

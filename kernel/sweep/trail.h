@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "kernel/piece/frustum.h"
 #include "kernel/sweep/column_block.h"
-#include "kernel/tool/tool.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {

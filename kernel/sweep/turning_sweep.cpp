@@ -9,11 +9,16 @@
 namespace kerf {
 namespace {
 
-SlicePath make_path(const Envelope& e, const ToolPose& from, const ToolPose& to,
+/// Distance from the tip within which all of the envelope lies.
+double upper_reach(const FrustumPiece& e) {
+  const double radius = extent(e).radius_mm;
+  return std::sqrt(e.z1_mm * e.z1_mm + radius * radius);
+}
+
+SlicePath make_path(const FrustumPiece& e, const ToolPose& from, const ToolPose& to,
                     const SliceSearch& search) {
   const TurningFrame frame(from, to);
-  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
-  const double reach = std::sqrt(e.hi_mm * e.hi_mm + radius * radius);
+  const double reach = upper_reach(e);
   const double speed = length(frame.v) + frame.turn * reach;
   return {frame, search, speed > 0 ? speed : 1, 0};
 }
@@ -31,17 +36,17 @@ std::vector<ToolPose> stations(const SlicePath& path, const ToolPose& from, cons
 }
 
 /// How far a point leaves the chord between two stations.
-double bulge(const SlicePath& path, const Envelope& e) {
-  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
-  const double reach = std::sqrt(e.hi_mm * e.hi_mm + radius * radius);
+double bulge(const SlicePath& path, const FrustumPiece& e) {
+  const double reach = upper_reach(e);
   const double turn = path.frame.turn / path.search.parts;
   return reach * turn * turn / 8 + kEdgeEpsilonMm;
 }
 
 }  // namespace
 
-TurningSweep::TurningSweep(const std::variant<ConeSide, ArcSide>& side, const Envelope& envelope,
-                           const ToolPose& from, const ToolPose& to, const SliceSearch& search)
+TurningSweep::TurningSweep(const std::variant<ConeSide, ArcSide>& side,
+                           const FrustumPiece& envelope, const ToolPose& from, const ToolPose& to,
+                           const SliceSearch& search)
     : side_(side),
       path_(make_path(envelope, from, to, search)),
       shadow_(envelope, stations(path_, from, to), bulge(path_, envelope)) {

@@ -16,7 +16,7 @@ namespace kerf {
 /// tight model").
 class TurningSweep {
  public:
-  TurningSweep(const std::variant<ConeSide, ArcSide>& side, const Envelope& envelope,
+  TurningSweep(const std::variant<ConeSide, ArcSide>& side, const FrustumPiece& envelope,
                const ToolPose& from, const ToolPose& to, const SliceSearch& search);
 
   void leave(const Trail& trail) { shadow_.leave(trail); }

@@ -10,18 +10,6 @@
 namespace kerf {
 namespace {
 
-struct Extent {
-  double top_mm, radius_mm;
-};
-
-Extent extent(const BallPiece& p) { return {p.center_mm + p.radius_mm, p.radius_mm}; }
-Extent extent(const FrustumPiece& p) { return {p.z1_mm, std::max(p.r0_mm, p.r1_mm)}; }
-Extent extent(const ArcPiece& p) {
-  // Widest at the height of its centre, or at the end that is nearest to it.
-  const double off = std::clamp(p.center_z_mm, p.z0_mm, p.z1_mm) - p.center_z_mm;
-  return {p.z1_mm, p.center_r_mm + std::sqrt(std::max(0.0, p.radius_mm * p.radius_mm - off * off))};
-}
-
 std::string check_piece(const BallPiece& p) {
   if (!std::isfinite(p.center_mm) || !std::isfinite(p.radius_mm)) return "is not finite";
   if (p.radius_mm <= 0 || p.radius_mm > kToolLengthMaxMm) return "has a radius out of range";
@@ -92,15 +80,15 @@ std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> cutting,
   if (auto c = check_pieces("non_cutting", non_cutting); !c) return std::unexpected(c.error());
   Tool tool;
   for (const ToolPiece& piece : cutting) {
-    const Extent e = std::visit([](const auto& p) { return extent(p); }, piece);
-    tool.length_mm = std::max(tool.length_mm, e.top_mm);
+    const Extent e = extent(piece);
+    tool.length_mm = std::max(tool.length_mm, e.z1_mm);
     tool.radius_mm = std::max(tool.radius_mm, e.radius_mm);
   }
   tool.whole_length_mm = tool.length_mm;
   tool.whole_radius_mm = tool.radius_mm;
   for (const ToolPiece& piece : non_cutting) {
-    const Extent e = std::visit([](const auto& p) { return extent(p); }, piece);
-    tool.whole_length_mm = std::max(tool.whole_length_mm, e.top_mm);
+    const Extent e = extent(piece);
+    tool.whole_length_mm = std::max(tool.whole_length_mm, e.z1_mm);
     tool.whole_radius_mm = std::max(tool.whole_radius_mm, e.radius_mm);
   }
   tool.pieces = std::move(cutting);

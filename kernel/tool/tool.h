@@ -4,33 +4,12 @@
 #include <cstddef>
 #include <expected>
 #include <string>
-#include <variant>
 #include <vector>
 
+#include "kernel/piece/tool_piece.h"
 #include "kernel/tool/tool_shape.h"
 
 namespace kerf {
-
-/// A convex body of revolution about the tool axis; heights in mm above the tip.
-struct BallPiece {
-  double center_mm, radius_mm;
-  friend bool operator==(const BallPiece&, const BallPiece&) = default;
-};
-/// Truncated cone between two discs, z0 < z1; r0 == r1 is a cylinder, r0 == 0 a pointed cone.
-struct FrustumPiece {
-  double z0_mm, r0_mm, z1_mm, r1_mm;
-  friend bool operator==(const FrustumPiece&, const FrustumPiece&) = default;
-};
-/// The part between the heights z0 < z1 of what a convex arc of the profile sweeps: the arc of
-/// radius `radius` about (center_r, center_z) in the half-plane (r, z), taken on its outer side, so
-/// that the radius at height z is center_r + √(radius² − (z − center_z)²), nowhere negative.
-/// center_r > 0 is the corner of a bull-nose, center_r < 0 the flank of a barrel, 0 a slice of a
-/// ball.
-struct ArcPiece {
-  double center_r_mm, center_z_mm, radius_mm, z0_mm, z1_mm;
-  friend bool operator==(const ArcPiece&, const ArcPiece&) = default;
-};
-using ToolPiece = std::variant<BallPiece, FrustumPiece, ArcPiece>;
 
 /// A validated tool: the union of its convex pieces, tip at the origin, axis +Z. Angles end here: a
 /// tool holds lengths only, so that a journal that stores tools replays alike on every CPU (libm's

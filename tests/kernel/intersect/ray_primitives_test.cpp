@@ -71,7 +71,7 @@ TEST(RayCapsule, TheEndOfOneMotionAndTheStartOfTheNextGiveTheSameBits) {
 }
 
 TEST(RayCone, UprightCylinderEndsAtItsDiscs) {
-  const RayCone c({0, 0, 2}, {0, 0, 1}, 30, 5, 5);
+  const RayCone c({0, 5, 30, 5}, {0, 0, 2}, {0, 0, 1});
   const Span s = hit(c, 3, 3.9);
   EXPECT_DOUBLE_EQ(s.lo, 2);
   EXPECT_DOUBLE_EQ(s.hi, 32);
@@ -79,13 +79,13 @@ TEST(RayCone, UprightCylinderEndsAtItsDiscs) {
 }
 
 TEST(RayCone, UprightConeStartsOnItsSide) {
-  const Span s = hit(RayCone({0, 0, 0}, {0, 0, 1}, 10, 0, 10), 3, 4);
+  const Span s = hit(RayCone({0, 0, 10, 10}, {0, 0, 0}, {0, 0, 1}), 3, 4);
   EXPECT_DOUBLE_EQ(s.lo, 5);
   EXPECT_DOUBLE_EQ(s.hi, 10);
 }
 
 TEST(RayCone, LyingCylinderIsMetAcross) {
-  const Span s = hit(RayCone({0, 0, 0}, {1, 0, 0}, 20, 5, 5), 7, 4);
+  const Span s = hit(RayCone({0, 5, 20, 5}, {0, 0, 0}, {1, 0, 0}), 7, 4);
   EXPECT_DOUBLE_EQ(s.lo, -3);
   EXPECT_DOUBLE_EQ(s.hi, 3);
 }
@@ -94,7 +94,7 @@ TEST(RayCone, RayParallelToAGeneratorStillEnters) {
   // Half angle 45 degrees, leaning by 45 degrees: the quadratic's leading coefficient is exactly
   // zero.
   const double h = std::sqrt(0.5);
-  const RayCone c({0, 0, 0}, {h, 0, h}, 10, 0, 10);
+  const RayCone c({0, 0, 10, 10}, {0, 0, 0}, {h, 0, h});
   const Span s = hit(c, 2, 1);
   ASSERT_FALSE(misses(s));
   // On the cone, (x + z)^2 / 2 = (z - x)^2 / 2 + y^2, so z = y^2 / (2 x).

@@ -54,7 +54,9 @@ TEST(IntLanes, EveryOperationMatchesPlainIntegers) {
       ASSERT_EQ(least[k], std::min(a[k], b[k]));
       ASSERT_EQ(as_double[i], double(a[k]));
       ASSERT_EQ(back[k], a[k]);
-      if (i < 4) ASSERT_EQ(sums[i], std::int64_t{a[k]} + a[k + 4]);
+      if (i < 4) {
+        ASSERT_EQ(sums[i], std::int64_t{a[k]} + a[k + 4]);
+      }
       if (a[k] < b[k]) mask |= 1U << i;
     }
     ASSERT_EQ(bits(x < y), mask);
