@@ -8,7 +8,7 @@
 
 #include "kernel/cut/changed_tiles.h"
 #include "kernel/cut/cut.h"
-#include "kernel/cut/owed_normals.h"
+#include "kernel/cut/lazy_normals.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/mesh_stock.h"
 #include "kernel/dexel/stock_column.h"
@@ -125,7 +125,7 @@ const Tool* Sculpture::tool(ToolId id) const {
 DexelSnapshot Sculpture::snapshot(RayAxis axis) {
   std::size_t n = 0;
   while (fields_[n].grid().axis != axis) ++n;
-  normals_[n].pay(fields_[n]);
+  normals_[n].resolve(fields_[n]);
   return fields_[n].snapshot();
 }
 
@@ -229,7 +229,7 @@ SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
   return {settings_.motion, settings_.tolerance_mm, bounds_of(field.grid())};
 }
 
-RemovedVolume Sculpture::cut_field(DexelField& field, OwedNormals& normals, const Tool& tool,
+RemovedVolume Sculpture::cut_field(DexelField& field, LazyNormals& normals, const Tool& tool,
                                    const ToolMotion& motion, bool start_is_cut,
                                    MotionResult& result, CuttingForce* force, Workers& workers) {
   const DexelGrid& grid = field.grid();
@@ -241,10 +241,11 @@ RemovedVolume Sculpture::cut_field(DexelField& field, OwedNormals& normals, cons
   SweepSettings settings = sweep_settings(field);
   settings.start_is_cut = start_is_cut;
   sweep_tool(tool, in_frame(grid.axis, motion), settings, [&](const SubMotion& part) {
-    const NormalCode owed =
-        field.keeps_normals() ? normals.owe(field, SweptSurface(tool, part.motion)) : kStockNormal;
-    cut(field, part.swept, removal, workers, owed);
-    if (owed != kStockNormal) normals.note(removal);
+    const NormalCode end_code = field.keeps_normals()
+                                    ? normals.add_sweep(field, SweptSurface(tool, part.motion))
+                                    : kStockNormal;
+    cut(field, part.swept, removal, workers, end_code);
+    if (end_code != kStockNormal) normals.add_tiles(removal);
     quanta += removal.quanta();
     if (!alone) elements += removal.elements();
     note_changed_tiles(grid, removal, result.changed_tiles);

@@ -147,13 +147,13 @@ std::vector<std::span<const ReachedTile>> divide(std::span<const ReachedTile> ti
 }  // namespace
 
 void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers,
-         NormalCode owed) {
+         NormalCode end_code) {
   removal.start(0);
   if (swept.pieces.empty()) return;
   const std::vector<ReachedTile> reached = Reach(field, swept).find();
   if (reached.empty()) return;
   if (workers.count() == 1 || work_of(reached, swept) < kWorkForThreads) {
-    TileCutter cutter(field, swept, owed, removal.start(1).front());
+    TileCutter cutter(field, swept, end_code, removal.start(1).front());
     for (const ReachedTile& tile : reached) cutter.cut(tile);
     cutter.put_tiles();
     return;
@@ -162,7 +162,7 @@ void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& w
   const std::span<RemovedPart> parts = removal.start(runs.size());
   std::vector<TileCutter> cutters;
   cutters.reserve(runs.size());
-  for (RemovedPart& part : parts) cutters.emplace_back(field, swept, owed, part);
+  for (RemovedPart& part : parts) cutters.emplace_back(field, swept, end_code, part);
   const auto cut_run = [&](int run) {
     for (const ReachedTile& tile : runs[std::size_t(run)]) cutters[std::size_t(run)].cut(tile);
   };

@@ -13,8 +13,8 @@ namespace kerf {
 /// bottom is shortened, or it is split. Ends are rounded to the nearest depth quantum before they
 /// are compared, so that any order of the same cuts leaves the same bytes. Columns that do not
 /// change are not written. Where there is much to do its tiles are divided among `workers`. In a
-/// field that keeps normals the ends that move get the code `owed` (owed_normals.h).
+/// field that keeps normals the ends that move get the code `end_code` (lazy_normals.h).
 void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers,
-         NormalCode owed = kStockNormal);
+         NormalCode end_code = kStockNormal);
 
 }  // namespace kerf

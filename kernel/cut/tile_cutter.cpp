@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "kernel/cut/block_places.h"
-#include "kernel/cut/owed_normals.h"
+#include "kernel/cut/lazy_normals.h"
 #include "kernel/cut/subtract_rows.h"
 #include "kernel/dexel/dexel_tile.h"
 
@@ -30,8 +30,8 @@ void TileCutter::cut(const ReachedTile& tile) {
   }
   if (removed_.quanta == before) return;
   removed_.tiles.push_back({tile.index, removed_.groups.size()});
-  if (owed_ != kStockNormal) {
-    note_ends(*work.changed, removed_.of(removed_.tiles.size() - 1), owed_);
+  if (end_code_ != kStockNormal) {
+    mark_ends(*work.changed, removed_.of(removed_.tiles.size() - 1), end_code_);
   }
 }
 

@@ -22,9 +22,9 @@ struct ReachedTile {
 /// own.
 class TileCutter {
  public:
-  /// `owed`: as in cut().
-  TileCutter(DexelField& field, const SweptTool& swept, NormalCode owed, RemovedPart& removed)
-      : field_(field), grid_(field.grid()), swept_(swept), owed_(owed), removed_(removed) {}
+  /// `end_code`: as in cut().
+  TileCutter(DexelField& field, const SweptTool& swept, NormalCode end_code, RemovedPart& removed)
+      : field_(field), grid_(field.grid()), swept_(swept), end_code_(end_code), removed_(removed) {}
 
   void cut(const ReachedTile& tile);
   /// Puts the tiles that had to be made or copied into the field: when all others have ended.
@@ -57,7 +57,7 @@ class TileCutter {
   DexelField& field_;
   const DexelGrid& grid_;
   const SweptTool& swept_;
-  NormalCode owed_;
+  NormalCode end_code_;
   RemovedPart& removed_;
   ColumnBlock block_;
   static constexpr std::size_t kNoGroup = ~std::size_t{0};

@@ -11,36 +11,38 @@
 
 namespace kerf {
 
-/// The stock that is being cut: a grid of columns along one axis in lazily allocated tiles (paper
-/// section 2.1, Fig. 2a). An untouched tile is not stored. What a snapshot holds is copied before
-/// it is next changed, so taking a snapshot costs nothing and readers on other threads never wait.
+/// The stock as a grid of columns along one axis (paper section 2.1, Fig. 2a), in tiles that are
+/// allocated when they are first cut. Snapshots share tiles with the field copy-on-write: taking
+/// one copies no column, and readers on other threads never wait.
 class DexelField {
  public:
-  /// Stock and pitch must have been validated (Sculpture::create does).
-  /// `keep_normals`: touched tiles have room for the normals of their ends (OwedNormals).
+  /// Builds an untouched field. Stock and pitch must be valid (Sculpture::create checks them).
+  /// `keep_normals`: touched tiles store the normals of their ends (LazyNormals).
   DexelField(const StockShape& stock, double pitch_mm, RayAxis axis = RayAxis::kZ,
              bool keep_normals = false);
-  /// The solid within a mesh (mesh_stock.h), whose bounds are the stock: every tile that it does
-  /// not fill is stored from the beginning, as if a tool had made it.
+  /// Builds the solid bounded by a mesh (mesh_stock.h). The stock shape is the mesh's bounding box;
+  /// every tile that the solid does not fill is stored, as if a tool had cut it.
   DexelField(const TriangleMesh& mesh, double pitch_mm, RayAxis axis, bool keep_normals);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
   bool keeps_normals() const { return keep_normals_; }
 
-  /// The tile as stored, or null while it is untouched. It must lie in the grid.
+  /// Returns a stored tile, or null while it is untouched. It must lie in the grid.
   const DexelTile* find(TileIndex tile) const { return tiles_.find(tile); }
-  /// The tile to be changed where it is; null while it is untouched or a snapshot holds it.
-  /// Different tiles may be asked for, and changed, on several threads at once.
+  /// Returns a tile that may be edited in place; null while it is untouched or shared with a
+  /// snapshot. Different tiles may be requested and edited on several threads at once.
   DexelTile* editable(TileIndex tile) { return tiles_.own(tile, era_); }
-  /// What is to be changed instead and then `put` in its place: made from the stock's shape if
-  /// untouched, else a copy. On any thread, as long as nobody calls `put`.
+  /// Returns a new tile to edit and then `put` where `editable` returned null: made from the
+  /// stock's shape if the tile is untouched, else a copy. Thread-safe while no thread calls `put`.
   std::shared_ptr<DexelTile> fresh(TileIndex tile) const;
+  /// Stores a tile in place of the present one.
   void put(TileIndex tile, std::shared_ptr<DexelTile> fresh);
+  /// Returns an immutable view of the present state.
   DexelSnapshot snapshot();
-  /// Volume of the stock in columns, mm^3, before it was first cut.
+  /// Returns the volume of the stock's columns before the first cut, mm^3.
   double stock_volume_mm3() const { return stock_volume_mm3_; }
-  /// Memory of the field, with what it shares with snapshots; walks the touched tiles.
+  /// Returns the bytes of the field, including what it shares with snapshots; O(touched tiles).
   std::size_t memory_bytes() const;
 
  private:
@@ -49,7 +51,7 @@ class DexelField {
   bool keep_normals_;
   TileDirectory tiles_;
   double stock_volume_mm3_ = 0;
-  std::uint64_t era_ = 1;  ///< grows with each snapshot; what is of earlier eras is shared
+  std::uint64_t era_ = 1;  ///< incremented by each snapshot; nodes of earlier eras are shared
 };
 
 }  // namespace kerf

@@ -11,8 +11,8 @@
 namespace kerf {
 namespace {
 
-/// Calls visit(column within the tile, i, j) for the columns of a tile that lie in the grid, as
-/// long as it returns true.
+/// Calls visit(column within the tile, i, j) for the columns of a tile that lie in the grid, until
+/// it returns false.
 template <class Visit>
 void for_columns(const DexelGrid& grid, TileIndex tile, Visit&& visit) {
   const std::int32_t i0 = tile.x * kTileSide, j0 = tile.y * kTileSide;
@@ -25,8 +25,8 @@ void for_columns(const DexelGrid& grid, TileIndex tile, Visit&& visit) {
   }
 }
 
-/// Columns that were cut and found to be empty already leave a tile touched and the solid as it
-/// was.
+/// Returns whether a touched tile still holds exactly the stock's shape. That happens where a sweep
+/// reached only columns that were empty already.
 bool is_like_stock(const DexelTile& tile, TileIndex at, const StockShape& stock,
                    const DexelGrid& grid) {
   bool like = true;

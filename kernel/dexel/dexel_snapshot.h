@@ -14,34 +14,35 @@
 
 namespace kerf {
 
-/// An immutable picture of a dexel field: cheap to take and to copy (everything is shared until the
-/// field changes it), safe to read on any thread while the field goes on changing.
+/// An immutable view of a dexel field. Cheap to take and to copy, since nodes and tiles are shared
+/// copy-on-write; safe to read on any thread while the field changes.
 class DexelSnapshot {
  public:
   DexelSnapshot(const DexelGrid& grid, const StockShape& stock, TileDirectory tiles);
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
-  /// False while the tile is still exactly the stock's shape (nothing is stored for it).
+  /// Returns whether the tile is stored. An untouched tile has exactly the stock's shape.
   bool touched(TileIndex tile) const { return tiles_.find(tile) != nullptr; }
-  /// The solid elements of a column, sorted from the bottom up, disjoint, gaps > 0. `scratch` is
-  /// used where the column is not stored in that form; the result is valid until the next call with
-  /// the same scratch. Outside the grid: empty.
+  /// Returns the dexels of a column, sorted from the bottom up, disjoint, gaps > 0; empty outside
+  /// the grid. The result is valid until the next call with the same `scratch`.
   std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const;
-  /// The same as it stands in the tile, valid as long as this snapshot; outside the grid: empty.
+  /// Returns a column as its tile stores it, with normal codes; empty outside the grid. Valid as
+  /// long as this snapshot.
   ColumnView view(std::int32_t i, std::int32_t j) const;
-  /// How the surface looks at an end of column (i, j), in the field's frame: unit, outward. `code`
-  /// is the end's; the stock's own ends have the normal of its shape.
+  /// Returns the surface normal at an end of column (i, j): unit, outward, in the field's frame.
+  /// `code` is the end's; where it is kStockNormal the normal is that of the stock's shape.
   Vec3 normal(std::int32_t i, std::int32_t j, std::int32_t depth, bool is_top,
               NormalCode code) const {
     if (code != kStockNormal) return decode_normal(code);
     return stock_normal(stock_, grid_, i, j, depth, is_top);
   }
-  /// Solid volume, mm^3 (columns x pitch^2): the stock's, less what its touched tiles lack, which
-  /// is counted exactly.
+  /// Returns the solid volume, mm^3: the sum over columns of length x pitch^2. Computed as the
+  /// stock's volume less what the touched tiles lack, which is counted in whole quanta.
   double volume_mm3() const;
-  /// FNV-1a over the grid, the stock's shape and the columns of every tile that differs from the
-  /// stock: equal for equal solids of equal stock, touched or not. Costs what was touched.
+  /// Hashes (FNV-1a) the grid, the stock's shape and the columns of every tile that differs from
+  /// the stock. Equal for equal solids of equal stock, whichever tiles are stored. O(touched
+  /// tiles).
   std::uint64_t hash() const;
 
  private:

@@ -8,7 +8,7 @@
 namespace kerf {
 namespace {
 
-/// Greatest of a block of 8 x 8 depths.
+/// Returns the greatest of 8 x 8 depths in rows kTileSide apart; at least 0.
 KERF_INLINE std::int32_t highest_in_lanes(const std::int32_t* depths) {
   IntLanes all{};
   for (int row = 0; row < 8; ++row) all = greater(load_ints(depths + row * kTileSide), all);
@@ -41,8 +41,8 @@ ColumnView DexelTile::view(int column) const {
   return v;
 }
 
-/// Gives the elements that are about to be written the codes of those ends that they share with the
-/// present ones. Both are sorted, so one walk up the column finds them.
+/// Copies the normal codes of ends that the new elements share with the present ones. Both lists
+/// are sorted, so one pass up the column finds them.
 void DexelTile::carry_codes(int column, std::span<const Dexel> dexels) {
   const ColumnView old = view(column);
   const std::size_t count = old.lower.size() + (old.topmost.bottom < old.topmost.top ? 1 : 0);

@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// Blocks of class c hold 2^c elements.
+/// Returns the class c whose blocks, of 2^c elements, hold `count` elements.
 std::size_t size_class_of(std::size_t count) { return std::size_t(std::bit_width(count - 1)); }
 
 }  // namespace

@@ -12,31 +12,32 @@
 
 namespace kerf {
 
-/// What lies below the topmost element in those columns of a tile that have been split: their
-/// elements (Dexel), or the normals of their ends (EndCodes). A raster leaves dozens of elements in
-/// a ray across it, so reading or replacing a column costs what that column holds (amortised: the
-/// pool doubles), and copying the tile copies three arrays. Each column has a block of the pool
-/// whose size is a power of two; blocks that are given up wait in a list for their size. A tile
-/// without split columns holds no array.
+/// The lower part of a tile's split columns: the elements below the topmost one (Dexel), or the
+/// normal codes of their ends (EndCodes). A raster of grooves leaves dozens of elements in a ray
+/// across it, so reading or replacing a column is O(its elements) (amortized: the pool doubles),
+/// and copying the tile copies three arrays. Each split column owns a block of the pool whose size
+/// is a power of two; freed blocks are kept in one list per size. A tile without split columns
+/// allocates nothing.
 template <class Element>
 class LowerElements {
  public:
   LowerElements() { free_.fill(kNone); }
 
-  /// The column's elements, from the bottom up; valid until the next assign.
+  /// Returns a column's lower elements, from the bottom up. Valid until the next assign.
   std::span<const Element> of(int column) const {
     if (run_of_.empty() || run_of_[std::size_t(column)] == kNoRun) return {};
     const Run& run = runs_[run_of_[std::size_t(column)]];
     return {&pool_[run.first], run.count};
   }
-  /// The same of a column that has some, to be changed where they stand.
+  /// Returns a column's lower elements for editing in place. The column must have some.
   std::span<Element> edit(int column) {
     const Run& run = runs_[run_of_[std::size_t(column)]];
     return {&pool_[run.first], run.count};
   }
-  /// Replaces them; empty forgets the column. `elements` must not lie in this pool.
+  /// Replaces a column's lower elements. An empty span frees the column's block. `elements` must
+  /// not point into this pool.
   void assign(int column, std::span<const Element> elements);
-  /// Memory on the heap.
+  /// Returns the bytes of heap memory.
   std::size_t bytes() const;
 
  private:
@@ -54,8 +55,8 @@ class LowerElements {
   std::vector<Run> runs_;
   std::vector<std::uint16_t> free_runs_;
   std::vector<Element> pool_;
-  std::array<std::uint32_t, 32> free_;  ///< per size class: a free block, whose first word names
-                                        ///< the next
+  std::array<std::uint32_t, 32> free_;  ///< per size class: the first free block; its first
+                                        ///< word is the number of the next
 };
 
 extern template class LowerElements<Dexel>;

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// A ray enters or leaves the mesh.
+/// A crossing of a ray with a triangle.
 struct Hit {
   std::int32_t column;  ///< i + columns_x * row, in one row of tiles
   std::int32_t depth;   ///< quanta
@@ -37,7 +37,7 @@ class Dexelizer {
     }
   }
 
-  /// The tiles of one row.
+  /// Makes the tiles of one row of tiles.
   template <class Put>
   void run(std::int32_t band, Put&& put) {
     hits_.clear();
@@ -60,7 +60,7 @@ class Dexelizer {
     return c;
   }
 
-  /// Rows that the triangle may reach; first > last: none.
+  /// Returns the first and last row that the triangle may reach; first > last if there is none.
   std::pair<std::int32_t, std::int32_t> rows_of(const Corners& c) const {
     const auto row = [&](double y) {
       const double n = (y - grid_.origin_mm.y) / grid_.pitch_mm - 0.5;
@@ -77,7 +77,7 @@ class Dexelizer {
     const std::int32_t end = std::min(last, band * kTileSide + kTileSide - 1);
     for (std::int32_t j = begin; j <= end; ++j) {
       const double y = grid_.y_mm(j);
-      // A row crosses no edge of the triangle or two, one upward and one downward.
+      // A row crosses either no edge of the triangle, or two: one upward and one downward.
       std::int32_t up = 0, down = 0;
       for (std::size_t n = 0; n < 3; ++n) {
         const Vec3 &a = c[n], &b = c[(n + 1) % 3];
@@ -91,8 +91,9 @@ class Dexelizer {
     }
   }
 
-  /// How many columns of a row lie left of an edge that runs upward through it. In floating point
-  /// too, what is compared never decreases from column to column, so one place divides the row.
+  /// Counts the columns of a row that lie left of an edge that crosses it upward. The compared
+  /// expression is monotone in the column index, in floating point too, so the columns on the left
+  /// are a prefix of the row.
   std::int32_t columns_left_of(Vec3 low, Vec3 high, double y) const {
     const double rise = high.y - low.y, along = (high.x - low.x) * (y - low.y);
     const auto is_left = [&](std::int32_t i) { return (grid_.x_mm(i) - low.x) * rise < along; };
@@ -108,7 +109,7 @@ class Dexelizer {
     const double low = std::min({c[0].z, c[1].z, c[2].z}),
                  high = std::max({c[0].z, c[1].z, c[2].z});
     double z = c[0].z - (n.x * (x - c[0].x) + n.y * (y - c[0].y)) / n.z;
-    // A ray may graze a triangle that stands upright.
+    // A ray may graze an upright triangle: n.z is then 0 and z infinite or NaN.
     z = z >= low ? std::min(z, high) : low;
     const double quanta = (z - grid_.origin_mm.z) / grid_.z_quantum_mm;
     return static_cast<std::int32_t>(std::clamp(quanta, 0.0, double(grid_.height_quanta)) + 0.5);
@@ -120,7 +121,7 @@ class Dexelizer {
     return n == Vec3{} ? kStockNormal : encode_normal(n);
   }
 
-  /// The elements of a column, and the normals of their ends.
+  /// Computes the elements of a column, and the normal codes of their ends, from its hits.
   void read_column(std::size_t column) {
     elements_.clear();
     codes_.clear();
@@ -141,14 +142,14 @@ class Dexelizer {
     }
   }
 
-  /// Inside out, the mesh's normals look inward.
+  /// Flips the normal of a mesh that is inside out.
   static NormalCode outward(NormalCode code, bool top) {
     if (code == kStockNormal) return code;
     const Vec3 n = decode_normal(code);
     return (n.z > 0) == top ? code : encode_normal(-n);
   }
 
-  /// Null where everything is solid: such a tile is as the box around the mesh has it.
+  /// Returns null for a tile that is solid throughout, which the bounding box already represents.
   std::shared_ptr<DexelTile> make_tile(TileIndex at) {
     auto tile = std::make_shared<DexelTile>();
     tile->bottom.fill(0);
@@ -182,9 +183,9 @@ class Dexelizer {
   const TriangleMesh& mesh_;
   const DexelGrid& grid_;
   const bool keep_normals_;
-  std::vector<std::vector<std::uint32_t>> bands_;  ///< triangles that each row of tiles may meet
+  std::vector<std::vector<std::uint32_t>> bands_;  ///< triangles that may cross each row of tiles
   std::vector<Hit> hits_;
-  std::vector<std::size_t> starts_;  ///< of the hits of each column
+  std::vector<std::size_t> starts_;  ///< first hit of each column
   std::vector<Dexel> elements_;
   std::vector<EndCodes> codes_;
 };
@@ -211,11 +212,12 @@ BoxStock mesh_bounds(const TriangleMesh& mesh) {
 
 std::string mesh_stock_fault(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return "the mesh has no triangle";
-  std::vector<std::pair<std::uint64_t, bool>> sides;  // an edge, and which way a triangle runs it
+  std::vector<std::pair<std::uint64_t, bool>> sides;  // an edge, and its direction in a triangle
   for (const auto& t : mesh.triangles) {
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint32_t a = t[c], b = t[(c + 1) % 3];
-      if (std::max(a, b) >= mesh.vertices_mm.size()) return "a triangle has no such corner";
+      if (std::max(a, b) >= mesh.vertices_mm.size())
+        return "a triangle refers to a vertex that the mesh does not have";
       if (!is_finite(mesh.vertices_mm[a])) return "a vertex of the mesh is not finite";
       sides.emplace_back(std::uint64_t{std::min(a, b)} << 32U | std::max(a, b), a < b);
     }
@@ -236,7 +238,8 @@ std::string mesh_stock_fault(const TriangleMesh& mesh) {
   if (first_fault == sides.size()) return {};
   const std::uint64_t edge = sides[first_fault].first;
   return "the mesh is not closed: " + std::to_string(open) + " open edges, " +
-         std::to_string(turned) + " between triangles that look opposite ways; the first from (" +
+         std::to_string(turned) +
+         " edges between triangles of opposite orientation; the first from (" +
          place_text(mesh.vertices_mm[edge >> 32U]) + ") to (" +
          place_text(mesh.vertices_mm[edge & 0xffffffffU]) + ")";
 }

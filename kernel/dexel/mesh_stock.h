@@ -16,21 +16,23 @@ namespace kerf {
 
 struct DexelTile;
 
-/// The box around a mesh; the mesh must have a vertex.
+/// Returns the bounding box of a mesh's triangles. The mesh must have at least one vertex.
 BoxStock mesh_bounds(const TriangleMesh& mesh);
 
-/// Why a mesh bounds no solid, as one sentence with counts and a place; empty if it does. It does
-/// if its coordinates are finite and each edge has as many triangles on one side as on the other.
+/// Returns why a mesh does not bound a solid, as one sentence with counts and a place; empty if it
+/// does. A mesh bounds a solid if its coordinates are finite and each edge is used equally often in
+/// both directions.
 std::string mesh_stock_fault(const TriangleMesh& mesh);
 
-/// Dexelises a mesh that has no fault on a grid. Solid is where the winding number along the ray is
-/// not zero: bodies that overlap are united, a cavity is a cavity, and a mesh that is inside out is
-/// as good as one that is not. A ray that meets an edge or a vertex meets the triangles around it
-/// consistently: every edge is compared with a ray by one and the same expression, whichever
-/// triangle asks, so hits always come in pairs. Ends are rounded to the nearest quantum.
+/// Converts a closed mesh (mesh_stock_fault returns an empty string) to dexels on a grid. A point
+/// is solid where the winding number along its ray is not zero: overlapping bodies are united,
+/// cavities stay empty, and the mesh may be inside out. Rays through an edge or a vertex are
+/// handled consistently, because every edge is compared with a ray by one expression that does not
+/// depend on the triangle; so hits always come in pairs (kernel/dexel/README.md). Ends are rounded
+/// to the nearest quantum.
 ///
-/// Calls put(tile, columns) for every tile that is not solid from the bottom to the top everywhere,
-/// with its elements and, if asked for, the normals of the triangles that were met.
+/// Calls put(tile, columns) for every tile that is not solid throughout, with its elements and, if
+/// `keep_normals`, the normals of the triangles that the rays hit.
 void dexelize(const TriangleMesh& mesh, const DexelGrid& grid, bool keep_normals,
               const std::function<void(TileIndex, std::shared_ptr<DexelTile>)>& put);
 

@@ -9,16 +9,18 @@
 
 namespace kerf {
 
-/// A unit vector in 32 bits: the octahedron's faces unfolded onto a square (Meyer et al. 2010), 16
-/// bits a side; at most 0.004 degrees off, and exact along the axes. 0 is no vector: it marks an
-/// end that is still the stock's own.
+/// A unit vector in 32 bits, octahedrally encoded with 16 bits per coordinate (Meyer et al., On
+/// Floating-Point Normal Vectors, 2010). Error at most 0.004 degrees; exact along the axes. Codes
+/// of vectors are at least 2¹⁶; 0 marks an end of the stock's own surface, and LazyNormals uses the
+/// codes between.
 using NormalCode = std::uint32_t;
 
 inline constexpr NormalCode kStockNormal = 0;
 
-inline constexpr double kNormalSteps = 32767;  ///< from the middle of the square to its side
+inline constexpr double kNormalSteps = 32767;  ///< from the center of the square to its side
 
-/// Where a vector (Vec3 or Vec3Lanes, of any length but 0) lies on the square, both from −1 to 1.
+/// Computes the octahedral coordinates (u, v) of a vector (Vec3 or Vec3Lanes, of any length but 0),
+/// both in [−1, 1].
 template <class AnyVec3, class Real>
 KERF_INLINE void unfold_normal(const AnyVec3& n, Real& u, Real& v) {
   const Real ax = select(n.x < 0.0, -n.x, n.x), ay = select(n.y < 0.0, -n.y, n.y);
@@ -31,9 +33,9 @@ KERF_INLINE void unfold_normal(const AnyVec3& n, Real& u, Real& v) {
   v = select(n.y < 0.0, -v, v);
 }
 
-/// The code of a vector of any length but 0.
+/// Encodes a vector of any length but 0.
 NormalCode encode_normal(Vec3 normal);
-/// The codes of eight.
+/// Encodes eight vectors.
 template <class Vec3Lanes>
 KERF_INLINE void encode_normals(const Vec3Lanes& normals, NormalCode* codes) {
   Lanes u, v;
@@ -43,10 +45,10 @@ KERF_INLINE void encode_normals(const Vec3Lanes& normals, NormalCode* codes) {
   const IntLanes packed = to_int_lanes(u) << 16 | to_int_lanes(v);
   std::memcpy(codes, &packed, sizeof packed);
 }
-/// Of unit length. `code` must not be kStockNormal.
+/// Returns the unit vector of a code, which must not be kStockNormal.
 Vec3 decode_normal(NormalCode code);
 
-/// The normals of the two ends of an element, in the frame of its field, outward.
+/// The codes of the outward normals at the two ends of an element, in the frame of its field.
 struct EndCodes {
   NormalCode bottom = kStockNormal, top = kStockNormal;
   friend constexpr bool operator==(const EndCodes&, const EndCodes&) = default;

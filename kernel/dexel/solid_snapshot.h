@@ -8,16 +8,17 @@
 
 namespace kerf {
 
-/// An immutable picture of every field of a block: what state hashes are taken of, on any thread,
-/// while the block goes on changing.
+/// An immutable view of all fields of a block, for meshing and state hashes on any thread while the
+/// block changes.
 struct SolidSnapshot {
-  std::vector<DexelSnapshot> fields;  ///< along Z; then along X and Y, if the block has them
+  std::vector<DexelSnapshot> fields;  ///< along Z; then along X and Y for Rays::kTriDexel
 
-  /// Of the field along Z.
+  /// Returns the grid of the field along Z.
   const DexelGrid& grid() const { return fields.front().grid(); }
-  /// False while the tile of the field along Z is still exactly the stock's shape.
+  /// Returns whether a tile of the field along Z is stored. An untouched tile has the stock's
+  /// shape.
   bool touched(TileIndex tile) const { return fields.front().touched(tile); }
-  /// Of one field its own hash; of three, FNV-1a over theirs.
+  /// Returns the hash of the only field, or FNV-1a over the hashes of the three.
   std::uint64_t hash() const;
 };
 

@@ -13,8 +13,8 @@ namespace {
 constexpr int kDepthBits = 30;
 constexpr double kSideColumnsMax = 0x7fffff00;
 
-/// The chord of a ray across an upright cylinder, `aside_mm` from the axis. `center` is the depth
-/// of the axis.
+/// Returns the chord of a ray across an upright cylinder, at the distance `aside_mm` from the axis.
+/// `center_mm` is the axis' coordinate along the ray.
 Dexel chord(const CylinderStock& c, const DexelGrid& grid, double aside_mm, double center_mm) {
   const double half2 = c.radius_mm * c.radius_mm - aside_mm * aside_mm;
   if (!(half2 > 0)) return {};
@@ -28,8 +28,8 @@ Dexel chord(const CylinderStock& c, const DexelGrid& grid, double aside_mm, doub
 
 std::int32_t length(Dexel d) { return d.top - d.bottom; }
 
-/// Columns of row j of the field along Z whose centres lie in the cylinder: a run around the
-/// cylinder's axis, whose ends are found by halving.
+/// Counts the columns of row j of the field along Z whose centers lie in the cylinder. They are
+/// contiguous and near the cylinder's axis; bisection finds the first and the last.
 std::int64_t row_of_cylinder(const CylinderStock& c, const DexelGrid& grid, std::int32_t j) {
   const auto solid = [&](std::int32_t i) { return length(stock_column(c, grid, i, j)) > 0; };
   const double middle = (c.center_x_mm - grid.origin_mm.x) / grid.pitch_mm;
@@ -85,8 +85,7 @@ Vec3 stock_normal(const StockShape& stock, const DexelGrid& grid, std::int32_t i
                   std::int32_t depth, bool is_top) {
   const auto* c = std::get_if<CylinderStock>(&stock);
   if (c == nullptr || grid.axis == RayAxis::kZ) return {0, 0, is_top ? 1.0 : -1.0};
-  // Seen in its own frame the field along X has the cylinder's axis along its y, the one along Y
-  // along its x.
+  // In its own frame the field along X has the cylinder's axis along y, the field along Y along x.
   const Vec3 at{grid.x_mm(i), grid.y_mm(j), grid.z_mm(depth)};
   const Vec3 from_axis = grid.axis == RayAxis::kX
                              ? Vec3{at.x - c->center_y_mm, 0, at.z - c->center_x_mm}
@@ -119,10 +118,10 @@ double stock_quanta(const StockShape& stock, const DexelGrid& grid) {
   }
   std::int64_t sum = 0;
   switch (grid.axis) {
-    case RayAxis::kX:  // All rows are alike.
+    case RayAxis::kX:  // All rows are equal.
       for (std::int32_t i = 0; i < grid.columns_x; ++i) sum += length(stock_column(*c, grid, i, 0));
       return double(sum) * grid.columns_y;
-    case RayAxis::kY:  // All columns of a row are alike.
+    case RayAxis::kY:  // All columns of a row are equal.
       for (std::int32_t j = 0; j < grid.columns_y; ++j) sum += length(stock_column(*c, grid, 0, j));
       return double(sum) * grid.columns_x;
     case RayAxis::kZ:
@@ -136,7 +135,7 @@ double columns_in_field(const StockShape& stock, double pitch_mm, RayAxis axis) 
   const BoxStock box = stock_bounds(stock);
   const Vec3 size = to_frame(axis, box.max_mm - box.min_mm);
   const double x = columns(size.x, pitch_mm), y = columns(size.y, pitch_mm);
-  // A side of more columns than their numbers can count is as good as endless.
+  // A side with more columns than an index can count is treated as infinite.
   return std::max(x, y) < kSideColumnsMax ? x * y : std::numeric_limits<double>::infinity();
 }
 

@@ -6,7 +6,8 @@
 namespace kerf {
 namespace {
 
-/// The node, made or copied so that nobody else holds it.
+/// Returns the node of a slot for editing. Creates it if absent, and copies it if it is of an
+/// earlier era and therefore shared.
 template <class Node>
 Node& unshared(std::shared_ptr<Node>& slot, std::uint64_t era) {
   if (!slot) {
@@ -28,7 +29,7 @@ TileDirectory::TileDirectory(std::int32_t tiles_x, std::int32_t tiles_y)
 }
 
 DexelTile* TileDirectory::own(TileIndex tile, std::uint64_t era) {
-  // A tile of this era was put there in it, so the nodes above it are of this era too.
+  // A tile of this era was stored during it, so its parent nodes are of this era too.
   DexelTile* stored = locate(tile);
   return stored != nullptr && stored->era == era ? stored : nullptr;
 }

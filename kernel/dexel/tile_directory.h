@@ -14,25 +14,24 @@ namespace kerf {
 
 struct DexelTile;
 
-/// Where the touched tiles of a field are: a tree of three levels, 16 x 16 children each below a
-/// root of as many as the block needs (one per 8192 x 8192 columns). A part of the block that no
-/// tool has touched has no nodes. A copy shares all nodes; nodes and tiles belong to an era of
-/// their owner, and what is of an earlier era than the owner's is shared and copied before it is
-/// changed.
+/// The touched tiles of a field, in a copy-on-write tree of three levels: nodes of 16 x 16 children
+/// below a root with one child per 8192 x 8192 columns. Untouched parts of the block have no nodes.
+/// A copy of the directory shares all nodes. Nodes and tiles carry the era of their owner in which
+/// they were made; those of an earlier era are shared, and are copied before they are changed.
 class TileDirectory {
  public:
   TileDirectory(std::int32_t tiles_x, std::int32_t tiles_y);
 
-  /// The tile, or null while it is untouched; it must lie in the grid.
+  /// Returns a tile, or null while it is untouched. It must lie in the grid.
   const DexelTile* find(TileIndex tile) const { return locate(tile); }
-  /// The tile if it is of this era, hence held by no copy; else null.
+  /// Returns a tile for editing if it is of this era, hence not shared with a copy; else null.
   DexelTile* own(TileIndex tile, std::uint64_t era);
-  /// Where the tile is kept, to be filled or replaced; makes and copies the nodes on the way. `era`
-  /// never decreases from call to call.
+  /// Returns the slot of a tile, to be filled or replaced. Creates or copies the nodes on its path.
+  /// `era` must not decrease from call to call.
   std::shared_ptr<DexelTile>& slot(TileIndex tile, std::uint64_t era);
 
-  /// Calls visit(TileIndex, const DexelTile&) for every touched tile, in an order that depends on
-  /// their places alone.
+  /// Calls visit(TileIndex, const DexelTile&) for every touched tile, in an order that depends only
+  /// on the tiles' indices.
   template <class Visit>
   void for_each(Visit&& visit) const {
     for (std::size_t r = 0; r < root_->child.size(); ++r) {
@@ -45,7 +44,7 @@ class TileDirectory {
       }
     }
   }
-  /// Memory of the nodes, without the tiles.
+  /// Returns the bytes of the nodes, without the tiles.
   std::size_t bytes() const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// Triangles that share their corners, counter-clockwise seen from outside; mm.
+/// An indexed triangle mesh, counter-clockwise seen from outside; mm.
 struct TriangleMesh {
   std::vector<Vec3> vertices_mm;
   std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -9,14 +9,10 @@
 
 #include "kernel/force/surface_weight.h"
 #include "kernel/math/int_lanes.h"
+#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
-
-/// Dimensionless. Where a tool's points differ in their ways by less than this part of the tip's,
-/// all elements push in one direction, that of their middle. Directions err by its square, torque
-/// by it times the spread of the elements.
-constexpr double kCommonWay = 1e-3;
 
 /// Groups that are worked on at once: what stays in the nearest cache.
 constexpr std::size_t kChunk = 32;
@@ -206,7 +202,7 @@ CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist
                       from_origin.z / quantum, pitch, quantum};
   const Vec3 pivot = frame.axis * frame.pivot_mm;
   const bool common =
-      length(twist.turn_rad) * frame.reach_mm <= kCommonWay * length(twist.travel_mm);
+      length(twist.turn_rad) * frame.reach_mm <= kCommonDirectionShare * length(twist.travel_mm);
   const LaneSums sums = sum_parts(removal, {tip, twist, frame, weight, pivot, common}, workers);
   const double area = pitch * pitch;
   CutSum sum{total(sums.volume) * area, total(sums.x, sums.y, sums.z) * area, {}, {}};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/math/tolerance.h"
 #include "kernel/piece/bounds.h"
 
 namespace kerf {
@@ -46,8 +47,6 @@ struct Deepest {
 };
 
 constexpr int kSearchSteps = 60;  ///< each leaves at most nine tenths of the heights in question
-/// mm. A depth counts as found when it is missed by less. If it grows, contacts become shallower.
-constexpr double kDepthEpsilonMm = 1e-7;
 
 /// One non-cutting piece where it stands in the frame of a field.
 class PlacedPiece {

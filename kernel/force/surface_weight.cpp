@@ -6,14 +6,12 @@
 #include <limits>
 
 #include "kernel/math/lanes.h"
+#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Radii that differ by less are the same: a piece that ends where the next begins.
-constexpr double kCoverEpsilonMm = 1e-9;
 
 /// Segments longer than this part of the tool's radius are weighted at two points: over one shorter
 /// a ball's normal makes the weight of the middle wrong by less than a hundredth.

@@ -3,12 +3,10 @@
 
 #include <algorithm>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
-
-/// Ways shorter than this part of the width count as a point: the difference quotient below would
-/// be all rounding.
-constexpr double kPointShare = 1e-5;
 
 /// ∫∫ of the kernel box(1) * box(1): what of a steady stream, begun at 0, is delivered at x >= 0.
 double ramp(double x) {

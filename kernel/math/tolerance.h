@@ -47,13 +47,13 @@ inline constexpr double kClipMarginShare = 1e-3;
 /// ends the search may miss.
 inline constexpr double kStillMarginShare = 1e-3;
 
-/// Relative. A neighbor whose radius is less by this share (and kEdgeEpsilonMm) still hides the disc
-/// of a slice. Owner: sweep/swept_tool. If it grows, rims that stick out are not searched.
+/// Relative. A neighbor whose radius is less by this share (and kEdgeEpsilonMm) still hides the
+/// disc of a slice. Owner: sweep/swept_tool. If it grows, rims that stick out are not searched.
 inline constexpr double kHiddenDiscShare = 1e-12;
 
 /// mm. A neighbor that is wider by more than this buries the border of a slice.
 /// Owner: sweep/swept_tool. If it grows, trails are left out where they would be safe.
-inline constexpr double kBuriedBorderMm = 1e-6;
+inline constexpr double kBuriedBorderMm = 1e3 * kEdgeEpsilonMm;
 
 /// Dimensionless. Two sides whose slopes differ by less meet without an edge.
 /// Owner: sweep/swept_tool. If it grows, the trail ignores edges that still cut.
@@ -63,9 +63,9 @@ inline constexpr double kSameSlope = 1e-6;
 /// level one. Owner: sweep/shadow. If it grows, only time is lost; at 0 the plane's normal is 0/0.
 inline constexpr double kPlaneLean2 = 1e-4;
 
-/// Dimensionless. Axis components along the rays below this are raised to it, so that a ray at right
-/// angles to the axis crosses the discs at a finite distance. Owner: sweep/slice_meeting. If it
-/// grows to where dividing a tool's length by it stays within 10 km, discs cut such rays.
+/// Dimensionless. Smaller components of the axis along the rays are replaced by it, so that a ray
+/// at right angles to the axis crosses the planes of the discs at a finite, huge distance. Owner:
+/// sweep/slice_meeting. If it grows by orders of magnitude, discs end rays that never cross them.
 inline constexpr double kAxisAlongRayMin = 1e-290;
 
 /// mm. Newton's method along a ray has reached an arc when it is this near to it.
@@ -78,8 +78,8 @@ inline constexpr double kArcFoundMm = 1e-11;
 inline constexpr double kArcClosestMm = 1e-5;
 
 /// mm. How near to the outermost end the search goes where nothing turns and the sweep is convex:
-/// the user's tolerance has no part in it. Owner: sweep/swept_tool. If it grows, translated arcs are
-/// cut too shallow by it.
+/// the user's tolerance has no part in it. Owner: sweep/swept_tool. If it grows, translated arcs
+/// are cut too shallow by it.
 inline constexpr double kTranslationSearchMm = 1e-9;
 
 /// mm. A point this near to a piece lies on it, and no other piece is tested.
@@ -87,8 +87,8 @@ inline constexpr double kTranslationSearchMm = 1e-9;
 inline constexpr double kOnSurfaceMm = 1e-6;
 
 /// mm of travel. The search for the pose that touches a point ends in an interval of this length;
-/// the normal errs by its ratio to the tool's radius there. Owner: sweep/swept_surface. If it grows,
-/// normals err.
+/// the normal errs by its ratio to the tool's radius there. Owner: sweep/swept_surface. If it
+/// grows, normals err.
 inline constexpr double kTouchSearchMm = 1e-6;
 
 // --- Definitions of tools (kernel/tool) ---
@@ -98,14 +98,16 @@ inline constexpr double kTouchSearchMm = 1e-6;
 /// profile are lost.
 inline constexpr double kOutlineEpsilonMm = 1e-9;
 
-/// mm. Where lines and arcs of a definition should meet and miss by less, they do: cutter data comes
-/// rounded to three decimals. Owner: tool. If it grows, inconsistent definitions are accepted.
+/// mm. Where lines and arcs of a definition should meet and miss by less, they do: cutter data
+/// comes rounded to three decimals. Owner: tool. If it grows, inconsistent definitions are
+/// accepted.
 inline constexpr double kMissAllowanceMm = 1e-3;
 
 // --- Force (kernel/force) ---
 
-/// mm. Radii that differ by less are equal, and heights that differ by less touch: a piece that ends
-/// where the next begins. Owner: force/surface_weight. If it grows, narrow shoulders get no weight.
+/// mm. Radii that differ by less are equal, and heights that differ by less touch: a piece that
+/// ends where the next begins. Owner: force/surface_weight. If it grows, narrow shoulders get no
+/// weight.
 inline constexpr double kCoverEpsilonMm = 1e-9;
 
 /// Dimensionless. Where the displacements of a tool's points differ by less than this share of the

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
 
@@ -21,7 +23,7 @@ constexpr double kCircleMiss = 0.15;
 constexpr double kRadiusMax = 2000;
 /// The third difference of the heights (pitches) from which on an ellipse is more than what the
 /// ends may err, and for each square of a secant more than the rounding of the normals' codes.
-constexpr double kThirdMin = 0.02, kThirdOfSecant = 1e-3;
+constexpr double kThirdMin = 0.02;
 /// By these shares of the third difference and of the rise between two ends an ellipse may miss the
 /// end that it was not fitted to: at a crease between the ends it misses by more.
 constexpr double kMissOfThird = 0.1, kMissOfRise = 0.3;

@@ -6,13 +6,12 @@
 #include <utility>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/math/tolerance.h"
 #include "kernel/surface/edge_slice.h"
 
 namespace kerf {
 namespace {
 
-/// A steeper plane than this (its normal's upward part) is taken to be so steep.
-constexpr double kUprightMin = 1e-4;
 /// Rows on each side of a wall's crossing that take part in the line fitted to the wall.
 constexpr int kWallRows = 2;
 /// Pitches from the middle between two columns. Farther out that line is not believed: the wall may

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
 
@@ -12,9 +14,6 @@ namespace {
 /// angle between two planes. What is taken for the other thing errs by a fortieth of the pitch
 /// there.
 constexpr double kSmoothCosine = 0.995;
-/// Pull of the crossings' mean, against the number of planes: it decides along a ridge, where no
-/// plane does. If it grows ridges sink; if it shrinks vertices wander along them.
-constexpr double kMeanWeight = 3e-4;
 
 using Coordinates = std::array<double, 3>;
 

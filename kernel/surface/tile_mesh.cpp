@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/surface/column_window.h"
 #include "kernel/surface/flat_quads.h"
 #include "kernel/surface/lattice_cells.h"
@@ -24,9 +25,6 @@ struct Corner {
   unsigned edge = 0;  ///< the crossed edge, as this cell numbers it
 };
 using Corners = std::array<Corner, 4>;
-
-/// Sines below which two ways of splitting a quadrangle fit the surface equally well.
-constexpr double kFitEpsilon = 1e-4;
 
 /// Marks the place of a SplitVertex among the vertices of cells.
 constexpr std::uint32_t kSplit = std::uint32_t{1} << 31;

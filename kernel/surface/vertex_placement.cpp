@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
@@ -19,8 +20,6 @@ constexpr double kSheetShift = 1.0 / 64;
 /// Normals that differ by more than this (its cosine) belong to two sides of a crease, and are
 /// shaded apart.
 constexpr double kCreaseCosine = 0.96;
-/// A sum of unit normals shorter than this has no direction.
-constexpr double kNormalMin = 1e-6;
 
 /// Level edges that are remembered, a power of two: those of two rows of cells.
 constexpr std::size_t kEdgesSeen = 1024;

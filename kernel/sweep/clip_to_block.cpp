@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/piece/bounds.h"
 
 namespace kerf {
@@ -26,7 +27,8 @@ std::optional<ToolPiece> clip_to_block(const ToolPiece& piece, const ToolMotion&
     clip(-std::max(a.axis.*c, b.axis.*c), -std::max(a.tip_mm.*c, b.tip_mm.*c), -block.min_mm.*c);
   }
   if (reach <= whole.z0_mm) return std::nullopt;
-  const double needed = reach + 1e-3 * (whole.z1_mm - whole.z0_mm);  // Well clear of the block.
+  const double needed =
+      reach + kClipMarginShare * (whole.z1_mm - whole.z0_mm);  // Well clear of the block.
   if (std::holds_alternative<BallPiece>(piece) || !(needed < whole.z1_mm)) return piece;
   return slice_of(piece, whole.z0_mm, needed);
 }

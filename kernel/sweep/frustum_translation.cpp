@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/piece/bounds.h"
 
 namespace kerf {
@@ -50,10 +51,6 @@ Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const To
           RayPipe(start.base, start.axis, piece.r0_mm, d),
           RayPipe(start.base + start.axis * start.height, start.axis, piece.r1_mm, d)};
 }
-
-/// mm. Rays so far outside a surface's rectangle are not asked for it: far more than the surfaces
-/// allow at their edges and than rounding moves them.
-constexpr double kRectangleMarginMm = 1e-6;
 
 /// Which surface has which lane of the rectangles.
 enum Surface { kStart, kEnd, kLeft, kRight, kLower, kUpper, kSurfaces };

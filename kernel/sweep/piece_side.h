@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/math/vec3_lanes.h"
 #include "kernel/piece/arc.h"
 #include "kernel/piece/frustum.h"
@@ -131,8 +132,6 @@ struct ArcSide {
 
  private:
   static constexpr int kSteps = 40;  ///< a grazed arc halves the distance at each
-  static constexpr double kFoundMm = 1e-11;
-  static constexpr double kClosestMm = 1e-5;  ///< the gap there errs by its square over a radius
 
   /// Where rays that pass by are closest to the arc: where the slope of F along the ray changes
   /// sign. With θ the angle of the normal there to the axis it is center_r |cos θ| away from where
@@ -140,7 +139,7 @@ struct ArcSide {
   KERF_INLINE Lanes closest_to(Lanes p2, Lanes uz, Lanes along) const {
     const double farthest = std::abs(center_r);
     Lanes a = -farthest, b = farthest;
-    for (double width = 2 * farthest; width > kClosestMm; width *= 0.5) {
+    for (double width = 2 * farthest; width > kArcClosestMm; width *= 0.5) {
       const Lanes t = (a + b) * 0.5;
       const Lanes l = along + uz * t;
       const Lanes rho = square_root(magnitude(p2 + t * t - l * l));
@@ -163,7 +162,7 @@ struct ArcSide {
       const CircleDistance<Lanes> d = circle_distance(center_r, radius, rho, l);
       const Lanes across = select(rho > 0.0, d.across * (t - l * uz) / rho, Lanes(0));
       const Lanes slope = (across + l * uz) / d.length;
-      const LaneMask outside = d.mm > kFoundMm;
+      const LaneMask outside = d.mm > kArcFoundMm;
       const LaneMask closing = select(from_below, slope, -slope) < 0.0;
       met &= ~(moving & outside & ~closing);
       moving &= outside & closing;

@@ -6,14 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/piece/bounds.h"
 
 namespace kerf {
 namespace {
-
-/// Squared sine of the lean from which on a plane along the axis bounds the piece better than a
-/// level one.
-constexpr double kLeanForPlane = 1e-4;
 
 constexpr double kCos1 = 0.92387953251128674, kCos2 = 0.70710678118654752;
 constexpr double kCos3 = 0.38268343236508977;
@@ -84,7 +81,7 @@ Shadow::Shadow(const FrustumPiece& e, const std::vector<ToolPose>& poses, double
   plane_ = {-kInfinity, 0, 0, 0};
   const Vec3 u = normalized(poses.front().axis + poses.back().axis);
   const double lean2 = u.x * u.x + u.y * u.y;
-  if (!(lean2 > kLeanForPlane && u.z > 0)) return;
+  if (!(lean2 > kPlaneLean2 && u.z > 0)) return;
   // The plane along the middle axis that touches the piece from below: n is the upward normal of
   // the axis. Discs reach their radius below their centres along n; sines of the half turn are
   // covered by taking whole radii.

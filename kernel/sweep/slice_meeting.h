@@ -67,7 +67,7 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   const SideSpan span = side.meet(px, py, u, along);
 
   // A ray at right angles to the axis never crosses the discs: they are far away.
-  const Lanes uz = select(magnitude(u.z) > 1e-290, u.z, Lanes(1e-290));
+  const Lanes uz = select(magnitude(u.z) > kAxisAlongRayMin, u.z, Lanes(kAxisAlongRayMin));
   const Lanes to_low = (side.low - along) / uz, to_high = (side.high - along) / uz;
   const Lanes disc_in = lesser(to_low, to_high), disc_out = greater(to_low, to_high);
   const LaneMask below = span.exists & (span.out < disc_in);

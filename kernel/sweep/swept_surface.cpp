@@ -3,15 +3,10 @@
 
 #include <limits>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
-
-/// mm. A point this near to a piece lies on it: no other piece need be asked.
-constexpr double kOnSurfaceMm = 1e-6;
-
-/// mm. The way within which a search finds the pose that touches a point: the normal errs by its
-/// ratio to the tool's radius there.
-constexpr double kSearchMm = 1e-6;
 
 constexpr int kSearchSteps = 120;
 
@@ -150,7 +145,7 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const PieceProfile& piec
     found.gap = kerf::select(searching, c.gap, found.gap);
     found.normal = select(there, c.normal, found.normal);
     searching &= ~there;
-    const LaneMask close = searching & ((b - a) * speed_max_ <= kSearchMm);
+    const LaneMask close = searching & ((b - a) * speed_max_ <= kTouchSearchMm);
     // Between the normals on both sides of the minimum: of the two surfaces of an edge, or of one
     // surface at two places as good as equal.
     const Lanes weight = first.advance / (first.advance - last.advance);

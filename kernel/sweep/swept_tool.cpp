@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/sweep/clip_to_block.h"
 
 namespace kerf {
@@ -12,10 +13,6 @@ namespace {
 
 /// Shares of the tolerance: the stations of a turning piece, and the search between them.
 constexpr double kStationShare = 0.9, kSearchShare = 0.1;
-
-/// mm. How near the search goes where nothing turns and the sweep is convex, so that a user's
-/// tolerance has no part in it.
-constexpr double kTranslationSearchMm = 1e-9;
 
 std::int64_t parts(double count) {
   if (!(count < double(kSubMotionsMax))) return kSubMotionsMax + 1;
@@ -51,15 +48,14 @@ double axial_normal(const ToolPiece& piece) {
 /// Whether a disc of a slice at height z is hidden within a neighbouring piece.
 bool covers(const ToolPiece* neighbour, double z_mm, double radius_mm) {
   return neighbour != nullptr &&
-         radius_at(*neighbour, z_mm) >= radius_mm * (1 - 1e-12) - kEdgeEpsilonMm;
+         radius_at(*neighbour, z_mm) >= radius_mm * (1 - kHiddenDiscShare) - kEdgeEpsilonMm;
 }
 
 /// Whether the border of a slice at height z, hidden or not, makes no edge with the neighbour that
 /// covers it: it is buried, or the two sides go on in one direction.
 bool is_smooth(const ToolPiece& slice, const ToolPiece* neighbour, double z_mm) {
-  constexpr double kSameSlope = 1e-6;
   if (neighbour == nullptr) return false;
-  if (radius_at(*neighbour, z_mm) > radius_at(slice, z_mm) + 1e3 * kEdgeEpsilonMm) return true;
+  if (radius_at(*neighbour, z_mm) > radius_at(slice, z_mm) + kBuriedBorderMm) return true;
   return std::abs(slope_at(*neighbour, z_mm) - slope_at(slice, z_mm)) < kSameSlope;
 }
 
@@ -124,7 +120,7 @@ std::optional<double> still_point(const Extent& e, const ToolMotion& m) {
   const double du2 = dot(du, du);
   if (!(du2 > 0)) return std::nullopt;
   const double still = -dot(m.to.tip_mm - m.from.tip_mm, du) / du2;
-  const double margin = 1e-3 * (e.z1_mm - e.z0_mm);
+  const double margin = kStillMarginShare * (e.z1_mm - e.z0_mm);
   return still > e.z0_mm + margin && still < e.z1_mm - margin ? std::optional(still) : std::nullopt;
 }
 

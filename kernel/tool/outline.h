@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/tool/tool.h"
 
 namespace kerf {
@@ -20,10 +21,6 @@ struct OutlineArc {
   double radius_mm;
 };
 using OutlineSection = std::variant<OutlineLine, OutlineArc>;
-
-/// mm. Sections that rise by less are shoulders; what should meet the axis or be tangent and misses
-/// by less, does. Owner: kernel/tool. If it grows, thin parts of a profile are lost.
-inline constexpr double kOutlineEpsilonMm = 1e-9;
 
 /// The convex pieces of a body whose outline rises section by section (heights never fall). An arc
 /// about a point of the axis that starts at the tip becomes a whole ball where what follows covers

@@ -40,7 +40,7 @@ struct ToolError {
 
 /// Largest and smallest length that any tool dimension may have.
 inline constexpr double kToolLengthMaxMm = 5000;
-inline constexpr double kToolLengthMinMm = 1e-4;
+inline constexpr double kToolLengthMinMm = 0.0001;
 /// Most convex pieces that the cutting or the non-cutting part of a tool may have.
 inline constexpr std::size_t kToolPiecesMax = 1024;
 

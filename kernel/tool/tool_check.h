@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/tool/tool.h"
 
 namespace kerf {
@@ -14,11 +15,6 @@ namespace kerf {
 using ToolCheck = std::expected<void, ToolError>;
 /// The convex pieces of a shape, from the tip up.
 using Pieces = std::expected<std::vector<ToolPiece>, ToolError>;
-
-/// mm. Where lines and arcs of a definition should meet and miss by less, they do: cutter data
-/// comes rounded to three decimals. Owner: kernel/tool. If it grows, wrong definitions are
-/// accepted.
-inline constexpr double kMissAllowanceMm = 1e-3;
 
 /// A length between kToolLengthMinMm and kToolLengthMaxMm.
 ToolCheck check_length(const std::string& field, double value_mm);

@@ -69,7 +69,7 @@ struct ProfileCenteredArc {
 using ProfileStep = std::variant<ProfilePoint, ProfileArc, ProfileCenteredArc>;
 
 /// mm. Default of ProfileShape::chord_tolerance_mm.
-inline constexpr double kChordToleranceMm = 1e-4;
+inline constexpr double kChordToleranceMm = 0.0001;
 
 /// A free outline from the tip up: lollipops, dovetails, T-slot and form cutters. It starts with a
 /// point at height 0, on the axis or off it; from step to step the height never falls; where it

@@ -12,42 +12,41 @@
 namespace kerf {
 namespace {
 
-// The laws, as server/carve/README.md derives them from measurements. Only + - x / and roots: equal
-// scenes give equal choices on every CPU.
+// The error and cost models that server/carve/README.md derives from measurements. They use
+// + - * / and square roots only, so equal scenes give equal choices on every CPU.
 
-// Greatest distance of the mesh from the true solid, in pitches: at steep walls and their edges
-// with rays along Z alone, at what is smaller than the pitch with three fields.
+// Greatest distance between the mesh and the true solid, in pitches. With rays along Z alone it
+// occurs at steep walls and their edges, with three fields at features smaller than the pitch.
 constexpr double kErrorPerPitchDexel = 0.9, kErrorPerPitchTriDexel = 0.75;
-// And what a dexel's end and a chord of an arc may be off.
+// Contribution of the errors of dexel ends and arc chords, in tolerances.
 constexpr double kErrorPerTolerance = 1;
-// CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: for each
-// sub-motion, for each row of columns under the tool (their number's root) and for each column.
+// CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: per sub-motion, per
+// row of columns under the tool (the square root of their number) and per column.
 constexpr double kUsPerSubMotion = 2.8;
 constexpr double kUsPerRow = 0.33;
 constexpr double kUsPerColumn = 0.0064;
-// What its sub-motions cost together: 1 + kTight / sqrt(tolerance), 1 + kPaper / tolerance (mm) of
-// one.
+// Cost of all sub-motions relative to one: 1 + kTightParts / sqrt(tolerance) for the tight model,
+// 1 + kPaperParts / tolerance for the paper's (tolerance in mm).
 constexpr double kTightParts = 0.005;
 constexpr double kPaperParts = 0.23;
-// Three fields against one.
+// Cost of three fields of rays relative to one.
 constexpr double kTriDexelCost = 5.5;
-// Of which the footprint is taken: 1 mm of a motion.
+// Length of the motion whose footprint determines the number of columns, mm.
 constexpr double kTravelMm = 1;
 
 constexpr double kBytesMax = 4.0 * 1024 * 1024 * 1024;
 constexpr double kBytesPerColumn = 8.3;
-// Pitches that a tool's radius must have at least: below that its cuts fall between the rays.
+// Fewest pitches per tool radius; below this, cuts fall between the rays.
 constexpr double kPitchesPerRadius = 1;
-// Parts of the target that the tolerance takes: where the product of columns (1 / pitch^2) and
-// sub-motions is least. They are constant, so that a smaller target never gets a coarser pitch.
-// Where no axis turns, a tolerance costs nothing but chords of arcs.
+// Share of the target given to the tolerance: the minimum of the product of columns (1 / pitch^2)
+// and sub-motions. The shares are constant, so that a smaller target never gets a coarser pitch.
+// Without rotary axes the tolerance only determines the number of chords of arcs.
 constexpr double kTightShare = 0.1, kPaperShare = 0.3, kUprightShare = 0.02;
 // The same limits as Sculpture::create.
 constexpr double kPitchMinMm = 1e-4, kPitchMaxMm = 1000;
 constexpr double kToleranceMinMm = 1e-6;
 
-// The nearest number not above `value` with this many significant digits: settings that people can
-// read.
+// Rounds down to `digits` significant digits, so that the chosen settings are readable.
 double rounded_down(double value, int digits) {
   double unit = 1;
   int exponent = 0;
@@ -77,17 +76,18 @@ double error_per_pitch(Rays rays) {
   return rays == Rays::kTriDexel ? kErrorPerPitchTriDexel : kErrorPerPitchDexel;
 }
 
-// Fields of rays.
+// Number of fields of rays.
 int fields(Rays rays) { return rays == Rays::kTriDexel ? 3 : 1; }
 
 std::string mm(double value) { return significant_text(value, 3) + " mm"; }
 
-// The coarsest pitch that the target leaves room for beside the tolerance.
+// Coarsest pitch whose error and that of the tolerance together meet the target.
 double pitch_for(double target_mm, double tolerance_mm, Rays rays) {
   return (target_mm - kErrorPerTolerance * tolerance_mm) / error_per_pitch(rays);
 }
 
-std::unexpected<AccuracyError> no(AccuracyErrorCode code, std::string field, std::string reason) {
+std::unexpected<AccuracyError> failure(AccuracyErrorCode code, std::string field,
+                                       std::string reason) {
   return std::unexpected(AccuracyError{code, std::move(field), std::move(reason)});
 }
 
@@ -96,20 +96,21 @@ double share_of(MotionModel motion, bool turns) {
   return motion == MotionModel::kTight ? kTightShare : kPaperShare;
 }
 
-// What stands in the way of the target with these rays, whatever is chosen for the rest.
+// Returns an error if no choice of the remaining values meets the target with these rays.
 std::expected<void, AccuracyError> check(const AccuracyRequest& r, const AccuracyUse& use,
                                          Rays rays) {
   using enum AccuracyErrorCode;
   const double tolerance = r.tolerance_mm.value_or(0);
   const double per_pitch = error_per_pitch(rays);
   if (kErrorPerTolerance * tolerance >= r.target_mm)
-    return no(kUnreachable, "tolerance_mm",
-              "is " + mm(tolerance) + ", which leaves nothing of a target of " + mm(r.target_mm));
+    return failure(kUnreachable, "tolerance_mm",
+                   "is " + mm(tolerance) + "; it must be below the target of " + mm(r.target_mm));
   if (r.pitch_mm && per_pitch * *r.pitch_mm + tolerance >= r.target_mm)
-    return no(kUnreachable, "pitch_mm",
-              "is " + mm(*r.pitch_mm) + ", with which a surface error of " +
-                  mm(per_pitch * *r.pitch_mm + tolerance) +
-                  " is to be expected: more than the target of " + mm(r.target_mm));
+    return failure(kUnreachable, "pitch_mm",
+                   "is " + mm(*r.pitch_mm) + ", with which a surface error of " +
+                       mm(per_pitch * *r.pitch_mm + tolerance) +
+                       " is expected, more than the target of " + mm(r.target_mm) +
+                       "; reduce the pitch or raise the target");
   const double share =
       r.tolerance_mm ? 0 : share_of(r.motion.value_or(MotionModel::kTight), use.turns);
   const double pitch = r.pitch_mm.value_or(
@@ -118,26 +119,26 @@ std::expected<void, AccuracyError> check(const AccuracyRequest& r, const Accurac
   const double least_tolerance = r.tolerance_mm.value_or(
       (r.target_mm - per_pitch * r.pitch_mm.value_or(0)) / kErrorPerTolerance / 2);
   if (pitch < kPitchMinMm || least_tolerance < kToleranceMinMm)
-    return no(kOutOfRange, "target_mm",
-              "is " + mm(r.target_mm) + ", for which the pitch would have to be " + mm(pitch) +
-                  ": the least is " + mm(kPitchMinMm));
+    return failure(kOutOfRange, "target_mm",
+                   "is " + mm(r.target_mm) + ", for which the pitch would have to be " + mm(pitch) +
+                       "; the smallest pitch is " + mm(kPitchMinMm));
   Accuracy finest{rays, pitch, tolerance, MotionModel::kTight};
   const double bytes = predicted_bytes(finest, use.stock);
   if (bytes > kBytesMax) {
     finest.pitch_mm = pitch * std::sqrt(bytes / kBytesMax);
-    return no(kTooMuchMemory, "target_mm",
-              "is " + mm(r.target_mm) + ", for which this stock could need " +
-                  significant_text(bytes / kBytesMax * 4, 3) +
-                  " GiB; the limit is 4 GiB, which allows a target of " +
-                  mm(predicted_error_mm(finest) / (1 - share)));
+    return failure(kTooMuchMemory, "target_mm",
+                   "is " + mm(r.target_mm) + ", for which this stock may need " +
+                       significant_text(bytes / kBytesMax * 4, 3) +
+                       " GiB; the limit is 4 GiB, which allows a target of " +
+                       mm(predicted_error_mm(finest) / (1 - share)));
   }
   return {};
 }
 
-// The cheapest for given rays and motion model; check has passed.
+// Returns the cheapest accuracy for given rays and motion model. Precondition: check() passed.
 Accuracy cheapest(const AccuracyRequest& r, const AccuracyUse& use, Rays rays, MotionModel motion) {
   const double coarsest = std::min(smallest_radius_mm(use.tools) / kPitchesPerRadius, kPitchMaxMm);
-  // With a fixed pitch the tolerance may take half of what is left.
+  // With a fixed pitch the tolerance gets half of the remaining error.
   const double room = r.pitch_mm ? (r.target_mm - error_per_pitch(rays) * *r.pitch_mm) / 2
                                  : share_of(motion, use.turns) * r.target_mm;
   const double tolerance = r.tolerance_mm.value_or(room / kErrorPerTolerance);
@@ -150,21 +151,21 @@ bool all_given(const AccuracyRequest& r) {
   return r.rays && r.pitch_mm && r.tolerance_mm && r.motion;
 }
 
-std::string why(const AccuracyChoice& choice, const AccuracyUse& use) {
+std::string reason_text(const AccuracyChoice& choice, const AccuracyUse& use) {
   const AccuracyRequest& r = choice.request;
   const Accuracy& a = choice.accuracy;
-  const auto given = [&r](bool is) { return is && !all_given(r) ? " (given)" : ""; };
+  const auto given = [&r](bool fixed) { return fixed && !all_given(r) ? " (given)" : ""; };
   std::string text =
       std::string(to_string(a.rays)) + given(r.rays.has_value()) + ", pitch " +
       exact_text(a.pitch_mm) + " mm" + given(r.pitch_mm.has_value()) + ", tolerance " +
       exact_text(a.tolerance_mm) + " mm" + given(r.tolerance_mm.has_value()) + ", " +
       (a.motion == MotionModel::kTight ? "tight" : "paper") + given(r.motion.has_value()) +
-      ": a surface error of " + mm(choice.predicted_error_mm) + " is to be expected";
+      ": expected surface error " + mm(choice.predicted_error_mm);
   if (choice.predicted_error_mm > r.target_mm)
     return text + ", which misses the target of " + mm(r.target_mm);
   text += " (" + exact_text(error_per_pitch(a.rays)) + " pitch + tolerance)";
   if (!r.pitch_mm && a.pitch_mm * kPitchesPerRadius >= smallest_radius_mm(use.tools) * 0.99)
-    text += "; the pitch is held to the radius of the smallest tool";
+    text += "; the pitch is limited by the radius of the smallest tool";
   const auto times = [&](const Accuracy& other) {
     return significant_text(predicted_us(other, use) / choice.predicted_us, 2) + " times as long";
   };
@@ -213,12 +214,12 @@ std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyReque
   if (all_given(r)) {
     choice.accuracy = {*r.rays, *r.pitch_mm, *r.tolerance_mm, *r.motion};
   } else {
-    std::optional<AccuracyError> obstacle;
+    std::optional<AccuracyError> first_error;
     bool found = false;
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
       if (r.rays.value_or(rays) != rays) continue;
       if (auto possible = check(r, use, rays); !possible) {
-        obstacle = obstacle.value_or(possible.error());
+        first_error = first_error.value_or(possible.error());
         continue;
       }
       for (const MotionModel motion : {MotionModel::kTight, MotionModel::kPaper}) {
@@ -229,11 +230,11 @@ std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyReque
         found = true;
       }
     }
-    if (!found) return std::unexpected(*obstacle);
+    if (!found) return std::unexpected(*first_error);
   }
   choice.predicted_error_mm = predicted_error_mm(choice.accuracy);
   choice.predicted_us = predicted_us(choice.accuracy, use);
-  choice.reason = why(choice, use);
+  choice.reason = reason_text(choice, use);
   return choice;
 }
 

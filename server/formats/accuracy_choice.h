@@ -10,61 +10,63 @@
 
 namespace kerf {
 
-/// How a block is carved: what a scene's "accuracy" comes down to.
+/// The resolution at which a block is carved: the "accuracy" object of a scene.
 struct Accuracy {
-  Rays rays = Rays::kDexel;
-  double pitch_mm = 0.25;
-  double tolerance_mm = 0.01;
+  Rays rays = Rays::kDexel;    ///< one field of rays along Z, or three along X, Y and Z
+  double pitch_mm = 0.25;      ///< distance between neighboring rays, 1e-4 to 1000
+  double tolerance_mm = 0.01;  ///< greatest error of a dexel end and of an arc's chord, >= 1e-6
   MotionModel motion = MotionModel::kTight;
   friend bool operator==(const Accuracy&, const Accuracy&) = default;
 };
 
-/// What a user asks for: a greatest surface error, and any of the four values that must not be
-/// chosen.
+/// A requested surface error, with any of the four accuracy values fixed by the user.
 struct AccuracyRequest {
-  double target_mm = 0;
+  double target_mm = 0;  ///< greatest surface error allowed, > 0
   std::optional<Rays> rays = {};
   std::optional<double> pitch_mm = {}, tolerance_mm = {};
   std::optional<MotionModel> motion = {};
 };
 
-/// For what kind of work the accuracy is chosen.
+/// The stock, tools and machine that the accuracy is chosen for.
 struct AccuracyUse {
   StockShape stock;
-  std::vector<Tool> tools;
-  bool turns = true;  ///< whether the machine can turn the tool's axis
+  std::vector<Tool> tools;  ///< at least one
+  bool turns = true;        ///< the machine can turn the tool axis
 };
 
+/// The result of choose_accuracy.
 struct AccuracyChoice {
   AccuracyRequest request;
   Accuracy accuracy;
-  double predicted_error_mm = 0;  ///< greatest distance of the mesh from the true solid
-  double predicted_us = 0;  ///< CPU time of a motion of 1 mm (and 2.5 degrees) on the machine that
-                            ///< the law was measured on
-  std::string reason;       ///< one line: what was chosen, and why
+  double predicted_error_mm = 0;  ///< greatest distance between the mesh and the true solid
+  double predicted_us = 0;  ///< CPU time of a motion of 1 mm (and 2.5 degrees) on the machine on
+                            ///< which the cost model was measured
+  std::string reason;       ///< one line: the values chosen, the expected error and alternatives
 };
 
+/// Why no accuracy meets a target.
 enum class AccuracyErrorCode {
-  kUnreachable,    ///< what is fixed is too coarse for the target
-  kTooMuchMemory,  ///< the pitch that the target needs would not fit
-  kOutOfRange      ///< the pitch or tolerance that the target needs is none that the kernel takes
+  kUnreachable,    ///< a fixed value is too coarse for the target
+  kTooMuchMemory,  ///< the pitch that the target requires exceeds 4 GiB of stock
+  kOutOfRange      ///< the pitch or tolerance that the target requires is below the kernel's limits
 };
 struct AccuracyError {
   AccuracyErrorCode code;
-  std::string field;   ///< of "accuracy", that stands in the way, e.g. "pitch_mm"
-  std::string reason;  ///< one sentence
+  std::string field;   ///< the field of "accuracy" to change, e.g. "pitch_mm"
+  std::string reason;  ///< one clause about that field
 };
 
-/// Greatest surface error that is to be expected: the law of server/carve/README.md.
+/// Returns the greatest surface error to expect, mm, by the error model of server/carve/README.md.
 double predicted_error_mm(const Accuracy& accuracy);
-/// CPU time of a typical motion by the law of server/carve/README.md, us.
+/// Returns the CPU time of a typical motion, us, by the cost model of server/carve/README.md.
 double predicted_us(const Accuracy& accuracy, const AccuracyUse& use);
-/// Bytes of the stock if all of it is touched.
+/// Returns the size of the stock in memory if all of it has been touched, bytes.
 double predicted_bytes(const Accuracy& accuracy, const StockShape& stock);
 
-/// The cheapest accuracy whose predicted surface error meets the target, within 4 GiB of stock and
-/// fine enough for the smallest tool. Equal requests give equal choices on every machine. Where all
-/// four values are given there is nothing to choose and no error: the reason says what to expect.
+/// Chooses the cheapest accuracy whose predicted surface error meets the target, with at most 4 GiB
+/// of stock and a pitch no larger than the radius of the smallest tool. Uses + - * / and square
+/// roots only, so equal requests give equal choices on every CPU. A request that fixes all four
+/// values always succeeds; `reason` then reports the expected error.
 std::expected<AccuracyChoice, AccuracyError> choose_accuracy(const AccuracyRequest& request,
                                                              const AccuracyUse& use);
 

@@ -14,18 +14,19 @@
 #include "kernel/math/rotation.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/motion_sink.h"
+#include "server/formats/number_text.h"
 #include "server/formats/text_lines.h"
 
 namespace kerf {
 namespace {
 
 constexpr double kMmPerInch = 25.4;
-// A file whose CUTTER says another diameter than the scene's tool gets a warning.
+// Greatest difference without a warning between the diameters of CUTTER and of the scene's tool.
 constexpr double kCutterDifferenceMm = 1e-3;
-// Shorter axes have no direction.
+// Shortest tool axis vector that has a direction.
 constexpr double kAxisLengthMin = 1e-6;
 
-// What CUTTER calls the diameter: where bottom and side line meet.
+// The diameter as CUTTER defines it: at the intersection of bottom and side line.
 double diameter_mm(const SceneTool& tool) {
   if (const auto* apt = std::get_if<AptShape>(&tool.shape)) return apt->d_mm;
   return 2 * tool.tool.radius_mm;
@@ -34,14 +35,14 @@ double diameter_mm(const SceneTool& tool) {
 constexpr std::array kSpindleWords{"ON", "OFF", "CLW", "CCLW", "RPM", "NEUTRL", "LOCK"};
 constexpr std::array kCoolantWords{"ON", "OFF", "MIST", "FLOOD", "THRU"};
 
-// Thrown within this file where a statement cannot be understood; read_apt adds file and line.
+// Thrown for an invalid statement; AptReader::read adds file and line. Never leaves this file.
 struct Fault {
   std::string word, reason;
 };
 
 struct Statement {
   std::string major;               ///< upper case
-  std::vector<std::string> minor;  ///< upper case, trimmed, after '/'
+  std::vector<std::string> minor;  ///< values after '/', upper case, without blanks
 };
 
 std::string clean(std::string_view text) {
@@ -106,7 +107,7 @@ class AptReader {
   }
 
  private:
-  // Texts may hold anything, also '$' and '/'.
+  // Statements whose text is free, including '$' and '/'.
   static bool is_text(const std::string& statement) {
     return statement.starts_with("PARTNO") || statement.starts_with("PPRINT") ||
            statement.starts_with("REMARK");
@@ -128,7 +129,7 @@ class AptReader {
     const auto handler = std::find_if(kStatements.begin(), kStatements.end(),
                                       [&](const auto& h) { return h.first == statement.major; });
     if (handler == kStatements.end())
-      throw Fault{statement.major, "is not an APT word that Kerf understands"};
+      throw Fault{statement.major, "is not a supported APT statement"};
     (this->*handler->second)(statement);
   }
 
@@ -137,22 +138,22 @@ class AptReader {
       program_.warnings.push_back(program_.name + ":" + std::to_string(line_) + ": " + text);
   }
 
-  static void need_count(const Statement& s, std::size_t least, std::size_t most) {
+  static void check_count(const Statement& s, std::size_t least, std::size_t most) {
     if (s.minor.size() < least || s.minor.size() > most)
-      throw Fault{s.major, "needs " + std::to_string(least) +
-                               (least == most ? "" : " to " + std::to_string(most)) +
-                               " values, not " + std::to_string(s.minor.size())};
+      throw Fault{s.major, "has " + std::to_string(s.minor.size()) + " values; it takes " +
+                               std::to_string(least) +
+                               (least == most ? "" : " to " + std::to_string(most))};
   }
 
   static void check(const MotionSink::Result& result) {
     if (!result) throw Fault{"", result.error()};
   }
 
-  void nothing(const Statement&) {}
+  void ignore(const Statement&) {}
   void fini(const Statement&) { finished_ = true; }
 
   void units(const Statement& s) {
-    need_count(s, 1, 1);
+    check_count(s, 1, 1);
     if (s.minor[0] == "MM") {
       unit_mm_ = 1;
     } else if (s.minor[0] == "INCHES" || s.minor[0] == "INCH") {
@@ -163,35 +164,36 @@ class AptReader {
   }
 
   void multax(const Statement& s) {
-    need_count(s, 0, 1);
+    check_count(s, 0, 1);
     if (!s.minor.empty() && s.minor[0] != "ON" && s.minor[0] != "OFF")
       throw Fault{s.minor[0], "must be ON or OFF"};
     multiaxis_ = s.minor.empty() || s.minor[0] == "ON";
   }
 
   void load_tool(const Statement& s) {
-    need_count(s, 1, 1);
+    check_count(s, 1, 1);
     const double id = number(s.minor[0]);
     if (id < 1 || id > 4294967295.0 || id != std::floor(id) ||
         !scene_.tools.contains(static_cast<ToolId>(id)))
-      throw Fault{s.minor[0], "the scene has no such tool"};
+      throw Fault{s.minor[0], "is not the id of a tool of the scene"};
     sink_.change_tool(static_cast<ToolId>(id), line_);
   }
 
   void cutter(const Statement& s) {
-    need_count(s, 1, 7);
+    check_count(s, 1, 7);
     for (const std::string& word : s.minor) number(word);
     const double diameter = number(s.minor[0]) * unit_mm_;
-    if (diameter <= 0) throw Fault{s.minor[0], "a cutter needs a diameter above 0"};
+    if (diameter <= 0) throw Fault{s.minor[0], "the diameter of a cutter must be above 0"};
     if (!sink_.tool()) return;
     const double loaded = diameter_mm(scene_.tools.at(*sink_.tool()));
     if (std::abs(diameter - loaded) > kCutterDifferenceMm)
-      warn("CUTTER says " + std::to_string(diameter) + " mm; the scene's tool " +
-           std::to_string(*sink_.tool()) + " has " + std::to_string(loaded) + " mm and is used");
+      warn("CUTTER has a diameter of " + decimal_text(diameter, 6) + " mm, but tool " +
+           std::to_string(*sink_.tool()) + " of the scene, which is used, has " +
+           decimal_text(loaded, 6) + " mm");
   }
 
   void feed_rate(const Statement& s) {
-    need_count(s, 1, 2);
+    check_count(s, 1, 2);
     std::optional<double> value;
     double unit = unit_mm_;
     FeedUnit per = FeedUnit::kPerMinute;
@@ -205,12 +207,12 @@ class AptReader {
       } else if (word == "PERMIN" || word == "PERREV") {
         per = word == "PERMIN" ? FeedUnit::kPerMinute : FeedUnit::kPerRevolution;
       } else if (value) {
-        throw Fault{word, "is not a feed unit; use MMPM, MMPR, IPM or IPR"};
+        throw Fault{word, "is not a feed unit; use MMPM, MMPR, IPM, IPR, PERMIN or PERREV"};
       } else {
         value = number(word);
       }
     }
-    if (!value || *value <= 0) throw Fault{"FEDRAT", "needs a feed above 0"};
+    if (!value || *value <= 0) throw Fault{"FEDRAT", "must give a feed above 0"};
     feed_ = *value;
     feed_mm_ = *value * unit;
     feed_unit_ = per;
@@ -218,50 +220,50 @@ class AptReader {
   }
 
   void rapid(const Statement& s) {
-    need_count(s, 0, 0);
+    check_count(s, 0, 0);
     rapid_ = true;
   }
 
   void spindle(const Statement& s) {
-    need_count(s, 1, 4);
+    check_count(s, 1, 4);
     for (const std::string& word : s.minor) {
       if (std::find(kSpindleWords.begin(), kSpindleWords.end(), word) != kSpindleWords.end())
         continue;
       spindle_rpm_ = number(word);
-      if (spindle_rpm_ < 0) throw Fault{word, "a spindle speed cannot be negative"};
+      if (spindle_rpm_ < 0) throw Fault{word, "the spindle speed must not be negative"};
     }
   }
 
   void coolant(const Statement& s) {
-    need_count(s, 1, 1);
+    check_count(s, 1, 1);
     if (std::find(kCoolantWords.begin(), kCoolantWords.end(), s.minor[0]) == kCoolantWords.end())
-      throw Fault{s.minor[0], "is not a coolant; use ON, OFF, MIST, FLOOD or THRU"};
+      throw Fault{s.minor[0], "is not a coolant mode; use ON, OFF, MIST, FLOOD or THRU"};
   }
 
   void delay(const Statement& s) {
-    need_count(s, 1, 1);
+    check_count(s, 1, 1);
     const double seconds = number(s.minor[0]);
-    if (seconds < 0) throw Fault{s.minor[0], "a delay cannot be negative"};
-    if (sink_.placed()) need_tool();
+    if (seconds < 0) throw Fault{s.minor[0], "the delay must not be negative"};
+    if (sink_.placed()) require_tool();
     check(sink_.dwell(seconds, line_));
   }
 
   ToolPose read_pose(const Statement& s) {
     if (s.minor.size() != 3 && s.minor.size() != 6)
-      throw Fault{s.major,
-                  "needs x,y,z or x,y,z,i,j,k, not " + std::to_string(s.minor.size()) + " values"};
+      throw Fault{s.major, "has " + std::to_string(s.minor.size()) +
+                               " values; it takes x,y,z or x,y,z,i,j,k"};
     ToolPose pose{{number(s.minor[0]) * unit_mm_, number(s.minor[1]) * unit_mm_,
                    number(s.minor[2]) * unit_mm_},
                   axis_};
     if (s.minor.size() == 6) {
-      if (!multiaxis_) throw Fault{s.major, "has a tool axis, but MULTAX/ON was not given"};
+      if (!multiaxis_) throw Fault{s.major, "has a tool axis, which requires MULTAX/ON before it"};
       pose.axis = {number(s.minor[3]), number(s.minor[4]), number(s.minor[5])};
       const double size = length(pose.axis);
       if (!(size > kAxisLengthMin) || !std::isfinite(size))
-        throw Fault{s.major, "the tool axis has no direction"};
+        throw Fault{s.major, "the tool axis i,j,k must be a finite vector other than 0,0,0"};
       const bool tilted = pose.axis.x != 0 || pose.axis.y != 0 || pose.axis.z < 0;
       if (tilted && scene_.machine.kinematics == MachineKinematics::kXyz)
-        throw Fault{s.major, "the machine xyz cannot tilt its tool"};
+        throw Fault{s.major, "tilts the tool, which the scene's machine xyz cannot do"};
     }
     return pose;
   }
@@ -275,28 +277,28 @@ class AptReader {
   void go_to(const Statement& s) { move(read_pose(s)); }
 
   void go_delta(const Statement& s) {
-    if (!sink_.placed()) throw Fault{s.major, "needs a position: give FROM or GOTO before"};
+    if (!sink_.placed()) throw Fault{s.major, "requires FROM or GOTO before it"};
     ToolPose pose = *sink_.last();
     if (s.minor.size() == 1) {
       pose.tip_mm = pose.tip_mm + normalized(pose.axis) * (number(s.minor[0]) * unit_mm_);
     } else {
-      need_count(s, 3, 3);
+      check_count(s, 3, 3);
       pose.tip_mm =
           pose.tip_mm + Vec3{number(s.minor[0]), number(s.minor[1]), number(s.minor[2])} * unit_mm_;
     }
     move(pose);
   }
 
-  void need_tool() {
+  void require_tool() {
     if (sink_.tool()) return;
     if (scene_.tools.size() != 1)
-      throw Fault{"", "no tool was loaded with LOADTL, and the scene has several"};
-    warn("no tool was loaded; the scene's only tool is taken");
+      throw Fault{"", "no tool is loaded and the scene has several; load one with LOADTL"};
+    warn("no tool is loaded; the scene's only tool is used");
     sink_.set_tool(scene_.tools.begin()->first);
   }
 
   void move(const ToolPose& to) {
-    need_tool();
+    require_tool();
     if (!sink_.placed()) {
       check(sink_.place(to));
     } else {
@@ -307,18 +309,18 @@ class AptReader {
   }
 
   double duration_s(const ToolPose& from, const ToolPose& to) const {
-    const double way = length(to.tip_mm - from.tip_mm);
+    const double travel_mm = length(to.tip_mm - from.tip_mm);
     const double turn_deg =
         angle_between(normalized(from.axis), normalized(to.axis)) * 180 / std::numbers::pi;
-    // Where the tip rests and the axis turns, a feed is in degrees per minute, as in G-code.
-    const double path = way > 0 ? way : turn_deg;
-    if (rapid_) return 60 * path / scene_.machine.rapid_mm_per_min;
-    const double feed = way > 0 ? feed_mm_ : feed_;
-    if (feed <= 0) throw Fault{"", "the feed is 0: give FEDRAT before the first cutting motion"};
-    if (feed_unit_ == FeedUnit::kPerMinute) return 60 * path / feed;
+    // If only the axis turns, the feed is in degrees per minute, as in G-code.
+    const double travel = travel_mm > 0 ? travel_mm : turn_deg;
+    if (rapid_) return 60 * travel / scene_.machine.rapid_mm_per_min;
+    const double feed = travel_mm > 0 ? feed_mm_ : feed_;
+    if (feed <= 0) throw Fault{"", "the feed is 0; give FEDRAT before the first cutting motion"};
+    if (feed_unit_ == FeedUnit::kPerMinute) return 60 * travel / feed;
     if (spindle_rpm_ <= 0)
-      throw Fault{"", "a feed per revolution needs a spindle speed: give SPINDL"};
-    return 60 * path / (feed * spindle_rpm_);
+      throw Fault{"", "a feed per revolution requires a spindle speed; give SPINDL before it"};
+    return 60 * travel / (feed * spindle_rpm_);
   }
 
   using Handler = void (AptReader::*)(const Statement&);
@@ -332,7 +334,7 @@ class AptReader {
   double unit_mm_ = 1;
   bool multiaxis_ = false;
   bool rapid_ = false;
-  double feed_ = 0;     ///< as written
+  double feed_ = 0;     ///< as written: degrees per minute if only the axis turns
   double feed_mm_ = 0;  ///< in mm
   FeedUnit feed_unit_ = FeedUnit::kPerMinute;
   double spindle_rpm_ = 0;
@@ -352,9 +354,9 @@ const std::array<std::pair<std::string_view, AptReader::Handler>, 16> AptReader:
     {"FROM", &AptReader::from},
     {"GOTO", &AptReader::go_to},
     {"GODLTA", &AptReader::go_delta},
-    {"STOP", &AptReader::nothing},
-    {"OPSTOP", &AptReader::nothing},
-    {"END", &AptReader::nothing},
+    {"STOP", &AptReader::ignore},
+    {"OPSTOP", &AptReader::ignore},
+    {"END", &AptReader::ignore},
     {"FINI", &AptReader::fini},
 }};
 

@@ -5,7 +5,8 @@
 
 namespace kerf {
 
-/// Reads APT CL data; see README.md for what is understood.
+/// Reads APT CL data for a scene; parse_program calls it for .apt and .cls. `name` is the file name
+/// for errors. README.md lists the supported statements; any other statement is an error.
 std::expected<Program, ProgramError> read_apt(const std::string& name, std::string_view text,
                                               const Scene& scene);
 

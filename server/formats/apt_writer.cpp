@@ -71,7 +71,7 @@ class AptWriter final : public ProgramWriter {
  private:
   WriteResult state() const {
     if (out_.good()) return {};
-    return std::unexpected("the output cannot be written");
+    return std::unexpected("writing to the output stream failed");
   }
 
   void header() {
@@ -80,16 +80,17 @@ class AptWriter final : public ProgramWriter {
          << "the tool tip\n";
     for (const auto& [id, tool] : scene_.tools)
       out_ << "$$ tool " << id << ": " << tool_text(tool.shape) << '\n';
-    out_ << "$$ read back, every pose has the same bits; durations are kept to 1e-6\n"
-         << "$$ FROM within the program: the tool is brought there without cutting\n"
+    out_ << "$$ poses read back bit-identical; durations are exact to 1e-6 relative\n"
+         << "$$ FROM within the program places the tool without cutting\n"
          << notes_ << "UNITS/MM\nMULTAX/ON\n";
   }
 
   void feed(const ToolPose& from, const ToolPose& to, double duration_s) {
-    const double way = length(to.tip_mm - from.tip_mm);
+    const double travel_mm = length(to.tip_mm - from.tip_mm);
     const double turn_deg =
         angle_between(normalized(from.axis), normalized(to.axis)) * 180 / std::numbers::pi;
-    std::string feed = significant_text(60 * (way > 0 ? way : turn_deg) / duration_s, kFeedDigits);
+    std::string feed =
+        significant_text(60 * (travel_mm > 0 ? travel_mm : turn_deg) / duration_s, kFeedDigits);
     if (feed == feed_) return;
     feed_ = std::move(feed);
     out_ << "FEDRAT/" << feed_ << ",MMPM\n";

@@ -12,25 +12,25 @@
 namespace kerf {
 namespace {
 
-// A sample that would turn the axis farther than this is halved, so that it stays within what the
-// kernel takes.
+// A sample that would turn the axis by more than this is halved, which keeps it within the kernel's
+// limit.
 constexpr double kSampleTurnMaxRad = std::numbers::pi / 2;
 constexpr int kHalvingsMax = 20;
-// Corners that are cut by more than this are worth a warning: the usual tolerance of a scene.
+// Least distance by which a corner must be cut off for a warning: the default tolerance of a scene.
 constexpr double kCornerWarnMm = 0.01;
 
 // Distance of a point from a segment.
 double distance_mm(Vec3 point, Vec3 from, Vec3 to) {
-  const Vec3 way = to - from;
-  const double square = dot(way, way);
-  const double s = square > 0 ? std::clamp(dot(point - from, way) / square, 0.0, 1.0) : 0;
-  return length(point - (from + way * s));
+  const Vec3 along = to - from;
+  const double square = dot(along, along);
+  const double s = square > 0 ? std::clamp(dot(point - from, along) / square, 0.0, 1.0) : 0;
+  return length(point - (from + along * s));
 }
 
 // A run of motions of one tool, each starting where the last one ended.
 struct Chain {
   const ProgramMotion* first;
-  const ProgramMotion* last;  ///< one behind
+  const ProgramMotion* last;  ///< past the end
 };
 
 class ChainSampler {
@@ -42,14 +42,14 @@ class ChainSampler {
     last_ = chain.first->from;
   }
 
-  /// The farthest that a corner of the path is from the sample that spans it, mm.
+  /// Greatest distance of a corner of the path from the sample that spans it, mm.
   double corner_cut_mm() const { return corner_cut_mm_; }
 
   void run(double rate_hz) {
     const double duration = ends_.back();
     double from = 0;
     for (std::uint64_t tick = 1; from < duration; ++tick) {
-      // The last sample ends with the chain; a rest shorter than rounding is part of it.
+      // The last sample ends with the chain; a remainder within rounding belongs to it.
       double to = static_cast<double>(tick) / rate_hz;
       if (to >= duration * (1 - 1e-12)) to = duration;
       sample(from, to, 0);
@@ -106,7 +106,7 @@ class ChainSampler {
 
 void warn_of_corners(Program& sampled, double corner_cut_mm) {
   if (corner_cut_mm <= kCornerWarnMm) return;
-  sampled.warnings.push_back(sampled.name + ": at this rate corners are cut by up to " +
+  sampled.warnings.push_back(sampled.name + ": at this rate corners are cut off by up to " +
                              significant_text(corner_cut_mm, 3) + " mm");
 }
 

@@ -15,13 +15,14 @@ namespace {
 
 constexpr int kFeedDigits = 7;
 constexpr int kAngleDecimals = 6;
-// Halvings of one motion for a rotary machine; the pieces are then at the grain of the angles.
+// Most halvings of one motion of a rotary machine; pieces are then as small as the angle step.
 constexpr int kHalvingsMax = 16;
-// A C axis that has turned so far is turned back on top, within one turn: 100 turns are what
-// LinuxCNC's sample machines have, and hoses have fewer.
+// When the C axis has turned this far, the tool is retracted and C is turned back to within one
+// turn. LinuxCNC's sample machines allow 100 turns; cables and hoses of real tables allow fewer.
 constexpr double kWindUpMaxDeg = 20 * 360;
 
-// Comments end at the first parenthesis, and control characters would end the line.
+// Replaces parentheses, which would end the comment, and control characters, which would end the
+// line.
 std::string comment_text(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -52,8 +53,8 @@ class GcodeWriter final : public ProgramWriter {
       for (const Vec3& axis : {from.axis, to.axis})
         if (axis.x != 0 || axis.y != 0 || axis.z < 0)
           return std::unexpected(
-              "the tool is tilted, and the scene's machine is xyz; write it for tool-vector, "
-              "xyzac-trt or xyzbc-trt");
+              "the tool is tilted, which the scene's machine xyz cannot do; use a scene with the "
+              "machine tool-vector, xyzac-trt or xyzbc-trt");
     const bool wound_up = std::abs(angles_.c) > kWindUpMaxDeg;
     if (wound_up) angles_.c = std::remainder(angles_.c, 360.0);
     if (!placed_ || wound_up || !(from == last_) || motion.tool != tool_) place(from, motion.tool);
@@ -79,7 +80,7 @@ class GcodeWriter final : public ProgramWriter {
  private:
   WriteResult state() const {
     if (out_.good()) return {};
-    return std::unexpected("the output cannot be written");
+    return std::unexpected("writing to the output stream failed");
   }
 
   void header() {
@@ -89,10 +90,9 @@ class GcodeWriter final : public ProgramWriter {
     for (const auto& [id, tool] : scene_.tools)
       out_ << "(T" << id << ": " << tool_text(tool.shape) << ")\n";
     out_ << (rotary_ ? "(the tip is exact to 0.000001 mm, angles to 0.000001 degrees, durations to "
-                       "1e-6)\n"
-                     : "(read back, every pose has the same bits; durations are kept to 1e-6)\n")
-         << notes_
-         << "(G53 G0 Z0 must be a safe height; speeds of the spindle are left to the operator)\n"
+                       "1e-6 relative)\n"
+                     : "(poses read back bit-identical; durations are exact to 1e-6 relative)\n")
+         << notes_ << "(G53 G0 Z0 must be a safe height; the operator sets the spindle speed)\n"
          << "G21 G17 G90 G40 G49 G80 G54 " << (inverse_time() ? "G93" : "G94") << '\n';
   }
 
@@ -105,16 +105,16 @@ class GcodeWriter final : public ProgramWriter {
     motion_ = "G0";
   }
 
-  // Brings the tool to a pose without cutting: up to the machine's top, over, down. kerf reads it
-  // back as a jump.
+  // Brings the tool to a pose without cutting: retract to the top of Z, traverse, plunge. The
+  // readers read this as a jump.
   void place(const ToolPose& pose, ToolId tool) {
     retract();
     if (!placed_ || tool != tool_) out_ << 'T' << tool << " M6\n";
     tool_ = tool;
     placed_ = true;
     if (rotary_) {
-      // The tables turn while the tool is on top and stays there: with the tool-centre point
-      // followed, it would swing along.
+      // The tables turn with tool-center-point control off, so that the retracted tool does not
+      // move with them.
       angles_ = angles_from_axis(kind_, normalized(pose.axis), angles_);
       out_ << "G0" << rotary_words(angles_) << "\nM428\n";
       tcp_on_ = true;
@@ -135,23 +135,23 @@ class GcodeWriter final : public ProgramWriter {
            " C" + decimal_text(angles.c, kAngleDecimals);
   }
 
-  // A machine turns uniformly in its angles; where that strays from the great circle, the motion is
-  // halved.
+  // Writes a motion of a rotary machine, which interpolates its angles. Halves it until that
+  // deviates from the great circle by no more than the tolerance at the end of the tool.
   void turn(const ToolPose& from, const ToolPose& to, const ProgramMotion& motion, int halvings) {
     const Vec3 a = normalized(from.axis);
     const Vec3 b = normalized(to.axis);
     const RotaryAngles end = angles_from_axis(kind_, b, angles_);
-    double stray = 0;
+    double deviation = 0;
     for (const double s : {0.25, 0.5, 0.75}) {
       const RotaryAngles angles{angles_.a + (end.a - angles_.a) * s,
                                 angles_.b + (end.b - angles_.b) * s,
                                 angles_.c + (end.c - angles_.c) * s};
-      stray = std::max(stray, length(table_axis(kind_, angles) - turned_axis(a, b, s)));
+      deviation = std::max(deviation, length(table_axis(kind_, angles) - turned_axis(a, b, s)));
     }
     const double reach = scene_.tools.contains(motion.tool)
                              ? scene_.tools.at(motion.tool).tool.length_mm
                              : scene_.settings.force.pivot_mm;
-    if (stray * reach > scene_.settings.tolerance_mm && halvings < kHalvingsMax) {
+    if (deviation * reach > scene_.settings.tolerance_mm && halvings < kHalvingsMax) {
       const ToolPose middle = admit_pose({(from.tip_mm + to.tip_mm) * 0.5, turned_axis(a, b, 0.5)});
       turn(from, middle, motion, halvings + 1);
       turn(middle, to, motion, halvings + 1);
@@ -166,8 +166,8 @@ class GcodeWriter final : public ProgramWriter {
 
   void block(const ToolPose& to, bool rapid, double duration_s) {
     std::string words;
-    const auto axis_word = [&words](char letter, double was, double is) {
-      if (was != is) words += std::string(" ") + letter + exact_text(is);
+    const auto axis_word = [&words](char letter, double before, double after) {
+      if (before != after) words += std::string(" ") + letter + exact_text(after);
     };
     axis_word('X', last_.tip_mm.x, to.tip_mm.x);
     axis_word('Y', last_.tip_mm.y, to.tip_mm.y);
@@ -184,8 +184,8 @@ class GcodeWriter final : public ProgramWriter {
 
   std::string feed_word(const ToolPose& to, double duration_s) {
     if (inverse_time()) return " F" + significant_text(60 / duration_s, kFeedDigits);
-    const double way = length(to.tip_mm - last_.tip_mm);
-    std::string feed = significant_text(60 * way / duration_s, kFeedDigits);
+    const double travel_mm = length(to.tip_mm - last_.tip_mm);
+    std::string feed = significant_text(60 * travel_mm / duration_s, kFeedDigits);
     if (feed == feed_) return "";
     feed_ = std::move(feed);
     return " F" + feed_;

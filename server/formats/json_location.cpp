@@ -7,14 +7,15 @@
 namespace kerf {
 namespace {
 
-/// Walks through valid JSON without building anything.
+/// A cursor in valid JSON text. Builds no document.
 class JsonWalker {
  public:
   explicit JsonWalker(std::string_view text) : text_(text) { skip_blanks(); }
 
   std::size_t position() const { return at_; }
 
-  /// Enters the value of a member of the object here, or stays; true if it was found.
+  /// Moves to the value of a member of the object at the cursor. Returns false, without moving, if
+  /// there is no such member.
   bool enter_member(std::string_view name) {
     const std::size_t start = at_;
     if (peek() != '{') return false;
@@ -33,6 +34,7 @@ class JsonWalker {
     return false;
   }
 
+  /// The same for an item of the list at the cursor.
   bool enter_item(std::size_t index) {
     const std::size_t start = at_;
     if (peek() != '[') return false;

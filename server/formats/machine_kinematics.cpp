@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
-// Multiples of 90 degrees give exact zeros and ones, so that an upright tool is exactly upright.
+// Sine and cosine of degrees. Multiples of 90 give exact zeros and ones, so that a vertical tool is
+// exactly vertical.
 double sin_deg(double deg) {
   const double turn = std::remainder(deg, 360.0);
   if (turn == 0 || std::abs(turn) == 180) return 0;
@@ -25,8 +26,8 @@ double cos_deg(double deg) {
   return std::cos(turn * kRadPerDeg);
 }
 
-// Rows of the rotation from the workpiece to the machine; its transpose leads back. The third row
-// is the tool axis.
+// Rows of the rotation matrix from workpiece to machine; its transpose is the inverse. The third
+// row is the tool axis in the workpiece.
 struct TableRotation {
   Vec3 x, y, z;
 };

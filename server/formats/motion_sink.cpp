@@ -8,23 +8,23 @@
 
 #include "kernel/math/rotation.h"
 #include "server/formats/machine_kinematics.h"
+#include "server/formats/number_text.h"
 #include "server/formats/pose_grid.h"
 
 namespace kerf {
 namespace {
 
-// A hair below the kernel's limit, because both ends are rounded to the pose grid.
+// Slightly below the kernel's limit, because both ends are rounded to the pose grid.
 constexpr double kTurnSplitRad = kTurnMaxRad - 1e-8;
-// Turns nearer to a half turn than this have no great circle that rounding leaves in place.
+// For turns nearer to a half turn than this, rounding of the ends determines the great circle.
 constexpr double kOppositeRad = 1e-6;
-// A path that no longer gets straighter when it is halved this often is at the grain of the pose
-// grid.
+// Most halvings of a piece. A path that is not straight then varies at the scale of the pose grid.
 constexpr int kHalvingsMax = 20;
 
 std::string out_of_range(Vec3 tip) {
   const double worst = std::max({std::abs(tip.x), std::abs(tip.y), std::abs(tip.z)});
-  return "the tool would be " + std::to_string(worst) + " mm from the origin; the limit is " +
-         std::to_string(kCoordinateMaxMm) + " mm";
+  return "the tool would be " + decimal_text(worst, 6) + " mm from the origin; the limit is " +
+         decimal_text(kCoordinateMaxMm, 6) + " mm";
 }
 
 bool in_range(Vec3 tip) {
@@ -36,7 +36,7 @@ ToolPose between(const ToolPose& a, const ToolPose& b, double s) {
   return {a.tip_mm + (b.tip_mm - a.tip_mm) * s, turned_axis(a.axis, b.axis, s)};
 }
 
-// How far a tool of this length strays from the path if it goes straight between its ends.
+// Greatest deviation of a tool of this length from the path if it moves straight from s0 to s1.
 double straightness_mm(const MotionSink::Path& path, double s0, double s1, double tool_length_mm,
                        int samples) {
   const ToolPose a = path(s0);
@@ -68,12 +68,13 @@ void MotionSink::change_tool(std::optional<ToolId> tool, std::size_t line) {
 
 MotionSink::Result MotionSink::emit(const ToolPose& to, double duration_s, bool rapid,
                                     std::size_t line) {
-  if (!tool_) return std::unexpected("a motion needs a tool, and none is loaded");
+  if (!tool_) return std::unexpected("no tool is loaded for this motion");
   if (!std::isfinite(duration_s) || duration_s > kDurationMaxS)
-    return std::unexpected("the feed is so slow that the motion would not end");
+    return std::unexpected("the motion would take longer than " + decimal_text(kDurationMaxS, 0) +
+                           " s; the feed is too low");
   if (program_.motions.size() >= kProgramMotionsMax)
-    return std::unexpected("the program has more than " + std::to_string(kProgramMotionsMax) +
-                           " motions");
+    return std::unexpected("the program exceeds the limit of " +
+                           std::to_string(kProgramMotionsMax) + " motions");
   program_.motions.push_back({.tool = *tool_,
                               .from = *last_,
                               .to = to,
@@ -94,7 +95,8 @@ MotionSink::Result MotionSink::line(const ToolPose& target, double duration_s, b
   if (turn <= kTurnSplitRad) return emit(to, duration_s, rapid, line);
   if (turn > std::numbers::pi - kOppositeRad)
     return std::unexpected(
-        "the tool axis turns to its opposite in one motion: the way is not defined");
+        "the tool axis turns to its opposite in one motion, so its path is undefined; add a pose "
+        "in between");
   const ToolPose middle = admit_pose(between(*last_, to, 0.5));
   if (Result first = emit(middle, duration_s / 2, rapid, line); !first) return first;
   return emit(to, duration_s / 2, rapid, line);
@@ -102,7 +104,7 @@ MotionSink::Result MotionSink::line(const ToolPose& target, double duration_s, b
 
 MotionSink::Result MotionSink::path(const Path& path, double tool_length_mm, double tolerance_mm,
                                     int samples, double duration_s, bool rapid, std::size_t line) {
-  // Halving keeps the pieces in order: the stack holds the ends still to be reached, nearest last.
+  // A stack of pieces still to be appended, the next one last.
   struct Piece {
     double s0, s1;
     int halvings;
@@ -123,7 +125,9 @@ MotionSink::Result MotionSink::path(const Path& path, double tool_length_mm, dou
       pending.push_back({piece.s0, middle, piece.halvings + 1});
       continue;
     }
-    if (++pieces > kPiecesMax) return std::unexpected("the block would need too many pieces");
+    if (++pieces > kPiecesMax)
+      return std::unexpected("the block exceeds the limit of " + std::to_string(kPiecesMax) +
+                             " straight pieces");
     Result moved = this->line(path(piece.s1), duration_s * (piece.s1 - piece.s0), rapid, line);
     if (!moved) return moved;
   }

@@ -11,47 +11,53 @@
 
 namespace kerf {
 
-/// Shortest duration that a motion is given, s: far below any machine's tick, only to keep it above
-/// zero.
+/// Shortest duration of a motion, s. Shorter ones are raised to it, because it must be above zero.
 inline constexpr double kDurationMinS = 1e-9;
-/// Longest duration of one block, s (31 years): beyond it a feed is a slip of the pen.
+/// Longest duration of one block, s (31 years). A longer one means a mistyped feed.
 inline constexpr double kDurationMaxS = 1e9;
-/// Most pieces that one block may be cut into.
+/// Most pieces into which one block is divided.
 inline constexpr int kPiecesMax = 1 << 20;
 
-/// Where the readers put what they have understood: keeps the last pose, admits every pose to the
-/// grid, and cuts what is not one straight motion into pieces. Errors are one sentence; the reader
-/// adds file and line.
+/// Appends motions to a Program for the readers of programs. Keeps the current tool and pose,
+/// rounds poses to the pose grid and divides paths that are not one straight motion. A function
+/// that fails appends no further motion; its error is one sentence, to which the caller adds file
+/// and line.
 class MotionSink {
  public:
   using Result = std::expected<void, std::string>;
-  /// A path from s = 0 to s = 1.
+  /// A path: the pose at s, from 0 (start) to 1 (end).
   using Path = std::function<ToolPose(double)>;
 
+  /// `program` must outlive the sink.
   explicit MotionSink(Program& program) : program_(program) {}
 
-  /// The tool that the next motions move; none while no tool is loaded.
+  /// Sets the tool of the following motions; nullopt if no tool is loaded. Not a tool change of the
+  /// program.
   void set_tool(std::optional<ToolId> tool) { tool_ = tool; }
-  /// set_tool, where the program asks for it: it counts as a tool change.
+  /// Sets the tool and records a tool change at `line`.
   void change_tool(std::optional<ToolId> tool, std::size_t line);
-  /// The motions that follow come from this file (Program::files).
+  /// Sets the file of the following motions: index into Program::files.
   void set_file(std::uint32_t file) { file_ = file; }
   std::optional<ToolId> tool() const { return tool_; }
-  /// The tool leaves the workpiece; the next thing must be place().
+  /// Takes the tool away from the workpiece. place() must precede the next motion.
   void lift() { last_.reset(); }
   bool placed() const { return last_.has_value(); }
+  /// The current pose; nullopt unless placed().
   const std::optional<ToolPose>& last() const { return last_; }
 
-  /// Puts the tool somewhere without cutting.
+  /// Puts the tool at a pose without cutting. Error: the tip is out of range (kCoordinateMaxMm).
   Result place(const ToolPose& pose);
-  /// One straight motion (design section 3); cut in halves while it turns by more than kTurnMaxRad.
+  /// Appends one straight motion to `to`, or two halves if it turns the axis by more than
+  /// kTurnMaxRad; nothing if `to` is the current pose. Precondition: placed(). Errors: no tool, tip
+  /// out of range, axis turned to its opposite, duration above kDurationMaxS, too many motions.
   Result line(const ToolPose& to, double duration_s, bool rapid, std::size_t line);
-  /// A path that is neither straight nor uniform: cut until no point of a tool of this length is
-  /// farther than `tolerance_mm` from where the path would have it at that time. `samples` points
-  /// are compared per piece.
+  /// Appends straight motions along a path: pieces are halved until no point of a tool of the given
+  /// length deviates by more than `tolerance_mm` from the path at the same time. `samples` points
+  /// are compared on the whole path, at least four per piece. Errors as of line(), and more than
+  /// kPiecesMax pieces.
   Result path(const Path& path, double tool_length_mm, double tolerance_mm, int samples,
               double duration_s, bool rapid, std::size_t line);
-  /// The tool stands still.
+  /// Appends a rest at the current pose; nothing if the tool is away, absent or the duration is 0.
   Result dwell(double duration_s, std::size_t line);
 
  private:

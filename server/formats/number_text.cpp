@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-// The longest double without exponent has 309 digits before its point or 1074 behind it.
+// A double without exponent has at most 309 digits before its point or 1074 after it.
 using Buffer = std::array<char, 1100>;
 
 }  // namespace

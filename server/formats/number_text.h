@@ -5,11 +5,13 @@
 
 namespace kerf {
 
-/// Shortest decimal without exponent that reads back to the same double; "0" for -0.
+// Decimal text of finite numbers, without exponent, independent of the locale.
+
+/// The shortest decimal that reads back to the same double; "0" for -0.
 std::string exact_text(double value);
-/// `value` with this many decimals at most, trailing zeros removed.
+/// Rounded to at most `decimals` decimals; trailing zeros are removed.
 std::string decimal_text(double value, int decimals);
-/// `value` rounded to this many significant digits, without exponent.
+/// Rounded to `digits` significant digits.
 std::string significant_text(double value, int digits);
 
 }  // namespace kerf

@@ -6,8 +6,9 @@
 namespace kerf {
 namespace {
 
-// Both grids are inverse powers of ten, so scale and quotient are exact integers: the result is the
-// double nearest to the decimal. Adding zero turns -0 into +0, which has no decimal of its own.
+// Both steps are inverse powers of ten, so `scale` and the rounded product are exact integers and
+// the quotient is the double nearest to the decimal. Adding zero turns -0 into +0: both are written
+// as "0".
 double to_grid(double value, double scale) { return std::round(value * scale) / scale + 0.0; }
 
 constexpr double kTipScale = 1e6;

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-// Errors quote at most this much of a hostile line, and nothing that moves a terminal's cursor.
+// Longest quotation of a word in an error, bytes. Control characters are replaced.
 constexpr std::size_t kQuoteMax = 60;
 
 std::string quoted(const std::string& word) {
@@ -48,7 +48,7 @@ std::expected<Program, ProgramError> parse_program(const std::string& name, std:
                                                    const GcodeEnvironment& environment) {
   const auto format = program_format(name);
   if (!format) return std::unexpected(format.error());
-  // Editors on Windows put a byte order mark before the first word.
+  // Some editors write a byte order mark before the first word.
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   return *format == ProgramFormat::kApt ? read_apt(name, text, scene)
                                         : read_gcode(name, text, scene, environment);

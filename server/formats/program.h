@@ -15,70 +15,74 @@
 
 namespace kerf {
 
-/// One motion of a program: the tip on a straight line, the axis on the great circle, both
-/// uniformly. Where `from` is not the `to` of the motion before, the tool was away in between
-/// (program start, tool change, retract in machine coordinates): it jumps there without cutting.
+/// One motion of a program: the tip moves on a straight line and the axis on a great circle, both
+/// uniformly in time. If `from` differs from the previous motion's `to`, the tool has left the
+/// workpiece in between (program start, tool change, retract in machine coordinates) and is placed
+/// at `from` without cutting.
 struct ProgramMotion {
   ToolId tool = 0;
   ToolPose from, to;       ///< on the pose grid (pose_grid.h)
   double duration_s = 0;   ///< > 0
-  std::uint32_t line = 0;  ///< of the program text, from 1; 0 where there is none
-  bool rapid = false;      ///< G0, RAPID
-  std::uint32_t file = 0;  ///< where `line` stands: in Program::files
+  std::uint32_t line = 0;  ///< line of the program text, from 1; 0 if unknown
+  bool rapid = false;      ///< a traverse: G0, RAPID
+  std::uint32_t file = 0;  ///< file of `line`: index into Program::files
   friend bool operator==(const ProgramMotion&, const ProgramMotion&) = default;
 };
 
-/// Most motions that a program may become, 112 bytes each: a few lines of hostile text can ask for
-/// any number.
+/// Most motions of a program, 112 bytes each. A few lines of hostile text can request any number.
 inline constexpr std::size_t kProgramMotionsMax = 10'000'000;
-/// A program notes at most this many tool changes.
+/// Most tool changes that Program::tool_changes records; later ones are omitted.
 inline constexpr std::size_t kProgramToolChangesMax = 1'000'000;
-/// A program collects at most this many warnings.
+/// Most warnings that Program::warnings records; later ones are omitted.
 inline constexpr std::size_t kProgramWarningsMax = 100;
 
-/// A tool that is taken into the spindle.
+/// A tool change at a line of the program (see ProgramMotion for line and file).
 struct ToolChange {
   ToolId tool = 0;  ///< 0: the spindle is left empty
   std::uint32_t line = 0, file = 0;
   friend bool operator==(const ToolChange&, const ToolChange&) = default;
 };
 
+/// A program as straight motions of the tools of a scene.
 struct Program {
-  std::string name;
+  std::string name;  ///< file name
   std::vector<ProgramMotion> motions;
-  std::vector<std::string> warnings;  ///< "file:line: text"; what was read but has no meaning here
-  std::size_t lines = 0;              ///< of the text
-  std::vector<std::string> files;     ///< the program itself, then the subroutines' files it called
+  std::vector<std::string> warnings;  ///< "file:line: text"
+  std::size_t lines = 0;              ///< lines read of the program's own text
+  std::vector<std::string> files;     ///< the program itself, then the subroutine files it called
   std::vector<ToolChange> tool_changes;
 };
 
+/// Languages of programs.
 enum class ProgramFormat { kGcode, kApt };
-/// By extension: .apt and .cls are APT; .ngc, .nc, .tap, .gcode are G-code; anything else is an
-/// error.
+/// Returns the format by file extension, ignoring case: .ngc, .nc, .tap, .gcode are G-code, .apt
+/// and .cls are APT. Any other extension is an error.
 std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_name);
 
-/// Reads a program (G-code or APT by the extension of `name`) for a scene: its tools, its machine
-/// kinematics, its tolerance (arcs and long rotary moves become chords within it). Every pose is on
-/// the pose grid and no motion turns the axis by more than kTurnMaxRad. Anything that is not
-/// understood is an error, never skipped.
-/// A program in G-code may lean on its controller's tool table, parameters and subroutines:
-/// `environment` tells them. Without it no file is read but the text.
+/// Reads a program, G-code or APT by the extension of `name`, for the tools, the machine and the
+/// tolerance of a scene:
+///     auto program = parse_program("part.ngc", text, scene);
+///     if (!program) std::cerr << to_string(program.error()) << '\n';
+/// Arcs, splines and long rotary moves become chords within the scene's tolerance_mm. Every pose is
+/// on the pose grid, and no motion turns the axis by more than kTurnMaxRad. Words and statements
+/// that are not supported are errors, never skipped. `environment` gives a G-code program its tool
+/// table, parameters and subroutine folders; without it no file is read.
 std::expected<Program, ProgramError> parse_program(const std::string& name, std::string_view text,
                                                    const Scene& scene,
                                                    const GcodeEnvironment& environment = {});
 
-/// Where a motion stands: "file:line".
+/// Formats the position of a motion or tool change as "file:line".
 std::string place_of(const Program& program, std::uint32_t file, std::uint32_t line);
 
-/// The same path cut into motions of 1/rate_hz seconds each along the programmed feed (the last one
-/// of a chain of motions may be shorter). Poses are on the pose grid. A motion that spans a corner
-/// cuts it; from 0.01 mm on a warning says by how much. `rate_hz` > 0. Check sample_count first: a
-/// slow program at a high rate has no end.
+/// Divides a program into motions of 1/rate_hz seconds each along the programmed feed, as an agent
+/// would stream it; the last motion before a jump or a tool change may be shorter. Poses are on the
+/// pose grid. A motion that spans a corner cuts it off; a warning reports the largest such error
+/// above 0.01 mm. `rate_hz` > 0. Check sample_count first: the result has no limit of its own.
 Program sample_program(const Program& program, double rate_hz);
 
-/// About how many motions sample_program would make.
+/// Returns the approximate number of motions that sample_program makes.
 double sample_count(const Program& program, double rate_hz);
-/// Most that a caller should ask for: 100 bytes each.
+/// Recommended limit for sample_count; a motion takes about 100 bytes.
 inline constexpr double kSamplesMax = 2e7;
 
 }  // namespace kerf

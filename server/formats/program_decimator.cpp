@@ -11,7 +11,7 @@
 namespace kerf {
 namespace {
 
-/// Poses of one joined motion: every new one compares them all.
+/// Most poses of one joined motion; every new motion is compared with all of them.
 constexpr std::size_t kPosesMax = 128;
 
 double angle(const ToolPose& a, const ToolPose& b) {
@@ -33,35 +33,35 @@ WriteResult ProgramDecimator::add(const ProgramMotion& motion) {
   const bool rests = motion.from == motion.to;
   const bool follows = joined_ && !rests && joined_->tool == motion.tool &&
                        joined_->rapid == motion.rapid && joined_->to == motion.from &&
-                       way_.size() < kPosesMax;
+                       path_.size() < kPosesMax;
   if (follows && fits(motion.to)) {
     joined_->to = motion.to;
     joined_->duration_s += motion.duration_s;
-    way_.push_back(motion.to);
+    path_.push_back(motion.to);
     return {};
   }
   if (auto done = flush(); !done) return done;
   if (rests) return writer_->add(motion);
   joined_ = motion;
-  way_ = {motion.from, motion.to};
+  path_ = {motion.from, motion.to};
   return {};
 }
 
-/// Whether the straight motion to `end` comes near enough to all poses on the way, and to those
-/// half way between them, where great circles bend away.
+/// Whether the straight motion to `end` stays within the tolerance of all poses of the path and of
+/// the poses halfway between them, where great circles deviate most.
 bool ProgramDecimator::fits(const ToolPose& end) const {
   const auto tool = scene_.tools.find(joined_->tool);
   const double reach =
       tool != scene_.tools.end() ? tool->second.tool.length_mm : scene_.settings.force.pivot_mm;
-  const ToolPose& start = way_.front();
+  const ToolPose& start = path_.front();
   const double turn = angle(start, end);
   if (turn > kTurnMaxRad) return false;
-  // Way of the tip and of the far end together: grows wherever the tool moves.
+  // Path length of the tip plus that of the far end, which grows with every motion of the tool.
   double whole = 0;
   std::vector<double> at{0};
-  for (std::size_t n = 0; n < way_.size(); ++n) {
-    const ToolPose& next = n + 1 < way_.size() ? way_[n + 1] : end;
-    whole += length(next.tip_mm - way_[n].tip_mm) + reach * angle(way_[n], next);
+  for (std::size_t n = 0; n < path_.size(); ++n) {
+    const ToolPose& next = n + 1 < path_.size() ? path_[n + 1] : end;
+    whole += length(next.tip_mm - path_[n].tip_mm) + reach * angle(path_[n], next);
     at.push_back(whole);
   }
   const auto strays = [&](const ToolPose& pose, double share) {
@@ -71,8 +71,8 @@ bool ProgramDecimator::fits(const ToolPose& end) const {
     return std::max(length(tip - pose.tip_mm), length(far)) > tolerance_mm_;
   };
   for (std::size_t n = 1; n < at.size(); ++n) {
-    const ToolPose& from = way_[n - 1];
-    const ToolPose& to = n < way_.size() ? way_[n] : end;
+    const ToolPose& from = path_[n - 1];
+    const ToolPose& to = n < path_.size() ? path_[n] : end;
     const ToolPose middle{(from.tip_mm + to.tip_mm) * 0.5, turned_axis(from.axis, to.axis, 0.5)};
     if (strays(to, at[n] / whole) || strays(middle, (at[n - 1] + at[n]) / 2 / whole)) return false;
   }

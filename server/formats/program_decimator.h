@@ -9,11 +9,11 @@
 
 namespace kerf {
 
-/// Joins motions that follow one another into one, as long as no point of the tool, from its tip to
-/// `reach_mm` along its axis, strays more than `tolerance_mm` from where it was: what the tool
-/// sweeps changes by no more than that. The way is compared by length, so the tool may be elsewhere
-/// at a time; the time for the whole stays the same. Rests, rapids and cuts are never joined with
-/// each other. Passes everything on to `writer`.
+/// Joins consecutive motions into one as long as no point of the tool, from its tip to its end
+/// along the axis, deviates by more than `tolerance_mm`. The swept volume changes by no more than
+/// that. Paths are compared by length, so the tool may be at another point at a given time; the
+/// total duration is kept. Motions of different kinds (rests, rapids, cuts) or tools are never
+/// joined. Forwards the result to `writer`.
 class ProgramDecimator final : public ProgramWriter {
  public:
   ProgramDecimator(std::unique_ptr<ProgramWriter> writer, const Scene& scene, double tolerance_mm);
@@ -29,8 +29,8 @@ class ProgramDecimator final : public ProgramWriter {
   std::unique_ptr<ProgramWriter> writer_;
   const Scene& scene_;
   double tolerance_mm_;
-  std::optional<ProgramMotion> joined_;  ///< not yet passed on
-  std::vector<ToolPose> way_;            ///< through which it really goes, its ends included
+  std::optional<ProgramMotion> joined_;  ///< not yet forwarded
+  std::vector<ToolPose> path_;           ///< original poses of `joined_`, both ends included
 };
 
 }  // namespace kerf

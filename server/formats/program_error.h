@@ -6,14 +6,15 @@
 
 namespace kerf {
 
-/// What is wrong with a program, and where.
+/// Why a program, a tool table or a parameter file was rejected, and where.
 struct ProgramError {
   std::string file;
-  std::size_t line = 0;  ///< from 1; 0 where it concerns the whole file
-  std::string word;      ///< the offending word as written; empty where no single word is to blame
-  std::string reason;    ///< one sentence
+  std::size_t line = 0;  ///< from 1; 0 if the error concerns the whole file
+  std::string word;      ///< the invalid word as written, the whole line, or empty
+  std::string reason;    ///< one clause, e.g. "must be an integer from 0 to 9"
 };
-/// "file:line: reason (at 'word')", one line.
+/// Formats an error as one line, e.g. "part.ngc:12: 'P12' must be an integer from 0 to 9". Control
+/// characters in the word are replaced and long words cut off.
 std::string to_string(const ProgramError& error);
 
 }  // namespace kerf

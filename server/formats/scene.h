@@ -16,79 +16,97 @@
 
 namespace kerf {
 
-/// How programmed coordinates become tool poses in the workpiece (machine_kinematics.h).
-enum class MachineKinematics { kXyz, kXyzacTrt, kXyzbcTrt, kToolVector };
-/// "xyz", "xyzac-trt", "xyzbc-trt", "tool-vector".
+/// Machine kinematics: how programmed coordinates become tool poses in the workpiece
+/// (machine_kinematics.h).
+enum class MachineKinematics {
+  kXyz,         ///< three linear axes; the tool axis is always +Z
+  kXyzacTrt,    ///< tilting table A with a rotary table C on it
+  kXyzbcTrt,    ///< tilting table B with a rotary table C on it
+  kToolVector,  ///< programs give the tool axis as a vector (I J K)
+};
+/// Returns the name used in scenes: "xyz", "xyzac-trt", "xyzbc-trt" or "tool-vector".
 const char* to_string(MachineKinematics kinematics);
 
+/// One tool of a scene.
 struct SceneTool {
-  ToolShape shape;  ///< as the user wrote it
-  ToolBody body;    ///< its shank and holder
-  Tool tool;        ///< resolved by make_tool
+  ToolShape shape;  ///< parameters as written in the scene
+  ToolBody body;    ///< shank and holder
+  Tool tool;        ///< geometry resolved by make_tool
 };
 
+/// The machine that executes programs.
 struct Machine {
   MachineKinematics kinematics = MachineKinematics::kXyz;
-  double rapid_mm_per_min = 10000;  ///< speed of G0 and RAPID
+  double rapid_mm_per_min = 10000;  ///< traverse rate of G0 and RAPID, > 0
 };
 
-/// What a session or a carving starts from (design section 8).
+/// A validated scene: stock, accuracy, tools, force law, machine and obstacles. Every session and
+/// every `kerf-carve` run starts from one.
 struct Scene {
   std::string name;
-  SculptureSettings settings;
-  std::map<ToolId, SceneTool> tools;  ///< at least one
+  SculptureSettings settings;         ///< stock, accuracy, force law and obstacles for the kernel
+  std::map<ToolId, SceneTool> tools;  ///< at least one; key: T or LOADTL number
   Machine machine;
-  std::optional<AccuracyChoice> accuracy;  ///< where a target was asked for; stands in settings
-  std::vector<std::string>
-      obstacle_files;      ///< one per settings.obstacles; empty unless read from an STL file
-  std::string stock_file;  ///< of a stock that is a mesh; empty otherwise
-  std::map<std::string, std::string> files;  ///< what was read of them, if the source keeps it
+  /// Set if the scene requested a target; its `accuracy` equals the values in `settings`.
+  std::optional<AccuracyChoice> accuracy;
+  /// File name of each of settings.obstacles as written in the scene; "" unless it is an STL mesh.
+  std::vector<std::string> obstacle_files;
+  std::string stock_file;  ///< file name of a mesh stock as written in the scene; "" otherwise
+  std::map<std::string, std::string> files;  ///< name to content, if SceneSource::keep_files
 };
 
-/// What is wrong with a scene, and where.
+/// Why a scene was rejected, and where.
 struct SceneError {
   std::string file;
   std::string path;  ///< JSON path, e.g. "tools[0].diameter_mm"; empty for syntax errors
-  std::size_t line = 0, column = 0;  ///< from 1; 0 where unknown
-  std::string reason;                ///< one sentence
+  std::size_t line = 0, column = 0;  ///< from 1; 0 if unknown
+  std::string reason;                ///< one clause, e.g. "is 0; it must be above 0"
 };
-/// "file:line: path: reason", one line.
+/// Formats an error as one line, e.g. "chips.json:4:25: accuracy.pitch_mm is 0; it must be above
+/// 0".
 std::string to_string(const SceneError& error);
 
-/// Where a scene text comes from.
+/// Where a scene text comes from and which files it may name.
 struct SceneSource {
-  std::string name = "scene";  ///< what errors call it
-  std::optional<std::filesystem::path>
-      base_folder;  ///< file references are relative to it; without it they are rejected
-  std::map<std::string, std::string> files = {};  ///< stand instead of files of the base folder
-  bool keep_files = false;                        ///< Scene::files gets what was read
+  std::string name = "scene";  ///< file name for errors
+  /// Folder that file names in the scene are relative to; without it only `files` can be named.
+  std::optional<std::filesystem::path> base_folder;
+  std::map<std::string, std::string> files = {};  ///< name to content; searched before the folder
+  bool keep_files = false;                        ///< store the content of every file in the scene
 };
 
-/// Reads and validates a scene. Unknown fields, wrong types, values out of range and features of
-/// later versions are errors.
+/// Reads and validates a scene (JSON, at most 1 MiB):
+///     auto scene = parse_scene(text, {.name = "chips.json", .base_folder = "scenes"});
+///     if (!scene) std::cerr << to_string(scene.error()) << '\n';
+/// Errors: invalid JSON, a duplicate, missing or unknown field, a wrong type, a value out of range,
+/// a file that cannot be read or is not allowed. If the scene requests a target accuracy, the
+/// values that it leaves out are chosen here (accuracy_choice.h).
 std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneSource& source);
-/// Reads the file; its folder is the base folder.
+/// Reads a scene file; its folder becomes the base folder.
 std::expected<Scene, SceneError> load_scene(const std::filesystem::path& file);
 
-/// The accuracy that the settings hold.
+/// Returns the accuracy in the scene's settings.
 Accuracy accuracy_of(const Scene& scene);
-/// Chooses the accuracy of a scene for a target (accuracy_choice.h) and notes it in the scene and
-/// its settings; a scene that cannot be chosen for stays as it was.
+/// Chooses the accuracy for a target (choose_accuracy) and stores it in `scene.accuracy` and
+/// `scene.settings`. On an error the scene is unchanged.
 std::expected<void, AccuracyError> settle_accuracy(Scene& scene, const AccuracyRequest& request);
 
-/// The whole scene as canonical JSON text (every field, sorted as in design section 8); parse_scene
-/// gives it back equal.
+/// Returns the scene as canonical JSON text: every field, in a fixed order. parse_scene reads it
+/// back to an equal scene, given the same files.
 std::string scene_json(const Scene& scene);
-/// Parts of it as JSON text, as welcome messages carry them: the "stock" object, the "tools" array,
-/// the "force" object. Of a stock that is a mesh, the box around it.
+/// The following return parts of the canonical JSON text, as welcome messages carry them.
+/// The "stock" object; for a mesh stock, its bounding box.
 std::string stock_json(const Scene& scene);
+/// The "tools" array.
 std::string tools_json(const Scene& scene);
+/// The "force" object.
 std::string force_json(const Scene& scene);
-/// The "accuracy" object as it was resolved: of a chosen one also the target, what is to be
-/// expected and why.
+/// The "accuracy" object; for a chosen accuracy also "target_mm", "predicted_error_mm" and
+/// "reason".
 std::string accuracy_json(const Scene& scene);
 
-/// A table of every field: path, value, default, unit, meaning. `kerf-carve --explain` prints it.
+/// Returns a text table with path, value, default, unit and meaning of every field in the scene, as
+/// printed by `kerf-carve --explain`.
 std::string explain_scene(const Scene& scene);
 
 }  // namespace kerf

@@ -12,15 +12,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct FieldHelp {
-  std::string_view path;      ///< list indices left out: tools[].id
-  std::string_view standard;  ///< default; "-" where the field is required
+  std::string_view path;      ///< without list indices, e.g. "tools[].id"
+  std::string_view standard;  ///< default; "-" if the field is required
   std::string_view unit;
   std::string_view meaning;
 };
 
 constexpr std::array kHelp{
-    FieldHelp{"name", "untitled", "", "what files and viewers call the scene"},
-    FieldHelp{"stock.shape", "-", "", "box, cylinder or mesh (stl means the same)"},
+    FieldHelp{"name", "untitled", "", "name in file heads and viewers"},
+    FieldHelp{"stock.shape", "-", "", "box, cylinder or mesh (alias: stl)"},
     FieldHelp{"stock.file", "-", "", "closed mesh (.stl .ply .obj), relative to the scene"},
     FieldHelp{"stock.min_mm", "-", "mm", "lowest corner of the block"},
     FieldHelp{"stock.max_mm", "-", "mm", "highest corner of the block"},
@@ -29,57 +29,63 @@ constexpr std::array kHelp{
     FieldHelp{"stock.min_z_mm", "-", "mm", "lower end of the cylinder"},
     FieldHelp{"stock.max_z_mm", "-", "mm", "upper end of the cylinder"},
     FieldHelp{"accuracy.target_mm", "none", "mm",
-              "wanted surface error: what of the next four is not given is chosen for it"},
+              "target surface error; of the next four, unset fields are chosen to meet it"},
     FieldHelp{"accuracy.rays", "dexel", "",
               "dexel: one field of rays along Z; tri-dexel: three, along X, Y and Z"},
-    FieldHelp{"accuracy.pitch_mm", "0.25", "mm", "distance of neighbouring rays"},
+    FieldHelp{"accuracy.pitch_mm", "0.25", "mm", "distance between neighboring rays"},
     FieldHelp{"accuracy.tolerance_mm", "0.01", "mm",
-              "greatest error of a dexel's end; also of chords for arcs"},
+              "greatest error of a dexel end and of an arc's chord"},
     FieldHelp{"accuracy.motion", "tight", "", "tight (second order) or paper (Eq. 12)"},
     FieldHelp{"tools[].id", "-", "", "T number, LOADTL number"},
     FieldHelp{"tools[].shape", "-", "", "ball, flat, bull_nose, taper, cone_end, apt or profile"},
-    FieldHelp{"tools[].diameter_mm", "-", "mm", "diameter (of a taper: at its tip)"},
+    FieldHelp{"tools[].diameter_mm", "-", "mm", "diameter (taper: at the tip)"},
     FieldHelp{"tools[].length_mm", "-", "mm", "cutting length from the tip up"},
-    FieldHelp{"tools[].half_angle_deg", "-", "deg", "between the axis and the side of a taper"},
+    FieldHelp{"tools[].half_angle_deg", "-", "deg", "angle between axis and side of a taper"},
     FieldHelp{"tools[].tip", "flat", "", "tip of a taper: flat or ball"},
     FieldHelp{"tools[].tip_angle_deg", "-", "deg", "included angle of the cone at the tip"},
-    FieldHelp{"tools[].corner_radius_mm", "-", "mm", "rounded edge of a bull_nose; 0: flat"},
-    FieldHelp{"tools[].d_mm", "-", "mm", "apt: diameter where bottom and side line meet"},
-    FieldHelp{"tools[].r_mm", "-", "mm", "apt: radius of the corner arc; 0: a sharp corner"},
-    FieldHelp{"tools[].e_mm", "-", "mm", "apt: the arc's centre from the axis; < 0: a barrel"},
-    FieldHelp{"tools[].f_mm", "-", "mm", "apt: the arc's centre above the tip"},
-    FieldHelp{"tools[].alpha_deg", "-", "deg", "apt: bottom line, from the horizontal"},
-    FieldHelp{"tools[].beta_deg", "-", "deg", "apt: side line, from the axis; < 0: undercut"},
+    FieldHelp{"tools[].corner_radius_mm", "-", "mm", "edge radius of a bull_nose; 0: flat"},
+    FieldHelp{"tools[].d_mm", "-", "mm",
+              "apt: diameter at the intersection of bottom and side line"},
+    FieldHelp{"tools[].r_mm", "-", "mm", "apt: corner radius; 0: sharp corner"},
+    FieldHelp{"tools[].e_mm", "-", "mm",
+              "apt: distance of the corner's center from the axis; < 0: barrel"},
+    FieldHelp{"tools[].f_mm", "-", "mm", "apt: height of the corner's center above the tip"},
+    FieldHelp{"tools[].alpha_deg", "-", "deg", "apt: angle of the bottom line from the horizontal"},
+    FieldHelp{"tools[].beta_deg", "-", "deg",
+              "apt: angle of the side line from the axis; < 0: undercut"},
     FieldHelp{"tools[].h_mm", "-", "mm", "apt: height of the cutter"},
     FieldHelp{"tools[].profile_mm", "-", "mm",
               "[r, h] lines; {to, radius or center, bulge out|in} arcs; from the tip up"},
     FieldHelp{"tools[].chord_tolerance_mm", "0.0001", "mm",
-              "how far a profile's fillets may lie within the true ones"},
-    FieldHelp{"tools[].shank.diameter_mm", "-", "mm", "cylinder above the cutting length"},
-    FieldHelp{"tools[].shank.length_mm", "-", "mm", "from the end of the cutting length"},
-    FieldHelp{"tools[].holder", "[]", "", "what is above the shank, section by section"},
-    FieldHelp{"tools[].holder[].diameter_mm", "-", "mm", "lower end of a section"},
-    FieldHelp{"tools[].holder[].top_diameter_mm", "diameter_mm", "mm", "upper end of a section"},
+              "greatest deviation of a profile's fillets"},
+    FieldHelp{"tools[].shank.diameter_mm", "-", "mm",
+              "shank diameter; the shank stands on the cutting length"},
+    FieldHelp{"tools[].shank.length_mm", "-", "mm", "shank length above the cutting length"},
+    FieldHelp{"tools[].holder", "[]", "", "holder sections above the shank, from below"},
+    FieldHelp{"tools[].holder[].diameter_mm", "-", "mm", "diameter of the section's lower end"},
+    FieldHelp{"tools[].holder[].top_diameter_mm", "diameter_mm", "mm",
+              "diameter of the section's upper end"},
     FieldHelp{"tools[].holder[].length_mm", "-", "mm", "height of a section"},
-    FieldHelp{"tools[].holder.profile_mm", "-", "mm", "outline as of a tool, from 0 up"},
-    FieldHelp{"tools[].holder.chord_tolerance_mm", "0.0001", "mm", "as of a tool's profile"},
+    FieldHelp{"tools[].holder.profile_mm", "-", "mm",
+              "outline as of a tool profile, from height 0"},
+    FieldHelp{"tools[].holder.chord_tolerance_mm", "0.0001", "mm", "as of a tool profile"},
     FieldHelp{"force.law", "specific_energy", "",
               "specific_energy: F = u A; drr: F = K dV/dt (the paper's)"},
-    FieldHelp{"force.specific_force_n_per_mm2", "0.5", "N/mm2", "u"},
-    FieldHelp{"force.drr_n_s_per_mm3", "0.01", "N s/mm3", "K"},
-    FieldHelp{"force.pivot_mm", "60", "mm", "pivot of the torque: distance from the tip"},
+    FieldHelp{"force.specific_force_n_per_mm2", "0.5", "N/mm2", "u of specific_energy"},
+    FieldHelp{"force.drr_n_s_per_mm3", "0.01", "N s/mm3", "K of drr"},
+    FieldHelp{"force.pivot_mm", "60", "mm", "distance of the torque's pivot from the tip"},
     FieldHelp{"force.contact_stiffness_n_per_mm", "1", "N/mm",
-              "of the stock against shank and holder"},
+              "contact stiffness of stock against shank and holder"},
     FieldHelp{"machine.kinematics", "xyz", "", "xyz, xyzac-trt, xyzbc-trt or tool-vector"},
-    FieldHelp{"machine.rapid_mm_per_min", "10000", "mm/min", "speed of G0 and RAPID"},
-    FieldHelp{"obstacles", "[]", "", "what pushes back and is never cut"},
+    FieldHelp{"machine.rapid_mm_per_min", "10000", "mm/min", "traverse rate of G0 and RAPID"},
+    FieldHelp{"obstacles", "[]", "", "bodies that push back and are never cut"},
     FieldHelp{"obstacles[].shape", "-", "", "box, cylinder, sphere or stl"},
     FieldHelp{"obstacles[].min_mm", "-", "mm", "lowest corner of the box"},
     FieldHelp{"obstacles[].max_mm", "-", "mm", "highest corner of the box"},
     FieldHelp{"obstacles[].from_mm", "-", "mm", "one end of the cylinder's axis"},
     FieldHelp{"obstacles[].to_mm", "-", "mm", "other end of the cylinder's axis"},
     FieldHelp{"obstacles[].radius_mm", "-", "mm", "radius of the cylinder or sphere"},
-    FieldHelp{"obstacles[].center_mm", "-", "mm", "centre of the sphere"},
+    FieldHelp{"obstacles[].center_mm", "-", "mm", "center of the sphere"},
     FieldHelp{"obstacles[].file", "-", "", "STL file, relative to the scene"},
     FieldHelp{"obstacles[].stiffness_n_per_mm", "1", "N/mm", "force per depth of penetration"},
 };
@@ -88,7 +94,8 @@ struct Row {
   std::string path, value;
 };
 
-// Numbers in lists are one value; objects and lists of objects are walked into.
+// Appends one row per value. A list of numbers is one value; objects and lists of objects are
+// descended into.
 void flatten(const Json& json, const std::string& path, std::vector<Row>& rows) {
   if (json.is_object()) {
     for (const auto& [key, value] : json.items())

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A scene is written by hand; more is a mistake or an attack.
+// Limit for hostile input; far above any real scene.
 constexpr std::size_t kSceneItemsMax = 1000;
 
 const Json& node(const void* json) { return *static_cast<const Json*>(json); }
@@ -34,14 +34,15 @@ double SceneValue::number(double above, double most) const {
 }
 
 std::string SceneValue::text() const {
-  if (!is_text()) reject("must be a text in quotes");
+  if (!is_text()) reject("must be a string");
   return node(json_).get<std::string>();
 }
 
 std::vector<SceneValue> SceneValue::items() const {
   if (!is_list()) reject("must be a list […]");
   if (node(json_).size() > kSceneItemsMax) {
-    reject("has more than " + std::to_string(kSceneItemsMax) + " items");
+    reject("has " + std::to_string(node(json_).size()) + " items; the limit is " +
+           std::to_string(kSceneItemsMax));
   }
   std::vector<SceneValue> items;
   for (std::size_t i = 0; i < node(json_).size(); ++i) {
@@ -63,30 +64,30 @@ SceneFields::SceneFields(SceneValue object) : object_(std::move(object)) {
 }
 
 std::optional<SceneValue> SceneFields::find(const std::string& field) {
-  asked_.insert(field);
+  read_.insert(field);
   const Json& json = node(object_.json_);
   const auto it = json.find(field);
   if (it == json.end()) return std::nullopt;
   return SceneValue(&*it, path_of(field));
 }
 
-SceneValue SceneFields::need(const std::string& field) {
+SceneValue SceneFields::required(const std::string& field) {
   auto value = find(field);
   if (!value) reject(field, "is missing");
   return *std::move(value);
 }
 
-double SceneFields::not_negative(const std::string& field, double otherwise) {
+double SceneFields::not_negative(const std::string& field, double standard) {
   const auto value = find(field);
-  if (!value) return otherwise;
+  if (!value) return standard;
   const double number = value->number();
   if (number < 0) reject(field, "is " + number_text(number) + "; it must not be negative");
   return number;
 }
 
-void SceneFields::reject_the_rest() const {
+void SceneFields::reject_unknown() const {
   for (const auto& [field, value] : node(object_.json_).items()) {
-    if (!asked_.contains(field)) reject(field, "is not a field of a scene");
+    if (!read_.contains(field)) reject(field, "is not a field of a scene");
   }
 }
 

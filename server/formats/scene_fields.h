@@ -14,18 +14,21 @@
 
 namespace kerf {
 
-// How the files that read a scene take values out of its JSON, and say where one is wrong.
+// Typed access to the JSON values of a scene, with the path of an invalid value in every error.
+// Used by the readers of scenes only; keeps nlohmann-json out of their headers.
 
-/// Leaves the reader from any depth; parse_scene catches it, nobody else sees it.
+/// Thrown by the functions below for an invalid value; parse_scene turns it into a SceneError. It
+/// never leaves the scene reader.
 struct SceneRejection {
-  std::string path, reason;
+  std::string path;    ///< JSON path, e.g. "tools[0].diameter_mm"
+  std::string reason;  ///< one clause
 };
 
-/// One value of the document while it is read. Every function rejects, with the value's path, what
-/// is not of its type or out of range.
+/// One JSON value of a scene with its path. Every accessor throws SceneRejection if the value has
+/// another type or is out of range.
 class SceneValue {
  public:
-  /// `json` is the parser's node; it outlives this.
+  /// `json` is a node of the parsed document, which must outlive this object.
   SceneValue(const void* json, std::string path) : json_(json), path_(std::move(path)) {}
 
   const std::string& path() const { return path_; }
@@ -33,11 +36,12 @@ class SceneValue {
   bool is_list() const;
   bool is_object() const;
   bool is_text() const;
-  /// Above `above`, at most `most`.
+  /// A finite number, > `above` and <= `most`.
   double number(double above = -kInfinity, double most = kInfinity) const;
   std::string text() const;
-  /// Rejects a list of more than 1000 items.
+  /// The items of a list; at most 1000.
   std::vector<SceneValue> items() const;
+  /// A list of exactly N finite numbers.
   template <std::size_t N>
   std::array<double, N> numbers() const {
     std::array<double, N> result{};
@@ -54,40 +58,45 @@ class SceneValue {
   std::string path_;
 };
 
-/// One object: hands out its fields and, at the end, rejects those nobody asked for.
+/// The fields of one JSON object. Read all of them, then call reject_unknown().
 class SceneFields {
  public:
+  /// Throws SceneRejection unless `object` is a JSON object.
   explicit SceneFields(SceneValue object);
 
   [[noreturn]] void reject(const std::string& field, const std::string& reason) const {
     throw SceneRejection{path_of(field), reason};
   }
+  /// The value of an optional field.
   std::optional<SceneValue> find(const std::string& field);
-  SceneValue need(const std::string& field);
+  /// The value of a required field.
+  SceneValue required(const std::string& field);
 
-  double positive(const std::string& field) { return need(field).number(0); }
-  double positive(const std::string& field, double otherwise) {
+  // Typed fields. Those with a `standard` value are optional.
+  double positive(const std::string& field) { return required(field).number(0); }
+  double positive(const std::string& field, double standard) {
     const auto value = find(field);
-    return value ? value->number(0) : otherwise;
+    return value ? value->number(0) : standard;
   }
-  double any_number(const std::string& field) { return need(field).number(); }
-  double not_negative(const std::string& field, double otherwise);
-  std::string text(const std::string& field) { return need(field).text(); }
-  std::string text(const std::string& field, const std::string& otherwise) {
+  double number(const std::string& field) { return required(field).number(); }
+  double not_negative(const std::string& field, double standard);
+  std::string text(const std::string& field) { return required(field).text(); }
+  std::string text(const std::string& field, const std::string& standard) {
     const auto value = find(field);
-    return value ? value->text() : otherwise;
+    return value ? value->text() : standard;
   }
   template <std::size_t N>
   std::array<double, N> numbers(const std::string& field) {
-    return need(field).numbers<N>();
+    return required(field).numbers<N>();
   }
   Vec3 vec3(const std::string& field) {
     const auto v = numbers<3>(field);
     return {v[0], v[1], v[2]};
   }
 
-  /// Call last.
-  void reject_the_rest() const;
+  /// Throws SceneRejection for a field that none of the functions above has been called with. Call
+  /// last.
+  void reject_unknown() const;
 
  private:
   std::string path_of(const std::string& field) const {
@@ -95,7 +104,7 @@ class SceneFields {
   }
 
   SceneValue object_;
-  std::set<std::string> asked_;
+  std::set<std::string> read_;
 };
 
 }  // namespace kerf

@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-// Ordered, so that a canonical scene reads like the one in design section 8.
+// Ordered, so that fields of the canonical text keep the order in which they are inserted.
 using Json = nlohmann::ordered_json;
 
 template <class... Cases>
@@ -167,8 +167,8 @@ Json to_json(const Obstacle& obstacle, const std::string& file) {
   return json;
 }
 
-// A target stands beside what was chosen for it: read back, everything is given and nothing is
-// chosen anew, so that a journal keeps its values whatever a later version would choose.
+// A target is written together with the values chosen for it. Reading it back then has nothing to
+// choose, so a journal keeps its values even if a later version would choose others.
 Json accuracy_to_json(const Scene& scene) {
   const SculptureSettings& s = scene.settings;
   Json json = Json::object();
@@ -180,8 +180,7 @@ Json accuracy_to_json(const Scene& scene) {
   return json;
 }
 
-// A name that is no UTF-8 cannot come from a file (the parser rejects it); one given by code is
-// repaired.
+// Invalid UTF-8 is replaced. It cannot come from a file, whose parser rejects it, only from code.
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

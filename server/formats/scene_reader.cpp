@@ -17,10 +17,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A scene is written by hand; larger ones are a mistake or an attack.
+// Limit for hostile input; far above any real scene.
 constexpr std::size_t kSceneBytesMax = std::size_t{1} << 20;
 
-void need_box(SceneFields& fields, Vec3 min, Vec3 max) {
+void check_box(SceneFields& fields, Vec3 min, Vec3 max) {
   if (!(min.x < max.x && min.y < max.y && min.z < max.z))
     fields.reject("max_mm", "must be greater than min_mm in every coordinate");
 }
@@ -29,7 +29,7 @@ std::string read_scene_file(SceneFields& fields, const std::string& name, const 
                             Scene& scene) {
   const auto kept = source.files.find(name);
   if (kept == source.files.end() && !source.base_folder)
-    fields.reject("file", "this scene may not name files: it did not come from a folder");
+    fields.reject("file", "may not name a file: the scene was not loaded from a folder");
   auto bytes = kept != source.files.end() ? std::optional(kept->second)
                                           : read_file(*source.base_folder / name);
   if (!bytes) fields.reject("file", "\"" + name + "\" cannot be read");
@@ -40,7 +40,8 @@ std::string read_scene_file(SceneFields& fields, const std::string& name, const 
 void read_mesh_stock(SceneFields& fields, const SceneSource& source, Scene& scene) {
   scene.stock_file = fields.text("file");
   const auto format = mesh_file_format(scene.stock_file);
-  if (!format) fields.reject("file", "\"" + scene.stock_file + "\" is no .stl, .ply or .obj");
+  if (!format)
+    fields.reject("file", "\"" + scene.stock_file + "\" must be a .stl, .ply or .obj file");
   const std::string bytes = read_scene_file(fields, scene.stock_file, source, scene);
   auto mesh = read_mesh(*format, std::as_bytes(std::span(bytes)));
   if (!mesh) fields.reject("file", "\"" + scene.stock_file + "\": " + mesh.error().reason);
@@ -55,12 +56,12 @@ void read_stock(const SceneValue& value, const SceneSource& source, Scene& scene
   const std::string shape = fields.text("shape");
   if (shape == "box") {
     const BoxStock box{fields.vec3("min_mm"), fields.vec3("max_mm")};
-    need_box(fields, box.min_mm, box.max_mm);
+    check_box(fields, box.min_mm, box.max_mm);
     scene.settings.stock = box;
   } else if (shape == "cylinder") {
     const auto center = fields.numbers<2>("center_mm");
     const CylinderStock cylinder{center[0], center[1], fields.positive("radius_mm"),
-                                 fields.any_number("min_z_mm"), fields.any_number("max_z_mm")};
+                                 fields.number("min_z_mm"), fields.number("max_z_mm")};
     if (!(cylinder.min_z_mm < cylinder.max_z_mm))
       fields.reject("max_z_mm", "must be greater than min_z_mm");
     scene.settings.stock = cylinder;
@@ -69,7 +70,7 @@ void read_stock(const SceneValue& value, const SceneSource& source, Scene& scene
   } else {
     fields.reject("shape", "\"" + shape + "\" is not a stock shape; use box, cylinder or mesh");
   }
-  fields.reject_the_rest();
+  fields.reject_unknown();
 }
 
 MotionModel read_motion(SceneFields& accuracy) {
@@ -86,7 +87,7 @@ Rays read_rays(SceneFields& accuracy) {
   accuracy.reject("rays", "\"" + rays + "\" is not a ray model; use dexel or tri-dexel");
 }
 
-// What is not given is chosen where there is a target, and has its default where there is none.
+// Values left out are chosen if there is a target and have their default otherwise.
 AccuracyRequest read_accuracy(const SceneValue& value) {
   SceneFields fields(value);
   AccuracyRequest request;
@@ -95,11 +96,11 @@ AccuracyRequest read_accuracy(const SceneValue& value) {
   if (fields.find("pitch_mm")) request.pitch_mm = fields.positive("pitch_mm");
   if (fields.find("tolerance_mm")) request.tolerance_mm = fields.positive("tolerance_mm");
   if (fields.find("motion")) request.motion = read_motion(fields);
-  fields.reject_the_rest();
+  fields.reject_unknown();
   return request;
 }
 
-// Tools and machine must have been read: the choice depends on them.
+// Tools and machine must have been read before, because the choice depends on them.
 void settle(const AccuracyRequest& request, Scene& scene) {
   if (request.target_mm > 0) {
     if (auto done = settle_accuracy(scene, request); !done)
@@ -128,7 +129,7 @@ ForceSettings read_force(const SceneValue& value) {
   force.pivot_mm = fields.not_negative("pivot_mm", force.pivot_mm);
   force.contact_stiffness_n_per_mm =
       fields.not_negative("contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm);
-  fields.reject_the_rest();
+  fields.reject_unknown();
   return force;
 }
 
@@ -146,9 +147,9 @@ Machine read_machine(const SceneValue& value) {
   if (!known)
     fields.reject(
         "kinematics",
-        "\"" + kinematics + "\" is not known; use xyz, xyzac-trt, xyzbc-trt or tool-vector");
+        "\"" + kinematics + "\" is not supported; use xyz, xyzac-trt, xyzbc-trt or tool-vector");
   machine.rapid_mm_per_min = fields.positive("rapid_mm_per_min", machine.rapid_mm_per_min);
-  fields.reject_the_rest();
+  fields.reject_unknown();
   return machine;
 }
 
@@ -167,7 +168,7 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
   std::string file;
   if (shape == "box") {
     const BoxObstacle box{fields.vec3("min_mm"), fields.vec3("max_mm")};
-    need_box(fields, box.min_mm, box.max_mm);
+    check_box(fields, box.min_mm, box.max_mm);
     obstacle.shape = box;
   } else if (shape == "cylinder") {
     const CylinderObstacle cylinder{fields.vec3("from_mm"), fields.vec3("to_mm"),
@@ -181,10 +182,10 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
     obstacle.shape = read_mesh_obstacle(fields, source, scene);
   } else {
     fields.reject("shape",
-                  "\"" + shape + "\" is not an obstacle; use box, cylinder, sphere or stl");
+                  "\"" + shape + "\" is not an obstacle shape; use box, cylinder, sphere or stl");
   }
   obstacle.stiffness_n_per_mm = fields.positive("stiffness_n_per_mm", obstacle.stiffness_n_per_mm);
-  fields.reject_the_rest();
+  fields.reject_unknown();
   scene.settings.obstacles.push_back(std::move(obstacle));
   scene.obstacle_files.push_back(std::move(file));
 }
@@ -193,18 +194,18 @@ Scene read_scene(const Json& json, const SceneSource& source) {
   SceneFields fields(SceneValue(&json, ""));
   Scene scene;
   scene.name = fields.text("name", "untitled");
-  read_stock(fields.need("stock"), source, scene);
+  read_stock(fields.required("stock"), source, scene);
   AccuracyRequest accuracy;
   if (const auto value = fields.find("accuracy")) accuracy = read_accuracy(*value);
   if (const auto force = fields.find("force")) scene.settings.force = read_force(*force);
   if (const auto machine = fields.find("machine")) scene.machine = read_machine(*machine);
-  const auto tools = fields.need("tools").items();
+  const auto tools = fields.required("tools").items();
   if (tools.empty()) fields.reject("tools", "must have at least one tool");
   for (const SceneValue& tool : tools) read_scene_tool(tool, scene.tools);
   if (const auto obstacles = fields.find("obstacles")) {
     for (const SceneValue& obstacle : obstacles->items()) read_obstacle(obstacle, source, scene);
   }
-  fields.reject_the_rest();
+  fields.reject_unknown();
   settle(accuracy, scene);
   return scene;
 }
@@ -218,15 +219,14 @@ SceneError error_at(TextPlace place, const SceneSource& source, std::string path
           .reason = std::move(reason)};
 }
 
-// nlohmann keeps the last of two equal keys without a word; a scene that says a thing twice is
-// rejected.
+// Parser callback that rejects duplicate keys, of which nlohmann-json silently keeps the last.
 class DuplicateKeys {
  public:
   bool operator()(int /*depth*/, Json::parse_event_t event, Json& parsed) {
     if (event == Json::parse_event_t::object_start) open_.emplace_back();
     if (event == Json::parse_event_t::object_end) open_.pop_back();
     if (event == Json::parse_event_t::key && !open_.back().insert(parsed.get<std::string>()).second)
-      throw SceneRejection{parsed.get<std::string>(), "is given twice in one object"};
+      throw SceneRejection{parsed.get<std::string>(), "appears twice in one object"};
     return true;
   }
 
@@ -238,12 +238,13 @@ class DuplicateKeys {
 
 std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneSource& source) {
   if (text.size() > kSceneBytesMax)
-    return std::unexpected(
-        SceneError{.file = source.name,
-                   .path = {},
-                   .reason = "is larger than " + std::to_string(kSceneBytesMax) + " bytes"});
+    return std::unexpected(SceneError{.file = source.name,
+                                      .path = {},
+                                      .reason = "is " + std::to_string(text.size()) +
+                                                " bytes; the limit is " +
+                                                std::to_string(kSceneBytesMax)});
   try {
-    // The callback is copied by the parser, so the keys live outside of it.
+    // The parser copies the callback, so the keys are stored outside of it.
     DuplicateKeys keys;
     const Json json =
         Json::parse(text, [&keys](int depth, Json::parse_event_t event, Json& parsed) {
@@ -255,10 +256,10 @@ std::expected<Scene, SceneError> parse_scene(std::string_view text, const SceneS
         error_at(locate_json(text, rejection.path), source, rejection.path, rejection.reason));
   } catch (const Json::parse_error& error) {
     const TextPlace place = place_of(text, error.byte > 0 ? error.byte - 1 : 0);
-    return std::unexpected(error_at(place, source, "", "is not JSON here"));
+    return std::unexpected(error_at(place, source, "", "is not valid JSON"));
   } catch (const Json::exception& error) {
-    // Numbers beyond the range of a double end here.
-    return std::unexpected(error_at({}, source, "", "has a value that cannot be read"));
+    // Thrown for numbers beyond the range of a double.
+    return std::unexpected(error_at({}, source, "", "contains a number that is out of range"));
   }
 }
 

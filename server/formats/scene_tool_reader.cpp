@@ -11,14 +11,14 @@ TaperTip read_taper_tip(SceneFields& fields) {
   const std::string tip = fields.text("tip", "flat");
   if (tip == "flat") return TaperTip::kFlat;
   if (tip == "ball") return TaperTip::kBall;
-  fields.reject("tip", "\"" + tip + "\" is not a tip; use flat or ball");
+  fields.reject("tip", "\"" + tip + "\" is not a tip shape; use flat or ball");
 }
 
 ArcBulge read_bulge(SceneFields& fields) {
   const std::string bulge = fields.text("bulge", "out");
   if (bulge == "out") return ArcBulge::kOut;
   if (bulge == "in") return ArcBulge::kIn;
-  fields.reject("bulge", "\"" + bulge + "\" is not a side; use out or in");
+  fields.reject("bulge", "\"" + bulge + "\" is not a bulge direction; use out or in");
 }
 
 ProfilePoint read_point(const SceneValue& value) {
@@ -31,18 +31,19 @@ ProfileStep read_step(const SceneValue& value) {
   if (value.is_list()) return read_point(value);
   if (!value.is_object()) value.reject("must be a point [r, h] or an arc {\"to\": [r, h], …}");
   SceneFields fields(value);
-  const ProfilePoint to = read_point(fields.need("to"));
+  const ProfilePoint to = read_point(fields.required("to"));
   const ArcBulge bulge = read_bulge(fields);
   const auto radius = fields.find("radius"), center = fields.find("center");
-  fields.reject_the_rest();
-  if (radius.has_value() == center.has_value()) value.reject("must have either radius or center");
+  fields.reject_unknown();
+  if (radius.has_value() == center.has_value())
+    value.reject("must have either radius or center, and not both");
   if (radius) return ProfileArc{to, radius->number(0), bulge};
   return ProfileCenteredArc{to, read_point(*center), bulge};
 }
 
 ProfileShape read_profile(SceneFields& fields) {
   ProfileShape shape;
-  for (const SceneValue& step : fields.need("profile_mm").items()) {
+  for (const SceneValue& step : fields.required("profile_mm").items()) {
     shape.steps.push_back(read_step(step));
   }
   shape.chord_tolerance_mm = fields.positive("chord_tolerance_mm", shape.chord_tolerance_mm);
@@ -52,11 +53,11 @@ ProfileShape read_profile(SceneFields& fields) {
 AptShape read_apt(SceneFields& fields) {
   AptShape s{};
   s.d_mm = fields.positive("d_mm");
-  s.r_mm = fields.any_number("r_mm");
-  s.e_mm = fields.any_number("e_mm");
-  s.f_mm = fields.any_number("f_mm");
-  s.alpha_deg = fields.any_number("alpha_deg");
-  s.beta_deg = fields.any_number("beta_deg");
+  s.r_mm = fields.number("r_mm");
+  s.e_mm = fields.number("e_mm");
+  s.f_mm = fields.number("f_mm");
+  s.alpha_deg = fields.number("alpha_deg");
+  s.beta_deg = fields.number("beta_deg");
   s.h_mm = fields.positive("h_mm");
   return s;
 }
@@ -68,7 +69,7 @@ ToolShape read_shape(SceneFields& fields) {
   if (shape == "flat")
     return FlatShape{fields.positive("diameter_mm"), fields.positive("length_mm")};
   if (shape == "bull_nose") {
-    return BullNoseShape{fields.positive("diameter_mm"), fields.any_number("corner_radius_mm"),
+    return BullNoseShape{fields.positive("diameter_mm"), fields.number("corner_radius_mm"),
                          fields.positive("length_mm")};
   }
   if (shape == "taper") {
@@ -92,7 +93,7 @@ HolderSection read_section(const SceneValue& value) {
   section.diameter_mm = fields.positive("diameter_mm");
   section.top_diameter_mm = fields.positive("top_diameter_mm", section.diameter_mm);
   section.length_mm = fields.positive("length_mm");
-  fields.reject_the_rest();
+  fields.reject_unknown();
   return section;
 }
 
@@ -101,7 +102,7 @@ ToolBody read_body(SceneFields& fields) {
   if (const auto value = fields.find("shank")) {
     SceneFields shank(*value);
     body.shank = Shank{shank.positive("diameter_mm"), shank.positive("length_mm")};
-    shank.reject_the_rest();
+    shank.reject_unknown();
   }
   const auto value = fields.find("holder");
   if (!value) return body;
@@ -114,14 +115,14 @@ ToolBody read_body(SceneFields& fields) {
   if (!value->is_object()) value->reject("must be a list of sections or an object with profile_mm");
   SceneFields holder(*value);
   body.holder = read_profile(holder);
-  holder.reject_the_rest();
+  holder.reject_unknown();
   return body;
 }
 
 ToolId read_id(SceneFields& fields) {
   const double id = fields.positive("id");
   if (id != std::floor(id) || id > std::numeric_limits<ToolId>::max()) {
-    fields.reject("id", "must be a whole number from 1 to 4294967295");
+    fields.reject("id", "must be an integer from 1 to 4294967295");
   }
   return static_cast<ToolId>(id);
 }
@@ -132,10 +133,10 @@ void read_scene_tool(const SceneValue& value, std::map<ToolId, SceneTool>& tools
   SceneFields fields(value);
   const ToolId id = read_id(fields);
   if (tools.contains(id)) {
-    fields.reject("id", "is " + std::to_string(id) + ", which another tool has already");
+    fields.reject("id", "is " + std::to_string(id) + ", which is already the id of another tool");
   }
   SceneTool tool{.shape = read_shape(fields), .body = read_body(fields), .tool = {}};
-  fields.reject_the_rest();
+  fields.reject_unknown();
   auto made = make_tool(tool.shape, tool.body);
   if (!made) fields.reject(made.error().field, made.error().reason);
   tool.tool = *std::move(made);

@@ -8,7 +8,8 @@
 
 namespace kerf {
 
-/// Adds one item of a scene's "tools" to those before it. Throws SceneRejection.
+/// Reads one item of a scene's "tools" and adds it to `tools`. Throws SceneRejection, also for an
+/// id that `tools` already contains.
 void read_scene_tool(const SceneValue& value, std::map<ToolId, SceneTool>& tools);
 
 }  // namespace kerf

@@ -7,7 +7,8 @@
 
 namespace kerf {
 
-/// The bytes of a file; none if it cannot be opened or read (a folder, for one).
+/// Reads a whole file. Returns nullopt if it cannot be opened or read, for example because it is a
+/// folder.
 std::optional<std::string> read_file(const std::filesystem::path& path);
 
 }  // namespace kerf

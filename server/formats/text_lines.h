@@ -6,12 +6,12 @@
 
 namespace kerf {
 
-/// Walks over the lines of a text. Lines end with LF or CR LF; the CR stays.
+/// Iterates over the lines of a text. Lines end with LF or CR LF; the CR is kept in the line.
 class TextLines {
  public:
   explicit TextLines(std::string_view text) : rest_(text) {}
 
-  /// False at the end of the text.
+  /// Moves to the next line. Returns false at the end of the text.
   bool next() {
     if (rest_.empty()) return false;
     const std::size_t end = rest_.find('\n');

@@ -7,7 +7,7 @@
 
 namespace kerf {
 
-/// A tool in words for people, e.g. "ball, diameter 10 mm, length 60 mm".
+/// Describes a tool for the head of a program, e.g. "ball, diameter 10 mm, length 60 mm".
 std::string tool_text(const ToolShape& shape);
 
 }  // namespace kerf

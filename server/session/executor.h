@@ -6,12 +6,12 @@
 
 namespace kerf {
 
-/// Work to do once; may own what it needs.
+/// A function to call once; it may own move-only state.
 using Work = std::move_only_function<void()>;
 
-/// Somewhere to run work. A session's executor runs one piece at a time, in the order of posting; a
-/// worker pool runs several. The session does not know how it is done: net supplies it, tests may
-/// step through it by hand.
+/// Interface of a thread or thread pool that runs posted work. The executor of a session runs one
+/// piece of work at a time, in the order of posting; a worker pool runs several at a time. The
+/// network code implements it; tests use ManualExecutor.
 class Executor {
  public:
   virtual ~Executor() = default;

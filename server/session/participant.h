@@ -9,10 +9,10 @@
 namespace kerf {
 
 enum class ParticipantKind { kAgent, kProgram, kViewer };
-/// "agent", "program", "viewer".
+/// Returns "agent", "program" or "viewer".
 const char* to_string(ParticipantKind kind);
 
-/// Somebody at the block. Ids are never used again within a session, not even after a restart.
+/// A participant of a session. Ids are never reused within a session, not even after a restart.
 struct Participant {
   ParticipantId id = 0;
   ParticipantKind kind = ParticipantKind::kViewer;
@@ -20,15 +20,15 @@ struct Participant {
   ToolId tool = 0;          ///< 0 for viewers
 };
 
-/// What somebody asks for when they come.
+/// The parameters of a new participant.
 struct JoinRequest {
   ParticipantKind kind = ParticipantKind::kViewer;
-  std::string name;
-  std::string color;  ///< empty: the session picks one
-  ToolId tool = 0;
+  std::string name;           ///< empty: the session derives one from kind and id
+  std::string color;          ///< empty: the session picks one
+  ToolId tool = 0;            ///< 0: the first tool of the scene
   bool feel = true;           ///< false: no force is computed for this participant
-  ParticipantId feel_of = 0;  ///< whose force to answer beside its own; 0: nobody's
-  bool stock = false;         ///< keeps a copy of the block near its tool (StockFeed)
+  ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0: none
+  bool stock = false;         ///< keeps a replica of the block near its tool (StockFeed)
 };
 
 }  // namespace kerf

@@ -23,7 +23,7 @@ const char* to_string(ProgramState state) {
 
 ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, ProgramPace pace,
                                  Clock::time_point now) {
-  forget_oldest();
+  drop_oldest();
   Run run;
   run.status.id = ++last_id_;
   run.status.participant = participant;
@@ -38,8 +38,8 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, Pro
   return runs_.emplace(run.status.id, std::move(run)).first->second.status;
 }
 
-void ProgramRuns::forget_oldest() {
-  if (runs_.size() < kRemembered) return;
+void ProgramRuns::drop_oldest() {
+  if (runs_.size() < kStatusesMax) return;
   const auto oldest = std::ranges::find_if(
       runs_, [](const auto& entry) { return entry.second.status.state != ProgramState::kRunning; });
   if (oldest != runs_.end()) runs_.erase(oldest);
@@ -48,7 +48,7 @@ void ProgramRuns::forget_oldest() {
 void ProgramRuns::end(Run& run, ProgramState state) {
   run.status.state = state;
   ended_.push_back(run.status.participant);
-  run.program.motions = {};  // a finished run keeps its report, not its path
+  run.program.motions = {};  // a finished run keeps its status only
 }
 
 bool ProgramRuns::cancel(ProgramId id) {
@@ -85,7 +85,7 @@ std::vector<ParticipantId> ProgramRuns::take_ended() { return std::exchange(ende
 bool ProgramRuns::due(const Run& run, Clock::time_point now) const {
   if (run.status.state != ProgramState::kRunning) return false;
   if (run.status.pace == ProgramPace::kFast) return true;
-  // A motion is carved when it is over, as an agent's is.
+  // A motion is carved when its time has passed, as for an agent.
   const double end_s = run.done_s + run.program.motions[run.status.motions_done].duration_s;
   return std::chrono::duration<double>(now - run.started).count() >= end_s;
 }
@@ -120,9 +120,9 @@ std::optional<std::chrono::microseconds> ProgramRuns::slice(const Carve& carve) 
     now = Clock::now();
   }
   if (running() == 0) return std::nullopt;
-  const bool hurry = std::ranges::any_of(runs_ | std::views::values,
-                                         [&](const Run& run) { return due(run, now); });
-  return hurry ? std::chrono::microseconds{0} : std::chrono::microseconds{1000};
+  const bool more_due = std::ranges::any_of(runs_ | std::views::values,
+                                            [&](const Run& run) { return due(run, now); });
+  return more_due ? std::chrono::microseconds{0} : std::chrono::microseconds{1000};
 }
 
 }  // namespace kerf

@@ -18,9 +18,12 @@ namespace kerf {
 
 using ProgramId = std::uint32_t;
 
-enum class ProgramPace { kFeed, kFast };  ///< as programmed; as fast as agents leave time for
+enum class ProgramPace {
+  kFeed,  ///< at the programmed feed rate
+  kFast   ///< as fast as possible while agents are served
+};
 enum class ProgramState { kRunning, kFinished, kCancelled, kFailed };
-/// "running", "finished", "cancelled", "failed".
+/// Returns "running", "finished", "cancelled" or "failed".
 const char* to_string(ProgramState state);
 
 struct ProgramStatus {
@@ -32,22 +35,22 @@ struct ProgramStatus {
   std::size_t motions_done = 0, motions = 0;
   std::uint32_t line = 0;  ///< of the motion carved last
   double removed_mm3 = 0, programmed_s = 0;
-  std::string error;  ///< why it failed: one sentence with the line
+  std::string error;  ///< reason of kFailed, with file name and line
   std::vector<std::string> warnings;
 };
 
-/// The programs that a session carves, in slices: after each slice the executor serves the agents,
-/// so that the wait of an agent's motion is bounded by a slice and one program motion.
+/// The programs of a session, carved in slices. Between slices the executor serves the agents, so
+/// an agent waits for at most one slice and one program motion.
 class ProgramRuns {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Carves one motion for a participant; gives the removed volume, mm^3.
+  /// Carves one motion for a participant and returns the removed volume, mm^3.
   using Carve = std::function<std::expected<double, Rejection>(ParticipantId, const ProgramMotion&,
                                                                bool feel)>;
-  /// Longest time for which a slice starts further motions.
+  /// A slice starts no further motion after this time.
   static constexpr std::chrono::microseconds kSlice{300};
-  /// Reports kept of programs that ran; the oldest is forgotten first.
-  static constexpr std::size_t kRemembered = 256;
+  /// Number of program statuses kept; the oldest finished one is dropped first.
+  static constexpr std::size_t kStatusesMax = 256;
 
   ProgramStatus start(ParticipantId participant, Program program, ProgramPace pace,
                       Clock::time_point now);
@@ -56,11 +59,11 @@ class ProgramRuns {
   std::optional<ProgramStatus> status(ProgramId id) const;
   std::vector<ProgramStatus> list() const;
   std::size_t running() const;
-  /// The participants whose programs ended since the last call.
+  /// Returns the participants whose programs ended since the previous call.
   std::vector<ParticipantId> take_ended();
 
-  /// Carves what is due, each program in turn, for at most a slice. Gives how long to wait for the
-  /// next slice; nullopt when no program runs.
+  /// Carves the due motions, one per program in turn, for at most one slice. Returns the time to
+  /// wait before the next slice; nullopt if no program is running.
   std::optional<std::chrono::microseconds> slice(const Carve& carve);
 
  private:
@@ -72,7 +75,7 @@ class ProgramRuns {
   };
   bool due(const Run& run, Clock::time_point now) const;
   void step(Run& run, const Carve& carve);
-  void forget_oldest();
+  void drop_oldest();
   void end(Run& run, ProgramState state);
 
   std::map<ProgramId, Run> runs_;

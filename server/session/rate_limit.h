@@ -6,13 +6,13 @@
 
 namespace kerf {
 
-/// Token bucket: on average `rate` per second, `burst` at once.
+/// Token bucket: allows `rate_per_s` events per second on average and `burst` at once.
 class RateLimit {
  public:
   using Clock = std::chrono::steady_clock;
   RateLimit(double rate_per_s, double burst) : rate_(rate_per_s), burst_(burst), tokens_(burst) {}
 
-  /// Takes one token if there is one.
+  /// Takes one token; false if the bucket is empty.
   bool allow(Clock::time_point now) {
     if (last_ != Clock::time_point{}) {
       const double passed_s = std::chrono::duration<double>(now - last_).count();

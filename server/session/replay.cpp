@@ -13,7 +13,7 @@ JournalError corrupt(const std::filesystem::path& file, std::uint64_t sequence,
   return {JournalErrorCode::kCorrupt, file.string(), sequence, std::move(reason)};
 }
 
-/// Forces do not change the solid, so a restart need not wait for them.
+/// Disables force computation, which does not affect the solid, to speed up the replay.
 Command without_force(Command command) {
   if (auto* move = std::get_if<MoveTool>(&command)) move->feel = false;
   return command;
@@ -44,7 +44,7 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file) 
   if (!sculpture) return std::unexpected(corrupt(file, 0, sculpture.error().reason));
 
   const auto& hashes = reader->state_hashes();
-  const StateHash newest = hashes.empty() ? StateHash{} : hashes.back();  // sequence 0: none
+  const StateHash newest = hashes.empty() ? StateHash{} : hashes.back();  // sequence 0: no hash
   std::uint64_t last_sequence = 0;
   for (;;) {
     auto record = reader->next();
@@ -55,8 +55,9 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file) 
     if (!applied) return std::unexpected(corrupt(file, last_sequence, applied.error().reason));
     if (newest.sequence == last_sequence && sculpture->state_hash() != newest.hash) {
       return std::unexpected(corrupt(file, last_sequence,
-                                     "replay gives state " + hash_text(sculpture->state_hash()) +
-                                         ", the journal says " + hash_text(newest.hash)));
+                                     "replay gives state hash " +
+                                         hash_text(sculpture->state_hash()) +
+                                         ", the journal stores " + hash_text(newest.hash)));
     }
   }
   ParticipantId last_participant = 0;

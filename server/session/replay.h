@@ -10,7 +10,7 @@
 
 namespace kerf {
 
-/// A session as its journal brings it back.
+/// The state of a session restored from its journal.
 struct Replayed {
   Scene scene;
   JournalHeader header;
@@ -20,13 +20,13 @@ struct Replayed {
   StateHash hash;  ///< of the solid after the last record
 };
 
-/// Applies every record of a journal to a fresh block and compares with the newest state hash that
-/// it stores. Errors name the file and the first record that is damaged, that the kernel rejects,
-/// or at which the solid differs.
+/// Applies every record of a journal to the initial block and compares the result with the newest
+/// stored state hash. Errors name the file and the first record that is damaged, is rejected by the
+/// kernel, or gives a different state hash.
 std::expected<Replayed, JournalError> replay(const std::filesystem::path& file);
 
-/// The scene of a journal: its text was valid when it was stored, so a failure is reported as
-/// damage.
+/// Parses the scene of a journal. It was valid when it was stored, so an invalid scene is reported
+/// as kCorrupt.
 std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
                                                  const std::filesystem::path& file);
 

@@ -11,10 +11,9 @@
 namespace kerf {
 namespace {
 
-/// Calls `use` with each record that a MoveTool makes; stops at the first error, ours or the
-/// journal's.
+/// Calls `use` with each remaining record; stops at the first error of the journal or of `use`.
 template <typename Use>
-ExportResult for_each_motion(JournalReader& reader, Use&& use) {
+ExportResult for_each_record(JournalReader& reader, Use&& use) {
   for (;;) {
     const auto record = reader.next();
     if (!record) return std::unexpected(describe(record.error()));
@@ -27,13 +26,13 @@ bool in_span(const JournalRecord& record, const ProgramRequest& request) {
   return record.sequence >= request.first && record.sequence <= request.last;
 }
 
-ExportResult write_motions(const std::filesystem::path& journal, ParticipantId who,
+ExportResult write_motions(const std::filesystem::path& journal, ParticipantId participant,
                            const ProgramRequest& request, ProgramWriter& writer) {
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
-  return for_each_motion(*reader, [&](const JournalRecord& record) -> ExportResult {
+  return for_each_record(*reader, [&](const JournalRecord& record) -> ExportResult {
     const auto* move = std::get_if<MoveTool>(&record.command);
-    if (move == nullptr || record.participant != who || move->from == move->to) return {};
+    if (move == nullptr || record.participant != participant || move->from == move->to) return {};
     if (!in_span(record, request)) return {};
     ProgramMotion motion;
     motion.tool = move->tool;
@@ -46,7 +45,7 @@ ExportResult write_motions(const std::filesystem::path& journal, ParticipantId w
 
 std::expected<std::set<ParticipantId>, std::string> carvers(JournalReader& reader) {
   std::set<ParticipantId> found;
-  auto ok = for_each_motion(reader, [&](const JournalRecord& record) -> ExportResult {
+  auto ok = for_each_record(reader, [&](const JournalRecord& record) -> ExportResult {
     if (std::holds_alternative<MoveTool>(record.command)) found.insert(record.participant);
     return {};
   });
@@ -62,20 +61,20 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
-  std::set<ParticipantId> people;
+  std::set<ParticipantId> participants;
   if (request.only) {
-    people.insert(*request.only);
+    participants.insert(*request.only);
   } else {
     auto found = carvers(*reader);
     if (!found) return std::unexpected(found.error());
-    people = *std::move(found);
+    participants = *std::move(found);
   }
   const auto writer = make_program_writer(request.format, *scene, out, request.tolerance_mm);
-  for (const ParticipantId who : people) {
-    if (auto ok = write_motions(journal, who, request, *writer); !ok) return ok;
+  for (const ParticipantId participant : participants) {
+    if (auto ok = write_motions(journal, participant, request, *writer); !ok) return ok;
   }
   if (auto ok = writer->finish(); !ok) return ok;
-  if (!out) return std::unexpected("the output could not be written");
+  if (!out) return std::unexpected("cannot write the output");
   return {};
 }
 
@@ -89,7 +88,7 @@ ExportResult export_forces(const std::filesystem::path& journal, std::optional<P
   if (!sculpture) return std::unexpected(sculpture.error().reason);
   write_forces_header(out);
   double time_s = 0;
-  auto ok = for_each_motion(*reader, [&](const JournalRecord& record) -> ExportResult {
+  auto ok = for_each_record(*reader, [&](const JournalRecord& record) -> ExportResult {
     Command command = record.command;
     auto* move = std::get_if<MoveTool>(&command);
     if (move != nullptr) move->feel = !only || *only == record.participant;
@@ -100,7 +99,7 @@ ExportResult export_forces(const std::filesystem::path& journal, std::optional<P
     write_forces_row(out, time_s, move->to, result->wrench, result->removed_mm3);
     return {};
   });
-  if (ok && !out) return std::unexpected("the output could not be written");
+  if (ok && !out) return std::unexpected("cannot write the output");
   return ok;
 }
 

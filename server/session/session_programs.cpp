@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of Session that carves uploaded programs.
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include "server/session/session.h"
+#include "server/wire/limits.h"
 
 namespace kerf {
+namespace {
+
+/// Bounds of the pause after a slice while an agent moves; within them it lasts as long as the
+/// slice. One frame of an agent takes several turns of the executor; without the pause each turn
+/// would wait for a slice, and an agent at 1 kHz would fall behind.
+constexpr std::chrono::microseconds kPauseMin{200}, kPauseMax{5000};
+constexpr std::chrono::milliseconds kAgentIsActive{200};
+
+}  // namespace
 
 std::expected<ProgramStatus, Rejection> Session::start_program(Program program, ProgramPace pace) {
-  // Unknown tools are found before anything is cut, not in the middle of the work.
+  // Reject unknown tools before the first motion is carved.
   for (const ProgramMotion& motion : program.motions) {
     if (sculpture_.tool(motion.tool) != nullptr) continue;
     return std::unexpected(
@@ -21,9 +30,9 @@ std::expected<ProgramStatus, Rejection> Session::start_program(Program program, 
   request.kind = ParticipantKind::kProgram;
   request.name = program.name.substr(0, wire::kMaxNameBytes);
   if (!program.motions.empty()) request.tool = program.motions.front().tool;
-  const auto who = join(request);
-  if (!who) return std::unexpected(who.error());
-  ProgramStatus status = programs_.start(who->id, std::move(program), pace, Clock::now());
+  const auto joined = join(request);
+  if (!joined) return std::unexpected(joined.error());
+  ProgramStatus status = programs_.start(joined->id, std::move(program), pace, Clock::now());
   if (!programs_scheduled_) {
     programs_scheduled_ = true;
     executor_->post([self = shared_from_this()] { self->run_programs(); });
@@ -31,67 +40,32 @@ std::expected<ProgramStatus, Rejection> Session::start_program(Program program, 
   return status;
 }
 
-namespace {
-
-/// While an agent moves, a slice is followed by a pause as long as it took, within these bounds.
-/// One frame of an agent takes several turns of the executor; without the pause each of them would
-/// wait for a slice, and 1 kHz would fall behind.
-constexpr std::chrono::microseconds kPauseMin{200}, kPauseMax{5000};
-constexpr std::chrono::milliseconds kAgentIsActive{200};
-
-}  // namespace
-
 void Session::run_programs() {
   const auto start = Clock::now();
-  const auto wait =
-      programs_.slice([this](ParticipantId who, const ProgramMotion& motion, bool feel) {
-        return carve_program_motion(who, motion, feel);
-      });
+  const std::uint64_t removal_before = journal_.removal_sequence();
+  const auto wait = programs_.slice([this](ParticipantId id, const ProgramMotion& motion,
+                                           bool feel) { return carving_.move(id, motion, feel); });
+  if (journal_.removal_sequence() != removal_before) schedule_hash();
   retire_programs();
   if (!wait) {
     programs_scheduled_ = false;
     return;
   }
-  const auto now = Clock::now();
   auto pause = *wait;
-  const bool agents = std::ranges::any_of(seats_ | std::views::values, [&](const Seat& seat) {
-    return seat.who.kind == ParticipantKind::kAgent && now - seat.state_at < kAgentIsActive;
-  });
-  if (agents && pause.count() == 0) {
-    const auto spent = std::chrono::duration_cast<std::chrono::microseconds>(now - start);
+  if (pause.count() == 0 && participants_.has_active_agent(kAgentIsActive)) {
+    const auto spent = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
     pause = std::clamp(spent, kPauseMin, kPauseMax);
   }
-  Work again = [self = shared_from_this()] { self->run_programs(); };
+  Work next_slice = [self = shared_from_this()] { self->run_programs(); };
   if (pause.count() == 0) {
-    executor_->post(std::move(again));
+    executor_->post(std::move(next_slice));
   } else {
-    executor_->post_after(pause, std::move(again));
+    executor_->post_after(pause, std::move(next_slice));
   }
-}
-
-std::expected<double, Rejection> Session::carve_program_motion(ParticipantId who,
-                                                               const ProgramMotion& motion,
-                                                               bool feel) {
-  const auto result =
-      carve(who, MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, feel});
-  if (!result) return std::unexpected(result.error());
-  if (const auto found = seats_.find(who); found != seats_.end()) {
-    Seat& seat = found->second;
-    const bool other_tool = seat.who.tool != motion.tool;
-    seat.who.tool = seat.state.tool_id = motion.tool;
-    seat.track.place(motion.to);
-    BatchSum sum;
-    sum.add(*result, motion.duration_s);
-    wire::Result shown;
-    sum.write(shown);
-    show(seat, shown, sum);
-    if (other_tool) tell({});
-  }
-  return result->removed_mm3;
 }
 
 void Session::retire_programs() {
-  for (const ParticipantId who : programs_.take_ended()) leave(who);
+  for (const ParticipantId id : programs_.take_ended()) leave(id);
 }
 
 bool Session::cancel_program(ProgramId id) {

@@ -18,7 +18,7 @@ RegistryError journal_failure(const JournalError& error) {
   return {RegistryErrorCode::kJournal, describe(error), {}};
 }
 
-/// Writes the journal of a session in which nothing has happened yet but its tools.
+/// Creates the journal of a new session with the definitions of its tools.
 std::expected<void, JournalError> write_first_records(const std::filesystem::path& file,
                                                       const JournalHeader& header,
                                                       const Scene& scene) {
@@ -32,7 +32,7 @@ std::expected<void, JournalError> write_first_records(const std::filesystem::pat
   return journal->flush();
 }
 
-/// SQLite keeps a log and an index beside the file while it is open, and after a crash.
+/// Removes a journal and the write-ahead log and index that SQLite keeps beside it.
 void remove_journal(const std::filesystem::path& file) {
   std::error_code ignored;
   for (const char* suffix : {"", "-wal", "-shm"}) {
@@ -40,15 +40,15 @@ void remove_journal(const std::filesystem::path& file) {
   }
 }
 
-/// The kernel holds blocks of which a viewer could not be shown the whole surface.
+/// Checks that the block is small enough to send all of its surface to viewers.
 std::expected<void, RegistryError> check_tiles(const DexelGrid& grid, std::int64_t tiles_max) {
   const std::int64_t tiles = std::int64_t{grid.tiles_x()} * grid.tiles_y();
   if (tiles <= tiles_max) return {};
-  return std::unexpected(RegistryError{RegistryErrorCode::kBadScene,
-                                       "the block has " + std::to_string(tiles) +
-                                           " tiles of 32 x 32 columns at this pitch_mm; a " +
-                                           "session shows at most " + std::to_string(tiles_max),
-                                       "accuracy.pitch_mm"});
+  return std::unexpected(RegistryError{
+      RegistryErrorCode::kBadScene,
+      "the block has " + std::to_string(tiles) + " tiles of 32 x 32 columns; at most " +
+          std::to_string(tiles_max) + " are allowed: increase pitch_mm",
+      "accuracy.pitch_mm"});
 }
 
 }  // namespace
@@ -141,8 +141,8 @@ std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string i
   };
   if (sessions_.size() >= options_.sessions_max) {
     return std::unexpected(RegistryError{kTooMany,
-                                         "the server has as many sessions as it admits (" +
-                                             std::to_string(options_.sessions_max) + ")",
+                                         "the server is full: it admits at most " +
+                                             std::to_string(options_.sessions_max) + " sessions",
                                          {}});
   }
   if (id.empty()) {
@@ -150,7 +150,7 @@ std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string i
     id = base;
     for (int n = 2; taken(id); ++n) id = base + "-" + std::to_string(n);
   } else if (taken(id)) {
-    return std::unexpected(RegistryError{kExists, "there is a session " + id + " already", {}});
+    return std::unexpected(RegistryError{kExists, "session " + id + " already exists", {}});
   }
   sessions_[id] = nullptr;
   return id;
@@ -160,22 +160,21 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
     std::string id, std::string_view scene_text, const SceneSource& source) {
   using enum RegistryErrorCode;
   if (!id.empty() && !is_session_id(id)) {
-    return std::unexpected(
-        RegistryError{kBadId, "a session id is 1 to 64 of a-z, 0-9, - and _", {}});
+    return std::unexpected(RegistryError{
+        kBadId, "a session id must be 1 to 64 characters from a-z, 0-9, - and _", {}});
   }
-  // The journal keeps what the scene's files hold: they may change, and a restart must not.
-  SceneSource keeping = source;
-  keeping.keep_files = true;
-  auto scene = parse_scene(scene_text, keeping);
+  // The journal stores the contents of the scene's files: these may change before a restart.
+  SceneSource source_with_files = source;
+  source_with_files.keep_files = true;
+  auto scene = parse_scene(scene_text, source_with_files);
   if (!scene) {
     return std::unexpected(RegistryError{kBadScene, to_string(scene.error()), scene.error().path});
   }
-  // What only the kernel can judge (too many columns, an obstacle inside out) is asked before a
-  // file exists.
+  // Run the kernel's checks (too many columns, an obstacle inside out) before creating a file.
   const auto probe = Sculpture::create(scene->settings);
   if (!probe) return std::unexpected(RegistryError{kBadScene, probe.error().reason, {}});
-  if (auto shown = check_tiles(probe->grid(), options_.session.tiles_max); !shown) {
-    return std::unexpected(shown.error());
+  if (auto ok = check_tiles(probe->grid(), options_.session.tiles_max); !ok) {
+    return std::unexpected(ok.error());
   }
   const auto reserved = reserve(std::move(id), scene->name);
   if (!reserved) return std::unexpected(reserved.error());
@@ -227,10 +226,10 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
     const auto found = sessions_.find(id);
     if (found == sessions_.end() || !found->second) {
       return std::unexpected(
-          RegistryError{RegistryErrorCode::kUnknown, "there is no session " + id, {}});
+          RegistryError{RegistryErrorCode::kUnknown, "unknown session " + id, {}});
     }
     session = std::move(found->second);
-    found->second = nullptr;  // the id stays taken until the file has moved
+    found->second = nullptr;  // the id stays reserved until the file has been moved
   }
   end(session, "the session was closed by its operator");
   const auto flushed = session->finish_journal();

@@ -19,46 +19,46 @@ enum class RegistryErrorCode { kBadId, kBadScene, kExists, kTooMany, kUnknown, k
 struct RegistryError {
   RegistryErrorCode code = RegistryErrorCode::kUnknown;
   std::string reason;  ///< one sentence
-  std::string path;    ///< of a bad scene: the JSON path of the field, if one is to blame
+  std::string path;    ///< kBadScene: JSON path of the invalid field, if known
 };
-/// The name of a code as the HTTP interface writes it, e.g. "unknown_session".
+/// Returns the error code of the HTTP interface, e.g. "unknown_session".
 const char* to_string(RegistryErrorCode code);
 
 struct RegistryOptions {
-  std::filesystem::path data_folder;  ///< one journal per session, ID.kerf
+  std::filesystem::path data_folder;  ///< holds one journal per session, ID.kerf
   std::size_t sessions_max = 64;
   SessionLimits session;
 };
 
-/// True for what may name a session: 1 to 64 of a–z, 0–9, - and _, so that it is safe as a file
-/// name and in a URL.
+/// True for a valid session id: 1 to 64 characters from a–z, 0–9, - and _, which are safe in file
+/// names and URLs.
 bool is_session_id(std::string_view id);
-/// An id made of a scene's name: lower case, everything else becomes '-'.
+/// Derives a session id from a scene's name: lower case, other characters become '-'.
 std::string id_from_name(std::string_view name);
 
-/// The sessions of one server. Thread-safe; its functions read and write files, so call them off
-/// the agent lane.
+/// The sessions of one server. Thread-safe. Its functions read and write files: do not call them on
+/// a thread that serves agents.
 class SessionRegistry {
  public:
-  /// Makes the executor of one session.
+  /// Creates the executor of one session.
   using MakeExecutor = std::function<std::shared_ptr<Executor>(const std::string& id)>;
   SessionRegistry(RegistryOptions options, MakeExecutor make_executor, Executor& workers);
 
-  /// Brings every journal of the data folder back to life. A journal that cannot be read is
-  /// reported and left as it is; the others start.
+  /// Starts a session for every journal of the data folder. Returns the errors of the journals that
+  /// cannot be read; these files are left unchanged.
   std::vector<JournalError> load_all();
 
-  /// Starts a new session. An empty `id` is derived from the scene's name and made unique.
+  /// Starts a new session. If `id` is empty, a unique one is derived from the scene's name.
   std::expected<std::shared_ptr<Session>, RegistryError> create(std::string id,
                                                                 std::string_view scene_text,
                                                                 const SceneSource& source);
   std::shared_ptr<Session> find(const std::string& id) const;
   std::vector<std::shared_ptr<Session>> list() const;
 
-  /// Ends a session. Its journal is kept in the folder `closed` (move it back to reopen it), or
-  /// deleted with `purge`.
+  /// Ends a session. Moves its journal to the folder `closed` (move it back to reopen the session),
+  /// or deletes it with `purge`.
   std::expected<void, RegistryError> close(const std::string& id, bool purge);
-  /// Ends all sessions and commits their journals; on the way out of the program.
+  /// Ends all sessions and commits their journals, when the program exits.
   void close_all(const std::string& reason);
 
  private:
@@ -71,7 +71,7 @@ class SessionRegistry {
   MakeExecutor make_executor_;
   Executor& workers_;
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<Session>> sessions_;  ///< null while it is being created
+  std::map<std::string, std::shared_ptr<Session>> sessions_;  ///< null during creation and close
 };
 
 }  // namespace kerf

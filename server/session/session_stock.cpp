@@ -1,32 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the session tells those who keep a copy of the block near their tool.
+// The part of Session that updates the replicas of agents.
 #include "server/session/session.h"
 
 namespace kerf {
 
+ParticipantState* Session::replica_owner(ParticipantId id) {
+  ParticipantState* state = participants_.find(id);
+  return state != nullptr && state->stock ? state : nullptr;
+}
+
 std::optional<StockUpdate> Session::stock_update(ParticipantId id) {
-  const auto found = seats_.find(id);
-  if (found == seats_.end() || closed_) return std::nullopt;
-  Seat& seat = found->second;
-  if (!seat.stock || !seat.track.pose()) return std::nullopt;
-  const Tool* tool = sculpture_.tool(seat.track.tool());
-  return seat.stock->next(sculpture_, {*tool, *seat.track.pose(), seat.newest_us});
+  ParticipantState* state = replica_owner(id);
+  if (state == nullptr || closed_ || !state->track.pose()) return std::nullopt;
+  const Tool* tool = sculpture_.tool(state->track.tool());
+  return state->stock->next(sculpture_, {*tool, *state->track.pose(), state->newest_us});
 }
 
 std::expected<void, Rejection> Session::ack_stock(ParticipantId id, std::uint64_t sequence) {
   using enum wire::ErrorCode;
-  const auto found = seats_.find(id);
-  if (found == seats_.end() || !found->second.stock) {
-    return std::unexpected(Rejection{kBadMessage, "no stock frames were asked for"});
+  ParticipantState* state = replica_owner(id);
+  if (state == nullptr) {
+    return std::unexpected(
+        Rejection{kBadMessage, "ack without stock frames: hello must request \"stock\""});
   }
-  if (found->second.stock->ack(sequence)) return {};
+  if (state->stock->ack(sequence)) return {};
   return std::unexpected(
-      Rejection{kBadSequence, "stock frame " + std::to_string(sequence) + " was never sent"});
+      Rejection{kBadSequence, "stock frame " + std::to_string(sequence) + " was not sent"});
 }
 
 void Session::reset_stock(ParticipantId id) {
-  const auto found = seats_.find(id);
-  if (found != seats_.end() && found->second.stock) found->second.stock->restart();
+  if (ParticipantState* state = replica_owner(id)) state->stock->restart();
 }
 
 }  // namespace kerf

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Fetches the npm packages of the end-to-end tests, unless those of this lock file are there already.
+# Installs the npm packages of the end-to-end tests, unless those of this lock file are installed already.
 set -euo pipefail
 cd "$(dirname "$0")"
 stamp=node_modules/.kerf-lock

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Validates GLB files with Khronos's gltf-validator. Usage: node validate_glb.mjs FILE.glb...
-// Prints one line per file and every message that is not a hint; exits with 1 if any file has an error or a warning.
+// Prints one line per file and every message except hints. Exit code 1 if any file has an error or
+// a warning.
 import { readFile } from 'node:fs/promises';
 import { basename } from 'node:path';
 import validator from 'gltf-validator';
@@ -22,7 +23,9 @@ for (const file of files) {
   console.log(`${file}: ${numErrors} errors, ${numWarnings} warnings, ${numInfos} infos`);
   for (const message of messages) {
     if (message.severity < 3) {
-      console.log(`  ${SEVERITIES[message.severity]} ${message.code} ${message.pointer}: ${message.message}`);
+      console.log(
+        `  ${SEVERITIES[message.severity]} ${message.code} ${message.pointer}: ${message.message}`,
+      );
     }
   }
   if (numErrors + numWarnings > 0) failed += 1;

@@ -33,17 +33,17 @@ AccuracyErrorCode rejection(const AccuracyRequest& request, const AccuracyUse& u
 
 AccuracyRequest target(double mm) { return {.target_mm = mm}; }
 
-TEST(AccuracyChoice, WhatIsChosenIsExpectedToMeetTheTarget) {
+TEST(AccuracyChoice, ChosenAccuracyMeetsTheTarget) {
   for (const double mm : {0.008, 0.01, 0.03, 0.1, 0.25, 1.0, 3.0}) {
     const AccuracyChoice choice = choose(target(mm));
     EXPECT_LE(choice.predicted_error_mm, mm * (1 + 1e-12));  // rounding
     EXPECT_EQ(choice.predicted_error_mm, predicted_error_mm(choice.accuracy));
-    // Nor is it finer than it need be.
+    // It is not much finer than required either.
     EXPECT_GT(choice.predicted_error_mm, 0.95 * mm);
   }
 }
 
-TEST(AccuracyChoice, ASmallerTargetNeverGetsACoarserPitch) {
+TEST(AccuracyChoice, SmallerTargetNeverGetsCoarserPitch) {
   for (const bool turns : {false, true}) {
     Accuracy before{.pitch_mm = 0, .tolerance_mm = 0};
     for (double mm = 0.008; mm < 20; mm *= 1.03) {
@@ -55,7 +55,7 @@ TEST(AccuracyChoice, ASmallerTargetNeverGetsACoarserPitch) {
   }
 }
 
-TEST(AccuracyChoice, WhatIsFixedStays) {
+TEST(AccuracyChoice, FixedValuesAreKept) {
   const Accuracy three = choose({.target_mm = 0.1, .rays = Rays::kTriDexel}).accuracy;
   EXPECT_EQ(three.rays, Rays::kTriDexel);
   const Accuracy paper = choose({.target_mm = 0.1, .motion = MotionModel::kPaper}).accuracy;
@@ -69,7 +69,7 @@ TEST(AccuracyChoice, WhatIsFixedStays) {
   EXPECT_THAT(choose(tolerance).reason, HasSubstr("0.033 mm (given)"));
 }
 
-TEST(AccuracyChoice, WhereEverythingIsGivenNothingIsRejected) {
+TEST(AccuracyChoice, FullyFixedRequestIsNeverRejected) {
   const AccuracyRequest all{.target_mm = 0.01,
                             .rays = Rays::kDexel,
                             .pitch_mm = 2.0,
@@ -80,7 +80,7 @@ TEST(AccuracyChoice, WhereEverythingIsGivenNothingIsRejected) {
   EXPECT_THAT(choice.reason, HasSubstr("misses the target"));
 }
 
-TEST(AccuracyChoice, OneFieldAndTheTightModelAreCheapest) {
+TEST(AccuracyChoice, OneFieldAndTightModelAreCheapest) {
   const AccuracyChoice choice = choose(target(0.1));
   EXPECT_EQ(choice.accuracy.rays, Rays::kDexel);
   EXPECT_EQ(choice.accuracy.motion, MotionModel::kTight);
@@ -90,32 +90,32 @@ TEST(AccuracyChoice, OneFieldAndTheTightModelAreCheapest) {
   EXPECT_LT(choice.predicted_us, three.predicted_us);
 }
 
-TEST(AccuracyChoice, ThreeFieldsAreTakenWhereOneCannotMeetTheTarget) {
+TEST(AccuracyChoice, ThreeFieldsAreChosenIfOneCannotMeetTheTarget) {
   const Accuracy coarse = choose({.target_mm = 0.1, .pitch_mm = 0.12}).accuracy;
   EXPECT_EQ(coarse.rays, Rays::kTriDexel);
   EXPECT_EQ(rejection({.target_mm = 0.1, .rays = Rays::kDexel, .pitch_mm = 0.12}),
             AccuracyErrorCode::kUnreachable);
 }
 
-TEST(AccuracyChoice, AFinerTargetIsExpectedToCostMore) {
+TEST(AccuracyChoice, FinerTargetHasHigherPredictedCost) {
   EXPECT_LT(choose(target(0.2)).predicted_us, choose(target(0.1)).predicted_us);
   EXPECT_LT(choose(target(0.1)).predicted_us, choose(target(0.01)).predicted_us);
 }
 
-TEST(AccuracyChoice, WhereNoAxisTurnsToleranceIsSpentOnThePitch) {
+TEST(AccuracyChoice, WithoutRotaryAxesThePitchGetsMostOfTheTarget) {
   const Accuracy turning = choose(target(0.1), use_of(10, true)).accuracy;
   const Accuracy upright = choose(target(0.1), use_of(10, false)).accuracy;
   EXPECT_LT(upright.tolerance_mm, turning.tolerance_mm);
   EXPECT_GT(upright.pitch_mm, turning.pitch_mm);
 }
 
-TEST(AccuracyChoice, RaysDoNotMissTheSmallestTool) {
+TEST(AccuracyChoice, PitchIsAtMostTheSmallestToolRadius) {
   EXPECT_LE(choose(target(3), use_of(1)).accuracy.pitch_mm, 0.5);
   EXPECT_THAT(choose(target(3), use_of(1)).reason, HasSubstr("smallest tool"));
   EXPECT_GT(choose(target(3), use_of(10)).accuracy.pitch_mm, 1.5);
 }
 
-TEST(AccuracyChoice, AnUnreachableTargetIsRejectedWithItsKind) {
+TEST(AccuracyChoice, UnreachableTargetIsRejectedWithItsCode) {
   EXPECT_EQ(rejection({.target_mm = 0.1, .pitch_mm = 0.2}), AccuracyErrorCode::kUnreachable);
   EXPECT_EQ(rejection({.target_mm = 0.1, .tolerance_mm = 0.1}), AccuracyErrorCode::kUnreachable);
   EXPECT_EQ(rejection({.target_mm = 0.1, .pitch_mm = 0.1, .tolerance_mm = 0.05}),
@@ -126,7 +126,7 @@ TEST(AccuracyChoice, AnUnreachableTargetIsRejectedWithItsKind) {
             AccuracyErrorCode::kTooMuchMemory);
 }
 
-TEST(AccuracyChoice, TheTargetThatAMemoryRejectionNamesIsAllowed) {
+TEST(AccuracyChoice, TargetNamedByMemoryErrorIsAccepted) {
   AccuracyUse use = use_of();
   use.stock = BoxStock{{0, 0, 0}, {10000, 10000, 100}};
   const auto rejected = choose_accuracy(target(0.05), use);
@@ -139,7 +139,7 @@ TEST(AccuracyChoice, TheTargetThatAMemoryRejectionNamesIsAllowed) {
 }
 
 TEST(AccuracyChoice, EqualRequestsGiveEqualChoices) {
-  // Literal: what a machine chooses, every machine chooses.
+  // Literal values, because every machine must choose the same.
   EXPECT_EQ(choose(target(0.05)).accuracy,
             (Accuracy{Rays::kDexel, 0.05, 0.005, MotionModel::kTight}));
   EXPECT_EQ(choose(target(0.3), use_of(10, false)).accuracy,
@@ -153,7 +153,7 @@ std::string scene_text(const std::string& accuracy) {
              "machine": {"kinematics": "tool-vector"}})";
 }
 
-TEST(SceneTarget, IsResolvedWhenTheSceneIsRead) {
+TEST(SceneTarget, IsResolvedByParseScene) {
   const auto scene = parse_scene(scene_text(R"({"target_mm": 0.05})"), {});
   ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
   ASSERT_TRUE(scene->accuracy.has_value());
@@ -161,7 +161,7 @@ TEST(SceneTarget, IsResolvedWhenTheSceneIsRead) {
   EXPECT_FALSE(parse_scene(scene_text(R"({"pitch_mm": 1})"), {})->accuracy.has_value());
 }
 
-TEST(SceneTarget, TheCanonicalTextKeepsTargetAndChoice) {
+TEST(SceneTarget, CanonicalTextKeepsTargetAndChoice) {
   const auto scene =
       parse_scene(scene_text(R"({"target_mm": 0.05, "tolerance_mm": 0.002})"), {}).value();
   const std::string text = scene_json(scene);
@@ -172,8 +172,8 @@ TEST(SceneTarget, TheCanonicalTextKeepsTargetAndChoice) {
   EXPECT_EQ(again->accuracy->request.target_mm, 0.05);
 }
 
-TEST(SceneTarget, WhatAJournalHoldsIsNeverChosenAnew) {
-  // A choice that no law of today would make.
+TEST(SceneTarget, StoredValuesAreNotChosenAgain) {
+  // Values that the current models would not choose.
   const auto scene = parse_scene(
       scene_text(
           R"({"target_mm": 0.05, "rays": "dexel", "pitch_mm": 3, "tolerance_mm": 1, "motion": "paper"})"),
@@ -182,7 +182,7 @@ TEST(SceneTarget, WhatAJournalHoldsIsNeverChosenAnew) {
   EXPECT_EQ(accuracy_of(*scene), (Accuracy{Rays::kDexel, 3, 1, MotionModel::kPaper}));
 }
 
-TEST(SceneTarget, BadTargetsAreRejectedWithTheirPath) {
+TEST(SceneTarget, InvalidTargetsAreRejectedWithTheirPath) {
   for (const auto& [accuracy, path, reason] : std::vector<std::array<const char*, 3>>{
            {R"({"target_mm": 0})", "accuracy.target_mm", "above 0"},
            {R"({"target_mm": -1})", "accuracy.target_mm", "above 0"},
@@ -198,7 +198,7 @@ TEST(SceneTarget, BadTargetsAreRejectedWithTheirPath) {
   }
 }
 
-TEST(SceneTarget, IsExplained) {
+TEST(SceneTarget, IsShownByExplain) {
   const auto scene = parse_scene(scene_text(R"({"target_mm": 0.05})"), {}).value();
   EXPECT_THAT(explain_scene(scene), HasSubstr("accuracy for a target of 0.05 mm: dexel, pitch"));
   const auto plain = parse_scene(scene_text("{}"), {}).value();
@@ -206,7 +206,7 @@ TEST(SceneTarget, IsExplained) {
   const auto json = nlohmann::json::parse(accuracy_json(scene));
   EXPECT_EQ(json["target_mm"], 0.05);
   EXPECT_EQ(json["pitch_mm"], scene.settings.pitch_mm);
-  EXPECT_THAT(std::string(json["reason"]), HasSubstr("is to be expected"));
+  EXPECT_THAT(std::string(json["reason"]), HasSubstr("expected surface error"));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ Program apt(const std::string& text, const std::string& kinematics = "tool-vecto
 const std::string kStart =
     "PARTNO/a part, with $ and /\nUNITS/MM\nMULTAX/ON\nLOADTL/1\nFEDRAT/600,MMPM\n";
 
-TEST(AptReader, TheFirstGotoPlacesTheTool) {
+TEST(AptReader, FirstGotoPlacesTheToolWithoutMotion) {
   const Program program = apt(kStart + "GOTO/1,2,3\nGOTO/11,2,3\nFINI\n");
   ASSERT_EQ(program.motions.size(), 1u);
   EXPECT_EQ(program.motions[0],
@@ -30,14 +30,14 @@ TEST(AptReader, TheFirstGotoPlacesTheTool) {
   EXPECT_THAT(program.warnings, IsEmpty());
 }
 
-TEST(AptReader, FromPlacesTheToolAgain) {
+TEST(AptReader, FromPlacesTheToolWithoutMotion) {
   const Program program =
       apt(kStart + "FROM/0,0,0\nGOTO/1,0,0\nFROM/5,5,5,0,1,0\nGOTO/6,5,5,0,1,0\nFINI\n");
   ASSERT_EQ(program.motions.size(), 2u);
   EXPECT_EQ(program.motions[1].from, (ToolPose{{5, 5, 5}, {0, 1, 0}}));
 }
 
-TEST(AptReader, TheAxisStaysUntilItIsGivenAnew) {
+TEST(AptReader, ToolAxisIsModal) {
   const Program program =
       apt(kStart + "GOTO/0,0,0,0,3,4\nGOTO/1,0,0\nGODLTA/5\nGODLTA/0,0,1\nFINI\n");
   ASSERT_EQ(program.motions.size(), 3u);
@@ -63,24 +63,24 @@ TEST(AptReader, FeedsHaveUnits) {
   EXPECT_EQ(duration("RAPID"), 0.06);
 }
 
-TEST(AptReader, RapidIsForOneMotion) {
+TEST(AptReader, RapidAppliesToOneMotion) {
   const Program program = apt(kStart + "FROM/0,0,0\nRAPID\nGOTO/1,0,0\nGOTO/2,0,0\nFINI\n");
   EXPECT_TRUE(program.motions[0].rapid);
   EXPECT_FALSE(program.motions[1].rapid);
 }
 
-TEST(AptReader, WhatDoesNotMoveIsAccepted) {
+TEST(AptReader, StatementsWithoutMotionAreAccepted) {
   EXPECT_THAT(
       apt(kStart + "PPRINT any $$ text\nREMARK/x\nSPINDL/ON\nSPINDL/RPM,100,CCLW\nCOOLNT/FLOOD\n"
                    "CUTTER/10,5\nSTOP\nOPSTOP\n$$ a comment\n  goto / 1 , 2 , 3 $$ small\n"
                    "GOTO/4,$\n 5,$ \n6\nDELAY/2\nEND\nFINI\n")
           .warnings,
       IsEmpty());
-  EXPECT_THAT(apt(kStart + "CUTTER/8\nFINI\n").warnings, ElementsAre(HasSubstr("10.0")));
+  EXPECT_THAT(apt(kStart + "CUTTER/8\nFINI\n").warnings, ElementsAre(HasSubstr("10 mm")));
 }
 
-TEST(AptReader, CutterOfSevenNumbersIsComparedByItsOwnDiameter) {
-  // Bottom and side line of this taper meet at 10 mm; it is 14 mm wide at its top.
+TEST(AptReader, CutterOfSevenNumbersIsComparedByItsAptDiameter) {
+  // Bottom and side line of this taper meet at a diameter of 10 mm; its top is 14 mm wide.
   const auto scene = parse_scene(
       R"({"stock": {"shape": "box", "min_mm": [0,0,-9], "max_mm": [9,9,0]},
           "tools": [{"id": 1, "shape": "apt", "d_mm": 10, "r_mm": 0, "e_mm": 5, "f_mm": 0,
@@ -92,7 +92,7 @@ TEST(AptReader, CutterOfSevenNumbersIsComparedByItsOwnDiameter) {
   EXPECT_THAT(test::read(*scene, "p.apt", load + "10,0,5,0,0,5.71059,20\nFINI\n").warnings,
               IsEmpty());
   EXPECT_THAT(test::read(*scene, "p.apt", load + "14,0,7,0,0,0,20\nFINI\n").warnings,
-              ElementsAre(HasSubstr("10.0")));
+              ElementsAre(HasSubstr("10 mm")));
 }
 
 struct BadStatement {
@@ -111,43 +111,43 @@ TEST_P(BadApt, IsRejectedWithLineAndWord) {
   EXPECT_THAT(error.reason, HasSubstr(GetParam().reason));
 }
 
-INSTANTIATE_TEST_SUITE_P(AptReader, BadApt,
-                         testing::Values(BadStatement{"GOFWD/C1", "GOFWD", "not an APT word"},
-                                         BadStatement{"CYCLE/DRILL,5", "CYCLE", "not an APT word"},
-                                         BadStatement{"GOTO/1,2", "GOTO", "needs x,y,z"},
-                                         BadStatement{"GOTO/1,2,x", "X", "not a number"},
-                                         BadStatement{"GOTO/1,2,", "", "a number is missing"},
-                                         BadStatement{"GOTO/1,2,nan", "NAN", "not a number"},
-                                         BadStatement{"GOTO/1,2,inf", "INF", "not a number"},
-                                         BadStatement{"GOTO/1,2,3,0,0,0", "GOTO", "no direction"},
-                                         BadStatement{"GOTO/1,2,3,0,0,-1", "", "opposite"},
-                                         BadStatement{"GOTO/1,2,9999999", "", "limit"},
-                                         BadStatement{"GODLTA/1,2", "GODLTA", "needs 3"},
-                                         BadStatement{"UNITS/CM", "CM", "not a unit"},
-                                         BadStatement{"MULTAX/MAYBE", "MAYBE", "ON or OFF"},
-                                         BadStatement{"LOADTL/9", "9", "no such tool"},
-                                         BadStatement{"LOADTL/1.5", "1.5", "no such tool"},
-                                         BadStatement{"FEDRAT/0", "FEDRAT", "above 0"},
-                                         BadStatement{"FEDRAT/5,FURLONGS", "FURLONGS",
-                                                      "not a feed unit"},
-                                         BadStatement{"SPINDL/FAST", "FAST", "not a number"},
-                                         BadStatement{"COOLNT/BEER", "BEER", "not a coolant"},
-                                         BadStatement{"CUTTER/0", "0", "above 0"},
-                                         BadStatement{"DELAY/-1", "-1", "negative"},
-                                         BadStatement{"RAPID/1", "RAPID", "needs 0"}));
+INSTANTIATE_TEST_SUITE_P(
+    AptReader, BadApt,
+    testing::Values(BadStatement{"GOFWD/C1", "GOFWD", "not a supported APT statement"},
+                    BadStatement{"CYCLE/DRILL,5", "CYCLE", "not a supported APT statement"},
+                    BadStatement{"GOTO/1,2", "GOTO", "2 values; it takes x,y,z"},
+                    BadStatement{"GOTO/1,2,x", "X", "not a number"},
+                    BadStatement{"GOTO/1,2,", "", "a number is missing"},
+                    BadStatement{"GOTO/1,2,nan", "NAN", "not a number"},
+                    BadStatement{"GOTO/1,2,inf", "INF", "not a number"},
+                    BadStatement{"GOTO/1,2,3,0,0,0", "GOTO", "other than 0,0,0"},
+                    BadStatement{"GOTO/1,2,3,0,0,-1", "", "opposite"},
+                    BadStatement{"GOTO/1,2,9999999", "", "limit"},
+                    BadStatement{"GODLTA/1,2", "GODLTA", "it takes 3"},
+                    BadStatement{"UNITS/CM", "CM", "not a unit"},
+                    BadStatement{"MULTAX/MAYBE", "MAYBE", "ON or OFF"},
+                    BadStatement{"LOADTL/9", "9", "not the id of a tool"},
+                    BadStatement{"LOADTL/1.5", "1.5", "not the id of a tool"},
+                    BadStatement{"FEDRAT/0", "FEDRAT", "above 0"},
+                    BadStatement{"FEDRAT/5,FURLONGS", "FURLONGS", "not a feed unit"},
+                    BadStatement{"SPINDL/FAST", "FAST", "not a number"},
+                    BadStatement{"COOLNT/BEER", "BEER", "not a coolant"},
+                    BadStatement{"CUTTER/0", "0", "above 0"},
+                    BadStatement{"DELAY/-1", "-1", "negative"},
+                    BadStatement{"RAPID/1", "RAPID", "it takes 0"}));
 
-TEST(AptReader, WhatIsMissingIsSaid) {
+TEST(AptReader, MissingStatementsAreReported) {
   const Scene scene = scene_for("tool-vector");
-  EXPECT_THAT(error_of(scene, "p.apt", "GOTO/1,2,3\n").reason, HasSubstr("no tool was loaded"));
+  EXPECT_THAT(error_of(scene, "p.apt", "GOTO/1,2,3\n").reason, HasSubstr("no tool is loaded"));
   EXPECT_THAT(error_of(scene, "p.apt", "LOADTL/1\nGOTO/1,2,3\nGOTO/2,2,3\n").reason,
               HasSubstr("feed is 0"));
   EXPECT_THAT(error_of(scene, "p.apt", "LOADTL/1\nFEDRAT/1,MMPR\nGOTO/1,2,3\nGOTO/2,2,3\n").reason,
               HasSubstr("SPINDL"));
-  EXPECT_THAT(error_of(scene, "p.apt", "GODLTA/1\n").reason, HasSubstr("needs a position"));
+  EXPECT_THAT(error_of(scene, "p.apt", "GODLTA/1\n").reason, HasSubstr("requires FROM or GOTO"));
   EXPECT_THAT(error_of(scene, "p.apt", "LOADTL/1\nGOTO/1,2,3,1,0,0\n").reason, HasSubstr("MULTAX"));
   EXPECT_THAT(error_of(scene, "p.apt", "GOTO/1,2,$").reason, HasSubstr("the file ends"));
   EXPECT_THAT(error_of(scene_for("xyz"), "p.apt", "MULTAX\nLOADTL/1\nGOTO/1,2,3,1,0,0\n").reason,
-              HasSubstr("cannot tilt"));
+              HasSubstr("tilts the tool"));
 }
 
 }  // namespace

@@ -10,14 +10,14 @@
 
 namespace kerf::test {
 
-/// What a program asks of a machine with axes X Y Z A B C.
+/// Records the canonical calls of a program.
 class CanonRecord final : public GcodeCanon {
  public:
   struct Call {
     char kind;  ///< 'R'apid, 'F'eed, 'A'rc, 'S'pline, 'D'well, 'T'ool
-    Vec3 to;    ///< without offsets
+    Vec3 to;    ///< absolute coordinates
     std::size_t line = 0;
-    double value = 0;  ///< mm a minute, seconds, turns, or the tool's number
+    double value = 0;  ///< feed in mm/min, seconds, turns or the tool number
   };
   std::vector<Call> calls;
 
@@ -56,7 +56,7 @@ inline GcodeSetup machine_with(ToolTable tools = {}) {
   return setup;
 }
 
-/// Tools 1 to 3 of 2, 4 and 6 mm, 10, 20 and 30 mm long.
+/// A table of tools 1 to 3 with diameters of 2, 4 and 6 mm and lengths of 10, 20 and 30 mm.
 inline ToolTable three_tools() {
   ToolTable tools;
   for (const int n : {1, 2, 3})
@@ -64,7 +64,7 @@ inline ToolTable three_tools() {
   return tools;
 }
 
-/// The calls of a program that must be right.
+/// Returns the calls of a program that must be valid.
 inline std::vector<CanonRecord::Call> calls_of(const std::string& text,
                                                const GcodeEnvironment& environment = {}) {
   CanonRecord record;
@@ -74,7 +74,7 @@ inline std::vector<CanonRecord::Call> calls_of(const std::string& text,
   return record.calls;
 }
 
-/// "R 1 2 3, F …": kind and end of each call that moves; "D 0.5" of a dwell.
+/// Returns kind and end of each motion and the seconds of each dwell: "R 1 2 3, F 1 2 0, D 0.5".
 inline std::string moves_of(const std::string& text, const GcodeEnvironment& environment = {}) {
   std::string moves;
   const auto number = [](double value) {
@@ -92,7 +92,7 @@ inline std::string moves_of(const std::string& text, const GcodeEnvironment& env
   return moves;
 }
 
-/// The error of a program that must be wrong.
+/// Returns the error of a program that must be invalid.
 inline ProgramError run_error_of(const std::string& text,
                                  const GcodeEnvironment& environment = {}) {
   CanonRecord record;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// canonical_calls [--tools TABLE] [--parameters FILE] [--folder DIR]... PROGRAM: what Kerf's reader
-// asks an inch machine with axes X Y Z A B C to do, one line each, in mm and degrees, without
-// offsets:
+// canonical_calls [--tools TABLE] [--parameters FILE] [--folder DIR]... PROGRAM
+// Prints the canonical calls of Kerf's G-code reader for an inch machine with the axes X Y Z A B C,
+// one per line, in mm and degrees, in absolute coordinates:
 //   rapid LINE x y z a b c
 //   feed LINE x y z a b c
 //   arc LINE x y z a b c plane first second turns
 //   spline LINE x y z a b c
 //   dwell LINE seconds
 //   tool LINE number
-// and at the end "warning: …" for each warning, or "error: …".
+// followed by "warning: …" for each warning and "error: …" if the program is invalid.
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -65,7 +65,7 @@ class PrintedCalls final : public GcodeCanon {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // rs274 is an inch machine whose programs begin in mm.
+  // The same machine as rs274: the machine's unit is the inch, programs start in mm.
   GcodeEnvironment environment;
   environment.machine_unit_mm = kMmPerInch;
   environment.parameters.emplace();

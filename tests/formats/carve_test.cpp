@@ -256,11 +256,11 @@ INSTANTIATE_TEST_SUITE_P(
     KerfCarve, BadInputs,
     testing::Values(
         BadInput{"Code", "p.ngc", "G0 X1\nG77 X5\n", "--scene scene.json --program p.ngc",
-                 "p.ngc:2: 'G77' is not a code"},
+                 "p.ngc:2: 'G77' is not a supported code"},
         BadInput{"Apt", "p.apt", "GOFWD/C1\n", "--scene scene.json --program p.apt",
                  "p.apt:1: 'GOFWD' is not"},
         BadInput{"SceneSyntax", "s.json", "{\n]", "--scene s.json --program p.ngc",
-                 "s.json:2:1: is not JSON"},
+                 "s.json:2:1: is not valid JSON"},
         BadInput{"SceneField", "s.json", R"({"stock": {"shape": "ball"}})",
                  "--scene s.json --program p.ngc", "s.json:1:21: stock.shape \"ball\" is not"},
         BadInput{"NoScene", "", "", "--scene none.json --program p.ngc", "none.json: cannot"},

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Reads every sample program of LinuxCNC with Kerf and with rs274 and compares every canonical call; prints a table.
+"""Reads every sample program of LinuxCNC with Kerf and with rs274, compares every canonical call and prints a table.
 
 usage: compare_samples.py CANONICAL_CALLS [--linuxcnc DIR] [--list]
-DIR is what test.sh unpacks (rs274 and root/ in it). Exit status 77 (skipped) where it is not there; 1 if the two disagree
-on a program, or if Kerf rejects one that rs274 accepts for a reason that does not stand in REASONS.
+DIR is the folder that test.sh unpacks LinuxCNC to; it contains rs274 and root/. Exit status: 77 (skipped) if DIR is
+missing; 1 if the two disagree on a program, or if Kerf rejects a program that rs274 accepts and the reason is not in
+REASONS.
 """
 import argparse
 import collections
@@ -16,13 +17,13 @@ from pathlib import Path
 
 import rs274 as reference
 
-# Why Kerf rejects what LinuxCNC reads: parts of its messages.
+# Known reasons for which Kerf rejects what LinuxCNC reads: a part of Kerf's message, and its meaning.
 REASONS = {
-    "probes": "probing: where a probe trips, only a machine knows",
-    "belongs to lathes": "lathe cycles",
-    "threads by the spindle's angle": "lathe threads",
+    "is a probing move": "probing: the contact point is known on a machine only",
+    "is a lathe code": "lathe cycles",
+    "spindle-synchronized threading": "lathe threads",
 }
-# Why rs274, as it stands alone, rejects what Kerf reads.
+# Known reasons for which the stand-alone rs274 rejects what Kerf reads: a part of rs274's message.
 THEIR_REASONS = {
     "File ended with no percent sign": "no M2, M30 or %: Kerf warns, rs274 rejects (subroutines, for the most part)",
     "M-code greater than 199": "M428, M429: remapped by the sample machines' configurations",
@@ -31,16 +32,19 @@ SUBROUTINES = ["", "ngcgui_lib", "ngcgui_lib/utilitysubs", "gladevcp_lib", "rema
 
 
 def table(lengths):
-    """Twenty tools; rs274 takes inches."""
+    """Returns a tool table in inches, the unit of rs274, with or without tool lengths."""
     return "".join("T%d P%d %sD%.4f\n" % (n, n, "Z%.3f " % (n / 8) if lengths else "", 0.12 + 0.02 * (n % 12))
                    for n in [*range(1, 21), 99, 100])
 
 
 def reason_in(text, reasons):
+    """Returns the meaning of the first of `reasons` that is part of a message; None if there is none."""
     return next((why for part, why in reasons.items() if part in text), None)
 
 
-class Walk:
+class Comparison:
+    """Compares programs of LinuxCNC's package one by one."""
+
     def __init__(self, canonical_calls, linuxcnc, folder):
         self.canonical_calls, self.folder = canonical_calls, folder
         self.rs274 = reference.with_nine_decimals(linuxcnc / "rs274", folder)
@@ -60,10 +64,10 @@ class Walk:
         return ours, theirs, complaint, error, None
 
     def judge(self, program):
-        """(category, what to print), category being one of "agree", "both reject", … or "wrong: …"."""
+        """Returns the category ("agree", "both reject", …, "wrong: …"), the number of equal calls and a message."""
         ours, theirs, complaint, error, differs = self.compare(program)
         if differs:
-            # After M6 the stand-alone rs274 forgets the offset of a G43 that stands in the same block.
+            # The stand-alone rs274 loses the offset of a G43 in the same block as an M6.
             flat = self.compare(program, lengths=False)
             if flat[4] is None and flat[2] is None and flat[3] is None:
                 return "agree, but for lengths that rs274 forgets after M6", len(ours), ""
@@ -83,7 +87,10 @@ class Walk:
 
 
 def caller_of(program, folder):
-    """A program that calls the subroutine in the file with the arguments that its comments propose; None if there is none."""
+    """Writes a program that calls the subroutine in a file with the arguments that its comments propose.
+
+    Returns its path, or None if the file defines no subroutine of its name.
+    """
     text = program.read_text(errors="replace")
     if not re.search(r"^\s*o<%s>\s*sub" % re.escape(program.stem), text, re.I | re.M):
         return None
@@ -102,16 +109,16 @@ def main():
     parser.add_argument("--list", action="store_true", help="one line for each program")
     args = parser.parse_args()
     if not args.linuxcnc or not (Path(args.linuxcnc) / "rs274").exists():
-        print("skipped: LinuxCNC's package is not there (KERF_LINUXCNC_DIR)")
+        print("skipped: LinuxCNC's package is missing; set KERF_LINUXCNC_DIR")
         return 77
     linuxcnc = Path(args.linuxcnc).resolve()
     share = linuxcnc / "root/usr/share"
     programs = sorted(p for p in share.rglob("*") if p.suffix.lower() in (".ngc", ".nc", ".tap") and p.is_file())
     count, called, calls, wrong = collections.Counter(), collections.Counter(), 0, []
     with tempfile.TemporaryDirectory() as name:
-        walk = Walk(args.canonical_calls.resolve(), linuxcnc, Path(name))
+        comparison = Comparison(args.canonical_calls.resolve(), linuxcnc, Path(name))
         for program in programs:
-            category, equal, text = walk.judge(program)
+            category, equal, text = comparison.judge(program)
             count[category] += 1
             calls += equal if category.startswith("agree") else 0
             line = "%s: %s %s" % (program.relative_to(share), category, text.replace(str(share) + "/", ""))
@@ -119,11 +126,11 @@ def main():
                 print(line)
             if category.startswith("wrong"):
                 wrong.append(line)
-            caller = caller_of(program, walk.folder)
+            caller = caller_of(program, comparison.folder)
             if caller:
-                walk.subroutines.insert(0, program.parent)
-                category, equal, text = walk.judge(caller)
-                walk.subroutines.pop(0)
+                comparison.subroutines.insert(0, program.parent)
+                category, equal, text = comparison.judge(caller)
+                comparison.subroutines.pop(0)
                 called[category] += 1
                 calls += equal if category.startswith("agree") else 0
                 line = "%s, called: %s %s" % (program.relative_to(share), category, text.replace(str(share) + "/", ""))
@@ -131,8 +138,8 @@ def main():
                     print(line)
                 if category.startswith("wrong"):
                     wrong.append(line)
-    for what, table_of in (("programs", count), ("of them subroutines, called by a program of the test", called)):
-        print("%d %s:" % (sum(table_of.values()), what))
+    for title, table_of in (("programs", count), ("subroutines among them, called by a generated program", called)):
+        print("%d %s:" % (sum(table_of.values()), title))
         for category, number in sorted(table_of.items()):
             print("%6d  %s" % (number, category))
     print("%d programs, %d canonical calls equal, %d wrong" % (len(programs), calls, len(wrong)))

@@ -3,7 +3,7 @@
 """Reads random G-code with Kerf and with LinuxCNC's stand-alone interpreter and compares every canonical call.
 
 usage: compare_with_rs274.py CANONICAL_CALLS [--rs274 PATH] [--programs N] [--first SEED] [--kind KIND]
-rs274 comes with the Debian package linuxcnc-uspace. Exit status 77 (skipped) where it is missing.
+rs274 is in the Debian package linuxcnc-uspace. Exit status: 77 (skipped) if it is missing, 1 on the first difference.
 """
 import argparse
 import collections
@@ -17,10 +17,12 @@ from pathlib import Path
 import rs274 as reference
 
 PLANES = {"G17": ("XY", "IJ", "Z"), "G18": ("XZ", "IK", "Y"), "G19": ("YZ", "JK", "X")}
-TOOLS = "T1 P1 D0.2\nT2 P7 Z1.5 D0.35\nT3 P3 X0.25 Z-0.5 D0.5\nT12 P12 Z0.125 D0.04\n"  # inches, as rs274 takes them
+TOOLS = "T1 P1 D0.2\nT2 P7 Z1.5 D0.35\nT3 P3 X0.25 Z-0.5 D0.5\nT12 P12 Z0.125 D0.04\n"  # inches, the unit of rs274
 
 
 class Generator:
+    """Generates random programs; the same for the same seed."""
+
     def __init__(self, seed):
         self.random = random.Random(seed)
         self.inch = False
@@ -41,8 +43,8 @@ class Generator:
         return self.offset_known("G49") + "\nG20" if self.inch else self.offset_known("G49") + "\nG21"
 
     def offset_known(self, block):
-        # rs274 stands in for a machine, whose position it asks for after M6; it forgets offsets of tools and rotations
-        # until the next move, and takes a tool's offset over in old units. So a move follows at once.
+        # rs274 simulates the machine whose position it reads back after M6: it loses tool offsets and rotations until
+        # the next move, and keeps a tool's offset in the previous units. So a move follows immediately.
         return block + "\nG90 G0 X1 Y2 Z3"
 
     def select(self):
@@ -136,7 +138,7 @@ class Generator:
         return r.choice(["G41", "G42", f"G41.1 D{diameter}", f"G42.1 D{diameter}", "G41 D1", "G42 D2", "G41 D12"])
 
     def contour(self):
-        """A path round a centre, with corners in and out, lines, arcs and moves along the normal."""
+        """A path around a center with inside and outside corners, lines, arcs and moves along the normal."""
         r = self.random
         unit = 25.4 if self.inch else 1
         self.plane = r.choice(["G17", "G17", "G18"])
@@ -164,7 +166,7 @@ class Generator:
         return blocks + ["G40", f"G{r.choice([0, 1])} {ends(60, angles[-1])}"]
 
     def scribble(self):
-        """Whatever; most of it cannot be reached by the tool, and both have to say so."""
+        """A random path. The tool cannot follow most of them without gouging, which both readers must report."""
         r = self.random
         self.plane = r.choice(["G17", "G17", "G18"])
         axes, centers = ("XY", "IJ") if self.plane == "G17" else ("XZ", "IK")
@@ -189,7 +191,7 @@ class Generator:
         label = r.randint(100, 9999)
         body = [r.choice([self.line, self.value])() for _ in range(r.randint(1, 3))]
         step = f"#5=[#5+1] G1 X[#5*1.5] Y[#5 mod 2]"
-        # After a break out of a while, rs274 ends the next do after one pass: a fault of its own.
+        # After a break out of a while, rs274 ends the next do after one pass, which is a bug of rs274.
         leave = "break" if self.breaks else "continue"
         return r.choice([
             lambda: [f"#5=0", f"o{label} while [#5 lt {r.randint(0, 4)}]", step, *body,
@@ -253,7 +255,7 @@ def main():
             file.write_text(text)
             theirs, complaint = reference.with_rs274(precise, file, folder, tools)
             ours, error, _ = reference.with_kerf(args.canonical_calls, file, tools)
-            # What both say up to where they stop must agree too.
+            # The calls before an error must agree as well.
             differs = reference.difference(ours[:len(theirs)], theirs[:len(ours)])
             if (complaint is None) != (error is None):
                 differs = f"rs274: {complaint or 'accepts'}; Kerf: {error or 'accepts'}"

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Exports programs for each machine, has LinuxCNC's interpreter execute them, and carves what its canonical moves say.
+"""Exports programs for each machine, executes them with LinuxCNC's interpreter and carves its canonical moves.
 
 usage: export_to_rs274.py KERF_CARVE [--rs274 PATH]
-Every exported program must be accepted (exit status 0), and the block that the canonical moves leave must be the block that
-the original left, within the tolerance that the export was joined with. Exit status 77 (skipped) where rs274 is missing.
+LinuxCNC must accept every exported program (exit status 0), and carving the canonical moves must give the same block as
+carving the original program, within the tolerance of the export. Exit status: 77 (skipped) if rs274 is missing.
 """
 import argparse
 import json
@@ -20,8 +20,8 @@ from rs274 import private_home
 
 TOLERANCE_MM = 0.02
 PITCH_MM = 0.1
-MESH_MM = 0.1 * PITCH_MM  # a mesh knows a wall to a part of a pitch only; a shift of a hair moves its vertices by that
-PRINTED_MM = 2e-4  # rs274 prints four decimals, of degrees too, 30 mm from the axis
+MESH_MM = 0.1 * PITCH_MM  # a mesh represents a wall to a fraction of a pitch; a tiny shift moves vertices by that much
+PRINTED_MM = 2e-4  # rs274 prints four decimals, also of degrees, at 30 mm from the axis
 
 
 def scene(kinematics):
@@ -33,7 +33,7 @@ def scene(kinematics):
 
 
 def apt(tilted):
-    """Strokes as a hand at a high rate would leave them: thousands of short motions on curves, two tools, a jump."""
+    """Strokes as of a haptic device: thousands of short motions on curves, two tools and a jump."""
     lines = ["PARTNO/TEST", "MULTAX/ON", "UNITS/MM"]
 
     def pose(t, lean):
@@ -47,7 +47,7 @@ def apt(tilted):
         lines += [f"LOADTL/{tool}", "FROM/" + ",".join("%.6f" % v for v in pose(0, lean)), "FEDRAT/900,MMPM"]
         for n in range(1, 1201):
             lines.append("GOTO/" + ",".join("%.6f" % v for v in pose(n / 1200, lean)))
-    # A straight way in a hundred steps: it becomes one block.
+    # A straight line in a hundred steps, which is joined into one block.
     lines.append("FROM/-18,-15,-3,0,0,1")
     lines += ["GOTO/%.6f,-15,-3,0,0,1" % (-18 + 0.36 * n) for n in range(1, 101)]
     return "\n".join(lines + ["FINI", ""])
@@ -66,8 +66,8 @@ class Carve:
 
 
 def execute(rs274, folder, file):
-    """The canonical calls of the program; LinuxCNC's own interpreter decides whether it is one."""
-    for code in ("428", "429"):  # which kinematics are on is the machine's matter, not the interpreter's
+    """Returns the canonical calls of a program; exits if LinuxCNC's interpreter rejects it."""
+    for code in ("428", "429"):  # the kinematics switch is remapped by the machine's configuration
         (folder / f"{code}remap.ngc").write_text(f"o<{code}remap>sub\nM68 E3 Q{code[2]}\no<{code}remap>endsub\nM2\n")
     (folder / "m.ini").write_text(f"[RS274NGC]\nSUBROUTINE_PATH={folder}\nREMAP=M428 modalgroup=10 ngc=428remap\n"
                                   "REMAP=M429 modalgroup=10 ngc=429remap\n")
@@ -82,7 +82,7 @@ def execute(rs274, folder, file):
 
 
 def canonical_to_apt(calls, kinematics):
-    """What the canonical moves do, as APT: the tip is where the program says while TCP is on, and always on xyz."""
+    """Converts canonical moves to APT. Programmed positions are those of the tip while TCP is on, and always on xyz."""
     lines = ["PARTNO/CANON", "MULTAX/ON", "UNITS/MM", "FEDRAT/900,MMPM"]
     tool, cutting, followed, at = 0, False, kinematics == "xyz", None
     for call in calls:
@@ -133,7 +133,7 @@ def check(carve, rs274, folder, kinematics):
     removed, found = original["removed_volume_mm3"], again["removed_volume_mm3"]
     area = 2 * 2 * 40 * 40
     if abs(found - removed) > (TOLERANCE_MM + PRINTED_MM) * area / 4:
-        sys.exit(f"{kinematics}: {removed} mm3 removed, {found} after LinuxCNC has read it")
+        sys.exit(f"{kinematics}: {removed} mm3 removed by the original, {found} mm3 by LinuxCNC's canonical moves")
     figures = again["deviation"]
     if figures["p99_mm"] > TOLERANCE_MM + PRINTED_MM + MESH_MM:
         sys.exit(f"{kinematics}: 1 % of the surface is more than {figures['p99_mm']} mm off")

@@ -23,8 +23,8 @@ TEST(FeedSampler, EveryMotionLastsOnePeriod) {
   EXPECT_EQ(sample_count(program, 100), 350);
   for (const ProgramMotion& motion : sampled.motions) {
     EXPECT_NEAR(motion.duration_s, 0.01, 1e-12);
-    const double way = length(motion.to.tip_mm - motion.from.tip_mm);
-    EXPECT_TRUE(std::abs(way - 0.1) < 1e-9 || way < 1e-9) << way;
+    const double travel_mm = length(motion.to.tip_mm - motion.from.tip_mm);
+    EXPECT_TRUE(std::abs(travel_mm - 0.1) < 1e-9 || travel_mm < 1e-9) << travel_mm;
   }
   EXPECT_EQ(sampled.motions[99].to.tip_mm, (Vec3{10, 0, 0}));
   EXPECT_EQ(sampled.motions[99].line, 3u);
@@ -32,7 +32,7 @@ TEST(FeedSampler, EveryMotionLastsOnePeriod) {
   EXPECT_EQ(sampled.motions.back().to, program.motions.back().to);
 }
 
-TEST(FeedSampler, TheLastSampleOfAChainMayBeShorter) {
+TEST(FeedSampler, LastSampleOfAChainMayBeShorter) {
   const Program program = gcode(
       scene_for("xyz"), "T1 M6\nG0 X0 Y0 Z0\nG1 X1.05 F600\nG53 G0 Z0\nG0 X5\nZ0\nG1 X6\nM2\n");
   const Program sampled = sample_program(program, 100);
@@ -42,7 +42,7 @@ TEST(FeedSampler, TheLastSampleOfAChainMayBeShorter) {
   EXPECT_EQ(sampled.motions[11].from.tip_mm, (Vec3{5, 0, 0}));
 }
 
-TEST(FeedSampler, MotionsConnectAndStayTurnable) {
+TEST(FeedSampler, SamplesConnectAndTurnLessThanTheKernelLimit) {
   const Program program =
       gcode(scene_for("tool-vector"),
             "T1 M6\nG0 X0 Y0 Z0\nG93\nG1 X5 I1 J0 K-1 F60\nX6 I0 J0 K1 F60\nM2\n");
@@ -60,19 +60,19 @@ TEST(FeedSampler, MotionsConnectAndStayTurnable) {
   }
 }
 
-TEST(FeedSampler, CornersThatAreCutAreWarnedOf) {
+TEST(FeedSampler, WarnsOfCornersCutOff) {
   const Program program = gcode(scene_for("xyz"), "T1 M6\nG0 X0 Y0 Z0\nG1 X10.5 F60\nY10.5\nM2\n");
   EXPECT_TRUE(sample_program(program, 2).warnings.empty());
   const Program coarse = sample_program(program, 1);
   ASSERT_EQ(coarse.warnings.size(), 1u);
-  EXPECT_EQ(coarse.warnings[0], "p.ngc: at this rate corners are cut by up to 0.354 mm");
+  EXPECT_EQ(coarse.warnings[0], "p.ngc: at this rate corners are cut off by up to 0.354 mm");
 }
 
-TEST(FeedSampler, AnEmptyProgramHasNoSamples) {
+TEST(FeedSampler, EmptyProgramHasNoSamples) {
   EXPECT_TRUE(sample_program({}, 1000).motions.empty());
 }
 
-TEST(ForcesCsv, HasTheColumnsOfTheDesign) {
+TEST(ForcesCsv, HasHeaderAndOneRowPerMotion) {
   std::ostringstream out;
   write_forces_header(out);
   write_forces_row(out, 0.25, {{1, 2.5, -3}, {0, 0, 1}}, {{0.1, 0, 1.0 / 3}, {0, -20, 0}}, 1e-7);

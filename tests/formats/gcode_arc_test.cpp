@@ -26,7 +26,7 @@ void expect_near(Vec3 a, Vec3 b, double tolerance) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-// A plane's axes: the first, the second and the normal, right-handed.
+// The axes of a plane: first, second and normal, right-handed.
 struct Plane {
   ArcPlane plane;
   Vec3 first, second, normal;
@@ -66,7 +66,7 @@ TEST(GcodeArc, TurnsMakeAHelix) {
   EXPECT_NEAR(arc.length_mm(), std::hypot(4.5 * kPi, 6), 1e-12);
 }
 
-TEST(GcodeArc, RadiusFormTakesTheShortWayForPositiveAndTheLongWayForNegative) {
+TEST(GcodeArc, PositiveRadiusGivesShortArcNegativeLongArc) {
   for (const Plane& p : kPlanes) {
     for (const bool clockwise : {false, true}) {
       const Vec3 start = p.first * 5;
@@ -84,7 +84,7 @@ TEST(GcodeArc, RadiusFormTakesTheShortWayForPositiveAndTheLongWayForNegative) {
   }
 }
 
-TEST(GcodeArc, RadiusOfHalfTheChordIsAHalfCircleInSpiteOfRounding) {
+TEST(GcodeArc, RadiusRoundedBelowHalfTheChordIsAHalfCircle) {
   const Arc arc =
       make_arc({0, 0, 0}, {10.001, 0, 0}, ArcPlane::kXy, {.ijk = {}, .radius = 5}, false, 1);
   EXPECT_NEAR(arc.sweep_rad, kPi, 1e-9);
@@ -119,15 +119,15 @@ TEST(GcodeArc, ImpossibleArcsAreRejected) {
   fault({10, 0, 0}, {.ijk = {0, 0, 0}});
   fault({10, 0, 0}, {.ijk = {}, .radius = 4.9});
   fault({0, 0, 5}, {.ijk = {}, .radius = 4.9});
-  // 0.004 mm apart, or 0.1 % of the radius: what programs round to.
+  // Radii 0.004 mm or less than 0.1 % apart are accepted as rounding of the program.
   make_arc({0, 0, 0}, {10.004, 0, 0}, ArcPlane::kXy, {.ijk = {5, 0, 0}}, false, 1);
   make_arc({0, 0, 0}, {1000.4, 0, 0}, ArcPlane::kXy, {.ijk = {500, 0, 0}}, false, 1);
 }
 
-TEST(GcodeArc, WordsOfABlockMakeTheArc) {
+TEST(GcodeArc, EquivalentWordsGiveTheSameArc) {
   const Scene scene = scene_for("xyz", 0.001);
   const std::string start = "G21 G90 T1 M6 F600\nG0 X10 Y0 Z0\n";
-  // Offsets from the start, absolute centre, radius, plane and inches all give the same quarter.
+  // Relative center, absolute center, radius, increments and inches give the same quarter circle.
   for (const char* block :
        {"G3 X0 Y10 I-10", "G3 X0 Y10 I-10 J0", "G90.1 G3 X0 Y10 I0 J0", "G3 X0 Y10 R10",
         "G91 G3 X-10 Y10 I-10", "G20\nG3 X0 Y[10/25.4] I[-10/25.4] F[600/25.4]"}) {
@@ -150,7 +150,7 @@ TEST(GcodeArc, WordsOfABlockMakeTheArc) {
   }
 }
 
-TEST(GcodeArc, WrongWordsAreNamed) {
+TEST(GcodeArc, ErrorsNameTheInvalidWord) {
   const Scene scene = scene_for("xyz");
   const auto word_of = [&](const std::string& block) {
     const ProgramError error =

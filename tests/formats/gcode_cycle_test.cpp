@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 const std::string kStart = "G21 G90 G94 F100 S500 M3\nG0 X0 Y0 Z10\n";
 
-TEST(GcodeCycle, DrillsFromThePlaneRAndComesBackAsG98OrG99Say) {
+TEST(GcodeCycle, DrillsFromRAndRetractsByG98OrG99) {
   EXPECT_EQ(
       moves_of(kStart + "G98 G81 X1 Y2 Z-5 R3\nX4\nG80\nM2\n"),
       "R 0 0 10, R 1 2 10, R 1 2 3, F 1 2 -5, R 1 2 10, R 4 2 10, R 4 2 3, F 4 2 -5, R 4 2 10");
@@ -24,7 +24,7 @@ TEST(GcodeCycle, DrillsFromThePlaneRAndComesBackAsG98OrG99Say) {
             "R 0 0 1, R 0 0 3, R 1 0 3, F 1 0 -5, R 1 0 3");
 }
 
-TEST(GcodeCycle, RepeatsStepInIncrementalMode) {
+TEST(GcodeCycle, RepeatsAdvanceInIncrementalMode) {
   EXPECT_EQ(moves_of(kStart + "G91 G99 G81 X5 Z-2 R-8 L2\nM2\n"),
             "R 0 0 10, R 5 0 10, R 5 0 2, F 5 0 0, R 5 0 2, R 10 0 2, F 10 0 0, R 10 0 2");
 }
@@ -36,7 +36,7 @@ TEST(GcodeCycle, WorksInEveryPlane) {
             "R 10 0 0, R 10 1 2, R 3 1 2, F -5 1 2, R 3 1 2");
 }
 
-TEST(GcodeCycle, PecksDwellsAndBores) {
+TEST(GcodeCycle, PeckDwellAndBoreCyclesExpandAsInLinuxCnc) {
   EXPECT_EQ(moves_of(kStart + "G99 G83 X0 Z-1 R1 Q1.5\nM2\n"),
             "R 0 0 10, R 0 0 10, R 0 0 1, F 0 0 -0.5, R 0 0 1, R 0 0 -0.246, F 0 0 -1, R 0 0 1");
   EXPECT_EQ(moves_of(kStart + "G99 G73 X0 Z-1 R1 Q1.5\nM2\n"),
@@ -52,23 +52,23 @@ TEST(GcodeCycle, PecksDwellsAndBores) {
   EXPECT_EQ(moves_of(kStart + "G99 G87 X0 Z-4 R1 I2 J3 K-2\nM2\n"),
             "R 0 0 10, R 0 0 10, R 0 0 1, R 2 3 1, R 2 3 -4, R 0 0 -4, F 0 0 -2, F 0 0 -4, R 2 3 "
             "-4, R 2 3 1, R 0 0 1");
-  // The operator retracts by hand: the next hole starts from the bottom of this one.
+  // The operator retracts manually, so the next hole starts from the bottom of this one.
   EXPECT_EQ(moves_of(kStart + "G99 G88 X0 Z-1 R1 P1\nM2\n"),
             "R 0 0 10, R 0 0 10, R 0 0 1, F 0 0 -1, D 1");
 }
 
-// LinuxCNC swaps the axes of a tap in G18 and G19; Kerf taps along the plane's normal.
+// LinuxCNC swaps the axes of G74 and G84 in G18 and G19; Kerf taps along the plane's normal.
 TEST(GcodeCycle, TapsAlongTheNormalOfEveryPlane) {
   EXPECT_EQ(moves_of("F100 S100 M3\nG0 X10 Y0 Z0\nG19 G99 G84 Y1 Z2 X-5 R3\nM2\n"),
             "R 10 0 0, R 10 1 2, R 3 1 2, F -5 1 2, D 0, F 3 1 2");
 }
 
-TEST(GcodeCycle, HolesMayStandInPolarCoordinates) {
+TEST(GcodeCycle, HolesMayBeInPolarCoordinates) {
   EXPECT_EQ(moves_of(kStart + "G99 G81 @5 ^90 Z-1 R1\n^180\nM2\n"),
             "R 0 0 10, R 0 5 10, R 0 5 1, F 0 5 -1, R 0 5 1, R -5 0 1, F -5 0 -1, R -5 0 1");
 }
 
-TEST(GcodeCycle, RigidTapGoesDownAndBackWithTheSpindle) {
+TEST(GcodeCycle, RigidTapFeedsDownAndBackAtPitchTimesSpeed) {
   const auto calls = calls_of("S120 M3\nG0 X1 Y1 Z5\nG33.1 Z-3 K0.5\nM2\n");
   ASSERT_EQ(calls.size(), 3u);
   EXPECT_EQ(calls[1].to, (Vec3{1, 1, -3}));
@@ -90,13 +90,14 @@ TEST_P(BadCycle, IsRejected) {
 
 INSTANTIATE_TEST_SUITE_P(
     GcodeCycle, BadCycle,
-    testing::Values(Bad{"G81 X1 Z-1", "needs R"}, Bad{"G81 X1 R1", "needs the depth"},
-                    Bad{"G81 Z1 R-1", "below its bottom"}, Bad{"G82 Z-1 R1", "needs P"},
-                    Bad{"G83 Z-1 R1", "needs Q"}, Bad{"G83 Z-1 R1 Q0", "above 0"},
-                    Bad{"G81 Z-1 R1 L0", "repeats"}, Bad{"G81 Z-1 R1 A5", "does not turn"},
+    testing::Values(Bad{"G81 X1 Z-1", "requires R"}, Bad{"G81 X1 R1", "requires the bottom"},
+                    Bad{"G81 Z1 R-1", "below the bottom"}, Bad{"G82 Z-1 R1", "requires P"},
+                    Bad{"G83 Z-1 R1", "requires Q"}, Bad{"G83 Z-1 R1 Q0", "above 0"},
+                    Bad{"G81 Z-1 R1 L0", "repeats"}, Bad{"G81 Z-1 R1 A5", "rotary axes"},
                     Bad{"G93 G81 Z-1 R1 F1", "inverse time"}, Bad{"M5 G86 Z-1 R1 P1", "spindle"},
-                    Bad{"M4 G84 Z-1 R1", "wrong way"}, Bad{"G41 D1 G81 Z-1 R1", "compensation"},
-                    Bad{"G81", "needs axis words"}, Bad{"G33.1 Z-1 K0", "pitch"}),
+                    Bad{"M4 G84 Z-1 R1", "wrong direction"},
+                    Bad{"G41 D1 G81 Z-1 R1", "compensation"}, Bad{"G81", "requires axis words"},
+                    Bad{"G33.1 Z-1 K0", "pitch"}),
     [](const auto& name) { return "Case" + std::to_string(name.index); });
 
 }  // namespace

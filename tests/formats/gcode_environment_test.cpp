@@ -16,7 +16,7 @@ using test::scene_for;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(ToolTable, IsReadInAnyOrderWithComments) {
+TEST(ToolTable, WordsMayBeInAnyOrderWithComments) {
   const auto table = read_tool_table(
       "t.tbl", "; tools\nT1 P7 D0.5 Z+1.25 ; mill\n\nq9 X-1 t2 P2 d.25 I10 J20\n", 25.4);
   ASSERT_TRUE(table.has_value());
@@ -27,27 +27,28 @@ TEST(ToolTable, IsReadInAnyOrderWithComments) {
   EXPECT_DOUBLE_EQ(table->at(2).offset[0], -25.4);
 }
 
-TEST(ToolTable, WhatIsWrongIsNamed) {
+TEST(ToolTable, ErrorsNameTheInvalidWord) {
   const auto error = [](const char* text) { return read_tool_table("t.tbl", text).error(); };
   EXPECT_EQ(error("T1\nT2 Dx\n").line, 2u);
   EXPECT_EQ(error("T1\nT2 Dx\n").word, "Dx");
   EXPECT_THAT(error("T1\nT1\n").reason, HasSubstr("twice"));
   EXPECT_THAT(error("P1\n").reason, HasSubstr("T word"));
-  EXPECT_THAT(error("T0.5\n").reason, HasSubstr("whole"));
-  EXPECT_THAT(error("T1 W2\n").reason, HasSubstr("does not have"));
+  EXPECT_THAT(error("T0.5\n").reason, HasSubstr("integer"));
+  EXPECT_THAT(error("T1 W2\n").reason, HasSubstr("not supported"));
   EXPECT_THAT(error("T1 Dnan\n").reason, HasSubstr("number"));
 }
 
-TEST(ParameterFile, TakesLinesOfTwoNumbersInOrder) {
+TEST(ParameterFile, ReadsLinesOfTwoNumbersInAscendingOrder) {
   const auto parameters = read_parameter_file("p.var", "5161 1.5\nname value\n5221\t-2e1\n\n");
   ASSERT_TRUE(parameters.has_value());
   EXPECT_EQ(*parameters, (std::map<int, double>{{5161, 1.5}, {5221, -20}}));
-  EXPECT_THAT(read_parameter_file("p.var", "5221 0\n5161 0\n").error().reason, HasSubstr("order"));
-  EXPECT_THAT(read_parameter_file("p.var", "9999 0\n").error().reason, HasSubstr("run from 1"));
+  EXPECT_THAT(read_parameter_file("p.var", "5221 0\n5161 0\n").error().reason,
+              HasSubstr("greater than the parameter number before it, 5221"));
+  EXPECT_THAT(read_parameter_file("p.var", "9999 0\n").error().reason, HasSubstr("from 1 to 5601"));
 }
 
-TEST(GcodeEnvironment, OffsetsOfToolsMoveWhatCoordinatesMean) {
-  // The controlled point stays where it is; its coordinates shift by the length.
+TEST(GcodeEnvironment, ToolOffsetsShiftProgrammedCoordinates) {
+  // The controlled point does not move; its coordinates shift by the tool length.
   EXPECT_EQ(moves_of("T2 M6\nG0 X0 Y0 Z50\nG43\nG91 G0 X1\nG49\nX1\nM2\n"),
             "R 0 0 50, R 1 0 30, R 2 0 50");
   EXPECT_EQ(moves_of("T1 M6\nG0 Z50\nG43 H3\nG91 G0 X1\nG43.2 H1\nX1\nG43.1 Z5\nX1\nM2\n"),
@@ -56,7 +57,7 @@ TEST(GcodeEnvironment, OffsetsOfToolsMoveWhatCoordinatesMean) {
   EXPECT_THAT(run_error_of("G43 H9\nM2\n").reason, HasSubstr("tool table has no tool 9"));
 }
 
-TEST(GcodeEnvironment, AProgramThatForgetsG43CutsDeeper) {
+TEST(GcodeEnvironment, WithoutG43TheToolCutsDeeperByItsLength) {
   const Scene scene = scene_for("xyz");
   GcodeEnvironment environment;
   environment.tools = test::three_tools();
@@ -70,7 +71,7 @@ TEST(GcodeEnvironment, AProgramThatForgetsG43CutsDeeper) {
   EXPECT_EQ(depth("T1 M6\nG43 H2\nG0 X0 Y0 Z15\nG1 Z-1 F100\nM2\n"), 9);
 }
 
-TEST(GcodeEnvironment, WithParametersTheMachinesZeroIsKnown) {
+TEST(GcodeEnvironment, MachineZeroIsKnownWithParameterFile) {
   const Scene scene = scene_for("xyz");
   GcodeEnvironment environment;
   environment.parameters =
@@ -81,13 +82,13 @@ TEST(GcodeEnvironment, WithParametersTheMachinesZeroIsKnown) {
   ASSERT_TRUE(program.has_value()) << to_string(program.error());
   std::vector<Vec3> ends;
   for (const ProgramMotion& motion : program->motions) ends.push_back(motion.to.tip_mm);
-  // The workpiece's zero is that of G54; everything else is where the machine puts it.
+  // The scene's origin is that of G54; other positions follow from the machine zero.
   EXPECT_THAT(ends, testing::ElementsAre(Vec3{0, 0, -1}, Vec3{0, 0, 10}, Vec3{-10, -20, 70},
                                          Vec3{5, -20, 70}));
   EXPECT_THAT(program->warnings, IsEmpty());
 }
 
-TEST(GcodeEnvironment, PredefinedNamesTellTheState) {
+TEST(GcodeEnvironment, PredefinedParametersReportTheState) {
   EXPECT_EQ(moves_of("G20\nG0 X1\nG21\nG10 L2 P2 X5\nG55\nG0 X#<_abs_x> Y[#<_x>+#<_metric>] "
                      "Z#<_coord_system>\nM2\n"),
             "R 25.4 0 0, R 30.4 21.4 550");
@@ -97,20 +98,20 @@ TEST(GcodeEnvironment, PredefinedNamesTellTheState) {
       "R 12 34 2, R 3 170 0");
 }
 
-TEST(GcodeEnvironment, RotatedSystemsAndPolarCoordinates) {
+TEST(GcodeEnvironment, RotatedCoordinateSystemsAndPolarCoordinatesWork) {
   EXPECT_EQ(moves_of("G10 L2 P1 X10 R90\nG0 X5 Y0\nG0 @2 ^90\nM2\n"), "R 10 5 0, R 8 0 0");
   EXPECT_EQ(moves_of("G0 @5 ^90\n@3\nG91 ^-90\nM2\n"), "R 0 5 0, R 0 3 0, R 3 0 0");
   EXPECT_THAT(run_error_of("G0 @5\nM2\n").reason, HasSubstr("origin"));
   EXPECT_THAT(run_error_of("G18\nG0 @5 ^3\nM2\n").reason, HasSubstr("plane XY"));
 }
 
-TEST(GcodeEnvironment, HomesAndShifts) {
+TEST(GcodeEnvironment, HomePositionsAndShiftsWork) {
   EXPECT_EQ(moves_of("G0 X1 Y2 Z3\nG28.1\nG0 X9\nG28 X5\nG30\nM2\n"),
             "R 1 2 3, R 9 2 3, R 5 2 3, R 1 2 3, R 1 2 3, R 0 0 0");
   EXPECT_EQ(moves_of("G52 X10\nG0 X1\nG52 X0\nG0 X1\nM2\n"), "R 11 0 0, R 1 0 0");
 }
 
-TEST(GcodeEnvironment, SplinesEndWhereTheyAreTold) {
+TEST(GcodeEnvironment, SplinesReachTheirEndsWithinTolerance) {
   EXPECT_EQ(moves_of("F100\nG5.1 X10 Y0 I5 J5\nG5 X20 Y0 I1 J2 P-1 Q2\nX30 Y0 P0 Q1\nM2\n"),
             "S 10 0 0, S 20 0 0, S 30 0 0");
   const Program program =

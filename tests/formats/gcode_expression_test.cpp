@@ -15,7 +15,7 @@ GcodeBlock block_of(const std::string& line, GcodeParameters& parameters) {
   return parse_gcode_block(split_gcode_line(line).code, parameters);
 }
 
-// The value of a line like "x[1+2]": what the reader makes of it.
+// The value of the word in a line such as "x[1+2]".
 double value_of(const std::string& text, const std::string& before = "") {
   GcodeParameters parameters;
   if (!before.empty()) block_of(before, parameters);
@@ -40,7 +40,7 @@ struct Case {
 
 class Expressions : public testing::TestWithParam<Case> {};
 
-TEST_P(Expressions, HaveTheValueThatLinuxCncGives) {
+TEST_P(Expressions, EvaluateAsInLinuxCnc) {
   EXPECT_NEAR(value_of(GetParam().text, "#1=3 #2=5 #5=1 #<a>=7 #<_G b>=11"), GetParam().value,
               1e-12)
       << GetParam().text;
@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"exists[#<a>]", 1}, Case{"exists[#<nothing>]", 0}, Case{"exists[#9]", 1},
                     Case{"SQRT[ 4 ]", 2}, Case{"1 2 . 5", 12.5}));
 
-TEST(GcodeExpression, WhatHasNoValueIsRejected) {
+TEST(GcodeExpression, InvalidExpressionsAreRejected) {
   EXPECT_THAT(fault_of("x[1/0]").reason, testing::HasSubstr("finite"));
   EXPECT_EQ(fault_of("xsqrt[-1]").word, "sqrt[-1]");
   for (const char* line :
@@ -98,7 +98,7 @@ TEST(GcodeParameters, PositionAndToolCannotBeAssigned) {
   fault_of("#<a>");
 }
 
-TEST(GcodeBlock, LettersMayBeSmallAndBlanksAnywhere) {
+TEST(GcodeBlock, LowerCaseAndBlanksAreAccepted) {
   GcodeParameters parameters;
   GcodeBlock block = block_of("n 1 0 g 0 1 x +0. 1 2 34 y 7 (a comment) z1;and x9", parameters);
   EXPECT_EQ(block.find('x')->value, 0.1234);
@@ -108,14 +108,14 @@ TEST(GcodeBlock, LettersMayBeSmallAndBlanksAnywhere) {
   EXPECT_EQ(block.code(GcodeGroup::kMotion)->text, "G01");
 }
 
-TEST(GcodeBlock, CommentsAreNotCode) {
+TEST(GcodeBlock, CommentsAreRemoved) {
   EXPECT_EQ(split_gcode_line("G1 (MSG, X5 ; not a comment) X1 ; (open").code, "g1x1");
   EXPECT_THROW(split_gcode_line("G1 (open"), GcodeFault);
   EXPECT_THROW(split_gcode_line("G1 (a (b) c)"), GcodeFault);
   EXPECT_THROW(split_gcode_line("G1 )"), GcodeFault);
 }
 
-TEST(GcodeBlock, WhatContradictsItselfIsRejected) {
+TEST(GcodeBlock, ConflictingAndInvalidWordsAreRejected) {
   EXPECT_EQ(fault_of("G0 G1 X1").word, "G1");
   EXPECT_THAT(fault_of("G0 G1 X1").reason, testing::HasSubstr("modal group"));
   EXPECT_EQ(fault_of("G90 X1 G91").word, "G91");
@@ -129,12 +129,14 @@ TEST(GcodeBlock, WhatContradictsItselfIsRejected) {
   EXPECT_EQ(fault_of("O100 sub").word, "o");
   EXPECT_EQ(fault_of("U1").word, "u");
   EXPECT_EQ(fault_of("G1 X1 &").word, "&");
-  EXPECT_EQ(fault_of("N").reason, "a line number is missing after N");
+  EXPECT_EQ(fault_of("N").reason, "requires a line number");
   EXPECT_EQ(fault_of(std::string("X1\0", 3)).word, std::string(1, '\0'));
   EXPECT_EQ(fault_of("X1\xff").word, "\xff");
 }
 
-TEST(GcodeBlock, BlockDeleteStandsAtTheBeginning) { EXPECT_EQ(fault_of("G1 / X1").word, "/"); }
+TEST(GcodeBlock, BlockDeleteIsAllowedAtTheBeginningOnly) {
+  EXPECT_EQ(fault_of("G1 / X1").word, "/");
+}
 
 }  // namespace
 }  // namespace kerf

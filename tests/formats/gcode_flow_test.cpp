@@ -15,7 +15,7 @@ using test::moves_of;
 using test::run_error_of;
 using testing::HasSubstr;
 
-TEST(GcodeFlow, LoopsRunAsOftenAsTheirConditionsSay) {
+TEST(GcodeFlow, LoopsRunWhileTheirConditionHolds) {
   EXPECT_EQ(moves_of("#1=0\no1 while [#1 lt 3]\nG0 X#1\n#1=[#1+1]\no1 endwhile\nM2\n"),
             "R 0 0 0, R 1 0 0, R 2 0 0");
   EXPECT_EQ(moves_of("#1=5\no1 do\nG0 X#1\n#1=[#1+1]\no1 while [#1 lt 7]\nM2\n"),
@@ -25,7 +25,7 @@ TEST(GcodeFlow, LoopsRunAsOftenAsTheirConditionsSay) {
             "R 1 0 0, R 2 0 0");
 }
 
-TEST(GcodeFlow, BreakAndContinueLeaveTheirOwnLoop) {
+TEST(GcodeFlow, BreakAndContinueAffectTheirOwnLoop) {
   EXPECT_EQ(
       moves_of("#1=0\no1 while [#1 lt 9]\n#1=[#1+1]\no2 if [#1 eq 2]\no1 continue\no2 "
                "endif\no3 if [#1 eq 4]\no1 break\no3 endif\nG0 X#1\no1 endwhile\nG0 Y1\nM2\n"),
@@ -35,15 +35,15 @@ TEST(GcodeFlow, BreakAndContinueLeaveTheirOwnLoop) {
             "R 1 0 0, R 3 0 0");
 }
 
-TEST(GcodeFlow, ALoopThatWasLeftByBreakDoesNotEndTheNextOne) {
-  // LinuxCNC forgets to forget the break, and leaves the next do after one pass.
+TEST(GcodeFlow, BreakDoesNotEndTheNextLoop) {
+  // LinuxCNC does not clear the break and leaves the next do after one pass.
   EXPECT_EQ(
       moves_of("o1 while [1]\no1 break\no1 endwhile\n#1=0\no2 do\n#1=[#1+1]\nG0 X#1\no2 while "
                "[#1 lt 3]\nM2\n"),
       "R 1 0 0, R 2 0 0, R 3 0 0");
 }
 
-TEST(GcodeFlow, OneBranchIsTaken) {
+TEST(GcodeFlow, ExactlyOneBranchIsExecuted) {
   const std::string branches =
       "o1 if [#1 eq 1]\nG0 X1\no1 elseif [#1 eq 2]\nG0 X2\no1 elseif [#1 eq 2]\nG0 X9\no1 else\n"
       "G0 X3\no1 endif\nM2\n";
@@ -53,7 +53,7 @@ TEST(GcodeFlow, OneBranchIsTaken) {
   EXPECT_EQ(moves_of("o1 if [0]\nG0 nonsense ((\no1 endif\nG0 X1\nM2\n"), "R 1 0 0");
 }
 
-TEST(GcodeFlow, SubroutinesHaveTheirOwnArgumentsAndNames) {
+TEST(GcodeFlow, SubroutinesHaveLocalArgumentsAndNames) {
   EXPECT_EQ(
       moves_of("#1=7 #2=8\n#<a>=1 #<_g>=2\no<s> sub\n#<a>=5\n#<_g>=6\nG0 X#1 Y#2 Z#3\n#1=99\no<s> "
                "endsub [#1]\no<s> call [1] [2]\nG0 X#1 Y#<a> Z#<_g>\nG0 X#<_value> "
@@ -64,19 +64,19 @@ TEST(GcodeFlow, SubroutinesHaveTheirOwnArgumentsAndNames) {
             "R 120 0 0");
 }
 
-TEST(GcodeFlow, ASubroutineMayStandBehindItsCall) {
+TEST(GcodeFlow, SubroutineMayFollowItsCall) {
   EXPECT_EQ(moves_of("o<late> call [4]\nG0 Y1\nM2\no<late> sub\nG0 X#1\no<late> endsub\n"),
             "R 4 0 0, R 4 1 0");
 }
 
-TEST(GcodeFlow, FanucProgramsShareParameters) {
+TEST(GcodeFlow, FanucSubprogramsShareParameters) {
   EXPECT_EQ(
       moves_of(
           "#1=3\nG91\nM98 P100 L2\nG90 G0 Y#1\nM98 P100 L0\nM2\nO100\nG0 X#1\n#1=[#1+1]\nM99\n"),
       "R 3 0 0, R 7 0 0, R 7 5 0");
 }
 
-TEST(GcodeFlow, ModesAreSavedWithASubroutine) {
+TEST(GcodeFlow, SavedModesBelongToTheSubroutine) {
   EXPECT_EQ(moves_of("G21 G90 F100\nM70\nG91 G20\nG0 X1\nM72\nG0 X1\nM2\n"), "R 25.4 0 0, R 1 0 0");
   EXPECT_EQ(moves_of("o1 sub\nM73\nG91\nG0 X1\no1 endsub\nG0 X5\no1 call\nG0 X2\nM2\n"),
             "R 5 0 0, R 6 0 0, R 2 0 0");
@@ -99,30 +99,32 @@ TEST_P(BadFlow, IsRejectedWithLineAndWord) {
 
 INSTANTIATE_TEST_SUITE_P(
     GcodeFlow, BadFlow,
-    testing::Values(
-        Bad{"o1 while [1]\n#1=2\no1 endwhile\nM2\n", 2, "#1=2", "does not end"},
-        Bad{"o1 do\no1 while [1]\n", 2, "o1 while [1]", "does not end"},
-        Bad{"o1 sub\no1 call\no1 endsub\no1 call\nM2\n", 2, "O1 CALL", "within more than 9"},
-        Bad{"o1 if [0]\nM2\n", 1, "O<1>", "without endif"},
-        Bad{"o1 while [0]\nM2\n", 1, "O<1>", "without endwhile"},
-        Bad{"o1 endwhile\n", 1, "O1 ENDWHILE", "has begun"},
-        Bad{"o1 else\n", 1, "O1 ELSE", "has begun"},
-        Bad{"o1 repeat [1]\no1 break\n", 2, "O1 BREAK", "no while"},
-        Bad{"o1 if [1]\no1 endif\no1 if [1]\n", 3, "O1 IF", "stands in line 1"},
-        Bad{"o1 endsub\n", 1, "O1 ENDSUB", "outside"}, Bad{"o1 sub\nG0 X1\n", 1, "O<1>", "endsub"},
-        Bad{"o1 sub\no1 endsub\no1 sub\n", 3, "O1 SUB", "already defined"},
-        Bad{"o<../x> call\n", 1, "O<../x>", "not the name"},
-        Bad{"o1 foo\n", 1, "O1", "control flow"}, Bad{"o1 if\n", 1, "O1 IF", "value in brackets"},
-        Bad{"o1 if [1] G0\n", 1, "O1 IF", "does not belong"},
-        Bad{"o[1/0] call\n", 1, "/0", "finite"}, Bad{"M98\n", 1, "M98", "needs P"},
-        Bad{"M72\n", 1, "M72", "nothing was saved"},
-        Bad{"(abort, no)\n", 1, "(abort, no)", "abort"},
-        Bad{"G0 X#<_hal[a.b]>\n", 1, "#<_hal[a.b]>", "configuration"},
-        Bad{"#<_x>=1\n", 1, "#<_x>", "cannot be assigned"}),
+    testing::Values(Bad{"o1 while [1]\n#1=2\no1 endwhile\nM2\n", 2, "#1=2", "does not end"},
+                    Bad{"o1 do\no1 while [1]\n", 2, "o1 while [1]", "does not end"},
+                    Bad{"o1 sub\no1 call\no1 endsub\no1 call\nM2\n", 2, "O1 CALL",
+                        "nested deeper than 9"},
+                    Bad{"o1 if [0]\nM2\n", 1, "O<1>", "without endif"},
+                    Bad{"o1 while [0]\nM2\n", 1, "O<1>", "without endwhile"},
+                    Bad{"o1 endwhile\n", 1, "O1 ENDWHILE", "no matching start"},
+                    Bad{"o1 else\n", 1, "O1 ELSE", "no matching start"},
+                    Bad{"o1 repeat [1]\no1 break\n", 2, "O1 BREAK", "no matching while"},
+                    Bad{"o1 if [1]\no1 endif\no1 if [1]\n", 3, "O1 IF", "already used in line 1"},
+                    Bad{"o1 endsub\n", 1, "O1 ENDSUB", "within a subroutine only"},
+                    Bad{"o1 sub\nG0 X1\n", 1, "O<1>", "endsub"},
+                    Bad{"o1 sub\no1 endsub\no1 sub\n", 3, "O1 SUB", "already defined"},
+                    Bad{"o<../x> call\n", 1, "O<../x>", "not allowed as the name"},
+                    Bad{"o1 foo\n", 1, "O1", "control flow"},
+                    Bad{"o1 if\n", 1, "O1 IF", "value in brackets"},
+                    Bad{"o1 if [1] G0\n", 1, "O1 IF", "must not be followed"},
+                    Bad{"o[1/0] call\n", 1, "/0", "finite"}, Bad{"M98\n", 1, "M98", "requires P"},
+                    Bad{"M72\n", 1, "M72", "requires modes saved"},
+                    Bad{"(abort, no)\n", 1, "(abort, no)", "abort"},
+                    Bad{"G0 X#<_hal[a.b]>\n", 1, "#<_hal[a.b]>", "configuration"},
+                    Bad{"#<_x>=1\n", 1, "#<_x>", "read-only"}),
     [](const auto& name) { return "Case" + std::to_string(name.index); });
 
-// A file is read only where the caller has said that it may be.
-TEST(GcodeFlow, SubroutinesStandInFilesOfTheFoldersThatWereNamed) {
+// Without subroutine folders no file is read.
+TEST(GcodeFlow, SubroutineFilesAreReadFromTheGivenFoldersOnly) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / "kerf_gcode_flow_test";
   std::filesystem::create_directories(folder);
@@ -145,7 +147,7 @@ TEST(GcodeFlow, SubroutinesStandInFilesOfTheFoldersThatWereNamed) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(GcodeFlow, NamesAreBounded) {
+TEST(GcodeFlow, NumberOfNamesIsLimited) {
   std::string text;
   for (std::size_t i = 0; i <= kGcodeNamesMax; ++i) text += "#<n" + std::to_string(i) + ">=1\n";
   const ProgramError error = run_error_of(text);

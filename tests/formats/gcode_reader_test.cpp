@@ -36,8 +36,8 @@ TEST(GcodeReader, BlocksBecomeMotionsWithLineToolAndDuration) {
   EXPECT_THAT(program.warnings, IsEmpty());
 }
 
-TEST(GcodeReader, RapidsBeforeTheFirstCutOnlyBringTheToolThere) {
-  // The block is in the way of X-40; a real tool comes from its changer.
+TEST(GcodeReader, RapidsBeforeTheFirstCutPlaceTheToolWithoutMotion) {
+  // A straight path to X-40 would cross the block; a real tool comes from its changer.
   const Program program =
       gcode(scene_for("xyz"), "T1 M6\nG0 Z20\nX-40 Y3\nZ-5\nG1 X-30 F100\nM2\n");
   ASSERT_EQ(program.motions.size(), 2u);
@@ -45,14 +45,14 @@ TEST(GcodeReader, RapidsBeforeTheFirstCutOnlyBringTheToolThere) {
   EXPECT_EQ(program.motions[0].to.tip_mm, (Vec3{-40, 3, -5}));
 }
 
-TEST(GcodeReader, ACutBeforeAllAxesAreKnownIsWarnedOf) {
+TEST(GcodeReader, WarnsOfACutBeforeAllAxesAreKnown) {
   const Program program = gcode(scene_for("xyz"), "T1 M6\nG0 X1 Y2\nG1 Z-1 F100\nM2\n");
   ASSERT_EQ(program.motions.size(), 1u);
   EXPECT_EQ(program.motions[0].from.tip_mm, (Vec3{1, 2, 0}));
   EXPECT_THAT(program.warnings, ElementsAre(HasSubstr("p.ngc:3: X, Y and Z")));
 }
 
-TEST(GcodeReader, AfterMachineCoordinatesTheToolIsAway) {
+TEST(GcodeReader, ToolIsAwayAfterMachineCoordinates) {
   const Program program =
       gcode(scene_for("xyz"), kStart +
                                   "G1 Z-5 F100\nG53 G0 Z0\nG0 X10 Y10\nZ-5\nG1 X11\nG28 Z8\nG0 "
@@ -62,7 +62,7 @@ TEST(GcodeReader, AfterMachineCoordinatesTheToolIsAway) {
   EXPECT_EQ(program.motions[1].from.tip_mm, (Vec3{10, 10, -5}));
 }
 
-TEST(GcodeReader, UnitsDistanceModesAndOffsets) {
+TEST(GcodeReader, UnitsDistanceModesAndWorkOffsetsApply) {
   const Scene scene = scene_for("xyz");
   EXPECT_THAT(ends(gcode(scene, kStart + "G20 G1 X1 F10\nG21 X1\nM2\n")),
               ElementsAre(Vec3{25.4, 0, 5}, Vec3{1, 0, 5}));
@@ -82,34 +82,34 @@ TEST(GcodeReader, UnitsDistanceModesAndOffsets) {
               ElementsAre(Vec3{1, 0, 5}, Vec3{9, 0, 5}));
 }
 
-TEST(GcodeReader, FeedModesGiveDurations) {
+TEST(GcodeReader, FeedModesDetermineDurations) {
   const Scene scene = scene_for("xyz");
   EXPECT_EQ(gcode(scene, kStart + "G93 G1 X10 F2\nM2\n").motions[0].duration_s, 30);
   EXPECT_EQ(gcode(scene, kStart + "S100 M3 G95 G1 X10 F0.5\nM2\n").motions[0].duration_s, 12);
   EXPECT_NEAR(gcode(scene, kStart + "G20\nG1 X1 F60\nM2\n").motions[0].duration_s, 1, 1e-12);
-  // F comes before G20 in the order of execution, as in LinuxCNC.
+  // F is executed before G20, as in LinuxCNC.
   const Program early = gcode(scene, kStart + "G20 G1 X1 F60\nM2\n");
   EXPECT_NEAR(early.motions[0].duration_s, 25.4, 1e-12);
   EXPECT_THAT(early.warnings, ElementsAre(HasSubstr("units before this block")));
 }
 
-TEST(GcodeReader, ADwellIsAMotionAtRest) {
+TEST(GcodeReader, DwellIsAMotionAtRest) {
   const Program program = gcode(scene_for("xyz"), kStart + "G4 P1.5\nM2\n");
   ASSERT_EQ(program.motions.size(), 1u);
   EXPECT_EQ(program.motions[0].from, program.motions[0].to);
   EXPECT_EQ(program.motions[0].duration_s, 1.5);
 }
 
-TEST(GcodeReader, TheToolChanges) {
+TEST(GcodeReader, ToolChangeAppliesFromM6On) {
   const Program program = gcode(scene_for("xyz"), kStart + "G1 Z0 F10\nT2\nZ1\nM6\nZ2\nM2\n");
   ASSERT_EQ(program.motions.size(), 3u);
   EXPECT_EQ(program.motions[1].tool, 1u);
   EXPECT_EQ(program.motions[2].tool, 2u);
 }
 
-TEST(GcodeReader, TheOnlyToolOfASceneNeedsNoChange) {
+TEST(GcodeReader, OnlyToolOfASceneNeedsNoToolChange) {
   auto scene = scene_for("xyz");
-  EXPECT_THAT(error_of(scene, "p.ngc", "G1 X1 F10\nM2\n").reason, HasSubstr("none is loaded"));
+  EXPECT_THAT(error_of(scene, "p.ngc", "G1 X1 F10\nM2\n").reason, HasSubstr("no tool is loaded"));
   scene.tools.erase(2);
   const Program program = gcode(scene, "G0 X0 Y0 Z1\nG1 Z0 F10\nM2\n");
   EXPECT_EQ(program.motions.size(), 1u);
@@ -119,7 +119,7 @@ TEST(GcodeReader, TheOnlyToolOfASceneNeedsNoChange) {
 TEST(GcodeReader, PercentSignsFrameTheProgram) {
   const Scene scene = scene_for("xyz");
   EXPECT_THAT(gcode(scene, "%\n" + kStart + "G1 Z0 F10\n%\nnonsense\n").warnings,
-              ElementsAre(HasSubstr("what follows the end")));
+              ElementsAre(HasSubstr("lines after the end")));
   EXPECT_THAT(gcode(scene, "%\n" + kStart + "G1 Z0 F10\nM30\n%\n").warnings, IsEmpty());
   EXPECT_THAT(gcode(scene, kStart + "G1 Z0 F10").warnings, ElementsAre(HasSubstr("without M2")));
   EXPECT_EQ(gcode(scene, "").motions.size(), 0u);
@@ -162,40 +162,42 @@ INSTANTIATE_TEST_SUITE_P(
         BadProgram{"G1 F100\nG80 X1", 4, "G80", "no axis words"},
         BadProgram{"G80\nX1", 4, "X1", "motion code"},
         BadProgram{"G1 A5 F1", 3, "A5", "has no A axis"},
-        BadProgram{"G1 X1 I0 J0 K1 F1", 3, "I0", "no meaning"},
+        BadProgram{"G1 X1 I0 J0 K1 F1", 3, "I0", "not used by any code"},
         BadProgram{"G83 Z-5 R1 Q1", 3, "G83 Z-5 R1 Q1", "feed is 0"},
-        BadProgram{"M100", 3, "M100", "user's code"}, BadProgram{"T3", 3, "T3", "no tool 3"},
-        BadProgram{"T-1", 3, "T-1", "whole number"}, BadProgram{"T1.5", 3, "T1.5", "whole number"},
-        BadProgram{"S-5", 3, "S-5", "negative"}, BadProgram{"G4", 3, "G4", "needs P"},
-        BadProgram{"G4 P-1", 3, "G4", "needs P"}, BadProgram{"P5", 3, "P5", "no meaning"},
-        BadProgram{"H1", 3, "H1", "no meaning"},
-        BadProgram{"G10 L3 P1 X0", 3, "G10", "only L1, L2"},
-        BadProgram{"G10 L2 X0", 3, "G10", "needs P"},
+        BadProgram{"M100", 3, "M100", "user-defined M code"},
+        BadProgram{"T3", 3, "T3", "no tool 3"}, BadProgram{"T-1", 3, "T-1", "integer"},
+        BadProgram{"T1.5", 3, "T1.5", "integer"}, BadProgram{"S-5", 3, "S-5", "negative"},
+        BadProgram{"G4", 3, "G4", "requires P"}, BadProgram{"G4 P-1", 3, "G4", "requires P"},
+        BadProgram{"P5", 3, "P5", "not used by any code"},
+        BadProgram{"H1", 3, "H1", "not used by any code"},
+        BadProgram{"G10 L3 P1 X0", 3, "G10", "requires L1, L2"},
+        BadProgram{"G10 L2 X0", 3, "G10", "requires P"},
         BadProgram{"G10 L2 P12 X0", 3, "P12", "from 0 to 9"},
-        BadProgram{"G10 L20 P1 R5", 3, "R5", "no meaning"},
+        BadProgram{"G10 L20 P1 R5", 3, "R5", "not used by any code"},
         BadProgram{"G92", 3, "G92", "axis word"},
-        BadProgram{"G92 G1 X5 F10", 3, "G92", "may not share"},
-        BadProgram{"G53 G1 Z0 F10", 3, "G53", "only G53 G0"},
-        BadProgram{"G1 X1e5 F10", 3, "E5", "no meaning"},
+        BadProgram{"G92 G1 X5 F10", 3, "G92", "must not have a motion code"},
+        BadProgram{"G53 G1 Z0 F10", 3, "G53", "requires G0"},
+        BadProgram{"G1 X1e5 F10", 3, "E5", "not used by any code"},
         BadProgram{"G1 X1000001 F10", 3, "G1 X1000001 F10", "limit"},
-        BadProgram{"G1 X1 F0.00000000001", 3, "G1 X1 F0.00000000001", "would not end"},
-        BadProgram{"o100 call", 3, "O100 CALL", "neither in the program nor in a file"},
+        BadProgram{"G1 X1 F0.00000000001", 3, "G1 X1 F0.00000000001", "take longer than"},
+        BadProgram{"o100 call", 3, "O100 CALL",
+                   "neither in the program nor in a subroutine folder"},
         BadProgram{"G1 X#<speed> F1", 3, "#<speed>", "not assigned"},
-        BadProgram{"(open", 3, "(open", "does not end"},
-        BadProgram{"#5420=1", 3, "#5420", "tells a state"}));
+        BadProgram{"(open", 3, "(open", "not closed"},
+        BadProgram{"#5420=1", 3, "#5420", "read-only"}));
 
-TEST(GcodeReader, AToolChangeNeedsASelection) {
+TEST(GcodeReader, ToolChangeRequiresASelectedTool) {
   EXPECT_EQ(error_of(scene_for("xyz"), "p.ngc", "M6\n").word, "M6");
   EXPECT_THAT(error_of(scene_for("xyz"), "p.ngc", kStart + "T0 M6\nG1 X1 F1\n").reason,
-              HasSubstr("none is loaded"));
+              HasSubstr("no tool is loaded"));
 }
 
-TEST(GcodeReader, AnotherToolsLengthIsWarnedOf) {
+TEST(GcodeReader, WarnsOfTheLengthOfAnotherTool) {
   EXPECT_THAT(gcode(scene_for("xyz"), kStart + "G43 H2\nG43 H1\nG49\nM2\n").warnings,
               ElementsAre(HasSubstr("H2 is the length of another tool")));
 }
 
-TEST(ProgramFormat, IsKnownByTheExtension) {
+TEST(ProgramFormat, IsDeterminedByTheExtension) {
   EXPECT_EQ(program_format("a.b/part.NGC").value(), ProgramFormat::kGcode);
   EXPECT_EQ(program_format("part.nc").value(), ProgramFormat::kGcode);
   EXPECT_EQ(program_format("part.cls").value(), ProgramFormat::kApt);

@@ -26,8 +26,8 @@ void expect_near(Vec3 a, Vec3 b, double tolerance) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-TEST(MachineKinematics, TheTiltedTableShowsTheToolFromTheOtherSide) {
-  // A = 90 turns the workpiece's +Y up to the spindle: the tool comes from +Y.
+TEST(MachineKinematics, PositiveTableAngleTiltsTheToolTheOppositeDirection) {
+  // A = 90 turns the workpiece's +Y towards the spindle, so the tool axis is +Y.
   expect_near(table_axis(MachineKinematics::kXyzacTrt, {.a = 90}), {0, 1, 0}, 0);
   expect_near(table_axis(MachineKinematics::kXyzacTrt, {.a = 90, .c = 90}), {1, 0, 0}, 0);
   expect_near(table_axis(MachineKinematics::kXyzbcTrt, {.b = 90}), {-1, 0, 0}, 0);
@@ -36,7 +36,7 @@ TEST(MachineKinematics, TheTiltedTableShowsTheToolFromTheOtherSide) {
     expect_near(table_axis(kind, {.c = 33}), {0, 0, 1}, 0);
 }
 
-TEST(MachineKinematics, AnglesAndAxesAgreeAndStayNear) {
+TEST(MachineKinematics, AnglesReproduceTheAxisAndStayNearThePreviousOnes) {
   for (const auto kind : {MachineKinematics::kXyzacTrt, MachineKinematics::kXyzbcTrt}) {
     RotaryAngles angles;
     Vec3 axis{0, 0, 1};
@@ -49,7 +49,7 @@ TEST(MachineKinematics, AnglesAndAxesAgreeAndStayNear) {
       const double tilt =
           kind == MachineKinematics::kXyzacTrt ? next.a - angles.a : next.b - angles.b;
       ASSERT_LE(std::abs(tilt) + std::abs(next.c - angles.c), 360) << "seed " << seed;
-      // Away from the pole a small turn is a small change of the angles.
+      // Away from the vertical a small turn of the axis changes the angles little.
       if (std::abs(axis.z) < 0.9) {
         ASSERT_LE(std::abs(next.c - angles.c), 60) << "seed " << seed;
       }
@@ -58,7 +58,7 @@ TEST(MachineKinematics, AnglesAndAxesAgreeAndStayNear) {
   }
 }
 
-TEST(MachineKinematics, ProgrammedAndTipAreInverse) {
+TEST(MachineKinematics, ProgrammedFromTipIsInverse) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> any(-200, 200);
@@ -67,7 +67,7 @@ TEST(MachineKinematics, ProgrammedAndTipAreInverse) {
     for (const auto kind : {MachineKinematics::kXyzacTrt, MachineKinematics::kXyzbcTrt}) {
       const Vec3 tip = tip_from_programmed(kind, false, p, angles);
       EXPECT_LT(length(programmed_from_tip(kind, false, tip, angles) - p), 1e-12);
-      // The spindle stays upright in the machine: going up by 1 goes along the axis by 1.
+      // The spindle is vertical in the machine: 1 mm up is 1 mm along the tool axis.
       const Vec3 up = tip_from_programmed(kind, false, p + Vec3{0, 0, 1}, angles) - tip;
       EXPECT_LT(length(up - table_axis(kind, angles)), 1e-12);
       EXPECT_EQ(tip_from_programmed(kind, true, p, angles), p);
@@ -75,7 +75,7 @@ TEST(MachineKinematics, ProgrammedAndTipAreInverse) {
   }
 }
 
-TEST(MachineKinematics, WithToolCenterPointTheTipStaysOnItsLine) {
+TEST(MachineKinematics, TipStaysOnItsLineWithToolCenterPoint) {
   const Program program = gcode(scene_for("xyzac-trt", 0.001),
                                 "T1 M6\nM428\nG0 X0 Y0 Z0 A0 C0\nG1 X10 A30 C90 F600\nM2\n");
   ASSERT_GT(program.motions.size(), 4u);
@@ -83,12 +83,12 @@ TEST(MachineKinematics, WithToolCenterPointTheTipStaysOnItsLine) {
   for (const ProgramMotion& motion : program.motions) {
     duration += motion.duration_s;
     EXPECT_EQ(motion.to.tip_mm.y, 0);
-    // Angles and tip advance uniformly: at this tip the machine stands at these angles.
+    // Angles and tip advance uniformly, so the tip determines the angles.
     const double s = motion.to.tip_mm.x / 10;
     expect_near(motion.to.axis, table_axis(MachineKinematics::kXyzacTrt, {30 * s, 0, 90 * s}),
                 2e-9);
     EXPECT_NEAR(duration, s, 1e-6);
-    // Half way the great circle is within the tolerance for the whole tool.
+    // At half of each motion the whole tool is within the tolerance.
     const Vec3 half = turned_axis(motion.from.axis, motion.to.axis, 0.5);
     const double m = (motion.from.tip_mm.x + motion.to.tip_mm.x) / 20;
     const Vec3 truth = table_axis(MachineKinematics::kXyzacTrt, {30 * m, 0, 90 * m});
@@ -98,8 +98,8 @@ TEST(MachineKinematics, WithToolCenterPointTheTipStaysOnItsLine) {
               {std::sin(30 * kRadPerDeg), 0, std::cos(30 * kRadPerDeg)}, 1e-9);
 }
 
-TEST(MachineKinematics, AWholeTurnIsNotLost) {
-  // Start and end axis are equal; in between the tool goes round a cone.
+TEST(MachineKinematics, FullTurnsOfTheTableAreKept) {
+  // Start and end axis are equal; in between the tool axis moves on a cone.
   const Program program =
       gcode(scene_for("xyzac-trt"), "T1 M6\nG43.4\nG0 X0 Y0 Z0 A20 C0\nG1 C1440 F600\nM2\n");
   double turned = 0;
@@ -108,7 +108,7 @@ TEST(MachineKinematics, AWholeTurnIsNotLost) {
   EXPECT_NEAR(turned, 4 * 2 * std::numbers::pi * std::sin(20 * kRadPerDeg), 0.02);
 }
 
-TEST(MachineKinematics, WithoutToolCenterPointTheWorkpieceTurnsUnderTheTool) {
+TEST(MachineKinematics, WorkpieceTurnsUnderTheToolWithoutToolCenterPoint) {
   const Program program =
       gcode(scene_for("xyzac-trt", 0.001), "T1 M6\nG0 X10 Y0 Z0 A0 C0\nG1 C90 F600\nM2\n");
   ASSERT_GT(program.motions.size(), 4u);
@@ -137,19 +137,19 @@ TEST(MachineKinematics, ToolVectorTakesTheAxisFromIJK) {
   ASSERT_EQ(program.motions.size(), 3u);
   EXPECT_EQ(program.motions[0].from.axis, (Vec3{0, 0.6, 0.8}));
   EXPECT_EQ(program.motions[0].to.axis, (Vec3{0, 0.6, 0.8}));
-  // A turn alone has its feed in degrees per minute.
+  // A feed without travel of the tip is in degrees per minute.
   EXPECT_NEAR(program.motions[1].duration_s, 60 * std::atan2(0.6, 0.8) / kRadPerDeg / 90, 1e-9);
   EXPECT_EQ(program.motions[2].to.axis, (Vec3{1, 0, 0}));
   const std::string start = "T1 M6\nG0 X0 Y0 Z0\n";
   EXPECT_THAT(error_of(scene, "p.ngc", start + "G1 X1 I1 F1\n").reason, HasSubstr("all three"));
   EXPECT_THAT(error_of(scene, "p.ngc", start + "G1 X1 I0 J0 K0 F1\n").reason,
-              HasSubstr("direction"));
+              HasSubstr("other than 0 0 0"));
   EXPECT_THAT(error_of(scene, "p.ngc", start + "G1 X1 I0 J0 K-1 F1\n").reason,
               HasSubstr("opposite"));
   EXPECT_THAT(error_of(scene, "p.ngc", start + "G1 X1 A1 F1\n").word, "A1");
 }
 
-TEST(MachineKinematics, TurnsBeyondTheKernelsLimitAreHalved) {
+TEST(MachineKinematics, TurnsBeyondTheKernelLimitAreHalved) {
   const Program program =
       gcode(scene_for("tool-vector"), "T1 M6\nG0 X0 Y0 Z0\nG1 X2 I0.1 J0 K-1 F60\nM2\n");
   ASSERT_EQ(program.motions.size(), 2u);
@@ -157,7 +157,7 @@ TEST(MachineKinematics, TurnsBeyondTheKernelsLimitAreHalved) {
   EXPECT_EQ(program.motions[0].to, program.motions[1].from);
 }
 
-TEST(MachineKinematics, EachMachineHasItsOwnAxes) {
+TEST(MachineKinematics, AxesOfOtherMachinesAreRejected) {
   EXPECT_EQ(error_of(scene_for("xyzac-trt"), "p.ngc", "G0 B1\n").word, "B1");
   EXPECT_EQ(error_of(scene_for("xyzbc-trt"), "p.ngc", "G0 A1\n").word, "A1");
   EXPECT_THAT(error_of(scene_for("xyzac-trt"), "p.ngc", "T1 M6\nG0 X0 Y0 Z0\nG0 C1&\n").word, "&");

@@ -56,7 +56,7 @@ TEST(PoseGrid, TextReadsBackToTheSameBits) {
   }
 }
 
-TEST(PoseGrid, MovesNothingFartherThanHalfAStep) {
+TEST(PoseGrid, MovesPosesByAtMostOneStep) {
   for (std::uint64_t seed = 0; seed < 5000; ++seed) {
     std::mt19937_64 random(seed);
     const ToolPose pose = random_pose(random);

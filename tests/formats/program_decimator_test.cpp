@@ -20,7 +20,7 @@ using test::scene_for;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Keeps what it is given.
+/// Stores the motions that it receives.
 class Recorder final : public ProgramWriter {
  public:
   explicit Recorder(std::vector<ProgramMotion>& motions) : motions_(motions) {}
@@ -44,8 +44,8 @@ std::vector<ProgramMotion> joined(const std::vector<ProgramMotion>& motions, con
   return out;
 }
 
-/// What a hand leaves: short motions on a path that bends and leans more and more.
-std::vector<ProgramMotion> hand(std::uint64_t seed, int count) {
+/// Short motions as of a haptic device: a path whose curvature and tilt change randomly.
+std::vector<ProgramMotion> device_motions(std::uint64_t seed, int count) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> any(-1, 1);
   std::vector<ProgramMotion> motions;
@@ -65,7 +65,7 @@ std::vector<ProgramMotion> hand(std::uint64_t seed, int count) {
 
 double reach_of(const Scene& scene) { return scene.tools.at(1).tool.length_mm; }
 
-/// How far a pose is from the nearest pose of a motion, at the tip and at the tool's far end.
+/// Distance of a pose to the nearest pose of a motion, at the tip or the tool's far end.
 double distance_to(const ProgramMotion& motion, const ToolPose& pose, double reach_mm) {
   double nearest = 1e9;
   for (int n = 0; n <= 2000; ++n) {
@@ -82,7 +82,7 @@ TEST(ProgramDecimator, StaysWithinTheToleranceAndKeepsTheTime) {
   const Scene scene = scene_for("tool-vector");
   for (const double tolerance_mm : {0.1, 0.01}) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      const auto motions = hand(seed, 600);
+      const auto motions = device_motions(seed, 600);
       const auto out = joined(motions, scene, tolerance_mm);
       EXPECT_LT(out.size(), motions.size() / 2);
       EXPECT_EQ(out.front().from, motions.front().from);
@@ -91,7 +91,7 @@ TEST(ProgramDecimator, StaysWithinTheToleranceAndKeepsTheTime) {
       for (const auto& m : motions) before_s += m.duration_s;
       for (const auto& m : out) after_s += m.duration_s;
       EXPECT_NEAR(after_s, before_s, 1e-9);
-      // Joined motions end where some of the original ones do.
+      // Every joined motion ends at the end of an original one.
       std::size_t at = 0;
       for (const auto& m : motions) {
         EXPECT_LE(distance_to(out.at(at), m.to, reach_of(scene)), tolerance_mm + 1e-3);
@@ -102,7 +102,7 @@ TEST(ProgramDecimator, StaysWithinTheToleranceAndKeepsTheTime) {
   }
 }
 
-TEST(ProgramDecimator, JoinsAStraightWayAndNothingElse) {
+TEST(ProgramDecimator, JoinsStraightMotionsOnly) {
   const Scene scene = scene_for("xyz");
   const auto pose = [](double x, double y) { return ToolPose{{x, y, 0}, {0, 0, 1}}; };
   std::vector<ProgramMotion> motions;
@@ -110,7 +110,8 @@ TEST(ProgramDecimator, JoinsAStraightWayAndNothingElse) {
     motions.push_back({.tool = 1, .from = pose(n, 0), .to = pose(n + 1, 0), .duration_s = 1});
   }
   EXPECT_EQ(joined(motions, scene, 1e-6).size(), 1U);
-  // A corner, a way back, a rest, a rapid, another tool, a jump: each begins a motion of its own.
+  // A corner, a reversal, a rest, a rapid, another tool and a jump each start a motion of their
+  // own.
   motions = {{.tool = 1, .from = pose(0, 0), .to = pose(1, 0), .duration_s = 1},
              {.tool = 1, .from = pose(1, 0), .to = pose(1, 1), .duration_s = 1},
              {.tool = 1, .from = pose(1, 1), .to = pose(1, 0), .duration_s = 1},
@@ -122,7 +123,7 @@ TEST(ProgramDecimator, JoinsAStraightWayAndNothingElse) {
   EXPECT_EQ(joined(motions, scene, 0.01), motions);
 }
 
-TEST(ProgramDecimator, StatesItsToleranceInTheHead) {
+TEST(ProgramDecimator, ToleranceIsStatedInTheHead) {
   const Scene scene = scene_for("xyz");
   for (const ProgramFormat format : {ProgramFormat::kGcode, ProgramFormat::kApt}) {
     std::ostringstream with, without;
@@ -133,7 +134,7 @@ TEST(ProgramDecimator, StatesItsToleranceInTheHead) {
   }
 }
 
-TEST(GcodeWriter, TurnsTheTableBackOnTopBeforeItIsWoundUp) {
+TEST(GcodeWriter, UnwindsTheRotaryTableWithTheToolRetracted) {
   for (const char* kinematics : {"xyzac-trt", "xyzbc-trt"}) {
     const Scene scene = scene_for(kinematics);
     Program program;
@@ -160,8 +161,8 @@ TEST(GcodeWriter, TurnsTheTableBackOnTopBeforeItIsWoundUp) {
     }
     EXPECT_GT(greatest, 360 * 19);
     EXPECT_LT(greatest, 360 * 22);
-    EXPECT_GE(retracts, 4U);  // at the start, twice on the way, at the end
-    // Read back, every cut is where it was: the way up and down cuts nothing.
+    EXPECT_GE(retracts, 4U);  // at the start, twice in between, at the end
+    // Read back, the program ends at the same pose.
     const Program again = test::gcode(scene, text);
     ASSERT_GE(again.motions.size(), program.motions.size());
     EXPECT_LT(length(again.motions.back().to.tip_mm - program.motions.back().to.tip_mm), 1e-6);

@@ -22,7 +22,7 @@ const char* const kGcodeSeed =
     "J2.5\n"
     "G18 G3 X0 Z0 R10\nG17 G93\nG1 X3 C90 F60\nG94 G91 G1 X1 F100\nG90 G92 X5\nG10 L2 P2 X1\n"
     "G55 G1 X2\nG4 P0.1\nG53 G0 Z0\nM429\n/G1 X5\nG28\nM30\n%\n";
-// What G-code has beside motions: flow, cycles, compensation, tools, names.
+// Control flow, cycles, compensation, tools and named parameters.
 const char* const kControllerSeed =
     "%\n#<_width>=4\nG21 G90 F300\nT1 M6\nS500 M3\nG43 H1\nG0 X0 Y0 Z5\no<hole> "
     "sub\n#<r>=[#3/2]\no1 if [#<r> "
@@ -54,7 +54,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// A few changes of bytes, words or lines; the same for the same seed.
+// Applies a few random changes of bytes, words or lines, determined by the seed.
 std::string mutated(const std::string& text, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&random](std::size_t n) { return n == 0 ? 0 : random() % n; };
@@ -91,7 +91,7 @@ std::string mutated(const std::string& text, std::uint64_t seed) {
   return result;
 }
 
-void expect_sound(const std::expected<Program, ProgramError>& program, std::uint64_t seed) {
+void expect_valid(const std::expected<Program, ProgramError>& program, std::uint64_t seed) {
   if (!program) {
     EXPECT_FALSE(program.error().reason.empty()) << "seed " << seed;
     EXPECT_EQ(to_string(program.error()).find('\n'), std::string::npos) << "seed " << seed;
@@ -108,15 +108,15 @@ void expect_sound(const std::expected<Program, ProgramError>& program, std::uint
   }
 }
 
-TEST(ProgramFuzz, GcodeGivesSoundMotionsOrAnError) {
+TEST(ProgramFuzz, GcodeGivesValidMotionsOrAnError) {
   const Scene scene = scene_for("xyzac-trt");
-  expect_sound(parse_program("p.ngc", kGcodeSeed, scene), 0);
+  expect_valid(parse_program("p.ngc", kGcodeSeed, scene), 0);
   ASSERT_TRUE(parse_program("p.ngc", kGcodeSeed, scene).has_value());
   for (std::uint64_t seed = 1; seed <= 6000; ++seed)
-    expect_sound(parse_program("p.ngc", mutated(kGcodeSeed, seed), scene), seed);
+    expect_valid(parse_program("p.ngc", mutated(kGcodeSeed, seed), scene), seed);
 }
 
-TEST(ProgramFuzz, SubroutinesAndCyclesGiveSoundMotionsOrAnErrorAndEnd) {
+TEST(ProgramFuzz, SubroutinesAndCyclesTerminateWithValidMotionsOrAnError) {
   const Scene scene = scene_for("xyz");
   GcodeEnvironment environment;
   environment.lines_max = 5000;
@@ -124,7 +124,7 @@ TEST(ProgramFuzz, SubroutinesAndCyclesGiveSoundMotionsOrAnErrorAndEnd) {
   ASSERT_TRUE(whole.has_value()) << to_string(whole.error());
   ASSERT_GT(whole->motions.size(), 40u);
   for (std::uint64_t seed = 1; seed <= 3000; ++seed)
-    expect_sound(parse_program("p.ngc", mutated(kControllerSeed, seed), scene, environment), seed);
+    expect_valid(parse_program("p.ngc", mutated(kControllerSeed, seed), scene, environment), seed);
 }
 
 TEST(ProgramFuzz, ToolTablesAndParameterFilesAreReadOrRejected) {
@@ -140,11 +140,11 @@ TEST(ProgramFuzz, ToolTablesAndParameterFilesAreReadOrRejected) {
   }
 }
 
-TEST(ProgramFuzz, AptGivesSoundMotionsOrAnError) {
+TEST(ProgramFuzz, AptGivesValidMotionsOrAnError) {
   const Scene scene = scene_for("tool-vector");
   ASSERT_TRUE(parse_program("p.apt", kAptSeed, scene).has_value());
   for (std::uint64_t seed = 1; seed <= 6000; ++seed)
-    expect_sound(parse_program("p.apt", mutated(kAptSeed, seed), scene), seed);
+    expect_valid(parse_program("p.apt", mutated(kAptSeed, seed), scene), seed);
 }
 
 TEST(ProgramFuzz, ScenesAreReadOrRejected) {

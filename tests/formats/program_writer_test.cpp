@@ -30,7 +30,7 @@ std::string text_of(const Program& program, const Scene& scene, MakeWriter make)
   return out.str();
 }
 
-// Strokes of two tools with jumps, rests, rapids, pure turns; all on the pose grid.
+// Random strokes of two tools with jumps, rests, rapids and pure turns, all on the pose grid.
 Program random_program(std::uint64_t seed, bool tilt) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> any(-1, 1);
@@ -103,7 +103,7 @@ TEST(ProgramWriter, AptReadsBackToTheSameBits) {
   }
 }
 
-TEST(ProgramWriter, TextThatIsWrittenAgainIsTheSame) {
+TEST(ProgramWriter, WritingReadTextAgainGivesTheSameText) {
   const Scene scene = scene_for("tool-vector");
   for (const MakeWriter make : {make_gcode_writer, make_apt_writer}) {
     const std::string name = make == make_apt_writer ? "p.apt" : "p.ngc";
@@ -113,7 +113,6 @@ TEST(ProgramWriter, TextThatIsWrittenAgainIsTheSame) {
   }
 }
 
-// The greatest distance between a pose of `read` and the truth at the same tip.
 TEST(ProgramWriter, RotaryMachinesFollowTheGreatCircle) {
   for (const char* machine : {"xyzac-trt", "xyzbc-trt"}) {
     const Scene scene = scene_for(machine, 0.01);
@@ -148,8 +147,8 @@ TEST(ProgramWriter, RotaryMachinesFollowTheGreatCircle) {
   }
 }
 
-TEST(ProgramWriter, RotaryAxesDoNotUnwind) {
-  // Three turns around a cone: C goes on, it does not jump back by 360.
+TEST(ProgramWriter, RotaryAngleContinuesPastAFullTurn) {
+  // Three turns on a cone: C increases to 1080 without jumping back by 360.
   const Scene scene = scene_for("xyzac-trt");
   Program program;
   const auto pose = [](int i) {
@@ -163,7 +162,7 @@ TEST(ProgramWriter, RotaryAxesDoNotUnwind) {
   EXPECT_THAT(text, HasSubstr("M428"));
 }
 
-TEST(ProgramWriter, ATiltedToolIsRejectedForXyz) {
+TEST(ProgramWriter, TiltedToolIsRejectedForXyz) {
   std::ostringstream out;
   const Scene scene = scene_for("xyz");
   const auto writer = make_gcode_writer(scene, out);
@@ -173,7 +172,7 @@ TEST(ProgramWriter, ATiltedToolIsRejectedForXyz) {
   EXPECT_THAT(written.error(), HasSubstr("tilted"));
 }
 
-TEST(ProgramWriter, AStreamThatFailsIsReported) {
+TEST(ProgramWriter, FailedStreamIsReported) {
   std::ostringstream out;
   out.setstate(std::ios::badbit);
   const Scene scene = scene_for("xyz");
@@ -181,7 +180,7 @@ TEST(ProgramWriter, AStreamThatFailsIsReported) {
   EXPECT_FALSE(make_apt_writer(scene, out)->finish().has_value());
 }
 
-TEST(ProgramWriter, NamesCannotBecomeCode) {
+TEST(ProgramWriter, SceneNameCannotInjectCode) {
   Scene scene = scene_for("xyz");
   scene.name = "a) G1 X5 (\nG1 X6\r\nGOTO/1,2,3";
   const Program program = random_program(1, false);
@@ -191,7 +190,7 @@ TEST(ProgramWriter, NamesCannotBecomeCode) {
   expect_same_poses(program, test::read(scene, "p.apt", apt), apt);
 }
 
-TEST(ProgramWriter, MotionsWithoutDurationKeepTheirPoses) {
+TEST(ProgramWriter, MotionsOfZeroDurationKeepTheirPoses) {
   Program program = random_program(3, true);
   for (ProgramMotion& motion : program.motions) motion.duration_s = 0;
   program.motions.insert(program.motions.begin(), program.motions.front());
@@ -209,7 +208,7 @@ TEST(ProgramWriter, MotionsWithoutDurationKeepTheirPoses) {
   }
 }
 
-TEST(ProgramWriter, AnEmptyProgramIsAProgram) {
+TEST(ProgramWriter, EmptyProgramReadsBackEmpty) {
   const Scene scene = scene_for("xyzac-trt");
   EXPECT_TRUE(test::gcode(scene, text_of({}, scene, make_gcode_writer)).motions.empty());
   EXPECT_TRUE(test::read(scene, "p.apt", text_of({}, scene, make_apt_writer)).motions.empty());

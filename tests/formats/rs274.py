@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What LinuxCNC's stand-alone interpreter, rs274, and Kerf's reader make of a program: lists of canonical calls.
+"""Runs LinuxCNC's stand-alone interpreter, rs274, and Kerf's reader; both return a list of canonical calls.
 
-A call is a dictionary: kind ("rapid", "feed", "arc", "dwell", "tool"), and for moves `to` (X Y Z in mm and A B C in
-degrees, without offsets); for arcs plane, center (in the plane, mm) and turns.
+A call is a dictionary: kind ("rapid", "feed", "arc", "spline", "dwell"); for moves `to` (X Y Z in mm and A B C in
+degrees, absolute coordinates); for arcs plane, center (in the plane, mm) and turns; for dwells seconds.
 """
 import math
 import os
@@ -10,9 +10,9 @@ import re
 import subprocess
 from pathlib import Path
 
-# A copy of rs274 is made to print nine decimals instead of four: what a printed number may be off by, mm, by the unit.
+# Rounding error, mm, of a number printed with nine decimals (with_nine_decimals), by the unit.
 PRINTED = {1.0: 0.5e-9, 25.4: 0.5e-9 * 25.4}
-# What may differ: rounding of the two computations; a hundredth of what was asked for (1e-4 mm).
+# Difference allowed between the two computations: a hundredth of the required accuracy of 1e-4 mm.
 COMPUTED_MM = 1e-6
 ORDER = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}  # first, second and normal axis of a plane
 PLANES = {"XY": 0, "XZ": 1, "YZ": 2}
@@ -25,7 +25,7 @@ def turned(x, y, degrees):
 
 
 class Machine:
-    """Adds what the interpreter leaves to its machine: units, offsets, rotation, the plane."""
+    """Converts printed canonical calls to absolute coordinates: applies units, offsets, rotation and plane."""
 
     def __init__(self):
         self.unit, self.plane, self.turn = 1.0, "XY", 0.0
@@ -44,9 +44,9 @@ class Machine:
         return [a + s for a, s in zip(axes, self.system)]
 
     def tolerance(self, tolerance):
-        """Rounding of the position and of each offset that is not zero."""
+        """Tolerance of a position: rounding of the position and of each offset that is not zero."""
         sum_mm = PRINTED[self.unit] + self.rounded["system"] + self.rounded["shift"]
-        # The angle of a rotation is rounded too.
+        # The angle of a rotation is rounded as well.
         far = max(map(abs, self.shift[:2])) + 100
         return tolerance + COMPUTED_MM + sum_mm * (1.5 if self.turn else 1) + (far * 2e-11 if self.turn else 0)
 
@@ -84,13 +84,13 @@ class Machine:
             result = self.arc(words)
         elif call == "DWELL":
             result = {"kind": "dwell", "seconds": float(words[0])}
-        elif call == "RIGID_TAP":  # down and back, without its own rotary axes
+        elif call == "RIGID_TAP":  # down and back; printed without rotary axes
             start = self.calls[-1]["to"]
             down = self.place(self.scaled(words[:3]) + [0.0] * 3)
             down[3:] = start[3:]
             self.calls.append({"kind": "feed", "to": down, "tolerance": self.tolerance(0)})
             result = {"kind": "feed", "to": start}
-        elif call == "NURBS_FEED":  # rs274 does not print where it ends
+        elif call == "NURBS_FEED":  # rs274 does not print the end
             result = {"kind": "spline"}
         elif call == "STRAIGHT_PROBE":
             result = {"kind": call}
@@ -100,7 +100,7 @@ class Machine:
 
 
 def with_nine_decimals(rs274, folder):
-    """A wrapper like rs274's, in `folder`, of a copy of the program whose formats say %.9f instead of %.4f."""
+    """Makes a copy of rs274 in `folder` that prints nine decimals instead of four; returns its wrapper script."""
     wrapper = Path(rs274).read_text()
     program = re.search(r'exec "([^"]*rs274)"', wrapper).group(1)
     copy = folder / "rs274.bin"
@@ -113,15 +113,15 @@ def with_nine_decimals(rs274, folder):
 
 
 def private_home(folder):
-    """An environment for rs274: it keeps its tools in a file in HOME, which those that run side by side would share."""
+    """Returns an environment with its own HOME: rs274 stores tools in a file there, which parallel runs would share."""
     return dict(os.environ, LC_ALL="C", HOME=str(folder))
 
 
 def with_rs274(rs274, program, folder, tools, folders=(), timeout=20):
-    """Calls, and what it complains about (None if it accepts). `folder` is for its own files."""
+    """Runs rs274. Returns the calls and its complaint (None if it accepts). `folder` is for its own files."""
     variables, ini = folder / "rs274.var", folder / "rs274.ini"
     variables.write_text("")
-    # The interpreter cuts a line of the INI file after 255 characters.
+    # The interpreter truncates lines of the INI file after 255 characters.
     short = []
     for index, target in enumerate(folders):
         link = folder / ("f%d" % index)
@@ -144,7 +144,7 @@ def with_rs274(rs274, program, folder, tools, folders=(), timeout=20):
 
 
 def with_kerf(canonical_calls, program, tools, folders=()):
-    """Calls, the error (None if it accepts), and the warnings."""
+    """Runs Kerf's reader. Returns the calls, the error (None if it accepts) and the warnings."""
     command = [str(canonical_calls), "--tools", str(tools)]
     for folder in (program.parent, *folders):
         command += ["--folder", str(folder)]
@@ -170,7 +170,7 @@ def with_kerf(canonical_calls, program, tools, folders=()):
 
 
 def difference(ours, theirs):
-    """The first place where two lists of calls differ, in words; None where they agree."""
+    """Describes the first difference between two lists of calls; None if they agree."""
     for index, (a, b) in enumerate(zip(ours, theirs)):
         where = "call %d (line %s): " % (index + 1, a.get("line"))
         if a["kind"] != b["kind"]:

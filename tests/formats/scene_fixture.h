@@ -10,7 +10,7 @@
 
 namespace kerf::test {
 
-/// A 100 mm cube around the origin, a ball (1) and a flat (2) of 10 mm, for a machine.
+/// A scene with a block of 100 x 100 x 50 mm, a ball (1) and a flat end mill (2) of 10 mm.
 inline Scene scene_for(const std::string& kinematics, double tolerance_mm = 0.01) {
   const std::string text =
       R"({"name": "test", "stock": {"shape": "box", "min_mm": [-50,-50,-50], "max_mm": [50,50,0]},
@@ -25,7 +25,7 @@ inline Scene scene_for(const std::string& kinematics, double tolerance_mm = 0.01
   return scene.value();
 }
 
-/// Reads a program that must be right.
+/// Reads a program that must be valid.
 inline Program read(const Scene& scene, const std::string& name, const std::string& text) {
   auto program = parse_program(name, text, scene);
   EXPECT_TRUE(program.has_value()) << to_string(program.error()) << "\n" << text;
@@ -35,7 +35,7 @@ inline Program gcode(const Scene& scene, const std::string& text) {
   return read(scene, "p.ngc", text);
 }
 
-/// The error of a program that must be wrong.
+/// Returns the error of a program that must be invalid.
 inline ProgramError error_of(const Scene& scene, const std::string& name, const std::string& text) {
   auto program = parse_program(name, text, scene);
   EXPECT_FALSE(program.has_value()) << text;

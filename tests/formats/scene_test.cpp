@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// A scene in which one thing is replaced by another.
+// A valid scene in which one text is replaced by another.
 std::string with(const std::string& from, const std::string& to) {
   std::string text =
       R"({"name": "chips", "stock": {"shape": "box", "min_mm": [-50,-50,-50], "max_mm": [50,50,0]},
@@ -35,7 +35,7 @@ SceneError error_of(const std::string& text) {
   return scene ? SceneError{} : scene.error();
 }
 
-TEST(Scene, TheExampleOfTheDesignIsRead) {
+TEST(Scene, ExampleSceneIsRead) {
   const auto scene = parse_scene(with("chips", "chips"), {});
   ASSERT_TRUE(scene.has_value());
   EXPECT_EQ(scene->name, "chips");
@@ -84,7 +84,7 @@ TEST(Scene, CanonicalTextReadsBackEqual) {
   EXPECT_EQ(std::get<CylinderObstacle>(again->settings.obstacles[1].shape).to_mm.x, 0.1);
 }
 
-TEST(Scene, RaysAreOneFieldOrThree) {
+TEST(Scene, RaysAreDexelOrTriDexel) {
   const auto three = parse_scene(with("\"dexel\"", "\"tri-dexel\""), {});
   ASSERT_TRUE(three.has_value()) << to_string(three.error());
   EXPECT_EQ(three->settings.rays, Rays::kTriDexel);
@@ -93,7 +93,7 @@ TEST(Scene, RaysAreOneFieldOrThree) {
   EXPECT_EQ(parse_scene(scene_json(*one), {})->settings.rays, Rays::kDexel);
 }
 
-TEST(Scene, WelcomeMessagesCarryItsParts) {
+TEST(Scene, PartsAreCanonicalJson) {
   const Scene scene = test::scene_for("xyz");
   EXPECT_EQ(stock_json(scene),
             R"({"shape":"box","min_mm":[-50.0,-50.0,-50.0],"max_mm":[50.0,50.0,0.0]})");
@@ -123,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
     Scene, BadScenes,
     testing::Values(
         BadScene{R"("name": "chips")", R"("nmae": "chips")", "nmae", "not a field"},
-        BadScene{R"("name": "chips")", R"("name": 3)", "name", "text"},
+        BadScene{R"("name": "chips")", R"("name": 3)", "name", "string"},
         BadScene{R"("shape": "box")", R"("shape": "torus")", "stock.shape", "torus"},
         BadScene{R"("shape": "box")", R"("shape": "stl")", "stock.file", "missing"},
         BadScene{"[-50,-50,-50]", "[-50,-50]", "stock.min_mm", "3 numbers"},
@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"\"dexel\"", "\"voxel\"", "accuracy.rays", "voxel"},
         BadScene{"\"tight\"", "\"loose\"", "accuracy.motion", "loose"},
         BadScene{"\"id\": 1", "\"id\": 0", "tools[0].id", "above 0"},
-        BadScene{"\"id\": 1", "\"id\": 1.5", "tools[0].id", "whole"},
+        BadScene{"\"id\": 1", "\"id\": 1.5", "tools[0].id", "integer"},
         BadScene{"\"ball\"", "\"spoon\"", "tools[0].shape", "spoon"},
         BadScene{"\"length_mm\": 60", "\"length_mm\": 1", "tools[0].length_mm", ""},
         BadScene{"\"length_mm\": 60}", "\"length_mm\": 60}, {\"id\": 1}", "tools[1].id", "already"},
@@ -146,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "obstacles[0].shape", "cone"},
         BadScene{"\"obstacles\": []",
                  "\"obstacles\": [{\"shape\": \"stl\", \"file\": \"/etc/passwd\"}]",
-                 "obstacles[0].file", "may not name files"},
+                 "obstacles[0].file", "may not name a file"},
         BadScene{"\"name\": \"chips\"", "\"name\": \"a\", \"name\": \"b\"", "name", "twice"}));
 
 TEST(Scene, SyntaxErrorsHaveLineAndColumn) {
@@ -160,13 +160,13 @@ TEST(Scene, SyntaxErrorsHaveLineAndColumn) {
   error_of(std::string(100000, '['));
 }
 
-TEST(Scene, OtherErrorsHaveTheLineOfTheValue) {
+TEST(Scene, ValidationErrorsHaveTheLineOfTheValue) {
   const SceneError error = error_of(with("\"pitch_mm\": 0.25", "\n\n  \"pitch_mm\":\n 0"));
   EXPECT_EQ(error.line, 5u);
   EXPECT_EQ(error.column, 2u);
   EXPECT_EQ(error_of(with("\"id\": 1", "\n\"id\": 0")).line, 4u);
   EXPECT_EQ(error_of(with("50,50,0]", "50,\n\"a \\\" ] }\",0]")).line, 2u);
-  // What is missing is looked for in the object around it.
+  // The error of a missing field has the position of the enclosing object.
   EXPECT_EQ(error_of(with("\"diameter_mm\": 10,", "\n")).line, 3u);
   EXPECT_EQ(error_of("\n\n []").line, 3u);
 }
@@ -214,7 +214,7 @@ class MeshScene : public testing::Test {
       "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 };
 
-TEST_F(MeshScene, IsCarvedFromTheSolidOfTheFile) {
+TEST_F(MeshScene, StockIsTheSolidOfTheFile) {
   write("t.obj", tetrahedron_);
   for (const char* shape : {"mesh", "stl"}) {
     const auto scene = scene_of("t.obj", shape);
@@ -223,14 +223,14 @@ TEST_F(MeshScene, IsCarvedFromTheSolidOfTheFile) {
     const auto sculpture = Sculpture::create(scene->settings);
     ASSERT_TRUE(sculpture.has_value());
     EXPECT_NEAR(sculpture->stock_volume_mm3(), 1000.0 / 6, 0.3);
-    // The canonical text names the file again; viewers are told of the box around it.
+    // The canonical text names the file; viewers get the bounding box.
     EXPECT_THAT(scene_json(*scene), HasSubstr(R"("stock":{"shape":"mesh","file":"t.obj"})"));
     EXPECT_THAT(stock_json(*scene), HasSubstr("box"));
     EXPECT_TRUE(scene->files.empty());
   }
 }
 
-TEST_F(MeshScene, TakesFilesThatWereKeptInsteadOfTheFolders) {
+TEST_F(MeshScene, KeptFilesReplaceTheBaseFolder) {
   write("t.obj", tetrahedron_);
   const auto first = parse_scene(text_of("t.obj", "mesh"),
                                  {.base_folder = folder_, .files = {}, .keep_files = true});
@@ -243,7 +243,7 @@ TEST_F(MeshScene, TakesFilesThatWereKeptInsteadOfTheFolders) {
   EXPECT_EQ(*again->settings.stock_mesh, *first->settings.stock_mesh);
 }
 
-TEST_F(MeshScene, IsRejectedWithWhatWasFoundAndWhere) {
+TEST_F(MeshScene, InvalidMeshIsRejectedWithReasonAndPath) {
   const auto reason_of = [&](const std::string& file) {
     const auto scene = scene_of(file, "mesh");
     EXPECT_FALSE(scene.has_value()) << file;
@@ -257,15 +257,15 @@ TEST_F(MeshScene, IsRejectedWithWhatWasFoundAndWhere) {
   write("short.stl", "short");
   EXPECT_THAT(reason_of("short.stl"), HasSubstr("after 5 bytes"));
   EXPECT_THAT(reason_of("none.ply"), HasSubstr("cannot be read"));
-  EXPECT_THAT(reason_of("part.step"), HasSubstr("no .stl, .ply or .obj"));
+  EXPECT_THAT(reason_of("part.step"), HasSubstr("must be a .stl, .ply or .obj file"));
   write("t.obj", tetrahedron_);
   const auto posted = parse_scene(text_of("t.obj", "mesh"), {});
   ASSERT_FALSE(posted.has_value());
   EXPECT_EQ(posted.error().path, "stock.file");
-  EXPECT_THAT(posted.error().reason, HasSubstr("may not name files"));
+  EXPECT_THAT(posted.error().reason, HasSubstr("may not name a file"));
 }
 
-TEST(Scene, TheExampleScenesAreRead) {
+TEST(Scene, SceneFilesOfTheTestsAreRead) {
   for (const char* name : {"chips", "boat"}) {
     const auto scene =
         load_scene(std::string(KERF_SOURCE_DIR "/tests/formats/scenes/") + name + ".json");
@@ -274,7 +274,7 @@ TEST(Scene, TheExampleScenesAreRead) {
   }
 }
 
-TEST(Scene, ExplainNamesEveryFieldWithItsMeaning) {
+TEST(Scene, ExplainListsEveryFieldWithItsMeaning) {
   const auto scene = parse_scene(
       with(
           R"("obstacles": [])",
@@ -287,7 +287,7 @@ TEST(Scene, ExplainNamesEveryFieldWithItsMeaning) {
   int count = 0;
   while (std::getline(lines, line)) {
     ++count;
-    // A field without help would end after its value.
+    // A line of a field without help ends after its value.
     EXPECT_FALSE(line.ends_with(' ')) << line;
   }
   EXPECT_EQ(count, 30);

@@ -69,13 +69,13 @@ TEST(SceneTool, CanonicalTextReadsBackEqual) {
       EXPECT_EQ(again->tools.at(1).tool, scene.tools.at(1).tool);
       std::istringstream lines(explain_scene(scene));
       for (std::string line; std::getline(lines, line);) {
-        EXPECT_FALSE(line.ends_with(' ')) << line;  // A field without help ends after its value.
+        EXPECT_FALSE(line.ends_with(' ')) << line;  // A field without help.
       }
     }
   }
 }
 
-TEST(SceneTool, ProgramsNameTheirTools) {
+TEST(SceneTool, ToolTextNamesShapeAndDimensions) {
   EXPECT_EQ(tool_text(scene_of(kBullNose).tools.at(1).shape),
             "bull nose, diameter 10 mm, length 30 mm, corner radius 1 mm");
   EXPECT_EQ(tool_text(scene_of(kApt).tools.at(1).shape), "APT cutter 10,1,4,1,0,0,30");
@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
             R"("shape": "flat", "diameter_mm": 9, "length_mm": 9, "holder": {"profile_mm": [[3,1],[3,2]]})",
             "tools[0].holder.profile_mm[0]", "height 0"}));
 
-TEST(SceneTool, MangledProfilesAreReadOrRejected) {
+TEST(SceneTool, MutatedProfilesAreReadOrRejected) {
   std::mt19937_64 random(3);
   const std::string whole = scene_with(kFormCutter);
   const std::string bits = "[]{},:\"0-9.eE";

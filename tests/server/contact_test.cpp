@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// What touches a tool, and what others feel, as the session answers it.
+// Contact planes in the results of a session, and the force of another participant.
 
-#include "tests/server/session_room.h"
+#include "tests/server/session_fixture.h"
 
 namespace kerf {
 namespace {
 
-TEST_F(SessionRoom, TellsOfAnObstacleBeforeItIsTouched) {
+TEST_F(SessionTest, ReportsAnObstacleBeforeContact) {
   std::string scene = kScene;
   scene.insert(scene.rfind('}'), R"(, "obstacles": [{"shape": "box", "min_mm": [-20, -20, 5],
     "max_mm": [20, 20, 10], "stiffness_n_per_mm": 2}])");
   const auto session = *registry->create("post", scene, SceneSource{});
-  const auto who = join(*session);
+  const auto id = join(*session);
   for (const double z : {30.0, 12.0, 9.5, 30.0}) {
     wire::MotionSample sample = next(0, 0, z);
     sample.buttons = 0;
-    const wire::Result result = session->move(who, {&sample, 1}).result;
+    const wire::Result result = session->move(id, {&sample, 1}).result;
     const bool first = sample.agent_sequence == 1;
     ASSERT_EQ(result.plane_count > 0, !first && z < 15) << z;
     if (result.plane_count == 0) continue;
@@ -28,13 +28,13 @@ TEST_F(SessionRoom, TellsOfAnObstacleBeforeItIsTouched) {
   }
 }
 
-TEST_F(SessionRoom, StockPushesAToolThatDoesNotCut) {
+TEST_F(SessionTest, StockPushesAToolThatDoesNotCut) {
   const auto session = start();
-  const auto who = join(*session);
+  const auto id = join(*session);
   for (const double z : {2.0, -0.5}) {
     wire::MotionSample sample = next(0, 0, z);
     sample.buttons = 0;
-    const wire::Result result = session->move(who, {&sample, 1}).result;
+    const wire::Result result = session->move(id, {&sample, 1}).result;
     const bool touches = z < 0;
     ASSERT_EQ(result.plane_count, touches ? 1U : 0U);
     if (!touches) continue;
@@ -46,7 +46,7 @@ TEST_F(SessionRoom, StockPushesAToolThatDoesNotCut) {
   EXPECT_EQ(session->info().motions, 0U);
 }
 
-TEST_F(SessionRoom, LetsOneFeelWhatAnotherFeels) {
+TEST_F(SessionTest, AgentReceivesTheForceOfAnotherParticipant) {
   const auto session = start();
   const auto teacher = join(*session, "Ada");
   const auto pupil = session->join({ParticipantKind::kAgent, "Grace", "", 1, true, teacher});
@@ -54,7 +54,7 @@ TEST_F(SessionRoom, LetsOneFeelWhatAnotherFeels) {
   move(*session, teacher, -15, 0, -3);
   const auto cut = move(*session, teacher, -14.5, 0, -3);
   ASSERT_GT(cut.result.removed_mm3, 0);
-  EXPECT_FALSE(cut.felt) << "the teacher asked for nobody";
+  EXPECT_FALSE(cut.felt) << "the teacher joined without feel_of";
   const auto felt = move(*session, pupil->id, 15, 15, 30).felt;
   ASSERT_TRUE(felt);
   EXPECT_EQ(felt->participant, teacher);

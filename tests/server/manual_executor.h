@@ -8,8 +8,8 @@
 
 namespace kerf::test {
 
-/// Runs nothing until a test says so, then everything in the order of posting; delays are taken as
-/// elapsed.
+/// An executor that runs work only when a test calls it, in the order of posting. Delays are
+/// recorded, not waited for.
 class ManualExecutor final : public Executor {
  public:
   void post(Work work) override { queue_.push_back(std::move(work)); }
@@ -17,10 +17,11 @@ class ManualExecutor final : public Executor {
     delayed_.push_back(std::move(work));
     last_delay = delay;
   }
-  /// Runs what is posted, and what that posts, without the delayed work.
+  /// Runs the posted work, and the work which that posts, without the delayed work.
   void run() {
     while (!queue_.empty()) run_one();
   }
+  /// Runs the oldest posted work; false if there is none.
   bool run_one() {
     if (queue_.empty()) return false;
     Work work = std::move(queue_.front());
@@ -28,6 +29,7 @@ class ManualExecutor final : public Executor {
     work();
     return true;
   }
+  /// Runs the delayed work, then run().
   void run_delayed() {
     for (Work& work : std::exchange(delayed_, {})) work();
     run();

@@ -50,20 +50,20 @@ TEST(ProgramRuns, FastProgramIsCarvedInSlices) {
   EXPECT_TRUE(runs.take_ended().empty());
 }
 
-TEST(ProgramRuns, TwoProgramsTakeTurns) {
+TEST(ProgramRuns, ProgramsAlternate) {
   ProgramRuns runs;
   std::vector<ParticipantId> order;
   runs.start(1, program_of(4), ProgramPace::kFast, Clock::now());
   runs.start(2, program_of(4), ProgramPace::kFast, Clock::now());
-  while (runs.slice([&](ParticipantId who, const ProgramMotion&, bool) {
-    order.push_back(who);
+  while (runs.slice([&](ParticipantId id, const ProgramMotion&, bool) {
+    order.push_back(id);
     return std::expected<double, Rejection>(0);
   })) {
   }
   EXPECT_EQ(order, (std::vector<ParticipantId>{1, 2, 1, 2, 1, 2, 1, 2}));
 }
 
-TEST(ProgramRuns, FeedProgramWaitsForItsTime) {
+TEST(ProgramRuns, FeedRateMotionIsCarvedWhenItsTimeHasPassed) {
   ProgramRuns runs;
   const auto start = Clock::now();
   const auto early = runs.start(1, program_of(3, 1000), ProgramPace::kFeed, start).id;
@@ -76,20 +76,20 @@ TEST(ProgramRuns, FeedProgramWaitsForItsTime) {
   EXPECT_EQ(runs.status(late)->state, ProgramState::kFinished);
 }
 
-TEST(ProgramRuns, OnlyFeedRateIsFelt) {
+TEST(ProgramRuns, ForcesAreComputedOnlyAtFeedRate) {
   ProgramRuns runs;
   std::map<ParticipantId, bool> felt;
   runs.start(1, program_of(1), ProgramPace::kFeed, Clock::now() - std::chrono::seconds(9));
   runs.start(2, program_of(1), ProgramPace::kFast, Clock::now());
-  runs.slice([&](ParticipantId who, const ProgramMotion&, bool feel) {
-    felt[who] = feel;
+  runs.slice([&](ParticipantId id, const ProgramMotion&, bool feel) {
+    felt[id] = feel;
     return std::expected<double, Rejection>(0);
   });
   EXPECT_TRUE(felt.at(1));
   EXPECT_FALSE(felt.at(2));
 }
 
-TEST(ProgramRuns, RejectedMotionFailsTheProgramAndNamesTheLine) {
+TEST(ProgramRuns, RejectedMotionFailsTheProgramWithItsLine) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
   int calls = 0;
@@ -121,12 +121,12 @@ TEST(ProgramRuns, EmptyProgramIsFinishedAtOnce) {
   EXPECT_EQ(runs.take_ended().size(), 1U);
 }
 
-TEST(ProgramRuns, OldReportsAreForgotten) {
+TEST(ProgramRuns, OldestFinishedStatusesAreDropped) {
   ProgramRuns runs;
-  for (std::size_t i = 0; i < 2 * ProgramRuns::kRemembered; ++i) {
+  for (std::size_t i = 0; i < 2 * ProgramRuns::kStatusesMax; ++i) {
     runs.start(1, program_of(0), ProgramPace::kFast, Clock::now());
   }
-  EXPECT_EQ(runs.list().size(), ProgramRuns::kRemembered);
+  EXPECT_EQ(runs.list().size(), ProgramRuns::kStatusesMax);
   EXPECT_FALSE(runs.status(1));
 }
 

@@ -12,54 +12,54 @@
 #include "server/formats/program.h"
 #include "server/session/session_export.h"
 #include "server/session/session_registry.h"
-#include "tests/server/session_room.h"
+#include "tests/server/session_fixture.h"
 
 namespace kerf {
 namespace {
 
-TEST_F(SessionRoom, RejectedSamplesLeaveAGapAndNotAChord) {
+TEST_F(SessionTest, SamplesAboveTheRateLimitLeaveAGapInTheCut) {
   limits.samples_burst = 2;
   limits.samples_per_s = 20;
   restart();
   const auto session = start();
-  const auto who = join(*session);
-  move(*session, who, -15, 0, -3);
-  const auto cut = move(*session, who, -14.9, 0, -3);
+  const auto id = join(*session);
+  move(*session, id, -15, 0, -3);
+  const auto cut = move(*session, id, -14.9, 0, -3);
   EXPECT_GT(cut.result.removed_mm3, 0);
-  const auto dropped = move(*session, who, -14.8, 5, -3);
+  const auto dropped = move(*session, id, -14.8, 5, -3);
   ASSERT_EQ(dropped.rejections.size(), 1U);
   EXPECT_EQ(dropped.rejections[0].code, wire::ErrorCode::kTooFast);
-  // The allowance comes back while the hand has gone elsewhere.
+  // The rate limit recovers while the tool moves elsewhere.
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  const auto elsewhere = move(*session, who, -12, 5, -3);
+  const auto elsewhere = move(*session, id, -12, 5, -3);
   EXPECT_TRUE(elsewhere.rejections.empty());
   EXPECT_EQ(elsewhere.result.removed_mm3, 0);
-  EXPECT_GT(move(*session, who, -12, 4.9, -3).result.removed_mm3, 0);
+  EXPECT_GT(move(*session, id, -12, 4.9, -3).result.removed_mm3, 0);
 }
 
-TEST_F(SessionRoom, RejectedMotionsAreNotJournaled) {
+TEST_F(SessionTest, RejectedMotionsAreNotJournaled) {
   const auto session = start();
-  const auto who = join(*session);
-  move(*session, who, -15, 0, -3);
+  const auto id = join(*session);
+  move(*session, id, -15, 0, -3);
   const std::uint64_t before = session->info().sequence;
   wire::MotionSample flipped = next(-14, 0, -3);
   flipped.axis = {0, 0, -1};
-  const MotionAnswer answer = session->move(who, {&flipped, 1});
+  const MotionAnswer answer = session->move(id, {&flipped, 1});
   ASSERT_EQ(answer.rejections.size(), 1U);
   EXPECT_EQ(answer.rejections[0].code, wire::ErrorCode::kTurnTooLarge);
   EXPECT_EQ(session->info().sequence, before);
 }
 
-TEST_F(SessionRoom, ObstaclesPushAToolThatDoesNotCut) {
+TEST_F(SessionTest, ObstaclesPushAToolThatDoesNotCut) {
   std::string scene = kScene;
   scene.insert(scene.rfind('}'), R"(, "obstacles": [{"shape": "box", "min_mm": [-20, -20, 5],
     "max_mm": [20, 20, 10], "stiffness_n_per_mm": 2}])");
   const auto session = *registry->create("post", scene, SceneSource{});
-  const auto who = join(*session);
+  const auto id = join(*session);
   for (const double z : {12.0, 9.5}) {
     wire::MotionSample sample = next(0, 0, z);
     sample.buttons = 0;
-    const MotionAnswer answer = session->move(who, {&sample, 1});
+    const MotionAnswer answer = session->move(id, {&sample, 1});
     EXPECT_TRUE(answer.rejections.empty());
     const bool touches = z < 10;
     EXPECT_NEAR(double(answer.result.force_n[2]), touches ? 2 * 0.5 : 0, 1e-3);
@@ -68,24 +68,27 @@ TEST_F(SessionRoom, ObstaclesPushAToolThatDoesNotCut) {
   EXPECT_EQ(session->info().motions, 0U);
 }
 
-TEST_F(SessionRoom, AppliesMotionsAndJournalsThem) {
+TEST_F(SessionTest, AppliesMotionsAndJournalsThem) {
   const auto session = start();
-  const auto who = join(*session);
-  carve_circle(*session, who);
+  const auto id = join(*session);
+  carve_circle(*session, id);
   EXPECT_EQ(session->info().motions, 200U);
   EXPECT_GT(session->info().removed_mm3, 100);
   ASSERT_TRUE(session->flush());
   auto reader = JournalReader::open(session->journal_file());
   ASSERT_TRUE(reader);
   int moves = 0;
-  while (auto record = reader->next().value()) {
-    moves += std::holds_alternative<MoveTool>(record->command) ? 1 : 0;
+  for (;;) {
+    const auto record = reader->next();
+    ASSERT_TRUE(record);
+    if (!record->has_value()) break;
+    moves += std::holds_alternative<MoveTool>((*record)->command) ? 1 : 0;
   }
   EXPECT_EQ(moves, 200);
   EXPECT_EQ(reader->people().at(0).name, "Ada");
 }
 
-TEST_F(SessionRoom, ReplayGivesTheSameHash) {
+TEST_F(SessionTest, ReplayGivesTheSameHash) {
   const auto session = start();
   carve_circle(*session, join(*session));
   const std::uint64_t hash = session->solid().hash();
@@ -96,7 +99,7 @@ TEST_F(SessionRoom, ReplayGivesTheSameHash) {
   EXPECT_EQ(replayed->last_sequence, session->sequence());
 }
 
-TEST_F(SessionRoom, ReplayOfThreeFieldsOfRaysGivesTheSameHash) {
+TEST_F(SessionTest, ReplayOfATriDexelBlockGivesTheSameHash) {
   std::string scene = kScene;
   scene.replace(scene.find("dexel"), 5, "tri-dexel");
   const auto session = start(scene);
@@ -110,7 +113,7 @@ TEST_F(SessionRoom, ReplayOfThreeFieldsOfRaysGivesTheSameHash) {
   EXPECT_EQ(replayed->hash.hash, solid.hash());
 }
 
-TEST_F(SessionRoom, ReplayThatDivergesFromItsStateHashIsAnError) {
+TEST_F(SessionTest, ReplayFailsIfAStateHashDiffers) {
   const auto session = start();
   carve_circle(*session, join(*session));
   session->note_hash({session->sequence(), 0xBAD});
@@ -121,7 +124,7 @@ TEST_F(SessionRoom, ReplayThatDivergesFromItsStateHashIsAnError) {
   EXPECT_NE(replayed.error().reason.find("0000000000000bad"), std::string::npos);
 }
 
-TEST_F(SessionRoom, RegistryBringsSessionsBack) {
+TEST_F(SessionTest, RegistryRestoresSessions) {
   std::uint64_t hash = 0;
   {
     const auto session = start();
@@ -138,44 +141,44 @@ TEST_F(SessionRoom, RegistryBringsSessionsBack) {
   EXPECT_GT(join(*session), 1U);
 }
 
-TEST_F(SessionRoom, RejectedSampleIsSkippedAndTheRestOfTheBatchApplied) {
+TEST_F(SessionTest, RejectedSampleDoesNotStopTheRestOfTheBatch) {
   const auto session = start();
-  const auto who = join(*session);
+  const auto id = join(*session);
   std::vector<wire::MotionSample> batch = {next(0, 0, -1), next(1, 0, -1), next(2, 0, -1),
                                            next(3, 0, -1)};
   batch[1].tool_id = 9;
-  const auto answer = session->move(who, batch);
+  const auto answer = session->move(id, batch);
   ASSERT_EQ(answer.rejections.size(), 1U);
   EXPECT_EQ(answer.rejections[0].code, wire::ErrorCode::kUnknownTool);
   EXPECT_EQ(answer.result.status & wire::kStatusRejected, wire::kStatusRejected);
-  EXPECT_EQ(session->info().motions, 2U);  // 0 to 2, the chord over the gap, and 2 to 3
+  EXPECT_EQ(session->info().motions, 2U);  // 0 to 2, the chord across the gap, and 2 to 3
 }
 
-TEST_F(SessionRoom, TooFastAMotionIsNotCutButTheToolIsThere) {
+TEST_F(SessionTest, MotionAboveTheSpeedLimitMovesTheToolWithoutCutting) {
   const auto session = start();
-  const auto who = join(*session);
-  move(*session, who, 0, 0, 5);
-  const auto jump = move(*session, who, 0, 0, -15);
+  const auto id = join(*session);
+  move(*session, id, 0, 0, 5);
+  const auto jump = move(*session, id, 0, 0, -15);
   ASSERT_EQ(jump.rejections.size(), 1U);
   EXPECT_EQ(jump.rejections[0].code, wire::ErrorCode::kTooFast);
   EXPECT_EQ(session->info().motions, 0U);
-  EXPECT_TRUE(move(*session, who, 0.5, 0, -15).rejections.empty());
+  EXPECT_TRUE(move(*session, id, 0.5, 0, -15).rejections.empty());
   EXPECT_EQ(session->info().motions, 1U);
 }
 
-TEST_F(SessionRoom, ToolAtRestIsNotJournaled) {
+TEST_F(SessionTest, ToolAtRestIsNotJournaled) {
   const auto session = start();
-  const auto who = join(*session);
+  const auto id = join(*session);
   const auto before = session->sequence();
-  for (int i = 0; i < 10; ++i) move(*session, who, 0, 0, -1);
+  for (int i = 0; i < 10; ++i) move(*session, id, 0, 0, -1);
   EXPECT_EQ(session->sequence(), before);
 }
 
-TEST_F(SessionRoom, ChangedTilesAreReportedOnce) {
+TEST_F(SessionTest, ChangedTilesAreReportedOnce) {
   const auto session = start();
-  const auto who = join(*session);
-  move(*session, who, 0, 0, -1);
-  move(*session, who, 1, 0, -1);
+  const auto id = join(*session);
+  move(*session, id, 0, 0, -1);
+  move(*session, id, 1, 0, -1);
   const auto frame = session->frame(false);
   EXPECT_FALSE(frame.changed.empty());
   EXPECT_TRUE(frame.snapshot);
@@ -186,11 +189,11 @@ TEST_F(SessionRoom, ChangedTilesAreReportedOnce) {
   EXPECT_FALSE(again.snapshot);
 }
 
-TEST_F(SessionRoom, HashIsComputedByTheWorkersAfterAChange) {
+TEST_F(SessionTest, HashIsComputedByTheWorkersAfterAChange) {
   const auto session = start();
-  const auto who = join(*session);
-  move(*session, who, 0, 0, -1);
-  move(*session, who, 1, 0, -1);
+  const auto id = join(*session);
+  move(*session, id, 0, 0, -1);
+  move(*session, id, 1, 0, -1);
   EXPECT_FALSE(session->current_hash());
   executor->run_delayed();
   workers.run();
@@ -199,9 +202,9 @@ TEST_F(SessionRoom, HashIsComputedByTheWorkersAfterAChange) {
   EXPECT_EQ(session->current_hash()->hash, session->solid().hash());
 }
 
-TEST_F(SessionRoom, AgentsAreServedBetweenTheSlicesOfAProgram) {
+TEST_F(SessionTest, AgentsAreServedBetweenProgramSlices) {
   const auto session = start();
-  const auto who = join(*session);
+  const auto id = join(*session);
   std::string text = "G21 G90 T2 M6\n";
   for (int i = 0; i < 3000; ++i) text += "G1 X" + std::to_string(i % 30) + " Y0 Z-1 F1000\n";
   const auto program = parse_program("long.ngc", text + "M2\n", session->scene());
@@ -210,18 +213,18 @@ TEST_F(SessionRoom, AgentsAreServedBetweenTheSlicesOfAProgram) {
   ASSERT_TRUE(run);
   executor->run_one();
   EXPECT_EQ(session->program(run->id)->state, ProgramState::kRunning);
-  EXPECT_LE(executor->waiting(), 2U);  // the next slice is behind whatever agents post now
-  move(*session, who, 0, 0, -1);
-  EXPECT_GT(move(*session, who, 0, 1, -1).result.motions_applied, 0U);
+  EXPECT_LE(executor->waiting(), 2U);  // the next slice runs after work that agents post now
+  move(*session, id, 0, 0, -1);
+  EXPECT_GT(move(*session, id, 0, 1, -1).result.motions_applied, 0U);
   executor->run_one();
-  EXPECT_EQ(executor->waiting(), 0U);  // an agent moves: the next slice comes after a pause
+  EXPECT_EQ(executor->waiting(), 0U);  // an agent moves: the next slice waits for a pause
   EXPECT_GE(executor->last_delay.count(), 200);
   while (session->program(run->id)->state == ProgramState::kRunning) executor->run_delayed();
   EXPECT_EQ(session->program(run->id)->state, ProgramState::kFinished);
   EXPECT_EQ(session->participants().size(), 1U);
 }
 
-TEST_F(SessionRoom, ProgramWithUnknownToolCutsNothing) {
+TEST_F(SessionTest, ProgramWithUnknownToolCutsNothing) {
   const auto session = start();
   Program program;
   program.name = "x.ngc";
@@ -234,7 +237,7 @@ TEST_F(SessionRoom, ProgramWithUnknownToolCutsNothing) {
   EXPECT_NE(run.error().reason.find("x.ngc:4"), std::string::npos);
 }
 
-TEST_F(SessionRoom, ExportedProgramCarvesTheSameSolid) {
+TEST_F(SessionTest, ExportedProgramCarvesTheSameSolid) {
   const auto session = start();
   const auto ada = join(*session, "Ada");
   const auto grace = join(*session, "Grace");
@@ -256,11 +259,11 @@ TEST_F(SessionRoom, ExportedProgramCarvesTheSameSolid) {
   }
 }
 
-TEST_F(SessionRoom, ForcesOfTheJournalAreThoseThatWereFelt) {
+TEST_F(SessionTest, ExportedForcesEqualTheForcesSent) {
   const auto session = start();
-  const auto who = join(*session);
-  move(*session, who, -10, 0, -2);
-  const auto felt = move(*session, who, -9, 0, -2);
+  const auto id = join(*session);
+  move(*session, id, -10, 0, -2);
+  const auto felt = move(*session, id, -9, 0, -2);
   ASSERT_TRUE(session->flush());
   std::stringstream csv;
   ASSERT_TRUE(export_forces(session->journal_file(), std::nullopt, csv));
@@ -276,7 +279,7 @@ TEST_F(SessionRoom, ForcesOfTheJournalAreThoseThatWereFelt) {
   EXPECT_LT(numbers[7], 0);
 }
 
-TEST_F(SessionRoom, LimitsAreTypedRejections) {
+TEST_F(SessionTest, ExceededLimitsGiveTypedRejections) {
   limits.agents_max = 2;
   restart();
   const auto session = start();
@@ -290,20 +293,20 @@ TEST_F(SessionRoom, LimitsAreTypedRejections) {
   EXPECT_EQ(named.error().code, wire::ErrorCode::kTooLarge);
 }
 
-TEST_F(SessionRoom, ClosedSessionAppliesNothing) {
+TEST_F(SessionTest, ClosedSessionAppliesNothing) {
   const auto session = start();
-  const auto who = join(*session);
-  move(*session, who, 0, 0, -1);
-  std::string told;
-  session->listen([&](const SessionEvent& event) { told = event.closing; });
+  const auto id = join(*session);
+  move(*session, id, 0, 0, -1);
+  std::string reason;
+  session->listen([&](const SessionEvent& event) { reason = event.closing; });
   session->close("enough");
-  EXPECT_EQ(told, "enough");
-  EXPECT_FALSE(move(*session, who, 1, 0, -1).rejections.empty());
+  EXPECT_EQ(reason, "enough");
+  EXPECT_FALSE(move(*session, id, 1, 0, -1).rejections.empty());
   EXPECT_EQ(session->info().motions, 0U);
   EXPECT_FALSE(session->join({ParticipantKind::kAgent, "Late", "", 1, true}));
 }
 
-TEST_F(SessionRoom, ABlockOfMoreTilesThanViewersCanBeShownIsRejected) {
+TEST_F(SessionTest, BlockWithTooManyTilesIsRejected) {
   std::string scene = kScene;
   scene.replace(scene.find("0.5"), 3, "0.001");
   const auto rejected = registry->create("fine", scene, SceneSource{});
@@ -313,7 +316,7 @@ TEST_F(SessionRoom, ABlockOfMoreTilesThanViewersCanBeShownIsRejected) {
   EXPECT_NE(rejected.error().reason.find("1562500 tiles"), std::string::npos);
 }
 
-TEST_F(SessionRoom, RegistryLimitsAndNamesSessions) {
+TEST_F(SessionTest, RegistryDerivesIdsAndLimitsTheNumberOfSessions) {
   EXPECT_EQ((*registry->create("", kScene, SceneSource{}))->id(), "test-block");
   EXPECT_EQ((*registry->create("", kScene, SceneSource{}))->id(), "test-block-2");
   const auto bad = registry->create("", "{\"name\": 1}", SceneSource{});

@@ -9,7 +9,7 @@
 
 namespace kerf::test {
 
-/// A fresh folder that is removed at the end of the test.
+/// An empty folder; the destructor removes it with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

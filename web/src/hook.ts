@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A read-only look into the page for tests: window.kerf.state().
+// Publishes window.kerf.state(), a read-only snapshot of the page's state for tests.
 
 import type { SessionPage } from './ui/session_page';
 
@@ -14,7 +14,9 @@ export function installHook(page: SessionPage): void {
     motions: model.state?.motions ?? 0,
     removedVolumeMm3: model.state?.removed_volume_mm3 ?? 0,
     snapshotComplete: model.tiles.complete,
-    tiles: model.tiles.list().map(({ x, y, version, level, triangles }) => ({ x, y, version, level, triangles })),
+    tiles: model.tiles
+      .list()
+      .map(({ x, y, version, level, triangles }) => ({ x, y, version, level, triangles })),
     triangles: model.tiles.triangles,
     meshFrames: model.meshFrames,
     problems: model.problems,
@@ -22,7 +24,10 @@ export function installHook(page: SessionPage): void {
     rttMs: model.clock.rttMs,
     stalenessMs: model.stalenessMs(performance.now()),
     participants: model.participants.all().map(({ info, status, forces }) => ({
-      ...info, status, peakForceN: forces.peak.forceN, forceSamples: forces.count,
+      ...info,
+      status,
+      peakForceN: forces.peak.forceN,
+      forceSamples: forces.count,
     })),
     followed: page.followed,
   });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import '@fontsource-variable/inter/wght.css';
-import './ui/style.css';
+import './ui/style/index.css';
 import { installHook } from './hook';
 import { recall, remember } from './ui/memory';
 import { failurePage } from './ui/notice';
@@ -8,8 +8,8 @@ import { showSessions } from './ui/session_list';
 import { SessionPage } from './ui/session_page';
 
 function viewerName(parameters: URLSearchParams): string {
-  const asked = parameters.get('name')?.trim().slice(0, 40);
-  if (asked) return asked;
+  const requested = parameters.get('name')?.trim().slice(0, 40);
+  if (requested) return requested;
   const saved = recall('name');
   if (saved) return saved;
   const name = `Guest ${100 + Math.floor(Math.random() * 900)}`;
@@ -20,23 +20,33 @@ function viewerName(parameters: URLSearchParams): string {
 function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
   document.title = `${session} · Kerf`;
   try {
-    const page = new SessionPage(app, session, viewerName(parameters), parameters.get('quality') === 'full');
+    const page = new SessionPage(
+      app,
+      session,
+      viewerName(parameters),
+      parameters.get('quality') === 'full',
+    );
     installHook(page);
     page.start();
   } catch (problem) {
     console.error(problem);
-    app.replaceChildren(failurePage('This browser cannot draw in 3D',
-      `Kerf needs WebGL 2. Switch on hardware acceleration in the browser's settings, or try another browser. (${(problem as Error).message})`,
-      [{ label: 'Try again', href: location.search || '?' }]));
+    app.replaceChildren(
+      failurePage(
+        'This browser cannot draw in 3D',
+        "Kerf needs WebGL 2. Enable hardware acceleration in the browser's settings, or try another " +
+          `browser. (${(problem as Error).message})`,
+        [{ label: 'Try again', href: location.search || '?' }],
+      ),
+    );
   }
 }
 
 async function main(): Promise<void> {
-  const app = document.getElementById('app') as HTMLElement;
+  const app = document.getElementById('app')!;
   const parameters = new URLSearchParams(location.search);
-  const asked = parameters.get('session');
-  if (asked) {
-    openSession(app, asked, parameters);
+  const session = parameters.get('session');
+  if (session) {
+    openSession(app, session, parameters);
     return;
   }
   const only = await showSessions(app);

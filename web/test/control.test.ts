@@ -3,7 +3,13 @@ import { describe, expect, it } from 'vitest';
 import { parseControl } from '../src/wire/control';
 
 const welcome = {
-  type: 'welcome', session: 'demo', participant: 3, epoch: 1, color: '#d9541e', pitch_mm: 0.25, pivot_mm: 60,
+  type: 'welcome',
+  session: 'demo',
+  participant: 3,
+  epoch: 1,
+  color: '#d9541e',
+  pitch_mm: 0.25,
+  pivot_mm: 60,
   stock: { shape: 'box', min_mm: [-50, -50, -50], max_mm: [50, 50, 0] },
   tools: [{ id: 1, shape: 'ball', diameter_mm: 10, length_mm: 60 }],
   participants: [{ participant: 1, name: 'Ada', color: '#112233', tool: 1, kind: 'agent' }],
@@ -15,38 +21,56 @@ function parse(value: unknown) {
 }
 
 describe('control messages', () => {
-  it('reads a welcome', () => {
+  it('parses a welcome', () => {
     expect(parse(welcome)).toEqual({ ok: true, value: welcome });
   });
 
-  it('leaves unknown fields alone and skips unknown types', () => {
+  it('ignores unknown fields and skips unknown types', () => {
     expect(parse({ ...welcome, weather: 'fine' })).toEqual({ ok: true, value: welcome });
     expect(parse({ type: 'weather', fine: true })).toEqual({ ok: true, value: null });
   });
 
   it.each([
-    ['epoch', 'one'], ['stock', { shape: 'donut' }], ['stock', { shape: 'box', min_mm: [0, 0], max_mm: [1, 1, 1] }],
-    ['tools', {}], ['tools', [{ shape: 'ball' }]], ['participants', [{ participant: 1 }]], ['grid', null], ['pitch_mm', null],
-  ])('rejects a welcome whose %s is %j and names the field', (field, value) => {
+    ['epoch', 'one'],
+    ['stock', { shape: 'donut' }],
+    ['stock', { shape: 'box', min_mm: [0, 0], max_mm: [1, 1, 1] }],
+    ['tools', {}],
+    ['tools', [{ shape: 'ball' }]],
+    ['participants', [{ participant: 1 }]],
+    ['grid', null],
+    ['pitch_mm', null],
+  ])('rejects a welcome whose %s is %j', (field, value) => {
     const result = parse({ ...welcome, [field]: value });
     expect(result.ok).toBe(false);
     if (!result.ok) expect(result.error.code).toBe('bad_json');
   });
 
-  it('rejects what is no JSON object', () => {
-    for (const text of ['', '{', '[]', 'null', '7', '"welcome"']) expect(parseControl(text).ok).toBe(false);
+  it('rejects anything but a JSON object', () => {
+    for (const text of ['', '{', '[]', 'null', '7', '"welcome"'])
+      expect(parseControl(text).ok).toBe(false);
   });
 
-  it('does not let a colour carry anything but a colour', () => {
+  it('replaces a color that is not six hexadecimal digits', () => {
     const evil = { ...welcome.participants[0], color: 'red;background:url(//evil)' };
     const result = parse({ type: 'participants', participants: [evil] });
     if (!result.ok || result.value?.type !== 'participants') throw new Error('not read');
     expect(result.value.participants[0]?.color).toMatch(/^#[0-9a-f]{6}$/);
   });
 
-  it('takes settled only if it is true', () => {
-    const state = { type: 'state', motions: 1, removed_volume_mm3: 2, state_hash: '0123456789abcdef' };
-    expect(parse({ ...state, settled: 1 })).toEqual({ ok: true, value: { ...state, settled: false } });
-    expect(parse({ ...state, settled: true })).toEqual({ ok: true, value: { ...state, settled: true } });
+  it('accepts only true as settled', () => {
+    const state = {
+      type: 'state',
+      motions: 1,
+      removed_volume_mm3: 2,
+      state_hash: '0123456789abcdef',
+    };
+    expect(parse({ ...state, settled: 1 })).toEqual({
+      ok: true,
+      value: { ...state, settled: false },
+    });
+    expect(parse({ ...state, settled: true })).toEqual({
+      ok: true,
+      value: { ...state, settled: true },
+    });
   });
 });

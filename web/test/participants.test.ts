@@ -5,18 +5,31 @@ import { Participants } from '../src/model/participants';
 import { emptyPose, PoseTrack } from '../src/model/pose_track';
 import type { ParticipantInfo, ToolState } from '../src/wire/types';
 
-const ada: ParticipantInfo = { participant: 1, name: 'Ada', color: '#112233', tool: 1, kind: 'agent' };
+const ada: ParticipantInfo = {
+  participant: 1,
+  name: 'Ada',
+  color: '#112233',
+  tool: 1,
+  kind: 'agent',
+};
 const grace: ParticipantInfo = { participant: 2, name: 'Grace', color: '#445566', kind: 'viewer' };
 
 function toolState(x: number, fields: Partial<ToolState> = {}): ToolState {
   return {
-    participant: 1, tool_id: 1, tip_mm: [x, 0, 0], axis: [0, 0, 1], status: 1, force_n: [3, 4, 0], torque_nmm: [0, 0, 10],
-    removed_rate_mm3_per_s: 1, ...fields,
+    participant: 1,
+    tool_id: 1,
+    tip_mm: [x, 0, 0],
+    axis: [0, 0, 1],
+    status: 1,
+    force_n: [3, 4, 0],
+    torque_nmm: [0, 0, 10],
+    removed_rate_mm3_per_s: 1,
+    ...fields,
   };
 }
 
 describe('participants', () => {
-  it('come, are renamed and go with the list, and keep their forces meanwhile', () => {
+  it('follow the list and keep their forces when renamed', () => {
     const people = new Participants();
     people.setList([ada, grace]);
     people.applyTools([toolState(0)], 1000);
@@ -27,13 +40,13 @@ describe('participants', () => {
     expect(people.get(1)).toBeUndefined();
   });
 
-  it('names only those who carve as carvers', () => {
+  it('lists agents but not viewers as carvers', () => {
     const people = new Participants();
     people.setList([grace, ada]);
     expect(people.carvers().map((p) => p.info.name)).toEqual(['Ada']);
   });
 
-  it('ignores tool states of strangers and states that come too late', () => {
+  it('ignore tool states of unknown participants and outdated states', () => {
     const people = new Participants();
     people.setList([ada]);
     people.applyTools([toolState(1), toolState(9, { participant: 77 })], 1000);
@@ -45,7 +58,7 @@ describe('participants', () => {
 });
 
 describe('pose track', () => {
-  it('moves on a straight line between samples and turns the axis without shrinking it', () => {
+  it('interpolates positions linearly and keeps the axis a unit vector', () => {
     const track = new PoseTrack();
     track.push(0, toolState(0, { axis: [0, 0, 1] }));
     track.push(100, toolState(10, { axis: [1, 0, 0] }));
@@ -56,7 +69,7 @@ describe('pose track', () => {
     expect(pose.axis[2]).toBeGreaterThan(pose.axis[0]);
   });
 
-  it('holds still before the first and after the last sample', () => {
+  it('is constant before the first and after the last sample', () => {
     const track = new PoseTrack();
     const pose = emptyPose();
     expect(track.sample(0, pose)).toBe(false);
@@ -68,17 +81,17 @@ describe('pose track', () => {
     expect(pose.tip[0]).toBe(2);
   });
 
-  it('remembers the newest samples when it has wrapped around', () => {
+  it('keeps the newest samples after wrapping around', () => {
     const track = new PoseTrack();
     for (let t = 0; t < 1000; ++t) track.push(t, toolState(t));
     const pose = emptyPose();
     track.sample(970.5, pose);
     expect(pose.tip[0]).toBeCloseTo(970.5, 9);
     track.sample(0, pose);
-    expect(pose.tip[0]).toBeGreaterThan(900); // the oldest that is still known
+    expect(pose.tip[0]).toBeGreaterThan(900); // the oldest kept sample
   });
 
-  it('drops samples that are older than the newest', () => {
+  it('drops samples older than the newest', () => {
     const track = new PoseTrack();
     track.push(100, toolState(1));
     track.push(90, toolState(7));
@@ -89,7 +102,7 @@ describe('pose track', () => {
 });
 
 describe('force history', () => {
-  it('keeps a window of time and its peak', () => {
+  it('keeps a time window and its peak', () => {
     const history = new ForceHistory(10);
     for (let t = 0; t <= 30; ++t) history.push(t, t === 5 ? 99 : t, 2 * t);
     const [times, forces, torques] = history.series();
@@ -99,7 +112,7 @@ describe('force history', () => {
     expect(history.peak).toEqual({ forceN: 30, torqueNmm: 60 });
   });
 
-  it('knows what is usual, whatever a single jolt was and however long nothing was cut', () => {
+  it('computes a typical value despite a single peak and pauses', () => {
     const history = new ForceHistory(10);
     for (let i = 0; i < 600; ++i) history.push(i / 60, i % 2 === 0 ? 0 : i === 301 ? 20 : 3, 0);
     expect(history.typical.forceN).toBeGreaterThan(2.9);
@@ -108,16 +121,16 @@ describe('force history', () => {
     expect(history.peak.forceN).toBe(20);
   });
 
-  it('goes on for hours without growing, and never mixes up its order', () => {
+  it('stays bounded and ordered over a long time', () => {
     const history = new ForceHistory(10);
     for (let i = 0; i < 50000; ++i) history.push(i / 60, i, i);
     const [times, forces] = history.series();
     expect(times.length).toBeLessThanOrEqual(602);
     expect(forces.at(-1)).toBe(49999);
-    for (let i = 1; i < times.length; ++i) expect(times[i] as number).toBeGreaterThan(times[i - 1] as number);
+    for (let i = 1; i < times.length; ++i) expect(times[i]!).toBeGreaterThan(times[i - 1]!);
   });
 
-  it('keeps the newest samples when they come faster than the window holds', () => {
+  it('keeps the newest samples if the window exceeds the buffer', () => {
     const history = new ForceHistory(10);
     for (let i = 0; i < 20000; ++i) history.push(i / 1000, i, i);
     const [times] = history.series();
@@ -127,6 +140,16 @@ describe('force history', () => {
 });
 
 describe('arrow scale', () => {
-  it.each([[0, 1], [0.03, 0.05], [0.1, 0.1], [1, 1], [1.01, 2], [2.5, 5], [7, 10], [100, 100], [101, 200], [Number.NaN, 1]])(
-    'rounds %d up to %d', (value, expected) => expect(roundUp125(value)).toBeCloseTo(expected, 9));
+  it.each([
+    [0, 1],
+    [0.03, 0.05],
+    [0.1, 0.1],
+    [1, 1],
+    [1.01, 2],
+    [2.5, 5],
+    [7, 10],
+    [100, 100],
+    [101, 200],
+    [Number.NaN, 1],
+  ])('rounds %d up to %d', (value, expected) => expect(roundUp125(value)).toBeCloseTo(expected, 9));
 });

@@ -9,7 +9,7 @@ function table(): TileTable {
 }
 
 describe('tiles', () => {
-  it('shows the newer version, whatever order they come in', () => {
+  it('keeps the newest version in any order of arrival', () => {
     const tiles = table();
     expect(tiles.offer(1, 2, 5, 100)).toBe(true);
     expect(tiles.offer(1, 2, 4, 90)).toBe(false);
@@ -18,9 +18,15 @@ describe('tiles', () => {
     expect(tiles.triangles).toBe(70);
   });
 
-  it('ends in the same state for every order of the same frames', () => {
+  it('reaches the same state for every order of the same frames', () => {
     type Offer = [x: number, y: number, version: number, triangles: number];
-    const offers: Offer[] = [[0, 0, 1, 10], [0, 0, 2, 20], [0, 1, 1, 30], [0, 0, 3, 0], [0, 1, 7, 5]];
+    const offers: Offer[] = [
+      [0, 0, 1, 10],
+      [0, 0, 2, 20],
+      [0, 1, 1, 30],
+      [0, 0, 3, 0],
+      [0, 1, 7, 5],
+    ];
     const results = new Set<string>();
     const permute = (rest: Offer[], done: Offer[]): void => {
       if (rest.length === 0) {
@@ -28,13 +34,18 @@ describe('tiles', () => {
         for (const offer of done) tiles.offer(...offer);
         results.add(JSON.stringify([tiles.list(), tiles.triangles]));
       }
-      rest.forEach((offer, i) => permute(rest.filter((_, k) => k !== i), [...done, offer]));
+      rest.forEach((offer, i) =>
+        permute(
+          rest.filter((_, k) => k !== i),
+          [...done, offer],
+        ),
+      );
     };
     permute(offers, []);
     expect(results.size).toBe(1);
   });
 
-  it('shows another level of the same version', () => {
+  it('replaces a tile by another level of the same version', () => {
     const tiles = table();
     tiles.offer(1, 2, 5, 100);
     expect(tiles.offer(1, 2, 5, 30, 2)).toBe(true);
@@ -43,7 +54,7 @@ describe('tiles', () => {
     expect(tiles.triangles).toBe(100);
   });
 
-  it('does not confuse tiles whose coordinates read alike', () => {
+  it('distinguishes tiles (1, 11) and (11, 1)', () => {
     const tiles = table();
     expect(tiles.offer(1, 11, 1, 1)).toBe(true);
     expect(tiles.offer(11, 1, 1, 2)).toBe(true);
@@ -51,7 +62,7 @@ describe('tiles', () => {
     expect(tiles.triangles).toBe(3);
   });
 
-  it('takes over lower versions after a reconnection, because the server may have started anew', () => {
+  it('accepts lower versions after a reconnection, because the server may have restarted', () => {
     const tiles = table();
     tiles.offer(0, 0, 9, 50);
     tiles.finishSnapshot();
@@ -61,7 +72,7 @@ describe('tiles', () => {
     expect(tiles.triangles).toBe(40);
   });
 
-  it('keeps old tiles until the new snapshot is complete, then drops those it did not bring', () => {
+  it('keeps old tiles until the new snapshot is complete, then removes those not in it', () => {
     const tiles = table();
     tiles.offer(0, 0, 1, 10);
     tiles.offer(5, 0, 1, 20);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/formats/gcode/fault.h"
+#include "server/formats/number_text.h"
 
 namespace kerf {
 namespace {
@@ -14,24 +15,25 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kRadiusDifferenceRelative = 0.001;
 constexpr double kRadiusDifferenceMaxFactor = 100;
-// A radius below this is none, and an R this much shorter than half the chord is rounding of the
-// program's text (LinuxCNC: 0.00005 inch).
+// A radius below this counts as zero, and an R shorter than half the chord by at most this is
+// accepted as rounding of the program's text (LinuxCNC: 0.00005 inch).
 constexpr double kRadiusToleranceMm = 0.00127;
-// Points nearer than this are one: a full circle. One step of the pose grid.
+// Ends nearer than this are equal, which makes a full circle. One step of the pose grid.
 constexpr double kSamePointMm = 1e-6;
 constexpr double kChordMaxRad = std::numbers::pi / 4;
 
-// Centre for the R form: on the perpendicular of the chord, on the side that makes the arc short
-// for R > 0.
+// Returns the center for the R form: on the perpendicular bisector of the chord, on the side that
+// makes the sweep at most 180° for R > 0.
 PlanePoint center_of_radius(PlanePoint a, PlanePoint b, double radius, bool clockwise) {
   const double dx = b.first - a.first;
   const double dy = b.second - a.second;
   const double chord = std::hypot(dx, dy);
   if (chord < kSamePointMm)
-    throw GcodeFault{"R", "a full circle cannot be given by its radius; use I, J, K"};
+    throw GcodeFault{"R", "cannot define a full circle; give the center with I, J, K"};
   const double half = chord / 2;
   if (half > std::abs(radius) + kRadiusToleranceMm)
-    throw GcodeFault{"R", "is too short: the end is " + std::to_string(chord) + " mm away"};
+    throw GcodeFault{"R", "is less than half the distance of " + decimal_text(chord, 6) +
+                              " mm between start and end"};
   const double height = std::sqrt(std::max(radius * radius - half * half, 0.0));
   const double side = (radius > 0) == clockwise ? -1.0 : 1.0;
   return {a.first + dx / 2 - side * height * dy / chord,
@@ -39,13 +41,15 @@ PlanePoint center_of_radius(PlanePoint a, PlanePoint b, double radius, bool cloc
 }
 
 void check_radii(double start, double end, double tolerance_mm) {
-  if (start < kRadiusToleranceMm) throw GcodeFault{"", "the centre of the arc is its start"};
-  if (end < kRadiusToleranceMm) throw GcodeFault{"", "the centre of the arc is its end"};
+  if (start < kRadiusToleranceMm)
+    throw GcodeFault{"", "the center of the arc is its start; give I, J, K or R"};
+  if (end < kRadiusToleranceMm)
+    throw GcodeFault{"", "the center of the arc is its end; correct I, J, K or the end"};
   const double difference = std::abs(start - end);
   if (difference > kRadiusDifferenceMaxFactor * tolerance_mm ||
       (difference > tolerance_mm && difference > kRadiusDifferenceRelative * std::max(start, end)))
-    throw GcodeFault{"", "the radius of the arc is " + std::to_string(start) +
-                             " mm at its start and " + std::to_string(end) + " mm at its end"};
+    throw GcodeFault{"", "the radius of the arc is " + decimal_text(start, 6) +
+                             " mm at its start but " + decimal_text(end, 6) + " mm at its end"};
 }
 
 }  // namespace

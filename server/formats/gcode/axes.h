@@ -11,7 +11,7 @@
 
 namespace kerf {
 
-/// X Y Z in mm, A B C in degrees.
+/// Coordinates of the axes X Y Z in mm and A B C in degrees, in this order.
 using GcodeAxes = std::array<double, 6>;
 
 inline Vec3 linear(const GcodeAxes& axes) { return {axes[0], axes[1], axes[2]}; }
@@ -31,7 +31,7 @@ inline GcodeAxes operator-(GcodeAxes a, const GcodeAxes& b) {
   return a;
 }
 
-/// Turns X and Y about Z. By 0 degrees nothing changes, to the bit.
+/// Rotates (x, y) about Z. Rotation by 0 degrees leaves them bit-identical.
 inline void turn_xy(double& x, double& y, double degrees) {
   if (degrees == 0) return;
   const double angle = degrees * std::numbers::pi / 180;
@@ -42,20 +42,21 @@ inline void turn_xy(double& x, double& y, double degrees) {
   x = turned;
 }
 
-/// What stands between programmed coordinates and those of the machine, as LinuxCNC stacks it:
-/// machine = turned by `rotation_deg` (programmed + shift) + origin, and the tool's offset on top.
+/// Work offsets between programmed and machine coordinates, combined as in LinuxCNC:
+///     absolute = rotate_z(programmed + shift, rotation_deg) + origin
+///     machine  = absolute + tool offset
 struct GcodeFrame {
-  GcodeAxes origin{};       ///< of the coordinate system in force (G54 to G59.3)
-  GcodeAxes shift{};        ///< G92 or G52
-  double rotation_deg = 0;  ///< of the coordinate system about Z (G10 L2 R)
+  GcodeAxes origin{};       ///< origin of the active coordinate system (G54 to G59.3)
+  GcodeAxes shift{};        ///< offset of G92 or G52
+  double rotation_deg = 0;  ///< rotation of the coordinate system about Z (G10 L2 R)
 
-  /// Coordinates without offsets; the tool's offset is not in them.
+  /// Converts programmed to absolute coordinates: work offsets removed, tool offset not included.
   GcodeAxes without(const GcodeAxes& programmed) const {
     GcodeAxes axes = programmed + shift;
     turn_xy(axes[0], axes[1], rotation_deg);
     return axes + origin;
   }
-  /// The inverse of without().
+  /// Inverse of without().
   GcodeAxes programmed(const GcodeAxes& without_offsets) const {
     GcodeAxes axes = without_offsets - origin;
     turn_xy(axes[0], axes[1], -rotation_deg);

@@ -37,7 +37,7 @@ class BlockParser {
     reader_.skip();
     const char first = reader_.peek();
     if ((first < '0' || first > '9') && first != '.')
-      throw GcodeFault{upper(reader_.text_since(start)), "a line number is missing after N"};
+      throw GcodeFault{upper(reader_.text_since(start)), "requires a line number"};
     reader_.value();
   }
 
@@ -46,16 +46,17 @@ class BlockParser {
     if (letter == '#') return assignment();
     if (letter == 'g' || letter == 'm') return code(letter);
     if (kValueLetters.find(letter) != std::string_view::npos) return word(letter);
-    throw GcodeFault{std::string(1, letter), why_not(letter)};
+    throw GcodeFault{std::string(1, letter), invalid_letter_reason(letter)};
   }
 
-  static std::string why_not(char letter) {
-    if (letter == 'o') return "an O word may only stand at the beginning of a line";
-    if (letter == 'n') return "a line number may only stand at the beginning of a line";
-    if (letter == 'u' || letter == 'v' || letter == 'w') return "there is no such axis";
-    if (letter == '%') return "may only stand alone on a line";
-    if (letter == '/') return "block delete may only stand at the beginning of a line";
-    return "does not begin a word of G-code";
+  static std::string invalid_letter_reason(char letter) {
+    if (letter == 'o') return "an O word is allowed at the beginning of a line only";
+    if (letter == 'n') return "a line number is allowed at the beginning of a line only";
+    if (letter == 'u' || letter == 'v' || letter == 'w')
+      return "the axes U, V and W are not supported";
+    if (letter == '%') return "must be alone on its line";
+    if (letter == '/') return "block delete is allowed at the beginning of a line only";
+    return "is not a word letter of G-code";
   }
 
   void assignment() {
@@ -64,11 +65,11 @@ class BlockParser {
     auto key = reader_.parameter_key();
     const std::string text = reader_.text_since(start);
     if (reader_.peek() != '=')
-      throw GcodeFault{text, "a parameter at the start of a word needs '='"};
+      throw GcodeFault{text, "an assignment requires '=' after the parameter"};
     reader_.skip();
     const int* number = std::get_if<int>(&key);
     if (number != nullptr && !is_gcode_parameter_writable(*number))
-      throw GcodeFault{text, "tells a state of the machine and cannot be assigned"};
+      throw GcodeFault{text, "is read-only: it holds a state of the machine"};
     if (number == nullptr) parameters_.declare(std::get<std::string>(key));
     const double value = reader_.value();
     assignments_.emplace_back(std::move(key), value);
@@ -80,18 +81,19 @@ class BlockParser {
     const double value = reader_.value();
     const std::string text = upper(reader_.text_since(start));
     const double scaled = letter == 'g' ? value * 10 : value;
-    if (value < 0 || !is_gcode_integer(scaled)) throw GcodeFault{text, "is not a code"};
+    if (value < 0 || !is_gcode_integer(scaled))
+      throw GcodeFault{text, "is not a valid code number"};
     const GcodeCode code{static_cast<int>(std::lround(scaled)), text};
     const GcodeGroup group = gcode_group(letter, code.code, text);
     if (group != GcodeGroup::kMotion || !merged_with_g80(code)) {
       if (const GcodeCode* other = block_.code(group))
-        throw GcodeFault{text, "may not stand with " + other->text +
-                                   " in one block: both are of one modal group"};
+        throw GcodeFault{
+            text, "conflicts with " + other->text + ": a block may have one code of a modal group"};
       block_.codes.emplace_back(group, code);
     }
   }
 
-  // G80 gives way to another motion code of its block.
+  // G80 is replaced by another motion code of its block.
   bool merged_with_g80(const GcodeCode& code) {
     for (auto& [group, other] : block_.codes) {
       if (group != GcodeGroup::kMotion) continue;
@@ -109,8 +111,8 @@ class BlockParser {
     const double value = reader_.value();
     const std::string text = upper(reader_.text_since(start));
     if (block_.find(letter) != nullptr)
-      throw GcodeFault{
-          text, std::string("is a second ") + upper(std::string(1, letter)) + " word in one block"};
+      throw GcodeFault{text, "repeats the letter " + upper(std::string(1, letter)) +
+                                 ": a block may have one word of each letter"};
     block_.words.push_back({letter, value, text});
   }
 
@@ -159,20 +161,21 @@ GcodeLine split_gcode_line(std::string_view line) {
     const char c = line[i];
     if (c == ';') {
       if (result.code.empty() && line.substr(i + 1).starts_with("py,"))
-        throw GcodeFault{";py,", "runs Python, which Kerf does not have"};
+        throw GcodeFault{";py,", "runs Python, which is not supported"};
       break;
     }
     if (c == '(') {
       const std::size_t end = line.find(')', i);
       if (end == std::string_view::npos)
-        throw GcodeFault{std::string(line.substr(i)), "a comment does not end on its line"};
+        throw GcodeFault{std::string(line.substr(i)),
+                         "the comment is not closed with ')' on its line"};
       result.comment = line.substr(i + 1, end - i - 1);
       if (result.comment.find('(') != std::string::npos)
-        throw GcodeFault{"(" + result.comment, "a comment may not stand within a comment"};
+        throw GcodeFault{"(" + result.comment, "a comment must not contain another comment"};
       i = end;
       continue;
     }
-    if (c == ')') throw GcodeFault{")", "closes a comment that was not opened"};
+    if (c == ')') throw GcodeFault{")", "has no matching '('"};
     if (c == ' ' || c == '\t' || c == '\r') continue;
     result.code += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }

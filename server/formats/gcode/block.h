@@ -12,48 +12,52 @@
 
 namespace kerf {
 
+/// Axis letters in the order of GcodeAxes.
 inline constexpr std::string_view kAxisLetters = "xyzabc";
-/// Distance and angle of polar coordinates.
+/// Letters of polar coordinates: distance and angle.
 inline constexpr std::string_view kPolarLetters = "@^";
 
-/// A letter with its value, e.g. X[#<scale>*2].
+/// A word: a letter with its value, e.g. X[#<scale>*2].
 struct GcodeWord {
   char letter = 0;  ///< lower case
   double value = 0;
-  std::string text;  ///< as written, in upper case and without blanks
-  bool used = false;
+  std::string text;   ///< as written, in upper case and without blanks
+  bool used = false;  ///< a function has taken it; words left unused are an error
 };
 
-/// G codes are kept times ten: G43.4 is 434.
+/// A G or M code. G codes are stored times ten: G43.4 is 434.
 struct GcodeCode {
   int code = 0;
-  std::string text;
+  std::string text;  ///< the word as written, in upper case
 };
 
-/// One line of G-code, read and checked against itself: every letter once, one code of each modal
+/// One block (line) of G-code. Every letter occurs at most once, and at most one code of each modal
 /// group.
 struct GcodeBlock {
-  std::vector<GcodeWord> words;  ///< other than G, M, N
+  std::vector<GcodeWord> words;  ///< all words except G, M and N
   std::vector<std::pair<GcodeGroup, GcodeCode>> codes;
 
+  /// The code of a modal group; nullptr if the block has none.
   const GcodeCode* code(GcodeGroup group) const;
   bool has_code(GcodeGroup group, int code) const;
+  /// The word of a letter; nullptr if the block has none.
   const GcodeWord* find(char letter) const;
-  /// The word's value; it then counts as used.
+  /// Returns the value of a word and marks it as used.
   std::optional<double> take(char letter);
+  /// Whether the block has a word of any of these letters.
   bool has_any(std::string_view letters) const;
 };
 
-/// A line without what is not code.
+/// A line of a program split into code and comment.
 struct GcodeLine {
   std::string code;     ///< without comments, blanks and line end, in lower case
-  std::string comment;  ///< the last one in parentheses, as written
+  std::string comment;  ///< the last comment in parentheses, as written
 };
-/// Throws GcodeFault for a comment that does not end, stands within another, or runs Python.
+/// Splits a line. Throws GcodeFault for an unclosed, unopened or nested comment and for ";py,".
 GcodeLine split_gcode_line(std::string_view line);
 
-/// Reads one line that split_gcode_line has left. Values use the parameters as they were before the
-/// line; its assignments take effect after it. Throws GcodeFault.
+/// Parses the code of one line. Expressions use the parameters from before the line; assignments
+/// take effect after it. `position_readable` as for GcodeValueReader. Throws GcodeFault.
 GcodeBlock parse_gcode_block(std::string_view code, GcodeParameters& parameters,
                              bool position_readable = true);
 

@@ -15,25 +15,29 @@
 
 namespace kerf {
 
-/// Where the controlled point is, or goes: without offsets of coordinate systems and of G92.
+/// A position of the controlled point in absolute coordinates: work offsets and G92 removed.
 struct GcodePlace {
   GcodeAxes axes{};
-  Vec3 tool_axis{0, 0, 1};  ///< only machines whose programs give it (I J K on G0 and G1)
+  Vec3 tool_axis{0, 0, 1};  ///< GcodeSetup::tool_axis_words only; need not be a unit vector
 };
 
-/// How fast a cut goes. Where X, Y and Z rest, the rotary axes' speed counts.
+/// The feed of a cutting motion.
 struct GcodeFeed {
-  double mm_per_min = 0;
-  double deg_per_min = 0;
-  double duration_s = 0;  ///< where > 0: the time of the whole motion, whatever its length (G93)
+  double mm_per_min = 0;   ///< along X, Y and Z
+  double deg_per_min = 0;  ///< if X, Y and Z are at rest: along A, B and C
+  double duration_s = 0;   ///< if > 0: duration of the whole motion, overriding both (G93)
 };
 
-/// What a rapid is for.
-enum class GcodeRapid { kPlain, kMachine };
+/// Kinds of rapid motion.
+enum class GcodeRapid {
+  kPlain,   ///< G0 in the work coordinate system
+  kMachine  ///< to machine coordinates (G53, G28, G30)
+};
 
-/// What an interpreter of RS-274 asks a machine to do, in order; LinuxCNC calls these canonical
-/// functions. The file and line of each call are told before it. An implementation throws
-/// GcodeFault for what it cannot do.
+/// The canonical machining functions that the RS-274 interpreter calls, in order of execution; the
+/// terms are those of LinuxCNC and NIST RS274NGC. Implement this interface to receive the motions
+/// of a program from run_gcode. An implementation throws GcodeFault for a call that it cannot
+/// execute. `named` marks the axes for which the block has a word.
 class GcodeCanon {
  public:
   virtual ~GcodeCanon() = default;
@@ -41,35 +45,38 @@ class GcodeCanon {
   GcodeCanon(const GcodeCanon&) = delete;
   GcodeCanon& operator=(const GcodeCanon&) = delete;
 
-  /// Who is told what is worth a warning; the interpreter adds where.
+  /// Receives the warnings of an implementation; the interpreter sets it and adds file and line.
   using Warn = std::function<void(const std::string&)>;
   void set_warn(Warn warn) { warn_ = std::move(warn); }
 
-  /// The calls that follow come from this line (from 1) of this file (0 is the program itself).
+  /// Sets the origin of the following calls: a line (from 1) of a file (0: the program itself).
   virtual void at_line(std::size_t file, std::size_t line) = 0;
-  /// `known` tells which axes the program has named in this block. A kMachine rapid goes to
-  /// machine coordinates (G53, G28, G30), which mean nothing in the workpiece where the machine's
-  /// zero is not known.
+  /// Rapid motion (traverse). If the machine zero is not known, the target of a kMachine rapid has
+  /// no position in the workpiece.
   virtual void rapid(const GcodePlace& to, GcodeRapid kind, std::array<bool, 6> named) = 0;
+  /// Straight cutting motion.
   virtual void feed(const GcodePlace& to, const GcodeFeed& feed, std::array<bool, 6> named) = 0;
-  /// `arc` is in programmed coordinates, which `frame` brings to those of `to`.
+  /// Circular or helical cutting motion. `arc` is in programmed coordinates, which `frame` converts
+  /// to those of `to`.
   virtual void arc(const Arc& arc, const GcodeFrame& frame, const GcodePlace& to,
                    const GcodeFeed& feed, std::array<bool, 6> named) = 0;
-  /// A Bézier curve from where the controlled point is: `points` are its other control points (two
-  /// or three), in programmed coordinates; the last one is `to`.
+  /// Cutting motion along a Bézier curve that starts at the controlled point. `points` are the
+  /// other two or three control points in programmed coordinates; the last one is `to`.
   virtual void spline(const std::vector<Vec3>& points, const GcodeFrame& frame,
                       const GcodePlace& to, const GcodeFeed& feed, std::array<bool, 6> named) = 0;
+  /// Rest for `seconds` >= 0.
   virtual void dwell(double seconds) = 0;
-  /// None: the spindle is empty from now on.
+  /// Tool change; nullopt leaves the spindle empty.
   virtual void change_tool(std::optional<ToolId> tool) = 0;
-  /// The offset of the tool in force is another from now on: the controlled point, which does not
-  /// move, is at `at`.
+  /// Sets the active tool offset (G43 and its variants). The controlled point does not move; its
+  /// new coordinates are `at`.
   virtual void offset_tool(const GcodeAxes& offset, const GcodePlace& at) = 0;
-  /// Tool-centre-point control goes on or off: where the controlled point, which does not move, is
-  /// from now on.
+  /// Switches tool-center-point control. The controlled point does not move; returns its new
+  /// coordinates.
   virtual GcodePlace control_tool_center(bool on, const GcodePlace& at) = 0;
 
  protected:
+  /// Reports a warning.
   void warn(const std::string& text) const {
     if (warn_) warn_(text);
   }

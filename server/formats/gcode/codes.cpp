@@ -10,7 +10,8 @@
 namespace kerf {
 namespace {
 
-// Codes from `first` to `last`, or the one reason why none of them is read.
+// Codes from `first` to `last` with their group. If `rejection` is set, they are not supported for
+// that reason.
 struct Codes {
   int first, last;
   GcodeGroup group;
@@ -18,9 +19,11 @@ struct Codes {
 };
 
 constexpr std::string_view kTurning =
-    "belongs to lathes: the workpiece would turn with the spindle";
-constexpr std::string_view kProbing = "probes: where the probe would trip, only a machine knows";
-constexpr std::string_view kSpline = "moves along a NURBS, which Kerf does not read";
+    "is a lathe code; turning, where the workpiece rotates, is not supported";
+constexpr std::string_view kProbing =
+    "is a probing move, which is not supported: the contact point is known on a machine only";
+constexpr std::string_view kSpline = "is a NURBS, which is not supported; use G5, G5.1 or lines";
+constexpr std::string_view kUvwPlane = "selects a plane of the axes U V W, which are not supported";
 
 using enum GcodeGroup;
 
@@ -36,16 +39,18 @@ constexpr std::array kGCodes{
     Codes{80, 80, kDiameter},
     Codes{100, 100, kNonModal},
     Codes{170, 170, kPlane},
-    Codes{171, 171, kPlane, "is a plane of axes that Kerf does not have"},
+    Codes{171, 171, kPlane, kUvwPlane},
     Codes{180, 180, kPlane},
-    Codes{181, 181, kPlane, "is a plane of axes that Kerf does not have"},
+    Codes{181, 181, kPlane, kUvwPlane},
     Codes{190, 190, kPlane},
-    Codes{191, 191, kPlane, "is a plane of axes that Kerf does not have"},
+    Codes{191, 191, kPlane, kUvwPlane},
     Codes{200, 200, kUnits},
     Codes{210, 210, kUnits},
     Codes{280, 281, kNonModal},
     Codes{300, 301, kNonModal},
-    Codes{330, 330, kMotion, "cuts threads by the spindle's angle, which Kerf does not model"},
+    Codes{330, 330, kMotion,
+          "is spindle-synchronized threading, which is not supported: the spindle angle is not "
+          "modeled"},
     Codes{331, 331, kMotion},
     Codes{382, 385, kMotion, kProbing},
     Codes{400, 400, kCutterCompensation},
@@ -106,7 +111,8 @@ constexpr std::array kMCodes{
     Codes{62, 68, kInputOutput},
     Codes{70, 73, kSpindle},
     Codes{99, 99, kStop},
-    Codes{100, 199, kStop, "is a user's code: what it does stands in a program of the machine"},
+    Codes{100, 199, kStop,
+          "is a user-defined M code, which is not supported: it runs a program of the machine"},
     Codes{428, 429, kTcp},
 };
 
@@ -120,7 +126,7 @@ const Codes* find(std::span<const Codes> known, int code) {
 
 GcodeGroup gcode_group(char letter, int code, const std::string& text) {
   const Codes* known = letter == 'g' ? find(kGCodes, code) : find(kMCodes, code);
-  if (known == nullptr) throw GcodeFault{text, "is not a code that Kerf understands"};
+  if (known == nullptr) throw GcodeFault{text, "is not a supported code"};
   if (!known->rejection.empty()) throw GcodeFault{text, std::string(known->rejection)};
   return known->group;
 }

@@ -5,7 +5,7 @@
 
 namespace kerf {
 
-/// LinuxCNC's modal groups: a block may hold one code of each.
+/// Modal groups of LinuxCNC: a block may contain one code of each.
 enum class GcodeGroup {
   kNonModal,
   kMotion,
@@ -31,14 +31,14 @@ enum class GcodeGroup {
   kTcp
 };
 
-/// The group of a code: `letter` 'g' (the code times ten: G43.4 is 434) or 'm'. Throws GcodeFault
-/// for one that Kerf does not read, with the reason where there is one better than that it is
-/// unknown. `text` is the word as written.
+/// Returns the modal group of a G code (`letter` 'g', code times ten: G43.4 is 434) or an M code
+/// ('m'). Throws GcodeFault for an unsupported code; `text` is the word as written, for the error.
 GcodeGroup gcode_group(char letter, int code, const std::string& text);
 
-/// G10, G28, G30, G52 and G92 take the axis words of their block; no motion is left for them.
+/// Whether a non-modal code uses the axis words of its block, which then has no motion: G10, G28,
+/// G30, G52, G92.
 bool takes_axis_words(int code);
-/// G73, G74 and G81 to G89.
+/// Whether a code (times ten) is a canned cycle: G73, G74, G81 to G89.
 bool is_canned_cycle(int code);
 
 }  // namespace kerf

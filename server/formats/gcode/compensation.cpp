@@ -7,29 +7,31 @@
 #include <utility>
 
 #include "server/formats/gcode/fault.h"
+#include "server/formats/number_text.h"
 
-// The side of the path, the angle of a corner and where it is told from an inside one follow
-// LinuxCNC's interpreter, so that both give the same path: theta points from the programmed point
-// to the tool, alpha along the next move, beta is how far the path turns away from the tool.
+// The classification of corners follows LinuxCNC's interpreter, so that both produce the same path.
+// theta is the direction from the programmed point to the tool center, alpha the direction of the
+// next move, and beta the angle by which the path turns away from the tool.
 namespace kerf {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kTwoPi = 2 * kPi;
 constexpr double kHalfPi = kPi / 2;
-// A corner that turns by less than this is none (LinuxCNC's figure, rad).
+// Path directions that differ by less than this do not make a corner (LinuxCNC's value, rad).
 constexpr double kCornerMinRad = 0.05;
-// Radii of a compensated arc's ends that differ by more than this, in the program's unit, are an
-// error of the computation.
+// Greatest difference between the radii at the ends of a compensated arc, in the program's unit.
 constexpr double kArcRadii = 0.01;
-// A compensated arc may come out longer than the programmed one by this angle (LinuxCNC, rad).
+// Greatest excess of a compensated arc's sweep over the programmed one (LinuxCNC's values, rad).
 constexpr double kArcLongerRad = 0.0254;
 constexpr double kArcLongerInchRad = 0.001;
 
 bool within_one(double cosine) { return cosine >= -1 && cosine <= 1; }
 
-[[noreturn]] void too_narrow(const char* what) {
-  throw GcodeFault{"", std::string(what) + " cannot be reached by the tool without gouging"};
+[[noreturn]] void reject_gouging(const char* place) {
+  throw GcodeFault{"", std::string(place) +
+                           " cannot be reached without gouging; use a smaller tool or a larger "
+                           "radius"};
 }
 
 }  // namespace
@@ -79,7 +81,7 @@ void CutterCompensation::emit_waiting() {
   for (const CompensatedMove& move : moves) emit_(move);
 }
 
-// Moves the end of what waits to the corner's point, and emits it.
+// Moves the end of the delayed moves to the corner point and emits them.
 void CutterCompensation::shorten_to(PlanePoint point) {
   if (waiting_.empty()) return;
   for (CompensatedMove& move : waiting_) {
@@ -97,17 +99,17 @@ void CutterCompensation::check_shortened(const CompensatedMove& move, PlanePoint
     if (!waiting_from_) return;
     const double along = move.direction_first * (point.first - waiting_from_->first) +
                          move.direction_second * (point.second - waiting_from_->second);
-    if (along < 0) too_narrow("the end of a straight move in an inside corner");
+    if (along < 0) reject_gouging("the end of a straight move in an inside corner");
     return;
   }
   const double before = distance(move.center, move.end);
   if (std::abs(before - distance(move.center, point)) > kArcRadii * unit_mm_)
-    too_narrow("the end of an arc in an inside corner");
+    reject_gouging("the end of an arc in an inside corner");
   if (move.programmed_sweep_rad == 0 || !waiting_from_) return;
   const double sweep = sweep_rad(*waiting_from_, move.center, move.turns, point);
   const double longer = unit_mm_ == 1 ? kArcLongerRad : kArcLongerInchRad;
   if (std::abs(sweep) > std::abs(move.programmed_sweep_rad) + longer)
-    too_narrow("the end of an arc in an inside corner");
+    reject_gouging("the end of an arc in an inside corner");
 }
 
 void CutterCompensation::dwell(double seconds, const CompensatedInfo& info) {
@@ -148,10 +150,9 @@ PlanePoint CutterCompensation::straight(bool rapid, PlanePoint at, PlanePoint to
 PlanePoint CutterCompensation::enter_straight(bool rapid, PlanePoint at, PlanePoint to,
                                               const CompensatedInfo& info) {
   if (distance(at, to) <= radius_)
-    throw GcodeFault{"",
-                     "the move that begins cutter compensation must be longer than the tool's "
-                     "radius, " +
-                         std::to_string(radius_) + " mm"};
+    throw GcodeFault{
+        "", "the entry move of cutter compensation must be longer than the tool's radius, " +
+                decimal_text(radius_, 6) + " mm"};
   const double across = direction(at, to) + quarter();
   waiting_from_ = at;
   CompensatedMove move{.kind = rapid ? CompensatedMove::Kind::kRapid : CompensatedMove::Kind::kFeed,
@@ -202,7 +203,7 @@ PlanePoint CutterCompensation::follow_straight(bool rapid, PlanePoint at, PlaneP
   return {end.first, end.second, to.normal};
 }
 
-// Round an outside corner on an arc about the programmed point; a rapid goes straight.
+// Rounds an outside corner with an arc about the programmed point, or straight in a rapid.
 void CutterCompensation::round_corner(bool rapid, PlanePoint at, PlanePoint to,
                                       const CompensatedInfo& info) {
   emit_waiting();
@@ -217,7 +218,7 @@ void CutterCompensation::round_corner(bool rapid, PlanePoint at, PlanePoint to,
 
 PlanePoint CutterCompensation::inside_corner(PlanePoint at, double theta, double beta) const {
   const double half = (beta + kPi) / 2;
-  if (half == 0) throw GcodeFault{"", "the path turns straight back inside of the tool"};
+  if (half == 0) throw GcodeFault{"", "the path reverses its direction on the side of the tool"};
   return offset_point(at, radius_ / std::tan(half), theta + quarter());
 }
 
@@ -232,7 +233,7 @@ PlanePoint CutterCompensation::inside_corner_after_arc(const CompensatedMove& ar
   const double height =
       programmed_radius * std::cos(theta - phi) + (is_inside ? -radius_ : radius_);
   const double cosine = height / radius;
-  if (!within_one(cosine)) too_narrow("the corner of an arc and a straight move");
+  if (!within_one(cosine)) reject_gouging("the corner of an arc and a straight move");
   const double turn = (arc.turns > 0) == is_inside ? -std::acos(cosine) : std::acos(cosine);
   return offset_point(arc.center, radius, turn + theta + kPi);
 }
@@ -252,8 +253,10 @@ PlanePoint CutterCompensation::arc(PlanePoint at, PlanePoint to, const ArcCenter
                                    : beside_    ? distance(center, to)
                                                 : distance(center, from);
   if (inside(signed_turns) && programmed_radius <= radius_)
-    throw GcodeFault{"", "the arc's radius is not greater than the tool's, " +
-                             std::to_string(radius_) + " mm, which is inside of it"};
+    throw GcodeFault{"",
+                     "the radius of an arc with the tool on its inside must be greater than "
+                     "the tool's, " +
+                         decimal_text(radius_, 6) + " mm"};
   const PlanePoint end =
       beside_ ? follow_arc(at, to, center, signed_turns, info)
               : enter_arc(at, to, center, clockwise, turns, spiral_tolerance_mm, info);

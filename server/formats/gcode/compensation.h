@@ -11,57 +11,60 @@
 
 namespace kerf {
 
-/// What a move is beside its way in the plane.
+/// Properties of a move other than its path in the plane.
 struct CompensatedInfo {
-  GcodeAxes axes{};  ///< the programmed end; only A, B and C are looked at
+  GcodeAxes axes{};  ///< programmed end; only A, B and C are used
   GcodeFeed feed;
-  double per_move = 0;  ///< G93: moves a minute; the feed follows from the programmed length
+  double per_move = 0;  ///< G93: F, 1/min; the feed follows from the programmed length
   std::array<bool, 6> named{};
   std::size_t file = 0, line = 0;
 };
 
-/// A move of the tool's centre, or a dwell between such moves.
+/// A move of the tool center, or a dwell between such moves.
 struct CompensatedMove {
   enum class Kind { kRapid, kFeed, kArc, kDwell };
   Kind kind = Kind::kFeed;
   PlanePoint end;
   PlanePoint center;   ///< kArc
-  int turns = 0;       ///< kArc, as arc_about takes it
+  int turns = 0;       ///< kArc: as for arc_about
   double seconds = 0;  ///< kDwell
   CompensatedInfo info;
-  double direction_first = 0, direction_second = 0;  ///< in which it may not be turned back
-  double programmed_sweep_rad = 0;                   ///< kArc: of the programmed arc; 0: any
+  double direction_first = 0, direction_second = 0;  ///< direction that shortening must not reverse
+  double programmed_sweep_rad = 0;                   ///< kArc: sweep of the programmed arc; 0: any
 };
 
-/// Cutter radius compensation (G41, G42) as LinuxCNC computes it: the tool's centre keeps its
-/// radius beside the programmed path, goes round outside corners on an arc and stops short in
-/// inside corners. A move waits until the next one tells the corner at its end. Only in the planes
-/// XY and ZX. Throws GcodeFault for what the tool cannot reach without gouging.
+/// Cutter radius compensation (G41, G42) as computed by LinuxCNC: the tool center follows the
+/// programmed path at a distance of its radius, rounds outside corners with an arc and stops at the
+/// intersection in inside corners. A move is delayed until the next one determines the corner at
+/// its end. Supports the planes XY and ZX. Throws GcodeFault for a path that the tool cannot follow
+/// without gouging.
 class CutterCompensation {
  public:
   using Emit = std::function<void(const CompensatedMove&)>;
   explicit CutterCompensation(Emit emit) : emit_(std::move(emit)) {}
 
-  /// `side` > 0: left of the path. The tool is at `at`, uncompensated.
+  /// Turns compensation on. `side` > 0: left of the path (G41). A negative radius swaps the sides.
   void start(int side, double radius_mm, ArcPlane plane);
-  /// The program's unit, on which LinuxCNC's tolerances depend.
+  /// Sets the program's length unit, on which LinuxCNC's tolerances depend.
   void set_unit(double unit_mm) { unit_mm_ = unit_mm; }
-  /// Lets the tool go where it is, `at`; returns the programmed point that it is beside, if it is.
+  /// Turns compensation off; the tool center stays at `at`. Returns the programmed point if the
+  /// tool was beside the path.
   std::optional<PlanePoint> end(PlanePoint at);
-  /// Emits what waits; it ends where the tool is, `at`.
+  /// Emits the delayed moves; the last one ends at the tool center, `at`.
   void flush(PlanePoint at);
 
   bool on() const { return side_ != 0; }
-  /// The tool is beside the path: the entry move has been made.
+  /// Whether the entry move has been made, so that the tool is beside the path.
   bool beside() const { return on() && beside_; }
-  /// Moves have to go through straight() and arc().
+  /// Whether moves have to go through straight() and arc().
   bool active() const { return on() && radius_ > 0; }
   int side() const { return side_; }
   ArcPlane plane() const { return plane_; }
-  /// The programmed point; only while beside().
+  /// The programmed point; valid while beside().
   PlanePoint programmed() const { return programmed_; }
 
-  /// Each returns where the tool's centre ends. `at` is where it is, as it was returned before.
+  /// Add a move to the programmed point `to`. `at` is the tool center; both return the tool center
+  /// at the end of the move.
   PlanePoint straight(bool rapid, PlanePoint at, PlanePoint to, CompensatedInfo info);
   PlanePoint arc(PlanePoint at, PlanePoint to, const ArcCenter& center, bool clockwise, int turns,
                  double spiral_tolerance_mm, CompensatedInfo info);
@@ -98,11 +101,12 @@ class CutterCompensation {
   ArcPlane plane_ = ArcPlane::kXy;
   bool beside_ = false;
   PlanePoint programmed_;
-  std::vector<CompensatedMove> waiting_;
-  std::optional<PlanePoint> waiting_from_;  ///< where what waits begins
+  std::vector<CompensatedMove> waiting_;    ///< delayed moves
+  std::optional<PlanePoint> waiting_from_;  ///< start of the first delayed move
 };
 
-/// The angle from `from` to `to` about a centre; `turns` as arc_about takes it.
+/// Returns the signed angle from `from` to `to` about a center, rad; `turns` as for arc_about, or
+/// 0.
 double sweep_rad(PlanePoint from, PlanePoint center, int turns, PlanePoint to);
 
 }  // namespace kerf

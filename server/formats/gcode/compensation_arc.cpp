@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arcs of CutterCompensation, as LinuxCNC's interpreter computes them (compensation.cpp tells the
-// angles).
+// Arcs of CutterCompensation, computed as in LinuxCNC's interpreter. compensation.cpp defines the
+// angles.
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/fault.h"
+#include "server/formats/number_text.h"
 
 namespace kerf {
 namespace {
@@ -17,22 +18,23 @@ constexpr double kHalfPi = kPi / 2;
 constexpr double kCornerMinRad = 0.05;
 constexpr double kNoAngle = 1e-4;
 
-[[noreturn]] void too_narrow(const char* what) {
-  throw GcodeFault{"", std::string(what) + " cannot be reached by the tool without gouging"};
+[[noreturn]] void reject_gouging(const char* place) {
+  throw GcodeFault{"", std::string(place) +
+                           " cannot be reached without gouging; use a smaller tool or a larger "
+                           "radius"};
 }
 
 }  // namespace
 
-// From where the tool is, an arc that ends beside the programmed end: its centre lies on the line
-// through the programmed centre and end.
+// Entry move along an arc from the tool center to the point beside the programmed end. Its center
+// lies on the line through the programmed center and end.
 PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoint center,
                                          bool clockwise, int turns, double spiral_tolerance_mm,
                                          const CompensatedInfo& info) {
   if (distance(at, to) <= radius_)
-    throw GcodeFault{"",
-                     "the arc that begins cutter compensation must be longer than the tool's "
-                     "radius, " +
-                         std::to_string(radius_) + " mm"};
+    throw GcodeFault{
+        "", "the entry arc of cutter compensation must be longer than the tool's radius, " +
+                decimal_text(radius_, 6) + " mm"};
   const int signed_turns = clockwise ? -turns : turns;
   const double gamma = inside(signed_turns) ? direction(to, center) : direction(center, to);
   const PlanePoint end = offset_point(to, radius_, gamma);
@@ -40,10 +42,12 @@ PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoin
   const double to_center = direction(end, center);
   const double cosine = std::cos(direction(end, at) - to_center);
   if (std::abs(cosine) < kNoAngle)
-    throw GcodeFault{"", "the arc that begins cutter compensation has no centre"};
+    throw GcodeFault{
+        "", "the entry arc of cutter compensation cannot be tangent to the compensated path"};
   const PlanePoint moved = offset_point(end, half_chord / cosine, to_center);
   if (std::abs(distance(moved, end) - distance(moved, at)) > spiral_tolerance_mm)
-    throw GcodeFault{"", "the arc that begins cutter compensation has no centre"};
+    throw GcodeFault{
+        "", "the entry arc of cutter compensation cannot be tangent to the compensated path"};
   CompensatedMove move{.kind = CompensatedMove::Kind::kArc,
                        .end = {end.first, end.second, to.normal},
                        .center = moved,
@@ -99,12 +103,13 @@ PlanePoint CutterCompensation::inside_corner_before_arc(PlanePoint center, doubl
                                                         int turns) const {
   const double center_height = radius * std::sin(beta - kHalfPi);
   const bool is_inside = inside(turns);
-  const double way = is_inside ? radius - radius_ : radius + radius_;
-  const double sine = (center_height + (is_inside ? radius_ : -radius_)) / way;
-  if (!(sine >= -1 && sine <= 1)) too_narrow("the corner before an arc");
+  const double center_distance = is_inside ? radius - radius_ : radius + radius_;
+  const double sine = (center_height + (is_inside ? radius_ : -radius_)) / center_distance;
+  if (!(sine >= -1 && sine <= 1)) reject_gouging("the corner before an arc");
   const double turn = std::asin(sine);
-  if (is_inside) return offset_point(center, way, turns > 0 ? theta + turn : theta - turn);
-  return offset_point(center, way, turns > 0 ? theta + kPi - turn : theta + kPi + turn);
+  if (is_inside)
+    return offset_point(center, center_distance, turns > 0 ? theta + turn : theta - turn);
+  return offset_point(center, center_distance, turns > 0 ? theta + kPi - turn : theta + kPi + turn);
 }
 
 PlanePoint CutterCompensation::inside_corner_of_arcs(const CompensatedMove& before,
@@ -114,11 +119,11 @@ PlanePoint CutterCompensation::inside_corner_of_arcs(const CompensatedMove& befo
   const double radius_after = inside(turns) ? radius - radius_ : radius + radius_;
   const double apart = distance(before.center, center);
   if (radius_before == 0 || apart == 0)
-    throw GcodeFault{"", "two arcs about one centre cannot follow each other with compensation"};
+    throw GcodeFault{"", "two consecutive arcs about the same center cannot be compensated"};
   const double cosine =
       (radius_before * radius_before + apart * apart - radius_after * radius_after) /
       (2 * radius_before * apart);
-  if (!(cosine >= -1 && cosine <= 1)) too_narrow("the corner of two arcs");
+  if (!(cosine >= -1 && cosine <= 1)) reject_gouging("the corner of two arcs");
   const double pull = (turns > 0) == inside(before.turns) ? std::acos(cosine) : -std::acos(cosine);
   return offset_point(before.center, radius_before, direction(before.center, center) + pull);
 }

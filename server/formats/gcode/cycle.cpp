@@ -11,7 +11,7 @@ namespace kerf {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
-// Pecking cycles come down at rapid speed to this far above where they were (0.01 inch).
+// Clearance above the last peck at which pecking cycles change from rapid to feed (0.01 inch).
 constexpr double kPeckClearanceMm = 0.254;
 
 class Cycle {
@@ -54,41 +54,43 @@ class Cycle {
   }
 
  private:
-  // Words that the block leaves out.
+  // Stores the words of the block; words that it leaves out keep their previous values.
   void recall() {
     if (!words_.r && !repeated_)
-      throw GcodeFault{"", "the cycle needs R, the plane from which it feeds"};
+      throw GcodeFault{"", "the cycle requires R, the level from which it feeds"};
     if (!words_.depth && !repeated_)
       throw GcodeFault{"",
-                       "the cycle needs the depth of its bottom (Z in G17, Y in G18, X in G19)"};
+                       "the cycle requires the bottom of the hole (Z in G17, Y in G18, X in G19)"};
     if (words_.r) memory_.r = *words_.r;
     if (words_.depth) memory_.depth = *words_.depth;
     const bool dwells = code_ == 820 || code_ == 860 || code_ == 880 || code_ == 890;
     if (dwells && !words_.p && !repeated_)
-      throw GcodeFault{"", "the cycle needs P, the seconds at its bottom"};
+      throw GcodeFault{"", "the cycle requires P, the dwell at the bottom in seconds"};
     if (words_.p) memory_.p = *words_.p;
     const bool pecks = code_ == 730 || code_ == 830;
     if (pecks && !words_.q && !repeated_)
-      throw GcodeFault{"", "the cycle needs Q, the depth of each peck"};
+      throw GcodeFault{"", "the cycle requires Q, the depth of a peck"};
     if (words_.q) memory_.q = *words_.q;
-    if (pecks && !(memory_.q > 0)) throw GcodeFault{"", "the depth of a peck, Q, must be above 0"};
+    if (pecks && !(memory_.q > 0)) throw GcodeFault{"", "Q, the depth of a peck, must be above 0"};
     if (code_ == 870 && !repeated_ && (!words_.i || !words_.j || !words_.k))
-      throw GcodeFault{"", "G87 needs I, J and K"};
+      throw GcodeFault{"", "G87 requires I, J and K"};
     if (words_.i) memory_.i = *words_.i;
     if (words_.j) memory_.j = *words_.j;
     if (words_.k) memory_.k = *words_.k;
     const bool turns = code_ == 740 || code_ == 840 || (code_ >= 860 && code_ <= 880);
     if (turns && modes_.spindle == GcodeSpindle::kStopped)
-      throw GcodeFault{"", "the cycle needs a turning spindle (M3 or M4)"};
+      throw GcodeFault{"", "the cycle requires a turning spindle; start it with M3 or M4"};
     if ((code_ == 840 && modes_.spindle == GcodeSpindle::kCounterClockwise) ||
         (code_ == 740 && modes_.spindle == GcodeSpindle::kClockwise))
-      throw GcodeFault{"", "the spindle turns the wrong way for this tapping cycle"};
+      throw GcodeFault{"",
+                       "the spindle turns in the wrong direction; use M3 for G84 and M4 for G74"};
   }
 
   void set_heights(double initial) {
     r_ = modes_.incremental ? memory_.r + initial : memory_.r;
     bottom_ = modes_.incremental ? r_ + memory_.depth : memory_.depth;
-    if (r_ < bottom_) throw GcodeFault{"", "the cycle's R plane lies below its bottom"};
+    if (r_ < bottom_)
+      throw GcodeFault{"", "the R level of the cycle must not be below the bottom of the hole"};
     middle_ = modes_.incremental ? bottom_ + memory_.k : memory_.k;
   }
 
@@ -109,13 +111,13 @@ class Cycle {
   void advance_hole() {
     hole_.first += words_.first.value_or(0);
     hole_.second += words_.second.value_or(0);
-    const double longer = words_.distance.value_or(0);
-    const double farther = words_.angle_deg.value_or(0) * kRadPerDeg;
-    if (longer == 0 && farther == 0) return;
+    const double more_radius = words_.distance.value_or(0);
+    const double more_angle = words_.angle_deg.value_or(0) * kRadPerDeg;
+    if (more_radius == 0 && more_angle == 0) return;
     if (hole_.first == 0 && hole_.second == 0)
-      throw GcodeFault{"", "polar steps from the origin have no direction"};
-    const double radius = std::hypot(hole_.first, hole_.second) + longer;
-    const double angle = std::atan2(hole_.second, hole_.first) + farther;
+      throw GcodeFault{"", "polar increments require a position other than the origin"};
+    const double radius = std::hypot(hole_.first, hole_.second) + more_radius;
+    const double angle = std::atan2(hole_.second, hole_.first) + more_angle;
     hole_.first = radius * std::cos(angle);
     hole_.second = radius * std::sin(angle);
   }
@@ -142,7 +144,7 @@ class Cycle {
         feed_to(bottom_);
         dwell();
         return rapid_to(clear_);
-      case 880:  // the operator retracts by hand; the program goes on at the bottom
+      case 880:  // the operator retracts manually; the program continues from the bottom
         feed_to(bottom_);
         return dwell();
       default:
@@ -161,7 +163,7 @@ class Cycle {
     rapid_to(clear_);
   }
 
-  // G87: through the hole beside its middle, then the tool bores from below.
+  // G87, back boring: passes the hole beside its axis, then bores from below.
   void bore_back() {
     const PlanePoint beside{hole_.first + memory_.i, hole_.second + memory_.j, 0};
     rapid({beside.first, beside.second, r_});

@@ -9,23 +9,23 @@
 
 namespace kerf {
 
-/// What canned cycles keep from block to block, mm and s.
+/// Sticky words of canned cycles, kept from block to block, mm and s.
 struct CycleMemory {
-  int code = 0;  ///< the last cycle; 0 after another motion
+  int code = 0;  ///< the last cycle, times ten; 0 after another motion
   double r = 0, depth = 0, p = 0, q = 0, i = 0, j = 0, k = 0;
-  std::optional<double> initial_level;  ///< where the first cycle of a run began
+  std::optional<double> initial_level;  ///< level at which the first of consecutive cycles started
 };
 
-/// The words of a block that a cycle looks at, in mm, in the axes of its plane.
+/// The words of a canned cycle in one block, mm and s, in the axes of its plane.
 struct CycleWords {
-  std::optional<double> first, second;        ///< where the hole is
-  std::optional<double> depth;                ///< its bottom
-  std::optional<double> distance, angle_deg;  ///< the hole in polar coordinates (@ ^)
+  std::optional<double> first, second;        ///< position of the hole
+  std::optional<double> depth;                ///< bottom of the hole
+  std::optional<double> distance, angle_deg;  ///< position in polar coordinates (@ ^)
   std::optional<double> r, p, q, i, j, k;
   int repeats = 1;
 };
 
-/// A step of a cycle, in the plane's axes.
+/// One step of a canned cycle, in the axes of its plane.
 struct CycleStep {
   enum class Kind { kRapid, kFeed, kDwell };
   Kind kind = Kind::kRapid;
@@ -33,10 +33,10 @@ struct CycleStep {
   double seconds = 0;  ///< kDwell
 };
 
-/// Expands G73, G74, G81 to G89 as LinuxCNC does; `code` is times ten. `at` is where the tool is.
-/// What the block leaves out is remembered from the cycle before. Returns where the tool is then.
-/// Throws GcodeFault for what is missing, below the surface that it starts from, or needs a turning
-/// spindle.
+/// Expands the canned cycles G73, G74 and G81 to G89 as LinuxCNC does; `code` is times ten. Starts
+/// at `at` and returns the final position. Words missing in the block are taken from `memory`,
+/// which is updated. Throws GcodeFault for a missing word, an R plane below the bottom of the hole,
+/// or a spindle that is stopped or turns in the wrong direction.
 PlanePoint expand_cycle(int code, const GcodeModes& modes, PlanePoint at, const CycleWords& words,
                         CycleMemory& memory, const std::function<void(const CycleStep&)>& step);
 

@@ -11,21 +11,27 @@
 
 namespace kerf {
 
-/// Most lines that a program may pass, subroutines and loops included, before it counts as endless.
+/// Default limit for the lines that a program executes, subroutines and loops included.
 inline constexpr std::size_t kGcodeLinesMax = 10'000'000;
 
-/// What a program in G-code finds at its controller, beside its own text.
+/// The state of the controller on which a G-code program runs: unit, subroutines, tool table and
+/// parameters.
+///     GcodeEnvironment environment;
+///     environment.tools = read_tool_table("tool.tbl", text).value();
+///     auto program = parse_program("part.ngc", part, scene, environment);
 struct GcodeEnvironment {
-  /// Of the tool table and of the parameters; programs begin in it.
+  /// The machine's length unit, mm: 1 or 25.4. It is the unit of `parameters` and, until G20 or
+  /// G21, of the program.
   double machine_unit_mm = 1;
-  /// Where "name.ngc" of a subroutine is looked for, in this order. Without any, no file is read.
+  /// Folders searched, in order, for the file "name.ngc" of a subroutine. If empty, no file is
+  /// read.
   std::vector<std::filesystem::path> subroutine_folders;
-  /// In mm. Without it, tools are those of the scene, and offsets of their lengths are 0.
+  /// Tool table, in mm. Without it the scene's tools are used and length offsets (G43 H) are 0.
   std::optional<ToolTable> tools;
-  /// #-parameters from the start on (parameter_file.h), lengths in the machine's unit. With them,
-  /// the machine's zero is known: the workpiece's zero, which is the scene's, lies at the zero of
-  /// G54.
+  /// Initial values of numbered parameters (parameter_file.h), lengths in the machine's unit. With
+  /// them the machine zero is known: the origin of G54 is the scene's origin.
   std::optional<std::map<int, double>> parameters;
+  /// Most lines that the program may execute; more is an error.
   std::size_t lines_max = kGcodeLinesMax;
 };
 

@@ -19,7 +19,7 @@ bool equal(double a, double b) { return std::abs(a - b) < kGcodeEqualTolerance; 
 
 struct BinaryOperator {
   std::string_view word;
-  int precedence;  ///< higher binds tighter; equal ones go from left to right
+  int precedence;  ///< higher binds tighter; equal ones associate from left to right
   double (*apply)(double, double);
 };
 
@@ -28,7 +28,7 @@ double modulo(double a, double b) {
   return rest < 0 ? rest + std::abs(b) : rest;
 }
 
-// "**" stands before "*" because the first match counts.
+// The first match counts, so "**" precedes "*".
 constexpr std::array kOperators{
     BinaryOperator{"**", 5, [](double a, double b) { return std::pow(a, b); }},
     BinaryOperator{"*", 4, [](double a, double b) { return a * b; }},
@@ -52,8 +52,8 @@ struct Function {
   double (*apply)(double);
 };
 
-// Longer words stand before their beginnings. A value outside of a function's domain gives NaN,
-// which the caller rejects.
+// The first match counts, so no word may precede a longer one that begins with it. A value outside
+// of the function's domain gives NaN, which the caller rejects.
 constexpr std::array kFunctions{
     Function{"abs", [](double x) { return std::abs(x); }},
     Function{"acos", [](double x) { return std::acos(x) / kRadPerDeg; }},
@@ -92,7 +92,8 @@ void GcodeValueReader::expect(char c) {
 
 double GcodeValueReader::value() {
   const std::size_t start = at_;
-  if (++depth_ > kGcodeNestingMax) reject("is nested too deeply");
+  if (++depth_ > kGcodeNestingMax)
+    reject("is nested deeper than " + std::to_string(kGcodeNestingMax) + " levels");
   const double result = value_within();
   --depth_;
   if (!std::isfinite(result)) {
@@ -115,7 +116,7 @@ double GcodeValueReader::value_within() {
   }
   if (is_digit(c) || c == '.') return number();
   if (c >= 'a' && c <= 'z') return function();
-  reject(done() ? "a value is missing" : "is not a value");
+  reject(done() ? "a value is missing" : "is not a value (number, [expression], # or function)");
 }
 
 double GcodeValueReader::number() {
@@ -137,7 +138,7 @@ double GcodeValueReader::number() {
 double GcodeValueReader::bracket() {
   expect('[');
   const double result = operation(value(), 1);
-  if (peek() != ']') reject(done() ? "a ']' is missing" : "is not an operator or ']'");
+  if (peek() != ']') reject(done() ? "a ']' is missing" : "must be an operator or ']'");
   skip();
   return result;
 }
@@ -151,8 +152,8 @@ double GcodeValueReader::operation(double left, int precedence) {
       found = &candidate;
       break;
     }
-    // A looser operator that begins like a tighter one cannot occur: only "*" and "**" share a
-    // beginning.
+    // Skipping operators of lower precedence cannot match a part of one: only "*" and "**" have a
+    // common beginning.
     if (found == nullptr) return left;
     double right = value();
     right = operation(right, found->precedence + 1);
@@ -173,10 +174,10 @@ double GcodeValueReader::function() {
     if (!accept(candidate.word)) continue;
     const double result = candidate.apply(bracket());
     if (std::isnan(result))
-      throw GcodeFault{text_since(start), "is outside of what the function takes"};
+      throw GcodeFault{text_since(start), "is outside of the domain of the function"};
     return result;
   }
-  reject("is not a function");
+  reject("is not a known function");
 }
 
 double GcodeValueReader::exists() {
@@ -193,7 +194,7 @@ std::variant<int, std::string> GcodeValueReader::parameter_key() {
   if (peek() != '<') {
     const int key = integer("a parameter number");
     if (key < 1 || key > kGcodeParameterMax)
-      throw GcodeFault{"#" + text_since(start), "is not a parameter; they run from 1 to " +
+      throw GcodeFault{"#" + text_since(start), "must be a parameter number from 1 to " +
                                                     std::to_string(kGcodeParameterMax)};
     return key;
   }
@@ -205,9 +206,9 @@ std::string GcodeValueReader::name() {
   const std::size_t first = at_;
   while (!done() && peek() != '>') skip();
   std::string text = text_since(first);
-  if (done()) throw GcodeFault{"<" + text, "has no '>'"};
+  if (done()) throw GcodeFault{"<" + text, "is not closed with '>'"};
   skip();
-  if (text.empty()) throw GcodeFault{"<>", "names nothing"};
+  if (text.empty()) throw GcodeFault{"<>", "requires a name"};
   return text;
 }
 
@@ -216,8 +217,9 @@ double GcodeValueReader::parameter() {
   if (const int* number = std::get_if<int>(&key)) {
     using namespace gcode_parameter;
     if (!position_readable_ && *number >= kPosition && *number <= kPositionLast)
-      throw GcodeFault{"#" + std::to_string(*number),
-                       "the position cannot be read while cutter compensation is on"};
+      throw GcodeFault{
+          "#" + std::to_string(*number),
+          "the position cannot be read while cutter compensation is on; read it before G41 or G42"};
     return parameters_.numbered(*number);
   }
   const std::string& name = std::get<std::string>(key);
@@ -225,15 +227,15 @@ double GcodeValueReader::parameter() {
   if (value) return *value;
   const bool foreign = name.starts_with("_ini[") || name.starts_with("_hal[");
   throw GcodeFault{"#<" + name + ">",
-                   foreign ? "is kept by a machine's configuration, which Kerf does not have"
+                   foreign ? "is a value of the machine's configuration, which is not supported"
                            : "is not assigned"};
 }
 
-int GcodeValueReader::integer(const char* what) {
+int GcodeValueReader::integer(const char* meaning) {
   const std::size_t start = at_;
   const double number = value();
   if (!is_gcode_integer(number))
-    throw GcodeFault{text_since(start), std::string("must be a whole number (") + what + ")"};
+    throw GcodeFault{text_since(start), std::string("must be an integer (") + meaning + ")"};
   return static_cast<int>(std::lround(number));
 }
 

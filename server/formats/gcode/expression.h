@@ -10,20 +10,19 @@
 
 namespace kerf {
 
-/// A number differs from a whole one by at most this where a whole one is asked for (LinuxCNC's
-/// figure).
+/// Greatest distance from an integer for a value that must be one (LinuxCNC's value).
 inline constexpr double kGcodeIntegerTolerance = 1e-4;
-/// eq and ne treat numbers nearer than this as equal (LinuxCNC's figure).
+/// Values nearer than this are equal for eq and ne (LinuxCNC's value).
 inline constexpr double kGcodeEqualTolerance = 1e-4;
-/// Deepest nesting of brackets, signs and # in one value: keeps hostile lines off the stack.
+/// Deepest nesting of brackets, signs and # in one value; bounds the recursion on hostile lines.
 inline constexpr int kGcodeNestingMax = 100;
 
-/// Reads values from one line of G-code that is in lower case and without blanks: numbers,
-/// [expressions], #parameters, functions. Angles are degrees. Throws GcodeFault.
+/// A parser for the values on one line of G-code in lower case without blanks: numbers,
+/// [expressions], #parameters and functions. Angles are in degrees. Throws GcodeFault.
 class GcodeValueReader {
  public:
-  /// `position_readable`: #5420 to #5428 may be asked for (not while the cutter's radius is
-  /// compensated, since the tool is elsewhere).
+  /// `position_readable`: whether #5420 to #5428 may be read. They may not during cutter
+  /// compensation, because the tool is beside the programmed position.
   GcodeValueReader(std::string_view line, const GcodeParameters& parameters,
                    bool position_readable = true)
       : line_(line), parameters_(parameters), position_readable_(position_readable) {}
@@ -37,17 +36,17 @@ class GcodeValueReader {
     return std::string(line_.substr(start, at_ - start));
   }
 
-  /// A value as it may stand after a letter. Operators are understood only within brackets.
+  /// Reads a value after a letter. Binary operators are allowed within brackets only.
   double value();
-  /// The number or name of a parameter; the '#' has been read.
+  /// Reads the number or name of a parameter after its '#'.
   std::variant<int, std::string> parameter_key();
-  /// A value that must be whole.
-  int integer(const char* what);
-  /// "[…]"; the next character must be '['.
+  /// Reads an integer value; `meaning` names it in the error.
+  int integer(const char* meaning);
+  /// Reads "[…]"; the next character must be '['.
   double bracket();
-  /// The name within "<…>"; the '<' has been read.
+  /// Reads the name after '<' and the closing '>'.
   std::string name();
-  /// Reads over `word` if it comes next.
+  /// Skips `word` and returns true if it comes next.
   bool accept(std::string_view word);
 
  private:
@@ -67,8 +66,7 @@ class GcodeValueReader {
   int depth_ = 0;
 };
 
-/// Whole number nearest to `value`, or none if it is farther than kGcodeIntegerTolerance or beyond
-/// ±1e9.
+/// Returns whether `value` is within kGcodeIntegerTolerance of an integer and within ±1e9.
 bool is_gcode_integer(double value);
 
 }  // namespace kerf

@@ -5,11 +5,11 @@
 
 namespace kerf {
 
-/// Thrown inside the G-code reader where a line cannot be understood; read_gcode turns it into a
-/// ProgramError with file and line. It never leaves this folder.
+/// Thrown by the G-code interpreter and by implementations of GcodeCanon for an invalid line;
+/// run_gcode turns it into a ProgramError with file and line.
 struct GcodeFault {
-  std::string word;    ///< as written
-  std::string reason;  ///< one sentence
+  std::string word;    ///< the invalid word as written; if empty, the error shows the whole line
+  std::string reason;  ///< one clause
 };
 
 }  // namespace kerf

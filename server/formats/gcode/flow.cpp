@@ -32,9 +32,9 @@ std::string_view GcodeFlow::line_text() const {
 void GcodeFlow::count() {
   if (++passed_ > lines_max_)
     throw GcodeFault{
-        "", "the program does not end: it has passed " + std::to_string(lines_max_) + " lines"};
+        "", "the program does not end: it has executed " + std::to_string(lines_max_) + " lines"};
   if (++idle_ > kGcodeIdleLinesMax)
-    throw GcodeFault{"", "the program does not end: it has passed " +
+    throw GcodeFault{"", "the program does not end: it has executed " +
                              std::to_string(kGcodeIdleLinesMax) + " lines without a motion"};
 }
 
@@ -44,7 +44,7 @@ std::optional<GcodeLine> GcodeFlow::next() {
     if (at_.line >= file.lines.size()) {
       if (frames_.size() == 1) return std::nullopt;
       throw GcodeFault{"", "the file ends within the subroutine O<" + frames_.back().subroutine +
-                               ">: endsub or return is missing"};
+                               ">; endsub or return is missing"};
     }
     const std::string_view text = file.lines[at_.line];
     line_ = ++at_.line;
@@ -60,9 +60,9 @@ std::optional<GcodeLine> GcodeFlow::next() {
     GcodeLine line = split_gcode_line(text);
     if (line.code.empty() && line.comment.empty()) continue;
     started_ = true;
-    if (line.code.starts_with('/')) continue;  // block delete is on
+    if (line.code.starts_with('/')) continue;  // block delete is always on
     if (!is_o_word(line, frames_.size() > 1)) return line;
-    follow(read(line, true));
+    execute(read(line, true));
   }
   return std::nullopt;
 }
@@ -71,10 +71,10 @@ OWord GcodeFlow::read(const GcodeLine& line, bool with_values) const {
   return read_o_word(line, {parameters_, listener_.position_readable()}, with_values);
 }
 
-void GcodeFlow::follow(const OWord& word) {
+void GcodeFlow::execute(const OWord& word) {
   switch (word.keyword) {
     case Keyword::kSub:
-      // In a call it is where the subroutine begins; otherwise a definition, to be passed over.
+      // Within a call the start of the subroutine; otherwise a definition, which is skipped.
       if (frames_.size() == 1) define(word);
       return;
     case Keyword::kProgram:
@@ -90,19 +90,19 @@ void GcodeFlow::follow(const OWord& word) {
       new_label(word, LabelKind::kDo);
       return;
     case Keyword::kWhile:
-      return meet_while(word);
+      return execute_while(word);
     case Keyword::kRepeat:
       return begin_repeat(word);
     case Keyword::kEndwhile:
     case Keyword::kEndrepeat:
       return end_loop(word);
     case Keyword::kIf:
-      return choose(word);
+      return begin_if(word);
     case Keyword::kElseif:
     case Keyword::kElse:
-      return leave_branch(word);
+      return end_branch(word);
     case Keyword::kEndif:
-      if (label(word).kind != LabelKind::kIf) throw GcodeFault{word.text, "ends no if"};
+      if (label(word).kind != LabelKind::kIf) throw GcodeFault{word.text, "has no matching if"};
       return;
     case Keyword::kBreak:
       return break_loop(word, false);
@@ -114,10 +114,11 @@ void GcodeFlow::follow(const OWord& word) {
 void GcodeFlow::define(const OWord& word) {
   if (!subroutines_.emplace(word.name, Place{at_.file, at_.line - 1}).second)
     throw GcodeFault{word.text, "defines a subroutine that is already defined"};
-  skip_to(word.name, {Keyword::kEndsub}, "is defined without an endsub");
+  skip_to(word.name, {Keyword::kEndsub}, "is a subroutine without endsub");
 }
 
-// Where "O<name> sub" stands: passed before, in its own file, or farther on in this file.
+// Finds "O<name> sub" (or a bare O number for M98): defined before, in its own file, or later in
+// the current file.
 std::optional<GcodeFlow::Place> GcodeFlow::find_subroutine(const std::string& name, bool fanuc) {
   if (const auto it = subroutines_.find(name); it != subroutines_.end()) return it->second;
   const std::size_t own = source_.find(name);
@@ -139,13 +140,12 @@ void GcodeFlow::call(const OWord& word) {
   const bool fanuc = word.keyword == Keyword::kM98;
   if (fanuc && word.repeats == 0) return;
   if (frames_.size() > kGcodeCallDepthMax)
-    throw GcodeFault{
-        word.text, "is a call within more than " + std::to_string(kGcodeCallDepthMax) + " others"};
+    throw GcodeFault{word.text, "calls are nested deeper than " +
+                                    std::to_string(kGcodeCallDepthMax) + " levels"};
   const auto place = find_subroutine(word.name, fanuc);
   if (!place)
-    throw GcodeFault{word.text,
-                     "calls a subroutine that is neither in the program nor in a file "
-                     "that Kerf was told of"};
+    throw GcodeFault{
+        word.text, "calls a subroutine that is neither in the program nor in a subroutine folder"};
   Frame frame{.subroutine = word.name, .back = at_, .shared = fanuc, .labels = {}};
   frame.repeats_left = word.repeats - 1;
   enter(*place, std::move(frame), word.values);
@@ -163,11 +163,12 @@ void GcodeFlow::enter(Place at, Frame frame, const std::vector<double>& argument
 }
 
 void GcodeFlow::leave(const OWord& word) {
-  if (frames_.size() == 1) throw GcodeFault{word.text, "stands outside of a subroutine"};
+  if (frames_.size() == 1) throw GcodeFault{word.text, "is allowed within a subroutine only"};
   Frame& frame = frames_.back();
   if (frame.shared != (word.keyword == Keyword::kM99))
-    throw GcodeFault{word.text, frame.shared ? "cannot end what M98 has called; M99 does"
-                                             : "ends what M98 has called, but this was a call"};
+    throw GcodeFault{word.text, frame.shared
+                                    ? "must not end a program called by M98; use M99"
+                                    : "must not end a subroutine called by call; use endsub"};
   listener_.returned(word.values.empty() ? std::nullopt : std::optional(word.values.front()));
   parameters_.leave();
   listener_.left();
@@ -185,17 +186,17 @@ void GcodeFlow::leave(const OWord& word) {
 
 GcodeFlow::Label& GcodeFlow::new_label(const OWord& word, LabelKind kind) {
   const Place here{at_.file, at_.line - 1};
-  const auto [it, fresh] = frames_.back().labels.emplace(word.name, Label{kind, here});
-  if (!fresh && (it->second.kind != kind || it->second.place != here))
-    throw GcodeFault{word.text, "uses a label that stands in line " +
-                                    std::to_string(it->second.place.line + 1) + " already"};
+  const auto [it, added] = frames_.back().labels.emplace(word.name, Label{kind, here});
+  if (!added && (it->second.kind != kind || it->second.place != here))
+    throw GcodeFault{word.text, "uses a label that is already used in line " +
+                                    std::to_string(it->second.place.line + 1)};
   return it->second;
 }
 
 GcodeFlow::Label& GcodeFlow::label(const OWord& word) {
   const auto it = frames_.back().labels.find(word.name);
   if (it == frames_.back().labels.end())
-    throw GcodeFault{word.text, "belongs to nothing that has begun"};
+    throw GcodeFault{word.text, "has no matching start of a loop or branch"};
   return it->second;
 }
 
@@ -218,7 +219,7 @@ OWord GcodeFlow::skip_to(const std::string& name, std::initializer_list<Keyword>
   throw GcodeFault{"O<" + name + ">", reason};
 }
 
-void GcodeFlow::meet_while(const OWord& word) {
+void GcodeFlow::execute_while(const OWord& word) {
   const auto known = frames_.back().labels.find(word.name);
   if (known != frames_.back().labels.end() && known->second.kind == LabelKind::kDo) {
     if (word.values.front() != 0) at_ = {known->second.place.file, known->second.place.line + 1};
@@ -241,11 +242,11 @@ void GcodeFlow::begin_repeat(const OWord& word) {
 void GcodeFlow::end_loop(const OWord& word) {
   const Label& loop = label(word);
   if (loop.kind != (word.keyword == Keyword::kEndwhile ? LabelKind::kWhile : LabelKind::kRepeat))
-    throw GcodeFault{word.text, "ends no loop of its kind"};
+    throw GcodeFault{word.text, "has no matching while or repeat"};
   at_ = loop.place;
 }
 
-void GcodeFlow::choose(const OWord& word) {
+void GcodeFlow::begin_if(const OWord& word) {
   new_label(word, LabelKind::kIf);
   OWord branch = word;
   while (branch.keyword != Keyword::kElse && branch.keyword != Keyword::kEndif &&
@@ -254,23 +255,23 @@ void GcodeFlow::choose(const OWord& word) {
                      "is an if without endif");
 }
 
-// The branch before has been taken.
-void GcodeFlow::leave_branch(const OWord& word) {
-  if (label(word).kind != LabelKind::kIf) throw GcodeFault{word.text, "belongs to no if"};
+// Called at else and elseif after the preceding branch has been executed.
+void GcodeFlow::end_branch(const OWord& word) {
+  if (label(word).kind != LabelKind::kIf) throw GcodeFault{word.text, "has no matching if"};
   skip_to(word.name, {Keyword::kEndif}, "is an if without endif");
 }
 
 void GcodeFlow::break_loop(const OWord& word, bool again) {
   const Label loop = label(word);
   if (loop.kind != LabelKind::kWhile && loop.kind != LabelKind::kDo)
-    throw GcodeFault{word.text, "belongs to no while and no do"};
+    throw GcodeFault{word.text, "has no matching while or do"};
   const bool is_do = loop.kind == LabelKind::kDo;
   if (again && !is_do) {
     at_ = loop.place;
     return;
   }
   skip_to(word.name, {is_do ? Keyword::kWhile : Keyword::kEndwhile}, "is a loop without an end");
-  // The condition at the end of a do decides about the next pass.
+  // continue: execute the while at the end of the do, whose condition decides.
   if (again) --at_.line;
 }
 

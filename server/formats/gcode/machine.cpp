@@ -46,7 +46,8 @@ bool GcodeMachine::execute(GcodeBlock& block) {
   if (block.has_code(GcodeGroup::kNonModal, 40)) {
     const auto seconds = block.take('p');
     if (!seconds || *seconds < 0)
-      throw GcodeFault{block.code(GcodeGroup::kNonModal)->text, "needs P with the seconds to wait"};
+      throw GcodeFault{block.code(GcodeGroup::kNonModal)->text,
+                       "requires P, the dwell in seconds, of at least 0"};
     CompensatedInfo info;
     info.file = file_;
     info.line = line_;
@@ -60,7 +61,7 @@ bool GcodeMachine::execute(GcodeBlock& block) {
   }
   move(block);
   for (const GcodeWord& word : block.words)
-    if (!word.used) throw GcodeFault{word.text, "has no meaning in this block"};
+    if (!word.used) throw GcodeFault{word.text, "is not used by any code of this block"};
   return stop(block);
 }
 
@@ -68,7 +69,8 @@ void GcodeMachine::finish() { compensation_.flush(in_plane(linear(at_), compensa
 
 void GcodeMachine::reject_compensated(const GcodeCode& code) const {
   if (compensation_.on())
-    throw GcodeFault{code.text, "cannot stand while cutter compensation is on"};
+    throw GcodeFault{code.text,
+                     "is not allowed while cutter compensation is on; program G40 first"};
 }
 
 void GcodeMachine::reject_foreign_axes(const GcodeBlock& block) const {
@@ -80,63 +82,67 @@ void GcodeMachine::reject_foreign_axes(const GcodeBlock& block) const {
   }
 }
 
-// Which motion a block asks for, by its own code or by the one in force.
+// Sets block_motion_ from the block's motion code or, if it has none, from the active one.
 void GcodeMachine::decide_motion(const GcodeBlock& block) {
-  motion_to_be_ = -1;
+  block_motion_ = -1;
   const bool polar = block.has_any(kPolarLetters);
   const bool axes = block.has_any(kAxisLetters) || polar;
   if (polar && (modes_.plane != ArcPlane::kXy || block.has_any("xy")))
-    throw GcodeFault{"", "polar coordinates (@ ^) belong to the plane XY and replace X and Y"};
+    throw GcodeFault{"", "polar coordinates (@ ^) require the plane XY (G17) and exclude X and Y"};
   const GcodeCode* special = block.code(GcodeGroup::kNonModal);
   const GcodeCode* motion = block.code(GcodeGroup::kMotion);
   const bool taken = special != nullptr && takes_axis_words(special->code);
   if (taken && (special->code == 920 || special->code == 520) && (polar || !axes))
-    throw GcodeFault{special->text, "needs at least one axis word, and none in polar coordinates"};
+    throw GcodeFault{special->text,
+                     "requires at least one axis word and does not take polar coordinates"};
   if (motion != nullptr) {
     if (motion->code == 800) {
-      if (axes && !taken) throw GcodeFault{motion->text, "ends motions; it takes no axis words"};
+      if (axes && !taken)
+        throw GcodeFault{motion->text, "cancels the motion mode and takes no axis words"};
     } else if (taken) {
       throw GcodeFault{special->text,
-                       "may not share its axis words with a motion code in one block"};
+                       "uses the axis words of its block, which must not have a motion code"};
     } else if (!axes && motion->code > 30) {
-      throw GcodeFault{motion->text, "needs axis words"};
+      throw GcodeFault{motion->text, "requires axis words"};
     }
-    motion_to_be_ = motion->code;
+    block_motion_ = motion->code;
   } else if (!taken && axes) {
     const GcodeCode* length = block.code(GcodeGroup::kToolLength);
     const bool offset = length != nullptr && (length->code == 431 || length->code == 432);
     if (modes_.motion == 800 && !offset)
-      throw GcodeFault{"", "axis words need a motion code (G0, G1, G2, G3, a cycle) in force"};
-    if (length == nullptr || length->code != 431) motion_to_be_ = modes_.motion;
+      throw GcodeFault{"", "axis words require an active motion code (G0, G1, G2, G3, a cycle)"};
+    if (length == nullptr || length->code != 431) block_motion_ = modes_.motion;
   } else if (!taken && block.has_any("ijk") &&
              (modes_.motion == 20 || modes_.motion == 30 ||
               (setup_.tool_axis_words && modes_.motion <= 10))) {
-    motion_to_be_ = modes_.motion;
+    block_motion_ = modes_.motion;
   }
   if (special == nullptr || special->code != 530) return;
-  if (motion_to_be_ != 0 && motion_to_be_ != 10) throw GcodeFault{special->text, "needs G0 or G1"};
+  if (block_motion_ != 0 && block_motion_ != 10)
+    throw GcodeFault{special->text, "requires G0 or G1"};
   const GcodeCode* distance = block.code(GcodeGroup::kDistance);
   if (distance != nullptr ? distance->code == 910 : modes_.incremental)
-    throw GcodeFault{special->text, "cannot stand with incremental coordinates (G91)"};
+    throw GcodeFault{special->text, "requires absolute coordinates (G90)"};
 }
 
 void GcodeMachine::set_spindle_and_feed(GcodeBlock& block) {
   const auto spindle = block.take('$');
   if (spindle && *spindle != 0 && *spindle != -1)
-    throw GcodeFault{block.find('$')->text, "there is one spindle only, 0"};
+    throw GcodeFault{block.find('$')->text,
+                     "selects a spindle that does not exist; the only one is 0"};
   if (const GcodeCode* code = block.code(GcodeGroup::kSpindleMode)) {
     modes_.surface_speed = code->code == 960;
     if (modes_.surface_speed && block.find('s') == nullptr)
-      throw GcodeFault{code->text, "needs S, the speed at the surface"};
+      throw GcodeFault{code->text, "requires S, the surface speed"};
     if (modes_.surface_speed) block.take('d');
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kFeedMode)) set_feed_mode(code->code);
   if (const auto feed = block.take('f')) {
-    if (*feed < 0) throw GcodeFault{block.find('f')->text, "a feed cannot be negative"};
+    if (*feed < 0) throw GcodeFault{block.find('f')->text, "the feed must not be negative"};
     const GcodeCode* units = block.code(GcodeGroup::kUnits);
     if (units != nullptr && (units->code == 200) != (modes_.unit_mm != 1))
       warn_(block.find('f')->text +
-            " is taken in the units before this block, as LinuxCNC does; give F after " +
+            " is read in the units before this block, as in LinuxCNC; give F in a block after " +
             units->text);
     if (modes_.feed_mode != GcodeFeedMode::kInverseTime) {
       modes_.feed_deg = *feed;
@@ -144,7 +150,8 @@ void GcodeMachine::set_spindle_and_feed(GcodeBlock& block) {
     }
   }
   if (const auto speed = block.take('s')) {
-    if (*speed < 0) throw GcodeFault{block.find('s')->text, "a spindle speed cannot be negative"};
+    if (*speed < 0)
+      throw GcodeFault{block.find('s')->text, "the spindle speed must not be negative"};
     modes_.spindle_rpm = *speed;
   }
 }
@@ -153,7 +160,7 @@ void GcodeMachine::set_feed_mode(int code) {
   modes_.feed_mode = code == 930   ? GcodeFeedMode::kInverseTime
                      : code == 940 ? GcodeFeedMode::kPerMinute
                                    : GcodeFeedMode::kPerRevolution;
-  // A feed of one mode means nothing in another: it must be given anew.
+  // The feed of one mode is invalid in another, so it must be programmed again.
   if (code != 930) modes_.feed_mm = modes_.feed_deg = 0;
 }
 
@@ -180,8 +187,7 @@ void GcodeMachine::set_modes(GcodeBlock& block) {
   }
   if (const GcodeCode* code = block.code(GcodeGroup::kPathControl)) {
     reject_compensated(*code);
-    // How tightly corners are followed is the controller's matter: Kerf follows the programmed
-    // path.
+    // Path tolerances have no effect: the programmed path is followed exactly.
     if (code->code == 640) {
       block.take('p');
       block.take('q');
@@ -207,7 +213,7 @@ bool GcodeMachine::stop(const GcodeBlock& block) {
 void GcodeMachine::count_call() {
   if (++calls_ > kGcodeCallsMax)
     throw GcodeFault{
-        "", "the program asks for more than " + std::to_string(kGcodeCallsMax) + " motions"};
+        "", "the program exceeds the limit of " + std::to_string(kGcodeCallsMax) + " motions"};
 }
 
 }  // namespace kerf

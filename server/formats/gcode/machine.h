@@ -12,51 +12,40 @@
 #include "server/formats/gcode/compensation.h"
 #include "server/formats/gcode/cycle.h"
 #include "server/formats/gcode/modes.h"
-#include "server/formats/gcode/tool_table.h"
+#include "server/formats/gcode/setup.h"
 
 namespace kerf {
 
-/// What kind of machine an interpreter stands for.
-struct GcodeSetup {
-  std::string machine_name;          ///< in errors
-  std::string_view axes = "xyzabc";  ///< those that it has
-  double machine_unit_mm = 1;        ///< of #-parameters that tell offsets, homes and tools
-  double unit_mm = 1;                ///< until G20 or G21
-  bool tool_axis_words = false;      ///< I J K on G0 and G1 give the tool's axis
-  ToolTable tools;
-  bool tools_of_scene = false;      ///< nobody gave a tool table: lengths are 0
-  bool machine_zero_known = false;  ///< machine coordinates mean a place in the workpiece
-};
-
-/// Most motions and dwells that a program may ask for: a cycle's L is one short word.
+/// Most motions and dwells of a program, because the L word of a cycle can request any number.
 inline constexpr std::size_t kGcodeCallsMax = 20'000'000;
 
-/// The modal state of an RS-274 controller: executes blocks in LinuxCNC's order and tells a canon
-/// what to do. Throws GcodeFault.
+/// The modal state of an RS-274 controller. Executes blocks in LinuxCNC's order and makes the
+/// canonical calls. Throws GcodeFault.
 class GcodeMachine {
  public:
   using Warn = std::function<void(const std::string&)>;
 
-  /// Takes offsets and the selected coordinate system from the parameters. All four outlive it.
+  /// Reads the work offsets and the active coordinate system from the parameters. `parameters` and
+  /// `canon` must outlive it.
   GcodeMachine(GcodeSetup setup, GcodeParameters& parameters, GcodeCanon& canon, Warn warn);
 
-  /// The block that follows stands here; tells the position to the parameters.
+  /// Sets file and line of the next block and updates the position parameters (#5420 to #5425).
   void at_line(std::size_t file, std::size_t line);
-  /// #5420 to #5428 may be read.
+  /// Whether #5420 to #5428 may be read.
   bool position_readable() const { return !compensation_.on(); }
-  /// True if the block ends the program (M2, M30, M99).
+  /// Executes a block. Returns true if it ends the program (M2, M30, M99).
   bool execute(GcodeBlock& block);
-  /// A block since at_line() has asked the canon for a motion or a dwell.
+  /// Whether a motion or a dwell has been made since at_line().
   bool moved() const { return calls_ != calls_before_; }
-  /// Emits what waits for the next move.
+  /// Emits the move that cutter compensation delays.
   void finish();
-  /// The value of #<_x>, #<_feed>, …; none for other names.
+  /// Returns the value of a predefined parameter (#<_x>, #<_feed>, …), or nullopt for other names.
   std::optional<double> predefined(const std::string& name) const;
 
-  /// M70 to M73 keep what they save with the subroutine.
+  /// The modes saved by M70 and M73 belong to the subroutine.
   void enter_subroutine() { saved_.emplace_back(); }
   void leave_subroutine();
-  /// What #<_value>, #<_value_returned> tell; the call level is told by enter and leave.
+  /// Sets #<_value> and #<_value_returned>.
   void set_returned(std::optional<double> value) { returned_ = value; }
 
  private:
@@ -74,9 +63,9 @@ class GcodeMachine {
   // predefined.cpp
   static const Predefined kPredefined[];
   std::optional<double> predefined_position(const std::string& name) const;
-  double pocket(std::optional<int> number, double none) const;
+  double pocket(std::optional<int> number, double standard) const;
 
-  // machine.cpp, machine_codes.cpp: the order of a block, feeds, M codes
+  // machine.cpp, machine_codes.cpp: order of execution, feeds, M codes
   void decide_motion(const GcodeBlock& block);
   void reject_foreign_axes(const GcodeBlock& block) const;
   void set_spindle_and_feed(GcodeBlock& block);
@@ -91,7 +80,7 @@ class GcodeMachine {
   void reject_compensated(const GcodeCode& code) const;
   void control_tool_center(bool by_length_code, bool by_m_code);
 
-  // tool.cpp
+  // machine_tool.cpp: tools and their offsets
   void select_tool(GcodeBlock& block);
   void change_tool(GcodeBlock& block, int code);
   void offset_tool(GcodeBlock& block, int code);
@@ -103,8 +92,9 @@ class GcodeMachine {
   const ToolTableEntry& tool_of_word(const GcodeWord& word) const;
   void start_compensation(GcodeBlock& block, int code);
 
-  // offsets.cpp: coordinate systems
-  /// Six parameters from `first` on, brought to mm and degrees; and the inverse.
+  // machine_offsets.cpp: coordinate systems
+  /// Reads six parameters from number `first`, converted to mm and degrees; store_axis is the
+  /// inverse for one of them.
   GcodeAxes stored_axes(int first) const;
   void store_axis(int first, std::size_t axis, double value);
   GcodeAxes system_origin(int system) const;
@@ -119,7 +109,7 @@ class GcodeMachine {
   GcodeAxes in_system(int system) const;
   void execute_nonmodal(GcodeBlock& block);
 
-  // motion.cpp
+  // machine_motion.cpp, machine_spline.cpp: motions
   void move(GcodeBlock& block);
   void straight(GcodeBlock& block, int code);
   void arc(GcodeBlock& block, bool clockwise);
@@ -151,15 +141,15 @@ class GcodeMachine {
 
   GcodeModes modes_;
   GcodeFrame frame_;
-  GcodeAxes at_{};  ///< programmed coordinates; compensated ones while the cutter's radius is
+  GcodeAxes at_{};  ///< position in programmed coordinates; that of the tool center if compensated
   Vec3 tool_axis_{0, 0, 1};
-  GcodeAxes actual_{};  ///< without offsets: where the last motion that was told has ended
+  GcodeAxes actual_{};  ///< end of the last canonical motion, absolute coordinates
   GcodeAxes tool_offset_{};
-  int motion_to_be_ = -1;  ///< of the block at hand; -1: none
+  int block_motion_ = -1;  ///< motion code of the current block; -1: no motion
   CutterCompensation compensation_;
   CycleMemory cycle_;
-  double spline_i_ = 0, spline_j_ = 0;  ///< where the last G5 pointed
-  bool arc_rejected_ = false;           ///< the tool is beside the path since G40
+  double spline_i_ = 0, spline_j_ = 0;  ///< first control point that continues the last G5
+  bool arc_rejected_ = false;           ///< G40 left the tool beside the path: no arc may follow
   std::optional<int> selected_tool_;
   int loaded_tool_ = 0;
   bool tcp_by_length_code_ = false, tcp_by_m_code_ = false;

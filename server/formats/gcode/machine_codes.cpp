@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// M codes of GcodeMachine, and what it tells of its state.
+// M codes of GcodeMachine and the saving of its modes.
 #include <cmath>
 
 #include "server/formats/gcode/fault.h"
@@ -49,7 +49,8 @@ void GcodeMachine::turn_spindle(GcodeBlock& block, int code) {
       saved_.back().modes.reset();
       return;
     case 72:
-      if (!saved_.back().modes) throw GcodeFault{"M72", "nothing was saved here with M70 or M73"};
+      if (!saved_.back().modes)
+        throw GcodeFault{"M72", "requires modes saved with M70 or M73 at this call level"};
       return restore(*saved_.back().modes);
     default:  // 70, 73
       saved_.back().modes = modes_;
@@ -67,9 +68,9 @@ void GcodeMachine::leave_subroutine() {
 void GcodeMachine::restore(const GcodeModes& modes) {
   if (compensation_.on() != saved_.back().compensated) {
     if (saved_.back().compensated)
-      throw GcodeFault{"", "cutter compensation cannot be taken up again by M72 or M73"};
-    GcodeBlock none;
-    start_compensation(none, 400);
+      throw GcodeFault{"", "M72 and M73 cannot restore cutter compensation"};
+    GcodeBlock empty;
+    start_compensation(empty, 400);
   }
   if (modes.system != modes_.system) select_system(modes.system);
   if (modes.tool_length != modes_.tool_length) {
@@ -89,32 +90,31 @@ void GcodeMachine::override_speeds(GcodeBlock& block, int code) {
   if (code == 53) modes_.feed_hold = on;
 }
 
-// What is switched and measured outside of the workpiece does not change it; an input keeps the
-// value that #5399 has.
+// Outputs have no effect on the workpiece. Reading an input leaves #5399 unchanged.
 void GcodeMachine::use_input_output(GcodeBlock& block, int code) {
   const GcodeCode& written = *block.code(GcodeGroup::kInputOutput);
   const auto digital = block.take('p');
   if (code <= 65) {
-    if (!digital) throw GcodeFault{written.text, "needs P, the number of the output"};
+    if (!digital) throw GcodeFault{written.text, "requires P, the number of the output"};
     return;
   }
   const auto analog = block.take('e');
   block.take('q');
   if (code > 66) {
-    if (!analog) throw GcodeFault{written.text, "needs E, the number of the output"};
+    if (!analog) throw GcodeFault{written.text, "requires E, the number of the output"};
     return;
   }
   const auto wait = block.take('l');
   if (digital.has_value() == analog.has_value())
-    throw GcodeFault{written.text, "needs either P or E, the number of the input"};
-  warn_(written.text + " asks for an input, which Kerf does not have; #5399 keeps its value" +
-        (wait.value_or(0) != 0 ? ", and nothing is waited for" : ""));
+    throw GcodeFault{written.text, "requires either P or E, the number of the input"};
+  warn_(written.text + " reads an input, which is not supported; #5399 keeps its value" +
+        (wait.value_or(0) != 0 ? " and the program does not wait" : ""));
   const double kept = parameters_.numbered(gcode_parameter::kInput);
   if (digital) parameters_.set(gcode_parameter::kInput, kept != 0 ? 1 : 0);
 }
 
 void GcodeMachine::control_tool_center(bool by_length_code, bool by_m_code) {
-  // The machine does not move: the same place gets other coordinates.
+  // The machine does not move; only the coordinates of its position change.
   tcp_by_length_code_ = by_length_code;
   tcp_by_m_code_ = by_m_code;
   const GcodePlace at = canon_.control_tool_center(by_length_code || by_m_code, place(at_));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The motions of GcodeMachine: targets, straight lines, arcs, cycles, feeds.
+// Motions of GcodeMachine: targets, lines, arcs, canned cycles and feeds.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -33,8 +33,8 @@ GcodePlace GcodeMachine::place(const GcodeAxes& programmed) const {
 }
 
 void GcodeMachine::move(GcodeBlock& block) {
-  if (motion_to_be_ < 0) return;
-  const int code = motion_to_be_;
+  if (block_motion_ < 0) return;
+  const int code = block_motion_;
   if (!is_canned_cycle(code)) {
     cycle_.code = 0;
     cycle_.initial_level.reset();
@@ -77,8 +77,7 @@ void GcodeMachine::read_polar(GcodeBlock& block, GcodeAxes& to) {
   const auto angle = block.take('^');
   if (!distance && !angle) return;
   if (to[0] == 0 && to[1] == 0 && (modes_.incremental || !angle))
-    throw GcodeFault{"",
-                     "polar coordinates from the origin need both distance and angle, and no G91"};
+    throw GcodeFault{"", "polar coordinates from the origin require both @ and ^ and G90"};
   double radius = std::hypot(to[0], to[1]);
   double turn = std::atan2(to[1], to[0]);
   if (modes_.incremental) {
@@ -92,16 +91,16 @@ void GcodeMachine::read_polar(GcodeBlock& block, GcodeAxes& to) {
   to[1] = radius * std::sin(turn);
 }
 
-// G53: the words are in the machine's coordinates.
+// Reads the target of G53, in machine coordinates.
 GcodeAxes GcodeMachine::read_machine_target(GcodeBlock& block) {
-  if (block.has_any(kPolarLetters)) throw GcodeFault{"G53", "cannot stand with polar coordinates"};
+  if (block.has_any(kPolarLetters)) throw GcodeFault{"G53", "does not take polar coordinates"};
   GcodeAxes target = frame_.without(at_);
   for (std::size_t i = 0; i < target.size(); ++i) {
     const auto value = block.take(kAxisLetters[i]);
     if (value) target[i] = *value * (i < 3 ? modes_.unit_mm : 1) - (i < 3 ? tool_offset_[i] : 0);
   }
   GcodeAxes to = frame_.programmed(target);
-  // What is not named stays where it is, to the bit.
+  // Axes without a word keep their coordinates bit-identical.
   for (std::size_t i = 2; i < to.size(); ++i)
     if (block.find(kAxisLetters[i]) == nullptr) to[i] = at_[i];
   return to;
@@ -112,29 +111,30 @@ Vec3 GcodeMachine::read_tool_axis(GcodeBlock& block) {
   const auto j = block.take('j');
   const auto k = block.take('k');
   if (!i && !j && !k) return tool_axis_;
-  if (!i || !j || !k) throw GcodeFault{"I J K", "the tool axis needs all three of I, J and K"};
+  if (!i || !j || !k) throw GcodeFault{"I J K", "the tool axis requires all three of I, J and K"};
   const Vec3 axis{*i, *j, *k};
   const double size = length(axis);
   if (!(size > 1e-6) || !std::isfinite(size))
-    throw GcodeFault{"I J K", "the tool axis has no direction"};
+    throw GcodeFault{"I J K", "the tool axis must be a finite vector other than 0 0 0"};
   return axis;
 }
 
 void GcodeMachine::require_feed(const GcodeBlock& block) const {
   if (modes_.feed_mode == GcodeFeedMode::kInverseTime) {
     if (block.find('f') == nullptr || block.find('f')->value <= 0)
-      throw GcodeFault{"", "in inverse time (G93) every cutting block needs its own F above 0"};
+      throw GcodeFault{"",
+                       "in inverse time mode (G93) every cutting block requires its own F above 0"};
     return;
   }
   if (modes_.feed_deg <= 0)
-    throw GcodeFault{"", "the feed is 0: give F before the first cutting motion"};
+    throw GcodeFault{"", "the feed is 0; give F before the first cutting motion"};
   if (modes_.feed_mode != GcodeFeedMode::kPerRevolution) return;
   if (modes_.spindle_rpm <= 0)
-    throw GcodeFault{"", "feed per revolution (G95) needs a spindle speed S above 0"};
+    throw GcodeFault{"", "feed per revolution (G95) requires a spindle speed S above 0"};
   if (modes_.surface_speed)
     throw GcodeFault{"",
-                     "feed per revolution (G95) at constant surface speed (G96) belongs to "
-                     "lathes: the speed would follow the diameter"};
+                     "feed per revolution (G95) with constant surface speed (G96) is for lathes "
+                     "and not supported; use G97"};
 }
 
 GcodeFeed GcodeMachine::feed_of(const GcodeBlock& block) const {
@@ -155,8 +155,8 @@ void GcodeMachine::straight(GcodeBlock& block, int code) {
     reject_compensated(*block.code(GcodeGroup::kNonModal));
     if (!is_rapid && !setup_.machine_zero_known)
       throw GcodeFault{"G53",
-                       "only G53 G0 is supported without a parameter file: the machine's "
-                       "zero is not known"};
+                       "requires G0 unless a parameter file is given, because the machine zero is "
+                       "not known"};
   }
   const GcodeAxes to = in_machine ? read_machine_target(block) : read_target(block);
   if (setup_.tool_axis_words) tool_axis_ = read_tool_axis(block);
@@ -206,11 +206,11 @@ ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
   center.absolute = modes_.arc_absolute;
   if (const auto radius = block.take('r')) {
     if (block.has_any(kCenterLetters))
-      throw GcodeFault{block.find('r')->text, "may not stand with I, J or K"};
+      throw GcodeFault{block.find('r')->text, "excludes I, J and K; give either R or the center"};
     if (*radius == 0) throw GcodeFault{block.find('r')->text, "the radius must not be 0"};
     const std::string_view ends = plane_letters(modes_.plane).substr(0, 2);
     if (!block.has_any(ends) && !block.has_any(kPolarLetters))
-      throw GcodeFault{block.find('r')->text, "needs an end in the arc's plane"};
+      throw GcodeFault{block.find('r')->text, "requires an end coordinate in the plane of the arc"};
     center.radius = *radius * modes_.unit_mm;
     return center;
   }
@@ -220,12 +220,12 @@ ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
   for (const char letter : kCenterLetters) {
     const GcodeWord* word = block.find(letter);
     if (word != nullptr && letters.find(letter) == std::string_view::npos)
-      throw GcodeFault{word->text, "is not an offset in the selected plane"};
+      throw GcodeFault{word->text, "is not a center coordinate of the active plane"};
   }
-  if (!block.has_any(letters)) throw GcodeFault{"", "an arc needs R, or the offsets of its centre"};
+  if (!block.has_any(letters)) throw GcodeFault{"", "an arc requires R or the center as I, J, K"};
   if (modes_.arc_absolute &&
       (block.find(letters[0]) == nullptr || block.find(letters[1]) == nullptr))
-    throw GcodeFault{"G90.1", "an arc needs both coordinates of its centre"};
+    throw GcodeFault{"G90.1", "requires both coordinates of the arc's center"};
   center.ijk = {block.take('i').value_or(0) * modes_.unit_mm,
                 block.take('j').value_or(0) * modes_.unit_mm,
                 block.take('k').value_or(0) * modes_.unit_mm};
@@ -234,13 +234,14 @@ ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
 
 void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
   if (arc_rejected_)
-    throw GcodeFault{"", "the move after cutter compensation (G40) must be straight, not an arc"};
+    throw GcodeFault{"", "the first move after cutter compensation (G40) must be straight"};
   require_feed(block);
   const ArcCenter center = read_center(block);
   int turns = 1;
   if (const auto p = block.take('p')) {
     if (*p < 1 || *p > kTurnsMax || *p != std::floor(*p))
-      throw GcodeFault{block.find('p')->text, "the number of turns must be whole, from 1 to 1000"};
+      throw GcodeFault{block.find('p')->text,
+                       "the number of turns must be an integer from 1 to 1000"};
     turns = static_cast<int>(*p);
   }
   const Named named = named_axes(block);
@@ -297,7 +298,7 @@ void GcodeMachine::emit(const CompensatedMove& move) {
 CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
   for (const char letter : {'a', 'b', 'c'})
     if (const GcodeWord* word = block.find(letter))
-      throw GcodeFault{word->text, "a canned cycle does not turn axes"};
+      throw GcodeFault{word->text, "a canned cycle does not move rotary axes"};
   const std::string_view letters = plane_letters(modes_.plane);
   const auto mm = [&](char letter) {
     const auto value = block.take(letter);
@@ -325,7 +326,8 @@ CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
   }
   if (const auto repeats = block.take('l')) {
     if (*repeats < 1 || *repeats > kRepeatsMax || *repeats != std::floor(*repeats))
-      throw GcodeFault{block.find('l')->text, "repeats must be whole, from 1 to 1000000"};
+      throw GcodeFault{block.find('l')->text,
+                       "the number of repeats must be an integer from 1 to 1000000"};
     words.repeats = static_cast<int>(*repeats);
   }
   return words;
@@ -334,10 +336,11 @@ CycleWords GcodeMachine::read_cycle(GcodeBlock& block, int code) const {
 void GcodeMachine::cycle(GcodeBlock& block, int code) {
   const GcodeCode* written = block.code(GcodeGroup::kMotion);
   if (compensation_.on())
-    throw GcodeFault{written != nullptr ? written->text : "",
-                     "a canned cycle cannot stand while cutter compensation is on"};
+    throw GcodeFault{
+        written != nullptr ? written->text : "",
+        "a canned cycle is not allowed while cutter compensation is on; program G40 first"};
   if (modes_.feed_mode == GcodeFeedMode::kInverseTime)
-    throw GcodeFault{"", "a canned cycle cannot feed in inverse time (G93)"};
+    throw GcodeFault{"", "a canned cycle is not allowed in inverse time mode (G93)"};
   require_feed(block);
   const ArcPlane plane = modes_.plane;
   const CycleWords words = read_cycle(block, code);

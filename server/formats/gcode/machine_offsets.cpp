@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coordinate systems of GcodeMachine. They stand in the numbered parameters, in mm and degrees.
+// Coordinate systems of GcodeMachine. They are stored in the numbered parameters, in the machine's
+// length unit and degrees.
 #include <cmath>
 
 #include "server/formats/gcode/expression.h"
@@ -40,7 +41,7 @@ GcodeAxes GcodeMachine::applied_shift() const {
   return parameters_.numbered(kShiftApplied) != 0 ? stored_axes(kShift) : GcodeAxes{};
 }
 
-// The machine does not move: the same place gets other coordinates.
+// The machine does not move; only the coordinates of its position change.
 void GcodeMachine::change_frame(const GcodeFrame& frame) {
   const GcodeAxes here = frame_.without(at_);
   frame_ = frame;
@@ -54,20 +55,21 @@ void GcodeMachine::select_system(int system) {
   change_frame({system_origin(system), frame_.shift, system_rotation(system)});
 }
 
-// Where the tool is in another coordinate system.
+// Returns the current position in another coordinate system.
 GcodeAxes GcodeMachine::in_system(int system) const {
   const GcodeFrame frame{system_origin(system), applied_shift(), system_rotation(system)};
   return frame.programmed(frame_.without(at_));
 }
 
-// G10 L2 says where a system's zero is; L20 what the tool's coordinates in it are from now on.
+// G10 L2 sets the origin of a coordinate system. G10 L20 sets it so that the current position gets
+// the given coordinates.
 void GcodeMachine::set_system(GcodeBlock& block) {
   const GcodeCode& written = *block.code(GcodeGroup::kNonModal);
   const bool here = *block.take('l') == 20;
   const auto number = block.take('p');
-  if (!number) throw GcodeFault{written.text, "needs P with the number of the coordinate system"};
+  if (!number) throw GcodeFault{written.text, "requires P, the number of the coordinate system"};
   if (!is_gcode_integer(*number) || *number < -0.5 || *number > 9.5)
-    throw GcodeFault{block.find('p')->text, "must be a whole number from 0 to 9"};
+    throw GcodeFault{block.find('p')->text, "must be an integer from 0 to 9"};
   const int given = static_cast<int>(std::lround(*number));
   const int system = given == 0 ? modes_.system : given;
   if (system == modes_.system) reject_compensated(written);
@@ -80,11 +82,11 @@ void GcodeMachine::set_system(GcodeBlock& block) {
   for (std::size_t i = 0; i < change.size(); ++i) {
     const auto value = block.take(kAxisLetters[i]);
     if (!value) continue;
-    const double wanted = *value * (i < 3 ? modes_.unit_mm : 1);
+    const double written_value = *value * (i < 3 ? modes_.unit_mm : 1);
     if (here) {
-      change[i] = coordinates[i] - wanted;
+      change[i] = coordinates[i] - written_value;
     } else {
-      store_axis(first, i, wanted);
+      store_axis(first, i, written_value);
     }
   }
   if (here) {
@@ -94,7 +96,7 @@ void GcodeMachine::set_system(GcodeBlock& block) {
       if (change[i] != 0) store_axis(first, i, origin[i] + change[i]);
   }
   if (system != modes_.system) return;
-  // As LinuxCNC does it, without the shift of G92; what a new rotation makes of that is its matter.
+  // As in LinuxCNC, the shift of G92 is left out here, even if the rotation changes.
   GcodeAxes at = at_;
   turn_xy(at[0], at[1], frame_.rotation_deg);
   at = at + frame_.origin - system_origin(system);
@@ -150,7 +152,7 @@ void GcodeMachine::execute_nonmodal(GcodeBlock& block) {
       block.take('l');
       return set_tool_entry(block, l);
     }
-    throw GcodeFault{code->text, "only L1, L2, L10, L11 and L20 are supported"};
+    throw GcodeFault{code->text, "requires L1, L2, L10, L11 or L20"};
   }
   reject_compensated(*code);
   if (code->code == 280 || code->code == 300) return go_home(block, code->code);

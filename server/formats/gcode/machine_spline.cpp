@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motions of GcodeMachine that are seldom met: splines (G5, G5.1) and rigid tapping (G33.1).
+// Splines (G5, G5.1) and rigid tapping (G33.1) of GcodeMachine.
 #include <cmath>
 #include <string>
 
@@ -8,20 +8,22 @@
 
 namespace kerf {
 
-// G5.1 is a parabola with its control point at I J from the start; G5 is a cubic whose second
-// control point lies at P Q from the end, and whose first goes on from the G5 before.
+// G5.1 is a parabola whose control point is at I J from the start. G5 is a cubic whose first
+// control point is at I J from the start, or continues the previous G5, and whose second is at P Q
+// from the end.
 void GcodeMachine::spline(GcodeBlock& block, bool cubic) {
   if (compensation_.on())
-    throw GcodeFault{"", "a spline cannot stand while cutter compensation is on"};
+    throw GcodeFault{"",
+                     "a spline is not allowed while cutter compensation is on; program G40 first"};
   require_feed(block);
   if (modes_.plane != ArcPlane::kXy || block.has_any("zabc"))
-    throw GcodeFault{"", "a spline lies in the plane XY and moves X and Y only"};
+    throw GcodeFault{"", "a spline requires the plane XY (G17) and moves X and Y only"};
   const auto i = block.take('i');
   const auto j = block.take('j');
   if (i.has_value() != j.has_value() || (!cubic && !i))
-    throw GcodeFault{"", "a spline needs both I and J"};
+    throw GcodeFault{"", "a spline requires both I and J"};
   const bool chained = modes_.motion == 50;
-  if (cubic && !i && !chained) throw GcodeFault{"", "the first G5 of a row needs I and J"};
+  if (cubic && !i && !chained) throw GcodeFault{"", "the first of consecutive G5 requires I and J"};
   const double unit = modes_.unit_mm;
   const Vec3 first{at_[0] + (i ? *i * unit : spline_i_), at_[1] + (j ? *j * unit : spline_j_),
                    at_[2]};
@@ -31,7 +33,7 @@ void GcodeMachine::spline(GcodeBlock& block, bool cubic) {
   if (cubic) {
     const auto p = block.take('p');
     const auto q = block.take('q');
-    if (!p || !q) throw GcodeFault{"", "G5 needs both P and Q"};
+    if (!p || !q) throw GcodeFault{"", "G5 requires both P and Q"};
     points.insert(points.begin() + 1, Vec3{to[0] + *p * unit, to[1] + *q * unit, to[2]});
     spline_i_ = -*p * unit;
     spline_j_ = -*q * unit;
@@ -42,14 +44,15 @@ void GcodeMachine::spline(GcodeBlock& block, bool cubic) {
   arrive(to);
 }
 
-// Down with the spindle's pitch, and back to where it began.
+// Feeds down at pitch times spindle speed, then back to the start.
 void GcodeMachine::tap(GcodeBlock& block) {
   if (compensation_.on())
-    throw GcodeFault{"", "a tap cannot go down while cutter compensation is on"};
+    throw GcodeFault{
+        "", "rigid tapping is not allowed while cutter compensation is on; program G40 first"};
   const auto pitch = block.take('k');
-  if (!pitch) throw GcodeFault{"", "G33.1 needs K, the pitch"};
+  if (!pitch) throw GcodeFault{"", "G33.1 requires K, the pitch"};
   if (modes_.spindle == GcodeSpindle::kStopped || modes_.spindle_rpm <= 0)
-    throw GcodeFault{"", "G33.1 needs a turning spindle (M3 or M4) and its speed S"};
+    throw GcodeFault{"", "G33.1 requires a turning spindle (M3 or M4) and a speed S above 0"};
   const double faster = std::max(1.0, block.take('i').value_or(1));
   const double feed_mm = std::abs(*pitch) * modes_.unit_mm * modes_.spindle_rpm;
   if (!(feed_mm > 0)) throw GcodeFault{block.find('k')->text, "the pitch must not be 0"};

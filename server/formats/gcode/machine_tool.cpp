@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tools of GcodeMachine: the spindle's, their offsets, and where their radius is compensated.
+// Tools of GcodeMachine: selection and change, tool offsets, and the start of cutter compensation.
 #include <cmath>
 
 #include "server/formats/gcode/expression.h"
@@ -10,12 +10,12 @@ namespace kerf {
 namespace {
 
 constexpr int kToolNumberMax = 1'000'000'000;
-// Below this two places differ by rounding.
+// Positions nearer than this are equal; they differ by rounding.
 constexpr double kSamePlaceMm = 1e-6;
 
-int whole(double value, int least, const GcodeWord& word) {
+int tool_integer(double value, int least, const GcodeWord& word) {
   if (!is_gcode_integer(value) || std::lround(value) < least)
-    throw GcodeFault{word.text, "must be a whole number from " + std::to_string(least) + " to " +
+    throw GcodeFault{word.text, "must be an integer from " + std::to_string(least) + " to " +
                                     std::to_string(kToolNumberMax)};
   return static_cast<int>(std::lround(value));
 }
@@ -27,13 +27,14 @@ const ToolTableEntry* GcodeMachine::tool(int number) const {
   return it == setup_.tools.end() ? nullptr : &it->second;
 }
 
-// 0 names the tool in the spindle; an empty one has no length and no diameter.
+// Returns the tool of an H, D, Q or P word. 0 is the loaded tool; an empty spindle has length and
+// diameter 0.
 const ToolTableEntry& GcodeMachine::tool_of_word(const GcodeWord& word) const {
-  static const ToolTableEntry kNone;
-  const int number = whole(word.value, 0, word);
+  static const ToolTableEntry kEmptySpindle;
+  const int number = tool_integer(word.value, 0, word);
   const ToolTableEntry* entry = tool(number == 0 ? loaded_tool_ : number);
   if (entry != nullptr) return *entry;
-  if (number == 0) return kNone;
+  if (number == 0) return kEmptySpindle;
   throw GcodeFault{word.text, std::string(setup_.tools_of_scene ? "the scene" : "the tool table") +
                                   " has no tool " + std::to_string(number)};
 }
@@ -41,26 +42,27 @@ const ToolTableEntry& GcodeMachine::tool_of_word(const GcodeWord& word) const {
 void GcodeMachine::select_tool(GcodeBlock& block) {
   if (!block.take('t')) return;
   const GcodeWord& word = *block.find('t');
-  if (whole(word.value, 0, word) != 0) tool_of_word(word);
-  selected_tool_ = whole(word.value, 0, word);
+  if (tool_integer(word.value, 0, word) != 0) tool_of_word(word);
+  selected_tool_ = tool_integer(word.value, 0, word);
 }
 
 void GcodeMachine::change_tool(GcodeBlock& block, int code) {
   const GcodeCode& written = *block.code(GcodeGroup::kToolChange);
   if (code == 61) {
     if (!block.take('q'))
-      throw GcodeFault{written.text, "needs Q, the number of the tool in the spindle"};
+      throw GcodeFault{written.text, "requires Q, the number of the tool in the spindle"};
     const GcodeWord& word = *block.find('q');
-    if (whole(word.value, 0, word) != 0) tool_of_word(word);
-    loaded_tool_ = whole(word.value, 0, word);
+    if (tool_integer(word.value, 0, word) != 0) tool_of_word(word);
+    loaded_tool_ = tool_integer(word.value, 0, word);
   } else {
     reject_compensated(written);
-    if (!selected_tool_) throw GcodeFault{written.text, "no tool was selected with T"};
+    if (!selected_tool_) throw GcodeFault{written.text, "requires a tool selected with T"};
     loaded_tool_ = *selected_tool_;
     modes_.spindle = GcodeSpindle::kStopped;
   }
   publish_tool();
-  // A machine goes on from where it is, which after cutter compensation is beside the path.
+  // The machine continues from its actual position, which after cutter compensation is beside the
+  // programmed one.
   const GcodeAxes actual = frame_.programmed(actual_);
   for (std::size_t i = 0; i < at_.size(); ++i)
     if (std::abs(at_[i] - actual[i]) > kSamePlaceMm) at_[i] = actual[i];
@@ -89,7 +91,7 @@ void GcodeMachine::offset_tool(GcodeBlock& block, int code) {
     offset = tool_offset_;
     const bool by_number = code == 432 && block.take('h').has_value();
     if (code == 432 && by_number == block.has_any(kAxisLetters))
-      throw GcodeFault{"G43.2", "needs either H or axis words"};
+      throw GcodeFault{"G43.2", "requires either H or axis words"};
     if (by_number) return apply_tool_offset(offset + tool_of_word(*block.find('h')).offset);
     for (std::size_t i = 0; i < offset.size(); ++i) {
       const auto value = block.take(kAxisLetters[i]);
@@ -104,12 +106,12 @@ void GcodeMachine::offset_tool(GcodeBlock& block, int code) {
     return apply_tool_offset(loaded != nullptr ? loaded->offset : GcodeAxes{});
   }
   const GcodeWord& word = *block.find('h');
-  const int number = whole(word.value, 0, word);
+  const int number = tool_integer(word.value, 0, word);
   if (setup_.tools_of_scene) {
     if (number != 0 && loaded_tool_ != 0 && loaded_tool_ != number)
-      warn_(word.text +
-            " is the length of another tool than the loaded one; without a tool table Kerf takes "
-            "coordinates for those of the tip, and lengths are not applied");
+      warn_(word.text + " is the length of another tool than the loaded one, T" +
+            std::to_string(loaded_tool_) +
+            "; without a tool table coordinates are those of the tip and lengths are not applied");
     return apply_tool_offset({});
   }
   apply_tool_offset(tool_of_word(word).offset);
@@ -124,17 +126,18 @@ void GcodeMachine::apply_tool_offset(const GcodeAxes& offset) {
   canon_.offset_tool(offset, place(at_));
 }
 
-// G10 L1 says what an entry of the table is; L10 and L11 so that the tool, where it is now, would
-// have these coordinates in the system in force or in G59.3.
+// G10 L1 sets an entry of the tool table. L10 and L11 set its offset so that the current position
+// gets the given coordinates in the active coordinate system (L10) or in G59.3 (L11).
 void GcodeMachine::set_tool_entry(GcodeBlock& block, int kind) {
   const auto number = block.take('p');
-  if (!number) throw GcodeFault{"G10", "needs P with the number of the tool"};
+  if (!number) throw GcodeFault{"G10", "requires P, the number of the tool"};
   const GcodeWord& word = *block.find('p');
-  const int tool_number = whole(*number, 1, word);
+  const int tool_number = tool_integer(*number, 1, word);
   tool_of_word(word);
   ToolTableEntry& entry = setup_.tools[tool_number];
   if (!block.has_any(kAxisLetters) && !block.has_any("rqij"))
-    throw GcodeFault{"G10", "L" + std::to_string(kind) + " without offsets has no effect"};
+    throw GcodeFault{"G10",
+                     "L" + std::to_string(kind) + " requires at least one of X Y Z A B C R Q I J"};
   const GcodeAxes measured =
       kind == 1 ? GcodeAxes{} : measured_offset(block, kind == 11 ? 9 : modes_.system, entry);
   for (std::size_t i = 0; i < entry.offset.size(); ++i) {
@@ -150,8 +153,9 @@ void GcodeMachine::set_tool_entry(GcodeBlock& block, int kind) {
   if (const auto angle = block.take('i')) entry.front_angle_deg = *angle;
   if (const auto angle = block.take('j')) entry.back_angle_deg = *angle;
   if (const auto orientation = block.take('q')) {
-    if (*orientation > 9) throw GcodeFault{block.find('q')->text, "is not an orientation"};
-    entry.orientation = whole(*orientation, 0, *block.find('q'));
+    if (*orientation > 9)
+      throw GcodeFault{block.find('q')->text, "must be an orientation from 0 to 9"};
+    entry.orientation = tool_integer(*orientation, 0, *block.find('q'));
   }
   publish_tool();
 }
@@ -161,13 +165,13 @@ GcodeAxes GcodeMachine::measured_offset(const GcodeBlock& block, int system, Too
   GcodeFrame frame{system_origin(system), frame_.shift, turn};
   GcodeAxes here = frame.programmed(frame_.without(at_) + tool_offset_);
   if (system != modes_.system) here = here + frame_.shift;
-  GcodeAxes wanted = entry.offset;
-  turn_xy(wanted[0], wanted[1], -turn);
-  for (std::size_t i = 0; i < wanted.size(); ++i)
+  GcodeAxes offset = entry.offset;
+  turn_xy(offset[0], offset[1], -turn);
+  for (std::size_t i = 0; i < offset.size(); ++i)
     if (const GcodeWord* word = block.find(kAxisLetters[i]))
-      wanted[i] = here[i] - word->value * (i < 3 ? modes_.unit_mm : 1);
-  turn_xy(wanted[0], wanted[1], turn);
-  return wanted;
+      offset[i] = here[i] - word->value * (i < 3 ? modes_.unit_mm : 1);
+  turn_xy(offset[0], offset[1], turn);
+  return offset;
 }
 
 void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
@@ -182,14 +186,14 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
   const GcodeCode& written = *block.code(GcodeGroup::kCutterCompensation);
   reject_compensated(written);
   if (modes_.plane == ArcPlane::kYz)
-    throw GcodeFault{written.text, "compensates in the planes XY (G17) and ZX (G18) only"};
+    throw GcodeFault{written.text, "requires the plane XY (G17) or ZX (G18)"};
   const auto d = block.take('d');
   int orientation = 0;
   double diameter_mm = 0;
   if (code % 10 == 1) {
-    if (!d) throw GcodeFault{written.text, "needs D, the diameter"};
+    if (!d) throw GcodeFault{written.text, "requires D, the diameter"};
     diameter_mm = *d * modes_.unit_mm;
-    if (const auto l = block.take('l')) orientation = whole(*l, 0, *block.find('l'));
+    if (const auto l = block.take('l')) orientation = tool_integer(*l, 0, *block.find('l'));
     block.take('r');
   } else {
     static const GcodeWord kLoaded{'d', 0, "D0", true};
@@ -198,8 +202,8 @@ void GcodeMachine::start_compensation(GcodeBlock& block, int code) {
     orientation = entry.orientation;
   }
   if (orientation != 0 && orientation != 9)
-    throw GcodeFault{written.text, "is for a lathe's tool of orientation " +
-                                       std::to_string(orientation) + ", which Kerf does not turn"};
+    throw GcodeFault{written.text, "is not supported for a lathe tool of orientation " +
+                                       std::to_string(orientation)};
   compensation_.start(code < 420 ? 1 : -1, diameter_mm / 2, modes_.plane);
 }
 

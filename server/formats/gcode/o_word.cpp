@@ -18,7 +18,7 @@ struct Known {
   std::string_view word;
   Keyword keyword;
 };
-// Longer words stand before their beginnings.
+// The first match counts, so no keyword may precede a longer one that begins with it.
 constexpr std::array kKeywords{Known{"sub", Keyword::kSub},
                                Known{"endsub", Keyword::kEndsub},
                                Known{"call", Keyword::kCall},
@@ -35,7 +35,7 @@ constexpr std::array kKeywords{Known{"sub", Keyword::kSub},
                                Known{"break", Keyword::kBreak},
                                Known{"continue", Keyword::kContinue}};
 
-// Behind a line number.
+// The code of a line without its line number.
 std::string_view code_of(const GcodeLine& line) {
   std::string_view code = line.code;
   if (!code.starts_with('n')) return code;
@@ -61,18 +61,18 @@ OWord read_m98(GcodeValueReader& reader, bool with_values) {
     if (letter == 'p') {
       word.name = std::to_string(reader.integer("the number of a program"));
     } else if (letter == 'l') {
-      word.repeats = reader.integer("how often the program is called");
-      if (word.repeats < 0) throw GcodeFault{"L", "cannot be negative"};
+      word.repeats = reader.integer("the number of calls");
+      if (word.repeats < 0) throw GcodeFault{"L", "must not be negative"};
     } else {
-      throw GcodeFault{std::string(1, letter), "may not stand with M98, which takes P and L"};
+      throw GcodeFault{std::string(1, letter), "is not allowed with M98, which takes P and L only"};
     }
   }
   if (with_values && word.name.empty())
-    throw GcodeFault{"M98", "needs P with the number of the program to call"};
+    throw GcodeFault{"M98", "requires P, the number of the program to call"};
   return word;
 }
 
-// What stands between brackets behind the keyword.
+// Reads the values in brackets after the keyword.
 void read_values(GcodeValueReader& reader, OWord& word) {
   const bool condition = word.keyword == Keyword::kWhile || word.keyword == Keyword::kIf ||
                          word.keyword == Keyword::kElseif || word.keyword == Keyword::kRepeat;
@@ -82,13 +82,12 @@ void read_values(GcodeValueReader& reader, OWord& word) {
                                                           : 0;
   while (reader.peek() == '[') {
     if (word.values.size() == most)
-      throw GcodeFault{word.text, "takes no more than " + std::to_string(most) + " values"};
+      throw GcodeFault{word.text, "takes at most " + std::to_string(most) + " values"};
     word.values.push_back(reader.bracket());
     if (!std::isfinite(word.values.back())) throw GcodeFault{word.text, "has no finite value"};
   }
-  if (condition && word.values.empty()) throw GcodeFault{word.text, "needs a value in brackets"};
-  if (!reader.done())
-    throw GcodeFault{word.text, "has something behind it that does not belong there"};
+  if (condition && word.values.empty()) throw GcodeFault{word.text, "requires a value in brackets"};
+  if (!reader.done()) throw GcodeFault{word.text, "must not be followed by other words"};
 }
 
 }  // namespace
@@ -125,7 +124,7 @@ OWord read_o_word(const GcodeLine& line, const OWordContext& context, bool with_
     if (with_values) read_values(reader, word);
     return word;
   }
-  throw GcodeFault{label, "is followed by no word of control flow (sub, call, if, while, …)"};
+  throw GcodeFault{label, "must be followed by a control flow keyword (sub, call, if, while, …)"};
 }
 
 }  // namespace kerf

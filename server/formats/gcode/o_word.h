@@ -27,27 +27,27 @@ struct OWord {
     kEndif,
     kBreak,
     kContinue,
-    kProgram,  ///< a bare O number: where M98 enters
+    kProgram,  ///< an O number alone: the start of a program called by M98
     kM98,
     kM99
   };
   Keyword keyword = Keyword::kSub;
   std::string name;
-  std::string text;            ///< the word as written, in upper case
-  std::vector<double> values;  ///< a condition, arguments, or a returned value
+  std::string text;            ///< label and keyword as written, in upper case
+  std::vector<double> values;  ///< the condition, the arguments or the return value
   int repeats = 1;             ///< L of M98
 };
 
-/// The parameters that an O word's values are taken from.
+/// The state in which the values of an O word are evaluated.
 struct OWordContext {
   const GcodeParameters& parameters;
   bool position_readable = true;
 };
 
-/// Whether the line is control flow; `within_subroutine` decides what M99 is.
+/// Returns whether a line is control flow. M99 is, if `within_subroutine`.
 bool is_o_word(const GcodeLine& line, bool within_subroutine);
-/// Reads it. Without `with_values` only name and keyword, as for a line that is passed over. Throws
-/// GcodeFault.
+/// Reads a line of control flow. Without `with_values` it reads only name and keyword, for lines
+/// that are skipped. Throws GcodeFault.
 OWord read_o_word(const GcodeLine& line, const OWordContext& context, bool with_values);
 
 }  // namespace kerf

@@ -11,7 +11,7 @@
 namespace kerf {
 namespace {
 
-// Takes one blank-separated number off the front.
+// Removes one number from the front of a text of numbers separated by blanks.
 template <typename Number>
 std::optional<Number> take(std::string_view& text) {
   const auto first = text.find_first_not_of(" \t\r");
@@ -36,14 +36,15 @@ std::expected<std::map<int, double>, ProgramError> read_parameter_file(const std
     const auto number = take<int>(rest);
     const auto value = number ? take<double>(rest) : std::nullopt;
     if (!value) continue;
-    const auto wrong = [&](const std::string& reason) {
+    const auto failure = [&](const std::string& reason) {
       return std::unexpected(ProgramError{name, lines.number(), std::to_string(*number), reason});
     };
     if (*number < 1 || *number > kGcodeParameterMax)
-      return wrong("is not a parameter; they run from 1 to " + std::to_string(kGcodeParameterMax));
-    if (!std::isfinite(*value)) return wrong("has no finite value");
+      return failure("must be a parameter number from 1 to " + std::to_string(kGcodeParameterMax));
+    if (!std::isfinite(*value)) return failure("has no finite value");
     if (!parameters.empty() && parameters.rbegin()->first >= *number)
-      return wrong("is out of order: parameters must ascend");
+      return failure("must be greater than the parameter number before it, " +
+                     std::to_string(parameters.rbegin()->first));
     parameters[*number] = *value;
   }
   return parameters;

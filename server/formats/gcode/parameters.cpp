@@ -31,7 +31,7 @@ std::optional<double> GcodeParameters::named(const std::string& name) const {
 
 void GcodeParameters::set(const std::string& name, double value) {
   if (name.starts_with('_') && predefined_ && predefined_(name))
-    throw GcodeFault{"#<" + name + ">", "tells a state of the machine and cannot be assigned"};
+    throw GcodeFault{"#<" + name + ">", "is read-only: it holds a state of the machine"};
   auto& scope = scope_of(name);
   const auto it = scope.find(name);
   if (it != scope.end()) {
@@ -39,8 +39,8 @@ void GcodeParameters::set(const std::string& name, double value) {
     return;
   }
   if (scope.size() >= kGcodeNamesMax)
-    throw GcodeFault{"#<" + name + ">", "would be one name more than " +
-                                            std::to_string(kGcodeNamesMax) + " in one scope"};
+    throw GcodeFault{"#<" + name + ">", "exceeds the limit of " + std::to_string(kGcodeNamesMax) +
+                                            " names in one scope"};
   scope.emplace(name, value);
 }
 

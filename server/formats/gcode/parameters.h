@@ -9,15 +9,15 @@
 
 namespace kerf {
 
-/// Numbered parameters run from 1 to this (LinuxCNC's limit).
+/// Highest number of a parameter; the lowest is 1 (LinuxCNC's limit).
 inline constexpr int kGcodeParameterMax = 5601;
-/// Each subroutine has these for itself: its arguments (#1 to #30).
+/// #1 to #30 are local to a subroutine and receive its arguments.
 inline constexpr int kGcodeLocalParameters = 30;
-/// Most names in one scope: a loop may make up names without end.
+/// Most named parameters in one scope; bounds the memory of hostile loops.
 inline constexpr std::size_t kGcodeNamesMax = 10'000;
 
-/// Numbers of parameters with a meaning (LinuxCNC's). Those of coordinate system n (1 to 9) begin
-/// at kSystem + 20 n: X Y Z A B C U V W R.
+/// Numbers of the parameters with a special meaning, as in LinuxCNC. The offsets X Y Z A B C U V W
+/// R of coordinate system n (1 to 9) start at kSystem + kSystemStride * n.
 namespace gcode_parameter {
 inline constexpr int kProbe = 5061;
 inline constexpr int kProbeTripped = 5070;
@@ -28,7 +28,7 @@ inline constexpr int kShift = 5211;
 inline constexpr int kSelectedSystem = 5220;
 inline constexpr int kSystem = 5201;
 inline constexpr int kSystemStride = 20;
-inline constexpr int kSystemRotation = 9;  ///< after the system's X
+inline constexpr int kSystemRotation = 9;  ///< R, relative to the X of its system
 inline constexpr int kInput = 5399;
 inline constexpr int kTool = 5400;
 inline constexpr int kToolOffset = 5401;
@@ -41,12 +41,12 @@ inline constexpr int kPositionLast = 5428;
 inline constexpr int kDebug = 5599;
 }  // namespace gcode_parameter
 
-/// The #-parameters of a running program. Numbered ones are 0 until assigned; named ones do not
-/// exist until assigned. Names that begin with '_' are global, others belong to the subroutine that
-/// assigns them. Throws GcodeFault.
+/// The #-parameters of a running program. Numbered parameters are 0 until assigned; named ones do
+/// not exist until assigned. Names with a leading '_' are global, others local to the subroutine
+/// that assigns them. Throws GcodeFault.
 class GcodeParameters {
  public:
-  /// Tells a predefined name (#<_x>, #<_feed>, …), or nothing where there is no such.
+  /// Returns the value of a predefined parameter (#<_x>, #<_feed>, …), or nullopt for other names.
   using Predefined = std::function<std::optional<double>(const std::string&)>;
   void set_predefined(Predefined predefined) { predefined_ = std::move(predefined); }
 
@@ -55,23 +55,25 @@ class GcodeParameters {
   void set(int number, double value) { numbered_[static_cast<std::size_t>(number)] = value; }
 
   std::optional<double> named(const std::string& name) const;
-  /// Rejects predefined names and one more than kGcodeNamesMax.
+  /// Throws for a predefined name and for more than kGcodeNamesMax names.
   void set(const std::string& name, double value);
-  /// From where its assignment is read on, a new name exists with the value 0 (as in LinuxCNC).
+  /// Creates a name with the value 0 if it does not exist. As in LinuxCNC, a name exists from the
+  /// point where its assignment is read.
   void declare(const std::string& name) {
     if (!named(name)) set(name, 0);
   }
 
-  /// Names and arguments of a subroutine that is called; leave() gives those of the caller back.
+  /// Opens the scope of a called subroutine and sets #1 to #30 to its arguments.
   void enter(const std::vector<double>& arguments);
-  void leave();
-  /// A call that shares #1 to #30 with its caller (M98).
+  /// Opens the scope of a subroutine that shares #1 to #30 with its caller (M98).
   void enter_sharing();
+  /// Closes the innermost scope and restores #1 to #30 of the caller.
+  void leave();
 
  private:
   struct Scope {
     std::map<std::string, double> named;
-    std::vector<double> callers_arguments;  ///< empty where they are shared
+    std::vector<double> callers_arguments;  ///< #1 to #30 of the caller; empty if shared
   };
   std::map<std::string, double>& scope_of(const std::string& name);
   const std::map<std::string, double>& scope_of(const std::string& name) const;
@@ -81,7 +83,7 @@ class GcodeParameters {
   Predefined predefined_;
 };
 
-/// Whether a program may assign the parameter: not the tool's and not the position's.
+/// Returns whether a program may assign a parameter: all except those of the tool and the position.
 bool is_gcode_parameter_writable(int number);
 
 }  // namespace kerf

@@ -7,26 +7,31 @@
 
 namespace kerf {
 
-/// The plane of an arc; the normal is the axis that is not in it.
+/// The active plane (G17, G18, G19); its normal is the third axis.
 enum class ArcPlane { kXy, kZx, kYz };
 
-/// A point seen in a plane, mm: the plane's first and second axis (X Y, Z X or Y Z), and the third.
+/// A point in the coordinates of a plane, mm: along its first and second axis (X Y, Z X or Y Z) and
+/// along its normal.
 struct PlanePoint {
   double first = 0, second = 0, normal = 0;
 };
+/// Converts a point to the coordinates of a plane.
 PlanePoint in_plane(Vec3 point, ArcPlane plane);
+/// Inverse of in_plane.
 Vec3 from_plane(PlanePoint point, ArcPlane plane);
 
+/// Distance of two points projected into the plane.
 inline double distance(PlanePoint a, PlanePoint b) {
   return std::hypot(b.first - a.first, b.second - a.second);
 }
-/// The angle of the way from one point to another, rad.
+/// Direction from one point to another in the plane, rad, from the plane's first axis.
 inline double direction(PlanePoint from, PlanePoint to) {
   return std::atan2(to.second - from.second, to.first - from.first);
 }
-/// The point `way` off in the direction of `angle`, rad.
-inline PlanePoint offset_point(PlanePoint from, double way, double angle) {
-  return {from.first + way * std::cos(angle), from.second + way * std::sin(angle), from.normal};
+/// The point at a distance in a direction (rad) from another, at the same height.
+inline PlanePoint offset_point(PlanePoint from, double distance, double direction_rad) {
+  return {from.first + distance * std::cos(direction_rad),
+          from.second + distance * std::sin(direction_rad), from.normal};
 }
 
 }  // namespace kerf

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The predefined named parameters of LinuxCNC, as far as they tell something of a program's state.
+// LinuxCNC's predefined named parameters that depend on the state of the interpreter.
 #include "server/formats/gcode/machine.h"
 
 namespace kerf {
@@ -104,9 +104,9 @@ std::optional<double> GcodeMachine::predefined_position(const std::string& name)
   return axis < 3 ? value / modes_.unit_mm : value;
 }
 
-double GcodeMachine::pocket(std::optional<int> number, double none) const {
+double GcodeMachine::pocket(std::optional<int> number, double standard) const {
   const ToolTableEntry* entry = number ? tool(*number) : nullptr;
-  return entry != nullptr ? entry->pocket : none;
+  return entry != nullptr ? entry->pocket : standard;
 }
 
 std::optional<double> GcodeMachine::predefined(const std::string& name) const {

@@ -57,7 +57,7 @@ class GcodeRunner {
       }
       machine_.finish();
       if (!ended && !flow_.ended()) warn_here("the program ends without M2, M30 or %");
-      warn_of_rest();
+      warn_of_trailing_lines();
     } catch (const GcodeFault& fault) {
       return std::unexpected(
           ProgramError{source_.file(flow_.file()).name, flow_.line(),
@@ -82,21 +82,21 @@ class GcodeRunner {
     machine_.at_line(flow_.file(), flow_.line());
     GcodeBlock block = parse_gcode_block(line.code, parameters_, machine_.position_readable());
     if (comment.starts_with("abort,"))
-      throw GcodeFault{"(" + line.comment + ")", "asks to abort the program"};
+      throw GcodeFault{"(" + line.comment + ")", "aborts the program"};
     if (comment.starts_with("py,") || comment.starts_with("pyrun,"))
-      throw GcodeFault{"(" + line.comment + ")", "runs Python, which Kerf does not have"};
+      throw GcodeFault{"(" + line.comment + ")", "runs Python, which is not supported"};
     const bool ended = machine_.execute(block);
     if (machine_.moved()) flow_.moved();
     return ended;
   }
 
-  void warn_of_rest() {
+  void warn_of_trailing_lines() {
     const GcodeFile& file = source_.file(0);
     if (flow_.file() != 0) return;
     for (std::size_t i = flow_.line(); i < file.lines.size(); ++i) {
       if (is_blank(file.lines[i])) continue;
       warn_(name_ + ":" + std::to_string(i + 1) +
-            ": what follows the end of the program is not read");
+            ": lines after the end of the program are not read");
       return;
     }
   }
@@ -143,7 +143,6 @@ std::expected<Program, ProgramError> read_gcode(const std::string& name, std::st
   program.name = name;
   MotionSink sink(program);
   const Warn warn = [&](const std::string& warning) {
-    // One that repeats on every line says no more than the first few.
     if (program.warnings.size() < kProgramWarningsMax) program.warnings.push_back(warning);
   };
   GcodeToolPath path(scene, environment, sink);

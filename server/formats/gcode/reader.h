@@ -10,18 +10,24 @@
 
 namespace kerf {
 
-/// Reads RS-274 as LinuxCNC does, for a scene; README.md tells what is understood.
+/// Reads a G-code program (RS-274 as interpreted by LinuxCNC 2.9) as motions of a scene's tools;
+/// parse_program calls it for .ngc, .nc, .tap and .gcode. `name` is the file name for errors.
+/// server/formats/README.md lists the supported codes; any other code is an error.
 std::expected<Program, ProgramError> read_gcode(const std::string& name, std::string_view text,
                                                 const Scene& scene,
                                                 const GcodeEnvironment& environment = {});
 
-/// What a run of a program was, beside what the canon was asked for.
+/// Result of run_gcode.
 struct GcodeRun {
-  std::size_t lines = 0;           ///< of the program's own text
-  std::vector<std::string> files;  ///< the program itself, then the files of subroutines
+  std::size_t lines = 0;           ///< last line read
+  std::vector<std::string> files;  ///< the program itself, then the subroutine files it called
 };
 
-/// Runs a program against any canon. `warn` gets "file:line: text".
+/// Interprets a G-code program and sends its canonical calls to `canon`:
+///     struct Printer final : kerf::GcodeCanon { … };
+///     auto run = run_gcode("part.ngc", text, {}, {.machine_name = "mill"}, printer, warn);
+/// `warn` receives each warning as "file:line: text". After an error, the calls before the invalid
+/// line have been made.
 std::expected<GcodeRun, ProgramError> run_gcode(
     const std::string& name, std::string_view text, const GcodeEnvironment& environment,
     GcodeSetup setup, GcodeCanon& canon, const std::function<void(const std::string&)>& warn);

@@ -11,7 +11,8 @@
 namespace kerf {
 namespace {
 
-// Whether a line, past blanks and a line number, goes on with O, or with the M of M98 and M99.
+// Whether a line, after blanks and a line number, continues with O, with the M of M98 and M99, or
+// with a comment, which may precede either.
 bool may_hold_o_word(std::string_view line) {
   std::size_t at = 0;
   const auto blanks = [&] {
@@ -50,17 +51,19 @@ GcodeSource::GcodeSource(std::string name, std::string_view text,
 
 std::size_t GcodeSource::find(const std::string& subroutine) {
   if (const auto it = found_.find(subroutine); it != found_.end()) return it->second;
-  // A name may not lead out of the folders.
+  // A name must not lead out of the folders.
   if (subroutine.find_first_of("/\\") != std::string::npos || subroutine.starts_with("."))
-    throw GcodeFault{"O<" + subroutine + ">", "is not the name of a subroutine's file"};
+    throw GcodeFault{"O<" + subroutine + ">",
+                     "is not allowed as the name of a subroutine file; it must not begin with '.' "
+                     "or contain / or \\"};
   for (const std::filesystem::path& folder : folders_) {
     const std::filesystem::path path = folder / (subroutine + ".ngc");
-    std::error_code none;
-    if (!std::filesystem::is_regular_file(path, none)) continue;
-    const auto size = std::filesystem::file_size(path, none);
-    if (files_.size() >= kGcodeFilesMax || none || bytes_ + size > kGcodeFilesBytesMax)
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) continue;
+    const auto size = std::filesystem::file_size(path, error);
+    if (files_.size() >= kGcodeFilesMax || error || bytes_ + size > kGcodeFilesBytesMax)
       throw GcodeFault{"O<" + subroutine + ">",
-                       "would be one file more than a program may call from: 1000 files, 256 MiB"};
+                       "exceeds the limit of 1000 files and 256 MiB of subroutine files"};
     auto text = read_file(path);
     if (!text) continue;
     bytes_ += text->size();

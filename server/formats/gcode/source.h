@@ -11,13 +11,13 @@
 
 namespace kerf {
 
-/// Most files that a program may call subroutines from, and most bytes that they may hold together.
+/// Most files of a program, its own included, and most bytes of its subroutine files together.
 inline constexpr std::size_t kGcodeFilesMax = 1000;
 inline constexpr std::size_t kGcodeFilesBytesMax = std::size_t{256} << 20;
 
-/// A text of G-code as lines, and which of them may begin with an O word.
+/// A G-code text divided into lines, with an index of the lines that may begin with an O word.
 struct GcodeFile {
-  std::string name;  ///< as errors tell it
+  std::string name;  ///< file name in errors
   std::string text;
   std::vector<std::string_view> lines;    ///< of `text`
   std::vector<std::size_t> o_word_lines;  ///< indices into `lines`, ascending
@@ -27,16 +27,17 @@ struct GcodeFile {
   GcodeFile& operator=(const GcodeFile&) = delete;
 };
 
-/// The program's text, and the files of its subroutines, which are read when they are called first.
-/// Throws GcodeFault.
+/// The text of a program and of its subroutine files, which are read on the first call. Throws
+/// GcodeFault.
 class GcodeSource {
  public:
-  /// "name.ngc" is looked for in `folders`, in order; without any, no file is read.
+  /// `folders` are searched, in order, for the subroutine files "name.ngc".
   GcodeSource(std::string name, std::string_view text, std::vector<std::filesystem::path> folders);
 
   const GcodeFile& file(std::size_t index) const { return *files_[index]; }
   std::size_t size() const { return files_.size(); }
-  /// The index of the file of a subroutine; 0, the program itself, where there is none.
+  /// Returns the index of the file of a subroutine, reading it if necessary, or 0, the program
+  /// itself, if there is no such file.
   std::size_t find(const std::string& subroutine);
 
  private:

@@ -8,17 +8,18 @@
 #include "kernel/math/rotation.h"
 #include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/parameters.h"
+#include "server/formats/number_text.h"
 #include "server/formats/pose_grid.h"
 
 namespace kerf {
 namespace {
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
-// A rotary axis that turns farther than this in one block is a slip of the pen.
+// Farthest turn of a rotary axis in one block, degrees (100 turns). A longer one is a typing error.
 constexpr double kTurnInBlockMaxDeg = 36000;
-// The path is compared with a straight motion once for each step of this much rotary travel.
+// Rotary travel per point at which a path is compared with a straight motion, degrees.
 constexpr double kSampleStepDeg = 5;
-// A spline's length is summed over so many chords, and so many points are compared with a chord.
+// Number of chords that a spline's length is summed over, and of points compared with a chord.
 constexpr int kSplineSamples = 64;
 
 double rotary_travel_deg(const GcodeAxes& from, const GcodeAxes& to) {
@@ -68,8 +69,9 @@ GcodePlace GcodeToolPath::in_workpiece(const GcodePlace& place) const {
 void GcodeToolPath::check_turn(const GcodePlace& to) const {
   for (std::size_t i = 3; i < 6; ++i)
     if (std::abs(to.axes[i] - at_.axes[i]) > kTurnInBlockMaxDeg)
-      throw GcodeFault{"", "a rotary axis would turn by " +
-                               std::to_string(to.axes[i] - at_.axes[i]) + " degrees in one block"};
+      throw GcodeFault{
+          "", "a rotary axis would turn by " + decimal_text(to.axes[i] - at_.axes[i], 6) +
+                  " degrees in one block; the limit is " + decimal_text(kTurnInBlockMaxDeg, 6)};
 }
 
 bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 6> named) {
@@ -77,18 +79,19 @@ bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 
   for (std::size_t i = 0; i < 3; ++i) known_[i] = known_[i] || named[i];
   if (sink_.placed() && sink_.tool()) return false;
   if (!sink_.tool() && !changed_tool_ && scene_.tools.size() == 1 && (all_known() || !rapid)) {
-    warn("no tool was loaded; the scene's only tool is taken");
+    warn("no tool is loaded; the scene's only tool is used");
     sink_.set_tool(scene_.tools.begin()->first);
   }
   if (rapid) {
     if (sink_.tool() && all_known()) check(sink_.place(pose(to)));
     return true;
   }
-  if (!sink_.tool()) throw GcodeFault{"", "a motion needs a tool, and none is loaded"};
+  if (!sink_.tool())
+    throw GcodeFault{"", "no tool is loaded for this motion; load one with T and M6"};
   if (!known)
     warn(
-        "X, Y and Z were not all programmed before this cut; the others are taken as they were, at "
-        "first 0");
+        "X, Y and Z were not all programmed before this cut; the missing ones keep their last "
+        "values, initially 0");
   check(sink_.place(pose(at_)));
   known_ = {true, true, true};
   return false;
@@ -98,7 +101,7 @@ void GcodeToolPath::rapid(const GcodePlace& given, GcodeRapid kind, std::array<b
   const GcodePlace to = in_workpiece(given);
   check_turn(to);
   if (kind == GcodeRapid::kMachine && !zero_known_) {
-    // Kerf does not know where the machine's zero is, only that the tool leaves the workpiece.
+    // Without the machine zero the target is unknown; the tool leaves the workpiece.
     sink_.lift();
     for (std::size_t i = 0; i < 3; ++i)
       if (named[i]) known_[i] = false;
@@ -112,7 +115,7 @@ void GcodeToolPath::feed(const GcodePlace& given, const GcodeFeed& feed,
                          std::array<bool, 6> named) {
   const GcodePlace to = in_workpiece(given);
   check_turn(to);
-  // A block that goes nowhere needs no tool.
+  // A block without motion requires no tool.
   if (to.axes == at_.axes && to.tool_axis == at_.tool_axis && !sink_.placed()) return;
   approach(to, false, named);
   straight(to, duration_s(feed, length(linear(to.axes) - linear(at_.axes)), turn_deg(to)), false);
@@ -125,19 +128,19 @@ double GcodeToolPath::turn_deg(const GcodePlace& to) const {
   return kDegPerRad * angle_between(normalized(at_.tool_axis), normalized(to.tool_axis));
 }
 
-double GcodeToolPath::duration_s(const GcodeFeed& feed, double way_mm, double turn) const {
+double GcodeToolPath::duration_s(const GcodeFeed& feed, double travel_mm, double turn_deg) {
   if (feed.duration_s > 0) return feed.duration_s;
-  // Where only rotary axes move, F is in degrees per minute.
-  return way_mm > 0 ? 60 * way_mm / feed.mm_per_min : 60 * turn / feed.deg_per_min;
+  // If only rotary axes move, F is in degrees per minute.
+  return travel_mm > 0 ? 60 * travel_mm / feed.mm_per_min : 60 * turn_deg / feed.deg_per_min;
 }
 
 void GcodeToolPath::straight(const GcodePlace& to, double duration, bool rapid) {
   if (rapid) {
-    const double way = length(linear(to.axes) - linear(at_.axes));
-    duration = 60 * (way > 0 ? way : turn_deg(to)) / scene_.machine.rapid_mm_per_min;
+    const double travel_mm = length(linear(to.axes) - linear(at_.axes));
+    duration = 60 * (travel_mm > 0 ? travel_mm : turn_deg(to)) / scene_.machine.rapid_mm_per_min;
   }
   if (same_angles(to.axes, at_.axes)) return check(sink_.line(pose(to), duration, rapid, line_));
-  // Rotary axes turn uniformly in their angles, which is the great circle only nearly.
+  // Rotary axes move uniformly in their angles, which follows the great circle only approximately.
   const GcodePlace from = at_;
   const auto path = [&](double s) {
     if (s >= 1) return pose(to);
@@ -159,7 +162,9 @@ void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlac
   const double duration = duration_s(feed, arc.length_mm(), 0);
   const double tolerance = scene_.settings.tolerance_mm;
   const int chords = arc.chords(tolerance);
-  if (chords > kPiecesMax) throw GcodeFault{"", "the arc would need too many chords"};
+  if (chords > kPiecesMax)
+    throw GcodeFault{"", "the arc exceeds the limit of " + std::to_string(kPiecesMax) +
+                             " chords; raise tolerance_mm or reduce the turns (P)"};
   const GcodePlace from = at_;
   const auto place_at = [&](double s) {
     if (s >= 1) return to;
@@ -194,7 +199,7 @@ void GcodeToolPath::spline(const std::vector<Vec3>& points, const GcodeFrame& fr
     GcodeAxes start = frame.programmed(workpiece_.without(from.axes));
     std::vector<Vec3> level{linear(start)};
     level.insert(level.end(), points.begin(), points.end());
-    // De Casteljau: each level mixes the neighbours of the level before.
+    // De Casteljau's algorithm: each level interpolates the neighbors of the previous one.
     for (std::size_t count = level.size() - 1; count > 0; --count)
       for (std::size_t i = 0; i < count; ++i) level[i] = level[i] + (level[i + 1] - level[i]) * s;
     set_linear(start, level.front());
@@ -202,13 +207,13 @@ void GcodeToolPath::spline(const std::vector<Vec3>& points, const GcodeFrame& fr
     for (std::size_t i = 3; i < 6; ++i) place.axes[i] = from.axes[i];
     return place;
   };
-  double way = 0;
+  double travel_mm = 0;
   for (int i = 0; i < kSplineSamples; ++i)
-    way += length(linear(place_at(static_cast<double>(i + 1) / kSplineSamples).axes) -
-                  linear(place_at(static_cast<double>(i) / kSplineSamples).axes));
+    travel_mm += length(linear(place_at(static_cast<double>(i + 1) / kSplineSamples).axes) -
+                        linear(place_at(static_cast<double>(i) / kSplineSamples).axes));
   check(sink_.path([&](double s) { return pose(place_at(s)); }, tool_length_mm(),
-                   scene_.settings.tolerance_mm, kSplineSamples, duration_s(feed, way, 0), false,
-                   line_));
+                   scene_.settings.tolerance_mm, kSplineSamples, duration_s(feed, travel_mm, 0),
+                   false, line_));
   at_ = to;
 }
 
@@ -224,7 +229,7 @@ void GcodeToolPath::change_tool(std::optional<ToolId> tool) {
   const auto entry = table_->find(static_cast<int>(tool.value_or(0)));
   const GcodeAxes before = loaded_;
   loaded_ = entry == table_->end() ? GcodeAxes{} : entry->second.offset;
-  // The tip of the new tool is elsewhere, without having gone there.
+  // The tip of the new tool is at another point without having moved there.
   if (loaded_ != before) sink_.lift();
 }
 
@@ -238,7 +243,7 @@ void GcodeToolPath::offset_tool(const GcodeAxes& offset, const GcodePlace& at) {
 
 GcodePlace GcodeToolPath::control_tool_center(bool on, const GcodePlace& at) {
   if (on == tool_center_) return at;
-  // The machine does not move: the same place gets other coordinates.
+  // The machine does not move; only the coordinates of its position change.
   const Vec3 tip = pose(at_).tip_mm;
   tool_center_ = on;
   set_linear(at_.axes, programmed_from_tip(scene_.machine.kinematics, on, tip, rotary(at_.axes)));
@@ -255,10 +260,10 @@ ToolPose GcodeToolPath::pose(const GcodePlace& place) const {
   ToolPose pose{tip_from_programmed(kind, tool_center_, linear(place.axes), rotary(place.axes)),
                 kind == MachineKinematics::kToolVector ? place.tool_axis
                                                        : table_axis(kind, rotary(place.axes))};
-  // Where the offset in force is not the tool's own, the tip is beside the controlled point.
-  const GcodeAxes beside = offset_ - loaded_;
-  if (beside == GcodeAxes{}) return pose;
-  pose.tip_mm = pose.tip_mm + Vec3{beside[0], beside[1], 0} + normalized(pose.axis) * beside[2];
+  // If the active offset is not that of the loaded tool, the tip is beside the controlled point.
+  const GcodeAxes excess = offset_ - loaded_;
+  if (excess == GcodeAxes{}) return pose;
+  pose.tip_mm = pose.tip_mm + Vec3{excess[0], excess[1], 0} + normalized(pose.axis) * excess[2];
   return pose;
 }
 

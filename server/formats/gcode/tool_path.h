@@ -8,11 +8,11 @@
 
 namespace kerf {
 
-/// What a scene's machine makes of canonical calls: poses of the tool in the workpiece, put into a
-/// sink.
+/// Executes canonical calls on a scene's machine: converts them to tool poses in the workpiece and
+/// appends the motions to a sink.
 class GcodeToolPath final : public GcodeCanon {
  public:
-  /// All outlive it.
+  /// All arguments must outlive it.
   GcodeToolPath(const Scene& scene, const GcodeEnvironment& environment, MotionSink& sink);
 
   void at_line(std::size_t file, std::size_t line) override;
@@ -30,12 +30,13 @@ class GcodeToolPath final : public GcodeCanon {
  private:
   bool all_known() const { return known_[0] && known_[1] && known_[2]; }
   void check_turn(const GcodePlace& to) const;
-  /// Before the first cut since the tool was away: a rapid only brings it near and returns true; a
-  /// cut starts where the rapids have led, with a warning unless X, Y and Z were known before.
+  /// Handles motions while the tool is away from the workpiece. A rapid places the tool as soon as
+  /// X, Y and Z are known, and returns true: it makes no motion. A cut starts at the current
+  /// position, with a warning unless X, Y and Z are known.
   bool approach(const GcodePlace& to, bool rapid, std::array<bool, 6> named);
   void straight(const GcodePlace& to, double duration_s, bool rapid);
   double turn_deg(const GcodePlace& to) const;
-  double duration_s(const GcodeFeed& feed, double way_mm, double turn_deg) const;
+  static double duration_s(const GcodeFeed& feed, double travel_mm, double turn_deg);
   ToolPose pose(const GcodePlace& place) const;
   GcodePlace in_workpiece(const GcodePlace& place) const;
   double tool_length_mm() const;
@@ -46,12 +47,13 @@ class GcodeToolPath final : public GcodeCanon {
   MotionSink& sink_;
   std::size_t line_ = 0;
   bool zero_known_;
-  GcodeFrame workpiece_;  ///< where G54 of the parameter file puts the workpiece's zero
+  GcodeFrame workpiece_;  ///< work offset of G54 in the parameter file
   GcodePlace at_;
-  std::array<bool, 3> known_{};  ///< X, Y, Z have been programmed since the tool was away
+  std::array<bool, 3> known_{};  ///< X, Y, Z programmed since the tool was away
   bool changed_tool_ = false;
   bool tool_center_ = false;
-  GcodeAxes offset_{}, loaded_{};  ///< the tool's offset in force, and the one that it has
+  GcodeAxes offset_{};  ///< active tool offset (G43)
+  GcodeAxes loaded_{};  ///< tool table's offset of the loaded tool
 };
 
 }  // namespace kerf

@@ -14,22 +14,23 @@
 namespace kerf {
 namespace {
 
-constexpr double kLengthMaxMm = 1e6;
+// Greatest magnitude of a number in a tool table, in any unit.
+constexpr double kValueMax = 1e6;
 
 double number(std::string_view word) {
   double value = 0;
   const char* first = word.data() + 1 + (word.size() > 1 && word[1] == '+' ? 1 : 0);
   const auto read = std::from_chars(first, word.data() + word.size(), value);
   if (read.ec != std::errc{} || read.ptr != word.data() + word.size() ||
-      !(std::abs(value) <= kLengthMaxMm))
-    throw GcodeFault{std::string(word), "is not a number of a tool table"};
+      !(std::abs(value) <= kValueMax))
+    throw GcodeFault{std::string(word), "must be a letter and a number of at most 1000000"};
   return value;
 }
 
-int whole(std::string_view word, double least, double most) {
+int integer(std::string_view word, double least, double most) {
   const double value = number(word);
   if (!is_gcode_integer(value) || value < least || value > most)
-    throw GcodeFault{std::string(word), "must be a whole number from " +
+    throw GcodeFault{std::string(word), "must be an integer from " +
                                             std::to_string(static_cast<int>(least)) + " to " +
                                             std::to_string(static_cast<int>(most))};
   return static_cast<int>(std::lround(value));
@@ -44,10 +45,10 @@ void read_word(ToolTableEntry& tool, std::string_view word) {
   }
   switch (letter) {
     case 'T':
-      tool.number = whole(word, 1, 999'999);
+      tool.number = integer(word, 1, 999'999);
       return;
     case 'P':
-      tool.pocket = whole(word, 0, 999'999);
+      tool.pocket = integer(word, 0, 999'999);
       return;
     case 'D':
       tool.diameter_mm = number(word);
@@ -59,15 +60,16 @@ void read_word(ToolTableEntry& tool, std::string_view word) {
       tool.back_angle_deg = number(word);
       return;
     case 'Q':
-      tool.orientation = whole(word, 0, 9);
+      tool.orientation = integer(word, 0, 9);
       return;
     case 'U':
     case 'V':
     case 'W':
       if (number(word) == 0) return;
-      throw GcodeFault{std::string(word), "is an offset of an axis that Kerf does not have"};
+      throw GcodeFault{std::string(word), "is an offset of U, V or W, which are not supported"};
     default:
-      throw GcodeFault{std::string(word), "is not a word of a tool table"};
+      throw GcodeFault{std::string(word),
+                       "is not a word of a tool table; use T P X Y Z A B C D I J Q"};
   }
 }
 
@@ -84,11 +86,13 @@ void read_line(ToolTable& table, std::string_view line) {
     at = end;
   }
   if (!any) return;
-  if (tool.number == 0) throw GcodeFault{std::string(line), "names no tool: a T word is missing"};
+  if (tool.number == 0)
+    throw GcodeFault{std::string(line), "requires a T word, the number of the tool"};
   if (table.size() >= kToolTableMax)
-    throw GcodeFault{"", "the table has more than " + std::to_string(kToolTableMax) + " tools"};
+    throw GcodeFault{"",
+                     "the table exceeds the limit of " + std::to_string(kToolTableMax) + " tools"};
   if (!table.emplace(tool.number, tool).second)
-    throw GcodeFault{"T" + std::to_string(tool.number), "stands twice in the table"};
+    throw GcodeFault{"T" + std::to_string(tool.number), "appears twice in the table"};
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/tool/tool_bounds.h"
-#include "tests/server/session_room.h"
+#include "tests/server/session_fixture.h"
 
 namespace kerf {
 namespace {
@@ -37,7 +37,7 @@ std::string welcome_of(const Scene& scene) {
 
 /// One agent with a copy, and whoever else is at the block. `delay` is how many samples of the
 /// agent are on their way to the server.
-class ReplicaRoom : public SessionRoom, public testing::WithParamInterface<const char*> {
+class ReplicaRoom : public SessionTest, public testing::WithParamInterface<const char*> {
  protected:
   void begin(const char* rays) {
     // Samples come faster here than the clock by which the session limits rates.
@@ -295,7 +295,7 @@ TEST_P(ReplicaRoom, OnlyPatchesThatWereSentAreAcknowledged) {
 
 INSTANTIATE_TEST_SUITE_P(Rays, ReplicaRoom, testing::Values("dexel", "tri-dexel"));
 
-TEST_F(SessionRoom, ACopyAnswersNothingWhereItKnowsNothing) {
+TEST_F(SessionTest, ACopyAnswersNothingWhereItKnowsNothing) {
   const auto session = start();
   auto source = BlockSource::read(welcome_of(session->scene()));
   ASSERT_TRUE(source);
@@ -307,7 +307,7 @@ TEST_F(SessionRoom, ACopyAnswersNothingWhereItKnowsNothing) {
   EXPECT_TRUE(beside.move(next(60, 0, -1))) << "beside the block there is nothing to know";
 }
 
-TEST_F(SessionRoom, ACopyTakesNothingThatIsNoTile) {
+TEST_F(SessionTest, ACopyTakesNothingThatIsNoTile) {
   const auto session = start();
   Replica copy(*BlockSource::read(welcome_of(session->scene())));
   const std::uint64_t before = SolidSnapshot(session->solid()).hash();
@@ -326,7 +326,7 @@ TEST_F(SessionRoom, ACopyTakesNothingThatIsNoTile) {
   EXPECT_EQ(SolidSnapshot(session->solid()).hash(), before);
 }
 
-TEST_F(SessionRoom, NoCopyIsMadeOfAWelcomeThatSaysTooLittle) {
+TEST_F(SessionTest, NoCopyIsMadeOfAWelcomeThatSaysTooLittle) {
   const auto session = start();
   EXPECT_FALSE(BlockSource::read("{}"));
   EXPECT_FALSE(BlockSource::read("not json"));

@@ -1,19 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headless Chromium with software WebGL, and what the test needs from a page.
+// Headless Chromium with software WebGL; state and screenshots of a viewer page.
 
 import { writeFile } from 'node:fs/promises';
 import { chromium } from 'playwright-core';
 
 const ARGS = [
-  '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-  '--disable-background-networking', '--disable-quic', '--no-first-run',
+  '--no-sandbox',
+  '--use-gl=angle',
+  '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader',
+  '--disable-background-networking',
+  '--disable-quic',
+  '--no-first-run',
 ];
 
 export function launchBrowser() {
-  return chromium.launch({ executablePath: process.env.KERF_CHROMIUM ?? '/usr/bin/chromium', args: ARGS });
+  return chromium.launch({
+    executablePath: process.env.KERF_CHROMIUM ?? '/usr/bin/chromium',
+    args: ARGS,
+  });
 }
 
-/** Opens a viewer in a browser profile of its own. `problems` collects what the page complained about. */
+/**
+ * Opens a viewer in its own browser context. `problems` collects the page's exceptions and console
+ * errors.
+ */
 export async function openViewer(browser, url, viewport) {
   const context = await browser.newContext({ viewport });
   const page = await context.newPage();
@@ -27,7 +38,10 @@ export async function openViewer(browser, url, viewport) {
   return { page, problems, state: () => page.evaluate(() => window.kerf?.state()) };
 }
 
-/** Takes a picture and returns how much its brightness varies (standard deviation, 0 to 255) in the middle, where the block is. */
+/**
+ * Saves a screenshot. Returns the standard deviation of the brightness (0 to 255) in its middle,
+ * where the block is.
+ */
 export async function photograph(viewer, file) {
   const png = await viewer.page.screenshot({ timeout: 120_000 });
   await writeFile(file, png);
@@ -36,9 +50,9 @@ export async function photograph(viewer, file) {
     const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
     const [width, height] = [Math.floor(bitmap.width * 0.4), Math.floor(bitmap.height * 0.5)];
     const canvas = new OffscreenCanvas(width, height);
-    const pen = canvas.getContext('2d');
-    pen.drawImage(bitmap, -bitmap.width * 0.2, -bitmap.height * 0.25);
-    const { data } = pen.getImageData(0, 0, width, height);
+    const context = canvas.getContext('2d');
+    context.drawImage(bitmap, -bitmap.width * 0.2, -bitmap.height * 0.25);
+    const { data } = context.getImageData(0, 0, width, height);
     let sum = 0;
     let squares = 0;
     for (let i = 0; i < data.length; i += 4) {

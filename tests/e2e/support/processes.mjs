@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs under test: started with captured output, stopped at the end whatever happens.
+// Starts the programs under test with captured output, and stops them at the end, also after a
+// failure.
 
 import { spawn } from 'node:child_process';
 
 const running = new Set();
 
-/** Starts a program. `lines` collects its standard output, `errors` its standard error; `ended` resolves to the exit code. */
+/**
+ * Starts a program. `lines` collects its standard output, `errors` its standard error; `ended`
+ * resolves to the exit code.
+ */
 export function start(program, parameters) {
   const child = spawn(program, parameters, { stdio: ['ignore', 'pipe', 'pipe'] });
   const process_ = { child, name: program.split('/').at(-1), lines: [], errors: '' };
@@ -15,7 +19,9 @@ export function start(program, parameters) {
     rest = parts.pop();
     process_.lines.push(...parts);
   });
-  child.stderr.on('data', (data) => { process_.errors += data; });
+  child.stderr.on('data', (data) => {
+    process_.errors += data;
+  });
   process_.ended = new Promise((resolve) => {
     child.on('error', (problem) => {
       process_.errors += problem.message;
@@ -36,17 +42,23 @@ export function start(program, parameters) {
 export async function run(program, parameters) {
   const process_ = start(program, parameters);
   const code = await process_.ended;
-  if (code !== 0) throw new Error(`${process_.name} ended with ${code}: ${process_.errors}${process_.lines.join('\n')}`);
+  if (code !== 0)
+    throw new Error(
+      `${process_.name} ended with ${code}: ${process_.errors}${process_.lines.join('\n')}`,
+    );
   return process_.lines.join('\n');
 }
 
-/** Asks a program to end, and insists after a while. */
+/**
+ * Stops a program by a signal, and kills it if it is still running after 5 s. Returns its exit
+ * code.
+ */
 export async function stop(process_, signal = 'SIGTERM') {
   if (!running.has(process_)) return process_.code;
   process_.child.kill(signal);
-  const insist = setTimeout(() => process_.child.kill('SIGKILL'), 5000);
+  const kill = setTimeout(() => process_.child.kill('SIGKILL'), 5000);
   const code = await process_.ended;
-  clearTimeout(insist);
+  clearTimeout(kill);
   return code;
 }
 
@@ -54,7 +66,10 @@ export async function stopAll() {
   await Promise.all([...running].map((process_) => stop(process_)));
 }
 
-/** Polls until `probe` gives something true, and returns that. Throws after `seconds`, saying what was awaited. */
+/**
+ * Polls until `probe` returns a truthy value, and returns it. Throws after `seconds` with the name
+ * of what was awaited.
+ */
 export async function until(what, seconds, probe) {
   const end = Date.now() + seconds * 1000;
   let last;
@@ -65,7 +80,8 @@ export async function until(what, seconds, probe) {
     } catch (problem) {
       last = problem;
     }
-    if (Date.now() > end) throw new Error(`after ${seconds} s still no ${what}${last ? ` (${last.message})` : ''}`);
+    if (Date.now() > end)
+      throw new Error(`timeout after ${seconds} s: no ${what}${last ? ` (${last.message})` : ''}`);
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A viewer without a browser: joins by the documented protocol and keeps every mesh frame's GLB as it came over the wire.
+// A viewer without a browser: joins by the documented protocol and keeps the GLB of every mesh
+// frame as received.
 
 import WebSocket from 'ws';
 
@@ -16,9 +17,16 @@ export class WireViewer {
     this.errors = [];
     this.state = null;
     this.welcome = null;
-    this.socket = new WebSocket(`${baseUrl.replace('http', 'ws')}/v1/sessions/${session}/view`, 'kerf.view.v1');
-    this.socket.on('open', () => this.socket.send(JSON.stringify({ type: 'hello', name: 'wire test' })));
-    this.socket.on('message', (data, binary) => (binary ? this.frame_(data) : this.message_(JSON.parse(data.toString()))));
+    this.socket = new WebSocket(
+      `${baseUrl.replace('http', 'ws')}/v1/sessions/${session}/view`,
+      'kerf.view.v1',
+    );
+    this.socket.on('open', () =>
+      this.socket.send(JSON.stringify({ type: 'hello', name: 'wire test' })),
+    );
+    this.socket.on('message', (data, binary) =>
+      binary ? this.frame_(data) : this.message_(JSON.parse(data.toString())),
+    );
     this.socket.on('error', (problem) => this.errors.push(problem.message));
   }
 
@@ -48,8 +56,10 @@ export class WireViewer {
     this.socket.send(new Uint8Array(frame.buffer));
   }
 
-  /** Says from where it looks; the server answers with tiles of other levels. */
-  look(eye_mm, error_rad) {
+  /**
+   * Sends a camera position and an acceptable error; the server answers with tiles of other levels.
+   */
+  sendLook(eye_mm, error_rad) {
     this.socket.send(JSON.stringify({ type: 'look', eye_mm, error_rad }));
   }
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "kernel/cut/owed_normals.h"
+#include "kernel/cut/lazy_normals.h"
 #include "kernel/dexel/normal_code.h"
 #include "kernel/math/rotation.h"
 #include "tests/kernel/extremes/carving.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The server's HTTP side, as far as the viewer needs it.
+// HTTP requests of the viewer: the list of sessions, and whether a session exists.
 
 export interface SessionSummary {
   id: string;
@@ -28,23 +28,35 @@ function summaryOf(value: unknown): SessionSummary | null {
   };
 }
 
-/** All sessions of this server. Rejects with a sentence for a person. */
+/**
+ * Lists all sessions of this server. Rejects with an error whose message is a sentence for the
+ * user.
+ */
 export async function listSessions(): Promise<SessionSummary[]> {
-  const response = await fetch('/v1/sessions', { headers: { accept: 'application/json' } })
-    .catch(() => { throw new Error('The server does not answer.'); });
-  if (!response.ok) throw new Error(`The server answered ${response.status} ${response.statusText}.`);
-  const body: unknown = await response.json().catch(() => { throw new Error('The server answered something that is no list of sessions.'); });
+  const response = await fetch('/v1/sessions', { headers: { accept: 'application/json' } }).catch(
+    () => {
+      throw new Error('The server did not answer.');
+    },
+  );
+  if (!response.ok)
+    throw new Error(`The server answered ${response.status} ${response.statusText}.`);
+  const body: unknown = await response.json().catch(() => {
+    throw new Error('The server did not answer with a list of sessions.');
+  });
   const list = Array.isArray(body) ? body : (body as { sessions?: unknown } | null)?.sessions;
-  if (!Array.isArray(list)) throw new Error('The server answered something that is no list of sessions.');
+  if (!Array.isArray(list)) throw new Error('The server did not answer with a list of sessions.');
   return list.map(summaryOf).filter((summary) => summary !== null);
 }
 
-/** Why a session cannot be joined for good, or null if trying again makes sense. */
+/**
+ * Returns why a session can never be joined, as a sentence for the user; null if a retry may
+ * succeed.
+ */
 export async function probeSession(id: string): Promise<string | null> {
   try {
     const response = await fetch(`/v1/sessions/${encodeURIComponent(id)}`);
     return response.status === 404 ? `There is no session “${id}” on this server.` : null;
   } catch {
-    return null; // the server is away; it may come back
+    return null; // the server is unreachable, perhaps only for now
   }
 }

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/** Delays between attempts to connect: doubling from 250 ms to 8 s, with a spread so that viewers do not return in step. */
+/**
+ * Delays between connection attempts: doubling from 250 ms to 8 s, each shortened by up to 25 % at
+ * random, so that many viewers do not reconnect at the same instant.
+ */
 export class Backoff {
   private attempt_ = 0;
 
@@ -9,14 +12,14 @@ export class Backoff {
     private readonly random: () => number = Math.random,
   ) {}
 
-  /** The delay before the next attempt. */
+  /** Returns the delay before the next attempt, ms. */
   next(): number {
     const full = Math.min(this.longestMs, this.firstMs * 2 ** this.attempt_);
     this.attempt_ += 1;
     return full * (0.75 + 0.25 * this.random());
   }
 
-  /** A connection stood: begin with the short delay again. */
+  /** Starts again with the shortest delay, after a connection succeeded. */
   reset(): void {
     this.attempt_ = 0;
   }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer's connection to one session: says hello, hands out typed events, acknowledges mesh frames after they were applied
-// (the acknowledgement is the credit for the next one), measures the round trip, and comes back by itself when the line breaks.
+// The viewer's connection to one session: sends hello, delivers typed events, acknowledges each
+// mesh frame after it was applied (the acknowledgement is the credit for the next one), measures
+// the round trip, and reconnects after a loss.
 
-import { decodeFrame, encodeFrame } from '../wire/codec';
+import { decodeFrame } from '../wire/decode';
+import { encodeFrame } from '../wire/encode';
 import { parseControl } from '../wire/control';
 import { FrameType, VIEW_PROTOCOL } from '../wire/types';
 import type { Frame, Header, Look, ServerMessage, ToolState } from '../wire/types';
@@ -11,18 +13,23 @@ import { Backoff } from './backoff';
 export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped';
 
 export interface LinkEvents {
-  /** The status changed; `reason` is a sentence for a person, empty if all is well. */
+  /** The status changed; `reason` is a sentence for the user, empty if there is no problem. */
   status(status: LinkStatus, reason: string): void;
   message(message: ServerMessage): void;
   tools(header: Header, tools: ToolState[]): void;
-  /** Applies a mesh frame. Frames come one at a time, in order; the next one waits for the promise. */
+  /**
+   * Applies a mesh frame. Called for one frame at a time, in order; the next frame waits for the
+   * promise.
+   */
   mesh(header: Header, glb: Uint8Array): Promise<void>;
   pong(sentMs: number, receivedMs: number, serverUs: bigint): void;
-  /** The server sent something that makes no sense, or a frame could not be applied. The link goes on. */
+  /**
+   * The server sent something invalid, or a frame could not be applied. The connection stays open.
+   */
   problem(reason: string): void;
 }
 
-/** The part of WebSocket that is used, so that a test can bring its own. */
+/** The part of WebSocket that is used, so that tests can substitute another implementation. */
 export interface Socket {
   binaryType: string;
   onopen: ((event: never) => void) | null;
@@ -37,23 +44,26 @@ export interface LinkOptions {
   url: string;
   name: string;
   open(url: string, protocol: string): Socket;
-  /** Asks over HTTP why a connection cannot be made; a text means: give up, and tell the user this. */
+  /**
+   * Queries over HTTP why no connection can be made. A string stops the link and is shown to the
+   * user; null retries.
+   */
   probe(): Promise<string | null>;
   nowMs(): number;
   backoff?: Backoff;
 }
 
 const PING_EVERY_MS = 2000;
-const SILENCE_MAX_MS = 10000;
+const SILENCE_MAX_MS = 10000; // without any message for so long, the connection counts as lost
 
 export class ViewLink {
   private socket_: Socket | null = null;
-  private generation_ = 0; // of the connection: late events of an old one are ignored
+  private generation_ = 0; // counts connections; events of earlier ones are ignored
   private applying_: Promise<void> = Promise.resolve();
   private epoch_ = 0;
   private sequence_ = 0n;
-  private heardMs_ = 0;
-  private tickMs_ = 0;
+  private lastReceivedMs_ = 0;
+  private lastTickMs_ = 0;
   private byeReason_ = '';
   private welcomed_ = false;
   private stopped_ = false;
@@ -61,7 +71,10 @@ export class ViewLink {
   private retryTimer_: ReturnType<typeof setTimeout> | undefined;
   private readonly backoff_: Backoff;
 
-  constructor(private readonly options: LinkOptions, private readonly events: LinkEvents) {
+  constructor(
+    private readonly options: LinkOptions,
+    private readonly events: LinkEvents,
+  ) {
     this.backoff_ = options.backoff ?? new Backoff();
   }
 
@@ -70,7 +83,7 @@ export class ViewLink {
     this.connect_('connecting', '');
   }
 
-  /** Closes for good. */
+  /** Closes the connection and does not reconnect. */
   stop(reason = ''): void {
     this.stopped_ = true;
     this.drop_();
@@ -78,15 +91,18 @@ export class ViewLink {
     this.events.status('stopped', reason);
   }
 
-  /** Does not wait for the next attempt, e.g. when the device came back online. */
+  /** Reconnects now instead of after the backoff delay, e.g. when the device is online again. */
   retryNow(): void {
     if (this.stopped_ || this.socket_) return;
     clearTimeout(this.retryTimer_);
     this.connect_('reconnecting', '');
   }
 
-  /** Tells the server how exact the block must be; nothing while there is no session. */
-  look(look: Look): void {
+  /**
+   * Sends the camera position and the acceptable error to the server. Does nothing before the
+   * welcome.
+   */
+  sendLook(look: Look): void {
     if (this.welcomed_) this.socket_?.send(JSON.stringify({ type: 'look', ...look }));
   }
 
@@ -94,8 +110,8 @@ export class ViewLink {
     const generation = ++this.generation_;
     this.welcomed_ = false;
     this.byeReason_ = '';
-    this.heardMs_ = this.options.nowMs();
-    this.tickMs_ = this.heardMs_;
+    this.lastReceivedMs_ = this.options.nowMs();
+    this.lastTickMs_ = this.lastReceivedMs_;
     this.events.status(status, reason);
     const socket = this.options.open(this.options.url, VIEW_PROTOCOL);
     socket.binaryType = 'arraybuffer';
@@ -108,9 +124,14 @@ export class ViewLink {
       if (current()) this.received_(event.data, current);
     };
     socket.onclose = (event) => {
-      if (current()) void this.lost_(this.byeReason_ || event.reason || 'The connection to the server was lost.');
+      if (current())
+        void this.lost_(
+          this.byeReason_ || event.reason || 'The connection to the server was lost.',
+        );
     };
-    socket.onerror = () => {}; // a close event always follows and says the same
+    socket.onerror = () => {
+      // A close event always follows and carries the reason.
+    };
     clearInterval(this.pingTimer_);
     this.pingTimer_ = setInterval(() => this.tick_(), PING_EVERY_MS);
   }
@@ -132,22 +153,30 @@ export class ViewLink {
       this.stop(final);
       return;
     }
-    this.retryTimer_ = setTimeout(() => this.connect_('reconnecting', reason), this.backoff_.next());
+    this.retryTimer_ = setTimeout(
+      () => this.connect_('reconnecting', reason),
+      this.backoff_.next(),
+    );
   }
 
   private tick_(): void {
     const now = this.options.nowMs();
-    // A page that was blocked or asleep has messages waiting; it must read them before it may call the server silent.
-    if (now - this.tickMs_ > 2 * PING_EVERY_MS) this.heardMs_ = now;
-    this.tickMs_ = now;
-    if (now - this.heardMs_ > SILENCE_MAX_MS) {
-      void this.lost_('The server does not answer.');
+    // A page that was suspended has unread messages: restart the silence timeout, so that they are
+    // read before it expires.
+    if (now - this.lastTickMs_ > 2 * PING_EVERY_MS) this.lastReceivedMs_ = now;
+    this.lastTickMs_ = now;
+    if (now - this.lastReceivedMs_ > SILENCE_MAX_MS) {
+      void this.lost_('The server stopped answering.');
     } else if (this.welcomed_) {
       this.sendFrame_(FrameType.Ping, { kind: 'ping', time_us: BigInt(Math.round(now * 1000)) });
     }
   }
 
-  private sendFrame_(type: FrameType, payload: { kind: 'ping'; time_us: bigint } | { kind: 'ack' }, sequence?: bigint): void {
+  private sendFrame_(
+    type: FrameType,
+    payload: { kind: 'ping'; time_us: bigint } | { kind: 'ack' },
+    sequence?: bigint,
+  ): void {
     this.sequence_ += 1n;
     const header: Header = {
       type,
@@ -160,13 +189,14 @@ export class ViewLink {
   }
 
   private received_(data: unknown, current: () => boolean): void {
-    this.heardMs_ = this.options.nowMs();
+    this.lastReceivedMs_ = this.options.nowMs();
     if (typeof data === 'string') {
       this.receivedText_(data);
     } else if (data instanceof ArrayBuffer) {
       const frame = decodeFrame(data);
       if (frame.ok) this.receivedFrame_(frame.value, current);
-      else this.events.problem(`A frame was rejected: ${frame.error.reason} (${frame.error.code}).`);
+      else
+        this.events.problem(`A frame was rejected: ${frame.error.reason} (${frame.error.code}).`);
     }
   }
 
@@ -177,7 +207,7 @@ export class ViewLink {
       return;
     }
     const message = parsed.value;
-    if (message === null) return; // a type of a newer server
+    if (message === null) return; // unknown type, from a newer server
     if (message.type === 'welcome') {
       this.welcomed_ = true;
       this.epoch_ = message.epoch;
@@ -190,25 +220,35 @@ export class ViewLink {
     if (message.type === 'bye') this.byeReason_ = message.reason;
     this.events.message(message);
     if (message.type !== 'error' || !message.fatal) return;
-    // Only what will not change by itself is final; a page that was too slow to say hello, or a full server, tries again.
+    // Retry after errors that may pass, such as a late hello or a full server; only a missing
+    // session is final.
     if (message.code === 'unknown_session') this.stop(message.reason);
     else void this.lost_(message.reason);
   }
 
   private receivedFrame_(frame: Frame, current: () => boolean): void {
     switch (frame.kind) {
-      case 'tools': this.events.tools(frame.header, frame.tools); break;
-      case 'mesh': this.applyMesh_(frame.header, frame.glb, current); break;
+      case 'tools':
+        this.events.tools(frame.header, frame.tools);
+        break;
+      case 'mesh':
+        this.applyMesh_(frame.header, frame.glb, current);
+        break;
       case 'ping':
-        this.socket_?.send(encodeFrame({
-          header: { ...frame.header, type: FrameType.Pong },
-          kind: 'pong', ping_time_us: frame.time_us, time_us: BigInt(Math.round(this.options.nowMs() * 1000)),
-        }));
+        this.socket_?.send(
+          encodeFrame({
+            header: { ...frame.header, type: FrameType.Pong },
+            kind: 'pong',
+            ping_time_us: frame.time_us,
+            time_us: BigInt(Math.round(this.options.nowMs() * 1000)),
+          }),
+        );
         break;
       case 'pong':
         this.events.pong(Number(frame.ping_time_us) / 1000, this.options.nowMs(), frame.time_us);
         break;
-      default: break; // not for a viewer
+      default:
+        break; // other frame types are not meant for viewers
     }
   }
 
@@ -220,7 +260,8 @@ export class ViewLink {
       } catch (problem) {
         this.events.problem(`A mesh frame could not be applied: ${(problem as Error).message}`);
       }
-      // A frame that failed is acknowledged too: the tiles come again with the next change, and the stream must not stop.
+      // Failed frames are acknowledged too: without credit the stream would stop; their tiles are
+      // sent again when they change.
       if (current()) this.sendFrame_(FrameType.Ack, { kind: 'ack' }, header.sequence);
     });
   }

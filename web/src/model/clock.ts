@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The server's clock as seen from here, and how old what we see is. The smallest (arrival − sent) of the recent frames is the
-// offset plus the least delay; ping pairs give the round trip, so the real age of a frame can be told apart from clock offset.
+// Estimates the server's clock and the age of received frames. The smallest (arrival − sent) of the
+// recent frames is the clock offset plus the shortest delay. Ping pairs give the round trip, and
+// with it the clock offset alone, hence a frame's true age.
 
 const WINDOW = 128;
 
@@ -18,13 +19,17 @@ export class ServerClock {
     this.bestRttMs_ = Infinity;
   }
 
-  /** A frame with the server's time arrived. */
+  /** Records the arrival of a frame that carries the server's time. */
   arrived(localMs: number, serverUs: bigint): void {
     this.differences_[this.count_ % WINDOW] = localMs - Number(serverUs) / 1000;
     this.count_ += 1;
   }
 
-  /** A pong came back: sent and received here, stamped there. The fastest pair gives the best offset; it ages slowly. */
+  /**
+   * Records a ping pair: sent and received on the local clock, answered at `serverUs`. The pair
+   * with the shortest round trip gives the best offset; its round trip is raised by 2 % with each
+   * pair, so that the estimate is renewed.
+   */
   pong(sentMs: number, receivedMs: number, serverUs: bigint): void {
     const rtt = receivedMs - sentMs;
     if (!(rtt >= 0)) return;
@@ -41,21 +46,24 @@ export class ServerClock {
     return this.rttMs_;
   }
 
-  /** A server time on the local clock, such that the fastest frames arrive at once. */
+  /**
+   * Maps a server time to the local clock, in ms, so that the fastest frames map to their arrival
+   * time.
+   */
   toLocalMs(serverUs: bigint): number {
     const kept = Math.min(this.count_, WINDOW);
     let least = Infinity;
-    for (let i = 0; i < kept; ++i) least = Math.min(least, this.differences_[i] as number);
+    for (let i = 0; i < kept; ++i) least = Math.min(least, this.differences_[i]!);
     return Number(serverUs) / 1000 + (kept > 0 ? least : 0);
   }
 
-  /** How long ago the server sent a frame, ms; NaN until the clocks are compared. */
+  /** Returns how long ago the server sent a frame, ms; NaN until the first pong. */
   ageMs(localMs: number, serverUs: bigint): number {
     return Math.max(0, localMs - (Number(serverUs) / 1000 + this.offsetMs_));
   }
 }
 
-/** Events per second over the last second or so. */
+/** Counts the events of the last second, up to 256. */
 export class RateMeter {
   private readonly times_ = new Float64Array(256);
   private count_ = 0;
@@ -69,7 +77,7 @@ export class RateMeter {
     const kept = Math.min(this.count_, this.times_.length);
     let recent = 0;
     for (let i = 0; i < kept; ++i) {
-      if ((this.times_[i] as number) > nowMs - 1000) recent += 1;
+      if (this.times_[i]! > nowMs - 1000) recent += 1;
     }
     return recent;
   }

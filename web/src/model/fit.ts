@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far away a camera must stand to see all of a box.
+// Camera distance at which a whole box is in view.
 
 import type { Bounds } from './session';
 
@@ -23,10 +23,16 @@ export function boxCenter({ min, max }: Bounds): [number, number, number] {
 }
 
 /**
- * Least distance from the box's centre, along the unit vector `towardsCamera`, at which all eight corners lie within the half
- * angles given by their tangents. Z is up in the picture.
+ * Returns the smallest distance from the box's center, along the unit vector `towardsCamera`, at
+ * which all eight corners lie inside the view frustum, given by the tangents of its half angles. Z
+ * points up in the picture.
  */
-export function fitDistance(bounds: Bounds, towardsCamera: V, tanHalfWidth: number, tanHalfHeight: number): number {
+export function fitDistance(
+  bounds: Bounds,
+  towardsCamera: V,
+  tanHalfWidth: number,
+  tanHalfHeight: number,
+): number {
   const center = boxCenter(bounds);
   const side = unit(cross([0, 0, 1], towardsCamera));
   const up = cross(towardsCamera, side);
@@ -38,8 +44,11 @@ export function fitDistance(bounds: Bounds, towardsCamera: V, tanHalfWidth: numb
       (corner & 4 ? bounds.max[2] : bounds.min[2]) - center[2],
     ];
     const nearer = dot(arm, towardsCamera);
-    distance = Math.max(distance,
-      nearer + Math.abs(dot(arm, side)) / tanHalfWidth, nearer + Math.abs(dot(arm, up)) / tanHalfHeight);
+    distance = Math.max(
+      distance,
+      nearer + Math.abs(dot(arm, side)) / tanHalfWidth,
+      nearer + Math.abs(dot(arm, up)) / tanHalfHeight,
+    );
   }
   return distance;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the block seems to be made of. `skin` is the untouched outside, `core` what the tool lays open, so a cut shows at once;
-// `ring` and `grain` draw year rings through the whole block, as real wood has them.
+// Appearances of the block. `skin` is the color of the original outside, `core` that of cut
+// surfaces, so that cuts stand out. `ring` is the color and `grain` the strength (0 to 1) of the
+// growth rings of wood, a solid texture through the whole block.
 
-export interface StockLook {
+export interface StockMaterialPreset {
   name: string;
   skin: string;
   core: string;
@@ -12,10 +13,50 @@ export interface StockLook {
   metalness: number;
 }
 
-export const STOCK_LOOKS: readonly StockLook[] = [
-  { name: 'Limewood', skin: '#a06c43', core: '#d9bd94', ring: '#bd9566', grain: 1, roughness: 0.62, metalness: 0 },
-  { name: 'Walnut', skin: '#5a3d2b', core: '#a9805c', ring: '#7d573b', grain: 1, roughness: 0.58, metalness: 0 },
-  { name: 'Tooling board', skin: '#5f8fa8', core: '#d3dde0', ring: '#d3dde0', grain: 0, roughness: 0.72, metalness: 0 },
-  { name: 'Aluminium', skin: '#8b949e', core: '#d3d9df', ring: '#d3d9df', grain: 0, roughness: 0.36, metalness: 0.6 },
-  { name: 'Clay', skin: '#b5694c', core: '#cf8a6b', ring: '#cf8a6b', grain: 0, roughness: 0.9, metalness: 0 },
+export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
+  {
+    name: 'Limewood',
+    skin: '#a06c43',
+    core: '#d9bd94',
+    ring: '#bd9566',
+    grain: 1,
+    roughness: 0.62,
+    metalness: 0,
+  },
+  {
+    name: 'Walnut',
+    skin: '#5a3d2b',
+    core: '#a9805c',
+    ring: '#7d573b',
+    grain: 1,
+    roughness: 0.58,
+    metalness: 0,
+  },
+  {
+    name: 'Tooling board',
+    skin: '#5f8fa8',
+    core: '#d3dde0',
+    ring: '#d3dde0',
+    grain: 0,
+    roughness: 0.72,
+    metalness: 0,
+  },
+  {
+    name: 'Aluminium',
+    skin: '#8b949e',
+    core: '#d3d9df',
+    ring: '#d3d9df',
+    grain: 0,
+    roughness: 0.36,
+    metalness: 0.6,
+  },
+  {
+    name: 'Clay',
+    skin: '#b5694c',
+    core: '#cf8a6b',
+    ring: '#cf8a6b',
+    grain: 0,
+    roughness: 0.9,
+    metalness: 0,
+  },
 ];

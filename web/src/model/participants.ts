@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is at the block, and what their tools do. Two messages feed it: the participants list (names, colours) and the tool
-// states (poses, forces); either may arrive first, so an entry exists as soon as the list names it, and a tool state of somebody
-// unknown waits for the list.
+// The participants of the session and the state of their tools, fed by two messages: the
+// participants list (names, colors) and the tool states (poses, forces). Either may arrive first.
+// The list creates the entries; tool states of unknown participants are ignored.
 
 import type { ParticipantInfo, ToolState } from '../wire/types';
 import { ForceHistory } from './forces';
@@ -13,10 +13,12 @@ export interface Participant {
   info: ParticipantInfo;
   track: PoseTrack;
   forces: ForceHistory;
-  /** Tool and status of the newest tool state; tool 0 until there is one. */
+  /**
+   * Tool and status of the newest tool state; before the first one, the tool of the list (0: none).
+   */
   tool: number;
   status: number;
-  /** Local time of the newest tool state, ms. */
+  /** Local time of the newest tool state, ms; -Infinity before the first one. */
   seenMs: number;
 }
 
@@ -24,7 +26,7 @@ export class Participants {
   private readonly byId_ = new Map<number, Participant>();
   private revision_ = 0;
 
-  /** Takes over a complete list: new ones are added, changed ones renamed, those not in it are gone. */
+  /** Replaces the list: adds new participants, updates known ones, removes those not in it. */
   setList(list: readonly ParticipantInfo[]): void {
     const present = new Set<number>();
     for (const info of list) {
@@ -49,7 +51,7 @@ export class Participants {
     this.revision_ += 1;
   }
 
-  /** Takes over one tools frame. `timeMs` is the server's time of the frame on the viewer's clock. */
+  /** Applies one tools frame. `timeMs` is the frame's server time, mapped to the local clock. */
   applyTools(tools: readonly ToolState[], timeMs: number): void {
     for (const state of tools) {
       const participant = this.byId_.get(state.participant);
@@ -58,11 +60,15 @@ export class Participants {
       participant.tool = state.tool_id;
       participant.status = state.status;
       participant.seenMs = timeMs;
-      participant.forces.push(timeMs / 1000, Math.hypot(...state.force_n), Math.hypot(...state.torque_nmm));
+      participant.forces.push(
+        timeMs / 1000,
+        Math.hypot(...state.force_n),
+        Math.hypot(...state.torque_nmm),
+      );
     }
   }
 
-  /** A new connection: poses of the old one must not be mixed with those to come. */
+  /** Clears all poses, so that those of two connections are never mixed. */
   forgetPoses(): void {
     for (const participant of this.byId_.values()) {
       participant.track.clear();
@@ -74,7 +80,7 @@ export class Participants {
     return this.byId_.get(id);
   }
 
-  /** Those who carve, first come first. */
+  /** Agents and programs, in order of joining. */
   carvers(): Participant[] {
     return this.all().filter((p) => p.info.kind !== 'viewer');
   }
@@ -83,7 +89,7 @@ export class Participants {
     return [...this.byId_.values()].sort((a, b) => a.info.participant - b.info.participant);
   }
 
-  /** Grows whenever the list changes, so that the page redraws it only then. */
+  /** Counter of list changes, so that the page rebuilds its list only after a change. */
   get revision(): number {
     return this.revision_;
   }

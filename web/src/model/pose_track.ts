@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a tool is between two messages. Tool states arrive 20 to 60 times a second and not evenly; drawn as they come, a tool
-// would stutter. So the last states are kept and drawn a little in the past, interpolated at display rate.
+// Interpolates a tool's pose between messages. Tool states arrive 20 to 60 times a second at uneven
+// intervals; drawn on arrival, a tool would stutter. The last states are kept and drawn with a
+// small delay, interpolated at display rate.
 
 import type { ToolState } from '../wire/types';
 
-const CAPACITY = 64; // a power of two: 1 s at 60 Hz
+const CAPACITY = 64; // about 1 s at 60 Hz
 const STRIDE = 14; // time, tip 3, axis 3, force 3, torque 3, removal rate
 
-/** Interpolated state of a tool; reused from call to call, so read it at once. */
+/** Interpolated state of a tool; an output parameter that callers reuse. */
 export interface Pose {
   tip: [number, number, number];
   axis: [number, number, number];
@@ -20,13 +21,15 @@ export function emptyPose(): Pose {
   return { tip: [0, 0, 0], axis: [0, 0, 1], force: [0, 0, 0], torque: [0, 0, 0], removedRate: 0 };
 }
 
-/** Ring of the last states of one participant's tool. Allocates once. Times are in ms on the viewer's clock. */
+/**
+ * Ring buffer of the last states of one participant's tool. Allocates once. Times are local, in ms.
+ */
 export class PoseTrack {
   private readonly data_ = new Float64Array(CAPACITY * STRIDE);
   private pushed_ = 0;
 
   push(timeMs: number, state: ToolState): void {
-    if (this.pushed_ > 0 && timeMs <= this.newestMs) return; // out of order: the newer one stands
+    if (this.pushed_ > 0 && timeMs <= this.newestMs) return; // out of order
     const at = (this.pushed_ % CAPACITY) * STRIDE;
     const d = this.data_;
     d[at] = timeMs;
@@ -43,17 +46,18 @@ export class PoseTrack {
   }
 
   get newestMs(): number {
-    return this.empty ? -Infinity : this.data_[((this.pushed_ - 1) % CAPACITY) * STRIDE] as number;
+    return this.empty ? -Infinity : this.data_[((this.pushed_ - 1) % CAPACITY) * STRIDE]!;
   }
 
-  /** Forgets everything, e.g. when the connection was lost and time has jumped. */
+  /** Removes all states, e.g. after a connection loss. */
   clear(): void {
     this.pushed_ = 0;
   }
 
   /**
-   * The state at a time: linear between the two samples around it, axis on the circle between them; before the first and after
-   * the last it holds still (no extrapolation: a tool must not be drawn inside material that it never cut).
+   * Writes the state at a time to `out`: linear between the two samples around it, with the axis
+   * normalized again. Before the first and after the last sample it is constant: extrapolation
+   * could draw a tool inside material that it never cut. Returns false if there is no sample.
    */
   sample(timeMs: number, out: Pose): boolean {
     if (this.empty) return false;
@@ -69,14 +73,14 @@ export class PoseTrack {
   }
 
   private time_(index: number): number {
-    return this.data_[(index % CAPACITY) * STRIDE] as number;
+    return this.data_[(index % CAPACITY) * STRIDE]!;
   }
 
   private mix_(a: number, b: number, part: number, out: Pose): void {
     const d = this.data_;
     const at = (offset: number): number => {
-      const from = d[a + offset] as number;
-      return from + ((d[b + offset] as number) - from) * part;
+      const from = d[a + offset]!;
+      return from + (d[b + offset]! - from) * part;
     };
     for (let i = 0; i < 3; ++i) {
       out.tip[i] = at(1 + i);
@@ -87,7 +91,7 @@ export class PoseTrack {
     out.removedRate = at(13);
     const length = Math.hypot(out.axis[0], out.axis[1], out.axis[2]);
     if (length > 1e-9) {
-      for (let i = 0; i < 3; ++i) out.axis[i] = (out.axis[i] as number) / length;
+      for (let i = 0; i < 3; ++i) out.axis[i] = out.axis[i]! / length;
     }
   }
 }

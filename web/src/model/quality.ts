@@ -1,37 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps drawing fluent on weak devices: while the picture moves, the pixel ratio steps down when frames are slow and back up
-// when they are quick; once it stands still, one full-quality picture is drawn.
+// Adapts the pixel ratio to the speed of the device: while the picture moves, the ratio steps down
+// when frames are slow and up again when they are fast. A still picture is drawn once at full
+// quality.
 
 const LEVELS = [1, 0.8, 0.62, 0.48, 0.36, 0.28] as const;
 const SLOW_MS = 30;
-const QUICK_MS = 13;
+const FAST_MS = 13;
 const SAMPLES_DOWN = 6;
 const SAMPLES_UP = 90;
-const CRAWL_AFTER = 30; // slow frames at the lowest ratio
-const CRAWL_MS = 140;
+const THROTTLE_AFTER = 30; // consecutive slow frames at the lowest ratio
+const THROTTLED_PAUSE_MS = 140;
 
 export class Quality {
   private level_: number;
   private slow_ = 0;
-  private quick_ = 0;
-  private crawling_ = false;
+  private fast_ = 0;
+  private throttled_ = false;
 
   /**
    * @param fullRatio the pixel ratio of a still picture
-   * @param weak begin low, where it is known beforehand that drawing is slow
+   * @param weak start at the lowest ratio, for devices known to draw slowly
    */
-  constructor(private readonly fullRatio: number, weak = false) {
+  constructor(
+    private readonly fullRatio: number,
+    weak = false,
+  ) {
     this.level_ = weak ? LEVELS.length - 1 : 0;
   }
 
-  /** Reports the time between two drawn frames. Returns true if the ratio changed. */
+  /** Takes the time between two drawn frames. Returns true if the ratio changed. */
   frame(milliseconds: number): boolean {
-    if (milliseconds > 1000) return false; // the tab slept
+    if (milliseconds > 1000) return false; // the tab was in the background
     this.slow_ = milliseconds > SLOW_MS ? this.slow_ + 1 : 0;
-    this.quick_ = milliseconds < QUICK_MS ? this.quick_ + 1 : 0;
+    this.fast_ = milliseconds < FAST_MS ? this.fast_ + 1 : 0;
     if (this.slow_ >= SAMPLES_DOWN && this.level_ < LEVELS.length - 1) return this.step_(1);
-    if (this.slow_ >= CRAWL_AFTER) this.crawling_ = true;
-    if (this.quick_ >= SAMPLES_UP && this.level_ > 0) return this.step_(-1);
+    if (this.slow_ >= THROTTLE_AFTER) this.throttled_ = true;
+    if (this.fast_ >= SAMPLES_UP && this.level_ > 0) return this.step_(-1);
     return false;
   }
 
@@ -40,14 +44,17 @@ export class Quality {
     return this.fullRatio * (LEVELS[this.level_] as number);
   }
 
-  /** Least time between two frames: on a device that cannot keep up even so, the rest of the page needs room to breathe. */
+  /**
+   * Minimum time between two frames, ms: leaves time for the rest of the page where even the lowest
+   * ratio is slow.
+   */
   get pauseMs(): number {
-    return this.crawling_ ? CRAWL_MS : 0;
+    return this.throttled_ ? THROTTLED_PAUSE_MS : 0;
   }
 
-  /** The picture stood still: what made it slow may be over. */
+  /** Ends the throttling after the picture stood still, because its cause may be gone. */
   rested(): void {
-    this.crawling_ = false;
+    this.throttled_ = false;
     this.slow_ = 0;
   }
 
@@ -55,7 +62,7 @@ export class Quality {
     return this.fullRatio;
   }
 
-  /** Weak devices also go without the moving shadow. */
+  /** Whether shadows are updated while the picture moves; not on slow devices. */
   get shadowsWhileMoving(): boolean {
     return this.level_ < 3;
   }
@@ -63,7 +70,7 @@ export class Quality {
   private step_(by: number): boolean {
     this.level_ += by;
     this.slow_ = 0;
-    this.quick_ = 0;
+    this.fast_ = 0;
     return true;
   }
 }

@@ -1,8 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything the page knows about the session, and no drawing. The link feeds it; the views read it.
+// The state of the session without any drawing: the link writes it, the views read it.
 
 import type { LinkStatus } from '../link/view_link';
-import type { Header, ServerMessage, StateMessage, Stock, ToolInfo, ToolState, Vec3, Welcome } from '../wire/types';
+import type {
+  Header,
+  ServerMessage,
+  StateMessage,
+  Stock,
+  ToolInfo,
+  ToolState,
+  Vec3,
+  Welcome,
+} from '../wire/types';
 import { RateMeter, ServerClock } from './clock';
 import { Participants } from './participants';
 import { TileTable } from './tiles';
@@ -50,10 +59,17 @@ export class SessionModel {
         this.participants.setList(message.participants);
         this.participants.forgetPoses();
         break;
-      case 'participants': this.participants.setList(message.participants); break;
-      case 'state': this.state = message; break;
-      case 'error': this.addProblem(`${message.reason} (${message.code})`); break;
-      case 'bye': break; // the link tells the reason when the connection ends
+      case 'participants':
+        this.participants.setList(message.participants);
+        break;
+      case 'state':
+        this.state = message;
+        break;
+      case 'error':
+        this.addProblem(`${message.reason} (${message.code})`);
+        break;
+      case 'bye':
+        break; // the link reports the reason when the connection closes
     }
   }
 
@@ -73,13 +89,15 @@ export class SessionModel {
     this.problems += 1;
   }
 
-  /** Age of what is shown: since the server sent the newest frame, in ms; NaN while unknown. */
+  /** Returns the time since the server sent the newest frame, ms; NaN while unknown. */
   stalenessMs(nowMs: number): number {
     if (this.lastFrameMs_ === -Infinity) return Number.NaN;
     return this.clock.ageMs(nowMs, this.lastFrameUs_);
   }
 
-  /** True while somebody's tool has been moving in the last second, so that silence means trouble. */
+  /**
+   * True if a frame arrived within the last second, so that further silence indicates a problem.
+   */
   active(nowMs: number): boolean {
     return nowMs - this.lastFrameMs_ < 1000;
   }

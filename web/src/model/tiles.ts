@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which version of which tile is shown. A mesh frame carries whole tiles and may come twice, so the only rule is: what comes
-// replaces what is there unless its version is older. An equal version is another level of detail. Every connection begins a new generation, because a server that was restarted may count its versions
-// anew; what an old generation left behind is dropped when the new snapshot is complete, so nothing flickers in between.
+// The displayed version of each tile. Mesh frames carry whole tiles and may arrive twice, so a tile
+// replaces the displayed one unless its version is older; an equal version is another level of
+// detail. Every connection starts a new generation, because a restarted server may count versions
+// from 1 again. Tiles of older generations are removed when the new snapshot is complete, which
+// avoids flicker.
 
 export interface TileEntry {
   x: number;
   y: number;
   version: number;
-  /** of detail; 0: exact */
+  /** Level of detail; 0 is exact. */
   level: number;
   triangles: number;
   generation: number;
 }
 
-/** Tile coordinates in one number, so that a Map needs no strings. */
+/** Packs tile coordinates into one number, as a Map key. */
 export function tileKey(x: number, y: number): number {
   return y * 65536 + x;
 }
@@ -24,17 +26,23 @@ export class TileTable {
   private complete_ = false;
   private triangles_ = 0;
 
-  /** Starts to collect a new snapshot; tiles of the old one stay until they are replaced or the snapshot is complete. */
+  /**
+   * Starts a new snapshot. Tiles of the previous one stay until they are replaced or the new
+   * snapshot is complete.
+   */
   beginSnapshot(): void {
     this.generation_ += 1;
     this.complete_ = false;
   }
 
-  /** Offers a tile. Returns true if its mesh must be swapped in; false if it is older than what we have. */
+  /**
+   * Offers a tile. Returns true if its mesh must be displayed; false if a newer version is
+   * displayed already.
+   */
   offer(x: number, y: number, version: number, triangles: number, level = 0): boolean {
     const key = tileKey(x, y);
     const entry = this.entries_.get(key);
-    if (entry && entry.generation === this.generation_ && entry.version > version) return false;
+    if (entry?.generation === this.generation_ && entry.version > version) return false;
     if (entry) {
       this.triangles_ += triangles - entry.triangles;
       entry.version = version;
@@ -48,7 +56,7 @@ export class TileTable {
     return true;
   }
 
-  /** Ends the snapshot. Returns the keys of tiles that it did not bring: they are gone from the server and from here. */
+  /** Ends the snapshot. Removes the tiles that it did not contain and returns their keys. */
   finishSnapshot(): number[] {
     const stale: number[] = [];
     for (const [key, entry] of this.entries_) {
@@ -61,12 +69,15 @@ export class TileTable {
     return stale;
   }
 
-  /** True once the snapshot of this connection has been applied as a whole. */
+  /** True once the snapshot of this connection has been applied completely. */
   get complete(): boolean {
     return this.complete_;
   }
 
-  /** Counts the snapshots begun. What was read for one must not be offered to the next: versions of two servers do not compare. */
+  /**
+   * Counts the snapshots. Tiles parsed for one must not be offered to the next: versions of two
+   * servers are not comparable.
+   */
   get generation(): number {
     return this.generation_;
   }
@@ -83,7 +94,7 @@ export class TileTable {
     return this.entries_.get(tileKey(x, y))?.version;
   }
 
-  /** All tiles in a fixed order, for tests and for comparing two viewers. */
+  /** Returns all tiles ordered by y, then x, for tests and for comparing two viewers. */
   list(): TileEntry[] {
     return [...this.entries_.values()].sort((a, b) => a.y - b.y || a.x - b.x);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outlines that a scene draws itself: free profiles, APT cutters, shanks and holders. As points (r, z), lengths in mm. The server
-// has checked them (kernel/tool); here they are only drawn.
+// Outlines of free profiles, APT cutters, shanks and holders as points (r, z), lengths in mm. The
+// server has validated them (kernel/tool).
 
 import type { ProfileStep, ToolInfo } from '../wire/types';
 
@@ -8,23 +8,38 @@ export type OutlinePoint = [r: number, z: number];
 
 const ARC_STEPS = 16;
 
-export function arc(centerR: number, centerZ: number, radius: number, from: number, to: number): OutlinePoint[] {
+export function arc(
+  centerR: number,
+  centerZ: number,
+  radius: number,
+  from: number,
+  to: number,
+): OutlinePoint[] {
   const points: OutlinePoint[] = [];
   for (let i = 0; i <= ARC_STEPS; ++i) {
     const angle = from + ((to - from) * i) / ARC_STEPS;
-    points.push([Math.max(0, centerR + radius * Math.cos(angle)), centerZ + radius * Math.sin(angle)]);
+    points.push([
+      Math.max(0, centerR + radius * Math.cos(angle)),
+      centerZ + radius * Math.sin(angle),
+    ]);
   }
   return points;
 }
 
-/** The arc between two points about a centre: the short way round. */
+/** Returns the arc from one point to another about a center, the shorter of the two. */
 function arcBetween(from: OutlinePoint, to: OutlinePoint, center: OutlinePoint): OutlinePoint[] {
   const angleOf = ([r, z]: OutlinePoint): number => Math.atan2(z - center[1], r - center[0]);
   const start = angleOf(from);
   let turn = angleOf(to) - start;
   if (turn > Math.PI) turn -= 2 * Math.PI;
   if (turn < -Math.PI) turn += 2 * Math.PI;
-  const points = arc(center[0], center[1], Math.hypot(from[0] - center[0], from[1] - center[1]), start, start + turn);
+  const points = arc(
+    center[0],
+    center[1],
+    Math.hypot(from[0] - center[0], from[1] - center[1]),
+    start,
+    start + turn,
+  );
   points[0] = from;
   points[points.length - 1] = to;
   return points;
@@ -37,11 +52,11 @@ function centerOf(from: OutlinePoint, step: Exclude<ProfileStep, readonly number
   const dz = z - from[1];
   const chord = Math.hypot(dr, dz);
   const off = Math.sqrt(Math.max(0, (step.radius ?? 0) ** 2 - chord ** 2 / 4)) / chord;
-  const side = step.bulge === 'in' ? -1 : 1; // on the side of the axis where the arc bulges away from it
+  const side = step.bulge === 'in' ? -1 : 1; // 'out': the arc bulges away from the axis
   return [(from[0] + r) / 2 - side * off * dz, (from[1] + z) / 2 + side * off * dr];
 }
 
-/** A profile, smooth piece by smooth piece, raised by `base`. */
+/** Returns a profile as one outline per step, shifted up by `base`. */
 export function profileOutline(steps: readonly ProfileStep[], base = 0): OutlinePoint[][] {
   const pieces: OutlinePoint[][] = [];
   let at: OutlinePoint = [0, 0];
@@ -55,8 +70,17 @@ export function profileOutline(steps: readonly ProfileStep[], base = 0): Outline
   return pieces.map((piece) => piece.map(([r, z]) => [r, z + base]));
 }
 
-/** Where a line from `p` along the unit vector `d` touches a circle, or the first or the second place where it crosses it. */
-function meet(p: OutlinePoint, d: OutlinePoint, center: OutlinePoint, radius: number, second: boolean): OutlinePoint {
+/**
+ * Returns the first or second intersection of the line from `p` along the unit vector `d` with a
+ * circle (the nearest point if it misses).
+ */
+function intersectCircle(
+  p: OutlinePoint,
+  d: OutlinePoint,
+  center: OutlinePoint,
+  radius: number,
+  second: boolean,
+): OutlinePoint {
   const r = center[0] - p[0];
   const z = center[1] - p[1];
   const foot = r * d[0] + z * d[1];
@@ -65,7 +89,7 @@ function meet(p: OutlinePoint, d: OutlinePoint, center: OutlinePoint, radius: nu
   return [p[0] + t * d[0], p[1] + t * d[1]];
 }
 
-/** The cutter of APT's CUTTER/d,r,e,f,alpha,beta,h. */
+/** Returns the outline of the cutter that APT describes by CUTTER/d,r,e,f,alpha,beta,h. */
 export function aptOutline(tool: ToolInfo): OutlinePoint[][] {
   const { d_mm: d = 6, r_mm: radius = 0, e_mm: e = d / 2, f_mm: f = 0, h_mm: height = 40 } = tool;
   const alpha = ((tool.alpha_deg ?? 0) * Math.PI) / 180;
@@ -74,29 +98,44 @@ export function aptOutline(tool: ToolInfo): OutlinePoint[][] {
   const pieces: OutlinePoint[][] = [];
   let top = corner;
   if (radius > 0) {
-    const start = meet([0, 0], [Math.cos(alpha), Math.sin(alpha)], [e, f], radius, true);
-    top = meet(corner, [Math.sin(beta), Math.cos(beta)], [e, f], radius, false);
-    if (top[1] > height) top = [e + Math.sqrt(Math.max(0, radius ** 2 - (height - f) ** 2)), height];
+    const start = intersectCircle([0, 0], [Math.cos(alpha), Math.sin(alpha)], [e, f], radius, true);
+    top = intersectCircle(corner, [Math.sin(beta), Math.cos(beta)], [e, f], radius, false);
+    if (top[1] > height)
+      top = [e + Math.sqrt(Math.max(0, radius ** 2 - (height - f) ** 2)), height];
     if (Math.hypot(...start) > 1e-9) pieces.push([[0, 0], start]);
     pieces.push(arcBetween(start, top, [e, f]));
   } else {
     pieces.push([[0, 0], corner]);
   }
-  if (top[1] < height) pieces.push([top, [Math.max(0, corner[0] + (height - corner[1]) * Math.tan(beta)), height]]);
+  if (top[1] < height)
+    pieces.push([top, [Math.max(0, corner[0] + (height - corner[1]) * Math.tan(beta)), height]]);
   return pieces;
 }
 
 function cylinder(r0: number, r1: number, z0: number, z1: number): OutlinePoint[][] {
-  return [[[0, z0], [r0, z0]], [[r0, z0], [r1, z1]], [[r1, z1], [0, z1]]];
+  return [
+    [
+      [0, z0],
+      [r0, z0],
+    ],
+    [
+      [r0, z0],
+      [r1, z1],
+    ],
+    [
+      [r1, z1],
+      [0, z1],
+    ],
+  ];
 }
 
 export interface BodyOutline {
   pieces: OutlinePoint[][];
-  /** Where it ends. */
+  /** Height of the upper end above the tip, mm. */
   topMm: number;
 }
 
-/** Shank and holder above the cutting length. */
+/** Returns the outlines of shank and holder above the cutting length. */
 export function bodyOutline(tool: ToolInfo, cuttingLengthMm: number): BodyOutline {
   const pieces: OutlinePoint[][] = [];
   let top = cuttingLengthMm;
@@ -104,9 +143,14 @@ export function bodyOutline(tool: ToolInfo, cuttingLengthMm: number): BodyOutlin
     pieces.push(...cylinder(r0, r1, top, top + length));
     top += length;
   };
-  if (tool.shank) stack(tool.shank.diameter_mm / 2, tool.shank.diameter_mm / 2, tool.shank.length_mm);
+  if (tool.shank)
+    stack(tool.shank.diameter_mm / 2, tool.shank.diameter_mm / 2, tool.shank.length_mm);
   if (Array.isArray(tool.holder)) {
-    for (const { diameter_mm: lower, top_diameter_mm: upper = lower, length_mm: length } of tool.holder) {
+    for (const {
+      diameter_mm: lower,
+      top_diameter_mm: upper = lower,
+      length_mm: length,
+    } of tool.holder) {
       stack(lower / 2, upper / 2, length);
     }
   } else if (tool.holder) {

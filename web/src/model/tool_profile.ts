@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The outline of a tool: smooth pieces of its meridian as points (r, z), tip at the origin, z upward along the axis. Pieces meet
-// in edges, so each is lathed by itself and keeps its own normals. Lengths in mm.
+// The outline of a tool: smooth pieces of its meridian as points (r, z), with the tip at the origin
+// and z up the axis. Pieces meet in sharp edges, so each is lathed separately and keeps its own
+// normals. Lengths in mm.
 
 import type { ToolInfo } from '../wire/types';
 import { aptOutline, arc, bodyOutline, profileOutline } from './tool_outline';
@@ -13,16 +14,16 @@ export interface ToolProfile {
   lengthMm: number;
   /** Largest radius. */
   radiusMm: number;
-  /** Radius where the shank begins. */
+  /** Radius at the upper end of the cutting part. */
   topRadiusMm: number;
-  /** Shank and holder, if the scene says what they are; they end at `body.topMm`. */
+  /** Shank and holder, if the scene defines them; they end at `body.topMm`. */
   body: BodyOutline;
 }
 
 type Cutter = Omit<ToolProfile, 'body'>;
 
 function finish(pieces: OutlinePoint[][], lengthMm: number): Cutter {
-  const last = pieces.at(-1)?.at(-1) as OutlinePoint;
+  const last = pieces.at(-1)!.at(-1)!;
   const radiusMm = Math.max(...pieces.flat().map(([r]) => r));
   return {
     pieces: [...pieces, [last, [0, last[1]]]],
@@ -35,19 +36,43 @@ function finish(pieces: OutlinePoint[][], lengthMm: number): Cutter {
 function taper(radius: number, halfAngle: number, length: number, ballTip: boolean): Cutter {
   const slope = Math.tan(halfAngle);
   if (!ballTip) {
-    return finish([[[0, 0], [radius, 0]], [[radius, 0], [radius + slope * length, length]]], length);
+    return finish(
+      [
+        [
+          [0, 0],
+          [radius, 0],
+        ],
+        [
+          [radius, 0],
+          [radius + slope * length, length],
+        ],
+      ],
+      length,
+    );
   }
-  // The ball meets the side where both have the side's direction, so the outline has no edge there.
+  // The ball ends where it is tangent to the side, so that the outline has no edge there.
   const tipArc = arc(0, radius, radius, -Math.PI / 2, -halfAngle);
-  const [r, z] = tipArc.at(-1) as OutlinePoint;
-  return finish([tipArc, [[r, z], [r + slope * Math.max(0, length - z), Math.max(z, length)]]], length);
+  const [r, z] = tipArc.at(-1)!;
+  return finish(
+    [
+      tipArc,
+      [
+        [r, z],
+        [r + slope * Math.max(0, length - z), Math.max(z, length)],
+      ],
+    ],
+    length,
+  );
 }
 
 function drawn(pieces: OutlinePoint[][]): Cutter {
-  return finish(pieces, pieces.at(-1)?.at(-1)?.[1] as number);
+  return finish(pieces, pieces.at(-1)!.at(-1)![1]);
 }
 
-/** The outline of a tool as the scene describes it. An unknown shape is drawn as a plain cylinder of its diameter and length. */
+/**
+ * Returns the outline of a tool as the scene defines it. Unknown shapes become a cylinder of the
+ * tool's diameter and length.
+ */
 export function toolProfile(tool: ToolInfo): ToolProfile {
   const cutter = cutterProfile(tool);
   return { ...cutter, body: bodyOutline(tool, cutter.lengthMm) };
@@ -56,7 +81,10 @@ export function toolProfile(tool: ToolInfo): ToolProfile {
 function cutterProfile(tool: ToolInfo): Cutter {
   const radius = Math.max(0.05, (tool.diameter_mm ?? 6) / 2);
   const length = Math.max(radius, tool.length_mm ?? 40);
-  const side = (z: number): OutlinePoint[] => [[radius, z], [radius, Math.max(z, length)]];
+  const side = (z: number): OutlinePoint[] => [
+    [radius, z],
+    [radius, Math.max(z, length)],
+  ];
   switch (tool.shape) {
     case 'ball':
       return finish([arc(0, radius, radius, -Math.PI / 2, 0), side(radius)], length);
@@ -66,24 +94,58 @@ function cutterProfile(tool: ToolInfo): Cutter {
     }
     case 'cone_end': {
       const height = radius / Math.tan(((tool.tip_angle_deg ?? 90) * Math.PI) / 360);
-      return finish([[[0, 0], [radius, height]], side(height)], length);
+      return finish(
+        [
+          [
+            [0, 0],
+            [radius, height],
+          ],
+          side(height),
+        ],
+        length,
+      );
     }
     case 'bull_nose': {
       const corner = Math.min(radius, Math.max(0, tool.corner_radius_mm ?? 0));
-      const flat: OutlinePoint[] = [[0, 0], [radius - corner, 0]];
-      return finish([flat, arc(radius - corner, corner, corner, -Math.PI / 2, 0), side(corner)], length);
+      const flat: OutlinePoint[] = [
+        [0, 0],
+        [radius - corner, 0],
+      ];
+      return finish(
+        [flat, arc(radius - corner, corner, corner, -Math.PI / 2, 0), side(corner)],
+        length,
+      );
     }
     case 'apt':
       return drawn(aptOutline(tool));
     case 'profile':
-      if (tool.profile_mm && tool.profile_mm.length > 1) return drawn(profileOutline(tool.profile_mm));
-      return finish([[[0, 0], [radius, 0]], side(0)], length);
-    default: // flat, and what this viewer does not know
-      return finish([[[0, 0], [radius, 0]], side(0)], length);
+      if (tool.profile_mm && tool.profile_mm.length > 1)
+        return drawn(profileOutline(tool.profile_mm));
+      return finish(
+        [
+          [
+            [0, 0],
+            [radius, 0],
+          ],
+          side(0),
+        ],
+        length,
+      );
+    default: // flat, and unknown shapes
+      return finish(
+        [
+          [
+            [0, 0],
+            [radius, 0],
+          ],
+          side(0),
+        ],
+        length,
+      );
   }
 }
 
-/** What a tool is called in the list of people. */
+/** Returns the tool's name in the list of participants: shape and diameter. */
 export function toolName(tool: ToolInfo | undefined): string {
   if (!tool) return 'no tool';
   const wide = tool.diameter_mm ?? tool.d_mm ?? (tool.profile_mm && 2 * toolProfile(tool).radiusMm);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Building the page: one small function instead of a framework.
+// Helpers to build the page's HTML.
 
 type Child = Node | string;
 
@@ -8,9 +8,11 @@ interface Attributes {
   [name: string]: string | undefined;
 }
 
-/** Makes an element with attributes and children. Text is always set as text, never as markup. */
+/** Creates an element with attributes and children. Strings become text nodes, never markup. */
 export function h<K extends keyof HTMLElementTagNameMap>(
-  tag: K, attributes: Attributes = {}, ...children: Child[]
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
 ): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -20,15 +22,28 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** A button with an icon, a name for screen readers and a tooltip that also tells its key. */
-export function iconButton(icon: string, label: string, key: string, action: () => void): HTMLButtonElement {
-  const button = h('button', { type: 'button', class: 'icon-button', 'aria-label': label, title: key ? `${label} (${key})` : label });
-  button.innerHTML = icon; // from icons.ts only
+/**
+ * Creates a button with an icon, an accessible name, and a tooltip that includes the keyboard
+ * shortcut.
+ */
+export function iconButton(
+  icon: string,
+  label: string,
+  key: string,
+  action: () => void,
+): HTMLButtonElement {
+  const button = h('button', {
+    type: 'button',
+    class: 'icon-button',
+    'aria-label': label,
+    title: key ? `${label} (${key})` : label,
+  });
+  button.innerHTML = icon; // only constants of icons.ts
   button.addEventListener('click', action);
   return button;
 }
 
-/** Sets a text only if it changes, so that an unchanged page costs no layout. */
+/** Sets an element's text only if it differs, which avoids needless layout. */
 export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers as people read them.
+// Formats numbers and sentences for the user.
 
 const WHOLE = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
 
@@ -8,7 +8,7 @@ export function count(value: number): string {
   return WHOLE.format(value);
 }
 
-/** A value with about three significant digits: 0.0123, 1.23, 12.3, 123. */
+/** Formats a value with about three significant digits: 0.0123, 1.23, 12.3, 123. */
 export function figure(value: number): string {
   if (!Number.isFinite(value)) return '–';
   const size = Math.abs(value);
@@ -17,7 +17,7 @@ export function figure(value: number): string {
   return new Intl.NumberFormat('en', { maximumFractionDigits: digits }).format(value);
 }
 
-/** Cubic millimetres, in cm³ from a cubic centimetre upward. */
+/** Formats a volume: in mm³, from 1000 mm³ in cm³. */
 export function volume(mm3: number): [value: string, unit: string] {
   return mm3 >= 1000 ? [figure(mm3 / 1000), 'cm³'] : [figure(mm3), 'mm³'];
 }
@@ -28,7 +28,7 @@ export function milliseconds(value: number): string {
   return value >= 10 ? `${Math.round(value)} ms` : `${value.toFixed(1)} ms`;
 }
 
-/** A reason as a sentence: "no hello within 5 s" → "No hello within 5 s." */
+/** Turns a reason into a sentence: "no hello within 5 s" → "No hello within 5 s." */
 export function sentence(reason: string): string {
   const text = reason.charAt(0).toUpperCase() + reason.slice(1);
   return /[.!?…]$/.test(text) ? text : `${text}.`;

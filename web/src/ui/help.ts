@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the keys, the mouse and fingers do.
+// The help dialog: keyboard, mouse and touch controls.
 
 import { h } from './dom';
 
@@ -8,32 +8,42 @@ const KEYS: readonly [string, string][] = [
   ['0', 'Three-quarter view'],
   ['1 · 3 · 7', 'Front, right, top'],
   ['Shift + 1 · 3 · 7', 'Back, left, bottom'],
-  ['Arrow keys', 'Turn'],
-  ['Shift + arrow keys', 'Move sideways'],
+  ['Arrow keys', 'Rotate'],
+  ['Shift + arrow keys', 'Pan'],
   ['+ · −', 'Zoom'],
   ['N', 'Follow the next tool'],
   ['Esc', 'Stop following'],
   ['A', 'Force and torque arrows on or off'],
   ['G', 'Grid on or off'],
-  ['?', 'This list'],
+  ['?', 'Show this help'],
 ];
 
 const POINTERS: readonly [string, string][] = [
-  ['Drag, one finger', 'Turn'],
-  ['Right drag, two fingers', 'Move sideways'],
+  ['Drag, one finger', 'Rotate'],
+  ['Right drag, two fingers', 'Pan'],
   ['Wheel, pinch', 'Zoom towards the pointer'],
-  ['Double click', 'Make that point the centre'],
+  ['Double click', 'Center on that point'],
 ];
 
 function table(rows: readonly [string, string][]): HTMLElement {
-  return h('dl', { class: 'keys' }, ...rows.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)]));
+  return h(
+    'dl',
+    { class: 'keys' },
+    ...rows.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)]),
+  );
 }
 
 export function helpDialog(): HTMLDialogElement {
   const close = h('button', { class: 'button' }, 'Close');
-  const dialog = h('dialog', { class: 'help', 'aria-label': 'Keyboard and pointer' },
-    h('h2', {}, 'Keyboard'), table(KEYS), h('h2', {}, 'Mouse, pen and touch'), table(POINTERS),
-    h('form', { method: 'dialog' }, close));
+  const dialog = h(
+    'dialog',
+    { class: 'help', 'aria-label': 'Keyboard and pointer' },
+    h('h2', {}, 'Keyboard'),
+    table(KEYS),
+    h('h2', {}, 'Mouse, pen and touch'),
+    table(POINTERS),
+    h('form', { method: 'dialog' }, close),
+  );
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();
   });

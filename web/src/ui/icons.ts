@@ -1,26 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-// Icons, drawn on a 24-unit square in the text's colour.
+// Icons as SVG: 24-unit squares in the text color.
 
 function icon(path: string): string {
   return `<svg viewBox="0 0 24 24" width="20" height="20" fill="none" stroke="currentColor" stroke-width="1.7"
     stroke-linecap="round" stroke-linejoin="round" aria-hidden="true">${path}</svg>`;
 }
 
-/** A cube with one face filled: which side a preset view shows. */
+/** Returns a cube with one face filled, for the preset view of that side. */
 function cube(face: string): string {
-  return icon(`<path d="M12 3l8 4.5v9L12 21l-8-4.5v-9z"/><path d="M4 7.5l8 4.5 8-4.5M12 12v9"/>${face}`);
+  return icon(
+    `<path d="M12 3l8 4.5v9L12 21l-8-4.5v-9z"/><path d="M4 7.5l8 4.5 8-4.5M12 12v9"/>${face}`,
+  );
 }
 
 export const ICONS = {
-  fit: icon('<path d="M4 9V5a1 1 0 0 1 1-1h4M15 4h4a1 1 0 0 1 1 1v4M20 15v4a1 1 0 0 1-1 1h-4M9 20H5a1 1 0 0 1-1-1v-4"/><circle cx="12" cy="12" r="2.5"/>'),
+  fit: icon(
+    '<path d="M4 9V5a1 1 0 0 1 1-1h4M15 4h4a1 1 0 0 1 1 1v4M20 15v4a1 1 0 0 1-1 1h-4M9 20H5a1 1 0 0 1-1-1v-4"/><circle cx="12" cy="12" r="2.5"/>',
+  ),
   iso: cube(''),
-  front: cube('<path d="M4 7.5l8 4.5v9l-8-4.5z" fill="currentColor" fill-opacity=".45" stroke="none"/>'),
-  right: cube('<path d="M20 7.5l-8 4.5v9l8-4.5z" fill="currentColor" fill-opacity=".45" stroke="none"/>'),
-  top: cube('<path d="M12 3l8 4.5-8 4.5-8-4.5z" fill="currentColor" fill-opacity=".45" stroke="none"/>'),
+  front: cube(
+    '<path d="M4 7.5l8 4.5v9l-8-4.5z" fill="currentColor" fill-opacity=".45" stroke="none"/>',
+  ),
+  right: cube(
+    '<path d="M20 7.5l-8 4.5v9l8-4.5z" fill="currentColor" fill-opacity=".45" stroke="none"/>',
+  ),
+  top: cube(
+    '<path d="M12 3l8 4.5-8 4.5-8-4.5z" fill="currentColor" fill-opacity=".45" stroke="none"/>',
+  ),
   arrows: icon('<path d="M5 19L17 7M10 7h7v7"/>'),
-  help: icon('<circle cx="12" cy="12" r="9"/><path d="M9.5 9.5a2.5 2.5 0 1 1 3.6 2.200c-.8.4-1.100.9-1.100 1.800M12 16.700v.1"/>'),
-  link: icon('<path d="M10 14a4 4 0 0 0 5.700 0l3-3A4 4 0 0 0 13 5.300l-1 1M14 10a4 4 0 0 0-5.700 0l-3 3A4 4 0 0 0 11 18.700l1-1"/>'),
+  help: icon(
+    '<circle cx="12" cy="12" r="9"/><path d="M9.5 9.5a2.5 2.5 0 1 1 3.6 2.200c-.8.4-1.100.9-1.100 1.800M12 16.700v.1"/>',
+  ),
+  link: icon(
+    '<path d="M10 14a4 4 0 0 0 5.700 0l3-3A4 4 0 0 0 13 5.300l-1 1M14 10a4 4 0 0 0-5.700 0l-3 3A4 4 0 0 0 11 18.700l1-1"/>',
+  ),
   download: icon('<path d="M12 4v11m0 0l-4-4m4 4l4-4M5 20h14"/>'),
-  follow: icon('<circle cx="12" cy="12" r="6.5"/><circle cx="12" cy="12" r="1.5" fill="currentColor"/><path d="M12 2.5v3M12 18.5v3M2.5 12h3M18.5 12h3"/>'),
+  follow: icon(
+    '<circle cx="12" cy="12" r="6.5"/><circle cx="12" cy="12" r="1.5" fill="currentColor"/><path d="M12 2.5v3M12 18.5v3M2.5 12h3M18.5 12h3"/>',
+  ),
   back: icon('<path d="M15 5l-7 7 7 7"/>'),
 };

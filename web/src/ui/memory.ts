@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small things that the browser keeps for the user. Browsers that forbid it just forget.
+// User settings in the browser's local storage. Where storage is disabled, they are not kept.
 
 export function remember(key: string, value: string): void {
   try {
     localStorage.setItem(`kerf.${key}`, value);
-  } catch { /* storage is off: nothing is lost but comfort */ }
+  } catch {
+    // Storage is disabled: the setting is not kept.
+  }
 }
 
 export function recall(key: string): string | null {

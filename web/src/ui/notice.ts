@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages for a person: a short one over the picture while it goes on, or a full page when nothing can be shown.
+// Messages to the user: a notice over the picture, or a full page if there is no picture.
 
 import { h, setText } from './dom';
 
@@ -12,9 +12,21 @@ export class Notice {
   }
 }
 
-/** A page that says what went wrong and what can be done. */
-export function failurePage(title: string, text: string, actions: { label: string; href: string }[]): HTMLElement {
-  return h('main', { class: 'page failure', role: 'alert' },
-    h('h1', {}, title), h('p', {}, text),
-    h('p', { class: 'page-actions' }, ...actions.map(({ label, href }) => h('a', { class: 'button', href }, label))));
+/** Creates a page that explains a failure and links to possible actions. */
+export function failurePage(
+  title: string,
+  text: string,
+  actions: { label: string; href: string }[],
+): HTMLElement {
+  return h(
+    'main',
+    { class: 'page failure', role: 'alert' },
+    h('h1', {}, title),
+    h('p', {}, text),
+    h(
+      'p',
+      { class: 'page-actions' },
+      ...actions.map(({ label, href }) => h('a', { class: 'button', href }, label)),
+    ),
+  );
 }

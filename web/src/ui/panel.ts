@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The side panel (a bottom sheet on a phone): figures, people, plots, downloads, material.
+// The side panel (a bottom sheet on phones): figures, participants, plots, downloads, material.
 
-import { STOCK_LOOKS } from '../model/materials';
-import type { StockLook } from '../model/materials';
+import { STOCK_MATERIALS } from '../model/materials';
+import type { StockMaterialPreset } from '../model/materials';
 import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
 import { count, figure, volume } from './format';
@@ -16,24 +16,24 @@ const DOWNLOADS = [
   ['model.3mf', '3MF', 'Closed surface for printing, in millimetres'],
   ['model.glb', 'GLB', 'Surface for viewers and AR'],
   ['model.ply', 'PLY', 'Surface for mesh tools'],
-  ['model.obj', 'OBJ', 'Surface for modelling programs'],
+  ['model.obj', 'OBJ', 'Surface for modeling programs'],
   ['program.ngc', 'NC', 'G-code of every motion'],
   ['program.apt', 'APT', 'Tool poses of every motion'],
   ['forces.csv', 'CSV', 'Force and torque of every motion'],
 ] as const;
 const VARIANTS = [
-  ['model.glb?encoding=quantized', 'GLB quantized', 'Half the size; most viewers read it'],
-  ['model.glb?encoding=meshopt', 'GLB compressed', 'Smallest; for viewers with meshopt'],
-  ['model.stl?encoding=ascii', 'STL text', 'For programs that read no binary STL'],
+  ['model.glb?encoding=quantized', 'GLB quantized', 'Half the size; supported by most viewers'],
+  ['model.glb?encoding=meshopt', 'GLB compressed', 'Smallest; needs a viewer with meshopt support'],
+  ['model.stl?encoding=ascii', 'STL text', 'For programs without support for binary STL'],
 ] as const;
 
 export interface PanelActions {
-  pressedPerson(participant: number): void;
-  chosenLook(look: StockLook): void;
-  /** The panel's size on screen changed. */
-  layoutChanged(): void;
-  /** On a phone: the sheet was opened or closed. */
-  toggled(open: boolean): void;
+  personPressed: (participant: number) => void;
+  materialChosen: (look: StockMaterialPreset) => void;
+  /** The panel was resized. */
+  layoutChanged: () => void;
+  /** The bottom sheet (on phones) was opened or closed. */
+  toggled: (open: boolean) => void;
 }
 
 class Figure {
@@ -42,7 +42,12 @@ class Figure {
   readonly element: HTMLElement;
 
   constructor(label: string) {
-    this.element = h('div', { class: 'figure' }, h('dt', {}, label), h('dd', {}, this.value_, this.unit_));
+    this.element = h(
+      'div',
+      { class: 'figure' },
+      h('dt', {}, label),
+      h('dd', {}, this.value_, this.unit_),
+    );
   }
 
   set(value: string, unit = ''): void {
@@ -57,41 +62,66 @@ function section(title: string, ...content: HTMLElement[]): HTMLElement {
 
 export class Panel {
   readonly element: HTMLElement;
-  private readonly handle_ = h('button', { type: 'button', class: 'sheet-handle', 'aria-expanded': 'false' }, 'Show details');
+  private readonly handle_ = h(
+    'button',
+    { type: 'button', class: 'sheet-handle', 'aria-expanded': 'false' },
+    'Show details',
+  );
   private readonly motions_ = new Figure('Motions');
   private readonly removed_ = new Figure('Removed');
   private readonly triangles_ = new Figure('Triangles');
   private readonly pitch_ = new Figure('Pitch');
-  private readonly hash_ = h('code', { title: 'State hash: equal for everybody who sees the same block' });
+  private readonly hash_ = h('code', {
+    title: 'State hash: two viewers with the same hash show the same block',
+  });
   private readonly plotOf_ = h('span', { class: 'plot-of' });
   private readonly people_: People;
   private readonly plots_: Plots;
 
   constructor(
-    private readonly model: SessionModel, session: string, colors: { force: string; torque: string },
+    private readonly model: SessionModel,
+    session: string,
+    colors: { force: string; torque: string },
     private readonly actions: PanelActions,
   ) {
-    this.people_ = new People(model, actions.pressedPerson);
+    this.people_ = new People(model, actions.personPressed);
     this.plots_ = new Plots(colors.force, colors.torque);
-    const figures = h('dl', { class: 'figures' },
-      this.motions_.element, this.removed_.element, this.triangles_.element, this.pitch_.element);
+    const figures = h(
+      'dl',
+      { class: 'figures' },
+      this.motions_.element,
+      this.removed_.element,
+      this.triangles_.element,
+      this.pitch_.element,
+    );
     const forces = section('Forces', this.plots_.element);
     forces.querySelector('h2')?.append(this.plotOf_);
-    this.element = h('aside', { class: 'panel', 'aria-label': 'Session details' },
+    this.element = h(
+      'aside',
+      { class: 'panel', 'aria-label': 'Session details' },
       this.handle_,
-      h('div', { class: 'panel-scroll' },
-        figures, section('At the block', this.people_.root), forces,
-        section('Take it home', downloads(session)), section('Material', looks(actions.chosenLook)),
-        h('p', { class: 'quiet hash' }, 'State ', this.hash_)));
+      h(
+        'div',
+        { class: 'panel-scroll' },
+        figures,
+        section('Participants', this.people_.root),
+        forces,
+        section('Downloads', downloads(session)),
+        section('Material', materials(actions.materialChosen)),
+        h('p', { class: 'quiet hash' }, 'State ', this.hash_),
+      ),
+    );
     this.handle_.addEventListener('click', () => this.toggle_());
     new ResizeObserver(() => actions.layoutChanged()).observe(this.element);
   }
 
-  /** Redraws from the model; called a few times a second. */
+  /** Updates the panel from the model; called about ten times a second. */
   update(selected: number | null, followed: number | null, nowMs: number): void {
     const { state, welcome, tiles } = this.model;
     this.motions_.set(state ? count(state.motions) : '–');
-    this.removed_.set(...(state ? volume(state.removed_volume_mm3) : ['–', ''] as [string, string]));
+    this.removed_.set(
+      ...(state ? volume(state.removed_volume_mm3) : (['–', ''] as [string, string])),
+    );
     this.triangles_.set(count(tiles.triangles));
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
     setText(this.hash_, state ? state.state_hash : '–');
@@ -111,31 +141,48 @@ export class Panel {
 }
 
 function downloads(session: string): HTMLElement {
-  // The server names the files after the scene; an empty `download` keeps that name.
+  // An empty `download` attribute keeps the file name that the server sends, which is the scene's.
   const link = (kind: string, file: string, name: string, title: string): HTMLAnchorElement =>
-    h('a', { class: kind, href: `/v1/sessions/${encodeURIComponent(session)}/${file}`, download: '', title }, name);
+    h(
+      'a',
+      {
+        class: kind,
+        href: `/v1/sessions/${encodeURIComponent(session)}/${file}`,
+        download: '',
+        title,
+      },
+      name,
+    );
   const buttons = DOWNLOADS.map(([file, name, title]) => {
     const button = link('download', file, name, title);
     button.insertAdjacentHTML('afterbegin', ICONS.download);
     return button;
   });
   const variants = VARIANTS.map(([file, name, title]) => link('variant', file, name, title));
-  return h('div', {}, h('div', { class: 'downloads' }, ...buttons), h('p', { class: 'variants quiet' }, 'Also: ', ...variants));
+  return h(
+    'div',
+    {},
+    h('div', { class: 'downloads' }, ...buttons),
+    h('p', { class: 'variants quiet' }, 'Also: ', ...variants),
+  );
 }
 
-function looks(chosen: (look: StockLook) => void): HTMLElement {
-  const group = h('div', { class: 'looks', role: 'radiogroup', 'aria-label': 'Material' });
+function materials(chosen: (preset: StockMaterialPreset) => void): HTMLElement {
+  const group = h('div', { class: 'materials', role: 'radiogroup', 'aria-label': 'Material' });
   const saved = recall('look');
-  const first = STOCK_LOOKS.find((look) => look.name === saved) ?? STOCK_LOOKS[0] as StockLook;
-  for (const look of STOCK_LOOKS) {
-    const input = h('input', { type: 'radio', name: 'look', 'aria-label': look.name });
-    input.checked = look === first;
+  const first = STOCK_MATERIALS.find((preset) => preset.name === saved) ?? STOCK_MATERIALS[0]!;
+  for (const preset of STOCK_MATERIALS) {
+    const input = h('input', { type: 'radio', name: 'material', 'aria-label': preset.name });
+    input.checked = preset === first;
     input.addEventListener('change', () => {
-      remember('look', look.name);
-      chosen(look);
+      remember('look', preset.name);
+      chosen(preset);
     });
-    const swatch = h('span', { class: 'look', style: `background:linear-gradient(135deg, ${look.core} 55%, ${look.skin} 56%)` });
-    group.append(h('label', { title: look.name }, input, swatch));
+    const swatch = h('span', {
+      class: 'material',
+      style: `background:linear-gradient(135deg, ${preset.core} 55%, ${preset.skin} 56%)`,
+    });
+    group.append(h('label', { title: preset.name }, input, swatch));
   }
   chosen(first);
   return group;

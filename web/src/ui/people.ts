@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is at the block: colour, name, tool, live force. Pressing a name follows that tool and shows its forces in the plots.
+// The list of participants: color, name, tool, current force. Pressing a name follows that tool and
+// plots its forces.
 
 import { toolName } from '../model/tool_profile';
 import type { Participant } from '../model/participants';
@@ -22,7 +23,10 @@ export class People {
   private readonly rows_ = new Map<number, Row>();
   private revision_ = -1;
 
-  constructor(private readonly model: SessionModel, private readonly pressed: (participant: number) => void) {}
+  constructor(
+    private readonly model: SessionModel,
+    private readonly pressed: (participant: number) => void,
+  ) {}
 
   update(selected: number | null, followed: number | null, nowMs: number): void {
     if (this.revision_ !== this.model.participants.revision) this.rebuild_();
@@ -38,10 +42,17 @@ export class People {
     const carvers = this.model.participants.carvers();
     this.element.replaceChildren(...carvers.map((participant) => this.row_(participant).element));
     if (carvers.length === 0) {
-      this.element.append(h('li', { class: 'quiet' }, 'Nobody is carving at the moment.'));
+      this.element.append(h('li', { class: 'quiet' }, 'No one is carving.'));
     }
     const watching = this.model.participants.all().length - carvers.length;
-    setText(this.watchers_, watching === 0 ? '' : watching === 1 ? '1 viewer: you' : `${watching} viewers, you among them`);
+    setText(
+      this.watchers_,
+      watching === 0
+        ? ''
+        : watching === 1
+          ? '1 viewer: you'
+          : `${watching} viewers, you among them`,
+    );
   }
 
   private row_(participant: Participant): Row {
@@ -49,24 +60,45 @@ export class People {
     const force = h('span', { class: 'person-force' });
     const state = h('span', { class: 'person-state' });
     const tool = toolName(this.model.tool(participant.tool || (participant.info.tool ?? 0)));
-    const button = h('button', { type: 'button', class: 'person', style: `--who:${color}`, title: 'Follow this tool' },
+    const button = h(
+      'button',
+      { type: 'button', class: 'person', style: `--who:${color}`, title: 'Follow this tool' },
       h('span', { class: 'person-dot' }),
-      h('span', { class: 'person-name' }, name, h('small', {}, kind === 'program' ? `program · ${tool}` : tool)),
-      state, force);
+      h(
+        'span',
+        { class: 'person-name' },
+        name,
+        h('small', {}, kind === 'program' ? `program · ${tool}` : tool),
+      ),
+      state,
+      force,
+    );
     button.addEventListener('click', () => this.pressed(id));
     const row = { element: h('li', {}, button), button, force, state };
     this.rows_.set(id, row);
     return row;
   }
 
-  private updateRow_(row: Row, participant: Participant, selected: number | null, followed: number | null, nowMs: number): void {
+  private updateRow_(
+    row: Row,
+    participant: Participant,
+    selected: number | null,
+    followed: number | null,
+    nowMs: number,
+  ): void {
     const id = participant.info.participant;
     row.button.classList.toggle('selected', id === selected);
     row.button.setAttribute('aria-pressed', String(id === followed));
     const fresh = nowMs - participant.seenMs < 1500;
     const { status } = participant;
     setText(row.force, fresh ? `${figure(participant.forces.latest.forceN)} N` : '');
-    const word = !fresh ? 'idle' : status & STATUS_COLLIDING ? 'colliding' : status & STATUS_CUTTING ? 'cutting' : 'in the air';
+    const word = !fresh
+      ? 'idle'
+      : status & STATUS_COLLIDING
+        ? 'colliding'
+        : status & STATUS_CUTTING
+          ? 'cutting'
+          : 'in the air';
     setText(row.state, id === followed ? `${word} · followed` : word);
     row.state.dataset['state'] = word;
   }

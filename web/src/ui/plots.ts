@@ -18,34 +18,56 @@ class Plot {
   private readonly plot_: uPlot;
   private nowS_ = 0;
 
-  constructor(title: string, private readonly unit: string, color: string) {
+  constructor(
+    title: string,
+    private readonly unit: string,
+    color: string,
+  ) {
     const swatch = h('span', { class: 'plot-swatch', style: `background:${color}` });
-    this.element = h('figure', { class: 'plot', 'aria-label': `${title}, last ${FORCE_WINDOW_S} seconds` },
-      h('figcaption', {}, swatch, title, this.value_, this.peak_), this.frame_);
-    const axis = { stroke: '#7a8699', font: '11px "Inter Variable", sans-serif', grid: { stroke: '#e3e8ef', width: 1 }, ticks: { show: false } };
-    this.plot_ = new uPlot({
-      width: 280,
-      height: HEIGHT,
-      legend: { show: false },
-      cursor: { show: false },
-      padding: [8, 12, 0, 0],
-      scales: {
-        x: { time: false, range: () => [this.nowS_ - FORCE_WINDOW_S, this.nowS_] },
-        y: { range: (_plot, _low, high) => [0, high > 0 ? high * 1.15 : 1] },
+    this.element = h(
+      'figure',
+      { class: 'plot', 'aria-label': `${title}, last ${FORCE_WINDOW_S} seconds` },
+      h('figcaption', {}, swatch, title, this.value_, this.peak_),
+      this.frame_,
+    );
+    const axis = {
+      stroke: '#7a8699',
+      font: '11px "Inter Variable", sans-serif',
+      grid: { stroke: '#e3e8ef', width: 1 },
+      ticks: { show: false },
+    };
+    this.plot_ = new uPlot(
+      {
+        width: 280,
+        height: HEIGHT,
+        legend: { show: false },
+        cursor: { show: false },
+        padding: [8, 12, 0, 0],
+        scales: {
+          x: { time: false, range: () => [this.nowS_ - FORCE_WINDOW_S, this.nowS_] },
+          y: { range: (_plot, _low, high) => [0, high > 0 ? high * 1.15 : 1] },
+        },
+        axes: [
+          {
+            ...axis,
+            size: 22,
+            space: 48,
+            values: (_plot, at) => at.map((t) => `${Math.round(t - this.nowS_) || 0} s`),
+            splits: () => [-10, -5, 0].map((t) => this.nowS_ + t),
+          },
+          { ...axis, size: 48, space: 26, values: (_plot, at) => at.map((v) => figure(v)) },
+        ],
+        series: [{}, { stroke: color, width: 1.6, fill: `${color}1f`, points: { show: false } }],
       },
-      axes: [
-        { ...axis, size: 22, space: 48, values: (_plot, at) => at.map((t) => `${Math.round(t - this.nowS_) || 0} s`),
-          splits: () => [-10, -5, 0].map((t) => this.nowS_ + t) },
-        { ...axis, size: 48, space: 26, values: (_plot, at) => at.map((v) => figure(v)) },
-      ],
-      series: [{}, { stroke: color, width: 1.6, fill: `${color}1f`, points: { show: false } }],
-    }, [[], []], this.frame_);
+      [[], []],
+      this.frame_,
+    );
   }
 
   show(times: Float64Array, values: Float64Array, nowS: number, peak: number): void {
     this.nowS_ = nowS;
     this.plot_.setData([times, values]);
-    const latest = values.length > 0 ? values[values.length - 1] as number : 0;
+    const latest = values.length > 0 ? values[values.length - 1]! : 0;
     setText(this.value_, `${figure(latest)} ${this.unit}`);
     setText(this.peak_, `peak ${figure(peak)}`);
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// One session on screen: puts link, model, view and panels together.
+// The page of one session: connects link, model, view and panels.
 
 import { probeSession } from '../link/api';
 import { ViewLink } from '../link/view_link';
 import type { Socket } from '../link/view_link';
-import { LookPolicy } from '../model/look';
+import { LookPolicy } from '../model/look_policy';
 import { SessionModel } from '../model/session';
 import { Viewer } from '../view/viewer';
 import type { Insets } from '../view/camera_rig';
@@ -18,12 +18,18 @@ import { listenToKeys } from './keyboard';
 import { failurePage, Notice } from './notice';
 import { Panel } from './panel';
 
+const SESSION_CLOSED = 'The server closed the session';
 const PANEL_EVERY_MS = 100;
-const SHEET_MS = 240; // the sheet's way up or down (style.css)
+const SHEET_MS = 240; // duration of the bottom sheet's transition (style/phone.css)
 
 export class SessionPage {
   readonly model = new SessionModel();
-  private readonly canvas_ = h('canvas', { class: 'canvas', tabindex: '0', role: 'img', 'aria-label': 'The block and the tools, in 3D' });
+  private readonly canvas_ = h('canvas', {
+    class: 'canvas',
+    tabindex: '0',
+    role: 'img',
+    'aria-label': 'The block and the tools, in 3D',
+  });
   private readonly overlay_ = h('div', { class: 'overlay', 'aria-hidden': 'true' });
   private readonly notice_ = new Notice();
   private readonly badge_ = new Badge();
@@ -34,28 +40,50 @@ export class SessionPage {
   private readonly panel_: Panel;
   private readonly viewer_: Viewer;
   private readonly link_: ViewLink;
-  private readonly looks_ = new LookPolicy();
+  private readonly lookPolicy_ = new LookPolicy();
   private selected_: number | null = null;
   private panelMs_ = 0;
   private contextLost_ = false;
 
-  /** Throws where there is no WebGL. */
-  constructor(private readonly app: HTMLElement, private readonly session: string, name: string, fixedQuality: boolean) {
+  /** Throws if WebGL is not available. */
+  constructor(
+    private readonly app: HTMLElement,
+    private readonly session: string,
+    name: string,
+    fixedQuality: boolean,
+  ) {
     this.viewer_ = new Viewer(this.canvas_, this.overlay_, this.model, fixedQuality);
-    this.panel_ = new Panel(this.model, session, { force: FORCE_COLOR, torque: TORQUE_COLOR }, {
-      pressedPerson: (id) => this.pressedPerson_(id),
-      chosenLook: (look) => this.viewer_.setLook(look),
-      layoutChanged: () => this.resize_(),
-      toggled: (open) => {
-        this.toolbar_.classList.toggle('covered', open);
-        setTimeout(() => this.viewer_.rig.fit(performance.now()), SHEET_MS);
+    this.panel_ = new Panel(
+      this.model,
+      session,
+      { force: FORCE_COLOR, torque: TORQUE_COLOR },
+      {
+        personPressed: (id) => this.personPressed_(id),
+        materialChosen: (preset) => this.viewer_.setMaterial(preset),
+        layoutChanged: () => this.resize_(),
+        toggled: (open) => {
+          this.toolbar_.classList.toggle('covered', open);
+          setTimeout(() => this.viewer_.rig.fit(performance.now()), SHEET_MS);
+        },
       },
-    });
+    );
     this.toolbar_ = this.makeToolbar_();
     this.bar_ = this.makeBar_();
     this.link_ = this.makeLink_(name);
-    app.replaceChildren(h('main', { class: 'viewer' },
-      this.canvas_, this.overlay_, this.bar_, this.toolbar_, this.scale_, this.panel_.element, this.notice_.element, this.help_));
+    app.replaceChildren(
+      h(
+        'main',
+        { class: 'viewer' },
+        this.canvas_,
+        this.overlay_,
+        this.bar_,
+        this.toolbar_,
+        this.scale_,
+        this.panel_.element,
+        this.notice_.element,
+        this.help_,
+      ),
+    );
     this.listen_();
     this.resize_();
   }
@@ -64,70 +92,87 @@ export class SessionPage {
     this.link_.start();
     const frame = (nowMs: number): void => {
       this.viewer_.tick(nowMs);
-      this.tellLook_(nowMs);
+      this.sendLook_(nowMs);
       if (nowMs - this.panelMs_ >= PANEL_EVERY_MS) this.updatePanel_(nowMs);
       requestAnimationFrame(frame);
     };
     requestAnimationFrame(frame);
   }
 
-  /** The tool whose view is followed, or null. */
+  /** The participant whose tool is followed, or null. */
   get followed(): number | null {
     return this.viewer_.followed;
   }
 
-  private tellLook_(nowMs: number): void {
+  private sendLook_(nowMs: number): void {
     if (this.model.status !== 'connected') return;
     const { look, distanceMm } = this.viewer_.look();
-    const news = this.looks_.next(look, distanceMm, nowMs);
-    if (news) this.link_.look(news);
+    const changed = this.lookPolicy_.next(look, distanceMm, nowMs);
+    if (changed) this.link_.sendLook(changed);
   }
 
   private makeLink_(name: string): ViewLink {
     const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-    return new ViewLink({
-      url: `${scheme}://${location.host}/v1/sessions/${encodeURIComponent(this.session)}/view`,
-      name,
-      open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
-      probe: () => probeSession(this.session),
-      nowMs: () => performance.now(),
-    }, {
-      status: (status, reason) => {
-        this.model.setStatus(status, reason);
-        if (status === 'stopped') this.showStopped_(reason);
+    return new ViewLink(
+      {
+        url: `${scheme}://${location.host}/v1/sessions/${encodeURIComponent(this.session)}/view`,
+        name,
+        open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
+        probe: () => probeSession(this.session),
+        nowMs: () => performance.now(),
       },
-      message: (message) => {
-        this.model.apply(message);
-        if (message.type !== 'welcome') return;
-        this.viewer_.welcome(message);
-        this.looks_.reset();
+      {
+        status: (status, reason) => {
+          this.model.setStatus(status, reason);
+          if (status === 'stopped') this.showStopped_(reason);
+        },
+        message: (message) => {
+          this.model.apply(message);
+          if (message.type !== 'welcome') return;
+          this.viewer_.welcome(message);
+          this.lookPolicy_.reset();
+        },
+        tools: (header, tools) => this.model.applyTools(header, tools, performance.now()),
+        mesh: async (header, glb) => {
+          this.model.meshArrived(header, glb.byteLength, performance.now());
+          await this.viewer_.applyMesh(header, glb);
+        },
+        pong: (sent, received, serverUs) => this.model.clock.pong(sent, received, serverUs),
+        problem: (reason) => {
+          this.model.addProblem(reason);
+          console.warn(reason);
+        },
       },
-      tools: (header, tools) => this.model.applyTools(header, tools, performance.now()),
-      mesh: async (header, glb) => {
-        this.model.meshArrived(header, glb.byteLength, performance.now());
-        await this.viewer_.applyMesh(header, glb);
-      },
-      pong: (sent, received, serverUs) => this.model.clock.pong(sent, received, serverUs),
-      problem: (reason) => {
-        this.model.addProblem(reason);
-        console.warn(reason);
-      },
-    });
+    );
   }
 
   private makeBar_(): HTMLElement {
     const copy = iconButton(ICONS.link, 'Copy a link to this session', '', () => {
-      void navigator.clipboard?.writeText(location.href).then(() => this.flash_('Link copied.'));
+      const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
+      void clipboard?.writeText(location.href).then(() => this.flash_('Link copied.'));
     });
-    const home = h('a', { class: 'brand', href: '?list', 'aria-label': 'Kerf: all sessions' },
-      h('img', { src: './icon.svg', alt: '', width: '28', height: '28' }), 'Kerf');
-    return h('header', { class: 'bar' }, home, h('h1', { class: 'session-name', title: this.session }, this.session), copy, this.badge_.element);
+    const home = h(
+      'a',
+      { class: 'brand', href: '?list', 'aria-label': 'Kerf: all sessions' },
+      h('img', { src: './icon.svg', alt: '', width: '28', height: '28' }),
+      'Kerf',
+    );
+    return h(
+      'header',
+      { class: 'bar' },
+      home,
+      h('h1', { class: 'session-name', title: this.session }, this.session),
+      copy,
+      this.badge_.element,
+    );
   }
 
   private makeToolbar_(): HTMLElement {
     const view = this.viewer_;
     const now = (): number => performance.now();
-    return h('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'View' },
+    return h(
+      'div',
+      { class: 'toolbar', role: 'toolbar', 'aria-label': 'View' },
       iconButton(ICONS.fit, 'Fit', 'F', () => view.rig.fit(now())),
       iconButton(ICONS.iso, 'Three-quarter view', '0', () => view.rig.preset('iso', now())),
       iconButton(ICONS.front, 'Front', '1', () => view.rig.preset('front', now())),
@@ -135,7 +180,8 @@ export class SessionPage {
       iconButton(ICONS.top, 'Top', '7', () => view.rig.preset('top', now())),
       iconButton(ICONS.follow, 'Follow the next tool', 'N', () => this.followNext_()),
       iconButton(ICONS.arrows, 'Force and torque arrows', 'A', () => this.toggleArrows_()),
-      iconButton(ICONS.help, 'Keyboard and pointer', '?', () => this.help_.showModal()));
+      iconButton(ICONS.help, 'Keyboard and pointer', '?', () => this.help_.showModal()),
+    );
   }
 
   private listen_(): void {
@@ -157,7 +203,9 @@ export class SessionPage {
     });
     window.addEventListener('resize', () => this.resize_());
     window.addEventListener('online', () => this.link_.retryNow());
-    this.canvas_.addEventListener('dblclick', (event) => this.viewer_.lookAtPixel(event.offsetX, event.offsetY));
+    this.canvas_.addEventListener('dblclick', (event) =>
+      this.viewer_.lookAtPixel(event.offsetX, event.offsetY),
+    );
     this.canvas_.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.contextLost_ = true;
@@ -180,7 +228,12 @@ export class SessionPage {
     const bar = this.bar_.getBoundingClientRect();
     const sheet = panel.width > 0.9 * width;
     return sheet
-      ? { left: 0, right: 0, top: bar.bottom, bottom: Math.min(0.75 * height, Math.max(0, height - panel.top)) }
+      ? {
+          left: 0,
+          right: 0,
+          top: bar.bottom,
+          bottom: Math.min(0.75 * height, Math.max(0, height - panel.top)),
+        }
       : { left: 0, right: Math.max(0, width - panel.left), top: bar.bottom, bottom: 24 };
   }
 
@@ -193,9 +246,9 @@ export class SessionPage {
     if (this.followed !== null && !participants.get(this.followed)) this.viewer_.follow(null);
     this.panel_.update(this.selected_, this.followed, nowMs);
     this.badge_.update(this.model, nowMs);
-    const shown = participants.carvers().length > 0 && this.viewer_.arrowsVisible;
-    this.scale_.hidden = !shown;
-    if (shown) this.updateScale_();
+    const scaleVisible = participants.carvers().length > 0 && this.viewer_.arrowsVisible;
+    this.scale_.hidden = !scaleVisible;
+    if (scaleVisible) this.updateScale_();
     this.notice_.show(this.noticeText_(nowMs));
   }
 
@@ -203,7 +256,9 @@ export class SessionPage {
     const { forceFullN, torqueFullNmm } = this.viewer_;
     if (this.scale_.childElementCount === 0) {
       this.scale_.append(
-        h('span', { style: `--line:${FORCE_COLOR}` }), h('span', { style: `--line:${TORQUE_COLOR}` }));
+        h('span', { style: `--line:${FORCE_COLOR}` }),
+        h('span', { style: `--line:${TORQUE_COLOR}` }),
+      );
     }
     setText(this.scale_.children[0] as HTMLElement, `${figure(forceFullN)} N`);
     setText(this.scale_.children[1] as HTMLElement, `${figure(torqueFullNmm)} N·mm`);
@@ -219,22 +274,28 @@ export class SessionPage {
 
   private noticeText_(nowMs: number): string {
     const { status, statusReason, tiles } = this.model;
-    if (this.contextLost_) return 'The graphics device was lost. The picture comes back as soon as the browser gives it back.';
-    if (status === 'reconnecting') return `${sentence(statusReason || 'The connection was lost')} Trying again…`;
-    if (status === 'stopped') return `${sentence(statusReason || 'The server closed the session')} This is the last picture.`;
+    if (this.contextLost_)
+      return 'The graphics device was lost. Drawing resumes when the browser restores it.';
+    if (status === 'reconnecting')
+      return `${sentence(statusReason || 'The connection was lost')} Reconnecting…`;
+    if (status === 'stopped')
+      return `${sentence(statusReason || SESSION_CLOSED)} The last picture stays on screen.`;
     if (status === 'connecting') return 'Connecting…';
-    if (status === 'connected' && !tiles.complete) return 'Loading the block…';
+    if (!tiles.complete) return 'Loading the block…';
     return nowMs < this.flashUntilMs_ ? this.flashText_ : '';
   }
 
   private showStopped_(reason: string): void {
-    if (this.model.welcome) return; // the last picture stays; badge and notice tell
-    this.app.replaceChildren(failurePage('Nothing to watch here', sentence(reason || 'The server closed the session'), [
-      { label: 'All sessions', href: '?list' }, { label: 'Try again', href: location.search },
-    ]));
+    if (this.model.welcome) return; // the last picture stays; badge and notice explain
+    this.app.replaceChildren(
+      failurePage('Session not available', sentence(reason || SESSION_CLOSED), [
+        { label: 'All sessions', href: '?list' },
+        { label: 'Try again', href: location.search },
+      ]),
+    );
   }
 
-  private pressedPerson_(id: number): void {
+  private personPressed_(id: number): void {
     this.selected_ = id;
     this.viewer_.follow(this.followed === id ? null : id);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The camera: orbit, pan and zoom with damping (mouse, pen, touch), preset views with a short flight, fit, and following a tool.
+// The camera: damped orbit, pan and zoom (mouse, pen, touch), animated preset views, fit, and
+// following a tool.
 
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -20,7 +21,7 @@ const DIRECTIONS: Record<Preset, [number, number, number]> = {
 const FLIGHT_MS = 450;
 const FIT_MARGIN = 1.03;
 
-/** Parts of the canvas that panels cover, CSS pixels. */
+/** Widths of the canvas margins that panels cover, CSS pixels. */
 export interface Insets {
   left: number;
   right: number;
@@ -51,15 +52,22 @@ export class CameraRig {
   private following_ = false;
   private changed_ = true;
 
-  constructor(element: HTMLElement, private readonly reducedMotion: boolean) {
+  constructor(
+    element: HTMLElement,
+    private readonly reducedMotion: boolean,
+  ) {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, element);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
     this.controls.zoomToCursor = true;
     this.controls.screenSpacePanning = true;
-    this.controls.addEventListener('change', () => { this.changed_ = true; });
-    this.controls.addEventListener('start', () => { this.flight_ = null; });
+    this.controls.addEventListener('change', () => {
+      this.changed_ = true;
+    });
+    this.controls.addEventListener('start', () => {
+      this.flight_ = null;
+    });
   }
 
   setBounds(bounds: Bounds): void {
@@ -79,28 +87,31 @@ export class CameraRig {
     this.height_ = height;
     this.insets_ = insets;
     this.camera.aspect = width / height;
-    // The picture's middle moves into the middle of what no panel covers.
+    // Shifts the picture's center to the center of the area that no panel covers.
     const { left, right, top, bottom } = insets;
     this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
     this.changed_ = true;
   }
 
-  /** Flies to a preset direction, with the whole block in view. */
+  /** Moves the camera to a preset direction, with the whole block in view. */
   preset(preset: Preset, nowMs: number): void {
     this.lookFrom_(new THREE.Vector3(...DIRECTIONS[preset]).normalize(), nowMs);
   }
 
-  /** Brings the whole block into view from where the camera is. */
+  /** Brings the whole block into view along the current direction. */
   fit(nowMs: number): void {
     this.lookFrom_(this.camera.position.clone().sub(this.controls.target).normalize(), nowMs);
   }
 
-  /** Makes a point the middle of the picture. */
+  /** Moves a point to the center of the picture. */
   lookAt(point: THREE.Vector3, nowMs: number): void {
     this.fly_(this.camera.position.clone().add(point).sub(this.controls.target), point, nowMs);
   }
 
-  /** Keeps a point in the middle, smoothly; null stops. Turning and zooming stay free. */
+  /**
+   * Keeps a point at the center of the picture, smoothly; null stops. Orbit and zoom stay
+   * available.
+   */
   followPoint(point: readonly [number, number, number] | null): void {
     this.following_ = point !== null;
     if (point) this.follow_.set(...point);
@@ -112,16 +123,26 @@ export class CameraRig {
     const toPolar = THREE.MathUtils.clamp(polar - upRad, 0.001, Math.PI - 0.001);
     const azimuth = Math.atan2(arm.y, arm.x) + aroundRad;
     const length = arm.length();
-    arm.set(Math.sin(toPolar) * Math.cos(azimuth), Math.sin(toPolar) * Math.sin(azimuth), Math.cos(toPolar));
+    arm.set(
+      Math.sin(toPolar) * Math.cos(azimuth),
+      Math.sin(toPolar) * Math.sin(azimuth),
+      Math.cos(toPolar),
+    );
     this.camera.position.copy(this.controls.target).addScaledVector(arm, length);
     this.changed_ = true;
   }
 
-  /** Shifts the view by parts of its height. */
+  /** Pans by fractions of the view's height. */
   pan(right: number, up: number): void {
-    const reach = this.camera.position.distanceTo(this.controls.target) * Math.tan((this.camera.fov * Math.PI) / 360) * 2;
+    const reach =
+      this.camera.position.distanceTo(this.controls.target) *
+      Math.tan((this.camera.fov * Math.PI) / 360) *
+      2;
     const move = new THREE.Vector3()
-      .addScaledVector(new THREE.Vector3().setFromMatrixColumn(this.camera.matrix, 0), right * reach)
+      .addScaledVector(
+        new THREE.Vector3().setFromMatrixColumn(this.camera.matrix, 0),
+        right * reach,
+      )
       .addScaledVector(new THREE.Vector3().setFromMatrixColumn(this.camera.matrix, 1), up * reach);
     this.camera.position.add(move);
     this.controls.target.add(move);
@@ -130,12 +151,16 @@ export class CameraRig {
 
   zoom(factor: number): void {
     const arm = this.offset_.copy(this.camera.position).sub(this.controls.target);
-    const length = THREE.MathUtils.clamp(arm.length() * factor, this.controls.minDistance, this.controls.maxDistance);
+    const length = THREE.MathUtils.clamp(
+      arm.length() * factor,
+      this.controls.minDistance,
+      this.controls.maxDistance,
+    );
     this.camera.position.copy(this.controls.target).addScaledVector(arm.normalize(), length);
     this.changed_ = true;
   }
 
-  /** Advances flight, following and damping. Returns true if the picture changed. */
+  /** Advances animation, following and damping. Returns true if the picture changed. */
   update(nowMs: number, sinceMs: number): boolean {
     if (this.flight_) this.advance_(this.flight_, nowMs);
     else if (this.following_) this.chase_(sinceMs);
@@ -146,7 +171,10 @@ export class CameraRig {
   }
 
   private chase_(sinceMs: number): void {
-    const step = this.offset_.copy(this.follow_).sub(this.controls.target).multiplyScalar(1 - Math.exp(-sinceMs / 180));
+    const step = this.offset_
+      .copy(this.follow_)
+      .sub(this.controls.target)
+      .multiplyScalar(1 - Math.exp(-sinceMs / 180));
     if (step.lengthSq() < 1e-10 * this.radius_ * this.radius_) return;
     this.controls.target.add(step);
     this.camera.position.add(step);
@@ -154,11 +182,14 @@ export class CameraRig {
   }
 
   private lookFrom_(direction: THREE.Vector3, nowMs: number): void {
-    const freeHeight = Math.max(80, this.height_ - this.insets_.top - this.insets_.bottom) / this.height_;
-    const freeWidth = Math.max(80, this.width_ - this.insets_.left - this.insets_.right) / this.height_;
+    const freeHeight =
+      Math.max(80, this.height_ - this.insets_.top - this.insets_.bottom) / this.height_;
+    const freeWidth =
+      Math.max(80, this.width_ - this.insets_.left - this.insets_.right) / this.height_;
     const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
-    const distance = FIT_MARGIN * fitDistance(
-      this.bounds_, direction.toArray(), tangent * freeWidth, tangent * freeHeight);
+    const distance =
+      FIT_MARGIN *
+      fitDistance(this.bounds_, direction.toArray(), tangent * freeWidth, tangent * freeHeight);
     this.fly_(this.center_.clone().addScaledVector(direction, distance), this.center_, nowMs);
   }
 
@@ -170,10 +201,14 @@ export class CameraRig {
       toPosition: position.clone().sub(target),
       toTarget: target.clone(),
     };
-    if (this.flight_.fromPosition.lengthSq() === 0) this.flight_.startMs = -Infinity; // the first view of all
+    // The first view is not animated.
+    if (this.flight_.fromPosition.lengthSq() === 0) this.flight_.startMs = -Infinity;
   }
 
-  /** The arm turns and stretches separately, so that a flight does not cut through the block. */
+  /**
+   * Interpolates direction and distance separately, so that the camera does not pass through the
+   * block.
+   */
   private advance_(flight: Flight, nowMs: number): void {
     const linear = Math.min(1, (nowMs - flight.startMs) / FLIGHT_MS);
     const part = linear * linear * (3 - 2 * linear);
@@ -183,7 +218,11 @@ export class CameraRig {
       const turn = new THREE.Quaternion().setFromUnitVectors(from, arm);
       arm.copy(from).applyQuaternion(new THREE.Quaternion().slerp(turn, part));
     }
-    const length = THREE.MathUtils.lerp(flight.fromPosition.length(), flight.toPosition.length(), part);
+    const length = THREE.MathUtils.lerp(
+      flight.fromPosition.length(),
+      flight.toPosition.length(),
+      part,
+    );
     this.controls.target.lerpVectors(flight.fromTarget, flight.toTarget, part);
     this.camera.position.copy(this.controls.target).addScaledVector(arm, length);
     if (part >= 1) this.flight_ = null;

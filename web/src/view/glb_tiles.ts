@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh frames: a GLB with one node per tile (server/wire/README.md). Which tile and which version comes from `extras`; node
-// names are not used, because GLTFLoader rewrites them.
+// Parses mesh frames: a GLB with one node per tile (server/wire/README.md). Tile and version come
+// from `extras`, not from node names, because GLTFLoader rewrites those.
 
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
@@ -10,37 +10,48 @@ export interface ParsedTile {
   x: number;
   y: number;
   version: number;
-  /** of detail; 0: exact */
+  /** Level of detail; 0 is exact. */
   level: number;
   triangles: number;
-  /** null: nothing is left of the tile */
+  /** null if no material is left in the tile */
   geometry: THREE.BufferGeometry | null;
   matrix: THREE.Matrix4;
 }
 
-function tileOf(node: THREE.Object3D): ParsedTile | null {
-  const { tile, version, level = 0 } = node.userData as { tile?: unknown; version?: unknown; level?: unknown };
-  const isTile = Array.isArray(tile) && tile.length === 2 && tile.every(Number.isInteger) && typeof version === 'number' && typeof level === 'number';
-  if (!isTile) return null;
-  node.updateWorldMatrix(true, false);
-  const mesh = node as THREE.Mesh;
-  const geometry = mesh.isMesh ? mesh.geometry : null;
-  const corners = geometry ? (geometry.index?.count ?? geometry.getAttribute('position').count) : 0;
-  return { x: tile[0], y: tile[1], version, level, triangles: corners / 3, geometry, matrix: node.matrixWorld.clone() };
+function isCoordinatePair(value: unknown): value is [x: number, y: number] {
+  return Array.isArray(value) && value.length === 2 && value.every(Number.isInteger);
 }
 
-/** Reads the tiles of mesh frames. */
+function tileOf(node: THREE.Object3D): ParsedTile | null {
+  const { tile, version, level = 0 } = node.userData as Record<string, unknown>;
+  if (!isCoordinatePair(tile) || typeof version !== 'number' || typeof level !== 'number')
+    return null;
+  node.updateWorldMatrix(true, false);
+  const geometry = node instanceof THREE.Mesh ? (node as THREE.Mesh).geometry : null;
+  const corners = geometry ? (geometry.index?.count ?? geometry.getAttribute('position').count) : 0;
+  return {
+    x: tile[0],
+    y: tile[1],
+    version,
+    level,
+    triangles: corners / 3,
+    geometry,
+    matrix: node.matrixWorld.clone(),
+  };
+}
+
+/** Parses the tiles of mesh frames. */
 export class TileParser {
   private readonly loader_ = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
 
-  /** Rejects if the bytes are no GLB, or if a node is not a tile. */
+  /** Rejects if the bytes are not a GLB, or if a node is not a tile. */
   async parse(glb: Uint8Array): Promise<ParsedTile[]> {
-    const buffer = glb.slice().buffer; // GLTFLoader wants a buffer of its own
+    const buffer = glb.slice().buffer; // GLTFLoader requires a separate ArrayBuffer
     const gltf = await this.loader_.parseAsync(buffer, '');
     const tiles: ParsedTile[] = [];
     for (const node of gltf.scene.children) {
       const tile = tileOf(node);
-      if (!tile) throw new Error(`node "${node.name}" names no tile and version`);
+      if (!tile) throw new Error(`node "${node.name}" has no valid tile, version or level`);
       tiles.push(tile);
     }
     return tiles;

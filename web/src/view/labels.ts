@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names above the tools, as HTML over the canvas: sharp at any pixel ratio and readable by screen readers.
+// Names above the tools, as HTML over the canvas: sharp at any pixel ratio.
 
 import * as THREE from 'three';
 
@@ -24,16 +24,31 @@ export class Label {
     this.element.style.setProperty('--who', color);
   }
 
-  /** @param clearTop what bars cover at the top, CSS pixels */
-  place(world: THREE.Vector3, camera: THREE.Camera, width: number, height: number, clearTop: number): void {
+  /** @param clearTop height covered by bars at the top, CSS pixels */
+  place(
+    world: THREE.Vector3,
+    camera: THREE.Camera,
+    width: number,
+    height: number,
+    clearTop: number,
+  ): void {
     this.projected_.copy(world).project(camera);
     const { x, y, z } = this.projected_;
-    const shown = z > -1 && z < 1;
-    this.element.hidden = !shown;
-    if (!shown) return;
-    const left = THREE.MathUtils.clamp(((x + 1) / 2) * width, SCREEN_MARGIN_PX, width - SCREEN_MARGIN_PX);
-    const top = THREE.MathUtils.clamp(((1 - y) / 2) * height, clearTop + 4 * SCREEN_MARGIN_PX, height - SCREEN_MARGIN_PX);
-    this.element.style.transform = `translate(-50%, -100%) translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+    const inFront = z > -1 && z < 1;
+    this.element.hidden = !inFront;
+    if (!inFront) return;
+    const left = THREE.MathUtils.clamp(
+      ((x + 1) / 2) * width,
+      SCREEN_MARGIN_PX,
+      width - SCREEN_MARGIN_PX,
+    );
+    const top = THREE.MathUtils.clamp(
+      ((1 - y) / 2) * height,
+      clearTop + 4 * SCREEN_MARGIN_PX,
+      height - SCREEN_MARGIN_PX,
+    );
+    const position = `${left.toFixed(1)}px, ${top.toFixed(1)}px`;
+    this.element.style.transform = `translate(-50%, -100%) translate(${position})`;
   }
 
   dispose(): void {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renderer, light and ground: a bright studio with one low key light and a sheet of paper with a millimetre grid under the
-// block. World units are mm, Z is up.
+// Renderer, lights and ground: one low key light, a weak fill light, and a millimeter grid under
+// the block. World units are mm, Z is up.
 
 import * as THREE from 'three';
 import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
@@ -31,11 +31,14 @@ void main() {
   float fade = 1.0 - smoothstep(0.25 * reach, reach, distance(vWorld.xy, center));
   float ink = max(0.20 * lines(step), 0.42 * lines(step * 10.0));
   ink *= fade * fade;
-  // The soft dark rim where a body stands on paper.
+  // A soft contact shadow around the block's foot.
   vec2 beside = max(max(footMin - vWorld.xy, vWorld.xy - footMax), vec2(0.0));
-  float rim = 0.34 * exp(-length(beside) / (0.035 * reach)) + 0.10 * exp(-length(beside) / (0.12 * reach));
+  float near = exp(-length(beside) / (0.035 * reach));
+  float wide = exp(-length(beside) / (0.12 * reach));
+  float rim = 0.34 * near + 0.10 * wide;
   float alpha = 1.0 - (1.0 - ink) * (1.0 - rim);
-  gl_FragColor = vec4(mix(vec3(0.44, 0.53, 0.64), vec3(0.19, 0.23, 0.29), rim / max(alpha, 1e-4)), alpha);
+  vec3 color = mix(vec3(0.44, 0.53, 0.64), vec3(0.19, 0.23, 0.29), rim / max(alpha, 1e-4));
+  gl_FragColor = vec4(color, alpha);
 }`;
 
 export class Stage {
@@ -43,13 +46,19 @@ export class Stage {
   readonly renderer: THREE.WebGLRenderer;
   private readonly key_ = new THREE.DirectionalLight('#fff0dc', 4.1);
   private readonly fill_ = new THREE.DirectionalLight('#e6eeff', 1.15);
-  private readonly ground_ = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ opacity: 0.13 }));
+  private readonly ground_ = new THREE.Mesh(
+    new THREE.PlaneGeometry(1, 1),
+    new THREE.ShadowMaterial({ opacity: 0.13 }),
+  );
   private readonly gridMaterial_ = new THREE.ShaderMaterial({
     vertexShader: GRID_VERTEX,
     fragmentShader: GRID_FRAGMENT,
     uniforms: {
-      center: { value: new THREE.Vector2() }, reach: { value: 1 }, step: { value: 10 },
-      footMin: { value: new THREE.Vector2() }, footMax: { value: new THREE.Vector2() },
+      center: { value: new THREE.Vector2() },
+      reach: { value: 1 },
+      step: { value: 10 },
+      footMin: { value: new THREE.Vector2() },
+      footMax: { value: new THREE.Vector2() },
     },
     transparent: true,
     depthWrite: false,
@@ -58,10 +67,16 @@ export class Stage {
 
   private size_ = '';
 
-  /** Throws where there is no WebGL 2. */
+  /** Throws if WebGL 2 is not available. */
   constructor(canvas: HTMLCanvasElement) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
-    this.renderer.debug.checkShaderErrors = import.meta.env.DEV; // asking makes the page wait for the compiler
+    this.renderer = new THREE.WebGLRenderer({
+      canvas,
+      antialias: true,
+      alpha: true,
+      powerPreference: 'high-performance',
+    });
+    // The check would wait for the shader compiler.
+    this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.renderer.toneMappingExposure = 1.0;
     this.renderer.shadowMap.enabled = true;
@@ -73,7 +88,7 @@ export class Stage {
     this.scene.add(this.ground_, this.grid_);
   }
 
-  /** True where the processor draws instead of a graphics card (remote desktops, virtual machines). */
+  /** True if the CPU draws instead of a GPU (remote desktops, virtual machines). */
   get drawsInSoftware(): boolean {
     const gl = this.renderer.getContext();
     const info = gl.getExtension('WEBGL_debug_renderer_info');
@@ -82,34 +97,46 @@ export class Stage {
   }
 
   private addLight_(): void {
-    const room = new RoomEnvironment();
+    const environment = new RoomEnvironment();
     const generator = new THREE.PMREMGenerator(this.renderer);
-    this.scene.environment = generator.fromScene(room, 0.04).texture;
-    this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // the room is made with Y up
+    this.scene.environment = generator.fromScene(environment, 0.04).texture;
+    this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // RoomEnvironment has Y up
     this.scene.environmentIntensity = 0.26;
     generator.dispose();
-    room.dispose();
+    environment.dispose();
     this.key_.castShadow = true;
     this.key_.shadow.mapSize.set(2048, 2048);
     this.key_.shadow.radius = 7;
     this.scene.add(this.key_, this.key_.target, this.fill_, this.fill_.target);
   }
 
-  /** Fits lights, shadow and ground to the block. */
+  /** Fits lights, shadows and ground to the block. */
   setBounds(bounds: Bounds, pitchMm: number): void {
     const min = new THREE.Vector3(...bounds.min);
     const max = new THREE.Vector3(...bounds.max);
     const center = min.clone().add(max).multiplyScalar(0.5);
     const diagonal = min.distanceTo(max);
     const shadow = this.key_.shadow;
-    // The key light grazes the top from behind the usual camera's left, so that a low relief stands out by light and shade; the
-    // fill comes from the camera's side and keeps the faces towards it from going black.
-    this.key_.position.copy(center).add(new THREE.Vector3(-1.0, 0.52, 0.74).multiplyScalar(diagonal));
+    // The key light grazes the top from behind and to the left of the default camera, so that
+    // shading brings out a low relief. The fill light comes from the camera's side and keeps the
+    // faces towards the camera from being black.
+    this.key_.position
+      .copy(center)
+      .add(new THREE.Vector3(-1.0, 0.52, 0.74).multiplyScalar(diagonal));
     this.key_.target.position.copy(center);
-    this.fill_.position.copy(center).add(new THREE.Vector3(0.7, -1.2, 0.55).multiplyScalar(diagonal));
+    this.fill_.position
+      .copy(center)
+      .add(new THREE.Vector3(0.7, -1.2, 0.55).multiplyScalar(diagonal));
     this.fill_.target.position.copy(center);
     const half = 0.72 * diagonal;
-    Object.assign(shadow.camera, { left: -half, right: half, top: half, bottom: -half, near: 0.1 * diagonal, far: 3.2 * diagonal });
+    Object.assign(shadow.camera, {
+      left: -half,
+      right: half,
+      top: half,
+      bottom: -half,
+      near: 0.1 * diagonal,
+      far: 3.2 * diagonal,
+    });
     shadow.camera.updateProjectionMatrix();
     shadow.normalBias = Math.max(0.6 * pitchMm, diagonal / 900);
     shadow.bias = -0.0004;
@@ -136,11 +163,11 @@ export class Stage {
     return this.grid_.visible;
   }
 
-  /** Does nothing if nothing changes, because setting a canvas' size clears it. */
+  /** Does nothing if the size is unchanged, because setting a canvas' size clears it. */
   setSize(width: number, height: number, pixelRatio: number): void {
-    const wanted = `${width}x${height}@${pixelRatio}`;
-    if (wanted === this.size_) return;
-    this.size_ = wanted;
+    const size = `${width}x${height}@${pixelRatio}`;
+    if (size === this.size_) return;
+    this.size_ = size;
     this.renderer.setPixelRatio(pixelRatio);
     this.renderer.setSize(width, height, false);
   }

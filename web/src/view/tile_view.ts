@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The block's surface: one mesh per tile. A tile is swapped as a whole; the buffers of the old one are given back at once.
+// The block's surface: one mesh per tile. Tiles are replaced as a whole; the old tile's GPU buffers
+// are released immediately.
 
 import * as THREE from 'three';
 import { tileKey } from '../model/tiles';
@@ -43,7 +44,7 @@ export class TileView {
     this.meshes_.delete(key);
   }
 
-  /** Where a ray first meets the block, or null. */
+  /** Returns the first intersection of a ray with the block, or null. */
   pick(raycaster: THREE.Raycaster): THREE.Vector3 | null {
     return raycaster.intersectObjects([...this.meshes_.values()], false)[0]?.point ?? null;
   }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the session: owns the views, moves them from the model once per displayed frame, and draws only when something changed.
+// Draws the session: owns the views, updates them from the model once per displayed frame, and
+// draws only after a change.
 
 import * as THREE from 'three';
-import type { StockLook } from '../model/materials';
-import { errorRad } from '../model/look';
+import type { StockMaterialPreset } from '../model/materials';
+import { errorRad } from '../model/look_policy';
 import { roundUp125 } from '../model/forces';
 import type { Participant } from '../model/participants';
 import { emptyPose } from '../model/pose_track';
@@ -24,13 +25,14 @@ import { TileView } from './tile_view';
 import { ToolView } from './tool_view';
 import { WrenchView } from './wrench_view';
 
-const PLAYOUT_MS = 90; // how far in the past tools are drawn, so that there is a later sample to move towards
+// Delay with which tools are drawn, so that there is a later sample to interpolate towards.
+const PLAYOUT_MS = 90;
 const STILL_AFTER_MS = 260;
-const PHONE_WIDTH_PX = 760; // as in style.css
-const ARROW_PART = 0.34; // a full-scale arrow relative to the block's diagonal
+const PHONE_WIDTH_PX = 760; // as in ui/style/phone.css
+const ARROW_FRACTION = 0.34; // length of a full-scale arrow relative to the block's diagonal
 const RESCALE_EVERY_MS = 250;
 const FULL_PER_TYPICAL = 2;
-const LEAST_FULL_N = 0.1; // below this an arrow would show noise
+const LEAST_FULL_N = 0.1; // smaller scales would display noise
 const LEAST_FULL_NMM = 1;
 
 interface Carver {
@@ -40,13 +42,13 @@ interface Carver {
   wrench: WrenchView;
   label: Label;
   pose: Pose;
-  moved: Pose;
+  drawn: Pose;
 }
 
 export class Viewer {
   readonly rig: CameraRig;
   readonly stage: Stage;
-  /** What a full-length arrow stands for. */
+  /** The force and torque of a full-length arrow. */
   forceFullN = 1;
   torqueFullNmm = 1;
   private arrowsVisible_ = true;
@@ -70,39 +72,53 @@ export class Viewer {
   private followed_: number | null = null;
   private fitted_ = false;
 
-  /** @param fixedQuality draw every frame at full quality, whatever it costs */
+  /** @param fixedQuality draw every frame at full quality, regardless of speed */
   constructor(
-    canvas: HTMLCanvasElement, private readonly overlay: HTMLElement, private readonly model: SessionModel,
+    canvas: HTMLCanvasElement,
+    private readonly overlay: HTMLElement,
+    private readonly model: SessionModel,
     private readonly fixedQuality: boolean,
   ) {
     this.stage = new Stage(canvas);
-    this.quality_ = new Quality(Math.min(2, window.devicePixelRatio || 1), !fixedQuality && this.stage.drawsInSoftware);
+    this.quality_ = new Quality(
+      Math.min(2, window.devicePixelRatio || 1),
+      !fixedQuality && this.stage.drawsInSoftware,
+    );
     this.stage.scene.add(this.tiles_.group);
     this.rig = new CameraRig(canvas, window.matchMedia('(prefers-reduced-motion: reduce)').matches);
   }
 
-  /** A session was joined, for the first time or again. */
+  /** Prepares the views for a session that was joined or joined again. */
   welcome(welcome: Welcome): void {
     const bounds = stockBounds(welcome.stock);
     this.stage.setBounds(bounds, welcome.pitch_mm);
-    this.rig.setBounds(withRoomForTools(bounds, welcome));
+    this.rig.setBounds(withSpaceForTools(bounds, welcome));
     this.stockMaterial_.setStock(
-      welcome.stock, welcome.pitch_mm, new THREE.Vector3(...bounds.min), new THREE.Vector3(...bounds.max));
+      welcome.stock,
+      welcome.pitch_mm,
+      new THREE.Vector3(...bounds.min),
+      new THREE.Vector3(...bounds.max),
+    );
     this.pivotMm_ = welcome.pivot_mm;
-    this.arrowMm_ = ARROW_PART * new THREE.Vector3(...bounds.min).distanceTo(new THREE.Vector3(...bounds.max));
-    for (const id of [...this.carvers_.keys()]) this.removeCarver_(id); // their tools may have been redefined
+    this.arrowMm_ =
+      ARROW_FRACTION *
+      new THREE.Vector3(...bounds.min).distanceTo(new THREE.Vector3(...bounds.max));
+    // Their tools may have been redefined.
+    for (const id of [...this.carvers_.keys()]) this.removeCarver_(id);
     if (!this.fitted_) this.rig.preset('iso', performance.now());
     this.fitted_ = true;
     this.touch();
   }
 
-  /** Swaps in the tiles of one mesh frame that are newer than what is shown. */
+  /** Displays those tiles of a mesh frame that are not older than the displayed ones. */
   async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
     const { generation } = this.model.tiles;
     const tiles = await this.parser_.parse(glb);
-    if (generation !== this.model.tiles.generation) return; // the line broke meanwhile, and a new snapshot is coming
+    // Reconnected meanwhile: a new snapshot follows.
+    if (generation !== this.model.tiles.generation) return;
     for (const tile of tiles) {
-      if (this.model.tiles.offer(tile.x, tile.y, tile.version, tile.triangles, tile.level)) this.tiles_.set(tile);
+      if (this.model.tiles.offer(tile.x, tile.y, tile.version, tile.triangles, tile.level))
+        this.tiles_.set(tile);
       else tile.geometry?.dispose();
     }
     if (header.flags & MESH_SNAPSHOT_LAST) {
@@ -112,16 +128,21 @@ export class Viewer {
     this.touch();
   }
 
-  /** From where the block is seen, and how small an error nobody sees there. */
+  /**
+   * Returns the camera position with the acceptable error, and the camera's distance to its target.
+   */
   look(): { look: Look; distanceMm: number } {
     const { camera, controls } = this.rig;
     const weak = this.width_ <= PHONE_WIDTH_PX || this.stage.drawsInSoftware;
     const error_rad = this.fixedQuality ? 0 : errorRad(camera.fov, this.height_, weak);
-    return { look: { eye_mm: camera.position.toArray(), error_rad }, distanceMm: camera.position.distanceTo(controls.target) };
+    return {
+      look: { eye_mm: camera.position.toArray(), error_rad },
+      distanceMm: camera.position.distanceTo(controls.target),
+    };
   }
 
-  setLook(look: StockLook): void {
-    this.stockMaterial_.setLook(look);
+  setMaterial(preset: StockMaterialPreset): void {
+    this.stockMaterial_.setPreset(preset);
     this.touch();
   }
 
@@ -135,7 +156,7 @@ export class Viewer {
     this.touch();
   }
 
-  /** Something changed: draw again. */
+  /** Requests a redraw. */
   touch(): void {
     this.dirty_ = true;
   }
@@ -158,7 +179,7 @@ export class Viewer {
     this.touch();
   }
 
-  /** Makes the point of the block under a position on the canvas (CSS pixels) the middle of the picture. */
+  /** Centers the picture on the point of the block under a canvas position (CSS pixels). */
   lookAtPixel(x: number, y: number): void {
     const pointer = new THREE.Vector2((x / this.width_) * 2 - 1, 1 - (y / this.height_) * 2);
     const raycaster = new THREE.Raycaster();
@@ -167,7 +188,7 @@ export class Viewer {
     if (point) this.rig.lookAt(point, performance.now());
   }
 
-  /** One displayed frame. */
+  /** Updates and draws one displayed frame. */
   tick(nowMs: number): void {
     const since = Math.min(100, nowMs - this.lastTickMs_);
     this.lastTickMs_ = nowMs;
@@ -215,19 +236,27 @@ export class Viewer {
       const carver = this.carver_(participant);
       if (!carver.tool || !participant.track.sample(nowMs - PLAYOUT_MS, carver.pose)) continue;
       if (participant.info.participant === this.followed_) this.rig.followPoint(carver.pose.tip);
-      if (!differs(carver.pose, carver.moved)) continue;
-      copyPose(carver.pose, carver.moved);
+      if (!differs(carver.pose, carver.drawn)) continue;
+      copyPose(carver.pose, carver.drawn);
       carver.tool.group.visible = true;
       carver.tool.setPose(carver.pose.tip, carver.pose.axis);
       carver.wrench.group.visible = this.arrowsVisible_;
-      carver.wrench.set(carver.pose, this.pivotMm_, this.arrowMm_, this.forceFullN, this.torqueFullNmm);
+      carver.wrench.set(
+        carver.pose,
+        this.pivotMm_,
+        this.arrowMm_,
+        this.forceFullN,
+        this.torqueFullNmm,
+      );
       this.shadowsDirty_ = true;
       this.touch();
     }
   }
 
-  /** One scale for everybody, so that arrows can be compared. It goes by what is usual, not by the largest: a single jolt must
-   * not make all other arrows vanish for ten seconds. */
+  /**
+   * Chooses one scale for all arrows, so that they can be compared. The scale follows the RMS, not
+   * the maximum: a single peak must not shrink all arrows for ten seconds.
+   */
   private rescaleArrows_(present: readonly Participant[], nowMs: number): void {
     if (nowMs - this.rescaledMs_ < RESCALE_EVERY_MS) return;
     this.rescaledMs_ = nowMs;
@@ -247,14 +276,20 @@ export class Viewer {
     let carver = this.carvers_.get(id);
     if (!carver) {
       carver = {
-        tool: null, toolId: 0, color, wrench: new WrenchView(), label: new Label(this.overlay),
-        pose: emptyPose(), moved: emptyPose(),
+        tool: null,
+        toolId: 0,
+        color,
+        wrench: new WrenchView(),
+        label: new Label(this.overlay),
+        pose: emptyPose(),
+        drawn: emptyPose(),
       };
       carver.label.element.hidden = true;
       this.stage.scene.add(carver.wrench.group);
       this.carvers_.set(id, carver);
     }
-    if (carver.toolId !== participant.tool || carver.color !== color) this.replaceTool_(carver, participant.tool, color);
+    if (carver.toolId !== participant.tool || carver.color !== color)
+      this.replaceTool_(carver, participant.tool, color);
     carver.label.set(name, color);
     return carver;
   }
@@ -265,7 +300,7 @@ export class Viewer {
     carver.tool = info ? new ToolView(info, color, this.pivotMm_) : null;
     carver.toolId = toolId;
     carver.color = color;
-    carver.moved.tip[0] = Number.NaN; // the next pose counts as new
+    carver.drawn.tip[0] = Number.NaN; // NaN differs from any pose: the next one is drawn
     if (!carver.tool) return;
     carver.tool.group.visible = false; // until there is a pose
     this.stage.scene.add(carver.tool.group);
@@ -283,8 +318,10 @@ export class Viewer {
   }
 }
 
-/** What a whole view shows: the block, and above it a good part of the longest tool. */
-function withRoomForTools({ min, max }: Bounds, { tools }: Welcome): Bounds {
+/**
+ * Returns the box that a full view shows: the block, extended upward by part of the longest tool.
+ */
+function withSpaceForTools({ min, max }: Bounds, { tools }: Welcome): Bounds {
   const longest = Math.max(0, ...tools.map((tool) => toolProfile(tool).lengthMm));
   const diagonal = Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
   return { min, max: [max[0], max[1], max[2] + Math.min(0.6 * longest, 0.16 * diagonal)] };
@@ -292,17 +329,23 @@ function withRoomForTools({ min, max }: Bounds, { tools }: Welcome): Bounds {
 
 function differs(a: Pose, b: Pose): boolean {
   for (let i = 0; i < 3; ++i) {
-    if (a.tip[i] !== b.tip[i] || a.axis[i] !== b.axis[i] || a.force[i] !== b.force[i] || a.torque[i] !== b.torque[i]) return true;
+    if (
+      a.tip[i] !== b.tip[i] ||
+      a.axis[i] !== b.axis[i] ||
+      a.force[i] !== b.force[i] ||
+      a.torque[i] !== b.torque[i]
+    )
+      return true;
   }
   return false;
 }
 
 function copyPose(from: Pose, to: Pose): void {
   for (let i = 0; i < 3; ++i) {
-    to.tip[i] = from.tip[i] as number;
-    to.axis[i] = from.axis[i] as number;
-    to.force[i] = from.force[i] as number;
-    to.torque[i] = from.torque[i] as number;
+    to.tip[i] = from.tip[i]!;
+    to.axis[i] = from.axis[i]!;
+    to.force[i] = from.force[i]!;
+    to.torque[i] = from.torque[i]!;
   }
   to.removedRate = from.removedRate;
 }

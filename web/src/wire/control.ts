@@ -1,39 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON control messages from the server: parse and check. What the viewer draws from must be there and finite; unknown
-// fields are left alone and unknown types are skipped, so that an older viewer lives with a newer server.
+// Parses and validates JSON control messages from the server. Fields that the viewer uses must be
+// present and finite. Unknown fields are kept and unknown types skipped, so that older viewers work
+// with newer servers.
 
-import type { Decoded, ParticipantInfo, ServerMessage, Stock, ToolInfo, Vec3, Welcome } from './types';
+import type {
+  Decoded,
+  ParticipantInfo,
+  ServerMessage,
+  Stock,
+  ToolInfo,
+  Vec3,
+  Welcome,
+} from './types';
 
 type Json = Record<string, unknown>;
 
-class Missing extends Error {}
+class InvalidField extends Error {}
 
 function object(value: unknown, field: string): Json {
-  if (typeof value !== 'object' || value === null || Array.isArray(value)) throw new Missing(`${field} is not an object`);
+  if (typeof value !== 'object' || value === null || Array.isArray(value))
+    throw new InvalidField(`${field} is not an object`);
   return value as Json;
 }
 
 function list(value: unknown, field: string): unknown[] {
-  if (!Array.isArray(value)) throw new Missing(`${field} is not a list`);
+  if (!Array.isArray(value)) throw new InvalidField(`${field} is not an array`);
   return value;
 }
 
 function number(from: Json, field: string): number {
   const value = from[field];
-  if (typeof value !== 'number' || !Number.isFinite(value)) throw new Missing(`${field} is not a number`);
+  if (typeof value !== 'number' || !Number.isFinite(value))
+    throw new InvalidField(`${field} is not a number`);
   return value;
 }
 
 function text(from: Json, field: string): string {
   const value = from[field];
-  if (typeof value !== 'string') throw new Missing(`${field} is not a text`);
+  if (typeof value !== 'string') throw new InvalidField(`${field} is not a string`);
   return value;
 }
 
 function numbers(from: Json, field: string, count: number): number[] {
   const values = list(from[field], field);
-  const good = values.length === count && values.every((v) => typeof v === 'number' && Number.isFinite(v));
-  if (!good) throw new Missing(`${field} is not ${count} numbers`);
+  const good =
+    values.length === count && values.every((v) => typeof v === 'number' && Number.isFinite(v));
+  if (!good) throw new InvalidField(`${field} must be an array of ${count} numbers`);
   return values as number[];
 }
 
@@ -49,7 +61,10 @@ function participantOf(value: unknown): ParticipantInfo {
   };
 }
 
-/** Only plain hexadecimal colours are let through: the text ends up in style attributes. */
+/**
+ * Returns a hexadecimal color unchanged and gray for anything else, because the text is used in
+ * style attributes.
+ */
 function colorOf(value: unknown): string {
   return typeof value === 'string' && /^#[0-9a-fA-F]{6}$/.test(value) ? value : '#7a8699';
 }
@@ -61,7 +76,11 @@ function participantsOf(value: unknown): ParticipantInfo[] {
 function stockOf(value: unknown): Stock {
   const from = object(value, 'stock');
   if (from['shape'] === 'box') {
-    return { shape: 'box', min_mm: numbers(from, 'min_mm', 3) as Vec3, max_mm: numbers(from, 'max_mm', 3) as Vec3 };
+    return {
+      shape: 'box',
+      min_mm: numbers(from, 'min_mm', 3) as Vec3,
+      max_mm: numbers(from, 'max_mm', 3) as Vec3,
+    };
   }
   if (from['shape'] === 'cylinder') {
     return {
@@ -72,7 +91,7 @@ function stockOf(value: unknown): Stock {
       max_z_mm: number(from, 'max_z_mm'),
     };
   }
-  throw new Missing(`stock.shape ${JSON.stringify(from['shape'])} is unknown`);
+  throw new InvalidField(`stock.shape ${JSON.stringify(from['shape'])} is not supported`);
 }
 
 function toolOf(value: unknown): ToolInfo {
@@ -103,8 +122,10 @@ function welcomeOf(from: Json): Welcome {
 
 function messageOf(from: Json): ServerMessage | null {
   switch (from['type']) {
-    case 'welcome': return welcomeOf(from);
-    case 'participants': return { type: 'participants', participants: participantsOf(from['participants']) };
+    case 'welcome':
+      return welcomeOf(from);
+    case 'participants':
+      return { type: 'participants', participants: participantsOf(from['participants']) };
     case 'state':
       return {
         type: 'state',
@@ -114,17 +135,27 @@ function messageOf(from: Json): ServerMessage | null {
         settled: from['settled'] === true,
       };
     case 'error':
-      return { type: 'error', code: text(from, 'code'), reason: text(from, 'reason'), fatal: from['fatal'] === true };
-    case 'bye': return { type: 'bye', reason: text(from, 'reason') };
-    default: return null;
+      return {
+        type: 'error',
+        code: text(from, 'code'),
+        reason: text(from, 'reason'),
+        fatal: from['fatal'] === true,
+      };
+    case 'bye':
+      return { type: 'bye', reason: text(from, 'reason') };
+    default:
+      return null;
   }
 }
 
-/** Reads one text frame; null is a message type that this version does not know. */
+/** Parses one text frame; the value is null for message types unknown to this version. */
 export function parseControl(frame: string): Decoded<ServerMessage | null> {
   try {
     return { ok: true, value: messageOf(object(JSON.parse(frame), 'message')) };
   } catch (problem) {
-    return { ok: false, error: { code: 'bad_json', offset: 0, reason: (problem as Error).message } };
+    return {
+      ok: false,
+      error: { code: 'bad_json', offset: 0, reason: (problem as Error).message },
+    };
   }
 }

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Little-endian reading and writing in the order of the fields, as the tables of server/wire/README.md list them.
+// Reads and writes little-endian fields in the order of the tables in server/wire/README.md.
 
 import type { Vec3 } from './types';
 
-/** Reads fields one after the other; remembers where the first number was that is not finite. */
+/** Reads consecutive fields and records the position of the first non-finite number. */
 export class Reader {
   /** Offset of the first NaN or infinity, or -1. */
   notFiniteAt = -1;
 
-  constructor(private readonly view: DataView, public at: number) {}
+  constructor(
+    private readonly view: DataView,
+    public at: number,
+  ) {}
 
   u32(): number {
     this.at += 4;
@@ -34,7 +37,7 @@ export class Reader {
     return value;
   }
 
-  /** The next so many bytes as they are. */
+  /** Returns the next `count` bytes as a view. */
   bytes(count: number): Uint8Array {
     this.at += count;
     return new Uint8Array(this.view.buffer, this.view.byteOffset + this.at - count, count);
@@ -53,9 +56,12 @@ export class Reader {
   }
 }
 
-/** Writes fields one after the other. */
+/** Writes consecutive fields. */
 export class Writer {
-  constructor(private readonly view: DataView, public at: number) {}
+  constructor(
+    private readonly view: DataView,
+    public at: number,
+  ) {}
 
   u32(value: number): void {
     this.view.setUint32(this.at, value, true);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The protocol's messages, version 1: the mirror of server/wire. Fields keep the wire's names, so that a line here can be
-// compared with server/wire/README.md word for word. Units stand last. u64 is bigint: exact, also beyond 2^53.
+// The messages of the protocol, version 1: the mirror of server/wire. Fields have the names of
+// server/wire/README.md, with the unit as suffix. u64 fields are bigint, because number is exact
+// only up to 2^53.
 
 export const MAGIC = 0x3146524b; // the bytes 'KRF1'
 export const HEADER_BYTES = 32;
@@ -20,16 +21,17 @@ export const AXIS_LENGTH_TOLERANCE = 1e-3;
 
 export const VIEW_PROTOCOL = 'kerf.view.v1';
 
-export enum FrameType {
-  Motion = 1,
-  Result = 2,
-  Mesh = 3,
-  Tools = 4,
-  Ack = 5,
-  Ping = 6,
-  Pong = 7,
-  Stock = 8,
-}
+export const FrameType = {
+  Motion: 1,
+  Result: 2,
+  Mesh: 3,
+  Tools: 4,
+  Ack: 5,
+  Ping: 6,
+  Pong: 7,
+  Stock: 8,
+} as const;
+export type FrameType = (typeof FrameType)[keyof typeof FrameType];
 
 /** Flags of a mesh frame. */
 export const MESH_SNAPSHOT = 1;
@@ -62,7 +64,7 @@ export interface Sample {
   buttons: number;
 }
 
-/** Where something pushes the tool, or is about to. */
+/** A plane on which the tool is in contact, or close to contact. */
 export interface ContactPlane {
   point_mm: Vec3;
   normal: Vec3;
@@ -100,7 +102,7 @@ export interface ToolState {
   removed_rate_mm3_per_s: number;
 }
 
-/** What one tile of the block still holds, at most. */
+/** An upper bound of the material in one tile of the block. */
 export interface StockTile {
   axis: number;
   x: number;
@@ -121,18 +123,26 @@ export type Payload =
 
 export type Frame = { header: Header } & Payload;
 
-/** Why a frame was rejected; `offset` is the byte, from the start of the frame, of the field at fault. */
+/** Why a frame was rejected; `offset` is the byte offset of the invalid field in the frame. */
 export interface DecodeError {
   code:
-    | 'too_short' | 'bad_magic' | 'bad_header_bytes' | 'payload_mismatch' | 'bad_count' | 'bad_sequence'
-    | 'not_finite' | 'axis_not_unit' | 'bad_json';
+    | 'too_short'
+    | 'bad_magic'
+    | 'bad_header_bytes'
+    | 'payload_mismatch'
+    | 'bad_count'
+    | 'bad_sequence'
+    | 'not_finite'
+    | 'axis_not_unit'
+    | 'bad_json';
   offset: number;
   reason: string;
 }
 
 export type Decoded<T> = { ok: true; value: T } | { ok: false; error: DecodeError };
 
-// JSON control messages -------------------------------------------------------------------------------------------------
+// JSON control messages
+// -------------------------------------------------------------------------------------------------
 
 export type ParticipantKind = 'agent' | 'program' | 'viewer';
 
@@ -147,9 +157,17 @@ export interface ParticipantInfo {
 /** A step of an outline: a straight line to a point (r, h), or an arc. */
 export type ProfileStep =
   | readonly [r: number, h: number]
-  | { to: readonly [number, number]; radius?: number; center?: readonly [number, number]; bulge?: 'out' | 'in' };
+  | {
+      to: readonly [number, number];
+      radius?: number;
+      center?: readonly [number, number];
+      bulge?: 'out' | 'in';
+    };
 
-/** A tool as the scene defines it; lengths in mm, angles in degrees. Shapes that this viewer does not know are drawn plainly. */
+/**
+ * A tool as the scene defines it; lengths in mm, angles in degrees. Unknown shapes are drawn as
+ * cylinders.
+ */
 export interface ToolInfo {
   id: number;
   shape: string;
@@ -168,7 +186,9 @@ export interface ToolInfo {
   h_mm?: number;
   profile_mm?: ProfileStep[];
   shank?: { diameter_mm: number; length_mm: number };
-  holder?: { diameter_mm: number; top_diameter_mm?: number; length_mm: number }[] | { profile_mm: ProfileStep[] };
+  holder?:
+    | { diameter_mm: number; top_diameter_mm?: number; length_mm: number }[]
+    | { profile_mm: ProfileStep[] };
 }
 
 export interface BoxStock {
@@ -202,10 +222,10 @@ export interface Welcome {
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 
-/** What a viewer says: from where it looks, so that the server may send far tiles coarser. */
+/** A viewer's camera, by which the server chooses each tile's level of detail. */
 export interface Look {
   eye_mm: Vec3;
-  /** an error seen under this angle does not matter; 0: every error does */
+  /** Largest acceptable surface error as seen from the eye, as an angle; 0: exact tiles. */
   error_rad: number;
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A block as a height field, carved by a ball. Just enough to feed the viewer while no kerf-server runs; no part of the product.
+// A block as a height field, carved by a ball: content for the fake server. Not part of the
+// product.
 
 export class FakeBlock {
   constructor({ sizeMm = 100, heightMm = 50, pitchMm = 0.5, tile = 32 } = {}) {
     Object.assign(this, { sizeMm, heightMm, pitchMm, tile });
     this.columns = Math.round(sizeMm / pitchMm);
     this.tilesPerSide = Math.ceil(this.columns / tile);
-    this.heights = new Float64Array((this.columns + 1) ** 2); // z of the surface at grid points; 0 is the untouched top
+    // Z of the surface at grid points; 0 is the untouched top.
+    this.heights = new Float64Array((this.columns + 1) ** 2);
     this.versions = new Map();
     this.removedMm3 = 0;
     for (let y = 0; y < this.tilesPerSide; ++y) {
@@ -14,14 +16,25 @@ export class FakeBlock {
     }
   }
 
-  /** Cuts with a ball whose lowest point is the tip. Returns the volume removed, mm³. */
+  /**
+   * Cuts with a ball whose lowest point is the tip. Adds changed tiles to `dirty`; returns the
+   * removed volume, mm³.
+   */
   cut(tip, radius, dirty) {
     const { pitchMm, columns, sizeMm } = this;
     const at = (mm) => (mm + sizeMm / 2) / pitchMm;
     const reach = radius / pitchMm;
     let removed = 0;
-    for (let j = Math.max(0, Math.ceil(at(tip[1]) - reach)); j <= Math.min(columns, at(tip[1]) + reach); ++j) {
-      for (let i = Math.max(0, Math.ceil(at(tip[0]) - reach)); i <= Math.min(columns, at(tip[0]) + reach); ++i) {
+    for (
+      let j = Math.max(0, Math.ceil(at(tip[1]) - reach));
+      j <= Math.min(columns, at(tip[1]) + reach);
+      ++j
+    ) {
+      for (
+        let i = Math.max(0, Math.ceil(at(tip[0]) - reach));
+        i <= Math.min(columns, at(tip[0]) + reach);
+        ++i
+      ) {
         const dx = i * pitchMm - sizeMm / 2 - tip[0];
         const dy = j * pitchMm - sizeMm / 2 - tip[1];
         const rest = radius * radius - dx * dx - dy * dy;
@@ -52,7 +65,9 @@ export class FakeBlock {
     return this.heights[clamp(j) * (this.columns + 1) + clamp(i)];
   }
 
-  /** The mesh of one tile: its part of the top, and walls and floor where it lies at the block's border. */
+  /**
+   * Returns the mesh of one tile: its part of the top, the floor, and walls at the block's border.
+   */
   mesh(key) {
     const [x, y] = key.split(',').map(Number);
     const mesh = { x, y, version: this.versions.get(key), positions: [], normals: [], indices: [] };
@@ -95,14 +110,24 @@ export class FakeBlock {
       const top = (n, j) => [mm(n), mm(j), this.height(n, j)];
       const low = (n, j) => [mm(n), mm(j), floor];
       if (j0 === 0) quad([low(i, 0), low(i + 1, 0), top(i + 1, 0), top(i, 0)], [0, -1, 0]);
-      if (j1 === this.columns) quad([low(i + 1, j1), low(i, j1), top(i, j1), top(i + 1, j1)], [0, 1, 0]);
+      if (j1 === this.columns)
+        quad([low(i + 1, j1), low(i, j1), top(i, j1), top(i + 1, j1)], [0, 1, 0]);
     }
     for (let j = j0; j < j1; ++j) {
       const top = (i, n) => [mm(i), mm(n), this.height(i, n)];
       const low = (i, n) => [mm(i), mm(n), floor];
       if (i0 === 0) quad([low(0, j + 1), low(0, j), top(0, j), top(0, j + 1)], [-1, 0, 0]);
-      if (i1 === this.columns) quad([low(i1, j), low(i1, j + 1), top(i1, j + 1), top(i1, j)], [1, 0, 0]);
+      if (i1 === this.columns)
+        quad([low(i1, j), low(i1, j + 1), top(i1, j + 1), top(i1, j)], [1, 0, 0]);
     }
-    quad([[mm(i0), mm(j1), floor], [mm(i1), mm(j1), floor], [mm(i1), mm(j0), floor], [mm(i0), mm(j0), floor]], [0, 0, -1]);
+    quad(
+      [
+        [mm(i0), mm(j1), floor],
+        [mm(i1), mm(j1), floor],
+        [mm(i1), mm(j0), floor],
+        [mm(i0), mm(j0), floor],
+      ],
+      [0, 0, -1],
+    );
   }
 }

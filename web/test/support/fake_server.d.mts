@@ -4,7 +4,9 @@ export class FakeServer {
   readonly acks: bigint[];
   readonly hellos: string[];
   readonly looks: unknown[];
-  readonly viewers: Set<{ ws: { send(data: string | Uint8Array): void; close(code: number): void } }>;
+  readonly viewers: Set<{
+    ws: { send(data: string | Uint8Array): void; close(code: number): void };
+  }>;
   listen(port?: number): Promise<number>;
   close(): Promise<void>;
   dropViewers(): void;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stand-in for kerf-server: serves the built viewer, the list of sessions and one carved session, by the documented protocol.
-// For developing the viewer and for its tests; the end-to-end test uses the real server.
+// A substitute for kerf-server: serves the built viewer, the list of sessions and one session, by
+// the documented protocol. For developing and testing the viewer; the end-to-end test uses the real
+// server.
 
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
@@ -10,7 +11,13 @@ import { FakeBlock } from './fake_block.mjs';
 import { writeMeshGlb } from './glb.mjs';
 
 const STEP_MM = 1 / 512;
-const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.woff2': 'font/woff2' };
+const TYPES = {
+  '.html': 'text/html',
+  '.js': 'text/javascript',
+  '.css': 'text/css',
+  '.svg': 'image/svg+xml',
+  '.woff2': 'font/woff2',
+};
 const TOOLS = [
   { id: 1, shape: 'ball', diameter_mm: 10, length_mm: 40 },
   { id: 2, shape: 'taper', diameter_mm: 4, half_angle_deg: 8, length_mm: 40, tip: 'ball' },
@@ -25,8 +32,28 @@ export class FakeServer {
     this.time = 0;
     this.sequence = { 3: 0, 4: 0, 7: 0 };
     this.agents = [
-      { participant: 1, name: 'Ada', color: '#c2410c', tool: 1, kind: 'agent', radius: 5, petals: 5, reach: 38, phase: 0 },
-      { participant: 2, name: 'Linus', color: '#0f766e', tool: 2, kind: 'agent', radius: 2, petals: 3, reach: 26, phase: 2.1 },
+      {
+        participant: 1,
+        name: 'Ada',
+        color: '#c2410c',
+        tool: 1,
+        kind: 'agent',
+        radius: 5,
+        petals: 5,
+        reach: 38,
+        phase: 0,
+      },
+      {
+        participant: 2,
+        name: 'Linus',
+        color: '#0f766e',
+        tool: 2,
+        kind: 'agent',
+        radius: 2,
+        petals: 3,
+        reach: 26,
+        phase: 2.1,
+      },
     ].slice(0, agents);
     this.acks = [];
     this.hellos = [];
@@ -35,7 +62,10 @@ export class FakeServer {
 
   async listen(port = 0) {
     this.http = createServer((request, response) => void this.answer_(request, response));
-    this.sockets = new WebSocketServer({ noServer: true, handleProtocols: (offered) => offered.has('kerf.view.v1') && 'kerf.view.v1' });
+    this.sockets = new WebSocketServer({
+      noServer: true,
+      handleProtocols: (offered) => offered.has('kerf.view.v1') && 'kerf.view.v1',
+    });
     this.http.on('upgrade', (request, socket, head) => {
       if (!request.url.startsWith('/v1/sessions/demo/view')) {
         socket.end('HTTP/1.1 404 Not Found\r\n\r\n');
@@ -55,7 +85,7 @@ export class FakeServer {
     await new Promise((resolve) => this.http.close(resolve));
   }
 
-  /** Breaks all connections, as a failing network does. */
+  /** Terminates all connections without a close frame, like a network failure. */
   dropViewers() {
     for (const viewer of this.viewers) viewer.ws.terminate();
     this.viewers.clear();
@@ -63,27 +93,48 @@ export class FakeServer {
 
   async answer_(request, response) {
     const path = new URL(request.url, 'http://host').pathname;
-    const json = (code, body) => response.writeHead(code, { 'content-type': 'application/json' }).end(JSON.stringify(body));
-    const summary = { id: 'demo', name: 'Demo', motions: this.motions, removed_volume_mm3: this.block.removedMm3,
-      state_hash: this.hash_(), participants: this.people_() };
+    const json = (code, body) =>
+      response.writeHead(code, { 'content-type': 'application/json' }).end(JSON.stringify(body));
+    const summary = {
+      id: 'demo',
+      name: 'Demo',
+      motions: this.motions,
+      removed_volume_mm3: this.block.removedMm3,
+      state_hash: this.hash_(),
+      participants: this.participants_(),
+    };
     if (path === '/v1/sessions') return json(200, { sessions: [summary] });
     if (path === '/v1/sessions/demo') return json(200, summary);
-    if (path.startsWith('/v1/')) return json(404, { error: { code: 'unknown_session', reason: 'There is no such session.' } });
+    if (path.startsWith('/v1/'))
+      return json(404, {
+        error: { code: 'unknown_session', reason: 'The session does not exist.' },
+      });
     const file = normalize(path === '/' ? '/index.html' : path);
     try {
       const body = await readFile(join(this.root, file));
-      response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' }).end(body);
+      response
+        .writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' })
+        .end(body);
     } catch {
       response.writeHead(404).end('not found');
     }
   }
 
   joined_(ws) {
-    const viewer = { ws, id: 100 + this.viewers.size, inFlight: 0, lacking: new Set(this.block.versions.keys()), first: true, name: '' };
-    ws.on('message', (data, binary) => (binary ? this.binary_(viewer, data) : this.text_(viewer, JSON.parse(data.toString()))));
+    const viewer = {
+      ws,
+      id: 100 + this.viewers.size,
+      inFlight: 0,
+      lacking: new Set(this.block.versions.keys()),
+      first: true,
+      name: '',
+    };
+    ws.on('message', (data, binary) =>
+      binary ? this.binary_(viewer, data) : this.text_(viewer, JSON.parse(data.toString())),
+    );
     ws.on('close', () => {
       this.viewers.delete(viewer);
-      this.tellPeople_();
+      this.sendParticipants_();
     });
   }
 
@@ -94,14 +145,31 @@ export class FakeServer {
     this.hellos.push(message.name);
     this.viewers.add(viewer);
     const half = this.block.sizeMm / 2;
-    viewer.ws.send(JSON.stringify({
-      type: 'welcome', session: 'demo', participant: viewer.id, epoch: 1, color: '#888888', pitch_mm: this.block.pitchMm, pivot_mm: 60,
-      force: { law: 'specific_energy', specific_force_n_per_mm2: 0.5 },
-      stock: { shape: 'box', min_mm: [-half, -half, -this.block.heightMm], max_mm: [half, half, 0] },
-      tools: TOOLS, participants: this.people_(),
-      grid: { origin_mm: [-half, -half, -this.block.heightMm], columns: [this.block.columns, this.block.columns], tile: this.block.tile },
-    }));
-    this.tellPeople_();
+    viewer.ws.send(
+      JSON.stringify({
+        type: 'welcome',
+        session: 'demo',
+        participant: viewer.id,
+        epoch: 1,
+        color: '#888888',
+        pitch_mm: this.block.pitchMm,
+        pivot_mm: 60,
+        force: { law: 'specific_energy', specific_force_n_per_mm2: 0.5 },
+        stock: {
+          shape: 'box',
+          min_mm: [-half, -half, -this.block.heightMm],
+          max_mm: [half, half, 0],
+        },
+        tools: TOOLS,
+        participants: this.participants_(),
+        grid: {
+          origin_mm: [-half, -half, -this.block.heightMm],
+          columns: [this.block.columns, this.block.columns],
+          tile: this.block.tile,
+        },
+      }),
+    );
+    this.sendParticipants_();
     this.sendMesh_(viewer);
   }
 
@@ -139,13 +207,27 @@ export class FakeServer {
     return frame;
   }
 
-  people_() {
-    const viewers = [...this.viewers].map(({ id, name }) => ({ participant: id, name, color: '#888888', kind: 'viewer' }));
-    return [...this.agents.map(({ participant, name, color, tool, kind }) => ({ participant, name, color, tool, kind })), ...viewers];
+  participants_() {
+    const viewers = [...this.viewers].map(({ id, name }) => ({
+      participant: id,
+      name,
+      color: '#888888',
+      kind: 'viewer',
+    }));
+    return [
+      ...this.agents.map(({ participant, name, color, tool, kind }) => ({
+        participant,
+        name,
+        color,
+        tool,
+        kind,
+      })),
+      ...viewers,
+    ];
   }
 
-  tellPeople_() {
-    const text = JSON.stringify({ type: 'participants', participants: this.people_() });
+  sendParticipants_() {
+    const text = JSON.stringify({ type: 'participants', participants: this.participants_() });
     for (const { ws } of this.viewers) ws.send(text);
   }
 
@@ -157,7 +239,12 @@ export class FakeServer {
     while (viewer.inFlight < 2 && viewer.lacking.size > 0) {
       const keys = [...viewer.lacking].slice(0, 24);
       for (const key of keys) viewer.lacking.delete(key);
-      const glb = writeMeshGlb(keys.map((key) => this.block.mesh(key)), STEP_MM, 0, this.motions);
+      const glb = writeMeshGlb(
+        keys.map((key) => this.block.mesh(key)),
+        STEP_MM,
+        0,
+        this.motions,
+      );
       const flags = viewer.first ? 1 | (viewer.lacking.size === 0 ? 2 : 0) : 0;
       if (viewer.lacking.size === 0) viewer.first = false;
       viewer.inFlight += 1;
@@ -165,7 +252,7 @@ export class FakeServer {
     }
   }
 
-  /** Moves every agent on by one frame time, in a few small cuts, and tells the viewers. */
+  /** Advances every agent by one frame time, in several small cuts, and updates the viewers. */
   step() {
     const dirty = new Set();
     const states = this.agents.map((agent) => this.moveAgent_(agent, dirty));
@@ -173,7 +260,13 @@ export class FakeServer {
     for (const key of dirty) this.block.versions.set(key, this.block.versions.get(key) + 1);
     const tools = this.toolsPayload_(states);
     const settled = [...this.viewers].every((viewer) => viewer.lacking.size === 0);
-    const state = JSON.stringify({ type: 'state', motions: this.motions, removed_volume_mm3: this.block.removedMm3, state_hash: this.hash_(), settled });
+    const state = JSON.stringify({
+      type: 'state',
+      motions: this.motions,
+      removed_volume_mm3: this.block.removedMm3,
+      state_hash: this.hash_(),
+      settled,
+    });
     for (const viewer of this.viewers) {
       for (const key of dirty) viewer.lacking.add(key);
       viewer.ws.send(this.frame_(4, 0, tools));
@@ -198,11 +291,15 @@ export class FakeServer {
     const force = travel.map((v) => (-v / speed) * rate * 0.02);
     force[2] += rate * 0.012;
     const arm = pose.axis.map((v) => -60 * v);
-    const torque = [arm[1] * force[2] - arm[2] * force[1], arm[2] * force[0] - arm[0] * force[2], arm[0] * force[1] - arm[1] * force[0]];
+    const torque = [
+      arm[1] * force[2] - arm[2] * force[1],
+      arm[2] * force[0] - arm[0] * force[2],
+      arm[0] * force[1] - arm[1] * force[0],
+    ];
     return { agent, ...pose, force, torque, rate };
   }
 
-  /** A rose curve that sinks slowly, the tool leaning outward. */
+  /** A rose curve that descends slowly, with a tilting tool. */
   pose_(agent, t) {
     const turn = t * 0.42 + agent.phase;
     const r = agent.reach * Math.abs(Math.cos((agent.petals * turn) / 2)) ** 0.8 + 3;
@@ -210,7 +307,10 @@ export class FakeServer {
     const depth = 1 + Math.min(14, 0.12 * t) + 4 * (0.5 + 0.5 * Math.cos(agent.petals * turn));
     const axis = [lean * Math.cos(turn), lean * Math.sin(turn), 1];
     const length = Math.hypot(...axis);
-    return { tip: [r * Math.cos(turn), r * Math.sin(turn), -depth], axis: axis.map((v) => v / length) };
+    return {
+      tip: [r * Math.cos(turn), r * Math.sin(turn), -depth],
+      axis: axis.map((v) => v / length),
+    };
   }
 
   toolsPayload_(states) {

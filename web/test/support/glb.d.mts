@@ -6,4 +6,9 @@ export interface TestTile {
   normals: number[];
   indices: number[];
 }
-export function writeMeshGlb(tiles: TestTile[], stepMm: number, from: number, to: number): Uint8Array;
+export function writeMeshGlb(
+  tiles: TestTile[],
+  stepMm: number,
+  from: number,
+  to: number,
+): Uint8Array;

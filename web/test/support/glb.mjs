@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes mesh frames as server/wire/README.md describes them: one node per tile, int16 positions on one global lattice, int8
-// normals, KHR_mesh_quantization. An implementation of its own, so that the viewer is not tested against itself.
+// Writes mesh frames as specified in server/wire/README.md: one node per tile, int16 positions on
+// one global lattice, int8 normals, KHR_mesh_quantization. Independent of the viewer's code, so
+// that the viewer is not tested against itself.
 
 function pad4(bytes, fill) {
   const padded = new Uint8Array(Math.ceil(bytes.length / 4) * 4).fill(fill);
@@ -9,8 +10,8 @@ function pad4(bytes, fill) {
 }
 
 /**
- * @param tiles [{x, y, version, positions: Float64Array (mm, world), normals: Float64Array, indices: number[]}];
- *   no indices: nothing is left of the tile
+ * @param tiles [{x, y, version, positions: Float64Array (mm, world), normals: Float64Array,
+ * indices: number[]}]; no indices: an empty tile
  */
 export function writeMeshGlb(tiles, stepMm, from, to) {
   const parts = [];
@@ -21,16 +22,29 @@ export function writeMeshGlb(tiles, stepMm, from, to) {
     extensionsRequired: ['KHR_mesh_quantization'],
     scene: 0,
     scenes: [{ nodes: tiles.map((_, i) => i), extras: { from, to } }],
-    nodes: [], meshes: [], accessors: [], bufferViews: [], buffers: [],
+    nodes: [],
+    meshes: [],
+    accessors: [],
+    bufferViews: [],
+    buffers: [],
   };
   const view = (bytes, target, byteStride) => {
-    gltf.bufferViews.push({ buffer: 0, byteOffset: offset, byteLength: bytes.length, target, ...(byteStride ? { byteStride } : {}) });
+    gltf.bufferViews.push({
+      buffer: 0,
+      byteOffset: offset,
+      byteLength: bytes.length,
+      target,
+      ...(byteStride ? { byteStride } : {}),
+    });
     parts.push(bytes);
     offset += bytes.length;
     return gltf.bufferViews.length - 1;
   };
   for (const tile of tiles) {
-    const node = { name: `t_${tile.x}_${tile.y}`, extras: { tile: [tile.x, tile.y], version: tile.version } };
+    const node = {
+      name: `t_${tile.x}_${tile.y}`,
+      extras: { tile: [tile.x, tile.y], version: tile.version },
+    };
     gltf.nodes.push(node);
     if (tile.indices.length === 0) continue;
     addTile(gltf, node, tile, stepMm, view);
@@ -72,8 +86,16 @@ function addTile(gltf, node, tile, stepMm, view) {
   gltf.accessors.push(
     { bufferView: positionView, componentType: 5122, count, type: 'VEC3', min, max },
     { bufferView: normalView, componentType: 5120, normalized: true, count, type: 'VEC3' },
-    { bufferView: indexView, componentType: wide ? 5125 : 5123, count: indices.length, type: 'SCALAR' });
-  gltf.meshes.push({ primitives: [{ attributes: { POSITION: first, NORMAL: first + 1 }, indices: first + 2 }] });
+    {
+      bufferView: indexView,
+      componentType: wide ? 5125 : 5123,
+      count: indices.length,
+      type: 'SCALAR',
+    },
+  );
+  gltf.meshes.push({
+    primitives: [{ attributes: { POSITION: first, NORMAL: first + 1 }, indices: first + 2 }],
+  });
   node.mesh = gltf.meshes.length - 1;
   node.translation = low.map((steps) => (steps + 32768) * stepMm);
   node.scale = [stepMm, stepMm, stepMm];

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { errorRad, LookPolicy } from '../src/model/look';
+import { errorRad, LookPolicy } from '../src/model/look_policy';
 import type { Look } from '../src/wire/types';
 
 function from(x: number, error_rad = 0.001): Look {
   return { eye_mm: [x, 0, 0], error_rad };
 }
 
-describe('look', () => {
-  it('lets errors grow with the size of a pixel, and twice as far where devices are weak', () => {
-    expect(errorRad(30, 1000, false)).toBeCloseTo(0.5 * 2 * Math.tan(Math.PI / 12) / 1000, 12);
+describe('look policy', () => {
+  it('scales the error with the pixel size and doubles it on weak devices', () => {
+    expect(errorRad(30, 1000, false)).toBeCloseTo((0.5 * 2 * Math.tan(Math.PI / 12)) / 1000, 12);
     expect(errorRad(30, 500, false)).toBeCloseTo(2 * errorRad(30, 1000, false), 12);
     expect(errorRad(30, 1000, true)).toBeCloseTo(2 * errorRad(30, 1000, false), 12);
   });
 
-  it('tells the first look at once, and again after a reconnection', () => {
+  it('sends the first look immediately, and again after a reset', () => {
     const policy = new LookPolicy();
     expect(policy.next(from(100), 100, 0)).toEqual(from(100));
     expect(policy.next(from(100), 100, 1)).toBeNull();
@@ -31,15 +31,16 @@ describe('look', () => {
     expect(policy.next(from(160), 160, 460)).toEqual(from(160));
   });
 
-  it('does not wait for ever', () => {
+  it('sends once a second while the camera moves', () => {
     const policy = new LookPolicy();
     policy.next(from(100), 100, 0);
-    let told = 0;
-    for (let ms = 16; ms <= 3300; ms += 16) told += policy.next(from(100 + ms), 100 + ms, ms) ? 1 : 0;
-    expect(told).toBe(3);
+    let sent = 0;
+    for (let ms = 16; ms <= 3300; ms += 16)
+      sent += policy.next(from(100 + ms), 100 + ms, ms) ? 1 : 0;
+    expect(sent).toBe(3);
   });
 
-  it('does not speak of small moves, but of another size of the picture', () => {
+  it('ignores small movements but sends a changed error', () => {
     const policy = new LookPolicy();
     policy.next(from(100), 100, 0);
     expect(policy.next(from(105), 105, 1000)).toBeNull();

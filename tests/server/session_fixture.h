@@ -22,9 +22,10 @@ inline constexpr const char* kScene = R"({
             {"id": 2, "shape": "flat", "diameter_mm": 6, "length_mm": 60}],
   "machine": {"kinematics": "tool-vector"}})";
 
-class SessionRoom : public testing::Test {
+/// A registry with a temporary data folder; its sessions run on `executor`, step by step.
+class SessionTest : public testing::Test {
  protected:
-  /// Forgets the sessions and starts with the same folder, as a restarted program does.
+  /// Discards the sessions and creates a registry of the same folder, as a restarted server does.
   void restart() {
     registry.emplace(
         RegistryOptions{folder.path(), 4, limits}, [this](const std::string&) { return executor; },
@@ -41,7 +42,7 @@ class SessionRoom : public testing::Test {
     EXPECT_TRUE(joined);
     return joined->id;
   }
-  /// One sample a millisecond after the last one of the test.
+  /// Returns a cutting sample one millisecond after the previous one of the test.
   wire::MotionSample next(double x_mm, double y_mm, double z_mm) {
     wire::MotionSample sample;
     sample.agent_sequence = ++sequence;
@@ -51,15 +52,15 @@ class SessionRoom : public testing::Test {
     sample.buttons = wire::kButtonCutting;
     return sample;
   }
-  MotionAnswer move(Session& session, ParticipantId who, double x_mm, double y_mm, double z_mm) {
+  MotionAnswer move(Session& session, ParticipantId id, double x_mm, double y_mm, double z_mm) {
     const wire::MotionSample sample = next(x_mm, y_mm, z_mm);
-    return session.move(who, {&sample, 1});
+    return session.move(id, {&sample, 1});
   }
-  void carve_circle(Session& session, ParticipantId who, int steps = 200) {
+  void carve_circle(Session& session, ParticipantId id, int steps = 200) {
     for (int i = 0; i <= steps; ++i) {
       const double angle = 6.4 * i / steps;
       const auto answer =
-          move(session, who, 10 * std::cos(angle), 10 * std::sin(angle), -1 - 0.01 * i);
+          move(session, id, 10 * std::cos(angle), 10 * std::sin(angle), -1 - 0.01 * i);
       ASSERT_TRUE(answer.rejections.empty());
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernel/cut/owed_normals.h"
+#include "kernel/cut/lazy_normals.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,14 +8,15 @@
 namespace kerf {
 namespace {
 
-/// A code of a normal is not below 2¹⁶: what is tells which sweep owes it, from 1.
-constexpr NormalCode kOwedMax = 0xffff;
+/// The codes 1 to kPendingMax name the sweep that made an end whose normal is not yet computed.
+/// Codes of normals are at least 2¹⁶ (normal_code.h).
+constexpr NormalCode kPendingMax = 0xffff;
 
-constexpr bool is_owed(NormalCode code) { return code - 1 < kOwedMax; }
+constexpr bool is_pending(NormalCode code) { return code - 1 < kPendingMax; }
 
 /// Of the topmost elements of eight columns from `first` on: the ends that now lie where the
 /// removed element began or ended.
-void note_topmost(DexelTile& tile, std::size_t first, const RemovedGroup& group, NormalCode code) {
+void mark_topmost(DexelTile& tile, std::size_t first, const RemovedGroup& group, NormalCode code) {
   const std::int32_t *bottom = &tile.bottom[first], *top = &tile.top[first];
   EndCodes* codes = &tile.topmost_codes[first];
   for (int c = 0; c < RemovedGroup::kLanes; ++c) {
@@ -25,9 +26,9 @@ void note_topmost(DexelTile& tile, std::size_t first, const RemovedGroup& group,
   }
 }
 
-/// Pays the ends that one sweep left of one kind, eight at a time.
+/// Computes the normals of the upper or lower ends that one sweep made, eight at a time.
 template <class End>
-void pay_ends(const SweptSurface& surface, const std::vector<End>& ends, double towards) {
+void resolve_ends(const SweptSurface& surface, const std::vector<End>& ends, double towards) {
   for (std::size_t first = 0; first < ends.size(); first += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, ends.size() - first);
     Vec3Lanes at{};
@@ -45,11 +46,11 @@ void pay_ends(const SweptSurface& surface, const std::vector<End>& ends, double 
 
 }  // namespace
 
-void note_ends(DexelTile& tile, std::span<const RemovedGroup> removed, NormalCode code) {
+void mark_ends(DexelTile& tile, std::span<const RemovedGroup> removed, NormalCode code) {
   for (const RemovedGroup& group : removed) {
     const std::int32_t row = group.j % kTileSide;
     const int first = row * kTileSide + group.i % kTileSide;
-    note_topmost(tile, std::size_t(first), group, code);
+    mark_topmost(tile, std::size_t(first), group, code);
     const unsigned split = tile.split[std::size_t(row)] >> (group.i % kTileSide) & 0xFFU;
     for (unsigned left = split; left != 0; left &= left - 1) {
       const int c = std::countr_zero(left);
@@ -60,20 +61,20 @@ void note_ends(DexelTile& tile, std::span<const RemovedGroup> removed, NormalCod
   }
 }
 
-NormalCode OwedNormals::owe(DexelField& field, const SweptSurface& surface) {
-  static_assert(kSweepsMax <= kOwedMax);
-  if (sweeps_.size() == kSweepsMax) pay(field);
+NormalCode LazyNormals::add_sweep(DexelField& field, const SweptSurface& surface) {
+  static_assert(kSweepsMax <= kPendingMax);
+  if (sweeps_.size() == kSweepsMax) resolve(field);
   sweeps_.push_back(surface);
   return static_cast<NormalCode>(sweeps_.size());
 }
 
-void OwedNormals::note(const Removal& removal) {
+void LazyNormals::add_tiles(const Removal& removal) {
   for (const RemovedPart& part : removal.parts()) {
     for (const RemovedPart::Tile& tile : part.tiles) tiles_.push_back(tile.index);
   }
 }
 
-void OwedNormals::pay(DexelField& field) {
+void LazyNormals::resolve(DexelField& field) {
   if (sweeps_.empty()) return;
   std::ranges::sort(tiles_);
   tiles_.erase(std::ranges::unique(tiles_).begin(), tiles_.end());
@@ -84,8 +85,8 @@ void OwedNormals::pay(DexelField& field) {
     collect(*tile, at, field.grid());
   }
   for (std::size_t n = 0; n < sweeps_.size(); ++n) {
-    pay_ends(sweeps_[n], ends_[n].tops, 1);
-    pay_ends(sweeps_[n], ends_[n].bottoms, -1);
+    resolve_ends(sweeps_[n], ends_[n].tops, 1);
+    resolve_ends(sweeps_[n], ends_[n].bottoms, -1);
     ends_[n].tops.clear();
     ends_[n].bottoms.clear();
   }
@@ -93,21 +94,21 @@ void OwedNormals::pay(DexelField& field) {
   tiles_.clear();
 }
 
-void OwedNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid) {
+void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid) {
   const auto take = [&](int column, EndCodes& codes, Dexel element) {
     const double x = grid.x_mm(at.x * kTileSide + column % kTileSide);
     const double y = grid.y_mm(at.y * kTileSide + column / kTileSide);
-    if (is_owed(codes.top)) {
+    if (is_pending(codes.top)) {
       ends_[codes.top - 1].tops.push_back({&codes.top, x, y, grid.z_mm(element.top)});
     }
-    if (is_owed(codes.bottom)) {
+    if (is_pending(codes.bottom)) {
       ends_[codes.bottom - 1].bottoms.push_back({&codes.bottom, x, y, grid.z_mm(element.bottom)});
     }
   };
   for (int column = 0; column < kTileColumns; ++column) {
     const auto c = std::size_t(column);
     EndCodes& codes = tile.topmost_codes[c];
-    if (is_owed(codes.top) | is_owed(codes.bottom)) {
+    if (is_pending(codes.top) | is_pending(codes.bottom)) {
       take(column, codes, {tile.bottom[c], tile.top[c]});
     }
     if (!tile.is_split(column)) continue;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/cut/removal.h"
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/sweep/swept_surface.h"
+
+namespace kerf {
+
+/// Surface normals of dexel ends, computed lazily. A moving tool cuts the same column dozens of
+/// times, and only the last end remains, so each new end first stores the number of the sweep that
+/// made it in place of its normal; resolve() replaces the numbers of the ends that still exist by
+/// normals. The result does not depend on when it runs.
+///
+/// Ends that a sweep does not move keep their normals. Where two motions leave an end at the same
+/// depth, the normal of the first is kept: normals depend on the order of the commands, and the
+/// state hash excludes them.
+class LazyNormals {
+ public:
+  /// Registers a sweep that is about to cut the field, given its surface in the field's frame.
+  /// Returns the code with which to mark the ends that it makes (mark_ends). Resolves first if
+  /// kSweepsMax sweeps are pending.
+  NormalCode add_sweep(DexelField& field, const SweptSurface& surface);
+  /// Registers the tiles that the sweep changed.
+  void add_tiles(const Removal& removal);
+  /// Computes all pending normals. Must run before the field's normals are read, and before a
+  /// snapshot is taken, because it edits tiles in place.
+  void resolve(DexelField& field);
+
+ private:
+  /// Few enough that resolving them does not delay a haptic tick noticeably, many enough that most
+  /// marked ends have been cut away by then.
+  static constexpr std::size_t kSweepsMax = 256;
+  struct End {
+    NormalCode* code;
+    double x_mm, y_mm, z_mm;
+  };
+  /// The remaining ends that one sweep made.
+  struct Ends {
+    std::vector<End> tops, bottoms;
+  };
+
+  void collect(DexelTile& tile, TileIndex at, const DexelGrid& grid);
+
+  std::vector<SweptSurface> sweeps_;
+  std::vector<TileIndex> tiles_;
+  std::vector<Ends> ends_;  ///< per sweep; reuses its memory
+};
+
+/// Marks, in a tile that keeps normals, the ends that a sweep has just made. `removed` is what the
+/// sweep removed from this tile.
+void mark_ends(DexelTile& tile, std::span<const RemovedGroup> removed, NormalCode code);
+
+}  // namespace kerf

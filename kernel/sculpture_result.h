@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The result of a motion: force, contact, removed volume and changed tiles.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+#include "kernel/dexel/tile_index.h"
+#include "kernel/force/wrench.h"
+#include "kernel/math/ray_axis.h"
+#include "kernel/math/vec3.h"
+#include "kernel/sweep/motion_kind.h"
+
+namespace kerf {
+
+/// A local model of the cut, from which a haptic device renders the cutting force between two
+/// results as a function of its own velocity.
+struct CuttingModel {
+  /// Engaged area A = delivered volume / path length (kernel/force/README.md).
+  double engaged_area_mm2 = 0;
+  Vec3 direction;  ///< unit direction of the cutting force; zero where nothing was cut
+  Vec3 center_mm;  ///< centroid of the removed volume
+};
+
+/// Names a tile of one of the fields.
+struct FieldTile {
+  RayAxis axis = RayAxis::kZ;
+  TileIndex tile;
+  friend constexpr auto operator<=>(const FieldTile&, const FieldTile&) = default;
+};
+
+/// The result of Sculpture::apply. Of a DefineTool, all members have their default values.
+struct MotionResult {
+  MotionKind kind = MotionKind::kRest;
+  /// Mean cutting wrench over the motion plus `collision`; N, N·mm about the tool's pivot.
+  Wrench wrench;
+  /// Wrench from obstacles and from stock against shank and holder at the motion's end pose.
+  Wrench collision;
+  CuttingModel cutting;
+  /// Greatest depth of shank or holder in the stock along the motion.
+  double stock_contact_mm = 0;
+  /// Volume removed by this motion. With three fields: their direction-weighted mean
+  /// (kernel/dexel/README.md).
+  double removed_mm3 = 0;
+  /// Number of cuts that the motion was divided into: the greatest over the fields.
+  std::uint32_t sub_motions = 0;
+  /// Tiles of the field along Z whose surface changed; sorted, without duplicates.
+  std::vector<TileIndex> changed_tiles;
+  /// Tiles of any field that lost material; may contain duplicates.
+  std::vector<FieldTile> cut_tiles;
+};
+
+}  // namespace kerf

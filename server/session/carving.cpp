@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/carving.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace kerf {
+
+Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJournal& journal,
+                 Participants& participants)
+    : limits_(limits), sculpture_(sculpture), journal_(journal), participants_(participants) {}
+
+std::expected<MotionResult, Rejection> Carving::apply(ParticipantId id, const MoveTool& move) {
+  const Command command = move;
+  if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
+  if (auto ok = journal_.append(id, command); !ok) return std::unexpected(ok.error());
+  auto result = sculpture_.apply(command);
+  if (!result) return std::unexpected(to_rejection(result.error()));
+  motions_applied_.fetch_add(1, std::memory_order_relaxed);
+  changed_.insert(result->changed_tiles.begin(), result->changed_tiles.end());
+  participants_.note_cut(id, result->cut_tiles);
+  // Not `changed_tiles`: rays along X and Y may be shortened where those along Z, which viewers
+  // display, are not.
+  if (result->removed_mm3 > 0) journal_.note_removal();
+  return *std::move(result);
+}
+
+std::optional<Rejection> Carving::take_sample(ParticipantState& state,
+                                              const wire::MotionSample& sample, BatchSum& sum) {
+  if (sample.agent_sequence <= state.last_sequence) return std::nullopt;  // a resent sample
+  state.last_sequence = sample.agent_sequence;
+  state.newest_us = sample.time_us;
+  const auto name = [&] { return "sample " + std::to_string(sample.agent_sequence) + ": "; };
+  if (!state.samples.allow(ParticipantState::Clock::now())) {
+    state.track.lift();  // leaves a gap: a chord across the dropped samples would gouge the block
+    return Rejection{wire::ErrorCode::kTooFast,
+                     name() + "the sample rate limit is " +
+                         std::to_string(std::llround(limits_.samples_per_s)) + " per second"};
+  }
+  auto step = state.track.take(sample, sculpture_, limits_.speed_mm_per_s);
+  if (!step) return step.error();
+  state.display.tool_id = sample.tool_id;
+  if (const auto* touch = std::get_if<ToolTrack::Touch>(&*step); touch != nullptr && state.feel) {
+    add_touch(sum, sculpture_, *touch);
+  }
+  if (auto* move = std::get_if<MoveTool>(&*step)) {
+    move->feel = state.feel;
+    const auto result = apply(state.participant.id, *move);
+    if (!result) return Rejection{result.error().code, name() + result.error().reason};
+    add_motion(sum, sculpture_, *move, *result);
+  }
+  return std::nullopt;
+}
+
+MotionAnswer Carving::move(ParticipantState& state, std::span<const wire::MotionSample> samples) {
+  MotionAnswer answer;
+  BatchSum sum;
+  for (const wire::MotionSample& sample : samples) {
+    if (auto rejection = take_sample(state, sample, sum)) answer.rejections.push_back(*rejection);
+  }
+  // The agent's replica has already applied the rejected sample: resynchronize it.
+  if (!answer.rejections.empty() && state.stock) state.stock->restart();
+  wire::Result& result = answer.result;
+  result.agent_sequence = state.last_sequence;
+  result.agent_time_us = samples.empty() ? state.track.time_us() : samples.back().time_us;
+  result.motions_applied = sculpture_.motions();
+  sum.write(result);
+  if (!answer.rejections.empty()) result.status |= wire::kStatusRejected;
+  state.update_display(result, sum);
+  answer.felt = participants_.felt_by(state);
+  return answer;
+}
+
+std::expected<double, Rejection> Carving::move(ParticipantId id, const ProgramMotion& motion,
+                                               bool feel) {
+  const auto result =
+      apply(id, MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, feel});
+  if (!result) return std::unexpected(result.error());
+  if (ParticipantState* state = participants_.find(id)) {
+    const bool tool_changed = std::exchange(state->participant.tool, motion.tool) != motion.tool;
+    state->display.tool_id = motion.tool;
+    state->track.place(motion.to);
+    BatchSum sum;
+    sum.add(*result, motion.duration_s);
+    wire::Result display;
+    sum.write(display);
+    state->update_display(display, sum);
+    if (tool_changed) participants_.notify({});
+  }
+  return result->removed_mm3;
+}
+
+std::vector<TileIndex> Carving::take_changed() {
+  const std::set<TileIndex> changed = std::exchange(changed_, {});
+  return {changed.begin(), changed.end()};
+}
+
+}  // namespace kerf

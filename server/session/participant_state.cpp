@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/participant_state.h"
+
+#include "server/convert/sample_pose.h"
+
+namespace kerf {
+namespace {
+
+/// The tool of a participant that sends nothing is displayed without force after this time.
+constexpr std::chrono::milliseconds kForceDisplayTime{150};
+
+}  // namespace
+
+void ParticipantState::update_display(const wire::Result& result, const BatchSum& sum) {
+  if (const auto& pose = track.pose()) {
+    display.tip_mm = to_wire(pose->tip_mm);
+    display.axis = to_wire_float(pose->axis);
+  }
+  display.participant = participant.id;
+  display.status = result.status;
+  display.force_n = result.force_n;
+  display.torque_nmm = result.torque_nmm;
+  display.removed_rate_mm3_per_s =
+      sum.duration_s() > 0 ? static_cast<float>(sum.removed_mm3() / sum.duration_s()) : 0.0F;
+  display_time = Clock::now();
+}
+
+bool ParticipantState::has_recent_force(Clock::time_point now) const {
+  return now - display_time <= kForceDisplayTime;
+}
+
+}  // namespace kerf

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "server/convert/tool_track.h"
+#include "server/feed/stock_feed.h"
+#include "server/session/participant.h"
+#include "server/session/rate_limit.h"
+#include "server/wire/types.h"
+
+namespace kerf {
+
+/// The state that a session keeps for one participant.
+struct ParticipantState {
+  using Clock = std::chrono::steady_clock;
+
+  Participant participant;
+  bool feel = true;           ///< compute forces for it
+  ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0: none
+  ToolTrack track;
+  std::uint64_t last_sequence = 0;  ///< agent_sequence of the newest sample
+  std::uint64_t newest_us = 0;      ///< agent's time of the newest sample, accepted or rejected
+  RateLimit samples{0, 0};
+  wire::ToolState display;  ///< the tool as viewers show it
+  Clock::time_point display_time{};
+  std::optional<StockFeed> stock;  ///< set if the agent keeps a replica of the block
+
+  /// Updates `display` from the newest pose and the result of a batch.
+  void update_display(const wire::Result& result, const BatchSum& sum);
+  /// True while the force in `display` is recent enough to be sent to others.
+  bool has_recent_force(Clock::time_point now) const;
+};
+
+}  // namespace kerf

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/participants.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <ranges>
+#include <utility>
+
+#include "server/wire/limits.h"
+
+namespace kerf {
+namespace {
+
+/// Default colors of tools: eight hues that remain distinguishable with color-vision deficiency.
+constexpr std::array<const char*, 8> kColors = {"#d9541e", "#0072b2", "#009e73", "#cc79a7",
+                                                "#e69f00", "#56b4e9", "#8c6d31", "#6f4fa0"};
+
+bool is_color(const std::string& text) {
+  return text.size() == 7 && text.front() == '#' &&
+         std::all_of(text.begin() + 1, text.end(),
+                     [](unsigned char c) { return std::isxdigit(c) != 0; });
+}
+
+Rejection unknown_tool(ToolId tool) {
+  return {wire::ErrorCode::kUnknownTool, "the session has no tool " + std::to_string(tool)};
+}
+
+}  // namespace
+
+Participants::Participants(const SessionLimits& limits, const Sculpture& sculpture,
+                           SessionJournal& journal, ToolId default_tool, ParticipantId last_id)
+    : limits_(limits),
+      sculpture_(sculpture),
+      journal_(journal),
+      default_tool_(default_tool),
+      last_id_(last_id) {}
+
+std::size_t Participants::limit_of(ParticipantKind kind) const {
+  switch (kind) {
+    case ParticipantKind::kAgent:
+      return limits_.agents_max;
+    case ParticipantKind::kProgram:
+      return limits_.programs_max;
+    case ParticipantKind::kViewer:
+      return limits_.viewers_max;
+  }
+  return 0;
+}
+
+std::expected<void, Rejection> Participants::check(const JoinRequest& request) const {
+  using enum wire::ErrorCode;
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(
+      states_ | std::views::values,
+      [&](const ParticipantState& state) { return state.participant.kind == request.kind; }));
+  const std::size_t limit = limit_of(request.kind);
+  if (count >= limit) {
+    return std::unexpected(Rejection{kBusy, "the session is full: it admits at most " +
+                                                std::to_string(limit) + " " +
+                                                to_string(request.kind) + "s"});
+  }
+  if (request.name.size() > wire::kMaxNameBytes) {
+    return std::unexpected(Rejection{
+        kTooLarge, "name must be at most " + std::to_string(wire::kMaxNameBytes) + " bytes"});
+  }
+  if (!request.color.empty() && !is_color(request.color)) {
+    return std::unexpected(Rejection{kBadMessage, "color must have the form #rrggbb"});
+  }
+  return {};
+}
+
+std::expected<Participant, Rejection> Participants::join(const JoinRequest& request) {
+  if (const auto ok = check(request); !ok) return std::unexpected(ok.error());
+  ParticipantState state;
+  Participant& participant = state.participant;
+  participant = {++last_id_, request.kind, request.name, request.color, 0};
+  if (request.kind != ParticipantKind::kViewer) {
+    participant.tool = request.tool != 0 ? request.tool : default_tool_;
+    if (sculpture_.tool(participant.tool) == nullptr) {
+      return std::unexpected(unknown_tool(participant.tool));
+    }
+  }
+  if (participant.name.empty()) {
+    participant.name = std::string(to_string(request.kind)) + " " + std::to_string(participant.id);
+  }
+  if (participant.color.empty()) participant.color = kColors[(participant.id - 1) % kColors.size()];
+  state.feel = request.feel;
+  state.feel_of = request.feel_of;
+  if (request.stock) state.stock.emplace();
+  state.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
+  // Viewers do not change the block, so the journal does not name them.
+  if (request.kind != ParticipantKind::kViewer) journal_.append(participant);
+  const Participant joined =
+      states_.emplace(participant.id, std::move(state)).first->second.participant;
+  notify({});
+  return joined;
+}
+
+void Participants::leave(ParticipantId id) {
+  if (states_.erase(id) > 0) notify({});
+}
+
+std::expected<void, Rejection> Participants::choose_tool(ParticipantId id, ToolId tool) {
+  ParticipantState* state = find(id);
+  if (state == nullptr || sculpture_.tool(tool) == nullptr) {
+    return std::unexpected(unknown_tool(tool));
+  }
+  if (state->participant.tool == tool) return {};
+  state->participant.tool = tool;
+  state->track.lift();  // the new tool starts at the pose of its next sample
+  notify({});
+  return {};
+}
+
+ParticipantState* Participants::find(ParticipantId id) {
+  const auto found = states_.find(id);
+  return found == states_.end() ? nullptr : &found->second;
+}
+
+std::vector<Participant> Participants::list() const {
+  std::vector<Participant> list;
+  for (const auto& state : states_ | std::views::values) list.push_back(state.participant);
+  return list;
+}
+
+std::vector<wire::ToolState> Participants::tool_states() const {
+  std::vector<wire::ToolState> tools;
+  const auto now = Clock::now();
+  for (const auto& state : states_ | std::views::values) {
+    if (!state.track.pose() || tools.size() == wire::kMaxToolStates) continue;
+    wire::ToolState tool = state.display;
+    if (!state.has_recent_force(now)) {
+      tool.status = 0;
+      tool.force_n = tool.torque_nmm = {};
+      tool.removed_rate_mm3_per_s = 0;
+    }
+    tools.push_back(tool);
+  }
+  return tools;
+}
+
+std::optional<wire::ToolState> Participants::felt_by(const ParticipantState& state) const {
+  const auto found = states_.find(state.feel_of);
+  if (found == states_.end() || state.feel_of == state.participant.id) return std::nullopt;
+  const ParticipantState& other = found->second;
+  wire::ToolState tool = other.display;
+  if (!other.track.pose() || !other.has_recent_force(Clock::now())) {
+    tool.force_n = tool.torque_nmm = {};
+  }
+  return tool;
+}
+
+bool Participants::has_active_agent(Clock::duration period) const {
+  const auto now = Clock::now();
+  return std::ranges::any_of(states_ | std::views::values, [&](const ParticipantState& state) {
+    return state.participant.kind == ParticipantKind::kAgent && now - state.display_time < period;
+  });
+}
+
+void Participants::note_cut(ParticipantId author, std::span<const FieldTile> tiles) {
+  for (auto& [id, state] : states_) {
+    if (id != author && state.stock) state.stock->note_cut(tiles);
+  }
+}
+
+int Participants::listen(SessionListener listener) {
+  listeners_.emplace(++last_listener_, std::move(listener));
+  return last_listener_;
+}
+
+void Participants::unlisten(int listener) { listeners_.erase(listener); }
+
+void Participants::notify(const SessionEvent& event) {
+  const std::map<int, SessionListener> listeners = listeners_;
+  for (const auto& [id, listener] : listeners) {
+    if (listeners_.contains(id)) listener(event);
+  }
+}
+
+}  // namespace kerf

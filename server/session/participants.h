@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <expected>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/convert/rejection.h"
+#include "server/session/participant_state.h"
+#include "server/session/session_journal.h"
+#include "server/session/session_limits.h"
+
+namespace kerf {
+
+/// A participant joined, left or changed its tool (`closing` empty), or the session ends (`closing`
+/// holds the reason).
+struct SessionEvent {
+  std::string closing;
+};
+using SessionListener = std::function<void(const SessionEvent&)>;
+
+/// The participants of a session and the listeners that are notified when they change. Runs on the
+/// session's executor.
+class Participants {
+ public:
+  using Clock = ParticipantState::Clock;
+  /// `sculpture` and `journal` must outlive this. Ids continue after `last_id`.
+  Participants(const SessionLimits& limits, const Sculpture& sculpture, SessionJournal& journal,
+               ToolId default_tool, ParticipantId last_id);
+
+  /// Adds a participant, journals it unless it is a viewer, and notifies the listeners.
+  std::expected<Participant, Rejection> join(const JoinRequest& request);
+  /// Removes a participant and notifies the listeners; no effect for an unknown id.
+  void leave(ParticipantId id);
+  /// Changes the tool of a participant and notifies the listeners if it differs.
+  std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
+
+  /// Returns null for an unknown id. The pointer is valid until the participant leaves.
+  ParticipantState* find(ParticipantId id);
+  std::vector<Participant> list() const;
+  /// The tools that have a pose, as viewers display them; at most wire::kMaxToolStates.
+  std::vector<wire::ToolState> tool_states() const;
+  /// The tool of the participant whose force `state` receives too; nullopt if there is none.
+  std::optional<wire::ToolState> felt_by(const ParticipantState& state) const;
+  /// True if an agent sent a sample within `period`.
+  bool has_active_agent(Clock::duration period) const;
+  /// Marks tiles that `author` cut as stale in the replicas of all other participants.
+  void note_cut(ParticipantId author, std::span<const FieldTile> tiles);
+
+  /// Calls `listener` at each event until unlisten() with the returned number.
+  int listen(SessionListener listener);
+  void unlisten(int listener);
+  void unlisten_all() { listeners_.clear(); }
+  /// Calls the listeners. A listener may unlisten itself or another one.
+  void notify(const SessionEvent& event);
+
+ private:
+  std::size_t limit_of(ParticipantKind kind) const;
+  std::expected<void, Rejection> check(const JoinRequest& request) const;
+
+  const SessionLimits& limits_;
+  const Sculpture& sculpture_;
+  SessionJournal& journal_;
+  ToolId default_tool_;
+  std::map<ParticipantId, ParticipantState> states_;
+  ParticipantId last_id_;
+  std::map<int, SessionListener> listeners_;
+  int last_listener_ = 0;
+};
+
+}  // namespace kerf

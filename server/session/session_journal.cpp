@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/session_journal.h"
+
+#include <utility>
+
+namespace kerf {
+
+SessionJournal::SessionJournal(JournalWriter writer, StateHash replayed)
+    : writer_(std::move(writer)), removal_sequence_(replayed.sequence), hash_(replayed) {}
+
+std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
+                                                      const Command& command) {
+  const auto appended = writer_.append(participant, command);
+  if (appended) return {};
+  return std::unexpected(
+      Rejection{wire::ErrorCode::kBusy, "journal write failed: " + appended.error().reason});
+}
+
+void SessionJournal::append(const Participant& participant) {
+  writer_.append(JournalPerson{participant.id, participant.name, participant.color,
+                               to_string(participant.kind)});
+}
+
+std::optional<StateHash> SessionJournal::current_hash() const {
+  // Records after the last removal did not change the solid.
+  if (!hash_ || hash_->sequence < removal_sequence_) return std::nullopt;
+  return StateHash{sequence(), hash_->hash};
+}
+
+void SessionJournal::note_hash(StateHash state) {
+  if (hash_ && hash_->sequence >= state.sequence) return;
+  hash_ = state;
+  writer_.append(state);
+}
+
+}  // namespace kerf

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <optional>
+
+#include "server/convert/rejection.h"
+#include "server/session/participant.h"
+#include "server/store/journal_writer.h"
+
+namespace kerf {
+
+/// The journal of a running session, and the newest state hash of its solid.
+class SessionJournal {
+ public:
+  /// Continues a journal whose records have been replayed up to `replayed.sequence`.
+  SessionJournal(JournalWriter writer, StateHash replayed);
+
+  // ---- any thread ----
+  const std::filesystem::path& file() const { return writer_.file(); }
+  std::uint32_t epoch() const { return writer_.epoch(); }
+  /// Number of the last record appended.
+  std::uint64_t sequence() const { return writer_.last_sequence(); }
+  /// Records appended and not yet committed.
+  std::size_t lag() const { return writer_.lag(); }
+  /// Blocks until all records appended before the call are committed.
+  std::expected<void, JournalError> flush() { return writer_.flush(); }
+  /// Commits and closes the file; later appends fail. Call once.
+  std::expected<void, JournalError> finish() { return writer_.finish(); }
+
+  // ---- executor only ----
+  /// Appends a command. Fails with kBusy when the disk fails or does not keep up.
+  std::expected<void, Rejection> append(ParticipantId participant, const Command& command);
+  void append(const Participant& participant);
+
+  /// The last command appended removed volume: hashes of earlier records are out of date.
+  void note_removal() { removal_sequence_ = sequence(); }
+  /// Number of the last record that removed volume.
+  std::uint64_t removal_sequence() const { return removal_sequence_; }
+  /// The newest hash known, possibly of an earlier solid.
+  const std::optional<StateHash>& newest_hash() const { return hash_; }
+  /// The hash of the solid at sequence(), if known.
+  std::optional<StateHash> current_hash() const;
+  /// Stores and appends a hash; no effect if a newer one is known.
+  void note_hash(StateHash state);
+
+ private:
+  JournalWriter writer_;
+  std::uint64_t removal_sequence_;
+  std::optional<StateHash> hash_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace kerf {
+
+/// The limits of one session. A peer that exceeds one receives a typed rejection.
+struct SessionLimits {
+  std::size_t agents_max = 32;
+  std::size_t viewers_max = 2000;
+  std::size_t programs_max = 16;  ///< running at the same time
+  /// Of one agent, on average: 1 kHz and a clock that runs a little fast.
+  double samples_per_s = 1250;
+  double samples_burst = 1000;       ///< one second of a stalled network
+  double speed_mm_per_s = 5000;      ///< of the tip while cutting
+  std::int64_t tiles_max = 1 << 20;  ///< of the block: viewers receive every tile
+};
+
+}  // namespace kerf

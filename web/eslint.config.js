@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lints for correctness, with type information where the file is TypeScript. Layout is prettier's.
+// Runs in the repository root (npm run lint), so that it includes tests/e2e.
+
+import js from '@eslint/js';
+import { defineConfig } from 'eslint/config';
+import globals from 'globals';
+import tseslint from 'typescript-eslint';
+
+export default defineConfig(
+  { ignores: ['**/dist'] },
+  { linterOptions: { reportUnusedDisableDirectives: 'error' } },
+  js.configs.recommended,
+  {
+    files: ['**/*.{ts,mts}'],
+    extends: [tseslint.configs.strictTypeChecked, tseslint.configs.stylisticTypeChecked],
+    languageOptions: {
+      parserOptions: { projectService: true, tsconfigRootDir: import.meta.dirname },
+    },
+    rules: {
+      // noUncheckedIndexedAccess makes every array access nullable; `!` marks indices in range.
+      '@typescript-eslint/no-non-null-assertion': 'off',
+      '@typescript-eslint/no-confusing-void-expression': ['error', { ignoreArrowShorthand: true }],
+      '@typescript-eslint/no-unused-vars': ['error', { ignoreRestSiblings: true }],
+      '@typescript-eslint/restrict-template-expressions': ['error', { allowNumber: true }],
+    },
+  },
+  { files: ['**/*.mjs'], languageOptions: { globals: globals.node } },
+  // Functions given to page.evaluate() run in the browser.
+  {
+    files: ['tests/e2e/support/browser.mjs'],
+    languageOptions: { globals: { ...globals.node, ...globals.browser } },
+  },
+);

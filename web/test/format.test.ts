@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+import { describe, expect, it } from 'vitest';
+import { figure, sentence, volume } from '../src/ui/format';
+
+describe('format', () => {
+  it('keeps three significant digits', () => {
+    expect([0, 0.01234, 1.2345, 12.345, 123.45, 123456].map(figure)).toEqual([
+      '0',
+      '0.0123',
+      '1.23',
+      '12.3',
+      '123',
+      '123,456',
+    ]);
+    expect(volume(999)).toEqual(['999', 'mm³']);
+    expect(volume(49666)).toEqual(['49.7', 'cm³']);
+  });
+
+  it('turns reasons into sentences', () => {
+    expect(sentence('no hello within 5 s')).toBe('No hello within 5 s.');
+    expect(sentence('All is well.')).toBe('All is well.');
+  });
+});
