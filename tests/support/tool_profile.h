@@ -29,7 +29,7 @@ inline double radius_at(const ToolPiece& piece, double h) {
 /// The radius of a body at a height: that of its widest piece there.
 inline double radius_at(const std::vector<ToolPiece>& pieces, double h) {
   double r = -1;
-  for (const ToolPiece& p : pieces) r = std::max(r, radius_at(p, h));
+  for (const ToolPiece& p : pieces) r = std::max(r, test::radius_at(p, h));
   return r;
 }
 
