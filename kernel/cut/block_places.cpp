@@ -10,7 +10,7 @@ namespace kerf {
 namespace {
 
 constexpr double kSqrt2 = 1.4142135623730952;
-/// From the first column of a row, a block or a tile to the middle of it, in pitches.
+/// Distance from the first column of a block or a tile to its center, in pitches.
 constexpr double kBlockMiddle = (kBlockSide - 1) / 2.0, kTileMiddle = (kTileSide - 1) / 2.0;
 
 KERF_INLINE Lanes below_which(const DexelGrid& grid, Lanes tops) {
@@ -47,7 +47,7 @@ KERF_INLINE void blocks_in_lanes(const DexelGrid& grid, TileIndex tile, int half
   reached_below = below_which(grid, top);
 }
 
-/// The greatest of each of eight rows.
+/// Returns the greatest depth of each of eight rows. Transposes and reduces in three steps.
 KERF_INLINE IntLanes highest_of_rows(const std::int32_t* tops) {
   IntLanes two[4], four[2];
   for (int k = 0; k < 4; ++k) {

@@ -6,7 +6,7 @@
 namespace kerf {
 namespace {
 
-/// Converts heights to depths, clamped to the stock.
+/// Converts heights (mm) to depths (quanta), clamped to the stock.
 class ToDepth {
  public:
   KERF_INLINE explicit ToDepth(const DexelGrid& grid)
@@ -47,7 +47,7 @@ KERF_INLINE void subtract_in_lanes(const ColumnBlock& block, unsigned rows, cons
       left |= several & (cut_b < cut_t);
     }
     if (any(takes)) {
-      // The element loses its top, its bottom, or both: then it is gone.
+      // The element loses its top or its bottom; if it loses both, it is gone.
       const IntLanes gone = takes & (lo == b) & (hi == t);
       const IntLanes new_t = (takes & (hi == t)) ? lo : t;
       const IntLanes new_b = (takes & (lo == b)) ? hi : b;

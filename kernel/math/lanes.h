@@ -8,21 +8,21 @@
 
 namespace kerf {
 
-/// Eight numbers that are computed with at once: the columns of a group. Operators work lane by
-/// lane and round exactly as plain doubles do, so every instruction set gives the same bits. Two
-/// vectors of four, because GCC 12 takes comparisons of vectors that are wider than a register
-/// apart.
+/// Number of doubles in Lanes: the columns of a group.
 inline constexpr int kLanes = 8;
 typedef double HalfLanes __attribute__((vector_size(32), aligned(32)));
 typedef std::int64_t HalfMask __attribute__((vector_size(32), aligned(32)));
 typedef std::int64_t QuarterMask __attribute__((vector_size(16), aligned(16)));
 
+/// Eight doubles processed together. Operators work lane by lane and round exactly as plain doubles
+/// do, so every instruction set gives the same bits. Stored as two vectors of four, because GCC 12
+/// splits comparisons of vectors wider than a register into scalars.
 struct Lanes {
   HalfLanes a, b;
 
   KERF_INLINE Lanes() : a{}, b{} {}
   KERF_INLINE Lanes(HalfLanes first, HalfLanes last) : a(first), b(last) {}
-  /// The same number in every lane.
+  /// Sets every lane to `v`.
   KERF_INLINE Lanes(double v) : a{v, v, v, v}, b{v, v, v, v} {}
   KERF_INLINE double operator[](int i) const { return i < 4 ? a[i] : b[i - 4]; }
   KERF_INLINE void set(int i, double v) {
@@ -34,7 +34,7 @@ struct Lanes {
   }
 };
 
-/// What a comparison of lanes says: all bits set where it holds.
+/// Result of a comparison: all bits of a lane are set where it holds.
 struct LaneMask {
   HalfMask a, b;
 };
@@ -56,6 +56,7 @@ KERF_INLINE LaneMask operator~(LaneMask x) { return {~x.a, ~x.b}; }
 KERF_INLINE LaneMask& operator&=(LaneMask& x, LaneMask y) { return x = x & y; }
 KERF_INLINE LaneMask& operator|=(LaneMask& x, LaneMask y) { return x = x | y; }
 
+/// Converts v to the type of the first argument, in code for both double and Lanes.
 KERF_INLINE double splat_like(double, double v) { return v; }
 KERF_INLINE Lanes splat_like(Lanes, double v) { return Lanes(v); }
 
@@ -71,7 +72,7 @@ KERF_INLINE Lanes select(LaneMask condition, Lanes yes, Lanes no) {
   return {condition.a ? yes.a : no.a, condition.b ? yes.b : no.b};
 }
 
-/// Lesser and greater; the second where either is not a number.
+/// Return the lesser or greater number; the second where either is NaN.
 KERF_INLINE double lesser(double x, double y) { return x < y ? x : y; }
 KERF_INLINE double greater(double x, double y) { return x > y ? x : y; }
 KERF_INLINE Lanes lesser(Lanes x, Lanes y) { return select(x < y, x, y); }
@@ -82,6 +83,7 @@ KERF_INLINE Lanes magnitude(Lanes x) { return select(x < 0.0, -x, x); }
 KERF_INLINE Lanes lane_numbers() { return {HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}}; }
 
 KERF_INLINE LaneMask every_lane() { return Lanes() == Lanes(); }
+/// Returns whether any lane is true.
 KERF_INLINE bool any(LaneMask m) {
   const HalfMask either = m.a | m.b;
   const QuarterMask quarter =

@@ -10,16 +10,15 @@
 namespace kerf {
 namespace {
 
-/// Cosine of the angle from the mean normal up to which a sheet is bent, not creased: half the
-/// angle between two planes. What is taken for the other thing errs by a fortieth of the pitch
-/// there.
+/// Cosine of the angle from the mean normal up to which a sheet is considered smooth, not creased;
+/// half the angle between two planes. Near this angle a wrong choice errs by 1/40 of the pitch.
 constexpr double kSmoothCosine = 0.995;
 
 using Coordinates = std::array<double, 3>;
 
 Coordinates coordinates(Vec3 v) { return {v.x, v.y, v.z}; }
 
-/// Sum of squared distances from planes, as a function of the place.
+/// The sum of squared distances from planes, as a function of position.
 class PlaneSum {
  public:
   explicit PlaneSum(Vec3 mean) : mean_(coordinates(mean)) {}
@@ -39,7 +38,7 @@ class PlaneSum {
     pull_ += c.weight * kMeanWeight;
   }
 
-  /// The least, on the border of the limits if it lies outside.
+  /// Returns the minimum, constrained to the limits.
   Coordinates least(const CellLimits& limits) {
     const Coordinates low = coordinates(limits.low), high = coordinates(limits.high);
     std::array<bool, 3> fixed{};
@@ -69,7 +68,8 @@ class PlaneSum {
   }
 
  private:
-  /// Fills in the coordinates that are not fixed: Gauss's elimination, the matrix being positive.
+  /// Solves for the coordinates that are not fixed, by Gaussian elimination; the matrix is positive
+  /// definite.
   void solve(const std::array<bool, 3>& fixed, Coordinates& x) const {
     std::array<std::size_t, 3> free{};
     std::size_t count = 0;

@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// The part of a piece that can reach into the block during the motion, or nothing: what lies
-/// farther up the axis stays outside.
+/// Returns the part of a piece that can reach into the block during the motion; parts farther up
+/// the axis stay outside. Nothing if no part can.
 std::optional<ToolPiece> clip_to_block(const ToolPiece& piece, const ToolMotion& motion,
                                        const SweepBounds& block);
 

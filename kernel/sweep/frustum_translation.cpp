@@ -15,8 +15,8 @@ using Surfaces = FrustumTranslation::Surfaces;
 using Rectangles = FrustumTranslation::Rectangles;
 
 /// The two generators of the side along which n·V = 0 (paper Eqs. 1–8, with cosines instead of
-/// angles): radial directions e with (e − k u)·d = 0. None where the whole side is lit or dark, |k
-/// d·u| > |d⊥|: `exist` is false.
+/// angles): radial directions e with (e − k u)·d = 0. `exist` is false where the whole side
+/// advances or recedes, |k d·u| > |d⊥|.
 struct CuttingProfile {
   Vec3 radial[2];
   bool exist;
@@ -39,7 +39,7 @@ Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const To
   const Vec3 d = to.tip_mm - from.tip_mm;
   const CuttingProfile profile = cutting_profile(start.axis, start.slope, d);
   const auto side = [&](Vec3 e) {
-    // Without a cutting profile the parallelogram collapses and is met nowhere.
+    // Without a cutting profile the parallelogram is degenerate and never hit.
     if (!profile.exist) return RayParallelogram(start.base, {}, {});
     return RayParallelogram(start.base + e * start.r0,
                             (start.axis + e * start.slope) * start.height, d);
@@ -52,9 +52,10 @@ Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const To
           RayPipe(start.base + start.axis * start.height, start.axis, piece.r1_mm, d)};
 }
 
-/// Which surface has which lane of the rectangles.
+/// The lane of each surface in the rectangles.
 enum Surface { kStart, kEnd, kLeft, kRight, kLower, kUpper, kSurfaces };
 
+/// Computes the rectangle of one surface.
 class RectangleMaker {
  public:
   explicit RectangleMaker(Rectangles& rectangles, int surface) : r_(rectangles), i_(surface) {
@@ -62,7 +63,7 @@ class RectangleMaker {
     for (Lanes* min : {&r_.min_x, &r_.min_y}) min->set(i_, kInfinity);
     for (Lanes* max : {&r_.max_x, &r_.max_y}) max->set(i_, -kInfinity);
   }
-  /// A disc with the unit normal u; a point where the radius is 0.
+  /// Includes a disc with the unit normal u; a point if the radius is 0.
   void include(Vec3 center, Vec3 u, double radius) {
     const double x = disc_half_width(radius, u.x) + kRectangleMarginMm;
     const double y = disc_half_width(radius, u.y) + kRectangleMarginMm;

@@ -82,9 +82,9 @@ Shadow::Shadow(const FrustumPiece& e, const std::vector<ToolPose>& poses, double
   const Vec3 u = normalized(poses.front().axis + poses.back().axis);
   const double lean2 = u.x * u.x + u.y * u.y;
   if (!(lean2 > kPlaneLean2 && u.z > 0)) return;
-  // The plane along the middle axis that touches the piece from below: n is the upward normal of
-  // the axis. Discs reach their radius below their centres along n; sines of the half turn are
-  // covered by taking whole radii.
+  // The plane parallel to the middle axis that touches the piece from below: n is the upward normal
+  // of the axis. Discs reach at most their radius below their centers along n; taking the whole
+  // radius covers the turn of the axis to either side.
   const double lean = std::sqrt(lean2);
   const Vec3 n{-u.x * u.z / lean, -u.y * u.z / lean, lean};
   double support = kInfinity;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/swept_surface.h"
 
+#include <cmath>
 #include <limits>
 
 #include "kernel/math/tolerance.h"
@@ -10,8 +11,8 @@ namespace {
 
 constexpr int kSearchSteps = 120;
 
-/// Steps towards the share at which a ball's centre is closest; a straight path needs one, and a
-/// bent one leaves its chord by little.
+/// Steps towards the share at which a ball's center is closest. A straight path needs one; a bent
+/// one deviates little from its chord.
 constexpr int kBallSteps = 2;
 
 KERF_INLINE Vec3Lanes select(const LaneMask& condition, const Vec3Lanes& yes, const Vec3Lanes& no) {
@@ -19,6 +20,7 @@ KERF_INLINE Vec3Lanes select(const LaneMask& condition, const Vec3Lanes& yes, co
           kerf::select(condition, yes.z, no.z)};
 }
 
+/// Returns a mask with lane i true where bit i is set.
 KERF_INLINE LaneMask lanes_of(unsigned bits) {
   Lanes v{};
   for (int i = 0; i < kLanes; ++i) v.set(i, bits >> i & 1U);
@@ -42,7 +44,7 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const PieceProfile& p,
   const Lanes rho = square_root(dot(radial, radial));
   const Vec3Lanes e = radial * kerf::select(rho > 0.0, 1 / rho, Lanes(0));
   Contact c;
-  Lanes along;  // the side's normal: across · e + along · u
+  Lanes along;  // The side's normal is across · e + along · u.
   Lanes across;
   if (p.side == PieceProfile::Side::kLine) {
     c.gap = p.line_distance(rho, h);
@@ -68,8 +70,8 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const PieceProfile& p,
   return c;
 }
 
-/// A ball's centre moves on a line that is hardly bent: where it is closest is found by asking the
-/// tangent.
+/// Contact of a ball. Its center moves on a line that is hardly bent, so projections on the tangent
+/// find the closest share.
 KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const PieceProfile& ball,
                                                              const Vec3Lanes& point) const {
   Vec3Lanes to_point{};
@@ -93,19 +95,20 @@ KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const PieceProfile&
       share = lesser(greater(share + step, Lanes(0)), Lanes(1));
     }
   }
-  // The code of a normal does not ask for its length.
+  // The code of a normal does not depend on its length.
   return {square_root(dot(to_point, to_point)) - ball.radius_mm, to_point, Lanes(0), Lanes(0)};
 }
 
-/// The contact of a piece at the share at which it is least far from the point: bracketed by the
-/// sign of n·V, and found by regula falsi in the Illinois variant with halvings; where n·V jumps,
-/// because side and disc take turns, by what makes them do so.
+/// Returns the contact of a piece at the share at which it is closest to the point. The share is
+/// bracketed by the sign of n·V and found by regula falsi in the Illinois variant with bisections.
+/// Where n·V jumps, because the nearest surface changes between side and disc, the difference of
+/// their distances is used instead.
 KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const PieceProfile& piece,
                                                         const Vec3Lanes& point,
                                                         LaneMask asked) const {
   if (piece.side == PieceProfile::Side::kBall) return ball_contact(piece, point);
   Contact first = contact(piece, point, Lanes(0)), last = contact(piece, point, Lanes(1));
-  // Receding from the start on: it touches there. Still advancing at the end: it touches there.
+  // If the piece recedes from the start on, it touches there; if it advances up to the end, there.
   const LaneMask at_start = first.advance <= 0.0, at_end = last.advance >= 0.0;
   LaneMask searching = asked & ~at_start & ~at_end;
   Contact found = last;
@@ -129,7 +132,8 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const PieceProfile& piec
     const Contact c = contact(piece, point, s);
     const LaneMask later = searching & (c.advance > 0.0), sooner = searching & (c.advance < 0.0);
     const LaneMask there = searching & (c.advance == 0.0);
-    // What stays twice counts half, so that the other side moves too.
+    // An end of the bracket that stays twice counts half, so that the other end moves too
+    // (Illinois).
     weight_a = kerf::select(later, Lanes(1), kerf::select(was_sooner, weight_a * 0.5, weight_a));
     weight_b = kerf::select(sooner, Lanes(1), kerf::select(was_later, weight_b * 0.5, weight_b));
     was_later = later;
@@ -146,8 +150,8 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const PieceProfile& piec
     found.normal = select(there, c.normal, found.normal);
     searching &= ~there;
     const LaneMask close = searching & ((b - a) * speed_max_ <= kTouchSearchMm);
-    // Between the normals on both sides of the minimum: of the two surfaces of an edge, or of one
-    // surface at two places as good as equal.
+    // Interpolated between the normals on both sides of the minimum: those of the two surfaces of
+    // an edge, or of one surface at two nearly equal points.
     const Lanes weight = first.advance / (first.advance - last.advance);
     const Vec3Lanes between = first.normal * (1 - weight) + last.normal * weight;
     found.normal = select(close, between, found.normal);
@@ -160,11 +164,11 @@ KERF_INLINE void SweptSurface::stock_normals_in_lanes(const Vec3Lanes& ends_mm, 
                                                       double towards, NormalCode* codes) const {
   const Vec3Lanes point{ends_mm.x - frame_.tip.x, ends_mm.y - frame_.tip.y,
                         ends_mm.z - frame_.tip.z};
-  const LaneMask wanted = lanes_of(asked);
+  const LaneMask active = lanes_of(asked);
   Lanes least = std::numeric_limits<double>::infinity();
   Vec3Lanes outward{};
   for (const PieceProfile& piece : pieces_) {
-    const LaneMask open = wanted & (least > kOnSurfaceMm);
+    const LaneMask open = active & (least > kOnSurfaceMm);
     if (!any(open)) break;
     const Contact c = nearest(piece, point, open);
     const LaneMask nearer = open & (c.gap < least);
@@ -172,7 +176,7 @@ KERF_INLINE void SweptSurface::stock_normals_in_lanes(const Vec3Lanes& ends_mm, 
     outward = select(nearer, c.normal, outward);
   }
   Vec3Lanes n{-outward.x, -outward.y, -outward.z};
-  // On a surface that the ray grazes the normal may lean over by rounding.
+  // On a surface that the ray grazes, rounding may turn the normal to the wrong side.
   n.z = kerf::select(n.z * towards < 0.0, Lanes(0), n.z);
   const LaneMask none = magnitude(n.x) + magnitude(n.y) + magnitude(n.z) <= 0.0;
   n.z = kerf::select(none, Lanes(towards), n.z);

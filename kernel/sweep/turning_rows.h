@@ -6,8 +6,8 @@
 
 namespace kerf {
 
-/// What the piece sweeps of the rays `asked` between two stations. The upper end is looked for
-/// where it lies below `top`.
+/// Returns the intervals that the piece sweeps of the rays `asked` between two stations. Upper ends
+/// are searched only where they lie below `top`.
 template <class Side>
 KERF_INLINE LaneSpan sweep_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                    const Stretch& stretch, LaneMask asked, double top) {
@@ -31,8 +31,8 @@ KERF_INLINE void add_span(ColumnBlock& block, int row, double z, const LaneSpan&
   block.add(row, select(where, span.lo + z, none), select(where, span.hi + z, -none));
 }
 
-/// The share that it takes at least until a ray that is missed at a station is met below `top`,
-/// where `advance` is how fast the piece comes nearer.
+/// Returns a lower bound of the share between a station that misses a ray and a hit below `top`.
+/// `advance` is the speed at which the piece approaches the ray.
 KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes advance, double top,
                               double length) {
   const Lanes along_ray = greater(magnitude(m.lo - path.lowest_mm), magnitude(top - m.lo));
@@ -41,15 +41,16 @@ KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes adv
   return greater(m.off_side / closing, m.clearance / path.speed_max_mm);
 }
 
-/// What is done about the rays of a stretch.
+/// The rays of a stretch that are bisected, and those that are searched.
 struct Division {
   LaneMask halved, searched;
 };
 
-/// Halved are the rays that the piece may meet, leave or come back to, that is all but those that
-/// are inside at both stations without a gap between, and those that cannot be reached from either:
-/// nothing is searched there. What crosses a hidden disc is in a neighbour: only the side counts
-/// then. From the level on that the bend asks for, only those that are inside at both, but apart.
+/// Divides the rays of a stretch. Bisected are rays that the piece may hit late, leave or hit
+/// again: all except those inside at both stations without a gap in between, and those that cannot
+/// be reached from either station, which are not searched either. A ray that crosses a hidden disc
+/// is inside a neighbor, so only the side counts then. From the level that the bend requires on,
+/// only rays that are inside at both stations, but in separate intervals, are bisected.
 KERF_INLINE Division divide(const SlicePath& path, const Stretch& stretch, LaneMask asked,
                             double top, int level) {
   const Meeting &first = stretch.first, &last = stretch.last;
@@ -69,18 +70,19 @@ KERF_INLINE Division divide(const SlicePath& path, const Stretch& stretch, LaneM
   return {gap & reached, asked & (~gap | first.hit | last.hit) & ~(gap & reached)};
 }
 
-/// Where a row was met, and the rays that are asked up to there from the station before.
+/// Intersections of a row at a share, and the rays that are evaluated between the previous station
+/// and this one.
 struct Station {
   double share;
-  int level;  ///< how often the stretch up to here has been halved
+  int level;  ///< number of bisections of the stretch that ends here
   LaneMask asked;
   Meeting met;
 };
 
-/// Adds what the piece sweeps between two stations to a row. Ragged rays are halved again and
-/// again: what they meet on different occasions lies apart (a disc that turns about its diameter
-/// leaves a ray on one side and comes back on the other). `waiting[0]` is the last station; `first`
-/// becomes it.
+/// Adds the intervals that the piece sweeps between two stations to a row. Rays with a
+/// non-connected hit set are bisected repeatedly, because their intervals may be separate: a disc
+/// that turns about its diameter leaves a ray on one side and comes back on the other. `waiting[0]`
+/// is the last station; `first` is set to it.
 template <class Side>
 KERF_INLINE void evaluate_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                   Station& first, Station* waiting, int row, ColumnBlock& block) {
@@ -106,6 +108,7 @@ KERF_INLINE void evaluate_stretch(const Side& side, const SlicePath& path, Lanes
   }
 }
 
+/// Adds the intervals that a slice removes along its path to the rows of a block.
 template <class Side>
 KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, ColumnBlock& block) {
   const Lanes x = block.x_mm - path.frame.tip.x;
@@ -129,9 +132,8 @@ KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, ColumnBl
   }
 }
 
-/// Adds the heights that a slice removes along its path to the rows of a block. The versions for
-/// the different instruction sets are compiled in units of their own: together they would be by far
-/// the longest unit of the kernel.
+/// evaluate_rows, compiled for each instruction set. The versions are divided over two units,
+/// because together they would be by far the slowest unit of the kernel to compile.
 KERF_DECLARE_TARGETS(void, evaluate_cone,
                      (const ConeSide& side, const SlicePath& path, ColumnBlock& block))
 KERF_DECLARE_TARGETS(void, evaluate_arc,

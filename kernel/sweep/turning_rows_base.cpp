@@ -4,8 +4,8 @@
 namespace kerf {
 namespace {
 
-/// A side whose meeting with the rays is one function that is called, not inlined: without vectors
-/// of four doubles it is so long that its nine copies took a minute to compile, and no faster.
+/// A side for which `meet` is called, not inlined. Without vector registers of four doubles `meet`
+/// is so long that its nine inlined copies take a minute to compile, and run slower.
 template <class Side>
 struct OutOfLine {
   const Side& side;

@@ -35,7 +35,7 @@ std::vector<ToolPose> stations(const SlicePath& path, const ToolPose& from, cons
   return poses;
 }
 
-/// How far a point leaves the chord between two stations.
+/// Returns the greatest distance of a point of the envelope from the chord between two stations.
 double bulge(const SlicePath& path, const FrustumPiece& e) {
   const double reach = upper_reach(e);
   const double turn = path.frame.turn / path.search.parts;

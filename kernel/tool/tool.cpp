@@ -13,7 +13,7 @@ namespace {
 std::string check_piece(const BallPiece& p) {
   if (!std::isfinite(p.center_mm) || !std::isfinite(p.radius_mm)) return "is not finite";
   if (p.radius_mm <= 0 || p.radius_mm > kToolLengthMaxMm) return "has a radius out of range";
-  if (p.center_mm < 0 || p.center_mm > kToolLengthMaxMm) return "has a centre out of range";
+  if (p.center_mm < 0 || p.center_mm > kToolLengthMaxMm) return "has a center out of range";
   return {};
 }
 
@@ -40,7 +40,7 @@ std::string check_piece(const ArcPiece& p) {
   const double below = p.z0_mm - p.center_z_mm, above = p.z1_mm - p.center_z_mm;
   const double r2 = p.radius_mm * p.radius_mm;
   if (below * below > r2 || above * above > r2) return "has heights beyond its arc";
-  // The radius is a concave function of the height, so it is least at an end.
+  // The radius is a concave function of the height, so its minimum is at an end.
   const double least = p.center_r_mm + std::sqrt(r2 - std::max(below * below, above * above));
   if (least < -kOutlineEpsilonMm) return "has a negative radius";
   return {};
@@ -74,7 +74,7 @@ std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> cutting,
                                          std::vector<ToolPiece> non_cutting) {
   if (cutting.empty()) {
     return std::unexpected(
-        ToolError{ToolErrorCode::kTooShort, "pieces", "must have at least one that cuts"});
+        ToolError{ToolErrorCode::kTooShort, "pieces", "must have at least one cutting piece"});
   }
   if (auto c = check_pieces("pieces", cutting); !c) return std::unexpected(c.error());
   if (auto c = check_pieces("non_cutting", non_cutting); !c) return std::unexpected(c.error());

@@ -75,7 +75,7 @@ TEST(Degenerate, TurnAboutTheTip) {
   }
 }
 
-TEST(Degenerate, TurnAboutTheBallsCentreLeavesTheBallAtRest) {
+TEST(Degenerate, TurnAboutTheBallCenterLeavesTheBallAtRest) {
   const Tool tool = *make_tool(BallShape{10, 12});
   const Vec3 center{0.1, -0.2, -2};
   for (const double turn : {1e-9, 0.02, 1.0, 2.9}) {
@@ -109,7 +109,7 @@ TEST(Degenerate, AxisParallelToMotion) {
   }
 }
 
-TEST(Degenerate, TranslationsAreExactWhateverTheToolsTilt) {
+TEST(Degenerate, TranslationsAreExactForAnyTilt) {
   std::mt19937_64 random(8);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
@@ -127,7 +127,7 @@ TEST(Degenerate, TranslationsAreExactWhateverTheToolsTilt) {
   }
 }
 
-TEST(Degenerate, AnArcThatComesFromAfarIsNotLost) {
+TEST(Degenerate, DistantArcReachingARayMidMotionIsFound) {
   // At both ends of the way the rays pass far beside the barrel's arc, and meet it in between.
   SculptureSettings settings = small_block(1e-6);
   settings.rays = Rays::kTriDexel;
@@ -139,7 +139,7 @@ TEST(Degenerate, AnArcThatComesFromAfarIsNotLost) {
   carving.expect_within_tolerance("barrel", 400);
 }
 
-TEST(Degenerate, AnArcThatARayPassesInsideTheBallAroundItIsNotLost) {
+TEST(Degenerate, ArcIsFoundByRaysInsideItsBoundingBall) {
   // At the start rays enter the ball around the arc, and are closest to the arc outside of it.
   SculptureSettings settings = small_block(1e-6);
   settings.rays = Rays::kTriDexel;
@@ -160,7 +160,7 @@ TEST(Degenerate, AnArcThatARayPassesInsideTheBallAroundItIsNotLost) {
 
 /// A ramp whose slope is exactly a cone's angle, one step of a double to either side, and a little
 /// farther: the leading coefficient of the cone's equation is 0, or rounds to it.
-TEST(Degenerate, RampOfTheConesAngle) {
+TEST(Degenerate, RampAtTheConeAngle) {
   const double inf = std::numeric_limits<double>::infinity();
   for (const double half_angle : {45.0, 30.0, 12.0, 80.0}) {
     const Tool tools[] = {*make_tool(ConeEndShape{8, 2 * half_angle, 50}),
@@ -181,7 +181,7 @@ TEST(Degenerate, RampOfTheConesAngle) {
   }
 }
 
-TEST(Degenerate, HalfTurnIsRejectedAndNearlyAHalfTurnIsNot) {
+TEST(Degenerate, HalfTurnIsRejectedAndSlightlyLessIsAccepted) {
   Carving carving(small_block(0.05), *make_tool(BallShape{6, 20}));
   Sculpture& s = carving.sculpture();
   const std::uint64_t before = s.state_hash();
@@ -214,7 +214,7 @@ TEST(Degenerate, ToolLyingAlongARowOrAColumn) {
   }
 }
 
-TEST(Degenerate, LyingCylinderTakesItsChords) {
+TEST(Degenerate, LyingCylinderRemovesItsChords) {
   // Radius 3 along +X, sunk to its axis: what it takes is half a cylinder.
   SculptureSettings fine = block(20, 8, 0.02, 1e-3);
   const ToolPose pose{{-6, 0, 0}, {1, 0, 0}};
@@ -236,7 +236,7 @@ TEST(Degenerate, TurnIntoTheHorizontalAndUpsideDown) {
   }
 }
 
-TEST(Degenerate, RayTangentToAToolTakesNothingMeasurable) {
+TEST(Degenerate, TangentRayRemovesNothingMeasurable) {
   // Columns stand at whole millimetres; the tool's side touches those at distance 4 exactly.
   SculptureSettings s = block(21, 12, 1, 1e-6);
   const Vec3 across{0, 3, 0};
@@ -256,7 +256,7 @@ TEST(Degenerate, RayTangentToAToolTakesNothingMeasurable) {
   }
 }
 
-TEST(Degenerate, ToolFlushWithTheStockTakesNothing) {
+TEST(Degenerate, ToolFlushWithTheStockRemovesNothing) {
   for (const NamedTool& t : every_tool()) {
     Carving carving(small_block(1e-5), t.tool);
     const auto expect_nothing = [&](const ToolPose& a, const ToolPose& b, const char* what) {
@@ -312,7 +312,7 @@ TEST(Degenerate, CuttingTheSamePathAgainChangesNothing) {
   }
 }
 
-TEST(Degenerate, ToolEntirelyOutsideTakesNothing) {
+TEST(Degenerate, ToolOutsideTheBlockRemovesNothing) {
   for (const NamedTool& t : every_tool()) {
     Carving carving(small_block(0.01), t.tool);
     const std::uint64_t state = carving.sculpture().state_hash();
@@ -330,7 +330,7 @@ TEST(Degenerate, ToolEntirelyOutsideTakesNothing) {
   }
 }
 
-TEST(Degenerate, ConesOfNearlyNoAngleAndNearlyARightAngle) {
+TEST(Degenerate, ConeAnglesNearZeroAndNear90Degrees) {
   const Tool tools[] = {*make_tool(TaperShape{4, 0.01, 40}),
                         *make_tool(TaperShape{0.4, 89.99, 0.05}),
                         *make_tool(TaperShape{4, 0.01, 40, TaperTip::kBall}),

@@ -87,7 +87,7 @@ TEST_P(FiveAxis, LongBlocksOfAProgram) {
   }
 }
 
-TEST_P(FiveAxis, TicksOfAHand) {
+TEST_P(FiveAxis, TicksOfAHapticDevice) {
   for (const NamedTool& t : every_tool()) {
     for (unsigned seed = 0; seed < 6u * unsigned(effort()); ++seed) {
       Random random(3000000 + seed);
@@ -203,7 +203,7 @@ const Once kOnce[] = {
      543},
 };
 
-TEST(FiveAxisRepro, MotionsThatOnceErred) {
+TEST(FiveAxisRepro, MotionsThatOnceExceededTheTolerance) {
   for (const Once& o : kOnce) {
     SculptureSettings settings = block(40, 20, 0.5, 0.005);
     settings.rays = o.rays;

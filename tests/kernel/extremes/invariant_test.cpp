@@ -60,7 +60,7 @@ Sculpture carved(const SculptureSettings& settings, const Tool& tool,
 
 constexpr Rays kBoth[] = {Rays::kDexel, Rays::kTriDexel};
 
-TEST(Invariant, ElementsStaySoundAndTheVolumeNeverGrows) {
+TEST(Invariant, ElementsStayValidAndTheVolumeNeverGrows) {
   for (const NamedTool& t : every_tool(0.6)) {
     for (const Rays rays : kBoth) {
       Sculpture s = carved(small_block(rays), t.tool, {});
@@ -84,7 +84,7 @@ TEST(Invariant, ElementsStaySoundAndTheVolumeNeverGrows) {
   }
 }
 
-TEST(Invariant, WhatIsGoneLiesInTheSweepsAndWhatIsLeftOutside) {
+TEST(Invariant, RemovedPointsAreInTheSweepsAndRemainingPointsOutside) {
   for (const NamedTool& t : every_tool(0.6)) {
     for (const Rays rays : kBoth) {
       for (unsigned seed = 3; seed < 3 + 2 * unsigned(effort()); ++seed) {
@@ -128,7 +128,7 @@ TEST(Invariant, AnyOrderOfTheSameMotionsGivesTheSameBytes) {
   }
 }
 
-TEST(Invariant, AnyOrderOfOnePathsMovesGivesTheSameBytes) {
+TEST(Invariant, AnyOrderOfTheMovesOfAPathGivesTheSameBytes) {
   // Each move starts where one before it ended, which a kernel may know to be cut already: only if
   // it is.
   for (const NamedTool& t : every_tool(0.6)) {
@@ -145,7 +145,7 @@ TEST(Invariant, AnyOrderOfOnePathsMovesGivesTheSameBytes) {
   }
 }
 
-TEST(Invariant, AToolThatIsDefinedAnewCutsWhereItStands) {
+TEST(Invariant, RedefinedToolCutsAtItsPose) {
   // The new tool starts where the old one ended; what the new one takes there is not cut yet.
   const std::vector<NamedTool> tools = every_tool(0.6);
   for (const NamedTool& t : tools) {
@@ -313,7 +313,7 @@ TEST(Invariant, JobsMovedByWholePitchesAgree) {
   }
 }
 
-TEST(Invariant, ThreeFieldsHoldOneSolid) {
+TEST(Invariant, ThreeFieldsHoldTheSameSolid) {
   // A column of one field, sampled: what is solid in it may differ from the true solid by the
   // tolerance only, so the fields differ from one another by no more than twice that.
   for (const NamedTool& t : every_tool(0.6)) {

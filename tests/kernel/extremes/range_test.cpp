@@ -128,7 +128,7 @@ TEST(Range, TinyToolsInLargeBlocksAndLargeToolsInTinyBlocks) {
   }
 }
 
-TEST(Range, WaysFromANanometreToTenMetres) {
+TEST(Range, TravelsFromANanometerToTenMeters) {
   for (const NamedTool& t : every_tool()) {
     for (const double travel : {1e-9, 1e-6, 1e-3, 30.0, 1e4}) {
       for (const double turn : {0.0, 1e-6, 0.4}) {
@@ -175,7 +175,7 @@ TEST(Range, ConesFromAHundredthOfADegreeToNearlyARightAngle) {
 }
 
 /// Each end of what was removed may differ by the rounding to a quantum and nothing else.
-TEST(Range, GrazingToTheLastBit) {
+TEST(Range, GrazingRaysWithinOneBit) {
   const SculptureSettings s = block(20, 12, 0.5, 1e-6);
   for (const NamedTool& t : every_tool()) {
     const double r = t.tool.radius_mm;
@@ -201,7 +201,7 @@ TEST(Range, GrazingToTheLastBit) {
   }
 }
 
-TEST(Range, SmallStepsCutWhatTheWholeWayCuts) {
+TEST(Range, SmallStepsCutTheSameAsOneMotion) {
   for (const NamedTool& t : every_tool()) {
     const ToolPose a = leaning({-0.5, 0.1, -4}, 0.2);
     Carving steps(block(30, 16, 0.7, 1e-4), t.tool);
@@ -217,7 +217,7 @@ TEST(Range, SmallStepsCutWhatTheWholeWayCuts) {
   }
 }
 
-TEST(Range, ManyCutsOfOnePathDoNotCreep) {
+TEST(Range, RepeatedCutsOfAPathDoNotDrift) {
   // The soak program repeats this a million times (tests/README.md).
   for (const NamedTool& t : every_tool()) {
     Carving carving(block(24, 12, 0.8, 0.01), t.tool);

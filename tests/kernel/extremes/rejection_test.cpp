@@ -31,7 +31,7 @@ double& number_of(MoveTool& move, int which) {
 }
 constexpr int kNumbers = 12;
 
-TEST(Rejection, NumbersThatAreNoneLeaveTheStateAsItWas) {
+TEST(Rejection, InvalidNumbersLeaveTheStateUnchanged) {
   Carving carving(block(20, 10, 0.5, 0.01), *make_tool(BallShape{6, 30}));
   const MoveTool good{1, leaning({-3, 0, -2}, 0.1), leaning({3, 1, -2}, 0.2, 1), 0.01};
   Sculpture& s = carving.sculpture();
@@ -187,7 +187,7 @@ TEST(Rejection, ToolsOutOfRange) {
   }
 }
 
-TEST(Rejection, MotionsThatWouldNeedTooManyParts) {
+TEST(Rejection, MotionsThatNeedTooManySubMotions) {
   Carving carving(block(20, 10, 0.5, 1e-6), *make_tool(FlatShape{500, 500}));
   const std::uint64_t state = carving.sculpture().state_hash();
   const auto moved = carving.sculpture().apply(

@@ -32,7 +32,7 @@ TEST(RayCapsule, AtRestIsASphere) {
   EXPECT_DOUBLE_EQ(tangent.hi, 3);
 }
 
-TEST(RayCapsule, MovedLevelItIsACircleAcross) {
+TEST(RayCapsule, HorizontalMotionGivesACircularCrossSection) {
   const RayCapsule c({0, 0, 10}, {8, 0, 10}, 5);
   const Span s = hit(c, 4, 3);
   EXPECT_DOUBLE_EQ(s.lo, 6);
@@ -43,7 +43,7 @@ TEST(RayCapsule, MovedLevelItIsACircleAcross) {
   EXPECT_TRUE(misses(hit(c, 4, 5.001)));
 }
 
-TEST(RayCapsule, APlungeReachesFromTheLowerToTheUpperBall) {
+TEST(RayCapsule, PlungeSpansFromTheLowerToTheUpperBall) {
   for (const double way : {9.0, -9.0}) {
     const Span s = hit(RayCapsule({0, 0, 0}, {0, 0, way}, 5), 0, 3);
     EXPECT_DOUBLE_EQ(s.lo, std::min(way, 0.0) - 4);
@@ -51,14 +51,14 @@ TEST(RayCapsule, APlungeReachesFromTheLowerToTheUpperBall) {
   }
 }
 
-TEST(RayCapsule, ARampIsBoundedByTheSlantedCylinder) {
+TEST(RayCapsule, RampIsBoundedByTheSlantedCylinder) {
   // At 45 degrees the cylinder of radius 5 is an ellipse of half-height 5 √2 on the ray.
   const Span s = hit(RayCapsule({-20, 0, -20}, {20, 0, 20}, 5), 0, 0);
   EXPECT_NEAR(s.lo, -5 * std::sqrt(2), 1e-12);
   EXPECT_NEAR(s.hi, 5 * std::sqrt(2), 1e-12);
 }
 
-TEST(RayCapsule, TheEndOfOneMotionAndTheStartOfTheNextGiveTheSameBits) {
+TEST(RayCapsule, EndOfAMotionAndStartOfTheNextGiveTheSameBits) {
   const Vec3 a{0.1, 0.2, 7}, b{1.3, -0.7, 7.9}, c{2.9, 0.3, 7.1};
   const RayCapsule before(a, b, 5), after(b, c, 5);
   // Behind the joint the second ends on the ball at b, beyond it the first does.
@@ -84,7 +84,7 @@ TEST(RayCone, UprightConeStartsOnItsSide) {
   EXPECT_DOUBLE_EQ(s.hi, 10);
 }
 
-TEST(RayCone, LyingCylinderIsMetAcross) {
+TEST(RayCone, LyingCylinderIsHitAcross) {
   const Span s = hit(RayCone({0, 5, 20, 5}, {0, 0, 0}, {1, 0, 0}), 7, 4);
   EXPECT_DOUBLE_EQ(s.lo, -3);
   EXPECT_DOUBLE_EQ(s.hi, 3);
@@ -101,7 +101,7 @@ TEST(RayCone, RayParallelToAGeneratorStillEnters) {
   EXPECT_NEAR(s.lo, 1.0 / 4, 1e-12);
 }
 
-TEST(RayParallelogram, IsMetWithinItsBordersOnly) {
+TEST(RayParallelogram, IsHitWithinItsBordersOnly) {
   const RayParallelogram p({0, 0, 1}, {4, 0, 4}, {0, 2, 2});
   const Span s = hit(p, 1, 1);
   EXPECT_DOUBLE_EQ(s.lo, 1 + 1 + 1);
@@ -110,7 +110,7 @@ TEST(RayParallelogram, IsMetWithinItsBordersOnly) {
   EXPECT_TRUE(misses(hit(p, 1, -0.1)));
 }
 
-TEST(RayParallelogram, UprightOneIsMetNowhere) {
+TEST(RayParallelogram, ParallelToTheRayIsNeverHit) {
   EXPECT_TRUE(misses(hit(RayParallelogram({0, 0, 0}, {0, 0, 5}, {3, 0, 0}), 1, 0)));
 }
 
@@ -123,7 +123,7 @@ TEST(RayPipe, CircleMovedAlongItsNormalIsACylinder) {
   EXPECT_TRUE(misses(hit(p, 8.5, 3)));
 }
 
-TEST(RayPipe, SlantedMotionMeetsThePaper) {
+TEST(RayPipe, SlantedMotionMatchesEquation17) {
   // Circle in the XY plane (normal Z) moved by (4, 0, 2): at height w its centre is at x = 2 w (Eq.
   // 17 with Vx / Vz = 2).
   const RayPipe p({0, 0, 0}, {0, 0, 1}, 3, {4, 0, 2});

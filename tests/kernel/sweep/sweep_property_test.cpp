@@ -166,7 +166,7 @@ TEST_P(TightModel, TranslationIsExact) {
   }
 }
 
-TEST_P(TightModel, TurnsAboutTipAndAboutAPointOfTheShaft) {
+TEST_P(TightModel, TurnsAboutTheTipAndAboutAPointOfTheShaft) {
   const Case c = tools()[std::size_t(GetParam())];
   const Tool tool = *make_tool(c.shape);
   for (const double pivot : {0.0, 4.0, 15.0, 60.0}) {
@@ -179,7 +179,7 @@ TEST_P(TightModel, TurnsAboutTipAndAboutAPointOfTheShaft) {
   }
 }
 
-TEST_P(TightModel, NeedsTheRootOfWhatThePaperNeeds) {
+TEST_P(TightModel, NeedsTheSquareRootOfThePaperModelsSubMotions) {
   const Tool tool = *make_tool(tools()[std::size_t(GetParam())].shape);
   const ToolPose a{{0, 0, -4}, {0, 0, 1}};
   const ToolPose b{{1, 0, -4}, normalized({0.0436, 0, 1})};
@@ -200,7 +200,7 @@ TEST_P(TightModel, NeedsTheRootOfWhatThePaperNeeds) {
 INSTANTIATE_TEST_SUITE_P(EveryTool, TightModel, testing::Range(0, 5),
                          [](const auto& tool) { return tools()[std::size_t(tool.param)].name; });
 
-TEST(PaperModel, StaysWithinToleranceByDividingMore) {
+TEST(PaperModel, StaysWithinToleranceWithMoreSubMotions) {
   for (const std::size_t which : {0u, 1u, 4u}) {
     const Case c = tools()[which];
     Poses poses(11);
@@ -210,7 +210,7 @@ TEST(PaperModel, StaysWithinToleranceByDividingMore) {
   }
 }
 
-TEST(Sweep, RampOfExactlyTheConesAngleCutsItsFullVolume) {
+TEST(Sweep, RampAtExactlyTheConeAngleCutsItsFullVolume) {
   // A 90 degree V-bit on a ramp of 45 degrees: another simulator loses the whole cut here.
   const auto removed = [](double slope) {
     SculptureSettings settings;

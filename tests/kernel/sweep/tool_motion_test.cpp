@@ -12,7 +12,7 @@ Vec3 leaning(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
 
 MotionKind kind(const ToolPose& from, const ToolPose& to) { return make_motion(from, to, 50).kind; }
 
-TEST(ToolMotion, NamesTheFourCases) {
+TEST(ToolMotion, ClassifiesTheFourCases) {
   const Vec3 up{0, 0, 1};
   EXPECT_EQ(kind({{0, 0, 0}, up}, {{0, 0, 0}, up}), MotionKind::kRest);
   EXPECT_EQ(kind({{0, 0, 0}, up}, {{0, 0, -1}, up}), MotionKind::kAxial);
@@ -22,7 +22,7 @@ TEST(ToolMotion, NamesTheFourCases) {
   EXPECT_EQ(kind({{0, 0, 0}, up}, {{1, 0, 0}, leaning(0.1)}), MotionKind::kGeneral);
 }
 
-TEST(ToolMotion, TinyTurnsAndStepsAreStillTurnsAndSteps) {
+TEST(ToolMotion, TinyTurnsAndStepsAreNotRest) {
   const Vec3 up{0, 0, 1};
   EXPECT_EQ(kind({{0, 0, 0}, up}, {{0, 0, 0}, normalized(leaning(1e-9))}), MotionKind::kRotation);
   EXPECT_EQ(kind({{0, 0, 0}, up}, {{1e-9, 0, 0}, up}), MotionKind::kTranslation);
@@ -39,7 +39,7 @@ TEST(ToolMotion, AxesThatDifferByRoundingAreOneAxis) {
   EXPECT_EQ(m.kind, MotionKind::kTranslation);
 }
 
-TEST(ToolMotion, PoseHalfwayIsHalfway) {
+TEST(ToolMotion, PoseAtHalfTheShareIsInTheMiddle) {
   const ToolMotion m = make_motion({{0, 0, 0}, {0, 0, 1}}, {{2, 4, 6}, leaning(0.4)}, 50);
   const ToolPose half = m.at(0.5);
   EXPECT_EQ(half.tip_mm, (Vec3{1, 2, 3}));

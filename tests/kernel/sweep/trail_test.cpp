@@ -18,7 +18,7 @@ constexpr double kToleranceMm = 0.001;
 
 Discs discs_at(double x, double y, double reach) { return {Lanes(x), Lanes(y), reach}; }
 
-TEST(Trail, ACylinderThatMovesSidewaysRemovesNothingBehindItsAxis) {
+TEST(Trail, CylinderMovingSidewaysRemovesNothingBehindItsAxis) {
   const ToolPose from{{0, 0, 0}, {0, 0, 1}}, to{{1, 0, 0}, {0, 0, 1}};
   const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, false);
   EXPECT_EQ(trail.behind(discs_at(-1, 2, 0.5)), 0xFFU);
@@ -28,7 +28,7 @@ TEST(Trail, ACylinderThatMovesSidewaysRemovesNothingBehindItsAxis) {
   EXPECT_EQ(Trail(FrustumPiece{0, 4, 50, 4}, from, to, true).behind(discs_at(-1, 2, 0.5)), 0U);
 }
 
-TEST(Trail, AlongTheRaysThereIsNothingBehind) {
+TEST(Trail, MotionAlongTheRaysHasNoTrail) {
   const ToolPose from{{0, 0, 0}, {1, 0, 0}}, to{{0, 0, 1}, {1, 0, 0}};
   const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, false);
   for (const double y : {-3.0, 0.0, 3.0}) EXPECT_EQ(trail.behind(discs_at(20, y, 0.5)), 0U);
@@ -89,7 +89,7 @@ double greatest_difference(const ToolShape& shape, const Chain& chain, std::uint
   return worst;
 }
 
-TEST(Trail, WhatIsLeftOutBehindAToolHadBeenRemoved) {
+TEST(Trail, SkippedRegionsWereAlreadyRemoved) {
   const std::vector<ToolShape> shapes{
       FlatShape{6, 30},
       TaperShape{3, 12, 30},

@@ -47,7 +47,7 @@ TEST(ProfileShape, LollipopIsABallAndANeck) {
   }
 }
 
-TEST(ProfileShape, BallThatSticksOutOfWhatFollowsIsCutOff) {
+TEST(ProfileShape, BallNotCoveredByTheNextSectionIsCutOff) {
   // The neck narrows to a point below the ball's top: no whole ball.
   const Tool t =
       *make_tool(ProfileShape{{to(0, 0), ProfileCenteredArc{{3, 9}, {0, 5}, kOut}, to(0, 9.5)}});
@@ -103,7 +103,7 @@ TEST(ProfileShape, CornerRounderStaysInsideItsFilletByTheChordTolerance) {
   }
 }
 
-TEST(ProfileShape, PiecesTouchFromTheTipUp) {
+TEST(ProfileShape, PiecesAreStackedWithoutGaps) {
   const Tool t = *make_tool(ProfileShape{
       {to(1, 0), arc(3, 2, 2), to(3, 5), arc(6, 8, 3, kIn), to(6, 8 + 1e-10), to(2, 20)}});
   double top = 0;
@@ -133,7 +133,7 @@ struct Rejected {
   const char* field;
 };
 
-TEST(ProfileShape, RejectsWithTheStepAndTheReason) {
+TEST(ProfileShape, RejectionNamesTheStepAndTheReason) {
   const double nan = std::nan("");
   using enum ToolErrorCode;
   for (const auto& [shape, code, field] : std::vector<Rejected>{
@@ -173,7 +173,7 @@ TEST(ProfileShape, RejectsWithTheStepAndTheReason) {
 
 /// Whatever comes in is rejected with a field, or it is a sound tool: pieces stacked without gaps,
 /// within the drawn heights, nowhere negative.
-TEST(ProfileShape, RandomOutlinesAreSoundOrRejected) {
+TEST(ProfileShape, RandomOutlinesAreValidOrRejected) {
   std::mt19937_64 random(7);
   const auto number = [&] {
     switch (random() % 12) {
