@@ -79,9 +79,10 @@ KERF_INLINE Lanes lesser(Lanes x, Lanes y) { return select(x < y, x, y); }
 KERF_INLINE Lanes greater(Lanes x, Lanes y) { return select(x > y, x, y); }
 KERF_INLINE Lanes magnitude(Lanes x) { return select(x < 0.0, -x, x); }
 
-/// 0, 1, … 7.
+/// Returns 0, 1, … 7.
 KERF_INLINE Lanes lane_numbers() { return {HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}}; }
 
+/// Returns a mask with all lanes true.
 KERF_INLINE LaneMask every_lane() { return Lanes() == Lanes(); }
 /// Returns whether any lane is true.
 KERF_INLINE bool any(LaneMask m) {
@@ -90,7 +91,7 @@ KERF_INLINE bool any(LaneMask m) {
       __builtin_shufflevector(either, either, 0, 1) | __builtin_shufflevector(either, either, 2, 3);
   return (quarter[0] | quarter[1]) != 0;
 }
-/// Bit i is set where lane i is true.
+/// Returns a mask whose bit i is set where lane i is true.
 KERF_INLINE unsigned bits(LaneMask m) {
   const HalfMask weighted = (m.a & HalfMask{1, 2, 4, 8}) | (m.b & HalfMask{16, 32, 64, 128});
   return static_cast<unsigned>(weighted[0] | weighted[1] | weighted[2] | weighted[3]);

@@ -3,8 +3,8 @@
 
 // Every epsilon of the kernel: allowances for rounding, ends of iterations, and thresholds below
 // which a case counts as degenerate. Each has its unit, its owner (the code that uses it) and what
-// breaks if it grows. A *tolerance* is something else: what the user asks for
-// (SculptureSettings::tolerance_mm), and no number here replaces it.
+// breaks if it grows. A *tolerance* is something else: an accuracy that the user requests
+// (SculptureSettings::tolerance_mm).
 
 namespace kerf {
 
@@ -15,7 +15,7 @@ namespace kerf {
 /// Owner: intersect, sweep. If it grows, tools grow.
 inline constexpr double kEdgeEpsilonMm = 1e-9;
 
-/// Dimensionless. Sines below it are directions that cannot be told from parallel.
+/// Dimensionless. Directions whose angle has a smaller sine are parallel.
 /// Owner: sweep/tool_motion. If it grows, slow turns are dropped.
 inline constexpr double kParallelEpsilon = 1e-12;
 
@@ -43,8 +43,8 @@ inline constexpr double kRectangleMarginMm = 1e-6;
 inline constexpr double kClipMarginShare = 1e-3;
 
 /// Share of a slice's height: a point at rest nearer than this to an end of the slice does not
-/// divide it. Owner: sweep/swept_tool. If it grows, slices keep parts that move both ways, whose
-/// ends the search may miss.
+/// divide it. Owner: sweep/swept_tool. If it grows, slices keep parts that move in opposite
+/// directions, whose ends the search may miss.
 inline constexpr double kStillMarginShare = 1e-3;
 
 /// Relative. A neighbor whose radius is less by this share (and kEdgeEpsilonMm) still hides the

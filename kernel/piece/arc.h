@@ -18,7 +18,7 @@ struct ArcPiece {
   friend bool operator==(const ArcPiece&, const ArcPiece&) = default;
 };
 
-/// Radius at a height of the axis; kNoRadiusMm beyond the discs.
+/// Returns the radius at a height of the axis; kNoRadiusMm beyond the discs.
 template <class Real>
 KERF_INLINE Real radius_at(const ArcPiece& p, Real z_mm) {
   const Real inside = p.center_r_mm + half_chord(p.radius_mm, z_mm - p.center_z_mm);
@@ -26,18 +26,19 @@ KERF_INLINE Real radius_at(const ArcPiece& p, Real z_mm) {
                 greater(inside, splat_like(z_mm, 0)));
 }
 
-/// Widest at the height of its center, or at the end that is nearest to it.
+/// The radius is greatest at the height of the center, or at the end that is nearest to it.
 inline Extent extent(const ArcPiece& p) {
   return {p.z0_mm, p.z1_mm, radius_at(p, std::clamp(p.center_z_mm, p.z0_mm, p.z1_mm))};
 }
 
-/// Derivative of the radius by the height.
+/// Returns the derivative of the radius by the height.
 template <class Real>
 KERF_INLINE Real slope_at(const ArcPiece& p, Real z_mm) {
   return half_chord_slope(p.radius_mm, z_mm - p.center_z_mm);
 }
 
-/// Signed distance of the point (ρ, h) from the side, continued beyond the discs, and its gradient.
+/// Returns the signed distance of the point (ρ, h) from the side, continued beyond the discs, and
+/// its gradient.
 template <class Real>
 KERF_INLINE CircleDistance<Real> side_distance(const ArcPiece& p, Real rho_mm, Real h_mm) {
   return circle_distance(p.center_r_mm, p.radius_mm, rho_mm, h_mm - p.center_z_mm);

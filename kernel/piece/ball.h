@@ -16,7 +16,7 @@ constexpr Extent extent(const BallPiece& p) {
   return {p.center_mm - p.radius_mm, p.center_mm + p.radius_mm, p.radius_mm};
 }
 
-/// Radius at a height of the axis; kNoRadiusMm where the ball has no point.
+/// Returns the radius at a height of the axis; kNoRadiusMm where the ball has no point.
 template <class Real>
 KERF_INLINE Real radius_at(const BallPiece& p, Real z_mm) {
   const Extent e = extent(p);
@@ -24,13 +24,13 @@ KERF_INLINE Real radius_at(const BallPiece& p, Real z_mm) {
                 half_chord(p.radius_mm, z_mm - p.center_mm));
 }
 
-/// Derivative of the radius by the height.
+/// Returns the derivative of the radius by the height.
 template <class Real>
 KERF_INLINE Real slope_at(const BallPiece& p, Real z_mm) {
   return half_chord_slope(p.radius_mm, z_mm - p.center_mm);
 }
 
-/// Signed distance of the point (ρ, h) and its gradient.
+/// Returns the signed distance of the point (ρ, h) and its gradient.
 template <class Real>
 KERF_INLINE CircleDistance<Real> side_distance(const BallPiece& p, Real rho_mm, Real h_mm) {
   return circle_distance(0, p.radius_mm, rho_mm, h_mm - p.center_mm);

@@ -14,7 +14,7 @@ struct Bounds {
   Vec3 lo_mm, hi_mm;
 };
 
-/// The smallest box around two.
+/// Returns the smallest box around two.
 inline Bounds joined(const Bounds& a, const Bounds& b) {
   return {{std::min(a.lo_mm.x, b.lo_mm.x), std::min(a.lo_mm.y, b.lo_mm.y),
            std::min(a.lo_mm.z, b.lo_mm.z)},
@@ -22,23 +22,24 @@ inline Bounds joined(const Bounds& a, const Bounds& b) {
            std::max(a.hi_mm.z, b.hi_mm.z)}};
 }
 
-/// A box larger by `mm` on every side.
+/// Returns the box enlarged by `mm` on every side.
 inline Bounds grown(const Bounds& box, double mm) {
   return {box.lo_mm - Vec3{mm, mm, mm}, box.hi_mm + Vec3{mm, mm, mm}};
 }
 
-/// Support of a disc along a unit direction: how far the disc reaches from its center. `component`
-/// is that of the disc's unit normal in this direction.
+/// Returns the support of a disc along a unit direction, relative to its center. `component` is the
+/// component of the disc's unit normal in this direction.
 inline double disc_half_width(double radius_mm, double component) {
   return radius_mm * std::sqrt(std::max(0.0, 1 - component * component));
 }
-/// The same along X, Y and Z.
+/// Returns the supports along X, Y and Z.
 inline Vec3 disc_half_widths(double radius_mm, Vec3 normal) {
   return {disc_half_width(radius_mm, normal.x), disc_half_width(radius_mm, normal.y),
           disc_half_width(radius_mm, normal.z)};
 }
 
-/// The smallest box around the cylinder with this extent on the unit axis `axis` above `tip_mm`.
+/// Returns the smallest box around the cylinder with this extent on the unit axis `axis` above
+/// `tip_mm`.
 inline Bounds cylinder_bounds(const Extent& extent, Vec3 tip_mm, Vec3 axis) {
   const Vec3 a = tip_mm + axis * extent.z0_mm, b = tip_mm + axis * extent.z1_mm;
   const Vec3 half = disc_half_widths(extent.radius_mm, axis);

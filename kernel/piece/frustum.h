@@ -19,14 +19,14 @@ constexpr Extent extent(const FrustumPiece& p) {
   return {p.z0_mm, p.z1_mm, p.r0_mm < p.r1_mm ? p.r1_mm : p.r0_mm};
 }
 
-/// Derivative of the radius by the height: k in r0 + k (z − z0).
+/// Returns the derivative of the radius by the height: k in r0 + k (z − z0).
 constexpr double slope(const FrustumPiece& p) { return (p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm); }
 template <class Real>
 KERF_INLINE Real slope_at(const FrustumPiece& p, Real z_mm) {
   return splat_like(z_mm, slope(p));
 }
 
-/// Radius at a height of the axis; kNoRadiusMm beyond the discs.
+/// Returns the radius at a height of the axis; kNoRadiusMm beyond the discs.
 template <class Real>
 KERF_INLINE Real radius_at(const FrustumPiece& p, Real z_mm) {
   const Real inside = p.r0_mm + (p.r1_mm - p.r0_mm) * ((z_mm - p.z0_mm) / (p.z1_mm - p.z0_mm));
@@ -44,8 +44,8 @@ struct FrustumSide {
   explicit FrustumSide(const FrustumPiece& p)
       : r0_mm(p.r0_mm), slope(kerf::slope(p)), cosine(1 / std::sqrt(1 + slope * slope)) {}
 
-  /// Signed distance, negative inside, of the point at the distance ρ from the axis and the height
-  /// `above` the lower disc.
+  /// Returns the signed distance, negative inside, of the point at the distance ρ from the axis and
+  /// the height `above` the lower disc.
   template <class Real>
   KERF_INLINE Real distance(Real rho_mm, Real above_mm) const {
     return (rho_mm - r0_mm - slope * above_mm) * cosine;

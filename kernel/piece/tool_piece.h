@@ -12,18 +12,18 @@ namespace kerf {
 /// A convex body of revolution about the tool's axis; heights in mm above the tip.
 using ToolPiece = std::variant<BallPiece, FrustumPiece, ArcPiece>;
 
-/// Radius at a height of the axis; kNoRadiusMm where the piece has no point.
+/// Returns the radius at a height of the axis; kNoRadiusMm where the piece has no point.
 double radius_at(const ToolPiece& piece, double z_mm);
 
-/// Derivative of that radius by the height.
+/// Returns the derivative of that radius by the height.
 double slope_at(const ToolPiece& piece, double z_mm);
 
 Extent extent(const ToolPiece& piece);
 
-/// A frustum around the piece, with the same heights: itself, or the cylinder around it.
+/// Returns a frustum around the piece, with the same heights: the piece itself, or a cylinder.
 FrustumPiece enclosing_frustum(const ToolPiece& piece);
 
-/// The part of a frustum or arc between two heights. Must not be called for a ball.
+/// Returns the part of a frustum or arc between two heights. Must not be called for a ball.
 ToolPiece slice_of(const ToolPiece& piece, double z0_mm, double z1_mm);
 
 /// A piece prepared for distance queries on lanes, where no variant can be visited.
@@ -38,12 +38,12 @@ struct PieceProfile {
 
   explicit PieceProfile(const ToolPiece& piece);
 
-  /// Signed distance from the side of a kLine.
+  /// Returns the signed distance from the side of a kLine.
   template <class Real>
   KERF_INLINE Real line_distance(Real rho_mm, Real h_mm) const {
     return line.distance(rho_mm, h_mm - z0_mm);
   }
-  /// Signed distance from the side of a kArc or kBall.
+  /// Returns the signed distance from the side of a kArc or kBall.
   template <class Real>
   KERF_INLINE CircleDistance<Real> arc_distance(Real rho_mm, Real h_mm) const {
     return circle_distance(center_r_mm, radius_mm, rho_mm, h_mm - center_z_mm);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers that no block can be carved with: NaN, infinities, denormals, out of every range. Each is
-// rejected with a typed error and leaves the state, to the bit, as it was.
+// Invalid numbers: NaN, infinities, denormals, values out of range. Each is rejected with a typed
+// error and leaves the state unchanged, bit for bit.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ constexpr Vec3 kUp{0, 0, 1};
 
 const std::vector<double> kUnusable = {kNan, -kNan, kInf, -kInf, kHuge, -kHuge};
 
-/// Everything that a motion's numbers can be replaced in.
+/// All numbers of a motion that a test may replace.
 double& number_of(MoveTool& move, int which) {
   double* numbers[] = {&move.from.tip_mm.x, &move.from.tip_mm.y, &move.from.tip_mm.z,
                        &move.to.tip_mm.x,   &move.to.tip_mm.y,   &move.to.tip_mm.z,

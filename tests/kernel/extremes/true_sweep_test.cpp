@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The judge on trial: a judge that sees nothing would pass every kernel.
+// Tests of the reference itself: one that detects nothing would pass every kernel.
 
 #include "tests/kernel/extremes/true_sweep.h"
 
@@ -15,7 +15,7 @@ namespace {
 constexpr Vec3 kUp{0, 0, 1};
 
 TEST(TrueSweep, MatchesClosedFormDistances) {
-  // A ball of radius 5 on a straight way is a capsule around its centre's way.
+  // A ball of radius 5 on a straight path is a capsule around the path of its center.
   const Tool ball = *make_tool(BallShape{10, 50});
   const TrueSweep sweep(ball, {{0, 0, 0}, kUp}, {{20, 0, 0}, kUp});
   EXPECT_NEAR(sweep.outside({7, 0, -2}, 10), 2, 1e-12);
@@ -46,7 +46,8 @@ struct Wrong {
   Vec3 shift;
 };
 
-/// Carves with one tool on one way and judges by another: a difference of two tolerances must show.
+/// Carves with one tool or path and verifies against another: a difference of two tolerances must
+/// be detected.
 TEST(Carving, DetectsAToolOrPathWrongByTwoTolerances) {
   constexpr double kTolerance = 1e-3;
   const ToolPose a = leaning({-3, 0.2, -4}, 0.2), b = leaning({3, 1, -5}, 0.35, 1);

@@ -44,10 +44,10 @@ TEST(RayCapsule, HorizontalMotionGivesACircularCrossSection) {
 }
 
 TEST(RayCapsule, PlungeSpansFromTheLowerToTheUpperBall) {
-  for (const double way : {9.0, -9.0}) {
-    const Span s = hit(RayCapsule({0, 0, 0}, {0, 0, way}, 5), 0, 3);
-    EXPECT_DOUBLE_EQ(s.lo, std::min(way, 0.0) - 4);
-    EXPECT_DOUBLE_EQ(s.hi, std::max(way, 0.0) + 4);
+  for (const double travel : {9.0, -9.0}) {
+    const Span s = hit(RayCapsule({0, 0, 0}, {0, 0, travel}, 5), 0, 3);
+    EXPECT_DOUBLE_EQ(s.lo, std::min(travel, 0.0) - 4);
+    EXPECT_DOUBLE_EQ(s.hi, std::max(travel, 0.0) + 4);
   }
 }
 
@@ -61,7 +61,7 @@ TEST(RayCapsule, RampIsBoundedByTheSlantedCylinder) {
 TEST(RayCapsule, EndOfAMotionAndStartOfTheNextGiveTheSameBits) {
   const Vec3 a{0.1, 0.2, 7}, b{1.3, -0.7, 7.9}, c{2.9, 0.3, 7.1};
   const RayCapsule before(a, b, 5), after(b, c, 5);
-  // Behind the joint the second ends on the ball at b, beyond it the first does.
+  // Behind the joint the second motion is bounded by the ball at b, beyond it the first one is.
   const auto ball = hit(RayCapsule(b, b, 5), 1.31, -4.1);
   for (const RayCapsule& capsule : {before, after}) {
     const Span s = hit(capsule, 1.31, -4.1);
@@ -124,7 +124,7 @@ TEST(RayPipe, CircleMovedAlongItsNormalIsACylinder) {
 }
 
 TEST(RayPipe, SlantedMotionMatchesEquation17) {
-  // Circle in the XY plane (normal Z) moved by (4, 0, 2): at height w its centre is at x = 2 w (Eq.
+  // Circle in the XY plane (normal Z) moved by (4, 0, 2): at height w its center is at x = 2 w (Eq.
   // 17 with Vx / Vz = 2).
   const RayPipe p({0, 0, 0}, {0, 0, 1}, 3, {4, 0, 2});
   const double half = std::sqrt(9.0 - 1.0);
@@ -136,8 +136,8 @@ TEST(RayPipe, SlantedMotionMatchesEquation17) {
 }
 
 TEST(RayPipe, HorizontalSweepHasNoPipeSurface) {
-  // Vz = 0, where Eq. 17 divides by zero: the circle stays in its plane, so whatever is met lies in
-  // that plane.
+  // Vz = 0, where Eq. 17 divides by zero: the circle stays in its plane, so every hit lies in that
+  // plane.
   const RayPipe p({0, 0, 7}, {0, 0, 1}, 3, {10, 0, 0});
   const Span s = hit(p, 5, 1);
   EXPECT_DOUBLE_EQ(s.lo, 7);

@@ -21,7 +21,7 @@ inline double between(std::mt19937& random, double lo, double hi) {
   return std::uniform_real_distribution<double>(lo, hi)(random);
 }
 
-/// The radius at a height by bisection of a predicate that tells the inside of a body: independent
+/// Returns the radius at a height by bisection of a predicate for the inside of a body: independent
 /// of every formula for a radius. −1 where not even the axis is inside.
 template <class Inside>
 double radius_by_bisection(const Inside& inside, double h, double beyond) {
@@ -34,14 +34,14 @@ double radius_by_bisection(const Inside& inside, double h, double beyond) {
   return in;
 }
 
-/// Distance of a point from the nearest of many points.
+/// Returns the distance of a point from the nearest of many points.
 inline double nearest_of(const std::vector<HalfPoint>& points, HalfPoint p) {
   double least = std::numeric_limits<double>::infinity();
   for (const HalfPoint& q : points) least = std::min(least, std::hypot(p.rho - q.rho, p.h - q.h));
   return least;
 }
 
-/// Eight numbers, and whether lanes hold exactly what the scalar function gives for each.
+/// Returns whether a function on lanes gives the bits of the scalar function for eight values.
 template <class OnLanes, class Scalar>
 bool lanes_match_scalars(const double (&values)[kLanes], const OnLanes& on_lanes,
                          const Scalar& scalar) {

@@ -27,8 +27,9 @@ TEST(AptShape, ZeroCornerRadiusIsFlatOrACone) {
               std::get<FrustumPiece>(same.pieces[0]).z1_mm, 1e-12);
 }
 
-/// The cutter whose corner arc touches both lines: its centre is r above the one and r inside the
-/// other, (-sin a, cos a) . x = r and (-cos b, sin b) . x = r about the point where they meet.
+/// Returns the cutter whose corner arc touches both lines: its center is r above the one and r
+/// inside the other, (-sin a, cos a) . x = r and (-cos b, sin b) . x = r about the point where they
+/// meet.
 AptShape tangent_cutter(double d, double r, double alpha_deg, double beta_deg, double h) {
   const double a = alpha_deg * M_PI / 180, b = beta_deg * M_PI / 180;
   const double det = std::cos(a + b);

@@ -10,7 +10,7 @@ namespace {
 
 const Vec3 kUp{0, 0, 1};
 
-/// A block with room for a slot along x, its rays along Z.
+/// A block that is large enough for a slot along x; its rays run along Z.
 Sculpture block() {
   SculptureSettings settings;
   settings.stock = BoxStock{{0, -20, -20}, {60, 20, 0}};
