@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <numbers>
 #include <optional>
 
@@ -116,7 +117,7 @@ class AptReader {
     if (fields_.size() == 6) {
       const Vec3 axis{v[3], v[4], v[5]};
       if (length(axis) < kAxisMinLength) return reject("the tool axis must not be of length zero");
-      pose.axis = axis_ = normalised(axis);
+      pose.axis = axis_ = normalized(axis);
     }
     return append(pose);
   }

@@ -36,7 +36,7 @@ TimedPose point_of(const Figure& figure, double lap, double part, double start_r
   const Vec3 out{std::cos(angle), std::sin(angle), 0};
   const double deep = figure.depth_mm * (1.0 + lap / kLaps) * (0.6 + 0.4 * (1.0 - petal));
   return {.tip_mm = figure.middle_mm + out * radius + Vec3{0, 0, -deep},
-          .axis = normalised(out * std::sin(lean) + Vec3{0, 0, std::cos(lean)})};
+          .axis = normalized(out * std::sin(lean) + Vec3{0, 0, std::cos(lean)})};
 }
 
 }  // namespace

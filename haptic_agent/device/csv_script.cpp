@@ -81,7 +81,7 @@ class CsvReader {
     const bool cutting = !script_.empty() && (!at_[kCuttingColumn] || v[kCuttingColumn] != 0);
     script_.push_back({.time_s = v[0],
                        .tip_mm = {v[1], v[2], v[3]},
-                       .axis = normalised(axis),
+                       .axis = normalized(axis),
                        .cutting = cutting,
                        .tool_id = static_cast<std::uint32_t>(v[kToolColumn])});
     return {};

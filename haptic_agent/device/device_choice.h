@@ -54,7 +54,6 @@ struct DeviceOptions {
 
 /// Creates the device. A USB device may be plugged in later: it is searched for until found. The
 /// center of its workspace is placed on the center of the stock's top.
-
 std::unique_ptr<HapticDevice> make_device(const DeviceChoice& choice, const DevicePlace& place,
                                           const DeviceOptions& options);
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/wrench.h"
 
 namespace kerf::agent {
 
@@ -39,14 +39,6 @@ struct DeviceState {
   /// True at the end of a path.
   bool finished = false;
   DevicePhase phase = DevicePhase::kClosed;
-};
-
-/// Force at the pivot and torque about it, as output by the device.
-struct Wrench {
-  Vec3 force_n{};
-  Vec3 torque_nmm{};
-
-  bool operator==(const Wrench&) const = default;
 };
 
 struct DeviceCapabilities {

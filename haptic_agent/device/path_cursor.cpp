@@ -31,7 +31,7 @@ Vec3 turned(Vec3 from, const Turn& turn, double part) noexcept {
   if (turn.angle_rad == 0) return from;
   const Vec3 normal = turn.rate * (1.0 / turn.angle_rad);
   const double angle = turn.angle_rad * part;
-  return normalised(from * std::cos(angle) + cross(normal, from) * std::sin(angle));
+  return normalized(from * std::cos(angle) + cross(normal, from) * std::sin(angle));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 
 namespace kerf::agent {
 

@@ -96,7 +96,7 @@ void SimulatedHand::step(double dt_s) noexcept {
   turn_rad_per_s_ =
       turn_rad_per_s_ + torque_nmm * (1.0 / (settings_.inertia_kg_m2 * kNmmPerNm) * dt_s);
   turn_rad_per_s_ = turn_rad_per_s_ - axis_ * dot(axis_, turn_rad_per_s_);
-  axis_ = normalised(axis_ + cross(turn_rad_per_s_, axis_) * dt_s);
+  axis_ = normalized(axis_ + cross(turn_rad_per_s_, axis_) * dt_s);
 
   path_s_ += dt_s;
   target_ = path_.at(std::max(0.0, path_s_));

@@ -51,10 +51,7 @@ std::expected<MotionBatch, DecodeError> decode_motion(ByteReader& from,
     MotionSample& sample = batch.samples[i];
     walk(from, sample);
     if (from.not_finite_at() != 0) return reject_not_finite(from.not_finite_at());
-    const double x = sample.axis[0];
-    const double y = sample.axis[1];
-    const double z = sample.axis[2];
-    if (std::abs(std::sqrt(x * x + y * y + z * z) - 1.0) > kAxisLengthTolerance) {
+    if (std::abs(length(Vec3(sample.axis)) - 1.0) > kAxisLengthTolerance) {
       return reject(DecodeErrorCode::kAxisNotUnit, start + kAxisOffset,
                     "the axis must have length 1");
     }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-wire::MotionSample sample_at(wire::Vec3d tip, wire::Vec3f axis = {0, 0, 1}) {
+wire::MotionSample sample_at(Vec3 tip, Vec3f axis = {0, 0, 1}) {
   wire::MotionSample sample;
   sample.agent_sequence = 5;
   sample.tip_mm = tip;
@@ -53,7 +53,7 @@ TEST(BatchSum, ForcesAreTimeWeightedMeans) {
   sum.add(result_of(40, 2, 8), 0.003);
   wire::Result result;
   sum.write(result);
-  EXPECT_FLOAT_EQ(result.force_n[0], (10 * 1 + 40 * 3) / 4.0F);
+  EXPECT_FLOAT_EQ(result.force_n.x, (10 * 1 + 40 * 3) / 4.0F);
   EXPECT_FLOAT_EQ(result.removed_mm3, 3);
   EXPECT_EQ(result.status, wire::kStatusCutting);
 }
@@ -66,7 +66,7 @@ TEST(BatchSum, UsesTheNewestCuttingModel) {
   wire::Result result;
   sum.write(result);
   EXPECT_FLOAT_EQ(result.engaged_area_mm2, 8);
-  EXPECT_DOUBLE_EQ(result.cut_centre_mm[0], 8);
+  EXPECT_DOUBLE_EQ(result.cut_centre_mm.x, 8);
   EXPECT_FLOAT_EQ(result.specific_force_n_per_mm2, 5);
 }
 
@@ -84,7 +84,7 @@ TEST(BatchSum, SetsTheCollidingStatus) {
   wire::Result result;
   sum.write(result);
   EXPECT_EQ(result.status, wire::kStatusColliding);
-  EXPECT_FLOAT_EQ(result.collision_force_n[0], 3);
+  EXPECT_FLOAT_EQ(result.collision_force_n.x, 3);
 }
 
 }  // namespace

@@ -16,8 +16,6 @@ namespace {
 
 using agent::DevicePhase;
 using agent::UsbHapticDevice;
-using agent::Vec3;
-using agent::Wrench;
 namespace falcon = agent::falcon;
 
 TEST(FalconKinematics, ForwardInvertsInverse) {

@@ -17,7 +17,6 @@ namespace {
 
 using agent::DevicePhase;
 using agent::UsbHapticDevice;
-using agent::Wrench;
 namespace ref = agent::reference;
 
 /// No fault may lose the device permanently, produce an invalid pose, or leave a force on.

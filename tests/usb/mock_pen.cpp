@@ -6,9 +6,10 @@
 //   unplug
 //   press [cut] [grip]
 //   go X Y Z MM_PER_S  moves the tip there, upright; mm from the center of the workspace
-// felt             largest wrench at the grip since the last such command, or since the pen was
+//   felt             largest wrench at the grip since the last such command, or since the pen was
 //                    unplugged: "NEWTONS N·MM"
 //   state            "homed" or "not homed", and the number of rejected commands
+//
 // Each command is answered by one line on completion. A program started under umockdev-wrapper
 // with the printed UMOCKDEV_DIR sees only this bus.
 #include <algorithm>
@@ -29,7 +30,7 @@
 namespace {
 
 using namespace kerf::usb_test;
-using kerf::agent::Vec3;
+using kerf::Vec3;
 namespace ref = kerf::agent::reference;
 
 constexpr int kAboveAllOfTheAgent = 95;

@@ -81,7 +81,7 @@ TEST(ReferencePen, PointVelocitiesMatchFiniteDifferences) {
     const Vec3 velocity = poses.vector(100), turn = poses.vector(3);
     const auto points = point_velocities(poses.pen, is.axis, velocity, turn);
     const auto moved = [&](double along_mm) {
-      const Vec3 axis = normalised(is.axis + cross(turn, is.axis) * kStepS);
+      const Vec3 axis = normalized(is.axis + cross(turn, is.axis) * kStepS);
       return (velocity * kStepS + (axis - is.axis) * along_mm) * (1 / kStepS);
     };
     const double above_mm = poses.pen.length_mm - poses.pen.grip_mm;
@@ -120,7 +120,7 @@ TEST(ReferencePen, TorquesDoTheWorkOfTheForces) {
     const auto torques = pen_torques(poses.pen, is.q, forces);
     // The joint angles after a small motion.
     const Vec3 grip = is.grip_mm + velocity * kStepS;
-    const Vec3 axis = normalised(is.axis + cross(turn, is.axis) * kStepS);
+    const Vec3 axis = normalized(is.axis + cross(turn, is.axis) * kStepS);
     const auto front = reach_for(poses.pen.front, grip - axis * poses.pen.grip_mm);
     const auto rear =
         reach_for(poses.pen.rear, grip + axis * (poses.pen.length_mm - poses.pen.grip_mm));

@@ -14,8 +14,6 @@ namespace {
 
 using agent::DevicePhase;
 using agent::UsbHapticDevice;
-using agent::Vec3;
-using agent::Wrench;
 namespace ref = agent::reference;
 
 constexpr ref::PenPlace kPlace{.middle_mm = {10, 20, 30}, .pivot_mm = 60};
@@ -54,7 +52,7 @@ class ReferenceDevice : public ::testing::Test {
 TEST_F(ReferenceDevice, HomesAndReportsThePose) {
   const auto device = make();
   ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
-  const Vec3 axis = agent::normalised({0.2, -0.1, 1});
+  const Vec3 axis = normalized({0.2, -0.1, 1});
   const Vec3 grip{5, -7, 52};
   rig.query([&](ReferenceFirmware& firmware) {
     firmware.hold(grip, axis);

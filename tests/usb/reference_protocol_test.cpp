@@ -15,7 +15,6 @@ namespace {
 
 using agent::DevicePhase;
 using agent::monotonic_us;
-using agent::Wrench;
 namespace ref = agent::reference;
 
 /// Answers the identity request only.

@@ -15,7 +15,6 @@ namespace {
 using agent::CapDeflection;
 using agent::RateControl;
 using agent::SpaceMouse;
-using agent::Vec3;
 
 constexpr agent::StockBox kStock{.min_mm = {0, 0, 0}, .max_mm = {100, 80, 40}};
 

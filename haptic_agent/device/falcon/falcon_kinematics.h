@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 
 namespace kerf::agent::falcon {
 

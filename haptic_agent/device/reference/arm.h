@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 
 namespace kerf::agent {
 

@@ -51,7 +51,7 @@ void RateControl::step(const CapDeflection& cap, double dt_s) noexcept {
   const Vec3 travel_mm = shaped(cap.push) * (kFullMmPerS * share * dt_s);
   tip_mm_ = clamped(tip_mm_ + travel_mm, least_mm_, most_mm_);
   const Vec3 turn_rad = shaped(cap.turn) * (kFullRadPerS * share * dt_s);
-  axis_ = within_lean(normalised(axis_ + cross(turn_rad, axis_)));
+  axis_ = within_lean(normalized(axis_ + cross(turn_rad, axis_)));
 }
 
 PipeRequirements SpaceMouse::Protocol::required_pipes() const {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptic_agent/device/usb/usb_protocol.h"
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 
 namespace kerf::agent {
 

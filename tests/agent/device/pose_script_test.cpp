@@ -100,7 +100,7 @@ TEST(CsvScript, ReadsTheForcesFileOfACarving) {
   EXPECT_FALSE((*script)[0].cutting);
   EXPECT_TRUE((*script)[1].cutting);
   EXPECT_DOUBLE_EQ((*script)[1].time_s, 0.75);
-  EXPECT_EQ((*script)[1].axis, (Vec3{0, 0.6000000000000001, 0.8}));
+  EXPECT_EQ((*script)[1].axis, (Vec3{0, 0.6, 0.8}));
 }
 
 TEST(CsvScript, ColumnsInAnyOrderWithCutting) {

@@ -128,7 +128,7 @@ void FalconModel::power_cycle() {
   packets_.clear();
 }
 
-void FalconModel::hold(agent::Vec3 position_mm) {
+void FalconModel::hold(Vec3 position_mm) {
   const auto angles = falcon::leg_angles(position_mm);
   if (!angles) return;
   for (std::size_t i = 0; i < 3; ++i) state_.encoders[i] = falcon::count_of((*angles)[i]);

@@ -6,7 +6,7 @@
 #include <deque>
 
 #include "haptic_agent/device/falcon/falcon_frame.h"
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 #include "tests/usb/model/usb_model.h"
 
 namespace kerf::usb_test {
@@ -35,7 +35,7 @@ class FalconModel final : public UsbModel {
   void power_cycle() override;
 
   /// Moves the grip, in the Falcon's coordinates; the position must be within reach.
-  void hold(agent::Vec3 position_mm);
+  void hold(Vec3 position_mm);
   void press(std::uint8_t buttons) { state_.buttons = buttons; }
   /// Splits answers into two packets, as happens at the end of a serial buffer.
   void split_answers(bool split) { split_ = split; }

@@ -5,8 +5,6 @@ namespace kerf::usb_test {
 
 namespace {
 
-using agent::Vec3;
-
 /// Returns the force f at the arm's end that these torques balance: each torque is the component of
 /// f along the end's displacement per joint angle.
 Vec3 end_force(const agent::ArmShape& arm, const agent::ArmAngles& q, const double* torques_nmm) {
@@ -26,12 +24,12 @@ Vec3 end_force(const agent::ArmShape& arm, const agent::ArmAngles& q, const doub
 
 }  // namespace
 
-agent::Wrench felt_wrench(const agent::PenShape& pen, const agent::PenAngles& q,
-                          const std::array<double, 6>& motors_nmm) {
+Wrench felt_wrench(const agent::PenShape& pen, const agent::PenAngles& q,
+                   const std::array<double, 6>& motors_nmm) {
   const Vec3 front_n = end_force(pen.front, q.front, motors_nmm.data());
   const Vec3 rear_n = end_force(pen.rear, q.rear, motors_nmm.data() + 3);
   const Vec3 along = arm_point(pen.rear, q.rear) - arm_point(pen.front, q.front);
-  const Vec3 axis = normalised(along);
+  const Vec3 axis = normalized(along);
   return {.force_n = front_n + rear_n,
           .torque_nmm = cross(axis * -pen.grip_mm, front_n) +
                         cross(axis * (pen.length_mm - pen.grip_mm), rear_n)};

@@ -20,8 +20,8 @@ std::int32_t to_urad(double rad) {
 
 }  // namespace
 
-agent::ArmAngles reach_for(const agent::ArmShape& shape, agent::Vec3 point_mm) {
-  const agent::Vec3 to = point_mm - shape.base_mm;
+agent::ArmAngles reach_for(const agent::ArmShape& shape, Vec3 point_mm) {
+  const Vec3 to = point_mm - shape.base_mm;
   const double level = std::hypot(to.x, to.y);
   const double distance = std::hypot(level, to.z);
   const double cosine =
@@ -66,7 +66,7 @@ std::optional<Bytes> ReferenceFirmware::control(const Setup& setup, std::span<co
   return Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
 }
 
-void ReferenceFirmware::hold(agent::Vec3 grip_mm, agent::Vec3 axis) {
+void ReferenceFirmware::hold(Vec3 grip_mm, Vec3 axis) {
   const agent::PenShape& pen = settings_.identity.pen;
   const auto front = reach_for(pen.front, grip_mm - axis * pen.grip_mm);
   const auto rear = reach_for(pen.rear, grip_mm + axis * (pen.length_mm - pen.grip_mm));

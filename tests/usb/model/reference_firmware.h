@@ -31,7 +31,7 @@ class ReferenceFirmware final : public UsbModel {
   void power_cycle() override;
 
   /// Moves the pen: its grip point in the device's coordinates, and its direction (unit).
-  void hold(agent::Vec3 grip_mm, agent::Vec3 axis);
+  void hold(Vec3 grip_mm, Vec3 axis);
   void press(std::uint16_t buttons) { report_.buttons = buttons; }
   void fail(std::uint16_t status_bits) { faults_ = status_bits; }
   /// Hangs: sends no reports but stays plugged in.
@@ -72,6 +72,6 @@ class ReferenceFirmware final : public UsbModel {
 };
 
 /// Inverse kinematics of an arm, elbow up; the point must be within reach.
-agent::ArmAngles reach_for(const agent::ArmShape& shape, agent::Vec3 point_mm);
+agent::ArmAngles reach_for(const agent::ArmShape& shape, Vec3 point_mm);
 
 }  // namespace kerf::usb_test
