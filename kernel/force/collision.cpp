@@ -19,12 +19,12 @@ struct Disc {
   double radius;
 };
 
-constexpr int kHeightSteps = 20;  ///< each leaves two thirds of the heights in question
+constexpr int kHeightSteps = 20;  ///< each keeps two thirds of the interval of heights
 constexpr int kDescentSteps = 3;
 constexpr int kLineSteps = 10;
 
-/// Where the distance is least on the segment from p to q: exact for convex obstacles, a local
-/// answer for meshes.
+/// Returns the point of the segment from p to q with the least distance: exact for convex
+/// obstacles, a local minimum for meshes.
 Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   double lo = 0, hi = 1;
   const auto at = [&](double t) { return distance(obstacle, p + (q - p) * t).distance_mm; };
@@ -40,7 +40,7 @@ Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   return at(1) <= at(middle) ? q : p + (q - p) * middle;
 }
 
-/// The deepest point of a disc, by conditional gradient (Frank and Wolfe 1956).
+/// Returns the deepest point of a disc, by conditional gradient (Frank and Wolfe 1956).
 Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   Vec3 p = disc.center;
   for (int i = 0; i < kDescentSteps; ++i) {
@@ -54,8 +54,8 @@ Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   return p;
 }
 
-/// The deepest point of a convex body of discs: the depth of its deepest disc is a convex function
-/// of the height.
+/// Returns the deepest point of a frustum or arc by ternary search: the depth of its deepest disc
+/// is a convex function of the height.
 Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
   const auto point = [&](double z) {
     return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, radius_at(piece, z)}, obstacle);
@@ -92,7 +92,8 @@ Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle&
   return deepest_of_discs(piece, pose, obstacle);
 }
 
-/// Meshes are asked triangle by triangle, a thousand times for each piece of a tool that is near.
+/// Limit of a mesh: each query tests every triangle, and a near piece of a tool needs about a
+/// thousand queries.
 constexpr std::size_t kMeshTrianglesMax = 1000;
 
 struct Ball {

@@ -17,29 +17,29 @@ struct GroupPoints {
   Lanes z;
 };
 
-/// What was removed from a group: middles of the segments, and their lengths (mm).
+/// Segments removed from a group: their middles and lengths (mm).
 struct GroupSegments {
   GroupPoints middle;
   Lanes length;
 };
 
-/// What part of a removed element the rays of one of three fields count: n_z² in the field's frame,
-/// n being the normal of the tool's surface where it is nearest to the element. Over the three
-/// fields these parts add up to one; a field counts nothing of a wall that its rays are parallel
-/// to, which is just the wall whose place it knows only to a pitch.
+/// Weight of a removed element in one of three fields: n_z² in the field's frame, where n is the
+/// normal of the tool's surface nearest to the element. Over the three fields the weights add up to
+/// one. A field gives no weight to a wall parallel to its rays, whose position it resolves only to
+/// a pitch.
 class SurfaceWeight {
  public:
   explicit SurfaceWeight(const Tool& tool);
 
-  /// The part of each of a group's points, for a tool whose unit axis is `axis` in the field's
-  /// frame.
+  /// Computes the weight of each of a group's points, for a tool whose unit axis is `axis` in the
+  /// field's frame.
   void evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
 
-  /// Multiplies the length of each segment by the part of it that counts; one that is long for a
-  /// tool of this radius is asked at two points.
+  /// Multiplies the length of each segment by its weight. A segment that is long relative to the
+  /// tool's radius is evaluated at two points.
   void weigh(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
-  /// Both, as parts of functions that are compiled for one instruction set.
+  /// Both, inlined into functions that are compiled for one instruction set.
   Lanes evaluate_in_lanes(const GroupPoints& points, Vec3 axis) const;
   void weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
