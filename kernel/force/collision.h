@@ -25,7 +25,7 @@ class Obstacles {
   explicit Obstacles(std::vector<Obstacle> obstacles);
 
   /// Computes F_collision (N) and τ_collision (N·mm) on the tool at a pose. Each convex piece,
-  /// cutting or not, is pushed out of each obstacle in the direction of its surface normal by
+  /// cutting or not, is pushed out of each obstacle in the shortest direction by
   /// stiffness x depth of its deepest point. The torque is about the point `pivot_mm` from the tip
   /// on the axis, without its component about the axis. Zero without contact.
   Wrench push(const Tool& tool, const ToolPose& pose, double pivot_mm) const;
