@@ -10,23 +10,23 @@
 
 namespace kerf {
 
-/// Points of one group of columns, from the tool's tip (mm).
+/// Points of one group of columns, relative to the tool's tip (mm).
 struct GroupPoints {
   Lanes x;
   double y;
   Lanes z;
 };
 
-/// Segments removed from a group: their middles and lengths (mm).
+/// The segments removed from a group: their centers and lengths (mm).
 struct GroupSegments {
   GroupPoints middle;
   Lanes length;
 };
 
-/// Weight of a removed element in one of three fields: n_z² in the field's frame, where n is the
-/// normal of the tool's surface nearest to the element. Over the three fields the weights add up to
-/// one. A field gives no weight to a wall parallel to its rays, whose position it resolves only to
-/// a pitch.
+/// The weight of a removed element in one of three fields: n_z² in the field's frame, where n is
+/// the normal of the tool's surface nearest to the element. The weights of the three fields add up
+/// to 1. A wall parallel to a field's rays, which the field locates only to a pitch, has the weight
+/// 0.
 class SurfaceWeight {
  public:
   explicit SurfaceWeight(const Tool& tool);
@@ -35,17 +35,17 @@ class SurfaceWeight {
   /// field's frame.
   void evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
 
-  /// Multiplies the length of each segment by its weight. A segment that is long relative to the
-  /// tool's radius is evaluated at two points.
+  /// Multiplies the length of each segment by its weight, which is evaluated at two points where
+  /// the segment is long compared with `radius_mm`, the tool's radius.
   void weigh(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
-  /// Both, inlined into functions that are compiled for one instruction set.
+  /// Inline versions of both, for functions that are compiled per instruction set.
   Lanes evaluate_in_lanes(const GroupPoints& points, Vec3 axis) const;
   void weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
  private:
-  /// A piece, and the radii up to which other pieces cover the discs at its ends: beyond them these
-  /// discs bound the tool.
+  /// A piece, and the radii up to which other pieces cover the discs at its ends. Beyond these
+  /// radii the discs bound the tool.
   struct Piece {
     PieceProfile profile;
     double covered_below2, covered_above2;  ///< squares of those radii
