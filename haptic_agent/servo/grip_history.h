@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "haptic_agent/servo/grip.h"
+
+namespace kerf::agent {
+
+/// The grip at one tick.
+struct PastGrip {
+  std::uint64_t time_us = 0;
+  Grip grip{};
+  Twist velocity{};
+  /// Path length of the tip since the start.
+  double path_mm = 0;
+  /// As LocalModel::heading.
+  Vec3 heading{};
+};
+
+/// The grips of the last second, to look up the one that an answer refers to.
+class GripHistory {
+ public:
+  static constexpr std::size_t kKept = 1024;
+
+  /// Times must increase.
+  void push(const PastGrip& now) noexcept { kept_[count_++ % kKept] = now; }
+
+  /// Returns the newest grip not after `time_us`; null if that is too long ago or before the start.
+  const PastGrip* at(std::uint64_t time_us) const noexcept {
+    std::size_t low = count_ > kKept ? count_ - kKept : 0;
+    std::size_t high = count_;
+    if (low == high || kept_[low % kKept].time_us > time_us) return nullptr;
+    while (high - low > 1) {
+      const std::size_t middle = low + (high - low) / 2;
+      (kept_[middle % kKept].time_us <= time_us ? low : high) = middle;
+    }
+    return &kept_[low % kKept];
+  }
+
+ private:
+  std::array<PastGrip, kKept> kept_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace kerf::agent
