@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kerf-server: sessions in which several users carve one block together, over HTTP, WebSockets and
-// UDP.
+// kerf-server: sessions in which several people carve one block, over HTTP and WebSockets.
 #include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -33,7 +32,7 @@ bool parse_port(std::string_view text, std::uint16_t& port) {
   return parsed.ec == std::errc() && parsed.ptr == end;
 }
 
-/// Splits ADDR:PORT; an IPv6 address must be in brackets.
+/// Splits ADDR:PORT; an IPv6 address stands in brackets.
 bool parse_listen(const std::string& text, std::string& address, std::uint16_t& port) {
   const auto colon = text.rfind(':');
   if (colon == std::string::npos) return false;
@@ -44,7 +43,7 @@ bool parse_listen(const std::string& text, std::string& address, std::uint16_t& 
   return !address.empty() && parse_port(std::string_view(text).substr(colon + 1), port);
 }
 
-/// Parses [ADDR:]PORT or `off`; an empty text keeps the default.
+/// Reads [ADDR:]PORT or off; empty text leaves what is the default.
 bool parse_udp(const std::string& text, kerf::net::UdpOptions& udp) {
   if (text.empty()) return true;
   udp.on = text != "off";
@@ -57,8 +56,8 @@ bool parse_udp(const std::string& text, kerf::net::UdpOptions& udp) {
   return good;
 }
 
-/// Creates the session of a scene file unless it exists already, e.g. reopened after a restart.
-/// Returns an error message, or an empty string on success.
+/// Creates the session of a scene file unless it is there already, e.g. from before a restart. Says
+/// what is wrong.
 std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file) {
   const auto scene = kerf::load_scene(file);
   if (!scene) return to_string(scene.error());
@@ -75,7 +74,7 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
 }
 
 int serve(const CommandLine& line) {
-  // Only this thread waits for signals; it must block them before it starts any other thread.
+  // Signals are waited for by this thread alone; it must block them before it starts any other.
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -100,14 +99,13 @@ int serve(const CommandLine& line) {
   }
   std::printf("%s\n", (*server)->url().c_str());
   std::fflush(stdout);
-  if (const auto port = (*server)->udp_port(); port != 0)
-    spdlog::info("UDP transport: port {}", port);
+  if (const auto port = (*server)->udp_port(); port != 0) spdlog::info("UDP lane: port {}", port);
   for (const auto& session : (*server)->sessions().list()) {
     spdlog::info("session {}: {}/?session={}", session->id(), (*server)->url(), session->id());
   }
   int signal = 0;
   sigwait(&signals, &signal);
-  spdlog::info("shutting down");
+  spdlog::info("going down");
   (*server)->stop();
   return 0;
 }
@@ -117,22 +115,20 @@ int serve(const CommandLine& line) {
 int main(int argc, char** argv) {
   CommandLine line;
   line.server.http.web_folder = kerf::net::find_web_folder();
-  CLI::App app{"kerf-server: sessions in which several users carve one block with force feedback"};
-  app.add_option("--listen", line.listen,
-                 "ADDR:PORT to listen on; port 0 lets the system choose one")
+  CLI::App app{"kerf-server: several people carve one block and feel it"};
+  app.add_option("--listen", line.listen, "ADDR:PORT; port 0 lets the system pick one")
       ->capture_default_str();
   app.add_option("--udp", line.udp,
-                 "[ADDR:]PORT of the UDP transport offered to agents, or off; default: address and "
-                 "port of --listen");
+                 "[ADDR:]PORT of the UDP lane that agents may ask for, or off; by default the "
+                 "address and port of --listen");
   app.add_option("--data", line.server.http.data_folder, "folder of the journals, one per session")
       ->capture_default_str();
-  app.add_option("--scene", line.scenes,
-                 "scene file; its session is created unless it exists; may be repeated");
+  app.add_option("--scene", line.scenes, "scene file; its session is created unless it exists");
   app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
   app.add_option("--allow-origin", line.server.http.allow_origins,
-                 "origin of other web pages that may connect, e.g. https://kerf.example");
+                 "origin of web pages elsewhere that may connect, e.g. https://kerf.example");
   CLI11_PARSE(app, argc, argv);
-  spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout holds the URL only
+  spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout carries the address alone
   spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {
     std::fprintf(stderr, "kerf-server: --listen %s is not ADDR:PORT\n", line.listen.c_str());

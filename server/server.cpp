@@ -26,9 +26,9 @@ using boost::system::error_code;
 
 namespace {
 
-/// On shutdown, the time that peers have to read their `bye` and disconnect.
+/// On the way out, the time in which peers may read their bye.
 constexpr std::chrono::seconds kDrainTime{2};
-/// Delay before accepting again after an error, e.g. too many open file descriptors.
+/// Out of file descriptors and the like: try again a little later rather than spin.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
 }  // namespace
@@ -67,11 +67,11 @@ struct Server::Impl {
 };
 
 std::expected<void, std::string> Server::Impl::listen_udp() {
-  const UdpOptions& request = options.udp;
-  if (!request.on) return {};
-  auto listening = udp.listen(request.address.empty() ? options.address : request.address,
-                              request.port.value_or(port));
-  if (listening || request.required) return listening;
+  const UdpOptions& wish = options.udp;
+  if (!wish.on) return {};
+  auto listening =
+      udp.listen(wish.address.empty() ? options.address : wish.address, wish.port.value_or(port));
+  if (listening || wish.required) return listening;
   spdlog::warn("{}; agents will use their WebSockets", listening.error());
   return {};
 }
@@ -123,7 +123,7 @@ std::string Server::url() const {
 std::expected<void, std::string> Server::listen() {
   error_code error;
   const auto address = asio::ip::make_address(impl_->options.address, error);
-  if (error) return std::unexpected(impl_->options.address + " is not an IP address");
+  if (error) return std::unexpected(impl_->options.address + " is no IP address");
   const tcp::endpoint endpoint(address, impl_->options.port);
   tcp::acceptor& acceptor = impl_->acceptor;
   const auto fail = [&] {
@@ -142,8 +142,8 @@ std::expected<void, std::string> Server::listen() {
 
 void Server::stop() {
   if (std::exchange(impl_->stopped, true)) return;
-  // The acceptor is used by the viewers' thread; wait until that thread has closed it, because the
-  // calling thread destroys it afterwards.
+  // Waited for: the acceptor belongs to that lane until it is closed, and then goes with this
+  // thread.
   std::promise<void> closed;
   impl_->viewers.post([&closed, impl = impl_.get()] {
     error_code ignored;

@@ -12,7 +12,8 @@
 namespace kerf::net {
 namespace {
 
-/// Buckets from 20 us to 50 ms, dense around the target of 1 ms.
+/// 20 us to 50 ms: the target of 1 ms lies in the middle, with neighbours near enough to judge it
+/// by.
 const prometheus::Histogram::BucketBoundaries kTurnaroundS = {
     20e-6, 50e-6, 100e-6, 150e-6, 200e-6, 300e-6, 500e-6, 750e-6, 1e-3, 2e-3, 5e-3, 10e-3, 50e-3};
 
@@ -40,7 +41,7 @@ struct Metrics::Impl {
               "Bytes of mesh frames composed, before they are shared among viewers.")
           .Add({});
   prometheus::Counter& datagrams_received =
-      counter("kerf_datagrams_received_total", "Authentic datagrams received from agents.").Add({});
+      counter("kerf_datagrams_received_total", "Datagrams of agents with a true seal.").Add({});
   prometheus::Counter& datagrams_sent =
       counter("kerf_datagrams_sent_total", "Datagrams sent to agents.").Add({});
   prometheus::Family<prometheus::Counter>& drops =
@@ -53,9 +54,7 @@ struct Metrics::Impl {
     return counters;
   }();
   prometheus::Counter& gaps =
-      counter("kerf_motion_gaps_total",
-              "Datagrams not applied because samples before theirs are missing.")
-          .Add({});
+      counter("kerf_motion_gaps_total", "Datagrams whose samples left a gap: not applied.").Add({});
   prometheus::Histogram& turnaround = prometheus::BuildHistogram()
                                           .Name("kerf_turnaround_seconds")
                                           .Help("Motion frame in to wrench handed to the socket.")
@@ -65,7 +64,7 @@ struct Metrics::Impl {
 
 namespace {
 
-/// Adds the gauges. The registry `now` is rebuilt on every scrape, so that a closed session leaves
+/// What is true now, as opposed to what was counted: made afresh, so that a closed session leaves
 /// no line behind.
 void add_gauges(prometheus::Registry& now, const Metrics& metrics,
                 const SessionRegistry& registry) {

@@ -11,7 +11,7 @@
 
 namespace kerf::net {
 
-/// Reason for dropping a datagram, in the order of kDropNames in the .cpp.
+/// Why a datagram was not taken, in the order of kDropNames in the .cpp.
 enum class DatagramDrop : std::uint8_t {
   kMalformed,
   kUnknownConnection,
@@ -20,32 +20,30 @@ enum class DatagramDrop : std::uint8_t {
   kTooMany,
 };
 
-/// The server's counters, histograms and gauges. Any thread may write them; /metrics returns them
-/// in the Prometheus text format.
+/// What the server counts; written by any thread, read by /metrics in the text format of
+/// Prometheus.
 class Metrics {
  public:
   Metrics();
   ~Metrics();
 
-  /// Records the time from the arrival of a motion frame until its result is passed to the socket.
+  /// From the arrival of a motion frame to its result being handed to the socket.
   void motion_answered(double turnaround_s);
-  /// Counts a rejected request by its error code.
   void rejected(std::string_view code);
   void mesh_sent(std::size_t bytes);
-  /// Adds the tiles meshed and the bytes composed by a hub's feed since its previous call.
+  /// What a hub's feed did since it was asked last.
   void mesh_made(std::uint64_t tiles, std::uint64_t bytes);
   void http_answered(unsigned status);
-  /// Count datagrams of the UDP transport: authentic ones received, and those sent.
+  /// Datagrams of the UDP lane: under a true seal, and sent.
   void datagram_received();
   void datagram_sent();
   void datagram_dropped(DatagramDrop why);
-  /// Counts a batch that was not applied because samples before it are missing; the agent was asked
-  /// to resend them.
+  /// A batch came behind a gap: the agent was told to go back.
   void motion_gap();
 
   std::atomic<std::int64_t> agents{0}, viewers{0}, connections{0};
 
-  /// Returns all metrics as text, with gauges of the sessions that are open now.
+  /// Everything as text, with the sessions as they are now.
   std::string text(const SessionRegistry& registry) const;
 
  private:

@@ -12,29 +12,26 @@
 
 namespace kerf::net {
 
-/// Both endpoints of a datagram: the peer's address and the local address that the peer uses.
+/// The two ends of a datagram's way: the peer, and which of this machine's addresses it knows.
 struct UdpAddress {
   sockaddr_storage peer{};
-  socklen_t peer_bytes = 0;  ///< 0: unknown
-  /// Local address that received the peer's datagram, in the field of the peer's address family.
-  /// A socket bound to all addresses must answer from this address; otherwise the peer's firewall
-  /// or a NAT drops the answer.
+  socklen_t peer_bytes = 0;  ///< 0: not known
+  /// Of a socket that listens on all addresses: the answer has to come from the one that was asked,
+  /// or else the peer's system, or a NAT, would not let it in. One of the two, by the family.
   in_pktinfo own_v4{};
   in6_pktinfo own_v6{};
 };
 
-/// Parses a numeric IPv4 or IPv6 address; returns nullopt for anything else, e.g. a host name.
+/// A numeric IPv4 or IPv6 address.
 std::optional<UdpAddress> to_address(const std::string& text, std::uint16_t port);
-/// Returns the local port of a bound socket; 0 if it is not bound.
+/// The port that a socket is bound to; 0 if none.
 std::uint16_t port_of(int socket);
-/// Makes the kernel report the destination address of each received datagram (IP_PKTINFO,
-/// IPV6_RECVPKTINFO).
-void enable_packet_info(int socket, int family);
+/// Has the system tell, of each datagram, to which address it was sent.
+void ask_for_own_address(int socket, int family);
 
-/// Receives one datagram without blocking. Returns its size (a longer datagram is truncated to
-/// `bytes`), or -1 with errno set.
+/// Both never wait. Bytes received (more than fit are cut off), or -1 with errno.
 ssize_t receive_datagram(int socket, std::span<std::byte> bytes, UdpAddress& from);
-/// Sends one datagram without blocking. Returns whether the kernel accepted it.
+/// True if the system has taken it.
 bool send_datagram(int socket, std::span<const std::byte> bytes, const UdpAddress& to);
 
 }  // namespace kerf::net

@@ -17,7 +17,7 @@ namespace kerf::net {
 
 class Metrics;
 
-/// Owns a socket descriptor. Shared by the port and its peers; the last owner closes it.
+/// The descriptor of a socket, closed when the last of those that send over it has gone.
 class UdpSocket {
  public:
   explicit UdpSocket(int descriptor) noexcept : descriptor_(descriptor) {}
@@ -30,38 +30,36 @@ class UdpSocket {
   int descriptor_;
 };
 
-/// One agent's end of the UDP transport. It lives as long as the agent's WebSocket.
+/// One agent on the UDP lane, as long as its WebSocket lasts.
 class UdpPeer : public std::enable_shared_from_this<UdpPeer> {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Processes a frame of the agent; called on the executor of the agent's session.
+  /// Takes a frame of the agent, on the agent's lane.
   using Take = std::function<void(std::span<const std::byte> frame, Clock::time_point arrived)>;
 
-  /// Maximum number of datagrams that wait for the session's executor; further ones are dropped.
+  /// Datagrams that wait for the agent's lane; more are dropped, as a network would.
   static constexpr int kWaitingMax = 64;
-  /// Three times the rate of an agent that samples at 1 kHz. The limit keeps one agent from
-  /// occupying its session's executor.
+  /// Three times what an agent at 1 kHz sends: whoever sends more keeps its lane from others.
   static constexpr double kDatagramsPerS = 3000;
   static constexpr double kDatagramsBurst = 1000;
 
-  UdpPeer(std::shared_ptr<UdpSocket> socket, const datagram::Offer& offer, Executor& executor,
+  UdpPeer(std::shared_ptr<UdpSocket> socket, const datagram::Offer& offer, Executor& lane,
           Take take, Metrics& metrics);
 
   const datagram::Offer& offer() const noexcept { return offer_; }
 
-  /// Decrypts a datagram with this connection's id and posts its frame to the executor. Called by
-  /// the port's thread only, while the executor exists.
+  /// A datagram that names this connection. Only the port's thread, and only while the agent's
+  /// lane is there.
   void receive(std::span<const std::byte> datagram, const UdpAddress& from,
                Clock::time_point arrived);
 
-  /// Sends a frame to the source address of the agent's newest datagram. Called on the session's
-  /// executor only.
+  /// Sends a frame to where the agent's newest datagram came from. Only the agent's lane.
   void send(std::span<const std::byte> frame);
 
  private:
   std::shared_ptr<UdpSocket> socket_;
   datagram::Offer offer_;
-  Executor& executor_;
+  Executor& lane_;
   Take take_;
   Metrics& metrics_;
   datagram::Opener opener_;

@@ -16,11 +16,10 @@
 namespace kerf::net {
 namespace {
 
-/// Size of the socket's receive buffer: some hundred datagrams, for times when the thread is not
-/// scheduled.
+/// Room for a moment in which the thread does not run: some hundred datagrams.
 constexpr int kReceiveBytes = 1 << 20;
-/// Maximum number of datagrams read between two checks of the stop event.
-constexpr int kBatchMax = 64;
+/// Read this many before looking whether to stop.
+constexpr int kAtOnce = 64;
 
 }  // namespace
 
@@ -34,17 +33,16 @@ UdpPort::~UdpPort() {
 
 std::expected<void, std::string> UdpPort::listen(const std::string& address, std::uint16_t port) {
   const auto fail = [&](const std::string& why) {
-    return std::unexpected("no UDP transport on " + address + ":" + std::to_string(port) + ": " +
-                           why);
+    return std::unexpected("no UDP lane on " + address + ":" + std::to_string(port) + ": " + why);
   };
   const auto here = to_address(address, port);
-  if (!here) return fail("not an IP address");
+  if (!here) return fail("no IP address");
   const int descriptor =
       ::socket(here->peer.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return fail(std::generic_category().message(errno));
   auto socket = std::make_shared<UdpSocket>(descriptor);
   ::setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &kReceiveBytes, sizeof kReceiveBytes);
-  enable_packet_info(descriptor, here->peer.ss_family);
+  ask_for_own_address(descriptor, here->peer.ss_family);
   if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&here->peer), here->peer_bytes) != 0) {
     return fail(std::generic_category().message(errno));
   }
@@ -56,13 +54,13 @@ std::expected<void, std::string> UdpPort::listen(const std::string& address, std
   return {};
 }
 
-std::shared_ptr<UdpPeer> UdpPort::open(Executor& executor, UdpPeer::Take take) {
+std::shared_ptr<UdpPeer> UdpPort::open(Executor& lane, UdpPeer::Take take) {
   if (port_ == 0) return nullptr;
   const std::scoped_lock lock(mutex_);
   auto offer = datagram::random_offer(port_);
   while (offer && peers_.contains(offer->connection)) offer = datagram::random_offer(port_);
   if (!offer) return nullptr;
-  auto peer = std::make_shared<UdpPeer>(socket_, *offer, executor, std::move(take), metrics_);
+  auto peer = std::make_shared<UdpPeer>(socket_, *offer, lane, std::move(take), metrics_);
   peers_.emplace(offer->connection, peer);
   return peer;
 }
@@ -78,14 +76,14 @@ void UdpPort::run() {
   for (;;) {
     ::poll(events.data(), events.size(), -1);
     if (events[1].revents != 0) return;
-    for (int i = 0; i < kBatchMax && receive_one(); ++i) {
+    for (int i = 0; i < kAtOnce && receive_one(); ++i) {
     }
   }
 }
 
-/// Reads and processes one datagram. Returns false if none was waiting.
+/// False if nothing was there.
 bool UdpPort::receive_one() {
-  // One byte more than the longest valid datagram, so that a longer one is detected.
+  // One byte more than the longest, so that a longer one is seen to be longer.
   std::array<std::byte, datagram::kMaxBytes + 1> bytes;
   UdpAddress from;
   const ssize_t count = receive_datagram(socket_->descriptor(), bytes, from);

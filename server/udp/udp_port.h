@@ -13,9 +13,9 @@
 
 namespace kerf::net {
 
-/// The UDP socket of all agents and the thread that reads it. The thread looks up the connection of
-/// a datagram, decrypts it and posts its frame to the executor of the agent's session. A datagram
-/// that is not authentic is dropped and counted, and never answered.
+/// The one UDP socket of all agents, and the thread that reads it: looks up the connection, opens
+/// the seal, hands the frame to the agent's lane. Whatever has no true seal is dropped and counted,
+/// and never answered.
 class UdpPort {
  public:
   explicit UdpPort(Metrics& metrics) : metrics_(metrics) {}
@@ -23,16 +23,15 @@ class UdpPort {
   UdpPort(const UdpPort&) = delete;
   UdpPort& operator=(const UdpPort&) = delete;
 
-  /// Binds the socket and starts the thread; may be called once. Port 0 lets the system choose the
-  /// port. The error is one sentence.
+  /// Starts to listen, once; port 0: the system picks one. The error is one sentence.
   std::expected<void, std::string> listen(const std::string& address, std::uint16_t port);
-  /// Returns the bound port; 0 if the port is not open.
+  /// 0 if it does not listen.
   std::uint16_t port() const noexcept { return port_; }
 
-  /// Creates a connection with new keys; returns null if the port is not open or no keys could be
-  /// generated. `take` is called on `executor`, which must exist until close() returns.
-  std::shared_ptr<UdpPeer> open(Executor& executor, UdpPeer::Take take);
-  /// Removes a connection: afterwards nothing is posted to its executor and its keys are invalid.
+  /// A new connection with keys of its own; null where none can be offered. `take` is called on
+  /// `lane`, which must stay until the peer has been closed.
+  std::shared_ptr<UdpPeer> open(Executor& lane, UdpPeer::Take take);
+  /// Nothing is posted to the peer's lane from now on, and its keys are worth nothing.
   void close(const UdpPeer& peer);
 
  private:
@@ -44,8 +43,7 @@ class UdpPort {
   std::uint16_t port_ = 0;
   int stop_ = -1;
   std::thread thread_;
-  /// Protects `peers_`. Held while a datagram is processed, so that close() returns only when the
-  /// thread no longer uses the peer.
+  /// Held while a datagram is opened, so that a peer that was closed is not in the middle of one.
   std::mutex mutex_;
   std::unordered_map<std::uint32_t, std::shared_ptr<UdpPeer>> peers_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the order in which frames leave for an agent, and the replacement of frames by newer ones.
+// What leaves first for an agent, and what is replaced by something newer.
 
 #include "server/conversation/agent_outbox.h"
 
@@ -14,7 +14,7 @@ using Kind = AgentOutbox::Kind;
 
 wire::FrameStamp stamp(std::uint64_t sequence) { return {1, sequence, 0}; }
 
-TEST(AgentOutbox, SendsResultsFirstAndStockLast) {
+TEST(AgentOutbox, AWrenchLeavesBeforeAllElseAndColumnsLast) {
   AgentOutbox box;
   box.put_stock(stamp(1), {});
   EXPECT_TRUE(box.has_stock());
@@ -31,7 +31,7 @@ TEST(AgentOutbox, SendsResultsFirstAndStockLast) {
   EXPECT_FALSE(box.take(frame));
 }
 
-TEST(AgentOutbox, NewerResultReplacesAQueuedOne) {
+TEST(AgentOutbox, ANewerWrenchReplacesOneThatHasNotLeft) {
   AgentOutbox box;
   AgentOutbox::Frame frame;
   const auto later = AgentOutbox::Clock::time_point(std::chrono::seconds(5));
@@ -46,7 +46,7 @@ TEST(AgentOutbox, NewerResultReplacesAQueuedOne) {
   EXPECT_FALSE(box.take(frame));
 }
 
-TEST(AgentOutbox, RejectsTextBeyondTheQueueLimit) {
+TEST(AgentOutbox, WhoDoesNotReadIsToldOfIt) {
   AgentOutbox box;
   for (std::size_t n = 0; n < kControlQueueMax; ++n) EXPECT_TRUE(box.put_text("{}"));
   EXPECT_FALSE(box.put_text("{}"));
@@ -57,7 +57,7 @@ TEST(AgentOutbox, RejectsTextBeyondTheQueueLimit) {
   EXPECT_EQ(left, kControlQueueMax);
 }
 
-TEST(AgentOutbox, CloseKeepsOnlyTextQueuedBefore) {
+TEST(AgentOutbox, WhenItClosesOnlyWhatWasSaidBeforeLeaves) {
   AgentOutbox box;
   box.put_result(stamp(1), {}, {});
   box.put_stock(stamp(1), {});

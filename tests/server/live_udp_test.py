@@ -118,7 +118,7 @@ class Offer(LiveTest):
             other.stop()
 
     def test_a_port_that_is_taken_is_an_error_only_where_it_was_named(self):
-        with self.assertRaisesRegex(RuntimeError, "no UDP transport on 127.0.0.1"):
+        with self.assertRaisesRegex(RuntimeError, "no UDP lane on 127.0.0.1"):
             Server(self.folder.name + "/two", "--udp", f"127.0.0.1:{self.port}")
         for wrong in ("x", "1.2.3.4:", "70000", ":5", "-1"):
             with self.assertRaisesRegex(RuntimeError, "is not"):

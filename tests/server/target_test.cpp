@@ -26,7 +26,7 @@ TEST(Target, EncodedSlashStaysInsideItsSegment) {
   EXPECT_EQ(parse_target("/a%2Fb/c")->path, (Path{"a/b", "c"}));
 }
 
-TEST(Target, RejectsInvalidTargets) {
+TEST(Target, RejectsWhatIsNoPath) {
   for (const char* bad : {"", "x", "http://host/", "*", "/%", "/%4", "/%zz", "/a%00b", "/?a=%f"}) {
     EXPECT_FALSE(parse_target(bad)) << bad;
   }

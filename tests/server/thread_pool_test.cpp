@@ -15,7 +15,7 @@
 namespace kerf {
 namespace {
 
-TEST(ThreadPool, RunsEachJobOnce) {
+TEST(ThreadPool, DoesEachJobOnce) {
   for (const int threads : {1, 2, 7}) {
     ThreadPool pool(threads);
     EXPECT_EQ(pool.count(), threads);
@@ -41,7 +41,7 @@ TEST(ThreadPool, ManyShortRunsFollowEachOther) {
 
 TEST(ThreadPool, JobsRunAtTheSameTime) {
   ThreadPool pool(2);
-  // Each of the two jobs waits for the other: a single thread would deadlock.
+  // Each of the two waits for the other: one thread alone would stay here for ever.
   std::atomic<int> arrived = 0;
   pool.run(2, [&](int) {
     ++arrived;
@@ -50,7 +50,7 @@ TEST(ThreadPool, JobsRunAtTheSameTime) {
   EXPECT_EQ(arrived, 2);
 }
 
-TEST(ThreadPool, CallerOfABusyPoolRunsItsJobsSerially) {
+TEST(ThreadPool, WhoFindsItBusyWorksAlone) {
   ThreadPool pool(2);
   std::set<std::thread::id> inner;
   std::mutex mutex;
@@ -71,10 +71,10 @@ TEST(ThreadPool, CallerOfABusyPoolRunsItsJobsSerially) {
   EXPECT_EQ(inner.size(), 1u);
 }
 
-TEST(ThreadPool, RunsAreSerialForATimeAfterADelay) {
+TEST(ThreadPool, WhoIsHeldUpByItsThreadsWorksAloneForAWhile) {
   ThreadPool pool(2);
-  // The pool's thread begins a job and makes no progress for longer than the caller has worked, as
-  // if it had lost its core.
+  // The other thread begins a job and does not come on with it for longer than the caller has
+  // worked, as if it had no core.
   std::atomic<bool> begun = false;
   const auto start = std::chrono::steady_clock::now();
   const auto caller = std::this_thread::get_id();
@@ -91,7 +91,7 @@ TEST(ThreadPool, RunsAreSerialForATimeAfterADelay) {
   std::set<std::thread::id> threads;
   pool.run(8, [&](int) { threads.insert(std::this_thread::get_id()); });
   EXPECT_EQ(threads, std::set{caller});
-  // Then the pool is used again: each of two jobs waits for the other.
+  // Then help is asked for again: each of two jobs waits for the other.
   std::atomic<int> arrived = 0;
   pool.run(2, [&](int) {
     ++arrived;
@@ -100,8 +100,8 @@ TEST(ThreadPool, RunsAreSerialForATimeAfterADelay) {
   EXPECT_EQ(arrived, 2);
 }
 
-TEST(ThreadPool, RethrowsTheExceptionOfTheFailedJobWithTheLowestNumber) {
-  // Also in a pool with one thread, and in serial runs after a delay.
+TEST(ThreadPool, ThrowsWhatTheFirstOfItsJobsThrew) {
+  // Also where a pool has one thread, or works alone because it was held up.
   ThreadPool several(4), one(1);
   for (int repetition = 0; repetition < 100; ++repetition) {
     ThreadPool& pool = repetition % 2 == 0 ? several : one;
@@ -122,7 +122,7 @@ TEST(ThreadPool, RethrowsTheExceptionOfTheFailedJobWithTheLowestNumber) {
   EXPECT_EQ(sum, 1);
 }
 
-TEST(ThreadPool, UsableThreadsIsAtLeastOne) { EXPECT_GE(usable_threads(), 1); }
+TEST(ThreadPool, AMachineHasAThread) { EXPECT_GE(usable_threads(), 1); }
 
 }  // namespace
 }  // namespace kerf
