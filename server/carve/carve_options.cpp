@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <kerf/version.h>
 
 #include "server/workers/thread_pool.h"
 
@@ -79,7 +80,7 @@ std::vector<ModelChoice> chosen_models(const std::vector<ModelOption>& models) {
 
 void declare(CLI::App& app, CarveOptions& options) {
   app.footer("kerf-carve tradeoff --help: carve at many accuracies and compare error and time.");
-  app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
+  app.set_version_flag("--version", std::string("kerf-carve ") + kVersion);
   app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
   app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
   app.add_option("--reference", options.reference,
