@@ -22,8 +22,8 @@
 
 namespace kerf {
 
-/// What a motion removed from one field, and how many elements of columns it shortened: the area,
-/// in squares of the pitch, that the cut shows to the field's rays.
+/// The volume that a motion removed from one field, and the number of elements that it shortened,
+/// which is the area of the cut seen along the rays, in squares of the pitch.
 struct RemovedVolume {
   double mm3, elements;
 };
@@ -35,7 +35,7 @@ ToolMotion motion_of(const MoveTool& command, const Tool& tool) {
                      {command.to.tip_mm, normalized(command.to.axis)}, tool.length_mm);
 }
 
-/// The same motion as the field along `axis` sees it.
+/// Returns the motion in the frame of the field along `axis`.
 ToolMotion in_frame(RayAxis axis, ToolMotion motion) {
   for (ToolPose* pose : {&motion.from, &motion.to}) {
     *pose = {to_frame(axis, pose->tip_mm), to_frame(axis, pose->axis)};
@@ -43,9 +43,10 @@ ToolMotion in_frame(RayAxis axis, ToolMotion motion) {
   return motion;
 }
 
-/// Of three fields each counts by the square of the area that it sees. For a thin layer with normal
-/// n that area is |n_a| of the layer's, so the weights are n_a²: a field is heard where its rays
-/// meet the surface steeply, and not where they graze it and know it only to a pitch.
+/// Combines the volumes that the fields measured. Each of three is weighted by the square of the
+/// area that it sees: for a thin layer with normal n that area is |n_a| times the layer's, so the
+/// weights are n_a². Fields whose rays graze the surface, and locate it only to a pitch, count
+/// little.
 double combined_mm3(std::span<const RemovedVolume> fields) {
   if (fields.size() == 1) return fields.front().mm3;
   double sum = 0, weights = 0;
@@ -56,7 +57,7 @@ double combined_mm3(std::span<const RemovedVolume> fields) {
   return weights > 0 ? sum / weights : 0;
 }
 
-/// Where the field's rays are.
+/// Returns the bounds of the field's rays.
 SweepBounds bounds_of(const DexelGrid& grid) {
   return {{grid.x_mm(0), grid.y_mm(0), grid.origin_mm.z},
           {grid.x_mm(grid.columns_x - 1), grid.y_mm(grid.columns_y - 1),
@@ -160,21 +161,22 @@ std::expected<void, SculptureError> Sculpture::check_move(const MoveTool& comman
   if (auto c = check_pose("end", command.to); !c) return c;
   const int duration = std::fpclassify(command.duration_s);
   if (!(duration == FP_ZERO || duration == FP_NORMAL) || command.duration_s < 0) {
-    return reject(kBadDuration, "duration_s must be a finite number, not denormal, not below zero");
+    return reject(kBadDuration, "duration_s must be finite, >= 0 and not denormal");
   }
   const ToolMotion motion = motion_of(command, *used);
   if (motion.turn_rad > kTurnMaxRad) {
-    return reject(kTurnTooLarge, "the axis turns by more than 170 degrees in one motion");
+    return reject(kTurnTooLarge, "a motion may turn the axis by at most 170 degrees");
   }
-  if (motion.turn_rad == 0) return {};  // One sub-motion, whatever the tool.
+  if (motion.turn_rad == 0) return {};  // Any tool takes one sub-motion.
   std::int64_t parts = 0;
   for (const DexelField& f : fields_) {
     parts = std::max(parts,
                      count_sub_motions(*used, in_frame(f.grid().axis, motion), sweep_settings(f)));
   }
   if (parts > kSubMotionsMax) {
-    return reject(kTooManySubMotions,
-                  "the motion needs more than 2^20 sub-motions at this tolerance_mm");
+    return reject(
+        kTooManySubMotions,
+        "the motion needs more than 2^20 sub-motions; increase tolerance_mm or divide it");
   }
   return {};
 }
@@ -216,7 +218,7 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
                                                              Workers& workers) {
   if (auto c = check(command); !c) return std::unexpected(c.error());
   if (const auto* define = std::get_if<DefineTool>(&command)) {
-    // Rebuilt from its pieces, so that a tool from a journal and one from a scene are the same.
+    // Rebuilt from its pieces, so that a tool from a journal equals the same tool from a scene.
     engagements_->forget(define->id);
     tools_[define->id] = *make_tool(define->tool.pieces, define->tool.non_cutting);
     last_pose_.erase(define->id);

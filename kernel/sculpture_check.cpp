@@ -19,14 +19,15 @@ bool in_range(Vec3 v) {
 
 Check check_box(Vec3 lo, Vec3 hi) {
   using enum SculptureErrorCode;
-  if (!is_finite(lo) || !is_finite(hi)) return reject(kBadStock, "the stock is not finite");
-  if (!in_range(lo) || !in_range(hi)) return reject(kBadStock, "the stock is out of range");
+  if (!is_finite(lo) || !is_finite(hi)) return reject(kBadStock, "the stock must be finite");
+  if (!in_range(lo) || !in_range(hi))
+    return reject(kBadStock, "the stock must lie within 1e6 mm of the origin in x, y and z");
   if (!(lo.x < hi.x && lo.y < hi.y && lo.z < hi.z)) {
-    return reject(kBadStock, "the stock is empty: every minimum must be below its maximum");
+    return reject(kBadStock, "the stock is empty: every minimum must be less than its maximum");
   }
   const Vec3 size = hi - lo;
   if (!(std::min({size.x, size.y, size.z}) >= kStockSizeMinMm)) {
-    return reject(kBadStock, "the stock is thinner than 0.0001 mm");
+    return reject(kBadStock, "every side of the stock must be at least 0.0001 mm long");
   }
   return {};
 }
@@ -39,7 +40,8 @@ Check check_stock(const StockShape& stock) {
                    {c.center_x_mm + r, c.center_y_mm + r, c.max_z_mm});
 }
 
-/// A number so small that it has lost digits: nothing that moves a tool computes one on purpose.
+/// Returns whether a component is denormal. Such numbers have lost precision and no valid pose
+/// holds one.
 bool has_denormal(Vec3 v) {
   return std::fpclassify(v.x) == FP_SUBNORMAL || std::fpclassify(v.y) == FP_SUBNORMAL ||
          std::fpclassify(v.z) == FP_SUBNORMAL;
@@ -62,23 +64,23 @@ Check check_settings(const SculptureSettings& s) {
   }
   for (const RayAxis axis : axes_of(s.rays)) {
     if (columns_in_field(s.stock, s.pitch_mm, axis) > double(kColumnsMax)) {
-      return reject(kTooManyColumns, "the stock needs more than 2^36 columns at this pitch_mm");
+      return reject(kTooManyColumns, "the stock needs more than 2^36 columns; increase pitch_mm");
     }
     if (s.stock_mesh && columns_in_field(s.stock, s.pitch_mm, axis) > double(kMeshColumnsMax)) {
       return reject(kTooManyColumns,
-                    "a stock from a mesh may have at most 2^28 columns; give a larger pitch_mm");
+                    "a stock from a mesh may have at most 2^28 columns; increase pitch_mm");
     }
   }
   const ForceSettings& f = s.force;
   const auto usable = [](double v) { return std::isfinite(v) && v >= 0; };
   if (!usable(f.specific_force_n_per_mm2) || !usable(f.drr_n_s_per_mm3) || !usable(f.pivot_mm) ||
       !usable(f.contact_stiffness_n_per_mm)) {
-    return reject(kBadForce, "every force setting must be a finite number, not below zero");
+    return reject(kBadForce, "every force setting must be finite and >= 0");
   }
   for (std::size_t i = 0; i < s.obstacles.size(); ++i) {
-    const std::string wrong = check_obstacle(s.obstacles[i]);
-    if (!wrong.empty()) {
-      return reject(kBadObstacle, "obstacle " + std::to_string(i) + ": " + wrong);
+    const std::string fault = check_obstacle(s.obstacles[i]);
+    if (!fault.empty()) {
+      return reject(kBadObstacle, "obstacle " + std::to_string(i) + ": " + fault);
     }
   }
   return {};
@@ -88,17 +90,18 @@ Check check_pose(const char* which, const ToolPose& pose) {
   using enum SculptureErrorCode;
   const std::string name = which;
   if (!is_finite(pose.tip_mm) || !is_finite(pose.axis)) {
-    return reject(kNotFinite, name + " pose is not finite");
+    return reject(kNotFinite, name + " pose must be finite");
   }
   if (!in_range(pose.tip_mm)) {
-    return reject(kOutOfRange, name + " tip is farther than 1e6 mm from the origin");
+    return reject(kOutOfRange, name + " tip must lie within 1e6 mm of the origin in x, y and z");
   }
   const double n = length(pose.axis);
   if (!(n >= 0.5 && n <= 2)) {
-    return reject(kBadAxis, name + " axis must have a length between 0.5 and 2 (1 is meant)");
+    return reject(kBadAxis,
+                  name + " axis must be a unit vector (lengths from 0.5 to 2 are accepted)");
   }
   if (has_denormal(pose.tip_mm) || has_denormal(pose.axis)) {
-    return reject(kNotFinite, name + " pose holds a denormal number");
+    return reject(kNotFinite, name + " pose must not contain denormal numbers");
   }
   return {};
 }

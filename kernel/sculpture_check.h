@@ -9,17 +9,18 @@
 
 namespace kerf {
 
-/// What settings and commands are checked for before anything is changed: nothing, or the first
-/// fault with one sentence that names the field.
+/// Result of validating settings or a command: success, or the first error.
 using Check = std::expected<void, SculptureError>;
 
+/// Returns an error.
 Check reject(SculptureErrorCode code, std::string reason);
-/// Stock, pitch, tolerance, force and obstacles.
+/// Validates stock, pitch, tolerance, force and obstacles.
 Check check_settings(const SculptureSettings& settings);
-/// Finite, in range, with an axis of about unit length; `which` begins the sentence.
+/// Validates that a pose is finite, in range, and has an axis of about unit length. `which`
+/// ("start", "end") begins the error text.
 Check check_pose(const char* which, const ToolPose& pose);
 
-/// The axes of the fields, in the order in which they are cut, and in which forces are summed.
+/// Returns the axes of the fields, in the order in which they are cut and forces are summed.
 inline std::span<const RayAxis> axes_of(Rays rays) {
   static constexpr RayAxis kAxes[] = {RayAxis::kZ, RayAxis::kX, RayAxis::kY};
   return {kAxes, rays == Rays::kTriDexel ? 3u : 1u};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands: the only way to change a Sculpture, and the contents of a journal.
+// Commands: every change of a Sculpture is one, and a journal is a sequence of them.
 #pragma once
 
 #include <cstdint>

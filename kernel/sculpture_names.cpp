@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the wire and the command line call a sculpture's choices and errors.
+// Names of settings and error codes on the wire and the command line.
 #include "kernel/sculpture.h"
 
 namespace kerf {

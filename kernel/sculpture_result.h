@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "kernel/dexel/tile_index.h"
-#include "kernel/force/wrench.h"
 #include "kernel/math/ray_axis.h"
 #include "kernel/math/vec3.h"
+#include "kernel/math/wrench.h"
 #include "kernel/sweep/motion_kind.h"
 
 namespace kerf {

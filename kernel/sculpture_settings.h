@@ -17,7 +17,7 @@ namespace kerf {
 /// Directions of the rays that sample the stock. kDexel: one field of rays along Z, as in the
 /// paper; cheapest, but it locates walls parallel to Z only to the pitch. kTriDexel: three fields,
 /// along Z, X and Y; every surface is located exactly by at least one, at 3.5 times the cost or
-/// more (kernel/README.md, "Speed").
+/// more (kernel/cut/README.md, "Speed").
 enum class Rays : std::uint8_t { kDexel, kTriDexel };
 
 /// Returns "dexel" or "tri-dexel", the names used in scenes and on the command line.

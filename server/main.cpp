@@ -11,8 +11,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/net/server.h"
-#include "server/net/static_files.h"
+#include "server/http/static_files.h"
+#include "server/server.h"
 
 namespace {
 
@@ -114,18 +114,18 @@ int serve(const CommandLine& line) {
 
 int main(int argc, char** argv) {
   CommandLine line;
-  line.server.web_folder = kerf::net::find_web_folder();
+  line.server.http.web_folder = kerf::net::find_web_folder();
   CLI::App app{"kerf-server: several people carve one block and feel it"};
   app.add_option("--listen", line.listen, "ADDR:PORT; port 0 lets the system pick one")
       ->capture_default_str();
   app.add_option("--udp", line.udp,
                  "[ADDR:]PORT of the UDP lane that agents may ask for, or off; by default the "
                  "address and port of --listen");
-  app.add_option("--data", line.server.data_folder, "folder of the journals, one per session")
+  app.add_option("--data", line.server.http.data_folder, "folder of the journals, one per session")
       ->capture_default_str();
   app.add_option("--scene", line.scenes, "scene file; its session is created unless it exists");
-  app.add_option("--web", line.server.web_folder, "folder of the built viewer");
-  app.add_option("--allow-origin", line.server.allow_origins,
+  app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
+  app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of web pages elsewhere that may connect, e.g. https://kerf.example");
   CLI11_PARSE(app, argc, argv);
   spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout carries the address alone

@@ -12,7 +12,7 @@ typedef std::int32_t Depths __attribute__((vector_size(32), aligned(32)));
 typedef std::int32_t HalfDepths __attribute__((vector_size(16), aligned(16)));
 
 constexpr double kSqrt2 = 1.4142135623730952;
-/// From the first column of a row, a block or a tile to the middle of it, in pitches.
+/// Distance from the first column of a block or a tile to its center, in pitches.
 constexpr double kBlockMiddle = (kBlockSide - 1) / 2.0, kTileMiddle = (kTileSide - 1) / 2.0;
 
 KERF_INLINE Depths load(const std::int32_t* from) {
@@ -62,7 +62,7 @@ KERF_INLINE void blocks_in_lanes(const DexelGrid& grid, TileIndex tile, int half
   reached_below = below_which(grid, top);
 }
 
-/// The greatest of each of eight rows.
+/// Returns the greatest depth of each of eight rows. Transposes and reduces in three steps.
 KERF_INLINE Depths highest_of_rows(const std::int32_t* tops) {
   Depths two[4], four[2];
   for (int k = 0; k < 4; ++k) {

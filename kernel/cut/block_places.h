@@ -7,20 +7,21 @@
 
 namespace kerf {
 
-// Where tiles, blocks and rows of columns are, eight at a time: discs that hold their columns, and
-// for each the height that a sweep must come below to change any stock there (one depth quantum
-// above the top of it).
+// Positions of tiles, blocks and rows of columns, eight at a time: discs of the plane that enclose
+// their columns, and for each disc the height `reached_below` (mm) that a sweep must reach below to
+// change any stock there, which is one depth quantum above the stock's top.
 
-/// Eight neighbouring tiles of a row, `first` the one with the least x.
+/// Places eight neighboring tiles of a row. `first` is the one with the least x.
 void place_tiles(const DexelGrid& grid, TileIndex first, Discs& discs, Lanes& reached_below);
 
-/// The first (0) or second (1) half of a tile's blocks. `tops`: no stock of a block is higher, for
-/// all blocks of the tile; null where it is untouched.
+/// Places the first (`half` 0) or second (1) half of a tile's 16 blocks. `tops`: upper bounds of
+/// the stock in each block of the tile, in quanta (DexelTile::block_top); null if it is untouched.
 void place_blocks(const DexelGrid& grid, TileIndex tile, int half, const std::int32_t* tops,
                   Discs& discs, Lanes& reached_below);
 
-/// The eight rows of the block whose first column is (i, j), and the places of its columns. `tops`:
-/// of its columns, rows kTileSide apart; null where the tile is untouched.
+/// Places the eight rows of the block whose first column is (i, j), and sets the positions of its
+/// columns in `block`. `tops`: tops of its columns, rows kTileSide apart; null if the tile is
+/// untouched.
 void place_rows(const DexelGrid& grid, std::int32_t i, std::int32_t j, const std::int32_t* tops,
                 ColumnBlock& block, Discs& discs, Lanes& reached_below);
 

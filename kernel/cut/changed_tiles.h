@@ -8,10 +8,10 @@
 
 namespace kerf {
 
-/// Appends the tiles of the field along Z above and below what was removed from a field: those
-/// whose surface looks different. A tile's side is as long in every field, so a tile of the field
-/// along X spans one row of them, one of the field along Y one column. Those on the last border may
-/// lie one beyond the grid.
+/// Appends the tiles of the field along Z whose surface changes when `removal` is taken from a
+/// field. A tile's side has the same length in every field, so a tile of the field along X spans
+/// one row of tiles of the field along Z, and a tile of the field along Y one column. May contain
+/// duplicates, and tiles one beyond the grid's last row or column.
 void note_changed_tiles(const DexelGrid& grid, const Removal& removal,
                         std::vector<TileIndex>& changed);
 

@@ -13,24 +13,25 @@
 namespace kerf {
 namespace {
 
-/// What a block of 8 x 8 columns costs to evaluate for one piece, against a ball's (measured:
-/// kernel/README.md, "Threads").
+/// Cost of evaluating one piece over a block of 8 x 8 columns, relative to a ball's (measured:
+/// kernel/cut/README.md, "Threads").
 struct WorkPerBlock {
   double operator()(const BallSweep&) const { return 1; }
   double operator()(const FrustumTranslation&) const { return 4; }
   double operator()(const TurningSweep&) const { return 20; }
 };
-/// From so much work on threads are asked: less is done before another thread has woken up.
+/// Work, in blocks of a ball, from which on several threads are used. Less takes about as long as
+/// waking another thread.
 constexpr double kWorkForThreads = 400;
-/// Jobs for each thread: more even out what blocks really cost, fewer cost less to hand out.
+/// Jobs per thread. More balance the varying cost of blocks; fewer reduce the overhead per job.
 constexpr int kJobsPerThread = 8;
 
 struct ColumnRange {
   std::int32_t first, last;  ///< inclusive; empty when first > last
 };
 
-/// Columns whose ray lies in [lo, hi], one more on either side to be sure: the exact test is the
-/// sweep's.
+/// Returns the columns whose ray lies in [lo, hi], widened to whole columns: the sweep makes the
+/// exact test.
 ColumnRange columns_in(double lo_mm, double hi_mm, double origin_mm, double pitch_mm,
                        std::int32_t columns) {
   const double first = std::floor((lo_mm - origin_mm) / pitch_mm - 0.5);
@@ -60,7 +61,7 @@ Lanes lower_bound(const SweptTool& swept, const Discs& discs) {
   return z;
 }
 
-/// The tiles that a sweep may change, in tile order.
+/// Finds the tiles that a sweep may change, in tile order.
 class Reach {
  public:
   Reach(const DexelField& field, const SweptTool& swept)
@@ -85,7 +86,7 @@ class Reach {
   }
 
  private:
-  /// Those of some neighbouring tiles of a row, eight at most.
+  /// Adds those of up to eight neighboring tiles of a row that the sweep reaches.
   void add_tiles(TileIndex first, int count) {
     Discs discs;
     Lanes reached_below;
@@ -98,7 +99,7 @@ class Reach {
   void add(TileIndex at) {
     ReachedTile tile{at, field_.find(at), 0};
     const std::int32_t* tops = tile.stored != nullptr ? tile.stored->block_top.data() : nullptr;
-    // Two rows of four blocks are asked for at once.
+    // Each half is two rows of four blocks.
     for (int half = 0; half < 2; ++half) {
       Discs discs;
       Lanes reached_below;
@@ -122,14 +123,14 @@ std::int64_t blocks_of(std::span<const ReachedTile> tiles) {
   return blocks;
 }
 
-/// In blocks of a ball.
+/// Estimates the work of a sweep, in blocks of a ball.
 double work_of(std::span<const ReachedTile> tiles, const SweptTool& swept) {
   double per_block = 0;
   for (const SweptPiece& piece : swept.pieces) per_block += std::visit(WorkPerBlock{}, piece);
   return double(blocks_of(tiles)) * per_block;
 }
 
-/// Runs of tiles with about the same number of blocks.
+/// Divides the tiles into runs with about equal numbers of blocks.
 std::vector<std::span<const ReachedTile>> divide(std::span<const ReachedTile> tiles, int workers) {
   const std::int64_t blocks = blocks_of(tiles), jobs = std::int64_t{workers} * kJobsPerThread;
   std::vector<std::span<const ReachedTile>> runs;
@@ -167,7 +168,7 @@ void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& w
     for (const ReachedTile& tile : runs[std::size_t(run)]) cutters[std::size_t(run)].cut(tile);
   };
   workers.run(static_cast<int>(runs.size()), cut_run);
-  // The directory of tiles is changed by one thread alone.
+  // Only this thread changes the tile directory.
   for (TileCutter& cutter : cutters) cutter.put_tiles();
 }
 

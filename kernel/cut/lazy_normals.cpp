@@ -14,8 +14,8 @@ constexpr NormalCode kPendingMax = 0xffff;
 
 constexpr bool is_pending(NormalCode code) { return code - 1 < kPendingMax; }
 
-/// Of the topmost elements of eight columns from `first` on: the ends that now lie where the
-/// removed element began or ended.
+/// Marks, of the topmost elements of eight columns from `first` on, the ends that now lie at an end
+/// of the removed element.
 void mark_topmost(DexelTile& tile, std::size_t first, const RemovedGroup& group, NormalCode code) {
   const std::int32_t *bottom = &tile.bottom[first], *top = &tile.top[first];
   EndCodes* codes = &tile.topmost_codes[first];
@@ -81,7 +81,7 @@ void LazyNormals::resolve(DexelField& field) {
   ends_.resize(std::max(ends_.size(), sweeps_.size()));
   for (const TileIndex at : tiles_) {
     DexelTile* tile = field.editable(at);
-    assert(tile != nullptr);  // Changed since the last picture of the field was taken.
+    assert(tile != nullptr);  // It was changed after the last snapshot, so it is not shared.
     collect(*tile, at, field.grid());
   }
   for (std::size_t n = 0; n < sweeps_.size(); ++n) {

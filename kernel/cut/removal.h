@@ -10,27 +10,27 @@
 
 namespace kerf {
 
-/// What a cut took away from one element each of eight neighbouring columns of a row: columns i …
-/// i + 7 of row j, i a multiple of eight; depths in quanta (Δx_i of paper Eq. 18 is top − bottom),
-/// bottom == top where nothing was taken. The unit that vector registers hold.
+/// The elements that a cut removed from eight neighboring columns of a row, one per column: columns
+/// i … i + 7 of row j, i a multiple of eight. Depths in quanta; top − bottom is Δx_i of paper
+/// Eq. 18, and 0 where nothing was removed. Eight columns fill the SIMD lanes.
 struct RemovedGroup {
   static constexpr int kLanes = 8;
   std::int32_t i, j;
   std::int32_t bottom[kLanes], top[kLanes];
 };
 
-/// What was removed from some tiles, one after the other. Groups come block by block within a tile;
-/// columns of which several elements were cut stand in several groups.
+/// The elements removed from a sequence of tiles. Within a tile the groups are ordered by block;
+/// columns in which several elements were cut appear in several groups.
 struct RemovedPart {
   struct Tile {
     TileIndex index;
-    std::size_t end;  ///< its groups end here, and begin where those of the tile before end
+    std::size_t end;  ///< end of its groups; they begin at the previous tile's end
   };
   std::vector<RemovedGroup> groups;
-  std::vector<Tile> tiles;  ///< those that changed
-  std::int64_t quanta = 0;  ///< total length of what was removed
+  std::vector<Tile> tiles;  ///< the tiles that changed
+  std::int64_t quanta = 0;  ///< total length of the removed elements
 
-  /// The groups of a tile, given its place in `tiles`.
+  /// Returns the groups of a tile, given its index in `tiles`.
   std::span<const RemovedGroup> of(std::size_t tile) const {
     const std::size_t begin = tile == 0 ? 0 : tiles[tile - 1].end;
     return {groups.data() + begin, tiles[tile].end - begin};
@@ -42,20 +42,19 @@ struct RemovedPart {
   }
 };
 
-/// What one sub-motion removed from a field: parts of whole tiles, in tile order. In how many parts
-/// it is found depends on the threads at hand; what the parts say one after the other does not, and
-/// sums are taken tile by tile, so that they run in one order whatever the machine. Keeps its
-/// memory from one use to the next.
+/// The elements that one sub-motion removed from a field, in parts of whole tiles, in tile order.
+/// The number of parts depends on the number of threads; their concatenation does not. Sums are
+/// taken tile by tile, so their order is the same on every machine. Reuses its memory.
 class Removal {
  public:
   std::span<const RemovedPart> parts() const { return {parts_.data(), used_}; }
-  /// Total length of what was removed.
+  /// Returns the total length of the removed elements, in quanta.
   std::int64_t quanta() const {
     std::int64_t sum = 0;
     for (const RemovedPart& part : parts()) sum += part.quanta;
     return sum;
   }
-  /// How many elements were shortened, split or taken whole.
+  /// Returns the number of elements that were shortened, split or removed entirely.
   std::int64_t elements() const {
     std::int64_t count = 0;
     for (const RemovedPart& part : parts()) {
@@ -66,7 +65,7 @@ class Removal {
     return count;
   }
 
-  /// Empties it and makes so many parts, to be filled.
+  /// Clears the removal and returns so many empty parts to fill.
   std::span<RemovedPart> start(std::size_t parts) {
     if (parts_.size() < parts) parts_.resize(parts);
     used_ = parts;

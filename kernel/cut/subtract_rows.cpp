@@ -6,7 +6,8 @@
 namespace kerf {
 namespace {
 
-/// Depths of eight columns. One vector of eight: comparisons of integers this wide stay whole.
+/// Depths of eight columns, in one vector: unlike doubles, GCC 12 does not split comparisons of
+/// integer vectors this wide.
 typedef std::int32_t DepthLanes __attribute__((vector_size(32), aligned(32)));
 typedef std::int32_t HalfDepths __attribute__((vector_size(16), aligned(16)));
 typedef std::int64_t Words __attribute__((vector_size(32), aligned(32)));
@@ -33,7 +34,7 @@ KERF_INLINE unsigned bits(DepthLanes mask) {
   return static_cast<unsigned>(all | all >> 32);
 }
 
-/// From heights to depths, within the stock.
+/// Converts heights (mm) to depths (quanta), clamped to the stock.
 class ToDepth {
  public:
   KERF_INLINE explicit ToDepth(const DexelGrid& grid)
@@ -81,7 +82,7 @@ KERF_INLINE void subtract_in_lanes(const ColumnBlock& block, unsigned rows, cons
       left |= several & (cut_b < cut_t);
     }
     if (any(takes)) {
-      // The element loses its top, its bottom, or both: then it is gone.
+      // The element loses its top or its bottom; if it loses both, it is gone.
       const DepthLanes gone = takes & (lo == b) & (hi == t);
       const DepthLanes new_t = (takes & (hi == t)) ? lo : t;
       const DepthLanes new_b = (takes & (lo == b)) ? hi : b;

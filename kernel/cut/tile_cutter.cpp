@@ -57,7 +57,7 @@ void TileCutter::cut_block(Work& work, int block) {
   if (removed_.quanta > before) work.changed->update_bounds(block);
 }
 
-/// Fills block_ with what the sweep removes, as far as there is stock.
+/// Fills block_ with the intervals that the sweep removes, down to where there is stock.
 void TileCutter::sweep_block(const Work& work, int block, Column first) {
   const std::int32_t top =
       work.stored != nullptr ? work.stored->block_top[std::size_t(block)] : grid_.height_quanta;
@@ -80,11 +80,13 @@ void TileCutter::sweep_block(const Work& work, int block, Column first) {
   }
 }
 
-/// Subtracts the intervals that block_ holds for some rows.
+/// Subtracts the intervals in block_ of the rows set in `rows`.
 void TileCutter::cut_rows(Work& work, Column first, unsigned rows) {
   RemovedGroup groups[kBlockSide];
   if (work.stored == nullptr) {
-    // What is outside the grid or beside the stock is empty in the tile that is made.
+    // The tile is untouched: test whether anything would be removed before making it. Columns
+    // outside the grid or beside the stock are treated as solid here, but are empty in the made
+    // tile.
     std::int32_t bottom[kLanes] = {}, top[kLanes];
     std::ranges::fill(top, grid_.height_quanta);
     const std::uint32_t split[kBlockSide] = {};
@@ -138,13 +140,13 @@ void TileCutter::make_editable(Work& work) {
   work.stored = work.changed;
 }
 
-/// Columns of several elements, and those that the cut divides.
+/// Subtracts a cut from a column of several elements, or from one that the cut splits.
 void TileCutter::subtract_elements(Work& work, int column, Column at, Dexel cut) {
   if (!subtract_in_place(work, column, at, cut)) rewrite_elements(work, column, at, cut);
 }
 
-/// Whether the cut removes nothing of the column, or one end of one element, and that is done: what
-/// else the column holds need not be touched then.
+/// Subtracts the cut in place if it removes nothing, or only one end of one element; the column's
+/// other elements are not touched then. Returns false, without changes, for any other cut.
 bool TileCutter::subtract_in_place(Work& work, int column, Column at, Dexel cut) {
   const auto c = std::size_t(column);
   const Dexel top{work.stored->bottom[c], work.stored->top[c]};
@@ -195,7 +197,8 @@ void TileCutter::rewrite_elements(Work& work, int column, Column at, Dexel cut) 
   work.changed->write(column, after_);
 }
 
-/// Notes it in the row's group, or in a further one where that has something of the column already.
+/// Records a removed element in the row's group, or in a new group if that already holds an element
+/// of the column.
 void TileCutter::note(Column at, Dexel removed) {
   const std::int32_t lane = at.i % kLanes;
   std::vector<RemovedGroup>& groups = removed_.groups;

@@ -10,28 +10,29 @@
 
 namespace kerf {
 
-/// A tile that a sweep may change: what is known of it before anything is evaluated.
+/// A tile that a sweep may change, found before the sweep is evaluated.
 struct ReachedTile {
   TileIndex index;
-  const DexelTile* stored;  ///< null while it is untouched
-  unsigned blocks;          ///< bit b: the sweep comes below the top of the tile's block b
+  const DexelTile* stored;  ///< null if it is untouched
+  unsigned blocks;          ///< bit b: the sweep reaches below the top of block b
 };
 
-/// Cuts tiles of one field with one sweep. It changes nothing but the tiles that it is given and
-/// its own memory, so several of them may work on one field at the same time, each on tiles of its
-/// own.
+/// Cuts tiles of one field with one sweep. It changes only the tiles passed to cut() and its own
+/// memory, so several cutters may work on one field concurrently if their tiles are disjoint.
 class TileCutter {
  public:
   /// `end_code`: as in cut().
   TileCutter(DexelField& field, const SweptTool& swept, NormalCode end_code, RemovedPart& removed)
       : field_(field), grid_(field.grid()), swept_(swept), end_code_(end_code), removed_(removed) {}
 
+  /// Cuts one tile and appends what was removed to `removed`.
   void cut(const ReachedTile& tile);
-  /// Puts the tiles that had to be made or copied into the field: when all others have ended.
+  /// Stores in the field the tiles that had to be made or copied. Only after all cutters of the
+  /// field have finished.
   void put_tiles();
 
  private:
-  /// The tile that is being cut, and whether it is ours to write already.
+  /// The tile being cut; `changed` is set once it may be written.
   struct Work {
     TileIndex index;
     const DexelTile* stored;
@@ -61,7 +62,7 @@ class TileCutter {
   RemovedPart& removed_;
   ColumnBlock block_;
   static constexpr std::size_t kNoGroup = ~std::size_t{0};
-  std::size_t group_ = kNoGroup;  ///< in which what a row loses is noted
+  std::size_t group_ = kNoGroup;  ///< group that receives the elements removed from a row
   std::vector<Dexel> before_, after_;
   std::vector<Made> made_;
 };

@@ -6,20 +6,20 @@
 
 namespace kerf {
 
-/// Who does jobs that do not depend on each other. The kernel has no thread of its own: whoever
-/// calls it says what threads there are. Results never depend on them, for each job writes to its
-/// own place and what the jobs found is put together in the order of their numbers.
+/// Runs independent jobs in parallel. The kernel has no threads of its own; its caller provides
+/// them through this interface. Results do not depend on the number of threads: each job writes to
+/// its own output, and outputs are combined in the order of the jobs' numbers.
 class Workers {
  public:
   virtual ~Workers() = default;
-  /// Jobs that can run at the same time, >= 1.
+  /// Returns the number of jobs that can run at the same time, >= 1.
   virtual int count() const = 0;
   /// Calls job(0) … job(jobs − 1), each once, on any threads and in any order, and returns when all
-  /// have returned. What a job throws is thrown here, once the others have ended.
+  /// have returned. Rethrows an exception of a job after all jobs have ended.
   virtual void run(int jobs, const std::function<void(int)>& job) = 0;
 };
 
-/// The calling thread alone.
+/// Runs jobs one after the other on the calling thread.
 class SerialWorkers final : public Workers {
  public:
   int count() const override { return 1; }

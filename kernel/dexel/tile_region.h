@@ -9,18 +9,20 @@
 
 namespace kerf {
 
-/// A rectangle of tiles of one field: those from `begin` up to, but not with, `end`.
+/// A rectangle of tiles of one field: [begin, end) in x and y.
 struct TileRegion {
   TileIndex begin, end;
   friend constexpr bool operator==(const TileRegion&, const TileRegion&) = default;
 
+  /// Returns the number of tiles.
   std::int64_t count() const {
     return std::int64_t{std::max(end.x - begin.x, 0)} * std::max(end.y - begin.y, 0);
   }
+  /// Returns whether a tile lies in the region.
   bool has(TileIndex tile) const {
     return tile.x >= begin.x && tile.y >= begin.y && tile.x < end.x && tile.y < end.y;
   }
-  /// Calls visit(tile) row by row, as long as it returns true; whether it always did.
+  /// Calls visit(tile) row by row until it returns false. Returns whether it always returned true.
   template <class Visit>
   bool all_of(Visit&& visit) const {
     for (std::int32_t y = begin.y; y < end.y; ++y) {
@@ -32,8 +34,8 @@ struct TileRegion {
   }
 };
 
-/// The tiles that rays along the field's axis reach a box through; none if the box is beside the
-/// block. The box is in the world's frame, finite.
+/// Returns the tiles whose rays, along the field's axis, meet a box; empty if the box is outside
+/// the block. The box is finite, in world coordinates.
 inline TileRegion tiles_through(const DexelGrid& grid, Vec3 lo_mm, Vec3 hi_mm) {
   const Vec3 lo = to_frame(grid.axis, lo_mm), hi = to_frame(grid.axis, hi_mm);
   const double side_mm = kTileSide * grid.pitch_mm;

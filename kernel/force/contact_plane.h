@@ -3,28 +3,30 @@
 
 #include <span>
 
-#include "kernel/force/wrench.h"
+#include "kernel/math/wrench.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {
 
-/// The surface of something that pushes a tool, near the place where it does, as a plane: enough to
-/// go on feeling it while the tool moves a little (the intermediate representation of Adachi).
+/// A plane that approximates the surface of an obstacle or of the stock near a contact, from which
+/// a device renders the contact while the tool moves a little (the intermediate representation of
+/// Y. Adachi et al., 1995).
 struct ContactPlane {
-  Vec3 point_mm;        ///< where the tool is deepest
+  Vec3 point_mm;        ///< deepest point of the tool
   Vec3 normal;          ///< unit, out of the surface
-  double depth_mm = 0;  ///< of that place beyond the surface; below zero: a gap
+  double depth_mm = 0;  ///< penetration of that point; negative: a gap
   double stiffness_n_per_mm = 0;
-  double radius_mm = 0;  ///< of validity around the place
-  bool stock = false;    ///< the stock, not an obstacle
+  double radius_mm = 0;  ///< radius around `point_mm` in which the plane is valid
+  bool stock = false;    ///< of the stock, not of an obstacle
 };
 
-/// From this far the plane of something near is known before it is touched, mm. If it grows, planes
-/// say less about what a curved obstacle is like there.
+/// Distance, in mm, at which the plane of an obstacle is reported before contact. If it grows,
+/// planes approximate curved obstacles less well.
 inline constexpr double kContactReachMm = 5;
 
-/// F_collision and τ_collision of planes: stiffness x depth along each normal where the depth is
-/// above zero, N and N·mm about the pivot, none about the axis itself.
+/// Computes F_collision and τ_collision (paper Eqs. 25, 26) of contact planes: stiffness x depth
+/// along each normal whose depth is positive; N, and N·mm about the pivot, without the component
+/// about the tool's axis.
 Wrench wrench_of(std::span<const ContactPlane> planes, const ToolPose& pose, double pivot_mm);
 
 }  // namespace kerf

@@ -14,15 +14,15 @@
 namespace kerf {
 namespace {
 
-/// Dimensionless. Where a tool's points differ in their ways by less than this part of the tip's,
-/// all elements push in one direction, that of their middle. Directions err by its square, torque
-/// by it times the spread of the elements.
-constexpr double kCommonWay = 1e-3;
+/// Dimensionless. Where the displacements of a tool's points differ by less than this share of the
+/// tip's, all elements push in one direction, that of their centroid. The error of directions is
+/// its square, that of the torque is it times the spread of the elements.
+constexpr double kCommonDirection = 1e-3;
 
-/// Groups that are worked on at once: what stays in the nearest cache.
+/// Groups that are processed at once, so that they stay in the first-level cache.
 constexpr std::size_t kChunk = 32;
 
-/// Sums lane by lane: of volumes, of volume x place, of volume x direction, of its moment.
+/// Sums per SIMD lane: of volume, volume x position, volume x direction, and the moment of that.
 struct LaneSums {
   Lanes volume{}, x{}, y{}, z{};
   Lanes push_x{}, push_y{}, push_z{};
@@ -38,7 +38,7 @@ Vec3 total(const Lanes& x, const Lanes& y, const Lanes& z) {
   return {total(x), total(y), total(z)};
 }
 
-/// Where the tip is in the grid's own numbers, so that points come out from the tip.
+/// The tip in grid units, for positions relative to the tip.
 struct TipInGrid {
   double i, j, k, pitch_mm, quantum_mm;
 };
@@ -72,7 +72,7 @@ KERF_FOR_EACH_TARGET(void, place_all,
                       GroupSegments* out),
                      (groups, tip, out))
 
-/// All that is needed where the elements push one way.
+/// Volume and first moments: sufficient where all elements push in one direction.
 struct Moments {
   Lanes volume, x, y, z;
 
@@ -96,7 +96,7 @@ KERF_INLINE void add_moments_in_lanes(std::span<const GroupSegments> groups, Lan
   for (const GroupSegments& g : groups) moments.add(g);
   moments.put(sums);
 }
-/// The same of groups that need no weight.
+/// Adds the moments of groups without weights.
 KERF_INLINE void add_plain_moments_in_lanes(std::span<const RemovedGroup> groups,
                                             const TipInGrid& tip, LaneSums& sums) {
   Moments moments(sums);
@@ -110,20 +110,20 @@ KERF_FOR_EACH_TARGET(void, add_plain_moments,
                      (std::span<const RemovedGroup> groups, const TipInGrid& tip, LaneSums& sums),
                      (groups, tip, sums))
 
-/// Adds pushes of elements that each go their own way, and their moments about the pivot.
+/// Adds the pushes of elements whose displacements differ, and their moments about the pivot.
 KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, const Twist& twist,
                                      Vec3 pivot, LaneSums& sums) {
-  const Vec3 v = twist.travel_mm, w = twist.turn_rad;
+  const Vec3 v = twist.linear, w = twist.angular;
   LaneSums s = sums;
   for (const GroupSegments& g : groups) {
     const Lanes x = g.middle.x, z = g.middle.z;
     const double y = g.middle.y;
-    const Lanes way_x = v.x + (w.y * z - w.z * y);
-    const Lanes way_y = v.y + (w.z * x - w.x * z);
-    const Lanes way_z = v.z + (w.x * y - w.y * x);
-    const Lanes n = square_root(way_x * way_x + way_y * way_y + way_z * way_z);
+    const Lanes dx = v.x + (w.y * z - w.z * y);
+    const Lanes dy = v.y + (w.z * x - w.x * z);
+    const Lanes dz = v.z + (w.x * y - w.y * x);
+    const Lanes n = square_root(dx * dx + dy * dy + dz * dz);
     const Lanes scale = select(n > 0.0, -g.length / n, Lanes{});
-    const Lanes fx = way_x * scale, fy = way_y * scale, fz = way_z * scale;
+    const Lanes fx = dx * scale, fy = dy * scale, fz = dz * scale;
     const Lanes ax = x - pivot.x, az = z - pivot.z;
     const double ay = y - pivot.y;
     s.push_x = s.push_x + fx;
@@ -156,7 +156,7 @@ KERF_INLINE void fold_in_lanes(const LaneSums& tile, LaneSums& sums) {
 }
 KERF_FOR_EACH_TARGET(void, fold, (const LaneSums& tile, LaneSums& sums), (tile, sums))
 
-/// What the sums over a tile need to know.
+/// Inputs of the sums over a tile.
 struct Summing {
   TipInGrid tip;
   const Twist& twist;
@@ -184,7 +184,7 @@ LaneSums sum_tile(std::span<const RemovedGroup> groups, const Summing& s) {
   return sums;
 }
 
-/// Tile by tile, in their order: the same sums however many parts the removal has.
+/// Adds tile by tile, in tile order, so the sums do not depend on the number of parts.
 LaneSums sum_parts(const Removal& removal, const Summing& s, Workers& workers) {
   const std::span<const RemovedPart> parts = removal.parts();
   LaneSums sums;
@@ -215,7 +215,7 @@ CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist
                       from_origin.z / quantum, pitch, quantum};
   const Vec3 pivot = frame.axis * frame.pivot_mm;
   const bool common =
-      length(twist.turn_rad) * frame.reach_mm <= kCommonWay * length(twist.travel_mm);
+      length(twist.angular) * frame.reach_mm <= kCommonDirection * length(twist.linear);
   const LaneSums sums = sum_parts(removal, {tip, twist, frame, weight, pivot, common}, workers);
   const double area = pitch * pitch;
   CutSum sum{total(sums.volume) * area, total(sums.x, sums.y, sums.z) * area, {}, {}};

@@ -4,21 +4,21 @@
 #include "kernel/cut/removal.h"
 #include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_snapshot.h"
-#include "kernel/math/vec3.h"
+#include "kernel/math/wrench.h"
 
 namespace kerf {
 
 class SurfaceWeight;
 
-/// What a cut adds up to, before a law makes newtons of it: sums over the removed elements, each
-/// with its volume V, its middle r from the tip, and the unit direction f in which it pushes.
+/// Sums over the removed elements of a cut, before a force law scales them to newtons. Each element
+/// has a volume V, a center r relative to the tip, and a unit direction f in which it pushes.
 struct CutSum {
   double volume_mm3 = 0;
   Vec3 moment_mm4;  ///< Σ V r
   Vec3 push_mm3;    ///< Σ V f (paper Eq. 23)
-  Vec3 turn_mm4;    ///< Σ V (r − pivot) × f (Eq. 24), less its part about the tool's axis
+  Vec3 turn_mm4;    ///< Σ V (r − pivot) × f (Eq. 24), without its component about the axis
 
-  /// Middle of the volume from the tip (mm); the tip itself where nothing was removed.
+  /// Returns the centroid of the volume relative to the tip (mm); zero where nothing was removed.
   Vec3 center_mm() const { return volume_mm3 > 0 ? moment_mm4 * (1 / volume_mm3) : Vec3{}; }
 };
 
@@ -30,26 +30,20 @@ constexpr CutSum operator*(const CutSum& a, double s) {
   return {a.volume_mm3 * s, a.moment_mm4 * s, a.push_mm3 * s, a.turn_mm4 * s};
 }
 
-/// How a rigid tool moves: its point r from the tip goes `travel` + `turn` × r (mm, rad).
-struct Twist {
-  Vec3 travel_mm, turn_rad;
-  constexpr Vec3 at(Vec3 r_mm) const { return travel_mm + cross(turn_rad, r_mm); }
-};
-
-/// Where the tool is while it cuts: the middle pose of a sub-motion, in the frame of a field.
+/// The pose of a tool at the middle of a sub-motion, in the frame of a field, and its size.
 struct CutFrame {
   Vec3 tip_mm, axis;
-  double pivot_mm;   ///< of the torque, up the axis
-  double reach_mm;   ///< farthest point of the tool from its tip
-  double radius_mm;  ///< the tool's
+  double pivot_mm;   ///< distance of the torque's pivot from the tip
+  double reach_mm;   ///< greatest distance of a point of the tool from its tip
+  double radius_mm;  ///< of the tool
 };
 
-/// Sums over what a sub-motion removed from the field that stands on `grid`; `twist` and `frame`
-/// are given in that field's frame. Every element pushes against its own way, twist.at(r): along
-/// the axis where the tool moves along it (Eq. 20), around the tip where it turns (Eq. 21), against
-/// the tip's way where it is translated (Eq. 22), and without a jump between these. An element that
-/// does not move (the degenerate case of Eq. 21) does not push. `weight`, if not null, says what
-/// part of each element counts. The parts of `removal` are divided among `workers`.
+/// Sums what a sub-motion removed from the field on `grid`; `twist` and `frame` are in that field's
+/// frame. Every element pushes against its own displacement twist.at(r): along the axis in an axial
+/// motion (Eq. 20), around the tip in a rotation (Eq. 21), against the tip's displacement in a
+/// translation (Eq. 22), and continuously between these. An element that does not move (the
+/// degenerate case of Eq. 21) does not push. `weight`, if not null, weights each element. The parts
+/// of `removal` are divided among `workers`.
 CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
                const CutFrame& frame, const SurfaceWeight* weight, Workers& workers);
 

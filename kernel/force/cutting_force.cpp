@@ -8,8 +8,8 @@
 namespace kerf {
 namespace {
 
-/// How much travel along the rays counts, beside travel across them, when a column's square is
-/// crossed: little, but enough for what is left to be delivered when the tool goes straight up.
+/// Weight of travel along the rays, relative to travel across them, in crossing a column's square:
+/// small, but enough to deliver what is pending when the tool retracts along the rays.
 constexpr double kAlongRays = 0.25;
 
 Twist twist_of(const ToolMotion& motion) {
@@ -17,14 +17,14 @@ Twist twist_of(const ToolMotion& motion) {
           normalized(cross(motion.from.axis, motion.to.axis)) * motion.turn_rad};
 }
 
-/// A way as the squares of the columns see it: how far it crosses them, and what part of a cut
-/// comes from crossing them.
+/// A displacement relative to the squares of the columns: the distance that it crosses them by, and
+/// the share of a cut that is due to crossing them.
 struct Crossing {
   double mm, share;
 };
-Crossing crossing_of(Vec3 way) {
-  const double across2 = way.x * way.x + way.y * way.y;
-  const double along2 = way.z * way.z * (kAlongRays * kAlongRays);
+Crossing crossing_of(Vec3 d) {
+  const double across2 = d.x * d.x + d.y * d.y;
+  const double along2 = d.z * d.z * (kAlongRays * kAlongRays);
   const double both2 = across2 + along2;
   return {std::sqrt(both2), both2 > 0 ? across2 / both2 : 0};
 }
@@ -65,21 +65,22 @@ void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const Tool
   const CutSum local = sum_cut(
       removal, grid, twist, {middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_, radius_mm_},
       weight_ ? &*weight_ : nullptr, workers);
-  const Vec3 way = twist.at(local.center_mm());
+  const Vec3 displacement = twist.at(local.center_mm());
   const CutSum sum = to_world(grid.axis, local);
-  all_.add(sum, share, length(way));
+  all_.add(sum, share, length(displacement));
   if (weight_) return;
-  const Crossing crossing = crossing_of(way);
+  const Crossing crossing = crossing_of(displacement);
   gradual_.add(sum * crossing.share, share, crossing.mm);
 }
 
-/// What was cut in earlier motions pushes as it did then, but never along with the way of the tool:
-/// who turns back cuts nothing.
-CutSum CuttingForce::carried(TravelQueue& queue, double path_mm, Vec3 way) const {
+/// Advances a queue and returns what earlier motions left pending. It pushes as it did when it was
+/// cut, but its component along the tool's present direction is removed: a tool that turns back
+/// cuts nothing, and must not be driven by the force.
+CutSum CuttingForce::carried(TravelQueue& queue, double path_mm, Vec3 direction) const {
   CutSum due = queue.advance(path_mm);
-  const double along = dot(due.push_mm3, way);
+  const double along = dot(due.push_mm3, direction);
   if (along <= 0) return due;
-  const Vec3 taken = way * -along;
+  const Vec3 taken = direction * -along;
   const Vec3 axis = motion_.to.axis;
   const Vec3 turn = cross(due.center_mm() - axis * settings_.pivot_mm, taken);
   due.push_mm3 = due.push_mm3 + taken;
@@ -90,13 +91,13 @@ CutSum CuttingForce::carried(TravelQueue& queue, double path_mm, Vec3 way) const
 FeltCut CuttingForce::finish() {
   Engagement& e = engagement_;
   const Twist twist = twist_of(motion_);
-  const Vec3 way = twist.at(all_.sum.volume_mm3 > 0 ? all_.sum.center_mm() : e.center_mm);
-  const double way_mm = length(way);
-  e.way = (e.way * kFeltTravelMm + way) * (1 / (kFeltTravelMm + way_mm));
-  const Vec3 direction = normalized(e.way);
+  const Vec3 displacement = twist.at(all_.sum.volume_mm3 > 0 ? all_.sum.center_mm() : e.center_mm);
+  const double distance_mm = length(displacement);
+  e.direction = (e.direction * kFeltTravelMm + displacement) * (1 / (kFeltTravelMm + distance_mm));
+  const Vec3 direction = normalized(e.direction);
 
-  const double path_mm = all_.path_mm(way_mm);
-  const double crossing_mm = gradual_.path_mm(crossing_of(way).mm);
+  const double path_mm = all_.path_mm(distance_mm);
+  const double crossing_mm = gradual_.path_mm(crossing_of(displacement).mm);
   CutSum due = carried(e.gradual, crossing_mm, direction);
   due = due + carried(e.prompt, path_mm, direction);
   due = due + e.gradual.take(gradual_.sum, crossing_mm);

@@ -9,53 +9,54 @@
 #include "kernel/force/engagement.h"
 #include "kernel/force/force_settings.h"
 #include "kernel/force/surface_weight.h"
-#include "kernel/force/wrench.h"
+#include "kernel/math/wrench.h"
 #include "kernel/sweep/tool_motion.h"
 #include "kernel/tool/tool.h"
 
 namespace kerf {
 
-/// What is felt of a cut, as a mean over a motion.
+/// The part of a cut that a motion delivers as force, as a mean over the motion.
 struct FeltCut {
   Wrench wrench;          ///< force (N), torque about the pivot (N·mm)
-  double volume_mm3 = 0;  ///< of it; over a cut the sum is that of what was removed
-  double area_mm2 = 0;    ///< engaged: volume / path of the contact
-  Vec3 center_mm;         ///< middle of the volume; meaningless while area is zero
+  double volume_mm3 = 0;  ///< delivered; over a whole cut the sum equals the removed volume
+  double area_mm2 = 0;    ///< engaged area: volume / path of the contact
+  Vec3 center_mm;         ///< centroid of the volume; meaningless while area is zero
 };
 
-/// Sums the force–torque of a motion over its sub-motions and fields (paper section 3, Eqs. 18–24,
-/// per unit time), and delivers it as kernel/README.md derives ("Force").
+/// Sums the force and torque of a motion over its sub-motions and fields (paper section 3, Eqs.
+/// 18–24, per unit time) and distributes it over the travel that follows
+/// (kernel/force/README.md).
 class CuttingForce {
  public:
-  /// `motion` is the whole motion in the world and `duration_s` its time, > 0. `fields` of rays (1
-  /// or 3) see it. `engagement` is that of the hand.
+  /// `motion` is the whole motion in world coordinates and `duration_s` its time, > 0. `fields` is
+  /// the number of ray fields, 1 or 3. `engagement` is that of the tool's user.
   CuttingForce(const ForceSettings& settings, const Tool& tool, const ToolMotion& motion,
                double duration_s, int fields, Engagement& engagement);
 
-  /// Adds what one sub-motion removed from the field that stands on `grid`; `motion` is the
-  /// sub-motion in that field's own frame (grid.axis), `share` its part of the duration.
+  /// Adds what one sub-motion removed from the field on `grid`. `motion` is the sub-motion in that
+  /// field's frame (grid.axis), `share` its part of the duration.
   void add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion, double share,
            Workers& workers);
 
-  /// Ends the motion: what the hand feels of it. To be called once.
+  /// Ends the motion and returns its force. Call it once.
   FeltCut finish();
 
  private:
-  /// Sums of the motion, and what they are per mm of travel.
+  /// Sums over the motion, and the volume per mm of travel.
   struct Part {
     CutSum sum;
     double per_mm_mm2 = 0;
     void add(const CutSum& s, double share, double path_mm);
-    /// The travel that this was removed on, or `otherwise` if nothing was.
+    /// Returns the path over which `sum` was removed, or `otherwise` if nothing was.
     double path_mm(double otherwise) const;
   };
-  CutSum carried(TravelQueue& queue, double path_mm, Vec3 way) const;
+  CutSum carried(TravelQueue& queue, double path_mm, Vec3 direction) const;
 
   ForceSettings settings_;
   const ToolMotion& motion_;
   double reach_mm_, radius_mm_;  ///< of the tool
   double duration_s_;
-  std::optional<SurfaceWeight> weight_;  ///< of three fields
+  std::optional<SurfaceWeight> weight_;  ///< set if there are three fields
   Engagement& engagement_;
   Part all_, gradual_;
 };

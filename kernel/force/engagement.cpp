@@ -6,20 +6,20 @@
 namespace kerf {
 
 Engagement& Engagements::follow(std::uint32_t tool, const ToolPose& from, const ToolPose& to) {
-  const auto last = std::find_if(hands_.rbegin(), hands_.rend(),
-                                 [&](const Hand& h) { return h.tool == tool && h.at == from; });
-  if (last == hands_.rend()) {
-    if (hands_.size() == kHandsMax) hands_.erase(hands_.begin());
-    hands_.push_back({tool, to, Engagement(pitch_mm_)});
+  const auto last = std::find_if(users_.rbegin(), users_.rend(),
+                                 [&](const User& u) { return u.tool == tool && u.at == from; });
+  if (last == users_.rend()) {
+    if (users_.size() == kUsersMax) users_.erase(users_.begin());
+    users_.push_back({tool, to, Engagement(pitch_mm_)});
   } else {
-    std::rotate(last.base() - 1, last.base(), hands_.end());
-    hands_.back().at = to;
+    std::rotate(last.base() - 1, last.base(), users_.end());
+    users_.back().at = to;
   }
-  return hands_.back().engagement;
+  return users_.back().engagement;
 }
 
 void Engagements::forget(std::uint32_t tool) {
-  std::erase_if(hands_, [tool](const Hand& h) { return h.tool == tool; });
+  std::erase_if(users_, [tool](const User& u) { return u.tool == tool; });
 }
 
 }  // namespace kerf

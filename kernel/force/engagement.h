@@ -9,45 +9,46 @@
 
 namespace kerf {
 
-/// mm of travel. Over so much what is cut, and the way it is cut, are remembered: less is the
-/// tremor of a hand and the noise of an encoder. If it grows, the force lags; by half of it, twice
-/// that at a corner.
+/// mm of travel over which the removed volume and the direction of motion are averaged. Shorter
+/// travel is tremor of the human hand and encoder noise. If it grows, the force lags more: by half
+/// of it, and by all of it at a corner.
 inline constexpr double kFeltTravelMm = 0.01;
 
-/// What a hand that carves with a tool still has to feel of what it has cut, from one motion to the
-/// next.
+/// The cut volume not yet delivered as force, carried from one motion to the next, of one user of a
+/// tool.
 struct Engagement {
   explicit Engagement(double pitch_mm) : gradual(pitch_mm), prompt(kFeltTravelMm / 2) {}
 
-  TravelQueue gradual;  ///< columns that a wall parallel to the rays has eaten whole
+  TravelQueue gradual;  ///< columns removed whole by a wall parallel to the rays
   TravelQueue prompt;   ///< everything else
-  Vec3 center_mm;       ///< middle of what was last felt, from the tip
-  Vec3 way;             ///< the last kFeltTravelMm of the way of that middle; no longer than 1
+  Vec3 center_mm;       ///< centroid of the last delivered volume, relative to the tip
+  Vec3 direction;       ///< mean direction of that centroid over kFeltTravelMm; length <= 1
 };
 
-/// The engagements of everyone who carves one block. Hands are told apart by where they are: a
-/// motion goes on where one ended, or it begins an engagement of its own.
+/// The engagements of all users who carve one block. A user is identified by tool and pose: a
+/// motion that starts where another of the same tool ended continues its engagement; any other
+/// motion starts a new one.
 class Engagements {
  public:
   explicit Engagements(double pitch_mm) : pitch_mm_(pitch_mm) {}
 
-  /// The engagement that a motion of `tool` from `from` to `to` continues.
+  /// Returns the engagement that a motion of `tool` from `from` to `to` continues.
   Engagement& follow(std::uint32_t tool, const ToolPose& from, const ToolPose& to);
-  /// A tool has been redefined: nothing is left of what it cut before.
+  /// Drops the engagements of a tool, because it was redefined.
   void forget(std::uint32_t tool);
 
  private:
-  struct Hand {
+  struct User {
     std::uint32_t tool;
     ToolPose at;
     Engagement engagement;
   };
-  /// Hands that carve at the same time; the one that has been still the longest is forgotten for a
-  /// further one.
-  static constexpr std::size_t kHandsMax = 256;
+  /// Greatest number of simultaneous users. A further one replaces the one that moved least
+  /// recently.
+  static constexpr std::size_t kUsersMax = 256;
 
   double pitch_mm_;
-  std::vector<Hand> hands_;  ///< the last one moved stands last
+  std::vector<User> users_;  ///< the most recently moved is last
 };
 
 }  // namespace kerf

@@ -3,16 +3,18 @@
 
 namespace kerf {
 
-/// Scene words "drr" (the paper's: force grows with the volume removed per second, so it is
-/// viscous) and "specific_energy" (force grows with the engaged area, as cutting behaves).
+/// Force law of cutting. kDexelRemovalRate ("drr" in scenes): the paper's; force is proportional to
+/// the volume removed per second, hence viscous. kSpecificEnergy ("specific_energy"): force is
+/// proportional to the engaged area, as in real cutting.
 enum class ForceLaw { kDexelRemovalRate, kSpecificEnergy };
 
-/// What decides the force–torque of a cut (paper section 3, per unit time).
+/// Parameters of the force and torque of a cut (paper section 3, per unit time). All are finite and
+/// >= 0.
 struct ForceSettings {
   ForceLaw law = ForceLaw::kSpecificEnergy;
   double specific_force_n_per_mm2 = 0.5;  ///< u of F = u A, A = removed volume / path
   double drr_n_s_per_mm3 = 0.01;          ///< K of F = K dV/dt
-  double pivot_mm = 60;  ///< distance of the torque's pivot from the tip along the axis
+  double pivot_mm = 60;  ///< distance of the torque's pivot from the tip, along the axis
   double contact_stiffness_n_per_mm = 1;  ///< of the stock against shank and holder
 };
 

@@ -9,14 +9,16 @@
 
 namespace kerf {
 
+/// A box with sides parallel to the coordinate axes.
 struct BoxObstacle {
   Vec3 min_mm, max_mm;
 };
-/// Upright or tilted cylinder between two points of its axis.
+/// A cylinder of any direction, between two points of its axis.
 struct CylinderObstacle {
   Vec3 from_mm, to_mm;
   double radius_mm;
 };
+/// A ball.
 struct SphereObstacle {
   Vec3 center_mm;
   double radius_mm;
@@ -26,7 +28,7 @@ struct MeshObstacle {
   std::vector<std::array<Vec3, 3>> triangles;
 };
 
-/// Something the tool must not enter. It is never cut: it pushes back (paper Eqs. 25–26).
+/// A fixed body that pushes the tool out where it enters (paper Eqs. 25, 26). It is never cut.
 struct Obstacle {
   std::variant<BoxObstacle, CylinderObstacle, SphereObstacle, MeshObstacle> shape;
   double stiffness_n_per_mm = 1;

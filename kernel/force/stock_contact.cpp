@@ -10,12 +10,12 @@
 namespace kerf {
 namespace {
 
-/// How far a point (r, h) of the half-plane is outside a piece's side and bottom: a distance inside
-/// and near it, convex, growing by at most 1 per mm. The top is left out: what lies below the next
-/// piece's lower end is no way out.
+/// Signed distance function of a point (r, h) of the half-plane from a piece's side and bottom:
+/// exact inside and near the piece, convex, with a gradient of at most 1. The top is excluded: a
+/// piece adjoins the one above, so a point cannot leave through it.
 struct Outside {
   double mm;
-  double nr, nh;  ///< unit, in which it grows
+  double nr, nh;  ///< unit gradient
 };
 
 Outside below(double z0, double h, Outside side) {
@@ -53,14 +53,14 @@ struct Heights {
 };
 struct Deepest {
   double outside = 0, z = 0;
-  bool hopeless = true;  ///< nothing interesting was possible, so the search was given up
+  bool hopeless = true;  ///< no depth of interest is possible; the search was stopped
 };
 
-constexpr int kSearchSteps = 60;  ///< each leaves at most nine tenths of the heights in question
-/// mm. A depth counts as found when it is missed by less. If it grows, contacts become shallower.
+constexpr int kSearchSteps = 60;  ///< each keeps at most 9/10 of the interval of heights
+/// mm. Error at which a depth search stops. If it grows, contacts become shallower.
 constexpr double kDepthEpsilonMm = 1e-7;
 
-/// One non-cutting piece where it stands in the frame of a field.
+/// A piece of a tool at a pose in the frame of a field.
 class PlacedPiece {
  public:
   PlacedPiece(const ToolPiece& piece, const ToolPose& pose)
@@ -76,9 +76,9 @@ class PlacedPiece {
     hi = Vec3{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)} + half;
   }
 
-  Vec3 lo, hi;  ///< a box around it
+  Vec3 lo, hi;  ///< its bounding box
 
-  /// Its outside distance at a point and, where asked for, the direction in which that grows.
+  /// Returns the signed distance at a point, and its gradient in `outward` if that is not null.
   double at(Vec3 point, Vec3* outward = nullptr) const {
     const Vec3 p = point - pose_.tip_mm;
     const double h = dot(p, pose_.axis);
@@ -92,7 +92,7 @@ class PlacedPiece {
     return o.mm;
   }
 
-  /// The part of the heights of a column that is not above the piece's top.
+  /// Returns the part of a column's heights that is not above the piece's top.
   Heights below_top(double x, double y, Heights z) const {
     const Vec3 u = pose_.axis, t = pose_.tip_mm;
     const double rest = reach_.z1 - (x - t.x) * u.x - (y - t.y) * u.y;  // u.z (z - t.z) <= rest
@@ -102,10 +102,11 @@ class PlacedPiece {
     return z;
   }
 
-  /// Where a column is deepest inside the piece. Between two heights a convex function is above its
-  /// tangents there: where those meet is the next to be asked, and how low they meet tells when no
-  /// point of the column, or of the columns up to `around_mm` beside it in x and y, can be more
-  /// than `interesting_mm` inside, and when the deepest was found.
+  /// Finds the deepest point of a column inside the piece. Between two heights a convex function is
+  /// above its tangents there. The next height to evaluate is where the tangents meet; the value
+  /// there is a lower bound, which shows when no point of the column, or of columns up to
+  /// `around_mm` away in x and y, can be more than `interesting_mm` inside, and when the deepest
+  /// point has been found.
   Deepest least(double x, double y, Heights z, double interesting_mm, double around_mm = 0) const {
     Tangent a = tangent(x, y, z.lo), b = tangent(x, y, z.hi);
     Deepest found;
@@ -115,7 +116,7 @@ class PlacedPiece {
       const double meet = inner ? (a.mm - b.mm + b.slope() * width) / (b.slope() - a.slope()) : 0;
       const bool lower = a.mm <= b.mm;
       found = {lower ? a.mm : b.mm, lower ? a.z : b.z, false};
-      // A plane below the function: of the two tangent planes, the mean that is level in z.
+      // A plane below the function: the mean of the two tangent planes that is level in z.
       const double share = inner ? b.slope() / (b.slope() - a.slope()) : (a.slope() < 0 ? 0 : 1);
       const Vec3 g = a.gradient * share + b.gradient * (1 - share);
       const double middle = inner ? a.mm + a.slope() * meet : (share > 0 ? a.mm : b.mm);
@@ -145,7 +146,7 @@ class PlacedPiece {
   Reach reach_;
 };
 
-/// What all solid points inside a piece say together.
+/// Accumulates the overlap of a piece with the stock: depth, centroid and mean normal.
 struct Overlap {
   double depth = 0;
   Vec3 deepest, deepest_outward;
@@ -153,10 +154,10 @@ struct Overlap {
   Vec3 moment, outward;  ///< sums over samples by their weight
 
   Vec3 point() const { return weight > 0 ? moment * (1 / weight) : deepest; }
-  Vec3 way() const { return outward == Vec3{} ? deepest_outward : outward; }
+  Vec3 direction() const { return outward == Vec3{} ? deepest_outward : outward; }
 };
 
-/// One piece against one field, all in the field's frame.
+/// Contact of one piece with one field, in the field's frame.
 class FieldContact {
  public:
   FieldContact(const DexelField& field, const PlacedPiece& piece)
@@ -175,7 +176,7 @@ class FieldContact {
 
   bool beside() const { return i0_ >= i1_ || j0_ >= j1_ || z_.lo >= z_.hi; }
 
-  /// Raises the overlap's depth to that of the deepest solid point.
+  /// Updates the overlap's depth by the deepest solid point.
   void find_deepest(Overlap& found) {
     for (std::int32_t j = j0_ / kTileSide; j * kTileSide < j1_; ++j) {
       for (std::int32_t i = i0_ / kTileSide; i * kTileSide < i1_; ++i) {
@@ -188,12 +189,12 @@ class FieldContact {
     }
   }
 
-  /// Adds what evenly spread columns say about the overlap's middle and its way out.
+  /// Adds evenly spaced columns to the overlap's centroid and mean normal.
   void add_samples(Overlap& found) {
     constexpr std::int32_t kAcross = 16;
     const std::int32_t step = std::max(i1_ - i0_, j1_ - j0_) / kAcross + 1;
     const auto first = [step](std::int32_t from, std::int32_t to) {
-      return from + ((to - from - 1) % step) / 2;  // As far from one end as from the other.
+      return from + ((to - from - 1) % step) / 2;  // Centered in [from, to).
     };
     for (std::int32_t j = first(j0_, j1_); j < j1_; j += step) {
       for (std::int32_t i = first(i0_, i1_); i < i1_; i += step) {
@@ -224,8 +225,7 @@ class FieldContact {
     }
   }
 
-  /// A square of columns can be left out when none of its columns can be deeper than what was
-  /// found.
+  /// Branch and bound: skips a square of columns if none of them can be deeper than what was found.
   void search(Square s, Heights z, Overlap& found) {
     if (s.i >= i1_ || s.j >= j1_ || s.i + s.side <= i0_ || s.j + s.side <= j0_) return;
     if (s.side == 1) return search_column(s.i, s.j, found);
@@ -277,7 +277,7 @@ class FieldContact {
   const DexelField& field_;
   const DexelGrid& grid_;
   const PlacedPiece& piece_;
-  std::int32_t i0_, i1_, j0_, j1_;  ///< columns that the piece's box covers
+  std::int32_t i0_, i1_, j0_, j1_;  ///< columns within the piece's bounding box
   Heights z_;
   std::vector<Dexel> solid_;
 };
@@ -291,7 +291,7 @@ Overlap overlap(const ToolPiece& piece, const ToolPose& pose, std::span<const De
       const RayAxis axis = field.grid().axis;
       const PlacedPiece placed(piece, {to_frame(axis, pose.tip_mm), to_frame(axis, pose.axis)});
       FieldContact contact(field, placed);
-      if (contact.beside()) return;  // Beside the block along one axis is beside it for all.
+      if (contact.beside()) return;  // Disjoint in one field means disjoint in all.
       visit(contact);
     }
   };
@@ -314,7 +314,7 @@ StockContact stock_contact(const Tool& tool, const ToolPose& pose,
     const double depth = found.depth - allowance_mm;
     if (!(depth > 0)) continue;
     sum.depth_mm = std::max(sum.depth_mm, depth);
-    const Vec3 f = normalized(found.way()) * (-depth * settings.contact_stiffness_n_per_mm);
+    const Vec3 f = normalized(found.direction()) * (-depth * settings.contact_stiffness_n_per_mm);
     sum.wrench = sum.wrench + Wrench{f, cross(found.point() - pivot, f)};
   }
   Vec3& torque = sum.wrench.torque_nmm;
@@ -329,7 +329,7 @@ void stock_planes(std::span<const ToolPiece> pieces, const ToolPose& pose,
     const Overlap found = overlap(piece, pose, fields, allowance_mm, true);
     const double depth = found.depth - allowance_mm;
     if (!(depth > 0)) continue;
-    out.push_back({found.point(), normalized(found.way()) * -1, depth,
+    out.push_back({found.point(), normalized(found.direction()) * -1, depth,
                    settings.contact_stiffness_n_per_mm, kContactReachMm, true});
   }
 }
@@ -342,8 +342,8 @@ double deepest_stock_contact(const Tool& tool, const ToolMotion& motion,
     const Reach r = std::visit([](const auto& p) { return reach(p); }, piece);
     thinnest = std::min(thinnest, r.radius);
   }
-  const double way = motion.travel_mm + motion.turn_rad * tool.whole_length_mm;
-  const double n = std::clamp(std::ceil(way / (thinnest / 2)), 1.0, kPosesMax);
+  const double path = motion.travel_mm + motion.turn_rad * tool.whole_length_mm;
+  const double n = std::clamp(std::ceil(path / (thinnest / 2)), 1.0, kPosesMax);
   double deepest = 0;
   for (double k = 1; k <= n; ++k) {
     const ToolPose pose = k == n ? motion.to : motion.at(k / n);

@@ -6,11 +6,12 @@
 namespace kerf {
 namespace {
 
-/// Ways shorter than this part of the width count as a point: the difference quotient below would
-/// be all rounding.
+/// Paths shorter than this share of the width count as a point, because the difference quotient in
+/// `delivered` would be dominated by rounding.
 constexpr double kPointShare = 1e-5;
 
-/// ∫∫ of the kernel box(1) * box(1): what of a steady stream, begun at 0, is delivered at x >= 0.
+/// Returns ∫∫ of the kernel box(1) * box(1): the amount delivered at x >= 0 of a steady stream that
+/// began at 0.
 double ramp(double x) {
   if (x >= 2) return x - 1;
   if (x >= 1) {
@@ -20,14 +21,15 @@ double ramp(double x) {
   return x * x * x / 6;
 }
 
-/// ∫ of the kernel: what of a pulse at 0 is delivered at x >= 0.
+/// Returns ∫ of the kernel: the share delivered at x >= 0 of a pulse at 0.
 double step(double x) {
   if (x >= 2) return 1;
   if (x >= 1) return 1 - (2 - x) * (2 - x) / 2;
   return x * x / 2;
 }
 
-/// What of a stream over the last `path` is delivered `ahead` further on; all in widths.
+/// Returns the share, of a stream over the last `path`, that is delivered after `ahead` more
+/// travel; all in widths.
 double delivered(double ahead, double path) {
   return path > kPointShare ? (ramp(ahead + path) - ramp(ahead)) / path : step(ahead);
 }
@@ -62,7 +64,7 @@ CutSum TravelQueue::take(const CutSum& removed, double path_mm) {
   const double now = delivered(0, path);
   double before = now;
   for (int k = 0; k < kBins; ++k) {
-    // Two widths ahead all is delivered; said outright, nothing is lost to rounding.
+    // After two widths everything is delivered. The literal 1 makes that exact.
     const double then = k + 1 < kBins ? delivered(until_mm / width_mm_, path) : 1;
     bin(k) = bin(k) + removed * (then - before);
     before = then;

@@ -7,28 +7,29 @@
 
 namespace kerf {
 
-/// Delivers what a cut adds up to over the travel that follows it. What is removed at one place of
-/// the way falls due over the next two widths, by the kernel box * box of that width: the mean
-/// delay is one width, and anything that repeats every width, or every part of one, comes out
-/// constant. Everything is a function of the way alone, so ticks of any length give the same, and
-/// all of it is delivered: what went in is what came out and what is pending, to rounding.
+/// Distributes the sums of a cut over the travel that follows it. Volume removed at a point of the
+/// path becomes due over the next two widths, according to the kernel box * box of that width. The
+/// mean delay is one width, and any input that is periodic in the width, or in an integer fraction
+/// of it, is delivered as a constant. The output depends on travel only, not on time or ticks, and
+/// is complete: delivered + pending = removed, to rounding. Derivation: kernel/force/README.md.
 class TravelQueue {
  public:
   explicit TravelQueue(double width_mm) : width_mm_(width_mm), head_left_mm_(bin_mm()) {}
 
-  /// What earlier passes left and the next `path_mm` of the way make due.
+  /// Advances by `path_mm` of travel and returns what became due.
   CutSum advance(double path_mm);
-  /// Takes what was removed evenly over the `path_mm` that lie behind, and gives what of it is due
-  /// already; the rest is left to later advances.
+  /// Adds what was removed evenly over the last `path_mm` of travel, and returns the part of it
+  /// that is due already. Later advances deliver the rest.
   CutSum take(const CutSum& removed, double path_mm);
 
-  /// What falls due next, per mm of the way: the engagement of a tool that rests here.
+  /// Returns what becomes due next, per mm of travel: the engagement of a tool at rest.
   CutSum due_per_mm() const;
+  /// Returns the volume not yet delivered.
   double pending_mm3() const;
 
  private:
   static constexpr int kBinsPerWidth = 8;
-  /// Two widths, whatever part of the first bin is gone.
+  /// Enough for two widths when part of the first bin has passed.
   static constexpr int kBins = 2 * kBinsPerWidth + 1;
 
   double bin_mm() const { return width_mm_ / kBinsPerWidth; }
@@ -36,10 +37,10 @@ class TravelQueue {
   const CutSum& bin(int k) const { return bins_[std::size_t((head_ + k) % kBins)]; }
 
   double width_mm_;
-  double head_left_mm_;  ///< of the first bin
+  double head_left_mm_;  ///< remaining length of the first bin
   int head_ = 0;
   bool empty_ = true;
-  std::array<CutSum, kBins> bins_;  ///< what falls due, by the way ahead; a ring
+  std::array<CutSum, kBins> bins_;  ///< amounts due, by travel ahead; a ring buffer
 };
 
 }  // namespace kerf

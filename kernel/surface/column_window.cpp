@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/surface/column_window.h"
 
+#include <cmath>
+
 namespace kerf {
 namespace {
 
-/// Sine of the angle below which a ray is parallel to the surface that it ends on: 0.2 degrees.
+/// Sine of the angle (0.2 degrees) below which a ray counts as parallel to the surface at its end.
 constexpr double kGrazing = 0.0035;
 
 }  // namespace
@@ -29,8 +31,8 @@ ColumnWindow::ColumnWindow(const SolidSnapshot& solid, std::int32_t first_x, std
   start_.push_back(static_cast<std::uint32_t>(runs_->size()));
 }
 
-/// A ray that ends on a wall parallel to it ends where the wall does, on what bounds that from
-/// above or below: a level floor, for all that the end tells.
+/// Returns the normal at an end. A ray that ends on a wall parallel to it ends where the wall does,
+/// so the surface there is taken to be horizontal.
 Vec3 ColumnWindow::end_normal(const DexelSnapshot& field, std::int32_t i, std::int32_t j,
                               std::int32_t depth, bool top, NormalCode code) {
   const Vec3 normal = field.normal(i, j, depth, top, code);
@@ -51,9 +53,9 @@ void ColumnWindow::append_column(const DexelSnapshot& field, std::int32_t i, std
 }
 
 void ColumnWindow::append_run(const SolidRun& run) {
-  if (run.first == run.end) return;  // thinner than the lattice: no sample sees it
+  if (run.first == run.end) return;  // thinner than the lattice: it contains no sample
   if (runs_->size() > start_.back() && runs_->back().end == run.first) {
-    runs_->back().end = run.end;  // no sample sees the gap
+    runs_->back().end = run.end;  // the gap contains no sample
     runs_->back().top = run.top;
     runs_->back().top_normal = run.top_normal;
   } else {

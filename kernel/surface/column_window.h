@@ -11,20 +11,19 @@
 
 namespace kerf {
 
-/// One solid element of a column, seen on the lattice of samples that the mesh is made on: the
-/// samples [first, end) are solid, and the exact ends lie at most one sample step outside of them.
+/// A solid element of a column, sampled on the lattice that the mesh is built on: samples
+/// [first, end) are solid, and the exact ends lie at most one sample step outside of them.
 struct SolidRun {
   std::int32_t first = 0, end = 0;   ///< samples; first < end
   std::int32_t bottom = 0, top = 0;  ///< quanta
   Vec3 bottom_normal, top_normal;    ///< of the surface at the ends: unit, outward
 };
 
-/// A copy of the columns along Z of one tile and a margin around it, sampled at heights that are
-/// one pitch apart. Sample k stands at level(k) quanta. Where there are rays along X and Y as well,
-/// samples stand in the middle between two rows of those, so that each lies on three rays; else
-/// level(0) is the block's lowest plane, and nothing that touches it disappears. A sample is solid
-/// where bottom <= level < top, so an element that contains no sample disappears, and so does a
-/// gap. Columns outside the grid are empty.
+/// A copy of the columns along Z of one tile and a margin around it, sampled one pitch apart.
+/// Sample k is at height level(k), in quanta. With three fields, samples are placed where rays of
+/// all three meet; with one field, level(0) is the block's lowest plane, so nothing that touches
+/// that plane is lost. A sample is solid where bottom <= level < top. An element that contains no
+/// sample is lost, and so is a gap that contains none. Columns outside the grid are empty.
 class ColumnWindow {
  public:
   ColumnWindow(const SolidSnapshot& solid, std::int32_t first_x, std::int32_t first_y,
@@ -34,18 +33,20 @@ class ColumnWindow {
   bool in_grid(std::int32_t i, std::int32_t j) const {
     return i >= 0 && j >= 0 && i < grid_.columns_x && j < grid_.columns_y;
   }
-  /// The runs of column (i, j), from the bottom up; (i, j) must lie in the window.
+  /// Returns the runs of column (i, j), from the bottom up. (i, j) must lie in the window.
   std::span<const SolidRun> runs(std::int32_t i, std::int32_t j) const {
     const std::size_t n = number(i, j);
     return {runs_->data() + start_[n], runs_->data() + start_[n + 1]};
   }
+  /// Returns whether a sample is solid.
   bool solid(std::int32_t i, std::int32_t j, std::int32_t sample) const;
+  /// Returns the height of a sample, in quanta.
   std::int32_t level(std::int32_t sample) const {
     return static_cast<std::int32_t>(std::floor((sample + level_zero_) * quanta_per_step_ + 0.5));
   }
-  /// A height in sample steps: level(k) is k, to rounding.
+  /// Converts a height in quanta to sample steps: steps(level(k)) is k, to rounding.
   double steps(std::int32_t height) const { return height / quanta_per_step_ - level_zero_; }
-  /// Height of sample 0 above the block's lowest plane, in steps.
+  /// Returns the height of sample 0 above the block's lowest plane, in steps.
   double level_zero() const { return level_zero_; }
 
  private:

@@ -5,14 +5,14 @@
 
 namespace kerf {
 
-/// Where the surface crosses an edge of the lattice, and how it looks there. Places are in pitches:
-/// sample k of column (i, j) stands at (i, j, k).
+/// A crossing of the surface with an edge of the lattice: position and normal. Positions are in
+/// pitches: sample k of column (i, j) is at (i, j, k).
 struct Crossing {
   Vec3 point;
   Vec3 normal;  ///< unit, outward
-  /// 1; less where the normal is a guess, and another crossing of the same sheet knows better.
+  /// 1, or less where the normal is an estimate, so that other crossings of the sheet dominate.
   double weight = 1;
-  bool wall = false;  ///< of a wall that no ray meets: the place is known to half a pitch
+  bool wall = false;  ///< on a wall that no ray meets: its position is known to half a pitch
 
   bool is_guess() const { return weight < 1; }
 };

@@ -7,23 +7,23 @@
 namespace kerf {
 namespace {
 
-/// Cosine of the angle between two ends' normals up to which the surface between them is bent, not
-/// creased.
+/// Cosine of the angle between two ends' normals up to which the surface between them is considered
+/// smooth, not creased.
 constexpr double kSmoothCosine = 0.985;
-/// Pitches. By so much two planes may miss each other and still be one surface.
+/// Pitches. Two tangent planes that miss each other's ends by at most this form one surface.
 constexpr double kMissMax = 0.03;
-/// By this share of the rise between two ends the plane of one may miss the other.
+/// Share of the rise between two ends by which the tangent plane of one may miss the other.
 constexpr double kBendShare = 0.25;
-/// By this share of the bend between two ends a circle through both may miss the slope of the
-/// second.
+/// Share of the change of slope between two ends by which a circle through both may miss the slope
+/// at the second.
 constexpr double kCircleMiss = 0.15;
-/// Pitches. A circle that bends less is a line: rounding decides where it ends.
+/// Pitches. Circles of greater radius are treated as lines, because rounding dominates their shape.
 constexpr double kRadiusMax = 2000;
-/// The third difference of the heights (pitches) from which on an ellipse is more than what the
-/// ends may err, and for each square of a secant more than the rounding of the normals' codes.
+/// Least third difference of the heights (pitches) for an ellipse: above the error of the ends,
+/// plus the rounding of the normal codes per squared secant of the slope.
 constexpr double kThirdMin = 0.02, kThirdOfSecant = 1e-3;
-/// By these shares of the third difference and of the rise between two ends an ellipse may miss the
-/// end that it was not fitted to: at a crease between the ends it misses by more.
+/// Shares of the third difference and of the rise between two ends by which an ellipse may miss the
+/// end that it was not fitted to. At a crease between the ends it misses by more.
 constexpr double kMissOfThird = 0.1, kMissOfRise = 0.3;
 
 }  // namespace
@@ -31,17 +31,17 @@ constexpr double kMissOfThird = 0.1, kMissOfRise = 0.3;
 std::optional<Passage> passage(const SliceEnd& a, const SliceEnd& b, double level) {
   const double rise = b.z - a.z, turn = a.slope - b.slope;
   const double chord = rise == 0 ? 0.5 : std::clamp((level - a.z) / rise, 0.0, 1.0);
-  // By so much each plane lies above the other's end.
+  // Height of each tangent plane above the other's end.
   const double above_b = a.z + a.slope - b.z, above_a = b.z - b.slope - a.z;
   const bool smooth = dot(a.normal, b.normal) > kSmoothCosine;
   if (std::abs(above_b) <= kMissMax && std::abs(above_a) <= kMissMax) {
     return Passage{chord, normalized(a.normal * (1 - chord) + b.normal * chord), Trust::kBoth};
   }
-  const double crease = turn == 0 ? -1 : above_a / turn;  // the planes meet here
+  const double crease = turn == 0 ? -1 : above_a / turn;  // the tangent planes meet here
   const bool meet = crease >= 0 && crease <= 1;
   const bool turns_out =
-      above_a * (a.z - b.z) > 0;  // a ridge: each plane passes beyond the other end
-  // One surface is bent, and its plane misses the other end, where it meets that one's surface.
+      above_a * (a.z - b.z) > 0;  // a ridge: each tangent plane passes outside the other end
+  // If the surface is curved, its tangent plane at one end misses the other by part of the rise.
   const double miss_max = kBendShare * std::abs(rise);
   if (!meet && std::abs(above_a) > miss_max && std::abs(above_b) > miss_max) return std::nullopt;
   const double crease_z = a.z + a.slope * crease;
@@ -52,7 +52,7 @@ std::optional<Passage> passage(const SliceEnd& a, const SliceEnd& b, double leve
   place = std::clamp(place, 0.0, 1.0);
   const Trust trust = !meet ? Trust::kOne : turns_out ? Trust::kBoth : Trust::kHollow;
   if (!smooth) return Passage{place, on_b ? b.normal : a.normal, trust};
-  // Of a bent surface the chord is as far on one side as the planes are on the other.
+  // A curved surface lies midway between its chord and its tangent planes.
   place = 0.5 * (place + chord);
   return Passage{place, normalized(a.normal * (1 - place) + b.normal * place),
                  meet ? Trust::kBoth : Trust::kOne};
@@ -74,9 +74,8 @@ std::optional<SideArc> SideArc::through(const SliceEnd& b, const SliceEnd& c,
   return arc;
 }
 
-/// With heights Z and ways X from its centre, an ellipse s²X² + Z² = R² has the slope -s²X/Z. Two
-/// ends one pitch apart give the four unknowns in closed form, the third end says whether it is
-/// one.
+/// With (X, Z) relative to its center, an ellipse s²X² + Z² = R² has the slope -s²X/Z. Two ends one
+/// pitch apart determine the four unknowns in closed form; the third end verifies the fit.
 std::optional<SideArc> SideArc::ellipse(const Slice& slice, const std::optional<double>& d) {
   const double m = slice.b_slope, rise = -slice.behind;
   const double third = slice.c_slope + m - 2 * rise;
@@ -98,7 +97,7 @@ std::optional<SideArc> SideArc::ellipse(const Slice& slice, const std::optional<
   return arc;
 }
 
-/// Along the tangent of `b`, through `c`; its tangent there tells whether it is one.
+/// Tangent to the surface at `b`, through `c`; the slope at `c` verifies the fit.
 std::optional<SideArc> SideArc::circle(const Slice& slice) {
   const double m = slice.b_slope, size = std::sqrt(1 + m * m);
   const double bend = (m + slice.behind) / size;  // of `c`, from the tangent
@@ -117,7 +116,7 @@ std::optional<SideArc> SideArc::circle(const Slice& slice) {
 
 double SideArc::below_center(double w) const { return std::max(center_w_ - w, 0.0); }
 
-double SideArc::way(double w) const {
+double SideArc::u(double w) const {
   const double below = below_center(w);
   return center_u_ + std::sqrt(std::max(radius_ * radius_ - below * below, 0.0)) / squeeze_;
 }
@@ -127,7 +126,7 @@ Vec3 SideArc::normal(double w) const {
   const double out = std::sqrt(std::max(radius_ * radius_ - below * below, 0.0)) * squeeze_;
   const double size = std::sqrt(out * out + below * below);
   if (size == 0) return across_ + Vec3{0, 0, up_ * within_};
-  // What the normal of `b` has across the slice it keeps along the arc.
+  // The component of the normal of `b` across the slice is constant along the arc.
   return normalized(across_ + (Vec3{0, 0, up_ * below} - towards_ * out) * (within_ / size));
 }
 

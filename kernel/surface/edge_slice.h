@@ -7,43 +7,45 @@
 
 namespace kerf {
 
-/// An end of an element as it is seen in the upright plane of an edge. Lengths are in pitches.
+/// An end of an element in the vertical plane of a lattice edge. Lengths are in pitches.
 struct SliceEnd {
   double z;
-  double slope;  ///< of its tangent plane: rise for each step from the solid column to the empty
+  double slope;  ///< of its tangent plane: rise per step from the solid column to the empty one
   Vec3 normal;
 };
 
-/// Which ends' planes speak of a surface: both, smooth or with a ridge; both, meeting in a hollow
-/// that may as well be bent; one, and the other nearly.
+/// Quality of a passage. kBoth: the tangent planes of both ends agree on a surface that is smooth
+/// or has a ridge. kHollow: they meet in a hollow, which may also be a curved surface. kOne: the
+/// plane of one end nearly passes through the other end.
 enum class Trust { kBoth, kHollow, kOne };
 
-/// Where a surface passes a level between two columns: pitches from the solid one, and the normal.
+/// The point where a surface passes a level between two columns, in pitches from the solid one, and
+/// the normal there.
 struct Passage {
   double place;
   Vec3 normal;
   Trust trust;
 };
 
-/// Of a surface that runs from end `a` of the solid column to end `b` of the empty one; nothing if
-/// their planes do not speak of one surface, smooth or with a crease.
+/// Computes the passage of a surface from end `a` of the solid column to end `b` of the empty one.
+/// Returns nothing if their tangent planes do not fit one surface, smooth or creased.
 std::optional<Passage> passage(const SliceEnd& a, const SliceEnd& b, double level);
 
-/// The arc of an ellipse with upright axes that a tool's side leaves in the slice, seen from the
-/// empty column: what a ball, a rounded corner or the rim of a disc leaves, cut at any angle. In
-/// pitches; u grows from the empty column towards the solid one, w from the end `b` into the air.
+/// The arc of an ellipse, with vertical and horizontal axes, that a ball, a rounded corner or the
+/// rim of a disc leaves in the slice. In pitches, relative to the end `b` of the empty column: u
+/// grows towards the solid column, w from the end `b` out of the material.
 class SideArc {
  public:
-  /// Through end `b` of the empty column and the ends `c` and `d` of the columns behind it, as far
-  /// as these lie on one surface: nothing if they do not. `up` is 1 for upper ends, -1 for lower
-  /// ones; `towards` points from the empty column to the solid one.
+  /// Fits the arc through end `b` of the empty column and the ends `c` and `d` of the columns
+  /// behind it. Returns nothing if they do not lie on one surface. `up` is 1 for upper ends, -1 for
+  /// lower ones; `towards` points from the empty column to the solid one.
   static std::optional<SideArc> through(const SliceEnd& b, const SliceEnd& c,
                                         const std::optional<SliceEnd>& d, double up, Vec3 towards);
 
-  /// How far from the empty column (u) the arc reaches a height w >= 0. Where it stands upright the
-  /// wall goes on as one.
-  double way(double w) const;
-  /// The outward normal of the solid there.
+  /// Returns u, the distance from the empty column, at a height w >= 0. Above the point where the
+  /// arc becomes vertical, u is constant: the wall continues vertically.
+  double u(double w) const;
+  /// Returns the outward normal of the solid at a height w.
   Vec3 normal(double w) const;
 
  private:

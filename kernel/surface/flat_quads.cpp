@@ -9,15 +9,15 @@ namespace kerf {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-/// Rectangles that save fewer triangles than this are left as they are.
+/// Rectangles that save fewer triangles than this are not merged.
 constexpr std::int64_t kSavingMin = 6;
-/// Most rectangles sought in one plane: what remains after so many is ragged and saves little.
+/// Greatest number of rectangles per plane. The rest is ragged and saves little.
 constexpr int kRectanglesMax = 48;
 
 struct Rectangle {
   std::int32_t u = 0, v = 0, width = 0, height = 0;
-  /// A quadrangle is two triangles; a rectangle is a fan with one triangle for each step of its
-  /// rim.
+  /// Returns the triangles saved: a quadrangle takes two, a merged rectangle a fan with one per
+  /// edge of its rim.
   std::int64_t saving() const {
     if (width < 2 || height < 2) return 0;
     return 2 * std::int64_t{width} * height - 2 * (std::int64_t{width} + height);
@@ -32,7 +32,7 @@ void append_triangle(std::vector<std::uint32_t>& indices, bool reversed, std::ui
 
 }  // namespace
 
-/// The quadrangles of one plane by their place.
+/// The quadrangles of one plane, indexed by position.
 class FlatQuads::Grid {
  public:
   explicit Grid(std::span<const Quad> quads) : quads_(quads) {
@@ -49,15 +49,15 @@ class FlatQuads::Grid {
     at_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), kNone);
     for (std::size_t n = 0; n < quads.size(); ++n) {
       std::uint32_t& place = at_[index(quads[n].u - first_u_, quads[n].v - first_v_)];
-      regular_ &= place == kNone;  // two sheets may touch in one plane: then nothing is joined
+      regular_ &= place == kNone;  // two sheets may touch in one plane: then nothing is merged
       place = static_cast<std::uint32_t>(n);
     }
     for (std::int32_t v = 0; v < height_ && regular_; ++v) {
-      for (std::int32_t u = 0; u < width_ && regular_; ++u) regular_ = neighbours_agree(u, v);
+      for (std::int32_t u = 0; u < width_ && regular_; ++u) regular_ = neighbors_agree(u, v);
     }
   }
 
-  /// Takes rectangles out of the grid, the best first, then the single quadrangles that remain.
+  /// Appends merged rectangles, best first, then the remaining quadrangles.
   bool append_triangles(bool reversed, std::vector<std::uint32_t>& indices) {
     bool joined = false;
     for (int n = 0; n < kRectanglesMax && regular_; ++n) {
@@ -90,7 +90,7 @@ class FlatQuads::Grid {
     return &quads_[at_[index(u, v)]];
   }
 
-  bool neighbours_agree(std::int32_t u, std::int32_t v) const {
+  bool neighbors_agree(std::int32_t u, std::int32_t v) const {
     const Quad* here = quad(u, v);
     if (here == nullptr) return true;
     const auto& c = here->corners;
@@ -100,8 +100,8 @@ class FlatQuads::Grid {
            (above == nullptr || (c[3] == above->corners[0] && c[2] == above->corners[1]));
   }
 
-  /// The rectangle that saves most: for each row the largest one under the skyline of free places
-  /// above it.
+  /// Finds the rectangle that saves most triangles: per row, the largest rectangle under the
+  /// histogram of free positions.
   Rectangle best_rectangle() const {
     Rectangle best;
     std::vector<std::int32_t> skyline(static_cast<std::size_t>(width_) + 1, 0);
@@ -148,7 +148,7 @@ class FlatQuads::Grid {
 
   std::span<const Quad> quads_;
   std::int32_t first_u_ = 0, last_u_ = 0, first_v_ = 0, last_v_ = 0, width_ = 0, height_ = 0;
-  std::vector<std::uint32_t> at_;  ///< number of the quadrangle at each place
+  std::vector<std::uint32_t> at_;  ///< number of the quadrangle at each position
   bool regular_ = true;
 };
 

@@ -11,25 +11,25 @@
 
 namespace kerf {
 
-/// Where a quadrangle lies that is flat and square to an axis: only those of one plane can be
-/// joined.
+/// The plane of a quadrangle that is perpendicular to an axis. Only quadrangles of one plane can be
+/// merged.
 struct FlatPlane {
-  std::uint8_t axis = 0;      ///< 0, 1, 2: square to x, y, z
-  bool reversed = false;      ///< looks towards the negative side of the axis
+  std::uint8_t axis = 0;      ///< 0, 1, 2: perpendicular to x, y, z
+  bool reversed = false;      ///< faces the negative side of the axis
   std::int32_t position = 0;  ///< equal for quadrangles of one plane
   friend auto operator<=>(const FlatPlane&, const FlatPlane&) = default;
 };
 
-/// Joins flat quadrangles into rectangles that keep every vertex of their rim, so that whatever is
-/// next to them still fits without a crack, and none inside but one. An untouched tile's top costs
-/// 128 triangles instead of 2048.
+/// Merges flat quadrangles into rectangles. A rectangle keeps every vertex of its rim, so that
+/// adjacent triangles still fit without a crack, and one vertex inside, the center of a fan. The
+/// top of an untouched tile takes 128 triangles instead of 2048.
 class FlatQuads {
  public:
-  /// A quadrangle of the plane's grid. Corners at (u, v), (u + 1, v), (u + 1, v + 1), (u, v + 1),
-  /// counter-clockwise unless the plane is reversed.
+  /// Adds a quadrangle of the plane's grid. Corners at (u, v), (u + 1, v), (u + 1, v + 1), (u, v +
+  /// 1), counter-clockwise unless the plane is reversed.
   void add(const FlatPlane& plane, std::int32_t u, std::int32_t v,
            const std::array<std::uint32_t, 4>& corners);
-  /// Appends the triangles of all quadrangles; true if any vertex was left out.
+  /// Appends the triangles of all quadrangles. Returns whether any vertex became unused.
   bool append_triangles(std::vector<std::uint32_t>& indices) const;
 
  private:
@@ -38,7 +38,7 @@ class FlatQuads {
     std::array<std::uint32_t, 4> corners;
   };
   struct Entry {
-    std::uint32_t plane;  ///< its number
+    std::uint32_t plane;  ///< number of its plane
     Quad quad;
   };
   struct Plane {
@@ -46,7 +46,7 @@ class FlatQuads {
     std::uint32_t quads = 0;
   };
   std::map<FlatPlane, Plane> planes_;
-  Scratch<Entry> entries_;  ///< as they came
+  Scratch<Entry> entries_;  ///< in the order of add()
   Plane* last_ = nullptr;
   FlatPlane last_plane_;
 

@@ -10,11 +10,11 @@ namespace {
 
 constexpr std::int32_t kNever = std::numeric_limits<std::int32_t>::max();
 
-/// Walks up a column's changes between empty and solid samples.
+/// Iterates upwards over a column's changes between empty and solid samples.
 class RunCursor {
  public:
   explicit RunCursor(std::span<const SolidRun> runs) : runs_(runs) {}
-  /// The next sample that differs from the one below it.
+  /// Returns the next sample that differs from the one below it, or kNever.
   std::int32_t next() const {
     const std::size_t run = position_ / 2;
     if (run >= runs_.size()) return kNever;

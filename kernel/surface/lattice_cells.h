@@ -11,16 +11,17 @@
 
 namespace kerf {
 
-/// The lattice cells that the surface runs through, for a square of cells; only those are stored.
+/// The lattice cells that the surface passes through, within a square of cells. Other cells are not
+/// stored.
 class LatticeCells {
  public:
-  /// Cells (first_x .. first_x + side - 1) x (first_y ..); the window must hold the columns of
-  /// placement around them.
+  /// Finds the cells (first_x .. first_x + side - 1) x (first_y .. first_y + side - 1). The window
+  /// must hold the columns around them that VertexPlacement reads.
   LatticeCells(const ColumnWindow& window, std::int32_t first_x, std::int32_t first_y,
                std::int32_t side);
 
-  /// Position of cell (x, y, layer), which must be one that the surface runs through. The surface
-  /// cells above it up to the next gap follow one by one.
+  /// Returns the position of cell (x, y, layer), which must be stored. The stored cells directly
+  /// above it follow at consecutive positions.
   std::size_t find(std::int32_t x, std::int32_t y, std::int32_t layer) const;
   LatticeCell cell(std::size_t position, std::int32_t x, std::int32_t y) const {
     return {x, y, layer_[position]};

@@ -11,26 +11,26 @@
 namespace kerf {
 namespace {
 
-/// A steeper plane than this (its normal's upward part) is taken to be so steep.
+/// Least vertical component of a normal; steeper planes are treated as having this slope.
 constexpr double kUprightMin = 1e-4;
-/// Rows on each side of a wall's crossing that take part in the line fitted to the wall.
+/// Rows on each side of a wall's crossing that contribute to the line fitted to the wall.
 constexpr int kWallRows = 2;
-/// Pitches from the middle between two columns. Farther out that line is not believed: the wall may
-/// be bent, and the middle is off by half a pitch at most.
+/// Greatest offset of that line from the midpoint between two columns, in pitches. The wall may be
+/// curved, and the midpoint itself is off by at most half a pitch.
 constexpr double kOffsetMax = 0.3;
-/// Pitches. So far beyond the solid column an arc may pass that is taken for the surface there.
+/// Pitches by which an arc may extend beyond the solid column and still be used.
 constexpr double kPastMax = 0.1;
-/// What the plane of a wall counts whose direction is a guess.
+/// Weight of the plane of a wall whose direction is an estimate.
 constexpr double kGuessWeight = 0.02;
 
 }  // namespace
 
-/// The ends beside an edge: of the element that holds its solid sample, and of the elements of the
-/// empty column next below and next above.
+/// The ends next to an edge: those of the element that holds its solid sample, and the nearest ones
+/// below and above in the empty column.
 struct LevelGuess::Ends {
   SliceEnd top, bottom;
   std::optional<SliceEnd> below, above;
-  bool nothing_beyond;  ///< the empty column holds nothing at all
+  bool nothing_beyond;  ///< the empty column has no element
 };
 
 /// An edge from its solid sample to its empty one.
@@ -41,7 +41,7 @@ struct LevelGuess::Edge {
   bool along_x() const { return di != 0; }
   Vec3 direction() const { return {double(di), double(dj), 0}; }
   Vec3 at(double place) const { return {i + di * place, j + dj * place, double(k)}; }
-  double way(const Crossing& c) const { return (c.point.x - i) * di + (c.point.y - j) * dj; }
+  double distance(const Crossing& c) const { return (c.point.x - i) * di + (c.point.y - j) * dj; }
 };
 
 Crossing LevelGuess::find(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x) const {
@@ -52,8 +52,8 @@ Crossing LevelGuess::find(std::int32_t i, std::int32_t j, std::int32_t k, bool a
   const Ends ends = ends_beside(edge);
   const std::optional<Crossing> slope = on_slope(edge, ends), stock = on_stock(edge);
   if (slope && stock) {
-    // What the tool has left ends where the first of the two is met.
-    return edge.way(*slope) < edge.way(*stock) ? *slope : *stock;
+    // The solid ends at whichever is nearer.
+    return edge.distance(*slope) < edge.distance(*stock) ? *slope : *stock;
   }
   if (slope) return *slope;
   if (stock) return *stock;
@@ -80,8 +80,8 @@ LevelGuess::Ends LevelGuess::ends_beside(const Edge& edge) const {
   return ends;
 }
 
-/// The surface leaves the solid column's element through its top, down to an end of the empty
-/// column, or through its bottom, up to one.
+/// Finds a surface that descends from the top of the solid column's element to an end of the empty
+/// column, or ascends from its bottom to one.
 std::optional<Crossing> LevelGuess::on_slope(const Edge& edge, const Ends& ends) const {
   std::optional<Passage> best;
   const auto consider = [&](const std::optional<Passage>& passage) {
@@ -90,11 +90,11 @@ std::optional<Crossing> LevelGuess::on_slope(const Edge& edge, const Ends& ends)
   if (ends.below) consider(passage(ends.top, *ends.below, edge.k));
   if (ends.above) consider(passage(ends.bottom, *ends.above, edge.k));
   if (!best || best->trust != Trust::kBoth) {
-    // Where a tool's side rises steeply the planes of the ends do not know how it bends.
+    // Where a tool's side rises steeply, the tangent planes do not determine its curvature.
     if (const auto bent = on_arc(edge, ends, best && best->trust == Trust::kHollow)) return bent;
   }
   if (!best && ends.nothing_beyond) {
-    // Nothing beyond: a surface that bends down (up) to its outline.
+    // The empty column has no element: the surface bends down (up) to its outline.
     for (const SliceEnd& end : {ends.top, ends.bottom}) {
       if (end.slope == 0) continue;
       const double place = (edge.k - end.z) / end.slope;
@@ -105,7 +105,7 @@ std::optional<Crossing> LevelGuess::on_slope(const Edge& edge, const Ends& ends)
   return Crossing{.point = edge.at(best->place), .normal = best->normal};
 }
 
-/// The end that is nearest to a height, of a column so many steps behind the edge's solid one.
+/// Returns the end nearest to a height `z`, in the column `steps` steps from the edge's solid one.
 std::optional<SliceEnd> LevelGuess::nearest_end(const Edge& edge, int steps, double z,
                                                 bool top) const {
   std::optional<SliceEnd> nearest;
@@ -116,11 +116,11 @@ std::optional<SliceEnd> LevelGuess::nearest_end(const Edge& edge, int steps, dou
   return nearest;
 }
 
-/// The surface goes on from the empty column's end as the two columns behind that say; `arrives`:
-/// only if it comes to the end of the solid column.
+/// Extrapolates the surface from the empty column's end and the ends of the two columns behind it.
+/// `arrives`: only if it reaches the end of the solid column.
 std::optional<Crossing> LevelGuess::on_arc(const Edge& edge, const Ends& ends, bool arrives) const {
   std::optional<Crossing> best;
-  double best_way = -1;
+  double best_u = -1;
   for (const bool top : {true, false}) {
     const std::optional<SliceEnd>& b = top ? ends.below : ends.above;
     if (!b) continue;
@@ -130,18 +130,18 @@ std::optional<Crossing> LevelGuess::on_arc(const Edge& edge, const Ends& ends, b
     const double up = top ? 1 : -1;
     const auto arc = SideArc::through(*b, *c, d, up, edge.direction() * -1);
     if (!arc) continue;
-    const double height = (edge.k - b->z) * up, way = arc->way(height);
-    // An arc that goes past the solid column is not what stands here.
-    if (way < 0 || way > 1 + kPastMax || way <= best_way) continue;
+    const double height = (edge.k - b->z) * up, u = arc->u(height);
+    // An arc that passes beyond the solid column is not the surface here.
+    if (u < 0 || u > 1 + kPastMax || u <= best_u) continue;
     const double end = (top ? ends.top.z : ends.bottom.z) - b->z;
-    if (arrives && std::abs(arc->way(end * up) - 1) > kPastMax) continue;
-    best_way = way;
-    best = Crossing{.point = edge.at(std::max(1 - way, 0.0)), .normal = arc->normal(height)};
+    if (arrives && std::abs(arc->u(end * up) - 1) > kPastMax) continue;
+    best_u = u;
+    best = Crossing{.point = edge.at(std::max(1 - u, 0.0)), .normal = arc->normal(height)};
   }
   return best;
 }
 
-/// Between a column of the stock and the place beside it the stock's own side stands.
+/// Finds the stock's own side between a column inside the stock and one outside.
 std::optional<Crossing> LevelGuess::on_stock(const Edge& edge) const {
   const DexelGrid& grid = window_.grid();
   const std::int32_t i = edge.i + edge.di, j = edge.j + edge.dj;
@@ -170,8 +170,8 @@ std::optional<Crossing> LevelGuess::on_stock(const Edge& edge) const {
   return Crossing{.point = at, .normal = normalized({at.x - x, at.y - y, 0})};
 }
 
-/// Where the wall stands in a neighbouring row, in columns from the edge, read from the two columns
-/// on each side of it: -1, 0 or 1; 2 if the row shows no wall there.
+/// Returns the wall's offset in a neighboring row, in columns from the edge: -1, 0 or 1, read from
+/// two columns on each side of the edge; 2 if the row shows no wall there.
 int LevelGuess::wall_offset(const Edge& edge, int row) const {
   int solid = 0;
   for (int n = -1; n <= 2; ++n) {
@@ -184,8 +184,8 @@ int LevelGuess::wall_offset(const Edge& edge, int row) const {
   return solid == 0 || solid == 4 ? 2 : solid - 2;
 }
 
-/// Columns know a wall only to half a pitch: a slanted one would become a staircase. So a line is
-/// fitted to where the neighbouring rows see it, as far as they do.
+/// Fits a line to the wall's positions in the neighboring rows that show it. Without it a wall
+/// oblique to the grid would become a staircase, because columns locate it only to half a pitch.
 LevelGuess::Wall LevelGuess::fit_wall(const Edge& edge) const {
   int count = 1, sum_r = 0, sum_rr = 0, sum_w = 0, sum_rw = 0;  // the edge itself: r = 0, w = 0
   for (const int direction : {-1, 1}) {
@@ -215,8 +215,8 @@ Crossing LevelGuess::on_wall(const Edge& edge, const Ends& ends) const {
                                        : normalized(edge.direction() - across * wall.slope),
              .wall = true};
   if (wall.rows == 0) c.weight = kGuessWeight;
-  // The wall ends where it meets the planes of the ends beside it: what cut them is convex, so that
-  // it took nothing from behind its plane.
+  // The wall ends where it meets the tangent planes of the ends next to it: the cutting tool is
+  // convex, so it removed nothing behind its tangent plane.
   const auto meet = [&](const SliceEnd& end, double from, bool nearer) {
     if (end.slope == 0) return;
     const double there = from + (edge.k - end.z) / end.slope;

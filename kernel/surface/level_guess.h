@@ -11,30 +11,32 @@
 
 namespace kerf {
 
-/// Columns around an edge that decide where the surface crosses it: edges of cells [first, end)
-/// need columns [first - 3, end + 3].
+/// Number of columns around an edge that LevelGuess reads: edges of cells [first, end) need columns
+/// [first - 3, end + 3].
 inline constexpr std::int32_t kGuessMargin = 3;
 
-/// Where the surface crosses the edges between neighbouring columns, as far as the ends of the
-/// columns and their tangent planes tell. Two ends whose planes meet between the columns belong to
-/// one surface, smooth or with a crease, which is known well. Where they do not meet stands a wall
-/// that no ray along Z meets: the stock's own side is known; of any other the columns know the
-/// place to half a pitch, and a line through where neighbouring rows see it says more.
+/// Estimates where the surface crosses the horizontal edges between neighboring columns of one
+/// field, from the ends of the columns and their tangent planes. Two ends whose planes meet between
+/// the columns belong to one surface, smooth or creased, whose crossing is accurate. Otherwise
+/// there is a wall that no ray along Z meets. The stock's own sides are known exactly; any other
+/// wall is known to half a pitch, improved by a line fitted through its positions in neighboring
+/// rows.
 class LevelGuess {
  public:
   LevelGuess(const ColumnWindow& window, const StockShape& stock)
       : window_(window), stock_(stock) {}
 
-  /// The edge from sample (i, j, k) to the next along X or Y, of which exactly one is solid.
+  /// Returns the crossing of the edge from sample (i, j, k) to the next along X or Y. Exactly one
+  /// of the two samples must be solid.
   Crossing find(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x) const;
 
  private:
   struct Edge;
   struct Ends;
   struct Wall {
-    double offset;  ///< pitches from the middle of the edge
+    double offset;  ///< pitches from the midpoint of the edge
     double slope;   ///< of the line through the rows
-    int rows;       ///< neighbouring rows that see the wall
+    int rows;       ///< number of neighboring rows that show the wall
   };
 
   Ends ends_beside(const Edge& edge) const;

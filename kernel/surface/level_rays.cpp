@@ -7,8 +7,8 @@
 namespace kerf {
 namespace {
 
-/// Pitches. How far beyond an edge an end may lie that still counts as its crossing: it must cover
-/// what two fields differ by, which is the tolerance.
+/// Pitches by which an end may lie beyond an edge and still count as its crossing. Must exceed the
+/// difference of two fields, which is the tolerance.
 constexpr double kBeyondMax = 0.25;
 
 struct RayEnd {
@@ -16,7 +16,7 @@ struct RayEnd {
   NormalCode code;
 };
 
-/// The end of that kind which is nearest to the depths [from, to] of a ray, or nothing.
+/// Returns the top (or bottom) end of a ray nearest to the depths [from, to], or nothing.
 std::optional<RayEnd> nearest_end(const ColumnView& view, bool top, std::int32_t from,
                                   std::int32_t to) {
   const auto depth = [top](const Dexel& d) { return top ? d.top : d.bottom; };
@@ -51,7 +51,7 @@ std::optional<Crossing> LevelRays::find(std::int32_t i, std::int32_t j, std::int
                                         bool along_x, bool leaves) const {
   const DexelSnapshot& field = along_x ? x_field_ : y_field_;
   const DexelGrid& grid = field.grid();
-  // The frames of the fields (RayAxis): X sees (y, z, x), Y sees (z, x, y).
+  // Frames of the fields (RayAxis): (y, z, x) along X, (z, x, y) along Y.
   const std::int32_t ray_i = along_x ? j : k, ray_j = along_x ? k : i, first = along_x ? i : j;
   const double quanta_per_pitch = grid.pitch_mm / grid.z_quantum_mm;
   const auto depth_of = [&](double place) {

@@ -9,18 +9,18 @@
 
 namespace kerf {
 
-/// The rays along X and Y of a block that has them: they meet its rays along Z in the samples of
-/// the lattice, so the edges between these are pieces of rays, and the ends on them are exact.
+/// The crossings of horizontal lattice edges in a block with three fields. Rays along X and Y meet
+/// those along Z in the samples of the lattice, so every horizontal edge is part of a ray and the
+/// ends on it are exact.
 class LevelRays {
  public:
-  /// Of a solid with three fields.
+  /// `solid` must have three fields.
   explicit LevelRays(const SolidSnapshot& solid);
 
-  /// Where the surface crosses the edge from sample (i, j, k) to the next along X or Y; `leaves`:
-  /// the first of them is solid. Whether a sample is solid the field along Z decides. The others
-  /// may see it otherwise where the surface passes within the tolerance of it, so the nearest end
-  /// of the right kind is taken up to a quarter of the pitch beyond the edge; nothing if there is
-  /// none.
+  /// Returns the crossing of the edge from sample (i, j, k) to the next along X or Y. `leaves`: the
+  /// first sample is solid, as decided by the field along Z. Where the surface passes within the
+  /// tolerance of a sample, the other fields may disagree, so an end of the right kind is accepted
+  /// up to a quarter of the pitch beyond the edge. Returns nothing if there is no such end.
   std::optional<Crossing> find(std::int32_t i, std::int32_t j, std::int32_t k, bool along_x,
                                bool leaves) const;
 

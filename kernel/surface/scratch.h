@@ -6,10 +6,10 @@
 
 namespace kerf {
 
-/// A vector whose memory a thread keeps from one tile to the next: meshing a tile takes some
-/// hundred kilobytes for a fraction of a millisecond, and giving them back to the system each time
-/// costs a third of that. Begins empty; nothing of its contents is ever seen again. `kUse` tells
-/// apart vectors of one type that live at the same time.
+/// A vector whose memory the thread reuses from one tile to the next. Meshing a tile needs some
+/// hundred kilobytes for a fraction of a millisecond, and returning them to the system each time
+/// costs a third of that. Always starts empty. `kUse` distinguishes vectors of one type that exist
+/// at the same time.
 template <class T, int kUse = 0>
 class Scratch {
  public:

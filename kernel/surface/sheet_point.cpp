@@ -8,19 +8,19 @@
 namespace kerf {
 namespace {
 
-/// Cosine of the angle from the mean normal up to which a sheet is bent, not creased: half the
-/// angle between two planes. What is taken for the other thing errs by a fortieth of the pitch
-/// there.
+/// Cosine of the angle from the mean normal up to which a sheet is considered smooth, not creased;
+/// half the angle between two planes. Near this angle a wrong choice errs by 1/40 of the pitch.
 constexpr double kSmoothCosine = 0.995;
-/// Pull of the crossings' mean, against the number of planes: it decides along a ridge, where no
-/// plane does. If it grows ridges sink; if it shrinks vertices wander along them.
+/// Weight of the crossings' mean, relative to the number of planes. It determines the position
+/// along a ridge, where the planes do not. If it grows, ridges sink; if it shrinks, vertices drift
+/// along them.
 constexpr double kMeanWeight = 3e-4;
 
 using Coordinates = std::array<double, 3>;
 
 Coordinates coordinates(Vec3 v) { return {v.x, v.y, v.z}; }
 
-/// Sum of squared distances from planes, as a function of the place.
+/// The sum of squared distances from planes, as a function of position.
 class PlaneSum {
  public:
   explicit PlaneSum(Vec3 mean) : mean_(coordinates(mean)) {}
@@ -40,7 +40,7 @@ class PlaneSum {
     pull_ += c.weight * kMeanWeight;
   }
 
-  /// The least, on the border of the limits if it lies outside.
+  /// Returns the minimum, constrained to the limits.
   Coordinates least(const CellLimits& limits) {
     const Coordinates low = coordinates(limits.low), high = coordinates(limits.high);
     std::array<bool, 3> fixed{};
@@ -70,7 +70,8 @@ class PlaneSum {
   }
 
  private:
-  /// Fills in the coordinates that are not fixed: Gauss's elimination, the matrix being positive.
+  /// Solves for the coordinates that are not fixed, by Gaussian elimination; the matrix is positive
+  /// definite.
   void solve(const std::array<bool, 3>& fixed, Coordinates& x) const {
     std::array<std::size_t, 3> free{};
     std::size_t count = 0;

@@ -7,23 +7,23 @@
 
 namespace kerf {
 
-/// Where in its cell a vertex may lie, in pitches from the cell's centre.
+/// The part of a cell in which a vertex may lie, in pitches from the cell's center.
 struct CellLimits {
   Vec3 low, high;
 };
 
-/// The point that stands for one sheet of the surface in a cell.
+/// The vertex position of one sheet of the surface in a cell.
 struct SheetPoint {
-  Vec3 place;          ///< in pitches from the cell's centre, within the limits
+  Vec3 place;          ///< in pitches from the cell's center, within the limits
   bool sharp = false;  ///< the sheet has a crease or a corner here
 };
 
-/// Chooses the point from the sheet's crossings (`point`s in pitches from the cell's centre, at
-/// least one). Where the normals differ little it lies on the surface above the crossings' mean,
-/// midway between their chords and their planes, exact up to the third order. Else it is where the
-/// planes meet: the least squares of the distances from them (Ju et al. 2002), so that ridges and
-/// corners are sharp. A plane square to an axis is kept to the bit. What would lie outside of the
-/// limits is sought on their border.
+/// Computes a sheet's vertex position from its crossings (at least one; `point`s in pitches from
+/// the cell's center). Where the normals differ little, it lies on the surface above the crossings'
+/// mean, midway between their chords and their tangent planes, which is exact up to third order.
+/// Otherwise it minimizes the sum of squared distances from the tangent planes (T. Ju et al., Dual
+/// Contouring of Hermite Data, 2002), so ridges and corners are sharp. Planes perpendicular to an
+/// axis are met to the bit. A minimum outside the limits is replaced by the one on their boundary.
 SheetPoint place_sheet(std::span<const Crossing> crossings, const CellLimits& limits);
 
 }  // namespace kerf

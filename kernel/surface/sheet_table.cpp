@@ -15,7 +15,7 @@ constexpr bool is_ambiguous(unsigned configuration, const CellFace& face) {
          first != solid(configuration, face.corners[3]);
 }
 
-/// Disjoint sets over the twelve edges: small, and usable at compile time.
+/// Disjoint sets over the twelve edges, usable at compile time.
 struct EdgeSets {
   std::array<std::uint8_t, 12> parent{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
   constexpr std::uint8_t find(std::uint8_t edge) const {
@@ -94,8 +94,9 @@ constexpr std::array<CellSheets, 256> all_sheets(bool flipped) {
 constexpr auto kSheets = all_sheets(false);
 constexpr auto kFlippedSheets = all_sheets(true);
 
-/// Flipping is sound only while a doubled face is the one ambiguous face of its cell (no other
-/// face's decision is touched) and flipping gives it two sheets.
+/// Returns whether flipping is sound for every configuration: a doubled face must be the only
+/// ambiguous face of its cell, so that no other face's decision changes, and flipping must give it
+/// two sheets.
 constexpr bool flipping_is_sound() {
   for (unsigned configuration = 0; configuration < 256; ++configuration) {
     const int doubled = kSheets[configuration].doubled_face;

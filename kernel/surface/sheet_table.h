@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 
-// Manifold dual contouring after G. Nielson, Dual Marching Cubes (2004) and R. Wenger, Isosurfaces
-// (2013, chapter 3): a lattice cell holds one vertex for each sheet of the surface that runs
-// through it.
+// Manifold dual contouring. Based on: G. Nielson, Dual Marching Cubes (2004), and R. Wenger,
+// Isosurfaces (2013), chapter 3. A lattice cell has one vertex for each sheet of the surface that
+// passes through it.
 //
 // Corner c of a cell is dx + 2 dy + 4 dz; a configuration has bit c set where that corner is solid.
 // Edges: 0-3 along x (dy + 2 dz), 4-7 along y (4 + dx + 2 dz), 8-11 along z (8 + dx + 2 dy).
@@ -17,16 +17,15 @@ namespace kerf {
 inline constexpr std::uint8_t kNoSheet = 0xff;
 inline constexpr int kSheetsMax = 4;
 
-/// How the surface runs through one configuration.
+/// The sheets of the surface in a cell of one configuration.
 struct CellSheets {
-  std::uint8_t count = 0;  ///< sheets, 0 to 4
-  std::array<std::uint8_t, 12>
-      of_edge{};  ///< sheet that crosses the edge; kNoSheet where none does
+  std::uint8_t count = 0;                         ///< sheets, 0 to 4
+  std::array<std::uint8_t, 12> of_edge{};         ///< sheet that crosses the edge, or kNoSheet
   std::array<std::uint16_t, kSheetsMax> edges{};  ///< per sheet: bit e set where it crosses edge e
-  std::int8_t doubled_face = -1;  ///< ambiguous face that one sheet crosses twice; -1: none
+  std::int8_t doubled_face = -1;  ///< ambiguous face that one sheet crosses twice, or -1
 };
 
-/// Corners and edges of a face, both going round it; edge n joins corners n and n + 1.
+/// Corners and edges of a face, in cyclic order; edge n joins corners n and n + 1.
 struct CellFace {
   std::array<std::uint8_t, 4> corners, edges;
 };
@@ -39,10 +38,11 @@ inline constexpr std::array<CellFace, 6> kCellFaces{{
     {{4, 5, 7, 6}, {2, 7, 3, 6}},
 }};
 
-/// On an ambiguous face (solid corners on one diagonal, empty ones on the other) the solid corners
-/// are kept apart. Both cells at the face decide alike, since both see only the face. Where one
-/// sheet crosses that face twice in both cells, the two quadrangles there would share an edge: then
-/// both cells use `flipped_sheets` instead, which joins the solid corners.
+/// Returns the sheets of a configuration. On an ambiguous face (solid corners on one diagonal,
+/// empty ones on the other) the solid corners are separated. Both cells at the face decide alike,
+/// because the decision depends on the face only. Where one sheet crosses that face twice in both
+/// cells, the two quadrangles there would share an edge; both cells then use `flipped_sheets_of`,
+/// which joins the solid corners.
 const CellSheets& sheets_of(std::uint8_t configuration);
 const CellSheets& flipped_sheets_of(std::uint8_t configuration);
 

@@ -21,17 +21,17 @@ constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 struct Corner {
   std::size_t position = 0;  ///< in LatticeCells
   std::int32_t x = 0, y = 0;
-  unsigned edge = 0;  ///< the crossed edge, as this cell numbers it
+  unsigned edge = 0;  ///< number of the crossed edge in this cell
 };
 using Corners = std::array<Corner, 4>;
 
-/// Sines below which two ways of splitting a quadrangle fit the surface equally well.
+/// Difference of sines below which both diagonals of a quadrangle fit the surface equally well.
 constexpr double kFitEpsilon = 1e-4;
 
-/// Marks the place of a SplitVertex among the vertices of cells.
+/// Flag of a cell's vertex entry: the rest is an index into the split vertices.
 constexpr std::uint32_t kSplit = std::uint32_t{1} << 31;
 
-/// A vertex that the mesh may hold several times, with different normals.
+/// A vertex that may appear several times in the mesh, with different normals.
 struct SplitVertex {
   SurfaceVertex vertex;
   std::array<std::uint32_t, kVertexNormalsMax> index;  ///< by group of edges
@@ -48,9 +48,9 @@ float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>
   return x * x + y * y + z * z;
 }
 
-/// Makes one tile's mesh: a quadrangle for each crossed lattice edge that the tile owns. An edge
-/// belongs to the tile of its column; one between two columns to the tile of the lower one, or of
-/// the only one that is in the grid.
+/// Builds one tile's mesh: a quadrangle for each crossed lattice edge that the tile owns. A
+/// vertical edge belongs to the tile of its column; a horizontal edge to the tile of its lower
+/// column, or of the only column that is in the grid.
 class TileMesher {
  public:
   TileMesher(const SolidSnapshot& solid, TileIndex tile)
@@ -76,7 +76,7 @@ class TileMesher {
       for (std::int32_t i = first_x_; i < end_x_; ++i) add_sides(i, j, false);
     }
     if (flat_.append_triangles(*indices_)) drop_unused_vertices();
-    // Of just the size that they need.
+    // Copied to the exact size.
     TileMesh mesh;
     mesh.tile = tile_;
     mesh.positions_mm.assign(positions_->begin(), positions_->end());
@@ -86,7 +86,7 @@ class TileMesher {
   }
 
  private:
-  /// The quadrangles across the ends of a column's runs.
+  /// Adds the quadrangles across the ends of a column's runs.
   void add_ends(std::int32_t i, std::int32_t j) {
     const auto runs = window_.runs(i, j);
     for (const SolidRun& run : runs) {
@@ -102,8 +102,8 @@ class TileMesher {
             Corner{cells_.find(i - 1, j, layer), i - 1, j, 9}};
   }
 
-  /// The quadrangles between column (i, j) and its next neighbour, at the samples where exactly one
-  /// of them is solid.
+  /// Adds the quadrangles between column (i, j) and its next neighbor, at the samples where exactly
+  /// one of them is solid.
   void add_sides(std::int32_t i, std::int32_t j, bool along_x) {
     const auto a = window_.runs(i, j);
     const auto b = along_x ? window_.runs(i + 1, j) : window_.runs(i, j + 1);
@@ -122,11 +122,12 @@ class TileMesher {
     }
   }
 
-  /// Samples [first, end): the columns differ there, `reversed` if the lower one is empty.
+  /// Adds the quadrangles of samples [first, end), where the columns differ. `reversed`: the lower
+  /// one is empty.
   void add_wall(std::int32_t i, std::int32_t j, bool along_x, std::int32_t first, std::int32_t end,
                 bool reversed) {
-    // Cells before and behind the edge, so ordered that (before, behind, up) turns right-handed
-    // about the edge.
+    // Cells before and behind the edge, ordered so that (before, behind, up) is right-handed about
+    // the edge.
     const std::int32_t before_x = i;
     const std::int32_t before_y = along_x ? j - 1 : j;
     const std::int32_t behind_x = along_x ? i : i - 1;
@@ -146,8 +147,8 @@ class TileMesher {
     }
   }
 
-  /// Adds the quadrangle at (u, v) of the plane: by itself, or to those that are flat and may be
-  /// joined.
+  /// Adds the quadrangle at (u, v) of the plane: as two triangles, or, if it is flat, to those that
+  /// may be merged.
   void add_quad(const Corners& corners, const FlatPlane& plane, std::int32_t u, std::int32_t v) {
     std::array<std::uint32_t, 4> c{};
     for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n]);
@@ -160,9 +161,9 @@ class TileMesher {
     indices_->insert(indices_->end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
   }
 
-  /// Whether a quadrangle is to be split from its second to its fourth corner: the shorter
-  /// diagonal, or, beside a crease, the one that leaves a triangle square to the surface's normal
-  /// where the quadrangle crosses its lattice edge, so that no triangle spans the crease.
+  /// Returns whether to split a quadrangle from its second to its fourth corner. That is the
+  /// shorter diagonal, or, next to a crease, the one that leaves a triangle perpendicular to the
+  /// surface's normal, so that no triangle spans the crease.
   bool prefers_other_diagonal(const std::array<std::uint32_t, 4>& c) const {
     const auto& p = *positions_;
     const bool shorter = distance_squared(p[c[1]], p[c[3]]) < distance_squared(p[c[0]], p[c[2]]);
@@ -183,7 +184,7 @@ class TileMesher {
     return std::abs(here - there) <= indifferent ? shorter : there > here;
   }
 
-  /// Square to the axis to the last bit, in position and in normals.
+  /// Returns whether positions and normals are perpendicular to the axis to the last bit.
   bool is_flat(const std::array<std::uint32_t, 4>& corners, std::size_t axis) const {
     const float position = (*positions_)[corners[0]][axis];
     return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
@@ -206,8 +207,8 @@ class TileMesher {
     for (std::uint32_t& index : *indices_) index = renumbered[index];
   }
 
-  /// Vertices are made when a quadrangle first asks for them: the tile's mesh holds none that it
-  /// does not use.
+  /// Returns the mesh vertex of a cell for an edge, and creates it on first use, so that the mesh
+  /// contains no unused vertex.
   std::uint32_t vertex_of(const Corner& corner) {
     std::uint32_t& entry = vertex_[corner.position];
     const CellSheets& sheets = cells_.sheets(corner.position);
@@ -244,11 +245,11 @@ class TileMesher {
   ColumnWindow window_;
   LatticeCells cells_;
   VertexPlacement placement_;
-  std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or kSplit and its place in split_
+  std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or kSplit | its index in split_
   std::vector<SplitVertex> split_;     ///< of cells with several sheets or a crease
-  std::vector<bool> sharp_;            ///< per vertex of the mesh: a crease runs through it
+  std::vector<bool> sharp_;            ///< per mesh vertex: it lies on a crease
   FlatQuads flat_;
-  /// Of the mesh.
+  /// Buffers of the mesh.
   Scratch<std::array<float, 3>, 0> positions_;
   Scratch<std::array<float, 3>, 1> normals_;
   Scratch<std::uint32_t> indices_;

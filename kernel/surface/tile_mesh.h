@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// The part of the surface that belongs to one tile. Tiles meet without cracks: the vertices that
-/// two tiles share have equal bits in both. At a sharp crease a position is repeated, once with the
+/// The part of the surface that belongs to one tile. Tiles meet without cracks: vertices shared by
+/// two tiles are equal to the bit in both. At a sharp crease a position is repeated, once with the
 /// normal of each side.
 struct TileMesh {
   TileIndex tile;
@@ -20,14 +20,14 @@ struct TileMesh {
   std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise seen from outside
 };
 
-/// Extracts the surface owned by one tile of the field along Z from the tile and the rays around
-/// it, of all fields. The sculpture must keep normals. The union over all tiles of a solid is
+/// Extracts the part of the surface that one tile of the field along Z owns, from the rays of all
+/// fields in and around it. The sculpture must keep normals. The union over all tiles of a solid is
 /// closed, 2-manifold, consistently oriented, and has no degenerate triangle. Equal snapshots give
-/// equal bytes.
+/// equal bytes. Thread-safe: different tiles may be meshed concurrently.
 TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile);
 
-/// The tiles whose mesh may change when `changed` tiles change: themselves and the neighbours that
-/// read their columns. Sorted, without duplicates, within the grid.
+/// Returns the tiles whose mesh may change when `changed` tiles change: these and the neighbors
+/// that read their columns. Sorted, without duplicates, within the grid.
 std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,
                                        const std::vector<TileIndex>& changed);
 

@@ -9,25 +9,25 @@
 namespace kerf {
 namespace {
 
-/// A vertex keeps this distance from its cell's sides, in pitches, so that no two coincide; of its
-/// upper and lower side only from the lower one, so that a floor at a sample's height is exact.
+/// Least distance of a vertex from its cell's sides, in pitches, so that no two vertices coincide.
+/// It does not apply to the upper side, so that a floor at a sample's height is exact.
 constexpr double kMarginMin = 1.0 / 1024;
-/// The same where floats are coarser than that, against the block's size.
+/// The same distance as a share of the block's size, for blocks where floats are coarser.
 constexpr double kMarginOfSize = 1.0 / (1 << 21);
-/// Vertices of two sheets that coincide are moved apart by this share of the pitch.
+/// Share of the pitch by which coinciding vertices of two sheets are separated.
 constexpr double kSheetShift = 1.0 / 64;
-/// Normals that differ by more than this (its cosine) belong to two sides of a crease, and are
-/// shaded apart.
+/// Cosine of the angle beyond which two normals belong to different sides of a crease.
 constexpr double kCreaseCosine = 0.96;
 /// A sum of unit normals shorter than this has no direction.
 constexpr double kNormalMin = 1e-6;
 
-/// Level edges that are remembered, a power of two: those of two rows of cells.
+/// Number of cached horizontal edges, a power of two: those of two rows of cells.
 constexpr std::size_t kEdgesSeen = 1024;
 
-/// A wall that no ray meets is known only to lie between two columns, and its direction less well:
-/// where guessed planes meet may be anywhere. A vertex of such a sheet stays between its crossings;
-/// where walls of both directions meet, midway: nobody knows whether they meet in a corner.
+/// Restricts the limits of a sheet with a wall that no ray meets. Such a wall is only known to lie
+/// between two columns, and its direction less well, so the intersection of estimated planes is
+/// unreliable. The vertex stays between its crossings; where walls of both directions meet, midway,
+/// because whether they form a corner is unknown.
 CellLimits within_walls(std::span<const Crossing> crossings, std::span<const std::uint8_t> edges,
                         CellLimits limits) {
   const bool any = std::ranges::any_of(crossings, [](const Crossing& c) { return c.wall; });
@@ -53,13 +53,13 @@ CellLimits within_walls(std::span<const Crossing> crossings, std::span<const std
 }
 
 std::array<float, 3> unit_float(Vec3 sum) {
-  // The normals of a thin wall's two faces may cancel; any direction is as good as another there.
+  // The normals of a thin wall's two faces may cancel; the direction is then arbitrary.
   const Vec3 n = length(sum) > kNormalMin ? normalized(sum) : Vec3{0, 0, 1};
   return {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
 }
 
-/// Sorts the crossings by the side of a crease that they lie on. A guess has no side of its own
-/// unless all are guesses.
+/// Groups the crossings by the side of a crease that they lie on. Estimated crossings form a group
+/// of their own only if all are estimates.
 void group_normals(std::span<const Crossing> crossings, std::span<const std::uint8_t> edges,
                    SurfaceVertex& vertex) {
   const Crossing& one = crossings.front();
@@ -138,7 +138,7 @@ void VertexPlacement::upright(const LatticeCell& cell, int dx, int dy, Crossing&
   crossing.wall = false;
 }
 
-/// The run of a column that ends at or above the layer first.
+/// Returns the lowest run of a column that ends at or above a layer.
 const SolidRun& VertexPlacement::run_at(std::int32_t i, std::int32_t j, std::int32_t layer) const {
   const SolidRun* run = window_.runs(i, j).data();
   while (run->end < layer) ++run;
@@ -157,7 +157,7 @@ SurfaceVertex VertexPlacement::flat_vertex(Vec3 place, Vec3 normal) const {
   return vertex;
 }
 
-/// Of a sheet that crosses the four upright edges of a cell and no other.
+/// For a sheet that crosses exactly the four vertical edges of a cell.
 std::optional<SurfaceVertex> VertexPlacement::place_on_floor(const LatticeCell& cell) const {
   std::int32_t depth = 0;
   Vec3 normal;
@@ -173,7 +173,7 @@ std::optional<SurfaceVertex> VertexPlacement::place_on_floor(const LatticeCell& 
   return flat_vertex({cell.x + 0.5, cell.y + 0.5, window_.steps(depth)}, normal);
 }
 
-/// Of a sheet that crosses the four edges of a cell along X (or Y) and no other.
+/// For a sheet that crosses exactly the four edges of a cell along X (or Y).
 std::optional<SurfaceVertex> VertexPlacement::place_on_side(const LatticeCell& cell,
                                                             bool along_x) const {
   if (rays_ || !is_box_) return std::nullopt;
@@ -185,7 +185,7 @@ std::optional<SurfaceVertex> VertexPlacement::place_on_side(const LatticeCell& c
     const std::int32_t i = cell.x + (along_x ? (low ? 1 : 0) : row);
     const std::int32_t j = cell.y + (along_x ? row : (low ? 1 : 0));
     const SolidRun& run = run_at(i, j, cell.layer);
-    // An element whose ends lean may end before the side.
+    // An element with oblique ends may end before the side.
     if (run.top_normal.z != 1 || run.bottom_normal.z != -1) return std::nullopt;
   }
   const CellLimits limits = limits_of(cell);
@@ -202,7 +202,7 @@ std::optional<SurfaceVertex> VertexPlacement::place_on_side(const LatticeCell& c
 const Crossing& VertexPlacement::level(std::int32_t i, std::int32_t j, std::int32_t k,
                                        bool along_x) {
   const std::int8_t axis = along_x ? 0 : 1;
-  // Neighbours, among which the cells of one row are, have places of their own.
+  // Neighboring edges, among them those of one row of cells, have different slots.
   const auto hash = (std::uint32_t(i) * 2 + std::uint32_t(axis)) ^ std::uint32_t(j) * 73U ^
                     std::uint32_t(k) * 593U;
   SeenEdge& seen = (*seen_)[hash % kEdgesSeen];

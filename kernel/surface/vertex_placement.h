@@ -15,17 +15,17 @@
 
 namespace kerf {
 
-/// A cell of the lattice: between columns (x, y) and (x + 1, y + 1), and between samples layer - 1
-/// and layer.
+/// A cell of the lattice, between columns (x, y) and (x + 1, y + 1) and samples layer - 1 and
+/// layer.
 struct LatticeCell {
   std::int32_t x = 0, y = 0, layer = 0;
 };
 
-/// Most normals that a vertex has: of the faces that meet in a corner.
+/// Greatest number of normals of a vertex: the faces that meet in a corner.
 inline constexpr int kVertexNormalsMax = 3;
 
-/// A point of the mesh. Faces on the two sides of a crease see different normals: that of the group
-/// to which the lattice edge that they cross belongs.
+/// A vertex of the mesh. Faces on different sides of a crease use different normals: that of the
+/// group of the lattice edge that they cross.
 struct SurfaceVertex {
   std::array<float, 3> position_mm{};  ///< relative to DexelGrid::origin_mm
   std::array<std::array<float, 3>, kVertexNormalsMax> normals{};
@@ -34,24 +34,24 @@ struct SurfaceVertex {
   bool sharp = false;
 };
 
-/// Decides where the vertices of the mesh lie and which way they look, from the rays near them
-/// only, so that two tiles that compute the same vertex get the same bits.
+/// Computes positions and normals of the mesh's vertices. They depend only on nearby rays, so two
+/// tiles that compute the same vertex get the same bits.
 class VertexPlacement {
  public:
   VertexPlacement(const SolidSnapshot& solid, const ColumnWindow& window);
 
-  /// The vertex of a sheet of the cell; no two of a cell coincide.
+  /// Returns the vertex of a sheet of a cell. Vertices of one cell do not coincide.
   SurfaceVertex place(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
 
  private:
-  /// The crossings of one sheet, and the edges that they belong to.
+  /// The crossings of one sheet and their edges.
   struct Crossings {
     std::array<Crossing, 12> at;
     std::array<std::uint8_t, 12> edge{};
     std::size_t count = 0;
   };
 
-  /// A level edge that has been looked at: up to four cells ask for it.
+  /// A cached crossing of a horizontal edge, which up to four cells share.
   struct SeenEdge {
     std::int32_t i, j, k;
     std::int8_t axis = -1;  ///< 0 along X, 1 along Y; -1: none
@@ -59,8 +59,8 @@ class VertexPlacement {
   };
 
   SurfaceVertex place_alone(const LatticeCell& cell, std::uint16_t edges);
-  /// Most cells hold a piece of a level floor or of the stock's own side: their vertices need no
-  /// crossings. Nothing for any other.
+  /// Return the vertex of a cell on a horizontal floor or on the stock's own side, which most cells
+  /// are, without computing crossings; nothing for any other cell.
   std::optional<SurfaceVertex> place_on_floor(const LatticeCell& cell) const;
   std::optional<SurfaceVertex> place_on_side(const LatticeCell& cell, bool along_x) const;
   SurfaceVertex flat_vertex(Vec3 place, Vec3 normal) const;
@@ -71,13 +71,13 @@ class VertexPlacement {
   CellLimits limits_of(const LatticeCell& cell) const;
 
   const ColumnWindow& window_;
-  std::optional<LevelRays> rays_;  ///< of a block with three fields
+  std::optional<LevelRays> rays_;  ///< set if there are three fields
   LevelGuess guess_;
-  bool is_box_;                  ///< the stock
-  Vec3 stock_low_, stock_high_;  ///< in pitches, as the lattice
+  bool is_box_;                  ///< whether the stock is a box
+  Vec3 stock_low_, stock_high_;  ///< in pitches
   double margin_;
-  Crossings found_;         ///< of the sheet that is being placed
-  Scratch<SeenEdge> seen_;  ///< by a hash of the edge; a newer one takes an older one's place
+  Crossings found_;         ///< of the sheet being placed
+  Scratch<SeenEdge> seen_;  ///< by a hash of the edge; a newer entry replaces an older one
 };
 
 }  // namespace kerf

@@ -3,6 +3,11 @@
 
 namespace kerf {
 
+Rejection sample_rejection(const wire::MotionSample& sample, wire::ErrorCode code,
+                           const std::string& reason) {
+  return {code, "sample " + std::to_string(sample.agent_sequence) + ": " + reason};
+}
+
 Rejection to_rejection(const SculptureError& error) {
   using enum SculptureErrorCode;
   switch (error.code) {

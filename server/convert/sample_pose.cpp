@@ -17,12 +17,11 @@ std::expected<ToolPose, Rejection> to_pose(const wire::MotionSample& sample) {
                   "sample " + std::to_string(sample.agent_sequence) + ": " + what});
   };
   ToolPose pose;
-  pose.tip_mm = {sample.tip_mm[0], sample.tip_mm[1], sample.tip_mm[2]};
-  pose.axis = {static_cast<double>(sample.axis[0]), static_cast<double>(sample.axis[1]),
-               static_cast<double>(sample.axis[2])};
+  pose.tip_mm = sample.tip_mm;
+  pose.axis = Vec3(sample.axis);
   if (!is_finite(pose.tip_mm)) return reject("the tip is not finite");
   if (!is_finite(pose.axis)) return reject("the axis is not finite");
-  for (const double coordinate : sample.tip_mm) {
+  for (const double coordinate : {pose.tip_mm.x, pose.tip_mm.y, pose.tip_mm.z}) {
     if (std::abs(coordinate) > kCoordinateMaxMm) return reject("the tip is out of range");
   }
   if (std::abs(length(pose.axis) - 1) > wire::kAxisLengthTolerance) {
@@ -30,10 +29,5 @@ std::expected<ToolPose, Rejection> to_pose(const wire::MotionSample& sample) {
   }
   return admit_pose(pose);
 }
-
-wire::Vec3f to_wire_float(Vec3 value) {
-  return {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z)};
-}
-wire::Vec3d to_wire(Vec3 value) { return {value.x, value.y, value.z}; }
 
 }  // namespace kerf

@@ -13,8 +13,4 @@ namespace kerf {
 /// every cut of the session can be written into a program and carved again alike.
 std::expected<ToolPose, Rejection> to_pose(const wire::MotionSample& sample);
 
-/// Narrowed for the wire; the wire promises seven digits for forces.
-wire::Vec3f to_wire_float(Vec3 value);
-wire::Vec3d to_wire(Vec3 value);
-
 }  // namespace kerf

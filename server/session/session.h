@@ -13,12 +13,12 @@
 
 #include "server/formats/scene.h"
 #include "server/session/carving.h"
-#include "server/session/executor.h"
 #include "server/session/participants.h"
 #include "server/session/program_runs.h"
 #include "server/session/replay.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
+#include "server/threads/executor.h"
 
 namespace kerf {
 

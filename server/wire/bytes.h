@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <span>
 
+#include "kernel/math/vec3.h"
+
 namespace kerf::wire {
 
 /// Writes little-endian fields one after the other. The caller has checked the room.
@@ -31,6 +33,16 @@ class ByteWriter {
   template <typename T, std::size_t N>
   void field(const std::array<T, N>& values) noexcept {
     for (const T value : values) field(value);
+  }
+  void field(const Vec3& value) noexcept {
+    field(value.x);
+    field(value.y);
+    field(value.z);
+  }
+  void field(const Vec3f& value) noexcept {
+    field(value.x);
+    field(value.y);
+    field(value.z);
   }
   void bytes(std::span<const std::byte> values) noexcept {
     assert(at_ + values.size() <= out_.size());
@@ -69,6 +81,16 @@ class ByteReader {
   template <typename T, std::size_t N>
   void field(std::array<T, N>& values) noexcept {
     for (T& value : values) field(value);
+  }
+  void field(Vec3& value) noexcept {
+    field(value.x);
+    field(value.y);
+    field(value.z);
+  }
+  void field(Vec3f& value) noexcept {
+    field(value.x);
+    field(value.y);
+    field(value.z);
   }
   /// Four bytes that mean nothing yet: skipped whatever they hold, so that a newer peer may use
   /// them.

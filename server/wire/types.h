@@ -8,13 +8,11 @@
 #include <variant>
 #include <vector>
 
+#include "kernel/math/vec3.h"
 #include "server/wire/frame.h"
 #include "server/wire/limits.h"
 
 namespace kerf::wire {
-
-using Vec3f = std::array<float, 3>;
-using Vec3d = std::array<double, 3>;
 
 /// Bits of MotionSample::buttons.
 inline constexpr std::uint32_t kButtonCutting = 1;
@@ -34,7 +32,7 @@ struct MotionSample {
   std::uint64_t agent_sequence = 0;
   /// The agent's monotonic clock when the pose was read.
   std::uint64_t time_us = 0;
-  Vec3d tip_mm{};
+  Vec3 tip_mm{};
   /// From the tip to the spindle, unit length to kAxisLengthTolerance.
   Vec3f axis{0.0F, 0.0F, 1.0F};
   std::uint32_t tool_id = 0;
@@ -60,7 +58,7 @@ inline constexpr std::uint32_t kContactStock = 2;
 /// intermediate representation): what an agent needs to render the contact between two results.
 struct ContactPlane {
   /// The place of the tool that is deepest, where the answered sample put it.
-  Vec3d point_mm{};
+  Vec3 point_mm{};
   /// Unit, out of the surface: the way in which it pushes.
   Vec3f normal{};
   /// How far that place is beyond the surface; below zero: a gap that is still open.
@@ -87,7 +85,7 @@ struct Result {
   Vec3f torque_nmm{};
   float engaged_area_mm2 = 0.0F;
   Vec3f direction{};
-  Vec3d cut_centre_mm{};
+  Vec3 cut_centre_mm{};
   float specific_force_n_per_mm2 = 0.0F;
   float removed_mm3 = 0.0F;
   std::uint32_t status = 0;
@@ -105,7 +103,7 @@ struct Result {
 struct ToolState {
   std::uint32_t participant = 0;
   std::uint32_t tool_id = 0;
-  Vec3d tip_mm{};
+  Vec3 tip_mm{};
   Vec3f axis{0.0F, 0.0F, 1.0F};
   std::uint32_t status = 0;
   Vec3f force_n{};

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "server/workers/thread_pool.h"
+#include "server/threads/thread_pool.h"
 #include "tests/support/standard_job.h"
 
 namespace {

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the kernel and state_hashes once more, with another compiler, optimisation level or instruction set, and compares
-what it prints, byte for byte, with what this build's state_hashes prints. Or (--threads) runs this build's on so many threads.
+"""Builds the kernel and state_hashes with another compiler, optimization level or instruction set, and compares its output
+byte for byte with that of the reference state_hashes. With --threads, compares the reference with itself on several threads.
 
-Exit status: 0 equal, 1 different or not built, 77 this machine cannot run that build (the reason is printed).
+Exit status: 0 equal; 1 different, or the build failed; 77 this machine cannot run that build (the reason is printed).
 """
 
 import argparse
@@ -15,7 +15,7 @@ import sys
 
 CANNOT_RUN = 77
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
-# What x86-64-v3 and x86-64-v4 ask of a CPU, as /proc/cpuinfo names it.
+# CPU features that x86-64-v3 and x86-64-v4 require, as named in /proc/cpuinfo.
 V3 = {"avx2", "fma", "bmi2"}
 V4 = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
 
@@ -23,16 +23,16 @@ V4 = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--compiler")
-    parser.add_argument("--flags", help="what the compiler is asked for, e.g. -O2")
+    parser.add_argument("--flags", help="compiler flags, e.g. -O2")
     parser.add_argument("--vector", choices=["clones", "avx2", "avx512", "none"])
     parser.add_argument("--folder", type=pathlib.Path, help="where to build")
-    parser.add_argument("--threads", type=int, nargs="+", help="build nothing: numbers of threads to compare with one")
-    parser.add_argument("--reference", required=True, type=pathlib.Path, help="the state_hashes to compare with")
+    parser.add_argument("--threads", type=int, nargs="+", help="numbers of threads to compare with one; builds nothing")
+    parser.add_argument("--reference", required=True, type=pathlib.Path, help="state_hashes program to compare with")
     return parser.parse_args()
 
 
 def why_not(options):
-    """Why this machine cannot run the build, or nothing."""
+    """Returns why this machine cannot run the build, or an empty string."""
     if shutil.which(options.compiler) is None:
         return f"{options.compiler} is not installed"
     needs = set()
@@ -45,7 +45,7 @@ def why_not(options):
 
 
 def build(options):
-    # Not the environment's compiler or flags: this build says itself what it is made with.
+    # Ignore the environment's compiler and flags: this build sets its own.
     environment = {k: v for k, v in os.environ.items() if k not in ("CXX", "CXXFLAGS", "CC", "CFLAGS")}
     launcher = shutil.which("ccache")
     configure = ["cmake", "-G", "Ninja", "-S", SOURCES, "-B", options.folder, "-DKERF_KERNEL_ONLY=ON",
@@ -53,7 +53,7 @@ def build(options):
                  f"-DKERF_VECTOR={options.vector}"]
     if launcher:
         configure.append(f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}")
-    # One job: ctest itself runs several of these builds at a time.
+    # One job, because ctest runs several of these builds at a time.
     for command in (configure, ["cmake", "--build", options.folder, "--target", "state_hashes", "-j", "1"]):
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode != 0:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs one job for every tool, ray model, motion model and force law and prints, a line each, the
-// hash of the state and the hash of every result: forces, volumes, tiles. Two builds of the kernel
-// that print the same bytes agree to the last bit. Nothing here may depend on the machine: poses
-// come from whole numbers by + − × ÷ √ alone. Usage: state_hashes [threads=1]; what is printed does
-// not depend on that either.
+// Runs one job for every tool, ray model, motion model and force law, and prints one line for each
+// with the hashes of the state, of all results (forces, volumes, tiles) and of the mesh. Two builds
+// of the kernel that print the same bytes agree to the last bit. The jobs do not depend on the
+// machine: poses are computed from integers by + − × ÷ √ alone. Usage: state_hashes [threads=1];
+// the output does not depend on the number of threads.
 
 #include <array>
 #include <bit>
@@ -40,12 +40,12 @@ std::vector<NamedTool> tools() {
                            {ProfilePoint{0, 0}, ProfileArc{{1, 5.828}, 3}, ProfilePoint{1, 30}}})}};
 }
 
-/// Knuth's 64-bit linear congruence: the same numbers everywhere, unlike the distributions of
-/// <random>.
+/// Knuth's 64-bit linear congruential generator: the same numbers on every platform, unlike the
+/// distributions of <random>.
 class Numbers {
  public:
   explicit Numbers(std::uint64_t seed) : state_(seed) {}
-  /// Uniform in [lo, hi), a multiple of (hi − lo) / 2^20.
+  /// Returns a number uniform in [lo, hi), lo plus a multiple of (hi − lo) / 2^20.
   double in(double lo, double hi) {
     state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
     return lo + (hi - lo) * (double(state_ >> 44) / 1048576);
@@ -59,7 +59,8 @@ class Numbers {
   std::uint64_t state_;
 };
 
-/// A wandering path: short moves and long ones, axis steady, turning slowly, and swinging far.
+/// Returns a random path of short and long moves whose axis is constant, turns slowly or swings
+/// far.
 std::vector<ToolPose> path(std::uint64_t seed, int moves) {
   Numbers numbers(seed);
   std::vector<ToolPose> poses{{{0, 0, -1}, {0, 0, 1}}};
@@ -118,7 +119,7 @@ std::uint64_t mesh_hash(const SolidSnapshot& snapshot) {
   return hash.value();
 }
 
-/// Blocks right across, so that there is work for several threads: every other one turns.
+/// Returns moves across the whole block, enough work for several threads. Every other one turns.
 std::vector<ToolPose> long_path(std::uint64_t seed, int moves) {
   Numbers numbers(seed);
   std::vector<ToolPose> poses{{{-62, 0, -1}, {0, 0, 1}}};
@@ -150,7 +151,7 @@ void run(const std::string& name, const SculptureSettings& settings, const Tool&
               hex(sculpture.state_hash()), hex(results.value()), hex(mesh_hash(sculpture.solid())));
 }
 
-/// Overlapping octahedra whose corners are where the numbers want them.
+/// Returns overlapping octahedra at random positions.
 std::shared_ptr<const TriangleMesh> mesh_stock() {
   auto mesh = std::make_shared<TriangleMesh>();
   Numbers numbers(77);
@@ -221,6 +222,6 @@ int main(int argc, char** argv) {
       run(tool.name + " long " + to_string(rays), wide, tool.tool, long_path(++seed, 3), workers);
     }
   }
-  // Several threads that were never asked for anything would show nothing.
+  // Fails if several threads were available but never used: the comparison would prove nothing.
   return workers.count() > 1 && workers.runs() == 0 ? 1 : 0;
 }

@@ -25,7 +25,7 @@ Sculpture sculpture() {
   return s;
 }
 
-TEST(Sculpture, RejectsBadSettingsByName) {
+TEST(Sculpture, RejectsBadSettingsWithTheirCode) {
   using enum SculptureErrorCode;
   const auto code = [](auto change) {
     SculptureSettings s = settings();
@@ -46,7 +46,7 @@ TEST(Sculpture, RejectsBadSettingsByName) {
             kBadObstacle);
 }
 
-TEST(Sculpture, RejectedCommandLeavesItAsItWas) {
+TEST(Sculpture, RejectedCommandChangesNothing) {
   using enum SculptureErrorCode;
   auto s = sculpture();
   const std::uint64_t hash = s.state_hash();
@@ -73,7 +73,7 @@ TEST(Sculpture, RejectedCommandLeavesItAsItWas) {
   EXPECT_EQ(s.motions(), motions);
 }
 
-TEST(Sculpture, RejectsAMotionThatWouldNeedForever) {
+TEST(Sculpture, RejectsAMotionWithTooManySubMotions) {
   SculptureSettings slow = settings();
   slow.tolerance_mm = 1e-6;
   slow.motion = MotionModel::kPaper;
@@ -84,7 +84,7 @@ TEST(Sculpture, RejectsAMotionThatWouldNeedForever) {
   EXPECT_EQ(r.error().code, SculptureErrorCode::kTooManySubMotions);
 }
 
-TEST(Sculpture, TurnsOfUpTo170DegreesAreCarved) {
+TEST(Sculpture, CarvesTurnsOfUpTo170Degrees) {
   auto s = sculpture();
   const double angle = 169.9 * M_PI / 180;
   const auto r = s.apply(

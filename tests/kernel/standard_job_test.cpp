@@ -31,7 +31,7 @@ TEST(StandardJob, ThreeAxisEndPointsAreExact) {
   std::vector<Dexel> scratch;
   double worst = 0;
   for (int j = 4; j < g.columns_y - 4; ++j) {
-    for (int i = 12; i < g.columns_x - 12; ++i) {  // Beside the rows' ends, where the tool turns.
+    for (int i = 12; i < g.columns_x - 12; ++i) {  // Without the rows' ends, where the tool turns.
       const auto column = snapshot.column(i, j, scratch);
       ASSERT_EQ(column.size(), 1u);
       worst = std::max(worst, std::abs(g.z_mm(column[0].top) - test::standard_surface(g.y_mm(j))));
@@ -46,8 +46,8 @@ TEST(StandardJob, ThreeAxisVolumeAtATenthOfAMillimetre) {
   EXPECT_NEAR(s.removed_volume_mm3() / test::kStandardRemovedMm3, 1, 2e-4);
 }
 
-/// Greatest end-point error along the ray of a five-axis carving with a ball, over a sample of
-/// columns.
+/// Returns the greatest end-point error along the ray of a five-axis carving with a ball, over a
+/// sample of columns.
 double worst_error(Sculpture& s, const std::vector<ToolPose>& path, std::size_t moves) {
   const DexelSnapshot snapshot = s.snapshot();
   const DexelGrid& g = snapshot.grid();
@@ -75,15 +75,15 @@ double worst_error(Sculpture& s, const std::vector<ToolPose>& path, std::size_t 
 }
 
 TEST(StandardJob, FiveAxisEndPointsAreWithinTolerance) {
-  constexpr std::size_t kMoves = 1020;  // Ten rows: every lean and direction of the job.
+  constexpr std::size_t kMoves = 1020;  // Ten rows: every tilt and direction of the job.
   for (const double tolerance : {0.001, 0.01}) {
     auto s = carve(true, 0.5, tolerance, BallShape{10, 50}, kMoves);
     EXPECT_LE(worst_error(s, test::standard_path(true), kMoves), tolerance);
   }
 }
 
-// Literal hashes: whoever changes them changes what every journal replays to. They hold at any
-// optimisation level and on any CPU.
+// Literal hashes: changing them changes the state that every journal replays to. They hold at any
+// optimization level and on any CPU.
 TEST(Determinism, StandardJobHashes) {
   EXPECT_EQ(carve(false, 0.5, 0.001, BallShape{10, 50}).state_hash(), 8953745086271116946ULL);
   EXPECT_EQ(carve(true, 0.5, 0.001, BallShape{10, 50}, 1500).state_hash(), 14887893954951033253ULL);

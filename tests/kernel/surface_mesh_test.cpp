@@ -47,7 +47,7 @@ TEST(SurfaceMesh, UntouchedBoxIsExact) {
   }
 }
 
-TEST(SurfaceMesh, EdgesOfABoxAreShadedSharp) {
+TEST(SurfaceMesh, BoxEdgesHaveSeparateNormals) {
   Sculpture sculpture = make_sculpture(BoxStock{{0, 0, 0}, {6, 6, 6}}, 0.5);
   for (const TileMesh& mesh : mesh_all(sculpture.solid())) {
     for (const auto& n : mesh.normals) {
@@ -66,7 +66,8 @@ TEST(SurfaceMesh, RandomCarvingsAreClosedManifolds) {
     const MeshReport report = check_mesh(mesh_all(sculpture.solid()));
     expect_closed(report);
     EXPECT_GT(report.triangles, 1000U);
-    // Positive only if the triangles look outward; the rest is what the lattice cannot see.
+    // Positive only if the triangles face outward. The difference is below the lattice's
+    // resolution.
     Sculpture fine = make_sculpture(kBlock, 0.1);
     RandomCarver again(fine, kBlock.min_mm, kBlock.max_mm, seed);
     for (unsigned n = 0; n < 10 * seed; ++n) again.cut();
@@ -102,7 +103,7 @@ TEST(SurfaceMesh, BallDentFollowsTheBall) {
       const auto& q = mesh.positions_mm[v];
       const Vec3 p = Vec3{double(q[0]), double(q[1]), double(q[2])} + snapshot.grid().origin_mm;
       const Vec3 from_center = p - Vec3{0.1, 0.03, 2};
-      // The rim is a crease; the walls and the bottom of the block are farther away.
+      // Excludes the rim, which is a crease, and the walls and the bottom of the block.
       if (p.z > -0.5 || p.z < -5 || std::hypot(p.x, p.y) > 7) continue;
       worst_mm = std::max(worst_mm, std::abs(length(from_center) - 6));
       const auto& n = mesh.normals[v];
@@ -137,7 +138,7 @@ TEST(SurfaceMesh, FloorOfAPocketKeepsItsHeight) {
   EXPECT_GT(wall, 100U);
 }
 
-TEST(SurfaceMesh, WallsThatStandSlantedAreStraight) {
+TEST(SurfaceMesh, ObliqueWallsAreStraight) {
   Sculpture sculpture = make_sculpture(BoxStock{{0, 0, 0}, {30, 30, 5}}, 0.25);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, make_tool(FlatShape{4, 40}).value()}));
   ASSERT_TRUE(sculpture.apply(MoveTool{1, {{4, 8, 1}}, {{26, 15, 1}}, 1, false}));
@@ -156,7 +157,7 @@ TEST(SurfaceMesh, WallsThatStandSlantedAreStraight) {
   EXPECT_LT(worst_mm, 0.45 * 0.25);  // a staircase would be off by up to 0.68 pitches
 }
 
-TEST(SurfaceMesh, TilesDoNotDependOnTheirOrderOrHistory) {
+TEST(SurfaceMesh, TilesDoNotDependOnOrderOrHistory) {
   Sculpture sculpture = make_sculpture(kBlock, 0.25);
   RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, 7);
   const DexelGrid& grid = sculpture.grid();
@@ -172,11 +173,11 @@ TEST(SurfaceMesh, TilesDoNotDependOnTheirOrderOrHistory) {
   expect_closed(check_mesh(meshes));
 }
 
-TEST(SurfaceMesh, SolidsThinnerThanTheLatticeVanishAndLeaveNoHole) {
+TEST(SurfaceMesh, FeaturesBelowTheLatticeVanishWithoutHoles) {
   Sculpture sculpture = make_sculpture(BoxStock{{0, 0, 0}, {10, 10, 4}}, 0.5);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, make_tool(FlatShape{3, 40}).value()}));
-  // From below z = 3.45 everything is cut away under a skin of 0.05 that contains no sample, and a
-  // floor is left.
+  // Everything below z = 3.45 is removed down to a floor, under a skin of 0.05 that contains no
+  // sample.
   const Vec3 sideways{1, 0, 0};
   ASSERT_TRUE(
       sculpture.apply(MoveTool{1, {{-1, 5, 2.4}, sideways}, {{-1, 5, 2.4}, sideways}, 1, false}));
@@ -185,7 +186,7 @@ TEST(SurfaceMesh, SolidsThinnerThanTheLatticeVanishAndLeaveNoHole) {
   EXPECT_GT(report.volume_mm3, 0);
 }
 
-TEST(SurfaceMesh, NothingLeftGivesNoTriangle) {
+TEST(SurfaceMesh, EmptyBlockHasNoTriangles) {
   Sculpture sculpture = make_sculpture(BoxStock{{0, 0, 0}, {4, 4, 4}}, 0.5);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, make_tool(FlatShape{20, 40}).value()}));
   ASSERT_TRUE(sculpture.apply(MoveTool{1, {{2, 2, -1}}, {{2, 2, -1}}, 1, false}));
@@ -195,7 +196,7 @@ TEST(SurfaceMesh, NothingLeftGivesNoTriangle) {
 TEST(SurfaceMesh, BytesAreTheSameEverywhere) {
   Sculpture sculpture = make_sculpture(kBlock, 0.4);
   RandomCarver carver(sculpture, kBlock.min_mm, kBlock.max_mm, 99);
-  // Resting balls only: the hash is to depend on the mesh, not on how motions are cut.
+  // Only balls at rest, so that the hash depends on the mesher, not on the sweeps.
   for (int n = 0; n < 40; ++n) {
     const double x = carver.uniform(-10, 15);
     const double y = carver.uniform(5, 24);
@@ -205,7 +206,7 @@ TEST(SurfaceMesh, BytesAreTheSameEverywhere) {
   EXPECT_EQ(check_mesh(mesh_all(sculpture.solid())).hash, 7235381500455529747U);
 }
 
-TEST(TilesToRemesh, AreTheTileAndItsNeighboursWithinTheGrid) {
+TEST(TilesToRemesh, AreTheTileAndItsNeighborsWithinTheGrid) {
   DexelGrid grid;
   grid.columns_x = 32 * 3;
   grid.columns_y = 32 * 2;

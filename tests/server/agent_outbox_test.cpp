@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What leaves first for an agent, and what is replaced by something newer.
 
-#include "server/net/agent_outbox.h"
+#include "server/conversation/agent_outbox.h"
 
 #include <gtest/gtest.h>
 
-#include "server/net/control_queue.h"
+#include "server/conversation/control_queue.h"
 
 namespace kerf::net {
 namespace {

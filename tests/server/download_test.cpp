@@ -5,9 +5,9 @@
 #include <fstream>
 #include <thread>
 
-#include "server/net/byte_range.h"
-#include "server/net/download_cache.h"
-#include "server/net/download_name.h"
+#include "server/http/byte_range.h"
+#include "server/http/download_cache.h"
+#include "server/http/download_name.h"
 #include "tests/server/temporary_folder.h"
 
 namespace kerf::net {

@@ -4,7 +4,7 @@
 #include <deque>
 #include <utility>
 
-#include "server/session/executor.h"
+#include "server/threads/executor.h"
 
 namespace kerf::test {
 

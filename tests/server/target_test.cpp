@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "server/net/api.h"
+#include "server/http/api.h"
 
 namespace kerf::net {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/workers/thread_pool.h"
+#include "server/threads/thread_pool.h"
 
 #include <gtest/gtest.h>
 

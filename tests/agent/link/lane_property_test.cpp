@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "haptic_agent/link/traffic.h"
+#include "server/conversation/sample_gate.h"
 #include "server/datagram/layout.h"
-#include "server/net/sample_gate.h"
 #include "server/wire/codec.h"
 
 namespace kerf::agent {

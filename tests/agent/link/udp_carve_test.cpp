@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "haptic_agent/link/server_link.h"
-#include "server/net/on_executor.h"
-#include "server/net/server.h"
+#include "server/server.h"
+#include "server/threads/run_and_wait.h"
 #include "tests/agent/link/lossy_line.h"
 #include "tests/server/temporary_folder.h"
 
@@ -67,7 +67,7 @@ class UdpCarve : public testing::Test {
     net::ServerOptions options;
     options.port = 0;
     options.udp.port = 0;
-    options.data_folder = folder_.path();
+    options.http.data_folder = folder_.path();
     auto made = net::Server::create(options);
     ASSERT_TRUE(made) << made.error();
     server = std::move(*made);
@@ -113,9 +113,9 @@ class UdpCarve : public testing::Test {
     EXPECT_EQ(carved.report.failure, "");
     EXPECT_EQ(carved.report.unanswered, 0U);
     EXPECT_EQ(carved.report.merged_cuts + carved.report.thinned_cuts, 0U);
-    net::on_executor(**block, [&](Session& s) {
-      carved.hash = s.solid().hash();
-      carved.motions = s.info().motions;
+    run_and_wait((*block)->executor(), [&] {
+      carved.hash = (*block)->solid().hash();
+      carved.motions = (*block)->info().motions;
       return 0;
     });
     return carved;

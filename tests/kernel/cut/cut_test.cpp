@@ -53,7 +53,7 @@ TEST(Cut, ShortensTheBottom) {
   EXPECT_EQ(c[0].top, s.grid().height_quanta);
 }
 
-TEST(Cut, SplitsAColumnAndSplitsItAgain) {
+TEST(Cut, SplitsAColumnTwice) {
   Sculpture s = block();
   s.apply(stand(1, {20, 20, 12})).value();
   s.apply(stand(1, {20, 20, 3})).value();
@@ -63,18 +63,18 @@ TEST(Cut, SplitsAColumnAndSplitsItAgain) {
   EXPECT_DOUBLE_EQ(s.grid().z_mm(c[1].bottom), 8);
   EXPECT_DOUBLE_EQ(s.grid().z_mm(c[1].top), 12);
   EXPECT_DOUBLE_EQ(s.grid().z_mm(c[2].bottom), 17);
-  s.apply(stand(1, {20, 20, 7.5})).value();  // Takes the middle element and joins the two gaps.
+  s.apply(stand(1, {20, 20, 7.5})).value();  // Removes the middle element and joins the two gaps.
   EXPECT_EQ(column_at(s, 20.1, 20.1).size(), 2u);
 }
 
-TEST(Cut, AnySequenceOfCutsLeavesOfAColumnWhatASetOfDepthsDoes) {
+TEST(Cut, MatchesBruteForceSetOfDepths) {
   Sculpture s = block();
   const std::vector<double> lengths{0.1, 0.3, 1, 2.5};
   for (std::size_t k = 0; k < lengths.size(); ++k) {
     s.apply(DefineTool{ToolId(10 + k), *make_tool(FlatShape{10, lengths[k]})}).value();
   }
   const DexelGrid& grid = s.grid();
-  // One character for each 0.05 mm of a column: solid or not.
+  // One character per 0.05 mm of a column: solid or not.
   constexpr int kParts = 400;
   std::vector<bool> solid(kParts, true);
   std::mt19937 random(7);
@@ -105,13 +105,13 @@ TEST(Cut, AnySequenceOfCutsLeavesOfAColumnWhatASetOfDepthsDoes) {
   }
 }
 
-TEST(Cut, CanTakeAColumnAway) {
+TEST(Cut, RemovesAWholeColumn) {
   Sculpture s = block();
   for (const double z : {0.0, 5.0, 10.0, 15.0}) s.apply(stand(1, {20, 20, z})).value();
   EXPECT_TRUE(column_at(s, 20.1, 20.1).empty());
 }
 
-TEST(Cut, TheSamePathAgainChangesNothing) {
+TEST(Cut, RepeatedPathChangesNothing) {
   Sculpture s = block();
   const MoveTool move{2, {{5, 5, 14}, kUp}, {{33, 30, 11}, normalized({0.2, 0.1, 1})}, 1};
   EXPECT_GT(s.apply(move).value().removed_mm3, 10);
@@ -140,7 +140,7 @@ std::vector<MoveTool> random_moves(unsigned seed, int count) {
   return moves;
 }
 
-TEST(Cut, AnyOrderOfTheSameMotionsLeavesTheSameBytes) {
+TEST(Cut, MotionsCommuteToTheBit) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     std::vector<MoveTool> moves = random_moves(seed, 40);
     Sculpture first = block();
@@ -154,7 +154,7 @@ TEST(Cut, AnyOrderOfTheSameMotionsLeavesTheSameBytes) {
   }
 }
 
-TEST(Cut, VolumeOnlyFallsAndAddsUp) {
+TEST(Cut, VolumeDecreasesByTheRemovedVolume) {
   Sculpture s = block();
   double removed = 0;
   for (const MoveTool& m : random_moves(9, 60)) {
@@ -165,7 +165,7 @@ TEST(Cut, VolumeOnlyFallsAndAddsUp) {
   EXPECT_NEAR(s.snapshot().volume_mm3(), s.stock_volume_mm3() - removed, 1e-6);
 }
 
-TEST(Cut, SplittingATranslationChangesNothingBeyondRounding) {
+TEST(Cut, SplittingATranslationChangesOnlyRounding) {
   Sculpture whole = block(), halves = block();
   const ToolPose a{{5, 8, 14}, normalized({0.3, -0.1, 1})}, b{{31, 27, 12}, a.axis};
   const ToolPose middle{(a.tip_mm + b.tip_mm) * 0.5, a.axis};
@@ -186,7 +186,7 @@ TEST(Cut, SplittingATranslationChangesNothingBeyondRounding) {
   }
 }
 
-TEST(Cut, ATornDownSnapshotKeepsWhatItSaw) {
+TEST(Cut, SnapshotOutlivesTheSculpture) {
   Sculpture s = block();
   s.apply(stand(1, {20, 20, 17})).value();
   const DexelSnapshot before = s.snapshot();
@@ -197,7 +197,7 @@ TEST(Cut, ATornDownSnapshotKeepsWhatItSaw) {
   EXPECT_NE(s.state_hash(), hash);
 }
 
-TEST(Cut, TouchesOnlyTheTilesItChanges) {
+TEST(Cut, StoresOnlyTheTilesItChanges) {
   Sculpture s = block();  // 80 x 80 columns: 3 x 3 tiles of 16 mm
   const MotionResult r = s.apply(stand(2, {8, 8, 15})).value();
   EXPECT_EQ(r.changed_tiles, (std::vector<TileIndex>{{0, 0}}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Long motions on several threads: the same bytes as on one.
+// Long motions on several threads give the same bytes as on one.
 
 #include <gtest/gtest.h>
 
@@ -25,8 +25,8 @@ Sculpture block(const StockShape& stock, Rays rays, const ToolShape& shape) {
   return s;
 }
 
-/// Across the block and back, crossing what was cut before: level, plunging, turning; some of it
-/// beside the block and through its border.
+/// Motions across the block and back, crossing earlier cuts: horizontal, plunging and turning, some
+/// of them outside the block and through its border.
 std::vector<ToolPose> long_path() {
   return {{{-3, 10, 15}, kUp},
           {{73, 25, 15}, kUp},
@@ -45,7 +45,7 @@ void expect_same(const MotionResult& a, const MotionResult& b) {
   EXPECT_EQ(a.changed_tiles, b.changed_tiles);
 }
 
-TEST(Threads, LongMotionsGiveTheSameBytesOnAnyNumberOfThem) {
+TEST(Threads, LongMotionsGiveTheSameBytesOnAnyNumberOfThreads) {
   for (const StockShape& stock : {StockShape{BoxStock{{0, 0, 0}, {70, 70, 20}}},
                                   StockShape{CylinderStock{35, 35, 34, 0, 20}}}) {
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
@@ -61,7 +61,7 @@ TEST(Threads, LongMotionsGiveTheSameBytesOnAnyNumberOfThem) {
           const MotionResult expected = alone.apply(move).value();
           expect_same(two.apply(move, pair).value(), expected);
           expect_same(five.apply(move, many).value(), expected);
-          // A picture is taken now and then: tiles are copied then, not changed where they are.
+          // Some snapshots, after which tiles are copied instead of edited in place.
           const DexelSnapshot before = five.snapshot();
           ASSERT_EQ(five.state_hash(), alone.state_hash());
           EXPECT_EQ(before.hash(), alone.snapshot().hash());
@@ -74,7 +74,7 @@ TEST(Threads, LongMotionsGiveTheSameBytesOnAnyNumberOfThem) {
   }
 }
 
-TEST(Threads, APictureStaysAsItWasWhileThreadsCarveOn) {
+TEST(Threads, SnapshotIsImmutableWhileThreadsCarve) {
   Sculpture s = block(BoxStock{{0, 0, 0}, {70, 70, 20}}, Rays::kTriDexel, BallShape{10, 40});
   test::ThreadWorkers many(4);
   const std::vector<ToolPose> path = long_path();
@@ -88,7 +88,7 @@ TEST(Threads, APictureStaysAsItWasWhileThreadsCarveOn) {
   EXPECT_NE(s.state_hash(), hash);
 }
 
-TEST(Threads, AShortMotionAsksNobody) {
+TEST(Threads, ShortMotionRunsOnTheCallingThread) {
   Sculpture s = block(BoxStock{{0, 0, 0}, {70, 70, 20}}, Rays::kTriDexel, BallShape{6, 40});
   test::ThreadWorkers many(4);
   for (int i = 0; i < 40; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields as wholes: snapshots stay, hashes compare solids, and a block costs what was touched of
-// it, from 1 mm to 10 m and far from the origin.
+// Dexel fields: snapshots are immutable, hashes identify solids, and memory is proportional to the
+// touched area, for blocks from 1 mm to 10 m and far from the origin.
 
 #include "kernel/dexel/dexel_field.h"
 
@@ -37,7 +37,7 @@ std::vector<Dexel> column(const DexelSnapshot& s, std::int32_t i, std::int32_t j
   return {c.begin(), c.end()};
 }
 
-TEST(DexelSnapshot, StaysAsItWasWhileTheFieldGoesOn) {
+TEST(DexelSnapshot, IsImmutableWhileTheFieldChanges) {
   std::optional<DexelSnapshot> before, between;
   std::uint64_t hash_before = 0, hash_between = 0;
   double volume_between = 0;
@@ -53,7 +53,7 @@ TEST(DexelSnapshot, StaysAsItWasWhileTheFieldGoesOn) {
     cut(s, {10, 590, 15}, {590, 10, 15});
     EXPECT_NE(s.state_hash(), hash_between);
   }
-  // The field is gone; its pictures are not.
+  // The snapshots outlive the field.
   EXPECT_EQ(before->hash(), hash_before);
   EXPECT_FALSE(before->touched({3, 3}));
   EXPECT_EQ(between->hash(), hash_between);
@@ -61,13 +61,13 @@ TEST(DexelSnapshot, StaysAsItWasWhileTheFieldGoesOn) {
   EXPECT_NE(hash_before, hash_between);
 }
 
-/// The first tile, as a cut gets hold of it.
+/// Returns the first tile for editing, as a cut does.
 DexelTile& edit(DexelField& field) {
   if (field.editable({0, 0}) == nullptr) field.put({0, 0}, field.fresh({0, 0}));
   return *field.editable({0, 0});
 }
 
-TEST(DexelSnapshot, ATouchedTileThatIsAsBeforeHashesLikeAnUntouchedOne) {
+TEST(DexelSnapshot, HashIgnoresTouchedTilesThatEqualTheStock) {
   for (const StockShape& stock : {StockShape{BoxStock{{0, 0, 0}, {40, 40, 40}}},
                                   StockShape{CylinderStock{20, 20, 19, 0, 40}}}) {
     for (const RayAxis axis : {RayAxis::kX, RayAxis::kY, RayAxis::kZ}) {
@@ -80,7 +80,7 @@ TEST(DexelSnapshot, ATouchedTileThatIsAsBeforeHashesLikeAnUntouchedOne) {
       EXPECT_EQ(touched.hash(), untouched);
       EXPECT_EQ(touched.volume_mm3(), volume);
       EXPECT_EQ(volume, field.stock_volume_mm3());
-      // One quantum of one column is a different solid; which one, too.
+      // Removing one quantum of one column changes the hash, and so does the choice of the column.
       DexelTile& own = edit(field);
       EXPECT_NE(&own, tile);
       const std::size_t inner = 31 * kTileSide + 31;
@@ -97,7 +97,7 @@ TEST(DexelSnapshot, ATouchedTileThatIsAsBeforeHashesLikeAnUntouchedOne) {
   }
 }
 
-TEST(DexelSnapshot, HashTellsFieldsAndStocksApart) {
+TEST(DexelSnapshot, HashDependsOnAxisAndStock) {
   const auto hash = [](const StockShape& stock, RayAxis axis) {
     return DexelField(stock, 0.5, axis).snapshot().hash();
   };
@@ -110,7 +110,7 @@ TEST(DexelSnapshot, HashTellsFieldsAndStocksApart) {
             hash(CylinderStock{5, 5, 4.99, 0, 10}, RayAxis::kZ));
 }
 
-TEST(DexelSnapshot, VolumeIsWhatTheColumnsHold) {
+TEST(DexelSnapshot, VolumeIsTheSumOverColumns) {
   auto s = block(CylinderStock{0, 0, 25, 0, 30}, 0.5, Rays::kTriDexel);
   cut(s, {-20, 3, 12}, {20, 5, 22});
   cut(s, {-30, -8, 12}, {30, 9, 12});
@@ -127,7 +127,7 @@ TEST(DexelSnapshot, VolumeIsWhatTheColumnsHold) {
   }
 }
 
-TEST(Field, AHandsBreadthOfATenMetreBlockCostsThatHandsBreadth) {
+TEST(Field, MemoryIsProportionalToTouchedArea) {
   // 10^10 columns, three times.
   auto s = block(BoxStock{{-5000, -5000, -5000}, {5000, 5000, 5000}}, 0.1, Rays::kTriDexel);
   const double stock = 1e12;
@@ -135,7 +135,7 @@ TEST(Field, AHandsBreadthOfATenMetreBlockCostsThatHandsBreadth) {
   EXPECT_LT(s.memory_bytes(), 32768u);
   const MotionResult r = cut(s, {1000, 2000, 4998}, {1050, 2000, 4998});
   EXPECT_FALSE(r.changed_tiles.empty());
-  // A segment of a circle times the way, and a cap of the ball.
+  // A circular segment times the path, and a cap of the ball.
   const double exact = 50 * (25 * std::acos(0.6) - 12) + std::numbers::pi * 4 * 13 / 3;
   EXPECT_NEAR(r.removed_mm3, exact, 0.01 * exact);
   EXPECT_LT(s.memory_bytes(), 4u << 20);
@@ -149,7 +149,7 @@ TEST(Field, AHandsBreadthOfATenMetreBlockCostsThatHandsBreadth) {
   EXPECT_EQ(s.snapshot(RayAxis::kX).grid().columns_x, 100000);
 }
 
-/// Bytes that a touched column costs in a block that is touched all over.
+/// Returns the bytes per column of a block that is touched everywhere.
 double bytes_of_a_column(bool keep_normals) {
   SculptureSettings settings;
   settings.stock = BoxStock{{0, 0, 0}, {400, 400, 20}};
@@ -171,18 +171,18 @@ double bytes_of_a_column(bool keep_normals) {
   return double(s.memory_bytes() - before) / double(tiles * kTileColumns);
 }
 
-TEST(Field, TouchedColumnsOfOneElementCostLessThanTwiceTheirBytes) {
+TEST(Field, TouchedColumnTakesLessThanTwiceItsElement) {
   EXPECT_LT(bytes_of_a_column(false), 2 * sizeof(Dexel));
 }
 
-TEST(Field, NormalsTakeNoMoreThanTheEndsThatTheyBelongTo) {
+TEST(Field, NormalsTakeNoMoreMemoryThanTheEnds) {
   const double without = bytes_of_a_column(false), with = bytes_of_a_column(true);
   EXPECT_GT(with, without);
   EXPECT_LT(with, without + 1.1 * sizeof(EndCodes));
 }
 
-TEST(Field, ABlockOfOneMillimetreIsCarvedLikeABigOne) {
-  // The same job in three sizes, to a power of two: the same columns to the bit.
+TEST(Field, CarvingScalesByPowersOfTwoToTheBit) {
+  // The same job scaled by powers of two gives the same columns to the bit.
   std::vector<std::vector<Dexel>> first;
   for (const double scale : {1.0, 16.0, 1.0 / 16}) {
     SculptureSettings settings;
@@ -207,7 +207,7 @@ TEST(Field, ABlockOfOneMillimetreIsCarvedLikeABigOne) {
   }
 }
 
-TEST(Field, FarFromTheOriginABlockIsCarvedAlike) {
+TEST(Field, CarvingIsInvariantUnderTranslation) {
   const auto carve = [](Vec3 offset) {
     auto s = block(BoxStock{offset, offset + Vec3{30, 20, 15}}, 0.25, Rays::kTriDexel);
     cut(s, offset + Vec3{5, 5, 12}, offset + Vec3{25, 13, 9});
@@ -230,7 +230,7 @@ TEST(Field, FarFromTheOriginABlockIsCarvedAlike) {
           }
         }
       }
-      // Coordinates of 10^4 mm are rounded to 2e-12 mm; a ray that grazes makes much of it.
+      // Coordinates of 10^4 mm are rounded to 2e-12 mm; a grazing ray amplifies that.
       EXPECT_LE(worst * a.grid().z_quantum_mm, 1e-6);
     }
   }

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-/// `count` elements with gaps between them, different for each seed.
+/// Returns `count` elements with gaps between them, which depend on the seed.
 std::vector<Dexel> some_elements(int count, std::int32_t seed) {
   std::vector<Dexel> elements;
   for (std::int32_t k = 0; k < count; ++k) {
@@ -33,13 +33,13 @@ std::vector<Dexel> read(const DexelTile& tile, int column) {
   return out;
 }
 
-TEST(DexelTile, GivesBackWhatWasWrittenWhateverCameBetween) {
+TEST(DexelTile, ReadsBackRandomWrites) {
   DexelTile tile = whole_tile();
   std::map<int, std::vector<Dexel>> expected;
   std::mt19937 random(7);
   for (int step = 0; step < 20000; ++step) {
     const int column = static_cast<int>(random() % kTileColumns);
-    // Mostly few elements, sometimes very many, often none or one.
+    // Often none or one element, mostly few, sometimes very many.
     const int count = static_cast<int>(random() % 8 == 0 ? random() % 200 : random() % 5);
     expected[column] = some_elements(count, step);
     tile.write(column, expected[column]);
@@ -54,7 +54,7 @@ TEST(DexelTile, GivesBackWhatWasWrittenWhateverCameBetween) {
   }
 }
 
-TEST(DexelTile, ACopyIsIndependent) {
+TEST(DexelTile, CopyIsIndependent) {
   DexelTile tile = whole_tile();
   tile.write(5, some_elements(9, 1));
   DexelTile copy = tile;
@@ -65,18 +65,18 @@ TEST(DexelTile, ACopyIsIndependent) {
   EXPECT_EQ(read(copy, 5), some_elements(3, 2));
 }
 
-TEST(DexelTile, HoldsAColumnOfOneElementInLessThanTwiceItsBytes) {
+TEST(DexelTile, ColumnOfOneElementTakesLessThanTwiceItsSize) {
   const DexelTile tile = whole_tile();
   EXPECT_LT(tile.bytes(), 2 * kTileColumns * sizeof(Dexel));
 }
 
-TEST(DexelTile, HoldsManyElementsInAFewTimesTheirBytes) {
+TEST(DexelTile, ManyElementsTakeAFewTimesTheirSize) {
   DexelTile tile = whole_tile();
   for (int column = 0; column < kTileColumns; ++column) tile.write(column, some_elements(40, 1));
   EXPECT_LT(tile.bytes(), std::size_t{4} * 40 * kTileColumns * sizeof(Dexel));
 }
 
-TEST(DexelTile, UsesTheMemoryOfElementsThatAreGoneAgain) {
+TEST(DexelTile, ReusesMemoryOfRemovedElements) {
   DexelTile tile = whole_tile();
   for (int column = 0; column < 100; ++column) tile.write(column, some_elements(40, 1));
   const std::size_t bytes = tile.bytes();
@@ -85,11 +85,11 @@ TEST(DexelTile, UsesTheMemoryOfElementsThatAreGoneAgain) {
       tile.write(column, some_elements(round % 2 == 0 ? 1 : 40, round));
     }
   }
-  // The free list of runs is all that may have been added.
+  // Only the free list of runs may have grown.
   EXPECT_LE(tile.bytes(), bytes + 256);
 }
 
-TEST(DexelTile, BoundsFollowTheTops) {
+TEST(DexelTile, BlockTopsAreTheGreatestTops) {
   DexelTile tile = whole_tile();
   EXPECT_EQ(std::ranges::max(tile.block_top), 1000);
   for (int column = 0; column < kTileColumns; ++column) tile.write(column, {});

@@ -45,8 +45,8 @@ void append(TriangleMesh& to, const TriangleMesh& from, bool turned = false) {
   }
 }
 
-/// The winding number from its definition, the sum of solid angles (Van Oosterom, Strackee, The
-/// solid angle of a plane triangle, 1983).
+/// Returns the winding number by its definition, the sum of solid angles (A. van Oosterom and
+/// J. Strackee, The Solid Angle of a Plane Triangle, 1983).
 double winding(const TriangleMesh& mesh, Vec3 p) {
   double sum = 0;
   for (const auto& t : mesh.triangles) {
@@ -108,15 +108,15 @@ void expect_solid_where_winding_is_not_zero(const TriangleMesh& mesh, double pit
       }
       const Vec3 p = from_frame(axis, {grid.x_mm(i), grid.y_mm(j), grid.z_mm(depth)});
       const double w = std::abs(winding(mesh, p));
-      // On a surface the sum is half way between two numbers.
+      // On the surface the sum lies midway between two integers.
       if (std::abs(w - std::round(w)) > 0.01) continue;
       EXPECT_EQ(solid, w > 0.5) << p.x << " " << p.y << " " << p.z << " axis " << int(axis);
     }
   }
 }
 
-TEST(MeshStock, ABoxIsTheBoxWhereverItsDiagonalsMeetTheRays) {
-  // Square and with the rays on the diagonals of its faces; and with none of that.
+TEST(MeshStock, BoxMeshEqualsBoxStock) {
+  // A box with rays on the diagonals of its faces, and one in general position.
   for (const Vec3 high : {Vec3{16, 16, 16}, Vec3{13.7, 9.2, 5.1}}) {
     for (const double pitch : {0.5, 0.37}) {
       for (const RayAxis axis : {RayAxis::kX, RayAxis::kY, RayAxis::kZ}) {
@@ -124,14 +124,14 @@ TEST(MeshStock, ABoxIsTheBoxWhereverItsDiagonalsMeetTheRays) {
         DexelField box(StockShape(BoxStock{{0, 0, 0}, high}), pitch, axis);
         EXPECT_EQ(mesh.snapshot().hash(), box.snapshot().hash());
         EXPECT_EQ(mesh.stock_volume_mm3(), box.stock_volume_mm3());
-        EXPECT_FALSE(mesh.snapshot().touched({0, 0}));  // nothing needs to be stored
+        EXPECT_FALSE(mesh.snapshot().touched({0, 0}));  // fully solid: not stored
       }
     }
   }
 }
 
-TEST(MeshStock, RaysThroughVerticesAndEdgesAreNeverTorn) {
-  // Vertices of the octahedra lie on rays, their edges run along rows and diagonals of rays.
+TEST(MeshStock, RaysThroughVerticesAndEdgesAreConsistent) {
+  // The octahedra have vertices on rays and edges along rows and diagonals of rays.
   TriangleMesh mesh = box_mesh({-0.5, -0.5, 0}, {20.5, 20.5, 1});
   for (int n = 0; n < 4; ++n) append(mesh, octahedron({5.0 * n + 2, 10, 5}, 2 + n % 2));
   append(mesh, octahedron({10, 4, 4}, 3));
@@ -140,13 +140,13 @@ TEST(MeshStock, RaysThroughVerticesAndEdgesAreNeverTorn) {
   expect_solid_where_winding_is_not_zero(mesh, 0.5, 4);
 }
 
-TEST(MeshStock, IsSolidWhereTheWindingNumberIsNotZero) {
+TEST(MeshStock, MatchesWindingNumber) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     expect_solid_where_winding_is_not_zero(random_bodies(seed), 0.31, seed);
   }
 }
 
-TEST(MeshStock, ACavityIsEmptyAndAMeshInsideOutIsSolid) {
+TEST(MeshStock, CavityIsEmptyAndInvertedMeshIsSolid) {
   TriangleMesh hollow = box_mesh({0, 0, 0}, {10, 10, 10});
   append(hollow, box_mesh({3, 3, 3}, {7, 7, 7}), true);
   EXPECT_NEAR(sculpture_of(hollow, 0.5).stock_volume_mm3(), 1000 - 64, 1e-3);
@@ -158,7 +158,7 @@ TEST(MeshStock, ACavityIsEmptyAndAMeshInsideOutIsSolid) {
   EXPECT_NEAR(sculpture_of(twice, 0.5).stock_volume_mm3(), 1500, 1e-3);
 }
 
-TEST(MeshStock, FieldsAlongAllAxesHoldTheSameSolid) {
+TEST(MeshStock, AllFieldsRepresentTheSameSolid) {
   const TriangleMesh mesh = octahedron({7, 8, 9}, 6);
   Sculpture sculpture = sculpture_of(mesh, 0.1, Rays::kTriDexel);
   const double exact = 4.0 / 3 * 6 * 6 * 6;
@@ -168,7 +168,7 @@ TEST(MeshStock, FieldsAlongAllAxesHoldTheSameSolid) {
   EXPECT_NEAR(sculpture.stock_volume_mm3(), exact, 0.001 * exact);
 }
 
-TEST(MeshStock, IsCutLikeAnyOther) {
+TEST(MeshStock, CutsLikeABox) {
   Sculpture mesh = sculpture_of(box_mesh({0, 0, 0}, {20, 20, 10}), 0.25);
   SculptureSettings settings;
   settings.stock = BoxStock{{0, 0, 0}, {20, 20, 10}};
@@ -200,13 +200,13 @@ TEST(MeshStock, NormalsAreThoseOfTheTriangles) {
     const Vec3 bottom =
         snapshot.normal(i, 13, column.topmost.bottom, false, column.topmost_codes.bottom);
     const double side = grid.x_mm(i) < 0 ? -1 : 1;
-    const Vec3 wanted = normalized({side, -1, 1});
-    EXPECT_NEAR(length(top - wanted), 0, 1e-3);
-    EXPECT_NEAR(length(bottom - Vec3{wanted.x, wanted.y, -wanted.z}), 0, 1e-3);
+    const Vec3 expected = normalized({side, -1, 1});
+    EXPECT_NEAR(length(top - expected), 0, 1e-3);
+    EXPECT_NEAR(length(bottom - Vec3{expected.x, expected.y, -expected.z}), 0, 1e-3);
   }
 }
 
-TEST(MeshStock, WhatBoundsNoSolidIsRejectedWithCountsAndAPlace) {
+TEST(MeshStock, OpenMeshIsRejectedWithCountsAndPosition) {
   const auto rejection = [](const TriangleMesh& mesh) {
     SculptureSettings settings;
     settings.stock_mesh = std::make_shared<const TriangleMesh>(mesh);
@@ -218,19 +218,21 @@ TEST(MeshStock, WhatBoundsNoSolidIsRejectedWithCountsAndAPlace) {
   };
   TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 2, 3});
   mesh.triangles.pop_back();
-  EXPECT_NE(rejection(mesh).find("3 open edges, 0 edges between"), std::string::npos) << rejection(mesh);
+  EXPECT_NE(rejection(mesh).find("3 open edges, 0 edges between"), std::string::npos)
+      << rejection(mesh);
   EXPECT_NE(rejection(mesh).find("(1.000000, 0.000000, 3.000000)"), std::string::npos)
       << rejection(mesh);
   mesh = box_mesh({0, 0, 0}, {1, 2, 3});
   std::swap(mesh.triangles[0][0], mesh.triangles[0][1]);
-  EXPECT_NE(rejection(mesh).find("0 open edges, 3 edges between"), std::string::npos) << rejection(mesh);
+  EXPECT_NE(rejection(mesh).find("0 open edges, 3 edges between"), std::string::npos)
+      << rejection(mesh);
   mesh = box_mesh({0, 0, 0}, {1, 2, NAN});
   EXPECT_NE(rejection(mesh).find("not finite"), std::string::npos);
   mesh = box_mesh({0, 0, 0}, {1, 2, 3});
   mesh.triangles[3][1] = 8;
   EXPECT_NE(rejection(mesh).find("vertex that the mesh does not have"), std::string::npos);
   EXPECT_NE(rejection({}).find("no triangle"), std::string::npos);
-  EXPECT_NE(rejection(box_mesh({0, 0, 0}, {1, 1, 2e6})).find("out of range"), std::string::npos);
+  EXPECT_NE(rejection(box_mesh({0, 0, 0}, {1, 1, 2e6})).find("within 1e6 mm"), std::string::npos);
   EXPECT_NE(rejection(box_mesh({0, 0, 0}, {1, 1, 0})).find("empty"), std::string::npos);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array kAxes{RayAxis::kX, RayAxis::kY, RayAxis::kZ};
 
-TEST(RayAxis, FramesArePermutationsThatComeBackToTheBit) {
+TEST(RayAxis, FramesAreExactCyclicPermutations) {
   const Vec3 v{0.1, 1e300, -0.0};
   for (const RayAxis axis : kAxes) {
     EXPECT_EQ(from_frame(axis, to_frame(axis, v)), v);
@@ -25,7 +25,7 @@ TEST(RayAxis, FramesArePermutationsThatComeBackToTheBit) {
   EXPECT_EQ(from_frame(RayAxis::kY, {0, 0, 1}), (Vec3{0, 1, 0}));
 }
 
-TEST(Grid, EachAxisHasAQuantumForItsOwnLength) {
+TEST(Grid, QuantumDependsOnTheFieldsHeight) {
   const StockShape stock = BoxStock{{0, 0, 0}, {1000, 3, 40}};
   for (const RayAxis axis : kAxes) {
     const DexelGrid grid = make_grid(stock, 0.5, axis);
@@ -42,7 +42,7 @@ TEST(Grid, EachAxisHasAQuantumForItsOwnLength) {
   EXPECT_EQ(make_grid(stock, 0.5, RayAxis::kY).columns_y, 2000);
 }
 
-TEST(CylinderStock, AcrossItsAxisAColumnIsAChord) {
+TEST(CylinderStock, RayAcrossTheAxisIsAChord) {
   const StockShape stock = CylinderStock{7, -3, 5, 0, 10};
   for (const RayAxis axis : {RayAxis::kX, RayAxis::kY}) {
     const DexelGrid grid = make_grid(stock, 0.5, axis);
@@ -58,9 +58,9 @@ TEST(CylinderStock, AcrossItsAxisAColumnIsAChord) {
   }
 }
 
-TEST(CylinderStock, ARayThatOnlyTouchesItMeetsNothing) {
-  // Pitch 2 and radius 1: the one column of a row passes through the axis; moved aside by a radius
-  // it touches.
+TEST(CylinderStock, TangentRayIsEmpty) {
+  // Pitch 2 and radius 1: the only column of a row passes through the axis; shifted by the radius
+  // it is tangent.
   const CylinderStock stock{0, 0, 1, 0, 4};
   DexelGrid grid = make_grid(stock, 2, RayAxis::kX);
   EXPECT_EQ(stock_column(stock, grid, 0, 0), (Dexel{0, grid.height_quanta}));
@@ -71,7 +71,7 @@ TEST(CylinderStock, ARayThatOnlyTouchesItMeetsNothing) {
   }
 }
 
-TEST(CylinderStock, VolumeIsCountedWithoutVisitingEveryColumn) {
+TEST(CylinderStock, VolumeMatchesTheSumOfColumns) {
   for (const auto& stock : {CylinderStock{0, 0, 5, 0, 10}, CylinderStock{7.3, -3.1, 4.77, -2, 3.3},
                             CylinderStock{0.1, 0.2, 0.3, 0, 1}, CylinderStock{1e4, 1e4, 2, 0, 9}}) {
     for (const RayAxis axis : kAxes) {
@@ -90,7 +90,7 @@ TEST(CylinderStock, VolumeIsCountedWithoutVisitingEveryColumn) {
   }
 }
 
-TEST(Stock, ATileBeginsAsItsColumns) {
+TEST(Stock, FilledTileEqualsStockColumns) {
   const StockShape stock = CylinderStock{0, 0, 11, 0, 10};
   for (const RayAxis axis : kAxes) {
     const DexelGrid grid = make_grid(stock, 0.4, axis);

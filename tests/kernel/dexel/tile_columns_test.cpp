@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies of a block that compare what they have left come to the same block, in whatever order.
+// Copies of a block that exchange columns converge to the same block, in any order.
 
 #include "kernel/dexel/tile_columns.h"
 
@@ -26,7 +26,7 @@ Sculpture block(Rays rays) {
   return s;
 }
 
-/// Slots at any height, so that columns are split; some of them tilted.
+/// Slots at random heights, so that columns are split; some of them tilted.
 MoveTool random_move(std::mt19937& random) {
   std::uniform_real_distribution<double> x(-2, 32), y(-2, 24), z(-1, 13), tilt(-0.5, 0.5);
   const auto pose = [&] {
@@ -61,7 +61,7 @@ void take_all(Sculpture& to, const Sculpture& from) {
 
 class KeepCommon : public testing::TestWithParam<Rays> {};
 
-TEST_P(KeepCommon, GivesWhatAllTheCutsWouldHaveGiven) {
+TEST_P(KeepCommon, CopiesConvergeToAllCuts) {
   std::mt19937 random(1);
   for (int round = 0; round < 5; ++round) {
     auto both = block(GetParam()), a = block(GetParam()), b = block(GetParam());
@@ -73,7 +73,7 @@ TEST_P(KeepCommon, GivesWhatAllTheCutsWouldHaveGiven) {
     auto old = block(GetParam());
     take_all(a, b);
     EXPECT_EQ(a.state_hash(), both.state_hash());
-    take_all(a, old);  // news that are none change nothing
+    take_all(a, old);  // an old state changes nothing
     take_all(a, b);
     EXPECT_EQ(a.state_hash(), both.state_hash());
     take_all(b, a);
@@ -81,7 +81,7 @@ TEST_P(KeepCommon, GivesWhatAllTheCutsWouldHaveGiven) {
   }
 }
 
-TEST_P(KeepCommon, AMotionAfterwardsCutsWhatIsThere) {
+TEST_P(KeepCommon, LaterMotionsCutTheMergedState) {
   std::mt19937 random(2);
   auto both = block(GetParam()), a = block(GetParam()), b = block(GetParam());
   const MoveTool first = random_move(random), second = random_move(random);
@@ -94,7 +94,7 @@ TEST_P(KeepCommon, AMotionAfterwardsCutsWhatIsThere) {
 
 INSTANTIATE_TEST_SUITE_P(Rays, KeepCommon, testing::Values(Rays::kDexel, Rays::kTriDexel));
 
-TEST(KeepCommonOfSome, LeavesTheOtherColumnsAndTilesAlone) {
+TEST(KeepCommonOfSome, LeavesOtherColumnsAndTilesUnchanged) {
   auto a = block(Rays::kDexel);
   const std::uint64_t before = a.state_hash();
   TileColumns one;
@@ -112,7 +112,7 @@ TEST(KeepCommonOfSome, LeavesTheOtherColumnsAndTilesAlone) {
   EXPECT_EQ(untouched.state_hash(), before);
 }
 
-TEST(CutTiles, NamesTheTilesOfEveryField) {
+TEST(CutTiles, ListsTilesOfEveryField) {
   auto s = block(Rays::kTriDexel);
   const auto cut = s.apply(MoveTool{1, {{3, 3, 10}, {0, 0, 1}}, {{4, 3, 10}, {0, 0, 1}}, 0, false});
   for (const RayAxis axis : {RayAxis::kZ, RayAxis::kX, RayAxis::kY}) {
@@ -125,7 +125,7 @@ TEST(CutTiles, NamesTheTilesOfEveryField) {
   EXPECT_TRUE(again->cut_tiles.empty());
 }
 
-TEST(TilesThrough, AreThoseThatTheBoxStandsOn) {
+TEST(TilesThrough, AreTheTilesWhoseRaysMeetTheBox) {
   const auto s = block(Rays::kTriDexel);  // tiles of 12.8 mm: 3 x 2 along Z
   const DexelGrid& grid = s.grid();
   const auto tiles = [&](Vec3 lo, Vec3 hi) { return tiles_through(grid, lo, hi); };

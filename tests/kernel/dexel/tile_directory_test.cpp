@@ -26,7 +26,7 @@ std::vector<TileIndex> places(const TileDirectory& directory) {
   return found;
 }
 
-TEST(TileDirectory, FindsWhatWasPutThereAndNothingElse) {
+TEST(TileDirectory, FindsExactlyTheStoredTiles) {
   TileDirectory directory(3125, 700);
   std::vector<TileIndex> put_at{{0, 0},   {15, 15}, {16, 15},  {15, 16},    {255, 255},
                                 {256, 0}, {0, 256}, {1000, 3}, {3124, 699}, {511, 512}};
@@ -42,7 +42,7 @@ TEST(TileDirectory, FindsWhatWasPutThereAndNothingElse) {
   EXPECT_EQ(found, put_at);
 }
 
-TEST(TileDirectory, VisitsInAnOrderThatDoesNotDependOnTheHistory) {
+TEST(TileDirectory, VisitOrderDoesNotDependOnHistory) {
   const std::vector<TileIndex> at{{5, 5}, {300, 2}, {17, 40}, {0, 0}};
   TileDirectory forward(400, 400), backward(400, 400);
   for (const TileIndex t : at) put(forward, t, 1);
@@ -50,7 +50,7 @@ TEST(TileDirectory, VisitsInAnOrderThatDoesNotDependOnTheHistory) {
   EXPECT_EQ(places(forward), places(backward));
 }
 
-TEST(TileDirectory, ACopySharesUntilTheOwnerChangesSomethingInALaterEra) {
+TEST(TileDirectory, CopySharesNodesUntilALaterEraChangesThem) {
   TileDirectory directory(400, 400);
   const DexelTile* first = put(directory, {7, 7}, 1);
   const TileDirectory copy = directory;
@@ -61,7 +61,7 @@ TEST(TileDirectory, ACopySharesUntilTheOwnerChangesSomethingInALaterEra) {
   EXPECT_EQ(directory.find({7, 7}), second);
 }
 
-TEST(TileDirectory, AnUntouchedBlockOfTenMetresCostsNearNothing) {
+TEST(TileDirectory, UntouchedTenMeterBlockTakesKilobytes) {
   TileDirectory directory(3125, 3125);
   EXPECT_LT(directory.bytes(), 4096u);
   put(directory, {1500, 1500}, 1);

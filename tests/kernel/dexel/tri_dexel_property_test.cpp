@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The three fields of a tri-dexel block against each other and against the true motion. Rays of the
-// three fields meet in a lattice of points, one ray of each field through every point: there all of
-// them must say the same.
+// Compares the three fields of a tri-dexel block with each other and with the true motion. One ray
+// of each field passes through every point of a lattice, and there all three must agree.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +24,7 @@ struct Motion {
   ToolPose from, to;
 };
 
-/// How far a point is outside everything that the motions sweep (negative: inside).
+/// Returns the signed distance of a point from the union of all swept volumes (negative: inside).
 double outside_all(const std::vector<Motion>& motions, Vec3 point) {
   double least = 1e300;
   for (const Motion& m : motions) {
@@ -36,7 +35,7 @@ double outside_all(const std::vector<Motion>& motions, Vec3 point) {
   return least;
 }
 
-/// The columns of one field, read for whole numbers of samples.
+/// The columns of one field, sampled at lattice points.
 class Field {
  public:
   Field(Sculpture& s, RayAxis axis) : axis_(axis), snapshot_(s.snapshot(axis)) {}
@@ -50,7 +49,7 @@ class Field {
     const auto c = snapshot_.column(i, j, scratch);
     return {c.begin(), c.end()};
   }
-  /// Whether the lattice point (i, j, k) of the world is solid here.
+  /// Returns whether the lattice point (i, j, k), in world axes, is solid in this field.
   bool solid(std::int32_t x, std::int32_t y, std::int32_t z) const {
     const std::array<std::int32_t, 3> p{x, y, z};
     const std::size_t first = axis_ == RayAxis::kZ ? 0 : axis_ == RayAxis::kX ? 1 : 2;
@@ -97,8 +96,8 @@ Carved carve(std::vector<Motion> motions, double tolerance) {
   return carved;
 }
 
-/// A few random motions of a random tool each, leaning up to a right angle: one translation, one
-/// that turns up to 0.5 rad, and two that hardly turn.
+/// Random motions of a random tool, tilted by up to a right angle: one translation, one that turns
+/// by up to 0.5 rad, and two that hardly turn.
 Carved carve_at_random(unsigned seed, double tolerance) {
   std::vector<Motion> motions;
   std::mt19937 random(seed);
@@ -119,8 +118,8 @@ Carved carve_at_random(unsigned seed, double tolerance) {
   return carve(std::move(motions), tolerance);
 }
 
-/// Everything on the lattice: motions along the axes and their diagonals, tips and flat faces in
-/// the planes of rays and half a pitch beside them, tools along each axis.
+/// Motions aligned with the lattice: along the axes and their diagonals, with tips and flat faces
+/// in planes of rays or half a pitch from them, and tools along each axis.
 Carved carve_on_the_lattice(unsigned seed, double tolerance) {
   std::mt19937 random(seed);
   const auto step = [&](int n) { return (int(random() % unsigned(2 * n + 1)) - n) * kPitch / 2; };
@@ -132,9 +131,10 @@ Carved carve_on_the_lattice(unsigned seed, double tolerance) {
     const Vec3 axis = ups[random() % ups.size()];
     const Vec3 tip{step(20), step(20), step(20)};
     const ToolPose from{tip, axis};
-    const Vec3 ways[] = {{step(10), 0, 0}, {0, step(10), 0}, {0, 0, step(10)}, {3, 3, 0}, {}};
-    const Vec3 way = ways[random() % 5];
-    motions.push_back({tool, from, {tip + way, axis}});
+    const Vec3 displacements[] = {
+        {step(10), 0, 0}, {0, step(10), 0}, {0, 0, step(10)}, {3, 3, 0}, {}};
+    const Vec3 displacement = displacements[random() % 5];
+    motions.push_back({tool, from, {tip + displacement, axis}});
   }
   return carve(std::move(motions), tolerance);
 }
@@ -164,7 +164,7 @@ TEST_P(TriDexel, EndsOfEveryFieldLieOnTheTrueSurface) {
   EXPECT_GT(ends, 200);
 }
 
-/// Counts the empty lattice points; the fields may differ only at points on the surface.
+/// Counts the empty lattice points. The fields may differ only at points on the surface.
 int expect_agreement(Carved& carved, double tolerance) {
   const Field x(*carved.sculpture, RayAxis::kX), y(*carved.sculpture, RayAxis::kY),
       z(*carved.sculpture, RayAxis::kZ);
@@ -200,14 +200,14 @@ TEST_P(TriDexel, FieldsRemoveTheSameVolume) {
   Sculpture& s = *carved.sculpture;
   for (const RayAxis axis : kAxes) {
     const double removed = s.stock_volume_mm3() - s.snapshot(axis).volume_mm3();
-    // A wall parallel to the rays is placed to half a pitch.
+    // A wall parallel to the rays is located to half a pitch.
     EXPECT_NEAR(removed / s.removed_volume_mm3(), 1, 0.03) << "axis " << int(axis);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, TriDexel, testing::Range(0u, 20u));
 
-TEST(TriDexelStandardJob, EveryFieldRemovesTheExactVolumeToHalfAPitchOfWhatItsRaysGraze) {
+TEST(TriDexelStandardJob, RemovedVolumeIsExactToHalfAPitchOfGrazedArea) {
   SculptureSettings settings = test::standard_settings(0.25, 0.001);
   settings.rays = Rays::kTriDexel;
   auto s = *Sculpture::create(settings);

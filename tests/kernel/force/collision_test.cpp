@@ -38,7 +38,7 @@ TEST(Collision, BallPressedIntoABoxIsPushedOutByItsDepth) {
   EXPECT_NEAR(length(Vec3{w.force_n.x, w.force_n.y, 0}), 0, 1e-6);
 }
 
-TEST(Collision, NothingTouchedNothingFelt) {
+TEST(Collision, NoContactGivesNoForce) {
   const Obstacle floor{BoxObstacle{{-50, -50, -10}, {50, 50, 0}}, 3};
   EXPECT_EQ(push(floor, BallShape{10, 50}, {{2, 1, 0.25}, kUp}), Wrench{});
   EXPECT_EQ(push(floor, BallShape{10, 50}, {{200, 1, -5}, kUp}), Wrench{});
@@ -46,7 +46,8 @@ TEST(Collision, NothingTouchedNothingFelt) {
 
 TEST(Collision, FlankAgainstAPostIsPushedSideways) {
   const Obstacle post{CylinderObstacle{{8, 0, -50}, {8, 0, 50}, 4}, 2};
-  const Wrench w = push(post, FlatShape{10, 50}, {{0, 0, -20}, kUp});  // 9 mm of radii over 8 mm
+  const Wrench w =
+      push(post, FlatShape{10, 50}, {{0, 0, -20}, kUp});  // radii of 9 mm over a distance of 8 mm
   EXPECT_NEAR(w.force_n.x, -2 * 1.0, 1e-4);
   EXPECT_NEAR(w.force_n.y, 0, 1e-4);
 }
@@ -59,7 +60,7 @@ TEST(Collision, TorqueIsArmTimesForce) {
   EXPECT_NEAR(w.torque_nmm.y, 50, 0.1);
 }
 
-TEST(Collision, LeaningRimTouchesFirst) {
+TEST(Collision, TiltedFlatMillTouchesWithItsRim) {
   const Obstacle floor{BoxObstacle{{-50, -50, -10}, {50, 50, 0}}, 1};
   const Vec3 axis = normalized({0.5, 0, 1});
   const double rim_depth = 5 * axis.x;  // The rim's lowest point below the tip.
@@ -67,24 +68,24 @@ TEST(Collision, LeaningRimTouchesFirst) {
   EXPECT_NEAR(w.force_n.z, 0.5, 1e-3);
 }
 
-TEST(Collision, RoundedCornerTouchesWithItsArc) {
-  // Leaning by atan(1/2), the lowest point of a torus is center_r sideways and radius straight
+TEST(Collision, TiltedBullNoseTouchesWithItsCorner) {
+  // Tilted by atan(1/2), the lowest point of a torus is center_r sideways and `radius` straight
   // down.
   const Obstacle floor{BoxObstacle{{-50, -50, -10}, {50, 50, 0}}, 1};
   const Vec3 axis = normalized({0.5, 0, 1});
-  const double lowest = 2 * axis.z - 3 * axis.x - 2;  // Of the corner of radius 2 about (3, 2).
+  const double lowest = 2 * axis.z - 3 * axis.x - 2;  // The corner of radius 2 about (3, 2).
   const Wrench w = push(floor, BullNoseShape{10, 2, 50}, {{0, 0, -lowest - 0.5}, axis});
   EXPECT_NEAR(w.force_n.z, 0.5, 1e-3);
 }
 
-TEST(Collision, BarrelAgainstAPostIsPushedByItsWidestPlace) {
+TEST(Collision, BarrelIsPushedAtItsGreatestRadius) {
   // A flank of radius 60, 8 mm wide at the height 20.
   const Obstacle post{CylinderObstacle{{0, -50, 20}, {0, 50, 20}, 4}, 2};
   const Wrench w = push(post, AptShape{16, 60, -52, 20, 0, 0, 20}, {{-11.5, 0, 0}, kUp});
   EXPECT_NEAR(w.force_n.x, -2 * 0.5, 1e-3);
 }
 
-TEST(Collision, ShankAndHolderArePushedToo) {
+TEST(Collision, ShankAndHolderCollide) {
   ToolBody body;
   body.shank = Shank{10, 20};
   body.holder = std::vector<HolderSection>{{30, 30, 20}};
@@ -96,7 +97,7 @@ TEST(Collision, ShankAndHolderArePushedToo) {
   EXPECT_NEAR(Obstacles({high}).push(tool, {{0, 0, 0}, kUp}, 60).force_n.x, -2 * 1.0, 1e-2);
 }
 
-TEST(Collision, MeshOfABoxPushesLikeTheBox) {
+TEST(Collision, BoxMeshPushesLikeTheBox) {
   const Obstacle box{BoxObstacle{{-20, -20, -10}, {20, 20, 0}}, 3};
   const Obstacle mesh{MeshObstacle{box_triangles({-20, -20, -10}, {20, 20, 0})}, 3};
   const ToolPose pose{{3, 4, -0.6}, normalized({0.1, 0.2, 1})};
@@ -105,7 +106,7 @@ TEST(Collision, MeshOfABoxPushesLikeTheBox) {
   EXPECT_NEAR(a.force_n.z, b.force_n.z, 1e-3);
 }
 
-TEST(Collision, MeshTooLargeToFeelIsRejected) {
+TEST(Collision, MeshWithTooManyTrianglesIsRejected) {
   const std::vector<std::array<Vec3, 3>> many(1001, {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}});
   EXPECT_FALSE(check_obstacle({MeshObstacle{many}, 1}).empty());
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hand must feel: constant engagement is a constant force, whatever the direction, the rate
-// of the ticks and the pitch; nothing jumps between one kind of motion and the next; nothing is
-// felt that was not cut. The bounds are generous; force_bench prints the figures.
+// Properties of the force as delivered: constant engagement gives a constant force in any
+// direction, at any tick rate and pitch; the force is continuous between kinds of motion; and
+// exactly what was cut is delivered. The bounds are generous; force_bench prints the figures.
 
 #include <gtest/gtest.h>
 
@@ -38,18 +38,19 @@ Sculpture block(const Setup& setup) {
   return sculpture;
 }
 
-Vec3 way_at(double degrees) {
+Vec3 direction_at(double degrees) {
   const double a = degrees * std::numbers::pi / 180;
   return {std::cos(a), std::sin(a), 0};
 }
 
-/// Forces of ticks of `step_mm` after the tool has been sunk at `start` and has cut 1 mm.
-std::vector<Vec3> cut(Sculpture& s, Vec3 start, Vec3 way, double step_mm, double measured_mm = 3) {
+/// Returns the forces of ticks of `step_mm`, after the tool has plunged at `start` and cut 1 mm.
+std::vector<Vec3> cut(Sculpture& s, Vec3 start, Vec3 direction, double step_mm,
+                      double measured_mm = 3) {
   s.apply(MoveTool{1, {{start.x, start.y, 1}, kUp}, {start, kUp}, 1, false}).value();
   std::vector<Vec3> forces;
   for (int i = 0; i * step_mm < 1 + measured_mm; ++i) {
-    const ToolPose from{start + way * (i * step_mm), kUp};
-    const ToolPose to{start + way * ((i + 1) * step_mm), kUp};
+    const ToolPose from{start + direction * (i * step_mm), kUp};
+    const ToolPose to{start + direction * ((i + 1) * step_mm), kUp};
     const MotionResult r = s.apply(MoveTool{1, from, to, step_mm / 30}).value();
     if (i * step_mm >= 1) forces.push_back(r.wrench.force_n);
   }
@@ -69,18 +70,18 @@ double ripple(const std::vector<Vec3>& forces) {
   return std::sqrt(sum / double(forces.size())) / length(m);
 }
 
-Vec3 slot_start(Vec3 way) { return Vec3{0.0371, 0.0213, -2.03} - way * 2; }
+Vec3 slot_start(Vec3 direction) { return Vec3{0.0371, 0.0213, -2.03} - direction * 2; }
 
-TEST(ConstantEngagement, IsAConstantForce) {
+TEST(ConstantEngagement, GivesConstantForce) {
   for (const ToolShape& shape : {ToolShape{BallShape{6, 40}}, ToolShape{FlatShape{6, 40}}}) {
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
       const double bound = rays == Rays::kDexel ? 0.05 : 0.02;
       for (const double degrees : {0.0, 30.0, 45.0, 90.0}) {
         auto s = block({shape, rays});
-        const Vec3 way = way_at(degrees);
-        const auto forces = cut(s, slot_start(way), way, 0.03);
+        const Vec3 direction = direction_at(degrees);
+        const auto forces = cut(s, slot_start(direction), direction, 0.03);
         EXPECT_LT(ripple(forces), bound) << to_string(rays) << " " << degrees;
-        EXPECT_LT(dot(normalized(mean(forces)), way), -0.9999);
+        EXPECT_LT(dot(normalized(mean(forces)), direction), -0.9999);
       }
       auto s = block({shape, rays});
       EXPECT_LT(ripple(cut(s, {0.0371, 0.0213, -3.5}, {0, 0, -1}, 0.03)), bound);
@@ -88,13 +89,13 @@ TEST(ConstantEngagement, IsAConstantForce) {
   }
 }
 
-TEST(ConstantEngagement, FeelsTheSameInTicksOfAnyLength) {
+TEST(ConstantEngagement, ForceDoesNotDependOnTickLength) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (const ForceLaw law : {ForceLaw::kSpecificEnergy, ForceLaw::kDexelRemovalRate}) {
-      const Vec3 way = way_at(30);
+      const Vec3 direction = direction_at(30);
       const auto force = [&](double step_mm) {
         auto s = block({FlatShape{6, 40}, rays, law});
-        return mean(cut(s, slot_start(way), way, step_mm));
+        return mean(cut(s, slot_start(direction), direction, step_mm));
       };
       const Vec3 reference = force(0.03);
       for (const double step_mm : {0.12, 0.0075}) {
@@ -104,18 +105,18 @@ TEST(ConstantEngagement, FeelsTheSameInTicksOfAnyLength) {
   }
 }
 
-TEST(ConstantEngagement, FeelsTheSameAtAnyPitch) {
+TEST(ConstantEngagement, ForceDoesNotDependOnPitch) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
-    const Vec3 way = way_at(30);
+    const Vec3 direction = direction_at(30);
     const auto force = [&](double pitch_mm) {
       auto s = block({FlatShape{6, 40}, rays, ForceLaw::kSpecificEnergy, pitch_mm});
-      return mean(cut(s, slot_start(way), way, 0.03));
+      return mean(cut(s, slot_start(direction), direction, 0.03));
     };
     EXPECT_LT(length(force(0.1) - force(0.05)), 0.05 * length(force(0.05)));
   }
 }
 
-/// A tick of a hand that wanders through the block, turns, rests and lifts.
+/// One tick of a random path that moves through the block, turns, rests and retracts.
 MoveTool wander(const ToolPose& from, std::mt19937_64& random) {
   const auto unit = [&] { return double(random() % 2001) / 1000 - 1; };
   ToolPose to = from;
@@ -125,9 +126,9 @@ MoveTool wander(const ToolPose& from, std::mt19937_64& random) {
   return {1, from, to, 0.001};
 }
 
-TEST(Felt, IsAllThatIsCutAndNoMore) {
-  // The felt volume of a motion is its engaged area times its path, here without a turn; what is
-  // pending at the end falls due in the air.
+TEST(Felt, DeliveredVolumeEqualsRemovedVolume) {
+  // Without a turn, the volume that a motion delivers is its engaged area times its path. What is
+  // pending at the end is delivered in the air.
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     std::mt19937_64 random(11);
     auto s = block({BallShape{6, 40}, rays});
@@ -143,22 +144,22 @@ TEST(Felt, IsAllThatIsCutAndNoMore) {
       at = move.to;
     }
     ASSERT_GT(removed, 1);
-    // Of three fields the volume that is reported is weighted otherwise than the one that is felt.
+    // With three fields the reported volume is weighted differently from the delivered one.
     EXPECT_NEAR(felt / removed, 1, rays == Rays::kDexel ? 1e-9 : 0.03);
     const ToolPose away{at.tip_mm + Vec3{1, 1, 0}, kUp};
     EXPECT_EQ(s.apply(MoveTool{1, at, away, 0.001}).value().wrench, Wrench{});
   }
 }
 
-TEST(Felt, NeverPushesAlongTheWay) {
-  // Beyond the few micrometres over which a way is remembered.
+TEST(Felt, ForceNeverPointsAlongTheMotion) {
+  // Beyond the few micrometers over which the direction is averaged.
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     auto s = block({FlatShape{6, 40}, rays});
-    const Vec3 way = way_at(20);
-    cut(s, slot_start(way), way, 0.03);
-    Vec3 at = slot_start(way) + way * (0.03 * 134);
+    const Vec3 direction = direction_at(20);
+    cut(s, slot_start(direction), direction, 0.03);
+    Vec3 at = slot_start(direction) + direction * (0.03 * 134);
     for (int i = 0; i < 30; ++i) {
-      const Vec3 back = at - way * 0.03;
+      const Vec3 back = at - direction * 0.03;
       const MotionResult r = s.apply(MoveTool{1, {at, kUp}, {back, kUp}, 0.001}).value();
       EXPECT_LE(dot(r.wrench.force_n, back - at), 1e-12) << i;
       at = back;
@@ -169,9 +170,9 @@ TEST(Felt, NeverPushesAlongTheWay) {
 TEST(Rest, KeepsTheForceAndItsDirection) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     auto s = block({FlatShape{6, 40}, rays});
-    const Vec3 way = way_at(20);
-    const Vec3 cutting = mean(cut(s, slot_start(way), way, 0.03));
-    const ToolPose at{slot_start(way) + way * (0.03 * 134), kUp};
+    const Vec3 direction = direction_at(20);
+    const Vec3 cutting = mean(cut(s, slot_start(direction), direction, 0.03));
+    const ToolPose at{slot_start(direction) + direction * (0.03 * 134), kUp};
     for (int i = 0; i < 5; ++i) {
       const MotionResult r = s.apply(MoveTool{1, at, at, 0.001}).value();
       EXPECT_EQ(r.removed_mm3, 0);
@@ -181,20 +182,20 @@ TEST(Rest, KeepsTheForceAndItsDirection) {
   }
 }
 
-TEST(Rest, IsWithoutForceUnderAViscousLaw) {
+TEST(Rest, GivesNoForceUnderTheViscousLaw) {
   auto s = block({FlatShape{6, 40}, Rays::kDexel, ForceLaw::kDexelRemovalRate});
   cut(s, slot_start({1, 0, 0}), {1, 0, 0}, 0.03);
   const ToolPose at{slot_start({1, 0, 0}) + Vec3{1, 0, 0} * (0.03 * 134), kUp};
   EXPECT_EQ(s.apply(MoveTool{1, at, at, 0.001}).value().wrench.force_n, Vec3{});
 }
 
-TEST(Rest, IsNotTurnedRoundByTremor) {
+TEST(Rest, TremorDoesNotReverseTheForce) {
   std::mt19937_64 random(5);
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     auto s = block({FlatShape{6, 40}, rays});
-    const Vec3 way = way_at(20);
-    const Vec3 cutting = mean(cut(s, slot_start(way), way, 0.03));
-    const Vec3 home = slot_start(way) + way * (0.03 * 134);
+    const Vec3 direction = direction_at(20);
+    const Vec3 cutting = mean(cut(s, slot_start(direction), direction, 0.03));
+    const Vec3 home = slot_start(direction) + direction * (0.03 * 134);
     ToolPose at{home, kUp};
     for (int i = 0; i < 200; ++i) {
       const auto unit = [&] { return double(random() % 2001) / 1000 - 1; };
@@ -206,9 +207,9 @@ TEST(Rest, IsNotTurnedRoundByTremor) {
   }
 }
 
-TEST(ForceDirection, DoesNotJumpBetweenTheKindsOfMotion) {
-  // A tool sunk into the block is pushed aside by 0.02 mm at its middle, from all translation to
-  // all rotation about its tip: the force turns and grows by little from one ratio to the next.
+TEST(ForceDirection, IsContinuousBetweenKindsOfMotion) {
+  // A tool in the block is displaced by 0.02 mm at its middle, in steps from pure translation to
+  // pure rotation about its tip. The force changes little from one ratio to the next.
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     Wrench last;
     double greatest_n = 0;

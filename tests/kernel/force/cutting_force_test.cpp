@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forces against what can be worked out by hand.
+// Forces compared with values derived by hand.
 
 #include "kernel/force/cutting_force.h"
 
@@ -29,7 +29,7 @@ Sculpture block(ForceLaw law, const ToolShape& shape, double pitch_mm = 0.1) {
   return s;
 }
 
-/// Mean force over a straight path taken in ticks, and what was removed.
+/// Follows a straight path in ticks; returns the mean force and the removed volume.
 struct Path {
   Vec3 force;
   double removed_mm3 = 0;
@@ -48,7 +48,7 @@ Path follow(Sculpture& s, Vec3 from, Vec3 to, int ticks, double tick_s) {
 }
 
 TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
-  // A single removed segment at a known place: dV = 0.5 mm x (0.5 mm)^2 around (1, 2, -0.25),
+  // A single removed segment at a known position: dV = 0.5 mm x (0.5 mm)^2 around (1, 2, -0.25),
   // moving along +X with the tip at (0.25, 2, -0.5), the pivot 10 mm above it.
   const DexelGrid grid{{0.75, 1.75, -1}, 0.5, 0.25, 1, 1, 4};
   Removal removal;
@@ -104,14 +104,13 @@ TEST(Force, SlotPushesBackWithTheExactRemovalRate) {
 }
 
 TEST(Force, SideCutPushesBackWithTheExactRemovalRate) {
-  // The tool's flank takes a strip 2 mm wide and 3 mm deep off the block's side (flat), moving
-  // along it.
+  // Flat: the flank removes a strip 2 mm wide and 3 mm deep along the block's side.
   auto s = block(ForceLaw::kSpecificEnergy, FlatShape{10, 50});
   follow(s, {-15, 23.0, -3}, {0, 23.0, -3}, 150, 0.001);
   const Path r = follow(s, {0, 23.0, -3}, {1, 23.0, -3}, 30, 0.001);
   EXPECT_NEAR(r.force.x / (-kSpecific * 2 * 3), 1, 0.01);
 
-  // Ball, its centre on the face: the quarter of its section that is below the surface and inside.
+  // Ball, its center on the face: the quarter of its section that is below the surface and inside.
   auto b = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
   follow(b, {-15, 20.0, -5}, {0, 20.0, -5}, 150, 0.001);
   const Path q = follow(b, {0, 20.0, -5}, {1, 20.0, -5}, 30, 0.001);
@@ -122,7 +121,7 @@ TEST(Force, RemovalRateLawGrowsWithSpeed) {
   for (const double tick_s : {0.001, 0.004}) {
     auto s = block(ForceLaw::kDexelRemovalRate, FlatShape{10, 50});
     follow(s, {-12, 0, -2}, {0, 0, -2}, 120, tick_s);
-    const Path r = follow(s, {0, 0, -2}, {2, 0, -2}, 20, tick_s);  // 0.1 mm a tick
+    const Path r = follow(s, {0, 0, -2}, {2, 0, -2}, 20, tick_s);  // 0.1 mm per tick
     const double rate = 20 * 0.1 / tick_s;
     EXPECT_NEAR(r.force.x / (-kDrr * rate), 1, 0.01);
   }
@@ -142,7 +141,7 @@ TEST(Force, DoesNotDependOnTheTickRate) {
   }
 }
 
-TEST(ForceDirection, AxialCutPushesAlongTheAxisBothWays) {
+TEST(ForceDirection, AxialCutPushesAlongTheAxis) {
   auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
   const Vec3 axis = normalized({0.3, 0.2, 1});
   const auto down = s.apply(MoveTool{1, {axis * 2, axis}, {axis * -4, axis}, 0.1}).value();
@@ -156,7 +155,7 @@ TEST(ForceDirection, AxialCutPushesAlongTheAxisBothWays) {
   EXPECT_LT(up.wrench.force_n.z, 0);
 }
 
-TEST(ForceDirection, TurningToolIsPushedBackAroundItsTip) {
+TEST(ForceDirection, RotationIsOpposedAroundTheTip) {
   auto s = block(ForceLaw::kSpecificEnergy, FlatShape{10, 15});
   const auto r =
       s.apply(MoveTool{1, {{0, 0, -10}, kUp}, {{0, 0, -10}, normalized({0.3, 0, 1})}, 0.1}).value();
@@ -164,15 +163,15 @@ TEST(ForceDirection, TurningToolIsPushedBackAroundItsTip) {
   EXPECT_GT(r.removed_mm3, 0);
   EXPECT_LT(r.wrench.force_n.x, 0);  // The shaft moves to +X.
   EXPECT_GT(r.wrench.torque_nmm.y,
-            0);  // Seen from the pivot above, the push below it turns the tool on.
+            0);  // The push below the pivot increases the turn.
 }
 
-TEST(ForceDirection, GeneralMotionIsPushedBackAlongTheTipsWay) {
+TEST(ForceDirection, GeneralMotionIsOpposedAlongTheTipsPath) {
   auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
   const auto r =
       s.apply(MoveTool{1, {{-5, 0, -3}, kUp}, {{5, 0, -3}, normalized({0, 0.1, 1})}, 0.1}).value();
   EXPECT_EQ(r.kind, MotionKind::kGeneral);
-  // Every element against its own way: it turns a little besides.
+  // Elements push against their own displacements, which a small turn makes differ.
   EXPECT_NEAR(normalized(r.wrench.force_n).x, -1, 1e-3);
 }
 
@@ -185,14 +184,14 @@ TEST(Force, HasNoTorqueAboutTheToolsAxis) {
   EXPECT_NEAR(dot(r.wrench.torque_nmm, axis), 0, 1e-9 * length(r.wrench.torque_nmm));
 }
 
-TEST(Force, IsNotComputedForWhoDoesNotFeel) {
+TEST(Force, IsNotComputedWithoutFeel) {
   auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
   const auto r = s.apply(MoveTool{1, {{-9, 2, -4}, kUp}, {{0, 2, -4}, kUp}, 0.1, false}).value();
   EXPECT_GT(r.removed_mm3, 0);
   EXPECT_EQ(r.wrench, Wrench{});
 }
 
-TEST(Force, AirHasNone) {
+TEST(Force, IsZeroInAir) {
   auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
   EXPECT_EQ(s.apply(MoveTool{1, {{-9, 2, 4}, kUp}, {{0, 2, 4}, kUp}, 0.1}).value().wrench,
             Wrench{});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is cut is felt over the travel that follows: all of it, evenly, and by the hand that cut it.
+// Cut volume is delivered over the travel that follows: completely, evenly, and to the user that
+// cut it.
 
 #include "kernel/force/engagement.h"
 
@@ -25,13 +26,13 @@ double step(TravelQueue& queue, double removed_mm3, double path_mm) {
   return due + queue.take(volume(removed_mm3), path_mm).volume_mm3;
 }
 
-TEST(TravelQueue, DeliversAllThatItTook) {
+TEST(TravelQueue, DeliversExactlyWhatWasAdded) {
   std::mt19937_64 random(7);
   for (int round = 0; round < 200; ++round) {
     TravelQueue queue(kWidth);
     double in = 0, out = 0;
     for (int i = 0; i < 300; ++i) {
-      // Ticks from nothing to many widths, cutting every other time.
+      // Ticks from zero to many widths; every other one cuts.
       const double path =
           random() % 5 == 0 ? 0 : std::pow(10.0, double(random() % 9000) / 1000 - 8);
       const double removed = random() % 2 == 0 ? double(random() % 1000) : 0;
@@ -49,10 +50,10 @@ TEST(TravelQueue, DeliversAllThatItTook) {
   }
 }
 
-TEST(TravelQueue, MakesAPulseEveryWidthOrPartOfItConstant) {
+TEST(TravelQueue, PulsesEveryWidthOrFractionBecomeConstant) {
   for (const int pulses : {1, 2, 3}) {
     TravelQueue queue(kWidth);
-    const double path = kWidth / (12 * pulses);  // A tick; each twelfth one cuts.
+    const double path = kWidth / (12 * pulses);  // one tick; every twelfth cuts
     for (int i = 0; i < 600; ++i) {
       const double due = step(queue, i % 12 == 0 ? 1 : 0, path);
       if (i <= 12 * 3 * pulses) continue;
@@ -61,7 +62,7 @@ TEST(TravelQueue, MakesAPulseEveryWidthOrPartOfItConstant) {
   }
 }
 
-TEST(TravelQueue, DelaysByOneWidth) {
+TEST(TravelQueue, MeanDelayIsOneWidth) {
   TravelQueue queue(kWidth);
   queue.take(volume(1), 0);
   double moment = 0;
@@ -71,7 +72,7 @@ TEST(TravelQueue, DelaysByOneWidth) {
   EXPECT_NEAR(moment, kWidth, 0.01 * kWidth);
 }
 
-TEST(TravelQueue, GivesTheSameInTicksOfAnyLength) {
+TEST(TravelQueue, DoesNotDependOnTickLength) {
   const auto after = [](int ticks) {
     TravelQueue queue(kWidth);
     for (int i = 0; i < ticks; ++i) step(queue, 20 * 0.33 / ticks, 0.33 / ticks);
@@ -80,7 +81,7 @@ TEST(TravelQueue, GivesTheSameInTicksOfAnyLength) {
   for (const int ticks : {3, 10, 100, 1000}) EXPECT_NEAR(after(ticks) / after(1), 1, 0.01) << ticks;
 }
 
-TEST(TravelQueue, KnowsTheEngagementOfAToolThatRests) {
+TEST(TravelQueue, ReportsTheEngagementAtRest) {
   TravelQueue queue(kWidth);
   for (int i = 0; i < 50; ++i) step(queue, 20 * 0.03, 0.03);
   EXPECT_NEAR(queue.due_per_mm().volume_mm3, 20, 0.4);
@@ -88,18 +89,18 @@ TEST(TravelQueue, KnowsTheEngagementOfAToolThatRests) {
   EXPECT_NEAR(queue.due_per_mm().volume_mm3, 20, 0.4);
 }
 
-TEST(Engagements, FollowEachHandByWhereItIs) {
+TEST(Engagements, ContinueByToolAndPose) {
   Engagements all(kWidth);
   const ToolPose a{{0, 0, 0}}, b{{1, 0, 0}}, c{{2, 0, 0}}, d{{3, 0, 0}};
   all.follow(1, a, b).center_mm = {7, 0, 0};
-  all.follow(1, c, d).center_mm = {8, 0, 0};         // another hand with the same tool
-  EXPECT_EQ(all.follow(1, b, a).center_mm.x, 7);     // the first goes on
+  all.follow(1, c, d).center_mm = {8, 0, 0};         // another user of the same tool
+  EXPECT_EQ(all.follow(1, b, a).center_mm.x, 7);     // the first user continues
   EXPECT_EQ(all.follow(1, d, c).center_mm.x, 8);     // and the second
-  EXPECT_EQ(all.follow(2, a, b).center_mm, Vec3{});  // another tool at the same place
-  EXPECT_EQ(all.follow(1, b, c).center_mm, Vec3{});  // nobody was there
+  EXPECT_EQ(all.follow(2, a, b).center_mm, Vec3{});  // another tool at the same pose
+  EXPECT_EQ(all.follow(1, b, c).center_mm, Vec3{});  // no motion ended here
 }
 
-TEST(Engagements, ForgetAToolThatIsRedefined) {
+TEST(Engagements, AreDroppedWhenAToolIsRedefined) {
   Engagements all(kWidth);
   const ToolPose a{{0, 0, 0}}, b{{1, 0, 0}};
   all.follow(1, a, b).center_mm = {7, 0, 0};
@@ -109,7 +110,7 @@ TEST(Engagements, ForgetAToolThatIsRedefined) {
   EXPECT_EQ(all.follow(2, b, a).center_mm.x, 8);
 }
 
-TEST(Engagements, ForgetTheHandThatWasStillLongest) {
+TEST(Engagements, DropTheLeastRecentlyMovedUser) {
   Engagements all(kWidth);
   const auto at = [](double x) { return ToolPose{{x, 0, 0}}; };
   for (int i = 0; i < 300; ++i) all.follow(1, at(i), at(i + 0.5)).center_mm = {7, 0, 0};

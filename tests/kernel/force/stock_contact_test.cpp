@@ -36,28 +36,29 @@ StockContact contact(const Tool& tool, const ToolPose& pose, const std::vector<D
   return stock_contact(tool, pose, in, settings, 0);
 }
 
-TEST(StockContact, ShankAgainstAWallIsPushedAwayByItsDepth) {
+TEST(StockContact, ShankAgainstAWallIsPushedByItsDepth) {
   // The wall is the plane x = 0, the shank's axis is 4 mm in front of it, its radius 5 mm.
   const ToolPose pose{{-4, 0, -30}, kUp};
   const StockContact c = contact(tool_with_shank(10), pose, fields({RayAxis::kZ}));
   EXPECT_LE(c.depth_mm, 1);
-  EXPECT_GE(c.depth_mm, 1 - kPitch);  // Rays along Z see the wall to the pitch.
+  EXPECT_GE(c.depth_mm, 1 - kPitch);  // Rays along Z locate the wall to the pitch.
   EXPECT_NEAR(length(c.wrench.force_n), 3 * c.depth_mm, 1e-9);
   EXPECT_NEAR(c.wrench.force_n.x, -3 * c.depth_mm, 1e-3);
-  EXPECT_NEAR(c.wrench.force_n.y, 0, 0.02);  // The middle is found from a sample of columns.
+  EXPECT_NEAR(c.wrench.force_n.y, 0, 0.02);  // The centroid is that of sampled columns.
   EXPECT_NEAR(c.wrench.force_n.z, 0, 1e-9);
-  // The overlap's middle is at z = 0, 30 below the pivot: (x, 0, -30) x (-f, 0, 0) = (0, 30 f, 0).
+  // The overlap's centroid is at z = 0, 30 below the pivot: (x, 0, -30) x (-f, 0, 0) = (0, 30 f,
+  // 0).
   EXPECT_NEAR(c.wrench.torque_nmm.y, 30 * 3 * c.depth_mm, 0.1);
   EXPECT_NEAR(c.wrench.torque_nmm.z, 0, 1e-9);
 }
 
-TEST(StockContact, RaysAcrossTheWallSeeItsDepthExactly) {
+TEST(StockContact, RaysAcrossTheWallMeasureTheDepthExactly) {
   const ToolPose pose{{-4, 0.5 * kPitch, -30}, kUp};
   const auto all = fields({RayAxis::kZ, RayAxis::kX, RayAxis::kY});
   EXPECT_NEAR(contact(tool_with_shank(10), pose, all).depth_mm, 1, 1e-6);
 }
 
-TEST(StockContact, LyingShankPressedIntoTheTopIsLifted) {
+TEST(StockContact, HorizontalShankOnTheTopIsLifted) {
   const ToolPose pose{{-60, 0.5 * kPitch, 20 + 5 - 0.5}, {1, 0, 0}};
   const StockContact c = contact(tool_with_shank(10), pose, fields({RayAxis::kZ}));
   EXPECT_NEAR(c.depth_mm, 0.5, 1e-6);
@@ -72,11 +73,11 @@ TEST(StockContact, HolderFaceOnTheBlockIsLiftedWithoutTorque) {
   const StockContact c = contact(tool, {{10, 0, 10 - 0.3}, kUp}, fields({RayAxis::kZ}));
   EXPECT_NEAR(c.depth_mm, 0.3, 1e-6);
   EXPECT_NEAR(c.wrench.force_n.z, 0.9, 1e-6);
-  EXPECT_NEAR(c.wrench.torque_nmm.x, 0, 0.15);  // Half a pitch off the axis at most.
+  EXPECT_NEAR(c.wrench.torque_nmm.x, 0, 0.15);  // At most half a pitch off the axis.
   EXPECT_NEAR(c.wrench.torque_nmm.y, 0, 0.15);
 }
 
-TEST(StockContact, NothingWithoutShankOrBesideTheBlock) {
+TEST(StockContact, IsZeroWithoutShankOrBesideTheBlock) {
   const auto z = fields({RayAxis::kZ});
   const Tool bare = *make_tool(FlatShape{2, 10});
   EXPECT_EQ(contact(bare, {{10, 0, -15}, kUp}, z).depth_mm, 0);
@@ -88,14 +89,14 @@ TEST(StockContact, NothingWithoutShankOrBesideTheBlock) {
   }
 }
 
-TEST(StockContact, AllowanceIsTakenOffTheDepth) {
+TEST(StockContact, AllowanceIsSubtractedFromTheDepth) {
   const ToolPose pose{{-60, 0.5 * kPitch, 24.5}, {1, 0, 0}};
   const auto z = fields({RayAxis::kZ});
   EXPECT_NEAR(stock_contact(tool_with_shank(10), pose, z, {}, 0.2).depth_mm, 0.3, 1e-6);
   EXPECT_EQ(stock_contact(tool_with_shank(10), pose, z, {}, 0.51).depth_mm, 0);
 }
 
-/// How deep a point is in a piece whose top is no way out; negative outside.
+/// Returns the depth of a point in a piece, ignoring its top; negative outside.
 double depth_in(const ToolPiece& piece, const ToolPose& pose, Vec3 point) {
   if (test::outside(piece, pose, point) > 0) return -1;
   const Vec3 p = point - pose.tip_mm;
@@ -113,7 +114,7 @@ double depth_in(const ToolPiece& piece, const ToolPose& pose, Vec3 point) {
   return std::min(side, h - f.z0_mm);
 }
 
-TEST(StockContact, AgreesWithEveryPointOfEveryColumn) {
+TEST(StockContact, MatchesBruteForceOverAllColumns) {
   std::mt19937_64 random(5);
   const auto uniform = [&](double a, double b) {
     return a + (b - a) * (double(random() >> 11) / 9007199254740992.0);
@@ -156,7 +157,7 @@ TEST(StockContact, IsReportedByAMotionAndAddedToItsForce) {
   settings.force.contact_stiffness_n_per_mm = 3;
   auto s = *Sculpture::create(settings);
   s.apply(DefineTool{1, tool_with_shank(10)}).value();
-  // A cutter of 2 mm drills 15 mm deep; its shank starts 10 mm up.
+  // A cutter of 2 mm drills 15 mm deep; its shank starts at a height of 10 mm.
   const auto free = s.apply(MoveTool{1, {{10, 0, 30}, kUp}, {{10, 0, 10.5}, kUp}, 0.1}).value();
   EXPECT_EQ(free.stock_contact_mm, 0);
   EXPECT_EQ(free.collision, Wrench{});
@@ -170,13 +171,13 @@ TEST(StockContact, IsReportedByAMotionAndAddedToItsForce) {
   EXPECT_EQ(unfelt.collision, Wrench{});
 }
 
-TEST(StockContact, IsSeenWhereAMotionOnlyPassesThrough) {
+TEST(StockContact, IsFoundAlongTheMotion) {
   SculptureSettings settings;
   settings.stock = kBlock;
   settings.pitch_mm = kPitch;
   auto s = *Sculpture::create(settings);
   s.apply(DefineTool{1, tool_with_shank(10)}).value();
-  // The shank's lower end passes 2 mm below the block's top, from beside it to beside it.
+  // The shank's lower end passes 2 mm below the block's top, from one side to the other.
   const auto r = s.apply(MoveTool{1, {{-10, 0, 8}, kUp}, {{40, 0, 8}, kUp}, 1}).value();
   EXPECT_NEAR(r.stock_contact_mm, 2, 0.05);
   EXPECT_EQ(r.collision, Wrench{});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which part of a removed element the rays of a field count: the square of the normal's component.
+// The weight of a removed element in a field: the squared normal component along the field's rays.
 
 #include "kernel/force/surface_weight.h"
 
@@ -25,22 +25,22 @@ double weight_at(const SurfaceWeight& surface, Vec3 p, Vec3 axis) {
   return weight[0];
 }
 
-TEST(SurfaceWeight, OfABallIsTheSquareOfItsNormal) {
+TEST(SurfaceWeight, OfABallIsTheSquaredNormalComponent) {
   const SurfaceWeight surface(*make_tool(BallShape{10, 50}));
   const Vec3 n = normalized({0.3, -0.5, -0.7});
   for (const double out : {-0.05, 0.0, 0.05}) {
     EXPECT_NEAR(weight_at(surface, Vec3{0, 0, 5} + n * (5 + out), kUp), n.z * n.z, 1e-12);
   }
-  // Just above the ball's equator the wall begins; the seam between the pieces is no surface.
+  // The wall begins just above the ball's equator; the seam between the pieces is not a surface.
   EXPECT_NEAR(weight_at(surface, {4.99, 0, 5.005}, kUp), 0, 1e-4);
   EXPECT_NEAR(weight_at(surface, {0, 5, 20}, kUp), 0, 1e-12);
 }
 
-TEST(SurfaceWeight, OfAFlatMillIsAllOfItsFloorAndNothingOfItsWall) {
+TEST(SurfaceWeight, OfAFlatMillIsOneOnTheFloorAndZeroOnTheWall) {
   const SurfaceWeight surface(*make_tool(FlatShape{10, 50}));
   EXPECT_NEAR(weight_at(surface, {1, 2, -0.01}, kUp), 1, 1e-12);
   EXPECT_NEAR(weight_at(surface, {3, 4.01, 2}, kUp), 0, 1e-12);
-  // Lying along X: its wall is seen from above by the angle around the axis.
+  // Horizontal, along X: the weight of the wall depends on the angle around the axis.
   EXPECT_NEAR(weight_at(surface, {20, 3, 4}, {1, 0, 0}), 16.0 / 25, 1e-12);
   EXPECT_NEAR(weight_at(surface, {-0.01, 1, 1}, {1, 0, 0}), 0, 1e-12);
 }

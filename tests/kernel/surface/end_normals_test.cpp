@@ -28,7 +28,7 @@ class Numbers {
   std::mt19937 random_;
 };
 
-TEST(NormalCode, KeepsDirectionsAndTheAxesExactly) {
+TEST(NormalCode, RoundTripsDirectionsAndAxesExactly) {
   Numbers numbers(3);
   double worst = 0;
   for (int n = 0; n < 20000; ++n) {
@@ -44,9 +44,9 @@ TEST(NormalCode, KeepsDirectionsAndTheAxesExactly) {
   }
 }
 
-/// Ends that a motion made, in all fields, and those whose normal is wrong by the true sweep: a
-/// step along the normal leads out of it, one against it leads in, and one across it along the
-/// surface.
+/// Counts the ends that a motion made, in all fields, and those whose normal contradicts the true
+/// sweep: a step along the normal must leave the sweep, a step against it must enter it, and a step
+/// across it must follow the surface.
 struct Judged {
   int ends = 0, wrong = 0;
 };
@@ -90,7 +90,8 @@ ToolPose any_pose(Numbers& numbers) {
   return {numbers.vec(6) - Vec3{0, 0, 3}, normalized(numbers.vec(1) + Vec3{0, 0, 1.2})};
 }
 
-/// The codes of every end of a block after 300 motions of a hand, looked at every so many motions.
+/// Returns the codes of every end of a block after 300 random motions, with a snapshot taken
+/// periodically.
 std::vector<NormalCode> codes_looked_at_every(int motions) {
   SculptureSettings settings = test::block(20, 12, 0.7, 1e-3);
   settings.rays = Rays::kTriDexel;
@@ -122,9 +123,9 @@ std::vector<NormalCode> codes_looked_at_every(int motions) {
   return codes;
 }
 
-// The side of a mill comes nearer fast and its disc goes away slowly: a search that asked for the
-// speed alone took too many steps to where the one follows on the other.
-TEST(EndNormals, OfTheFloorOfASlotThatFallsOrRisesLookUp) {
+// Regression: the side of a mill approaches fast and its disc recedes slowly, and a search that
+// used only the speed took too many steps to where one follows the other.
+TEST(EndNormals, OfAnInclinedSlotsFloorPointUp) {
   for (const double rise : {0.0, 0.3, -0.3, 1.0, -1.0}) {
     auto sculpture = Sculpture::create(test::block(60, 20, 0.5, 0.005)).value();
     ASSERT_TRUE(sculpture.apply(DefineTool{1, *make_tool(FlatShape{6, 40})}));
@@ -145,7 +146,7 @@ TEST(EndNormals, OfTheFloorOfASlotThatFallsOrRisesLookUp) {
   }
 }
 
-TEST(EndNormals, DoNotDependOnWhenTheyAreLookedAt) {
+TEST(EndNormals, DoNotDependOnWhenTheyAreResolved) {
   const std::vector<NormalCode> at_once = codes_looked_at_every(1);
   EXPECT_GT(std::ranges::count_if(at_once, [](NormalCode c) { return c > 0xffff; }), 1000);
   EXPECT_EQ(std::ranges::count_if(at_once, [](NormalCode c) { return c - 1 < 0xffff; }), 0);
@@ -153,7 +154,7 @@ TEST(EndNormals, DoNotDependOnWhenTheyAreLookedAt) {
   EXPECT_EQ(codes_looked_at_every(1000), at_once);
 }
 
-TEST(EndNormals, AreThoseOfTheTrueSweepForEveryToolAndMotion) {
+TEST(EndNormals, MatchTheTrueSweepForEveryToolAndMotion) {
   Numbers numbers(11);
   for (const test::NamedTool& named : test::every_tool()) {
     Judged judged;
@@ -174,7 +175,7 @@ TEST(EndNormals, AreThoseOfTheTrueSweepForEveryToolAndMotion) {
       }
     }
     EXPECT_GT(judged.ends, 100) << named.name;
-    // Beside an edge of the tool a step leads past it.
+    // Near an edge of the tool a step passes beyond it.
     EXPECT_LT(judged.wrong, 0.02 * judged.ends) << named.name << " " << judged.ends;
   }
 }

@@ -21,8 +21,8 @@ void expect_closed(const MeshReport& report) {
   EXPECT_GT(report.volume_mm3, 0);
 }
 
-TEST(RandomSurface, IsClosedAndManifoldWhateverCarvedIt) {
-  // By more effort the blocks grow, and the features that one cell holds with them.
+TEST(RandomSurface, IsAClosedManifold) {
+  // More effort makes the blocks larger, and with them the number of features in one cell.
   const double columns = 24 + 8 * (test::effort() - 1);
   for (unsigned seed = 1; seed <= 200; ++seed) {
     const double pitch_mm = std::array{1.0, 0.5, 0.25, 0.1}[seed % 4];
@@ -34,7 +34,7 @@ TEST(RandomSurface, IsClosedAndManifoldWhateverCarvedIt) {
   }
 }
 
-/// Errors of corners and centroids, in pitches, in ascending order.
+/// Returns the errors of corners and centroids, in pitches, in ascending order.
 std::vector<double> errors_of(RandomCarving& carving) {
   std::vector<double> errors;
   const double pitch_mm = carving.sculpture.settings().pitch_mm;
@@ -65,8 +65,8 @@ TEST(RandomSurface, LiesOnTheTrueSolid) {
     const auto share = [&](double s) { return all[std::size_t(s * double(all.size() - 1))]; };
     ASSERT_GT(all.size(), 10000U);
     RecordProperty(to_string(rays), std::to_string(share(0.99)));
-    // What is far off lies at features that one cell cannot hold. One field knows walls to half a
-    // pitch.
+    // Large errors occur at features that one cell cannot represent. One field locates walls to
+    // half a pitch.
     const bool exact = rays == Rays::kTriDexel;
     EXPECT_LT(share(0.5), exact ? 0.002 : 0.02);
     EXPECT_LT(share(0.9), exact ? 0.05 : 0.2);

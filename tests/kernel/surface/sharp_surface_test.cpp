@@ -30,7 +30,7 @@ void for_vertices(Sculpture& sculpture, const Visit& visit) {
   }
 }
 
-/// Three passes of a ball leave two ridges, which lie anywhere between the columns.
+/// Three passes of a ball leave two ridges, at arbitrary positions between the columns.
 Sculpture ridges(double pitch_mm, Rays rays) {
   Sculpture s = sculpture_of(BoxStock{{0, 0, 0}, {12, 10, 8}}, pitch_mm, rays);
   EXPECT_TRUE(s.apply(DefineTool{1, *make_tool(BallShape{10, 50})}));
@@ -54,7 +54,7 @@ TEST(SharpSurface, RidgesBetweenPassesAreSharpToAHundredthOfThePitch) {
         on_ridge += d > 1 - 0.1 * pitch && std::abs(normal.y) > 0.1 ? 1 : 0;
       });
       EXPECT_LT(worst, 0.01 * pitch) << to_string(rays) << " " << pitch;
-      // Along both ridges, once for each side.
+      // Both ridges, one vertex per side.
       EXPECT_GT(on_ridge, 4 * 9 / pitch) << to_string(rays) << " " << pitch;
     }
   }
@@ -69,9 +69,9 @@ TEST(SharpSurface, ThreeFieldsPlaceWallsExactly) {
   double wall = 0, floor = 0, rim = 0;
   for_vertices(s, [&](Vec3 p, Vec3 normal) {
     const Vec3 from = p - Vec3{4, 8, p.z};
-    const double way = dot(from, along);
+    const double distance = dot(from, along);
     const double off = std::abs(p.y * along.x - p.x * along.y - (8 * along.x - 4 * along.y));
-    if (way < 2 || way > 20 || off > 2.6 || p.z < 1) return;
+    if (distance < 2 || distance > 20 || off > 2.6 || p.z < 1) return;
     if (std::abs(normal.z) < 0.1) wall = std::max(wall, std::abs(off - 2));
     if (normal.z > 0.9 && p.z < 5) floor = std::max(floor, std::abs(p.z - 2.2));
     if (normal.z > 0.9 && p.z < 5) rim = std::max(rim, off);
@@ -81,34 +81,33 @@ TEST(SharpSurface, ThreeFieldsPlaceWallsExactly) {
   EXPECT_NEAR(rim, 2, 0.002 * pitch);
 }
 
-/// Rays along Z meet the steep side of a ball's slot once or not at all between one pitch and the
-/// next; the ends behind tell how it goes on. Along the grid its slice is a circle, else an
-/// ellipse.
+/// Rays along Z meet the steep side of a ball's slot at most once per pitch; the surface is
+/// extrapolated from the ends behind. The slice is a circle along the grid, otherwise an ellipse.
 TEST(SharpSurface, OneFieldFollowsTheSidesOfABallsSlot) {
-  for (const Vec3 way : {Vec3{0, 24, 0}, Vec3{12, 24, 0}, Vec3{24, 15, 0}}) {
+  for (const Vec3 travel : {Vec3{0, 24, 0}, Vec3{12, 24, 0}, Vec3{24, 15, 0}}) {
     const double pitch = 0.5;
     Sculpture s = sculpture_of(BoxStock{{0, 0, 0}, {30, 30, 12}}, pitch, Rays::kDexel);
     EXPECT_TRUE(s.apply(DefineTool{1, *make_tool(BallShape{10, 50})}));
-    const Vec3 from{15.13 - way.x / 2, 15.07 - way.y / 2, 4};
-    EXPECT_TRUE(s.apply(MoveTool{1, {from}, {from + way}, 1, false}));
-    const Vec3 along = normalized(way);
+    const Vec3 from{15.13 - travel.x / 2, 15.07 - travel.y / 2, 4};
+    EXPECT_TRUE(s.apply(MoveTool{1, {from}, {from + travel}, 1, false}));
+    const Vec3 along = normalized(travel);
     double side = 0;
     int count = 0;
     for_vertices(s, [&](Vec3 p, Vec3) {
-      const Vec3 q = p - (from + way * 0.5 + Vec3{0, 0, 5});
+      const Vec3 q = p - (from + travel * 0.5 + Vec3{0, 0, 5});
       const Vec3 across = q - along * dot(q, along);
-      // Below its equator, beside the middle of the way.
+      // Below the equator, near the middle of the path.
       if (std::abs(dot(q, along)) > 6 || across.z > -0.3 || length(across) > 7 || p.z < 1) return;
       side = std::max(side, std::abs(length(across) - 5));
       ++count;
     });
     EXPECT_GT(count, 500);
-    EXPECT_LT(side, 0.06 * pitch) << way.x;
+    EXPECT_LT(side, 0.06 * pitch) << travel.x;
   }
 }
 
-/// A wall that no ray meets lies between two columns; no vertex of it is farther off than that.
-TEST(SharpSurface, OneFieldKnowsAWallToHalfAPitch) {
+/// A wall that no ray meets lies between two columns; no vertex of it is farther away than that.
+TEST(SharpSurface, OneFieldPlacesWallsToHalfAPitch) {
   const double pitch = 0.5;
   for (const double turn : {0.0, 0.1, 0.35, 0.7}) {
     Sculpture s = sculpture_of(BoxStock{{0, 0, 0}, {30, 30, 6}}, pitch, Rays::kDexel);
@@ -127,7 +126,7 @@ TEST(SharpSurface, OneFieldKnowsAWallToHalfAPitch) {
   }
 }
 
-TEST(SharpSurface, ARoundStockIsRoundForBothRayModels) {
+TEST(SharpSurface, CylinderStockIsRoundForBothRayModels) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     Sculpture s = sculpture_of(CylinderStock{3, -2, 8, 0, 10}, 0.5, rays);
     double worst = 0, normals = 0;
@@ -142,7 +141,7 @@ TEST(SharpSurface, ARoundStockIsRoundForBothRayModels) {
   }
 }
 
-TEST(SharpSurface, FacesOfAStockThatThePitchDoesNotDivideAreExact) {
+TEST(SharpSurface, FacesAreExactIfThePitchDoesNotDivideTheStock) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     const Vec3 low{1, 2, 3}, high{13.07, 10.31, 8.18};
     Sculpture s = sculpture_of(BoxStock{low, high}, 0.5, rays);
@@ -157,11 +156,11 @@ TEST(SharpSurface, FacesOfAStockThatThePitchDoesNotDivideAreExact) {
   }
 }
 
-/// A motion that only rays along X meet changes the surface of a tile, and the tile is named.
-TEST(SharpSurface, TilesThatOnlyLevelRaysSeeChangedAreNamed) {
+/// A motion that only rays along X meet changes the surface of a tile, which must be reported.
+TEST(SharpSurface, ReportsTilesChangedOnlyInHorizontalFields) {
   Sculpture s = sculpture_of(BoxStock{{0, 0, 0}, {40, 40, 20}}, 1, Rays::kTriDexel);
   EXPECT_TRUE(s.apply(DefineTool{1, *make_tool(BallShape{4, 40})}));
-  // From the side, 0.3 mm deep into the face at x = 40: no ray along Z is met, they stand 0.5
+  // From the side, 0.3 mm deep into the face at x = 40. No ray along Z is met: the first is 0.5 mm
   // inside.
   const auto result =
       s.apply(MoveTool{1, {{39.7, 10, 10}, {1, 0, 0}}, {{39.7, 36, 10}, {1, 0, 0}}, 1, false});

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/conversation/control_json.h"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "kernel/dexel/tile_index.h"
+#include "server/session/hash_text.h"
+
+namespace kerf::net {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kEyeMaxMm = 1e6;
+
+Rejection bad_field(const char* field, const char* what) {
+  return {wire::ErrorCode::kBadMessage, std::string("field \"") + field + "\" " + what};
+}
+
+std::expected<std::string, Rejection> text_field(const Json& object, const char* field) {
+  const auto found = object.find(field);
+  if (found == object.end()) return std::string();
+  if (!found->is_string()) return std::unexpected(bad_field(field, "is not a string"));
+  return found->get<std::string>();
+}
+
+std::expected<ToolId, Rejection> tool_field(const Json& object, bool required) {
+  const auto found = object.find("tool");
+  if (found == object.end()) {
+    if (required) return std::unexpected(bad_field("tool", "is missing"));
+    return 0;
+  }
+  if (!found->is_number_unsigned() || found->get<std::uint64_t>() > 0xFFFFFFFFU) {
+    return std::unexpected(bad_field("tool", "is not a tool number"));
+  }
+  return found->get<ToolId>();
+}
+
+std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
+  HelloMessage hello;
+  auto name = text_field(object, "name");
+  if (!name) return std::unexpected(name.error());
+  hello.name = *std::move(name);
+  auto color = text_field(object, "color");
+  if (!color) return std::unexpected(color.error());
+  hello.color = *std::move(color);
+  const auto tool = tool_field(object, false);
+  if (!tool) return std::unexpected(tool.error());
+  hello.tool = *tool;
+  if (const auto feel = object.find("feel"); feel != object.end()) {
+    if (!feel->is_boolean()) return std::unexpected(bad_field("feel", "is not true or false"));
+    hello.feel = feel->get<bool>();
+  }
+  if (const auto stock = object.find("stock"); stock != object.end()) {
+    if (!stock->is_boolean()) return std::unexpected(bad_field("stock", "is not true or false"));
+    hello.stock = stock->get<bool>();
+  }
+  if (const auto other = object.find("feel_of"); other != object.end()) {
+    if (!other->is_number_unsigned() || other->get<std::uint64_t>() > UINT32_MAX) {
+      return std::unexpected(bad_field("feel_of", "is not the number of a participant"));
+    }
+    hello.feel_of = other->get<ParticipantId>();
+  }
+  if (const auto udp = object.find("udp"); udp != object.end()) {
+    if (!udp->is_boolean()) return std::unexpected(bad_field("udp", "is not true or false"));
+    hello.udp = udp->get<bool>();
+  }
+  return hello;
+}
+
+std::expected<double, Rejection> number_of(const Json& value, const char* field, double low,
+                                           double high) {
+  if (!value.is_number()) return std::unexpected(bad_field(field, "is not made of numbers"));
+  const double number = value.get<double>();
+  if (!(number >= low && number <= high)) {
+    return std::unexpected(bad_field(field, "is out of range"));
+  }
+  return number;
+}
+
+std::expected<ControlMessage, Rejection> parse_look(const Json& object) {
+  LookMessage message;
+  const auto eye = object.find("eye_mm");
+  if (eye == object.end() || !eye->is_array() || eye->size() != 3) {
+    return std::unexpected(bad_field("eye_mm", "is not three numbers"));
+  }
+  std::array<double, 3> at{};
+  for (std::size_t n = 0; n < at.size(); ++n) {
+    const auto number = number_of((*eye)[n], "eye_mm", -kEyeMaxMm, kEyeMaxMm);
+    if (!number) return std::unexpected(number.error());
+    at[n] = *number;
+  }
+  message.look.eye_mm = {at[0], at[1], at[2]};
+  const auto error = object.find("error_rad");
+  if (error == object.end()) return std::unexpected(bad_field("error_rad", "is missing"));
+  const auto angle = number_of(*error, "error_rad", 0, 1);
+  if (!angle) return std::unexpected(angle.error());
+  message.look.error_rad = *angle;
+  return message;
+}
+
+Json participants_json(const std::vector<Participant>& participants) {
+  Json list = Json::array();
+  for (const Participant& who : participants) {
+    Json entry = {{"participant", who.id},
+                  {"name", who.name},
+                  {"color", who.color},
+                  {"kind", to_string(who.kind)}};
+    if (who.tool != 0) entry["tool"] = who.tool;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+Json welcome(const Session& session, const Participant& self) {
+  const Scene& scene = session.scene();
+  return {{"type", wire::kTypeWelcome},
+          {"session", session.id()},
+          {"participant", self.id},
+          {"epoch", session.epoch()},
+          {"color", self.color},
+          {"pitch_mm", scene.settings.pitch_mm},
+          {"pivot_mm", scene.settings.force.pivot_mm},
+          {"force", Json::parse(force_json(scene))},
+          {"stock", Json::parse(stock_json(scene))},
+          {"tools", Json::parse(tools_json(scene))}};
+}
+
+Json udp_json(const datagram::Offer& offer) {
+  return {{"port", offer.port},
+          {"connection", offer.connection},
+          {"cipher", datagram::kCipherName},
+          {"key_to_server", datagram::to_text(offer.to_server)},
+          {"key_to_agent", datagram::to_text(offer.to_agent)}};
+}
+
+std::string text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
+  const Json object = Json::parse(frame, nullptr, false);
+  if (object.is_discarded() || !object.is_object()) {
+    return std::unexpected(
+        Rejection{wire::ErrorCode::kBadJson, "the message is not a JSON object"});
+  }
+  const auto type = text_field(object, "type");
+  if (!type) return std::unexpected(type.error());
+  if (*type == wire::kTypeHello) return parse_hello(object);
+  if (*type == wire::kTypeTool) {
+    const auto tool = tool_field(object, true);
+    if (!tool) return std::unexpected(tool.error());
+    return ToolMessage{*tool};
+  }
+  if (*type == wire::kTypeLook) return parse_look(object);
+  if (*type == wire::kTypeStock) return StockMessage{};
+  return std::unexpected(
+      Rejection{wire::ErrorCode::kBadMessage,
+                "\"type\" is none of \"hello\", \"tool\", \"look\" and \"stock\""});
+}
+
+std::string agent_welcome(const Session& session, const Participant& self,
+                          const SessionLimits& limits, const datagram::Offer* udp) {
+  Json json = welcome(session, self);
+  json["accuracy"] = Json::parse(accuracy_json(session.scene()));
+  json["rate_hz"] = wire::kMotionRateHz;
+  json["limits"] = {{"samples_per_message", wire::kMaxSamplesPerMotion},
+                    {"speed_mm_per_s", limits.speed_mm_per_s},
+                    {"samples_per_s", limits.samples_per_s},
+                    {"frame_bytes", wire::kMaxClientFrameBytes}};
+  if (udp != nullptr) json["udp"] = udp_json(*udp);
+  return text(json);
+}
+
+std::string viewer_welcome(const Session& session, const Participant& self,
+                           const std::vector<Participant>& participants) {
+  Json json = welcome(session, self);
+  const DexelGrid& grid = session.grid();
+  json["participants"] = participants_json(participants);
+  json["grid"] = {{"origin_mm", {grid.origin_mm.x, grid.origin_mm.y, grid.origin_mm.z}},
+                  {"columns", {grid.columns_x, grid.columns_y}},
+                  {"tile", kTileSide}};
+  return text(json);
+}
+
+std::string participants_message(const std::vector<Participant>& participants) {
+  return text(
+      {{"type", wire::kTypeParticipants}, {"participants", participants_json(participants)}});
+}
+
+std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
+                          bool settled) {
+  return text({{"type", wire::kTypeState},
+               {"motions", motions},
+               {"removed_volume_mm3", removed_mm3},
+               {"state_hash", hash_text(hash)},
+               {"settled", settled}});
+}
+
+std::string error_message(const Rejection& rejection, bool fatal) {
+  return text({{"type", wire::kTypeError},
+               {"code", wire::to_string(rejection.code)},
+               {"reason", rejection.reason},
+               {"fatal", fatal}});
+}
+
+std::string bye_message(std::string_view reason) {
+  return text({{"type", wire::kTypeBye}, {"reason", reason}});
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/download_cache.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <new>
+
+namespace kerf::net {
+
+std::expected<std::shared_ptr<const OpenFile>, std::string> OpenFile::open(
+    const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return std::unexpected(path.string() + ": " + std::strerror(errno));
+  struct stat status{};
+  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(descriptor);
+    return std::unexpected(path.string() + ": not a file");
+  }
+  return std::shared_ptr<const OpenFile>(
+      new OpenFile(descriptor, static_cast<std::uint64_t>(status.st_size)));
+}
+
+OpenFile::~OpenFile() { ::close(descriptor_); }
+
+std::size_t OpenFile::read(std::uint64_t offset, char* to, std::size_t size) const {
+  const ssize_t count = pread(descriptor_, to, size, static_cast<off_t>(offset));
+  return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+DownloadCache::DownloadCache(std::filesystem::path folder) : folder_(std::move(folder)) {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);  // what a crash may have left half made
+  std::filesystem::create_directories(folder_, ignored);
+}
+
+DownloadCache::File DownloadCache::get(const std::string& key, const Make& make) {
+  std::filesystem::path path;
+  auto job = std::make_shared<Job>();
+  {
+    std::unique_lock lock(mutex_);
+    const auto found = std::ranges::find(entries_, key, &Entry::key);
+    if (found != entries_.end()) {
+      entries_.splice(entries_.begin(), entries_, found);
+      return entries_.front().file;
+    }
+    for (const auto& other : jobs_) {
+      if (other->key != key) continue;
+      const auto file = other->file;
+      lock.unlock();
+      return file.get();
+    }
+    job->key = key;
+    job->start = std::chrono::steady_clock::now();
+    job->file = job->promise.get_future().share();
+    jobs_.push_back(job);
+    path = folder_ / std::to_string(++last_);
+  }
+  File file = make_file(*job, path, make);
+  const std::lock_guard lock(mutex_);
+  jobs_.remove(job);
+  if (file) {
+    entries_.push_front({key, *file});
+    if (entries_.size() > kFilesMax) entries_.pop_back();
+  }
+  job->promise.set_value(file);
+  return file;
+}
+
+// A writer that runs out of memory must not leave those who wait for its file waiting.
+DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::path& path,
+                                             const Make& make) {
+  File file = std::unexpected(MakeError{"there is not enough memory"});
+  std::error_code ignored;
+  try {
+    const auto made = make(path, [&job](double share) { job.share = share; });
+    if (!made) {
+      file = std::unexpected(made.error());
+    } else if (auto opened = OpenFile::open(path)) {
+      file = *std::move(opened);
+    } else {
+      file = std::unexpected(MakeError{opened.error()});
+    }
+  } catch (const std::bad_alloc&) {
+    // `file` says so already.
+  }
+  std::filesystem::remove(path, ignored);
+  return file;
+}
+
+std::vector<DownloadCache::Making> DownloadCache::making(std::string_view prefix) const {
+  const auto now = std::chrono::steady_clock::now();
+  std::vector<Making> list;
+  const std::lock_guard lock(mutex_);
+  for (const auto& job : jobs_) {
+    if (!job->key.starts_with(prefix)) continue;
+    const double seconds = std::chrono::duration<double>(now - job->start).count();
+    list.push_back({job->key, job->share.load(), seconds});
+  }
+  return list;
+}
+
+}  // namespace kerf::net

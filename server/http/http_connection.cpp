@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/http_connection.h"
+
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/serializer.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <optional>
+
+#include "server/http/api.h"
+#include "server/http/http_options.h"
+#include "server/metrics/metrics.h"
+#include "server/socket/websocket.h"
+#include "server/threads/run_on.h"
+#include "server/wire/control.h"
+
+namespace kerf::net {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using boost::system::error_code;
+using Parser = http::request_parser<http::string_body>;
+using Request = http::request<http::string_body>;
+
+constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
+constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
+constexpr std::chrono::seconds kLingerTime{2};
+constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = 16 * 1024;
+constexpr std::string_view kForeignOrigin = "this origin is not on the allow-list";
+constexpr std::size_t kFileChunk = 256 * 1024;
+/// Uploads that may be in memory at once: they are the one thing a peer can make large.
+constexpr std::size_t kLargeBody = std::size_t{1} << 20;
+constexpr int kLargeBodiesMax = 4;
+int large_bodies = 0;  // viewer lane only
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+/// The host and port of an Origin or the Host header, lower case.
+bool same_origin(std::string_view origin, std::string_view host) {
+  const auto scheme = origin.find("://");
+  return scheme != std::string_view::npos &&
+         beast::iequals({origin.data() + scheme + 3, origin.size() - scheme - 3},
+                        {host.data(), host.size()});
+}
+
+/// Browsers send Origin; a page of another site must neither drive a session nor watch one.
+bool origin_allowed(const Request& request, const HttpOptions& options) {
+  const auto origin = view(request[http::field::origin]);
+  if (origin.empty() || same_origin(origin, view(request[http::field::host]))) return true;
+  return std::ranges::find(options.allow_origins, origin) != options.allow_origins.end();
+}
+
+bool offers(const Request& request, std::string_view protocol) {
+  for (const auto offered : http::token_list(request[http::field::sec_websocket_protocol])) {
+    if (view(offered) == protocol) return true;
+  }
+  return false;
+}
+
+class Connection {
+ public:
+  Connection(asio::ip::tcp::socket socket, HttpContext& context)
+      : stream_(std::move(socket)), context_(context) {
+    ++context_.metrics.connections;
+  }
+  ~Connection() { --context_.metrics.connections; }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  asio::awaitable<void> run();
+
+ private:
+  asio::awaitable<bool> serve_one();
+  asio::awaitable<bool> read_body(Parser& parser, const ApiRequest& request);
+  asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
+  asio::awaitable<bool> reject_garbage();
+  asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
+  asio::awaitable<bool> reject(const Request& request, unsigned status, std::string_view code,
+                               std::string_view reason);
+  asio::awaitable<void> linger();
+  std::optional<ApiResponse> check_upgrade(const Request& request, const ApiRequest& target,
+                                           std::shared_ptr<Session>& session) const;
+  asio::awaitable<void> upgrade(const Request& request, const ApiRequest& target);
+
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  HttpContext& context_;
+  bool first_ = true;
+  error_code error_;
+};
+
+asio::awaitable<void> Connection::run() {
+  bool more = true;
+  while (more) more = co_await serve_one();
+  if (stream_.socket().is_open()) co_await linger();
+}
+
+asio::awaitable<bool> Connection::serve_one() {
+  Parser parser;
+  parser.header_limit(kHeaderBytesMax);
+  parser.body_limit(std::uint64_t{64} << 20);
+  stream_.expires_after(std::exchange(first_, false) ? kHeaderTime : kIdleTime);
+  co_await http::async_read_header(stream_, buffer_, parser,
+                                   asio::redirect_error(asio::use_awaitable, error_));
+  if (error_) co_return co_await reject_garbage();
+  auto request = parse_target(view(parser.get().target()));
+  if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
+  request->method = std::string(view(parser.get().method_string()));
+  if (beast::websocket::is_upgrade(parser.get())) {
+    co_await upgrade(parser.get(), *request);
+    co_return false;
+  }
+  const bool read_only = request->method == "GET" || request->method == "HEAD";
+  if (!read_only && !origin_allowed(parser.get(), context_.options)) {
+    co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
+  }
+  if (!co_await read_body(parser, *request)) co_return false;
+  request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
+  request->range = std::string(view(parser.get()[http::field::range]));
+  request->if_range = std::string(view(parser.get()[http::field::if_range]));
+  request->body = std::move(parser.get().body());
+  const bool keep_alive = parser.get().keep_alive();
+  const bool large = request->body.size() > kLargeBody;
+  if (large) ++large_bodies;
+  IoThreads& threads = context_.api.is_long(*request) ? context_.workers : context_.control;
+  auto work = [&api = context_.api, request = *std::move(request)] {
+    try {
+      return api.handle(request);
+    } catch (const std::exception& error) {
+      return error_response(500, "internal_error", error.what());
+    }
+  };
+  stream_.expires_never();  // our own work has no deadline of the peer's making
+  ApiResponse response = co_await run_on(threads, std::move(work));
+  if (large) --large_bodies;
+  co_return co_await answer(parser.get(), response, keep_alive);
+}
+
+asio::awaitable<bool> Connection::reject_garbage() {
+  const bool spoke =
+      error_.category() == http::make_error_code(http::error::bad_method).category() &&
+      error_ != http::error::end_of_stream && error_ != http::error::partial_message;
+  if (!spoke) co_return false;
+  const Request unknown;
+  if (error_ == http::error::header_limit) {
+    co_return co_await reject(unknown, 431, "too_large", "the header of the request is too large");
+  }
+  if (error_ == http::error::body_limit) {
+    co_return co_await reject(unknown, 413, "too_large", "the body of the request is too large");
+  }
+  const std::string reason = error_.message();
+  co_return co_await reject(unknown, 400, "bad_request", reason);
+}
+
+asio::awaitable<bool> Connection::read_body(Parser& parser, const ApiRequest& request) {
+  const std::size_t most = context_.api.body_bytes_max(request);
+  const auto length = parser.content_length();
+  if (parser.chunked() && most > 0) {
+    co_return co_await reject(parser.get(), 411, "length_required",
+                              "send the body with a Content-Length");
+  }
+  if (length && *length > most) {
+    const std::string reason =
+        "the body has " + std::to_string(*length) + " bytes; at most " + std::to_string(most);
+    co_return co_await reject(parser.get(), 413, "too_large", reason);
+  }
+  if (length && *length > kLargeBody && large_bodies >= kLargeBodiesMax) {
+    co_return co_await reject(parser.get(), 503, "busy", "too many uploads at once");
+  }
+  stream_.expires_after(kBodyTime);
+  if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
+    static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
+    co_await asio::async_write(stream_, asio::buffer(kContinue),
+                               asio::redirect_error(asio::use_awaitable, error_));
+    if (error_) co_return false;
+  }
+  co_await http::async_read(stream_, buffer_, parser,
+                            asio::redirect_error(asio::use_awaitable, error_));
+  co_return !error_;
+}
+
+// Nothing but references and views crosses a co_await here: g++ 12 destroys some temporaries of
+// such calls twice.
+asio::awaitable<bool> Connection::reject(const Request& request, unsigned status,
+                                         std::string_view code, std::string_view reason) {
+  ApiResponse response = error_response(status, code, reason);
+  co_return co_await answer(request, response, false);
+}
+
+/// Closing while the peer still sends would reset the connection and take our answer with it.
+asio::awaitable<void> Connection::linger() {
+  error_code ignored;
+  stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+  stream_.expires_after(kLingerTime);
+  std::vector<char> rest(kLingerChunk);
+  for (std::size_t read = 0; read < kLingerBytes && !ignored;) {
+    read += co_await stream_.async_read_some(asio::buffer(rest),
+                                             asio::redirect_error(asio::use_awaitable, ignored));
+  }
+}
+
+asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& response,
+                                         bool keep_alive) {
+  context_.metrics.http_answered(response.status);
+  http::response<http::string_body> message(static_cast<http::status>(response.status),
+                                            request.version() == 0 ? 11 : request.version());
+  message.set(http::field::server, "kerf");
+  message.set("X-Content-Type-Options", "nosniff");
+  for (const auto& [name, value] : response.headers) message.set(name, value);
+  message.keep_alive(keep_alive);
+  const bool head = request.method() == http::verb::head;
+  const ByteRange part =
+      response.part.value_or(ByteRange{0, response.file ? response.file->bytes() : 0});
+  if (response.status != 304) {
+    message.set(http::field::content_type, response.content_type);
+    message.content_length(response.file ? part.count : response.body.size());
+  }
+  if (!response.file && !head) message.body() = std::move(response.body);
+  stream_.expires_after(kChunkTime);
+  http::response_serializer<http::string_body> serializer(message);
+  if (response.file || head) {
+    co_await http::async_write_header(stream_, serializer,
+                                      asio::redirect_error(asio::use_awaitable, error_));
+    if (!error_ && !head) co_await send_file(*response.file, part);
+  } else {
+    co_await http::async_write(stream_, serializer,
+                               asio::redirect_error(asio::use_awaitable, error_));
+  }
+  co_return !error_ && keep_alive;
+}
+
+asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRange& part) {
+  std::vector<char> chunk(std::min<std::uint64_t>(kFileChunk, part.count));
+  const std::uint64_t end = part.first + part.count;
+  for (std::uint64_t offset = part.first; offset < end && !error_;) {
+    const std::size_t wanted = std::min<std::uint64_t>(chunk.size(), end - offset);
+    const std::size_t size = file.read(offset, chunk.data(), wanted);
+    if (size == 0) {
+      error_ = asio::error::broken_pipe;  // the length is promised: only closing tells the peer
+      co_return;
+    }
+    stream_.expires_after(kChunkTime);
+    co_await asio::async_write(stream_, asio::buffer(chunk.data(), size),
+                               asio::redirect_error(asio::use_awaitable, error_));
+    offset += size;
+  }
+}
+
+std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
+                                                     const ApiRequest& target,
+                                                     std::shared_ptr<Session>& session) const {
+  const auto& path = target.path;
+  const bool known = path.size() == 4 && path[0] == "v1" && path[1] == "sessions" &&
+                     (path[3] == "agent" || path[3] == "view");
+  if (!known) return error_response(404, "not_found", "there is no WebSocket here");
+  session = context_.registry.find(path[2]);
+  if (!session) return error_response(404, "unknown_session", "there is no session " + path[2]);
+  if (!origin_allowed(request, context_.options)) {
+    return error_response(403, "bad_origin", kForeignOrigin);
+  }
+  const auto protocol = path[3] == "agent" ? wire::kAgentProtocol : wire::kViewProtocol;
+  if (!offers(request, protocol)) {
+    return error_response(400, "bad_protocol", "the sub-protocol must be " + std::string(protocol));
+  }
+  if (buffer_.size() != 0) {
+    return error_response(400, "bad_request", "data before the connection was upgraded");
+  }
+  return std::nullopt;
+}
+
+asio::awaitable<void> Connection::upgrade(const Request& request, const ApiRequest& target) {
+  std::shared_ptr<Session> session;
+  if (auto rejection = check_upgrade(request, target, session)) {
+    co_await answer(request, *rejection, false);
+    co_return;
+  }
+  context_.metrics.http_answered(101);
+  UpgradeRequest handshake(http::request_header<>(request.base()));
+  stream_.expires_never();
+  auto socket = stream_.release_socket();
+  if (target.path[3] == "agent") {
+    serve_agent(std::move(socket), std::move(handshake), std::move(session), context_.peers);
+  } else {
+    serve_viewer(std::move(socket), std::move(handshake), std::move(session), context_.peers);
+  }
+}
+
+}  // namespace
+
+asio::awaitable<void> serve_http(asio::ip::tcp::socket socket, HttpContext& context) {
+  Connection connection(std::move(socket), context);
+  co_await connection.run();
+}
+
+}  // namespace kerf::net

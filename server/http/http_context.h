@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "server/session/session_registry.h"
+#include "server/socket/peer_context.h"
+
+namespace kerf::net {
+
+class Api;
+struct HttpOptions;
+
+/// The parts of the server that an HTTP connection uses; outlives every connection.
+struct HttpContext {
+  const HttpOptions& options;
+  SessionRegistry& registry;
+  Metrics& metrics;
+  Api& api;
+  IoThreads& control;  ///< requests that are answered at once
+  IoThreads& workers;  ///< requests that may take long: downloads, uploads
+  PeerContext& peers;  ///< for connections that become WebSockets
+};
+
+}  // namespace kerf::net

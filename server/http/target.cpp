@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the target of an HTTP request.
+#include <cctype>
+
+#include "server/http/api.h"
+
+namespace kerf::net {
+namespace {
+
+constexpr std::size_t kTargetBytesMax = 2048;
+constexpr std::size_t kSegmentsMax = 16;
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  const int lower = std::tolower(static_cast<unsigned char>(c));
+  return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
+}
+
+std::expected<std::string, std::string> decode(std::string_view text, bool plus_is_space) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '+' && plus_is_space) {
+      decoded += ' ';
+    } else if (text[i] != '%') {
+      decoded += text[i];
+    } else {
+      const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
+      const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
+      if (high < 0 || low < 0) return std::unexpected("a % is not followed by two hex digits");
+      decoded += static_cast<char>(high * 16 + low);
+      i += 2;
+    }
+  }
+  if (decoded.find('\0') != std::string::npos) return std::unexpected("a NUL byte");
+  return decoded;
+}
+
+}  // namespace
+
+std::expected<ApiRequest, std::string> parse_target(std::string_view target) {
+  if (target.size() > kTargetBytesMax) return std::unexpected("the target is too long");
+  if (target.empty() || target.front() != '/') return std::unexpected("the target is no path");
+  ApiRequest request;
+  std::string_view path = target.substr(0, target.find('?'));
+  std::string_view query = path.size() < target.size() ? target.substr(path.size() + 1) : "";
+  path.remove_prefix(1);
+  while (!path.empty()) {
+    const auto segment = path.substr(0, path.find('/'));
+    auto decoded = decode(segment, false);
+    if (!decoded) return std::unexpected(decoded.error());
+    if (request.path.size() == kSegmentsMax) return std::unexpected("the target is too deep");
+    request.path.push_back(*std::move(decoded));
+    path.remove_prefix(std::min(segment.size() + 1, path.size()));
+  }
+  while (!query.empty()) {
+    const auto pair = query.substr(0, query.find('&'));
+    const auto name = pair.substr(0, pair.find('='));
+    auto key = decode(name, true);
+    auto value = decode(name.size() < pair.size() ? pair.substr(name.size() + 1) : "", true);
+    if (!key || !value) return std::unexpected("the query is malformed");
+    request.query[*key] = *value;
+    query.remove_prefix(std::min(pair.size() + 1, query.size()));
+  }
+  return request;
+}
+
+}  // namespace kerf::net

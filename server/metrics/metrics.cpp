@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/metrics/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <array>
+
+namespace kerf::net {
+namespace {
+
+/// 20 us to 50 ms: the target of 1 ms lies in the middle, with neighbours near enough to judge it
+/// by.
+const prometheus::Histogram::BucketBoundaries kTurnaroundS = {
+    20e-6, 50e-6, 100e-6, 150e-6, 200e-6, 300e-6, 500e-6, 750e-6, 1e-3, 2e-3, 5e-3, 10e-3, 50e-3};
+
+constexpr std::array<const char*, 5> kDropNames = {"malformed", "unknown_connection",
+                                                   "not_authentic", "replayed", "too_many"};
+
+}  // namespace
+
+struct Metrics::Impl {
+  prometheus::Registry registry;
+  prometheus::Family<prometheus::Counter>& counter(const char* name, const char* help) {
+    return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
+  }
+  prometheus::Family<prometheus::Counter>& rejections =
+      counter("kerf_refused_total", "Rejected requests of peers by code.");
+  prometheus::Family<prometheus::Counter>& http =
+      counter("kerf_http_responses_total", "HTTP responses by status.");
+  prometheus::Counter& mesh_frames =
+      counter("kerf_mesh_frames_sent_total", "Mesh frames sent.").Add({});
+  prometheus::Counter& mesh_bytes =
+      counter("kerf_mesh_bytes_sent_total", "Bytes of mesh frames sent.").Add({});
+  prometheus::Counter& tiles = counter("kerf_mesh_tiles_made_total", "Tiles meshed.").Add({});
+  prometheus::Counter& composed_bytes =
+      counter("kerf_mesh_bytes_composed_total",
+              "Bytes of mesh frames composed, before they are shared among viewers.")
+          .Add({});
+  prometheus::Counter& datagrams_received =
+      counter("kerf_datagrams_received_total", "Datagrams of agents with a true seal.").Add({});
+  prometheus::Counter& datagrams_sent =
+      counter("kerf_datagrams_sent_total", "Datagrams sent to agents.").Add({});
+  prometheus::Family<prometheus::Counter>& drops =
+      counter("kerf_datagrams_dropped_total", "Datagrams dropped, by reason.");
+  std::array<prometheus::Counter*, kDropNames.size()> dropped = [this] {
+    std::array<prometheus::Counter*, kDropNames.size()> counters{};
+    for (std::size_t i = 0; i < counters.size(); ++i) {
+      counters[i] = &drops.Add({{"reason", kDropNames[i]}});
+    }
+    return counters;
+  }();
+  prometheus::Counter& gaps =
+      counter("kerf_motion_gaps_total", "Datagrams whose samples left a gap: not applied.").Add({});
+  prometheus::Histogram& turnaround = prometheus::BuildHistogram()
+                                          .Name("kerf_turnaround_seconds")
+                                          .Help("Motion frame in to wrench handed to the socket.")
+                                          .Register(registry)
+                                          .Add({}, kTurnaroundS);
+};
+
+namespace {
+
+/// What is true now, as opposed to what was counted: made afresh, so that a closed session leaves
+/// no line behind.
+void add_gauges(prometheus::Registry& now, const Metrics& metrics,
+                const SessionRegistry& registry) {
+  const auto family = [&](const char* name, const char* help) -> auto& {
+    return prometheus::BuildGauge().Name(name).Help(help).Register(now);
+  };
+  const auto sessions = registry.list();
+  family("kerf_sessions", "Sessions that are open.")
+      .Add({})
+      .Set(static_cast<double>(sessions.size()));
+  auto& people = family("kerf_connections", "Open connections by kind.");
+  people.Add({{"kind", "agent"}}).Set(static_cast<double>(metrics.agents.load()));
+  people.Add({{"kind", "viewer"}}).Set(static_cast<double>(metrics.viewers.load()));
+  people.Add({{"kind", "http"}}).Set(static_cast<double>(metrics.connections.load()));
+  auto& lag = family("kerf_journal_lag_records", "Records not yet committed to disk.");
+  auto& motions = family("kerf_session_motions", "Motions applied since the start.");
+  for (const auto& session : sessions) {
+    const prometheus::Labels labels = {{"session", session->id()}};
+    lag.Add(labels).Set(static_cast<double>(session->journal_lag()));
+    motions.Add(labels).Set(static_cast<double>(session->motions_applied()));
+  }
+}
+
+}  // namespace
+
+Metrics::Metrics() : impl_(std::make_unique<Impl>()) {}
+Metrics::~Metrics() = default;
+
+void Metrics::motion_answered(double turnaround_s) { impl_->turnaround.Observe(turnaround_s); }
+void Metrics::rejected(std::string_view code) {
+  impl_->rejections.Add({{"code", std::string(code)}}).Increment();
+}
+void Metrics::mesh_sent(std::size_t bytes) {
+  impl_->mesh_frames.Increment();
+  impl_->mesh_bytes.Increment(static_cast<double>(bytes));
+}
+void Metrics::mesh_made(std::uint64_t tiles, std::uint64_t bytes) {
+  impl_->tiles.Increment(static_cast<double>(tiles));
+  impl_->composed_bytes.Increment(static_cast<double>(bytes));
+}
+void Metrics::http_answered(unsigned status) {
+  impl_->http.Add({{"status", std::to_string(status)}}).Increment();
+}
+
+void Metrics::datagram_received() { impl_->datagrams_received.Increment(); }
+void Metrics::datagram_sent() { impl_->datagrams_sent.Increment(); }
+void Metrics::datagram_dropped(DatagramDrop why) {
+  impl_->dropped[static_cast<std::size_t>(why)]->Increment();
+}
+void Metrics::motion_gap() { impl_->gaps.Increment(); }
+
+std::string Metrics::text(const SessionRegistry& registry) const {
+  prometheus::Registry now;
+  add_gauges(now, *this, registry);
+  const prometheus::TextSerializer serializer;
+  return serializer.Serialize(now.Collect()) + serializer.Serialize(impl_->registry.Collect());
+}
+
+}  // namespace kerf::net

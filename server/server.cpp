@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/detached.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <future>
+#include <thread>
+
+#include "server/http/api.h"
+#include "server/http/http_connection.h"
+#include "server/metrics/metrics.h"
+#include "server/socket/viewer_hub.h"
+#include "server/threads/io_threads.h"
+#include "server/threads/run_on.h"
+#include "server/udp/udp_port.h"
+
+namespace kerf::net {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+namespace {
+
+/// On the way out, the time in which peers may read their bye.
+constexpr std::chrono::seconds kDrainTime{2};
+/// Out of file descriptors and the like: try again a little later rather than spin.
+constexpr std::chrono::milliseconds kAcceptPause{100};
+
+}  // namespace
+
+struct Server::Impl {
+  explicit Impl(ServerOptions server_options)
+      : options(std::move(server_options)),
+        spawner("spawner", 1, 0),
+        viewers("viewers", 1, 5),
+        meshing("meshing", 1, 8),
+        control("control", 1, 5),
+        workers("workers", 2, 10),
+        registry(
+            {options.http.data_folder, options.sessions_max, options.session},
+            [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
+            meshing),
+        api(options.http, registry, metrics),
+        acceptor(viewers.context()) {}
+
+  asio::awaitable<void> accept();
+  std::expected<void, std::string> listen_udp();
+
+  ServerOptions options;
+  Metrics metrics;
+  UdpPort udp{metrics};
+  IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
+  IoThreads viewers, meshing, control, workers;
+  SessionRegistry registry;
+  Api api;
+  HubDirectory hubs;
+  PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing};
+  HttpContext context{options.http, registry, metrics, api, control, workers, peers};
+  tcp::acceptor acceptor;
+  std::uint16_t port = 0;
+  bool stopped = false;
+};
+
+std::expected<void, std::string> Server::Impl::listen_udp() {
+  const UdpOptions& wish = options.udp;
+  if (!wish.on) return {};
+  auto listening =
+      udp.listen(wish.address.empty() ? options.address : wish.address, wish.port.value_or(port));
+  if (listening || wish.required) return listening;
+  spdlog::warn("{}; agents will use their WebSockets", listening.error());
+  return {};
+}
+
+asio::awaitable<void> Server::Impl::accept() {
+  for (;;) {
+    error_code error;
+    tcp::socket socket =
+        co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
+    if (error == asio::error::operation_aborted || !acceptor.is_open()) co_return;
+    if (error) {
+      spdlog::warn("accept: {}", error.message());
+      asio::steady_timer pause(viewers.context(), kAcceptPause);
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      continue;
+    }
+    const std::int64_t open = metrics.connections + metrics.viewers + metrics.agents;
+    if (static_cast<std::size_t>(open) >= options.connections_max) continue;  // closed at once
+    asio::co_spawn(viewers.context(), serve_http(std::move(socket), context), asio::detached);
+  }
+}
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Server::~Server() { stop(); }
+
+std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.http.data_folder, error);
+  if (!std::filesystem::is_directory(options.http.data_folder)) {
+    return std::unexpected(options.http.data_folder.string() + ": " + error.message());
+  }
+  auto impl = std::make_unique<Impl>(std::move(options));
+  for (const JournalError& failure : impl->registry.load_all()) {
+    spdlog::error("{}: {}", to_string(failure.code), describe(failure));
+  }
+  return std::unique_ptr<Server>(new Server(std::move(impl)));
+}
+
+SessionRegistry& Server::sessions() { return impl_->registry; }
+std::uint16_t Server::port() const { return impl_->port; }
+std::uint16_t Server::udp_port() const { return impl_->udp.port(); }
+
+std::string Server::url() const {
+  const std::string& address = impl_->options.address;
+  const bool v6 = address.find(':') != std::string::npos;
+  return "http://" + (v6 ? "[" + address + "]" : address) + ":" + std::to_string(impl_->port);
+}
+
+std::expected<void, std::string> Server::listen() {
+  error_code error;
+  const auto address = asio::ip::make_address(impl_->options.address, error);
+  if (error) return std::unexpected(impl_->options.address + " is no IP address");
+  const tcp::endpoint endpoint(address, impl_->options.port);
+  tcp::acceptor& acceptor = impl_->acceptor;
+  const auto fail = [&] {
+    return std::unexpected("cannot listen on " + impl_->options.address + ":" +
+                           std::to_string(impl_->options.port) + ": " + error.message());
+  };
+  if (acceptor.open(endpoint.protocol(), error)) return fail();
+  if (acceptor.set_option(tcp::acceptor::reuse_address(true), error)) return fail();
+  if (acceptor.bind(endpoint, error)) return fail();
+  if (acceptor.listen(asio::socket_base::max_listen_connections, error)) return fail();
+  impl_->port = acceptor.local_endpoint(error).port();
+  if (auto ok = impl_->listen_udp(); !ok) return ok;
+  asio::co_spawn(impl_->viewers.context(), impl_->accept(), asio::detached);
+  return {};
+}
+
+void Server::stop() {
+  if (std::exchange(impl_->stopped, true)) return;
+  // Waited for: the acceptor belongs to that lane until it is closed, and then goes with this
+  // thread.
+  std::promise<void> closed;
+  impl_->viewers.post([&closed, impl = impl_.get()] {
+    error_code ignored;
+    impl->acceptor.close(ignored);
+    closed.set_value();
+  });
+  closed.get_future().wait();
+  impl_->registry.close_all("the server is going down");
+  const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
+  while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
+         std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/http/http_options.h"
+#include "server/session/session_registry.h"
+
+namespace kerf::net {
+
+/// The UDP port that agents may use beside their WebSocket.
+struct UdpOptions {
+  bool on = true;
+  /// The user has chosen the port: failing to bind it is an error instead of a warning.
+  bool required = false;
+  std::string address;                ///< empty: the address of HTTP
+  std::optional<std::uint16_t> port;  ///< empty: the port of HTTP; 0: the system picks one
+};
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 8080;  ///< 0: the system picks one
+  HttpOptions http;
+  std::size_t connections_max = 4096;
+  std::size_t sessions_max = 64;
+  SessionLimits session;
+  UdpOptions udp;
+};
+
+/// The whole service in one process: session registry, threads, listeners.
+class Server {
+ public:
+  /// Creates the data folder if needed and reopens its sessions. A broken journal is logged and
+  /// skipped.
+  static std::expected<std::unique_ptr<Server>, std::string> create(ServerOptions options);
+  ~Server();
+
+  SessionRegistry& sessions();
+  /// Starts listening. The error is one sentence.
+  std::expected<void, std::string> listen();
+  /// "http://ADDRESS:PORT" with the port that is actually bound.
+  std::string url() const;
+  std::uint16_t port() const;
+  /// 0 if UDP is off.
+  std::uint16_t udp_port() const;
+  /// Sends `bye` to all peers, commits the journals and stops. The destructor calls it too.
+  void stop();
+
+ private:
+  struct Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf::net

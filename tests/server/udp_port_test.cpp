@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/udp/udp_port.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <mutex>
+
+#include "server/datagram/cipher.h"
+#include "server/metrics/metrics.h"
+#include "tests/server/session_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+TEST(UdpAddress, ReadsNumericAddressesOnly) {
+  ASSERT_TRUE(to_address("127.0.0.1", 80));
+  EXPECT_EQ(to_address("127.0.0.1", 80)->peer.ss_family, AF_INET);
+  ASSERT_TRUE(to_address("::1", 80));
+  EXPECT_EQ(to_address("::1", 80)->peer.ss_family, AF_INET6);
+  for (const char* bad : {"", "localhost", "127.0.0", "[::1]"}) {
+    EXPECT_FALSE(to_address(bad, 80)) << bad;
+  }
+}
+
+/// A port on the loopback interface, one peer, and a client socket that knows the peer's keys.
+class UdpPortTest : public SessionTest {
+ protected:
+  void SetUp() override {
+    SessionTest::SetUp();
+    ASSERT_TRUE(port.listen("127.0.0.1", 0));
+    peer = port.open(posted, [this](std::span<const std::byte> frame, auto) {
+      frames.emplace_back(frame.begin(), frame.end());
+    });
+    ASSERT_TRUE(peer);
+    client = ::socket(AF_INET, SOCK_DGRAM, 0);
+    ASSERT_GE(client, 0);
+    server = *to_address("127.0.0.1", port.port());
+    ::connect(client, reinterpret_cast<const sockaddr*>(&server.peer), server.peer_bytes);
+    const timeval limit{5, 0};
+    ::setsockopt(client, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  }
+  void TearDown() override { ::close(client); }
+
+  Bytes seal(std::span<const std::byte> frame) {
+    Bytes datagram(datagram::kMaxBytes);
+    datagram.resize(sealer().seal(frame, datagram));
+    return datagram;
+  }
+  datagram::Sealer& sealer() {
+    if (!sealer_) sealer_.emplace(peer->offer().connection, peer->offer().to_server);
+    return *sealer_;
+  }
+  void send(const Bytes& datagram) {
+    ASSERT_EQ(::send(client, datagram.data(), datagram.size(), 0),
+              static_cast<ssize_t>(datagram.size()));
+  }
+  /// Waits until the metrics hold the line; the bound only ends a test that has failed.
+  bool becomes(const std::string& line) {
+    for (int n = 0; n < 1000; ++n) {
+      if (metrics.text(*registry).contains("\n" + line + "\n")) return true;
+      ::usleep(5000);
+    }
+    return false;
+  }
+
+  class LockedExecutor final : public Executor {
+   public:
+    void post(Work work) override {
+      const std::scoped_lock lock(mutex_);
+      queue_.push_back(std::move(work));
+    }
+    void post_after(std::chrono::microseconds, Work) override {}
+    std::size_t run() {
+      std::vector<Work> work;
+      {
+        const std::scoped_lock lock(mutex_);
+        work.swap(queue_);
+      }
+      for (Work& one : work) one();
+      return work.size();
+    }
+
+   private:
+    std::mutex mutex_;
+    std::vector<Work> queue_;
+  };
+
+  Metrics metrics;
+  LockedExecutor posted;
+  UdpPort port{metrics};
+  std::shared_ptr<UdpPeer> peer;
+  std::vector<Bytes> frames;
+  UdpAddress server;
+  int client = -1;
+
+ private:
+  std::optional<datagram::Sealer> sealer_;
+};
+
+constexpr std::string_view kReceived = "kerf_datagrams_received_total 1";
+
+TEST_F(UdpPortTest, PostsTheOpenedFrameToTheExecutorAndAnswersTheSender) {
+  const Bytes frame(40, std::byte{7});
+  send(seal(frame));
+  ASSERT_TRUE(becomes(std::string(kReceived)));
+  EXPECT_EQ(posted.run(), 1U);
+  EXPECT_EQ(frames, std::vector<Bytes>{frame});
+  const Bytes answer(30, std::byte{9});
+  peer->send(answer);
+  Bytes received(datagram::kMaxBytes);
+  const ssize_t count = ::recv(client, received.data(), received.size(), 0);
+  ASSERT_GT(count, 0);
+  datagram::Opener opener(peer->offer().connection, peer->offer().to_agent);
+  std::array<std::byte, datagram::kMaxFrameBytes> opened{};
+  const auto result =
+      opener.open(std::span(received).first(static_cast<std::size_t>(count)), opened);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(Bytes(opened.begin(), opened.begin() + static_cast<long>(result->frame_bytes)), answer);
+}
+
+TEST_F(UdpPortTest, CountsWhyADatagramIsDropped) {
+  const Bytes frame(40, std::byte{7});
+  Bytes tampered = seal(frame);
+  tampered.back() ^= std::byte{1};
+  send(tampered);
+  EXPECT_TRUE(becomes("kerf_datagrams_dropped_total{reason=\"not_authentic\"} 1"));
+  send(Bytes(10));
+  EXPECT_TRUE(becomes("kerf_datagrams_dropped_total{reason=\"malformed\"} 1"));
+  const Bytes good = seal(frame);
+  send(good);
+  send(good);
+  EXPECT_TRUE(becomes("kerf_datagrams_dropped_total{reason=\"replayed\"} 1"));
+  port.close(*peer);
+  send(seal(frame));
+  EXPECT_TRUE(becomes("kerf_datagrams_dropped_total{reason=\"unknown_connection\"} 1"));
+  EXPECT_TRUE(becomes(std::string(kReceived)));
+}
+
+TEST_F(UdpPortTest, DropsDatagramsBeyondTheWaitingLimit) {
+  const Bytes frame(40, std::byte{7});
+  for (int n = 0; n < UdpPeer::kWaitingMax + 3; ++n) send(seal(frame));
+  EXPECT_TRUE(becomes("kerf_datagrams_dropped_total{reason=\"too_many\"} 3"));
+  EXPECT_EQ(posted.run(), static_cast<std::size_t>(UdpPeer::kWaitingMax));
+}
+
+TEST_F(UdpPortTest, SendsNothingBeforeTheFirstDatagramOfTheAgent) {
+  peer->send(Bytes(30, std::byte{9}));
+  EXPECT_TRUE(becomes("kerf_datagrams_sent_total 0"));
+}
+
+}  // namespace
+}  // namespace kerf::net
