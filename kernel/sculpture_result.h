@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The result of a motion: force, contact, removed volume and changed tiles.
 #pragma once
+
+// The result of a motion: force, contact, removed volume and changed tiles.
 
 #include <compare>
 #include <cstdint>
