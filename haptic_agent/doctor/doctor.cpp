@@ -12,8 +12,8 @@ namespace kerf::agent {
 namespace {
 
 constexpr int kSomethingWrong = 1;
-constexpr int kBadInput = 2;
-constexpr double kMostSeconds = 3600;
+constexpr int kBadOptions = 2;
+constexpr double kMeasureMaxS = 3600;
 
 struct DoctorOptions {
   std::vector<std::string> devices{};
@@ -24,19 +24,20 @@ struct DoctorOptions {
 };
 
 void describe(CLI::App& app, DoctorOptions& options) {
-  app.add_option("--device", options.devices,
-                 "also try this device until it is ready (as for carving; may be repeated)");
-  app.add_option("--server", options.server, "also reach this server, http://HOST:PORT");
-  app.add_option("--seconds", options.seconds, "how long to measure the loop")
-      ->check(CLI::Range(0.1, kMostSeconds))
+  app.add_option(
+      "--device", options.devices,
+      "also wait until this device is ready (same values as for carving; may be repeated)");
+  app.add_option("--server", options.server, "also check this server, http://HOST:PORT");
+  app.add_option("--seconds", options.seconds, "duration of the loop measurement")
+      ->check(CLI::Range(0.1, kMeasureMaxS))
       ->capture_default_str();
-  app.add_option("--wait", options.wait_s, "how long to wait for a device, for its homing too")
-      ->check(CLI::Range(0.0, kMostSeconds))
+  app.add_option("--wait", options.wait_s, "how long to wait for a device, including its homing")
+      ->check(CLI::Range(0.0, kMeasureMaxS))
       ->capture_default_str();
-  app.add_flag("--load", options.load, "keep every core busy while the loop is measured");
+  app.add_flag("--load", options.load, "keep all cores busy during the measurement");
 }
 
-/// Prints findings as they come and remembers the worst.
+/// Prints each finding and records whether all were fine.
 class Printer {
  public:
   explicit Printer(std::ostream& out) : out_(out) {}
@@ -60,7 +61,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
     auto choice = choose_device(text);
     if (!choice) {
       out << "kerf-agent doctor: " << choice.error() << '\n';
-      return kBadInput;
+      return kBadOptions;
     }
     choices.push_back(*std::move(choice));
   }
@@ -69,7 +70,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
     auto parsed = parse_server_url(options.server);
     if (!parsed) {
       out << "kerf-agent doctor: --server: " << parsed.error() << '\n';
-      return kBadInput;
+      return kBadOptions;
     }
     server = *std::move(parsed);
   }
@@ -81,7 +82,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
   printer.print(judge_memory_lock(rights));
   printer.print(judge_loop(measure_loop(options.seconds, options.load)));
   if (!options.server.empty()) printer.print(check_server(server));
-  out << (printer.fine() ? "All is fine.\n" : "Not all is fine; see above.\n");
+  out << (printer.fine() ? "All checks passed.\n" : "Some checks failed; see above.\n");
   return printer.fine() ? 0 : kSomethingWrong;
 }
 
@@ -89,7 +90,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
 
 int run_doctor(int argc, const char* const* argv, std::ostream& out) {
   DoctorOptions options;
-  CLI::App app("Says what is missing for carving with a device, and measures the 1 kHz loop.",
+  CLI::App app("Reports what is missing for carving with a device, and measures the 1 kHz loop.",
                "kerf-agent doctor");
   describe(app, options);
   try {
@@ -97,7 +98,7 @@ int run_doctor(int argc, const char* const* argv, std::ostream& out) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error, out);
     out << "kerf-agent doctor: " << error.what() << '\n';
-    return kBadInput;
+    return kBadOptions;
   }
   return examine(options, out);
 }

@@ -75,7 +75,7 @@ void TileCutter::sweep_block(const Work& work, int block, Column first) {
   for (const SweptPiece& piece : swept_.pieces) {
     block_.lowest_mm = lower_bound(piece, discs);
     block_.rows = lanes_below(block_.lowest_mm, reached_below) & ((1U << in_grid) - 1);
-    block_.leave_closed_rows();
+    block_.drop_closed_rows();
     if (block_.rows != 0) std::visit([&](const auto& s) { s.evaluate(block_); }, piece);
   }
 }

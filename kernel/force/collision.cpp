@@ -54,31 +54,15 @@ Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   return p;
 }
 
-struct Frustum {
-  const FrustumPiece& f;
-  double radius(double z) const {
-    return f.r0_mm + (f.r1_mm - f.r0_mm) * ((z - f.z0_mm) / (f.z1_mm - f.z0_mm));
-  }
-};
-struct Arc {
-  const ArcPiece& a;
-  double radius(double z) const {
-    const double off = z - a.center_z_mm;
-    const double r = std::sqrt(std::max(0.0, a.radius_mm * a.radius_mm - off * off));
-    return std::max(0.0, a.center_r_mm + r);
-  }
-};
-
 /// The deepest point of a convex body of discs: the depth of its deepest disc is a convex function
 /// of the height.
-template <typename Body>
-Vec3 deepest_of_discs(const Body& body, double z0, double z1, const ToolPose& pose,
-                      const Obstacle& obstacle) {
+Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
   const auto point = [&](double z) {
-    return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, body.radius(z)}, obstacle);
+    return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, radius_at(piece, z)}, obstacle);
   };
   const auto depth = [&](double z) { return distance(obstacle, point(z)).distance_mm; };
-  double lo = z0, hi = z1;
+  const Extent whole = extent(piece);
+  double lo = whole.z0_mm, hi = whole.z1_mm;
   double best_z = lo, best = depth(lo);
   const auto consider = [&](double z) {
     const double d = depth(z);
@@ -105,11 +89,7 @@ Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle&
     const Vec3 center = pose.tip_mm + pose.axis * ball->center_mm;
     return center - distance(obstacle, center).outward * ball->radius_mm;
   }
-  if (const auto* arc = std::get_if<ArcPiece>(&piece)) {
-    return deepest_of_discs(Arc{*arc}, arc->z0_mm, arc->z1_mm, pose, obstacle);
-  }
-  const auto& f = std::get<FrustumPiece>(piece);
-  return deepest_of_discs(Frustum{f}, f.z0_mm, f.z1_mm, pose, obstacle);
+  return deepest_of_discs(piece, pose, obstacle);
 }
 
 /// Meshes are asked triangle by triangle, a thousand times for each piece of a tool that is near.

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/math/tolerance.h"
+#include "kernel/piece/bounds.h"
 
 namespace kerf {
 namespace {
@@ -22,31 +24,19 @@ Outside below(double z0, double h, Outside side) {
   return z0 - h > side.mm ? Outside{z0 - h, 0, -1} : side;
 }
 
-Outside round(double radius, double across, double along) {
-  const double n = std::sqrt(across * across + along * along);
-  return n > 0 ? Outside{n - radius, across / n, along / n} : Outside{-radius, 1, 0};
+Outside round(const CircleDistance<double>& d) {
+  return d.length > 0 ? Outside{d.mm, d.across / d.length, d.along / d.length}
+                      : Outside{d.mm, 1, 0};
 }
 
-Outside outside(const BallPiece& b, double r, double h) {
-  return round(b.radius_mm, r, h - b.center_mm);
-}
+Outside outside(const BallPiece& b, double r, double h) { return round(side_distance(b, r, h)); }
 Outside outside(const FrustumPiece& f, double r, double h) {
-  const double k = (f.r1_mm - f.r0_mm) / (f.z1_mm - f.z0_mm);
-  const double n = std::sqrt(1 + k * k);
-  return below(f.z0_mm, h, {(r - f.r0_mm - k * (h - f.z0_mm)) / n, 1 / n, -k / n});
+  const FrustumSide side(f);
+  return below(f.z0_mm, h, {side.distance(r, h - f.z0_mm), side.cosine, -side.slope * side.cosine});
 }
 Outside outside(const ArcPiece& a, double r, double h) {
-  return below(a.z0_mm, h, round(a.radius_mm, std::max(r - a.center_r_mm, 0.0), h - a.center_z_mm));
+  return below(a.z0_mm, h, round(side_distance(a, r, h)));
 }
-
-struct Reach {
-  double z0, z1, radius;
-};
-Reach reach(const BallPiece& b) {
-  return {b.center_mm - b.radius_mm, b.center_mm + b.radius_mm, b.radius_mm};
-}
-Reach reach(const FrustumPiece& f) { return {f.z0_mm, f.z1_mm, std::max(f.r0_mm, f.r1_mm)}; }
-Reach reach(const ArcPiece& a) { return {a.z0_mm, a.z1_mm, a.center_r_mm + a.radius_mm}; }
 
 struct Heights {
   double lo, hi;
@@ -57,23 +47,14 @@ struct Deepest {
 };
 
 constexpr int kSearchSteps = 60;  ///< each keeps at most 9/10 of the interval of heights
-/// mm. Error at which a depth search stops. If it grows, contacts become shallower.
-constexpr double kDepthEpsilonMm = 1e-7;
-
 /// A piece of a tool at a pose in the frame of a field.
 class PlacedPiece {
  public:
   PlacedPiece(const ToolPiece& piece, const ToolPose& pose)
-      : piece_(piece),
-        pose_(pose),
-        reach_(std::visit([](const auto& p) { return reach(p); }, piece)) {
-    const Vec3 u = pose.axis, a = pose.tip_mm + u * reach_.z0, b = pose.tip_mm + u * reach_.z1;
-    const auto wide = [&](double along) {
-      return reach_.radius * std::sqrt(std::max(0.0, 1 - along * along));
-    };
-    const Vec3 half{wide(u.x), wide(u.y), wide(u.z)};
-    lo = Vec3{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)} - half;
-    hi = Vec3{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)} + half;
+      : piece_(piece), pose_(pose), reach_(extent(piece)) {
+    const Bounds box = cylinder_bounds(reach_, pose.tip_mm, pose.axis);
+    lo = box.lo_mm;
+    hi = box.hi_mm;
   }
 
   Vec3 lo, hi;  ///< its bounding box
@@ -95,7 +76,7 @@ class PlacedPiece {
   /// Returns the part of a column's heights that is not above the piece's top.
   Heights below_top(double x, double y, Heights z) const {
     const Vec3 u = pose_.axis, t = pose_.tip_mm;
-    const double rest = reach_.z1 - (x - t.x) * u.x - (y - t.y) * u.y;  // u.z (z - t.z) <= rest
+    const double rest = reach_.z1_mm - (x - t.x) * u.x - (y - t.y) * u.y;  // u.z (z - t.z) <= rest
     if (u.z > 0) z.hi = std::min(z.hi, t.z + rest / u.z);
     if (u.z < 0) z.lo = std::max(z.lo, t.z + rest / u.z);
     if (u.z == 0 && rest < 0) return {1, 0};
@@ -143,7 +124,7 @@ class PlacedPiece {
 
   const ToolPiece& piece_;
   ToolPose pose_;
-  Reach reach_;
+  Extent reach_;
 };
 
 /// Accumulates the overlap of a piece with the stock: depth, centroid and mean normal.
@@ -339,8 +320,7 @@ double deepest_stock_contact(const Tool& tool, const ToolMotion& motion,
   constexpr double kPosesMax = 256;
   double thinnest = tool.whole_radius_mm;
   for (const ToolPiece& piece : tool.non_cutting) {
-    const Reach r = std::visit([](const auto& p) { return reach(p); }, piece);
-    thinnest = std::min(thinnest, r.radius);
+    thinnest = std::min(thinnest, extent(piece).radius_mm);
   }
   const double path = motion.travel_mm + motion.turn_rad * tool.whole_length_mm;
   const double n = std::clamp(std::ceil(path / (thinnest / 2)), 1.0, kPosesMax);

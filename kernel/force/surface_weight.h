@@ -44,20 +44,13 @@ class SurfaceWeight {
   void weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
  private:
-  enum class Side { kLine, kArc };
-  /// A convex piece in the half-plane (ρ, h): distance from the axis, height above the tip. The
-  /// discs at its ends bound the tool only beyond the radii to which other pieces cover them.
+  /// A piece, and the radii up to which other pieces cover the discs at its ends: beyond them these
+  /// discs bound the tool.
   struct Piece {
-    Side side;
-    double z0, z1;                          ///< heights of its ends
-    double r0, slope, normal_r;             /// of a line: ρ at z0, dρ/dh, and 1/√(1 + slope²)
-    double center_r, center_z, radius;      ///< of an arc
+    PieceProfile profile;
     double covered_below2, covered_above2;  ///< squares of those radii
-
-    double radius_at(double h) const;
   };
   struct Meridian;
-  static Piece piece_of(const ToolPiece& piece);
   static void nearest_of(const Piece& piece, const Meridian& at, Lanes& nearest, Lanes& normal_z);
 
   std::vector<Piece> pieces_;

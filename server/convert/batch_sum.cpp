@@ -3,16 +3,14 @@
 
 #include <algorithm>
 
-#include "server/convert/sample_pose.h"
-
 namespace kerf {
 
 void BatchSum::add(const MotionResult& result, double duration_s) {
   impulse_.force_n = impulse_.force_n + result.wrench.force_n * duration_s;
   impulse_.torque_nmm = impulse_.torque_nmm + result.wrench.torque_nmm * duration_s;
   collision_impulse_.force_n = collision_impulse_.force_n + result.collision.force_n * duration_s;
-  // A tick may remove nothing and yet be engaged: a wall parallel to the rays is felt between two
-  // columns, and so is the cut in which the tool rests.
+  // A motion may be engaged without removing anything: at a wall parallel to the rays, between two
+  // columns, and when the tool rests in its cut.
   if (result.cutting.engaged_area_mm2 > 0) {
     const Vec3 cut_n = result.wrench.force_n - result.collision.force_n;
     last_specific_ = length(cut_n) / result.cutting.engaged_area_mm2;

@@ -18,6 +18,8 @@ struct Rejection {
 /// Returns the rejection of one sample; prefixes the reason with the sample's number.
 Rejection sample_rejection(const wire::MotionSample& sample, wire::ErrorCode code,
                            const std::string& reason);
+/// Returns the rejection of a tool that the session does not have.
+Rejection unknown_tool(ToolId tool);
 /// Converts an error of the sculpture to an error of the protocol.
 Rejection to_rejection(const SculptureError& error);
 

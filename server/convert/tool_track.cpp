@@ -25,7 +25,7 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
   const auto pose = to_pose(sample);
   if (!pose) return std::unexpected(pose.error());
   if (sculpture.tool(sample.tool_id) == nullptr) {
-    return reject(kUnknownTool, "the session has no tool " + std::to_string(sample.tool_id));
+    return reject(kUnknownTool, unknown_tool(sample.tool_id).reason);
   }
   const bool follows = pose_.has_value() && tool_ == sample.tool_id;
   const ToolPose from = pose_.value_or(*pose);

@@ -15,7 +15,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF is little-endian");
 
-/// Limit of the steps that a tile spans: below 65536, to leave room for rounding at both ends.
+/// Limit of the steps that a tile spans: below 65536, with a margin for rounding at both ends.
 constexpr double kStepsMax = 65000;
 /// Limit of the halvings of the pitch that give the step. With 256 steps per pitch, neighboring
 /// columns differ by one in the upper byte of a coordinate and not in the lower one, which suits

@@ -2,7 +2,7 @@
 // What a hand waits for an answer on a network that loses packets: the agent's link and a real
 // server with a path between them that delays IP packets and loses some, TCP's and UDP's alike.
 //
-//   lossy_lane_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
+//   lossy_network_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
 //
 // Prints, for each share of lost packets and each lane, the time from a pose to its answer: of each
 // answer that came, and the age of the newest answer as a hand feels it, looked at each ms. Needs
@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "haptic_agent/link/server_link.h"
-#include "haptic_agent/servo/servo_clock.h"
+#include "haptic_agent/realtime/clock.h"
 #include "tests/bench/lossy_path.h"
 
 namespace {

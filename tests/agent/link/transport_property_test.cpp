@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever a network does, each sample is applied once, in order, each motion where it was made.
-// The agent's traffic and the server's gate, on a made-up network and a made-up clock, many times
-// over.
+// Property: whatever the network does, each sample is applied once and in order, and each motion
+// starts at the preceding sample. Runs the agent's Traffic and the server's SampleGate on simulated
+// networks and a simulated clock.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,45 +25,45 @@ using Frame = std::vector<std::byte>;
 
 constexpr std::uint64_t kStepUs = 1000;
 
-/// How bad this network is.
-struct Weather {
+/// Faults of a simulated network.
+struct NetworkFaults {
   double loss = 0, duplication = 0;
   std::uint64_t udp_delay_us = 0, udp_jitter_us = 0, ws_delay_us = 0;
-  double ws_stall = 0;    ///< of a message: it comes 250 ms late, and so does all behind it
-  double black_hole = 0;  ///< each ms: a time without UDP begins
+  double ws_stall = 0;    ///< probability per message of a delay of 250 ms
+  double black_hole = 0;  ///< probability per ms that an outage of UDP begins
 };
 
-/// Messages under way to one end, by when they arrive.
+/// Messages in flight in one direction, ordered by arrival time.
 template <typename Message>
-class Way {
+class Channel {
  public:
-  void put(std::uint64_t at_us, Message message) { way_.emplace(at_us, std::move(message)); }
-  /// Each that has arrived.
+  void put(std::uint64_t at_us, Message message) { in_flight_.emplace(at_us, std::move(message)); }
+  /// Calls take(message) for each message that has arrived.
   template <typename Take>
   void arrive(std::uint64_t now_us, Take take) {
-    while (!way_.empty() && way_.begin()->first <= now_us) {
-      const Message message = std::move(way_.begin()->second);
-      way_.erase(way_.begin());
+    while (!in_flight_.empty() && in_flight_.begin()->first <= now_us) {
+      const Message message = std::move(in_flight_.begin()->second);
+      in_flight_.erase(in_flight_.begin());
       take(message);
     }
   }
 
  private:
-  std::multimap<std::uint64_t, Message> way_;
+  std::multimap<std::uint64_t, Message> in_flight_;
 };
 
-/// What the session does with samples, as far as their order goes.
-struct Seat {
+/// Model of the session: the order in which samples are applied.
+struct SessionModel {
   std::uint64_t last = 0;
-  std::uint32_t told_tool = 1, tool = 0;
+  std::uint32_t selected_tool = 1, tool = 0;
   bool lifted = true;
-  /// Of each sample: its time, which tells it from all others, and whether a motion led to it.
+  /// Per sample: its time, which is unique, and whether a motion led to it.
   std::vector<std::pair<std::uint64_t, bool>> applied;
   std::uint64_t chords = 0;
 
-  void choose(std::uint32_t told) {
-    if (told_tool == told) return;
-    told_tool = told;
+  void select(std::uint32_t id) {
+    if (selected_tool == id) return;
+    selected_tool = id;
     lifted = true;
   }
   void apply(const wire::MotionSample& sample) {
@@ -78,15 +78,15 @@ struct Seat {
 
 class Network {
  public:
-  Network(const Weather& weather, std::uint64_t seed) : weather_(weather), random_(seed) {
+  Network(const NetworkFaults& faults, std::uint64_t seed) : faults_(faults), random_(seed) {
     traffic_.begin(1, 1, now_us_, true);
   }
 
-  /// One millisecond, in which the hand gives so many samples.
+  /// Simulates one millisecond, in which the device yields `samples` samples.
   void step(int samples) {
     now_us_ += kStepUs;
-    if (weather_.black_hole > 0 && happens(weather_.black_hole)) {
-      dark_until_us_ = now_us_ + random_() % 900'000;
+    if (faults_.black_hole > 0 && happens(faults_.black_hole)) {
+      outage_until_us_ = now_us_ + random_() % 900'000;
     }
     for (int i = 0; i < samples; ++i) make_sample();
     traffic_.collect();
@@ -99,13 +99,13 @@ class Network {
         now_us_, [&](const Frame& f) { EXPECT_FALSE(traffic_.take_datagram(f, now_us_)); });
   }
 
-  void clear_up() {
-    weather_.loss = weather_.duplication = weather_.black_hole = weather_.ws_stall = 0;
+  void remove_faults() {
+    faults_.loss = faults_.duplication = faults_.black_hole = faults_.ws_stall = 0;
   }
   bool settled() const { return traffic_.settled(); }
   LinkReport report() const { return traffic_.report(); }
-  const Seat& seat() const { return seat_; }
-  /// What the seat should have: each sample, and a motion to it unless it begins a tool.
+  const SessionModel& session() const { return session_; }
+  /// The expected SessionModel::applied: each sample, with a motion to it unless the tool changed.
   const std::vector<std::pair<std::uint64_t, bool>>& expected() const { return expected_; }
 
  private:
@@ -117,7 +117,7 @@ class Network {
     ++made_;
     const std::uint32_t before = tool_;
     if (happens(0.004)) tool_ = 3 - tool_;
-    const double z = made_ % 2 == 0 ? 1 : 0;  // bent: nothing of it may be left out
+    const double z = made_ % 2 == 0 ? 1 : 0;  // a zigzag: no sample may be merged
     const std::uint64_t time_us = now_us_ + made_ % 8;
     ASSERT_TRUE(ring_.push({.time_us = time_us,
                             .tip_mm = {0, 0, z},
@@ -126,7 +126,7 @@ class Network {
     expected_.emplace_back(time_us, made_ > 1 && tool_ == before);
   }
 
-  /// As the link's writing loop does.
+  /// As ServerLink's writing coroutine.
   void send() {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     for (;;) {
@@ -145,23 +145,23 @@ class Network {
     }
   }
 
-  void post(Way<Frame>& way, std::uint64_t& last_us, Frame frame) {
-    std::uint64_t at_us = now_us_ + weather_.ws_delay_us;
-    if (happens(weather_.ws_stall)) at_us += 250'000;
+  void post(Channel<Frame>& channel, std::uint64_t& last_us, Frame frame) {
+    std::uint64_t at_us = now_us_ + faults_.ws_delay_us;
+    if (happens(faults_.ws_stall)) at_us += 250'000;
     last_us = std::max(last_us, at_us);
-    way.put(last_us, std::move(frame));
+    channel.put(last_us, std::move(frame));
   }
 
-  void post_datagram(Way<Frame>& way, const Frame& frame) {
-    if (now_us_ < dark_until_us_ || happens(weather_.loss)) return;
-    for (int copies = happens(weather_.duplication) ? 2 : 1; copies > 0; --copies) {
-      way.put(now_us_ + weather_.udp_delay_us + random_() % (weather_.udp_jitter_us + 1), frame);
+  void post_datagram(Channel<Frame>& channel, const Frame& frame) {
+    if (now_us_ < outage_until_us_ || happens(faults_.loss)) return;
+    for (int copies = happens(faults_.duplication) ? 2 : 1; copies > 0; --copies) {
+      channel.put(now_us_ + faults_.udp_delay_us + random_() % (faults_.udp_jitter_us + 1), frame);
     }
   }
 
-  /// As the server's AgentSocket does.
+  /// As the server's agent connection.
   void at_server(const Frame& frame, bool udp) {
-    if (frame.size() == 1) return seat_.choose(std::to_integer<std::uint32_t>(frame[0]));
+    if (frame.size() == 1) return session_.select(std::to_integer<std::uint32_t>(frame[0]));
     const auto message = wire::decode(frame);
     ASSERT_TRUE(message);
     if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
@@ -170,10 +170,10 @@ class Network {
     const auto& batch = std::get<wire::MotionBatch>(message->body);
     const auto arrival = udp ? gate_.judge(batch) : net::Arrival::kNew;
     if (arrival == net::Arrival::kNew) {
-      for (const auto& sample : batch.view()) seat_.apply(sample);
+      for (const auto& sample : batch.view()) session_.apply(sample);
     }
-    gate_.applied(seat_.last);
-    answer(wire::Result{.agent_sequence = seat_.last,
+    gate_.applied(session_.last);
+    answer(wire::Result{.agent_sequence = session_.last,
                         .status = arrival == net::Arrival::kGap ? wire::kStatusGap : 0U},
            udp);
   }
@@ -186,21 +186,21 @@ class Network {
     post(to_agent_, last_to_agent_us_, std::move(frame));
   }
 
-  Weather weather_;
+  NetworkFaults faults_;
   std::mt19937_64 random_;
   SampleRing ring_;
   LatestValue<ServerWrench> wrenches_;
   Traffic traffic_{ring_, wrenches_};
   net::SampleGate gate_;
-  Seat seat_;
-  Way<Frame> to_server_, to_agent_, datagrams_to_server_, datagrams_to_agent_;
+  SessionModel session_;
+  Channel<Frame> to_server_, to_agent_, datagrams_to_server_, datagrams_to_agent_;
   std::uint64_t last_to_server_us_ = 0, last_to_agent_us_ = 0;
-  std::uint64_t now_us_ = 1'000'000, dark_until_us_ = 0, made_ = 0, sequence_ = 0;
+  std::uint64_t now_us_ = 1'000'000, outage_until_us_ = 0, made_ = 0, sequence_ = 0;
   std::uint32_t tool_ = 1;
   std::vector<std::pair<std::uint64_t, bool>> expected_;
 };
 
-Weather random_weather(std::mt19937_64& random) {
+NetworkFaults random_faults(std::mt19937_64& random) {
   const auto up_to = [&](double most) {
     return std::uniform_real_distribution<double>(0, most)(random);
   };
@@ -213,19 +213,19 @@ Weather random_weather(std::mt19937_64& random) {
           .black_hole = random() % 3 == 0 ? 0.001 : 0};
 }
 
-TEST(LaneProperty, EachSampleIsAppliedOnceInOrderWhateverTheNetworkDoes) {
+TEST(TransportProperty, EachSampleIsAppliedOnceInOrderOverAnyNetwork) {
   std::mt19937_64 random(2);
   std::uint64_t over_udp = 0, gaps = 0, fell_back = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    Network network(random_weather(random), seed);
+    Network network(random_faults(random), seed);
     for (int ms = 0; ms < 3000; ++ms) network.step(random() % 50 == 0 ? 4 : ms % 10 == 0 ? 0 : 1);
-    network.clear_up();
+    network.remove_faults();
     for (int ms = 0; ms < 20'000 && !network.settled(); ++ms) network.step(0);
     ASSERT_TRUE(network.settled()) << "seed " << seed;
     const LinkReport report = network.report();
     ASSERT_EQ(report.merged_cuts + report.thinned_cuts + report.merged_air, 0U);
-    ASSERT_EQ(network.seat().chords, 0U) << "seed " << seed;
-    const auto& applied = network.seat().applied;
+    ASSERT_EQ(network.session().chords, 0U) << "seed " << seed;
+    const auto& applied = network.session().applied;
     const auto differs = std::ranges::mismatch(applied, network.expected());
     ASSERT_TRUE(differs.in1 == applied.end() && differs.in2 == network.expected().end())
         << "seed " << seed << ", sample " << differs.in1 - applied.begin() << " of "
@@ -234,7 +234,7 @@ TEST(LaneProperty, EachSampleIsAppliedOnceInOrderWhateverTheNetworkDoes) {
     gaps += report.udp.gaps;
     fell_back += report.udp.fell_back;
   }
-  // All of it has been there.
+  // The simulations covered UDP, gaps and fallbacks.
   EXPECT_GT(over_udp, 100'000U);
   EXPECT_GT(gaps, 100U);
   EXPECT_GT(fell_back, 10U);
