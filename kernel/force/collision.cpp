@@ -19,12 +19,12 @@ struct Disc {
   double radius;
 };
 
-constexpr int kHeightSteps = 20;  ///< each leaves two thirds of the heights in question
+constexpr int kHeightSteps = 20;  ///< each keeps two thirds of the interval of heights
 constexpr int kDescentSteps = 3;
 constexpr int kLineSteps = 10;
 
-/// Where the distance is least on the segment from p to q: exact for convex obstacles, a local
-/// answer for meshes.
+/// Returns the point of least distance on the segment from p to q: the global minimum for convex
+/// obstacles, a local one for meshes.
 Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   double lo = 0, hi = 1;
   const auto at = [&](double t) { return distance(obstacle, p + (q - p) * t).distance_mm; };
@@ -40,7 +40,8 @@ Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   return at(1) <= at(middle) ? q : p + (q - p) * middle;
 }
 
-/// The deepest point of a disc, by conditional gradient (Frank and Wolfe 1956).
+/// Returns the deepest point of a disc, by the conditional gradient method (M. Frank and P. Wolfe,
+/// An Algorithm for Quadratic Programming, 1956).
 Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   Vec3 p = disc.center;
   for (int i = 0; i < kDescentSteps; ++i) {
@@ -54,8 +55,8 @@ Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   return p;
 }
 
-/// The deepest point of a convex body of discs: the depth of its deepest disc is a convex function
-/// of the height.
+/// Returns the deepest point of a convex body of revolution by ternary search over its discs: the
+/// least distance of a disc is a convex function of its height.
 Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
   const auto point = [&](double z) {
     return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, radius_at(piece, z)}, obstacle);
@@ -92,7 +93,8 @@ Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle&
   return deepest_of_discs(piece, pose, obstacle);
 }
 
-/// Meshes are asked triangle by triangle, a thousand times for each piece of a tool that is near.
+/// Greatest number of triangles of a mesh. Every query visits all of them, and each piece of a
+/// nearby tool makes about a thousand queries.
 constexpr std::size_t kMeshTrianglesMax = 1000;
 
 struct Ball {
@@ -124,28 +126,28 @@ Ball bound(const Obstacle& obstacle) {
 bool is_positive(double v) { return std::isfinite(v) && v > 0; }
 
 std::string check_shape(const BoxObstacle& b) {
-  if (!is_finite(b.min_mm) || !is_finite(b.max_mm)) return "box is not finite";
+  if (!is_finite(b.min_mm) || !is_finite(b.max_mm)) return "box must be finite";
   if (!(b.min_mm.x < b.max_mm.x && b.min_mm.y < b.max_mm.y && b.min_mm.z < b.max_mm.z)) {
-    return "box is empty: min_mm must be below max_mm";
+    return "box is empty: min_mm must be less than max_mm";
   }
   return {};
 }
 std::string check_shape(const CylinderObstacle& c) {
-  if (!is_finite(c.from_mm) || !is_finite(c.to_mm)) return "cylinder is not finite";
-  if (!is_positive(c.radius_mm)) return "cylinder's radius_mm must be greater than zero";
+  if (!is_finite(c.from_mm) || !is_finite(c.to_mm)) return "cylinder must be finite";
+  if (!is_positive(c.radius_mm)) return "cylinder radius_mm must be > 0";
   if (c.from_mm == c.to_mm) return "cylinder has no length: from_mm equals to_mm";
   return {};
 }
 std::string check_shape(const SphereObstacle& s) {
-  if (!is_finite(s.center_mm)) return "sphere is not finite";
-  return is_positive(s.radius_mm) ? "" : "sphere's radius_mm must be greater than zero";
+  if (!is_finite(s.center_mm)) return "sphere must be finite";
+  return is_positive(s.radius_mm) ? "" : "sphere radius_mm must be > 0";
 }
 std::string check_shape(const MeshObstacle& m) {
-  if (m.triangles.empty()) return "mesh has no triangles";
-  if (m.triangles.size() > kMeshTrianglesMax) return "mesh has more than 1000 triangles";
+  if (m.triangles.empty()) return "mesh must have at least one triangle";
+  if (m.triangles.size() > kMeshTrianglesMax) return "mesh may have at most 1000 triangles";
   for (const auto& t : m.triangles) {
     for (const Vec3& v : t) {
-      if (!is_finite(v)) return "mesh is not finite";
+      if (!is_finite(v)) return "mesh must be finite";
     }
   }
   return {};
@@ -173,7 +175,7 @@ void each_piece(const std::vector<Bounded>& obstacles, const Tool& tool, const T
 
 std::string check_obstacle(const Obstacle& obstacle) {
   if (!is_positive(obstacle.stiffness_n_per_mm)) {
-    return "stiffness_n_per_mm must be greater than zero";
+    return "stiffness_n_per_mm must be > 0";
   }
   return std::visit([](const auto& shape) { return check_shape(shape); }, obstacle.shape);
 }

@@ -43,7 +43,7 @@ struct Heights {
 };
 struct Deepest {
   double outside = 0, z = 0;
-  bool hopeless = true;  ///< no depth of interest is possible; the search was stopped
+  bool pruned = true;  ///< no depth of interest is possible; the search was stopped
 };
 
 constexpr int kSearchSteps = 60;  ///< each keeps at most 9/10 of the interval of heights
@@ -86,9 +86,9 @@ class PlacedPiece {
   /// Finds the deepest point of a column inside the piece. Between two heights a convex function is
   /// above its tangents there. The next height to evaluate is where the tangents meet; the value
   /// there is a lower bound, which shows when no point of the column, or of columns up to
-  /// `around_mm` away in x and y, can be more than `interesting_mm` inside, and when the deepest
+  /// `around_mm` away in x and y, can be more than `threshold_mm` inside, and when the deepest
   /// point has been found.
-  Deepest least(double x, double y, Heights z, double interesting_mm, double around_mm = 0) const {
+  Deepest least(double x, double y, Heights z, double threshold_mm, double around_mm = 0) const {
     Tangent a = tangent(x, y, z.lo), b = tangent(x, y, z.hi);
     Deepest found;
     for (int i = 0; i < kSearchSteps; ++i) {
@@ -102,8 +102,8 @@ class PlacedPiece {
       const Vec3 g = a.gradient * share + b.gradient * (1 - share);
       const double middle = inner ? a.mm + a.slope() * meet : (share > 0 ? a.mm : b.mm);
       const double bound = middle - (std::abs(g.x) + std::abs(g.y)) * around_mm;
-      found.hopeless = bound >= -interesting_mm - kDepthEpsilonMm;
-      if (found.hopeless || !inner || found.outside - middle <= kDepthEpsilonMm) break;
+      found.pruned = bound >= -threshold_mm - kDepthEpsilonMm;
+      if (found.pruned || !inner || found.outside - middle <= kDepthEpsilonMm) break;
       const Tangent c = tangent(x, y, a.z + std::clamp(meet, 0.1 * width, 0.9 * width));
       (c.slope() < 0 ? a : b) = c;
     }
@@ -213,7 +213,7 @@ class FieldContact {
     const double half = s.side / 2.0;
     const double x = grid_.origin_mm.x + (s.i + half) * grid_.pitch_mm;
     const double y = grid_.origin_mm.y + (s.j + half) * grid_.pitch_mm;
-    if (piece_.least(x, y, z, found.depth, half * grid_.pitch_mm).hopeless) return;
+    if (piece_.least(x, y, z, found.depth, half * grid_.pitch_mm).pruned) return;
     const std::int32_t h = s.side / 2;
     search({s.i, s.j, h}, z, found);
     search({s.i + h, s.j, h}, z, found);

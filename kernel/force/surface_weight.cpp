@@ -13,11 +13,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Segments longer than this part of the tool's radius are weighted at two points: over one shorter
-/// a ball's normal makes the weight of the middle wrong by less than a hundredth.
+/// Segments longer than this share of the tool's radius are weighted at two points. Over a shorter
+/// one of a ball, the error of the weight at its center is below 1/100.
 constexpr double kShortSegment = 0.25;
 
-/// Radius of a piece at a height that may be beyond its ends by a rounding; 0 farther away.
+/// Returns the radius of a piece at a height, which may be beyond its ends by rounding; 0 farther
+/// away.
 double radius_near(const ToolPiece& piece, double z_mm) {
   const Extent e = extent(piece);
   if (z_mm < e.z0_mm - kCoverEpsilonMm || z_mm > e.z1_mm + kCoverEpsilonMm) return 0;
@@ -30,7 +31,7 @@ double radius_near(const ToolPiece& piece, double z_mm) {
 /// component a · radial_z + b · axis_z along the rays.
 struct SurfaceWeight::Meridian {
   Lanes rho2, h;   ///< squared distance from the axis, height
-  Lanes across_z;  ///< component along the rays of the way from the axis, as long as it is
+  Lanes across_z;  ///< component along the rays of the vector from the axis to the point
   double axis_z;
 
   KERF_INLINE Lanes rho() const { return square_root(rho2); }
@@ -55,8 +56,8 @@ SurfaceWeight::SurfaceWeight(const Tool& tool) {
   }
 }
 
-/// Where a piece is nearer than what was found before (less far outside, or deeper around the
-/// point), takes its distance and its normal's component along the rays.
+/// Updates `nearest`, and the normal's component along the rays, where a piece is nearer than those
+/// before (less far outside, or the point deeper inside).
 KERF_INLINE void SurfaceWeight::nearest_of(const Piece& p, const Meridian& at, Lanes& nearest,
                                            Lanes& normal_z) {
   const PieceProfile& f = p.profile;
@@ -102,7 +103,7 @@ KERF_INLINE Lanes SurfaceWeight::evaluate_in_lanes(const GroupPoints& points, Ve
   at.across_z = qz;
   Lanes nearest(kInfinity), normal_z(0);
   for (const Piece& p : pieces_) {
-    // Most points lie beside all pieces but one: those need no root.
+    // Most points are near one piece only; the others need no square root.
     const Lanes beside = greater(p.profile.z0_mm - at.h, at.h - p.profile.z1_mm);
     if (any(beside < nearest)) nearest_of(p, at, nearest, normal_z);
   }
@@ -111,7 +112,7 @@ KERF_INLINE Lanes SurfaceWeight::evaluate_in_lanes(const GroupPoints& points, Ve
 
 KERF_INLINE void SurfaceWeight::weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis,
                                                double radius_mm) const {
-  // Gauss's two points, a half and 1/√12 of the length apart from the middle.
+  // The two Gauss points, at 1/√12 of the length from the center.
   constexpr double kGauss = 0.28867513459481287;
   const Lanes short_mm = kShortSegment * radius_mm;
   for (GroupSegments& g : groups) {

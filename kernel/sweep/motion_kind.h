@@ -7,7 +7,7 @@ namespace kerf {
 enum class MotionKind { kRest, kAxial, kRotation, kTranslation, kGeneral };
 
 /// How a motion that travels and turns is swept. kPaper: Eq. 12, translate with the start axis,
-/// then rotate at the end; first order. kTight: as derived in kernel/README.md; second order.
+/// then rotate at the end; first order. kTight: as derived in kernel/sweep/README.md; second order.
 enum class MotionModel { kPaper, kTight };
 
 }  // namespace kerf

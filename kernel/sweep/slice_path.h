@@ -9,7 +9,7 @@ namespace kerf {
 inline constexpr int kHalvingsMax = 16;
 
 /// Parameters of the search for the outermost ends of a slice of the tool along a motion
-/// (kernel/README.md, "The tight model").
+/// (kernel/sweep/README.md, "The tight model").
 struct SliceSearch {
   int parts = 1;           ///< parts of the motion; each is searched between its two stations
   int halvings = 0;        ///< max bisections of a part, for rays with a non-connected hit set

@@ -43,8 +43,8 @@ struct Searches {
   LaneMask turn;   ///< the share at which the advance changes from > 0 to < 0
   LaneMask first;  ///< the last share up to which the ray's end, from the first station on, stays
                    ///< on its surface and moves outwards
-  LaneMask last;  ///< the first share from which the same holds backwards from the last station
-  LaneMask edge;  ///< the share at which the piece begins or ceases to hit the ray
+  LaneMask last;   ///< the first share from which the same holds backwards from the last station
+  LaneMask edge;   ///< the share at which the piece begins or ceases to hit the ray
 
   KERF_INLINE LaneMask all() const { return turn | first | last | edge; }
 };
@@ -151,7 +151,7 @@ KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes
 
 /// Returns a lower bound, by convexity, of the distance between the piece and the point of a ray at
 /// the height `best`, `share` away from a station. At the station the ray's end is at `z` and moves
-/// outwards by `advance` towards that share (kernel/README.md, "The tight model").
+/// outwards by `advance` towards that share (kernel/sweep/README.md, "The tight model").
 KERF_INLINE Lanes least_off(const SlicePath& path, const Meeting& m, Lanes z, Lanes best,
                             Lanes advance, Lanes share) {
   const Lanes scale = 1 / square_root(m.normal2);

@@ -81,7 +81,7 @@ struct SliceSpeeds {
   }
 };
 
-/// Sets κ of a slice that turns by `m`, and its number of parts (kernel/README.md, "The tight
+/// Sets κ of a slice that turns by `m`, and its number of parts (kernel/sweep/README.md, "The tight
 /// model").
 void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
   const Extent e = extent(plan.piece);

@@ -45,8 +45,8 @@ struct SweepSettings {
   bool start_is_cut = false;
 };
 
-/// Returns the number of sub-motions that a motion needs (kernel/README.md, "The tight model", "The
-/// paper's model"). If it exceeds kSubMotionsMax, the motion must be rejected.
+/// Returns the number of sub-motions that a motion needs (kernel/sweep/README.md, "The tight
+/// model", "The paper's model"). If it exceeds kSubMotionsMax, the motion must be rejected.
 std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
                                const SweepSettings& settings);
 

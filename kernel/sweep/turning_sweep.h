@@ -12,8 +12,8 @@ namespace kerf {
 
 /// Sweep of a slice of the tool (frustum or arc) along the true motion between two poses whose axes
 /// are less than kTurnPerFrameMaxRad apart. At `parts` + 1 stations its ends on a ray are exact;
-/// between two stations the share at which an end is outermost is searched (kernel/README.md, "The
-/// tight model").
+/// between two stations the share at which an end is outermost is searched (kernel/sweep/README.md,
+/// "The tight model").
 class TurningSweep {
  public:
   TurningSweep(const std::variant<ConeSide, ArcSide>& side, const FrustumPiece& envelope,
