@@ -82,6 +82,6 @@ while(pending)
   string(REGEX REPLACE "^server/" "" installed ${header})
   file(WRITE ${PROJECT_BINARY_DIR}/public/kerf/${installed} "${text}")
 endwhile()
-install(DIRECTORY ${PROJECT_BINARY_DIR}/public/kerf ${PROJECT_BINARY_DIR}/include/kerf
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev
-  PATTERN kernel/version.h.in EXCLUDE)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/public/kerf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+install(FILES ${PROJECT_BINARY_DIR}/include/kerf/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf COMPONENT dev)
+install(DIRECTORY kernel/examples DESTINATION share/doc/libkerf-dev COMPONENT dev)
