@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# From a fresh clone on Debian 12 to a running demo: installs what is missing, builds, starts the server and two simulated
+# From a fresh clone on Debian 12 to a running demo: installs missing packages, builds, starts the server and two simulated
 # hands that carve an ammonite, and prints the address to open. See README.md.
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -20,13 +20,13 @@ SCRATCH=
 usage() {
   cat <<'TXT'
 usage: ./run.sh [--port N] [--listen ADDR] [--data DIR] [--no-demo] [--build-only]
-  --port N       the port to serve on (default 8080; the next free one if it is taken)
-  --listen ADDR  the address to serve on (default 127.0.0.1; 0.0.0.0 lets others in the network watch)
-  --data DIR     where sessions are kept. Without it the demo's block is new each time and forgotten at the end;
-                 with --no-demo it is ~/.local/share/kerf
-  --no-demo      the server alone
+  --port N       port to serve on (default 8080; the next free one if it is taken)
+  --listen ADDR  address to serve on (default 127.0.0.1; 0.0.0.0 also serves the network)
+  --data DIR     folder of the sessions. Default: with the demo a temporary folder, removed at the end;
+                 with --no-demo ~/.local/share/kerf
+  --no-demo      start the server only
   --build-only   install and build, start nothing
-Ctrl-C ends everything that this started.
+Ctrl-C ends all programs that this script started.
 TXT
 }
 
@@ -47,7 +47,7 @@ parse_options() {
 
 build() {
   local tests=ON
-  if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # what only tests need is installed by test.sh
+  if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # test.sh installs the packages that only tests need
   install_sections build run
   build_web
   build_cpp release -DKERF_TESTS=$tests -- kerf-server kerf-agent kerf-carve kerf-demo
@@ -58,18 +58,18 @@ program() { echo "$KERF_ROOT/build/release/bin/$1"; }
 is_taken() { (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 
 find_port() {
-  local wanted=$PORT
+  local first=$PORT
   while is_taken "$PORT"; do
     PORT=$((PORT + 1))
-    if ((PORT > wanted + 50 || PORT > 65535)); then fail "No free port from $wanted on; name one with --port."; fi
+    if ((PORT > first + 50 || PORT > 65535)); then fail "No free port from $first to $PORT; choose one with --port."; fi
   done
-  if [ "$PORT" != "$wanted" ]; then echo "Port $wanted is taken; using $PORT."; fi
+  if [ "$PORT" != "$first" ]; then echo "Port $first is taken; using $PORT."; fi
 }
 
-# Ends what runs, gently first; called however this script ends.
+# Ends the started programs: SIGTERM, after 5 s SIGKILL. Runs at every exit of this script.
 stop_children() {
   trap - EXIT
-  trap '' INT TERM # a second Ctrl-C must not leave anything behind
+  trap '' INT TERM # a second Ctrl-C must not leave programs behind
   local child
   for child in "${CHILDREN[@]}"; do kill -TERM "$child" 2>/dev/null || true; done
   for _ in {1..50}; do
@@ -101,13 +101,13 @@ start_server() {
   SERVER=$!
   for _ in {1..150}; do
     if curl -fsS -o /dev/null "http://$(local_address)/healthz" 2>/dev/null; then return; fi
-    kill -0 "$SERVER" 2>/dev/null || server_failed "The server ended at its start."
+    kill -0 "$SERVER" 2>/dev/null || server_failed "The server exited at its start."
     sleep 0.1
   done
   server_failed "The server did not answer /healthz within 15 s."
 }
 
-# Where this machine reaches the server, whatever it listens on.
+# Prints the address at which this machine reaches the server.
 local_address() {
   case "$LISTEN" in 0.0.0.0|::|'[::]') echo "127.0.0.1:$PORT" ;; *) echo "$LISTEN:$PORT" ;; esac
 }
@@ -122,7 +122,7 @@ start_demo() {
   start_hand second Grace '#1e7ad9'
 }
 
-# Stays until the server ends or Ctrl-C comes; says so if a hand ends badly.
+# Waits until the server ends or Ctrl-C; reports a simulated hand that fails.
 watch_over() {
   local ended rc hands=$((${#CHILDREN[@]} - 1))
   while [ ${#CHILDREN[@]} -gt 0 ]; do
@@ -131,10 +131,10 @@ watch_over() {
     if [ "${ended:-}" = "$SERVER" ]; then server_failed "The server ended (exit $rc)."; fi
     if [ $rc != 0 ]; then
       tail -n 5 "$KERF_LOGS"/kerf-agent-*.log >&2
-      echo "A simulated hand ended (exit $rc); its log is in $KERF_LOGS. The server goes on." >&2
+      echo "A simulated hand ended (exit $rc); its log is in $KERF_LOGS. The server continues." >&2
     fi
     hands=$((hands - 1))
-    if [ $hands = 0 ]; then echo "The hands are done; the block stays there until Ctrl-C."; fi
+    if [ $hands = 0 ]; then echo "The simulated hands have finished; the server runs until Ctrl-C."; fi
   done
 }
 
@@ -150,7 +150,7 @@ main() {
     if $DEMO; then DATA="$SCRATCH/data"; else DATA="${XDG_DATA_HOME:-$HOME/.local/share}/kerf"; fi
   fi
   mkdir -p "$DATA" "$KERF_LOGS"
-  if $DEMO; then step "Computing what the hands will carve" kerf-demo "$(program kerf-demo)" "$SCRATCH"; fi
+  if $DEMO; then step "Computing the tool paths of the demo" kerf-demo "$(program kerf-demo)" "$SCRATCH"; fi
   find_port
   start_server
   if $DEMO; then start_demo; fi

@@ -13,9 +13,9 @@ JOBS=$(nproc)
 usage() {
   cat <<'TXT'
 usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N]
-  --preset P      how to build (default: release). asan, tsan: with the sanitizers
+  --preset P      build preset (default: release); asan and tsan build with the sanitizers
   --filter REGEX  only the test programs whose name matches (ctest -R); the viewer's own tests if it matches "web"
-  --jobs N        test programs at a time (default: the number of cores); server and e2e tests run one at a time
+  --jobs N        tests at a time (default: the number of cores); server and e2e tests run one at a time
 CI=true makes every compiler warning an error.
 TXT
 }
@@ -33,8 +33,8 @@ parse_options() {
   case "$PRESET" in release|dev|asan|tsan) ;; *) fail "Unknown preset: $PRESET" ;; esac
 }
 
-# Real NC programs and the reference interpreter rs274: from Debian's LinuxCNC packages, unpacked under build/, neither
-# installed nor part of this repository (they are GPL). Tests that need them skip, with the reason, where this fails.
+# Fetches real NC programs and the reference interpreter rs274 from Debian's LinuxCNC packages (GPL) and unpacks them under
+# build/, without installing them. If this fails, the tests that need them skip with the reason.
 fetch_linuxcnc() {
   local dir="$KERF_ROOT/build/linuxcnc" log="$KERF_LOGS/linuxcnc.log"
   mkdir -p "$KERF_LOGS"
@@ -60,15 +60,15 @@ unpack_linuxcnc() (
   printf 'T1 P1 D10\nT2 P2 D6\nT3 P3 D3\n' >tool.tbl
   cat >rs274 <<TXT
 #!/bin/sh
-# LinuxCNC's reference interpreter, not installed: its libraries lie beside it, its tool table is given.
+# LinuxCNC's reference interpreter, not installed, with the libraries beside it and a tool table.
 LD_LIBRARY_PATH="$root/usr/lib:$root/usr/lib/$(uname -m)-linux-gnu" exec "$root/usr/bin/rs274" -t "$dir/tool.tbl" "\$@"
 TXT
   chmod +x rs274
   printf 'G21 G0 X1\nM2\n' >check.ngc
-  ./rs274 -g check.ngc || rm rs274 # a library that is missing shows here, in the log, and not in a test
+  ./rs274 -g check.ngc || rm rs274 # a missing library shows in the log, not in a test
 )
 
-# run_ctest NAME CTEST-OPTION...: one group of tests; its failures are counted at the end, so that later groups still run.
+# run_ctest NAME CTEST-OPTION...: runs one group of tests; failures are counted at the end, so that later groups still run.
 run_ctest() {
   local name="$1"
   shift

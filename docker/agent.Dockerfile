@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# kerf-agent, for a machine beside a device or for a simulated hand. Build from the repository's root:
+# kerf-agent, for a machine with a device or for a simulated hand. Build from the repository's root:
 #   docker build -f docker/agent.Dockerfile -t kerf-agent .
-# The servo loop asks for real-time scheduling; it runs without, with more jitter: --cap-add SYS_NICE --ulimit rtprio=80.
+# The servo loop requests real-time scheduling; without it there is more jitter: --cap-add SYS_NICE --ulimit rtprio=80.
 FROM debian:12-slim AS build
 WORKDIR /kerf
 COPY docker/machine.sh docker/packages.txt docker/
 RUN docker/machine.sh install build
-COPY CMakeLists.txt CMakePresets.json ./
+COPY CMakeLists.txt CMakePresets.json LICENSE CHANGELOG.md ./
+COPY docker docker
 COPY kernel kernel
 COPY server server
 COPY haptic_agent haptic_agent

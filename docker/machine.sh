@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What run.sh, test.sh and the Dockerfiles share: making a Debian 12 machine able to build Kerf, and saying plainly which
-# step failed. Sourced from the repository's root, or run as a program: `docker/machine.sh install build test`.
+# Functions of run.sh, test.sh and the Dockerfiles: install packages on Debian 12, build the viewer and the programs, and
+# report which step failed. Sourced from the repository's root, or run as a program: `docker/machine.sh install build`.
 
 KERF_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 KERF_LOGS="$KERF_ROOT/build/logs"
@@ -9,8 +9,8 @@ KERF_LOGS="$KERF_ROOT/build/logs"
 say() { if [ -t 1 ]; then printf '\033[1m%s\033[0m\n' "$*"; else printf '%s\n' "$*"; fi; }
 fail() { printf '%s\n' "$*" >&2; exit 1; }
 
-# step "what it does" NAME COMMAND...: runs a command with its output in a log, its newest line shown on a terminal; shows
-# the log's tail if it fails. (A pipe and no background job: bash would make a background job deaf to Ctrl-C.)
+# step "description" NAME COMMAND...: runs a command with its output in build/logs/NAME.log. A terminal shows the newest
+# line; after a failure the end of the log is printed. (A pipe rather than a background job, which would ignore Ctrl-C.)
 step() {
   local what="$1" log="$KERF_LOGS/$2.log" begin=$SECONDS rc=0
   shift 2
@@ -58,7 +58,7 @@ apt_install() {
   as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs what is missing of the named sections; asks apt only if something is, so that it works offline afterwards.
+# Installs the missing packages of the named sections. Calls apt only if any are missing, so that it works offline later.
 install_sections() {
   local missing
   mapfile -t missing < <(packages_missing "$@")
@@ -73,20 +73,20 @@ node_is_new_enough() {
     process.exit(a > 22 || (a === 22 && b >= 12) || (a === 20 && b >= 19) ? 0 : 1)'
 }
 
-# Puts a node that Vite accepts (20.19 or later) first on the PATH: the machine's, or else node 22 from npm.
+# Puts a node that Vite accepts (20.19 or later) first on the PATH: the machine's, or otherwise node 22 from npm.
 use_node() {
   if ! command -v npm >/dev/null; then install_sections node; fi
   if node_is_new_enough; then return; fi
   if [ ! -x "$KERF_ROOT/build/node/node_modules/.bin/node" ]; then
     mkdir -p "$KERF_ROOT/build/node"
-    step "Fetching node 22 from npm (this machine's is older than Vite asks for)" node \
+    step "Fetching node 22 from npm (the installed one is older than Vite requires)" node \
       npm install --prefix "$KERF_ROOT/build/node" --no-audit --no-fund node@22
   fi
   PATH="$KERF_ROOT/build/node/node_modules/.bin:$PATH"
-  node_is_new_enough || fail "No node of version 20.19 or later could be installed; put one on the PATH."
+  node_is_new_enough || fail "Node 20.19 or later could not be installed; put one on the PATH."
 }
 
-# The viewer's npm packages, fetched only if the lock file changed since they were fetched last.
+# Fetches the viewer's npm packages if the lock file has changed since the last time.
 install_web() {
   use_node
   local lock="$KERF_ROOT/web/package-lock.json" stamp="$KERF_ROOT/web/node_modules/.kerf-lock"
@@ -109,6 +109,7 @@ build_cpp() {
   if [ $# -gt 0 ]; then shift; targets=("$@"); fi
   if [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ] && command -v ccache >/dev/null; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+    export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros}" # precompiled headers need it
   fi
   cd "$KERF_ROOT" || exit 1
   step "Configuring ($preset)" "configure-$preset" cmake --preset "$preset" "${options[@]}"
@@ -116,9 +117,9 @@ build_cpp() {
     cmake --build --preset "$preset" ${targets[0]:+--target "${targets[@]}"}
 }
 
-# Prints the packages whose shared libraries a program loads: what a slim image needs to run it.
+# Prints the packages whose shared libraries a program loads: those that a slim image needs.
 libraries_of() {
-  # By name, not by path: dpkg knows /lib/x, the loader's /usr/lib/x is the same file through a link.
+  # By name, not by path: dpkg lists /lib/x where the loader reports /usr/lib/x, a link to it.
   ldd "$1" | awk '$2 == "=>" { print $3 }' | xargs -n 1 realpath | sed 's|.*/|*-linux-gnu/|' |
     xargs dpkg-query -S | cut -d: -f1 | sort -u
 }

@@ -7,7 +7,8 @@ COPY docker/machine.sh docker/packages.txt docker/
 RUN docker/machine.sh install build node
 COPY web web
 RUN docker/machine.sh web
-COPY CMakeLists.txt CMakePresets.json ./
+COPY CMakeLists.txt CMakePresets.json LICENSE CHANGELOG.md ./
+COPY docker docker
 COPY kernel kernel
 COPY server server
 COPY haptic_agent haptic_agent

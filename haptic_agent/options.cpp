@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/options.h"
 
+#include <kerf/version.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
@@ -9,6 +11,7 @@
 #include <sstream>
 
 #include "haptic_agent/device/text_fields.h"
+#include "server/wire/control.h"
 #include "server/wire/limits.h"
 
 namespace kerf::agent {
@@ -65,6 +68,8 @@ struct Texts {
 };
 
 void describe(CLI::App& app, Options& options, Texts& texts) {
+  app.set_version_flag("--version", std::string("kerf-agent ") + kVersion + " (" +
+                                        std::string(wire::kAgentProtocol) + ")");
   app.add_option("--server", texts.server, "address of the server, http://HOST:PORT")
       ->capture_default_str();
   app.add_option("--session", options.link.session, "session to join")

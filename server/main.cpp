@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerf-server: sessions in which several people carve one block, over HTTP and WebSockets.
+#include <kerf/version.h>
 #include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -13,6 +14,8 @@
 
 #include "server/http/static_files.h"
 #include "server/server.h"
+#include "server/store/journal_file.h"
+#include "server/wire/control.h"
 
 namespace {
 
@@ -73,6 +76,12 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
   return created ? "" : created.error().reason;
 }
 
+std::string version_text() {
+  return std::string("kerf-server ") + kerf::kVersion + " (" +
+         std::string(kerf::wire::kAgentProtocol) + ", " + std::string(kerf::wire::kViewProtocol) +
+         ", journal format " + std::to_string(kerf::kJournalVersion) + ")";
+}
+
 int serve(const CommandLine& line) {
   // Signals are waited for by this thread alone; it must block them before it starts any other.
   sigset_t signals;
@@ -116,6 +125,7 @@ int main(int argc, char** argv) {
   CommandLine line;
   line.server.http.web_folder = kerf::net::find_web_folder();
   CLI::App app{"kerf-server: several people carve one block and feel it"};
+  app.set_version_flag("--version", version_text());
   app.add_option("--listen", line.listen, "ADDR:PORT; port 0 lets the system pick one")
       ->capture_default_str();
   app.add_option("--udp", line.udp,

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // kerf-demo: writes the APT programs of the demo's two agents.
 
+#include <kerf/version.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptic_agent/demo/carving.h"
 
 namespace {
+
+constexpr char kUsage[] =
+    "usage: kerf-demo FOLDER\nwrites FOLDER/first.apt and FOLDER/second.apt, "
+    "to be carved at the same time\n";
 
 bool write_program(const std::filesystem::path& file, const std::string& name,
                    const std::vector<kerf::demo::Stroke>& strokes) {
@@ -30,10 +37,17 @@ bool write_program(const std::filesystem::path& file, const std::string& name,
 }  // namespace
 
 int main(int argc, char** argv) {
+  const std::string_view option = argc == 2 ? argv[1] : "";
+  if (option == "--version") {
+    std::printf("kerf-demo %s\n", kerf::kVersion);
+    return 0;
+  }
+  if (option == "--help" || option == "-h") {
+    std::fputs(kUsage, stdout);
+    return 0;
+  }
   if (argc != 2 || argv[1][0] == '-') {
-    std::fprintf(stderr,
-                 "usage: kerf-demo FOLDER\nwrites FOLDER/first.apt and FOLDER/second.apt, "
-                 "to be carved at the same time\n");
+    std::fputs(kUsage, stderr);
     return 2;
   }
   const std::filesystem::path folder = argv[1];

@@ -12,8 +12,8 @@ namespace kerf::agent {
 namespace {
 
 constexpr int kSomethingWrong = 1;
-constexpr int kBadInput = 2;
-constexpr double kMaxSeconds = 3600;
+constexpr int kBadOptions = 2;
+constexpr double kMeasureMaxS = 3600;
 
 struct DoctorOptions {
   std::vector<std::string> devices{};
@@ -29,10 +29,10 @@ void describe(CLI::App& app, DoctorOptions& options) {
       "also wait until this device is ready (same values as for carving; may be repeated)");
   app.add_option("--server", options.server, "also check this server, http://HOST:PORT");
   app.add_option("--seconds", options.seconds, "duration of the loop measurement")
-      ->check(CLI::Range(0.1, kMaxSeconds))
+      ->check(CLI::Range(0.1, kMeasureMaxS))
       ->capture_default_str();
   app.add_option("--wait", options.wait_s, "how long to wait for a device, including its homing")
-      ->check(CLI::Range(0.0, kMaxSeconds))
+      ->check(CLI::Range(0.0, kMeasureMaxS))
       ->capture_default_str();
   app.add_flag("--load", options.load, "keep all cores busy during the measurement");
 }
@@ -61,7 +61,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
     auto choice = choose_device(text);
     if (!choice) {
       out << "kerf-agent doctor: " << choice.error() << '\n';
-      return kBadInput;
+      return kBadOptions;
     }
     choices.push_back(*std::move(choice));
   }
@@ -70,7 +70,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
     auto parsed = parse_server_url(options.server);
     if (!parsed) {
       out << "kerf-agent doctor: --server: " << parsed.error() << '\n';
-      return kBadInput;
+      return kBadOptions;
     }
     server = *std::move(parsed);
   }
@@ -98,7 +98,7 @@ int run_doctor(int argc, const char* const* argv, std::ostream& out) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error, out);
     out << "kerf-agent doctor: " << error.what() << '\n';
-    return kBadInput;
+    return kBadOptions;
   }
   return examine(options, out);
 }

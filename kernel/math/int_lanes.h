@@ -6,6 +6,10 @@
 
 #include "kernel/math/lanes.h"
 
+// No function passes vectors across units, so their calling convention does not matter.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace kerf {
 
 /// Eight 32-bit integers, beside the eight doubles of Lanes. A comparison gives −1 where it holds
@@ -67,3 +71,5 @@ KERF_INLINE LongLanes sum_of_halves(IntLanes x) {
 }
 
 }  // namespace kerf
+
+#pragma GCC diagnostic pop

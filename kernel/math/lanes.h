@@ -6,6 +6,10 @@
 
 #include "kernel/math/targets.h"
 
+// No function passes vectors across units, so their calling convention does not matter.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace kerf {
 
 /// Number of doubles in Lanes: the columns of a group.
@@ -98,3 +102,5 @@ KERF_INLINE unsigned bits(LaneMask m) {
 }
 
 }  // namespace kerf
+
+#pragma GCC diagnostic pop

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/carve/carve_options.h"
 
+#include <kerf/version.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -12,13 +14,6 @@ namespace kerf {
 namespace {
 
 constexpr int kThreadsMax = 256;
-
-std::string check_positive(const std::string& text) {
-  double value = 0;
-  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value) || value <= 0)
-    return "must be a number > 0, not " + text;
-  return {};
-}
 
 /// Command-line options of one model format.
 struct ModelOption {
@@ -79,7 +74,7 @@ std::vector<ModelChoice> chosen_models(const std::vector<ModelOption>& models) {
 
 void declare(CLI::App& app, CarveOptions& options) {
   app.footer("kerf-carve tradeoff --help: compare error and time of many accuracy settings.");
-  app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
+  app.set_version_flag("--version", std::string("kerf-carve ") + kVersion);
   app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
   app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
   app.add_option("--reference", options.reference,
@@ -129,6 +124,13 @@ int reject(const std::string& reason) {
 }
 
 }  // namespace
+
+std::string check_positive(const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value) || value <= 0)
+    return "must be a number > 0, not " + text;
+  return {};
+}
 
 std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
   CLI::App app("Carves a block with an NC program and writes the model, the forces and a report.",

@@ -33,4 +33,7 @@ struct CarveOptions {
 /// --help or --version, 2 after an error, which is printed on stderr in one line.
 std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv);
 
+/// CLI11 validator of lengths and rates: returns "" for a finite number > 0, otherwise the error.
+std::string check_positive(const std::string& text);
+
 }  // namespace kerf

@@ -2,21 +2,15 @@
 #include "server/carve/tradeoff_options.h"
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <iostream>
+
+#include "server/carve/carve_options.h"
 
 namespace kerf {
 namespace {
 
 constexpr std::size_t kSamplesMax = 10'000'000;
 constexpr std::size_t kListMax = 32;
-
-std::string check_positive(const std::string& text) {
-  double value = 0;
-  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value) || value <= 0)
-    return "must be a number > 0, not " + text;
-  return {};
-}
 
 void declare(CLI::App& app, TradeoffOptions& options) {
   const auto list = [](CLI::Option* option) {

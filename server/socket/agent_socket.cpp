@@ -27,9 +27,6 @@ namespace beast = boost::beast;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-/// A peer that keeps making mistakes is told of this many per second; all are counted.
-constexpr double kErrorsPerS = 20;
-constexpr double kErrorsBurst = 50;
 /// An agent's copy of the block hears of what others cut this often, if there is anything to hear.
 constexpr std::chrono::milliseconds kStockInterval{20};
 

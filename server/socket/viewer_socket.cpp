@@ -25,8 +25,6 @@ namespace beast = boost::beast;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kErrorsPerS = 20;
-constexpr double kErrorsBurst = 50;
 /// A look may make the server mesh a block anew; a viewer sends one when its camera has come to
 /// rest.
 constexpr double kLooksPerS = 5;

@@ -22,6 +22,10 @@ using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_bod
 /// limit and this one are answered with a typed error.
 inline constexpr std::size_t kFrameReadMax = 64 * 1024;
 
+/// Limit of error messages sent to one peer; errors beyond it are only counted.
+inline constexpr double kErrorsPerS = 20;
+inline constexpr double kErrorsBurst = 50;
+
 /// Options that agents and viewers share: no compression (a shared frame is encoded once for all),
 /// keep-alive pings, small frames in, sub-protocol out.
 void prepare(WebSocket& socket, std::string_view protocol);

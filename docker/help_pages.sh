@@ -1,0 +1,86 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# help_pages.sh PROGRAM VERSION FOLDER: writes a man page (NAME.1) and completions for bash, fish and zsh, generated from
+# the program's --help, and from that of its subcommand where it has one.
+set -eu
+program=$1 version=$2 folder=$3
+name=$(basename "$program")
+case $name in
+  kerf-agent) subcommand=doctor purpose='carve in a Kerf session with a haptic device' ;;
+  kerf-carve) subcommand=tradeoff purpose='carve a block with an NC program' ;;
+  kerf-server) subcommand='' purpose='sessions in which several people carve one block' ;;
+  *) subcommand='' purpose='write the tool paths of the Kerf demo' ;;
+esac
+mkdir -p "$folder"
+
+# Prints lines "names <TAB> value <TAB> description", one for each option of a help text in CLI11's layout.
+options_of() {
+  "$program" "$@" --help | awk '
+    function flush() {
+      if (names != "") printf "%s\t%s\t%s\n", names, value, description
+      names = value = description = ""
+    }
+    /^  -/ {
+      flush()
+      head = $0
+      if (length($0) > 30 && substr($0, 30, 1) == " ") { head = substr($0, 1, 30); description = substr($0, 31) }
+      sub(/^ +/, "", head); sub(/ +$/, "", head)
+      names = head; sub(/ .*/, "", names); gsub(/\{[^}]*\}/, "", names); gsub(/!/, "", names)
+      value = head; if (!sub(/^[^ ]+ /, "", value)) value = ""
+      next
+    }
+    /^ +[^ ]/ { if (names != "") { sub(/^ +/, ""); description = description (description == "" ? "" : " ") $0 } }
+    /^$/ { flush() }
+    END { flush() }'
+}
+
+man_options() {
+  options_of "$@" | awk -F '\t' '
+    function escape(text) { gsub(/\\/, "\\e", text); gsub(/-/, "\\-", text); return text }
+    { names = $1; gsub(/,/, ", ", names)
+      printf ".TP\n\\fB%s\\fR", escape(names)
+      if ($2 != "") printf " %s", escape($2)
+      printf "\n%s\n", ($3 == "" ? "See above." : escape($3)) }'
+}
+
+usage_of() { "$program" --help | sed -n 's|^[Uu]sage: *[^ ]* *||p'; }
+summary_of() { "$program" "$@" --help | sed -n '1{/^[Uu]sage/!p}'; }
+escaped() { sed 's/\\/\\e/g; s/-/\\-/g'; }
+
+{
+  printf '.TH %s 1 "" "kerf %s" "Kerf"\n.SH NAME\n%s \\- %s\n' "$(echo "$name" | tr '[:lower:]' '[:upper:]')" "$version" "$name" "$purpose"
+  printf '.SH SYNOPSIS\n.B %s\n%s\n' "$name" "$(usage_of | escaped)"
+  if [ -n "$subcommand" ]; then printf '.br\n.B %s %s\n[OPTIONS]\n' "$name" "$subcommand"; fi
+  summary=$(summary_of | escaped)
+  if [ -n "$summary" ]; then printf '.SH DESCRIPTION\n%s\n' "$summary"; fi
+  if [ -n "$(options_of)" ]; then printf '.SH OPTIONS\n'; man_options; fi
+  if [ -n "$subcommand" ]; then
+    printf '.SH SUBCOMMAND\n.B %s %s\n.PP\n%s\n' "$name" "$subcommand" "$(summary_of "$subcommand" | escaped)"
+    man_options "$subcommand"
+  fi
+} >"$folder/$name.1"
+
+# Words that may follow the program's name: long options, and the subcommand.
+words() {
+  { options_of; if [ -n "$subcommand" ]; then options_of "$subcommand"; fi; } | cut -f1 | tr ',' '\n' | grep '^--' | sort -u
+}
+{
+  echo "# bash completion of $name"
+  echo "complete -o bashdefault -o default -W '$(words | tr '\n' ' ')$subcommand' $name"
+} >"$folder/$name.bash"
+
+options_of | awk -F '\t' -v name="$name" '
+  { count = split($1, names, ","); text = $3; gsub(/\047/, "\\\047", text)
+    for (i = 1; i <= count; i++) if (names[i] ~ /^--/)
+      printf "complete -c %s -l %s%s -d \047%s\047\n", name, substr(names[i], 3), ($2 == "" ? "" : " -r"), text }
+  ' >"$folder/$name.fish"
+if [ -n "$subcommand" ]; then echo "complete -c $name -n __fish_use_subcommand -a $subcommand" >>"$folder/$name.fish"; fi
+
+{
+  printf '#compdef %s\n_arguments' "$name"
+  options_of | awk -F '\t' '
+    { count = split($1, names, ","); text = $3; gsub(/\047/, "\047\\\047\047", text); gsub(/[\[\]:]/, " ", text)
+      for (i = 1; i <= count; i++) if (names[i] ~ /^--/)
+        printf " \\\n  \047*%s[%s]%s\047", names[i], text, ($2 == "" ? "" : ":value:_files") }'
+  printf " \\\\\n  '*:file:_files'\n"
+} >"$folder/_$name"
