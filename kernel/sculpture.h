@@ -11,7 +11,7 @@
 #include "kernel/dexel/solid_snapshot.h"
 #include "kernel/dexel/tile_columns.h"
 #include "kernel/force/contact_plane.h"
-#include "kernel/force/wrench.h"
+#include "kernel/math/wrench.h"
 #include "kernel/sculpture_command.h"
 #include "kernel/sculpture_error.h"
 #include "kernel/sculpture_result.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands: every change of a Sculpture is one, and a journal is a sequence of them.
 #pragma once
+
+// Commands: every change of a Sculpture is one, and a journal is a sequence of them.
 
 #include <cstdint>
 #include <variant>

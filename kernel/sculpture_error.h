@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of Sculpture::create, apply and check.
 #pragma once
+
+// Errors of Sculpture::create, apply and check.
 
 #include <string>
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The result of a motion: force, contact, removed volume and changed tiles.
 #pragma once
+
+// The result of a motion: force, contact, removed volume and changed tiles.
 
 #include <compare>
 #include <cstdint>
 #include <vector>
 
 #include "kernel/dexel/tile_index.h"
-#include "kernel/force/wrench.h"
 #include "kernel/math/ray_axis.h"
 #include "kernel/math/vec3.h"
+#include "kernel/math/wrench.h"
 #include "kernel/sweep/motion_kind.h"
 
 namespace kerf {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings of a Sculpture and the limits that Sculpture::create enforces on them.
 #pragma once
+
+// Settings of a Sculpture and the limits that Sculpture::create enforces on them.
 
 #include <cstdint>
 #include <memory>

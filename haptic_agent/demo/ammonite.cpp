@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kDishWallMm = 11;    // from the rim to the floor
-constexpr double kOverlap = 1.07;     // each whorl lies on the one before
-constexpr double kRoundness = 0.95;   // height of the tube above the floor to its half width
-constexpr double kRibHeight = 0.075;  // to the height of the tube
-constexpr double kMouthRad = 0.11;    // over which the tube closes at the mouth
+constexpr double kOverlap = 1.07;     // each whorl overlaps the previous one
+constexpr double kRoundness = 0.95;   // tube height above the floor / half width
+constexpr double kRibHeight = 0.075;  // relative to the tube height
+constexpr double kMouthRad = 0.11;    // angle over which the tube closes at the mouth
 
 double smoothstep(double t) {
   t = std::clamp(t, 0.0, 1.0);
@@ -46,8 +46,8 @@ double Ammonite::dish(double x_mm, double y_mm) const {
   return floor_mm * (1 - t * t);
 }
 
-// Height of the tube above the floor at a distance from the spiral's centre, where its angle along
-// the coil is given.
+// Returns the height of the tube above the floor at a distance from the spiral's center and an
+// angle along the coil.
 double Ammonite::tube(double radius_mm, double angle_rad) const {
   const double outer = tube_radius(angle_rad), inner = outer / growth_per_turn;
   const double half_mm = (outer - inner) / 2;

@@ -10,12 +10,11 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kMapPitchMm = 0.2;
-constexpr double kPastMouthRad = 0.14;  // strokes begin before the mouth, to free its face
+constexpr double kPastMouthRad = 0.14;  // strokes begin before the mouth, to expose its face
 
 using Line = std::vector<Vec3>;
 
-// How far the dish's floor reaches from a point in a direction: where its fraction comes to
-// `fraction`.
+// Returns the distance from a point, in a direction, at which the dish fraction equals `fraction`.
 double reach_in_dish(const Ammonite& ammonite, Vec3 from, double angle, double fraction) {
   double low = 0, high = 200;
   for (int i = 0; i < 40; ++i) {
@@ -27,14 +26,14 @@ double reach_in_dish(const Ammonite& ammonite, Vec3 from, double angle, double f
   return low;
 }
 
-// One arm of a spiral from the rim of the dish to its middle; a second arm, half a turn on, lies
-// between its turns.
+// Returns one arm of a spiral from the rim of the dish to its center. A second arm, rotated by half
+// a turn, lies between its turns.
 Line dish_spiral(const Ammonite& ammonite, double begin_angle, double turns, double rim) {
   Line line;
   const int count = static_cast<int>(turns * 180);
   for (int i = 0; i <= count; ++i) {
     const double angle = begin_angle - kTurn * i / 180.0;
-    // The first half turn goes around the rim, so that the two arms leave nothing there.
+    // The first half turn follows the rim, so that the two arms clear all of it.
     const double share = std::clamp((i - 90.0) / (count - 90.0), 0.0, 1.0);
     const double radius = (1 - share) * reach_in_dish(ammonite, {}, angle, rim);
     line.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
@@ -42,8 +41,8 @@ Line dish_spiral(const Ammonite& ammonite, double begin_angle, double turns, dou
   return line;
 }
 
-// The shell's outline as a distance from the spiral's centre; the step at the mouth is spread over
-// a part of a turn.
+// Returns the distance of the shell's outline from the spiral's center; the step at the mouth is
+// spread over kSpreadRad.
 double outline(const Ammonite& ammonite, double angle) {
   double along = std::fmod(angle - ammonite.mouth_angle_rad, kTurn);
   if (along <= 0) along += kTurn;  // (0, turn]: 0 is just past the mouth
@@ -54,7 +53,7 @@ double outline(const Ammonite& ammonite, double angle) {
   return ammonite.outer_radius_mm * (1 - share) + radius * share;
 }
 
-// Rings that pass from the rim of the dish over into the shell's outline.
+// Returns rings that blend from the rim of the dish into the shell's outline.
 Line dish_rings(const Ammonite& ammonite, int rings, double rim) {
   Line line;
   const Vec3 center = ammonite.center_mm;
@@ -69,8 +68,8 @@ Line dish_rings(const Ammonite& ammonite, int rings, double rim) {
   return line;
 }
 
-// Strokes across the last whorl from the mouth back, forth and back without lifting; they lean like
-// the ribs.
+// Returns strokes across the outer whorl, starting at the mouth, in alternating directions without
+// lifting, slanted like the ribs.
 Line across_whorl(const Ammonite& ammonite, double turns, double step_mm) {
   Line line;
   bool outwards = false;
@@ -88,7 +87,7 @@ Line across_whorl(const Ammonite& ammonite, double turns, double step_mm) {
   return line;
 }
 
-// Strokes along the coil, out and back, each a little farther across the tube.
+// Returns strokes along the coil, in alternating directions, each offset further across the tube.
 Line along_coil(const Ammonite& ammonite, double first_angle, double last_angle, int strokes) {
   Line line;
   for (int k = 0; k < strokes; ++k) {
@@ -105,24 +104,24 @@ Line along_coil(const Ammonite& ammonite, double first_angle, double last_angle,
 }  // namespace
 
 Carving carve(const Ammonite& ammonite) {
-  const HeightMap wanted(ammonite.block_min_mm, ammonite.block_max_mm, kMapPitchMm,
+  const HeightMap target(ammonite.block_min_mm, ammonite.block_max_mm, kMapPitchMm,
                          [&](double x, double y) { return ammonite.height(x, y); });
   Carving carving;
   const Follower coarse(
-      wanted, kCoarse,
-      {.leave_mm = 0.6, .tilt_max_deg = 22, .tilt_share = 0.6, .step_mm = 1, .smooth_mm = 12});
+      target, kCoarse,
+      {.allowance_mm = 0.6, .tilt_max_deg = 22, .tilt_share = 0.6, .step_mm = 1, .smooth_mm = 12});
   for (const double level_mm : {ammonite.floor_mm / 2, ammonite.floor_mm}) {
     carving.first.push_back(coarse.along(dish_spiral(ammonite, 0, 4.5, 0.9), 55, level_mm));
     carving.second.push_back(
         coarse.along(dish_spiral(ammonite, kTurn / 2, 4.5, 0.9), 55, level_mm));
   }
   const double one_back = ammonite.mouth_angle_rad - kTurn;
-  carving.first.push_back(Follower(wanted, kShell, {.step_mm = 0.8, .smooth_mm = 5})
+  carving.first.push_back(Follower(target, kShell, {.step_mm = 0.8, .smooth_mm = 5})
                               .along(across_whorl(ammonite, 1.06, 0.5), 55));
   carving.second.push_back(
-      Follower(wanted, kFloor, {.tilt_max_deg = 30, .step_mm = 0.8, .smooth_mm = 8})
+      Follower(target, kFloor, {.tilt_max_deg = 30, .step_mm = 0.8, .smooth_mm = 8})
           .along(dish_rings(ammonite, 21, 0.985), 60));
-  carving.second.push_back(Follower(wanted, kFine, {.step_mm = 0.5, .smooth_mm = 3})
+  carving.second.push_back(Follower(target, kFine, {.step_mm = 0.5, .smooth_mm = 3})
                                .along(along_coil(ammonite, ammonite.first_angle_rad() + kTurn * 0.3,
                                                  one_back + 0.35, 25),
                                       45));

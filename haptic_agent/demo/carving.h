@@ -11,12 +11,13 @@ namespace kerf::demo {
 /// The tools of demo.json.
 inline constexpr BallTool kCoarse{1, 6, 60}, kShell{2, 2.5, 60}, kFloor{3, 3, 60},
     kFine{4, 1.5, 60};
-/// Height to which a tool rises between two strokes.
+/// Height of a tool between two strokes.
 inline constexpr double kRetractMm = 12;
 
-/// What the two agents of the demo carve at the same time. Both clear the dish on the two arms of
-/// one spiral; then the first finishes the outer whorl with strokes across it, from the mouth
-/// inwards, while the second finishes the dish around it and then the inner whorls along the coil.
+/// The strokes of the demo's two agents, which carve at the same time. Both rough out the dish
+/// along the two arms of a spiral. Then the first finishes the outer whorl with strokes across it,
+/// from the mouth inward, while the second finishes the dish and then the inner whorls along the
+/// coil.
 struct Carving {
   std::vector<Stroke> first, second;
 };

@@ -9,8 +9,8 @@
 
 namespace kerf::demo {
 
-/// Heights (mm) over a rectangle, on a regular grid; between the nodes bilinear, outside it the
-/// height of the nearest node.
+/// Heights (mm) over a rectangle on a regular grid; bilinear between the nodes, constant outside
+/// the rectangle.
 class HeightMap {
  public:
   /// Samples `height(x, y)` on [min, max] every `pitch_mm`.
@@ -18,12 +18,12 @@ class HeightMap {
             const std::function<double(double, double)>& height);
 
   double at(double x_mm, double y_mm) const;
-  /// The unit normal, upwards, from central differences over `reach_mm`.
+  /// Returns the upward unit normal, from central differences over `reach_mm`.
   Vec3 normal(double x_mm, double y_mm, double reach_mm) const;
 
-  /// Where the centre of a ball of this radius may go: the lowest height at which the ball touches
-  /// no node of this map. A tool is clear of the surface if every centre along its axis is above
-  /// the map for its radius.
+  /// Returns the offset surface of a ball (drop cutter): the lowest height of the ball's center at
+  /// which the ball does not intersect any node of this map. A tool is clear of the surface if
+  /// every point of its axis is above the offset surface for its radius.
   HeightMap centers_of_ball(double radius_mm) const;
 
  private:

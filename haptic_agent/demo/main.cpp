@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kerf-demo writes the two APT programs that the demo's agents carve.
+// kerf-demo: writes the APT programs of the demo's two agents.
 
 #include <cstdio>
 #include <filesystem>

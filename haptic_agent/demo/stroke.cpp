@@ -10,23 +10,22 @@ namespace kerf::demo {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
-constexpr double kClearStepMm = 0.5;  // between the points of the shank that are checked
-constexpr double kClearMm =
-    0.02;  // the map's bilinear patches dip below the ball's sphere by less than this
+constexpr double kClearStepMm = 0.5;  // distance between the checked points of the shank
+constexpr double kClearMm = 0.02;     // bound of the error of the map's bilinear interpolation
 constexpr Vec3 kUp{0, 0, 1};
 
-// Points on the line, step_mm or a little less apart, its corners among them.
+// Returns points on the line at most step_mm apart, including its corners.
 std::vector<Vec3> resampled(const std::vector<Vec3>& line, double step_mm) {
   std::vector<Vec3> points = {line.front()};
   for (std::size_t i = 1; i < line.size(); ++i) {
-    const Vec3 way = line[i] - line[i - 1];
-    const int count = static_cast<int>(std::ceil(length(way) / step_mm));
-    for (int k = 1; k <= count; ++k) points.push_back(line[i - 1] + way * (1.0 * k / count));
+    const Vec3 segment = line[i] - line[i - 1];
+    const int count = static_cast<int>(std::ceil(length(segment) / step_mm));
+    for (int k = 1; k <= count; ++k) points.push_back(line[i - 1] + segment * (1.0 * k / count));
   }
   return points;
 }
 
-// Each direction averaged with those before and after it.
+// Averages each direction with its neighbors.
 std::vector<Vec3> smoothed(const std::vector<Vec3>& axes, std::size_t reach) {
   std::vector<Vec3> result;
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -50,27 +49,27 @@ void append_goto(std::string& text, Vec3 tip, Vec3 axis) {
 
 }  // namespace
 
-Follower::Follower(const HeightMap& wanted, BallTool tool, Following following)
+Follower::Follower(const HeightMap& target, BallTool tool, FollowSettings settings)
     : tool_(tool),
-      following_(following),
-      centers_(wanted.centers_of_ball(tool.radius_mm + following.leave_mm)) {}
+      settings_(settings),
+      centers_(target.centers_of_ball(tool.radius_mm + settings.allowance_mm)) {}
 
 Vec3 Follower::center(Vec3 at, double level_mm) const {
   return {at.x, at.y, std::max(centers_.at(at.x, at.y) + kClearMm, level_mm + tool_.radius_mm)};
 }
 
-Vec3 Follower::wished_axis(Vec3 center_mm) const {
+Vec3 Follower::preferred_axis(Vec3 center_mm) const {
   const Vec3 normal = centers_.normal(center_mm.x, center_mm.y, 1);
   const double sine = std::sqrt(normal.x * normal.x + normal.y * normal.y);
   if (sine < 1e-9) return kUp;
-  const double tilt = std::min(following_.tilt_share * std::atan2(sine, normal.z),
-                               following_.tilt_max_deg * kRadPerDeg);
+  const double tilt = std::min(settings_.tilt_share * std::atan2(sine, normal.z),
+                               settings_.tilt_max_deg * kRadPerDeg);
   const Vec3 side{normal.x / sine, normal.y / sine, 0};
   return side * std::sin(tilt) + kUp * std::cos(tilt);
 }
 
-// The shank is as wide as the ball, so it is clear where every point of the axis is a place for the
-// ball's centre.
+// The shank has the ball's radius, so it is clear if every point of the axis is a valid position of
+// the ball's center.
 bool Follower::is_clear(Vec3 center_mm, Vec3 axis) const {
   for (double s = 0; s < tool_.length_mm; s += kClearStepMm) {
     const Vec3 point = center_mm + axis * s;
@@ -90,14 +89,13 @@ Vec3 Follower::clear_axis(Vec3 center_mm, Vec3 axis) const {
 
 Stroke Follower::along(const std::vector<Vec3>& line, double feed_mm_per_s, double level_mm) const {
   std::vector<Vec3> centers, axes;
-  for (const Vec3 at : resampled(line, following_.step_mm)) {
+  for (const Vec3 at : resampled(line, settings_.step_mm)) {
     centers.push_back(center(at, level_mm));
-    axes.push_back(wished_axis(centers.back()));
+    axes.push_back(preferred_axis(centers.back()));
   }
-  axes = smoothed(axes, static_cast<std::size_t>(following_.smooth_mm / following_.step_mm));
+  axes = smoothed(axes, static_cast<std::size_t>(settings_.smooth_mm / settings_.step_mm));
   for (std::size_t i = 0; i < axes.size(); ++i) axes[i] = clear_axis(centers[i], axes[i]);
-  axes =
-      smoothed(axes, 2);  // what clear_axis changed at once, the spindle changes over a few poses
+  axes = smoothed(axes, 2);  // spreads the changes by clear_axis over several poses
   Stroke stroke{tool_.id, feed_mm_per_s, {}};
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const Vec3 axis = is_clear(centers[i], axes[i]) ? axes[i] : clear_axis(centers[i], axes[i]);

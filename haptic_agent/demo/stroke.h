@@ -17,14 +17,13 @@ struct BallTool {
   double length_mm;
 };
 
-/// Where the tip is and which way the spindle points.
+/// A tool pose.
 struct DemoPose {
   Vec3 tip_mm;
-  Vec3 axis;  ///< unit
+  Vec3 axis;  ///< unit, from the tip to the spindle
 };
 
-/// One stroke: the tool comes down on the first pose, stays in the material to the last, and
-/// leaves.
+/// One stroke: the tool is lowered to the first pose, cuts up to the last one, and is retracted.
 struct Stroke {
   std::uint32_t tool;
   double feed_mm_per_s;
@@ -32,39 +31,40 @@ struct Stroke {
 };
 
 /// How a tool follows the surface.
-struct Following {
-  double leave_mm = 0;       ///< stays on the wanted surface
+struct FollowSettings {
+  double allowance_mm = 0;   ///< material left on the target surface
   double tilt_max_deg = 38;  ///< from +Z
-  double tilt_share = 1;     ///< of the angle between +Z and the surface's normal
+  double tilt_share = 1;     ///< fraction of the angle between +Z and the surface normal
   double step_mm = 0.7;      ///< between poses
-  double smooth_mm = 3;      ///< the axis is averaged over so much way
+  double smooth_mm = 3;      ///< length over which the axis is averaged
 };
 
-/// Lets a ball-end tool follow a wanted surface along lines drawn on the XY plane, as near as it
-/// can without cutting below it: its ball rests on the surface, its axis leans with the surface's
-/// normal as far as its shank stays clear.
+/// Makes a ball-end tool follow a target surface along lines in the XY plane, as close as possible
+/// without cutting below it: the ball touches the surface, and the axis tilts with the surface
+/// normal as far as the shank stays clear.
 class Follower {
  public:
-  Follower(const HeightMap& wanted, BallTool tool, Following following);
-  /// `line` has at least two points; its z does not matter. The tip stays above `level_mm`.
+  Follower(const HeightMap& target, BallTool tool, FollowSettings settings);
+  /// Returns the stroke along `line`, which has at least two points; their z is ignored. The tip
+  /// stays above `level_mm`.
   Stroke along(const std::vector<Vec3>& line, double feed_mm_per_s, double level_mm = -1e9) const;
 
  private:
   Vec3 center(Vec3 at, double level_mm) const;
-  Vec3 wished_axis(Vec3 center_mm) const;
+  Vec3 preferred_axis(Vec3 center_mm) const;
   Vec3 clear_axis(Vec3 center_mm, Vec3 axis) const;
   bool is_clear(Vec3 center_mm, Vec3 axis) const;
 
   BallTool tool_;
-  Following following_;
+  FollowSettings settings_;
   HeightMap centers_;
 };
 
-/// The strokes as an APT program: rapid moves high above the block between them.
+/// Returns the strokes as an APT program, with rapid moves at `retract_mm` between them.
 std::string apt_text(const std::string& name, const std::vector<Stroke>& strokes,
                      double retract_mm);
 
-/// How long the program takes at its feeds, without the rapid moves, s.
+/// Returns the duration of the strokes at their feeds, without the rapid moves, s.
 double cutting_seconds(const std::vector<Stroke>& strokes);
 
 }  // namespace kerf::demo

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <numbers>
 #include <optional>
 
@@ -11,17 +12,17 @@
 namespace kerf::agent {
 namespace {
 
-/// Words that say something about the machine or the text, and nothing about the path.
+/// Words without influence on the path.
 constexpr std::array<std::string_view, 13> kWordsWithoutMotion = {
     "PARTNO", "PPRINT", "REMARK", "MACHIN", "MULTAX", "CUTTER", "SPINDL",
     "COOLNT", "INTOL",  "OUTTOL", "TOLER",  "STOP",   "OPSTOP"};
-/// Words whose rest is free text.
+/// Words followed by free text.
 constexpr std::array<std::string_view, 3> kTextWords = {"PARTNO", "PPRINT", "REMARK"};
 
 constexpr double kSPerMinute = 60.0;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kAxisMinLength = 1e-6;
-/// Axes that point against each other leave open which way to turn.
+/// Between opposite axes the direction of rotation is undefined.
 constexpr double kOppositeDot = -0.999;
 
 std::string upper(std::string_view text) {
@@ -41,7 +42,7 @@ class AptReader {
       if (auto ok = obey(); !ok) return std::unexpected(ok.error());
       statement_.clear();
     }
-    if (script_.empty()) return reject_file("has no GOTO");
+    if (script_.empty()) return reject_file("contains no GOTO");
     return std::move(script_);
   }
 
@@ -55,7 +56,8 @@ class AptReader {
     return std::unexpected(ScriptError{name_, 0, std::move(reason)});
   }
 
-  /// One statement without comments, its continuation lines joined. False at the end of the text.
+  /// Reads one statement without comments, with continuation lines joined. Returns false at the end
+  /// of the text.
   bool take_statement(std::string_view& text) {
     statement_line_ = line_ + 1;
     while (!text.empty()) {
@@ -100,7 +102,7 @@ class AptReader {
       return {};
     }
     if (std::ranges::find(kWordsWithoutMotion, word) != kWordsWithoutMotion.end()) return {};
-    return reject(join({"the word ", word, " is not understood"}));
+    return reject(join({"the word ", word, " is not supported"}));
   }
 
   Done go_to() {
@@ -114,8 +116,8 @@ class AptReader {
     TimedPose pose{.tip_mm = {v[0], v[1], v[2]}, .axis = axis_, .tool_id = tool_id_};
     if (fields_.size() == 6) {
       const Vec3 axis{v[3], v[4], v[5]};
-      if (length(axis) < kAxisMinLength) return reject("the tool axis has no length");
-      pose.axis = axis_ = normalised(axis);
+      if (length(axis) < kAxisMinLength) return reject("the tool axis must not be of length zero");
+      pose.axis = axis_ = normalized(axis);
     }
     return append(pose);
   }
@@ -126,12 +128,12 @@ class AptReader {
     } else {
       const TimedPose& last = script_.back();
       if (dot(last.axis, pose.axis) < kOppositeDot) {
-        return reject("the axis turns around completely in one move");
+        return reject("the axis turns by 180 degrees in one move; the direction is undefined");
       }
       pose.cutting = !script_started_anew_;
       const bool fast = rapid_ || script_started_anew_;
-      if (!fast && !feed_per_s_) return reject("GOTO before any FEDRAT or RAPID");
-      // Where the tip rests, a feed is in degrees a minute, as in G-code.
+      if (!fast && !feed_per_s_) return reject("GOTO without a preceding FEDRAT or RAPID");
+      // If the tip does not move, the feed is in degrees per minute, as in G-code.
       const MoveSpeed speed =
           fast ? MoveSpeed{} : MoveSpeed{*feed_per_s_, *feed_per_s_ * kRadPerDeg};
       pose.time_s = last.time_s + travel_time_s(last, pose, speed);
@@ -144,10 +146,10 @@ class AptReader {
 
   Done feed() {
     const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
-    if (!value || *value <= 0) return reject("FEDRAT needs a number above zero");
+    if (!value || *value <= 0) return reject("FEDRAT must be a number above zero");
     if (fields_.size() > 2) return reject("FEDRAT has too many fields");
     if (fields_.size() == 2 && upper(fields_[1]) != "MMPM" && upper(fields_[1]) != "PERMIN") {
-      return reject(join({"FEDRAT is understood in MMPM only, not in ", fields_[1]}));
+      return reject(join({"FEDRAT must be in MMPM, not in ", fields_[1]}));
     }
     feed_per_s_ = *value / kSPerMinute;
     rapid_ = false;
@@ -156,9 +158,9 @@ class AptReader {
 
   Done load_tool() {
     const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
-    constexpr double kMost = 1e9;
-    if (!value || *value < 1 || *value > kMost || *value != std::floor(*value)) {
-      return reject("LOADTL needs a whole number above zero");
+    constexpr double kMax = 1e9;
+    if (!value || *value < 1 || *value > kMax || *value != std::floor(*value)) {
+      return reject("LOADTL must be an integer above zero");
     }
     tool_id_ = static_cast<std::uint32_t>(*value);
     script_started_anew_ = true;
@@ -166,14 +168,13 @@ class AptReader {
   }
 
   Done units() {
-    if (fields_.size() != 1 || upper(fields_[0]) != "MM")
-      return reject("UNITS other than MM are not read");
+    if (fields_.size() != 1 || upper(fields_[0]) != "MM") return reject("UNITS must be MM");
     return {};
   }
 
   Done delay() {
     const auto value = fields_.empty() ? std::nullopt : to_number(fields_[0]);
-    if (!value || *value < 0) return reject("DELAY needs seconds");
+    if (!value || *value < 0) return reject("DELAY must be a number of seconds >= 0");
     if (script_.empty()) return {};
     TimedPose rest = script_.back();
     rest.time_s += *value;

@@ -11,7 +11,8 @@ namespace {
 constexpr int kLaps = 6;
 constexpr int kPetals = 5;
 constexpr int kPointsPerLap = 720;
-/// Successive laps and variants turned by it never fall on each other.
+/// Rotation between successive laps and variants; an irrational fraction of a turn, so that none
+/// coincide.
 const double kGoldenAngleRad = std::numbers::pi * (3.0 - std::sqrt(5.0));
 constexpr double kReach = 0.4;
 constexpr double kDepthShare = 0.04;
@@ -21,7 +22,7 @@ constexpr double kSlowestMmPerS = 5.0;
 constexpr double kFastestMmPerS = 60.0;
 
 struct Figure {
-  Vec3 middle_mm;  // of the top
+  Vec3 middle_mm;  // center of the top
   double reach_mm = 0;
   double depth_mm = 0;
 };
@@ -35,7 +36,7 @@ TimedPose point_of(const Figure& figure, double lap, double part, double start_r
   const Vec3 out{std::cos(angle), std::sin(angle), 0};
   const double deep = figure.depth_mm * (1.0 + lap / kLaps) * (0.6 + 0.4 * (1.0 - petal));
   return {.tip_mm = figure.middle_mm + out * radius + Vec3{0, 0, -deep},
-          .axis = normalised(out * std::sin(lean) + Vec3{0, 0, std::cos(lean)})};
+          .axis = normalized(out * std::sin(lean) + Vec3{0, 0, std::cos(lean)})};
 }
 
 }  // namespace

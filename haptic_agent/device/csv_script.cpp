@@ -33,7 +33,7 @@ class CsvReader {
     }
     line_ = 0;
     if (!has_header_) return reject("is empty");
-    if (script_.empty()) return reject("has no row below its header");
+    if (script_.empty()) return reject("has no row below the header");
     return std::move(script_);
   }
 
@@ -75,14 +75,13 @@ class CsvReader {
       v[i] = *number;
     }
     const Vec3 axis{v[4], v[5], v[6]};
-    if (length(axis) < kAxisMinLength) return reject("the tool axis has no length");
-    if (v[kToolColumn] < 0 || v[kToolColumn] > kMaxToolId)
-      return reject("the tool is out of range");
-    if (!script_.empty() && v[0] < script_.back().time_s) return reject("t_s goes back");
+    if (length(axis) < kAxisMinLength) return reject("the tool axis must not be of length zero");
+    if (v[kToolColumn] < 0 || v[kToolColumn] > kMaxToolId) return reject("tool is out of range");
+    if (!script_.empty() && v[0] < script_.back().time_s) return reject("t_s must not decrease");
     const bool cutting = !script_.empty() && (!at_[kCuttingColumn] || v[kCuttingColumn] != 0);
     script_.push_back({.time_s = v[0],
                        .tip_mm = {v[1], v[2], v[3]},
-                       .axis = normalised(axis),
+                       .axis = normalized(axis),
                        .cutting = cutting,
                        .tool_id = static_cast<std::uint32_t>(v[kToolColumn])});
     return {};

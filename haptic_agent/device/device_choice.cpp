@@ -14,7 +14,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Longer than arming takes at the longest delay (haptic_agent/README.md).
+/// Longer than arming takes at the longest network delay (haptic_agent/README.md).
 constexpr double kRestAtStartS = 0.5;
 
 std::expected<DeviceChoice, std::string> with_file(DeviceKind kind, std::string_view path) {
@@ -70,8 +70,8 @@ std::expected<DeviceChoice, std::string> choose_device(std::string_view text) {
   if (kind == "usb" && !rest.empty()) return with_ids(rest);
   if (kind == "falcon" && !rest.empty()) return with_firmware(rest);
   if (kind == "replay") return std::unexpected("replay needs a file: replay:FILE");
-  return std::unexpected(join({"there is no device '", text,
-                               "'; use usb, falcon, spacemouse, sim, sim:FILE or replay:FILE"}));
+  return std::unexpected(join(
+      {"unknown device '", text, "'; use usb, falcon, spacemouse, sim, sim:FILE or replay:FILE"}));
 }
 
 std::unique_ptr<HapticDevice> make_device(const DeviceChoice& choice, const DevicePlace& place,
@@ -80,13 +80,13 @@ std::unique_ptr<HapticDevice> make_device(const DeviceChoice& choice, const Devi
   const Vec3 middle_mm = middle_of_top(place.stock);
   switch (choice.kind) {
     case DeviceKind::kReference:
-      return std::make_unique<UsbHand>(
+      return std::make_unique<UsbHapticDevice>(
           std::make_unique<reference::ReferenceProtocol>(
               reference::PenPlace{.middle_mm = middle_mm, .pivot_mm = place.pivot_mm},
               choice.usb_id),
           port);
     case DeviceKind::kFalcon:
-      return std::make_unique<UsbHand>(
+      return std::make_unique<UsbHapticDevice>(
           std::make_unique<falcon::FalconProtocol>(
               falcon::FalconSettings{.middle_mm = middle_mm, .firmware = choice.firmware}),
           port);

@@ -20,23 +20,23 @@ namespace kerf::agent {
 
 enum class DeviceKind { kSimulated, kReplay, kReference, kFalcon, kSpaceMouse };
 
-/// What `--device` asks for, its file already read.
+/// A parsed `--device` option, with its file loaded.
 struct DeviceChoice {
   DeviceKind kind = DeviceKind::kSimulated;
-  /// Empty: the figure that the simulated hand carves by itself.
+  /// Path of a simulated hand or replay. Empty: make_carving_figure.
   std::optional<PoseScript> script{};
-  /// Of a reference device that a builder gave ids of its own.
+  /// USB ids of the reference device; builders may use their own.
   UsbId usb_id{reference::kVendorId, reference::kProductId};
-  /// The Falcon's; empty: it must run one already.
+  /// Firmware of the Falcon. Empty: one must be running already.
   std::vector<std::uint8_t> firmware{};
 };
 
-/// Reads `sim[:FILE]`, `replay:FILE`, `usb[:VENDOR:PRODUCT]` (ids in hexadecimal),
-/// `falcon[:FIRMWARE_FILE]` or `spacemouse`. The error is one sentence, with file and line where
-/// there is one.
+/// Parses `sim[:FILE]`, `replay:FILE`, `usb[:VENDOR:PRODUCT]` (hexadecimal ids),
+/// `falcon[:FIRMWARE_FILE]` or `spacemouse`, and loads the file. The error is one sentence, with
+/// file and line where applicable.
 std::expected<DeviceChoice, std::string> choose_device(std::string_view text);
 
-/// What the session decides about a device.
+/// The parameters of a device that the session determines.
 struct DevicePlace {
   StockBox stock{};
   double pivot_mm = 60;
@@ -47,13 +47,13 @@ struct DeviceOptions {
   bool loop = false;
   double speed = 1.0;
   double stiffness_n_per_mm = HandSettings{}.stiffness_n_per_mm;
-  /// Told by a USB device, on its thread, what keeps it from being ready, and when it is.
+  /// Called by a USB device on its event thread: with the reason why it is not ready, and when it
+  /// is.
   std::function<void(const std::string&)> notice{};
 };
 
-/// Makes the device. A USB device need not be plugged in yet: it looks for itself until it is. The
-/// middle of its workspace lies on the middle of the stock's top.
-
+/// Creates the device. A USB device may be plugged in later: it is searched for until found. The
+/// center of its workspace is placed on the center of the stock's top.
 std::unique_ptr<HapticDevice> make_device(const DeviceChoice& choice, const DevicePlace& place,
                                           const DeviceOptions& options);
 

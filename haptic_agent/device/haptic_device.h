@@ -4,94 +4,85 @@
 #include <cstdint>
 #include <string>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/wrench.h"
 
 namespace kerf::agent {
 
-/// How far a device has come. A force may be written in kReady only; before that every `write`
-/// shows zero.
+/// Connection state of a device. Only in kReady does `write` output a force; in all other phases
+/// the output is zero.
 enum class DevicePhase : std::uint8_t {
-  /// Not there, unplugged, or not allowed to be opened.
+  /// Not found, unplugged, or not permitted to be opened.
   kClosed,
-  /// Opened and claimed; what it is has not been checked yet.
+  /// Opened and claimed, not identified yet.
   kOpened,
-  /// It is what it should be and speaks a known protocol version.
+  /// Identified, with a supported protocol version; or a fault of the device itself.
   kIdentified,
-  /// It moves, or is to be moved, until it knows its own angles. Its pose means nothing yet.
+  /// Moves, or must be moved by the user, until its joint angles are known. Its pose is not valid.
   kHoming,
-  /// Poses stream, forces may be shown.
+  /// Sends poses and accepts forces.
   kReady,
 };
 
-/// What a device tells about the hand at one instant.
+/// A pose and its context, as read from a device.
 struct DeviceState {
   Vec3 tip_mm{};
   /// Unit, from the tip to the spindle.
   Vec3 axis{0, 0, 1};
   /// As wire::MotionSample::buttons.
   std::uint32_t buttons = 0;
-  /// The tool that a program asks for; 0: the one that the user chose.
+  /// The tool requested by a path; 0: the tool that the user chose.
   std::uint32_t tool_id = 0;
-  /// When the pose was measured, on the servo's clock.
+  /// Time of measurement, on the servo's clock.
   std::uint64_t time_us = 0;
-  /// False: the device has no pose (yet); nothing is sent and no force may be shown.
+  /// False: there is no pose (yet); nothing is sent and no force is output.
   bool valid = false;
-  /// True: the device has nothing more to show (a replay has ended).
+  /// True at the end of a path.
   bool finished = false;
   DevicePhase phase = DevicePhase::kClosed;
-};
-
-/// Force at the pivot and torque about it, as the device shows them to the hand.
-struct Wrench {
-  Vec3 force_n{};
-  Vec3 torque_nmm{};
-
-  bool operator==(const Wrench&) const = default;
 };
 
 struct DeviceCapabilities {
   std::string name{};
   int sensed_dof = 0;
   int actuated_dof = 0;
-  /// What the motors can give for a moment; 0 for a device without motors.
+  /// Peak rating; 0 for a device without motors.
   double max_force_n = 0;
   double max_torque_nmm = 0;
-  /// What the motors can give for ever without getting too warm; 0: unknown.
+  /// Continuous rating; 0: unknown.
   double continuous_force_n = 0;
   double continuous_torque_nmm = 0;
-  /// What the device shows stably at 1 kHz; 0: unknown.
+  /// Stiffness and damping that the device renders stably at 1 kHz; 0: unknown.
   double max_stiffness_n_per_mm = 0;
   double max_damping_n_s_per_mm = 0;
-  /// The box that the tip can reach, in the session's coordinates; both corners equal: unknown.
+  /// Workspace of the tip, in session coordinates; unknown if both corners are equal.
   Vec3 workspace_min_mm{};
   Vec3 workspace_max_mm{};
-  /// The device senses whether a hand holds it and says so by wire::kButtonDeadman. Without, that
-  /// bit is always set in a valid state.
+  /// Whether the device senses that the user holds it, and reports it as wire::kButtonDeadman.
+  /// Otherwise that bit is set in every valid state.
   bool has_deadman = false;
 };
 
-/// A hand-held device. Only the servo thread calls `read` and `write`; both return at once, neither
-/// allocates nor waits: a USB device answers with the newest report that its own thread has
-/// received.
+/// A hand-held device. `read` and `write` are called by the servo thread only; they neither wait
+/// nor allocate. A USB device returns the newest report that its event thread has received.
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
 
   virtual DeviceCapabilities capabilities() const = 0;
-  /// The newest pose. `now_us` is the servo's clock and never goes back.
+  /// Returns the newest pose. `now_us` is the servo's clock, which is monotonic.
   virtual DeviceState read(std::uint64_t now_us) noexcept = 0;
-  /// Shows a wrench until the next call; zero if the device is not ready. A device with a thread of
-  /// its own takes the motors to zero by itself if no further call comes within kWrenchLifeUs.
+  /// Outputs a wrench until the next call; zero if the device is not ready. A device with its own
+  /// thread sets the motors to zero if the next call does not come within kWrenchLifeUs.
   virtual void write(const Wrench& wrench) noexcept = 0;
-  /// No force, at once, until the next `write`. From any thread: the watchdog calls it when the
-  /// servo thread no longer does anything.
+  /// Sets the force to zero immediately, until the next `write`. Callable from any thread: the
+  /// watchdog calls it when the servo thread hangs.
   virtual void stop() noexcept = 0;
-  /// What keeps the device from being ready, in one sentence; empty: nothing does. From any thread
-  /// but the servo's, for it may wait and allocate.
+  /// Returns the reason why the device is not ready, as one sentence; empty if there is none.
+  /// Callable from any thread except the servo's, because it may wait and allocate.
   virtual std::string trouble() const { return {}; }
 };
 
-/// How long a written wrench is shown by a device that has a thread of its own.
+/// How long a device with its own thread outputs a written wrench.
 inline constexpr std::uint64_t kWrenchLifeUs = 10'000;
 
 }  // namespace kerf::agent

@@ -9,13 +9,13 @@
 namespace kerf::agent {
 namespace {
 
-/// Below this sine of the turn the great circle is a straight line to rounding.
+/// Below this sine of the angle, the rotation is treated as zero.
 constexpr double kStraightSine = 1e-9;
-/// A lap of less than this would make the cursor spin; such a script rests at its end.
+/// Shortest lap that is repeated; a shorter script stays at its end.
 constexpr double kShortestLapS = 1e-3;
 
 struct Turn {
-  Vec3 rate;  // rotation vector of the whole turn, rad
+  Vec3 rate;  // rotation vector, rad
   double angle_rad = 0;
 };
 
@@ -31,7 +31,7 @@ Vec3 turned(Vec3 from, const Turn& turn, double part) noexcept {
   if (turn.angle_rad == 0) return from;
   const Vec3 normal = turn.rate * (1.0 / turn.angle_rad);
   const double angle = turn.angle_rad * part;
-  return normalised(from * std::cos(angle) + cross(normal, from) * std::sin(angle));
+  return normalized(from * std::cos(angle) + cross(normal, from) * std::sin(angle));
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ PathPoint PathCursor::at(double time_s) noexcept {
     local_s -= laps * lap_s;
     next_ = 1;
   }
-  // A step that leaves a cutting segment still cuts: its first part was inside.
+  // A step that leaves a cutting segment cuts, because its first part was in that segment.
   bool cutting = false;
   while (next_ < script_.size() && script_[next_].time_s <= local_s) {
     cutting = cutting || script_[next_].cutting;

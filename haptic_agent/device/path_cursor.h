@@ -8,7 +8,7 @@
 
 namespace kerf::agent {
 
-/// Where a path is at one time, and how fast.
+/// Position and velocity of a path at one time.
 struct PathPoint {
   Vec3 tip_mm{};
   Vec3 axis{0, 0, 1};
@@ -19,15 +19,15 @@ struct PathPoint {
   bool at_end = false;
 };
 
-/// Walks a script: between two poses the tip moves straight and the axis turns on the great circle,
-/// both uniformly. With `loop` the path starts over for ever, after a way through the air from the
-/// last pose to the first.
+/// Interpolates a script: between two poses the tip moves on a straight line and the axis on a
+/// great circle, both at constant speed. With `loop` the path repeats, after a non-cutting move
+/// from the last pose to the first.
 class PathCursor {
  public:
-  /// `script` is not empty. `speed` stretches time: 2 plays twice as fast.
+  /// `script` must not be empty. `speed` > 0 scales time: 2 plays twice as fast.
   PathCursor(PoseScript script, bool loop, double speed = 1.0);
 
-  /// The point `time_s` after the start; `time_s` must not go back. No allocation.
+  /// Returns the point at `time_s` after the start; `time_s` must not decrease. Does not allocate.
   PathPoint at(double time_s) noexcept;
 
   double duration_s() const noexcept { return script_.back().time_s - script_.front().time_s; }
@@ -37,7 +37,7 @@ class PathCursor {
 
   PoseScript script_;
   bool loop_;
-  /// Index of the pose at the end of the segment that holds the last time asked for.
+  /// Index of the end pose of the segment that contains the last requested time.
   std::size_t next_ = 1;
   double lap_start_s_ = 0;
 };

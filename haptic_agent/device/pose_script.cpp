@@ -10,7 +10,7 @@
 namespace kerf::agent {
 namespace {
 
-/// Larger files are rejected before they are read: 100 times the largest program seen so far.
+/// Files above this size are rejected before reading; 100 times the largest known program.
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{512} << 20;
 
 std::unexpected<ScriptError> reject(const std::string& path, std::string reason) {
@@ -25,8 +25,8 @@ std::string to_string(const ScriptError& error) {
 }
 
 double travel_time_s(const TimedPose& from, const TimedPose& to, const MoveSpeed& speed) noexcept {
-  const double way_mm = length(to.tip_mm - from.tip_mm);
-  if (way_mm > 0) return way_mm / speed.tip_mm_per_s;
+  const double distance_mm = length(to.tip_mm - from.tip_mm);
+  if (distance_mm > 0) return distance_mm / speed.tip_mm_per_s;
   const double turn_rad = std::atan2(length(cross(from.axis, to.axis)), dot(from.axis, to.axis));
   return turn_rad / speed.turn_rad_per_s;
 }
@@ -35,14 +35,14 @@ std::expected<PoseScript, ScriptError> load_script(const std::string& path) {
   std::error_code failed;
   const auto bytes = std::filesystem::file_size(path, failed);
   if (failed) return reject(path, "cannot be read: " + failed.message());
-  if (bytes > kMaxFileBytes) return reject(path, "is larger than 512 MiB");
+  if (bytes > kMaxFileBytes) return reject(path, "must not be larger than 512 MiB");
   std::ifstream file(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file) return reject(path, "cannot be read");
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".csv") return parse_csv_script(path, text);
   if (extension == ".apt" || extension == ".cls") return parse_apt_script(path, text);
-  return reject(path, "is not a pose list: the agent plays .apt, .cls and .csv files");
+  return reject(path, "is not a pose list: use an .apt, .cls or .csv file");
 }
 
 }  // namespace kerf::agent

@@ -6,7 +6,7 @@
 
 namespace kerf::agent {
 
-/// Plays a path exactly at its times. It has no motors: a wrench changes nothing.
+/// Plays a path exactly at its times. It has no motors and ignores wrenches.
 class Replay final : public HapticDevice {
  public:
   explicit Replay(PathCursor path);

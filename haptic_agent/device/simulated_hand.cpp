@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kMmPerM = 1000.0;
 constexpr double kNmmPerNm = 1000.0;
-/// The integration is stable far beyond this step; it is the servo's period.
+/// Integration step: the servo's period, far below the stability limit.
 constexpr double kStepS = 0.001;
-/// A loop that stood still for longer than this finds the hand where it left it: nobody goes on
-/// carving while the machine is asleep.
+/// Longest time that one read simulates: after a longer pause of the loop, e.g. while the machine
+/// was suspended, the hand has not moved on.
 constexpr double kLongestGapS = 0.05;
-/// The hand rests this long at the end of the path, so that its last answers arrive.
+/// Time spent at the end of the path, so that the last results arrive.
 constexpr double kRestAtEndS = 0.3;
 
 }  // namespace
@@ -86,8 +86,8 @@ void SimulatedHand::step(double dt_s) noexcept {
   pivot_mm_per_s_ = pivot_mm_per_s_ + force_n * (kMmPerM / settings_.mass_kg * dt_s);
   pivot_mm_ = pivot_mm_ + pivot_mm_per_s_ * dt_s;
 
-  // The rotation that takes the axis to its goal, as a vector; its sine is close enough to the
-  // angle for a spring, and it is zero about the tool's own axis.
+  // Rotation vector from the axis to its target, approximated by the sine; it has no component
+  // about the tool's own axis.
   const Vec3 error_rad = cross(axis_, target_.axis);
   const Vec3 pull_nmm = error_rad * settings_.turn_stiffness_nmm_per_rad +
                         (target_.turn_rad_per_s - turn_rad_per_s_) * turn_damping_nmm_s_per_rad_;
@@ -96,7 +96,7 @@ void SimulatedHand::step(double dt_s) noexcept {
   turn_rad_per_s_ =
       turn_rad_per_s_ + torque_nmm * (1.0 / (settings_.inertia_kg_m2 * kNmmPerNm) * dt_s);
   turn_rad_per_s_ = turn_rad_per_s_ - axis_ * dot(axis_, turn_rad_per_s_);
-  axis_ = normalised(axis_ + cross(turn_rad_per_s_, axis_) * dt_s);
+  axis_ = normalized(axis_ + cross(turn_rad_per_s_, axis_) * dt_s);
 
   path_s_ += dt_s;
   target_ = path_.at(std::max(0.0, path_s_));

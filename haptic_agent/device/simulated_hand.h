@@ -8,23 +8,24 @@
 
 namespace kerf::agent {
 
-/// The mechanics of the simulated hand. The dampers are critical for mass and spring.
+/// Mechanical parameters of the simulated hand. Damping is critical.
 struct HandSettings {
-  /// Hand and device at the pivot, moved by force.
+  /// Mass of hand and device at the pivot.
   double mass_kg = 0.3;
   double stiffness_n_per_mm = 2.0;
-  /// About the pivot, moved by torque.
+  /// Inertia about the pivot.
   double inertia_kg_m2 = 2e-4;
   double turn_stiffness_nmm_per_rad = 1340.0;
-  /// From the tip along the axis to where the hand holds the tool; the server's torque is about it.
+  /// Distance from the tip along the axis to the pivot, where the hand holds the tool; torques are
+  /// about it.
   double pivot_mm = 60.0;
-  /// The hand waits so long at the first pose, as a person does until the device is armed.
+  /// Time spent at the first pose, as a user waits until the device is armed.
   double rest_at_start_s = 0;
 };
 
-/// A hand that wants to follow a path: a mass and an inertia at the pivot, each drawn to the path's
-/// point by a spring and a damper. Force and torque push it off the path, as they would a person.
-/// It makes 5 DOF: nothing acts on or turns about the tool's own axis.
+/// A simulated hand that follows a path: a mass and an inertia at the pivot, coupled to the path by
+/// springs and dampers. Force and torque deflect it from the path, as they would a user's hand. 5
+/// DOF: there is no rotation or torque about the tool's own axis.
 class SimulatedHand final : public HapticDevice {
  public:
   SimulatedHand(PathCursor path, const HandSettings& settings);
@@ -34,7 +35,7 @@ class SimulatedHand final : public HapticDevice {
   void write(const Wrench& wrench) noexcept override;
   void stop() noexcept override { stopped_.store(true, std::memory_order_release); }
 
-  /// The farthest that the tip has been from where the hand wanted it.
+  /// Largest deviation of the tip from the path.
   double max_deviation_mm() const noexcept { return max_deviation_mm_; }
 
  private:

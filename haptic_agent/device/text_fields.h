@@ -18,14 +18,14 @@ inline std::string_view trim(std::string_view text) noexcept {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-/// One text from several, for messages.
+/// Concatenates strings, for messages.
 inline std::string join(std::initializer_list<std::string_view> parts) {
   std::string text;
   for (const std::string_view part : parts) text.append(part);
   return text;
 }
 
-/// The fields between commas, trimmed; an empty text has none.
+/// Splits a text at commas and trims the fields; an empty text has no fields.
 inline std::vector<std::string_view> split_fields(std::string_view text) {
   std::vector<std::string_view> fields;
   while (!trim(text).empty() || !fields.empty()) {
@@ -37,7 +37,7 @@ inline std::vector<std::string_view> split_fields(std::string_view text) {
   return fields;
 }
 
-/// The whole text as one finite number.
+/// Parses the whole text as one finite number.
 inline std::optional<double> to_number(std::string_view text) noexcept {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   double value = 0;

@@ -4,15 +4,10 @@
 #include <algorithm>
 #include <array>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 
 namespace kerf::agent {
 namespace {
-
-template <typename T>
-Vec3 to_vec3(const std::array<T, 3>& v) noexcept {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
 
 bool cuts(const wire::MotionSample& sample) noexcept {
   return (sample.buttons & wire::kButtonCutting) != 0;
@@ -24,18 +19,18 @@ bool is_chord(const std::deque<wire::MotionSample>& samples, std::size_t from, s
   const wire::MotionSample& a = samples[from];
   const wire::MotionSample& c = samples[to];
   if (!cuts(c) || c.tool_id != a.tool_id) return false;
-  const Vec3 start = to_vec3(a.tip_mm);
-  const Vec3 way = to_vec3(c.tip_mm) - start;
+  const Vec3 start = a.tip_mm;
+  const Vec3 way = c.tip_mm - start;
   const double square = dot(way, way);
-  const Vec3 axis = to_vec3(a.axis);
-  const Vec3 turn = to_vec3(c.axis) - axis;
+  const Vec3 axis(a.axis);
+  const Vec3 turn = Vec3(c.axis) - axis;
   for (std::size_t i = from + 1; i < to; ++i) {
     const wire::MotionSample& b = samples[i];
     if (!cuts(b) || b.agent_sequence != 0 || b.tool_id != a.tool_id) return false;
-    const Vec3 offset = to_vec3(b.tip_mm) - start;
+    const Vec3 offset = b.tip_mm - start;
     const double part = square > 0 ? std::clamp(dot(offset, way) / square, 0.0, 1.0) : 0.0;
     if (length(offset - way * part) > SampleQueue::kChordMm) return false;
-    if (length(to_vec3(b.axis) - axis - turn * part) > SampleQueue::kChordRad) return false;
+    if (length(Vec3(b.axis) - axis - turn * part) > SampleQueue::kChordRad) return false;
   }
   return true;
 }

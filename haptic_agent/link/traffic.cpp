@@ -17,10 +17,6 @@ constexpr unsigned kHttpClientError = 400;
 constexpr unsigned kHttpTooMany = 429;
 constexpr unsigned kHttpServerError = 500;
 
-Vec3 to_vec3(const wire::Vec3f& v) noexcept {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
-
 }  // namespace
 
 Loss declined(const std::string& session, unsigned status, std::string_view body) {
@@ -78,14 +74,10 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
   if ((sample.buttons & wire::kButtonCutting) != 0) return false;
   if (sample.tool_id != queued_->tool_id) return false;
   if (sample.time_us >= queued_->time_us + kHeartbeatUs) return false;
-  double way2 = 0, turn2 = 0;
-  for (std::size_t i = 0; i < sample.tip_mm.size(); ++i) {
-    const double way = sample.tip_mm[i] - queued_->tip_mm[i];
-    const double turn = static_cast<double>(sample.axis[i] - queued_->axis[i]);
-    way2 += way * way;
-    turn2 += turn * turn;
-  }
-  return way2 < kDeadbandMm * kDeadbandMm && turn2 < kDeadbandRad * kDeadbandRad;
+  const Vec3 moved = sample.tip_mm - queued_->tip_mm;
+  const Vec3 turned = Vec3(sample.axis) - Vec3(queued_->axis);
+  return dot(moved, moved) < kDeadbandMm * kDeadbandMm &&
+         dot(turned, turned) < kDeadbandRad * kDeadbandRad;
 }
 
 std::string Traffic::take_control() {
@@ -200,7 +192,7 @@ void Traffic::take_pong(const wire::Pong& pong, std::uint64_t now_us) {
 void Traffic::take_felt(const wire::ToolStates& states) {
   felt_ = {};
   for (const wire::ToolState& state : states.tools) {
-    felt_ = {.force_n = to_vec3(state.force_n), .torque_nmm = to_vec3(state.torque_nmm)};
+    felt_ = {.force_n = Vec3(state.force_n), .torque_nmm = Vec3(state.torque_nmm)};
   }
 }
 

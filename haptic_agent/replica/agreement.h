@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent {
@@ -18,14 +18,14 @@ class Agreement {
  public:
   /// The copy's answer. Times must grow.
   void note(const wire::Result& mine) {
-    kept_[count_++ % kKept] = {mine.agent_time_us, to_vec3(mine.force_n)};
+    kept_[count_++ % kKept] = {mine.agent_time_us, Vec3(mine.force_n)};
   }
 
   /// The server's; ignored if the copy had no answer to that sample.
   void compare(const wire::Result& theirs) {
     const Answer* mine = find(theirs.agent_time_us);
     if (mine == nullptr) return;
-    const Vec3 force = to_vec3(theirs.force_n), difference = mine->force_n - force;
+    const Vec3 force(theirs.force_n), difference = mine->force_n - force;
     ++compared_;
     square_error_ += dot(difference, difference);
     square_force_ += dot(force, force);
@@ -63,10 +63,6 @@ class Agreement {
     int count = 0;
     double square_error = 0, square_force = 0;
   };
-
-  static Vec3 to_vec3(const wire::Vec3f& v) {
-    return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-  }
 
   const Answer* find(std::uint64_t time_us) const {
     std::size_t low = count_ > kKept ? count_ - kKept : 0, high = count_;

@@ -6,24 +6,16 @@
 #include <limits>
 
 namespace kerf::agent {
-namespace {
-
-template <typename T>
-Vec3 to_vec3(const std::array<T, 3>& v) noexcept {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
-
-}  // namespace
 
 Wrench ContactModel::push(const Hold& now, double stiffness_most) const noexcept {
   Wrench sum;
-  const Vec3 turn = between(then_, now).turn;
+  const Vec3 turn = between(then_, now).angular;
   for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
     const wire::ContactPlane& plane = answer_.planes[i];
     if ((plane.flags & flags_) == 0) continue;
-    const Vec3 arm = rotated(to_vec3(plane.point_mm) - then_.pivot_mm, turn);
-    const Vec3 way = now.pivot_mm + arm - to_vec3(plane.point_mm);
-    const Vec3 normal = to_vec3(plane.normal);
+    const Vec3 arm = rotated(plane.point_mm - then_.pivot_mm, turn);
+    const Vec3 way = now.pivot_mm + arm - plane.point_mm;
+    const Vec3 normal(plane.normal);
     const double depth = static_cast<double>(plane.depth_mm) - dot(normal, way);
     // Where the plane ends it lets go over another radius.
     const double hold =

@@ -66,7 +66,7 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastHold& then) noex
   arm_mm_ = answer.cut_centre_mm - then.hold.pivot_mm;
   double strength = length(cut_.force_n);
   if (settings_.law == CutLaw::kRemovalRate) {
-    const double speed = length(velocity_at(then.velocity, arm_mm_));
+    const double speed = length(then.velocity.at(arm_mm_));
     if (speed < kLeastSpeed) return;
     strength /= speed;
   }
@@ -86,11 +86,11 @@ Wrench LocalModel::cut(const PastHold& now) const noexcept {
   const Vec3 turn = turn_between(then_.heading, now.heading);
   const double cosine = dot(then_.heading, now.heading) / (going * went);
   const double kept = std::clamp((cosine - kNoneCos) / (kFullCos - kNoneCos), 0.0, 1.0);
-  const Vec3 arm = rotated(arm_mm_, between(then_.hold, now.hold).turn);
+  const Vec3 arm = rotated(arm_mm_, between(then_.hold, now.hold).angular);
 
   double newtons = trend_.at(now.way_mm);
   if (settings_.law == CutLaw::kRemovalRate) {
-    newtons = std::min(newtons, settings_.damping_most) * length(velocity_at(now.velocity, arm));
+    newtons = std::min(newtons, settings_.damping_most) * length(now.velocity.at(arm));
   }
   newtons *= kept * std::min(1.0, going / went);
   const double scale = newtons / answered_n;

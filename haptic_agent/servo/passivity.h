@@ -78,11 +78,11 @@ class BasicPassivity {
  private:
   /// V^T M V.
   static double squared(const Twist& v) noexcept {
-    return dot(v.move, v.move) + kMetricArmMm * kMetricArmMm * dot(v.turn, v.turn);
+    return dot(v.linear, v.linear) + kMetricArmMm * kMetricArmMm * dot(v.angular, v.angular);
   }
   /// -damping M V.
   static Wrench damper(const Twist& v, double damping) noexcept {
-    return {v.move * -damping, v.turn * (-damping * kMetricArmMm * kMetricArmMm)};
+    return {v.linear * -damping, v.angular * (-damping * kMetricArmMm * kMetricArmMm)};
   }
 
   PassivitySettings settings_;

@@ -28,17 +28,13 @@ struct ServerWrench {
 
 /// What a result says to the hand.
 inline ServerWrench answer_of(const wire::Result& result, std::uint64_t arrival_us) noexcept {
-  const auto to_vec3 = [](const wire::Vec3f& v) {
-    return Vec3{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-  };
-  return {
-      .wrench = {.force_n = to_vec3(result.force_n), .torque_nmm = to_vec3(result.torque_nmm)},
-      .pose_us = result.agent_time_us,
-      .arrival_us = arrival_us,
-      .engaged_area_mm2 = static_cast<double>(result.engaged_area_mm2),
-      .cut_centre_mm = {result.cut_centre_mm[0], result.cut_centre_mm[1], result.cut_centre_mm[2]},
-      .plane_count = result.plane_count,
-      .planes = result.planes};
+  return {.wrench = {.force_n = Vec3(result.force_n), .torque_nmm = Vec3(result.torque_nmm)},
+          .pose_us = result.agent_time_us,
+          .arrival_us = arrival_us,
+          .engaged_area_mm2 = static_cast<double>(result.engaged_area_mm2),
+          .cut_centre_mm = result.cut_centre_mm,
+          .plane_count = result.plane_count,
+          .planes = result.planes};
 }
 
 }  // namespace kerf::agent

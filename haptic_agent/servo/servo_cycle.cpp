@@ -16,10 +16,6 @@ constexpr double kFeltS = 0.01;
 /// Of what a device shows stably at 1 kHz, this much is used.
 constexpr double kStableShare = 0.5;
 
-wire::Vec3f to_wire_axis(Vec3 v) noexcept {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 }  // namespace
 
 ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings settings) {
@@ -93,7 +89,7 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   }
   const wire::MotionSample sample{.time_us = state.time_us,
                                   .tip_mm = {state.tip_mm.x, state.tip_mm.y, state.tip_mm.z},
-                                  .axis = to_wire_axis(state.axis),
+                                  .axis = Vec3f(state.axis),
                                   .tool_id = state.tool_id != 0 ? state.tool_id : settings_.tool_id,
                                   .buttons = state.buttons};
   if (samples_.push(sample)) {
@@ -192,8 +188,8 @@ SafetyInput ServoCycle::look(const DeviceState& state, bool usable,
           .deadman = (state.buttons & wire::kButtonDeadman) != 0,
           .tip_mm = tip_mm_,
           .jumped_mm = jumped_mm_,
-          .tip_mm_per_s = length(velocity_at(velocity, arm)),
-          .turn_rad_per_s = length(velocity.turn),
+          .tip_mm_per_s = length(velocity.at(arm)),
+          .turn_rad_per_s = length(velocity.angular),
           .has_answer = has_answer_,
           .answer_age_us = has_answer_ ? answer_age(last_us_) : 0,
           .lost_now = lost_now_,
@@ -209,7 +205,7 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& wanted) noexcept {
   const Twist& velocity = velocity_.velocity();
   recorder_.note({.time_us = last_us_,
                   .tip_mm = tip_mm_,
-                  .velocity_mm_per_s = velocity.move,
+                  .velocity_mm_per_s = velocity.linear,
                   .wanted = wanted,
                   .shown = output_.shown(),
                   .energy_mj = output_.passivity().account().level_mj(),

@@ -37,9 +37,7 @@ WrenchLimits within(const DeviceCapabilities& device, WrenchLimits limits) {
 }
 
 Wrench WrenchLimiter::limit(const Wrench& wanted, double dt_s) noexcept {
-  if (!is_finite(wanted.force_n) || !is_finite(wanted.torque_nmm) ||
-      !std::isfinite(dot(wanted.force_n, wanted.force_n)) ||
-      !std::isfinite(dot(wanted.torque_nmm, wanted.torque_nmm))) {
+  if (!is_finite(wanted)) {
     ++not_finite_;
     shown_ = {};
     return shown_;

@@ -36,8 +36,8 @@ struct BlockChange {
 /// Subtracts the heights [lo, hi] of a block (mm; lo > hi where nothing is removed) from the
 /// topmost elements of the rows set in `rows` (paper Fig. 1 c, d), after rounding them to the
 /// nearest depth quantum within the stock. Columns of several elements, and those that would be
-/// split, are left to the caller in `change.left_over`. `groups`, with room for eight, receives the
-/// removed elements; (first_i, first_j) is the block's first column.
+/// split, are left to the caller in `change.left_over`. `groups`, with space for eight, receives
+/// the removed elements; (first_i, first_j) is the block's first column.
 void subtract_rows(const ColumnBlock& block, unsigned rows, const DexelGrid& grid,
                    const BlockElements& elements, std::int32_t first_i, std::int32_t first_j,
                    RemovedGroup* groups, BlockChange& change);

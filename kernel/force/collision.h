@@ -7,7 +7,7 @@
 
 #include "kernel/force/contact_plane.h"
 #include "kernel/force/obstacle.h"
-#include "kernel/force/wrench.h"
+#include "kernel/math/wrench.h"
 #include "kernel/tool/tool.h"
 #include "kernel/tool/tool_pose.h"
 

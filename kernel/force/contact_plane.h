@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "kernel/force/wrench.h"
+#include "kernel/math/wrench.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {

@@ -113,7 +113,7 @@ KERF_FOR_EACH_TARGET(void, add_plain_moments,
 /// Adds the pushes of elements whose displacements differ, and their moments about the pivot.
 KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, const Twist& twist,
                                      Vec3 pivot, LaneSums& sums) {
-  const Vec3 v = twist.travel_mm, w = twist.turn_rad;
+  const Vec3 v = twist.linear, w = twist.angular;
   LaneSums s = sums;
   for (const GroupSegments& g : groups) {
     const Lanes x = g.middle.x, z = g.middle.z;
@@ -215,7 +215,7 @@ CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist
                       from_origin.z / quantum, pitch, quantum};
   const Vec3 pivot = frame.axis * frame.pivot_mm;
   const bool common =
-      length(twist.turn_rad) * frame.reach_mm <= kCommonDirection * length(twist.travel_mm);
+      length(twist.angular) * frame.reach_mm <= kCommonDirection * length(twist.linear);
   const LaneSums sums = sum_parts(removal, {tip, twist, frame, weight, pivot, common}, workers);
   const double area = pitch * pitch;
   CutSum sum{total(sums.volume) * area, total(sums.x, sums.y, sums.z) * area, {}, {}};

@@ -4,7 +4,7 @@
 #include "kernel/cut/removal.h"
 #include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_snapshot.h"
-#include "kernel/math/vec3.h"
+#include "kernel/math/wrench.h"
 
 namespace kerf {
 
@@ -29,12 +29,6 @@ constexpr CutSum operator+(const CutSum& a, const CutSum& b) {
 constexpr CutSum operator*(const CutSum& a, double s) {
   return {a.volume_mm3 * s, a.moment_mm4 * s, a.push_mm3 * s, a.turn_mm4 * s};
 }
-
-/// How a rigid tool moves: its point r from the tip goes `travel` + `turn` × r (mm, rad).
-struct Twist {
-  Vec3 travel_mm, turn_rad;
-  constexpr Vec3 at(Vec3 r_mm) const { return travel_mm + cross(turn_rad, r_mm); }
-};
 
 /// The pose of a tool at the middle of a sub-motion, in the frame of a field, and its size.
 struct CutFrame {

@@ -9,7 +9,7 @@
 #include "kernel/force/engagement.h"
 #include "kernel/force/force_settings.h"
 #include "kernel/force/surface_weight.h"
-#include "kernel/force/wrench.h"
+#include "kernel/math/wrench.h"
 #include "kernel/sweep/tool_motion.h"
 #include "kernel/tool/tool.h"
 

@@ -7,7 +7,7 @@
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/force/contact_plane.h"
 #include "kernel/force/force_settings.h"
-#include "kernel/force/wrench.h"
+#include "kernel/math/wrench.h"
 #include "kernel/sweep/tool_motion.h"
 #include "kernel/tool/tool.h"
 #include "kernel/tool/tool_pose.h"

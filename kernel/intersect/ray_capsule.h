@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 #include "kernel/math/span.h"
 #include "kernel/math/vec3.h"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/math/rotation.h"
 
+#include <cmath>
+
 namespace kerf {
 namespace {
 

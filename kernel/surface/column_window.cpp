@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/surface/column_window.h"
 
+#include <cmath>
+
 namespace kerf {
 namespace {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/swept_surface.h"
 
+#include <cmath>
 #include <limits>
 
 namespace kerf {

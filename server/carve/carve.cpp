@@ -43,7 +43,7 @@ struct Failure {
 
 class Stopwatch {
  public:
-  /// Seconds since construction or the last lap.
+  /// Returns the seconds since construction or the last call.
   double lap() {
     const auto now = std::chrono::steady_clock::now();
     return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
@@ -86,7 +86,7 @@ class Carving {
       settings.force.law =
           *options_.law == "drr" ? ForceLaw::kDexelRemovalRate : ForceLaw::kSpecificEnergy;
     if (auto settled = settle_options(); !settled) return settled;
-    // Only meshes look at them.
+    // Only meshing uses normals.
     settings.keep_normals = !options_.models.empty() || options_.surface.reference;
     if (options_.surface.reference) {
       auto reference = load_reference(*options_.surface.reference);
@@ -104,8 +104,8 @@ class Carving {
     return {};
   }
 
-  // What the command line says stands instead of what the scene says; where the scene names a
-  // target, the rest is chosen for it.
+  // The command line overrides the scene; if the scene has a target, the other values are chosen to
+  // meet it.
   Result settle_options() {
     AccuracyRequest request;
     if (scene_.accuracy) request = scene_.accuracy->request;
@@ -143,7 +143,7 @@ class Carving {
     if (options_.rate_hz) {
       const double samples = sample_count(program_, *options_.rate_hz);
       if (samples > kSamplesMax)
-        return bad_input(name + ": would need " + std::to_string(samples) +
+        return bad_input(name + ": needs " + std::to_string(samples) +
                          " motions at this --rate; the limit is " + std::to_string(kSamplesMax));
       program_ = sample_program(program_, *options_.rate_hz);
     }
@@ -192,7 +192,7 @@ class Carving {
     return simulate(simulation, before);
   }
 
-  // What a machinist asks of a program: times, loads, collisions, gouges.
+  // NC verification: times, loads, collisions, gouges.
   Result simulate(const Simulation& simulation, const DexelSnapshot& before) {
     std::optional<Gouges> gouges;
     if (options_.reference) {
@@ -201,7 +201,7 @@ class Carving {
       const MeshDistance reference(*mesh);
       const double tolerance = options_.gouge_tolerance_mm.value_or(scene_.settings.tolerance_mm);
       gouges = find_gouges(before, sculpture_->snapshot(), reference, tolerance,
-                           [this](double share) { progress_.show("looking for gouges", share); });
+                           [this](double share) { progress_.show("finding gouges", share); });
       attribute_gouges(*gouges, program_.motions, scene_.tools, scene_.settings.tolerance_mm);
     }
     warn_of_simulation(simulation, gouges, report_.warnings);
@@ -210,20 +210,19 @@ class Carving {
     return {};
   }
 
-  // Every file is a job of its own: the same bytes, whether they are written one after the other or
-  // at the same time.
+  // Every file is a separate job; the bytes do not depend on whether they run concurrently.
   Result write_models() {
     if (auto made = make_surface(); !made) return made;
     std::vector<std::function<Result()>> jobs;
     std::vector<std::uint64_t> triangles(options_.models.size());
-    // One line on a terminal cannot tell of several files at once.
+    // One line on a terminal cannot show several files at once.
     ModelProgress bar;
     if (options_.threads == 1 || options_.models.size() == 1)
       bar = [this](double share) { progress_.show("meshing", share); };
     for (std::size_t n = 0; n < options_.models.size(); ++n)
       jobs.push_back(model_job(options_.models[n], bar, triangles[n]));
     if (auto done = run_jobs(jobs); !done) return done;
-    // Quantising may drop triangles; the surface itself has as many as the finest file.
+    // Quantization may drop triangles; the finest file has all of them.
     if (!triangles.empty()) report_.triangles = std::ranges::max(triangles);
     report_.mesh_s = watch_.lap();
     jobs.clear();
@@ -234,7 +233,7 @@ class Carving {
     return done;
   }
 
-  // Simplified and measured once, whatever the number of files; not at all where nobody asks.
+  // Simplifies and measures once for all files, and only if requested.
   Result make_surface() {
     const SurfaceRequest& request = options_.surface;
     if (options_.models.empty() && !request.reference) return {};

@@ -5,9 +5,9 @@
 
 namespace kerf {
 
-/// Carves: reads the scene and the program, cuts, writes what was asked for. The exit status: 0; 2
-/// where the input is bad, 1 where the output cannot be written, 130 where it was interrupted, each
-/// with one line on stderr and no output file.
+/// Runs kerf-carve: reads the scene and the program, cuts, and writes the requested files. Returns
+/// the exit status: 0; 2 for bad input, 1 if an output cannot be written, 130 after an interrupt,
+/// each with one line on stderr and without output files.
 int run_carve(const CarveOptions& options);
 
 }  // namespace kerf

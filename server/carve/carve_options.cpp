@@ -16,11 +16,11 @@ constexpr int kThreadsMax = 256;
 std::string check_positive(const std::string& text) {
   double value = 0;
   if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value) || value <= 0)
-    return "must be a number above 0, not " + text;
+    return "must be a number > 0, not " + text;
   return {};
 }
 
-/// What the command line says of one model format.
+/// Command-line options of one model format.
 struct ModelOption {
   ModelFormat format;
   const char* help;
@@ -51,16 +51,16 @@ void declare_models(CLI::App& app, std::vector<ModelOption>& models) {
 
 void declare_surface(CLI::App& app, SurfaceRequest& surface) {
   app.add_option("--triangles", surface.simplify.triangles,
-                 "simplify the models to at most so many triangles")
+                 "simplify the models to at most N triangles")
       ->check(check_positive);
   app.add_option("--max-error", surface.simplify.error_mm,
-                 "simplify the models, nowhere farther than this from the exact surface, mm")
+                 "simplify the models within this distance from the exact surface, mm")
       ->check(check_positive);
   app.add_option(
       "--deviation", surface.reference,
-      "measure the surface against a mesh (.stl .ply .obj); colours in --ply --glb --obj");
+      "measure the surface against a mesh (.stl .ply .obj); colors in --ply --glb --obj");
   app.add_option("--deviation-range", surface.range_mm,
-                 "where the colours end, mm (default: 99 of 100 are nearer)")
+                 "range of the colors, mm (default: the 99th percentile)")
       ->check(check_positive);
 }
 
@@ -78,50 +78,48 @@ std::vector<ModelChoice> chosen_models(const std::vector<ModelOption>& models) {
 }
 
 void declare(CLI::App& app, CarveOptions& options) {
-  app.footer("kerf-carve tradeoff --help: carve at many accuracies and compare error and time.");
+  app.footer("kerf-carve tradeoff --help: compare error and time of many accuracy settings.");
   app.set_version_flag("--version", "kerf-carve " KERF_VERSION);
   app.add_option("--scene", options.scene, "scene: stock, tools, accuracy (JSON)");
   app.add_option("--program", options.program, "NC program: .ngc .nc .tap .gcode, or .apt .cls");
   app.add_option("--reference", options.reference,
-                 "report gouges: what is removed below the surface of this mesh (STL, PLY, OBJ)");
+                 "report gouges: material removed below the surface of this mesh (STL, PLY, OBJ)");
   app.add_option("--gouge-tolerance", options.gouge_tolerance_mm,
-                 "mm below the reference's surface that is no gouge (default: the tolerance)")
+                 "allowed depth below the reference surface, mm (default: the tolerance)")
       ->check(check_positive);
   app.add_option("--tool-change-seconds", options.tool_change_s,
-                 "what a tool change adds to the cycle time (default 0)")
+                 "duration of a tool change, added to the cycle time (default 0)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--tool-table", options.environment.tool_table,
                  "LinuxCNC tool table (.tbl): lengths and diameters");
-  app.add_option(
-      "--parameters", options.environment.parameters,
-      "LinuxCNC parameter file (.var): offsets, homes; the machine's zero is then known");
+  app.add_option("--parameters", options.environment.parameters,
+                 "LinuxCNC parameter file (.var): work offsets, home positions, machine zero");
   app.add_option("--subroutines", options.environment.subroutine_folders,
                  "folder of subroutines (NAME.ngc), searched after the program's own; repeatable");
   app.add_flag("--inch-machine", options.environment.inch_machine,
-               "tool table and parameters are in inches, and the program begins in G20");
-  app.add_option("--explain", options.explain, "print every field of a scene, and stop");
+               "the tool table and parameters are in inches, and the program starts in G20");
+  app.add_option("--explain", options.explain, "print every field of a scene and exit");
   app.add_option("--ngc", options.ngc, "write the motions as G-code for the scene's machine");
   app.add_option("--apt", options.apt, "write the motions as APT CL data");
   app.add_option("--nc-tolerance", options.nc_tolerance_mm,
-                 "join motions in --ngc and --apt within this, mm (default: written as they are)")
+                 "join motions in --ngc and --apt within this, mm (default: do not join)")
       ->check(check_positive);
   app.add_option("--forces", options.forces, "write force and torque of each motion (CSV)");
-  app.add_option("--report", options.report, "write what was done and how long it took (JSON)");
-  app.add_option("--pitch", options.pitch_mm, "distance of rays, mm (instead of the scene's)")
+  app.add_option("--report", options.report, "write results and timings (JSON)");
+  app.add_option("--pitch", options.pitch_mm, "spacing of the rays, mm (overrides the scene)")
       ->check(check_positive);
-  app.add_option("--tolerance", options.tolerance_mm, "mm (instead of the scene's)")
+  app.add_option("--tolerance", options.tolerance_mm, "tolerance, mm (overrides the scene)")
       ->check(check_positive);
-  app.add_option("--rays", options.rays, "dexel or tri-dexel (instead of the scene's)")
+  app.add_option("--rays", options.rays, "dexel or tri-dexel (overrides the scene)")
       ->check(CLI::IsMember({"dexel", "tri-dexel"}));
-  app.add_option("--motion", options.motion, "paper or tight (instead of the scene's)")
+  app.add_option("--motion", options.motion, "paper or tight (overrides the scene)")
       ->check(CLI::IsMember({"paper", "tight"}));
-  app.add_option("--law", options.law, "drr or specific_energy (instead of the scene's)")
+  app.add_option("--law", options.law, "drr or specific_energy (overrides the scene)")
       ->check(CLI::IsMember({"drr", "specific_energy"}));
-  app.add_option("--rate", options.rate_hz,
-                 "cut the path into motions of 1/HZ seconds (default: one motion per block)")
+  app.add_option("--rate", options.rate_hz, "sample the path at HZ (default: one motion per block)")
       ->check(check_positive);
   app.add_option("--threads", options.threads,
-                 "that share long motions, and write files at the same time (default: one a core)")
+                 "threads for long motions and for writing files (default: one per core)")
       ->check(CLI::Range(1, kThreadsMax));
 }
 
@@ -133,9 +131,8 @@ int reject(const std::string& reason) {
 }  // namespace
 
 std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
-  CLI::App app(
-      "Carves a block with an NC program: a scene and a program in; model, forces and report out.",
-      "kerf-carve");
+  CLI::App app("Carves a block with an NC program and writes the model, the forces and a report.",
+               "kerf-carve");
   CarveOptions options;
   options.threads = std::min(usable_threads(), kThreadsMax);
   declare(app, options);

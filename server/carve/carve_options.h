@@ -12,24 +12,25 @@
 
 namespace kerf {
 
-/// What the command line of kerf-carve asks for (design section 8).
+/// The command line of kerf-carve.
 struct CarveOptions {
   std::filesystem::path scene, program;
   EnvironmentFiles environment;
   std::optional<std::filesystem::path> reference;  ///< gouges into this mesh are reported
-  std::optional<double> gouge_tolerance_mm;        ///< otherwise the scene's tolerance
+  std::optional<double> gouge_tolerance_mm;        ///< default: the tolerance of the scene
   double tool_change_s = 0;
-  std::optional<std::filesystem::path> explain;  ///< explain this scene and do nothing else
+  std::optional<std::filesystem::path> explain;  ///< only explain this scene
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
   SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range
   std::optional<std::filesystem::path> ngc, apt, forces, report;
   std::optional<double> pitch_mm, tolerance_mm, rate_hz, nc_tolerance_mm;
   std::optional<std::string> rays, motion, law;
-  int threads;  ///< that carve, and that write files
+  int threads;  ///< for carving and for writing files
 };
 
-/// The options, or the exit status where the command line has been answered already (--help,
-/// --version: 0; a mistake, with one line on stderr: 2).
+/// Parses the command line. Returns the options, or the exit status if nothing is left to do: 0
+/// after
+/// --help or --version, 2 after an error, which is printed on stderr in one line.
 std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv);
 
 }  // namespace kerf

@@ -27,7 +27,7 @@ std::string hex(std::uint64_t hash) {
   return text.data();
 }
 
-// Where the tip has been: the first thing to look at when a program does not hit its block.
+// Bounds of the tip: shows why a program misses its block.
 Json tip_extents(const Program& program) {
   if (program.motions.empty()) return nullptr;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

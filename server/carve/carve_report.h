@@ -11,23 +11,23 @@
 
 namespace kerf {
 
-/// What kerf-carve did; the fields of --report (design section 8, and more).
+/// The content of --report.
 struct CarveReport {
   std::string scene_file, program_file;
   std::size_t program_lines = 0;
   std::uint64_t motions = 0, sub_motions = 0;
-  double machining_s = 0;  ///< sum of the motions' durations
+  double machining_s = 0;  ///< sum of the durations of all motions
   double stock_volume_mm3 = 0, removed_volume_mm3 = 0;
   double read_s = 0, cut_s = 0, simulate_s = 0, mesh_s = 0, write_s = 0;
-  std::optional<std::uint64_t> triangles;  ///< none where no model was asked for
+  std::optional<std::uint64_t> triangles;  ///< empty if no model was requested
   SurfaceReport surface;
   std::uint64_t state_hash = 0;
-  std::size_t stock_memory_bytes = 0;  ///< what the carved block itself holds
+  std::size_t stock_memory_bytes = 0;  ///< of the carved block
   std::string simulation = "null";     ///< JSON text (simulation_json.h)
   std::vector<std::string> warnings;
 };
 
-/// As JSON text. Adds the greatest memory that the process has used.
+/// Returns the report as JSON text, with the peak memory of the process.
 std::string report_json(const CarveReport& report, const Scene& scene, const Program& program);
 
 }  // namespace kerf

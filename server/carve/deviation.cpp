@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-/// A triangle is sampled at no more than 2^20 points.
+/// Limit of 2^20 samples per triangle.
 constexpr int kHalvingsMax = 20;
 
 using Rgb = std::array<std::uint8_t, 3>;
@@ -24,7 +24,7 @@ Rgb color_of(double mm, double range_mm) {
           mixed(kZero[2], end[2], share)};
 }
 
-/// Asks a reference point after point; each answer is where the next search begins.
+/// Queries a reference for consecutive points; each result is the hint of the next query.
 class Probe {
  public:
   explicit Probe(const MeshDistance& reference) : reference_(reference) {}
@@ -35,8 +35,9 @@ class Probe {
   std::uint32_t near_ = 0;
 };
 
-/// Halves a triangle across its longest side until no part is larger than a square of the spacing;
-/// each part is sampled at its centroid. A sliver gets as many samples as its area deserves.
+/// Bisects a triangle across its longest side until no part is larger than a square of the spacing,
+/// and samples each part at its centroid. The number of samples is proportional to the area, also
+/// for slivers.
 void sample_triangle(const std::array<Vec3, 3>& corners, double spacing_mm, int halvings,
                      Probe& probe, std::vector<DistanceSample>& samples) {
   const auto [a, b, c] = corners;

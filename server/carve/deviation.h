@@ -11,23 +11,23 @@
 
 namespace kerf {
 
-/// How far each vertex of a surface is from a reference, positive outside of it: material that was
-/// left; negative: too much was taken.
+/// Signed distance of each vertex of a surface from a reference: positive where material was left,
+/// negative where too much was removed.
 struct Deviation {
-  std::vector<float> of_vertex_mm;  ///< in the order in which the source hands vertices out
-  DistanceFigures figures;          ///< of samples all over the surface, weighted by area
+  std::vector<float> of_vertex_mm;  ///< in the order of the source
+  DistanceFigures figures;          ///< of samples over the whole surface, weighted by area
 };
 
-/// Measures a surface against a reference: at every vertex, and for the figures at points not more
-/// than about `spacing_mm` apart, so that large triangles count as much as many small ones.
+/// Measures a surface against a reference at every vertex, and for the figures at points at most
+/// about `spacing_mm` apart, so that large triangles count as much as many small ones.
 Deviation measure_deviation(MeshSource& surface, const MeshDistance& reference, double spacing_mm,
                             const std::function<void(double)>& progress = {});
 
-/// A surface with its deviation as colours: from blue (-range_mm and below) through white (0) to
-/// red.
+/// A surface colored by its deviation: from blue (-range_mm and below) through white (0) to red
+/// (range_mm and above).
 class DeviationMesh final : public MeshSource {
  public:
-  /// `deviation` must have been measured of an equal source and outlive this one.
+  /// `deviation` must have been measured on an equal source and must outlive this object.
   DeviationMesh(std::unique_ptr<MeshSource> surface, const Deviation& deviation, double range_mm)
       : surface_(std::move(surface)), deviation_(deviation), range_mm_(range_mm) {}
   Vec3 origin_mm() const override { return surface_->origin_mm(); }

@@ -24,7 +24,7 @@ DistanceFigures distance_figures(std::vector<DistanceSample> samples) {
   std::ranges::sort(samples, {}, &DistanceSample::mm);
   double below = 0;
   for (const DistanceSample& sample : samples) {
-    // The first sample with more than that share of the weight up to and with it.
+    // The first sample whose cumulative weight exceeds that fraction.
     if (below <= 0.5 * weight) figures.p50_mm = sample.mm;
     if (below <= 0.9 * weight) figures.p90_mm = sample.mm;
     if (below <= 0.99 * weight) figures.p99_mm = sample.mm;

@@ -6,16 +6,16 @@
 
 namespace kerf {
 
-/// A distance somewhere on a surface, and how much of the surface it stands for.
+/// A distance at a point of a surface, and the area that it represents.
 struct DistanceSample {
   double mm = 0;
   double weight = 1;
 };
 
-/// What is said of many distances. They may have a sign; the percentiles are of their sizes.
+/// Statistics of distances, which may be signed; the percentiles are those of the absolute values.
 struct DistanceFigures {
   double min_mm = 0, max_mm = 0, mean_mm = 0, rms_mm = 0;
-  double p50_mm = 0, p90_mm = 0, p99_mm = 0;  ///< so many of 100 parts of the weight are nearer
+  double p50_mm = 0, p90_mm = 0, p99_mm = 0;  ///< percentiles by weight
   std::size_t samples = 0;
 };
 DistanceFigures distance_figures(std::vector<DistanceSample> samples);

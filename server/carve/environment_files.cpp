@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/carve/environment_files.h"
 
-#include "server/formats/gcode/modes.h"
 #include "server/formats/gcode/parameter_file.h"
 #include "server/formats/text_file.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 

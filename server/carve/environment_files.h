@@ -11,15 +11,15 @@
 
 namespace kerf {
 
-/// Which files tell what a program in G-code finds at its controller.
+/// Files with the state of the controller at the start of a G-code program.
 struct EnvironmentFiles {
   std::optional<std::filesystem::path> tool_table, parameters;
   std::vector<std::filesystem::path> subroutine_folders;  ///< searched after the program's own
   bool inch_machine = false;  ///< tool table and parameters are in inches; programs begin in G20
 };
 
-/// Reads them for a program, beside which subroutines are looked for first; or "file:line: what is
-/// wrong".
+/// Reads the files. Subroutines are searched for beside the program first. The error is
+/// "file:line: reason".
 std::expected<GcodeEnvironment, std::string> load_environment(const EnvironmentFiles& files,
                                                               const std::filesystem::path& program);
 

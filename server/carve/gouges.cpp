@@ -12,10 +12,10 @@
 namespace kerf {
 namespace {
 
-// A removed part of a ray is walked in steps of the distance to the reference, never below this
-// share of the pitch.
+// A removed interval of a ray is sampled in steps of the distance to the reference, but at least
+// this fraction of the pitch.
 constexpr double kStepShare = 0.5;
-// A way is walked in steps of the distance to the tool, never below this.
+// A motion is sampled in steps of the distance to the tool, but at least this, mm.
 constexpr double kStepMinMm = 1e-3;
 
 struct GougedColumn {
@@ -33,7 +33,7 @@ class Walker {
         reference_(reference),
         tolerance_mm_(tolerance_mm) {}
 
-  // The column, if it is gouged.
+  // Returns the gouge of the column, if any.
   std::optional<GougedColumn> column(std::int32_t i, std::int32_t j) {
     const auto was = before_.column(i, j, scratch_before_);
     const auto is = after_.column(i, j, scratch_after_);
@@ -65,7 +65,7 @@ class Walker {
         found.depth_mm = -distance;
         found.z_mm = z;
       }
-      // The end of the part is asked too.
+      // The end of the interval is sampled as well.
       z = z < high ? std::min(z + step, high) : high + 1;
     }
   }
@@ -84,7 +84,7 @@ std::uint64_t key(std::int32_t i, std::int32_t j) {
          static_cast<std::uint32_t>(j);
 }
 
-// Columns that touch, at corners too, are one gouge.
+// Adjacent columns, including diagonal ones, form one gouge.
 std::vector<Gouge> joined(const std::vector<GougedColumn>& columns, const DexelGrid& grid) {
   std::unordered_map<std::uint64_t, std::size_t> open;
   for (std::size_t n = 0; n < columns.size(); ++n) open.emplace(key(columns[n].i, columns[n].j), n);
@@ -118,17 +118,17 @@ std::vector<Gouge> joined(const std::vector<GougedColumn>& columns, const DexelG
   return gouges;
 }
 
-// The least distance of a point from a tool on its way, or below `enough_mm` where it comes so
-// near: nothing moves faster than the tool's farthest point.
+// Returns the least distance of a point from a moving tool, or any value below `enough_mm` if one
+// is reached. No point moves faster than the farthest point of the tool, which bounds the steps.
 double least_distance_mm(Vec3 point, const ProgramMotion& motion, const ToolProfile& profile,
                          double reach_mm, double enough_mm) {
-  const Vec3 way = motion.to.tip_mm - motion.from.tip_mm;
-  const double speed = length(way) + reach_mm * angle_between(normalized(motion.from.axis),
-                                                              normalized(motion.to.axis));
+  const Vec3 travel = motion.to.tip_mm - motion.from.tip_mm;
+  const double speed = length(travel) + reach_mm * angle_between(normalized(motion.from.axis),
+                                                                 normalized(motion.to.axis));
   double least = 1e300;
   for (double s = 0;;) {
     const Vec3 axis = normalized(turned_axis(motion.from.axis, motion.to.axis, s));
-    const Vec3 from_tip = point - (motion.from.tip_mm + way * s);
+    const Vec3 from_tip = point - (motion.from.tip_mm + travel * s);
     const double height = dot(from_tip, axis);
     const double distance = profile.nearest(length(from_tip - axis * height), height).distance_mm;
     least = std::min(least, distance);

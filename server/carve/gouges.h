@@ -14,32 +14,32 @@
 
 namespace kerf {
 
-/// A region in which material was removed that the reference still has.
+/// A region in which material of the reference was removed.
 struct Gouge {
-  double depth_mm = 0;  ///< how far below the reference's surface material is gone
+  double depth_mm = 0;  ///< greatest depth below the surface of the reference
   Vec3 deepest_mm;
-  double area_mm2 = 0;                ///< seen along the rays
-  double volume_mm3 = 0;              ///< below the reference's surface
-  std::optional<std::size_t> motion;  ///< index of the first that took away the deepest place
+  double area_mm2 = 0;                ///< projected along the rays
+  double volume_mm3 = 0;              ///< below the surface of the reference
+  std::optional<std::size_t> motion;  ///< index of the first motion that removed the deepest point
 };
 
 struct Gouges {
   double tolerance_mm = 0;
-  std::size_t count = 0;     ///< of all
+  std::size_t count = 0;     ///< of all gouges
   std::vector<Gouge> worst;  ///< deepest first, kGougesMax at most
 };
 
-/// So many gouges are told one by one.
+/// Number of gouges that are listed individually.
 inline constexpr std::size_t kGougesMax = 50;
 
-/// What `after` lacks of `before` deeper than `tolerance_mm` below the reference's surface: every
-/// removed part of every ray is searched, so that a wall that is gone altogether is found too.
-/// Columns that touch are one gouge.
+/// Finds material of `before` that is missing in `after` deeper than `tolerance_mm` below the
+/// surface of the reference. Every removed interval of every ray is searched, so that walls that
+/// were removed entirely are found. Adjacent columns form one gouge.
 Gouges find_gouges(const DexelSnapshot& before, const DexelSnapshot& after,
                    const MeshDistance& reference, double tolerance_mm,
                    const std::function<void(double)>& progress = {});
 
-/// Finds for each of the worst the motion that first reached its deepest place.
+/// Finds, for each of the worst gouges, the motion that first reached its deepest point.
 void attribute_gouges(Gouges& gouges, const std::vector<ProgramMotion>& motions,
                       const std::map<ToolId, SceneTool>& tools, double tolerance_mm);
 

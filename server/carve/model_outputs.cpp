@@ -10,9 +10,9 @@
 namespace kerf {
 namespace {
 
-/// Where nothing deviates, the colours still need an end.
+/// Smallest range of the colors, mm.
 constexpr double kRangeMinMm = 1e-6;
-/// Samples of the figures are this many pitches apart.
+/// Spacing of the samples for the figures, in pitches.
 constexpr double kSpacingPitches = 2;
 
 IndexedMesh to_indexed(const TriangleMesh& mesh) {
@@ -34,7 +34,8 @@ IndexedMesh to_indexed(const TriangleMesh& mesh) {
 
 std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file) {
   const auto format = mesh_file_format(file.string());
-  if (!format) return std::unexpected(file.string() + ": is no .stl, .ply or .obj");
+  if (!format)
+    return std::unexpected(file.string() + ": the file name must end in .stl, .ply or .obj");
   const auto bytes = read_file(file);
   if (!bytes) return std::unexpected(file.string() + ": cannot be read");
   const auto mesh = read_mesh(*format, std::as_bytes(std::span(*bytes)));

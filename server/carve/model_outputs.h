@@ -16,32 +16,32 @@
 
 namespace kerf {
 
-/// One model file that the command line asks for.
+/// A model file requested on the command line.
 struct ModelChoice {
   ModelFormat format = ModelFormat::kStl;
   std::filesystem::path path;
   ModelEncoding encoding = ModelEncoding::kBinary;
 };
 
-/// What is to be done with the surface before it is written.
+/// Processing of the surface before it is written.
 struct SurfaceRequest {
-  SimplifyRequest simplify;                        ///< neither: the surface as it is
+  SimplifyRequest simplify;  ///< without limits: the surface is not simplified
   std::optional<std::filesystem::path> reference;  ///< measure the deviation from this mesh
-  std::optional<double> range_mm;  ///< where the colours end; otherwise the 99th percentile
+  std::optional<double> range_mm;  ///< range of the colors; default: the 99th percentile
 };
 
-/// What was done with it, for the report.
+/// Results of the processing, for the report.
 struct SurfaceReport {
-  std::optional<std::uint64_t> exact_triangles;  ///< before it was simplified
+  std::optional<std::uint64_t> exact_triangles;  ///< before simplification
   std::optional<double> simplify_error_mm;
   std::optional<DistanceFigures> deviation;
-  double range_mm = 0;  ///< of the colours
+  double range_mm = 0;  ///< of the colors
 };
 
-/// The mesh to measure against. The error is one line.
+/// Reads the reference mesh. The error is one line.
 std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::path& file);
 
-/// The surface of a carved block, made ready to be written any number of times, side by side.
+/// The processed surface of a carved block, which any number of threads may write concurrently.
 class CarvedSurface {
  public:
   /// `reference` may be null. The error is one sentence.
@@ -50,7 +50,7 @@ class CarvedSurface {
       const ModelProgress& progress);
 
   const SurfaceReport& report() const { return report_; }
-  /// Writes it; the number of triangles in the file. The error is one sentence.
+  /// Writes a model file and returns its number of triangles. The error is one sentence.
   std::expected<std::uint64_t, std::string> write(const ModelChoice& choice,
                                                   const std::filesystem::path& path,
                                                   const std::string& title,

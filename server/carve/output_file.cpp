@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 OutputFile::OutputFile(fs::path target) : target_(std::move(target)) {
   std::error_code error;
   const fs::path resolved = fs::weakly_canonical(target_, error);
-  // A link is written through, as a shell would do.
-  // /dev/stdout leads to whatever the shell has opened, perhaps a file: that is never replaced.
+  // Symbolic links are followed, as a shell does.
+  // /dev/stdout may refer to a regular file opened by the shell, which must not be replaced.
   const bool device = target_.string().starts_with("/dev/");
   const fs::path real = error || device ? target_ : resolved;
   copy_ = device || (fs::exists(real, error) && !fs::is_regular_file(real, error));
@@ -35,7 +35,7 @@ std::expected<void, std::string> OutputFile::commit() {
   if (copy_) {
     std::ifstream from(temporary_, std::ios::binary);
     std::ofstream file;
-    // Opened anew, standard output would lose what has been written to it, or where it stands.
+    // Reopening standard output would lose its content or its position.
     std::ostream& to = target_ == "/dev/stdout" ? std::cout : file;
     if (&to == &file) file.open(target_, std::ios::binary | std::ios::app);
     if (from.peek() != std::ifstream::traits_type::eof()) to << from.rdbuf();

@@ -7,18 +7,17 @@
 
 namespace kerf {
 
-/// A file that appears under its name only when everything has succeeded: it is written beside it
-/// under a temporary name; commit() renames it, and without commit() nothing is left behind.
+/// A file that is complete or absent: it is written under a temporary name in the same folder and
+/// renamed by commit(). Without commit() it is removed.
 class OutputFile {
  public:
-  /// `target` may also be something that is no plain file (/dev/stdout, a pipe): commit() then
-  /// copies into it.
+  /// If `target` is not a regular file (/dev/stdout, a pipe), commit() copies into it.
   explicit OutputFile(std::filesystem::path target);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();
 
-  /// Where to write.
+  /// The path to write to.
   const std::filesystem::path& temporary() const { return temporary_; }
   const std::filesystem::path& target() const { return target_; }
   std::expected<void, std::string> commit();

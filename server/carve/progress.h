@@ -6,8 +6,7 @@
 
 namespace kerf {
 
-/// One line on a terminal that tells how far a phase has come; silent where stderr is not a
-/// terminal. Not thread-safe.
+/// Shows the progress of a phase in one line on stderr if that is a terminal. Not thread-safe.
 class Progress {
  public:
   Progress();
@@ -15,7 +14,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `share` from 0 to 1. Draws ten times a second at most, so it may be called often.
+  /// Shows `share`, 0 to 1. Draws at most ten times a second, so that it may be called often.
   void show(const std::string& phase, double share);
   /// Removes the line.
   void clear();

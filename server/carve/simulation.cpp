@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-// Obstacles are looked for this far apart along a motion, and at most so often.
+// Spacing of obstacle tests along a motion, and their greatest number.
 constexpr double kObstacleStepMm = 0.5;
 constexpr int kObstacleStepsMax = 10'000;
 constexpr std::size_t kRapidCutsMax = 1000;
@@ -33,16 +33,16 @@ Simulation::Simulation(const Scene& scene, const Program& program, bool look_for
 }
 
 void Simulation::follow(const ProgramMotion& motion, const MotionResult& result) {
-  const double way = length(motion.to.tip_mm - motion.from.tip_mm);
+  const double path_mm = length(motion.to.tip_mm - motion.from.tip_mm);
   const double turn = turn_rad(motion);
   const bool cuts = result.removed_mm3 > kNothingRemovedMm3;
   ToolUse& use = tools_[motion.tool];
   use.removed_mm3 += result.removed_mm3;
   const auto add = [&](Travel& travel) {
     travel.seconds += motion.duration_s;
-    travel.length_mm += way;
+    travel.length_mm += path_mm;
   };
-  if (way == 0 && turn == 0) {
+  if (path_mm == 0 && turn == 0) {
     dwell_s_ += motion.duration_s;
   } else if (motion.rapid) {
     add(rapid_);
@@ -56,9 +56,10 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
     }
   }
   if (cuts) {
-    // The way of the contact: of a motion that turns in place, that of the tool's middle.
-    const double path = std::max(way, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
-    const double area = path > 0 ? result.removed_mm3 / path : 0;
+    // Path of the contact: for a rotation in place, that of the middle of the tool.
+    const double contact_mm =
+        std::max(path_mm, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
+    const double area = contact_mm > 0 ? result.removed_mm3 / contact_mm : 0;
     keep_greatest(use.engaged_area_mm2, area, motion);
     keep_greatest(use.removal_rate_mm3_per_s, result.removed_mm3 / motion.duration_s, motion);
     keep_greatest(use.force_n, force_n(motion, result, area), motion);
@@ -67,7 +68,7 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
   if (obstacles_) obstacle_.follow(motion, obstacle_push_n(motion));
 }
 
-// What the wrench says where it was computed; otherwise what the law makes of area and rate.
+// Returns the force of the wrench if it was computed, else that of the force law for area and rate.
 double Simulation::force_n(const ProgramMotion& motion, const MotionResult& result,
                            double area_mm2) const {
   const Vec3 felt = result.wrench.force_n - result.collision.force_n;

@@ -14,10 +14,10 @@
 
 namespace kerf {
 
-/// Less than this is rounding on a surface that was cut before, mm^3.
+/// Removed volumes below this are rounding on a surface that was cut before, mm^3.
 inline constexpr double kNothingRemovedMm3 = 1e-6;
 
-/// The greatest of something, and where.
+/// A maximum and where it occurred.
 struct Extreme {
   double value = 0;
   std::uint32_t file = 0, line = 0;
@@ -25,33 +25,34 @@ struct Extreme {
   Vec3 tip_mm;  ///< at the end of the motion
 };
 
-/// Time and way of motions of one kind.
+/// Time and length of motions of one kind.
 struct Travel {
   double seconds = 0, length_mm = 0;
 };
 
-/// What one tool did.
+/// Statistics of one tool.
 struct ToolUse {
   Travel feed, air;  ///< air: feed motions that removed nothing
   double removed_mm3 = 0;
   Extreme engaged_area_mm2, removal_rate_mm3_per_s, force_n;
 };
 
-/// A rapid that went through material.
+/// A rapid motion that removed material.
 struct RapidCut {
   std::uint32_t file = 0, line = 0;
   ToolId tool = 0;
   double removed_mm3 = 0;
 };
 
-/// Watches a carving: what a machinist asks of a program before he runs it. README.md tells each
-/// figure.
+/// Collects the figures of an NC verification while a program is carved: times, loads, collisions,
+/// rapids through material. README.md defines each figure.
 class Simulation {
  public:
-  /// Both outlive it. Obstacles are looked for only if asked: that walks along every motion.
+  /// Both arguments must outlive this object. Obstacles are tested only if requested, because that
+  /// samples every motion.
   Simulation(const Scene& scene, const Program& program, bool look_for_obstacles);
 
-  /// The next motion of the program, and what it did.
+  /// Adds the next motion of the program and its result.
   void follow(const ProgramMotion& motion, const MotionResult& result);
 
   const Travel& feed() const { return feed_; }
@@ -60,9 +61,9 @@ class Simulation {
   double dwell_s() const { return dwell_s_; }
   const std::map<ToolId, ToolUse>& tools() const { return tools_; }
   const ContactRuns& stock_contacts() const { return stock_; }
-  /// Obstacles that a tool, its shank or its holder touched; the amount is the push, N.
+  /// Contacts of tool, shank or holder with obstacles; the amount is the contact force, N.
   const ContactRuns& obstacle_contacts() const { return obstacle_; }
-  /// One entry for each line, in the order of the program, the first 1000 of them.
+  /// One entry per line in program order, at most 1000.
   const std::vector<RapidCut>& rapid_cuts() const { return rapid_cuts_; }
   const Program& program() const { return program_; }
 

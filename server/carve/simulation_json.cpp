@@ -148,7 +148,7 @@ void warn_of_simulation(const Simulation& simulation, const std::optional<Gouges
   const auto& cuts = simulation.rapid_cuts();
   for (std::size_t i = 0; i < std::min(cuts.size(), kWarningsMax); ++i)
     warnings.push_back(place_of(program, cuts[i].file, cuts[i].line) +
-                       ": a rapid goes through material: " + std::to_string(cuts[i].removed_mm3) +
+                       ": rapid motion through material: " + std::to_string(cuts[i].removed_mm3) +
                        " mm3 removed");
   warn_of_stock_contacts(simulation.stock_contacts(), program, warnings);
   warn_of_obstacle_contacts(simulation.obstacle_contacts(), program, warnings);
@@ -158,7 +158,7 @@ void warn_of_simulation(const Simulation& simulation, const std::optional<Gouges
     const ProgramMotion* motion = gouge.motion ? &program.motions[*gouge.motion] : nullptr;
     warnings.push_back(
         (motion != nullptr ? place_of(program, motion->file, motion->line) : program.name) +
-        ": the reference is cut into, " + std::to_string(gouge.depth_mm) + " mm deep");
+        ": gouge into the reference, " + std::to_string(gouge.depth_mm) + " mm deep");
   }
 }
 

@@ -9,13 +9,13 @@
 
 namespace kerf {
 
-/// The "simulation" object of the report as JSON text; README.md tells every field.
-/// `tool_change_s`: what one tool change takes. `gouges`: where a reference was given.
+/// Returns the "simulation" object of the report as JSON text; README.md defines its fields.
+/// `tool_change_s` is the duration of a tool change; `gouges` is present if a reference was given.
 std::string simulation_json(const Simulation& simulation, double tool_change_s,
                             const std::optional<Gouges>& gouges);
 
-/// Adds a warning for each line whose rapids went through material and for each gouge, the first 20
-/// of each.
+/// Adds a warning for each line whose rapids removed material and for each gouge, at most 20 of
+/// each.
 void warn_of_simulation(const Simulation& simulation, const std::optional<Gouges>& gouges,
                         std::vector<std::string>& warnings);
 

@@ -7,7 +7,7 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t kWarningsMax = 20;
-// A program that touches all the time with changing tools would fill the memory.
+// Bounds the memory for a program that touches permanently with changing tools.
 constexpr std::size_t kRunsMax = 100'000;
 
 std::string warning_of(const ContactRun& run, const Program& program, const std::string& what) {
@@ -46,7 +46,7 @@ void warn_of_stock_contacts(const ContactRuns& contacts, const Program& program,
     const ContactRun& run = contacts.runs()[i];
     warnings.push_back(warning_of(run, program,
                                   "shank or holder of tool " + std::to_string(run.tool) +
-                                      " goes into the stock, up to " + std::to_string(run.worst) +
+                                      " enters the stock, up to " + std::to_string(run.worst) +
                                       " mm deep"));
   }
 }

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-// A mesh costs more than the samples that are taken from it.
+// Meshing a tile costs more than measuring its samples.
 constexpr std::size_t kTilesMax = 400;
 
 std::vector<TileIndex> touched_tiles(const SolidSnapshot& snapshot) {
@@ -21,7 +21,7 @@ std::vector<TileIndex> touched_tiles(const SolidSnapshot& snapshot) {
   return tiles;
 }
 
-// Corners, then centroids, in the world.
+// Corners, then centroids, in scene coordinates.
 std::vector<Vec3> points_of(const TileMesh& mesh, Vec3 origin_mm) {
   std::vector<Vec3> points;
   for (const auto& p : mesh.positions_mm)

@@ -9,11 +9,10 @@
 
 namespace kerf {
 
-/// Distance of a mesh from the true solid, over the corners and centroids of triangles.
-///
-/// Meshes tiles that a tool has touched (all, or evenly chosen ones) and measures about `samples`
-/// evenly chosen corners and centroids. Those to which the stock's own border is nearest do not
-/// count: the question is how well cuts are made. Equal snapshots give equal results.
+/// Measures the distance between the mesh of a snapshot and the true solid at corners and centroids
+/// of triangles. Meshes the tiles that a tool has touched (all, or an even selection) and measures
+/// about `samples` evenly selected points. Points nearest to the stock's own border are excluded,
+/// because the result is the error of the cuts. Equal snapshots give equal results.
 DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& truth,
                                 std::size_t samples);
 

@@ -28,21 +28,21 @@ namespace {
 constexpr int kBadInput = 2;
 constexpr int kBadOutput = 1;
 constexpr int kInterrupted = 128 + SIGINT;
-// Parts of the time budget: what the configurations may take together, what one of them may.
+// Fractions of the time budget: for all configurations together, and for one of them.
 constexpr double kSweepShare = 0.7;
 constexpr double kOneShare = 0.25;
-// The reference's pitch against the finest one: no simple ratio, so that a wall which happens to
-// lie well for one grid does not for the other.
+// Pitch of the reference relative to the finest one: not a simple ratio, so that a wall that
+// happens to be aligned with one grid is not aligned with the other.
 constexpr double kReferencePitch = 0.38;
 constexpr double kReferenceTolerance = 0.1;
-// How far the pitch of a reference may be moved so that rays fit the block in x and y.
+// Allowed change of the reference pitch to fit the block in x and y.
 constexpr double kFitShare = 0.12;
-// The reference is compared with a coarser one, to know its own error.
+// The reference is compared with a coarser one to estimate its own error.
 constexpr double kCheckPitch = 1.5;
-// Short runs are repeated and the quickest counts: the rest is what else the machine did.
+// Short runs are repeated and the fastest counts, which excludes other load.
 constexpr double kRepeatBelowS = 0.3;
 constexpr int kRepeats = 3;
-// Distances from cuts are of no interest beyond this many of the coarsest pitch.
+// Limit of the distances from cuts, in units of the coarsest pitch.
 constexpr double kReachPitches = 4;
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -71,8 +71,8 @@ std::string machine_name() {
   return "this machine";
 }
 
-// A pitch near the wanted one of which the block is most nearly a whole multiple in x and y: what a
-// grid adds or lacks at the block's sides is volume that no cut is to blame for.
+// Returns a pitch near the requested one that divides the block most nearly evenly in x and y,
+// because a remainder at the block's sides adds a volume error that is not due to cuts.
 double fitting_pitch(const StockShape& stock, double wanted_mm) {
   const DexelGrid grid = make_grid(stock, wanted_mm);
   const auto* box = std::get_if<BoxStock>(&stock);
@@ -126,7 +126,7 @@ class Tradeoff {
       list->erase(std::ranges::unique(*list).begin(), list->end());
     }
     if (scene_.settings.stock_mesh)
-      return bad_input("kerf-carve tradeoff: the true solid of a stock from a mesh is not known");
+      return bad_input("kerf-carve tradeoff: stock from a mesh is not supported");
     for (const double p : pitches_) {
       for (const double t : tolerances_) {
         SculptureSettings settings = scene_.settings;
@@ -136,7 +136,7 @@ class Tradeoff {
           return bad_input("kerf-carve tradeoff: " + made.error().reason);
       }
     }
-    // Chords of arcs are made at the finest tolerance: every configuration carves the same motions.
+    // Arcs are split at the finest tolerance, so that every configuration carves the same motions.
     scene_.settings.tolerance_mm = tolerances_.back();
     const std::string name = options_.program.string();
     const auto text = read_file(options_.program);
@@ -146,7 +146,7 @@ class Tradeoff {
     auto program = parse_program(name, *text, scene_, *environment);
     if (!program) return bad_input(to_string(program.error()));
     program_ = *std::move(program);
-    if (program_.motions.empty()) return bad_input(name + ": has no motions");
+    if (program_.motions.empty()) return bad_input(name + ": the program has no motions");
     turns_ = std::ranges::any_of(program_.motions, [](const ProgramMotion& motion) {
       return motion.from.axis != motion.to.axis;
     });
@@ -155,7 +155,7 @@ class Tradeoff {
     return {};
   }
 
-  // Where no axis turns, all motion models and tolerances are the same.
+  // Without rotation all motion models and tolerances are equivalent.
   void plan() {
     const auto either = [](const std::vector<std::string>& asked,
                            std::vector<std::string> otherwise) {
@@ -180,7 +180,7 @@ class Tradeoff {
     results_.resize(rows_.size());
   }
 
-  // So that a budget is not spent on the few configurations that cost the most.
+  // Keeps the budget from being spent on the few most expensive configurations.
   std::vector<std::size_t> cheapest_first() const {
     AccuracyUse use{.stock = scene_.settings.stock, .tools = {}, .turns = turns_};
     for (const auto& [id, tool] : scene_.tools) use.tools.push_back(tool.tool);
@@ -212,7 +212,7 @@ class Tradeoff {
            figure("%.0f", options_.budget_mb);
   }
 
-  // Carves unless a budget says no; the error says which, and is empty after an interrupt.
+  // Carves within the budgets; the error names the exceeded one and is empty after an interrupt.
   std::expected<CarvedOnce, std::string> carve(const SculptureSettings& settings, double until_s,
                                                const std::string& phase) {
     if (std::string large = too_large(settings); !large.empty())
@@ -260,7 +260,7 @@ class Tradeoff {
     SculptureSettings settings = scene_.settings;
     settings.motion = MotionModel::kTight;
     settings.tolerance_mm = std::max(kReferenceTolerance * tolerances_.back(), 1e-6);
-    // Rays along X and Y know a floor to half a pitch only, and floors are what most programs make.
+    // Rays along X and Y resolve a floor to half a pitch only, and most programs cut floors.
     settings.rays = Rays::kDexel;
     double finest = 0;
     for (const TradeoffRow& row : rows_)
@@ -271,7 +271,7 @@ class Tradeoff {
     const auto reference = carve(settings, until_s, "reference");
     if (!reference) {
       reference_ = "No reference (pitch " + figure("%.4g", settings.pitch_mm) +
-                   " mm): " + reference.error() + ". Volume and force errors are not known.\n";
+                   " mm): " + reference.error() + ". Volume and force errors are not available.\n";
       return;
     }
     for (std::size_t n = 0; n < rows_.size(); ++n) {
@@ -306,7 +306,7 @@ class Tradeoff {
               << " or fewer corners and centroids of the mesh against the true solid.\n"
               << reference_;
     if (!turns_)
-      std::cout << "No axis turns in this program: motion model and tolerance change nothing.\n";
+      std::cout << "The program has no rotation: motion model and tolerance have no effect.\n";
   }
 
   Result write() const {

@@ -5,8 +5,8 @@
 
 namespace kerf {
 
-/// Carves a program at many accuracies, prints what each costs and how far off it is, and writes
-/// what was asked for. The exit status, as run_carve's.
+/// Carves a program with many accuracy settings, prints the cost and error of each, and writes the
+/// requested files. Returns the exit status as run_carve() does.
 int run_tradeoff(const TradeoffOptions& options);
 
 }  // namespace kerf

@@ -14,7 +14,7 @@ constexpr std::size_t kListMax = 32;
 std::string check_positive(const std::string& text) {
   double value = 0;
   if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value) || value <= 0)
-    return "must be a number above 0, not " + text;
+    return "must be a number > 0, not " + text;
   return {};
 }
 
@@ -29,25 +29,26 @@ void declare(CLI::App& app, TradeoffOptions& options) {
   app.add_option("--csv", options.csv, "write the table as CSV");
   app.add_option("--svg", options.svg, "write a plot of error against time (SVG)");
   list(app.add_option("--pitches", options.pitches_mm,
-                      "mm, with commas between (default: 4, 2, 1 and 1/2 times the scene's)"))
+                      "mm, separated by commas (default: 4, 2, 1 and 1/2 times that of the scene)"))
       ->check(check_positive);
   list(app.add_option("--tolerances", options.tolerances_mm,
-                      "mm (default: 10, 1 and 1/10 times the scene's)"))
+                      "mm (default: 10, 1 and 1/10 times that of the scene)"))
       ->check(check_positive);
   list(app.add_option("--rays", options.rays, "dexel, tri-dexel (default: both)"))
       ->check(CLI::IsMember({"dexel", "tri-dexel"}));
   list(app.add_option("--motions", options.motions, "tight, paper (default: both)"))
       ->check(CLI::IsMember({"tight", "paper"}));
-  app.add_option("--target", options.target_mm, "mark the cheapest with a surface error of MM")
+  app.add_option("--target", options.target_mm,
+                 "mark the cheapest row with a surface error of at most MM")
       ->check(check_positive);
   app.add_option("--budget-seconds", options.budget_seconds,
-                 "CPU time; what does not fit into it is left out, and said so")
+                 "CPU time; configurations that exceed it are skipped and listed")
       ->check(check_positive)
       ->capture_default_str();
   app.add_option("--budget-mb", options.budget_mb, "largest stock in memory, MB")
       ->check(check_positive)
       ->capture_default_str();
-  app.add_option("--samples", options.samples, "points of each surface that are measured")
+  app.add_option("--samples", options.samples, "measured points of each surface")
       ->check(CLI::Range(std::size_t{100}, kSamplesMax))
       ->capture_default_str();
 }
@@ -55,9 +56,8 @@ void declare(CLI::App& app, TradeoffOptions& options) {
 }  // namespace
 
 std::variant<TradeoffOptions, int> parse_tradeoff_options(int argc, char** argv) {
-  CLI::App app(
-      "Carves a program at many accuracies and shows what each costs and how far off it is.",
-      "kerf-carve tradeoff");
+  CLI::App app("Carves a program with many accuracy settings and compares their cost and error.",
+               "kerf-carve tradeoff");
   TradeoffOptions options;
   declare(app, options);
   try {

@@ -12,20 +12,20 @@
 
 namespace kerf {
 
-/// What `kerf-carve tradeoff` is asked for. An empty list stands for values around the scene's own.
+/// The command line of `kerf-carve tradeoff`. An empty list means values around those of the scene.
 struct TradeoffOptions {
   std::filesystem::path scene, program;
   std::optional<std::filesystem::path> csv, svg;
   std::vector<double> pitches_mm, tolerances_mm;
   std::vector<std::string> rays, motions;
-  std::optional<double> target_mm;  ///< marks the cheapest that meets it
+  std::optional<double> target_mm;  ///< marks the cheapest row that meets it
   double budget_seconds = 600;
-  double budget_mb = 4096;  ///< of one configuration's stock, were it all touched
+  double budget_mb = 4096;  ///< stock of one configuration if all of it is touched
   std::size_t samples = 10000;
 };
 
-/// The options, or the exit status where the command line has been answered already. `argv` starts
-/// at the word "tradeoff".
+/// Parses the command line from the word "tradeoff" on. Returns the options, or the exit status if
+/// nothing is left to do.
 std::variant<TradeoffOptions, int> parse_tradeoff_options(int argc, char** argv);
 
 }  // namespace kerf

@@ -20,7 +20,7 @@ constexpr double kLegend = 64;
 struct Series {
   Rays rays;
   MotionModel motion;
-  const char* color;  // told apart by the colour-blind too (Okabe and Ito)
+  const char* color;  // distinguishable with color blindness (Okabe and Ito)
 };
 constexpr std::array kSeries{Series{Rays::kDexel, MotionModel::kTight, "#0072B2"},
                              Series{Rays::kDexel, MotionModel::kPaper, "#E69F00"},
@@ -61,7 +61,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-// A logarithmic axis that covers the values, with at least a decade.
+// A logarithmic axis that covers the values and at least one decade.
 struct Axis {
   double low, high;        // decimal logarithms of the ends
   double at_low, at_high;  // pixels
@@ -82,7 +82,7 @@ Axis axis_of(std::vector<double> values, double at_low, double at_high) {
   return {low, high, at_low, at_high};
 }
 
-// 1, 2 and 5 in each decade; decades alone where there are many.
+// 1, 2 and 5 in each decade; only decades if there are many.
 std::vector<double> ticks(const Axis& axis) {
   std::vector<double> values;
   const bool few = axis.high - axis.low < 3;
@@ -156,7 +156,7 @@ class Panel {
          << ") rotate(-90)\" text-anchor=\"middle\">" << escaped(unit_) << "</text>\n";
   }
 
-  // Steps, because what lies between two measured points is not known to be reachable.
+  // Steps, because points between two measured ones may not be reachable.
   void draw_front() {
     std::vector<Point> sorted = points_;
     std::ranges::sort(sorted, [](const Point& a, const Point& b) {

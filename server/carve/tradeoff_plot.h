@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// The rows as an SVG picture: surface error, volume error and force error against CPU time per
-/// motion, both axes logarithmic, each with the front of what is measured there.
+/// Returns the rows as an SVG plot: surface, volume and force error against CPU time per motion, on
+/// logarithmic axes, each with its Pareto front.
 std::string tradeoff_svg(const std::vector<TradeoffRow>& rows, const std::string& title,
                          const std::string& note);
 

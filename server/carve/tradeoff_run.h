@@ -13,10 +13,10 @@
 
 namespace kerf {
 
-/// CPU time of this process, s.
+/// Returns the CPU time of this process, s.
 double cpu_seconds();
 
-/// What came out of carving a program once.
+/// Result of carving a program once.
 struct CarvedOnce {
   SolidSnapshot snapshot;
   double cpu_s = 0;  ///< of the cuts, forces included
@@ -25,20 +25,20 @@ struct CarvedOnce {
   std::vector<Vec3> forces_n;  ///< one per motion
 };
 
-/// Asked now and then, with the share that is done: whether to go on.
+/// Receives the fraction done from time to time; returns false to stop.
 using GoOn = std::function<bool(double share)>;
 
-/// Carves every motion, forces included. The error says in a few words why it could not be done; it
-/// is empty where `go_on` stopped it.
+/// Carves every motion, forces included. The error states the reason in a few words; it is empty if
+/// `go_on` stopped it.
 std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& settings,
                                                   const Scene& scene, const Program& program,
                                                   const GoOn& go_on);
 
-/// Bytes of a stock at these settings if every tile of it is touched; what the budget is held
-/// against.
+/// Returns the bytes of a stock with these settings if every tile is touched; compared with the
+/// memory budget.
 double bytes_if_all_touched(const SculptureSettings& settings);
 
-/// Root mean square of the difference of two forces, relative to that of the reference, over the
+/// Returns the rms difference of two force histories relative to the rms of the reference, over the
 /// program's time.
 double force_difference(const Program& program, const std::vector<Vec3>& forces_n,
                         const std::vector<Vec3>& reference_n);

@@ -12,10 +12,10 @@
 namespace kerf {
 namespace {
 
-// mm. The least distance along a motion is found to this.
+// mm. Accuracy of the least distance along a motion.
 constexpr double kFoundMm = 1e-6;
-// mm. A part of a motion in which no point of the tool moves farther is taken as a parabola: for a
-// tool of 0.1 mm radius that errs by less than 1e-7 mm.
+// mm. Parts of a motion in which no point of the tool moves farther are approximated by a parabola;
+// for a tool of 0.1 mm radius the error is below 1e-7 mm.
 constexpr double kPartMm = 0.005;
 constexpr int kCellsPerSide = 256;
 constexpr int kStepsMax = 64;
@@ -32,8 +32,8 @@ BoxStock bounds_of(const StockShape& stock) {
           {c.center_x_mm + c.radius_mm, c.center_y_mm + c.radius_mm, c.max_z_mm}};
 }
 
-// The distance of one point from a tool on its way, as a function of the share of the way.
-struct Way {
+// Distance of a point from a moving tool as a function of the fraction of the motion.
+struct MovingDistance {
   const ToolProfile& tool;
   ToolPose from, to;
   double turn_rad;
@@ -55,23 +55,23 @@ struct Least {
   double share, mm;
 };
 
-// Distance from a convex body along a straight motion is convex: golden section.
-Least least_of_convex(const Way& way, double travel_mm, Least best) {
+// The distance from a convex body along a straight motion is convex: golden-section search.
+Least least_of_convex(const MovingDistance& distance, double travel_mm, Least best) {
   constexpr double kGolden = 0.6180339887498949;
   double a = 0, b = 1;
   double m1 = b - kGolden, m2 = a + kGolden;
-  double f1 = way(m1), f2 = way(m2);
-  // The rest of the interval could still hold less by at most its length.
+  double f1 = distance(m1), f2 = distance(m2);
+  // The minimum in the rest of the interval is lower by at most its length.
   while ((b - a) * travel_mm > kPartMm / 10) {
     if (std::min(f1, f2) - (b - a) * travel_mm > best.mm) return best;
     if (f1 < f2) {
       b = std::exchange(m2, m1);
       f2 = f1;
-      f1 = way(m1 = b - kGolden * (b - a));
+      f1 = distance(m1 = b - kGolden * (b - a));
     } else {
       a = std::exchange(m1, m2);
       f1 = f2;
-      f2 = way(m2 = a + kGolden * (b - a));
+      f2 = distance(m2 = a + kGolden * (b - a));
     }
   }
   if (f1 < best.mm) best = {m1, f1};
@@ -79,12 +79,12 @@ Least least_of_convex(const Way& way, double travel_mm, Least best) {
   return best;
 }
 
-// Nowhere does the distance change faster than a point of the tool moves: what cannot hold less is
-// left out.
+// The distance changes no faster than the fastest point of the tool moves: intervals that cannot
+// contain a lower value are skipped.
 class Search {
  public:
-  Search(const Way& way, double speed_mm, Least best)
-      : way_(way), speed_mm_(speed_mm), best_(best) {}
+  Search(const MovingDistance& distance, double speed_mm, Least best)
+      : distance_(distance), speed_mm_(speed_mm), best_(best) {}
 
   Least run(double first_mm, double last_mm) {
     descend(0, first_mm, 1, last_mm);
@@ -95,17 +95,17 @@ class Search {
   void descend(double a, double fa, double b, double fb) {
     if ((fa + fb - speed_mm_ * (b - a)) / 2 >= best_.mm - kFoundMm) return;
     const double middle = (a + b) / 2;
-    const double fm = way_(middle);
+    const double fm = distance_(middle);
     offer({middle, fm});
     if (speed_mm_ * (b - a) < kPartMm) {
       const double bend = fa + fb - 2 * fm;
       if (bend > 0) {
         const double t = std::clamp(middle + (b - a) * (fa - fb) / (4 * bend), a, b);
-        offer({t, way_(t)});
+        offer({t, distance_(t)});
       }
       return;
     }
-    // The half that promises more goes first: it may spare the other.
+    // The more promising half is searched first; it may make the other unnecessary.
     const bool left = fa < fb;
     if (left) descend(a, fa, middle, fm);
     descend(middle, fm, b, fb);
@@ -115,7 +115,7 @@ class Search {
     if (found.mm < best_.mm) best_ = found;
   }
 
-  const Way& way_;
+  const MovingDistance& distance_;
   double speed_mm_;
   Least best_;
 };
@@ -139,7 +139,7 @@ TrueSolid::TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>&
         sweep.high = greatest(sweep.high, end);
       }
     }
-    // The radius, and how far the upper end leaves its chord while the axis turns.
+    // The radius, plus the deviation of the upper end from its chord while the axis turns.
     const double more = tool.radius_mm + tool.length_mm * (1 - std::cos(m.turn_rad / 2));
     sweep.low = sweep.low - Vec3{more, more, more};
     sweep.high = sweep.high + Vec3{more, more, more};
@@ -201,7 +201,7 @@ TrueSolid::Signed TrueSolid::from_stock(Vec3 point) const {
   return {d.distance_mm, d.outward};
 }
 
-// Negative inside of a cut. Beyond the reach it is the reach.
+// Negative inside a cut, limited to the reach.
 TrueSolid::Signed TrueSolid::from_sweeps(Vec3 point) const {
   Least best{0, reach_mm_};
   const Sweep* nearest = nullptr;
@@ -210,23 +210,25 @@ TrueSolid::Signed TrueSolid::from_sweeps(Vec3 point) const {
     const Sweep& s = sweeps_[near_[n]];
     const Vec3 below = s.low - point, above = point - s.high;
     if (std::max({below.x, below.y, below.z, above.x, above.y, above.z}) >= best.mm) continue;
-    const Way way{*s.tool, s.from, s.to, s.turn_rad, point};
+    const MovingDistance distance{*s.tool, s.from, s.to, s.turn_rad, point};
     const double lever = std::max(length(point - s.from.tip_mm), length(point - s.to.tip_mm));
     const double speed_mm = s.travel_mm + s.turn_rad * lever;
-    const double first = way(0), last = way(1);
+    const double first = distance(0), last = distance(1);
     Least found = first < last ? Least{0, first} : Least{1, last};
     if (found.mm > best.mm) found.mm = best.mm;
     if ((first + last - speed_mm) / 2 < found.mm) {
-      found = s.turn_rad == 0 && s.tool->convex() ? least_of_convex(way, s.travel_mm, found)
-                                                  : Search(way, speed_mm, found).run(first, last);
+      found = s.turn_rad == 0 && s.tool->convex()
+                  ? least_of_convex(distance, s.travel_mm, found)
+                  : Search(distance, speed_mm, found).run(first, last);
     }
     if (found.mm >= best.mm) continue;
     best = found;
     nearest = &s;
   }
   if (nearest == nullptr) return {reach_mm_, {0, 0, 1}};
-  const Way way{*nearest->tool, nearest->from, nearest->to, nearest->turn_rad, point};
-  const ToolPose pose = way.at(best.share);
+  const MovingDistance distance{*nearest->tool, nearest->from, nearest->to, nearest->turn_rad,
+                                point};
+  const ToolPose pose = distance.at(best.share);
   const Vec3 p = point - pose.tip_mm;
   const double h = dot(p, pose.axis);
   const Vec3 across = p - pose.axis * h;
@@ -241,7 +243,7 @@ TrueSolid::Distance TrueSolid::distance(Vec3 point) const {
   const Signed sweeps = from_sweeps(point);
   if (stock.mm <= 0 && sweeps.mm >= 0)
     return {std::min(-stock.mm, sweeps.mm), sweeps.mm < -stock.mm};
-  // Outside of the solid: out of whatever holds the point deepest, until nothing does.
+  // Outside the solid: moves the point out of the sweep that contains it deepest, until none does.
   const bool cut = -sweeps.mm > stock.mm;
   Vec3 at = point;
   Signed from = stock, cuts = sweeps;

@@ -11,23 +11,23 @@
 
 namespace kerf {
 
-/// What a program truly leaves of a stock: the stock less every pose of every motion (design
-/// section 3), asked point by point. It uses no dexel and no sub-motion: the distance of a point
-/// from a tool is exact, and its least value along a motion is searched for to 1e-6 mm. That makes
-/// it a judge of what the kernel carves; far too slow to carve with.
+/// The exact solid that a program leaves: the stock less every pose of every motion, evaluated
+/// point by point. It uses neither dexels nor sub-motions: the distance of a point from a tool is
+/// exact, and its minimum along a motion is found to 1e-6 mm. It serves as an independent reference
+/// for the kernel and is too slow for carving.
 class TrueSolid {
  public:
-  /// `reach_mm`: distances from cuts are of interest up to here. Tools that the program uses must
-  /// be among `tools`.
+  /// `reach_mm` limits the distances from cuts that are computed. `tools` must contain every tool
+  /// of the program.
   TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>& tools,
             const std::vector<ProgramMotion>& motions, double reach_mm);
 
   struct Distance {
-    double mm;  ///< of the point from the border of the solid, >= 0
-    bool cut;   ///< the nearest border was made by a tool; false: it is the stock's own
+    double mm;  ///< distance of the point from the boundary of the solid, >= 0
+    bool cut;   ///< the nearest boundary was cut by a tool; false: it is the stock's own
   };
-  /// Exact for points inside the solid. Outside of it, the length of a way along normals into it:
-  /// equal to the distance but at an edge of the solid, where it may be longer.
+  /// Exact for points inside the solid. Outside, it is the length of a path along normals into the
+  /// solid: equal to the distance except near an edge, where it may be longer.
   Distance distance(Vec3 point_mm) const;
 
  private:

@@ -11,8 +11,8 @@ void BatchSum::add(const MotionResult& result, double duration_s) {
   impulse_.force_n = impulse_.force_n + result.wrench.force_n * duration_s;
   impulse_.torque_nmm = impulse_.torque_nmm + result.wrench.torque_nmm * duration_s;
   collision_impulse_.force_n = collision_impulse_.force_n + result.collision.force_n * duration_s;
-  // A tick may remove nothing and yet be engaged: a wall parallel to the rays is felt between two
-  // columns, and so is the cut in which the tool rests.
+  // A motion may be engaged without removing anything: at a wall parallel to the rays, between two
+  // columns, and when the tool rests in its cut.
   if (result.cutting.engaged_area_mm2 > 0) {
     const Vec3 cut_n = result.wrench.force_n - result.collision.force_n;
     last_specific_ = length(cut_n) / result.cutting.engaged_area_mm2;
@@ -27,8 +27,8 @@ void BatchSum::touch(std::span<const ContactPlane> planes) {
   planes_count_ = 0;
   for (const ContactPlane& plane : planes.first(std::min(planes.size(), planes_.size()))) {
     planes_[planes_count_++] = {
-        .point_mm = to_wire(plane.point_mm),
-        .normal = to_wire_float(plane.normal),
+        .point_mm = plane.point_mm,
+        .normal = Vec3f(plane.normal),
         .depth_mm = static_cast<float>(plane.depth_mm),
         .stiffness_n_per_mm = static_cast<float>(plane.stiffness_n_per_mm),
         .radius_mm = static_cast<float>(plane.radius_mm),
@@ -41,12 +41,12 @@ void BatchSum::write(wire::Result& result) const {
   result.planes = planes_;
   if (empty() || duration_s_ <= 0) return;
   const double scale = 1 / duration_s_;
-  result.force_n = to_wire_float(impulse_.force_n * scale);
-  result.torque_nmm = to_wire_float(impulse_.torque_nmm * scale);
-  result.collision_force_n = to_wire_float(collision_impulse_.force_n * scale);
+  result.force_n = Vec3f(impulse_.force_n * scale);
+  result.torque_nmm = Vec3f(impulse_.torque_nmm * scale);
+  result.collision_force_n = Vec3f(collision_impulse_.force_n * scale);
   result.engaged_area_mm2 = static_cast<float>(cutting_.engaged_area_mm2);
-  result.direction = to_wire_float(cutting_.direction);
-  result.cut_centre_mm = to_wire(cutting_.center_mm);
+  result.direction = Vec3f(cutting_.direction);
+  result.cut_centre_mm = cutting_.center_mm;
   result.specific_force_n_per_mm2 = static_cast<float>(last_specific_);
   result.removed_mm3 = static_cast<float>(removed_mm3_);
   if (removed_mm3_ > 0) result.status |= wire::kStatusCutting;

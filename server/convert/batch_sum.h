@@ -9,19 +9,19 @@
 
 namespace kerf {
 
-/// What one batch of motions gave, as one answer. The wrench is the mean over the batch weighted by
-/// time (the hand feels momentum, so none may get lost between answers); removed volume is the sum;
-/// the cutting model is the newest one that cut.
+/// Combines the results of a batch of motions into one. The wrench is the time-weighted mean, which
+/// preserves the impulse delivered to the user; the removed volume is the sum; the cutting model is
+/// that of the newest motion that cut.
 class BatchSum {
  public:
   void add(const MotionResult& result, double duration_s);
-  /// What touches the tool where the newest sample put it.
+  /// Sets the contact planes, those at the pose of the newest sample.
   void touch(std::span<const ContactPlane> planes);
   bool empty() const { return motions_ == 0; }
   double removed_mm3() const { return removed_mm3_; }
   double duration_s() const { return duration_s_; }
-  /// Fills force, torque, collision, cutting model, removed volume and the cutting and colliding
-  /// bits.
+  /// Writes force, torque, collision force, planes, cutting model, removed volume, and the cutting
+  /// and colliding bits of the status.
   void write(wire::Result& result) const;
 
  private:

@@ -3,6 +3,15 @@
 
 namespace kerf {
 
+Rejection sample_rejection(const wire::MotionSample& sample, wire::ErrorCode code,
+                           const std::string& reason) {
+  return {code, "sample " + std::to_string(sample.agent_sequence) + ": " + reason};
+}
+
+Rejection unknown_tool(ToolId tool) {
+  return {wire::ErrorCode::kUnknownTool, "the session has no tool " + std::to_string(tool)};
+}
+
 Rejection to_rejection(const SculptureError& error) {
   using enum SculptureErrorCode;
   switch (error.code) {

@@ -5,17 +5,22 @@
 
 #include "kernel/sculpture.h"
 #include "server/wire/control.h"
+#include "server/wire/types.h"
 
 namespace kerf {
 
-/// Why a peer's request was not carried out: goes to that peer alone, and changes nothing for the
-/// others.
+/// The error of a request of a peer. It is sent to that peer only; the request had no effect.
 struct Rejection {
   wire::ErrorCode code = wire::ErrorCode::kBadMessage;
   std::string reason;  ///< one sentence
 };
 
-/// What the sculpture rejected, in the words of the protocol.
+/// Returns the rejection of one sample; prefixes the reason with the sample's number.
+Rejection sample_rejection(const wire::MotionSample& sample, wire::ErrorCode code,
+                           const std::string& reason);
+/// Returns the rejection of a tool that the session does not have.
+Rejection unknown_tool(ToolId tool);
+/// Converts an error of the sculpture to an error of the protocol.
 Rejection to_rejection(const SculptureError& error);
 
 }  // namespace kerf

@@ -9,12 +9,9 @@
 
 namespace kerf {
 
-/// The pose of a sample, checked (finite, in range, unit axis) and put on the pose grid, so that
-/// every cut of the session can be written into a program and carved again alike.
+/// Returns the pose of a sample, checked (finite, in range, unit axis) and rounded to the pose
+/// grid, so that every motion of a session can be exported as a program and carved again
+/// identically.
 std::expected<ToolPose, Rejection> to_pose(const wire::MotionSample& sample);
-
-/// Narrowed for the wire; the wire promises seven digits for forces.
-wire::Vec3f to_wire_float(Vec3 value);
-wire::Vec3d to_wire(Vec3 value);
 
 }  // namespace kerf

@@ -7,22 +7,22 @@
 namespace kerf {
 namespace {
 
-/// What a token says, in its two lowest bits; the others count.
+/// Kind of a token, in its two lowest bits; the other bits are a count.
 enum Token : std::uint32_t {
-  kSkip = 0,    ///< so many columns of which nothing is said
-  kColumn = 1,  ///< one column of so many elements, whose ends follow
-  kRepeat = 2,  ///< the column before, so many times more
+  kSkip = 0,    ///< `count` unchanged columns
+  kColumn = 1,  ///< one column with `count` elements, whose ends follow
+  kRepeat = 2,  ///< `count` columns equal to the last kColumn
 };
 constexpr std::uint32_t kTokenBits = 2;
 constexpr std::int64_t kDepthEnd = std::int64_t{1} << 30;
-/// More elements than this are in no tile; a few bytes that repeat a long column must not take all
-/// memory.
+/// Limit of the elements of a tile, so that a few bytes that repeat a long column cannot exhaust
+/// the memory.
 constexpr std::size_t kElementsMax = std::size_t{1} << 20;
 
 using Unexpected = std::unexpected<std::string_view>;
 
-/// The end that the n-th end of a column is written as a difference from: the same one of the
-/// column before, or the one below it.
+/// Returns the prediction for the n-th end of a column: the same end of the last column stated, or
+/// the end below it.
 std::int64_t expected_end(std::span<const Dexel> last, std::size_t n, std::int64_t below) {
   if (n / 2 >= last.size()) return below;
   return n % 2 == 0 ? last[n / 2].bottom : last[n / 2].top;
@@ -56,7 +56,7 @@ class ColumnWriter {
     last_.assign(column.begin(), column.end());
     stated_ = true;
   }
-  /// Skips at the end are left out.
+  /// Omits trailing skips.
   void finish() { flush_repeats(); }
 
  private:
@@ -68,7 +68,7 @@ class ColumnWriter {
     if (repeated_ > 0) token(kRepeat, repeated_);
     repeated_ = 0;
   }
-  void token(Token what, std::uint32_t count) { number(count << kTokenBits | what); }
+  void token(Token kind, std::uint32_t count) { number(count << kTokenBits | kind); }
   void number(std::uint64_t value) {
     for (; value >= 0x80; value >>= 7) out_.push_back(static_cast<std::byte>(value | 0x80));
     out_.push_back(static_cast<std::byte>(value));
@@ -84,8 +84,8 @@ class NumberReader {
  public:
   explicit NumberReader(std::span<const std::byte> in) : in_(in) {}
   bool at_end() const { return at_ == in_.size(); }
-  bool cut_short() const { return cut_short_; }
-  /// 0 where the bytes end, or where the number is longer than any that is written.
+  bool truncated() const { return truncated_; }
+  /// Returns the next number; sets truncated() and returns 0 if it is incomplete or too long.
   std::uint64_t take() {
     std::uint64_t value = 0;
     for (int shift = 0; shift <= kLongestShift; shift += 7) {
@@ -94,7 +94,7 @@ class NumberReader {
       value |= (byte & 0x7f) << shift;
       if (byte < 0x80) return value;
     }
-    cut_short_ = true;
+    truncated_ = true;
     return 0;
   }
 
@@ -102,10 +102,11 @@ class NumberReader {
   static constexpr int kLongestShift = 28;
   std::span<const std::byte> in_;
   std::size_t at_ = 0;
-  bool cut_short_ = false;
+  bool truncated_ = false;
 };
 
-/// Reads the elements of one column into `column`; `last` is the column before.
+/// Reads the elements of one column into `column`; `last` is the last column stated. False if it is
+/// malformed.
 bool read_column(NumberReader& from, std::uint64_t elements, std::span<const Dexel> last,
                  std::vector<Dexel>& column) {
   column.clear();
@@ -115,7 +116,7 @@ bool read_column(NumberReader& from, std::uint64_t elements, std::span<const Dex
     const std::int64_t difference =
         static_cast<std::int64_t>(folded >> 1) ^ -static_cast<std::int64_t>(folded & 1);
     const std::int64_t end = expected_end(last, n, std::max<std::int64_t>(below, 0)) + difference;
-    if (from.cut_short() || end <= below || end >= kDepthEnd) return false;
+    if (from.truncated() || end <= below || end >= kDepthEnd) return false;
     if (n % 2 == 0) {
       column.push_back({static_cast<std::int32_t>(end), 0});
     } else {
@@ -155,25 +156,29 @@ std::expected<TileColumns, std::string_view> decode_columns(std::span<const std:
     const std::uint64_t token = from.take();
     const std::uint64_t count = token >> kTokenBits;
     const std::uint64_t kind = token & ((1U << kTokenBits) - 1);
-    if (from.cut_short()) return Unexpected("the columns end inside a number");
+    if (from.truncated()) return Unexpected("truncated number in stock columns");
     const std::uint64_t covered = kind == kColumn ? 1 : count;
-    if (kind > kRepeat || covered == 0) return Unexpected("a token says nothing");
+    if (kind > kRepeat) return Unexpected("unknown token in stock columns");
+    if (covered == 0) return Unexpected("empty token in stock columns");
     if (covered > static_cast<std::uint64_t>(kTileColumns - place)) {
-      return Unexpected("there are more columns than a tile has");
+      return Unexpected("too many columns in stock columns");
     }
     if (kind == kColumn) {
-      if (!read_column(from, count, last, next)) return Unexpected("a column is malformed");
+      if (!read_column(from, count, last, next))
+        return Unexpected("malformed column in stock columns");
       last.swap(next);
       columns.add(place, last);
       stated = true;
     } else if (kind == kRepeat) {
-      if (!stated) return Unexpected("there is no column to repeat");
-      if (last.size() * count > kElementsMax) return Unexpected("there are too many elements");
+      if (!stated) return Unexpected("repeat token before the first column");
+      if (last.size() * count > kElementsMax)
+        return Unexpected("too many elements in stock columns");
       for (std::uint64_t n = 0; n < count; ++n) {
         columns.add(place + static_cast<std::int32_t>(n), last);
       }
     }
-    if (columns.dexels.size() > kElementsMax) return Unexpected("there are too many elements");
+    if (columns.dexels.size() > kElementsMax)
+      return Unexpected("too many elements in stock columns");
     place += static_cast<std::int32_t>(covered);
   }
   return columns;

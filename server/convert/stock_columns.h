@@ -12,13 +12,13 @@
 
 namespace kerf {
 
-/// What a tile holds, as the columns of a stock frame (server/wire/README.md, "stock"): every
-/// column, or, where the receiver was sent the tile as it was `before`, those that have changed
-/// since. Empty if none has.
+/// Encodes the columns of a tile for a stock frame (server/wire/README.md, "Stock"): all columns,
+/// or, if the receiver has the tile in the state `before`, those that have changed since. Empty if
+/// none has changed.
 std::vector<std::byte> encode_columns(const DexelTile& tile, const DexelTile* before);
 
-/// Reads them back; the error says what is wrong with them. Accepts nothing that is no column:
-/// elements are sorted and disjoint, with gaps between them, and lie below 2^30 quanta.
+/// Decodes columns. Rejects columns whose elements are not sorted and disjoint with gaps between
+/// them, or not below 2^30 quanta.
 std::expected<TileColumns, std::string_view> decode_columns(std::span<const std::byte> bytes);
 
 }  // namespace kerf

@@ -9,8 +9,7 @@
 namespace kerf {
 namespace {
 
-/// An agent's clock may give two samples the same microsecond only by mistake.
-constexpr double kMicrosecond = 1e-6;
+constexpr double kSecondsPerMicrosecond = 1e-6;
 
 bool has_obstacles(const Sculpture& sculpture) { return !sculpture.settings().obstacles.empty(); }
 
@@ -20,14 +19,13 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
                                                           const Sculpture& sculpture,
                                                           double speed_max_mm_per_s) {
   using enum wire::ErrorCode;
-  const auto reject = [&](wire::ErrorCode code, const std::string& what) {
-    return std::unexpected(
-        Rejection{code, "sample " + std::to_string(sample.agent_sequence) + ": " + what});
+  const auto reject = [&](wire::ErrorCode code, const std::string& reason) {
+    return std::unexpected(sample_rejection(sample, code, reason));
   };
   const auto pose = to_pose(sample);
   if (!pose) return std::unexpected(pose.error());
   if (sculpture.tool(sample.tool_id) == nullptr) {
-    return reject(kUnknownTool, "no tool " + std::to_string(sample.tool_id));
+    return reject(kUnknownTool, unknown_tool(sample.tool_id).reason);
   }
   const bool follows = pose_.has_value() && tool_ == sample.tool_id;
   const ToolPose from = pose_.value_or(*pose);
@@ -36,14 +34,15 @@ std::expected<ToolTrack::Step, Rejection> ToolTrack::take(const wire::MotionSamp
   tool_ = sample.tool_id;
   if (!follows) return Step{};
   const std::uint64_t passed_us = sample.time_us > from_us ? sample.time_us - from_us : 0;
-  const double duration_s = static_cast<double>(passed_us) * kMicrosecond;
+  const double duration_s = static_cast<double>(passed_us) * kSecondsPerMicrosecond;
   if ((sample.buttons & wire::kButtonCutting) == 0) return Touch{tool_, *pose, duration_s};
-  if (from == *pose && !has_obstacles(sculpture)) return Step{};  // rests in peace
-  if (passed_us == 0) return reject(kBadMessage, "time_us does not advance");
-  const double way_mm = length(pose->tip_mm - from.tip_mm);
-  if (way_mm > speed_max_mm_per_s * duration_s) {
-    return reject(kTooFast, std::to_string(way_mm / duration_s) + " mm/s, at most " +
-                                std::to_string(speed_max_mm_per_s) + " while cutting");
+  if (from == *pose && !has_obstacles(sculpture)) return Step{};  // rests without contact
+  if (passed_us == 0) return reject(kBadMessage, "time_us must increase from sample to sample");
+  const double distance_mm = length(pose->tip_mm - from.tip_mm);
+  if (distance_mm > speed_max_mm_per_s * duration_s) {
+    return reject(kTooFast, "speed " + std::to_string(distance_mm / duration_s) +
+                                " mm/s; the limit is " + std::to_string(speed_max_mm_per_s) +
+                                " mm/s while cutting");
   }
   return MoveTool{tool_, from, *pose, duration_s, true};
 }

@@ -13,27 +13,27 @@
 
 namespace kerf {
 
-/// Where one participant's tool is, and what its next sample asks of the block. One meaning for
-/// everybody who holds a block: the session, and an agent with a copy of it.
+/// The pose of one participant's tool, and the conversion of its samples to steps. The session and
+/// an agent's replica both use it, so that they interpret samples identically.
 class ToolTrack {
  public:
-  /// The tool goes through the air and touches what it meets.
+  /// The tool moves without cutting; obstacles and stock push it.
   struct Touch {
     ToolId tool = 0;
     ToolPose pose;
     double duration_s = 0;
   };
-  /// Nothing: the tool has come, or rests.
+  /// std::monostate: no motion, because the tool was just placed or rests.
   using Step = std::variant<std::monostate, Touch, MoveTool>;
 
-  /// Takes the next sample. A rejection (a pose that is none, an unknown tool, a clock that stands
-  /// still, a tip faster than `speed_max_mm_per_s` while cutting) says which sample and why; the
-  /// tool is at a sound pose from then on, whatever becomes of the way to it.
+  /// Converts the next sample to a step. Rejects invalid poses, unknown tools, timestamps that do
+  /// not advance, and a tip faster than `speed_max_mm_per_s` while cutting. If pose and tool are
+  /// valid, the tool is at that pose afterwards even if the motion is rejected.
   std::expected<Step, Rejection> take(const wire::MotionSample& sample, const Sculpture& sculpture,
                                       double speed_max_mm_per_s);
-  /// The tool is nowhere: its next sample places it without a motion.
+  /// Drops the last pose; the next sample places the tool without a motion.
   void lift() { pose_.reset(); }
-  /// The tool has been brought there in some other way.
+  /// Sets the pose without a sample.
   void place(const ToolPose& pose) { pose_ = pose; }
 
   const std::optional<ToolPose>& pose() const { return pose_; }
@@ -46,9 +46,9 @@ class ToolTrack {
   std::uint64_t time_us_ = 0;
 };
 
-/// Adds what the tool feels there to an answer: obstacles push it, and so does the stock.
+/// Adds the contact force of obstacles and stock at the pose of `touch` to a result.
 void add_touch(BatchSum& sum, const Sculpture& sculpture, const ToolTrack::Touch& touch);
-/// Adds a motion that was applied, and what touches the tool at its end.
+/// Adds an applied motion, and the contact planes at its end, to a result.
 void add_motion(BatchSum& sum, const Sculpture& sculpture, const MoveTool& move,
                 const MotionResult& result);
 

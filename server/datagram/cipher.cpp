@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ChaCha20-Poly1305 (RFC 8439): as fast in plain code as with any processor's help, and constant in
-// time everywhere.
+// ChaCha20-Poly1305 (RFC 8439): runs in constant time and needs no special instructions.
 #include "server/datagram/cipher.h"
 
 #include <openssl/evp.h>
@@ -15,7 +14,8 @@ namespace {
 
 constexpr std::size_t kNonceBytes = 12;
 
-/// The counter behind four zero bytes; each direction has a key of its own, so none occurs twice.
+/// Four zero bytes and the counter. Each direction has its own key, so no nonce repeats under a
+/// key.
 std::array<std::byte, kNonceBytes> nonce_of(std::uint64_t counter) noexcept {
   std::array<std::byte, kNonceBytes> nonce{};
   wire::ByteWriter out(nonce);
@@ -57,7 +57,7 @@ std::expected<Header, Fault> read_header(std::span<const std::byte> datagram) no
 }
 
 void CipherEnd::operator()(evp_cipher_ctx_st* context) const noexcept {
-  EVP_CIPHER_CTX_free(context);  // which wipes the key
+  EVP_CIPHER_CTX_free(context);  // also wipes the key
 }
 
 Sealer::Sealer(std::uint32_t connection, const Key& key, std::uint64_t first_counter)

@@ -11,7 +11,7 @@
 #include "server/datagram/layout.h"
 #include "server/datagram/replay_window.h"
 
-struct evp_cipher_ctx_st;  // of OpenSSL, which stays in the .cpp
+struct evp_cipher_ctx_st;  // EVP_CIPHER_CTX; OpenSSL is included by the .cpp only
 
 namespace kerf::datagram {
 
@@ -20,13 +20,13 @@ struct CipherEnd {
 };
 using CipherContext = std::unique_ptr<evp_cipher_ctx_st, CipherEnd>;
 
-/// Seals the frames of one direction of one connection.
+/// Encrypts and authenticates the frames of one direction of one connection.
 class Sealer {
  public:
   Sealer(std::uint32_t connection, const Key& key, std::uint64_t first_counter = 1);
 
-  /// Writes the datagram to the start of `out` (kMaxBytes) and returns its size; 0 if the frame is
-  /// longer than kMaxFrameBytes, empty, or cannot be sealed.
+  /// Writes the datagram of `frame` to the start of `out` (at least kMaxBytes) and returns its
+  /// size. Returns 0 if the frame is empty or longer than kMaxFrameBytes, or if encryption fails.
   std::size_t seal(std::span<const std::byte> frame, std::span<std::byte> out) noexcept;
 
  private:
@@ -34,26 +34,26 @@ class Sealer {
   Header next_;
 };
 
-/// A frame that was under seal.
+/// The result of opening a datagram.
 struct Opened {
   std::size_t frame_bytes = 0;
-  /// No datagram of this direction has had a higher counter: whoever has sent it is where the peer
-  /// is now.
+  /// The counter is the highest so far: the datagram's source is the peer's current address.
   bool newest = false;
 };
 
-/// Opens the datagrams of one direction of one connection, each once.
+/// Decrypts and verifies the datagrams of one direction of one connection; accepts each only once.
 class Opener {
  public:
   Opener(std::uint32_t connection, const Key& key);
 
-  /// Writes the frame to the start of `frame` (kMaxFrameBytes). After a fault everything is as
-  /// before, but for what `frame` holds.
+  /// Writes the decrypted frame to the start of `frame` (at least kMaxFrameBytes). A fault changes
+  /// nothing but the contents of `frame`.
   std::expected<Opened, Fault> open(std::span<const std::byte> datagram,
                                     std::span<std::byte> frame) noexcept;
 
-  /// The highest counter seen, and how many datagrams have passed: the difference went astray.
+  /// The highest counter received.
   std::uint64_t newest() const noexcept { return window_.newest(); }
+  /// Number of datagrams accepted; newest() - opened() were lost.
   std::uint64_t opened() const noexcept { return opened_; }
 
  private:

@@ -10,13 +10,13 @@
 
 namespace kerf::datagram {
 
-/// As the welcome names it.
+/// The cipher's name in the welcome.
 inline constexpr std::string_view kCipherName = "chacha20-poly1305";
 
 inline constexpr std::size_t kKeyBytes = 32;
 using Key = std::array<std::byte, kKeyBytes>;
 
-/// What a server tells an agent over the WebSocket, and both forget when that closes.
+/// The parameters of a UDP connection, sent in the welcome and valid until the WebSocket closes.
 struct Offer {
   std::uint16_t port = 0;
   std::uint32_t connection = 0;
@@ -25,11 +25,13 @@ struct Offer {
   bool operator==(const Offer&) const = default;
 };
 
-/// An offer with a random connection and random keys; none if the system has no randomness to give.
+/// Creates an offer with a random connection number and random keys; nullopt if the system's random
+/// generator fails.
 std::optional<Offer> random_offer(std::uint16_t port);
 
-/// As it stands in the welcome: 64 hexadecimal digits, lower case.
+/// Returns a key as 64 lowercase hexadecimal digits, its form in the welcome.
 std::string to_text(const Key& key);
+/// The inverse of to_text(); nullopt for any other text.
 std::optional<Key> key_from_text(std::string_view text);
 
 }  // namespace kerf::datagram

@@ -11,12 +11,13 @@
 
 namespace kerf::datagram {
 
-/// The bytes `KRD1`: the last one is the major version, as in a wire frame.
+/// The bytes `KRD1`. The last digit is the major version, as in a wire frame.
 inline constexpr std::uint32_t kMagic = 0x3144524B;
 
 inline constexpr std::size_t kHeaderBytes = 16;
 inline constexpr std::size_t kTagBytes = 16;
-/// What every path carries in one piece: IPv6 promises 1280 bytes, of which it and UDP take 48.
+/// Fits every path without fragmentation: IPv6 guarantees 1280 bytes, and its header and UDP's take
+/// 48 of them.
 inline constexpr std::size_t kMaxBytes = 1200;
 inline constexpr std::size_t kMaxFrameBytes = kMaxBytes - kHeaderBytes - kTagBytes;
 
@@ -25,16 +26,16 @@ static_assert(wire::kHeaderBytes + wire::kListHeadBytes +
               kMaxFrameBytes);
 static_assert(wire::kHeaderBytes + wire::kMaxResultBytes <= kMaxFrameBytes);
 
-/// What stands in clear before the sealed frame, and is authenticated with it.
+/// The header of a datagram: not encrypted, but authenticated together with the frame.
 struct Header {
   std::uint32_t connection = 0;
-  /// Per direction, from 1; never used twice with one key.
+  /// Per direction, from 1; never reused with the same key.
   std::uint64_t counter = 0;
 
   bool operator==(const Header&) const = default;
 };
 
-/// Why a datagram was dropped. No peer is ever told.
+/// Why a datagram was dropped. Faults are counted and never reported to a peer.
 enum class Fault : std::uint8_t {
   kTooShort,
   kTooLong,
@@ -46,8 +47,7 @@ enum class Fault : std::uint8_t {
 
 std::array<std::byte, kHeaderBytes> encode(const Header& header) noexcept;
 
-/// The header of a datagram that is neither too short for a frame nor too long; says nothing of
-/// who has sent it.
+/// Parses the header and checks the size of a datagram. Does not authenticate it.
 std::expected<Header, Fault> read_header(std::span<const std::byte> datagram) noexcept;
 
 }  // namespace kerf::datagram

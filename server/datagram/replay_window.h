@@ -7,13 +7,14 @@
 
 namespace kerf::datagram {
 
-/// Which counters of a direction have been seen: each passes once, and only while it is not too far
-/// behind the newest. What is farther behind says nothing new: newer datagrams repeat it.
+/// Sliding window of the counters received in one direction. Admits each counter once, and only
+/// while it is less than kCounters behind the newest. Older datagrams can be dropped, because newer
+/// ones repeat their contents.
 class ReplayWindow {
  public:
   static constexpr std::size_t kCounters = 256;
 
-  /// True if a datagram of this counter may still come.
+  /// True if a datagram with this counter is acceptable.
   bool admits(std::uint64_t counter) const noexcept {
     if (counter == 0) return false;
     if (counter > newest_) return true;
@@ -21,7 +22,7 @@ class ReplayWindow {
     return behind < kCounters && !seen_[static_cast<std::size_t>(behind)];
   }
 
-  /// Notes one that was admitted; true if it is the newest so far.
+  /// Records an admitted counter; true if it is the newest so far.
   bool take(std::uint64_t counter) noexcept {
     if (counter <= newest_) {
       seen_.set(static_cast<std::size_t>(newest_ - counter));
@@ -41,7 +42,7 @@ class ReplayWindow {
   std::uint64_t newest() const noexcept { return newest_; }
 
  private:
-  /// Bit i: the counter that is i behind the newest.
+  /// Bit i: the counter newest_ - i was received.
   std::bitset<kCounters> seen_;
   std::uint64_t newest_ = 0;
 };

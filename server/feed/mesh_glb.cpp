@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + 3) / 4 * 4; }
 
-/// JSON, written from front to back.
+/// Appends JSON text to a string.
 class Json {
  public:
   Json& text(std::string_view raw) {
@@ -30,7 +30,7 @@ class Json {
   Json& triple(const std::array<T, 3>& v) {
     return text("[").number(v[0]).text(",").number(v[1]).text(",").number(v[2]).text("]");
   }
-  /// A comma before every element but the first.
+  /// Appends a comma unless `first`, and clears `first`.
   Json& next(bool& first) {
     if (!first) out_.push_back(',');
     first = false;
@@ -42,7 +42,7 @@ class Json {
   std::string out_;
 };
 
-/// One of the three byte strings of a tile: a buffer view of its own.
+/// One of the three buffer views of a tile.
 struct Part {
   const std::vector<std::byte>& bytes;
   std::size_t count, stride;
@@ -58,8 +58,7 @@ std::array<Part, 3> parts_of(const EncodedTile& tile) {
 
 struct Sizes {
   std::size_t stored = 0;  ///< bytes in the binary chunk
-  std::size_t raw =
-      0;  ///< of compressed views, uncompressed: the length of the buffer that only decoders see
+  std::size_t raw = 0;     ///< of compressed views after decompression: the fallback buffer
 };
 
 Sizes sizes_of(std::span<const EncodedTile* const> tiles) {
@@ -89,9 +88,9 @@ void add_view(Json& json, const Part& part, bool compressed, Sizes& at) {
   at.stored += padded(part.bytes.size());
 }
 
-/// Three accessors: position, normal, index; each has the view of the same number. What glTF leaves
-/// to the writer (bounds of anything but positions, targets of views) is left out: of a compressed
-/// tile every sixth byte is JSON.
+/// Adds three accessors (position, normal, index), one for each view of the tile. Omits what glTF
+/// makes optional (bounds other than those of positions, targets of views), because JSON is every
+/// sixth byte of a compressed tile.
 void add_accessors(Json& json, const EncodedTile& tile, int first_view) {
   json.text("{\"bufferView\":").number(first_view);
   json.text(",\"componentType\":5122,\"type\":\"VEC3\",\"count\":").number(tile.vertices);

@@ -10,10 +10,11 @@
 
 namespace kerf {
 
-/// One self-contained GLB with a node per tile, as server/wire/README.md says: node `t_X_Y`, extras
-/// {tile, version, level if coarse}, translation and scale into the world (mm, Z up, as everything
-/// on the wire; downloads convert to glTF's metres and Y up), KHR_mesh_quantization,
-/// EXT_meshopt_compression where tiles are compressed; scene.extras {from, to}.
+/// Writes a self-contained GLB with one node per tile, as specified in server/wire/README.md: node
+/// `t_X_Y` with extras {tile, version, level if coarse}; translation and scale give world
+/// coordinates (mm, Z up, as everywhere on the wire; downloads use glTF's meters and Y up);
+/// KHR_mesh_quantization, and EXT_meshopt_compression for compressed tiles; scene.extras {from,
+/// to}.
 std::vector<std::byte> write_mesh_glb(std::span<const EncodedTile* const> tiles,
                                       const MeshQuantization& quantization, std::uint64_t from,
                                       std::uint64_t to);

@@ -12,14 +12,14 @@ namespace kerf {
 namespace {
 
 constexpr RayAxis kAxes[] = {RayAxis::kZ, RayAxis::kX, RayAxis::kY};
-/// What is nearer to the tool than this may be touched before another patch arrives.
+/// Margin around the tool: stock within it may be touched before the next patch arrives.
 constexpr double kReachMm = 6;
-/// So far ahead the tool is expected to go on as it goes now: longer than any round trip at which
-/// an agent shows force.
+/// Prediction time of the tool's path, at constant velocity: longer than any round trip at which an
+/// agent renders force.
 constexpr double kAheadS = 0.4;
-constexpr double kAheadMostMm = 60;
-/// Every so many patches the copies of tiles that are far away are given up.
-constexpr std::uint64_t kForgetEvery = 64;
+constexpr double kAheadMaxMm = 60;
+/// Number of patches between two clean-ups of the stored copies of distant tiles.
+constexpr std::uint64_t kDropFarEvery = 64;
 
 }  // namespace
 
@@ -41,45 +41,46 @@ void StockFeed::note_cut(std::span<const FieldTile> tiles) {
   }
 }
 
-void StockFeed::restart() {
+void StockFeed::reset() {
   known_.clear();
   stale_.clear();
   complete_ = {};
   reset_ = true;
 }
 
-/// What the tool may reach before the next patches arrive; nothing if that is too much to look at.
+/// Returns the tiles that the tool may reach before the next patches arrive; nullopt if there are
+/// more than kTilesMax.
 std::optional<StockFeed::Regions> StockFeed::reach(const Sculpture& sculpture,
-                                                   const ToolWatch& watch) {
+                                                   const TrackedTool& tracked) {
   constexpr double kSPerUs = 1e-6;
-  ToolPose later = watch.pose;
-  if (last_us_ != 0 && watch.time_us > last_us_) {
-    const double passed_s = static_cast<double>(watch.time_us - last_us_) * kSPerUs;
-    const Vec3 ahead = (watch.pose.tip_mm - last_tip_mm_) * (kAheadS / passed_s);
+  ToolPose later = tracked.pose;
+  if (last_us_ != 0 && tracked.time_us > last_us_) {
+    const double passed_s = static_cast<double>(tracked.time_us - last_us_) * kSPerUs;
+    const Vec3 ahead = (tracked.pose.tip_mm - last_tip_mm_) * (kAheadS / passed_s);
     const double far = length(ahead);
-    later.tip_mm = later.tip_mm + ahead * (far > kAheadMostMm ? kAheadMostMm / far : 1);
+    later.tip_mm = later.tip_mm + ahead * (far > kAheadMaxMm ? kAheadMaxMm / far : 1);
   }
-  last_tip_mm_ = watch.pose.tip_mm;
-  last_us_ = watch.time_us;
-  const Bounds now = tool_bounds(watch.tool, watch.pose);
-  for (const Bounds& wish : {joined(now, tool_bounds(watch.tool, later)), now}) {
-    const Bounds box = grown(wish, kReachMm);
+  last_tip_mm_ = tracked.pose.tip_mm;
+  last_us_ = tracked.time_us;
+  const Bounds now = tool_bounds(tracked.tool, tracked.pose);
+  for (const Bounds& bounds : {joined(now, tool_bounds(tracked.tool, later)), now}) {
+    const Bounds box = grown(bounds, kReachMm);
     Regions regions;
     bool small = true;
     for (std::size_t n = 0; n < regions.size(); ++n) {
       const DexelField* field = sculpture.field(kAxes[n]);
       if (field == nullptr) continue;
       regions[n] = tiles_through(field->grid(), box.lo_mm, box.hi_mm);
-      small = small && regions[n].count() <= kTilesMost;
+      small = small && regions[n].count() <= kTilesMax;
     }
     if (small) return regions;
   }
   return std::nullopt;
 }
 
-std::vector<StockFeed::Lacking> StockFeed::lacking(const Sculpture& sculpture, const Regions& near,
-                                                   Vec3 tip_mm) const {
-  std::vector<Lacking> list;
+std::vector<StockFeed::MissingTile> StockFeed::missing(const Sculpture& sculpture,
+                                                       const Regions& near, Vec3 tip_mm) const {
+  std::vector<MissingTile> list;
   for (std::size_t n = 0; n < near.size(); ++n) {
     const DexelField* field = sculpture.field(kAxes[n]);
     if (field == nullptr) continue;
@@ -99,12 +100,12 @@ std::vector<StockFeed::Lacking> StockFeed::lacking(const Sculpture& sculpture, c
       if (at.axis == grid.axis && near[n].has(at.tile)) add(at.tile);
     }
   }
-  std::ranges::sort(list, {}, &Lacking::distance_mm);
+  std::ranges::sort(list, {}, &MissingTile::distance_mm);
   return list;
 }
 
-/// Adds a tile to the news, if there is anything to say of it.
-bool StockFeed::tell(const DexelField& field, FieldTile at, StockUpdate& news) {
+/// Adds a tile to the update unless the agent has it unchanged; true if it was added.
+bool StockFeed::add_tile(const DexelField& field, FieldTile at, StockUpdate& update) {
   const auto [known, is_new] = known_.try_emplace(at);
   stale_.erase(at);
   const DexelTile* tile = field.find(at.tile);
@@ -116,51 +117,51 @@ bool StockFeed::tell(const DexelField& field, FieldTile at, StockUpdate& news) {
     known->second->lower_codes = {};
   }
   if (columns.empty() && !is_new) return false;
-  news.tiles.push_back({at, std::move(columns)});
+  update.tiles.push_back({at, std::move(columns)});
   return true;
 }
 
-void StockFeed::forget_far(const Regions& near) {
+void StockFeed::drop_far(const Regions& near) {
   for (auto& [at, sent] : known_) {
     const auto n = std::size_t(std::ranges::find(kAxes, at.axis) - std::begin(kAxes));
     if (!near[n].has(at.tile)) sent.reset();
   }
 }
 
-std::optional<StockUpdate> StockFeed::next(const Sculpture& sculpture, const ToolWatch& watch) {
-  if (under_way_.size() >= wire::kStockFramesInFlight ||
-      bytes_under_way_ >= wire::kStockBytesInFlight) {
+std::optional<StockUpdate> StockFeed::next(const Sculpture& sculpture, const TrackedTool& tracked) {
+  if (in_flight_.size() >= wire::kStockFramesInFlight ||
+      bytes_in_flight_ >= wire::kStockBytesInFlight) {
     return std::nullopt;
   }
-  const auto near = reach(sculpture, watch);
+  const auto near = reach(sculpture, tracked);
   if (!near) return std::nullopt;
-  StockUpdate news;
-  news.reset = reset_;
-  news.agent_time_us = watch.time_us;
-  std::size_t bytes = 0, looked_at = 0;
-  const std::vector<Lacking> list = lacking(sculpture, *near, watch.pose.tip_mm);
-  for (const Lacking& one : list) {
-    if (bytes >= kPatchBytes || news.tiles.size() == wire::kMaxStockTiles) break;
-    if (tell(*sculpture.field(one.at.axis), one.at, news)) {
-      bytes += news.tiles.back().columns.size();
+  StockUpdate update;
+  update.reset = reset_;
+  update.agent_time_us = tracked.time_us;
+  std::size_t bytes = 0, processed = 0;
+  const std::vector<MissingTile> list = missing(sculpture, *near, tracked.pose.tip_mm);
+  for (const MissingTile& tile : list) {
+    if (bytes >= kPatchBytes || update.tiles.size() == wire::kMaxStockTiles) break;
+    if (add_tile(*sculpture.field(tile.at.axis), tile.at, update)) {
+      bytes += update.tiles.back().columns.size();
     }
-    ++looked_at;
+    ++processed;
   }
-  if (looked_at == list.size()) complete_ = *near;
-  if (news.tiles.empty() && !reset_) return std::nullopt;
+  if (processed == list.size()) complete_ = *near;
+  if (update.tiles.empty() && !reset_) return std::nullopt;
   reset_ = false;
-  news.sequence = ++sent_;
-  under_way_.push_back(bytes);
-  bytes_under_way_ += bytes;
-  if (sent_ % kForgetEvery == 0) forget_far(*near);
-  return news;
+  update.sequence = ++sent_;
+  in_flight_.push_back(bytes);
+  bytes_in_flight_ += bytes;
+  if (sent_ % kDropFarEvery == 0) drop_far(*near);
+  return update;
 }
 
 bool StockFeed::ack(std::uint64_t sequence) {
   if (sequence > sent_) return false;
-  while (!under_way_.empty() && sent_ - under_way_.size() < sequence) {
-    bytes_under_way_ -= under_way_.front();
-    under_way_.pop_front();
+  while (!in_flight_.empty() && sent_ - in_flight_.size() < sequence) {
+    bytes_in_flight_ -= in_flight_.front();
+    in_flight_.pop_front();
   }
   return true;
 }

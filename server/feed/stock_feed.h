@@ -20,75 +20,77 @@
 
 namespace kerf {
 
-/// Where an agent's tool is.
-struct ToolWatch {
+/// The tool of an agent, around which its replica must be correct.
+struct TrackedTool {
   const Tool& tool;
   ToolPose pose;
   std::uint64_t time_us = 0;  ///< of the agent's newest sample, by its clock
 };
 
-/// What one agent is to be told of the block.
+/// One patch for the replica of an agent.
 struct StockUpdate {
-  std::uint64_t sequence = 0;  ///< per feed, from 1, for the frame's header; ack names it
-  bool reset = false;
-  std::uint64_t agent_time_us = 0;  ///< samples up to here are cut out of the tiles, or rejected
+  std::uint64_t sequence = 0;       ///< per feed, from 1; goes into the frame's header
+  bool reset = false;               ///< discard the replica before applying the tiles
+  std::uint64_t agent_time_us = 0;  ///< samples up to here were cut from the tiles, or rejected
   struct Tile {
     FieldTile at;
-    std::vector<std::byte> columns;  ///< stock_columns.h; none: the agent has all there is to know
+    std::vector<std::byte> columns;  ///< stock_columns.h; empty: no change
   };
   std::vector<Tile> tiles;
 
-  /// As the wire wants it; it points into this.
+  /// Converts to the wire type, which points into this object.
   wire::StockPatch patch() const;
 };
 
-/// Keeps one agent's copy of the block right where its tool is and soon will be. Stock only shrinks
-/// and the agent takes away itself what its own tool removes, so it needs a tile once, when it
-/// comes near, and again only when somebody else has cut it; then only the columns that changed. No
-/// clock and no thread: it belongs to the session's executor.
+/// Keeps the replica of one agent correct around its tool and along the tool's predicted path.
+/// Stock only shrinks and the agent cuts its own motions itself, so it needs a tile once, when the
+/// tool approaches, and then only the columns that other participants cut. Has no clock and no
+/// thread; runs on the session's executor.
 class StockFeed {
  public:
-  /// Bytes of columns after which a patch ends.
+  /// A patch ends with the tile that reaches this number of bytes of columns.
   static constexpr std::size_t kPatchBytes = 32 * 1024;
 
-  /// Somebody else has cut these.
+  /// Marks tiles that another participant cut.
   void note_cut(std::span<const FieldTile> tiles);
-  /// The agent's copy can no longer be trusted: the next patch begins a new one.
-  void restart();
-  /// What the agent lacks near its tool and where the tool is going, the nearest tiles first;
-  /// nothing while it lacks nothing or has what wire/limits.h allows under way. Costs an operation
-  /// for each tile near by.
-  std::optional<StockUpdate> next(const Sculpture& sculpture, const ToolWatch& watch);
-  /// The agent has every patch up to `sequence`. False (and no effect) for one it was never sent.
+  /// The agent's replica is invalid: the next patch starts a new one.
+  void reset();
+  /// Returns the patch that the replica lacks around the tool and its predicted path, nearest tiles
+  /// first; nullopt if it lacks none, or while as many patches are in flight as wire/limits.h
+  /// allows. The cost is proportional to the number of tiles in that region.
+  std::optional<StockUpdate> next(const Sculpture& sculpture, const TrackedTool& tracked);
+  /// The agent applied every patch up to `sequence`. Returns false, without effect, if that patch
+  /// was not sent.
   bool ack(std::uint64_t sequence);
 
  private:
-  /// A region of more tiles than this, in any field, is looked at without where the tool is going,
-  /// or not at all: a copy of so fine a block would cost the others' time.
-  static constexpr std::int64_t kTilesMost = 16384;
+  /// Limit of the tiles of a region, per field, to bound the time taken from other participants.
+  /// Above it, the predicted path is dropped; if the region is still larger, nothing is sent.
+  static constexpr std::int64_t kTilesMax = 16384;
 
-  struct Lacking {
+  struct MissingTile {
     double distance_mm;
     FieldTile at;
   };
-  /// The tiles of each field that the tool may reach; empty for a field that is not there.
+  /// The tiles of each field that the tool may reach; empty for an absent field.
   using Regions = std::array<TileRegion, 3>;
 
-  std::optional<Regions> reach(const Sculpture& sculpture, const ToolWatch& watch);
-  std::vector<Lacking> lacking(const Sculpture& sculpture, const Regions& near, Vec3 tip_mm) const;
-  bool tell(const DexelField& field, FieldTile at, StockUpdate& news);
-  void forget_far(const Regions& near);
+  std::optional<Regions> reach(const Sculpture& sculpture, const TrackedTool& tracked);
+  std::vector<MissingTile> missing(const Sculpture& sculpture, const Regions& near,
+                                   Vec3 tip_mm) const;
+  bool add_tile(const DexelField& field, FieldTile at, StockUpdate& update);
+  void drop_far(const Regions& near);
 
-  /// The tiles that the agent knows, as they were sent; null if one was untouched, or is far away
-  /// by now.
+  /// The tiles that the agent has, as they were sent; null if the tile was untouched or is far away
+  /// now.
   std::map<FieldTile, std::unique_ptr<DexelTile>> known_;
-  std::set<FieldTile> stale_;  ///< of these, those that somebody else has cut since
-  Regions complete_;           ///< every tile here is known
+  std::set<FieldTile> stale_;  ///< those of known_ that others have cut since
+  Regions complete_;           ///< every tile in these regions is known
   std::uint64_t sent_ = 0;
-  std::deque<std::size_t> under_way_;  ///< bytes of the patches that are not acknowledged
-  std::size_t bytes_under_way_ = 0;
-  Vec3 last_tip_mm_;  ///< at the last call of next, and when that was
-  std::uint64_t last_us_ = 0;
+  std::deque<std::size_t> in_flight_;  ///< bytes of each patch without an ack
+  std::size_t bytes_in_flight_ = 0;
+  Vec3 last_tip_mm_;           ///< at the previous call of next()
+  std::uint64_t last_us_ = 0;  ///< time of that call
   bool reset_ = true;
 };
 

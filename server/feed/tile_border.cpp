@@ -15,20 +15,20 @@ namespace {
 using Position = std::array<float, 3>;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// An open edge of the tile, between places of equal position.
+/// An edge without an opposite one within the tile, between two places.
 struct OpenEdge {
   std::uint32_t from = 0, to = 0;
-  int count = 0;  ///< how often it is open; 1 unless the surface touches itself there
+  int count = 0;  ///< multiplicity; 1 unless the surface touches itself there
   friend auto operator<=>(const OpenEdge&, const OpenEdge&) = default;
 };
 
-/// The cell of a vertex along one axis: cell i lies between columns i and i + 1.
+/// Returns the cell of a vertex along one axis: cell i lies between columns i and i + 1.
 std::int32_t cell_of(float mm, double pitch_mm) {
   return static_cast<std::int32_t>(std::floor(static_cast<double>(mm) / pitch_mm - 0.5));
 }
 
-/// What of a tile's mesh lies in the cells that it shares with its neighbours: places (vertices of
-/// equal position), and the edges there that have no opposite within the tile.
+/// The part of a tile's mesh in the cells that it shares with its neighbors: places (groups of
+/// vertices with equal position) and open edges.
 class Border {
  public:
   Border(const TileMesh& mesh, const DexelGrid& grid) : place_(mesh.positions_mm.size(), kNone) {
@@ -52,10 +52,10 @@ class Border {
 
   std::size_t places() const { return positions_.size(); }
   const Position& position(std::uint32_t place) const { return positions_[place]; }
-  /// The vertices of a place; the mesh repeats a position for each normal.
+  /// The vertices of a place: the mesh has one for each normal there.
   const std::vector<std::uint32_t>& vertices(std::uint32_t place) const { return at_[place]; }
   std::uint32_t place(std::uint32_t vertex) const { return place_[vertex]; }
-  /// Bit n: it lies in the cells shared with neighbour n. In a corner of the tile that are two.
+  /// Bit n: the place lies in the cells shared with neighbor n. Two bits in a corner of the tile.
   std::uint8_t sides(std::uint32_t place) const { return sides_[place]; }
   const std::vector<OpenEdge>& open_edges() const { return open_; }
 
@@ -75,7 +75,7 @@ class Border {
   }
 
   void find_open_edges(const TileMesh& mesh, const std::vector<std::uint8_t>& mask) {
-    std::vector<OpenEdge> edges;  // from the smaller place; count: +1, or -1 if it is turned round
+    std::vector<OpenEdge> edges;  // from the smaller place; count: +1, or -1 if reversed
     for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
       for (std::size_t c = 0; c < 3; ++c) {
         const std::uint32_t a = mesh.indices[t + c];
@@ -96,7 +96,7 @@ class Border {
     }
   }
 
-  std::vector<std::uint32_t> place_;  ///< by vertex; kNone away from the borders
+  std::vector<std::uint32_t> place_;  ///< by vertex; kNone outside the border cells
   std::vector<Position> positions_;   ///< by place, ascending
   std::vector<std::uint8_t> sides_;
   std::vector<std::vector<std::uint32_t>> at_;
@@ -111,15 +111,15 @@ double distance_to_segment(const Position& p, const Position& a, const Position&
   return length(from - along * share);
 }
 
-/// Follows the open edges of a tile from junction to junction, and finds for each place the one
-/// that stands for it.
+/// Simplifies the chains of open edges between junctions: maps each place to the place that
+/// replaces it.
 class BorderCollapse {
  public:
   BorderCollapse(const Border& border, const std::array<double, 4>& error_mm)
       : border_(border), error_mm_(error_mm), target_(border.places()), next_(border.places()) {
     std::iota(target_.begin(), target_.end(), 0U);
     for (const OpenEdge& edge : border.open_edges()) {
-      // Where the surface touches itself, or sides meet, nothing is moved.
+      // Places where the surface touches itself become junctions, which are not moved.
       const bool plain = edge.count == 1;
       for (const auto& [a, b] : {std::pair{edge.from, edge.to}, {edge.to, edge.from}}) {
         next_[a].push_back(b);
@@ -133,7 +133,7 @@ class BorderCollapse {
         if (q != kNone && !is_junction(q) && !passed_[q]) collapse(walk(p, q));
       }
     }
-    // What is left are rings without a junction; the smallest place serves as one.
+    // The remaining chains are rings without a junction; their smallest place serves as one.
     for (std::uint32_t p = 0; p < next_.size(); ++p) {
       if (!next_[p].empty() && !is_junction(p) && !passed_[p]) collapse(walk(p, next_[p][0]));
     }
@@ -157,7 +157,7 @@ class BorderCollapse {
       before = std::exchange(here, both[0] == before ? both[1] : both[0]);
     }
     chain.push_back(here);
-    // Places are numbered by position, so both tiles turn it the same way.
+    // Normalize the direction: places are numbered by position, so both tiles choose the same one.
     if (std::ranges::lexicographical_compare(
             chain, std::vector<std::uint32_t>(chain.rbegin(), chain.rend()))) {
       return chain;
@@ -166,8 +166,8 @@ class BorderCollapse {
     return chain;
   }
 
-  /// Keeps of a chain what its shape needs (Douglas, Peucker 1973), and lets each other place go
-  /// where the nearer kept one is.
+  /// Simplifies a chain (Douglas and Peucker 1973) and maps each dropped place to the nearer end of
+  /// its segment.
   void collapse(const std::vector<std::uint32_t>& chain) {
     const auto side = static_cast<std::size_t>(std::countr_zero(border_.sides(chain[1])));
     if (error_mm_[side] <= 0) return;
@@ -209,7 +209,7 @@ class BorderCollapse {
   std::vector<bool> passed_;
 };
 
-/// The vertex of `place` whose normal is closest to that of vertex `v`.
+/// Returns the vertex of `place` whose normal is closest to that of vertex `v`.
 std::uint32_t like(const TileMesh& mesh, const Border& border, std::uint32_t place,
                    std::uint32_t v) {
   const auto& n = mesh.normals[v];

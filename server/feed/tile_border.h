@@ -8,13 +8,13 @@
 
 namespace kerf {
 
-/// The mesh of a tile whose four borders (in the order of kSides) are drawn with fewer vertices, at
-/// most `side_error_mm` off; 0 leaves one as it is. What a border becomes depends on nothing but
-/// the vertices that both tiles have on it, so both make the same of it.
+/// Returns the mesh with its four borders (in the order of kSides) simplified to within
+/// `side_error_mm`; 0 leaves a border unchanged. The result on a border depends only on the
+/// vertices that both tiles have there, so both tiles get the same border.
 TileMesh with_coarser_borders(const TileMesh& mesh, const DexelGrid& grid,
                               const std::array<double, 4>& side_error_mm);
 
-/// Whether two meshes of one tile have the same open edges along its borders.
+/// Returns true if two meshes of a tile have the same open edges along its borders.
 bool same_border(const TileMesh& a, const TileMesh& b, const DexelGrid& grid);
 
 }  // namespace kerf

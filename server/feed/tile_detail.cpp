@@ -19,7 +19,7 @@ double outside(double value, double low, double high) {
   return std::max({low - value, value - high, 0.0});
 }
 
-/// Collapses edges inside of the tile; its border stays as it is.
+/// Collapses edges inside the tile; the border is locked.
 std::vector<std::uint32_t> simplified(const TileMesh& mesh, double error_mm) {
   const float* const positions = mesh.positions_mm.front().data();
   constexpr std::size_t kStride = sizeof(mesh.positions_mm.front());
@@ -31,7 +31,8 @@ std::vector<std::uint32_t> simplified(const TileMesh& mesh, double error_mm) {
   return indices;
 }
 
-/// The neighbours rely on the border, so it is looked at rather than taken for granted.
+/// Simplifies the inside of a tile. Neighbors rely on the border, so the result is discarded if the
+/// border changed.
 TileMesh with_simpler_inside(TileMesh mesh, const DexelGrid& grid, double error_mm) {
   if (mesh.indices.empty()) return mesh;
   TileMesh inside = mesh;
@@ -39,8 +40,8 @@ TileMesh with_simpler_inside(TileMesh mesh, const DexelGrid& grid, double error_
   return same_border(mesh, inside, grid) ? inside : mesh;
 }
 
-/// Without triangles that have become lines (two corners at one place, with different normals), and
-/// without the vertices that no triangle uses.
+/// Removes triangles with two corners at the same position (but different normals), and unused
+/// vertices.
 void compact(TileMesh& mesh) {
   const auto at = [&](std::size_t corner) { return mesh.positions_mm[mesh.indices[corner]]; };
   std::size_t end = 0;
@@ -77,7 +78,7 @@ TileMesh coarser_tile(const TileMesh& mesh, const DexelGrid& grid, const TileDet
     side_error_mm[n] = detail_error_mm(detail.side[n], grid.pitch_mm);
   }
   const double error_mm = detail_error_mm(detail.level, grid.pitch_mm);
-  // The inside first: slivers along a border that is coarse already would hold it up.
+  // The inside first: slivers along simplified borders would block the collapses.
   TileMesh out = with_simpler_inside(mesh, grid, error_mm);
   out = with_coarser_borders(out, grid, side_error_mm);
   out = with_simpler_inside(std::move(out), grid, error_mm);
@@ -85,7 +86,7 @@ TileMesh coarser_tile(const TileMesh& mesh, const DexelGrid& grid, const TileDet
   return out;
 }
 
-int detail_level(const ViewerLook& look, const DexelGrid& grid, TileIndex tile, int shown) {
+int detail_level(const ViewerLook& look, const DexelGrid& grid, TileIndex tile, int current) {
   const double side_mm = kTileSide * grid.pitch_mm;
   const Vec3 low = grid.origin_mm + Vec3{tile.x * side_mm, tile.y * side_mm, 0};
   const double height_mm = grid.height_quanta * grid.z_quantum_mm;
@@ -95,7 +96,7 @@ int detail_level(const ViewerLook& look, const DexelGrid& grid, TileIndex tile, 
   const double allowed_mm = look.error_rad * length(off);
   int level = 0;
   while (level < kDetailLevelMax) {
-    const double margin = level + 1 > shown ? kCoarserMargin : 1;
+    const double margin = level + 1 > current ? kCoarserMargin : 1;
     if (detail_error_mm(level + 1, grid.pitch_mm) * margin > allowed_mm) break;
     ++level;
   }

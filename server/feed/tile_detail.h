@@ -10,39 +10,39 @@
 
 namespace kerf {
 
-/// Levels of detail of a tile: 0 is the mesh as it is, each further one is coarser.
+/// Coarsest level of detail of a tile; level 0 is the exact mesh.
 inline constexpr int kDetailLevelMax = 3;
 
-/// How far a coarser level may lie from the mesh, mm: 1/8, 1/2 and 2 pitches. On the borders that
-/// is the greatest distance, within the tile what meshoptimizer estimates, a mean (README.md has
-/// the measured ones).
+/// Returns the error of a level, mm: 0, 1/8, 1/2 and 2 pitches. On the borders it is the maximum
+/// distance to the mesh; inside the tile it is meshoptimizer's estimate, a mean (README.md lists
+/// measured distances).
 double detail_error_mm(int level, double pitch_mm);
 
-/// The four neighbours that a tile shares a border with, as they number TileDetail::side.
+/// Offsets of the four neighbors of a tile, in the order of TileDetail::side.
 inline constexpr std::array<TileIndex, 4> kSides{TileIndex{-1, 0}, TileIndex{1, 0},
                                                  TileIndex{0, -1}, TileIndex{0, 1}};
 
-/// A tile's level, and that of each border: both tiles there must draw the same one, so it is the
-/// finer of their two levels.
+/// The level of a tile and of each of its borders. A border has the finer level of its two tiles,
+/// so that both produce the same edges.
 struct TileDetail {
   std::uint8_t level = 0;
   std::array<std::uint8_t, 4> side{};  ///< at most `level`
   friend bool operator==(const TileDetail&, const TileDetail&) = default;
 };
 
-/// The mesh with fewer triangles. Tiles meet without a crack whatever their levels are, as long as
-/// they agree about each border (README.md has the proof). Deterministic.
+/// Returns the mesh simplified to `detail`. Neighboring tiles meet without cracks at any
+/// combination of levels if they have the same level on their common border (README.md has the
+/// proof). Deterministic.
 TileMesh coarser_tile(const TileMesh& mesh, const DexelGrid& grid, const TileDetail& detail);
 
-/// From where a viewer looks, and how small what it does not see is.
+/// The viewpoint of a viewer and its angular tolerance; the contents of a `look` message.
 struct ViewerLook {
-  Vec3 eye_mm;           ///< in the world
-  double error_rad = 0;  ///< an error seen under this angle does not matter; 0: every error does
+  Vec3 eye_mm;           ///< world coordinates
+  double error_rad = 0;  ///< errors that appear under a smaller angle are allowed; 0: none
 };
 
-/// The level for a tile that has been shown at `shown` so far: the coarsest whose error is small
-/// enough as seen from the eye. Gets coarser only with a quarter to spare, so that a camera at the
-/// limit does not change levels back and forth.
-int detail_level(const ViewerLook& look, const DexelGrid& grid, TileIndex tile, int shown);
+/// Returns the coarsest level whose error is allowed by `look`. A level coarser than `current`
+/// requires a margin of a quarter, so that a camera at the limit does not toggle between levels.
+int detail_level(const ViewerLook& look, const DexelGrid& grid, TileIndex tile, int current);
 
 }  // namespace kerf

@@ -15,18 +15,19 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF is little-endian");
 
-/// Steps that a tile may span: below 65536, so that rounding at both ends still fits.
+/// Limit of the steps that a tile spans: below 65536, with a margin for rounding at both ends.
 constexpr double kStepsMax = 65000;
-/// Halvings of the pitch down to the step. With 256 steps a pitch, the next column is one in the
-/// upper byte of a coordinate and nothing in the lower one, which is what the codec, working
-/// byte by byte, packs best: 128 or 64 steps would take half as many bytes again.
+/// Limit of the halvings of the pitch that give the step. With 256 steps per pitch, neighboring
+/// columns differ by one in the upper byte of a coordinate and not in the lower one, which suits
+/// the byte-wise codec best: 128 or 64 steps would take half as many bytes again.
 constexpr int kStepHalvingsMax = 8;
-/// Pitches that a tile's vertices may span: its columns and half a cell on each side, and some.
+/// Bound of the span of a tile's vertices, pitches: its columns, half a cell on each side, a
+/// margin.
 constexpr int kTileSpanPitches = kTileSide + 2;
 /// The largest 16-bit index is reserved.
 constexpr std::uint32_t kShortIndexVerticesMax = 65535;
 constexpr float kNormalScale = 127;
-/// Added before a cast cuts off the fraction, so that it rounds down below zero too.
+/// Added before a cast truncates, so that negative values are rounded down too.
 constexpr std::int32_t kStepBias = 1 << 16;
 
 constexpr std::uint32_t kNoPlace = std::numeric_limits<std::uint32_t>::max();
@@ -36,10 +37,10 @@ void put(std::byte* at, T value) {
   std::memcpy(at, &value, sizeof(T));
 }
 
-/// What is sent, in the order in which it is sent.
+/// The vertices and triangles of a mesh in the order in which they are sent.
 struct SendOrder {
-  std::vector<std::uint32_t> vertices;  ///< the mesh's vertex at each place
-  std::vector<std::uint32_t> indices;   ///< places, three a triangle
+  std::vector<std::uint32_t> vertices;  ///< vertex of the mesh, by position in the order
+  std::vector<std::uint32_t> indices;   ///< positions in `vertices`, three per triangle
 };
 
 SendOrder order_of_mesh(const TileMesh& mesh) {
@@ -48,11 +49,11 @@ SendOrder order_of_mesh(const TileMesh& mesh) {
   return order;
 }
 
-/// The order that the codecs pack well: every triangle on an edge of one just before it, vertices
-/// numbered by first use. The mesher goes through its lattice row by row and leaves both triangles
-/// of a quadrangle together, the diagonal first in each, so all that is missing is to begin each
-/// quadrangle with the triangle that lies on the one before: the one whose own corner was used
-/// later. A general search for strips makes more bytes of it and takes ten times as long.
+/// An order that the codecs compress well: every triangle shares an edge with a recent one, and
+/// vertices are numbered by first use. The mesher already emits quadrangles row by row, as two
+/// triangles with the diagonal first, so it suffices to start each quadrangle with the triangle
+/// next to the previous one: the one whose own corner was used later. A general search for strips
+/// gives more bytes and takes ten times as long.
 class RowOrder {
  public:
   explicit RowOrder(const TileMesh& mesh) : place_(mesh.positions_mm.size(), kNoPlace) {
@@ -65,7 +66,7 @@ class RowOrder {
         add(t);
         continue;
       }
-      // A corner that was not used yet counts as the oldest.
+      // An unused corner counts as the oldest.
       const bool swapped = place_[t[5]] + 1 > place_[t[1]] + 1;
       add(swapped ? t + 3 : t);
       add(swapped ? t : t + 3);
@@ -158,7 +159,7 @@ std::vector<std::byte> compressed_vertices(const std::vector<std::byte>& raw, st
   std::vector<std::byte> out(meshopt_encodeVertexBufferBound(count, stride));
   out.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(),
                                         raw.data(), count, stride));
-  out.shrink_to_fit();  // tiles are kept
+  out.shrink_to_fit();  // tiles are cached
   return out;
 }
 
@@ -171,7 +172,8 @@ std::vector<std::byte> compressed_indices(const SendOrder& order) {
   return out;
 }
 
-/// EXT_meshopt_compression fixes these versions of the two codecs; the library keeps them globally.
+/// Selects the codec versions that EXT_meshopt_compression requires; they are global state of the
+/// library.
 void fix_codec_versions() {
   static std::once_flag versions_set;
   std::call_once(versions_set, [] {

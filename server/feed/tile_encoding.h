@@ -11,10 +11,11 @@
 
 namespace kerf {
 
-/// The one lattice on which all tiles of a block are sent, so that neighbours meet exactly.
+/// The lattice of the positions of all tiles of a block. It is common to them, so neighboring tiles
+/// meet exactly.
 struct MeshQuantization {
   Vec3 origin_mm;      ///< DexelGrid::origin_mm
-  double step_mm = 1;  ///< the pitch, halved up to 8 times as long as a tile fits 65536 steps
+  double step_mm = 1;  ///< the pitch, halved up to 8 times while a tile fits 65536 steps
 };
 MeshQuantization mesh_quantization(const DexelGrid& grid);
 
@@ -23,7 +24,7 @@ enum class TileCompression : std::uint8_t {
   kMeshopt
 };  ///< kMeshopt: EXT_meshopt_compression
 
-/// One tile, ready to be put into any number of frames.
+/// An encoded tile, which can be copied into any number of frames.
 struct EncodedTile {
   /// Bytes per vertex before compression: int16 x, y, z, padding; int8 x, y, z, padding.
   static constexpr std::size_t kPositionStride = 8, kNormalStride = 4;
@@ -32,19 +33,19 @@ struct EncodedTile {
   std::uint32_t version = 0;
   std::uint8_t level = 0;  ///< of detail; 0: exact
   TileCompression compression = TileCompression::kNone;
-  std::uint32_t vertices = 0, indices = 0;                 ///< both 0: nothing is left of the tile
+  std::uint32_t vertices = 0, indices = 0;                 ///< both 0: the tile is empty
   bool wide_indices = false;                               ///< 32-bit instead of 16-bit
-  std::array<double, 3> translation_mm{};                  ///< where step 0 lies, in the world
-  std::array<std::int16_t, 3> min{}, max{};                ///< of the positions, steps
-  std::vector<std::byte> positions, normals, index_bytes;  ///< as they stand in the GLB, unpadded
+  std::array<double, 3> translation_mm{};                  ///< world position of step 0
+  std::array<std::int16_t, 3> min{}, max{};                ///< of the positions, in steps
+  std::vector<std::byte> positions, normals, index_bytes;  ///< as in the GLB, unpadded
 
   std::size_t index_stride() const { return wide_indices ? 4 : 2; }
   std::size_t bytes() const { return positions.size() + normals.size() + index_bytes.size(); }
 };
 
-/// Quantises a tile to int16 positions and int8 normals (at most half a step and 0.4 degrees off),
-/// and compresses them if asked to. Compression keeps every vertex and triangle, but in another
-/// order. A mesh holds no vertex that it does not use.
+/// Quantizes a tile to int16 positions and int8 normals, with errors of at most half a step and 0.4
+/// degrees, and compresses them if requested. Compression preserves all vertices and triangles but
+/// reorders them. Every vertex of `mesh` must be used by a triangle.
 EncodedTile encode_tile(const TileMesh& mesh, const MeshQuantization& quantization,
                         std::uint32_t version,
                         TileCompression compression = TileCompression::kNone);

@@ -8,15 +8,15 @@
 namespace kerf {
 namespace {
 
-/// What a tile adds to a frame's JSON, roughly; only the byte budget looks at it.
+/// Approximate size of a tile's JSON in a frame, for the byte budget.
 constexpr std::size_t kTileJsonBytes = 1100;
-/// Frames kept for other viewers that are in step.
+/// Number of frames kept for other viewers in step.
 constexpr std::size_t kRecentFramesMax = 16;
-/// Forms of one tile that are kept; viewers near and far ask for a few.
+/// Number of encoded forms kept per tile, for viewers at different distances.
 constexpr std::size_t kFormsMax = 6;
 
-/// FNV-1a over words: tells a tile that a cut only passed by from one that it changed, before
-/// anything is encoded.
+/// Hashes a mesh (FNV-1a over words), to detect tiles whose mesh did not change before encoding
+/// them.
 std::uint64_t hash_of(const TileMesh& mesh) {
   std::uint64_t hash = 14695981039346656037U;
   const auto mix = [&hash](std::uint32_t word) {
@@ -49,8 +49,8 @@ std::uint32_t TileFeed::TileQueue::pop() {
   return tile;
 }
 
-void TileFeed::Viewer::note(std::uint32_t tile) {
-  if (shown[tile].version == 0 || in_changed[tile]) return;
+void TileFeed::Viewer::queue_change(std::uint32_t tile) {
+  if (sent_tiles[tile].version == 0 || in_changed[tile]) return;
   in_changed[tile] = true;
   changed.push(tile);
 }
@@ -70,7 +70,7 @@ TileFeed::TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings 
 void TileFeed::note_change(SolidSnapshot snapshot, std::span<const TileIndex> changed,
                            std::uint64_t revision) {
   const std::scoped_lock lock(update_mutex_);
-  std::swap(update_snapshot_, snapshot);  // the old one is destroyed after the lock is gone
+  std::swap(update_snapshot_, snapshot);  // the old one is destroyed after unlocking
   update_tiles_.insert(update_tiles_.end(), changed.begin(), changed.end());
   std::sort(update_tiles_.begin(), update_tiles_.end());
   update_tiles_.erase(std::unique(update_tiles_.begin(), update_tiles_.end()), update_tiles_.end());
@@ -90,18 +90,18 @@ void TileFeed::take_update() {
   for (const TileIndex tile : tiles_to_remesh(grid, changed)) {
     const auto n = static_cast<std::uint32_t>(tile.y * grid.tiles_x() + tile.x);
     tiles_[n].stale = true;
-    for (auto& [id, viewer] : viewers_) viewer.note(n);
+    for (auto& [id, viewer] : viewers_) viewer.queue_change(n);
   }
 }
 
 ViewerId TileFeed::add_viewer() {
-  const std::scoped_lock lock(lane_mutex_);
+  const std::scoped_lock lock(mutex_);
   take_update();
   Viewer viewer;
-  viewer.shown.resize(tiles_.size());
+  viewer.sent_tiles.resize(tiles_.size());
   viewer.level.resize(tiles_.size());
   viewer.in_changed.resize(tiles_.size());
-  // What has been carved is what people came to see.
+  // Carved tiles first: they are of most interest.
   for (const bool touched : {true, false}) {
     for (std::uint32_t n = 0; n < tiles_.size(); ++n) {
       if (snapshot_.touched(index_of(n)) == touched) viewer.first.push(n);
@@ -112,18 +112,19 @@ ViewerId TileFeed::add_viewer() {
 }
 
 void TileFeed::remove_viewer(ViewerId viewer) {
-  const std::scoped_lock lock(lane_mutex_);
+  const std::scoped_lock lock(mutex_);
   viewers_.erase(viewer);
 }
 
 std::size_t TileFeed::viewers() const {
-  const std::scoped_lock lock(lane_mutex_);
+  const std::scoped_lock lock(mutex_);
   return viewers_.size();
 }
 
 void TileFeed::look(ViewerId viewer_id, const ViewerLook& look) {
-  const std::scoped_lock lock(lane_mutex_);
-  take_update();  // first, so that viewers who look alike have the same tiles in the same order
+  const std::scoped_lock lock(mutex_);
+  // First, so that viewers with equal viewpoints have the same tiles in the same order.
+  take_update();
   const auto found = viewers_.find(viewer_id);
   if (found == viewers_.end()) return;
   Viewer& viewer = found->second;
@@ -133,12 +134,11 @@ void TileFeed::look(ViewerId viewer_id, const ViewerLook& look) {
     const auto level = static_cast<std::uint8_t>(detail_level(look, grid, tile, viewer.level[n]));
     if (level == viewer.level[n]) continue;
     viewer.level[n] = level;
-    viewer.note(n);
-    for (const TileIndex side : kSides) {  // their borders may change with it
-      const TileIndex beside{tile.x + side.x, tile.y + side.y};
-      if (beside.x < 0 || beside.y < 0 || beside.x >= grid.tiles_x() || beside.y >= grid.tiles_y())
-        continue;
-      viewer.note(static_cast<std::uint32_t>(beside.y * grid.tiles_x() + beside.x));
+    viewer.queue_change(n);
+    for (const TileIndex side : kSides) {  // the borders of its neighbors may change too
+      if (const auto neighbor = number_of({tile.x + side.x, tile.y + side.y})) {
+        viewer.queue_change(*neighbor);
+      }
     }
   }
 }
@@ -149,16 +149,20 @@ TileIndex TileFeed::index_of(std::uint32_t tile) const {
   return {n % tiles_x, n / tiles_x};
 }
 
-TileDetail TileFeed::detail_of(const Viewer& viewer, std::uint32_t tile) const {
+std::optional<std::uint32_t> TileFeed::number_of(TileIndex index) const {
   const DexelGrid& grid = snapshot_.grid();
+  if (index.x < 0 || index.y < 0 || index.x >= grid.tiles_x() || index.y >= grid.tiles_y()) {
+    return std::nullopt;
+  }
+  return static_cast<std::uint32_t>(index.y * grid.tiles_x() + index.x);
+}
+
+TileDetail TileFeed::detail_of(const Viewer& viewer, std::uint32_t tile) const {
   const TileIndex index = index_of(tile);
   TileDetail detail{.level = viewer.level[tile], .side = {}};
   for (std::size_t n = 0; n < kSides.size(); ++n) {
-    const TileIndex beside{index.x + kSides[n].x, index.y + kSides[n].y};
-    const bool inside =
-        beside.x >= 0 && beside.y >= 0 && beside.x < grid.tiles_x() && beside.y < grid.tiles_y();
-    const auto place = static_cast<std::size_t>(beside.y * grid.tiles_x() + beside.x);
-    detail.side[n] = inside ? std::min(detail.level, viewer.level[place]) : 0;
+    const auto neighbor = number_of({index.x + kSides[n].x, index.y + kSides[n].y});
+    detail.side[n] = neighbor ? std::min(detail.level, viewer.level[*neighbor]) : 0;
   }
   return detail;
 }
@@ -202,9 +206,9 @@ std::size_t TileFeed::pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t b
     if (&queue == &viewer.changed) viewer.in_changed[tile] = false;
     const TileDetail detail = detail_of(viewer, tile);
     auto encoded = current(tile, detail);
-    Shown& shown = viewer.shown[tile];
-    if (shown.version == encoded->version && shown.detail == detail) continue;
-    shown = {encoded->version, detail};
+    SentTile& sent = viewer.sent_tiles[tile];
+    if (sent.version == encoded->version && sent.detail == detail) continue;
+    sent = {encoded->version, detail};
     bytes += encoded->bytes() + kTileJsonBytes;
     picked.push_back({tile, {detail, std::move(encoded)}});
   }
@@ -212,7 +216,7 @@ std::size_t TileFeed::pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t b
 }
 
 std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
-  const std::scoped_lock lock(lane_mutex_);
+  const std::scoped_lock lock(mutex_);
   take_update();
   const auto found = viewers_.find(viewer_id);
   if (found == viewers_.end()) return std::nullopt;
@@ -221,8 +225,8 @@ std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
 
   const bool first_snapshot = !viewer.first.empty();
   std::vector<Picked> picked;
-  // While the first snapshot is under way, changes get at most half of a frame, so that neither
-  // starves the other.
+  // During the first snapshot, changes get at most half of a frame, so that neither starves the
+  // other.
   const std::size_t changed_max = settings_.frame_bytes_max / (first_snapshot ? 2 : 1);
   const std::size_t bytes = pick_tiles(viewer, viewer.changed, 0, changed_max, picked);
   pick_tiles(viewer, viewer.first, bytes, settings_.frame_bytes_max, picked);
@@ -262,7 +266,7 @@ std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(const std::vecto
 }
 
 bool TileFeed::ack(ViewerId viewer_id, std::uint64_t sequence) {
-  const std::scoped_lock lock(lane_mutex_);
+  const std::scoped_lock lock(mutex_);
   const auto found = viewers_.find(viewer_id);
   if (found == viewers_.end() || sequence > found->second.sent) return false;
   found->second.acked = std::max(found->second.acked, sequence);
@@ -270,7 +274,7 @@ bool TileFeed::ack(ViewerId viewer_id, std::uint64_t sequence) {
 }
 
 std::optional<TileFeed::ViewerState> TileFeed::viewer_state(ViewerId viewer_id) const {
-  const std::scoped_lock lock(lane_mutex_);
+  const std::scoped_lock lock(mutex_);
   const auto found = viewers_.find(viewer_id);
   if (found == viewers_.end()) return std::nullopt;
   const Viewer& viewer = found->second;
@@ -278,7 +282,7 @@ std::optional<TileFeed::ViewerState> TileFeed::viewer_state(ViewerId viewer_id) 
   {
     const std::scoped_lock update_lock(update_mutex_);
     state.revision = update_revision_;
-    state.sent = update_tiles_.empty() && viewer.lacks_nothing();
+    state.sent = update_tiles_.empty() && viewer.has_all_tiles();
   }
   state.applied = state.sent && viewer.acked == viewer.sent;
   state.frames_in_flight = static_cast<std::uint32_t>(viewer.sent - viewer.acked);
@@ -291,7 +295,7 @@ std::pair<SolidSnapshot, std::uint64_t> TileFeed::newest() const {
 }
 
 TileFeed::Stats TileFeed::stats() const {
-  const std::scoped_lock lock(lane_mutex_);
+  const std::scoped_lock lock(mutex_);
   return stats_;
 }
 

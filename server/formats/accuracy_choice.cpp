@@ -139,9 +139,9 @@ std::expected<void, AccuracyError> check(const AccuracyRequest& r, const Accurac
 Accuracy cheapest(const AccuracyRequest& r, const AccuracyUse& use, Rays rays, MotionModel motion) {
   const double coarsest = std::min(smallest_radius_mm(use.tools) / kPitchesPerRadius, kPitchMaxMm);
   // With a fixed pitch the tolerance gets half of the remaining error.
-  const double room = r.pitch_mm ? (r.target_mm - error_per_pitch(rays) * *r.pitch_mm) / 2
-                                 : share_of(motion, use.turns) * r.target_mm;
-  const double tolerance = r.tolerance_mm.value_or(room / kErrorPerTolerance);
+  const double remaining_mm = r.pitch_mm ? (r.target_mm - error_per_pitch(rays) * *r.pitch_mm) / 2
+                                         : share_of(motion, use.turns) * r.target_mm;
+  const double tolerance = r.tolerance_mm.value_or(remaining_mm / kErrorPerTolerance);
   const double pitch = r.pitch_mm.value_or(
       rounded_down(std::min(pitch_for(r.target_mm, tolerance, rays), coarsest), 3));
   return {rays, pitch, r.tolerance_mm.value_or(rounded_down(tolerance, 2)), motion};

@@ -3,24 +3,22 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "kernel/math/rotation.h"
+#include "server/formats/letter_case.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/motion_sink.h"
 #include "server/formats/number_text.h"
 #include "server/formats/text_lines.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
 
-constexpr double kMmPerInch = 25.4;
 // Greatest difference without a warning between the diameters of CUTTER and of the scene's tool.
 constexpr double kCutterDifferenceMm = 1e-3;
 // Shortest tool axis vector that has a direction.
@@ -48,8 +46,7 @@ struct Statement {
 std::string clean(std::string_view text) {
   std::string result;
   for (const char c : text)
-    if (c != ' ' && c != '\t' && c != '\r')
-      result += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    if (c != ' ' && c != '\t' && c != '\r') result += to_upper(c);
   return result;
 }
 
@@ -309,13 +306,10 @@ class AptReader {
   }
 
   double duration_s(const ToolPose& from, const ToolPose& to) const {
-    const double travel_mm = length(to.tip_mm - from.tip_mm);
-    const double turn_deg =
-        angle_between(normalized(from.axis), normalized(to.axis)) * 180 / std::numbers::pi;
-    // If only the axis turns, the feed is in degrees per minute, as in G-code.
-    const double travel = travel_mm > 0 ? travel_mm : turn_deg;
+    const FeedTravel path = feed_travel(from, to);
+    const double travel = path.length();
     if (rapid_) return 60 * travel / scene_.machine.rapid_mm_per_min;
-    const double feed = travel_mm > 0 ? feed_mm_ : feed_;
+    const double feed = path.mm > 0 ? feed_mm_ : feed_;
     if (feed <= 0) throw Fault{"", "the feed is 0; give FEDRAT before the first cutting motion"};
     if (feed_unit_ == FeedUnit::kPerMinute) return 60 * travel / feed;
     if (spindle_rpm_ <= 0)

@@ -1,26 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <ostream>
 
-#include "kernel/math/rotation.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/number_text.h"
 #include "server/formats/pose_grid.h"
-#include "server/formats/program_writer.h"
+#include "server/formats/program_writing.h"
 #include "server/formats/tool_text.h"
 
 namespace kerf {
 namespace {
 
 constexpr int kFeedDigits = 7;
-
-std::string one_line(const std::string& text) {
-  std::string result;
-  for (const char c : text) result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return result;
-}
 
 std::string pose_text(const ToolPose& pose) {
   std::string text = exact_text(pose.tip_mm.x);
@@ -35,7 +26,7 @@ class AptWriter final : public ProgramWriter {
  public:
   AptWriter(const Scene& scene, std::ostream& out) : scene_(scene), out_(out) {}
 
-  void note(const std::string& line) override { notes_ += "$$ " + one_line(line) + '\n'; }
+  void note(const std::string& line) override { notes_ += "$$ " + printable(line) + '\n'; }
 
   WriteResult add(const ProgramMotion& motion) override {
     if (!started_) header();
@@ -58,25 +49,20 @@ class AptWriter final : public ProgramWriter {
       out_ << "GOTO/" << pose_text(to) << '\n';
     }
     last_ = to;
-    return state();
+    return write_result(out_);
   }
 
   WriteResult finish() override {
     if (!started_) header();
     out_ << "FINI\n";
     out_.flush();
-    return state();
+    return write_result(out_);
   }
 
  private:
-  WriteResult state() const {
-    if (out_.good()) return {};
-    return std::unexpected("writing to the output stream failed");
-  }
-
   void header() {
     started_ = true;
-    out_ << "PARTNO/" << one_line(scene_.name) << "\n$$ written by Kerf; coordinates are those of "
+    out_ << "PARTNO/" << printable(scene_.name) << "\n$$ written by Kerf; coordinates are those of "
          << "the tool tip\n";
     for (const auto& [id, tool] : scene_.tools)
       out_ << "$$ tool " << id << ": " << tool_text(tool.shape) << '\n';
@@ -86,11 +72,8 @@ class AptWriter final : public ProgramWriter {
   }
 
   void feed(const ToolPose& from, const ToolPose& to, double duration_s) {
-    const double travel_mm = length(to.tip_mm - from.tip_mm);
-    const double turn_deg =
-        angle_between(normalized(from.axis), normalized(to.axis)) * 180 / std::numbers::pi;
     std::string feed =
-        significant_text(60 * (travel_mm > 0 ? travel_mm : turn_deg) / duration_s, kFeedDigits);
+        significant_text(60 * feed_travel(from, to).length() / duration_s, kFeedDigits);
     if (feed == feed_) return;
     feed_ = std::move(feed);
     out_ << "FEDRAT/" << feed_ << ",MMPM\n";

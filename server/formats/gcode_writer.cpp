@@ -7,7 +7,7 @@
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/number_text.h"
 #include "server/formats/pose_grid.h"
-#include "server/formats/program_writer.h"
+#include "server/formats/program_writing.h"
 #include "server/formats/tool_text.h"
 
 namespace kerf {
@@ -21,14 +21,10 @@ constexpr int kHalvingsMax = 16;
 // turn. LinuxCNC's sample machines allow 100 turns; cables and hoses of real tables allow fewer.
 constexpr double kWindUpMaxDeg = 20 * 360;
 
-// Replaces parentheses, which would end the comment, and control characters, which would end the
-// line.
+// The text of a comment, which the first parenthesis would end.
 std::string comment_text(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    const bool plain = static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
-    result += c == '(' ? '[' : c == ')' ? ']' : plain ? c : '?';
-  }
+  std::string result = printable(text);
+  for (char& c : result) c = c == '(' ? '[' : c == ')' ? ']' : c;
   return result;
 }
 
@@ -66,7 +62,7 @@ class GcodeWriter final : public ProgramWriter {
       block(to, motion.rapid, motion.duration_s);
     }
     last_ = to;
-    return state();
+    return write_result(out_);
   }
 
   WriteResult finish() override {
@@ -74,15 +70,10 @@ class GcodeWriter final : public ProgramWriter {
     if (placed_) retract();
     out_ << "M2\n%\n";
     out_.flush();
-    return state();
+    return write_result(out_);
   }
 
  private:
-  WriteResult state() const {
-    if (out_.good()) return {};
-    return std::unexpected("writing to the output stream failed");
-  }
-
   void header() {
     started_ = true;
     out_ << "%\n(" << comment_text(scene_.name) << ")\n(written by Kerf for a machine "
@@ -148,9 +139,7 @@ class GcodeWriter final : public ProgramWriter {
                                 angles_.c + (end.c - angles_.c) * s};
       deviation = std::max(deviation, length(table_axis(kind_, angles) - turned_axis(a, b, s)));
     }
-    const double reach = scene_.tools.contains(motion.tool)
-                             ? scene_.tools.at(motion.tool).tool.length_mm
-                             : scene_.settings.force.pivot_mm;
+    const double reach = reach_mm(scene_, motion.tool);
     if (deviation * reach > scene_.settings.tolerance_mm && halvings < kHalvingsMax) {
       const ToolPose middle = admit_pose({(from.tip_mm + to.tip_mm) * 0.5, turned_axis(a, b, 0.5)});
       turn(from, middle, motion, halvings + 1);
@@ -206,12 +195,6 @@ class GcodeWriter final : public ProgramWriter {
 
 std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostream& out) {
   return std::make_unique<GcodeWriter>(scene, out);
-}
-
-WriteResult write_program(const Program& program, ProgramWriter& writer) {
-  for (const ProgramMotion& motion : program.motions)
-    if (WriteResult written = writer.add(motion); !written) return written;
-  return writer.finish();
 }
 
 }  // namespace kerf

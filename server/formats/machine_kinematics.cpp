@@ -5,11 +5,10 @@
 #include <numbers>
 
 #include "kernel/math/rotation.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 // Sine and cosine of degrees. Multiples of 90 give exact zeros and ones, so that a vertical tool is
 // exactly vertical.
@@ -101,6 +100,11 @@ RotaryAngles angles_from_axis(MachineKinematics kinematics, Vec3 axis,
     }
   }
   return best;
+}
+
+FeedTravel feed_travel(const ToolPose& from, const ToolPose& to) {
+  return {length(to.tip_mm - from.tip_mm),
+          angle_between(normalized(from.axis), normalized(to.axis)) * 180 / std::numbers::pi};
 }
 
 Vec3 turned_axis(Vec3 a, Vec3 b, double share) {

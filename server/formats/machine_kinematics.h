@@ -38,6 +38,15 @@ Vec3 programmed_from_tip(MachineKinematics kinematics, bool tool_center_point, V
 RotaryAngles angles_from_axis(MachineKinematics kinematics, Vec3 axis,
                               const RotaryAngles& previous);
 
+/// The travel to which the feed of a straight motion applies.
+struct FeedTravel {
+  double mm = 0;   ///< travel of the tip
+  double deg = 0;  ///< turn of the axis
+  /// The travel of the tip or, if it is at rest, the turn: the feed is then in degrees per minute.
+  double length() const { return mm > 0 ? mm : deg; }
+};
+FeedTravel feed_travel(const ToolPose& from, const ToolPose& to);
+
 /// Returns the unit vector at `share` (0 to 1) of the great circle from `a` to `b`. They need not
 /// be unit vectors but must not be opposite.
 Vec3 turned_axis(Vec3 a, Vec3 b, double share);

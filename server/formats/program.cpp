@@ -6,6 +6,7 @@
 
 #include "server/formats/apt_reader.h"
 #include "server/formats/gcode/reader.h"
+#include "server/formats/letter_case.h"
 
 namespace kerf {
 namespace {
@@ -33,8 +34,8 @@ std::string to_string(const ProgramError& error) {
 
 std::expected<ProgramFormat, ProgramError> program_format(std::string_view file_name) {
   const std::size_t dot = file_name.rfind('.');
-  std::string extension(dot == std::string_view::npos ? "" : file_name.substr(dot + 1));
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension =
+      to_lower(std::string(dot == std::string_view::npos ? "" : file_name.substr(dot + 1)));
   if (extension == "apt" || extension == "cls") return ProgramFormat::kApt;
   if (extension == "ngc" || extension == "nc" || extension == "tap" || extension == "gcode")
     return ProgramFormat::kGcode;

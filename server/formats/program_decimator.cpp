@@ -7,6 +7,7 @@
 #include "kernel/math/rotation.h"
 #include "server/formats/machine_kinematics.h"
 #include "server/formats/number_text.h"
+#include "server/formats/program_writing.h"
 
 namespace kerf {
 namespace {
@@ -50,9 +51,7 @@ WriteResult ProgramDecimator::add(const ProgramMotion& motion) {
 /// Whether the straight motion to `end` stays within the tolerance of all poses of the path and of
 /// the poses halfway between them, where great circles deviate most.
 bool ProgramDecimator::fits(const ToolPose& end) const {
-  const auto tool = scene_.tools.find(joined_->tool);
-  const double reach =
-      tool != scene_.tools.end() ? tool->second.tool.length_mm : scene_.settings.force.pivot_mm;
+  const double reach = reach_mm(scene_, joined_->tool);
   const ToolPose& start = path_.front();
   const double turn = angle(start, end);
   if (turn > kTurnMaxRad) return false;
@@ -89,14 +88,6 @@ WriteResult ProgramDecimator::flush() {
 WriteResult ProgramDecimator::finish() {
   if (auto done = flush(); !done) return done;
   return writer_->finish();
-}
-
-std::unique_ptr<ProgramWriter> make_program_writer(ProgramFormat format, const Scene& scene,
-                                                   std::ostream& out, double tolerance_mm) {
-  auto writer =
-      format == ProgramFormat::kApt ? make_apt_writer(scene, out) : make_gcode_writer(scene, out);
-  if (!(tolerance_mm > 0)) return writer;
-  return std::make_unique<ProgramDecimator>(std::move(writer), scene, tolerance_mm);
 }
 
 }  // namespace kerf

@@ -36,7 +36,7 @@ class ProgramWriter {
 /// Makes a writer of RS-274 G-code for the scene's machine. For `xyz` and `tool-vector`, reading
 /// the text back gives bit-identical poses. For `xyzac-trt` and `xyzbc-trt` the tip is exact and
 /// the axis is within 2e-8 (angles with six decimals). Durations are exact to 1e-6 relative.
-/// `scene` and `out` must outlive the writer.
+/// For `xyz` a tilted tool is an error. `scene` and `out` must outlive the writer.
 std::unique_ptr<ProgramWriter> make_gcode_writer(const Scene& scene, std::ostream& out);
 /// Makes a writer of APT CL data: poses are bit-identical when read back, durations exact to 1e-6
 /// relative. `scene` and `out` must outlive the writer.

@@ -62,8 +62,8 @@ struct SceneError {
   std::size_t line = 0, column = 0;  ///< from 1; 0 if unknown
   std::string reason;                ///< one clause, e.g. "is 0; it must be above 0"
 };
-/// Formats an error as one line, e.g. "chips.json:4:25: accuracy.pitch_mm is 0; it must be above
-/// 0".
+/// Formats an error as one line, e.g.
+/// "chips.json:4:25: accuracy.pitch_mm is 0; it must be above 0".
 std::string to_string(const SceneError& error);
 
 /// Where a scene text comes from and which files it may name.

@@ -14,7 +14,7 @@ constexpr std::size_t kSceneItemsMax = 1000;
 
 const Json& node(const void* json) { return *static_cast<const Json*>(json); }
 
-std::string number_text(double value) { return Json(value).dump(); }
+std::string json_text(double value) { return Json(value).dump(); }
 
 }  // namespace
 
@@ -27,8 +27,8 @@ double SceneValue::number(double above, double most) const {
   const double number = node(json_).get<double>();
   if (!std::isfinite(number)) reject("must be a finite number");
   if (number <= above || number > most) {
-    reject("is " + number_text(number) + "; it must be above " + number_text(above) +
-           (most < kInfinity ? " and at most " + number_text(most) : ""));
+    reject("is " + json_text(number) + "; it must be above " + json_text(above) +
+           (most < kInfinity ? " and at most " + json_text(most) : ""));
   }
   return number;
 }
@@ -81,7 +81,7 @@ double SceneFields::not_negative(const std::string& field, double standard) {
   const auto value = find(field);
   if (!value) return standard;
   const double number = value->number();
-  if (number < 0) reject(field, "is " + number_text(number) + "; it must not be negative");
+  if (number < 0) reject(field, "is " + json_text(number) + "; it must not be negative");
   return number;
 }
 

@@ -31,12 +31,12 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   if (sample.agent_sequence <= state.last_sequence) return std::nullopt;  // a resent sample
   state.last_sequence = sample.agent_sequence;
   state.newest_us = sample.time_us;
-  const auto name = [&] { return "sample " + std::to_string(sample.agent_sequence) + ": "; };
   if (!state.samples.allow(ParticipantState::Clock::now())) {
     state.track.lift();  // leaves a gap: a chord across the dropped samples would gouge the block
-    return Rejection{wire::ErrorCode::kTooFast,
-                     name() + "the sample rate limit is " +
-                         std::to_string(std::llround(limits_.samples_per_s)) + " per second"};
+    return sample_rejection(sample, wire::ErrorCode::kTooFast,
+                            "the sample rate limit is " +
+                                std::to_string(std::llround(limits_.samples_per_s)) +
+                                " per second");
   }
   auto step = state.track.take(sample, sculpture_, limits_.speed_mm_per_s);
   if (!step) return step.error();
@@ -47,7 +47,7 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   if (auto* move = std::get_if<MoveTool>(&*step)) {
     move->feel = state.feel;
     const auto result = apply(state.participant.id, *move);
-    if (!result) return Rejection{result.error().code, name() + result.error().reason};
+    if (!result) return sample_rejection(sample, result.error().code, result.error().reason);
     add_motion(sum, sculpture_, *move, *result);
   }
   return std::nullopt;
@@ -60,7 +60,7 @@ MotionAnswer Carving::move(ParticipantState& state, std::span<const wire::Motion
     if (auto rejection = take_sample(state, sample, sum)) answer.rejections.push_back(*rejection);
   }
   // The agent's replica has already applied the rejected sample: resynchronize it.
-  if (!answer.rejections.empty() && state.stock) state.stock->restart();
+  if (!answer.rejections.empty() && state.stock) state.stock->reset();
   wire::Result& result = answer.result;
   result.agent_sequence = state.last_sequence;
   result.agent_time_us = samples.empty() ? state.track.time_us() : samples.back().time_us;

@@ -13,8 +13,8 @@ constexpr std::chrono::milliseconds kForceDisplayTime{150};
 
 void ParticipantState::update_display(const wire::Result& result, const BatchSum& sum) {
   if (const auto& pose = track.pose()) {
-    display.tip_mm = to_wire(pose->tip_mm);
-    display.axis = to_wire_float(pose->axis);
+    display.tip_mm = pose->tip_mm;
+    display.axis = Vec3f(pose->axis);
   }
   display.participant = participant.id;
   display.status = result.status;

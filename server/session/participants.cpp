@@ -22,10 +22,6 @@ bool is_color(const std::string& text) {
                      [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
-Rejection unknown_tool(ToolId tool) {
-  return {wire::ErrorCode::kUnknownTool, "the session has no tool " + std::to_string(tool)};
-}
-
 }  // namespace
 
 Participants::Participants(const SessionLimits& limits, const Sculpture& sculpture,

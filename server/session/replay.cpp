@@ -61,8 +61,8 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file) 
     }
   }
   ParticipantId last_participant = 0;
-  for (const JournalPerson& person : reader->people()) {
-    last_participant = std::max(last_participant, person.participant);
+  for (const JournalParticipant& participant : reader->participants()) {
+    last_participant = std::max(last_participant, participant.participant);
   }
   const StateHash hash{last_sequence, sculpture->state_hash()};
   return Replayed{*std::move(scene), reader->header(), *std::move(sculpture),

@@ -17,8 +17,8 @@ std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
 }
 
 void SessionJournal::append(const Participant& participant) {
-  writer_.append(JournalPerson{participant.id, participant.name, participant.color,
-                               to_string(participant.kind)});
+  writer_.append(JournalParticipant{participant.id, participant.name, participant.color,
+                                    to_string(participant.kind)});
 }
 
 std::optional<StateHash> SessionJournal::current_hash() const {

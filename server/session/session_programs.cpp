@@ -21,10 +21,10 @@ std::expected<ProgramStatus, Rejection> Session::start_program(Program program, 
   // Reject unknown tools before the first motion is carved.
   for (const ProgramMotion& motion : program.motions) {
     if (sculpture_.tool(motion.tool) != nullptr) continue;
+    const Rejection rejection = unknown_tool(motion.tool);
     return std::unexpected(
-        Rejection{wire::ErrorCode::kUnknownTool, program.name + ":" + std::to_string(motion.line) +
-                                                     ": the session has no tool " +
-                                                     std::to_string(motion.tool)});
+        Rejection{rejection.code,
+                  program.name + ":" + std::to_string(motion.line) + ": " + rejection.reason});
   }
   JoinRequest request;
   request.kind = ParticipantKind::kProgram;

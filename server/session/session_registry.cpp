@@ -32,14 +32,6 @@ std::expected<void, JournalError> write_first_records(const std::filesystem::pat
   return journal->flush();
 }
 
-/// Removes a journal and the write-ahead log and index that SQLite keeps beside it.
-void remove_journal(const std::filesystem::path& file) {
-  std::error_code ignored;
-  for (const char* suffix : {"", "-wal", "-shm"}) {
-    std::filesystem::remove(file.string() + suffix, ignored);
-  }
-}
-
 /// Checks that the block is small enough to send all of its surface to viewers.
 std::expected<void, RegistryError> check_tiles(const DexelGrid& grid, std::int64_t tiles_max) {
   const std::int64_t tiles = std::int64_t{grid.tiles_x()} * grid.tiles_y();
@@ -243,18 +235,15 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
                              .count();
     const auto folder = options_.data_folder / "closed";
     std::filesystem::create_directories(folder, error);
-    const std::string to = (folder / (id + "-" + std::to_string(seconds) + kExtension)).string();
-    for (const char* suffix : {"-wal", "-shm", ""}) {
-      std::error_code moved;
-      std::filesystem::rename(file.string() + suffix, to + suffix, moved);
-      if (*suffix == '\0') error = moved;
-    }
+    error = move_journal(file, folder / (id + "-" + std::to_string(seconds) + kExtension));
   }
   const std::lock_guard lock(mutex_);
   sessions_.erase(id);
   if (!flushed) return std::unexpected(journal_failure(flushed.error()));
-  if (error)
-    return std::unexpected(RegistryError{RegistryErrorCode::kJournal, error.message(), {}});
+  if (error) {
+    return std::unexpected(RegistryError{
+        RegistryErrorCode::kJournal, "cannot move the journal: " + error.message(), {}});
+  }
   return {};
 }
 

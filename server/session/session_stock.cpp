@@ -29,7 +29,7 @@ std::expected<void, Rejection> Session::ack_stock(ParticipantId id, std::uint64_
 }
 
 void Session::reset_stock(ParticipantId id) {
-  if (ParticipantState* state = replica_owner(id)) state->stock->restart();
+  if (ParticipantState* state = replica_owner(id)) state->stock->reset();
 }
 
 }  // namespace kerf

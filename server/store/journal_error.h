@@ -7,13 +7,13 @@
 namespace kerf {
 
 enum class JournalErrorCode {
-  kNotFound,        ///< no such file
-  kExists,          ///< a new session must not overwrite an old one
-  kNotAJournal,     ///< not SQLite, or SQLite of another program
-  kForeignVersion,  ///< written by a version of Kerf that this one cannot read
-  kCorrupt,         ///< damaged: `sequence` is the first bad record (0: outside the records)
-  kIo,              ///< the disk or the operating system rejected
-  kFull             ///< the disk does not keep up: the bounded buffer is full
+  kNotFound,        ///< the file does not exist
+  kExists,          ///< the file of a new journal exists already
+  kNotAJournal,     ///< not an SQLite file, or one of another program
+  kForeignVersion,  ///< unsupported version of the tables
+  kCorrupt,         ///< `sequence` is the first bad record (0: outside the records)
+  kIo,              ///< an operation of the disk or the operating system failed
+  kFull             ///< the disk does not keep up and the bounded buffer is full
 };
 
 struct JournalError {
@@ -23,9 +23,9 @@ struct JournalError {
   std::string reason;  ///< one sentence
 };
 
-/// The name of a code as logs and the HTTP interface write it, e.g. "corrupt_journal".
+/// Returns the name of a code in logs and in the HTTP interface, e.g. "corrupt_journal".
 const char* to_string(JournalErrorCode code);
-/// "FILE: record N: reason".
+/// Returns "FILE: record N: reason".
 std::string describe(const JournalError& error);
 
 }  // namespace kerf

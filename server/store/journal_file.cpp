@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_file.h"
 
-#include <system_error>
+#include <string>
+#include <utility>
 
 #include "server/store/crc32.h"
 
 namespace kerf {
 namespace {
 
-// WITHOUT ROWID is not used: rows arrive in the order of their integer key, which a rowid table
-// appends in place.
+// Not WITHOUT ROWID: rows arrive in the order of their integer key, and a rowid table appends them
+// in place.
 constexpr const char* kTables = R"(
   CREATE TABLE session(id TEXT NOT NULL, scene TEXT NOT NULL, crc INTEGER NOT NULL,
                        base_folder TEXT NOT NULL, epoch INTEGER NOT NULL);
@@ -20,7 +21,7 @@ constexpr const char* kTables = R"(
   CREATE TABLE state_hashes(sequence INTEGER PRIMARY KEY, hash INTEGER NOT NULL);
 )";
 
-/// A journal whose scene names no file has no such table.
+/// Created only if the scene names files.
 constexpr const char* kFilesTable =
     "CREATE TABLE files(name TEXT PRIMARY KEY, bytes BLOB NOT NULL, crc INTEGER NOT NULL)";
 
@@ -39,6 +40,10 @@ SqlResult<void> insert_files(SqlDatabase& database,
   }
   return {};
 }
+
+/// Suffixes of the write-ahead log and its index, which SQLite keeps beside an open database and
+/// leaves after a crash.
+constexpr const char* kSideFileSuffixes[] = {"-wal", "-shm"};
 
 JournalError make_error(JournalErrorCode code, const std::filesystem::path& file,
                         std::string reason) {
@@ -116,7 +121,7 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {
     return std::unexpected(
-        make_error(JournalErrorCode::kNotFound, file, "there is no such journal"));
+        make_error(JournalErrorCode::kNotFound, file, "the journal does not exist"));
   }
   auto database = SqlDatabase::open(file, mode);
   if (!database) return std::unexpected(to_journal_error(file, database.error()));
@@ -128,14 +133,14 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
   }
   if (*application != kJournalApplicationId) {
     return std::unexpected(make_error(JournalErrorCode::kNotAJournal, file,
-                                      "the file is a database, but not a journal of Kerf"));
+                                      "the file is an SQLite database but not a Kerf journal"));
   }
   const auto version = database->integer("PRAGMA user_version");
   if (!version) return std::unexpected(to_journal_error(file, version.error()));
   if (*version != kJournalVersion) {
     return std::unexpected(make_error(JournalErrorCode::kForeignVersion, file,
-                                      "the journal has version " + std::to_string(*version) +
-                                          "; this program reads version " +
+                                      "journal version " + std::to_string(*version) +
+                                          " is not supported; this program reads version " +
                                           std::to_string(kJournalVersion)));
   }
   if (mode == SqlMode::kWrite) {
@@ -151,7 +156,7 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
                                                const std::filesystem::path& to) {
   auto database = open_journal(from, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
-  // query_only forbids VACUUM too, although it changes nothing here.
+  // query_only forbids VACUUM, which does not change this file.
   if (auto ok = database->execute("PRAGMA query_only=OFF"); !ok) {
     return std::unexpected(to_journal_error(from, ok.error()));
   }
@@ -160,6 +165,23 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
   copy->bind(1, to.string());
   if (auto row = copy->step(); !row) return std::unexpected(to_journal_error(to, row.error()));
   return {};
+}
+
+std::error_code move_journal(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code error;
+  for (const char* suffix : kSideFileSuffixes) {
+    std::filesystem::rename(from.string() + suffix, to.string() + suffix, error);  // often absent
+  }
+  std::filesystem::rename(from, to, error);
+  return error;
+}
+
+void remove_journal(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  for (const char* suffix : kSideFileSuffixes) {
+    std::filesystem::remove(file.string() + suffix, ignored);
+  }
 }
 
 }  // namespace kerf

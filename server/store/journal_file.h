@@ -5,37 +5,41 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <system_error>
 
 #include "server/store/journal_error.h"
 #include "server/store/sqlite.h"
 
 namespace kerf {
 
-/// "KERF" in the header of the SQLite file: tells our files from those of other programs.
+/// "KERF", the application_id of the SQLite file. It identifies journals.
 inline constexpr std::int64_t kJournalApplicationId = 0x4B455246;
-/// Version of the tables. A file with another version is rejected with kForeignVersion, never
-/// guessed at.
+/// Version of the tables. A file with another version is rejected with kForeignVersion.
 inline constexpr std::int64_t kJournalVersion = 1;
 
-/// What a session is, apart from what happened in it.
+/// The parameters of a session.
 struct JournalHeader {
   std::string session;
   std::string scene_json;
-  std::string base_folder;  ///< where the scene's file references start; empty: it has none
-  std::uint32_t epoch = 1;  ///< how often the session was opened for writing
-  std::map<std::string, std::string> files = {};  ///< that the scene names, by those names
+  std::string base_folder;  ///< of the scene's file references; empty: none
+  std::uint32_t epoch = 1;  ///< number of times the journal was opened for writing
+  std::map<std::string, std::string> files = {};  ///< contents of the scene's files, by name
 };
 
-/// Creates an empty journal; kExists if the file is already there.
+/// Creates an empty journal; fails with kExists if the file exists.
 std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::path& file,
                                                         const JournalHeader& header);
-/// Opens a journal and checks its identity and version.
+/// Opens a journal and checks its application_id and version.
 std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::path& file,
                                                       SqlMode mode);
-/// Writes a complete copy of a journal as it is now, while it may be written to.
+/// Writes a consistent copy of a journal, which may be in use by a writer.
 std::expected<void, JournalError> copy_journal(const std::filesystem::path& from,
                                                const std::filesystem::path& to);
-/// Turns what SQLite said into what a caller of the store can act on.
+/// Moves a closed journal, and the files that SQLite may have left beside it.
+std::error_code move_journal(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Deletes a journal, and the files that SQLite may have left beside it. Errors are ignored.
+void remove_journal(const std::filesystem::path& file);
+/// Converts an SQLite error: kCorrupt if the file is damaged, otherwise kIo.
 JournalError to_journal_error(const std::filesystem::path& file, const SqlError& error);
 
 }  // namespace kerf

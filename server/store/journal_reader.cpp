@@ -20,7 +20,7 @@ JournalError JournalReader::corrupt(std::uint64_t sequence, std::string reason) 
 std::expected<JournalReader, JournalError> JournalReader::open(const std::filesystem::path& file) {
   auto database = open_journal(file, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
-  // One transaction for all reads, so that hashes and commands are of the same moment.
+  // One transaction for all reads, so that hashes and commands belong to the same state.
   if (auto ok = database->execute("BEGIN"); !ok) {
     return std::unexpected(to_journal_error(file, ok.error()));
   }
@@ -52,7 +52,7 @@ std::expected<void, JournalError> JournalReader::read_head() {
       });
   if (!ok) return ok;
   if (crc != std::int64_t{crc32(std::as_bytes(std::span(header_.scene_json)))}) {
-    return std::unexpected(corrupt(0, "the scene is missing or fails its checksum"));
+    return std::unexpected(corrupt(0, "the scene is missing or its checksum is wrong"));
   }
   const auto tables = database_.integer("SELECT count(*) FROM sqlite_master WHERE name='files'");
   if (!tables) return std::unexpected(to_journal_error(file_, tables.error()));
@@ -66,12 +66,12 @@ std::expected<void, JournalError> JournalReader::read_head() {
     if (!ok) return ok;
   }
   if (!damaged.empty()) {
-    return std::unexpected(corrupt(0, "the file " + damaged + " of the scene fails its checksum"));
+    return std::unexpected(corrupt(0, "the checksum of the scene's file " + damaged + " is wrong"));
   }
   ok = each("SELECT participant, name, color, kind FROM participants ORDER BY participant",
             [&](const SqlStatement& row) {
-              people_.push_back({static_cast<ParticipantId>(row.integer(0)), row.text(1),
-                                 row.text(2), row.text(3)});
+              participants_.push_back({static_cast<ParticipantId>(row.integer(0)), row.text(1),
+                                       row.text(2), row.text(3)});
             });
   if (!ok) return ok;
   return each("SELECT sequence, hash FROM state_hashes ORDER BY sequence",
@@ -93,15 +93,14 @@ std::expected<std::optional<JournalRecord>, JournalError> JournalReader::next() 
     if (!hashes_.empty() && hashes_.back().sequence > sequence_) {
       return std::unexpected(corrupt(expected_sequence,
                                      "the record is missing: the journal ends "
-                                     "before its last state hash"));
+                                     "before its newest state hash"));
     }
     return std::nullopt;
   }
   const std::int64_t sequence = commands_.integer(0);
   if (sequence != static_cast<std::int64_t>(expected_sequence)) {
-    return std::unexpected(corrupt(expected_sequence, "the record is missing: record " +
-                                                          std::to_string(sequence) +
-                                                          " follows the one before it"));
+    return std::unexpected(corrupt(
+        expected_sequence, "the record is missing: the next one is " + std::to_string(sequence)));
   }
   JournalRecord record;
   record.sequence = expected_sequence;
@@ -109,7 +108,7 @@ std::expected<std::optional<JournalRecord>, JournalError> JournalReader::next() 
   const auto bytes = commands_.blob(2);
   if (commands_.integer(3) !=
       std::int64_t{record_checksum(record.sequence, record.participant, bytes)}) {
-    return std::unexpected(corrupt(expected_sequence, "the record fails its checksum"));
+    return std::unexpected(corrupt(expected_sequence, "the checksum of the record is wrong"));
   }
   auto command = decode_command(bytes);
   if (!command) return std::unexpected(corrupt(expected_sequence, command.error()));

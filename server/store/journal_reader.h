@@ -12,8 +12,8 @@
 
 namespace kerf {
 
-/// Someone who took part, as the journal remembers them.
-struct JournalPerson {
+/// A participant as stored in the journal.
+struct JournalParticipant {
   ParticipantId participant = 0;
   std::string name, color, kind;
 };
@@ -24,18 +24,18 @@ struct StateHash {
   std::uint64_t hash = 0;
 };
 
-/// Reads a journal from its beginning, verifying each record. May run beside a writer of the same
-/// file: it sees what was committed when it was opened.
+/// Reads a journal from its beginning and verifies each record. May run beside a writer of the same
+/// file; it reads the state that was committed when it was opened.
 class JournalReader {
  public:
   static std::expected<JournalReader, JournalError> open(const std::filesystem::path& file);
 
   const JournalHeader& header() const { return header_; }
-  const std::vector<JournalPerson>& people() const { return people_; }
+  const std::vector<JournalParticipant>& participants() const { return participants_; }
   /// Sorted by sequence.
   const std::vector<StateHash>& state_hashes() const { return hashes_; }
-  /// The next record; nullopt after the last. An error names the first bad record, and reading ends
-  /// there.
+  /// Returns the next record; nullopt after the last. An error names the first bad record; reading
+  /// stops there.
   std::expected<std::optional<JournalRecord>, JournalError> next();
 
  private:
@@ -47,7 +47,7 @@ class JournalReader {
   SqlDatabase database_;
   SqlStatement commands_;
   JournalHeader header_;
-  std::vector<JournalPerson> people_;
+  std::vector<JournalParticipant> participants_;
   std::vector<StateHash> hashes_;
   std::uint64_t sequence_ = 0;
 };

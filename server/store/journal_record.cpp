@@ -9,7 +9,7 @@
 namespace kerf {
 namespace {
 
-/// More pieces than any tool of a scene resolves to; a larger number in a file is damage.
+/// Upper bound of the pieces of a tool; more than any scene's tool has.
 constexpr std::uint32_t kPiecesMax = 4096;
 constexpr std::uint8_t kBallPiece = 1;
 constexpr std::uint8_t kFrustumPiece = 2;
@@ -44,7 +44,7 @@ class ByteReader {
   Unsigned get() {
     if (bytes_.size() < sizeof(Unsigned)) {
       bytes_ = {};
-      short_ = true;
+      truncated_ = true;
       return 0;
     }
     std::uint64_t value = 0;
@@ -61,12 +61,12 @@ class ByteReader {
     const double z = get_double();
     return {x, y, z};
   }
-  bool ran_short() const { return short_; }
+  bool truncated() const { return truncated_; }
   bool at_end() const { return bytes_.empty(); }
 
  private:
   std::span<const std::byte> bytes_;
-  bool short_ = false;
+  bool truncated_ = false;
 };
 
 void put_piece(ByteWriter& out, const ToolPiece& piece) {
@@ -141,20 +141,22 @@ std::expected<ToolPiece, std::string> get_piece(ByteReader& in) {
     arc.z1_mm = in.get_double();
     return arc;
   }
-  if (in.ran_short()) return std::unexpected("a tool definition ends too early");
-  return std::unexpected("a tool piece is of unknown kind " + std::to_string(kind));
+  if (in.truncated()) return std::unexpected("the tool definition is truncated");
+  return std::unexpected("unknown kind of tool piece: " + std::to_string(kind));
 }
 
 std::expected<std::vector<ToolPiece>, std::string> get_pieces(ByteReader& in) {
   const auto count = in.get<std::uint32_t>();
-  if (count > kPiecesMax) return std::unexpected("a tool has too many pieces");
+  if (count > kPiecesMax)
+    return std::unexpected("the tool has " + std::to_string(count) + " pieces; at most " +
+                           std::to_string(kPiecesMax) + " are allowed");
   std::vector<ToolPiece> pieces;
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto piece = get_piece(in);
     if (!piece) return std::unexpected(piece.error());
     pieces.push_back(*piece);
   }
-  if (in.ran_short()) return std::unexpected("a tool definition ends too early");
+  if (in.truncated()) return std::unexpected("the tool definition is truncated");
   return pieces;
 }
 
@@ -170,7 +172,7 @@ std::expected<Command, std::string> get_define_tool(ByteReader& in, bool has_non
     non_cutting = *std::move(pieces);
   }
   auto tool = make_tool(*std::move(cutting), std::move(non_cutting));
-  if (!tool) return std::unexpected("a stored tool is invalid: " + tool.error().reason);
+  if (!tool) return std::unexpected("the stored tool is invalid: " + tool.error().reason);
   define.tool = *std::move(tool);
   return define;
 }
@@ -215,11 +217,11 @@ std::expected<Command, std::string> decode_command(std::span<const std::byte> by
       command = get_move_tool(in);
       break;
     default:
-      return std::unexpected("a command is of unknown layout " + std::to_string(layout));
+      return std::unexpected("unknown command layout " + std::to_string(layout));
   }
   if (!command) return command;
-  if (in.ran_short()) return std::unexpected("a command ends too early");
-  if (!in.at_end()) return std::unexpected("a command has bytes behind its end");
+  if (in.truncated()) return std::unexpected("the command is truncated");
+  if (!in.at_end()) return std::unexpected("the command has trailing bytes");
   return command;
 }
 

@@ -18,10 +18,10 @@ struct PendingCommand {
   ParticipantId participant;
   std::vector<std::byte> bytes;
 };
-using Pending = std::variant<PendingCommand, JournalPerson, StateHash>;
+using Pending = std::variant<PendingCommand, JournalParticipant, StateHash>;
 
 struct Inserts {
-  SqlStatement command, person, hash;
+  SqlStatement command, participant, hash;
 };
 
 SqlResult<void> insert(Inserts& inserts, const Pending& pending) {
@@ -33,12 +33,12 @@ SqlResult<void> insert(Inserts& inserts, const Pending& pending) {
     statement->bind(3, std::span<const std::byte>(command->bytes));
     statement->bind(
         4, std::int64_t{record_checksum(command->sequence, command->participant, command->bytes)});
-  } else if (const auto* person = std::get_if<JournalPerson>(&pending)) {
-    statement = &inserts.person;
-    statement->bind(1, std::int64_t{person->participant});
-    statement->bind(2, person->name);
-    statement->bind(3, person->color);
-    statement->bind(4, person->kind);
+  } else if (const auto* participant = std::get_if<JournalParticipant>(&pending)) {
+    statement = &inserts.participant;
+    statement->bind(1, std::int64_t{participant->participant});
+    statement->bind(2, participant->name);
+    statement->bind(3, participant->color);
+    statement->bind(4, participant->kind);
   } else {
     const auto& state = std::get<StateHash>(pending);
     statement = &inserts.hash;
@@ -63,7 +63,7 @@ struct JournalWriter::Impl {
   }
   ~Impl() { stop(); }
 
-  /// Commits what is left and ends the flusher.
+  /// Commits the pending records and joins the flusher.
   void stop() {
     {
       const std::lock_guard lock(mutex);
@@ -81,7 +81,7 @@ struct JournalWriter::Impl {
       buffer.push_back(std::move(item));
       ++pushed;
     }
-    // The flusher sleeps through its interval anyway; only an idle one has to be woken.
+    // A flusher that collects a group wakes up by itself; only an idle one must be notified.
     if (was_empty) wake.notify_one();
   }
 
@@ -116,7 +116,7 @@ struct JournalWriter::Impl {
 
   std::filesystem::path file;
   std::optional<SqlDatabase> database;
-  std::optional<Inserts> inserts;  // before the database in the order of destruction
+  std::optional<Inserts> inserts;  // destroyed before the database
   std::uint32_t epoch;
 
   mutable std::mutex mutex;
@@ -141,11 +141,11 @@ namespace {
 SqlResult<Inserts> prepare_inserts(SqlDatabase& database) {
   auto command = database.prepare("INSERT INTO commands VALUES(?,?,?,?)");
   if (!command) return std::unexpected(command.error());
-  auto person = database.prepare("INSERT OR REPLACE INTO participants VALUES(?,?,?,?)");
-  if (!person) return std::unexpected(person.error());
+  auto participant = database.prepare("INSERT OR REPLACE INTO participants VALUES(?,?,?,?)");
+  if (!participant) return std::unexpected(participant.error());
   auto hash = database.prepare("INSERT OR REPLACE INTO state_hashes VALUES(?,?)");
   if (!hash) return std::unexpected(hash.error());
-  return Inserts{*std::move(command), *std::move(person), *std::move(hash)};
+  return Inserts{*std::move(command), *std::move(participant), *std::move(hash)};
 }
 
 }  // namespace
@@ -179,8 +179,10 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
     const std::lock_guard lock(impl_->mutex);
     if (impl_->failure) return std::unexpected(*impl_->failure);
     if (impl_->buffer.size() + impl_->in_commit >= kJournalBufferRecords) {
-      return std::unexpected(JournalError{JournalErrorCode::kFull, impl_->file.string(), 0,
-                                          "the disk does not keep up with the session"});
+      return std::unexpected(
+          JournalError{JournalErrorCode::kFull, impl_->file.string(), 0,
+                       "the disk does not keep up: " + std::to_string(kJournalBufferRecords) +
+                           " records are pending"});
     }
     sequence = ++impl_->last_sequence;
   }
@@ -188,7 +190,7 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
   return sequence;
 }
 
-void JournalWriter::append(const JournalPerson& person) { impl_->push(person); }
+void JournalWriter::append(const JournalParticipant& participant) { impl_->push(participant); }
 void JournalWriter::append(StateHash state) { impl_->push(state); }
 
 std::expected<void, JournalError> JournalWriter::flush() {

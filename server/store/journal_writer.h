@@ -15,47 +15,46 @@
 
 namespace kerf {
 
-/// Appended records wait at most this long before their group is committed (plus the commit
-/// itself).
+/// Longest time from an append to the start of its group's commit.
 inline constexpr std::chrono::milliseconds kGroupCommit{10};
-/// Records that may wait for the disk; at 16 agents of 1 kHz this is four seconds of a disk that
-/// stands still.
+/// Records that may be pending: four seconds of a stalled disk with 16 agents at 1 kHz.
 inline constexpr std::size_t kJournalBufferRecords = 65'536;
 
-/// The one writer of a session's journal. append() only copies into a bounded buffer; a thread of
-/// its own commits groups. Calls come from one thread at a time (the session's executor); lag() and
-/// flush() from any.
+/// Writes a session's journal; one writer per file. append() copies into a bounded buffer, and a
+/// flusher thread commits groups. Call append() from one thread at a time (the session's executor),
+/// the other functions from any thread.
 class JournalWriter {
  public:
   static std::expected<JournalWriter, JournalError> create(const std::filesystem::path& file,
                                                            const JournalHeader& header);
-  /// Continues a journal behind record `last_sequence`, which a JournalReader has verified.
+  /// Continues a journal after record `last_sequence`, the last one read by a JournalReader.
   static std::expected<JournalWriter, JournalError> open(const std::filesystem::path& file,
                                                          std::uint64_t last_sequence);
   JournalWriter(JournalWriter&&) noexcept;
   JournalWriter& operator=(JournalWriter&&) noexcept;
-  /// Commits what is still in the buffer.
+  /// Commits the pending records.
   ~JournalWriter();
 
-  /// Records a command and returns its sequence. kFull when the buffer is full; kIo and the like
-  /// once a commit has failed: from then on nothing more is accepted, so that a session never runs
-  /// ahead of a broken disk.
+  /// Appends a command and returns its sequence. Fails with kFull if the buffer is full, and with
+  /// the error of the commit after a failed commit, so that a session never runs ahead of a failed
+  /// disk.
   std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
                                                     const Command& command);
-  /// Remembers a participant's name and so on.
-  void append(const JournalPerson& person);
-  /// Records the hash of the solid after the record `state.sequence`.
+  /// Stores or replaces a participant.
+  void append(const JournalParticipant& participant);
+  /// Appends the hash of the solid after record `state.sequence`.
   void append(StateHash state);
 
-  /// Blocks until everything appended before the call is committed, or tells why it cannot be.
+  /// Blocks until all records appended before the call are committed; returns the error of a failed
+  /// commit.
   std::expected<void, JournalError> flush();
-  /// flush(), then closes the file: it may be moved or deleted afterwards. append() is rejected
-  /// from now on.
+  /// Commits the pending records and closes the file, which may then be moved or deleted. Later
+  /// appends fail.
   std::expected<void, JournalError> finish();
   std::uint64_t last_sequence() const;
-  /// Grows each time that a journal is opened: peers use it to notice that a server was restarted.
+  /// Grows each time the journal is opened; peers use it to detect a restarted server.
   std::uint32_t epoch() const;
-  /// Records appended but not yet committed.
+  /// Number of records appended and not yet committed.
   std::size_t lag() const;
   const std::filesystem::path& file() const;
 

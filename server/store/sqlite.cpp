@@ -60,8 +60,8 @@ std::span<const std::byte> SqlStatement::blob(int column) const {
 }
 
 SqlResult<SqlDatabase> SqlDatabase::open(const std::filesystem::path& file, SqlMode mode) {
-  // A reader opens for writing too: the first connection after a crash must be able to recover the
-  // write-ahead log.
+  // Readers open for writing too: the first connection after a crash must recover the write-ahead
+  // log.
   int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_READWRITE;
   if (mode == SqlMode::kCreate) flags |= SQLITE_OPEN_CREATE;
   sqlite3* raw = nullptr;

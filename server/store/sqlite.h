@@ -15,7 +15,7 @@ struct sqlite3_stmt;
 
 namespace kerf {
 
-/// What SQLite answered; `code` is its extended result code.
+/// An error of SQLite; `code` is its extended result code.
 struct SqlError {
   int code = 0;
   std::string reason;
@@ -23,7 +23,7 @@ struct SqlError {
 template <typename T>
 using SqlResult = std::expected<T, SqlError>;
 
-/// True where the code says that the file itself is damaged or is no database.
+/// True if the file is damaged or not a database.
 bool is_damage(const SqlError& error);
 
 /// A prepared statement. Parameters count from 1, columns from 0.
@@ -32,8 +32,7 @@ class SqlStatement {
   void bind(int parameter, std::int64_t value);
   void bind(int parameter, std::string_view text);
   void bind(int parameter, std::span<const std::byte> blob);
-  /// Advances: true while there is a row. After the last row the statement is ready to be bound
-  /// again.
+  /// Advances to the next row; false after the last one. Then the statement can be bound again.
   SqlResult<bool> step();
   std::int64_t integer(int column) const;
   std::string text(int column) const;
@@ -50,13 +49,13 @@ class SqlStatement {
 
 enum class SqlMode { kRead, kWrite, kCreate };
 
-/// One connection. May be moved between threads, not shared.
+/// A database connection. May be moved to another thread but not shared between threads.
 class SqlDatabase {
  public:
   static SqlResult<SqlDatabase> open(const std::filesystem::path& file, SqlMode mode);
   SqlResult<void> execute(const std::string& sql);
   SqlResult<SqlStatement> prepare(std::string_view sql);
-  /// The first column of the first row of a query; an error if there is no row.
+  /// Returns the first column of the first row of a query; an error if there is no row.
   SqlResult<std::int64_t> integer(std::string_view sql);
 
  private:

@@ -11,9 +11,11 @@
 #include <cstdint>
 #include <span>
 
+#include "kernel/math/vec3.h"
+
 namespace kerf::wire {
 
-/// Writes little-endian fields one after the other. The caller has checked the room.
+/// Writes little-endian fields in sequence. The buffer must be large enough.
 class ByteWriter {
  public:
   explicit ByteWriter(std::span<std::byte> out) noexcept : out_(out) {}
@@ -32,12 +34,22 @@ class ByteWriter {
   void field(const std::array<T, N>& values) noexcept {
     for (const T value : values) field(value);
   }
+  void field(const Vec3& value) noexcept {
+    field(value.x);
+    field(value.y);
+    field(value.z);
+  }
+  void field(const Vec3f& value) noexcept {
+    field(value.x);
+    field(value.y);
+    field(value.z);
+  }
   void bytes(std::span<const std::byte> values) noexcept {
     assert(at_ + values.size() <= out_.size());
     std::ranges::copy(values, out_.begin() + static_cast<std::ptrdiff_t>(at_));
     at_ += values.size();
   }
-  /// Four bytes that mean nothing yet: written as zero.
+  /// Writes a reserved word: four zero bytes.
   void reserved() noexcept { field(std::uint32_t{0}); }
 
   std::size_t at() const noexcept { return at_; }
@@ -47,8 +59,8 @@ class ByteWriter {
   std::size_t at_ = 0;
 };
 
-/// Reads little-endian fields one after the other from bytes whose number the caller has checked,
-/// and remembers where the first number stood that is not finite.
+/// Reads little-endian fields in sequence, and records the offset of the first number that is not
+/// finite. The buffer must be long enough.
 class ByteReader {
  public:
   ByteReader(std::span<const std::byte> in, std::size_t at) noexcept : in_(in), at_(at) {}
@@ -70,14 +82,23 @@ class ByteReader {
   void field(std::array<T, N>& values) noexcept {
     for (T& value : values) field(value);
   }
-  /// Four bytes that mean nothing yet: skipped whatever they hold, so that a newer peer may use
-  /// them.
+  void field(Vec3& value) noexcept {
+    field(value.x);
+    field(value.y);
+    field(value.z);
+  }
+  void field(Vec3f& value) noexcept {
+    field(value.x);
+    field(value.y);
+    field(value.z);
+  }
+  /// Skips a reserved word without checking it, so that a newer peer may use it.
   void reserved() noexcept {
     std::uint32_t skipped = 0;
     field(skipped);
   }
 
-  /// The next so many bytes as they are.
+  /// Returns the next `count` bytes.
   std::span<const std::byte> bytes(std::size_t count) noexcept {
     assert(at_ + count <= in_.size());
     at_ += count;
@@ -85,7 +106,7 @@ class ByteReader {
   }
 
   std::size_t at() const noexcept { return at_; }
-  /// Offset of the first number that is not finite; 0 if there was none.
+  /// Offset of the first number that is not finite; 0 if there is none.
   std::size_t not_finite_at() const noexcept { return not_finite_at_; }
 
  private:

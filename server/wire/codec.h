@@ -26,28 +26,28 @@ enum class DecodeErrorCode : std::uint8_t {
   kAxisNotUnit,
 };
 
-/// Why a frame was rejected. `offset` is the byte, from the start of the frame, of the field at
-/// fault; `reason` is static text.
+/// Why a frame was rejected. `offset` is the byte offset of the invalid field in the frame;
+/// `reason` is static text.
 struct DecodeError {
   DecodeErrorCode code = DecodeErrorCode::kTooShort;
   std::size_t offset = 0;
   std::string_view reason;
 };
 
-/// The error code with which a server answers a frame rejected for `code`.
+/// Returns the error code that the server sends for a frame rejected with `code`.
 ErrorCode protocol_error(DecodeErrorCode code) noexcept;
 
-/// Reads one frame of at most `max_bytes`. Checks everything that does not need the session: sizes,
-/// counts, consecutive numbers, finite numbers, unit axes. Reads nothing outside `frame`; a
-/// MeshView and a StockPatch point into it. Allocates only for ToolStates and StockPatch.
+/// Decodes one frame of at most `max_bytes`. Checks everything that needs no session state: sizes,
+/// counts, consecutive numbers, finite numbers, unit axes. MeshView and StockPatch point into
+/// `frame`. Allocates memory for ToolStates and StockPatch only.
 std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
                                            std::size_t max_bytes = kMaxServerFrameBytes);
 
-/// The header alone, with the checks of its own fields and of the frame's length.
+/// Decodes the header only, and checks its fields and the frame's length.
 std::expected<FrameHeader, DecodeError> decode_header(std::span<const std::byte> frame,
                                                       std::size_t max_bytes) noexcept;
 
-/// Frame sizes, header included.
+/// Return the size of a frame, header included.
 std::size_t encoded_bytes(const MotionBatch& batch) noexcept;
 std::size_t encoded_bytes(const Result& result) noexcept;
 std::size_t encoded_bytes(const MeshView& mesh) noexcept;
@@ -57,9 +57,9 @@ std::size_t encoded_bytes(const Ping& ping) noexcept;
 std::size_t encoded_bytes(const Pong& pong) noexcept;
 std::size_t encoded_bytes(const StockPatch& patch) noexcept;
 
-/// Each writes one frame to the start of `out`, which must hold encoded_bytes(body), and returns
-/// that number. Counts must be within limits.h. They neither allocate nor check the numbers
-/// themselves.
+/// Write one frame to the start of `out`, which must have encoded_bytes(body) bytes, and return
+/// that number. Counts must be within the limits of limits.h; other values are not checked. They do
+/// not allocate memory.
 std::size_t encode(const FrameStamp& stamp, const MotionBatch& batch,
                    std::span<std::byte> out) noexcept;
 std::size_t encode(const FrameStamp& stamp, const Result& result,
@@ -71,12 +71,10 @@ std::size_t encode(const FrameStamp& stamp, const ToolStates& states,
 std::size_t encode(const FrameStamp& stamp, const Ack& ack, std::span<std::byte> out) noexcept;
 std::size_t encode(const FrameStamp& stamp, const Ping& ping, std::span<std::byte> out) noexcept;
 std::size_t encode(const FrameStamp& stamp, const Pong& pong, std::span<std::byte> out) noexcept;
-
 std::size_t encode(const FrameStamp& stamp, const StockPatch& patch,
                    std::span<std::byte> out) noexcept;
 
-/// The header of a mesh frame alone, for a sender that shares one buffer with the GLB among
-/// receivers.
+/// Returns the header of a mesh frame, for a sender that shares the GLB's buffer among receivers.
 std::array<std::byte, kHeaderBytes> mesh_header(const FrameStamp& stamp, std::uint8_t flags,
                                                 std::size_t glb_bytes) noexcept;
 
@@ -88,7 +86,7 @@ void append(std::vector<std::byte>& out, const FrameStamp& stamp, const Body& bo
   encode(stamp, body, std::span(out).subspan(start));
 }
 
-/// Appends one mesh frame to `out`; `flags` as kMeshSnapshot and kMeshSnapshotEnd.
+/// Appends one mesh frame to `out`; `flags` combines kMeshSnapshot and kMeshSnapshotEnd.
 inline void append(std::vector<std::byte>& out, const FrameStamp& stamp, const MeshView& mesh,
                    std::uint8_t flags) {
   const std::size_t start = out.size();

@@ -9,7 +9,7 @@
 
 namespace kerf::wire {
 
-/// Names used by the JSON control messages. The JSON itself is read and written by each peer.
+/// Names used by the JSON control messages. Each peer reads and writes the JSON itself.
 
 inline constexpr std::string_view kAgentProtocol = "kerf.agent.v1";
 inline constexpr std::string_view kViewProtocol = "kerf.view.v1";
@@ -50,12 +50,12 @@ inline constexpr std::array<std::string_view, 13> kErrorNames = {
     "unknown_tool",   "unknown_session", "too_large",   "too_fast", "no_hello",
     "turn_too_large", "motion_refused",  "busy"};
 
-/// The name of `code` on the wire.
+/// Returns the name of `code` on the wire.
 constexpr std::string_view to_string(ErrorCode code) noexcept {
   return kErrorNames[static_cast<std::size_t>(code)];
 }
 
-/// The code that `name` stands for; empty if a newer peer uses a code not known here.
+/// Returns the code named `name`; nullopt for an unknown one, e.g. of a newer peer.
 constexpr std::optional<ErrorCode> parse_error_code(std::string_view name) noexcept {
   for (std::size_t i = 0; i < kErrorNames.size(); ++i) {
     if (kErrorNames[i] == name) return static_cast<ErrorCode>(i);

@@ -16,22 +16,22 @@ Unexpected reject(DecodeErrorCode code, std::size_t offset, std::string_view rea
 }
 
 Unexpected reject_not_finite(std::size_t offset) noexcept {
-  return reject(DecodeErrorCode::kNotFinite, offset, "a number is not finite");
+  return reject(DecodeErrorCode::kNotFinite, offset, "a number is not finite (NaN or infinity)");
 }
 
-/// The count in front of a list, checked against its limits and the bytes that follow it.
+/// Decodes the count of a list and checks it against its limits and the payload size.
 std::expected<std::uint32_t, DecodeError> decode_count(ByteReader& from, std::size_t payload_bytes,
-                                                       std::uint32_t least, std::uint32_t most,
+                                                       std::uint32_t min, std::uint32_t max,
                                                        std::size_t entry_bytes) noexcept {
   const std::size_t start = from.at();
   if (payload_bytes < kListHeadBytes) {
-    return reject(DecodeErrorCode::kTooShort, start, "the payload ends before its count");
+    return reject(DecodeErrorCode::kTooShort, start, "the payload is too short for a count");
   }
   std::uint32_t count = 0;
   from.field(count);
   from.reserved();
-  if (count < least || count > most) {
-    return reject(DecodeErrorCode::kBadCount, start, "the count is outside its limits");
+  if (count < min || count > max) {
+    return reject(DecodeErrorCode::kBadCount, start, "the count is out of range");
   }
   if (payload_bytes != kListHeadBytes + count * entry_bytes) {
     return reject(DecodeErrorCode::kPayloadMismatch, start, "the count does not match the payload");
@@ -51,17 +51,14 @@ std::expected<MotionBatch, DecodeError> decode_motion(ByteReader& from,
     MotionSample& sample = batch.samples[i];
     walk(from, sample);
     if (from.not_finite_at() != 0) return reject_not_finite(from.not_finite_at());
-    const double x = sample.axis[0];
-    const double y = sample.axis[1];
-    const double z = sample.axis[2];
-    if (std::abs(std::sqrt(x * x + y * y + z * z) - 1.0) > kAxisLengthTolerance) {
+    if (std::abs(length(Vec3(sample.axis)) - 1.0) > kAxisLengthTolerance) {
       return reject(DecodeErrorCode::kAxisNotUnit, start + kAxisOffset,
-                    "the axis is not of length 1");
+                    "the axis must have length 1");
     }
     const bool follows = i == 0 || sample.agent_sequence == batch.samples[i - 1].agent_sequence + 1;
     if (sample.agent_sequence == 0 || !follows) {
       return reject(DecodeErrorCode::kBadSequence, start,
-                    "sample numbers are not consecutive from 1");
+                    "agent_sequence must be consecutive, from 1");
     }
   }
   return batch;
@@ -83,12 +80,12 @@ std::expected<Result, DecodeError> decode_result(ByteReader& from,
   const std::size_t start = from.at();
   Result result;
   if (payload_bytes < kResultBytes) {
-    return reject(DecodeErrorCode::kPayloadMismatch, 8, "the payload ends inside the result");
+    return reject(DecodeErrorCode::kPayloadMismatch, 8, "the payload is too short for a result");
   }
   walk(from, result);
   if (result.plane_count > kMaxContactPlanes) {
     return reject(DecodeErrorCode::kBadCount, start + kPlaneCountOffset,
-                  "the count is outside its limits");
+                  "the count is out of range");
   }
   if (payload_bytes != kResultBytes + result.plane_count * kContactPlaneBytes) {
     return reject(DecodeErrorCode::kPayloadMismatch, 8, "the count does not match the payload");
@@ -102,7 +99,7 @@ std::expected<StockPatch, DecodeError> decode_stock(ByteReader& from, std::size_
                                                     std::uint8_t flags) {
   const std::size_t start = from.at(), end = start + payload_bytes;
   if (payload_bytes < kStockHeadBytes) {
-    return reject(DecodeErrorCode::kTooShort, start, "the payload ends before its count");
+    return reject(DecodeErrorCode::kTooShort, start, "the payload is too short for a count");
   }
   StockPatch patch;
   patch.reset = (flags & kStockReset) != 0;
@@ -112,29 +109,32 @@ std::expected<StockPatch, DecodeError> decode_stock(ByteReader& from, std::size_
   from.field(count);
   from.reserved();
   if (count > kMaxStockTiles || count * kStockTileBytes > end - from.at()) {
-    return reject(DecodeErrorCode::kBadCount, count_at, "the count is outside its limits");
+    return reject(DecodeErrorCode::kBadCount, count_at, "the count is out of range");
   }
   patch.tiles.resize(count);
   for (StockTile& tile : patch.tiles) {
     const std::size_t tile_at = from.at();
     std::uint32_t bytes = 0;
     if (end - tile_at < kStockTileBytes) {
-      return reject(DecodeErrorCode::kPayloadMismatch, tile_at, "the payload ends inside a tile");
+      return reject(DecodeErrorCode::kPayloadMismatch, tile_at,
+                    "the payload is too short for its tiles");
     }
     from.field(tile.axis);
     from.field(tile.x);
     from.field(tile.y);
     from.field(bytes);
     if (tile.axis > 2) {
-      return reject(DecodeErrorCode::kBadCount, tile_at, "there is no such axis");
+      return reject(DecodeErrorCode::kBadCount, tile_at, "the axis of a tile must be 0, 1 or 2");
     }
     if (bytes > end - from.at()) {
-      return reject(DecodeErrorCode::kPayloadMismatch, tile_at, "the payload ends inside a tile");
+      return reject(DecodeErrorCode::kPayloadMismatch, tile_at,
+                    "the payload is too short for its tiles");
     }
     tile.columns = from.bytes(bytes);
   }
   if (from.at() != end) {
-    return reject(DecodeErrorCode::kPayloadMismatch, from.at(), "more follows the last tile");
+    return reject(DecodeErrorCode::kPayloadMismatch, from.at(),
+                  "trailing bytes after the last tile");
   }
   return patch;
 }
@@ -152,8 +152,8 @@ Pong decode_pong(ByteReader& from) noexcept {
   return pong;
 }
 
-/// The payload size of a type that has only one; empty for lists, results, meshes and unknown
-/// types.
+/// Returns the payload size of a type with a fixed one; nullopt for lists, results, meshes and
+/// unknown types.
 std::optional<std::size_t> fixed_payload_bytes(MessageType type) noexcept {
   switch (type) {
     case MessageType::kAck:
@@ -186,10 +186,11 @@ ErrorCode protocol_error(DecodeErrorCode code) noexcept {
 std::expected<FrameHeader, DecodeError> decode_header(std::span<const std::byte> frame,
                                                       std::size_t max_bytes) noexcept {
   if (frame.size() > max_bytes) {
-    return reject(DecodeErrorCode::kTooLong, max_bytes, "the frame is longer than allowed");
+    return reject(DecodeErrorCode::kTooLong, max_bytes, "the frame exceeds the size limit");
   }
   if (frame.size() < kHeaderBytes) {
-    return reject(DecodeErrorCode::kTooShort, frame.size(), "the frame ends inside its header");
+    return reject(DecodeErrorCode::kTooShort, frame.size(),
+                  "the frame is too short for its header");
   }
   ByteReader from(frame, 0);
   std::uint32_t magic = 0;
@@ -204,10 +205,10 @@ std::expected<FrameHeader, DecodeError> decode_header(std::span<const std::byte>
   }
   if (header.header_bytes < kHeaderBytes || header.header_bytes > kMaxHeaderBytes ||
       header.header_bytes > frame.size()) {
-    return reject(DecodeErrorCode::kBadHeaderBytes, 6, "header_bytes is outside its limits");
+    return reject(DecodeErrorCode::kBadHeaderBytes, 6, "header_bytes is out of range");
   }
   if (header.payload_bytes != frame.size() - header.header_bytes) {
-    return reject(DecodeErrorCode::kPayloadMismatch, 8, "payload_bytes is not what follows");
+    return reject(DecodeErrorCode::kPayloadMismatch, 8, "payload_bytes does not match the frame");
   }
   return header;
 }

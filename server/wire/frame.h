@@ -7,10 +7,10 @@
 
 namespace kerf::wire {
 
-/// The bytes `KRF1`: the last one is the major version of the protocol.
+/// The bytes `KRF1`. The last digit is the major version of the protocol.
 inline constexpr std::uint32_t kMagic = 0x3146524B;
 
-/// Binary message types. A reader skips a type that it does not know.
+/// Types of binary messages. A reader skips unknown types.
 enum class MessageType : std::uint8_t {
   kMotion = 1,
   kResult = 2,
@@ -22,24 +22,24 @@ enum class MessageType : std::uint8_t {
   kStock = 8,
 };
 
-/// Flags of a mesh frame: it belongs to the first snapshot; it is the snapshot's last part.
+/// Flags of a mesh frame: part of the first snapshot; last part of it.
 inline constexpr std::uint8_t kMeshSnapshot = 1;
 inline constexpr std::uint8_t kMeshSnapshotEnd = 2;
 
 /// Flag of a stock frame: StockPatch::reset.
 inline constexpr std::uint8_t kStockReset = 1;
 
-/// What a sender chooses for each frame; the encoder fills in the rest of the header.
+/// The header fields that the sender sets for each frame; the encoder fills in the others.
 struct FrameStamp {
-  /// Grows when a session is taken over or rebuilt.
+  /// Grows when the server reopens a session.
   std::uint32_t epoch = 0;
-  /// Per sender and message type, from 1. In an ack: the last mesh frame that was applied.
+  /// Per sender and message type, from 1. In an ack: that of the last mesh or stock frame applied.
   std::uint64_t sequence = 0;
   /// The sender's monotonic clock.
   std::uint64_t time_us = 0;
 };
 
-/// The header as it was received. `type` may hold a value that MessageType does not name.
+/// The header of a received frame. `type` may have a value that MessageType does not name.
 struct FrameHeader {
   MessageType type = MessageType::kPing;
   std::uint8_t flags = 0;

@@ -9,13 +9,13 @@
 
 namespace kerf::wire {
 
-/// The order of the fields of each fixed struct, written once and walked by both the ByteWriter and
-/// the ByteReader, so that encoder and decoder cannot disagree.
+/// The order of the fields of each struct. ByteWriter and ByteReader share these functions, so that
+/// encoder and decoder agree.
 
 template <typename Struct, typename Plain>
 concept MaybeConst = std::same_as<std::remove_const_t<Struct>, Plain>;
 
-/// The header behind its magic and type, which need a conversion.
+/// The header after magic and type, which need a conversion.
 template <typename Io, MaybeConst<FrameHeader> Header>
 void walk(Io& io, Header& header) noexcept {
   io.field(header.flags);

@@ -8,13 +8,11 @@
 #include <variant>
 #include <vector>
 
+#include "kernel/math/vec3.h"
 #include "server/wire/frame.h"
 #include "server/wire/limits.h"
 
 namespace kerf::wire {
-
-using Vec3f = std::array<float, 3>;
-using Vec3d = std::array<double, 3>;
 
 /// Bits of MotionSample::buttons.
 inline constexpr std::uint32_t kButtonCutting = 1;
@@ -24,17 +22,17 @@ inline constexpr std::uint32_t kButtonDeadman = 2;
 inline constexpr std::uint32_t kStatusCutting = 1;
 inline constexpr std::uint32_t kStatusColliding = 2;
 inline constexpr std::uint32_t kStatusRejected = 4;
-/// Of a result over UDP: samples are missing between this one and those that came.
+/// Only in results over UDP: samples are missing before those received.
 inline constexpr std::uint32_t kStatusGap = 8;
 
-/// One pose of a tool. The motion that it stands for runs from the sample before it to this one;
-/// without kButtonCutting that motion goes through the air.
+/// One pose of a tool. It stands for the motion from the previous sample to this one; without
+/// kButtonCutting the motion does not cut.
 struct MotionSample {
-  /// From 1, consecutive; a repeated number is a repetition and is skipped by the server.
+  /// From 1, consecutive. The server skips samples with a number that it has received.
   std::uint64_t agent_sequence = 0;
   /// The agent's monotonic clock when the pose was read.
   std::uint64_t time_us = 0;
-  Vec3d tip_mm{};
+  Vec3 tip_mm{};
   /// From the tip to the spindle, unit length to kAxisLengthTolerance.
   Vec3f axis{0.0F, 0.0F, 1.0F};
   std::uint32_t tool_id = 0;
@@ -52,32 +50,31 @@ struct MotionBatch {
   bool operator==(const MotionBatch&) const = default;
 };
 
-/// Bits of ContactPlane::flags: what the tool touches or is about to touch.
+/// Bits of ContactPlane::flags: the kind of surface.
 inline constexpr std::uint32_t kContactObstacle = 1;
 inline constexpr std::uint32_t kContactStock = 2;
 
-/// The surface of something that pushes the tool, near one place of the tool, as a plane (Adachi's
-/// intermediate representation): what an agent needs to render the contact between two results.
+/// Plane approximation of a surface near one point of the tool (Adachi's intermediate
+/// representation), from which an agent renders the contact between two results.
 struct ContactPlane {
-  /// The place of the tool that is deepest, where the answered sample put it.
-  Vec3d point_mm{};
-  /// Unit, out of the surface: the way in which it pushes.
+  /// Deepest point of the tool, at the pose of the answered sample.
+  Vec3 point_mm{};
+  /// Unit vector out of the surface: the direction of the contact force.
   Vec3f normal{};
-  /// How far that place is beyond the surface; below zero: a gap that is still open.
+  /// Penetration of that point; negative: width of the gap.
   float depth_mm = 0.0F;
-  /// Force per depth.
+  /// Contact force per depth.
   float stiffness_n_per_mm = 0.0F;
-  /// Farther from `point_mm` than this the plane says nothing.
+  /// The plane is not valid farther from `point_mm` than this.
   float radius_mm = 0.0F;
   std::uint32_t flags = 0;
 
   bool operator==(const ContactPlane&) const = default;
 };
 
-/// The server's answer to the newest sample that it applied, with the local cutting model:
-/// engaged area, feed direction, centre and specific force, from which force can be rendered
-/// locally. Collision force and planes say the same: the force is that of the planes whose depth is
-/// above zero.
+/// The result of a batch of samples, with the local cutting model (engaged area, feed direction,
+/// center and specific force), from which an agent can render force locally. The collision force is
+/// the sum over the planes with positive depth.
 struct Result {
   std::uint64_t agent_sequence = 0;
   std::uint64_t agent_time_us = 0;
@@ -87,7 +84,7 @@ struct Result {
   Vec3f torque_nmm{};
   float engaged_area_mm2 = 0.0F;
   Vec3f direction{};
-  Vec3d cut_centre_mm{};
+  Vec3 cut_centre_mm{};
   float specific_force_n_per_mm2 = 0.0F;
   float removed_mm3 = 0.0F;
   std::uint32_t status = 0;
@@ -101,11 +98,11 @@ struct Result {
   bool operator==(const Result&) const = default;
 };
 
-/// Where one participant's tool is and what it feels, for the viewers.
+/// Pose and force of one participant's tool, for display by viewers.
 struct ToolState {
   std::uint32_t participant = 0;
   std::uint32_t tool_id = 0;
-  Vec3d tip_mm{};
+  Vec3 tip_mm{};
   Vec3f axis{0.0F, 0.0F, 1.0F};
   std::uint32_t status = 0;
   Vec3f force_n{};
@@ -120,26 +117,27 @@ struct ToolStates {
   bool operator==(const ToolStates&) const = default;
 };
 
-/// A GLB; the bytes belong to the frame that was decoded and live as long as it does.
+/// A GLB. After decoding, the bytes belong to the decoded frame.
 struct MeshView {
   std::span<const std::byte> glb;
 };
 
-/// What one tile of the block still holds, at most: an agent's copy keeps what both have. The bytes
-/// belong to the frame that was decoded and live as long as it does.
+/// An upper bound of the remaining solid of one tile: an agent intersects its replica with it.
+/// After decoding, the bytes belong to the decoded frame.
 struct StockTile {
-  /// Of the rays: 0 for X, 1 for Y, 2 for Z.
+  /// Axis of the rays: 0 for X, 1 for Y, 2 for Z.
   std::uint32_t axis = 2;
   std::uint32_t x = 0, y = 0;
-  /// Columns as README.md says; none: nothing more than what is known of the tile already.
+  /// Columns, encoded as specified in README.md; empty: no change to the tile.
   std::span<const std::byte> columns;
 };
 
 /// Tiles near an agent's tool.
 struct StockPatch {
-  /// Forget what came before: the block is as the welcome said, less what follows.
+  /// Discard all earlier patches and start from the stock of the welcome.
   bool reset = false;
-  /// Samples of this agent up to here, by its clock, are cut out of them or were rejected; 0: none.
+  /// Samples of this agent up to this time of its clock were cut from the tiles, or rejected; 0:
+  /// none.
   std::uint64_t agent_time_us = 0;
   std::vector<StockTile> tiles;
 };
@@ -159,7 +157,7 @@ struct Pong {
   bool operator==(const Pong&) const = default;
 };
 
-/// A well-formed frame of a type that this version does not know: to be skipped.
+/// A well-formed frame of an unknown type, to be skipped.
 struct UnknownBody {
   bool operator==(const UnknownBody&) const = default;
 };

@@ -30,7 +30,7 @@ const std::vector<Module>& modules() {
        {"kernel/math", "kernel/intersect", "kernel/dexel", "kernel/tool", "kernel/sweep",
         "kernel/cut"}},
       {"kernel", {}},
-      {"server/wire", {}},
+      {"server/wire", {"kernel/math/vec3.h"}},
       {"server/datagram", {"server/wire"}},
       {"server/formats", {"kernel"}},
       // Not even the session's header: what runs work knows nothing of what it runs.
@@ -58,18 +58,21 @@ const std::vector<Module>& modules() {
       {"server", {"kernel"}},
       // Shared by all threads of the agent: exchange of the latest value, thread priority.
       {"haptic_agent/device",
-       {"server/wire", "haptic_agent/servo/latest_value.h", "haptic_agent/servo/realtime.h"}},
-      {"haptic_agent/servo", {"server/wire", "haptic_agent/device"}},
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire",
+        "haptic_agent/servo/latest_value.h", "haptic_agent/servo/realtime.h"}},
+      {"haptic_agent/servo",
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/device"}},
       {"haptic_agent/link",
-       {"server/wire", "server/datagram", "haptic_agent/device", "haptic_agent/servo"}},
-      // The only module of the agent that depends on the kernel.
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "server/datagram",
+        "haptic_agent/device", "haptic_agent/servo"}},
+      // The only module of the agent that depends on the rest of the kernel.
       {"haptic_agent/replica",
        {"kernel", "server/wire", "server/convert", "server/formats/scene.h", "haptic_agent/device",
         "haptic_agent/servo", "haptic_agent/link/stock_listener.h"}},
       {"haptic_agent/doctor",
        {"haptic_agent/device", "haptic_agent/servo", "haptic_agent/link/server_url.h"}},
       {"haptic_agent/demo", {"kernel/math"}},
-      {"haptic_agent", {"server/wire"}},
+      {"haptic_agent", {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
   };
   return kModules;

@@ -35,4 +35,42 @@ const std::vector<Ban>& bans() {
                   "math|-O"
                   "fast"),
        "fast-math breaks determinism: equal commands must give equal bytes"},
+      {"haptic_agent/servo/", "", true,
+       std::regex(R"(\b(new|malloc|calloc|realloc|make_unique|make_shared)\b)"),
+       "the servo loop does not allocate"},
+      {"haptic_agent/servo/", "", true,
+       std::regex(R"(\b((shared_|recursive_|timed_)?mutex|lock_guard|unique_lock|scoped_lock)"
+                  R"(|shared_lock|condition_variable)\b)"),
+       "the servo loop does not lock"},
+      {"haptic_agent/servo/", "", true, std::regex(R"(\b(throw|try|catch)\b)"),
+       "the servo loop does not throw"},
+      {"haptic_agent/servo/", "", true, std::regex(R"(\bsleep_for\b)"),
+       "relative sleeps drift; the servo loop sleeps to absolute times"},
+      {"haptic_agent/servo/", "", true, std::regex(R"(\b(cout|cerr|f?printf|spdlog|f?puts)\b)"),
+       "the servo loop does not print"},
+  };
+  return kBans;
+}
 
+}  // namespace
+
+std::vector<Violation> check_tokens(const Source& source) {
+  std::vector<Violation> violations;
+  const bool cpp = is_cpp(source.path);
+  const std::string code = cpp ? code_only(source.text) : std::string();
+  for (const Ban& ban : bans()) {
+    const bool exempt = !ban.except.empty() && source.path.starts_with(ban.except);
+    if (!source.path.starts_with(ban.place) || exempt || (ban.code && !cpp)) continue;
+    std::size_t number = 0;
+    for (const std::string_view line : lines_of(ban.code ? std::string_view(code) : source.text)) {
+      ++number;
+      std::cmatch match;
+      if (std::regex_search(line.data(), line.data() + line.size(), match, ban.pattern)) {
+        violations.push_back({source.path, number, match.str() + ": " + std::string(ban.reason)});
+      }
+    }
+  }
+  return violations;
+}
+
+}  // namespace kerf::arch

@@ -62,7 +62,7 @@ class CipherTest : public ::testing::Test {
   Opener opener{kConnection, counting_key()};
 };
 
-// From tests/server/datagram_client.py, which passes the example of RFC 8439, 2.8.2.
+// Bytes from tests/server/datagram_client.py, which passes the test vector of RFC 8439, 2.8.2.
 TEST(Cipher, SealsTheGoldenBytes) {
   Sealer sealer(kConnection, counting_key(), 0x0102030405060708);
   EXPECT_EQ(hex(sealed(sealer, ping_frame())),
@@ -71,7 +71,7 @@ TEST(Cipher, SealsTheGoldenBytes) {
             "91288c89ae08eda6");
 }
 
-TEST_F(CipherTest, OpensWhatWasSealedOnce) {
+TEST_F(CipherTest, SealedFramesOpenExactlyOnce) {
   for (std::size_t size = 1; size <= kMaxFrameBytes; ++size) {
     const Bytes frame(size, static_cast<std::byte>(size));
     const Bytes datagram = sealed(sealer, frame);
@@ -83,19 +83,19 @@ TEST_F(CipherTest, OpensWhatWasSealedOnce) {
   EXPECT_EQ(opener.newest(), kMaxFrameBytes);
 }
 
-TEST_F(CipherTest, SealsNothingThatIsTooLongOrEmpty) {
+TEST_F(CipherTest, DoesNotSealEmptyOrOversizedFrames) {
   EXPECT_TRUE(sealed(sealer, Bytes(kMaxFrameBytes + 1)).empty());
   EXPECT_TRUE(sealed(sealer, {}).empty());
 }
 
-TEST_F(CipherTest, TellsTheNewestFromALateOne) {
+TEST_F(CipherTest, MarksTheNewestDatagram) {
   Bytes frame(kMaxFrameBytes);
   const Bytes first = sealed(sealer, ping_frame()), second = sealed(sealer, ping_frame());
   EXPECT_TRUE(opener.open(second, frame)->newest);
   EXPECT_FALSE(opener.open(first, frame)->newest);
 }
 
-TEST_F(CipherTest, EveryFlippedBitIsFoundAndChangesNothing) {
+TEST_F(CipherTest, EveryFlippedBitIsRejectedWithoutSideEffects) {
   const Bytes good = sealed(sealer, ping_frame());
   for (std::size_t at = 0; at < good.size(); ++at) {
     for (unsigned bit = 0; bit < 8; ++bit) {
@@ -126,12 +126,12 @@ TEST_F(CipherTest, AnotherKeyOrConnectionIsRejected) {
   EXPECT_EQ(opened(other_connection, good), std::unexpected(Fault::kOtherConnection));
 }
 
-TEST_F(CipherTest, NonsenseNeitherPassesNorHarms) {
+TEST_F(CipherTest, RandomDatagramsAreRejectedWithoutSideEffects) {
   std::mt19937_64 random(11);
   const Bytes good = sealed(sealer, ping_frame());
   for (int round = 0; round < 200'000; ++round) {
     Bytes bad = good;
-    // Half of it keeps a header that is right, so that all of the rest is tried too.
+    // Half of the rounds keep a valid header, so that the later checks are reached.
     const std::size_t from = round % 2 == 0 ? 0 : kHeaderBytes;
     if (round % 3 == 0) bad.resize(random() % (kMaxBytes + 64));
     for (std::size_t i = std::min(from, bad.size()); i < bad.size(); ++i) {
@@ -142,7 +142,7 @@ TEST_F(CipherTest, NonsenseNeitherPassesNorHarms) {
   EXPECT_EQ(opened(opener, good), ping_frame());
 }
 
-TEST(Key, GoesThroughItsText) {
+TEST(Key, TextRoundTrips) {
   const Key key = counting_key();
   EXPECT_EQ(to_text(key), "000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f");
   EXPECT_EQ(key_from_text(to_text(key)), key);
@@ -152,7 +152,7 @@ TEST(Key, GoesThroughItsText) {
   }
 }
 
-TEST(Key, EveryOfferIsAnother) {
+TEST(Key, OffersHaveDifferentKeys) {
   const auto a = random_offer(1), b = random_offer(1);
   ASSERT_TRUE(a && b);
   EXPECT_NE(a->to_server, b->to_server);

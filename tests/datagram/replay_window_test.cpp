@@ -17,7 +17,7 @@ bool pass(ReplayWindow& window, std::uint64_t counter) {
   return true;
 }
 
-TEST(ReplayWindow, LetsEachCounterPassOnce) {
+TEST(ReplayWindow, AdmitsEachCounterOnce) {
   ReplayWindow window;
   EXPECT_FALSE(pass(window, 0)) << "counters start at 1";
   for (const std::uint64_t counter : {1, 2, 5, 4, 3}) EXPECT_TRUE(pass(window, counter));
@@ -25,7 +25,7 @@ TEST(ReplayWindow, LetsEachCounterPassOnce) {
   EXPECT_TRUE(pass(window, 6));
 }
 
-TEST(ReplayWindow, TellsWhichIsTheNewest) {
+TEST(ReplayWindow, TakeReportsTheNewestCounter) {
   ReplayWindow window;
   EXPECT_TRUE(window.take(10));
   EXPECT_FALSE(window.take(9));
@@ -33,7 +33,7 @@ TEST(ReplayWindow, TellsWhichIsTheNewest) {
   EXPECT_EQ(window.newest(), 11U);
 }
 
-TEST(ReplayWindow, ForgetsWhatIsFarBehind) {
+TEST(ReplayWindow, RejectsCountersFarBehindTheNewest) {
   ReplayWindow window;
   EXPECT_TRUE(pass(window, 1'000'000));
   EXPECT_FALSE(window.admits(1'000'000 - ReplayWindow::kCounters));
@@ -44,7 +44,7 @@ TEST(ReplayWindow, ForgetsWhatIsFarBehind) {
   EXPECT_FALSE(pass(window, ~std::uint64_t{0}));
 }
 
-TEST(ReplayWindow, AgreesWithASetOnAnyOrder) {
+TEST(ReplayWindow, MatchesASetOfCountersInRandomOrder) {
   std::mt19937_64 random(7);
   ReplayWindow window;
   std::set<std::uint64_t> seen;

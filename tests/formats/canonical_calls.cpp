@@ -17,6 +17,7 @@
 #include "server/formats/gcode/parameter_file.h"
 #include "server/formats/gcode/reader.h"
 #include "server/formats/text_file.h"
+#include "server/formats/units.h"
 
 namespace {
 

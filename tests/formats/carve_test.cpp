@@ -75,7 +75,7 @@ class KerfCarve : public testing::Test {
 
 const std::string kInput = "--scene scene.json --program p.ngc";
 
-TEST_F(KerfCarve, WritesEverythingThatIsAskedFor) {
+TEST_F(KerfCarve, WritesEveryRequestedOutput) {
   const auto json =
       report(kInput +
              " --stl m.stl --glb m.glb --3mf m.3mf --ply m.ply --obj m.obj --ngc o.ngc"
@@ -121,13 +121,13 @@ TEST_F(KerfCarve, SimplifiesAndMeasuresAgainstAReference) {
   EXPECT_EQ(map["deviation"]["color_range_mm"], 0.25);
   EXPECT_THAT(content("d.ply"), testing::HasSubstr("property float quality"));
   EXPECT_EQ(run(kInput + " --triangles 3 --stl s.stl"), 2);
-  EXPECT_THAT(content("err"), testing::HasSubstr("more than the 3 asked for"));
+  EXPECT_THAT(content("err"), testing::HasSubstr("more than the 3 requested"));
   EXPECT_EQ(run(kInput + " --deviation p.ngc"), 2);
   EXPECT_THAT(content("err"), testing::HasSubstr("p.ngc: is no .stl, .ply or .obj"));
   EXPECT_EQ(run(kInput + " --deviation none.stl"), 2);
 }
 
-TEST_F(KerfCarve, WritesTheEncodingThatIsAskedFor) {
+TEST_F(KerfCarve, WritesTheRequestedEncoding) {
   ASSERT_EQ(run(kInput + " --stl a.stl --stl-encoding ascii --glb a.glb --glb-encoding meshopt"),
             0);
   EXPECT_THAT(content("a.stl"), StartsWith("solid "));
@@ -137,7 +137,7 @@ TEST_F(KerfCarve, WritesTheEncodingThatIsAskedFor) {
   EXPECT_EQ(run(kInput + " --ply a.ply --ply-encoding ascii"), 2);
 }
 
-TEST_F(KerfCarve, AnExportedProgramGivesTheSameHash) {
+TEST_F(KerfCarve, ExportedProgramGivesTheSameHash) {
   const std::string hash = report(kInput + " --ngc o.ngc --apt o.apt")["state_hash"];
   EXPECT_EQ(hash.size(), 16u);
   EXPECT_EQ(report("--scene scene.json --program o.ngc")["state_hash"], hash);
@@ -145,20 +145,20 @@ TEST_F(KerfCarve, AnExportedProgramGivesTheSameHash) {
   EXPECT_NE(report(kInput + " --pitch 0.25")["state_hash"], hash);
 }
 
-TEST_F(KerfCarve, ASampledProgramIsExportedAsItWasCarved) {
+TEST_F(KerfCarve, SampledProgramIsExportedAsCarved) {
   const auto json = report(kInput + " --rate 20 --apt o.apt");
   EXPECT_GT(json["motions"], 60);
   EXPECT_EQ(report("--scene scene.json --program o.apt")["state_hash"], json["state_hash"]);
 }
 
-TEST_F(KerfCarve, OptionsReplaceWhatTheSceneSays) {
+TEST_F(KerfCarve, OptionsOverrideTheScene) {
   const auto json = report(kInput + " --pitch 1 --tolerance 0.5 --motion paper --law drr");
   EXPECT_EQ(json["pitch_mm"], 1);
   EXPECT_EQ(json["tolerance_mm"], 0.5);
   EXPECT_EQ(json["triangles"], nullptr);
 }
 
-TEST_F(KerfCarve, ThreeFieldsOfRaysSeeWhatOneDoes) {
+TEST_F(KerfCarve, ThreeFieldsGiveTheSameMeshAsOne) {
   const auto one = report(kInput), three = report(kInput + " --rays tri-dexel");
   EXPECT_EQ(one["rays"], "dexel");
   EXPECT_EQ(three["rays"], "tri-dexel");
@@ -167,7 +167,7 @@ TEST_F(KerfCarve, ThreeFieldsOfRaysSeeWhatOneDoes) {
   EXPECT_NEAR(three["removed_volume_mm3"], removed, 0.05 * removed);
 }
 
-TEST_F(KerfCarve, ATargetIsResolvedAndReported) {
+TEST_F(KerfCarve, TargetIsResolvedAndReported) {
   std::string scene = kScene;
   scene.replace(scene.find("\"pitch_mm\": 0.5"), 15, "\"target_mm\": 0.4");
   write("target.json", scene);
@@ -185,7 +185,7 @@ TEST_F(KerfCarve, ATargetIsResolvedAndReported) {
   EXPECT_FALSE(report(kInput)["accuracy"].contains("target_mm"));
 }
 
-TEST_F(KerfCarve, TheBytesDoNotDependOnTheThreads) {
+TEST_F(KerfCarve, BytesDoNotDependOnTheThreadCount) {
   ASSERT_EQ(run(kInput + " --stl a.stl --glb a.glb --ngc a.ngc --threads 1"), 0);
   ASSERT_EQ(run(kInput + " --stl b.stl --glb b.glb --ngc b.ngc --threads 4"), 0);
   EXPECT_EQ(content("a.stl"), content("b.stl"));
@@ -193,7 +193,7 @@ TEST_F(KerfCarve, TheBytesDoNotDependOnTheThreads) {
   EXPECT_EQ(content("a.ngc"), content("b.ngc"));
 }
 
-TEST_F(KerfCarve, RapidsThroughMaterialAreWarnedOf) {
+TEST_F(KerfCarve, WarnsOfRapidsThroughMaterial) {
   write("p.ngc", "T1 M6\nG0 X-5 Y10 Z8\nG0 X25\nM2\n");
   const auto json = report(kInput);
   ASSERT_EQ(json["warnings"].size(), 1u);
@@ -201,7 +201,7 @@ TEST_F(KerfCarve, RapidsThroughMaterialAreWarnedOf) {
   EXPECT_THAT(content("err"), StartsWith("warning: p.ngc:3:"));
 }
 
-TEST_F(KerfCarve, ShankInTheStockIsWarnedOfOncePerContact) {
+TEST_F(KerfCarve, WarnsOncePerShankContact) {
   write("s.json", R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [40,20,10]},
     "accuracy": {"pitch_mm": 0.5}, "tools": [{"id": 1, "shape": "flat", "diameter_mm": 2,
     "length_mm": 4, "shank": {"diameter_mm": 10, "length_mm": 50}}]})");
@@ -209,17 +209,17 @@ TEST_F(KerfCarve, ShankInTheStockIsWarnedOfOncePerContact) {
   const auto json = report("--scene s.json --program q.ngc");
   ASSERT_EQ(json["warnings"].size(), 2u) << json["warnings"];
   EXPECT_THAT(std::string(json["warnings"][0]),
-              StartsWith("q.ngc:5: shank or holder of tool 1 goes into the stock, up to 0.9"));
+              StartsWith("q.ngc:5: shank or holder of tool 1 enters the stock, up to 0.9"));
   EXPECT_THAT(std::string(json["warnings"][0]), HasSubstr("until line 6"));
   EXPECT_THAT(std::string(json["warnings"][1]), StartsWith("q.ngc:9:"));
 }
 
-TEST_F(KerfCarve, ToldToWriteToStandardOutputItDoes) {
+TEST_F(KerfCarve, WritesToStandardOutput) {
   ASSERT_EQ(run(kInput + " --report /dev/stdout"), 0);
   EXPECT_THAT(content("out"), HasSubstr("state_hash"));
 }
 
-TEST_F(KerfCarve, HelpVersionAndExplain) {
+TEST_F(KerfCarve, PrintsHelpVersionAndExplanation) {
   EXPECT_EQ(run("--help"), 0);
   EXPECT_THAT(content("out"), HasSubstr("--scene"));
   EXPECT_EQ(run("--version"), 0);
@@ -238,7 +238,7 @@ struct BadInput {
 
 class BadInputs : public KerfCarve, public testing::WithParamInterface<BadInput> {};
 
-TEST_P(BadInputs, ExitWithTwoAndOneLineAndLeaveNothingBehind) {
+TEST_P(BadInputs, ExitWithStatusTwoAndLeaveNoFiles) {
   if (GetParam().file[0] != '\0') write(GetParam().file, GetParam().text);
   std::vector<std::string> before = files();
   EXPECT_EQ(run(std::string(GetParam().arguments) +
@@ -273,11 +273,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"TinyPitch", "", "", "--scene scene.json --program p.ngc --pitch 1e-9",
                  "scene.json: "},
         BadInput{"Rays", "", "", "--scene scene.json --program p.ngc --rays voxel", "kerf-carve: "},
-        BadInput{"Rate", "", "", "--scene scene.json --program p.ngc --rate 1e12",
-                 "p.ngc: would need"}),
+        BadInput{"Rate", "", "", "--scene scene.json --program p.ngc --rate 1e12", "p.ngc: needs"}),
     [](const auto& test) { return test.param.name; });
 
-TEST_F(KerfCarve, AnInterruptLeavesNothingBehind) {
+TEST_F(KerfCarve, InterruptLeavesNoFiles) {
   // Thousands of turns: far more than can be carved before the signal comes.
   std::string program = "T1 M6\nG0 X15 Y10 Z9\n";
   for (int i = 0; i < 2; ++i) program += "G2 I-5 P1000 F1000\n";
@@ -299,7 +298,7 @@ TEST_F(KerfCarve, AnInterruptLeavesNothingBehind) {
   EXPECT_EQ(files(), before);
 }
 
-TEST_F(KerfCarve, AFolderThatCannotBeWrittenIsReported) {
+TEST_F(KerfCarve, ReportsAnUnwritableFolder) {
   EXPECT_EQ(run(kInput + " --stl m.stl --ngc none/o.ngc"), 1);
   EXPECT_THAT(content("err"), HasSubstr("o.ngc"));
   EXPECT_FALSE(fs::exists(folder_ / "m.stl"));
@@ -321,7 +320,7 @@ TEST(CarveOptions, AreReadFromTheCommandLine) {
   EXPECT_EQ(options.models[1].path, "m.3mf");
 }
 
-TEST_F(KerfCarve, ReportsWhatAControllersFilesAndSubroutinesMakeOfAProgram) {
+TEST_F(KerfCarve, AppliesToolTableParametersAndSubroutines) {
   write("scene.json",
         std::string(kScene).replace(std::string(kScene).find("tool-vector"), 11, "xyz"));
   fs::create_directories(folder_ / "subs");

@@ -21,6 +21,7 @@ import rs274 as reference
 REASONS = {
     "is a probing move": "probing: the contact point is known on a machine only",
     "is a lathe code": "lathe cycles",
+    "constant surface speed (G96) is for lathes": "lathe cycles",
     "spindle-synchronized threading": "lathe threads",
 }
 # Known reasons for which the stand-alone rs274 rejects what Kerf reads: a part of rs274's message.

@@ -197,7 +197,8 @@ class Generator:
             lambda: [f"#5=0", f"o{label} while [#5 lt {r.randint(0, 4)}]", step, *body,
                      *([f"o{label}1 if [#5 eq 2]", f"o{label} {leave}", f"o{label}1 endif"]
                        if r.random() < 0.5 else []), f"o{label} endwhile"],
-            lambda: [] if self.breaks else [f"#5=0", f"o{label} do", step, *body, f"o{label} while [#5 lt {r.randint(0, 3)}]"],
+            lambda: [] if self.breaks else [f"#5=0", f"o{label} do", step, *body,
+                                            f"o{label} while [#5 lt {r.randint(0, 3)}]"],
             lambda: [f"o{label} repeat [{r.randint(0, 3)}]", step, *body, f"o{label} endrepeat"],
             lambda: [f"o{label} if [#1 gt {self.number(3)}]", *body, f"o{label} elseif [#2 lt 0]", step,
                      *([f"o{label} else", "G1 Z3"] if r.random() < 0.7 else []), f"o{label} endif"],

@@ -42,7 +42,7 @@ TEST(Deviation, FiguresAreWeightedByArea) {
   EXPECT_GT(d.samples, 4000U);
 }
 
-TEST(Deviation, ColoursRunFromBlueThroughWhiteToRed) {
+TEST(Deviation, ColorsRunFromBlueThroughWhiteToRed) {
   const IndexedMesh lower = mesh_of(block(5));
   const auto source = [] { return std::make_unique<SnapshotMesh>(block(5.5)); };
   const auto measured = source();
@@ -67,7 +67,7 @@ TEST(Deviation, ColoursRunFromBlueThroughWhiteToRed) {
   EXPECT_GT(red, 4U);
 }
 
-TEST(DistanceFigures, AreThoseOfTheirDefinition) {
+TEST(DistanceFigures, MatchTheirDefinitions) {
   const DistanceFigures d = distance_figures({{-4, 1}, {1, 98}, {3, 1}});
   EXPECT_EQ(d.min_mm, -4);
   EXPECT_EQ(d.max_mm, 3);

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "server/formats/gcode/parameters.h"
 #include "tests/formats/canon_record.h"
 #include "tests/formats/scene_fixture.h"
 

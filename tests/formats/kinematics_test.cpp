@@ -8,6 +8,7 @@
 
 #include "kernel/math/rotation.h"
 #include "server/formats/machine_kinematics.h"
+#include "server/formats/units.h"
 #include "tests/formats/scene_fixture.h"
 
 namespace kerf {
@@ -17,8 +18,6 @@ using test::error_of;
 using test::gcode;
 using test::scene_for;
 using testing::HasSubstr;
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 void expect_near(Vec3 a, Vec3 b, double tolerance) {
   EXPECT_NEAR(a.x, b.x, tolerance);

@@ -68,7 +68,7 @@ Simulated run(const Scene& scene, const std::string& text, const IndexedMesh* re
   return run;
 }
 
-TEST(Simulation, TimesAreToldApart) {
+TEST(Simulation, SeparatesFeedRapidAndDwellTimes) {
   const Simulated r =
       run(block(),
           "T1 M6\nG0 X-5 Y20 Z5\nG0 Z-2\nG1 X45 F600\nG4 P1.5\nG0 Z5\nT2 M6\nG1 X35 F300\nM2\n");
@@ -82,7 +82,7 @@ TEST(Simulation, TimesAreToldApart) {
   EXPECT_NEAR(r.report["feed_length_mm"], 60, 1e-9);
 }
 
-TEST(Simulation, AirIsWhatFeedsAndRemovesNothing) {
+TEST(Simulation, CountsFeedsWithoutRemovalAsAir) {
   const Simulated r =
       run(block(), "T1 M6\nG0 X-5 Y20 Z-2\nG1 X20 F600\nX45\nG1 Z5 F1200\nX-5\nM2\n");
   EXPECT_NEAR(r.report["air_cutting"]["length_mm"], 57, 1e-9);
@@ -92,7 +92,7 @@ TEST(Simulation, AirIsWhatFeedsAndRemovesNothing) {
   EXPECT_EQ(r.report["tools"][0]["air_length_mm"], r.report["air_cutting"]["length_mm"]);
 }
 
-TEST(Simulation, EngagementAndForceAreGreatestWhereTheCutIsDeepest) {
+TEST(Simulation, MaximaOccurAtTheDeepestCut) {
   const Simulated r =
       run(block(), "T1 M6\nG0 X-5 Y20 Z-1\nG1 X45 F600\nG0 Z5\nX-5 Y10\nZ-3\nG1 X45\nM2\n");
   // A slot of 6 x 3 mm; 40 of 50 mm of the motion are in the block.
@@ -103,7 +103,7 @@ TEST(Simulation, EngagementAndForceAreGreatestWhereTheCutIsDeepest) {
   EXPECT_NEAR(r.report["tools"][0]["removed_mm3"], 6 * 1 * 40 + 6 * 3 * 40, 8);
 }
 
-TEST(Simulation, CollisionsNameLinesAndWhatWasHit) {
+TEST(Simulation, CollisionsNameLinesAndPartner) {
   const Simulated r =
       run(block(R"(, "obstacles": [{"shape": "box", "min_mm": [50,0,-10], "max_mm": [60,40,20]}])"),
           "T2 M6\nG0 X20 Y20 Z1\nG1 Z-4 F100\nZ-8\nX22\nG0 Z5\nX70\nM2\n");
@@ -117,12 +117,12 @@ TEST(Simulation, CollisionsNameLinesAndWhatWasHit) {
   EXPECT_EQ(obstacle["from"], "p.ngc:7");
   EXPECT_TRUE(obstacle["in_rapid"]);
   // The flutes are 5 mm long: what stands above them is cut on the way up.
-  EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:6: a rapid goes through material"),
+  EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:6: rapid motion through material"),
                                       HasSubstr("p.ngc:4: shank or holder"),
                                       HasSubstr("p.ngc:7: tool 2 touches an obstacle")));
 }
 
-TEST(Simulation, RapidsThroughMaterialAreToldOnceALine) {
+TEST(Simulation, ReportsRapidsThroughMaterialOncePerLine) {
   const Simulated r = run(block(), "T1 M6\nG0 X-5 Y20 Z-2\nG0 X20\nX45\nM2\n");
   ASSERT_EQ(r.report["rapids_through_stock"].size(), 2u);
   EXPECT_EQ(r.report["rapids_through_stock"][0]["place"], "p.ngc:3");
@@ -147,7 +147,7 @@ IndexedMesh box_mesh(Vec3 low, Vec3 high) {
 
 const std::string kSlot = "T1 M6\nG0 X-5 Y20 Z-2\nG1 X18 F600\n";
 
-TEST(Gouges, AreToldWithDepthPlaceAndLine) {
+TEST(Gouges, AreReportedWithDepthPositionAndLine) {
   // What is to be left is everything below -2.
   const IndexedMesh reference = box_mesh({0, 0, -10}, {40, 40, -2});
   const Simulated r = run(block(), kSlot + "Z-2.75\nX20\nZ-2\nX45\nM2\n", &reference);
@@ -161,17 +161,17 @@ TEST(Gouges, AreToldWithDepthPlaceAndLine) {
   const double area = 9 * 3.14159 + 12;
   EXPECT_NEAR(gouge["area_mm2"], area, 1.5);
   EXPECT_NEAR(gouge["volume_mm3"], area * 0.75, 1.5);
-  EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:4: the reference is cut into")));
+  EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:4: gouge into the reference")));
 }
 
-TEST(Gouges, ACutOnTheReferenceItselfIsNone) {
+TEST(Gouges, CutOnTheReferenceSurfaceIsNoGouge) {
   const IndexedMesh reference = box_mesh({0, 0, -10}, {40, 40, -2});
   const Simulated r = run(block(), kSlot + "X45\nM2\n", &reference);
   EXPECT_EQ(r.report["gouges"]["count"], 0);
   EXPECT_THAT(r.warnings, IsEmpty());
 }
 
-TEST(Gouges, WithinTheToleranceAreNone) {
+TEST(Gouges, CutsWithinTheToleranceAreNoGouges) {
   const IndexedMesh reference = box_mesh({0, 0, -10}, {40, 40, -2});
   EXPECT_EQ(run(block(), kSlot + "Z-2.04\nX30\nM2\n", &reference, 0.05).report["gouges"]["count"],
             0);
@@ -179,7 +179,7 @@ TEST(Gouges, WithinTheToleranceAreNone) {
             1);
 }
 
-TEST(Gouges, AWallThatIsGoneAltogetherIsFound) {
+TEST(Gouges, FindsAWallThatWasRemovedEntirely) {
   // A wall of 2 mm across the slot, of which nothing is left in it.
   const IndexedMesh reference = box_mesh({29, 0, -10}, {31, 40, 0});
   const Simulated r = run(block(), kSlot + "X45\nM2\n", &reference);
@@ -190,7 +190,7 @@ TEST(Gouges, AWallThatIsGoneAltogetherIsFound) {
   EXPECT_NEAR(gouge["volume_mm3"], 2 * 6 * 2, 2.5);
 }
 
-TEST(Gouges, ApartAreToldApart) {
+TEST(Gouges, SeparateRegionsAreSeparateGouges) {
   const IndexedMesh reference = box_mesh({0, 0, -10}, {40, 40, -2});
   const Simulated r =
       run(block(), "T2 M6\nG0 X10 Y10 Z1\nG1 Z-3 F100\nZ1\nG0 X30\nG1 Z-2.5\nZ1\nM2\n", &reference);

@@ -84,19 +84,19 @@ bool is_well_formed(const std::string& xml) {
   return open.empty() && roots == 1;
 }
 
-TEST(TradeoffTable, TheFrontHoldsWhatNothingElseBeatsInBoth) {
+TEST(TradeoffTable, FrontContainsUndominatedRows) {
   std::vector<TradeoffRow> rows{row(1, 8), row(2, 9), row(2, 4), row(3, 4), row(9, 1), row(8, 2)};
   mark_front(rows);
   EXPECT_EQ(marks(rows), "*.*.**");
 }
 
-TEST(TradeoffTable, OfEqualRowsTheFirstIsOnTheFront) {
+TEST(TradeoffTable, FirstOfEqualRowsIsOnTheFront) {
   std::vector<TradeoffRow> rows{row(2, 2), row(2, 2), row(2, 3), row(3, 2)};
   mark_front(rows);
   EXPECT_EQ(marks(rows), "*...");
 }
 
-TEST(TradeoffTable, WhatWasSkippedIsNeitherOnTheFrontNorInItsWay) {
+TEST(TradeoffTable, SkippedRowsDoNotAffectTheFront) {
   std::vector<TradeoffRow> rows{row(0, 0), row(5, 5)};
   rows[0].skipped = "too large";
   mark_front(rows);
@@ -106,7 +106,7 @@ TEST(TradeoffTable, WhatWasSkippedIsNeitherOnTheFrontNorInItsWay) {
   EXPECT_TRUE(rows[1].cheapest);
 }
 
-TEST(TradeoffTable, TheCheapestThatMeetsTheTargetIsMarked) {
+TEST(TradeoffTable, MarksTheCheapestRowThatMeetsTheTarget) {
   std::vector<TradeoffRow> rows{row(1, 8), row(4, 3), row(3, 2.5), row(9, 1)};
   mark_cheapest(rows, 3);
   EXPECT_TRUE(rows[2].cheapest);
@@ -115,7 +115,7 @@ TEST(TradeoffTable, TheCheapestThatMeetsTheTargetIsMarked) {
   EXPECT_EQ(std::ranges::count(rows, true, &TradeoffRow::cheapest), 0);
 }
 
-TEST(TradeoffTable, CsvReadsBackAndSaysWhatWasSkipped) {
+TEST(TradeoffTable, CsvReadsBackAndListsSkippedRows) {
   std::vector<TradeoffRow> rows{row(1.25, 0.125, 0.5), row(0, 0, 0.1)};
   rows[0].volume_error = 0.25;
   rows[0].bytes = 12;
@@ -132,7 +132,7 @@ TEST(TradeoffTable, CsvReadsBackAndSaysWhatWasSkipped) {
   EXPECT_EQ(table[2].back(), "needs 9 MB, too much");
 }
 
-TEST(TradeoffPlot, IsWellFormedWhateverTheNames) {
+TEST(TradeoffPlot, IsWellFormedForAnyNames) {
   std::vector<TradeoffRow> rows{row(1, 8), row(20, 0.3), row(300, 0.001)};
   rows[1].motion = MotionModel::kPaper;
   rows[2].force_error = 0.5;
@@ -207,14 +207,14 @@ TEST_F(Tradeoff, SweepsAProgramAndWritesTableAndPlot) {
   EXPECT_THAT(content("out"), HasSubstr("are compared with pitch"));
 }
 
-TEST_F(Tradeoff, OneConfigurationWillDoWhereNoAxisTurns) {
+TEST_F(Tradeoff, CarvesOneConfigurationWithoutRotation) {
   write("p.ngc", "T1 M6\nG0 X-5 Y10 Z7 I0 J0 K1\nG1 X25 F600\nM2\n");
   ASSERT_EQ(run(kInput + " --rays dexel --pitches 1,0.5 --csv t.csv"), 0) << content("err");
   EXPECT_EQ(cells(content("t.csv")).size(), 3u);
-  EXPECT_THAT(content("out"), HasSubstr("No axis turns"));
+  EXPECT_THAT(content("out"), HasSubstr("The program has no rotation"));
 }
 
-TEST_F(Tradeoff, WhatIsTooExpensiveIsSkippedAndSaidSo) {
+TEST_F(Tradeoff, SkipsAndListsConfigurationsBeyondTheBudget) {
   ASSERT_EQ(run(kInput + " --rays dexel --pitches 1,0.001 --motions tight --tolerances 0.05"
                          " --budget-mb 100 --csv t.csv"),
             0)
@@ -226,7 +226,7 @@ TEST_F(Tradeoff, WhatIsTooExpensiveIsSkippedAndSaidSo) {
   EXPECT_THAT(content("out"), HasSubstr("skipped"));
 }
 
-TEST_F(Tradeoff, BadInputIsRejectedInOneLine) {
+TEST_F(Tradeoff, ReportsBadInputInOneLine) {
   write("bad.ngc", "G77\n");
   const std::vector<std::pair<std::string, std::string>> cases{
       {"--program p.ngc", "kerf-carve tradeoff: --scene"},

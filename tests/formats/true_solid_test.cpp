@@ -19,7 +19,7 @@ std::map<ToolId, SceneTool> tool_map(const ToolShape& shape) {
 
 const BoxStock kBlock{{0, 0, 0}, {40, 40, 20}};
 
-TEST(ToolProfile, KnowsTheDistanceFromABall) {
+TEST(ToolProfile, GivesTheDistanceFromABall) {
   const ToolProfile ball(*make_tool(BallShape{10, 30}));
   EXPECT_TRUE(ball.convex());
   EXPECT_NEAR(ball.nearest(0, -2).distance_mm, 2, 1e-12);
@@ -31,7 +31,7 @@ TEST(ToolProfile, KnowsTheDistanceFromABall) {
   EXPECT_NEAR(ball.nearest(9, 5).normal_radial, 1, 1e-12);
 }
 
-TEST(ToolProfile, SeesNoBorderBetweenConeAndShaft) {
+TEST(ToolProfile, HasNoBorderBetweenConeAndShaft) {
   const ToolProfile tool(*make_tool(ConeEndShape{10, 90, 30}));
   EXPECT_TRUE(tool.convex());
   EXPECT_NEAR(tool.nearest(0, 5).distance_mm, -5 * std::sqrt(0.5), 1e-9);
@@ -39,7 +39,7 @@ TEST(ToolProfile, SeesNoBorderBetweenConeAndShaft) {
   EXPECT_NEAR(tool.nearest(0, -1).distance_mm, 1, 1e-9);
 }
 
-TEST(ToolProfile, AToolWithAWaistIsNotConvex) {
+TEST(ToolProfile, ToolWithAWaistIsNotConvex) {
   const auto tool =
       make_tool(std::vector<ToolPiece>{BallPiece{3, 3}, FrustumPiece{3, 1, 20, 1}}).value();
   const ToolProfile profile(tool);
@@ -49,7 +49,7 @@ TEST(ToolProfile, AToolWithAWaistIsNotConvex) {
   EXPECT_NEAR(profile.nearest(2, 3).distance_mm, -1, 1e-9);
 }
 
-TEST(TrueSolid, ASlotHasTheDistancesOfASlot) {
+TEST(TrueSolid, GivesTheDistancesOfASlot) {
   const auto tools = tool_map(FlatShape{6, 30});
   const TrueSolid solid(kBlock, tools, {{1, {{-10, 20, 15}}, {{50, 20, 15}}, 1, 0, false}}, 8);
   const auto expect = [&](Vec3 p, double mm, bool cut) {
@@ -67,7 +67,7 @@ TEST(TrueSolid, ASlotHasTheDistancesOfASlot) {
   expect({20, 22.8, 15.3}, 0.2, true);
 }
 
-TEST(TrueSolid, OutsideTheSharpRidgeOfTwoCutsItFindsTheRidge) {
+TEST(TrueSolid, FindsTheRidgeOfTwoCutsFromOutside) {
   const auto tools = tool_map(BallShape{10, 30});
   const TrueSolid solid(kBlock, tools,
                         {{1, {{-10, 16, 15}}, {{50, 16, 15}}, 1, 0, false},
@@ -107,7 +107,7 @@ TEST(TrueSolid, AgreesWithBruteForceForTurningMotions) {
   }
 }
 
-TEST(SurfaceError, OfTheStandardJobIsThatOfTheFormula) {
+TEST(SurfaceError, OfTheStandardJobMatchesTheFormula) {
   // A third of it is enough: rows 0 to 16.
   std::vector<ToolPose> path = test::standard_path(false);
   path.resize(1733);
@@ -134,7 +134,7 @@ TEST(SurfaceError, OfTheStandardJobIsThatOfTheFormula) {
   EXPECT_LE(error.p99_mm, error.max_mm);
 }
 
-TEST(SurfaceError, AnUntouchedBlockHasNone) {
+TEST(SurfaceError, UntouchedBlockHasNoError) {
   auto sculpture = *Sculpture::create(test::standard_settings(2, 0.01));
   const TrueSolid truth(sculpture.settings().stock, tool_map(BallShape{10, 50}), {}, 4);
   EXPECT_EQ(measure_surface(sculpture.solid(), truth, 1000).samples, 0u);

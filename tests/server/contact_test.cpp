@@ -21,8 +21,8 @@ TEST_F(SessionTest, ReportsAnObstacleBeforeContact) {
     if (result.plane_count == 0) continue;
     const wire::ContactPlane& plane = result.planes[0];
     EXPECT_NEAR(double(plane.depth_mm), 10 - z, 1e-6);
-    EXPECT_NEAR(double(plane.normal[2]), 1, 1e-6);
-    EXPECT_NEAR(plane.point_mm[2], z, 1e-9);
+    EXPECT_NEAR(double(plane.normal.z), 1, 1e-6);
+    EXPECT_NEAR(plane.point_mm.z, z, 1e-9);
     EXPECT_EQ(plane.stiffness_n_per_mm, 2);
     EXPECT_EQ(plane.flags, wire::kContactObstacle);
   }
@@ -40,7 +40,7 @@ TEST_F(SessionTest, StockPushesAToolThatDoesNotCut) {
     if (!touches) continue;
     EXPECT_EQ(result.planes[0].flags, wire::kContactStock);
     EXPECT_NEAR(double(result.planes[0].depth_mm), 0.5, 0.05);
-    EXPECT_GT(result.force_n[2], 0.4F) << "upwards, 1 N/mm";
+    EXPECT_GT(result.force_n.z, 0.4F) << "upwards, 1 N/mm";
     EXPECT_EQ(result.force_n, result.collision_force_n);
   }
   EXPECT_EQ(session->info().motions, 0U);

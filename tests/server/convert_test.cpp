@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-wire::MotionSample sample_at(wire::Vec3d tip, wire::Vec3f axis = {0, 0, 1}) {
+wire::MotionSample sample_at(Vec3 tip, Vec3f axis = {0, 0, 1}) {
   wire::MotionSample sample;
   sample.agent_sequence = 5;
   sample.tip_mm = tip;
@@ -28,7 +28,7 @@ MotionResult result_of(double force_n, double removed_mm3, double area_mm2) {
   return result;
 }
 
-TEST(ToPose, PutsThePoseOnTheGrid) {
+TEST(ToPose, RoundsToThePoseGrid) {
   const auto pose = to_pose(sample_at({1.23456789, 0, 0}, {0.6F, 0, 0.8F}));
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->tip_mm.x, 1.234568);
@@ -36,7 +36,7 @@ TEST(ToPose, PutsThePoseOnTheGrid) {
   EXPECT_NEAR(length(pose->axis), 1, 1e-8);
 }
 
-TEST(ToPose, RejectsWhatIsNoPose) {
+TEST(ToPose, RejectsInvalidPoses) {
   for (const auto& bad : {sample_at({kNan, 0, 0}), sample_at({0, 0, 2e6}),
                           sample_at({0, 0, 0}, {0, 0, 0}), sample_at({0, 0, 0}, {0, 0, 1.01F}),
                           sample_at({0, 0, 0}, {static_cast<float>(kNan), 0, 1})}) {
@@ -47,36 +47,36 @@ TEST(ToPose, RejectsWhatIsNoPose) {
   }
 }
 
-TEST(BatchSum, WeighsForcesByTime) {
+TEST(BatchSum, ForcesAreTimeWeightedMeans) {
   BatchSum sum;
   sum.add(result_of(10, 1, 4), 0.001);
   sum.add(result_of(40, 2, 8), 0.003);
   wire::Result result;
   sum.write(result);
-  EXPECT_FLOAT_EQ(result.force_n[0], (10 * 1 + 40 * 3) / 4.0F);
+  EXPECT_FLOAT_EQ(result.force_n.x, (10 * 1 + 40 * 3) / 4.0F);
   EXPECT_FLOAT_EQ(result.removed_mm3, 3);
   EXPECT_EQ(result.status, wire::kStatusCutting);
 }
 
-TEST(BatchSum, KeepsTheNewestCuttingModel) {
+TEST(BatchSum, UsesTheNewestCuttingModel) {
   BatchSum sum;
   sum.add(result_of(10, 1, 4), 0.001);
   sum.add(result_of(40, 2, 8), 0.001);
-  sum.add(result_of(0, 0, 0), 0.001);  // through the air: the last cut stays the model
+  sum.add(result_of(0, 0, 0), 0.001);  // through the air: the model of the last cut remains
   wire::Result result;
   sum.write(result);
   EXPECT_FLOAT_EQ(result.engaged_area_mm2, 8);
-  EXPECT_DOUBLE_EQ(result.cut_centre_mm[0], 8);
+  EXPECT_DOUBLE_EQ(result.cut_centre_mm.x, 8);
   EXPECT_FLOAT_EQ(result.specific_force_n_per_mm2, 5);
 }
 
-TEST(BatchSum, EmptyBatchGivesNoForce) {
+TEST(BatchSum, EmptyBatchHasNoForce) {
   wire::Result result;
   BatchSum().write(result);
   EXPECT_EQ(result, wire::Result{});
 }
 
-TEST(BatchSum, MarksCollisions) {
+TEST(BatchSum, SetsTheCollidingStatus) {
   MotionResult hit = result_of(3, 0, 0);
   hit.collision.force_n = {3, 0, 0};
   BatchSum sum;
@@ -84,7 +84,7 @@ TEST(BatchSum, MarksCollisions) {
   wire::Result result;
   sum.write(result);
   EXPECT_EQ(result.status, wire::kStatusColliding);
-  EXPECT_FLOAT_EQ(result.collision_force_n[0], 3);
+  EXPECT_FLOAT_EQ(result.collision_force_n.x, 3);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ std::vector<std::byte> glb_of(const std::vector<EncodedTile>& tiles, const Dexel
   return write_mesh_glb(pointers, mesh_quantization(grid), 3, 12);
 }
 
-TEST(MeshQuantization, HalvesThePitchAsOftenAsEveryTileFits) {
+TEST(MeshQuantization, StepIsTheSmallestHalvedPitchThatFitsEveryTile) {
   for (const double pitch : {0.01, 0.1, 0.25, 3.0}) {
     for (const double height : {0.5, 50.0, 900.0}) {
       DexelGrid grid;
@@ -55,7 +55,7 @@ TEST(MeshQuantization, HalvesThePitchAsOftenAsEveryTileFits) {
 
 class MeshGlbAccessors : public testing::TestWithParam<TileCompression> {};
 
-TEST(MeshGlb, DecodesToTheMeshWithinHalfAStep) {
+TEST(MeshGlb, DecodedMeshDiffersByAtMostHalfAStep) {
   Sculpture sculpture = carved_block();
   const SolidSnapshot snapshot = sculpture.solid();
   const auto tiles = encode_all(snapshot, TileCompression::kNone);
@@ -82,20 +82,19 @@ TEST(MeshGlb, DecodesToTheMeshWithinHalfAStep) {
   }
 }
 
-TEST(MeshGlb, NeighbouringTilesMeetExactly) {
+TEST(MeshGlb, NeighboringTilesMeetExactly) {
   Sculpture sculpture = carved_block();
   const SolidSnapshot snapshot = sculpture.solid();
   const auto decoded =
       test::read_mesh_glb(glb_of(encode_all(snapshot, TileCompression::kNone), snapshot.grid()));
-  // Shared vertices are equal after decoding, so the whole is as closed as the mesh was: every
-  // vertex that the mesh shares between tiles is shared after decoding too.
+  // Vertices shared between tiles are equal after decoding, so the result is as closed as the mesh.
   std::map<std::array<float, 3>, Vec3> world;
   std::size_t shared = 0;
   for (const TileMesh& mesh : test::mesh_all(snapshot)) {
     const test::DecodedTile& tile = decoded.tiles.at(mesh.tile);
     for (std::size_t v = 0; v < mesh.positions_mm.size(); ++v) {
-      const auto [found, fresh] = world.emplace(mesh.positions_mm[v], tile.positions_mm[v]);
-      if (fresh) continue;
+      const auto [found, is_new] = world.emplace(mesh.positions_mm[v], tile.positions_mm[v]);
+      if (is_new) continue;
       ++shared;
       EXPECT_LT(length(found->second - tile.positions_mm[v]), 1e-12);
     }
@@ -103,7 +102,7 @@ TEST(MeshGlb, NeighbouringTilesMeetExactly) {
   EXPECT_GT(shared, 100U);
 }
 
-TEST(MeshGlb, CompressionKeepsEveryTriangle) {
+TEST(MeshGlb, CompressionPreservesEveryTriangle) {
   Sculpture sculpture = carved_block();
   const SolidSnapshot snapshot = sculpture.solid();
   const auto plain =
@@ -116,7 +115,7 @@ TEST(MeshGlb, CompressionKeepsEveryTriangle) {
   }
 }
 
-TEST_P(MeshGlbAccessors, EveryAccessorHasBoundsThatHold) {
+TEST_P(MeshGlbAccessors, AccessorBoundsAreCorrect) {
   Sculpture sculpture = carved_block();
   const SolidSnapshot snapshot = sculpture.solid();
   const auto glb = test::split_glb(glb_of(encode_all(snapshot, GetParam()), snapshot.grid()));
@@ -138,15 +137,15 @@ TEST_P(MeshGlbAccessors, EveryAccessorHasBoundsThatHold) {
 INSTANTIATE_TEST_SUITE_P(, MeshGlbAccessors,
                          testing::Values(TileCompression::kNone, TileCompression::kMeshopt));
 
-TEST(MeshGlbSize, CompressionPays) {
+TEST(MeshGlbSize, CompressionHalvesTheSize) {
   Sculpture sculpture = carved_block();
   const SolidSnapshot snapshot = sculpture.solid();
   const auto raw = glb_of(encode_all(snapshot, TileCompression::kNone), snapshot.grid());
   const auto packed = glb_of(encode_all(snapshot, TileCompression::kMeshopt), snapshot.grid());
-  EXPECT_LT(2 * packed.size(), raw.size());  // of a rough block; smooth ones gain more
+  EXPECT_LT(2 * packed.size(), raw.size());  // for a rough block; smooth ones compress better
 }
 
-TEST(MeshGlbTile, ATileWithNothingLeftIsANodeWithoutMesh) {
+TEST(MeshGlbTile, EmptyTileIsANodeWithoutMesh) {
   DexelGrid grid;
   EncodedTile empty;
   empty.tile = {4, 9};
@@ -157,7 +156,7 @@ TEST(MeshGlbTile, ATileWithNothingLeftIsANodeWithoutMesh) {
   EXPECT_TRUE(test::read_mesh_glb(glb_of({}, grid)).tiles.empty());
 }
 
-TEST(MeshGlbTile, LargeTilesGetWideIndices) {
+TEST(MeshGlbTile, LargeTilesHaveWideIndices) {
   TileMesh mesh;
   for (int n = 0; n < 70000; ++n) {
     mesh.positions_mm.push_back({float(n % 251), float(n / 251), 0});

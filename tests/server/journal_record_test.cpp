@@ -23,14 +23,14 @@ DefineTool some_tool() {
   return {3, tool.value()};
 }
 
-TEST(Crc32, IsTheCommonOne) {
+TEST(Crc32, MatchesTheStandardCheckValue) {
   const std::string text = "123456789";
   EXPECT_EQ(crc32(std::as_bytes(std::span(text))), 0xCBF43926U);
   const auto head = crc32(std::as_bytes(std::span(text).first(4)));
   EXPECT_EQ(crc32(std::as_bytes(std::span(text).subspan(4)), head), 0xCBF43926U);
 }
 
-TEST(JournalRecord, MoveComesBackBitForBit) {
+TEST(JournalRecord, MoveRoundTripsExactly) {
   const auto decoded = decode_command(encode_command(some_move()));
   ASSERT_TRUE(decoded) << decoded.error();
   const auto& move = std::get<MoveTool>(*decoded);
@@ -41,7 +41,7 @@ TEST(JournalRecord, MoveComesBackBitForBit) {
   EXPECT_FALSE(move.feel);
 }
 
-TEST(JournalRecord, ToolComesBackWithAllItsPieces) {
+TEST(JournalRecord, ToolRoundTripsWithAllPieces) {
   const auto decoded = decode_command(encode_command(some_tool()));
   ASSERT_TRUE(decoded) << decoded.error();
   const auto& define = std::get<DefineTool>(*decoded);
@@ -55,14 +55,15 @@ DefineTool some_tool_with_holder() {
   return {4, tool.value()};
 }
 
-TEST(JournalRecord, ArcsAndWhatDoesNotCutComeBack) {
+TEST(JournalRecord, ArcsAndNonCuttingPiecesRoundTrip) {
   const auto decoded = decode_command(encode_command(some_tool_with_holder()));
   ASSERT_TRUE(decoded) << decoded.error();
   EXPECT_EQ(std::get<DefineTool>(*decoded).tool, some_tool_with_holder().tool);
 }
 
-TEST(JournalRecord, ToolOfAnEarlierVersionIsRead) {
-  // Layout 1 as it was written before arcs and holders: the same bytes without the second list.
+TEST(JournalRecord, Layout1IsRead) {
+  // Layout 1, from before arcs and holders, has the same bytes without the list of non-cutting
+  // pieces.
   auto bytes = encode_command(some_tool());
   bytes[0] = std::byte{1};
   bytes.resize(bytes.size() - 4);
@@ -92,13 +93,13 @@ TEST(JournalRecord, TrailingBytesAndUnknownLayoutsAreErrors) {
   EXPECT_NE(decoded.error().find("layout 99"), std::string::npos);
 }
 
-TEST(JournalRecord, ToolThatTheKernelWouldRejectIsAnError) {
+TEST(JournalRecord, ToolRejectedByTheKernelIsAnError) {
   auto bytes = encode_command(some_tool_with_holder());
   for (std::size_t i = bytes.size() - 8; i < bytes.size(); ++i) bytes[i] = std::byte{0xFF};  // NaN
   EXPECT_FALSE(decode_command(bytes));
 }
 
-TEST(JournalRecord, ChecksumCoversOrderAndOwner) {
+TEST(JournalRecord, ChecksumCoversSequenceAndParticipant) {
   const auto bytes = encode_command(some_move());
   const auto sum = record_checksum(1, 2, bytes);
   EXPECT_NE(sum, record_checksum(2, 2, bytes));

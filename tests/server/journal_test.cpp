@@ -24,11 +24,11 @@ MoveTool move_to(double x_mm) {
 
 class Journal : public testing::Test {
  protected:
-  /// A journal of ten motions by participants 1 and 2, with one state hash.
+  /// Writes a journal of ten motions by participants 1 and 2, with one state hash.
   void write_ten() {
     auto writer = JournalWriter::create(file, kHeader);
     ASSERT_TRUE(writer) << describe(writer.error());
-    writer->append(JournalPerson{1, "Ada", "#112233", "agent"});
+    writer->append(JournalParticipant{1, "Ada", "#112233", "agent"});
     for (int i = 1; i <= 10; ++i) {
       const auto sequence = writer->append(static_cast<ParticipantId>(1 + i % 2), move_to(i));
       ASSERT_TRUE(sequence);
@@ -43,7 +43,7 @@ class Journal : public testing::Test {
     EXPECT_EQ(sqlite3_exec(database, text.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << text;
     sqlite3_close(database);
   }
-  /// Reads to the first error; it must be kCorrupt at `sequence`.
+  /// Reads to the first error and expects kCorrupt at `sequence`.
   void expect_corrupt_at(std::uint64_t sequence) const {
     auto reader = JournalReader::open(file);
     ASSERT_TRUE(reader) << describe(reader.error());
@@ -62,15 +62,15 @@ class Journal : public testing::Test {
   std::filesystem::path file = folder / "demo.kerf";
 };
 
-TEST_F(Journal, GivesBackWhatWasAppended) {
+TEST_F(Journal, ReadsWhatWasAppended) {
   write_ten();
   auto reader = JournalReader::open(file);
   ASSERT_TRUE(reader) << describe(reader.error());
   EXPECT_EQ(reader->header().session, "demo");
   EXPECT_EQ(reader->header().scene_json, kHeader.scene_json);
   EXPECT_EQ(reader->header().base_folder, "/scenes");
-  ASSERT_EQ(reader->people().size(), 1U);
-  EXPECT_EQ(reader->people()[0].name, "Ada");
+  ASSERT_EQ(reader->participants().size(), 1U);
+  EXPECT_EQ(reader->participants()[0].name, "Ada");
   ASSERT_EQ(reader->state_hashes().size(), 1U);
   EXPECT_EQ(reader->state_hashes()[0].hash, 0xFEDCBA9876543210U);
   for (int i = 1; i <= 10; ++i) {
@@ -84,7 +84,7 @@ TEST_F(Journal, GivesBackWhatWasAppended) {
   EXPECT_FALSE(*end);
 }
 
-TEST_F(Journal, ContinuesBehindTheLastRecordAndCountsItsOpenings) {
+TEST_F(Journal, OpenContinuesAfterTheLastRecordAndIncrementsTheEpoch) {
   write_ten();
   auto writer = JournalWriter::open(file, 10);
   ASSERT_TRUE(writer) << describe(writer.error());
@@ -98,7 +98,7 @@ TEST_F(Journal, ContinuesBehindTheLastRecordAndCountsItsOpenings) {
   EXPECT_EQ(count, 11);
 }
 
-TEST_F(Journal, ReaderBesideAWriterSeesWhatWasCommitted) {
+TEST_F(Journal, ReaderBesideAWriterReadsCommittedRecords) {
   auto writer = JournalWriter::create(file, kHeader);
   ASSERT_TRUE(writer);
   for (int i = 1; i <= 1000; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
@@ -111,7 +111,7 @@ TEST_F(Journal, ReaderBesideAWriterSeesWhatWasCommitted) {
   EXPECT_GE(count, 1000);
 }
 
-TEST_F(Journal, DestructorCommitsWhatIsLeft) {
+TEST_F(Journal, DestructorCommitsPendingRecords) {
   {
     auto writer = JournalWriter::create(file, kHeader);
     for (int i = 1; i <= 100; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
@@ -122,7 +122,7 @@ TEST_F(Journal, DestructorCommitsWhatIsLeft) {
   EXPECT_EQ(count, 100);
 }
 
-TEST_F(Journal, FinishedFileStandsAloneAndTakesNoMore) {
+TEST_F(Journal, FinishClosesTheFileAndRejectsAppends) {
   auto writer = JournalWriter::create(file, kHeader);
   for (int i = 1; i <= 100; ++i) ASSERT_TRUE(writer->append(1, move_to(i)));
   ASSERT_TRUE(writer->finish());
@@ -136,39 +136,39 @@ TEST_F(Journal, FinishedFileStandsAloneAndTakesNoMore) {
   EXPECT_EQ(count, 100);
 }
 
-TEST_F(Journal, DoesNotOverwriteAnother) {
+TEST_F(Journal, CreateDoesNotOverwriteAnExistingJournal) {
   write_ten();
   const auto again = JournalWriter::create(file, kHeader);
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().code, JournalErrorCode::kExists);
 }
 
-TEST_F(Journal, FlippedBitIsFoundWhereItIs) {
+TEST_F(Journal, CorruptByteIsReportedWithItsRecord) {
   write_ten();
   sql("UPDATE commands SET bytes = CAST(substr(bytes,1,20) || x'FF' || substr(bytes,22) AS BLOB) "
       "WHERE sequence = 4");
   expect_corrupt_at(4);
 }
 
-TEST_F(Journal, ChangedOwnerIsFound) {
+TEST_F(Journal, ChangedParticipantIsDetected) {
   write_ten();
   sql("UPDATE commands SET participant = 9 WHERE sequence = 6");
   expect_corrupt_at(6);
 }
 
-TEST_F(Journal, MissingRecordIsFound) {
+TEST_F(Journal, MissingRecordIsDetected) {
   write_ten();
   sql("DELETE FROM commands WHERE sequence = 3");
   expect_corrupt_at(3);
 }
 
-TEST_F(Journal, MissingTailIsFound) {
+TEST_F(Journal, MissingTailIsDetected) {
   write_ten();
   sql("DELETE FROM commands WHERE sequence > 8");
   expect_corrupt_at(9);
 }
 
-TEST_F(Journal, SwappedRecordsAreFound) {
+TEST_F(Journal, SwappedRecordsAreDetected) {
   write_ten();
   sql("UPDATE commands SET sequence = 99 WHERE sequence = 2;"
       "UPDATE commands SET sequence = 2 WHERE sequence = 4;"
@@ -176,7 +176,7 @@ TEST_F(Journal, SwappedRecordsAreFound) {
   expect_corrupt_at(2);
 }
 
-TEST_F(Journal, ChangedSceneIsFound) {
+TEST_F(Journal, ChangedSceneIsDetected) {
   write_ten();
   sql("UPDATE session SET scene = '{}'");
   const auto reader = JournalReader::open(file);
@@ -184,7 +184,7 @@ TEST_F(Journal, ChangedSceneIsFound) {
   EXPECT_EQ(reader.error().code, JournalErrorCode::kCorrupt);
 }
 
-TEST_F(Journal, ForeignVersionIsNamed) {
+TEST_F(Journal, ForeignVersionIsReported) {
   write_ten();
   sql("PRAGMA user_version = 7");
   const auto reader = JournalReader::open(file);
@@ -193,14 +193,14 @@ TEST_F(Journal, ForeignVersionIsNamed) {
   EXPECT_NE(reader.error().reason.find("version 7"), std::string::npos);
 }
 
-TEST_F(Journal, DatabaseOfAnotherProgramIsNoJournal) {
+TEST_F(Journal, DatabaseOfAnotherProgramIsNotAJournal) {
   sql("CREATE TABLE songs(name TEXT)");
   const auto reader = JournalReader::open(file);
   ASSERT_FALSE(reader);
   EXPECT_EQ(reader.error().code, JournalErrorCode::kNotAJournal);
 }
 
-TEST_F(Journal, TextIsNoJournal) {
+TEST_F(Journal, TextFileIsNotAJournal) {
   std::ofstream(file) << std::string(5000, 'x');
   const auto reader = JournalReader::open(file);
   ASSERT_FALSE(reader);

@@ -497,7 +497,7 @@ class Restarts(LiveTest):
         self.assertEqual(sessions, ["block", "other"])
         self.assertEqual(self.server.hash(), wanted)
         code, log = self.server.stop()
-        self.assertIn("flipped.kerf: record 77: the record fails its checksum", log)
+        self.assertIn("flipped.kerf: record 77: the checksum of the record is wrong", log)
         self.assertIn("foreign_journal_version", log)
         self.assertIn("truncated.kerf", log)
         self.assertIn("not_a_journal", log)

@@ -157,7 +157,7 @@ class Session(UsbTest):
     def test_is_homed_carves_is_unplugged_comes_back_and_leaves(self):
         self.pen("plug", 5)
         self.wait_for(lambda: "is ready" in self.log(), "the device is not ready")
-        self.assertIn("finding its home position", self.log())
+        self.assertIn("is homing", self.log())
 
         # A row of 40 x 6 x 2 mm. Nobody holds the grip, so nobody feels it.
         self.row = next(self.rows)

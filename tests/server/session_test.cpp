@@ -62,7 +62,7 @@ TEST_F(SessionTest, ObstaclesPushAToolThatDoesNotCut) {
     const MotionAnswer answer = session->move(id, {&sample, 1});
     EXPECT_TRUE(answer.rejections.empty());
     const bool touches = z < 10;
-    EXPECT_NEAR(double(answer.result.force_n[2]), touches ? 2 * 0.5 : 0, 1e-3);
+    EXPECT_NEAR(double(answer.result.force_n.z), touches ? 2 * 0.5 : 0, 1e-3);
     EXPECT_EQ((answer.result.status & wire::kStatusColliding) != 0, touches);
   }
   EXPECT_EQ(session->info().motions, 0U);
@@ -85,7 +85,7 @@ TEST_F(SessionTest, AppliesMotionsAndJournalsThem) {
     moves += std::holds_alternative<MoveTool>((*record)->command) ? 1 : 0;
   }
   EXPECT_EQ(moves, 200);
-  EXPECT_EQ(reader->people().at(0).name, "Ada");
+  EXPECT_EQ(reader->participants().at(0).name, "Ada");
 }
 
 TEST_F(SessionTest, ReplayGivesTheSameHash) {
@@ -183,7 +183,7 @@ TEST_F(SessionTest, ChangedTilesAreReportedOnce) {
   EXPECT_FALSE(frame.changed.empty());
   EXPECT_TRUE(frame.snapshot);
   ASSERT_EQ(frame.tools.tools.size(), 1U);
-  EXPECT_EQ(frame.tools.tools[0].tip_mm[0], 1.0);
+  EXPECT_EQ(frame.tools.tools[0].tip_mm.x, 1.0);
   const auto again = session->frame(false);
   EXPECT_TRUE(again.changed.empty());
   EXPECT_FALSE(again.snapshot);
@@ -274,7 +274,7 @@ TEST_F(SessionTest, ExportedForcesEqualTheForcesSent) {
   std::stringstream fields(line);
   for (std::string field; std::getline(fields, field, ',');) numbers.push_back(std::stod(field));
   ASSERT_EQ(numbers.size(), 14U);
-  EXPECT_NEAR(numbers[7], static_cast<double>(felt.result.force_n[0]), 1e-5);
+  EXPECT_NEAR(numbers[7], static_cast<double>(felt.result.force_n.x), 1e-5);
   EXPECT_NEAR(numbers[13], static_cast<double>(felt.result.removed_mm3), 1e-5);
   EXPECT_LT(numbers[7], 0);
 }

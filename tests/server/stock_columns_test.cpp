@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The columns of a stock frame: what is written is read back, what is no column is rejected.
+// Encoding and decoding of the columns of a stock frame.
 
 #include "server/convert/stock_columns.h"
 
@@ -42,7 +42,7 @@ std::vector<Dexel> read(const DexelTile& tile, int place) {
   return column;
 }
 
-TEST(StockColumns, AreReadBackAsTheyWereWritten) {
+TEST(StockColumns, RoundTrip) {
   const auto s = carved(8);
   const auto tile = s.field(RayAxis::kZ)->fresh({0, 0});
   const auto columns = decode_columns(encode_columns(*tile, nullptr));
@@ -55,16 +55,16 @@ TEST(StockColumns, AreReadBackAsTheyWereWritten) {
     EXPECT_EQ(std::vector<Dexel>(got.begin(), got.end()), expected) << place;
     split += expected.size() > 1;
   }
-  EXPECT_GT(split, 20U) << "the carving must have split columns";
+  EXPECT_GT(split, 20U) << "the cuts should split columns";
 }
 
-TEST(StockColumns, OfATileThatWasSentBeforeOnlyWhatHasChanged) {
+TEST(StockColumns, SecondEncodingContainsOnlyChangedColumns) {
   const auto before = carved(3).field(RayAxis::kZ)->fresh({0, 0});
   const auto after = carved(4).field(RayAxis::kZ)->fresh({0, 0});
   const auto whole = encode_columns(*after, nullptr);
-  const auto news = encode_columns(*after, before.get());
-  EXPECT_LT(news.size(), whole.size());
-  const auto columns = decode_columns(news);
+  const auto changes = encode_columns(*after, before.get());
+  EXPECT_LT(changes.size(), whole.size());
+  const auto columns = decode_columns(changes);
   ASSERT_TRUE(columns) << columns.error();
   DexelTile copy = *before;
   EXPECT_TRUE(keep_common(copy, *columns));
@@ -74,13 +74,13 @@ TEST(StockColumns, OfATileThatWasSentBeforeOnlyWhatHasChanged) {
   EXPECT_TRUE(encode_columns(*after, after.get()).empty());
 }
 
-TEST(StockColumns, OfAnUntouchedTileAreAFewBytes) {
+TEST(StockColumns, UntouchedTileIsSmall) {
   const auto s = carved(0);
   EXPECT_LT(encode_columns(*s.field(RayAxis::kZ)->fresh({0, 0}), nullptr).size(), 12U);
 }
 
-TEST(StockColumns, HaveTheseBytes) {
-  // One column with an element from 10 to 300, skipped two, one column 11 to 300, twice.
+TEST(StockColumns, MatchGoldenBytes) {
+  // One column with an element from 10 to 300, two skipped, two columns from 11 to 300.
   const auto columns =
       decode_columns(bytes_of({0x05, 0x14, 0xC4, 0x04, 0x08, 0x05, 0x02, 0x00, 0x06}));
   ASSERT_TRUE(columns) << columns.error();
@@ -92,31 +92,31 @@ TEST(StockColumns, HaveTheseBytes) {
   EXPECT_TRUE(decode_columns({}));
 }
 
-TEST(StockColumns, ThatAreNoneAreRejected) {
+TEST(StockColumns, MalformedColumnsAreRejected) {
   const auto rejected = [](std::initializer_list<int> values) {
     return !decode_columns(bytes_of(values)).has_value();
   };
-  EXPECT_TRUE(rejected({0x03})) << "no such token";
-  EXPECT_TRUE(rejected({0x00})) << "skips nothing";
+  EXPECT_TRUE(rejected({0x03})) << "unknown token";
+  EXPECT_TRUE(rejected({0x00})) << "skips no column";
   EXPECT_TRUE(rejected({0x06})) << "nothing to repeat";
   EXPECT_TRUE(rejected({0x84, 0x20})) << "1025 columns skipped";
   EXPECT_TRUE(rejected({0x05, 0x14})) << "ends inside a column";
   EXPECT_TRUE(rejected({0x85})) << "ends inside a number";
-  EXPECT_TRUE(rejected({0x05, 0x14, 0x14, 0x00})) << "skips nothing after a column";
+  EXPECT_TRUE(rejected({0x05, 0x14, 0x14, 0x00})) << "skips no column after a column";
   EXPECT_TRUE(rejected({0x05, 0x14, 0x00})) << "top not above bottom";
   EXPECT_TRUE(rejected({0x05, 0x01, 0x14})) << "below the block";
   EXPECT_TRUE(rejected({0x09, 0x00, 0x08, 0x00, 0x08})) << "elements without a gap";
   EXPECT_TRUE(rejected({0x05, 0x00, 0x80, 0x80, 0x80, 0x80, 0x08})) << "above 2^30";
 }
 
-TEST(StockColumns, SurviveAnyBytes) {
+TEST(StockColumns, RandomBytesAreRejectedOrValid) {
   const auto s = carved(8);
-  const auto sound = encode_columns(*s.field(RayAxis::kZ)->fresh({0, 0}), nullptr);
+  const auto valid = encode_columns(*s.field(RayAxis::kZ)->fresh({0, 0}), nullptr);
   std::mt19937 random(11);
   std::size_t rejected = 0;
   for (int round = 0; round < 20000; ++round) {
-    auto bytes = sound;
-    bytes.resize(random() % (sound.size() + 1));
+    auto bytes = valid;
+    bytes.resize(random() % (valid.size() + 1));
     for (int n = 0; n < 3 && !bytes.empty(); ++n) {
       bytes[random() % bytes.size()] = static_cast<std::byte>(random());
     }

@@ -25,7 +25,7 @@ Sculpture carved_block(unsigned seed, Rays rays, int cuts) {
   return sculpture;
 }
 
-/// Tiles at the levels that `level` gives, borders as the levels of both sides say.
+/// Returns tiles at the levels given by `level`; a border has the finer level of its two tiles.
 template <typename Level>
 std::vector<TileMesh> mesh_at(const std::vector<TileMesh>& exact, const DexelGrid& grid,
                               const Level& level) {
@@ -59,7 +59,7 @@ double area_mm2(const std::vector<TileMesh>& meshes) {
 
 class TileDetailOfRays : public testing::TestWithParam<Rays> {};
 
-TEST_P(TileDetailOfRays, AnyMixtureOfLevelsIsClosed) {
+TEST_P(TileDetailOfRays, MeshIsClosedAtAnyCombinationOfLevels) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     Sculpture sculpture = carved_block(seed, GetParam(), 12 + 5 * int(seed));
     const DexelGrid& grid = sculpture.grid();
@@ -79,7 +79,7 @@ TEST_P(TileDetailOfRays, AnyMixtureOfLevelsIsClosed) {
   }
 }
 
-TEST_P(TileDetailOfRays, CoarserLevelsHaveFewerTrianglesAndTheSameShapeWithinTheirError) {
+TEST_P(TileDetailOfRays, CoarserLevelsHaveFewerTrianglesWithinTheirError) {
   Sculpture sculpture = carved_block(3, GetParam(), 8);
   const DexelGrid& grid = sculpture.grid();
   const auto exact = test::mesh_all(sculpture.solid());
@@ -98,14 +98,14 @@ TEST_P(TileDetailOfRays, CoarserLevelsHaveFewerTrianglesAndTheSameShapeWithinThe
 
 INSTANTIATE_TEST_SUITE_P(, TileDetailOfRays, testing::Values(Rays::kDexel, Rays::kTriDexel));
 
-TEST(TileDetail, LevelZeroIsTheMeshItself) {
+TEST(TileDetail, LevelZeroIsTheExactMesh) {
   Sculpture sculpture = carved_block(2, Rays::kDexel, 10);
   const auto exact = test::mesh_all(sculpture.solid());
   const auto same = mesh_at(exact, sculpture.grid(), [](TileIndex) { return std::uint8_t{0}; });
   EXPECT_EQ(test::check_mesh(same).hash, test::check_mesh(exact).hash);
 }
 
-TEST(TileDetail, AFlatBlockNeedsAFewTrianglesATile) {
+TEST(TileDetail, FlatBlockHasFewTriangles) {
   Sculpture sculpture = carved_block(1, Rays::kDexel, 0);
   const auto exact = test::mesh_all(sculpture.solid());
   const auto coarse =
@@ -115,33 +115,33 @@ TEST(TileDetail, AFlatBlockNeedsAFewTrianglesATile) {
   EXPECT_NEAR(coarse.volume_mm3, 31 * 26 * 8, 0.01);
 }
 
-TEST(TileDetail, TilesThatDisagreeAboutTheirBorderDoNotMeet) {
+TEST(TileDetail, TilesWithDifferentBorderLevelsLeaveCracks) {
   Sculpture sculpture = carved_block(4, Rays::kDexel, 20);
   const DexelGrid& grid = sculpture.grid();
   auto meshes = test::mesh_all(sculpture.solid());
-  // What the closed mixtures above rest on: the same tile with its own idea of every border.
+  // Counter-test of MeshIsClosedAtAnyCombinationOfLevels: this tile ignores its neighbors' levels.
   meshes[0] = coarser_tile(meshes[0], grid, {.level = 2, .side = {2, 2, 2, 2}});
   EXPECT_GT(test::check_mesh(meshes).open_edges, 0U);
 }
 
-TEST(TileDetail, GoodEnoughDependsOnTheDistanceToTheTile) {
+TEST(TileDetail, LevelDependsOnTheDistanceToTheTile) {
   DexelGrid grid;
   grid.pitch_mm = 0.25;
   grid.columns_x = grid.columns_y = 320;
   grid.z_quantum_mm = std::exp2(-20);
   grid.height_quanta = 10 << 20;
-  const auto level = [&](Vec3 eye, double error_rad, TileIndex tile, int shown = 0) {
-    return detail_level({eye, error_rad}, grid, tile, shown);
+  const auto level = [&](Vec3 eye, double error_rad, TileIndex tile, int current = 0) {
+    return detail_level({eye, error_rad}, grid, tile, current);
   };
   EXPECT_EQ(level({4, 4, 1000}, 0, {0, 0}), 0);
-  EXPECT_EQ(level({4, 4, 5}, 0.001, {0, 0}), 0);      // inside of the tile
-  EXPECT_EQ(level({4, 4, 10000}, 0.001, {0, 0}), 3);  // 10 mm are allowed
-  // 0.04 mm are allowed: level 1 errs by 0.031 mm, and with a quarter to spare by 0.039 mm.
+  EXPECT_EQ(level({4, 4, 5}, 0.001, {0, 0}), 0);      // inside the tile
+  EXPECT_EQ(level({4, 4, 10000}, 0.001, {0, 0}), 3);  // 10 mm allowed
+  // About 0.04 mm allowed: the error of level 1 is 0.031 mm, with the margin 0.039 mm.
   EXPECT_EQ(level({4, 4, 50}, 0.001, {0, 0}), 1);
-  EXPECT_EQ(level({4, 4, 45}, 0.001, {0, 0}), 0);     // not enough to spare
-  EXPECT_EQ(level({4, 4, 45}, 0.001, {0, 0}, 1), 1);  // but enough to stay
+  EXPECT_EQ(level({4, 4, 45}, 0.001, {0, 0}), 0);     // below the margin
+  EXPECT_EQ(level({4, 4, 45}, 0.001, {0, 0}, 1), 1);  // no margin for the current level
   EXPECT_EQ(level({4, 4, 40}, 0.001, {0, 0}, 1), 0);
-  // The far end of the block may be coarser.
+  // Tiles at the far end of the block may be coarser.
   EXPECT_EQ(level({0, 4, 11}, 0.003, {0, 0}), 0);
   EXPECT_EQ(level({0, 4, 11}, 0.003, {9, 0}), 2);
 }

@@ -17,8 +17,7 @@ namespace {
 
 const BoxStock kBlock{{0, 0, 0}, {40, 30, 8}};
 
-/// What a viewer does: keeps the newest version of every tile, and complains if one comes twice or
-/// goes back.
+/// A viewer that stores the newest version of every tile and fails if a version decreases.
 class Screen {
  public:
   void apply(const FeedFrame& frame) {
@@ -29,7 +28,7 @@ class Screen {
       tiles_[index] = std::move(tile);
     }
   }
-  /// Takes and acknowledges everything there is; returns the number of frames.
+  /// Applies and acknowledges all frames; returns their number.
   std::size_t drain(TileFeed& feed, ViewerId viewer) {
     std::size_t frames = 0;
     while (auto frame = feed.next_frame(viewer)) {
@@ -39,7 +38,7 @@ class Screen {
     }
     return frames;
   }
-  void expect_shows(const SolidSnapshot& snapshot) const {
+  void expect_equal(const SolidSnapshot& snapshot) const {
     const MeshQuantization quantization = mesh_quantization(snapshot.grid());
     for (const TileMesh& mesh : test::mesh_all(snapshot)) {
       const EncodedTile plain = encode_tile(mesh, quantization, 1);
@@ -60,7 +59,7 @@ class Screen {
     for (const auto& [index, tile] : tiles_) ++count[tile.level];
     return count;
   }
-  /// Whether what is shown has no edge without an opposite one, where its vertices are drawn.
+  /// True if every edge of the decoded tiles has an opposite one.
   bool is_closed() const {
     using Place = std::array<std::int64_t, 3>;
     std::map<std::pair<Place, Place>, int> edges;
@@ -78,7 +77,7 @@ class Screen {
     return std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 0; });
   }
   std::size_t bytes() const { return bytes_; }
-  /// Tiles that came in a version that was there: as another level, or for nothing.
+  /// Number of tiles received with an unchanged version: at another level, or needlessly.
   std::size_t same_version() const { return same_version_; }
 
  private:
@@ -107,7 +106,7 @@ class TileFeedTest : public ::testing::Test {
   std::uint64_t revision_ = 0;
 };
 
-TEST_F(TileFeedTest, FirstSnapshotComesInPartsAndMarksItsEnd) {
+TEST_F(TileFeedTest, FirstSnapshotIsSentInPartsWithAnEndFlag) {
   TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 4096});
   const ViewerId viewer = feed.add_viewer();
   Screen screen;
@@ -122,10 +121,10 @@ TEST_F(TileFeedTest, FirstSnapshotComesInPartsAndMarksItsEnd) {
   for (std::size_t n = 0; n + 1 < flags.size(); ++n) EXPECT_EQ(flags[n], kFirstSnapshot);
   EXPECT_EQ(flags.back(), kFirstSnapshot | kFirstSnapshotEnd);
   EXPECT_EQ(screen.tiles(), std::size_t(sculpture_.grid().tiles_x() * sculpture_.grid().tiles_y()));
-  screen.expect_shows(sculpture_.solid());
+  screen.expect_equal(sculpture_.solid());
 }
 
-TEST_F(TileFeedTest, ViewersConvergeToTheNewestStateHoweverSlowTheyAre) {
+TEST_F(TileFeedTest, SlowViewersConvergeToTheNewestState) {
   TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 30000});
   const ViewerId fast = feed.add_viewer();
   const ViewerId slow = feed.add_viewer();
@@ -155,18 +154,18 @@ TEST_F(TileFeedTest, ViewersConvergeToTheNewestStateHoweverSlowTheyAre) {
   const SolidSnapshot snapshot = sculpture_.solid();
   EXPECT_EQ(fast_screen.same_version(), 0U);
   EXPECT_EQ(slow_screen.same_version(), 0U);
-  fast_screen.expect_shows(snapshot);
-  slow_screen.expect_shows(snapshot);
-  late_screen.expect_shows(snapshot);
+  fast_screen.expect_equal(snapshot);
+  slow_screen.expect_equal(snapshot);
+  late_screen.expect_equal(snapshot);
   for (const ViewerId viewer : {fast, slow, late}) {
     EXPECT_TRUE(feed.viewer_state(viewer)->applied);
     EXPECT_EQ(feed.viewer_state(viewer)->revision, 30U);
   }
-  // The slow viewer skipped versions: that is what latest-wins saves.
+  // The slow viewer skipped versions.
   EXPECT_LT(slow_screen.bytes(), fast_screen.bytes());
 }
 
-TEST_F(TileFeedTest, NoCreditNoFrame) {
+TEST_F(TileFeedTest, LimitsFramesInFlight) {
   TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 1, .frames_in_flight_max = 2});
   const ViewerId viewer = feed.add_viewer();
   const auto first = feed.next_frame(viewer);
@@ -181,13 +180,13 @@ TEST_F(TileFeedTest, NoCreditNoFrame) {
   EXPECT_FALSE(feed.next_frame(viewer));
 }
 
-TEST_F(TileFeedTest, AcksThatCannotBeAreRejected) {
+TEST_F(TileFeedTest, InvalidAcksAreRejected) {
   TileFeed feed(sculpture_.solid(), 0);
   const ViewerId viewer = feed.add_viewer();
   EXPECT_FALSE(feed.ack(viewer, 1));
   ASSERT_TRUE(feed.next_frame(viewer));
   EXPECT_TRUE(feed.ack(viewer, 1));
-  EXPECT_TRUE(feed.ack(viewer, 1));  // a repetition changes nothing
+  EXPECT_TRUE(feed.ack(viewer, 1));  // a repeated ack has no effect
   EXPECT_TRUE(feed.ack(viewer, 0));
   EXPECT_FALSE(feed.ack(viewer, 2));
   EXPECT_FALSE(feed.ack(viewer + 1, 1));
@@ -197,7 +196,7 @@ TEST_F(TileFeedTest, AcksThatCannotBeAreRejected) {
   EXPECT_EQ(feed.viewers(), 0U);
 }
 
-TEST_F(TileFeedTest, MeshesAndComposesOnceForAllViewers) {
+TEST_F(TileFeedTest, ViewersShareMeshesAndFrames) {
   TileFeed feed(sculpture_.solid(), 0);
   std::vector<ViewerId> viewers;
   for (int n = 0; n < 20; ++n) viewers.push_back(feed.add_viewer());
@@ -214,17 +213,17 @@ TEST_F(TileFeedTest, MeshesAndComposesOnceForAllViewers) {
   const auto second = feed.stats();
   EXPECT_EQ(second.frames_shared, 19 * second.frames_composed);
   EXPECT_GT(second.tiles_meshed, first.tiles_meshed);
-  // Neighbours that only might have changed are meshed, and not sent.
+  // Neighbors that might have changed are meshed but not sent.
   EXPECT_GT(second.tiles_unchanged, 0U);
 }
 
-TEST_F(TileFeedTest, NobodyLookingMeansNothingMeshed) {
+TEST_F(TileFeedTest, MeshesNothingWithoutViewers) {
   TileFeed feed(sculpture_.solid(), 0);
   for (int n = 0; n < 10; ++n) cut(feed);
   EXPECT_EQ(feed.stats().tiles_meshed, 0U);
 }
 
-TEST_F(TileFeedTest, KnowsWhenAViewerHasEverything) {
+TEST_F(TileFeedTest, ReportsWhenAViewerIsUpToDate) {
   TileFeed feed(sculpture_.solid(), 41);
   const ViewerId viewer = feed.add_viewer();
   EXPECT_FALSE(feed.viewer_state(viewer)->sent);
@@ -242,7 +241,7 @@ TEST_F(TileFeedTest, KnowsWhenAViewerHasEverything) {
   EXPECT_EQ(feed.viewer_state(viewer)->revision, 46U);
   EXPECT_EQ(feed.newest().second, 46U);
   EXPECT_EQ(feed.newest().first.hash(), sculpture_.state_hash());
-  // A motion through the air changes the revision and nothing to see.
+  // A motion through the air changes only the revision.
   Screen screen;
   screen.apply(*frame);
   screen.drain(feed, viewer);
@@ -252,7 +251,7 @@ TEST_F(TileFeedTest, KnowsWhenAViewerHasEverything) {
   EXPECT_FALSE(feed.next_frame(viewer));
 }
 
-TEST_F(TileFeedTest, FarViewersGetFewerTrianglesAndGetThemBackWhenTheyComeNear) {
+TEST_F(TileFeedTest, DistantViewersReceiveCoarserTilesUntilTheyApproach) {
   TileFeed feed(sculpture_.solid(), 0);
   cut(feed, 6);
   const ViewerId near = feed.add_viewer();
@@ -271,9 +270,9 @@ TEST_F(TileFeedTest, FarViewersGetFewerTrianglesAndGetThemBackWhenTheyComeNear) 
   EXPECT_FALSE(feed.viewer_state(far)->sent);
   far_screen.drain(feed, far);
   EXPECT_TRUE(feed.viewer_state(far)->applied);
-  far_screen.expect_shows(sculpture_.solid());
+  far_screen.expect_equal(sculpture_.solid());
   EXPECT_EQ(far_screen.same_version(), std::size_t(tiles));
-  feed.look(far, {{20, 15, 4000}, 0});  // nothing to see
+  feed.look(far, {{20, 15, 4000}, 0});  // no level changes
   EXPECT_FALSE(feed.next_frame(far));
   feed.look(far + 7, {{0, 0, 0}, 1});
 }
@@ -285,7 +284,7 @@ TEST_F(TileFeedTest, MixedLevelsStayClosedWhileTheBlockIsCarved) {
   bool mixed = false;
   for (int n = 0; n < 12; ++n) {
     cut(feed, 2);
-    // Low over one corner after the other.
+    // Close above a different corner each time.
     const Vec3 eye{n % 2 == 0 ? 0.0 : 40.0, n % 4 < 2 ? 0.0 : 30.0, 9};
     for (std::size_t v = 0; v < viewers.size(); ++v) {
       feed.look(viewers[v], {eye, 0.02});
@@ -296,29 +295,29 @@ TEST_F(TileFeedTest, MixedLevelsStayClosedWhileTheBlockIsCarved) {
   }
   EXPECT_TRUE(mixed);
   EXPECT_EQ(screens[0].levels(), screens[1].levels());
-  // Viewers that look alike share everything.
+  // Viewers with equal viewpoints share all frames.
   EXPECT_EQ(feed.stats().frames_shared, feed.stats().frames_composed);
   for (const ViewerId viewer : viewers) feed.look(viewer, {{}, 0});
   screens[0].drain(feed, viewers[0]);
-  screens[0].expect_shows(sculpture_.solid());
+  screens[0].expect_equal(sculpture_.solid());
 }
 
-TEST_F(TileFeedTest, SessionAndViewerLanesRunSideBySide) {
+TEST_F(TileFeedTest, SessionAndViewerThreadsRunConcurrently) {
   TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 20000});
   std::atomic<bool> stop = false;
   std::array<Screen, 3> screens;
   std::array<ViewerId, 3> viewers{feed.add_viewer(), feed.add_viewer(), feed.add_viewer()};
-  std::vector<std::thread> lanes;
+  std::vector<std::thread> threads;
   for (std::size_t n = 0; n < screens.size(); ++n) {
-    lanes.emplace_back([&, n] {
+    threads.emplace_back([&, n] {
       while (!stop) screens[n].drain(feed, viewers[n]);
       screens[n].drain(feed, viewers[n]);
     });
   }
   for (int n = 0; n < 40; ++n) cut(feed);
   stop = true;
-  for (std::thread& lane : lanes) lane.join();
-  for (const Screen& screen : screens) screen.expect_shows(sculpture_.solid());
+  for (std::thread& thread : threads) thread.join();
+  for (const Screen& screen : screens) screen.expect_equal(sculpture_.solid());
 }
 
 }  // namespace

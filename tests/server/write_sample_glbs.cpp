@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes one GLB of every kind that Kerf makes into a folder, for gltf-validator: the download of a
-// carved block, a frame with many tiles, one with an empty tile among others, one with nothing but
-// an empty tile, one without tiles. Usage: write_sample_glbs FOLDER
+// Writes one GLB of every kind that Kerf produces into a folder, for gltf-validator: the download
+// of a carved block; mesh frames with many tiles, with an empty tile among others, with an empty
+// tile only, and without tiles. Usage: write_sample_glbs FOLDER
 
 #include <cstdio>
 #include <filesystem>
@@ -17,7 +17,7 @@ namespace {
 
 using namespace kerf;
 
-/// A surface with a colour and a deviation for every vertex.
+/// A mesh source with a color and a deviation for every vertex.
 class ColoredMesh final : public MeshSource {
  public:
   explicit ColoredMesh(SnapshotMesh mesh) : mesh_(std::move(mesh)) {}
@@ -40,7 +40,7 @@ bool write(const std::filesystem::path& path, const std::vector<std::byte>& byte
   file.write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
   file.close();
-  if (!file) std::fprintf(stderr, "%s: cannot be written\n", path.c_str());
+  if (!file) std::fprintf(stderr, "%s: cannot write\n", path.c_str());
   return bool(file);
 }
 

@@ -15,12 +15,10 @@ namespace kerf::usb_test {
 namespace {
 
 using agent::DevicePhase;
-using agent::UsbHand;
-using agent::Vec3;
-using agent::Wrench;
+using agent::UsbHapticDevice;
 namespace falcon = agent::falcon;
 
-TEST(FalconKinematics, NewtonFindsThePositionOfItsAngles) {
+TEST(FalconKinematics, ForwardInvertsInverse) {
   int within = 0;
   for (double x = -50; x <= 50; x += 12.5) {
     for (double y = -50; y <= 50; y += 12.5) {
@@ -37,17 +35,17 @@ TEST(FalconKinematics, NewtonFindsThePositionOfItsAngles) {
   EXPECT_GT(within, 650);
 }
 
-TEST(FalconKinematics, MotorsDoTheWorkOfTheForce) {
+TEST(FalconKinematics, TorquesDoTheWorkOfTheForce) {
   std::mt19937 engine{3};
   std::uniform_real_distribution<double> unit{-1, 1};
   constexpr double kStepMm = 1e-5;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 at{40 * unit(engine), 40 * unit(engine), 125 + 35 * unit(engine)};
-    const Vec3 way{unit(engine), unit(engine), unit(engine)};
+    const Vec3 direction{unit(engine), unit(engine), unit(engine)};
     const Vec3 force{8 * unit(engine), 8 * unit(engine), 8 * unit(engine)};
     const auto angles = falcon::leg_angles(at);
-    const auto before = falcon::leg_angles(at - way * kStepMm);
-    const auto after = falcon::leg_angles(at + way * kStepMm);
+    const auto before = falcon::leg_angles(at - direction * kStepMm);
+    const auto after = falcon::leg_angles(at + direction * kStepMm);
     ASSERT_TRUE(angles && before && after);
     const auto torques = falcon::leg_torques(*angles, at, force);
     ASSERT_TRUE(torques);
@@ -55,16 +53,16 @@ TEST(FalconKinematics, MotorsDoTheWorkOfTheForce) {
     for (std::size_t j = 0; j < 3; ++j) {
       by_motors += (*torques)[j] * ((*after)[j] - (*before)[j]) / (2 * kStepMm);
     }
-    ASSERT_NEAR(by_motors, dot(force, way), 1e-4);
+    ASSERT_NEAR(by_motors, dot(force, direction), 1e-4);
   }
 }
 
-TEST(FalconKinematics, AnglesThatBelongToNoPositionGiveNone) {
+TEST(FalconKinematics, ImpossibleAnglesHaveNoPosition) {
   EXPECT_FALSE(falcon::leg_angles({0, 0, 400}));
   EXPECT_FALSE(falcon::position_of({std::nan(""), 0, 0}, falcon::kMiddleMm));
 }
 
-TEST(FalconFrame, WordsKeepTheirDirectionAndNeverWrap) {
+TEST(FalconFrame, LimitedWordsKeepTheDirection) {
   EXPECT_EQ(falcon::motor_words({1, -2, 0}), (std::array<std::int16_t, 3>{-10, 20, 0}));
   const auto most = falcon::motor_words({30'000, -15'000, 3000});
   EXPECT_EQ(most, (std::array<std::int16_t, 3>{-4096, 2048, -410}));
@@ -75,7 +73,7 @@ TEST(FalconFrame, WordsKeepTheirDirectionAndNeverWrap) {
   EXPECT_EQ(text, "<EDCBPPPPAAAICA>");
 }
 
-TEST(FalconFrame, StatusBytesAreDroppedAndFramesPutTogether) {
+TEST(FalconFrame, StatusBytesAreSkippedAndFramesAssembled) {
   const falcon::FalconState state{.encoders = {-1, 2, 300}, .buttons = 4, .homed = 7};
   const auto frame = falcon::encode_state(state);
   falcon::FrameReader reader;
@@ -91,23 +89,23 @@ TEST(FalconFrame, StatusBytesAreDroppedAndFramesPutTogether) {
 
 class Falcon : public ::testing::Test {
  protected:
-  static std::unique_ptr<UsbHand> make(Rig<FalconModel>& rig, Bytes firmware = {}) {
-    return std::make_unique<UsbHand>(
+  static std::unique_ptr<UsbHapticDevice> make(Rig<FalconModel>& rig, Bytes firmware = {}) {
+    return std::make_unique<UsbHapticDevice>(
         std::make_unique<falcon::FalconProtocol>(
             falcon::FalconSettings{.middle_mm = {0, 0, 10}, .firmware = std::move(firmware)}),
         rig.settings());
   }
 };
 
-TEST_F(Falcon, ShowsNoForceBeforeAllLegsAreHomed) {
+TEST_F(Falcon, NoForceBeforeAllLegsAreHomed) {
   Rig<FalconModel> rig(FalconModel::Settings{.homing_answers = 100});
-  const auto hand = make(rig);
+  const auto device = make(rig);
   bool pulled_early = false, saw_homing = false;
   EXPECT_TRUE(eventually([&] {
-    const auto state = hand->read(agent::monotonic_us());
-    hand->write({.force_n = {4, 0, 0}, .torque_nmm = {}});
+    const auto state = device->read(agent::monotonic_us());
+    device->write({.force_n = {4, 0, 0}, .torque_nmm = {}});
     saw_homing = saw_homing || state.phase == DevicePhase::kHoming;
-    return rig.ask([&](FalconModel& model) {
+    return rig.query([&](FalconModel& model) {
       const bool pulls = model.motors() != std::array<std::int16_t, 3>{};
       pulled_early = pulled_early || (pulls && !model.homed());
       return pulls;
@@ -116,81 +114,83 @@ TEST_F(Falcon, ShowsNoForceBeforeAllLegsAreHomed) {
   EXPECT_TRUE(saw_homing);
   EXPECT_FALSE(pulled_early);
   EXPECT_TRUE(rig.notices.has("until its light turns"));
-  EXPECT_EQ(rig.ask([](FalconModel& model) { return model.lights(); }), falcon::kGreenLight);
+  EXPECT_EQ(rig.query([](FalconModel& model) { return model.lights(); }), falcon::kGreenLight);
 }
 
-TEST_F(Falcon, TellsWhereTheGripIs) {
+TEST_F(Falcon, ReportsTheGripPosition) {
   Rig<FalconModel> rig;
-  const auto hand = make(rig);
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  rig.ask([](FalconModel& model) {
+  const auto device = make(rig);
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  rig.query([](FalconModel& model) {
     model.hold(falcon::kMiddleMm + Vec3{5, -3, 8});
-    model.press(falcon::kCentreButton);
+    model.press(falcon::kCenterButton);
     return 0;
   });
-  // To the right is to the right, up is up, towards the user is -y.
+  // Falcon to Kerf: right is right, up is up, towards the user is -y.
   const Vec3 tip{5, -8, 10 - 3};
   agent::DeviceState state;
   EXPECT_TRUE(eventually([&] {
-    state = hand->read(agent::monotonic_us());
+    state = device->read(agent::monotonic_us());
     return state.valid && length(state.tip_mm - tip) < 0.1;
   }));
   EXPECT_EQ(state.axis, (Vec3{0, 0, 1}));
   EXPECT_EQ(state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
 }
 
-TEST_F(Falcon, SendsOneCommandForOneAnswer) {
+TEST_F(Falcon, SendsOneCommandPerAnswer) {
   Rig<FalconModel> rig;
-  rig.ask([](FalconModel& model) { return model.split_answers(true), 0; });
-  const auto hand = make(rig);
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
+  rig.query([](FalconModel& model) { return model.split_answers(true), 0; });
+  const auto device = make(rig);
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
   for (int i = 0; i < 300; ++i) {
-    hand->write({.force_n = {0, 0, 2}, .torque_nmm = {}});
+    device->write({.force_n = {0, 0, 2}, .torque_nmm = {}});
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
-  EXPECT_EQ(rig.ask([](FalconModel& model) { return model.impatient_commands(); }), 0);
+  EXPECT_EQ(rig.query([](FalconModel& model) { return model.impatient_commands(); }), 0);
 }
 
-TEST_F(Falcon, LoadsItsFirmwareAgainAndAgainUntilItRuns) {
-  Rig<FalconModel> rig(FalconModel::Settings{
-      .has_firmware = false, .firmware_bytes = 300, .deaf_knocks = 3, .garbled_loads = 2});
-  const auto hand = make(rig, Bytes(300, 0x5A));
-  EXPECT_TRUE(eventually([&] { return is_ready(*hand); }));
-  EXPECT_EQ(rig.ask([](FalconModel& model) { return model.loads(); }), 3);
+TEST_F(Falcon, FirmwareLoadingIsRetried) {
+  Rig<FalconModel> rig(FalconModel::Settings{.has_firmware = false,
+                                             .firmware_bytes = 300,
+                                             .ignored_wake_requests = 3,
+                                             .garbled_loads = 2});
+  const auto device = make(rig, Bytes(300, 0x5A));
+  EXPECT_TRUE(eventually([&] { return is_ready(*device); }));
+  EXPECT_EQ(rig.query([](FalconModel& model) { return model.loads(); }), 3);
 }
 
-TEST_F(Falcon, WithoutFirmwareItSaysWhatToGiveIt) {
+TEST_F(Falcon, MissingFirmwareNamesTheOption) {
   Rig<FalconModel> rig(FalconModel::Settings{.has_firmware = false});
-  const auto hand = make(rig);
+  const auto device = make(rig);
   EXPECT_TRUE(eventually([&] { return rig.notices.has("--device falcon:FILE"); }));
 }
 
-TEST_F(Falcon, AFirmwareThatHangsIsNoLongerReady) {
+TEST_F(Falcon, HangingFirmwareIsNotReady) {
   Rig<FalconModel> rig;
-  const auto hand = make(rig);
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  rig.ask([](FalconModel& model) { return model.hang(true), 0; });
-  EXPECT_TRUE(eventually([&] { return !hand->read(agent::monotonic_us()).valid; }));
-  EXPECT_TRUE(eventually([&] { return !is_ready(*hand); }));
-  rig.ask([](FalconModel& model) { return model.hang(false), 0; });
-  EXPECT_TRUE(eventually([&] { return is_ready(*hand); }));
+  const auto device = make(rig);
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  rig.query([](FalconModel& model) { return model.hang(true), 0; });
+  EXPECT_TRUE(eventually([&] { return !device->read(agent::monotonic_us()).valid; }));
+  EXPECT_TRUE(eventually([&] { return !is_ready(*device); }));
+  rig.query([](FalconModel& model) { return model.hang(false), 0; });
+  EXPECT_TRUE(eventually([&] { return is_ready(*device); }));
 }
 
-TEST_F(Falcon, UnpluggedItLosesItsHomeAndFindsItAgain) {
+TEST_F(Falcon, HomesAgainAfterReplugging) {
   Rig<FalconModel> rig;
-  const auto hand = make(rig);
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
+  const auto device = make(rig);
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
   rig.bus.unplug();
-  EXPECT_TRUE(eventually([&] { return !is_ready(*hand); }));
+  EXPECT_TRUE(eventually([&] { return !is_ready(*device); }));
   rig.bus.plug();
-  EXPECT_TRUE(eventually([&] { return is_ready(*hand); }));
+  EXPECT_TRUE(eventually([&] { return is_ready(*device); }));
 }
 
-/// The protocol alone, at a time that stands still.
+/// The protocol without a port, at a constant time.
 class FalconProtocolAlone : public ::testing::Test {
  protected:
   void SetUp() override { protocol.connected(now_us); }
-  /// The Falcon answers that its grip is there.
+  /// Passes an answer with this grip position to the protocol.
   bool answer(Vec3 position_mm, std::uint64_t at_us, std::uint8_t homed = falcon::kAllHomed) {
     falcon::FalconState state{.homed = homed};
     const auto angles = falcon::leg_angles(position_mm).value();
@@ -201,7 +201,7 @@ class FalconProtocolAlone : public ::testing::Test {
     return protocol.take(packet, at_us);
   }
   bool pulls() {
-    protocol.mailbox().show({.force_n = {4, 0, 0}, .torque_nmm = {}});
+    protocol.mailbox().write({.force_n = {4, 0, 0}, .torque_nmm = {}});
     std::array<std::uint8_t, 64> packet{};
     const std::size_t bytes = protocol.compose(packet, now_us);
     const auto command = falcon::decode_command(std::span(packet).first(bytes));
@@ -212,14 +212,14 @@ class FalconProtocolAlone : public ::testing::Test {
   falcon::FalconProtocol protocol{{}};
 };
 
-TEST_F(FalconProtocolAlone, PullsOnNoPoseThatIsOld) {
-  ASSERT_TRUE(answer(falcon::kMiddleMm, now_us - agent::HandMailbox::kPoseLifeUs));
+TEST_F(FalconProtocolAlone, NoForceForAnOldPose) {
+  ASSERT_TRUE(answer(falcon::kMiddleMm, now_us - agent::DeviceMailbox::kPoseLifeUs));
   EXPECT_FALSE(pulls());
   ASSERT_TRUE(answer(falcon::kMiddleMm, now_us));
   EXPECT_TRUE(pulls());
 }
 
-TEST_F(FalconProtocolAlone, PullsOnlyWithAllLegsHomed) {
+TEST_F(FalconProtocolAlone, ForceOnlyIfAllLegsAreHomed) {
   for (const int some : {0, 1, 3, 5, 6}) {
     ASSERT_TRUE(answer(falcon::kMiddleMm, now_us, static_cast<std::uint8_t>(some)));
     EXPECT_FALSE(pulls()) << some;
@@ -228,13 +228,13 @@ TEST_F(FalconProtocolAlone, PullsOnlyWithAllLegsHomed) {
   }
 }
 
-TEST_F(FalconProtocolAlone, AJumpThatNoHandMakesIsNoPose) {
+TEST_F(FalconProtocolAlone, ImplausibleJumpIsRejected) {
   ASSERT_TRUE(answer(falcon::kMiddleMm, now_us));
   EXPECT_FALSE(answer(falcon::kMiddleMm + Vec3{30, 0, 0}, now_us + 1000));
   EXPECT_TRUE(answer(falcon::kMiddleMm + Vec3{0.5, 0, 0}, now_us + 2000));
 }
 
-TEST(FalconFirmware, AFileThatIsNoneIsRejected) {
+TEST(FalconFirmware, UnreadableFileIsRejected) {
   EXPECT_FALSE(falcon::read_firmware("/no/such/file"));
   EXPECT_FALSE(falcon::read_firmware("/dev/null"));
 }

@@ -7,7 +7,7 @@
 #include "haptic_agent/device/falcon/falcon_protocol.h"
 #include "haptic_agent/device/reference/reference_protocol.h"
 #include "haptic_agent/device/spacemouse/space_mouse.h"
-#include "haptic_agent/device/usb/usb_hand.h"
+#include "haptic_agent/device/usb/usb_haptic_device.h"
 #include "tests/usb/mock_bus.h"
 #include "tests/usb/model/falcon_model.h"
 #include "tests/usb/model/reference_firmware.h"
@@ -18,18 +18,18 @@ namespace kerf::usb_test {
 namespace {
 
 using agent::DevicePhase;
-using agent::UsbHand;
+using agent::UsbHapticDevice;
 namespace ref = agent::reference;
 
 constexpr std::uint64_t kOftenUs = 20'000;
-/// So rarely that only a hot-plug event explains why a device is found.
+/// A pause so long that a device can only be found by a hot-plug event.
 constexpr std::uint64_t kRarelyUs = 3'600'000'000;
 
 class HotPlug : public ::testing::Test {
  protected:
-  std::unique_ptr<UsbHand> make_pen(std::uint64_t pause_us = kOftenUs) {
-    return std::make_unique<UsbHand>(std::make_unique<ref::ReferenceProtocol>(ref::PenPlace{}),
-                                     settings(pause_us));
+  std::unique_ptr<UsbHapticDevice> make_pen(std::uint64_t pause_us = kOftenUs) {
+    return std::make_unique<UsbHapticDevice>(
+        std::make_unique<ref::ReferenceProtocol>(ref::PenPlace{}), settings(pause_us));
   }
   agent::UsbPortSettings settings(std::uint64_t pause_us = kOftenUs) {
     return {.notice = [this](const std::string& line) { notices.add(line); },
@@ -42,7 +42,7 @@ class HotPlug : public ::testing::Test {
   ReferenceFirmware firmware;
 };
 
-TEST_F(HotPlug, ADeviceThatIsThereIsFoundAndHomed) {
+TEST_F(HotPlug, PresentDeviceIsFoundAndHomed) {
   MockDevice device(bus, firmware, 5);
   device.plug();
   const auto pen = make_pen();
@@ -50,7 +50,7 @@ TEST_F(HotPlug, ADeviceThatIsThereIsFoundAndHomed) {
   EXPECT_TRUE(eventually([&] { return pen->read(agent::monotonic_us()).valid; }));
 }
 
-TEST_F(HotPlug, ADeviceThatIsPluggedInLaterIsFoundAtOnce) {
+TEST_F(HotPlug, DevicePluggedInLaterIsFoundImmediately) {
   const auto pen = make_pen(kRarelyUs);
   EXPECT_TRUE(eventually([&] { return notices.has("not plugged in"); }));
   MockDevice device(bus, firmware, 5);
@@ -58,7 +58,7 @@ TEST_F(HotPlug, ADeviceThatIsPluggedInLaterIsFoundAtOnce) {
   EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
 }
 
-TEST_F(HotPlug, ADeviceComesBackWithAnotherAddress) {
+TEST_F(HotPlug, ReconnectsAtAnotherAddress) {
   auto device = std::make_unique<MockDevice>(bus, firmware, 5);
   device->plug();
   const auto pen = make_pen();
@@ -73,7 +73,7 @@ TEST_F(HotPlug, ADeviceComesBackWithAnotherAddress) {
   EXPECT_EQ(pen->counters().losses.load(), 1U);
 }
 
-TEST_F(HotPlug, OfTwoOfAKindTheFreeOneIsTakenWhicheverIsListedFirst) {
+TEST_F(HotPlug, FreeDeviceOfTwoIsUsedInAnyOrder) {
   for (const auto& [held_at, free_at] : {std::pair{3, 4}, {4, 3}}) {
     ReferenceFirmware one, other;
     MockDevice held(bus, one, held_at), free(bus, other, free_at);
@@ -87,19 +87,19 @@ TEST_F(HotPlug, OfTwoOfAKindTheFreeOneIsTakenWhicheverIsListedFirst) {
   }
 }
 
-TEST_F(HotPlug, SeveralDevicesStreamSideBySide) {
+TEST_F(HotPlug, SeveralDevicesStreamConcurrently) {
   FalconModel falcon;
   SpaceMouseModel cap;
   MockDevice first(bus, cap, 3), second(bus, falcon, 4), third(bus, firmware, 5);
   for (MockDevice* device : {&first, &second, &third}) device->plug();
   const auto pen = make_pen();
   agent::SpaceMouse mouse({}, settings());
-  UsbHand grip(std::make_unique<agent::falcon::FalconProtocol>(agent::falcon::FalconSettings{}),
-               settings());
+  UsbHapticDevice grip(
+      std::make_unique<agent::falcon::FalconProtocol>(agent::falcon::FalconSettings{}), settings());
   EXPECT_TRUE(eventually([&] { return is_ready(*pen) && is_ready(mouse) && is_ready(grip); }));
 }
 
-TEST_F(HotPlug, ANodeThatMayNotBeOpenedIsSaidWithTheRuleThatOpensIt) {
+TEST_F(HotPlug, PermissionErrorNamesTheUdevRule) {
   MockDevice device(bus, firmware, 5);
   device.plug();
   MockBus::reject_opening(EACCES);
@@ -109,7 +109,7 @@ TEST_F(HotPlug, ANodeThatMayNotBeOpenedIsSaidWithTheRuleThatOpensIt) {
   EXPECT_TRUE(eventually([&] { return is_ready(*pen); }));
 }
 
-TEST_F(HotPlug, AnotherDevicesIdsAreLeftAlone) {
+TEST_F(HotPlug, OtherUsbIdsAreIgnored) {
   SpaceMouseModel cap;
   MockDevice device(bus, cap, 5);
   device.plug();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/usb/mock_bus.h"
 
-// The ioctl numbers need this one first.
+// Required by the ioctl numbers, so included first.
 #include <sys/ioctl.h>
 //
 #include <dlfcn.h>
@@ -229,7 +229,7 @@ int open_node(const char* name, const char* path, int flags, unsigned mode) {
 
 }  // namespace
 
-// Root may open everything, so that a rejection must be made.
+// Root may open every file, so the failure must be simulated.
 extern "C" {
 
 int open(const char* path, int flags, ...) {
@@ -240,6 +240,6 @@ int open(const char* path, int flags, ...) {
   return open_node("open", path, flags, mode);
 }
 
-// What a fortified build calls in its place.
+// Called instead of open() by fortified builds.
 int __open_2(const char* path, int flags) { return open_node("__open_2", path, flags, 0); }
 }

@@ -18,7 +18,7 @@ struct _UMockdevIoctlData;
 
 namespace kerf::usb_test {
 
-/// A bus as udev, sysfs and /dev show it, made by umockdev; the program must run under
+/// A bus in udev, sysfs and /dev, simulated by umockdev; the program must run under
 /// umockdev-wrapper.
 class MockBus {
  public:
@@ -29,14 +29,14 @@ class MockBus {
 
   _UMockdevTestbed* testbed() const { return testbed_; }
 
-  /// What opening any node answers from now on; 0: it opens.
+  /// Sets the errno with which opening any node fails; 0: it succeeds.
   static void reject_opening(int error);
 
  private:
   _UMockdevTestbed* testbed_;
 };
 
-/// One device on such a bus. Its system calls arrive on umockdev's own thread.
+/// A device on a MockBus. Its system calls arrive on umockdev's thread.
 class MockDevice {
  public:
   MockDevice(MockBus& bus, UsbModel& model, int address);
@@ -48,11 +48,11 @@ class MockDevice {
   void unplug();
   void reject_claims(int error) { claim_error_ = error; }
   bool claimed() const { return claimed_; }
-  /// Calls `look` while the model stands still.
-  template <typename Look>
-  auto with_model(Look look) {
+  /// Calls `inspect` while the model does not change.
+  template <typename Inspect>
+  auto with_model(Inspect inspect) {
     const std::lock_guard lock(mutex_);
-    return look();
+    return inspect();
   }
 
   bool handle(_UMockdevIoctlClient* client);

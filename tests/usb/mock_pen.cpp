@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference device on a mocked bus, for programs that are not to know: under umockdev-wrapper
-// it makes a bus, names it, and does as it is told, one line of standard input after the other:
+// The reference device on a simulated bus, for unmodified programs: under umockdev-wrapper
+// it creates a bus, prints its name, and executes one command per line of standard input:
 //
-//   plug ADDRESS     puts the pen in, switched on anew
+//   plug ADDRESS     plugs the pen in, after a power-on
 //   unplug
 //   press [cut] [grip]
-//   go X Y Z MM_PER_S  moves the tip there, upright; mm from the middle of the workspace
-//   felt             the most that the hand has felt since it was asked last, or since the pen was
+//   go X Y Z MM_PER_S  moves the tip there, upright; mm from the center of the workspace
+//   felt             largest wrench at the grip since the last such command, or since the pen was
 //                    unplugged: "NEWTONS N·MM"
-//   state            "homed" or "not homed", and how many commands were rejected
+//   state            "homed" or "not homed", and the number of rejected commands
 //
-// Every line is answered by one, when it is done. A program that is started under umockdev-wrapper
-// with UMOCKDEV_DIR as it is named at the start sees this bus and nothing else.
+// Each command is answered by one line on completion. A program started under umockdev-wrapper
+// with the printed UMOCKDEV_DIR sees only this bus.
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -30,12 +30,12 @@
 namespace {
 
 using namespace kerf::usb_test;
-using kerf::agent::Vec3;
+using kerf::Vec3;
 namespace ref = kerf::agent::reference;
 
 constexpr int kAboveAllOfTheAgent = 95;
 
-/// The firmware with a hand that notes what each command makes it feel.
+/// The firmware, held at the grip: records the wrench that each command produces.
 class HeldPen final : public UsbModel {
  public:
   HeldPen() : firmware_(slowly_homing()) {}
@@ -76,12 +76,12 @@ class HeldPen final : public UsbModel {
   double most_n_ = 0, most_nmm_ = 0;
 };
 
-/// The pen, and the hand that holds it.
+/// Executes the commands.
 class MockPen {
-  /// Asks the pen something while it stands still.
-  template <typename Look>
-  auto ask(Look look) {
-    return device_->with_model(look);
+  /// Runs a query while the pen does not change.
+  template <typename Query>
+  auto query(Query inspect) {
+    return device_->with_model(inspect);
   }
 
  public:
@@ -94,8 +94,8 @@ class MockPen {
     if (verb == "unplug") return device_->unplug(), device_.reset(), "ok";
     if (verb == "press") return press(words);
     if (verb == "go") return go(words);
-    if (verb == "felt") return ask([&] { return pen_.take_felt(); });
-    if (verb == "state") return ask([&] { return state(); });
+    if (verb == "felt") return query([&] { return pen_.take_felt(); });
+    if (verb == "state") return query([&] { return state(); });
     return "unknown: " + line;
   }
 
@@ -114,7 +114,7 @@ class MockPen {
       if (word == "cut") buttons |= ref::kCutButton;
       if (word == "grip") buttons |= ref::kGripSensor;
     }
-    return ask([&] { return pen_.firmware().press(buttons), "ok"; });
+    return query([&] { return pen_.firmware().press(buttons), "ok"; });
   }
 
   std::string go(std::istringstream& words) {
@@ -122,12 +122,12 @@ class MockPen {
     double mm_per_s = 0;
     words >> to.x >> to.y >> to.z >> mm_per_s;
     if (!words || !(mm_per_s > 0)) return "go X Y Z MM_PER_S";
-    // A step a millisecond, or later: while this program is held up, so is the hand.
+    // One step per millisecond or slower: if this program is delayed, so is the motion.
     const double step_mm = mm_per_s / 1000;
     for (double left_mm = length(to - tip_); left_mm > 0; left_mm = length(to - tip_)) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       tip_ = left_mm > step_mm ? tip_ + (to - tip_) * (step_mm / left_mm) : to;
-      ask([&] { return pen_.firmware().hold(tip_ + kUpright, {0, 0, 1}), 0; });
+      query([&] { return pen_.firmware().hold(tip_ + kUpright, {0, 0, 1}), 0; });
     }
     return "ok";
   }
@@ -137,7 +137,7 @@ class MockPen {
     return homed + std::to_string(pen_.firmware().rejected());
   }
 
-  /// From the tip's place in the workspace to the grip's in the device's coordinates.
+  /// Converts a tip position in the workspace to a grip position in device coordinates.
   static constexpr Vec3 kUpright{0, 0, 40};
 
   MockBus bus_;
@@ -149,7 +149,7 @@ class MockPen {
 }  // namespace
 
 int main() {
-  // It stands for hardware, which no program holds up; its threads inherit this, where allowed.
+  // Real-time priority if permitted, which the threads inherit: it simulates hardware.
   kerf::agent::request_fifo(kAboveAllOfTheAgent);
   MockPen pen;
   std::cout << std::getenv("UMOCKDEV_DIR") << std::endl;

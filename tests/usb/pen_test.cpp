@@ -13,7 +13,7 @@ namespace {
 
 using usb_test::reach_for;
 
-/// Poses all over the workspace that the standard pen promises.
+/// Random poses in the specified workspace of the standard pen.
 class Poses {
  public:
   struct Pose {
@@ -44,7 +44,7 @@ class Poses {
 
 constexpr int kPoses = 2000;
 
-TEST(ReferencePen, ForwardKinematicsFindsThePose) {
+TEST(ReferencePen, ForwardInvertsInverse) {
   Poses poses;
   for (int i = 0; i < kPoses; ++i) {
     const auto is = poses.next();
@@ -56,7 +56,7 @@ TEST(ReferencePen, ForwardKinematicsFindsThePose) {
   }
 }
 
-TEST(ReferencePen, JacobianIsTheDifferenceOfNeighbours) {
+TEST(ReferencePen, JacobianMatchesFiniteDifferences) {
   Poses poses;
   constexpr double kStep = 1e-6;
   for (int i = 0; i < kPoses; ++i) {
@@ -73,7 +73,7 @@ TEST(ReferencePen, JacobianIsTheDifferenceOfNeighbours) {
   }
 }
 
-TEST(ReferencePen, PointVelocitiesAreTheDifferenceOfNeighbours) {
+TEST(ReferencePen, PointVelocitiesMatchFiniteDifferences) {
   Poses poses;
   constexpr double kStepS = 1e-6;
   for (int i = 0; i < kPoses; ++i) {
@@ -81,7 +81,7 @@ TEST(ReferencePen, PointVelocitiesAreTheDifferenceOfNeighbours) {
     const Vec3 velocity = poses.vector(100), turn = poses.vector(3);
     const auto points = point_velocities(poses.pen, is.axis, velocity, turn);
     const auto moved = [&](double along_mm) {
-      const Vec3 axis = normalised(is.axis + cross(turn, is.axis) * kStepS);
+      const Vec3 axis = normalized(is.axis + cross(turn, is.axis) * kStepS);
       return (velocity * kStepS + (axis - is.axis) * along_mm) * (1 / kStepS);
     };
     const double above_mm = poses.pen.length_mm - poses.pen.grip_mm;
@@ -90,7 +90,7 @@ TEST(ReferencePen, PointVelocitiesAreTheDifferenceOfNeighbours) {
   }
 }
 
-TEST(ReferencePen, ForcesOfTheArmsDoTheWorkOfTheWrench) {
+TEST(ReferencePen, ArmForcesDoTheWorkOfTheWrench) {
   Poses poses;
   for (int i = 0; i < kPoses; ++i) {
     const auto is = poses.next();
@@ -100,7 +100,7 @@ TEST(ReferencePen, ForcesOfTheArmsDoTheWorkOfTheWrench) {
     const auto points = point_velocities(poses.pen, is.axis, velocity, turn);
     const double by_arms =
         dot(forces.front_n, points.front_mm_per_s) + dot(forces.rear_n, points.rear_mm_per_s);
-    // All but the torque about the pen, which two points on it cannot give.
+    // Except the torque about the pen, which two points on it cannot produce.
     const double about = dot(turn, is.axis);
     const double by_wrench =
         dot(wrench.force_n, velocity) + dot(wrench.torque_nmm, turn) - forces.left_out_nmm * about;
@@ -109,7 +109,7 @@ TEST(ReferencePen, ForcesOfTheArmsDoTheWorkOfTheWrench) {
   }
 }
 
-TEST(ReferencePen, MotorsDoTheWorkOfTheForces) {
+TEST(ReferencePen, TorquesDoTheWorkOfTheForces) {
   Poses poses;
   constexpr double kStepS = 1e-6;
   for (int i = 0; i < kPoses; ++i) {
@@ -118,9 +118,9 @@ TEST(ReferencePen, MotorsDoTheWorkOfTheForces) {
     const Vec3 velocity = poses.vector(50), turn = poses.vector(1);
     const auto forces = distribute(poses.pen, is.axis, wrench);
     const auto torques = pen_torques(poses.pen, is.q, forces);
-    // Where the joints are a moment later.
+    // The joint angles after a small motion.
     const Vec3 grip = is.grip_mm + velocity * kStepS;
-    const Vec3 axis = normalised(is.axis + cross(turn, is.axis) * kStepS);
+    const Vec3 axis = normalized(is.axis + cross(turn, is.axis) * kStepS);
     const auto front = reach_for(poses.pen.front, grip - axis * poses.pen.grip_mm);
     const auto rear =
         reach_for(poses.pen.rear, grip + axis * (poses.pen.length_mm - poses.pen.grip_mm));
@@ -135,19 +135,19 @@ TEST(ReferencePen, MotorsDoTheWorkOfTheForces) {
   }
 }
 
-TEST(ReferencePen, NoOtherForcesOfLessNormGiveTheSameWrench) {
+TEST(ReferencePen, DistributionHasLeastNorm) {
   Poses poses;
   for (int i = 0; i < kPoses; ++i) {
     const auto is = poses.next();
     const Wrench wrench{.force_n = poses.vector(8), .torque_nmm = poses.vector(150)};
     const auto forces = distribute(poses.pen, is.axis, wrench);
-    // What may be added without changing the wrench is a pair that pulls the pen apart.
+    // Only a pair that pulls the pen apart can be added without changing the wrench.
     ASSERT_NEAR(dot(forces.front_n - forces.rear_n, is.axis), 0, 1e-9);
     ASSERT_LT(length(forces.front_n + forces.rear_n - wrench.force_n), 1e-9);
   }
 }
 
-TEST(ReferencePen, AnglesThatAreNoPoseGiveNone) {
+TEST(ReferencePen, ImpossibleAnglesHaveNoPose) {
   const PenShape pen = standard_pen();
   PenAngles q{reach_for(pen.front, {0, 0, 0}), reach_for(pen.rear, {0, 0, 80})};
   q.rear[1] = std::nan("");
@@ -159,11 +159,11 @@ TEST(ReferencePen, AnglesThatAreNoPoseGiveNone) {
   EXPECT_NEAR(pen_pose(pen, q)->mismatch_mm, 10, 1e-9);
 }
 
-TEST(ReferencePen, TorquesAreShortenedTogether) {
+TEST(ReferencePen, TorquesAreScaledByOneFactor) {
   const std::array<double, 6> most = {1500, 1500, 1500, 1500, 1500, 1500};
   const auto wire = reference::wire_torques({3000, -1500, 0, 300, 0, -3000}, most);
   EXPECT_EQ(wire, (std::array<std::int16_t, 6>{15000, -7500, 0, 1500, 0, -15000}));
-  // A device that promises more than the wire can say gets no sign turned around.
+  // Limits above the field's range must not reverse a sign.
   const std::array<double, 6> huge = {6000, 6000, 6000, 6000, 6000, 6000};
   const auto full = reference::wire_torques({6000, 0, 0, -6000, 0, 0}, huge);
   EXPECT_EQ(full[0], 32767);

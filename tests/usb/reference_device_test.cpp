@@ -13,21 +13,19 @@ namespace kerf::usb_test {
 namespace {
 
 using agent::DevicePhase;
-using agent::UsbHand;
-using agent::Vec3;
-using agent::Wrench;
+using agent::UsbHapticDevice;
 namespace ref = agent::reference;
 
 constexpr ref::PenPlace kPlace{.middle_mm = {10, 20, 30}, .pivot_mm = 60};
 
 class ReferenceDevice : public ::testing::Test {
  protected:
-  std::unique_ptr<UsbHand> make() {
-    return std::make_unique<UsbHand>(std::make_unique<ref::ReferenceProtocol>(kPlace),
-                                     rig.settings());
+  std::unique_ptr<UsbHapticDevice> make() {
+    return std::make_unique<UsbHapticDevice>(std::make_unique<ref::ReferenceProtocol>(kPlace),
+                                             rig.settings());
   }
   double greatest_torque() {
-    return rig.ask([](ReferenceFirmware& firmware) {
+    return rig.query([](ReferenceFirmware& firmware) {
       double most = 0;
       for (const double t : firmware.motors_nmm(agent::monotonic_us())) {
         most = std::max(most, std::abs(t));
@@ -35,12 +33,12 @@ class ReferenceDevice : public ::testing::Test {
       return most;
     });
   }
-  /// Writes as the servo does, until the motors do as expected.
+  /// Writes at the servo's rate until the motors satisfy a condition.
   template <typename Condition>
-  bool write_until(UsbHand& hand, const Wrench& wrench, Condition condition) {
+  bool write_until(UsbHapticDevice& device, const Wrench& wrench, Condition condition) {
     return eventually([&] {
-      hand.read(agent::monotonic_us());
-      hand.write(wrench);
+      device.read(agent::monotonic_us());
+      device.write(wrench);
       return condition();
     });
   }
@@ -51,40 +49,40 @@ class ReferenceDevice : public ::testing::Test {
   const Wrench push{.force_n = {3, 0, 0}, .torque_nmm = {}};
 };
 
-TEST_F(ReferenceDevice, HomesAndThenTellsThePensPose) {
-  const auto hand = make();
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  const Vec3 axis = agent::normalised({0.2, -0.1, 1});
+TEST_F(ReferenceDevice, HomesAndReportsThePose) {
+  const auto device = make();
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  const Vec3 axis = normalized({0.2, -0.1, 1});
   const Vec3 grip{5, -7, 52};
-  rig.ask([&](ReferenceFirmware& firmware) {
+  rig.query([&](ReferenceFirmware& firmware) {
     firmware.hold(grip, axis);
     firmware.press(ref::kCutButton | ref::kGripSensor);
     return 0;
   });
-  // The grip's middle is where the tool's tip, held upright, is at the middle of the workspace.
+  // At the grip's center position, the tip of an upright tool is at the center of the workspace.
   const Vec3 tip = kPlace.middle_mm + Vec3{0, 0, 60} + grip - Vec3{0, 0, 40} - axis * 60;
   agent::DeviceState state;
   EXPECT_TRUE(eventually([&] {
-    state = hand->read(agent::monotonic_us());
+    state = device->read(agent::monotonic_us());
     return length(state.tip_mm - tip) < 0.01 && state.valid;
   }));
   EXPECT_LT(length(state.axis - axis), 1e-4);
   EXPECT_EQ(state.buttons, wire::kButtonCutting | wire::kButtonDeadman);
-  EXPECT_TRUE(hand->trouble().empty());
+  EXPECT_TRUE(device->trouble().empty());
 }
 
-TEST_F(ReferenceDevice, ShowsNoForceBeforeItIsHomed) {
+TEST_F(ReferenceDevice, NoForceBeforeHoming) {
   auto slow = ReferenceFirmware::standard();
   slow.homing_us = 200'000;
   Rig<ReferenceFirmware> slow_rig(slow);
-  UsbHand hand(std::make_unique<ref::ReferenceProtocol>(kPlace), slow_rig.settings());
+  UsbHapticDevice device(std::make_unique<ref::ReferenceProtocol>(kPlace), slow_rig.settings());
   ASSERT_TRUE(
-      eventually([&] { return hand.read(agent::monotonic_us()).phase == DevicePhase::kHoming; }));
+      eventually([&] { return device.read(agent::monotonic_us()).phase == DevicePhase::kHoming; }));
   bool pulled_early = false;
   EXPECT_TRUE(eventually([&] {
-    const auto state = hand.read(agent::monotonic_us());
-    hand.write(push);
-    slow_rig.ask([&](ReferenceFirmware& firmware) {
+    const auto state = device.read(agent::monotonic_us());
+    device.write(push);
+    slow_rig.query([&](ReferenceFirmware& firmware) {
       const auto motors = firmware.motors_nmm(agent::monotonic_us());
       const bool any = std::ranges::any_of(motors, [](double t) { return t != 0; });
       pulled_early = pulled_early || (any && !firmware.homed());
@@ -96,14 +94,14 @@ TEST_F(ReferenceDevice, ShowsNoForceBeforeItIsHomed) {
   EXPECT_FALSE(pulled_early);
 }
 
-TEST_F(ReferenceDevice, ShowsTheWrenchByVirtualWork) {
-  const auto hand = make();
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  ASSERT_TRUE(write_until(*hand, push, [&] { return pulls(); }));
-  // Each motor's torque is the work that the force does where that motor alone turns a little.
+TEST_F(ReferenceDevice, OutputsTheWrenchByVirtualWork) {
+  const auto device = make();
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  ASSERT_TRUE(write_until(*device, push, [&] { return pulls(); }));
+  // Each motor's torque is the derivative of the force's work by that joint's angle.
   const auto pen = agent::standard_pen();
   const agent::PenAngles q{reach_for(pen.front, {0, 0, 0}), reach_for(pen.rear, {0, 0, 80})};
-  const auto shown = rig.ask(
+  const auto torques = rig.query(
       [](ReferenceFirmware& firmware) { return firmware.motors_nmm(agent::monotonic_us()); });
   constexpr double kTurn = 1e-6;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -112,105 +110,105 @@ TEST_F(ReferenceDevice, ShowsTheWrenchByVirtualWork) {
     rear[i] += kTurn;
     const double by_front = agent::arm_point(pen.front, front).x / kTurn;
     const double by_rear = agent::arm_point(pen.rear, rear).x / kTurn;
-    EXPECT_NEAR(shown[i], 1.5 * by_front, 0.3);
-    EXPECT_NEAR(shown[i + 3], 1.5 * by_rear, 0.3);
+    EXPECT_NEAR(torques[i], 1.5 * by_front, 0.3);
+    EXPECT_NEAR(torques[i + 3], 1.5 * by_rear, 0.3);
   }
 }
 
-TEST_F(ReferenceDevice, StopTakesTheForceAwayWithoutTheServo) {
-  const auto hand = make();
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  ASSERT_TRUE(write_until(*hand, push, [&] { return pulls(); }));
-  hand->write(push);
-  std::thread watchdog([&] { hand->stop(); });
+TEST_F(ReferenceDevice, StopClearsTheForceWithoutTheServo) {
+  const auto device = make();
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  ASSERT_TRUE(write_until(*device, push, [&] { return pulls(); }));
+  device->write(push);
+  std::thread watchdog([&] { device->stop(); });
   watchdog.join();
   EXPECT_TRUE(eventually([&] { return rests(); }));
-  EXPECT_TRUE(write_until(*hand, push, [&] { return pulls(); }));
+  EXPECT_TRUE(write_until(*device, push, [&] { return pulls(); }));
 }
 
-TEST_F(ReferenceDevice, ForceEndsByItselfWhenTheServoNoLongerWrites) {
-  const auto hand = make();
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  ASSERT_TRUE(write_until(*hand, push, [&] { return pulls(); }));
+TEST_F(ReferenceDevice, ForceTimesOutWithoutWrites) {
+  const auto device = make();
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  ASSERT_TRUE(write_until(*device, push, [&] { return pulls(); }));
   EXPECT_TRUE(eventually([&] { return rests(); }));
-  // The driver did it, not the firmware's watchdog: commands went on.
-  EXPECT_FALSE(rig.ask([](ReferenceFirmware& firmware) { return firmware.watchdog_tripped(); }));
+  // By the driver, not by the firmware's watchdog: commands continued.
+  EXPECT_FALSE(rig.query([](ReferenceFirmware& firmware) { return firmware.watchdog_tripped(); }));
 }
 
-TEST_F(ReferenceDevice, FirmwaresWatchdogEndsTheForceOfAHostThatHangs) {
-  const auto hand = make();
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  ASSERT_TRUE(write_until(*hand, push, [&] { return pulls(); }));
+TEST_F(ReferenceDevice, FirmwareWatchdogClearsTheForceOfAHangingHost) {
+  const auto device = make();
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  ASSERT_TRUE(write_until(*device, push, [&] { return pulls(); }));
   rig.bus.hold_out(true);
-  EXPECT_TRUE(write_until(*hand, push, [&] {
-    return rig.ask([](ReferenceFirmware& firmware) {
+  EXPECT_TRUE(write_until(*device, push, [&] {
+    return rig.query([](ReferenceFirmware& firmware) {
       firmware.motors_nmm(agent::monotonic_us());
       return firmware.watchdog_tripped();
     });
   }));
   EXPECT_TRUE(rests());
   rig.bus.hold_out(false);
-  EXPECT_TRUE(write_until(*hand, push, [&] { return pulls(); }));
+  EXPECT_TRUE(write_until(*device, push, [&] { return pulls(); }));
 }
 
-TEST_F(ReferenceDevice, ClosingTakesTheForceAway) {
-  auto hand = make();
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  ASSERT_TRUE(write_until(*hand, push, [&] { return pulls(); }));
-  hand.reset();
+TEST_F(ReferenceDevice, ClosingClearsTheForce) {
+  auto device = make();
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  ASSERT_TRUE(write_until(*device, push, [&] { return pulls(); }));
+  device.reset();
   EXPECT_TRUE(eventually([&] { return rests(); }));
-  // The driver said so; the firmware had no need to find out.
-  EXPECT_FALSE(rig.ask([](ReferenceFirmware& firmware) { return firmware.watchdog_tripped(); }));
+  // By the driver's last command, not by the firmware's watchdog.
+  EXPECT_FALSE(rig.query([](ReferenceFirmware& firmware) { return firmware.watchdog_tripped(); }));
 }
 
-TEST_F(ReferenceDevice, AWrenchThatIsNotFiniteGivesNone) {
-  const auto hand = make();
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
-  ASSERT_TRUE(write_until(*hand, push, [&] { return pulls(); }));
+TEST_F(ReferenceDevice, NonFiniteWrenchBecomesZero) {
+  const auto device = make();
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
+  ASSERT_TRUE(write_until(*device, push, [&] { return pulls(); }));
   const Wrench broken{.force_n = {std::nan(""), 0, 0}, .torque_nmm = {}};
-  EXPECT_TRUE(write_until(*hand, broken, [&] { return rests(); }));
+  EXPECT_TRUE(write_until(*device, broken, [&] { return rests(); }));
 }
 
-TEST_F(ReferenceDevice, FaultsOfItsOwnKeepItFromBeingReady) {
-  const auto hand = make();
-  ASSERT_TRUE(eventually([&] { return is_ready(*hand); }));
+TEST_F(ReferenceDevice, DeviceFaultPreventsReady) {
+  const auto device = make();
+  ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
   for (const auto& [bit, words] : {std::pair{ref::kEmergencyStopBit, "emergency stop"},
                                    {ref::kTooHotBit, "too hot"},
                                    {ref::kOverCurrentBit, "too much current"}}) {
-    rig.ask([&, bit = bit](ReferenceFirmware& firmware) { return firmware.fail(bit), 0; });
-    EXPECT_TRUE(eventually([&] { return !is_ready(*hand); })) << words;
+    rig.query([&, bit = bit](ReferenceFirmware& firmware) { return firmware.fail(bit), 0; });
+    EXPECT_TRUE(eventually([&] { return !is_ready(*device); })) << words;
     EXPECT_TRUE(eventually([&, words = words] {
-      return hand->trouble().find(words) != std::string::npos;
+      return device->trouble().find(words) != std::string::npos;
     })) << words;
-    rig.ask([](ReferenceFirmware& firmware) { return firmware.fail(0), 0; });
-    EXPECT_TRUE(eventually([&] { return is_ready(*hand); })) << words;
+    rig.query([](ReferenceFirmware& firmware) { return firmware.fail(0), 0; });
+    EXPECT_TRUE(eventually([&] { return is_ready(*device); })) << words;
   }
 }
 
-TEST_F(ReferenceDevice, AnotherVersionIsNamedAndRejected) {
+TEST_F(ReferenceDevice, OtherVersionIsRejected) {
   auto settings = ReferenceFirmware::standard();
   settings.identity.version = 2;
   Rig<ReferenceFirmware> other(settings);
-  UsbHand hand(std::make_unique<ref::ReferenceProtocol>(kPlace), other.settings());
+  UsbHapticDevice device(std::make_unique<ref::ReferenceProtocol>(kPlace), other.settings());
   EXPECT_TRUE(eventually([&] { return other.notices.has("version 2 of the protocol"); }));
-  EXPECT_EQ(hand.read(agent::monotonic_us()).phase, DevicePhase::kClosed);
+  EXPECT_EQ(device.read(agent::monotonic_us()).phase, DevicePhase::kClosed);
 }
 
-TEST_F(ReferenceDevice, ASlowWatchdogIsRejected) {
+TEST_F(ReferenceDevice, SlowWatchdogIsRejected) {
   auto settings = ReferenceFirmware::standard();
   settings.identity.watchdog_ms = 100;
   Rig<ReferenceFirmware> other(settings);
-  UsbHand hand(std::make_unique<ref::ReferenceProtocol>(kPlace), other.settings());
-  EXPECT_TRUE(eventually([&] { return other.notices.has("run for 100 ms"); }));
+  UsbHapticDevice device(std::make_unique<ref::ReferenceProtocol>(kPlace), other.settings());
+  EXPECT_TRUE(eventually([&] { return other.notices.has("timeout is 100 ms"); }));
 }
 
-TEST_F(ReferenceDevice, EndpointsAreFoundWhereverTheControllerPutsThem) {
+TEST_F(ReferenceDevice, AnyEndpointAddressesAreFound) {
   auto settings = ReferenceFirmware::standard();
   settings.in_address = 0x86;
   settings.out_address = 0x07;
   Rig<ReferenceFirmware> other(settings);
-  UsbHand hand(std::make_unique<ref::ReferenceProtocol>(kPlace), other.settings());
-  EXPECT_TRUE(eventually([&] { return is_ready(hand); }));
+  UsbHapticDevice device(std::make_unique<ref::ReferenceProtocol>(kPlace), other.settings());
+  EXPECT_TRUE(eventually([&] { return is_ready(device); }));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference device's protocol alone: each of its gates, where the port and the mailbox would
-// otherwise do the same and hide that one is missing.
+// The reference device's protocol without port and mailbox timeouts, which would otherwise hide a
+// missing condition.
 #include "haptic_agent/device/reference/reference_protocol.h"
 
 #include <gtest/gtest.h>
@@ -15,11 +15,10 @@ namespace {
 
 using agent::DevicePhase;
 using agent::monotonic_us;
-using agent::Wrench;
 namespace ref = agent::reference;
 
-/// Says who it is, and nothing else.
-class Introduction final : public agent::UsbTalk {
+/// Answers the identity request only.
+class IdentityIo final : public agent::UsbSyncIo {
  public:
   std::expected<std::size_t, agent::UsbFault> control(const agent::ControlSetup&,
                                                       std::span<std::uint8_t> data) override {
@@ -41,11 +40,12 @@ class Introduction final : public agent::UsbTalk {
 class ReferenceProtocolAlone : public ::testing::Test {
  protected:
   void SetUp() override {
-    Introduction introduction;
+    IdentityIo introduction;
     ASSERT_TRUE(protocol.identify(introduction));
     protocol.connected(now_us);
   }
-  /// The device reports the pen upright in the middle, homed, with these bits beside.
+  /// Passes a report to the protocol: the pen upright at the center, homed, with additional status
+  /// bits.
   bool report(std::uint16_t status, std::uint64_t at_us, double longer_mm = 0) {
     const auto pen = agent::standard_pen();
     const auto front = reach_for(pen.front, {0, 0, 0});
@@ -58,9 +58,9 @@ class ReferenceProtocolAlone : public ::testing::Test {
     }
     return protocol.take(ref::encode(state), at_us);
   }
-  /// The servo writes a force, and the port asks at once for what to send; true: some torque.
+  /// Writes a force and composes the next command. Returns whether a torque is not zero.
   bool pulls() {
-    protocol.mailbox().show({.force_n = {3, 0, 0}, .torque_nmm = {}});
+    protocol.mailbox().write({.force_n = {3, 0, 0}, .torque_nmm = {}});
     return composed().value_or(ref::CommandReport{}).torques_dnmm != Still{};
   }
   std::optional<ref::CommandReport> composed() {
@@ -70,19 +70,19 @@ class ReferenceProtocolAlone : public ::testing::Test {
   }
 
   using Still = std::array<std::int16_t, 6>;
-  /// Stands still, so that nothing grows old by itself.
+  /// Constant, so that nothing times out unless a test advances it.
   const std::uint64_t now_us = monotonic_us();
   ref::ReferenceProtocol protocol{ref::PenPlace{}};
   std::uint16_t sequence = 0;
 };
 
-TEST_F(ReferenceProtocolAlone, PullsWhereAllIsWell) {
-  EXPECT_FALSE(pulls()) << "nothing is known of the pen yet";
+TEST_F(ReferenceProtocolAlone, ForceIfAllConditionsHold) {
+  EXPECT_FALSE(pulls()) << "there is no report yet";
   ASSERT_TRUE(report(0, now_us));
   EXPECT_TRUE(pulls());
 }
 
-TEST_F(ReferenceProtocolAlone, PullsWithNoFaultOfTheDevice) {
+TEST_F(ReferenceProtocolAlone, NoForceWithADeviceFault) {
   for (const std::uint16_t fault :
        {ref::kTooHotBit, ref::kOverCurrentBit, ref::kEmergencyStopBit, ref::kWatchdogBit}) {
     ASSERT_TRUE(report(0, now_us));
@@ -92,14 +92,14 @@ TEST_F(ReferenceProtocolAlone, PullsWithNoFaultOfTheDevice) {
   }
 }
 
-TEST_F(ReferenceProtocolAlone, PullsOnNoPoseThatIsOld) {
-  ASSERT_TRUE(report(0, now_us - agent::HandMailbox::kPoseLifeUs));
+TEST_F(ReferenceProtocolAlone, NoForceForAnOldPose) {
+  ASSERT_TRUE(report(0, now_us - agent::DeviceMailbox::kPoseLifeUs));
   EXPECT_FALSE(pulls());
   ASSERT_TRUE(report(0, now_us));
   EXPECT_TRUE(pulls());
 }
 
-TEST_F(ReferenceProtocolAlone, AForceDoesNotOutliveItsConnection) {
+TEST_F(ReferenceProtocolAlone, ForceEndsWithTheConnection) {
   ASSERT_TRUE(report(0, now_us));
   ASSERT_TRUE(pulls());
   protocol.disconnected();
@@ -110,7 +110,7 @@ TEST_F(ReferenceProtocolAlone, AForceDoesNotOutliveItsConnection) {
   EXPECT_TRUE(pulls());
 }
 
-TEST_F(ReferenceProtocolAlone, ArmsThatContradictEachOtherAreNoPose) {
+TEST_F(ReferenceProtocolAlone, InconsistentArmsAreRejected) {
   EXPECT_FALSE(report(0, now_us, 2.5));
   EXPECT_FALSE(pulls());
   EXPECT_TRUE(report(0, now_us, 1.5));

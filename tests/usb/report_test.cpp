@@ -19,12 +19,12 @@ const StateReport kState{.sequence = 0xFFFE,
                          .rejected = 1,
                          .temperature_dc = -15};
 
-TEST(ReferenceReport, SumIsThatOfTheStandard) {
+TEST(ReferenceReport, ChecksumMatchesTheStandard) {
   const std::array<std::uint8_t, 9> digits = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   EXPECT_EQ(crc32(digits), 0xCBF43926U);
 }
 
-TEST(ReferenceReport, LayoutIsThatOfTheProtocolPage) {
+TEST(ReferenceReport, LayoutMatchesTheSpecification) {
   const auto bytes = encode(kState);
   const std::vector<std::uint8_t> head(bytes.begin(), bytes.begin() + 16);
   EXPECT_EQ(head, (std::vector<std::uint8_t>{0x4B, 1, 0xFE, 0xFF, 0x78, 0x56, 0x34, 0x12, 0xBF, 0,
@@ -37,7 +37,7 @@ TEST(ReferenceReport, LayoutIsThatOfTheProtocolPage) {
                                               0, 0x34, 0x12}));
 }
 
-TEST(ReferenceReport, WhatIsEncodedIsDecoded) {
+TEST(ReferenceReport, DecodeInvertsEncode) {
   EXPECT_EQ(decode_state(encode(kState)), kState);
   const CommandReport command{.sequence = 7, .command = 3, .torques_dnmm = {-32768, 32767}};
   EXPECT_EQ(decode_command(encode(command)), command);
@@ -54,7 +54,7 @@ TEST(ReferenceReport, WhatIsEncodedIsDecoded) {
   EXPECT_EQ(decoded->watchdog_ms, 20);
 }
 
-TEST(ReferenceReport, EveryChangedBitIsFound) {
+TEST(ReferenceReport, EveryBitErrorIsDetected) {
   const auto good = encode(kState);
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     auto bad = good;
@@ -63,7 +63,7 @@ TEST(ReferenceReport, EveryChangedBitIsFound) {
   }
 }
 
-TEST(ReferenceReport, AnyBytesOfAnyLengthAreOnlyRejected) {
+TEST(ReferenceReport, RandomBytesAreRejected) {
   std::mt19937 engine{1};
   for (int i = 0; i < 20'000; ++i) {
     std::vector<std::uint8_t> bytes(engine() % 100);

@@ -18,8 +18,8 @@
 
 namespace kerf::usb_test {
 
-/// Asks every millisecond until it is so; false if it is not within ten seconds, which is no
-/// measurement but an end for tests that fail.
+/// Polls a condition every millisecond; returns false after ten seconds, a limit for failing tests
+/// only.
 template <typename Condition>
 bool eventually(Condition condition) {
   for (int i = 0; i < 10'000; ++i) {
@@ -29,7 +29,7 @@ bool eventually(Condition condition) {
   return false;
 }
 
-/// What a device told its user, in order.
+/// The notices of a device, in order.
 class Notices {
  public:
   void add(const std::string& line) {
@@ -48,7 +48,7 @@ class Notices {
   std::vector<std::string> lines_;
 };
 
-/// A model on a bus without a kernel, and settings that lead a port to it.
+/// A model on the in-process usbfs, and port settings that open it.
 template <typename Model>
 class Rig {
  public:
@@ -61,10 +61,10 @@ class Rig {
             .first_pause_us = 5000,
             .longest_pause_us = 20'000};
   }
-  /// Asks the model something while it stands still.
-  template <typename Look>
-  auto ask(Look look) {
-    return bus.with_model([&] { return look(model); });
+  /// Runs a query while the model does not change.
+  template <typename Query>
+  auto query(Query inspect) {
+    return bus.with_model([&] { return inspect(model); });
   }
 
   Model model;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The four system calls through which libusb speaks to a usbfs node, as this program's own: libusb
-// finds these before the C library's. They act on nodes that a stub has opened and leave all other
-// descriptors to the kernel.
+// Overrides the four system calls by which libusb accesses a usbfs node; the linker resolves them
+// before the C library's. They serve nodes opened by a stub and forward all other descriptors to
+// the kernel.
 #include "tests/usb/usbfs_calls.h"
 
 #include <sys/syscall.h>
@@ -16,18 +16,18 @@
 namespace kerf::usb_test {
 namespace {
 
-constexpr int kMostDescriptors = 1024;
-std::array<std::atomic<UsbfsStub*>, kMostDescriptors> nodes;
+constexpr int kMaxDescriptors = 1024;
+std::array<std::atomic<UsbfsStub*>, kMaxDescriptors> nodes;
 
 UsbfsStub* node_of(int fd) {
-  return fd >= 0 && fd < kMostDescriptors ? nodes[static_cast<std::size_t>(fd)].load() : nullptr;
+  return fd >= 0 && fd < kMaxDescriptors ? nodes[static_cast<std::size_t>(fd)].load() : nullptr;
 }
 
 }  // namespace
 
 int open_stub_node(UsbfsStub& stub) {
   const int fd = stub.open_node();
-  if (fd >= 0 && fd < kMostDescriptors) nodes[static_cast<std::size_t>(fd)].store(&stub);
+  if (fd >= 0 && fd < kMaxDescriptors) nodes[static_cast<std::size_t>(fd)].store(&stub);
   return fd;
 }
 

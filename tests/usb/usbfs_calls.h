@@ -5,7 +5,7 @@
 
 namespace kerf::usb_test {
 
-/// Opens the stub's node and routes this program's system calls on it to the stub.
+/// Opens the stub's node and routes this program's system calls for it to the stub.
 int open_stub_node(UsbfsStub& stub);
 
 }  // namespace kerf::usb_test

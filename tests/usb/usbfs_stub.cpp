@@ -22,7 +22,7 @@ constexpr int kPipeBytes = 4096;
 constexpr std::size_t kSetupBytes = 8;
 constexpr unsigned kTowardsHost = 0x80;
 constexpr std::uint8_t kGetConfiguration = 8;
-/// Above everything that it serves, as a controller is.
+/// Above the priority of the driver, like a host controller.
 constexpr int kBusPriority = 85;
 
 int fail(int error) {
@@ -33,7 +33,7 @@ int fail(int error) {
 }  // namespace
 
 UsbfsStub::UsbfsStub(UsbModel& model) : model_(model) {
-  // A node whose other end is gone must report an error, not end the program.
+  // Ignores SIGPIPE: a node whose other end is closed must report an error.
   std::signal(SIGPIPE, SIG_IGN);
   bus_ = std::thread([this] { run(); });
 }

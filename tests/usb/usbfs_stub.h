@@ -17,13 +17,13 @@
 
 namespace kerf::usb_test {
 
-/// What happens to a packet on its way to the host.
+/// Fault of an IN packet.
 enum class InFault { kNone, kShort, kEmpty, kStall, kBabble, kError, kLate };
 
-/// A usbfs node without a kernel: this program's own ioctl, read, lseek and close act on its
+/// A usbfs node without a kernel: this program overrides ioctl, read, lseek and close for its
 /// descriptor, so that an unmodified libusb drives the model through libusb_wrap_sys_device. The
-/// descriptor is the write end of a full pipe; it becomes writable when an URB may be reaped, and
-/// reports an error when the device is unplugged, as the real node does.
+/// descriptor is the write end of a full pipe; it becomes writable when an URB can be reaped, and
+/// reports an error when the device is unplugged, like the real node.
 class UsbfsStub {
  public:
   explicit UsbfsStub(UsbModel& model);
@@ -31,32 +31,33 @@ class UsbfsStub {
   UsbfsStub(const UsbfsStub&) = delete;
   UsbfsStub& operator=(const UsbfsStub&) = delete;
 
-  /// Opens the node; -1 while unplugged. The caller closes it.
+  /// Opens the node; returns -1 while unplugged. The caller closes it.
   int open_node();
 
   void plug();
   void unplug();
-  /// What a real controller does at first: every URB fails, and the node stays.
+  /// Makes every URB fail while the node stays, as a host controller does at first after an
+  /// unplugging.
   void unplug_unnoticed();
 
-  /// The next `count` packets towards the host; `delay_us` is of kLate.
+  /// Applies a fault to the next `count` IN packets; `delay_us` is for kLate.
   void fail_in(InFault fault, int count, std::uint64_t delay_us = 0);
-  /// Packets from the host are taken by nobody.
+  /// Leaves OUT packets pending.
   void hold_out(bool hold);
   void reject_claims(int error) { claim_error_ = error; }
   /// Changes the descriptors that are read from now on.
   void garble_descriptors(std::function<void(Bytes&)> garble);
 
-  /// Calls `look` while the model stands still.
-  template <typename Look>
-  auto with_model(Look look) {
+  /// Calls `inspect` while the model does not change.
+  template <typename Inspect>
+  auto with_model(Inspect inspect) {
     const std::lock_guard lock(mutex_);
-    return look();
+    return inspect();
   }
   int address() const { return address_; }
   int halts_cleared() const { return halts_cleared_; }
 
-  // The node's system calls; errors as errno with -1.
+  // The node's system calls; they return -1 and set errno on errors.
   int ioctl(unsigned long request, void* argument);
   long read(void* data, std::size_t bytes);
   long seek(long offset);
@@ -86,7 +87,7 @@ class UsbfsStub {
   std::mutex mutex_;
   std::atomic<bool> ended_{false};
   bool plugged_ = true;
-  /// A node whose device is gone stays dead, even if another one comes.
+  /// A node whose device is gone stays invalid, also after another device is plugged in.
   bool node_dead_ = false;
   bool failing_ = false;
   bool hold_out_ = false;

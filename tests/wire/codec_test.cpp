@@ -38,7 +38,7 @@ std::vector<std::byte> frame_of(const Body& body) {
   return frame;
 }
 
-TEST(WireCodec, EncodesIntoACallersBufferWithoutTouchingTheRest) {
+TEST(WireCodec, EncodeWritesOnlyTheFrame) {
   std::array<std::byte, kMaxClientFrameBytes> buffer;
   buffer.fill(std::byte{0x5A});
   const MotionBatch batch = motion_batch(3, 10);
@@ -52,7 +52,7 @@ TEST(WireCodec, EncodesIntoACallersBufferWithoutTouchingTheRest) {
   EXPECT_EQ(std::get<MotionBatch>(back->body), batch);
 }
 
-TEST(WireCodec, AppendsBehindWhatIsThere) {
+TEST(WireCodec, AppendKeepsExistingBytes) {
   std::vector<std::byte> two;
   append(two, {.epoch = 1, .sequence = 1, .time_us = 1}, Ping{77});
   const std::size_t first = two.size();
@@ -63,7 +63,7 @@ TEST(WireCodec, AppendsBehindWhatIsThere) {
   EXPECT_EQ(pong->header.stamp.sequence, 2U);
 }
 
-TEST(WireCodec, MeshHeaderAloneEqualsTheHeaderOfTheWholeFrame) {
+TEST(WireCodec, MeshHeaderEqualsTheHeaderOfTheFrame) {
   const std::vector<std::byte> glb(1000, std::byte{9});
   const FrameStamp stamp{.epoch = 4, .sequence = 5, .time_us = 6};
   std::vector<std::byte> frame;
@@ -75,7 +75,7 @@ TEST(WireCodec, MeshHeaderAloneEqualsTheHeaderOfTheWholeFrame) {
   EXPECT_TRUE(std::ranges::equal(std::get<MeshView>(back->body).glb, glb));
 }
 
-TEST(WireCodec, RejectsAFrameLongerThanTheReceiversLimit) {
+TEST(WireCodec, FrameAboveTheSizeLimitIsRejected) {
   const auto frame = frame_of(motion_batch(16, 1));
   const auto back = decode(frame, frame.size() - 1);
   ASSERT_FALSE(back);
@@ -115,7 +115,7 @@ TEST(WireCodec, EveryPrefixOfAFrameIsRejected) {
                             frame_of(StockPatch{false, 0, {{2, 1, 1, columns}}})}) {
     ASSERT_TRUE(decode(frame));
     for (std::size_t bytes = 0; bytes < frame.size(); ++bytes) {
-      // A copy of exactly this size lets the address sanitizer see a read beyond it.
+      // In a copy of exactly this size the address sanitizer detects reads beyond its end.
       const std::vector<std::byte> cut(frame.begin(),
                                        frame.begin() + static_cast<std::ptrdiff_t>(bytes));
       EXPECT_FALSE(decode(cut)) << bytes;
@@ -123,7 +123,7 @@ TEST(WireCodec, EveryPrefixOfAFrameIsRejected) {
   }
 }
 
-TEST(WireControl, EveryErrorNameIsReadBack) {
+TEST(WireControl, ErrorNamesRoundTrip) {
   for (std::size_t i = 0; i < kErrorNames.size(); ++i) {
     EXPECT_EQ(parse_error_code(kErrorNames[i]), static_cast<ErrorCode>(i));
   }
@@ -160,8 +160,8 @@ void mutate(std::vector<std::byte>& frame, std::mt19937_64& random) {
   }
 }
 
-// A frame that a mutation leaves decodable must encode to a frame that decodes to equal bytes
-// again: the decoder accepts nothing that it does not understand.
+// Checks that a message re-encodes to a frame that decodes and encodes to the same bytes: the
+// decoder loses no information of the frames that it accepts.
 void expect_stable(const Message& message) {
   std::visit(
       [&]<typename Body>(const Body& body) {
@@ -178,7 +178,7 @@ void expect_stable(const Message& message) {
       message.body);
 }
 
-TEST(WireFuzz, MutatedFramesAreRejectedOrUnderstoodAndNeverReadBeyondTheirEnd) {
+TEST(WireFuzz, MutatedFramesAreRejectedOrRoundTrip) {
   const auto corpus = golden_frames();
   ASSERT_GE(corpus.size(), 30U);
   constexpr std::uint64_t kSeed = 20041125;
@@ -199,7 +199,8 @@ TEST(WireFuzz, MutatedFramesAreRejectedOrUnderstoodAndNeverReadBeyondTheirEnd) {
       ASSERT_FALSE(message.error().reason.empty());
     }
   }
-  EXPECT_GT(accepted, static_cast<std::size_t>(kRounds / 100)) << "the mutations are too coarse";
+  EXPECT_GT(accepted, static_cast<std::size_t>(kRounds / 100))
+      << "most mutations are rejected: use smaller ones";
 }
 
 }  // namespace

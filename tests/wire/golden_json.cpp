@@ -9,17 +9,16 @@ namespace {
 
 using nlohmann::json;
 
-json widen(const Vec3f& v) {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
+json array_of(Vec3 v) { return {v.x, v.y, v.z}; }
+json array_of(Vec3f v) { return array_of(Vec3(v)); }
 
 json describe_body(const MotionBatch& batch) {
   json samples = json::array();
   for (const MotionSample& s : batch.view()) {
     samples.push_back({{"agent_sequence", s.agent_sequence},
                        {"time_us", s.time_us},
-                       {"tip_mm", s.tip_mm},
-                       {"axis", widen(s.axis)},
+                       {"tip_mm", array_of(s.tip_mm)},
+                       {"axis", array_of(s.axis)},
                        {"tool_id", s.tool_id},
                        {"buttons", s.buttons}});
   }
@@ -29,8 +28,8 @@ json describe_body(const MotionBatch& batch) {
 json describe_planes(const Result& r) {
   json planes = json::array();
   for (const ContactPlane& p : r.contact()) {
-    planes.push_back({{"point_mm", p.point_mm},
-                      {"normal", widen(p.normal)},
+    planes.push_back({{"point_mm", array_of(p.point_mm)},
+                      {"normal", array_of(p.normal)},
                       {"depth_mm", static_cast<double>(p.depth_mm)},
                       {"stiffness_n_per_mm", static_cast<double>(p.stiffness_n_per_mm)},
                       {"radius_mm", static_cast<double>(p.radius_mm)},
@@ -43,15 +42,15 @@ json describe_body(const Result& r) {
   return {{"agent_sequence", r.agent_sequence},
           {"agent_time_us", r.agent_time_us},
           {"motions_applied", r.motions_applied},
-          {"force_n", widen(r.force_n)},
-          {"torque_nmm", widen(r.torque_nmm)},
+          {"force_n", array_of(r.force_n)},
+          {"torque_nmm", array_of(r.torque_nmm)},
           {"engaged_area_mm2", static_cast<double>(r.engaged_area_mm2)},
-          {"direction", widen(r.direction)},
-          {"cut_centre_mm", r.cut_centre_mm},
+          {"direction", array_of(r.direction)},
+          {"cut_centre_mm", array_of(r.cut_centre_mm)},
           {"specific_force_n_per_mm2", static_cast<double>(r.specific_force_n_per_mm2)},
           {"removed_mm3", static_cast<double>(r.removed_mm3)},
           {"status", r.status},
-          {"collision_force_n", widen(r.collision_force_n)},
+          {"collision_force_n", array_of(r.collision_force_n)},
           {"turnaround_us", r.turnaround_us},
           {"planes", describe_planes(r)}};
 }
@@ -61,11 +60,11 @@ json describe_body(const ToolStates& states) {
   for (const ToolState& t : states.tools) {
     tools.push_back({{"participant", t.participant},
                      {"tool_id", t.tool_id},
-                     {"tip_mm", t.tip_mm},
-                     {"axis", widen(t.axis)},
+                     {"tip_mm", array_of(t.tip_mm)},
+                     {"axis", array_of(t.axis)},
                      {"status", t.status},
-                     {"force_n", widen(t.force_n)},
-                     {"torque_nmm", widen(t.torque_nmm)},
+                     {"force_n", array_of(t.force_n)},
+                     {"torque_nmm", array_of(t.torque_nmm)},
                      {"removed_rate_mm3_per_s", static_cast<double>(t.removed_rate_mm3_per_s)}});
   }
   return {{"tools", tools}};

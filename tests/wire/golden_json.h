@@ -8,11 +8,11 @@
 
 namespace kerf::wire {
 
-/// A decoded body in the words of golden.json. Floats widen to double exactly, as they do in the
-/// description, so that equality is bit for bit.
+/// Returns a decoded body in the format of golden.json. Floats are widened to double exactly, so
+/// that comparisons are exact.
 nlohmann::json describe(const Message& message);
 
-/// The name of a decode error in golden.json.
+/// Returns the name of a decode error in golden.json.
 std::string code_name(DecodeErrorCode code);
 
 }  // namespace kerf::wire

@@ -18,7 +18,7 @@ describe('server clock', () => {
   it('separates the age of a frame from the clock offset by ping pairs', () => {
     const clock = new ServerClock();
     expect(clock.ageMs(0, 0n)).toBeNaN();
-    clock.pong(1000, 1040, 5_020_000n); // server is 4000 ms ahead, 20 ms each way
+    clock.pong(1000, 1040, 5_020_000n); // server is 4000 ms ahead, 20 ms per direction
     expect(clock.rttMs).toBeCloseTo(40, 9);
     expect(clock.ageMs(1100, 5_070_000n)).toBeCloseTo(30, 6);
   });

@@ -67,7 +67,9 @@ describe('view link', () => {
     link.sendLook({ eye_mm: [1, 2, 300], error_rad: 0.0005 });
     await vi.waitFor(
       () =>
-        expect(server.looks).toEqual([{ type: 'look', eye_mm: [1, 2, 300], error_rad: 0.0005 }]),
+        expect(server.lookMessages).toEqual([
+          { type: 'look', eye_mm: [1, 2, 300], error_rad: 0.0005 },
+        ]),
       soon,
     );
     expect(model.participants.carvers().map((p) => p.info.name)).toEqual(['Ada', 'Linus']);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { ForceHistory, roundUp125 } from '../src/model/forces';
+import { ForceHistory } from '../src/model/forces';
 import { Participants } from '../src/model/participants';
 import { emptyPose, PoseTrack } from '../src/model/pose_track';
 import type { ParticipantInfo, ToolState } from '../src/wire/types';
@@ -137,19 +137,4 @@ describe('force history', () => {
     expect(times.at(-1)).toBeCloseTo(19.999, 9);
     expect(times.length).toBeGreaterThan(2000);
   });
-});
-
-describe('arrow scale', () => {
-  it.each([
-    [0, 1],
-    [0.03, 0.05],
-    [0.1, 0.1],
-    [1, 1],
-    [1.01, 2],
-    [2.5, 5],
-    [7, 10],
-    [100, 100],
-    [101, 200],
-    [Number.NaN, 1],
-  ])('rounds %d up to %d', (value, expected) => expect(roundUp125(value)).toBeCloseTo(expected, 9));
 });

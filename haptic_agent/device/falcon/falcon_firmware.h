@@ -12,19 +12,18 @@
 
 namespace kerf::agent::falcon {
 
-/// Sets the serial chip up for talking to a running firmware.
-std::expected<void, UsbFault> enter_run_mode(UsbTalk& talk);
+/// Configures the serial chip for a running firmware.
+std::expected<void, UsbFault> enter_run_mode(UsbSyncIo& io);
 
-/// Does a firmware run? Sends one command without force and waits for its answer.
-bool answers(UsbTalk& talk);
+/// Returns whether a firmware is running: sends one command without force and waits for the answer.
+bool answers(UsbSyncIo& io);
 
-/// Loads a firmware; the Falcon has none after it was switched on. The loader is known to fail by
-/// itself now and then, so that it is tried several times. The error says at which step the last
-/// attempt ended.
-std::expected<void, UsbError> load_firmware(UsbTalk& talk, std::string_view device,
+/// Loads a firmware, which the Falcon loses with its power. The loader fails occasionally, so
+/// several attempts are made. The error names the step at which the last attempt failed.
+std::expected<void, UsbError> load_firmware(UsbSyncIo& io, std::string_view device,
                                             std::span<const std::uint8_t> firmware);
 
-/// Reads a firmware file (1 byte to 1 MiB); the error is one sentence.
+/// Reads a firmware file of 1 byte to 1 MiB. The error is one sentence.
 std::expected<std::vector<std::uint8_t>, std::string> read_firmware(const std::string& path);
 
 }  // namespace kerf::agent::falcon

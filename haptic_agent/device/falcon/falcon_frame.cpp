@@ -22,7 +22,7 @@ void put_word(Frame& frame, std::size_t at, std::int16_t value) noexcept {
   }
 }
 
-/// Nothing where a byte is not one of the sixteen letters.
+/// Returns nothing if a byte is not one of the sixteen letters.
 std::optional<std::int16_t> take_word(std::span<const std::uint8_t> frame,
                                       std::size_t at) noexcept {
   unsigned bits = 0;
@@ -101,11 +101,11 @@ std::array<std::int16_t, 3> motor_words(const std::array<double, 3>& torques_nmm
     if (!std::isfinite(torque)) return {};
     most = std::max(most, std::abs(torque) * kWordsPerNmm);
   }
-  const double share = most > kMostMotorWord ? kMostMotorWord / most : 1.0;
+  const double share = most > kMaxMotorWord ? kMaxMotorWord / most : 1.0;
   std::array<std::int16_t, 3> words{};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto word = static_cast<int>(std::lround(-torques_nmm[i] * kWordsPerNmm * share));
-    words[i] = static_cast<std::int16_t>(std::clamp(word, -kMostMotorWord, kMostMotorWord));
+    words[i] = static_cast<std::int16_t>(std::clamp(word, -kMaxMotorWord, kMaxMotorWord));
   }
   return words;
 }

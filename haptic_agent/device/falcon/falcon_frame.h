@@ -10,24 +10,24 @@
 namespace kerf::agent::falcon {
 
 inline constexpr std::size_t kFrameBytes = 16;
-/// The motors' words that the wire is trusted with: the vendor's own program used no more, and the
-/// field has 16 bits, beyond which a strong push would turn into a pull.
-inline constexpr int kMostMotorWord = 4096;
+/// Largest motor word sent. The vendor's program uses no larger ones, and values beyond the field's
+/// 16 bits would reverse the force.
+inline constexpr int kMaxMotorWord = 4096;
 
 inline constexpr std::uint8_t kHomingMode = 0x1;
 inline constexpr std::uint8_t kGreenLight = 0x2;
 inline constexpr std::uint8_t kBlueLight = 0x4;
 inline constexpr std::uint8_t kRedLight = 0x8;
 
-inline constexpr std::uint8_t kCentreButton = 0x4;
+inline constexpr std::uint8_t kCenterButton = 0x4;
 inline constexpr std::uint8_t kAllHomed = 0x7;
 
-/// What the Falcon answers to each command.
+/// The Falcon's answer to a command.
 struct FalconState {
   std::array<std::int16_t, 3> encoders{};
-  /// Bits: 1 plus, 2 forward, 4 centre, 8 minus.
+  /// Bits: 1 plus, 2 forward, 4 center, 8 minus.
   std::uint8_t buttons = 0;
-  /// One bit a leg; encoders mean nothing before all three are set.
+  /// One bit per leg; the encoders are valid only if all three are set.
   std::uint8_t homed = 0;
 
   bool operator==(const FalconState&) const = default;
@@ -35,10 +35,10 @@ struct FalconState {
 
 using Frame = std::array<std::uint8_t, kFrameBytes>;
 
-/// '<', three motor words of four nibbles each (lowest first, each plus 'A'), lights and mode, 'A',
-/// '>'.
+/// Encodes '<', three motor words of four nibbles each (lowest first, each plus 'A'), lights and
+/// mode, 'A', '>'.
 Frame encode_command(const std::array<std::int16_t, 3>& motors, std::uint8_t lights) noexcept;
-/// The same from the other side; for models of the device.
+/// Encodes an answer; used by models of the device.
 Frame encode_state(const FalconState& state) noexcept;
 std::optional<FalconState> decode_state(std::span<const std::uint8_t> frame) noexcept;
 struct FalconCommand {
@@ -47,15 +47,16 @@ struct FalconCommand {
 };
 std::optional<FalconCommand> decode_command(std::span<const std::uint8_t> frame) noexcept;
 
-/// Motor words of leg torques, N·mm: -10000 a N·m, all shortened by one factor if one exceeds the
-/// wire, so that the force keeps its direction. A number that is not finite gives zeros.
+/// Converts leg torques, N·mm, to motor words, -10000 per N·m. If a word exceeds kMaxMotorWord, all
+/// are scaled by one factor, so that the force keeps its direction. Returns zeros if a torque is
+/// not finite.
 std::array<std::int16_t, 3> motor_words(const std::array<double, 3>& torques_nmm) noexcept;
 
-/// Puts frames together from packets: drops the two bytes of modem status that the serial chip puts
-/// before every packet, and whatever does not belong to a frame.
+/// Assembles frames from packets. Skips the two bytes of modem status at the start of every packet,
+/// and all bytes outside frames.
 class FrameReader {
  public:
-  /// Takes one USB packet; the newest whole frame that it completed, or nothing.
+  /// Takes one USB packet and returns the newest frame that it completed, if any.
   std::optional<Frame> take(std::span<const std::uint8_t> packet) noexcept;
   void reset() noexcept { filled_ = 0; }
 

@@ -9,8 +9,8 @@
 namespace kerf::agent::falcon {
 namespace {
 
-// R. E. Stamper, "A three degree of freedom parallel manipulator with only translational degrees of
-// freedom" (1997), with its letters; the lengths are libnifalcon's measurements, mm.
+// Notation of R. E. Stamper, "A three degree of freedom parallel manipulator with only
+// translational degrees of freedom" (1997). The lengths are libnifalcon's measurements, mm.
 constexpr double kA = 60.0;
 constexpr double kB = 102.5;
 constexpr double kC = 14.0;
@@ -25,12 +25,12 @@ constexpr std::array<double, 3> kPhiDeg = {105.0, -15.0, -135.0};
 constexpr double kDegPerCount = 360.0 / (4 * 320) * 14.25 / 110.0;
 constexpr double kZeroDeg = 35.0;
 
-constexpr int kMostSteps = 15;
+constexpr int kMaxSteps = 15;
 constexpr double kCloseMm = 1e-3;
 constexpr double kLongestStepMm = 20.0;
 constexpr double kSingular = 1e-9;
 
-/// The vertical plane of one leg: u outwards, v sideways, w along z.
+/// Axes of the vertical plane of one leg: u outward, v sideways, w along z.
 struct Leg {
   Vec3 u;
   Vec3 v;
@@ -41,33 +41,34 @@ Leg leg(std::size_t i) noexcept {
   return {.u = {std::cos(phi), std::sin(phi), 0}, .v = {-std::sin(phi), std::cos(phi), 0}};
 }
 
-/// What ties a leg's angle to the position: 0 = (P - a cos)^2 + (w - a sin)^2 - rho^2, where rho is
-/// the parallelogram's length in the leg's plane.
-struct Tie {
+/// The constraint between a leg's angle and the position: 0 = (P - a cos)^2 + (w - a sin)^2 -
+/// rho^2, where rho is the parallelogram's length in the leg's plane.
+struct Constraint {
   double value = 0;
-  /// By the position, and by the leg's angle.
+  /// Derivatives by the position and by the leg's angle.
   Vec3 gradient;
   double by_angle = 0;
 };
 
-std::optional<Tie> tie(std::size_t i, double angle, Vec3 p) noexcept {
-  const Leg is = leg(i);
-  const double pu = dot(is.u, p) - kR + kC;
-  const double pv = dot(is.v, p) - kS + kF;
+std::optional<Constraint> constraint(std::size_t i, double angle, Vec3 p) noexcept {
+  const Leg plane = leg(i);
+  const double pu = dot(plane.u, p) - kR + kC;
+  const double pv = dot(plane.v, p) - kS + kF;
   const double square = kB * kB - pv * pv;
   if (!(square > 0)) return std::nullopt;
   const double root = std::sqrt(square);
   const double rho = kD + kE + root;
   const double out = pu - kA * std::cos(angle);
   const double up = p.z - kA * std::sin(angle);
-  return Tie{.value = out * out + up * up - rho * rho,
-             .gradient = is.u * (2 * out) + Vec3{0, 0, 2 * up} + is.v * (2 * rho * pv / root),
-             .by_angle = 2 * kA * (out * std::sin(angle) - up * std::cos(angle))};
+  return Constraint{
+      .value = out * out + up * up - rho * rho,
+      .gradient = plane.u * (2 * out) + Vec3{0, 0, 2 * up} + plane.v * (2 * rho * pv / root),
+      .by_angle = 2 * kA * (out * std::sin(angle) - up * std::cos(angle))};
 }
 
 using Rows = std::array<Vec3, 3>;
 
-/// Solves rows . x = right by Cramer's rule; nothing if singular.
+/// Solves rows * x = right by Cramer's rule. Returns nothing if the matrix is singular.
 std::optional<Vec3> solve(const Rows& rows, Vec3 right) noexcept {
   const Vec3 bc = cross(rows[1], rows[2]);
   const double det = dot(rows[0], bc);
@@ -94,14 +95,14 @@ std::int16_t count_of(double angle_rad) noexcept {
 std::optional<LegAngles> leg_angles(Vec3 p) noexcept {
   LegAngles angles{};
   for (std::size_t i = 0; i < angles.size(); ++i) {
-    const Leg is = leg(i);
-    const double pu = dot(is.u, p) - kR + kC;
-    const double pv = dot(is.v, p) - kS + kF;
+    const Leg plane = leg(i);
+    const double pu = dot(plane.u, p) - kR + kC;
+    const double pv = dot(plane.v, p) - kS + kF;
     const double square = kB * kB - pv * pv;
     if (!(square > 0)) return std::nullopt;
     const double rho = kD + kE + std::sqrt(square);
-    // a cos(theta) P + a sin(theta) w = (P^2 + w^2 + a^2 - rho^2)/2, a line that cuts the circle
-    // of the knee twice; the Falcon's knees point outwards.
+    // a cos(theta) P + a sin(theta) w = (P^2 + w^2 + a^2 - rho^2)/2 is a line that intersects the
+    // circle of the knee twice; the Falcon's knees point outward.
     const double reach = std::hypot(pu, p.z);
     const double cosine = (reach * reach + kA * kA - rho * rho) / (2 * kA * reach);
     if (!(std::abs(cosine) <= 1)) return std::nullopt;
@@ -112,20 +113,20 @@ std::optional<LegAngles> leg_angles(Vec3 p) noexcept {
 
 std::optional<Vec3> position_of(const LegAngles& angles, Vec3 guess_mm) noexcept {
   Vec3 p = guess_mm;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     Rows rows;
     std::array<double, 3> values{};
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const auto is = tie(i, angles[i], p);
-      if (!is) return std::nullopt;
-      rows[i] = is->gradient;
-      values[i] = is->value;
+      const auto equation = constraint(i, angles[i], p);
+      if (!equation) return std::nullopt;
+      rows[i] = equation->gradient;
+      values[i] = equation->value;
     }
     const auto move = solve(rows, {-values[0], -values[1], -values[2]});
     if (!move || !is_finite(*move)) return std::nullopt;
-    const double way = length(*move);
-    p = p + *move * (way > kLongestStepMm ? kLongestStepMm / way : 1.0);
-    if (way < kCloseMm) return p;
+    const double step_mm = length(*move);
+    p = p + *move * (step_mm > kLongestStepMm ? kLongestStepMm / step_mm : 1.0);
+    if (step_mm < kCloseMm) return p;
   }
   return std::nullopt;
 }
@@ -137,10 +138,10 @@ std::optional<std::array<double, 3>> leg_torques(const LegAngles& angles, Vec3 p
   Rows gradients;
   std::array<double, 3> by_angle{};
   for (std::size_t i = 0; i < gradients.size(); ++i) {
-    const auto is = tie(i, angles[i], p);
-    if (!is) return std::nullopt;
-    gradients[i] = is->gradient;
-    by_angle[i] = is->by_angle;
+    const auto equation = constraint(i, angles[i], p);
+    if (!equation) return std::nullopt;
+    gradients[i] = equation->gradient;
+    by_angle[i] = equation->by_angle;
   }
   const Rows columns = {Vec3{gradients[0].x, gradients[1].x, gradients[2].x},
                         Vec3{gradients[0].y, gradients[1].y, gradients[2].y},

@@ -5,36 +5,38 @@
 #include <cstdint>
 #include <optional>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 
 namespace kerf::agent::falcon {
 
 /// Angles of the three driven legs, rad.
 using LegAngles = std::array<double, 3>;
 
-/// Positions in the Falcon's own coordinates, mm: x to the right, y up, z towards the user, zero in
-/// the base plate. The grip moves within about 55 mm to each side and 75 to 175 mm out.
+/// Center and half size of the workspace, in the Falcon's coordinates, mm: x to the right, y up, z
+/// towards the user, with the origin in the base plate. The grip reaches about 55 mm to each side,
+/// and z = 75 to 175 mm.
 inline constexpr Vec3 kMiddleMm{0, 0, 125};
 inline constexpr double kReachMm = 60;
 
-/// The angle that a leg has at an encoder count: 4 x 320 counts a turn of a 14.25 mm shaft, which
-/// drives a 110 mm arm by a cable; 35 degrees at zero (libnifalcon's measurements).
+/// Converts an encoder count to a leg angle: 4 x 320 counts per turn of a 14.25 mm shaft, which
+/// drives a 110 mm arm by a cable; 35 degrees at count zero (libnifalcon's measurements).
 double angle_of(std::int16_t count) noexcept;
 std::int16_t count_of(double angle_rad) noexcept;
 
-/// Leg angles of a position; nothing out of reach. Closed form.
+/// Inverse kinematics in closed form; nothing if the position is out of reach.
 std::optional<LegAngles> leg_angles(Vec3 position_mm) noexcept;
 
-/// The position of leg angles, by Newton from `guess_mm`; nothing if 15 steps do not reach 1 um:
-/// such angles belong to no position.
+/// Forward kinematics by Newton iteration from `guess_mm`. Returns nothing if 15 steps do not
+/// converge to 1 um: no position has such angles.
 std::optional<Vec3> position_of(const LegAngles& angles, Vec3 guess_mm) noexcept;
 
-/// The legs' torques, N·mm, that push the grip with `force_n`: tau = J^T f with J = dp/dtheta.
-/// Nothing where the legs are singular.
+/// Leg torques, N·mm, that exert `force_n` at the grip: tau = J^T f with J = dp/dtheta. Returns
+/// nothing at singular configurations.
 std::optional<std::array<double, 3>> leg_torques(const LegAngles& angles, Vec3 position_mm,
                                                  Vec3 force_n) noexcept;
 
-/// Kerf's directions (x right, y away, z up) of the Falcon's, and back.
+/// Converts directions from the Falcon's axes to Kerf's (x right, y away from the user, z up), and
+/// back.
 constexpr Vec3 to_kerf(Vec3 v) noexcept { return {v.x, -v.z, v.y}; }
 constexpr Vec3 from_kerf(Vec3 v) noexcept { return {v.x, v.z, -v.y}; }
 

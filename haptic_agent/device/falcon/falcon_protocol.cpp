@@ -11,22 +11,22 @@ namespace kerf::agent::falcon {
 namespace {
 
 constexpr std::uint16_t kPacketBytes = 64;
-/// An answer that has not come by then never will; the next command goes out.
+/// Timeout of an answer; after it the next command is sent.
 constexpr std::uint64_t kAnswerUs = 10'000;
-/// The serial chip sends its status every millisecond, whatever the Falcon does.
+/// The serial chip sends its status every millisecond, independently of the firmware.
 constexpr std::uint64_t kSilenceUs = 500'000;
-/// Faster than any hand; what is beyond is a slipped encoder.
+/// Largest plausible movement between two poses; a larger one means that an encoder slipped.
 constexpr double kJumpMm = 10.0;
 constexpr std::uint64_t kForgetUs = 100'000;
-/// A grip farther out than this is not within the legs' reach.
-constexpr double kMostMm = 200.0;
+/// Positions farther away than this are out of the legs' reach.
+constexpr double kMaxMm = 200.0;
 
 }  // namespace
 
 FalconProtocol::FalconProtocol(FalconSettings settings) : settings_(std::move(settings)) {}
 
-PipeWish FalconProtocol::pipes() const {
-  return {.kind = TransferKind::kBulk, .wants_out = true, .least_packet_bytes = kPacketBytes};
+PipeRequirements FalconProtocol::required_pipes() const {
+  return {.kind = TransferKind::kBulk, .needs_out = true, .min_packet_bytes = kPacketBytes};
 }
 
 std::uint64_t FalconProtocol::silence_limit_us() const noexcept { return kSilenceUs; }
@@ -44,18 +44,18 @@ DeviceCapabilities FalconProtocol::capabilities() const {
           .has_deadman = false};
 }
 
-std::expected<void, UsbError> FalconProtocol::identify(UsbTalk& talk) {
-  if (const auto done = enter_run_mode(talk); !done) {
-    return std::unexpected(usb_error(done.error(), name(), "its serial chip cannot be set up"));
+std::expected<void, UsbError> FalconProtocol::identify(UsbSyncIo& io) {
+  if (const auto done = enter_run_mode(io); !done) {
+    return std::unexpected(usb_error(done.error(), name(), "its serial chip cannot be configured"));
   }
-  if (answers(talk)) return {};
+  if (answers(io)) return {};
   if (settings_.firmware.empty()) {
     return std::unexpected(
         UsbError{.fault = UsbFault::kWrongDevice,
-                 .text = "the Novint Falcon has no firmware, which it loses with its power: give "
-                         "the vendor's file with --device falcon:FILE"});
+                 .text = "the Novint Falcon has no firmware, which it loses with its power: pass "
+                         "the vendor's file by --device falcon:FILE"});
   }
-  return load_firmware(talk, name(), settings_.firmware);
+  return load_firmware(io, name(), settings_.firmware);
 }
 
 void FalconProtocol::connected(std::uint64_t) noexcept {
@@ -63,14 +63,14 @@ void FalconProtocol::connected(std::uint64_t) noexcept {
   state_.reset();
   position_mm_.reset();
   waiting_ = false;
-  silent_ = false;
+  motors_disabled_ = false;
 }
 
 bool FalconProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept {
   constexpr std::size_t kStatusOnly = 2;
   if (packet.size() <= kStatusOnly) return true;
   const auto frame = reader_.take(packet);
-  // A frame may come in two packets.
+  // A frame may be split into two packets.
   if (!frame) return packet.size() < kFrameBytes + kStatusOnly;
   const auto state = decode_state(*frame);
   if (!state) return false;
@@ -84,11 +84,11 @@ bool FalconProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t no
   for (std::size_t i = 0; i < angles_.size(); ++i) angles_[i] = angle_of(state_->encoders[i]);
   const bool recent = position_mm_ && now_us - std::min(now_us, pose_us_) < kForgetUs;
   const auto position = position_of(angles_, recent ? *position_mm_ : kMiddleMm);
-  if (!position || length(*position) > kMostMm || position->z <= 0) return false;
+  if (!position || length(*position) > kMaxMm || position->z <= 0) return false;
   if (recent && length(*position - *position_mm_) > kJumpMm) return false;
   position_mm_ = position;
   pose_us_ = now_us;
-  const bool cutting = (state_->buttons & kCentreButton) != 0;
+  const bool cutting = (state_->buttons & kCenterButton) != 0;
   mailbox_.publish({.tip_mm = settings_.middle_mm + to_kerf(*position - kMiddleMm),
                     .axis = {0, 0, 1},
                     .buttons = wire::kButtonDeadman | (cutting ? wire::kButtonCutting : 0U),
@@ -99,21 +99,21 @@ bool FalconProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t no
 }
 
 std::array<std::int16_t, 3> FalconProtocol::motors(std::uint64_t now_us) noexcept {
-  bool fresh = false;
-  const Wrench wrench = mailbox_.wanted(now_us, fresh);
+  bool changed = false;
+  const Wrench wrench = mailbox_.output(now_us, changed);
   const bool current =
-      position_mm_ && now_us - std::min(now_us, pose_us_) < HandMailbox::kPoseLifeUs;
-  if (silent_ || !homed() || !current) return {};
+      position_mm_ && now_us - std::min(now_us, pose_us_) < DeviceMailbox::kPoseLifeUs;
+  if (motors_disabled_ || !homed() || !current) return {};
   const auto torques = leg_torques(angles_, *position_mm_, from_kerf(wrench.force_n));
   return torques ? motor_words(*torques) : std::array<std::int16_t, 3>{};
 }
 
 std::size_t FalconProtocol::compose(std::span<std::uint8_t> packet, std::uint64_t now_us) noexcept {
-  // Strictly one answer for one command: a second command before the answer confuses the firmware.
-  if (waiting_ && !silent_ && now_us - std::min(now_us, sent_us_) < kAnswerUs) return 0;
+  // One command per answer: the firmware fails if it receives a command before it has answered the
+  // last.
+  if (waiting_ && !motors_disabled_ && now_us - std::min(now_us, sent_us_) < kAnswerUs) return 0;
   if (packet.size() < kFrameBytes) return 0;
-  // The serial chip goes on without its firmware; what the firmware said last is then worth
-  // nothing.
+  // The serial chip keeps sending when the firmware hangs; the last state is then outdated.
   if (now_us - std::min(now_us, answered_us_) > kSilenceUs) state_.reset();
   const std::uint8_t lights = homed() ? kGreenLight : (kRedLight | kHomingMode);
   std::ranges::copy(encode_command(motors(now_us), lights), packet.begin());
@@ -134,8 +134,8 @@ DevicePhase FalconProtocol::phase() const noexcept {
 
 std::string_view FalconProtocol::trouble() const noexcept {
   if (homed()) return {};
-  return "the Falcon does not know its position: push its grip all the way in, then pull it all "
-         "the way out, until its light turns from red to green";
+  return "the Falcon is not homed: push its grip in completely, then pull it out completely, until "
+         "its light turns from red to green";
 }
 
 }  // namespace kerf::agent::falcon

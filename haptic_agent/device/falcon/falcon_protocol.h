@@ -7,21 +7,21 @@
 
 #include "haptic_agent/device/falcon/falcon_frame.h"
 #include "haptic_agent/device/falcon/falcon_kinematics.h"
-#include "haptic_agent/device/usb/usb_hand.h"
+#include "haptic_agent/device/usb/usb_haptic_device.h"
 
 namespace kerf::agent::falcon {
 
-/// Where the Falcon's coordinates lie in the session's, and which firmware it is given.
+/// Placement of the Falcon in session coordinates, and its firmware.
 struct FalconSettings {
-  /// The session's point at the middle of the grip's workspace, as the tool's tip sees it.
+  /// Position of the tool's tip, in session coordinates, at the center of the workspace.
   Vec3 middle_mm{};
-  /// Empty: it must run one already.
+  /// Empty: a firmware must be running already.
   std::vector<std::uint8_t> firmware{};
 };
 
-/// Novint Falcon: three degrees of freedom, felt and shown. The tool stands upright and the grip is
-/// its tip; a torque cannot be shown and is left out.
-class FalconProtocol final : public HandProtocol {
+/// Novint Falcon: three sensed and three actuated degrees of freedom. The tool's axis is vertical
+/// and its tip is at the grip; torques are ignored.
+class FalconProtocol final : public HapticProtocol {
  public:
   static constexpr UsbId kId{0x0403, 0xCB48};
 
@@ -29,17 +29,17 @@ class FalconProtocol final : public HandProtocol {
 
   std::string_view name() const noexcept override { return "Novint Falcon"; }
   std::vector<UsbId> ids() const override { return {kId}; }
-  PipeWish pipes() const override;
+  PipeRequirements required_pipes() const override;
   std::uint64_t silence_limit_us() const noexcept override;
   DeviceCapabilities capabilities() const override;
 
-  std::expected<void, UsbError> identify(UsbTalk& talk) override;
+  std::expected<void, UsbError> identify(UsbSyncIo& io) override;
   void connected(std::uint64_t now_us) noexcept override;
   bool take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept override;
   std::size_t compose(std::span<std::uint8_t> packet, std::uint64_t now_us) noexcept override;
-  /// The answer can only begin now: on a slow bus the command may have waited for long.
+  /// Restarts the answer timeout: on a slow bus the command may have been delayed.
   void sent(std::uint64_t now_us) noexcept override { sent_us_ = now_us; }
-  void silence() noexcept override { silent_ = true; }
+  void disable_motors() noexcept override { motors_disabled_ = true; }
   void disconnected() noexcept override;
   DevicePhase phase() const noexcept override;
   std::string_view trouble() const noexcept override;
@@ -55,7 +55,7 @@ class FalconProtocol final : public HandProtocol {
   LegAngles angles_{};
   std::uint64_t pose_us_ = 0;
   bool waiting_ = false;
-  bool silent_ = false;
+  bool motors_disabled_ = false;
   std::uint64_t sent_us_ = 0;
   std::uint64_t answered_us_ = 0;
 };

@@ -3,18 +3,18 @@
 
 #include <array>
 
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 
 namespace kerf::agent {
 
-/// Joint angles of one arm, rad: turn about the vertical, and the elevations of both links above
-/// the horizontal. The second elevation is absolute: a parallelogram drives the elbow from the
-/// base.
+/// Joint angles of one arm, rad: rotation about the vertical, and the elevations of both links
+/// above the horizontal. The second elevation is absolute: a parallelogram drives the elbow from
+/// the base.
 using ArmAngles = std::array<double, 3>;
-/// Motor torques, N·mm, in the same order; positive where they raise the angle.
+/// Motor torques, N·mm, in the same order; positive torques increase the angle.
 using ArmTorques = std::array<double, 3>;
 
-/// Where an arm stands and how long its links are, in the device's coordinates.
+/// Base position and link lengths of an arm, in device coordinates.
 struct ArmShape {
   Vec3 base_mm{};
   double upper_mm = 0;
@@ -23,14 +23,14 @@ struct ArmShape {
   bool operator==(const ArmShape&) const = default;
 };
 
-/// p(q) = base + Rz(q0) [l1 cos q1 + l2 cos q2, 0, l1 sin q1 + l2 sin q2].
+/// Forward kinematics: p(q) = base + Rz(q0) [l1 cos q1 + l2 cos q2, 0, l1 sin q1 + l2 sin q2].
 Vec3 arm_point(const ArmShape& shape, const ArmAngles& q) noexcept;
 
-/// The columns of dp/dq, mm/rad.
+/// Returns the columns of dp/dq, mm/rad.
 std::array<Vec3, 3> arm_jacobian(const ArmShape& shape, const ArmAngles& q) noexcept;
 
-/// The torques that make the arm's end push with `force_n`: tau = J^T f (virtual work). Needs no
-/// inverse, so that a straight arm is no special case.
+/// Torques that exert `force_n` at the arm's end: tau = J^T f (virtual work). No inverse is needed,
+/// so a stretched arm is no special case.
 ArmTorques arm_torques(const ArmShape& shape, const ArmAngles& q, Vec3 force_n) noexcept;
 
 }  // namespace kerf::agent

@@ -7,8 +7,8 @@
 namespace kerf::agent {
 namespace {
 
-/// Below this distance of the two points the pen has no direction.
-constexpr double kLeastPointDistanceMm = 1.0;
+/// Below this distance of A and B the pen's direction is undefined.
+constexpr double kMinPointDistanceMm = 1.0;
 
 bool all_finite(const ArmAngles& q) noexcept {
   return std::ranges::all_of(q, [](double angle) { return std::isfinite(angle); });
@@ -28,7 +28,7 @@ std::optional<PenPose> pen_pose(const PenShape& shape, const PenAngles& q) noexc
   const Vec3 a_mm = arm_point(shape.front, q.front);
   const Vec3 between_mm = arm_point(shape.rear, q.rear) - a_mm;
   const double distance_mm = length(between_mm);
-  if (!(distance_mm >= kLeastPointDistanceMm)) return std::nullopt;
+  if (!(distance_mm >= kMinPointDistanceMm)) return std::nullopt;
   const Vec3 axis = between_mm * (1.0 / distance_mm);
   return PenPose{.grip_mm = a_mm + axis * shape.grip_mm,
                  .axis = axis,
@@ -45,7 +45,7 @@ PointVelocities point_velocities(const PenShape& shape, Vec3 axis, Vec3 velocity
 PointForces distribute(const PenShape& shape, Vec3 axis, const Wrench& wrench) noexcept {
   const double along_n = dot(wrench.force_n, axis);
   const Vec3 across_n = wrench.force_n - axis * along_n;
-  // T x u drops the torque's part along u by itself.
+  // T x u contains no component of the torque along u.
   const Vec3 moment = cross(wrench.torque_nmm, axis);
   const Vec3 rear_n = (across_n * shape.grip_mm + moment) * (1.0 / shape.length_mm);
   const Vec3 half_n = axis * (along_n / 2);

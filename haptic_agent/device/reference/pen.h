@@ -16,14 +16,14 @@ struct PenShape {
   ArmShape rear{};
   /// |B - A|, L.
   double length_mm = 0;
-  /// From A along the pen to the grip point G, where the hand is; a.
+  /// Distance from A along the pen to the grip point G, where the user holds it; a.
   double grip_mm = 0;
 
   bool operator==(const PenShape&) const = default;
 };
 
-/// The dimensions of the device that the protocol page describes. It reaches every grip point
-/// within kGripReachMm of the middle, the pen leaning up to kLeanRad.
+/// Dimensions of the standard device of README.md. It reaches every grip point within kGripReachMm
+/// of the center, with the pen tilted up to kLeanRad.
 PenShape standard_pen() noexcept;
 inline constexpr Vec3 kGripReachMm{60, 50, 50};
 inline constexpr double kLeanRad = 0.87;
@@ -33,20 +33,20 @@ struct PenAngles {
   ArmAngles rear{};
 };
 
-/// 5 DOF: two points leave open how far the pen has turned about the line through them.
+/// A pose of 5 DOF: two points do not determine the rotation about the line through them.
 struct PenPose {
   Vec3 grip_mm{};
   /// Unit, u = (B - A)/|B - A|: from the tool's tip towards the spindle.
   Vec3 axis{0, 0, 1};
-  /// By how much |B - A| misses the pen's length: what the encoders contradict each other by.
+  /// |B - A| minus the pen's length: the inconsistency of the encoders.
   double mismatch_mm = 0;
 };
 
-/// Forward kinematics. Nothing if an angle is not finite or both points fall together.
+/// Forward kinematics. Returns nothing if an angle is not finite or both points coincide.
 std::optional<PenPose> pen_pose(const PenShape& shape, const PenAngles& q) noexcept;
 
-/// How A and B move when the grip point moves with `velocity` and the pen turns with `turn` about
-/// it (rad/s; its part along the pen moves nothing).
+/// Velocities of A and B for a velocity of the grip point and an angular velocity of the pen about
+/// it (rad/s; its component along the pen has no effect).
 struct PointVelocities {
   Vec3 front_mm_per_s{};
   Vec3 rear_mm_per_s{};
@@ -54,21 +54,21 @@ struct PointVelocities {
 PointVelocities point_velocities(const PenShape& shape, Vec3 axis, Vec3 velocity_mm_per_s,
                                  Vec3 turn_rad_per_s) noexcept;
 
-/// What each arm must push with.
+/// Forces of both arms at A and B.
 struct PointForces {
   Vec3 front_n{};
   Vec3 rear_n{};
-  /// The torque about the pen, N·mm, which no force at two points on one line can give.
+  /// The torque about the pen's axis, N·mm, which forces at two points of that axis cannot produce.
   double left_out_nmm = 0;
 };
 
-/// Distributes force at, and torque about, the grip point to A and B: the two forces of least norm
-/// that do the same work as the wrench in every motion of the pen. With a = |G - A|, L, and
-/// m = T x u: across the pen f_B = (a F + m)/L and f_A = F - f_B are the only solution; along it
-/// each arm takes half.
+/// Distributes a force at, and a torque about, the grip point to A and B: the two forces of least
+/// norm that do the same work as the wrench in every motion of the pen. With a = |G - A|, L, and m
+/// = T x u: across the pen f_B = (a F + m)/L and f_A = F - f_B are the only solution; along it each
+/// arm takes half.
 PointForces distribute(const PenShape& shape, Vec3 axis, const Wrench& wrench) noexcept;
 
-/// The motors' torques, front arm first: J^T of each arm's force.
+/// Motor torques, front arm first: J^T f of each arm.
 std::array<double, 6> pen_torques(const PenShape& shape, const PenAngles& q,
                                   const PointForces& forces) noexcept;
 

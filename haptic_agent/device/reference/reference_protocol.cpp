@@ -12,17 +12,16 @@
 namespace kerf::agent::reference {
 namespace {
 
-/// The encoders may contradict each other by so much: play of the ball joints and rounding.
+/// Accepted inconsistency of the encoders: play of the ball joints, and rounding.
 constexpr double kMismatchMm = 2.0;
-/// No hand is faster than this; what is, is an encoder that slipped or wrapped.
-constexpr double kMostMmPerS = 5000.0;
+/// Largest plausible speed; a higher one means that an encoder slipped or wrapped.
+constexpr double kMaxMmPerS = 5000.0;
 constexpr double kJumpMm = 2.0;
-/// After so long without a plausible pose the next one is believed again.
+/// After this time without a plausible pose, the next one is accepted.
 constexpr std::uint64_t kForgetUs = 100'000;
-/// Joints cannot turn farther than once around.
-constexpr double kMostAngleRad = 1.05 * std::numbers::pi;
-/// Without anything new to say a command still goes out this often: the firmware's watchdog waits
-/// for it.
+/// Limit of plausible joint angles.
+constexpr double kMaxAngleRad = 1.05 * std::numbers::pi;
+/// Interval at which an unchanged command is repeated, for the firmware's watchdog.
 constexpr std::uint64_t kKeepAliveUs = 4000;
 constexpr std::uint64_t kSilenceUs = 500'000;
 constexpr double kUsPerS = 1e6;
@@ -32,8 +31,8 @@ bool within(double value, double least, double most) noexcept {
 }
 
 bool is_buildable(const ArmShape& arm) noexcept {
-  constexpr double kMostMm = 2000.0;
-  return length(arm.base_mm) < kMostMm && within(arm.upper_mm, 20, 500) &&
+  constexpr double kMaxMm = 2000.0;
+  return length(arm.base_mm) < kMaxMm && within(arm.upper_mm, 20, 500) &&
          within(arm.fore_mm, 20, 500);
 }
 
@@ -42,18 +41,18 @@ bool is_buildable(const PenShape& pen) noexcept {
          within(pen.grip_mm, 0, pen.length_mm);
 }
 
-/// Of the standard pen, upright in the middle of its workspace.
+/// Grip point of the pen when it is upright at the center of the workspace.
 Vec3 middle_grip(const PenShape& pen) noexcept { return {0, 0, pen.grip_mm}; }
 
 bool turns_too_far(const PenAngles& q) noexcept {
-  const auto too_far = [](double angle) { return std::abs(angle) > kMostAngleRad; };
+  const auto too_far = [](double angle) { return std::abs(angle) > kMaxAngleRad; };
   return std::ranges::any_of(q.front, too_far) || std::ranges::any_of(q.rear, too_far);
 }
 
 }  // namespace
 
 DeviceCapabilities pen_capabilities(const PenPlace& place) {
-  // A pen that leans takes the tip farther than the grip.
+  // When the pen tilts, the tip moves farther than the grip.
   const Vec3 reach_mm = kGripReachMm + Vec3{place.pivot_mm, place.pivot_mm, place.pivot_mm};
   return {.name = "5-DOF reference device",
           .sensed_dof = 5,
@@ -72,38 +71,39 @@ DeviceCapabilities pen_capabilities(const PenPlace& place) {
 ReferenceProtocol::ReferenceProtocol(const PenPlace& place, UsbId id) noexcept
     : place_(place), id_(id) {}
 
-PipeWish ReferenceProtocol::pipes() const {
+PipeRequirements ReferenceProtocol::required_pipes() const {
   return {.usb_class = kUsbClass,
           .usb_subclass = kUsbSubclass,
           .usb_protocol = kUsbProtocol,
           .kind = TransferKind::kInterrupt,
-          .wants_out = true,
-          .least_packet_bytes = kStateBytes};
+          .needs_out = true,
+          .min_packet_bytes = kStateBytes};
 }
 
 std::uint64_t ReferenceProtocol::silence_limit_us() const noexcept { return kSilenceUs; }
 
-std::expected<void, UsbError> ReferenceProtocol::identify(UsbTalk& talk) {
+std::expected<void, UsbError> ReferenceProtocol::identify(UsbSyncIo& io) {
   const auto wrong = [&](std::string_view reason) {
     return std::unexpected(usb_error(UsbFault::kWrongDevice, name(), reason));
   };
   std::array<std::uint8_t, kIdentityBytes> bytes{};
-  const auto got = talk.control(
-      {.type = kIdentityRequestType, .request = kIdentityRequest, .index = talk.interface_number()},
+  const auto got = io.control(
+      {.type = kIdentityRequestType, .request = kIdentityRequest, .index = io.interface_number()},
       bytes);
-  if (!got && got.error() == UsbFault::kStall) return wrong("it does not say who it is");
+  if (!got && got.error() == UsbFault::kStall)
+    return wrong("it does not support the identity request");
   if (!got) return std::unexpected(usb_error(got.error(), name()));
   const auto identity = decode_identity(std::span(bytes).first(*got));
-  if (!identity) return wrong("its identity is garbled");
+  if (!identity) return wrong("its identity is invalid");
   if (identity->version != kVersion) {
-    return wrong(join({"it speaks version ", std::to_string(identity->version),
-                       " of the protocol, this program version ", std::to_string(kVersion)}));
-  }
-  if (!is_buildable(identity->pen)) return wrong("its dimensions are impossible");
-  if (identity->watchdog_ms == 0 || identity->watchdog_ms > kWatchdogMs) {
     return wrong(
-        join({"its watchdog lets the motors run for ", std::to_string(identity->watchdog_ms),
-              " ms, at most ", std::to_string(kWatchdogMs), " are allowed"}));
+        join({"it uses version ", std::to_string(identity->version),
+              " of the protocol, this program supports version ", std::to_string(kVersion)}));
+  }
+  if (!is_buildable(identity->pen)) return wrong("its dimensions are out of range");
+  if (identity->watchdog_ms == 0 || identity->watchdog_ms > kWatchdogMs) {
+    return wrong(join({"its watchdog timeout is ", std::to_string(identity->watchdog_ms),
+                       " ms, the limit is ", std::to_string(kWatchdogMs), " ms"}));
   }
   identity_ = *identity;
   return {};
@@ -113,14 +113,14 @@ void ReferenceProtocol::connected(std::uint64_t) noexcept {
   report_.reset();
   pose_.reset();
   mismatched_ = false;
-  silent_ = false;
+  motors_disabled_ = false;
   sent_us_ = 0;
 }
 
 bool ReferenceProtocol::is_new(std::uint16_t sequence, std::uint64_t now_us) const noexcept {
   if (!report_) return true;
   const auto ahead = static_cast<std::int16_t>(sequence - report_->sequence);
-  // A firmware that started anew counts from anywhere; one that is stuck repeats itself for ever.
+  // A restarted firmware may count from any number; a hanging one repeats the same number.
   const bool forgotten = now_us - std::min(now_us, report_us_) > kForgetUs;
   return ahead > 0 || (forgotten && ahead != 0);
 }
@@ -130,9 +130,9 @@ bool ReferenceProtocol::is_plausible(const PenPose& pose, std::uint64_t now_us,
   mismatched_ = std::abs(pose.mismatch_mm) > kMismatchMm;
   if (mismatched_) return false;
   if (!pose_ || now_us - std::min(now_us, pose_us_) > kForgetUs) return true;
-  // The hand had the time between two reports, not the time since the last pose that was believed:
-  // a jump does not become a motion by being repeated.
-  const double most_mm = kJumpMm + kMostMmPerS * static_cast<double>(gap_us) / kUsPerS;
+  // The limit uses the time between two reports, not the time since the last accepted pose: a
+  // repeated jump must not be accepted.
+  const double most_mm = kJumpMm + kMaxMmPerS * static_cast<double>(gap_us) / kUsPerS;
   const Vec3 tip = pose.grip_mm - pose.axis * place_.pivot_mm;
   const Vec3 last_tip = pose_->grip_mm - pose_->axis * place_.pivot_mm;
   return length(tip - last_tip) <= most_mm;
@@ -145,7 +145,7 @@ bool ReferenceProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t
   report_ = *report;
   report_us_ = now_us;
   if (phase() == DevicePhase::kHoming) {
-    // Angles mean nothing yet; the bytes were good.
+    // The angles are not valid yet, but the report is.
     pose_.reset();
     return true;
   }
@@ -169,18 +169,19 @@ bool ReferenceProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t
 }
 
 CommandReport ReferenceProtocol::command(std::uint64_t now_us) noexcept {
-  bool fresh = false;
-  const Wrench wrench = mailbox_.wanted(now_us, fresh);
-  const bool due = fresh || silent_ || now_us - std::min(now_us, sent_us_) >= kKeepAliveUs;
+  bool changed = false;
+  const Wrench wrench = mailbox_.output(now_us, changed);
+  const bool due =
+      changed || motors_disabled_ || now_us - std::min(now_us, sent_us_) >= kKeepAliveUs;
   if (!due) return {};
   CommandReport report{.sequence = ++sequence_, .command = kEnableMotors};
-  if (silent_) {
+  if (motors_disabled_) {
     report.command = 0;
     return report;
   }
   if (phase() == DevicePhase::kHoming) report.command = kStartHoming;
-  const bool current = pose_ && now_us - std::min(now_us, pose_us_) < HandMailbox::kPoseLifeUs;
-  // After its watchdog has tripped, the firmware waits for a command without torque.
+  const bool current = pose_ && now_us - std::min(now_us, pose_us_) < DeviceMailbox::kPoseLifeUs;
+  // After its watchdog has tripped, the firmware requires a command without torque.
   const bool tripped = report_ && (report_->status & kWatchdogBit) != 0;
   if (phase() != DevicePhase::kReady || !current || tripped) return report;
   const PenAngles q = angles_of(*report_);
@@ -218,8 +219,8 @@ std::string_view ReferenceProtocol::trouble() const noexcept {
   if ((status & kEmergencyStopBit) != 0) return "the device's emergency stop is pressed";
   if ((status & kTooHotBit) != 0) return "the device's motors are too hot; let them cool down";
   if ((status & kOverCurrentBit) != 0) return "the device's motors drew too much current";
-  if (phase() == DevicePhase::kHoming) return "the device is finding its home position";
-  if (mismatched_) return "the device's arms contradict each other; home it again";
+  if (phase() == DevicePhase::kHoming) return "the device is homing";
+  if (mismatched_) return "the joint angles of the device's arms are inconsistent; home it again";
   return {};
 }
 

@@ -5,38 +5,38 @@
 #include <optional>
 
 #include "haptic_agent/device/reference/report.h"
-#include "haptic_agent/device/usb/usb_hand.h"
+#include "haptic_agent/device/usb/usb_haptic_device.h"
 
 namespace kerf::agent::reference {
 
-/// Where the device's own coordinates lie in the session's.
+/// Placement of the device in session coordinates.
 struct PenPlace {
-  /// The session's point at the middle of the device's workspace.
+  /// Point in session coordinates at the center of the device's workspace.
   Vec3 middle_mm{};
-  /// From the tool's tip along its axis to where the hand holds it.
+  /// Distance from the tool's tip along its axis to the pivot, where the user holds it.
   double pivot_mm = 60;
 };
 
-/// What the protocol page asks every device to give.
+/// The ratings that README.md requires of every device.
 DeviceCapabilities pen_capabilities(const PenPlace& place);
 
-/// The reference 5-DOF device: reports of joint angles in, torques out.
-class ReferenceProtocol final : public HandProtocol {
+/// Protocol of the 5-DOF reference device: joint angles in, torques out.
+class ReferenceProtocol final : public HapticProtocol {
  public:
-  /// `id`: another pair for builders with their own.
+  /// `id`: the USB ids, for builders with their own pair.
   explicit ReferenceProtocol(const PenPlace& place, UsbId id = {kVendorId, kProductId}) noexcept;
 
   std::string_view name() const noexcept override { return "5-DOF reference device"; }
   std::vector<UsbId> ids() const override { return {id_}; }
-  PipeWish pipes() const override;
+  PipeRequirements required_pipes() const override;
   std::uint64_t silence_limit_us() const noexcept override;
   DeviceCapabilities capabilities() const override { return pen_capabilities(place_); }
 
-  std::expected<void, UsbError> identify(UsbTalk& talk) override;
+  std::expected<void, UsbError> identify(UsbSyncIo& io) override;
   void connected(std::uint64_t now_us) noexcept override;
   bool take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept override;
   std::size_t compose(std::span<std::uint8_t> packet, std::uint64_t now_us) noexcept override;
-  void silence() noexcept override { silent_ = true; }
+  void disable_motors() noexcept override { motors_disabled_ = true; }
   void disconnected() noexcept override;
   DevicePhase phase() const noexcept override;
   std::string_view trouble() const noexcept override;
@@ -54,7 +54,7 @@ class ReferenceProtocol final : public HandProtocol {
   std::optional<PenPose> pose_;
   std::uint64_t pose_us_ = 0;
   bool mismatched_ = false;
-  bool silent_ = false;
+  bool motors_disabled_ = false;
   std::uint16_t sequence_ = 0;
   std::uint64_t sent_us_ = 0;
 };

@@ -15,10 +15,10 @@ constexpr std::array<std::uint8_t, 4> kMagic = {'K', 'E', 'R', 'F'};
 constexpr double kUmPerMm = 1000.0;
 constexpr double kRadPerUrad = 1e-6;
 constexpr double kStepsPerNmm = 10.0;
-constexpr std::size_t kSumBytes = 4;
+constexpr std::size_t kChecksumBytes = 4;
 constexpr std::size_t kHeadBytes = 6;
 
-/// Writes numbers one after the other, least byte first.
+/// Writes consecutive little-endian numbers.
 class Writer {
  public:
   explicit Writer(std::span<std::uint8_t> bytes) : bytes_(bytes) {}
@@ -29,7 +29,7 @@ class Writer {
     }
   }
   void put_mm(double mm) noexcept { put(static_cast<std::int32_t>(std::lround(mm * kUmPerMm))); }
-  void put_sum() noexcept { put(crc32(bytes_.first(at_))); }
+  void put_checksum() noexcept { put(crc32(bytes_.first(at_))); }
 
  private:
   std::span<std::uint8_t> bytes_;
@@ -58,13 +58,14 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-bool sum_holds(std::span<const std::uint8_t> bytes) noexcept {
-  const auto body = bytes.first(bytes.size() - kSumBytes);
-  return Reader(bytes.last(kSumBytes)).take<std::uint32_t>() == crc32(body);
+bool has_valid_checksum(std::span<const std::uint8_t> bytes) noexcept {
+  const auto body = bytes.first(bytes.size() - kChecksumBytes);
+  return Reader(bytes.last(kChecksumBytes)).take<std::uint32_t>() == crc32(body);
 }
 
 bool is_report(std::span<const std::uint8_t> bytes, std::size_t size, std::uint8_t kind) noexcept {
-  return bytes.size() == size && bytes[0] == kind && bytes[1] == kVersion && sum_holds(bytes);
+  return bytes.size() == size && bytes[0] == kind && bytes[1] == kVersion &&
+         has_valid_checksum(bytes);
 }
 
 void put_arm(Writer& out, const ArmShape& arm) noexcept {
@@ -112,7 +113,7 @@ std::array<std::uint8_t, kIdentityBytes> encode(const Identity& identity) noexce
   out.put(identity.period_us);
   out.put(identity.watchdog_ms);
   out.put(std::uint32_t{0});
-  out.put_sum();
+  out.put_checksum();
   return bytes;
 }
 
@@ -130,7 +131,7 @@ std::array<std::uint8_t, kStateBytes> encode(const StateReport& report) noexcept
   out.put(report.rejected);
   out.put(report.temperature_dc);
   out.put(std::uint16_t{0});
-  out.put_sum();
+  out.put_checksum();
   return bytes;
 }
 
@@ -143,7 +144,7 @@ std::array<std::uint8_t, kCommandBytes> encode(const CommandReport& report) noex
   out.put(report.command);
   for (const std::int16_t torque : report.torques_dnmm) out.put(torque);
   out.put(std::uint16_t{0});
-  out.put_sum();
+  out.put_checksum();
   return bytes;
 }
 
@@ -154,7 +155,7 @@ std::optional<Identity> decode_identity(std::span<const std::uint8_t> bytes) noe
   Reader in(bytes.subspan(kMagic.size()));
   Identity identity{.version = in.take<std::uint8_t>(), .minor = in.take<std::uint8_t>()};
   if (identity.version != kVersion) return identity;
-  if (bytes.size() != kIdentityBytes || !sum_holds(bytes)) return std::nullopt;
+  if (bytes.size() != kIdentityBytes || !has_valid_checksum(bytes)) return std::nullopt;
   identity.firmware = in.take<std::uint16_t>();
   identity.serial = in.take<std::uint32_t>();
   identity.pen.front = take_arm(in);
@@ -203,9 +204,9 @@ std::array<std::int16_t, 6> wire_torques(const std::array<double, 6>& torques_nm
   double share = 1;
   for (std::size_t i = 0; i < torques_nmm.size(); ++i) {
     if (!std::isfinite(torques_nmm[i])) return {};
-    const double is = std::abs(torques_nmm[i]);
+    const double size = std::abs(torques_nmm[i]);
     const double most = std::min(most_nmm[i], kWireMostNmm);
-    if (is > most) share = std::min(share, most / is);
+    if (size > most) share = std::min(share, most / size);
   }
   std::array<std::int16_t, 6> wire{};
   for (std::size_t i = 0; i < wire.size(); ++i) {

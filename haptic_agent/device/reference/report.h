@@ -11,7 +11,8 @@
 
 namespace kerf::agent::reference {
 
-/// The protocol of README.md beside this file; the layouts stand there. All numbers little-endian.
+/// Messages of the protocol of README.md in this folder, which has their layouts. Numbers are
+/// little-endian.
 inline constexpr std::uint16_t kVendorId = 0x1209;
 inline constexpr std::uint16_t kProductId = 0x0001;
 inline constexpr std::uint8_t kUsbClass = 0xFF;
@@ -19,9 +20,9 @@ inline constexpr std::uint8_t kUsbSubclass = 0x4B;
 inline constexpr std::uint8_t kUsbProtocol = 0x01;
 inline constexpr std::uint8_t kVersion = 1;
 inline constexpr std::uint8_t kIdentityRequest = 0x01;
-/// Vendor, interface, towards the host.
+/// Vendor request to the interface, device to host.
 inline constexpr std::uint8_t kIdentityRequestType = 0xC1;
-/// A device whose motors go on for longer without a command is rejected.
+/// Largest accepted watchdog timeout of a device.
 inline constexpr unsigned kWatchdogMs = 20;
 
 inline constexpr std::size_t kIdentityBytes = 84;
@@ -45,14 +46,14 @@ inline constexpr std::uint16_t kGripSensor = 2;
 inline constexpr std::uint16_t kEnableMotors = 1;
 inline constexpr std::uint16_t kStartHoming = 2;
 
-/// Who the device is and what it looks like; asked for once, with kIdentityRequest.
+/// Identity and dimensions of the device; read once by kIdentityRequest.
 struct Identity {
   std::uint8_t version = kVersion;
   std::uint8_t minor = 0;
   std::uint16_t firmware = 0;
   std::uint32_t serial = 0;
   PenShape pen{};
-  /// What each motor can give, N·mm.
+  /// Largest torque of each motor, N·mm.
   std::array<double, 6> torque_max_nmm{};
   std::uint16_t period_us = 0;
   std::uint16_t watchdog_ms = 0;
@@ -66,7 +67,7 @@ struct StateReport {
   std::uint16_t buttons = 0;
   /// Microradians, front arm first.
   std::array<std::int32_t, 6> angles_urad{};
-  /// Of the last command that was accepted, and how many were not.
+  /// Sequence of the last accepted command, and the number of rejected ones.
   std::uint16_t accepted = 0;
   std::uint16_t rejected = 0;
   std::int16_t temperature_dc = 0;
@@ -91,16 +92,16 @@ std::array<std::uint8_t, kIdentityBytes> encode(const Identity& identity) noexce
 std::array<std::uint8_t, kStateBytes> encode(const StateReport& report) noexcept;
 std::array<std::uint8_t, kCommandBytes> encode(const CommandReport& report) noexcept;
 
-/// Nothing if the length, the kind, the version or the sum is wrong. An identity of another version
-/// is given, so that it can be named; its fields after `minor` then mean nothing.
+/// Returns nothing if the length, kind, version or checksum is wrong. An identity of another
+/// version is returned, so that it can be reported, but its fields after `minor` are not valid.
 std::optional<Identity> decode_identity(std::span<const std::uint8_t> bytes) noexcept;
 std::optional<StateReport> decode_state(std::span<const std::uint8_t> bytes) noexcept;
 std::optional<CommandReport> decode_command(std::span<const std::uint8_t> bytes) noexcept;
 
 PenAngles angles_of(const StateReport& report) noexcept;
 
-/// Shortens all torques by one factor, so that none exceeds what its motor, and the wire, can take:
-/// the wrench gets weaker and keeps its direction. A number that is not finite gives zeros.
+/// Converts torques to 0.1 N·mm. Scales all by one factor so that none exceeds its motor's limit or
+/// the field's range: the wrench keeps its direction. Returns zeros if a torque is not finite.
 std::array<std::int16_t, 6> wire_torques(const std::array<double, 6>& torques_nmm,
                                          const std::array<double, 6>& most_nmm) noexcept;
 

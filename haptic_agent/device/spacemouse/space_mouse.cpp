@@ -11,13 +11,13 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint8_t kHidClass = 3;
-constexpr std::uint16_t kLeastPacketBytes = 7;
+constexpr std::uint16_t kMinPacketBytes = 7;
 constexpr double kClearMm = 10.0;
 constexpr double kAroundMm = 50.0;
 constexpr std::uint32_t kLeftButton = 1;
 constexpr std::uint32_t kRightButton = 2;
 constexpr double kSPerUs = 1e-6;
-/// A loop that stood still does not make the tool leap.
+/// Longest time that one read integrates, so that a pause of the loop does not make the tool jump.
 constexpr double kLongestStepS = 0.01;
 
 Vec3 shaped(Vec3 v) noexcept {
@@ -29,12 +29,12 @@ Vec3 clamped(Vec3 v, Vec3 least, Vec3 most) noexcept {
           std::clamp(v.z, least.z, most.z)};
 }
 
-/// An axis that leans too far, set upright just as far as need be.
+/// Limits the tilt of an axis to kMaxLeanRad.
 Vec3 within_lean(Vec3 axis) noexcept {
-  const double least_z = std::cos(RateControl::kMostLeanRad);
+  const double least_z = std::cos(RateControl::kMaxLeanRad);
   if (axis.z >= least_z) return axis;
   const double level = std::hypot(axis.x, axis.y);
-  const double sine = std::sin(RateControl::kMostLeanRad);
+  const double sine = std::sin(RateControl::kMaxLeanRad);
   return {axis.x / level * sine, axis.y / level * sine, least_z};
 }
 
@@ -48,23 +48,23 @@ RateControl::RateControl(const StockBox& stock) noexcept
 
 void RateControl::step(const CapDeflection& cap, double dt_s) noexcept {
   const double share = (cap.buttons & kRightButton) != 0 ? kPrecise : 1.0;
-  const Vec3 way_mm = shaped(cap.push) * (kFullMmPerS * share * dt_s);
-  tip_mm_ = clamped(tip_mm_ + way_mm, least_mm_, most_mm_);
+  const Vec3 travel_mm = shaped(cap.push) * (kFullMmPerS * share * dt_s);
+  tip_mm_ = clamped(tip_mm_ + travel_mm, least_mm_, most_mm_);
   const Vec3 turn_rad = shaped(cap.turn) * (kFullRadPerS * share * dt_s);
-  axis_ = within_lean(normalised(axis_ + cross(turn_rad, axis_)));
+  axis_ = within_lean(normalized(axis_ + cross(turn_rad, axis_)));
 }
 
-PipeWish SpaceMouse::Protocol::pipes() const {
+PipeRequirements SpaceMouse::Protocol::required_pipes() const {
   return {.usb_class = kHidClass,
           .kind = TransferKind::kInterrupt,
-          .wants_out = false,
-          .least_packet_bytes = kLeastPacketBytes};
+          .needs_out = false,
+          .min_packet_bytes = kMinPacketBytes};
 }
 
 bool SpaceMouse::Protocol::take(std::span<const std::uint8_t> packet,
                                 std::uint64_t now_us) noexcept {
   if (!take_space_report(packet, cap_)) return false;
-  // A button tells nothing of the cap, which may have let go without a word.
+  // A button report contains no deflection and must not extend the validity of the last one.
   if (packet[0] != kButtonReport) moved_us_ = now_us;
   caps.write({.cap = cap_, .time_us = moved_us_});
   return true;
@@ -94,7 +94,8 @@ DeviceState SpaceMouse::read(std::uint64_t now_us) noexcept {
   CapDeflection cap = newest_.cap;
   if (now_us >= newest_.time_us + kSilenceUs) cap.push = cap.turn = {};
   if (ready) control_.step(cap, passed_s);
-  // A button is told when it changes only, so that silence does not let it go; a lost device does.
+  // Buttons are reported only on changes, so they stay valid during silence, until the device is
+  // lost.
   const bool cutting = ready && (cap.buttons & kLeftButton) != 0;
   return {.tip_mm = control_.tip_mm(),
           .axis = control_.axis(),

@@ -12,18 +12,18 @@
 
 namespace kerf::agent {
 
-/// Turns deflections into a pose: the cap commands a speed, which is integrated every millisecond.
+/// Integrates the cap's deflection, which commands a velocity, to a pose.
 class RateControl {
  public:
   static constexpr double kFullMmPerS = 60.0;
   static constexpr double kFullRadPerS = 1.0;
-  /// With the second button everything goes this much slower.
+  /// Speed factor while the right button is pressed.
   static constexpr double kPrecise = 0.2;
-  /// The tool never leans farther from upright than this.
-  static constexpr double kMostLeanRad = 1.4;
+  /// Largest tilt of the tool from the vertical.
+  static constexpr double kMaxLeanRad = 1.4;
 
-  /// Starts upright, 10 mm above the middle of the stock's top, and stays within the stock's box
-  /// and 50 mm around it.
+  /// Starts upright, 10 mm above the center of the stock's top. The tip stays within 50 mm of the
+  /// stock's bounding box.
   explicit RateControl(const StockBox& stock) noexcept;
 
   void step(const CapDeflection& cap, double dt_s) noexcept;
@@ -39,11 +39,11 @@ class RateControl {
   Vec3 axis_{0, 0, 1};
 };
 
-/// A 3Dconnexion SpaceMouse: moves the tool, shows nothing. The left button cuts while it is held.
+/// A 3Dconnexion SpaceMouse: input without force. The tool cuts while the left button is pressed.
 class SpaceMouse final : public HapticDevice {
  public:
-  /// A cap that is pushed reports every 8 or 16 ms. One that has been silent for longer is at rest,
-  /// or gone; in either case nothing moves any more.
+  /// A deflected cap reports every 8 or 16 ms. After a longer silence it is at rest or
+  /// disconnected; the tool does not move.
   static constexpr std::uint64_t kSilenceUs = 50'000;
 
   SpaceMouse(const StockBox& stock, UsbPortSettings settings);
@@ -62,18 +62,18 @@ class SpaceMouse final : public HapticDevice {
     std::uint64_t time_us = 0;
   };
 
-  /// The event thread's side.
+  /// Runs on the event thread.
   class Protocol final : public UsbProtocol {
    public:
     std::string_view name() const noexcept override { return "SpaceMouse"; }
     std::vector<UsbId> ids() const override { return space_mouse_ids(); }
-    PipeWish pipes() const override;
+    PipeRequirements required_pipes() const override;
     std::uint64_t silence_limit_us() const noexcept override { return 0; }
-    std::expected<void, UsbError> identify(UsbTalk&) override { return {}; }
+    std::expected<void, UsbError> identify(UsbSyncIo&) override { return {}; }
     void connected(std::uint64_t) noexcept override { cap_ = {}; }
     bool take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept override;
     std::size_t compose(std::span<std::uint8_t>, std::uint64_t) noexcept override { return 0; }
-    void silence() noexcept override {}
+    void disable_motors() noexcept override {}
     void disconnected() noexcept override { caps.write({}); }
     DevicePhase phase() const noexcept override { return DevicePhase::kReady; }
     std::string_view trouble() const noexcept override { return {}; }

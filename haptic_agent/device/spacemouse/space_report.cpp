@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint8_t kPushReport = 1;
 constexpr std::uint8_t kTurnReport = 2;
 constexpr std::size_t kTripleBytes = 6;
-/// The logical range of every axis.
+/// Full deflection of every axis.
 constexpr double kFullCounts = 350.0;
 
 double axis_of(std::span<const std::uint8_t> bytes, std::size_t i) noexcept {
@@ -18,7 +18,7 @@ double axis_of(std::span<const std::uint8_t> bytes, std::size_t i) noexcept {
   return std::clamp(counts / kFullCounts, -1.0, 1.0);
 }
 
-/// The device's axes are x right, y towards the user, z down.
+/// Converts from the device's axes: x right, y towards the user, z down.
 Vec3 triple_of(std::span<const std::uint8_t> bytes) noexcept {
   return {axis_of(bytes, 0), -axis_of(bytes, 1), -axis_of(bytes, 2)};
 }

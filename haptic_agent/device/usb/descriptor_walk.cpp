@@ -9,7 +9,7 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint8_t kKindMask = 0x03;
-/// wMaxPacketSize above this bit counts further packets in one microframe.
+/// The bits of wMaxPacketSize above this mask count additional packets per microframe.
 constexpr std::uint16_t kPacketBytesMask = 0x07FF;
 
 InterfaceShape shape_of(const libusb_interface_descriptor& setting) {
@@ -18,7 +18,7 @@ InterfaceShape shape_of(const libusb_interface_descriptor& setting) {
                        .usb_class = setting.bInterfaceClass,
                        .usb_subclass = setting.bInterfaceSubClass,
                        .usb_protocol = setting.bInterfaceProtocol};
-  // Of descriptors that are cut short libusb keeps the count and no endpoints.
+  // For truncated descriptors, libusb keeps the endpoint count without the endpoints.
   const int count = setting.endpoint != nullptr ? setting.bNumEndpoints : 0;
   for (int i = 0; i < count; ++i) {
     const libusb_endpoint_descriptor& endpoint = setting.endpoint[i];

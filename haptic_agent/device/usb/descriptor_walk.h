@@ -9,8 +9,8 @@ struct libusb_device;
 
 namespace kerf::agent {
 
-/// Every alternate setting of every interface of the active configuration (of the first one, where
-/// the system does not tell); empty if the descriptors cannot be read.
+/// Returns all alternate settings of all interfaces of the active configuration (of the first one
+/// if the active one is unknown); empty if the descriptors cannot be read.
 std::vector<InterfaceShape> walk_descriptors(libusb_device* device);
 
 }  // namespace kerf::agent

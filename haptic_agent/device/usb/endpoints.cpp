@@ -7,35 +7,37 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint8_t kTowardsHost = 0x80;
-/// Interrupt and bulk packets are never larger (high speed).
-constexpr std::uint16_t kMostPacketBytes = 1024;
+/// Largest packet of interrupt and bulk endpoints at high speed.
+constexpr std::uint16_t kMaxPacketBytes = 1024;
 
 bool fits(int wished, std::uint8_t is) noexcept {
-  return wished == PipeWish::kAnyClass || wished == is;
+  return wished == PipeRequirements::kAnyClass || wished == is;
 }
 
-const EndpointShape* find_endpoint(const InterfaceShape& shape, const PipeWish& wish,
+const EndpointShape* find_endpoint(const InterfaceShape& shape, const PipeRequirements& required,
                                    std::uint8_t direction) noexcept {
   const auto found = std::ranges::find_if(shape.endpoints, [&](const EndpointShape& endpoint) {
     return (endpoint.address & kTowardsHost) == direction &&
-           endpoint.kind == static_cast<std::uint8_t>(wish.kind) &&
-           endpoint.max_packet_bytes >= wish.least_packet_bytes &&
-           endpoint.max_packet_bytes <= kMostPacketBytes;
+           endpoint.kind == static_cast<std::uint8_t>(required.kind) &&
+           endpoint.max_packet_bytes >= required.min_packet_bytes &&
+           endpoint.max_packet_bytes <= kMaxPacketBytes;
   });
   return found == shape.endpoints.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
-std::optional<Pipes> find_pipes(std::span<const InterfaceShape> interfaces, const PipeWish& wish) {
+std::optional<Pipes> find_pipes(std::span<const InterfaceShape> interfaces,
+                                const PipeRequirements& required) {
   for (const InterfaceShape& shape : interfaces) {
-    if (!fits(wish.usb_class, shape.usb_class) || !fits(wish.usb_subclass, shape.usb_subclass) ||
-        !fits(wish.usb_protocol, shape.usb_protocol)) {
+    if (!fits(required.usb_class, shape.usb_class) ||
+        !fits(required.usb_subclass, shape.usb_subclass) ||
+        !fits(required.usb_protocol, shape.usb_protocol)) {
       continue;
     }
-    const EndpointShape* in = find_endpoint(shape, wish, kTowardsHost);
-    const EndpointShape* out = wish.wants_out ? find_endpoint(shape, wish, 0) : nullptr;
-    if (in == nullptr || (wish.wants_out && out == nullptr)) continue;
+    const EndpointShape* in = find_endpoint(shape, required, kTowardsHost);
+    const EndpointShape* out = required.needs_out ? find_endpoint(shape, required, 0) : nullptr;
+    if (in == nullptr || (required.needs_out && out == nullptr)) continue;
     return Pipes{.interface_number = shape.number,
                  .alternate = shape.alternate,
                  .in = in->address,

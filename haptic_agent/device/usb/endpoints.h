@@ -8,19 +8,19 @@
 
 namespace kerf::agent {
 
-/// How an endpoint moves data, with the numbers of bmAttributes.
+/// Transfer type of an endpoint, with the values of bmAttributes.
 enum class TransferKind : std::uint8_t { kBulk = 2, kInterrupt = 3 };
 
-/// What a configuration descriptor says of one endpoint.
+/// One endpoint of a configuration descriptor.
 struct EndpointShape {
-  /// bEndpointAddress; bit 7 set: towards the host.
+  /// bEndpointAddress; bit 7 is set for IN (device to host).
   std::uint8_t address = 0;
-  /// bmAttributes, its two lowest bits.
+  /// The two lowest bits of bmAttributes.
   std::uint8_t kind = 0;
   std::uint16_t max_packet_bytes = 0;
 };
 
-/// What it says of one alternate setting of one interface.
+/// One alternate setting of one interface.
 struct InterfaceShape {
   std::uint8_t number = 0;
   std::uint8_t alternate = 0;
@@ -30,20 +30,20 @@ struct InterfaceShape {
   std::vector<EndpointShape> endpoints{};
 };
 
-/// What a driver looks for. A class of kAnyClass fits all.
-struct PipeWish {
+/// The endpoints that a driver needs. kAnyClass matches every class.
+struct PipeRequirements {
   static constexpr int kAnyClass = -1;
   int usb_class = kAnyClass;
   int usb_subclass = kAnyClass;
   int usb_protocol = kAnyClass;
   TransferKind kind = TransferKind::kInterrupt;
-  /// Without motors nothing need go out.
-  bool wants_out = true;
-  /// The least packet that its reports fit in.
-  std::uint16_t least_packet_bytes = 1;
+  /// Whether an OUT endpoint is needed; not for devices without motors.
+  bool needs_out = true;
+  /// Packet size that the driver's reports need.
+  std::uint16_t min_packet_bytes = 1;
 };
 
-/// Where to read and write. `out` is 0 where none was wished for.
+/// The endpoints to use. `out` is 0 if none is needed.
 struct Pipes {
   std::uint8_t interface_number = 0;
   std::uint8_t alternate = 0;
@@ -53,8 +53,9 @@ struct Pipes {
   std::uint16_t out_packet_bytes = 0;
 };
 
-/// The first setting that has what is wished for. Addresses are never assumed: device controllers
-/// give the same firmware different ones.
-std::optional<Pipes> find_pipes(std::span<const InterfaceShape> interfaces, const PipeWish& wish);
+/// Returns the endpoints of the first setting that meets the requirements. Addresses are not
+/// assumed: device controllers give the same firmware different ones.
+std::optional<Pipes> find_pipes(std::span<const InterfaceShape> interfaces,
+                                const PipeRequirements& required);
 
 }  // namespace kerf::agent

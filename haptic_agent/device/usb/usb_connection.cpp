@@ -12,11 +12,11 @@ namespace kerf::agent {
 namespace {
 
 constexpr unsigned kControlTimeoutMs = 500;
-/// An OUT that is not gone by then tells of a device that no longer listens.
+/// Timeout of an OUT transfer.
 constexpr unsigned kOutTimeoutMs = 20;
-/// So many failures in a row are an unplugged device that the system has not noticed: a real
-/// controller reports them as plain errors first.
-constexpr int kMostFailures = 16;
+/// After so many consecutive failures the device counts as unplugged: host controllers report an
+/// unplugged device as transfer errors at first.
+constexpr int kMaxFailures = 16;
 constexpr std::uint64_t kFarewellUs = 20'000;
 constexpr std::uint64_t kCancelUs = 500'000;
 
@@ -39,7 +39,8 @@ UsbConnection::UsbConnection(libusb_context* context, libusb_device_handle* hand
 UsbConnection::~UsbConnection() {
   cancel_all();
   if (claimed_) libusb_release_interface(handle_, pipes_.interface_number);
-  // Closing makes libusb forget transfers that have never come back; only then may they be freed.
+  // After closing, libusb no longer refers to transfers that never completed; they may be freed
+  // only then.
   libusb_close(handle_);
   for (Slot& slot : ins_) libusb_free_transfer(slot.transfer);
   libusb_free_transfer(out_.transfer);
@@ -47,13 +48,14 @@ UsbConnection::~UsbConnection() {
 
 std::expected<void, UsbError> UsbConnection::claim() {
   const auto shapes = walk_descriptors(libusb_get_device(handle_));
-  const auto pipes = find_pipes(shapes, protocol_.pipes());
+  const auto pipes = find_pipes(shapes, protocol_.required_pipes());
   if (!pipes) {
     return std::unexpected(usb_error(UsbFault::kWrongDevice, protocol_.name(),
-                                     "it has no interface with the endpoints of this device"));
+                                     "it has no interface with the required endpoints"));
   }
   pipes_ = *pipes;
-  // A kernel driver (usbhid, ftdi_sio) steps aside and comes back when the interface is released.
+  // Detaches a kernel driver (usbhid, ftdi_sio), which is attached again when the interface is
+  // released.
   libusb_set_auto_detach_kernel_driver(handle_, 1);
   if (const int code = libusb_claim_interface(handle_, pipes_.interface_number); code != 0) {
     return std::unexpected(usb_error(fault_of(code), protocol_.name()));
@@ -75,7 +77,7 @@ bool UsbConnection::prepare(Slot& slot, std::uint16_t bytes) {
 }
 
 std::expected<void, UsbError> UsbConnection::start(std::uint64_t now_us) {
-  const bool bulk = protocol_.pipes().kind == TransferKind::kBulk;
+  const bool bulk = protocol_.required_pipes().kind == TransferKind::kBulk;
   bool prepared = pipes_.out == 0 || prepare(out_, pipes_.out_packet_bytes);
   for (Slot& slot : ins_) prepared = prepared && prepare(slot, pipes_.in_packet_bytes);
   if (!prepared) return std::unexpected(usb_error(UsbFault::kIo, protocol_.name(), "no memory"));
@@ -86,7 +88,7 @@ std::expected<void, UsbError> UsbConnection::start(std::uint64_t now_us) {
         done, &slot, timeout_ms);
   };
   if (pipes_.out != 0) fill(out_, pipes_.out, out_done, kOutTimeoutMs);
-  heard_us_ = now_us;
+  last_packet_us_ = now_us;
   streaming_ = true;
   protocol_.connected(now_us);
   for (Slot& slot : ins_) {
@@ -102,7 +104,7 @@ void UsbConnection::submit(Slot& slot) noexcept {
   const int code = libusb_submit_transfer(slot.transfer);
   slot.in_flight = code == 0;
   if (code == 0) return;
-  // Whatever rejects a submission has no device behind it any more.
+  // A rejected submission means that the device is gone.
   lost_ = true;
 }
 
@@ -117,8 +119,8 @@ bool UsbConnection::pump(std::uint64_t now_us) {
   }
   send(now_us);
   const std::uint64_t limit_us = protocol_.silence_limit_us();
-  if (limit_us != 0 && now_us - std::min(now_us, heard_us_) > limit_us) lost_ = true;
-  if (failures_ >= kMostFailures) lost_ = true;
+  if (limit_us != 0 && now_us - std::min(now_us, last_packet_us_) > limit_us) lost_ = true;
+  if (failures_ >= kMaxFailures) lost_ = true;
   return !lost_;
 }
 
@@ -140,7 +142,7 @@ void UsbConnection::in_done(libusb_transfer* transfer) {
     self.submit(slot);
     return;
   }
-  // The next pump submits it again, after the halt is cleared.
+  // The next pump() clears the halt and submits the transfer again.
   self.count_failure(transfer->status, transfer->endpoint);
 }
 
@@ -158,7 +160,7 @@ void UsbConnection::out_done(libusb_transfer* transfer) {
 
 void UsbConnection::take_packet(const libusb_transfer& transfer) noexcept {
   const std::uint64_t now_us = monotonic_us();
-  heard_us_ = now_us;
+  last_packet_us_ = now_us;
   if (transfer.actual_length <= 0) {
     counters_.empty_packets.fetch_add(1, std::memory_order_relaxed);
     return;
@@ -197,11 +199,11 @@ void UsbConnection::count_failure(int status, std::uint8_t endpoint) noexcept {
   }
 }
 
-void UsbConnection::farewell() {
+void UsbConnection::disable_motors() {
   if (!streaming_ || pipes_.out == 0) return;
-  protocol_.silence();
+  protocol_.disable_motors();
   const std::uint64_t until_us = monotonic_us() + kFarewellUs;
-  // What is on its way may still be a force; the zero goes after it.
+  // The packet in flight may still contain a force; the zero is sent after it.
   while (out_.in_flight && !lost_ && monotonic_us() < until_us) handle_events(context_, 1000);
   send(monotonic_us());
   while (out_.in_flight && !lost_ && monotonic_us() < until_us) handle_events(context_, 1000);
@@ -229,10 +231,11 @@ std::expected<std::size_t, UsbFault> UsbConnection::control(const ControlSetup& 
   return static_cast<std::size_t>(moved);
 }
 
-std::expected<std::size_t, UsbFault> UsbConnection::talk(std::uint8_t endpoint, std::uint8_t* data,
-                                                         std::size_t bytes, unsigned timeout_ms) {
+std::expected<std::size_t, UsbFault> UsbConnection::transfer(std::uint8_t endpoint,
+                                                             std::uint8_t* data, std::size_t bytes,
+                                                             unsigned timeout_ms) {
   int moved = 0;
-  const bool bulk = protocol_.pipes().kind == TransferKind::kBulk;
+  const bool bulk = protocol_.required_pipes().kind == TransferKind::kBulk;
   const int code = (bulk ? libusb_bulk_transfer : libusb_interrupt_transfer)(
       handle_, endpoint, data, static_cast<int>(bytes), &moved, timeout_ms);
   if (code != 0) return std::unexpected(fault_of(code));
@@ -241,13 +244,13 @@ std::expected<std::size_t, UsbFault> UsbConnection::talk(std::uint8_t endpoint, 
 
 std::expected<std::size_t, UsbFault> UsbConnection::read(std::span<std::uint8_t> data,
                                                          unsigned timeout_ms) {
-  return talk(pipes_.in, data.data(), data.size(), timeout_ms);
+  return transfer(pipes_.in, data.data(), data.size(), timeout_ms);
 }
 
 std::expected<std::size_t, UsbFault> UsbConnection::write(std::span<const std::uint8_t> data,
                                                           unsigned timeout_ms) {
   std::vector<std::uint8_t> copy(data.begin(), data.end());
-  return talk(pipes_.out, copy.data(), copy.size(), timeout_ms);
+  return transfer(pipes_.out, copy.data(), copy.size(), timeout_ms);
 }
 
 }  // namespace kerf::agent

@@ -16,25 +16,26 @@ struct libusb_transfer;
 
 namespace kerf::agent {
 
-/// One opened device: claims its interface, keeps kInFlight transfers waiting for what it sends and
-/// at most one on its way out. Lives on the event thread; the context's events call it back.
-class UsbConnection final : public UsbTalk {
+/// An opened device: claims its interface and keeps kInFlight IN transfers and at most one OUT
+/// transfer submitted. Used on the event thread only, which also runs libusb's callbacks.
+class UsbConnection final : public UsbSyncIo {
  public:
-  /// Takes over `handle`. `stopping` ends long identifications.
+  /// Takes ownership of `handle`. Setting `stopping` aborts an identification.
   UsbConnection(libusb_context* context, libusb_device_handle* handle, UsbProtocol& protocol,
                 UsbCounters& counters, const std::atomic<bool>& stopping) noexcept;
   ~UsbConnection() override;
   UsbConnection(const UsbConnection&) = delete;
   UsbConnection& operator=(const UsbConnection&) = delete;
 
-  /// Walks the descriptors and claims what the protocol wants.
+  /// Finds the endpoints that the protocol needs and claims their interface.
   std::expected<void, UsbError> claim();
-  /// Begins to stream. Call once, after the protocol has identified the device.
+  /// Starts the transfers. Call once, after the protocol has identified the device.
   std::expected<void, UsbError> start(std::uint64_t now_us);
-  /// What is due: a halt to clear, a packet to send. False: the device is lost; destroy this.
+  /// Clears endpoint halts and sends the next packet. Returns false if the device is lost; the
+  /// connection must then be destroyed.
   bool pump(std::uint64_t now_us);
-  /// Sends what the protocol composes last (no force) and waits for it, at most 20 ms.
-  void farewell();
+  /// Sends a final packet with the motors disabled, and waits for at most 20 ms until it is sent.
+  void disable_motors();
 
   std::expected<std::size_t, UsbFault> control(const ControlSetup& setup,
                                                std::span<std::uint8_t> data) override;
@@ -46,7 +47,7 @@ class UsbConnection final : public UsbTalk {
   bool stopping() const noexcept override { return stopping_.load(); }
 
  private:
-  /// One transfer and its memory, made once and submitted again and again.
+  /// A transfer and its buffer, allocated once and submitted repeatedly.
   struct Slot {
     UsbConnection* owner = nullptr;
     libusb_transfer* transfer = nullptr;
@@ -55,8 +56,8 @@ class UsbConnection final : public UsbTalk {
   };
   static constexpr std::size_t kInFlight = 3;
 
-  std::expected<std::size_t, UsbFault> talk(std::uint8_t endpoint, std::uint8_t* data,
-                                            std::size_t bytes, unsigned timeout_ms);
+  std::expected<std::size_t, UsbFault> transfer(std::uint8_t endpoint, std::uint8_t* data,
+                                                std::size_t bytes, unsigned timeout_ms);
   static void in_done(libusb_transfer* transfer);
   static void out_done(libusb_transfer* transfer);
   bool prepare(Slot& slot, std::uint16_t bytes);
@@ -75,12 +76,12 @@ class UsbConnection final : public UsbTalk {
   bool claimed_ = false;
   bool streaming_ = false;
   bool lost_ = false;
-  /// An endpoint whose halt is to be cleared, outside the callbacks; 0: none.
+  /// Endpoint whose halt must be cleared outside the callbacks; 0: none.
   std::uint8_t halted_in_ = 0;
   std::uint8_t halted_out_ = 0;
-  /// Failures without a good packet between them.
+  /// Failed transfers since the last good packet.
   int failures_ = 0;
-  std::uint64_t heard_us_ = 0;
+  std::uint64_t last_packet_us_ = 0;
   std::array<Slot, kInFlight> ins_;
   Slot out_;
 };

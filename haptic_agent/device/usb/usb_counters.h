@@ -6,11 +6,11 @@
 
 namespace kerf::agent {
 
-/// What a port has seen since it was made. The event thread counts, anybody may look.
+/// Event counters of a port. Incremented by the event thread, readable from any thread.
 struct UsbCounters {
   using Count = std::atomic<std::uint64_t>;
   Count reports{0};
-  /// Understood by nobody: too short, a wrong sum, a number out of range.
+  /// Rejected reports: too short, wrong checksum, values out of range.
   Count bad_reports{0};
   Count empty_packets{0};
   Count stalls{0};
@@ -18,7 +18,7 @@ struct UsbCounters {
   Count timeouts{0};
   Count errors{0};
   Count sent{0};
-  /// A new wrench came while the last one was still on its way; the newest goes out after it.
+  /// Wrenches replaced by a newer one while a packet was in flight.
   Count skipped{0};
   Count connections{0};
   Count losses{0};

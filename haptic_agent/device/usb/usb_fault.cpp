@@ -11,28 +11,28 @@ namespace {
 std::string_view sentence_of(UsbFault fault) {
   switch (fault) {
     case UsbFault::kNotFound:
-      return "is not plugged in, or not switched on";
+      return "is not plugged in or not switched on";
     case UsbFault::kPermission:
-      return "is plugged in, but this user may not open it: as root, copy "
+      return "is plugged in, but this user has no permission to open it: as root, copy "
              "haptic_agent/70-kerf.rules to /etc/udev/rules.d/, run 'udevadm control --reload' and "
              "'udevadm trigger', then plug it in again";
     case UsbFault::kBusy:
-      return "is held by another program or driver: close what else uses it (another kerf-agent, "
-             "spacenavd, a vendor's driver)";
+      return "is in use by another program or driver: close it (another kerf-agent, spacenavd, a "
+             "vendor's driver)";
     case UsbFault::kWrongDevice:
-      return "is not what its USB ids promise";
+      return "does not match its USB ids";
     case UsbFault::kUnplugged:
       return "has been unplugged";
     case UsbFault::kStall:
-      return "rejects a request (stall)";
+      return "rejected a request (stall)";
     case UsbFault::kOverflow:
-      return "sends more than it announced (babble)";
+      return "sent more data than its packet size (babble)";
     case UsbFault::kTimeout:
-      return "does not answer";
+      return "does not respond";
     case UsbFault::kIo:
       break;
   }
-  return "has an input/output error; try another cable or port";
+  return "reported an input/output error; try another cable or port";
 }
 
 }  // namespace

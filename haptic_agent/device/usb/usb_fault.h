@@ -7,37 +7,37 @@
 
 namespace kerf::agent {
 
-/// What can go wrong with a device at the bus, as far as a user or the driver acts on it.
+/// Faults of a device on the bus that users or the driver handle differently.
 enum class UsbFault : std::uint8_t {
   /// No device of these ids is plugged in.
   kNotFound,
-  /// It is there, and this user may not open its node.
+  /// The user lacks permission to open the device node.
   kPermission,
-  /// Another program or driver holds its interface.
+  /// Another program or driver has claimed its interface.
   kBusy,
-  /// Its descriptors or its answer are not those of the device that its ids promise.
+  /// Its descriptors or its identity do not match its USB ids.
   kWrongDevice,
   kUnplugged,
-  /// The endpoint rejected; it wants its halt cleared.
+  /// The endpoint is halted, until the halt is cleared.
   kStall,
-  /// It sent more than its endpoint's packet (babble).
+  /// It sent more than the packet size of its endpoint (babble).
   kOverflow,
   kTimeout,
-  /// Whatever else the bus or the system reports; in bursts often an unplugged device.
+  /// Any other error of the bus or the system; many in succession often mean an unplugged device.
   kIo,
 };
 
-/// A fault with one sentence for the user: what is wrong and what to do.
+/// A fault with a sentence for the user: what is wrong and what to do.
 struct UsbError {
   UsbFault fault = UsbFault::kIo;
   std::string text{};
 };
 
-/// The sentence for a fault of `device` (a name such as "Novint Falcon"). `detail` (a path, a
-/// descriptor's fault) is added where it is not empty.
+/// Returns the error for a fault of `device` (a name such as "Novint Falcon"). A non-empty `detail`
+/// is appended in parentheses.
 UsbError usb_error(UsbFault fault, std::string_view device, std::string_view detail = {});
 
-/// The fault behind a negative code of libusb.
+/// Maps a negative error code of libusb to a fault.
 UsbFault fault_of(int libusb_code) noexcept;
 
 }  // namespace kerf::agent

@@ -18,58 +18,59 @@
 namespace kerf::agent {
 namespace {
 
-/// How long a connected port sleeps at most: what is composed by time alone is at most this late.
+/// Longest sleep of a connected port: bounds the delay of packets that are sent by time alone.
 constexpr int kIdleMs = 5;
 constexpr std::uint64_t kUsPerMs = 1000;
 
-/// The better reason to tell: a device that is there and rejects, before one that is not there.
-bool tells_more(const UsbError& a, const UsbError& b) noexcept {
+/// Whether `a` is the better error to report: a device that cannot be used is more specific than
+/// none found.
+bool is_more_specific(const UsbError& a, const UsbError& b) noexcept {
   return a.fault != UsbFault::kNotFound && b.fault == UsbFault::kNotFound;
 }
 
 }  // namespace
 
-/// What the event thread owns.
+/// State and loop of the event thread.
 class UsbPort::Worker {
  public:
   explicit Worker(UsbPort& port) : port_(port) {}
   ~Worker() {
-    hang_up();
-    end();
+    disconnect();
+    close_context();
   }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
   void run() {
-    if (!begin()) return;
+    if (!open_context()) return;
     std::uint64_t pause_us = port_.settings_.first_pause_us;
     while (!port_.stopping_.load()) {
       if (connect()) {
         pause_us = port_.settings_.first_pause_us;
         stream();
       }
-      hang_up();
+      disconnect();
       if (wait(pause_us)) {
         pause_us = port_.settings_.first_pause_us;
         continue;
       }
       pause_us = std::min(2 * pause_us, port_.settings_.longest_pause_us);
-      // Where no udev daemon tells of new devices (a container), only a new context sees them.
-      end();
-      if (!begin()) return;
+      // Without a udev daemon (in a container) only a new context finds new devices.
+      close_context();
+      if (!open_context()) return;
     }
   }
 
  private:
   using Connected = std::expected<void, UsbError>;
 
-  bool begin() {
+  bool open_context() {
     if (port_.settings_.node) {
       libusb_set_option(nullptr, LIBUSB_OPTION_NO_DEVICE_DISCOVERY);
     }
     if (const int code = libusb_init(&context_); code != 0) {
       context_ = nullptr;
-      port_.set_trouble(join({"USB cannot be used: ", libusb_strerror(code)}));
+      port_.set_trouble(join({"USB is not available: ", libusb_strerror(code)}));
       return false;
     }
     if (!port_.settings_.node && libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) != 0) {
@@ -81,7 +82,7 @@ class UsbPort::Worker {
     return true;
   }
 
-  void end() {
+  void close_context() {
     if (context_ != nullptr) libusb_exit(context_);
     context_ = nullptr;
   }
@@ -110,20 +111,21 @@ class UsbPort::Worker {
     return code == 0 ? take(handle) : reject(fault_of(code));
   }
 
-  /// Tries every device of our ids: of two, one may be another agent's.
+  /// Tries every device with a matching id, because another agent may use some of them.
   Connected connect_listed() {
     const std::vector<UsbId> ids = port_.protocol_.ids();
     libusb_device** list = nullptr;
     const auto count = libusb_get_device_list(context_, &list);
     Connected best = reject(UsbFault::kNotFound);
     for (std::ptrdiff_t i = 0; i < count; ++i) {
-      libusb_device_descriptor is{};
-      if (libusb_get_device_descriptor(list[i], &is) != 0) continue;
-      if (std::ranges::find(ids, UsbId{is.idVendor, is.idProduct}) == ids.end()) continue;
+      libusb_device_descriptor descriptor{};
+      if (libusb_get_device_descriptor(list[i], &descriptor) != 0) continue;
+      if (std::ranges::find(ids, UsbId{descriptor.idVendor, descriptor.idProduct}) == ids.end())
+        continue;
       libusb_device_handle* handle = nullptr;
       const int code = libusb_open(list[i], &handle);
       Connected done = code == 0 ? take(handle) : reject(fault_of(code));
-      if (done || tells_more(done.error(), best.error())) best = std::move(done);
+      if (done || is_more_specific(done.error(), best.error())) best = std::move(done);
       if (best) break;
     }
     if (count >= 0) libusb_free_device_list(list, 1);
@@ -152,23 +154,23 @@ class UsbPort::Worker {
   }
 
   void stream() {
-    bool there = true;
-    while (there && !port_.stopping_.load()) {
-      there = connection_->pump(monotonic_us());
-      port_.set_phase(there ? port_.protocol_.phase() : DevicePhase::kClosed);
-      if (!there) break;
+    bool connected = true;
+    while (connected && !port_.stopping_.load()) {
+      connected = connection_->pump(monotonic_us());
+      port_.set_phase(connected ? port_.protocol_.phase() : DevicePhase::kClosed);
+      if (!connected) break;
       port_.set_trouble(port_.protocol_.trouble());
       sleep_for_events(kIdleMs);
     }
-    if (there) {
-      connection_->farewell();
+    if (connected) {
+      connection_->disable_motors();
       return;
     }
     port_.counters_.losses.fetch_add(1, std::memory_order_relaxed);
     port_.set_trouble(usb_error(UsbFault::kUnplugged, port_.protocol_.name()).text);
   }
 
-  /// Until something happens on the bus or somebody calls wake().
+  /// Waits for a bus event or wake(), and handles bus events.
   void sleep_for_events(int timeout_ms) {
     fds_.assign(1, {.fd = port_.wake_fd_, .events = POLLIN, .revents = 0});
     if (const libusb_pollfd** fds = libusb_get_pollfds(context_); fds != nullptr) {
@@ -180,11 +182,11 @@ class UsbPort::Worker {
     poll(fds_.data(), fds_.size(), timeout_ms);
     std::uint64_t wakes = 0;
     [[maybe_unused]] const auto drained = ::read(port_.wake_fd_, &wakes, sizeof wakes);
-    timeval at_once{};
-    libusb_handle_events_timeout_completed(context_, &at_once, nullptr);
+    timeval no_wait{};
+    libusb_handle_events_timeout_completed(context_, &no_wait, nullptr);
   }
 
-  /// Waits before the next attempt; true if a device was plugged in meanwhile.
+  /// Waits before the next attempt to connect. Returns true if a device was plugged in meanwhile.
   bool wait(std::uint64_t pause_us) {
     const std::uint64_t until_us = monotonic_us() + pause_us;
     while (!port_.stopping_.load() && !arrived_) {
@@ -195,7 +197,7 @@ class UsbPort::Worker {
     return std::exchange(arrived_, false);
   }
 
-  void hang_up() {
+  void disconnect() {
     port_.set_phase(DevicePhase::kClosed);
     if (connection_ != nullptr) port_.protocol_.disconnected();
     connection_.reset();
@@ -223,7 +225,7 @@ UsbPort::~UsbPort() {
 
 void UsbPort::start() {
   thread_ = std::thread([this] {
-    // A rejection is told once, by the servo's thread, which asks for the same.
+    // A failure is not reported here: the servo thread makes the same request and reports it.
     request_fifo(kUsbPriority);
     Worker(*this).run();
   });
@@ -237,7 +239,7 @@ void UsbPort::stop() {
 
 void UsbPort::wake() noexcept {
   const std::uint64_t one = 1;
-  [[maybe_unused]] const auto told = ::write(wake_fd_, &one, sizeof one);
+  [[maybe_unused]] const auto written = ::write(wake_fd_, &one, sizeof one);
 }
 
 std::string UsbPort::trouble() const {

@@ -14,42 +14,42 @@
 
 namespace kerf::agent {
 
-/// Below the servo: a report may wait for a tick, a tick never for a report.
+/// Below the servo's priority: ticks must not wait for reports.
 inline constexpr int kUsbPriority = 79;
 
 struct UsbPortSettings {
-  /// Opens a usbfs node and gives its descriptor away, or -1: none there now. For systems that hand
-  /// out opened nodes (sandboxes, phones), and for tests. Empty: the port looks for the device's
-  /// ids on the bus.
+  /// Opens a usbfs node and returns its file descriptor, which the port then owns; -1 if there is
+  /// no device. For systems that pass opened nodes (sandboxes, phones), and for tests. Empty: the
+  /// port searches the bus for the device's ids.
   std::function<int()> node{};
-  /// One line for the user, on the event thread: what is wrong, and when it is no longer.
+  /// Called on the event thread with a line for the user: a problem, or that the device is ready.
   std::function<void(const std::string&)> notice{};
-  /// The pause before looking again doubles from the first to the longest; a device that is plugged
-  /// in ends it.
+  /// The pause between attempts to connect doubles from the first to the longest; plugging in a
+  /// device ends it.
   std::uint64_t first_pause_us = 100'000;
   std::uint64_t longest_pause_us = 2'000'000;
 };
 
-/// Keeps one device connected, on a thread of its own (SCHED_FIFO kUsbPriority where allowed):
-/// finds it, opens it, lets the protocol identify it, streams, and does it again after a loss.
+/// Keeps one device connected on its own event thread (SCHED_FIFO kUsbPriority if permitted): finds
+/// it, opens it, has it identified by the protocol, exchanges reports, and reconnects after a loss.
 class UsbPort {
  public:
   /// `protocol` must outlive the port.
   UsbPort(UsbProtocol& protocol, UsbPortSettings settings);
-  /// As stop().
+  /// Calls stop().
   ~UsbPort();
   UsbPort(const UsbPort&) = delete;
   UsbPort& operator=(const UsbPort&) = delete;
 
   /// Starts the thread. Call once.
   void start();
-  /// Takes the motors to zero, closes the device, ends the thread.
+  /// Sets the motors to zero, closes the device and joins the thread.
   void stop();
 
-  /// There is something new to compose. From any thread; one system call, no lock.
+  /// Wakes the event thread to send a packet. Callable from any thread; one system call, no lock.
   void wake() noexcept;
   DevicePhase phase() const noexcept { return phase_.load(std::memory_order_acquire); }
-  /// As HapticDevice::trouble.
+  /// See HapticDevice::trouble.
   std::string trouble() const;
   const UsbCounters& counters() const noexcept { return counters_; }
 
@@ -57,7 +57,7 @@ class UsbPort {
   class Worker;
 
   void set_phase(DevicePhase phase) noexcept { phase_.store(phase, std::memory_order_release); }
-  /// Tells the user, if it is not what was told last.
+  /// Notifies the user if the text has changed.
   void set_trouble(std::string_view text);
 
   UsbProtocol& protocol_;

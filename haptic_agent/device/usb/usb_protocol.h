@@ -22,7 +22,7 @@ struct UsbId {
   bool operator==(const UsbId&) const = default;
 };
 
-/// The first four fields of a control transfer; its length is the data's.
+/// The first four fields of a control transfer; the length is that of the data.
 struct ControlSetup {
   std::uint8_t type = 0;
   std::uint8_t request = 0;
@@ -30,54 +30,55 @@ struct ControlSetup {
   std::uint16_t index = 0;
 };
 
-/// A device that has just been opened and does not stream yet: each call waits for its end. Only
-/// the event thread uses it, before a servo can want anything.
-class UsbTalk {
+/// Synchronous transfers with an opened device, for its identification before the asynchronous
+/// transfers start. Used on the event thread only.
+class UsbSyncIo {
  public:
-  virtual ~UsbTalk() = default;
-  /// Bytes moved. The direction is bit 7 of `setup.type`.
+  virtual ~UsbSyncIo() = default;
+  /// Performs a control transfer and returns the number of bytes transferred. Bit 7 of `setup.type`
+  /// is the direction.
   virtual std::expected<std::size_t, UsbFault> control(const ControlSetup& setup,
                                                        std::span<std::uint8_t> data) = 0;
-  /// One packet from the IN endpoint.
+  /// Reads one packet from the IN endpoint.
   virtual std::expected<std::size_t, UsbFault> read(std::span<std::uint8_t> data,
                                                     unsigned timeout_ms) = 0;
   virtual std::expected<std::size_t, UsbFault> write(std::span<const std::uint8_t> data,
                                                      unsigned timeout_ms) = 0;
   virtual std::uint8_t interface_number() const noexcept = 0;
-  /// The program ends: give up.
+  /// True if the program is exiting; long operations must end.
   virtual bool stopping() const noexcept = 0;
 };
 
-/// What one kind of device means by its bytes. UsbPort calls all of it, on its event thread.
+/// Protocol of one kind of device. UsbPort calls all functions on its event thread.
 class UsbProtocol {
  public:
   virtual ~UsbProtocol() = default;
 
   virtual std::string_view name() const noexcept = 0;
   virtual std::vector<UsbId> ids() const = 0;
-  virtual PipeWish pipes() const = 0;
-  /// A device that has sent nothing for so long has died; 0: silence is normal.
+  virtual PipeRequirements required_pipes() const = 0;
+  /// A device that sends nothing for this time counts as lost; 0: no limit.
   virtual std::uint64_t silence_limit_us() const noexcept = 0;
 
-  /// Checks that it is what it should be, sets it up, loads its firmware.
-  virtual std::expected<void, UsbError> identify(UsbTalk& talk) = 0;
-  /// From now on `take` and `compose` are called.
+  /// Verifies the device, configures it and loads its firmware.
+  virtual std::expected<void, UsbError> identify(UsbSyncIo& io) = 0;
+  /// Called before the first `take` and `compose`.
   virtual void connected(std::uint64_t now_us) noexcept = 0;
-  /// One packet, as it came; false if it was not understood. Nothing in it is trusted.
+  /// Processes a received packet, which is untrusted data; returns false if it is invalid.
   virtual bool take(std::span<const std::uint8_t> packet, std::uint64_t now_us) noexcept = 0;
-  /// The next packet to send, into `packet`; its length, or 0: nothing now. Called whenever nothing
-  /// is on its way out: after every packet that came in or went out and every `wake`, and at least
-  /// every 5 ms.
+  /// Writes the next packet to send into `packet` and returns its length; 0: nothing to send.
+  /// Called while no OUT transfer is in flight: after every received or sent packet, after every
+  /// UsbPort::wake, and at least every 5 ms.
   virtual std::size_t compose(std::span<std::uint8_t> packet, std::uint64_t now_us) noexcept = 0;
-  /// What was composed last has arrived.
+  /// The last composed packet was sent.
   virtual void sent(std::uint64_t) noexcept {}
-  /// No motor may pull any more; what is composed from now on says so.
-  virtual void silence() noexcept = 0;
-  /// It is gone: what it has told means nothing any more.
+  /// Makes all further packets disable the motors.
+  virtual void disable_motors() noexcept = 0;
+  /// The device is lost: its last reports are no longer valid.
   virtual void disconnected() noexcept = 0;
-  /// kHoming or kReady (kIdentified: a fault of its own keeps it from either).
+  /// Returns kHoming, kReady, or kIdentified for a fault of the device itself.
   virtual DevicePhase phase() const noexcept = 0;
-  /// What keeps it from being ready while it is connected; static text, empty: nothing.
+  /// Returns why a connected device is not ready, as static text; empty if it is ready.
   virtual std::string_view trouble() const noexcept = 0;
 };
 

@@ -25,9 +25,9 @@ std::string node_of(libusb_device* device) {
 }
 
 std::optional<FoundDevice> known(libusb_device* device) {
-  libusb_device_descriptor is{};
-  if (libusb_get_device_descriptor(device, &is) != 0) return std::nullopt;
-  const UsbId id{is.idVendor, is.idProduct};
+  libusb_device_descriptor descriptor{};
+  if (libusb_get_device_descriptor(device, &descriptor) != 0) return std::nullopt;
+  const UsbId id{descriptor.idVendor, descriptor.idProduct};
   for (const KnownDevice& kind : known_devices()) {
     if (std::ranges::find(kind.ids, id) == kind.ids.end()) continue;
     return FoundDevice{.name = kind.name, .word = kind.word, .id = id, .node = node_of(device)};
@@ -52,7 +52,7 @@ const std::vector<KnownDevice>& known_devices() {
 std::expected<std::vector<FoundDevice>, std::string> survey_usb() {
   libusb_context* raw = nullptr;
   if (const int code = libusb_init(&raw); code != 0) {
-    return std::unexpected(join({"USB cannot be used: ", libusb_strerror(code)}));
+    return std::unexpected(join({"USB is not available: ", libusb_strerror(code)}));
   }
   const std::unique_ptr<libusb_context, decltype(&libusb_exit)> context(raw, libusb_exit);
   libusb_device** list = nullptr;

@@ -13,30 +13,31 @@
 
 namespace kerf::agent {
 
-/// A kind of device that somebody may have plugged in.
+/// A kind of device that kerf-agent recognizes.
 struct KnownDevice {
   std::string_view name{};
-  /// The word for --device; empty: known, but its protocol is closed and needs its vendor's SDK.
+  /// Its value of --device; empty: recognized but not supported, because its protocol is closed and
+  /// needs the vendor's SDK.
   std::string_view word{};
   std::vector<UsbId> ids{};
 };
 
-/// Every kind that a doctor can name.
+/// Returns all recognized kinds.
 const std::vector<KnownDevice>& known_devices();
 
-/// One of them on the bus.
+/// A recognized device on the bus.
 struct FoundDevice {
   std::string_view name{};
   std::string_view word{};
   UsbId id{};
   /// "/dev/bus/usb/001/004"
   std::string node{};
-  /// What opening it met; nothing: it opened.
+  /// The fault on opening it; empty if it could be opened.
   std::optional<UsbFault> fault{};
 };
 
-/// Looks at the bus and opens each known device for a moment, without claiming it. The error is one
-/// sentence: USB cannot be used at all.
+/// Lists the recognized devices on the bus; opens each one briefly without claiming it. The error
+/// is one sentence: USB is not available.
 std::expected<std::vector<FoundDevice>, std::string> survey_usb();
 
 }  // namespace kerf::agent

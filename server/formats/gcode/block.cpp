@@ -2,21 +2,16 @@
 #include "server/formats/gcode/block.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/fault.h"
+#include "server/formats/letter_case.h"
 
 namespace kerf {
 namespace {
 
 constexpr std::string_view kValueLetters = "abcdefhijklpqrstxyz@^$";
-
-std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
-}
 
 class BlockParser {
  public:
@@ -37,7 +32,7 @@ class BlockParser {
     reader_.skip();
     const char first = reader_.peek();
     if ((first < '0' || first > '9') && first != '.')
-      throw GcodeFault{upper(reader_.text_since(start)), "requires a line number"};
+      throw GcodeFault{to_upper(reader_.text_since(start)), "requires a line number"};
     reader_.value();
   }
 
@@ -79,7 +74,7 @@ class BlockParser {
     const std::size_t start = reader_.position();
     reader_.skip();
     const double value = reader_.value();
-    const std::string text = upper(reader_.text_since(start));
+    const std::string text = to_upper(reader_.text_since(start));
     const double scaled = letter == 'g' ? value * 10 : value;
     if (value < 0 || !is_gcode_integer(scaled))
       throw GcodeFault{text, "is not a valid code number"};
@@ -109,9 +104,9 @@ class BlockParser {
     const std::size_t start = reader_.position();
     reader_.skip();
     const double value = reader_.value();
-    const std::string text = upper(reader_.text_since(start));
+    const std::string text = to_upper(reader_.text_since(start));
     if (block_.find(letter) != nullptr)
-      throw GcodeFault{text, "repeats the letter " + upper(std::string(1, letter)) +
+      throw GcodeFault{text, "repeats the letter " + to_upper(std::string(1, letter)) +
                                  ": a block may have one word of each letter"};
     block_.words.push_back({letter, value, text});
   }
@@ -177,7 +172,7 @@ GcodeLine split_gcode_line(std::string_view line) {
     }
     if (c == ')') throw GcodeFault{")", "has no matching '('"};
     if (c == ' ' || c == '\t' || c == '\r') continue;
-    result.code += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    result.code += to_lower(c);
   }
   return result;
 }

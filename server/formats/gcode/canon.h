@@ -18,7 +18,7 @@ namespace kerf {
 /// A position of the controlled point in absolute coordinates: work offsets and G92 removed.
 struct GcodePlace {
   GcodeAxes axes{};
-  Vec3 tool_axis{0, 0, 1};  ///< GcodeSetup::tool_axis_words only; need not be a unit vector
+  Vec3 tool_axis{0, 0, 1};  ///< set if GcodeSetup::tool_axis_words; any length
 };
 
 /// The feed of a cutting motion.

@@ -2,11 +2,10 @@
 #include "server/formats/gcode/compensation.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
-#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/compensation_angle.h"
 #include "server/formats/number_text.h"
 
 // The classification of corners follows LinuxCNC's interpreter, so that both produce the same path.
@@ -15,24 +14,11 @@
 namespace kerf {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kTwoPi = 2 * kPi;
-constexpr double kHalfPi = kPi / 2;
-// Path directions that differ by less than this do not make a corner (LinuxCNC's value, rad).
-constexpr double kCornerMinRad = 0.05;
 // Greatest difference between the radii at the ends of a compensated arc, in the program's unit.
 constexpr double kArcRadii = 0.01;
 // Greatest excess of a compensated arc's sweep over the programmed one (LinuxCNC's values, rad).
 constexpr double kArcLongerRad = 0.0254;
 constexpr double kArcLongerInchRad = 0.001;
-
-bool within_one(double cosine) { return cosine >= -1 && cosine <= 1; }
-
-[[noreturn]] void reject_gouging(const char* place) {
-  throw GcodeFault{"", std::string(place) +
-                           " cannot be reached without gouging; use a smaller tool or a larger "
-                           "radius"};
-}
 
 }  // namespace
 

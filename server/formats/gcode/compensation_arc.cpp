@@ -2,27 +2,17 @@
 // Arcs of CutterCompensation, computed as in LinuxCNC's interpreter. compensation.cpp defines the
 // angles.
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "server/formats/gcode/compensation.h"
-#include "server/formats/gcode/fault.h"
+#include "server/formats/gcode/compensation_angle.h"
 #include "server/formats/number_text.h"
 
 namespace kerf {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kTwoPi = 2 * kPi;
-constexpr double kHalfPi = kPi / 2;
-constexpr double kCornerMinRad = 0.05;
-constexpr double kNoAngle = 1e-4;
-
-[[noreturn]] void reject_gouging(const char* place) {
-  throw GcodeFault{"", std::string(place) +
-                           " cannot be reached without gouging; use a smaller tool or a larger "
-                           "radius"};
-}
+// Least cosine of the angle between chord and center line for an entry arc to have a center.
+constexpr double kEntryCosineMin = 1e-4;
 
 }  // namespace
 
@@ -41,7 +31,7 @@ PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoin
   const double half_chord = distance(end, at) / 2;
   const double to_center = direction(end, center);
   const double cosine = std::cos(direction(end, at) - to_center);
-  if (std::abs(cosine) < kNoAngle)
+  if (std::abs(cosine) < kEntryCosineMin)
     throw GcodeFault{
         "", "the entry arc of cutter compensation cannot be tangent to the compensated path"};
   const PlanePoint moved = offset_point(end, half_chord / cosine, to_center);
@@ -105,7 +95,7 @@ PlanePoint CutterCompensation::inside_corner_before_arc(PlanePoint center, doubl
   const bool is_inside = inside(turns);
   const double center_distance = is_inside ? radius - radius_ : radius + radius_;
   const double sine = (center_height + (is_inside ? radius_ : -radius_)) / center_distance;
-  if (!(sine >= -1 && sine <= 1)) reject_gouging("the corner before an arc");
+  if (!within_one(sine)) reject_gouging("the corner before an arc");
   const double turn = std::asin(sine);
   if (is_inside)
     return offset_point(center, center_distance, turns > 0 ? theta + turn : theta - turn);
@@ -123,7 +113,7 @@ PlanePoint CutterCompensation::inside_corner_of_arcs(const CompensatedMove& befo
   const double cosine =
       (radius_before * radius_before + apart * apart - radius_after * radius_after) /
       (2 * radius_before * apart);
-  if (!(cosine >= -1 && cosine <= 1)) reject_gouging("the corner of two arcs");
+  if (!within_one(cosine)) reject_gouging("the corner of two arcs");
   const double pull = (turns > 0) == inside(before.turns) ? std::acos(cosine) : -std::acos(cosine);
   return offset_point(before.center, radius_before, direction(before.center, center) + pull);
 }

@@ -2,15 +2,14 @@
 #include "server/formats/gcode/cycle.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "server/formats/gcode/fault.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 // Clearance above the last peck at which pecking cycles change from rapid to feed (0.01 inch).
 constexpr double kPeckClearanceMm = 0.254;
 

@@ -4,14 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
 #include "server/formats/gcode/fault.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 

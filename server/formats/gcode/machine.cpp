@@ -7,6 +7,7 @@
 
 #include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/fault.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 
@@ -91,28 +92,28 @@ void GcodeMachine::decide_motion(const GcodeBlock& block) {
     throw GcodeFault{"", "polar coordinates (@ ^) require the plane XY (G17) and exclude X and Y"};
   const GcodeCode* special = block.code(GcodeGroup::kNonModal);
   const GcodeCode* motion = block.code(GcodeGroup::kMotion);
-  const bool taken = special != nullptr && takes_axis_words(special->code);
-  if (taken && (special->code == 920 || special->code == 520) && (polar || !axes))
+  const bool uses_axis_words = special != nullptr && takes_axis_words(special->code);
+  if (uses_axis_words && (special->code == 920 || special->code == 520) && (polar || !axes))
     throw GcodeFault{special->text,
                      "requires at least one axis word and does not take polar coordinates"};
   if (motion != nullptr) {
     if (motion->code == 800) {
-      if (axes && !taken)
+      if (axes && !uses_axis_words)
         throw GcodeFault{motion->text, "cancels the motion mode and takes no axis words"};
-    } else if (taken) {
+    } else if (uses_axis_words) {
       throw GcodeFault{special->text,
                        "uses the axis words of its block, which must not have a motion code"};
     } else if (!axes && motion->code > 30) {
       throw GcodeFault{motion->text, "requires axis words"};
     }
     block_motion_ = motion->code;
-  } else if (!taken && axes) {
+  } else if (!uses_axis_words && axes) {
     const GcodeCode* length = block.code(GcodeGroup::kToolLength);
     const bool offset = length != nullptr && (length->code == 431 || length->code == 432);
     if (modes_.motion == 800 && !offset)
       throw GcodeFault{"", "axis words require an active motion code (G0, G1, G2, G3, a cycle)"};
     if (length == nullptr || length->code != 431) block_motion_ = modes_.motion;
-  } else if (!taken && block.has_any("ijk") &&
+  } else if (!uses_axis_words && block.has_any("ijk") &&
              (modes_.motion == 20 || modes_.motion == 30 ||
               (setup_.tool_axis_words && modes_.motion <= 10))) {
     block_motion_ = modes_.motion;

@@ -2,16 +2,15 @@
 // Motions of GcodeMachine: targets, lines, arcs, canned cycles and feeds.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/machine.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
 
 constexpr std::string_view kCenterLetters = "ijk";
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr int kTurnsMax = 1000;
 constexpr int kRepeatsMax = 1'000'000;
 

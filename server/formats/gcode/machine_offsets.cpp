@@ -70,8 +70,8 @@ void GcodeMachine::set_system(GcodeBlock& block) {
   if (!number) throw GcodeFault{written.text, "requires P, the number of the coordinate system"};
   if (!is_gcode_integer(*number) || *number < -0.5 || *number > 9.5)
     throw GcodeFault{block.find('p')->text, "must be an integer from 0 to 9"};
-  const int given = static_cast<int>(std::lround(*number));
-  const int system = given == 0 ? modes_.system : given;
+  const int requested = static_cast<int>(std::lround(*number));
+  const int system = requested == 0 ? modes_.system : requested;
   if (system == modes_.system) reject_compensated(written);
   const GcodeAxes coordinates = in_system(system);
   const int first = system_parameter(system);

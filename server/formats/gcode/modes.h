@@ -5,8 +5,6 @@
 
 namespace kerf {
 
-inline constexpr double kMmPerInch = 25.4;
-
 enum class GcodeFeedMode { kPerMinute, kInverseTime, kPerRevolution };
 enum class GcodeSpindle { kStopped, kClockwise, kCounterClockwise };
 

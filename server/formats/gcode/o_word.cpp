@@ -8,6 +8,7 @@
 
 #include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/fault.h"
+#include "server/formats/letter_case.h"
 
 namespace kerf {
 namespace {
@@ -46,11 +47,6 @@ std::string_view code_of(const GcodeLine& line) {
 bool is_m(std::string_view code, std::string_view number) {
   return code.starts_with('m') && code.substr(1).starts_with(number) &&
          (code.size() == 3 || std::isdigit(static_cast<unsigned char>(code[3])) == 0);
-}
-
-std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
 }
 
 OWord read_m98(GcodeValueReader& reader, bool with_values) {
@@ -111,7 +107,7 @@ OWord read_o_word(const GcodeLine& line, const OWordContext& context, bool with_
   } else {
     word.name = std::to_string(reader.integer("the number of an O word"));
   }
-  const std::string label = upper(reader.text_since(0));
+  const std::string label = to_upper(reader.text_since(0));
   if (reader.done()) {
     word.keyword = Keyword::kProgram;
     word.text = label;
@@ -120,7 +116,7 @@ OWord read_o_word(const GcodeLine& line, const OWordContext& context, bool with_
   for (const Known& known : kKeywords) {
     if (!reader.accept(known.word)) continue;
     word.keyword = known.keyword;
-    word.text = label + " " + upper(std::string(known.word));
+    word.text = label + " " + to_upper(std::string(known.word));
     if (with_values) read_values(reader, word);
     return word;
   }

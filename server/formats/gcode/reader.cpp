@@ -2,12 +2,13 @@
 #include "server/formats/gcode/reader.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/flow.h"
+#include "server/formats/gcode/machine.h"
 #include "server/formats/gcode/tool_path.h"
+#include "server/formats/letter_case.h"
 #include "server/formats/motion_sink.h"
 
 namespace kerf {
@@ -77,8 +78,7 @@ class GcodeRunner {
   }
 
   bool execute(const GcodeLine& line) {
-    std::string comment = trimmed(line.comment);
-    for (char& c : comment) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string comment = to_lower(trimmed(line.comment));
     machine_.at_line(flow_.file(), flow_.line());
     GcodeBlock block = parse_gcode_block(line.code, parameters_, machine_.position_readable());
     if (comment.starts_with("abort,"))

@@ -5,7 +5,7 @@
 
 #include "server/formats/gcode/canon.h"
 #include "server/formats/gcode/environment.h"
-#include "server/formats/gcode/machine.h"
+#include "server/formats/gcode/setup.h"
 #include "server/formats/program.h"
 
 namespace kerf {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/formats/gcode/fault.h"
+#include "server/formats/letter_case.h"
 #include "server/formats/text_file.h"
 #include "server/formats/text_lines.h"
 
@@ -18,9 +19,7 @@ bool may_hold_o_word(std::string_view line) {
   const auto blanks = [&] {
     while (at < line.size() && std::isspace(static_cast<unsigned char>(line[at])) != 0) ++at;
   };
-  const auto is = [&](char small) {
-    return at < line.size() && std::tolower(static_cast<unsigned char>(line[at])) == small;
-  };
+  const auto is = [&](char small) { return at < line.size() && to_lower(line[at]) == small; };
   blanks();
   if (is('n')) {
     ++at;

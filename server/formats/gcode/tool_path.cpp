@@ -3,18 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "kernel/math/rotation.h"
 #include "server/formats/gcode/fault.h"
 #include "server/formats/gcode/parameters.h"
 #include "server/formats/number_text.h"
 #include "server/formats/pose_grid.h"
+#include "server/formats/units.h"
 
 namespace kerf {
 namespace {
 
-constexpr double kDegPerRad = 180 / std::numbers::pi;
 // Farthest turn of a rotary axis in one block, degrees (100 turns). A longer one is a typing error.
 constexpr double kTurnInBlockMaxDeg = 36000;
 // Rotary travel per point at which a path is compared with a straight motion, degrees.
@@ -97,8 +96,8 @@ bool GcodeToolPath::approach(const GcodePlace& to, bool rapid, std::array<bool, 
   return false;
 }
 
-void GcodeToolPath::rapid(const GcodePlace& given, GcodeRapid kind, std::array<bool, 6> named) {
-  const GcodePlace to = in_workpiece(given);
+void GcodeToolPath::rapid(const GcodePlace& absolute, GcodeRapid kind, std::array<bool, 6> named) {
+  const GcodePlace to = in_workpiece(absolute);
   check_turn(to);
   if (kind == GcodeRapid::kMachine && !zero_known_) {
     // Without the machine zero the target is unknown; the tool leaves the workpiece.
@@ -111,9 +110,9 @@ void GcodeToolPath::rapid(const GcodePlace& given, GcodeRapid kind, std::array<b
   at_ = to;
 }
 
-void GcodeToolPath::feed(const GcodePlace& given, const GcodeFeed& feed,
+void GcodeToolPath::feed(const GcodePlace& absolute, const GcodeFeed& feed,
                          std::array<bool, 6> named) {
-  const GcodePlace to = in_workpiece(given);
+  const GcodePlace to = in_workpiece(absolute);
   check_turn(to);
   // A block without motion requires no tool.
   if (to.axes == at_.axes && to.tool_axis == at_.tool_axis && !sink_.placed()) return;
@@ -154,9 +153,9 @@ void GcodeToolPath::straight(const GcodePlace& to, double duration, bool rapid) 
                    4 + static_cast<int>(travel / kSampleStepDeg), duration, rapid, line_));
 }
 
-void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlace& given,
+void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlace& absolute,
                         const GcodeFeed& feed, std::array<bool, 6> named) {
-  const GcodePlace to = in_workpiece(given);
+  const GcodePlace to = in_workpiece(absolute);
   check_turn(to);
   approach(to, false, named);
   const double duration = duration_s(feed, arc.length_mm(), 0);
@@ -189,9 +188,9 @@ void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlac
 }
 
 void GcodeToolPath::spline(const std::vector<Vec3>& points, const GcodeFrame& frame,
-                           const GcodePlace& given, const GcodeFeed& feed,
+                           const GcodePlace& absolute, const GcodeFeed& feed,
                            std::array<bool, 6> named) {
-  const GcodePlace to = in_workpiece(given);
+  const GcodePlace to = in_workpiece(absolute);
   approach(to, false, named);
   const GcodePlace from = at_;
   const auto place_at = [&](double s) {

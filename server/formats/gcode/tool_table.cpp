@@ -2,12 +2,12 @@
 #include "server/formats/gcode/tool_table.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 
 #include "server/formats/gcode/expression.h"
 #include "server/formats/gcode/fault.h"
+#include "server/formats/letter_case.h"
 #include "server/formats/scene.h"
 #include "server/formats/text_lines.h"
 
@@ -38,7 +38,7 @@ int integer(std::string_view word, double least, double most) {
 
 void read_word(ToolTableEntry& tool, std::string_view word) {
   constexpr std::string_view kOffsetLetters = "XYZABC";
-  const char letter = static_cast<char>(std::toupper(static_cast<unsigned char>(word.front())));
+  const char letter = to_upper(word.front());
   if (const auto axis = kOffsetLetters.find(letter); axis != std::string_view::npos) {
     tool.offset[axis] = number(word);
     return;

@@ -11,7 +11,7 @@
 namespace kerf {
 namespace {
 
-// A multiple of 12, so that what is spooled in words of 4 or triples of 12 bytes is never torn.
+// A multiple of 12: chunks never split spooled words of 4 bytes or triples of 12 bytes.
 constexpr std::size_t kChunkBytes = std::size_t{12} * 65536;
 constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 

@@ -13,20 +13,20 @@
 
 namespace kerf {
 
-/// A file that is written from front to back. An error sticks: writers write on and the caller asks
-/// once, at the end.
+/// A file written from front to back. The first error is kept and later writes do nothing, so that
+/// callers check once, in finish().
 class FileSink {
  public:
-  /// Creates or empties the file; ok() says whether that worked.
+  /// Creates or truncates the file; ok() is false if that failed.
   explicit FileSink(const std::filesystem::path& path);
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
-  /// Overwrites what has been written before; the next write goes on at the end.
+  /// Overwrites bytes written before; the next write() continues at the end.
   void patch(std::uint64_t offset, std::span<const std::byte> bytes);
   std::uint64_t bytes() const { return bytes_; }
   bool ok() const { return error_ == 0; }
-  /// Hands everything to the system; what went wrong since the beginning, as one sentence.
+  /// Flushes and closes. Returns the first error as one sentence.
   std::expected<void, std::string> finish();
 
  private:
@@ -40,16 +40,17 @@ class FileSink {
   int error_ = 0;
 };
 
-/// Bytes that a format wants behind others that are produced at the same time: they wait in a
-/// file without a name, so that they need no memory.
+/// Buffers bytes in an unnamed temporary file: parts of a format that follow others produced at the
+/// same time need no memory.
 class SpoolFile {
  public:
-  /// In the folder of `beside`, where there is room for the model itself.
+  /// Creates the file in the folder of `beside`, on the disk that holds the model itself.
   explicit SpoolFile(const std::filesystem::path& beside);
 
   void write(std::span<const std::byte> bytes) { sink_.write(bytes); }
   std::uint64_t bytes() const { return sink_.bytes(); }
-  /// Calls use(span) with all bytes, in order, a megabyte at a time.
+  /// Calls use(span) with all bytes in order, in chunks of a megabyte. Returns false if reading
+  /// fails.
   template <class Use>
   bool read_all(Use&& use) {
     if (!rewind()) return false;

@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-// glTF's names for C's types.
+// glTF's component types.
 constexpr int kInt8 = 5120, kUint8 = 5121, kInt16 = 5122, kUint16 = 5123, kUint32 = 5125,
               kFloat32 = 5126;
 constexpr double kStepsMax = 65535;
@@ -45,7 +45,7 @@ void set_bounds(GlbArray& array, const std::vector<std::array<T, N>>& values) {
   }
 }
 
-// Positions and bytes are padded to four bytes an element, as glTF asks.
+// Elements are padded to a multiple of four bytes, as glTF requires.
 using Steps = std::array<std::int16_t, 4>;
 
 Steps to_steps(const std::array<float, 3>& p, const GlbLattice& lattice) {
@@ -58,8 +58,7 @@ Steps to_steps(const std::array<float, 3>& p, const GlbLattice& lattice) {
   return steps;
 }
 
-/// Triangles whose corners fall on fewer than three steps are gone; what is around them still
-/// closes.
+/// Drops triangles whose corners quantize to fewer than three positions; the surface stays closed.
 void drop_collapsed(const std::vector<Steps>& steps, std::vector<std::uint32_t>& indices) {
   std::size_t kept = 0;
   for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
@@ -78,8 +77,7 @@ void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& remap, st
   values = std::move(moved);
 }
 
-/// Puts triangles and vertices into an order that compresses well and draws fast, and leaves out
-/// vertices that no triangle uses.
+/// Reorders triangles and vertices for compression and drawing, and drops unused vertices.
 void reorder(MeshPiece& mesh) {
   const std::size_t vertices = mesh.positions_mm.size();
   meshopt_optimizeVertexCache(mesh.indices.data(), mesh.indices.data(), mesh.indices.size(),
@@ -108,7 +106,7 @@ GlbArray quantized_normals(const std::vector<std::array<float, 3>>& normals) {
   return make_array("NORMAL", kInt8, "VEC3", true, values);
 }
 
-/// glTF's vertex colours are linear, those of a piece are not (IEC 61966-2-1).
+/// Converts sRGB (IEC 61966-2-1) to the linear vertex colors of glTF.
 std::uint8_t to_linear(std::uint8_t encoded) {
   const double c = encoded / 255.0;
   const double linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
@@ -136,7 +134,7 @@ GlbArray index_array(const std::vector<std::uint32_t>& indices, std::size_t vert
 }
 
 void compress(GlbArray& array, const std::vector<std::uint32_t>& indices) {
-  // The versions that EXT_meshopt_compression asks for.
+  // The codec versions that EXT_meshopt_compression specifies.
   meshopt_encodeVertexVersion(0);
   meshopt_encodeIndexVersion(1);
   const bool is_index = array.name.empty();

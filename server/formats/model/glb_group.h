@@ -12,14 +12,14 @@
 
 namespace kerf {
 
-/// Where quantised positions lie: step n of an axis stands for (n + 32768) step_mm from the origin
-/// of the surface.
+/// Lattice of quantized positions: step n of an axis is (n + 32768) step_mm from the origin of the
+/// surface.
 struct GlbLattice {
   double step_mm = 1;  ///< a power of two; the whole surface fits 65536 steps
 };
 GlbLattice glb_lattice(Vec3 size_mm);
 
-/// One array of a group, as it stands in the file and as its accessor describes it.
+/// One array of a group: its bytes in the file and the data of its accessor.
 struct GlbArray {
   std::string name;   ///< "POSITION", "NORMAL", "COLOR_0", "_DEVIATION_MM"; empty: the indices
   int component = 0;  ///< glTF's componentType
@@ -32,19 +32,19 @@ struct GlbArray {
   std::vector<std::byte> bytes;  ///< unpadded
 };
 
-/// Pieces that share one primitive: few enough vertices for 16-bit indices, unless one piece alone
-/// has more.
+/// Collects pieces into one primitive with 16-bit indices, or 32-bit indices if a single piece has
+/// too many vertices.
 class GlbGroup {
  public:
   static constexpr std::size_t kVerticesMax = 65535;
   bool empty() const { return mesh_.indices.empty(); }
-  /// Whether the piece must wait for the next group.
+  /// Returns true if the piece does not fit and belongs in the next group.
   bool is_full_for(const MeshPiece& piece) const {
     return !empty() && mesh_.positions_mm.size() + piece.positions_mm.size() > kVerticesMax;
   }
   void add(const MeshPiece& piece);
-  /// The arrays of the group, the indices last; none where quantising leaves no triangle. The group
-  /// is empty afterwards.
+  /// Returns the arrays of the group, indices last, and clears the group. Empty if quantization
+  /// leaves no triangle.
   std::vector<GlbArray> take(ModelEncoding encoding, const GlbLattice& lattice);
 
  private:

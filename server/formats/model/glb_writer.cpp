@@ -5,8 +5,8 @@
 #include "server/formats/model/glb_group.h"
 #include "server/formats/model/model_parts.h"
 
-// glTF 2.0, binary. The JSON comes first and needs to know every array's length, so the arrays wait
-// in a spool; tinygltf would hold all of them in memory and drops extensions of buffer views.
+// Writes binary glTF 2.0. The JSON precedes the arrays and contains their lengths, so the arrays
+// are spooled; tinygltf would hold all of them in memory and drops extensions of buffer views.
 
 namespace kerf {
 namespace {
@@ -14,13 +14,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMetresPerMm = 0.001;
-/// Quaternion x, y, z, w that turns Z-up into glTF's Y-up: -90 degrees about x.
+/// Quaternion x, y, z, w from Z-up to glTF's Y-up: -90 degrees about x.
 constexpr double kHalfSqrt = 0.70710678118654752;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 
 constexpr std::uint64_t padded(std::uint64_t bytes) { return (bytes + 3) / 4 * 4; }
 
-/// The JSON of a model while its groups arrive.
+/// Builds the JSON of a model group by group.
 class GlbDocument {
  public:
   explicit GlbDocument(const ModelOutput& output)
@@ -31,8 +31,8 @@ class GlbDocument {
     json_["asset"] = {{"version", "2.0"}, {"generator", "Kerf"}, {"extras", extras}};
     json_["scene"] = 0;
     json_["scenes"] = {{{"name", output.request.title}, {"nodes", {0}}}};
-    // Positions count from the block's corner, so that floats keep their precision far from the
-    // scene's zero.
+    // Positions are relative to the block's corner, so that floats stay precise far from the
+    // origin of the scene.
     json_["nodes"] = {
         {{"name", "kerf"},
          {"translation", {o.x * kMetresPerMm, o.z * kMetresPerMm, -o.y * kMetresPerMm}},
@@ -42,8 +42,8 @@ class GlbDocument {
 
   const GlbLattice& lattice() const { return lattice_; }
 
-  /// Adds a node for a group whose arrays will lie in the binary chunk from `offset` on, each
-  /// padded to four bytes.
+  /// Adds a node for a group whose arrays start at `offset` of the binary chunk, each padded to
+  /// four bytes.
   void add(const std::vector<GlbArray>& arrays, std::uint64_t offset) {
     Json attributes;
     Json primitive{{"attributes", nullptr}};
@@ -73,10 +73,10 @@ class GlbDocument {
     add_node();
   }
 
-  /// The text of the whole; `binary_bytes` is the length of the binary chunk's content.
+  /// Returns the JSON text; `binary_bytes` is the length of the binary chunk's content.
   std::string text(std::uint64_t binary_bytes) {
     if (binary_bytes > 0) {
-      // Beside colours of its own the surface is white.
+      // Vertex colors multiply the base color, which is therefore white.
       const Json color = colored_ ? Json{1.0, 1.0, 1.0, 1.0} : Json{0.72, 0.62, 0.48, 1.0};
       json_["materials"] = {
           {{"name", "stock"},
@@ -186,7 +186,7 @@ ModelResult write_glb(const ModelOutput& output) {
   const std::string json = document.text(spool.bytes());
   const std::uint64_t total = 12 + 8 + json.size() + (spool.bytes() > 0 ? 8 + spool.bytes() : 0);
   if (total > std::numeric_limits<std::uint32_t>::max()) {
-    return model_error("the surface is larger than the 4 GiB that a GLB can hold");
+    return model_error("the surface exceeds 4 GiB, the limit of GLB");
   }
   const auto low = [](std::uint64_t n) { return static_cast<std::uint32_t>(n); };
   output.sink.write(words({0x46546C67, 2, low(total), low(json.size()), 0x4E4F534A}));
@@ -194,7 +194,7 @@ ModelResult write_glb(const ModelOutput& output) {
   if (spool.bytes() == 0) return summary;
   output.sink.write(words({low(spool.bytes()), 0x004E4942}));
   const bool whole = spool.read_all([&](std::span<const std::byte> c) { output.sink.write(c); });
-  if (!whole) return model_error("the disk is full or broken");
+  if (!whole) return model_error("writing the temporary file failed; is the disk full?");
   return summary;
 }
 

@@ -12,7 +12,7 @@ namespace kerf {
 namespace {
 
 constexpr std::size_t kPieceTriangles = 16384;
-/// cos 40 degrees: flatter edges are shaded smooth.
+/// cos 40 degrees: edges below this angle are shaded smooth.
 constexpr double kCreaseCos = 0.766;
 
 std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) {
@@ -35,7 +35,7 @@ IndexedMesh collect_mesh(MeshSource& source) {
 }
 
 EdgeReport check_edges(std::span<const std::array<std::uint32_t, 3>> triangles) {
-  // Sorted, the sides of an edge stand together; the lowest bit says which way they run.
+  // Sorting brings the half-edges of an edge together; the lowest bit is their direction.
   std::vector<std::pair<std::uint64_t, bool>> sides;
   sides.reserve(triangles.size() * 3);
   for (const auto& t : triangles) {
@@ -102,7 +102,7 @@ Vec3 WholeMesh::corner_normal(std::size_t triangle, std::size_t corner) const {
     sum = sum + facet_normals_[other] * std::acos(std::clamp(dot(a, b), -1.0, 1.0));
   }
   const Vec3 normal = normalized(sum);
-  // A facet without area has no normal; something must stand in the file.
+  // A facet without area has no normal; any unit vector serves.
   return normal == Vec3{} ? Vec3{0, 0, 1} : normal;
 }
 

@@ -10,7 +10,7 @@
 
 namespace kerf {
 
-/// A surface that is whole in memory, its vertices shared.
+/// A complete surface in memory with shared vertices.
 struct IndexedMesh {
   Vec3 origin_mm;  ///< where position (0, 0, 0) lies in the scene
   std::vector<std::array<float, 3>> positions_mm;
@@ -20,17 +20,17 @@ struct IndexedMesh {
     const auto& p = positions_mm[vertex];
     return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
   }
-  /// The corners of a triangle, relative to the origin.
+  /// Returns the corners of a triangle, relative to the origin.
   std::array<Vec3, 3> corners(std::size_t triangle) const {
     const auto& t = triangles[triangle];
     return {position(t[0]), position(t[1]), position(t[2])};
   }
 };
 
-/// All of a source, with shared vertices; about 24 bytes a triangle.
+/// Reads a whole source and merges its vertices; needs about 24 bytes per triangle.
 IndexedMesh collect_mesh(MeshSource& source);
 
-/// How the edges of a mesh meet. Vertices are the same where their numbers are.
+/// Edges that violate a closed 2-manifold. Vertices are identified by their index.
 struct EdgeReport {
   std::size_t open = 0;                 ///< edges with more triangles on one side than on the other
   std::size_t repeated = 0;             ///< edges that more than two triangles share
@@ -39,8 +39,8 @@ struct EdgeReport {
 };
 EdgeReport check_edges(std::span<const std::array<std::uint32_t, 3>> triangles);
 
-/// Hands an indexed mesh out in pieces. The normals of a vertex are those of the triangles around
-/// it (weighted by their angle), separate where they meet at more than 40 degrees.
+/// Splits an indexed mesh into pieces. Vertex normals are the angle-weighted means over the
+/// adjacent triangles, separate across edges of more than 40 degrees.
 class WholeMesh final : public MeshSource {
  public:
   explicit WholeMesh(const IndexedMesh& mesh);

@@ -93,11 +93,11 @@ MeshDistance::Nearest MeshDistance::nearest(Vec3 point, std::uint32_t near) cons
   const auto squared = [&](std::uint32_t triangle) {
     const Vec3 away = point - nearest_on_triangle(mesh_.corners(triangle), point).point;
     const double d = dot(away, away);
-    // A triangle with two equal corners has no nearest point; its neighbours have.
+    // A triangle with two equal corners is skipped; its neighbors contain its points.
     return d >= 0 ? d : std::numeric_limits<double>::infinity();
   };
   Nearest best{squared(near), near};
-  // The tree halves at every level, so its depth is at most 32.
+  // Every level halves the range, so the depth is at most 32.
   std::array<std::pair<double, std::uint32_t>, 64> stack;
   std::size_t height = 0;
   stack[height++] = {squared_to_box(nodes_[0], point), 0};
@@ -113,7 +113,7 @@ MeshDistance::Nearest MeshDistance::nearest(Vec3 point, std::uint32_t near) cons
     std::pair left{squared_to_box(nodes_[number + 1], point), number + 1};
     std::pair right{squared_to_box(nodes_[node.first], point), node.first};
     if (left.first < right.first) std::swap(left, right);
-    stack[height++] = left;  // the nearer one is looked into first
+    stack[height++] = left;  // the nearer one is visited first
     stack[height++] = right;
   }
   return best;

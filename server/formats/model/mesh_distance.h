@@ -9,25 +9,26 @@
 
 namespace kerf {
 
-/// Signed distance from points to a mesh: a tree of boxes over its triangles. The sign is that of
-/// the pseudonormal at the nearest point (Bærentzen, Aanæs, Signed distance computation using the
-/// angle weighted pseudonormal, 2005): negative inside a closed mesh. Immutable; any number of
-/// threads may ask.
+/// Computes signed distances from points to a mesh with a bounding-volume tree over its triangles.
+/// The sign is that of the angle-weighted pseudonormal at the nearest point (Bærentzen, Aanæs,
+/// Signed distance computation using the angle weighted pseudonormal, 2005): negative inside a
+/// closed mesh. Immutable and safe for concurrent use.
 class MeshDistance {
  public:
-  /// The mesh must outlive it and have a triangle.
+  /// The mesh must outlive this object and have at least one triangle.
   explicit MeshDistance(const IndexedMesh& mesh);
 
-  /// Distance of a point of the scene, mm. `near` is a triangle that may be near (any number is
-  /// right, a good one is quick) and becomes the nearest one; of several that are equally near,
-  /// which one depends on it, the distance does not.
+  /// Returns the distance of a point in scene coordinates, mm. `near` is a hint: the index of a
+  /// triangle that may be near (any value is valid; a good one is faster). It is replaced by the
+  /// nearest triangle; among equally near ones the choice depends on the hint, the distance does
+  /// not.
   double distance_mm(Vec3 point_mm, std::uint32_t& near) const;
   double signed_distance_mm(Vec3 point_mm, std::uint32_t& near) const;
 
  private:
   struct Node {
     std::array<float, 3> low, high;  ///< rounded outward
-    std::uint32_t first, count;  ///< of order_; count 0: an inner node, first is its right child
+    std::uint32_t first, count;  ///< range of order_; count 0: inner node, first is its right child
   };
   struct Nearest {
     double squared_mm2;

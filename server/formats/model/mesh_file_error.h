@@ -10,16 +10,16 @@ enum class MeshFileErrorCode {
   kCountMismatch,  ///< more bytes than the counts account for
   kNotFinite,      ///< a coordinate is NaN or infinite
   kTooLarge,       ///< more triangles than the caller allows
-  kSyntax,         ///< a word that does not belong there
-  kBadIndex,       ///< a corner that is no vertex of the file
-  kEmpty,          ///< no triangle at all
-  kUnsupported     ///< a format, or a part of one, that is not read
+  kSyntax,         ///< an unexpected word
+  kBadIndex,       ///< a vertex index out of range
+  kEmpty,          ///< no triangle
+  kUnsupported     ///< an unsupported format or feature
 };
 struct MeshFileError {
   MeshFileErrorCode code;
   std::string reason;  ///< one sentence, with the byte, line, vertex or facet number
 };
-/// The name of a code as HTTP writes it, e.g. "count_mismatch".
+/// Returns the name of a code as used by the HTTP interface, e.g. "count_mismatch".
 const char* to_string(MeshFileErrorCode code);
 
 }  // namespace kerf

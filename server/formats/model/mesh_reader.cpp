@@ -11,7 +11,7 @@ namespace kerf {
 namespace {
 
 struct SamePlace {
-  // Zero has two signs and one place.
+  // -0 and +0 are the same coordinate.
   static Vec3 plain(Vec3 v) { return {v.x + 0.0, v.y + 0.0, v.z + 0.0}; }
   std::size_t operator()(Vec3 v) const {
     std::uint64_t hash = 14695981039346656037U;
@@ -104,7 +104,7 @@ MeshFileResult read_mesh(MeshFileFormat format, std::span<const std::byte> bytes
   TriangleMesh mesh = merge_vertices(*read);
   if (mesh.triangles.empty()) {
     return std::unexpected(
-        MeshFileError{MeshFileErrorCode::kEmpty, "the file holds no triangle with an area"});
+        MeshFileError{MeshFileErrorCode::kEmpty, "the file contains no triangle with an area > 0"});
   }
   return mesh;
 }

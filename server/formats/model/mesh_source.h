@@ -11,30 +11,31 @@
 
 namespace kerf {
 
-/// A part of a surface that fits into memory. Parts of one surface meet in positions of equal bits.
+/// A part of a surface that fits into memory. Adjacent parts have bit-identical positions on their
+/// common border.
 struct MeshPiece {
   std::vector<std::array<float, 3>> positions_mm;   ///< relative to MeshSource::origin_mm
   std::vector<std::array<float, 3>> normals;        ///< unit, outward; one per position
-  std::vector<std::array<std::uint8_t, 3>> colors;  ///< sRGB; one per position, or none at all
-  std::vector<float> deviations_mm;                 ///< one per position, or none at all
+  std::vector<std::array<std::uint8_t, 3>> colors;  ///< sRGB; one per position, or empty
+  std::vector<float> deviations_mm;                 ///< one per position, or empty
   std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise seen from outside
 };
 
-/// A closed surface, handed out piece by piece, so that writing it needs no memory for the whole.
+/// A closed surface read piece by piece, so that writers do not hold all of it in memory.
 class MeshSource {
  public:
   virtual ~MeshSource() = default;
-  /// Where position (0, 0, 0) lies in the scene, mm.
+  /// Returns the scene coordinates of position (0, 0, 0), mm.
   virtual Vec3 origin_mm() const = 0;
-  /// Bounds of the surface, relative to the origin; no position lies outside.
+  /// Returns the upper bounds of all positions, relative to the origin; the lower bounds are >= 0.
   virtual Vec3 size_mm() const = 0;
-  /// Replaces `piece` by the next one, which may have no triangle. False at the end.
+  /// Replaces `piece` by the next one, which may be without triangles. Returns false at the end.
   virtual bool next(MeshPiece& piece) = 0;
-  /// How much has been handed out, 0 to 1.
+  /// Returns the fraction that has been read, 0 to 1.
   virtual double share() const = 0;
 };
 
-/// The surface of a snapshot, meshed tile by tile as it is asked for.
+/// The surface of a snapshot, meshed tile by tile on demand.
 class SnapshotMesh final : public MeshSource {
  public:
   explicit SnapshotMesh(SolidSnapshot snapshot) : snapshot_(std::move(snapshot)) {}

@@ -11,20 +11,20 @@
 
 namespace kerf {
 
-/// What the writers of the formats share; model_writer.cpp chooses among them.
+/// Arguments of a format's writer; model_writer.cpp selects the writer.
 struct ModelOutput {
   FileSink& sink;
-  const std::filesystem::path& path;  ///< of the sink; spools lie beside it
+  const std::filesystem::path& path;  ///< of the sink; temporary files are created beside it
   MeshSource& source;
   const ModelRequest& request;
 
-  /// The next piece; tells the one who waits how far it is.
+  /// Reads the next piece and reports the progress. Returns false at the end.
   bool next(MeshPiece& piece) const {
     if (!source.next(piece)) return false;
     if (request.progress) request.progress(source.share());
     return true;
   }
-  /// A position in the scene, as every format writes it.
+  /// Converts a position to scene coordinates.
   std::array<float, 3> in_scene(const std::array<float, 3>& p) const {
     const Vec3 o = source.origin_mm();
     return {static_cast<float>(o.x + static_cast<double>(p[0])),
@@ -53,7 +53,7 @@ inline void put_float(std::vector<std::byte>& out, float value) {
   put_u32(out, std::bit_cast<std::uint32_t>(value));
 }
 
-/// Appends the shortest decimal that reads back to the same float or number.
+/// Appends the shortest decimal text that parses to the same value.
 template <class T>
 void put_number(std::string& out, T value) {
   std::array<char, 24> digits;
@@ -61,10 +61,10 @@ void put_number(std::string& out, T value) {
   out.append(digits.data(), end);
 }
 
-/// The unit normal of a triangle, as its own corners give it; zero where they lie on a line.
+/// Returns the unit normal of a triangle; zero if its corners are collinear.
 std::array<float, 3> facet_normal(const std::array<std::array<float, 3>, 3>& corners);
 
-/// A name without control characters, so that it stays on its line.
+/// Returns the name without control characters.
 std::string one_line(std::string_view text);
 
 }  // namespace kerf

@@ -46,7 +46,7 @@ ModelResult write_format(const ModelOutput& output) {
     case ModelFormat::kObj:
       return write_obj(output);
   }
-  return model_error("there is no such format");
+  return model_error("unknown model format");
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace kerf {
 enum class ModelFormat : std::uint8_t { kStl, kGlb, k3mf, kPly, kObj };
 inline constexpr std::array kModelFormats{ModelFormat::kStl, ModelFormat::kGlb, ModelFormat::k3mf,
                                           ModelFormat::kPly, ModelFormat::kObj};
-/// How a format is written; each format has the ones that model_encodings names.
+/// Encoding of a format; model_encodings() lists those of each format.
 enum class ModelEncoding : std::uint8_t {
   kBinary,     ///< STL, PLY
   kAscii,      ///< STL, OBJ
@@ -27,20 +27,20 @@ enum class ModelEncoding : std::uint8_t {
   kXml         ///< 3MF
 };
 
-/// The extension without a dot, "stl", "glb", "3mf", "ply", "obj"; also what the format is called.
+/// Returns the name of the format, which is its file extension: "stl", "glb", "3mf", "ply", "obj".
 const char* to_string(ModelFormat format);
 /// "binary", "ascii", "float", "quantized", "meshopt", "xml".
 const char* to_string(ModelEncoding encoding);
-/// What HTTP calls the format, e.g. "model/stl".
+/// Returns the media type of the format, e.g. "model/stl".
 const char* media_type(ModelFormat format);
-/// The format of that name; none if there is none.
+/// Returns the format of a name; empty if unknown.
 std::optional<ModelFormat> model_format(std::string_view name);
-/// The encodings of a format; the first one is the default.
+/// Returns the encodings of a format; the first is the default.
 std::span<const ModelEncoding> model_encodings(ModelFormat format);
-/// The encoding of that name, if the format has it.
+/// Returns the encoding of a name; empty if the format does not have it.
 std::optional<ModelEncoding> model_encoding(ModelFormat format, std::string_view name);
 
-/// Called now and then with the share of the work done, 0 to 1; may be empty.
+/// Receives the fraction of the work done, 0 to 1, from time to time; may be empty.
 using ModelProgress = std::function<void(double)>;
 
 struct ModelError {
@@ -53,14 +53,14 @@ struct ModelSummary {
 struct ModelRequest {
   ModelFormat format = ModelFormat::kStl;
   ModelEncoding encoding = ModelEncoding::kBinary;
-  std::string title = {};  ///< the scene's name, as the file will call the model
+  std::string title = {};  ///< name of the model in the file
   ModelProgress progress = {};
 };
 
-/// Writes a surface into a file: coordinates are the scene's, mm (in GLB below the root node, see
-/// README.md). Needs memory for one piece of the source, the seams of a row of pieces and, for GLB,
-/// one group of at most 65,535 vertices; what a format wants at its end waits in a nameless file
-/// beside it. Equal sources give equal bytes. On an error no file is left behind.
+/// Writes a surface to a file in scene coordinates, mm (for GLB below the root node, see
+/// README.md). Holds one piece of the source in memory, the seams of a row of pieces and, for GLB,
+/// one group of at most 65,535 vertices; data for the end of the file is spooled to an unnamed file
+/// beside it. Equal sources give equal bytes. On error no file is left behind.
 std::expected<ModelSummary, ModelError> write_model(const std::filesystem::path& path,
                                                     MeshSource& source,
                                                     const ModelRequest& request);

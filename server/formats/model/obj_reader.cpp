@@ -6,8 +6,8 @@
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/model/text_words.h"
 
-// Wavefront OBJ, as its specification of 1995 has it: the statements that make a surface of
-// polygons. What else may stand in a file is known by name and passed over.
+// Reads the polygon statements of Wavefront OBJ (specification of 1995). Other statements are known
+// by name and skipped.
 
 namespace kerf {
 namespace {
@@ -33,11 +33,11 @@ class ObjReader {
       } else if (std::ranges::find(kPassedOver, word) != std::end(kPassedOver)) {
         words_.skip_line();
       } else {
-        fail(MeshFileErrorCode::kSyntax, quoted(word) + " is not a statement of OBJ polygons");
+        fail(MeshFileErrorCode::kSyntax, quoted(word) + " is not a statement of polygonal OBJ");
       }
     }
     if (!error_ && mesh_.triangles.empty()) {
-      fail(MeshFileErrorCode::kEmpty, "the file holds no face");
+      fail(MeshFileErrorCode::kEmpty, "the file contains no face");
     }
     if (error_) return std::unexpected(*error_);
     return std::move(mesh_);
@@ -45,8 +45,8 @@ class ObjReader {
 
  private:
   static std::string quoted(std::string_view word) {
-    constexpr std::size_t kShownMax = 40;
-    return '"' + std::string(word.substr(0, kShownMax)) + '"';
+    constexpr std::size_t kQuotedMax = 40;
+    return '"' + std::string(word.substr(0, kQuotedMax)) + '"';
   }
 
   void read_vertex() {
@@ -55,7 +55,7 @@ class ObjReader {
       const std::string_view word = words_.next_in_line();
       const auto number = word_number<double>(word);
       if (!number) {
-        fail(MeshFileErrorCode::kSyntax, quoted(word) + " where a coordinate should stand");
+        fail(MeshFileErrorCode::kSyntax, quoted(word) + " instead of a coordinate");
         return;
       }
       if (!std::isfinite(*number)) {
@@ -64,7 +64,7 @@ class ObjReader {
       }
       c = *number;
     }
-    words_.skip_line();  // a weight or a colour
+    words_.skip_line();  // a weight or a color
     mesh_.vertices_mm.push_back({p[0], p[1], p[2]});
   }
 
@@ -82,25 +82,26 @@ class ObjReader {
     for (std::size_t c = 2; c < corners.size(); ++c) {
       if (mesh_.triangles.size() == triangles_max_) {
         fail(MeshFileErrorCode::kTooLarge,
-             "more than " + std::to_string(triangles_max_) + " triangles");
+             "the file has more than " + std::to_string(triangles_max_) + " triangles, the limit");
         return;
       }
       mesh_.triangles.push_back({corners[0], corners[c - 1], corners[c]});
     }
   }
 
-  /// "7", "7/1", "7/1/2", "7//2"; negative ones count back from the newest vertex.
+  /// Parses "7", "7/1", "7/1/2" or "7//2"; negative numbers count back from the newest vertex.
   std::optional<std::uint32_t> read_corner(std::string_view word) {
     const auto number = word_number<std::int64_t>(word.substr(0, word.find('/')));
     if (!number) {
-      fail(MeshFileErrorCode::kSyntax, quoted(word) + " where a vertex number should stand");
+      fail(MeshFileErrorCode::kSyntax, quoted(word) + " instead of a vertex number");
       return std::nullopt;
     }
     const auto count = static_cast<std::int64_t>(mesh_.vertices_mm.size());
     const std::int64_t index = *number < 0 ? count + *number : *number - 1;
     if (index < 0 || index >= count || *number == 0) {
-      fail(MeshFileErrorCode::kBadIndex,
-           "there is no vertex " + std::to_string(*number) + " among " + std::to_string(count));
+      fail(MeshFileErrorCode::kBadIndex, "vertex number " + std::to_string(*number) +
+                                             " is out of range: " + std::to_string(count) +
+                                             " vertices are defined");
       return std::nullopt;
     }
     return static_cast<std::uint32_t>(index);

@@ -15,8 +15,8 @@ void put(std::string& out, std::string_view before, const std::array<float, 3>& 
 
 }  // namespace
 
-// Positions are shared, so that the surface is closed by its indices; normals have numbers of their
-// own, so that creases stay sharp. Colours stand behind the coordinates, as most readers take them.
+// Positions are shared, so that the indices form a closed surface; normals have separate indices,
+// so that creases stay sharp. Colors follow the coordinates, the form that most readers accept.
 ModelResult write_obj(const ModelOutput& output) {
   const std::string name = one_line(output.request.title);
   output.sink.write("# " + name + "\n# written by Kerf; mm, Z up\no " + name + "\n");

@@ -9,9 +9,9 @@
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/model/text_words.h"
 
-// PLY 1.0 (Turk, The PLY polygon file format, 1994): a header that names elements and their
-// properties, then the elements as text or binary numbers. Everything that the header announces is
-// read; x, y, z of `vertex` and the list of `face` are kept.
+// Reads PLY 1.0 (Turk, The PLY polygon file format, 1994): a header that lists elements and their
+// properties, then the elements as text or binary numbers. All announced elements are parsed; x, y,
+// z of `vertex` and the list of `face` are kept.
 
 namespace kerf {
 namespace {
@@ -54,11 +54,11 @@ class PlyReader {
       if (!error_) read_element(element);
     }
     if (!error_ && mesh_.triangles.empty()) {
-      fail(MeshFileErrorCode::kEmpty, "the file holds no face");
+      fail(MeshFileErrorCode::kEmpty, "the file contains no face");
     }
     if (!error_ && encoding_ != Encoding::kAscii && at_ < text_.size()) {
       fail(MeshFileErrorCode::kCountMismatch,
-           std::to_string(text_.size() - at_) + " bytes stand behind the last element");
+           std::to_string(text_.size() - at_) + " bytes follow the last element");
     }
     if (error_) return std::unexpected(*error_);
     return std::move(mesh_);
@@ -68,7 +68,8 @@ class PlyReader {
   void read_header() {
     const std::size_t end = text_.substr(0, kHeaderBytesMax).find("end_header");
     if (!text_.starts_with("ply") || end == text_.npos) {
-      fail(MeshFileErrorCode::kSyntax, "a PLY file begins with ply and has an end_header");
+      fail(MeshFileErrorCode::kSyntax,
+           "a PLY file begins with 'ply' and its header ends with 'end_header'");
       return;
     }
     words_.skip_line();
@@ -87,7 +88,7 @@ class PlyReader {
       } else if (word == "comment" || word == "obj_info") {
         words_.skip_line();
       } else {
-        fail_line('"' + std::string(word.substr(0, 40)) + "\" is no header line");
+        fail_line('"' + std::string(word.substr(0, 40)) + "\" is not a header statement");
       }
     }
     at_ = words_.position();
@@ -105,7 +106,7 @@ class PlyReader {
       encoding_ = Encoding::kBig;
     } else {
       fail(MeshFileErrorCode::kUnsupported,
-           "the format is none of ascii, binary_little_endian and "
+           "the format must be ascii, binary_little_endian or "
            "binary_big_endian");
     }
     words_.skip_line();
@@ -174,7 +175,7 @@ class PlyReader {
     const double announced = number(*property.count_type);
     if (error_) return;
     if (!(announced >= 0 && announced <= double(kListMax))) {
-      fail(MeshFileErrorCode::kSyntax, place_ + " has a list of impossible length");
+      fail(MeshFileErrorCode::kSyntax, place_ + " has a list of invalid length");
       return;
     }
     const bool corners =
@@ -190,14 +191,14 @@ class PlyReader {
     const auto count = static_cast<double>(mesh_.vertices_mm.size());
     for (const double corner : list_) {
       if (!(corner >= 0 && corner < count && corner == std::floor(corner))) {
-        fail(MeshFileErrorCode::kBadIndex, place_ + " has a corner that is no vertex");
+        fail(MeshFileErrorCode::kBadIndex, place_ + " has a vertex index out of range");
         return;
       }
     }
     for (std::size_t c = 2; c < list_.size(); ++c) {
       if (mesh_.triangles.size() == triangles_max_) {
         fail(MeshFileErrorCode::kTooLarge,
-             "more than " + std::to_string(triangles_max_) + " triangles");
+             "the file has more than " + std::to_string(triangles_max_) + " triangles, the limit");
         return;
       }
       mesh_.triangles.push_back(
@@ -214,8 +215,9 @@ class PlyReader {
     const auto value = word_number<double>(word);
     if (!value) {
       fail(word.empty() ? MeshFileErrorCode::kTruncated : MeshFileErrorCode::kSyntax,
-           place_ + (word.empty() ? ": the file ends here"
-                                  : ": \"" + std::string(word.substr(0, 40)) + "\" is no number"));
+           place_ + (word.empty()
+                         ? ": the file ends here"
+                         : ": \"" + std::string(word.substr(0, 40)) + "\" is not a number"));
     }
     return value.value_or(0);
   }

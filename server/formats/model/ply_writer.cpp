@@ -7,7 +7,7 @@
 namespace kerf {
 namespace {
 
-// The header is written anew once the numbers are known, so it has the same length for all of them.
+// The header is rewritten once the counts are known; it has the same length for all counts.
 constexpr std::size_t kCountDigits = 20;
 
 std::string make_header(const std::string& title, const MeshPiece& like,
@@ -48,7 +48,7 @@ ModelResult write_ply(const ModelOutput& output) {
   SpoolFile faces(output.path);
   bool more = output.next(piece);
   const std::string header = make_header(title, piece, summary);
-  MeshPiece like;  // tells which properties there are, after the last piece too
+  MeshPiece like;  // the piece that determines the properties
   like.colors.resize(piece.colors.empty() ? 0 : 1);
   like.deviations_mm.resize(piece.deviations_mm.empty() ? 0 : 1);
   output.sink.write(header);
@@ -63,7 +63,7 @@ ModelResult write_ply(const ModelOutput& output) {
   }
   summary.vertices = welder.vertices();
   if (summary.vertices > INT32_MAX) {
-    return model_error("the surface has more vertices than a PLY face can name");
+    return model_error("the surface has more vertices than a PLY face can index (2^31)");
   }
   const bool whole = faces.read_all([&](std::span<const std::byte> chunk) {
     bytes.clear();
@@ -74,7 +74,7 @@ ModelResult write_ply(const ModelOutput& output) {
     }
     output.sink.write(bytes);
   });
-  if (!whole) return model_error("the disk is full or broken");
+  if (!whole) return model_error("writing the temporary file failed; is the disk full?");
   const std::string counted = make_header(title, like, summary);
   output.sink.patch(0, std::as_bytes(std::span(counted)));
   return summary;

@@ -17,17 +17,18 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using Triangles = std::vector<Triangle>;
 
-/// Rounds of keeping what a collapse would have spoilt; each keeps more around it than the last.
+/// Rounds that protect the surroundings of invalid collapses; each protects a larger neighborhood.
 constexpr int kRoundsMax = 20;
-/// Rounds of collapsing the worst places less where only the number of triangles is given.
+/// Rounds that reduce collapsing at the worst places if only the number of triangles is given.
 constexpr int kBudgetRounds = 6;
-/// Where more of the vertices than this are beyond the bound, less is collapsed everywhere.
+/// If a larger fraction of the vertices exceeds the bound, collapsing is reduced everywhere.
 constexpr double kSpoiltShareMax = 0.002;
-/// But not less than this share of the bound: a rough surface has such places all over.
+/// Lower limit of that reduction, as a fraction of the bound: rough surfaces have such places
+/// everywhere.
 constexpr double kEstimateShareMin = 0.05;
 
-/// Triangles that are on top of each other and look away from each other enclose nothing: both go,
-/// and what is around them still closes.
+/// Drops pairs of coincident triangles of opposite orientation, which enclose nothing; the surface
+/// stays closed.
 void cancel_opposites(Triangles& triangles) {
   const auto key = [](const Triangle& t) {
     Triangle sorted = t;
@@ -53,7 +54,7 @@ void cancel_opposites(Triangles& triangles) {
   triangles = std::move(kept);
 }
 
-/// Collapses edges, looks at what came of it, and does it again without those that spoilt it.
+/// Collapses edges, checks the result, and repeats without the collapses that made it invalid.
 class Simplifier {
  public:
   explicit Simplifier(const IndexedMesh& exact)
@@ -66,9 +67,10 @@ class Simplifier {
   std::expected<SimplifiedMesh, ModelError> run(const SimplifyRequest& request,
                                                 const ModelProgress& progress) {
     const std::size_t target = request.triangles.value_or(0);
-    // Without a bound the worst places are collapsed less, as long as that helps.
+    // Without a bound, collapsing is reduced at the worst places as long as the error decreases.
     double bound_mm = request.error_mm.value_or(INFINITY);
-    double estimate_mm = bound_mm;  // what meshoptimizer may estimate; a mean, not a maximum
+    double estimate_mm =
+        bound_mm;  // limit of meshoptimizer's estimate, which is a mean and not a maximum
     std::optional<SimplifiedMesh> best;
     int rounds = request.error_mm ? kRoundsMax : kBudgetRounds;
     for (int round = 0; round < rounds; ++round) {
@@ -104,7 +106,7 @@ class Simplifier {
     if (best) return *std::move(best);
     if (request.error_mm) return SimplifiedMesh{exact_, 0, 0};
     return std::unexpected(
-        ModelError{"the surface cannot be simplified so far and stay a closed manifold"});
+        ModelError{"the surface cannot be simplified that far and stay a closed manifold"});
   }
 
  private:
@@ -123,7 +125,7 @@ class Simplifier {
       (kept_[t[0]] && kept_[t[1]] && kept_[t[2]] ? kept : free).push_back(t);
     }
     if (!free.empty()) {
-      // Without a bound, as far as the whole model: then only the number of triangles counts.
+      // Without a bound the size of the model is the limit: only the number of triangles counts.
       const double relative = std::min(error_mm / scale_, 1e6);
       const std::size_t goal = target > kept.size() ? target - kept.size() : 0;
       Triangles out(free.size());
@@ -140,15 +142,15 @@ class Simplifier {
   }
 
   struct Measured {
-    double error_mm = 0;                ///< the greatest distance between the two surfaces
-    std::vector<std::uint32_t> beyond;  ///< vertices beside which it exceeds the bound
+    double error_mm = 0;                ///< greatest distance between the two surfaces
+    std::vector<std::uint32_t> beyond;  ///< vertices next to which it exceeds the bound
   };
   Measured measure(const IndexedMesh& result, double bound_mm) const {
     Measured measured;
     if (result.triangles.empty()) {
       measured.error_mm = INFINITY;
       measured.beyond.assign(kept_.size(), 0);
-      return measured;  // nothing is left: less must be collapsed
+      return measured;  // no triangle is left
     }
     const MeshDistance to_result(result);
     std::uint32_t near = 0;
@@ -172,7 +174,7 @@ class Simplifier {
     return measured;
   }
 
-  /// Leaves out vertices that no triangle uses.
+  /// Drops unused vertices.
   static IndexedMesh compact(const IndexedMesh& mesh) {
     IndexedMesh out{mesh.origin_mm, {}, mesh.triangles};
     std::vector<std::uint32_t> number(mesh.positions_mm.size(), UINT32_MAX);
@@ -199,7 +201,7 @@ std::unexpected<ModelError> budget_missed(const SimplifyRequest& request, std::s
       request.error_mm ? " within " + significant_text(*request.error_mm, 6) + " mm" : "";
   return std::unexpected(ModelError{"the surface needs " + std::to_string(reached) + " triangles" +
                                     bound + ", more than the " +
-                                    std::to_string(*request.triangles) + " asked for"});
+                                    std::to_string(*request.triangles) + " requested"});
 }
 
 }  // namespace

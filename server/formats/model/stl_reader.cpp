@@ -32,8 +32,7 @@ double get_float(const std::byte* at) {
 }
 
 std::string too_many(std::uint64_t facets, std::uint64_t facets_max) {
-  return std::to_string(facets) + " facets; at most " + std::to_string(facets_max) +
-         " are accepted";
+  return std::to_string(facets) + " facets; the limit is " + std::to_string(facets_max);
 }
 
 Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
@@ -43,7 +42,7 @@ Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
                                                     " bytes; a binary STL has a header of 84");
   }
   const std::uint64_t facets = get_u32(bytes.data() + 80);
-  if (facets == 0) return error(MeshFileErrorCode::kEmpty, "the file holds no facet");
+  if (facets == 0) return error(MeshFileErrorCode::kEmpty, "the file contains no facet");
   if (facets > facets_max) return error(MeshFileErrorCode::kTooLarge, too_many(facets, facets_max));
   if (bytes.size() != stl_file_bytes(facets)) {
     const bool shorter = bytes.size() < stl_file_bytes(facets);
@@ -67,7 +66,7 @@ Result read_binary(std::span<const std::byte> bytes, std::uint64_t facets_max) {
   return triangles;
 }
 
-/// Reads statement by statement; the first error stops it.
+/// Parses statement by statement and stops at the first error.
 class AsciiReader {
  public:
   AsciiReader(std::string_view text, std::uint64_t facets_max)
@@ -87,7 +86,8 @@ class AsciiReader {
       }
     }
     if (!error_ && inside_) fail(MeshFileErrorCode::kTruncated, "the file ends without endsolid");
-    if (!error_ && triangles_.empty()) fail(MeshFileErrorCode::kEmpty, "the file holds no facet");
+    if (!error_ && triangles_.empty())
+      fail(MeshFileErrorCode::kEmpty, "the file contains no facet");
     if (error_) return std::unexpected(*error_);
     return std::move(triangles_);
   }
@@ -99,7 +99,7 @@ class AsciiReader {
       return;
     }
     expect("normal");
-    // Normals are ignored, and exporters write nan for those of degenerate facets.
+    // Normals are ignored; exporters write nan for those of degenerate facets.
     for (int n = 0; n < 3 && !error_; ++n) words_.next();
     expect("outer");
     expect("loop");
@@ -115,10 +115,10 @@ class AsciiReader {
     if (!error_) triangles_.push_back(triangle);
   }
 
-  void expect(std::string_view wanted) {
+  void expect(std::string_view expected) {
     if (error_) return;
     const std::string_view word = words_.next();
-    if (!equal_ignoring_case(word, wanted)) fail_at(word, wanted);
+    if (!equal_ignoring_case(word, expected)) fail_at(word, expected);
   }
 
   double number() {
@@ -133,16 +133,15 @@ class AsciiReader {
     return value.value_or(0);
   }
 
-  void fail_at(std::string_view word, std::string_view wanted) {
+  void fail_at(std::string_view word, std::string_view expected) {
     if (word.empty()) {
-      fail(MeshFileErrorCode::kTruncated,
-           "the file ends where " + std::string(wanted) + " should stand");
+      fail(MeshFileErrorCode::kTruncated, "the file ends before " + std::string(expected));
       return;
     }
-    constexpr std::size_t kShownMax = 40;
+    constexpr std::size_t kQuotedMax = 40;
     std::string reason = "\"";
-    reason.append(word.substr(0, kShownMax)).append("\" where ").append(wanted);
-    fail(MeshFileErrorCode::kSyntax, reason.append(" should stand"));
+    reason.append(word.substr(0, kQuotedMax)).append("\" instead of ").append(expected);
+    fail(MeshFileErrorCode::kSyntax, reason);
   }
 
   void fail(MeshFileErrorCode code, const std::string& reason) {

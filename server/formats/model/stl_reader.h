@@ -16,16 +16,16 @@ namespace kerf {
 /// Corners in mm, counter-clockwise seen from outside.
 using StlTriangle = std::array<Vec3, 3>;
 
-/// Most facets that read_stl accepts unless told otherwise.
+/// Default limit of facets.
 inline constexpr std::uint64_t kStlFacetsMax = 20'000'000;
 
-/// Reads a binary or an ASCII STL. Facet normals are ignored (they are often wrong): the order of
-/// the corners decides. A file that starts with "solid" is still read as binary when its length is
-/// exactly what its facet count says.
+/// Reads a binary or ASCII STL file. Facet normals are ignored, because they are often wrong; the
+/// order of the corners defines the orientation. A file that begins with "solid" is read as binary
+/// if its length equals the length given by its facet count.
 std::expected<std::vector<StlTriangle>, MeshFileError> read_stl(
     std::span<const std::byte> bytes, std::uint64_t facets_max = kStlFacetsMax);
 
-/// Bytes of a binary STL file with this many facets.
+/// Returns the size of a binary STL file with this many facets, bytes.
 constexpr std::uint64_t stl_file_bytes(std::uint64_t facets) { return 84 + 50 * facets; }
 
 }  // namespace kerf

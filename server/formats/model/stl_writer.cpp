@@ -9,7 +9,8 @@ namespace {
 constexpr std::size_t kTitleBytes = 80;
 
 std::vector<std::byte> make_header(std::string_view title) {
-  // Readers take a file that starts with "solid" for ASCII; the scene's name may well do so.
+  // The text does not begin with the scene's name: a file that begins with "solid" is read as
+  // ASCII.
   std::string text = "Kerf STL, mm: " + one_line(title);
   text.resize(kTitleBytes, ' ');
   std::vector<std::byte> header(kTitleBytes);
@@ -27,7 +28,7 @@ std::array<std::array<float, 3>, 3> corners_of(const ModelOutput& output, const 
   return corners;
 }
 
-/// The facet normal is that of the triangle, as the format asks, not a shading normal.
+/// Returns the geometric normal of the triangle, as the format requires, not a shading normal.
 std::array<float, 3> normal_of(const MeshPiece& piece, std::size_t first) {
   const auto& p = piece.positions_mm;
   const auto& i = piece.indices;
@@ -63,7 +64,7 @@ ModelResult write_stl(const ModelOutput& output) {
     summary.triangles += piece.indices.size() / 3;
   }
   if (summary.triangles > UINT32_MAX) {
-    return model_error("the surface has more facets than an STL file can count");
+    return model_error("the surface has more facets than an STL file can count (2^32)");
   }
   std::vector<std::byte> count;
   put_u32(count, static_cast<std::uint32_t>(summary.triangles));

@@ -15,12 +15,12 @@ class TextWords {
   explicit TextWords(std::string_view text) : text_(text) {}
   std::size_t line() const { return line_; }
   std::size_t position() const { return at_; }
-  /// The next word; empty at the end.
+  /// Returns the next word; empty at the end.
   std::string_view next() {
     skip(true);
     return take();
   }
-  /// The next word of this line; empty at its end.
+  /// Returns the next word of this line; empty at its end.
   std::string_view next_in_line() {
     skip(false);
     return take();
@@ -45,7 +45,7 @@ class TextWords {
   std::size_t at_ = 0, line_ = 1;
 };
 
-/// A number that is the whole word, perhaps with a + before it.
+/// Parses a word as a number with an optional leading +; empty if any character is left over.
 template <class T>
 std::optional<T> word_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);

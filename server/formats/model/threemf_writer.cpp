@@ -7,16 +7,16 @@
 #include "server/formats/model/model_parts.h"
 #include "server/formats/model/vertex_welder.h"
 
-// 3D Manufacturing Format, core specification 1.2: a package of three parts, of which one is the
-// model. zlib's minizip packs it; the parts are produced from front to back.
+// Writes the 3D Manufacturing Format, core specification 1.2: a package of three parts, one of
+// which is the model, compressed by zlib's minizip and produced from front to back.
 
 namespace kerf {
 namespace {
 
-// Text of coordinates shrinks to a third at any level; higher levels take several times as long.
+// Coordinates as text compress to a third at any level; higher levels take several times as long.
 constexpr int kDeflateLevel = 2;
 
-/// Lets minizip write into a FileSink: it appends, and goes back once per part for its length.
+/// Connects minizip to a FileSink: it appends, and seeks back once per part to write its length.
 struct ZipTarget {
   FileSink& sink;
   std::uint64_t at = 0;
@@ -133,7 +133,7 @@ constexpr std::string_view kRelations =
     "<Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" "
     "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>\n";
 
-/// Vertices go into the package at once, triangles wait in the spool.
+/// Writes vertices directly and spools triangles.
 ModelResult write_vertices(const ModelOutput& output, Package& package, SpoolFile& triangles) {
   VertexWelder welder;
   ModelSummary summary;
@@ -151,7 +151,7 @@ ModelResult write_vertices(const ModelOutput& output, Package& package, SpoolFil
     summary.triangles += piece.indices.size() / 3;
   }
   summary.vertices = welder.vertices();
-  // The specification lets an index have 31 bits.
+  // The specification limits indices to 31 bits.
   if (summary.vertices > INT32_MAX) return model_error("the surface has more than 2^31 vertices");
   return summary;
 }
@@ -194,13 +194,13 @@ ModelResult write_3mf(const ModelOutput& output) {
   if (!summary) return summary;
   const bool some = summary->triangles > 0;
   if (some && !write_triangles(package, triangles)) {
-    return model_error("the disk is full or broken");
+    return model_error("writing the temporary file failed; is the disk full?");
   }
   package.write("</resources>\n<build>");
   if (some) package.write("<item objectid=\"1\"/>");
   package.write("</build>\n</model>\n");
   package.end();
-  if (!package.close()) return model_error("the package cannot be written, or exceeds 4 GiB");
+  if (!package.close()) return model_error("the package cannot be written or exceeds 4 GiB");
   return summary;
 }
 

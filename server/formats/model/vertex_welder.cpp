@@ -6,8 +6,8 @@
 namespace kerf {
 namespace {
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators,
-/// 2014): sums of its values cancel only where the numbers do.
+/// The finalizer of SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators,
+/// 2014): sums of its values cancel only if the numbers do.
 std::uint64_t mixed(std::uint64_t n) {
   n += 0x9E3779B97F4A7C15U;
   n = (n ^ (n >> 30U)) * 0xBF58476D1CE4E5B9U;
@@ -39,7 +39,7 @@ const VertexWelder::Welded& VertexWelder::weld(const MeshPiece& piece) {
     }
     vertex_of_.push_back(&place->second);
   }
-  // Around a vertex whose fan is closed, every neighbour is the next corner of one triangle and the
+  // Around a vertex with a closed fan every neighbor is the next corner of one triangle and the
   // previous corner of another.
   for (std::size_t t = 0; t + 2 < piece.indices.size(); t += 3) {
     std::array<Vertex*, 3> corner{};

@@ -10,23 +10,22 @@
 
 namespace kerf {
 
-/// Gives the pieces of a surface common vertex numbers: positions of equal bits are one vertex,
-/// whichever piece they stand in and however many normals they have there. A vertex is forgotten as
-/// soon as its fan of triangles is closed, so only the seams towards pieces that are still to come
-/// are in memory.
+/// Assigns common vertex numbers across the pieces of a surface: positions with equal bits are one
+/// vertex, regardless of piece and normals. A vertex is forgotten when its fan of triangles is
+/// closed, so that only the seams toward later pieces are in memory.
 class VertexWelder {
  public:
   struct Welded {
-    std::vector<std::uint32_t> fresh;    ///< positions of the piece that are new vertices, in order
+    std::vector<std::uint32_t>
+        fresh;  ///< indices of positions in the piece that are new vertices, in order
     std::vector<std::uint32_t> indices;  ///< of the whole model; three per triangle
   };
   /// The result is valid until the next call.
   const Welded& weld(const MeshPiece& piece);
-  /// So many vertices have been numbered, from 0 on. What lies beyond 32 bits cannot be counted:
-  /// see overflowed().
+  /// Returns the number of vertices so far. Indices have 32 bits: see overflowed().
   std::uint64_t vertices() const { return vertices_; }
   bool overflowed() const { return vertices_ > UINT32_MAX; }
-  /// Vertices that are remembered at the moment.
+  /// Returns the number of vertices in memory.
   std::size_t remembered() const { return open_.size(); }
 
  private:
@@ -36,7 +35,7 @@ class VertexWelder {
   };
   struct Vertex {
     std::uint32_t number;
-    std::uint64_t fan;  ///< 0 when each neighbour came as often before as behind it
+    std::uint64_t fan;  ///< 0 if each neighbor came as often before as after it
   };
   std::unordered_map<Position, Vertex, PositionHash> open_;
   std::vector<Vertex*> vertex_of_;

@@ -10,7 +10,7 @@ namespace {
 
 class FigureInStock : public ::testing::TestWithParam<StockBox> {};
 
-TEST_P(FigureInStock, CutsInsideTheBlockAndTravelsAboveIt) {
+TEST_P(FigureInStock, CutsInsideAndMovesAboveTheBlock) {
   const StockBox stock = GetParam();
   const Vec3 size = stock.max_mm - stock.min_mm;
   const PoseScript script = make_carving_figure(stock, 3);
@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(CarvingFigure, FigureInStock,
                                            StockBox{{0, 0, 0}, {400, 30, 12}},
                                            StockBox{{100, 100, 5}, {104, 104, 6}}));
 
-TEST(CarvingFigure, TwoHandsDrawDifferentFigures) {
+TEST(CarvingFigure, VariantsDiffer) {
   const StockBox stock{{0, 0, 0}, {100, 100, 50}};
   const PoseScript one = make_carving_figure(stock, 1);
   const PoseScript two = make_carving_figure(stock, 2);
@@ -48,7 +48,7 @@ TEST(CarvingFigure, TwoHandsDrawDifferentFigures) {
   EXPECT_EQ(one, make_carving_figure(stock, 1));
 }
 
-TEST(CarvingFigure, LeansTheAxis) {
+TEST(CarvingFigure, TiltsTheAxis) {
   double most = 0;
   for (const TimedPose& pose : make_carving_figure({{0, 0, 0}, {100, 100, 50}}, 0)) {
     most = std::max(most, std::acos(pose.axis.z));

@@ -9,7 +9,7 @@
 namespace kerf::agent {
 namespace {
 
-TEST(DeviceChoice, SimAloneBringsItsOwnFigure) {
+TEST(DeviceChoice, SimWithoutFileUsesTheCarvingFigure) {
   const auto choice = choose_device("sim");
   ASSERT_TRUE(choice);
   EXPECT_FALSE(choice->script);
@@ -17,7 +17,7 @@ TEST(DeviceChoice, SimAloneBringsItsOwnFigure) {
   EXPECT_EQ(device->capabilities().actuated_dof, 5);
 }
 
-TEST(DeviceChoice, AFileMakesAHandOrAReplay) {
+TEST(DeviceChoice, FileIsPlayedBySimOrReplay) {
   const auto path = std::filesystem::temp_directory_path() / "kerf_agent_choice.apt";
   std::ofstream(path) << "FEDRAT/60\nGOTO/0,0,0\nGOTO/1,0,0\n";
   const auto hand = choose_device("sim:" + path.string());
@@ -28,14 +28,14 @@ TEST(DeviceChoice, AFileMakesAHandOrAReplay) {
   std::filesystem::remove(path);
 }
 
-TEST(DeviceChoice, UsbDevicesAreChosenByTheirWord) {
+TEST(DeviceChoice, UsbDevicesAreChosenByName) {
   EXPECT_EQ(choose_device("usb")->kind, DeviceKind::kReference);
   EXPECT_EQ(choose_device("falcon")->kind, DeviceKind::kFalcon);
   EXPECT_EQ(choose_device("spacemouse")->kind, DeviceKind::kSpaceMouse);
   EXPECT_EQ(choose_device("usb:16c0:0486")->usb_id, (UsbId{0x16c0, 0x0486}));
 }
 
-TEST(DeviceChoice, AUsbDeviceThatIsNotThereIsWaitedFor) {
+TEST(DeviceChoice, MissingUsbDeviceIsClosed) {
   for (const char* name : {"usb", "falcon", "spacemouse"}) {
     const auto device = make_device(*choose_device(name), {}, {});
     const DeviceState state = device->read(1000);
@@ -44,7 +44,7 @@ TEST(DeviceChoice, AUsbDeviceThatIsNotThereIsWaitedFor) {
   }
 }
 
-TEST(DeviceChoice, WhatIsNoDeviceIsRejected) {
+TEST(DeviceChoice, InvalidTextIsRejected) {
   for (const char* name :
        {"", "joystick", "replay", "replay:", "sim:/no/such.apt", "sim:x.ngc", "usb:", "usb:1209",
         "usb:1209:", "usb:zz:1", "usb:11209:1", "falcon:/no/such", "spacemouse:1"}) {

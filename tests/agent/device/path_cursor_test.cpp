@@ -13,7 +13,7 @@ const PoseScript kCorner = {
     {.time_s = 6, .tip_mm = {10, 0, 0}, .axis = {0, 0, 1}, .cutting = true, .tool_id = 2},
     {.time_s = 8, .tip_mm = {10, 0, 0}, .axis = {1, 0, 0}, .cutting = false}};
 
-TEST(PathCursor, TheTipMovesStraightAndUniformly) {
+TEST(PathCursor, TipMovesLinearly) {
   PathCursor cursor(kCorner, false);
   const PathPoint point = cursor.at(0.25);
   EXPECT_EQ(point.tip_mm, (Vec3{2.5, 0, 0}));
@@ -22,7 +22,7 @@ TEST(PathCursor, TheTipMovesStraightAndUniformly) {
   EXPECT_EQ(point.tool_id, 2U);
 }
 
-TEST(PathCursor, TheAxisTurnsUniformlyOnTheGreatCircle) {
+TEST(PathCursor, AxisTurnsUniformlyOnAGreatCircle) {
   PathCursor cursor(kCorner, false);
   const PathPoint point = cursor.at(1.0 + 2.0 / 3.0);
   EXPECT_NEAR(point.axis.x, 0.5, 1e-12);
@@ -39,20 +39,20 @@ TEST(PathCursor, RestsAtTheEnd) {
   EXPECT_EQ(point.tip_mm_per_s, (Vec3{}));
 }
 
-TEST(PathCursor, AStepThatLeavesACutStillCuts) {
+TEST(PathCursor, StepLeavingACutCuts) {
   PathCursor cursor(kCorner, false);
   cursor.at(0.999);
   EXPECT_TRUE(cursor.at(1.001).cutting);
   EXPECT_FALSE(cursor.at(1.002).cutting);
 }
 
-TEST(PathCursor, SpeedShortensTime) {
+TEST(PathCursor, SpeedScalesTime) {
   PathCursor cursor(kCorner, false, 4.0);
   EXPECT_DOUBLE_EQ(cursor.duration_s(), 0.75);
   EXPECT_EQ(cursor.at(0.125).tip_mm, (Vec3{5, 0, 0}));
 }
 
-TEST(PathCursor, ALoopComesBackThroughTheAir) {
+TEST(PathCursor, LoopReturnsWithoutCutting) {
   PathCursor cursor(kCorner, true);
   const double lap_s = cursor.duration_s();
   EXPECT_GT(lap_s, 3.0);
@@ -66,7 +66,7 @@ TEST(PathCursor, ALoopComesBackThroughTheAir) {
   EXPECT_NEAR(cursor.at(7 * lap_s + 0.5).tip_mm.x, 5.0, 1e-9);
 }
 
-TEST(PathCursor, ASinglePoseIsAPathThatEndsAtOnce) {
+TEST(PathCursor, SinglePoseEndsImmediately) {
   PathCursor cursor({{.tip_mm = {1, 2, 3}}}, true);
   EXPECT_TRUE(cursor.at(0).at_end);
   EXPECT_EQ(cursor.at(10).tip_mm, (Vec3{1, 2, 3}));

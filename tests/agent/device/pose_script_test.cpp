@@ -30,7 +30,7 @@ TEST(AptScript, MovesAtTheProgrammedFeed) {
   EXPECT_DOUBLE_EQ(script[2].time_s - script[1].time_s, 3.0);
 }
 
-TEST(AptScript, RapidHoldsForOneMoveOnly) {
+TEST(AptScript, RapidAppliesToOneMove) {
   const auto script = apt("FEDRAT/60\nGOTO/0,0,0\nRAPID\nGOTO/100,0,0\nGOTO/101,0,0\n");
   ASSERT_EQ(script.size(), 3U);
   EXPECT_NEAR(script[1].time_s, 100.0 / kRapidMmPerS, 1e-12);
@@ -44,20 +44,20 @@ TEST(AptScript, ContinuationLinesAreJoined) {
   EXPECT_EQ(script[1].tip_mm, (Vec3{1, 0, 0}));
 }
 
-TEST(AptScript, ANewToolIsPlacedWithoutCutting) {
+TEST(AptScript, MoveAfterToolChangeDoesNotCut) {
   const auto script =
       apt("FEDRAT/60\nGOTO/0,0,0\nGOTO/1,0,0\nLOADTL/2\nGOTO/50,0,0\nGOTO/51,0,0\n");
   ASSERT_EQ(script.size(), 4U);
   EXPECT_FALSE(script[2].cutting);
   EXPECT_EQ(script[2].tool_id, 2U);
-  EXPECT_GT(script[2].time_s, script[1].time_s) << "the way there takes time";
+  EXPECT_GT(script[2].time_s, script[1].time_s) << "the move takes time";
   EXPECT_TRUE(script[3].cutting);
 }
 
-TEST(AptScript, APureTurnTakesTime) {
+TEST(AptScript, RotationTakesTime) {
   const auto script =
       apt("FEDRAT/60\nGOTO/0,0,0,0,0,1\nGOTO/0,0,0,1,0,0\nFINI\nGOTO/anything may follow\n");
-  EXPECT_NEAR(script[1].time_s, 90.0, 1e-9) << "a feed of 60 is a degree a second";
+  EXPECT_NEAR(script[1].time_s, 90.0, 1e-9) << "a feed of 60 is one degree per second";
 }
 
 struct BadText {
@@ -100,10 +100,10 @@ TEST(CsvScript, ReadsTheForcesFileOfACarving) {
   EXPECT_FALSE((*script)[0].cutting);
   EXPECT_TRUE((*script)[1].cutting);
   EXPECT_DOUBLE_EQ((*script)[1].time_s, 0.75);
-  EXPECT_EQ((*script)[1].axis, (Vec3{0, 0.6000000000000001, 0.8}));
+  EXPECT_EQ((*script)[1].axis, (Vec3{0, 0.6, 0.8}));
 }
 
-TEST(CsvScript, ColumnsMayStandInAnyOrderAndSayWhatCuts) {
+TEST(CsvScript, ColumnsInAnyOrderWithCutting) {
   const auto script = parse_csv_script("p.csv",
                                        "tool,cutting,k,j,i,z,y,x,t_s\n4,1,1,0,0,3,2,1,0\n"
                                        "4,0,1,0,0,3,2,1,1\n4,1,1,0,0,3,2,1,2\n");
@@ -131,10 +131,10 @@ INSTANTIATE_TEST_SUITE_P(
                       BadText{"t_s,x,y,z,i,j,k\n1,2,3\n", 2, "3 fields"},
                       BadText{"t_s,x,y,z,i,j,k\n1,2,inf,0,0,0,1\n", 2, "inf"},
                       BadText{"t_s,x,y,z,i,j,k\n1,2,3,0,0,0,0\n", 2, "length"},
-                      BadText{"t_s,x,y,z,i,j,k\n1,2,3,0,0,0,1\n0,2,3,0,0,0,1\n", 3, "back"},
+                      BadText{"t_s,x,y,z,i,j,k\n1,2,3,0,0,0,1\n0,2,3,0,0,0,1\n", 3, "decrease"},
                       BadText{"t_s,x,y,z,i,j,k,tool\n1,2,3,0,0,0,1,-1\n", 2, "tool"}));
 
-TEST(LoadScript, SaysWhatIsWrongWithAFile) {
+TEST(LoadScript, ReportsFileErrors) {
   EXPECT_NE(to_string(load_script("/no/such/file.apt").error()).find("cannot be read"),
             std::string::npos);
   const auto path = std::filesystem::temp_directory_path() / "kerf_agent_program.ngc";

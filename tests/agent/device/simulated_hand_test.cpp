@@ -15,7 +15,7 @@ namespace {
 const PoseScript kLine = {{.time_s = 0, .tip_mm = {0, 0, 0}, .cutting = false},
                           {.time_s = 1, .tip_mm = {50, 0, 0}, .cutting = true}};
 
-/// Lets the hand go on for a time at 1 kHz; before each tick it is given a wrench.
+/// Runs a device at 1 kHz for a time; writes a wrench before each tick.
 DeviceState run(HapticDevice& device, std::uint64_t from_us, double for_s,
                 const std::function<Wrench(const DeviceState&)>& wrench) {
   DeviceState state = device.read(from_us);
@@ -29,7 +29,7 @@ DeviceState run(HapticDevice& device, std::uint64_t from_us, double for_s,
 
 Wrench nothing(const DeviceState&) { return {}; }
 
-TEST(SimulatedHand, WithoutForceItStaysOnItsPath) {
+TEST(SimulatedHand, FollowsItsPathWithoutForce) {
   SimulatedHand hand(PathCursor(kLine, false), {});
   double worst_mm = 0;
   run(hand, 1000, 0.9, [&](const DeviceState& state) {
@@ -37,11 +37,11 @@ TEST(SimulatedHand, WithoutForceItStaysOnItsPath) {
     return Wrench{};
   });
   EXPECT_LT(worst_mm, 1e-9);
-  // The path sets off at full speed; a mass cannot, and has caught up long before the end.
+  // The path starts at full speed, which the mass reaches with a delay.
   EXPECT_NEAR(run(hand, 901'000, 0.05, nothing).tip_mm.x, 47.5, 0.05);
 }
 
-TEST(SimulatedHand, ForcePushesItOffItsPathByForceOverStiffness) {
+TEST(SimulatedHand, DeflectionIsForceOverStiffness) {
   const HandSettings settings{.stiffness_n_per_mm = 2.0};
   SimulatedHand hand(PathCursor(kLine, false), settings);
   const DeviceState state = run(hand, 1000, 0.8, [](const DeviceState&) {
@@ -51,31 +51,31 @@ TEST(SimulatedHand, ForcePushesItOffItsPathByForceOverStiffness) {
   EXPECT_GT(hand.max_deviation_mm(), 1.9);
 }
 
-TEST(SimulatedHand, StopTakesTheForceAwayUntilTheNextWrite) {
+TEST(SimulatedHand, StopClearsTheForceUntilTheNextWrite) {
   SimulatedHand hand(PathCursor(kLine, false), {});
   const Wrench push{.force_n = {0, 4, 0}, .torque_nmm = {}};
   std::uint64_t now_us = 1000;
-  const auto go_on_for = [&](int ticks) {
+  const auto advance = [&](int ticks) {
     DeviceState state;
     for (int i = 0; i < ticks; ++i) state = hand.read(now_us += 1000);
     return state;
   };
   hand.write(push);
-  EXPECT_NEAR(go_on_for(300).tip_mm.y, 2.0, 0.01);
+  EXPECT_NEAR(advance(300).tip_mm.y, 2.0, 0.01);
   hand.stop();
-  EXPECT_NEAR(go_on_for(300).tip_mm.y, 0.0, 0.01);
+  EXPECT_NEAR(advance(300).tip_mm.y, 0.0, 0.01);
   hand.write(push);
-  EXPECT_NEAR(go_on_for(300).tip_mm.y, 2.0, 0.01);
+  EXPECT_NEAR(advance(300).tip_mm.y, 2.0, 0.01);
 }
 
-TEST(SimulatedHand, AndAReplayAreAlwaysReady) {
+TEST(SimulatedHand, AndReplayAreAlwaysReady) {
   SimulatedHand hand(PathCursor(kLine, false), {});
   Replay replay(PathCursor(kLine, false));
   EXPECT_EQ(hand.read(0).phase, DevicePhase::kReady);
   EXPECT_EQ(replay.read(0).phase, DevicePhase::kReady);
 }
 
-TEST(SimulatedHand, ResistanceOfACutHoldsItBack) {
+TEST(SimulatedHand, ResistanceDelaysIt) {
   SimulatedHand free_hand(PathCursor(kLine, false), {});
   SimulatedHand cutting_hand(PathCursor(kLine, false), {});
   const DeviceState free_state = run(free_hand, 1000, 0.5, nothing);
@@ -85,18 +85,19 @@ TEST(SimulatedHand, ResistanceOfACutHoldsItBack) {
   EXPECT_NEAR(free_state.tip_mm.x - held.tip_mm.x, 3.0, 0.05);
 }
 
-TEST(SimulatedHand, TorqueTurnsTheToolAboutThePivot) {
+TEST(SimulatedHand, TorqueRotatesTheToolAboutThePivot) {
   const HandSettings settings{.turn_stiffness_nmm_per_rad = 1000, .pivot_mm = 60};
   SimulatedHand hand(PathCursor({{.tip_mm = {0, 0, 0}}, {.time_s = 10}}, false), settings);
   const DeviceState state = run(hand, 1000, 1.0, [](const DeviceState&) {
     return Wrench{.force_n = {}, .torque_nmm = {0, 100, 0}};
   });
   EXPECT_NEAR(std::asin(state.axis.x), std::asin(0.1), 1e-3);
-  EXPECT_NEAR(state.tip_mm.x, -6.0, 0.05) << "the pivot stays, so the tip swings the other way";
+  EXPECT_NEAR(state.tip_mm.x, -6.0, 0.05)
+      << "the pivot stays, so the tip moves in the opposite direction";
   EXPECT_NEAR(length(state.axis), 1.0, 1e-12);
 }
 
-TEST(SimulatedHand, TorqueAboutTheToolsOwnAxisDoesNothing) {
+TEST(SimulatedHand, TorqueAboutTheToolAxisHasNoEffect) {
   SimulatedHand hand(PathCursor({{.tip_mm = {0, 0, 0}}, {.time_s = 10}}, false), {});
   const DeviceState state = run(hand, 1000, 1.0, [](const DeviceState&) {
     return Wrench{.force_n = {}, .torque_nmm = {0, 0, 150}};
@@ -104,21 +105,21 @@ TEST(SimulatedHand, TorqueAboutTheToolsOwnAxisDoesNothing) {
   EXPECT_EQ(state.axis, (Vec3{0, 0, 1}));
 }
 
-TEST(SimulatedHand, StandsStillWhileTheLoopDoes) {
+TEST(SimulatedHand, DoesNotMoveDuringAPauseOfTheLoop) {
   SimulatedHand hand(PathCursor(kLine, false), {});
   run(hand, 1000, 0.2, nothing);
   const double before_mm = hand.read(201'000).tip_mm.x;
   const double after_mm = hand.read(5'201'000).tip_mm.x;
-  EXPECT_LT(after_mm - before_mm, 5.0) << "five seconds asleep are not five seconds of carving";
+  EXPECT_LT(after_mm - before_mm, 5.0) << "a pause of five seconds is not simulated";
 }
 
-TEST(SimulatedHand, EndsAfterARest) {
+TEST(SimulatedHand, FinishesAfterResting) {
   SimulatedHand hand(PathCursor(kLine, false), {});
   EXPECT_FALSE(run(hand, 1000, 1.2, nothing).finished);
   EXPECT_TRUE(run(hand, 1'201'000, 0.2, nothing).finished);
 }
 
-TEST(Replay, PlaysThePosesAtTheirTimesWhateverTheForce) {
+TEST(Replay, PlaysPosesAtTheirTimesRegardlessOfForce) {
   Replay replay(PathCursor(kLine, false));
   EXPECT_EQ(replay.read(7'000'000).tip_mm, (Vec3{0, 0, 0}));
   replay.write({.force_n = {100, 100, 100}, .torque_nmm = {}});

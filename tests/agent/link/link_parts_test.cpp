@@ -169,7 +169,7 @@ TEST_F(TrafficTest, ADeadbandSavesMostPosesInFreeAirAndKeepsAHeartbeat) {
     const double x_mm = 0.001 + 0.004 * (i + 1);  // 4 mm/s
     for (const auto& sample : pass(traffic, x_mm, false)) {
       ++sent;
-      last_mm = sample.tip_mm[0];
+      last_mm = sample.tip_mm.x;
       take(traffic, wire::Result{.agent_sequence = sample.agent_sequence});
     }
     worst_mm = std::max(worst_mm, x_mm - last_mm);
@@ -187,8 +187,8 @@ TEST_F(TrafficTest, ACutAfterSilenceStartsWhereTheHandWas) {
   EXPECT_TRUE(pass(traffic, 0.02, false).empty());
   const auto sent = pass(traffic, 0.03, true);
   ASSERT_EQ(sent.size(), 2U);
-  EXPECT_EQ(sent[0].tip_mm[0], 0.02);
-  EXPECT_EQ(sent[1].tip_mm[0], 0.03);
+  EXPECT_EQ(sent[0].tip_mm.x, 0.02);
+  EXPECT_EQ(sent[1].tip_mm.x, 0.03);
 }
 
 TEST_F(TrafficTest, NothingIsHeldBackInContact) {

@@ -46,21 +46,23 @@ class Adversary {
   Wrench asked(double time_s, const Twist& v) {
     if (ticks_since_ == 0) whim_ = {any(strong_), any(strong_ * 20)};
     ticks_since_ = (ticks_since_ + 1) % 7;
-    const double speed = std::max(1e-9, length(v.move)), turning = std::max(1e-9, length(v.turn));
+    const double speed = std::max(1e-9, length(v.linear)),
+                 turning = std::max(1e-9, length(v.angular));
     const double wave = std::sin(2 * std::numbers::pi * 3 * time_s);
     switch (kind_) {
       case 0:
         return whim_;
       case 1:  // pushes along with whatever the hand does
-        return {v.move * (strong_ / speed), v.turn * (20 * strong_ / turning)};
+        return {v.linear * (strong_ / speed), v.angular * (20 * strong_ / turning)};
       case 2:
         return {Vec3{strong_ * wave, 0, 0}, Vec3{0, strong_ * 20 * wave, 0}};
       case 3:  // a damper whose answer is late
         late_ = late_ * 0.97 + v * 0.03;
-        return {late_.move * -0.5, late_.turn * -500};
+        return {late_.linear * -0.5, late_.angular * -500};
       case 4:  // dissipates for a while, then gives all back
-        return time_s - std::floor(time_s / 0.3) * 0.3 < 0.2 ? Wrench{v.move * -0.02, v.turn * -20}
-                                                             : Wrench{v.move * 10, v.turn * 10'000};
+        return time_s - std::floor(time_s / 0.3) * 0.3 < 0.2
+                   ? Wrench{v.linear * -0.02, v.angular * -20}
+                   : Wrench{v.linear * 10, v.angular * 10'000};
       default:  // turns on its heel each tick
         return whim_ * (static_cast<int>(time_s * 1000) % 2 == 0 ? 1 : -1);
     }
@@ -84,13 +86,13 @@ class Adversary {
     const double swing = hand_mm_ * std::sin(2 * std::numbers::pi * hand_hz_ * time_s);
     const Vec3 goal{swing, swing / 3, -swing / 2};
     jerk_ = jerk_ * 0.95;
-    const Vec3 hand = (goal - at_.pivot_mm) * hand_n_per_mm_ - v_.move * hand_n_s_per_mm_ + jerk_;
-    v_.move = v_.move + (shown.force_n + hand) * (1000 / kMassKg * kTickS);
-    v_.turn =
-        v_.turn + (shown.torque_nmm + jerk_ * 5 - v_.turn * 2) * (1000 / kInertiaKgMm2 * kTickS);
-    v_.turn = v_.turn - at_.axis * dot(at_.axis, v_.turn);
-    at_.pivot_mm = at_.pivot_mm + v_.move * kTickS;
-    at_.axis = normalised(rotated(at_.axis, v_.turn * kTickS));
+    const Vec3 hand = (goal - at_.pivot_mm) * hand_n_per_mm_ - v_.linear * hand_n_s_per_mm_ + jerk_;
+    v_.linear = v_.linear + (shown.force_n + hand) * (1000 / kMassKg * kTickS);
+    v_.angular = v_.angular +
+                 (shown.torque_nmm + jerk_ * 5 - v_.angular * 2) * (1000 / kInertiaKgMm2 * kTickS);
+    v_.angular = v_.angular - at_.axis * dot(at_.axis, v_.angular);
+    at_.pivot_mm = at_.pivot_mm + v_.linear * kTickS;
+    at_.axis = normalized(rotated(at_.axis, v_.angular * kTickS));
   }
 
   std::mt19937 random_;

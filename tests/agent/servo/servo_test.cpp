@@ -187,7 +187,7 @@ TEST_F(ServoCycleTest, HandsEachPoseToTheLink) {
   wire::MotionSample sample;
   ASSERT_TRUE(samples.pop(sample));
   EXPECT_EQ(sample.time_us, 10'000U);
-  EXPECT_EQ(sample.tip_mm, (wire::Vec3d{1, 2, 3}));
+  EXPECT_EQ(sample.tip_mm, (Vec3{1, 2, 3}));
   EXPECT_EQ(sample.tool_id, 4U);
   EXPECT_EQ(sample.buttons, wire::kButtonCutting);
   ASSERT_TRUE(samples.pop(sample));

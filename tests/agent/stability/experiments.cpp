@@ -58,10 +58,7 @@ class Recorder final : public HapticDevice {
 };
 
 /// What the server has answered last, before it went on its way.
-Vec3 felt(const TestBed& bed) {
-  const auto& f = bed.newest().force_n;
-  return {static_cast<double>(f[0]), static_cast<double>(f[1]), static_cast<double>(f[2])};
-}
+Vec3 felt(const TestBed& bed) { return Vec3(bed.newest().force_n); }
 
 }  // namespace
 

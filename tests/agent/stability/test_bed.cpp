@@ -98,7 +98,7 @@ void TestBed::another_cuts_to(Vec3 tip_mm) {
   wire::MotionSample sample;
   sample.agent_sequence = ++another_sequence_;
   sample.time_us = now_us_;
-  sample.tip_mm = {tip_mm.x, tip_mm.y, tip_mm.z};
+  sample.tip_mm = tip_mm;
   sample.tool_id = session_->scene().tools.begin()->first;
   sample.buttons = wire::kButtonCutting;
   session_->move(another_, {&sample, 1});

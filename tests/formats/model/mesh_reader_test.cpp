@@ -52,7 +52,7 @@ const std::string kObj =
     "# a pyramid\nmtllib x.mtl\no p\nv 0 0 0\nv 2 0 0 1.0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nvn 0 0 1\n"
     "usemtl m\nf 4 3 2 1\nf 1/1/1 2//1 5\nf -4 -3 -1\nf 3 4 5\nf 4 1 5\n";
 
-TEST(MeshReader, ReadsBackWhatIsWritten) {
+TEST(MeshReader, ReadsBackWrittenFiles) {
   const auto stl = read(MeshFileFormat::kStl, written(ModelFormat::kStl, ModelEncoding::kBinary));
   ASSERT_TRUE(stl);
   EXPECT_GT(stl->triangles.size(), 500U);
@@ -105,7 +105,7 @@ TEST(MeshReader, ReadsForeignPlyAndObj) {
   EXPECT_EQ(read_big->vertices_mm[2], (Vec3{0, 1, 0}));
 }
 
-TEST(MeshReader, KnowsAFileByItsExtension) {
+TEST(MeshReader, DetectsTheFormatByExtension) {
   EXPECT_EQ(mesh_file_format("a/b.STL"), MeshFileFormat::kStl);
   EXPECT_EQ(mesh_file_format("b.ply"), MeshFileFormat::kPly);
   EXPECT_EQ(mesh_file_format("b.stl.obj"), MeshFileFormat::kObj);
@@ -121,7 +121,7 @@ TEST(MeshReader, MergesEqualVerticesAndDropsTrianglesWithoutThem) {
   EXPECT_EQ(mesh->triangles.size(), 2U);
 }
 
-TEST(MeshReader, NamesWhatIsWrongAndWhere) {
+TEST(MeshReader, ReportsReasonAndLocation) {
   using enum MeshFileErrorCode;
   constexpr auto kObjFile = MeshFileFormat::kObj;
   EXPECT_EQ(code_of(kObjFile, "v 0 0\nv 1 0 0\n"), kSyntax);
@@ -158,7 +158,7 @@ TEST(MeshReader, NamesWhatIsWrongAndWhere) {
   }
 }
 
-TEST(MeshReader, SurvivesDamagedFiles) {
+TEST(MeshReader, RejectsDamagedFilesWithoutCrashing) {
   const std::vector<std::pair<MeshFileFormat, std::string>> files{
       {MeshFileFormat::kPly, kAsciiPly},
       {MeshFileFormat::kObj, kObj},

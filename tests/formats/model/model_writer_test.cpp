@@ -88,7 +88,7 @@ tinygltf::Model load(const std::string& glb) {
   return model;
 }
 
-TEST(ModelWriter, AllFormatsHoldTheSameTrianglesBitForBit) {
+TEST(ModelWriter, AllFormatsContainBitIdenticalTriangles) {
   for (const Vec3 moved : {Vec3{}, Vec3{700, -900, 40}}) {
     const SolidSnapshot snapshot = carved_block(3, moved);
     const ReadModel stl = read(write(snapshot, ModelFormat::kStl), ModelFormat::kStl);
@@ -129,7 +129,7 @@ TEST(ModelWriter, EqualBlocksGiveEqualBytes) {
   }
 }
 
-TEST(ModelWriter, NothingLeftIsAnEmptyModelInEveryFormat) {
+TEST(ModelWriter, EmptyStockGivesAnEmptyModelInEveryFormat) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {4, 4, 4}}, 0.5);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, make_tool(FlatShape{20, 40}).value()}));
   ASSERT_TRUE(sculpture.apply(MoveTool{1, {{2, 2, -1}}, {{2, 2, -1}}, 1, false}));
@@ -142,7 +142,7 @@ TEST(ModelWriter, NothingLeftIsAnEmptyModelInEveryFormat) {
   EXPECT_TRUE(load(write(gone, ModelFormat::kGlb).bytes).meshes.empty());
 }
 
-TEST(ModelWriter, SaysThatItCannotWriteAndLeavesNothing) {
+TEST(ModelWriter, ReportsAnUnwritablePathAndLeavesNoFile) {
   for (const ModelFormat format : kModelFormats) {
     SnapshotMesh mesh(carved_block(1));
     const fs::path path = scratch_file("_no_such_folder") / "model";
@@ -175,7 +175,7 @@ class FileSizeLimit {
   void (*handler_)(int) = nullptr;
 };
 
-TEST(ModelWriter, SaysWhyTheDiskTookNoMoreAndLeavesNothing) {
+TEST(ModelWriter, ReportsAFullDiskAndLeavesNoFile) {
   const SolidSnapshot snapshot = carved_block(1);
   for (const ModelFormat format : kModelFormats) {
     const fs::path path = scratch_file("_too_large");
@@ -193,7 +193,7 @@ TEST(ModelWriter, SaysWhyTheDiskTookNoMoreAndLeavesNothing) {
   }
 }
 
-TEST(StlWriter, NeverBeginsLikeAnAsciiFile) {
+TEST(StlWriter, NeverBeginsWithSolid) {
   const auto written =
       write(carved_block(2), ModelFormat::kStl, ModelEncoding::kBinary, "solid as\na rock");
   EXPECT_TRUE(written.bytes.starts_with("Kerf STL, mm: solid as a rock"));
@@ -230,7 +230,7 @@ TEST(ObjWriter, KeepsNormalsBesideSharedVertices) {
   EXPECT_GT(normals, model.vertices.size());  // creases have several
 }
 
-TEST(GlbWriter, StandsInMetresAndYUpUnderOneRoot) {
+TEST(GlbWriter, UsesMetersAndYUpUnderOneRoot) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{100, 200, 300}, {120, 220, 310}}, 0.5);
   const SolidSnapshot snapshot = sculpture.solid();
   const auto written =
@@ -256,7 +256,7 @@ TEST(GlbWriter, StandsInMetresAndYUpUnderOneRoot) {
   EXPECT_EQ(model.accessors.at(std::size_t(primitive.indices)).count, 3 * expected);
 }
 
-TEST(GlbWriter, FloatsAreTheSurfaceAndGroupsHoldFewEnoughVertices) {
+TEST(GlbWriter, FloatPositionsAreExactAndIndicesHave16Bits) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {60, 60, 20}}, 0.2);
   test::RandomCarver carver(sculpture, {0, 0, 5}, {60, 60, 20}, 7);
   for (int n = 0; n < 200; ++n) carver.cut();
@@ -311,7 +311,7 @@ TEST(GlbWriter, QuantizedSurfaceStaysClosedAndWithinHalfAStep) {
   EXPECT_LT(packed, quantized * 2 / 3);
 }
 
-TEST(VertexWelder, ForgetsVerticesWhoseFanIsClosed) {
+TEST(VertexWelder, ForgetsVerticesWithAClosedFan) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {200, 40, 10}}, 0.25);
   test::RandomCarver carver(sculpture, {0, 0, 0}, {200, 40, 10}, 9);
   for (int n = 0; n < 200; ++n) carver.cut();

@@ -76,7 +76,7 @@ double greatest_distance(const IndexedMesh& from, const IndexedMesh& to, std::mt
   return greatest;
 }
 
-TEST(CheckEdges, CountsWhatIsOpenAndWhatIsShared) {
+TEST(CheckEdges, CountsOpenAndRepeatedEdges) {
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
   const Triangles tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
   EXPECT_TRUE(check_edges(tetrahedron).closed_manifold());
@@ -109,7 +109,7 @@ TEST(SimplifyMesh, KeepsTheBudgetAndStaysAClosedManifold) {
   }
 }
 
-TEST(SimplifyMesh, KeepsTheErrorBoundAndSaysTheError) {
+TEST(SimplifyMesh, KeepsTheErrorBoundAndReportsTheError) {
   std::mt19937 random(11);
   for (unsigned seed = 1; seed <= 2; ++seed) {
     const IndexedMesh exact = exact_mesh(seed);
@@ -126,7 +126,7 @@ TEST(SimplifyMesh, KeepsTheErrorBoundAndSaysTheError) {
   }
 }
 
-TEST(SimplifyMesh, OfABoxNeedsHardlyMoreThanTwelveTriangles) {
+TEST(SimplifyMesh, ReducesABoxToAboutTwelveTriangles) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {12, 8, 5}}, 0.25);
   SnapshotMesh mesh(sculpture.solid());
   const auto result = simplify_mesh(mesh, {.triangles = {}, .error_mm = 0.01});
@@ -135,16 +135,16 @@ TEST(SimplifyMesh, OfABoxNeedsHardlyMoreThanTwelveTriangles) {
   EXPECT_NEAR(volume(result->mesh), 12 * 8 * 5, 1e-3);
 }
 
-TEST(SimplifyMesh, SaysWhatTheBudgetCannotHold) {
+TEST(SimplifyMesh, ReportsTheTrianglesNeededIfTheBudgetIsTooSmall) {
   const auto few = simplified(1, {.triangles = 2, .error_mm = {}});
   ASSERT_FALSE(few);
-  EXPECT_NE(few.error().reason.find("more than the 2 asked for"), std::string::npos);
+  EXPECT_NE(few.error().reason.find("more than the 2 requested"), std::string::npos);
   const auto both = simplified(1, {.triangles = 100, .error_mm = 0.001});
   ASSERT_FALSE(both);
   EXPECT_NE(both.error().reason.find("within 0.001 mm"), std::string::npos) << both.error().reason;
 }
 
-TEST(WholeMesh, HandsOutEveryTriangleWithNormalsThatAreSharpAtCreases) {
+TEST(WholeMesh, ReturnsEveryTriangleWithSharpNormalsAtCreases) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {6, 6, 6}}, 0.5);
   SnapshotMesh source(sculpture.solid());
   const IndexedMesh mesh = collect_mesh(source);
@@ -159,7 +159,7 @@ TEST(WholeMesh, HandsOutEveryTriangleWithNormalsThatAreSharpAtCreases) {
   EXPECT_EQ(triangles, mesh.triangles.size());
 }
 
-TEST(MeshDistance, AgreesWithALookAtEveryTriangle) {
+TEST(MeshDistance, MatchesBruteForceOverAllTriangles) {
   const IndexedMesh mesh = exact_mesh(3);
   const MeshDistance distance(mesh);
   const SolidSnapshot snapshot = carved_block(3);

@@ -82,7 +82,7 @@ TEST(StlReader, RejectsATruncatedFileAtEveryLength) {
   }
 }
 
-TEST(StlReader, NamesWhatIsWrong) {
+TEST(StlReader, ReportsTheReason) {
   std::vector<std::byte> bytes(84 + 50, std::byte{0});
   bytes[80] = std::byte{1};
   EXPECT_TRUE(read_stl(bytes));
@@ -101,7 +101,7 @@ TEST(StlReader, NamesWhatIsWrong) {
   EXPECT_NE(read_stl(nan).error().reason.find("facet 1"), std::string::npos);
 }
 
-TEST(StlReader, NamesTheLineOfAnAsciiError) {
+TEST(StlReader, ReportsTheLineOfAnAsciiError) {
   std::string text(kAscii);
   text.replace(text.find("+1.5"), 4, "one!");
   const auto result = read_stl(bytes_of(text));

@@ -98,7 +98,7 @@ Read3mf write_and_read(const SolidSnapshot& snapshot, const std::string& title) 
   return read;
 }
 
-TEST(ThreemfWriter, IsManifoldAndHoldsTheSurfaceBitForBit) {
+TEST(ThreemfWriter, IsManifoldAndBitIdenticalToTheSurface) {
   const BoxStock block{{-6, -4, 2}, {30, 26, 9}};
   for (unsigned seed = 1; seed <= 3; ++seed) {
     Sculpture sculpture = test::make_sculpture(block, 0.4);
@@ -122,7 +122,7 @@ TEST(ThreemfWriter, IsManifoldAndHoldsTheSurfaceBitForBit) {
   }
 }
 
-TEST(ThreemfWriter, OfNothingIsAValidPackage) {
+TEST(ThreemfWriter, EmptyModelIsAValidPackage) {
   Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {4, 4, 4}}, 0.5);
   ASSERT_TRUE(sculpture.apply(DefineTool{1, make_tool(FlatShape{20, 40}).value()}));
   ASSERT_TRUE(sculpture.apply(MoveTool{1, {{2, 2, -1}}, {{2, 2, -1}}, 1, false}));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver against a real kernel's usbfs; runs inside the guest that run.sh starts. The argument
-// is the gadget's UDC attribute: writing to it plugs and unplugs. Prints a line a step; the last
-// one says `kernel route: passed` or `failed`.
+// Tests the driver with a real kernel's usbfs, in the guest that run.sh starts. The argument is the
+// gadget's UDC attribute: writing to it plugs and unplugs. Prints one line per step; the last one
+// is `kernel route: passed` or `failed`.
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "haptic_agent/device/reference/reference_protocol.h"
-#include "haptic_agent/device/usb/usb_hand.h"
+#include "haptic_agent/device/usb/usb_haptic_device.h"
 #include "haptic_agent/device/usb/usb_survey.h"
 
 namespace kerf::agent {
@@ -40,7 +40,7 @@ class Trial {
   }
 
  private:
-  DevicePhase phase() { return hand_->read(monotonic_us()).phase; }
+  DevicePhase phase() { return device_->read(monotonic_us()).phase; }
 
   void plug(const std::string& name) {
     std::ofstream file(udc_);
@@ -60,12 +60,12 @@ class Trial {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     judge(what, good, static_cast<double>(monotonic_us() - start_us) / 1000, "ms");
-    if (!good) std::printf("        %s\n", hand_->trouble().c_str());
+    if (!good) std::printf("        %s\n", device_->trouble().c_str());
   }
 
-  /// What a servo does; every pose must be one and commands must go out.
+  /// Reads and writes like a servo; poses must be valid and commands must be sent.
   void stream(double seconds) {
-    const UsbCounters& counters = hand_->counters();
+    const UsbCounters& counters = device_->counters();
     const std::uint64_t reports = counters.reports, sent = counters.sent,
                         bad = counters.bad_reports;
     auto next = std::chrono::steady_clock::now();
@@ -73,8 +73,8 @@ class Trial {
     while (monotonic_us() < end_us) {
       next += std::chrono::milliseconds(1);
       std::this_thread::sleep_until(next);
-      hand_->read(monotonic_us());
-      hand_->write({.force_n = {1, 0, 0}, .torque_nmm = {}});
+      device_->read(monotonic_us());
+      device_->write({.force_n = {1, 0, 0}, .torque_nmm = {}});
     }
     const auto rate = [&](std::uint64_t now, std::uint64_t before) {
       return static_cast<double>(now - before) / seconds;
@@ -82,13 +82,13 @@ class Trial {
     judge("reports in", rate(counters.reports, reports) > 10, rate(counters.reports, reports),
           "/s");
     judge("commands out", rate(counters.sent, sent) > 10, rate(counters.sent, sent), "/s");
-    judge("reports not understood", counters.bad_reports == bad,
+    judge("rejected reports", counters.bad_reports == bad,
           static_cast<double>(counters.bad_reports - bad), "");
   }
 
   std::string udc_;
   bool passed_ = true;
-  std::unique_ptr<UsbHand> hand_ = std::make_unique<UsbHand>(
+  std::unique_ptr<UsbHapticDevice> device_ = std::make_unique<UsbHapticDevice>(
       std::make_unique<reference::ReferenceProtocol>(reference::PenPlace{}),
       UsbPortSettings{.notice = [](const std::string& line) { std::puts(line.c_str()); }});
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference firmware's model as a gadget of a real kernel: FunctionFS carries its bytes. Runs
-// inside the guest that run.sh starts; the argument is the folder where FunctionFS is mounted.
+// Runs the reference firmware's model as a FunctionFS gadget of a real kernel, in the guest that
+// run.sh starts. The argument is the mount point of FunctionFS.
 #include <endian.h>
 #include <fcntl.h>
 #include <linux/usb/ch9.h>
@@ -29,7 +29,7 @@ void append_word(Bytes& bytes, std::uint32_t value) {
   for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-/// Interface and endpoints, as FunctionFS wants them: for full and for high speed.
+/// Interface and endpoint descriptors for FunctionFS, at full and at high speed.
 Bytes function_descriptors(const UsbModel& model) {
   const Bytes all = descriptors_of(model.shape());
   const std::span shape = std::span(all).last(kShapeBytes);
@@ -91,7 +91,7 @@ class Gadget {
       const auto got = read(ep0, data.data(), data.size());
     const std::lock_guard lock(mutex_);
     const auto answer = model_.control(setup, data);
-    // Going the wrong way is how FunctionFS is told to stall.
+    // A transfer in the opposite direction makes FunctionFS stall the request.
     if (!answer && in) [[maybe_unused]]
       const auto stalled = read(ep0, nullptr, 0);
     if (answer && in) put(ep0, *answer);

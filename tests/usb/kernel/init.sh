@@ -1,6 +1,6 @@
 #!/bin/busybox sh
 # SPDX-License-Identifier: Apache-2.0
-# What the guest of run.sh runs first, and last: a bus, a gadget on it, the driver.
+# init of run.sh's guest: sets up a bus and a gadget on it, runs the driver, powers off.
 /bin/busybox --install -s /bin
 export PATH=/bin
 mount -t proc none /proc

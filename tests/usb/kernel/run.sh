@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The USB driver against a real kernel: Debian's kernel in QEMU (TCG, no KVM, no root), its dummy_hcd as the bus and the
-# reference firmware's model as a FunctionFS gadget. Exit code 0: passed, or skipped with the reason; 1: failed.
+# Tests the USB driver with a real kernel: Debian's kernel in QEMU (TCG, no KVM, no root), its
+# dummy_hcd as the bus and the reference firmware's model as a FunctionFS gadget. Exit code 0:
+# passed, or skipped with the reason; 1: failed.
 #   tests/usb/kernel/run.sh [PRESET]        (release; needs a configured build)
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
@@ -25,7 +26,7 @@ fetch() {
   touch "$WORK/root/fetched"
 }
 
-# The programs with the libraries that they load, busybox, the modules, and what runs first.
+# Builds the guest: programs with their libraries, busybox, kernel modules, init.
 make_guest() {
   local guest="$WORK/guest" program module library
   rm -rf "$guest" && mkdir -p "$guest"/{bin,lib,lib64,proc,sys,dev,ffs,modules,tmp}

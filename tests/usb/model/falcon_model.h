@@ -6,22 +6,22 @@
 #include <deque>
 
 #include "haptic_agent/device/falcon/falcon_frame.h"
-#include "haptic_agent/device/vec3.h"
+#include "kernel/math/vec3.h"
 #include "tests/usb/model/usb_model.h"
 
 namespace kerf::usb_test {
 
-/// A Novint Falcon behind its serial chip: a loader that must be woken, echoes what it is given and
-/// forgets it with its power, and a firmware that answers each command with one frame.
+/// A Novint Falcon with its serial chip: a loader that must be woken, echoes the firmware and loses
+/// it with its power, and a firmware that answers each command with one frame.
 class FalconModel final : public UsbModel {
  public:
   struct Settings {
     bool has_firmware = true;
     std::size_t firmware_bytes = 300;
-    /// Knocks that the loader does not hear, and loads whose echo is garbled.
-    int deaf_knocks = 0;
+    /// Number of ignored wake requests, and of loads with a corrupted echo.
+    int ignored_wake_requests = 0;
     int garbled_loads = 0;
-    /// How many answers it takes until the legs are homed; the user pulls the grip meanwhile.
+    /// Number of answers until the legs are homed by the user.
     int homing_answers = 20;
   };
 
@@ -35,11 +35,11 @@ class FalconModel final : public UsbModel {
   void power_cycle() override;
 
   /// Moves the grip, in the Falcon's coordinates; the position must be within reach.
-  void hold(agent::Vec3 position_mm);
+  void hold(Vec3 position_mm);
   void press(std::uint8_t buttons) { state_.buttons = buttons; }
-  /// Answers in two packets, as happens at the end of a serial buffer.
+  /// Splits answers into two packets, as happens at the end of a serial buffer.
   void split_answers(bool split) { split_ = split; }
-  /// The firmware stands still; the serial chip goes on.
+  /// The firmware hangs; the serial chip continues.
   void hang(bool hung) { hung_ = hung; }
 
   std::array<std::int16_t, 3> motors() const { return motors_; }
@@ -47,14 +47,14 @@ class FalconModel final : public UsbModel {
   bool runs() const { return mode_ == Mode::kRun; }
   bool homed() const { return state_.homed == agent::falcon::kAllHomed; }
   int loads() const { return loads_; }
-  /// Commands that came before the last one was answered, and sooner than after the 10 ms in which
-  /// an answer may be thought lost: the real firmware loses its place.
+  /// Number of commands received before the last one was answered and before its 10 ms timeout; the
+  /// real firmware loses synchronization.
   int impatient_commands() const { return impatient_; }
 
  private:
-  enum class Mode { kDeaf, kAwake, kLoading, kRun };
+  enum class Mode { kAsleep, kAwake, kLoading, kRun };
 
-  void say(std::span<const std::uint8_t> bytes);
+  void transmit(std::span<const std::uint8_t> bytes);
   void load(std::span<const std::uint8_t> chunk);
   void obey(std::span<const std::uint8_t> packet, std::uint64_t now_us);
 
@@ -69,7 +69,7 @@ class FalconModel final : public UsbModel {
   std::uint64_t next_status_us_ = 0;
   int answers_ = 0;
   int loads_ = 0;
-  int knocks_ = 0;
+  int wake_requests_ = 0;
   int impatient_ = 0;
   std::uint64_t obeyed_us_ = 0;
   bool split_ = false;

@@ -7,10 +7,10 @@
 
 namespace kerf::usb_test {
 
-/// What a hand at the grip feels of motors that pull with these torques (front arm first): each
-/// arm's force from its torques, by finite differences of where the arm ends. The driver's way back
-/// to front, and none of its code but the arm's position.
-agent::Wrench felt_wrench(const agent::PenShape& pen, const agent::PenAngles& q,
-                          const std::array<double, 6>& motors_nmm);
+/// Returns the wrench at the grip for motor torques (front arm first): each arm's force from its
+/// torques, by finite differences of the arm's end point. The inverse of the driver's computation,
+/// sharing only arm_point with it.
+Wrench felt_wrench(const agent::PenShape& pen, const agent::PenAngles& q,
+                   const std::array<double, 6>& motors_nmm);
 
 }  // namespace kerf::usb_test

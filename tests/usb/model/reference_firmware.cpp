@@ -20,8 +20,8 @@ std::int32_t to_urad(double rad) {
 
 }  // namespace
 
-agent::ArmAngles reach_for(const agent::ArmShape& shape, agent::Vec3 point_mm) {
-  const agent::Vec3 to = point_mm - shape.base_mm;
+agent::ArmAngles reach_for(const agent::ArmShape& shape, Vec3 point_mm) {
+  const Vec3 to = point_mm - shape.base_mm;
   const double level = std::hypot(to.x, to.y);
   const double distance = std::hypot(level, to.z);
   const double cosine =
@@ -66,7 +66,7 @@ std::optional<Bytes> ReferenceFirmware::control(const Setup& setup, std::span<co
   return Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
 }
 
-void ReferenceFirmware::hold(agent::Vec3 grip_mm, agent::Vec3 axis) {
+void ReferenceFirmware::hold(Vec3 grip_mm, Vec3 axis) {
   const agent::PenShape& pen = settings_.identity.pen;
   const auto front = reach_for(pen.front, grip_mm - axis * pen.grip_mm);
   const auto rear = reach_for(pen.rear, grip_mm + axis * (pen.length_mm - pen.grip_mm));
@@ -78,7 +78,7 @@ void ReferenceFirmware::hold(agent::Vec3 grip_mm, agent::Vec3 axis) {
 
 void ReferenceFirmware::go_on(std::uint64_t now_us) {
   if (homing_since_us_ != 0) {
-    // One joint after the other finds its stop.
+    // Homes one joint after the other.
     const std::uint64_t share = std::max<std::uint64_t>(settings_.homing_us / 6, 1);
     const std::uint64_t found = std::min<std::uint64_t>((now_us - homing_since_us_) / share, 6);
     report_.status |= static_cast<std::uint16_t>((1U << found) - 1U);
@@ -96,7 +96,7 @@ std::optional<Bytes> ReferenceFirmware::poll_in(std::uint64_t now_us) {
   go_on(now_us);
   if (next_us_ == 0) next_us_ = now_us;
   if (hangs_ || now_us < next_us_) return std::nullopt;
-  // A host that is late gets the newest report, not those that it missed.
+  // A late host gets the newest report only.
   while (next_us_ <= now_us) next_us_ += settings_.identity.period_us;
   ++report_.sequence;
   report_.time_us = static_cast<std::uint32_t>(now_us);
@@ -127,7 +127,7 @@ void ReferenceFirmware::take_out(std::span<const std::uint8_t> packet, std::uint
   ++commands_;
   report_.accepted = command->sequence;
   const bool still = std::ranges::all_of(command->torques_dnmm, [](auto t) { return t == 0; });
-  // After a trip a command without torque must come first.
+  // After a trip, the first command must be without torque.
   if (tripped_ && !still) return;
   tripped_ = false;
   enabled_ = (command->command & ref::kEnableMotors) != 0 && homed();

@@ -10,8 +10,8 @@
 
 namespace kerf::usb_test {
 
-/// The firmware that haptic_agent/device/reference/README.md describes, as a state machine: homing,
-/// watchdog, checks of every command. Its mechanics: the pen is where the test puts it.
+/// The firmware specified in haptic_agent/device/reference/README.md, as a state machine: homing,
+/// watchdog, validation of commands. The test sets the pen's pose.
 class ReferenceFirmware final : public UsbModel {
  public:
   struct Settings {
@@ -31,23 +31,23 @@ class ReferenceFirmware final : public UsbModel {
   void power_cycle() override;
 
   /// Moves the pen: its grip point in the device's coordinates, and its direction (unit).
-  void hold(agent::Vec3 grip_mm, agent::Vec3 axis);
+  void hold(Vec3 grip_mm, Vec3 axis);
   void press(std::uint16_t buttons) { report_.buttons = buttons; }
   void fail(std::uint16_t status_bits) { faults_ = status_bits; }
-  /// Hangs: it reports nothing, and is still plugged in.
+  /// Hangs: sends no reports but stays plugged in.
   void hang(bool hangs) { hangs_ = hangs; }
-  /// Changes each report before it is summed up; empty: nothing.
+  /// Modifies each report before the checksum is computed; may be empty.
   std::function<void(agent::reference::StateReport&)> tamper;
 
-  /// What the motors pull with now, N·mm: zero unless everything allows it.
+  /// Returns the current motor torques, N·mm; zero unless all conditions for a force hold.
   std::array<double, 6> motors_nmm(std::uint64_t now_us);
-  /// Where its encoders say the joints are.
+  /// Returns the joint angles of the encoders.
   agent::PenAngles angles() const { return agent::reference::angles_of(report_); }
   bool homed() const { return (report_.status & agent::reference::kHomedMask) == kAllHomed; }
   bool watchdog_tripped() const { return tripped_; }
   std::uint64_t commands() const { return commands_; }
   std::uint64_t rejected() const { return rejected_; }
-  /// The greatest gap between two numbers of accepted commands, less one: what was lost.
+  /// Returns the largest number of commands lost between two accepted ones.
   std::uint64_t lost_commands() const { return lost_; }
 
  private:
@@ -71,7 +71,7 @@ class ReferenceFirmware final : public UsbModel {
   std::uint64_t lost_ = 0;
 };
 
-/// The angles that bring an arm's end to a point, elbow up; the point must be within reach.
-agent::ArmAngles reach_for(const agent::ArmShape& shape, agent::Vec3 point_mm);
+/// Inverse kinematics of an arm, elbow up; the point must be within reach.
+agent::ArmAngles reach_for(const agent::ArmShape& shape, Vec3 point_mm);
 
 }  // namespace kerf::usb_test

@@ -18,7 +18,7 @@ struct Setup {
   std::uint16_t length = 0;
 };
 
-/// What a device says of itself and of its one interface with one endpoint each way.
+/// The descriptors' data: a device with one interface and one endpoint per direction.
 struct UsbShape {
   std::uint16_t vendor = 0;
   std::uint16_t product = 0;
@@ -33,22 +33,22 @@ struct UsbShape {
   std::uint16_t packet_bytes = 64;
 };
 
-/// Device and configuration descriptor, one after the other, as usbfs and sysfs give them.
+/// Returns device and configuration descriptor, concatenated as in usbfs and sysfs.
 Bytes descriptors_of(const UsbShape& shape);
 
-/// A device behind a bus: what it answers, without any bus's mechanics. The routes (an in-process
-/// usbfs, umockdev, a gadget in a real kernel) carry the bytes and call it from one thread at a
-/// time, with a clock in microseconds that never goes back.
+/// The behavior of a device, independent of the bus. The routes (in-process usbfs, umockdev, a
+/// gadget in a real kernel) transfer the bytes and call it from one thread at a time, with a
+/// monotonic clock in microseconds.
 class UsbModel {
  public:
   virtual ~UsbModel() = default;
   virtual UsbShape shape() const = 0;
-  /// The answer's data (empty for a request without), or nothing: stall.
+  /// Returns the answer's data (empty for a request without data), or nothing to stall.
   virtual std::optional<Bytes> control(const Setup& setup, std::span<const std::uint8_t> data) = 0;
-  /// The next packet towards the host, if there is one now.
+  /// Returns the next IN packet, if there is one.
   virtual std::optional<Bytes> poll_in(std::uint64_t now_us) = 0;
   virtual void take_out(std::span<const std::uint8_t> packet, std::uint64_t now_us) = 0;
-  /// The plug is pulled or put in: whatever it knew in memory is gone.
+  /// The device was unplugged or plugged in: resets the volatile state.
   virtual void power_cycle() = 0;
 };
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the golden frames and golden.json beside this file.
 
-The layout is spelled out here a second time, with Python's struct module and straight from the tables of
+A second implementation of the layout, with Python's struct module, from the tables of
 server/wire/README.md, so that the bytes do not come from the codec that they test.
 Run it again only for a new version of the protocol; released frames never change.
 """

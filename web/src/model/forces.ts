@@ -89,16 +89,3 @@ export class ForceHistory {
     this.begin_ = 0;
   }
 }
-
-/**
- * Returns the smallest number of the series 1, 2, 5, 10, 20, 50 … (and 0.5, 0.2 …) >= `value`: the
- * reference of an arrow scale.
- */
-export function roundUp125(value: number): number {
-  if (!(value > 0)) return 1;
-  const decade = 10 ** Math.floor(Math.log10(value));
-  for (const step of [1, 2, 5]) {
-    if (value <= step * decade * (1 + 1e-9)) return step * decade;
-  }
-  return 10 * decade;
-}

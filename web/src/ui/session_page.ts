@@ -253,7 +253,7 @@ export class SessionPage {
   }
 
   private updateScale_(): void {
-    const { forceFullN, torqueFullNmm } = this.viewer_;
+    const { forceFullN, torqueFullNmm } = this.viewer_.arrowScale;
     if (this.scale_.childElementCount === 0) {
       this.scale_.append(
         h('span', { style: `--line:${FORCE_COLOR}` }),

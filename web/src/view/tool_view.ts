@@ -123,7 +123,7 @@ export class ToolView {
 
   private part_(pieces: OutlinePoint[][], material: THREE.Material): THREE.Mesh {
     const mesh = new THREE.Mesh(lathe(pieces), material);
-    // Receives none: on thin round parts the shadow map's aliasing would be visible.
+    // No receiveShadow: on thin round parts the shadow map's aliasing would be visible.
     mesh.castShadow = true;
     return mesh;
   }

@@ -4,11 +4,8 @@
 
 import * as THREE from 'three';
 import type { StockMaterialPreset } from '../model/materials';
+import type { ArrowScale } from '../model/arrow_scale';
 import { errorRad } from '../model/look_policy';
-import { roundUp125 } from '../model/forces';
-import type { Participant } from '../model/participants';
-import { emptyPose } from '../model/pose_track';
-import type { Pose } from '../model/pose_track';
 import { Quality } from '../model/quality';
 import { stockBounds } from '../model/session';
 import type { Bounds, SessionModel } from '../model/session';
@@ -17,65 +14,39 @@ import { MESH_SNAPSHOT_LAST } from '../wire/types';
 import type { Header, Look, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
 import type { Insets } from './camera_rig';
+import { CarverViews } from './carver_views';
 import { TileParser } from './glb_tiles';
-import { Label } from './labels';
 import { Stage } from './stage';
 import { StockMaterial } from './stock_material';
 import { TileView } from './tile_view';
-import { ToolView } from './tool_view';
-import { WrenchView } from './wrench_view';
 
-// Delay with which tools are drawn, so that there is a later sample to interpolate towards.
-const PLAYOUT_MS = 90;
 const STILL_AFTER_MS = 260;
 const PHONE_WIDTH_PX = 760; // as in ui/style/phone.css
 const ARROW_FRACTION = 0.34; // length of a full-scale arrow relative to the block's diagonal
-const RESCALE_EVERY_MS = 250;
-const FULL_PER_TYPICAL = 2;
-const LEAST_FULL_N = 0.1; // smaller scales would display noise
-const LEAST_FULL_NMM = 1;
-
-interface Carver {
-  tool: ToolView | null;
-  toolId: number;
-  color: string;
-  wrench: WrenchView;
-  label: Label;
-  pose: Pose;
-  drawn: Pose;
-}
 
 export class Viewer {
   readonly rig: CameraRig;
   readonly stage: Stage;
-  /** The force and torque of a full-length arrow. */
-  forceFullN = 1;
-  torqueFullNmm = 1;
-  private arrowsVisible_ = true;
   private readonly stockMaterial_ = new StockMaterial();
   private readonly tiles_ = new TileView(this.stockMaterial_.material);
   private readonly parser_ = new TileParser();
-  private readonly carvers_ = new Map<number, Carver>();
+  private readonly carvers_: CarverViews;
   private readonly quality_: Quality;
-  private readonly top_ = new THREE.Vector3();
   private width_ = 1;
   private height_ = 1;
   private clearTop_ = 0;
-  private pivotMm_ = 60;
-  private arrowMm_ = 40;
   private dirty_ = true;
   private shadowsDirty_ = true;
   private stillDrawn_ = false;
   private lastDrawMs_ = 0;
   private lastTickMs_ = 0;
-  private rescaledMs_ = -Infinity;
   private followed_: number | null = null;
   private fitted_ = false;
 
   /** @param fixedQuality draw every frame at full quality, regardless of speed */
   constructor(
     canvas: HTMLCanvasElement,
-    private readonly overlay: HTMLElement,
+    overlay: HTMLElement,
     private readonly model: SessionModel,
     private readonly fixedQuality: boolean,
   ) {
@@ -85,6 +56,7 @@ export class Viewer {
       !fixedQuality && this.stage.drawsInSoftware,
     );
     this.stage.scene.add(this.tiles_.group);
+    this.carvers_ = new CarverViews(this.stage.scene, overlay, model);
     this.rig = new CameraRig(canvas, window.matchMedia('(prefers-reduced-motion: reduce)').matches);
   }
 
@@ -99,12 +71,11 @@ export class Viewer {
       new THREE.Vector3(...bounds.min),
       new THREE.Vector3(...bounds.max),
     );
-    this.pivotMm_ = welcome.pivot_mm;
-    this.arrowMm_ =
-      ARROW_FRACTION *
-      new THREE.Vector3(...bounds.min).distanceTo(new THREE.Vector3(...bounds.max));
-    // Their tools may have been redefined.
-    for (const id of [...this.carvers_.keys()]) this.removeCarver_(id);
+    const diagonalMm = new THREE.Vector3(...bounds.min).distanceTo(
+      new THREE.Vector3(...bounds.max),
+    );
+    this.carvers_.reset(welcome.pivot_mm, ARROW_FRACTION * diagonalMm);
+    this.shadowsDirty_ = true;
     if (!this.fitted_) this.rig.preset('iso', performance.now());
     this.fitted_ = true;
     this.touch();
@@ -146,13 +117,16 @@ export class Viewer {
     this.touch();
   }
 
+  get arrowScale(): ArrowScale {
+    return this.carvers_.scale;
+  }
+
   get arrowsVisible(): boolean {
-    return this.arrowsVisible_;
+    return this.carvers_.arrowsVisible;
   }
 
   set arrowsVisible(visible: boolean) {
-    this.arrowsVisible_ = visible;
-    for (const carver of this.carvers_.values()) carver.wrench.group.visible = visible;
+    this.carvers_.arrowsVisible = visible;
     this.touch();
   }
 
@@ -192,7 +166,12 @@ export class Viewer {
   tick(nowMs: number): void {
     const since = Math.min(100, nowMs - this.lastTickMs_);
     this.lastTickMs_ = nowMs;
-    this.moveTools_(nowMs);
+    if (this.carvers_.update(nowMs)) {
+      this.shadowsDirty_ = true;
+      this.touch();
+    }
+    const tip = this.followed_ === null ? null : this.carvers_.tipOf(this.followed_);
+    if (tip) this.rig.followPoint(tip);
     if (this.rig.update(nowMs, since)) this.touch();
     if (this.dirty_) {
       if (nowMs - this.lastDrawMs_ >= this.quality_.pauseMs) this.drawMoving_(nowMs);
@@ -219,102 +198,7 @@ export class Viewer {
   private draw_(withShadows: boolean): void {
     if (withShadows) this.shadowsDirty_ = false;
     this.stage.render(this.rig.camera, withShadows);
-    for (const carver of this.carvers_.values()) {
-      if (!carver.tool) continue;
-      this.top_.set(0, 0, carver.tool.topMm * 1.25).applyMatrix4(carver.tool.group.matrixWorld);
-      carver.label.place(this.top_, this.rig.camera, this.width_, this.height_, this.clearTop_);
-    }
-  }
-
-  private moveTools_(nowMs: number): void {
-    const present = this.model.participants.carvers();
-    for (const id of [...this.carvers_.keys()]) {
-      if (!this.model.participants.get(id)) this.removeCarver_(id);
-    }
-    this.rescaleArrows_(present, nowMs);
-    for (const participant of present) {
-      const carver = this.carver_(participant);
-      if (!carver.tool || !participant.track.sample(nowMs - PLAYOUT_MS, carver.pose)) continue;
-      if (participant.info.participant === this.followed_) this.rig.followPoint(carver.pose.tip);
-      if (!differs(carver.pose, carver.drawn)) continue;
-      copyPose(carver.pose, carver.drawn);
-      carver.tool.group.visible = true;
-      carver.tool.setPose(carver.pose.tip, carver.pose.axis);
-      carver.wrench.group.visible = this.arrowsVisible_;
-      carver.wrench.set(
-        carver.pose,
-        this.pivotMm_,
-        this.arrowMm_,
-        this.forceFullN,
-        this.torqueFullNmm,
-      );
-      this.shadowsDirty_ = true;
-      this.touch();
-    }
-  }
-
-  /**
-   * Chooses one scale for all arrows, so that they can be compared. The scale follows the RMS, not
-   * the maximum: a single peak must not shrink all arrows for ten seconds.
-   */
-  private rescaleArrows_(present: readonly Participant[], nowMs: number): void {
-    if (nowMs - this.rescaledMs_ < RESCALE_EVERY_MS) return;
-    this.rescaledMs_ = nowMs;
-    let forceN = LEAST_FULL_N;
-    let torqueNmm = LEAST_FULL_NMM;
-    for (const { forces } of present) {
-      const { typical } = forces;
-      forceN = Math.max(forceN, FULL_PER_TYPICAL * typical.forceN);
-      torqueNmm = Math.max(torqueNmm, FULL_PER_TYPICAL * typical.torqueNmm);
-    }
-    this.forceFullN = roundUp125(forceN);
-    this.torqueFullNmm = roundUp125(torqueNmm);
-  }
-
-  private carver_(participant: Participant): Carver {
-    const { participant: id, color, name } = participant.info;
-    let carver = this.carvers_.get(id);
-    if (!carver) {
-      carver = {
-        tool: null,
-        toolId: 0,
-        color,
-        wrench: new WrenchView(),
-        label: new Label(this.overlay),
-        pose: emptyPose(),
-        drawn: emptyPose(),
-      };
-      carver.label.element.hidden = true;
-      this.stage.scene.add(carver.wrench.group);
-      this.carvers_.set(id, carver);
-    }
-    if (carver.toolId !== participant.tool || carver.color !== color)
-      this.replaceTool_(carver, participant.tool, color);
-    carver.label.set(name, color);
-    return carver;
-  }
-
-  private replaceTool_(carver: Carver, toolId: number, color: string): void {
-    carver.tool?.dispose();
-    const info = this.model.tool(toolId);
-    carver.tool = info ? new ToolView(info, color, this.pivotMm_) : null;
-    carver.toolId = toolId;
-    carver.color = color;
-    carver.drawn.tip[0] = Number.NaN; // NaN differs from any pose: the next one is drawn
-    if (!carver.tool) return;
-    carver.tool.group.visible = false; // until there is a pose
-    this.stage.scene.add(carver.tool.group);
-  }
-
-  private removeCarver_(id: number): void {
-    const carver = this.carvers_.get(id);
-    if (!carver) return;
-    carver.tool?.dispose();
-    carver.wrench.dispose();
-    carver.label.dispose();
-    this.carvers_.delete(id);
-    this.shadowsDirty_ = true;
-    this.touch();
+    this.carvers_.placeLabels(this.rig.camera, this.width_, this.height_, this.clearTop_);
   }
 }
 
@@ -325,27 +209,4 @@ function withSpaceForTools({ min, max }: Bounds, { tools }: Welcome): Bounds {
   const longest = Math.max(0, ...tools.map((tool) => toolProfile(tool).lengthMm));
   const diagonal = Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
   return { min, max: [max[0], max[1], max[2] + Math.min(0.6 * longest, 0.16 * diagonal)] };
-}
-
-function differs(a: Pose, b: Pose): boolean {
-  for (let i = 0; i < 3; ++i) {
-    if (
-      a.tip[i] !== b.tip[i] ||
-      a.axis[i] !== b.axis[i] ||
-      a.force[i] !== b.force[i] ||
-      a.torque[i] !== b.torque[i]
-    )
-      return true;
-  }
-  return false;
-}
-
-function copyPose(from: Pose, to: Pose): void {
-  for (let i = 0; i < 3; ++i) {
-    to.tip[i] = from.tip[i]!;
-    to.axis[i] = from.axis[i]!;
-    to.force[i] = from.force[i]!;
-    to.torque[i] = from.torque[i]!;
-  }
-  to.removedRate = from.removedRate;
 }

@@ -3,7 +3,7 @@ export class FakeServer {
   readonly port: number;
   readonly acks: bigint[];
   readonly hellos: string[];
-  readonly looks: unknown[];
+  readonly lookMessages: unknown[];
   readonly viewers: Set<{
     ws: { send(data: string | Uint8Array): void; close(code: number): void };
   }>;

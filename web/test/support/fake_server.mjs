@@ -57,7 +57,7 @@ export class FakeServer {
     ].slice(0, agents);
     this.acks = [];
     this.hellos = [];
-    this.looks = [];
+    this.lookMessages = [];
   }
 
   async listen(port = 0) {
@@ -139,7 +139,7 @@ export class FakeServer {
   }
 
   text_(viewer, message) {
-    if (message.type === 'look') this.looks.push(message);
+    if (message.type === 'look') this.lookMessages.push(message);
     if (message.type !== 'hello') return;
     viewer.name = message.name;
     this.hellos.push(message.name);

@@ -4,26 +4,27 @@
 #include <memory>
 #include <string>
 
-#include "haptic_agent/device/usb/hand_mailbox.h"
+#include "haptic_agent/device/usb/device_mailbox.h"
 #include "haptic_agent/device/usb/usb_port.h"
 
 namespace kerf::agent {
 
-/// A device that a hand holds: its protocol turns reports into poses and wrenches into reports.
-class HandProtocol : public UsbProtocol {
+/// Protocol of a haptic device: converts reports to poses and wrenches to reports, exchanged with
+/// the servo through a mailbox.
+class HapticProtocol : public UsbProtocol {
  public:
-  HandMailbox& mailbox() noexcept { return mailbox_; }
+  DeviceMailbox& mailbox() noexcept { return mailbox_; }
   virtual DeviceCapabilities capabilities() const = 0;
 
  protected:
-  HandMailbox mailbox_;
+  DeviceMailbox mailbox_;
 };
 
-/// Such a device as the servo sees it. Made, it looks for its device by itself; destroyed, it takes
-/// the motors to zero and lets go.
-class UsbHand final : public HapticDevice {
+/// A HapticDevice connected by USB. The constructor starts the search for the device; the
+/// destructor sets the motors to zero and closes it.
+class UsbHapticDevice final : public HapticDevice {
  public:
-  UsbHand(std::unique_ptr<HandProtocol> protocol, UsbPortSettings settings);
+  UsbHapticDevice(std::unique_ptr<HapticProtocol> protocol, UsbPortSettings settings);
 
   DeviceCapabilities capabilities() const override { return protocol_->capabilities(); }
   DeviceState read(std::uint64_t now_us) noexcept override;
@@ -34,7 +35,7 @@ class UsbHand final : public HapticDevice {
   const UsbCounters& counters() const noexcept { return port_.counters(); }
 
  private:
-  std::unique_ptr<HandProtocol> protocol_;
+  std::unique_ptr<HapticProtocol> protocol_;
   UsbPort port_;
 };
 

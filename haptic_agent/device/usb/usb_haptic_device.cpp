@@ -1,31 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptic_agent/device/usb/usb_hand.h"
+#include "haptic_agent/device/usb/usb_haptic_device.h"
 
 #include <utility>
 
 namespace kerf::agent {
 
-UsbHand::UsbHand(std::unique_ptr<HandProtocol> protocol, UsbPortSettings settings)
+UsbHapticDevice::UsbHapticDevice(std::unique_ptr<HapticProtocol> protocol, UsbPortSettings settings)
     : protocol_(std::move(protocol)), port_(*protocol_, std::move(settings)) {
   port_.start();
 }
 
-DeviceState UsbHand::read(std::uint64_t now_us) noexcept {
+DeviceState UsbHapticDevice::read(std::uint64_t now_us) noexcept {
   DeviceState state = protocol_->mailbox().fetch(now_us);
   state.phase = port_.phase();
   state.valid = state.valid && state.phase == DevicePhase::kReady;
   return state;
 }
 
-void UsbHand::write(const Wrench& wrench) noexcept {
+void UsbHapticDevice::write(const Wrench& wrench) noexcept {
   const bool ready = port_.phase() == DevicePhase::kReady;
-  protocol_->mailbox().show(ready ? wrench : Wrench{});
-  // Before it streams nobody would take the wake-up, and the port would only look for its device
-  // too often.
+  protocol_->mailbox().write(ready ? wrench : Wrench{});
+  // Wakes the port only while it streams; earlier, the wake-up would end its pause before the next
+  // attempt to connect.
   if (ready) port_.wake();
 }
 
-void UsbHand::stop() noexcept {
+void UsbHapticDevice::stop() noexcept {
   protocol_->mailbox().stop();
   port_.wake();
 }

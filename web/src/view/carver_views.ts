@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tools, arrows and names of all participants who carve, updated from the model once per frame.
+
+import * as THREE from 'three';
+import { ArrowScale } from '../model/arrow_scale';
+import type { Participant } from '../model/participants';
+import { emptyPose } from '../model/pose_track';
+import type { Pose } from '../model/pose_track';
+import type { SessionModel } from '../model/session';
+import { Label } from './labels';
+import { ToolView } from './tool_view';
+import { WrenchView } from './wrench_view';
+
+// Delay with which tools are drawn, so that there is a later sample to interpolate towards.
+const PLAYOUT_MS = 90;
+const LABEL_HEIGHT = 1.25; // relative to the tool's height
+
+interface Carver {
+  tool: ToolView | null;
+  toolId: number;
+  color: string;
+  wrench: WrenchView;
+  label: Label;
+  pose: Pose;
+  hasPose: boolean;
+  drawn: Pose;
+}
+
+export class CarverViews {
+  readonly scale = new ArrowScale();
+  private readonly carvers_ = new Map<number, Carver>();
+  private readonly labelPosition_ = new THREE.Vector3();
+  private arrowsVisible_ = true;
+  private pivotMm_ = 60;
+  private arrowMm_ = 40;
+
+  constructor(
+    private readonly scene: THREE.Scene,
+    private readonly overlay: HTMLElement,
+    private readonly model: SessionModel,
+  ) {}
+
+  /** Removes all views, because a new session may define other tools. `arrowMm`: full length. */
+  reset(pivotMm: number, arrowMm: number): void {
+    for (const id of [...this.carvers_.keys()]) this.remove_(id);
+    this.pivotMm_ = pivotMm;
+    this.arrowMm_ = arrowMm;
+  }
+
+  get arrowsVisible(): boolean {
+    return this.arrowsVisible_;
+  }
+
+  set arrowsVisible(visible: boolean) {
+    this.arrowsVisible_ = visible;
+    for (const carver of this.carvers_.values()) carver.wrench.group.visible = visible;
+  }
+
+  /** Position of a participant's tip; null without a pose. Valid until the next update. */
+  tipOf(participant: number): Pose['tip'] | null {
+    const carver = this.carvers_.get(participant);
+    return carver?.hasPose ? carver.pose.tip : null;
+  }
+
+  /** Adds, moves and removes the views for a frame. Returns true if the picture changed. */
+  update(nowMs: number): boolean {
+    let changed = false;
+    for (const id of [...this.carvers_.keys()]) {
+      if (this.model.participants.get(id)) continue;
+      this.remove_(id);
+      changed = true;
+    }
+    const present = this.model.participants.carvers();
+    this.scale.update(present, nowMs);
+    for (const participant of present) {
+      if (this.move_(this.carver_(participant), participant, nowMs)) changed = true;
+    }
+    return changed;
+  }
+
+  /** Places the names above the tools, after rendering has updated the world matrices. */
+  placeLabels(camera: THREE.Camera, width: number, height: number, clearTop: number): void {
+    for (const { tool, label } of this.carvers_.values()) {
+      if (!tool) continue;
+      this.labelPosition_.set(0, 0, tool.topMm * LABEL_HEIGHT);
+      this.labelPosition_.applyMatrix4(tool.group.matrixWorld);
+      label.place(this.labelPosition_, camera, width, height, clearTop);
+    }
+  }
+
+  private move_(carver: Carver, participant: Participant, nowMs: number): boolean {
+    const { tool, wrench, pose, drawn } = carver;
+    carver.hasPose = tool !== null && participant.track.sample(nowMs - PLAYOUT_MS, pose);
+    if (!tool || !carver.hasPose || !differs(pose, drawn)) return false;
+    copyPose(pose, drawn);
+    tool.group.visible = true;
+    tool.setPose(pose.tip, pose.axis);
+    wrench.group.visible = this.arrowsVisible_;
+    wrench.set(pose, this.pivotMm_, this.arrowMm_, this.scale.forceFullN, this.scale.torqueFullNmm);
+    return true;
+  }
+
+  private carver_(participant: Participant): Carver {
+    const { participant: id, color, name } = participant.info;
+    let carver = this.carvers_.get(id);
+    if (!carver) {
+      carver = {
+        tool: null,
+        toolId: 0,
+        color,
+        wrench: new WrenchView(),
+        label: new Label(this.overlay),
+        pose: emptyPose(),
+        hasPose: false,
+        drawn: emptyPose(),
+      };
+      carver.label.element.hidden = true;
+      this.scene.add(carver.wrench.group);
+      this.carvers_.set(id, carver);
+    }
+    if (carver.toolId !== participant.tool || carver.color !== color) {
+      this.replaceTool_(carver, participant.tool, color);
+    }
+    carver.label.set(name, color);
+    return carver;
+  }
+
+  private replaceTool_(carver: Carver, toolId: number, color: string): void {
+    carver.tool?.dispose();
+    const info = this.model.tool(toolId);
+    carver.tool = info ? new ToolView(info, color, this.pivotMm_) : null;
+    carver.toolId = toolId;
+    carver.color = color;
+    carver.drawn.tip[0] = Number.NaN; // NaN differs from any pose: the next one is drawn
+    if (!carver.tool) return;
+    carver.tool.group.visible = false; // until there is a pose
+    this.scene.add(carver.tool.group);
+  }
+
+  private remove_(id: number): void {
+    const carver = this.carvers_.get(id);
+    if (!carver) return;
+    carver.tool?.dispose();
+    carver.wrench.dispose();
+    carver.label.dispose();
+    this.carvers_.delete(id);
+  }
+}
+
+function differs(a: Pose, b: Pose): boolean {
+  for (let i = 0; i < 3; ++i) {
+    if (
+      a.tip[i] !== b.tip[i] ||
+      a.axis[i] !== b.axis[i] ||
+      a.force[i] !== b.force[i] ||
+      a.torque[i] !== b.torque[i]
+    )
+      return true;
+  }
+  return false;
+}
+
+function copyPose(from: Pose, to: Pose): void {
+  for (let i = 0; i < 3; ++i) {
+    to.tip[i] = from.tip[i]!;
+    to.axis[i] = from.axis[i]!;
+    to.force[i] = from.force[i]!;
+    to.torque[i] = from.torque[i]!;
+  }
+  to.removedRate = from.removedRate;
+}
