@@ -24,7 +24,7 @@ using Now = std::function<Clock::time_point()>;
 ///
 /// 1. passes each frame that the peer sends to receive();
 /// 2. sends what take() returns, one frame at a time, and calls sent() after each;
-/// 3. calls refresh() after each received frame, once the answers are on their way;
+/// 3. calls refresh() after each received frame, once its answers are in transit;
 /// 4. calls hello_expired() wire::kHelloTimeoutS after the start unless has_joined();
 /// 5. closes the WebSocket when finishing() and take() returns nothing more, and drops the
 /// connection

@@ -81,7 +81,7 @@ def unseal(key, connection, datagram):
     return counter, aead_open(key, struct.pack("<IQ", 0, counter), datagram[:16], datagram[16:])
 
 
-class Lane:
+class UdpClient:
     """An agent's UDP socket, from the `udp` of its welcome."""
 
     def __init__(self, offer, host="127.0.0.1"):

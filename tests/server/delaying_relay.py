@@ -17,7 +17,7 @@ AGAIN_S = 0.01        # beyond the round trip, until a lost segment is sent agai
 
 @dataclasses.dataclass(frozen=True)
 class Line:
-    """`jitter` is a share of the one-way delay, either way; `loss` one of the segments. The line
+    """`jitter` is a share of the one-way delay, in either direction; `loss` one of the segments. The line
     stalls for `stall_s` at the end of every `stall_every_s`."""
     rtt_s: float = 0.0
     jitter: float = 0.0
@@ -26,7 +26,7 @@ class Line:
     stall_every_s: float = 2.0
 
 
-class Way:
+class Direction:
     """Arrival times in one direction."""
 
     def __init__(self, line, seed):
@@ -57,7 +57,7 @@ class Relay:
     end of a `with`. `up` leads to the target, `down` back; read their counts after that."""
 
     def __init__(self, target_port, line, seed=1):
-        self.up, self.down = Way(line, seed), Way(line, seed + 1)
+        self.up, self.down = Direction(line, seed), Direction(line, seed + 1)
         self.connections = 0
         self._target_port = target_port
         self._loop = asyncio.new_event_loop()
@@ -100,7 +100,7 @@ class Relay:
                     end.close()
             self._tasks.discard(asyncio.current_task())
 
-    async def _pass(self, reader, writer, way):
+    async def _pass(self, reader, writer, direction):
         """Reads at once and writes when due; the end of the stream is delayed like data."""
         waiting = asyncio.Queue()
         writing = asyncio.ensure_future(self._write(waiting, writer))
@@ -108,7 +108,7 @@ class Relay:
             data = None
             while data != b"":
                 data = await reader.read(SEGMENT_BYTES)
-                await waiting.put((way.due(self._loop.time(), len(data)), data))
+                await waiting.put((direction.due(self._loop.time(), len(data)), data))
             await writing
         finally:
             writing.cancel()

@@ -91,25 +91,25 @@ class AgentTest(LiveTest):
         line = relay.up.line
         self.assertGreaterEqual(status["link"]["ping_us"]["p50"],
                                 line.rtt_s * (1 - line.jitter) * 1e6)
-        for way in (relay.up, relay.down):
-            self.assertGreater(way.pieces, 100)
-            self.assertEqual(way.lost > 0, line.loss > 0)
-            self.assertEqual(way.stalled > 0, line.stall_s > 0)
+        for direction in (relay.up, relay.down):
+            self.assertGreater(direction.pieces, 100)
+            self.assertEqual(direction.lost > 0, line.loss > 0)
+            self.assertEqual(direction.stalled > 0, line.stall_s > 0)
 
 
 class ThroughASlowLine(AgentTest):
     def test_the_carved_block_is_bitwise_equal(self):
         words = ("--tool", str(MILL), "--device", "replay:" + self.path(rows()))
         self.check_arrived(self.run_agent(*words), self.server.info())
-        wanted = self.server.hash()
+        expected = self.server.hash()
         for session, line in (("far", FAR), ("farther", FARTHER)):
             self.server.create(session, SCENE)
-            self.assertNotEqual(self.server.hash(session), wanted)
+            self.assertNotEqual(self.server.hash(session), expected)
             with Relay(self.port, line) as relay:
                 status = self.run_agent(*words, session=session, port=relay.port)
             self.check_line(relay, status)
             self.check_arrived(status, self.server.info(session))
-            self.assertEqual(self.server.hash(session), wanted, line)
+            self.assertEqual(self.server.hash(session), expected, line)
 
     def feel(self, line):
         """Carves through the line with a simulated hand; returns the summary of a run without safety trips."""
@@ -181,9 +181,9 @@ class SeveralHands(AgentTest):
         one, two = self.summaries(process)
         self.assertEqual((one["device"], two["device"]), ("replay", "simulated hand"))
         self.assertNotEqual(one["participant"], two["participant"])
-        for hand in (one, two):
-            self.assertGreater(hand["removed_mm3"], 10)
-            self.assertEqual((hand["failure"], hand["link"]["unanswered"]), ("", 0))
+        for summary in (one, two):
+            self.assertGreater(summary["removed_mm3"], 10)
+            self.assertEqual((summary["failure"], summary["link"]["unanswered"]), ("", 0))
         removed = self.server.info()["removed_volume_mm3"]
         self.assertAlmostEqual(one["removed_mm3"] + two["removed_mm3"], removed,
                                delta=removed * 1e-4)
@@ -192,8 +192,8 @@ class SeveralHands(AgentTest):
         process = self.start("--name", "Ada", "--loop", "--device", "sim", "--device", "sim")
         self.wait_for_both()
         process.send_signal(signal.SIGINT)
-        for hand in self.summaries(process):
-            self.assertEqual((hand["failure"], hand["link"]["unanswered"]), ("", 0))
+        for summary in self.summaries(process):
+            self.assertEqual((summary["failure"], summary["link"]["unanswered"]), ("", 0))
 
 
 class Doctor(LiveTest):

@@ -64,15 +64,15 @@ class Carving(LiveTest):
     def test_results_carry_force_and_removed_volume(self):
         agent = Agent(self.port, "block")
         agent.move([(-30, 0, -2)])
-        told = 0.0
+        removed = 0.0
         force = 0.0
         for i in range(300):
             agent.move([(-30 + 0.1 * i, 0, -2)])
             result = agent.result()
-            told += result["removed"]
+            removed += result["removed"]
             force = max(force, -result["fx"])
-        self.assertAlmostEqual(told, self.server.info()["removed_volume_mm3"], delta=told * 1e-5)
-        self.assertGreater(told, 50)
+        self.assertAlmostEqual(removed, self.server.info()["removed_volume_mm3"], delta=removed * 1e-5)
+        self.assertGreater(removed, 50)
         self.assertGreater(force, 0.5)
         self.assertGreater(result["area"], 1)
         self.assertEqual(result["status"] & 1, 1)
@@ -85,13 +85,13 @@ class Carving(LiveTest):
 
         tasks = [f"/proc/{self.server.process.pid}/task/{task}"
                  for task in os.listdir(f"/proc/{self.server.process.pid}/task")]
-        lanes = {}
+        threads = {}
         for task in tasks:
             with open(f"{task}/comm") as comm:
-                lanes.setdefault(comm.read().strip(), niceness(task))
+                threads.setdefault(comm.read().strip(), niceness(task))
         own = os.getpriority(os.PRIO_PROCESS, 0)
-        self.assertEqual(lanes["s:block"], own)
-        self.assertGreater(lanes["workers"], own)
+        self.assertEqual(threads["s:block"], own)
+        self.assertGreater(threads["workers"], own)
 
     def test_air_moves_cut_nothing(self):
         agent = Agent(self.port, "block")
@@ -370,11 +370,11 @@ class Downloads(LiveTest):
         self.assertEqual(status, 200)
         with open(os.path.join(self.folder.name, "copy.kerf"), "wb") as file:
             file.write(body)
-        wanted = self.server.hash()
+        expected = self.server.hash()
         self.server.stop()
         self.server = Server(self.folder.name)
-        self.assertEqual(self.server.hash("copy"), wanted)
-        self.assertEqual(self.server.hash("block"), wanted)
+        self.assertEqual(self.server.hash("copy"), expected)
+        self.assertEqual(self.server.hash("block"), expected)
 
 
 class Restarts(LiveTest):
@@ -418,12 +418,12 @@ class Restarts(LiveTest):
         left = block["stock_volume_mm3"] - block["removed_volume_mm3"]
         self.assertAlmostEqual(again["stock_volume_mm3"], left, delta=0.01 * left)
         carve(Agent(self.port, "again"), 100, 2.0)
-        wanted = self.server.info("again")
-        self.assertGreater(wanted["removed_volume_mm3"], 0)
+        expected = self.server.info("again")
+        self.assertGreater(expected["removed_volume_mm3"], 0)
         time.sleep(0.1)
         self.restart(signal.SIGKILL)
         found = self.server.info("again")
-        self.assertEqual(found["state_hash"], wanted["state_hash"])
+        self.assertEqual(found["state_hash"], expected["state_hash"])
         self.assertEqual(found["stock_volume_mm3"], again["stock_volume_mm3"])
         # A scene from the network may name uploaded files but not read the server's disk.
         status, body = self.server.http.json("POST", "/v1/files?name=model.ply", model)
@@ -440,9 +440,9 @@ class Restarts(LiveTest):
             self.assertEqual((status, body["error"]["code"]), (400, code), body)
         self.assertEqual(self.server.http.request("GET", "/v1/files")[0], 405)
         shutil.rmtree(os.path.join(self.folder.name, "uploads"))
-        wanted = self.server.hash("posted")
+        expected = self.server.hash("posted")
         self.restart(signal.SIGKILL)
-        self.assertEqual(self.server.hash("posted"), wanted)
+        self.assertEqual(self.server.hash("posted"), expected)
         status, body = self.server.http.json(
             "POST", "/v1/sessions",
             json.dumps(dict(SCENE, stock={"shape": "mesh", "file": "model.ply"})))
@@ -478,7 +478,7 @@ class Restarts(LiveTest):
         carve(agent, 200)
         agent.close()
         self.server.create("other")
-        wanted = self.server.hash()
+        expected = self.server.hash()
         self.server.stop()
         path = os.path.join(self.folder.name, "block.kerf")
         for name in ("flipped", "foreign", "truncated"):
@@ -495,7 +495,7 @@ class Restarts(LiveTest):
         self.server = Server(self.folder.name)
         sessions = [s["id"] for s in self.server.http.json("GET", "/v1/sessions")[1]["sessions"]]
         self.assertEqual(sessions, ["block", "other"])
-        self.assertEqual(self.server.hash(), wanted)
+        self.assertEqual(self.server.hash(), expected)
         code, log = self.server.stop()
         self.assertIn("flipped.kerf: record 77: the checksum of the record is wrong", log)
         self.assertIn("foreign_journal_version", log)
@@ -509,10 +509,10 @@ class Restarts(LiveTest):
         self.server.stop()
         self.server = Server(self.folder.name, "--scene", scene)
         carve(Agent(self.server.port, "from-file"), 50)
-        wanted = self.server.hash("from-file")
+        expected = self.server.hash("from-file")
         self.server.stop()
         self.server = Server(self.folder.name, "--scene", scene)
-        self.assertEqual(self.server.hash("from-file"), wanted)
+        self.assertEqual(self.server.hash("from-file"), expected)
 
 
 class Control(LiveTest):

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from datagram_client import Lane, NotAuthentic, aead_open, aead_seal, seal, unseal
+from datagram_client import UdpClient, NotAuthentic, aead_open, aead_seal, seal, unseal
 from live_server import LiveTest, Server
 from wire_client import PING, PONG, RESULT, Agent, header, motion_frame, parse_header, parse_result, sample
 
@@ -35,7 +35,7 @@ class UdpAgent(Agent):
 
     def __init__(self, port, session="block"):
         super().__init__(port, session, udp=True)
-        self.lane = Lane(self.welcome["udp"])
+        self.udp = UdpClient(self.welcome["udp"])
         self.move([(-10, 0, -2)])
         self.result()
 
@@ -51,19 +51,19 @@ class UdpAgent(Agent):
     def answer(self):
         """The next result over UDP."""
         while True:
-            frame = self.lane.receive()
+            frame = self.udp.receive()
             if parse_header(frame)["type"] == RESULT:
                 return parse_result(frame[32:])
 
     def is_silent(self):
         """Sends a ping behind the datagrams sent before; its pong must be the next datagram received."""
-        self.lane.send(ping(99))
-        frame = self.lane.receive()
+        self.udp.send(ping(99))
+        frame = self.udp.receive()
         return parse_header(frame)["type"] == PONG and struct.unpack("<Q", frame[32:40])[0] == 99
 
     def close(self):
-        if hasattr(self, "lane"):
-            self.lane.close()
+        if hasattr(self, "udp"):
+            self.udp.close()
         super().close()
 
 
@@ -112,7 +112,7 @@ class Offer(LiveTest):
         try:
             other.create()
             agent = UdpAgent(other.port)
-            self.assertNotEqual(agent.lane.to[1], 0)
+            self.assertNotEqual(agent.udp.to[1], 0)
             self.assertTrue(agent.is_silent())
         finally:
             other.stop()
@@ -131,13 +131,13 @@ class Offer(LiveTest):
             try:
                 other.create()
                 offer = Agent(other.port, "block", udp=True).welcome["udp"]
-                lane = Lane(offer)
+                client = UdpClient(offer)
                 for host in hosts:
-                    lane.to = (host, offer["port"])
-                    lane.send(ping())
-                    lane.socket.settimeout(30)
-                    self.assertEqual(lane.socket.recvfrom(2048)[1], lane.to)
-                lane.close()
+                    client.to = (host, offer["port"])
+                    client.send(ping())
+                    client.socket.settimeout(30)
+                    self.assertEqual(client.socket.recvfrom(2048)[1], client.to)
+                client.close()
             finally:
                 other.stop()
 
@@ -148,10 +148,10 @@ class Offer(LiveTest):
         while any(who["name"] == "Ada" for who in self.server.info()["participants"]):
             time.sleep(0.01)
         before = counters(self.server)["unknown_connection"]
-        agent.lane.send(ping())
+        agent.udp.send(ping())
         while counters(self.server)["unknown_connection"] == before:
             time.sleep(0.01)
-        self.assertIsNone(agent.lane.receive(timeout=0.2))
+        self.assertIsNone(agent.udp.receive(timeout=0.2))
 
 
 class Motions(LiveTest):
@@ -168,7 +168,7 @@ class Motions(LiveTest):
     def test_samples_are_cut_and_answered_over_udp(self):
         agent = UdpAgent(self.port)
         for n in range(60):
-            agent.lane.send(motion_frame(agent.samples(1)))
+            agent.udp.send(motion_frame(agent.samples(1)))
             result = agent.answer()
             self.assertEqual((result["agent_sequence"], result["motions"]), (n + 2, n + 1))
         self.assertGreater(result["area"], 1)
@@ -178,20 +178,20 @@ class Motions(LiveTest):
     def test_nothing_is_cut_across_a_gap(self):
         agent = UdpAgent(self.port)
         first, lost, later = agent.samples(4), agent.samples(20), agent.samples(4)
-        agent.lane.send(motion_frame(first))
+        agent.udp.send(motion_frame(first))
         force = agent.answer()["fx"]
         before = self.server.hash()
         for _ in range(3):
-            agent.lane.send(motion_frame(later))
+            agent.udp.send(motion_frame(later))
             result = agent.answer()
             self.assertEqual((result["agent_sequence"], result["status"] & GAP), (5, GAP))
             self.assertEqual(result["fx"], force, "the answer from before the gap")
         self.assertEqual(self.server.hash(), before)
         self.assertEqual(counters(self.server)["kerf_motion_gaps_total"], 3)
         # The agent sends again from the lost sample on; the server knows some of these samples.
-        agent.lane.send(motion_frame(lost[:16]))
+        agent.udp.send(motion_frame(lost[:16]))
         self.assertEqual(agent.answer()["agent_sequence"], 21)
-        agent.lane.send(motion_frame(lost[12:] + later))
+        agent.udp.send(motion_frame(lost[12:] + later))
         result = agent.answer()
         self.assertEqual((result["agent_sequence"], result["status"] & GAP), (29, 0))
         self.assertEqual(result["motions"], 28)
@@ -201,11 +201,11 @@ class Motions(LiveTest):
         agent = UdpAgent(self.port)
         batches = [agent.samples(2) for _ in range(5)]
         for batch in batches:
-            agent.lane.send(motion_frame(batch))
+            agent.udp.send(motion_frame(batch))
             newest = agent.answer()
         before = self.server.hash()
         for batch in reversed(batches):
-            agent.lane.send(motion_frame(batch))
+            agent.udp.send(motion_frame(batch))
             result = agent.answer()
             self.assertEqual(result["agent_sequence"], 11)
             self.assertEqual(result["fx"], newest["fx"], "in place of an answer that was lost")
@@ -213,22 +213,22 @@ class Motions(LiveTest):
 
     def test_first_sample_must_come_over_the_websocket(self):
         agent = Agent(self.port, "block", udp=True)
-        lane = Lane(agent.welcome["udp"])
-        lane.send(motion_frame([sample(1, 1000, (-10, 0, -2)), sample(2, 2000, (-9, 0, -2))]))
-        result = parse_result(lane.receive()[32:])
+        client = UdpClient(agent.welcome["udp"])
+        client.send(motion_frame([sample(1, 1000, (-10, 0, -2)), sample(2, 2000, (-9, 0, -2))]))
+        result = parse_result(client.receive()[32:])
         self.assertEqual((result["agent_sequence"], result["status"] & GAP), (0, GAP))
         self.assertEqual(self.server.info()["motions"], 0)
-        lane.close()
+        client.close()
 
     def test_samples_may_alternate_between_transports(self):
         agent = UdpAgent(self.port)
         rng = random.Random(5)
         for _ in range(40):
             batch = agent.samples(rng.randint(1, 4))
-            lanes = rng.choice([(True,), (False,), (True, False), (False, True)])
-            for udp in lanes:
+            transports = rng.choice([(True,), (False,), (True, False), (False, True)])
+            for udp in transports:
                 if udp:
-                    agent.lane.send(motion_frame(batch))
+                    agent.udp.send(motion_frame(batch))
                     self.assertEqual(agent.answer()["agent_sequence"], agent.sequence)
                 else:
                     agent.send_binary(motion_frame(batch))
@@ -279,15 +279,15 @@ class Strangers(LiveTest):
 
     def test_answers_follow_the_newest_datagram(self):
         agent = UdpAgent(self.port)
-        old = agent.lane.sealed(ping(1))
+        old = agent.udp.sealed(ping(1))
         self.assertTrue(agent.is_silent())
-        stranger = Lane(agent.welcome["udp"])
+        stranger = UdpClient(agent.welcome["udp"])
         stranger.send_raw(old)  # delayed by an attacker and sent from another address
-        self.assertIsNotNone(agent.lane.receive(), "the answer goes where the agent was last")
+        self.assertIsNotNone(agent.udp.receive(), "the answer goes where the agent was last")
         self.assertIsNone(stranger.receive(timeout=0.2))
-        agent.lane.move()
+        agent.udp.move()
         self.assertTrue(agent.is_silent())
-        agent.lane.send(motion_frame(agent.samples(2)))
+        agent.udp.send(motion_frame(agent.samples(2)))
         self.assertEqual(agent.answer()["agent_sequence"], 3)
         stranger.close()
 
@@ -295,19 +295,19 @@ class Strangers(LiveTest):
         agent = UdpAgent(self.port)
         offer = agent.welcome["udp"]
         frame = motion_frame(agent.samples(1))
-        good = agent.lane.sealed(frame)
+        good = agent.udp.sealed(frame)
         wrong = [b"", b"\0", good[:16], good[:32], good[:-1], good + b"\0", good + bytes(1400)]
         for at in range(len(good)):
             wrong.append(good[:at] + bytes([good[at] ^ 1 << at % 8]) + good[at + 1:])
-        wrong.append(seal(agent.lane.key_in, offer["connection"], 50, frame))  # the key of the other direction
-        wrong.append(seal(agent.lane.key_out, offer["connection"] ^ 1, 51, frame))
+        wrong.append(seal(agent.udp.key_in, offer["connection"], 50, frame))  # the key of the other direction
+        wrong.append(seal(agent.udp.key_out, offer["connection"] ^ 1, 51, frame))
         rng = random.Random(1)
         for size in (1, 33, 40, 200, 1200, 1201, 1500):
             wrong.append(rng.randbytes(size))
             wrong.append((good[:16] + rng.randbytes(size))[:1472])
         before, hash_before = counters(self.server), self.server.hash()
         for datagram in wrong:
-            agent.lane.send_raw(datagram)
+            agent.udp.send_raw(datagram)
         self.assertTrue(agent.is_silent(), "not a word about any of them")
         after = counters(self.server)
         reasons = ("malformed", "unknown_connection", "not_authentic", "replayed")
@@ -316,14 +316,14 @@ class Strangers(LiveTest):
             self.assertGreater(after[reason], before[reason])
         self.assertEqual(self.server.hash(), hash_before)
         # The authentic datagram is still accepted.
-        agent.lane.send_raw(good)
+        agent.udp.send_raw(good)
         self.assertEqual(agent.answer()["agent_sequence"], 2)
 
     def test_a_replay_is_dropped(self):
         agent = UdpAgent(self.port)
-        datagram = agent.lane.sealed(motion_frame(agent.samples(1)))
+        datagram = agent.udp.sealed(motion_frame(agent.samples(1)))
         for _ in range(20):
-            agent.lane.send_raw(datagram)
+            agent.udp.send_raw(datagram)
         self.assertEqual(agent.answer()["agent_sequence"], 2)
         self.assertTrue(agent.is_silent())
         self.assertEqual(counters(self.server)["replayed"], 19)
@@ -331,26 +331,26 @@ class Strangers(LiveTest):
     def test_authentic_but_malformed_frame_is_an_error(self):
         agent = UdpAgent(self.port)
         for frame in (b"x", bytes(40), motion_frame(agent.samples(1))[:-8], header(77, 0)):
-            agent.lane.send(frame)
+            agent.udp.send(frame)
         self.assertTrue(agent.is_silent())
         for _ in range(3):
             self.assertEqual(agent.receive_json("error")["code"], "bad_frame")
 
     def test_flood_is_bounded_and_does_not_affect_others(self):
         agent, other = UdpAgent(self.port), Agent(self.port, "block", "Grace")
-        datagrams = [agent.lane.sealed(ping(n)) for n in range(4000)]
+        datagrams = [agent.udp.sealed(ping(n)) for n in range(4000)]
         for n, datagram in enumerate(datagrams):
-            agent.lane.send_raw(datagram)
-            agent.lane.send_raw(datagram)
+            agent.udp.send_raw(datagram)
+            agent.udp.send_raw(datagram)
             if n % 100 == 0:
                 other.move([(5 + 0.01 * n, 5, -1)])
                 other.result()
         while not counters(self.server)["replayed"]:
             time.sleep(0.01)
         self.assertEqual(self.server.http.json("GET", "/v1/sessions/block")[0], 200)
-        agent.lane.move()
-        while agent.lane.receive(timeout=0.05) is None:
-            agent.lane.send(ping(99))
+        agent.udp.move()
+        while agent.udp.receive(timeout=0.05) is None:
+            agent.udp.send(ping(99))
 
 
 if __name__ == "__main__":

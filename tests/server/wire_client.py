@@ -204,10 +204,10 @@ class Agent(WebSocket):
 
     def result(self, sequence=None):
         """Waits for the result that answers the given sample (or the last one sent)."""
-        wanted = sequence or self.sequence
+        expected = sequence or self.sequence
         while True:
             result = parse_result(self.receive_binary(RESULT)[1])
-            if result["agent_sequence"] >= wanted:
+            if result["agent_sequence"] >= expected:
                 return result
 
 
