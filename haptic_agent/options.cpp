@@ -21,7 +21,7 @@ constexpr double kMostTorqueNmm = 2000.0;
 constexpr double kMostSpeed = 100.0;
 constexpr double kMostStiffnessNPerMm = 20.0;
 
-std::unexpected<EarlyExit> complain(const std::string& reason) {
+std::unexpected<EarlyExit> reject(const std::string& reason) {
   std::cerr << "kerf-agent: " << reason << '\n';
   return std::unexpected(EarlyExit{kBadInput});
 }
@@ -30,7 +30,7 @@ std::string check_color(const std::string& color) {
   const bool good =
       color.size() == 7 && color.front() == '#' &&
       std::ranges::all_of(color.substr(1), [](unsigned char c) { return std::isxdigit(c) != 0; });
-  return good ? "" : "must be of the form #rrggbb";
+  return good ? "" : "must have the form #rrggbb";
 }
 
 std::string check_session(const std::string& session) {
@@ -38,14 +38,14 @@ std::string check_session(const std::string& session) {
 }
 
 std::string check_name(const std::string& name) {
-  return name.size() <= wire::kMaxNameBytes ? "" : "is longer than 64 bytes";
+  return name.size() <= wire::kMaxNameBytes ? "" : "must be at most 64 bytes long";
 }
 
 const std::map<std::string, ForceMode> kModes = {{"model", ForceMode::kModel},
                                                  {"interpolated", ForceMode::kInterpolated},
                                                  {"hold", ForceMode::kHold}};
 
-/// CLI::Range lets a number pass that is not one.
+/// As CLI::Range, but rejects NaN.
 CLI::Validator number_in(double least, double most) {
   const auto check = [least, most](const std::string& text) -> std::string {
     const auto number = to_number(text);
@@ -65,59 +65,61 @@ struct Texts {
 };
 
 void describe(CLI::App& app, Options& options, Texts& texts) {
-  app.add_option("--server", texts.server, "where the server listens, http://HOST:PORT")
+  app.add_option("--server", texts.server, "address of the server, http://HOST:PORT")
       ->capture_default_str();
-  app.add_option("--session", options.link.session, "the block to join")
+  app.add_option("--session", options.link.session, "session to join")
       ->required()
       ->check(CLI::Validator(check_session, "ID"));
   app.add_option(
          "--device", texts.devices,
-         "usb, falcon[:FIRMWARE_FILE], spacemouse: a device on USB; sim: a simulated hand that "
-         "carves a figure; sim:FILE: it follows an .apt, .cls or .csv path; replay:FILE: the path "
-         "exactly, without a hand. Given several times, each joins as a participant of its own")
+         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; sim: a simulated hand that carves "
+         "a figure; sim:FILE: a simulated hand that follows an .apt, .cls or .csv path; "
+         "replay:FILE: the exact path, without a simulated hand. May be repeated: each device "
+         "joins as a separate participant")
       ->required();
-  app.add_option("--name", options.link.hello.name, "who you are for the others")
+  app.add_option("--name", options.link.hello.name, "your name, as displayed to others")
       ->check(CLI::Validator(check_name, "NAME"));
-  app.add_option("--color", options.link.hello.color, "your tool's colour")
+  app.add_option("--color", options.link.hello.color, "color of your tool")
       ->check(CLI::Validator(check_color, "#RRGGBB"));
-  app.add_option("--tool", options.link.hello.tool_id, "one of the session's tools, by number")
+  app.add_option("--tool", options.link.hello.tool_id, "id of one of the session's tools")
       ->check(CLI::Range(1U, 1'000'000'000U));
-  app.add_option("--duration", options.duration_s, "seconds after which to leave")
+  app.add_option("--duration", options.duration_s, "leave after this many seconds")
       ->check(number_in(1e-3, kMostSeconds));
-  app.add_flag("--loop", options.device_options.loop, "start over at the end of the path");
-  app.add_option("--speed", options.device_options.speed, "play the path this many times as fast")
+  app.add_flag("--loop", options.device_options.loop, "restart at the end of the path");
+  app.add_option("--speed", options.device_options.speed, "speed factor of the path")
       ->check(number_in(1.0 / kMostSpeed, kMostSpeed));
   app.add_option("--stiffness", options.device_options.stiffness_n_per_mm,
-                 "of the simulated hand, N/mm")
+                 "stiffness of the simulated hand, N/mm")
       ->check(number_in(1e-2, kMostStiffnessNPerMm))
       ->capture_default_str();
-  app.add_option("--force-max", options.limits.force_n, "greatest force shown, N")
+  app.add_option("--force-max", options.limits.force_n, "maximum force, N")
       ->check(number_in(0.0, kMostForceN))
       ->capture_default_str();
-  app.add_option("--torque-max", options.limits.torque_nmm, "greatest torque shown, N·mm")
+  app.add_option("--torque-max", options.limits.torque_nmm, "maximum torque, N·mm")
       ->check(number_in(0.0, kMostTorqueNmm))
       ->capture_default_str();
-  app.add_option("--cpu", options.cpu, "the processor on which the 1 kHz loop stays, from 0")
+  app.add_option("--cpu", options.cpu, "processor to pin the 1 kHz loop to, from 0")
       ->check(CLI::Range(0, 1023));
   app.add_option("--feel", options.link.hello.feel_of,
-                 "feel along, passively, what this participant feels, by number")
+                 "also feel the force of this participant, by id")
       ->check(CLI::Range(1U, 1'000'000'000U));
   app.add_flag(
       "--udp", options.link.hello.udp,
-      "carry poses and answers over UDP where the server offers it and it gets through: for "
+      "send poses and receive answers over UDP if the server offers it and datagrams arrive: for "
       "networks that lose packets");
   app.add_flag("--deadband", options.link.traffic.deadband,
-               "out of contact, do not send poses that differ by less than a hand can feel");
+               "out of contact, do not send poses that differ imperceptibly");
   app.add_option("--mode", options.mode,
-                 "what is made of the server's answers: model renders them for where the hand is "
-                 "now, interpolated and hold show them as they come")
+                 "how the server's answers are rendered: model extrapolates them to the current "
+                 "pose, interpolated and hold output them as they arrive")
       ->transform(CLI::CheckedTransformer(kModes))
       ->default_str("model");
   app.add_flag("--copy,!--no-copy", options.keep_copy,
-               "in mode model, keep a copy of the block near the tool and feel that, so that a "
-               "far server is felt like a near one (default); it takes a tenth of a processor");
+               "in mode model, maintain a replica of the block near the tool and render its "
+               "forces, which hides the round trip to the server (default); uses a tenth of a "
+               "processor");
   app.add_option("--patience", options.link.patience_s,
-                 "seconds to go on trying while the server cannot be reached")
+                 "retry for this many seconds while the server cannot be reached")
       ->check(number_in(0.0, kMostSeconds))
       ->capture_default_str();
   app.add_flag("--view", options.view, "show state, force, energy and link on the terminal");
@@ -133,7 +135,7 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   Options options;
   Texts texts;
   CLI::App app(
-      "Joins a Kerf session with a hand-held device: streams its motion at 1 kHz and shows it the "
+      "Joins a Kerf session with a haptic device: streams its motion at 1 kHz and outputs the "
       "force and torque of the cut.",
       "kerf-agent");
   describe(app, options, texts);
@@ -141,14 +143,14 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return std::unexpected(EarlyExit{app.exit(error)});
-    return complain(error.what());
+    return reject(error.what());
   }
   auto server = parse_server_url(texts.server);
-  if (!server) return complain("--server: " + server.error());
+  if (!server) return reject("--server: " + server.error());
   options.link.server = *std::move(server);
   for (const std::string& text : texts.devices) {
     auto device = choose_device(text);
-    if (!device) return complain(device.error());
+    if (!device) return reject(device.error());
     options.more_devices.push_back(*std::move(device));
   }
   options.device = std::move(options.more_devices.front());

@@ -11,35 +11,35 @@
 
 namespace kerf::agent {
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Options {
   LinkSettings link;
   DeviceChoice device;
-  /// Further devices, each of which joins as a participant of its own.
+  /// Further devices; each joins as a separate participant.
   std::vector<DeviceChoice> more_devices;
   DeviceOptions device_options;
   WrenchLimits limits;
   ForceMode mode = ForceMode::kModel;
-  /// In mode model: keep a copy of the block near the tool, and feel that.
+  /// In mode model: maintain a replica of the block near the tool and render its forces.
   bool keep_copy = true;
   double duration_s = 0;
-  /// The processor on which the loop stays; below 0: any.
+  /// Processor to pin the loop to; negative: any.
   int cpu = -1;
-  /// Draw the agent's state on the terminal.
+  /// Show the agent's state on the terminal.
   bool view = false;
-  /// Where the last 200 ms before a trip go; empty: to standard error.
+  /// File for the last 200 ms before a trip; empty: standard error.
   std::string trip_log;
-  /// Where the summary goes as JSON: a file, "-" for standard output, or nowhere.
+  /// File for the summary as JSON; "-": standard output; empty: none.
   std::string status_json;
 };
 
-/// How the program ends if it is not to carve: what was printed is either help (exit code 0) or
-/// what is wrong with the command line or a file that it names (exit code 2).
+/// The program must exit without carving: it has printed the help (code 0) or an error in the
+/// command line or in a file that it names (code 2).
 struct EarlyExit {
   int code = 0;
 };
 
-/// Reads the command line and the device's file.
+/// Parses the command line and reads the device's file.
 std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv);
 
 }  // namespace kerf::agent

@@ -21,13 +21,12 @@ namespace kerf::agent {
 namespace {
 
 constexpr int kFailed = 1;
-/// A server that keeps up needs a few milliseconds; one that is far behind gets time to finish the
-/// cut.
+/// How long to wait for the last answers at the end. A slow server gets time to finish the cut.
 constexpr double kDrainS = 10.0;
 constexpr double kUsPerS = 1e6;
 
-/// Calls `leave` when SIGINT or SIGTERM comes. Made before any other thread, so that all of them
-/// have the signals blocked and only this one receives them.
+/// Calls `leave` on SIGINT or SIGTERM. Construct it before any other thread starts, so that all
+/// threads inherit the blocked signals and only this one receives them.
 class LeaveOnSignal {
  public:
   explicit LeaveOnSignal(std::function<void()> leave) : leave_(std::move(leave)) {
@@ -53,10 +52,12 @@ class LeaveOnSignal {
   std::jthread thread_;
 };
 
-void say(const std::string& text) { std::cerr << join({"kerf-agent: ", text, "\n"}) << std::flush; }
+void print_line(const std::string& text) {
+  std::cerr << join({"kerf-agent: ", text, "\n"}) << std::flush;
+}
 
-/// The tools that the device will ask for must all be the session's: a wrong one is said at once,
-/// not after a minute of carving.
+/// Returns the initial tool. Checks in advance that the session has all tools that the device will
+/// request.
 std::expected<std::uint32_t, std::string> pick_tool(const Options& options,
                                                     const Welcome& welcome) {
   const auto has = [&](std::uint32_t tool) {
@@ -70,7 +71,7 @@ std::expected<std::uint32_t, std::string> pick_tool(const Options& options,
   if (options.device.script) {
     for (const TimedPose& pose : *options.device.script) {
       if (pose.tool_id != 0 && !has(pose.tool_id)) {
-        return std::unexpected(join({"the path asks for tool ", std::to_string(pose.tool_id),
+        return std::unexpected(join({"the path uses tool ", std::to_string(pose.tool_id),
                                      ", which the session does not have"}));
       }
     }
@@ -87,7 +88,7 @@ bool write_status(const std::string& where, const Summary& summary) {
   std::ofstream file(where);
   file << summary_json(summary);
   file.close();
-  if (!file) say(join({"cannot write ", where}));
+  if (!file) print_line(join({"cannot write ", where}));
   return static_cast<bool>(file);
 }
 
@@ -102,27 +103,29 @@ ServoSettings servo_settings(const Options& options, const Welcome& welcome,
                        .pivot_mm = welcome.pivot_mm});
 }
 
-/// Starts the copy of the block near the tool. Null, with a word to the user, if the welcome does
-/// not say enough for one: the server's answers are then felt alone.
-NearAnswers* start_copy(ReplicaThread& copy, NearAnswers& near, const Welcome& welcome) {
+/// Starts the replica of the block near the tool. Returns null and prints the reason if the welcome
+/// is not sufficient for one; only the server's answers are rendered then.
+ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange,
+                               const Welcome& welcome) {
   auto source = BlockSource::read(welcome.text);
   if (!source) {
-    say(join({"keeps no copy of the block: ", source.error()}));
-    copy.stop();
+    print_line(join({"no replica of the block: ", source.error()}));
+    replica.stop();
     return nullptr;
   }
-  copy.start(*std::move(source));
-  return &near;
+  replica.start(*std::move(source));
+  return &exchange;
 }
 
-/// Runs the device at 1 kHz until it ends; fills in what the servo side has to tell.
+/// Runs the device at 1 kHz until it ends; fills in the servo's part of the summary.
 void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, int cpu,
                Summary& summary) {
   Watchdog watchdog(loop, [&device] { device.stop(); });
   watchdog.start();
   std::thread servo([&] {
     summary.realtime = make_realtime({.priority = kServoPriority, .cpu = cpu});
-    if (!summary.realtime.warning.empty()) say(join({"warning: ", summary.realtime.warning}));
+    if (!summary.realtime.warning.empty())
+      print_line(join({"warning: ", summary.realtime.warning}));
     loop.run(cycle);
   });
   servo.join();
@@ -145,15 +148,15 @@ void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, int cpu
   }
 }
 
-/// Says how it went; gives the program's exit code.
-int tell(const Options& options, Summary& summary) {
+/// Prints the summary; returns the program's exit code.
+int report(const Options& options, Summary& summary) {
   if (summary.link.failure.empty() && summary.link.unanswered > 0) {
-    summary.link.failure = join({"the server has not answered the last ",
+    summary.link.failure = join({"the server did not answer the last ",
                                  std::to_string(summary.link.unanswered), " samples"});
   }
   print_summary(options.status_json == "-" ? std::cerr : std::cout, summary);
   const bool written = write_status(options.status_json, summary);
-  if (!summary.link.failure.empty()) say(summary.link.failure);
+  if (!summary.link.failure.empty()) print_line(summary.link.failure);
   return written && summary.link.failure.empty() ? 0 : kFailed;
 }
 
@@ -168,14 +171,14 @@ int run_agent(Options options) {
 
   LatestValue<LinkStatus> link_status;
   options.link.traffic.status = &link_status;
-  options.link.notice = say;
-  options.device_options.notice = say;
+  options.link.notice = print_line;
+  options.device_options.notice = print_line;
   options.link.failed = [&loop] { loop.stop(); };
-  NearAnswers near;
-  ReplicaThread copy(near);
+  ReplicaExchange exchange;
+  ReplicaThread replica(exchange);
   const bool keep_copy = options.keep_copy && options.mode == ForceMode::kModel;
   options.link.hello.stock = keep_copy;
-  options.link.traffic.copy = keep_copy ? &copy : nullptr;
+  options.link.traffic.copy = keep_copy ? &replica : nullptr;
   std::function<void()> leave = [&loop] { loop.stop(); };
   LeaveOnSignal signals([&leave] { leave(); });
   ServerLink link(options.link, samples, wrenches);
@@ -190,7 +193,7 @@ int run_agent(Options options) {
   const auto welcome = link.wait_welcome();
   if (!welcome) {
     link.stop(0);
-    say(welcome.error());
+    print_line(welcome.error());
     return kFailed;
   }
   joined.store(true);
@@ -198,32 +201,32 @@ int run_agent(Options options) {
   const auto tool = pick_tool(options, *welcome);
   if (!tool) {
     link.stop(0);
-    say(tool.error());
+    print_line(tool.error());
     return kFailed;
   }
   const auto device = make_device(
       options.device,
       {.stock = welcome->stock, .pivot_mm = welcome->pivot_mm, .participant = welcome->participant},
       options.device_options);
-  say(join({"carving '", welcome->session, "' as participant ",
-            std::to_string(welcome->participant), " with the ", device->capabilities().name,
-            "; Ctrl-C leaves"}));
+  print_line(join({"carving '", welcome->session, "' as participant ",
+                   std::to_string(welcome->participant), " with the ", device->capabilities().name,
+                   "; press Ctrl-C to leave"}));
 
   const ServoSettings settings = servo_settings(options, *welcome, *device, *tool);
   ServoCycle cycle(*device, samples, wrenches, link, settings,
-                   keep_copy ? start_copy(copy, near, *welcome) : nullptr);
+                   keep_copy ? start_replica(replica, exchange, *welcome) : nullptr);
   {
     const TripWriter trips(cycle.recorder(), options.trip_log);
     std::optional<TerminalView> view;
     if (options.view) view.emplace(cycle.status(), link_status, settings, std::cerr);
     run_servo(*device, loop, cycle, options.cpu, summary);
   }
-  copy.stop();
-  summary.copy = copy.report();
+  replica.stop();
+  summary.copy = replica.report();
   link.stop(kDrainS);
   summary.link = link.report();
 
-  return tell(options, summary);
+  return report(options, summary);
 }
 
 }  // namespace kerf::agent

@@ -19,10 +19,10 @@ namespace {
 
 constexpr int kFailed = 1;
 
-/// The exit code of a process that was waited for.
+/// Returns the exit code of a process from its wait status.
 int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : kFailed; }
 
-/// Waits until all have ended, and passes on what ends them.
+/// Waits until all children have ended; forwards SIGINT and SIGTERM as SIGTERM.
 int supervise(std::vector<pid_t> children, const sigset_t& signals) {
   int worst = 0;
   while (!children.empty()) {
@@ -64,11 +64,11 @@ int run_agents(Options options) {
   for (Options& one : split_options(options)) {
     const pid_t child = fork();
     if (child == 0) {
-      // A hand must not go on carving when the program that was started is gone.
+      // Ends the child when the parent dies.
       prctl(PR_SET_PDEATHSIG, SIGTERM);
       sigprocmask(SIG_SETMASK, &before, nullptr);
       const int code = run_agent(std::move(one));
-      // _exit, which spares what the parent has registered, does not write out what waits.
+      // _exit skips the parent's exit handlers, and does not flush.
       std::cout << std::flush;
       _exit(code);
     }

@@ -7,13 +7,12 @@
 
 namespace kerf::agent {
 
-/// The options of each device's own agent: named "Ada", "Ada 2", …, with the summary in FILE,
-/// FILE.2, …
+/// Splits the options into one set per device: names "Ada", "Ada 2", …, summaries FILE, FILE.2, …
 std::vector<Options> split_options(const Options& options);
 
-/// Runs an agent for every device; of several, each in a process of its own, so that nothing
-/// that befalls one hand takes the force off another. Ends when all have ended, with the greatest
-/// of their exit codes; a signal to end goes to all.
+/// Runs one agent per device. With several devices each agent has its own process, so that a
+/// failure of one does not affect the others. Returns the maximum of their exit codes after all
+/// have ended; forwards signals to all.
 int run_agents(Options options);
 
 }  // namespace kerf::agent

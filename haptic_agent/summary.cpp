@@ -102,8 +102,8 @@ json force_json(const Summary& s) {
 json copy_json(const Summary& s) {
   return {{"samples", s.copy.samples},
           {"answered", s.copy.answered},
-          {"felt_ticks", s.servo.near_answers},
-          {"overflows", s.servo.near_overflows},
+          {"felt_ticks", s.servo.replica_answers},
+          {"overflows", s.servo.replica_overflows},
           {"patches", s.copy.patches},
           {"bad_patches", s.copy.bad_patches},
           {"tiles", s.copy.tiles},
@@ -134,13 +134,13 @@ std::ostream& operator<<(std::ostream& out, const Quantiles& q) {
              << " ms";
 }
 
-/// Empty where the lane was not asked for.
+/// Returns the UDP line; empty if UDP was not requested.
 std::string udp_line(const UdpReport& udp, std::uint64_t samples_sent) {
   if (!udp.asked) return {};
-  if (!udp.offered) return "udp      the server has no UDP lane\n";
+  if (!udp.offered) return "udp      the server has no UDP transport\n";
   std::ostringstream out;
   out << "udp      " << udp.samples << " of " << samples_sent
-      << " samples first sent over it, taken over " << udp.taken_over << " times, fallen back "
+      << " samples first sent over UDP, switched to UDP " << udp.taken_over << " times and back "
       << udp.fell_back << " times, at the end " << (udp.carries ? "in use" : "not in use")
       << "; datagrams: " << udp.sent << " out, " << udp.received << " in, " << udp.lost << " lost, "
       << udp.dropped << " dropped; " << udp.repeated << " samples repeated, " << udp.gaps
@@ -152,12 +152,12 @@ struct Copy {
   const ReplicaReport& of;
 };
 
-/// Nothing if no copy was kept.
+/// Prints nothing if there was no replica.
 std::ostream& operator<<(std::ostream& out, const Copy& copy) {
   constexpr double kPercent = 100, kKilo = 1000;
   const ReplicaReport& c = copy.of;
   if (c.samples == 0) return out;
-  return out << "copy     answered " << c.answered << " of " << c.samples << " samples, "
+  return out << "replica  answered " << c.answered << " of " << c.samples << " samples, "
              << Quantiles{c.answer_us} << "; forces differ from the server's by "
              << c.error * kPercent << " % rms; " << c.tiles << " tiles, "
              << static_cast<double>(c.bytes) / kKilo << " kB\n";
@@ -172,7 +172,7 @@ void print_summary(std::ostream& out, const Summary& s) {
       << " lost, longest gap " << c.longest_gap_us << " us"
       << (s.realtime.fifo ? ", SCHED_FIFO" : ", no real-time priority") << '\n'
       << "wake-up  " << Quantiles{c.wake_us} << '\n'
-      << "answer   " << Quantiles{l.answer_us} << "  (pose measured to wrench received)\n"
+      << "answer   " << Quantiles{l.answer_us} << "  (from pose to received wrench)\n"
       << "ping     " << Quantiles{l.clock.rtt_us()} << '\n'
       << "link     " << l.samples_sent << " samples in " << l.messages_sent << " messages, "
       << l.results << " results, " << l.connections << " connection"
@@ -180,21 +180,22 @@ void print_summary(std::ostream& out, const Summary& s) {
       << " unanswered, " << l.merged_air + l.merged_cuts + l.thinned_cuts << " merged\n"
       << udp_line(l.udp, l.samples_sent - l.resent) << "force    up to " << std::setprecision(2)
       << s.servo.max_force_n << " N and " << s.servo.max_torque_nmm
-      << " N·mm shown (server: " << l.max_server_force_n << " N), saturated in "
-      << s.saturated_ticks << " ticks, faded in " << s.servo.decayed_ticks << '\n'
-      << Copy{s.copy} << "energy   " << -s.given_mj << " mJ taken from the hand, at most "
-      << s.most_returned_mj << " mJ given back over any time; " << s.projected_wrenches
-      << " wrenches corrected\n"
+      << " N·mm (server: " << l.max_server_force_n << " N), saturated in " << s.saturated_ticks
+      << " ticks, faded in " << s.servo.decayed_ticks << '\n'
+      << Copy{s.copy} << "energy   " << -s.given_mj << " mJ dissipated, at most "
+      << s.most_returned_mj << " mJ returned over any interval; " << s.projected_wrenches
+      << " wrenches reduced\n"
       << "safety   " << s.trips << " trips" << (s.trips > 0 ? ", last: " : "")
       << (s.trips > 0 ? to_string(s.last_trip) : "") << "; degraded in " << s.degraded_ticks
       << " ticks; stopped by the watchdog " << s.watchdog_stops << " times\n"
       << "carved   " << l.removed_mm3 << " mm³";
   if (s.max_deviation_mm > 0) {
-    out << "; the cut pushed the hand up to " << s.max_deviation_mm << " mm off its path";
+    out << "; maximum deviation of the simulated hand from its path " << s.max_deviation_mm
+        << " mm";
   }
   out << '\n';
   for (const auto& [code, complaint] : l.complaints) {
-    out << "rejected  " << complaint.count << " x " << code << ": " << complaint.first_reason
+    out << "error    " << complaint.count << " x " << code << ": " << complaint.first_reason
         << '\n';
   }
 }

@@ -6,14 +6,14 @@
 #include <string>
 
 #include "haptic_agent/link/server_link.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 #include "haptic_agent/replica/replica_thread.h"
-#include "haptic_agent/servo/realtime.h"
 #include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/servo_loop.h"
 
 namespace kerf::agent {
 
-/// Everything a run has to tell.
+/// Counters and measurements of a run.
 struct Summary {
   Welcome welcome;
   std::string device;
@@ -23,23 +23,23 @@ struct Summary {
   std::uint64_t saturated_ticks = 0;
   std::uint64_t slewed_ticks = 0;
   std::uint64_t not_finite_wrenches = 0;
-  /// How far the simulated hand was pushed off its path; 0 for other devices.
+  /// Maximum deviation of the simulated hand from its path; 0 for other devices.
   double max_deviation_mm = 0;
   std::uint64_t watchdog_stops = 0;
   std::uint64_t trips = 0;
   TripCode last_trip = TripCode::kNone;
   std::uint64_t degraded_ticks = 0;
   std::uint64_t projected_wrenches = 0;
-  /// Net work into the hand, and the most over any interval.
+  /// Net work done on the user, and its maximum over any interval.
   double given_mj = 0;
   double most_returned_mj = 0;
   LinkReport link;
   ReplicaReport copy;
 };
 
-/// For a person: a few lines.
+/// Prints the summary as text.
 void print_summary(std::ostream& out, const Summary& summary);
-/// For a program: one JSON object, with a line break at its end.
+/// Returns the summary as one JSON object, followed by a line break.
 std::string summary_json(const Summary& summary);
 
 }  // namespace kerf::agent

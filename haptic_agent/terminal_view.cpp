@@ -14,7 +14,7 @@ constexpr int kBarColumns = 30;
 constexpr const char* kEndOfLine = "\x1b[K\n";
 constexpr const char* kSixLinesUp = "\x1b[6A";
 
-/// Empty where there is no such lane.
+/// Empty if the server does not offer UDP.
 std::string udp_rate(const UdpReport& udp) {
   if (!udp.offered) return {};
   return "datagrams " + std::to_string(udp.sent) + " out, " + std::to_string(udp.received) +
@@ -34,8 +34,8 @@ std::string view_text(const ServoStatus& servo, const LinkStatus& link, const Wr
                       double tank_mj) {
   constexpr double kMsPerUs = 1e-3;
   const auto ms = [](auto us) { return static_cast<double>(us) * kMsPerUs; };
-  const double force = length(servo.shown.force_n);
-  const double torque = length(servo.shown.torque_nmm);
+  const double force = length(servo.output.force_n);
+  const double torque = length(servo.output.torque_nmm);
   std::ostringstream out;
   out << std::fixed << std::setprecision(1) << "state   " << to_string(servo.phase);
   if (servo.trips > 0) out << "   trips " << servo.trips << ", last " << to_string(servo.code);
@@ -46,7 +46,7 @@ std::string view_text(const ServoStatus& servo, const LinkStatus& link, const Wr
       << ms(link.rtt_us) << " ms, answer " << ms(servo.answer_age_us) << " ms old, clock "
       << std::showpos << ms(link.clock_offset_us) << std::noshowpos << " ms, connection "
       << link.connections << (link.udp.carries ? ", UDP" : ", WebSocket") << kEndOfLine
-      << "rate    " << link.samples_sent << " poses out, " << link.results << " answers in, "
+      << "rate    " << link.samples_sent << " poses sent, " << link.results << " answers received, "
       << udp_rate(link.udp) << "tip " << servo.speed_mm_per_s << " mm/s" << kEndOfLine;
   return out.str();
 }
@@ -56,14 +56,14 @@ TerminalView::TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStat
     : thread_([&servo, &link, &out, limits = settings.limits,
                tank_mj = settings.passivity.tank_mj](const std::stop_token& stop) {
         constexpr std::chrono::milliseconds kEvery{100};
-        ServoStatus shown;
+        ServoStatus status;
         LinkStatus linked;
         bool first = true;
         while (!stop.stop_requested()) {
-          servo.read(shown);
+          servo.read(status);
           link.read(linked);
           if (!first) out << kSixLinesUp;
-          out << view_text(shown, linked, limits, tank_mj) << std::flush;
+          out << view_text(status, linked, limits, tank_mj) << std::flush;
           first = false;
           std::this_thread::sleep_for(kEvery);
         }

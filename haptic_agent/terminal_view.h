@@ -10,17 +10,18 @@
 
 namespace kerf::agent {
 
-/// What the view shows of a bar: how much of `most` is `value`, in `columns` characters.
+/// Returns a bar of `columns` characters, filled to value / most.
 std::string bar(double value, double most, int columns);
 
-/// One picture of the agent, six lines, each ended by "erase to the end of the line".
+/// Returns the state of the agent in six lines, each ended by the escape code that erases to the
+/// end of the line.
 std::string view_text(const ServoStatus& servo, const LinkStatus& link, const WrenchLimits& limits,
                       double tank_mj);
 
-/// Draws the agent's state on a terminal ten times a second, in place, from an ordinary thread.
+/// Prints the agent's state on a terminal ten times per second, in place, from an ordinary thread.
 class TerminalView {
  public:
-  /// All references must outlive it. Begins at once.
+  /// All references must outlive the view. Starts at once.
   TerminalView(LatestValue<ServoStatus>& servo, LatestValue<LinkStatus>& link,
                const ServoSettings& settings, std::ostream& out);
   ~TerminalView();

@@ -22,8 +22,8 @@ std::string trip_csv(const FlightLog& log) {
          "ty_nmm,tz_nmm,energy_mj,answer_age_us,lost,phase\n";
   for (std::size_t i = 0; i < log.count; ++i) {
     const FlightTick& t = log.ticks[i];
-    out << t.time_us << ',' << t.tip_mm << ',' << t.velocity_mm_per_s << ',' << t.wanted.force_n
-        << ',' << t.shown.force_n << ',' << t.shown.torque_nmm << ',' << t.energy_mj << ','
+    out << t.time_us << ',' << t.tip_mm << ',' << t.velocity_mm_per_s << ',' << t.requested.force_n
+        << ',' << t.output.force_n << ',' << t.output.torque_nmm << ',' << t.energy_mj << ','
         << t.answer_age_us << ',' << t.lost_now << ',' << to_string(t.phase) << '\n';
   }
   return out.str();
@@ -47,8 +47,8 @@ TripWriter::~TripWriter() {
 void TripWriter::write_one() {
   const FlightLog* log = recorder_.log();
   if (log == nullptr) return;
-  std::cerr << "kerf-agent: no force any more: " << to_string(log->code)
-            << "; let go of the device and take it again\n";
+  std::cerr << "kerf-agent: force switched off: " << to_string(log->code)
+            << "; release the device and grip it again\n";
   if (file_.empty()) {
     std::cerr << trip_csv(*log) << std::flush;
   } else {

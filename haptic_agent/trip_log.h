@@ -9,16 +9,15 @@
 
 namespace kerf::agent {
 
-/// The last ticks before a trip as a table: one comment line with the code, a header, a line a
-/// tick.
+/// Returns the last ticks before a trip as CSV: one comment line with the code, a header, and one
+/// line per tick.
 std::string trip_csv(const FlightLog& log);
 
-/// Waits on an ordinary thread for trips and writes each down: its code to standard error, its
-/// ticks behind those of earlier trips into a file, or to standard error as well where there is
-/// none.
+/// Logs trips from an ordinary thread: the code to standard error, the ticks appended to a file, or
+/// to standard error as well if no file is given.
 class TripWriter {
  public:
-  /// `recorder` must outlive it. `file` may be empty.
+  /// `recorder` must outlive the object. `file` may be empty.
   TripWriter(FlightRecorder& recorder, std::string file);
   ~TripWriter();
   TripWriter(const TripWriter&) = delete;

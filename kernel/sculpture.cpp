@@ -250,7 +250,7 @@ RemovedVolume Sculpture::cut_field(DexelField& field, LazyNormals& normals, cons
     if (end_code != kStockNormal) normals.add_tiles(removal);
     quanta += removal.quanta();
     if (!alone) elements += removal.elements();
-    note_changed_tiles(grid, removal, result.changed_tiles);
+    append_changed_tiles(grid, removal, result.changed_tiles);
     for (const RemovedPart& cut_part : removal.parts()) {
       for (const auto& tile : cut_part.tiles) result.cut_tiles.push_back({grid.axis, tile.index});
     }

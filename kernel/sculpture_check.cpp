@@ -56,10 +56,10 @@ Check reject(SculptureErrorCode code, std::string reason) {
 Check check_settings(const SculptureSettings& s) {
   using enum SculptureErrorCode;
   if (auto c = check_stock(s.stock); !c) return c;
-  if (!(s.pitch_mm >= 1e-4 && s.pitch_mm <= 1000)) {
+  if (!(s.pitch_mm >= 0.0001 && s.pitch_mm <= 1000)) {
     return reject(kBadPitch, "pitch_mm must be between 0.0001 and 1000");
   }
-  if (!(s.tolerance_mm >= 1e-6 && s.tolerance_mm <= 100)) {
+  if (!(s.tolerance_mm >= 0.000001 && s.tolerance_mm <= 100)) {
     return reject(kBadTolerance, "tolerance_mm must be between 0.000001 and 100");
   }
   for (const RayAxis axis : axes_of(s.rays)) {

@@ -33,11 +33,11 @@ struct SculptureSettings {
   /// drops the pointer; settings().stock is then its bounding box.
   std::shared_ptr<const TriangleMesh> stock_mesh;
   Rays rays = Rays::kDexel;
-  /// Distance of neighboring rays, in [1e-4, 1000]. A field may have at most kColumnsMax columns,
+  /// Distance of neighboring rays, in [0.0001, 1000]. A field may have at most kColumnsMax columns,
   /// or kMeshColumnsMax if the stock is a mesh.
   double pitch_mm = 0.25;
   /// Greatest distance of a dexel's end from the swept surface, for both motion models; in
-  /// [1e-6, 100].
+  /// [0.000001, 100].
   double tolerance_mm = 0.01;
   MotionModel motion = MotionModel::kTight;
   /// Stores a surface normal with every end of every dexel; mesh_tile (kernel/surface) needs them.
@@ -50,7 +50,7 @@ struct SculptureSettings {
 /// Greatest absolute value of a coordinate of the stock or of a tool tip, in mm.
 inline constexpr double kCoordinateMaxMm = 1e6;
 /// Shortest permitted side of the stock, in mm.
-inline constexpr double kStockSizeMinMm = 1e-4;
+inline constexpr double kStockSizeMinMm = 0.0001;
 /// Greatest number of columns of one field.
 inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 36;
 /// Greatest number of columns of one field whose stock is a mesh. It is lower because nearly all

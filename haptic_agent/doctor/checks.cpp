@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "haptic_agent/device/text_fields.h"
-#include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/realtime/clock.h"
 
 namespace kerf::agent {
 namespace {
@@ -41,22 +41,22 @@ Finding judge_found(const FoundDevice& device) {
   const std::string at = join({"the ", device.name, " at ", device.node});
   if (device.word.empty()) {
     return {.health = Health::kWarning,
-            .what = at + " speaks a closed protocol, which needs its vendor's SDK",
-            .advice = {"haptic_agent/device/README.md says how to plug one in"}};
+            .what = at + " uses a proprietary protocol, which requires its vendor's SDK",
+            .advice = {"haptic_agent/device/README.md describes how to add a driver"}};
   }
-  if (!device.fault) return {.what = join({at, " may be opened (--device ", device.word, ")"})};
+  if (!device.fault) return {.what = join({at, " is accessible (--device ", device.word, ")"})};
   if (*device.fault != UsbFault::kPermission) {
     return {.health = Health::kBad, .what = usb_error(*device.fault, device.name).text};
   }
   return {.health = Health::kBad,
-          .what = at + " may not be opened by this user",
-          .advice = {"as root, put this line into /etc/udev/rules.d/70-kerf.rules (or copy "
-                     "haptic_agent/70-kerf.rules, which holds it, there):",
+          .what = at + " is not accessible to this user",
+          .advice = {"as root, add this line to /etc/udev/rules.d/70-kerf.rules (or copy "
+                     "haptic_agent/70-kerf.rules, which contains it):",
                      udev_rule(device.id),
-                     "udevadm control --reload && udevadm trigger, then plug it in again"}};
+                     "then run udevadm control --reload && udevadm trigger and plug it in again"}};
 }
 
-/// Ticks as the servo does, without a device.
+/// A servo task without a device.
 class Idle final : public ServoTask {
  public:
   explicit Idle(double seconds) : end_us_(static_cast<std::uint64_t>(seconds * kUsPerS)) {}
@@ -70,7 +70,7 @@ class Idle final : public ServoTask {
   std::uint64_t start_us_ = 0;
 };
 
-/// One ordinary thread a core that never rests, while it lives.
+/// Keeps `threads` ordinary threads busy during its lifetime.
 class Load {
  public:
   explicit Load(unsigned threads) {
@@ -98,21 +98,21 @@ RealtimeReport probe_realtime() {
 Finding judge_priority(const RealtimeReport& report) {
   if (report.fifo) return {.what = "real-time priority: granted"};
   return {.health = Health::kWarning,
-          .what = join({"real-time priority: rejected (rtprio limit ", limit_text(RLIMIT_RTPRIO),
+          .what = join({"real-time priority: denied (rtprio limit ", limit_text(RLIMIT_RTPRIO),
                         "); the 1 kHz loop runs as an ordinary thread and loses ticks under load"}),
-          .advice = {"as root, put these lines into /etc/security/limits.d/kerf.conf and log in "
+          .advice = {"as root, add these lines to /etc/security/limits.d/kerf.conf and log in "
                      "again as a member of plugdev:",
                      "@plugdev - rtprio 90", "@plugdev - memlock unlimited",
-                     "or give the program the right: setcap cap_sys_nice,cap_ipc_lock+ep "
+                     "or grant the program the capability: setcap cap_sys_nice,cap_ipc_lock+ep "
                      "$(command -v kerf-agent)"}};
 }
 
 Finding judge_memory_lock(const RealtimeReport& report) {
   if (report.memory_locked) return {.what = "memory lock: granted"};
   return {.health = Health::kWarning,
-          .what = join({"memory lock: rejected (memlock limit ", limit_text(RLIMIT_MEMLOCK),
-                        " bytes); a page fault may hold the loop up"}),
-          .advice = {"@plugdev - memlock unlimited   in /etc/security/limits.d/kerf.conf"}};
+          .what = join({"memory lock: denied (memlock limit ", limit_text(RLIMIT_MEMLOCK),
+                        " bytes); a page fault may delay the loop"}),
+          .advice = {"add @plugdev - memlock unlimited to /etc/security/limits.d/kerf.conf"}};
 }
 
 std::string udev_rule(UsbId id) {
@@ -125,7 +125,7 @@ std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std
   if (!survey) return {{.health = Health::kWarning, .what = survey.error()}};
   if (survey->empty()) {
     return {{.health = Health::kWarning,
-             .what = "no known device is on USB (the simulated hand, --device sim, needs none)"}};
+             .what = "no supported device on USB (the simulated hand, --device sim, needs none)"}};
   }
   std::vector<Finding> findings;
   for (const FoundDevice& device : *survey) findings.push_back(judge_found(device));
@@ -144,7 +144,7 @@ Finding check_device(const DeviceChoice& choice, double wait_s) {
   }
   const std::string trouble = device->trouble();
   return {.health = Health::kBad,
-          .what = trouble.empty() ? join({"the ", name, " has not become ready"}) : trouble};
+          .what = trouble.empty() ? join({"the ", name, " did not become ready"}) : trouble};
 }
 
 LoopMeasurement measure_loop(double seconds, bool load) {
@@ -179,13 +179,13 @@ Finding judge_loop(const LoopMeasurement& measurement) {
   const bool fine = s.wake_us.quantile_us(0.99) <= kFineWakeUs && lost <= kFineLostShare;
   if (fine) return finding;
   finding.health = Health::kWarning;
-  finding.advice.push_back(join({"fine is p99 up to ", std::to_string(kFineWakeUs), " us and ",
+  finding.advice.push_back(join({"target: p99 up to ", std::to_string(kFineWakeUs), " us and ",
                                  percent(kFineLostShare), " lost"}));
   finding.advice.push_back(
       measurement.realtime.fifo
-          ? "close other programs; a virtual machine or a power-saving CPU also holds threads up; "
+          ? "close other programs; virtual machines and CPU power saving also delay threads; "
             "Debian's linux-image-rt-amd64 helps on real hardware"
-          : "without real-time priority this is what an ordinary thread gets");
+          : "measured without real-time priority");
   return finding;
 }
 

@@ -10,42 +10,42 @@
 #include "haptic_agent/device/usb/usb_survey.h"
 #include "haptic_agent/doctor/finding.h"
 #include "haptic_agent/link/server_url.h"
-#include "haptic_agent/servo/realtime.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 #include "haptic_agent/servo/servo_loop.h"
 
 namespace kerf::agent {
 
-/// What the servo's thread asks for, asked for by a thread of its own, and given back.
+/// Requests on a temporary thread what the servo thread requests, and releases it again.
 RealtimeReport probe_realtime();
 
-/// With the limits of this process and the lines that raise them.
+/// Findings with the limits of this process and the configuration lines that raise them.
 Finding judge_priority(const RealtimeReport& report);
 Finding judge_memory_lock(const RealtimeReport& report);
 
-/// One finding a device; one if there is none or USB does not work.
+/// Returns one finding per device; one if there is no device or USB cannot be used.
 std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std::string>& survey);
 
-/// The line of a udev rules file that lets this machine's user open such devices.
+/// Returns the udev rule that lets the local user open such devices.
 std::string udev_rule(UsbId id);
 
-/// Looks for the device until it is ready, at most `wait_s`.
+/// Waits until the device is ready, at most `wait_s`.
 Finding check_device(const DeviceChoice& choice, double wait_s);
 
-/// The servo loop as it runs, with its scheduling.
+/// Statistics of the servo loop and its scheduling.
 struct LoopMeasurement {
   RealtimeReport realtime{};
   CycleStats stats{};
-  /// Ordinary threads that kept every core busy meanwhile; 0: none.
+  /// Number of threads that kept all cores busy meanwhile; 0: none.
   unsigned load_threads = 0;
 };
-/// What counts as fine for a loop with real-time priority.
+/// Targets for a loop with real-time priority: p99 wake-up latency and share of lost ticks.
 inline constexpr std::uint64_t kFineWakeUs = 250;
 inline constexpr double kFineLostShare = 0.005;
 
 LoopMeasurement measure_loop(double seconds, bool load);
 Finding judge_loop(const LoopMeasurement& measurement);
 
-/// Connects several times and asks once whether the server is well.
+/// Connects several times, measures the round trip, and requests /healthz once.
 Finding check_server(const ServerUrl& server);
 
 }  // namespace kerf::agent

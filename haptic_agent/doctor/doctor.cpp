@@ -24,19 +24,20 @@ struct DoctorOptions {
 };
 
 void describe(CLI::App& app, DoctorOptions& options) {
-  app.add_option("--device", options.devices,
-                 "also try this device until it is ready (as for carving; may be repeated)");
-  app.add_option("--server", options.server, "also reach this server, http://HOST:PORT");
-  app.add_option("--seconds", options.seconds, "how long to measure the loop")
+  app.add_option(
+      "--device", options.devices,
+      "also wait until this device is ready (same values as for carving; may be repeated)");
+  app.add_option("--server", options.server, "also check this server, http://HOST:PORT");
+  app.add_option("--seconds", options.seconds, "duration of the loop measurement")
       ->check(CLI::Range(0.1, kMostSeconds))
       ->capture_default_str();
-  app.add_option("--wait", options.wait_s, "how long to wait for a device, for its homing too")
+  app.add_option("--wait", options.wait_s, "how long to wait for a device, including its homing")
       ->check(CLI::Range(0.0, kMostSeconds))
       ->capture_default_str();
-  app.add_flag("--load", options.load, "keep every core busy while the loop is measured");
+  app.add_flag("--load", options.load, "keep all cores busy during the measurement");
 }
 
-/// Prints findings as they come and remembers the worst.
+/// Prints each finding and records whether all were fine.
 class Printer {
  public:
   explicit Printer(std::ostream& out) : out_(out) {}
@@ -81,7 +82,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
   printer.print(judge_memory_lock(rights));
   printer.print(judge_loop(measure_loop(options.seconds, options.load)));
   if (!options.server.empty()) printer.print(check_server(server));
-  out << (printer.fine() ? "All is fine.\n" : "Not all is fine; see above.\n");
+  out << (printer.fine() ? "All checks passed.\n" : "Some checks failed; see above.\n");
   return printer.fine() ? 0 : kSomethingWrong;
 }
 
@@ -89,7 +90,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
 
 int run_doctor(int argc, const char* const* argv, std::ostream& out) {
   DoctorOptions options;
-  CLI::App app("Says what is missing for carving with a device, and measures the 1 kHz loop.",
+  CLI::App app("Reports what is missing for carving with a device, and measures the 1 kHz loop.",
                "kerf-agent doctor");
   describe(app, options);
   try {

@@ -6,14 +6,14 @@
 
 namespace kerf::agent {
 
-/// How a check went. A warning: the agent works, and not as well as it could.
+/// Result of a check. kWarning: the agent works, but not as well as it could.
 enum class Health { kFine, kWarning, kBad };
 
 struct Finding {
   Health health = Health::kFine;
   /// One sentence.
   std::string what{};
-  /// What to do, one step a line; empty where nothing need be done.
+  /// What to do, one step per line; may be empty.
   std::vector<std::string> advice{};
 };
 

@@ -14,15 +14,15 @@
 #include <vector>
 
 #include "haptic_agent/device/text_fields.h"
-#include "haptic_agent/device/usb/monotonic.h"
 #include "haptic_agent/doctor/checks.h"
+#include "haptic_agent/realtime/clock.h"
 
 namespace kerf::agent {
 namespace {
 
 constexpr int kTimeoutMs = 3000;
 constexpr int kConnections = 9;
-/// Beyond this a person carving feels the delay of the server's force (haptics hurt before vision).
+/// Beyond this round trip a user feels the delay of the server's force, before it becomes visible.
 constexpr std::uint64_t kPromptUs = 25'000;
 
 class Socket {
@@ -46,7 +46,7 @@ bool ready(int fd, short events) {
   return poll(&waited, 1, kTimeoutMs) == 1;
 }
 
-/// Empty: connected.
+/// Returns the error; empty if connected.
 std::string connect_to(const addrinfo& address, int fd) {
   if (connect(fd, address.ai_addr, address.ai_addrlen) == 0) return {};
   if (errno != EINPROGRESS) return std::generic_category().message(errno);
@@ -57,8 +57,8 @@ std::string connect_to(const addrinfo& address, int fd) {
   return error == 0 ? std::string() : std::generic_category().message(error);
 }
 
-/// The first line of the answer to GET /healthz.
-std::string ask_health(int fd, const ServerUrl& server) {
+/// Returns the status line of the response to GET /healthz.
+std::string request_health(int fd, const ServerUrl& server) {
   const std::string request =
       join({"GET /healthz HTTP/1.1\r\nHost: ", server.host, "\r\nConnection: close\r\n\r\n"});
   if (send(fd, request.data(), request.size(), MSG_NOSIGNAL) < 0 || !ready(fd, POLLIN)) return {};
@@ -73,7 +73,8 @@ Finding unreachable(const ServerUrl& server, const std::string& reason) {
   return {
       .health = Health::kBad,
       .what = join({"the server ", server.host, ":", server.port, " cannot be reached: ", reason}),
-      .advice = {"is kerf-server running there, and does a firewall let this machine in?"}};
+      .advice = {
+          "check that kerf-server is running there and that no firewall blocks this machine"}};
 }
 
 }  // namespace
@@ -98,25 +99,24 @@ Finding check_server(const ServerUrl& server) {
       reason = connect_to(*at, socket.fd());
       if (!reason.empty()) continue;
       times_us.push_back(monotonic_us() - start_us);
-      if (i == 0) health = ask_health(socket.fd(), server);
+      if (i == 0) health = request_health(socket.fd(), server);
       break;
     }
     if (!reason.empty()) return unreachable(server, reason);
   }
   if (health.find(" 200") == std::string::npos) {
-    return {
-        .health = Health::kBad,
-        .what = join({"what answers at ", server.host, ":", server.port,
-                      " is no healthy kerf-server (", health.empty() ? "silence" : health, ")"})};
+    return {.health = Health::kBad,
+            .what = join({"no healthy kerf-server at ", server.host, ":", server.port, " (",
+                          health.empty() ? "no response" : health, ")"})};
   }
   std::ranges::sort(times_us);
   const std::uint64_t middle_us = times_us[times_us.size() / 2];
   Finding finding{.what = join({"the server ", server.host, ":", server.port,
-                                " is well; round trip ", std::to_string(middle_us), " us, at most ",
-                                std::to_string(times_us.back()), " us"})};
+                                " is healthy; round trip ", std::to_string(middle_us),
+                                " us, at most ", std::to_string(times_us.back()), " us"})};
   if (middle_us > kPromptUs) {
     finding.health = Health::kWarning;
-    finding.advice = {"above 25 ms a hand feels the delay; a server nearer by feels better"};
+    finding.advice = {"above 25 ms users feel the delay; use a server with a shorter round trip"};
   }
   return finding;
 }

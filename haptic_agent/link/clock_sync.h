@@ -5,14 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "haptic_agent/servo/histogram.h"
+#include "haptic_agent/realtime/histogram.h"
 
 namespace kerf::agent {
 
-/// Round-trip times and the server's clock, from pings and their answers.
+/// Round-trip times and the offset of the server's clock, from pings and pongs.
 class ClockSync {
  public:
-  /// All in us: our time at sending, the server's time, our time at arrival.
+  /// Takes a pong. All in us: local time of sending, the server's time, local time of arrival.
   void take(std::uint64_t sent_us, std::uint64_t server_us, std::uint64_t arrival_us) noexcept {
     if (arrival_us < sent_us) return;
     const std::uint64_t rtt_us = arrival_us - sent_us;
@@ -21,8 +21,8 @@ class ClockSync {
                                                static_cast<std::int64_t>(sent_us + rtt_us / 2)};
   }
 
-  /// What to add to our clock to get the server's: of the last answers, the quickest one knows
-  /// best.
+  /// Returns the server's clock minus the local clock, from the pong with the shortest round trip
+  /// among the last 32.
   std::int64_t offset_us() const noexcept {
     Answer best;
     for (std::size_t i = 0; i < kWindow && i < count_; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a connection begins, up to the welcome.
+// Establishes a connection, up to the welcome.
 #include "haptic_agent/link/connection.h"
 
 #include <boost/asio/ip/tcp.hpp>
@@ -21,7 +21,7 @@ using Socket = websocket::stream<beast::tcp_stream>;
 
 constexpr seconds kConnectTimeout{3};
 constexpr seconds kWelcomeTimeout{5};
-/// A server that says nothing at all for this long, not even to a ping of the WebSocket, is gone.
+/// A connection without any traffic for this long, WebSocket pings included, is lost.
 constexpr seconds kIdleTimeout{6};
 
 asio::awaitable<std::optional<Loss>> connect(Socket& socket, const ServerUrl& server) {
@@ -62,12 +62,12 @@ asio::awaitable<std::optional<Loss>> upgrade(Socket& socket, const LinkSettings&
   if (failed) co_return Loss{"no WebSocket: " + failed.message()};
   if (response[http::field::sec_websocket_protocol] !=
       beast::string_view(wire::kAgentProtocol.data(), wire::kAgentProtocol.size())) {
-    co_return Loss{"the server does not speak " + std::string(wire::kAgentProtocol), true};
+    co_return Loss{"the server does not support " + std::string(wire::kAgentProtocol), true};
   }
   co_return std::nullopt;
 }
 
-/// Says hello and waits for the welcome, or for the error that stands in its place.
+/// Sends hello and waits for the welcome or an error.
 asio::awaitable<std::expected<Welcome, Loss>> greet(Socket& socket, const Hello& greeting) {
   asio::steady_timer deadline(socket.get_executor(), kWelcomeTimeout);
   deadline.async_wait([&socket](error_code stopped) {
@@ -76,7 +76,8 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Socket& socket, const Hello&
   const std::string hello = hello_text(greeting);
   socket.text(true);
   const auto [unsent, sent] = co_await socket.async_write(asio::buffer(hello), kAwait);
-  if (unsent) co_return std::unexpected(Loss{"the server hung up: " + unsent.message()});
+  if (unsent)
+    co_return std::unexpected(Loss{"the server closed the connection: " + unsent.message()});
   beast::flat_buffer frame;
   while (true) {
     frame.clear();
@@ -88,14 +89,15 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Socket& socket, const Hello&
     const auto message = parse_control(beast::buffers_to_string(frame.data()));
     if (!message) {
       co_return std::unexpected(
-          Loss{"the server's welcome is not understood: " + message.error(), true});
+          Loss{"cannot parse the server's welcome: " + message.error(), true});
     }
     if (const auto* error = std::get_if<ServerError>(&*message)) {
-      co_return std::unexpected(Loss{"the server rejects: " + error->code + ": " + error->reason,
-                                     error->code != wire::to_string(wire::ErrorCode::kBusy)});
+      co_return std::unexpected(
+          Loss{"the server rejected the agent: " + error->code + ": " + error->reason,
+               error->code != wire::to_string(wire::ErrorCode::kBusy)});
     }
     if (const auto* bye = std::get_if<Bye>(&*message)) {
-      co_return std::unexpected(Loss{"the server says good-bye: " + bye->reason});
+      co_return std::unexpected(Loss{"the server closed the connection: " + bye->reason});
     }
     if (const auto* welcome = std::get_if<Welcome>(&*message)) co_return *welcome;
   }

@@ -17,25 +17,25 @@
 
 namespace kerf::agent {
 
-/// Errors come as values, never as exceptions.
+/// Completion token: errors are returned as values, not thrown.
 inline constexpr auto kAwait = boost::asio::as_tuple(boost::asio::use_awaitable);
 
-/// One connection, shared by the coroutine that reads and the one that writes.
+/// One connection, shared by its reading and its writing coroutine.
 struct Connection {
   explicit Connection(boost::asio::io_context& io) : socket(io), reader_ended(io) {
     reader_ended.expires_at(boost::asio::steady_timer::time_point::max());
   }
 
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket;
-  /// Cancelled when the reader has ended: the way to wait for it.
+  /// Cancelled when the reader has ended, to wake the coroutine that waits for it.
   boost::asio::steady_timer reader_ended;
   bool reading = false;
-  /// Null without a UDP lane.
+  /// Null without a UDP transport.
   std::unique_ptr<DatagramSocket> udp;
   std::optional<Loss> loss;
 };
 
-/// Connects to the server, asks for the session's WebSocket, says hello and waits for the welcome.
+/// Connects to the server, opens the session's WebSocket, sends hello and waits for the welcome.
 /// Both references must outlive the wait.
 boost::asio::awaitable<std::expected<Welcome, Loss>> join(Connection& connection,
                                                           const LinkSettings& settings);

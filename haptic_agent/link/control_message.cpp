@@ -14,7 +14,8 @@ Vec3 vec3(const json& numbers) {
   return {numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>()};
 }
 
-/// Throws json::exception on a field that is missing or of a wrong type, as all of these.
+// All functions here throw json::exception if a field is missing or has the wrong type.
+
 StockBox stock_box(const json& stock) {
   if (stock.at("shape") == "cylinder") {
     const double x = stock.at("center_mm").at(0);
@@ -26,13 +27,13 @@ StockBox stock_box(const json& stock) {
   return {.min_mm = vec3(stock.at("min_mm")), .max_mm = vec3(stock.at("max_mm"))};
 }
 
-/// A law that this agent does not know is rendered as the one whose force does not grow with speed.
+/// An unknown law is rendered as kSpecificEnergy, whose force does not grow with speed.
 CutLaw cut_law(const json& message) {
   const json force = message.value("force", json::object());
   return force.value("law", "") == "drr" ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
 }
 
-/// An offer that is not understood is none: the WebSocket carries everything.
+/// Returns nothing for an offer that is missing or invalid: the WebSocket then carries everything.
 std::optional<datagram::Offer> read_offer(const json& message) {
   const json offer = message.value("udp", json::object());
   if (!offer.is_object()) return std::nullopt;

@@ -15,22 +15,22 @@
 
 namespace kerf::agent {
 
-/// Who comes to the block.
+/// First message of an agent.
 struct Hello {
   std::string name;
-  /// "#rrggbb"; empty: the server picks one.
+  /// "#rrggbb"; empty: the server chooses one.
   std::string color;
-  /// 0: the server picks the session's first.
+  /// 0: the server chooses the session's first tool.
   std::uint32_t tool_id = 0;
-  /// The participant whose force is felt along; 0: nobody.
+  /// Participant whose wrench is sent along (--feel); 0: none.
   std::uint32_t feel_of = 0;
-  /// Ask for the UDP lane.
+  /// Request the UDP transport.
   bool udp = false;
-  /// Wants to be told what the block near its tool still holds.
+  /// Request updates of the stock near the tool.
   bool stock = false;
 };
 
-/// What an agent needs of the server's welcome.
+/// The fields of the server's welcome that an agent uses.
 struct Welcome {
   std::string session;
   std::uint32_t participant = 0;
@@ -38,12 +38,12 @@ struct Welcome {
   std::string color;
   double pivot_mm = 0;
   CutLaw law = CutLaw::kSpecificEnergy;
-  /// The box around the stock, whatever its shape.
+  /// Bounding box of the stock.
   StockBox stock;
   std::vector<std::uint32_t> tool_ids;
-  /// The UDP lane, if it was asked for, the server has one and this agent understands it.
+  /// The UDP transport; empty if it was not requested, or is unavailable or not supported here.
   std::optional<datagram::Offer> udp;
-  /// The whole message, for whoever makes a copy of the block.
+  /// The whole message, from which the replica is created.
   std::string text;
 };
 
@@ -57,17 +57,17 @@ struct Bye {
   std::string reason;
 };
 
-/// A message that an agent has no use for.
+/// A message that an agent ignores.
 struct OtherMessage {};
 
 using ControlMessage = std::variant<Welcome, ServerError, Bye, OtherMessage>;
 
 std::string hello_text(const Hello& hello);
 std::string tool_text(std::uint32_t tool_id);
-/// Asks for the block near the tool afresh.
+/// Requests the stock near the tool from scratch.
 std::string stock_text();
 
-/// Reads a text frame. The error says what is wrong with it, in one sentence.
+/// Parses a text frame. The error is one sentence.
 std::expected<ControlMessage, std::string> parse_control(std::string_view text);
 
 }  // namespace kerf::agent

@@ -12,22 +12,22 @@
 
 namespace kerf::agent {
 
-/// The UDP lane of one connection, under the seals that the server has offered for it. Lives in the
-/// link's thread. A lane that cannot be opened or that does not get through is just silent: the
-/// WebSocket is there.
+/// UDP socket of one connection, encrypted with the keys that the server has offered. Used on the
+/// link thread only. A socket that cannot be opened, or whose datagrams do not arrive, is silent;
+/// the WebSocket then carries everything.
 class DatagramSocket {
  public:
-  /// `counts` must outlive it.
+  /// `counts` must outlive the socket.
   DatagramSocket(boost::asio::io_context& io, const boost::asio::ip::address& server,
                  const datagram::Offer& offer, UdpReport& counts);
 
   void send(std::span<const std::byte> frame);
-  /// Hands each frame that comes to `take`, until the socket is closed.
+  /// Calls `take` with each frame that arrives, until the socket is closed.
   boost::asio::awaitable<void> read_all(std::function<void(std::span<const std::byte>)> take);
   void close();
 
  private:
-  /// False if nothing was there.
+  /// Returns false if nothing was waiting.
   bool receive(const std::function<void(std::span<const std::byte>)>& take);
 
   boost::asio::ip::udp::socket socket_;

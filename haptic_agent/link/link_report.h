@@ -6,40 +6,40 @@
 #include <string>
 
 #include "haptic_agent/link/clock_sync.h"
-#include "haptic_agent/servo/histogram.h"
+#include "haptic_agent/realtime/histogram.h"
 
 namespace kerf::agent {
 
+/// Errors of one code that the server has sent.
 struct ServerComplaint {
   std::uint64_t count = 0;
   std::string first_reason;
 };
 
-/// What the UDP lane has seen; all zero where it was not asked for.
+/// Counters of the UDP transport; all zero if it was not requested.
 struct UdpReport {
   bool asked = false;
   bool offered = false;
-  /// UDP carries the samples now, or did so at the end.
+  /// Samples are sent over UDP now, or were at the end.
   bool carries = false;
-  /// How often UDP took the samples over from the WebSocket, and how often it gave them back
-  /// because it had gone silent.
+  /// Number of switches from the WebSocket to UDP, and of switches back because UDP went silent.
   std::uint64_t taken_over = 0;
   std::uint64_t fell_back = 0;
   std::uint64_t sent = 0;
   std::uint64_t received = 0;
-  /// Sent by the server and not received; by its own counters.
+  /// Sent by the server and not received, from the counters in its datagrams.
   std::uint64_t lost = 0;
-  /// Came, but with no true seal, or twice.
+  /// Received but not authentic, or duplicates.
   std::uint64_t dropped = 0;
-  /// Samples that went over UDP first.
+  /// Samples that were first sent over UDP.
   std::uint64_t samples = 0;
-  /// Samples that went along with new ones, in case the datagrams before were lost.
+  /// Unanswered samples repeated along with new ones, in case earlier datagrams were lost.
   std::uint64_t repeated = 0;
-  /// Answers that told of a gap.
+  /// Answers that reported a gap.
   std::uint64_t gaps = 0;
 };
 
-/// How the link is doing now, for whoever looks on.
+/// Current state of the link, for the terminal view.
 struct LinkStatus {
   std::uint64_t connections = 0;
   std::uint64_t samples_sent = 0;
@@ -49,7 +49,7 @@ struct LinkStatus {
   UdpReport udp{};
 };
 
-/// What the link has seen; complete when it has stopped.
+/// Counters of the link; complete after it has stopped.
 struct LinkReport {
   std::uint64_t connections = 0;
   std::uint64_t samples_sent = 0;
@@ -59,12 +59,12 @@ struct LinkReport {
   std::uint64_t merged_cuts = 0;
   std::uint64_t thinned_cuts = 0;
   std::uint64_t forgotten = 0;
-  /// Left out of contact, because a hand would not feel the difference.
+  /// Poses out of contact that the deadband has dropped.
   std::uint64_t held_back = 0;
   std::uint64_t unanswered = 0;
   std::uint64_t results = 0;
   std::uint64_t rejected_results = 0;
-  /// Answers that were not newer than one that had come before.
+  /// Answers that were not newer than an earlier one.
   std::uint64_t old_results = 0;
   std::uint64_t bad_frames = 0;
   std::uint64_t motions_in_session = 0;
@@ -72,11 +72,11 @@ struct LinkReport {
   double max_server_force_n = 0;
   UdpReport udp;
   ClockSync clock;
-  /// From when a pose was measured to when its answer was here.
+  /// Time from the measurement of a pose to the arrival of its answer.
   Histogram answer_us;
   Histogram turnaround_us;
   std::map<std::string, ServerComplaint> complaints;
-  /// Why the link gave up; empty if it did not.
+  /// Why the link has failed; empty if it has not.
   std::string failure;
 };
 

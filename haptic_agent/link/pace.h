@@ -7,14 +7,14 @@
 
 namespace kerf::agent {
 
-/// How many samples may go out now. After an interruption a backlog is sent a little faster than it
-/// grows instead of at once, so that the server's own limit never cuts it off.
+/// Token bucket for outgoing samples. After an interruption the backlog is sent slightly faster
+/// than it grows instead of at once, which keeps the agent below the server's rate limit.
 class Pace {
  public:
   static constexpr double kSamplesPerS = 1225.0;
   static constexpr double kBurst = 900.0;
 
-  /// Whole samples that may be sent at this time; times must not go back.
+  /// Returns the number of samples that may be sent at this time; times must not decrease.
   std::size_t allowed(std::uint64_t now_us) noexcept {
     constexpr double kSPerUs = 1e-6;
     if (last_us_ != 0) {
@@ -24,7 +24,7 @@ class Pace {
     last_us_ = now_us;
     return static_cast<std::size_t>(tokens_);
   }
-  /// That many were sent; not more than were allowed.
+  /// Takes `samples` tokens; not more than were allowed.
   void sent(std::size_t samples) noexcept { tokens_ -= static_cast<double>(samples); }
 
  private:

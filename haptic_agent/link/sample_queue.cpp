@@ -13,23 +13,23 @@ bool cuts(const wire::MotionSample& sample) noexcept {
   return (sample.buttons & wire::kButtonCutting) != 0;
 }
 
-/// True if the samples between `from` and `to` may be left out: the motion is one cut with one
-/// tool, and each of them lies on the straight way between the two, tip and axis alike.
+/// Returns true if the samples between `from` and `to` may be dropped: the motion is one cut with
+/// one tool, and tip and axis of each of them lie on the chord.
 bool is_chord(const std::deque<wire::MotionSample>& samples, std::size_t from, std::size_t to) {
   const wire::MotionSample& a = samples[from];
   const wire::MotionSample& c = samples[to];
   if (!cuts(c) || c.tool_id != a.tool_id) return false;
   const Vec3 start = a.tip_mm;
-  const Vec3 way = c.tip_mm - start;
-  const double square = dot(way, way);
+  const Vec3 chord = c.tip_mm - start;
+  const double square = dot(chord, chord);
   const Vec3 axis(a.axis);
   const Vec3 turn = Vec3(c.axis) - axis;
   for (std::size_t i = from + 1; i < to; ++i) {
     const wire::MotionSample& b = samples[i];
     if (!cuts(b) || b.agent_sequence != 0 || b.tool_id != a.tool_id) return false;
     const Vec3 offset = b.tip_mm - start;
-    const double part = square > 0 ? std::clamp(dot(offset, way) / square, 0.0, 1.0) : 0.0;
-    if (length(offset - way * part) > SampleQueue::kChordMm) return false;
+    const double part = square > 0 ? std::clamp(dot(offset, chord) / square, 0.0, 1.0) : 0.0;
+    if (length(offset - chord * part) > SampleQueue::kChordMm) return false;
     if (length(Vec3(b.axis) - axis - turn * part) > SampleQueue::kChordRad) return false;
   }
   return true;
@@ -46,13 +46,13 @@ void SampleQueue::push(const wire::MotionSample& sample) {
     merge_straight();
     fresh_ = 0;
   }
-  if (samples_.size() > kMostKept) make_room();
+  if (samples_.size() > kMostKept) drop_oldest();
 }
 
 wire::MotionBatch SampleQueue::take(std::size_t most) {
   wire::MotionBatch batch;
-  const std::size_t room = std::min<std::size_t>(most, wire::kMaxSamplesPerMotion);
-  while (batch.count < room && next_ < samples_.size()) {
+  const std::size_t capacity = std::min<std::size_t>(most, wire::kMaxSamplesPerMotion);
+  while (batch.count < capacity && next_ < samples_.size()) {
     wire::MotionSample& sample = samples_[next_];
     if (!in_window(sample)) break;
     if (batch.count > 0 && sample.tool_id != batch.samples[0].tool_id) break;
@@ -68,7 +68,7 @@ wire::MotionBatch SampleQueue::take(std::size_t most) {
 }
 
 SampleQueue::Repeating SampleQueue::take_repeating(std::size_t most, std::uint32_t tool_id) {
-  // Answers to what went out before a go_back may have come since.
+  // Samples sent before a go_back may have been answered since.
   next_ = std::max(next_, first_unanswered());
   Repeating out;
   const std::size_t start = next_;
@@ -87,12 +87,12 @@ SampleQueue::Repeating SampleQueue::take_repeating(std::size_t most, std::uint32
     out.batch.samples[out.batch.count++] = sample;
   }
   out.due = out.batch.count;
-  if (out.due > 0) put_before(out.batch, start);
+  if (out.due > 0) prepend_unanswered(out.batch, start);
   return out;
 }
 
-/// Puts the unanswered samples that stand before `end` in front of the batch.
-void SampleQueue::put_before(wire::MotionBatch& batch, std::size_t end) {
+/// Inserts the unanswered samples before `end` in front of the batch.
+void SampleQueue::prepend_unanswered(wire::MotionBatch& batch, std::size_t end) {
   std::size_t from = end;
   while (from > 0 && end - from + batch.count < wire::kMaxSamplesPerMotion &&
          samples_[from - 1].agent_sequence > answered_ &&
@@ -108,7 +108,7 @@ void SampleQueue::put_before(wire::MotionBatch& batch, std::size_t end) {
 
 std::size_t SampleQueue::first_unanswered() const noexcept {
   std::size_t at = 0;
-  // What has never gone out has no number yet.
+  // Samples that were never sent have no number yet.
   while (at < samples_.size() && samples_[at].agent_sequence != 0 &&
          samples_[at].agent_sequence <= answered_) {
     ++at;
@@ -121,7 +121,7 @@ void SampleQueue::go_back() noexcept { next_ = std::min(next_, first_unanswered(
 void SampleQueue::answered(std::uint64_t agent_sequence) {
   if (agent_sequence > last_number_ || agent_sequence <= answered_) return;
   answered_ = agent_sequence;
-  // A server may answer, after a reconnection, a number that it got on the connection before.
+  // After a reconnection the server may answer a number that it received on the old connection.
   while (samples_.size() > 1 && next_ > 1 && samples_[1].agent_sequence != 0 &&
          samples_[1].agent_sequence <= answered_) {
     samples_.pop_front();
@@ -134,7 +134,7 @@ void SampleQueue::rewind() noexcept { next_ = 0; }
 bool SampleQueue::in_window(const wire::MotionSample& sample) const noexcept {
   for (std::size_t i = 0; i < next_; ++i) {
     if (samples_[i].agent_sequence <= answered_) continue;
-    return sample.time_us <= samples_[i].time_us + kWindowUs + way_us_;
+    return sample.time_us <= samples_[i].time_us + kWindowUs + rtt_us_;
   }
   return true;
 }
@@ -159,7 +159,7 @@ std::size_t SampleQueue::first_fresh() const noexcept {
 }
 
 void SampleQueue::merge_air() {
-  // A move through the air merges with one that has been looked at before: it has no path to keep.
+  // A sample through the air may merge with one considered before: its path does not matter.
   const std::size_t start = std::max(next_, first_fresh() - (first_fresh() > 0 ? 1 : 0));
   std::size_t keep = start;
   for (std::size_t at = start; at < samples_.size(); ++at) {
@@ -178,7 +178,7 @@ void SampleQueue::merge_straight() {
   std::size_t keep = first_fresh();
   for (std::size_t at = keep; at < samples_.size();) {
     samples_[keep++] = samples_[at];
-    // From here on, `at` is where a chord starts; `end` is the farthest place where it may end.
+    // `at`: start of a chord; `end`: the farthest sample at which it may end.
     std::size_t end = at + 1;
     while (end + 1 < samples_.size() && end + 1 - at <= kLongestChord &&
            is_chord(samples_, at, end + 1)) {
@@ -193,13 +193,13 @@ void SampleQueue::merge_straight() {
 void SampleQueue::thin_cuts() {
   const auto first = samples_.begin() + static_cast<std::ptrdiff_t>(next_);
   auto keep = first;
-  bool left_out = true;
+  bool dropped = true;
   for (auto at = first; at != samples_.end(); ++at) {
     const auto after = std::next(at);
-    // Never two in a row, and only where the motion before and the one after are of one kind.
-    const bool thins = !left_out && at->agent_sequence == 0 && after != samples_.end() &&
+    // Never two in a row, and only where the motions before and after are both cuts of one tool.
+    const bool thins = !dropped && at->agent_sequence == 0 && after != samples_.end() &&
                        cuts(*at) && cuts(*after) && at->tool_id == after->tool_id;
-    left_out = thins;
+    dropped = thins;
     if (thins) {
       ++thinned_cuts_;
     } else {
@@ -209,7 +209,7 @@ void SampleQueue::thin_cuts() {
   samples_.erase(keep, samples_.end());
 }
 
-void SampleQueue::make_room() {
+void SampleQueue::drop_oldest() {
   merge_air();
   if (samples_.size() > kMostKept / 2) thin_cuts();
   while (samples_.size() > kMostKept) {

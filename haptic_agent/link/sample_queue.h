@@ -11,90 +11,91 @@
 
 namespace kerf::agent {
 
-/// Samples that the server has not answered yet, sent or not. Each gets its number when it is first
-/// sent, so that numbers are consecutive even where samples have been merged. After a reconnection
-/// everything that was not answered is sent again, behind the last sample that was: from there the
-/// first motion starts. A cut made twice is the same cut, so this changes nothing that had arrived.
+/// Queue of samples that the server has not answered yet, sent or not. Each gets its number when it
+/// is first sent, so that numbers are consecutive even if samples were merged. After a reconnection
+/// all unanswered samples are sent again, preceded by the last answered one, at which the first
+/// motion starts. Cuts are idempotent, so samples that had already arrived change nothing.
 class SampleQueue {
  public:
-  /// More than this are never kept: eight seconds at 1 kHz.
+  /// Capacity: eight seconds at 1 kHz.
   static constexpr std::size_t kMostKept = 8192;
-  /// No sample goes out that is more than this after the oldest unanswered one: a server that
-  /// cannot keep up shall not be buried. An answer older than this gives no force anyway.
+  /// Maximum time between the oldest unanswered sample and one that may be sent; bounds the backlog
+  /// sent to a slow server. An older answer gives no force anyway.
   static constexpr std::uint64_t kWindowUs = 120'000;
-  static constexpr std::uint64_t kLongestWayUs = 300'000;
-  /// With more than this unsent, the server is behind, and samples are merged where that costs
-  /// nothing: through the air, and where the path is straight to within the two tolerances below.
+  static constexpr std::uint64_t kMaxRttUs = 300'000;
+  /// With more unsent samples than this the server is behind. Samples are then merged where that
+  /// does not change the cut: through the air, and where the path is straight to within the two
+  /// tolerances below.
   static constexpr std::size_t kMergeAbove = 32;
   static constexpr std::size_t kLongestChord = 16;
   static constexpr double kChordMm = 0.005;
   static constexpr double kChordRad = 1e-4;
 
-  /// Takes a sample, whose number is ignored.
+  /// Appends a sample; its number is ignored.
   void push(const wire::MotionSample& sample);
-  /// The next samples to send, at most `most` (and what a message holds), all of one tool and
-  /// within the window; numbers the new ones.
+  /// Returns the next samples to send, at most `most` and at most one message, all of one tool and
+  /// within the window. Numbers the new ones.
   wire::MotionBatch take(std::size_t most);
-  /// What goes into one datagram, which may be lost.
+  /// Contents of one datagram.
   struct Repeating {
     wire::MotionBatch batch;
-    /// How many at its end are not there just in case, and how many of these never went out before.
+    /// `due`: number of samples at the end of the batch that must be delivered; `fresh`: how many
+    /// of those were never sent before. The samples before them are repetitions.
     std::uint32_t due = 0, fresh = 0;
   };
-  /// Few new samples a datagram, so that even a backlog goes out in two datagrams each.
+  /// Maximum number of due samples per datagram, so that even a backlog is sent in two datagrams.
   static constexpr std::size_t kNewPerDatagram = 8;
-  /// The next samples to send, as take does but at most `most` that never went out, behind
-  /// unanswered ones that did, as many as fit. All of this tool; empty if there is none to send.
+  /// As take, for a datagram: at most `most` samples that were never sent, preceded by as many sent
+  /// but unanswered ones as fit. All of this tool; empty if no sample is due.
   Repeating take_repeating(std::size_t most, std::uint32_t tool_id);
-  /// The connection holds, but what is unanswered has been lost: it goes out again.
+  /// Schedules all unanswered samples to be sent again on the same connection.
   void go_back() noexcept;
-  /// True if something that was sent is not answered.
+  /// Returns true if a sent sample is unanswered.
   bool in_flight() const noexcept { return last_number_ > answered_; }
-  /// All numbers up to this one are answered. A number that was never sent is ignored.
+  /// Marks all numbers up to this one as answered. A number that was never sent is ignored.
   void answered(std::uint64_t agent_sequence);
-  /// The way to the server and back takes so long: the window grows by as much, up to
-  /// kLongestWayUs.
-  void allow_for(std::uint64_t rtt_us) noexcept { way_us_ = std::min(rtt_us, kLongestWayUs); }
-  /// The connection is new: what is not answered goes out again.
+  /// Extends the window by the round-trip time, up to kMaxRttUs.
+  void set_rtt(std::uint64_t rtt_us) noexcept { rtt_us_ = std::min(rtt_us, kMaxRttUs); }
+  /// Prepares for a new connection: all unanswered samples are sent again.
   void rewind() noexcept;
 
   std::size_t unsent() const noexcept { return samples_.size() - next_; }
-  /// True if every sample taken so far is answered.
+  /// Returns true if every sample pushed so far is answered.
   bool settled() const noexcept;
-  /// Samples whose fate is unknown: sent or not, but not answered.
+  /// Number of unanswered samples, sent or not.
   std::uint64_t unanswered() const noexcept;
-  /// The tool of the next sample to send; empty if there is none.
+  /// Returns the tool of the next sample to send; empty if there is none.
   std::optional<std::uint32_t> next_tool() const noexcept;
 
   std::uint64_t resent() const noexcept { return resent_; }
-  /// Samples that went along with new ones although nobody knew them to be lost.
+  /// Samples repeated along with new ones without evidence of loss.
   std::uint64_t repeated() const noexcept { return repeated_; }
-  /// Moves through the air that were merged into the next one.
+  /// Samples through the air that were merged into the next one.
   std::uint64_t merged_air() const noexcept { return merged_air_; }
-  /// Cutting samples left out because the chord over them is the same path.
+  /// Cutting samples dropped because the chord is the same path, within the tolerances.
   std::uint64_t merged_cuts() const noexcept { return merged_cuts_; }
-  /// Cutting samples left out because nothing else made room: the path there is a chord.
+  /// Cutting samples dropped because the queue was full: the path becomes a chord.
   std::uint64_t thinned_cuts() const noexcept { return thinned_cuts_; }
-  /// Samples given up although the server had not answered them.
+  /// Unanswered samples dropped because the queue was full.
   std::uint64_t forgotten() const noexcept { return forgotten_; }
 
  private:
-  void make_room();
+  void drop_oldest();
   bool in_window(const wire::MotionSample& sample) const noexcept;
   std::size_t first_unanswered() const noexcept;
-  void put_before(wire::MotionBatch& batch, std::size_t end);
+  void prepend_unanswered(wire::MotionBatch& batch, std::size_t end);
   std::size_t first_fresh() const noexcept;
   void merge_air();
   void merge_straight();
   void thin_cuts();
 
-  /// In order; the front one may be answered already and is kept as the place to start again from.
+  /// In order. The first may be answered already; it is kept as the start of the first motion.
   std::deque<wire::MotionSample> samples_;
   std::size_t next_ = 0;
-  /// How many at the end have not been looked at for merging. None is looked at twice, or the
-  /// errors of chords over chords would add up.
+  /// Number of samples at the end that have not been considered for merging. Each is considered
+  /// only once; otherwise the errors of chords over chords would add up.
   std::size_t fresh_ = 0;
-  std::uint64_t way_us_ = 0;
+  std::uint64_t rtt_us_ = 0;
   std::uint64_t last_number_ = 0;
   std::uint64_t answered_ = 0;
   std::uint64_t resent_ = 0;

@@ -20,8 +20,8 @@
 
 #include "haptic_agent/link/connection.h"
 #include "haptic_agent/link/traffic.h"
-#include "haptic_agent/servo/realtime.h"
-#include "haptic_agent/servo/servo_clock.h"
+#include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 
 namespace kerf::agent {
 namespace {
@@ -35,14 +35,9 @@ using std::chrono::milliseconds;
 constexpr milliseconds kFirstBackOff{50};
 constexpr milliseconds kLongestBackOff{2000};
 constexpr milliseconds kCloseTimeout{500};
-/// How often the ring is emptied where no sample wakes the link, and pauses are looked at.
+/// Period at which the ring is emptied and timeouts are checked when no sample wakes the link.
 constexpr milliseconds kHousekeeping{10};
 constexpr double kUsPerS = 1e6;
-
-std::uint64_t now_us() noexcept {
-  constexpr std::uint64_t kNsPerUs = 1000;
-  return MonotonicClock{}.now_ns() / kNsPerUs;
-}
 
 std::span<const std::byte> bytes_of(const beast::flat_buffer& buffer) noexcept {
   return {static_cast<const std::byte*>(buffer.data().data()), buffer.size()};
@@ -67,9 +62,9 @@ class ServerLink::Impl {
 
   void start() {
     asio::co_spawn(io_, run(), asio::detached);
-    asio::co_spawn(io_, keep_house(), asio::detached);
+    asio::co_spawn(io_, housekeep(), asio::detached);
     thread_ = std::thread([this] {
-      // The servo thread reports what a rejection means.
+      // If this is denied, the servo thread's warning explains it.
       request_fifo(kLinkPriority);
       io_.run();
     });
@@ -88,14 +83,14 @@ class ServerLink::Impl {
   }
 
   void stop(double drain_s) {
-    drain_until_us_.store(now_us() + static_cast<std::uint64_t>(drain_s * kUsPerS));
+    drain_until_us_.store(monotonic_us() + static_cast<std::uint64_t>(drain_s * kUsPerS));
     wake();
     if (thread_.joinable()) thread_.join();
   }
 
   void wake() noexcept {
     const std::uint64_t one = 1;
-    // A full counter is awake already; nothing else can go wrong here.
+    // The write fails only if the counter is full, and then the link is awake already.
     [[maybe_unused]] const auto written = ::write(wake_fd_, &one, sizeof one);
   }
 
@@ -108,10 +103,10 @@ class ServerLink::Impl {
     if (settings_.notice) settings_.notice(text);
   }
 
-  /// The whole life of the link: connect, serve, connect again.
+  /// Runs the link: connects, serves the connection, reconnects.
   asio::awaitable<void> run() {
     milliseconds pause = kFirstBackOff;
-    std::uint64_t trying_since_us = now_us();
+    std::uint64_t trying_since_us = monotonic_us();
     while (!finished()) {
       auto connection = std::make_shared<Connection>(io_);
       greeting_ = connection;
@@ -122,12 +117,12 @@ class ServerLink::Impl {
         open_udp(connection, *welcome);
         pause = kFirstBackOff;
         co_await serve(connection);
-        trying_since_us = now_us();
+        trying_since_us = monotonic_us();
       }
       const Loss loss = welcome ? connection->loss.value_or(Loss{}) : welcome.error();
       if (finished()) break;
       if (loss.final ||
-          static_cast<double>(now_us() - trying_since_us) / kUsPerS > settings_.patience_s) {
+          static_cast<double>(monotonic_us() - trying_since_us) / kUsPerS > settings_.patience_s) {
         fail(loss.reason);
         break;
       }
@@ -157,15 +152,15 @@ class ServerLink::Impl {
     housekeeping_.cancel();
   }
 
-  /// Empties the ring while nobody else does, and wakes whoever waits for a pause to be over.
-  asio::awaitable<void> keep_house() {
+  /// Empties the ring while there is no connection, and wakes the writing coroutine periodically.
+  asio::awaitable<void> housekeep() {
     while (!ended_) {
       housekeeping_.expires_after(kHousekeeping);
       co_await housekeeping_.async_wait(kAwait);
       traffic_.collect();
       wake();
       if (!finished()) continue;
-      // Nobody waits any longer for a server that does not answer.
+      // Cancels a pending reconnection.
       back_off_.cancel();
       if (greeting_) beast::get_lowest_layer(greeting_->socket).close();
     }
@@ -173,7 +168,7 @@ class ServerLink::Impl {
 
   void enter(const Welcome& welcome) {
     if (settings_.hello.udp) traffic_.ask_for_udp();
-    traffic_.begin(welcome.epoch, settings_.hello.tool_id, now_us(), welcome.udp.has_value());
+    traffic_.begin(welcome.epoch, settings_.hello.tool_id, monotonic_us(), welcome.udp.has_value());
     if (welcome_) notice("connected again");
     {
       const std::scoped_lock lock(mutex_);
@@ -182,13 +177,13 @@ class ServerLink::Impl {
     changed_.notify_all();
   }
 
-  /// Beside the WebSocket, for as long as it lasts.
+  /// Opens UDP, if offered, for the lifetime of the WebSocket.
   void open_udp(const std::shared_ptr<Connection>& connection, const Welcome& welcome) {
     error_code failed;
     const auto server =
         beast::get_lowest_layer(connection->socket).socket().remote_endpoint(failed);
-    if (settings_.hello.udp && !welcome.udp && !std::exchange(told_of_no_udp_, true)) {
-      notice("the server has no UDP lane, staying on the WebSocket");
+    if (settings_.hello.udp && !welcome.udp && !std::exchange(notified_no_udp_, true)) {
+      notice("the server has no UDP transport, staying on the WebSocket");
     }
     if (!welcome.udp || failed) return;
     connection->udp = std::make_unique<DatagramSocket>(io_, server.address(), *welcome.udp,
@@ -196,7 +191,7 @@ class ServerLink::Impl {
     auto read = [this, connection] {
       return connection->udp->read_all([this, connection](std::span<const std::byte> frame) {
         if (connection->loss) return;
-        connection->loss = traffic_.take_datagram(frame, now_us());
+        connection->loss = traffic_.take_datagram(frame, monotonic_us());
         wake();
       });
     };
@@ -206,10 +201,10 @@ class ServerLink::Impl {
   void send_datagrams(Connection& connection) {
     if (!connection.udp) return;
     std::array<std::byte, datagram::kMaxFrameBytes> frame;
-    while (const std::size_t bytes = traffic_.fill_datagram(now_us(), frame)) {
+    while (const std::size_t bytes = traffic_.fill_datagram(monotonic_us(), frame)) {
       connection.udp->send(std::span(frame).first(bytes));
     }
-    if (const std::string said = traffic_.take_notice(); !said.empty()) notice(said);
+    if (const std::string text = traffic_.take_notice(); !text.empty()) notice(text);
   }
 
   asio::awaitable<void> serve(std::shared_ptr<Connection> connection) {
@@ -217,8 +212,8 @@ class ServerLink::Impl {
     asio::co_spawn(io_, read_all(connection), asio::detached);
     co_await write_all(*connection);
     if (!connection->loss) {
-      // The timeout of the stream's own closing handshake is long; a server that does not answer
-      // must not hold the agent up.
+      // The stream's own timeout for the closing handshake is long; a server that does not answer
+      // must not delay the agent.
       asio::steady_timer deadline(io_, kCloseTimeout);
       deadline.async_wait([connection](error_code stopped) {
         if (!stopped) beast::get_lowest_layer(connection->socket).close();
@@ -239,12 +234,12 @@ class ServerLink::Impl {
         if (!connection->loss) connection->loss = Loss{failed.message()};
         break;
       }
-      std::string said;
+      std::string text;
       const std::optional<Loss> loss =
           connection->socket.got_text()
-              ? traffic_.take_text(beast::buffers_to_string(frame.data()), said)
-              : traffic_.take_frame(bytes_of(frame), now_us());
-      if (!said.empty()) notice(said);
+              ? traffic_.take_text(beast::buffers_to_string(frame.data()), text)
+              : traffic_.take_frame(bytes_of(frame), monotonic_us());
+      if (!text.empty()) notice(text);
       if (loss) connection->loss = loss;
     }
     connection->reading = false;
@@ -252,8 +247,7 @@ class ServerLink::Impl {
     wake();
   }
 
-  /// Writes whatever is due, one frame at a time, until the connection breaks or the link is to
-  /// stop.
+  /// Writes all frames that are due until the connection is lost or the link stops.
   asio::awaitable<void> write_all(Connection& connection) {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     while (!connection.loss && !finished()) {
@@ -263,7 +257,7 @@ class ServerLink::Impl {
         co_await write(connection, true, asio::buffer(text));
         continue;
       }
-      const std::size_t bytes = traffic_.fill(now_us(), frame);
+      const std::size_t bytes = traffic_.fill(monotonic_us(), frame);
       if (bytes > 0) {
         co_await write(connection, false, asio::buffer(frame.data(), bytes));
       } else {
@@ -285,24 +279,24 @@ class ServerLink::Impl {
     const std::uint64_t until_us = drain_until_us_.load();
     if (until_us == 0) return false;
     traffic_.collect();
-    return traffic_.settled() || now_us() >= until_us;
+    return traffic_.settled() || monotonic_us() >= until_us;
   }
 
   LinkSettings settings_;
   std::atomic<bool> interrupted_{false};
   std::atomic<std::uint64_t> drain_until_us_{0};
 
-  // Below: the link's thread only, except what the mutex guards.
+  // The members below belong to the link thread, except those that the mutex guards.
   asio::io_context io_{1};
   int wake_fd_;
   asio::posix::stream_descriptor wake_;
   asio::steady_timer housekeeping_;
   asio::steady_timer back_off_;
   Traffic traffic_;
-  /// The connection that is being made, if one is.
+  /// The connection whose handshake is in progress; null if none.
   std::shared_ptr<Connection> greeting_;
   bool ended_ = false;
-  bool told_of_no_udp_ = false;
+  bool notified_no_udp_ = false;
   LinkReport report_;
   std::thread thread_;
 

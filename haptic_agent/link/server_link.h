@@ -20,18 +20,18 @@ struct LinkSettings {
   std::string session;
   Hello hello;
   TrafficOptions traffic{};
-  /// How long to go on trying to reach the server, at the start and after each loss.
+  /// How long to retry connecting, at the start and after each loss.
   double patience_s = 30.0;
-  /// Called on the link's thread with one line for the user: a server's complaint (the first of
-  /// each kind), a connection lost, a connection made again.
+  /// Called on the link thread with one line for the user: an error of the server (the first of
+  /// each code), a connection lost, a connection restored.
   std::function<void(const std::string&)> notice;
-  /// Called on the link's thread when the link has given up.
+  /// Called on the link thread when the link has failed for good.
   std::function<void()> failed;
 };
 
-/// The connection to the server, on a thread of its own: carries samples from the ring to the
-/// server and wrenches back, and connects again when it breaks. Every sample goes out exactly once
-/// on a connection that holds, and again, with its number, on the next one if it was not answered.
+/// The connection to the server, on its own thread: sends the samples of the ring, receives
+/// wrenches, and reconnects after a loss. Every sample is sent once per WebSocket connection, and
+/// again with the same number on the next one if it was not answered.
 class ServerLink final : public SampleListener {
  public:
   /// Both references must outlive the link.
@@ -42,17 +42,17 @@ class ServerLink final : public SampleListener {
 
   /// Starts the thread. Call once.
   void start();
-  /// Waits for the first welcome, or for what makes it impossible (one sentence).
+  /// Waits for the first welcome. The error is one sentence.
   std::expected<Welcome, std::string> wait_welcome();
-  /// Ends a wait and every attempt to connect, from any thread; the link then fails.
+  /// Ends wait_welcome and all attempts to connect; the link then fails. From any thread.
   void interrupt();
-  /// Sends what is left, waits for its answers for at most `drain_s`, says good-bye and ends the
-  /// thread. Call from the thread that called start.
+  /// Sends the remaining samples, waits at most `drain_s` for their answers, closes the connection
+  /// and ends the thread. Call from the thread that called start.
   void stop(double drain_s);
 
   void sample_ready() noexcept override;
 
-  /// Read it after stop.
+  /// Read after stop.
   const LinkReport& report() const noexcept;
 
  private:

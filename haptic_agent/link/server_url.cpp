@@ -22,7 +22,7 @@ bool is_port(std::string_view text) noexcept {
 
 std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
   if (text.starts_with("https://") || text.starts_with("wss://")) {
-    return std::unexpected("TLS is not available yet: use http:// or ws://");
+    return std::unexpected("TLS is not supported; use http:// or ws://");
   }
   for (const std::string_view scheme : {"http://", "ws://"}) {
     if (text.starts_with(scheme)) {
@@ -31,17 +31,19 @@ std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
     }
   }
   if (text.find("://") != std::string_view::npos) {
-    return std::unexpected("the server's address must start with http:// or ws://");
+    return std::unexpected("the server address must start with http:// or ws://");
   }
   if (text.ends_with('/')) text.remove_suffix(1);
   if (text.find_first_of("/?# ") != std::string_view::npos) {
-    return std::unexpected("the server's address has more than a host and a port");
+    return std::unexpected(
+        "the server address must be a host and an optional port, without a path");
   }
   ServerUrl url{.host = {}, .port = std::string(kDefaultPort)};
   std::string_view rest;
   if (text.starts_with('[')) {
     const std::size_t close = text.find(']');
-    if (close == std::string_view::npos) return std::unexpected("a bracket is not closed");
+    if (close == std::string_view::npos)
+      return std::unexpected("the server address has an unclosed bracket");
     url.host = text.substr(1, close - 1);
     rest = text.substr(close + 1);
   } else {
@@ -49,10 +51,10 @@ std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
     url.host = text.substr(0, colon);
     rest = colon == std::string_view::npos ? std::string_view{} : text.substr(colon);
   }
-  if (url.host.empty()) return std::unexpected("the server's address has no host");
+  if (url.host.empty()) return std::unexpected("the server address has no host");
   if (rest.empty()) return url;
   if (rest.front() != ':' || !is_port(rest.substr(1))) {
-    return std::unexpected("the server's port must be a number from 1 to 65535");
+    return std::unexpected("the server port must be a number from 1 to 65535");
   }
   url.port = rest.substr(1);
   return url;

@@ -7,7 +7,7 @@
 
 namespace kerf::agent {
 
-/// Where a server listens.
+/// Address of a server.
 struct ServerUrl {
   std::string host;
   std::string port;
@@ -15,11 +15,12 @@ struct ServerUrl {
   bool operator==(const ServerUrl&) const = default;
 };
 
-/// Reads `http://HOST[:PORT]`, `ws://…` or plain `HOST[:PORT]`; an IPv6 address stands in brackets.
-/// The port is 8080 unless given. The error is one sentence.
+/// Parses `http://HOST[:PORT]`, `ws://…` or `HOST[:PORT]`; an IPv6 address is in brackets. The
+/// default port is 8080. The error is one sentence.
 std::expected<ServerUrl, std::string> parse_server_url(std::string_view text);
 
-/// True for the names that a session may have: letters, digits, `.`, `_`, `-`, not too many.
+/// Returns true for a valid session identifier: letters, digits, `.`, `_`, `-`; at most
+/// kMaxSessionIdBytes, not starting with `.`.
 bool is_session_id(std::string_view text) noexcept;
 
 }  // namespace kerf::agent

@@ -8,15 +8,15 @@
 
 namespace kerf::agent {
 
-/// Who keeps a copy of the block and follows what the server says of it. Called on the link's
-/// thread; must not wait for long.
+/// Receives the stock updates and results of the server, to maintain a replica of the block. Called
+/// on the link thread; must not block for long.
 class StockListener {
  public:
   virtual ~StockListener() = default;
-  /// A stock frame has come; the bytes are the listener's to copy.
+  /// A stock frame has arrived; the bytes are valid during the call only.
   virtual void take_stock(std::span<const std::byte> frame) = 0;
   virtual void take_result(const wire::Result& result) = 0;
-  /// True once when the server is to begin afresh.
+  /// Returns true once if the server must send the stock from scratch.
   virtual bool wants_reset() = 0;
 };
 

@@ -11,7 +11,7 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kPingEveryUs = 100'000;
-/// A rejection is quoted up to here.
+/// Maximum length of a quoted HTTP body.
 constexpr std::size_t kMaxQuotedBytes = 200;
 constexpr unsigned kHttpClientError = 400;
 constexpr unsigned kHttpTooMany = 429;
@@ -20,11 +20,11 @@ constexpr unsigned kHttpServerError = 500;
 }  // namespace
 
 Loss declined(const std::string& session, unsigned status, std::string_view body) {
-  std::string said(body.substr(0, kMaxQuotedBytes));
-  std::erase(said, '\n');
-  std::string reason = "the server rejects session '" + session + "': HTTP ";
+  std::string quote(body.substr(0, kMaxQuotedBytes));
+  std::erase(quote, '\n');
+  std::string reason = "the server rejected session '" + session + "': HTTP ";
   reason += std::to_string(status);
-  if (!said.empty()) reason += ": " + said;
+  if (!quote.empty()) reason += ": " + quote;
   const bool final =
       status >= kHttpClientError && status < kHttpServerError && status != kHttpTooMany;
   return {std::move(reason), final};
@@ -43,7 +43,7 @@ void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t no
   base_ = 0;
   based_ = false;
   progress_us_ = now_us;
-  lanes_.begin(udp_offered, now_us);
+  transport_.begin(udp_offered, now_us);
   report_.udp.offered |= udp_offered;
 }
 
@@ -55,7 +55,7 @@ void Traffic::collect() {
       ++report_.held_back;
       continue;
     }
-    // A cut starts where the hand was, not where it was when a pose last went out.
+    // A cut starts at the last measured pose, not at the last one sent.
     const bool cuts = (sample.buttons & wire::kButtonCutting) != 0;
     if (held_ && cuts) queue_.push(*held_);
     held_.reset();
@@ -64,8 +64,8 @@ void Traffic::collect() {
   }
 }
 
-/// Only through free air, only what is nearer to the last pose than a hand feels, and never for
-/// longer than a heartbeat: silence must stay a sign of death.
+/// Returns true for poses out of contact that differ imperceptibly from the last one, for at most
+/// one heartbeat: longer silence must still indicate a failure.
 bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
   constexpr double kDeadbandMm = 0.05;
   constexpr double kDeadbandRad = 1e-3;
@@ -84,12 +84,12 @@ std::string Traffic::take_control() {
   if (options_.copy != nullptr && options_.copy->wants_reset()) return stock_text();
   const auto tool = queue_.next_tool();
   if (!tool || *tool == tool_id_) return {};
-  // A change of tool is told over the WebSocket, and has its place among the samples: those before
-  // it go ahead of it there, and UDP has to wait until one behind it is answered.
+  // A tool change is sent over the WebSocket, in order with the samples: earlier samples precede it
+  // there, and UDP must wait until a later one is answered.
   base_.reset();
   based_ = false;
-  if (lanes_.over_udp()) {
-    lanes_.leave();
+  if (transport_.over_udp()) {
+    transport_.leave();
     queue_.go_back();
     if (queue_.next_tool() == tool_id_) return {};
   }
@@ -99,7 +99,7 @@ std::string Traffic::take_control() {
 }
 
 std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
-  choose_lane(now_us);
+  choose_transport(now_us);
   if (pong_due_) {
     const wire::Pong pong{.ping_time_us = *pong_due_, .time_us = now_us};
     pong_due_.reset();
@@ -110,8 +110,8 @@ std::size_t Traffic::fill(std::uint64_t now_us, std::span<std::byte> frame) {
     ack_due_.reset();
     return wire::encode(stamp(sequence, now_us), wire::Ack{}, frame);
   }
-  if (lanes_.over_udp())
-    return 0;  // where the pings go too: their times are to be those of the lane
+  // Over UDP, pings are sent there too, to measure its round trip.
+  if (transport_.over_udp()) return 0;
   if (now_us >= next_ping_us_) {
     next_ping_us_ = now_us + kPingEveryUs;
     return wire::encode(stamp(++ping_sequence_, now_us), wire::Ping{now_us}, frame);
@@ -134,7 +134,7 @@ std::optional<Loss> Traffic::take_text(std::string_view text, std::string& notic
     return std::nullopt;
   }
   if (const auto* bye = std::get_if<Bye>(&*message)) {
-    return Loss{"the server says good-bye: " + bye->reason};
+    return Loss{"the server closed the connection: " + bye->reason};
   }
   const auto* error = std::get_if<ServerError>(&*message);
   if (error == nullptr) return std::nullopt;
@@ -178,8 +178,8 @@ std::optional<Loss> Traffic::take_message(const wire::Message& message, std::uin
 void Traffic::take_pong(const wire::Pong& pong, std::uint64_t now_us) {
   report_.clock.take(pong.ping_time_us, pong.time_us, now_us);
   const std::uint64_t rtt_us = now_us > pong.ping_time_us ? now_us - pong.ping_time_us : 0;
-  // A long way is no sign of a server that cannot keep up.
-  queue_.allow_for(rtt_us);
+  // A long round trip does not mean that the server cannot keep up.
+  queue_.set_rtt(rtt_us);
   if (options_.status == nullptr) return;
   options_.status->write({.connections = report_.connections,
                           .samples_sent = report_.samples_sent,

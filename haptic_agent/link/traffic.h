@@ -8,74 +8,75 @@
 #include <string>
 #include <string_view>
 
-#include "haptic_agent/link/lane_switch.h"
 #include "haptic_agent/link/link_report.h"
 #include "haptic_agent/link/pace.h"
 #include "haptic_agent/link/sample_queue.h"
 #include "haptic_agent/link/stock_listener.h"
-#include "haptic_agent/servo/latest_value.h"
+#include "haptic_agent/link/transport_switch.h"
+#include "haptic_agent/realtime/latest_value.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/wrench_interpolator.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent {
 
-/// Why a connection ended. A final one is not tried again.
+/// Why a connection ended. After a final loss the link does not reconnect.
 struct Loss {
   std::string reason;
   bool final = false;
 };
 
-/// What it means that a server answers the wish for a WebSocket with an HTTP status and a body: the
-/// client's own faults (4xx) are final, but for "too many requests".
+/// Returns the loss for a server that declined the WebSocket with an HTTP status and body. Client
+/// errors (4xx) are final, except 429.
 Loss declined(const std::string& session, unsigned status, std::string_view body);
 
 struct TrafficOptions {
-  /// Poses out of contact that a hand could not tell from the last one are not sent.
+  /// Out of contact, do not send poses that differ imperceptibly from the last one.
   bool deadband = false;
-  /// Where to show how the link is doing; may be null.
+  /// Destination of status updates; may be null.
   LatestValue<LinkStatus>* status = nullptr;
-  /// Who keeps a copy of the block; null: nobody, and the server is not asked for it.
+  /// Receives stock updates; null: none are requested.
   StockListener* copy = nullptr;
 };
 
-/// What goes over a connection and what comes back, apart from the connection itself: decides which
-/// frame is due, reads each that comes, and keeps the count. Used by the link's thread only.
+/// The protocol of the link without its sockets: decides which frame is due, handles received
+/// frames and counts both. Used on the link thread only.
 class Traffic {
  public:
-  /// Both references must outlive it.
+  /// Both references must outlive the object.
   Traffic(SampleRing& samples, LatestValue<ServerWrench>& wrenches, TrafficOptions options = {})
       : ring_(samples), wrenches_(wrenches), options_(options) {}
 
-  /// A connection has been made and welcomed; `tool_id` is the one named in the hello.
+  /// A connection has been welcomed; `tool_id` is the one of the hello.
   void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
              bool udp_offered = false);
-  /// The user wants the UDP lane, whether there is one or not.
+  /// Records that the user requested UDP.
   void ask_for_udp() noexcept { report_.udp.asked = true; }
 
-  /// Takes what the servo has left in the ring.
+  /// Moves the samples of the ring to the queue.
   void collect();
-  /// True if every sample that was collected is answered.
+  /// Returns true if every collected sample is answered.
   bool settled() const noexcept { return queue_.settled(); }
 
-  /// The control message that is due before the next frame, e.g. that the tool has changed; empty:
-  /// none.
+  /// Returns the control message that must precede the next frame, e.g. a tool change; empty: none.
   std::string take_control();
-  /// Encodes the next binary frame that is due into `frame` (kMaxClientFrameBytes); its size, or 0.
+  /// Encodes the next due WebSocket frame into `frame` (kMaxClientFrameBytes). Returns its size, or
+  /// 0.
   std::size_t fill(std::uint64_t now_us, std::span<std::byte> frame);
-  /// The same for the UDP lane (datagram::kMaxFrameBytes).
+  /// As fill, for UDP (datagram::kMaxFrameBytes).
   std::size_t fill_datagram(std::uint64_t now_us, std::span<std::byte> frame);
 
-  /// A frame has come: why the connection must end, if so; `notice` is what the user should read.
+  /// Handle a received frame. Return why the connection must end, if so; `notice` is set to a line
+  /// for the user, or left empty.
   std::optional<Loss> take_text(std::string_view text, std::string& notice);
   std::optional<Loss> take_frame(std::span<const std::byte> frame, std::uint64_t now_us);
   std::optional<Loss> take_datagram(std::span<const std::byte> frame, std::uint64_t now_us);
-  /// What the user should read of the UDP lane; empty if nothing.
+  /// Returns a line for the user about UDP; empty if there is none.
   std::string take_notice();
-  /// Counted by whoever has the UDP socket.
+  /// Counters maintained by the UDP socket.
   UdpReport& udp_counts() noexcept { return report_.udp; }
 
-  /// The counts so far, those of the queue included.
+  /// Returns all counters so far, including those of the queue.
   LinkReport report() const;
 
  private:
@@ -85,8 +86,8 @@ class Traffic {
   void take_result(const wire::Result& result, std::uint64_t now_us);
   std::optional<Loss> take_message(const wire::Message& message, std::uint64_t now_us);
   UdpReport udp_report() const;
-  void choose_lane(std::uint64_t now_us);
-  void repeat_what_is_lost(std::uint64_t now_us);
+  void choose_transport(std::uint64_t now_us);
+  void resend_lost(std::uint64_t now_us);
   void take_gap(std::uint64_t now_us);
   void note_progress(const wire::Result& result, std::uint64_t now_us);
   wire::FrameStamp stamp(std::uint64_t sequence, std::uint64_t now_us) const noexcept {
@@ -97,10 +98,10 @@ class Traffic {
   LatestValue<ServerWrench>& wrenches_;
   TrafficOptions options_;
   SampleQueue queue_;
-  /// The last sample that went into the queue, and one behind it that was held back.
+  /// The last queued sample, and a later one that the deadband holds back.
   std::optional<wire::MotionSample> queued_;
   std::optional<wire::MotionSample> held_;
-  /// The newest result has nothing to feel in it.
+  /// The newest result reports no force and no nearby contact.
   bool out_of_contact_ = false;
   Wrench felt_;
   Pace pace_;
@@ -114,19 +115,20 @@ class Traffic {
   std::optional<std::uint64_t> pong_due_;
   std::uint64_t newest_result_ = 0;
 
-  LaneSwitch lanes_;
-  /// The first sample after which the order of the WebSocket no longer matters: of a connection, or
-  /// of a new tool. 0: it has not gone out yet; none: the new tool has not been told yet.
+  TransportSwitch transport_;
+  /// Number of the first sample of this connection or of the current tool. It must be sent over the
+  /// WebSocket, in order with hello and tool messages; once it is answered, samples may use UDP. 0:
+  /// not sent yet; empty: the tool change has not been sent yet.
   std::optional<std::uint64_t> base_ = 0;
-  /// The server has answered the base.
+  /// The server has answered the base sample.
   bool based_ = false;
   std::uint64_t progress_us_ = 0;
   std::uint64_t went_back_us_ = 0;
-  /// Repetitions since the last progress; the silence ends them before they are many.
-  unsigned vain_repeats_ = 0;
+  /// Resends since the last progress. Few, because the transport falls back after a silence.
+  unsigned fruitless_resends_ = 0;
   std::uint64_t udp_rtt_us_ = 0;
   std::uint64_t newest_felt_ = 0;
-  /// The stock frame to be acknowledged.
+  /// Sequence of the stock frame to acknowledge.
   std::optional<std::uint64_t> ack_due_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes over the UDP lane, which may lose, repeat and reorder it.
+// The UDP part of Traffic. UDP may lose, duplicate and reorder frames.
 #include <algorithm>
 
 #include "haptic_agent/link/traffic.h"
@@ -8,8 +8,7 @@
 namespace kerf::agent {
 namespace {
 
-/// An answer is late, and what it answers lost, after half as much again as a round trip, and the
-/// time that a busy server may take.
+/// A sample counts as lost if it is unanswered after 1.5 round trips plus this time for the server.
 constexpr std::uint64_t kPatienceUs = 20'000;
 
 constexpr std::uint64_t late_after_us(std::uint64_t rtt_us) noexcept {
@@ -18,24 +17,25 @@ constexpr std::uint64_t late_after_us(std::uint64_t rtt_us) noexcept {
 
 }  // namespace
 
-void Traffic::choose_lane(std::uint64_t now_us) {
+void Traffic::choose_transport(std::uint64_t now_us) {
   if (!queue_.in_flight()) progress_us_ = now_us;
-  const bool was = lanes_.over_udp();
-  if (lanes_.update(now_us, based_, now_us - progress_us_, udp_rtt_us_)) queue_.go_back();
-  // A new lane has its own time to answer in.
-  if (was == lanes_.over_udp()) return;
+  const bool was = transport_.over_udp();
+  if (transport_.update(now_us, based_, now_us - progress_us_, udp_rtt_us_)) queue_.go_back();
+  // The new transport gets its own timeout.
+  if (was == transport_.over_udp()) return;
   progress_us_ = went_back_us_ = now_us;
-  vain_repeats_ = 0;
+  fruitless_resends_ = 0;
 }
 
 std::size_t Traffic::fill_datagram(std::uint64_t now_us, std::span<std::byte> frame) {
-  choose_lane(now_us);
-  if (lanes_.probe_due(now_us)) {
+  choose_transport(now_us);
+  if (transport_.probe_due(now_us)) {
     return wire::encode(stamp(++ping_sequence_, now_us), wire::Ping{now_us}, frame);
   }
-  if (!lanes_.over_udp()) return 0;
-  repeat_what_is_lost(now_us);
-  // A new tool is told over the WebSocket first.
+  if (!transport_.over_udp()) return 0;
+  resend_lost(now_us);
+  // A tool change is sent over the WebSocket first; until then only samples of the old tool are
+  // due.
   const auto out = queue_.take_repeating(pace_.allowed(now_us), tool_id_);
   if (out.batch.count == 0) return 0;
   // The server counts each number once.
@@ -46,20 +46,20 @@ std::size_t Traffic::fill_datagram(std::uint64_t now_us, std::span<std::byte> fr
   return wire::encode(stamp(++motion_sequence_, now_us), out.batch, frame);
 }
 
-/// Where nothing new comes that could show the server a gap, and where the answers are lost; each
-/// time in vain doubles the wait.
-void Traffic::repeat_what_is_lost(std::uint64_t now_us) {
+/// Resends unanswered samples after a timeout: needed if no new samples reveal the gap to the
+/// server or if the answers are lost. The timeout doubles with each resend without progress.
+void Traffic::resend_lost(std::uint64_t now_us) {
   if (!queue_.in_flight()) return;
   const std::uint64_t since_us = std::max(progress_us_, went_back_us_);
-  if (now_us - since_us <= late_after_us(udp_rtt_us_) << vain_repeats_) return;
+  if (now_us - since_us <= late_after_us(udp_rtt_us_) << fruitless_resends_) return;
   queue_.go_back();
   went_back_us_ = now_us;
-  ++vain_repeats_;
+  ++fruitless_resends_;
 }
 
-/// Every datagram that was on its way behind the lost ones brings this answer: one of them counts.
+/// Every datagram in flight behind the lost ones causes a gap answer; only the first one counts.
 void Traffic::take_gap(std::uint64_t now_us) {
-  if (!lanes_.over_udp()) return;
+  if (!transport_.over_udp()) return;
   ++report_.udp.gaps;
   if (now_us - went_back_us_ <= late_after_us(udp_rtt_us_)) return;
   queue_.go_back();
@@ -69,7 +69,7 @@ void Traffic::take_gap(std::uint64_t now_us) {
 void Traffic::note_progress(const wire::Result& result, std::uint64_t now_us) {
   newest_result_ = result.agent_sequence;
   progress_us_ = now_us;
-  vain_repeats_ = 0;
+  fruitless_resends_ = 0;
   if (base_.value_or(0) != 0 && result.agent_sequence >= *base_) based_ = true;
 }
 
@@ -79,7 +79,7 @@ std::optional<Loss> Traffic::take_datagram(std::span<const std::byte> frame, std
     ++report_.bad_frames;
     return std::nullopt;
   }
-  lanes_.heard();
+  transport_.note_datagram();
   if (const auto* pong = std::get_if<wire::Pong>(&message->body)) {
     udp_rtt_us_ = now_us > pong->ping_time_us ? now_us - pong->ping_time_us : 0;
   }
@@ -93,13 +93,13 @@ std::optional<Loss> Traffic::take_datagram(std::span<const std::byte> frame, std
 
 UdpReport Traffic::udp_report() const {
   UdpReport report = report_.udp;
-  report.carries = lanes_.over_udp();
+  report.carries = transport_.over_udp();
   report.repeated = queue_.repeated();
-  report.taken_over = lanes_.taken_over();
-  report.fell_back = lanes_.fell_back();
+  report.taken_over = transport_.taken_over();
+  report.fell_back = transport_.fell_back();
   return report;
 }
 
-std::string Traffic::take_notice() { return lanes_.take_notice(); }
+std::string Traffic::take_notice() { return transport_.take_notice(); }
 
 }  // namespace kerf::agent

@@ -11,21 +11,21 @@
 
 namespace kerf::agent {
 
-/// How well what the copy answered agrees with what the server answered to the same samples later.
-/// What others cut within a round trip makes them differ for that long; a copy that stays wrong is
-/// in doubt.
+/// Compares the replica's answers with the server's later answers to the same samples. Cuts of
+/// other participants within the last round trip cause temporary differences; a replica that stays
+/// different has diverged.
 class Agreement {
  public:
-  /// The copy's answer. Times must grow.
-  void note(const wire::Result& mine) {
-    kept_[count_++ % kKept] = {mine.agent_time_us, Vec3(mine.force_n)};
+  /// Records an answer of the replica. Times must increase.
+  void note(const wire::Result& local) {
+    kept_[count_++ % kKept] = {local.agent_time_us, Vec3(local.force_n)};
   }
 
-  /// The server's; ignored if the copy had no answer to that sample.
-  void compare(const wire::Result& theirs) {
-    const Answer* mine = find(theirs.agent_time_us);
-    if (mine == nullptr) return;
-    const Vec3 force(theirs.force_n), difference = mine->force_n - force;
+  /// Compares an answer of the server; ignored if the replica had no answer to that sample.
+  void compare(const wire::Result& remote) {
+    const Answer* local = find(remote.agent_time_us);
+    if (local == nullptr) return;
+    const Vec3 force(remote.force_n), difference = local->force_n - force;
     ++compared_;
     square_error_ += dot(difference, difference);
     square_force_ += dot(force, force);
@@ -34,27 +34,28 @@ class Agreement {
     window_.square_force += dot(force, force);
     if (window_.count < kWindow) return;
     const double error_n = std::sqrt(window_.square_error / kWindow);
-    doubt_ = doubt_ || (error_n > kDoubtN && window_.square_error > window_.square_force / 4);
+    diverged_ =
+        diverged_ || (error_n > kMinErrorN && window_.square_error > window_.square_force / 4);
     window_ = {};
   }
 
-  /// True once after a window in which the rms difference was above half of the force.
-  bool take_doubt() {
-    const bool doubt = doubt_;
-    doubt_ = false;
-    return doubt;
+  /// Returns true once after a window in which the rms difference exceeded half of the rms force.
+  bool take_divergence() {
+    const bool diverged = diverged_;
+    diverged_ = false;
+    return diverged;
   }
 
   std::uint64_t compared() const { return compared_; }
-  /// rms of the difference over rms of the server's force; 0 without any.
+  /// Returns the rms of the difference over the rms of the server's force; 0 without any force.
   double error() const { return square_force_ > 0 ? std::sqrt(square_error_ / square_force_) : 0; }
 
  private:
   /// The last two seconds.
   static constexpr std::size_t kKept = 2048;
   static constexpr int kWindow = 1000;
-  /// Differences below this are no reason to begin afresh.
-  static constexpr double kDoubtN = 0.05;
+  /// Smaller rms differences never count as divergence.
+  static constexpr double kMinErrorN = 0.05;
   struct Answer {
     std::uint64_t time_us = 0;
     Vec3 force_n{};
@@ -83,7 +84,7 @@ class Agreement {
   std::uint64_t compared_ = 0;
   double square_error_ = 0, square_force_ = 0;
   Window window_;
-  bool doubt_ = false;
+  bool diverged_ = false;
 };
 
 }  // namespace kerf::agent

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What of the welcome is a scene; throws json::exception where something is missing.
+/// Returns the scene fields of the welcome; throws json::exception if one is missing.
 std::string scene_text(const json& welcome) {
   json accuracy;
   for (const char* field : {"rays", "pitch_mm", "tolerance_mm", "motion"}) {

@@ -10,17 +10,17 @@
 
 namespace kerf::agent {
 
-/// The block as a welcome describes it: what every copy begins with.
+/// Settings and tools of the block, as read from the welcome. Creates the initial replica.
 class BlockSource {
  public:
-  /// Reads the text of a welcome. The error says what of it cannot be understood.
+  /// Parses the text of a welcome. The error is one sentence.
   static std::expected<BlockSource, std::string> read(std::string_view welcome);
 
-  /// The untouched block with the session's tools, without obstacles: those push the tool however
-  /// far the server is, for planes stay right (ContactModel). Of a stock that is a mesh, the box
-  /// around it; the server tells what of it is not solid.
+  /// Returns the uncut block with the session's tools, without obstacles: contact with those is
+  /// rendered from the server's contact planes (ContactModel). A mesh stock is replaced by its
+  /// bounding box; the server sends which parts of it are empty.
   Sculpture make() const;
-  /// Fastest cutting tip that the server takes.
+  /// Maximum speed of the cutting tip that the server accepts.
   double speed_max_mm_per_s() const { return speed_max_mm_per_s_; }
 
  private:

@@ -17,30 +17,29 @@
 
 namespace kerf::agent {
 
-/// A copy of the block, right near the tool: it takes each sample for the motion that the server
-/// will take it for, cuts it at once, and answers what the server will answer a round trip later.
-/// The server has the authority: it tells what others have cut, and what it answers is compared.
-/// Not thread-safe; no clock.
+/// Replica of the block, exact near the tool. It interprets each sample as the server will, cuts it
+/// at once, and returns the answer that the server will give a round trip later. The server is
+/// authoritative: it sends what other participants have cut, and its answers are compared with the
+/// replica's. Not thread-safe; uses no clock.
 class Replica {
  public:
   explicit Replica(BlockSource source);
 
-  /// The next sample of the hand, in their order. Empty while it is not known what the tool may
-  /// touch there, and over the next two pitches of a cut: what a force is made of goes back so far
-  /// (TravelQueue).
+  /// Applies the next sample. Returns the answer; empty while tiles that the tool may touch are
+  /// unknown, and over the following two pitches of travel, because the force depends on the stock
+  /// cut over that length (TravelQueue).
   std::optional<wire::Result> move(const wire::MotionSample& sample);
-  /// What tiles near the tool still hold. The error says what of the patch is wrong: nothing of
-  /// that tile, nor of those behind it, has been taken.
+  /// Applies the contents of tiles near the tool. On an error, neither the tile at fault nor the
+  /// later ones of the patch have been applied.
   std::expected<void, std::string_view> take(const wire::StockPatch& patch);
-  /// What the server answered to a sample that this has answered.
-  void compare(const wire::Result& theirs) { agreement_.compare(theirs); }
-  /// True once after the answers have differed for so long that the copy must begin afresh: the
-  /// server is to be asked to.
-  bool take_doubt() { return agreement_.take_doubt(); }
+  /// Compares an answer of the server.
+  void compare(const wire::Result& remote) { agreement_.compare(remote); }
+  /// Returns true once after the replica has diverged; it then needs a reset from the server.
+  bool take_divergence() { return agreement_.take_divergence(); }
 
   const Agreement& agreement() const { return agreement_; }
   std::uint64_t tiles_known() const { return known_.size(); }
-  /// The copy as it is, for tests.
+  /// For tests.
   const Sculpture& block() const { return block_; }
 
  private:
@@ -48,12 +47,12 @@ class Replica {
     std::uint64_t time_us;
     MoveTool move;
   };
-  /// Motions older than this have reached the server: no afresh copy lacks them.
+  /// Motions older than this have reached the server, so a reset already contains them.
   static constexpr std::uint64_t kRememberedUs = 4'000'000;
 
-  bool knows(const MoveTool& motion);
-  bool settles(const MoveTool& motion, bool known);
-  bool knows(const DexelField& field, std::size_t n, const TileRegion& region);
+  bool is_known(const MoveTool& motion);
+  bool is_settled(const MoveTool& motion, bool known);
+  bool is_known(const DexelField& field, std::size_t n, const TileRegion& region);
   std::expected<void, std::string_view> take_tile(const wire::StockTile& tile);
   void cut_again(std::uint64_t server_has_us);
 
@@ -61,11 +60,11 @@ class Replica {
   Sculpture block_;
   ToolTrack track_;
   std::set<FieldTile> known_;
-  /// The tiles of each field last asked for, all of which were known: most of the next ones are
-  /// among them.
+  /// Per field, the region of the last query, all of whose tiles were known. Speeds up the next
+  /// query, which mostly overlaps it.
   std::array<TileRegion, 3> known_region_;
   std::deque<Cut> cuts_;
-  /// Way of the tool until its force no longer holds anything of what was not known.
+  /// Remaining travel until the force no longer depends on unknown stock.
   double unsettled_mm_ = 0;
   Agreement agreement_;
 };

@@ -3,26 +3,18 @@
 
 #include <utility>
 
-#include "haptic_agent/servo/realtime.h"
-#include "haptic_agent/servo/servo_clock.h"
+#include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 #include "server/wire/codec.h"
 
 namespace kerf::agent {
-namespace {
-
-std::uint64_t now_us() noexcept {
-  constexpr std::uint64_t kNsPerUs = 1000;
-  return MonotonicClock{}.now_ns() / kNsPerUs;
-}
-
-}  // namespace
 
 ReplicaThread::~ReplicaThread() { stop(); }
 
 void ReplicaThread::start(BlockSource source) {
   replica_ = std::make_unique<Replica>(std::move(source));
   thread_ = std::thread([this] {
-    // The servo thread reports what a rejection means.
+    // If this is denied, the servo thread's warning explains it.
     request_fifo(kReplicaPriority);
     run();
   });
@@ -47,8 +39,8 @@ void ReplicaThread::run() {
     servo_.wait();
     take_patches();
     take_samples();
-    if (wire::Result theirs; results_.read(theirs)) replica_->compare(theirs);
-    if (replica_->take_doubt()) wants_reset_.store(true);
+    if (wire::Result remote; results_.read(remote)) replica_->compare(remote);
+    if (replica_->take_divergence()) wants_reset_.store(true);
   }
   report_.compared = replica_->agreement().compared();
   report_.error = replica_->agreement().error();
@@ -84,7 +76,7 @@ void ReplicaThread::take_samples() {
     report_.answered += newest ? 1 : 0;
   }
   if (!newest) return;
-  const std::uint64_t now = now_us();
+  const std::uint64_t now = monotonic_us();
   servo_.write(answer_of(*newest, now));
   if (now >= newest->agent_time_us) report_.answer_us.add(now - newest->agent_time_us);
 }

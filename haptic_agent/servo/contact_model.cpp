@@ -7,37 +7,37 @@
 
 namespace kerf::agent {
 
-Wrench ContactModel::push(const Hold& now, double stiffness_most) const noexcept {
+Wrench ContactModel::push(const Grip& now, double stiffness_most) const noexcept {
   Wrench sum;
   const Vec3 turn = between(then_, now).angular;
   for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
     const wire::ContactPlane& plane = answer_.planes[i];
     if ((plane.flags & flags_) == 0) continue;
     const Vec3 arm = rotated(plane.point_mm - then_.pivot_mm, turn);
-    const Vec3 way = now.pivot_mm + arm - plane.point_mm;
+    const Vec3 moved = now.pivot_mm + arm - plane.point_mm;
     const Vec3 normal(plane.normal);
-    const double depth = static_cast<double>(plane.depth_mm) - dot(normal, way);
-    // Where the plane ends it lets go over another radius.
-    const double hold =
-        std::clamp(2 - length(way) / static_cast<double>(plane.radius_mm), 0.0, 1.0);
-    if (!(depth > 0) || !(hold > 0)) continue;
+    const double depth = static_cast<double>(plane.depth_mm) - dot(normal, moved);
+    // Beyond its radius the plane's force fades to zero over another radius.
+    const double fade =
+        std::clamp(2 - length(moved) / static_cast<double>(plane.radius_mm), 0.0, 1.0);
+    if (!(depth > 0) || !(fade > 0)) continue;
     const double stiffness =
         std::min(static_cast<double>(plane.stiffness_n_per_mm), stiffness_most);
-    const Vec3 force = normal * (stiffness * depth * hold);
+    const Vec3 force = normal * (stiffness * depth * fade);
     sum = sum + Wrench{force, cross(arm, force)};
   }
   sum.torque_nmm = sum.torque_nmm - now.axis * dot(sum.torque_nmm, now.axis);
   return sum;
 }
 
-void ContactModel::take(const ServerWrench& answer, const Hold& then, const Hold& now) noexcept {
+void ContactModel::take(const ServerWrench& answer, const Grip& then, const Grip& now) noexcept {
   const Wrench before = push(now, stiffness_most_) + fading_;
   answer_ = answer;
   then_ = then;
   fading_ = before - push(now, stiffness_most_);
 }
 
-Wrench ContactModel::at(const Hold& now, double dt_s) noexcept {
+Wrench ContactModel::at(const Grip& now, double dt_s) noexcept {
   fading_ = fading_ * std::exp(-dt_s / kFadeS);
   return push(now, stiffness_most_) + fading_;
 }

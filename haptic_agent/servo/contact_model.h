@@ -1,38 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "haptic_agent/servo/grip.h"
 #include "haptic_agent/servo/server_wrench.h"
-#include "haptic_agent/servo/twist.h"
 
 namespace kerf::agent {
 
-/// The planes of one kind of the newest answer, as springs that move with the hand between two
-/// answers. Other planes fade in: a change of the answer never makes a step of the force.
+/// Renders the contact planes of the newest answer as springs that act on the moving tool between
+/// two answers. A difference between the planes of two answers fades in, so that a new answer never
+/// causes a step of the force.
 class ContactModel {
  public:
-  /// A difference between two answers' planes vanishes with this time constant, s.
+  /// Time constant with which a difference between two answers fades, s.
   static constexpr double kFadeS = 0.015;
 
-  /// `stiffness_most` is what the device shows stably, N/mm. Planes without any of `flags`
-  /// (wire::ContactPlane) are left out.
+  /// `stiffness_most`: upper limit of the springs, N/mm, which the device renders stably. Planes
+  /// with none of `flags` (wire::ContactPlane) are ignored.
   explicit ContactModel(double stiffness_most,
                         std::uint32_t flags = wire::kContactStock | wire::kContactObstacle) noexcept
       : stiffness_most_(stiffness_most), flags_(flags) {}
 
-  /// `then` is the hold that the answer answers, `now` the newest.
-  void take(const ServerWrench& answer, const Hold& then, const Hold& now) noexcept;
-  /// Force at the pivot and torque about it, `dt_s` after the last call.
-  Wrench at(const Hold& now, double dt_s) noexcept;
-  /// What the server's own wrench holds of these planes, where they were taken.
+  /// Sets the newest answer. `then`: the grip that it answers; `now`: the newest grip.
+  void take(const ServerWrench& answer, const Grip& then, const Grip& now) noexcept;
+  /// Returns force and torque about the pivot, `dt_s` after the last call.
+  Wrench at(const Grip& now, double dt_s) noexcept;
+  /// Returns the part of the answer's own wrench that these planes contribute.
   Wrench in_answer() const noexcept;
 
  private:
-  Wrench push(const Hold& now, double stiffness_most) const noexcept;
+  Wrench push(const Grip& now, double stiffness_most) const noexcept;
 
   double stiffness_most_;
   std::uint32_t flags_;
   ServerWrench answer_;
-  Hold then_;
+  Grip then_;
   Wrench fading_;
 };
 

@@ -5,20 +5,21 @@
 
 namespace kerf::agent {
 
-/// A deficit stays until it has been worked off. This one line makes the promise of passivity true.
+/// Keeps a deficit until it is dissipated. The proof of passivity depends on this line.
 struct CarryDeficit {
   static constexpr double keep(double level_mj) noexcept { return level_mj; }
 };
 
-/// What the servo may still give to the hand, mJ: it is filled by what the hand works into the
-/// device, up to a ceiling, and emptied by what the device works into the hand. `Deficit` says what
-/// becomes of a level below zero; the agent carries it, and a test shows that nothing less will do.
+/// Energy tank: the work that the device may still do on the user, mJ. Work of the user on the
+/// device fills it, up to a ceiling; work of the device on the user empties it. `Deficit` decides
+/// what becomes of a negative level: the agent carries it, and a test shows that forgiving it
+/// breaks passivity.
 template <typename Deficit = CarryDeficit>
 class BasicEnergyAccount {
  public:
   explicit BasicEnergyAccount(double ceiling_mj) noexcept : ceiling_mj_(ceiling_mj) {}
 
-  /// So much has been worked into the hand (below zero: by the hand), exactly.
+  /// Accounts for work done on the user (negative: by the user).
   void settle(double work_mj) noexcept {
     level_mj_ = Deficit::keep(std::min(ceiling_mj_, level_mj_ - work_mj));
     given_mj_ += work_mj;
@@ -28,9 +29,9 @@ class BasicEnergyAccount {
 
   double level_mj() const noexcept { return level_mj_; }
   double ceiling_mj() const noexcept { return ceiling_mj_; }
-  /// The net work into the hand since the start: an observer that the level has no part in.
+  /// Net work done on the user since the start. Only observes: the level is not clamped here.
   double given_mj() const noexcept { return given_mj_; }
-  /// The most that was given over any interval so far.
+  /// Maximum of the work done on the user over any interval so far.
   double most_returned_mj() const noexcept { return most_returned_mj_; }
 
  private:

@@ -6,16 +6,16 @@
 
 namespace kerf::agent {
 
-/// How strongly the tool is engaged, as a straight line over the way of its tip: a weighted fit to
-/// the answers so far, the newest counting most, so that an answer that is one round trip old still
-/// tells what is felt where the hand is now.
+/// Weighted linear fit of the tool's engagement over the path length of its tip. The newest answers
+/// have the greatest weight. It extrapolates answers that are a round trip old to the current
+/// position.
 class EngagementTrend {
  public:
-  /// At `way_mm` it was `value` (>= 0); an answer that is this much way older counts half as much
-  /// when `forget` is 1/2.
-  void take(double way_mm, double value, double forget) noexcept {
-    if (weight_ == 0) origin_mm_ = way_mm;
-    const double x = way_mm - origin_mm_;
+  /// Adds `value` (>= 0) at `path_mm`; the weights of all earlier answers are multiplied by
+  /// `forget` (0..1).
+  void take(double path_mm, double value, double forget) noexcept {
+    if (weight_ == 0) origin_mm_ = path_mm;
+    const double x = path_mm - origin_mm_;
     weight_ = weight_ * forget + 1;
     x_ = x_ * forget + x;
     y_ = y_ * forget + value;
@@ -24,14 +24,14 @@ class EngagementTrend {
     newest_ = value;
   }
 
-  /// What it is at `way_mm`, never farther from the newest answer than half of that.
-  double at(double way_mm) const noexcept {
+  /// Returns the fit at `path_mm`, clamped to within half of the newest answer.
+  double at(double path_mm) const noexcept {
     if (weight_ == 0) return 0;
     const double middle = x_ / weight_;
     const double mean = y_ / weight_;
     const double spread = xx_ / weight_ - middle * middle;
     const double slope = spread > kLeastSpreadMm2 ? (xy_ / weight_ - middle * mean) / spread : 0;
-    const double value = mean + slope * (way_mm - origin_mm_ - middle);
+    const double value = mean + slope * (path_mm - origin_mm_ - middle);
     return std::clamp(value, newest_ / 2, newest_ * 3 / 2);
   }
 

@@ -10,13 +10,13 @@
 
 namespace kerf::agent {
 
-/// One tick, as it is logged after a trip.
+/// State of one tick, as logged after a trip.
 struct FlightTick {
   std::uint64_t time_us = 0;
   Vec3 tip_mm{};
   Vec3 velocity_mm_per_s{};  ///< of the pivot
-  Wrench wanted{};
-  Wrench shown{};
+  Wrench requested{};
+  Wrench output{};
   double energy_mj = 0;
   std::uint64_t answer_age_us = 0;
   std::uint64_t lost_now = 0;
@@ -31,8 +31,8 @@ struct FlightLog {
   std::array<FlightTick, kTicks> ticks{};  ///< oldest first
 };
 
-/// Keeps the last 200 ms in memory and, at a trip, hands them to another thread, without waiting: a
-/// trip that comes while the last log is still being read is not logged.
+/// Keeps the last 200 ms in memory and passes them to another thread at a trip, without waiting. A
+/// trip that happens while the previous log is still being read is not logged.
 class FlightRecorder {
  public:
   /// Servo thread.
@@ -47,7 +47,7 @@ class FlightRecorder {
     full_.store(true, std::memory_order_release);
   }
 
-  /// The other thread: the log of a trip, until `done`; null if there is none.
+  /// Other thread: returns the log of a trip, valid until `done`; null if there is none.
   const FlightLog* log() const noexcept {
     return full_.load(std::memory_order_acquire) ? &log_ : nullptr;
   }

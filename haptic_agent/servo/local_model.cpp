@@ -7,20 +7,20 @@
 namespace kerf::agent {
 namespace {
 
-/// mm of way over which a new direction is taken on. A device that shows k N/mm stably can show a
-/// force of F turning back over F/k: less would be a spring that it cannot hold.
+/// Path length over which the heading follows a new direction, mm. A device that renders k N/mm
+/// stably can reverse a force F over a length F/k; a shorter one would be a stiffer spring.
 constexpr double kHeadingMm = 0.5;
-/// Slower than this nothing can be said of the damping that an answer stands for, mm/s.
+/// Below this speed an answer gives no damping coefficient, mm/s.
 constexpr double kLeastSpeed = 2;
-/// An answer counts e times less after this time and half the delay.
+/// Time constant of the weights in the trend: kTrendS plus kTrendOfLag of the delay.
 constexpr double kTrendS = 0.005;
 constexpr double kTrendOfLag = 0.5;
-/// The cut of a tool that has turned by more than the first keeps less and less of its force, and
-/// by more than the second none: who turns back cuts nothing. As cosines.
+/// The cutting force fades as the heading turns away from that of the answer, between these two
+/// cosines: a reversing tool cuts nothing.
 constexpr double kFullCos = 0.5;
 constexpr double kNoneCos = -0.5;
 
-/// The rotation vector that takes one direction to another.
+/// Returns the rotation vector that takes one direction to another.
 Vec3 turn_between(Vec3 from, Vec3 to) noexcept {
   const Vec3 normal = cross(from, to);
   const double sine = length(normal);
@@ -33,37 +33,37 @@ Vec3 LocalModel::heading(Vec3 before, Vec3 moved_mm) noexcept {
   return (before * kHeadingMm + moved_mm) * (1 / (kHeadingMm + length(moved_mm)));
 }
 
-void LocalModel::take(const ServerWrench& answer, const PastHold& then,
-                      const PastHold& now) noexcept {
-  obstacles_.take(answer, then.hold, now.hold);
+void LocalModel::take(const ServerWrench& answer, const PastGrip& then,
+                      const PastGrip& now) noexcept {
+  obstacles_.take(answer, then.grip, now.grip);
   ServerWrench rest = answer;
   rest.wrench = answer.wrench - obstacles_.in_answer();
   take_stock(rest, then, now);
 }
 
-void LocalModel::take_near(const ServerWrench& answer, const PastHold& then,
-                           const PastHold& now) noexcept {
+void LocalModel::take_replica(const ServerWrench& answer, const PastGrip& then,
+                              const PastGrip& now) noexcept {
   take_stock(answer, then, now);
 }
 
-/// Takes contact with the stock and the cut from whoever has answered the newest pose.
-void LocalModel::take_stock(const ServerWrench& answer, const PastHold& then,
-                            const PastHold& now) noexcept {
+/// Takes stock contact and cut from the server or the replica, whichever answered the newer pose.
+void LocalModel::take_stock(const ServerWrench& answer, const PastGrip& then,
+                            const PastGrip& now) noexcept {
   if (answer.pose_us < answered_us_) return;
   answered_us_ = answer.pose_us;
-  stock_.take(answer, then.hold, now.hold);
+  stock_.take(answer, then.grip, now.grip);
   take_cut(answer, then);
   constexpr double kSPerUs = 1e-6;
   lag_s_ = static_cast<double>(now.time_us - then.time_us) * kSPerUs;
 }
 
-void LocalModel::take_cut(const ServerWrench& answer, const PastHold& then) noexcept {
+void LocalModel::take_cut(const ServerWrench& answer, const PastGrip& then) noexcept {
   if (!(answer.engaged_area_mm2 > 0) || !(length(then.heading) > 0)) {
     trend_.reset();
     return;
   }
   cut_ = answer.wrench - stock_.in_answer();
-  arm_mm_ = answer.cut_centre_mm - then.hold.pivot_mm;
+  arm_mm_ = answer.cut_centre_mm - then.grip.pivot_mm;
   double strength = length(cut_.force_n);
   if (settings_.law == CutLaw::kRemovalRate) {
     const double speed = length(then.velocity.at(arm_mm_));
@@ -75,35 +75,35 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastHold& then) noex
                               ? static_cast<double>(then.time_us - then_.time_us) * kSPerUs
                               : 0;
   then_ = then;
-  trend_.take(then.way_mm, strength, std::exp(-passed_s / (kTrendS + kTrendOfLag * lag_s_)));
+  trend_.take(then.path_mm, strength, std::exp(-passed_s / (kTrendS + kTrendOfLag * lag_s_)));
 }
 
-Wrench LocalModel::cut(const PastHold& now) const noexcept {
+Wrench LocalModel::cut(const PastGrip& now) const noexcept {
   const double answered_n = length(cut_.force_n);
   if (trend_.empty() || !(answered_n > 0)) return {};
-  const double going = length(now.heading), went = length(then_.heading);
-  if (!(going > 0)) return {};
+  const double length_now = length(now.heading), length_then = length(then_.heading);
+  if (!(length_now > 0)) return {};
   const Vec3 turn = turn_between(then_.heading, now.heading);
-  const double cosine = dot(then_.heading, now.heading) / (going * went);
+  const double cosine = dot(then_.heading, now.heading) / (length_now * length_then);
   const double kept = std::clamp((cosine - kNoneCos) / (kFullCos - kNoneCos), 0.0, 1.0);
-  const Vec3 arm = rotated(arm_mm_, between(then_.hold, now.hold).angular);
+  const Vec3 arm = rotated(arm_mm_, between(then_.grip, now.grip).angular);
 
-  double newtons = trend_.at(now.way_mm);
+  double newtons = trend_.at(now.path_mm);
   if (settings_.law == CutLaw::kRemovalRate) {
     newtons = std::min(newtons, settings_.damping_most) * length(now.velocity.at(arm));
   }
-  newtons *= kept * std::min(1.0, going / went);
+  newtons *= kept * std::min(1.0, length_now / length_then);
   const double scale = newtons / answered_n;
   const Vec3 force = rotated(cut_.force_n, turn) * scale;
-  // What the centre of the cut does not explain of the answered torque turns along.
+  // The rest of the torque, which does not come from the cut's center, is rotated too.
   const Vec3 rest = rotated(cut_.torque_nmm - cross(arm_mm_, cut_.force_n), turn) * scale;
   Vec3 torque = cross(arm, force) + rest;
-  torque = torque - now.hold.axis * dot(torque, now.hold.axis);
+  torque = torque - now.grip.axis * dot(torque, now.grip.axis);
   return {force, torque};
 }
 
-Wrench LocalModel::at(const PastHold& now, bool cutting, double dt_s) noexcept {
-  const Wrench touched = stock_.at(now.hold, dt_s) + obstacles_.at(now.hold, dt_s);
+Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
+  const Wrench touched = stock_.at(now.grip, dt_s) + obstacles_.at(now.grip, dt_s);
   return cutting ? touched + cut(now) : touched;
 }
 

@@ -3,28 +3,28 @@
 
 #include "haptic_agent/servo/contact_model.h"
 #include "haptic_agent/servo/engagement_trend.h"
-#include "haptic_agent/servo/hold_history.h"
+#include "haptic_agent/servo/grip_history.h"
 
 namespace kerf::agent {
 
-/// The two laws of the server (server/wire/README.md, "force").
+/// The server's two force laws (server/wire/README.md, "force").
 enum class CutLaw : std::uint8_t {
-  /// The cut pushes with a force that depends on the engaged area alone.
+  /// The cutting force depends on the engaged area only.
   kSpecificEnergy,
-  /// It pushes the harder the faster the tool goes: a damper.
+  /// The cutting force is proportional to the tool's speed, like that of a damper.
   kRemovalRate,
 };
 
 struct ModelSettings {
   CutLaw law = CutLaw::kSpecificEnergy;
-  /// What the device shows stably at 1 kHz.
+  /// Limits that the device renders stably at 1 kHz: N/mm and N s/mm.
   double stiffness_most = 1.5;
   double damping_most = 0.02;
 };
 
-/// Renders what the server answered a round trip ago for where the hand is now and how it moves
-/// now: the cut, whose strength follows the way of the tip and whose direction follows the hand's,
-/// and the contact. The newest answer corrects it; nothing of it is a step.
+/// Extrapolates the server's answers, which are a round trip old, to the current grip and velocity:
+/// the cutting force, whose magnitude follows the path of the tip and whose direction follows the
+/// motion of the tool, and the contact forces. Each new answer corrects the model without a step.
 class LocalModel {
  public:
   explicit LocalModel(const ModelSettings& settings) noexcept
@@ -32,32 +32,33 @@ class LocalModel {
         stock_(settings.stiffness_most, wire::kContactStock),
         obstacles_(settings.stiffness_most, wire::kContactObstacle) {}
 
-  /// What the server answered; `then` is where the hand was when the answered pose was measured.
-  /// Of an answer to an older pose than one that was answered near by, only the obstacles count.
-  void take(const ServerWrench& answer, const PastHold& then, const PastHold& now) noexcept;
-  /// What a copy of the block near the tool answered, which knows no obstacles.
-  void take_near(const ServerWrench& answer, const PastHold& then, const PastHold& now) noexcept;
-  /// The wrench at the newest hold, `dt_s` after the one before. `cutting`: the hand asks to cut.
-  Wrench at(const PastHold& now, bool cutting, double dt_s) noexcept;
+  /// Takes an answer of the server. `then`: the grip when the answered pose was measured. If the
+  /// replica has already answered a newer pose, only the obstacles of this answer are used.
+  void take(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
+  /// Takes an answer of the local replica, which has no obstacles.
+  void take_replica(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
+  /// Returns the wrench at the newest grip, `dt_s` after the previous one. `cutting`: the user
+  /// presses the cutting button.
+  Wrench at(const PastGrip& now, bool cutting, double dt_s) noexcept;
 
-  /// Where the tool has been going, as `PastHold::heading` wants it: the last mm of the way, as a
-  /// vector no longer than 1, so that a hand that turns back passes through zero.
+  /// Returns the direction of travel, low-pass filtered over the path (PastGrip::heading): a vector
+  /// of length <= 1, which passes through zero when the motion reverses.
   static Vec3 heading(Vec3 before, Vec3 moved_mm) noexcept;
 
  private:
-  Wrench cut(const PastHold& now) const noexcept;
-  void take_stock(const ServerWrench& answer, const PastHold& then, const PastHold& now) noexcept;
-  void take_cut(const ServerWrench& answer, const PastHold& then) noexcept;
+  Wrench cut(const PastGrip& now) const noexcept;
+  void take_stock(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
+  void take_cut(const ServerWrench& answer, const PastGrip& then) noexcept;
 
   ModelSettings settings_;
   ContactModel stock_, obstacles_;
   EngagementTrend trend_;
-  /// The cut as it was answered.
+  /// Cutting wrench of the newest answer.
   Wrench cut_;
-  PastHold then_;
+  PastGrip then_;
   Vec3 arm_mm_{};
   double lag_s_ = 0;
-  /// The newest pose that stock and cut were answered for.
+  /// Time of the newest pose for which stock contact and cut were answered.
   std::uint64_t answered_us_ = 0;
 };
 

@@ -11,9 +11,10 @@ namespace {
 
 constexpr double kSPerUs = 1e-6;
 constexpr std::uint64_t kTickUs = 1000;
-/// Another participant's wrench is smoothed with this time constant: it comes in steps.
+/// Time constant of the low-pass filter for a followed participant's wrench, which arrives in
+/// steps.
 constexpr double kFeltS = 0.01;
-/// Of what a device shows stably at 1 kHz, this much is used.
+/// Share of a device's stable stiffness and damping that is used.
 constexpr double kStableShare = 0.5;
 
 }  // namespace
@@ -37,12 +38,12 @@ ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings setti
 
 ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
                        LatestValue<ServerWrench>& wrenches, SampleListener& listener,
-                       const ServoSettings& settings, NearAnswers* near) noexcept
+                       const ServoSettings& settings, ReplicaExchange* replica) noexcept
     : device_(device),
       samples_(samples),
       wrenches_(wrenches),
       listener_(listener),
-      near_(near),
+      replica_(replica),
       settings_(settings),
       model_(settings.model),
       velocity_(settings.velocity_cutoff_hz),
@@ -64,8 +65,8 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   const bool usable = send(state);
   output_.settle(follow(state, usable, now_us, dt_s));
   const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
-  const Wrench wrench = usable ? wanted(now_us, cutting, dt_s) : Wrench{};
-  const SafetyInput seen = look(state, usable, wrench);
+  const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
+  const SafetyInput seen = safety_input(state, usable, wrench);
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
   const double gain = supervisor_.tick(seen);
   if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
@@ -88,7 +89,7 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
     return false;
   }
   const wire::MotionSample sample{.time_us = state.time_us,
-                                  .tip_mm = {state.tip_mm.x, state.tip_mm.y, state.tip_mm.z},
+                                  .tip_mm = state.tip_mm,
                                   .axis = Vec3f(state.axis),
                                   .tool_id = state.tool_id != 0 ? state.tool_id : settings_.tool_id,
                                   .buttons = state.buttons};
@@ -97,31 +98,31 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   } else {
     ++report_.ring_overflows;
   }
-  if (near_ != nullptr && !near_->push(sample)) ++report_.near_overflows;
+  if (replica_ != nullptr && !replica_->push(sample)) ++report_.replica_overflows;
   listener_.sample_ready();
   return true;
 }
 
-/// Notes where the hand is; gives how it has moved since the tick before.
+/// Updates grip, velocity and history; returns the displacement since the previous tick.
 Twist ServoCycle::follow(const DeviceState& state, bool usable, std::uint64_t now_us,
                          double dt_s) noexcept {
   if (!usable) {
-    has_hold_ = false;
+    has_grip_ = false;
     velocity_.reset();
     return {};
   }
-  const Hold hold{state.tip_mm + state.axis * settings_.pivot_mm, state.axis};
-  const Twist moved = has_hold_ ? between(now_.hold, hold) : Twist{};
-  const Vec3 way = has_hold_ ? state.tip_mm - tip_mm_ : Vec3{};
-  jumped_mm_ = length(way);
+  const Grip grip{state.tip_mm + state.axis * settings_.pivot_mm, state.axis};
+  const Twist moved = has_grip_ ? between(now_.grip, grip) : Twist{};
+  const Vec3 step = has_grip_ ? state.tip_mm - tip_mm_ : Vec3{};
+  jumped_mm_ = length(step);
   tip_mm_ = state.tip_mm;
-  has_hold_ = true;
-  // As the answer will name it: the sample's own time, which may be before the tick's.
+  has_grip_ = true;
+  // Answers refer to the sample's own time, which may be before the tick's.
   now_ = {.time_us = std::min(state.time_us, now_us),
-          .hold = hold,
+          .grip = grip,
           .velocity = velocity_.take(moved, dt_s),
-          .way_mm = now_.way_mm + jumped_mm_,
-          .heading = LocalModel::heading(now_.heading, way)};
+          .path_mm = now_.path_mm + jumped_mm_,
+          .heading = LocalModel::heading(now_.heading, step)};
   history_.push(now_);
   return moved;
 }
@@ -131,32 +132,32 @@ std::uint64_t ServoCycle::answer_age(std::uint64_t now_us) const noexcept {
   if (settings_.mode != ForceMode::kModel) {
     return answer_age_us(now_us, newest.arrival_us, newest.pose_us);
   }
-  const bool near = near_us_ != 0 && now_us - near_us_ <= kFullWrenchUs;
-  if (!near) return model_age_us(now_us, newest.arrival_us, newest.pose_us);
-  // A server that answers ever later is no authority any more.
-  return std::max(near_age_us(now_us, newest.arrival_us),
+  const bool replica = replica_us_ != 0 && now_us - replica_us_ <= kFullWrenchUs;
+  if (!replica) return model_age_us(now_us, newest.arrival_us, newest.pose_us);
+  // Forces also fade if the server's answers become too late.
+  return std::max(replica_age_us(now_us, newest.arrival_us),
                   model_age_us(now_us, now_us, newest.pose_us));
 }
 
 void ServoCycle::take_answers(std::uint64_t now_us) noexcept {
-  const auto hold_at = [this](std::uint64_t time_us) {
-    const PastHold* then = history_.at(time_us);
+  const auto grip_at = [this](std::uint64_t time_us) {
+    const PastGrip* then = history_.at(time_us);
     return then != nullptr ? *then : now_;
   };
   ServerWrench next;
   if (wrenches_.read(next)) {
     interpolator_.take(next, now_us);
-    model_.take(next, hold_at(next.pose_us), now_);
+    model_.take(next, grip_at(next.pose_us), now_);
     has_answer_ = true;
   }
-  if (near_ != nullptr && near_->read(next)) {
-    model_.take_near(next, hold_at(next.pose_us), now_);
-    near_us_ = now_us;
-    ++report_.near_answers;
+  if (replica_ != nullptr && replica_->read(next)) {
+    model_.take_replica(next, grip_at(next.pose_us), now_);
+    replica_us_ = now_us;
+    ++report_.replica_answers;
   }
 }
 
-Wrench ServoCycle::wanted(std::uint64_t now_us, bool cutting, double dt_s) noexcept {
+Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double dt_s) noexcept {
   take_answers(now_us);
   if (!has_answer_) return {};
   const double share = wrench_share(answer_age(now_us));
@@ -177,10 +178,10 @@ Wrench ServoCycle::wanted(std::uint64_t now_us, bool cutting, double dt_s) noexc
   return own * share;
 }
 
-SafetyInput ServoCycle::look(const DeviceState& state, bool usable,
-                             const Wrench& wanted) const noexcept {
+SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
+                                     const Wrench& requested) const noexcept {
   const Twist& velocity = velocity_.velocity();
-  const Vec3 arm = now_.hold.axis * -settings_.pivot_mm;
+  const Vec3 arm = now_.grip.axis * -settings_.pivot_mm;
   return {.now_us = last_us_,
           .dt_s = static_cast<double>(lost_now_ + 1) * kTickUs * kSPerUs,
           .present = state.valid && state.phase == DevicePhase::kReady,
@@ -193,21 +194,21 @@ SafetyInput ServoCycle::look(const DeviceState& state, bool usable,
           .has_answer = has_answer_,
           .answer_age_us = has_answer_ ? answer_age(last_us_) : 0,
           .lost_now = lost_now_,
-          .wanted = wanted,
-          .shown = output_.shown(),
+          .requested = requested,
+          .output = output_.released(),
           .starving = output_.passivity().starving(),
           .overdrawn = output_.passivity().overdrawn()};
 }
 
-void ServoCycle::note(const SafetyInput& seen, const Wrench& wanted) noexcept {
-  report_.max_force_n = std::max(report_.max_force_n, length(output_.shown().force_n));
-  report_.max_torque_nmm = std::max(report_.max_torque_nmm, length(output_.shown().torque_nmm));
+void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept {
+  report_.max_force_n = std::max(report_.max_force_n, length(output_.released().force_n));
+  report_.max_torque_nmm = std::max(report_.max_torque_nmm, length(output_.released().torque_nmm));
   const Twist& velocity = velocity_.velocity();
   recorder_.note({.time_us = last_us_,
                   .tip_mm = tip_mm_,
                   .velocity_mm_per_s = velocity.linear,
-                  .wanted = wanted,
-                  .shown = output_.shown(),
+                  .requested = requested,
+                  .output = output_.released(),
                   .energy_mj = output_.passivity().account().level_mj(),
                   .answer_age_us = seen.answer_age_us,
                   .lost_now = lost_now_,
@@ -217,7 +218,7 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& wanted) noexcept {
   status_.write({.phase = supervisor_.phase(),
                  .code = supervisor_.code(),
                  .trips = noted_trips_,
-                 .shown = output_.shown(),
+                 .output = output_.released(),
                  .energy_mj = output_.passivity().account().level_mj(),
                  .speed_mm_per_s = seen.tip_mm_per_s,
                  .answer_age_us = seen.answer_age_us});

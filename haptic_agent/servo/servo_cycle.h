@@ -5,12 +5,12 @@
 #include <cstdint>
 
 #include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/realtime/latest_value.h"
 #include "haptic_agent/servo/flight_recorder.h"
-#include "haptic_agent/servo/hold_history.h"
-#include "haptic_agent/servo/latest_value.h"
+#include "haptic_agent/servo/grip_history.h"
 #include "haptic_agent/servo/local_model.h"
-#include "haptic_agent/servo/near_answers.h"
 #include "haptic_agent/servo/output_stage.h"
+#include "haptic_agent/servo/replica_exchange.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/servo_loop.h"
 #include "haptic_agent/servo/supervisor.h"
@@ -19,18 +19,18 @@
 
 namespace kerf::agent {
 
-/// Told after each sample that there is something to send; must not wait.
+/// Notified after each sample; must not wait.
 class SampleListener {
  public:
   virtual ~SampleListener() = default;
   virtual void sample_ready() noexcept = 0;
 };
 
-/// What a tick makes of the server's answers.
+/// How the server's answers are rendered.
 enum class ForceMode : std::uint8_t {
-  /// The local model, driven by the hand's own motion: right at any delay.
+  /// Local model, extrapolated to the current pose: accurate at any delay.
   kModel,
-  /// The paper's: the straight line from the wrench before to the newest.
+  /// Zhu & Lee: linear interpolation from the previous wrench to the newest.
   kInterpolated,
   /// The newest wrench until the next.
   kHold,
@@ -38,7 +38,7 @@ enum class ForceMode : std::uint8_t {
 
 struct ServoSettings {
   WrenchLimits limits{};
-  /// The tool of samples whose device asks for none.
+  /// Tool of samples for which the device requests none.
   std::uint32_t tool_id = 1;
   /// Ends the loop after this time; 0: never.
   std::uint64_t duration_us = 0;
@@ -48,50 +48,50 @@ struct ServoSettings {
   SafetyLimits safety{.motors = false};
   /// Distance of the pivot from the tip along the axis, mm.
   double pivot_mm = 60;
-  /// Of the velocity estimate; belongs to the device.
+  /// Cut-off frequency of the velocity estimate; depends on the device.
   double velocity_cutoff_hz = 100;
 };
 
-/// The settings that suit a device: what it shows stably, its ratings, its workspace.
+/// Returns `settings` adapted to a device: stable stiffness and damping, ratings, workspace.
 ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings settings);
 
-/// What the cycle has seen; read it when the loop has ended.
+/// Counters of the cycle; read after the loop has ended.
 struct ServoReport {
   std::uint64_t samples = 0;
-  /// The link was a whole ring behind, and the sample was dropped.
+  /// Samples dropped because the ring to the link was full.
   std::uint64_t ring_overflows = 0;
-  /// Who answers from near by was a whole ring behind.
-  std::uint64_t near_overflows = 0;
-  /// Ticks that had a new answer from near by.
-  std::uint64_t near_answers = 0;
-  /// The device had no pose, or none that was finite.
+  /// Samples dropped because the ring to the replica was full.
+  std::uint64_t replica_overflows = 0;
+  /// Ticks with a new answer of the replica.
+  std::uint64_t replica_answers = 0;
+  /// Ticks in which the device had no pose or an invalid one.
   std::uint64_t invalid_poses = 0;
-  /// Ticks in which an answer was too old to be shown in full.
+  /// Ticks in which the wrench was faded because the answer was too old.
   std::uint64_t decayed_ticks = 0;
   double max_force_n = 0;
   double max_torque_nmm = 0;
 };
 
-/// The newest tick, for whoever wants to look on.
+/// State of the newest tick, for the terminal view.
 struct ServoStatus {
   ServoPhase phase = ServoPhase::kReady;
   TripCode code = TripCode::kNone;
   std::uint64_t trips = 0;
-  Wrench shown{};
+  Wrench output{};
   double energy_mj = 0;
   double speed_mm_per_s = 0;
   std::uint64_t answer_age_us = 0;
 };
 
-/// One tick: read the device, hand the pose to the link, and show what the newest answer means here
-/// and now: faded when the server falls silent, released by the supervisor, made passive, limited.
-/// No allocation, lock, exception or output.
+/// One tick: reads the device, passes the pose to the link and the replica, and renders the newest
+/// answer for the current pose: faded when the server is silent, scaled by the supervisor, made
+/// passive, limited. No allocation, lock, exception or printing.
 class ServoCycle final : public ServoTask {
  public:
-  /// All references must outlive the cycle, and so must whoever answers from near by; null: nobody.
+  /// All references and `replica` must outlive the cycle. `replica` may be null.
   ServoCycle(HapticDevice& device, SampleRing& samples, LatestValue<ServerWrench>& wrenches,
              SampleListener& listener, const ServoSettings& settings,
-             NearAnswers* near = nullptr) noexcept;
+             ReplicaExchange* replica = nullptr) noexcept;
 
   bool tick(std::uint64_t now_us) noexcept override;
 
@@ -99,7 +99,7 @@ class ServoCycle final : public ServoTask {
   const WrenchLimiter& limiter() const noexcept { return output_.limiter(); }
   const Passivity& passivity() const noexcept { return output_.passivity(); }
   const Supervisor& supervisor() const noexcept { return supervisor_; }
-  /// For one other thread each.
+  /// Each for one other thread.
   LatestValue<ServoStatus>& status() noexcept { return status_; }
   FlightRecorder& recorder() noexcept { return recorder_; }
 
@@ -107,35 +107,36 @@ class ServoCycle final : public ServoTask {
   bool send(const DeviceState& state) noexcept;
   Twist follow(const DeviceState& state, bool usable, std::uint64_t now_us, double dt_s) noexcept;
   void take_answers(std::uint64_t now_us) noexcept;
-  Wrench wanted(std::uint64_t now_us, bool cutting, double dt_s) noexcept;
+  Wrench requested_wrench(std::uint64_t now_us, bool cutting, double dt_s) noexcept;
   std::uint64_t answer_age(std::uint64_t now_us) const noexcept;
-  SafetyInput look(const DeviceState& state, bool usable, const Wrench& wanted) const noexcept;
-  void note(const SafetyInput& seen, const Wrench& wanted) noexcept;
+  SafetyInput safety_input(const DeviceState& state, bool usable,
+                           const Wrench& requested) const noexcept;
+  void note(const SafetyInput& seen, const Wrench& requested) noexcept;
 
   HapticDevice& device_;
   SampleRing& samples_;
   LatestValue<ServerWrench>& wrenches_;
   SampleListener& listener_;
-  NearAnswers* near_;
+  ReplicaExchange* replica_;
   ServoSettings settings_;
   WrenchInterpolator interpolator_;
   LocalModel model_;
-  HoldHistory history_;
+  GripHistory history_;
   VelocityEstimator velocity_;
   OutputStage output_;
   Supervisor supervisor_;
   FlightRecorder recorder_;
   LatestValue<ServoStatus> status_;
   ServoReport report_;
-  PastHold now_;
-  /// The felt wrench of the newest answer, smoothed.
+  PastGrip now_;
+  /// Wrench of the followed participant, low-pass filtered.
   Wrench felt_{};
   Vec3 tip_mm_{};
   double jumped_mm_ = 0;
-  bool has_hold_ = false;
+  bool has_grip_ = false;
   bool has_answer_ = false;
-  /// When somebody near by has answered last; 0: never.
-  std::uint64_t near_us_ = 0;
+  /// Time of the replica's latest answer; 0: never.
+  std::uint64_t replica_us_ = 0;
   std::uint64_t lost_now_ = 0;
   std::uint64_t noted_trips_ = 0;
   std::uint64_t start_us_ = 0;

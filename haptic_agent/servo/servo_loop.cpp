@@ -15,7 +15,7 @@ void ServoLoop::run(ServoTask& task) noexcept {
     clock_.sleep_until_ns(due_ns);
     const std::uint64_t now_ns = clock_.now_ns();
     const std::uint64_t behind_ns = now_ns > due_ns ? now_ns - due_ns : 0;
-    // Of the ticks that are overdue only the newest runs.
+    // Only the newest of the overdue ticks runs.
     const std::uint64_t lost = behind_ns / kPeriodNs;
     heartbeat_ns_.store(now_ns);
     stats_.lost += lost;

@@ -8,20 +8,20 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kUsPerMs = 1000;
-/// What arming asks for, and for how long: a force must not greet a hand that is moving, nor one
-/// that already leans against something.
+/// Conditions of arming and how long they must hold: the force must not start while the tip is
+/// moving or already pressed against something.
 constexpr std::uint64_t kArmingUs = 50 * kUsPerMs;
 constexpr double kArmingMmPerS = 50;
 constexpr double kArmingForceN = 0.2;
 constexpr double kArmingTorqueNmm = 10;
-/// An answer is fresh up to here; older ones fade (silence_decay.h).
+/// Maximum age of a recent answer; older ones fade (silence_decay.h).
 constexpr std::uint64_t kFreshUs = 20 * kUsPerMs;
-/// Without an answer for this long, the agent arms anew.
+/// After this time without an answer the agent must be armed again.
 constexpr std::uint64_t kDisarmUs = 1000 * kUsPerMs;
-/// So long must all be well again before a degraded agent says that it is.
+/// How long all conditions must hold before kDegraded becomes kActive again.
 constexpr std::uint64_t kRecoverUs = 200 * kUsPerMs;
 constexpr std::uint64_t kStarvingUs = 100 * kUsPerMs;
-/// The deadman must be let go for this long to take back a trip.
+/// How long the deadman must be released to clear a trip.
 constexpr std::uint64_t kForgiveUs = 300 * kUsPerMs;
 constexpr std::uint64_t kSlotUs = 100 * kUsPerMs;
 constexpr double kTicksPerS = 1000;
@@ -56,7 +56,7 @@ double Supervisor::lost_share() const noexcept {
 
 TripCode Supervisor::fault(const SafetyInput& in) noexcept {
   if (!in.finite) return TripCode::kNotFinite;
-  if (!is_finite(in.wanted)) return TripCode::kRejectedWrench;
+  if (!is_finite(in.requested)) return TripCode::kRejectedWrench;
   if (outside(in.tip_mm, limits_.workspace_min_mm, limits_.workspace_max_mm)) {
     return TripCode::kWorkspace;
   }
@@ -73,14 +73,15 @@ TripCode Supervisor::fault(const SafetyInput& in) noexcept {
   return TripCode::kNone;
 }
 
-void Supervisor::go(ServoPhase phase, const SafetyInput& in) noexcept {
+void Supervisor::enter(ServoPhase phase, const SafetyInput& in) noexcept {
   phase_ = phase;
   since_us_ = in.now_us;
   steady_from_us_ = 0;
   starving_from_us_ = 0;
 }
 
-/// From kReady to kRamp, and out of kSafe: each waits until something has held for a while.
+/// Transitions kReady to kArmed, kArmed to kRamp and kSafe to kReady: each requires a condition to
+/// hold for some time.
 void Supervisor::advance(const SafetyInput& in) noexcept {
   const bool fresh = in.has_answer && in.answer_age_us <= kFreshUs;
   bool holds = false;
@@ -92,7 +93,7 @@ void Supervisor::advance(const SafetyInput& in) noexcept {
       next = ServoPhase::kArmed;
       break;
     case ServoPhase::kArmed:
-      holds = fresh && in.tip_mm_per_s < kArmingMmPerS && small(in.wanted);
+      holds = fresh && in.tip_mm_per_s < kArmingMmPerS && small(in.requested);
       wait_us = kArmingUs;
       next = ServoPhase::kRamp;
       break;
@@ -109,28 +110,28 @@ void Supervisor::advance(const SafetyInput& in) noexcept {
     return;
   }
   if (steady_from_us_ == 0) steady_from_us_ = in.now_us;
-  if (in.now_us - steady_from_us_ >= wait_us) go(next, in);
+  if (in.now_us - steady_from_us_ >= wait_us) enter(next, in);
 }
 
-/// While there is force: kRamp, kActive and kDegraded.
-void Supervisor::watch(const SafetyInput& in) noexcept {
+/// Transitions between the phases with force: kRamp, kActive and kDegraded.
+void Supervisor::monitor(const SafetyInput& in) noexcept {
   if (!in.starving) starving_from_us_ = 0;
   if (in.starving && starving_from_us_ == 0) starving_from_us_ = in.now_us;
   const bool starved = in.starving && in.now_us - starving_from_us_ > kStarvingUs;
   const bool well = in.answer_age_us <= kFreshUs && in.lost_now == 0 && !starved;
   if (phase_ == ServoPhase::kRamp) {
     const auto ramp_us = static_cast<std::uint64_t>(limits_.ramp_s * kUsPerS);
-    if (in.now_us - since_us_ >= ramp_us) go(ServoPhase::kActive, in);
+    if (in.now_us - since_us_ >= ramp_us) enter(ServoPhase::kActive, in);
     return;
   }
   if (phase_ == ServoPhase::kActive) {
-    if (!well) go(ServoPhase::kDegraded, in);
+    if (!well) enter(ServoPhase::kDegraded, in);
     return;
   }
   ++degraded_ticks_;
   if (!well) steady_from_us_ = 0;
   if (well && steady_from_us_ == 0) steady_from_us_ = in.now_us;
-  if (well && in.now_us - steady_from_us_ >= kRecoverUs) go(ServoPhase::kActive, in);
+  if (well && in.now_us - steady_from_us_ >= kRecoverUs) enter(ServoPhase::kActive, in);
 }
 
 double Supervisor::tick(const SafetyInput& in) noexcept {
@@ -139,21 +140,21 @@ double Supervisor::tick(const SafetyInput& in) noexcept {
     return 1;
   }
   count_lost(in);
-  force_.take(length(in.shown.force_n), in.dt_s);
-  torque_.take(length(in.shown.torque_nmm), in.dt_s);
+  force_.take(length(in.output.force_n), in.dt_s);
+  torque_.take(length(in.output.torque_nmm), in.dt_s);
   if (has_force()) {
     const TripCode trip = in.present ? fault(in) : TripCode::kDeviceLost;
     if (trip != TripCode::kNone) {
       code_ = trip;
       ++trips_;
-      go(ServoPhase::kSafe, in);
+      enter(ServoPhase::kSafe, in);
     } else if (!in.deadman || in.answer_age_us > kDisarmUs) {
-      go(ServoPhase::kReady, in);
+      enter(ServoPhase::kReady, in);
     } else {
-      watch(in);
+      monitor(in);
     }
   } else if (phase_ == ServoPhase::kArmed && !(in.present && in.deadman && in.finite)) {
-    go(ServoPhase::kReady, in);
+    enter(ServoPhase::kReady, in);
   } else {
     advance(in);
   }

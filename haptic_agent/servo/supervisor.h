@@ -5,27 +5,27 @@
 #include <cstdint>
 #include <string_view>
 
+#include "haptic_agent/servo/grip.h"
 #include "haptic_agent/servo/thermal.h"
-#include "haptic_agent/servo/twist.h"
 
 namespace kerf::agent {
 
-/// How far the agent has come towards showing force.
+/// States of the safety supervisor.
 enum class ServoPhase : std::uint8_t {
-  /// Poses come; no force. The deadman and a fresh answer arm it.
+  /// No force. The deadman and a recent answer lead to kArmed.
   kReady,
-  /// No force yet: the hand must be slow and the wrench small for a while.
+  /// No force yet: the tip must be slow and the wrench small for a while.
   kArmed,
-  /// The force grows to its full share.
+  /// The force gain rises from 0 to 1.
   kRamp,
   kActive,
-  /// As kActive, but the server is late, ticks are lost or the tank is empty.
+  /// As kActive, while the server is late, ticks are lost or the energy tank is empty.
   kDegraded,
-  /// A trip: no force until the user lets go of the deadman and takes it again.
+  /// Tripped: no force until the user releases the deadman and presses it again.
   kSafe,
 };
 
-/// Why the force was cut off for good.
+/// Reason of a trip.
 enum class TripCode : std::uint8_t {
   kNone,
   kDeviceLost,
@@ -64,24 +64,24 @@ constexpr std::string_view to_string(TripCode code) noexcept {
   return kTripNames[static_cast<std::size_t>(code)];
 }
 
-/// The safety envelope; every part of it is on unless the device has no motors.
+/// The safety envelope. All limits are active unless the device has no motors.
 struct SafetyLimits {
   double tip_mm_per_s = 1000;
   double turn_rad_per_s = 15;
-  double jump_mm = 5;  ///< of the tip, each ms
+  double jump_mm = 5;  ///< of the tip, per ms
   std::uint64_t lost_in_a_row = 5;
   double lost_share = 0.02;  ///< of the ticks of the last second
-  /// 0: unknown, not watched.
+  /// 0: unknown, not checked.
   double continuous_force_n = 0;
   double continuous_torque_nmm = 0;
   Vec3 workspace_min_mm{};
-  Vec3 workspace_max_mm{};  ///< both equal: unknown, not watched
+  Vec3 workspace_max_mm{};  ///< equal to the minimum: unknown, not checked
   double ramp_s = 0.5;
   /// A device without motors needs no arming and cannot trip.
   bool motors = true;
 };
 
-/// What one tick tells.
+/// Input of one tick.
 struct SafetyInput {
   std::uint64_t now_us = 0;
   double dt_s = 0.001;
@@ -89,32 +89,32 @@ struct SafetyInput {
   bool finite = true;   ///< of the pose
   bool deadman = false;
   Vec3 tip_mm{};
-  double jumped_mm = 0;  ///< of the tip, since the tick before
+  double jumped_mm = 0;  ///< displacement of the tip since the previous tick
   double tip_mm_per_s = 0;
   double turn_rad_per_s = 0;
   bool has_answer = false;
   std::uint64_t answer_age_us = 0;
-  std::uint64_t lost_now = 0;  ///< ticks lost since the one before
-  Wrench wanted{};             ///< before the gain
-  Wrench shown{};              ///< in the tick before
+  std::uint64_t lost_now = 0;  ///< ticks lost since the previous one
+  Wrench requested{};          ///< before the gain is applied
+  Wrench output{};             ///< of the previous tick
   bool starving = false;
   bool overdrawn = false;
 };
 
-/// Decides in each tick whether force may be shown, and how much of it.
+/// Decides in each tick whether force may be output, and with which gain.
 class Supervisor {
  public:
   explicit Supervisor(const SafetyLimits& limits) noexcept
       : limits_(limits), force_(limits.continuous_force_n), torque_(limits.continuous_torque_nmm) {}
 
-  /// The share of the wrench that may be shown in this tick, 0 to 1.
+  /// Returns the gain for this tick, 0 to 1.
   double tick(const SafetyInput& in) noexcept;
 
   ServoPhase phase() const noexcept { return phase_; }
-  /// Of the trip that led to kSafe last; kNone before the first.
+  /// Code of the latest trip; kNone before the first.
   TripCode code() const noexcept { return code_; }
   std::uint64_t trips() const noexcept { return trips_; }
-  /// Ticks in which the tank was empty although a wrench was wanted.
+  /// Ticks in kDegraded.
   std::uint64_t degraded_ticks() const noexcept { return degraded_ticks_; }
 
  private:
@@ -122,9 +122,9 @@ class Supervisor {
     return phase_ >= ServoPhase::kRamp && phase_ < ServoPhase::kSafe;
   }
   TripCode fault(const SafetyInput& in) noexcept;
-  void go(ServoPhase phase, const SafetyInput& in) noexcept;
+  void enter(ServoPhase phase, const SafetyInput& in) noexcept;
   void advance(const SafetyInput& in) noexcept;
-  void watch(const SafetyInput& in) noexcept;
+  void monitor(const SafetyInput& in) noexcept;
   void count_lost(const SafetyInput& in) noexcept;
   double lost_share() const noexcept;
 
@@ -133,11 +133,11 @@ class Supervisor {
   ServoPhase phase_ = ServoPhase::kReady;
   TripCode code_ = TripCode::kNone;
   std::uint64_t trips_ = 0;
-  std::uint64_t since_us_ = 0;        ///< of the phase
-  std::uint64_t steady_from_us_ = 0;  ///< what the phase waits for has held since; 0: it does not
+  std::uint64_t since_us_ = 0;        ///< start of the phase
+  std::uint64_t steady_from_us_ = 0;  ///< since when the phase's exit condition holds; 0: not now
   std::uint64_t starving_from_us_ = 0;
   std::uint64_t degraded_ticks_ = 0;
-  std::array<std::uint32_t, 10> lost_{};  ///< by tenths of a second
+  std::array<std::uint32_t, 10> lost_{};  ///< per tenth of a second
   std::uint64_t lost_slot_ = 0;
 };
 

@@ -3,20 +3,21 @@
 
 #include <numbers>
 
-#include "haptic_agent/servo/twist.h"
+#include "haptic_agent/servo/grip.h"
 
 namespace kerf::agent {
 
-/// The hand's velocity from its poses: finite differences through a first-order low-pass. A higher
-/// cut-off follows faster and shows more of the encoders' steps; the best one belongs to a device
-/// (Chawda et al., research on velocity filters), 50 to 100 Hz suit most.
+/// Estimates the device's velocity from its poses: finite differences and a first-order low-pass
+/// filter. A higher cut-off frequency follows faster and passes more of the encoder quantization;
+/// the best value depends on the device, 50 to 100 Hz suit most (Chawda et al., on velocity
+/// filters).
 class VelocityEstimator {
  public:
   /// `cutoff_hz` > 0.
   explicit VelocityEstimator(double cutoff_hz) noexcept
       : time_s_(1 / (2 * std::numbers::pi * cutoff_hz)) {}
 
-  /// The hand has moved so in `dt_s`; gives the velocity now, mm/s and rad/s.
+  /// Adds a displacement over `dt_s`; returns the velocity, mm/s and rad/s.
   const Twist& take(const Twist& moved, double dt_s) noexcept {
     if (!(dt_s > 0)) return velocity_;
     const double part = dt_s / (time_s_ + dt_s);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/servo/watchdog.h"
 
-#include "haptic_agent/servo/realtime.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 
 namespace kerf::agent {
 
-bool Watchdog::look(std::uint64_t now_ns) {
+bool Watchdog::check(std::uint64_t now_ns) {
   const std::uint64_t beat_ns = loop_.heartbeat_ns();
   if (beat_ns == 0 || now_ns < beat_ns || now_ns - beat_ns <= kStaleNs) return false;
-  // At every look, not once: a wrench may have been written after the first.
+  // At every check, not once per stall: a wrench may have been written after the first stop.
   stop_();
   if (beat_ns != stopped_at_) stops_.fetch_add(1);
   stopped_at_ = beat_ns;
@@ -17,14 +17,14 @@ bool Watchdog::look(std::uint64_t now_ns) {
 
 void Watchdog::start() {
   thread_ = std::thread([this] {
-    // The servo thread reports what a rejection means.
+    // If this is denied, the servo thread's warning explains it.
     request_fifo(kWatchdogPriority);
     MonotonicClock clock;
     std::uint64_t due_ns = clock.now_ns();
     while (!ending_.load()) {
       due_ns += kEveryNs;
       clock.sleep_until_ns(due_ns);
-      look(clock.now_ns());
+      check(clock.now_ns());
     }
   });
 }

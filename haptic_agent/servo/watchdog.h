@@ -10,14 +10,14 @@
 
 namespace kerf::agent {
 
-/// Looks at a loop's heartbeat from a thread of its own, above the loop's priority, and stops the
-/// device when the loop has done nothing for too long. The loop itself trips when it comes back.
+/// Monitors a loop's heartbeat from a thread of higher priority and stops the device when the loop
+/// stalls. The loop itself trips when it resumes.
 class Watchdog {
  public:
   static constexpr std::uint64_t kEveryNs = 5'000'000;
   static constexpr std::uint64_t kStaleNs = 10'000'000;
 
-  /// `loop` and what `stop` refers to must outlive it. `stop` must not wait.
+  /// `loop` and everything that `stop` refers to must outlive the watchdog. `stop` must not wait.
   Watchdog(const ServoLoop& loop, std::function<void()> stop)
       : loop_(loop), stop_(std::move(stop)) {}
   ~Watchdog() { end(); }
@@ -26,16 +26,16 @@ class Watchdog {
 
   void start();
   void end();
-  /// One look at this time, ns on the loop's clock: true if it stopped the device.
-  bool look(std::uint64_t now_ns);
-  /// How often the loop was found standing still.
+  /// Checks the heartbeat at `now_ns` on the loop's clock; returns true if it stopped the device.
+  bool check(std::uint64_t now_ns);
+  /// Number of stalls detected.
   std::uint64_t stops() const noexcept { return stops_.load(); }
 
  private:
   const ServoLoop& loop_;
   std::function<void()> stop_;
   std::atomic<std::uint64_t> stops_{0};
-  std::uint64_t stopped_at_ = 0;  ///< the heartbeat for which the device was stopped last
+  std::uint64_t stopped_at_ = 0;  ///< heartbeat of the latest stall
   std::atomic<bool> ending_{false};
   std::thread thread_;
 };

@@ -7,18 +7,18 @@
 
 namespace kerf::agent {
 
-/// Zhu & Lee 2004, section 4: between two wrenches from the server the loop shows the straight line
-/// from the one before to the newest, over the time that passed between their arrivals. This costs
-/// a delay of one such interval, and in return the hand never feels a step.
+/// Linear interpolation of Zhu & Lee 2004, section 4: from the previous wrench of the server to the
+/// newest, over the time between their arrivals. This avoids steps at the cost of a delay of one
+/// such interval.
 class WrenchInterpolator {
  public:
-  /// Longest time over which a new wrench is approached, whatever the gap before it.
+  /// Limits of the interpolation time, whatever the time between arrivals.
   static constexpr std::uint64_t kLongestUs = 20'000;
   static constexpr std::uint64_t kShortestUs = 1'000;
 
-  /// A new wrench has come. Arrivals must not go back.
+  /// Takes a new wrench. Arrival times must not decrease.
   void take(const ServerWrench& next, std::uint64_t now_us) noexcept;
-  /// The wrench to show now; zero before the first.
+  /// Returns the wrench to output now; zero before the first.
   Wrench at(std::uint64_t now_us) const noexcept;
 
   bool has_wrench() const noexcept { return has_; }

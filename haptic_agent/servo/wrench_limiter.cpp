@@ -6,22 +6,22 @@
 namespace kerf::agent {
 namespace {
 
-/// `v` shortened to `most`; exactly `v` if it is not longer.
+/// Shortens `v` to the length `most`; returns exactly `v` if it is not longer.
 Vec3 shorten(Vec3 v, double most, bool& shortened) noexcept {
-  const double is = length(v);
-  if (is <= most) return v;
+  const double current = length(v);
+  if (current <= most) return v;
   shortened = true;
-  return v * (most / is);
+  return v * (most / current);
 }
 
-/// The vector nearest to `wanted` among those that `shown` may become in one step: it may fall to
-/// any part of itself at once, and from there move by `rise` in any direction. So a reversal passes
-/// through zero instead of being halted on the wrong side.
-Vec3 slew(Vec3 shown, Vec3 wanted, double rise, bool& slewed) noexcept {
-  const double square = dot(shown, shown);
-  const double keep = square > 0 ? std::clamp(dot(wanted, shown) / square, 0.0, 1.0) : 0.0;
-  const Vec3 base = shown * keep;
-  return base + shorten(wanted - base, rise, slewed);
+/// Returns the vector nearest to `target` that `current` may become in one step: it may fall to any
+/// fraction of itself at once, and from there move by `rise` in any direction. A reversal therefore
+/// passes through zero immediately.
+Vec3 slew(Vec3 current, Vec3 target, double rise, bool& slewed) noexcept {
+  const double square = dot(current, current);
+  const double keep = square > 0 ? std::clamp(dot(target, current) / square, 0.0, 1.0) : 0.0;
+  const Vec3 base = current * keep;
+  return base + shorten(target - base, rise, slewed);
 }
 
 }  // namespace
@@ -36,33 +36,33 @@ WrenchLimits within(const DeviceCapabilities& device, WrenchLimits limits) {
   return limits;
 }
 
-Wrench WrenchLimiter::limit(const Wrench& wanted, double dt_s) noexcept {
-  if (!is_finite(wanted)) {
+Wrench WrenchLimiter::limit(const Wrench& requested, double dt_s) noexcept {
+  if (!is_finite(requested)) {
     ++not_finite_;
-    shown_ = {};
-    return shown_;
+    output_ = {};
+    return output_;
   }
   bool saturated = false;
   bool slewed = false;
-  const Vec3 force_n = shorten(wanted.force_n, limits_.force_n, saturated);
-  const Vec3 torque_nmm = shorten(wanted.torque_nmm, limits_.torque_nmm, saturated);
-  shown_.force_n = slew(shown_.force_n, force_n, limits_.force_rise_n_per_s * dt_s, slewed);
-  shown_.torque_nmm =
-      slew(shown_.torque_nmm, torque_nmm, limits_.torque_rise_nmm_per_s * dt_s, slewed);
+  const Vec3 force_n = shorten(requested.force_n, limits_.force_n, saturated);
+  const Vec3 torque_nmm = shorten(requested.torque_nmm, limits_.torque_nmm, saturated);
+  output_.force_n = slew(output_.force_n, force_n, limits_.force_rise_n_per_s * dt_s, slewed);
+  output_.torque_nmm =
+      slew(output_.torque_nmm, torque_nmm, limits_.torque_rise_nmm_per_s * dt_s, slewed);
   saturated_ += saturated ? 1 : 0;
   slewed_ += slewed ? 1 : 0;
-  return shown_;
+  return output_;
 }
 
-Wrench WrenchLimiter::fit(const Wrench& wanted) noexcept {
+Wrench WrenchLimiter::fit(const Wrench& requested) noexcept {
   double share = 1;
-  const auto most_share = [&share](double is, double most) {
-    if (is > most) share = std::min(share, most / is);
+  const auto most_share = [&share](double value, double most) {
+    if (value > most) share = std::min(share, most / value);
   };
-  most_share(length(wanted.force_n), limits_.force_n);
-  most_share(length(wanted.torque_nmm), limits_.torque_nmm);
-  shown_ = {.force_n = wanted.force_n * share, .torque_nmm = wanted.torque_nmm * share};
-  return shown_;
+  most_share(length(requested.force_n), limits_.force_n);
+  most_share(length(requested.torque_nmm), limits_.torque_nmm);
+  output_ = {.force_n = requested.force_n * share, .torque_nmm = requested.torque_nmm * share};
+  return output_;
 }
 
 }  // namespace kerf::agent

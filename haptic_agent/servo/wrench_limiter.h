@@ -7,7 +7,8 @@
 
 namespace kerf::agent {
 
-/// What the hand may be given. Defaults after the safety envelope of the README.
+/// Limits of the output wrench and of its rate of rise. Defaults: the safety envelope in the
+/// README.
 struct WrenchLimits {
   double force_n = 8.0;
   double torque_nmm = 150.0;
@@ -15,25 +16,25 @@ struct WrenchLimits {
   double torque_rise_nmm_per_s = 8000.0;
 };
 
-/// Limits at most to `share` of what the device can give; a device without motors is not limited.
+/// Reduces `limits` to kDeviceShare of the device's maximum; a device without motors is not
+/// limited.
 WrenchLimits within(const DeviceCapabilities& device, WrenchLimits limits);
 
-/// Share of a device's greatest force that is used.
+/// Share of a device's maximum force and torque that is used.
 inline constexpr double kDeviceShare = 0.6;
 
-/// The last gate before the motors. Force and torque are each shortened to their greatest length
-/// without changing direction; their rise is limited while their fall is not; a number that is not
-/// finite gives nothing at all.
+/// Limits force and torque. Each is shortened to its maximum length without changing direction; its
+/// rise is rate-limited, its fall is not. A wrench that is not finite gives zero.
 class WrenchLimiter {
  public:
   explicit WrenchLimiter(const WrenchLimits& limits) noexcept : limits_(limits) {}
 
-  /// The wrench to show `dt_s` after the last one.
-  Wrench limit(const Wrench& wanted, double dt_s) noexcept;
+  /// Returns the wrench to output `dt_s` after the last one.
+  Wrench limit(const Wrench& requested, double dt_s) noexcept;
 
-  /// Force and torque shortened alike, so that neither is above its most; remembered as shown. What
-  /// does no work before does none after.
-  Wrench fit(const Wrench& wanted) noexcept;
+  /// Scales force and torque by one factor, so that neither exceeds its limit, and stores the
+  /// result as the current output. One factor cannot change the sign of the power.
+  Wrench fit(const Wrench& requested) noexcept;
 
   std::uint64_t saturated() const noexcept { return saturated_; }
   std::uint64_t slewed() const noexcept { return slewed_; }
@@ -41,7 +42,7 @@ class WrenchLimiter {
 
  private:
   WrenchLimits limits_;
-  Wrench shown_;
+  Wrench output_;
   std::uint64_t saturated_ = 0;
   std::uint64_t slewed_ = 0;
   std::uint64_t not_finite_ = 0;

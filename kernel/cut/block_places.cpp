@@ -4,28 +4,14 @@
 #include <cstring>
 
 #include "kernel/dexel/dexel_tile.h"
+#include "kernel/math/int_lanes.h"
 
 namespace kerf {
 namespace {
 
-typedef std::int32_t Depths __attribute__((vector_size(32), aligned(32)));
-typedef std::int32_t HalfDepths __attribute__((vector_size(16), aligned(16)));
-
 constexpr double kSqrt2 = 1.4142135623730952;
 /// Distance from the first column of a block or a tile to its center, in pitches.
 constexpr double kBlockMiddle = (kBlockSide - 1) / 2.0, kTileMiddle = (kTileSide - 1) / 2.0;
-
-KERF_INLINE Depths load(const std::int32_t* from) {
-  Depths v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
-}
-KERF_INLINE Lanes to_lanes(Depths d) {
-  const HalfDepths a = __builtin_shufflevector(d, d, 0, 1, 2, 3);
-  const HalfDepths b = __builtin_shufflevector(d, d, 4, 5, 6, 7);
-  return {__builtin_convertvector(a, HalfLanes), __builtin_convertvector(b, HalfLanes)};
-}
-KERF_INLINE Depths greater_of(Depths a, Depths b) { return a > b ? a : b; }
 
 KERF_INLINE Lanes below_which(const DexelGrid& grid, Lanes tops) {
   return grid.origin_mm.z + tops * grid.z_quantum_mm + grid.z_quantum_mm;
@@ -36,12 +22,11 @@ KERF_INLINE Lanes x_of(const DexelGrid& grid, Lanes i) {
 KERF_INLINE Lanes y_of(const DexelGrid& grid, Lanes j) {
   return grid.origin_mm.y + (j + 0.5) * grid.pitch_mm;
 }
-KERF_INLINE Lanes count_up() { return {HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}}; }
 
 KERF_INLINE void tiles_in_lanes(const DexelGrid& grid, TileIndex first, Discs& discs,
                                 Lanes& reached_below) {
   const double middle = kTileMiddle * grid.pitch_mm;
-  const Lanes i = double(first.x) * kTileSide + count_up() * kTileSide;
+  const Lanes i = double(first.x) * kTileSide + lane_numbers() * kTileSide;
   discs.x_mm = x_of(grid, i) + middle;
   discs.y_mm = Lanes(grid.y_mm(first.y * kTileSide) + middle);
   discs.reach_mm = kSqrt2 * middle;
@@ -58,33 +43,34 @@ KERF_INLINE void blocks_in_lanes(const DexelGrid& grid, TileIndex tile, int half
   discs.y_mm = y_of(grid, double(tile.y) * kTileSide + half * 16.0 + up) + middle;
   discs.reach_mm = kSqrt2 * middle;
   const Lanes top =
-      tops != nullptr ? to_lanes(load(tops + half * kLanes)) : Lanes(grid.height_quanta);
+      tops != nullptr ? to_lanes(load_ints(tops + half * kLanes)) : Lanes(grid.height_quanta);
   reached_below = below_which(grid, top);
 }
 
 /// Returns the greatest depth of each of eight rows. Transposes and reduces in three steps.
-KERF_INLINE Depths highest_of_rows(const std::int32_t* tops) {
-  Depths two[4], four[2];
+KERF_INLINE IntLanes highest_of_rows(const std::int32_t* tops) {
+  IntLanes two[4], four[2];
   for (int k = 0; k < 4; ++k) {
-    const Depths a = load(tops + 2 * k * kTileSide), b = load(tops + (2 * k + 1) * kTileSide);
-    two[k] = greater_of(__builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13),
-                        __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15));
+    const IntLanes a = load_ints(tops + 2 * k * kTileSide),
+                   b = load_ints(tops + (2 * k + 1) * kTileSide);
+    two[k] = greater(__builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13),
+                     __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15));
   }
   for (int k = 0; k < 2; ++k) {
-    const Depths a = two[2 * k], b = two[2 * k + 1];
-    four[k] = greater_of(__builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13),
-                         __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15));
+    const IntLanes a = two[2 * k], b = two[2 * k + 1];
+    four[k] = greater(__builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13),
+                      __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15));
   }
-  return greater_of(__builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 8, 9, 10, 11),
-                    __builtin_shufflevector(four[0], four[1], 4, 5, 6, 7, 12, 13, 14, 15));
+  return greater(__builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 8, 9, 10, 11),
+                 __builtin_shufflevector(four[0], four[1], 4, 5, 6, 7, 12, 13, 14, 15));
 }
 
 KERF_INLINE void rows_in_lanes(const DexelGrid& grid, std::int32_t i, std::int32_t j,
                                const std::int32_t* tops, ColumnBlock& block, Discs& discs,
                                Lanes& reached_below) {
-  block.x_mm = x_of(grid, double(i) + count_up());
+  block.x_mm = x_of(grid, double(i) + lane_numbers());
   discs.x_mm = Lanes(grid.x_mm(i) + kBlockMiddle * grid.pitch_mm);
-  discs.y_mm = y_of(grid, double(j) + count_up());
+  discs.y_mm = y_of(grid, double(j) + lane_numbers());
   std::memcpy(block.y_mm, &discs.y_mm, sizeof block.y_mm);
   discs.reach_mm = kBlockMiddle * grid.pitch_mm;
   const Lanes top = tops != nullptr ? to_lanes(highest_of_rows(tops)) : Lanes(grid.height_quanta);

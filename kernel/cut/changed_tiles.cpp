@@ -5,8 +5,8 @@
 
 namespace kerf {
 
-void note_changed_tiles(const DexelGrid& grid, const Removal& removal,
-                        std::vector<TileIndex>& changed) {
+void append_changed_tiles(const DexelGrid& grid, const Removal& removal,
+                          std::vector<TileIndex>& changed) {
   const double tile_quanta = kTileSide * grid.pitch_mm / grid.z_quantum_mm;
   for (const RemovedPart& part : removal.parts()) {
     for (std::size_t n = 0; n < part.tiles.size(); ++n) {

@@ -12,7 +12,7 @@ namespace kerf {
 /// field. A tile's side has the same length in every field, so a tile of the field along X spans
 /// one row of tiles of the field along Z, and a tile of the field along Y one column. May contain
 /// duplicates, and tiles one beyond the grid's last row or column.
-void note_changed_tiles(const DexelGrid& grid, const Removal& removal,
-                        std::vector<TileIndex>& changed);
+void append_changed_tiles(const DexelGrid& grid, const Removal& removal,
+                          std::vector<TileIndex>& changed);
 
 }  // namespace kerf

@@ -75,7 +75,7 @@ void TileCutter::sweep_block(const Work& work, int block, Column first) {
   for (const SweptPiece& piece : swept_.pieces) {
     block_.lowest_mm = lower_bound(piece, discs);
     block_.rows = lanes_below(block_.lowest_mm, reached_below) & ((1U << in_grid) - 1);
-    block_.leave_closed_rows();
+    block_.drop_closed_rows();
     if (block_.rows != 0) std::visit([&](const auto& s) { s.evaluate(block_); }, piece);
   }
 }
@@ -173,7 +173,7 @@ bool TileCutter::subtract_in_place(Work& work, int column, Column at, Dexel cut)
   } else {
     work.changed->lower.edit(column)[first] = rest;
   }
-  note(at, removed);
+  record(at, removed);
   return true;
 }
 
@@ -188,7 +188,7 @@ void TileCutter::rewrite_elements(Work& work, int column, Column at, Dexel cut) 
       continue;
     }
     any = true;
-    note(at, {lo, hi});
+    record(at, {lo, hi});
     if (d.bottom < lo) after_.push_back({d.bottom, lo});
     if (hi < d.top) after_.push_back({hi, d.top});
   }
@@ -199,7 +199,7 @@ void TileCutter::rewrite_elements(Work& work, int column, Column at, Dexel cut) 
 
 /// Records a removed element in the row's group, or in a new group if that already holds an element
 /// of the column.
-void TileCutter::note(Column at, Dexel removed) {
+void TileCutter::record(Column at, Dexel removed) {
   const std::int32_t lane = at.i % kLanes;
   std::vector<RemovedGroup>& groups = removed_.groups;
   if (group_ == kNoGroup || groups[group_].bottom[lane] < groups[group_].top[lane]) {

@@ -53,7 +53,7 @@ class TileCutter {
   void subtract_elements(Work& work, int column, Column at, Dexel cut);
   bool subtract_in_place(Work& work, int column, Column at, Dexel cut);
   void rewrite_elements(Work& work, int column, Column at, Dexel cut);
-  void note(Column at, Dexel removed);
+  void record(Column at, Dexel removed);
 
   DexelField& field_;
   const DexelGrid& grid_;

@@ -2,23 +2,16 @@
 #include "kernel/dexel/dexel_tile.h"
 
 #include <algorithm>
-#include <cstring>
 
-#include "kernel/math/lanes.h"
+#include "kernel/math/int_lanes.h"
 
 namespace kerf {
 namespace {
 
-typedef std::int32_t Depths __attribute__((vector_size(32), aligned(32)));
-
 /// Returns the greatest of 8 x 8 depths in rows kTileSide apart; at least 0.
 KERF_INLINE std::int32_t highest_in_lanes(const std::int32_t* depths) {
-  Depths all{};
-  for (int row = 0; row < 8; ++row) {
-    Depths d;
-    std::memcpy(&d, depths + row * kTileSide, sizeof d);
-    all = d > all ? d : all;
-  }
+  IntLanes all{};
+  for (int row = 0; row < 8; ++row) all = greater(load_ints(depths + row * kTileSide), all);
   std::int32_t greatest = 0;
   for (int c = 0; c < 8; ++c) greatest = all[c] > greatest ? all[c] : greatest;
   return greatest;

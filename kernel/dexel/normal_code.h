@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "kernel/math/lanes.h"
+#include "kernel/math/int_lanes.h"
 #include "kernel/math/vec3.h"
 
 namespace kerf {
@@ -38,17 +38,12 @@ NormalCode encode_normal(Vec3 normal);
 /// Encodes eight vectors.
 template <class Vec3Lanes>
 KERF_INLINE void encode_normals(const Vec3Lanes& normals, NormalCode* codes) {
-  typedef std::int32_t Steps __attribute__((vector_size(16), aligned(16)));
   Lanes u, v;
   unfold_normal(normals, u, v);
   u = u * kNormalSteps + (kNormalSteps + 1.5);
   v = v * kNormalSteps + (kNormalSteps + 1.5);
-  const Steps first =
-      __builtin_convertvector(u.a, Steps) << 16 | __builtin_convertvector(v.a, Steps);
-  const Steps last =
-      __builtin_convertvector(u.b, Steps) << 16 | __builtin_convertvector(v.b, Steps);
-  std::memcpy(codes, &first, sizeof first);
-  std::memcpy(codes + 4, &last, sizeof last);
+  const IntLanes packed = to_int_lanes(u) << 16 | to_int_lanes(v);
+  std::memcpy(codes, &packed, sizeof packed);
 }
 /// Returns the unit vector of a code, which must not be kStockNormal.
 Vec3 decode_normal(NormalCode code);

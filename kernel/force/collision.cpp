@@ -19,12 +19,12 @@ struct Disc {
   double radius;
 };
 
-constexpr int kHeightSteps = 20;  ///< each leaves two thirds of the heights in question
+constexpr int kHeightSteps = 20;  ///< each keeps two thirds of the interval of heights
 constexpr int kDescentSteps = 3;
 constexpr int kLineSteps = 10;
 
-/// Where the distance is least on the segment from p to q: exact for convex obstacles, a local
-/// answer for meshes.
+/// Returns the point of least distance on the segment from p to q: the global minimum for convex
+/// obstacles, a local one for meshes.
 Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   double lo = 0, hi = 1;
   const auto at = [&](double t) { return distance(obstacle, p + (q - p) * t).distance_mm; };
@@ -40,7 +40,8 @@ Vec3 lowest_between(const Obstacle& obstacle, Vec3 p, Vec3 q) {
   return at(1) <= at(middle) ? q : p + (q - p) * middle;
 }
 
-/// The deepest point of a disc, by conditional gradient (Frank and Wolfe 1956).
+/// Returns the deepest point of a disc, by the conditional gradient method (M. Frank and P. Wolfe,
+/// An Algorithm for Quadratic Programming, 1956).
 Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   Vec3 p = disc.center;
   for (int i = 0; i < kDescentSteps; ++i) {
@@ -54,31 +55,15 @@ Vec3 deepest_of_disc(const Disc& disc, const Obstacle& obstacle) {
   return p;
 }
 
-struct Frustum {
-  const FrustumPiece& f;
-  double radius(double z) const {
-    return f.r0_mm + (f.r1_mm - f.r0_mm) * ((z - f.z0_mm) / (f.z1_mm - f.z0_mm));
-  }
-};
-struct Arc {
-  const ArcPiece& a;
-  double radius(double z) const {
-    const double off = z - a.center_z_mm;
-    const double r = std::sqrt(std::max(0.0, a.radius_mm * a.radius_mm - off * off));
-    return std::max(0.0, a.center_r_mm + r);
-  }
-};
-
-/// The deepest point of a convex body of discs: the depth of its deepest disc is a convex function
-/// of the height.
-template <typename Body>
-Vec3 deepest_of_discs(const Body& body, double z0, double z1, const ToolPose& pose,
-                      const Obstacle& obstacle) {
+/// Returns the deepest point of a convex body of revolution by ternary search over its discs: the
+/// least distance of a disc is a convex function of its height.
+Vec3 deepest_of_discs(const ToolPiece& piece, const ToolPose& pose, const Obstacle& obstacle) {
   const auto point = [&](double z) {
-    return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, body.radius(z)}, obstacle);
+    return deepest_of_disc({pose.tip_mm + pose.axis * z, pose.axis, radius_at(piece, z)}, obstacle);
   };
   const auto depth = [&](double z) { return distance(obstacle, point(z)).distance_mm; };
-  double lo = z0, hi = z1;
+  const Extent whole = extent(piece);
+  double lo = whole.z0_mm, hi = whole.z1_mm;
   double best_z = lo, best = depth(lo);
   const auto consider = [&](double z) {
     const double d = depth(z);
@@ -105,14 +90,11 @@ Vec3 deepest_point(const ToolPiece& piece, const ToolPose& pose, const Obstacle&
     const Vec3 center = pose.tip_mm + pose.axis * ball->center_mm;
     return center - distance(obstacle, center).outward * ball->radius_mm;
   }
-  if (const auto* arc = std::get_if<ArcPiece>(&piece)) {
-    return deepest_of_discs(Arc{*arc}, arc->z0_mm, arc->z1_mm, pose, obstacle);
-  }
-  const auto& f = std::get<FrustumPiece>(piece);
-  return deepest_of_discs(Frustum{f}, f.z0_mm, f.z1_mm, pose, obstacle);
+  return deepest_of_discs(piece, pose, obstacle);
 }
 
-/// Meshes are asked triangle by triangle, a thousand times for each piece of a tool that is near.
+/// Greatest number of triangles of a mesh. Every query visits all of them, and each piece of a
+/// nearby tool makes about a thousand queries.
 constexpr std::size_t kMeshTrianglesMax = 1000;
 
 struct Ball {
@@ -144,28 +126,28 @@ Ball bound(const Obstacle& obstacle) {
 bool is_positive(double v) { return std::isfinite(v) && v > 0; }
 
 std::string check_shape(const BoxObstacle& b) {
-  if (!is_finite(b.min_mm) || !is_finite(b.max_mm)) return "box is not finite";
+  if (!is_finite(b.min_mm) || !is_finite(b.max_mm)) return "box must be finite";
   if (!(b.min_mm.x < b.max_mm.x && b.min_mm.y < b.max_mm.y && b.min_mm.z < b.max_mm.z)) {
-    return "box is empty: min_mm must be below max_mm";
+    return "box is empty: min_mm must be less than max_mm";
   }
   return {};
 }
 std::string check_shape(const CylinderObstacle& c) {
-  if (!is_finite(c.from_mm) || !is_finite(c.to_mm)) return "cylinder is not finite";
-  if (!is_positive(c.radius_mm)) return "cylinder's radius_mm must be greater than zero";
+  if (!is_finite(c.from_mm) || !is_finite(c.to_mm)) return "cylinder must be finite";
+  if (!is_positive(c.radius_mm)) return "cylinder radius_mm must be > 0";
   if (c.from_mm == c.to_mm) return "cylinder has no length: from_mm equals to_mm";
   return {};
 }
 std::string check_shape(const SphereObstacle& s) {
-  if (!is_finite(s.center_mm)) return "sphere is not finite";
-  return is_positive(s.radius_mm) ? "" : "sphere's radius_mm must be greater than zero";
+  if (!is_finite(s.center_mm)) return "sphere must be finite";
+  return is_positive(s.radius_mm) ? "" : "sphere radius_mm must be > 0";
 }
 std::string check_shape(const MeshObstacle& m) {
-  if (m.triangles.empty()) return "mesh has no triangles";
-  if (m.triangles.size() > kMeshTrianglesMax) return "mesh has more than 1000 triangles";
+  if (m.triangles.empty()) return "mesh must have at least one triangle";
+  if (m.triangles.size() > kMeshTrianglesMax) return "mesh may have at most 1000 triangles";
   for (const auto& t : m.triangles) {
     for (const Vec3& v : t) {
-      if (!is_finite(v)) return "mesh is not finite";
+      if (!is_finite(v)) return "mesh must be finite";
     }
   }
   return {};
@@ -193,7 +175,7 @@ void each_piece(const std::vector<Bounded>& obstacles, const Tool& tool, const T
 
 std::string check_obstacle(const Obstacle& obstacle) {
   if (!is_positive(obstacle.stiffness_n_per_mm)) {
-    return "stiffness_n_per_mm must be greater than zero";
+    return "stiffness_n_per_mm must be > 0";
   }
   return std::visit([](const auto& shape) { return check_shape(shape); }, obstacle.shape);
 }

@@ -13,29 +13,30 @@
 
 namespace kerf {
 
-/// What is wrong with an obstacle (not finite, empty, stiffness not positive), or nothing.
+/// Returns why an obstacle is invalid (not finite, empty, stiffness not positive), or an empty
+/// string.
 std::string check_obstacle(const Obstacle& obstacle);
 
-/// The obstacles of a scene, prepared for one query after the other (paper Eqs. 25–26, which the
-/// paper left out).
+/// The obstacles of a scene, prepared for repeated queries (paper Eqs. 25, 26, for which the paper
+/// gives no implementation).
 class Obstacles {
  public:
-  /// All obstacles must have passed check_obstacle.
+  /// All obstacles must be valid (check_obstacle).
   explicit Obstacles(std::vector<Obstacle> obstacles);
 
-  /// F_collision and τ_collision on the tool at a pose: each convex piece, cutting or
-  /// not, is pushed out of each
-  /// obstacle along the shortest way by stiffness x depth of its deepest point; torque about
-  /// `pivot_mm` up the axis, none about the axis itself. Zero when nothing touches.
+  /// Computes F_collision (N) and τ_collision (N·mm) on the tool at a pose. Each convex piece,
+  /// cutting or not, is pushed out of each obstacle in the shortest direction by
+  /// stiffness x depth of its deepest point. The torque is about the point `pivot_mm` from the tip
+  /// on the axis, without its component about the axis. Zero without contact.
   Wrench push(const Tool& tool, const ToolPose& pose, double pivot_mm) const;
-  /// Appends the plane of each convex piece against each obstacle that is nearer than
-  /// kContactReachMm; wrench_of them is push.
+  /// Appends the contact plane of each convex piece with each obstacle nearer than kContactReachMm.
+  /// wrench_of these planes equals `push`.
   void planes(const Tool& tool, const ToolPose& pose, std::vector<ContactPlane>& out) const;
 
  private:
   struct Bounded {
     Obstacle obstacle;
-    Vec3 center_mm;  ///< of a sphere around the obstacle
+    Vec3 center_mm;  ///< center of a sphere around the obstacle
     double radius_mm;
   };
   std::vector<Bounded> obstacles_;

@@ -4,20 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
 #include "kernel/force/surface_weight.h"
-#include "kernel/math/lanes.h"
+#include "kernel/math/int_lanes.h"
+#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
-
-/// Dimensionless. Where the displacements of a tool's points differ by less than this share of the
-/// tip's, all elements push in one direction, that of their centroid. The error of directions is
-/// its square, that of the torque is it times the spread of the elements.
-constexpr double kCommonDirection = 1e-3;
 
 /// Groups that are processed at once, so that they stay in the first-level cache.
 constexpr std::size_t kChunk = 32;
@@ -43,17 +38,9 @@ struct TipInGrid {
   double i, j, k, pitch_mm, quantum_mm;
 };
 
-KERF_INLINE Lanes to_lanes(const std::int32_t* depths) {
-  typedef std::int32_t HalfDepths __attribute__((vector_size(16)));
-  HalfDepths first, last;
-  std::memcpy(&first, depths, sizeof first);
-  std::memcpy(&last, depths + 4, sizeof last);
-  return {__builtin_convertvector(first, HalfLanes), __builtin_convertvector(last, HalfLanes)};
-}
-
 KERF_INLINE GroupSegments placed(const RemovedGroup& g, const TipInGrid& tip) {
-  const Lanes beside = Lanes(HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}) * tip.pitch_mm;
-  const Lanes bottom = to_lanes(g.bottom), top = to_lanes(g.top);
+  const Lanes beside = lane_numbers() * tip.pitch_mm;
+  const Lanes bottom = to_lanes(load_ints(g.bottom)), top = to_lanes(load_ints(g.top));
   GroupSegments out;
   out.middle.x = (g.i - tip.i) * tip.pitch_mm + beside;
   out.middle.y = (g.j - tip.j) * tip.pitch_mm;
@@ -215,7 +202,7 @@ CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist
                       from_origin.z / quantum, pitch, quantum};
   const Vec3 pivot = frame.axis * frame.pivot_mm;
   const bool common =
-      length(twist.angular) * frame.reach_mm <= kCommonDirection * length(twist.linear);
+      length(twist.angular) * frame.reach_mm <= kCommonDirectionShare * length(twist.linear);
   const LaneSums sums = sum_parts(removal, {tip, twist, frame, weight, pivot, common}, workers);
   const double area = pitch * pitch;
   CutSum sum{total(sums.volume) * area, total(sums.x, sums.y, sums.z) * area, {}, {}};

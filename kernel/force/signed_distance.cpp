@@ -11,8 +11,8 @@
 namespace kerf {
 namespace {
 
-/// Whether the ray from p along +Z crosses the triangle; half-open edges, so that a shared edge
-/// counts once.
+/// Returns whether the ray from p along +Z crosses the triangle. Edges are half-open, so a shared
+/// edge counts once.
 bool crosses_upward(const std::array<Vec3, 3>& t, Vec3 p) {
   bool inside = false;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -5,8 +5,8 @@
 
 namespace kerf {
 
-/// Signed distance of a point from an obstacle's surface (mm, negative inside) and the unit
-/// direction in which it grows.
+/// The signed distance of a point from an obstacle's surface (mm, negative inside) and its unit
+/// gradient.
 struct SignedDistance {
   double distance_mm;
   Vec3 outward;
@@ -15,8 +15,8 @@ struct SignedDistance {
 SignedDistance signed_distance(const BoxObstacle& box, Vec3 point_mm);
 SignedDistance signed_distance(const CylinderObstacle& cylinder, Vec3 point_mm);
 SignedDistance signed_distance(const SphereObstacle& sphere, Vec3 point_mm);
-/// The nearest triangle decides the distance; whether an upward ray leaves through an odd number of
-/// triangles decides the side. O(triangles).
+/// The distance is that from the nearest triangle; the point is inside if an upward ray crosses an
+/// odd number of triangles. O(triangles).
 SignedDistance signed_distance(const MeshObstacle& mesh, Vec3 point_mm);
 
 }  // namespace kerf

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/math/tolerance.h"
+#include "kernel/piece/bounds.h"
 
 namespace kerf {
 namespace {
@@ -22,58 +24,37 @@ Outside below(double z0, double h, Outside side) {
   return z0 - h > side.mm ? Outside{z0 - h, 0, -1} : side;
 }
 
-Outside round(double radius, double across, double along) {
-  const double n = std::sqrt(across * across + along * along);
-  return n > 0 ? Outside{n - radius, across / n, along / n} : Outside{-radius, 1, 0};
+Outside round(const CircleDistance<double>& d) {
+  return d.length > 0 ? Outside{d.mm, d.across / d.length, d.along / d.length}
+                      : Outside{d.mm, 1, 0};
 }
 
-Outside outside(const BallPiece& b, double r, double h) {
-  return round(b.radius_mm, r, h - b.center_mm);
-}
+Outside outside(const BallPiece& b, double r, double h) { return round(side_distance(b, r, h)); }
 Outside outside(const FrustumPiece& f, double r, double h) {
-  const double k = (f.r1_mm - f.r0_mm) / (f.z1_mm - f.z0_mm);
-  const double n = std::sqrt(1 + k * k);
-  return below(f.z0_mm, h, {(r - f.r0_mm - k * (h - f.z0_mm)) / n, 1 / n, -k / n});
+  const FrustumSide side(f);
+  return below(f.z0_mm, h, {side.distance(r, h - f.z0_mm), side.cosine, -side.slope * side.cosine});
 }
 Outside outside(const ArcPiece& a, double r, double h) {
-  return below(a.z0_mm, h, round(a.radius_mm, std::max(r - a.center_r_mm, 0.0), h - a.center_z_mm));
+  return below(a.z0_mm, h, round(side_distance(a, r, h)));
 }
-
-struct Reach {
-  double z0, z1, radius;
-};
-Reach reach(const BallPiece& b) {
-  return {b.center_mm - b.radius_mm, b.center_mm + b.radius_mm, b.radius_mm};
-}
-Reach reach(const FrustumPiece& f) { return {f.z0_mm, f.z1_mm, std::max(f.r0_mm, f.r1_mm)}; }
-Reach reach(const ArcPiece& a) { return {a.z0_mm, a.z1_mm, a.center_r_mm + a.radius_mm}; }
 
 struct Heights {
   double lo, hi;
 };
 struct Deepest {
   double outside = 0, z = 0;
-  bool hopeless = true;  ///< no depth of interest is possible; the search was stopped
+  bool pruned = true;  ///< no depth of interest is possible; the search was stopped
 };
 
 constexpr int kSearchSteps = 60;  ///< each keeps at most 9/10 of the interval of heights
-/// mm. Error at which a depth search stops. If it grows, contacts become shallower.
-constexpr double kDepthEpsilonMm = 1e-7;
-
 /// A piece of a tool at a pose in the frame of a field.
 class PlacedPiece {
  public:
   PlacedPiece(const ToolPiece& piece, const ToolPose& pose)
-      : piece_(piece),
-        pose_(pose),
-        reach_(std::visit([](const auto& p) { return reach(p); }, piece)) {
-    const Vec3 u = pose.axis, a = pose.tip_mm + u * reach_.z0, b = pose.tip_mm + u * reach_.z1;
-    const auto wide = [&](double along) {
-      return reach_.radius * std::sqrt(std::max(0.0, 1 - along * along));
-    };
-    const Vec3 half{wide(u.x), wide(u.y), wide(u.z)};
-    lo = Vec3{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)} - half;
-    hi = Vec3{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)} + half;
+      : piece_(piece), pose_(pose), reach_(extent(piece)) {
+    const Bounds box = cylinder_bounds(reach_, pose.tip_mm, pose.axis);
+    lo = box.lo_mm;
+    hi = box.hi_mm;
   }
 
   Vec3 lo, hi;  ///< its bounding box
@@ -95,7 +76,7 @@ class PlacedPiece {
   /// Returns the part of a column's heights that is not above the piece's top.
   Heights below_top(double x, double y, Heights z) const {
     const Vec3 u = pose_.axis, t = pose_.tip_mm;
-    const double rest = reach_.z1 - (x - t.x) * u.x - (y - t.y) * u.y;  // u.z (z - t.z) <= rest
+    const double rest = reach_.z1_mm - (x - t.x) * u.x - (y - t.y) * u.y;  // u.z (z - t.z) <= rest
     if (u.z > 0) z.hi = std::min(z.hi, t.z + rest / u.z);
     if (u.z < 0) z.lo = std::max(z.lo, t.z + rest / u.z);
     if (u.z == 0 && rest < 0) return {1, 0};
@@ -105,9 +86,9 @@ class PlacedPiece {
   /// Finds the deepest point of a column inside the piece. Between two heights a convex function is
   /// above its tangents there. The next height to evaluate is where the tangents meet; the value
   /// there is a lower bound, which shows when no point of the column, or of columns up to
-  /// `around_mm` away in x and y, can be more than `interesting_mm` inside, and when the deepest
+  /// `around_mm` away in x and y, can be more than `threshold_mm` inside, and when the deepest
   /// point has been found.
-  Deepest least(double x, double y, Heights z, double interesting_mm, double around_mm = 0) const {
+  Deepest least(double x, double y, Heights z, double threshold_mm, double around_mm = 0) const {
     Tangent a = tangent(x, y, z.lo), b = tangent(x, y, z.hi);
     Deepest found;
     for (int i = 0; i < kSearchSteps; ++i) {
@@ -121,8 +102,8 @@ class PlacedPiece {
       const Vec3 g = a.gradient * share + b.gradient * (1 - share);
       const double middle = inner ? a.mm + a.slope() * meet : (share > 0 ? a.mm : b.mm);
       const double bound = middle - (std::abs(g.x) + std::abs(g.y)) * around_mm;
-      found.hopeless = bound >= -interesting_mm - kDepthEpsilonMm;
-      if (found.hopeless || !inner || found.outside - middle <= kDepthEpsilonMm) break;
+      found.pruned = bound >= -threshold_mm - kDepthEpsilonMm;
+      if (found.pruned || !inner || found.outside - middle <= kDepthEpsilonMm) break;
       const Tangent c = tangent(x, y, a.z + std::clamp(meet, 0.1 * width, 0.9 * width));
       (c.slope() < 0 ? a : b) = c;
     }
@@ -143,7 +124,7 @@ class PlacedPiece {
 
   const ToolPiece& piece_;
   ToolPose pose_;
-  Reach reach_;
+  Extent reach_;
 };
 
 /// Accumulates the overlap of a piece with the stock: depth, centroid and mean normal.
@@ -232,7 +213,7 @@ class FieldContact {
     const double half = s.side / 2.0;
     const double x = grid_.origin_mm.x + (s.i + half) * grid_.pitch_mm;
     const double y = grid_.origin_mm.y + (s.j + half) * grid_.pitch_mm;
-    if (piece_.least(x, y, z, found.depth, half * grid_.pitch_mm).hopeless) return;
+    if (piece_.least(x, y, z, found.depth, half * grid_.pitch_mm).pruned) return;
     const std::int32_t h = s.side / 2;
     search({s.i, s.j, h}, z, found);
     search({s.i + h, s.j, h}, z, found);
@@ -339,8 +320,7 @@ double deepest_stock_contact(const Tool& tool, const ToolMotion& motion,
   constexpr double kPosesMax = 256;
   double thinnest = tool.whole_radius_mm;
   for (const ToolPiece& piece : tool.non_cutting) {
-    const Reach r = std::visit([](const auto& p) { return reach(p); }, piece);
-    thinnest = std::min(thinnest, r.radius);
+    thinnest = std::min(thinnest, extent(piece).radius_mm);
   }
   const double path = motion.travel_mm + motion.turn_rad * tool.whole_length_mm;
   const double n = std::clamp(std::ceil(path / (thinnest / 2)), 1.0, kPosesMax);

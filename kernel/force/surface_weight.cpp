@@ -6,18 +6,24 @@
 #include <limits>
 
 #include "kernel/math/lanes.h"
+#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Radii that differ by less are the same: a piece that ends where the next begins.
-constexpr double kCoverEpsilonMm = 1e-9;
-
-/// Segments longer than this part of the tool's radius are weighted at two points: over one shorter
-/// a ball's normal makes the weight of the middle wrong by less than a hundredth.
+/// Segments longer than this share of the tool's radius are weighted at two points. Over a shorter
+/// one of a ball, the error of the weight at its center is below 1/100.
 constexpr double kShortSegment = 0.25;
+
+/// Returns the radius of a piece at a height, which may be beyond its ends by rounding; 0 farther
+/// away.
+double radius_near(const ToolPiece& piece, double z_mm) {
+  const Extent e = extent(piece);
+  if (z_mm < e.z0_mm - kCoverEpsilonMm || z_mm > e.z1_mm + kCoverEpsilonMm) return 0;
+  return radius_at(piece, std::clamp(z_mm, e.z0_mm, e.z1_mm));
+}
 
 }  // namespace
 
@@ -25,7 +31,7 @@ constexpr double kShortSegment = 0.25;
 /// component a · radial_z + b · axis_z along the rays.
 struct SurfaceWeight::Meridian {
   Lanes rho2, h;   ///< squared distance from the axis, height
-  Lanes across_z;  ///< component along the rays of the way from the axis, as long as it is
+  Lanes across_z;  ///< component along the rays of the vector from the axis to the point
   double axis_z;
 
   KERF_INLINE Lanes rho() const { return square_root(rho2); }
@@ -34,79 +40,45 @@ struct SurfaceWeight::Meridian {
   }
 };
 
-double SurfaceWeight::Piece::radius_at(double h) const {
-  if (h < z0 - kCoverEpsilonMm || h > z1 + kCoverEpsilonMm) return 0;
-  if (side == Side::kLine) return r0 + slope * (h - z0);
-  const double v = h - center_z;
-  return center_r + std::sqrt(std::max(0.0, radius * radius - v * v));
-}
-
-SurfaceWeight::Piece SurfaceWeight::piece_of(const ToolPiece& piece) {
-  Piece p{};
-  if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    p.side = Side::kLine;
-    p.z0 = f->z0_mm;
-    p.z1 = f->z1_mm;
-    p.r0 = f->r0_mm;
-    p.slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
-    p.normal_r = 1 / std::sqrt(1 + p.slope * p.slope);
-    return p;
-  }
-  p.side = Side::kArc;
-  if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    p.center_z = ball->center_mm;
-    p.radius = ball->radius_mm;
-    p.z0 = p.center_z - p.radius;
-    p.z1 = p.center_z + p.radius;
-    return p;
-  }
-  const auto& arc = std::get<ArcPiece>(piece);
-  p.center_r = arc.center_r_mm;
-  p.center_z = arc.center_z_mm;
-  p.radius = arc.radius_mm;
-  p.z0 = arc.z0_mm;
-  p.z1 = arc.z1_mm;
-  return p;
-}
-
 SurfaceWeight::SurfaceWeight(const Tool& tool) {
-  for (const ToolPiece& piece : tool.pieces) pieces_.push_back(piece_of(piece));
-  for (Piece& p : pieces_) {
+  for (const ToolPiece& piece : tool.pieces) {
+    const Extent e = extent(piece);
     double below = 0, above = 0;
-    for (const Piece& other : pieces_) {
-      if (&other == &p) continue;
-      below = std::max(below, other.radius_at(p.z0));
-      above = std::max(above, other.radius_at(p.z1));
+    for (const ToolPiece& other : tool.pieces) {
+      if (&other == &piece) continue;
+      below = std::max(below, radius_near(other, e.z0_mm));
+      above = std::max(above, radius_near(other, e.z1_mm));
     }
-    const bool hides_below = below > p.radius_at(p.z0) - kCoverEpsilonMm;
-    const bool hides_above = above > p.radius_at(p.z1) - kCoverEpsilonMm;
-    p.covered_below2 = hides_below ? kInfinity : below * below;
-    p.covered_above2 = hides_above ? kInfinity : above * above;
+    const bool hides_below = below > radius_at(piece, e.z0_mm) - kCoverEpsilonMm;
+    const bool hides_above = above > radius_at(piece, e.z1_mm) - kCoverEpsilonMm;
+    pieces_.push_back({PieceProfile(piece), hides_below ? kInfinity : below * below,
+                       hides_above ? kInfinity : above * above});
   }
 }
 
-/// Where a piece is nearer than what was found before (less far outside, or deeper around the
-/// point), takes its distance and its normal's component along the rays.
+/// Updates `nearest`, and the normal's component along the rays, where a piece is nearer than those
+/// before (less far outside, or the point deeper inside).
 KERF_INLINE void SurfaceWeight::nearest_of(const Piece& p, const Meridian& at, Lanes& nearest,
                                            Lanes& normal_z) {
-  const Lanes below = p.z0 - at.h, above = at.h - p.z1;
+  const PieceProfile& f = p.profile;
+  const Lanes below = f.z0_mm - at.h, above = at.h - f.z1_mm;
   Lanes face, n;  // signed distance from the side, and its normal along the rays
-  if (p.side == Side::kArc && p.center_r == 0) {
-    const Lanes up = at.h - p.center_z;
+  if (f.side != PieceProfile::Side::kLine && f.center_r_mm == 0) {
+    // A ball about the axis: its normal needs no distance from the axis.
+    const Lanes up = at.h - f.center_z_mm;
     const Lanes d = square_root(at.rho2 + up * up);
-    face = d - p.radius;
+    face = d - f.radius_mm;
     n = select(d > 0.0, (at.across_z + up * at.axis_z) / d, Lanes{});
   } else {
     const Lanes rho = at.rho();
-    if (p.side == Side::kLine) {
-      face = (rho - p.r0 + p.slope * below) * p.normal_r;
-      n = (at.radial_z(rho) - p.slope * at.axis_z) * p.normal_r;
+    if (f.side == PieceProfile::Side::kLine) {
+      face = f.line_distance(rho, at.h);
+      n = (at.radial_z(rho) - f.line.slope * at.axis_z) * f.line.cosine;
     } else {
-      const Lanes out = greater(rho - p.center_r, Lanes{});
-      const Lanes up = at.h - p.center_z;
-      const Lanes d = square_root(out * out + up * up);
-      face = d - p.radius;
-      n = select(d > 0.0, (out * at.radial_z(rho) + up * at.axis_z) / d, Lanes{});
+      const CircleDistance<Lanes> d = f.arc_distance(rho, at.h);
+      face = d.mm;
+      n = select(d.length > 0.0, (d.across * at.radial_z(rho) + d.along * at.axis_z) / d.length,
+                 Lanes{});
     }
   }
   const Lanes distance = greater(greater(face, below), above);
@@ -131,15 +103,16 @@ KERF_INLINE Lanes SurfaceWeight::evaluate_in_lanes(const GroupPoints& points, Ve
   at.across_z = qz;
   Lanes nearest(kInfinity), normal_z(0);
   for (const Piece& p : pieces_) {
-    // Most points lie beside all pieces but one: those need no root.
-    if (any(greater(p.z0 - at.h, at.h - p.z1) < nearest)) nearest_of(p, at, nearest, normal_z);
+    // Most points are near one piece only; the others need no square root.
+    const Lanes beside = greater(p.profile.z0_mm - at.h, at.h - p.profile.z1_mm);
+    if (any(beside < nearest)) nearest_of(p, at, nearest, normal_z);
   }
   return normal_z * normal_z;
 }
 
 KERF_INLINE void SurfaceWeight::weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis,
                                                double radius_mm) const {
-  // Gauss's two points, a half and 1/√12 of the length apart from the middle.
+  // The two Gauss points, at 1/√12 of the length from the center.
   constexpr double kGauss = 0.28867513459481287;
   const Lanes short_mm = kShortSegment * radius_mm;
   for (GroupSegments& g : groups) {

@@ -10,54 +10,47 @@
 
 namespace kerf {
 
-/// Points of one group of columns, from the tool's tip (mm).
+/// Points of one group of columns, relative to the tool's tip (mm).
 struct GroupPoints {
   Lanes x;
   double y;
   Lanes z;
 };
 
-/// What was removed from a group: middles of the segments, and their lengths (mm).
+/// The segments removed from a group: their centers and lengths (mm).
 struct GroupSegments {
   GroupPoints middle;
   Lanes length;
 };
 
-/// What part of a removed element the rays of one of three fields count: n_z² in the field's frame,
-/// n being the normal of the tool's surface where it is nearest to the element. Over the three
-/// fields these parts add up to one; a field counts nothing of a wall that its rays are parallel
-/// to, which is just the wall whose place it knows only to a pitch.
+/// The weight of a removed element in one of three fields: n_z² in the field's frame, where n is
+/// the normal of the tool's surface nearest to the element. The weights of the three fields add up
+/// to 1. A wall parallel to a field's rays, which the field locates only to a pitch, has the weight
+/// 0.
 class SurfaceWeight {
  public:
   explicit SurfaceWeight(const Tool& tool);
 
-  /// The part of each of a group's points, for a tool whose unit axis is `axis` in the field's
-  /// frame.
+  /// Computes the weight of each of a group's points, for a tool whose unit axis is `axis` in the
+  /// field's frame.
   void evaluate(const GroupPoints& points, Vec3 axis, Lanes& weight) const;
 
-  /// Multiplies the length of each segment by the part of it that counts; one that is long for a
-  /// tool of this radius is asked at two points.
+  /// Multiplies the length of each segment by its weight, which is evaluated at two points where
+  /// the segment is long compared with `radius_mm`, the tool's radius.
   void weigh(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
-  /// Both, as parts of functions that are compiled for one instruction set.
+  /// Inline versions of both, for functions that are compiled per instruction set.
   Lanes evaluate_in_lanes(const GroupPoints& points, Vec3 axis) const;
   void weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
  private:
-  enum class Side { kLine, kArc };
-  /// A convex piece in the half-plane (ρ, h): distance from the axis, height above the tip. The
-  /// discs at its ends bound the tool only beyond the radii to which other pieces cover them.
+  /// A piece, and the radii up to which other pieces cover the discs at its ends. Beyond these
+  /// radii the discs bound the tool.
   struct Piece {
-    Side side;
-    double z0, z1;                          ///< heights of its ends
-    double r0, slope, normal_r;             /// of a line: ρ at z0, dρ/dh, and 1/√(1 + slope²)
-    double center_r, center_z, radius;      ///< of an arc
+    PieceProfile profile;
     double covered_below2, covered_above2;  ///< squares of those radii
-
-    double radius_at(double h) const;
   };
   struct Meridian;
-  static Piece piece_of(const ToolPiece& piece);
   static void nearest_of(const Piece& piece, const Meridian& at, Lanes& nearest, Lanes& normal_z);
 
   std::vector<Piece> pieces_;

@@ -3,12 +3,10 @@
 
 #include <algorithm>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
-
-/// Paths shorter than this share of the width count as a point, because the difference quotient in
-/// `delivered` would be dominated by rounding.
-constexpr double kPointShare = 1e-5;
 
 /// Returns ∫∫ of the kernel box(1) * box(1): the amount delivered at x >= 0 of a steady stream that
 /// began at 0.

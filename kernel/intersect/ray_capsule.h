@@ -8,12 +8,13 @@
 
 namespace kerf {
 
-/// Dexel ray with the capsule that a sphere of radius r sweeps from one centre to another (paper
-/// section 2.4, intersection 1 and the sphere's translation). Seen along the motion the ray is
-/// `perp` off the path, where the sphere is a circle of radius ρ = √(r² − perp²) whose lowest point
-/// on the ray belongs to the share s = (along − ρ dz/|d|)/h of the way, h the horizontal length of
-/// d; before the start or beyond the end the sphere's end positions decide. Each end is computed
-/// from its own centre, so that the end of one motion and the start of the next give the same bits.
+/// Intersection of a dexel ray with the capsule that a sphere of radius r sweeps from one center to
+/// another (paper section 2.4, intersection 1 and the sphere's translation). Seen along the motion,
+/// the ray is `perp` off the path, where the sphere is a circle of radius ρ = √(r² − perp²). The
+/// circle's lowest point on the ray belongs to the share s = (along − ρ dz/|d|)/h of the motion, h
+/// being the horizontal length of d. Where s < 0 or s > 1, the sphere's position at the start or
+/// the end decides. Each end is computed from its own center, so that the end of one motion and the
+/// start of the next give the same bits.
 struct RayCapsule {
   Vec3 from, to, d;
   double radius2, along_x, along_y, inverse_h, lean;
@@ -24,18 +25,18 @@ struct RayCapsule {
     const double length_mm = length(d);
     along_x = h > 0 ? d.x / h : 1;
     along_y = h > 0 ? d.y / h : 0;
-    // A plunge has no path seen from above: an infinite 1 / h picks the lower and the upper end.
+    // A plunge has no horizontal path: a huge 1 / h selects the lower and the upper position.
     inverse_h = h > 0 ? 1 / h : 1e300;
     lean = length_mm > 0 ? d.z / length_mm : 0;
   }
 
-  /// Both ends of what is swept on the ray.
+  /// Widens `span` by both ends of the swept interval.
   template <class AnySpan, class Real>
   KERF_INLINE void extend(AnySpan& span, Real x, Real y) const {
     include_end(span, x, y, splat_like(x, -1));
     include_end(span, x, y, splat_like(x, 1));
   }
-  /// `side` −1: the lower end; +1: the upper end.
+  /// Widens `span` by one end: the lower one for `side` −1, the upper one for +1.
   template <class AnySpan, class Real>
   KERF_INLINE void include_end(AnySpan& span, Real x, Real y, Real side) const {
     const Real px = x - from.x, py = y - from.y, qx = x - to.x, qy = y - to.y;

@@ -7,9 +7,9 @@
 
 namespace kerf {
 
-/// Dexel ray with the parallelogram corner + α side + β along, α and β in [0, 1] (paper Eq. 13):
-/// two linear equations from x and y. A parallelogram that contains the ray's direction is met
-/// nowhere: its border curves are other primitives.
+/// Intersection of a dexel ray with the parallelogram corner + α side + β along, α and β in [0, 1]
+/// (paper Eq. 13): two linear equations in x and y. A parallelogram that contains the ray's
+/// direction is never hit; its border curves are covered by other primitives.
 struct RayParallelogram {
   Vec3 corner, side, along;
   double inverse_det, side_slack, along_slack;

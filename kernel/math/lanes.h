@@ -4,27 +4,25 @@
 #include <cmath>
 #include <cstdint>
 
+#include "kernel/math/targets.h"
+
 namespace kerf {
 
-// What computes with lanes becomes one function with its caller: how a vector would be passed
-// depends on the instruction set.
-#define KERF_INLINE inline __attribute__((always_inline))
-
-/// Eight numbers that are computed with at once: the columns of a group. Operators work lane by
-/// lane and round exactly as plain doubles do, so every instruction set gives the same bits. Two
-/// vectors of four, because GCC 12 takes comparisons of vectors that are wider than a register
-/// apart.
+/// Number of doubles in Lanes: the columns of a group.
 inline constexpr int kLanes = 8;
 typedef double HalfLanes __attribute__((vector_size(32), aligned(32)));
 typedef std::int64_t HalfMask __attribute__((vector_size(32), aligned(32)));
 typedef std::int64_t QuarterMask __attribute__((vector_size(16), aligned(16)));
 
+/// Eight doubles processed together. Operators work lane by lane and round exactly as plain doubles
+/// do, so every instruction set gives the same bits. Stored as two vectors of four, because GCC 12
+/// splits comparisons of vectors wider than a register into scalars.
 struct Lanes {
   HalfLanes a, b;
 
   KERF_INLINE Lanes() : a{}, b{} {}
   KERF_INLINE Lanes(HalfLanes first, HalfLanes last) : a(first), b(last) {}
-  /// The same number in every lane.
+  /// Sets every lane to `v`.
   KERF_INLINE Lanes(double v) : a{v, v, v, v}, b{v, v, v, v} {}
   KERF_INLINE double operator[](int i) const { return i < 4 ? a[i] : b[i - 4]; }
   KERF_INLINE void set(int i, double v) {
@@ -36,7 +34,7 @@ struct Lanes {
   }
 };
 
-/// What a comparison of lanes says: all bits set where it holds.
+/// Result of a comparison: all bits of a lane are set where it holds.
 struct LaneMask {
   HalfMask a, b;
 };
@@ -58,6 +56,7 @@ KERF_INLINE LaneMask operator~(LaneMask x) { return {~x.a, ~x.b}; }
 KERF_INLINE LaneMask& operator&=(LaneMask& x, LaneMask y) { return x = x & y; }
 KERF_INLINE LaneMask& operator|=(LaneMask& x, LaneMask y) { return x = x | y; }
 
+/// Converts v to the type of the first argument, in code for both double and Lanes.
 KERF_INLINE double splat_like(double, double v) { return v; }
 KERF_INLINE Lanes splat_like(Lanes, double v) { return Lanes(v); }
 
@@ -73,58 +72,29 @@ KERF_INLINE Lanes select(LaneMask condition, Lanes yes, Lanes no) {
   return {condition.a ? yes.a : no.a, condition.b ? yes.b : no.b};
 }
 
-/// Lesser and greater; the second where either is not a number.
+/// Return the lesser or greater number; the second where either is NaN.
+KERF_INLINE double lesser(double x, double y) { return x < y ? x : y; }
+KERF_INLINE double greater(double x, double y) { return x > y ? x : y; }
 KERF_INLINE Lanes lesser(Lanes x, Lanes y) { return select(x < y, x, y); }
 KERF_INLINE Lanes greater(Lanes x, Lanes y) { return select(x > y, x, y); }
 KERF_INLINE Lanes magnitude(Lanes x) { return select(x < 0.0, -x, x); }
 
+/// Returns 0, 1, … 7.
+KERF_INLINE Lanes lane_numbers() { return {HalfLanes{0, 1, 2, 3}, HalfLanes{4, 5, 6, 7}}; }
+
+/// Returns a mask with all lanes true.
 KERF_INLINE LaneMask every_lane() { return Lanes() == Lanes(); }
+/// Returns whether any lane is true.
 KERF_INLINE bool any(LaneMask m) {
   const HalfMask either = m.a | m.b;
   const QuarterMask quarter =
       __builtin_shufflevector(either, either, 0, 1) | __builtin_shufflevector(either, either, 2, 3);
   return (quarter[0] | quarter[1]) != 0;
 }
-/// Bit i is set where lane i is true.
+/// Returns a mask whose bit i is set where lane i is true.
 KERF_INLINE unsigned bits(LaneMask m) {
   const HalfMask weighted = (m.a & HalfMask{1, 2, 4, 8}) | (m.b & HalfMask{16, 32, 64, 128});
   return static_cast<unsigned>(weighted[0] | weighted[1] | weighted[2] | weighted[3]);
 }
-
-// KERF_FOR_EACH_TARGET(Result, name, (parameters), (arguments)) defines the function `name` for
-// three instruction sets, of which the loader picks the best that the CPU has; all of them are the
-// inline function name_in_lanes. With contraction off they give equal bits; to show it, a build may
-// ask for one of them (CMake's KERF_VECTOR). GCC's target_clones will not do: it takes vectors
-// apart before it clones. Clang and sanitizers get plain code. KERF_VECTOR_CLONES is for functions
-// of plain loops.
-#define KERF_FOR_TARGET(attribute, Result, name, parameters, arguments) \
-  attribute Result name parameters { return name##_in_lanes arguments; }
-#define KERF_TARGET_AVX2 __attribute__((target("arch=x86-64-v3")))
-#define KERF_TARGET_AVX512 __attribute__((target("arch=x86-64-v4")))
-#if !defined(__x86_64__) || defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || \
-    defined(KERF_VECTOR_NONE)
-#define KERF_VECTOR_CLONES
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(, Result, name, parameters, arguments)
-#elif defined(KERF_VECTOR_AVX2)
-#define KERF_VECTOR_CLONES KERF_TARGET_AVX2
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(KERF_TARGET_AVX2, Result, name, parameters, arguments)
-#elif defined(KERF_VECTOR_AVX512)
-#define KERF_VECTOR_CLONES KERF_TARGET_AVX512
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(KERF_TARGET_AVX512, Result, name, parameters, arguments)
-#elif defined(__clang__)
-#define KERF_VECTOR_CLONES
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(, Result, name, parameters, arguments)
-#else
-#define KERF_VECTOR_CLONES \
-  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#define KERF_FOR_EACH_TARGET(Result, name, parameters, arguments)                          \
-  KERF_FOR_TARGET(__attribute__((target("default"))), Result, name, parameters, arguments) \
-  KERF_FOR_TARGET(KERF_TARGET_AVX2, Result, name, parameters, arguments)                   \
-  KERF_FOR_TARGET(KERF_TARGET_AVX512, Result, name, parameters, arguments)
-#endif
 
 }  // namespace kerf

@@ -8,14 +8,15 @@
 
 namespace kerf {
 
-/// What of a triangle a b c a point lies on.
+/// The feature of a triangle a b c on which a point lies: a corner, an edge or the inside.
 enum class TrianglePart : std::uint8_t { kA, kB, kC, kAb, kBc, kCa, kInside };
 struct NearestOnTriangle {
   Vec3 point;
   TrianglePart on;
 };
 
-/// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+/// Returns the point of a triangle nearest to p (Ericson, Real-Time Collision Detection, 2005,
+/// section 5.1.5).
 inline NearestOnTriangle nearest_on_triangle(const std::array<Vec3, 3>& t, Vec3 p) {
   const auto [a, b, c] = t;
   const Vec3 ab = b - a, ac = c - a, ap = p - a;

@@ -7,12 +7,12 @@
 
 namespace kerf {
 
-/// The axis along which the rays of a field run. Each field works in its own right-handed frame, in
-/// which its rays run along +Z: a cyclic permutation of the coordinates, so nothing is rounded and
-/// nothing is mirrored. Z: local (x, y, z). X: local (y, z, x). Y: local (z, x, y).
+/// Axis along which the rays of a field run. Each field works in its own right-handed frame, in
+/// which its rays run along +Z. The frame is a cyclic permutation of the coordinates, so nothing is
+/// rounded or mirrored. Z: local (x, y, z). X: local (y, z, x). Y: local (z, x, y).
 enum class RayAxis : std::uint8_t { kX, kY, kZ };
 
-/// A position or direction of the world in the frame of the field along `axis`.
+/// Converts a position or direction from the world to the frame of the field along `axis`.
 constexpr Vec3 to_frame(RayAxis axis, Vec3 world) {
   switch (axis) {
     case RayAxis::kX:
@@ -25,7 +25,7 @@ constexpr Vec3 to_frame(RayAxis axis, Vec3 world) {
   return world;
 }
 
-/// Back again: from_frame(axis, to_frame(axis, v)) == v, to the bit.
+/// Converts back: from_frame(axis, to_frame(axis, v)) == v, bit for bit.
 constexpr Vec3 from_frame(RayAxis axis, Vec3 local) {
   switch (axis) {
     case RayAxis::kX:

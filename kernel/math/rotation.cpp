@@ -6,8 +6,8 @@
 namespace kerf {
 namespace {
 
-// asin x for 0 <= x <= 1/2 by its Taylor series; terms shrink by 4 and more, so 26 of them reach
-// rounding.
+// Returns asin x for 0 <= x <= 1/2 by its Taylor series. Each term is at most a quarter of the one
+// before, so 26 of them reach rounding.
 double asin_series(double x) {
   const double x2 = x * x;
   double term = x;
@@ -26,7 +26,7 @@ SinCos sin_cos(double angle_rad) {
   const double x = angle_rad / 8;
   const double x2 = x * x;
   double sin = 0;
-  double versine = 0;  // 1 - cos keeps its digits where cos would lose them
+  double versine = 0;  // 1 - cos: keeps its digits where cos would lose them
   double term = x;
   for (int k = 1; k <= 17; k += 2) {
     sin += term;
@@ -47,8 +47,8 @@ SinCos sin_cos(double angle_rad) {
 
 double angle_between(Vec3 a, Vec3 b) {
   if (a == b) return 0;
-  // Half the chord is sin(angle / 2); beyond a right angle use the supplement, then halve once more
-  // for the series.
+  // Half the chord is sin(angle / 2). Beyond a right angle the supplement is used. Halving the
+  // angle once more brings it into the range of the series.
   const bool obtuse = dot(a, b) < 0;
   const double half_chord = length(obtuse ? a + b : a - b) / 2;  // sin(angle/2) <= sin 45 deg
   const double c = std::sqrt(1 - half_chord * half_chord);
@@ -61,7 +61,7 @@ double angle_between(Vec3 a, Vec3 b) {
 Vec3 great_circle(Vec3 a, Vec3 b, double angle_rad, double share) {
   if (share <= 0) return a;
   if (share >= 1) return b;
-  // In the plane of a and b: a, and the perpendicular to it on b's side.
+  // Basis of the plane of a and b: a, and the perpendicular to it on b's side.
   const Vec3 side = cross(cross(a, b), a);
   const double n = length(side);
   if (n <= 0) return a;

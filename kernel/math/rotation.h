@@ -5,21 +5,22 @@
 
 namespace kerf {
 
-/// Sine and cosine from + − × ÷ alone: libm's differ between CPUs, and equal commands must give
-/// equal bytes. |angle| <= pi; error below 4e-16.
 struct SinCos {
   double sin, cos;
 };
+/// Returns sine and cosine for |angle| <= pi, with errors below 4e-16. Uses + − × ÷ only: libm's
+/// results differ between CPUs, and equal commands must give equal bytes.
 SinCos sin_cos(double angle_rad);
 
-/// Angle between two unit vectors, in [0, pi], from + − × ÷ √ alone; accurate for tiny angles too.
+/// Returns the angle between two unit vectors, in [0, pi]. Accurate for tiny angles too. Uses
+/// + − × ÷ √ only.
 double angle_between(Vec3 a, Vec3 b);
 
-/// The unit vector at `share` (0..1) of the great circle from a to b, uniformly in angle.
-/// `angle_rad` is angle_between(a, b), below pi. share 0 and 1 give a and b themselves.
+/// Returns the unit vector at `share` (0..1) of the great circle from a to b, uniform in angle.
+/// `angle_rad` is angle_between(a, b), below pi. A share of 0 or 1 gives exactly a or b.
 Vec3 great_circle(Vec3 a, Vec3 b, double angle_rad, double share);
 
-/// Any unit vector perpendicular to the unit vector a, the same for equal bits.
+/// Returns a unit vector perpendicular to the unit vector a. Equal input gives equal bits.
 Vec3 any_perpendicular(Vec3 a);
 
 }  // namespace kerf

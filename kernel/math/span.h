@@ -13,14 +13,14 @@ struct Span {
   double hi = -std::numeric_limits<double>::infinity();
 };
 
-/// The same along eight rays.
+/// Ranges along eight rays.
 struct LaneSpan {
   Lanes lo = Lanes(std::numeric_limits<double>::infinity());
   Lanes hi = Lanes(-std::numeric_limits<double>::infinity());
 };
 
-/// Widens `span` (a Span or a LaneSpan) to contain z where `hit` holds. Branch-free; a NaN never
-/// enters because its test fails.
+/// Widens `span` (a Span or a LaneSpan) to contain z where `hit` holds. Branch-free. A NaN is never
+/// included, because its comparisons fail.
 template <class AnySpan, class Condition, class Real>
 KERF_INLINE void include(AnySpan& span, Condition hit, Real z) {
   span.lo = select(hit & (z < span.lo), z, span.lo);

@@ -1,33 +1,150 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Every rounding allowance of the kernel, with its unit, its owner and what breaks if it grows. A
-// *tolerance* is what the user asks for (SculptureSettings::tolerance_mm); what stands here is
-// *epsilon*: rounding, never geometry.
+// Every epsilon of the kernel: allowances for rounding, ends of iterations, and thresholds below
+// which a case counts as degenerate. Each has its unit, its owner (the code that uses it) and what
+// breaks if it grows. A *tolerance* is something else: an accuracy that the user requests
+// (SculptureSettings::tolerance_mm).
 
 namespace kerf {
 
+// --- Surfaces and motions (kernel/intersect, kernel/sweep) ---
+
 /// mm. Intersection points this far outside the end of a generator or a swept segment still count,
-/// so that a ray through an edge is claimed by at least one of the surfaces that meet there. Owner:
-/// intersect, sweep. If it grows, tools grow.
+/// so that a ray through an edge is claimed by at least one of the surfaces that meet there.
+/// Owner: intersect, sweep. If it grows, tools grow.
 inline constexpr double kEdgeEpsilonMm = 1e-9;
 
-/// Dimensionless. Sines below it are directions that cannot be told from parallel. Owner:
-/// tool_motion. If it grows, slow turns are dropped.
+/// Dimensionless. Directions whose angle has a smaller sine are parallel.
+/// Owner: sweep/tool_motion. If it grows, slow turns are dropped.
 inline constexpr double kParallelEpsilon = 1e-12;
 
-/// mm. A tip that moves less than this between two poses is at rest. Owner: tool_motion. If it
-/// grows, slow motions cut nothing until they add up.
+/// mm. A tip that moves less than this between two poses is at rest.
+/// Owner: sweep/tool_motion. If it grows, slow motions cut nothing until they add up.
 inline constexpr double kRestEpsilonMm = 1e-12;
 
 /// Dimensionless. A tip displacement within this sine of the tool axis is an axial motion (paper
-/// section 2.4, case 1). Owner: tool_motion. Only the force direction depends on it (Eq. 20 against
-/// Eq. 22, equal there up to the sign).
+/// section 2.4, case 1). Owner: sweep/tool_motion. If it grows, the force of slightly slanted
+/// plunges points along the axis (Eq. 20 instead of Eq. 22).
 inline constexpr double kAxialSine = 1e-3;
 
 /// Dimensionless. When the tip's path is shorter than this part of the path of the point one radius
-/// up the axis, the motion counts as a rotation (paper section 2.4, case 2). Owner: tool_motion.
-/// Only the force direction depends on it.
+/// up the axis, the motion counts as a rotation (paper section 2.4, case 2).
+/// Owner: sweep/tool_motion. If it grows, the force ignores the tip's path more often.
 inline constexpr double kRotationShare = 1e-2;
+
+/// mm. Rays this far outside the rectangle that a surface covers still test the surface. Far more
+/// than kEdgeEpsilonMm and rounding. Owner: sweep/frustum_translation. If it grows, only time is
+/// lost; if it shrinks to kEdgeEpsilonMm, hits at edges are lost.
+inline constexpr double kRectangleMarginMm = 1e-6;
+
+/// Share of a piece's height by which a clipped piece reaches out of the block, so that its new
+/// upper disc stays clear of it. Owner: sweep/clip_to_block. If it grows, only time is lost.
+inline constexpr double kClipMarginShare = 1e-3;
+
+/// Share of a slice's height: a point at rest nearer than this to an end of the slice does not
+/// divide it. Owner: sweep/swept_tool. If it grows, slices keep parts that move in opposite
+/// directions, whose ends the search may miss.
+inline constexpr double kStillMarginShare = 1e-3;
+
+/// Relative. A neighbor whose radius is less by this share (and kEdgeEpsilonMm) still hides the
+/// disc of a slice. Owner: sweep/swept_tool. If it grows, rims that stick out are not searched.
+inline constexpr double kHiddenDiscShare = 1e-12;
+
+/// mm. A neighbor that is wider by more than this buries the border of a slice.
+/// Owner: sweep/swept_tool. If it grows, trails are left out where they would be safe.
+inline constexpr double kBuriedBorderMm = 1e3 * kEdgeEpsilonMm;
+
+/// Dimensionless. Two sides whose slopes differ by less meet without an edge.
+/// Owner: sweep/swept_tool. If it grows, the trail ignores edges that still cut.
+inline constexpr double kSameSlope = 1e-6;
+
+/// Squared sine of the axis' lean from which on a plane along the axis bounds a piece better than a
+/// level one. Owner: sweep/shadow. If it grows, only time is lost; at 0 the plane's normal is 0/0.
+inline constexpr double kPlaneLean2 = 1e-4;
+
+/// Dimensionless. Smaller components of the axis along the rays are replaced by it, so that a ray
+/// at right angles to the axis crosses the planes of the discs at a finite, huge distance. Owner:
+/// sweep/slice_meeting. If it grows by orders of magnitude, discs end rays that never cross them.
+inline constexpr double kAxisAlongRayMin = 1e-290;
+
+/// mm. Newton's method along a ray has reached an arc when it is this near to it.
+/// Owner: sweep/piece_side. If it grows, ends on arcs err by it over the sine of the grazing angle.
+inline constexpr double kArcFoundMm = 1e-11;
+
+/// mm along the ray. A ray that misses an arc is closest to it somewhere in an interval of this
+/// width; the gap errs by its square over a radius. Owner: sweep/piece_side. If it grows, gaps are
+/// overestimated, and rays are given up that the arc still reaches.
+inline constexpr double kArcClosestMm = 1e-5;
+
+/// mm. How near to the outermost end the search goes where nothing turns and the sweep is convex:
+/// the user's tolerance has no part in it. Owner: sweep/swept_tool. If it grows, translated arcs
+/// are cut too shallow by it.
+inline constexpr double kTranslationSearchMm = 1e-9;
+
+/// mm. A point this near to a piece lies on it, and no other piece is tested.
+/// Owner: sweep/swept_surface. If it grows, ends near a seam get the normal of the wrong piece.
+inline constexpr double kOnSurfaceMm = 1e-6;
+
+/// mm of travel. The search for the pose that touches a point ends in an interval of this length;
+/// the normal errs by its ratio to the tool's radius there. Owner: sweep/swept_surface. If it
+/// grows, normals err.
+inline constexpr double kTouchSearchMm = 1e-6;
+
+// --- Definitions of tools (kernel/tool) ---
+
+/// mm. Sections of an outline that rise by less are shoulders; points that should lie on the axis,
+/// or lines that should be tangent, and miss by less, do. Owner: tool. If it grows, thin parts of a
+/// profile are lost.
+inline constexpr double kOutlineEpsilonMm = 1e-9;
+
+/// mm. Where lines and arcs of a definition should meet and miss by less, they do: cutter data
+/// comes rounded to three decimals. Owner: tool. If it grows, inconsistent definitions are
+/// accepted.
+inline constexpr double kMissAllowanceMm = 1e-3;
+
+// --- Force (kernel/force) ---
+
+/// mm. Radii that differ by less are equal, and heights that differ by less touch: a piece that
+/// ends where the next begins. Owner: force/surface_weight. If it grows, narrow shoulders get no
+/// weight.
+inline constexpr double kCoverEpsilonMm = 1e-9;
+
+/// Dimensionless. Where the displacements of a tool's points differ by less than this share of the
+/// tip's, all elements push in one direction, that of their middle. Owner: force/cut_sum. If it
+/// grows, directions err by its square, and the torque by it times the spread of the elements.
+inline constexpr double kCommonDirectionShare = 1e-3;
+
+/// Dimensionless. A path shorter than this share of the kernel's width counts as a point: the
+/// difference quotient over it would be all rounding. Owner: force/travel_queue. If it grows, the
+/// force of short motions is delivered in steps.
+inline constexpr double kPointShare = 1e-5;
+
+/// mm. A depth counts as found when it is missed by less. Owner: force/stock_contact. If it grows,
+/// contacts become shallower.
+inline constexpr double kDepthEpsilonMm = 1e-7;
+
+// --- Mesh (kernel/surface) ---
+
+/// Dimensionless. The upright component of a normal is raised to this where a plane is intersected
+/// along the rays. Owner: surface/level_guess. If it grows, steep walls are met too early.
+inline constexpr double kUprightMin = 1e-4;
+
+/// Share of a squared secant: the third difference of heights (pitches) below which rounding of the
+/// normals' codes hides an ellipse. Owner: surface/edge_slice. If it grows, ellipses become lines.
+inline constexpr double kThirdOfSecant = 1e-3;
+
+/// Weight of the crossings' mean against that of a plane: it decides the position along a ridge,
+/// where no plane does. Owner: surface/sheet_point. If it grows, ridges sink; if it shrinks,
+/// vertices wander along them.
+inline constexpr double kMeanWeight = 3e-4;
+
+/// Dimensionless. Sines below which both diagonals of a quadrangle fit the surface equally well.
+/// Owner: surface/tile_mesh. If it grows, the shorter diagonal is taken against the surface.
+inline constexpr double kFitEpsilon = 1e-4;
+
+/// Dimensionless. A sum of unit normals shorter than this has no direction.
+/// Owner: surface/vertex_placement. If it grows, thin walls are shaded upright.
+inline constexpr double kNormalMin = 1e-6;
 
 }  // namespace kerf

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
 
@@ -21,7 +23,7 @@ constexpr double kCircleMiss = 0.15;
 constexpr double kRadiusMax = 2000;
 /// Least third difference of the heights (pitches) for an ellipse: above the error of the ends,
 /// plus the rounding of the normal codes per squared secant of the slope.
-constexpr double kThirdMin = 0.02, kThirdOfSecant = 1e-3;
+constexpr double kThirdMin = 0.02;
 /// Shares of the third difference and of the rise between two ends by which an ellipse may miss the
 /// end that it was not fitted to. At a crease between the ends it misses by more.
 constexpr double kMissOfThird = 0.1, kMissOfRise = 0.3;

@@ -6,13 +6,12 @@
 #include <utility>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/math/tolerance.h"
 #include "kernel/surface/edge_slice.h"
 
 namespace kerf {
 namespace {
 
-/// Least vertical component of a normal; steeper planes are treated as having this slope.
-constexpr double kUprightMin = 1e-4;
 /// Rows on each side of a wall's crossing that contribute to the line fitted to the wall.
 constexpr int kWallRows = 2;
 /// Greatest offset of that line from the midpoint between two columns, in pitches. The wall may be

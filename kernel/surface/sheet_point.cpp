@@ -5,16 +5,14 @@
 #include <array>
 #include <cmath>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
 
 /// Cosine of the angle from the mean normal up to which a sheet is considered smooth, not creased;
 /// half the angle between two planes. Near this angle a wrong choice errs by 1/40 of the pitch.
 constexpr double kSmoothCosine = 0.995;
-/// Weight of the crossings' mean, relative to the number of planes. It determines the position
-/// along a ridge, where the planes do not. If it grows, ridges sink; if it shrinks, vertices drift
-/// along them.
-constexpr double kMeanWeight = 3e-4;
 
 using Coordinates = std::array<double, 3>;
 

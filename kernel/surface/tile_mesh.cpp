@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/surface/column_window.h"
 #include "kernel/surface/flat_quads.h"
 #include "kernel/surface/lattice_cells.h"
@@ -24,9 +25,6 @@ struct Corner {
   unsigned edge = 0;  ///< number of the crossed edge in this cell
 };
 using Corners = std::array<Corner, 4>;
-
-/// Difference of sines below which both diagonals of a quadrangle fit the surface equally well.
-constexpr double kFitEpsilon = 1e-4;
 
 /// Flag of a cell's vertex entry: the rest is an index into the split vertices.
 constexpr std::uint32_t kSplit = std::uint32_t{1} << 31;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernel/dexel/stock_column.h"
+#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
@@ -18,8 +19,6 @@ constexpr double kMarginOfSize = 1.0 / (1 << 21);
 constexpr double kSheetShift = 1.0 / 64;
 /// Cosine of the angle beyond which two normals belong to different sides of a crease.
 constexpr double kCreaseCosine = 0.96;
-/// A sum of unit normals shorter than this has no direction.
-constexpr double kNormalMin = 1e-6;
 
 /// Number of cached horizontal edges, a power of two: those of two rows of cells.
 constexpr std::size_t kEdgesSeen = 1024;

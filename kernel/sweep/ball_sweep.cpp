@@ -7,17 +7,17 @@
 namespace kerf {
 namespace {
 
-/// One end of what a capsule removes from eight rays, where it meets them.
+/// One end of the intervals that a capsule removes from eight rays; valid where `hit`.
 struct OneEnd {
   Lanes z;
   LaneMask hit;
 };
 KERF_INLINE void include(OneEnd& end, LaneMask hit, Lanes z) { end = {z, hit}; }
 
-/// The lowest height that a capsule removes within each disc. At horizontal distance ρ from the
-/// path the ball reaches √(r² − ρ²) below the path, and the path is nowhere below its lower end.
-/// Where no point of the surface advances any more (the ball moves away from the whole disc), the
-/// ball at the start has removed everything.
+/// Returns a lower bound of the heights that a capsule removes within each disc; +inf where it
+/// removes nothing. At horizontal distance ρ from the path the ball reaches √(r² − ρ²) below it,
+/// and no point of the path is below its lower end. Where no point of the surface advances (the
+/// ball moves away from the whole disc), the ball at the start has removed everything already.
 KERF_INLINE Lanes bound_capsule(const RayCapsule& c, const Discs& discs, double radius,
                                 bool start_is_cut) {
   const Lanes px = discs.x_mm - c.from.x, py = discs.y_mm - c.from.y;
@@ -38,7 +38,7 @@ KERF_INLINE void bound_chain_in_lanes(std::span<const RayCapsule> capsules, cons
                                       double radius, bool start_is_cut, Lanes& z) {
   for (const RayCapsule& c : capsules) {
     z = lesser(bound_capsule(c, discs, radius, start_is_cut), z);
-    start_is_cut = true;  // By the capsule before.
+    start_is_cut = true;  // The previous capsule ended there.
   }
 }
 KERF_FOR_EACH_TARGET(void, bound_chain,
@@ -48,7 +48,7 @@ KERF_FOR_EACH_TARGET(void, bound_chain,
 
 KERF_INLINE void evaluate_chain_in_lanes(std::span<const RayCapsule> capsules, ColumnBlock& block) {
   for (const RayCapsule& c : capsules) {
-    // A ball whose centre stays above the stock has no upper end in it.
+    // A ball whose center stays above the stock has no upper end in it.
     const bool above = c.from.z >= block.top_mm && c.to.z >= block.top_mm;
     for (int row = 0; row < kBlockSide; ++row) {
       if ((block.rows >> row & 1) == 0) continue;

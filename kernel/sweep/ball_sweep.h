@@ -8,16 +8,16 @@
 
 namespace kerf {
 
-/// A ball whose centre moves along a chain of straight lines: a capsule for each. Exact whatever
-/// the tool's axis does meanwhile.
+/// A ball whose center moves along a chain of straight lines: one capsule for each line. Exact for
+/// any motion of the tool's axis.
 class BallSweep {
  public:
-  /// `centers_mm` has at least two points. `start_is_cut`: the ball at the first centre has been
-  /// removed from the stock already, so only what advances from there is visited.
+  /// `centers_mm` has at least two points. `start_is_cut`: the ball at the first center has been
+  /// removed from the stock already, so only the region into which it advances is visited.
   BallSweep(const std::vector<Vec3>& centers_mm, double radius_mm, bool start_is_cut);
 
   SweepBounds bounds() const;
-  /// No height below this one is removed within each disc; +inf where nothing is.
+  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc.
   void lower_bound(const Discs& discs, Lanes& z_mm) const;
   void evaluate(ColumnBlock& block) const;
 

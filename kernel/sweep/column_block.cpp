@@ -20,7 +20,7 @@ KERF_FOR_EACH_TARGET(unsigned, compare, (const Lanes& a, const Lanes& b), (a, b)
 
 unsigned lanes_below(const Lanes& a, const Lanes& b) { return compare(a, b); }
 
-void ColumnBlock::leave_closed_rows() {
+void ColumnBlock::drop_closed_rows() {
   if (filled != 0) rows = open_rows(*this);
 }
 

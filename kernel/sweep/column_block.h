@@ -10,27 +10,28 @@
 
 namespace kerf {
 
-/// Rows of columns that are evaluated at once: eight rows of a group of eight columns each.
+/// Rows of a block; each row is one group of eight columns.
 inline constexpr int kBlockSide = kLanes;
 
-/// A block of 8 x 8 columns, and the heights that a sweep removes from each: the unit of work. Most
-/// columns lose one interval; what does not join it stands in `apart`.
+/// A block of 8 x 8 columns, and the intervals of heights that a sweep removes from them: the unit
+/// of work. Most columns lose one interval; further ones that do not join it are in `apart`.
 struct ColumnBlock {
+  /// Further intervals of a row.
   struct Apart {
     int row;
     Lanes lo_mm, hi_mm;
   };
 
-  Lanes x_mm;                ///< of the columns, the same in every row
+  Lanes x_mm;                ///< of the columns, equal in every row
   double y_mm[kBlockSide];   ///< of the rows
   unsigned rows = 0;         ///< bit r: row r is to be evaluated
-  double join_mm = 0;        ///< intervals of a column that are no farther apart become one
-  double top_mm = 0;         ///< no stock of the block reaches higher: ends above need no digits
-  Lanes lo_mm[kBlockSide];   ///< out: lowest removed height; +inf where nothing is
-  Lanes hi_mm[kBlockSide];   ///< out: highest removed height; −inf where nothing is
+  double join_mm = 0;        ///< intervals of a column that are no farther apart are joined
+  double top_mm = 0;         ///< upper bound of the stock: ends above it need not be exact
+  Lanes lo_mm[kBlockSide];   ///< out: lower end of the interval; +inf where nothing is removed
+  Lanes hi_mm[kBlockSide];   ///< out: upper end of the interval; −inf where nothing is removed
   std::vector<Apart> apart;  ///< out: further intervals; empty lanes have lo > hi
 
-  Lanes lowest_mm;      ///< of each row: nothing that is evaluated reaches below
+  Lanes lowest_mm;      ///< of each row: lower bound of what the evaluated piece removes
   unsigned filled = 0;  ///< bit r: row r holds intervals
 
   /// Empties all rows.
@@ -39,18 +40,18 @@ struct ColumnBlock {
     apart.clear();
   }
 
-  /// Columns of a row that have not yet lost all that is above `lowest_mm`: the others have nothing
-  /// to lose to what is evaluated.
+  /// Returns the columns of a row that have not yet lost everything above `lowest_mm`. The
+  /// evaluated piece cannot change the others.
   KERF_INLINE LaneMask open(int row) const {
     if ((filled >> row & 1) == 0) return every_lane();
     return (lo_mm[row] > lowest_mm[row]) | (hi_mm[row] < top_mm);
   }
-  /// Takes rows without an open column out of `rows`.
-  void leave_closed_rows();
+  /// Removes rows without an open column from `rows`.
+  void drop_closed_rows();
 
   /// Adds the interval [lo, hi] (empty where lo > hi) to the columns of a row. Intervals that touch
-  /// become one, so that no sliver stays where two pieces of a tool meet; those above the stock do
-  /// not count.
+  /// are joined, so that no sliver remains where two pieces of a tool meet. Intervals above the
+  /// stock are ignored.
   KERF_INLINE void add(int row, Lanes lo, Lanes hi) {
     const LaneMask adds = (lo <= hi) & (lo < top_mm);
     if ((filled >> row & 1) == 0) {
@@ -73,16 +74,16 @@ struct ColumnBlock {
   void keep_apart(int row, const LaneMask& which, const Lanes& lo, const Lanes& hi);
 };
 
-/// Bit i is set where lane i of a is less than that of b.
+/// Returns a mask whose bit i is set where lane i of a is less than lane i of b.
 unsigned lanes_below(const Lanes& a, const Lanes& b);
 
-/// Limits of a swept piece (mm); nothing outside is removed.
+/// Box around a swept piece (mm); nothing outside is removed.
 struct SweepBounds {
   Vec3 min_mm, max_mm;
 };
 
-/// Eight discs of the XY plane, all of radius `reach_mm`: asked of a sweep to find out which parts
-/// of the stock it can leave alone.
+/// Eight discs in the XY plane with the common radius `reach_mm`, for which a sweep computes lower
+/// bounds: parts of the stock that lie below them are skipped.
 struct Discs {
   Lanes x_mm, y_mm;
   double reach_mm;

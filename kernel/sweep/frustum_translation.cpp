@@ -5,19 +5,18 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
+#include "kernel/piece/bounds.h"
+
 namespace kerf {
 namespace {
 
 using Surfaces = FrustumTranslation::Surfaces;
 using Rectangles = FrustumTranslation::Rectangles;
 
-RayCone at_pose(const FrustumPiece& p, const ToolPose& pose) {
-  return {pose.tip_mm + pose.axis * p.z0_mm, pose.axis, p.z1_mm - p.z0_mm, p.r0_mm, p.r1_mm};
-}
-
 /// The two generators of the side along which n·V = 0 (paper Eqs. 1–8, with cosines instead of
-/// angles): radial directions e with (e − k u)·d = 0. None where the whole side is lit or dark, |k
-/// d·u| > |d⊥|: `exist` is false.
+/// angles): radial directions e with (e − k u)·d = 0. `exist` is false where the whole side
+/// advances or recedes, |k d·u| > |d⊥|.
 struct CuttingProfile {
   Vec3 radial[2];
   bool exist;
@@ -36,30 +35,27 @@ CuttingProfile cutting_profile(Vec3 u, double slope, Vec3 d) {
 }
 
 Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to) {
-  const RayCone start = at_pose(piece, from);
+  const RayCone start(piece, from.tip_mm, from.axis);
   const Vec3 d = to.tip_mm - from.tip_mm;
   const CuttingProfile profile = cutting_profile(start.axis, start.slope, d);
   const auto side = [&](Vec3 e) {
-    // Without a cutting profile the parallelogram collapses and is met nowhere.
+    // Without a cutting profile the parallelogram is degenerate and never hit.
     if (!profile.exist) return RayParallelogram(start.base, {}, {});
     return RayParallelogram(start.base + e * start.r0,
                             (start.axis + e * start.slope) * start.height, d);
   };
   return {start,
-          at_pose(piece, to),
+          RayCone(piece, to.tip_mm, to.axis),
           side(profile.radial[0]),
           side(profile.radial[1]),
           RayPipe(start.base, start.axis, piece.r0_mm, d),
           RayPipe(start.base + start.axis * start.height, start.axis, piece.r1_mm, d)};
 }
 
-/// mm. Rays so far outside a surface's rectangle are not asked for it: far more than the surfaces
-/// allow at their edges and than rounding moves them.
-constexpr double kRectangleMarginMm = 1e-6;
-
-/// Which surface has which lane of the rectangles.
+/// The lane of each surface in the rectangles.
 enum Surface { kStart, kEnd, kLeft, kRight, kLower, kUpper, kSurfaces };
 
+/// Computes the rectangle of one surface.
 class RectangleMaker {
  public:
   explicit RectangleMaker(Rectangles& rectangles, int surface) : r_(rectangles), i_(surface) {
@@ -67,10 +63,10 @@ class RectangleMaker {
     for (Lanes* min : {&r_.min_x, &r_.min_y}) min->set(i_, kInfinity);
     for (Lanes* max : {&r_.max_x, &r_.max_y}) max->set(i_, -kInfinity);
   }
-  /// A disc with the unit normal u; a point where the radius is 0.
+  /// Includes a disc with the unit normal u; a point if the radius is 0.
   void include(Vec3 center, Vec3 u, double radius) {
-    const double x = radius * std::sqrt(std::max(0.0, 1 - u.x * u.x)) + kRectangleMarginMm;
-    const double y = radius * std::sqrt(std::max(0.0, 1 - u.y * u.y)) + kRectangleMarginMm;
+    const double x = disc_half_width(radius, u.x) + kRectangleMarginMm;
+    const double y = disc_half_width(radius, u.y) + kRectangleMarginMm;
     r_.min_x.set(i_, std::min(r_.min_x[i_], center.x - x));
     r_.max_x.set(i_, std::max(r_.max_x[i_], center.x + x));
     r_.min_y.set(i_, std::min(r_.min_y[i_], center.y - y));
@@ -140,7 +136,7 @@ FrustumTranslation::FrustumTranslation(const FrustumPiece& p, const ToolPose& fr
                                        const ToolPose& to)
     : surfaces_(make_surfaces(p, from, to)),
       rectangles_(rectangles_of(surfaces_)),
-      shadow_({p.z0_mm, p.r0_mm, p.z1_mm, p.r1_mm}, {from, to}, kEdgeEpsilonMm) {}
+      shadow_(p, {from, to}, kEdgeEpsilonMm) {}
 
 void FrustumTranslation::evaluate(ColumnBlock& block) const {
   evaluate_surfaces(surfaces_, rectangles_, block);

@@ -9,13 +9,13 @@
 
 namespace kerf {
 
-/// A truncated cone of the tool that moves without turning: exact. Between its start and its end it
-/// is bounded by two parallelograms of the side and the pipes of the two rims (paper Eq. 11).
+/// Exact sweep of a frustum that moves without turning. Between its start and its end it is bounded
+/// by two parallelograms of the side and the pipes of the two rims (paper Eq. 11).
 class FrustumTranslation {
  public:
   FrustumTranslation(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to);
 
-  void leave(const Trail& trail) { shadow_.leave(trail); }
+  void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   void lower_bound(const Discs& discs, Lanes& z_mm) const { shadow_.lower_bound(discs, z_mm); }
   void evaluate(ColumnBlock& block) const;
@@ -25,8 +25,8 @@ class FrustumTranslation {
     RayParallelogram left, right;
     RayPipe lower, upper;
   };
-  /// What the surfaces cover of the XY plane, in the order of Surfaces; a little more, so that no
-  /// ray that meets one is outside.
+  /// Rectangles of the XY plane around the surfaces, in the order of Surfaces; enlarged by
+  /// kRectangleMarginMm, so that every ray that hits a surface is inside.
   struct Rectangles {
     Lanes min_x, max_x, min_y, max_y;
   };

@@ -5,42 +5,42 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/math/vec3_lanes.h"
-#include "kernel/tool/tool.h"
+#include "kernel/piece/arc.h"
+#include "kernel/piece/frustum.h"
 
 namespace kerf {
 
-/// Where eight dexel rays are inside the side of a piece that is continued beyond its two discs.
-/// Heights t above the piece's anchor.
+/// Intervals of eight dexel rays inside the side of a piece, continued beyond its two discs.
+/// Heights t relative to the piece's anchor.
 struct SideSpan {
   Lanes in, out;    ///< may be infinite
-  LaneMask exists;  ///< false: the ray passes by
-  Lanes closest;    ///< then: where it passes closest
+  LaneMask exists;  ///< false: the ray misses the side
+  Lanes closest;    ///< of rays that miss: the height closest to the side
 };
 
-/// The side of a truncated cone (paper Eq. 2; a cylinder when the slope is 0), anchored at the
-/// centre of its lower disc. With p = (x, y, t) from the anchor and l = p·u the side is |p|² − l² =
-/// (r0 + k l)², quadratic in t with A = u_x² + u_y² − k² u_z². A > 0: inside is between the roots.
-/// A ≤ 0 (the ray is steeper than the generators): inside is beyond one of them, on the nappe that
+/// The side of a frustum (paper Eq. 2; a cylinder when the slope is 0), anchored at the center of
+/// its lower disc. With p = (x, y, t) from the anchor and l = p·u the side is |p|² − l² = (r0 + k
+/// l)², quadratic in t with A = u_x² + u_y² − k² u_z². A > 0: the inside is between the roots. A ≤
+/// 0 (the ray is steeper than the generators): the inside is beyond one of them, on the nappe that
 /// belongs to the tool.
 struct ConeSide {
-  double anchor, low, high, r0, slope;
-  double flank;      ///< cosine of the slope
-  double by_chord2;  ///< about how deep a ray is in the side, by the square of its chord
+  double anchor, low, high;
+  FrustumSide side;
+  double by_chord2;  ///< estimated depth of a ray in the side, per squared length of its chord
 
   explicit ConeSide(const FrustumPiece& p)
       : anchor(p.z0_mm),
         low(0),
         high(p.z1_mm - p.z0_mm),
-        r0(p.r0_mm),
-        slope((p.r1_mm - p.r0_mm) / (p.z1_mm - p.z0_mm)),
-        flank(1 / std::sqrt(1 + slope * slope)),
-        by_chord2(0.125 / std::max(p.r0_mm, p.r1_mm)) {}
+        side(p),
+        by_chord2(0.125 / extent(p).radius_mm) {}
 
   /// `along` = x u_x + y u_y.
   KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const double k1 = 1 + slope * slope;
+    const double r0 = side.r0_mm, slope = side.slope, k1 = 1 + slope * slope;
     const Lanes a = u.x * u.x + u.y * u.y - slope * slope * (u.z * u.z);
     const Lanes b = -(k1 * along + r0 * slope) * u.z;
     const Lanes c = x * x + y * y - k1 * along * along - 2 * r0 * slope * along - r0 * r0;
@@ -52,13 +52,13 @@ struct ConeSide {
     const Lanes first = select(t1 < t0, t1, t0), second = select(t1 < t0, t0, t1);
     const LaneMask convex = a > 0.0;
     const LaneMask upwards = u.z * slope > 0.0;
-    // An upright cylinder: the ray is inside for its whole length or not at all.
+    // An upright cylinder: the whole ray is inside, or none of it.
     const LaneMask parallel = (a == 0.0) & (b == 0.0);
     Lanes in = select(convex, first, select(upwards, second, Lanes(-kInfinity)));
     Lanes out = select(convex, second, select(upwards, Lanes(kInfinity), first));
     in = select(parallel, Lanes(-kInfinity), in);
     out = select(parallel, Lanes(kInfinity), out);
-    // Between two roots the ray may be inside the mirrored nappe, which is no part of the tool.
+    // Between two roots the ray may be inside the mirrored nappe, which is not part of the tool.
     const LaneMask own_nappe = r0 + slope * (along - u.z * b / a) >= 0.0;
     const LaneMask exists =
         (convex & (inside >= 0.0) & own_nappe) | (~convex & ~parallel) | (parallel & (c <= 0.0));
@@ -66,33 +66,34 @@ struct ConeSide {
     if (any(convex & ~exists)) closest = select(convex, closest_to(x, y, u, along, a), closest);
     return {in, out, exists, closest};
   }
-  /// Outward normal, of any length, at the point p = (x, y, t) with l = p·u: the gradient of ρ −
-  /// (r0 + k l), ρ the distance from the axis.
+  /// Returns the outward normal, of any length, at the point p = (x, y, t) with l = p·u: the
+  /// gradient of ρ − (r0 + k l), where ρ is the distance from the axis.
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes radial = p - u * l;
-    return radial - u * (slope * square_root(dot(radial, radial)));
+    return radial - u * (side.slope * square_root(dot(radial, radial)));
   }
   /// Distance of the point p from the side; below zero inside.
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes radial = p - u * l;
-    return (square_root(dot(radial, radial)) - (r0 + slope * l)) * flank;
+    return side.distance(square_root(dot(radial, radial)), l);
   }
 
  private:
-  /// Where ρ − (r0 + k l), convex along a ray, is least, for rays with A > 0: at t0 + k u_z ρ1 / α
-  /// with α = u_x² + u_y², t0 nearest to the axis, ρ0 there, ρ1 = ρ0 √(α / A).
+  /// Returns the height at which ρ − (r0 + k l), convex along a ray, is least, for rays with A > 0:
+  /// t0 + k u_z ρ1 / α with α = u_x² + u_y², t0 the height nearest to the axis, ρ0 the distance
+  /// there and ρ1 = ρ0 √(α / A).
   KERF_INLINE Lanes closest_to(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along, Lanes a) const {
     const Lanes lean2 = u.x * u.x + u.y * u.y;
     const Lanes t0 = along * u.z / lean2;
     const Lanes l0 = along + u.z * t0;
     const Lanes rho2 = greater(x * x + y * y + t0 * t0 - l0 * l0, Lanes(0));
-    return t0 + slope * u.z * square_root(rho2 / (lean2 * a));
+    return t0 + side.slope * u.z * square_root(rho2 / (lean2 * a));
   }
 };
 
-/// The side that a convex arc of the profile sweeps, anchored at the height of the arc's centre: F
-/// = √(m² + l²) − radius = 0, m the distance from the tool's axis less center_r, not below zero. F
-/// is convex along a ray, so Newton's method from outside closes in on its ends monotonically.
+/// The side of an arc piece, anchored at the height of the arc's center: F = √(m² + l²) − radius =
+/// 0, where m is the distance from the tool's axis less center_r, at least zero. F is convex along
+/// a ray, so Newton's method from outside approaches its roots monotonically.
 struct ArcSide {
   double anchor, low, high, center_r, radius, reach, by_chord2;
 
@@ -127,22 +128,20 @@ struct ArcSide {
   /// Distance of the point p from the side; below zero inside.
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes q = p - u * l;
-    const Lanes m = greater(square_root(dot(q, q)) - center_r, Lanes(0));
-    return square_root(m * m + l * l) - radius;
+    return circle_distance(center_r, radius, square_root(dot(q, q)), l).mm;
   }
 
  private:
-  static constexpr int kSteps = 40;  ///< a grazed arc halves the distance at each
-  static constexpr double kFoundMm = 1e-11;
-  static constexpr double kClosestMm = 1e-5;  ///< the gap there errs by its square over a radius
+  static constexpr int kSteps = 40;  ///< at a grazed arc each step halves the distance
 
-  /// Where rays that pass by are closest to the arc: where the slope of F along the ray changes
-  /// sign. With θ the angle of the normal there to the axis it is center_r |cos θ| away from where
-  /// the ray is nearest to the ball's centre (at a tip of the arc less), whatever the gap.
+  /// Returns the height at which a ray that misses is closest to the arc: where the slope of F
+  /// along the ray changes sign. With θ the angle between the normal there and the axis, this is
+  /// center_r |cos θ| away from the height nearest to the ball's center (less at a tip of the arc),
+  /// for any gap.
   KERF_INLINE Lanes closest_to(Lanes p2, Lanes uz, Lanes along) const {
     const double farthest = std::abs(center_r);
     Lanes a = -farthest, b = farthest;
-    for (double width = 2 * farthest; width > kClosestMm; width *= 0.5) {
+    for (double width = 2 * farthest; width > kArcClosestMm; width *= 0.5) {
       const Lanes t = (a + b) * 0.5;
       const Lanes l = along + uz * t;
       const Lanes rho = square_root(magnitude(p2 + t * t - l * l));
@@ -154,7 +153,8 @@ struct ArcSide {
     return (a + b) * 0.5;
   }
 
-  /// Newton's steps from outside towards the arc, in the lanes `asked`; true where it is met.
+  /// Moves t by Newton's steps from outside towards the arc, in the lanes `asked`. Returns where
+  /// the arc is hit.
   KERF_INLINE LaneMask approach(Lanes p2, Lanes uz, Lanes along, LaneMask asked, Lanes& t) const {
     LaneMask met = asked;
     LaneMask moving = asked;
@@ -162,16 +162,14 @@ struct ArcSide {
     for (int i = 0; i < kSteps && any(moving); ++i) {
       const Lanes l = along + uz * t;
       const Lanes rho = square_root(greater(p2 + t * t - l * l, Lanes(0)));
-      const Lanes m = greater(rho - center_r, Lanes(0));
-      const Lanes d = square_root(m * m + l * l);
-      const Lanes f = d - radius;
-      const Lanes across = select(rho > 0.0, m * (t - l * uz) / rho, Lanes(0));
-      const Lanes slope = (across + l * uz) / d;
-      const LaneMask outside = f > kFoundMm;
+      const CircleDistance<Lanes> d = circle_distance(center_r, radius, rho, l);
+      const Lanes across = select(rho > 0.0, d.across * (t - l * uz) / rho, Lanes(0));
+      const Lanes slope = (across + l * uz) / d.length;
+      const LaneMask outside = d.mm > kArcFoundMm;
       const LaneMask closing = select(from_below, slope, -slope) < 0.0;
       met &= ~(moving & outside & ~closing);
       moving &= outside & closing;
-      t = select(moving, t - f / slope, t);
+      t = select(moving, t - d.mm / slope, t);
     }
     return met;
   }

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
+#include "kernel/piece/bounds.h"
+
 namespace kerf {
 namespace {
-
-/// Squared sine of the lean from which on a plane along the axis bounds the piece better than a
-/// level one.
-constexpr double kLeanForPlane = 1e-4;
 
 constexpr double kCos1 = 0.92387953251128674, kCos2 = 0.70710678118654752;
 constexpr double kCos3 = 0.38268343236508977;
@@ -22,9 +21,6 @@ KERF_INLINE Lanes directions_x() {
 KERF_INLINE Lanes directions_y() {
   return {HalfLanes{0, kCos3, kCos2, kCos1}, HalfLanes{1, kCos1, kCos2, kCos3}};
 }
-
-/// Half-width along a unit direction of a disc of radius r whose axis has the component c there.
-double half_width(double r, double c) { return r * std::sqrt(std::max(0.0, 1 - c * c)); }
 
 KERF_INLINE void extend_support_in_lanes(const Vec3& center, const Vec3& axis, double radius,
                                          Lanes& lo, Lanes& hi) {
@@ -60,21 +56,20 @@ KERF_FOR_EACH_TARGET(void, bound_discs,
 
 }  // namespace
 
-Shadow::Shadow(const Envelope& e, const std::vector<ToolPose>& poses, double margin_mm) {
+Shadow::Shadow(const FrustumPiece& e, const std::vector<ToolPose>& poses, double margin_mm) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   support_lo_ = Lanes(kInfinity);
   support_hi_ = Lanes(-kInfinity);
   bounds_ = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   const auto each_disc = [&](auto visit) {
     for (const ToolPose& pose : poses) {
-      visit(pose.tip_mm + pose.axis * e.lo_mm, pose.axis, e.r_lo_mm);
-      visit(pose.tip_mm + pose.axis * e.hi_mm, pose.axis, e.r_hi_mm);
+      visit(pose.tip_mm + pose.axis * e.z0_mm, pose.axis, e.r0_mm);
+      visit(pose.tip_mm + pose.axis * e.z1_mm, pose.axis, e.r1_mm);
     }
   };
   each_disc([&](Vec3 c, Vec3 u, double r) {
     extend_support(c, u, r, support_lo_, support_hi_);
-    const Vec3 h{half_width(r, u.x) + margin_mm, half_width(r, u.y) + margin_mm,
-                 half_width(r, u.z) + margin_mm};
+    const Vec3 h = disc_half_widths(r, u) + Vec3{margin_mm, margin_mm, margin_mm};
     bounds_.min_mm = {std::min(bounds_.min_mm.x, c.x - h.x), std::min(bounds_.min_mm.y, c.y - h.y),
                       std::min(bounds_.min_mm.z, c.z - h.z)};
     bounds_.max_mm = {std::max(bounds_.max_mm.x, c.x + h.x), std::max(bounds_.max_mm.y, c.y + h.y),
@@ -86,10 +81,10 @@ Shadow::Shadow(const Envelope& e, const std::vector<ToolPose>& poses, double mar
   plane_ = {-kInfinity, 0, 0, 0};
   const Vec3 u = normalized(poses.front().axis + poses.back().axis);
   const double lean2 = u.x * u.x + u.y * u.y;
-  if (!(lean2 > kLeanForPlane && u.z > 0)) return;
-  // The plane along the middle axis that touches the piece from below: n is the upward normal of
-  // the axis. Discs reach their radius below their centres along n; sines of the half turn are
-  // covered by taking whole radii.
+  if (!(lean2 > kPlaneLean2 && u.z > 0)) return;
+  // The plane parallel to the middle axis that touches the piece from below: n is the upward normal
+  // of the axis. Discs reach at most their radius below their centers along n; taking the whole
+  // radius covers the turn of the axis to either side.
   const double lean = std::sqrt(lean2);
   const Vec3 n{-u.x * u.z / lean, -u.y * u.z / lean, lean};
   double support = kInfinity;

@@ -4,36 +4,32 @@
 #include <optional>
 #include <vector>
 
+#include "kernel/piece/frustum.h"
 #include "kernel/sweep/column_block.h"
 #include "kernel/sweep/trail.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {
 
-/// Heights lo < hi of a piece of revolution on the tool's axis, and the radius of a truncated cone
-/// around it there: what its sweep is bounded by.
-struct Envelope {
-  double lo_mm, r_lo_mm, hi_mm, r_hi_mm;
-};
-
-/// The outline on the XY plane of a piece that takes some poses, and from below a plane: they tell
-/// which parts of the stock the piece cannot change. Both allow for `margin_mm`, how far the piece
-/// may leave the hull of its poses in between.
+/// Bounds of a piece at several poses: its outline in the XY plane, and a plane below it. Parts of
+/// the stock outside of them cannot be changed by the piece. Both are enlarged by `margin_mm`, the
+/// distance by which the piece may leave the hull of its poses in between.
 class Shadow {
  public:
-  Shadow(const Envelope& envelope, const std::vector<ToolPose>& poses, double margin_mm);
+  Shadow(const FrustumPiece& envelope, const std::vector<ToolPose>& poses, double margin_mm);
 
-  /// The piece has been removed from the stock at its first pose.
-  void leave(const Trail& trail) { trail_ = trail; }
+  /// Call this if the piece at its first pose has been removed from the stock already: then the
+  /// region behind the piece is excluded too.
+  void set_trail(const Trail& trail) { trail_ = trail; }
 
   const SweepBounds& bounds() const { return bounds_; }
-  /// Lowers `z_mm` to the lowest height that is removed within each disc, where any is.
+  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc.
   void lower_bound(const Discs& discs, Lanes& z_mm) const;
 
  private:
   Lanes support_lo_, support_hi_;  ///< extent along eight directions, 22.5 degrees apart
   SweepBounds bounds_;
-  /// Nothing is below z = at_origin + by_x x + by_y y; `steepness` is the plane's slope.
+  /// The piece is above z = at_origin + by_x x + by_y y; `steepness` is the plane's slope.
   struct Plane {
     double at_origin_mm, by_x, by_y, steepness;
   } plane_;

@@ -8,34 +8,34 @@
 
 namespace kerf {
 
-/// Which end of a ray's interval is searched.
+/// The end of a ray's interval that is searched.
 enum class End { kLower, kUpper };
 
-/// Sine from which on a ray is steep to the discs of the piece, so that they say better than the
-/// side how far apart the two are.
+/// Sine of the angle between ray and discs from which on the discs, not the side, are used to
+/// estimate the distance between ray and piece.
 constexpr double kSteep = 0.5;
 
-/// A piece at eight shares, met by eight rays.
+/// Intersection of eight rays with a piece, each at its own share of the motion.
 struct Meeting {
-  Lanes lo, hi;  ///< heights of the interval, relative to the middle tip; both of the point that
-                 ///< decides where the ray is missed
+  Lanes lo, hi;  ///< heights of the interval, relative to the middle tip; where the ray misses,
+                 ///< both are the height of the deciding point
   LaneMask hit;
   Lanes side_lo, side_hi;  ///< of the side, continued beyond the discs; lo > hi where it is missed
   LaneMask on_side;        ///< of hits: the end lies on the side, not on a disc
-  Lanes within;   ///< how far the side's end is between the discs, along the ray; < 0 beyond one
-  Lanes through;  ///< how far the ray is from being missed; < 0 by how much it is
-  /// > 0: later in the motion the end lies farther out, or the piece is nearer to the ray; < 0: it
-  /// was so earlier.
+  Lanes within;   ///< distance along the ray of the side's end from the nearer disc; < 0 beyond it
+  Lanes through;  ///< depth of the ray in the piece; < 0: distance by which it misses
+  /// Speed of the end outwards, or of the piece towards a ray that misses it. > 0: later in the
+  /// motion the end lies farther out; < 0: it did so earlier.
   Lanes advance;
-  Lanes beyond;     ///< advance of the other surface, disc or side, that may end rays here; 0: none
-  Lanes clearance;  ///< the piece is at least this far from the ray; 0 where it is hit
-  Lanes off_side;   ///< of a ray that the side misses between the discs: how far it stays off it
-  Lanes upright;    ///< advance / upright is how fast the end moves along the ray; 0 where missed
-  Lanes normal2;    ///< square of the length of the normal that both are measured along
+  Lanes beyond;     ///< advance of the other surface, disc or side, that may end rays here; or 0
+  Lanes clearance;  ///< lower bound of the distance between ray and piece; 0 where it is hit
+  Lanes off_side;   ///< of a ray that misses the side between the discs: distance from the side
+  Lanes upright;    ///< advance / upright is the speed of the end along the ray; 0 where missed
+  Lanes normal2;    ///< squared length of the normal along which both are measured
 };
 
-/// How far at least rays that miss the piece are off it. `p` is the point that decides, at the
-/// height `l` on the axis u; the side's normal there has the component nz along the rays.
+/// Sets the clearance of rays that miss the piece. `p` is the deciding point, at the height `l` on
+/// the axis u; the side's normal there has the component nz along the rays.
 template <class Side>
 KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& span,
                                 const Vec3Lanes& p, const Vec3Lanes& u, Lanes l, Lanes nz,
@@ -43,8 +43,9 @@ KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& sp
   const LaneMask by_side = ~m.hit & (steep | ~span.exists);
   const Lanes off_side = side.clearance(p, l, u);
   m.off_side = select(by_side & (off_side > 0.0), off_side, Lanes(0));
-  // Beyond a disc the ray comes nearer to the side by its length at most, and leaves the disc by
-  // its slope; beyond the side's end the other way round.
+  // Along the ray beyond a disc, the distance from the side shrinks at most at unit rate, while the
+  // distance from the disc grows at the rate `slope`. Beyond the side's end the roles are
+  // exchanged.
   const Lanes slope = magnitude(u.z);
   const Lanes past_disc = off_side * (slope / (1 + slope));
   const Lanes off_disc = greater(side.low - l, l - side.high);
@@ -56,7 +57,8 @@ KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& sp
   m.through = select(span.exists, m.through, -off_side);
 }
 
-/// `x`, `y` relative to the middle tip.
+/// Intersects eight rays with a piece at eight shares of its path. `x`, `y` are relative to the
+/// middle tip. `end` is the end for which the speeds are computed.
 template <End end, class Side>
 KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes share) {
   const TurningFrame::Poses pose = path.frame.at(share);
@@ -66,8 +68,8 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   const Lanes along = px * u.x + py * u.y;
   const SideSpan span = side.meet(px, py, u, along);
 
-  // A ray at right angles to the axis never crosses the discs: they are far away.
-  const Lanes uz = select(magnitude(u.z) > 1e-290, u.z, Lanes(1e-290));
+  // A ray at right angles to the axis crosses the planes of the discs far away.
+  const Lanes uz = select(magnitude(u.z) > kAxisAlongRayMin, u.z, Lanes(kAxisAlongRayMin));
   const Lanes to_low = (side.low - along) / uz, to_high = (side.high - along) / uz;
   const Lanes disc_in = lesser(to_low, to_high), disc_out = greater(to_low, to_high);
   const LaneMask below = span.exists & (span.out < disc_in);
@@ -75,7 +77,8 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   const LaneMask hit = span.exists & ~below & ~above;
   const Lanes in = greater(span.in, disc_in), out = lesser(span.out, disc_out);
 
-  // The one point that decides: of the end, or where side and discs come closest to meeting.
+  // The deciding point: the end of the interval, or where side and discs are closest to
+  // overlapping.
   const LaneMask steep = magnitude(u.z) >= kSteep;
   const LaneMask on_side = end == End::kLower ? span.in >= disc_in : span.out <= disc_out;
   Lanes t = select(span.exists, select(below, span.out, span.in), span.closest);
@@ -88,7 +91,7 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   const Lanes side_speed = dot(n, v), axis_speed = dot(u, v);
   const Lanes outward = end == End::kLower ? -axis_speed : axis_speed;
   const Lanes disc_speed = select(u.z < 0.0, -outward, outward);
-  // A miss: how fast the gap closes, seen from the nearer disc or from the side's end.
+  // For rays that miss: speed at which the gap closes, at the nearer disc or at the side's end.
   const Lanes from_disc = side_speed - n.z * axis_speed / uz;
   const Lanes rise = select(span.exists, u.z * side_speed / n.z, Lanes(0)) - axis_speed;
   const Lanes from_side = select(span.exists, select(l < side.low, rise, -rise), side_speed);

@@ -5,27 +5,27 @@
 
 namespace kerf {
 
-/// Halvings that a part may need.
+/// Maximum number of bisections of a part.
 inline constexpr int kHalvingsMax = 16;
 
-/// How the outermost ends of a slice of the tool are searched along a motion (kernel/README.md,
-/// "The tight model").
+/// Parameters of the search for the outermost ends of a slice of the tool along a motion
+/// (kernel/sweep/README.md, "The tight model").
 struct SliceSearch {
-  int parts = 1;         ///< of the motion, between whose stations the search goes
-  int halvings = 0;      ///< of a part, for rays that the slice meets late, leaves or comes back to
-  bool checked = false;  ///< ends that the bend leaves in doubt are looked for once more
-  double bend_mm = 0;    ///< κ: greatest bend of a fixed point's way, seen from the slice
-  double missed_mm = 0;  ///< how deep in the sweep an end may be that is not found
-  double search_mm = 0;  ///< how near to an outermost end the search goes, off the surface
-  bool shows_disc = true;  ///< a disc of the slice is not hidden within its neighbours
+  int parts = 1;           ///< parts of the motion; each is searched between its two stations
+  int halvings = 0;        ///< max bisections of a part, for rays with a non-connected hit set
+  bool checked = false;    ///< search once more for ends that the bend leaves in doubt
+  double bend_mm = 0;      ///< κ: greatest bend of a fixed point's path relative to the slice
+  double missed_mm = 0;    ///< greatest depth in the sweep of an end that is not found
+  double search_mm = 0;    ///< distance off the surface at which the search for an end stops
+  bool shows_disc = true;  ///< a disc of the slice is not hidden within its neighbors
 };
 
-/// The way of a slice, and what its search needs to know of it.
+/// The path of a slice, and the parameters of its search.
 struct SlicePath {
   TurningFrame frame;
   SliceSearch search;
-  double speed_max_mm;  ///< fastest that a point of the slice moves, per unit of share
-  double lowest_mm;     ///< that the slice comes, relative to the middle tip
+  double speed_max_mm;  ///< greatest speed of a point of the slice, per unit of share
+  double lowest_mm;     ///< lower bound of the slice's heights, relative to the middle tip
 };
 
 }  // namespace kerf

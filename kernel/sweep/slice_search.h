@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "kernel/math/span.h"
 #include "kernel/sweep/slice_meeting.h"
 
 namespace kerf {
@@ -12,8 +13,8 @@ KERF_INLINE void include_hits(LaneSpan& span, const Meeting& m) {
   span.hi = select(m.hit & (m.hi > span.hi), m.hi, span.hi);
 }
 
-/// The search for the upper ends leaves the lower ones alone: they are done with, and must not
-/// depend on whether it is needed.
+/// Includes the end of a hit. The search for upper ends does not change lower ones: those are final
+/// and must not depend on whether upper ends are searched.
 template <End end>
 KERF_INLINE void include_end(LaneSpan& span, const Meeting& m) {
   if (end == End::kLower) {
@@ -23,34 +24,35 @@ KERF_INLINE void include_end(LaneSpan& span, const Meeting& m) {
   }
 }
 
-/// Steps of a search; it brackets the solution and stops as soon as every lane is done.
+/// Maximum number of steps of a search. It brackets the solution and stops when all lanes are done.
 constexpr int kSearchSteps = 120;
 
-/// The shares between two stations, and what was met there.
+/// An interval of shares between two stations, and the intersections there.
 struct Stretch {
   double from, to;
   const Meeting &first, &last;
 };
 
+/// Returns where the end is on the same surface, side or disc, as at a station.
 KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
   return m.hit & station.hit & ~(m.on_side ^ station.on_side);
 }
 
-/// What is searched in which lanes, one thing in each.
+/// The quantity that is searched in each lane; at most one of the masks is set.
 struct Searches {
-  LaneMask turn;   ///< the one place where the advance changes from > 0 to < 0
-  LaneMask first;  ///< the end of what the ray's end does from the first station on: it stays on
-                   ///< its surface and moves outwards
-  LaneMask last;   ///< the begin of what it does up to the last station
-  LaneMask edge;   ///< where the piece meets or leaves the ray
+  LaneMask turn;   ///< the share at which the advance changes from > 0 to < 0
+  LaneMask first;  ///< the last share up to which the ray's end, from the first station on, stays
+                   ///< on its surface and moves outwards
+  LaneMask last;   ///< the first share from which the same holds backwards from the last station
+  LaneMask edge;   ///< the share at which the piece begins or ceases to hit the ray
 
   KERF_INLINE LaneMask all() const { return turn | first | last | edge; }
 };
 
-/// The outermost end lies between two stations where the end moves outwards at the first and
-/// inwards at the last. Elsewhere it may do so too if it changes surface: up to the edge where the
-/// first surface ends, or from the edge where the last begins; or, having turned round in between,
-/// at the very edge of the piece.
+/// Returns the searches of a stretch. If the end moves outwards at the first station and inwards at
+/// the last, the outermost end lies in between. It may also lie in between if the end changes
+/// surface: at the edge where the first surface ends or the last begins, or, if the speed changes
+/// sign in between, at the edge of the piece.
 KERF_INLINE Searches searches_of(const SlicePath& path, const Stretch& stretch, LaneMask asked) {
   const Meeting &first = stretch.first, &last = stretch.last;
   const LaneMask outwards = first.advance > 0.0, inwards = last.advance < 0.0;
@@ -66,14 +68,14 @@ KERF_INLINE Searches searches_of(const SlicePath& path, const Stretch& stretch, 
   return s;
 }
 
-/// What is zero at the place that is searched, as far as is known at one side of it.
+/// Functions one of which is zero at the searched share, evaluated at one end of the bracket.
 struct Sought {
   Lanes advance, within, through;
 
   KERF_INLINE explicit Sought(const Meeting& m)
       : advance(m.advance), within(m.within), through(m.through) {}
-  /// In the lanes `moved` that is `m` now; in the lanes `stayed` it counts half, so that the other
-  /// side moves too.
+  /// Replaces the values by those of `m` in the lanes `moved`, and halves them in the lanes
+  /// `stayed`, so that the other end of the bracket moves too (Illinois).
   KERF_INLINE void move(LaneMask moved, LaneMask stayed, const Meeting& m) {
     const Lanes share = select(stayed, Lanes(0.5), Lanes(1));
     advance = select(moved, m.advance, advance * share);
@@ -82,8 +84,8 @@ struct Sought {
   }
 };
 
-/// Where between a and b a straight line is zero: from the one to the other the ray is missed or
-/// met, or its end changes between side and disc, or else it turns round.
+/// Returns the zero of the straight line between a and b: of `through` if the ray is hit at only
+/// one of them, of `within` if its end changes between side and disc, else of `advance`.
 KERF_INLINE Lanes falsi(Lanes a, Lanes b, const Sought& fa, const Sought& fb) {
   const LaneMask enters = fa.through * fb.through < 0.0, crosses = fa.within * fb.within < 0.0;
   const Lanes f = select(enters, fa.through, select(crosses, fa.within, fa.advance));
@@ -91,22 +93,22 @@ KERF_INLINE Lanes falsi(Lanes a, Lanes b, const Sought& fa, const Sought& fb) {
   return a + (b - a) * (f / (f - g));
 }
 
-/// Searches a stretch: regula falsi in the Illinois variant with halvings. Every hit on the way
-/// widens `span`. Returns where it ended.
+/// Searches a stretch by regula falsi in the Illinois variant with bisections. Every hit at an
+/// evaluated share widens `span`. Returns the last shares.
 template <End end, class Side>
 KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                          const Stretch& stretch, const Searches& what, LaneSpan& span) {
   Lanes a = Lanes(stretch.from), b = Lanes(stretch.to);
   Sought fa(stretch.first), fb(stretch.last);
   LaneMask was_later = ~every_lane(), was_earlier = was_later;
-  const Lanes way = (stretch.to - stretch.from) * path.speed_max_mm;
+  const Lanes travel = (stretch.to - stretch.from) * path.speed_max_mm;
   Lanes length = stretch.to - stretch.from;
-  LaneMask searching = what.all() & (stretch.first.clearance + stretch.last.clearance <= way);
+  LaneMask searching = what.all() & (stretch.first.clearance + stretch.last.clearance <= travel);
   Lanes at = a;
   for (int i = 0; i < kSearchSteps && any(searching); ++i) {
     const Lanes guess = falsi(a, b, fa, fb);
     LaneMask usable = (guess > a) & (guess < b);
-    // Every third step sees whether the stretch has become half as long, and halves it if not.
+    // Every third step bisects unless the bracket has become at most half as long.
     if (i % 3 == 2) {
       usable &= b - a <= 0.5 * length;
       length = b - a;
@@ -129,9 +131,9 @@ KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes
     was_earlier = ~later;
     a = select(later, s, a);
     b = select(later, b, s);
-    // By convexity the end cannot move farther along the ray than at its present speed, nor off the
-    // surface than the piece moves at all. Where it goes outwards on the one of side and disc and
-    // inwards on the other, it is outermost where they meet: between the two.
+    // By convexity the end moves along the ray at most at its present speed, and off the surface at
+    // most as far as the piece moves. Where it moves outwards on one of side and disc and inwards
+    // on the other, it is outermost where the two meet, within the bracket.
     const Lanes left = select(later, b - s, s - a);
     const LaneMask as_first = m.within * first_within > 0.0;
     const LaneMask turns =
@@ -147,9 +149,9 @@ KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes
   return at;
 }
 
-/// How far at least the point of a ray at the height `best` is off the piece, `share` away from a
-/// station: there the ray's end is at `z` and moves outwards by `advance` towards that share. What
-/// convexity leaves (kernel/README.md, "The tight model").
+/// Returns a lower bound, by convexity, of the distance between the piece and the point of a ray at
+/// the height `best`, `share` away from a station. At the station the ray's end is at `z` and moves
+/// outwards by `advance` towards that share (kernel/sweep/README.md, "The tight model").
 KERF_INLINE Lanes least_off(const SlicePath& path, const Meeting& m, Lanes z, Lanes best,
                             Lanes advance, Lanes share) {
   const Lanes scale = 1 / square_root(m.normal2);
@@ -158,8 +160,8 @@ KERF_INLINE Lanes least_off(const SlicePath& path, const Meeting& m, Lanes z, La
   return magnitude(m.upright) * scale * rise - (fall + 0.5 * path.search.bend_mm * share) * share;
 }
 
-/// Rays that may reach farther out than `best`, found at the share `at`, by more than what may be
-/// missed: near `at` the bend forbids it, and near the stations what is known there.
+/// Returns the rays whose extremum may exceed `best`, found at the share `at`, by more than
+/// `missed_mm`. Near `at` the bend excludes it; near the stations, the bounds from there do.
 template <End end>
 KERF_INLINE LaneMask doubtful(const SlicePath& path, const Stretch& stretch, Lanes at, Lanes best,
                               double covered) {
@@ -172,8 +174,8 @@ KERF_INLINE LaneMask doubtful(const SlicePath& path, const Stretch& stretch, Lan
          ((right > 0.0) & ~(least_off(path, last, z1, best, -last.advance, right) >= missed));
 }
 
-/// Widens `span` by the outermost end between two stations, to within what may be missed. A stretch
-/// that leaves a doubt is halved, once: its halves bend little enough to leave none.
+/// Widens `span` by the outermost end between two stations, up to `missed_mm`. A stretch that
+/// remains doubtful is bisected once: its halves bend so little that no doubt remains.
 template <End end, class Side>
 KERF_INLINE void search_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                 const Stretch& stretch, LaneMask asked, LaneSpan& span) {
@@ -195,9 +197,9 @@ KERF_INLINE void search_stretch(const Side& side, const SlicePath& path, Lanes x
              doubtful<end>(path, stretch, select(what.turn, found, station), best, covered);
     if (!any(asked)) return;
     middle = meet<end>(side, path, x, y, share);
-    Meeting seen = middle;
-    seen.hit &= asked;
-    include_end<end>(span, seen);
+    Meeting asked_only = middle;
+    asked_only.hit &= asked;
+    include_end<end>(span, asked_only);
   }
 }
 

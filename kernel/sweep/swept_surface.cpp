@@ -4,20 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/math/tolerance.h"
+
 namespace kerf {
 namespace {
 
-/// mm. A point this near to a piece lies on it: no other piece need be asked.
-constexpr double kOnSurfaceMm = 1e-6;
-
-/// mm. The way within which a search finds the pose that touches a point: the normal errs by its
-/// ratio to the tool's radius there.
-constexpr double kSearchMm = 1e-6;
-
 constexpr int kSearchSteps = 120;
 
-/// Steps towards the share at which a ball's centre is closest; a straight path needs one, and a
-/// bent one leaves its chord by little.
+/// Steps towards the share at which a ball's center is closest. A straight path needs one; a bent
+/// one deviates little from its chord.
 constexpr int kBallSteps = 2;
 
 KERF_INLINE Vec3Lanes select(const LaneMask& condition, const Vec3Lanes& yes, const Vec3Lanes& no) {
@@ -25,6 +20,7 @@ KERF_INLINE Vec3Lanes select(const LaneMask& condition, const Vec3Lanes& yes, co
           kerf::select(condition, yes.z, no.z)};
 }
 
+/// Returns a mask with lane i true where bit i is set.
 KERF_INLINE LaneMask lanes_of(unsigned bits) {
   Lanes v{};
   for (int i = 0; i < kLanes; ++i) v.set(i, bits >> i & 1U);
@@ -33,39 +29,14 @@ KERF_INLINE LaneMask lanes_of(unsigned bits) {
 
 }  // namespace
 
-SweptSurface::Piece SweptSurface::piece_of(const ToolPiece& piece) {
-  Piece p{};
-  if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    p.side = Side::kLine;
-    p.z0 = f->z0_mm;
-    p.z1 = f->z1_mm;
-    p.r0 = f->r0_mm;
-    p.slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
-    p.flank = 1 / std::sqrt(1 + p.slope * p.slope);
-  } else if (const auto* ball = std::get_if<BallPiece>(&piece)) {
-    p.side = Side::kBall;
-    p.center_z = ball->center_mm;
-    p.radius = ball->radius_mm;
-  } else {
-    const auto& arc = std::get<ArcPiece>(piece);
-    p.side = Side::kArc;
-    p.z0 = arc.z0_mm;
-    p.z1 = arc.z1_mm;
-    p.center_r = arc.center_r_mm;
-    p.center_z = arc.center_z_mm;
-    p.radius = arc.radius_mm;
-  }
-  return p;
-}
-
 SweptSurface::SweptSurface(const Tool& tool, const ToolMotion& motion)
     : frame_(motion.from, motion.to),
       speed_max_(length(frame_.v) + frame_.turn * (tool.length_mm + tool.radius_mm)) {
-  for (const ToolPiece& piece : tool.pieces) pieces_.push_back(piece_of(piece));
+  for (const ToolPiece& piece : tool.pieces) pieces_.emplace_back(piece);
 }
 
-KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Vec3Lanes& point,
-                                                        Lanes share) const {
+KERF_INLINE SweptSurface::Contact SweptSurface::contact(const PieceProfile& p,
+                                                        const Vec3Lanes& point, Lanes share) const {
   const TurningFrame::Poses pose = frame_.at(share);
   const Vec3Lanes q = point - pose.tip;
   const Lanes h = dot(q, pose.u);
@@ -73,21 +44,20 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Ve
   const Lanes rho = square_root(dot(radial, radial));
   const Vec3Lanes e = radial * kerf::select(rho > 0.0, 1 / rho, Lanes(0));
   Contact c;
-  Lanes along;  // the side's normal: across · e + along · u
+  Lanes along;  // The side's normal is across · e + along · u.
   Lanes across;
-  if (p.side == Side::kLine) {
-    c.gap = (rho - p.r0 - p.slope * (h - p.z0)) * p.flank;
-    across = p.flank;
-    along = -p.slope * p.flank;
+  if (p.side == PieceProfile::Side::kLine) {
+    c.gap = p.line_distance(rho, h);
+    across = p.line.cosine;
+    along = -p.line.slope * p.line.cosine;
   } else {
-    const Lanes m = greater(rho - p.center_r, Lanes(0)), l = h - p.center_z;
-    const Lanes d = square_root(m * m + l * l);
-    const Lanes inverse = kerf::select(d > 0.0, 1 / d, Lanes(0));
-    c.gap = d - p.radius;
-    across = m * inverse;
-    along = l * inverse;
+    const CircleDistance<Lanes> d = p.arc_distance(rho, h);
+    const Lanes inverse = kerf::select(d.length > 0.0, 1 / d.length, Lanes(0));
+    c.gap = d.mm;
+    across = d.across * inverse;
+    along = d.along * inverse;
   }
-  const Lanes below = p.z0 - h, above = h - p.z1;
+  const Lanes below = p.z0_mm - h, above = h - p.z1_mm;
   c.by_side = c.gap - greater(below, above);
   const LaneMask on_low = below > c.gap;
   c.gap = kerf::select(on_low, below, c.gap);
@@ -100,13 +70,13 @@ KERF_INLINE SweptSurface::Contact SweptSurface::contact(const Piece& p, const Ve
   return c;
 }
 
-/// A ball's centre moves on a line that is hardly bent: where it is closest is found by asking the
-/// tangent.
-KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
+/// Contact of a ball. Its center moves on a line that is hardly bent, so projections on the tangent
+/// find the closest share.
+KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const PieceProfile& ball,
                                                              const Vec3Lanes& point) const {
   Vec3Lanes to_point{};
   if (frame_.turn == 0) {
-    const Vec3 middle = frame_.u * ball.center_z, v = frame_.v;
+    const Vec3 middle = frame_.u * ball.center_z_mm, v = frame_.v;
     const double speed2 = dot(v, v), inverse = speed2 > 0 ? 1 / speed2 : 0;
     to_point = {point.x - middle.x, point.y - middle.y, point.z - middle.z};
     const Lanes along = (to_point.x * v.x + to_point.y * v.y + to_point.z * v.z) * inverse;
@@ -116,7 +86,7 @@ KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
     Lanes share = 0.5;
     for (int i = 0; i <= kBallSteps; ++i) {
       const TurningFrame::Poses pose = frame_.at(share);
-      const Vec3Lanes arm = pose.u * Lanes(ball.center_z);
+      const Vec3Lanes arm = pose.u * Lanes(ball.center_z_mm);
       to_point = point - pose.tip - arm;
       if (i == kBallSteps) break;
       const Vec3Lanes v = frame_.velocity(arm);
@@ -125,18 +95,20 @@ KERF_INLINE SweptSurface::Contact SweptSurface::ball_contact(const Piece& ball,
       share = lesser(greater(share + step, Lanes(0)), Lanes(1));
     }
   }
-  // The code of a normal does not ask for its length.
-  return {square_root(dot(to_point, to_point)) - ball.radius, to_point, Lanes(0), Lanes(0)};
+  // The code of a normal does not depend on its length.
+  return {square_root(dot(to_point, to_point)) - ball.radius_mm, to_point, Lanes(0), Lanes(0)};
 }
 
-/// The contact of a piece at the share at which it is least far from the point: bracketed by the
-/// sign of n·V, and found by regula falsi in the Illinois variant with halvings; where n·V jumps,
-/// because side and disc take turns, by what makes them do so.
-KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, const Vec3Lanes& point,
+/// Returns the contact of a piece at the share at which it is closest to the point. The share is
+/// bracketed by the sign of n·V and found by regula falsi in the Illinois variant with bisections.
+/// Where n·V jumps, because the nearest surface changes between side and disc, the difference of
+/// their distances is used instead.
+KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const PieceProfile& piece,
+                                                        const Vec3Lanes& point,
                                                         LaneMask asked) const {
-  if (piece.side == Side::kBall) return ball_contact(piece, point);
+  if (piece.side == PieceProfile::Side::kBall) return ball_contact(piece, point);
   Contact first = contact(piece, point, Lanes(0)), last = contact(piece, point, Lanes(1));
-  // Receding from the start on: it touches there. Still advancing at the end: it touches there.
+  // If the piece recedes from the start on, it touches there; if it advances up to the end, there.
   const LaneMask at_start = first.advance <= 0.0, at_end = last.advance >= 0.0;
   LaneMask searching = asked & ~at_start & ~at_end;
   Contact found = last;
@@ -160,7 +132,8 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, cons
     const Contact c = contact(piece, point, s);
     const LaneMask later = searching & (c.advance > 0.0), sooner = searching & (c.advance < 0.0);
     const LaneMask there = searching & (c.advance == 0.0);
-    // What stays twice counts half, so that the other side moves too.
+    // An end of the bracket that stays twice counts half, so that the other end moves too
+    // (Illinois).
     weight_a = kerf::select(later, Lanes(1), kerf::select(was_sooner, weight_a * 0.5, weight_a));
     weight_b = kerf::select(sooner, Lanes(1), kerf::select(was_later, weight_b * 0.5, weight_b));
     was_later = later;
@@ -176,9 +149,9 @@ KERF_INLINE SweptSurface::Contact SweptSurface::nearest(const Piece& piece, cons
     found.gap = kerf::select(searching, c.gap, found.gap);
     found.normal = select(there, c.normal, found.normal);
     searching &= ~there;
-    const LaneMask close = searching & ((b - a) * speed_max_ <= kSearchMm);
-    // Between the normals on both sides of the minimum: of the two surfaces of an edge, or of one
-    // surface at two places as good as equal.
+    const LaneMask close = searching & ((b - a) * speed_max_ <= kTouchSearchMm);
+    // Interpolated between the normals on both sides of the minimum: those of the two surfaces of
+    // an edge, or of one surface at two nearly equal points.
     const Lanes weight = first.advance / (first.advance - last.advance);
     const Vec3Lanes between = first.normal * (1 - weight) + last.normal * weight;
     found.normal = select(close, between, found.normal);
@@ -191,11 +164,11 @@ KERF_INLINE void SweptSurface::stock_normals_in_lanes(const Vec3Lanes& ends_mm, 
                                                       double towards, NormalCode* codes) const {
   const Vec3Lanes point{ends_mm.x - frame_.tip.x, ends_mm.y - frame_.tip.y,
                         ends_mm.z - frame_.tip.z};
-  const LaneMask wanted = lanes_of(asked);
+  const LaneMask active = lanes_of(asked);
   Lanes least = std::numeric_limits<double>::infinity();
   Vec3Lanes outward{};
-  for (const Piece& piece : pieces_) {
-    const LaneMask open = wanted & (least > kOnSurfaceMm);
+  for (const PieceProfile& piece : pieces_) {
+    const LaneMask open = active & (least > kOnSurfaceMm);
     if (!any(open)) break;
     const Contact c = nearest(piece, point, open);
     const LaneMask nearer = open & (c.gap < least);
@@ -203,7 +176,7 @@ KERF_INLINE void SweptSurface::stock_normals_in_lanes(const Vec3Lanes& ends_mm, 
     outward = select(nearer, c.normal, outward);
   }
   Vec3Lanes n{-outward.x, -outward.y, -outward.z};
-  // On a surface that the ray grazes the normal may lean over by rounding.
+  // On a surface that the ray grazes, rounding may turn the normal to the wrong side.
   n.z = kerf::select(n.z * towards < 0.0, Lanes(0), n.z);
   const LaneMask none = magnitude(n.x) + magnitude(n.y) + magnitude(n.z) <= 0.0;
   n.z = kerf::select(none, Lanes(towards), n.z);

@@ -5,71 +5,66 @@
 #include <cmath>
 #include <optional>
 
-#include "kernel/sweep/piece_shape.h"
+#include "kernel/math/tolerance.h"
+#include "kernel/sweep/clip_to_block.h"
 
 namespace kerf {
 namespace {
 
-/// Shares of the tolerance: the stations of a turning piece, and the search between them.
+/// Shares of the tolerance for the stations of a turning piece, and for the search between them.
 constexpr double kStationShare = 0.9, kSearchShare = 0.1;
-
-/// mm. How near the search goes where nothing turns and the sweep is convex, so that a user's
-/// tolerance has no part in it.
-constexpr double kTranslationSearchMm = 1e-9;
 
 std::int64_t parts(double count) {
   if (!(count < double(kSubMotionsMax))) return kSubMotionsMax + 1;
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(count)));
 }
 
-/// A piece of the tool during a motion of little turn, and in how many parts it is taken.
+/// A piece of the tool during a motion that turns little, and how it is swept.
 struct PiecePlan {
   ToolPiece piece;
   std::int64_t parts;
-  double bend_mm = 0;  ///< κ of a slice
-  bool round = false;  ///< its roundness outweighs the bend
-  bool shows_disc = true;
-  bool shows_edge = true;       ///< a disc, or an edge that it makes with a neighbour's side
-  std::optional<double> still;  ///< height of the point of its axis that the turn leaves at rest
+  double bend_mm = 0;           ///< κ of a slice
+  bool round = false;           ///< the curvature of the slice exceeds the bend
+  bool shows_disc = true;       ///< a disc of the slice is not hidden within its neighbors
+  bool shows_edge = true;       ///< a disc shows, or the side makes an edge with a neighbor's side
+  std::optional<double> still;  ///< height of the point of the axis that stays at rest
 };
 
-/// Farthest that a point of the piece is from the tip.
+/// Returns the greatest distance of a point of the piece from the tip.
 double reach_of(const ToolPiece& piece) {
-  const Envelope e = envelope_of(piece);
-  if (std::holds_alternative<BallPiece>(piece)) return e.hi_mm;
-  const double r = std::max(e.r_lo_mm, e.r_hi_mm);
-  return std::sqrt(std::max(e.lo_mm * e.lo_mm, e.hi_mm * e.hi_mm) + r * r);
+  const Extent e = extent(piece);
+  if (std::holds_alternative<BallPiece>(piece)) return e.z1_mm;
+  return std::sqrt(std::max(e.z0_mm * e.z0_mm, e.z1_mm * e.z1_mm) + e.radius_mm * e.radius_mm);
 }
 
-/// Greatest part of the unit normal of the piece's side along the axis.
+/// Returns the greatest axial component of the unit normal of the piece's side.
 double axial_normal(const ToolPiece& piece) {
   const auto* f = std::get_if<FrustumPiece>(&piece);
   if (f == nullptr) return 1;
-  const double slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
-  return std::abs(slope) / std::sqrt(1 + slope * slope);
+  const double k = slope(*f);
+  return std::abs(k) / std::sqrt(1 + k * k);
 }
 
-/// Whether a disc of a slice at height z is hidden within a neighbouring piece.
-bool covers(const ToolPiece* neighbour, double z_mm, double radius_mm) {
-  return neighbour != nullptr &&
-         radius_at(*neighbour, z_mm) >= radius_mm * (1 - 1e-12) - kEdgeEpsilonMm;
+/// Returns whether a disc of a slice at height z is hidden within a neighboring piece.
+bool covers(const ToolPiece* neighbor, double z_mm, double radius_mm) {
+  return neighbor != nullptr &&
+         radius_at(*neighbor, z_mm) >= radius_mm * (1 - kHiddenDiscShare) - kEdgeEpsilonMm;
 }
 
-/// Whether the border of a slice at height z, hidden or not, makes no edge with the neighbour that
-/// covers it: it is buried, or the two sides go on in one direction.
-bool is_smooth(const ToolPiece& slice, const ToolPiece* neighbour, double z_mm) {
-  constexpr double kSameSlope = 1e-6;
-  if (neighbour == nullptr) return false;
-  if (radius_at(*neighbour, z_mm) > radius_at(slice, z_mm) + 1e3 * kEdgeEpsilonMm) return true;
-  return std::abs(slope_at(*neighbour, z_mm) - slope_at(slice, z_mm)) < kSameSlope;
+/// Returns whether the border of a slice at height z, hidden or not, makes no edge with the
+/// neighbor that covers it: the border is buried, or the two sides have the same direction.
+bool is_smooth(const ToolPiece& slice, const ToolPiece* neighbor, double z_mm) {
+  if (neighbor == nullptr) return false;
+  if (radius_at(*neighbor, z_mm) > radius_at(slice, z_mm) + kBuriedBorderMm) return true;
+  return std::abs(slope_at(*neighbor, z_mm) - slope_at(slice, z_mm)) < kSameSlope;
 }
 
-/// How a slice moves during a motion, in the frame of its middle: fastest along the axis, fastest
-/// and slowest across it (mm per motion).
+/// Speeds of a slice during a motion, in the frame of its middle: greatest along the axis, greatest
+/// and least across it (mm per motion).
 struct SliceSpeeds {
   double along, across, across_least;
 
-  SliceSpeeds(const Envelope& e, const ToolMotion& m) {
+  SliceSpeeds(const Extent& e, const ToolMotion& m) {
     const Vec3 u = normalized(m.from.axis + m.to.axis);
     const Vec3 v = m.to.tip_mm - m.from.tip_mm;
     const Vec3 du = m.to.axis - m.from.axis;
@@ -81,34 +76,33 @@ struct SliceSpeeds {
     across = length(across0) + along0 * half_turn;
     const double du2 = dot(du, du);
     const double still = du2 > 0 ? -dot(across0, du) / du2 : 0;
-    const double nearest = std::clamp(still, e.lo_mm, e.hi_mm);
+    const double nearest = std::clamp(still, e.z0_mm, e.z1_mm);
     across_least = std::max(0.0, length(across0 + du * nearest) - along0 * half_turn);
   }
 };
 
-/// κ of a slice that turns by `m`, and in how many parts it is taken (kernel/README.md, "The tight
+/// Sets κ of a slice that turns by `m`, and its number of parts (kernel/sweep/README.md, "The tight
 /// model").
 void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
-  const Envelope e = envelope_of(plan.piece);
+  const Extent e = extent(plan.piece);
   const SliceSpeeds v(e, m);
-  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
   const double nu = axial_normal(plan.piece);
   plan.bend_mm = 2 * m.turn_rad * (v.across * nu + v.along) +
-                 m.turn_rad * m.turn_rad * (radius + e.hi_mm * nu);
+                 m.turn_rad * m.turn_rad * (e.radius_mm + e.z1_mm * nu);
   if (plan.shows_disc) {
     plan.bend_mm =
-        std::max(plan.bend_mm, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.hi_mm);
+        std::max(plan.bend_mm, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.z1_mm);
   } else if (const auto* f = std::get_if<FrustumPiece>(&plan.piece)) {
-    // Every place where an end is outermost is the only one.
-    const double slope = (f->r1_mm - f->r0_mm) / (f->z1_mm - f->z0_mm);
-    const double round2 = v.across_least * v.across_least - slope * slope * v.along * v.along;
-    plan.round = round2 >= plan.bend_mm * radius * std::sqrt(1 + slope * slope);
+    // If the slice is round, each ray has a single local extremum.
+    const double k = slope(*f);
+    const double round2 = v.across_least * v.across_least - k * k * v.along * v.along;
+    plan.round = round2 >= plan.bend_mm * e.radius_mm * std::sqrt(1 + k * k);
   }
   if (!plan.round) plan.parts = parts(std::sqrt(plan.bend_mm / (8 * kStationShare * tolerance_mm)));
 }
 
-/// How the ends of a slice are searched. Ragged rays are halved until a part bends by what may be
-/// missed.
+/// Returns the parameters of the search for the ends of a slice. Rays with a non-connected hit set
+/// are bisected until a part bends by at most twice `missed_mm`.
 SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
   if (!(m.turn_rad > 0)) return {.search_mm = kTranslationSearchMm, .shows_disc = plan.shows_disc};
   const double missed = kStationShare * tolerance_mm;
@@ -119,15 +113,15 @@ SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double toleran
           kSearchShare * tolerance_mm,  plan.shows_disc};
 }
 
-/// Where the axis of a slice has a point that the turn leaves at rest: on either side of it the
-/// points move in opposite directions, and each half has a plain envelope.
-std::optional<double> still_point(const Envelope& e, const ToolMotion& m) {
+/// Returns the height of the point of the axis that stays at rest, if it is within the slice. The
+/// points on either side of it move in opposite directions, so each half is swept on its own.
+std::optional<double> still_point(const Extent& e, const ToolMotion& m) {
   const Vec3 du = m.to.axis - m.from.axis;
   const double du2 = dot(du, du);
   if (!(du2 > 0)) return std::nullopt;
   const double still = -dot(m.to.tip_mm - m.from.tip_mm, du) / du2;
-  const double margin = 1e-3 * (e.hi_mm - e.lo_mm);
-  return still > e.lo_mm + margin && still < e.hi_mm - margin ? std::optional(still) : std::nullopt;
+  const double margin = kStillMarginShare * (e.z1_mm - e.z0_mm);
+  return still > e.z0_mm + margin && still < e.z1_mm - margin ? std::optional(still) : std::nullopt;
 }
 
 std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
@@ -141,17 +135,17 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
     } else if (m.turn_rad > 0 || std::holds_alternative<FrustumPiece>(*piece)) {
-      const Envelope e = envelope_of(whole);
+      const Extent e = extent(whole);
       const ToolPiece* below = i > 0 ? &tool.pieces[i - 1] : nullptr;
       const ToolPiece* above = i + 1 < tool.pieces.size() ? &tool.pieces[i + 1] : nullptr;
-      const bool clipped = envelope_of(*piece).hi_mm < e.hi_mm;
-      plan.shows_disc = !covers(below, e.lo_mm, radius_at(whole, e.lo_mm)) ||
-                        (!clipped && !covers(above, e.hi_mm, radius_at(whole, e.hi_mm)));
-      plan.shows_edge = plan.shows_disc || !is_smooth(whole, below, e.lo_mm) ||
-                        (!clipped && !is_smooth(whole, above, e.hi_mm));
+      const bool clipped = extent(*piece).z1_mm < e.z1_mm;
+      plan.shows_disc = !covers(below, e.z0_mm, radius_at(whole, e.z0_mm)) ||
+                        (!clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm)));
+      plan.shows_edge = plan.shows_disc || !is_smooth(whole, below, e.z0_mm) ||
+                        (!clipped && !is_smooth(whole, above, e.z1_mm));
       if (m.turn_rad > 0) {
         plan_slice(plan, m, settings.tolerance_mm);
-        plan.still = still_point(envelope_of(*piece), m);
+        plan.still = still_point(extent(*piece), m);
       }
     }
     plans.push_back(std::move(plan));
@@ -165,28 +159,29 @@ std::int64_t most_parts(const std::vector<PiecePlan>& plans) {
   return most;
 }
 
-bool any_still(const std::vector<PiecePlan>& plans) {
+bool any_at_rest(const std::vector<PiecePlan>& plans) {
   return std::ranges::any_of(plans, [](const PiecePlan& p) { return p.still.has_value(); });
 }
 
-/// The way between two parts of a motion.
+/// Returns the part of a motion between two shares.
 ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, double reach_mm) {
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
 
-/// `piece` is the plan's, or the part of it on one side of its still point.
+/// Sweeps a slice. `piece` is the plan's, or the part of it on one side of its point at rest.
 SweptPiece sweep_slice(const ToolPiece& piece, const PiecePlan& plan, const ToolMotion& m,
                        const SweepSettings& settings) {
   const SliceSearch search = search_of(plan, m, settings.tolerance_mm);
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
     const auto trailing = [&](auto sweep) -> SweptPiece {
-      if (settings.start_is_cut) sweep.leave(Trail(*f, m.from, m.to, plan.shows_edge));
+      if (settings.start_is_cut) sweep.set_trail(Trail(*f, m.from, m.to, plan.shows_edge));
       return sweep;
     };
     if (!(m.turn_rad > 0)) return trailing(FrustumTranslation(*f, m.from, m.to));
-    return trailing(TurningSweep(ConeSide(*f), envelope_of(piece), m.from, m.to, search));
+    return trailing(TurningSweep(ConeSide(*f), *f, m.from, m.to, search));
   }
-  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), envelope_of(piece), m.from, m.to, search);
+  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), enclosing_frustum(piece), m.from, m.to,
+                      search);
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,
@@ -212,17 +207,18 @@ SweptTool sweep_pieces(const std::vector<PiecePlan>& plans, const ToolMotion& m,
       swept.pieces.push_back(sweep_slice(plan.piece, plan, m, settings));
       continue;
     }
-    const Envelope e = envelope_of(plan.piece);
-    for (const auto& [lo, hi] : {std::pair(e.lo_mm, *plan.still), {*plan.still, e.hi_mm}}) {
+    const Extent e = extent(plan.piece);
+    for (const auto& [lo, hi] : {std::pair(e.z0_mm, *plan.still), {*plan.still, e.z1_mm}}) {
       swept.pieces.push_back(sweep_slice(slice_of(plan.piece, lo, hi), plan, m, settings));
     }
   }
   return swept;
 }
 
-/// Parts that turn little enough for one frame.
+/// Returns the number of parts in which each turns at most kTurnPerFrameMaxRad.
 std::int64_t frames_of(const ToolMotion& m) { return parts(m.turn_rad / kTurnPerFrameMaxRad); }
 
+/// The sweep of MotionModel::kTight.
 class TightSweep {
  public:
   TightSweep(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings)
@@ -242,16 +238,16 @@ class TightSweep {
       const ToolMotion m = frame(i);
       const std::vector<PiecePlan> plans = plan_pieces(tool_, m, settings_);
       const std::int64_t n = most_parts(plans);
-      // The point at rest wanders along the axis: each part is cut in two at its own.
-      if (any_still(plans) && n > 1) {
+      // The point at rest moves along the axis, so each part is divided at its own.
+      if (any_at_rest(plans) && n > 1) {
         for (std::int64_t j = 0; j < n; ++j) {
           const ToolMotion part =
               part_of(m, double(j) / double(n), double(j + 1) / double(n), tool_.length_mm);
-          give(visit, one_part_each(plan_pieces(tool_, part, settings_)), part,
+          emit(visit, one_part_each(plan_pieces(tool_, part, settings_)), part,
                1 / double(frames_ * n), 1);
         }
       } else {
-        give(visit, plans, m, 1 / double(frames_), n);
+        emit(visit, plans, m, 1 / double(frames_), n);
       }
     }
   }
@@ -267,7 +263,7 @@ class TightSweep {
     return plans;
   }
   template <class Visit>
-  void give(const Visit& visit, const std::vector<PiecePlan>& plans, const ToolMotion& m,
+  void emit(const Visit& visit, const std::vector<PiecePlan>& plans, const ToolMotion& m,
             double share, std::int64_t count) {
     visit({sweep_pieces(plans, m, settings_), m, share, count});
     settings_.start_is_cut = true;
@@ -290,25 +286,25 @@ std::int64_t paper_parts(const Tool& tool, const ToolMotion& m, const SweepSetti
       std::max(m.turn_rad * reach / settings.tolerance_mm, m.turn_rad / kTurnPerFrameMaxRad));
 }
 
-/// Eq. 12: in each part the translation with the start's axis, then the rotation about the tip at
-/// the end.
+/// The sweep of MotionModel::kPaper, Eq. 12: in each part the translation with the axis at its
+/// start, then the rotation about the tip at its end.
 template <class Visit>
 void sweep_as_paper(const Tool& tool, const ToolMotion& motion, SweepSettings settings,
                     const Visit& visit) {
   const std::int64_t n = paper_parts(tool, motion, settings);
   const double share = 1 / double(n);
-  const auto give = [&](const ToolMotion& m, double of_time) {
+  const auto emit = [&](const ToolMotion& m, double of_time) {
     visit({sweep_pieces(plan_pieces(tool, m, settings), m, settings), m, of_time, 1});
     settings.start_is_cut = true;
   };
-  if (motion.turn_rad == 0) return give(motion, 1);
+  if (motion.turn_rad == 0) return emit(motion, 1);
   for (std::int64_t i = 0; i < n; ++i) {
     const ToolPose from = motion.at(double(i) * share);
     const ToolPose to = i + 1 == n ? motion.to : motion.at(double(i + 1) * share);
     const ToolPose arrived{to.tip_mm, from.axis};
     const bool travels = motion.travel_mm > 0;
-    if (travels) give(make_motion(from, arrived, tool.length_mm), share / 2);
-    give(make_motion(arrived, to, tool.length_mm), travels ? share / 2 : share);
+    if (travels) emit(make_motion(from, arrived, tool.length_mm), share / 2);
+    emit(make_motion(arrived, to, tool.length_mm), travels ? share / 2 : share);
   }
 }
 

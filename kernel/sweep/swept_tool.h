@@ -16,42 +16,42 @@ namespace kerf {
 
 using SweptPiece = std::variant<BallSweep, FrustumTranslation, TurningSweep>;
 
-/// The tool during one part of its motion: the union of its swept pieces, less those that stay
-/// outside the block. Where two pieces leave less than `join_mm` of a ray between them it is
-/// removed as well: rounding where nothing turns, else the tolerance, within which each piece may
-/// fall short of the seam.
+/// The tool during one part of its motion: the union of its swept pieces, without those that stay
+/// outside the block.
 struct SweptTool {
   std::vector<SweptPiece> pieces;
+  /// Gaps between two pieces that are shorter than this on a ray are removed too. It is rounding
+  /// where nothing turns, else the tolerance, by which each piece may fall short of the seam.
   double join_mm = kEdgeEpsilonMm;
 };
 
-/// One part of a motion: what is removed, and the motion that the force opposes.
+/// One part of a motion: the swept tool, and the motion that the force opposes.
 struct SubMotion {
   SweptTool swept;
   ToolMotion motion;
   double share;        ///< of the whole motion's duration
-  std::int64_t count;  ///< sub-motions that it counts for: the most that a piece is divided into
+  std::int64_t count;  ///< sub-motions that it counts as: the most parts of any piece
 };
 
-/// Sub-motions that one motion may need before it is rejected.
+/// Motions that need more sub-motions are rejected.
 inline constexpr std::int64_t kSubMotionsMax = 1 << 20;
 
-/// How a motion is swept.
+/// Parameters of a sweep.
 struct SweepSettings {
   MotionModel model;
   double tolerance_mm;  ///< greatest end-point error against the true motion, off the surface
-  SweepBounds block;    ///< where rays are: parts of the tool that stay outside need no sweep
-  bool start_is_cut =
-      false;  ///< the tool at the first pose has been removed from the block already
+  SweepBounds block;    ///< box around all rays: parts of the tool that stay outside are skipped
+  /// The tool at the first pose has been removed from the block already.
+  bool start_is_cut = false;
 };
 
-/// Sub-motions that a motion needs (kernel/README.md, "The tight model", "The paper's model"). May
-/// exceed kSubMotionsMax: then the motion is rejected.
+/// Returns the number of sub-motions that a motion needs (kernel/sweep/README.md, "The tight
+/// model", "The paper's model"). If it exceeds kSubMotionsMax, the motion must be rejected.
 std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
                                const SweepSettings& settings);
 
-/// Calls `visit` for every part of the sweep of a tool along a motion, in order; their union is the
-/// swept volume (paper Eqs. 9–12).
+/// Sweeps a tool along a motion: calls `visit` for every part, in order. Their union is the swept
+/// volume (paper Eqs. 9–12).
 void sweep_tool(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings,
                 const std::function<void(const SubMotion&)>& visit);
 

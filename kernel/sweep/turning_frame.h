@@ -7,9 +7,9 @@
 
 namespace kerf {
 
-/// A motion whose axis turns little, seen from its middle: at share s the tip is tip + (s − ½) v
-/// and the axis u cos a + w sin a, a = (s − ½) turn; k = u × w is the axis of the turn. This is the
-/// true motion, not a model of it.
+/// A motion whose axis turns little, relative to its middle: at share s the tip is tip + (s − ½) v
+/// and the axis is u cos a + w sin a, a = (s − ½) turn; k = u × w is the axis of the turn. This is
+/// the exact motion, not an approximation of it.
 struct TurningFrame {
   Vec3 tip, v, u, w, k;
   double turn = 0;
@@ -25,26 +25,26 @@ struct TurningFrame {
     w = cross(k, u);
   }
 
-  /// Poses at eight shares at once; `tip` relative to the middle's.
+  /// Poses at eight shares; `tip` is relative to the tip in the middle.
   struct Poses {
     Vec3Lanes tip, u;
   };
   KERF_INLINE Poses at(Lanes share) const {
     const Lanes m = share - 0.5;
-    // Below 0.075 rad the next terms are below 3e-12.
+    // Up to 0.075 rad the next terms of the series are below 3e-12.
     const Lanes a = m * turn, a2 = a * a;
     const Lanes sine = a * (1 - a2 * (1.0 / 6 - a2 * (1.0 / 120)));
     const Lanes cosine = 1 - a2 * (0.5 - a2 * (1.0 / 24 - a2 * (1.0 / 720)));
     return {v * m, u * cosine + w * sine};
   }
-  /// Velocity per unit of share of the material point that is `from_tip` away from the tip.
+  /// Returns the velocity, per unit of share, of the material point at `from_tip` from the tip.
   KERF_INLINE Vec3Lanes velocity(Vec3Lanes from_tip) const {
     const Vec3 omega = k * turn;
     return v + cross(omega, from_tip);
   }
 };
 
-/// The turn up to which TurningFrame::at is exact.
+/// Greatest turn for which TurningFrame::at is exact to rounding.
 inline constexpr double kTurnPerFrameMaxRad = 0.15;
 
 }  // namespace kerf

@@ -4,154 +4,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/sweep/slice_search.h"
+#include "kernel/sweep/turning_rows.h"
 
 namespace kerf {
 namespace {
 
-/// What the piece sweeps of the rays `asked` between two stations. The upper end is looked for
-/// where it lies below `top`.
-template <class Side>
-KERF_INLINE LaneSpan sweep_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
-                                   const Stretch& stretch, LaneMask asked, double top) {
-  LaneSpan span;
-  include_hits(span, stretch.first);
-  include_hits(span, stretch.last);
-  search_stretch<End::kLower>(side, path, x, y, stretch, asked, span);
-  const LaneMask inside = asked & (span.lo <= span.hi) & (span.hi < top);
-  if (any(inside)) {
-    const Meeting first = meet<End::kUpper>(side, path, x, y, stretch.from);
-    const Meeting last = meet<End::kUpper>(side, path, x, y, stretch.to);
-    search_stretch<End::kUpper>(side, path, x, y, {stretch.from, stretch.to, first, last}, inside,
-                                span);
-  }
-  return span;
+/// Distance from the tip within which all of the envelope lies.
+double upper_reach(const FrustumPiece& e) {
+  const double radius = extent(e).radius_mm;
+  return std::sqrt(e.z1_mm * e.z1_mm + radius * radius);
 }
 
-KERF_INLINE void add_span(ColumnBlock& block, int row, double z, const LaneSpan& span,
-                          LaneMask where) {
-  const Lanes none = std::numeric_limits<double>::infinity();
-  block.add(row, select(where, span.lo + z, none), select(where, span.hi + z, -none));
-}
-
-/// The share that it takes at least until a ray that is missed at a station is met below `top`,
-/// where `advance` is how fast the piece comes nearer.
-KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes advance, double top,
-                              double length) {
-  const Lanes along_ray = greater(magnitude(m.lo - path.lowest_mm), magnitude(top - m.lo));
-  const Lanes closing = greater(advance, Lanes(0)) / square_root(m.normal2) +
-                        path.frame.turn * along_ray + 0.5 * path.search.bend_mm * length;
-  return greater(m.off_side / closing, m.clearance / path.speed_max_mm);
-}
-
-/// What is done about the rays of a stretch.
-struct Division {
-  LaneMask halved, searched;
-};
-
-/// Halved are the rays that the piece may meet, leave or come back to, that is all but those that
-/// are inside at both stations without a gap between, and those that cannot be reached from either:
-/// nothing is searched there. What crosses a hidden disc is in a neighbour: only the side counts
-/// then. From the level on that the bend asks for, only those that are inside at both, but apart.
-KERF_INLINE Division divide(const SlicePath& path, const Stretch& stretch, LaneMask asked,
-                            double top, int level) {
-  const Meeting &first = stretch.first, &last = stretch.last;
-  const LaneMask inside = first.hit & last.hit;
-  const LaneMask overlap = (first.lo <= last.hi) & (last.lo <= first.hi);
-  if (level >= path.search.halvings) {
-    const LaneMask halved = level < kHalvingsMax ? asked & inside & ~overlap : ~every_lane();
-    return {halved, asked & ~halved};
-  }
-  const LaneMask sides = (first.side_lo <= last.side_hi) & (last.side_lo <= first.side_hi);
-  const LaneMask gap = asked & ~(path.search.shows_disc ? inside & overlap : sides);
-  if (!any(gap)) return {gap, asked};
-  const double length = stretch.to - stretch.from;
-  const Lanes from_first = least_share(path, first, first.advance, top, length);
-  const Lanes from_last = least_share(path, last, -last.advance, top, length);
-  const LaneMask reached = from_first + from_last <= length;
-  return {gap & reached, asked & (~gap | first.hit | last.hit) & ~(gap & reached)};
-}
-
-/// Where a row was met, and the rays that are asked up to there from the station before.
-struct Station {
-  double share;
-  int level;  ///< how often the stretch up to here has been halved
-  LaneMask asked;
-  Meeting met;
-};
-
-/// Adds what the piece sweeps between two stations to a row. Ragged rays are halved again and
-/// again: what they meet on different occasions lies apart (a disc that turns about its diameter
-/// leaves a ray on one side and comes back on the other). `waiting[0]` is the last station; `first`
-/// becomes it.
-template <class Side>
-KERF_INLINE void evaluate_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
-                                  Station& first, Station* waiting, int row, ColumnBlock& block) {
-  const double z = path.frame.tip.z, top = block.top_mm - z;
-  for (int count = 1; count > 0;) {
-    Station& last = waiting[count - 1];
-    const Stretch s{first.share, last.share, first.met, last.met};
-    const Division rays = divide(path, s, last.asked, top, last.level);
-    if (any(rays.searched)) {
-      const LaneSpan span = sweep_stretch(side, path, x, y, s, rays.searched, top);
-      add_span(block, row, z, span, rays.searched);
-    }
-    if (any(rays.halved)) {
-      ++last.level;
-      last.asked = rays.halved;
-      const double share = (s.from + s.to) * 0.5;
-      const Meeting met = meet<End::kLower>(side, path, x, y, share);
-      waiting[count++] = Station{share, last.level, rays.halved, met};
-    } else {
-      first = last;
-      --count;
-    }
-  }
-}
-
-template <class Side>
-KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, ColumnBlock& block) {
-  const Lanes x = block.x_mm - path.frame.tip.x;
-  const int parts = path.search.parts;
-  Station first, waiting[kHalvingsMax + 1];
-  for (int row = 0; row < kBlockSide; ++row) {
-    if ((block.rows >> row & 1) == 0) continue;
-    const Lanes y = block.y_mm[row] - path.frame.tip.y;
-    LaneMask open = block.open(row);
-    first = Station{0, 0, open, meet<End::kLower>(side, path, x, y, 0)};
-    if (!any(open & first.met.hit)) {
-      const double top = block.top_mm - path.frame.tip.z;
-      open &= least_share(path, first.met, first.met.advance, top, 1) <= 1.0;
-      if (!any(open)) continue;
-    }
-    for (int part = 1; part <= parts; ++part) {
-      const double share = double(part) / parts;
-      waiting[0] = Station{share, 0, open, meet<End::kLower>(side, path, x, y, share)};
-      evaluate_stretch(side, path, x, y, first, waiting, row, block);
-    }
-  }
-}
-
-KERF_INLINE void evaluate_cone_in_lanes(const ConeSide& side, const SlicePath& path,
-                                        ColumnBlock& block) {
-  evaluate_rows(side, path, block);
-}
-KERF_FOR_EACH_TARGET(void, evaluate_cone,
-                     (const ConeSide& side, const SlicePath& path, ColumnBlock& block),
-                     (side, path, block))
-KERF_INLINE void evaluate_arc_in_lanes(const ArcSide& side, const SlicePath& path,
-                                       ColumnBlock& block) {
-  evaluate_rows(side, path, block);
-}
-KERF_FOR_EACH_TARGET(void, evaluate_arc,
-                     (const ArcSide& side, const SlicePath& path, ColumnBlock& block),
-                     (side, path, block))
-
-SlicePath make_path(const Envelope& e, const ToolPose& from, const ToolPose& to,
+SlicePath make_path(const FrustumPiece& e, const ToolPose& from, const ToolPose& to,
                     const SliceSearch& search) {
   const TurningFrame frame(from, to);
-  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
-  const double reach = std::sqrt(e.hi_mm * e.hi_mm + radius * radius);
+  const double reach = upper_reach(e);
   const double speed = length(frame.v) + frame.turn * reach;
   return {frame, search, speed > 0 ? speed : 1, 0};
 }
@@ -168,18 +35,18 @@ std::vector<ToolPose> stations(const SlicePath& path, const ToolPose& from, cons
   return poses;
 }
 
-/// How far a point leaves the chord between two stations.
-double bulge(const SlicePath& path, const Envelope& e) {
-  const double radius = std::max(e.r_lo_mm, e.r_hi_mm);
-  const double reach = std::sqrt(e.hi_mm * e.hi_mm + radius * radius);
+/// Returns the greatest distance of a point of the envelope from the chord between two stations.
+double bulge(const SlicePath& path, const FrustumPiece& e) {
+  const double reach = upper_reach(e);
   const double turn = path.frame.turn / path.search.parts;
   return reach * turn * turn / 8 + kEdgeEpsilonMm;
 }
 
 }  // namespace
 
-TurningSweep::TurningSweep(const std::variant<ConeSide, ArcSide>& side, const Envelope& envelope,
-                           const ToolPose& from, const ToolPose& to, const SliceSearch& search)
+TurningSweep::TurningSweep(const std::variant<ConeSide, ArcSide>& side,
+                           const FrustumPiece& envelope, const ToolPose& from, const ToolPose& to,
+                           const SliceSearch& search)
     : side_(side),
       path_(make_path(envelope, from, to, search)),
       shadow_(envelope, stations(path_, from, to), bulge(path_, envelope)) {

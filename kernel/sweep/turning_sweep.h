@@ -10,16 +10,16 @@
 
 namespace kerf {
 
-/// A slice of the tool (truncated cone or arc) along the true motion between two poses whose axes
+/// Sweep of a slice of the tool (frustum or arc) along the true motion between two poses whose axes
 /// are less than kTurnPerFrameMaxRad apart. At `parts` + 1 stations its ends on a ray are exact;
-/// between two of them the share at which an end is outermost is searched (kernel/README.md, "The
-/// tight model").
+/// between two stations the share at which an end is outermost is searched (kernel/sweep/README.md,
+/// "The tight model").
 class TurningSweep {
  public:
-  TurningSweep(const std::variant<ConeSide, ArcSide>& side, const Envelope& envelope,
+  TurningSweep(const std::variant<ConeSide, ArcSide>& side, const FrustumPiece& envelope,
                const ToolPose& from, const ToolPose& to, const SliceSearch& search);
 
-  void leave(const Trail& trail) { shadow_.leave(trail); }
+  void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
   void lower_bound(const Discs& discs, Lanes& z_mm) const { shadow_.lower_bound(discs, z_mm); }
   void evaluate(ColumnBlock& block) const;

@@ -11,15 +11,15 @@ namespace {
 
 using enum ToolErrorCode;
 
-/// A line of the outline in the half-plane (r, h), in the direction in which the outline runs.
+/// A line of the outline in the half-plane (r, h), directed along the outline.
 struct Line {
   ProfilePoint point;
   double dr, dh;  ///< unit direction
   ProfilePoint at(double t) const { return {point.r_mm + t * dr, point.h_mm + t * dh}; }
 };
 
-/// Where a line meets the corner circle: touches it, or, of the two points where it crosses it,
-/// the first (where it enters) or the second (where it leaves). Nothing if it misses it.
+/// Intersects a line with the corner circle. Returns the tangent point, or the point where the line
+/// enters or leaves the circle; nothing if it misses the circle.
 std::optional<ProfilePoint> meet(const Line& line, const AptShape& s, bool where_it_leaves) {
   const double cr = s.e_mm - line.point.r_mm, ch = s.f_mm - line.point.h_mm;
   const double foot = cr * line.dr + ch * line.dh;
@@ -52,15 +52,15 @@ ToolCheck check_fields(const AptShape& s) {
   return check_length("h_mm", s.h_mm);
 }
 
-/// The outline above the point where the arc ends, or where the bottom line does for a sharp
-/// corner.
+/// Returns the pieces of `outline` continued by the side line. `from` is the end of the arc, or of
+/// the bottom line for a sharp corner.
 Pieces with_side(std::vector<OutlineSection> outline, ProfilePoint from, const Line& side,
                  double h_mm) {
   if (h_mm - from.h_mm > kOutlineEpsilonMm) {
     double r = side.point.r_mm;
     if (side.dr != 0) r += (h_mm - side.point.h_mm) * (side.dr / side.dh);
     if (r < -kOutlineEpsilonMm) {
-      return reject(kInconsistent, "beta_deg", "leans the side across the axis below h_mm");
+      return reject(kInconsistent, "beta_deg", "makes the side line cross the axis below h_mm");
     }
     if (r > kToolLengthMaxMm) {
       return reject(kOutOfRange, "beta_deg", "makes the upper radius larger than 5000 mm");
@@ -72,13 +72,14 @@ Pieces with_side(std::vector<OutlineSection> outline, ProfilePoint from, const L
 
 Pieces sharp_corner(const AptShape& s, const Line& side) {
   if (std::abs(s.e_mm - side.point.r_mm) > kMissAllowanceMm) {
-    return reject(kInconsistent, "e_mm", "must be d_mm / 2 where r_mm is 0");
+    return reject(kInconsistent, "e_mm", "must be d_mm / 2 if r_mm is 0");
   }
   if (std::abs(s.f_mm - side.point.h_mm) > kMissAllowanceMm) {
-    return reject(kInconsistent, "f_mm", "must be d_mm / 2 tan(alpha_deg) where r_mm is 0");
+    return reject(kInconsistent, "f_mm", "must be d_mm / 2 tan(alpha_deg) if r_mm is 0");
   }
   if (s.h_mm < side.point.h_mm) {
-    return reject(kTooShort, "h_mm", "is below the corner of bottom and side");
+    return reject(kTooShort, "h_mm",
+                  "must be at least the height of the corner between bottom and side line");
   }
   return with_side({OutlineLine{{0, 0}, side.point}}, side.point, side, s.h_mm);
 }
@@ -93,20 +94,22 @@ Pieces resolve(const AptShape& s) {
   if (s.r_mm == 0) return sharp_corner(s, side);
 
   const auto start = meet(bottom, s, true), end = meet(side, s, false);
-  if (!start) return reject(kInconsistent, "f_mm", "keeps the corner arc off the bottom line");
-  if (!end) return reject(kInconsistent, "d_mm", "keeps the side line off the corner arc");
+  if (!start) return reject(kInconsistent, "f_mm", "makes the corner arc miss the bottom line");
+  if (!end) return reject(kInconsistent, "d_mm", "makes the side line miss the corner arc");
   if (start->r_mm < -kOutlineEpsilonMm || start->h_mm < -kOutlineEpsilonMm) {
-    return reject(kInconsistent, "f_mm", "lets the corner arc reach below the tip");
+    return reject(kInconsistent, "f_mm", "makes the corner arc reach below the tip");
   }
   if (start->r_mm < s.e_mm - kOutlineEpsilonMm || end->r_mm < s.e_mm - kOutlineEpsilonMm ||
       end->h_mm < start->h_mm - kOutlineEpsilonMm) {
-    return reject(kInconsistent, "e_mm", "leaves no arc between the bottom and the side line");
+    return reject(kInconsistent, "e_mm", "leaves no arc between the bottom line and the side line");
   }
-  if (s.h_mm <= start->h_mm) return reject(kTooShort, "h_mm", "is below the corner arc");
+  if (s.h_mm <= start->h_mm)
+    return reject(kTooShort, "h_mm",
+                  "must be greater than the height of the lower end of the corner arc");
   const ProfilePoint from{std::max(start->r_mm, 0.0), std::max(start->h_mm, 0.0)};
   ProfilePoint to = *end;
   if (s.h_mm < to.h_mm) {
-    // The cutter ends within its arc.
+    // The cutter ends within the arc.
     const double above = s.h_mm - s.f_mm;
     to = {s.e_mm + std::sqrt(std::max(0.0, s.r_mm * s.r_mm - above * above)), s.h_mm};
   }

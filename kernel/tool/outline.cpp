@@ -7,8 +7,8 @@
 namespace kerf {
 namespace {
 
-/// Whether the part of a ball above the arc lies inside the line that follows: above the circle's
-/// tangent, and as high as the ball.
+/// Returns whether the part of the ball above the arc lies inside the line that follows: that line
+/// leaves the arc outside the circle's tangent, and is as high as the ball.
 bool covers_rest(const OutlineArc& arc, const OutlineSection* next) {
   const double top = arc.center.h_mm + arc.radius_mm;
   if (arc.to.h_mm >= top) return true;
@@ -17,7 +17,7 @@ bool covers_rest(const OutlineArc& arc, const OutlineSection* next) {
   const double rise = line->to.h_mm - line->from.h_mm;
   if (rise <= kOutlineEpsilonMm || line->to.h_mm < top) return false;
   if (line->from.r_mm < arc.to.r_mm - kOutlineEpsilonMm) return false;
-  // The circle falls back by (h - center_h)/r per height where the arc ends.
+  // The circle's own slope where the arc ends is −(h − center_h) / r.
   const double slope = (line->to.r_mm - line->from.r_mm) / rise;
   return slope * arc.to.r_mm >= arc.center.h_mm - arc.to.h_mm - kOutlineEpsilonMm;
 }
@@ -27,8 +27,8 @@ bool is_ball(const OutlineArc& arc, const OutlineSection* next) {
          covers_rest(arc, next);
 }
 
-/// The radius is widened by a rounding where an end would lie beyond the arc's pole, so that
-/// radius^2 - (h - center_h)^2 is nowhere negative.
+/// Makes an arc piece. Where rounding puts an end beyond the arc's pole the radius is enlarged, so
+/// that radius² − (h − center_h)² is nowhere negative.
 ArcPiece arc_piece(const OutlineArc& arc, double z0, double z1) {
   const double radius =
       std::max({arc.radius_mm, std::abs(z0 - arc.center.h_mm), std::abs(z1 - arc.center.h_mm)});
@@ -39,7 +39,7 @@ ArcPiece arc_piece(const OutlineArc& arc, double z0, double z1) {
 
 std::vector<ToolPiece> pieces_of(const std::vector<OutlineSection>& outline) {
   std::vector<ToolPiece> pieces;
-  double z0 = 0;  // Carried on, so that pieces touch even where a low section was left out.
+  double z0 = 0;  // End of the last piece: pieces touch even where a low section was skipped.
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const OutlineSection* next = i + 1 < outline.size() ? &outline[i + 1] : nullptr;
     const ProfilePoint from = std::visit([](const auto& s) { return s.from; }, outline[i]);

@@ -40,7 +40,7 @@ Pieces resolve(const BullNoseShape& s) {
     return std::unexpected(ToolError{ToolErrorCode::kOutOfRange, "corner_radius_mm",
                                      "must be at most half the diameter"});
   }
-  if (s.length_mm < corner) return std::unexpected(too_short("ends within the rounded corner"));
+  if (s.length_mm < corner) return std::unexpected(too_short("must be at least corner_radius_mm"));
   if (corner == 0) return resolve(FlatShape{s.diameter_mm, s.length_mm});
   if (corner == r) return resolve(BallShape{s.diameter_mm, s.length_mm});
   std::vector<ToolPiece> pieces{ArcPiece{r - corner, corner, corner, 0, corner}};
@@ -65,7 +65,8 @@ Pieces resolve(const TaperShape& s) {
     pieces.emplace_back(BallPiece{r, r});
     z0 = r * (1 - sine);
     r0 = r * cosine;
-    if (s.length_mm <= z0) return std::unexpected(too_short("ends within the ball tip"));
+    if (s.length_mm <= z0)
+      return std::unexpected(too_short("must be greater than the height of the ball tip"));
   }
   const double r1 = r0 + (s.length_mm - z0) * slope;
   if (r1 > kToolLengthMaxMm) {
@@ -85,7 +86,8 @@ Pieces resolve(const ConeEndShape& s) {
   const double r = s.diameter_mm / 2;
   const double half = radians(s.tip_angle_deg) / 2;
   const double cone = r * std::cos(half) / std::sin(half);
-  if (s.length_mm < cone) return std::unexpected(too_short("is shorter than the cone at the tip"));
+  if (s.length_mm < cone)
+    return std::unexpected(too_short("must be at least the height of the cone at the tip"));
   std::vector<ToolPiece> pieces{FrustumPiece{0, 0, cone, r}};
   if (s.length_mm > cone) pieces.emplace_back(FrustumPiece{cone, r, s.length_mm, r});
   return pieces;

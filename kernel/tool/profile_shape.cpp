@@ -21,8 +21,8 @@ ProfilePoint end_of(const ProfileStep& step) {
   return std::get<ProfileCenteredArc>(step).to;
 }
 
-/// The segment between the ends of an arc: its middle, half its length, and the unit normal on the
-/// side of the axis when it is walked upwards.
+/// The segment between the ends of an arc: its middle, half its length, and its unit normal towards
+/// the axis (for a segment that runs upwards).
 struct Chord {
   ProfilePoint middle;
   double half;
@@ -35,8 +35,8 @@ Chord chord_of(ProfilePoint a, ProfilePoint b) {
   return {{(a.r_mm + b.r_mm) / 2, (a.h_mm + b.h_mm) / 2}, n / 2, -dh / n, dr / n};
 }
 
-/// How far the centre of an arc is from its chord, towards the axis; negative beyond it. The field
-/// of an error is relative to the step.
+/// Returns the signed distance of an arc's center from its chord, positive towards the axis. The
+/// field of an error is relative to the step.
 std::expected<double, ToolError> offset(const ProfileArc& arc, const Chord& chord,
                                         ProfilePoint /*from*/) {
   if (auto c = check_length(".radius", arc.radius_mm); !c) return std::unexpected(c.error());
@@ -65,18 +65,18 @@ std::expected<double, ToolError> offset(const ProfileCenteredArc& arc, const Cho
                   "is " + std::to_string(to_start) + " mm from the arc's start and " +
                       std::to_string(to_end) + " mm from its end");
   }
-  // On the chord's perpendicular bisector, so that the arc passes through both its ends.
+  // Projected on the chord's perpendicular bisector, so that the arc passes through both ends.
   const double off =
       (c.r_mm - chord.middle.r_mm) * chord.nr + (c.h_mm - chord.middle.h_mm) * chord.nh;
   if (arc.bulge == ArcBulge::kOut ? off < -kMissAllowanceMm : off > kMissAllowanceMm) {
-    return reject(kInconsistent, ".center", "lies on the side to which the arc is to bulge");
+    return reject(kInconsistent, ".center", "lies on the side to which the arc should bulge");
   }
   return off;
 }
 
-/// The straight sections that replace an arc about `center` that bulges towards the axis: its
-/// tangents at both ends and at equal angles in between. They lie within the tool; their corners
-/// are farthest off, by radius (1/cos(angle / 2) - 1).
+/// Returns the straight sections that replace an arc that bulges towards the axis: its tangents at
+/// both ends and at equal angles in between. They lie within the tool. Their corners are farthest
+/// off the arc, by radius (1/cos(angle / 2) − 1). Empty: more than kToolPiecesMax are needed.
 std::vector<OutlineSection> tangents(const OutlineArc& arc, double chord_tolerance_mm) {
   const auto angle = [&](ProfilePoint p) {
     return std::atan2(p.h_mm - arc.center.h_mm, arc.center.r_mm - p.r_mm);
@@ -103,23 +103,23 @@ std::vector<OutlineSection> tangents(const OutlineArc& arc, double chord_toleran
 
 using Sections = std::expected<std::vector<OutlineSection>, ToolError>;
 
-/// The sections of an arc between two points.
+/// Returns the sections of an arc that starts at `from`.
 template <typename Arc>
 Sections sections_of(ProfilePoint from, const Arc& arc, double chord_tolerance_mm) {
   const ProfilePoint to = arc.to;
   if (std::hypot(to.r_mm - from.r_mm, to.h_mm - from.h_mm) <= kOutlineEpsilonMm) {
-    return reject(kInconsistent, "", "is an arc that ends where it starts");
+    return reject(kInconsistent, "", "must not be an arc that ends where it starts");
   }
   const Chord chord = chord_of(from, to);
   const auto off = offset(arc, chord, from);
   if (!off) return std::unexpected(off.error());
   const double radius = std::hypot(chord.half, *off);
   if (radius > kToolLengthMaxMm) {
-    return reject(kOutOfRange, "", "is an arc with a radius of more than 5000 mm");
+    return reject(kOutOfRange, "", "must not be an arc with a radius of more than 5000 mm");
   }
   ProfilePoint center{chord.middle.r_mm + chord.nr * *off, chord.middle.h_mm + chord.nh * *off};
   if (std::abs(center.r_mm) <= kOutlineEpsilonMm) center.r_mm = 0;
-  // Past the bottom or the top of its circle an arc would fall.
+  // Beyond the bottom or the top of its circle an arc would fall.
   const bool out = arc.bulge == ArcBulge::kOut;
   const auto beyond = [&](ProfilePoint p) {
     return out ? p.r_mm < center.r_mm : p.r_mm > center.r_mm;
@@ -129,8 +129,8 @@ Sections sections_of(ProfilePoint from, const Arc& arc, double chord_tolerance_m
   if (dips > kMissAllowanceMm || rises > kMissAllowanceMm) {
     return reject(
         kInconsistent, "",
-        std::string("is an arc that ") + (dips > kMissAllowanceMm ? "first falls below its start"
-                                                                  : "falls back before its end"));
+        std::string("must not be an arc that ") +
+            (dips > kMissAllowanceMm ? "first falls below its start" : "falls before its end"));
   }
   const OutlineArc exact{from, to, center, radius};
   if (out) return std::vector<OutlineSection>{exact};
@@ -151,7 +151,7 @@ ToolCheck check_points(const ProfileShape& shape, const std::string& field) {
     return reject(kTooManyPieces, field, "has more than 1024 points");
   }
   if (!std::holds_alternative<ProfilePoint>(shape.steps.front())) {
-    return reject(kInconsistent, field + "[0]", "must be a point: an outline starts with one");
+    return reject(kInconsistent, field + "[0]", "must be a point, not an arc");
   }
   for (std::size_t i = 0; i < shape.steps.size(); ++i) {
     const ProfilePoint p = end_of(shape.steps[i]);
@@ -159,7 +159,7 @@ ToolCheck check_points(const ProfileShape& shape, const std::string& field) {
     for (const double v : {p.r_mm, p.h_mm}) {
       if (auto c = check_coordinate(name, v, 0); !c) return c;
     }
-    if (i == 0 && p.h_mm != 0) return reject(kInconsistent, name, "must be at height 0: the tip");
+    if (i == 0 && p.h_mm != 0) return reject(kInconsistent, name, "must be at height 0, the tip");
     if (i > 0 && p.h_mm < end_of(shape.steps[i - 1]).h_mm) {
       return reject(kInconsistent, name, "is lower than the point before it");
     }
@@ -167,7 +167,7 @@ ToolCheck check_points(const ProfileShape& shape, const std::string& field) {
   return check_length(field, end_of(shape.steps.back()).h_mm);
 }
 
-/// Where sections have a height, they have a radius.
+/// Returns whether a section has height but no radius: such a part has no volume.
 bool has_needle(const std::vector<OutlineSection>& sections) {
   return std::ranges::any_of(sections, [](const OutlineSection& section) {
     const auto* line = std::get_if<OutlineLine>(&section);
@@ -181,7 +181,7 @@ bool has_needle(const std::vector<OutlineSection>& sections) {
 Pieces resolve(const ProfileShape& shape, const std::string& prefix) {
   const std::string field = prefix + "profile_mm";
   if (auto c = check_points(shape, field); !c) return std::unexpected(c.error());
-  if (!(shape.chord_tolerance_mm >= 1e-6 && shape.chord_tolerance_mm <= 1)) {
+  if (!(shape.chord_tolerance_mm >= 0.000001 && shape.chord_tolerance_mm <= 1)) {
     return reject(kOutOfRange, prefix + "chord_tolerance_mm", "must be between 0.000001 and 1 mm");
   }
   std::vector<OutlineSection> outline;
@@ -194,7 +194,7 @@ Pieces resolve(const ProfileShape& shape, const std::string& prefix) {
     if (!sections) {
       return reject(sections.error().code, name + sections.error().field, sections.error().reason);
     }
-    if (has_needle(*sections)) return reject(kInconsistent, name, "runs along the axis");
+    if (has_needle(*sections)) return reject(kInconsistent, name, "must not run along the axis");
     outline.insert(outline.end(), sections->begin(), sections->end());
   }
   auto pieces = pieces_of(outline);

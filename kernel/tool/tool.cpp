@@ -10,22 +10,10 @@
 namespace kerf {
 namespace {
 
-struct Extent {
-  double top_mm, radius_mm;
-};
-
-Extent extent(const BallPiece& p) { return {p.center_mm + p.radius_mm, p.radius_mm}; }
-Extent extent(const FrustumPiece& p) { return {p.z1_mm, std::max(p.r0_mm, p.r1_mm)}; }
-Extent extent(const ArcPiece& p) {
-  // Widest at the height of its centre, or at the end that is nearest to it.
-  const double off = std::clamp(p.center_z_mm, p.z0_mm, p.z1_mm) - p.center_z_mm;
-  return {p.z1_mm, p.center_r_mm + std::sqrt(std::max(0.0, p.radius_mm * p.radius_mm - off * off))};
-}
-
 std::string check_piece(const BallPiece& p) {
   if (!std::isfinite(p.center_mm) || !std::isfinite(p.radius_mm)) return "is not finite";
   if (p.radius_mm <= 0 || p.radius_mm > kToolLengthMaxMm) return "has a radius out of range";
-  if (p.center_mm < 0 || p.center_mm > kToolLengthMaxMm) return "has a centre out of range";
+  if (p.center_mm < 0 || p.center_mm > kToolLengthMaxMm) return "has a center out of range";
   return {};
 }
 
@@ -52,7 +40,7 @@ std::string check_piece(const ArcPiece& p) {
   const double below = p.z0_mm - p.center_z_mm, above = p.z1_mm - p.center_z_mm;
   const double r2 = p.radius_mm * p.radius_mm;
   if (below * below > r2 || above * above > r2) return "has heights beyond its arc";
-  // The radius is a concave function of the height, so it is least at an end.
+  // The radius is a concave function of the height, so its minimum is at an end.
   const double least = p.center_r_mm + std::sqrt(r2 - std::max(below * below, above * above));
   if (least < -kOutlineEpsilonMm) return "has a negative radius";
   return {};
@@ -86,21 +74,21 @@ std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> cutting,
                                          std::vector<ToolPiece> non_cutting) {
   if (cutting.empty()) {
     return std::unexpected(
-        ToolError{ToolErrorCode::kTooShort, "pieces", "must have at least one that cuts"});
+        ToolError{ToolErrorCode::kTooShort, "pieces", "must have at least one cutting piece"});
   }
   if (auto c = check_pieces("pieces", cutting); !c) return std::unexpected(c.error());
   if (auto c = check_pieces("non_cutting", non_cutting); !c) return std::unexpected(c.error());
   Tool tool;
   for (const ToolPiece& piece : cutting) {
-    const Extent e = std::visit([](const auto& p) { return extent(p); }, piece);
-    tool.length_mm = std::max(tool.length_mm, e.top_mm);
+    const Extent e = extent(piece);
+    tool.length_mm = std::max(tool.length_mm, e.z1_mm);
     tool.radius_mm = std::max(tool.radius_mm, e.radius_mm);
   }
   tool.whole_length_mm = tool.length_mm;
   tool.whole_radius_mm = tool.radius_mm;
   for (const ToolPiece& piece : non_cutting) {
-    const Extent e = std::visit([](const auto& p) { return extent(p); }, piece);
-    tool.whole_length_mm = std::max(tool.whole_length_mm, e.top_mm);
+    const Extent e = extent(piece);
+    tool.whole_length_mm = std::max(tool.whole_length_mm, e.z1_mm);
     tool.whole_radius_mm = std::max(tool.whole_radius_mm, e.radius_mm);
   }
   tool.pieces = std::move(cutting);

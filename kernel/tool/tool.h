@@ -4,42 +4,21 @@
 #include <cstddef>
 #include <expected>
 #include <string>
-#include <variant>
 #include <vector>
 
+#include "kernel/piece/tool_piece.h"
 #include "kernel/tool/tool_shape.h"
 
 namespace kerf {
 
-/// A convex body of revolution about the tool axis; heights in mm above the tip.
-struct BallPiece {
-  double center_mm, radius_mm;
-  friend bool operator==(const BallPiece&, const BallPiece&) = default;
-};
-/// Truncated cone between two discs, z0 < z1; r0 == r1 is a cylinder, r0 == 0 a pointed cone.
-struct FrustumPiece {
-  double z0_mm, r0_mm, z1_mm, r1_mm;
-  friend bool operator==(const FrustumPiece&, const FrustumPiece&) = default;
-};
-/// The part between the heights z0 < z1 of what a convex arc of the profile sweeps: the arc of
-/// radius `radius` about (center_r, center_z) in the half-plane (r, z), taken on its outer side, so
-/// that the radius at height z is center_r + √(radius² − (z − center_z)²), nowhere negative.
-/// center_r > 0 is the corner of a bull-nose, center_r < 0 the flank of a barrel, 0 a slice of a
-/// ball.
-struct ArcPiece {
-  double center_r_mm, center_z_mm, radius_mm, z0_mm, z1_mm;
-  friend bool operator==(const ArcPiece&, const ArcPiece&) = default;
-};
-using ToolPiece = std::variant<BallPiece, FrustumPiece, ArcPiece>;
-
-/// A validated tool: the union of its convex pieces, tip at the origin, axis +Z. Angles end here: a
-/// tool holds lengths only, so that a journal that stores tools replays alike on every CPU (libm's
-/// trigonometry does not).
+/// A validated tool: the union of its convex pieces, tip at the origin, axis +Z. It holds lengths
+/// only, no angles: a journal that stores tools replays identically on every CPU, which libm's
+/// trigonometry would not.
 struct Tool {
-  std::vector<ToolPiece> pieces;       ///< what cuts, from the tip up
+  std::vector<ToolPiece> pieces;       ///< the cutting part, from the tip up
   double length_mm = 0;                ///< top of the highest cutting piece
   double radius_mm = 0;                ///< largest radius of any cutting piece
-  std::vector<ToolPiece> non_cutting;  ///< shank and holder, from below: they collide, never cut
+  std::vector<ToolPiece> non_cutting;  ///< shank and holder, upwards: they collide, never cut
   double whole_length_mm = 0;          ///< as length_mm and radius_mm, over all pieces
   double whole_radius_mm = 0;
   friend bool operator==(const Tool&, const Tool&) = default;
@@ -51,7 +30,7 @@ enum class ToolErrorCode {
   kOutOfRange,
   kTooShort,
   kTooManyPieces,
-  kInconsistent  ///< fields that are sound by themselves do not fit together
+  kInconsistent  ///< each field is valid, but they contradict each other
 };
 struct ToolError {
   ToolErrorCode code;
@@ -59,18 +38,18 @@ struct ToolError {
   std::string reason;  ///< one sentence
 };
 
-/// Largest and smallest length that any tool dimension may have.
+/// Limits of every length of a tool.
 inline constexpr double kToolLengthMaxMm = 5000;
-inline constexpr double kToolLengthMinMm = 1e-4;
-/// Most convex pieces that the cutting or the non-cutting part of a tool may have.
+inline constexpr double kToolLengthMinMm = 0.0001;
+/// Maximum number of convex pieces of the cutting part, and of the non-cutting part.
 inline constexpr std::size_t kToolPiecesMax = 1024;
 
-/// Resolves a shape, and the shank and holder above it, into convex pieces, or says which field is
-/// wrong.
+/// Resolves a shape, and the shank and holder above it, into convex pieces. An error names the
+/// invalid field.
 std::expected<Tool, ToolError> make_tool(const ToolShape& shape, const ToolBody& body = {});
 
-/// Checks a tool that came as pieces (from a journal): finite, positive, ordered, within the
-/// limits.
+/// Makes a tool of pieces that come from a journal. Checks that they are finite, positive, ordered
+/// and within the limits.
 std::expected<Tool, ToolError> make_tool(std::vector<ToolPiece> cutting,
                                          std::vector<ToolPiece> non_cutting = {});
 

@@ -24,7 +24,7 @@ ToolCheck check_top(const std::string& field, double top_mm) {
       ToolError{ToolErrorCode::kOutOfRange, field, "makes the whole tool longer than 5000 mm"});
 }
 
-/// A cylinder or cone upon `top`, which it raises.
+/// Appends a holder section above the height `top`, and raises `top` by its length.
 ToolCheck stack(const std::string& field, const HolderSection& section, double& top,
                 std::vector<ToolPiece>& pieces) {
   if (auto c = check_length(field + ".diameter_mm", section.diameter_mm); !c) return c;
@@ -50,7 +50,7 @@ ToolPiece raised(ArcPiece piece, double by_mm) {
   piece.center_z_mm += by_mm;
   piece.z0_mm += by_mm;
   piece.z1_mm += by_mm;
-  // The sums are rounded each on its own: the ends stay within the arc.
+  // Each sum is rounded on its own: enlarge the radius so that the ends stay within the arc.
   piece.radius_mm =
       std::max({piece.radius_mm, piece.center_z_mm - piece.z0_mm, piece.z1_mm - piece.center_z_mm});
   return piece;

@@ -5,31 +5,26 @@
 #include <string>
 #include <vector>
 
+#include "kernel/math/tolerance.h"
 #include "kernel/tool/tool.h"
 
 namespace kerf {
 
-// What the definitions of shapes share.
+// Checks that the definitions of all shapes share, and the resolution of each shape.
 
 using ToolCheck = std::expected<void, ToolError>;
 /// The convex pieces of a shape, from the tip up.
 using Pieces = std::expected<std::vector<ToolPiece>, ToolError>;
 
-/// mm. Where lines and arcs of a definition should meet and miss by less, they do: cutter data
-/// comes rounded to three decimals. Owner: kernel/tool. If it grows, wrong definitions are
-/// accepted.
-inline constexpr double kMissAllowanceMm = 1e-3;
-
-/// A length between kToolLengthMinMm and kToolLengthMaxMm.
+/// Checks for a length between kToolLengthMinMm and kToolLengthMaxMm.
 ToolCheck check_length(const std::string& field, double value_mm);
-/// A coordinate or a length that may be zero: finite, at least `least_mm`, at most
-/// kToolLengthMaxMm.
+/// Checks for a coordinate or a length that may be zero: finite, in [least_mm, kToolLengthMaxMm].
 ToolCheck check_coordinate(const std::string& field, double value_mm, double least_mm);
-/// An angle strictly between two others; not denormal, for nobody means one.
+/// Checks for an angle strictly between two limits. Denormal numbers are rejected: they are always
+/// a mistake.
 ToolCheck check_angle(const std::string& field, double value_deg, double above_deg,
                       double below_deg);
-/// Pieces of a definition or a journal: their number, and each finite, ordered and within the
-/// limits.
+/// Checks the number of pieces, and that each is finite, ordered and within the limits.
 ToolCheck check_pieces(const std::string& field, const std::vector<ToolPiece>& pieces);
 
 double radians(double degrees);
@@ -40,9 +35,9 @@ Pieces resolve(const BullNoseShape& shape);
 Pieces resolve(const TaperShape& shape);
 Pieces resolve(const ConeEndShape& shape);
 Pieces resolve(const AptShape& shape);
-/// Errors name fields with the prefix before them.
+/// Field names in errors start with `prefix`.
 Pieces resolve(const ProfileShape& shape, const std::string& prefix = "");
-/// Shank and holder on a tool whose cutting part is so long.
+/// Resolves shank and holder above a cutting part of this length.
 Pieces resolve(const ToolBody& body, double cutting_length_mm);
 
 }  // namespace kerf

@@ -5,9 +5,8 @@
 
 namespace kerf {
 
-/// Where a tool is: its tip (mm) and its unit axis, which points from the tip to the spindle (APT
-/// i, j, k). Five degrees of freedom; a turn about the axis changes nothing for a tool of
-/// revolution.
+/// Position of a tool's tip (mm) and its unit axis, which points from the tip to the spindle (APT
+/// i, j, k). Five degrees of freedom: a tool of revolution is not changed by a turn about its axis.
 struct ToolPose {
   Vec3 tip_mm;
   Vec3 axis{0, 0, 1};

@@ -35,15 +35,15 @@ struct ConeEndShape {
   double tip_angle_deg;  ///< included angle of the cone at the tip, in (0, 180)
   double length_mm;      ///< whole length, cone and cylinder
 };
-/// The cutter of APT's CUTTER/d,r,e,f,alpha,beta,h, seen in the half-plane (radius, height): a
-/// bottom line rises outwards from the tip at `alpha` to the horizontal, a side line leans away
-/// from the axis by `beta`, both meet at the radius d/2, and an arc of radius r about (e, f) joins
-/// them. It touches the lines or is cut off by them. A negative e makes a barrel.
+/// The cutter of APT's CUTTER/d,r,e,f,alpha,beta,h, in the half-plane (radius, height): a bottom
+/// line rises outwards from the tip at `alpha` to the horizontal, a side line leans away from the
+/// axis by `beta`, both meet at the radius d/2, and an arc of radius r about (e, f) joins them. The
+/// arc is tangent to a line or is cut off by it. A negative e makes a barrel.
 struct AptShape {
   double d_mm;       ///< diameter where bottom and side line meet, > 0
   double r_mm;       ///< corner radius; 0: a sharp corner, and (e, f) is where the lines meet
-  double e_mm;       ///< distance of the arc's centre from the axis, < 0 beyond it
-  double f_mm;       ///< height of the arc's centre
+  double e_mm;       ///< distance of the arc's center from the axis, < 0 beyond the axis
+  double f_mm;       ///< height of the arc's center
   double alpha_deg;  ///< in [0, 90)
   double beta_deg;   ///< in (-90, 90)
   double h_mm;       ///< height of the cutter
@@ -54,7 +54,7 @@ struct ProfilePoint {
 };
 /// Whether an arc bulges away from the axis (a rounded edge) or towards it (a fillet).
 enum class ArcBulge { kOut, kIn };
-/// The arc of at most half a circle from the point before to `to`.
+/// An arc of at most half a circle from the previous point to `to`.
 struct ProfileArc {
   ProfilePoint to;
   double radius_mm;
@@ -69,13 +69,13 @@ struct ProfileCenteredArc {
 using ProfileStep = std::variant<ProfilePoint, ProfileArc, ProfileCenteredArc>;
 
 /// mm. Default of ProfileShape::chord_tolerance_mm.
-inline constexpr double kChordToleranceMm = 1e-4;
+inline constexpr double kChordToleranceMm = 0.0001;
 
-/// A free outline from the tip up: lollipops, dovetails, T-slot and form cutters. It starts with a
-/// point at height 0, on the axis or off it; from step to step the height never falls; where it
-/// stays the same there is a shoulder. Arcs that bulge out are exact. Those that bulge in are
-/// divided into straight sections that touch the arc from the tool's inside, at most
-/// chord_tolerance_mm off: such a tool never removes what the true one would leave.
+/// A free outline from the tip up: lollipops, dovetails, T-slot and form cutters. The first step is
+/// a point at height 0, on the axis or off it. Heights never fall; equal heights make a shoulder.
+/// Arcs that bulge out are exact. Arcs that bulge in are divided into straight sections that touch
+/// the arc from inside the tool, at most chord_tolerance_mm off, so the tool never removes material
+/// that the true tool would leave.
 struct ProfileShape {
   std::vector<ProfileStep> steps;
   double chord_tolerance_mm = kChordToleranceMm;
@@ -83,20 +83,20 @@ struct ProfileShape {
 using ToolShape = std::variant<BallShape, FlatShape, TaperShape, ConeEndShape, BullNoseShape,
                                AptShape, ProfileShape>;
 
-/// Height of the cutting part of a shape that make_tool accepts.
+/// Returns the height of the cutting part. The shape must be one that make_tool accepts.
 double cutting_length_mm(const ToolShape& shape);
 
-/// A cylinder from the end of the cutting length upwards.
+/// A cylinder that begins at the end of the cutting length.
 struct Shank {
   double diameter_mm, length_mm;
 };
-/// A cylinder, or a cone that opens or closes upwards.
+/// A cylinder, or a frustum that opens or closes upwards.
 struct HolderSection {
   double diameter_mm, top_diameter_mm, length_mm;
 };
 /// Sections stacked from below, or an outline whose heights count from the holder's lower end.
 using Holder = std::variant<std::vector<HolderSection>, ProfileShape>;
-/// What is above the cutting part of a tool. It does not cut: it collides.
+/// The part of a tool above its cutting part. It does not cut, but collides.
 struct ToolBody {
   std::optional<Shank> shank;
   std::optional<Holder> holder;  ///< above the shank

@@ -116,7 +116,7 @@ class Carving {
     if (options_.motion)
       request.motion = *options_.motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
     if (scene_.accuracy) {
-      const auto settled = settle_accuracy(scene_, request);
+      const auto settled = resolve_accuracy(scene_, request);
       if (!settled)
         return bad_input(options_.scene.string() + ": accuracy." + settled.error().field + " " +
                          settled.error().reason);

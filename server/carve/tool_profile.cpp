@@ -14,39 +14,11 @@ constexpr int kBisections = 60;
 // Less than this between two radii is rounding, mm.
 constexpr double kSameMm = 1e-10;
 
-struct Heights {
-  double low, high;
-};
-
-Heights heights(const ToolPiece& piece) {
-  if (const auto* ball = std::get_if<BallPiece>(&piece))
-    return {ball->center_mm - ball->radius_mm, ball->center_mm + ball->radius_mm};
-  if (const auto* arc = std::get_if<ArcPiece>(&piece)) return {arc->z0_mm, arc->z1_mm};
-  const auto& frustum = std::get<FrustumPiece>(piece);
-  return {frustum.z0_mm, frustum.z1_mm};
-}
-
-double half_chord(double radius, double off) {
-  return std::sqrt(std::max(0.0, radius * radius - off * off));
-}
-
-// Radius of a piece at a height; below zero where it does not reach.
-double radius_of(const ToolPiece& piece, double h) {
-  const auto [low, high] = heights(piece);
-  if (h < low || h > high) return -1;
-  if (const auto* ball = std::get_if<BallPiece>(&piece))
-    return half_chord(ball->radius_mm, h - ball->center_mm);
-  if (const auto* arc = std::get_if<ArcPiece>(&piece))
-    return arc->center_r_mm + half_chord(arc->radius_mm, h - arc->center_z_mm);
-  const auto& f = std::get<FrustumPiece>(piece);
-  return f.r0_mm + (f.r1_mm - f.r0_mm) * ((h - f.z0_mm) / (f.z1_mm - f.z0_mm));
-}
-
 // The widest piece at a height; `likely` where it is as wide as any.
 std::size_t widest(const std::vector<ToolPiece>& pieces, double h, std::size_t likely) {
   std::size_t best = likely;
   for (std::size_t i = 0; i < pieces.size(); ++i)
-    if (radius_of(pieces[i], h) > radius_of(pieces[best], h) + kSameMm) best = i;
+    if (radius_at(pieces[i], h) > radius_at(pieces[best], h) + kSameMm) best = i;
   return best;
 }
 
@@ -55,9 +27,9 @@ std::size_t widest(const std::vector<ToolPiece>& pieces, double h, std::size_t l
 ToolProfile::ToolProfile(const Tool& tool) : pieces_(tool.pieces) {
   std::vector<double> ends;
   for (const ToolPiece& piece : pieces_) {
-    const auto [low, high] = heights(piece);
-    ends.push_back(low);
-    ends.push_back(high);
+    const Extent e = extent(piece);
+    ends.push_back(e.z0_mm);
+    ends.push_back(e.z1_mm);
   }
   std::ranges::sort(ends);
   low_mm_ = ends.front();
@@ -70,9 +42,9 @@ ToolProfile::ToolProfile(const Tool& tool) : pieces_(tool.pieces) {
     const double step = (high - low) / kLooks;
     std::size_t now = widest(pieces_, low + step / 2, 0);
     const auto finish = [&](std::size_t piece, double to) {
-      add_step(reached, std::max(0.0, radius_of(pieces_[piece], low)), low);
+      add_step(reached, std::max(0.0, kerf::radius_at(pieces_[piece], low)), low);
       add_outline(pieces_[piece], low, to);
-      reached = std::max(0.0, radius_of(pieces_[piece], to));
+      reached = std::max(0.0, kerf::radius_at(pieces_[piece], to));
       low = to;
     };
     for (int k = 1; k < kLooks; ++k) {
@@ -99,7 +71,7 @@ void ToolProfile::add_step(double from_r, double to_r, double height_mm) {
 }
 
 void ToolProfile::add_outline(const ToolPiece& piece, double low, double high) {
-  Part part{.a = {radius_of(piece, low), low}, .b = {radius_of(piece, high), high}};
+  Part part{.a = {kerf::radius_at(piece, low), low}, .b = {kerf::radius_at(piece, high), high}};
   if (const auto* ball = std::get_if<BallPiece>(&piece)) {
     part.center = {0, ball->center_mm};
     part.radius = ball->radius_mm;
@@ -112,7 +84,8 @@ void ToolProfile::add_outline(const ToolPiece& piece, double low, double high) {
 
 double ToolProfile::radius_at(double height_mm) const {
   double radius = -1;
-  for (const ToolPiece& piece : pieces_) radius = std::max(radius, radius_of(piece, height_mm));
+  for (const ToolPiece& piece : pieces_)
+    radius = std::max(radius, kerf::radius_at(piece, height_mm));
   return radius;
 }
 

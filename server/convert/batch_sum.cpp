@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "server/convert/sample_pose.h"
-
 namespace kerf {
 
 void BatchSum::add(const MotionResult& result, double duration_s) {

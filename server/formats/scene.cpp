@@ -31,7 +31,7 @@ Accuracy accuracy_of(const Scene& scene) {
   return {s.rays, s.pitch_mm, s.tolerance_mm, s.motion};
 }
 
-std::expected<void, AccuracyError> settle_accuracy(Scene& scene, const AccuracyRequest& request) {
+std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request) {
   AccuracyUse use{.stock = scene.settings.stock,
                   .tools = {},
                   .turns = scene.machine.kinematics != MachineKinematics::kXyz};

@@ -89,7 +89,7 @@ std::expected<Scene, SceneError> load_scene(const std::filesystem::path& file);
 Accuracy accuracy_of(const Scene& scene);
 /// Chooses the accuracy for a target (choose_accuracy) and stores it in `scene.accuracy` and
 /// `scene.settings`. On an error the scene is unchanged.
-std::expected<void, AccuracyError> settle_accuracy(Scene& scene, const AccuracyRequest& request);
+std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request);
 
 /// Returns the scene as canonical JSON text: every field, in a fixed order. parse_scene reads it
 /// back to an equal scene, given the same files.

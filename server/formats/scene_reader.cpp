@@ -101,10 +101,10 @@ AccuracyRequest read_accuracy(const SceneValue& value) {
 }
 
 // Tools and machine must have been read before, because the choice depends on them.
-void settle(const AccuracyRequest& request, Scene& scene) {
+void apply_accuracy(const AccuracyRequest& request, Scene& scene) {
   if (request.target_mm > 0) {
-    if (auto done = settle_accuracy(scene, request); !done)
-      throw SceneRejection{"accuracy." + done.error().field, done.error().reason};
+    if (auto resolved = resolve_accuracy(scene, request); !resolved)
+      throw SceneRejection{"accuracy." + resolved.error().field, resolved.error().reason};
     return;
   }
   SculptureSettings& settings = scene.settings;
@@ -206,7 +206,7 @@ Scene read_scene(const Json& json, const SceneSource& source) {
     for (const SceneValue& obstacle : obstacles->items()) read_obstacle(obstacle, source, scene);
   }
   fields.reject_unknown();
-  settle(accuracy, scene);
+  apply_accuracy(accuracy, scene);
   return scene;
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/participant_state.h"
 
-#include "server/convert/sample_pose.h"
-
 namespace kerf {
 namespace {
 

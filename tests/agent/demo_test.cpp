@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The demo's programs carve what they promise: nothing below the wanted surface, hardly anything
-// left above it.
+// The demo's programs carve the intended surface: no gouges below it, little material left above.
 
 #include <gtest/gtest.h>
 
@@ -20,9 +19,8 @@ namespace {
 
 constexpr double kPitchMm = 0.4;
 
-// What the strokes leave of the block, as heights over a grid; by brute force, independent of the
-// offset surface that placed the tools: every pose and points between them, every point of the
-// axis, as balls.
+// Height map of the carved block, by brute force and independent of the offset surface that places
+// the tools: balls at points of the axis, for every pose and between poses.
 class Block {
  public:
   explicit Block(const Ammonite& ammonite)
@@ -84,9 +82,9 @@ class Block {
   std::vector<double> top_;
 };
 
-// The z of the surface's normal: what turns a height into a distance from the surface, which is
-// steep at the shell's edge.
-double upright(const Ammonite& ammonite, double x, double y) {
+// z of the surface's unit normal: the factor from a height difference to a distance from the
+// surface.
+double normal_z(const Ammonite& ammonite, double x, double y) {
   constexpr double kReachMm = 0.1;
   const double dx = (ammonite.height(x + kReachMm, y) - ammonite.height(x - kReachMm, y));
   const double dy = (ammonite.height(x, y + kReachMm) - ammonite.height(x, y - kReachMm));
@@ -106,7 +104,7 @@ class DemoCarving : public testing::Test {
   }
 };
 
-TEST_F(DemoCarving, NothingIsCutBelowTheShellAndHardlyAnythingStaysOnIt) {
+TEST_F(DemoCarving, DoesNotGougeAndLeavesLittleMaterial) {
   const std::map<std::uint32_t, BallTool> tools = {
       {kCoarse.id, kCoarse}, {kShell.id, kShell}, {kFloor.id, kFloor}, {kFine.id, kFine}};
   const Ammonite ammonite;
@@ -115,9 +113,9 @@ TEST_F(DemoCarving, NothingIsCutBelowTheShellAndHardlyAnythingStaysOnIt) {
 
   double deepest_gouge_mm = 0, left_mm3 = 0, removed_mm3 = 0;
   block.for_each([&](double x, double y, double z) {
-    const double wanted = ammonite.height(x, y);
-    deepest_gouge_mm = std::max(deepest_gouge_mm, (wanted - z) * upright(ammonite, x, y));
-    left_mm3 += std::max(0.0, z - wanted) * kPitchMm * kPitchMm;
+    const double target = ammonite.height(x, y);
+    deepest_gouge_mm = std::max(deepest_gouge_mm, (target - z) * normal_z(ammonite, x, y));
+    left_mm3 += std::max(0.0, z - target) * kPitchMm * kPitchMm;
     removed_mm3 += -z * kPitchMm * kPitchMm;
   });
   RecordProperty("deepest_gouge_um", static_cast<int>(deepest_gouge_mm * 1000));
@@ -126,19 +124,19 @@ TEST_F(DemoCarving, NothingIsCutBelowTheShellAndHardlyAnythingStaysOnIt) {
   EXPECT_LT(left_mm3 / removed_mm3, 0.04);
 }
 
-TEST_F(DemoCarving, TheSpindleSwingsVisiblyButNeverLiesDown) {
-  double most = 1;
+TEST_F(DemoCarving, AxisTiltIsVisibleAndBounded) {
+  double least_z = 1;
   for (const Stroke& stroke : all_strokes()) {
     for (const DemoPose& pose : stroke.poses) {
       ASSERT_NEAR(length(pose.axis), 1, 1e-9);
-      most = std::min(most, pose.axis.z);
+      least_z = std::min(least_z, pose.axis.z);
     }
   }
-  EXPECT_LT(most, std::cos(0.5)) << "nobody would see that it has five axes";
-  EXPECT_GT(most, std::cos(0.8)) << "farther than the strokes ask for";
+  EXPECT_LT(least_z, std::cos(0.5)) << "five-axis motion must be visible";
+  EXPECT_GT(least_z, std::cos(0.8)) << "more tilt than the strokes require";
 }
 
-TEST_F(DemoCarving, PosesLieCloseTogether) {
+TEST_F(DemoCarving, DistancesBetweenPosesAreSmall) {
   for (const Stroke& stroke : all_strokes()) {
     for (std::size_t i = 1; i < stroke.poses.size(); ++i) {
       const DemoPose &a = stroke.poses[i - 1], &b = stroke.poses[i];
@@ -148,14 +146,14 @@ TEST_F(DemoCarving, PosesLieCloseTogether) {
   }
 }
 
-TEST_F(DemoCarving, BothHandsAreBusyForThreeToFourMinutes) {
+TEST_F(DemoCarving, BothProgramsTakeThreeToFourMinutes) {
   for (const auto& strokes : {carving().first, carving().second}) {
     EXPECT_GT(cutting_seconds(strokes), 170);
     EXPECT_LT(cutting_seconds(strokes), 240);
   }
 }
 
-TEST(DemoApt, StrokesAreLoadedApproachedFedAndLeft) {
+TEST(DemoApt, WritesToolChangeApproachFeedAndRetract) {
   const Stroke stroke{2, 50, {{{1, 2, -3}, {0, 0, 1}}, {{4, 2, -3}, {0.6, 0, 0.8}}}};
   EXPECT_EQ(apt_text("X", {stroke}, 12),
             "PARTNO/X\nUNITS/MM\nMULTAX/ON\nLOADTL/2\nRAPID\n"

@@ -20,7 +20,7 @@ std::string all_of(const Finding& finding) {
   return text;
 }
 
-bool says(const Finding& finding, const std::string& part) {
+bool contains(const Finding& finding, const std::string& part) {
   return all_of(finding).find(part) != std::string::npos;
 }
 
@@ -36,7 +36,7 @@ LoopMeasurement loop_of(std::uint64_t wake_us, std::uint64_t lost) {
   return measurement;
 }
 
-TEST(Doctor, ADeviceThatMayNotBeOpenedIsToldWithItsRule) {
+TEST(Doctor, InaccessibleDeviceIsReportedWithItsUdevRule) {
   const FoundDevice falcon{.name = "Novint Falcon",
                            .word = "falcon",
                            .id = {0x0403, 0xcb48},
@@ -45,24 +45,24 @@ TEST(Doctor, ADeviceThatMayNotBeOpenedIsToldWithItsRule) {
   const auto findings = judge_usb(std::vector{falcon});
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].health, Health::kBad);
-  EXPECT_TRUE(says(findings[0], "/dev/bus/usb/001/004"));
-  EXPECT_TRUE(says(findings[0], R"(ATTR{idVendor}=="0403", ATTR{idProduct}=="cb48")"));
-  EXPECT_TRUE(says(findings[0], "udevadm control --reload"));
+  EXPECT_TRUE(contains(findings[0], "/dev/bus/usb/001/004"));
+  EXPECT_TRUE(contains(findings[0], R"(ATTR{idVendor}=="0403", ATTR{idProduct}=="cb48")"));
+  EXPECT_TRUE(contains(findings[0], "udevadm control --reload"));
 }
 
-TEST(Doctor, OpenClosedAndMissingDevicesAreToldApart) {
+TEST(Doctor, DistinguishesAccessibleProprietaryAndMissingDevices) {
   const FoundDevice open{.name = "SpaceMouse", .word = "spacemouse", .node = "/dev/x"};
   const FoundDevice touch{.name = "3D Systems Touch", .node = "/dev/y"};
   const auto findings = judge_usb(std::vector{open, touch});
   ASSERT_EQ(findings.size(), 2U);
   EXPECT_EQ(findings[0].health, Health::kFine);
   EXPECT_EQ(findings[1].health, Health::kWarning);
-  EXPECT_TRUE(says(findings[1], "SDK"));
+  EXPECT_TRUE(contains(findings[1], "SDK"));
   EXPECT_EQ(judge_usb(std::vector<FoundDevice>{})[0].health, Health::kWarning);
-  EXPECT_TRUE(says(judge_usb(std::unexpected("USB cannot be used: x"))[0], "cannot be used"));
+  EXPECT_TRUE(contains(judge_usb(std::unexpected("USB cannot be used: x"))[0], "cannot be used"));
 }
 
-TEST(Doctor, TheRuleFileThatIsShippedNamesEveryDeviceThatIsDriven) {
+TEST(Doctor, ShippedRulesFileNamesEverySupportedVendor) {
   std::ifstream file(KERF_SOURCE_DIR "/haptic_agent/70-kerf.rules");
   const std::string rules{std::istreambuf_iterator<char>(file), {}};
   for (const char* vendor : {"1209", "0403", "046d", "256f"}) {
@@ -70,32 +70,32 @@ TEST(Doctor, TheRuleFileThatIsShippedNamesEveryDeviceThatIsDriven) {
   }
 }
 
-TEST(Doctor, RightsThatAreRejectedComeWithTheLinesThatGrantThem) {
+TEST(Doctor, DeniedRightsAreReportedWithTheLinesThatGrantThem) {
   EXPECT_EQ(judge_priority(rights(true, false)).health, Health::kFine);
   EXPECT_EQ(judge_priority(rights(false, false)).health, Health::kWarning);
-  EXPECT_TRUE(says(judge_priority(rights(false, false)), "@plugdev - rtprio 90"));
-  EXPECT_TRUE(says(judge_priority(rights(false, false)), "cap_sys_nice"));
+  EXPECT_TRUE(contains(judge_priority(rights(false, false)), "@plugdev - rtprio 90"));
+  EXPECT_TRUE(contains(judge_priority(rights(false, false)), "cap_sys_nice"));
   EXPECT_EQ(judge_memory_lock(rights(false, true)).health, Health::kFine);
-  EXPECT_TRUE(says(judge_memory_lock(rights(false, false)), "memlock unlimited"));
+  EXPECT_TRUE(contains(judge_memory_lock(rights(false, false)), "memlock unlimited"));
 }
 
-TEST(Doctor, TheLoopIsJudgedByItsPercentilesAndItsLostTicks) {
+TEST(Doctor, LoopIsJudgedByWakeUpPercentileAndLostTicks) {
   EXPECT_EQ(judge_loop(loop_of(100, 0)).health, Health::kFine);
   EXPECT_EQ(judge_loop(loop_of(250, 5)).health, Health::kFine);
   EXPECT_EQ(judge_loop(loop_of(300, 0)).health, Health::kWarning);
   EXPECT_EQ(judge_loop(loop_of(100, 6)).health, Health::kWarning);
   EXPECT_EQ(judge_loop(LoopMeasurement{}).health, Health::kWarning);
-  EXPECT_TRUE(says(judge_loop(loop_of(100, 6)), "994 of 1000 ticks ran, 0.60 % lost"));
+  EXPECT_TRUE(contains(judge_loop(loop_of(100, 6)), "994 of 1000 ticks ran, 0.60 % lost"));
 }
 
-TEST(Doctor, AServerThatIsNotThereIsBad) {
+TEST(Doctor, UnreachableServerIsBad) {
   const Finding finding = check_server({.host = "127.0.0.1", .port = "1"});
   EXPECT_EQ(finding.health, Health::kBad);
-  EXPECT_TRUE(says(finding, "cannot be reached"));
+  EXPECT_TRUE(contains(finding, "cannot be reached"));
   EXPECT_EQ(check_server({.host = "no-such-host.invalid", .port = "1"}).health, Health::kBad);
 }
 
-TEST(Doctor, ItsExitCodeTellsWhetherAllIsFine) {
+TEST(Doctor, ExitCodeReflectsFindings) {
   std::ostringstream out;
   const char* bad[] = {"doctor", "--device", "joystick"};
   EXPECT_EQ(run_doctor(3, bad, out), 2);
@@ -103,13 +103,13 @@ TEST(Doctor, ItsExitCodeTellsWhetherAllIsFine) {
   EXPECT_EQ(run_doctor(2, unknown, out), 2);
   const char* missing[] = {"doctor", "--device", "falcon", "--wait", "0", "--seconds", "0.1"};
   EXPECT_EQ(run_doctor(7, missing, out), 1);
-  EXPECT_NE(out.str().find("Not all is fine"), std::string::npos);
+  EXPECT_NE(out.str().find("Some checks failed"), std::string::npos);
   const char* simulated[] = {"doctor", "--device", "sim", "--seconds", "0.1"};
   run_doctor(5, simulated, out);
   EXPECT_NE(out.str().find("the simulated hand is ready"), std::string::npos);
 }
 
-TEST(RunAgents, EachDeviceGetsANameAndASummaryOfItsOwn) {
+TEST(RunAgents, EachDeviceHasItsOwnNameAndSummary) {
   Options options;
   options.link.hello.name = "Ada";
   options.status_json = "out.json";

@@ -19,7 +19,7 @@ std::expected<Options, EarlyExit> read(std::vector<const char*> words) {
   return read_options(static_cast<int>(words.size()), words.data());
 }
 
-TEST(Options, ReadsAWholeCommandLine) {
+TEST(Options, ParsesACompleteCommandLine) {
   const auto options = read({"--server", "http://127.0.0.1:9", "--session", "demo", "--device",
                              "sim", "--name", "Ada", "--color", "#a0B1c2", "--tool", "2",
                              "--duration", "1.5", "--loop", "--force-max", "3", "--udp"});
@@ -64,7 +64,7 @@ TEST(RunAgent, ExitsWithOneWhenTheServerCannotBeReached) {
   EXPECT_EQ(run_agent(*options), 1);
 }
 
-TEST(Summary, TheJsonHoldsWhatTestsRelyOn) {
+TEST(Summary, JsonHasTheFieldsThatTestsRelyOn) {
   Summary summary;
   summary.welcome.session = "demo";
   summary.cycles.ticks = 10;
@@ -80,7 +80,7 @@ TEST(Summary, TheJsonHoldsWhatTestsRelyOn) {
   EXPECT_EQ(json["link"]["udp"]["carries"], false);
 }
 
-TEST(Summary, TellsOfTheUdpLaneWhereItWasAskedFor) {
+TEST(Summary, PrintsUdpCountersIfUdpWasRequested) {
   const auto printed = [](const UdpReport& udp) {
     Summary summary;
     summary.link.udp = udp;
@@ -89,10 +89,10 @@ TEST(Summary, TellsOfTheUdpLaneWhereItWasAskedFor) {
     return out.str();
   };
   EXPECT_EQ(printed({}).find("udp"), std::string::npos);
-  EXPECT_NE(printed({.asked = true}).find("the server has no UDP lane"), std::string::npos);
+  EXPECT_NE(printed({.asked = true}).find("the server has no UDP transport"), std::string::npos);
   const std::string text =
       printed({.asked = true, .offered = true, .carries = true, .taken_over = 2, .lost = 7});
-  EXPECT_NE(text.find("taken over 2 times"), std::string::npos) << text;
+  EXPECT_NE(text.find("switched to UDP 2 times"), std::string::npos) << text;
   EXPECT_NE(text.find("7 lost"), std::string::npos) << text;
 }
 

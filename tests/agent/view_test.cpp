@@ -9,7 +9,7 @@
 namespace kerf::agent {
 namespace {
 
-TEST(TerminalView, ABarShowsItsShareAndNeverMore) {
+TEST(TerminalView, BarIsClampedToItsLength) {
   EXPECT_EQ(bar(0, 8, 4), "[....]");
   EXPECT_EQ(bar(4, 8, 4), "[##..]");
   EXPECT_EQ(bar(80, 8, 4), "[####]");
@@ -17,9 +17,9 @@ TEST(TerminalView, ABarShowsItsShareAndNeverMore) {
   EXPECT_EQ(bar(1, 0, 2), "[..]");
 }
 
-TEST(TerminalView, SaysInSixLinesHowTheAgentIsDoing) {
+TEST(TerminalView, PrintsTheStateInSixLines) {
   ServoStatus servo{.phase = ServoPhase::kSafe, .code = TripCode::kJump, .trips = 2};
-  servo.shown.force_n = {0, 3, 4};
+  servo.output.force_n = {0, 3, 4};
   const std::string text = view_text(servo, {.rtt_us = 25'300}, {}, 30);
   EXPECT_EQ(std::ranges::count(text, '\n'), 6);
   for (const char* part : {"safe", "trips 2, last pose_jump", "5.0 N", "round trip 25.3 ms"}) {
@@ -27,7 +27,7 @@ TEST(TerminalView, SaysInSixLinesHowTheAgentIsDoing) {
   }
 }
 
-TEST(TerminalView, SaysWhichLaneCarries) {
+TEST(TerminalView, NamesTheCurrentTransport) {
   const auto text = [](const UdpReport& udp) {
     LinkStatus link;
     link.udp = udp;
@@ -42,7 +42,7 @@ TEST(TerminalView, SaysWhichLaneCarries) {
   EXPECT_EQ(std::ranges::count(carried, '\n'), 6);
 }
 
-TEST(TripLog, WritesALineForEachTickBehindTheCode) {
+TEST(TripLog, WritesTheCodeAndOneLinePerTick) {
   FlightRecorder recorder;
   for (std::uint64_t i = 1; i <= 500; ++i) recorder.note({.time_us = i, .energy_mj = 0.5});
   recorder.trip(TripCode::kSpeed);

@@ -197,6 +197,7 @@ TEST(ArchTokens, ServoLoopMayNotAllocateLockThrowOrPrint) {
         "std::this_thread::sleep_for(d);", "std::printf(s);", "std::make_unique<int>()"}) {
     EXPECT_EQ(check_tokens({path, code}).size(), 1u) << code;
   }
+  EXPECT_EQ(check_tokens({"haptic_agent/realtime/ring.h", "std::mutex m;"}).size(), 1u);
   EXPECT_TRUE(check_tokens({path, "newest = renew; // a new value, no lock"}).empty());
   EXPECT_TRUE(check_tokens({"haptic_agent/link/a.cpp", "auto p = new int;"}).empty());
 }

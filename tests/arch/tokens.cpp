@@ -35,34 +35,42 @@ const std::vector<Ban>& bans() {
                   "math|-O"
                   "fast"),
        "fast-math breaks determinism: equal commands must give equal bytes"},
-      {"haptic_agent/servo/", "", true,
-       std::regex(R"(\b(new|malloc|calloc|realloc|make_unique|make_shared)\b)"),
-       "the servo loop does not allocate"},
-      {"haptic_agent/servo/", "", true,
-       std::regex(R"(\b((shared_|recursive_|timed_)?mutex|lock_guard|unique_lock|scoped_lock)"
-                  R"(|shared_lock|condition_variable)\b)"),
-       "the servo loop does not lock"},
-      {"haptic_agent/servo/", "", true, std::regex(R"(\b(throw|try|catch)\b)"),
-       "the servo loop does not throw"},
-      {"haptic_agent/servo/", "", true, std::regex(R"(\bsleep_for\b)"),
-       "relative sleeps drift; the servo loop sleeps to absolute times"},
-      {"haptic_agent/servo/", "", true, std::regex(R"(\b(cout|cerr|f?printf|spdlog|f?puts)\b)"),
-       "the servo loop does not print"},
   };
   return kBans;
 }
 
-}  // namespace
+// Also the folder of what the servo thread shares with other threads.
+constexpr std::string_view kRealtime[] = {"haptic_agent/servo/", "haptic_agent/realtime/"};
 
-std::vector<Violation> check_tokens(const Source& source) {
-  std::vector<Violation> violations;
-  const bool cpp = is_cpp(source.path);
-  const std::string code = cpp ? code_only(source.text) : std::string();
-  for (const Ban& ban : bans()) {
+const std::vector<Ban>& realtime_bans() {
+  static const std::vector<Ban> kBans = [] {
+    std::vector<Ban> bans;
+    for (const std::string_view place : kRealtime) {
+      const auto ban = [&](const char* pattern, std::string_view reason) {
+        bans.push_back({place, "", true, std::regex(pattern), reason});
+      };
+      ban(R"(\b(new|malloc|calloc|realloc|make_unique|make_shared)\b)",
+          "the servo loop does not allocate");
+      ban(R"(\b((shared_|recursive_|timed_)?mutex|lock_guard|unique_lock|scoped_lock)"
+          R"(|shared_lock|condition_variable)\b)",
+          "the servo loop does not lock");
+      ban(R"(\b(throw|try|catch)\b)", "the servo loop does not throw");
+      ban(R"(\bsleep_for\b)", "relative sleeps drift; the servo loop sleeps to absolute times");
+      ban(R"(\b(cout|cerr|f?printf|spdlog|f?puts)\b)", "the servo loop does not print");
+    }
+    return bans;
+  }();
+  return kBans;
+}
+
+void check_bans(const Source& source, std::string_view code, const std::vector<Ban>& bans,
+                std::vector<Violation>& violations) {
+  for (const Ban& ban : bans) {
     const bool exempt = !ban.except.empty() && source.path.starts_with(ban.except);
-    if (!source.path.starts_with(ban.place) || exempt || (ban.code && !cpp)) continue;
+    if (!source.path.starts_with(ban.place) || exempt) continue;
+    if (ban.code && !is_cpp(source.path)) continue;
     std::size_t number = 0;
-    for (const std::string_view line : lines_of(ban.code ? std::string_view(code) : source.text)) {
+    for (const std::string_view line : lines_of(ban.code ? code : source.text)) {
       ++number;
       std::cmatch match;
       if (std::regex_search(line.data(), line.data() + line.size(), match, ban.pattern)) {
@@ -70,6 +78,15 @@ std::vector<Violation> check_tokens(const Source& source) {
       }
     }
   }
+}
+
+}  // namespace
+
+std::vector<Violation> check_tokens(const Source& source) {
+  const std::string code = is_cpp(source.path) ? code_only(source.text) : std::string();
+  std::vector<Violation> violations;
+  check_bans(source, code, bans(), violations);
+  check_bans(source, code, realtime_bans(), violations);
   return violations;
 }
 

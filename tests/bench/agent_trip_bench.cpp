@@ -27,14 +27,15 @@
 #include <thread>
 
 #include "haptic_agent/link/server_link.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 #include "haptic_agent/replica/replica_thread.h"
-#include "haptic_agent/servo/realtime.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "tests/bench/live_client.h"
 
 namespace {
 
 using namespace kerf::agent;
+using kerf::Wrench;
 using kerf::bench::Clock;
 
 /// Rests above an obstacle, then sinks 1.5 mm into it slowly on request.
@@ -215,8 +216,8 @@ std::optional<double> time_to_silence(const std::string& program, const Event& e
   settings.server = {"127.0.0.1", std::to_string(server.port())};
   settings.session = "trip";
   settings.patience_s = 1;
-  NearAnswers near;
-  ReplicaThread copy(near);
+  ReplicaExchange exchange;
+  ReplicaThread copy(exchange);
   settings.hello.stock = true;
   settings.traffic.copy = &copy;
   ServerLink link(settings, samples, wrenches);
@@ -227,7 +228,8 @@ std::optional<double> time_to_silence(const std::string& program, const Event& e
   copy.start(BlockSource::read(welcome->text).value());
   MonotonicClock clock;
   ServoLoop loop(clock);
-  ServoCycle cycle(device, samples, wrenches, link, settings_for(device.capabilities(), {}), &near);
+  ServoCycle cycle(device, samples, wrenches, link, settings_for(device.capabilities(), {}),
+                   &exchange);
   Watchdog watchdog(loop, [&] { device.stop(); });
   watchdog.start();
   std::thread servo([&] {

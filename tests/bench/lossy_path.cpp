@@ -49,7 +49,7 @@ void set(int socket, unsigned long request, const ifreq& wish, const char* what)
 int tun(const char* own, const char* peer) {
   const int device = checked(::open("/dev/net/tun", O_RDWR | O_NONBLOCK), "/dev/net/tun");
   ifreq wish{};
-  wish.ifr_flags = IFF_TUN | IFF_NO_PI;
+  request.ifr_flags = IFF_TUN | IFF_NO_PI;
   checked(::ioctl(device, TUNSETIFF, &wish), "a TUN device");
   const int socket = checked(::socket(AF_INET, SOCK_DGRAM, 0), "socket");
   const auto address = [&](const char* text) {
@@ -62,7 +62,7 @@ int tun(const char* own, const char* peer) {
   };
   set(socket, SIOCSIFADDR, address(own), "its address");
   set(socket, SIOCSIFDSTADDR, address(peer), "its peer");
-  wish.ifr_flags = IFF_UP | IFF_RUNNING;
+  request.ifr_flags = IFF_UP | IFF_RUNNING;
   set(socket, SIOCSIFFLAGS, wish, "to put it up");
   ::close(socket);
   return device;

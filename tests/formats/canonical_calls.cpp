@@ -39,7 +39,7 @@ class PrintedCalls final : public GcodeCanon {
     place("arc", to);
     GcodeAxes middle{};
     set_linear(middle, from_plane({arc.center_first, arc.center_second, 0}, arc.plane));
-    const PlanePoint center = in_plane(linear(frame.without(middle)), arc.plane);
+    const PlanePoint center = in_plane(linear(frame.absolute(middle)), arc.plane);
     std::printf(" %d %.9f %.9f %d\n", static_cast<int>(arc.plane), center.first, center.second,
                 arc.turns);
   }

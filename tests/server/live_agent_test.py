@@ -209,7 +209,7 @@ class Doctor(LiveTest):
 
     def test_reachable_server_is_reported(self):
         self.assertRegex(self.ask(self.port)[0][0],
-                         f"^ok +the server 127.0.0.1:{self.port} is well; round trip [0-9]+ us")
+                         f"^ok +the server 127.0.0.1:{self.port} is healthy; round trip [0-9]+ us")
 
     def test_unreachable_server_is_reported(self):
         with socket.create_server(("127.0.0.1", 0)) as other:
@@ -218,8 +218,8 @@ class Doctor(LiveTest):
             answering.start()
             found, last = self.ask(port)
             answering.join()
-        self.assertRegex(found[0], "^missing +what answers .* is no healthy kerf-server .*404")
-        self.assertIn("Not all is fine", last)
+        self.assertRegex(found[0], "^missing +no healthy kerf-server at .*404")
+        self.assertIn("Some checks failed", last)
 
     def answer_once(self, listener):
         with listener.accept()[0] as asked:

@@ -267,7 +267,7 @@ class RealAgent(LiveTest):
         try:
             other.create()
             link, said = self.run_agent(other.port, "--udp")
-            self.assertIn("the server has no UDP lane", said)
+            self.assertIn("the server has no UDP transport", said)
             self.assertEqual((link["udp"]["asked"], link["udp"]["offered"], link["unanswered"]),
                              (True, False, 0))
         finally:

@@ -213,9 +213,9 @@ class Doctor(UsbTest):
         done = subprocess.run(
             self.agent_words("doctor", "--device", "usb", "--seconds", "0.1"),
             env=self.on_the_bus(), capture_output=True, text=True, timeout=60)
-        for line in ("the 5-DOF reference device at /dev/bus/usb/001/005 may be opened",
+        for line in ("the 5-DOF reference device at /dev/bus/usb/001/005 is accessible",
                      "the 5-DOF reference device is ready",
-                     f"the server 127.0.0.1:{self.port} is well"):
+                     f"the server 127.0.0.1:{self.port} is healthy"):
             self.assertRegex(done.stdout, f"(?m)^ok +{line}")
 
 

@@ -14,9 +14,9 @@ inline Sculpture make_sculpture(StockShape stock, double pitch_mm) {
   return std::move(Sculpture::create(settings).value());
 }
 
-/// Random moves of a ball, a flat, a taper and a cone-ended tool whose axes lean up to 90 degrees,
-/// so that the block gets pockets, undercuts, tunnels and loose pieces. Equal seeds give equal
-/// blocks.
+/// A block carved by random moves of a ball, a flat, a taper and a cone-ended tool whose axes lean
+/// up to 90 degrees, so that it gets pockets, undercuts, tunnels and loose pieces. Equal seeds give
+/// equal blocks.
 class RandomCarver {
  public:
   RandomCarver(Sculpture& sculpture, Vec3 low_mm, Vec3 high_mm, unsigned seed)
@@ -27,7 +27,7 @@ class RandomCarver {
     define(4, ConeEndShape{.diameter_mm = 5, .tip_angle_deg = 90, .length_mm = 30});
   }
 
-  /// One move; returns the tiles that it changed.
+  /// Makes one move and returns the tiles that it changed.
   std::vector<TileIndex> cut() {
     const Vec3 from = point();
     const Vec3 to = from + Vec3{uniform(-8, 8), uniform(-8, 8), uniform(-4, 4)};

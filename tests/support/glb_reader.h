@@ -17,7 +17,7 @@
 
 namespace kerf::test {
 
-/// A tile as a viewer sees it: in the world, mm.
+/// A tile as a viewer decodes it, in world coordinates (mm).
 struct DecodedTile {
   std::uint64_t version = 0;
   int level = 0;
@@ -50,7 +50,7 @@ inline GlbParts split_glb(const std::vector<std::byte>& glb) {
   return parts;
 }
 
-/// The uncompressed bytes of a buffer view.
+/// Returns the uncompressed bytes of a buffer view.
 inline std::vector<std::byte> view_bytes(const GlbParts& glb, const nlohmann::json& view) {
   std::vector<std::byte> out(view.at("byteLength").get<std::size_t>());
   if (!view.contains("extensions")) {
@@ -107,7 +107,7 @@ inline void decode_mesh(const GlbParts& glb, const nlohmann::json& node, Decoded
   }
 }
 
-/// Reads a mesh frame by the book, sharing no code with its writer.
+/// Reads a mesh frame as the glTF specification defines it. Shares no code with its writer.
 inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes) {
   const GlbParts glb = split_glb(glb_bytes);
   DecodedFrame frame;
@@ -125,8 +125,8 @@ inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes) {
   return frame;
 }
 
-/// The tile's triangles in an order that does not depend on how they were sent: corners with their
-/// normals.
+/// Returns the tile's triangles, corners with their normals, in an order that does not depend on
+/// the encoding.
 inline std::vector<std::array<std::array<double, 6>, 3>> triangles_of(const DecodedTile& tile) {
   std::vector<std::array<std::array<double, 6>, 3>> triangles;
   for (std::size_t t = 0; t + 2 < tile.indices.size(); t += 3) {
@@ -136,7 +136,7 @@ inline std::vector<std::array<std::array<double, 6>, 3>> triangles_of(const Deco
       const Vec3 n = tile.normals.at(tile.indices[t + c]);
       triangle[c] = {p.x, p.y, p.z, n.x, n.y, n.z};
     }
-    // The smallest of its three turns: two corners may lie on one place of the lattice.
+    // The smallest of its three rotations: two corners may have the same lattice point.
     auto turned = triangle;
     for (int turn = 0; turn < 2; ++turn) {
       std::rotate(turned.begin(), turned.begin() + 1, turned.end());

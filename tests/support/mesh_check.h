@@ -21,15 +21,14 @@ inline std::vector<TileMesh> mesh_all(const SolidSnapshot& solid) {
   return meshes;
 }
 
-/// What is wrong with a set of tile meshes as one surface; vertices are the same where their bits
-/// are.
+/// Defects of a set of tile meshes as one surface. Vertices are identical if their bits are.
 struct MeshReport {
   std::size_t triangles = 0;
   std::size_t open_edges = 0;      ///< directed edges without exactly one opposite
   std::size_t repeated_edges = 0;  ///< directed edges that two triangles share
   std::size_t degenerate = 0;      ///< triangles with two equal corners
   std::size_t bad_normals = 0;     ///< not of unit length
-  double volume_mm3 = 0;           ///< positive if the triangles look outward
+  double volume_mm3 = 0;           ///< positive if the triangles face outward
   std::uint64_t hash = 0;          ///< over all bits, in order
 };
 

@@ -15,7 +15,7 @@
 namespace kerf::test {
 
 using Corner = std::array<float, 3>;
-/// A model as somebody else's program would read it from a file.
+/// A model as another program would read it from a file.
 struct ReadModel {
   std::vector<Corner> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -168,7 +168,7 @@ inline std::vector<std::array<Corner, 3>> sorted_triangles(const ReadModel& mode
   return all;
 }
 
-/// Directed edges, by vertex number, that have not exactly one opposite.
+/// Returns the number of directed edges, by vertex number, without exactly one opposite edge.
 inline std::size_t unmatched_edges(const ReadModel& model) {
   std::map<std::array<std::uint32_t, 2>, int> edges;
   for (const auto& t : model.triangles) {

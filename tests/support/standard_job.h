@@ -9,7 +9,7 @@
 
 namespace kerf::test {
 
-/// The job that every kernel is measured on: a 5 mm deep raster with a ball end mill of 10 mm over
+/// The job on which kernels are measured: a 5 mm deep raster with a ball end mill of 10 mm over
 /// a block of 100 x 100 x 50 mm, 1 mm moves, rows 2 mm apart at y = 2k + 0.1371. Five-axis: the
 /// axis also swings by 20 degrees about the tip. Exact for three axes: removed volume 49,666.305
 /// mm^3.
@@ -40,7 +40,7 @@ inline std::vector<ToolPose> standard_path(bool five_axis) {
   return poses;
 }
 
-/// Height of the exact three-axis surface at y, away from the ends of the rows.
+/// Returns the height of the exact three-axis surface at y, away from the ends of the rows.
 inline double standard_surface(double y) {
   const double v = y - kStandardRowOffsetMm;
   const double d = std::abs(v - 2 * std::round(v / 2));

@@ -12,8 +12,8 @@
 
 namespace kerf::test {
 
-/// The true motion of design section 3, taken straight from its definition with libm: tip on a
-/// line, axis on the great circle. Shares no code with the kernel.
+/// The true motion, computed directly from its definition with libm: tip on a line, axis on the
+/// great circle. Shares no code with the kernel.
 inline ToolPose true_pose(const ToolPose& from, const ToolPose& to, double t) {
   const Vec3 tip = from.tip_mm * (1 - t) + to.tip_mm * t;
   const Vec3 normal = cross(from.axis, to.axis);
@@ -23,16 +23,16 @@ inline ToolPose true_pose(const ToolPose& from, const ToolPose& to, double t) {
   return {tip, from.axis * (std::sin((1 - t) * angle) / s) + to.axis * (std::sin(t * angle) / s)};
 }
 
-/// How far a point is outside a piece that stands upright at the origin: convex in the point,
-/// negative inside. Not a Euclidean distance, but zero on the surface.
+/// Returns a convex function of a point that is negative inside an upright piece at the origin and
+/// zero on its surface. It is not a Euclidean distance.
 inline double outside(const ToolPiece& piece, double radial, double height) {
   if (const auto* b = std::get_if<BallPiece>(&piece)) {
     return std::sqrt(radial * radial + (height - b->center_mm) * (height - b->center_mm)) -
            b->radius_mm;
   }
   if (const auto* a = std::get_if<ArcPiece>(&piece)) {
-    // The distance from the disc of radius center_r, or, where the centre lies beyond the axis,
-    // from its circle's centre in the half-plane of the point: convex either way.
+    // The distance from the disc of radius center_r, or, if the center lies beyond the axis, from
+    // the circle's center in the half-plane of the point. Both are convex.
     const double across = std::max(radial - a->center_r_mm, 0.0);
     const double along = height - a->center_z_mm;
     return std::max({std::sqrt(across * across + along * along) - a->radius_mm, a->z0_mm - height,
@@ -51,7 +51,7 @@ inline double outside(const ToolPiece& piece, const ToolPose& pose, Vec3 point) 
   return outside(piece, length(p - pose.axis * h), h);
 }
 
-/// The heights at which the vertical line through (x, y) is inside a piece at one pose, by
+/// Returns the heights at which the vertical line through (x, y) is inside a piece at one pose, by
 /// bisection of a convex function.
 inline Span static_span(const ToolPiece& piece, const ToolPose& pose, double x, double y,
                         double z_lo, double z_hi) {
@@ -78,8 +78,9 @@ inline Span static_span(const ToolPiece& piece, const ToolPose& pose, double x, 
   return {edge(inner, z_lo), edge(inner, z_hi)};
 }
 
-/// The heights that a piece sweeps along the true motion at (x, y), between z_lo and z_hi: dense
-/// poses, then a golden section around the best one. Slow and plain: what the kernel is judged by.
+/// Returns the heights that a piece sweeps along the true motion at (x, y), between z_lo and z_hi:
+/// dense poses, then a golden section around the best one. The slow, simple reference for the
+/// kernel.
 inline Span swept_span(const ToolPiece& piece, const ToolPose& from, const ToolPose& to, double x,
                        double y, double z_lo, double z_hi, int samples = 64) {
   const auto at = [&](double t) {
@@ -113,7 +114,8 @@ inline Span swept_span(const ToolPiece& piece, const ToolPose& from, const ToolP
   return span;
 }
 
-/// How far outside the true sweep a point is, over the whole motion (negative inside).
+/// Returns the least value of that function at a point over the whole motion: negative inside the
+/// true sweep.
 inline double swept_outside(const ToolPiece& piece, const ToolPose& from, const ToolPose& to,
                             Vec3 point, int samples = 400) {
   double best = std::numeric_limits<double>::infinity();

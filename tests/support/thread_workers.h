@@ -10,8 +10,8 @@
 
 namespace kerf::test {
 
-/// New threads for each run, which take the jobs from the last to the first: whatever depends on
-/// who does a job, or when, comes out differently.
+/// Runs jobs on new threads, from the last job to the first. Results that depend on the thread or
+/// the order of a job differ from those of one thread.
 class ThreadWorkers final : public Workers {
  public:
   explicit ThreadWorkers(int count) : count_(count) {}
@@ -27,7 +27,7 @@ class ThreadWorkers final : public Workers {
     work();
     for (std::thread& thread : threads) thread.join();
   }
-  /// How often there was something to divide.
+  /// Number of runs with more than one job.
   int runs() const { return runs_; }
 
  private:

@@ -10,7 +10,8 @@
 
 namespace kerf::test {
 
-/// The radius of a piece at a height, straight from its definition; negative where it has none.
+/// Returns the radius of a piece at a height, directly from its definition; negative where the
+/// piece has no point. Independent of kernel/piece.
 inline double radius_at(const ToolPiece& piece, double h) {
   if (const auto* b = std::get_if<BallPiece>(&piece)) {
     const double d = h - b->center_mm;
@@ -26,14 +27,14 @@ inline double radius_at(const ToolPiece& piece, double h) {
   return f.r0_mm + (f.r1_mm - f.r0_mm) * (h - f.z0_mm) / (f.z1_mm - f.z0_mm);
 }
 
-/// The radius of a body at a height: that of its widest piece there.
+/// Returns the radius of a body at a height: that of its widest piece there.
 inline double radius_at(const std::vector<ToolPiece>& pieces, double h) {
   double r = -1;
-  for (const ToolPiece& p : pieces) r = std::max(r, radius_at(p, h));
+  for (const ToolPiece& p : pieces) r = std::max(r, test::radius_at(p, h));
   return r;
 }
 
-/// Volume of the body up to a height by the midpoint rule.
+/// Returns the volume of the body up to a height by the midpoint rule.
 inline double volume(const std::vector<ToolPiece>& pieces, double top, int slices = 200000) {
   double sum = 0;
   for (int i = 0; i < slices; ++i) {

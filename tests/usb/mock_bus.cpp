@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/realtime/clock.h"
 
 namespace kerf::usb_test {
 namespace {

@@ -21,8 +21,8 @@
 #include <string>
 #include <thread>
 
-#include "haptic_agent/device/usb/monotonic.h"
-#include "haptic_agent/servo/realtime.h"
+#include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 #include "tests/usb/mock_bus.h"
 #include "tests/usb/model/felt_wrench.h"
 #include "tests/usb/model/reference_firmware.h"

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/realtime/clock.h"
 #include "tests/usb/model/reference_firmware.h"
 
 namespace kerf::usb_test {

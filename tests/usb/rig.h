@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "haptic_agent/device/haptic_device.h"
-#include "haptic_agent/device/usb/monotonic.h"
 #include "haptic_agent/device/usb/usb_port.h"
+#include "haptic_agent/realtime/clock.h"
 #include "tests/usb/usbfs_calls.h"
 
 namespace kerf::usb_test {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptic_agent/device/reference/reference_protocol.h"
-#include "haptic_agent/servo/realtime.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 #include "tests/usb/model/reference_firmware.h"
 #include "tests/usb/rig.h"
 

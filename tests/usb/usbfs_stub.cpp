@@ -11,8 +11,8 @@
 #include <csignal>
 #include <cstring>
 
-#include "haptic_agent/device/usb/monotonic.h"
-#include "haptic_agent/servo/realtime.h"
+#include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 
 namespace kerf::usb_test {
 namespace {

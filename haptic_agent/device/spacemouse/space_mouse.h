@@ -8,7 +8,7 @@
 #include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/device/spacemouse/space_report.h"
 #include "haptic_agent/device/usb/usb_port.h"
-#include "haptic_agent/servo/latest_value.h"
+#include "haptic_agent/realtime/latest_value.h"
 
 namespace kerf::agent {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "haptic_agent/device/haptic_device.h"
-#include "haptic_agent/device/usb/monotonic.h"
-#include "haptic_agent/servo/latest_value.h"
+#include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/realtime/latest_value.h"
 
 namespace kerf::agent {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "haptic_agent/device/usb/descriptor_walk.h"
-#include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/realtime/clock.h"
 
 namespace kerf::agent {
 namespace {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "haptic_agent/device/text_fields.h"
-#include "haptic_agent/device/usb/monotonic.h"
 #include "haptic_agent/device/usb/usb_connection.h"
-#include "haptic_agent/servo/realtime.h"
+#include "haptic_agent/realtime/clock.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 
 namespace kerf::agent {
 namespace {

@@ -51,14 +51,14 @@ struct GcodeFrame {
   double rotation_deg = 0;  ///< rotation of the coordinate system about Z (G10 L2 R)
 
   /// Converts programmed to absolute coordinates: work offsets removed, tool offset not included.
-  GcodeAxes without(const GcodeAxes& programmed) const {
+  GcodeAxes absolute(const GcodeAxes& programmed) const {
     GcodeAxes axes = programmed + shift;
     turn_xy(axes[0], axes[1], rotation_deg);
     return axes + origin;
   }
-  /// Inverse of without().
-  GcodeAxes programmed(const GcodeAxes& without_offsets) const {
-    GcodeAxes axes = without_offsets - origin;
+  /// Inverse of absolute().
+  GcodeAxes programmed(const GcodeAxes& absolute_axes) const {
+    GcodeAxes axes = absolute_axes - origin;
     turn_xy(axes[0], axes[1], -rotation_deg);
     return axes - shift;
   }

@@ -13,6 +13,9 @@ namespace {
 
 // Least cosine of the angle between chord and center line for an entry arc to have a center.
 constexpr double kEntryCosineMin = 1e-4;
+constexpr const char* kNoEntryArc =
+    "no entry arc of cutter compensation leads from this start to this end; start from another "
+    "point";
 
 }  // namespace
 
@@ -31,13 +34,10 @@ PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoin
   const double half_chord = distance(end, at) / 2;
   const double to_center = direction(end, center);
   const double cosine = std::cos(direction(end, at) - to_center);
-  if (std::abs(cosine) < kEntryCosineMin)
-    throw GcodeFault{
-        "", "the entry arc of cutter compensation cannot be tangent to the compensated path"};
+  if (std::abs(cosine) < kEntryCosineMin) throw GcodeFault{"", kNoEntryArc};
   const PlanePoint moved = offset_point(end, half_chord / cosine, to_center);
   if (std::abs(distance(moved, end) - distance(moved, at)) > spiral_tolerance_mm)
-    throw GcodeFault{
-        "", "the entry arc of cutter compensation cannot be tangent to the compensated path"};
+    throw GcodeFault{"", kNoEntryArc};
   CompensatedMove move{.kind = CompensatedMove::Kind::kArc,
                        .end = {end.first, end.second, to.normal},
                        .center = moved,

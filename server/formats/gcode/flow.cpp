@@ -29,7 +29,7 @@ std::string_view GcodeFlow::line_text() const {
   return line_ == 0 || line_ > file.lines.size() ? std::string_view() : file.lines[line_ - 1];
 }
 
-void GcodeFlow::count() {
+void GcodeFlow::count_line() {
   if (++passed_ > lines_max_)
     throw GcodeFault{
         "", "the program does not end: it has executed " + std::to_string(lines_max_) + " lines"};
@@ -48,7 +48,7 @@ std::optional<GcodeLine> GcodeFlow::next() {
     }
     const std::string_view text = file.lines[at_.line];
     line_ = ++at_.line;
-    count();
+    count_line();
     if (is_percent(text)) {
       if (started_ && frames_.size() == 1) {
         ended_ = true;
@@ -126,7 +126,7 @@ std::optional<GcodeFlow::Place> GcodeFlow::find_subroutine(const std::string& na
   const GcodeFile& file = source_.file(from.file);
   for (auto it = std::ranges::lower_bound(file.o_word_lines, from.line);
        it != file.o_word_lines.end(); ++it) {
-    count();
+    count_line();
     const GcodeLine line = split_gcode_line(file.lines[*it]);
     if (!is_o_word(line, true)) continue;
     const OWord word = read(line, false);
@@ -207,7 +207,7 @@ OWord GcodeFlow::skip_to(const std::string& name, std::initializer_list<Keyword>
   for (auto it = std::ranges::lower_bound(file.o_word_lines, at_.line);
        it != file.o_word_lines.end(); ++it) {
     line_ = *it + 1;
-    count();
+    count_line();
     const GcodeLine line = split_gcode_line(file.lines[*it]);
     if (!is_o_word(line, frames_.size() > 1)) continue;
     const OWord word = read(line, false);

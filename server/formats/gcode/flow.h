@@ -87,7 +87,7 @@ class GcodeFlow {
                 const std::string& reason);
   std::optional<Place> find_subroutine(const std::string& name, bool fanuc);
   OWord read(const GcodeLine& line, bool with_values) const;
-  void count();
+  void count_line();
   static bool is_percent(std::string_view line);
 
   GcodeSource& source_;

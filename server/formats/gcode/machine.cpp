@@ -25,7 +25,7 @@ GcodeMachine::GcodeMachine(GcodeSetup setup, GcodeParameters& parameters, GcodeC
   modes_.system = system >= 1 && system < 10 ? static_cast<int>(system + 1e-4) : 1;
   parameters_.set(kSelectedSystem, modes_.system);
   frame_ = {system_origin(modes_.system), applied_shift(), system_rotation(modes_.system)};
-  actual_ = frame_.without(at_);
+  actual_ = frame_.absolute(at_);
 }
 
 void GcodeMachine::at_line(std::size_t file, std::size_t line) {

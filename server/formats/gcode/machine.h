@@ -129,7 +129,7 @@ class GcodeMachine {
   void rapid(const GcodeAxes& to, GcodeRapid kind, const Named& named);
   void feed(const GcodeAxes& to, const GcodeFeed& feed, const Named& named);
   GcodePlace place(const GcodeAxes& programmed) const;
-  void arrive(const GcodeAxes& programmed);
+  void set_position(const GcodeAxes& programmed);
   void count_call();
   static Named named_axes(const GcodeBlock& block);
 

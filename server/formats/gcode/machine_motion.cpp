@@ -28,7 +28,7 @@ GcodeMachine::Named GcodeMachine::named_axes(const GcodeBlock& block) {
 }
 
 GcodePlace GcodeMachine::place(const GcodeAxes& programmed) const {
-  return {frame_.without(programmed), tool_axis_};
+  return {frame_.absolute(programmed), tool_axis_};
 }
 
 void GcodeMachine::move(GcodeBlock& block) {
@@ -93,7 +93,7 @@ void GcodeMachine::read_polar(GcodeBlock& block, GcodeAxes& to) {
 // Reads the target of G53, in machine coordinates.
 GcodeAxes GcodeMachine::read_machine_target(GcodeBlock& block) {
   if (block.has_any(kPolarLetters)) throw GcodeFault{"G53", "does not take polar coordinates"};
-  GcodeAxes target = frame_.without(at_);
+  GcodeAxes target = frame_.absolute(at_);
   for (std::size_t i = 0; i < target.size(); ++i) {
     const auto value = block.take(kAxisLetters[i]);
     if (value) target[i] = *value * (i < 3 ? modes_.unit_mm : 1) - (i < 3 ? tool_offset_[i] : 0);
@@ -183,21 +183,21 @@ void GcodeMachine::straight(GcodeBlock& block, int code) {
   }
 }
 
-void GcodeMachine::arrive(const GcodeAxes& programmed) {
+void GcodeMachine::set_position(const GcodeAxes& programmed) {
   at_ = programmed;
-  actual_ = frame_.without(programmed);
+  actual_ = frame_.absolute(programmed);
 }
 
 void GcodeMachine::rapid(const GcodeAxes& to, GcodeRapid kind, const Named& named) {
   count_call();
   canon_.rapid(place(to), kind, named);
-  arrive(to);
+  set_position(to);
 }
 
 void GcodeMachine::feed(const GcodeAxes& to, const GcodeFeed& feed, const Named& named) {
   count_call();
   canon_.feed(place(to), feed, named);
-  arrive(to);
+  set_position(to);
 }
 
 ArcCenter GcodeMachine::read_center(GcodeBlock& block) const {
@@ -267,7 +267,7 @@ void GcodeMachine::arc(GcodeBlock& block, bool clockwise) {
   count_call();
   canon_.arc(arc_about(linear(at_), linear(to), modes_.plane, middle, clockwise ? -turns : turns),
              frame_, place(to), feed_of(block), named);
-  arrive(to);
+  set_position(to);
 }
 
 void GcodeMachine::emit(const CompensatedMove& move) {

@@ -43,7 +43,7 @@ GcodeAxes GcodeMachine::applied_shift() const {
 
 // The machine does not move; only the coordinates of its position change.
 void GcodeMachine::change_frame(const GcodeFrame& frame) {
-  const GcodeAxes here = frame_.without(at_);
+  const GcodeAxes here = frame_.absolute(at_);
   frame_ = frame;
   at_ = frame_.programmed(here);
 }
@@ -58,7 +58,7 @@ void GcodeMachine::select_system(int system) {
 // Returns the current position in another coordinate system.
 GcodeAxes GcodeMachine::in_system(int system) const {
   const GcodeFrame frame{system_origin(system), applied_shift(), system_rotation(system)};
-  return frame.programmed(frame_.without(at_));
+  return frame.programmed(frame_.absolute(at_));
 }
 
 // G10 L2 sets the origin of a coordinate system. G10 L20 sets it so that the current position gets
@@ -134,7 +134,7 @@ void GcodeMachine::restore_shift(int code) {
 }
 
 void GcodeMachine::save_home(int code) {
-  const GcodeAxes here = frame_.without(at_) + tool_offset_;
+  const GcodeAxes here = frame_.absolute(at_) + tool_offset_;
   for (std::size_t i = 0; i < here.size(); ++i)
     store_axis(code == 281 ? kHome28 : kHome30, i, here[i]);
 }

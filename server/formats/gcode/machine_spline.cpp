@@ -41,7 +41,7 @@ void GcodeMachine::spline(GcodeBlock& block, bool cubic) {
   modes_.motion = cubic ? 50 : 51;
   count_call();
   canon_.spline(points, frame_, place(to), feed_of(block), named);
-  arrive(to);
+  set_position(to);
 }
 
 // Feeds down at pitch times spindle speed, then back to the start.

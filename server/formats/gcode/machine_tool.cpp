@@ -163,7 +163,7 @@ void GcodeMachine::set_tool_entry(GcodeBlock& block, int kind) {
 GcodeAxes GcodeMachine::measured_offset(const GcodeBlock& block, int system, ToolTableEntry entry) {
   const double turn = system_rotation(system);
   GcodeFrame frame{system_origin(system), frame_.shift, turn};
-  GcodeAxes here = frame.programmed(frame_.without(at_) + tool_offset_);
+  GcodeAxes here = frame.programmed(frame_.absolute(at_) + tool_offset_);
   if (system != modes_.system) here = here + frame_.shift;
   GcodeAxes offset = entry.offset;
   turn_xy(offset[0], offset[1], -turn);

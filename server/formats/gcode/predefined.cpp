@@ -100,7 +100,7 @@ std::optional<double> GcodeMachine::predefined_position(const std::string& name)
   const auto axis = kAxisLetters.find(name.back());
   if (axis == std::string_view::npos)
     return name.back() >= 'u' && name.back() <= 'w' ? std::optional(0.0) : std::nullopt;
-  const double value = absolute ? (frame_.without(at_) + tool_offset_)[axis] : at_[axis];
+  const double value = absolute ? (frame_.absolute(at_) + tool_offset_)[axis] : at_[axis];
   return axis < 3 ? value / modes_.unit_mm : value;
 }
 

@@ -12,7 +12,7 @@ namespace kerf {
 
 /// Reads a G-code program (RS-274 as interpreted by LinuxCNC 2.9) as motions of a scene's tools;
 /// parse_program calls it for .ngc, .nc, .tap and .gcode. `name` is the file name for errors.
-/// server/formats/README.md lists the supported codes; any other code is an error.
+/// README.md in this folder lists the supported codes; any other code is an error.
 std::expected<Program, ProgramError> read_gcode(const std::string& name, std::string_view text,
                                                 const Scene& scene,
                                                 const GcodeEnvironment& environment = {});

@@ -169,7 +169,7 @@ void GcodeToolPath::arc(const Arc& arc, const GcodeFrame& frame, const GcodePlac
     if (s >= 1) return to;
     GcodeAxes programmed{};
     set_linear(programmed, arc.at(s));
-    GcodePlace place = in_workpiece({frame.without(programmed), from.tool_axis});
+    GcodePlace place = in_workpiece({frame.absolute(programmed), from.tool_axis});
     for (std::size_t i = 3; i < 6; ++i)
       place.axes[i] = from.axes[i] + (to.axes[i] - from.axes[i]) * s;
     return place;
@@ -195,14 +195,14 @@ void GcodeToolPath::spline(const std::vector<Vec3>& points, const GcodeFrame& fr
   const GcodePlace from = at_;
   const auto place_at = [&](double s) {
     if (s >= 1) return to;
-    GcodeAxes start = frame.programmed(workpiece_.without(from.axes));
+    GcodeAxes start = frame.programmed(workpiece_.absolute(from.axes));
     std::vector<Vec3> level{linear(start)};
     level.insert(level.end(), points.begin(), points.end());
     // De Casteljau's algorithm: each level interpolates the neighbors of the previous one.
     for (std::size_t count = level.size() - 1; count > 0; --count)
       for (std::size_t i = 0; i < count; ++i) level[i] = level[i] + (level[i + 1] - level[i]) * s;
     set_linear(start, level.front());
-    GcodePlace place = in_workpiece({frame.without(start), from.tool_axis});
+    GcodePlace place = in_workpiece({frame.absolute(start), from.tool_axis});
     for (std::size_t i = 3; i < 6; ++i) place.axes[i] = from.axes[i];
     return place;
   };
@@ -246,7 +246,7 @@ GcodePlace GcodeToolPath::control_tool_center(bool on, const GcodePlace& at) {
   const Vec3 tip = pose(at_).tip_mm;
   tool_center_ = on;
   set_linear(at_.axes, programmed_from_tip(scene_.machine.kinematics, on, tip, rotary(at_.axes)));
-  return {workpiece_.without(at_.axes), at_.tool_axis};
+  return {workpiece_.absolute(at_.axes), at_.tool_axis};
 }
 
 double GcodeToolPath::tool_length_mm() const {

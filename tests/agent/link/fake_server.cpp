@@ -141,7 +141,7 @@ class FakeServer::Impl {
   ~Impl() {
     stopping_ = true;
     {
-      // Wakes the thread out of a read, which a test that failed half-way may have left it in.
+      // Unblocks a read that a failed test may have left pending.
       const std::scoped_lock lock(mutex_);
       if (handle_ >= 0) ::shutdown(handle_, SHUT_RDWR);
     }

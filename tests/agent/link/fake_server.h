@@ -12,27 +12,27 @@
 
 namespace kerf::agent {
 
-/// One agent that has connected to a FakeServer. Every call waits; all return false or nothing when
-/// the connection is gone.
+/// One agent that has connected to a FakeServer. Every call blocks; all return false or nothing
+/// after the connection is lost.
 class FakePeer {
  public:
   virtual ~FakePeer() = default;
-  /// The next text frame. Pings on the way are answered, motions are skipped.
+  /// Returns the next text frame; skips binary frames.
   virtual std::optional<std::string> read_text() = 0;
-  /// The next motion. Pings on the way are answered, texts are kept in `texts`.
+  /// Returns the next motion; answers pings and stores text frames in `texts`.
   virtual std::optional<wire::MotionBatch> read_motion() = 0;
   virtual bool send_text(const std::string& text) = 0;
   virtual bool send_result(const wire::Result& result, std::uint32_t epoch) = 0;
   virtual bool send_bytes(const std::vector<std::byte>& bytes) = 0;
-  /// Cuts the line without a word.
+  /// Closes the TCP connection without a closing handshake.
   virtual void cut() = 0;
 
   std::vector<std::string> texts;
   int pings = 0;
 };
 
-/// A server in a thread of the test: accepts one agent after the other and gives each to `serve`,
-/// with its number from 0. `serve` ends when the agent leaves or it has done its part.
+/// A server on its own thread: accepts one agent after the other and calls `serve` for each, with
+/// its number from 0. `serve` returns to close the connection.
 class FakeServer {
  public:
   using Serve = std::function<void(FakePeer&, int connection)>;
@@ -48,7 +48,7 @@ class FakeServer {
   ~FakeServer();
 
   std::uint16_t port() const;
-  /// The path that the last agent asked for.
+  /// Path requested by the last agent.
   std::string target() const;
 
  private:
@@ -56,7 +56,7 @@ class FakeServer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A welcome as the server sends it.
+/// Returns a welcome like the server's.
 std::string welcome_text(std::uint32_t epoch = 1);
 
 }  // namespace kerf::agent

@@ -24,7 +24,7 @@ TEST(ServerUrl, ReadsHostAndPort) {
   EXPECT_EQ(parse_server_url("http://[::1]:81"), (ServerUrl{"::1", "81"}));
 }
 
-TEST(ServerUrl, RejectsWhatItCannotReach) {
+TEST(ServerUrl, RejectsInvalidAddresses) {
   for (const char* text :
        {"", "http://", "https://host", "wss://host", "ftp://host", "host:0", "host:65536", "host:x",
         "host:", "host/path", "host?q", "[::1", "[::1]x", ":80"}) {
@@ -32,7 +32,7 @@ TEST(ServerUrl, RejectsWhatItCannotReach) {
   }
 }
 
-TEST(SessionId, TakesOnlyNamesThatAreSafeInAPath) {
+TEST(SessionId, AcceptsOnlyNamesThatAreSafeInAPath) {
   EXPECT_TRUE(is_session_id("demo-2.a_B"));
   for (const std::string bad : {"", "..", "a/b", "a b", "ä", "a%2f"}) {
     EXPECT_FALSE(is_session_id(bad)) << bad;
@@ -40,7 +40,7 @@ TEST(SessionId, TakesOnlyNamesThatAreSafeInAPath) {
   EXPECT_FALSE(is_session_id(std::string(65, 'a')));
 }
 
-TEST(Control, AWelcomeWithACylinderGivesTheBoxAroundIt) {
+TEST(Control, CylinderStockBecomesItsBoundingBox) {
   auto message = nlohmann::json::parse(welcome_text());
   message["stock"] = {{"shape", "cylinder"},
                       {"center_mm", {10, 20}},
@@ -54,7 +54,7 @@ TEST(Control, AWelcomeWithACylinderGivesTheBoxAroundIt) {
   EXPECT_EQ(welcome.stock.max_mm, (Vec3{15, 25, 4}));
 }
 
-TEST(Control, UnknownMessagesAreSkippedAndMalformedOnesRejected) {
+TEST(Control, UnknownMessagesAreIgnoredAndMalformedOnesRejected) {
   EXPECT_TRUE(std::holds_alternative<OtherMessage>(*parse_control(R"({"type":"weather"})")));
   for (const char* text :
        {"", "[]", "{}", R"({"type":5})", R"({"type":"welcome"})", R"({"type":"error"})", "\xff"}) {
@@ -62,13 +62,13 @@ TEST(Control, UnknownMessagesAreSkippedAndMalformedOnesRejected) {
   }
 }
 
-TEST(Control, AHelloLeavesOutWhatTheServerIsToPick) {
+TEST(Control, HelloOmitsUnsetFields) {
   const auto hello = nlohmann::json::parse(hello_text({.name = "Ada", .color = "", .tool_id = 0}));
   EXPECT_EQ(hello, nlohmann::json::parse(R"({"type":"hello","name":"Ada","feel":true})"));
   EXPECT_EQ(nlohmann::json::parse(hello_text({.name = "", .color = "", .udp = true}))["udp"], true);
 }
 
-TEST(Control, AnOfferThatIsNotUnderstoodIsNone) {
+TEST(Control, InvalidUdpOfferIsIgnored) {
   const auto offered = [](const nlohmann::json& udp) {
     auto message = nlohmann::json::parse(welcome_text());
     message["udp"] = udp;
@@ -110,12 +110,12 @@ TEST(Control, AnOfferThatIsNotUnderstoodIsNone) {
   }
 }
 
-TEST(Declined, OnlyTheAgentsOwnFaultsAreFinal) {
+TEST(Declined, OnlyClientErrorsAreFinal) {
   EXPECT_TRUE(declined("demo", 404, "").final);
   EXPECT_FALSE(declined("demo", 429, "").final);
   EXPECT_FALSE(declined("demo", 503, "").final);
   EXPECT_EQ(declined("demo", 403, "not\nyours\n").reason,
-            "the server rejects session 'demo': HTTP 403: notyours");
+            "the server rejected session 'demo': HTTP 403: notyours");
   EXPECT_LT(declined("demo", 500, std::string(10'000, 'x')).reason.size(), 300U);
 }
 
@@ -132,7 +132,7 @@ class TrafficTest : public ::testing::Test {
     wire::append(frame, {.epoch = 1, .sequence = 1, .time_us = 1}, body);
     ASSERT_FALSE(traffic.take_frame(frame, now_us));
   }
-  /// What goes out of a pose a millisecond after the last one.
+  /// Pushes a pose, 1 ms after the last one; returns the samples that are sent.
   std::vector<wire::MotionSample> pass(Traffic& traffic, double x_mm, bool cutting) {
     return pass(
         traffic,
@@ -158,10 +158,10 @@ class TrafficTest : public ::testing::Test {
   std::uint64_t now_us = 1'000'000;
 };
 
-TEST_F(TrafficTest, ADeadbandSavesMostPosesInFreeAirAndKeepsAHeartbeat) {
+TEST_F(TrafficTest, DeadbandDropsMostPosesOutOfContactButKeepsAHeartbeat) {
   Traffic traffic = make({.deadband = true});
   EXPECT_EQ(pass(traffic, 0, false).size(), 1U);
-  EXPECT_EQ(pass(traffic, 0.001, false).size(), 1U) << "contact is not ruled out yet";
+  EXPECT_EQ(pass(traffic, 0.001, false).size(), 1U) << "contact is possible until the first answer";
   take(traffic, wire::Result{.agent_sequence = 2});
   std::size_t sent = 0;
   double last_mm = 0.001, worst_mm = 0;
@@ -174,13 +174,13 @@ TEST_F(TrafficTest, ADeadbandSavesMostPosesInFreeAirAndKeepsAHeartbeat) {
     }
     worst_mm = std::max(worst_mm, x_mm - last_mm);
   }
-  EXPECT_LE(sent, 200U) << "four fifths saved";
-  EXPECT_GE(sent, 100U) << "one each 10 ms at least";
+  EXPECT_LE(sent, 200U) << "four fifths dropped";
+  EXPECT_GE(sent, 100U) << "at least one per 10 ms";
   EXPECT_LE(worst_mm, 0.05);
   EXPECT_EQ(traffic.report().held_back, 1000 - sent);
 }
 
-TEST_F(TrafficTest, ACutAfterSilenceStartsWhereTheHandWas) {
+TEST_F(TrafficTest, CutAfterDroppedPosesStartsAtTheLastMeasuredPose) {
   Traffic traffic = make({.deadband = true});
   pass(traffic, 0, false);
   take(traffic, wire::Result{.agent_sequence = 1});
@@ -191,7 +191,7 @@ TEST_F(TrafficTest, ACutAfterSilenceStartsWhereTheHandWas) {
   EXPECT_EQ(sent[1].tip_mm.x, 0.03);
 }
 
-TEST_F(TrafficTest, NothingIsHeldBackInContact) {
+TEST_F(TrafficTest, DeadbandIsInactiveInContact) {
   Traffic traffic = make({.deadband = true});
   pass(traffic, 0, false);
   wire::Result result{.agent_sequence = 1};
@@ -203,10 +203,10 @@ TEST_F(TrafficTest, NothingIsHeldBackInContact) {
   take(traffic, wire::Result{.agent_sequence = 3});
   EXPECT_TRUE(pass(traffic, 0, false).empty());
   EXPECT_EQ(pass(traffic, 0, true).size(), 2U);
-  EXPECT_EQ(pass(traffic, 0, true).size(), 1U) << "a cut is never held back";
+  EXPECT_EQ(pass(traffic, 0, true).size(), 1U) << "a cutting sample is never dropped";
 }
 
-TEST_F(TrafficTest, HoldsBackOnlyWhatIsTheSameInAllElse) {
+TEST_F(TrafficTest, DeadbandKeepsPosesWithOtherButtonsAxisOrTool) {
   const wire::MotionSample rest{.axis = {0, 0, 1}, .tool_id = 1};
   wire::MotionSample held = rest, leaning = rest, other_tool = rest;
   held.buttons = wire::kButtonDeadman;
@@ -221,7 +221,7 @@ TEST_F(TrafficTest, HoldsBackOnlyWhatIsTheSameInAllElse) {
   }
 }
 
-TEST_F(TrafficTest, HandsOnWhatAnotherFeels) {
+TEST_F(TrafficTest, ForwardsTheWrenchOfTheFollowedParticipant) {
   Traffic traffic = make();
   wire::ToolState other;
   other.force_n = {1, 2, 3};
@@ -234,7 +234,7 @@ TEST_F(TrafficTest, HandsOnWhatAnotherFeels) {
   EXPECT_EQ(answer.wrench, Wrench{});
 }
 
-TEST_F(TrafficTest, ShowsHowItIsDoing) {
+TEST_F(TrafficTest, WritesStatusUpdates) {
   LatestValue<LinkStatus> status;
   Traffic traffic = make({.status = &status});
   now_us += 40'000;
@@ -245,7 +245,7 @@ TEST_F(TrafficTest, ShowsHowItIsDoing) {
   EXPECT_EQ(now.connections, 1U);
 }
 
-TEST(Pace, LetsABacklogOutALittleFasterThanItGrows) {
+TEST(Pace, SendsABacklogSlightlyFasterThanItGrows) {
   Pace pace;
   std::uint64_t now_us = 1'000'000;
   std::size_t sent = pace.allowed(now_us);
@@ -261,16 +261,16 @@ TEST(Pace, LetsABacklogOutALittleFasterThanItGrows) {
   EXPECT_NEAR(static_cast<double>(sent), 900 + 12'250, 2);
 }
 
-TEST(ClockSync, TheQuickestAnswerKnowsTheOffset) {
+TEST(ClockSync, ShortestRoundTripGivesTheOffset) {
   ClockSync sync;
   sync.take(1000, 501'500, 2000);
   EXPECT_EQ(sync.offset_us(), 500'000);
   sync.take(2000, 503'000, 12'000);
-  EXPECT_EQ(sync.offset_us(), 500'000) << "a slow answer says little";
+  EXPECT_EQ(sync.offset_us(), 500'000) << "a longer round trip does not count";
   sync.take(3000, 503'150, 3100);
   EXPECT_EQ(sync.offset_us(), 500'100);
   sync.take(5000, 1, 4000);
-  EXPECT_EQ(sync.rtt_us().total(), 3U) << "an answer from before the question is none";
+  EXPECT_EQ(sync.rtt_us().total(), 3U) << "a pong that arrives before its ping was sent is ignored";
 }
 
 }  // namespace

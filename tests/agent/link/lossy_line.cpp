@@ -60,18 +60,18 @@ int connected(int kind, std::uint16_t port) {
   return socket;
 }
 
-/// Bytes on their way to a socket; none at all: the end of a connection.
+/// Bytes in flight to a socket; empty: end of the connection.
 struct Parcel {
   int to = -1;
   sockaddr_in
-      address{};  ///< of the agent; for datagrams to the server, which are connected, unused
+      address{};  ///< of the agent; unused for datagrams to the server, whose socket is connected
   bool named = false;
   std::string bytes;
 };
 
 struct TcpEnd {
   int other = -1;
-  Clock::time_point last;  ///< when the last piece from here arrives there
+  Clock::time_point last;  ///< arrival time of the last bytes sent
 };
 
 }  // namespace
@@ -119,10 +119,10 @@ class LossyLine::Impl {
       for (const auto& [socket, agent] : backs_) events.push_back({socket, POLLIN, 0});
       constexpr long kLongestNs = 5'000'000;
       const long wait_ns =
-          on_the_way_.empty()
+          in_flight_.empty()
               ? kLongestNs
               : std::clamp(
-                    std::chrono::nanoseconds(on_the_way_.begin()->first - Clock::now()).count(), 0L,
+                    std::chrono::nanoseconds(in_flight_.begin()->first - Clock::now()).count(), 0L,
                     kLongestNs);
       const timespec wait{0, wait_ns};
       ::ppoll(events.data(), events.size(), &wait, nullptr);
@@ -160,12 +160,12 @@ class LossyLine::Impl {
     end.last = std::max(end.last, Clock::now() + faults_.delay + faults_.tcp_delay);
     const int to = end.other;
     const auto at = end.last;
-    if (count <= 0) {  // nothing more comes from here
+    if (count <= 0) {  // end of the stream
       tcp_.erase(socket);
       ::shutdown(socket, SHUT_RD);
       ended_.push_back(socket);
     }
-    on_the_way_.emplace(at, Parcel{.to = to, .bytes = std::move(bytes)});
+    in_flight_.emplace(at, Parcel{.to = to, .bytes = std::move(bytes)});
   }
 
   bool read_datagram(int socket) {
@@ -198,7 +198,7 @@ class LossyLine::Impl {
   void forget_backs() {
     for (const auto& [socket, agent] : backs_) ::close(socket);
     backs_.clear();
-    std::erase_if(on_the_way_, [](const auto& parcel) { return parcel.second.named; });
+    std::erase_if(in_flight_, [](const auto& parcel) { return parcel.second.named; });
   }
 
   void pass(Parcel parcel) {
@@ -216,17 +216,17 @@ class LossyLine::Impl {
       ++counts_.reordered;
     }
     if (happens(faults_.duplication)) {
-      on_the_way_.emplace(at + microseconds(300), parcel);
+      in_flight_.emplace(at + microseconds(300), parcel);
       ++counts_.duplicated;
     }
-    on_the_way_.emplace(at, std::move(parcel));
+    in_flight_.emplace(at, std::move(parcel));
   }
 
   void deliver() {
     const auto now = Clock::now();
-    while (!on_the_way_.empty() && on_the_way_.begin()->first <= now) {
-      const Parcel parcel = std::move(on_the_way_.begin()->second);
-      on_the_way_.erase(on_the_way_.begin());
+    while (!in_flight_.empty() && in_flight_.begin()->first <= now) {
+      const Parcel parcel = std::move(in_flight_.begin()->second);
+      in_flight_.erase(in_flight_.begin());
       if (parcel.named) {
         ::sendto(parcel.to, parcel.bytes.data(), parcel.bytes.size(), MSG_NOSIGNAL,
                  reinterpret_cast<const sockaddr*>(&parcel.address), sizeof parcel.address);
@@ -244,9 +244,9 @@ class LossyLine::Impl {
   int listener_, front_;
   std::map<int, TcpEnd> tcp_;
   std::vector<int> ended_;
-  /// The socket towards the server that stands for each agent.
+  /// One socket to the server per agent.
   std::map<int, sockaddr_in> backs_;
-  std::multimap<Clock::time_point, Parcel> on_the_way_;
+  std::multimap<Clock::time_point, Parcel> in_flight_;
   std::atomic<bool> stop_{false};
   mutable std::mutex mutex_;
   LineCounts counts_;

@@ -7,15 +7,15 @@
 
 namespace kerf::agent {
 
-/// What a line does to what goes over it, in both directions alike. TCP is delayed only: a relay of
-/// bytes cannot lose what TCP sends (tests/bench/lossy_path.h can).
+/// Faults of a line, the same in both directions. TCP is only delayed: a relay of bytes cannot lose
+/// TCP segments (tests/bench/lossy_path.h can).
 struct LineFaults {
   std::chrono::microseconds delay{0};
-  /// TCP takes this much longer.
+  /// Additional delay of TCP.
   std::chrono::microseconds tcp_delay{0};
-  /// Shares of the datagrams, 0 to 1; a reordered one is overtaken by those of the next 5 ms.
+  /// Shares of the datagrams, 0 to 1. A reordered one is delayed by 5 ms.
   double loss = 0, duplication = 0, reordering = 0;
-  /// Each so many datagrams, so many are lost in a row; 0: none.
+  /// Of every `burst_every` datagrams, `burst` in a row are lost; 0: none.
   int burst_every = 0, burst = 0;
   std::uint64_t seed = 1;
 };
@@ -24,8 +24,8 @@ struct LineCounts {
   std::uint64_t datagrams = 0, lost = 0, duplicated = 0, reordered = 0;
 };
 
-/// A line to a server on 127.0.0.1: takes TCP and UDP on 127.0.0.2, at the server's own two port
-/// numbers, so that what the server says of its ports leads here too.
+/// Relay to a server on 127.0.0.1. Listens for TCP and UDP on 127.0.0.2, at the server's own port
+/// numbers, so that the ports in the server's messages are valid here too.
 class LossyLine {
  public:
   LossyLine(std::uint16_t tcp_port, std::uint16_t udp_port, LineFaults faults);
@@ -33,9 +33,9 @@ class LossyLine {
 
   static constexpr const char* kHost = "127.0.0.2";
 
-  /// From now on no datagram passes, or all do again as the faults let them.
+  /// Blocks or unblocks all datagrams.
   void block_udp(bool blocked);
-  /// The server sees the agents' datagrams come from other ports, as behind a NAT that forgot them.
+  /// Changes the source ports of the agents' datagrams, as a NAT does that has lost its state.
   void rebind();
   LineCounts counts() const;
 

@@ -9,7 +9,7 @@
 namespace kerf::agent {
 namespace {
 
-/// A path that is bent at every sample, so that none of them may be left out.
+/// A path that is bent at every sample, so that none of them may be merged.
 wire::MotionSample sample(std::uint64_t time_us, bool cuts = true, std::uint32_t tool = 1) {
   const double x = 0.1 * static_cast<double>(time_us);
   return {.time_us = time_us,
@@ -26,7 +26,7 @@ std::vector<wire::MotionSample> take_all(SampleQueue& queue) {
   return sent;
 }
 
-TEST(SampleQueue, NumbersSamplesFromOneAsTheyGoOut) {
+TEST(SampleQueue, NumbersSamplesFromOneWhenSent) {
   SampleQueue queue;
   for (std::uint64_t i = 1; i <= 20; ++i) queue.push(sample(i));
   const auto first = queue.take(100);
@@ -38,14 +38,14 @@ TEST(SampleQueue, NumbersSamplesFromOneAsTheyGoOut) {
   EXPECT_EQ(queue.take(100).count, 0U);
 }
 
-TEST(SampleQueue, TakesNoMoreThanThePaceAllows) {
+TEST(SampleQueue, TakesAtMostTheRequestedNumber) {
   SampleQueue queue;
   for (std::uint64_t i = 1; i <= 20; ++i) queue.push(sample(i));
   EXPECT_EQ(queue.take(3).count, 3U);
   EXPECT_EQ(queue.unsent(), 17U);
 }
 
-TEST(SampleQueue, AMessageHoldsOneTool) {
+TEST(SampleQueue, MessageContainsOneTool) {
   SampleQueue queue;
   queue.push(sample(1, true, 1));
   queue.push(sample(2, true, 2));
@@ -55,7 +55,7 @@ TEST(SampleQueue, AMessageHoldsOneTool) {
   EXPECT_FALSE(queue.next_tool());
 }
 
-TEST(SampleQueue, ARewindStartsAtTheLastAnsweredSample) {
+TEST(SampleQueue, RewindStartsAtTheLastAnsweredSample) {
   SampleQueue queue;
   for (std::uint64_t i = 1; i <= 10; ++i) queue.push(sample(i));
   queue.take(16);
@@ -75,7 +75,7 @@ TEST(SampleQueue, ARewindStartsAtTheLastAnsweredSample) {
   EXPECT_EQ(queue.unanswered(), 0U);
 }
 
-TEST(SampleQueue, AnswersToWhatWasNeverSentAreIgnored) {
+TEST(SampleQueue, AnswersToUnsentNumbersAreIgnored) {
   SampleQueue queue;
   queue.push(sample(1));
   queue.take(16);
@@ -84,20 +84,20 @@ TEST(SampleQueue, AnswersToWhatWasNeverSentAreIgnored) {
   EXPECT_EQ(queue.unanswered(), 1U);
 }
 
-TEST(SampleQueue, WhenTheServerIsBehindMovesThroughTheAirAreMergedAndCutsAreNot) {
+TEST(SampleQueue, BacklogMergesAirMovesAndKeepsCuts) {
   SampleQueue queue;
   queue.push(sample(1, false));
   for (std::uint64_t i = 2; i <= 60; ++i) queue.push(sample(i, false));
   for (std::uint64_t i = 61; i <= 80; ++i) queue.push(sample(i, true));
   const auto sent = take_all(queue);
   ASSERT_EQ(sent.size(), 21U);
-  EXPECT_EQ(sent[0].time_us, 60U) << "where the cut begins stays";
+  EXPECT_EQ(sent[0].time_us, 60U) << "the start of the cut is kept";
   EXPECT_EQ(queue.merged_air(), 59U);
   EXPECT_EQ(queue.thinned_cuts(), 0U);
   for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(sent[i].agent_sequence, i + 1);
 }
 
-TEST(SampleQueue, SendsNoFurtherAheadThanItsWindow) {
+TEST(SampleQueue, SendsWithinTheWindowOnly) {
   SampleQueue queue;
   for (std::uint64_t i = 0; i < 30; ++i) queue.push(sample(10'000 * i));
   EXPECT_EQ(take_all(queue).back().time_us, 120'000U);
@@ -108,7 +108,7 @@ TEST(SampleQueue, SendsNoFurtherAheadThanItsWindow) {
   EXPECT_EQ(take_all(queue).front().agent_sequence, 5U);
 }
 
-TEST(SampleQueue, WhenTheServerIsBehindStraightCutsBecomeChords) {
+TEST(SampleQueue, BacklogMergesStraightCutsToChords) {
   SampleQueue queue;
   constexpr std::uint64_t kCorner = 40;
   for (std::uint64_t i = 0; i <= 2 * kCorner; ++i) {
@@ -123,13 +123,13 @@ TEST(SampleQueue, WhenTheServerIsBehindStraightCutsBecomeChords) {
   EXPECT_EQ(sent.size() + queue.merged_cuts(), 2 * kCorner + 1);
   for (std::size_t i = 1; i < sent.size(); ++i) {
     EXPECT_LE(sent[i].time_us - sent[i - 1].time_us, SampleQueue::kLongestChord);
-    // Every chord keeps to one side of the corner: no motion cuts across it.
+    // No chord crosses the corner.
     EXPECT_TRUE(sent[i].time_us <= kCorner || sent[i - 1].time_us >= kCorner);
   }
   EXPECT_EQ(sent.back().time_us, 2 * kCorner);
 }
 
-TEST(SampleQueue, AnAxisThatTurnsUnevenlyIsNotMerged) {
+TEST(SampleQueue, UnevenAxisRotationIsNotMerged) {
   SampleQueue queue;
   for (std::uint64_t i = 0; i < 60; ++i) {
     const float lean = i % 2 == 0 ? 0.001F : 0.0F;
@@ -141,7 +141,7 @@ TEST(SampleQueue, AnAxisThatTurnsUnevenlyIsNotMerged) {
   EXPECT_EQ(take_all(queue).size(), 60U);
 }
 
-TEST(SampleQueue, AQueueThatIsFullOfCutsIsThinnedAndNeverGrowsBeyondItsBound) {
+TEST(SampleQueue, FullQueueOfCutsIsThinnedAndStaysBounded) {
   SampleQueue queue;
   const std::uint64_t many = 4 * SampleQueue::kMostKept;
   for (std::uint64_t i = 1; i <= many; ++i) {
@@ -151,11 +151,11 @@ TEST(SampleQueue, AQueueThatIsFullOfCutsIsThinnedAndNeverGrowsBeyondItsBound) {
   EXPECT_GT(queue.thinned_cuts(), 0U);
   EXPECT_EQ(queue.forgotten(), 0U);
   const auto first = queue.take(1);
-  EXPECT_EQ(first.samples[0].time_us, 1U) << "the path still begins where it began";
+  EXPECT_EQ(first.samples[0].time_us, 1U) << "the start of the path is kept";
   EXPECT_EQ(take_all(queue).back().time_us, many);
 }
 
-TEST(SampleQueue, WhatWasSentAndNeverAnsweredIsForgottenInTheEnd) {
+TEST(SampleQueue, OldestUnansweredSamplesAreDroppedWhenFull) {
   SampleQueue queue;
   for (std::uint64_t i = 1; i <= SampleQueue::kMostKept + 100; ++i) {
     queue.push(sample(i));

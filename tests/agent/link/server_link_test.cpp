@@ -17,7 +17,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Waits until something has happened; the bound only ends a test that has failed.
+/// Waits until the condition holds; the limit only ends a failed test.
 template <typename Condition>
 bool eventually(Condition condition) {
   for (int i = 0; i < 2000; ++i) {
@@ -27,7 +27,7 @@ bool eventually(Condition condition) {
   return false;
 }
 
-/// What the servers of these tests have received, over all connections.
+/// The samples that a server has received, per connection.
 struct Received {
   mutable std::mutex mutex;
   std::vector<std::vector<wire::MotionSample>> connections;
@@ -62,7 +62,7 @@ class ServerLinkTest : public ::testing::Test {
   void push(ServerLink& link, std::uint64_t from, std::uint64_t to,
             std::uint32_t buttons = wire::kButtonCutting) {
     for (std::uint64_t i = from; i <= to; ++i) {
-      // A zigzag: what waits while the machine is busy is merged where a cut runs straight.
+      // A zigzag, because waiting samples of a straight cut would be merged.
       const double z = i % 2 == 0 ? 1 : 0;
       while (!samples.push({.time_us = i, .tip_mm = {0, 0, z}, .tool_id = 2, .buttons = buttons})) {
         std::this_thread::sleep_for(milliseconds(1));
@@ -85,7 +85,7 @@ class ServerLinkTest : public ::testing::Test {
   std::atomic<bool> failed{false};
 };
 
-TEST_F(ServerLinkTest, SaysHelloAndReadsTheWelcome) {
+TEST_F(ServerLinkTest, SendsHelloAndParsesTheWelcome) {
   std::string hello;
   FakeServer server([&](FakePeer& peer, int) {
     hello = peer.read_text().value_or("");
@@ -109,7 +109,7 @@ TEST_F(ServerLinkTest, SaysHelloAndReadsTheWelcome) {
   EXPECT_EQ(link.report().failure, "");
 }
 
-TEST_F(ServerLinkTest, SendsEverySampleOnceInOrderAndBringsTheAnswersBack) {
+TEST_F(ServerLinkTest, SendsEverySampleOnceInOrderAndReceivesAnswers) {
   Received received;
   std::atomic<int> pings{0};
   FakeServer server([&](FakePeer& peer, int connection) {
@@ -128,7 +128,7 @@ TEST_F(ServerLinkTest, SendsEverySampleOnceInOrderAndBringsTheAnswersBack) {
   ASSERT_TRUE(eventually([&] { return received.count(0) == 700; }));
   push(link, 701, 701);
   link.stop(5.0);
-  ASSERT_EQ(received.count(0), 701U) << "stopping sends what is left";
+  ASSERT_EQ(received.count(0), 701U) << "stop sends the remaining samples";
   for (std::size_t i = 0; i < 701; ++i) {
     ASSERT_EQ(received.connections[0][i].agent_sequence, i + 1);
     ASSERT_EQ(received.connections[0][i].time_us, i + 1);
@@ -145,14 +145,14 @@ TEST_F(ServerLinkTest, SendsEverySampleOnceInOrderAndBringsTheAnswersBack) {
   EXPECT_EQ(wrench.pose_us, 701U);
 }
 
-TEST_F(ServerLinkTest, AfterALossItSendsWhatWasNotAnsweredBehindWhatWas) {
+TEST_F(ServerLinkTest, ReconnectResendsUnansweredSamples) {
   Received received;
   FakeServer server([&](FakePeer& peer, int connection) {
     peer.read_text();
     peer.send_text(welcome_text());
     while (const auto batch = peer.read_motion()) {
       received.add(connection, *batch);
-      // On the first connection only the first ten are answered, and the line breaks at 40.
+      // The first connection answers the first ten samples only and is closed at the 40th.
       if (connection == 0 && batch->view().back().agent_sequence > 10) {
         if (batch->view().back().agent_sequence >= 40) return peer.cut();
         continue;
@@ -171,11 +171,13 @@ TEST_F(ServerLinkTest, AfterALossItSendsWhatWasNotAnsweredBehindWhatWas) {
   link.stop(5.0);
   const auto& again = received.connections[1];
   ASSERT_FALSE(again.empty());
-  EXPECT_LE(again.front().agent_sequence, 10U) << "the last answered one is where motion starts";
+  EXPECT_LE(again.front().agent_sequence, 10U)
+      << "the first motion starts at the last answered sample";
   EXPECT_EQ(again.back().agent_sequence, 80U);
   for (std::size_t i = 0; i < again.size(); ++i) {
     ASSERT_EQ(again[i].agent_sequence, again.front().agent_sequence + i);
-    ASSERT_EQ(again[i].time_us, again[i].agent_sequence) << "a number always means one sample";
+    ASSERT_EQ(again[i].time_us, again[i].agent_sequence)
+        << "a number always refers to the same sample";
   }
   EXPECT_EQ(link.report().connections, 2U);
   EXPECT_GE(link.report().resent, 30U);
@@ -183,8 +185,8 @@ TEST_F(ServerLinkTest, AfterALossItSendsWhatWasNotAnsweredBehindWhatWas) {
   EXPECT_EQ(link.report().failure, "");
 }
 
-TEST_F(ServerLinkTest, TellsTheOthersOfAToolChange) {
-  std::atomic<bool> told{false};
+TEST_F(ServerLinkTest, SendsToolChanges) {
+  std::atomic<bool> received{false};
   std::string text;
   FakeServer server([&](FakePeer& peer, int) {
     peer.read_text();
@@ -192,7 +194,7 @@ TEST_F(ServerLinkTest, TellsTheOthersOfAToolChange) {
     while (const auto batch = peer.read_motion()) {
       if (batch->view().front().tool_id == 1 && !peer.texts.empty()) {
         text = peer.texts.front();
-        told = true;
+        received = true;
       }
       peer.send_result(answer_to(*batch), 1);
     }
@@ -203,12 +205,12 @@ TEST_F(ServerLinkTest, TellsTheOthersOfAToolChange) {
   push(link, 1, 5);
   samples.push({.time_us = 6, .tool_id = 1});
   link.sample_ready();
-  EXPECT_TRUE(eventually([&] { return told.load(); }));
+  EXPECT_TRUE(eventually([&] { return received.load(); }));
   link.stop(1.0);
   EXPECT_EQ(text, R"({"tool":1,"type":"tool"})");
 }
 
-TEST_F(ServerLinkTest, ReportsComplaintsAndGoesOn) {
+TEST_F(ServerLinkTest, ReportsServerErrorsAndContinues) {
   FakeServer server([&](FakePeer& peer, int) {
     peer.read_text();
     peer.send_text(welcome_text());
@@ -229,11 +231,11 @@ TEST_F(ServerLinkTest, ReportsComplaintsAndGoesOn) {
   EXPECT_EQ(report.complaints.at("too_fast").first_reason, "sample 3");
   EXPECT_EQ(report.bad_frames, 2U);
   EXPECT_EQ(report.unanswered, 0U);
-  ASSERT_EQ(notices.size(), 1U) << "the user hears of each kind once";
+  ASSERT_EQ(notices.size(), 1U) << "one notice per error code";
   EXPECT_NE(notices[0].find("sample 3"), std::string::npos);
 }
 
-TEST_F(ServerLinkTest, AFatalErrorEndsIt) {
+TEST_F(ServerLinkTest, FatalErrorEndsTheLink) {
   FakeServer server([&](FakePeer& peer, int) {
     peer.read_text();
     peer.send_text(welcome_text());
@@ -251,7 +253,7 @@ TEST_F(ServerLinkTest, AFatalErrorEndsIt) {
   EXPECT_EQ(link.report().connections, 1U);
 }
 
-TEST_F(ServerLinkTest, AnErrorInsteadOfTheWelcomeIsFinal) {
+TEST_F(ServerLinkTest, ErrorInsteadOfWelcomeIsFinal) {
   FakeServer server([&](FakePeer& peer, int) {
     peer.read_text();
     peer.send_text(R"({"type":"error","code":"unknown_tool","reason":"no tool 2","fatal":true})");
@@ -265,7 +267,7 @@ TEST_F(ServerLinkTest, AnErrorInsteadOfTheWelcomeIsFinal) {
   link.stop(0);
 }
 
-TEST_F(ServerLinkTest, AnUnknownSessionIsFinal) {
+TEST_F(ServerLinkTest, UnknownSessionIsFinal) {
   FakeServer server([](FakePeer&, int) {}, {.decline_status = 404});
   ServerLink link(settings(server), samples, wrenches);
   link.start();
@@ -275,7 +277,7 @@ TEST_F(ServerLinkTest, AnUnknownSessionIsFinal) {
   link.stop(0);
 }
 
-TEST_F(ServerLinkTest, AServerOfAnotherProtocolIsRejected) {
+TEST_F(ServerLinkTest, OtherProtocolVersionIsRejected) {
   FakeServer server([](FakePeer& peer, int) { peer.read_text(); }, {.protocol = "kerf.agent.v2"});
   ServerLink link(settings(server), samples, wrenches);
   link.start();
@@ -285,7 +287,7 @@ TEST_F(ServerLinkTest, AServerOfAnotherProtocolIsRejected) {
   link.stop(0);
 }
 
-TEST_F(ServerLinkTest, GivesUpOnAServerThatIsNotThereWhenPatienceEnds) {
+TEST_F(ServerLinkTest, FailsAfterPatienceIfTheServerIsUnreachable) {
   std::uint16_t port = 0;
   {
     const FakeServer gone([](FakePeer&, int) {});
@@ -306,7 +308,7 @@ TEST_F(ServerLinkTest, GivesUpOnAServerThatIsNotThereWhenPatienceEnds) {
   EXPECT_TRUE(failed);
 }
 
-TEST_F(ServerLinkTest, AnInterruptEndsTheWaitForAServerThatSaysNothing) {
+TEST_F(ServerLinkTest, InterruptEndsTheWaitForASilentServer) {
   FakeServer server([](FakePeer& peer, int) {
     while (peer.read_text()) {
     }
@@ -320,7 +322,7 @@ TEST_F(ServerLinkTest, AnInterruptEndsTheWaitForAServerThatSaysNothing) {
   link.stop(0);
 }
 
-TEST_F(ServerLinkTest, ASessionThatWasRebuiltIsJoinedAnew) {
+TEST_F(ServerLinkTest, RebuiltSessionIsJoinedAgain) {
   Received received;
   FakeServer server([&](FakePeer& peer, int connection) {
     peer.read_text();
@@ -328,7 +330,7 @@ TEST_F(ServerLinkTest, ASessionThatWasRebuiltIsJoinedAnew) {
     peer.send_text(welcome_text(epoch));
     while (const auto batch = peer.read_motion()) {
       received.add(connection, *batch);
-      // The first connection lives to see the session taken over.
+      // The session is rebuilt during the first connection.
       peer.send_result(answer_to(*batch), 2);
     }
   });
@@ -342,7 +344,7 @@ TEST_F(ServerLinkTest, ASessionThatWasRebuiltIsJoinedAnew) {
   EXPECT_EQ(link.report().unanswered, 0U);
 }
 
-TEST_F(ServerLinkTest, ASilentServerLeavesNoForceInTheHand) {
+TEST_F(ServerLinkTest, SilentServerEndsTheForce) {
   std::atomic<bool> silent{false};
   FakeServer server([&](FakePeer& peer, int) {
     peer.read_text();
@@ -351,7 +353,7 @@ TEST_F(ServerLinkTest, ASilentServerLeavesNoForceInTheHand) {
       if (!silent) peer.send_result(answer_to(*batch, 3.0F), 1);
     }
   });
-  /// Goes down against the force: a hand at rest would be given nothing that it has not put in.
+  /// Moves down against the force: at rest, passivity would not permit any force.
   class Sinking final : public HapticDevice {
    public:
     DeviceCapabilities capabilities() const override { return {.name = "sinking"}; }
@@ -363,9 +365,9 @@ TEST_F(ServerLinkTest, ASilentServerLeavesNoForceInTheHand) {
               .valid = true,
               .phase = DevicePhase::kReady};
     }
-    void write(const Wrench& wrench) noexcept override { shown_n = wrench.force_n.z; }
-    void stop() noexcept override { shown_n = 0; }
-    std::atomic<double> shown_n{0};
+    void write(const Wrench& wrench) noexcept override { output_n = wrench.force_n.z; }
+    void stop() noexcept override { output_n = 0; }
+    std::atomic<double> output_n{0};
 
    private:
     double z_mm_ = 0;
@@ -377,9 +379,9 @@ TEST_F(ServerLinkTest, ASilentServerLeavesNoForceInTheHand) {
   MonotonicClock clock;
   ServoLoop loop(clock);
   std::thread servo([&] { loop.run(cycle); });
-  const bool felt = eventually([&] { return device.shown_n > 2.0; });
+  const bool felt = eventually([&] { return device.output_n > 2.0; });
   silent = true;
-  const bool gone = eventually([&] { return device.shown_n == 0.0; });
+  const bool gone = eventually([&] { return device.output_n == 0.0; });
   loop.stop();
   servo.join();
   link.stop(0.1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes over which lane, on a made-up clock and a made-up network.
+// Which frames use which transport, with a simulated clock and network.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -24,7 +24,7 @@ class TrafficDatagrams : public ::testing::Test {
 
   void push(int count, std::uint32_t tool = 1) {
     for (int i = 0; i < count; ++i) {
-      // A zigzag, of which nothing may be left out.
+      // A zigzag, of which no sample may be merged.
       const double z = ++pushed % 2 == 0 ? 1 : 0;
       ASSERT_TRUE(ring.push({.time_us = now_us,
                              .tip_mm = {0, 0, z},
@@ -41,7 +41,7 @@ class TrafficDatagrams : public ::testing::Test {
     return found;
   }
 
-  /// The next motion over a lane, pings left aside.
+  /// Returns the next motion over a transport; counts pings.
   std::optional<wire::MotionBatch> next(bool udp) {
     std::array<std::byte, datagram::kMaxFrameBytes> frame;
     while (const std::size_t bytes =
@@ -54,7 +54,7 @@ class TrafficDatagrams : public ::testing::Test {
   }
   Numbers over_udp() { return numbers(next(true)); }
   Numbers over_web_socket() { return numbers(next(false)); }
-  /// Everything that is due, in order, over UDP.
+  /// Returns all due motions over UDP, in order.
   std::vector<Numbers> all_over_udp() {
     std::vector<Numbers> all;
     for (Numbers one = over_udp(); !one.empty(); one = over_udp()) all.push_back(one);
@@ -72,8 +72,8 @@ class TrafficDatagrams : public ::testing::Test {
   }
   void pong() { take(wire::Pong{.ping_time_us = now_us - kRttUs, .time_us = 1}, true); }
 
-  /// Samples 1 to 3 over the WebSocket, answered, and UDP proven.
-  void take_over() {
+  /// Sends samples 1 to 3 over the WebSocket, answers them, and switches to UDP.
+  void switch_to_udp() {
     push(3);
     ASSERT_EQ(over_web_socket(), (Numbers{1, 2, 3}));
     answer(3, false);
@@ -89,7 +89,7 @@ class TrafficDatagrams : public ::testing::Test {
   int pings = 0;
 };
 
-TEST_F(TrafficDatagrams, TheWebSocketCarriesUntilUdpIsProven) {
+TEST_F(TrafficDatagrams, UsesTheWebSocketUntilUdpIsConfirmed) {
   push(3);
   EXPECT_TRUE(over_udp().empty());
   EXPECT_EQ(pings, 1) << "a probe";
@@ -100,24 +100,24 @@ TEST_F(TrafficDatagrams, TheWebSocketCarriesUntilUdpIsProven) {
   EXPECT_EQ(over_web_socket(), (Numbers{4}));
   pong();
   push(1);
-  EXPECT_EQ(over_udp(), (Numbers{4, 5})) << "with what is unanswered";
+  EXPECT_EQ(over_udp(), (Numbers{4, 5})) << "with the unanswered sample";
   push(1);
   EXPECT_TRUE(over_web_socket().empty());
   EXPECT_EQ(over_udp(), (Numbers{4, 5, 6}));
 }
 
-TEST_F(TrafficDatagrams, TheWebSocketCarriesUntilTheServerHasAnsweredOnIt) {
+TEST_F(TrafficDatagrams, UsesTheWebSocketUntilTheFirstAnswer) {
   pong();
   push(3);
   EXPECT_TRUE(over_udp().empty());
   EXPECT_EQ(over_web_socket(), (Numbers{1, 2, 3}));
   push(1);
-  EXPECT_TRUE(over_udp().empty()) << "where motions start is not known there yet";
+  EXPECT_TRUE(over_udp().empty()) << "the server may not have the first pose yet";
   answer(1, false);
   EXPECT_EQ(over_udp(), (Numbers{2, 3, 4}));
 }
 
-TEST_F(TrafficDatagrams, WithoutAnOfferNothingGoesOverUdp) {
+TEST_F(TrafficDatagrams, WithoutAnOfferUdpIsNotUsed) {
   traffic.begin(1, 1, now_us, false);
   push(3);
   pong();
@@ -126,8 +126,8 @@ TEST_F(TrafficDatagrams, WithoutAnOfferNothingGoesOverUdp) {
   EXPECT_EQ(over_web_socket(), (Numbers{1, 2, 3}));
 }
 
-TEST_F(TrafficDatagrams, EachDatagramRepeatsWhatIsUnansweredAsFarAsItFits) {
-  take_over();
+TEST_F(TrafficDatagrams, EachDatagramRepeatsAsManyUnansweredSamplesAsFit) {
+  switch_to_udp();
   Numbers last;
   for (int i = 0; i < 40; ++i) {
     push(1);
@@ -144,8 +144,8 @@ TEST_F(TrafficDatagrams, EachDatagramRepeatsWhatIsUnansweredAsFarAsItFits) {
   EXPECT_GT(traffic.report().udp.repeated, 15U * 20U);
 }
 
-TEST_F(TrafficDatagrams, ABacklogGoesOutTwice) {
-  take_over();
+TEST_F(TrafficDatagrams, BacklogIsSentTwice) {
+  switch_to_udp();
   push(20);
   const auto all = all_over_udp();
   ASSERT_EQ(all.size(), 3U);
@@ -156,8 +156,8 @@ TEST_F(TrafficDatagrams, ABacklogGoesOutTwice) {
   EXPECT_EQ(all[2].back(), 23U);
 }
 
-TEST_F(TrafficDatagrams, AGapLeadsBackToWhatIsUnanswered) {
-  take_over();
+TEST_F(TrafficDatagrams, GapCausesAResendOfUnansweredSamples) {
+  switch_to_udp();
   now_us += 100'000;
   for (int i = 0; i < 30; ++i) {
     push(1);
@@ -170,15 +170,15 @@ TEST_F(TrafficDatagrams, AGapLeadsBackToWhatIsUnanswered) {
   ASSERT_FALSE(again.empty());
   EXPECT_EQ(again.front().front(), 6U);
   EXPECT_EQ(again.back().back(), 33U);
-  // Those that were under way behind the lost ones bring the same answer; once is enough.
+  // Datagrams in flight behind the lost ones cause the same answer; only the first one counts.
   answer(5, true, wire::kStatusGap);
   EXPECT_TRUE(over_udp().empty());
   EXPECT_EQ(traffic.report().udp.gaps, 2U);
   EXPECT_EQ(traffic.report().unanswered, 28U);
 }
 
-TEST_F(TrafficDatagrams, WhatNoAnswerComesToGoesOutAgainMoreAndMoreSeldom) {
-  take_over();
+TEST_F(TrafficDatagrams, UnansweredSamplesAreResentWithBackoff) {
+  switch_to_udp();
   push(1);
   EXPECT_EQ(over_udp(), (Numbers{4}));
   std::vector<std::uint64_t> at_us;
@@ -192,11 +192,11 @@ TEST_F(TrafficDatagrams, WhatNoAnswerComesToGoesOutAgainMoreAndMoreSeldom) {
   EXPECT_GT(at_us[1] - at_us[0], at_us[0]);
 }
 
-TEST_F(TrafficDatagrams, SilenceLeadsBackToTheWebSocketWithWhatIsUnanswered) {
-  take_over();
+TEST_F(TrafficDatagrams, SilenceSwitchesBackToTheWebSocket) {
+  switch_to_udp();
   push(2);
   over_udp();
-  now_us += LaneSwitch::kSilenceUs + kRttUs;
+  now_us += TransportSwitch::kSilenceUs + kRttUs;
   over_udp();
   EXPECT_TRUE(over_web_socket().empty()) << "not yet";
   now_us += 1;
@@ -205,28 +205,28 @@ TEST_F(TrafficDatagrams, SilenceLeadsBackToTheWebSocketWithWhatIsUnanswered) {
   EXPECT_EQ(traffic.report().udp.fell_back, 1U);
   EXPECT_EQ(traffic.take_notice(), "UDP has gone silent, back on the WebSocket");
   EXPECT_EQ(traffic.take_notice(), "");
-  // Tried again after a pause, and taken again once it is proven anew.
+  // UDP is probed again after a pause, and used again after a new answer.
   answer(5, false);
   pong();
   push(1);
-  EXPECT_TRUE(over_udp().empty()) << "an answer from before proves nothing";
+  EXPECT_TRUE(over_udp().empty()) << "answers to old probes do not count";
   EXPECT_EQ(over_web_socket(), (Numbers{6}));
   answer(6, false);
-  now_us += LaneSwitch::kFirstPauseUs;
+  now_us += TransportSwitch::kFirstPauseUs;
   next(true);
   pong();
   push(1);
   EXPECT_EQ(over_udp(), (Numbers{7}));
 }
 
-TEST_F(TrafficDatagrams, SilenceWhereNothingIsUnansweredIsNoFault) {
-  take_over();
-  now_us += 10 * LaneSwitch::kSilenceUs;
+TEST_F(TrafficDatagrams, SilenceWithoutUnansweredSamplesIsNoFailure) {
+  switch_to_udp();
+  now_us += 10 * TransportSwitch::kSilenceUs;
   push(1);
   EXPECT_EQ(over_udp(), (Numbers{4}));
 }
 
-TEST_F(TrafficDatagrams, ABlockedPortIsTriedNowAndThen) {
+TEST_F(TrafficDatagrams, BlockedPortIsProbedRarely) {
   push(1);
   EXPECT_EQ(over_web_socket(), (Numbers{1}));
   answer(1, false);
@@ -234,33 +234,33 @@ TEST_F(TrafficDatagrams, ABlockedPortIsTriedNowAndThen) {
     now_us += 100'000;
     next(true);
   }
-  EXPECT_LT(pings, 80) << "seldom, in a minute";
-  EXPECT_GT(pings, LaneSwitch::kProbes);
+  EXPECT_LT(pings, 80) << "rarely, in a minute";
+  EXPECT_GT(pings, TransportSwitch::kProbes);
   EXPECT_EQ(traffic.take_notice(), "no answer over UDP, staying on the WebSocket");
   EXPECT_EQ(traffic.take_notice(), "");
 }
 
-TEST_F(TrafficDatagrams, ANewToolIsToldBetweenTheSamples) {
-  take_over();
+TEST_F(TrafficDatagrams, ToolChangeIsSentBetweenTheSamples) {
+  switch_to_udp();
   push(2);
   over_udp();
   push(2, 2);
-  EXPECT_TRUE(over_udp().empty()) << "samples of the new tool wait for the word";
-  EXPECT_EQ(traffic.take_control(), "") << "the old tool's samples go ahead of it";
+  EXPECT_TRUE(over_udp().empty()) << "samples of the new tool wait for the tool message";
+  EXPECT_EQ(traffic.take_control(), "") << "the old tool's samples precede it";
   EXPECT_EQ(over_web_socket(), (Numbers{4, 5}));
   EXPECT_EQ(traffic.take_control(), tool_text(2));
   EXPECT_EQ(over_web_socket(), (Numbers{6, 7}));
   answer(5, true);
   push(1, 2);
-  EXPECT_TRUE(over_udp().empty()) << "the word may still be on its way";
+  EXPECT_TRUE(over_udp().empty()) << "the tool message may still be in flight";
   EXPECT_EQ(over_web_socket(), (Numbers{8}));
   answer(6, false);
   push(1, 2);
   EXPECT_EQ(over_udp(), (Numbers{7, 8, 9}));
 }
 
-TEST_F(TrafficDatagrams, ANewToolIsToldAtOnceWhereEverythingIsAnswered) {
-  take_over();
+TEST_F(TrafficDatagrams, ToolChangeIsSentAtOnceIfEverythingIsAnswered) {
+  switch_to_udp();
   push(2, 2);
   EXPECT_TRUE(over_udp().empty());
   EXPECT_EQ(traffic.take_control(), tool_text(2));
@@ -268,8 +268,8 @@ TEST_F(TrafficDatagrams, ANewToolIsToldAtOnceWhereEverythingIsAnswered) {
   EXPECT_EQ(traffic.take_control(), "");
 }
 
-TEST_F(TrafficDatagrams, OldAnswersAreNotFelt) {
-  take_over();
+TEST_F(TrafficDatagrams, OldAnswersAreIgnored) {
+  switch_to_udp();
   push(5);
   over_udp();
   answer(7, true, 0, 2.0F);
@@ -282,8 +282,8 @@ TEST_F(TrafficDatagrams, OldAnswersAreNotFelt) {
   EXPECT_EQ(traffic.report().results, 2U);
 }
 
-TEST_F(TrafficDatagrams, WhatAnotherFeelsIsNeverOlderThanBefore) {
-  take_over();
+TEST_F(TrafficDatagrams, FollowedWrenchNeverGoesBackInTime) {
+  switch_to_udp();
   wire::ToolState other;
   other.force_n = {1, 0, 0};
   std::vector<std::byte> early;
@@ -301,14 +301,14 @@ TEST_F(TrafficDatagrams, WhatAnotherFeelsIsNeverOlderThanBefore) {
   EXPECT_EQ(wrench.felt.force_n.x, 2.0);
 }
 
-TEST_F(TrafficDatagrams, ANewConnectionStartsOnTheWebSocket) {
-  take_over();
+TEST_F(TrafficDatagrams, NewConnectionStartsOnTheWebSocket) {
+  switch_to_udp();
   push(2);
   over_udp();
   traffic.begin(1, 1, now_us, true);
   push(1);
   EXPECT_TRUE(over_udp().empty());
-  EXPECT_EQ(over_web_socket(), (Numbers{3, 4, 5, 6})) << "behind the last answered sample";
+  EXPECT_EQ(over_web_socket(), (Numbers{3, 4, 5, 6})) << "preceded by the last answered sample";
 }
 
 }  // namespace

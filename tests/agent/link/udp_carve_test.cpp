@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real link against the real server, in one process: what is carved over a bad line is what is
-// carved over a good one, to the bit.
+// The real link against the real server, in one process: carving over a faulty line gives the same
+// block as over a good one, bit for bit.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -30,8 +30,8 @@ constexpr const char* kScene = R"({
             {"id": 2, "shape": "flat", "diameter_mm": 3, "length_mm": 60}],
   "machine": {"kinematics": "tool-vector"}})";
 
-/// A spiral outwards that bends at every sample, up and down too: nothing of it may be left out or
-/// taken together, and the chord over a gap would show.
+/// An outward spiral with alternating depth: no sample may be merged, and a chord over a gap would
+/// change the block.
 wire::MotionSample path(std::uint64_t n, std::uint64_t tool_change_at) {
   const double turn = 0.02 * static_cast<double>(n);
   const double radius = 3 + 0.35 * turn;
@@ -42,7 +42,7 @@ wire::MotionSample path(std::uint64_t n, std::uint64_t tool_change_at) {
           .buttons = wire::kButtonCutting};
 }
 
-/// Waits until something has happened; the bound only ends a test that has failed.
+/// Waits until the condition holds; the limit only ends a failed test.
 template <typename Condition>
 bool eventually(Condition condition) {
   for (int i = 0; i < 4000; ++i) {
@@ -78,7 +78,7 @@ class UdpCarve : public testing::Test {
 
   void line(const LineFaults& faults) { line_.emplace(server->port(), server->udp_port(), faults); }
 
-  /// Carves the path in a session of its own. `at` is called before each sample.
+  /// Carves the path in a new session. `at` is called before each sample.
   Carved carve(const std::string& session, bool udp,
                const std::function<void(std::uint64_t)>& at = {},
                std::uint64_t tool_change_at = kNever) {
@@ -121,7 +121,7 @@ class UdpCarve : public testing::Test {
     return carved;
   }
 
-  /// The path over a good WebSocket, carved once for all tests.
+  /// Result over a good WebSocket; computed once for all tests.
   const Carved& over_web_socket() {
     static const Carved carved = carve("plain", false);
     return carved;
@@ -138,7 +138,7 @@ class UdpCarve : public testing::Test {
   std::optional<LossyLine> line_;
 };
 
-TEST_F(UdpCarve, ACleanLineCarriesThePathOverUdp) {
+TEST_F(UdpCarve, CleanLineUsesUdp) {
   const Carved& plain = over_web_socket();
   EXPECT_EQ(plain.motions, kSamples - 1);
   EXPECT_EQ(plain.report.udp.sent, 0U);
@@ -162,7 +162,7 @@ TEST_F(UdpCarve, LossDuplicationAndReorderingChangeNothing) {
   expect_equal(udp, plain);
   EXPECT_GT(udp.report.udp.samples, 0U);
   EXPECT_GT(udp.report.udp.repeated, 0U);
-  EXPECT_GT(udp.report.udp.dropped, 0U) << "what came twice passes once";
+  EXPECT_GT(udp.report.udp.dropped, 0U) << "duplicates are dropped";
   EXPECT_GT(udp.report.udp.lost, 0U);
   const LineCounts counts = line_->counts();
   EXPECT_GT(counts.lost, 0U);
@@ -170,9 +170,9 @@ TEST_F(UdpCarve, LossDuplicationAndReorderingChangeNothing) {
   EXPECT_GT(counts.reordered, 0U);
 }
 
-TEST_F(UdpCarve, AfterALossThatNoRepetitionBridgesTheAgentGoesBack) {
+TEST_F(UdpCarve, LossLongerThanTheRepetitionsCausesAResend) {
   const Carved& plain = over_web_socket();
-  // Longer than the sixteen samples of a datagram reach back, in both directions.
+  // Longer than the sixteen samples of a datagram, in both directions.
   line({.delay = std::chrono::microseconds(2000), .burst_every = 400, .burst = 80});
   const Carved udp = carve("udp", true);
   expect_equal(udp, plain);
@@ -180,7 +180,7 @@ TEST_F(UdpCarve, AfterALossThatNoRepetitionBridgesTheAgentGoesBack) {
   EXPECT_GT(udp.report.resent, 0U);
 }
 
-TEST_F(UdpCarve, ABlockedPortIsAsIfThereWereNone) {
+TEST_F(UdpCarve, BlockedPortFallsBackToTheWebSocket) {
   const Carved& plain = over_web_socket();
   line({});
   line_->block_udp(true);
@@ -192,7 +192,7 @@ TEST_F(UdpCarve, ABlockedPortIsAsIfThereWereNone) {
   EXPECT_EQ(udp.notices, std::vector<std::string>{"no answer over UDP, staying on the WebSocket"});
 }
 
-TEST_F(UdpCarve, ABlackHoleInTheMiddleLeadsBackToTheWebSocket) {
+TEST_F(UdpCarve, OutageSwitchesBackToTheWebSocket) {
   const Carved& plain = over_web_socket();
   line({});
   const Carved udp = carve("udp", true, [&](std::uint64_t n) {
@@ -205,7 +205,7 @@ TEST_F(UdpCarve, ABlackHoleInTheMiddleLeadsBackToTheWebSocket) {
   EXPECT_EQ(udp.notices, std::vector<std::string>{"UDP has gone silent, back on the WebSocket"});
 }
 
-TEST_F(UdpCarve, UdpTakesOverAgainWhenItIsBack) {
+TEST_F(UdpCarve, UdpIsUsedAgainAfterAnOutage) {
   const Carved& plain = over_web_socket();
   line({});
   const Carved udp = carve("udp", true, [&](std::uint64_t n) {
@@ -214,11 +214,11 @@ TEST_F(UdpCarve, UdpTakesOverAgainWhenItIsBack) {
   });
   expect_equal(udp, plain);
   EXPECT_GE(udp.report.udp.fell_back, 1U);
-  // The samples take their time, so the pause is over before they are.
+  // The pause ends before the samples do.
   EXPECT_GE(udp.report.udp.taken_over, 2U);
 }
 
-TEST_F(UdpCarve, AnotherAddressIsFollowed) {
+TEST_F(UdpCarve, ChangeOfAddressIsFollowed) {
   const Carved& plain = over_web_socket();
   line({});
   const Carved udp = carve("udp", true, [&](std::uint64_t n) {
@@ -228,10 +228,10 @@ TEST_F(UdpCarve, AnotherAddressIsFollowed) {
   EXPECT_GT(udp.report.udp.samples, 0U);
 }
 
-TEST_F(UdpCarve, AChangeOfToolKeepsItsPlaceAmongTheSamples) {
+TEST_F(UdpCarve, ToolChangeStaysInOrderWithTheSamples) {
   const Carved plain = carve("plain", false, {}, 1500);
-  EXPECT_EQ(plain.motions, kSamples - 2) << "the new tool starts where its first sample puts it";
-  // What the WebSocket says of the tool comes long after the samples that were sent with it.
+  EXPECT_EQ(plain.motions, kSamples - 2) << "the new tool starts at its first sample";
+  // The tool message on the WebSocket arrives long after the samples sent at the same time.
   line({.delay = std::chrono::microseconds(2000),
         .tcp_delay = std::chrono::microseconds(30'000),
         .loss = 0.05,

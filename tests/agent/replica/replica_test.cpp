@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The agent's copy of the block against the real session, which has the authority.
+// The agent's replica of the block against the real session, which is authoritative.
 
 #include "haptic_agent/replica/replica.h"
 
@@ -35,22 +35,22 @@ std::string welcome_of(const Scene& scene) {
          force_json(scene) + R"(,"accuracy":)" + accuracy_json(scene) + "}";
 }
 
-/// One agent with a copy, and whoever else is at the block. `delay` is how many samples of the
-/// agent are on their way to the server.
-class ReplicaRoom : public SessionTest, public testing::WithParamInterface<const char*> {
+/// One agent with a replica, and another agent. `delay`: number of samples in flight from the agent
+/// to the server.
+class ReplicaTest : public SessionTest, public testing::WithParamInterface<const char*> {
  protected:
   void begin(const char* rays) {
-    // Samples come faster here than the clock by which the session limits rates.
+    // Samples arrive faster here than the session's rate limit permits.
     limits.samples_burst = samples_most;
     limits.samples_per_s = 2.5 * samples_most;
     restart();
-    way_.clear();
+    in_flight_.clear();
     sequence = other_sequence_ = 0;
     auto created =
         registry->create("block" + std::to_string(++blocks_), scene(rays), SceneSource{});
     ASSERT_TRUE(created) << created.error().reason;
     session_ = *created;
-    hand_ =
+    self_ =
         session_
             ->join({.kind = ParticipantKind::kAgent, .name = "hand", .color = "", .stock = true})
             .value()
@@ -58,39 +58,39 @@ class ReplicaRoom : public SessionTest, public testing::WithParamInterface<const
     other_ = join(*session_, "other");
     auto source = BlockSource::read(welcome_of(session_->scene()));
     ASSERT_TRUE(source) << source.error();
-    copy_.emplace(*std::move(source));
+    replica_.emplace(*std::move(source));
   }
 
-  /// The hand's next sample: the copy has it at once, the server `delay` samples later.
-  std::optional<wire::Result> hand(Vec3 tip, Vec3 axis = {0, 0, 1}, std::uint32_t tool = 1,
+  /// Sends the agent's next sample: to the replica at once, to the server `delay` samples later.
+  std::optional<wire::Result> send(Vec3 tip, Vec3 axis = {0, 0, 1}, std::uint32_t tool = 1,
                                    std::uint32_t buttons = wire::kButtonCutting) {
     wire::MotionSample sample = next(tip.x, tip.y, tip.z);
     sample.axis = {static_cast<float>(axis.x), static_cast<float>(axis.y),
                    static_cast<float>(axis.z)};
     sample.tool_id = tool;
     sample.buttons = buttons;
-    way_.push_back(sample);
-    const auto mine = copy_->move(sample);
-    while (way_.size() > delay) arrive();
-    return mine;
+    in_flight_.push_back(sample);
+    const auto local = replica_->move(sample);
+    while (in_flight_.size() > delay) arrive();
+    return local;
   }
   void arrive() {
-    theirs_ = session_->move(hand_, {&way_.front(), 1}).result;
-    way_.pop_front();
-    copy_->compare(theirs_);
-    tell();
+    remote_ = session_->move(self_, {&in_flight_.front(), 1}).result;
+    in_flight_.pop_front();
+    replica_->compare(remote_);
+    deliver_update();
   }
   void arrive_all() {
-    while (!way_.empty()) arrive();
-    while (tell()) {
+    while (!in_flight_.empty()) arrive();
+    while (deliver_update()) {
     }
   }
-  /// A patch there and its acknowledgement back.
-  bool tell() {
-    const auto news = session_->stock_update(hand_);
-    if (!news) return false;
-    EXPECT_TRUE(session_->ack_stock(hand_, news->sequence));
-    EXPECT_TRUE(copy_->take(news->patch()));
+  /// Delivers a patch to the replica and its acknowledgement to the session.
+  bool deliver_update() {
+    const auto update = session_->stock_update(self_);
+    if (!update) return false;
+    EXPECT_TRUE(session_->ack_stock(self_, update->sequence));
+    EXPECT_TRUE(replica_->take(update->patch()));
     return true;
   }
   void other(Vec3 tip) {
@@ -104,17 +104,17 @@ class ReplicaRoom : public SessionTest, public testing::WithParamInterface<const
   }
   void expect_equal_near(Vec3 tip) {
     const SolidSnapshot solid = session_->solid();
-    std::vector<Dexel> mine, theirs;
+    std::vector<Dexel> local, remote;
     for (const DexelSnapshot& field : solid.fields) {
-      const DexelField* own = copy_->block().field(field.grid().axis);
-      const Bounds box = grown(tool_bounds(*copy_->block().tool(1), {tip, {0, 0, 1}}), 3);
+      const DexelField* own = replica_->block().field(field.grid().axis);
+      const Bounds box = grown(tool_bounds(*replica_->block().tool(1), {tip, {0, 0, 1}}), 3);
       tiles_through(field.grid(), box.lo_mm, box.hi_mm).all_of([&](TileIndex at) {
         const auto tile = own->fresh(at);
         for (int n = 0; n < kTileColumns; ++n) {
-          tile->read(n, mine);
+          tile->read(n, local);
           const auto column = field.column(at.x * kTileSide + n % kTileSide,
-                                           at.y * kTileSide + n / kTileSide, theirs);
-          const bool equal = std::ranges::equal(mine, column);
+                                           at.y * kTileSide + n / kTileSide, remote);
+          const bool equal = std::ranges::equal(local, column);
           EXPECT_TRUE(equal) << "column " << n << " of tile " << at.x << ' ' << at.y;
           if (!equal) return false;
         }
@@ -124,13 +124,13 @@ class ReplicaRoom : public SessionTest, public testing::WithParamInterface<const
   }
 
   std::shared_ptr<Session> session_;
-  ParticipantId hand_ = 0, other_ = 0;
-  std::optional<Replica> copy_;
-  std::deque<wire::MotionSample> way_;
+  ParticipantId self_ = 0, other_ = 0;
+  std::optional<Replica> replica_;
+  std::deque<wire::MotionSample> in_flight_;
   std::size_t delay = 0;
   double samples_most = 1e12;
   std::uint64_t other_sequence_ = 0;
-  wire::Result theirs_;
+  wire::Result remote_;
   int blocks_ = 0;
 };
 
@@ -139,194 +139,194 @@ Vec3 winding(int n) {
   return {12 * std::cos(a), 12 * std::sin(1.7 * a), -3 - 2 * std::sin(0.31 * a)};
 }
 
-TEST_P(ReplicaRoom, AnswersWhatTheServerWillAnswer) {
+TEST_P(ReplicaTest, AnswersEqualTheServers) {
   begin(GetParam());
   int answered = 0, pushed = 0;
   for (int n = 0; n < 600; ++n) {
     const Vec3 lean{0.3 * std::sin(0.01 * n), 0.2, 1};
-    const auto mine = hand(winding(n), lean * (1 / length(lean)));
-    if (!mine) continue;
+    const auto local = send(winding(n), lean * (1 / length(lean)));
+    if (!local) continue;
     ++answered;
-    pushed += mine->force_n != Vec3f{};
-    EXPECT_EQ(mine->force_n, theirs_.force_n) << n;
-    EXPECT_EQ(mine->torque_nmm, theirs_.torque_nmm) << n;
-    EXPECT_EQ(mine->engaged_area_mm2, theirs_.engaged_area_mm2) << n;
-    EXPECT_EQ(mine->cut_centre_mm, theirs_.cut_centre_mm) << n;
+    pushed += local->force_n != Vec3f{};
+    EXPECT_EQ(local->force_n, remote_.force_n) << n;
+    EXPECT_EQ(local->torque_nmm, remote_.torque_nmm) << n;
+    EXPECT_EQ(local->engaged_area_mm2, remote_.engaged_area_mm2) << n;
+    EXPECT_EQ(local->cut_centre_mm, remote_.cut_centre_mm) << n;
   }
   EXPECT_GT(answered, 590);
   EXPECT_GT(pushed, 500);
   arrive_all();
-  EXPECT_EQ(copy_->agreement().error(), 0);
+  EXPECT_EQ(replica_->agreement().error(), 0);
   expect_equal_near(winding(599));
 }
 
-TEST_P(ReplicaRoom, AnswersTheSameHoweverFarTheServerIs) {
+TEST_P(ReplicaTest, AnswersDoNotDependOnTheDelay) {
   begin(GetParam());
   std::vector<Vec3f> near;
   for (int n = 0; n < 400; ++n) {
-    const auto mine = hand(winding(n));
-    near.push_back(mine ? mine->force_n : Vec3f{});
+    const auto local = send(winding(n));
+    near.push_back(local ? local->force_n : Vec3f{});
   }
   delay = 120;
   begin(GetParam());
   int answered = 0, in_a_row = 0;
   for (int n = 0; n < 400; ++n) {
-    const auto mine = hand(winding(n));
-    in_a_row = mine ? in_a_row + 1 : 0;
-    if (!mine) continue;
-    // Little is left of what was cut before it was known; in the end only the places where the way
+    const auto local = send(winding(n));
+    in_a_row = local ? in_a_row + 1 : 0;
+    if (!local) continue;
+    // Stock cut before it was known has little influence; later only the points at which the travel
     // is divided differ (TravelQueue). The force is 8 N.
     ++answered;
-    const Vec3 error = Vec3(mine->force_n) - Vec3(near[static_cast<std::size_t>(n)]);
+    const Vec3 error = Vec3(local->force_n) - Vec3(near[static_cast<std::size_t>(n)]);
     for (const double component : {error.x, error.y, error.z}) {
       EXPECT_NEAR(component, 0, in_a_row <= 30 ? 0.4 : 0.1) << n;
     }
   }
-  EXPECT_GT(answered, 200) << "what is near must be known soon after the first patch";
+  EXPECT_GT(answered, 200) << "nearby tiles must be known soon after the first patch";
   arrive_all();
-  EXPECT_LT(copy_->agreement().error(), 0.05);
+  EXPECT_LT(replica_->agreement().error(), 0.05);
 }
 
-TEST_P(ReplicaRoom, FollowsWhatOthersCut) {
+TEST_P(ReplicaTest, AppliesTheCutsOfOthers) {
   begin(GetParam());
   delay = 30;
   for (int n = 0; n < 500; ++n) {
-    hand(winding(n));
+    send(winding(n));
     other({10 - 0.04 * n, 12 * std::sin(0.03 * n), -5});
   }
   arrive_all();
   expect_equal_near(winding(499));
 }
 
-TEST_P(ReplicaRoom, ComesIntoABlockThatWasCarvedBefore) {
+TEST_P(ReplicaTest, StartsWithAPreviouslyCarvedBlock) {
   begin(GetParam());
   for (int n = 0; n < 300; ++n) other(winding(n) - Vec3{0, 0, 3});
   for (int n = 0; n < 300; ++n) {
-    const auto mine = hand(winding(n));
-    if (mine) {
-      EXPECT_EQ(mine->force_n, theirs_.force_n) << n;
+    const auto local = send(winding(n));
+    if (local) {
+      EXPECT_EQ(local->force_n, remote_.force_n) << n;
     }
   }
   arrive_all();
   expect_equal_near(winding(299));
 }
 
-TEST_P(ReplicaRoom, KeepsItsOwnCutsAfterAReset) {
+TEST_P(ReplicaTest, KeepsItsOwnCutsAfterAReset) {
   begin(GetParam());
   delay = 50;
-  for (int n = 0; n < 200; ++n) hand(winding(n));
+  for (int n = 0; n < 200; ++n) send(winding(n));
   other(winding(400));
   other(winding(405));
-  session_->reset_stock(hand_);
-  for (int n = 200; n < 300; ++n) hand(winding(n));
+  session_->reset_stock(self_);
+  for (int n = 200; n < 300; ++n) send(winding(n));
   arrive_all();
-  EXPECT_LT(copy_->agreement().error(), 0.05);
+  EXPECT_LT(replica_->agreement().error(), 0.05);
   expect_equal_near(winding(299));
 }
 
-TEST_P(ReplicaRoom, AMotionThatNobodyTakesIsInNeitherBlock) {
+TEST_P(ReplicaTest, MotionRejectedByBothChangesNeitherBlock) {
   begin(GetParam());
-  hand({-20, 0, -4});
-  hand({20, 0, -4});  // 40 m/s
-  for (int n = 0; n < 50; ++n) hand({20 - 0.1 * n, 0, -4});
+  send({-20, 0, -4});
+  send({20, 0, -4});  // 40 m/s
+  for (int n = 0; n < 50; ++n) send({20 - 0.1 * n, 0, -4});
   arrive_all();
   expect_equal_near({15, 0, -4});
 }
 
-TEST_P(ReplicaRoom, AMotionThatTheServerAloneRejectsIsHealed) {
+TEST_P(ReplicaTest, MotionRejectedByTheServerOnlyIsRepaired) {
   samples_most = 20;
   begin(GetParam());
-  for (int n = 0; n < 40; ++n) hand({-10 + 0.5 * n, 0, -4});  // the last ones are too many
-  EXPECT_TRUE(theirs_.status & wire::kStatusRejected);
-  while ((theirs_.status & wire::kStatusRejected) != 0) {
+  for (int n = 0; n < 40; ++n) send({-10 + 0.5 * n, 0, -4});  // the last ones exceed the rate limit
+  EXPECT_TRUE(remote_.status & wire::kStatusRejected);
+  while ((remote_.status & wire::kStatusRejected) != 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    hand({9.5, 0, -4});
+    send({9.5, 0, -4});
   }
   arrive_all();
   expect_equal_near({9.5, 0, -4});
 }
 
-TEST_P(ReplicaRoom, TilesKnownBeforeAResetAreSentAgain) {
+TEST_P(ReplicaTest, TilesKnownBeforeAResetAreSentAgain) {
   begin(GetParam());
-  for (int n = 0; n < 20; ++n) hand({-20, -20, -1}, {0, 0, 1}, 1, 0);
-  ASSERT_TRUE(hand({-20, -20, -1}, {0, 0, 1}, 1, 0));
-  for (int n = 0; n < 20; ++n) hand({24, 24, -1}, {0, 0, 1}, 1, 0);
-  session_->reset_stock(hand_);
-  hand({24, 24, -1}, {0, 0, 1}, 1, 0);
-  EXPECT_TRUE(hand({24, 24, -1}, {0, 0, 1}, 1, 0));
+  for (int n = 0; n < 20; ++n) send({-20, -20, -1}, {0, 0, 1}, 1, 0);
+  ASSERT_TRUE(send({-20, -20, -1}, {0, 0, 1}, 1, 0));
+  for (int n = 0; n < 20; ++n) send({24, 24, -1}, {0, 0, 1}, 1, 0);
+  session_->reset_stock(self_);
+  send({24, 24, -1}, {0, 0, 1}, 1, 0);
+  EXPECT_TRUE(send({24, 24, -1}, {0, 0, 1}, 1, 0));
   delay = 5;
-  EXPECT_FALSE(hand({-20, -20, -1}, {0, 0, 1}, 1, 0));
+  EXPECT_FALSE(send({-20, -20, -1}, {0, 0, 1}, 1, 0));
   arrive_all();
-  EXPECT_TRUE(hand({-20, -20, -1}, {0, 0, 1}, 1, 0));
+  EXPECT_TRUE(send({-20, -20, -1}, {0, 0, 1}, 1, 0));
 }
 
-TEST_P(ReplicaRoom, FeelsTheStockWhereItsToolDoesNotCut) {
+TEST_P(ReplicaTest, RendersContactOfANonCuttingTool) {
   begin(GetParam());
-  for (int n = 0; n < 40; ++n) hand({0, 0, 6 - 0.1 * n}, {0, 0, 1}, 1, 0);
+  for (int n = 0; n < 40; ++n) send({0, 0, 6 - 0.1 * n}, {0, 0, 1}, 1, 0);
   int touched = 0;
   for (int n = 0; n < 40; ++n) {
-    const auto mine = hand({0, 0, 1 - 0.1 * n}, {0, 0, 1}, 1, 0);
-    ASSERT_TRUE(mine);
-    EXPECT_EQ(mine->plane_count, theirs_.plane_count);
-    EXPECT_EQ(mine->force_n, theirs_.force_n);
-    touched += mine->force_n.z > 0;
+    const auto local = send({0, 0, 1 - 0.1 * n}, {0, 0, 1}, 1, 0);
+    ASSERT_TRUE(local);
+    EXPECT_EQ(local->plane_count, remote_.plane_count);
+    EXPECT_EQ(local->force_n, remote_.force_n);
+    touched += local->force_n.z > 0;
   }
   EXPECT_GT(touched, 20);
 }
 
-TEST_P(ReplicaRoom, FeelsAShankAgainstAWall) {
+TEST_P(ReplicaTest, RendersContactOfTheShank) {
   begin(GetParam());
   for (int n = 0; n < 400; ++n) {
-    const auto mine = hand({-34 + 0.1 * n, 0, -19}, {0, 0, 1}, 2);
-    if (!mine) continue;
-    EXPECT_EQ(mine->plane_count, theirs_.plane_count) << n;
-    EXPECT_EQ(mine->collision_force_n, theirs_.collision_force_n) << n;
+    const auto local = send({-34 + 0.1 * n, 0, -19}, {0, 0, 1}, 2);
+    if (!local) continue;
+    EXPECT_EQ(local->plane_count, remote_.plane_count) << n;
+    EXPECT_EQ(local->collision_force_n, remote_.collision_force_n) << n;
   }
 }
 
-TEST_P(ReplicaRoom, OnlyPatchesThatWereSentAreAcknowledged) {
+TEST_P(ReplicaTest, AcknowledgementsOfUnsentPatchesAreRejected) {
   begin(GetParam());
   EXPECT_EQ(session_->ack_stock(other_, 1).error().code, wire::ErrorCode::kBadMessage);
-  EXPECT_EQ(session_->ack_stock(hand_, 1).error().code, wire::ErrorCode::kBadSequence);
-  EXPECT_FALSE(session_->stock_update(other_)) << "who keeps no copy is told nothing";
-  hand({0, 0, 2});
-  EXPECT_TRUE(session_->ack_stock(hand_, 1));
+  EXPECT_EQ(session_->ack_stock(self_, 1).error().code, wire::ErrorCode::kBadSequence);
+  EXPECT_FALSE(session_->stock_update(other_)) << "no updates without a replica";
+  send({0, 0, 2});
+  EXPECT_TRUE(session_->ack_stock(self_, 1));
 }
 
-INSTANTIATE_TEST_SUITE_P(Rays, ReplicaRoom, testing::Values("dexel", "tri-dexel"));
+INSTANTIATE_TEST_SUITE_P(Rays, ReplicaTest, testing::Values("dexel", "tri-dexel"));
 
-TEST_F(SessionTest, ACopyAnswersNothingWhereItKnowsNothing) {
+TEST_F(SessionTest, ReplicaDoesNotAnswerWhereTilesAreUnknown) {
   const auto session = start();
   auto source = BlockSource::read(welcome_of(session->scene()));
   ASSERT_TRUE(source);
-  Replica copy(*std::move(source));
-  EXPECT_FALSE(copy.move(next(0, 0, -1)));
-  EXPECT_FALSE(copy.move(next(0.1, 0, -1)));
-  EXPECT_EQ(copy.tiles_known(), 0U);
+  Replica replica(*std::move(source));
+  EXPECT_FALSE(replica.move(next(0, 0, -1)));
+  EXPECT_FALSE(replica.move(next(0.1, 0, -1)));
+  EXPECT_EQ(replica.tiles_known(), 0U);
   Replica beside(*BlockSource::read(welcome_of(session->scene())));
-  EXPECT_TRUE(beside.move(next(60, 0, -1))) << "beside the block there is nothing to know";
+  EXPECT_TRUE(beside.move(next(60, 0, -1))) << "no tiles are needed outside the block";
 }
 
-TEST_F(SessionTest, ACopyTakesNothingThatIsNoTile) {
+TEST_F(SessionTest, ReplicaRejectsInvalidTiles) {
   const auto session = start();
-  Replica copy(*BlockSource::read(welcome_of(session->scene())));
+  Replica replica(*BlockSource::read(welcome_of(session->scene())));
   const std::uint64_t before = SolidSnapshot(session->solid()).hash();
   const std::array<std::byte, 1> garbage{std::byte{3}};
   wire::StockPatch patch;
   patch.tiles = {{2, 1, 1, garbage}};
-  EXPECT_FALSE(copy.take(patch));
+  EXPECT_FALSE(replica.take(patch));
   for (const wire::StockTile& tile :
        {wire::StockTile{2, 99, 0, {}}, wire::StockTile{2, 0xFFFFFFFF, 0, {}},
         wire::StockTile{0, 0, 0, {}}}) {
     patch.tiles = {tile};
-    EXPECT_FALSE(copy.take(patch));
+    EXPECT_FALSE(replica.take(patch));
   }
-  EXPECT_EQ(copy.tiles_known(), 0U);
-  EXPECT_EQ(copy.block().field(RayAxis::kZ)->find({1, 1}), nullptr);
+  EXPECT_EQ(replica.tiles_known(), 0U);
+  EXPECT_EQ(replica.block().field(RayAxis::kZ)->find({1, 1}), nullptr);
   EXPECT_EQ(SolidSnapshot(session->solid()).hash(), before);
 }
 
-TEST_F(SessionTest, NoCopyIsMadeOfAWelcomeThatSaysTooLittle) {
+TEST_F(SessionTest, IncompleteWelcomeIsRejected) {
   const auto session = start();
   EXPECT_FALSE(BlockSource::read("{}"));
   EXPECT_FALSE(BlockSource::read("not json"));
@@ -337,40 +337,40 @@ TEST_F(SessionTest, NoCopyIsMadeOfAWelcomeThatSaysTooLittle) {
   EXPECT_NE(source.error().find("spoon"), std::string::npos) << source.error();
 }
 
-TEST(Agreement, DoubtsACopyThatStaysWrong) {
+TEST(Agreement, ReportsAPersistentDifference) {
   Agreement agreement;
-  wire::Result mine, theirs;
-  const auto say = [&](float my_n, float their_n, int times) {
+  wire::Result local, remote;
+  const auto answer = [&](float local_n, float remote_n, int times) {
     for (int n = 0; n < times; ++n) {
-      mine.agent_time_us = theirs.agent_time_us = mine.agent_time_us + 1000;
-      mine.force_n = {my_n, 0, 0};
-      theirs.force_n = {their_n, 0, 0};
-      agreement.note(mine);
-      agreement.compare(theirs);
+      local.agent_time_us = remote.agent_time_us = local.agent_time_us + 1000;
+      local.force_n = {local_n, 0, 0};
+      remote.force_n = {remote_n, 0, 0};
+      agreement.note(local);
+      agreement.compare(remote);
     }
   };
-  say(1.0F, 1.1F, 3000);
-  EXPECT_FALSE(agreement.take_doubt());
-  say(0.0F, 1.0F, 900);  // what somebody else has cut is news for a while
-  say(1.0F, 1.0F, 100);
-  EXPECT_TRUE(agreement.take_doubt());
-  EXPECT_FALSE(agreement.take_doubt()) << "once";
-  say(0.03F, 0.0F, 2000);
-  EXPECT_FALSE(agreement.take_doubt()) << "too little to matter";
+  answer(1.0F, 1.1F, 3000);
+  EXPECT_FALSE(agreement.take_divergence());
+  answer(0.0F, 1.0F, 900);  // other agents' cuts arrive with delay
+  answer(1.0F, 1.0F, 100);
+  EXPECT_TRUE(agreement.take_divergence());
+  EXPECT_FALSE(agreement.take_divergence()) << "once";
+  answer(0.03F, 0.0F, 2000);
+  EXPECT_FALSE(agreement.take_divergence()) << "below the threshold";
 }
 
-TEST(Agreement, ComparesWhatAnswersTheSameSample) {
+TEST(Agreement, ComparesAnswersToTheSameSample) {
   Agreement agreement;
   for (std::uint64_t n = 1; n <= 5000; ++n) {
-    wire::Result mine;
-    mine.agent_time_us = 1000 * n;
-    mine.force_n = {static_cast<float>(n), 0, 0};
-    agreement.note(mine);
+    wire::Result local;
+    local.agent_time_us = 1000 * n;
+    local.force_n = {static_cast<float>(n), 0, 0};
+    agreement.note(local);
     if (n <= 1000) continue;
-    wire::Result theirs;  // a second late
-    theirs.agent_time_us = 1000 * (n - 1000);
-    theirs.force_n = {static_cast<float>(n - 1000), 0, 0};
-    agreement.compare(theirs);
+    wire::Result remote;  // a second late
+    remote.agent_time_us = 1000 * (n - 1000);
+    remote.force_n = {static_cast<float>(n - 1000), 0, 0};
+    agreement.compare(remote);
   }
   EXPECT_EQ(agreement.compared(), 4000U);
   EXPECT_EQ(agreement.error(), 0);

@@ -10,8 +10,8 @@
 
 namespace kerf::agent {
 
-/// A device of 0.1 kg held by a hand, a network that sends whatever does most harm, and the account
-/// between them, in steps of a millisecond.
+/// Simulation of a device of 0.1 kg held by a human hand, a network that sends adversarial
+/// wrenches, and the output stage between them, in steps of 1 ms.
 template <typename Deficit>
 class Adversary {
  public:
@@ -24,17 +24,17 @@ class Adversary {
     strong_ = uniform(2, 30);
   }
 
-  /// The most energy that was given to the hand over any interval, mJ, as the encoders saw it.
+  /// Returns the maximum work done on the hand over any interval, mJ, as measured by the encoders.
   double run(int ticks) {
     for (int tick = 0; tick < ticks; ++tick) step(tick * kTickS);
     return stage_.passivity().account().most_returned_mj();
   }
-  /// The wrench never left its limits and was always a number.
+  /// The wrench was always finite and within its limits.
   bool kept_limits() const { return kept_limits_; }
 
  private:
   static constexpr double kTickS = 0.001;
-  static constexpr double kMassKg = 0.1, kInertiaKgMm2 = 100;  // a pen of 30 mm radius of gyration
+  static constexpr double kMassKg = 0.1, kInertiaKgMm2 = 100;  // radius of gyration 30 mm
 
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
@@ -43,53 +43,53 @@ class Adversary {
     return {uniform(-most, most), uniform(-most, most), uniform(-most, most)};
   }
 
-  Wrench asked(double time_s, const Twist& v) {
-    if (ticks_since_ == 0) whim_ = {any(strong_), any(strong_ * 20)};
+  Wrench request(double time_s, const Twist& v) {
+    if (ticks_since_ == 0) random_wrench_ = {any(strong_), any(strong_ * 20)};
     ticks_since_ = (ticks_since_ + 1) % 7;
     const double speed = std::max(1e-9, length(v.linear)),
                  turning = std::max(1e-9, length(v.angular));
     const double wave = std::sin(2 * std::numbers::pi * 3 * time_s);
     switch (kind_) {
       case 0:
-        return whim_;
-      case 1:  // pushes along with whatever the hand does
+        return random_wrench_;
+      case 1:  // pushes in the direction of motion
         return {v.linear * (strong_ / speed), v.angular * (20 * strong_ / turning)};
       case 2:
         return {Vec3{strong_ * wave, 0, 0}, Vec3{0, strong_ * 20 * wave, 0}};
-      case 3:  // a damper whose answer is late
+      case 3:  // a damper with delay
         late_ = late_ * 0.97 + v * 0.03;
         return {late_.linear * -0.5, late_.angular * -500};
-      case 4:  // dissipates for a while, then gives all back
+      case 4:  // dissipates for a while, then drives
         return time_s - std::floor(time_s / 0.3) * 0.3 < 0.2
                    ? Wrench{v.linear * -0.02, v.angular * -20}
                    : Wrench{v.linear * 10, v.angular * 10'000};
-      default:  // turns on its heel each tick
-        return whim_ * (static_cast<int>(time_s * 1000) % 2 == 0 ? 1 : -1);
+      default:  // reverses in each tick
+        return random_wrench_ * (static_cast<int>(time_s * 1000) % 2 == 0 ? 1 : -1);
     }
   }
 
-  Hold measured() const {
+  Grip measured() const {
     const auto snap = [q = quantum_mm_](double x) { return q > 0 ? std::round(x / q) * q : x; };
     return {{snap(at_.pivot_mm.x), snap(at_.pivot_mm.y), snap(at_.pivot_mm.z)}, at_.axis};
   }
 
   void step(double time_s) {
-    const Hold seen = measured();
+    const Grip seen = measured();
     const Twist moved = between(seen_, seen);
     seen_ = seen;
     stage_.settle(moved);
     const Twist velocity = estimate_.take(moved, kTickS);
-    const Wrench shown = stage_.release(asked(time_s, velocity), velocity, kTickS);
-    kept_limits_ = kept_limits_ && is_finite(shown) && length(shown.force_n) <= 8 * (1 + 1e-12) &&
-                   length(shown.torque_nmm) <= 150 * (1 + 1e-12);
+    const Wrench output = stage_.release(request(time_s, velocity), velocity, kTickS);
+    kept_limits_ = kept_limits_ && is_finite(output) && length(output.force_n) <= 8 * (1 + 1e-12) &&
+                   length(output.torque_nmm) <= 150 * (1 + 1e-12);
     if (static_cast<int>(uniform(0, 150)) == 0) jerk_ = any(uniform(0, 20));
     const double swing = hand_mm_ * std::sin(2 * std::numbers::pi * hand_hz_ * time_s);
     const Vec3 goal{swing, swing / 3, -swing / 2};
     jerk_ = jerk_ * 0.95;
     const Vec3 hand = (goal - at_.pivot_mm) * hand_n_per_mm_ - v_.linear * hand_n_s_per_mm_ + jerk_;
-    v_.linear = v_.linear + (shown.force_n + hand) * (1000 / kMassKg * kTickS);
+    v_.linear = v_.linear + (output.force_n + hand) * (1000 / kMassKg * kTickS);
     v_.angular = v_.angular +
-                 (shown.torque_nmm + jerk_ * 5 - v_.angular * 2) * (1000 / kInertiaKgMm2 * kTickS);
+                 (output.torque_nmm + jerk_ * 5 - v_.angular * 2) * (1000 / kInertiaKgMm2 * kTickS);
     v_.angular = v_.angular - at_.axis * dot(at_.axis, v_.angular);
     at_.pivot_mm = at_.pivot_mm + v_.linear * kTickS;
     at_.axis = normalized(rotated(at_.axis, v_.angular * kTickS));
@@ -101,15 +101,15 @@ class Adversary {
   double hand_n_per_mm_, hand_n_s_per_mm_, hand_hz_, hand_mm_, strong_;
   BasicOutputStage<Deficit> stage_{PassivitySettings{}, WrenchLimits{}};
   VelocityEstimator estimate_{100};
-  Hold at_, seen_;
+  Grip at_, seen_;
   Twist v_, late_;
-  Wrench whim_;
+  Wrench random_wrench_;
   Vec3 jerk_;
   int ticks_since_ = 0;
   bool kept_limits_ = true;
 };
 
-/// What so many traces have shown at worst.
+/// Worst result of several traces.
 struct WorstReturn {
   double returned_mj = 0;
   std::uint32_t seed = 0;
@@ -131,7 +131,7 @@ WorstReturn worst_return(std::uint32_t first_seed, std::uint32_t traces, int tic
   return worst;
 }
 
-/// What must not be done: a deficit is forgiven.
+/// Invalid policy, for comparison: forgives a deficit.
 struct ForgiveDeficit {
   static double keep(double level_mj) { return std::max(level_mj, 0.0); }
 };

@@ -12,72 +12,72 @@ namespace {
 constexpr double kDt = 0.001;
 constexpr double kPivotMm = 50;
 
-PastHold next(const PastHold& before, Vec3 moved_mm, double dt_s = kDt) {
-  PastHold now = before;
+PastGrip next(const PastGrip& before, Vec3 moved_mm, double dt_s = kDt) {
+  PastGrip now = before;
   now.time_us += 1000;
-  now.hold.pivot_mm = before.hold.pivot_mm + moved_mm;
+  now.grip.pivot_mm = before.grip.pivot_mm + moved_mm;
   now.velocity = {moved_mm * (1 / dt_s), {}};
-  now.way_mm += length(moved_mm);
+  now.path_mm += length(moved_mm);
   now.heading = LocalModel::heading(before.heading, moved_mm);
   return now;
 }
 
-PastHold start() {
-  PastHold hold;
-  hold.time_us = 1'000'000;
-  hold.hold.pivot_mm = {0, 0, kPivotMm};
-  return hold;
+PastGrip start() {
+  PastGrip past;
+  past.time_us = 1'000'000;
+  past.grip.pivot_mm = {0, 0, kPivotMm};
+  return past;
 }
 
-/// The cut of a tool that goes along +x with so many newtons against it, at its tip.
-ServerWrench cut_of(const PastHold& then, double newtons) {
+/// Answer for a cut along +x with a force of `newtons` against it at the tip.
+ServerWrench cut_of(const PastGrip& then, double newtons) {
   ServerWrench answer;
   const Vec3 arm{0, 0, -kPivotMm};
   answer.wrench = {{-newtons, 0, 0}, cross(arm, Vec3{-newtons, 0, 0})};
   answer.pose_us = then.time_us;
   answer.engaged_area_mm2 = 2;
-  answer.cut_centre_mm = then.hold.pivot_mm + arm;
+  answer.cut_centre_mm = then.grip.pivot_mm + arm;
   return answer;
 }
 
-PastHold run_along_x(PastHold hold, int ticks, double step_mm = 0.05) {
-  for (int i = 0; i < ticks; ++i) hold = next(hold, {step_mm, 0, 0});
-  return hold;
+PastGrip move_along_x(PastGrip past, int ticks, double step_mm = 0.05) {
+  for (int i = 0; i < ticks; ++i) past = next(past, {step_mm, 0, 0});
+  return past;
 }
 
-TEST(LocalModel, GivesBackAnAnswerThatIsNotLate) {
+TEST(LocalModel, ReproducesAnAnswerWithoutDelay) {
   LocalModel model({});
-  const PastHold now = run_along_x(start(), 200);
+  const PastGrip now = move_along_x(start(), 200);
   const ServerWrench answer = cut_of(now, 3);
   model.take(answer, now, now);
-  const Wrench shown = model.at(now, true, kDt);
-  EXPECT_NEAR(shown.force_n.x, -3, 1e-9);
-  EXPECT_NEAR(shown.torque_nmm.y, answer.wrench.torque_nmm.y, 1e-6);
-  EXPECT_EQ(model.at(now, false, kDt), Wrench{}) << "who does not ask to cut feels no cut";
+  const Wrench output = model.at(now, true, kDt);
+  EXPECT_NEAR(output.force_n.x, -3, 1e-9);
+  EXPECT_NEAR(output.torque_nmm.y, answer.wrench.torque_nmm.y, 1e-6);
+  EXPECT_EQ(model.at(now, false, kDt), Wrench{}) << "no cutting force without the cutting button";
 }
 
-TEST(LocalModel, FollowsARisingCutAlongItsWayThoughAnswersAreLate) {
+TEST(LocalModel, ExtrapolatesARisingForceFromDelayedAnswers) {
   LocalModel model({});
-  PastHold holds[300];
-  holds[0] = start();
-  for (int i = 1; i < 300; ++i) holds[i] = next(holds[i - 1], {0.05, 0, 0});
-  const auto newtons = [&](int i) { return 1 + 0.2 * holds[i].way_mm; };
+  PastGrip path[300];
+  path[0] = start();
+  for (int i = 1; i < 300; ++i) path[i] = next(path[i - 1], {0.05, 0, 0});
+  const auto newtons = [&](int i) { return 1 + 0.2 * path[i].path_mm; };
   constexpr int kLate = 50;
   double worst = 0, held = 0;
   for (int i = 100; i < 300; ++i) {
-    model.take(cut_of(holds[i - kLate], newtons(i - kLate)), holds[i - kLate], holds[i]);
-    const double shown = -model.at(holds[i], true, kDt).force_n.x;
+    model.take(cut_of(path[i - kLate], newtons(i - kLate)), path[i - kLate], path[i]);
+    const double output = -model.at(path[i], true, kDt).force_n.x;
     if (i < 150) continue;
-    worst = std::max(worst, std::abs(shown - newtons(i)));
+    worst = std::max(worst, std::abs(output - newtons(i)));
     held = std::max(held, std::abs(newtons(i - kLate) - newtons(i)));
   }
   EXPECT_LT(worst, 0.01);
-  EXPECT_GT(held, 0.4) << "what holding the answer would err";
+  EXPECT_GT(held, 0.4) << "error if the answer were held";
 }
 
-TEST(LocalModel, TurnsTheForceWithTheHand) {
+TEST(LocalModel, ForceTurnsWithTheDirectionOfTravel) {
   LocalModel model({});
-  PastHold now = run_along_x(start(), 200);
+  PastGrip now = move_along_x(start(), 200);
   model.take(cut_of(now, 3), now, now);
   const double half = std::sqrt(0.5);
   for (int i = 0; i < 200; ++i) now = next(now, {0.05 * half, 0.05 * half, 0});
@@ -86,9 +86,9 @@ TEST(LocalModel, TurnsTheForceWithTheHand) {
   EXPECT_NEAR(force.y, -3 * half, 0.02);
 }
 
-TEST(LocalModel, WhoTurnsBackIsNotPushedOn) {
+TEST(LocalModel, ForceFadesOnReversal) {
   LocalModel model({});
-  PastHold now = run_along_x(start(), 200);
+  PastGrip now = move_along_x(start(), 200);
   model.take(cut_of(now, 3), now, now);
   double before = model.at(now, true, kDt).force_n.x;
   for (int i = 0; i < 100; ++i) {
@@ -100,9 +100,9 @@ TEST(LocalModel, WhoTurnsBackIsNotPushedOn) {
   EXPECT_NEAR(before, 0, 1e-9);
 }
 
-TEST(LocalModel, TheRemovalRateLawIsADamperWithinWhatTheDeviceShows) {
+TEST(LocalModel, RemovalRateLawIsADamperWithinTheDeviceLimit) {
   LocalModel model({.law = CutLaw::kRemovalRate, .damping_most = 0.04});
-  PastHold now = run_along_x(start(), 200);
+  PastGrip now = move_along_x(start(), 200);
   model.take(cut_of(now, 1.5), now, now);  // 50 mm/s: 0.03 N s/mm
   EXPECT_NEAR(model.at(now, true, kDt).force_n.x, -1.5, 1e-9);
   now = next(now, {0.1, 0, 0});
@@ -112,20 +112,20 @@ TEST(LocalModel, TheRemovalRateLawIsADamperWithinWhatTheDeviceShows) {
   EXPECT_LE(std::abs(model.at(now, true, kDt).force_n.x), 0.04 * 50 + 1e-9);
 }
 
-TEST(LocalModel, ATorqueThatTheCentreDoesNotExplainIsKept) {
+TEST(LocalModel, TorqueNotDueToTheCutCenterIsKept) {
   LocalModel model({});
-  const PastHold now = run_along_x(start(), 200);
+  const PastGrip now = move_along_x(start(), 200);
   ServerWrench answer = cut_of(now, 3);
   answer.wrench.torque_nmm = answer.wrench.torque_nmm + Vec3{7, 0, 0};
   model.take(answer, now, now);
   EXPECT_NEAR(model.at(now, true, kDt).torque_nmm.x, 7, 1e-9);
 }
 
-ServerWrench wall_at(const PastHold& then, double depth_mm, double stiffness = 1) {
+ServerWrench wall_at(const PastGrip& then, double depth_mm, double stiffness = 1) {
   ServerWrench answer;
   answer.pose_us = then.time_us;
   answer.plane_count = 1;
-  answer.planes[0] = {.point_mm = {then.hold.pivot_mm.x, 0, 0},
+  answer.planes[0] = {.point_mm = {then.grip.pivot_mm.x, 0, 0},
                       .normal = {-1, 0, 0},
                       .depth_mm = static_cast<float>(depth_mm),
                       .stiffness_n_per_mm = static_cast<float>(stiffness),
@@ -136,52 +136,53 @@ ServerWrench wall_at(const PastHold& then, double depth_mm, double stiffness = 1
   return answer;
 }
 
-TEST(ContactModel, IsAWallThatWasKnownBeforeItWasTouched) {
+TEST(ContactModel, RendersAPlaneThatWasKnownBeforeContact) {
   ContactModel contact(2);
-  PastHold now = start();
-  contact.take(wall_at(now, -1), now.hold, now.hold);
-  EXPECT_EQ(contact.at(now.hold, kDt), Wrench{});
+  PastGrip now = start();
+  contact.take(wall_at(now, -1), now.grip, now.grip);
+  EXPECT_EQ(contact.at(now.grip, kDt), Wrench{});
   now = next(now, {1.5, 0, 0});
-  const Wrench shown = contact.at(now.hold, kDt);
-  EXPECT_NEAR(shown.force_n.x, -0.5, 1e-6);
-  EXPECT_NEAR(shown.torque_nmm.y, kPivotMm * 0.5, 1e-4);
+  const Wrench output = contact.at(now.grip, kDt);
+  EXPECT_NEAR(output.force_n.x, -0.5, 1e-6);
+  EXPECT_NEAR(output.torque_nmm.y, kPivotMm * 0.5, 1e-4);
 }
 
-TEST(ContactModel, IsNeverStifferThanTheDeviceShows) {
+TEST(ContactModel, StiffnessIsLimitedByTheDevice) {
   ContactModel contact(2);
-  PastHold now = start();
-  contact.take(wall_at(now, 0, 50), now.hold, now.hold);
+  PastGrip now = start();
+  contact.take(wall_at(now, 0, 50), now.grip, now.grip);
   now = next(now, {0.5, 0, 0});
-  EXPECT_NEAR(contact.at(now.hold, kDt).force_n.x, -1, 1e-6);
+  EXPECT_NEAR(contact.at(now.grip, kDt).force_n.x, -1, 1e-6);
 }
 
-TEST(ContactModel, ANewPlaneFadesInWithoutAStep) {
+TEST(ContactModel, NewPlaneFadesInWithoutAStep) {
   ContactModel contact(2);
-  const PastHold now = start();
-  contact.take(wall_at(now, 2), now.hold, now.hold);
-  EXPECT_EQ(contact.at(now.hold, 0), Wrench{});
+  const PastGrip now = start();
+  contact.take(wall_at(now, 2), now.grip, now.grip);
+  EXPECT_EQ(contact.at(now.grip, 0), Wrench{});
   double before = 0, most = 0;
   for (int i = 0; i < 200; ++i) {
-    const double force = -contact.at(now.hold, kDt).force_n.x;
+    const double force = -contact.at(now.grip, kDt).force_n.x;
     most = std::max(most, force - before);
     before = force;
   }
   EXPECT_LT(most, 0.15);
   EXPECT_NEAR(before, 2, 1e-3);
-  contact.take(ServerWrench{}, now.hold, now.hold);
-  EXPECT_NEAR(contact.at(now.hold, 0).force_n.x, -2, 1e-3) << "nor does one that goes make a step";
+  contact.take(ServerWrench{}, now.grip, now.grip);
+  EXPECT_NEAR(contact.at(now.grip, 0).force_n.x, -2, 1e-3)
+      << "a removed plane fades out without a step";
 }
 
-TEST(ContactModel, LetsGoBeyondItsRadius) {
+TEST(ContactModel, ForceEndsBeyondThePlanesRadius) {
   ContactModel contact(2);
-  PastHold now = start();
-  contact.take(wall_at(now, 0), now.hold, now.hold);
+  PastGrip now = start();
+  contact.take(wall_at(now, 0), now.grip, now.grip);
   now = next(now, {11, 0, 0});
-  EXPECT_EQ(contact.at(now.hold, kDt), Wrench{});
+  EXPECT_EQ(contact.at(now.grip, kDt), Wrench{});
 }
 
-TEST(HoldHistory, FindsTheHoldOfAnAnswer) {
-  HoldHistory history;
+TEST(GripHistory, FindsTheGripOfAnAnswer) {
+  GripHistory history;
   EXPECT_EQ(history.at(5), nullptr);
   for (std::uint64_t i = 1; i <= 3000; ++i) history.push({.time_us = 1000 * i});
   ASSERT_NE(history.at(2'900'500), nullptr);

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::uint64_t kMs = 1'000'000;
 
-/// Time that passes only where the test says so.
-class FakeClock final : public ServoClock {
+/// Simulated clock.
+class FakeClock final : public Clock {
  public:
   std::uint64_t now_ns() noexcept override { return now_ns_; }
   void sleep_until_ns(std::uint64_t time_ns) noexcept override {
@@ -23,7 +23,7 @@ class FakeClock final : public ServoClock {
     ++wake_;
   }
   void pass(std::uint64_t ns) { now_ns_ += ns; }
-  /// How late each wake-up comes.
+  /// Lateness of each wake-up.
   std::vector<std::uint64_t> lateness_ns_;
 
  private:
@@ -61,7 +61,7 @@ TEST(ServoLoop, TicksEveryMillisecondWithoutDrift) {
   EXPECT_EQ(loop.stats().longest_tick_us, 300U);
 }
 
-TEST(ServoLoop, CountsLateAndLostTicksAndKeepsItsBeat) {
+TEST(ServoLoop, CountsLateAndLostTicksAndStaysInPhase) {
   FakeClock clock;
   clock.lateness_ns_ = {0, 400'000, 0, 5 * kMs + 100'000, 0};
   ServoLoop loop(clock);
@@ -76,7 +76,7 @@ TEST(ServoLoop, CountsLateAndLostTicksAndKeepsItsBeat) {
   EXPECT_EQ(loop.stats().wake_us.max_us(), 5100U);
 }
 
-TEST(ServoLoop, ATickThatTakesTooLongLosesTheOnesItOverran) {
+TEST(ServoLoop, OverlongTickLosesTheOverrunTicks) {
   FakeClock clock;
   ServoLoop loop(clock);
   Task task([&](std::uint64_t) {
@@ -88,7 +88,7 @@ TEST(ServoLoop, ATickThatTakesTooLongLosesTheOnesItOverran) {
   EXPECT_EQ(loop.stats().lost, 2U);
 }
 
-TEST(ServoLoop, StopsWhenToldTo) {
+TEST(ServoLoop, StopsOnRequest) {
   FakeClock clock;
   ServoLoop loop(clock);
   Task task([&](std::uint64_t) {
@@ -99,7 +99,7 @@ TEST(ServoLoop, StopsWhenToldTo) {
   EXPECT_EQ(loop.stats().ticks, 7U);
 }
 
-TEST(ServoLoop, ShowsItsHeartbeatAndTheLongestLoss) {
+TEST(ServoLoop, ReportsHeartbeatAndLongestLoss) {
   FakeClock clock;
   clock.lateness_ns_ = {0, 2 * kMs + 1000, 0, 3 * kMs + 1000};
   ServoLoop loop(clock);
@@ -120,13 +120,13 @@ class FakeDevice final : public HapticDevice {
     state.time_us = now_us;
     return state;
   }
-  void write(const Wrench& wrench) noexcept override { shown = wrench; }
-  void stop() noexcept override { shown = {}; }
+  void write(const Wrench& wrench) noexcept override { output = wrench; }
+  void stop() noexcept override { output = {}; }
   DeviceState state{.valid = true, .phase = DevicePhase::kReady};
-  Wrench shown;
+  Wrench output;
 };
 
-TEST(SettingsFor, TakeEachLimitFromWhatTheDeviceSaysOfItself) {
+TEST(SettingsFor, TakesLimitsFromTheDeviceCapabilities) {
   const ServoSettings settings = settings_for({.max_force_n = 10,
                                                .max_torque_nmm = 200,
                                                .continuous_force_n = 3,
@@ -143,7 +143,7 @@ TEST(SettingsFor, TakeEachLimitFromWhatTheDeviceSaysOfItself) {
   EXPECT_EQ(settings.safety.workspace_min_mm, (Vec3{-1, -2, -3}));
   EXPECT_EQ(settings.safety.workspace_max_mm, (Vec3{4, 5, 6}));
   EXPECT_TRUE(settings.safety.motors);
-  EXPECT_DOUBLE_EQ(settings.model.stiffness_most, 1) << "half of what is stable";
+  EXPECT_DOUBLE_EQ(settings.model.stiffness_most, 1) << "half of the stable stiffness";
   EXPECT_DOUBLE_EQ(settings.model.damping_most, 0.015);
   EXPECT_DOUBLE_EQ(settings.passivity.damping_most, 0.015);
 }
@@ -159,7 +159,7 @@ class ServoCycleTest : public ::testing::Test {
   ServoCycle make(ServoSettings settings = {.mode = ForceMode::kInterpolated}) {
     return {device, samples, wrenches, listener, settings};
   }
-  /// A tick of a hand that goes down at 50 mm/s, against a force upwards.
+  /// One tick of a device that moves down at 50 mm/s, against a force upwards.
   bool sink(ServoCycle& cycle, std::uint64_t now_us) {
     device.state.tip_mm.z -= 0.05;
     return cycle.tick(now_us);
@@ -177,7 +177,7 @@ class ServoCycleTest : public ::testing::Test {
   Listener listener;
 };
 
-TEST_F(ServoCycleTest, HandsEachPoseToTheLink) {
+TEST_F(ServoCycleTest, PassesEachPoseToTheLink) {
   ServoCycle cycle = make({.tool_id = 4});
   device.state.tip_mm = {1, 2, 3};
   device.state.buttons = wire::kButtonCutting;
@@ -191,37 +191,37 @@ TEST_F(ServoCycleTest, HandsEachPoseToTheLink) {
   EXPECT_EQ(sample.tool_id, 4U);
   EXPECT_EQ(sample.buttons, wire::kButtonCutting);
   ASSERT_TRUE(samples.pop(sample));
-  EXPECT_EQ(sample.tool_id, 9U) << "a program's own tool goes first";
+  EXPECT_EQ(sample.tool_id, 9U) << "the device's tool takes precedence";
   EXPECT_EQ(listener.calls, 2);
 }
 
-TEST_F(ServoCycleTest, ShowsTheServersForceAndFadesItWhenTheServerFallsSilent) {
+TEST_F(ServoCycleTest, RendersTheServersForceAndFadesItWhenTheServerIsSilent) {
   ServoCycle cycle = make();
   std::uint64_t now_us = 10'000;
   for (int i = 0; i < 200; ++i, now_us += 1000) {
     answer(2.0, now_us);
     sink(cycle, now_us);
   }
-  EXPECT_NEAR(device.shown.force_n.z, 2.0, 1e-12);
+  EXPECT_NEAR(device.output.force_n.z, 2.0, 1e-12);
   const std::uint64_t silent_from_us = now_us - 1000;
-  double last = device.shown.force_n.z;
+  double last = device.output.force_n.z;
   for (; now_us < silent_from_us + 200'000; now_us += 1000) {
     sink(cycle, now_us);
-    const double shown = device.shown.force_n.z;
-    EXPECT_LE(shown, last);
-    last = shown;
+    const double output = device.output.force_n.z;
+    EXPECT_LE(output, last);
+    last = output;
     if (now_us <= silent_from_us + 20'000) {
-      EXPECT_NEAR(shown, 2.0, 1e-12);
+      EXPECT_NEAR(output, 2.0, 1e-12);
     }
     if (now_us >= silent_from_us + 120'000) {
-      EXPECT_EQ(shown, 0.0);
+      EXPECT_EQ(output, 0.0);
     }
   }
   EXPECT_GT(cycle.report().decayed_ticks, 90U);
   EXPECT_NEAR(cycle.report().max_force_n, 2.0, 1e-12);
 }
 
-TEST_F(ServoCycleTest, ShowsWhatAnotherFeelsWithoutItsStepsAndFadesItToo) {
+TEST_F(ServoCycleTest, FollowedWrenchIsSmoothedAndFaded) {
   for (const ForceMode mode : {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold}) {
     ServoCycle cycle = make({.mode = mode});
     std::uint64_t now_us = 10'000;
@@ -230,20 +230,20 @@ TEST_F(ServoCycleTest, ShowsWhatAnotherFeelsWithoutItsStepsAndFadesItToo) {
         wrenches.write({.pose_us = now_us, .arrival_us = now_us, .felt = kUpwards});
         sink(cycle, now_us);
       }
-      return device.shown.force_n.z;
+      return device.output.force_n.z;
     };
     EXPECT_LT(feel(3), 0.6) << "the first tenth of a step";
     EXPECT_NEAR(feel(7), 2 * (1 - std::exp(-1.0)), 0.1) << "after its time constant";
     EXPECT_NEAR(feel(90), 2, 0.01);
     const std::uint64_t silent_from_us = now_us;
     for (; now_us < silent_from_us + 60'000; now_us += 1000) sink(cycle, now_us);
-    EXPECT_NEAR(device.shown.force_n.z, 2 * std::exp(-1.0), 0.1);
+    EXPECT_NEAR(device.output.force_n.z, 2 * std::exp(-1.0), 0.1);
     for (; now_us < silent_from_us + 121'000; now_us += 1000) sink(cycle, now_us);
-    EXPECT_EQ(device.shown, Wrench{});
+    EXPECT_EQ(device.output, Wrench{});
   }
 }
 
-TEST_F(ServoCycleTest, WhatAnotherFeelsIsGivenFromTheAccountOnly) {
+TEST_F(ServoCycleTest, FollowedWrenchIsLimitedByTheEnergyTank) {
   ServoCycle cycle = make({.mode = ForceMode::kModel});
   std::uint64_t now_us = 10'000;
   const auto rest = [&](double move_mm) {
@@ -252,16 +252,16 @@ TEST_F(ServoCycleTest, WhatAnotherFeelsIsGivenFromTheAccountOnly) {
       device.state.tip_mm.z += move_mm;
       cycle.tick(now_us);
     }
-    return device.shown.force_n.z;
+    return device.output.force_n.z;
   };
-  EXPECT_EQ(rest(0), 0) << "a hand that has given nothing is given nothing";
+  EXPECT_EQ(rest(0), 0) << "no force at rest while the tank is empty";
   rest(-0.05);
   EXPECT_NEAR(rest(0), 2, 0.01);
-  EXPECT_LT(rest(0.05), 0.1) << "the 18 mJ that the account holds are spent after 9 mm";
+  EXPECT_LT(rest(0.05), 0.1) << "the 18 mJ of the account are spent after 9 mm";
   EXPECT_LT(cycle.passivity().account().most_returned_mj(), 30);
 }
 
-TEST_F(ServoCycleTest, APoseThatIsNotFiniteIsNotSentAndGetsNoForce) {
+TEST_F(ServoCycleTest, InvalidPoseIsNotSentAndGivesNoForce) {
   ServoCycle cycle = make();
   std::uint64_t now_us = 10'000;
   for (int i = 0; i < 100; ++i, now_us += 1000) {
@@ -275,7 +275,7 @@ TEST_F(ServoCycleTest, APoseThatIsNotFiniteIsNotSentAndGetsNoForce) {
     answer(2.0, now_us);
     cycle.tick(now_us += 1000);
     EXPECT_FALSE(samples.pop(sample));
-    EXPECT_EQ(device.shown, Wrench{});
+    EXPECT_EQ(device.output, Wrench{});
   };
   device.state.tip_mm.y = std::numeric_limits<double>::quiet_NaN();
   expect_rejected();
@@ -289,7 +289,7 @@ TEST_F(ServoCycleTest, APoseThatIsNotFiniteIsNotSentAndGetsNoForce) {
   EXPECT_EQ(cycle.report().invalid_poses, 4U);
 }
 
-TEST_F(ServoCycleTest, LeavesNoForceBehindAtItsEnd) {
+TEST_F(ServoCycleTest, EndsWithZeroForce) {
   ServoCycle cycle = make({.duration_us = 50'000, .mode = ForceMode::kInterpolated});
   std::uint64_t now_us = 10'000;
   bool more = true;
@@ -299,18 +299,18 @@ TEST_F(ServoCycleTest, LeavesNoForceBehindAtItsEnd) {
     now_us += 1000;
   }
   EXPECT_EQ(now_us, 61'000U);
-  EXPECT_EQ(device.shown, Wrench{});
+  EXPECT_EQ(device.output, Wrench{});
   EXPECT_GT(cycle.report().max_force_n, 0);
 }
 
-TEST_F(ServoCycleTest, AFullRingDropsTheSampleAndCountsIt) {
+TEST_F(ServoCycleTest, FullRingDropsAndCountsSamples) {
   ServoCycle cycle = make();
   for (std::size_t i = 0; i < SampleRing::kCapacity + 5; ++i) cycle.tick(10'000 + 1000 * i);
   EXPECT_EQ(cycle.report().samples, SampleRing::kCapacity);
   EXPECT_EQ(cycle.report().ring_overflows, 5U);
 }
 
-TEST_F(ServoCycleTest, EndsWithTheDeviceAfterItsLastPose) {
+TEST_F(ServoCycleTest, EndsAfterTheDevicesLastPose) {
   ServoCycle cycle = make();
   EXPECT_TRUE(cycle.tick(10'000));
   device.state.finished = true;

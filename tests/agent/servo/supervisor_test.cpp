@@ -12,7 +12,7 @@ constexpr std::uint64_t kMs = 1000;
 
 class SupervisorTest : public ::testing::Test {
  protected:
-  /// Ticks for so many ms; gives the share of the last one.
+  /// Runs `ms` ticks; returns the last gain.
   double pass(int ms) {
     double share = 0;
     for (int i = 0; i < ms; ++i) {
@@ -21,7 +21,7 @@ class SupervisorTest : public ::testing::Test {
     }
     return share;
   }
-  /// In every one of so many ms.
+  /// Runs `ms` ticks and expects kReady in each.
   void expect_ready(int ms) {
     for (int i = 0; i < ms; ++i) {
       pass(1);
@@ -47,18 +47,18 @@ class SupervisorTest : public ::testing::Test {
   SafetyInput in{.now_us = 1'000'000, .deadman = true, .has_answer = true};
 };
 
-TEST_F(SupervisorTest, ArmsThenRampsThenShowsAll) {
+TEST_F(SupervisorTest, ArmsThenRampsToFullForce) {
   EXPECT_EQ(pass(1), 0);
   EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);
   EXPECT_EQ(pass(50), 0);
-  EXPECT_EQ(pass(1), 0) << "the ramp starts at nothing";
+  EXPECT_EQ(pass(1), 0) << "the ramp starts at zero";
   EXPECT_EQ(supervisor.phase(), ServoPhase::kRamp);
   EXPECT_NEAR(pass(250), 0.5, 0.01);
   EXPECT_EQ(pass(250), 1);
   EXPECT_EQ(supervisor.phase(), ServoPhase::kActive);
 }
 
-TEST_F(SupervisorTest, DoesNotArmWithoutHandOrServer) {
+TEST_F(SupervisorTest, DoesNotArmWithoutDeadmanServerOrDevice) {
   in.deadman = false;
   expect_ready(1000);
   in.deadman = true;
@@ -69,7 +69,7 @@ TEST_F(SupervisorTest, DoesNotArmWithoutHandOrServer) {
   expect_ready(1000);
 }
 
-TEST_F(SupervisorTest, AHandThatLetsGoWhileItIsArmedIsNotArmedAnyMore) {
+TEST_F(SupervisorTest, LosingDeadmanOrDeviceWhileArmedDisarms) {
   for (bool SafetyInput::* lost : {&SafetyInput::deadman, &SafetyInput::present}) {
     pass(30);
     ASSERT_EQ(supervisor.phase(), ServoPhase::kArmed);
@@ -79,11 +79,11 @@ TEST_F(SupervisorTest, AHandThatLetsGoWhileItIsArmedIsNotArmedAnyMore) {
   }
 }
 
-TEST_F(SupervisorTest, DoesNotRampIntoAForceOrAHurry) {
-  in.wanted.force_n = {0, 0, 0.3};
+TEST_F(SupervisorTest, DoesNotRampWhileForceOrSpeedIsHigh) {
+  in.requested.force_n = {0, 0, 0.3};
   pass(1000);
   EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);
-  in.wanted = {};
+  in.requested = {};
   in.tip_mm_per_s = 60;
   pass(1000);
   EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);
@@ -91,7 +91,7 @@ TEST_F(SupervisorTest, DoesNotRampIntoAForceOrAHurry) {
   arm();
 }
 
-TEST_F(SupervisorTest, LetsGoWithTheDeadmanInTheSameTickAndArmsAnew) {
+TEST_F(SupervisorTest, ReleasingTheDeadmanEndsTheForceInTheSameTick) {
   arm();
   in.deadman = false;
   EXPECT_EQ(pass(1), 0);
@@ -102,7 +102,7 @@ TEST_F(SupervisorTest, LetsGoWithTheDeadmanInTheSameTickAndArmsAnew) {
   EXPECT_LT(pass(100), 0.5) << "and ramps again";
 }
 
-TEST_F(SupervisorTest, TripsOnEachPartOfTheEnvelope) {
+TEST_F(SupervisorTest, TripsOnEachLimit) {
   struct Case {
     TripCode code;
     void (*spoil)(SafetyInput&);
@@ -117,7 +117,7 @@ TEST_F(SupervisorTest, TripsOnEachPartOfTheEnvelope) {
       {TripCode::kLostTicksInARow, [](SafetyInput& i) { i.lost_now = 5; }},
       {TripCode::kOverdrawn, [](SafetyInput& i) { i.overdrawn = true; }},
       {TripCode::kRejectedWrench,
-       [](SafetyInput& i) { i.wanted.force_n.x = std::numeric_limits<double>::quiet_NaN(); }},
+       [](SafetyInput& i) { i.requested.force_n.x = std::numeric_limits<double>::quiet_NaN(); }},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(to_string(c.code));
@@ -129,7 +129,7 @@ TEST_F(SupervisorTest, TripsOnEachPartOfTheEnvelope) {
   }
 }
 
-TEST_F(SupervisorTest, TripsOnLostTicksThatAddUp) {
+TEST_F(SupervisorTest, TripsOnAccumulatedLostTicks) {
   arm();
   in.lost_now = 4;
   for (int i = 0; i < 5; ++i) {
@@ -149,23 +149,23 @@ TEST_F(SupervisorTest, ForgetsLostTicksAfterASecond) {
   }
 }
 
-TEST_F(SupervisorTest, TripsOnWarmMotorsNotOnAPeak) {
+TEST_F(SupervisorTest, TripsOnSustainedForceNotOnAPeak) {
   arm();
-  in.shown.force_n = {6, 0, 0};
-  EXPECT_GT(pass(1000), 0) << "a second of thrice the rating is nothing";
-  in.shown.force_n = {3, 0, 0};
+  in.output.force_n = {6, 0, 0};
+  EXPECT_GT(pass(1000), 0) << "one second at three times the rating is permitted";
+  in.output.force_n = {3, 0, 0};
   pass(10'000);
   EXPECT_EQ(supervisor.code(), TripCode::kThermalForce);
 }
 
-TEST_F(SupervisorTest, TripsOnMotorsThatTorqueMadeWarm) {
+TEST_F(SupervisorTest, TripsOnSustainedTorque) {
   arm();
-  in.shown.torque_nmm = {0, 150, 0};
+  in.output.torque_nmm = {0, 150, 0};
   pass(10'000);
   EXPECT_EQ(supervisor.code(), TripCode::kThermalTorque);
 }
 
-TEST_F(SupervisorTest, StaysSafeUntilTheHandLetsGo) {
+TEST_F(SupervisorTest, StaysSafeUntilTheDeadmanIsReleased) {
   arm();
   in.tip_mm_per_s = 2000;
   expect_trip(TripCode::kSpeed);
@@ -174,17 +174,17 @@ TEST_F(SupervisorTest, StaysSafeUntilTheHandLetsGo) {
   EXPECT_EQ(supervisor.phase(), ServoPhase::kSafe);
   in.deadman = false;
   pass(290);
-  EXPECT_EQ(supervisor.phase(), ServoPhase::kSafe) << "a grip may slip for a moment";
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kSafe) << "a short release does not count";
   pass(11);
   EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
   in.deadman = true;
   arm();
 }
 
-TEST_F(SupervisorTest, IsDegradedWhileTheServerIsLateAndDisarmsWhenItIsGone) {
+TEST_F(SupervisorTest, DegradesWhileTheServerIsLateAndDisarmsWhenItIsLost) {
   arm();
   in.answer_age_us = 30 * kMs;
-  EXPECT_EQ(pass(10), 1) << "fading is not its business";
+  EXPECT_EQ(pass(10), 1) << "fading happens elsewhere";
   EXPECT_EQ(supervisor.phase(), ServoPhase::kDegraded);
   in.answer_age_us = 1 * kMs;
   pass(199);
@@ -196,10 +196,10 @@ TEST_F(SupervisorTest, IsDegradedWhileTheServerIsLateAndDisarmsWhenItIsGone) {
   EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
   in.answer_age_us = 0;
   pass(60);
-  EXPECT_EQ(supervisor.phase(), ServoPhase::kRamp) << "and comes back without a jump";
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kRamp) << "ramps up again";
 }
 
-TEST_F(SupervisorTest, IsDegradedByAnEmptyTankAfterAWhile) {
+TEST_F(SupervisorTest, DegradesAfterTheTankWasEmptyForAWhile) {
   arm();
   in.starving = true;
   pass(100);
@@ -208,7 +208,7 @@ TEST_F(SupervisorTest, IsDegradedByAnEmptyTankAfterAWhile) {
   EXPECT_EQ(supervisor.phase(), ServoPhase::kDegraded);
 }
 
-TEST(SupervisorOfNoMotors, NeverHoldsBackAndNeverTrips) {
+TEST(SupervisorWithoutMotors, NeverLimitsAndNeverTrips) {
   Supervisor supervisor({.motors = false});
   EXPECT_EQ(supervisor.tick({.now_us = 5, .jumped_mm = 100, .tip_mm_per_s = 9000}), 1);
   EXPECT_EQ(supervisor.trips(), 0U);

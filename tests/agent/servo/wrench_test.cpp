@@ -25,17 +25,17 @@ TEST(WrenchInterpolator, IsZeroBeforeTheFirstAnswer) {
   EXPECT_EQ(interpolator.at(123), Wrench{});
 }
 
-TEST(WrenchInterpolator, RunsStraightFromTheLastAnswerToTheNewest) {
+TEST(WrenchInterpolator, InterpolatesFromThePreviousAnswerToTheNewest) {
   WrenchInterpolator interpolator;
   interpolator.take(answer(0, 10'000), 10'000);
   interpolator.take(answer(4, 20'000), 20'000);
   EXPECT_DOUBLE_EQ(interpolator.at(20'000).force_n.x, 0);
   EXPECT_DOUBLE_EQ(interpolator.at(25'000).force_n.x, 2);
   EXPECT_DOUBLE_EQ(interpolator.at(30'000).force_n.x, 4);
-  EXPECT_DOUBLE_EQ(interpolator.at(90'000).force_n.x, 4) << "fading is not its business";
+  EXPECT_DOUBLE_EQ(interpolator.at(90'000).force_n.x, 4) << "fading happens elsewhere";
 }
 
-TEST(WrenchInterpolator, IsUnbrokenWhenAnAnswerComesEarly) {
+TEST(WrenchInterpolator, IsContinuousWhenAnAnswerArrivesEarly) {
   WrenchInterpolator interpolator;
   interpolator.take(answer(0, 10'000), 10'000);
   interpolator.take(answer(10, 20'000), 20'000);
@@ -45,7 +45,7 @@ TEST(WrenchInterpolator, IsUnbrokenWhenAnAnswerComesEarly) {
   EXPECT_DOUBLE_EQ(interpolator.at(26'000).force_n.x, -10);
 }
 
-TEST(WrenchInterpolator, DoesNotStretchOverALongGap) {
+TEST(WrenchInterpolator, LimitsTheInterpolationTime) {
   WrenchInterpolator interpolator;
   interpolator.take(answer(0, 10'000), 10'000);
   interpolator.take(answer(8, 2'010'000), 2'010'000);
@@ -53,7 +53,7 @@ TEST(WrenchInterpolator, DoesNotStretchOverALongGap) {
   EXPECT_DOUBLE_EQ(interpolator.at(2'030'000).force_n.x, 8);
 }
 
-TEST(SilenceDecay, HoldsThenFallsThenIsGone) {
+TEST(SilenceDecay, HoldsThenDecaysThenIsZero) {
   EXPECT_EQ(wrench_share(0), 1.0);
   EXPECT_EQ(wrench_share(20'000), 1.0);
   EXPECT_NEAR(wrench_share(60'000), std::exp(-1.0), 1e-12);
@@ -62,9 +62,9 @@ TEST(SilenceDecay, HoldsThenFallsThenIsGone) {
   EXPECT_EQ(wrench_share(std::numeric_limits<std::uint64_t>::max()), 0.0);
 }
 
-TEST(SilenceDecay, WhoIsAnsweredNearByFeelsNothingOfAStallUpToATenthOfASecond) {
+TEST(SilenceDecay, ReplicaMasksServerStallsUpTo100Ms) {
   const auto share = [](std::uint64_t silent_us) {
-    return wrench_share(near_age_us(1'000'000 + silent_us, 1'000'000));
+    return wrench_share(replica_age_us(1'000'000 + silent_us, 1'000'000));
   };
   EXPECT_EQ(share(0), 1.0);
   EXPECT_EQ(share(100'000), 1.0);
@@ -72,11 +72,12 @@ TEST(SilenceDecay, WhoIsAnsweredNearByFeelsNothingOfAStallUpToATenthOfASecond) {
   EXPECT_GT(share(120'000), 0.1);
   EXPECT_GT(share(139'000), 0.0);
   EXPECT_EQ(share(140'000), 0.0);
-  EXPECT_EQ(near_age_us(5, 10), 0U) << "an answer from the future is new";
+  EXPECT_EQ(replica_age_us(5, 10), 0U) << "an answer with a future arrival time has age zero";
 }
 
-TEST(SilenceDecay, AnswersThatComeEverLaterAgeToo) {
-  EXPECT_EQ(answer_age_us(1'000'000, 999'000, 985'000), 1000U) << "15 ms round trip are prompt";
+TEST(SilenceDecay, AnswersWithGrowingDelayAge) {
+  EXPECT_EQ(answer_age_us(1'000'000, 999'000, 985'000), 1000U)
+      << "a round trip of 15 ms counts as prompt";
   EXPECT_EQ(answer_age_us(1'000'000, 999'000, 850'000), 130'000U);
   EXPECT_EQ(answer_age_us(1'000'000, 900'000, 899'000), 100'000U);
   EXPECT_EQ(answer_age_us(1'000'000, 1'000'001, 1'000'001), 0U);
@@ -84,13 +85,13 @@ TEST(SilenceDecay, AnswersThatComeEverLaterAgeToo) {
 
 constexpr double kTickS = 0.001;
 
-TEST(WrenchLimiter, SaturatesForceAndTorqueEachInItsDirection) {
+TEST(WrenchLimiter, LimitsForceAndTorqueWithoutChangingDirection) {
   WrenchLimiter limiter(
       {.force_n = 5, .torque_nmm = 100, .force_rise_n_per_s = 1e9, .torque_rise_nmm_per_s = 1e9});
-  const Wrench shown = limiter.limit({.force_n = {30, 40, 0}, .torque_nmm = {0, 0, -10}}, kTickS);
-  EXPECT_NEAR(shown.force_n.x, 3, 1e-12);
-  EXPECT_NEAR(shown.force_n.y, 4, 1e-12);
-  EXPECT_EQ(shown.torque_nmm, (Vec3{0, 0, -10}));
+  const Wrench output = limiter.limit({.force_n = {30, 40, 0}, .torque_nmm = {0, 0, -10}}, kTickS);
+  EXPECT_NEAR(output.force_n.x, 3, 1e-12);
+  EXPECT_NEAR(output.force_n.y, 4, 1e-12);
+  EXPECT_EQ(output.torque_nmm, (Vec3{0, 0, -10}));
   EXPECT_EQ(limiter.saturated(), 1U);
 }
 
@@ -104,13 +105,13 @@ TEST(WrenchLimiter, RisesSlowlyAndFallsAtOnce) {
   EXPECT_EQ(limiter.limit(force(0), kTickS), Wrench{});
 }
 
-TEST(WrenchLimiter, AReversalPassesThroughZeroAndRisesAnew) {
+TEST(WrenchLimiter, ReversalPassesThroughZero) {
   WrenchLimiter limiter({.force_rise_n_per_s = 400});
   for (int i = 0; i < 30; ++i) limiter.limit(force(8), kTickS);
   EXPECT_NEAR(limiter.limit(force(-8), kTickS).force_n.x, -0.4, 1e-12);
 }
 
-TEST(WrenchLimiter, ANumberThatIsNotFiniteGivesNothing) {
+TEST(WrenchLimiter, NonFiniteWrenchGivesZero) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double bad : {nan, std::numeric_limits<double>::infinity(), 1e300}) {
     WrenchLimiter limiter({});
@@ -118,29 +119,29 @@ TEST(WrenchLimiter, ANumberThatIsNotFiniteGivesNothing) {
     EXPECT_EQ(limiter.limit(force(bad), kTickS), Wrench{});
     EXPECT_EQ(limiter.limit({.force_n = {}, .torque_nmm = {0, bad, 0}}, kTickS), Wrench{});
     EXPECT_EQ(limiter.not_finite(), 2U);
-    EXPECT_GT(limiter.limit(force(3), kTickS).force_n.x, 0) << "and the next good one counts";
+    EXPECT_GT(limiter.limit(force(3), kTickS).force_n.x, 0) << "the next valid wrench is used";
   }
 }
 
-TEST(WrenchLimiter, StaysWithinItsLimitsWhateverItIsGiven) {
+TEST(WrenchLimiter, OutputIsWithinTheLimitsForAnyInput) {
   const WrenchLimits limits;
   WrenchLimiter limiter(limits);
   std::mt19937_64 random(7);
   std::normal_distribution<double> any(0, 12);
   Vec3 last;
   for (int i = 0; i < 100'000; ++i) {
-    const Wrench shown =
+    const Wrench output =
         limiter.limit({.force_n = {any(random), any(random), any(random)},
                        .torque_nmm = {20 * any(random), 20 * any(random), 20 * any(random)}},
                       kTickS);
-    ASSERT_LE(length(shown.force_n), limits.force_n * (1 + 1e-12));
-    ASSERT_LE(length(shown.torque_nmm), limits.torque_nmm * (1 + 1e-12));
-    ASSERT_LE(length(shown.force_n), length(last) + limits.force_rise_n_per_s * kTickS + 1e-12);
-    last = shown.force_n;
+    ASSERT_LE(length(output.force_n), limits.force_n * (1 + 1e-12));
+    ASSERT_LE(length(output.torque_nmm), limits.torque_nmm * (1 + 1e-12));
+    ASSERT_LE(length(output.force_n), length(last) + limits.force_rise_n_per_s * kTickS + 1e-12);
+    last = output.force_n;
   }
 }
 
-TEST(WrenchLimits, AreAShareOfWhatTheDeviceCanGive) {
+TEST(WrenchLimits, AreAShareOfTheDevicesMaximum) {
   const auto limits = within({.name = "d", .max_force_n = 3.3, .max_torque_nmm = 1000}, {});
   EXPECT_NEAR(limits.force_n, 1.98, 1e-12);
   EXPECT_EQ(limits.torque_nmm, WrenchLimits{}.torque_nmm);

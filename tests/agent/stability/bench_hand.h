@@ -6,16 +6,16 @@
 #include <functional>
 #include <vector>
 
-#include "haptic_agent/servo/twist.h"
+#include "haptic_agent/servo/grip.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent {
 
-/// Where a hand wants the tip at a time after the start, s.
-using WantedTip = std::function<Vec3(double)>;
+/// Target position of the tip at a time after the start, s.
+using TargetTip = std::function<Vec3(double)>;
 
-/// A device of 0.1 kg with a little friction, drawn to a path by a soft hand: what tests of delayed
-/// forces use (a light device and a soft hand are the hardest to keep stable).
+/// Simulated device of 0.1 kg with little friction, pulled along a path by a soft spring. A light
+/// device and a soft hand are the hardest case for stability under delay.
 class BenchHand final : public HapticDevice {
  public:
   struct Mechanics {
@@ -25,8 +25,8 @@ class BenchHand final : public HapticDevice {
     double damper_n_s_per_mm = 0.001;
     double pivot_mm = 60;
   };
-  BenchHand(WantedTip wanted, Mechanics mechanics)
-      : wanted_(std::move(wanted)), m_(mechanics), tip_(wanted_(0)) {}
+  BenchHand(TargetTip target, Mechanics mechanics)
+      : target_(std::move(target)), m_(mechanics), tip_(target_(0)) {}
 
   DeviceCapabilities capabilities() const override {
     return {.name = "bench hand",
@@ -50,21 +50,21 @@ class BenchHand final : public HapticDevice {
   void write(const Wrench& wrench) noexcept override { wrench_ = wrench; }
   void stop() noexcept override { wrench_ = {}; }
 
-  /// Of the tip so far, mm/s.
+  /// Maximum speed of the tip so far, mm/s.
   double fastest() const { return fastest_; }
   Vec3 tip() const { return tip_; }
 
  private:
   void step(double dt) {
     const double time_s = static_cast<double>(last_us_ - start_us_) * 1e-6;
-    const Vec3 goal = wanted_(time_s);
+    const Vec3 goal = target_(time_s);
     const Vec3 pull = (goal - tip_) * m_.spring_n_per_mm -
                       velocity_ * (m_.damper_n_s_per_mm + m_.friction_n_s_per_mm);
     velocity_ = velocity_ + (pull + wrench_.force_n) * (1000 / m_.mass_kg * dt);
     tip_ = tip_ + velocity_ * dt;
   }
 
-  WantedTip wanted_;
+  TargetTip target_;
   Mechanics m_;
   Vec3 tip_, velocity_;
   Wrench wrench_;
@@ -72,8 +72,8 @@ class BenchHand final : public HapticDevice {
   std::uint64_t start_us_ = 0, last_us_ = 0;
 };
 
-/// Goes exactly where it was recorded, a pose each tick, and feels all that a device with motors
-/// would.
+/// Replays recorded poses, one per tick, and stores the wrench that is written, with the
+/// capabilities of a device with motors.
 class RecordedHand final : public HapticDevice {
  public:
   explicit RecordedHand(std::vector<DeviceState> poses) : poses_(std::move(poses)) {}
@@ -89,10 +89,10 @@ class RecordedHand final : public HapticDevice {
     state.time_us = now_us;
     return state;
   }
-  void write(const Wrench& wrench) noexcept override { shown = wrench; }
-  void stop() noexcept override { shown = {}; }
+  void write(const Wrench& wrench) noexcept override { output = wrench; }
+  void stop() noexcept override { output = {}; }
 
-  Wrench shown;
+  Wrench output;
 
  private:
   std::vector<DeviceState> poses_;

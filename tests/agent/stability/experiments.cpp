@@ -13,7 +13,7 @@
 namespace kerf::agent {
 namespace {
 
-/// While the hand waits so long at its start, the agent arms.
+/// Time at rest before the motion starts, in which the agent arms.
 constexpr double kRestS = 0.9;
 
 std::string swing_scene(double damping_n_s_per_m) {
@@ -32,14 +32,14 @@ constexpr const char* kCarvingScene = R"({"name":"carving",
     "tools":[{"id":1,"shape":"ball","diameter_mm":6,"length_mm":40}],
     "force":{"law":"specific_energy","specific_force_n_per_mm2":0.2,"pivot_mm":20}})";
 
-/// 30 mm at 1 Hz along x, beginning beside the block, slowly along y into what is still there.
+/// 30 mm at 1 Hz along x, starting beside the block, and slowly along y into uncut stock.
 Vec3 swinging(double time_s) {
   const double t = std::max(0.0, time_s - kRestS);
   const double x = -38 + 30 * (1 - std::cos(2 * std::numbers::pi * t));
   return {x, -15 + 6 * t, -2};
 }
 
-/// A simulated hand whose poses are kept.
+/// A simulated hand whose poses are recorded.
 class Recorder final : public HapticDevice {
  public:
   Recorder(SimulatedHand& hand, std::vector<DeviceState>& poses) : hand_(hand), poses_(poses) {}
@@ -48,7 +48,7 @@ class Recorder final : public HapticDevice {
     poses_.push_back(hand_.read(now_us));
     return poses_.back();
   }
-  /// A firm hand: the recorded path does not depend on what was shown.
+  /// Ignores the wrench, so that the recorded path does not depend on it.
   void write(const Wrench&) noexcept override {}
   void stop() noexcept override {}
 
@@ -57,7 +57,7 @@ class Recorder final : public HapticDevice {
   std::vector<DeviceState>& poses_;
 };
 
-/// What the server has answered last, before it went on its way.
+/// Force of the server's newest answer, before transmission.
 Vec3 felt(const TestBed& bed) { return Vec3(bed.newest().force_n); }
 
 }  // namespace
@@ -116,9 +116,9 @@ double force_error(const Recording& recording, ForceMode mode, const LineQuality
   for (std::size_t i = 0; i < recording.poses.size(); ++i) {
     if (!recording.another.empty()) bed.another_cuts_to(recording.another[i]);
     bed.tick();
-    // Until the force has ramped up there is nothing to compare.
+    // Skips the time before the force has ramped up.
     if (i < static_cast<std::size_t>(kRestS * 1000) + 800) continue;
-    const Vec3 difference = hand.shown.force_n - recording.force_n[i];
+    const Vec3 difference = hand.output.force_n - recording.force_n[i];
     error2 += dot(difference, difference);
     force2 += dot(recording.force_n[i], recording.force_n[i]);
   }

@@ -6,7 +6,7 @@
 namespace kerf::agent {
 namespace {
 
-TEST(Stability, TheModelIsStableAtTwentyAndAHundredMs) {
+TEST(Stability, ModelIsStableUpTo250MsRoundTrip) {
   for (const LineQuality& line :
        {LineQuality{.rtt_ms = 0}, LineQuality{.rtt_ms = 25, .jitter = 0.2},
         LineQuality{.rtt_ms = 100, .jitter = 0.2, .loss = 0.02},
@@ -16,12 +16,12 @@ TEST(Stability, TheModelIsStableAtTwentyAndAHundredMs) {
           swing({.mode = ForceMode::kModel, .line = line, .damping_n_s_per_m = 20, .copy = copy});
       EXPECT_TRUE(outcome.stable()) << line.rtt_ms << " ms: " << outcome.fastest_mm_per_s
                                     << " mm/s, " << outcome.returned_mj << " mJ";
-      EXPECT_GT(outcome.most_force_n, 0.2) << "there must be something to be stable with";
+      EXPECT_GT(outcome.most_force_n, 0.2) << "the test requires a force";
     }
   }
 }
 
-TEST(Stability, WithACopyTheForceIsRightHoweverFarTheServerIs) {
+TEST(Stability, WithAReplicaTheForceIsAccurateAtAnyDelay) {
   const Recording recording = record_carving(4);
   EXPECT_LT(force_error(recording, ForceMode::kModel, {.rtt_ms = 0}, true), 0.05);
   EXPECT_LT(force_error(recording, ForceMode::kModel, {.rtt_ms = 25}, true), 0.05);
@@ -30,7 +30,7 @@ TEST(Stability, WithACopyTheForceIsRightHoweverFarTheServerIs) {
   EXPECT_LT(force_error(recording, ForceMode::kModel, poor, true), 0.1);
 }
 
-TEST(Stability, TheModelErrsLessThanWhatIsHeld) {
+TEST(Stability, ModelIsMoreAccurateThanHoldAndInterpolation) {
   const Recording recording = record_carving(4);
   const LineQuality line{.rtt_ms = 25};
   const double model = force_error(recording, ForceMode::kModel, line, false);

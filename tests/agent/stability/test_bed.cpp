@@ -9,7 +9,7 @@ namespace kerf::agent {
 TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
                  const LineQuality& quality, bool copy, std::uint32_t seed)
     : up_(quality, 2 * seed), down_(quality, 2 * seed + 1) {
-  // Virtual time runs faster than the clock by which the session limits rates.
+  // Virtual time runs faster than the session's rate limits permit.
   SessionLimits limits;
   limits.samples_per_s = limits.samples_burst = 1e12;
   registry_.emplace(
@@ -22,7 +22,7 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
       session_->join({.kind = ParticipantKind::kAgent, .name = "hand", .color = "", .stock = copy})
           .value()
           .id;
-  if (copy) keep_copy();
+  if (copy) make_replica();
   traffic_ = std::make_unique<Traffic>(samples_, wrenches_,
                                        TrafficOptions{.copy = copy ? &copy_ : nullptr});
   const ForceSettings& force = session_->scene().settings.force;
@@ -31,12 +31,12 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
   settings.pivot_mm = force.pivot_mm;
   servo_ = std::make_unique<ServoCycle>(device, samples_, wrenches_, listener_,
                                         settings_for(device.capabilities(), settings),
-                                        copy ? &near_ : nullptr);
+                                        copy ? &exchange_ : nullptr);
   traffic_->begin(session_->epoch(), 0, now_us_);
 }
 
-/// Made from what a welcome would say.
-void TestBed::keep_copy() {
+/// Creates the replica from the fields of a welcome.
+void TestBed::make_replica() {
   const Scene& scene = session_->scene();
   auto source = BlockSource::read(R"({"stock":)" + stock_json(scene) + R"(,"tools":)" +
                                   tools_json(scene) + R"(,"force":)" + force_json(scene) +
@@ -48,25 +48,25 @@ void TestBed::keep_copy() {
 void TestBed::Copy::take_stock(std::span<const std::byte> frame) {
   const auto message = wire::decode(frame);
   if (!replica->take(std::get<wire::StockPatch>(message->body))) {
-    throw std::runtime_error("the copy takes no patch of the server");
+    throw std::runtime_error("the replica rejects a patch of the server");
   }
 }
 
-void TestBed::Copy::answer(NearAnswers& servo, std::uint64_t now_us) {
+void TestBed::Copy::answer(ReplicaExchange& servo, std::uint64_t now_us) {
   wire::MotionSample sample;
   while (servo.pop(sample)) {
     if (const auto mine = replica->move(sample)) servo.write(answer_of(*mine, now_us));
   }
 }
 
-/// As the server does: every 20 ms, if there is anything to tell.
-void TestBed::tell_stock() {
-  if (now_us_ < told_us_ + 20'000) return;
-  const auto news = session_->stock_update(self_);
-  if (!news) return;
-  told_us_ = now_us_;
+/// As the server: at most every 20 ms.
+void TestBed::send_stock() {
+  if (now_us_ < sent_us_ + 20'000) return;
+  const auto update = session_->stock_update(self_);
+  if (!update) return;
+  sent_us_ = now_us_;
   std::vector<std::byte> frame;
-  wire::append(frame, {session_->epoch(), news->sequence, now_us_}, news->patch());
+  wire::append(frame, {session_->epoch(), update->sequence, now_us_}, update->patch());
   down_.send(frame, now_us_);
 }
 
@@ -78,7 +78,7 @@ void TestBed::serve(std::span<const std::byte> frame) {
   if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
     newest_ = session_->move(self_, batch->view()).result;
     bytes = wire::encode({session_->epoch(), ++results_, now_us_}, newest_, answer);
-    tell_stock();
+    send_stock();
   } else if (std::holds_alternative<wire::Ack>(message->body)) {
     session_->ack_stock(self_, message->header.stamp.sequence).value();
     return;
@@ -107,7 +107,7 @@ void TestBed::another_cuts_to(Vec3 tip_mm) {
 void TestBed::tick() {
   now_us_ += 1000;
   servo_->tick(now_us_);
-  if (copy_.replica) copy_.answer(near_, now_us_);
+  if (copy_.replica) copy_.answer(exchange_, now_us_);
   traffic_->collect();
   traffic_->take_control();
   std::array<std::byte, wire::kMaxClientFrameBytes> frame;

@@ -16,24 +16,23 @@
 
 namespace kerf::agent {
 
-/// The real session with its block, the real traffic, codec and servo, and between them a line, all
-/// in virtual time: one call of `tick` is one millisecond.
+/// The real session, traffic, codec and servo with a simulated line between them, in virtual time:
+/// one call of `tick` is one millisecond.
 class TestBed {
  public:
-  /// `scene` as the server reads it. `device` must outlive the bed. `copy`: the agent keeps a copy
-  /// of the block near its tool.
+  /// `scene`: a scene in JSON. `device` must outlive the object. `copy`: the agent has a replica.
   TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
           const LineQuality& quality, bool copy, std::uint32_t seed = 1);
 
   void tick();
-  /// Somebody else, whom no line holds up, cuts to there with the first tool.
+  /// A second agent, without delay, cuts to `tip_mm` with the first tool.
   void another_cuts_to(Vec3 tip_mm);
 
   const ServoCycle& servo() const { return *servo_; }
-  /// The newest result that the server made, before it went on its way.
+  /// The server's newest result, before transmission.
   const wire::Result& newest() const { return newest_; }
   Session& session() { return *session_; }
-  /// Null if none is kept.
+  /// Null if there is none.
   const Replica* replica() const { return copy_.replica ? &*copy_.replica : nullptr; }
   LinkReport link() const { return traffic_->report(); }
   std::uint64_t now_us() const { return now_us_; }
@@ -42,18 +41,18 @@ class TestBed {
   struct Listener final : SampleListener {
     void sample_ready() noexcept override {}
   };
-  /// The agent's copy, which has all the time it needs between two ticks.
+  /// The agent's replica; it answers within the tick.
   struct Copy final : StockListener {
     std::optional<Replica> replica;
     void take_stock(std::span<const std::byte> frame) override;
     void take_result(const wire::Result& result) override { replica->compare(result); }
-    bool wants_reset() override { return replica->take_doubt(); }
-    void answer(NearAnswers& servo, std::uint64_t now_us);
+    bool wants_reset() override { return replica->take_divergence(); }
+    void answer(ReplicaExchange& servo, std::uint64_t now_us);
   };
 
-  void keep_copy();
+  void make_replica();
   void serve(std::span<const std::byte> frame);
-  void tell_stock();
+  void send_stock();
 
   test::TemporaryFolder folder_;
   std::shared_ptr<test::ManualExecutor> executor_ = std::make_shared<test::ManualExecutor>();
@@ -65,13 +64,13 @@ class TestBed {
   SampleRing samples_;
   LatestValue<ServerWrench> wrenches_;
   Listener listener_;
-  NearAnswers near_;
+  ReplicaExchange exchange_;
   Copy copy_;
   std::unique_ptr<Traffic> traffic_;
   VirtualLine up_, down_;
   std::unique_ptr<ServoCycle> servo_;
   wire::Result newest_;
-  std::uint64_t results_ = 0, told_us_ = 0;
+  std::uint64_t results_ = 0, sent_us_ = 0;
   std::uint64_t now_us_ = 2'000'000;
 };
 

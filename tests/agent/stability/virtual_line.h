@@ -11,17 +11,17 @@
 
 namespace kerf::agent {
 
-/// What a network does to a stream of messages.
+/// Properties of a simulated network.
 struct LineQuality {
   double rtt_ms = 0;
-  double jitter = 0;  ///< of each one-way delay, as a share of it, either way
+  double jitter = 0;  ///< relative variation of each delay, plus or minus
   double loss = 0;    ///< of messages
-  /// Nothing passes for 200 ms every two seconds.
+  /// Stalls for 200 ms every two seconds.
   bool bursts = false;
 };
 
-/// One direction of a TCP connection in virtual time: nothing is lost for good and nothing is
-/// overtaken, so that a message that must be sent again holds up all behind it.
+/// One direction of a TCP connection in virtual time: reliable and in order, so that a
+/// retransmitted message delays all later ones.
 class VirtualLine {
  public:
   VirtualLine(const LineQuality& quality, std::uint32_t seed) : quality_(quality), random_(seed) {}
@@ -30,7 +30,7 @@ class VirtualLine {
     std::uniform_real_distribution<double> unit(0, 1);
     const double half_us = quality_.rtt_ms * 500;
     double delay_us = half_us * (1 + quality_.jitter * (2 * unit(random_) - 1));
-    // The sender hears of the gap one round trip later and sends again.
+    // The sender learns of the gap one round trip later and retransmits.
     if (unit(random_) < quality_.loss) delay_us += 2 * half_us + kAgainUs;
     auto due_us = now_us + static_cast<std::uint64_t>(delay_us);
     if (quality_.bursts && due_us % kBurstEveryUs < kBurstUs) {

@@ -18,7 +18,8 @@ double in(Random& random, double a, double b) {
   return std::uniform_real_distribution<double>(a, b)(random);
 }
 
-/// A random point on the surface of a piece that stands at the origin: radial distance and height.
+/// Returns a random point on the surface of an upright piece at the origin: radial distance and
+/// height.
 struct Spot {
   double radial, height;
 };
@@ -101,8 +102,8 @@ double Carving::rounding_mm() const {
   const double farthest =
       std::max({std::abs(g.x_mm(0)), std::abs(g.x_mm(g.columns_x)), std::abs(g.y_mm(0)),
                 std::abs(g.y_mm(g.columns_y)), std::abs(g.origin_mm.z), 10.0});
-  // Squares of coordinates lose half of a double's digits only where surfaces are met at no angle;
-  // off the surface a few units in the last place of the coordinates remain.
+  // Squares of coordinates lose half of a double's digits only where rays graze a surface. Measured
+  // off the surface, a few units in the last place of the coordinates remain.
   return 0.51 * g.z_quantum_mm + 1e-9 + 1e-12 * farthest;
 }
 
@@ -196,7 +197,7 @@ double Carving::field_error(const DexelSnapshot& snapshot, int columns, double i
       ++found;
       judge(i, j);
     }
-    // A block that is small beside the tool is seldom met by its surface: any column will do.
+    // The surface of a tool much larger than the block seldom intersects it: use any column.
     const bool few = double(g.columns_x) * g.columns_y < 1e4;
     for (; few && found < columns; ++found) {
       judge(std::floor(in(random, 0, g.columns_x)), std::floor(in(random, 0, g.columns_y)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Motions and poses at which a formula divides by zero, two surfaces coincide, or a case
-// distinction has no case: each against an exact value or the true sweep.
+// distinction has no case. Each is compared with an exact value or with the true sweep.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ TEST(Degenerate, PlungeCutsTheShapeOfTheTool) {
     carving.move({{0, 0, 3}, kUp}, {{0, 0, -7}, kUp});
     carving.expect_within_tolerance(t.name);
     EXPECT_EQ(carving.move({{0, 0, -7}, kUp}, {{0, 0, 3}, kUp}).removed_mm3, 0)
-        << t.name << ": the way out cuts nothing";
+        << t.name << ": retracting cuts nothing";
   }
   SculptureSettings fine = block(12, 16, 0.02, 1e-3);
   const double flat =
@@ -75,7 +75,7 @@ TEST(Degenerate, TurnAboutTheTip) {
   }
 }
 
-TEST(Degenerate, TurnAboutTheBallsCentreLeavesTheBallAtRest) {
+TEST(Degenerate, TurnAboutTheBallCenterLeavesTheBallAtRest) {
   const Tool tool = *make_tool(BallShape{10, 12});
   const Vec3 center{0.1, -0.2, -2};
   for (const double turn : {1e-9, 0.02, 1.0, 2.9}) {
@@ -109,7 +109,7 @@ TEST(Degenerate, AxisParallelToMotion) {
   }
 }
 
-TEST(Degenerate, TranslationsAreExactWhateverTheToolsTilt) {
+TEST(Degenerate, TranslationsAreExactForAnyTilt) {
   std::mt19937_64 random(8);
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
@@ -127,8 +127,8 @@ TEST(Degenerate, TranslationsAreExactWhateverTheToolsTilt) {
   }
 }
 
-TEST(Degenerate, AnArcThatComesFromAfarIsNotLost) {
-  // At both ends of the way the rays pass far beside the barrel's arc, and meet it in between.
+TEST(Degenerate, DistantArcReachingARayMidMotionIsFound) {
+  // At both ends of the motion the rays are far from the barrel's arc; in between they hit it.
   SculptureSettings settings = small_block(1e-6);
   settings.rays = Rays::kTriDexel;
   Carving carving(
@@ -139,8 +139,9 @@ TEST(Degenerate, AnArcThatComesFromAfarIsNotLost) {
   carving.expect_within_tolerance("barrel", 400);
 }
 
-TEST(Degenerate, AnArcThatARayPassesInsideTheBallAroundItIsNotLost) {
-  // At the start rays enter the ball around the arc, and are closest to the arc outside of it.
+TEST(Degenerate, ArcIsFoundByRaysInsideItsBoundingBall) {
+  // At the start, rays hit the arc's bounding ball, but are closest to the arc outside of that
+  // ball.
   SculptureSettings settings = small_block(1e-6);
   settings.rays = Rays::kTriDexel;
   Carving bull_nose(settings, make_tool(BullNoseShape{10, 2, 50}).value());
@@ -158,9 +159,9 @@ TEST(Degenerate, AnArcThatARayPassesInsideTheBallAroundItIsNotLost) {
   apt.expect_within_tolerance("apt", 25);
 }
 
-/// A ramp whose slope is exactly a cone's angle, one step of a double to either side, and a little
-/// farther: the leading coefficient of the cone's equation is 0, or rounds to it.
-TEST(Degenerate, RampOfTheConesAngle) {
+/// A ramp whose slope is exactly a cone's angle, one double to either side, and a little farther:
+/// the leading coefficient of the cone's equation is 0, or rounds to 0.
+TEST(Degenerate, RampAtTheConeAngle) {
   const double inf = std::numeric_limits<double>::infinity();
   for (const double half_angle : {45.0, 30.0, 12.0, 80.0}) {
     const Tool tools[] = {*make_tool(ConeEndShape{8, 2 * half_angle, 50}),
@@ -181,7 +182,7 @@ TEST(Degenerate, RampOfTheConesAngle) {
   }
 }
 
-TEST(Degenerate, HalfTurnIsRejectedAndNearlyAHalfTurnIsNot) {
+TEST(Degenerate, HalfTurnIsRejectedAndSlightlyLessIsAccepted) {
   Carving carving(small_block(0.05), *make_tool(BallShape{6, 20}));
   Sculpture& s = carving.sculpture();
   const std::uint64_t before = s.state_hash();
@@ -203,19 +204,19 @@ TEST(Degenerate, HalfTurnIsRejectedAndNearlyAHalfTurnIsNot) {
 TEST(Degenerate, ToolLyingAlongARowOrAColumn) {
   for (const NamedTool& t : every_tool()) {
     for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, -1, 0}}) {
-      for (const Vec3 way :
+      for (const Vec3 travel :
            {Vec3{2, 0, 0}, Vec3{0, 2, 0}, Vec3{0, 0, -2}, Vec3{1, 1, -1}, Vec3{}}) {
         Carving carving(small_block(1e-5), t.tool);
         const Vec3 tip = Vec3{0.1, 0.2, -6} - axis * 8.0;
-        carving.move({tip, axis}, {tip + way, axis});
+        carving.move({tip, axis}, {tip + travel, axis});
         carving.expect_within_tolerance(t.name, 20);
       }
     }
   }
 }
 
-TEST(Degenerate, LyingCylinderTakesItsChords) {
-  // Radius 3 along +X, sunk to its axis: what it takes is half a cylinder.
+TEST(Degenerate, LyingCylinderRemovesItsChords) {
+  // Radius 3 along +X, sunk to its axis: it removes half a cylinder.
   SculptureSettings fine = block(20, 8, 0.02, 1e-3);
   const ToolPose pose{{-6, 0, 0}, {1, 0, 0}};
   const double taken = volume_taken(fine, *make_tool(FlatShape{6, 12}), pose, pose);
@@ -236,14 +237,14 @@ TEST(Degenerate, TurnIntoTheHorizontalAndUpsideDown) {
   }
 }
 
-TEST(Degenerate, RayTangentToAToolTakesNothingMeasurable) {
-  // Columns stand at whole millimetres; the tool's side touches those at distance 4 exactly.
+TEST(Degenerate, TangentRayRemovesNothingMeasurable) {
+  // Columns are at whole millimeters; the tool's side touches those at distance 4 exactly.
   SculptureSettings s = block(21, 12, 1, 1e-6);
   const Vec3 across{0, 3, 0};
   for (const ToolShape& shape : {ToolShape{BallShape{8, 50}}, ToolShape{FlatShape{8, 50}}}) {
-    for (const Vec3 way : {Vec3{}, across, Vec3{0, 0, -2}, Vec3{0, 1, -1}}) {
+    for (const Vec3 travel : {Vec3{}, across, Vec3{0, 0, -2}, Vec3{0, 1, -1}}) {
       Carving carving(s, *make_tool(shape));
-      carving.move({{0, 0, -5}, kUp}, {Vec3{0, 0, -5} + way, kUp});
+      carving.move({{0, 0, -5}, kUp}, {Vec3{0, 0, -5} + travel, kUp});
       carving.expect_within_tolerance("upright", 60);
       const DexelSnapshot snapshot = carving.sculpture().snapshot();
       for (const int i : {5, 15}) {  // x = -5, 5: clear of the tool.
@@ -256,7 +257,7 @@ TEST(Degenerate, RayTangentToAToolTakesNothingMeasurable) {
   }
 }
 
-TEST(Degenerate, ToolFlushWithTheStockTakesNothing) {
+TEST(Degenerate, ToolFlushWithTheStockRemovesNothing) {
   for (const NamedTool& t : every_tool()) {
     Carving carving(small_block(1e-5), t.tool);
     const auto expect_nothing = [&](const ToolPose& a, const ToolPose& b, const char* what) {
@@ -275,7 +276,7 @@ TEST(Degenerate, ToolFlushWithTheStockTakesNothing) {
 }
 
 TEST(Degenerate, FlushFloorsMeetWithoutASliver) {
-  // Two passes at one height side by side, and one step down by a quantum's worth of nothing.
+  // Two adjacent passes at one height, and one lower by less than a quantum.
   Carving carving(small_block(1e-6), *make_tool(FlatShape{6, 30}));
   carving.move({{-9, -2, -4}, kUp}, {{9, -2, -4}, kUp});
   carving.move({{-9, 2, -4}, kUp}, {{9, 2, -4}, kUp});
@@ -312,7 +313,7 @@ TEST(Degenerate, CuttingTheSamePathAgainChangesNothing) {
   }
 }
 
-TEST(Degenerate, ToolEntirelyOutsideTakesNothing) {
+TEST(Degenerate, ToolOutsideTheBlockRemovesNothing) {
   for (const NamedTool& t : every_tool()) {
     Carving carving(small_block(0.01), t.tool);
     const std::uint64_t state = carving.sculpture().state_hash();
@@ -330,7 +331,7 @@ TEST(Degenerate, ToolEntirelyOutsideTakesNothing) {
   }
 }
 
-TEST(Degenerate, ConesOfNearlyNoAngleAndNearlyARightAngle) {
+TEST(Degenerate, ConeAnglesNearZeroAndNear90Degrees) {
   const Tool tools[] = {*make_tool(TaperShape{4, 0.01, 40}),
                         *make_tool(TaperShape{0.4, 89.99, 0.05}),
                         *make_tool(TaperShape{4, 0.01, 40, TaperTip::kBall}),

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The promise of the tight model: whatever the motion, no end point errs by more than the
-// tolerance.
+// The guarantee of the tight model: for any motion, no end point errs by more than the tolerance.
 
 #include <gtest/gtest.h>
 
@@ -63,8 +62,8 @@ TEST_P(FiveAxis, LargeTurnsWithAnyPivot) {
       const unsigned which = seed % 8;
       const double turn = which == 0 ? 169.99 * kDegree : random.in(0.2, 2.9);
       const Vec3 u = turned(a.axis, random.direction(), turn);
-      // The tip, the ball's centre, points of the axis within the tool, above and below it; or
-      // none.
+      // Pivot: the tip, the ball's center, a point of the axis within, above or below the tool, or
+      // no pivot.
       const double pivots[] = {0, 5, 2.5, 17, 80, -25};
       const bool any = which >= 6;
       const Vec3 tip = any ? a.tip_mm + random.direction() * random.in(0, 15)
@@ -79,15 +78,15 @@ TEST_P(FiveAxis, LongBlocksOfAProgram) {
     for (unsigned seed = 0; seed < 4u * unsigned(effort()); ++seed) {
       Random random(2000000 + seed);
       ToolPose a = start(random, 0.5);
-      const Vec3 way = normalized({random.in(-1, 1), random.in(-1, 1), 0}) * random.in(60, 400);
+      const Vec3 travel = normalized({random.in(-1, 1), random.in(-1, 1), 0}) * random.in(60, 400);
       const Vec3 u = turned(a.axis, random.direction(), random.in(0.05, 1));
-      a.tip_mm = a.tip_mm - way * 0.5;
-      judge(t, GetParam(), {a, {a.tip_mm + way, u}}, "long " + std::to_string(seed), 15);
+      a.tip_mm = a.tip_mm - travel * 0.5;
+      judge(t, GetParam(), {a, {a.tip_mm + travel, u}}, "long " + std::to_string(seed), 15);
     }
   }
 }
 
-TEST_P(FiveAxis, TicksOfAHand) {
+TEST_P(FiveAxis, TicksOfAHapticDevice) {
   for (const NamedTool& t : every_tool()) {
     for (unsigned seed = 0; seed < 6u * unsigned(effort()); ++seed) {
       Random random(3000000 + seed);
@@ -100,14 +99,14 @@ TEST_P(FiveAxis, TicksOfAHand) {
 }
 
 TEST_P(FiveAxis, PlungesThatTurn) {
-  // Mostly along the axis: the side of a cone is lit all around for part of the way only.
+  // Mostly along the axis: the side of a cone advances all around for part of the motion only.
   for (const NamedTool& t : every_tool()) {
     for (unsigned seed = 0; seed < 6 * unsigned(effort()); ++seed) {
       Random random(4000000 + seed);
       const ToolPose a = start(random, 0.6);
       const Vec3 u = turned(a.axis, random.direction(), random.in(0, seed % 2 == 0 ? 0.02 : 0.4));
-      const Vec3 way = a.axis * random.in(-8, 8) + random.direction() * random.in(0, 0.5);
-      judge(t, GetParam(), {a, {a.tip_mm + way, u}}, "plunge " + std::to_string(seed), 15);
+      const Vec3 travel = a.axis * random.in(-8, 8) + random.direction() * random.in(0, 0.5);
+      judge(t, GetParam(), {a, {a.tip_mm + travel, u}}, "plunge " + std::to_string(seed), 15);
     }
   }
 }
@@ -148,9 +147,9 @@ struct Once {
   unsigned seed;
 };
 
-// Found by a search of random motions, at a tolerance of 0.005 mm: ends that a bend hid between
-// two stations (0.010 and 0.038 mm off), a side that a ray left and came back to (0.020), discs
-// that turned about a diameter and took what lay between two passes (0.025 to 0.053).
+// Found by a search of random motions, at a tolerance of 0.005 mm: extrema between two stations
+// that a bend hid (errors of 0.010 and 0.038 mm), a side that a ray left and hit again (0.020),
+// discs that turned about a diameter and removed the material between two passes (0.025 to 0.053).
 const Once kOnce[] = {
     {"flat",
      {{{-0.24604454600837578, -3.5897760737733453, -3.5715638540124441},
@@ -203,7 +202,7 @@ const Once kOnce[] = {
      543},
 };
 
-TEST(FiveAxisRepro, MotionsThatOnceErred) {
+TEST(FiveAxisRepro, MotionsThatOnceExceededTheTolerance) {
   for (const Once& o : kOnce) {
     SculptureSettings settings = block(40, 20, 0.5, 0.005);
     settings.rays = o.rays;
@@ -230,7 +229,7 @@ INSTANTIATE_TEST_SUITE_P(Tolerance, FiveAxis, testing::Values(0.1, 0.01, 0.001, 
                                                      : "tenth_of_a_micrometre";
                          });
 
-// Motions that a long search found; each once lost a contact.
+// Motions found by a long search; each once lost a contact.
 struct Found {
   const char* what;
   ToolShape shape;

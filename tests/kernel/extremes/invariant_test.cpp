@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold for any motions in any order, whatever they cut: seeded random motions, every
-// tool, one field and three.
+// Invariants of any motions in any order: seeded random motions, every tool, one field and three.
 
 #include <gtest/gtest.h>
 
@@ -25,8 +24,8 @@ struct Move {
 
 enum class Turning { kNone, kSome };
 
-/// Moves all over a block of 24 x 24 x 12 mm whose top is at z = 0: short and long, level and
-/// steep, a third of them turning, now and then by far.
+/// Random moves in a block of 24 x 24 x 12 mm whose top is at z = 0: short and long, level and
+/// steep; a third of them turn, a few by large angles.
 std::vector<Move> random_moves(unsigned seed, int count, Turning turning = Turning::kSome) {
   Random random(seed);
   std::vector<Move> moves;
@@ -34,12 +33,12 @@ std::vector<Move> random_moves(unsigned seed, int count, Turning turning = Turni
     const ToolPose from = leaning({in(random, -11, 11), in(random, -11, 11), in(random, -6, 1)},
                                   in(random, 0, 0.8), in(random, 0, 6.2));
     const double reach = i % 4 == 0 ? 12 : 2;
-    const Vec3 way{in(random, -reach, reach), in(random, -reach, reach), in(random, -2, 2)};
+    const Vec3 travel{in(random, -reach, reach), in(random, -reach, reach), in(random, -2, 2)};
     const bool turns = turning == Turning::kSome && i % 3 == 0;
     const double turn = turns ? (i % 2 == 0 ? in(random, 0, 0.1) : in(random, 0, 1.2)) : 0;
     const Vec3 about{in(random, -1, 1), in(random, -1, 1), in(random, -1, 1)};
     moves.push_back(
-        {from, {from.tip_mm + way, turns ? turned(from.axis, about, turn) : from.axis}});
+        {from, {from.tip_mm + travel, turns ? turned(from.axis, about, turn) : from.axis}});
   }
   return moves;
 }
@@ -60,7 +59,7 @@ Sculpture carved(const SculptureSettings& settings, const Tool& tool,
 
 constexpr Rays kBoth[] = {Rays::kDexel, Rays::kTriDexel};
 
-TEST(Invariant, ElementsStaySoundAndTheVolumeNeverGrows) {
+TEST(Invariant, ElementsStayValidAndTheVolumeNeverGrows) {
   for (const NamedTool& t : every_tool(0.6)) {
     for (const Rays rays : kBoth) {
       Sculpture s = carved(small_block(rays), t.tool, {});
@@ -84,7 +83,7 @@ TEST(Invariant, ElementsStaySoundAndTheVolumeNeverGrows) {
   }
 }
 
-TEST(Invariant, WhatIsGoneLiesInTheSweepsAndWhatIsLeftOutside) {
+TEST(Invariant, RemovedPointsAreInTheSweepsAndRemainingPointsOutside) {
   for (const NamedTool& t : every_tool(0.6)) {
     for (const Rays rays : kBoth) {
       for (unsigned seed = 3; seed < 3 + 2 * unsigned(effort()); ++seed) {
@@ -128,9 +127,9 @@ TEST(Invariant, AnyOrderOfTheSameMotionsGivesTheSameBytes) {
   }
 }
 
-TEST(Invariant, AnyOrderOfOnePathsMovesGivesTheSameBytes) {
-  // Each move starts where one before it ended, which a kernel may know to be cut already: only if
-  // it is.
+TEST(Invariant, AnyOrderOfTheMovesOfAPathGivesTheSameBytes) {
+  // Each move starts where a previous one ended. A kernel may skip what is already cut there, but
+  // only if the move that cut it came before.
   for (const NamedTool& t : every_tool(0.6)) {
     for (const Rays rays : kBoth) {
       std::vector<Move> moves = random_moves(13, 14);
@@ -145,8 +144,8 @@ TEST(Invariant, AnyOrderOfOnePathsMovesGivesTheSameBytes) {
   }
 }
 
-TEST(Invariant, AToolThatIsDefinedAnewCutsWhereItStands) {
-  // The new tool starts where the old one ended; what the new one takes there is not cut yet.
+TEST(Invariant, RedefinedToolCutsAtItsPose) {
+  // The new tool starts where the old one ended, but its own shape has not been cut there yet.
   const std::vector<NamedTool> tools = every_tool(0.6);
   for (const NamedTool& t : tools) {
     Sculpture s = Sculpture::create(small_block(Rays::kDexel)).value();
@@ -162,8 +161,8 @@ TEST(Invariant, AToolThatIsDefinedAnewCutsWhereItStands) {
   }
 }
 
-/// Where two carvings of one grid differ: of the columns that were cut, those with more or fewer
-/// elements, and the ends that differ and by how much.
+/// Differences between two carvings of one grid: cut columns with different numbers of elements,
+/// and the ends that differ and by how much.
 struct Difference {
   int cut = 0, columns = 0, ends = 0;
   std::int32_t most = 0;  ///< quanta
@@ -193,8 +192,8 @@ Difference difference(const DexelSnapshot& a, const DexelSnapshot& b, Other othe
   return d;
 }
 
-/// Two ways to compute one end of a translation may round to neighbouring quanta; where an arc is
-/// met by iteration, to one or two farther. Nothing may differ by more.
+/// Two computations of the same end of a translation may round to adjacent quanta; where an arc is
+/// hit by iteration, to one or two more. Nothing may differ by more.
 constexpr std::int32_t kRoundingQuanta = 4;
 
 void expect_equal_to_rounding(const Difference& d, const std::string& what,
@@ -260,7 +259,7 @@ constexpr Symmetry kSymmetries[] = {
     {"a half turn", [](Vec3 v) { return Vec3{-v.x, -v.y, v.z}; },
      [](std::int32_t i, std::int32_t j, std::int32_t n) { return Place{n - 1 - i, n - 1 - j}; }}};
 
-/// Of motions that turn, either way to compute an end is right to the tolerance of small_block.
+/// For motions that turn, both computations of an end are within the tolerance of small_block.
 std::int32_t tolerance_quanta(const DexelGrid& grid) {
   return std::int32_t(0.01 / grid.z_quantum_mm);
 }
@@ -313,9 +312,9 @@ TEST(Invariant, JobsMovedByWholePitchesAgree) {
   }
 }
 
-TEST(Invariant, ThreeFieldsHoldOneSolid) {
-  // A column of one field, sampled: what is solid in it may differ from the true solid by the
-  // tolerance only, so the fields differ from one another by no more than twice that.
+TEST(Invariant, ThreeFieldsHoldTheSameSolid) {
+  // Samples of a column of one field: it may differ from the true solid by the tolerance only, so
+  // the fields differ from one another by at most twice that.
   for (const NamedTool& t : every_tool(0.6)) {
     const std::vector<Move> moves = random_moves(51, 10);
     Sculpture alone = carved(small_block(Rays::kDexel), t.tool, moves);

@@ -15,7 +15,7 @@
 namespace kerf::test {
 
 /// A block that every tool has carved in five axes, and the true sweeps. Equal seeds and widths
-/// give the same solid whatever the pitch.
+/// give the same solid at any pitch.
 struct RandomCarving {
   Vec3 size_mm;
   Sculpture sculpture;
@@ -42,8 +42,8 @@ struct RandomCarving {
       const double x = in(0, w), y = in(0, w);
       const Vec3 tip{x, y, in(0.2 * w, 0.75 * w)};
       const ToolPose from{tip, normalized(vec(1) + Vec3{0, 0, 1})};
-      const Vec3 way = vec(0.3 * w);
-      const ToolPose to{tip + way, normalized(from.axis + vec(0.3))};
+      const Vec3 travel = vec(0.3 * w);
+      const ToolPose to{tip + travel, normalized(from.axis + vec(0.3))};
       // A turn beyond 170 degrees is rejected.
       if (sculpture.apply(MoveTool{id, from, to, 1, false})) {
         sweeps.emplace_back(tools[t].tool, from, to);
@@ -60,7 +60,7 @@ struct RandomCarving {
     return s;
   }
 
-  /// How far a point is off the surface of the true solid, mm, as far as that is below a pitch.
+  /// Returns the distance (mm) of a point from the surface of the true solid, up to one pitch.
   double error_mm(Vec3 p) const {
     double outside =
         std::max({-p.x, p.x - size_mm.x, -p.y, p.y - size_mm.y, -p.z, p.z - size_mm.z});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From micrometres to ten metres: pitches, blocks, offsets, tools, ways, turns and cones at both
-// ends of what a user may ask for, each judged by the true sweep.
+// From micrometers to ten meters: pitches, blocks, offsets, tools, travels, turns and cones at both
+// ends of their ranges, each compared with the true sweep.
 
 #include <gtest/gtest.h>
 
@@ -128,7 +128,7 @@ TEST(Range, TinyToolsInLargeBlocksAndLargeToolsInTinyBlocks) {
   }
 }
 
-TEST(Range, WaysFromANanometreToTenMetres) {
+TEST(Range, TravelsFromANanometerToTenMeters) {
   for (const NamedTool& t : every_tool()) {
     for (const double travel : {1e-9, 1e-6, 1e-3, 30.0, 1e4}) {
       for (const double turn : {0.0, 1e-6, 0.4}) {
@@ -158,13 +158,14 @@ TEST(Range, TurnsFromAPicoradianTo170Degrees) {
 
 TEST(Range, ConesFromAHundredthOfADegreeToNearlyARightAngle) {
   for (const double half_angle : {0.01, 0.1, 1.0, 45.0, 80.0, 89.0, 89.99}) {
-    // Long cones where they are steep, flat ones where they are flat: the upper radius stays small.
+    // Long cones for steep angles, short ones for flat angles, so that the upper radius stays
+    // small.
     const double length = std::min(40.0, 6 / std::tan(half_angle * kPi / 180));
-    for (const double way : {0.0, 1.0, -1.0}) {
+    for (const double direction : {0.0, 1.0, -1.0}) {
       for (const double turn : {0.0, 0.15}) {
         Scene s;
         s.depth = std::min(4.0, length);
-        s.travel = 3 * way;
+        s.travel = 3 * direction;
         s.turn = turn;
         s.lean = 0.1;
         judge(s, *make_tool(TaperShape{2, half_angle, length}),
@@ -174,8 +175,8 @@ TEST(Range, ConesFromAHundredthOfADegreeToNearlyARightAngle) {
   }
 }
 
-/// Each end of what was removed may differ by the rounding to a quantum and nothing else.
-TEST(Range, GrazingToTheLastBit) {
+/// Each removed end may differ by the rounding to a quantum only.
+TEST(Range, GrazingRaysWithinOneBit) {
   const SculptureSettings s = block(20, 12, 0.5, 1e-6);
   for (const NamedTool& t : every_tool()) {
     const double r = t.tool.radius_mm;
@@ -191,7 +192,7 @@ TEST(Range, GrazingToTheLastBit) {
       carving.move({{side, -6, -4}, kUp}, {{side, 6, -4}, kUp});
       carving.expect_within_tolerance(t.name + " beside the block");
     }
-    // The first column stands half a pitch inside: touch it from a bit below to a bit beyond.
+    // The first column is half a pitch inside: touch it from one bit below to one bit beyond.
     const double x = -10 + 0.25;
     for (const double side : {x - r, std::nextafter(x - r, kInf), std::nextafter(x - r, -kInf)}) {
       Carving carving(s, t.tool);
@@ -201,7 +202,7 @@ TEST(Range, GrazingToTheLastBit) {
   }
 }
 
-TEST(Range, SmallStepsCutWhatTheWholeWayCuts) {
+TEST(Range, SmallStepsCutTheSameAsOneMotion) {
   for (const NamedTool& t : every_tool()) {
     const ToolPose a = leaning({-0.5, 0.1, -4}, 0.2);
     Carving steps(block(30, 16, 0.7, 1e-4), t.tool);
@@ -217,7 +218,7 @@ TEST(Range, SmallStepsCutWhatTheWholeWayCuts) {
   }
 }
 
-TEST(Range, ManyCutsOfOnePathDoNotCreep) {
+TEST(Range, RepeatedCutsOfAPathDoNotDrift) {
   // The soak program repeats this a million times (tests/README.md).
   for (const NamedTool& t : every_tool()) {
     Carving carving(block(24, 12, 0.8, 0.01), t.tool);

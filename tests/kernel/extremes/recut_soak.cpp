@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts one path again and again with every tool, one field and three, and fails if a bit of the
+// Cuts one path repeatedly with every tool, in one field and in three, and fails if a bit of the
 // state, the volume or a result changes. Usage: recut_soak [times=1000000]
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace kerf;
 
-/// False as soon as something crept.
+/// Returns false as soon as anything changes.
 bool stays_as_it_is(const test::NamedTool& tool, Rays rays, long times) {
   SculptureSettings settings = test::block(8, 4, 1.1, 0.02);
   settings.rays = rays;

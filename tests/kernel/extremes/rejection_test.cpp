@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers that no block can be carved with: NaN, infinities, denormals, out of every range. Each is
-// rejected with a typed error and leaves the state, to the bit, as it was.
+// Invalid numbers: NaN, infinities, denormals, values out of range. Each is rejected with a typed
+// error and leaves the state unchanged, bit for bit.
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ constexpr Vec3 kUp{0, 0, 1};
 
 const std::vector<double> kUnusable = {kNan, -kNan, kInf, -kInf, kHuge, -kHuge};
 
-/// Everything that a motion's numbers can be replaced in.
+/// All numbers of a motion that a test may replace.
 double& number_of(MoveTool& move, int which) {
   double* numbers[] = {&move.from.tip_mm.x, &move.from.tip_mm.y, &move.from.tip_mm.z,
                        &move.to.tip_mm.x,   &move.to.tip_mm.y,   &move.to.tip_mm.z,
@@ -31,7 +31,7 @@ double& number_of(MoveTool& move, int which) {
 }
 constexpr int kNumbers = 12;
 
-TEST(Rejection, NumbersThatAreNoneLeaveTheStateAsItWas) {
+TEST(Rejection, InvalidNumbersLeaveTheStateUnchanged) {
   Carving carving(block(20, 10, 0.5, 0.01), *make_tool(BallShape{6, 30}));
   const MoveTool good{1, leaning({-3, 0, -2}, 0.1), leaning({3, 1, -2}, 0.2, 1), 0.01};
   Sculpture& s = carving.sculpture();
@@ -187,7 +187,7 @@ TEST(Rejection, ToolsOutOfRange) {
   }
 }
 
-TEST(Rejection, MotionsThatWouldNeedTooManyParts) {
+TEST(Rejection, MotionsThatNeedTooManySubMotions) {
   Carving carving(block(20, 10, 0.5, 1e-6), *make_tool(FlatShape{500, 500}));
   const std::uint64_t state = carving.sculpture().state_hash();
   const auto moved = carving.sculpture().apply(

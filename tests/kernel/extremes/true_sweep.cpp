@@ -12,7 +12,7 @@
 namespace kerf::test {
 namespace {
 
-/// A point as the tool sees it: distance from the axis, height above the tip.
+/// A point in the tool's half-plane: distance from the axis, height above the tip.
 struct InTool {
   double radial, height;
 };
@@ -31,7 +31,7 @@ double outside_tool(const Tool& tool, InTool p) {
   return best;
 }
 
-/// A golden section for the least value in [a, b].
+/// Returns the least value in [a, b] by golden section.
 template <class F>
 double golden(double a, double b, F value) {
   constexpr double kShare = 0.3819660112501051;
@@ -72,8 +72,8 @@ ToolPose TrueSweep::at(double share) const {
                    to_.axis * (std::sin(share * angle_) / s)};
 }
 
-/// Halves the time again and again and drops what is too far away to matter, until the tool moves
-/// by little of its size within a cell; then a golden section around each lowest cell.
+/// Bisects the time repeatedly and drops intervals that are too far away to matter, until the tool
+/// moves by a small part of its size within a cell; then a golden section around each lowest cell.
 template <class F>
 double TrueSweep::least(Vec3 point, double interest_mm, F value) const {
   const double arm = std::max(length(point - from_.tip_mm), length(point - to_.tip_mm));

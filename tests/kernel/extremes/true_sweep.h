@@ -8,19 +8,19 @@
 
 namespace kerf::test {
 
-/// The solid that a tool sweeps along the true motion (design section 3), asked point by point. No
-/// sampling density: the search over time is bounded by how fast a point can move through the
-/// tool's frame, so a tool of 0.01 mm on a way of 10 m is found as surely as one of 500 mm that
-/// moves by a nanometre. Shares no code with the kernel's sweeps.
+/// The solid that a tool sweeps along the true motion (the definition in kernel/README.md), queried
+/// point by point. It has no sampling density: the search over time is bounded by the speed of a
+/// point in the tool's frame, so a tool of 0.01 mm on a path of 10 m is found as reliably as one of
+/// 500 mm that moves by a nanometer. Shares no code with the kernel's sweeps.
 class TrueSweep {
  public:
   TrueSweep(const Tool& tool, const ToolPose& from, const ToolPose& to);
 
-  /// How far (mm) the point lies outside the swept solid; negative: how deep inside one piece of
-  /// the tool. Values above `interest_mm` are not looked into: any value above it may be returned.
+  /// Returns the distance (mm) of the point from the swept solid; negative: its depth inside one
+  /// piece of the tool. For distances above `interest_mm` any value above it may be returned.
   double outside(Vec3 point, double interest_mm) const;
-  /// Whether everything within `margin_mm` of the point (in the tool's half-plane) lies inside the
-  /// tool at some time, seams between its pieces notwithstanding.
+  /// Returns whether everything within `margin_mm` of the point (in the tool's half-plane) lies
+  /// inside the tool at some time, in spite of seams between its pieces.
   bool well_inside(Vec3 point, double margin_mm) const;
   ToolPose at(double share) const;
 

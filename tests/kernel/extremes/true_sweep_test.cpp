@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The judge on trial: a judge that sees nothing would pass every kernel.
+// Tests of the reference itself: one that detects nothing would pass every kernel.
 
 #include "tests/kernel/extremes/true_sweep.h"
 
@@ -14,8 +14,8 @@ namespace {
 
 constexpr Vec3 kUp{0, 0, 1};
 
-TEST(TrueSweep, KnowsDistancesInClosedForm) {
-  // A ball of radius 5 on a straight way is a capsule around its centre's way.
+TEST(TrueSweep, MatchesClosedFormDistances) {
+  // A ball of radius 5 on a straight path is a capsule around the path of its center.
   const Tool ball = *make_tool(BallShape{10, 50});
   const TrueSweep sweep(ball, {{0, 0, 0}, kUp}, {{20, 0, 0}, kUp});
   EXPECT_NEAR(sweep.outside({7, 0, -2}, 10), 2, 1e-12);
@@ -24,7 +24,7 @@ TEST(TrueSweep, KnowsDistancesInClosedForm) {
   EXPECT_NEAR(sweep.outside({10, 6, 30}, 10), 1, 1e-12);
 }
 
-TEST(TrueSweep, FindsANeedleOnALongWay) {
+TEST(TrueSweep, FindsANeedleOnALongPath) {
   const Tool needle = *make_tool(FlatShape{0.01, 5});
   const TrueSweep sweep(needle, {{-5000, 0, 0}, kUp}, {{5000, 0, 0}, kUp});
   EXPECT_NEAR(sweep.outside({1234.56789, 0.004, 1}, 1), -0.001, 1e-9);
@@ -46,8 +46,9 @@ struct Wrong {
   Vec3 shift;
 };
 
-/// Carves with one tool on one way and judges by another: a difference of two tolerances must show.
-TEST(Carving, SeesAToolOrAWayThatIsWrongByTwoTolerances) {
+/// Carves with one tool or path and verifies against another: a difference of two tolerances must
+/// be detected.
+TEST(Carving, DetectsAToolOrPathWrongByTwoTolerances) {
   constexpr double kTolerance = 1e-3;
   const ToolPose a = leaning({-3, 0.2, -4}, 0.2), b = leaning({3, 1, -5}, 0.35, 1);
   const Wrong wrongs[] = {{"too large", BallShape{9.996, 50}, {}},
@@ -66,7 +67,7 @@ TEST(Carving, SeesAToolOrAWayThatIsWrongByTwoTolerances) {
   }
 }
 
-TEST(Carving, SeesASliverLeftBetweenTwoPiecesOfATool) {
+TEST(Carving, DetectsASliverBetweenTwoPiecesOfATool) {
   // Thinner than the tolerance, so that no point of it lies deeper than that within either piece.
   const Tool whole = *make_tool({FrustumPiece{0, 5, 5, 5}, FrustumPiece{5, 5, 50, 5}});
   const Tool gapped = *make_tool({FrustumPiece{0, 5, 5, 5}, FrustumPiece{5.000005, 5, 50, 5}});

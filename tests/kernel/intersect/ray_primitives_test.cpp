@@ -32,7 +32,7 @@ TEST(RayCapsule, AtRestIsASphere) {
   EXPECT_DOUBLE_EQ(tangent.hi, 3);
 }
 
-TEST(RayCapsule, MovedLevelItIsACircleAcross) {
+TEST(RayCapsule, HorizontalMotionGivesACircularCrossSection) {
   const RayCapsule c({0, 0, 10}, {8, 0, 10}, 5);
   const Span s = hit(c, 4, 3);
   EXPECT_DOUBLE_EQ(s.lo, 6);
@@ -43,25 +43,25 @@ TEST(RayCapsule, MovedLevelItIsACircleAcross) {
   EXPECT_TRUE(misses(hit(c, 4, 5.001)));
 }
 
-TEST(RayCapsule, APlungeReachesFromTheLowerToTheUpperBall) {
-  for (const double way : {9.0, -9.0}) {
-    const Span s = hit(RayCapsule({0, 0, 0}, {0, 0, way}, 5), 0, 3);
-    EXPECT_DOUBLE_EQ(s.lo, std::min(way, 0.0) - 4);
-    EXPECT_DOUBLE_EQ(s.hi, std::max(way, 0.0) + 4);
+TEST(RayCapsule, PlungeSpansFromTheLowerToTheUpperBall) {
+  for (const double travel : {9.0, -9.0}) {
+    const Span s = hit(RayCapsule({0, 0, 0}, {0, 0, travel}, 5), 0, 3);
+    EXPECT_DOUBLE_EQ(s.lo, std::min(travel, 0.0) - 4);
+    EXPECT_DOUBLE_EQ(s.hi, std::max(travel, 0.0) + 4);
   }
 }
 
-TEST(RayCapsule, ARampIsBoundedByTheSlantedCylinder) {
+TEST(RayCapsule, RampIsBoundedByTheSlantedCylinder) {
   // At 45 degrees the cylinder of radius 5 is an ellipse of half-height 5 √2 on the ray.
   const Span s = hit(RayCapsule({-20, 0, -20}, {20, 0, 20}, 5), 0, 0);
   EXPECT_NEAR(s.lo, -5 * std::sqrt(2), 1e-12);
   EXPECT_NEAR(s.hi, 5 * std::sqrt(2), 1e-12);
 }
 
-TEST(RayCapsule, TheEndOfOneMotionAndTheStartOfTheNextGiveTheSameBits) {
+TEST(RayCapsule, EndOfAMotionAndStartOfTheNextGiveTheSameBits) {
   const Vec3 a{0.1, 0.2, 7}, b{1.3, -0.7, 7.9}, c{2.9, 0.3, 7.1};
   const RayCapsule before(a, b, 5), after(b, c, 5);
-  // Behind the joint the second ends on the ball at b, beyond it the first does.
+  // Behind the joint the second motion is bounded by the ball at b, beyond it the first one is.
   const auto ball = hit(RayCapsule(b, b, 5), 1.31, -4.1);
   for (const RayCapsule& capsule : {before, after}) {
     const Span s = hit(capsule, 1.31, -4.1);
@@ -71,7 +71,7 @@ TEST(RayCapsule, TheEndOfOneMotionAndTheStartOfTheNextGiveTheSameBits) {
 }
 
 TEST(RayCone, UprightCylinderEndsAtItsDiscs) {
-  const RayCone c({0, 0, 2}, {0, 0, 1}, 30, 5, 5);
+  const RayCone c({0, 5, 30, 5}, {0, 0, 2}, {0, 0, 1});
   const Span s = hit(c, 3, 3.9);
   EXPECT_DOUBLE_EQ(s.lo, 2);
   EXPECT_DOUBLE_EQ(s.hi, 32);
@@ -79,13 +79,13 @@ TEST(RayCone, UprightCylinderEndsAtItsDiscs) {
 }
 
 TEST(RayCone, UprightConeStartsOnItsSide) {
-  const Span s = hit(RayCone({0, 0, 0}, {0, 0, 1}, 10, 0, 10), 3, 4);
+  const Span s = hit(RayCone({0, 0, 10, 10}, {0, 0, 0}, {0, 0, 1}), 3, 4);
   EXPECT_DOUBLE_EQ(s.lo, 5);
   EXPECT_DOUBLE_EQ(s.hi, 10);
 }
 
-TEST(RayCone, LyingCylinderIsMetAcross) {
-  const Span s = hit(RayCone({0, 0, 0}, {1, 0, 0}, 20, 5, 5), 7, 4);
+TEST(RayCone, LyingCylinderIsHitAcross) {
+  const Span s = hit(RayCone({0, 5, 20, 5}, {0, 0, 0}, {1, 0, 0}), 7, 4);
   EXPECT_DOUBLE_EQ(s.lo, -3);
   EXPECT_DOUBLE_EQ(s.hi, 3);
 }
@@ -94,14 +94,14 @@ TEST(RayCone, RayParallelToAGeneratorStillEnters) {
   // Half angle 45 degrees, leaning by 45 degrees: the quadratic's leading coefficient is exactly
   // zero.
   const double h = std::sqrt(0.5);
-  const RayCone c({0, 0, 0}, {h, 0, h}, 10, 0, 10);
+  const RayCone c({0, 0, 10, 10}, {0, 0, 0}, {h, 0, h});
   const Span s = hit(c, 2, 1);
   ASSERT_FALSE(misses(s));
   // On the cone, (x + z)^2 / 2 = (z - x)^2 / 2 + y^2, so z = y^2 / (2 x).
   EXPECT_NEAR(s.lo, 1.0 / 4, 1e-12);
 }
 
-TEST(RayParallelogram, IsMetWithinItsBordersOnly) {
+TEST(RayParallelogram, IsHitWithinItsBordersOnly) {
   const RayParallelogram p({0, 0, 1}, {4, 0, 4}, {0, 2, 2});
   const Span s = hit(p, 1, 1);
   EXPECT_DOUBLE_EQ(s.lo, 1 + 1 + 1);
@@ -110,7 +110,7 @@ TEST(RayParallelogram, IsMetWithinItsBordersOnly) {
   EXPECT_TRUE(misses(hit(p, 1, -0.1)));
 }
 
-TEST(RayParallelogram, UprightOneIsMetNowhere) {
+TEST(RayParallelogram, ParallelToTheRayIsNeverHit) {
   EXPECT_TRUE(misses(hit(RayParallelogram({0, 0, 0}, {0, 0, 5}, {3, 0, 0}), 1, 0)));
 }
 
@@ -123,8 +123,8 @@ TEST(RayPipe, CircleMovedAlongItsNormalIsACylinder) {
   EXPECT_TRUE(misses(hit(p, 8.5, 3)));
 }
 
-TEST(RayPipe, SlantedMotionMeetsThePaper) {
-  // Circle in the XY plane (normal Z) moved by (4, 0, 2): at height w its centre is at x = 2 w (Eq.
+TEST(RayPipe, SlantedMotionMatchesEquation17) {
+  // Circle in the XY plane (normal Z) moved by (4, 0, 2): at height w its center is at x = 2 w (Eq.
   // 17 with Vx / Vz = 2).
   const RayPipe p({0, 0, 0}, {0, 0, 1}, 3, {4, 0, 2});
   const double half = std::sqrt(9.0 - 1.0);
@@ -136,8 +136,8 @@ TEST(RayPipe, SlantedMotionMeetsThePaper) {
 }
 
 TEST(RayPipe, HorizontalSweepHasNoPipeSurface) {
-  // Vz = 0, where Eq. 17 divides by zero: the circle stays in its plane, so whatever is met lies in
-  // that plane.
+  // Vz = 0, where Eq. 17 divides by zero: the circle stays in its plane, so every hit lies in that
+  // plane.
   const RayPipe p({0, 0, 7}, {0, 0, 1}, 3, {10, 0, 0});
   const Span s = hit(p, 5, 1);
   EXPECT_DOUBLE_EQ(s.lo, 7);

@@ -17,13 +17,13 @@ TEST(Quadratic, OrdersItsRoots) {
   EXPECT_DOUBLE_EQ(mirrored.second, 2);
 }
 
-TEST(Quadratic, KeepsTheSmallRootWhereTheTextbookFormulaLosesIt) {
+TEST(Quadratic, SmallRootIsExactDespiteCancellation) {
   const QuadraticRoots<double> r = solve_quadratic<double>(1, -0.5e8, 1);  // roots 1e-8 and 1e8
   EXPECT_NEAR(r.first / 1e-8, 1, 1e-15);
   EXPECT_NEAR(r.second / 1e8, 1, 1e-15);
 }
 
-TEST(Quadratic, VanishingLeadingCoefficientLeavesTheLinearRoot) {
+TEST(Quadratic, VanishingLeadingCoefficientGivesTheLinearRoot) {
   for (const double sign : {1.0, -1.0}) {
     const QuadraticRoots<double> r = solve_quadratic<double>(0, sign * 2, -sign * 12);  // 4 t - 12
     EXPECT_TRUE(r.first == 3 || r.second == 3);
@@ -31,7 +31,7 @@ TEST(Quadratic, VanishingLeadingCoefficientLeavesTheLinearRoot) {
   }
 }
 
-TEST(Quadratic, HasNoRootWhereThereIsNone) {
+TEST(Quadratic, NoRealRootGivesNaN) {
   const QuadraticRoots<double> r = solve_quadratic<double>(1, 0, 1);
   EXPECT_FALSE(r.first <= 0 || r.first >= 0);
   EXPECT_FALSE(r.second <= 0 || r.second >= 0);

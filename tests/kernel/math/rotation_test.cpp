@@ -15,14 +15,14 @@ Vec3 random_unit(std::mt19937& random) {
   return normalized({n(random), n(random), n(random)});
 }
 
-TEST(Rotation, SineAndCosineAgreeWithTheLibrary) {
+TEST(Rotation, SineAndCosineMatchLibm) {
   for (double a = -3.14; a <= 3.14; a += 0.0137) {
     EXPECT_NEAR(sin_cos(a).sin, std::sin(a), 2e-15) << a;
     EXPECT_NEAR(sin_cos(a).cos, std::cos(a), 2e-15) << a;
   }
 }
 
-TEST(Rotation, AngleIsRightFromTinyToStraight) {
+TEST(Rotation, AngleIsAccurateFromTinyToPi) {
   std::mt19937 random(3);
   for (const double angle : {1e-12, 1e-9, 1e-4, 0.3, 1.0, 1.5707963, 2.5, 2.96, 3.1}) {
     const Vec3 a = random_unit(random);
@@ -32,7 +32,7 @@ TEST(Rotation, AngleIsRightFromTinyToStraight) {
   }
 }
 
-TEST(Rotation, GreatCircleRunsUniformlyAndEndsExactly) {
+TEST(Rotation, GreatCircleIsUniformAndEndsExactly) {
   std::mt19937 random(5);
   for (int i = 0; i < 200; ++i) {
     const Vec3 a = random_unit(random), b = random_unit(random);

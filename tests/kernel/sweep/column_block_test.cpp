@@ -20,7 +20,7 @@ void expect_interval(const ColumnBlock& b, int row, int lane, double lo, double 
   EXPECT_EQ(b.hi_mm[row][lane], hi) << lane;
 }
 
-TEST(ColumnBlock, AFirstIntervalThatRemovesNothingLeavesNoEndBehind) {
+TEST(ColumnBlock, EmptyFirstIntervalLeavesNoEnds) {
   ColumnBlock b = block();
   // A ball above the stock: its upper end is cut to the stock's top and lies below its lower end.
   b.add(0, Lanes(12), Lanes(10));
@@ -29,7 +29,7 @@ TEST(ColumnBlock, AFirstIntervalThatRemovesNothingLeavesNoEndBehind) {
   EXPECT_TRUE(b.apart.empty());
 }
 
-TEST(ColumnBlock, AnIntervalAboveTheStockDoesNotCountWhereverItStands) {
+TEST(ColumnBlock, IntervalsAboveTheStockAreIgnored) {
   for (const bool first : {true, false}) {
     ColumnBlock b = block();
     if (first) b.add(2, Lanes(11), Lanes(20));
@@ -40,7 +40,7 @@ TEST(ColumnBlock, AnIntervalAboveTheStockDoesNotCountWhereverItStands) {
   }
 }
 
-TEST(ColumnBlock, EachColumnOfARowIsOnItsOwn) {
+TEST(ColumnBlock, ColumnsOfARowAreIndependent) {
   ColumnBlock b = block();
   Lanes lo(1), hi(2), lo2(1.5), hi2(4);
   lo.set(3, 12);  // above the stock

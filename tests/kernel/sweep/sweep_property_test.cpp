@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sweeps against the true motion, by an oracle that shares no code with them: random poses,
-// every tool, both models.
+// Compares the sweeps with the true motion, by an oracle that shares no code with them: random
+// poses, every tool, both models.
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ struct Removed {
   double lo = 0, hi = 0;
 };
 
-/// What the kernel took from one column, as one range (the sweeps here leave no island).
+/// Returns the range that the kernel removed from a column (these sweeps leave no islands).
 Removed removed_from(const DexelSnapshot& s, int i, int j) {
   std::vector<Dexel> scratch;
   Removed r;
@@ -81,7 +81,7 @@ double outside_of(const Tool& tool, const ToolPose& a, const ToolPose& b, Vec3 p
   return best;
 }
 
-/// The true range over all pieces, within the block.
+/// Returns the true range over all pieces, within the block.
 Removed true_range(const Tool& tool, const ToolPose& a, const ToolPose& b, double x, double y) {
   Removed r{false, 1e300, -1e300};
   for (const ToolPiece& piece : tool.pieces) {
@@ -94,10 +94,8 @@ Removed true_range(const Tool& tool, const ToolPose& a, const ToolPose& b, doubl
   return r;
 }
 
-/// Distance by which what was removed and what the true motion sweeps differ, measured off the
-/// surface: how far a removed end lies outside the sweep, or within it while more should have gone.
-/// Looked into only where the ends differ along the ray by more than the tolerance, as they may on
-/// a steep wall.
+/// Returns the distance between a removed end and the surface of the true sweep. Computed only
+/// where the ends differ along the ray by more than the tolerance, which they may on a steep wall.
 double error_of(const Tool& tool, const ToolPose& a, const ToolPose& b, double x, double y,
                 const Removed& removed, double tolerance) {
   const Removed truth = true_range(tool, a, b, x, y);
@@ -166,7 +164,7 @@ TEST_P(TightModel, TranslationIsExact) {
   }
 }
 
-TEST_P(TightModel, TurnsAboutTipAndAboutAPointOfTheShaft) {
+TEST_P(TightModel, TurnsAboutTheTipAndAboutAPointOfTheShaft) {
   const Case c = tools()[std::size_t(GetParam())];
   const Tool tool = *make_tool(c.shape);
   for (const double pivot : {0.0, 4.0, 15.0, 60.0}) {
@@ -179,7 +177,7 @@ TEST_P(TightModel, TurnsAboutTipAndAboutAPointOfTheShaft) {
   }
 }
 
-TEST_P(TightModel, NeedsTheRootOfWhatThePaperNeeds) {
+TEST_P(TightModel, NeedsTheSquareRootOfThePaperModelsSubMotions) {
   const Tool tool = *make_tool(tools()[std::size_t(GetParam())].shape);
   const ToolPose a{{0, 0, -4}, {0, 0, 1}};
   const ToolPose b{{1, 0, -4}, normalized({0.0436, 0, 1})};
@@ -200,7 +198,7 @@ TEST_P(TightModel, NeedsTheRootOfWhatThePaperNeeds) {
 INSTANTIATE_TEST_SUITE_P(EveryTool, TightModel, testing::Range(0, 5),
                          [](const auto& tool) { return tools()[std::size_t(tool.param)].name; });
 
-TEST(PaperModel, StaysWithinToleranceByDividingMore) {
+TEST(PaperModel, StaysWithinToleranceWithMoreSubMotions) {
   for (const std::size_t which : {0u, 1u, 4u}) {
     const Case c = tools()[which];
     Poses poses(11);
@@ -210,8 +208,9 @@ TEST(PaperModel, StaysWithinToleranceByDividingMore) {
   }
 }
 
-TEST(Sweep, RampOfExactlyTheConesAngleCutsItsFullVolume) {
-  // A 90 degree V-bit on a ramp of 45 degrees: another simulator loses the whole cut here.
+TEST(Sweep, RampAtExactlyTheConeAngleCutsItsFullVolume) {
+  // A 90 degree V-bit on a ramp of 45 degrees: a known failure of other simulators, which lose the
+  // whole cut.
   const auto removed = [](double slope) {
     SculptureSettings settings;
     settings.stock = BoxStock{{-5, -5, -10}, {15, 5, 0}};
@@ -223,8 +222,8 @@ TEST(Sweep, RampOfExactlyTheConesAngleCutsItsFullVolume) {
         .value()
         .removed_mm3;
   };
-  // Swept wedge: the cone at the end, volume π 3^3 / 3, and in front of it nothing, for the ramp
-  // follows the cone.
+  // Swept volume: the cone at the end, π 3^3 / 3, and nothing in front of it, because the ramp is
+  // parallel to the cone's generator.
   EXPECT_GT(removed(1), 20);
   EXPECT_NEAR(removed(1), removed(1.0001), 0.02);
   EXPECT_NEAR(removed(1), removed(0.9999), 0.02);

@@ -18,17 +18,17 @@ constexpr double kToleranceMm = 0.001;
 
 Discs discs_at(double x, double y, double reach) { return {Lanes(x), Lanes(y), reach}; }
 
-TEST(Trail, ACylinderThatMovesSidewaysRemovesNothingBehindItsAxis) {
+TEST(Trail, CylinderMovingSidewaysRemovesNothingBehindItsAxis) {
   const ToolPose from{{0, 0, 0}, {0, 0, 1}}, to{{1, 0, 0}, {0, 0, 1}};
   const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, false);
   EXPECT_EQ(trail.behind(discs_at(-1, 2, 0.5)), 0xFFU);
-  EXPECT_EQ(trail.behind(discs_at(-0.4, 2, 0.5)), 0U);  // its half may advance
+  EXPECT_EQ(trail.behind(discs_at(-0.4, 2, 0.5)), 0U);  // half of it may advance
   EXPECT_EQ(trail.behind(discs_at(3, 0, 0.5)), 0U);
-  // A disc that shows could be anywhere over the plane.
+  // A disc that is not hidden could be over any position.
   EXPECT_EQ(Trail(FrustumPiece{0, 4, 50, 4}, from, to, true).behind(discs_at(-1, 2, 0.5)), 0U);
 }
 
-TEST(Trail, AlongTheRaysThereIsNothingBehind) {
+TEST(Trail, MotionAlongTheRaysHasNoTrail) {
   const ToolPose from{{0, 0, 0}, {1, 0, 0}}, to{{0, 0, 1}, {1, 0, 0}};
   const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, false);
   for (const double y : {-3.0, 0.0, 3.0}) EXPECT_EQ(trail.behind(discs_at(20, y, 0.5)), 0U);
@@ -39,8 +39,9 @@ struct Chain {
   double step_mm, turn;
 };
 
-/// A chain of motions with one tool, whose start is known to be cut, and the same with two tools of
-/// one shape that take turns, where nothing is known: the greatest difference of their ends.
+/// Returns the greatest difference of the ends between two carvings: a chain of motions of one
+/// tool, where each start is known to be cut, and the same motions by two tools of equal shape in
+/// turn, where it is not.
 double greatest_difference(const ToolShape& shape, const Chain& chain, std::uint64_t seed) {
   SculptureSettings settings;
   settings.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
@@ -60,10 +61,10 @@ double greatest_difference(const ToolShape& shape, const Chain& chain, std::uint
   };
   ToolPose last{vec(0) * 10 + Vec3{0, 0, -3 + 2 * any(random)},
                 normalized(vec(0) * 0.4 + Vec3{0, 0, 1})};
-  Vec3 way = normalized(vec(0.3));
+  Vec3 direction = normalized(vec(0.3));
   for (ToolId i = 0; i < 10; ++i) {
-    way = normalized(way + vec(0.3) * 0.3);
-    const ToolPose next{last.tip_mm + way * chain.step_mm,
+    direction = normalized(direction + vec(0.3) * 0.3);
+    const ToolPose next{last.tip_mm + direction * chain.step_mm,
                         chain.turn > 0 ? normalized(last.axis + vec(1) * chain.turn) : last.axis};
     one.apply(MoveTool{1, last, next, 0}).value();
     two.apply(MoveTool{1 + i % 2, last, next, 0}).value();
@@ -89,7 +90,7 @@ double greatest_difference(const ToolShape& shape, const Chain& chain, std::uint
   return worst;
 }
 
-TEST(Trail, WhatIsLeftOutBehindAToolHadBeenRemoved) {
+TEST(Trail, SkippedRegionsWereAlreadyRemoved) {
   const std::vector<ToolShape> shapes{
       FlatShape{6, 30},
       TaperShape{3, 12, 30},

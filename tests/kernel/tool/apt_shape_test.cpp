@@ -10,15 +10,15 @@
 namespace kerf {
 namespace {
 
-TEST(AptShape, WithoutAnglesIsABullNose) {
+TEST(AptShape, ZeroAnglesAreABullNose) {
   EXPECT_EQ(*make_tool(AptShape{10, 1, 4, 1, 0, 0, 50}), *make_tool(BullNoseShape{10, 1, 50}));
 }
 
-TEST(AptShape, WithItsCornerOnTheAxisIsABall) {
+TEST(AptShape, CornerOnTheAxisIsABall) {
   EXPECT_EQ(*make_tool(AptShape{10, 5, 0, 5, 0, 0, 50}), *make_tool(BallShape{10, 50}));
 }
 
-TEST(AptShape, WithoutCornerIsFlatOrACone) {
+TEST(AptShape, ZeroCornerRadiusIsFlatOrACone) {
   EXPECT_EQ(*make_tool(AptShape{10, 0, 5, 0, 0, 0, 50}), *make_tool(FlatShape{10, 50}));
   const Tool cone = *make_tool(AptShape{10, 0, 5, 5, 45, 0, 30});
   const Tool same = *make_tool(ConeEndShape{10, 90, 30});
@@ -27,8 +27,9 @@ TEST(AptShape, WithoutCornerIsFlatOrACone) {
               std::get<FrustumPiece>(same.pieces[0]).z1_mm, 1e-12);
 }
 
-/// The cutter whose corner arc touches both lines: its centre is r above the one and r inside the
-/// other, (-sin a, cos a) . x = r and (-cos b, sin b) . x = r about the point where they meet.
+/// Returns the cutter whose corner arc touches both lines: its center is r above the one and r
+/// inside the other, (-sin a, cos a) . x = r and (-cos b, sin b) . x = r about the point where they
+/// meet.
 AptShape tangent_cutter(double d, double r, double alpha_deg, double beta_deg, double h) {
   const double a = alpha_deg * M_PI / 180, b = beta_deg * M_PI / 180;
   const double det = std::cos(a + b);
@@ -61,7 +62,7 @@ TEST(AptShape, ArcTouchesTheBottomAndTheSide) {
   }
 }
 
-TEST(AptShape, AnglesNearTheirLimitsAreStillLines) {
+TEST(AptShape, AnglesNearTheirLimitsGiveValidLines) {
   for (const double alpha : {1e-9, 1e-3, 45.0, 89.0, 89.99}) {
     const double h = 5 * std::tan(alpha * M_PI / 180);
     const auto t = make_tool(AptShape{10, 0, 5, h, alpha, 0, h + 10});
@@ -98,7 +99,7 @@ TEST(AptShape, LinesThatCrossTheArcCutItOff) {
   EXPECT_EQ(std::get<FrustumPiece>(t.pieces[1]), (FrustumPiece{1, 6, 30, 6}));
 }
 
-TEST(AptShape, NegativeCentreMakesABarrel) {
+TEST(AptShape, NegativeCenterMakesABarrel) {
   // A flank of radius 60, widest (8 mm) at the height 20.
   const Tool t = *make_tool(AptShape{16, 60, -52, 20, 0, 0, 35});
   ASSERT_EQ(t.pieces.size(), 2u);
@@ -127,7 +128,7 @@ struct Rejected {
   const char* field;
 };
 
-TEST(AptShape, RejectsWhatDoesNotFitTogether) {
+TEST(AptShape, RejectsInconsistentFields) {
   const double nan = std::nan("");
   using enum ToolErrorCode;
   for (const auto& [shape, code, field] :

@@ -36,7 +36,7 @@ TEST(ProfileShape, PlainShapesAreProfiles) {
 TEST(ProfileShape, LollipopIsABallAndANeck) {
   // A ball of radius 5, a neck of radius 3 that leaves it at the height 9.
   const Tool t = *make_tool(ProfileShape{{to(0, 0), arc(5, 5, 5), arc(3, 9, 5), to(3, 40)}});
-  ASSERT_EQ(t.pieces.size(), 3u);  // Two arcs: the user divided it at the equator.
+  ASSERT_EQ(t.pieces.size(), 3u);  // The outline has two arcs that meet at the equator.
   const Tool one =
       *make_tool(ProfileShape{{to(0, 0), ProfileCenteredArc{{3, 9}, {0, 5}, kOut}, to(3, 40)}});
   ASSERT_EQ(one.pieces.size(), 2u);
@@ -47,7 +47,7 @@ TEST(ProfileShape, LollipopIsABallAndANeck) {
   }
 }
 
-TEST(ProfileShape, BallThatSticksOutOfWhatFollowsIsCutOff) {
+TEST(ProfileShape, BallNotCoveredByTheNextSectionIsCutOff) {
   // The neck narrows to a point below the ball's top: no whole ball.
   const Tool t =
       *make_tool(ProfileShape{{to(0, 0), ProfileCenteredArc{{3, 9}, {0, 5}, kOut}, to(0, 9.5)}});
@@ -91,19 +91,19 @@ TEST(ProfileShape, CornerRounderStaysInsideItsFilletByTheChordTolerance) {
     double most = 0;
     for (double h = 2.0005; h < 6; h += 0.001) {
       const double r = test::radius_at(made->pieces, h);
-      // How far the approximation is from the arc's circle, towards the axis.
+      // Distance of the approximation from the arc's circle, towards the axis.
       const double inside = std::hypot(r - 8, h - 2) - 4;
       EXPECT_GE(inside, -1e-12) << h;
       most = std::max(most, inside);
     }
     EXPECT_LE(most, tolerance * (1 + 1e-9));
-    EXPECT_GE(most, tolerance / 8);  // And no more sections than that takes.
+    EXPECT_GE(most, tolerance / 8);  // No more sections than needed.
     EXPECT_EQ(test::radius_at(made->pieces, 1), 4);
     EXPECT_EQ(test::radius_at(made->pieces, 7), 8);
   }
 }
 
-TEST(ProfileShape, PiecesTouchFromTheTipUp) {
+TEST(ProfileShape, PiecesAreStackedWithoutGaps) {
   const Tool t = *make_tool(ProfileShape{
       {to(1, 0), arc(3, 2, 2), to(3, 5), arc(6, 8, 3, kIn), to(6, 8 + 1e-10), to(2, 20)}});
   double top = 0;
@@ -133,7 +133,7 @@ struct Rejected {
   const char* field;
 };
 
-TEST(ProfileShape, RejectsWithTheStepAndTheReason) {
+TEST(ProfileShape, RejectionNamesTheStepAndTheReason) {
   const double nan = std::nan("");
   using enum ToolErrorCode;
   for (const auto& [shape, code, field] : std::vector<Rejected>{
@@ -171,9 +171,9 @@ TEST(ProfileShape, RejectsWithTheStepAndTheReason) {
   }
 }
 
-/// Whatever comes in is rejected with a field, or it is a sound tool: pieces stacked without gaps,
-/// within the drawn heights, nowhere negative.
-TEST(ProfileShape, RandomOutlinesAreSoundOrRejected) {
+/// Every outline is rejected with a field, or gives a valid tool: pieces stacked without gaps,
+/// within the outline's heights, radius nowhere negative.
+TEST(ProfileShape, RandomOutlinesAreValidOrRejected) {
   std::mt19937_64 random(7);
   const auto number = [&] {
     switch (random() % 12) {

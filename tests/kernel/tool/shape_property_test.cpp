@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tools with arcs and undercuts against the true motion, by an oracle that shares no code with the
-// sweeps. Between head and neck a column may be left standing, so every solid element and every gap
-// is asked, not one range per column.
+// Compares sweeps of tools with arcs and undercuts with the true motion, by an oracle that shares
+// no code with the sweeps. Between head and neck part of a column may remain, so every solid
+// element and every gap is checked, not one range per column.
 
 #include <gtest/gtest.h>
 
@@ -46,8 +46,8 @@ double outside_of(const Tool& tool, const ToolPose& a, const ToolPose& b, Vec3 p
   return best;
 }
 
-/// Every solid element's middle is nowhere deep in the sweep, every gap's middle nowhere outside of
-/// it, and every end between them is on its border.
+/// Checks that the middle of every solid element is not deep in the sweep, the middle of every gap
+/// is not outside of it, and every end between them is on its border.
 void check_columns(const Tool& tool, const ToolPose& a, const ToolPose& b, const DexelSnapshot& s,
                    double tolerance, const std::string& what) {
   const DexelGrid& g = s.grid();
@@ -100,7 +100,7 @@ TEST_P(ShapeMotion, StaysWithinToleranceForAnyMotion) {
     ToolPose b{a.tip_mm + Vec3{in(-4, 4), in(-4, 4), in(-1, 1)},
                normalized(axis * std::cos(turn) + side * std::sin(turn))};
     if (n % 4 == 3)
-      b.tip_mm = a.tip_mm + (a.axis - b.axis) * in(0, 20);  // About a point of the axis.
+      b.tip_mm = a.tip_mm + (a.axis - b.axis) * in(0, 20);  // A turn about a point of the axis.
     sculpture.apply(MoveTool{1, a, b, 0.01}).value();
     check_columns(tool, a, b, sculpture.snapshot(), settings.tolerance_mm,
                   c.name + " motion " + std::to_string(n));

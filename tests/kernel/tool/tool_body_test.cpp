@@ -33,7 +33,7 @@ TEST(ToolBody, HolderMayBeAProfile) {
             (std::vector<ToolPiece>{ArcPiece{10, 42, 2, 40, 42}, FrustumPiece{42, 12, 70, 12}}));
 }
 
-TEST(ToolBody, IsKeptWhenAToolIsMadeFromItsPieces) {
+TEST(ToolBody, SurvivesMakingAToolFromItsPieces) {
   ToolBody body;
   body.shank = Shank{8, 30};
   for (const ToolShape& shape :
@@ -51,7 +51,7 @@ struct Rejected {
   const char* field;
 };
 
-TEST(ToolBody, RejectsWithTheFieldAndTheReason) {
+TEST(ToolBody, RejectionNamesTheFieldAndTheReason) {
   const double nan = std::nan("");
   using Sections = std::vector<HolderSection>;
   using enum ToolErrorCode;

@@ -42,13 +42,13 @@ TEST(Tool, BullNoseIsARoundedCornerAndACylinder) {
   EXPECT_EQ(t.radius_mm, 5);
 }
 
-TEST(Tool, BullNoseReachesFromFlatToBall) {
+TEST(Tool, BullNoseLimitsAreFlatAndBall) {
   EXPECT_EQ(*make_tool(BullNoseShape{10, 0, 50}), *make_tool(FlatShape{10, 50}));
   EXPECT_EQ(*make_tool(BullNoseShape{10, 5, 50}), *make_tool(BallShape{10, 50}));
   EXPECT_EQ(make_tool(BullNoseShape{10, 2, 2})->pieces.size(), 1u);
 }
 
-TEST(Tool, KnowsItsLengthWithAndWithoutWhatDoesNotCut) {
+TEST(Tool, HasLengthsWithAndWithoutNonCuttingPieces) {
   const Tool t = *make_tool({FrustumPiece{0, 3, 20, 3}}, {FrustumPiece{20, 10, 60, 15}});
   EXPECT_EQ(t.length_mm, 20);
   EXPECT_EQ(t.radius_mm, 3);
@@ -64,7 +64,7 @@ struct Rejected {
   const char* field;
 };
 
-TEST(Tool, RejectsWhatCannotBeMade) {
+TEST(Tool, RejectsInvalidShapes) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   using enum ToolErrorCode;
@@ -95,7 +95,7 @@ TEST(Tool, RejectsWhatCannotBeMade) {
   }
 }
 
-TEST(Tool, RejectsBadPiecesFromAJournal) {
+TEST(Tool, RejectsInvalidPiecesFromAJournal) {
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{}));
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{FrustumPiece{5, 1, 5, 1}}));
   EXPECT_FALSE(make_tool(std::vector<ToolPiece>{FrustumPiece{0, 0, 5, 0}}));

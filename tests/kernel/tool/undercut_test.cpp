@@ -10,7 +10,7 @@ namespace {
 
 const Vec3 kUp{0, 0, 1};
 
-/// A block with room for a slot along x, its rays along Z.
+/// A block that is large enough for a slot along x; its rays run along Z.
 Sculpture block() {
   SculptureSettings settings;
   settings.stock = BoxStock{{0, -20, -20}, {60, 20, 0}};
@@ -25,20 +25,20 @@ double slot_mm3(const ToolShape& shape) {
   return s.apply(MoveTool{1, {{-20, 0, -15}, kUp}, {{80, 0, -15}, kUp}, 1}).value().removed_mm3;
 }
 
-TEST(Undercut, TSlotRemovesHeadAndNeckAndNothingElse) {
+TEST(Undercut, TSlotRemovesExactlyHeadAndNeck) {
   const double removed =
       slot_mm3(ProfileShape{{ProfilePoint{0, 0}, ProfilePoint{10, 0}, ProfilePoint{10, 6},
                              ProfilePoint{4, 6}, ProfilePoint{4, 40}}});
   EXPECT_NEAR(removed, 60 * (20 * 6 + 8 * 9), 0.01 * removed);
 }
 
-TEST(Undercut, DovetailLeavesItsFlanksStanding) {
+TEST(Undercut, DovetailLeavesTheMaterialAboveItsFlanks) {
   const double removed =
       slot_mm3(ProfileShape{{ProfilePoint{10, 0}, ProfilePoint{5, 8}, ProfilePoint{5, 40}}});
   EXPECT_NEAR(removed, 60 * (15 * 8 + 10 * 7), 0.01 * removed);
 }
 
-TEST(Undercut, BothWaysRemoveTheSame) {
+TEST(Undercut, OppositeDirectionsRemoveTheSame) {
   const Tool tool =
       *make_tool(ProfileShape{{ProfilePoint{10, 0}, ProfilePoint{5, 8}, ProfilePoint{5, 40}}});
   std::uint64_t hash = 0;

@@ -17,7 +17,7 @@
 #include <string>
 #include <thread>
 
-#include "haptic_agent/device/usb/monotonic.h"
+#include "haptic_agent/realtime/clock.h"
 #include "tests/usb/model/reference_firmware.h"
 
 namespace kerf::usb_test {

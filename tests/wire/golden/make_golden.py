@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Writes the golden frames and golden.json beside this file.
 
 A second implementation of the layout, with Python's struct module, from the tables of

@@ -5,31 +5,31 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "haptic_agent/servo/twist.h"
+#include "haptic_agent/servo/grip.h"
 
 namespace kerf::agent {
 
-/// Where the hand was at one tick.
-struct PastHold {
+/// The grip at one tick.
+struct PastGrip {
   std::uint64_t time_us = 0;
-  Hold hold{};
+  Grip grip{};
   Twist velocity{};
-  /// Of the tip, since the start.
-  double way_mm = 0;
+  /// Path length of the tip since the start.
+  double path_mm = 0;
   /// As LocalModel::heading.
   Vec3 heading{};
 };
 
-/// The last second of the hand, to find what an answer answers.
-class HoldHistory {
+/// The grips of the last second, to look up the one that an answer refers to.
+class GripHistory {
  public:
   static constexpr std::size_t kKept = 1024;
 
-  /// Times must grow.
-  void push(const PastHold& now) noexcept { kept_[count_++ % kKept] = now; }
+  /// Times must increase.
+  void push(const PastGrip& now) noexcept { kept_[count_++ % kKept] = now; }
 
-  /// The newest hold not after `time_us`; null if that is too long ago or before the start.
-  const PastHold* at(std::uint64_t time_us) const noexcept {
+  /// Returns the newest grip not after `time_us`; null if that is too long ago or before the start.
+  const PastGrip* at(std::uint64_t time_us) const noexcept {
     std::size_t low = count_ > kKept ? count_ - kKept : 0;
     std::size_t high = count_;
     if (low == high || kept_[low % kKept].time_us > time_us) return nullptr;
@@ -41,7 +41,7 @@ class HoldHistory {
   }
 
  private:
-  std::array<PastHold, kKept> kept_{};
+  std::array<PastGrip, kKept> kept_{};
   std::size_t count_ = 0;
 };
 

@@ -9,8 +9,8 @@
 
 namespace kerf::agent {
 
-/// Counts of durations in microseconds, in buckets that are at most 1/16 of their value wide (exact
-/// below 16 us), up to 2^32 us. One thread writes; read it when that thread has ended.
+/// Histogram of durations in microseconds. Buckets are exact below 16 us and at most 1/16 of their
+/// value wide above, up to 2^32 us. One thread writes; read it after that thread has ended.
 class Histogram {
  public:
   void add(std::uint64_t value_us) noexcept {
@@ -22,13 +22,13 @@ class Histogram {
   std::uint64_t total() const noexcept { return total_; }
   std::uint64_t max_us() const noexcept { return max_us_; }
 
-  /// The upper edge of the bucket below which `part` (0..1) of all values lie; 0 if there are none.
+  /// Returns the upper edge of the bucket below which `part` (0..1) of all values lie; 0 if empty.
   std::uint64_t quantile_us(double part) const noexcept {
-    const double wanted = part * static_cast<double>(total_);
+    const double target = part * static_cast<double>(total_);
     std::uint64_t seen = 0;
     for (std::size_t i = 0; i < counts_.size(); ++i) {
       seen += counts_[i];
-      if (seen > 0 && static_cast<double>(seen) >= wanted) return std::min(upper_us(i), max_us_);
+      if (seen > 0 && static_cast<double>(seen) >= target) return std::min(upper_us(i), max_us_);
     }
     return max_us_;
   }

@@ -8,9 +8,9 @@
 
 namespace kerf::agent {
 
-/// Hands the newest value from one writing thread to one reading thread. Neither ever waits: three
-/// slots are exchanged, one being written, one being read, and one in between. Older values that
-/// the reader did not fetch in time are lost, which is the purpose.
+/// Lock-free triple buffer: passes the newest value from one writing thread to one reading thread.
+/// Neither waits. The writer owns one slot, the reader another, and the third is exchanged. A value
+/// that the reader does not fetch before the next write is overwritten.
 template <typename T>
 class LatestValue {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -23,8 +23,8 @@ class LatestValue {
     back_ = before & kIndex;
   }
 
-  /// Reader only: fetches the newest value; false and `value` untouched if there is none newer than
-  /// at the last call.
+  /// Reader only. Fetches the newest value; returns false, and leaves `value` as it is, if nothing
+  /// was written since the last call.
   bool read(T& value) noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     const std::uint8_t before = middle_.exchange(front_, std::memory_order_acq_rel);

@@ -8,22 +8,23 @@
 
 namespace kerf::agent {
 
-/// Where a hand holds the tool: the pivot, at which force and torque act, and the tool's axis.
-struct Hold {
+/// Pose of the tool as the device holds it: the pivot, at which force and torque act, and the
+/// tool's axis (unit).
+struct Grip {
   Vec3 pivot_mm{};
   Vec3 axis{0, 0, 1};
 };
 
-/// The shortest motion of the pivot and the axis from one hold to another; the axis turns on the
-/// great circle. Nothing turns about the axis itself: five degrees of freedom.
-inline Twist between(const Hold& from, const Hold& to) noexcept {
+/// Returns the shortest motion from one grip to another. The axis turns on the great circle; there
+/// is no rotation about the axis itself (five degrees of freedom).
+inline Twist between(const Grip& from, const Grip& to) noexcept {
   const Vec3 normal = cross(from.axis, to.axis);
   const double sine = length(normal);
   const double angle = std::atan2(sine, dot(from.axis, to.axis));
   return {to.pivot_mm - from.pivot_mm, sine > 0 ? normal * (angle / sine) : Vec3{}};
 }
 
-/// Rotates `v` with a rotation vector (Rodrigues).
+/// Rotates `v` by a rotation vector (Rodrigues).
 inline Vec3 rotated(Vec3 v, Vec3 turn_rad) noexcept {
   const double angle = length(turn_rad);
   if (!(angle > 0)) return v;

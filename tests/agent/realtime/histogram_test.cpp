@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptic_agent/servo/histogram.h"
+#include "haptic_agent/realtime/histogram.h"
 
 #include <gtest/gtest.h>
 
 namespace kerf::agent {
 namespace {
 
-TEST(Histogram, IsEmptyAtFirst) {
+TEST(Histogram, IsInitiallyEmpty) {
   const Histogram histogram;
   EXPECT_EQ(histogram.quantile_us(0.5), 0U);
   EXPECT_EQ(histogram.total(), 0U);
@@ -30,7 +30,7 @@ TEST(Histogram, LargeValuesAreWithinASixteenth) {
   }
 }
 
-TEST(Histogram, ValuesBeyondItsRangeCountAsTheLargest) {
+TEST(Histogram, ValuesBeyondTheRangeCountAsTheLargest) {
   Histogram histogram;
   histogram.add(std::uint64_t{1} << 60);
   EXPECT_EQ(histogram.total(), 1U);

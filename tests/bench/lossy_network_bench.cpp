@@ -2,7 +2,7 @@
 // Latency of results on a network that loses packets: the agent's link and a real server, with a
 // path between them that delays IP packets and drops some, of TCP and UDP alike.
 //
-//   lossy_transport_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
+//   lossy_network_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
 //
 // Prints, for each packet loss and each transport, the time from a pose to its result: of each
 // result received, and the age of the newest result, sampled every ms. Needs the right to create
@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "haptic_agent/link/server_link.h"
-#include "haptic_agent/servo/servo_clock.h"
+#include "haptic_agent/realtime/clock.h"
 #include "tests/bench/lossy_path.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptic_agent/servo/realtime.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 
 #include <pthread.h>
 #include <sched.h>
@@ -7,15 +7,14 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <initializer_list>
 #include <string_view>
 #include <system_error>
-
-#include "haptic_agent/device/text_fields.h"
 
 namespace kerf::agent {
 namespace {
 
-/// More than a tick needs; the first touch of a page must not happen in the loop.
+/// More than a tick needs. Touched in advance, so that the loop takes no page faults.
 constexpr std::size_t kStackBytes = 128 * 1024;
 constexpr std::size_t kPageBytes = 4096;
 
@@ -33,36 +32,36 @@ bool pin(int cpu) noexcept {
   return pthread_setaffinity_np(pthread_self(), sizeof only, &only) == 0;
 }
 
-void warn(RealtimeReport& report, std::string_view text) {
+void warn(RealtimeReport& report, std::initializer_list<std::string_view> parts) {
   if (!report.warning.empty()) report.warning += "; ";
-  report.warning += text;
+  for (const std::string_view part : parts) report.warning += part;
 }
 
 }  // namespace
 
 int request_fifo(int priority) noexcept {
-  const sched_param wanted{.sched_priority = priority};
-  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+  const sched_param parameter{.sched_priority = priority};
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
 }
 
-RealtimeReport make_realtime(const RealtimeWish& wish) {
+RealtimeReport make_realtime(const RealtimeRequest& request) {
   RealtimeReport report;
-  if (const int failed = request_fifo(wish.priority); failed == 0) {
+  if (const int failed = request_fifo(request.priority); failed == 0) {
     report.fifo = true;
   } else {
-    warn(report, join({"no real-time priority (", std::generic_category().message(failed),
-                       "): the 1 kHz loop runs as an ordinary thread; allow it with rtprio in "
-                       "limits.conf or CAP_SYS_NICE"}));
+    warn(report, {"no real-time priority (", std::generic_category().message(failed),
+                  "): the 1 kHz loop runs as an ordinary thread; grant rtprio in limits.conf or "
+                  "CAP_SYS_NICE"});
   }
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
     report.memory_locked = true;
   } else {
-    warn(report, join({"memory is not locked (", std::generic_category().message(errno), ")"}));
+    warn(report, {"memory is not locked (", std::generic_category().message(errno), ")"});
   }
-  if (wish.cpu >= 0) {
-    report.pinned = pin(wish.cpu);
+  if (request.cpu >= 0) {
+    report.pinned = pin(request.cpu);
     if (!report.pinned) {
-      warn(report, join({"the loop cannot stay on processor ", std::to_string(wish.cpu)}));
+      warn(report, {"the loop cannot be pinned to processor ", std::to_string(request.cpu)});
     }
   }
   touch_stack();

@@ -6,36 +6,37 @@
 
 #include <cstdint>
 
-#include "haptic_agent/servo/latest_value.h"
+#include "haptic_agent/realtime/latest_value.h"
 #include "haptic_agent/servo/sample_ring.h"
 #include "haptic_agent/servo/server_wrench.h"
 
 namespace kerf::agent {
 
-/// Between the servo and whoever answers its samples from near by, from a copy of the block.
-class NearAnswers {
+/// Lock-free exchange between the servo thread and the local replica thread: samples in one
+/// direction, answers in the other. Only the replica thread waits.
+class ReplicaExchange {
  public:
-  NearAnswers() noexcept : wake_(::eventfd(0, EFD_CLOEXEC)) {}
-  ~NearAnswers() { ::close(wake_); }
-  NearAnswers(const NearAnswers&) = delete;
-  NearAnswers& operator=(const NearAnswers&) = delete;
+  ReplicaExchange() noexcept : wake_(::eventfd(0, EFD_CLOEXEC)) {}
+  ~ReplicaExchange() { ::close(wake_); }
+  ReplicaExchange(const ReplicaExchange&) = delete;
+  ReplicaExchange& operator=(const ReplicaExchange&) = delete;
 
-  /// Servo thread. False if the other side is a whole ring behind.
+  /// Servo thread. Returns false, and drops the sample, if the ring is full.
   bool push(const wire::MotionSample& sample) noexcept {
     const bool taken = samples_.push(sample);
     wake();
     return taken;
   }
-  /// Servo thread: the newest answer, if there is a newer one than at the last call.
+  /// Servo thread. Fetches the newest answer; returns false if there is none since the last call.
   bool read(ServerWrench& answer) noexcept { return answers_.read(answer); }
 
-  /// The other side: the next sample; false if there is none.
+  /// Replica thread. Fetches the next sample; returns false if there is none.
   bool pop(wire::MotionSample& sample) noexcept { return samples_.pop(sample); }
   void write(const ServerWrench& answer) noexcept { answers_.write(answer); }
-  /// The other side: sleeps until there is a sample, or until somebody calls wake.
+  /// Replica thread. Sleeps until a sample is pushed or `wake` is called.
   void wait() noexcept {
     std::uint64_t times = 0;
-    // A wait that a signal ends is a wait that has ended.
+    // An interrupting signal ends the wait too.
     [[maybe_unused]] const auto read_bytes = ::read(wake_, &times, sizeof times);
   }
   void wake() noexcept {

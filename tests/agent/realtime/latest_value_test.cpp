@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptic_agent/servo/latest_value.h"
+#include "haptic_agent/realtime/latest_value.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ struct Triple {
   std::uint64_t c = 0;
 };
 
-TEST(LatestValue, GivesEachValueOnceAndOnlyTheNewest) {
+TEST(LatestValue, ReturnsTheNewestValueOnce) {
   LatestValue<int> value;
   int got = -1;
   EXPECT_FALSE(value.read(got));
@@ -33,7 +33,7 @@ TEST(LatestValue, GivesEachValueOnceAndOnlyTheNewest) {
   EXPECT_EQ(got, 3);
 }
 
-TEST(LatestValue, NeverTearsAValueAndNeverGoesBack) {
+TEST(LatestValue, ValuesAreConsistentAndInOrder) {
   LatestValue<Triple> value;
   constexpr std::uint64_t kLast = 200'000;
   std::thread writer([&] {
@@ -51,7 +51,7 @@ TEST(LatestValue, NeverTearsAValueAndNeverGoesBack) {
   EXPECT_TRUE(whole);
 }
 
-TEST(SampleRing, RejectsWhenFullAndKeepsTheOrder) {
+TEST(SampleRing, RejectsValuesWhenFullAndKeepsTheOrder) {
   SampleRing ring;
   wire::MotionSample sample;
   EXPECT_FALSE(ring.pop(sample));
@@ -67,7 +67,7 @@ TEST(SampleRing, RejectsWhenFullAndKeepsTheOrder) {
   EXPECT_FALSE(ring.pop(sample));
 }
 
-TEST(SampleRing, HandsEverySampleFromThreadToThread) {
+TEST(SampleRing, TransfersEverySampleBetweenThreads) {
   SampleRing ring;
   constexpr std::uint64_t kLast = 100'000;
   std::thread writer([&] {

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace kerf::agent {
+
+/// What the operating system granted to a thread.
+struct RealtimeReport {
+  bool fifo = false;
+  bool memory_locked = false;
+  bool pinned = false;
+  /// What was denied and how to allow it; empty if everything was granted.
+  std::string warning;
+};
+
+/// Above the servo, so that the watchdog runs even if a servo tick never returns.
+inline constexpr int kWatchdogPriority = 90;
+/// Above ordinary threads, below the kernel's own threads and the watchdog.
+inline constexpr int kServoPriority = 80;
+/// The replica must answer before the next tick, and must not delay one.
+inline constexpr int kReplicaPriority = 70;
+/// Below the servo: the link must send samples and receive wrenches even on a busy machine.
+inline constexpr int kLinkPriority = 60;
+
+struct RealtimeRequest {
+  int priority = kServoPriority;
+  /// Processor to pin the thread to, from 0; negative: any.
+  int cpu = -1;
+};
+
+/// Requests SCHED_FIFO for the calling thread. Returns 0 or an error number.
+int request_fifo(int priority) noexcept;
+
+/// Requests SCHED_FIFO and a processor for the calling thread, locks the process's memory, and
+/// touches the stack that the thread will use. What is denied is reported and not fatal: the loop
+/// then runs as an ordinary thread.
+RealtimeReport make_realtime(const RealtimeRequest& request);
+
+}  // namespace kerf::agent
