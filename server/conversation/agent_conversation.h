@@ -70,7 +70,7 @@ class AgentConversation final : public Conversation {
   void queue_datagram(std::uint64_t sequence, const Body& body,
                       std::optional<Clock::time_point> arrived = std::nullopt);
 
-  const SessionLimits& limits_;
+  SessionLimits limits_;
   std::function<std::optional<datagram::Offer>()> open_udp_;
   int listener_ = 0;
   AgentOutbox out_;
