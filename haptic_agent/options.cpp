@@ -15,11 +15,11 @@ namespace kerf::agent {
 namespace {
 
 constexpr int kBadInput = 2;
-constexpr double kMostSeconds = 1e6;
-constexpr double kMostForceN = 50.0;
-constexpr double kMostTorqueNmm = 2000.0;
-constexpr double kMostSpeed = 100.0;
-constexpr double kMostStiffnessNPerMm = 20.0;
+constexpr double kMaxSeconds = 1e6;
+constexpr double kMaxForceN = 50.0;
+constexpr double kMaxTorqueNmm = 2000.0;
+constexpr double kMaxSpeed = 100.0;
+constexpr double kMaxStiffnessNPerMm = 20.0;
 
 std::unexpected<EarlyExit> reject(const std::string& reason) {
   std::cerr << "kerf-agent: " << reason << '\n';
@@ -84,19 +84,19 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--tool", options.link.hello.tool_id, "id of one of the session's tools")
       ->check(CLI::Range(1U, 1'000'000'000U));
   app.add_option("--duration", options.duration_s, "leave after this many seconds")
-      ->check(number_in(1e-3, kMostSeconds));
+      ->check(number_in(1e-3, kMaxSeconds));
   app.add_flag("--loop", options.device_options.loop, "restart at the end of the path");
   app.add_option("--speed", options.device_options.speed, "speed factor of the path")
-      ->check(number_in(1.0 / kMostSpeed, kMostSpeed));
+      ->check(number_in(1.0 / kMaxSpeed, kMaxSpeed));
   app.add_option("--stiffness", options.device_options.stiffness_n_per_mm,
                  "stiffness of the simulated hand, N/mm")
-      ->check(number_in(1e-2, kMostStiffnessNPerMm))
+      ->check(number_in(1e-2, kMaxStiffnessNPerMm))
       ->capture_default_str();
   app.add_option("--force-max", options.limits.force_n, "maximum force, N")
-      ->check(number_in(0.0, kMostForceN))
+      ->check(number_in(0.0, kMaxForceN))
       ->capture_default_str();
   app.add_option("--torque-max", options.limits.torque_nmm, "maximum torque, N·mm")
-      ->check(number_in(0.0, kMostTorqueNmm))
+      ->check(number_in(0.0, kMaxTorqueNmm))
       ->capture_default_str();
   app.add_option("--cpu", options.cpu, "processor to pin the 1 kHz loop to, from 0")
       ->check(CLI::Range(0, 1023));
@@ -120,7 +120,7 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
                "processor");
   app.add_option("--patience", options.link.patience_s,
                  "retry for this many seconds while the server cannot be reached")
-      ->check(number_in(0.0, kMostSeconds))
+      ->check(number_in(0.0, kMaxSeconds))
       ->capture_default_str();
   app.add_flag("--view", options.view, "show state, force, energy and link on the terminal");
   app.add_option("--trip-log", options.trip_log,

@@ -14,18 +14,18 @@
 
 namespace kerf::net {
 
-/// The UDP port that agents may use beside their WebSocket.
+/// The UDP port that agents may use in addition to their WebSocket.
 struct UdpOptions {
   bool on = true;
-  /// The user has chosen the port: failing to bind it is an error instead of a warning.
+  /// Failing to bind is an error instead of a warning; set if the user chose the port.
   bool required = false;
-  std::string address;                ///< empty: the address of HTTP
-  std::optional<std::uint16_t> port;  ///< empty: the port of HTTP; 0: the system picks one
+  std::string address;                ///< empty: address of HTTP
+  std::optional<std::uint16_t> port;  ///< empty: port of HTTP; 0: the system chooses one
 };
 
 struct ServerOptions {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 8080;  ///< 0: the system picks one
+  std::uint16_t port = 8080;  ///< 0: the system chooses one
   HttpOptions http;
   std::size_t connections_max = 4096;
   std::size_t sessions_max = 64;
@@ -33,7 +33,7 @@ struct ServerOptions {
   UdpOptions udp;
 };
 
-/// The whole service in one process: session registry, threads, listeners.
+/// The complete service in one process: session registry, threads and listeners.
 class Server {
  public:
   /// Creates the data folder if needed and reopens its sessions. A broken journal is logged and
@@ -44,12 +44,12 @@ class Server {
   SessionRegistry& sessions();
   /// Starts listening. The error is one sentence.
   std::expected<void, std::string> listen();
-  /// "http://ADDRESS:PORT" with the port that is actually bound.
+  /// Returns "http://ADDRESS:PORT" with the bound port.
   std::string url() const;
   std::uint16_t port() const;
-  /// 0 if UDP is off.
+  /// Returns the bound UDP port; 0 if UDP is off.
   std::uint16_t udp_port() const;
-  /// Sends `bye` to all peers, commits the journals and stops. The destructor calls it too.
+  /// Sends `bye` to all peers, commits the journals and stops. Also called by the destructor.
   void stop();
 
  private:

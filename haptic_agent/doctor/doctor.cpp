@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSomethingWrong = 1;
 constexpr int kBadInput = 2;
-constexpr double kMostSeconds = 3600;
+constexpr double kMaxSeconds = 3600;
 
 struct DoctorOptions {
   std::vector<std::string> devices{};
@@ -29,10 +29,10 @@ void describe(CLI::App& app, DoctorOptions& options) {
       "also wait until this device is ready (same values as for carving; may be repeated)");
   app.add_option("--server", options.server, "also check this server, http://HOST:PORT");
   app.add_option("--seconds", options.seconds, "duration of the loop measurement")
-      ->check(CLI::Range(0.1, kMostSeconds))
+      ->check(CLI::Range(0.1, kMaxSeconds))
       ->capture_default_str();
   app.add_option("--wait", options.wait_s, "how long to wait for a device, including its homing")
-      ->check(CLI::Range(0.0, kMostSeconds))
+      ->check(CLI::Range(0.0, kMaxSeconds))
       ->capture_default_str();
   app.add_flag("--load", options.load, "keep all cores busy during the measurement");
 }

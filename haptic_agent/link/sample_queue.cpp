@@ -46,7 +46,7 @@ void SampleQueue::push(const wire::MotionSample& sample) {
     merge_straight();
     fresh_ = 0;
   }
-  if (samples_.size() > kMostKept) drop_oldest();
+  if (samples_.size() > kMaxKept) drop_oldest();
 }
 
 wire::MotionBatch SampleQueue::take(std::size_t most) {
@@ -211,8 +211,8 @@ void SampleQueue::thin_cuts() {
 
 void SampleQueue::drop_oldest() {
   merge_air();
-  if (samples_.size() > kMostKept / 2) thin_cuts();
-  while (samples_.size() > kMostKept) {
+  if (samples_.size() > kMaxKept / 2) thin_cuts();
+  while (samples_.size() > kMaxKept) {
     samples_.pop_front();
     if (next_ > 0) --next_;
     ++forgotten_;

@@ -18,7 +18,7 @@ namespace kerf::agent {
 class SampleQueue {
  public:
   /// Capacity: eight seconds at 1 kHz.
-  static constexpr std::size_t kMostKept = 8192;
+  static constexpr std::size_t kMaxKept = 8192;
   /// Maximum time between the oldest unanswered sample and one that may be sent; bounds the backlog
   /// sent to a slow server. An older answer gives no force anyway.
   static constexpr std::uint64_t kWindowUs = 120'000;

@@ -7,7 +7,7 @@
 
 namespace kerf::agent {
 
-Wrench ContactModel::push(const Grip& now, double stiffness_most) const noexcept {
+Wrench ContactModel::push(const Grip& now, double max_stiffness) const noexcept {
   Wrench sum;
   const Vec3 turn = between(then_, now).angular;
   for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
@@ -21,8 +21,7 @@ Wrench ContactModel::push(const Grip& now, double stiffness_most) const noexcept
     const double fade =
         std::clamp(2 - length(moved) / static_cast<double>(plane.radius_mm), 0.0, 1.0);
     if (!(depth > 0) || !(fade > 0)) continue;
-    const double stiffness =
-        std::min(static_cast<double>(plane.stiffness_n_per_mm), stiffness_most);
+    const double stiffness = std::min(static_cast<double>(plane.stiffness_n_per_mm), max_stiffness);
     const Vec3 force = normal * (stiffness * depth * fade);
     sum = sum + Wrench{force, cross(arm, force)};
   }
@@ -31,15 +30,15 @@ Wrench ContactModel::push(const Grip& now, double stiffness_most) const noexcept
 }
 
 void ContactModel::take(const ServerWrench& answer, const Grip& then, const Grip& now) noexcept {
-  const Wrench before = push(now, stiffness_most_) + fading_;
+  const Wrench before = push(now, max_stiffness_) + fading_;
   answer_ = answer;
   then_ = then;
-  fading_ = before - push(now, stiffness_most_);
+  fading_ = before - push(now, max_stiffness_);
 }
 
 Wrench ContactModel::at(const Grip& now, double dt_s) noexcept {
   fading_ = fading_ * std::exp(-dt_s / kFadeS);
-  return push(now, stiffness_most_) + fading_;
+  return push(now, max_stiffness_) + fading_;
 }
 
 Wrench ContactModel::in_answer() const noexcept {

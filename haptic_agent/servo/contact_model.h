@@ -14,11 +14,11 @@ class ContactModel {
   /// Time constant with which a difference between two answers fades, s.
   static constexpr double kFadeS = 0.015;
 
-  /// `stiffness_most`: upper limit of the springs, N/mm, which the device renders stably. Planes
+  /// `max_stiffness`: upper limit of the springs, N/mm, which the device renders stably. Planes
   /// with none of `flags` (wire::ContactPlane) are ignored.
-  explicit ContactModel(double stiffness_most,
+  explicit ContactModel(double max_stiffness,
                         std::uint32_t flags = wire::kContactStock | wire::kContactObstacle) noexcept
-      : stiffness_most_(stiffness_most), flags_(flags) {}
+      : max_stiffness_(max_stiffness), flags_(flags) {}
 
   /// Sets the newest answer. `then`: the grip that it answers; `now`: the newest grip.
   void take(const ServerWrench& answer, const Grip& then, const Grip& now) noexcept;
@@ -28,9 +28,9 @@ class ContactModel {
   Wrench in_answer() const noexcept;
 
  private:
-  Wrench push(const Grip& now, double stiffness_most) const noexcept;
+  Wrench push(const Grip& now, double max_stiffness) const noexcept;
 
-  double stiffness_most_;
+  double max_stiffness_;
   std::uint32_t flags_;
   ServerWrench answer_;
   Grip then_;

@@ -30,7 +30,7 @@ class EngagementTrend {
     const double middle = x_ / weight_;
     const double mean = y_ / weight_;
     const double spread = xx_ / weight_ - middle * middle;
-    const double slope = spread > kLeastSpreadMm2 ? (xy_ / weight_ - middle * mean) / spread : 0;
+    const double slope = spread > kMinSpreadMm2 ? (xy_ / weight_ - middle * mean) / spread : 0;
     const double value = mean + slope * (path_mm - origin_mm_ - middle);
     return std::clamp(value, newest_ / 2, newest_ * 3 / 2);
   }
@@ -39,7 +39,7 @@ class EngagementTrend {
   bool empty() const noexcept { return weight_ == 0; }
 
  private:
-  static constexpr double kLeastSpreadMm2 = 1e-4;
+  static constexpr double kMinSpreadMm2 = 1e-4;
 
   double origin_mm_ = 0;
   double weight_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;

@@ -11,7 +11,7 @@ namespace {
 /// stably can reverse a force F over a length F/k; a shorter one would be a stiffer spring.
 constexpr double kHeadingMm = 0.5;
 /// Below this speed an answer gives no damping coefficient, mm/s.
-constexpr double kLeastSpeed = 2;
+constexpr double kMinSpeed = 2;
 /// Time constant of the weights in the trend: kTrendS plus kTrendOfLag of the delay.
 constexpr double kTrendS = 0.005;
 constexpr double kTrendOfLag = 0.5;
@@ -67,7 +67,7 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastGrip& then) noex
   double strength = length(cut_.force_n);
   if (settings_.law == CutLaw::kRemovalRate) {
     const double speed = length(then.velocity.at(arm_mm_));
-    if (speed < kLeastSpeed) return;
+    if (speed < kMinSpeed) return;
     strength /= speed;
   }
   constexpr double kSPerUs = 1e-6;
@@ -90,7 +90,7 @@ Wrench LocalModel::cut(const PastGrip& now) const noexcept {
 
   double newtons = trend_.at(now.path_mm);
   if (settings_.law == CutLaw::kRemovalRate) {
-    newtons = std::min(newtons, settings_.damping_most) * length(now.velocity.at(arm));
+    newtons = std::min(newtons, settings_.max_damping) * length(now.velocity.at(arm));
   }
   newtons *= kept * std::min(1.0, length_now / length_then);
   const double scale = newtons / answered_n;

@@ -18,8 +18,8 @@ enum class CutLaw : std::uint8_t {
 struct ModelSettings {
   CutLaw law = CutLaw::kSpecificEnergy;
   /// Limits that the device renders stably at 1 kHz: N/mm and N s/mm.
-  double stiffness_most = 1.5;
-  double damping_most = 0.02;
+  double max_stiffness = 1.5;
+  double max_damping = 0.02;
 };
 
 /// Extrapolates the server's answers, which are a round trip old, to the current grip and velocity:
@@ -29,8 +29,8 @@ class LocalModel {
  public:
   explicit LocalModel(const ModelSettings& settings) noexcept
       : settings_(settings),
-        stock_(settings.stiffness_most, wire::kContactStock),
-        obstacles_(settings.stiffness_most, wire::kContactObstacle) {}
+        stock_(settings.max_stiffness, wire::kContactStock),
+        obstacles_(settings.max_stiffness, wire::kContactObstacle) {}
 
   /// Takes an answer of the server. `then`: the grip when the answered pose was measured. If the
   /// replica has already answered a newer pose, only the obstacles of this answer are used.

@@ -16,7 +16,7 @@ struct PassivitySettings {
   /// tick in which that is detected.
   double reserve_mj = 6;
   /// Maximum damping of the damper that dissipates a deficit, N s/mm.
-  double damping_most = 0.02;
+  double max_damping = 0.02;
   /// Below this speed the velocity estimate has no reliable direction, mm/s.
   double speed_floor = 2;
 };
@@ -53,7 +53,7 @@ class BasicPassivity {
     const double allowed = level / dt_s;
     if (level < 0) {
       starving_ = true;
-      const double most = settings_.damping_most;
+      const double most = settings_.max_damping;
       return damper(velocity, std::min(most, -allowed / square));
     }
     const double power = work(requested, velocity);

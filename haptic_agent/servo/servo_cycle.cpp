@@ -22,11 +22,11 @@ constexpr double kStableShare = 0.5;
 ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings settings) {
   settings.limits = within(device, settings.limits);
   if (device.max_stiffness_n_per_mm > 0) {
-    settings.model.stiffness_most = kStableShare * device.max_stiffness_n_per_mm;
+    settings.model.max_stiffness = kStableShare * device.max_stiffness_n_per_mm;
   }
   if (device.max_damping_n_s_per_mm > 0) {
-    settings.model.damping_most = kStableShare * device.max_damping_n_s_per_mm;
-    settings.passivity.damping_most = settings.model.damping_most;
+    settings.model.max_damping = kStableShare * device.max_damping_n_s_per_mm;
+    settings.passivity.max_damping = settings.model.max_damping;
   }
   settings.safety.continuous_force_n = device.continuous_force_n;
   settings.safety.continuous_torque_nmm = device.continuous_torque_nmm;

@@ -9,15 +9,15 @@ class ThermalLoad {
   static constexpr double kTimeS = 10;
 
   /// `continuous`: continuous rating, N or N·mm; 0: unknown, never exceeded.
-  explicit ThermalLoad(double continuous) noexcept : square_most_(continuous * continuous) {}
+  explicit ThermalLoad(double continuous) noexcept : max_square_(continuous * continuous) {}
 
   void take(double output, double dt_s) noexcept {
     square_ += (output * output - square_) * (dt_s / kTimeS);
   }
-  bool too_much() const noexcept { return square_most_ > 0 && square_ > square_most_; }
+  bool too_much() const noexcept { return max_square_ > 0 && square_ > max_square_; }
 
  private:
-  double square_most_;
+  double max_square_;
   double square_ = 0;
 };
 

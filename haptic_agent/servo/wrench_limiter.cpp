@@ -56,11 +56,11 @@ Wrench WrenchLimiter::limit(const Wrench& requested, double dt_s) noexcept {
 
 Wrench WrenchLimiter::fit(const Wrench& requested) noexcept {
   double share = 1;
-  const auto most_share = [&share](double value, double most) {
+  const auto reduce_share = [&share](double value, double most) {
     if (value > most) share = std::min(share, most / value);
   };
-  most_share(length(requested.force_n), limits_.force_n);
-  most_share(length(requested.torque_nmm), limits_.torque_nmm);
+  reduce_share(length(requested.force_n), limits_.force_n);
+  reduce_share(length(requested.torque_nmm), limits_.torque_nmm);
   output_ = {.force_n = requested.force_n * share, .torque_nmm = requested.torque_nmm * share};
   return output_;
 }

@@ -125,15 +125,15 @@ TEST_F(DemoCarving, DoesNotGougeAndLeavesLittleMaterial) {
 }
 
 TEST_F(DemoCarving, AxisTiltIsVisibleAndBounded) {
-  double least_z = 1;
+  double min_z = 1;
   for (const Stroke& stroke : all_strokes()) {
     for (const DemoPose& pose : stroke.poses) {
       ASSERT_NEAR(length(pose.axis), 1, 1e-9);
-      least_z = std::min(least_z, pose.axis.z);
+      min_z = std::min(min_z, pose.axis.z);
     }
   }
-  EXPECT_LT(least_z, std::cos(0.5)) << "five-axis motion must be visible";
-  EXPECT_GT(least_z, std::cos(0.8)) << "more tilt than the strokes require";
+  EXPECT_LT(min_z, std::cos(0.5)) << "five-axis motion must be visible";
+  EXPECT_GT(min_z, std::cos(0.8)) << "more tilt than the strokes require";
 }
 
 TEST_F(DemoCarving, DistancesBetweenPosesAreSmall) {

@@ -43,7 +43,7 @@ const SCENE = {
 };
 
 let step = 0;
-function report(text) {
+function logStep(text) {
   console.log(`${String(++step).padStart(2)}  ${text}`);
 }
 
@@ -80,7 +80,7 @@ async function startServer(folder) {
     body: JSON.stringify(SCENE),
   });
   assert.equal(created.status, 201, await created.text());
-  report(`server at ${base}, session ${SESSION} created from a scene`);
+  logStep(`server at ${base}, session ${SESSION} created from a scene`);
   return { server, base };
 }
 
@@ -98,7 +98,7 @@ async function openViewers(base, browser) {
       async () => (await state())?.snapshotComplete,
     );
   await until('complete block in the wire viewer', SETTLE_S, () => wire.snapshotComplete);
-  report('two browsers and a wire viewer have the complete block');
+  logStep('two browsers and a wire viewer have the complete block');
   return { viewers, wire };
 }
 
@@ -146,7 +146,7 @@ async function carve(base, folder, viewers) {
   const variance = await photograph(viewers[0], join(options.out, 'carving.png'));
   for (const agent of agents)
     assert.equal(await agent.ended, 0, `${agent.name}: ${agent.errors}${agent.lines.join('\n')}`);
-  report(
+  logStep(
     `two agents carved at 1 kHz for ${options.seconds} s; a browser displayed tools and forces`,
   );
   return variance;
@@ -175,7 +175,7 @@ async function compare(base, viewers, wire) {
   for (const state of states) assert.equal(state.problems, 0, state.problem);
   for (const { problems } of viewers) assert.deepEqual(problems, []);
   assert.deepEqual(wire.errors, []);
-  report(
+  logStep(
     `server and viewers agree: state ${session.state_hash}, ${session.motions} motions, ` +
       `${first.triangles} triangles`,
   );
@@ -229,7 +229,7 @@ async function compareDetail(viewer, wire) {
     newestTiles(wire).every(({ level }) => level === 0),
   );
   assert.deepEqual(newestTiles(wire), exact);
-  report(
+  logStep(
     `levels of detail: ${trianglesOf(exact)} triangles, ${away.triangles} in a browser, ` +
       `${coarse} at the coarsest level`,
   );
@@ -252,7 +252,7 @@ async function checkDownloads(viewer) {
   const started = viewer.page.waitForEvent('download');
   await viewer.page.getByRole('link', { name: '3MF' }).click();
   assert.equal((await started).suggestedFilename(), 'end to end.3mf');
-  report(`all ${links.length} downloads of the page work`);
+  logStep(`all ${links.length} downloads of the page work`);
 }
 
 async function checkExports(base, folder, session, wire) {
@@ -265,7 +265,7 @@ async function checkExports(base, folder, session, wire) {
     errors.push(...(await gltfErrors(glb, `mesh frame ${i + 1}`)));
   assert.deepEqual(errors, []);
   await writeFile(join(options.out, 'delta.glb'), wire.glbs.at(-1));
-  report(`model.glb and all ${deltas} mesh frames pass the glTF validator`);
+  logStep(`model.glb and all ${deltas} mesh frames pass the glTF validator`);
 
   await download(`${url}/model.stl`, join(options.out, 'model.stl'));
   const stl = await stlFacts(join(options.out, 'model.stl'));
@@ -274,7 +274,7 @@ async function checkExports(base, folder, session, wire) {
     { ...stl, facets: 0 },
     { facets: 0, disconnected: 0, backwards: 0, degenerate: 0 },
   );
-  report(`model.stl is closed: ${stl.facets} facets, none disconnected`);
+  logStep(`model.stl is closed: ${stl.facets} facets, none disconnected`);
 
   await download(`${url}/program.apt`, join(folder, 'program.apt'));
   await writeFile(join(folder, 'scene.json'), JSON.stringify(SCENE));
@@ -292,7 +292,7 @@ async function checkExports(base, folder, session, wire) {
     session.state_hash,
     'kerf-carve of the exported APT program results in a different block',
   );
-  report(`kerf-carve of the exported APT program results in the same state ${report.state_hash}`);
+  logStep(`kerf-carve of the exported APT program results in the same state ${report.state_hash}`);
 }
 
 async function test(folder) {
@@ -305,7 +305,7 @@ async function test(folder) {
     const still = await photograph(viewers[1], join(options.out, 'carved.png'));
     for (const variance of [live, still])
       assert(variance > 8, `the screenshot is blank: brightness varies by ${variance.toFixed(1)}`);
-    report(
+    logStep(
       `screenshots are not blank (brightness varies by ${live.toFixed(0)} and ` +
         `${still.toFixed(0)}): ${options.out}/carved.png`,
     );
@@ -317,7 +317,7 @@ async function test(folder) {
     await browser.close();
   }
   assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
-  report('the server stopped on SIGTERM');
+  logStep('the server stopped on SIGTERM');
 }
 
 await mkdir(options.out, { recursive: true });

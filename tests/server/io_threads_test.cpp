@@ -43,7 +43,7 @@ TEST(IoThreads, NestedThreadsInheritTheNicenessOfTheirCreator) {
   IoThreads nice("nice", 1, 5);
   IoThreads spawner("spawner", 1, 0);
   EXPECT_EQ(run_and_wait(nice, niceness), std::max(base, 5));
-  // Work on a nice thread asks the spawner, as an upload does that creates a session.
+  // A nice thread calls the spawner, like an upload that creates a session.
   const auto created = run_and_wait(nice, [&] { return spawner.create_nested("nested", 1, 0); });
   EXPECT_EQ(run_and_wait(*created, niceness), base);
 }

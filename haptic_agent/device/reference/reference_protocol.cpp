@@ -103,7 +103,7 @@ std::expected<void, UsbError> ReferenceProtocol::identify(UsbSyncIo& io) {
   if (!is_buildable(identity->pen)) return wrong("its dimensions are out of range");
   if (identity->watchdog_ms == 0 || identity->watchdog_ms > kWatchdogMs) {
     return wrong(join({"its watchdog timeout is ", std::to_string(identity->watchdog_ms),
-                       " ms, the limit is ", std::to_string(kWatchdogMs), " ms"}));
+                       " ms, it must be 1 to ", std::to_string(kWatchdogMs), " ms"}));
   }
   identity_ = *identity;
   return {};

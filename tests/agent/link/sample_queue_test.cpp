@@ -143,10 +143,10 @@ TEST(SampleQueue, UnevenAxisRotationIsNotMerged) {
 
 TEST(SampleQueue, FullQueueOfCutsIsThinnedAndStaysBounded) {
   SampleQueue queue;
-  const std::uint64_t many = 4 * SampleQueue::kMostKept;
+  const std::uint64_t many = 4 * SampleQueue::kMaxKept;
   for (std::uint64_t i = 1; i <= many; ++i) {
     queue.push(sample(i));
-    ASSERT_LE(queue.unsent(), SampleQueue::kMostKept);
+    ASSERT_LE(queue.unsent(), SampleQueue::kMaxKept);
   }
   EXPECT_GT(queue.thinned_cuts(), 0U);
   EXPECT_EQ(queue.forgotten(), 0U);
@@ -157,7 +157,7 @@ TEST(SampleQueue, FullQueueOfCutsIsThinnedAndStaysBounded) {
 
 TEST(SampleQueue, OldestUnansweredSamplesAreDroppedWhenFull) {
   SampleQueue queue;
-  for (std::uint64_t i = 1; i <= SampleQueue::kMostKept + 100; ++i) {
+  for (std::uint64_t i = 1; i <= SampleQueue::kMaxKept + 100; ++i) {
     queue.push(sample(i));
     queue.take(1);
   }

@@ -41,8 +41,8 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
  protected:
   void begin(const char* rays) {
     // Samples arrive faster here than the session's rate limit permits.
-    limits.samples_burst = samples_most;
-    limits.samples_per_s = 2.5 * samples_most;
+    limits.samples_burst = max_samples;
+    limits.samples_per_s = 2.5 * max_samples;
     restart();
     in_flight_.clear();
     sequence = other_sequence_ = 0;
@@ -128,7 +128,7 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
   std::optional<Replica> replica_;
   std::deque<wire::MotionSample> in_flight_;
   std::size_t delay = 0;
-  double samples_most = 1e12;
+  double max_samples = 1e12;
   std::uint64_t other_sequence_ = 0;
   wire::Result remote_;
   int blocks_ = 0;
@@ -234,7 +234,7 @@ TEST_P(ReplicaTest, MotionRejectedByBothChangesNeitherBlock) {
 }
 
 TEST_P(ReplicaTest, MotionRejectedByTheServerOnlyIsRepaired) {
-  samples_most = 20;
+  max_samples = 20;
   begin(GetParam());
   for (int n = 0; n < 40; ++n) send({-10 + 0.5 * n, 0, -4});  // the last ones exceed the rate limit
   EXPECT_TRUE(remote_.status & wire::kStatusRejected);

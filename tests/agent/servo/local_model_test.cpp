@@ -101,7 +101,7 @@ TEST(LocalModel, ForceFadesOnReversal) {
 }
 
 TEST(LocalModel, RemovalRateLawIsADamperWithinTheDeviceLimit) {
-  LocalModel model({.law = CutLaw::kRemovalRate, .damping_most = 0.04});
+  LocalModel model({.law = CutLaw::kRemovalRate, .max_damping = 0.04});
   PastGrip now = move_along_x(start(), 200);
   model.take(cut_of(now, 1.5), now, now);  // 50 mm/s: 0.03 N s/mm
   EXPECT_NEAR(model.at(now, true, kDt).force_n.x, -1.5, 1e-9);

@@ -43,7 +43,7 @@ TEST(Passivity, ReducesADrivingForceToTheAvailableEnergy) {
 }
 
 TEST(Passivity, DissipatesADeficitWithADamper) {
-  Passivity passivity({.damping_most = 0.02});
+  Passivity passivity({.max_damping = 0.02});
   passivity.settle(pushing(2), {{1, 0, 0}, {}});
   EXPECT_LT(passivity.account().level_mj(), 0);
   const Twist velocity{{30, -40, 0}, {0, 0.1, 0}};

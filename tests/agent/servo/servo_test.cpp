@@ -143,9 +143,9 @@ TEST(SettingsFor, TakesLimitsFromTheDeviceCapabilities) {
   EXPECT_EQ(settings.safety.workspace_min_mm, (Vec3{-1, -2, -3}));
   EXPECT_EQ(settings.safety.workspace_max_mm, (Vec3{4, 5, 6}));
   EXPECT_TRUE(settings.safety.motors);
-  EXPECT_DOUBLE_EQ(settings.model.stiffness_most, 1) << "half of the stable stiffness";
-  EXPECT_DOUBLE_EQ(settings.model.damping_most, 0.015);
-  EXPECT_DOUBLE_EQ(settings.passivity.damping_most, 0.015);
+  EXPECT_DOUBLE_EQ(settings.model.max_stiffness, 1) << "half of the stable stiffness";
+  EXPECT_DOUBLE_EQ(settings.model.max_damping, 0.015);
+  EXPECT_DOUBLE_EQ(settings.passivity.max_damping, 0.015);
 }
 
 class Listener final : public SampleListener {

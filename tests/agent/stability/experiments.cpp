@@ -72,7 +72,7 @@ SwingOutcome swing(const Swing& swing) {
   const ServoCycle& servo = bed.servo();
   outcome.fastest_mm_per_s = hand.fastest();
   outcome.returned_mj = servo.passivity().account().most_returned_mj();
-  outcome.most_force_n = servo.report().max_force_n;
+  outcome.max_force_n = servo.report().max_force_n;
   outcome.active = servo.supervisor().phase() >= ServoPhase::kRamp;
   outcome.trips = servo.supervisor().trips();
   return outcome;

@@ -19,7 +19,7 @@ struct Swing {
 struct SwingOutcome {
   double fastest_mm_per_s = 0;  ///< free motion reaches 190
   double returned_mj = 0;       ///< most over any interval
-  double most_force_n = 0;
+  double max_force_n = 0;
   bool active = false;  ///< force was active at the end
   std::uint64_t trips = 0;
   /// At most about three times the speed of free motion, at most the tank's energy returned, no

@@ -16,7 +16,7 @@ TEST(Stability, ModelIsStableUpTo250MsRoundTrip) {
           swing({.mode = ForceMode::kModel, .line = line, .damping_n_s_per_m = 20, .copy = copy});
       EXPECT_TRUE(outcome.stable()) << line.rtt_ms << " ms: " << outcome.fastest_mm_per_s
                                     << " mm/s, " << outcome.returned_mj << " mJ";
-      EXPECT_GT(outcome.most_force_n, 0.2) << "the test requires a force";
+      EXPECT_GT(outcome.max_force_n, 0.2) << "the test requires a force";
     }
   }
 }
