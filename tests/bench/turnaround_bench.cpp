@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// From motion in to wrench out: a real kerf-server as a child process, one agent at 1 kHz over
-// loopback, a ball of 10 mm that cuts without pause at 0.1 mm pitch.
+// Turnaround of motions: a real kerf-server as a child process, one agent at 1 kHz over loopback, a
+// ball of 10 mm that cuts without pause at 0.1 mm pitch.
 //
 //   turnaround_bench [--server PATH] [--seconds S] [--pitch MM] [--program] [--export NAME]
 //                    [--agents N] [--viewers N] [--hostile]
 //
-// Prints percentiles of two times: in the server, from a motion frame read to its wrench encoded
-// (every result carries it), and at the client, from sending the frame to receiving its result.
-// With --program, the server carves an uploaded program as fast as it can at the same time. With
-// --export, the block is first given a rough surface all over, and then a client downloads NAME
-// (model.stl, "model.glb?encoding=meshopt", ...) over and over while the agent cuts; the server's
-// greatest memory before and after tells whether a download needs any. With --agents, so many cut
-// at once, each on a thread of its own; the last row is the agent with the worst p99. --viewers
-// look on and read all they are sent. --hostile is one more agent that sends as fast as it can,
-// half of it nonsense, and reads nothing. Agents ask for the columns near their tools, as
-// kerf-agent does, and acknowledge them.
+// Prints percentiles of two times: in the server, from a motion frame read to its result encoded
+// (reported in every result), and at the client, from sending the frame to receiving its result.
+// With
+// --program, the server carves an uploaded program at full speed at the same time. With --export,
+// the block first gets a rough surface; then a client downloads NAME (model.stl,
+// "model.glb?encoding=meshopt", ...) repeatedly while the agent cuts, and the server's peak memory
+// is printed before and after. With --agents N, N agents cut at the same time, each with its own
+// thread; the last row is the agent with the worst p99. --viewers N adds viewers that read
+// everything.
+// --hostile adds an agent that sends at full speed, half of it malformed, and reads nothing. Agents
+// request stock frames, as kerf-agent does, and acknowledge them.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -70,11 +71,11 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-/// What repeated downloads came to.
+/// Totals of the repeated downloads.
 struct Downloads {
   int count = 0;
-  std::uint64_t bytes = 0;  ///< of the last one
-  double seconds = 0;       ///< for all
+  std::uint64_t bytes = 0;  ///< of the last download
+  double seconds = 0;       ///< of all downloads
 };
 
 Downloads download_until(const std::atomic<bool>& stop, std::uint16_t port,
@@ -118,17 +119,17 @@ void print_row(const char* name, std::vector<double>& times_us) {
 
 constexpr double kStepMm = 0.05, kRowMm = 80, kStepOverMm = 4, kDownMm = 3;
 constexpr int kRows = 20;
-/// Samples of one layer of the raster below.
+/// Samples per layer of the raster.
 constexpr auto kLayer = static_cast<std::uint64_t>(kRows * (kRowMm + kStepOverMm) / kStepMm);
 
-/// A raster through fresh stock, 3 mm deep, at 50 mm/s: the tool never leaves the material. Where a
-/// layer ends the next one begins below, and leads back. `ahead` samples of it are skipped, so that
-/// several agents cut at several places.
+/// Returns a sample of a raster, 3 mm deep per layer, at 50 mm/s; the tool never leaves the
+/// material. A layer starts below the end of the previous one and runs backwards. `ahead` samples
+/// are skipped, so that agents cut at different places.
 MotionSample sample_at(std::uint64_t n, std::uint64_t ahead) {
-  const double way = static_cast<double>(n + ahead) * kStepMm;
+  const double distance = static_cast<double>(n + ahead) * kStepMm;
   const double lap = kRowMm + kStepOverMm;
-  const auto row = static_cast<int>(way / lap);
-  const double along = way - row * lap;
+  const auto row = static_cast<int>(distance / lap);
+  const double along = distance - row * lap;
   const double x = std::min(along, kRowMm);
   const double over = std::max(0.0, along - kRowMm) / kStepOverMm;
   const int layer = row / kRows;
@@ -151,7 +152,7 @@ struct Figures {
   double removed_mm3 = 0;
 };
 
-/// Acknowledged as an agent that keeps a copy of the block does, so that more is sent.
+/// Acknowledges a stock frame like an agent with a replica, so that more are sent.
 void take_stock(WebSocket& agent, const Message& message, std::size_t bytes, Figures& figures) {
   figures.stock_bytes += bytes;
   std::vector<std::byte> ack;
@@ -215,7 +216,7 @@ std::string scene(double pitch_mm) {
     "tools":[{"id":1,"shape":"ball","diameter_mm":10,"length_mm":60}]})";
 }
 
-/// A raster all over the top, so that the surface has no flat part whose triangles could be joined.
+/// Cuts a raster over the whole top, so that no flat part remains whose triangles could be merged.
 std::string raster_program() {
   std::string text = "G21 G90 T1 M6\nG0 X-50 Y-50 Z5\n";
   for (int row = 0; row <= 100; ++row) {
@@ -288,11 +289,11 @@ void be_hostile(const std::atomic<bool>& stop, std::uint16_t port) {
     frame.clear();
     append(frame, {1, n, n * 1000}, batch);
     if (n % 2 == 0) frame[40] = std::byte{0xFF};
-    if (!agent.try_send(2, frame)) return;  // thrown out: as it should be
+    if (!agent.try_send(2, frame)) return;  // disconnected, as expected
   }
 }
 
-/// Several agents at once; the last entry is the one with the worst p99 of the server's time.
+/// Runs several agents; the last entry is the agent with the worst p99 of the server's time.
 std::vector<Figures> measure_all(const Options& options, std::uint16_t port) {
   const auto count = static_cast<std::size_t>(options.agents);
   std::vector<Figures> all(count);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The UDP lane of an agent, for the tests: RFC 8439 and the datagrams of server/wire/README.md, written out a second time.
+"""UDP of an agent, for the tests: RFC 8439 and the datagrams of server/wire/README.md, written out a second time.
 
 ChaCha20-Poly1305 in plain Python is slow (a millisecond or two a datagram) and shares nothing with OpenSSL, which both
 programs use: what it seals and opens, they have not agreed on among themselves.
@@ -81,8 +81,8 @@ def unseal(key, connection, datagram):
     return counter, aead_open(key, struct.pack("<IQ", 0, counter), datagram[:16], datagram[16:])
 
 
-class Lane:
-    """An agent's end, made from the `udp` of its welcome."""
+class UdpClient:
+    """An agent's UDP socket, from the `udp` of its welcome."""
 
     def __init__(self, offer, host="127.0.0.1"):
         assert offer["cipher"] == "chacha20-poly1305"
@@ -94,7 +94,7 @@ class Lane:
         self.move()
 
     def move(self):
-        """From now on, from another port, as behind a NAT that has forgotten us."""
+        """Changes the local port, as behind a NAT that lost its mapping."""
         if hasattr(self, "socket"):
             self.socket.close()
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

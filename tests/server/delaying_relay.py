@@ -12,13 +12,13 @@ import random
 import threading
 
 SEGMENT_BYTES = 1448  # what one packet of Ethernet carries
-AGAIN_S = 0.01        # beyond the round trip, until what was lost is sent again
+AGAIN_S = 0.01        # beyond the round trip, until a lost segment is sent again
 
 
 @dataclasses.dataclass(frozen=True)
 class Line:
-    """`jitter` is a share of the one-way delay, either way; `loss` one of the segments. The line
-    stands still for `stall_s` at the end of every `stall_every_s`."""
+    """`jitter` is a share of the one-way delay, in either direction; `loss` one of the segments. The line
+    stalls for `stall_s` at the end of every `stall_every_s`."""
     rtt_s: float = 0.0
     jitter: float = 0.0
     loss: float = 0.0
@@ -26,8 +26,8 @@ class Line:
     stall_every_s: float = 2.0
 
 
-class Way:
-    """When each piece arrives that goes one way."""
+class Direction:
+    """Arrival times in one direction."""
 
     def __init__(self, line, seed):
         self.line = line
@@ -57,7 +57,7 @@ class Relay:
     end of a `with`. `up` leads to the target, `down` back; read their counts after that."""
 
     def __init__(self, target_port, line, seed=1):
-        self.up, self.down = Way(line, seed), Way(line, seed + 1)
+        self.up, self.down = Direction(line, seed), Direction(line, seed + 1)
         self.connections = 0
         self._target_port = target_port
         self._loop = asyncio.new_event_loop()
@@ -84,7 +84,7 @@ class Relay:
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
     async def _carry(self, reader, writer):
-        """Both ways of one connection, until both have ended."""
+        """Both directions of one connection, until both have ended."""
         self._tasks.add(asyncio.current_task())
         self.connections += 1
         target = None
@@ -93,22 +93,22 @@ class Relay:
             await asyncio.gather(self._pass(reader, target, self.up),
                                  self._pass(back, writer, self.down))
         except (OSError, asyncio.CancelledError):
-            pass  # either end may go without a word
+            pass  # either end may close at any time
         finally:
             for end in (writer, target):
                 if end is not None:
                     end.close()
             self._tasks.discard(asyncio.current_task())
 
-    async def _pass(self, reader, writer, way):
-        """Reads at once and writes when it is due; an end of the stream is due as data is."""
+    async def _pass(self, reader, writer, direction):
+        """Reads at once and writes when due; the end of the stream is delayed like data."""
         waiting = asyncio.Queue()
         writing = asyncio.ensure_future(self._write(waiting, writer))
         try:
             data = None
             while data != b"":
                 data = await reader.read(SEGMENT_BYTES)
-                await waiting.put((way.due(self._loop.time(), len(data)), data))
+                await waiting.put((direction.due(self._loop.time(), len(data)), data))
             await writing
         finally:
             writing.cancel()

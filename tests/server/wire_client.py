@@ -51,7 +51,7 @@ class Http:
 
 
 class WebSocket:
-    opened = []  # all sockets of a test, so that none is closed by the garbage collector meanwhile
+    opened = []  # keeps the sockets of a test from being garbage-collected
 
     def __init__(self, port, path, protocol, headers=()):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
@@ -145,7 +145,7 @@ class WebSocket:
                 return message
 
     def receive_binary(self, kind, timeout=30):
-        """Skips to the next binary message of a type; gives (header fields, payload)."""
+        """Skips to the next binary message of a type; returns (header fields, payload)."""
         end = time.monotonic() + timeout
         while True:
             form, message = self.receive(max(0.01, end - time.monotonic()))
@@ -204,10 +204,10 @@ class Agent(WebSocket):
 
     def result(self, sequence=None):
         """Waits for the result that answers the given sample (or the last one sent)."""
-        wanted = sequence or self.sequence
+        expected = sequence or self.sequence
         while True:
             result = parse_result(self.receive_binary(RESULT)[1])
-            if result["agent_sequence"] >= wanted:
+            if result["agent_sequence"] >= expected:
                 return result
 
 
@@ -222,7 +222,7 @@ class Viewer(WebSocket):
         self.tools = []
 
     def take(self, timeout=30):
-        """Handles the next message as a viewer does; gives its type."""
+        """Handles the next message as a viewer does; returns its type."""
         form, message = self.receive(timeout)
         if form == "text":
             self.last = message
@@ -247,7 +247,7 @@ class Viewer(WebSocket):
                 self.levels[tuple(tile)] = node["extras"].get("level", 0)
 
     def settled(self, timeout=30):
-        """Follows until the server says that everything has been sent; gives that state message."""
+        """Handles messages until the state is settled; returns that state message."""
         end = time.monotonic() + timeout
         while True:
             kind = self.take(max(0.01, end - time.monotonic()))
