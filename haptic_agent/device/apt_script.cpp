@@ -86,7 +86,7 @@ class AptReader {
                          : std::vector<std::string_view>{};
     if (word == "GOTO") return go_to();
     if (word == "FROM") {
-      script_started_anew_ = true;
+      placing_move_ = true;
       return go_to();
     }
     if (word == "FEDRAT") return feed();
@@ -130,8 +130,8 @@ class AptReader {
       if (dot(last.axis, pose.axis) < kOppositeDot) {
         return reject("the axis turns by 180 degrees in one move; the direction is undefined");
       }
-      pose.cutting = !script_started_anew_;
-      const bool fast = rapid_ || script_started_anew_;
+      pose.cutting = !placing_move_;
+      const bool fast = rapid_ || placing_move_;
       if (!fast && !feed_per_s_) return reject("GOTO without a preceding FEDRAT or RAPID");
       // If the tip does not move, the feed is in degrees per minute, as in G-code.
       const MoveSpeed speed =
@@ -139,7 +139,7 @@ class AptReader {
       pose.time_s = last.time_s + travel_time_s(last, pose, speed);
     }
     script_.push_back(pose);
-    script_started_anew_ = false;
+    placing_move_ = false;
     rapid_ = false;
     return {};
   }
@@ -163,7 +163,7 @@ class AptReader {
       return reject("LOADTL must be an integer above zero");
     }
     tool_id_ = static_cast<std::uint32_t>(*value);
-    script_started_anew_ = true;
+    placing_move_ = true;
     return {};
   }
 
@@ -194,7 +194,7 @@ class AptReader {
   std::optional<double> feed_per_s_;
   bool rapid_ = false;
   bool ended_ = false;
-  bool script_started_anew_ = false;
+  bool placing_move_ = false;  // the next move is the first after FROM or LOADTL
 };
 
 }  // namespace

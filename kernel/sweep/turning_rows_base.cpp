@@ -12,8 +12,8 @@ struct OutOfLine {
 };
 
 template <End end, class Side>
-[[gnu::noinline]] Meeting meet(const OutOfLine<Side>& outer, const SlicePath& path, Lanes x,
-                               Lanes y, Lanes share) {
+[[gnu::noinline]] Meeting meet(const OutOfLine<Side>& outer, const SlicePath& path, const Lanes& x,
+                               const Lanes& y, const Lanes& share) {
   return kerf::meet<end>(outer.side, path, x, y, share);
 }
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A whole session with a device on USB: the unmodified kerf-agent finds the reference device on a mocked
-bus, homes it, carves on the real server, loses it in the middle of a cut and finds it again."""
+"""Tests a complete session with a USB device: the unmodified kerf-agent finds the reference device on a
+mocked bus, homes it and carves on the real server; the device is unplugged in the middle of a cut and
+plugged in again."""
 import json
 import os
 import signal
@@ -13,21 +14,21 @@ from live_server import SCENE, LiveTest
 AGENT = os.environ["KERF_AGENT"]
 MOCK_PEN = os.environ["KERF_MOCK_PEN"]
 WRAPPER = os.environ["KERF_UMOCKDEV_WRAPPER"]
-# Less than the cut asks for (6 N), and than warms the motors (3 and 100 in the mean of 10 s).
-MOST_N, MOST_NMM = 4.0, 80.0
-# What rounding the six motors' torques to 0.1 N·mm can do to a wrench.
+# Limits of force and torque: below the force of the cut (6 N), so that the limit is reached, and low
+# enough that the motors stay within their thermal limits (3 N and 100 N·mm as means of 10 s).
+MAX_N, MAX_NMM = 4.0, 80.0
+# Largest change of a wrench by rounding the six motors' torques to 0.1 N·mm.
 ROUNDING_N, ROUNDING_NMM = 0.01, 0.2
-# What the machine does to the agent: a test machine has other work to do as well, and reports that
-# were held up come as one leap.
+# Trips that a loaded test machine can cause: delayed reports arrive as one jump of the pose.
 BUSY_MACHINE = {"lost_ticks", "lost_ticks_in_a_row", "pose_jump", "tip_too_fast"}
-# Beyond what the agent waits for: none of these times is asserted.
-LETTING_GO_S, ARMING_S = 0.4, 0.8
-# Side by side and then one below the other: each is 6 mm wide and 2 mm deep.
+# Longer than the agent's own delays; the tests assert none of these times.
+RELEASE_S, ARMING_S = 0.4, 0.8
+# Rows (y, z) to cut, 6 mm wide and 2 mm deep: side by side, then in the next layer.
 ROWS = [(y, z) for z in range(-2, -17, -2) for y in range(-15, 16, 6)]
 
 
 class Pen:
-    """The device and the hand that holds it (tests/usb/mock_pen.cpp)."""
+    """The mock device and the simulated user that moves it (tests/usb/mock_pen.cpp)."""
 
     def __init__(self):
         self.process = subprocess.Popen([WRAPPER, MOCK_PEN], stdin=subprocess.PIPE,
@@ -41,7 +42,7 @@ class Pen:
         return answer
 
     def felt(self):
-        """The most since the last time: N, N·mm."""
+        """Returns the largest force (N) and torque (N·mm) since the previous call."""
         return tuple(float(number) for number in self("felt").split())
 
     def end(self):
@@ -73,7 +74,7 @@ class Session(UsbTest):
         with open(self.file("agent.log"), "w") as log:
             self.agent = subprocess.Popen(
                 self.agent_words("--session", "block", "--device", "usb", "--tool", "2",
-                                 "--force-max", str(MOST_N), "--torque-max", str(MOST_NMM),
+                                 "--force-max", str(MAX_N), "--torque-max", str(MAX_NMM),
                                  "--trip-log", self.file("trips.csv"),
                                  "--status-json", self.file("status.json")),
                 env=self.on_the_bus(), stdout=log, stderr=log)
@@ -85,7 +86,7 @@ class Session(UsbTest):
             return file.read()
 
     def wait_for(self, condition, what):
-        """A limit only for tests that fail."""
+        """Waits for a condition; the limit of 20 s is reached only if the test fails."""
         for _ in range(2000):
             if condition():
                 return
@@ -104,7 +105,7 @@ class Session(UsbTest):
             return []
 
     def plug(self, address):
-        """Until the agent has found and homed the pen."""
+        """Plugs the device in and waits until the agent has homed it."""
         before = self.log().count("is ready")
         self.pen("plug", address)
         self.wait_for(lambda: self.log().count("is ready") > before, "the device is not ready")
@@ -113,86 +114,87 @@ class Session(UsbTest):
     def unplug(self):
         before = self.log().count("unplugged")
         self.pen("unplug")
-        self.wait_for(lambda: self.log().count("unplugged") > before, "the loss was not noticed")
+        self.wait_for(lambda: self.log().count("unplugged") > before,
+                      "the agent did not notice the unplugging")
 
-    def take_hold(self, arming_s=ARMING_S):
-        """Above the block, lets go of the pen and takes it again."""
+    def release_and_grip(self, arming_s=ARMING_S):
+        """Moves above the next row, releases the grip and grips again."""
         self.row = next(self.rows)
         self.pen("press")
         self.pen("go", -24, self.row[0], 5, 100)
-        time.sleep(LETTING_GO_S)
+        time.sleep(RELEASE_S)
         self.pen("press", "grip")
         time.sleep(arming_s)
 
     def cut(self, *buttons, to=24):
-        """Along the row."""
+        """Cuts along the current row."""
         self.pen("press", *buttons)
         self.pen("go", -24, *self.row, 60)
         self.pen("press", "cut", *buttons)
         self.pen("go", to, *self.row, 40)
 
-    def rise(self):
-        """And back through the air."""
+    def retract(self):
+        """Returns to the start of the row above the block."""
         self.pen("press", "grip")
         self.pen("go", 24, self.row[0], 5, 100)
         self.pen("go", -24, self.row[0], 5, 100)
 
     def feel_a_cut(self, least_n=0.5, to=24):
-        """Row after row, should the machine have tripped the agent, until that much was felt."""
+        """Cuts rows until one displays a force above `least_n`: a loaded machine may trip the agent."""
         for attempt in range(6):
-            self.take_hold(ARMING_S * (1 + attempt))
+            self.release_and_grip(ARMING_S * (1 + attempt))
             self.pen.felt()
             self.cut("grip", to=to)
             force_n, torque_nmm = self.pen.felt()
-            self.assertLessEqual(force_n, MOST_N + ROUNDING_N)
-            self.assertLessEqual(torque_nmm, MOST_NMM + ROUNDING_NMM)
+            self.assertLessEqual(force_n, MAX_N + ROUNDING_N)
+            self.assertLessEqual(torque_nmm, MAX_NMM + ROUNDING_NMM)
             if force_n > least_n:
                 self.assertGreater(torque_nmm, 1)
                 return
-            self.rise()
+            self.retract()
         if os.getloadavg()[0] > 2 * os.cpu_count():
             self.skipTest("this machine is too busy for a loop of 1 kHz")
-        self.fail(f"no force\n{self.log()}")
+        self.fail(f"no force was displayed\n{self.log()}")
 
-    def test_is_homed_carves_is_unplugged_comes_back_and_leaves(self):
+    def test_device_is_homed_carves_and_recovers_from_unplugging(self):
         self.pen("plug", 5)
         self.wait_for(lambda: "is ready" in self.log(), "the device is not ready")
         self.assertIn("is homing", self.log())
 
-        # A row of 40 x 6 x 2 mm. Nobody holds the grip, so nobody feels it.
+        # A row of 40 x 6 x 2 mm. The grip is not held, so no force is displayed.
         self.row = next(self.rows)
         self.pen("go", -24, self.row[0], 5, 100)
         self.cut()
         self.wait_for(lambda: abs(self.removed() - 480) < 5, "the row was not carved")
         self.assertEqual(self.pen.felt(), (0, 0))
-        self.rise()
+        self.retract()
 
-        # A whole row is felt as strongly as is allowed.
-        self.feel_a_cut(least_n=MOST_N - ROUNDING_N)
-        self.rise()
+        # The force of a full cut reaches the limit.
+        self.feel_a_cut(least_n=MAX_N - ROUNDING_N)
+        self.retract()
         for address in range(6, 9):
             self.feel_a_cut(to=0)
             self.unplug()
             if "device_lost" in self.trips():
                 break
-            self.plug(address)  # a busy machine had tripped the agent before
+            self.plug(address)  # a loaded machine had tripped the agent before
         self.assertIn("device_lost", self.trips())
 
-        # It carves again, and shows no force until the hand has let go of it.
+        # After reconnecting it carves again, but displays no force until the grip was released once.
         before = self.removed()
         self.plug(9)
-        self.rise()
+        self.retract()
         time.sleep(ARMING_S)
         self.row = next(self.rows)
         self.cut("grip")
-        self.wait_for(lambda: self.removed() > before + 100, "it does not carve any more")
+        self.wait_for(lambda: self.removed() > before + 100, "the agent does not carve after reconnecting")
         self.assertEqual(self.pen.felt(), (0, 0))
-        self.rise()
+        self.retract()
         self.feel_a_cut()
-        self.rise()
-        self.check_leaves()
+        self.retract()
+        self.check_exit()
 
-    def check_leaves(self):
+    def check_exit(self):
         self.agent.send_signal(signal.SIGINT)
         self.assertEqual(self.agent.wait(60), 0, self.log())
         with open(self.file("status.json")) as file:
@@ -208,7 +210,7 @@ class Session(UsbTest):
 
 
 class Doctor(UsbTest):
-    def test_finds_homes_and_reaches_all_there_is(self):
+    def test_reports_the_device_and_the_server(self):
         self.pen("plug", 5)
         done = subprocess.run(
             self.agent_words("doctor", "--device", "usb", "--seconds", "0.1"),
