@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,8 +17,6 @@
 #include "server/session/session_registry.h"
 
 namespace kerf::net {
-
-struct Route;
 
 /// An HTTP request as the interface sees it: no sockets, no Beast.
 struct ApiRequest {
@@ -70,9 +67,7 @@ class Api {
 
   ApiResponse handle(const ApiRequest& request);
 
- private:
-  friend std::span<const Route> routes();
-
+  // ---- handlers of the route table (routes.cpp) ----
   ApiResponse list_sessions(const ApiCall& call);
   ApiResponse create_session(const ApiCall& call);
   ApiResponse session_info(const ApiCall& call);
@@ -88,6 +83,7 @@ class Api {
   ApiResponse metrics(const ApiCall& call);
   ApiResponse viewer_file(const ApiCall& call);
 
+ private:
   /// The uploaded files that a scene names.
   std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;
   std::filesystem::path upload_folder() const { return options_.data_folder / "uploads"; }
