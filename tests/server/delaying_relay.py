@@ -17,8 +17,9 @@ AGAIN_S = 0.01        # beyond the round trip, until a lost segment is sent agai
 
 @dataclasses.dataclass(frozen=True)
 class Line:
-    """`jitter` is a share of the one-way delay, in either direction; `loss` one of the segments. The line
-    stalls for `stall_s` at the end of every `stall_every_s`."""
+    """`jitter` is the variation of the delay of each direction, as a share of it, with either sign;
+    `loss` is the share of lost segments. The line stalls for `stall_s` at the end of every
+    `stall_every_s`."""
     rtt_s: float = 0.0
     jitter: float = 0.0
     loss: float = 0.0
