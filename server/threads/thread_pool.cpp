@@ -18,7 +18,7 @@ constexpr std::chrono::microseconds kSpinTime{50};
 /// Jobs are small, so helpers that have a core end soon after the caller.
 constexpr int kWaitShare = 4;
 /// Limit of the runs without helpers after delays.
-constexpr int kDistrustMax = 63;
+constexpr int kPenaltyMax = 63;
 
 void pause() {
 #if defined(__x86_64__)
@@ -48,7 +48,7 @@ ThreadPool::ThreadPool(int threads) {
 ThreadPool::~ThreadPool() {
   {
     const std::scoped_lock lock(mutex_);
-    ends_ = true;
+    stopping_ = true;
     ++calls_;
   }
   called_.notify_all();
@@ -58,8 +58,8 @@ ThreadPool::~ThreadPool() {
 void ThreadPool::run(int jobs, const std::function<void(int)>& job) {
   const std::unique_lock caller(caller_, std::try_to_lock);
   const bool divides = !helpers_.empty() && jobs > 1 && caller.owns_lock();
-  if (!divides || alone_ > 0) {
-    if (divides) --alone_;
+  if (!divides || serial_runs_ > 0) {
+    if (divides) --serial_runs_;
     return SerialWorkers().run(jobs, job);
   }
   divide(jobs, job);
@@ -83,8 +83,8 @@ void ThreadPool::divide(int jobs, const std::function<void(int)>& job) {
   wait_for_helpers();
   const auto waited = Clock::now() - worked;
   const bool delayed = waited > kSpinTime && waited > (worked - start) / kWaitShare;
-  distrust_ = delayed ? std::min(2 * distrust_ + 1, kDistrustMax) : distrust_ / 2;
-  alone_ = delayed ? distrust_ : 0;
+  penalty_ = delayed ? std::min(2 * penalty_ + 1, kPenaltyMax) : penalty_ / 2;
+  serial_runs_ = delayed ? penalty_ : 0;
   const std::scoped_lock lock(mutex_);
   job_ = nullptr;
 }
@@ -127,7 +127,7 @@ void ThreadPool::help() {
     }
     {
       const std::scoped_lock lock(mutex_);
-      if (ends_) return;
+      if (stopping_) return;
       seen = calls_;
     }
     work();

@@ -35,16 +35,16 @@ class ThreadPool final : public Workers {
   void wait_for_helpers();
   void divide(int jobs, const std::function<void(int)>& job);
 
-  std::mutex caller_;  ///< held during run(); guards the next two
-  int alone_ = 0;      ///< runs still to do without helpers
-  int distrust_ = 0;   ///< value of alone_ after the last delay
-  std::mutex mutex_;   ///< guards the following members except atomics
+  std::mutex caller_;    ///< held during run(); guards the next two
+  int serial_runs_ = 0;  ///< runs still to do without helpers
+  int penalty_ = 0;      ///< value of serial_runs_ after the last delay
+  std::mutex mutex_;     ///< guards the following members except atomics
   std::condition_variable called_, done_;
   const std::function<void(int)>* job_ = nullptr;
   int jobs_ = 0, next_ = 0;
   int failed_job_ = 0;
   std::exception_ptr failure_;  ///< thrown by the failed job with the lowest number
-  bool ends_ = false;
+  bool stopping_ = false;
   std::atomic<std::uint32_t> calls_ = 0;  ///< grows with each run
   std::atomic<int> working_ = 0;          ///< jobs in progress
 

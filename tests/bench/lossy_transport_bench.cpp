@@ -2,7 +2,7 @@
 // Latency of results on a network that loses packets: the agent's link and a real server, with a
 // path between them that delays IP packets and drops some, of TCP and UDP alike.
 //
-//   lossy_network_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
+//   lossy_transport_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
 //
 // Prints, for each packet loss and each transport, the time from a pose to its result: of each
 // result received, and the age of the newest result, sampled every ms. Needs the right to create
@@ -138,11 +138,11 @@ int main(int argc, char** argv) {
     path.faults().delay_us = static_cast<std::int64_t>(options.delay_ms * 1000);
     path.start(options.server + " --listen 10.83.0.2:8080 --data " + folder + "/data --scene " +
                scene + " 2>" + folder + "/log");
-    std::printf("%.0f ms each way, %.0f s at 1 kHz a line; ms from pose to answer\n",
+    std::printf("%.0f ms per direction, %.0f s at 1 kHz per row; ms from pose to result\n",
                 options.delay_ms, options.seconds);
     std::printf("%6s  %-9s %23s   %23s\n", "", "", "results received", "age of newest result");
     std::printf("%6s  %-9s %7s %7s %7s   %7s %7s %7s   %8s %7s %6s\n", "loss", "transport", "p50",
-                "p99", "p99.9", "p50", "p99", "p99.9", "answers", "resent", "merged");
+                "p99", "p99.9", "p50", "p99", "p99.9", "results", "resent", "merged");
     int run = 0;
     for (const double loss : {0.0, 0.01, 0.05}) {
       for (const bool udp : {false, true}) {

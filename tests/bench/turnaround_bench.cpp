@@ -7,15 +7,17 @@
 //
 // Prints percentiles of two times: in the server, from a motion frame read to its result encoded
 // (reported in every result), and at the client, from sending the frame to receiving its result.
-// With
-// --program, the server carves an uploaded program at full speed at the same time. With --export,
-// the block first gets a rough surface; then a client downloads NAME (model.stl,
-// "model.glb?encoding=meshopt", ...) repeatedly while the agent cuts, and the server's peak memory
-// is printed before and after. With --agents N, N agents cut at the same time, each with its own
-// thread; the last row is the agent with the worst p99. --viewers N adds viewers that read
-// everything.
-// --hostile adds an agent that sends at full speed, half of it malformed, and reads nothing. Agents
-// request stock frames, as kerf-agent does, and acknowledge them.
+//
+// --program    the server carves an uploaded program at full speed at the same time
+// --export     the block first gets a rough surface; then a client downloads NAME (model.stl,
+//              "model.glb?encoding=meshopt", ...) repeatedly while the agent cuts, and the server's
+//              peak memory is printed before and after
+// --agents N   N agents cut at the same time, each with its own thread; the last row is the agent
+//              with the worst p99
+// --viewers N  adds viewers that read everything
+// --hostile    adds an agent that sends at full speed, half of it malformed, and reads nothing
+//
+// Agents request stock frames, as kerf-agent does, and acknowledge them.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -265,7 +267,7 @@ WebSocket join_agent(std::uint16_t port) {
   return agent;
 }
 
-void look_on(const std::atomic<bool>& stop, std::uint16_t port) {
+void run_viewer(const std::atomic<bool>& stop, std::uint16_t port) {
   WebSocket viewer = join(port, "view", kViewProtocol);
   std::string payload;
   std::vector<std::byte> ack;
@@ -279,7 +281,7 @@ void look_on(const std::atomic<bool>& stop, std::uint16_t port) {
   }
 }
 
-void be_hostile(const std::atomic<bool>& stop, std::uint16_t port) {
+void run_hostile_agent(const std::atomic<bool>& stop, std::uint16_t port) {
   WebSocket agent = join(port, "agent", kAgentProtocol);
   std::vector<std::byte> frame;
   for (std::uint64_t n = 1; !stop; ++n) {
@@ -354,9 +356,9 @@ int main(int argc, char** argv) {
   }
   std::vector<std::thread> others;
   for (int i = 0; i < options.viewers; ++i) {
-    others.emplace_back([&] { look_on(stop, server.port()); });
+    others.emplace_back([&] { run_viewer(stop, server.port()); });
   }
-  if (options.hostile) others.emplace_back([&] { be_hostile(stop, server.port()); });
+  if (options.hostile) others.emplace_back([&] { run_hostile_agent(stop, server.port()); });
   std::vector<Figures> all = measure_all(options, server.port());
   Figures figures = sum_of(all);
   stop = true;
@@ -364,18 +366,18 @@ int main(int argc, char** argv) {
   if (client.joinable()) client.join();
   std::printf("pitch %g mm, ball 10 mm, %.0f s at 1 kHz, %d agents, %d viewers%s%s\n",
               options.pitch_mm, options.seconds, options.agents, options.viewers,
-              options.program ? ", a program carved beside" : "",
-              options.hostile ? ", a hostile agent beside" : "");
+              options.program ? ", and a program" : "",
+              options.hostile ? ", and a hostile agent" : "");
   std::printf("%zu results, %llu of them cutting, %.0f mm3 removed, %llu errors, %llu late ticks\n",
               figures.server_us.size(), static_cast<unsigned long long>(figures.cutting),
               figures.removed_mm3, static_cast<unsigned long long>(figures.errors),
               static_cast<unsigned long long>(figures.late));
-  std::printf("%.1f kB/s of columns to each agent, for its copy of the block\n",
+  std::printf("%.1f kB/s of columns to each agent, for its replica\n",
               double(figures.stock_bytes) / 1e3 / options.seconds / options.agents);
   std::printf("%-34s %8s %8s %8s %8s\n", "us", "p50", "p99", "p99.9", "max");
-  print_row("server: frame read to wrench out", figures.server_us);
+  print_row("server: frame read to result sent", figures.server_us);
   print_row("client: round trip over loopback", figures.client_us);
-  if (options.agents > 1) print_row("server: the agent that fared worst", all.back().server_us);
+  if (options.agents > 1) print_row("server: agent with the worst p99", all.back().server_us);
   if (downloads.count > 0) {
     std::printf(
         "%d downloads of %s in %.1f s, the last of %.1f MB (as STL: %.2f million triangles); "

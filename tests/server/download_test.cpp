@@ -37,7 +37,7 @@ TEST(ByteRange, MalformedOrSeveralRangesSelectTheWholeFile) {
   }
 }
 
-TEST(ByteRange, RangesBehindTheEndAreRejected) {
+TEST(ByteRange, RejectsRangesBeyondTheEnd) {
   for (const char* text : {"bytes=1000-", "bytes=5000-6000", "bytes=-0"}) {
     EXPECT_FALSE(parse_range(text, 1000)) << text;
   }

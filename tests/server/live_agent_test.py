@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The real kerf-agent against the real server: slow lines, several devices, kerf-agent doctor."""
+"""Tests the real kerf-agent with the real server: slow lines, several devices, kerf-agent doctor."""
 import json
 import math
 import os
@@ -24,7 +24,7 @@ BALL, MILL = 1, 2
 
 
 def table(poses):
-    """The text of a pose file from (seconds, tip, cutting[, axis])."""
+    """Returns the text of a pose file from tuples (seconds, tip, cutting[, axis])."""
     lines = ["t_s,x,y,z,i,j,k,cutting"]
     for time_s, tip, cutting, *axis in poses:
         numbers = (time_s, *tip, *(axis[0] if axis else (0, 0, 1)))
@@ -147,7 +147,7 @@ class ThroughASlowLine(AgentTest):
         self.check_felt(self.feel(FARTHER))
 
 
-class SeveralHands(AgentTest):
+class SeveralDevices(AgentTest):
     def start(self, *words):
         process = subprocess.Popen(
             [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session", "block",
@@ -158,7 +158,7 @@ class SeveralHands(AgentTest):
         return process
 
     def summaries(self, process):
-        """The summaries of both devices, after the end."""
+        """Returns the summaries of both devices after the agent has exited."""
         self.assertEqual((process.wait(60), process.communicate()[0].count("carved")), (0, 2))
         found = []
         for name in ("hand.json", "hand.json.2"):

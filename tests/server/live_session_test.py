@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A real server with agents, programs and viewers; restarts; downloads."""
+"""Tests a real server with agents, programs and viewers; restarts; downloads."""
 import glob
 import json
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""UDP of a real server, from a client that shares neither codec nor cipher with it."""
+"""Tests UDP of a real server with a client that shares neither codec nor cipher with it."""
 import json
 import os
 import random
@@ -20,7 +20,7 @@ def ping(time_us=7):
 
 
 def counters(server):
-    """The datagram counters of /metrics."""
+    """Returns the datagram counters of /metrics."""
     text = server.http.request("GET", "/metrics")[2].decode()
     found = {}
     for line in text.splitlines():
@@ -40,7 +40,7 @@ class UdpAgent(Agent):
         self.result()
 
     def samples(self, count):
-        """The next samples of a straight path along X."""
+        """Returns the next samples of a straight path along X."""
         made = []
         for _ in range(count):
             self.sequence += 1
@@ -49,7 +49,7 @@ class UdpAgent(Agent):
         return made
 
     def answer(self):
-        """The next result over UDP."""
+        """Returns the next result over UDP."""
         while True:
             frame = self.udp.receive()
             if parse_header(frame)["type"] == RESULT:
@@ -185,7 +185,7 @@ class Motions(LiveTest):
             agent.udp.send(motion_frame(later))
             result = agent.answer()
             self.assertEqual((result["agent_sequence"], result["status"] & GAP), (5, GAP))
-            self.assertEqual(result["fx"], force, "the answer from before the gap")
+            self.assertEqual(result["fx"], force, "the result from before the gap is repeated")
         self.assertEqual(self.server.hash(), before)
         self.assertEqual(counters(self.server)["kerf_motion_gaps_total"], 3)
         # The agent sends again from the lost sample on; the server knows some of these samples.
@@ -208,7 +208,7 @@ class Motions(LiveTest):
             agent.udp.send(motion_frame(batch))
             result = agent.answer()
             self.assertEqual(result["agent_sequence"], 11)
-            self.assertEqual(result["fx"], newest["fx"], "in place of an answer that was lost")
+            self.assertEqual(result["fx"], newest["fx"], "the result is sent again, in case it was lost")
         self.assertEqual((self.server.hash(), self.server.info()["motions"]), (before, 10))
 
     def test_first_sample_must_come_over_the_websocket(self):
@@ -238,7 +238,7 @@ class Motions(LiveTest):
 
 
 class RealAgent(LiveTest):
-    """The messages of kerf-agent about UDP."""
+    """Tests the messages of kerf-agent about UDP."""
 
     def run_agent(self, port, *more):
         path = os.path.join(self.folder.name, "path.csv")
@@ -283,7 +283,7 @@ class Strangers(LiveTest):
         self.assertTrue(agent.is_silent())
         stranger = UdpClient(agent.welcome["udp"])
         stranger.send_raw(old)  # delayed by an attacker and sent from another address
-        self.assertIsNotNone(agent.udp.receive(), "the answer goes where the agent was last")
+        self.assertIsNotNone(agent.udp.receive(), "answers go to the source of the newest datagram")
         self.assertIsNone(stranger.receive(timeout=0.2))
         agent.udp.move()
         self.assertTrue(agent.is_silent())
@@ -308,7 +308,7 @@ class Strangers(LiveTest):
         before, hash_before = counters(self.server), self.server.hash()
         for datagram in wrong:
             agent.udp.send_raw(datagram)
-        self.assertTrue(agent.is_silent(), "not a word about any of them")
+        self.assertTrue(agent.is_silent(), "invalid datagrams are not answered")
         after = counters(self.server)
         reasons = ("malformed", "unknown_connection", "not_authentic", "replayed")
         self.assertEqual(sum(after[r] - before[r] for r in reasons), len(wrong))

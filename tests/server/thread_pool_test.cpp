@@ -15,7 +15,7 @@
 namespace kerf {
 namespace {
 
-TEST(ThreadPool, DoesEachJobOnce) {
+TEST(ThreadPool, RunsEachJobOnce) {
   for (const int threads : {1, 2, 7}) {
     ThreadPool pool(threads);
     EXPECT_EQ(pool.count(), threads);

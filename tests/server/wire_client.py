@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A client of kerf-server for the tests: HTTP by the standard library, WebSocket and wire by hand.
+"""A client of kerf-server for the tests: HTTP of the standard library, its own WebSocket and wire codec.
 
-Nothing is shared with the server's own code, so a mistake in its codec cannot hide itself.
+It shares no code with the server, so that the tests detect mistakes of the server's codec.
 """
 import base64
 import http.client
@@ -116,7 +116,7 @@ class WebSocket:
         self.send_frame(2, data)
 
     def receive(self, timeout=30):
-        """The next message: ("text", dict) or ("binary", bytes)."""
+        """Returns the next message: ("text", dict) or ("binary", bytes)."""
         self.socket.settimeout(timeout)
         while True:
             first, second = self._take(2)
@@ -137,7 +137,7 @@ class WebSocket:
                 return "binary", payload
 
     def receive_json(self, kind, timeout=30):
-        """Skips to the next JSON message of a type."""
+        """Skips to the next JSON message of a type and returns it."""
         end = time.monotonic() + timeout
         while True:
             form, message = self.receive(max(0.01, end - time.monotonic()))
@@ -217,8 +217,8 @@ class Viewer(WebSocket):
         self.send_json({"type": "hello", "name": name})
         self.welcome = self.receive_json("welcome")
         self.participant = self.welcome["participant"]
-        self.tiles = {}   # versions
-        self.levels = {}  # of detail
+        self.tiles = {}   # version of each tile
+        self.levels = {}  # level of detail of each tile
         self.tools = []
 
     def take(self, timeout=30):
