@@ -78,8 +78,7 @@ const std::vector<Module>& modules() {
        {"haptic_agent/realtime", "haptic_agent/device", "haptic_agent/servo",
         "haptic_agent/link/server_url.h"}},
       {"haptic_agent/demo", {"kernel/math"}},
-      {"haptic_agent/examples",
-       {"kernel/math", "haptic_agent/device", "haptic_agent/servo", "haptic_agent/realtime"}},
+      {"haptic_agent/examples", {"kernel/math", "haptic_agent"}},
       {"haptic_agent", {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
   };
