@@ -35,7 +35,7 @@ bool parse_port(std::string_view text, std::uint16_t& port) {
   return parsed.ec == std::errc() && parsed.ptr == end;
 }
 
-/// Splits ADDR:PORT; an IPv6 address stands in brackets.
+/// Splits ADDR:PORT; an IPv6 address is in brackets.
 bool parse_listen(const std::string& text, std::string& address, std::uint16_t& port) {
   const auto colon = text.rfind(':');
   if (colon == std::string::npos) return false;
@@ -46,7 +46,7 @@ bool parse_listen(const std::string& text, std::string& address, std::uint16_t& 
   return !address.empty() && parse_port(std::string_view(text).substr(colon + 1), port);
 }
 
-/// Reads [ADDR:]PORT or off; empty text leaves what is the default.
+/// Parses [ADDR:]PORT or off; an empty text keeps the default.
 bool parse_udp(const std::string& text, kerf::net::UdpOptions& udp) {
   if (text.empty()) return true;
   udp.on = text != "off";
@@ -59,8 +59,8 @@ bool parse_udp(const std::string& text, kerf::net::UdpOptions& udp) {
   return good;
 }
 
-/// Creates the session of a scene file unless it is there already, e.g. from before a restart. Says
-/// what is wrong.
+/// Creates the session of a scene file unless it exists, e.g. from before a restart. Returns an
+/// error text, empty on success.
 std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file) {
   const auto scene = kerf::load_scene(file);
   if (!scene) return to_string(scene.error());
@@ -83,7 +83,7 @@ std::string version_text() {
 }
 
 int serve(const CommandLine& line) {
-  // Signals are waited for by this thread alone; it must block them before it starts any other.
+  // Only this thread waits for signals: block them before other threads start.
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -108,13 +108,13 @@ int serve(const CommandLine& line) {
   }
   std::printf("%s\n", (*server)->url().c_str());
   std::fflush(stdout);
-  if (const auto port = (*server)->udp_port(); port != 0) spdlog::info("UDP lane: port {}", port);
+  if (const auto port = (*server)->udp_port(); port != 0) spdlog::info("UDP: port {}", port);
   for (const auto& session : (*server)->sessions().list()) {
     spdlog::info("session {}: {}/?session={}", session->id(), (*server)->url(), session->id());
   }
   int signal = 0;
   sigwait(&signals, &signal);
-  spdlog::info("going down");
+  spdlog::info("shutting down");
   (*server)->stop();
   return 0;
 }
@@ -124,21 +124,23 @@ int serve(const CommandLine& line) {
 int main(int argc, char** argv) {
   CommandLine line;
   line.server.http.web_folder = kerf::net::find_web_folder();
-  CLI::App app{"kerf-server: several people carve one block and feel it"};
+  CLI::App app{"kerf-server: sessions in which several people carve one block and feel its force"};
   app.set_version_flag("--version", version_text());
-  app.add_option("--listen", line.listen, "ADDR:PORT; port 0 lets the system pick one")
+  app.add_option("--listen", line.listen, "ADDR:PORT; with port 0 the system picks one")
       ->capture_default_str();
-  app.add_option("--udp", line.udp,
-                 "[ADDR:]PORT of the UDP lane that agents may ask for, or off; by default the "
-                 "address and port of --listen");
-  app.add_option("--data", line.server.http.data_folder, "folder of the journals, one per session")
+  app.add_option(
+      "--udp", line.udp,
+      "[ADDR:]PORT on which agents may use UDP, or off; default: the address and port of "
+      "--listen");
+  app.add_option("--data", line.server.http.data_folder, "folder of the sessions' journals")
       ->capture_default_str();
-  app.add_option("--scene", line.scenes, "scene file; its session is created unless it exists");
+  app.add_option("--scene", line.scenes,
+                 "scene file whose session is created unless it exists; may be repeated");
   app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
   app.add_option("--allow-origin", line.server.http.allow_origins,
-                 "origin of web pages elsewhere that may connect, e.g. https://kerf.example");
+                 "origin of other web pages that may connect, e.g. https://kerf.example");
   CLI11_PARSE(app, argc, argv);
-  spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout carries the address alone
+  spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout carries only the address
   spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {
     std::fprintf(stderr, "kerf-server: --listen %s is not ADDR:PORT\n", line.listen.c_str());

@@ -26,9 +26,9 @@ using boost::system::error_code;
 
 namespace {
 
-/// On the way out, the time in which peers may read their bye.
+/// Time for peers to receive their bye when the server stops.
 constexpr std::chrono::seconds kDrainTime{2};
-/// Out of file descriptors and the like: try again a little later rather than spin.
+/// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
 }  // namespace
@@ -67,11 +67,11 @@ struct Server::Impl {
 };
 
 std::expected<void, std::string> Server::Impl::listen_udp() {
-  const UdpOptions& wish = options.udp;
-  if (!wish.on) return {};
-  auto listening =
-      udp.listen(wish.address.empty() ? options.address : wish.address, wish.port.value_or(port));
-  if (listening || wish.required) return listening;
+  const UdpOptions& udp_options = options.udp;
+  if (!udp_options.on) return {};
+  auto listening = udp.listen(udp_options.address.empty() ? options.address : udp_options.address,
+                              udp_options.port.value_or(port));
+  if (listening || udp_options.required) return listening;
   spdlog::warn("{}; agents will use their WebSockets", listening.error());
   return {};
 }
@@ -123,7 +123,7 @@ std::string Server::url() const {
 std::expected<void, std::string> Server::listen() {
   error_code error;
   const auto address = asio::ip::make_address(impl_->options.address, error);
-  if (error) return std::unexpected(impl_->options.address + " is no IP address");
+  if (error) return std::unexpected(impl_->options.address + " is not an IP address");
   const tcp::endpoint endpoint(address, impl_->options.port);
   tcp::acceptor& acceptor = impl_->acceptor;
   const auto fail = [&] {
@@ -142,8 +142,7 @@ std::expected<void, std::string> Server::listen() {
 
 void Server::stop() {
   if (std::exchange(impl_->stopped, true)) return;
-  // Waited for: the acceptor belongs to that lane until it is closed, and then goes with this
-  // thread.
+  // The acceptor belongs to the viewers' thread: it is closed there and destroyed here.
   std::promise<void> closed;
   impl_->viewers.post([&closed, impl = impl_.get()] {
     error_code ignored;
@@ -151,7 +150,7 @@ void Server::stop() {
     closed.set_value();
   });
   closed.get_future().wait();
-  impl_->registry.close_all("the server is going down");
+  impl_->registry.close_all("the server is shutting down");
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
   while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
          std::chrono::steady_clock::now() < deadline) {

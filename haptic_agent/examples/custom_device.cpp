@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "haptic_agent/device/haptic_device.h"
-#include "haptic_agent/servo/servo_clock.h"
+#include "haptic_agent/realtime/clock.h"
 #include "haptic_agent/servo/servo_loop.h"
 
 namespace {

@@ -1,55 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
-#include <cstddef>
-#include <cstdint>
-#include <deque>
 #include <optional>
 #include <string_view>
 #include <vector>
 
-#include "server/wire/codec.h"
+#include "server/conversation/control_queue.h"
 
 namespace kerf::net {
 
-/// What waits to leave for one agent over its WebSocket. A wrench goes before all else, and a newer
-/// one replaces one that has not left, since only the newest is worth feeling; the same goes for
-/// what another participant feels; the block's columns go last. Buffers keep their memory.
+/// Frames that wait to leave for one agent over its WebSocket, in order of priority: the result,
+/// the force of the participant that the agent feels (`feel_of`), control messages, stock. A newer
+/// result or force replaces one that has not left, because only the newest is of use. Buffers are
+/// reused.
 class AgentOutbox {
  public:
-  using Clock = std::chrono::steady_clock;
-  enum class Kind : std::uint8_t { kResult, kFelt, kText, kPong, kStock };
-  struct Frame {
-    Kind kind = Kind::kText;
-    std::vector<std::byte> bytes;
-    Clock::time_point arrived;  ///< of what a result answers
-  };
-
   void put_result(const wire::FrameStamp& stamp, const wire::Result& result,
                   Clock::time_point arrived);
   void put_felt(const wire::FrameStamp& stamp, const wire::ToolState& felt);
-  /// False if the agent reads so little that nothing more is kept for it.
+  /// Returns false if the agent reads so little that the control queue is full.
   bool put_text(std::string_view text);
-  /// Dropped where put_text would fail: a ping tells how long it takes to be answered.
   void put_pong(const wire::FrameStamp& stamp, const wire::Pong& pong);
   void put_stock(const wire::FrameStamp& stamp, const wire::StockPatch& patch);
-  /// A stock frame has not left yet.
+  /// Whether a stock frame waits to leave.
   bool has_stock() const { return stock_.has_value(); }
 
-  /// Only texts and pongs that wait already leave from now on.
+  /// Discards everything but the control messages and ignores what is put in afterwards.
   void close();
-  /// The next frame to leave, with its bytes; false if nothing waits.
-  bool take(Frame& out);
+  /// Takes the next frame to send, with its bytes; returns false if there is none.
+  bool take(OutFrame& out);
 
  private:
-  /// `slot`'s bytes if it holds any, else those of a frame that has left.
+  /// Encodes into the slot's own buffer, or into the buffer of a frame that has left.
   template <class Body>
-  void put(std::optional<Frame>& slot, Kind kind, const wire::FrameStamp& stamp, const Body& body);
-  bool take_slot(std::optional<Frame>& slot, Frame& out);
+  void put(std::optional<OutFrame>& slot, OutFrame::Kind kind, const wire::FrameStamp& stamp,
+           const Body& body);
+  bool take_slot(std::optional<OutFrame>& slot, OutFrame& out);
 
-  std::optional<Frame> result_, felt_, stock_;
-  std::deque<Frame> control_;
+  std::optional<OutFrame> result_, felt_, stock_;
+  ControlQueue control_;
   std::vector<std::byte> spare_;
   bool closed_ = false;
 };

@@ -14,14 +14,14 @@ using Json = nlohmann::json;
 
 constexpr double kEyeMaxMm = 1e6;
 
-Rejection bad_field(const char* field, const char* what) {
-  return {wire::ErrorCode::kBadMessage, std::string("field \"") + field + "\" " + what};
+Rejection bad_field(const char* field, const char* rule) {
+  return {wire::ErrorCode::kBadMessage, std::string("field \"") + field + "\" " + rule};
 }
 
 std::expected<std::string, Rejection> text_field(const Json& object, const char* field) {
   const auto found = object.find(field);
   if (found == object.end()) return std::string();
-  if (!found->is_string()) return std::unexpected(bad_field(field, "is not a string"));
+  if (!found->is_string()) return std::unexpected(bad_field(field, "must be a string"));
   return found->get<std::string>();
 }
 
@@ -32,7 +32,7 @@ std::expected<ToolId, Rejection> tool_field(const Json& object, bool required) {
     return 0;
   }
   if (!found->is_number_unsigned() || found->get<std::uint64_t>() > 0xFFFFFFFFU) {
-    return std::unexpected(bad_field("tool", "is not a tool number"));
+    return std::unexpected(bad_field("tool", "must be a tool number"));
   }
   return found->get<ToolId>();
 }
@@ -49,21 +49,21 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
   if (!tool) return std::unexpected(tool.error());
   hello.tool = *tool;
   if (const auto feel = object.find("feel"); feel != object.end()) {
-    if (!feel->is_boolean()) return std::unexpected(bad_field("feel", "is not true or false"));
+    if (!feel->is_boolean()) return std::unexpected(bad_field("feel", "must be true or false"));
     hello.feel = feel->get<bool>();
   }
   if (const auto stock = object.find("stock"); stock != object.end()) {
-    if (!stock->is_boolean()) return std::unexpected(bad_field("stock", "is not true or false"));
+    if (!stock->is_boolean()) return std::unexpected(bad_field("stock", "must be true or false"));
     hello.stock = stock->get<bool>();
   }
   if (const auto other = object.find("feel_of"); other != object.end()) {
     if (!other->is_number_unsigned() || other->get<std::uint64_t>() > UINT32_MAX) {
-      return std::unexpected(bad_field("feel_of", "is not the number of a participant"));
+      return std::unexpected(bad_field("feel_of", "must be a participant number"));
     }
     hello.feel_of = other->get<ParticipantId>();
   }
   if (const auto udp = object.find("udp"); udp != object.end()) {
-    if (!udp->is_boolean()) return std::unexpected(bad_field("udp", "is not true or false"));
+    if (!udp->is_boolean()) return std::unexpected(bad_field("udp", "must be true or false"));
     hello.udp = udp->get<bool>();
   }
   return hello;
@@ -71,7 +71,7 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
 
 std::expected<double, Rejection> number_of(const Json& value, const char* field, double low,
                                            double high) {
-  if (!value.is_number()) return std::unexpected(bad_field(field, "is not made of numbers"));
+  if (!value.is_number()) return std::unexpected(bad_field(field, "must be a number"));
   const double number = value.get<double>();
   if (!(number >= low && number <= high)) {
     return std::unexpected(bad_field(field, "is out of range"));
@@ -83,7 +83,7 @@ std::expected<ControlMessage, Rejection> parse_look(const Json& object) {
   LookMessage message;
   const auto eye = object.find("eye_mm");
   if (eye == object.end() || !eye->is_array() || eye->size() != 3) {
-    return std::unexpected(bad_field("eye_mm", "is not three numbers"));
+    return std::unexpected(bad_field("eye_mm", "must be three numbers"));
   }
   std::array<double, 3> at{};
   for (std::size_t n = 0; n < at.size(); ++n) {
@@ -102,12 +102,12 @@ std::expected<ControlMessage, Rejection> parse_look(const Json& object) {
 
 Json participants_json(const std::vector<Participant>& participants) {
   Json list = Json::array();
-  for (const Participant& who : participants) {
-    Json entry = {{"participant", who.id},
-                  {"name", who.name},
-                  {"color", who.color},
-                  {"kind", to_string(who.kind)}};
-    if (who.tool != 0) entry["tool"] = who.tool;
+  for (const Participant& participant : participants) {
+    Json entry = {{"participant", participant.id},
+                  {"name", participant.name},
+                  {"color", participant.color},
+                  {"kind", to_string(participant.kind)}};
+    if (participant.tool != 0) entry["tool"] = participant.tool;
     list.push_back(std::move(entry));
   }
   return list;
@@ -145,7 +145,7 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
   const Json object = Json::parse(frame, nullptr, false);
   if (object.is_discarded() || !object.is_object()) {
     return std::unexpected(
-        Rejection{wire::ErrorCode::kBadJson, "the message is not a JSON object"});
+        Rejection{wire::ErrorCode::kBadJson, "a text frame must be a JSON object"});
   }
   const auto type = text_field(object, "type");
   if (!type) return std::unexpected(type.error());
@@ -159,7 +159,7 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
   if (*type == wire::kTypeStock) return StockMessage{};
   return std::unexpected(
       Rejection{wire::ErrorCode::kBadMessage,
-                "\"type\" is none of \"hello\", \"tool\", \"look\" and \"stock\""});
+                "field \"type\" must be \"hello\", \"tool\", \"look\" or \"stock\""});
 }
 
 std::string agent_welcome(const Session& session, const Participant& self,

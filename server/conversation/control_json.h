@@ -14,14 +14,14 @@
 
 namespace kerf::net {
 
-/// What a peer may say in a text frame (server/wire/README.md).
+/// The messages that a peer may send in a text frame (server/wire/README.md).
 struct HelloMessage {
   std::string name, color;
-  ToolId tool = 0;  ///< 0: the first of the scene
+  ToolId tool = 0;  ///< 0: the first tool of the scene
   bool feel = true;
-  ParticipantId feel_of = 0;  ///< whose force to send along; 0: nobody's
-  bool udp = false;           ///< offer the UDP lane
-  bool stock = false;         ///< wants stock frames
+  ParticipantId feel_of = 0;  ///< participant whose force is sent too; 0: none
+  bool udp = false;           ///< requests a UDP connection
+  bool stock = false;         ///< requests stock frames
 };
 struct ToolMessage {
   ToolId tool = 0;
@@ -30,12 +30,12 @@ struct ToolMessage {
 struct LookMessage {
   ViewerLook look;
 };
-/// Stock frames are to begin afresh.
+/// Requests that stock frames start again with an empty replica.
 struct StockMessage {};
 using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, StockMessage>;
 
-/// Reads one text frame. Unknown fields are skipped; errors are bad_json (no JSON object) or
-/// bad_message (with the field).
+/// Parses one text frame. Unknown fields are ignored. Errors are bad_json (not a JSON object) and
+/// bad_message (names the field).
 std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 
 std::string agent_welcome(const Session& session, const Participant& self,

@@ -7,19 +7,18 @@
 
 namespace kerf::net {
 
-/// What a batch of samples brings, where batches may be lost, come twice or in another order.
+/// Classifies a batch of samples on a transport that may lose, repeat and reorder batches.
 enum class Arrival : std::uint8_t { kNew, kRepeated, kGap };
 
-/// Keeps motions whole on a lane that loses: a batch counts only if it goes on where the last
-/// applied sample ended. Across a gap there is no telling where the tool has been, and the chord
-/// would gouge the block.
+/// Accepts a batch only if it continues at the last applied sample. Across a gap the path of the
+/// tool is unknown, and its chord would gouge the block.
 class SampleGate {
  public:
-  /// The number of the last sample that the session has taken, over whichever lane.
+  /// Sets the number of the last sample that the session has applied, over either transport.
   void applied(std::uint64_t agent_sequence) noexcept { last_ = agent_sequence; }
 
-  /// Before the first sample of a WebSocket has come over it, everything is a gap: only its order
-  /// tells where an agent that has been here before starts anew.
+  /// Returns kGap for every batch until a sample has come over the WebSocket: an agent that
+  /// connects again numbers its samples from 1, and only the WebSocket keeps their order.
   Arrival judge(const wire::MotionBatch& batch) const noexcept {
     if (batch.count == 0 || last_ == 0) return Arrival::kGap;
     const auto samples = batch.view();

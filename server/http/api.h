@@ -1,30 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <expected>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/http/byte_range.h"
 #include "server/http/download_cache.h"
 #include "server/http/http_options.h"
 #include "server/metrics/metrics.h"
+#include "server/session/session_registry.h"
 
 namespace kerf::net {
 
-/// An HTTP request without HTTP: so that the interface can be understood, and tested, without
-/// sockets.
+/// An HTTP request as the interface sees it: no sockets, no Beast.
 struct ApiRequest {
   std::string method;                        ///< GET, HEAD, POST, DELETE
   std::vector<std::string> path;             ///< decoded segments, e.g. {"v1", "sessions"}
   std::map<std::string, std::string> query;  ///< decoded
   std::string if_none_match, range, if_range;
   std::string body;
+
+  /// The value of a query parameter; null if it is missing.
+  const std::string* query_value(const std::string& name) const {
+    const auto found = query.find(name);
+    return found == query.end() ? nullptr : &found->second;
+  }
 };
 
 struct ApiResponse {
@@ -32,41 +38,53 @@ struct ApiResponse {
   std::string content_type = "application/json";
   std::string body;
   std::shared_ptr<const OpenFile> file;  ///< instead of a body
-  std::optional<ByteRange> part;         ///< of the file; none: all of it
+  std::optional<ByteRange> part;         ///< of the file; nothing: all of it
   std::vector<std::pair<std::string, std::string>> headers;
 };
 
-/// {"error":{"code","reason", and "path" where a field of the scene is to blame}}
+/// {"error":{"code","reason"}}, with "path" if a field of the scene is invalid.
 ApiResponse error_response(unsigned status, std::string_view code, std::string_view reason,
                            std::string_view path = {});
+ApiResponse not_found();
+/// A response whose body is the JSON text `json` and a line break.
+ApiResponse json_response(unsigned status, std::string json);
 
-/// The path and query of a request target; an error names what is malformed.
+/// Parses the path and query of a request target. The error names what is malformed.
 std::expected<ApiRequest, std::string> parse_target(std::string_view target);
 
-/// The HTTP interface (README.md). Thread-safe; may block on a session's executor, so it is called
-/// off both lanes.
+/// A request to a route of the table (routes.h).
+struct ApiCall {
+  const ApiRequest& request;
+  std::shared_ptr<Session> session;  ///< null outside /v1/sessions/{id}
+  std::string captured;              ///< RouteMatch::captured
+};
+
+/// The HTTP interface (README.md). Thread-safe. May block on a session's executor, so it must not
+/// be called on one, nor on the viewers' thread.
 class Api {
  public:
   Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics);
 
-  /// Most bytes that a request to this path may carry; 0 where no body is expected.
-  std::size_t body_bytes_max(const ApiRequest& request) const;
-  /// True where the answer may take longer than a moment.
-  bool is_long(const ApiRequest& request) const;
   ApiResponse handle(const ApiRequest& request);
 
+  // ---- handlers of the route table (routes.cpp) ----
+  ApiResponse list_sessions(const ApiCall& call);
+  ApiResponse create_session(const ApiCall& call);
+  ApiResponse session_info(const ApiCall& call);
+  ApiResponse close_session(const ApiCall& call);
+  ApiResponse list_programs(const ApiCall& call);
+  ApiResponse start_program(const ApiCall& call);
+  ApiResponse program_status(const ApiCall& call);
+  ApiResponse cancel_program(const ApiCall& call);
+  ApiResponse download(const ApiCall& call);
+  ApiResponse list_exports(const ApiCall& call);
+  ApiResponse upload_file(const ApiCall& call);
+  ApiResponse health(const ApiCall& call);
+  ApiResponse metrics(const ApiCall& call);
+  ApiResponse viewer_file(const ApiCall& call);
+
  private:
-  using SessionPtr = std::shared_ptr<Session>;
-  ApiResponse v1(const ApiRequest& request);
-  ApiResponse sessions(const ApiRequest& request);
-  ApiResponse create_session(const ApiRequest& request);
-  ApiResponse session(const ApiRequest& request, const SessionPtr& session);
-  ApiResponse programs(const ApiRequest& request, const SessionPtr& session);
-  ApiResponse start_program(const ApiRequest& request, const SessionPtr& session);
-  ApiResponse download(const ApiRequest& request, const SessionPtr& session);
-  ApiResponse exports(const ApiRequest& request, const std::string& session_id);
-  ApiResponse files(const ApiRequest& request);
-  /// The uploaded files whose names stand in a scene.
+  /// The uploaded files that a scene names.
   std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;
   std::filesystem::path upload_folder() const { return options_.data_folder / "uploads"; }
 
@@ -76,12 +94,12 @@ class Api {
   DownloadCache downloads_;
 };
 
-/// The solid of one moment, and its hash.
-struct Moment {
+/// A solid and its hash.
+struct HashedSolid {
   SolidSnapshot solid;
   StateHash hash;
 };
-/// The newest state of the solid; its hash is computed here if nobody has yet.
-Moment current_moment(Session& session);
+/// The current solid of a session; computes its hash if it is not known yet.
+HashedSolid current_solid(Session& session);
 
 }  // namespace kerf::net

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of the HTTP interface that takes meshes which scenes may then name.
+// The route that stores meshes, which scenes may then name.
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -17,10 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The oldest are forgotten beyond this: a session keeps its own copy in its journal.
+/// Older uploads are deleted. A session has its own copy in its journal.
 constexpr std::size_t kUploadsMax = 16;
 
-/// Named by what is in it, so the same file is the same name and no name leads anywhere else.
+/// The hash of the content and the extension: equal files get equal names, and no name of a client
+/// becomes a path.
 std::string upload_name(std::string_view name, const std::string& bytes) {
   Hash hash;
   for (const char c : bytes) hash.add(static_cast<unsigned char>(c));
@@ -31,7 +32,7 @@ std::string upload_name(std::string_view name, const std::string& bytes) {
   return hash_text(hash.value()) + lower;
 }
 
-void forget_oldest(const fs::path& folder) {
+void delete_oldest(const fs::path& folder) {
   std::error_code ignored;
   std::vector<fs::directory_entry> uploads;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) uploads.push_back(entry);
@@ -44,17 +45,14 @@ void forget_oldest(const fs::path& folder) {
 
 }  // namespace
 
-ApiResponse Api::files(const ApiRequest& request) {
-  if (request.method != "POST") {
-    auto response = error_response(405, "bad_method", request.method + " is not possible here");
-    response.headers.emplace_back("Allow", "POST");
-    return response;
-  }
-  const auto given = request.query.find("name");
-  const std::string name = given == request.query.end() ? std::string() : given->second;
+ApiResponse Api::upload_file(const ApiCall& call) {
+  const ApiRequest& request = call.request;
+  const std::string* given = request.query_value("name");
+  const std::string name = given ? *given : std::string();
   const auto format = mesh_file_format(name);
   if (!format) {
-    return error_response(400, "bad_name", "name the file: ?name=part.stl, .ply or .obj");
+    return error_response(400, "bad_name",
+                          "name must end in .stl, .ply or .obj, e.g. ?name=part.stl");
   }
   const auto mesh = read_mesh(*format, std::as_bytes(std::span(request.body)));
   if (!mesh) return error_response(400, to_string(mesh.error().code), mesh.error().reason);
@@ -72,20 +70,16 @@ ApiResponse Api::files(const ApiRequest& request) {
   if (file) fs::rename(part, folder / stored, error);
   if (!file || error) {
     fs::remove(part, ignored);
-    return error_response(500, "disk", "the file could not be kept");
+    return error_response(500, "disk", "the file could not be stored");
   }
-  forget_oldest(folder);
+  delete_oldest(folder);
   const BoxStock box = mesh_bounds(*mesh);
-  ApiResponse response;
-  response.status = 201;
-  response.body = nlohmann::json{{"file", stored},
-                                 {"vertices", mesh->vertices_mm.size()},
-                                 {"triangles", mesh->triangles.size()},
-                                 {"min_mm", {box.min_mm.x, box.min_mm.y, box.min_mm.z}},
-                                 {"max_mm", {box.max_mm.x, box.max_mm.y, box.max_mm.z}}}
-                      .dump() +
-                  "\n";
-  return response;
+  const nlohmann::json json{{"file", stored},
+                            {"vertices", mesh->vertices_mm.size()},
+                            {"triangles", mesh->triangles.size()},
+                            {"min_mm", {box.min_mm.x, box.min_mm.y, box.min_mm.z}},
+                            {"max_mm", {box.max_mm.x, box.max_mm.y, box.max_mm.z}}};
+  return json_response(201, json.dump());
 }
 
 std::map<std::string, std::string> Api::uploads_named_in(std::string_view scene_text) const {

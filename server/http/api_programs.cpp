@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of the HTTP interface that carves uploaded programs.
-#include <charconv>
+// The routes that carve uploaded programs.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "server/http/api.h"
+#include "server/http/number.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
@@ -12,11 +12,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// At feed rate a program is sampled so that viewers see it move; the value is what the paper's
-/// force loop ran at.
+/// At feed rate a program is sampled, so that viewers see the tool move. The value is the rate of
+/// the paper's force loop.
 constexpr double kFeedRateHz = 100;
 constexpr double kRateMinHz = 1, kRateMaxHz = 2000;
-/// Motions that one program may have: about two days of 100 Hz.
+/// The most motions of one program: about two days at 100 Hz.
 constexpr std::size_t kMotionsMax = 20'000'000;
 
 Json status_json(const Session& session, const ProgramStatus& status) {
@@ -39,26 +39,17 @@ Json status_json(const Session& session, const ProgramStatus& status) {
   return json;
 }
 
-ApiResponse json_response(unsigned status, const Json& json) {
-  ApiResponse response;
-  response.status = status;
-  response.body = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  return response;
+std::string text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::optional<std::string> query(const ApiRequest& request, const std::string& name) {
-  const auto found = request.query.find(name);
-  if (found == request.query.end()) return std::nullopt;
-  return found->second;
+std::string value_or(const std::string* value, const char* otherwise) {
+  return value != nullptr ? *value : otherwise;
 }
 
 std::optional<double> parse_rate(const std::string& text) {
-  double rate_hz = 0;
-  const auto end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, rate_hz);
-  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
-  if (!(rate_hz >= kRateMinHz && rate_hz <= kRateMaxHz)) return std::nullopt;
-  return rate_hz;
+  const auto rate_hz = parse_number<double>(text);
+  return rate_hz && *rate_hz >= kRateMinHz && *rate_hz <= kRateMaxHz ? rate_hz : std::nullopt;
 }
 
 ApiResponse program_failure(const ProgramError& error) {
@@ -66,66 +57,70 @@ ApiResponse program_failure(const ProgramError& error) {
                  {"reason", to_string(error)},
                  {"line", error.line},
                  {"word", error.word}};
-  return json_response(400, {{"error", detail}});
+  return json_response(400, text({{"error", detail}}));
+}
+
+/// The program whose number the path holds.
+std::optional<ProgramStatus> find_program(const ApiCall& call) {
+  const auto id = parse_number<ProgramId>(call.captured);
+  if (!id) return std::nullopt;
+  return run_and_wait(call.session->executor(), [&] { return call.session->program(*id); });
+}
+
+ApiResponse unknown_program(const ApiCall& call) {
+  return error_response(404, "unknown_program", "the session has no program " + call.captured);
 }
 
 }  // namespace
 
-ApiResponse Api::programs(const ApiRequest& request, const SessionPtr& session) {
-  if (request.path.size() == 4) {
-    if (request.method == "POST") return start_program(request, session);
-    Json list = Json::array();
-    for (const auto& status :
-         run_and_wait(session->executor(), [&] { return session->programs(); })) {
-      list.push_back(status_json(*session, status));
-    }
-    return json_response(200, {{"programs", list}});
+ApiResponse Api::list_programs(const ApiCall& call) {
+  Session& session = *call.session;
+  Json list = Json::array();
+  for (const auto& status : run_and_wait(session.executor(), [&] { return session.programs(); })) {
+    list.push_back(status_json(session, status));
   }
-  ProgramId id = 0;
-  const std::string& text = request.path[4];
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), id);
-  const auto status = parsed.ec == std::errc() && parsed.ptr == text.data() + text.size()
-                          ? run_and_wait(session->executor(), [&] { return session->program(id); })
-                          : std::nullopt;
-  if (!status || request.path.size() > 5) {
-    return error_response(404, "unknown_program", "the session has no program " + text);
-  }
-  if (request.method == "DELETE") {
-    const bool cancelled =
-        run_and_wait(session->executor(), [&] { return session->cancel_program(id); });
-    if (!cancelled) {
-      return error_response(409, "not_running", "program " + text + " is not running any more");
-    }
-    return json_response(200, status_json(*session, *run_and_wait(session->executor(), [&] {
-                           return session->program(id);
-                         })));
-  }
-  if (request.method != "GET" && request.method != "HEAD") {
-    auto response = error_response(405, "bad_method", request.method + " is not possible here");
-    response.headers.emplace_back("Allow", "GET, HEAD, DELETE");
-    return response;
-  }
-  return json_response(200, status_json(*session, *status));
+  return json_response(200, text({{"programs", list}}));
 }
 
-ApiResponse Api::start_program(const ApiRequest& request, const SessionPtr& session) {
-  const std::string pace_text = query(request, "pace").value_or("feed");
+ApiResponse Api::program_status(const ApiCall& call) {
+  const auto status = find_program(call);
+  if (!status) return unknown_program(call);
+  return json_response(200, text(status_json(*call.session, *status)));
+}
+
+ApiResponse Api::cancel_program(const ApiCall& call) {
+  const auto status = find_program(call);
+  if (!status) return unknown_program(call);
+  Session& session = *call.session;
+  const bool cancelled =
+      run_and_wait(session.executor(), [&, id = status->id] { return session.cancel_program(id); });
+  if (!cancelled) {
+    return error_response(409, "not_running", "program " + call.captured + " is not running");
+  }
+  return json_response(200, text(status_json(session, *find_program(call))));
+}
+
+ApiResponse Api::start_program(const ApiCall& call) {
+  const ApiRequest& request = call.request;
+  Session& session = *call.session;
+  const std::string pace_text = value_or(request.query_value("pace"), "feed");
   if (pace_text != "feed" && pace_text != "fast") {
-    return error_response(400, "bad_pace", "pace is neither \"feed\" nor \"fast\"");
+    return error_response(400, "bad_pace", "pace must be \"feed\" or \"fast\"");
   }
   const ProgramPace pace = pace_text == "feed" ? ProgramPace::kFeed : ProgramPace::kFast;
   std::optional<double> rate_hz;
-  if (const auto text = query(request, "rate")) {
-    rate_hz = parse_rate(*text);
-    if (!rate_hz) return error_response(400, "bad_rate", "rate is not a number from 1 to 2000");
+  if (const std::string* given = request.query_value("rate")) {
+    rate_hz = parse_rate(*given);
+    if (!rate_hz) return error_response(400, "bad_rate", "rate must be a number from 1 to 2000");
   } else if (pace == ProgramPace::kFeed) {
     rate_hz = kFeedRateHz;
   }
-  const std::string name = query(request, "name").value_or("program.ngc");
+  const std::string name = value_or(request.query_value("name"), "program.ngc");
   if (name.size() > wire::kMaxNameBytes || name.find_first_of("/\\\n\r") != std::string::npos) {
-    return error_response(400, "bad_name", "name is too long or holds a slash or line break");
+    return error_response(400, "bad_name",
+                          "name must have at most 64 bytes, without slashes and line breaks");
   }
-  auto program = parse_program(name, request.body, session->scene());
+  auto program = parse_program(name, request.body, session.scene());
   if (!program) return program_failure(program.error());
   if (rate_hz) {
     double duration_s = 0;
@@ -135,15 +130,15 @@ ApiResponse Api::start_program(const ApiRequest& request, const SessionPtr& sess
     }
     program = sample_program(*program, *rate_hz);
   }
-  auto started = run_and_wait(session->executor(),
-                              [&] { return session->start_program(*std::move(program), pace); });
+  auto started = run_and_wait(session.executor(),
+                              [&] { return session.start_program(*std::move(program), pace); });
   if (!started) {
     const unsigned status = started.error().code == wire::ErrorCode::kBusy ? 503 : 400;
     return error_response(status, wire::to_string(started.error().code), started.error().reason);
   }
-  auto response = json_response(202, status_json(*session, *started));
+  auto response = json_response(202, text(status_json(session, *started)));
   response.headers.emplace_back(
-      "Location", "/v1/sessions/" + session->id() + "/programs/" + std::to_string(started->id));
+      "Location", "/v1/sessions/" + session.id() + "/programs/" + std::to_string(started->id));
   return response;
 }
 

@@ -2,19 +2,10 @@
 #include "server/http/byte_range.h"
 
 #include <algorithm>
-#include <charconv>
+
+#include "server/http/number.h"
 
 namespace kerf::net {
-namespace {
-
-std::optional<std::uint64_t> number(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || code != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-}  // namespace
 
 std::expected<std::optional<ByteRange>, UnsatisfiableRange> parse_range(std::string_view header,
                                                                         std::uint64_t bytes) {
@@ -23,8 +14,9 @@ std::expected<std::optional<ByteRange>, UnsatisfiableRange> parse_range(std::str
   header.remove_prefix(kUnit.size());
   const auto dash = header.find('-');
   if (dash == header.npos) return std::nullopt;
-  const auto first = number(header.substr(0, dash)), last = number(header.substr(dash + 1));
-  if (dash == 0) {  // the last so many bytes
+  const auto first = parse_number<std::uint64_t>(header.substr(0, dash));
+  const auto last = parse_number<std::uint64_t>(header.substr(dash + 1));
+  if (dash == 0) {  // a suffix: the last N bytes
     if (!last) return std::nullopt;
     if (*last == 0 || bytes == 0) return std::unexpected(UnsatisfiableRange{});
     const std::uint64_t count = std::min(*last, bytes);

@@ -34,7 +34,7 @@ std::size_t OpenFile::read(std::uint64_t offset, char* to, std::size_t size) con
 
 DownloadCache::DownloadCache(std::filesystem::path folder) : folder_(std::move(folder)) {
   std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);  // what a crash may have left half made
+  std::filesystem::remove_all(folder_, ignored);  // left by a crash
   std::filesystem::create_directories(folder_, ignored);
 }
 
@@ -71,7 +71,7 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make)
   return file;
 }
 
-// A writer that runs out of memory must not leave those who wait for its file waiting.
+// A writer that runs out of memory must not leave others waiting for its file.
 DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::path& path,
                                              const Make& make) {
   File file = std::unexpected(MakeError{"there is not enough memory"});
@@ -86,7 +86,7 @@ DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::pa
       file = std::unexpected(MakeError{opened.error()});
     }
   } catch (const std::bad_alloc&) {
-    // `file` says so already.
+    // `file` already holds this error.
   }
   std::filesystem::remove(path, ignored);
   return file;

@@ -17,7 +17,7 @@
 
 namespace kerf::net {
 
-/// A file that is open for reading; it may have no name any more.
+/// A file that is open for reading; it may have been unlinked.
 class OpenFile {
  public:
   static std::expected<std::shared_ptr<const OpenFile>, std::string> open(
@@ -26,7 +26,8 @@ class OpenFile {
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
   std::uint64_t bytes() const { return bytes_; }
-  /// Reads up to `size` bytes at `offset`; 0 at the end or on an error. Any number of threads.
+  /// Reads up to `size` bytes at `offset` and returns their number; 0 at the end or on an error.
+  /// Thread-safe.
   std::size_t read(std::uint64_t offset, char* to, std::size_t size) const;
 
  private:
@@ -35,34 +36,34 @@ class OpenFile {
   std::uint64_t bytes_;
 };
 
-/// Why a file could not be made.
+/// The reason why a file could not be made.
 struct MakeError {
   std::string reason;
-  bool impossible = false;  ///< what was asked for cannot be; else something is wrong here
+  bool impossible = false;  ///< the request cannot be met; otherwise the server is at fault
 };
 
-/// Files made on demand for downloads: written once per state, then served to anybody who asks for
-/// the same. They have no name on the disk, so none is left behind. Writing to a file rather than
-/// into the socket means that a slow client holds neither a thread nor memory, and that the length
-/// is known before the first byte. Thread-safe.
+/// Files made on demand for downloads, written once per key and then shared by all requests for it.
+/// They are unlinked, so none is left behind. A file instead of a stream means that a slow client
+/// occupies neither a thread nor memory, and that the length is known before the first byte.
+/// Thread-safe.
 class DownloadCache {
  public:
   explicit DownloadCache(std::filesystem::path folder);
   using File = std::expected<std::shared_ptr<const OpenFile>, MakeError>;
-  using Progress = std::function<void(double)>;  ///< takes the share that is done, 0 to 1
+  using Progress = std::function<void(double)>;  ///< receives the completed share, 0 to 1
   using Make =
       std::function<std::expected<void, MakeError>(const std::filesystem::path&, const Progress&)>;
-  /// The file for `key`; `make` writes it if nobody has yet. Who asks while it is being written
-  /// waits for it.
+  /// Returns the file for `key`; `make` writes it if it does not exist. Blocks while another call
+  /// writes the same file.
   File get(const std::string& key, const Make& make);
 
   /// A file that is being written.
   struct Making {
     std::string key;
-    double share = 0;    ///< that is done, 0 to 1
-    double seconds = 0;  ///< since it was begun
+    double share = 0;    ///< completed, 0 to 1
+    double seconds = 0;  ///< since its start
   };
-  /// Those whose key begins with `prefix`.
+  /// Returns the files being written whose key starts with `prefix`.
   std::vector<Making> making(std::string_view prefix) const;
 
  private:

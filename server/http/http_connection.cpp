@@ -2,8 +2,10 @@
 #include "server/http/http_connection.h"
 
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/serializer.hpp>
@@ -14,8 +16,9 @@
 
 #include "server/http/api.h"
 #include "server/http/http_options.h"
+#include "server/http/routes.h"
 #include "server/metrics/metrics.h"
-#include "server/socket/websocket.h"
+#include "server/socket/serve_peer.h"
 #include "server/threads/run_on.h"
 #include "server/wire/control.h"
 
@@ -33,16 +36,16 @@ constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = 16 * 1024;
-constexpr std::string_view kForeignOrigin = "this origin is not on the allow-list";
+constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
 constexpr std::size_t kFileChunk = 256 * 1024;
-/// Uploads that may be in memory at once: they are the one thing a peer can make large.
+/// Bodies above this size are uploads; few may be in memory at once.
 constexpr std::size_t kLargeBody = std::size_t{1} << 20;
 constexpr int kLargeBodiesMax = 4;
-int large_bodies = 0;  // viewer lane only
+int large_bodies = 0;  // viewers' thread only
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-/// The host and port of an Origin or the Host header, lower case.
+/// Whether an Origin header names the host and port of the Host header.
 bool same_origin(std::string_view origin, std::string_view host) {
   const auto scheme = origin.find("://");
   return scheme != std::string_view::npos &&
@@ -50,7 +53,7 @@ bool same_origin(std::string_view origin, std::string_view host) {
                         {host.data(), host.size()});
 }
 
-/// Browsers send Origin; a page of another site must neither drive a session nor watch one.
+/// Browsers send Origin. A page of another site must neither change a session nor watch one.
 bool origin_allowed(const Request& request, const HttpOptions& options) {
   const auto origin = view(request[http::field::origin]);
   if (origin.empty() || same_origin(origin, view(request[http::field::host]))) return true;
@@ -78,9 +81,9 @@ class Connection {
 
  private:
   asio::awaitable<bool> serve_one();
-  asio::awaitable<bool> read_body(Parser& parser, const ApiRequest& request);
+  asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
-  asio::awaitable<bool> reject_garbage();
+  asio::awaitable<bool> reject_malformed();
   asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
   asio::awaitable<bool> reject(const Request& request, unsigned status, std::string_view code,
                                std::string_view reason);
@@ -109,7 +112,7 @@ asio::awaitable<bool> Connection::serve_one() {
   stream_.expires_after(std::exchange(first_, false) ? kHeaderTime : kIdleTime);
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
-  if (error_) co_return co_await reject_garbage();
+  if (error_) co_return co_await reject_malformed();
   auto request = parse_target(view(parser.get().target()));
   if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));
@@ -121,7 +124,8 @@ asio::awaitable<bool> Connection::serve_one() {
   if (!read_only && !origin_allowed(parser.get(), context_.options)) {
     co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
   }
-  if (!co_await read_body(parser, *request)) co_return false;
+  const RouteMatch match = match_route(request->method, request->path);
+  if (!co_await read_body(parser, body_bytes_max(match, request->method))) co_return false;
   request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
   request->range = std::string(view(parser.get()[http::field::range]));
   request->if_range = std::string(view(parser.get()[http::field::if_range]));
@@ -129,7 +133,8 @@ asio::awaitable<bool> Connection::serve_one() {
   const bool keep_alive = parser.get().keep_alive();
   const bool large = request->body.size() > kLargeBody;
   if (large) ++large_bodies;
-  IoThreads& threads = context_.api.is_long(*request) ? context_.workers : context_.control;
+  const bool is_long = match.route != nullptr && match.route->is_long;
+  IoThreads& threads = is_long ? context_.workers : context_.control;
   auto work = [&api = context_.api, request = *std::move(request)] {
     try {
       return api.handle(request);
@@ -137,42 +142,42 @@ asio::awaitable<bool> Connection::serve_one() {
       return error_response(500, "internal_error", error.what());
     }
   };
-  stream_.expires_never();  // our own work has no deadline of the peer's making
+  stream_.expires_never();  // handling the request has no deadline
   ApiResponse response = co_await run_on(threads, std::move(work));
   if (large) --large_bodies;
   co_return co_await answer(parser.get(), response, keep_alive);
 }
 
-asio::awaitable<bool> Connection::reject_garbage() {
-  const bool spoke =
+asio::awaitable<bool> Connection::reject_malformed() {
+  const bool is_http =
       error_.category() == http::make_error_code(http::error::bad_method).category() &&
       error_ != http::error::end_of_stream && error_ != http::error::partial_message;
-  if (!spoke) co_return false;
+  if (!is_http) co_return false;
   const Request unknown;
   if (error_ == http::error::header_limit) {
-    co_return co_await reject(unknown, 431, "too_large", "the header of the request is too large");
+    co_return co_await reject(unknown, 431, "too_large", "the request header is larger than 8 kB");
   }
   if (error_ == http::error::body_limit) {
-    co_return co_await reject(unknown, 413, "too_large", "the body of the request is too large");
+    co_return co_await reject(unknown, 413, "too_large", "the request body is larger than 64 MB");
   }
   const std::string reason = error_.message();
   co_return co_await reject(unknown, 400, "bad_request", reason);
 }
 
-asio::awaitable<bool> Connection::read_body(Parser& parser, const ApiRequest& request) {
-  const std::size_t most = context_.api.body_bytes_max(request);
+asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_max) {
   const auto length = parser.content_length();
-  if (parser.chunked() && most > 0) {
+  if (parser.chunked() && bytes_max > 0) {
     co_return co_await reject(parser.get(), 411, "length_required",
-                              "send the body with a Content-Length");
+                              "the body needs a Content-Length; chunked bodies are not supported");
   }
-  if (length && *length > most) {
-    const std::string reason =
-        "the body has " + std::to_string(*length) + " bytes; at most " + std::to_string(most);
+  if (length && *length > bytes_max) {
+    const std::string reason = "the body has " + std::to_string(*length) + " bytes; the limit is " +
+                               std::to_string(bytes_max);
     co_return co_await reject(parser.get(), 413, "too_large", reason);
   }
   if (length && *length > kLargeBody && large_bodies >= kLargeBodiesMax) {
-    co_return co_await reject(parser.get(), 503, "busy", "too many uploads at once");
+    co_return co_await reject(parser.get(), 503, "busy",
+                              "too many uploads at the same time; try again later");
   }
   stream_.expires_after(kBodyTime);
   if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
@@ -186,15 +191,16 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, const ApiRequest& re
   co_return !error_;
 }
 
-// Nothing but references and views crosses a co_await here: g++ 12 destroys some temporaries of
-// such calls twice.
+// The parameters are references and views because g++ 12 destroys some temporaries in the arguments
+// of awaited calls twice.
 asio::awaitable<bool> Connection::reject(const Request& request, unsigned status,
                                          std::string_view code, std::string_view reason) {
   ApiResponse response = error_response(status, code, reason);
   co_return co_await answer(request, response, false);
 }
 
-/// Closing while the peer still sends would reset the connection and take our answer with it.
+/// Reads what the peer still sends. Closing at once would reset the connection, and the peer might
+/// not receive the response.
 asio::awaitable<void> Connection::linger() {
   error_code ignored;
   stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
@@ -240,10 +246,10 @@ asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRang
   std::vector<char> chunk(std::min<std::uint64_t>(kFileChunk, part.count));
   const std::uint64_t end = part.first + part.count;
   for (std::uint64_t offset = part.first; offset < end && !error_;) {
-    const std::size_t wanted = std::min<std::uint64_t>(chunk.size(), end - offset);
-    const std::size_t size = file.read(offset, chunk.data(), wanted);
+    const std::size_t count = std::min<std::uint64_t>(chunk.size(), end - offset);
+    const std::size_t size = file.read(offset, chunk.data(), count);
     if (size == 0) {
-      error_ = asio::error::broken_pipe;  // the length is promised: only closing tells the peer
+      error_ = asio::error::broken_pipe;  // the announced length cannot be sent: close
       co_return;
     }
     stream_.expires_after(kChunkTime);
@@ -256,21 +262,23 @@ asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRang
 std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
                                                      const ApiRequest& target,
                                                      std::shared_ptr<Session>& session) const {
-  const auto& path = target.path;
-  const bool known = path.size() == 4 && path[0] == "v1" && path[1] == "sessions" &&
-                     (path[3] == "agent" || path[3] == "view");
-  if (!known) return error_response(404, "not_found", "there is no WebSocket here");
-  session = context_.registry.find(path[2]);
-  if (!session) return error_response(404, "unknown_session", "there is no session " + path[2]);
+  const Upgrade upgrade = match_route(target.method, target.path).upgrade;
+  if (upgrade == Upgrade::kNone) {
+    return error_response(404, "not_found", "there is no WebSocket at this path");
+  }
+  const std::string& id = target.path[2];
+  session = context_.registry.find(id);
+  if (!session) return error_response(404, "unknown_session", "there is no session " + id);
   if (!origin_allowed(request, context_.options)) {
     return error_response(403, "bad_origin", kForeignOrigin);
   }
-  const auto protocol = path[3] == "agent" ? wire::kAgentProtocol : wire::kViewProtocol;
+  const auto protocol = upgrade == Upgrade::kAgent ? wire::kAgentProtocol : wire::kViewProtocol;
   if (!offers(request, protocol)) {
-    return error_response(400, "bad_protocol", "the sub-protocol must be " + std::string(protocol));
+    return error_response(400, "bad_protocol",
+                          "Sec-WebSocket-Protocol must list " + std::string(protocol));
   }
   if (buffer_.size() != 0) {
-    return error_response(400, "bad_request", "data before the connection was upgraded");
+    return error_response(400, "bad_request", "data was sent before the connection was upgraded");
   }
   return std::nullopt;
 }
@@ -285,7 +293,7 @@ asio::awaitable<void> Connection::upgrade(const Request& request, const ApiReque
   UpgradeRequest handshake(http::request_header<>(request.base()));
   stream_.expires_never();
   auto socket = stream_.release_socket();
-  if (target.path[3] == "agent") {
+  if (match_route(target.method, target.path).upgrade == Upgrade::kAgent) {
     serve_agent(std::move(socket), std::move(handshake), std::move(session), context_.peers);
   } else {
     serve_viewer(std::move(socket), std::move(handshake), std::move(session), context_.peers);

@@ -8,8 +8,8 @@
 
 namespace kerf::net {
 
-/// Serves one connection: requests one after the other, until it closes or becomes a WebSocket.
-/// Runs on the viewer lane.
+/// Serves one connection, request by request, until it closes or becomes a WebSocket. Runs on the
+/// viewers' thread.
 boost::asio::awaitable<void> serve_http(boost::asio::ip::tcp::socket socket, HttpContext& context);
 
 }  // namespace kerf::net

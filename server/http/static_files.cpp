@@ -35,24 +35,23 @@ std::string content_type(const std::filesystem::path& path) {
 
 ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& request) {
   if (folder.empty()) {
-    return error_response(404, "not_found",
-                          "there is nothing here; the viewer is not built or --web is missing");
+    return error_response(404, "not_found", "the viewer is not installed; build it or set --web");
   }
   std::filesystem::path path = folder;
   for (const std::string& segment : request.path) {
-    // Segments are decoded one by one, so a slash inside one is an attempt to climb.
+    // Segments are decoded one by one: a slash inside one is an attempt to leave the folder.
     const bool plain = !segment.empty() && segment.front() != '.' &&
                        segment.find_first_of(std::string("/\\\0", 3)) == std::string::npos;
-    if (!plain) return error_response(404, "not_found", "there is nothing here");
+    if (!plain) return not_found();
     path /= segment;
   }
   if (request.path.empty()) path /= "index.html";
   auto file = OpenFile::open(path);
-  if (!file) return error_response(404, "not_found", "there is nothing here");
+  if (!file) return not_found();
   ApiResponse response;
   response.content_type = content_type(path);
   response.file = *std::move(file);
-  // The build puts a hash into the names of its assets: they never change.
+  // The names of the viewer's assets contain a hash of the content: they never change.
   const bool hashed = request.path.size() > 1 && request.path.front() == "assets";
   response.headers.emplace_back("Cache-Control",
                                 hashed ? "public, max-age=31536000, immutable" : "no-cache");
@@ -71,7 +70,7 @@ std::filesystem::path find_web_folder() {
     const auto folder = (program.parent_path() / beside).lexically_normal();
     if (has_viewer(folder)) return folder;
   }
-  // In the source tree the program lies some levels down in build/.
+  // In the source tree the program is some levels below, in build/.
   for (auto folder = program.parent_path(); folder.has_relative_path();
        folder = folder.parent_path()) {
     if (has_viewer(folder / "web" / "dist")) return folder / "web" / "dist";

@@ -7,12 +7,12 @@
 
 namespace kerf::net {
 
-/// A file of the built viewer; "/" is index.html. Paths that leave the folder, hidden files and
+/// Serves a file of the built viewer; "/" is index.html. Paths outside the folder, hidden files and
 /// folders are 404.
 ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& request);
 
-/// Where the built viewer is if nobody says: beside the executable (web, ../share/kerf/web), or the
-/// source tree's web/dist. Empty if there is none.
+/// Returns the default folder of the built viewer: beside the executable (web, ../share/kerf/web)
+/// or the source tree's web/dist. Empty if there is none.
 std::filesystem::path find_web_folder();
 
 }  // namespace kerf::net

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the target of an HTTP request.
+// Parsing of HTTP request targets.
 #include <cctype>
 
 #include "server/http/api.h"
@@ -26,20 +26,23 @@ std::expected<std::string, std::string> decode(std::string_view text, bool plus_
     } else {
       const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
       const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
-      if (high < 0 || low < 0) return std::unexpected("a % is not followed by two hex digits");
+      if (high < 0 || low < 0)
+        return std::unexpected("% must be followed by two hexadecimal digits");
       decoded += static_cast<char>(high * 16 + low);
       i += 2;
     }
   }
-  if (decoded.find('\0') != std::string::npos) return std::unexpected("a NUL byte");
+  if (decoded.find('\0') != std::string::npos) return std::unexpected("NUL bytes are not allowed");
   return decoded;
 }
 
 }  // namespace
 
 std::expected<ApiRequest, std::string> parse_target(std::string_view target) {
-  if (target.size() > kTargetBytesMax) return std::unexpected("the target is too long");
-  if (target.empty() || target.front() != '/') return std::unexpected("the target is no path");
+  if (target.size() > kTargetBytesMax)
+    return std::unexpected("the target is longer than 2048 bytes");
+  if (target.empty() || target.front() != '/')
+    return std::unexpected("the target must start with /");
   ApiRequest request;
   std::string_view path = target.substr(0, target.find('?'));
   std::string_view query = path.size() < target.size() ? target.substr(path.size() + 1) : "";
@@ -48,7 +51,8 @@ std::expected<ApiRequest, std::string> parse_target(std::string_view target) {
     const auto segment = path.substr(0, path.find('/'));
     auto decoded = decode(segment, false);
     if (!decoded) return std::unexpected(decoded.error());
-    if (request.path.size() == kSegmentsMax) return std::unexpected("the target is too deep");
+    if (request.path.size() == kSegmentsMax)
+      return std::unexpected("the path has more than 16 segments");
     request.path.push_back(*std::move(decoded));
     path.remove_prefix(std::min(segment.size() + 1, path.size()));
   }
@@ -57,7 +61,7 @@ std::expected<ApiRequest, std::string> parse_target(std::string_view target) {
     const auto name = pair.substr(0, pair.find('='));
     auto key = decode(name, true);
     auto value = decode(name.size() < pair.size() ? pair.substr(name.size() + 1) : "", true);
-    if (!key || !value) return std::unexpected("the query is malformed");
+    if (!key || !value) return std::unexpected("the query string is malformed");
     request.query[*key] = *value;
     query.remove_prefix(std::min(pair.size() + 1, query.size()));
   }

@@ -12,8 +12,7 @@
 namespace kerf::net {
 namespace {
 
-/// 20 us to 50 ms: the target of 1 ms lies in the middle, with neighbours near enough to judge it
-/// by.
+/// 20 us to 50 ms, closely spaced around the target of 1 ms.
 const prometheus::Histogram::BucketBoundaries kTurnaroundS = {
     20e-6, 50e-6, 100e-6, 150e-6, 200e-6, 300e-6, 500e-6, 750e-6, 1e-3, 2e-3, 5e-3, 10e-3, 50e-3};
 
@@ -41,7 +40,7 @@ struct Metrics::Impl {
               "Bytes of mesh frames composed, before they are shared among viewers.")
           .Add({});
   prometheus::Counter& datagrams_received =
-      counter("kerf_datagrams_received_total", "Datagrams of agents with a true seal.").Add({});
+      counter("kerf_datagrams_received_total", "Authentic datagrams received from agents.").Add({});
   prometheus::Counter& datagrams_sent =
       counter("kerf_datagrams_sent_total", "Datagrams sent to agents.").Add({});
   prometheus::Family<prometheus::Counter>& drops =
@@ -54,18 +53,20 @@ struct Metrics::Impl {
     return counters;
   }();
   prometheus::Counter& gaps =
-      counter("kerf_motion_gaps_total", "Datagrams whose samples left a gap: not applied.").Add({});
-  prometheus::Histogram& turnaround = prometheus::BuildHistogram()
-                                          .Name("kerf_turnaround_seconds")
-                                          .Help("Motion frame in to wrench handed to the socket.")
-                                          .Register(registry)
-                                          .Add({}, kTurnaroundS);
+      counter("kerf_motion_gaps_total",
+              "Datagrams not applied because samples before them are missing.")
+          .Add({});
+  prometheus::Histogram& turnaround =
+      prometheus::BuildHistogram()
+          .Name("kerf_turnaround_seconds")
+          .Help("Time from a motion frame read to its result handed to the socket.")
+          .Register(registry)
+          .Add({}, kTurnaroundS);
 };
 
 namespace {
 
-/// What is true now, as opposed to what was counted: made afresh, so that a closed session leaves
-/// no line behind.
+/// Adds the gauges. They are rebuilt on every scrape, so that a closed session leaves no line.
 void add_gauges(prometheus::Registry& now, const Metrics& metrics,
                 const SessionRegistry& registry) {
   const auto family = [&](const char* name, const char* help) -> auto& {
@@ -75,10 +76,10 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   family("kerf_sessions", "Sessions that are open.")
       .Add({})
       .Set(static_cast<double>(sessions.size()));
-  auto& people = family("kerf_connections", "Open connections by kind.");
-  people.Add({{"kind", "agent"}}).Set(static_cast<double>(metrics.agents.load()));
-  people.Add({{"kind", "viewer"}}).Set(static_cast<double>(metrics.viewers.load()));
-  people.Add({{"kind", "http"}}).Set(static_cast<double>(metrics.connections.load()));
+  auto& connections = family("kerf_connections", "Open connections by kind.");
+  connections.Add({{"kind", "agent"}}).Set(static_cast<double>(metrics.agents.load()));
+  connections.Add({{"kind", "viewer"}}).Set(static_cast<double>(metrics.viewers.load()));
+  connections.Add({{"kind", "http"}}).Set(static_cast<double>(metrics.connections.load()));
   auto& lag = family("kerf_journal_lag_records", "Records not yet committed to disk.");
   auto& motions = family("kerf_session_motions", "Motions applied since the start.");
   for (const auto& session : sessions) {

@@ -11,7 +11,7 @@
 
 namespace kerf::net {
 
-/// Why a datagram was not taken, in the order of kDropNames in the .cpp.
+/// Why a datagram was dropped; in the order of kDropNames in the .cpp.
 enum class DatagramDrop : std::uint8_t {
   kMalformed,
   kUnknownConnection,
@@ -20,30 +20,30 @@ enum class DatagramDrop : std::uint8_t {
   kTooMany,
 };
 
-/// What the server counts; written by any thread, read by /metrics in the text format of
-/// Prometheus.
+/// The server's counters and gauges. Any thread may write them; /metrics returns them in the text
+/// format of Prometheus.
 class Metrics {
  public:
   Metrics();
   ~Metrics();
 
-  /// From the arrival of a motion frame to its result being handed to the socket.
+  /// Records the time from the arrival of a motion frame until its result was handed to the socket.
   void motion_answered(double turnaround_s);
   void rejected(std::string_view code);
   void mesh_sent(std::size_t bytes);
-  /// What a hub's feed did since it was asked last.
+  /// Adds the work of a TileFeed since the previous call.
   void mesh_made(std::uint64_t tiles, std::uint64_t bytes);
   void http_answered(unsigned status);
-  /// Datagrams of the UDP lane: under a true seal, and sent.
+  /// Authentic datagrams from agents, and datagrams sent to them.
   void datagram_received();
   void datagram_sent();
   void datagram_dropped(DatagramDrop why);
-  /// A batch came behind a gap: the agent was told to go back.
+  /// A batch over UDP left a gap: it was not applied and the agent must resend.
   void motion_gap();
 
   std::atomic<std::int64_t> agents{0}, viewers{0}, connections{0};
 
-  /// Everything as text, with the sessions as they are now.
+  /// Returns everything as text, with gauges of the sessions that are open now.
   std::string text(const SessionRegistry& registry) const;
 
  private:

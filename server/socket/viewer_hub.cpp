@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/socket/viewer_hub.h"
 
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
-#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <utility>
 
-#include "server/conversation/control_json.h"
-#include "server/socket/websocket.h"
+#include "server/metrics/metrics.h"
 #include "server/threads/run_on.h"
 #include "server/wire/codec.h"
 
@@ -14,12 +16,10 @@ namespace kerf::net {
 namespace {
 
 namespace asio = boost::asio;
-using Clock = std::chrono::steady_clock;
 
-/// Thirty visits a second: viewers interpolate poses in between, and a tile that is cut all the
-/// time is meshed at most so often.
+/// Thirty times a second: viewers interpolate poses in between, and a tile that changes all the
+/// time is meshed at most this often.
 constexpr std::chrono::milliseconds kTick{33};
-constexpr std::chrono::milliseconds kStateInterval{250};
 
 }  // namespace
 
@@ -30,12 +30,12 @@ ViewerHub::ViewerHub(std::shared_ptr<Session> session, PeerContext& context)
       side_(std::make_shared<FeedSide>()) {}
 ViewerHub::~ViewerHub() = default;
 
-void ViewerHub::add(ParticipantId id, ViewerSink* sink) {
-  viewers_[id].sink = sink;
+void ViewerHub::add(ParticipantId id, ViewerConversation* viewer) {
+  viewers_[id].conversation = viewer;
   next_job_.joined.push_back(id);
-  if (running_) return pump();
+  if (running_) return start_job();
   running_ = true;
-  watch();
+  listen();
   auto loop = [self = shared_from_this()] { return self->run(); };
   asio::co_spawn(context_.viewers.context(), std::move(loop), asio::detached);
 }
@@ -44,52 +44,51 @@ void ViewerHub::remove(ParticipantId id) {
   if (viewers_.erase(id) == 0) return;
   next_job_.left.push_back(id);
   if (viewers_.empty()) {
-    tick_.cancel();  // nobody looks any more: the loop ends now
+    tick_.cancel();  // the loop ends now
   } else {
-    pump();
+    start_job();
   }
 }
 
-void ViewerHub::acked(ParticipantId id, std::uint64_t sequence) {
+void ViewerHub::acknowledge(ParticipantId id, std::uint64_t sequence) {
   next_job_.acks.emplace_back(id, sequence);
-  pump();
+  start_job();
 }
 
-void ViewerHub::looks(ParticipantId id, const ViewerLook& look) {
+void ViewerHub::look(ParticipantId id, const ViewerLook& look) {
   next_job_.looks[id] = look;
-  pump();
+  start_job();
 }
 
-void ViewerHub::watch() {
-  if (std::exchange(watching_, true)) return;
-  IoThreads& thread = threads_of(*session_);
+void ViewerHub::listen() {
+  if (std::exchange(listening_, true)) return;
   std::weak_ptr<ViewerHub> weak = weak_from_this();
   auto& viewers = context_.viewers;
-  thread.post([session = session_, weak, &viewers] {
-    // The listener outlives the hub harmlessly: it holds no hub and ends with the session.
+  threads_of(*session_).post([session = session_, weak, &viewers] {
+    // The listener may outlive the hub: it does not own it and ends with the session.
     auto listener = std::make_shared<int>(0);
     *listener = session->listen(
         [session = session.get(), weak, &viewers, listener](const SessionEvent& event) {
           if (weak.expired()) return session->unlisten(*listener);
-          viewers.post([weak, event, people = session->participants()]() mutable {
-            if (const auto hub = weak.lock()) hub->on_event(event, std::move(people));
+          viewers.post([weak, event, list = session->participants()] {
+            if (const auto hub = weak.lock()) hub->on_event(event, list);
           });
         });
-    // What happened between the viewer's welcome and now was told to nobody here.
-    viewers.post([weak, people = session->participants()]() mutable {
-      if (const auto hub = weak.lock()) hub->on_event({}, std::move(people));
+    // Covers the events between the viewer's welcome and now.
+    viewers.post([weak, list = session->participants()] {
+      if (const auto hub = weak.lock()) hub->on_event({}, list);
     });
   });
 }
 
-void ViewerHub::on_event(const SessionEvent& event, std::vector<Participant> participants) {
-  const auto viewers = viewers_;  // a sink that ends removes itself
-  const std::string text = event.closing.empty() ? participants_message(participants) : "";
-  for (const auto& [id, viewer] : viewers) {
-    if (event.closing.empty()) {
-      viewer.sink->send_control(text);
+void ViewerHub::on_event(const SessionEvent& event, const std::vector<Participant>& participants) {
+  const bool closing = !event.closing.empty();
+  const std::string message = closing ? "" : participants_message(participants);
+  for (auto& [id, viewer] : viewers_) {
+    if (closing) {
+      viewer.conversation->close(event.closing);
     } else {
-      viewer.sink->end(event.closing);
+      viewer.conversation->send_participants(message);
     }
   }
 }
@@ -98,11 +97,11 @@ asio::awaitable<void> ViewerHub::run() {
   const auto self = shared_from_this();
   bool first = side_->feed == nullptr;
   while (!viewers_.empty()) {
-    auto look = [session = session_, first] { return session->frame(first); };
-    SessionFrame frame = co_await run_on(threads_of(*session_), std::move(look));
+    auto read = [session = session_, first] { return session->frame(first); };
+    SessionFrame frame = co_await run_on(threads_of(*session_), std::move(read));
     first = false;
-    take(std::move(frame));
-    pump();
+    take_frame(std::move(frame));
+    start_job();
     tick_.expires_after(kTick);
     boost::system::error_code ignored;
     co_await tick_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
@@ -110,64 +109,59 @@ asio::awaitable<void> ViewerHub::run() {
   running_ = false;
 }
 
-void ViewerHub::take(SessionFrame frame) {
+void ViewerHub::take_frame(SessionFrame frame) {
   if (frame.snapshot) {
     if (!side_->feed) {
       side_->feed = std::make_unique<TileFeed>(*frame.snapshot, frame.changed_sequence);
     } else {
       side_->feed->note_change(*frame.snapshot, frame.changed, frame.changed_sequence);
     }
-    frame.snapshot
-        .reset();  // the feed has it; holding it here would make the kernel copy more tiles
+    // The feed holds the snapshot. A second reference would make the kernel copy more tiles.
+    frame.snapshot.reset();
   }
   newest_ = std::move(frame);
   has_newest_ = true;
-  std::vector<std::byte> body(wire::encoded_bytes(newest_.tools));
-  wire::encode({session_->epoch(), 0, 0}, newest_.tools, body);
-  if (body != last_tools_) {
-    last_tools_ = body;
-    wire::encode({session_->epoch(), ++tools_sent_, clock_us()}, newest_.tools, body);
-    tools_ = std::make_shared<const std::vector<std::byte>>(std::move(body));
-    for (auto& [id, viewer] : viewers_) viewer.sink->send_tools(tools_);
-  }
-  tell_states();
+  send_tools();
+  send_states();
 }
 
-void ViewerHub::tell_states() {
+void ViewerHub::send_tools() {
+  std::vector<std::byte> bytes(wire::encoded_bytes(newest_.tools));
+  wire::encode({session_->epoch(), 0, 0}, newest_.tools, bytes);
+  if (bytes == last_tools_) return;
+  last_tools_ = bytes;
+  const wire::FrameStamp stamp{session_->epoch(), ++tools_sent_, to_us(Clock::now())};
+  wire::encode(stamp, newest_.tools, bytes);
+  const auto shared = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+  for (auto& [id, viewer] : viewers_) viewer.conversation->send_tools(shared);
+}
+
+void ViewerHub::send_states() {
   if (!has_newest_ || !newest_.hash) return;
-  const auto now = Clock::now();
+  SurfaceState state{newest_.sequence, newest_.motions, newest_.removed_mm3, newest_.hash->hash};
   for (auto& [id, viewer] : viewers_) {
-    const bool settled =
-        newest_.hash_is_current && viewer.shown_sequence >= newest_.changed_sequence;
-    const bool news = viewer.told_sequence != newest_.sequence ||
-                      viewer.told_hash != newest_.hash->hash || viewer.told_settled != settled;
-    if (!news || (!settled && now - viewer.told_at < kStateInterval)) continue;
-    viewer.told_sequence = newest_.sequence;
-    viewer.told_hash = newest_.hash->hash;
-    viewer.told_settled = settled;
-    viewer.told_at = now;
-    viewer.sink->send_state(
-        state_message(newest_.motions, newest_.removed_mm3, newest_.hash->hash, settled));
+    state.settled = newest_.hash_is_current && viewer.sent_sequence >= newest_.changed_sequence;
+    viewer.conversation->send_state(state);
   }
 }
 
-void ViewerHub::pump() {
-  if (pumping_) {
-    again_ = true;
+void ViewerHub::start_job() {
+  if (job_runs_) {
+    job_is_due_ = true;
     return;
   }
-  if (!side_->feed) return;  // the first visit to the session is under way
-  pumping_ = true;
+  if (!side_->feed) return;  // the session has not been read yet
+  job_runs_ = true;
   context_.meshing.post(
       [self = shared_from_this(), side = side_, job = std::exchange(next_job_, {})] {
-        auto result = work(*side, job);
+        auto result = run_job(*side, job);
         auto& viewers = self->context_.viewers;
         viewers.post(
             [self, result = std::move(result)]() mutable { self->deliver(std::move(result)); });
       });
 }
 
-ViewerHub::JobResult ViewerHub::work(FeedSide& side, const Job& job) {
+ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
   JobResult result;
   for (const ParticipantId id : job.joined) side.ids[id] = side.feed->add_viewer();
   for (const ParticipantId id : job.left) {
@@ -189,7 +183,7 @@ ViewerHub::JobResult ViewerHub::work(FeedSide& side, const Job& job) {
   for (const auto& [id, viewer] : side.ids) {
     while (auto frame = side.feed->next_frame(viewer)) result.frames.emplace_back(id, *frame);
     const auto state = side.feed->viewer_state(viewer);
-    if (state && state->sent) result.shown.emplace_back(id, state->revision);
+    if (state && state->sent) result.sent_sequences.emplace_back(id, state->revision);
   }
   const auto stats = side.feed->stats();
   result.tiles = stats.tiles_meshed - side.counted.tiles_meshed;
@@ -198,25 +192,26 @@ ViewerHub::JobResult ViewerHub::work(FeedSide& side, const Job& job) {
   return result;
 }
 
+ViewerHub::Viewer* ViewerHub::find(ParticipantId id) {
+  const auto found = viewers_.find(id);
+  return found == viewers_.end() ? nullptr : &found->second;
+}
+
 void ViewerHub::deliver(JobResult result) {
-  pumping_ = false;
+  job_runs_ = false;
   context_.metrics.mesh_made(result.tiles, result.bytes);
-  const auto find = [&](ParticipantId id) {
-    const auto found = viewers_.find(id);
-    return found == viewers_.end() ? nullptr : &found->second;
-  };
   for (auto& [id, frame] : result.frames) {
-    if (auto* viewer = find(id)) viewer->sink->send_mesh(std::move(frame));
+    if (Viewer* viewer = find(id)) viewer->conversation->send_mesh(std::move(frame));
   }
-  for (const auto& [id, sequence] : result.shown) {
-    auto* viewer = find(id);
-    if (viewer != nullptr) viewer->shown_sequence = std::max(viewer->shown_sequence, sequence);
+  for (const auto& [id, sequence] : result.sent_sequences) {
+    Viewer* viewer = find(id);
+    if (viewer != nullptr) viewer->sent_sequence = std::max(viewer->sent_sequence, sequence);
   }
   for (const ParticipantId id : result.bad_acks) {
-    if (auto* viewer = find(id)) viewer->sink->bad_ack();
+    if (Viewer* viewer = find(id)) viewer->conversation->reject_ack();
   }
-  tell_states();
-  if (std::exchange(again_, false)) pump();
+  send_states();
+  if (std::exchange(job_is_due_, false)) start_job();
 }
 
 std::shared_ptr<ViewerHub> HubDirectory::get(const std::shared_ptr<Session>& session,
@@ -224,7 +219,7 @@ std::shared_ptr<ViewerHub> HubDirectory::get(const std::shared_ptr<Session>& ses
   std::erase_if(hubs_, [](const auto& entry) { return entry.second.expired(); });
   auto& slot = hubs_[session->id()];
   auto hub = slot.lock();
-  // A session of the same name may have been closed and created anew.
+  // A session of the same id may have been closed and created again.
   if (!hub || hub->session() != session) {
     hub = std::make_shared<ViewerHub>(session, context);
     slot = hub;

@@ -30,7 +30,6 @@ struct IoThreads::State {
 namespace {
 
 void run(asio::io_context& context, const std::string& name, int niceness) {
-  pthread_setname_np(pthread_self(), name.substr(0, 15).c_str());
   // On Linux niceness belongs to the thread; raising it needs no privilege.
   if (niceness > 0) setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), niceness);
   for (;;) {
@@ -53,6 +52,7 @@ IoThreads::IoThreads(const std::string& name, int threads, int niceness)
     // The thread shares the state, because work that it runs may destroy these IoThreads.
     state_->threads.emplace_back(
         [state = state_, name, niceness] { run(state->context, name, niceness); });
+    pthread_setname_np(state_->threads.back().native_handle(), name.substr(0, 15).c_str());
   }
 }
 

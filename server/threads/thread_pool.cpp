@@ -10,15 +10,15 @@
 namespace kerf {
 namespace {
 
-/// For so long a thread looks out for what comes next before it lays itself to sleep: motions of a
-/// program follow each other faster than a thread wakes up.
-constexpr std::chrono::microseconds kLookout{50};
+/// How long a thread spins for the next run before it sleeps: the motions of a program follow each
+/// other faster than a thread wakes up.
+constexpr std::chrono::microseconds kSpinTime{50};
 
-/// A caller is held up where he waits for longer than this part of the time that he worked: jobs
-/// are small, so that others who have a core end soon after him.
+/// A caller counts as delayed if it waits for more than 1/kWaitShare of the time that it worked.
+/// Jobs are small, so helpers that have a core end soon after the caller.
 constexpr int kWaitShare = 4;
-/// Most runs that are done alone after that.
-constexpr int kDistrustMax = 63;
+/// Limit of the runs without helpers after delays.
+constexpr int kPenaltyMax = 63;
 
 void pause() {
 #if defined(__x86_64__)
@@ -26,10 +26,10 @@ void pause() {
 #endif
 }
 
-/// Whether `happened` has become true in that time.
+/// Spins until `happened` is true; returns false after kSpinTime.
 template <class Condition>
-bool look_out_for(const Condition& happened) {
-  const auto until = std::chrono::steady_clock::now() + kLookout;
+bool spin_until(const Condition& happened) {
+  const auto until = std::chrono::steady_clock::now() + kSpinTime;
   do {
     for (int i = 0; i < 32; ++i) {
       if (happened()) return true;
@@ -48,7 +48,7 @@ ThreadPool::ThreadPool(int threads) {
 ThreadPool::~ThreadPool() {
   {
     const std::scoped_lock lock(mutex_);
-    ends_ = true;
+    stopping_ = true;
     ++calls_;
   }
   called_.notify_all();
@@ -58,8 +58,8 @@ ThreadPool::~ThreadPool() {
 void ThreadPool::run(int jobs, const std::function<void(int)>& job) {
   const std::unique_lock caller(caller_, std::try_to_lock);
   const bool divides = !helpers_.empty() && jobs > 1 && caller.owns_lock();
-  if (!divides || alone_ > 0) {
-    if (divides) --alone_;
+  if (!divides || serial_runs_ > 0) {
+    if (divides) --serial_runs_;
     return SerialWorkers().run(jobs, job);
   }
   divide(jobs, job);
@@ -82,14 +82,14 @@ void ThreadPool::divide(int jobs, const std::function<void(int)>& job) {
   const auto worked = Clock::now();
   wait_for_helpers();
   const auto waited = Clock::now() - worked;
-  const bool held_up = waited > kLookout && waited > (worked - start) / kWaitShare;
-  distrust_ = held_up ? std::min(2 * distrust_ + 1, kDistrustMax) : distrust_ / 2;
-  alone_ = held_up ? distrust_ : 0;
+  const bool delayed = waited > kSpinTime && waited > (worked - start) / kWaitShare;
+  penalty_ = delayed ? std::min(2 * penalty_ + 1, kPenaltyMax) : penalty_ / 2;
+  serial_runs_ = delayed ? penalty_ : 0;
   const std::scoped_lock lock(mutex_);
   job_ = nullptr;
 }
 
-/// Does jobs until none is left to be begun.
+/// Does jobs until none is left to start.
 void ThreadPool::work() {
   std::unique_lock lock(mutex_);
   while (job_ != nullptr && next_ < jobs_) {
@@ -113,7 +113,7 @@ void ThreadPool::work() {
 }
 
 void ThreadPool::wait_for_helpers() {
-  if (look_out_for([this] { return working_ == 0; })) return;
+  if (spin_until([this] { return working_ == 0; })) return;
   std::unique_lock lock(mutex_);
   done_.wait(lock, [this] { return working_ == 0; });
 }
@@ -121,13 +121,13 @@ void ThreadPool::wait_for_helpers() {
 void ThreadPool::help() {
   std::uint32_t seen = 0;
   while (true) {
-    if (!look_out_for([&] { return calls_ != seen; })) {
+    if (!spin_until([&] { return calls_ != seen; })) {
       std::unique_lock lock(mutex_);
       called_.wait(lock, [&] { return calls_ != seen; });
     }
     {
       const std::scoped_lock lock(mutex_);
-      if (ends_) return;
+      if (stopping_) return;
       seen = calls_;
     }
     work();

@@ -14,13 +14,13 @@
 
 namespace kerf {
 
-/// Threads that help whoever calls run(): the caller works too, so nobody waits for a thread to
-/// wake up. Any number of callers may share one: who finds it at work for another does his jobs
-/// alone. Where the cores are busy with something else, and callers wait for a thread that has
-/// begun a job and gets no core, the next runs are done alone too.
+/// A pool of threads that share the jobs of run() with its caller. The caller works too, so it
+/// never waits for a thread to wake up. Several callers may share a pool; a caller that finds it
+/// busy does its jobs alone. After a run in which a helper that had lost its core delayed the
+/// caller, the next runs are done without helpers.
 class ThreadPool final : public Workers {
  public:
-  /// `threads` >= 1, the caller's among them.
+  /// `threads` >= 1, including the caller's.
   explicit ThreadPool(int threads);
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
@@ -35,23 +35,23 @@ class ThreadPool final : public Workers {
   void wait_for_helpers();
   void divide(int jobs, const std::function<void(int)>& job);
 
-  std::mutex caller_;  ///< held by the one whose jobs are being done; of the next two
-  int alone_ = 0;      ///< runs yet to be done without help
-  int distrust_ = 0;   ///< how many there were after the last time that help held a caller up
-  std::mutex mutex_;   ///< of what follows, but for the atomics
+  std::mutex caller_;    ///< held during run(); guards the next two
+  int serial_runs_ = 0;  ///< runs still to do without helpers
+  int penalty_ = 0;      ///< value of serial_runs_ after the last delay
+  std::mutex mutex_;     ///< guards the following members except atomics
   std::condition_variable called_, done_;
   const std::function<void(int)>* job_ = nullptr;
   int jobs_ = 0, next_ = 0;
   int failed_job_ = 0;
-  std::exception_ptr failure_;  ///< what the failed job of the least number threw
-  bool ends_ = false;
+  std::exception_ptr failure_;  ///< thrown by the failed job with the lowest number
+  bool stopping_ = false;
   std::atomic<std::uint32_t> calls_ = 0;  ///< grows with each run
-  std::atomic<int> working_ = 0;          ///< jobs that a thread is at
+  std::atomic<int> working_ = 0;          ///< jobs in progress
 
   std::vector<std::thread> helpers_;
 };
 
-/// Threads that can run at the same time on the CPUs that this process may use, >= 1.
+/// Returns the number of CPUs that this process may use, >= 1.
 int usable_threads();
 
 }  // namespace kerf

@@ -26,7 +26,7 @@ void read_control(msghdr& message, UdpAddress& from) {
        control = CMSG_NXTHDR(&message, control)) {
     if (control->cmsg_level == IPPROTO_IP && control->cmsg_type == IP_PKTINFO) {
       std::memcpy(&from.own_v4, CMSG_DATA(control), sizeof from.own_v4);
-      from.own_v4.ipi_ifindex = 0;  // by whichever way leads there
+      from.own_v4.ipi_ifindex = 0;  // let routing choose the interface
     } else if (control->cmsg_level == IPPROTO_IPV6 && control->cmsg_type == IPV6_PKTINFO) {
       std::memcpy(&from.own_v6, CMSG_DATA(control), sizeof from.own_v6);
       if (!IN6_IS_ADDR_LINKLOCAL(&from.own_v6.ipi6_addr)) from.own_v6.ipi6_ifindex = 0;
@@ -59,7 +59,7 @@ std::uint16_t port_of(int socket) {
   sockaddr_storage bound{};
   socklen_t bytes = sizeof bound;
   if (getsockname(socket, reinterpret_cast<sockaddr*>(&bound), &bytes) != 0) return 0;
-  // At the same place in both families.
+  // The port has the same offset in both families.
   static_assert(offsetof(sockaddr_in, sin_port) == offsetof(sockaddr_in6, sin6_port));
   in_port_t port = 0;
   std::memcpy(&port, reinterpret_cast<const char*>(&bound) + offsetof(sockaddr_in, sin_port),
@@ -67,7 +67,7 @@ std::uint16_t port_of(int socket) {
   return ntohs(port);
 }
 
-void ask_for_own_address(int socket, int family) {
+void request_local_address(int socket, int family) {
   const int on = 1;
   if (family == AF_INET) {
     ::setsockopt(socket, IPPROTO_IP, IP_PKTINFO, &on, sizeof on);

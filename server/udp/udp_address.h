@@ -12,26 +12,27 @@
 
 namespace kerf::net {
 
-/// The two ends of a datagram's way: the peer, and which of this machine's addresses it knows.
+/// The addresses of a datagram: the peer's, and the local address that the peer uses.
 struct UdpAddress {
   sockaddr_storage peer{};
-  socklen_t peer_bytes = 0;  ///< 0: not known
-  /// Of a socket that listens on all addresses: the answer has to come from the one that was asked,
-  /// or else the peer's system, or a NAT, would not let it in. One of the two, by the family.
+  socklen_t peer_bytes = 0;  ///< 0: unknown
+  /// For a socket that listens on all addresses: an answer must come from the address to which the
+  /// peer sends, or a NAT or the peer's system would drop it. The family decides which one is used.
   in_pktinfo own_v4{};
   in6_pktinfo own_v6{};
 };
 
-/// A numeric IPv4 or IPv6 address.
+/// Parses a numeric IPv4 or IPv6 address.
 std::optional<UdpAddress> to_address(const std::string& text, std::uint16_t port);
-/// The port that a socket is bound to; 0 if none.
+/// Returns the port that the socket is bound to; 0 if it is not bound.
 std::uint16_t port_of(int socket);
-/// Has the system tell, of each datagram, to which address it was sent.
-void ask_for_own_address(int socket, int family);
+/// Makes the system report the local address to which each datagram was sent.
+void request_local_address(int socket, int family);
 
-/// Both never wait. Bytes received (more than fit are cut off), or -1 with errno.
+/// Returns the number of bytes received, truncated to the size of `bytes`, or -1 with errno. Does
+/// not block.
 ssize_t receive_datagram(int socket, std::span<std::byte> bytes, UdpAddress& from);
-/// True if the system has taken it.
+/// Returns whether the system has accepted the datagram. Does not block.
 bool send_datagram(int socket, std::span<const std::byte> bytes, const UdpAddress& to);
 
 }  // namespace kerf::net

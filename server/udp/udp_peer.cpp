@@ -32,11 +32,11 @@ DatagramDrop drop_for(datagram::Fault fault) {
 
 UdpSocket::~UdpSocket() { ::close(descriptor_); }
 
-UdpPeer::UdpPeer(std::shared_ptr<UdpSocket> socket, const datagram::Offer& offer, Executor& lane,
-                 Take take, Metrics& metrics)
+UdpPeer::UdpPeer(std::shared_ptr<UdpSocket> socket, const datagram::Offer& offer,
+                 Executor& executor, Take take, Metrics& metrics)
     : socket_(std::move(socket)),
       offer_(offer),
-      lane_(lane),
+      executor_(executor),
       take_(std::move(take)),
       metrics_(metrics),
       opener_(offer.connection, offer.to_server),
@@ -58,7 +58,7 @@ void UdpPeer::receive(std::span<const std::byte> datagram, const UdpAddress& fro
   ++waiting_;
   std::vector<std::byte> copy(frame.begin(),
                               frame.begin() + static_cast<long>(opened->frame_bytes));
-  lane_.post([self = shared_from_this(), copy = std::move(copy), arrived] {
+  executor_.post([self = shared_from_this(), copy = std::move(copy), arrived] {
     --self->waiting_;
     self->take_(copy, arrived);
   });
@@ -73,7 +73,7 @@ void UdpPeer::send(std::span<const std::byte> frame) {
   if (to.peer_bytes == 0) return;
   std::array<std::byte, datagram::kMaxBytes> out;
   const std::size_t bytes = sealer_.seal(frame, out);
-  // What the system does not take at once is lost, as it might be on the way.
+  // A datagram that the system does not accept at once is lost, as it might be on the network.
   if (bytes > 0 && send_datagram(socket_->descriptor(), std::span(out).first(bytes), to)) {
     metrics_.datagram_sent();
   }

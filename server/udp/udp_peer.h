@@ -17,7 +17,7 @@ namespace kerf::net {
 
 class Metrics;
 
-/// The descriptor of a socket, closed when the last of those that send over it has gone.
+/// Owns the descriptor of a socket. Peers share it, and the last owner closes it.
 class UdpSocket {
  public:
   explicit UdpSocket(int descriptor) noexcept : descriptor_(descriptor) {}
@@ -30,36 +30,36 @@ class UdpSocket {
   int descriptor_;
 };
 
-/// One agent on the UDP lane, as long as its WebSocket lasts.
+/// The UDP connection of one agent; it lasts as long as its WebSocket.
 class UdpPeer : public std::enable_shared_from_this<UdpPeer> {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Takes a frame of the agent, on the agent's lane.
+  /// Receives a frame of the agent, on the agent's executor.
   using Take = std::function<void(std::span<const std::byte> frame, Clock::time_point arrived)>;
 
-  /// Datagrams that wait for the agent's lane; more are dropped, as a network would.
+  /// Datagrams waiting for the agent's executor; more are dropped.
   static constexpr int kWaitingMax = 64;
-  /// Three times what an agent at 1 kHz sends: whoever sends more keeps its lane from others.
+  /// Three times the rate of an agent at 1 kHz. More would delay the other agents of the session.
   static constexpr double kDatagramsPerS = 3000;
   static constexpr double kDatagramsBurst = 1000;
 
-  UdpPeer(std::shared_ptr<UdpSocket> socket, const datagram::Offer& offer, Executor& lane,
+  UdpPeer(std::shared_ptr<UdpSocket> socket, const datagram::Offer& offer, Executor& executor,
           Take take, Metrics& metrics);
 
   const datagram::Offer& offer() const noexcept { return offer_; }
 
-  /// A datagram that names this connection. Only the port's thread, and only while the agent's
-  /// lane is there.
+  /// Handles a datagram with this connection number. Called by the port's thread, and only while
+  /// the agent's executor exists.
   void receive(std::span<const std::byte> datagram, const UdpAddress& from,
                Clock::time_point arrived);
 
-  /// Sends a frame to where the agent's newest datagram came from. Only the agent's lane.
+  /// Sends a frame to the source address of the agent's newest datagram. Agent's executor only.
   void send(std::span<const std::byte> frame);
 
  private:
   std::shared_ptr<UdpSocket> socket_;
   datagram::Offer offer_;
-  Executor& lane_;
+  Executor& executor_;
   Take take_;
   Metrics& metrics_;
   datagram::Opener opener_;

@@ -16,10 +16,10 @@
 namespace kerf::net {
 namespace {
 
-/// Room for a moment in which the thread does not run: some hundred datagrams.
+/// Buffers some hundred datagrams while the thread is not scheduled.
 constexpr int kReceiveBytes = 1 << 20;
-/// Read this many before looking whether to stop.
-constexpr int kAtOnce = 64;
+/// Datagrams read between two checks whether to stop.
+constexpr int kBurst = 64;
 
 }  // namespace
 
@@ -33,16 +33,17 @@ UdpPort::~UdpPort() {
 
 std::expected<void, std::string> UdpPort::listen(const std::string& address, std::uint16_t port) {
   const auto fail = [&](const std::string& why) {
-    return std::unexpected("no UDP lane on " + address + ":" + std::to_string(port) + ": " + why);
+    return std::unexpected("cannot listen for UDP on " + address + ":" + std::to_string(port) +
+                           ": " + why);
   };
   const auto here = to_address(address, port);
-  if (!here) return fail("no IP address");
+  if (!here) return fail("not an IP address");
   const int descriptor =
       ::socket(here->peer.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return fail(std::generic_category().message(errno));
   auto socket = std::make_shared<UdpSocket>(descriptor);
   ::setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &kReceiveBytes, sizeof kReceiveBytes);
-  ask_for_own_address(descriptor, here->peer.ss_family);
+  request_local_address(descriptor, here->peer.ss_family);
   if (::bind(descriptor, reinterpret_cast<const sockaddr*>(&here->peer), here->peer_bytes) != 0) {
     return fail(std::generic_category().message(errno));
   }
@@ -54,13 +55,13 @@ std::expected<void, std::string> UdpPort::listen(const std::string& address, std
   return {};
 }
 
-std::shared_ptr<UdpPeer> UdpPort::open(Executor& lane, UdpPeer::Take take) {
+std::shared_ptr<UdpPeer> UdpPort::open(Executor& executor, UdpPeer::Take take) {
   if (port_ == 0) return nullptr;
   const std::scoped_lock lock(mutex_);
   auto offer = datagram::random_offer(port_);
   while (offer && peers_.contains(offer->connection)) offer = datagram::random_offer(port_);
   if (!offer) return nullptr;
-  auto peer = std::make_shared<UdpPeer>(socket_, *offer, lane, std::move(take), metrics_);
+  auto peer = std::make_shared<UdpPeer>(socket_, *offer, executor, std::move(take), metrics_);
   peers_.emplace(offer->connection, peer);
   return peer;
 }
@@ -76,14 +77,14 @@ void UdpPort::run() {
   for (;;) {
     ::poll(events.data(), events.size(), -1);
     if (events[1].revents != 0) return;
-    for (int i = 0; i < kAtOnce && receive_one(); ++i) {
+    for (int i = 0; i < kBurst && receive_one(); ++i) {
     }
   }
 }
 
-/// False if nothing was there.
+/// Returns false if no datagram was waiting.
 bool UdpPort::receive_one() {
-  // One byte more than the longest, so that a longer one is seen to be longer.
+  // One byte more than the longest datagram, to detect longer ones.
   std::array<std::byte, datagram::kMaxBytes + 1> bytes;
   UdpAddress from;
   const ssize_t count = receive_datagram(socket_->descriptor(), bytes, from);

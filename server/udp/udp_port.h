@@ -13,9 +13,9 @@
 
 namespace kerf::net {
 
-/// The one UDP socket of all agents, and the thread that reads it: looks up the connection, opens
-/// the seal, hands the frame to the agent's lane. Whatever has no true seal is dropped and counted,
-/// and never answered.
+/// The UDP socket that all agents share, and the thread that reads it. The thread looks up the
+/// connection, decrypts the datagram and posts the frame to the agent's executor. Datagrams that
+/// are not authentic are dropped and counted, never answered.
 class UdpPort {
  public:
   explicit UdpPort(Metrics& metrics) : metrics_(metrics) {}
@@ -23,15 +23,15 @@ class UdpPort {
   UdpPort(const UdpPort&) = delete;
   UdpPort& operator=(const UdpPort&) = delete;
 
-  /// Starts to listen, once; port 0: the system picks one. The error is one sentence.
+  /// Starts listening; call once. Port 0: the system picks one. The error is one sentence.
   std::expected<void, std::string> listen(const std::string& address, std::uint16_t port);
-  /// 0 if it does not listen.
+  /// 0 if it is not listening.
   std::uint16_t port() const noexcept { return port_; }
 
-  /// A new connection with keys of its own; null where none can be offered. `take` is called on
-  /// `lane`, which must stay until the peer has been closed.
-  std::shared_ptr<UdpPeer> open(Executor& lane, UdpPeer::Take take);
-  /// Nothing is posted to the peer's lane from now on, and its keys are worth nothing.
+  /// Creates a connection with its own keys; null if UDP is off. `take` is called on `executor`,
+  /// which must exist until the peer is closed.
+  std::shared_ptr<UdpPeer> open(Executor& executor, UdpPeer::Take take);
+  /// Nothing is posted to the peer's executor from now on; its keys become invalid.
   void close(const UdpPeer& peer);
 
  private:
@@ -43,7 +43,7 @@ class UdpPort {
   std::uint16_t port_ = 0;
   int stop_ = -1;
   std::thread thread_;
-  /// Held while a datagram is opened, so that a peer that was closed is not in the middle of one.
+  /// Held while a datagram is decrypted, so that close() waits for a datagram in progress.
   std::mutex mutex_;
   std::unordered_map<std::uint32_t, std::shared_ptr<UdpPeer>> peers_;
 };

@@ -78,6 +78,7 @@ const std::vector<Module>& modules() {
        {"haptic_agent/realtime", "haptic_agent/device", "haptic_agent/servo",
         "haptic_agent/link/server_url.h"}},
       {"haptic_agent/demo", {"kernel/math"}},
+      {"haptic_agent/examples", {"kernel/math", "haptic_agent"}},
       {"haptic_agent", {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire"}},
       {"tests", {"kernel", "server", "haptic_agent"}},
   };
@@ -159,7 +160,8 @@ std::optional<std::string> fault_of_project_include(const Source& source, std::s
 }
 
 std::optional<std::string> fault_of_system_include(const Source& source, std::string_view target) {
-  if (is_within(source.path, "tests")) return {};
+  // Examples are programs of the library's users: they may include anything public.
+  if (is_within(source.path, "tests") || is_within(source.path, "kernel/examples")) return {};
   for (const Library& library : libraries()) {
     const bool named = std::ranges::any_of(
         library.headers, [&](auto beginning) { return target.starts_with(beginning); });

@@ -34,7 +34,7 @@ using Clock = std::chrono::steady_clock;
   std::exit(1);
 }
 
-/// The server as a child, with a data folder of its own.
+/// The server as a child process with its own data folder.
 class ServerProcess {
  public:
   explicit ServerProcess(const std::string& program) {
@@ -72,7 +72,7 @@ class ServerProcess {
   std::uint16_t port() const { return port_; }
   /// SIGSTOP, SIGCONT, SIGKILL.
   void signal(int number) const { kill(pid_, number); }
-  /// The greatest memory that it has ever had, MB.
+  /// Peak memory of the server, MB.
   double peak_memory_mb() const {
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
     for (std::string line; std::getline(status, line);) {
@@ -110,7 +110,7 @@ class Socket {
   void send_all(const void* data, std::size_t size) const {
     if (!try_send_all(data, size, -1)) fail("the connection broke");
   }
-  /// False if the peer has gone, or takes nothing for `wait_ms` (below 0: waits for ever).
+  /// Returns false if the peer has closed or accepts nothing for `wait_ms` (negative: no limit).
   bool try_send_all(const void* data, std::size_t size, int wait_ms) const {
     const auto* bytes = static_cast<const char*>(data);
     while (size > 0) {
@@ -124,7 +124,7 @@ class Socket {
     }
     return true;
   }
-  /// Waits until `until` for more bytes behind `buffer`'s end; false if there are none.
+  /// Appends received bytes to `buffer`; returns false if none arrive until `until`.
   bool receive(std::string& buffer, Clock::time_point until) const {
     const auto wait = std::chrono::ceil<std::chrono::nanoseconds>(until - Clock::now()).count();
     const timespec limit{wait > 0 ? wait / 1'000'000'000 : 0, wait > 0 ? wait % 1'000'000'000 : 0};
@@ -155,7 +155,7 @@ inline void post(std::uint16_t port, const std::string& path, const std::string&
   if (answer.compare(9, 2, "20") != 0) fail(path + ": " + answer);
 }
 
-/// The client's half of a WebSocket, as far as this program needs it.
+/// The parts of a WebSocket client that the benchmarks need.
 class WebSocket {
  public:
   WebSocket(std::uint16_t port, const std::string& path, const std::string& protocol)
@@ -173,15 +173,15 @@ class WebSocket {
     if (buffer_.compare(9, 3, "101") != 0) fail(buffer_);
     buffer_.erase(0, end + 4);
   }
-  /// A mask of zero is legal and leaves the payload as it is.
+  /// Sends with a mask of zero, which is legal and leaves the payload unchanged.
   void send(unsigned char opcode, std::span<const std::byte> payload) {
     if (!put(opcode, payload, -1)) fail("the connection broke");
   }
-  /// False if the server has gone or takes nothing for a second.
+  /// Returns false if the server has closed or accepts nothing for a second.
   bool try_send(unsigned char opcode, std::span<const std::byte> payload) {
     return put(opcode, payload, 1000);
   }
-  /// The next frame's opcode and payload; 0 if none is complete by `until`.
+  /// Returns the opcode of the next frame and its payload; 0 if none is complete by `until`.
   unsigned char receive(std::string& payload, Clock::time_point until) {
     for (;;) {
       if (const auto opcode = take(payload); opcode != 0) return opcode;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hand waits for an answer on a network that loses packets: the agent's link and a real
-// server with a path between them that delays IP packets and loses some, TCP's and UDP's alike.
+// Latency of results on a network that loses packets: the agent's link and a real server, with a
+// path between them that delays IP packets and drops some, of TCP and UDP alike.
 //
-//   lossy_network_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
+//   lossy_transport_bench [--server PATH] [--seconds S] [--delay-ms ONE_WAY]
 //
-// Prints, for each share of lost packets and each lane, the time from a pose to its answer: of each
-// answer that came, and the age of the newest answer as a hand feels it, looked at each ms. Needs
-// the right to make network namespaces.
+// Prints, for each packet loss and each transport, the time from a pose to its result: of each
+// result received, and the age of the newest result, sampled every ms. Needs the right to create
+// network namespaces.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -57,7 +57,7 @@ std::uint64_t now_us() {
   return clock.now_ns() / 1000;
 }
 
-/// A spiral that cuts at 40 mm/s, bent so that nothing of it may be left out; deeper each run.
+/// A spiral that cuts at 40 mm/s, with bends that prevent merging of samples; deeper in each run.
 kerf::wire::MotionSample path(int n, int run, std::uint64_t time_us) {
   const double turn = 0.04 / 12 * n;
   const double radius = 12 + 0.2 * turn;
@@ -83,7 +83,7 @@ Run carve(const Options& options, bool udp, int run, kerf::bench::PathFaults& fa
        .notice = [](const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); },
        .failed = {}},
       ring, wrenches);
-  faults.loss = 0;  // until the lane is there
+  faults.loss = 0;  // until UDP carries the samples
   link.start();
   if (const auto welcome = link.wait_welcome(); !welcome) {
     std::fprintf(stderr, "%s\n", welcome.error().c_str());
@@ -138,11 +138,11 @@ int main(int argc, char** argv) {
     path.faults().delay_us = static_cast<std::int64_t>(options.delay_ms * 1000);
     path.start(options.server + " --listen 10.83.0.2:8080 --data " + folder + "/data --scene " +
                scene + " 2>" + folder + "/log");
-    std::printf("%.0f ms each way, %.0f s at 1 kHz a line; ms from pose to answer\n",
+    std::printf("%.0f ms per direction, %.0f s at 1 kHz per row; ms from pose to result\n",
                 options.delay_ms, options.seconds);
-    std::printf("%6s  %-9s %23s   %23s\n", "", "", "answers that came", "newest answer's age");
-    std::printf("%6s  %-9s %7s %7s %7s   %7s %7s %7s   %8s %7s %6s\n", "loss", "lane", "p50", "p99",
-                "p99.9", "p50", "p99", "p99.9", "answers", "resent", "merged");
+    std::printf("%6s  %-9s %23s   %23s\n", "", "", "results received", "age of newest result");
+    std::printf("%6s  %-9s %7s %7s %7s   %7s %7s %7s   %8s %7s %6s\n", "loss", "transport", "p50",
+                "p99", "p99.9", "p50", "p99", "p99.9", "results", "resent", "merged");
     int run = 0;
     for (const double loss : {0.0, 0.01, 0.05}) {
       for (const bool udp : {false, true}) {

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// From motion in to wrench out: a real kerf-server as a child process, one agent at 1 kHz over
-// loopback, a ball of 10 mm that cuts without pause at 0.1 mm pitch.
+// Turnaround of motions: a real kerf-server as a child process, one agent at 1 kHz over loopback, a
+// ball of 10 mm that cuts without pause at 0.1 mm pitch.
 //
 //   turnaround_bench [--server PATH] [--seconds S] [--pitch MM] [--program] [--export NAME]
 //                    [--agents N] [--viewers N] [--hostile]
 //
-// Prints percentiles of two times: in the server, from a motion frame read to its wrench encoded
-// (every result carries it), and at the client, from sending the frame to receiving its result.
-// With --program, the server carves an uploaded program as fast as it can at the same time. With
-// --export, the block is first given a rough surface all over, and then a client downloads NAME
-// (model.stl, "model.glb?encoding=meshopt", ...) over and over while the agent cuts; the server's
-// greatest memory before and after tells whether a download needs any. With --agents, so many cut
-// at once, each on a thread of its own; the last row is the agent with the worst p99. --viewers
-// look on and read all they are sent. --hostile is one more agent that sends as fast as it can,
-// half of it nonsense, and reads nothing. Agents ask for the columns near their tools, as
-// kerf-agent does, and acknowledge them.
+// Prints percentiles of two times: in the server, from a motion frame read to its result encoded
+// (reported in every result), and at the client, from sending the frame to receiving its result.
+//
+// --program    the server carves an uploaded program at full speed at the same time
+// --export     the block first gets a rough surface; then a client downloads NAME (model.stl,
+//              "model.glb?encoding=meshopt", ...) repeatedly while the agent cuts, and the server's
+//              peak memory is printed before and after
+// --agents N   N agents cut at the same time, each with its own thread; the last row is the agent
+//              with the worst p99
+// --viewers N  adds viewers that read everything
+// --hostile    adds an agent that sends at full speed, half of it malformed, and reads nothing
+//
+// Agents request stock frames, as kerf-agent does, and acknowledge them.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -70,11 +73,11 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
-/// What repeated downloads came to.
+/// Totals of the repeated downloads.
 struct Downloads {
   int count = 0;
-  std::uint64_t bytes = 0;  ///< of the last one
-  double seconds = 0;       ///< for all
+  std::uint64_t bytes = 0;  ///< of the last download
+  double seconds = 0;       ///< of all downloads
 };
 
 Downloads download_until(const std::atomic<bool>& stop, std::uint16_t port,
@@ -118,17 +121,17 @@ void print_row(const char* name, std::vector<double>& times_us) {
 
 constexpr double kStepMm = 0.05, kRowMm = 80, kStepOverMm = 4, kDownMm = 3;
 constexpr int kRows = 20;
-/// Samples of one layer of the raster below.
+/// Samples per layer of the raster.
 constexpr auto kLayer = static_cast<std::uint64_t>(kRows * (kRowMm + kStepOverMm) / kStepMm);
 
-/// A raster through fresh stock, 3 mm deep, at 50 mm/s: the tool never leaves the material. Where a
-/// layer ends the next one begins below, and leads back. `ahead` samples of it are skipped, so that
-/// several agents cut at several places.
+/// Returns a sample of a raster, 3 mm deep per layer, at 50 mm/s; the tool never leaves the
+/// material. A layer starts below the end of the previous one and runs backwards. `ahead` samples
+/// are skipped, so that agents cut at different places.
 MotionSample sample_at(std::uint64_t n, std::uint64_t ahead) {
-  const double way = static_cast<double>(n + ahead) * kStepMm;
+  const double distance = static_cast<double>(n + ahead) * kStepMm;
   const double lap = kRowMm + kStepOverMm;
-  const auto row = static_cast<int>(way / lap);
-  const double along = way - row * lap;
+  const auto row = static_cast<int>(distance / lap);
+  const double along = distance - row * lap;
   const double x = std::min(along, kRowMm);
   const double over = std::max(0.0, along - kRowMm) / kStepOverMm;
   const int layer = row / kRows;
@@ -151,7 +154,7 @@ struct Figures {
   double removed_mm3 = 0;
 };
 
-/// Acknowledged as an agent that keeps a copy of the block does, so that more is sent.
+/// Acknowledges a stock frame like an agent with a replica, so that more are sent.
 void take_stock(WebSocket& agent, const Message& message, std::size_t bytes, Figures& figures) {
   figures.stock_bytes += bytes;
   std::vector<std::byte> ack;
@@ -215,7 +218,7 @@ std::string scene(double pitch_mm) {
     "tools":[{"id":1,"shape":"ball","diameter_mm":10,"length_mm":60}]})";
 }
 
-/// A raster all over the top, so that the surface has no flat part whose triangles could be joined.
+/// Cuts a raster over the whole top, so that no flat part remains whose triangles could be merged.
 std::string raster_program() {
   std::string text = "G21 G90 T1 M6\nG0 X-50 Y-50 Z5\n";
   for (int row = 0; row <= 100; ++row) {
@@ -264,7 +267,7 @@ WebSocket join_agent(std::uint16_t port) {
   return agent;
 }
 
-void look_on(const std::atomic<bool>& stop, std::uint16_t port) {
+void run_viewer(const std::atomic<bool>& stop, std::uint16_t port) {
   WebSocket viewer = join(port, "view", kViewProtocol);
   std::string payload;
   std::vector<std::byte> ack;
@@ -278,7 +281,7 @@ void look_on(const std::atomic<bool>& stop, std::uint16_t port) {
   }
 }
 
-void be_hostile(const std::atomic<bool>& stop, std::uint16_t port) {
+void run_hostile_agent(const std::atomic<bool>& stop, std::uint16_t port) {
   WebSocket agent = join(port, "agent", kAgentProtocol);
   std::vector<std::byte> frame;
   for (std::uint64_t n = 1; !stop; ++n) {
@@ -288,11 +291,11 @@ void be_hostile(const std::atomic<bool>& stop, std::uint16_t port) {
     frame.clear();
     append(frame, {1, n, n * 1000}, batch);
     if (n % 2 == 0) frame[40] = std::byte{0xFF};
-    if (!agent.try_send(2, frame)) return;  // thrown out: as it should be
+    if (!agent.try_send(2, frame)) return;  // disconnected, as expected
   }
 }
 
-/// Several agents at once; the last entry is the one with the worst p99 of the server's time.
+/// Runs several agents; the last entry is the agent with the worst p99 of the server's time.
 std::vector<Figures> measure_all(const Options& options, std::uint16_t port) {
   const auto count = static_cast<std::size_t>(options.agents);
   std::vector<Figures> all(count);
@@ -353,9 +356,9 @@ int main(int argc, char** argv) {
   }
   std::vector<std::thread> others;
   for (int i = 0; i < options.viewers; ++i) {
-    others.emplace_back([&] { look_on(stop, server.port()); });
+    others.emplace_back([&] { run_viewer(stop, server.port()); });
   }
-  if (options.hostile) others.emplace_back([&] { be_hostile(stop, server.port()); });
+  if (options.hostile) others.emplace_back([&] { run_hostile_agent(stop, server.port()); });
   std::vector<Figures> all = measure_all(options, server.port());
   Figures figures = sum_of(all);
   stop = true;
@@ -363,18 +366,18 @@ int main(int argc, char** argv) {
   if (client.joinable()) client.join();
   std::printf("pitch %g mm, ball 10 mm, %.0f s at 1 kHz, %d agents, %d viewers%s%s\n",
               options.pitch_mm, options.seconds, options.agents, options.viewers,
-              options.program ? ", a program carved beside" : "",
-              options.hostile ? ", a hostile agent beside" : "");
+              options.program ? ", and a program" : "",
+              options.hostile ? ", and a hostile agent" : "");
   std::printf("%zu results, %llu of them cutting, %.0f mm3 removed, %llu errors, %llu late ticks\n",
               figures.server_us.size(), static_cast<unsigned long long>(figures.cutting),
               figures.removed_mm3, static_cast<unsigned long long>(figures.errors),
               static_cast<unsigned long long>(figures.late));
-  std::printf("%.1f kB/s of columns to each agent, for its copy of the block\n",
+  std::printf("%.1f kB/s of columns to each agent, for its replica\n",
               double(figures.stock_bytes) / 1e3 / options.seconds / options.agents);
   std::printf("%-34s %8s %8s %8s %8s\n", "us", "p50", "p99", "p99.9", "max");
-  print_row("server: frame read to wrench out", figures.server_us);
+  print_row("server: frame read to result sent", figures.server_us);
   print_row("client: round trip over loopback", figures.client_us);
-  if (options.agents > 1) print_row("server: the agent that fared worst", all.back().server_us);
+  if (options.agents > 1) print_row("server: agent with the worst p99", all.back().server_us);
   if (downloads.count > 0) {
     std::printf(
         "%d downloads of %s in %.1f s, the last of %.1f MB (as STL: %.2f million triangles); "

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// What leaves first for an agent, and what is replaced by something newer.
-
 #include "server/conversation/agent_outbox.h"
 
 #include <gtest/gtest.h>
 
-#include "server/conversation/control_queue.h"
-
 namespace kerf::net {
 namespace {
 
-using Kind = AgentOutbox::Kind;
+using Kind = OutFrame::Kind;
 
 wire::FrameStamp stamp(std::uint64_t sequence) { return {1, sequence, 0}; }
 
-TEST(AgentOutbox, AWrenchLeavesBeforeAllElseAndColumnsLast) {
+TEST(AgentOutbox, ResultsLeaveFirstAndStockLast) {
   AgentOutbox box;
   box.put_stock(stamp(1), {});
   EXPECT_TRUE(box.has_stock());
@@ -22,7 +18,7 @@ TEST(AgentOutbox, AWrenchLeavesBeforeAllElseAndColumnsLast) {
   box.put_pong(stamp(1), {1, 2});
   box.put_felt(stamp(1), {});
   box.put_result(stamp(1), {}, {});
-  AgentOutbox::Frame frame;
+  OutFrame frame;
   for (const Kind kind : {Kind::kResult, Kind::kFelt, Kind::kText, Kind::kPong, Kind::kStock}) {
     ASSERT_TRUE(box.take(frame));
     EXPECT_EQ(frame.kind, kind);
@@ -31,10 +27,10 @@ TEST(AgentOutbox, AWrenchLeavesBeforeAllElseAndColumnsLast) {
   EXPECT_FALSE(box.take(frame));
 }
 
-TEST(AgentOutbox, ANewerWrenchReplacesOneThatHasNotLeft) {
+TEST(AgentOutbox, ANewerResultReplacesOneThatHasNotLeft) {
   AgentOutbox box;
-  AgentOutbox::Frame frame;
-  const auto later = AgentOutbox::Clock::time_point(std::chrono::seconds(5));
+  OutFrame frame;
+  const auto later = Clock::time_point(std::chrono::seconds(5));
   box.put_result(stamp(1), {.agent_sequence = 1}, {});
   box.put_result(stamp(2), {.agent_sequence = 2}, later);
   ASSERT_TRUE(box.take(frame));
@@ -46,18 +42,18 @@ TEST(AgentOutbox, ANewerWrenchReplacesOneThatHasNotLeft) {
   EXPECT_FALSE(box.take(frame));
 }
 
-TEST(AgentOutbox, WhoDoesNotReadIsToldOfIt) {
+TEST(AgentOutbox, AFullControlQueueRejectsTextsAndDropsPongs) {
   AgentOutbox box;
-  for (std::size_t n = 0; n < kControlQueueMax; ++n) EXPECT_TRUE(box.put_text("{}"));
+  for (std::size_t n = 0; n < ControlQueue::kMax; ++n) EXPECT_TRUE(box.put_text("{}"));
   EXPECT_FALSE(box.put_text("{}"));
   box.put_pong(stamp(1), {1, 2});
-  AgentOutbox::Frame frame;
+  OutFrame frame;
   std::size_t left = 0;
   while (box.take(frame)) ++left;
-  EXPECT_EQ(left, kControlQueueMax);
+  EXPECT_EQ(left, ControlQueue::kMax);
 }
 
-TEST(AgentOutbox, WhenItClosesOnlyWhatWasSaidBeforeLeaves) {
+TEST(AgentOutbox, AfterCloseOnlyQueuedControlMessagesLeave) {
   AgentOutbox box;
   box.put_result(stamp(1), {}, {});
   box.put_stock(stamp(1), {});
@@ -65,7 +61,7 @@ TEST(AgentOutbox, WhenItClosesOnlyWhatWasSaidBeforeLeaves) {
   box.close();
   box.put_result(stamp(2), {}, {});
   EXPECT_TRUE(box.put_text("too late"));
-  AgentOutbox::Frame frame;
+  OutFrame frame;
   ASSERT_TRUE(box.take(frame));
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(frame.bytes.data()), frame.bytes.size()),
             "bye");

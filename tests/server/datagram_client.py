@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The UDP lane of an agent, for the tests: RFC 8439 and the datagrams of server/wire/README.md, written out a second time.
+"""Independent implementation of an agent's UDP transport: RFC 8439 and the datagrams of server/wire/README.md.
 
-ChaCha20-Poly1305 in plain Python is slow (a millisecond or two a datagram) and shares nothing with OpenSSL, which both
-programs use: what it seals and opens, they have not agreed on among themselves.
+ChaCha20-Poly1305 in plain Python is slow (one to two milliseconds per datagram) but shares nothing with OpenSSL, which
+both programs use. It therefore detects a mistake that both programs make alike.
 """
 import socket
 import struct
@@ -75,14 +75,14 @@ def seal(key, connection, counter, frame):
 
 
 def unseal(key, connection, datagram):
-    """The counter and the frame of a datagram."""
+    """Returns the counter and the decrypted frame of a datagram."""
     magic, to, counter = struct.unpack("<IIQ", datagram[:16])
     assert magic == MAGIC and to == connection
     return counter, aead_open(key, struct.pack("<IQ", 0, counter), datagram[:16], datagram[16:])
 
 
-class Lane:
-    """An agent's end, made from the `udp` of its welcome."""
+class UdpClient:
+    """An agent's UDP socket, from the `udp` of its welcome."""
 
     def __init__(self, offer, host="127.0.0.1"):
         assert offer["cipher"] == "chacha20-poly1305"
@@ -94,7 +94,7 @@ class Lane:
         self.move()
 
     def move(self):
-        """From now on, from another port, as behind a NAT that has forgotten us."""
+        """Changes the local port, as behind a NAT that lost its mapping."""
         if hasattr(self, "socket"):
             self.socket.close()
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -111,7 +111,7 @@ class Lane:
         self.socket.sendto(datagram, self.to)
 
     def receive(self, timeout=30):
-        """The next frame; None if nothing comes in time."""
+        """Returns the next frame; None if none arrives in time."""
         self.socket.settimeout(timeout)
         try:
             return unseal(self.key_in, self.connection, self.socket.recv(2048))[1]

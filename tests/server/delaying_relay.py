@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A TCP relay that makes loopback as slow as a real network, between a real server and real agents.
+"""A TCP relay that emulates a slow network on loopback, between a real server and real agents.
 
-As tests/agent/stability/virtual_line.h does in virtual time: each direction delays what it carries
-by half the round trip, with jitter; what a network would have lost comes one round trip later and
-holds up all behind it, since nothing overtakes in TCP; and the line may stand still now and then.
+The model is that of tests/agent/stability/virtual_line.h, in real time: each direction delays data
+by half the round trip, with jitter; a lost segment arrives one round trip later and delays all data
+behind it, because TCP preserves the order; and the line may stall periodically.
 """
 import asyncio
 import contextlib
@@ -11,14 +11,15 @@ import dataclasses
 import random
 import threading
 
-SEGMENT_BYTES = 1448  # what one packet of Ethernet carries
-AGAIN_S = 0.01        # beyond the round trip, until what was lost is sent again
+SEGMENT_BYTES = 1448  # payload of one Ethernet packet
+RESEND_S = 0.01       # delay of a resent segment beyond the round trip
 
 
 @dataclasses.dataclass(frozen=True)
 class Line:
-    """`jitter` is a share of the one-way delay, either way; `loss` one of the segments. The line
-    stands still for `stall_s` at the end of every `stall_every_s`."""
+    """Properties of the emulated line. `jitter`: largest deviation of the delay, as a fraction of it;
+    `loss`: fraction of the segments. The line stalls for `stall_s` at the end of every
+    `stall_every_s`."""
     rtt_s: float = 0.0
     jitter: float = 0.0
     loss: float = 0.0
@@ -26,8 +27,8 @@ class Line:
     stall_every_s: float = 2.0
 
 
-class Way:
-    """When each piece arrives that goes one way."""
+class Direction:
+    """Computes the arrival times in one direction."""
 
     def __init__(self, line, seed):
         self.line = line
@@ -40,7 +41,7 @@ class Way:
         delay = line.rtt_s / 2 * (1 + line.jitter * self.random.uniform(-1, 1))
         segments = -(-count // SEGMENT_BYTES)
         if self.random.random() > (1 - line.loss) ** segments:
-            delay += line.rtt_s + AGAIN_S
+            delay += line.rtt_s + RESEND_S
             self.lost += 1
         due_s = now_s + delay
         moving_s = line.stall_every_s - line.stall_s
@@ -53,17 +54,18 @@ class Way:
 
 
 class Relay:
-    """Listens on `port` and carries each connection to `target_port`, both on 127.0.0.1, until the
-    end of a `with`. `up` leads to the target, `down` back; read their counts after that."""
+    """Listens on `port` and relays each connection to `target_port`, both on 127.0.0.1, inside a `with`
+    statement. `up` is the direction to the target, `down` the opposite; their counters may be read
+    after the statement."""
 
     def __init__(self, target_port, line, seed=1):
-        self.up, self.down = Way(line, seed), Way(line, seed + 1)
+        self.up, self.down = Direction(line, seed), Direction(line, seed + 1)
         self.connections = 0
         self._target_port = target_port
         self._loop = asyncio.new_event_loop()
         self._tasks = set()
         self._server = self._loop.run_until_complete(
-            asyncio.start_server(self._carry, "127.0.0.1", 0))
+            asyncio.start_server(self._relay, "127.0.0.1", 0))
         self.port = self._server.sockets[0].getsockname()[1]
         self._thread = threading.Thread(target=self._loop.run_forever)
 
@@ -83,8 +85,8 @@ class Relay:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    async def _carry(self, reader, writer):
-        """Both ways of one connection, until both have ended."""
+    async def _relay(self, reader, writer):
+        """Relays both directions of one connection until both have ended."""
         self._tasks.add(asyncio.current_task())
         self.connections += 1
         target = None
@@ -93,22 +95,22 @@ class Relay:
             await asyncio.gather(self._pass(reader, target, self.up),
                                  self._pass(back, writer, self.down))
         except (OSError, asyncio.CancelledError):
-            pass  # either end may go without a word
+            pass  # either end may close at any time
         finally:
             for end in (writer, target):
                 if end is not None:
                     end.close()
             self._tasks.discard(asyncio.current_task())
 
-    async def _pass(self, reader, writer, way):
-        """Reads at once and writes when it is due; an end of the stream is due as data is."""
+    async def _pass(self, reader, writer, direction):
+        """Reads without delay and writes when due; the end of the stream is delayed like data."""
         waiting = asyncio.Queue()
         writing = asyncio.ensure_future(self._write(waiting, writer))
         try:
             data = None
             while data != b"":
                 data = await reader.read(SEGMENT_BYTES)
-                await waiting.put((way.due(self._loop.time(), len(data)), data))
+                await waiting.put((direction.due(self._loop.time(), len(data)), data))
             await writing
         finally:
             writing.cancel()

@@ -19,7 +19,7 @@ std::optional<ByteRange> range(std::string_view header, std::uint64_t bytes = 10
   return parsed ? *parsed : std::nullopt;
 }
 
-TEST(ByteRange, TakesTheFormsOfTheRfc) {
+TEST(ByteRange, ParsesAllFormsOfTheRfc) {
   EXPECT_EQ(range("bytes=0-0"), (ByteRange{0, 1}));
   EXPECT_EQ(range("bytes=10-19"), (ByteRange{10, 10}));
   EXPECT_EQ(range("bytes=999-"), (ByteRange{999, 1}));
@@ -29,7 +29,7 @@ TEST(ByteRange, TakesTheFormsOfTheRfc) {
   EXPECT_EQ(range("bytes=0-18446744073709551615"), (ByteRange{0, 1000}));
 }
 
-TEST(ByteRange, WhatIsMalformedOrSeveralIsEverything) {
+TEST(ByteRange, MalformedOrSeveralRangesSelectTheWholeFile) {
   for (const char* text :
        {"", "bytes", "bytes=", "bytes=-", "bytes=a-b", "bytes=5-4", "bytes=1-2,4-5", "lines=0-1",
         "bytes= 1-2", "bytes=1-2 ", "bytes=--1", "bytes=0-18446744073709551616", "bytes=1x-2"}) {
@@ -37,7 +37,7 @@ TEST(ByteRange, WhatIsMalformedOrSeveralIsEverything) {
   }
 }
 
-TEST(ByteRange, WhatDoesNotExistIsRejected) {
+TEST(ByteRange, RejectsRangesBeyondTheEnd) {
   for (const char* text : {"bytes=1000-", "bytes=5000-6000", "bytes=-0"}) {
     EXPECT_FALSE(parse_range(text, 1000)) << text;
   }
@@ -45,7 +45,7 @@ TEST(ByteRange, WhatDoesNotExistIsRejected) {
   EXPECT_FALSE(parse_range("bytes=-1", 0));
 }
 
-TEST(DownloadName, IsTheScenesAndSafeEverywhere) {
+TEST(DownloadName, IsTheSceneNameWithoutUnsafeCharacters) {
   EXPECT_EQ(download_name("Ammonite", "id", "-meshopt", ".glb"), "Ammonite-meshopt.glb");
   EXPECT_EQ(download_name("untitled", "demo", "", ".stl"), "demo.stl");
   EXPECT_EQ(download_name("", "demo", "", ".stl"), "demo.stl");
@@ -54,12 +54,12 @@ TEST(DownloadName, IsTheScenesAndSafeEverywhere) {
   EXPECT_EQ(download_name("a\"b\\c\r\nd", "demo", "", ".stl"), "a-b-c--d.stl");
   const std::string longest = download_name(std::string(5000, 'x'), "demo", "", ".stl");
   EXPECT_EQ(longest, std::string(80, 'x') + ".stl");
-  // A letter of several bytes is not torn.
+  // A character of several bytes is not split.
   const std::string umlauts = download_name(std::string(79, 'x') + "\u00e4\u00e4", "d", "", "");
   EXPECT_EQ(umlauts, std::string(79, 'x') + "\u00e4");
 }
 
-TEST(DownloadName, IsToldInAsciiAndUtf8) {
+TEST(DownloadName, IsSentInAsciiAndUtf8) {
   EXPECT_EQ(content_disposition("a.stl"), "attachment; filename=\"a.stl\"");
   EXPECT_EQ(content_disposition("\u00e4 b.stl"),
             "attachment; filename=\"_ b.stl\"; filename*=UTF-8''%C3%A4%20b.stl");
@@ -85,7 +85,7 @@ class DownloadCacheTest : public ::testing::Test {
   std::atomic<bool> hold_ = false, begun_ = false;
 };
 
-TEST_F(DownloadCacheTest, WhoAsksWhileAFileIsMadeWaitsForIt) {
+TEST_F(DownloadCacheTest, RequestsForAFileBeingWrittenWaitForIt) {
   DownloadCache cache(folder_.path() / "downloads");
   hold_ = true;
   DownloadCache::File first, second;
@@ -109,7 +109,7 @@ TEST_F(DownloadCacheTest, WhoAsksWhileAFileIsMadeWaitsForIt) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "downloads"));
 }
 
-TEST_F(DownloadCacheTest, AFailureIsToldAndNotKept) {
+TEST_F(DownloadCacheTest, AFailureIsReportedAndNotCached) {
   DownloadCache cache(folder_.path() / "downloads");
   const auto failed =
       cache.get("k", [](const auto&, const auto&) -> std::expected<void, MakeError> {

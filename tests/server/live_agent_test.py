@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The real kerf-agent against the real server: through a slow line, as several hands, its doctor."""
+"""Tests the real kerf-agent with the real server: slow lines, several devices, kerf-agent doctor."""
 import json
 import math
 import os
@@ -17,14 +17,14 @@ AGENT = os.environ["KERF_AGENT"]
 FAR = Line(rtt_s=0.1, jitter=0.2, loss=0.02)
 FARTHER = Line(rtt_s=0.25, jitter=0.2, stall_s=0.2)
 TANK_MJ = 30
-# What the machine does to the agent, not the line: a test machine has other work to do as well.
+# Events that the load of the test machine causes, not the line.
 BUSY_MACHINE = ("lost_ticks", "lost_ticks_in_a_row")
 ATTEMPTS = 8
 BALL, MILL = 1, 2
 
 
 def table(poses):
-    """A path as a file has it, of (seconds, tip, cutting) and, if the tool leans, its axis."""
+    """Returns the text of a pose file from tuples (seconds, tip, cutting[, axis])."""
     lines = ["t_s,x,y,z,i,j,k,cutting"]
     for time_s, tip, cutting, *axis in poses:
         numbers = (time_s, *tip, *(axis[0] if axis else (0, 0, 1)))
@@ -33,8 +33,8 @@ def table(poses):
 
 
 def rows(mm_per_s=60.0):
-    """Straight cuts with a flat mill, all turns in the air. What they leave does not depend on where
-    along them the samples lie, so it is the same for every line, to the bit."""
+    """Straight cuts with a flat mill, all turns in the air. The result does not depend on the positions
+    of the samples along them, so it is bitwise equal for every line."""
     time_s, poses = 0.5, [(0, (-40, -12, -2), False)]
     for i, y in enumerate((-12, -6, 1, 7)):
         ends = (-40, 40) if i % 2 == 0 else (40, -40)
@@ -46,7 +46,7 @@ def rows(mm_per_s=60.0):
 
 
 def spiral(seconds=2.0):
-    """Rests above the block until the hand is armed, sinks into it and goes round, leaning."""
+    """Rests above the block until the device is armed, then cuts along a circle with a tilted tool."""
     poses = [(0, (4, 0, 3), False), (0.6, (4, 0, 3), False)]
     for i in range(201):
         part = i / 200
@@ -65,7 +65,7 @@ class AgentTest(LiveTest):
         return name
 
     def run_agent(self, *words, session="block", port=None):
-        """Until it leaves by itself; gives its summary."""
+        """Waits until the agent exits; returns its summary."""
         where = os.path.join(self.folder.name, f"{session}.json")
         url = f"http://127.0.0.1:{port or self.port}"
         done = subprocess.run(
@@ -76,7 +76,7 @@ class AgentTest(LiveTest):
             return json.load(file)
 
     def check_arrived(self, status, info):
-        """Every sample was answered, on one connection, and the server lost nothing of it."""
+        """Checks that every sample was answered, on one connection."""
         link = status["link"]
         self.assertEqual((link["unanswered"], link["rejected_results"], link["bad_frames"]),
                          (0, 0, 0))
@@ -87,32 +87,32 @@ class AgentTest(LiveTest):
         self.assertAlmostEqual(status["removed_mm3"], removed, delta=removed * 1e-4)
 
     def check_line(self, relay, status):
-        """The line was as slow as it was meant to be; no upper limit, which a machine might miss."""
+        """Checks the delay of the line; no upper limit, which a loaded machine might exceed."""
         line = relay.up.line
         self.assertGreaterEqual(status["link"]["ping_us"]["p50"],
                                 line.rtt_s * (1 - line.jitter) * 1e6)
-        for way in (relay.up, relay.down):
-            self.assertGreater(way.pieces, 100)
-            self.assertEqual(way.lost > 0, line.loss > 0)
-            self.assertEqual(way.stalled > 0, line.stall_s > 0)
+        for direction in (relay.up, relay.down):
+            self.assertGreater(direction.pieces, 100)
+            self.assertEqual(direction.lost > 0, line.loss > 0)
+            self.assertEqual(direction.stalled > 0, line.stall_s > 0)
 
 
 class ThroughASlowLine(AgentTest):
-    def test_what_is_carved_is_the_same_to_the_bit(self):
+    def test_the_carved_block_is_bitwise_equal(self):
         words = ("--tool", str(MILL), "--device", "replay:" + self.path(rows()))
         self.check_arrived(self.run_agent(*words), self.server.info())
-        wanted = self.server.hash()
+        expected = self.server.hash()
         for session, line in (("far", FAR), ("farther", FARTHER)):
             self.server.create(session, SCENE)
-            self.assertNotEqual(self.server.hash(session), wanted)
+            self.assertNotEqual(self.server.hash(session), expected)
             with Relay(self.port, line) as relay:
                 status = self.run_agent(*words, session=session, port=relay.port)
             self.check_line(relay, status)
             self.check_arrived(status, self.server.info(session))
-            self.assertEqual(self.server.hash(session), wanted, line)
+            self.assertEqual(self.server.hash(session), expected, line)
 
     def feel(self, line):
-        """A hand carves through the line; gives the summary of one that its machine did not trip."""
+        """Carves through the line with a simulated hand; returns the summary of a run without safety trips."""
         words = ("--tool", str(BALL), "--device", "sim:" + self.path(spiral()))
         for attempt in range(ATTEMPTS):
             name = f"attempt-{attempt}"
@@ -132,22 +132,22 @@ class ThroughASlowLine(AgentTest):
         self.assertGreater(status["force"]["max_n"], 0.2)
         self.assertLessEqual(status["force"]["max_n"], 8)
         self.assertEqual(status["force"]["not_finite"], 0)
-        # What it felt came from its own copy of the block, and was what the server said later.
+        # The displayed force came from the agent's replica and agrees with the server's later results.
         copy = status["copy"]
         self.assertGreater(copy["answered"], 0.7 * copy["samples"])
         self.assertGreater(copy["felt_ticks"], 0)
         self.assertGreater(copy["compared"], 0)
-        self.assertLess(copy["error"], 0.5)  # an answer of the server may be the mean of 16 samples
+        self.assertLess(copy["error"], 0.5)  # a result may be the mean of 16 samples
         self.assertEqual(copy["bad_patches"], 0)
 
-    def test_a_hand_feels_the_cut_and_is_given_no_energy_at_100_ms_with_loss(self):
+    def test_cut_is_felt_without_energy_gain_at_100_ms_with_loss(self):
         self.check_felt(self.feel(FAR))
 
-    def test_a_hand_feels_the_cut_and_is_given_no_energy_at_250_ms_with_stalls(self):
+    def test_cut_is_felt_without_energy_gain_at_250_ms_with_stalls(self):
         self.check_felt(self.feel(FARTHER))
 
 
-class SeveralHands(AgentTest):
+class SeveralDevices(AgentTest):
     def start(self, *words):
         process = subprocess.Popen(
             [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session", "block",
@@ -158,7 +158,7 @@ class SeveralHands(AgentTest):
         return process
 
     def summaries(self, process):
-        """Of both hands, when all has ended."""
+        """Returns the summaries of both devices after the agent has exited."""
         self.assertEqual((process.wait(60), process.communicate()[0].count("carved")), (0, 2))
         found = []
         for name in ("hand.json", "hand.json.2"):
@@ -174,16 +174,16 @@ class SeveralHands(AgentTest):
             time.sleep(0.01)
         self.fail(f"only {names} joined")
 
-    def test_two_devices_of_one_command_line_join_as_two(self):
+    def test_two_devices_join_as_two_participants(self):
         process = self.start("--name", "Ada", "--device", "replay:" + self.path(rows()),
                              "--device", "sim:" + self.path(spiral(), "other.csv"))
         self.wait_for_both()
         one, two = self.summaries(process)
         self.assertEqual((one["device"], two["device"]), ("replay", "simulated hand"))
         self.assertNotEqual(one["participant"], two["participant"])
-        for hand in (one, two):
-            self.assertGreater(hand["removed_mm3"], 10)
-            self.assertEqual((hand["failure"], hand["link"]["unanswered"]), ("", 0))
+        for summary in (one, two):
+            self.assertGreater(summary["removed_mm3"], 10)
+            self.assertEqual((summary["failure"], summary["link"]["unanswered"]), ("", 0))
         removed = self.server.info()["removed_volume_mm3"]
         self.assertAlmostEqual(one["removed_mm3"] + two["removed_mm3"], removed,
                                delta=removed * 1e-4)
@@ -192,8 +192,8 @@ class SeveralHands(AgentTest):
         process = self.start("--name", "Ada", "--loop", "--device", "sim", "--device", "sim")
         self.wait_for_both()
         process.send_signal(signal.SIGINT)
-        for hand in self.summaries(process):
-            self.assertEqual((hand["failure"], hand["link"]["unanswered"]), ("", 0))
+        for summary in self.summaries(process):
+            self.assertEqual((summary["failure"], summary["link"]["unanswered"]), ("", 0))
 
 
 class Doctor(LiveTest):
@@ -202,16 +202,16 @@ class Doctor(LiveTest):
             [AGENT, "doctor", "--seconds", "0.1", "--server", f"http://127.0.0.1:{port}"],
             capture_output=True, text=True, timeout=60)
         lines = done.stdout.splitlines()
-        # Devices and rights are this machine's; the code must be that of what was printed.
+        # Devices and permissions depend on the machine; the exit code must match the output.
         fine = not any(line.startswith(("warning", "missing")) for line in lines)
         self.assertEqual(done.returncode, 0 if fine else 1, done.stdout)
         return [line for line in lines if str(port) in line], lines[-1]
 
-    def test_a_server_that_is_there_is_well(self):
+    def test_reachable_server_is_reported(self):
         self.assertRegex(self.ask(self.port)[0][0],
                          f"^ok +the server 127.0.0.1:{self.port} is healthy; round trip [0-9]+ us")
 
-    def test_what_is_no_server_is_said(self):
+    def test_unreachable_server_is_reported(self):
         with socket.create_server(("127.0.0.1", 0)) as other:
             port = other.getsockname()[1]
             answering = threading.Thread(target=self.answer_once, args=(other,))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whatever a peer sends, it gets a typed error, and the session and the others in it go on."""
+"""Invalid input of a peer is answered with a typed error and does not affect the session."""
 import json
 import socket
 import struct
@@ -41,7 +41,7 @@ class BadFrames(LiveTest):
         self.bad.send_binary(header(MOTION, 0, magic=0x12345678))
         self.expect("bad_frame")
 
-    def test_length_that_lies_is_a_bad_frame(self):
+    def test_wrong_payload_length_is_a_bad_frame(self):
         self.bad.send_binary(header(MOTION, 72) + b"\0" * 8)
         self.expect("bad_frame")
 
@@ -49,7 +49,7 @@ class BadFrames(LiveTest):
         self.bad.send_binary(b"\0" * 5000)
         self.expect("too_large")
 
-    def test_huge_frame_closes_with_1009_and_the_others_go_on(self):
+    def test_huge_frame_closes_only_its_connection_with_1009(self):
         self.bad.send_frame(2, b"\0" * 70000)
         with self.assertRaises(Closed) as closed:
             self.bad.receive_json("error", 10)
@@ -97,17 +97,17 @@ class BadFrames(LiveTest):
         self.bad.move([(0, 0, 0)], tool=99)
         self.expect("unknown_tool")
 
-    def test_tool_that_jumps_while_cutting_is_too_fast(self):
+    def test_jump_while_cutting_is_too_fast(self):
         self.bad.move([(0, 0, 5)])
         self.bad.move([(0, 0, -15)])
         self.expect("too_fast")
 
-    def test_axis_that_turns_over_is_rejected(self):
+    def test_reversed_axis_is_rejected(self):
         self.bad.move([(0, 0, 5)], axis=(0, 0, 1))
         self.bad.move([(0, 0, 5)], axis=(0, 0, -1))
         self.expect("turn_too_large")
 
-    def test_clock_that_stands_still_is_a_bad_message(self):
+    def test_constant_sample_time_is_a_bad_message(self):
         self.bad.move([(0, 0, 5)])
         self.bad.move([(1, 0, 5)], step_us=0)
         self.expect("bad_message")
@@ -156,10 +156,10 @@ class BadFrames(LiveTest):
         error = self.bad.receive_json("error")
         self.assertEqual(error["code"], "too_fast")
         flooder = self.bad
-        time.sleep(1.2)  # its allowance fills again
+        time.sleep(1.2)  # the rate limit recovers
         return flooder
 
-    def test_peer_that_vanishes_leaves_no_ghost(self):
+    def test_vanished_peer_is_removed(self):
         self.bad.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         self.bad.close()
         people = self.good.receive_json("participants")
@@ -169,7 +169,7 @@ class BadFrames(LiveTest):
 
 
 class BadViewers(LiveTest):
-    def test_viewer_that_cuts_is_told_so_and_goes_on(self):
+    def test_viewer_that_sends_motions_gets_an_error(self):
         viewer = Viewer(self.port, "block")
         viewer.send_binary(motion_frame([sample(1, 1, (0, 0, 0))]))
         self.assertEqual(viewer.receive_json("error")["code"], "bad_message")
@@ -214,14 +214,14 @@ class BadUpgrades(LiveTest):
         self.reject("/v1/sessions/block/view", "kerf.view.v1", 403, "bad_origin",
                     ["Origin: https://evil.example"])
 
-    def test_own_origin_is_welcome(self):
+    def test_own_origin_is_accepted(self):
         WebSocket(self.port, "/v1/sessions/block/view", "kerf.view.v1",
                   [f"Origin: http://127.0.0.1:{self.port}"]).close()
 
     def test_other_paths_are_404(self):
         self.reject("/v1/sessions/block/spy", "kerf.view.v1", 404, "not_found")
 
-    def test_plain_get_is_told_to_upgrade(self):
+    def test_plain_get_of_a_websocket_path_is_426(self):
         status, body = self.server.http.json("GET", "/v1/sessions/block/agent")
         self.assertEqual((status, body["error"]["code"]), (426, "upgrade_required"))
 
@@ -230,7 +230,7 @@ class BadUpgrades(LiveTest):
         silent.move([(0, 0, 0)])
         self.assertEqual(silent.receive_json("error")["code"], "no_hello")
 
-    def test_silence_instead_of_hello_ends_the_connection(self):
+    def test_missing_hello_ends_the_connection(self):
         silent = Agent(self.port, "block", hello=False)
         error = silent.receive_json("error", 8)
         self.assertEqual((error["code"], error["fatal"]), ("no_hello", True))
@@ -273,7 +273,7 @@ class BadHttp(LiveTest):
             self.assertEqual(status, 400, bad)
         self.error(409, "session_exists", "POST", "/v1/sessions?id=block", json.dumps(SCENE))
 
-    def test_unknown_things(self):
+    def test_unknown_resources(self):
         self.error(404, "unknown_session", "GET", "/v1/sessions/nobody")
         self.error(404, "unknown_session", "DELETE", "/v1/sessions/nobody")
         self.error(404, "unknown_session", "GET", "/v1/sessions/nobody/model.stl")
@@ -312,7 +312,7 @@ class BadHttp(LiveTest):
             self.assertIn(b"431", raw.recv(4096))
         self.assertEqual(self.server.http.request("GET", "/healthz")[0], 200)
 
-    def test_slow_request_is_cut_off(self):
+    def test_slow_request_times_out(self):
         with socket.create_connection(("127.0.0.1", self.port), timeout=20) as raw:
             raw.sendall(b"GET / HTTP/1.1\r\n")
             self.assertEqual(raw.recv(4096), b"")

@@ -38,7 +38,7 @@ class Server:
         self.http = Http(self.port)
 
     def stop(self, how=signal.SIGTERM):
-        """Gives the exit status and what was logged."""
+        """Stops the server; returns its exit status and its log."""
         self.process.send_signal(how)
         log = self.process.communicate(timeout=60)[1]  # closes the pipes too
         return self.process.returncode, log

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A real server with agents, programs and viewers at once; restarts; downloads."""
+"""Tests a real server with agents, programs and viewers; restarts; downloads."""
 import glob
 import json
 import math
@@ -30,7 +30,7 @@ M2
 
 
 def carve(agent, steps=400, phase=0.0, pace_s=0.0):
-    """A spiral that keeps cutting; gives the removed volume that the agent was told of."""
+    """Cuts along a spiral; returns the removed volume that the results reported."""
     removed, sent = 0.0, 0
     for i in range(steps):
         angle = phase + i * 0.02
@@ -61,37 +61,37 @@ def upload(server, text, query, session="block"):
 
 
 class Carving(LiveTest):
-    def test_agent_feels_what_it_removes(self):
+    def test_results_carry_force_and_removed_volume(self):
         agent = Agent(self.port, "block")
         agent.move([(-30, 0, -2)])
-        told = 0.0
+        removed = 0.0
         force = 0.0
         for i in range(300):
             agent.move([(-30 + 0.1 * i, 0, -2)])
             result = agent.result()
-            told += result["removed"]
+            removed += result["removed"]
             force = max(force, -result["fx"])
-        self.assertAlmostEqual(told, self.server.info()["removed_volume_mm3"], delta=told * 1e-5)
-        self.assertGreater(told, 50)
+        self.assertAlmostEqual(removed, self.server.info()["removed_volume_mm3"], delta=removed * 1e-5)
+        self.assertGreater(removed, 50)
         self.assertGreater(force, 0.5)
         self.assertGreater(result["area"], 1)
         self.assertEqual(result["status"] & 1, 1)
 
-    def test_nobody_waits_behind_uploads_and_meshes(self):
-        """A session that was made by an upload is as urgent as one that was there from the start."""
+    def test_session_threads_are_not_nice(self):
+        """The thread of a session created by an upload has the same priority as that of a scene option."""
         def niceness(task):
             with open(f"{task}/stat") as stat:
                 return int(stat.read().rpartition(")")[2].split()[16])
 
         tasks = [f"/proc/{self.server.process.pid}/task/{task}"
                  for task in os.listdir(f"/proc/{self.server.process.pid}/task")]
-        lanes = {}
+        threads = {}
         for task in tasks:
             with open(f"{task}/comm") as comm:
-                lanes.setdefault(comm.read().strip(), niceness(task))
+                threads.setdefault(comm.read().strip(), niceness(task))
         own = os.getpriority(os.PRIO_PROCESS, 0)
-        self.assertEqual(lanes["s:block"], own)
-        self.assertGreater(lanes["workers"], own)
+        self.assertEqual(threads["s:block"], own)
+        self.assertGreater(threads["workers"], own)
 
     def test_air_moves_cut_nothing(self):
         agent = Agent(self.port, "block")
@@ -105,7 +105,7 @@ class Carving(LiveTest):
         one, two = Agent(self.port, "block"), Agent(self.port, "block")
         one.move([(-10, 0, -2)])
         one.result()
-        one.sequence += 50  # fifty samples were lost on the way
+        one.sequence += 50  # fifty samples were lost
         one.move([(10, 0, -2)], step_us=50_000)
         self.assertGreater(one.result()["removed"], 100)
         two.move([(0, 0, -2)])
@@ -145,7 +145,7 @@ class Carving(LiveTest):
             state = viewer.settled()
         self.assertEqual(state["motions"], info["motions"])
 
-    def test_program_leaves_agents_their_turn(self):
+    def test_agents_are_answered_while_a_program_runs(self):
         agent = Agent(self.port, "block")
         lines = ["G21 G90 T2 M6", "G0 X0 Y0 Z-1"]
         lines += [f"G1 X{15 if i % 2 else -15} Y{(i % 300) / 10 - 15:.1f} F3000"
@@ -160,7 +160,7 @@ class Carving(LiveTest):
         kinds = [who["kind"] for who in self.server.info()["participants"]]
         self.assertEqual(kinds, ["agent"])
 
-    def test_program_at_feed_rate_takes_its_time(self):
+    def test_program_at_feed_rate_runs_in_real_time(self):
         program = upload(self.server, "G21 G90 T2 M6\nG0 X-5 Y0 Z-1\nG1 X5 F600\nM2\n",
                          "pace=feed&name=slow.ngc")
         start = time.monotonic()
@@ -170,7 +170,7 @@ class Carving(LiveTest):
         self.assertGreater(time.monotonic() - start, 0.5)
         self.assertGreater(status["motions"], 50)
 
-    def test_people_see_each_other_come_change_tool_and_go(self):
+    def test_participants_are_reported_when_they_join_change_tool_and_leave(self):
         ada = Agent(self.port, "block", "Ada", color="#123456")
         viewer = Viewer(self.port, "block", "Grace")
         names = {p["name"]: p for p in viewer.welcome["participants"]}
@@ -187,7 +187,7 @@ class Carving(LiveTest):
         people = viewer.receive_json("participants")["participants"]
         self.assertEqual([p["name"] for p in people], ["Grace"])
 
-    def test_viewers_settle_on_the_hash_of_the_server(self):
+    def test_viewers_settle_on_the_state_hash(self):
         early = Viewer(self.port, "block")
         self.assertEqual(early.settled()["state_hash"], self.server.hash())
         tiles = len(early.tiles)
@@ -202,7 +202,7 @@ class Carving(LiveTest):
             self.assertEqual(len(viewer.tiles), 9)
         self.assertGreater(max(early.tiles.values()), 1)
 
-    def test_a_viewer_far_away_gets_coarse_tiles_and_near_exact_ones(self):
+    def test_distant_viewers_get_coarse_tiles_and_near_ones_exact_tiles(self):
         carve(Agent(self.port, "block"), 200)
         near, far = Viewer(self.port, "block"), Viewer(self.port, "block", "Far")
         far.send_json({"type": "look", "eye_mm": [0, 0, 1e5], "error_rad": 0.01})
@@ -228,7 +228,7 @@ class Downloads(LiveTest):
     def get(self, name, **headers):
         return self.server.http.request("GET", f"/v1/sessions/block/{name}", headers=headers)
 
-    def test_etag_is_the_state_hash_and_spares_the_second_download(self):
+    def test_etag_is_the_state_hash(self):
         status, headers, body = self.get("model.stl")
         self.assertEqual(status, 200)
         self.assertEqual(headers["etag"], f'"{self.server.hash()}"')
@@ -240,7 +240,7 @@ class Downloads(LiveTest):
         self.assertEqual((status, body), (200, b""))
         self.assertEqual(head["content-length"], headers["content-length"])
 
-    def test_each_format_has_its_type_its_beginning_and_a_name_to_keep(self):
+    def test_each_format_has_its_type_magic_and_file_name(self):
         for name, kind, begin, file_name in (
                 ("model.stl", "model/stl", b"Kerf STL", "block.stl"),
                 ("model.stl?encoding=ascii", "model/stl", b"solid block", "block-ascii.stl"),
@@ -271,7 +271,7 @@ class Downloads(LiveTest):
         self.assertEqual((status, json.loads(body)["error"]["code"]), (400, "bad_encoding"))
         self.assertEqual(self.get("model.dxf")[0], 404)
 
-    def test_a_name_beyond_ascii_is_told_in_both_ways(self):
+    def test_non_ascii_name_is_sent_in_both_forms(self):
         self.server.create("cup", dict(SCENE, name="Täßchen: 1/2"))
         headers = self.server.http.request("GET", "/v1/sessions/cup/model.stl")[1]
         self.assertEqual(headers["content-disposition"],
@@ -292,14 +292,14 @@ class Downloads(LiveTest):
         self.assertEqual(json.loads(body)["error"]["code"], "bad_range")
         ranged = {"Range": "bytes=0-9", "If-Range": etag}
         self.assertEqual(self.get("model.stl", **ranged)[0], 206)
-        # After a change of the block, the rest of the old file would not fit.
+        # After a change of the block, the rest of the old file is of no use.
         ranged["If-Range"] = '"0000000000000000"'
         self.assertEqual(self.get("model.stl", **ranged)[0::2], (200, whole))
         self.assertEqual(self.get("model.stl", Range="bytes=1-2,4-5")[0], 200)
         self.assertEqual(self.get("model.stl", Range="lines=1-2")[0], 200)
         self.assertEqual(self.get("program.apt", Range="bytes=0-6")[2], b"PARTNO/")
 
-    def test_exports_in_the_making_are_listed(self):
+    def test_exports_lists_downloads_in_preparation(self):
         fine = dict(SCENE, name="fine", accuracy={"pitch_mm": 0.02})
         self.server.create("fine", fine)
         seen = []
@@ -331,7 +331,7 @@ class Downloads(LiveTest):
             self.assertEqual(status["state"], "finished", status)
             self.assertEqual(self.server.hash(session), self.server.hash(), name)
 
-    def test_a_program_of_a_span_or_joined_within_a_tolerance(self):
+    def test_program_of_a_range_of_records_or_joined_within_a_tolerance(self):
         whole = self.get("program.apt")[2].count(b"GOTO/")
         part = self.get("program.apt?from=100&to=150")[2].count(b"GOTO/")
         self.assertTrue(40 <= part <= 51, part)
@@ -339,7 +339,7 @@ class Downloads(LiveTest):
         self.assertIn(b"strays more than 0.05 mm", joined)
         self.assertLess(joined.count(b"GOTO/"), whole * 2 // 3)
         self.assertIn('"block-0.05mm.apt"', headers["content-disposition"])
-        # What is swept changes by no more than that.
+        # The swept volume changes by no more than the tolerance.
         self.server.create("joined")
         run = upload(self.server, joined, "pace=fast&name=j.apt", "joined")
         self.assertEqual(finish(self.server, run["id"], "joined")["state"], "finished")
@@ -370,11 +370,11 @@ class Downloads(LiveTest):
         self.assertEqual(status, 200)
         with open(os.path.join(self.folder.name, "copy.kerf"), "wb") as file:
             file.write(body)
-        wanted = self.server.hash()
+        expected = self.server.hash()
         self.server.stop()
         self.server = Server(self.folder.name)
-        self.assertEqual(self.server.hash("copy"), wanted)
-        self.assertEqual(self.server.hash("block"), wanted)
+        self.assertEqual(self.server.hash("copy"), expected)
+        self.assertEqual(self.server.hash("block"), expected)
 
 
 class Restarts(LiveTest):
@@ -384,7 +384,7 @@ class Restarts(LiveTest):
         self.port = self.server.port
         return code, log
 
-    def test_killed_server_comes_back_with_the_same_hash(self):
+    def test_killed_server_restarts_with_the_same_hash(self):
         agent = Agent(self.port, "block")
         carve(agent, 300)
         before = self.server.info()
@@ -399,8 +399,8 @@ class Restarts(LiveTest):
         self.assertGreater(ada.participant, agent.participant)
         carve(ada, 100, 1.0)
 
-    def test_a_mesh_as_stock_lives_in_the_journal(self):
-        # A model that was downloaded is carved on, and its file may go.
+    def test_mesh_stock_is_stored_in_the_journal(self):
+        # A downloaded model is carved further; its file may be deleted.
         carve(Agent(self.port, "block"), 100)
         _, _, model = self.server.http.request("GET", "/v1/sessions/block/model.ply")
         code, log = self.server.stop()
@@ -418,14 +418,14 @@ class Restarts(LiveTest):
         left = block["stock_volume_mm3"] - block["removed_volume_mm3"]
         self.assertAlmostEqual(again["stock_volume_mm3"], left, delta=0.01 * left)
         carve(Agent(self.port, "again"), 100, 2.0)
-        wanted = self.server.info("again")
-        self.assertGreater(wanted["removed_volume_mm3"], 0)
+        expected = self.server.info("again")
+        self.assertGreater(expected["removed_volume_mm3"], 0)
         time.sleep(0.1)
         self.restart(signal.SIGKILL)
         found = self.server.info("again")
-        self.assertEqual(found["state_hash"], wanted["state_hash"])
+        self.assertEqual(found["state_hash"], expected["state_hash"])
         self.assertEqual(found["stock_volume_mm3"], again["stock_volume_mm3"])
-        # Over the network a scene may not read the server's disk, but name what was uploaded.
+        # A scene from the network may name uploaded files but not read the server's disk.
         status, body = self.server.http.json("POST", "/v1/files?name=model.ply", model)
         self.assertEqual(status, 201, body)
         posted = dict(SCENE, name="posted", stock={"shape": "mesh", "file": body["file"]})
@@ -440,19 +440,19 @@ class Restarts(LiveTest):
             self.assertEqual((status, body["error"]["code"]), (400, code), body)
         self.assertEqual(self.server.http.request("GET", "/v1/files")[0], 405)
         shutil.rmtree(os.path.join(self.folder.name, "uploads"))
-        wanted = self.server.hash("posted")
+        expected = self.server.hash("posted")
         self.restart(signal.SIGKILL)
-        self.assertEqual(self.server.hash("posted"), wanted)
+        self.assertEqual(self.server.hash("posted"), expected)
         status, body = self.server.http.json(
             "POST", "/v1/sessions",
             json.dumps(dict(SCENE, stock={"shape": "mesh", "file": "model.ply"})))
         self.assertEqual((status, body["error"]["code"], body["error"]["path"]),
                          (400, "bad_scene", "stock.file"))
 
-    def test_killed_while_carving_keeps_a_prefix_and_goes_on(self):
+    def test_server_killed_while_carving_keeps_a_prefix(self):
         agent = Agent(self.port, "block")
         carve(agent, 100)
-        for i in range(200):  # nobody waits for these answers
+        for i in range(200):  # the answers are not read
             agent.move([(i * 0.05, i * 0.01, -2)])
         code, _ = self.restart(signal.SIGKILL)
         info = self.server.info()
@@ -460,7 +460,7 @@ class Restarts(LiveTest):
         self.assertLessEqual(info["motions"], 300)
         carve(Agent(self.port, "block"), 50)
 
-    def test_terminated_server_says_bye_and_loses_nothing(self):
+    def test_terminated_server_sends_bye_and_loses_nothing(self):
         agent = Agent(self.port, "block")
         viewer = Viewer(self.port, "block")
         carve(agent, 100)
@@ -468,17 +468,17 @@ class Restarts(LiveTest):
         code, log = self.restart(signal.SIGTERM)
         self.assertEqual(code, 0, log)
         for peer in (agent, viewer):
-            self.assertIn("going down", peer.receive_json("bye")["reason"])
+            self.assertIn("shutting down", peer.receive_json("bye")["reason"])
             with self.assertRaises(Closed):
                 peer.receive(5)
         self.assertEqual(self.server.hash(), before)
 
-    def test_damaged_journals_do_not_keep_the_others_from_starting(self):
+    def test_damaged_journals_do_not_affect_other_sessions(self):
         agent = Agent(self.port, "block")
         carve(agent, 200)
         agent.close()
         self.server.create("other")
-        wanted = self.server.hash()
+        expected = self.server.hash()
         self.server.stop()
         path = os.path.join(self.folder.name, "block.kerf")
         for name in ("flipped", "foreign", "truncated"):
@@ -495,7 +495,7 @@ class Restarts(LiveTest):
         self.server = Server(self.folder.name)
         sessions = [s["id"] for s in self.server.http.json("GET", "/v1/sessions")[1]["sessions"]]
         self.assertEqual(sessions, ["block", "other"])
-        self.assertEqual(self.server.hash(), wanted)
+        self.assertEqual(self.server.hash(), expected)
         code, log = self.server.stop()
         self.assertIn("flipped.kerf: record 77: the checksum of the record is wrong", log)
         self.assertIn("foreign_journal_version", log)
@@ -509,10 +509,10 @@ class Restarts(LiveTest):
         self.server.stop()
         self.server = Server(self.folder.name, "--scene", scene)
         carve(Agent(self.server.port, "from-file"), 50)
-        wanted = self.server.hash("from-file")
+        expected = self.server.hash("from-file")
         self.server.stop()
         self.server = Server(self.folder.name, "--scene", scene)
-        self.assertEqual(self.server.hash("from-file"), wanted)
+        self.assertEqual(self.server.hash("from-file"), expected)
 
 
 class Control(LiveTest):
@@ -531,7 +531,7 @@ class Control(LiveTest):
         self.assertEqual(glob.glob(self.folder.name + "/block*.kerf*"), [])
         self.assertEqual(http.json("GET", "/v1/sessions")[1]["sessions"], [])
 
-    def test_info_tells_what_the_session_is(self):
+    def test_session_info(self):
         Viewer(self.port, "block")
         info = self.server.info()
         self.assertEqual(info["stock_volume_mm3"], 40 * 40 * 20)
@@ -543,7 +543,7 @@ class Control(LiveTest):
         carve(Agent(self.port, "block"), 20)
         self.assertEqual(self.server.http.json("GET", "/healthz"), (200, {"status": "ok"}))
         text, end = "", time.monotonic() + 10
-        # The last answer is counted after it was sent, so it may be read before.
+        # A response is counted after it was sent, so the metrics may be read before.
         while "kerf_turnaround_seconds_count 20" not in text and time.monotonic() < end:
             _, headers, body = self.server.http.request("GET", "/metrics")
             text = body.decode()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The UDP lane of a real server, from a client that shares neither codec nor cipher with it."""
+"""Tests UDP of a real server with a client that shares neither codec nor cipher with it."""
 import json
 import os
 import random
@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from datagram_client import Lane, NotAuthentic, aead_open, aead_seal, seal, unseal
+from datagram_client import UdpClient, NotAuthentic, aead_open, aead_seal, seal, unseal
 from live_server import LiveTest, Server
 from wire_client import PING, PONG, RESULT, Agent, header, motion_frame, parse_header, parse_result, sample
 
@@ -20,7 +20,7 @@ def ping(time_us=7):
 
 
 def counters(server):
-    """What /metrics says of datagrams."""
+    """Returns the datagram counters of /metrics."""
     text = server.http.request("GET", "/metrics")[2].decode()
     found = {}
     for line in text.splitlines():
@@ -31,16 +31,16 @@ def counters(server):
 
 
 class UdpAgent(Agent):
-    """Places its tool over the WebSocket, as everybody must, and goes on over UDP."""
+    """Sends its first sample over the WebSocket, as the protocol requires, and the others over UDP."""
 
     def __init__(self, port, session="block"):
         super().__init__(port, session, udp=True)
-        self.lane = Lane(self.welcome["udp"])
+        self.udp = UdpClient(self.welcome["udp"])
         self.move([(-10, 0, -2)])
         self.result()
 
     def samples(self, count):
-        """The next ones of a straight way along X."""
+        """Returns the next samples of a straight path along X."""
         made = []
         for _ in range(count):
             self.sequence += 1
@@ -49,21 +49,21 @@ class UdpAgent(Agent):
         return made
 
     def answer(self):
-        """The next result over UDP."""
+        """Returns the next result over UDP."""
         while True:
-            frame = self.lane.receive()
+            frame = self.udp.receive()
             if parse_header(frame)["type"] == RESULT:
                 return parse_result(frame[32:])
 
     def is_silent(self):
-        """A ping goes out behind what was sent, and its pong is the next that comes."""
-        self.lane.send(ping(99))
-        frame = self.lane.receive()
+        """Sends a ping behind the datagrams sent before; its pong must be the next datagram received."""
+        self.udp.send(ping(99))
+        frame = self.udp.receive()
         return parse_header(frame)["type"] == PONG and struct.unpack("<Q", frame[32:40])[0] == 99
 
     def close(self):
-        if hasattr(self, "lane"):
-            self.lane.close()
+        if hasattr(self, "udp"):
+            self.udp.close()
         super().close()
 
 
@@ -85,7 +85,7 @@ class Cipher(unittest.TestCase):
 
 
 class Offer(LiveTest):
-    def test_only_who_asks_is_offered_and_each_gets_keys_of_its_own(self):
+    def test_keys_are_offered_on_request_and_differ(self):
         self.assertNotIn("udp", Agent(self.port, "block").welcome)
         self.assertNotIn("udp", Agent(self.port, "block", udp=False).welcome)
         offers = [Agent(self.port, "block", udp=True).welcome["udp"] for _ in range(3)]
@@ -94,12 +94,12 @@ class Offer(LiveTest):
             self.assertEqual(len({offer[field] for offer in offers}), 3)
         self.assertNotEqual(offers[0]["key_to_server"], offers[0]["key_to_agent"])
 
-    def test_a_wish_that_is_none_is_rejected(self):
+    def test_invalid_udp_field_is_rejected(self):
         agent = Agent(self.port, "block", hello=False)
         agent.send_json({"type": "hello", "name": "Ada", "udp": "yes"})
         self.assertEqual(agent.receive_json("error")["code"], "bad_message")
 
-    def test_off_means_off(self):
+    def test_udp_off(self):
         other = Server(self.folder.name + "/off", "--udp", "off")
         try:
             other.create()
@@ -107,56 +107,56 @@ class Offer(LiveTest):
         finally:
             other.stop()
 
-    def test_a_port_of_its_own(self):
+    def test_udp_port_option(self):
         other = Server(self.folder.name + "/own", "--udp", "127.0.0.1:0")
         try:
             other.create()
             agent = UdpAgent(other.port)
-            self.assertNotEqual(agent.lane.to[1], 0)
+            self.assertNotEqual(agent.udp.to[1], 0)
             self.assertTrue(agent.is_silent())
         finally:
             other.stop()
 
-    def test_a_port_that_is_taken_is_an_error_only_where_it_was_named(self):
-        with self.assertRaisesRegex(RuntimeError, "no UDP lane on 127.0.0.1"):
+    def test_port_in_use_is_an_error_only_if_named(self):
+        with self.assertRaisesRegex(RuntimeError, "cannot listen for UDP on 127.0.0.1"):
             Server(self.folder.name + "/two", "--udp", f"127.0.0.1:{self.port}")
         for wrong in ("x", "1.2.3.4:", "70000", ":5", "-1"):
             with self.assertRaisesRegex(RuntimeError, "is not"):
                 Server(self.folder.name + "/two", f"--udp={wrong}")
 
-    def test_an_answer_comes_from_the_address_that_was_asked(self):
+    def test_answers_come_from_the_address_that_the_agent_uses(self):
         for listen, hosts in (("0.0.0.0:0", ("127.0.0.1", "127.0.0.2")),
                               ("[::]:0", ("127.0.0.1", "127.0.0.3"))):
             other = Server(self.folder.name + "/all" + listen[:2], "--udp", listen)
             try:
                 other.create()
                 offer = Agent(other.port, "block", udp=True).welcome["udp"]
-                lane = Lane(offer)
+                client = UdpClient(offer)
                 for host in hosts:
-                    lane.to = (host, offer["port"])
-                    lane.send(ping())
-                    lane.socket.settimeout(30)
-                    self.assertEqual(lane.socket.recvfrom(2048)[1], lane.to)
-                lane.close()
+                    client.to = (host, offer["port"])
+                    client.send(ping())
+                    client.socket.settimeout(30)
+                    self.assertEqual(client.socket.recvfrom(2048)[1], client.to)
+                client.close()
             finally:
                 other.stop()
 
-    def test_keys_end_with_their_web_socket(self):
+    def test_keys_expire_with_the_websocket(self):
         agent = UdpAgent(self.port)
         self.assertTrue(agent.is_silent())
         agent.socket.shutdown(2)
         while any(who["name"] == "Ada" for who in self.server.info()["participants"]):
             time.sleep(0.01)
         before = counters(self.server)["unknown_connection"]
-        agent.lane.send(ping())
+        agent.udp.send(ping())
         while counters(self.server)["unknown_connection"] == before:
             time.sleep(0.01)
-        self.assertIsNone(agent.lane.receive(timeout=0.2))
+        self.assertIsNone(agent.udp.receive(timeout=0.2))
 
 
 class Motions(LiveTest):
     def carve_over_web_socket(self, count):
-        """The same way on another block; gives its hash."""
+        """Cuts the same path in another session; returns its hash."""
         self.server.create("other")
         agent = Agent(self.port, "other")
         agent.move([(-10, 0, -2)])
@@ -168,7 +168,7 @@ class Motions(LiveTest):
     def test_samples_are_cut_and_answered_over_udp(self):
         agent = UdpAgent(self.port)
         for n in range(60):
-            agent.lane.send(motion_frame(agent.samples(1)))
+            agent.udp.send(motion_frame(agent.samples(1)))
             result = agent.answer()
             self.assertEqual((result["agent_sequence"], result["motions"]), (n + 2, n + 1))
         self.assertGreater(result["area"], 1)
@@ -178,57 +178,57 @@ class Motions(LiveTest):
     def test_nothing_is_cut_across_a_gap(self):
         agent = UdpAgent(self.port)
         first, lost, later = agent.samples(4), agent.samples(20), agent.samples(4)
-        agent.lane.send(motion_frame(first))
+        agent.udp.send(motion_frame(first))
         force = agent.answer()["fx"]
         before = self.server.hash()
         for _ in range(3):
-            agent.lane.send(motion_frame(later))
+            agent.udp.send(motion_frame(later))
             result = agent.answer()
             self.assertEqual((result["agent_sequence"], result["status"] & GAP), (5, GAP))
-            self.assertEqual(result["fx"], force, "the answer from before the gap")
+            self.assertEqual(result["fx"], force, "the result from before the gap is repeated")
         self.assertEqual(self.server.hash(), before)
         self.assertEqual(counters(self.server)["kerf_motion_gaps_total"], 3)
-        # The agent goes back: what was lost, and then everything that follows, partly known.
-        agent.lane.send(motion_frame(lost[:16]))
+        # The agent sends again from the lost sample on; the server knows some of these samples.
+        agent.udp.send(motion_frame(lost[:16]))
         self.assertEqual(agent.answer()["agent_sequence"], 21)
-        agent.lane.send(motion_frame(lost[12:] + later))
+        agent.udp.send(motion_frame(lost[12:] + later))
         result = agent.answer()
         self.assertEqual((result["agent_sequence"], result["status"] & GAP), (29, 0))
         self.assertEqual(result["motions"], 28)
         self.assertEqual(self.server.hash(), self.carve_over_web_socket(29))
 
-    def test_repetitions_and_old_datagrams_change_nothing(self):
+    def test_repeated_and_old_datagrams_have_no_effect(self):
         agent = UdpAgent(self.port)
         batches = [agent.samples(2) for _ in range(5)]
         for batch in batches:
-            agent.lane.send(motion_frame(batch))
+            agent.udp.send(motion_frame(batch))
             newest = agent.answer()
         before = self.server.hash()
         for batch in reversed(batches):
-            agent.lane.send(motion_frame(batch))
+            agent.udp.send(motion_frame(batch))
             result = agent.answer()
             self.assertEqual(result["agent_sequence"], 11)
-            self.assertEqual(result["fx"], newest["fx"], "in place of an answer that was lost")
+            self.assertEqual(result["fx"], newest["fx"], "the result is sent again, in case it was lost")
         self.assertEqual((self.server.hash(), self.server.info()["motions"]), (before, 10))
 
-    def test_where_an_agent_begins_is_said_over_the_web_socket(self):
+    def test_first_sample_must_come_over_the_websocket(self):
         agent = Agent(self.port, "block", udp=True)
-        lane = Lane(agent.welcome["udp"])
-        lane.send(motion_frame([sample(1, 1000, (-10, 0, -2)), sample(2, 2000, (-9, 0, -2))]))
-        result = parse_result(lane.receive()[32:])
+        client = UdpClient(agent.welcome["udp"])
+        client.send(motion_frame([sample(1, 1000, (-10, 0, -2)), sample(2, 2000, (-9, 0, -2))]))
+        result = parse_result(client.receive()[32:])
         self.assertEqual((result["agent_sequence"], result["status"] & GAP), (0, GAP))
         self.assertEqual(self.server.info()["motions"], 0)
-        lane.close()
+        client.close()
 
-    def test_both_lanes_tell_one_story(self):
+    def test_samples_may_alternate_between_transports(self):
         agent = UdpAgent(self.port)
         rng = random.Random(5)
         for _ in range(40):
             batch = agent.samples(rng.randint(1, 4))
-            lanes = rng.choice([(True,), (False,), (True, False), (False, True)])
-            for udp in lanes:
+            transports = rng.choice([(True,), (False,), (True, False), (False, True)])
+            for udp in transports:
                 if udp:
-                    agent.lane.send(motion_frame(batch))
+                    agent.udp.send(motion_frame(batch))
                     self.assertEqual(agent.answer()["agent_sequence"], agent.sequence)
                 else:
                     agent.send_binary(motion_frame(batch))
@@ -238,7 +238,7 @@ class Motions(LiveTest):
 
 
 class RealAgent(LiveTest):
-    """kerf-agent itself: what it says of the lane."""
+    """Tests the messages of kerf-agent about UDP."""
 
     def run_agent(self, port, *more):
         path = os.path.join(self.folder.name, "path.csv")
@@ -252,7 +252,7 @@ class RealAgent(LiveTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(done.stdout)["link"], done.stderr
 
-    def test_carries_over_udp_where_it_is_asked_to(self):
+    def test_agent_uses_udp_on_request(self):
         link, _ = self.run_agent(self.port, "--udp")
         self.assertTrue(link["udp"]["offered"])
         self.assertGreater(link["udp"]["samples"], 0)
@@ -262,7 +262,7 @@ class RealAgent(LiveTest):
         self.assertFalse(link["udp"]["asked"])
         self.assertEqual(link["udp"]["datagrams_sent"], 0)
 
-    def test_does_without_where_there_is_none(self):
+    def test_agent_stays_on_the_websocket_without_udp(self):
         other = Server(self.folder.name + "/off", "--udp", "off")
         try:
             other.create()
@@ -275,82 +275,82 @@ class RealAgent(LiveTest):
 
 
 class Strangers(LiveTest):
-    """Who cannot seal gets no answer, changes nothing, and is counted."""
+    """Datagrams that are not authentic are counted and have no other effect."""
 
-    def test_an_agent_that_moves_is_followed_by_its_newest_datagram_only(self):
+    def test_answers_follow_the_newest_datagram(self):
         agent = UdpAgent(self.port)
-        old = agent.lane.sealed(ping(1))
+        old = agent.udp.sealed(ping(1))
         self.assertTrue(agent.is_silent())
-        stranger = Lane(agent.welcome["udp"])
-        stranger.send_raw(old)  # held back by somebody, and sent from elsewhere
-        self.assertIsNotNone(agent.lane.receive(), "the answer goes where the agent was last")
+        stranger = UdpClient(agent.welcome["udp"])
+        stranger.send_raw(old)  # delayed by an attacker and sent from another address
+        self.assertIsNotNone(agent.udp.receive(), "answers go to the source of the newest datagram")
         self.assertIsNone(stranger.receive(timeout=0.2))
-        agent.lane.move()
+        agent.udp.move()
         self.assertTrue(agent.is_silent())
-        agent.lane.send(motion_frame(agent.samples(2)))
+        agent.udp.send(motion_frame(agent.samples(2)))
         self.assertEqual(agent.answer()["agent_sequence"], 3)
         stranger.close()
 
-    def test_tampering_and_nonsense(self):
+    def test_tampered_and_malformed_datagrams(self):
         agent = UdpAgent(self.port)
         offer = agent.welcome["udp"]
         frame = motion_frame(agent.samples(1))
-        good = agent.lane.sealed(frame)
+        good = agent.udp.sealed(frame)
         wrong = [b"", b"\0", good[:16], good[:32], good[:-1], good + b"\0", good + bytes(1400)]
         for at in range(len(good)):
             wrong.append(good[:at] + bytes([good[at] ^ 1 << at % 8]) + good[at + 1:])
-        wrong.append(seal(agent.lane.key_in, offer["connection"], 50, frame))  # the other direction's
-        wrong.append(seal(agent.lane.key_out, offer["connection"] ^ 1, 51, frame))
+        wrong.append(seal(agent.udp.key_in, offer["connection"], 50, frame))  # the key of the other direction
+        wrong.append(seal(agent.udp.key_out, offer["connection"] ^ 1, 51, frame))
         rng = random.Random(1)
         for size in (1, 33, 40, 200, 1200, 1201, 1500):
             wrong.append(rng.randbytes(size))
             wrong.append((good[:16] + rng.randbytes(size))[:1472])
         before, hash_before = counters(self.server), self.server.hash()
         for datagram in wrong:
-            agent.lane.send_raw(datagram)
-        self.assertTrue(agent.is_silent(), "not a word about any of them")
+            agent.udp.send_raw(datagram)
+        self.assertTrue(agent.is_silent(), "invalid datagrams are not answered")
         after = counters(self.server)
         reasons = ("malformed", "unknown_connection", "not_authentic", "replayed")
         self.assertEqual(sum(after[r] - before[r] for r in reasons), len(wrong))
         for reason in reasons[:3]:
             self.assertGreater(after[reason], before[reason])
         self.assertEqual(self.server.hash(), hash_before)
-        # And none of it has spoilt the true one, which has waited.
-        agent.lane.send_raw(good)
+        # The authentic datagram is still accepted.
+        agent.udp.send_raw(good)
         self.assertEqual(agent.answer()["agent_sequence"], 2)
 
     def test_a_replay_is_dropped(self):
         agent = UdpAgent(self.port)
-        datagram = agent.lane.sealed(motion_frame(agent.samples(1)))
+        datagram = agent.udp.sealed(motion_frame(agent.samples(1)))
         for _ in range(20):
-            agent.lane.send_raw(datagram)
+            agent.udp.send_raw(datagram)
         self.assertEqual(agent.answer()["agent_sequence"], 2)
         self.assertTrue(agent.is_silent())
         self.assertEqual(counters(self.server)["replayed"], 19)
 
-    def test_sealed_nonsense_is_a_mistake_like_any_other(self):
+    def test_authentic_but_malformed_frame_is_an_error(self):
         agent = UdpAgent(self.port)
         for frame in (b"x", bytes(40), motion_frame(agent.samples(1))[:-8], header(77, 0)):
-            agent.lane.send(frame)
+            agent.udp.send(frame)
         self.assertTrue(agent.is_silent())
         for _ in range(3):
             self.assertEqual(agent.receive_json("error")["code"], "bad_frame")
 
-    def test_a_flood_is_bounded_and_the_others_go_on(self):
+    def test_flood_is_bounded_and_does_not_affect_others(self):
         agent, other = UdpAgent(self.port), Agent(self.port, "block", "Grace")
-        datagrams = [agent.lane.sealed(ping(n)) for n in range(4000)]
+        datagrams = [agent.udp.sealed(ping(n)) for n in range(4000)]
         for n, datagram in enumerate(datagrams):
-            agent.lane.send_raw(datagram)
-            agent.lane.send_raw(datagram)
+            agent.udp.send_raw(datagram)
+            agent.udp.send_raw(datagram)
             if n % 100 == 0:
                 other.move([(5 + 0.01 * n, 5, -1)])
                 other.result()
         while not counters(self.server)["replayed"]:
             time.sleep(0.01)
         self.assertEqual(self.server.http.json("GET", "/v1/sessions/block")[0], 200)
-        agent.lane.move()
-        while agent.lane.receive(timeout=0.05) is None:
-            agent.lane.send(ping(99))
+        agent.udp.move()
+        while agent.udp.receive(timeout=0.05) is None:
+            agent.udp.send(ping(99))
 
 
 if __name__ == "__main__":

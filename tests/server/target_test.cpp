@@ -17,7 +17,7 @@ TEST(Target, SplitsPathAndQuery) {
   EXPECT_EQ(request->query.at("flag"), "");
 }
 
-TEST(Target, RootIsEmpty) {
+TEST(Target, RootHasNoSegments) {
   EXPECT_EQ(parse_target("/")->path, Path{});
   EXPECT_EQ(parse_target("/?list")->path, Path{});
 }
@@ -26,7 +26,7 @@ TEST(Target, EncodedSlashStaysInsideItsSegment) {
   EXPECT_EQ(parse_target("/a%2Fb/c")->path, (Path{"a/b", "c"}));
 }
 
-TEST(Target, RejectsWhatIsNoPath) {
+TEST(Target, RejectsMalformedTargets) {
   for (const char* bad : {"", "x", "http://host/", "*", "/%", "/%4", "/%zz", "/a%00b", "/?a=%f"}) {
     EXPECT_FALSE(parse_target(bad)) << bad;
   }

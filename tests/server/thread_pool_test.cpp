@@ -15,7 +15,7 @@
 namespace kerf {
 namespace {
 
-TEST(ThreadPool, DoesEachJobOnce) {
+TEST(ThreadPool, RunsEachJobOnce) {
   for (const int threads : {1, 2, 7}) {
     ThreadPool pool(threads);
     EXPECT_EQ(pool.count(), threads);
@@ -41,7 +41,7 @@ TEST(ThreadPool, ManyShortRunsFollowEachOther) {
 
 TEST(ThreadPool, JobsRunAtTheSameTime) {
   ThreadPool pool(2);
-  // Each of the two waits for the other: one thread alone would stay here for ever.
+  // Each of the two jobs waits for the other: one thread alone would never finish.
   std::atomic<int> arrived = 0;
   pool.run(2, [&](int) {
     ++arrived;
@@ -50,7 +50,7 @@ TEST(ThreadPool, JobsRunAtTheSameTime) {
   EXPECT_EQ(arrived, 2);
 }
 
-TEST(ThreadPool, WhoFindsItBusyWorksAlone) {
+TEST(ThreadPool, ACallerThatFindsThePoolBusyWorksAlone) {
   ThreadPool pool(2);
   std::set<std::thread::id> inner;
   std::mutex mutex;
@@ -71,10 +71,10 @@ TEST(ThreadPool, WhoFindsItBusyWorksAlone) {
   EXPECT_EQ(inner.size(), 1u);
 }
 
-TEST(ThreadPool, WhoIsHeldUpByItsThreadsWorksAloneForAWhile) {
+TEST(ThreadPool, ADelayedCallerWorksAloneForSomeRuns) {
   ThreadPool pool(2);
-  // The other thread begins a job and does not come on with it for longer than the caller has
-  // worked, as if it had no core.
+  // The helper starts a job and blocks for longer than the caller has worked, as if it had lost its
+  // core.
   std::atomic<bool> begun = false;
   const auto start = std::chrono::steady_clock::now();
   const auto caller = std::this_thread::get_id();
@@ -91,7 +91,7 @@ TEST(ThreadPool, WhoIsHeldUpByItsThreadsWorksAloneForAWhile) {
   std::set<std::thread::id> threads;
   pool.run(8, [&](int) { threads.insert(std::this_thread::get_id()); });
   EXPECT_EQ(threads, std::set{caller});
-  // Then help is asked for again: each of two jobs waits for the other.
+  // Then helpers work again: each of two jobs waits for the other.
   std::atomic<int> arrived = 0;
   pool.run(2, [&](int) {
     ++arrived;
@@ -100,8 +100,8 @@ TEST(ThreadPool, WhoIsHeldUpByItsThreadsWorksAloneForAWhile) {
   EXPECT_EQ(arrived, 2);
 }
 
-TEST(ThreadPool, ThrowsWhatTheFirstOfItsJobsThrew) {
-  // Also where a pool has one thread, or works alone because it was held up.
+TEST(ThreadPool, ThrowsTheExceptionOfTheLowestFailedJob) {
+  // Also with a pool of one thread, and while the caller works alone after a delay.
   ThreadPool several(4), one(1);
   for (int repetition = 0; repetition < 100; ++repetition) {
     ThreadPool& pool = repetition % 2 == 0 ? several : one;
@@ -122,7 +122,7 @@ TEST(ThreadPool, ThrowsWhatTheFirstOfItsJobsThrew) {
   EXPECT_EQ(sum, 1);
 }
 
-TEST(ThreadPool, AMachineHasAThread) { EXPECT_GE(usable_threads(), 1); }
+TEST(ThreadPool, UsableThreadsIsPositive) { EXPECT_GE(usable_threads(), 1); }
 
 }  // namespace
 }  // namespace kerf

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A client of kerf-server for the tests: HTTP by the standard library, WebSocket and wire by hand.
+"""A client of kerf-server for the tests: HTTP of the standard library, its own WebSocket and wire codec.
 
-Nothing is shared with the server's own code, so a mistake in its codec cannot hide itself.
+It shares no code with the server, so that the tests detect mistakes of the server's codec.
 """
 import base64
 import http.client
@@ -51,7 +51,7 @@ class Http:
 
 
 class WebSocket:
-    opened = []  # all sockets of a test, so that none is closed by the garbage collector meanwhile
+    opened = []  # keeps the sockets of a test from being garbage-collected
 
     def __init__(self, port, path, protocol, headers=()):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
@@ -116,7 +116,7 @@ class WebSocket:
         self.send_frame(2, data)
 
     def receive(self, timeout=30):
-        """The next message: ("text", dict) or ("binary", bytes)."""
+        """Returns the next message: ("text", dict) or ("binary", bytes)."""
         self.socket.settimeout(timeout)
         while True:
             first, second = self._take(2)
@@ -137,7 +137,7 @@ class WebSocket:
                 return "binary", payload
 
     def receive_json(self, kind, timeout=30):
-        """Skips to the next JSON message of a type."""
+        """Skips to the next JSON message of a type and returns it."""
         end = time.monotonic() + timeout
         while True:
             form, message = self.receive(max(0.01, end - time.monotonic()))
@@ -145,7 +145,7 @@ class WebSocket:
                 return message
 
     def receive_binary(self, kind, timeout=30):
-        """Skips to the next binary message of a type; gives (header fields, payload)."""
+        """Skips to the next binary message of a type; returns (header fields, payload)."""
         end = time.monotonic() + timeout
         while True:
             form, message = self.receive(max(0.01, end - time.monotonic()))
@@ -204,10 +204,10 @@ class Agent(WebSocket):
 
     def result(self, sequence=None):
         """Waits for the result that answers the given sample (or the last one sent)."""
-        wanted = sequence or self.sequence
+        expected = sequence or self.sequence
         while True:
             result = parse_result(self.receive_binary(RESULT)[1])
-            if result["agent_sequence"] >= wanted:
+            if result["agent_sequence"] >= expected:
                 return result
 
 
@@ -217,12 +217,12 @@ class Viewer(WebSocket):
         self.send_json({"type": "hello", "name": name})
         self.welcome = self.receive_json("welcome")
         self.participant = self.welcome["participant"]
-        self.tiles = {}   # versions
-        self.levels = {}  # of detail
+        self.tiles = {}   # version of each tile
+        self.levels = {}  # level of detail of each tile
         self.tools = []
 
     def take(self, timeout=30):
-        """Handles the next message as a viewer does; gives its type."""
+        """Handles the next message as a viewer does; returns its type."""
         form, message = self.receive(timeout)
         if form == "text":
             self.last = message
@@ -247,7 +247,7 @@ class Viewer(WebSocket):
                 self.levels[tuple(tile)] = node["extras"].get("level", 0)
 
     def settled(self, timeout=30):
-        """Follows until the server says that everything has been sent; gives that state message."""
+        """Handles messages until the state is settled; returns that state message."""
         end = time.monotonic() + timeout
         while True:
             kind = self.take(max(0.01, end - time.monotonic()))

@@ -2,7 +2,9 @@
 #include "tests/agent/stability/test_bed.h"
 
 #include <array>
+#include <chrono>
 #include <stdexcept>
+#include <string_view>
 
 namespace kerf::agent {
 
@@ -18,11 +20,7 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
   auto created = registry_->create("bed", scene, SceneSource{});
   if (!created) throw std::runtime_error(created.error().reason);
   session_ = *created;
-  self_ =
-      session_->join({.kind = ParticipantKind::kAgent, .name = "hand", .color = "", .stock = copy})
-          .value()
-          .id;
-  if (copy) make_replica();
+  join(limits, copy);
   traffic_ = std::make_unique<Traffic>(samples_, wrenches_,
                                        TrafficOptions{.copy = copy ? &copy_ : nullptr});
   const ForceSettings& force = session_->scene().settings.force;
@@ -35,12 +33,23 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
   traffic_->begin(session_->epoch(), 0, now_us_);
 }
 
-/// Creates the replica from the fields of a welcome.
-void TestBed::make_replica() {
-  const Scene& scene = session_->scene();
-  auto source = BlockSource::read(R"({"stock":)" + stock_json(scene) + R"(,"tools":)" +
-                                  tools_json(scene) + R"(,"force":)" + force_json(scene) +
-                                  R"(,"accuracy":)" + accuracy_json(scene) + "}");
+/// Sends the hello and creates the replica from the welcome.
+void TestBed::join(const SessionLimits& limits, bool copy) {
+  conversation_ = std::make_unique<net::AgentConversation>(
+      net::AgentConversation::Setup{.session = session_,
+                                    .limits = limits,
+                                    .metrics = metrics_,
+                                    .now = [this] { return time(); },
+                                    .wake = {},
+                                    .open_udp = {}});
+  const std::string hello =
+      std::string(R"({"type":"hello","name":"hand","stock":)") + (copy ? "true}" : "false}");
+  conversation_->receive(std::as_bytes(std::span(hello)), true, time());
+  net::OutFrame welcome;
+  if (!conversation_->take(welcome)) throw std::runtime_error("the server sends no welcome");
+  if (!copy) return;
+  auto source = BlockSource::read(
+      {reinterpret_cast<const char*>(welcome.bytes.data()), welcome.bytes.size()});
   if (!source) throw std::runtime_error(source.error());
   copy_.replica.emplace(*std::move(source));
 }
@@ -59,34 +68,29 @@ void TestBed::Copy::answer(ReplicaExchange& servo, std::uint64_t now_us) {
   }
 }
 
-/// As the server: at most every 20 ms.
-void TestBed::send_stock() {
-  if (now_us_ < sent_us_ + 20'000) return;
-  const auto update = session_->stock_update(self_);
-  if (!update) return;
-  sent_us_ = now_us_;
-  std::vector<std::byte> frame;
-  wire::append(frame, {session_->epoch(), update->sequence, now_us_}, update->patch());
-  down_.send(frame, now_us_);
+void TestBed::serve(std::span<const std::byte> frame) {
+  const bool is_text = !frame.empty() && frame.front() == std::byte{'{'};
+  conversation_->receive(frame, is_text, time());
+  send_answers();
+  conversation_->refresh();
+  send_answers();
 }
 
-void TestBed::serve(std::span<const std::byte> frame) {
-  const auto message = wire::decode(frame);
-  if (!message) throw std::runtime_error("a frame of the agent is malformed");
-  std::array<std::byte, wire::kHeaderBytes + wire::kMaxResultBytes> answer;
-  std::size_t bytes = 0;
-  if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
-    newest_ = session_->move(self_, batch->view()).result;
-    bytes = wire::encode({session_->epoch(), ++results_, now_us_}, newest_, answer);
-    send_stock();
-  } else if (std::holds_alternative<wire::Ack>(message->body)) {
-    session_->ack_stock(self_, message->header.stamp.sequence).value();
-    return;
-  } else if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
-    bytes =
-        wire::encode({session_->epoch(), 1, now_us_}, wire::Pong{ping->time_us, now_us_}, answer);
+void TestBed::send_answers() {
+  net::OutFrame out;
+  while (conversation_->take(out)) {
+    if (out.is_text()) {
+      const std::string_view text(reinterpret_cast<const char*>(out.bytes.data()),
+                                  out.bytes.size());
+      if (text.contains("\"error\"")) throw std::runtime_error(std::string(text));
+      continue;  // the participants, which the link would report
+    }
+    if (out.kind == net::OutFrame::Kind::kResult) {
+      const auto message = wire::decode(out.bytes);
+      newest_ = std::get<wire::Result>(message->body);
+    }
+    down_.send(out.bytes, now_us_);
   }
-  down_.send(std::span(answer).first(bytes), now_us_);
 }
 
 void TestBed::another_cuts_to(Vec3 tip_mm) {
@@ -109,7 +113,9 @@ void TestBed::tick() {
   servo_->tick(now_us_);
   if (copy_.replica) copy_.answer(exchange_, now_us_);
   traffic_->collect();
-  traffic_->take_control();
+  if (const std::string text = traffic_->take_control(); !text.empty()) {
+    up_.send(std::as_bytes(std::span(text)), now_us_);
+  }
   std::array<std::byte, wire::kMaxClientFrameBytes> frame;
   while (const std::size_t bytes = traffic_->fill(now_us_, frame)) {
     up_.send(std::span(frame).first(bytes), now_us_);

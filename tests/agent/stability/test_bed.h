@@ -8,6 +8,7 @@
 #include "haptic_agent/link/traffic.h"
 #include "haptic_agent/replica/replica.h"
 #include "haptic_agent/servo/servo_cycle.h"
+#include "server/conversation/agent_conversation.h"
 #include "server/session/session_registry.h"
 #include "server/wire/codec.h"
 #include "tests/agent/stability/virtual_line.h"
@@ -50,16 +51,20 @@ class TestBed {
     void answer(ReplicaExchange& servo, std::uint64_t now_us);
   };
 
-  void make_replica();
+  void join(const SessionLimits& limits, bool copy);
   void serve(std::span<const std::byte> frame);
-  void send_stock();
+  void send_answers();
+  net::Clock::time_point time() const {
+    return net::Clock::time_point(std::chrono::microseconds(now_us_));
+  }
 
   test::TemporaryFolder folder_;
   std::shared_ptr<test::ManualExecutor> executor_ = std::make_shared<test::ManualExecutor>();
   test::ManualExecutor workers_;
   std::optional<SessionRegistry> registry_;
   std::shared_ptr<Session> session_;
-  ParticipantId self_ = 0, another_ = 0;
+  net::Metrics metrics_;
+  ParticipantId another_ = 0;
   std::uint64_t another_sequence_ = 0;
   SampleRing samples_;
   LatestValue<ServerWrench> wrenches_;
@@ -70,7 +75,7 @@ class TestBed {
   VirtualLine up_, down_;
   std::unique_ptr<ServoCycle> servo_;
   wire::Result newest_;
-  std::uint64_t results_ = 0, sent_us_ = 0;
+  std::unique_ptr<net::AgentConversation> conversation_;
   std::uint64_t now_us_ = 2'000'000;
 };
 

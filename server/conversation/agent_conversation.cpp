@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/conversation/agent_conversation.h"
+
+#include <string>
+#include <utility>
+
+namespace kerf::net {
+
+AgentConversation::AgentConversation(Setup setup)
+    : Conversation(std::move(setup.session), setup.metrics, std::move(setup.now),
+                   std::move(setup.wake)),
+      limits_(setup.limits),
+      open_udp_(std::move(setup.open_udp)) {
+  listener_ = session().listen([this](const SessionEvent& event) { on_event(event); });
+}
+
+AgentConversation::~AgentConversation() { end(); }
+
+void AgentConversation::end() {
+  if (listener_ == 0) return;
+  session().unlisten(std::exchange(listener_, 0));
+  if (self_) session().leave(self_->id);
+}
+
+void AgentConversation::on_event(const SessionEvent& event) {
+  if (finishing() || broken()) return;
+  if (!event.closing.empty()) {
+    say(bye_message(event.closing));
+    finish();
+  } else if (self_) {
+    say(participants_message(session().participants()));
+  }
+  wake();
+}
+
+void AgentConversation::on_hello(const HelloMessage& hello) {
+  const JoinRequest request{
+      ParticipantKind::kAgent, hello.name, hello.color, hello.tool, hello.feel,
+      hello.feel_of,           hello.stock};
+  const auto joined = session().join(request);
+  if (!joined) {
+    const bool fatal = joined.error().code == wire::ErrorCode::kBusy;
+    reject(joined.error(), fatal);
+    if (fatal) finish();
+    return;
+  }
+  self_ = *joined;
+  std::optional<datagram::Offer> offer;
+  if (hello.udp && open_udp_) offer = open_udp_();
+  has_udp_ = offer.has_value();
+  say(agent_welcome(session(), *self_, limits_, offer ? &*offer : nullptr));
+  say(participants_message(session().participants()));
+}
+
+void AgentConversation::on_control(const ControlMessage& message) {
+  if (std::holds_alternative<StockMessage>(message)) return session().reset_stock(self_->id);
+  const auto* tool = std::get_if<ToolMessage>(&message);
+  if (tool == nullptr) {
+    return reject({wire::ErrorCode::kBadMessage, "agents may not send 'look' messages"});
+  }
+  const auto chosen = session().choose_tool(self_->id, tool->tool);
+  if (!chosen) reject(chosen.error());
+}
+
+void AgentConversation::on_message(const wire::Message& message, Clock::time_point arrived) {
+  if (const auto* batch = std::get_if<wire::MotionBatch>(&message.body)) {
+    if (!self_) return reject_without_hello();
+    const MotionAnswer answer = apply(*batch, arrived);
+    out_.put_result(stamp(++results_), answer.result, arrived);
+    if (answer.felt) out_.put_felt(stamp(++felts_), *answer.felt);
+    return;
+  }
+  if (std::holds_alternative<wire::Ack>(message.body)) {
+    if (!self_) return reject_without_hello();
+    const auto taken = session().ack_stock(self_->id, message.header.stamp.sequence);
+    if (!taken) reject(taken.error());
+    return;
+  }
+  reject_frame_type(message, "agents");
+}
+
+MotionAnswer AgentConversation::apply(const wire::MotionBatch& batch, Clock::time_point arrived) {
+  auto answer = session().move(self_->id, batch.view());
+  for (const Rejection& rejection : answer.rejections) reject(rejection);
+  answer.result.turnaround_us = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::microseconds>(now_() - arrived).count());
+  gate_.applied(answer.result.agent_sequence);
+  last_answer_ = answer.result;
+  stock_due_ = true;
+  return answer;
+}
+
+void AgentConversation::refresh() {
+  if (!std::exchange(stock_due_, false) || finishing() || broken() || out_.has_stock()) return;
+  const auto now = now_();
+  if (now < next_stock_) return;
+  next_stock_ = now + kStockInterval;
+  if (const auto update = session().stock_update(self_->id)) {
+    out_.put_stock(stamp(update->sequence), update->patch());
+  }
+}
+
+void AgentConversation::receive_datagram(std::span<const std::byte> frame,
+                                         Clock::time_point arrived) {
+  datagrams_queued_ = datagrams_taken_ = 0;
+  if (!has_udp_ || finishing() || broken()) return;
+  const auto message = wire::decode(frame, wire::kMaxClientFrameBytes);
+  if (!message) {
+    return reject(
+        {wire::protocol_error(message.error().code), std::string(message.error().reason)});
+  }
+  if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
+    queue_datagram(++pongs_, wire::Pong{ping->time_us, to_us(now_())});
+  } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
+    on_datagram_motion(*batch, arrived);
+  }
+}
+
+/// Samples behind a gap are not applied. The previous answer is repeated instead, so that the agent
+/// knows from where on to send again.
+void AgentConversation::on_datagram_motion(const wire::MotionBatch& batch,
+                                           Clock::time_point arrived) {
+  const Arrival arrival = gate_.judge(batch);
+  if (arrival == Arrival::kNew) {
+    const MotionAnswer answer = apply(batch, arrived);
+    if (answer.felt) queue_datagram(++felts_, wire::ToolStates{{*answer.felt}});
+    return queue_datagram(++results_, answer.result, arrived);
+  }
+  wire::Result repeated = last_answer_;
+  if (arrival == Arrival::kGap) {
+    metrics_.motion_gap();
+    repeated.status |= wire::kStatusGap;
+  }
+  queue_datagram(++results_, repeated);
+}
+
+template <typename Body>
+void AgentConversation::queue_datagram(std::uint64_t sequence, const Body& body,
+                                       std::optional<Clock::time_point> arrived) {
+  OutDatagram& datagram = datagrams_.at(datagrams_queued_++);
+  datagram.size = wire::encode(stamp(sequence), body, datagram.bytes);
+  datagram.arrived = arrived;
+}
+
+const OutDatagram* AgentConversation::take_datagram() {
+  if (datagrams_taken_ == datagrams_queued_) return nullptr;
+  return &datagrams_.at(datagrams_taken_++);
+}
+
+void AgentConversation::sent(const OutFrame& frame) {
+  if (frame.kind != OutFrame::Kind::kResult) return;
+  metrics_.motion_answered(std::chrono::duration<double>(now_() - frame.arrived).count());
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "server/conversation/agent_outbox.h"
+#include "server/conversation/conversation.h"
+#include "server/conversation/sample_gate.h"
+#include "server/datagram/key.h"
+#include "server/datagram/layout.h"
+
+namespace kerf::net {
+
+/// A frame to send to the agent over UDP, before it is sealed.
+struct OutDatagram {
+  std::array<std::byte, datagram::kMaxFrameBytes> bytes;
+  std::size_t size = 0;
+  std::optional<Clock::time_point> arrived;  ///< of the motion that it answers, if it is an answer
+
+  std::span<const std::byte> frame() const { return std::span(bytes).first(size); }
+};
+
+/// The server's side of one agent's protocol, over its WebSocket and, if the agent has asked for
+/// it, over UDP. Belongs to the session's executor: motions are cut and answered inside receive()
+/// and receive_datagram().
+class AgentConversation final : public Conversation {
+ public:
+  /// The replica of the block that an agent keeps is updated at most this often.
+  static constexpr std::chrono::milliseconds kStockInterval{20};
+
+  struct Setup {
+    std::shared_ptr<Session> session;
+    const SessionLimits& limits;  ///< for the welcome
+    Metrics& metrics;
+    Now now = Clock::now;
+    /// Called when frames are queued that no received frame has caused.
+    std::function<void()> wake;
+    /// Opens a UDP connection for this agent; nothing if none is available.
+    std::function<std::optional<datagram::Offer>()> open_udp;
+  };
+
+  explicit AgentConversation(Setup setup);
+  ~AgentConversation() override;
+
+  /// Handles one frame that has come over the UDP connection. Call refresh() afterwards.
+  void receive_datagram(std::span<const std::byte> frame, Clock::time_point arrived);
+  /// The next datagram to send, valid until the next call of a receive function; null if there is
+  /// none.
+  const OutDatagram* take_datagram();
+
+  void refresh() override;
+  bool take(OutFrame& out) override { return out_.take(out); }
+  void sent(const OutFrame& frame) override;
+  void end() override;
+
+ private:
+  void on_hello(const HelloMessage& hello) override;
+  void on_control(const ControlMessage& message) override;
+  void on_message(const wire::Message& message, Clock::time_point arrived) override;
+  bool queue_text(std::string_view text) override { return out_.put_text(text); }
+  void queue_pong(const wire::FrameStamp& stamp, const wire::Pong& pong) override {
+    out_.put_pong(stamp, pong);
+  }
+  void discard_updates() override { out_.close(); }
+
+  void on_event(const SessionEvent& event);
+  MotionAnswer apply(const wire::MotionBatch& batch, Clock::time_point arrived);
+  void on_datagram_motion(const wire::MotionBatch& batch, Clock::time_point arrived);
+  template <typename Body>
+  void queue_datagram(std::uint64_t sequence, const Body& body,
+                      std::optional<Clock::time_point> arrived = std::nullopt);
+
+  SessionLimits limits_;
+  std::function<std::optional<datagram::Offer>()> open_udp_;
+  int listener_ = 0;
+  AgentOutbox out_;
+  std::uint64_t felts_ = 0, results_ = 0;
+
+  bool stock_due_ = false;  ///< samples have been applied since the replica was last updated
+  Clock::time_point next_stock_;
+
+  bool has_udp_ = false;
+  SampleGate gate_;
+  wire::Result last_answer_;
+  std::array<OutDatagram, 2> datagrams_;  ///< an answer has at most two: force of another, result
+  std::size_t datagrams_queued_ = 0, datagrams_taken_ = 0;
+};
+
+}  // namespace kerf::net

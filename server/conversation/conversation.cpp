@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/conversation/conversation.h"
+
+#include <string>
+#include <utility>
+
+namespace kerf::net {
+
+Conversation::Conversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
+                           std::function<void()> wake)
+    : metrics_(metrics),
+      now_(std::move(now)),
+      session_(std::move(session)),
+      wake_(std::move(wake)) {}
+
+void Conversation::receive(std::span<const std::byte> frame, bool is_text,
+                           Clock::time_point arrived) {
+  if (finishing_ || broken_) return;
+  if (frame.size() > wire::kMaxClientFrameBytes) {
+    return reject({wire::ErrorCode::kTooLarge, "the frame has " + std::to_string(frame.size()) +
+                                                   " bytes; the limit is " +
+                                                   std::to_string(wire::kMaxClientFrameBytes)});
+  }
+  if (is_text) return receive_text({reinterpret_cast<const char*>(frame.data()), frame.size()});
+  receive_binary(frame, arrived);
+}
+
+void Conversation::receive_text(std::string_view text) {
+  const auto message = parse_control(text);
+  if (!message) return reject(message.error());
+  if (const auto* hello = std::get_if<HelloMessage>(&*message)) {
+    if (self_) return reject({wire::ErrorCode::kBadMessage, "hello may be sent only once"});
+    return on_hello(*hello);
+  }
+  if (!self_) return reject_without_hello();
+  on_control(*message);
+}
+
+void Conversation::receive_binary(std::span<const std::byte> frame, Clock::time_point arrived) {
+  const auto message = wire::decode(frame, wire::kMaxClientFrameBytes);
+  if (!message) {
+    return reject({wire::protocol_error(message.error().code),
+                   std::string(message.error().reason) + " (byte " +
+                       std::to_string(message.error().offset) + " of the frame)"});
+  }
+  if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
+    return queue_pong(stamp(++pongs_), {ping->time_us, to_us(now_())});
+  }
+  const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||
+                       std::holds_alternative<wire::Pong>(message->body);
+  if (!skipped) on_message(*message, arrived);
+}
+
+void Conversation::hello_expired() {
+  if (self_ || finishing_ || broken_) return;
+  reject({wire::ErrorCode::kNoHello, "no hello within 5 s"}, true);
+  finish();
+}
+
+void Conversation::reject(const Rejection& rejection, bool fatal) {
+  metrics_.rejected(wire::to_string(rejection.code));
+  if (fatal || errors_.allow(now_())) say(error_message(rejection, fatal));
+}
+
+void Conversation::reject_without_hello() {
+  reject({wire::ErrorCode::kNoHello, "the first message must be a hello"});
+}
+
+void Conversation::reject_frame_type(const wire::Message& message, std::string_view kind) {
+  const auto type = std::to_string(static_cast<unsigned>(message.header.type));
+  reject(
+      {wire::ErrorCode::kBadMessage, std::string(kind) + " may not send frames of type " + type});
+}
+
+void Conversation::say(std::string_view text) {
+  if (!broken_ && !queue_text(text)) broken_ = true;
+}
+
+void Conversation::finish() {
+  finishing_ = true;
+  discard_updates();
+}
+
+}  // namespace kerf::net

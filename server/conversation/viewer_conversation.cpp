@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/conversation/viewer_conversation.h"
+
+#include <utility>
+
+namespace kerf::net {
+
+ViewerConversation::ViewerConversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
+                                       std::function<void()> wake)
+    : Conversation(std::move(session), metrics, std::move(now), std::move(wake)) {}
+
+std::optional<ViewerAction> ViewerConversation::take_action() {
+  if (actions_.empty()) return std::nullopt;
+  ViewerAction action = std::move(actions_.front());
+  actions_.pop_front();
+  return action;
+}
+
+void ViewerConversation::on_hello(const HelloMessage& hello) {
+  actions_.emplace_back(JoinRequest{ParticipantKind::kViewer, hello.name, hello.color, 0, false});
+}
+
+void ViewerConversation::joined(const std::expected<Participant, Rejection>& self,
+                                const std::vector<Participant>& participants) {
+  if (self) {
+    self_ = *self;
+    say(viewer_welcome(session(), *self_, participants));
+  } else {
+    const bool fatal = self.error().code == wire::ErrorCode::kBusy;
+    reject(self.error(), fatal);
+    if (fatal) finish();
+  }
+  wake();
+}
+
+void ViewerConversation::on_control(const ControlMessage& message) {
+  const auto* look = std::get_if<LookMessage>(&message);
+  if (look == nullptr) {
+    return reject({wire::ErrorCode::kBadMessage, "viewers may send only 'hello' and 'look'"});
+  }
+  if (!looks_.allow(now_())) {
+    return reject({wire::ErrorCode::kTooFast, "'look' is limited to 5 per second"});
+  }
+  actions_.emplace_back(look->look);
+}
+
+void ViewerConversation::on_message(const wire::Message& message, Clock::time_point) {
+  if (!std::holds_alternative<wire::Ack>(message.body))
+    return reject_frame_type(message, "viewers");
+  if (!self_) return reject_without_hello();
+  actions_.emplace_back(MeshAck{message.header.stamp.sequence});
+}
+
+void ViewerConversation::send_tools(SharedBytes frame) {
+  out_.put_tools(std::move(frame));
+  wake();
+}
+
+void ViewerConversation::send_mesh(FeedFrame frame) {
+  out_.put_mesh(std::move(frame));
+  wake();
+}
+
+void ViewerConversation::send_state(const SurfaceState& state) {
+  const bool same = sent_state_ && sent_state_->sequence == state.sequence &&
+                    sent_state_->hash == state.hash && sent_state_->settled == state.settled;
+  const auto now = now_();
+  if (same || (!state.settled && now - state_sent_at_ < kStateInterval)) return;
+  sent_state_ = state;
+  state_sent_at_ = now;
+  out_.put_state(state_message(state.motions, state.removed_mm3, state.hash, state.settled));
+  wake();
+}
+
+void ViewerConversation::send_participants(const std::string& message) {
+  say(message);
+  wake();
+}
+
+void ViewerConversation::reject_ack() {
+  if (finishing()) return;
+  reject({wire::ErrorCode::kBadSequence, "ack of a mesh frame that was never sent"});
+  wake();
+}
+
+void ViewerConversation::close(const std::string& reason) {
+  if (finishing()) return;
+  say(bye_message(reason));
+  finish();
+  wake();
+}
+
+bool ViewerConversation::take(OutFrame& out) {
+  if (!out_.take({session().epoch(), 0, to_us(now_())}, out)) return false;
+  if (out.kind == OutFrame::Kind::kMesh) metrics_.mesh_sent(out.shared->size());
+  return true;
+}
+
+}  // namespace kerf::net

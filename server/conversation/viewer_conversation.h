@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "server/conversation/conversation.h"
+#include "server/conversation/viewer_outbox.h"
+#include "server/feed/tile_detail.h"
+
+namespace kerf::net {
+
+/// The surface that a viewer displays, as reported by the state message.
+struct SurfaceState {
+  std::uint64_t sequence = 0;  ///< of the last record of the session
+  std::uint64_t motions = 0;
+  double removed_mm3 = 0;
+  std::uint64_t hash = 0;
+  bool settled = false;  ///< every mesh frame of the state with this hash has been sent
+};
+
+/// The viewer has applied every mesh frame up to this one.
+struct MeshAck {
+  std::uint64_t sequence = 0;
+};
+
+/// What a viewer's owner must do elsewhere: join the session on the session's executor and pass the
+/// result to joined(), forward a view or an ack to the TileFeed.
+using ViewerAction = std::variant<JoinRequest, ViewerLook, MeshAck>;
+
+/// The server's side of one viewer's protocol. It lives on the viewers' thread, not on the
+/// session's executor, so a hello becomes an action and the answer waits for joined().
+class ViewerConversation final : public Conversation {
+ public:
+  /// A look message may make the server mesh the block again; a viewer sends one when its camera
+  /// has come to rest.
+  static constexpr double kLooksPerS = 5;
+  static constexpr double kLooksBurst = 20;
+  /// The state message is sent at most this often, except when it says that the surface has
+  /// settled.
+  static constexpr std::chrono::milliseconds kStateInterval{250};
+
+  ViewerConversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
+                     std::function<void()> wake);
+
+  /// The next action, in the order of the frames that caused them; nothing if there is none. Until
+  /// the result of a JoinRequest is known, no further frame may be passed to receive().
+  std::optional<ViewerAction> take_action();
+  bool has_action() const override { return !actions_.empty(); }
+  /// The result of a JoinRequest, with the participants of the session at that moment.
+  void joined(const std::expected<Participant, Rejection>& self,
+              const std::vector<Participant>& participants);
+  /// 0 before the viewer has joined.
+  ParticipantId id() const { return self_ ? self_->id : 0; }
+
+  void send_tools(SharedBytes frame);  ///< replaces one that has not left
+  void send_mesh(FeedFrame frame);
+  void send_state(const SurfaceState& state);  ///< leaves after the mesh frames before it
+  void send_participants(const std::string& message);
+  /// The viewer has acknowledged a frame that was never sent.
+  void reject_ack();
+  /// The session ends: sends bye and finishes.
+  void close(const std::string& reason);
+
+  bool take(OutFrame& out) override;
+  void end() override {}
+
+ private:
+  void on_hello(const HelloMessage& hello) override;
+  void on_control(const ControlMessage& message) override;
+  void on_message(const wire::Message& message, Clock::time_point arrived) override;
+  bool queue_text(std::string_view text) override { return out_.put_text(text); }
+  void queue_pong(const wire::FrameStamp& stamp, const wire::Pong& pong) override {
+    out_.put_pong(stamp, pong);
+  }
+  void discard_updates() override { out_.close(); }
+
+  RateLimit looks_{kLooksPerS, kLooksBurst};
+  ViewerOutbox out_;
+  std::deque<ViewerAction> actions_;
+  std::optional<SurfaceState> sent_state_;
+  Clock::time_point state_sent_at_;
+};
+
+}  // namespace kerf::net

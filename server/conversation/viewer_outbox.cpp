@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/conversation/viewer_outbox.h"
+
+#include <utility>
+
+namespace kerf::net {
+
+void ViewerOutbox::close() {
+  closed_ = true;
+  tools_.reset();
+  mesh_.clear();
+  state_.clear();
+}
+
+bool ViewerOutbox::take(const wire::FrameStamp& stamp, OutFrame& out) {
+  out.shared.reset();
+  if (control_.take(out)) return true;
+  if (tools_) {
+    out = {.kind = OutFrame::Kind::kTools, .shared = std::exchange(tools_, nullptr)};
+    return true;
+  }
+  if (!mesh_.empty()) {
+    FeedFrame mesh = std::move(mesh_.front());
+    mesh_.pop_front();
+    const auto header = wire::mesh_header({stamp.epoch, mesh.sequence, stamp.time_us}, mesh.flags,
+                                          mesh.glb->size());
+    out = {.kind = OutFrame::Kind::kMesh,
+           .bytes = {header.begin(), header.end()},
+           .shared = std::move(mesh.glb)};
+    return true;
+  }
+  if (state_.empty()) return false;
+  const auto bytes = std::as_bytes(std::span(state_));
+  out = {.kind = OutFrame::Kind::kState, .bytes = {bytes.begin(), bytes.end()}};
+  state_.clear();
+  return true;
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <string>
+
+#include "server/conversation/control_queue.h"
+#include "server/feed/tile_feed.h"
+
+namespace kerf::net {
+
+/// Frames that wait to leave for one viewer, in order of priority: control messages, tool poses,
+/// mesh frames, the state message. Newer tool poses and a newer state replace older ones that have
+/// not left; mesh frames keep their order (TileFeed bounds their number).
+class ViewerOutbox {
+ public:
+  /// Returns false if the viewer reads so little that the control queue is full.
+  bool put_text(std::string_view text) { return closed_ || control_.put_text(text); }
+  void put_pong(const wire::FrameStamp& stamp, const wire::Pong& pong) {
+    if (!closed_) control_.put_pong(stamp, pong);
+  }
+  void put_tools(SharedBytes frame) {
+    if (!closed_) tools_ = std::move(frame);
+  }
+  void put_mesh(FeedFrame frame) {
+    if (!closed_) mesh_.push_back(std::move(frame));
+  }
+  void put_state(std::string text) {
+    if (!closed_) state_ = std::move(text);
+  }
+
+  /// Discards everything but the control messages and ignores what is put in afterwards.
+  void close();
+  /// Takes the next frame to send; returns false if there is none. `stamp` supplies epoch and time
+  /// of a mesh frame, whose header is written when it leaves.
+  bool take(const wire::FrameStamp& stamp, OutFrame& out);
+
+ private:
+  ControlQueue control_;
+  SharedBytes tools_;
+  std::deque<FeedFrame> mesh_;
+  std::string state_;
+  bool closed_ = false;
+};
+
+}  // namespace kerf::net

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The routes that create, list, describe and close sessions.
+#include <nlohmann/json.hpp>
+
+#include "server/http/api.h"
+#include "server/session/hash_text.h"
+#include "server/threads/run_and_wait.h"
+
+namespace kerf::net {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json info_json(const Session& session, const SessionInfo& info, const StateHash& hash) {
+  Json participants = Json::array();
+  for (const Participant& participant : info.participants) {
+    participants.push_back({{"participant", participant.id},
+                            {"name", participant.name},
+                            {"color", participant.color},
+                            {"kind", to_string(participant.kind)},
+                            {"tool", participant.tool}});
+  }
+  return {{"id", info.id},
+          {"name", session.scene().name},
+          {"url", "/v1/sessions/" + info.id},
+          {"epoch", info.epoch},
+          {"state_hash", hash_text(hash.hash)},
+          {"state_sequence", hash.sequence},
+          {"motions", info.motions},
+          {"sub_motions", info.sub_motions},
+          {"stock_volume_mm3", info.stock_mm3},
+          {"removed_volume_mm3", info.removed_mm3},
+          {"journal_lag", info.journal_lag},
+          {"pitch_mm", session.scene().settings.pitch_mm},
+          {"accuracy", Json::parse(accuracy_json(session.scene()))},
+          {"stock", Json::parse(stock_json(session.scene()))},
+          {"tools", Json::parse(tools_json(session.scene()))},
+          {"participants", participants}};
+}
+
+unsigned http_status(RegistryErrorCode code) {
+  switch (code) {
+    case RegistryErrorCode::kBadId:
+    case RegistryErrorCode::kBadScene:
+      return 400;
+    case RegistryErrorCode::kExists:
+      return 409;
+    case RegistryErrorCode::kUnknown:
+      return 404;
+    case RegistryErrorCode::kTooMany:
+      return 503;
+    case RegistryErrorCode::kJournal:
+      return 500;
+  }
+  return 500;
+}
+
+ApiResponse registry_failure(const RegistryError& error) {
+  return error_response(http_status(error.code), to_string(error.code), error.reason, error.path);
+}
+
+}  // namespace
+
+ApiResponse Api::list_sessions(const ApiCall&) {
+  Json list = Json::array();
+  for (const auto& session : registry_.list()) {
+    const auto info = run_and_wait(session->executor(), [&] { return session->info(); });
+    list.push_back({{"id", info.id},
+                    {"name", session->scene().name},
+                    {"url", "/v1/sessions/" + info.id},
+                    {"motions", info.motions},
+                    {"removed_volume_mm3", info.removed_mm3},
+                    {"participants", info.participants.size()}});
+  }
+  return json_response(200, text({{"sessions", list}}));
+}
+
+ApiResponse Api::create_session(const ApiCall& call) {
+  std::string id;
+  if (const std::string* given = call.request.query_value("id")) {
+    id = *given;
+    if (!is_session_id(id)) {
+      return error_response(400, "bad_id",
+                            "id must be 1 to 64 characters, each one of a-z, 0-9, - and _");
+    }
+  }
+  // A scene from the network must not read the server's files: it has no base folder and may name
+  // uploaded files only.
+  SceneSource source;
+  source.files = uploads_named_in(call.request.body);
+  const auto created = registry_.create(id, call.request.body, source);
+  if (!created) return registry_failure(created.error());
+  const std::string url = "/v1/sessions/" + (*created)->id();
+  Json json = {{"id", (*created)->id()}, {"url", url}};
+  const Scene& scene = (*created)->scene();
+  if (scene.accuracy) json["accuracy"] = Json::parse(accuracy_json(scene));
+  auto response = json_response(201, text(json));
+  response.headers.emplace_back("Location", url);
+  return response;
+}
+
+ApiResponse Api::close_session(const ApiCall& call) {
+  const std::string* value = call.request.query_value("purge");
+  const bool purge = value != nullptr && *value == "1";
+  if (auto ok = registry_.close(call.session->id(), purge); !ok) {
+    return registry_failure(ok.error());
+  }
+  return json_response(200, text({{"closed", call.session->id()}, {"purged", purge}}));
+}
+
+ApiResponse Api::session_info(const ApiCall& call) {
+  Session& session = *call.session;
+  // The hash is read first: while nothing is being cut, both belong to the same state.
+  const StateHash hash = current_solid(session).hash;
+  const auto info = run_and_wait(session.executor(), [&] { return session.info(); });
+  return json_response(200, text(info_json(session, info, hash)));
+}
+
+}  // namespace kerf::net

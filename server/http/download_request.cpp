@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/download_request.h"
+
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "server/http/number.h"
+
+namespace kerf::net {
+namespace {
+
+constexpr DownloadKind kMotionDownloads[] = {{"program.ngc", "text/plain", ".ngc"},
+                                             {"program.apt", "text/plain", ".apt"},
+                                             {"forces.csv", "text/csv", ".csv"},
+                                             {"journal", "application/vnd.sqlite3", ".kerf"}};
+constexpr std::string_view kModel = "model.";
+
+std::unexpected<DownloadError> bad_request(const char* code, std::string reason) {
+  return std::unexpected(DownloadError{400, code, std::move(reason)});
+}
+
+std::expected<void, DownloadError> read_model(const ApiRequest& request,
+                                              DownloadRequest& download) {
+  const ModelFormat format = *download.model;
+  download.encoding = model_encodings(format).front();
+  if (const std::string* name = request.query_value("encoding")) {
+    const auto encoding = model_encoding(format, *name);
+    if (!encoding) {
+      std::string known;
+      for (const ModelEncoding one : model_encodings(format)) {
+        known += (known.empty() ? "" : ", ") + std::string(to_string(one));
+      }
+      return bad_request("bad_encoding", "encoding must be one of: " + known);
+    }
+    if (*encoding != download.encoding) download.suffix += '-' + *name;
+    download.encoding = *encoding;
+  }
+  if (const std::string* text = request.query_value("triangles")) {
+    download.simplify.triangles = parse_number<std::uint64_t>(*text);
+    if (download.simplify.triangles.value_or(0) == 0) {
+      return bad_request("bad_triangles", "triangles must be an integer > 0");
+    }
+    download.suffix += '-' + *text + "-triangles";
+  }
+  if (const std::string* text = request.query_value("error_mm")) {
+    download.simplify.error_mm = parse_number<double>(*text);
+    const double bound = download.simplify.error_mm.value_or(0);
+    if (!(bound > 0) || !std::isfinite(bound)) {
+      return bad_request("bad_error_mm", "error_mm must be a number > 0");
+    }
+    download.suffix += '-' + *text + "mm";
+  }
+  return {};
+}
+
+std::expected<void, DownloadError> read_program(const ApiRequest& request,
+                                                DownloadRequest& download) {
+  ProgramRequest& program = download.program;
+  if (std::string_view(download.kind.name) == "program.apt") program.format = ProgramFormat::kApt;
+  if (const std::string* id = request.query_value("participant")) {
+    program.only = parse_number<ParticipantId>(*id);
+    if (!program.only) {
+      return bad_request("bad_participant", "participant must be a participant number");
+    }
+    download.suffix += "-p" + *id;
+  }
+  const auto record = [&](const char* name, std::uint64_t& value) {
+    const std::string* text = request.query_value(name);
+    if (text == nullptr) return true;
+    const auto given = parse_number<std::uint64_t>(*text);
+    value = given.value_or(0);
+    download.suffix += std::string("-") + name + *text;
+    return given.has_value();
+  };
+  if (!record("from", program.first) || !record("to", program.last)) {
+    return bad_request("bad_span", "from and to must be journal record numbers");
+  }
+  if (const std::string* text = request.query_value("tolerance_mm")) {
+    program.tolerance_mm = parse_number<double>(*text).value_or(-1);
+    if (!(program.tolerance_mm >= 0) || !std::isfinite(program.tolerance_mm)) {
+      return bad_request("bad_tolerance_mm", "tolerance_mm must be a number >= 0");
+    }
+    download.suffix += '-' + *text + "mm";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::expected<DownloadRequest, DownloadError> read_download_request(const ApiRequest& request) {
+  const std::string& name = request.path[3];
+  for (const DownloadKind& kind : kMotionDownloads) {
+    if (name != kind.name) continue;
+    DownloadRequest download;
+    download.kind = kind;
+    if (auto read = read_program(request, download); !read) return std::unexpected(read.error());
+    return download;
+  }
+  if (name.starts_with(kModel)) {
+    if (const auto format = model_format(name.substr(kModel.size()))) {
+      const char* extension = name.c_str() + kModel.size() - 1;
+      DownloadRequest download;
+      download.kind = {name.c_str(), media_type(*format), extension};
+      download.model = format;
+      if (auto read = read_model(request, download); !read) return std::unexpected(read.error());
+      return download;
+    }
+  }
+  return std::unexpected(DownloadError{404, "not_found", "there is no download " + name});
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/routes.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace kerf::net {
+namespace {
+
+constexpr std::size_t kSceneBytesMax = std::size_t{1} << 20;
+constexpr std::size_t kFileBytesMax = std::size_t{64} << 20;  ///< programs and meshes
+/// A body of a request that no route accepts, read before the error is sent: many clients do not
+/// read a response while they send.
+constexpr std::size_t kRejectedBytesMax = std::size_t{1} << 20;
+
+/// The next segment of a pattern, which is removed from it.
+std::string_view take_segment(std::string_view& pattern) {
+  pattern.remove_prefix(1);  // "/"
+  const auto segment = pattern.substr(0, pattern.find('/'));
+  pattern.remove_prefix(segment.size());
+  return segment;
+}
+
+/// The text that the segment's "{name}" captures, empty if it has none; nothing if `text` differs.
+std::optional<std::string_view> match_segment(std::string_view segment, std::string_view text) {
+  const auto brace = segment.find('{');
+  if (brace == segment.npos) {
+    return segment == text ? std::optional<std::string_view>("") : std::nullopt;
+  }
+  if (!text.starts_with(segment.substr(0, brace))) return std::nullopt;
+  return text.substr(brace);
+}
+
+std::optional<std::string> match_pattern(std::string_view pattern,
+                                         const std::vector<std::string>& path) {
+  std::string captured;
+  for (const std::string& text : path) {
+    if (pattern.empty()) return std::nullopt;
+    const auto segment = take_segment(pattern);
+    if (segment.ends_with("...}")) {
+      return path.front() == "v1" ? std::nullopt : std::optional(captured);
+    }
+    const auto capture = match_segment(segment, text);
+    if (!capture) return std::nullopt;
+    if (!capture->empty()) captured = *capture;
+  }
+  if (!pattern.empty() && !pattern.ends_with("...}")) return std::nullopt;
+  return captured;
+}
+
+bool lists(std::string_view methods, std::string_view method) {
+  while (!methods.empty()) {
+    const auto one = methods.substr(0, methods.find(','));
+    if (one == method) return true;
+    methods.remove_prefix(std::min(one.size() + 2, methods.size()));
+  }
+  return false;
+}
+
+constexpr Route kRoutes[] = {
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions",
+     .handler = &Api::list_sessions,
+     .summary = "200, the open sessions"},
+    {.methods = "POST",
+     .pattern = "/v1/sessions",
+     .query = "id",
+     .handler = &Api::create_session,
+     .body_bytes_max = kSceneBytesMax,
+     .is_long = true,
+     .summary = "creates a session from a scene; 201 `{id, url, accuracy}`"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}",
+     .handler = &Api::session_info,
+     .summary = "200, state hash, motions, volumes, participants, tools, stock"},
+    {.methods = "DELETE",
+     .pattern = "/v1/sessions/{id}",
+     .query = "purge",
+     .handler = &Api::close_session,
+     .summary = "closes the session; `purge=1` deletes its journal"},
+    {.methods = "GET",
+     .pattern = "/v1/sessions/{id}/agent",
+     .upgrade = Upgrade::kAgent,
+     .summary = "WebSocket of an agent, `kerf.agent.v1`"},
+    {.methods = "GET",
+     .pattern = "/v1/sessions/{id}/view",
+     .upgrade = Upgrade::kViewer,
+     .summary = "WebSocket of a viewer, `kerf.view.v1`"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/programs",
+     .handler = &Api::list_programs,
+     .summary = "200, status of all programs"},
+    {.methods = "POST",
+     .pattern = "/v1/sessions/{id}/programs",
+     .query = "pace, name, rate",
+     .handler = &Api::start_program,
+     .body_bytes_max = kFileBytesMax,
+     .is_long = true,
+     .summary = "carves an NC program; 202 with its status"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/programs/{n}",
+     .handler = &Api::program_status,
+     .summary = "200, progress, state, error"},
+    {.methods = "DELETE",
+     .pattern = "/v1/sessions/{id}/programs/{n}",
+     .handler = &Api::cancel_program,
+     .summary = "cancels the program; 200 with its status"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/model.{format}",
+     .query = "encoding, triangles, error_mm",
+     .handler = &Api::download,
+     .is_long = true,
+     .summary = "the surface as `stl`, `glb`, `3mf`, `ply`, `obj`"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/program.ngc",
+     .query = "participant, from, to, tolerance_mm",
+     .handler = &Api::download,
+     .is_long = true,
+     .summary = "the motions as G-code"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/program.apt",
+     .query = "participant, from, to, tolerance_mm",
+     .handler = &Api::download,
+     .is_long = true,
+     .summary = "the motions as APT"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/forces.csv",
+     .query = "participant",
+     .handler = &Api::download,
+     .is_long = true,
+     .summary = "force and torque of every motion"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/journal",
+     .handler = &Api::download,
+     .is_long = true,
+     .summary = "the journal, an SQLite database"},
+    {.methods = "GET, HEAD",
+     .pattern = "/v1/sessions/{id}/exports",
+     .handler = &Api::list_exports,
+     .summary = "200, downloads in preparation: name, share, seconds"},
+    {.methods = "POST",
+     .pattern = "/v1/files",
+     .query = "name",
+     .handler = &Api::upload_file,
+     .body_bytes_max = kFileBytesMax,
+     .is_long = true,
+     .summary = "stores a closed mesh; 201 `{file, vertices, triangles, min_mm, max_mm}`"},
+    {.methods = "GET, HEAD",
+     .pattern = "/healthz",
+     .handler = &Api::health,
+     .summary = "200 while the server runs"},
+    {.methods = "GET, HEAD",
+     .pattern = "/metrics",
+     .handler = &Api::metrics,
+     .summary = "Prometheus text"},
+    {.methods = "GET, HEAD",
+     .pattern = "/{file...}",
+     .handler = &Api::viewer_file,
+     .summary = "the built viewer"},
+};
+
+}  // namespace
+
+std::span<const Route> routes() { return kRoutes; }
+
+RouteMatch match_route(std::string_view method, const std::vector<std::string>& path) {
+  RouteMatch match;
+  for (const Route& route : routes()) {
+    // The viewer's files are what remains.
+    if (route.pattern.ends_with("...}") && !match.allow.empty()) break;
+    auto captured = match_pattern(route.pattern, path);
+    if (!captured) continue;
+    match.allow.append(match.allow.empty() ? "" : ", ").append(route.methods);
+    match.upgrade = route.upgrade;
+    if (lists(route.methods, method)) {
+      match.route = &route;
+      match.captured = *std::move(captured);
+    }
+  }
+  return match;
+}
+
+std::size_t body_bytes_max(const RouteMatch& match, std::string_view method) {
+  if (match.route != nullptr) return match.route->body_bytes_max;
+  return method == "POST" ? kRejectedBytesMax : 0;
+}
+
+std::string routes_markdown() {
+  std::string text = "| method | path | query | answer |\n|---|---|---|---|\n";
+  for (const Route& route : routes()) {
+    text += "| ";
+    text.append(route.methods).append(" | `").append(route.pattern).append("` | ");
+    text.append(route.query).append(route.query.empty() ? "| " : " | ");
+    text.append(route.summary).append(" |\n");
+  }
+  return text;
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/http/api.h"
+
+namespace kerf::net {
+
+/// The protocol that a WebSocket upgrade of a route leads to.
+enum class Upgrade : std::uint8_t { kNone, kAgent, kViewer };
+
+/// One row of the HTTP interface. Everything that depends on a request's path and method is decided
+/// by this table: dispatch, 404, 405 with Allow, 426, body limits, worker threads, and the table of
+/// README.md.
+struct Route {
+  using Handler = ApiResponse (Api::*)(const ApiCall&);
+
+  std::string_view methods;  ///< separated by ", "; in the order of the Allow header
+  /// Segments separated by "/". "{name}" matches the rest of a segment and captures it; a last
+  /// segment "{name...}" matches any number of segments outside /v1.
+  std::string_view pattern;
+  std::string_view query = {};  ///< names of the query parameters, for the README
+  Handler handler = nullptr;
+  std::size_t body_bytes_max = 0;
+  bool is_long = false;  ///< runs on a worker thread, because the answer may take long
+  Upgrade upgrade = Upgrade::kNone;
+  std::string_view summary;  ///< for the README
+};
+
+std::span<const Route> routes();
+
+/// What the table knows of a request.
+struct RouteMatch {
+  const Route* route = nullptr;  ///< of the path and the method; null if there is none
+  std::string allow;             ///< methods of all routes of the path; empty: the path is unknown
+  Upgrade upgrade = Upgrade::kNone;  ///< of the path, whatever the method
+  std::string captured;              ///< by the last "{name}" of the pattern
+};
+RouteMatch match_route(std::string_view method, const std::vector<std::string>& path);
+
+/// The most bytes that the body of the request may have.
+std::size_t body_bytes_max(const RouteMatch& match, std::string_view method);
+
+/// The table of README.md.
+std::string routes_markdown();
+
+}  // namespace kerf::net

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// One agent: its WebSocket and, if it has asked for it, its UDP connection. Lives on the thread of
+// its session, so that the thread that reads a motion also cuts and answers it.
+#include <boost/asio/ip/tcp.hpp>
+#include <chrono>
+#include <utility>
+
+#include "server/conversation/agent_conversation.h"
+#include "server/metrics/metrics.h"
+#include "server/socket/peer_socket.h"
+#include "server/udp/udp_port.h"
+#include "server/wire/control.h"
+
+namespace kerf::net {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+class AgentConnection final : public PeerSocket {
+ public:
+  AgentConnection(asio::ip::tcp::socket socket, const std::shared_ptr<Session>& session,
+                  PeerContext& context)
+      : PeerSocket(std::move(socket), wire::kAgentProtocol),
+        context_(context),
+        executor_(session->executor()),
+        conversation_({.session = session,
+                       .limits = context.limits,
+                       .metrics = context.metrics,
+                       .now = Clock::now,
+                       .wake = [this] { pump(); },
+                       .open_udp = [this] { return open_udp(); }}) {
+    ++context_.metrics.agents;
+  }
+  ~AgentConnection() override {
+    close_udp();
+    --context_.metrics.agents;
+  }
+
+ private:
+  Conversation& conversation() override { return conversation_; }
+  void closed() override {
+    close_udp();
+    conversation_.end();
+  }
+
+  std::optional<datagram::Offer> open_udp();
+  void close_udp();
+  void receive_datagram(std::span<const std::byte> frame, Clock::time_point arrived);
+
+  PeerContext& context_;
+  Executor& executor_;
+  std::shared_ptr<UdpPeer> udp_;  ///< null without a UDP connection
+  AgentConversation conversation_;
+};
+
+std::optional<datagram::Offer> AgentConnection::open_udp() {
+  auto take = [weak = weak_from_this()](std::span<const std::byte> frame,
+                                        Clock::time_point arrived) {
+    const auto self = std::static_pointer_cast<AgentConnection>(weak.lock());
+    if (self) self->receive_datagram(frame, arrived);
+  };
+  udp_ = context_.udp.open(executor_, std::move(take));
+  if (!udp_) return std::nullopt;
+  return udp_->offer();
+}
+
+void AgentConnection::close_udp() {
+  if (udp_) context_.udp.close(*udp_);
+  udp_.reset();
+}
+
+void AgentConnection::receive_datagram(std::span<const std::byte> frame,
+                                       Clock::time_point arrived) {
+  if (!udp_ || has_failed()) return;
+  conversation_.receive_datagram(frame, arrived);
+  while (const OutDatagram* datagram = conversation_.take_datagram()) {
+    udp_->send(datagram->frame());
+    if (!datagram->arrived) continue;
+    const std::chrono::duration<double> turnaround = Clock::now() - *datagram->arrived;
+    context_.metrics.motion_answered(turnaround.count());
+  }
+  conversation_.refresh();
+  pump();
+}
+
+}  // namespace
+
+void serve_agent(asio::ip::tcp::socket socket, UpgradeRequest request,
+                 std::shared_ptr<Session> session, PeerContext& context) {
+  error_code error;
+  socket.set_option(asio::ip::tcp::no_delay(true), error);
+  const auto protocol = socket.local_endpoint(error).protocol();
+  const auto native = socket.release(error);
+  if (error) return;
+  IoThreads& thread = threads_of(*session);
+  thread.post([native, protocol, &thread, request = std::move(request),
+               session = std::move(session), &context]() mutable {
+    asio::ip::tcp::socket moved(thread.context(), protocol, native);
+    std::make_shared<AgentConnection>(std::move(moved), session, context)
+        ->start(std::move(request));
+  });
+}
+
+}  // namespace kerf::net

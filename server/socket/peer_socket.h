@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <memory>
+#include <string_view>
+
+#include "server/conversation/conversation.h"
+#include "server/socket/serve_peer.h"
+
+namespace kerf::net {
+
+/// One WebSocket, of an agent or a viewer. Moves frames between the network and a Conversation and
+/// knows nothing of their content. Everything runs on the thread of the socket's executor.
+class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
+ public:
+  virtual ~PeerSocket() = default;
+  PeerSocket(const PeerSocket&) = delete;
+  PeerSocket& operator=(const PeerSocket&) = delete;
+
+  /// Accepts the upgrade and runs until the connection is gone. The socket keeps itself alive.
+  void start(UpgradeRequest request);
+
+ protected:
+  PeerSocket(boost::asio::ip::tcp::socket socket, std::string_view protocol);
+
+  virtual Conversation& conversation() = 0;
+  /// Does what Conversation::has_action announces; no frame is read meanwhile.
+  virtual boost::asio::awaitable<void> act();
+  /// The connection is gone, or the upgrade has failed.
+  virtual void closed() = 0;
+
+  /// Sends the next frame of the conversation unless one is being sent.
+  void pump();
+  /// Writing has failed: nothing can be sent any more.
+  bool has_failed() const { return failed_; }
+
+ private:
+  using WebSocket = boost::beast::websocket::stream<boost::beast::tcp_stream>;
+
+  boost::asio::awaitable<void> run(UpgradeRequest request);
+  void configure();
+  void limit_hello();
+  void written(boost::system::error_code error);
+
+  WebSocket socket_;
+  std::string_view protocol_;
+  boost::asio::steady_timer hello_timer_;
+  boost::beast::flat_buffer in_;
+  OutFrame out_;  ///< being sent
+  bool open_ = false, writing_ = false, failed_ = false;
+};
+
+}  // namespace kerf::net

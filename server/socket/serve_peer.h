@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <memory>
+
+#include "server/socket/peer_context.h"
+
+namespace kerf::net {
+
+using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
+
+/// Serves an agent or a viewer until its WebSocket closes. Both take over an accepted socket whose
+/// upgrade request has been read and checked.
+void serve_agent(boost::asio::ip::tcp::socket socket, UpgradeRequest request,
+                 std::shared_ptr<Session> session, PeerContext& context);
+void serve_viewer(boost::asio::ip::tcp::socket socket, UpgradeRequest request,
+                  std::shared_ptr<Session> session, PeerContext& context);
+
+}  // namespace kerf::net

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// One viewer's WebSocket, on the viewers' thread.
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <utility>
+
+#include "server/conversation/viewer_conversation.h"
+#include "server/metrics/metrics.h"
+#include "server/socket/peer_socket.h"
+#include "server/socket/viewer_hub.h"
+#include "server/threads/run_on.h"
+#include "server/wire/control.h"
+
+namespace kerf::net {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+/// Without this limit the kernel keeps megabytes of stale frames in its send buffer (README.md).
+constexpr int kNotSentBytes = 32 * 1024;
+
+class ViewerConnection final : public PeerSocket {
+ public:
+  ViewerConnection(asio::ip::tcp::socket socket, std::shared_ptr<Session> session,
+                   PeerContext& context)
+      : PeerSocket(std::move(socket), wire::kViewProtocol),
+        session_(std::move(session)),
+        context_(context),
+        conversation_(session_, context.metrics, Clock::now, [this] { pump(); }) {
+    ++context_.metrics.viewers;
+  }
+  ~ViewerConnection() override {
+    leave_hub();  // also if an exception has ended the connection
+    --context_.metrics.viewers;
+  }
+
+ private:
+  Conversation& conversation() override { return conversation_; }
+  asio::awaitable<void> act() override;
+  asio::awaitable<void> join(const JoinRequest& request);
+  void leave_hub();
+  void closed() override;
+
+  std::shared_ptr<Session> session_;
+  PeerContext& context_;
+  ViewerConversation conversation_;
+  std::shared_ptr<ViewerHub> hub_;  ///< null before the viewer has joined
+};
+
+asio::awaitable<void> ViewerConnection::act() {
+  while (const auto action = conversation_.take_action()) {
+    if (const auto* request = std::get_if<JoinRequest>(&*action)) {
+      co_await join(*request);
+    } else if (const auto* look = std::get_if<ViewerLook>(&*action)) {
+      hub_->look(conversation_.id(), *look);
+    } else if (const auto* ack = std::get_if<MeshAck>(&*action)) {
+      hub_->acknowledge(conversation_.id(), ack->sequence);
+    }
+  }
+}
+
+asio::awaitable<void> ViewerConnection::join(const JoinRequest& request) {
+  using Joined = std::pair<std::expected<Participant, Rejection>, std::vector<Participant>>;
+  auto join = [session = session_, request]() {
+    auto joined = session->join(request);
+    return Joined{std::move(joined), session->participants()};
+  };
+  const Joined joined = co_await run_on(threads_of(*session_), std::move(join));
+  conversation_.joined(joined.first, joined.second);
+  if (!joined.first) co_return;
+  hub_ = context_.hubs.get(session_, context_);
+  hub_->add(conversation_.id(), &conversation_);
+}
+
+void ViewerConnection::leave_hub() {
+  if (hub_) hub_->remove(conversation_.id());
+  hub_.reset();
+}
+
+void ViewerConnection::closed() {
+  leave_hub();
+  if (!conversation_.has_joined()) return;
+  threads_of(*session_).post([session = session_, id = conversation_.id()] { session->leave(id); });
+}
+
+}  // namespace
+
+void serve_viewer(asio::ip::tcp::socket socket, UpgradeRequest request,
+                  std::shared_ptr<Session> session, PeerContext& context) {
+  error_code ignored;
+  socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+  setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kNotSentBytes,
+             sizeof kNotSentBytes);
+  std::make_shared<ViewerConnection>(std::move(socket), std::move(session), context)
+      ->start(std::move(request));
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/conversation/agent_conversation.h"
+
+#include "tests/server/conversation_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Kind = OutFrame::Kind;
+
+class AgentConversationTest : public ConversationTest {};
+
+const wire::Result& result_of(const wire::Message& message) {
+  return std::get<wire::Result>(message.body);
+}
+
+TEST_F(AgentConversationTest, HelloIsAnsweredByWelcomeAndParticipants) {
+  const auto ada = agent();
+  send_text(*ada, R"({"type":"hello","name":"Ada","tool":1})");
+  const auto list = messages(*ada);
+  ASSERT_EQ(list.size(), 2U);
+  EXPECT_EQ(list[0].at("type"), "welcome");
+  EXPECT_EQ(list[0].at("participant"), 1);
+  EXPECT_FALSE(list[0].contains("udp"));
+  EXPECT_EQ(list[1].at("type"), "participants");
+}
+
+TEST_F(AgentConversationTest, NothingIsAcceptedBeforeTheHello) {
+  const auto ada = agent();
+  send_text(*ada, R"({"type":"tool","tool":2})");
+  EXPECT_EQ(error_code(*ada), "no_hello");
+  send(*ada, encoded(batch()));
+  EXPECT_EQ(error_code(*ada), "no_hello");
+  send(*ada, encoded(wire::Ack{}));
+  EXPECT_EQ(error_code(*ada), "no_hello");
+  EXPECT_EQ(session->info().motions, 0U);
+}
+
+TEST_F(AgentConversationTest, EachMistakeHasItsErrorText) {
+  const auto ada = agent();
+  join_agent(*ada);
+  const auto reason = [&] { return messages(*ada).at(0).at("reason").get<std::string>(); };
+  send_text(*ada, R"({"type":"hello"})");
+  EXPECT_EQ(reason(), "hello may be sent only once");
+  send_text(*ada, R"({"type":"look","eye_mm":[0,0,9],"error_rad":0.1})");
+  EXPECT_EQ(reason(), "agents may not send 'look' messages");
+  send(*ada, encoded(wire::Result{}));
+  EXPECT_EQ(reason(), "agents may not send frames of type 2");
+  send(*ada, Bytes(wire::kMaxClientFrameBytes + 1));
+  EXPECT_EQ(reason(), "the frame has 4097 bytes; the limit is 4096");
+}
+
+TEST_F(AgentConversationTest, AMissingHelloEndsTheConversation) {
+  const auto ada = agent();
+  ada->hello_expired();
+  EXPECT_TRUE(ada->finishing());
+  const auto list = messages(*ada);
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list[0].at("code"), "no_hello");
+  EXPECT_EQ(list[0].at("fatal"), true);
+}
+
+TEST_F(AgentConversationTest, AnExpiredHelloTimerHasNoEffectOnAParticipant) {
+  const auto ada = agent();
+  join_agent(*ada);
+  ada->hello_expired();
+  EXPECT_FALSE(ada->finishing());
+  EXPECT_TRUE(drain(*ada).empty());
+}
+
+TEST_F(AgentConversationTest, AMotionIsAnsweredByOneResult) {
+  const auto ada = agent();
+  join_agent(*ada);
+  send(*ada, encoded(batch(3)));
+  const auto frames = drain(*ada);
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(frames[0].kind, Kind::kResult);
+  const auto message = wire::decode(frames[0].bytes);
+  ASSERT_TRUE(message);
+  EXPECT_EQ(result_of(*message).agent_sequence, 3U);
+  EXPECT_EQ(result_of(*message).motions_applied, 2U);
+}
+
+TEST_F(AgentConversationTest, AFullControlQueueBreaksTheConnection) {
+  const auto ada = agent();
+  join_agent(*ada);
+  for (int n = 0; n < 200 && !ada->broken(); ++n) {
+    now += seconds(1);  // below the limit of reported errors
+    send_text(*ada, "not JSON");
+  }
+  EXPECT_TRUE(ada->broken());
+  send(*ada, encoded(batch()));
+  EXPECT_EQ(session->info().motions, 0U);
+}
+
+TEST_F(AgentConversationTest, TheSessionsEndIsABye) {
+  const auto ada = agent();
+  join_agent(*ada);
+  send(*ada, encoded(batch()));
+  session->close("maintenance");
+  EXPECT_GT(wakes, 0);
+  EXPECT_TRUE(ada->finishing());
+  const auto list = messages(*ada);
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list[0].at("type"), "bye");
+  EXPECT_EQ(list[0].at("reason"), "maintenance");
+}
+
+TEST_F(AgentConversationTest, ParticipantsAreReportedToTheOthers) {
+  const auto ada = agent(), bob = agent();
+  join_agent(*ada);
+  join_agent(*bob, R"({"type":"hello","name":"Bob"})");
+  EXPECT_EQ(messages(*ada).back().at("participants").size(), 2U);
+  bob->end();
+  EXPECT_EQ(messages(*ada).back().at("participants").size(), 1U);
+}
+
+TEST_F(AgentConversationTest, TheReplicaIsUpdatedAtMostEveryTwentyMilliseconds) {
+  const auto ada = agent();
+  join_agent(*ada, R"({"type":"hello","stock":true})");
+  const ParticipantId other = join(*session, "Bob");
+  drain(*ada);
+  std::size_t patches = 0;
+  std::uint64_t acked = 0;
+  for (int ms = 0; ms < 400; ++ms) {
+    now += milliseconds(1);
+    // Without the other participant the replica would soon be complete.
+    move(*session, other, -15 + 0.09 * ms, 1 + std::sin(0.3 * ms), -1.5 - 0.002 * ms);
+    wire::MotionBatch moves;
+    moves.samples.at(moves.count++) = next(-19 + 0.09 * ms, 0, -1);
+    send(*ada, encoded(moves));
+    for (const OutFrame& frame : drain(*ada)) {
+      if (frame.kind != Kind::kStock) continue;
+      ++patches;
+      acked = wire::decode(frame.bytes)->header.stamp.sequence;
+      send(*ada, encoded(wire::Ack{}, acked));
+    }
+  }
+  EXPECT_GE(patches, 10U);
+  EXPECT_LE(patches, 21U);
+  send(*ada, encoded(wire::Ack{}, acked + 5));
+  EXPECT_EQ(error_code(*ada), "bad_sequence");
+}
+
+class AgentDatagramTest : public ConversationTest {
+ protected:
+  void SetUp() override {
+    ConversationTest::SetUp();
+    ada = agent();
+    send_text(*ada, R"({"type":"hello","tool":1,"udp":true})");
+    const auto list = messages(*ada);
+    ASSERT_EQ(list.at(0).at("udp").at("connection"), 7);
+  }
+  std::vector<wire::Message> exchange(const Bytes& frame) {
+    std::vector<wire::Message> answers;
+    ada->receive_datagram(frame, now);
+    while (const OutDatagram* datagram = ada->take_datagram()) {
+      sent.emplace_back(datagram->frame().begin(), datagram->frame().end());
+      const auto message = wire::decode(sent.back());
+      EXPECT_TRUE(message);
+      if (message) answers.push_back(*message);
+    }
+    ada->refresh();
+    return answers;
+  }
+  std::unique_ptr<AgentConversation> ada;
+  std::deque<Bytes> sent;
+};
+
+TEST_F(AgentDatagramTest, NothingIsAppliedBeforeASampleOverTheWebSocket) {
+  const auto answers = exchange(encoded(batch()));
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_TRUE(result_of(answers[0]).status & wire::kStatusGap);
+  EXPECT_EQ(result_of(answers[0]).agent_sequence, 0U);
+}
+
+TEST_F(AgentDatagramTest, ConsecutiveSamplesAreAppliedAndAnsweredOverUdp) {
+  send(*ada, encoded(batch()));
+  drain(*ada);
+  const auto answers = exchange(encoded(batch(2)));
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(result_of(answers[0]).agent_sequence, 3U);
+  EXPECT_TRUE(drain(*ada).empty());
+}
+
+TEST_F(AgentDatagramTest, AGapOrARepetitionIsAnsweredByThePreviousResult) {
+  send(*ada, encoded(batch()));
+  const wire::MotionBatch first = batch(2);
+  exchange(encoded(first));
+  const auto motions = session->info().motions;
+  const auto again = exchange(encoded(first));
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(result_of(again[0]).agent_sequence, 3U);
+  EXPECT_FALSE(result_of(again[0]).status & wire::kStatusGap);
+  batch();  // lost
+  const auto gap = exchange(encoded(batch()));
+  ASSERT_EQ(gap.size(), 1U);
+  EXPECT_EQ(result_of(gap[0]).agent_sequence, 3U);
+  EXPECT_TRUE(result_of(gap[0]).status & wire::kStatusGap);
+  EXPECT_EQ(session->info().motions, motions);
+}
+
+TEST_F(AgentDatagramTest, APingIsAnsweredOverUdp) {
+  const auto answers = exchange(encoded(wire::Ping{42}));
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(std::get<wire::Pong>(answers[0].body).ping_time_us, 42U);
+}
+
+TEST_F(AgentDatagramTest, TheForceOfAnotherParticipantLeavesBeforeTheResult) {
+  const auto bob = agent();
+  join_agent(*bob, R"({"type":"hello","name":"Bob","udp":true,"feel_of":1})");
+  send(*ada, encoded(batch()));
+  wire::MotionBatch first;
+  first.samples[first.count++] = next(5, 5, -1);
+  send(*bob, encoded(first));
+  wire::MotionBatch second;
+  second.samples[second.count++] = next(5.1, 5, -1);
+  bob->receive_datagram(encoded(second), now);
+  const OutDatagram* felt = bob->take_datagram();
+  ASSERT_NE(felt, nullptr);
+  EXPECT_TRUE(std::holds_alternative<wire::ToolStates>(wire::decode(felt->frame())->body));
+  EXPECT_FALSE(felt->arrived);
+  const OutDatagram* result = bob->take_datagram();
+  ASSERT_NE(result, nullptr);
+  EXPECT_TRUE(std::holds_alternative<wire::Result>(wire::decode(result->frame())->body));
+  EXPECT_TRUE(result->arrived);
+  EXPECT_EQ(bob->take_datagram(), nullptr);
+}
+
+TEST_F(AgentDatagramTest, DatagramsAreIgnoredAfterTheEnd) {
+  send(*ada, encoded(batch()));
+  session->close("");
+  EXPECT_TRUE(exchange(encoded(batch())).empty());
+}
+
+}  // namespace
+}  // namespace kerf::net

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "server/http/routes.h"
+#include "tests/server/session_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+RouteMatch match(std::string_view method, std::string_view target) {
+  return match_route(method, parse_target(target)->path);
+}
+
+TEST(Routes, MethodAndPathSelectARow) {
+  const RouteMatch found = match("POST", "/v1/sessions/demo/programs");
+  ASSERT_NE(found.route, nullptr);
+  EXPECT_TRUE(found.route->is_long);
+  EXPECT_EQ(found.allow, "GET, HEAD, POST");
+  EXPECT_EQ(match("DELETE", "/v1/sessions/demo/programs/7").captured, "7");
+  EXPECT_EQ(match("GET", "/v1/sessions/demo/model.glb").captured, "glb");
+  EXPECT_EQ(match("GET", "/v1/sessions/demo/view").upgrade, Upgrade::kViewer);
+}
+
+TEST(Routes, TheViewersFilesAreWhatRemainsOutsideTheInterface) {
+  EXPECT_EQ(match("GET", "/").route->pattern, "/{file...}");
+  EXPECT_EQ(match("GET", "/assets/app.js").route->pattern, "/{file...}");
+  EXPECT_EQ(match("GET", "/metrics").route->pattern, "/metrics");
+  EXPECT_EQ(match("PUT", "/metrics").allow, "GET, HEAD");
+  for (const char* unknown : {"/v1", "/v1/x", "/v1/sessions/demo/x", "/v1/sessions/demo/view/x"}) {
+    EXPECT_EQ(match("GET", unknown).allow, "") << unknown;
+  }
+}
+
+TEST(Routes, BodyLimitsFollowTheRow) {
+  const auto limit = [](const char* method, const char* target) {
+    return body_bytes_max(match(method, target), method);
+  };
+  EXPECT_EQ(limit("POST", "/v1/sessions"), std::size_t{1} << 20);
+  EXPECT_EQ(limit("POST", "/v1/files"), std::size_t{64} << 20);
+  EXPECT_EQ(limit("POST", "/v1/sessions/demo/programs"), std::size_t{64} << 20);
+  EXPECT_EQ(limit("GET", "/v1/sessions"), 0U);
+  EXPECT_EQ(limit("DELETE", "/v1/sessions/demo"), 0U);
+}
+
+TEST(Routes, EveryRowIsReachable) {
+  std::set<std::pair<std::string_view, std::string_view>> rows;
+  for (const Route& route : routes()) {
+    EXPECT_TRUE(rows.emplace(route.methods, route.pattern).second) << route.pattern;
+    EXPECT_NE(route.handler == nullptr, route.upgrade == Upgrade::kNone) << route.pattern;
+    std::string target(route.pattern);
+    for (auto open = target.find('{'); open != target.npos; open = target.find('{')) {
+      target.replace(open, target.find('}') - open + 1, "x");
+    }
+    const auto method = route.methods.substr(0, route.methods.find(','));
+    EXPECT_EQ(match(method, target).route, &route) << target;
+  }
+}
+
+TEST(Routes, TheReadmeHoldsTheTable) {
+  std::ifstream file(KERF_SOURCE_DIR "/server/http/README.md");
+  const std::string readme{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  EXPECT_TRUE(readme.contains(routes_markdown()))
+      << "server/http/README.md must contain this table:\n"
+      << routes_markdown();
+}
+
+class ApiTest : public SessionTest {
+ protected:
+  void SetUp() override {
+    SessionTest::SetUp();
+    options.data_folder = folder.path();
+    api.emplace(options, *registry, metrics);
+  }
+  ApiResponse ask(const std::string& method, std::string_view target) {
+    ApiRequest request = *parse_target(target);
+    request.method = method;
+    return api->handle(request);
+  }
+  static std::string code(const ApiResponse& response) {
+    return nlohmann::json::parse(response.body).at("error").at("code");
+  }
+  static std::string header(const ApiResponse& response, std::string_view name) {
+    for (const auto& [key, value] : response.headers) {
+      if (key == name) return value;
+    }
+    return "";
+  }
+
+  HttpOptions options;
+  Metrics metrics;
+  std::optional<Api> api;
+};
+
+TEST_F(ApiTest, UnknownPathsAreNotFound) {
+  for (const char* target : {"/v1", "/v1/x", "/nothing"}) {
+    const ApiResponse response = ask("GET", target);
+    EXPECT_EQ(response.status, 404U) << target;
+    EXPECT_EQ(code(response), "not_found") << target;
+  }
+  EXPECT_EQ(code(ask("GET", "/v1/sessions/demo")), "unknown_session");
+  EXPECT_EQ(code(ask("GET", "/v1/sessions/demo/x")), "unknown_session");
+}
+
+TEST_F(ApiTest, OtherMethodsAreNotAllowed) {
+  const auto session = start();
+  for (const Route& route : routes()) {
+    if (route.upgrade != Upgrade::kNone) continue;
+    std::string target(route.pattern);
+    if (const auto id = target.find("{id}"); id != target.npos) target.replace(id, 4, "block");
+    for (auto open = target.find('{'); open != target.npos; open = target.find('{')) {
+      target.replace(open, target.find('}') - open + 1, "x");
+    }
+    const ApiResponse response = ask("PATCH", target);
+    EXPECT_EQ(response.status, 405U) << target;
+    EXPECT_EQ(code(response), "bad_method") << target;
+    EXPECT_TRUE(header(response, "Allow").contains(route.methods)) << target;
+    EXPECT_TRUE(response.body.contains("method PATCH is not allowed"));
+  }
+}
+
+TEST_F(ApiTest, WebSocketEndpointsRequireAnUpgrade) {
+  const auto session = start();
+  for (const char* target : {"/v1/sessions/block/agent", "/v1/sessions/block/view"}) {
+    const ApiResponse response = ask("GET", target);
+    EXPECT_EQ(response.status, 426U) << target;
+    EXPECT_EQ(header(response, "Upgrade"), "websocket");
+  }
+}
+
+TEST_F(ApiTest, InvalidDownloadParametersAreNamed) {
+  const auto session = start();
+  const std::pair<const char*, const char*> cases[] = {
+      {"model.stl?triangles=0", "triangles must be an integer > 0"},
+      {"model.stl?triangles=-3", "triangles must be an integer > 0"},
+      {"model.stl?error_mm=none", "error_mm must be a number > 0"},
+      {"model.glb?encoding=zip", "encoding must be one of: "},
+      {"program.ngc?from=a", "from and to must be journal record numbers"},
+      {"program.apt?tolerance_mm=-1", "tolerance_mm must be a number >= 0"},
+      {"forces.csv?participant=Ada", "participant must be a participant number"}};
+  for (const auto& [target, reason] : cases) {
+    const ApiResponse response = ask("GET", std::string("/v1/sessions/block/") + target);
+    EXPECT_EQ(response.status, 400U) << target;
+    EXPECT_TRUE(response.body.contains(reason)) << response.body;
+  }
+  EXPECT_EQ(ask("GET", "/v1/sessions/block/model.xyz").status, 404U);
+}
+
+}  // namespace
+}  // namespace kerf::net

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/conversation/viewer_conversation.h"
+
+#include "tests/server/conversation_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Kind = OutFrame::Kind;
+
+constexpr const char* kLook = R"({"type":"look","eye_mm":[0,0,90],"error_rad":0.001})";
+
+SharedBytes shared(std::size_t bytes) { return std::make_shared<const Bytes>(bytes); }
+
+class ViewerConversationTest : public ConversationTest {
+ protected:
+  void SetUp() override {
+    ConversationTest::SetUp();
+    eve = viewer();
+  }
+  std::unique_ptr<ViewerConversation> eve;
+};
+
+TEST_F(ViewerConversationTest, AHelloIsAnActionThatIsAnsweredAfterTheJoin) {
+  send_text(*eve, R"({"type":"hello","name":"Eve","color":"#112233"})");
+  EXPECT_TRUE(eve->has_action());
+  EXPECT_TRUE(drain(*eve).empty());
+  perform_join(*eve);
+  const auto list = messages(*eve);
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list[0].at("type"), "welcome");
+  EXPECT_EQ(list[0].at("color"), "#112233");
+  EXPECT_TRUE(list[0].contains("grid"));
+}
+
+TEST_F(ViewerConversationTest, ARejectedHelloMayBeRepeated) {
+  send_text(*eve, R"({"type":"hello","color":"red"})");
+  perform_join(*eve);
+  EXPECT_EQ(error_code(*eve), "bad_message");
+  EXPECT_FALSE(eve->has_joined());
+  EXPECT_FALSE(eve->finishing());
+  join_viewer(*eve);
+}
+
+TEST_F(ViewerConversationTest, LooksAreLimitedToFivePerSecond) {
+  join_viewer(*eve);
+  int looks = 0;
+  for (int ms = 0; ms < 10'000; ms += 10) {
+    now += milliseconds(10);
+    send_text(*eve, kLook);
+    while (eve->take_action()) ++looks;
+    for (const auto& message : messages(*eve)) {
+      EXPECT_EQ(message.at("code"), "too_fast");
+      EXPECT_EQ(message.at("reason"), "'look' is limited to 5 per second");
+    }
+  }
+  EXPECT_GE(looks, 69);
+  EXPECT_LE(looks, 71);
+}
+
+TEST_F(ViewerConversationTest, AcksBecomeActionsOnceTheViewerHasJoined) {
+  send(*eve, encoded(wire::Ack{}, 3));
+  EXPECT_EQ(error_code(*eve), "no_hello");
+  join_viewer(*eve);
+  send(*eve, encoded(wire::Ack{}, 3));
+  const auto action = eve->take_action();
+  ASSERT_TRUE(action);
+  EXPECT_EQ(std::get<MeshAck>(*action).sequence, 3U);
+  eve->reject_ack();
+  EXPECT_EQ(error_code(*eve), "bad_sequence");
+}
+
+TEST_F(ViewerConversationTest, ViewersHaveNoToolAndSendNoMotions) {
+  join_viewer(*eve);
+  send_text(*eve, R"({"type":"tool","tool":1})");
+  EXPECT_EQ(error_code(*eve), "bad_message");
+  send(*eve, encoded(batch()));
+  EXPECT_EQ(error_code(*eve), "bad_message");
+  EXPECT_EQ(session->info().motions, 0U);
+}
+
+TEST_F(ViewerConversationTest, FramesLeaveInTheOrderOfTheirPriority) {
+  join_viewer(*eve);
+  eve->send_state({.sequence = 1, .hash = 7, .settled = true});
+  eve->send_mesh({.sequence = 1, .glb = shared(10)});
+  eve->send_mesh({.sequence = 2, .glb = shared(20)});
+  eve->send_tools(shared(30));
+  eve->send_participants("{}");
+  const auto frames = drain(*eve);
+  ASSERT_EQ(frames.size(), 5U);
+  const std::vector<Kind> kinds = {Kind::kText, Kind::kTools, Kind::kMesh, Kind::kMesh,
+                                   Kind::kState};
+  for (std::size_t n = 0; n < kinds.size(); ++n) EXPECT_EQ(frames[n].kind, kinds[n]) << n;
+  EXPECT_EQ(frames[2].bytes.size(), std::size_t{wire::kHeaderBytes});
+  EXPECT_EQ(frames[2].shared->size(), 10U);
+  EXPECT_EQ(frames[3].shared->size(), 20U);
+}
+
+TEST_F(ViewerConversationTest, NewerToolPosesReplaceOlderOnes) {
+  join_viewer(*eve);
+  eve->send_tools(shared(10));
+  eve->send_tools(shared(20));
+  const auto frames = drain(*eve);
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(frames[0].shared->size(), 20U);
+}
+
+TEST_F(ViewerConversationTest, StatesAreSentEveryQuarterSecondAndAtOnceWhenSettled) {
+  join_viewer(*eve);
+  int sent = 0;
+  for (int ms = 0; ms < 2000; ms += 33) {
+    now += milliseconds(33);
+    const auto number = static_cast<std::uint64_t>(ms);
+    eve->send_state({.sequence = number, .hash = number});
+    sent += static_cast<int>(drain(*eve).size());
+  }
+  EXPECT_EQ(sent, 8);
+  eve->send_state({.sequence = 1000, .hash = 1000, .settled = true});
+  EXPECT_EQ(drain(*eve).size(), 1U);
+  eve->send_state({.sequence = 1000, .hash = 1000, .settled = true});
+  EXPECT_TRUE(drain(*eve).empty());
+}
+
+TEST_F(ViewerConversationTest, CloseSendsAByeAndNothingAfterIt) {
+  join_viewer(*eve);
+  eve->send_mesh({.sequence = 1, .glb = shared(10)});
+  eve->close("maintenance");
+  eve->send_tools(shared(10));
+  eve->send_participants("{}");
+  eve->reject_ack();
+  const auto list = messages(*eve);
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list[0].at("type"), "bye");
+  EXPECT_TRUE(eve->finishing());
+}
+
+}  // namespace
+}  // namespace kerf::net
