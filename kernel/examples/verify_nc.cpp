@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     const auto result = block->apply(move);
     if (!result) return fail(result.error().reason);
     const std::string place = place_of(*program, motion.file, motion.line);
-    if (motion.rapid && result->removed_mm3 > 1e-6) {
+    if (motion.rapid && result->removed_mm3 > 0.001) {
       std::printf("%s: rapid removes %.3f mm3\n", place.c_str(), result->removed_mm3);
       ++faults;
     }

@@ -18,9 +18,9 @@ struct Describe {
     return "flat, " + size_text(s.diameter_mm, s.length_mm);
   }
   std::string operator()(const TaperShape& s) const {
-    return std::string("taper with ") + (s.tip == TaperTip::kBall ? "ball" : "flat") + " tip, " +
-           size_text(s.diameter_mm, s.length_mm) + ", half angle " + exact_text(s.half_angle_deg) +
-           " degrees";
+    const std::string tip = s.tip == TaperTip::kBall ? "ball" : "flat";
+    return "taper with " + tip + " tip, " + size_text(s.diameter_mm, s.length_mm) +
+           ", half angle " + exact_text(s.half_angle_deg) + " degrees";
   }
   std::string operator()(const ConeEndShape& s) const {
     return "cone end, " + size_text(s.diameter_mm, s.length_mm) + ", tip angle " +
@@ -33,7 +33,8 @@ struct Describe {
   std::string operator()(const AptShape& s) const {
     std::string text = "APT cutter ";
     for (const double v : {s.d_mm, s.r_mm, s.e_mm, s.f_mm, s.alpha_deg, s.beta_deg}) {
-      text += exact_text(v) + ",";
+      text += exact_text(v);
+      text += ',';
     }
     return text + exact_text(s.h_mm);
   }

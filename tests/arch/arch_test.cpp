@@ -12,6 +12,7 @@
 #include "tests/arch/sizes.h"
 #include "tests/arch/source.h"
 #include "tests/arch/tokens.h"
+#include "tests/arch/words.h"
 
 namespace kerf::arch {
 namespace {
@@ -42,6 +43,8 @@ TEST(Arch, IncludesFollowTheDependencyTable) {
 TEST(Arch, LinesFilesAndFunctionsAreWithinTheirLimits) { report_each(check_sizes); }
 
 TEST(Arch, NoBannedTokenIsUsed) { report_each(check_tokens); }
+
+TEST(Arch, NoRetiredWordIsUsed) { report_each(check_words); }
 
 TEST(Arch, EveryFileIsBuiltDescribedAndTested) { report(check_modules(tree())); }
 

@@ -2,6 +2,7 @@
 #include "tests/arch/modules.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <regex>
 #include <set>
@@ -69,17 +70,29 @@ void check_tests(const std::vector<Source>& tree, std::vector<Violation>& violat
   }
 }
 
+// Sources and scripts state their license in the first or second line.
+void check_license(const Source& source, std::vector<Violation>& violations) {
+  static const std::set<std::string> kSuffixes = {".h",  ".cpp", ".ts", ".mjs",
+                                                  ".py", ".sh",  ".css"};
+  const std::string suffix = std::filesystem::path(source.path).extension().string();
+  if (!kSuffixes.contains(suffix)) return;
+  constexpr std::string_view kLine = "SPDX-License-Identifier: Apache-2.0";
+  if (std::string_view(source.text).substr(0, 120).find(kLine) != std::string_view::npos) return;
+  violations.push_back({source.path, 1, "the file has no SPDX line"});
+}
+
 // A link from one README to another is relative to the folder of the README that contains it.
 void check_links(const Texts& texts, std::vector<Violation>& violations) {
-  static const std::regex kLink(R"(\]\(([A-Za-z_][A-Za-z0-9_/.-]*\.md)\))");
+  static const std::regex kLink(R"(\]\(((?:\.\./)*[A-Za-z_][A-Za-z0-9_/.-]*\.(?:md|svg))\))");
   for (const auto& [path, text] : texts) {
     if (!path.ends_with(".md")) continue;
     const std::string folder(folder_of(path));
     for (std::sregex_iterator it(text.begin(), text.end(), kLink), end; it != end; ++it) {
-      const std::string target = (folder.empty() ? "" : folder + "/") + it->str(1);
+      const std::string target =
+          (std::filesystem::path(folder) / it->str(1)).lexically_normal().generic_string();
       if (texts.contains(target)) continue;
       violations.push_back({path, line_at(text, static_cast<std::size_t>(it->position())),
-                            "this link leads nowhere: " + target});
+                            "broken link: " + target});
     }
   }
 }
@@ -97,6 +110,7 @@ std::vector<Violation> check_modules(const std::vector<Source>& tree) {
     if (source.path.ends_with(".cpp") && !is_built(texts, source.path)) {
       violations.push_back({source.path, 0, "no CMakeLists.txt builds this file"});
     }
+    check_license(source, violations);
     if (is_cpp(source.path) || source.path.ends_with(".ts")) folders.insert(folder_of(source.path));
     const std::string_view top = std::string_view(source.path).substr(0, source.path.find('/'));
     if (source.path.find('/') != source.path.npos && !kTop.contains(top)) {

@@ -80,9 +80,30 @@ void check_functions(const Source& source, std::vector<Violation>& violations) {
   }
 }
 
+// Table rows, code blocks and lines without a space to break at may be longer.
+std::vector<Violation> check_markdown(const Source& source) {
+  std::vector<Violation> violations;
+  bool code = false;
+  std::size_t number = 0;
+  for (const std::string_view line : lines_of(source.text)) {
+    ++number;
+    const std::string_view trimmed =
+        line.substr(std::min(line.find_first_not_of(' '), line.size()));
+    if (trimmed.starts_with("```")) code = !code;
+    const bool exempt = code || trimmed.starts_with('|') || trimmed.starts_with("![") ||
+                        trimmed.find(' ', 2) == trimmed.npos;
+    if (exempt || columns_of(line) <= kColumnsMax) continue;
+    violations.push_back(
+        {source.path, number,
+         std::to_string(columns_of(line)) + " columns; wrap at " + std::to_string(kColumnsMax)});
+  }
+  return violations;
+}
+
 }  // namespace
 
 std::vector<Violation> check_sizes(const Source& source) {
+  if (source.path.ends_with(".md")) return check_markdown(source);
   std::vector<Violation> violations;
   const bool cpp = is_cpp(source.path);
   if (!cpp && !source.path.ends_with(".ts")) return violations;

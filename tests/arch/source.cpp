@@ -11,9 +11,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_looked_at(const fs::path& path) {
-  static const std::set<std::string> kSuffixes = {
-      ".h", ".cpp", ".ts", ".mjs", ".py", ".sh", ".md", ".txt", ".css", ".html", ".Dockerfile"};
+bool is_checked(const fs::path& path) {
+  static const std::set<std::string> kSuffixes = {".h",   ".cpp",  ".ts",         ".mjs",
+                                                  ".py",  ".sh",   ".md",         ".txt",
+                                                  ".css", ".html", ".Dockerfile", ".svg"};
   return kSuffixes.contains(path.extension().string());
 }
 
@@ -51,7 +52,7 @@ std::vector<Source> load_tree(const fs::path& root) {
   std::vector<Source> tree;
   for (fs::recursive_directory_iterator it(root), end; it != end; ++it) {
     if (it->is_directory() && is_skipped(it->path())) it.disable_recursion_pending();
-    if (!it->is_regular_file() || !is_looked_at(it->path())) continue;
+    if (!it->is_regular_file() || !is_checked(it->path())) continue;
     std::ifstream file(it->path(), std::ios::binary);
     tree.push_back({fs::relative(it->path(), root).generic_string(),
                     std::string(std::istreambuf_iterator<char>(file), {})});

@@ -35,6 +35,8 @@ const std::vector<Ban>& bans() {
                   "math|-O"
                   "fast"),
        "fast-math breaks determinism: equal commands must give equal bytes"},
+      {"kernel/", "kernel/math/tolerance.h", true, std::regex(R"(\b\d+(\.\d+)?[eE]-\d+)"),
+       "an epsilon is named in kernel/math/tolerance.h, with its unit and owner"},
   };
   return kBans;
 }

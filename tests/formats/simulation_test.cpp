@@ -116,7 +116,7 @@ TEST(Simulation, CollisionsNameLinesAndPartner) {
   EXPECT_EQ(obstacle["with"], "obstacle");
   EXPECT_EQ(obstacle["from"], "p.ngc:7");
   EXPECT_TRUE(obstacle["in_rapid"]);
-  // The flutes are 5 mm long: what stands above them is cut on the way up.
+  // The flutes are 5 mm long: what stands above them is cut during the retract.
   EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:6: rapid motion through material"),
                                       HasSubstr("p.ngc:4: shank or holder"),
                                       HasSubstr("p.ngc:7: tool 2 touches an obstacle")));
