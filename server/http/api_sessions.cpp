@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::string text(const Json& json) {
+std::string to_text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -76,7 +76,7 @@ ApiResponse Api::list_sessions(const ApiCall&) {
                     {"removed_volume_mm3", info.removed_mm3},
                     {"participants", info.participants.size()}});
   }
-  return json_response(200, text({{"sessions", list}}));
+  return json_response(200, to_text({{"sessions", list}}));
 }
 
 ApiResponse Api::create_session(const ApiCall& call) {
@@ -98,7 +98,7 @@ ApiResponse Api::create_session(const ApiCall& call) {
   Json json = {{"id", (*created)->id()}, {"url", url}};
   const Scene& scene = (*created)->scene();
   if (scene.accuracy) json["accuracy"] = Json::parse(accuracy_json(scene));
-  auto response = json_response(201, text(json));
+  auto response = json_response(201, to_text(json));
   response.headers.emplace_back("Location", url);
   return response;
 }
@@ -109,7 +109,7 @@ ApiResponse Api::close_session(const ApiCall& call) {
   if (auto ok = registry_.close(call.session->id(), purge); !ok) {
     return registry_failure(ok.error());
   }
-  return json_response(200, text({{"closed", call.session->id()}, {"purged", purge}}));
+  return json_response(200, to_text({{"closed", call.session->id()}, {"purged", purge}}));
 }
 
 ApiResponse Api::session_info(const ApiCall& call) {
@@ -117,7 +117,7 @@ ApiResponse Api::session_info(const ApiCall& call) {
   // The hash is read first: while nothing is being cut, both belong to the same state.
   const StateHash hash = current_solid(session).hash;
   const auto info = run_and_wait(session.executor(), [&] { return session.info(); });
-  return json_response(200, text(info_json(session, info, hash)));
+  return json_response(200, to_text(info_json(session, info, hash)));
 }
 
 }  // namespace kerf::net
