@@ -2,8 +2,8 @@
 #include "haptic_agent/link/datagram_socket.h"
 
 #include <array>
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/use_awaitable.hpp>
+
+#include "haptic_agent/link/connection.h"
 
 namespace kerf::agent {
 
@@ -36,7 +36,6 @@ void DatagramSocket::send(std::span<const std::byte> frame) {
 
 asio::awaitable<void> DatagramSocket::read_all(
     std::function<void(std::span<const std::byte>)> take) {
-  constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);
   while (socket_.is_open()) {
     co_await socket_.async_wait(udp::socket::wait_read, kAwait);
     while (receive(take)) {
