@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// force: prints the cutting force of a slot milled ever deeper, and the contact force of a tool
-// holder at rest.
+// force: prints the cutting force along a slot that gets deeper with every pass.
 #include <kerf/kernel/sculpture.h>
 
 #include <cstdio>

@@ -49,7 +49,7 @@ done
 echo "runs"
 for folder in "$scratch/examples" "$scratch"; do
   "$folder/carve" "$scratch/part.stl" | tee "$scratch/out"
-  grep -q '^removed 1632' "$scratch/out"
+  grep -q '^removed 1632' "$scratch/out" # exact: 1631.4 mm3
   "$folder/force"
   "$folder/verify_nc" "$source/tests/package/pocket.json" "$source/tests/package/pocket.ngc"
   if "$folder/verify_nc" "$source/tests/package/pocket.json" "$source/tests/package/crash.ngc"; then
