@@ -123,7 +123,8 @@ TEST_F(KerfCarve, SimplifiesAndMeasuresAgainstAReference) {
   EXPECT_EQ(run(kInput + " --triangles 3 --stl s.stl"), 2);
   EXPECT_THAT(content("err"), testing::HasSubstr("more than the 3 requested"));
   EXPECT_EQ(run(kInput + " --deviation p.ngc"), 2);
-  EXPECT_THAT(content("err"), testing::HasSubstr("p.ngc: is no .stl, .ply or .obj"));
+  EXPECT_THAT(content("err"),
+              testing::HasSubstr("p.ngc: the file name must end in .stl, .ply or .obj"));
   EXPECT_EQ(run(kInput + " --deviation none.stl"), 2);
 }
 
@@ -197,7 +198,8 @@ TEST_F(KerfCarve, WarnsOfRapidsThroughMaterial) {
   write("p.ngc", "T1 M6\nG0 X-5 Y10 Z8\nG0 X25\nM2\n");
   const auto json = report(kInput);
   ASSERT_EQ(json["warnings"].size(), 1u);
-  EXPECT_THAT(std::string(json["warnings"][0]), StartsWith("p.ngc:3: a rapid goes through"));
+  EXPECT_THAT(std::string(json["warnings"][0]),
+              StartsWith("p.ngc:3: rapid motion through material"));
   EXPECT_THAT(content("err"), StartsWith("warning: p.ngc:3:"));
 }
 

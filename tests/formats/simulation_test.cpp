@@ -126,8 +126,7 @@ TEST(Simulation, ReportsRapidsThroughMaterialOncePerLine) {
   const Simulated r = run(block(), "T1 M6\nG0 X-5 Y20 Z-2\nG0 X20\nX45\nM2\n");
   ASSERT_EQ(r.report["rapids_through_stock"].size(), 2u);
   EXPECT_EQ(r.report["rapids_through_stock"][0]["place"], "p.ngc:3");
-  EXPECT_THAT(r.warnings,
-              ElementsAre(HasSubstr("p.ngc:3: a rapid"), HasSubstr("p.ngc:4: a rapid")));
+  EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:3: rapid"), HasSubstr("p.ngc:4: rapid")));
 }
 
 IndexedMesh box_mesh(Vec3 low, Vec3 high) {
