@@ -26,8 +26,7 @@ using Now = std::function<Clock::time_point()>;
 /// 2. sends what take() returns, one frame at a time, and calls sent() after each;
 /// 3. calls refresh() after each received frame, once its answers are in transit;
 /// 4. calls hello_expired() wire::kHelloTimeoutS after the start unless has_joined();
-/// 5. closes the WebSocket when finishing() and take() returns nothing more, and drops the
-/// connection
+/// 5. closes the WebSocket when finishing() and take() returns nothing more; drops the connection
 ///    at once when broken();
 /// 6. repeats step 2 when `wake` is called, which happens for frames that no received frame caused;
 /// 7. calls end() when the connection is gone.
