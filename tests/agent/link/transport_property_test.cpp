@@ -251,7 +251,7 @@ class TransportProperty : public SessionTest {
 TEST_F(TransportProperty, EachSampleIsAppliedOnceAndInOrder) {
   std::mt19937_64 random(2);
   std::uint64_t over_udp = 0, gaps = 0, fell_back = 0;
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     restart();
     const auto session = *registry->create("s" + std::to_string(seed), kScene, SceneSource{});
