@@ -9,9 +9,11 @@
 
 #include "kernel/math/tolerance.h"
 #include "kernel/surface/column_window.h"
+#include "kernel/surface/face_vertex.h"
 #include "kernel/surface/flat_quads.h"
 #include "kernel/surface/lattice_cells.h"
 #include "kernel/surface/open_patches.h"
+#include "kernel/surface/quad_split.h"
 #include "kernel/surface/scratch.h"
 #include "kernel/surface/vertex_placement.h"
 
@@ -65,6 +67,7 @@ class TileMesher {
                 kTileSide + 2 + 2 * kGuessMargin),
         cells_(window_, first_x_ - 1, first_y_ - 1, kTileSide + 1, open_.next_layer()),
         placement_(solid, window_),
+        bends_(window_, cells_, placement_),
         vertex_(cells_.size(), kNoVertex) {}
 
   TileMesh run() {
@@ -77,7 +80,7 @@ class TileMesher {
     for (std::int32_t j = first_y_ == 0 ? -1 : first_y_; j < end_y_; ++j) {
       for (std::int32_t i = first_x_; i < end_x_; ++i) add_sides(i, j, false);
     }
-    if (flat_.append_triangles(*indices_)) drop_unused_vertices();
+    if (flat_.append_triangles(*positions_, *indices_)) drop_unused_vertices();
     // Copied to the exact size.
     TileMesh mesh;
     mesh.tile = tile_;
@@ -92,10 +95,11 @@ class TileMesher {
   void add_ends(std::int32_t i, std::int32_t j) {
     for (const SolidRun& run : window_.runs(i, j)) {
       if (open_.has_bottom(run.first)) {
-        add_quad(around_upright(i, j, run.first), {2, true, run.bottom}, i, j);
+        add_quad(around_upright(i, j, run.first), {2, true, run.bottom}, i, j,
+                 {i, j, run.first - 1, 2});
       }
       if (open_.has_top(run.end)) {
-        add_quad(around_upright(i, j, run.end), {2, false, run.top}, i, j);
+        add_quad(around_upright(i, j, run.end), {2, false, run.top}, i, j, {i, j, run.end - 1, 2});
       }
     }
   }
@@ -153,28 +157,70 @@ class TileMesher {
                 Corner{behind, behind_x, behind_y, edge_behind + 2},
                 Corner{behind + 1, behind_x, behind_y, edge_behind},
                 Corner{before + 1, before_x, before_y, edge_before}},
-               plane, u, sample);
+               plane, u, sample, {i, j, sample, plane.axis});
     }
   }
 
-  /// Adds the quadrangle at (u, v) of the plane: as two triangles, or, if it is flat, to those that
-  /// may be merged.
-  void add_quad(const Corners& corners, const FlatPlane& plane, std::int32_t u, std::int32_t v) {
+  /// Adds the quadrangle at (u, v) of the plane: as triangles within the envelope of its edge, or,
+  /// if it is flat, to those that may be merged.
+  void add_quad(const Corners& corners, const FlatPlane& plane, std::int32_t u, std::int32_t v,
+                const LatticeEdge& edge) {
     std::array<std::uint32_t, 4> c{};
     for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n]);
-    if (is_flat(c, plane.axis)) {
-      flat_.add(plane, u, v, c);
+    const bool flat = is_flat(c, plane.axis);
+    if (flat && is_rectangle(c, plane.axis)) {
+      flat_.add(plane, u, v, c, QuadSplit::kFirst);
+      return;
+    }
+    std::array<Vec3, 4> beside;
+    std::array<std::size_t, 4> cells{};
+    bool several_sheets = false;
+    for (std::size_t n = 0; n < 4; ++n) {
+      cells[n] = corners[n].position;
+      several_sheets |= (vertex_[cells[n]] & kSplit) != 0;
+      beside[n] = placement_.beside_edge(edge, (*positions_)[c[n]]);
+    }
+    FaceVertices::OfQuad between;
+    if (several_sheets && bends_.find(edge, cells, beside, between)) {
+      add_fan(c, between, plane.reversed, edge);
+      return;
+    }
+    const bool second = !flat && prefers_other_diagonal(c, plane.reversed);
+    const QuadSplit split =
+        split_within_envelope(beside, flat, second ? QuadSplit::kSecond : QuadSplit::kFirst);
+    if (split == QuadSplit::kFan) {
+      add_fan(c, between, plane.reversed, edge);
+      return;
+    }
+    if (flat) {
+      flat_.add(plane, u, v, c, split);
       return;
     }
     if (plane.reversed) std::swap(c[1], c[3]);
-    if (prefers_other_diagonal(c)) c = {c[1], c[2], c[3], c[0]};
+    if (split == QuadSplit::kSecond) c = {c[1], c[2], c[3], c[0]};
     indices_->insert(indices_->end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
+  }
+
+  /// Adds a quadrangle as a fan about a vertex on its edge.
+  void add_fan(const std::array<std::uint32_t, 4>& c, const FaceVertices::OfQuad& between,
+               bool reversed, const LatticeEdge& edge) {
+    std::vector<std::uint32_t> rim;
+    for (std::size_t n = 0; n < 4; ++n) {
+      rim.push_back(c[n]);
+      if (between[n]) rim.push_back(add_vertex(*between[n], 0));
+    }
+    const std::uint32_t center = add_vertex(placement_.place_on_edge(edge), 0);
+    for (std::size_t n = 0; n < rim.size(); ++n) {
+      const std::uint32_t a = rim[n], b = rim[(n + 1) % rim.size()];
+      indices_->insert(indices_->end(), {center, reversed ? b : a, reversed ? a : b});
+    }
   }
 
   /// Returns whether to split a quadrangle from its second to its fourth corner. That is the
   /// shorter diagonal, or, next to a crease, the one that leaves a triangle perpendicular to the
   /// surface's normal, so that no triangle spans the crease.
-  bool prefers_other_diagonal(const std::array<std::uint32_t, 4>& c) const {
+  bool prefers_other_diagonal(std::array<std::uint32_t, 4> c, bool reversed) const {
+    if (reversed) std::swap(c[1], c[3]);
     const auto& p = *positions_;
     const bool shorter = distance_squared(p[c[1]], p[c[3]]) < distance_squared(p[c[0]], p[c[2]]);
     if (!sharp_[c[0]] && !sharp_[c[1]] && !sharp_[c[2]] && !sharp_[c[3]]) return shorter;
@@ -200,6 +246,19 @@ class TileMesher {
     return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
       return (*positions_)[v][axis] == position && std::abs((*normals_)[v][axis]) == 1;
     });
+  }
+
+  /// Returns whether the corners of a flat quadrangle have equal coordinates in pairs: then both
+  /// diagonals fit.
+  bool is_rectangle(const std::array<std::uint32_t, 4>& corners, std::size_t axis) const {
+    const auto equal = [&](std::size_t a, std::size_t b, std::size_t along) {
+      return (*positions_)[corners[a]][along] == (*positions_)[corners[b]][along];
+    };
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const auto fits = [&](std::size_t s, std::size_t t) {
+      return equal(0, 3, s) && equal(1, 2, s) && equal(0, 1, t) && equal(2, 3, t);
+    };
+    return fits(u, v) || fits(v, u);
   }
 
   void drop_unused_vertices() {
@@ -256,6 +315,7 @@ class TileMesher {
   ColumnWindow window_;
   LatticeCells cells_;
   VertexPlacement placement_;
+  FaceVertices bends_;
   std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or kSplit | its index in split_
   std::vector<SplitVertex> split_;     ///< of cells with several sheets or a crease
   std::vector<bool> sharp_;            ///< per mesh vertex: it lies on a crease

@@ -105,6 +105,18 @@ void group_normals(std::span<const Crossing> crossings, std::span<const std::uin
 
 }  // namespace
 
+std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell) {
+  unsigned configuration = 0;
+  for (unsigned c = 0; c < 8; ++c) {
+    const auto dx = static_cast<std::int32_t>(c & 1U);
+    const auto dy = static_cast<std::int32_t>(c >> 1 & 1U);
+    const auto dz = static_cast<std::int32_t>(c >> 2);
+    const bool solid = window.solid(cell.x + dx, cell.y + dy, cell.layer - 1 + dz);
+    configuration |= (solid ? 1U : 0U) << c;
+  }
+  return static_cast<std::uint8_t>(configuration);
+}
+
 VertexPlacement::VertexPlacement(const SolidSnapshot& solid, const ColumnWindow& window)
     : window_(window), guess_(window, solid.fields.front().stock()) {
   seen_->resize(kEdgesSeen);
@@ -216,6 +228,36 @@ const Crossing& VertexPlacement::level(std::int32_t i, std::int32_t j, std::int3
   return seen.crossing;
 }
 
+SurfaceVertex VertexPlacement::place_on_edge(const LatticeEdge& edge) {
+  Crossing crossing;
+  if (edge.axis == 2) {
+    upright({edge.i, edge.j, edge.k + 1}, 0, 0, crossing);
+  } else {
+    crossing = level(edge.i, edge.j, edge.k, edge.axis == 0);
+  }
+  const Vec3 along = crossing.point - Vec3{double(edge.i), double(edge.j), double(edge.k)};
+  const double share = std::clamp(along.x + along.y + along.z, margin_, 1 - margin_);
+  Vec3 place{double(edge.i), double(edge.j), double(edge.k)};
+  (edge.axis == 0 ? place.x : edge.axis == 1 ? place.y : place.z) += share;
+  return flat_vertex(place, crossing.normal);
+}
+
+Vec3 VertexPlacement::beside_edge(const LatticeEdge& edge,
+                                  const std::array<float, 3>& position_mm) const {
+  const double steps = 1 / window_.grid().pitch_mm;
+  const double x = double(position_mm[0]) * steps - 0.5 - edge.i;
+  const double y = double(position_mm[1]) * steps - 0.5 - edge.j;
+  const double z = double(position_mm[2]) * steps - window_.level_zero() - edge.k;
+  switch (edge.axis) {
+    case 0:
+      return {y, z, x};
+    case 1:
+      return {z, x, y};
+    default:
+      return {x, y, z};
+  }
+}
+
 void VertexPlacement::find_crossings(const LatticeCell& cell, std::uint16_t edges) {
   const Vec3 center{cell.x + 0.5, cell.y + 0.5, cell.layer - 0.5};
   Crossings& all = found_;
@@ -236,7 +278,30 @@ void VertexPlacement::find_crossings(const LatticeCell& cell, std::uint16_t edge
   }
 }
 
-SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_t edges) {
+/// Returns the mean of the crossings found, each moved onto its edge, in pitches from the cell's
+/// center.
+Vec3 VertexPlacement::mean_on_edges() const {
+  Vec3 sum;
+  for (std::size_t n = 0; n < found_.count; ++n) {
+    Vec3 p = found_.at[n].point;
+    double& along = found_.edge[n] < 4 ? p.x : found_.edge[n] < 8 ? p.y : p.z;
+    along = std::clamp(along, margin_ - 0.5, 0.5 - margin_);
+    sum = sum + p;
+  }
+  return sum * (1 / double(found_.count));
+}
+
+/// Returns whether a cell, or the one above it, has several sheets: then its upper side may have
+/// vertices of its own, and a vertex of the cell stays below it.
+bool VertexPlacement::meets_sheets(const LatticeCell& cell, const CellSheets& sheets) const {
+  if (sheets.count > 1) return true;
+  const LatticeCell above{cell.x, cell.y, cell.layer + 1};
+  return sheets_of(cell_configuration(window_, above)).count > 1;
+}
+
+SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, const CellSheets& sheets,
+                                           std::uint8_t sheet) {
+  const std::uint16_t edges = sheets.edges[sheet];
   constexpr std::uint16_t kAlongX = 0x00f, kAlongY = 0x0f0, kUpright = 0xf00;
   std::optional<SurfaceVertex> flat;
   if (edges == kUpright) {
@@ -248,8 +313,11 @@ SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_
   find_crossings(cell, edges);
   const std::span<const Crossing> crossings(found_.at.data(), found_.count);
   const std::span<const std::uint8_t> edges_found(found_.edge.data(), found_.count);
-  const SheetPoint point =
-      place_sheet(crossings, within_walls(crossings, edges_found, limits_of(cell)));
+  SheetPoint point = place_sheet(crossings, within_walls(crossings, edges_found, limits_of(cell)));
+  if (sheets.count > 1 && !is_on_own_side(sheets, sheet, point.place)) {
+    point.place = mean_on_edges();
+  }
+  if (point.place.z > 0.5 - margin_ && meets_sheets(cell, sheets)) point.place.z = 0.5 - margin_;
   SurfaceVertex vertex;
   vertex.sharp = point.sharp;
   const DexelGrid& grid = window_.grid();
@@ -263,12 +331,12 @@ SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_
 
 SurfaceVertex VertexPlacement::place(const LatticeCell& cell, const CellSheets& sheets,
                                      std::uint8_t sheet) {
-  if (sheets.count == 1) return place_alone(cell, sheets.edges[0]);
+  if (sheets.count == 1) return place_alone(cell, sheets, 0);
   std::array<SurfaceVertex, kSheetsMax> placed;
   const double pitch = window_.grid().pitch_mm;
   const auto center_x = static_cast<float>((cell.x + 1) * pitch);
   for (std::uint8_t n = 0; n <= sheet; ++n) {
-    placed[n] = place_alone(cell, sheets.edges[n]);
+    placed[n] = place_alone(cell, sheets, n);
     for (std::uint8_t before = 0; before < n; ++before) {
       if (placed[before].position_mm != placed[n].position_mm) continue;
       const auto shift = static_cast<float>(n * kSheetShift * pitch);

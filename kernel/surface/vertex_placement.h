@@ -21,6 +21,15 @@ struct LatticeCell {
   std::int32_t x = 0, y = 0, layer = 0;
 };
 
+/// Returns the configuration of a cell (sheet_table.h). The window must hold its four columns.
+std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell);
+
+/// The edge of the lattice from sample (i, j, k) to the next along an axis (0, 1, 2).
+struct LatticeEdge {
+  std::int32_t i = 0, j = 0, k = 0;
+  std::uint8_t axis = 2;
+};
+
 /// Greatest number of normals of a vertex: the faces that meet in a corner.
 inline constexpr int kVertexNormalsMax = 3;
 
@@ -43,6 +52,13 @@ class VertexPlacement {
   /// Returns the vertex of a sheet of a cell. Vertices of one cell do not coincide.
   SurfaceVertex place(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
 
+  /// Returns a vertex where the surface crosses an edge, one of whose samples is solid. It lies on
+  /// the edge to the bit, off its ends.
+  SurfaceVertex place_on_edge(const LatticeEdge& edge);
+  /// Returns a position relative to an edge, in pitches: the last coordinate is along the edge,
+  /// which reaches from the origin to (0, 0, 1); the axes are right-handed.
+  Vec3 beside_edge(const LatticeEdge& edge, const std::array<float, 3>& position_mm) const;
+
  private:
   /// The crossings of one sheet and their edges.
   struct Crossings {
@@ -58,7 +74,9 @@ class VertexPlacement {
     Crossing crossing;
   };
 
-  SurfaceVertex place_alone(const LatticeCell& cell, std::uint16_t edges);
+  SurfaceVertex place_alone(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
+  Vec3 mean_on_edges() const;
+  bool meets_sheets(const LatticeCell& cell, const CellSheets& sheets) const;
   /// Return the vertex of a cell on a horizontal floor or on the stock's own side, which most cells
   /// are, without computing crossings; nothing for any other cell.
   std::optional<SurfaceVertex> place_on_floor(const LatticeCell& cell) const;
