@@ -6,8 +6,6 @@
 namespace kerf {
 namespace {
 
-using Sample = std::array<std::int32_t, 3>;
-
 /// The sides of an edge on which the corners of its quadrangle lie, along the two axes that follow
 /// the edge's own: -1 or 1.
 struct Quadrant {
@@ -19,7 +17,7 @@ Quadrant quadrant(std::uint8_t axis, std::size_t n) {
   return kAround[(n + (axis == 1 ? 3 : 0)) % 4];
 }
 
-Sample moved(Sample s, std::size_t axis, std::int32_t by) {
+LatticeSample moved(LatticeSample s, std::size_t axis, std::int32_t by) {
   s[axis] += by;
   return s;
 }
@@ -27,7 +25,7 @@ Sample moved(Sample s, std::size_t axis, std::int32_t by) {
 }  // namespace
 
 bool FaceVertices::find(const LatticeEdge& edge, const std::array<std::size_t, 4>& cells,
-                        const std::array<Vec3, 4>& corners, OfQuad& between) {
+                        const Corners& corners, OfQuad& between) {
   bool any = false;
   for (std::size_t n = 0; n < 4; ++n) {
     between[n] = after(edge, cells, corners, n);
@@ -38,8 +36,7 @@ bool FaceVertices::find(const LatticeEdge& edge, const std::array<std::size_t, 4
 
 std::optional<SurfaceVertex> FaceVertices::after(const LatticeEdge& edge,
                                                  const std::array<std::size_t, 4>& cells,
-                                                 const std::array<Vec3, 4>& corners,
-                                                 std::size_t n) {
+                                                 const Corners& corners, std::size_t n) {
   const std::size_t next = (n + 1) % 4;
   if (cells_.sheets(cells[n]).count == 1 && cells_.sheets(cells[next]).count == 1) {
     return std::nullopt;
@@ -48,9 +45,10 @@ std::optional<SurfaceVertex> FaceVertices::after(const LatticeEdge& edge,
   const bool crosses_a = from.a != to.a;
   const std::size_t across = (edge.axis + (crosses_a ? 1U : 2U)) % 3;
   const std::size_t aside = (edge.axis + (crosses_a ? 2U : 1U)) % 3;
+  const bool upwards = crosses_a ? to.a > from.a : to.b > from.b;
   const std::int32_t side = crosses_a ? from.b : from.a;
   // The face has the samples low and high of the edge, and those beside them.
-  const Sample low{edge.i, edge.j, edge.k}, high = moved(low, edge.axis, 1);
+  const LatticeSample low{edge.i, edge.j, edge.k}, high = moved(low, edge.axis, 1);
   const bool low_solid = solid(low);
   const bool beside_low = solid(moved(low, aside, side)),
              beside_high = solid(moved(high, aside, side));
@@ -60,19 +58,16 @@ std::optional<SurfaceVertex> FaceVertices::after(const LatticeEdge& edge,
   } else if (beside_low == low_solid) {
     return std::nullopt;  // it passes between the two edges along the axis
   } else {
-    const int direction = crosses_a ? to.a - from.a : to.b - from.b;
-    const int face = static_cast<int>(2 * across) + (direction > 0 ? 1 : 0);
+    const int face = static_cast<int>(2 * across) + (upwards ? 1 : 0);
     const bool joins_solids = cells_.flipped_face(cells[n]) == face;
     cuts_low = low_solid != joins_solids;
   }
-  const Vec3 &p = corners[n], &q = corners[next];
-  const double share = crosses_a ? p.x / (p.x - q.x) : p.y / (p.y - q.y);
-  const Vec3 at = p + (q - p) * share;
-  const double away = std::abs(crosses_a ? at.y : at.x);
-  if (away <= (cuts_low ? 1 - at.z : at.z)) return std::nullopt;
+  const LatticeSample cut = cuts_low ? low : high;
+  if (passes_near(cut, across, corners[upwards ? n : next], corners[upwards ? next : n])) {
+    return std::nullopt;
+  }
   // Midway between the crossings of the two edges at the sample that is cut off.
-  const Sample cut = cuts_low ? low : high;
-  const Sample start = side > 0 ? cut : moved(cut, aside, -1);
+  const LatticeSample start = side > 0 ? cut : moved(cut, aside, -1);
   SurfaceVertex vertex = placement_.place_on_edge(edge);
   const SurfaceVertex other =
       placement_.place_on_edge({start[0], start[1], start[2], static_cast<std::uint8_t>(aside)});
@@ -81,6 +76,16 @@ std::optional<SurfaceVertex> FaceVertices::after(const LatticeEdge& edge,
         static_cast<float>(0.5 * (double(vertex.position_mm[c]) + double(other.position_mm[c])));
   }
   return vertex;
+}
+
+bool FaceVertices::passes_near(const LatticeSample& sample, std::size_t across,
+                               const Position& lower, const Position& upper) const {
+  const std::array<double, 3> p = placement_.from_sample(sample, lower);
+  const std::array<double, 3> q = placement_.from_sample(sample, upper);
+  const double share = p[across] / (p[across] - q[across]);
+  std::array<double, 3> away{};
+  for (std::size_t c = 0; c < 3; ++c) away[c] = std::abs(p[c] + (q[c] - p[c]) * share);
+  return away[(across + 1) % 3] + away[(across + 2) % 3] <= 1;
 }
 
 }  // namespace kerf

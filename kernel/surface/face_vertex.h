@@ -24,17 +24,26 @@ class FaceVertices {
   /// Per corner: the vertex between it and the next one, or nothing if their segment passes as it
   /// should.
   using OfQuad = std::array<std::optional<SurfaceVertex>, 4>;
+  /// A position relative to DexelGrid::origin_mm.
+  using Position = std::array<float, 3>;
+  using Corners = std::array<Position, 4>;
   /// Finds the vertices between the corners of the quadrangle around an edge. `cells`: positions of
-  /// the four cells; `corners`: in the coordinates of VertexPlacement::beside_edge. Returns whether
-  /// there are any. The two quadrangles at a segment get equal bits.
+  /// the four cells, counter-clockwise about the edge; `corners`: their vertices. Returns whether
+  /// there are any. The two quadrangles at a segment get the same vertex, to the bit.
   bool find(const LatticeEdge& edge, const std::array<std::size_t, 4>& cells,
-            const std::array<Vec3, 4>& corners, OfQuad& between);
+            const Corners& corners, OfQuad& between);
 
  private:
   std::optional<SurfaceVertex> after(const LatticeEdge& edge,
                                      const std::array<std::size_t, 4>& cells,
-                                     const std::array<Vec3, 4>& corners, std::size_t n);
-  bool solid(const std::array<std::int32_t, 3>& sample) const {
+                                     const Corners& corners, std::size_t n);
+  /// Returns whether a segment passes the face at `sample` that is perpendicular to the axis
+  /// `across` in the half next to the sample. `lower`: the end below the face. Both quadrangles at
+  /// the segment compute this from the same numbers in the same order, so that rounding decides a
+  /// tie alike.
+  bool passes_near(const LatticeSample& sample, std::size_t across, const Position& lower,
+                   const Position& upper) const;
+  bool solid(const LatticeSample& sample) const {
     return window_.solid(sample[0], sample[1], sample[2]);
   }
 

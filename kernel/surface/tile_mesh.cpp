@@ -167,23 +167,20 @@ class TileMesher {
                 const LatticeEdge& edge) {
     std::array<std::uint32_t, 4> c{};
     for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n]);
+    // Before flat quadrangles are merged: the two quadrangles at a segment bend it alike.
+    FaceVertices::OfQuad between;
+    if (has_several_sheets(corners) && find_bends(edge, corners, c, between)) {
+      add_fan(c, between, plane.reversed, edge);
+      return;
+    }
     const bool flat = is_flat(c, plane.axis);
     if (flat && is_rectangle(c, plane.axis)) {
       flat_.add(plane, u, v, c, QuadSplit::kFirst);
       return;
     }
     std::array<Vec3, 4> beside;
-    std::array<std::size_t, 4> cells{};
-    bool several_sheets = false;
     for (std::size_t n = 0; n < 4; ++n) {
-      cells[n] = corners[n].position;
-      several_sheets |= (vertex_[cells[n]] & kSplit) != 0;
       beside[n] = placement_.beside_edge(edge, (*positions_)[c[n]]);
-    }
-    FaceVertices::OfQuad between;
-    if (several_sheets && bends_.find(edge, cells, beside, between)) {
-      add_fan(c, between, plane.reversed, edge);
-      return;
     }
     const bool second = !flat && prefers_other_diagonal(c, plane.reversed);
     const QuadSplit split =
@@ -199,6 +196,22 @@ class TileMesher {
     if (plane.reversed) std::swap(c[1], c[3]);
     if (split == QuadSplit::kSecond) c = {c[1], c[2], c[3], c[0]};
     indices_->insert(indices_->end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
+  }
+
+  bool has_several_sheets(const Corners& corners) const {
+    return std::ranges::any_of(
+        corners, [&](const Corner& c) { return cells_.sheets(c.position).count > 1; });
+  }
+
+  bool find_bends(const LatticeEdge& edge, const Corners& corners,
+                  const std::array<std::uint32_t, 4>& c, FaceVertices::OfQuad& between) {
+    FaceVertices::Corners at{};
+    std::array<std::size_t, 4> cells{};
+    for (std::size_t n = 0; n < 4; ++n) {
+      at[n] = (*positions_)[c[n]];
+      cells[n] = corners[n].position;
+    }
+    return bends_.find(edge, cells, at, between);
   }
 
   /// Adds a quadrangle as a fan about a vertex on its edge.

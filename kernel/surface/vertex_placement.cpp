@@ -236,26 +236,25 @@ SurfaceVertex VertexPlacement::place_on_edge(const LatticeEdge& edge) {
     crossing = level(edge.i, edge.j, edge.k, edge.axis == 0);
   }
   const Vec3 along = crossing.point - Vec3{double(edge.i), double(edge.j), double(edge.k)};
-  const double share = std::clamp(along.x + along.y + along.z, margin_, 1 - margin_);
+  const double share = std::clamp(along.x + along.y + along.z, edge_margin(), 1 - edge_margin());
   Vec3 place{double(edge.i), double(edge.j), double(edge.k)};
   (edge.axis == 0 ? place.x : edge.axis == 1 ? place.y : place.z) += share;
   return flat_vertex(place, crossing.normal);
 }
 
+std::array<double, 3> VertexPlacement::from_sample(const LatticeSample& sample,
+                                                   const std::array<float, 3>& position_mm) const {
+  const double steps = 1 / window_.grid().pitch_mm;
+  return {double(position_mm[0]) * steps - 0.5 - sample[0],
+          double(position_mm[1]) * steps - 0.5 - sample[1],
+          double(position_mm[2]) * steps - window_.level_zero() - sample[2]};
+}
+
 Vec3 VertexPlacement::beside_edge(const LatticeEdge& edge,
                                   const std::array<float, 3>& position_mm) const {
-  const double steps = 1 / window_.grid().pitch_mm;
-  const double x = double(position_mm[0]) * steps - 0.5 - edge.i;
-  const double y = double(position_mm[1]) * steps - 0.5 - edge.j;
-  const double z = double(position_mm[2]) * steps - window_.level_zero() - edge.k;
-  switch (edge.axis) {
-    case 0:
-      return {y, z, x};
-    case 1:
-      return {z, x, y};
-    default:
-      return {x, y, z};
-  }
+  const std::array<double, 3> p = from_sample({edge.i, edge.j, edge.k}, position_mm);
+  const std::size_t a = (edge.axis + 1U) % 3, b = (edge.axis + 2U) % 3;
+  return {p[a], p[b], p[edge.axis]};
 }
 
 void VertexPlacement::find_crossings(const LatticeCell& cell, std::uint16_t edges) {
@@ -285,7 +284,7 @@ Vec3 VertexPlacement::mean_on_edges() const {
   for (std::size_t n = 0; n < found_.count; ++n) {
     Vec3 p = found_.at[n].point;
     double& along = found_.edge[n] < 4 ? p.x : found_.edge[n] < 8 ? p.y : p.z;
-    along = std::clamp(along, margin_ - 0.5, 0.5 - margin_);
+    along = std::clamp(along, edge_margin() - 0.5, 0.5 - edge_margin());
     sum = sum + p;
   }
   return sum * (1 / double(found_.count));

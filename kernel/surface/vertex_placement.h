@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -23,6 +24,9 @@ struct LatticeCell {
 
 /// Returns the configuration of a cell (sheet_table.h). The window must hold its four columns.
 std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell);
+
+/// Coordinates of a sample of the lattice.
+using LatticeSample = std::array<std::int32_t, 3>;
 
 /// The edge of the lattice from sample (i, j, k) to the next along an axis (0, 1, 2).
 struct LatticeEdge {
@@ -55,6 +59,9 @@ class VertexPlacement {
   /// Returns a vertex where the surface crosses an edge, one of whose samples is solid. It lies on
   /// the edge to the bit, off its ends.
   SurfaceVertex place_on_edge(const LatticeEdge& edge);
+  /// Returns a position relative to a sample of the lattice, in pitches.
+  std::array<double, 3> from_sample(const LatticeSample& sample,
+                                    const std::array<float, 3>& position_mm) const;
   /// Returns a position relative to an edge, in pitches: the last coordinate is along the edge,
   /// which reaches from the origin to (0, 0, 1); the axes are right-handed.
   Vec3 beside_edge(const LatticeEdge& edge, const std::array<float, 3>& position_mm) const;
@@ -76,6 +83,9 @@ class VertexPlacement {
 
   SurfaceVertex place_alone(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
   Vec3 mean_on_edges() const;
+  /// Returns the least distance of vertices on edges from the edges' ends, in pitches: more than
+  /// margin_, so that they are not collinear with vertices at their cells' sides.
+  double edge_margin() const { return std::min(2 * margin_, 0.5); }
   bool meets_sheets(const LatticeCell& cell, const CellSheets& sheets) const;
   /// Return the vertex of a cell on a horizontal floor or on the stock's own side, which most cells
   /// are, without computing crossings; nothing for any other cell.
