@@ -79,6 +79,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"read_seconds", report.read_s},
                   {"cut_seconds", report.cut_s},
                   {"simulate_seconds", report.simulate_s},
+                  {"wall_seconds", report.walls_s},
                   {"mesh_seconds", report.mesh_s},
                   {"write_seconds", report.write_s},
                   {"triangles", triangles},
@@ -88,6 +89,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"stock_memory_bytes", report.stock_memory_bytes},
                   {"state_hash", hex(report.state_hash)},
                   {"simulation", Json::parse(report.simulation)},
+                  {"thin_walls", Json::parse(report.walls)},
                   {"warnings", report.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -24,6 +24,8 @@ struct CarveReport {
   std::uint64_t state_hash = 0;
   std::size_t stock_memory_bytes = 0;  ///< of the carved block
   std::string simulation = "null";     ///< JSON text (simulation_json.h)
+  std::string walls = "null";          ///< JSON text (wall_check.h)
+  double walls_s = 0;                  ///< search for thin walls
   std::vector<std::string> warnings;
 };
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "kernel/surface/tile_mesh.h"
+#include "server/carve/mesh_nearness.h"
 
 namespace kerf {
 namespace {
@@ -51,6 +53,26 @@ DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& 
     const auto [mm, cut] = truth.distance(points[n * points.size() / taken], stop);
     if (!cut) continue;
     errors.push_back({mm});
+  }
+  return distance_figures(std::move(errors));
+}
+
+DistanceFigures measure_missing(const SolidSnapshot& snapshot, const CutSurface& surface,
+                                const std::stop_token& stop) {
+  // By tile: few of them are meshed at a time.
+  const DexelGrid& grid = snapshot.grid();
+  const double side_mm = kTileSide * grid.pitch_mm;
+  const auto tile_of = [&](const CutPoint& point) {
+    const Vec3 p = point.mm - grid.origin_mm;
+    return std::pair(std::floor(p.y / side_mm), std::floor(p.x / side_mm));
+  };
+  std::vector<CutPoint> points = surface.points;
+  std::ranges::stable_sort(points, {}, tile_of);
+  MeshNearness mesh(snapshot);
+  std::vector<DistanceSample> errors;
+  for (const CutPoint& point : points) {
+    if (stop.stop_requested()) break;
+    errors.push_back({mesh.distance_mm(point.mm)});
   }
   return distance_figures(std::move(errors));
 }

@@ -72,6 +72,12 @@ double largest_radius_mm(const std::vector<Tool>& tools) {
   return radius;
 }
 
+// Coarsest pitch at which neither a cut nor a wall falls between the rays.
+double coarsest_pitch_mm(const AccuracyUse& use) {
+  double pitch = std::min(smallest_radius_mm(use.tools) / kPitchesPerRadius, kPitchMaxMm);
+  return std::min(pitch, use.wall_pitch_mm.value_or(pitch));
+}
+
 double error_per_pitch(Rays rays) {
   return rays == Rays::kTriDexel ? kErrorPerPitchTriDexel : kErrorPerPitchDexel;
 }
@@ -111,11 +117,14 @@ std::expected<void, AccuracyError> check(const AccuracyRequest& r, const Accurac
                        mm(per_pitch * *r.pitch_mm + tolerance) +
                        " is expected, more than the target of " + mm(r.target_mm) +
                        "; reduce the pitch or raise the target");
+  if (r.pitch_mm && use.wall_pitch_mm && *r.pitch_mm > *use.wall_pitch_mm)
+    return failure(kUnreachable, "pitch_mm",
+                   "is " + mm(*r.pitch_mm) + "; thin walls of the program need at most " +
+                       mm(*use.wall_pitch_mm));
   const double share =
       r.tolerance_mm ? 0 : share_of(r.motion.value_or(MotionModel::kTight), use.turns);
-  const double pitch = r.pitch_mm.value_or(
-      std::min({pitch_for(r.target_mm, tolerance + share * r.target_mm, rays), kPitchMaxMm,
-                smallest_radius_mm(use.tools) / kPitchesPerRadius}));
+  const double pitch = r.pitch_mm.value_or(std::min(
+      pitch_for(r.target_mm, tolerance + share * r.target_mm, rays), coarsest_pitch_mm(use)));
   const double least_tolerance = r.tolerance_mm.value_or(
       (r.target_mm - per_pitch * r.pitch_mm.value_or(0)) / kErrorPerTolerance / 2);
   if (pitch < kPitchMinMm || least_tolerance < kToleranceMinMm)
@@ -137,7 +146,7 @@ std::expected<void, AccuracyError> check(const AccuracyRequest& r, const Accurac
 
 // Returns the cheapest accuracy for given rays and motion model. Precondition: check() passed.
 Accuracy cheapest(const AccuracyRequest& r, const AccuracyUse& use, Rays rays, MotionModel motion) {
-  const double coarsest = std::min(smallest_radius_mm(use.tools) / kPitchesPerRadius, kPitchMaxMm);
+  const double coarsest = coarsest_pitch_mm(use);
   // With a fixed pitch the tolerance gets half of the remaining error.
   const double remaining_mm = r.pitch_mm ? (r.target_mm - error_per_pitch(rays) * *r.pitch_mm) / 2
                                          : share_of(motion, use.turns) * r.target_mm;
@@ -164,7 +173,9 @@ std::string reason_text(const AccuracyChoice& choice, const AccuracyUse& use) {
   if (choice.predicted_error_mm > r.target_mm)
     return text + ", which misses the target of " + mm(r.target_mm);
   text += " (" + exact_text(error_per_pitch(a.rays)) + " pitch + tolerance)";
-  if (!r.pitch_mm && a.pitch_mm * kPitchesPerRadius >= smallest_radius_mm(use.tools) * 0.99)
+  if (!r.pitch_mm && a.pitch_mm >= use.wall_pitch_mm.value_or(kPitchMaxMm) * 0.99)
+    text += "; the pitch is limited by thin walls of the program";
+  else if (!r.pitch_mm && a.pitch_mm * kPitchesPerRadius >= smallest_radius_mm(use.tools) * 0.99)
     text += "; the pitch is limited by the radius of the smallest tool";
   const auto times = [&](const Accuracy& other) {
     return significant_text(predicted_us(other, use) / choice.predicted_us, 2) + " times as long";

@@ -31,10 +31,12 @@ Accuracy accuracy_of(const Scene& scene) {
   return {s.rays, s.pitch_mm, s.tolerance_mm, s.motion};
 }
 
-std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request) {
+std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request,
+                                                    std::optional<double> wall_pitch_mm) {
   AccuracyUse use{.stock = scene.settings.stock,
                   .tools = {},
-                  .turns = scene.machine.kinematics != MachineKinematics::kXyz};
+                  .turns = scene.machine.kinematics != MachineKinematics::kXyz,
+                  .wall_pitch_mm = wall_pitch_mm};
   for (const auto& [id, tool] : scene.tools) use.tools.push_back(tool.tool);
   auto choice = choose_accuracy(request, use);
   if (!choice) return std::unexpected(choice.error());

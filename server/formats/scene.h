@@ -88,8 +88,10 @@ std::expected<Scene, SceneError> load_scene(const std::filesystem::path& file);
 /// Returns the accuracy in the scene's settings.
 Accuracy accuracy_of(const Scene& scene);
 /// Chooses the accuracy for a target (choose_accuracy) and stores it in `scene.accuracy` and
-/// `scene.settings`. On an error the scene is unchanged.
-std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request);
+/// `scene.settings`. `wall_pitch_mm`: AccuracyUse::wall_pitch_mm. On an error the scene is
+/// unchanged.
+std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request,
+                                                    std::optional<double> wall_pitch_mm = {});
 
 /// Returns the scene as canonical JSON text: every field, in a fixed order. parse_scene reads it
 /// back to an equal scene, given the same files.

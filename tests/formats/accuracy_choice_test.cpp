@@ -115,6 +115,20 @@ TEST(AccuracyChoice, PitchIsAtMostTheSmallestToolRadius) {
   EXPECT_GT(choose(target(3), use_of(10)).accuracy.pitch_mm, 1.5);
 }
 
+TEST(AccuracyChoice, ThinWallsLimitThePitch) {
+  AccuracyUse use = use_of(10, false);
+  use.wall_pitch_mm = 0.14;
+  const AccuracyChoice choice = choose(target(0.3), use);
+  EXPECT_EQ(choice.accuracy.pitch_mm, 0.14);
+  EXPECT_EQ(choice.accuracy.tolerance_mm,
+            choose(target(0.3), use_of(10, false)).accuracy.tolerance_mm);
+  EXPECT_THAT(choice.reason, HasSubstr("limited by thin walls"));
+  EXPECT_EQ(choose(target(0.05), use).accuracy, choose(target(0.05), use_of(10, false)).accuracy);
+  EXPECT_EQ(rejection({.target_mm = 0.3, .pitch_mm = 0.2}, use), AccuracyErrorCode::kUnreachable);
+  use.wall_pitch_mm = 1e-4;
+  EXPECT_EQ(rejection(target(0.3), use), AccuracyErrorCode::kTooMuchMemory);
+}
+
 TEST(AccuracyChoice, UnreachableTargetIsRejectedWithItsCode) {
   EXPECT_EQ(rejection({.target_mm = 0.1, .pitch_mm = 0.2}), AccuracyErrorCode::kUnreachable);
   EXPECT_EQ(rejection({.target_mm = 0.1, .tolerance_mm = 0.1}), AccuracyErrorCode::kUnreachable);
