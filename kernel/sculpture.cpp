@@ -276,6 +276,7 @@ MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
   const auto last = last_pose_.find(command.tool);
   const bool start_is_cut = last != last_pose_.end() && last->second == motion.from;
   std::vector<RemovedVolume> removed;
+  removed.reserve(fields_.size());
   for (std::size_t n = 0; n < fields_.size(); ++n) {
     removed.push_back(cut_field(fields_[n], normals_[n], used, motion, start_is_cut, result,
                                 feel ? &*force : nullptr, workers));
