@@ -175,9 +175,7 @@ class Carving {
                          result.error().reason);
       report_.machining_s += motion.duration_s;
       simulation.follow(motion, *result);
-      if (options_.forces)
-        write_forces_row(forces, report_.machining_s, motion.to, result->wrench,
-                         result->removed_mm3);
+      if (options_.forces) write_forces_row(forces, report_.machining_s, motion.to, *result);
       progress_.show("carving", static_cast<double>(++report_.motions) /
                                     static_cast<double>(program_.motions.size()));
     }
@@ -185,6 +183,7 @@ class Carving {
       return bad_output(options_.forces->string() + ": cannot be written");
     report_.stock_volume_mm3 = sculpture_->stock_volume_mm3();
     report_.removed_volume_mm3 = sculpture_->removed_volume_mm3();
+    report_.imprint_volume_mm3 = sculpture_->imprint_volume_mm3();
     report_.sub_motions = sculpture_->sub_motions();
     report_.stock_memory_bytes = sculpture_->memory_bytes();
     report_.state_hash = sculpture_->state_hash();
