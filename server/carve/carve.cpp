@@ -121,14 +121,21 @@ class Carving {
         return bad_input(options_.scene.string() + ": accuracy." + settled.error().field + " " +
                          settled.error().reason);
       std::cerr << "accuracy: " << scene_.accuracy->reason << '\n';
-      return {};
+      return settle_tools();
     }
     SculptureSettings& settings = scene_.settings;
     settings.pitch_mm = request.pitch_mm.value_or(settings.pitch_mm);
     settings.tolerance_mm = request.tolerance_mm.value_or(settings.tolerance_mm);
     settings.rays = request.rays.value_or(settings.rays);
     settings.motion = request.motion.value_or(settings.motion);
-    return {};
+    return settle_tools();
+  }
+
+  Result settle_tools() {
+    const auto resolved = resolve_chords(scene_);
+    if (resolved) return {};
+    return bad_input(options_.scene.string() + ": tool " + std::to_string(resolved.error().tool) +
+                     ": " + resolved.error().error.field + " " + resolved.error().error.reason);
   }
 
   Result read_program() {
