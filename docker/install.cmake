@@ -55,7 +55,8 @@ endforeach()
 
 # Public headers, and what they include: copied with their include paths changed to the installed ones.
 set(kerf_public_headers
-  kernel/sculpture.h kernel/dexel/dexel_snapshot.h kernel/dexel/mesh_stock.h kernel/surface/tile_mesh.h
+  kernel/sculpture.h kernel/kernel_version.h kernel/dexel/dexel_snapshot.h kernel/dexel/mesh_stock.h
+  kernel/surface/tile_mesh.h
   kernel/tool/tool_shape.h
   server/formats/accuracy_choice.h server/formats/apt_reader.h server/formats/forces_csv.h
   server/formats/gcode/reader.h server/formats/gcode/parameter_file.h server/formats/gcode/tool_table.h

@@ -79,7 +79,8 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
 std::string version_text() {
   return std::string("kerf-server ") + kerf::kVersion + " (" +
          std::string(kerf::wire::kAgentProtocol) + ", " + std::string(kerf::wire::kViewProtocol) +
-         ", journal format " + std::to_string(kerf::kJournalVersion) + ")";
+         ", journal format " + std::to_string(kerf::kJournalVersion) + ", kernel " +
+         std::to_string(kerf::kKernelVersion) + ")";
 }
 
 int serve(const CommandLine& line) {

@@ -104,8 +104,13 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
     return std::unexpected(options.http.data_folder.string() + ": " + error.message());
   }
   auto impl = std::make_unique<Impl>(std::move(options));
-  for (const JournalError& failure : impl->registry.load_all()) {
+  const LoadReport loaded = impl->registry.load_all();
+  for (const JournalError& failure : loaded.failures) {
     spdlog::error("{}: {}", to_string(failure.code), describe(failure));
+  }
+  for (const RecarvedSession& session : loaded.recarved) {
+    spdlog::warn("session {}: the journal is of kernel version {}; carved again with version {}",
+                 session.id, session.kernel_version, kKernelVersion);
   }
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }

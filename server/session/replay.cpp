@@ -44,7 +44,8 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file) 
   if (!sculpture) return std::unexpected(corrupt(file, 0, sculpture.error().reason));
 
   const auto& hashes = reader->state_hashes();
-  const StateHash newest = hashes.empty() ? StateHash{} : hashes.back();  // sequence 0: no hash
+  const bool comparable = reader->header().kernel_version == kKernelVersion && !hashes.empty();
+  const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash
   std::uint64_t last_sequence = 0;
   for (;;) {
     auto record = reader->next();

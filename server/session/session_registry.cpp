@@ -88,18 +88,20 @@ std::filesystem::path SessionRegistry::journal_path(const std::string& id) const
 }
 
 std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(
-    const std::string& id) {
+    const std::string& id, std::int64_t& kernel_version) {
   const auto file = journal_path(id);
   auto replayed = replay(file);
   if (!replayed) return std::unexpected(replayed.error());
   auto journal = JournalWriter::open(file, replayed->last_sequence);
   if (!journal) return std::unexpected(journal.error());
+  kernel_version = replayed->header.kernel_version;
+  if (replayed->is_recarved()) journal->append_recarved(replayed->hash);
   return std::make_shared<Session>(id, *std::move(replayed), *std::move(journal), options_.session,
                                    make_executor_(id), workers_);
 }
 
-std::vector<JournalError> SessionRegistry::load_all() {
-  std::vector<JournalError> failures;
+LoadReport SessionRegistry::load_all() {
+  LoadReport report;
   std::vector<std::string> ids;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(options_.data_folder, error)) {
@@ -107,19 +109,22 @@ std::vector<JournalError> SessionRegistry::load_all() {
     if (entry.path().extension() == kExtension && is_session_id(id)) ids.push_back(id);
   }
   if (error) {
-    failures.push_back({JournalErrorCode::kIo, options_.data_folder.string(), 0, error.message()});
+    report.failures.push_back(
+        {JournalErrorCode::kIo, options_.data_folder.string(), 0, error.message()});
   }
   std::ranges::sort(ids);
   for (const std::string& id : ids) {
-    auto session = start(id);
+    std::int64_t kernel_version = kKernelVersion;
+    auto session = start(id, kernel_version);
     if (!session) {
-      failures.push_back(session.error());
+      report.failures.push_back(session.error());
       continue;
     }
+    if (kernel_version != kKernelVersion) report.recarved.push_back({id, kernel_version});
     const std::lock_guard lock(mutex_);
     sessions_[id] = *std::move(session);
   }
-  return failures;
+  return report;
 }
 
 std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string id,
@@ -176,7 +181,8 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
     header.base_folder = std::filesystem::absolute(*source.base_folder, ignored).string();
   }
   auto written = write_first_records(journal_path(*reserved), header, *scene);
-  auto session = written ? start(*reserved) : std::unexpected(written.error());
+  std::int64_t kernel_version = kKernelVersion;
+  auto session = written ? start(*reserved, kernel_version) : std::unexpected(written.error());
   const std::lock_guard lock(mutex_);
   if (!session) {
     sessions_.erase(*reserved);

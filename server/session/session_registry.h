@@ -30,6 +30,19 @@ struct RegistryOptions {
   SessionLimits session;
 };
 
+/// A session whose journal was written with another version of the kernel: its block has been
+/// carved again by this one, and its journal continues with the hashes of this one.
+struct RecarvedSession {
+  std::string id;
+  std::int64_t kernel_version;  ///< of the journal until then
+};
+
+/// Outcome of SessionRegistry::load_all.
+struct LoadReport {
+  std::vector<JournalError> failures;  ///< journals that cannot be read; they are left unchanged
+  std::vector<RecarvedSession> recarved;
+};
+
 /// True for a valid session id: 1 to 64 characters from a–z, 0–9, - and _, which are safe in file
 /// names and URLs.
 bool is_session_id(std::string_view id);
@@ -44,9 +57,8 @@ class SessionRegistry {
   using MakeExecutor = std::function<std::shared_ptr<Executor>(const std::string& id)>;
   SessionRegistry(RegistryOptions options, MakeExecutor make_executor, Executor& workers);
 
-  /// Starts a session for every journal of the data folder. Returns the errors of the journals that
-  /// cannot be read; these files are left unchanged.
-  std::vector<JournalError> load_all();
+  /// Starts a session for every journal of the data folder.
+  LoadReport load_all();
 
   /// Starts a new session. If `id` is empty, a unique one is derived from the scene's name.
   std::expected<std::shared_ptr<Session>, RegistryError> create(std::string id,
@@ -63,7 +75,8 @@ class SessionRegistry {
 
  private:
   std::filesystem::path journal_path(const std::string& id) const;
-  std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id);
+  std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id,
+                                                              std::int64_t& kernel_version);
   std::expected<std::string, RegistryError> reserve(std::string id, const std::string& name);
   void end(const std::shared_ptr<Session>& session, const std::string& reason);
 

@@ -19,6 +19,7 @@ constexpr const char* kTables = R"(
   CREATE TABLE commands(sequence INTEGER PRIMARY KEY, participant INTEGER NOT NULL,
                         bytes BLOB NOT NULL, crc INTEGER NOT NULL);
   CREATE TABLE state_hashes(sequence INTEGER PRIMARY KEY, hash INTEGER NOT NULL);
+  CREATE TABLE kernel_versions(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);
 )";
 
 /// Created only if the scene names files.
@@ -106,6 +107,9 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
     insert->bind(4, header.base_folder);
     if (auto row = insert->step(); !row) return std::unexpected(row.error());
     if (auto ok = insert_files(*database, header.files); !ok) return ok;
+    const std::string version =
+        "INSERT INTO kernel_versions VALUES(0," + std::to_string(header.kernel_version) + ")";
+    if (auto ok = database->execute(version); !ok) return ok;
     return database->execute("COMMIT");
   };
   if (auto ok = fill(); !ok) {
@@ -144,7 +148,11 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
                                           std::to_string(kJournalVersion)));
   }
   if (mode == SqlMode::kWrite) {
-    const std::string setup = "PRAGMA synchronous=FULL; UPDATE session SET epoch=epoch+1";
+    // The first journals had no table of kernel versions.
+    const std::string setup =
+        "PRAGMA synchronous=FULL; CREATE TABLE IF NOT EXISTS kernel_versions"
+        "(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);"
+        "UPDATE session SET epoch=epoch+1";
     if (auto ok = database->execute(setup); !ok) {
       return std::unexpected(to_journal_error(file, ok.error()));
     }

@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 
+#include "kernel/kernel_version.h"
 #include "server/store/journal_error.h"
 #include "server/store/sqlite.h"
 
@@ -16,6 +17,8 @@ namespace kerf {
 inline constexpr std::int64_t kJournalApplicationId = 0x4B455246;
 /// Version of the tables. A file with another version is rejected with kForeignVersion.
 inline constexpr std::int64_t kJournalVersion = 1;
+/// Kernel version of a journal that stores none.
+inline constexpr std::int64_t kFirstKernelVersion = 1;
 
 /// The parameters of a session.
 struct JournalHeader {
@@ -24,6 +27,8 @@ struct JournalHeader {
   std::string base_folder;  ///< of the scene's file references; empty: none
   std::uint32_t epoch = 1;  ///< number of times the journal was opened for writing
   std::map<std::string, std::string> files = {};  ///< contents of the scene's files, by name
+  /// Version of the kernel that computed the newest state hash.
+  std::int64_t kernel_version = kKernelVersion;
 };
 
 /// Creates an empty journal; fails with kExists if the file exists.

@@ -65,6 +65,8 @@ std::expected<void, JournalError> JournalReader::read_head() {
     });
     if (!ok) return ok;
   }
+  ok = read_kernel_version();
+  if (!ok) return ok;
   if (!damaged.empty()) {
     return std::unexpected(corrupt(0, "the checksum of the scene's file " + damaged + " is wrong"));
   }
@@ -79,6 +81,20 @@ std::expected<void, JournalError> JournalReader::read_head() {
                 hashes_.push_back({static_cast<std::uint64_t>(row.integer(0)),
                                    std::bit_cast<std::uint64_t>(row.integer(1))});
               });
+}
+
+std::expected<void, JournalError> JournalReader::read_kernel_version() {
+  header_.kernel_version = kFirstKernelVersion;
+  const auto tables =
+      database_.integer("SELECT count(*) FROM sqlite_master WHERE name='kernel_versions'");
+  if (!tables) return std::unexpected(to_journal_error(file_, tables.error()));
+  if (*tables == 0) return {};
+  const auto version = database_.integer(
+      "SELECT coalesce((SELECT version FROM kernel_versions ORDER BY sequence DESC LIMIT 1)," +
+      std::to_string(kFirstKernelVersion) + ")");
+  if (!version) return std::unexpected(to_journal_error(file_, version.error()));
+  header_.kernel_version = *version;
+  return {};
 }
 
 std::expected<std::optional<JournalRecord>, JournalError> JournalReader::next() {

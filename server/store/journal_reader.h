@@ -41,6 +41,7 @@ class JournalReader {
  private:
   JournalReader(std::filesystem::path file, SqlDatabase database, SqlStatement commands);
   std::expected<void, JournalError> read_head();
+  std::expected<void, JournalError> read_kernel_version();
   JournalError corrupt(std::uint64_t sequence, std::string reason) const;
 
   std::filesystem::path file_;

@@ -18,11 +18,22 @@ struct PendingCommand {
   ParticipantId participant;
   std::vector<std::byte> bytes;
 };
-using Pending = std::variant<PendingCommand, JournalParticipant, StateHash>;
+/// A hash that another version of the kernel would not compute.
+struct RecarvedHash {
+  StateHash state;
+};
+using Pending = std::variant<PendingCommand, JournalParticipant, StateHash, RecarvedHash>;
 
 struct Inserts {
-  SqlStatement command, participant, hash;
+  SqlStatement command, participant, hash, version;
 };
+
+SqlResult<void> insert_version(SqlStatement& statement, std::uint64_t sequence) {
+  statement.bind(1, static_cast<std::int64_t>(sequence));
+  statement.bind(2, kKernelVersion);
+  if (auto row = statement.step(); !row) return std::unexpected(row.error());
+  return {};
+}
 
 SqlResult<void> insert(Inserts& inserts, const Pending& pending) {
   SqlStatement* statement = nullptr;
@@ -40,7 +51,11 @@ SqlResult<void> insert(Inserts& inserts, const Pending& pending) {
     statement->bind(3, participant->color);
     statement->bind(4, participant->kind);
   } else {
-    const auto& state = std::get<StateHash>(pending);
+    const auto* recarved = std::get_if<RecarvedHash>(&pending);
+    const StateHash state = recarved != nullptr ? recarved->state : std::get<StateHash>(pending);
+    if (recarved != nullptr) {
+      if (auto ok = insert_version(inserts.version, state.sequence); !ok) return ok;
+    }
     statement = &inserts.hash;
     statement->bind(1, static_cast<std::int64_t>(state.sequence));
     statement->bind(2, std::bit_cast<std::int64_t>(state.hash));
@@ -145,7 +160,10 @@ SqlResult<Inserts> prepare_inserts(SqlDatabase& database) {
   if (!participant) return std::unexpected(participant.error());
   auto hash = database.prepare("INSERT OR REPLACE INTO state_hashes VALUES(?,?)");
   if (!hash) return std::unexpected(hash.error());
-  return Inserts{*std::move(command), *std::move(participant), *std::move(hash)};
+  auto version = database.prepare("INSERT OR REPLACE INTO kernel_versions VALUES(?,?)");
+  if (!version) return std::unexpected(version.error());
+  return Inserts{*std::move(command), *std::move(participant), *std::move(hash),
+                 *std::move(version)};
 }
 
 }  // namespace
@@ -192,6 +210,7 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
 
 void JournalWriter::append(const JournalParticipant& participant) { impl_->push(participant); }
 void JournalWriter::append(StateHash state) { impl_->push(state); }
+void JournalWriter::append_recarved(StateHash state) { impl_->push(RecarvedHash{state}); }
 
 std::expected<void, JournalError> JournalWriter::flush() {
   std::unique_lock lock(impl_->mutex);

@@ -44,6 +44,9 @@ class JournalWriter {
   void append(const JournalParticipant& participant);
   /// Appends the hash of the solid after record `state.sequence`.
   void append(StateHash state);
+  /// Appends the hash of a block that this kernel has carved from the records of another one, and
+  /// the version of this kernel, in one transaction.
+  void append_recarved(StateHash state);
 
   /// Blocks until all records appended before the call are committed; returns the error of a failed
   /// commit.

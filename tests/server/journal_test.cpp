@@ -98,6 +98,35 @@ TEST_F(Journal, OpenContinuesAfterTheLastRecordAndIncrementsTheEpoch) {
   EXPECT_EQ(count, 11);
 }
 
+TEST_F(Journal, StoresTheKernelVersionOfItsNewestHash) {
+  write_ten();
+  EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kKernelVersion);
+  sql("UPDATE kernel_versions SET version=77");
+  EXPECT_EQ(JournalReader::open(file)->header().kernel_version, 77);
+  {
+    auto writer = JournalWriter::open(file, 10);
+    ASSERT_TRUE(writer);
+    writer->append_recarved(StateHash{10, 42});
+    ASSERT_TRUE(writer->flush());
+  }
+  const auto reader = JournalReader::open(file);
+  EXPECT_EQ(reader->header().kernel_version, kKernelVersion);
+  EXPECT_EQ(reader->state_hashes().back().hash, 42U);
+}
+
+TEST_F(Journal, WithoutAKernelVersionItIsOfTheFirst) {
+  write_ten();
+  sql("DROP TABLE kernel_versions");
+  EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kFirstKernelVersion);
+  {
+    auto writer = JournalWriter::open(file, 10);
+    ASSERT_TRUE(writer) << describe(writer.error());
+    writer->append_recarved(StateHash{10, 42});
+    ASSERT_TRUE(writer->flush());
+  }
+  EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kKernelVersion);
+}
+
 TEST_F(Journal, ReaderBesideAWriterReadsCommittedRecords) {
   auto writer = JournalWriter::create(file, kHeader);
   ASSERT_TRUE(writer);

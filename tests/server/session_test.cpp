@@ -133,12 +133,75 @@ TEST_F(SessionTest, RegistryRestoresSessions) {
     ASSERT_TRUE(session->flush());
   }
   restart();
-  EXPECT_TRUE(registry->load_all().empty());
+  const LoadReport report = registry->load_all();
+  EXPECT_TRUE(report.failures.empty());
+  EXPECT_TRUE(report.recarved.empty());
   const auto session = registry->find("block");
   ASSERT_TRUE(session);
   EXPECT_EQ(session->current_hash()->hash, hash);
   EXPECT_EQ(session->epoch(), 3U);  // created, started, started again
   EXPECT_GT(join(*session), 1U);
+}
+
+/// Stores what another version of the kernel would have: its version, and a hash that this one does
+/// not compute.
+void pretend_kernel_version(const std::filesystem::path& file, const std::string& statement) {
+  auto database = SqlDatabase::open(file, SqlMode::kWrite);
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(database->execute(statement)) << statement;
+  ASSERT_TRUE(database->execute("UPDATE state_hashes SET hash=2989"));
+}
+
+TEST_F(SessionTest, JournalOfAnotherKernelIsRecarvedOnceAndKeepsItsNewHash) {
+  std::uint64_t hash = 0;
+  std::filesystem::path file;
+  for (const std::string version :
+       {"UPDATE kernel_versions SET version=version-1", "UPDATE kernel_versions SET version=99",
+        "DELETE FROM kernel_versions; INSERT INTO kernel_versions VALUES(0,-1)"}) {
+    if (hash == 0) {
+      const auto session = start();
+      carve_circle(*session, join(*session));
+      hash = session->solid().hash();
+      session->note_hash({session->sequence(), hash});
+      ASSERT_TRUE(session->flush());
+      file = session->journal_file();
+    }
+    restart();
+    pretend_kernel_version(file, version);
+    const LoadReport report = registry->load_all();
+    ASSERT_TRUE(report.failures.empty()) << describe(report.failures[0]);
+    ASSERT_EQ(report.recarved.size(), 1U) << version;
+    EXPECT_EQ(report.recarved[0].id, "block");
+    EXPECT_NE(report.recarved[0].kernel_version, kKernelVersion);
+    EXPECT_EQ(registry->find("block")->current_hash()->hash, hash);
+    ASSERT_TRUE(registry->find("block")->flush());
+    // From now on the journal is one of this kernel.
+    const auto again = replay(file);
+    ASSERT_TRUE(again) << describe(again.error());
+    EXPECT_FALSE(again->is_recarved());
+    const auto reader = JournalReader::open(file);
+    EXPECT_EQ(reader->header().kernel_version, kKernelVersion);
+    EXPECT_EQ(reader->state_hashes().back().hash, hash);
+  }
+  restart();
+  EXPECT_TRUE(registry->load_all().recarved.empty());
+}
+
+TEST_F(SessionTest, WrongHashOfARecarvedJournalIsCorruption) {
+  const auto session = start();
+  carve_circle(*session, join(*session));
+  ASSERT_TRUE(session->flush());
+  const auto file = session->journal_file();
+  restart();
+  pretend_kernel_version(file, "UPDATE kernel_versions SET version=version-1");
+  ASSERT_EQ(registry->load_all().recarved.size(), 1U);
+  ASSERT_TRUE(registry->find("block")->flush());
+  restart();
+  pretend_kernel_version(file, "SELECT 1");
+  const LoadReport report = registry->load_all();
+  ASSERT_EQ(report.failures.size(), 1U);
+  EXPECT_EQ(report.failures[0].code, JournalErrorCode::kCorrupt);
+  EXPECT_TRUE(report.recarved.empty());
 }
 
 TEST_F(SessionTest, RejectedSampleDoesNotStopTheRestOfTheBatch) {
