@@ -40,6 +40,12 @@ Check check_stock(const StockShape& stock) {
                    {c.center_x_mm + r, c.center_y_mm + r, c.max_z_mm});
 }
 
+double longest_side_mm(const StockShape& stock) {
+  const BoxStock box = stock_bounds(stock);
+  const Vec3 size = box.max_mm - box.min_mm;
+  return std::max({size.x, size.y, size.z});
+}
+
 /// Returns whether a component is denormal. Such numbers have lost precision and no valid pose
 /// holds one.
 bool has_denormal(Vec3 v) {
@@ -61,6 +67,11 @@ Check check_settings(const SculptureSettings& s) {
   }
   if (!(s.tolerance_mm >= 0.000001 && s.tolerance_mm <= 100)) {
     return reject(kBadTolerance, "tolerance_mm must be between 0.000001 and 100");
+  }
+  if (s.keep_normals && longest_side_mm(s.stock) > double(kSurfacePitchesMax) * s.pitch_mm) {
+    return reject(kTooManyColumns,
+                  "a side of the stock is longer than 2^20 pitches, too long for a surface model; "
+                  "increase pitch_mm");
   }
   for (const RayAxis axis : axes_of(s.rays)) {
     if (columns_in_field(s.stock, s.pitch_mm, axis) > double(kColumnsMax)) {

@@ -34,7 +34,8 @@ struct SculptureSettings {
   std::shared_ptr<const TriangleMesh> stock_mesh;
   Rays rays = Rays::kDexel;
   /// Distance of neighboring rays, in [0.0001, 1000]. A field may have at most kColumnsMax columns,
-  /// or kMeshColumnsMax if the stock is a mesh.
+  /// or kMeshColumnsMax if the stock is a mesh; with keep_normals, no side of the stock may be
+  /// longer than kSurfacePitchesMax pitches.
   double pitch_mm = 0.25;
   /// Greatest distance of a dexel's end from the swept surface, for both motion models; in
   /// [0.000001, 100].
@@ -56,5 +57,8 @@ inline constexpr std::int64_t kColumnsMax = std::int64_t{1} << 36;
 /// Greatest number of columns of one field whose stock is a mesh. It is lower because nearly all
 /// tiles of such a field are stored from the beginning.
 inline constexpr std::int64_t kMeshColumnsMax = std::int64_t{1} << 28;
+/// Longest permitted side of a stock whose surface is meshed, in pitches: the positions of vertices
+/// are floats, which do not distinguish neighboring columns beyond it.
+inline constexpr std::int64_t kSurfacePitchesMax = std::int64_t{1} << 20;
 
 }  // namespace kerf

@@ -9,13 +9,22 @@ namespace {
 /// Sine of the angle (0.2 degrees) below which a ray counts as parallel to the surface at its end.
 constexpr double kGrazing = 0.0035;
 
+/// Returns the height of sample 0, in steps above the block's lowest plane.
+double height_of_first_sample(const SolidSnapshot& solid) {
+  const DexelGrid& grid = solid.grid();
+  const double where_rays_meet = 0.5;
+  const double quanta = std::floor(where_rays_meet * grid.pitch_mm / grid.z_quantum_mm + 0.5);
+  const bool sampled = quanta < grid.height_quanta;
+  return solid.fields.size() == 3 && sampled ? where_rays_meet : 0;
+}
+
 }  // namespace
 
 ColumnWindow::ColumnWindow(const SolidSnapshot& solid, std::int32_t first_x, std::int32_t first_y,
                            std::int32_t side)
     : grid_(solid.fields.front().grid()),
       quanta_per_step_(grid_.pitch_mm / grid_.z_quantum_mm),
-      level_zero_(solid.fields.size() == 1 ? 0 : 0.5),
+      level_zero_(height_of_first_sample(solid)),
       first_x_(first_x),
       first_y_(first_y),
       side_(side) {
@@ -63,6 +72,8 @@ void ColumnWindow::append_run(const SolidRun& run) {
   }
 }
 
+/// At most a few steps from steps(height), which is exact to rounding: a step has at least 2^10
+/// quanta, since a block with a surface has at most 2^20 pitches (kSurfacePitchesMax).
 std::int32_t ColumnWindow::first_sample_at_or_above(std::int32_t height) const {
   auto sample = static_cast<std::int32_t>(steps(height));
   while (level(sample) < height) ++sample;

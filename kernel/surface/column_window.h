@@ -21,9 +21,10 @@ struct SolidRun {
 
 /// A copy of the columns along Z of one tile and a margin around it, sampled one pitch apart.
 /// Sample k is at height level(k), in quanta. With three fields, samples are placed where rays of
-/// all three meet; with one field, level(0) is the block's lowest plane, so nothing that touches
-/// that plane is lost. A sample is solid where bottom <= level < top. An element that contains no
-/// sample is lost, and so is a gap that contains none. Columns outside the grid are empty.
+/// all three meet; with one field, or in a block too low for such a sample, level(0) is the block's
+/// lowest plane, so nothing that touches that plane is lost. A sample is solid where bottom <=
+/// level < top. An element that contains no sample is lost, and so is a gap that contains none.
+/// Columns outside the grid are empty.
 class ColumnWindow {
  public:
   ColumnWindow(const SolidSnapshot& solid, std::int32_t first_x, std::int32_t first_y,
@@ -38,11 +39,14 @@ class ColumnWindow {
     const std::size_t n = number(i, j);
     return {runs_->data() + start_[n], runs_->data() + start_[n + 1]};
   }
+  /// Returns the number of samples within the block: 0 to samples() - 1.
+  std::int32_t samples() const { return first_sample_at_or_above(grid_.height_quanta); }
   /// Returns whether a sample is solid.
   bool solid(std::int32_t i, std::int32_t j, std::int32_t sample) const;
-  /// Returns the height of a sample, in quanta.
-  std::int32_t level(std::int32_t sample) const {
-    return static_cast<std::int32_t>(std::floor((sample + level_zero_) * quanta_per_step_ + 0.5));
+  /// Returns the height of a sample, in quanta. Samples outside of the block may be higher than any
+  /// depth: in a block lower than half a pitch, one step exceeds 2^31 quanta.
+  std::int64_t level(std::int32_t sample) const {
+    return static_cast<std::int64_t>(std::floor((sample + level_zero_) * quanta_per_step_ + 0.5));
   }
   /// Converts a height in quanta to sample steps: steps(level(k)) is k, to rounding.
   double steps(std::int32_t height) const { return height / quanta_per_step_ - level_zero_; }

@@ -15,6 +15,9 @@ namespace {
 constexpr double kMarginMin = 1.0 / 1024;
 /// The same distance as a share of the block's size, for blocks where floats are coarser.
 constexpr double kMarginOfSize = 1.0 / (1 << 21);
+/// The same distance at the bottom of a cell as a share of the block's height, for blocks thinner
+/// than that margin.
+constexpr double kMarginOfHeight = 0.25;
 /// Share of the pitch by which coinciding vertices of two sheets are separated.
 constexpr double kSheetShift = 1.0 / 64;
 /// Cosine of the angle beyond which two normals belong to different sides of a crease.
@@ -113,17 +116,18 @@ VertexPlacement::VertexPlacement(const SolidSnapshot& solid, const ColumnWindow&
   stock_low_ = {-0.5, -0.5, -window.level_zero()};
   stock_high_ = stock_low_ + size;
   margin_ = std::max(kMarginMin, std::max({size.x, size.y, size.z}) * kMarginOfSize);
+  margin_below_ = std::min(margin_, size.z * kMarginOfHeight);
 }
 
 CellLimits VertexPlacement::limits_of(const LatticeCell& cell) const {
   const Vec3 center{cell.x + 0.5, cell.y + 0.5, cell.layer - 0.5};
-  const auto within = [this](double middle, double low, double high, double upper_margin) {
-    const double least = -0.5 + margin_, most = 0.5 - upper_margin;
+  const auto within = [](double middle, double low, double high, double below, double above) {
+    const double least = -0.5 + below, most = 0.5 - above;
     return std::pair(std::clamp(low - middle, least, most), std::clamp(high - middle, least, most));
   };
-  const auto x = within(center.x, stock_low_.x, stock_high_.x, margin_);
-  const auto y = within(center.y, stock_low_.y, stock_high_.y, margin_);
-  const auto z = within(center.z, stock_low_.z, stock_high_.z, 0);
+  const auto x = within(center.x, stock_low_.x, stock_high_.x, margin_, margin_);
+  const auto y = within(center.y, stock_low_.y, stock_high_.y, margin_, margin_);
+  const auto z = within(center.z, stock_low_.z, stock_high_.z, margin_below_, 0);
   return {{x.first, y.first, z.first}, {x.second, y.second, z.second}};
 }
 

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <fstream>
 #include <functional>
 #include <future>
 #include <iostream>
 #include <memory>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -19,6 +19,7 @@
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
 #include "server/carve/simulation_json.h"
+#include "server/carve/stop_signal.h"
 #include "server/formats/forces_csv.h"
 #include "server/formats/program.h"
 #include "server/formats/program_writer.h"
@@ -31,10 +32,8 @@ namespace {
 
 constexpr int kBadInput = 2;
 constexpr int kBadOutput = 1;
-constexpr int kInterrupted = 128 + SIGINT;
-
-volatile std::sig_atomic_t interrupted = 0;
-void on_interrupt(int) { interrupted = 1; }
+constexpr const char* kInterrupted = "interrupted";
+constexpr const char* kAbandoned = "interrupted; unfinished work was abandoned";
 
 struct Failure {
   int status;
@@ -55,14 +54,18 @@ class Stopwatch {
 
 class Carving {
  public:
-  explicit Carving(const CarveOptions& options) : options_(options), pool_(options.threads) {}
+  Carving(const CarveOptions& options, OutputFiles& outputs, std::stop_token stop)
+      : options_(options), outputs_(outputs), stop_(std::move(stop)), pool_(options.threads) {}
 
   std::expected<void, Failure> run() {
     for (const auto step : {&Carving::read_scene, &Carving::read_program, &Carving::cut,
-                            &Carving::write_models, &Carving::write_report, &Carving::commit}) {
-      if (auto done = (this->*step)(); !done) return done;
-      if (interrupted != 0) return std::unexpected(Failure{kInterrupted, "interrupted"});
+                            &Carving::write_models, &Carving::write_report}) {
+      const auto done = (this->*step)();
+      if (stop_.stop_requested())
+        return std::unexpected(Failure{StopSignal::status(), kInterrupted});
+      if (!done) return done;
     }
+    if (auto done = outputs_.commit(); !done) return bad_output(done.error());
     progress_.clear();
     for (const std::string& warning : report_.warnings) std::cerr << "warning: " << warning << '\n';
     return {};
@@ -94,6 +97,7 @@ class Carving {
       reference_ = *std::move(reference);
     }
     report_.scene_file = options_.scene.string();
+    progress_.show("preparing the stock", 0);
     auto sculpture = Sculpture::create(settings);
     if (!sculpture) return bad_input(options_.scene.string() + ": " + sculpture.error().reason);
     sculpture_ = std::make_unique<Sculpture>(*std::move(sculpture));
@@ -162,8 +166,9 @@ class Carving {
     }
     Simulation simulation(scene_, program_, options_.report.has_value());
     const DexelSnapshot before = sculpture_->snapshot();
+    progress_.show("carving", 0);
     for (const ProgramMotion& motion : program_.motions) {
-      if (interrupted != 0) return {};
+      if (stop_.stop_requested()) return {};
       auto result = sculpture_->apply(MoveTool{.tool = motion.tool,
                                                .from = motion.from,
                                                .to = motion.to,
@@ -200,9 +205,11 @@ class Carving {
       if (!mesh) return bad_input(mesh.error());
       const MeshDistance reference(*mesh);
       const double tolerance = options_.gouge_tolerance_mm.value_or(scene_.settings.tolerance_mm);
-      gouges = find_gouges(before, sculpture_->snapshot(), reference, tolerance,
-                           [this](double share) { progress_.show("finding gouges", share); });
-      attribute_gouges(*gouges, program_.motions, scene_.tools, scene_.settings.tolerance_mm);
+      gouges = find_gouges(
+          before, sculpture_->snapshot(), reference, tolerance,
+          [this](double share) { progress_.show("finding gouges", share); }, stop_);
+      attribute_gouges(*gouges, program_.motions, scene_.tools, scene_.settings.tolerance_mm,
+                       stop_);
     }
     warn_of_simulation(simulation, gouges, report_.warnings);
     report_.simulation = simulation_json(simulation, options_.tool_change_s, gouges);
@@ -238,8 +245,9 @@ class Carving {
     const SurfaceRequest& request = options_.surface;
     if (options_.models.empty() && !request.reference) return {};
     const ModelProgress bar = [this](double share) { progress_.show("measuring", share); };
-    auto made =
-        CarvedSurface::make(sculpture_->solid(), request, reference_ ? &*reference_ : nullptr, bar);
+    bar(0);
+    auto made = CarvedSurface::make(sculpture_->solid(), request,
+                                    reference_ ? &*reference_ : nullptr, bar, stop_);
     if (!made) return bad_input(options_.scene.string() + ": " + made.error());
     surface_ = *std::move(made);
     report_.surface = surface_->report();
@@ -249,7 +257,7 @@ class Carving {
   std::function<Result()> model_job(const ModelChoice& choice, const ModelProgress& bar,
                                     std::uint64_t& triangles) {
     return [this, choice, bar, &triangles, &file = output(choice.path)]() -> Result {
-      auto written = surface_->write(choice, file.temporary(), scene_.name, bar);
+      auto written = surface_->write(choice, file.temporary(), scene_.name, bar, stop_);
       if (!written) return bad_output(file.target().string() + ": " + written.error());
       triangles = *written;
       return {};
@@ -287,17 +295,11 @@ class Carving {
     return {};
   }
 
-  Result commit() {
-    for (const auto& file : outputs_)
-      if (auto done = file->commit(); !done) return bad_output(done.error());
-    return {};
-  }
-
-  OutputFile& output(const std::filesystem::path& path) {
-    return *outputs_.emplace_back(std::make_unique<OutputFile>(path));
-  }
+  OutputFile& output(const std::filesystem::path& path) { return outputs_.add(path); }
 
   const CarveOptions& options_;
+  OutputFiles& outputs_;
+  std::stop_token stop_;
   ThreadPool pool_;
   Stopwatch watch_;
   Progress progress_;
@@ -307,7 +309,6 @@ class Carving {
   std::optional<IndexedMesh> reference_;
   std::unique_ptr<CarvedSurface> surface_;
   CarveReport report_;
-  std::vector<std::unique_ptr<OutputFile>> outputs_;
 };
 
 int fail(const Failure& failure) {
@@ -324,9 +325,13 @@ int run_carve(const CarveOptions& options) {
     std::cout << explain_scene(*scene);
     return 0;
   }
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
-  const auto done = Carving(options).run();
+  OutputFiles outputs;
+  const StopSignal signal([&outputs] {
+    outputs.abandon();
+    std::cerr << kAbandoned << '\n';
+  });
+  // Temporary: freeing the block is covered by the signal's deadline too.
+  const auto done = Carving(options, outputs, signal.token()).run();
   return done ? 0 : fail(done.error());
 }
 

@@ -61,12 +61,13 @@ void sample_triangle(const std::array<Vec3, 3>& corners, double spacing_mm, int 
 }  // namespace
 
 Deviation measure_deviation(MeshSource& surface, const MeshDistance& reference, double spacing_mm,
-                            const std::function<void(double)>& progress) {
+                            const std::function<void(double)>& progress,
+                            const std::stop_token& stop) {
   Deviation deviation;
   std::vector<DistanceSample> samples;
   Probe probe(reference);
   std::vector<Vec3> points;
-  for (MeshPiece piece; surface.next(piece);) {
+  for (MeshPiece piece; !stop.stop_requested() && surface.next(piece);) {
     points.clear();
     for (const auto& p : piece.positions_mm) {
       points.push_back(surface.origin_mm() + Vec3{double(p[0]), double(p[1]), double(p[2])});

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "server/carve/distance_figures.h"
@@ -19,9 +20,11 @@ struct Deviation {
 };
 
 /// Measures a surface against a reference at every vertex, and for the figures at points at most
-/// about `spacing_mm` apart, so that large triangles count as much as many small ones.
+/// about `spacing_mm` apart, so that large triangles count as much as many small ones. Ends early,
+/// with the figures of a part of the surface, if a stop is requested.
 Deviation measure_deviation(MeshSource& surface, const MeshDistance& reference, double spacing_mm,
-                            const std::function<void(double)>& progress = {});
+                            const std::function<void(double)>& progress = {},
+                            const std::stop_token& stop = {});
 
 /// A surface colored by its deviation: from blue (-range_mm and below) through white (0) to red
 /// (range_mm and above).

@@ -141,13 +141,14 @@ double least_distance_mm(Vec3 point, const ProgramMotion& motion, const ToolProf
 
 Gouges find_gouges(const DexelSnapshot& before, const DexelSnapshot& after,
                    const MeshDistance& reference, double tolerance_mm,
-                   const std::function<void(double)>& progress) {
+                   const std::function<void(double)>& progress, const std::stop_token& stop) {
   const DexelGrid& grid = after.grid();
   Walker walker(before, after, reference, tolerance_mm);
   std::vector<GougedColumn> columns;
   for (std::int32_t ty = 0; ty < grid.tiles_y(); ++ty) {
     if (progress) progress(static_cast<double>(ty) / grid.tiles_y());
     for (std::int32_t tx = 0; tx < grid.tiles_x(); ++tx) {
+      if (stop.stop_requested()) return {};
       if (!after.touched({tx, ty})) continue;
       const std::int32_t j_end = std::min((ty + 1) * kTileSide, grid.columns_y);
       const std::int32_t i_end = std::min((tx + 1) * kTileSide, grid.columns_x);
@@ -165,12 +166,14 @@ Gouges find_gouges(const DexelSnapshot& before, const DexelSnapshot& after,
 }
 
 void attribute_gouges(Gouges& gouges, const std::vector<ProgramMotion>& motions,
-                      const std::map<ToolId, SceneTool>& tools, double tolerance_mm) {
+                      const std::map<ToolId, SceneTool>& tools, double tolerance_mm,
+                      const std::stop_token& stop) {
   std::map<ToolId, ToolProfile> profiles;
   for (const auto& [id, tool] : tools) profiles.emplace(id, ToolProfile(tool.tool));
   for (Gouge& gouge : gouges.worst) {
     double nearest = 1e300;
     for (std::size_t n = 0; n < motions.size() && nearest > tolerance_mm; ++n) {
+      if (stop.stop_requested()) return;
       const Tool& tool = tools.at(motions[n].tool).tool;
       const double distance =
           least_distance_mm(gouge.deepest_mm, motions[n], profiles.at(motions[n].tool),

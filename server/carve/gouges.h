@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "kernel/dexel/dexel_snapshot.h"
@@ -34,13 +35,17 @@ inline constexpr std::size_t kGougesMax = 50;
 
 /// Finds material of `before` that is missing in `after` deeper than `tolerance_mm` below the
 /// surface of the reference. Every removed interval of every ray is searched, so that walls that
-/// were removed entirely are found. Adjacent columns form one gouge.
+/// were removed entirely are found. Adjacent columns form one gouge. Ends early, with a part of the
+/// gouges, if a stop is requested.
 Gouges find_gouges(const DexelSnapshot& before, const DexelSnapshot& after,
                    const MeshDistance& reference, double tolerance_mm,
-                   const std::function<void(double)>& progress = {});
+                   const std::function<void(double)>& progress = {},
+                   const std::stop_token& stop = {});
 
-/// Finds, for each of the worst gouges, the motion that first reached its deepest point.
+/// Finds, for each of the worst gouges, the motion that first reached its deepest point; for those
+/// that remain when a stop is requested, none.
 void attribute_gouges(Gouges& gouges, const std::vector<ProgramMotion>& motions,
-                      const std::map<ToolId, SceneTool>& tools, double tolerance_mm);
+                      const std::map<ToolId, SceneTool>& tools, double tolerance_mm,
+                      const std::stop_token& stop = {});
 
 }  // namespace kerf

@@ -45,17 +45,20 @@ std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::pa
 
 std::unique_ptr<MeshSource> CarvedSurface::plain() const {
   if (simplified_) return std::make_unique<WholeMesh>(*simplified_);
-  return std::make_unique<SnapshotMesh>(snapshot_);
+  // Deviations vary along a face that no cut has reached.
+  return std::make_unique<SnapshotMesh>(snapshot_,
+                                        compared_ ? FlatFaces::kByTile : FlatFaces::kMerged);
 }
 
 std::expected<std::unique_ptr<CarvedSurface>, std::string> CarvedSurface::make(
     const SolidSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
-    const ModelProgress& progress) {
+    const ModelProgress& progress, const std::stop_token& stop) {
   std::unique_ptr<CarvedSurface> surface(new CarvedSurface(snapshot));
   SurfaceReport& report = surface->report_;
+  surface->compared_ = reference != nullptr;
   if (request.simplify.triangles || request.simplify.error_mm) {
     SnapshotMesh exact(snapshot);
-    auto simplified = simplify_mesh(exact, request.simplify, progress);
+    auto simplified = simplify_mesh(exact, request.simplify, progress, stop);
     if (!simplified) return std::unexpected(simplified.error().reason);
     report.exact_triangles = simplified->original_triangles;
     report.simplify_error_mm = simplified->error_mm;
@@ -63,24 +66,30 @@ std::expected<std::unique_ptr<CarvedSurface>, std::string> CarvedSurface::make(
   }
   if (reference != nullptr) {
     const auto mesh = surface->plain();
-    surface->deviation_ = measure_deviation(*mesh, MeshDistance(*reference),
-                                            kSpacingPitches * snapshot.grid().pitch_mm, progress);
+    surface->deviation_ =
+        measure_deviation(*mesh, MeshDistance(*reference),
+                          kSpacingPitches * snapshot.grid().pitch_mm, progress, stop);
     report.deviation = surface->deviation_->figures;
     report.range_mm = std::max(request.range_mm.value_or(report.deviation->p99_mm), kRangeMinMm);
   }
   return surface;
 }
 
-std::expected<std::uint64_t, std::string> CarvedSurface::write(
-    const ModelChoice& choice, const std::filesystem::path& path, const std::string& title,
-    const ModelProgress& progress) const {
+std::expected<std::uint64_t, std::string> CarvedSurface::write(const ModelChoice& choice,
+                                                               const std::filesystem::path& path,
+                                                               const std::string& title,
+                                                               const ModelProgress& progress,
+                                                               const std::stop_token& stop) const {
   std::unique_ptr<MeshSource> mesh = plain();
   if (deviation_) {
     mesh = std::make_unique<DeviationMesh>(std::move(mesh), *deviation_, report_.range_mm);
   }
-  const auto written = write_model(
-      path, *mesh,
-      {.format = choice.format, .encoding = choice.encoding, .title = title, .progress = progress});
+  const auto written = write_model(path, *mesh,
+                                   {.format = choice.format,
+                                    .encoding = choice.encoding,
+                                    .title = title,
+                                    .progress = progress,
+                                    .stop = stop});
   if (!written) return std::unexpected(written.error().reason);
   return written->triangles;
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -44,23 +45,26 @@ std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::pa
 /// The processed surface of a carved block, which any number of threads may write concurrently.
 class CarvedSurface {
  public:
-  /// `reference` may be null. The error is one sentence.
+  /// `reference` may be null. The error is one sentence. Ends early if a stop is requested; the
+  /// result is then of no use.
   static std::expected<std::unique_ptr<CarvedSurface>, std::string> make(
       const SolidSnapshot& snapshot, const SurfaceRequest& request, const IndexedMesh* reference,
-      const ModelProgress& progress);
+      const ModelProgress& progress, const std::stop_token& stop);
 
   const SurfaceReport& report() const { return report_; }
   /// Writes a model file and returns its number of triangles. The error is one sentence.
   std::expected<std::uint64_t, std::string> write(const ModelChoice& choice,
                                                   const std::filesystem::path& path,
                                                   const std::string& title,
-                                                  const ModelProgress& progress) const;
+                                                  const ModelProgress& progress,
+                                                  const std::stop_token& stop) const;
 
  private:
   explicit CarvedSurface(const SolidSnapshot& snapshot) : snapshot_(snapshot) {}
   std::unique_ptr<MeshSource> plain() const;
 
   SolidSnapshot snapshot_;
+  bool compared_ = false;  ///< with a reference
   std::optional<IndexedMesh> simplified_;
   std::optional<Deviation> deviation_;
   SurfaceReport report_;

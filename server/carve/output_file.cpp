@@ -49,4 +49,25 @@ std::expected<void, std::string> OutputFile::commit() {
   return {};
 }
 
+OutputFile& OutputFiles::add(const fs::path& target) {
+  auto file = std::make_unique<OutputFile>(target);
+  const std::scoped_lock lock(mutex_);
+  return *files_.emplace_back(std::move(file));
+}
+
+std::expected<void, std::string> OutputFiles::commit() {
+  // Not locked: a pipe may block, and abandon() must not wait for it.
+  for (const auto& file : files_)
+    if (auto done = file->commit(); !done) return done;
+  return {};
+}
+
+void OutputFiles::abandon() {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& file : files_) {
+    std::error_code ignored;
+    fs::remove(file->temporary(), ignored);
+  }
+}
+
 }  // namespace kerf

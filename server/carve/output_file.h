@@ -3,7 +3,10 @@
 
 #include <expected>
 #include <filesystem>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 namespace kerf {
 
@@ -25,6 +28,22 @@ class OutputFile {
  private:
   std::filesystem::path target_, temporary_;
   bool copy_ = false;
+};
+
+/// The output files of a run. Thread-safe.
+class OutputFiles {
+ public:
+  /// Adds a file; it remains valid as long as this object.
+  OutputFile& add(const std::filesystem::path& target);
+  /// Commits all files in the order of add(). The error is that of the first that fails; it and
+  /// those after it are not written.
+  std::expected<void, std::string> commit();
+  /// Removes the temporary files, also while they are being written: the process is about to end.
+  void abandon();
+
+ private:
+  std::mutex mutex_;  ///< guards files_, not their content
+  std::vector<std::unique_ptr<OutputFile>> files_;
 };
 
 }  // namespace kerf

@@ -19,8 +19,9 @@ Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
 void Progress::show(const std::string& phase, double share) {
   if (!terminal_) return;
   const auto now = std::chrono::steady_clock::now();
-  if (now < next_) return;
+  if (now < next_ && phase == phase_) return;
   next_ = now + kRedraw;
+  phase_ = phase;
   const double part = std::clamp(share, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(part * kBarWidth);
   std::cerr << "\r\033[K" << phase << " [" << std::string(filled, '#')

@@ -14,13 +14,15 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows `share`, 0 to 1. Draws at most ten times a second, so that it may be called often.
+  /// Shows `share`, 0 to 1. A new phase is drawn at once, its progress at most ten
+  /// times a second, so that it may be called often.
   void show(const std::string& phase, double share);
   /// Removes the line.
   void clear();
 
  private:
   bool terminal_ = false, drawn_ = false;
+  std::string phase_;
   std::chrono::steady_clock::time_point next_{};
 };
 

@@ -36,19 +36,19 @@ std::vector<Vec3> points_of(const TileMesh& mesh, Vec3 origin_mm) {
 }  // namespace
 
 DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& truth,
-                                std::size_t samples) {
+                                std::size_t samples, const std::stop_token& stop) {
   const std::vector<TileIndex> tiles = touched_tiles(snapshot);
   const std::size_t meshed = std::min(tiles.size(), kTilesMax);
   std::vector<Vec3> points;
-  for (std::size_t n = 0; n < meshed; ++n) {
+  for (std::size_t n = 0; n < meshed && !stop.stop_requested(); ++n) {
     const auto more =
         points_of(mesh_tile(snapshot, tiles[n * tiles.size() / meshed]), snapshot.grid().origin_mm);
     points.insert(points.end(), more.begin(), more.end());
   }
   std::vector<DistanceSample> errors;
   const std::size_t taken = std::min(points.size(), samples);
-  for (std::size_t n = 0; n < taken; ++n) {
-    const auto [mm, cut] = truth.distance(points[n * points.size() / taken]);
+  for (std::size_t n = 0; n < taken && !stop.stop_requested(); ++n) {
+    const auto [mm, cut] = truth.distance(points[n * points.size() / taken], stop);
     if (!cut) continue;
     errors.push_back({mm});
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <stop_token>
 
 #include "kernel/dexel/solid_snapshot.h"
 #include "server/carve/distance_figures.h"
@@ -12,8 +13,9 @@ namespace kerf {
 /// Measures the distance between the mesh of a snapshot and the true solid at corners and centroids
 /// of triangles. Meshes the tiles that a tool has touched (all, or an even selection) and measures
 /// about `samples` evenly selected points. Points nearest to the stock's own border are excluded,
-/// because the result is the error of the cuts. Equal snapshots give equal results.
+/// because the result is the error of the cuts. Equal snapshots give equal results. Ends early,
+/// with the figures of fewer points, if a stop is requested.
 DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& truth,
-                                std::size_t samples);
+                                std::size_t samples, const std::stop_token& stop = {});
 
 }  // namespace kerf

@@ -4,18 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <mutex>
 #include <numeric>
+#include <stop_token>
 #include <utility>
 
-#include "kernel/dexel/stock_column.h"
+#include "server/carve/cpu_budget.h"
 #include "server/carve/environment_files.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
+#include "server/carve/stop_signal.h"
 #include "server/carve/surface_error.h"
 #include "server/carve/tradeoff_plot.h"
 #include "server/carve/tradeoff_run.h"
@@ -27,7 +29,6 @@ namespace {
 
 constexpr int kBadInput = 2;
 constexpr int kBadOutput = 1;
-constexpr int kInterrupted = 128 + SIGINT;
 // Fractions of the time budget: for all configurations together, and for one of them.
 constexpr double kSweepShare = 0.7;
 constexpr double kOneShare = 0.25;
@@ -35,8 +36,6 @@ constexpr double kOneShare = 0.25;
 // happens to be aligned with one grid is not aligned with the other.
 constexpr double kReferencePitch = 0.38;
 constexpr double kReferenceTolerance = 0.1;
-// Allowed change of the reference pitch to fit the block in x and y.
-constexpr double kFitShare = 0.12;
 // The reference is compared with a coarser one to estimate its own error.
 constexpr double kCheckPitch = 1.5;
 // Short runs are repeated and the fastest counts, which excludes other load.
@@ -45,8 +44,7 @@ constexpr int kRepeats = 3;
 // Limit of the distances from cuts, in units of the coarsest pitch.
 constexpr double kReachPitches = 4;
 
-volatile std::sig_atomic_t interrupted = 0;
-void on_interrupt(int) { interrupted = 1; }
+constexpr const char* kNotReached = "skipped, interrupted before it was measured";
 
 struct Failure {
   int status;
@@ -71,47 +69,35 @@ std::string machine_name() {
   return "this machine";
 }
 
-// Returns a pitch near the requested one that divides the block most nearly evenly in x and y,
-// because a remainder at the block's sides adds a volume error that is not due to cuts.
-double fitting_pitch(const StockShape& stock, double wanted_mm) {
-  const DexelGrid grid = make_grid(stock, wanted_mm);
-  const auto* box = std::get_if<BoxStock>(&stock);
-  if (box == nullptr) return wanted_mm;
-  const Vec3 size = box->max_mm - box->min_mm;
-  double best_mm = wanted_mm, best_misfit = 1;
-  for (double n = std::ceil(grid.columns_x * (1 - kFitShare));
-       n <= grid.columns_x * (1 + kFitShare); ++n) {
-    const double pitch = size.x / n;
-    const double rows = size.y / pitch;
-    const double misfit = std::abs(std::max(1.0, std::round(rows)) / rows - 1);
-    const bool nearer = std::abs(pitch - wanted_mm) < std::abs(best_mm - wanted_mm);
-    if (misfit < best_misfit - 1e-9 || (misfit < best_misfit + 1e-9 && nearer)) {
-      best_misfit = misfit;
-      best_mm = pitch;
-    }
-  }
-  return best_mm;
-}
-
 class Tradeoff {
  public:
   explicit Tradeoff(const TradeoffOptions& options) : options_(options) {}
 
-  Result run() {
+  Result run(const std::stop_token& stop) {
+    stop_ = stop;
     if (auto read = read_input(); !read) return read;
     plan();
-    for (const std::size_t n : cheapest_first()) measure(n);
+    for (const std::size_t n : cheapest_first())
+      if (!stop_.stop_requested()) measure(n);
+    if (!stop_.stop_requested()) compare_with_reference();
     progress_.clear();
-    if (interrupted == 0) compare_with_reference();
-    progress_.clear();
-    if (interrupted != 0) return std::unexpected(Failure{kInterrupted, "interrupted"});
-    mark_front(rows_);
-    if (options_.target_mm) mark_cheapest(rows_, *options_.target_mm);
     print();
+    if (stop_.stop_requested())
+      return std::unexpected(Failure{StopSignal::status(), "interrupted"});
     return write();
+  }
+  /// Prints what was measured and removes unfinished files, from any thread while run() still runs.
+  void abandon() {
+    outputs_.abandon();
+    print();
   }
 
  private:
+  struct Carved {
+    double removed_mm3 = 0;
+    std::vector<Vec3> forces_n;
+  };
+
   Result read_input() {
     auto scene = load_scene(options_.scene);
     if (!scene) return bad_input(to_string(scene.error()));
@@ -146,6 +132,7 @@ class Tradeoff {
     auto program = parse_program(name, *text, scene_, *environment);
     if (!program) return bad_input(to_string(program.error()));
     program_ = *std::move(program);
+    if (stop_.stop_requested()) return {};
     if (program_.motions.empty()) return bad_input(name + ": the program has no motions");
     turns_ = std::ranges::any_of(program_.motions, [](const ProgramMotion& motion) {
       return motion.from.axis != motion.to.axis;
@@ -161,6 +148,7 @@ class Tradeoff {
                            std::vector<std::string> otherwise) {
       return asked.empty() ? otherwise : asked;
     };
+    const std::scoped_lock lock(mutex_);
     const auto rays = either(options_.rays, {"dexel", "tri-dexel"});
     const auto motions = either(options_.motions, {"tight", "paper"});
     for (const double pitch : pitches_) {
@@ -173,6 +161,7 @@ class Tradeoff {
             row.motion = motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
             row.pitch_mm = pitch;
             row.tolerance_mm = tolerance;
+            row.skipped = kNotReached;
           }
         }
       }
@@ -208,52 +197,67 @@ class Tradeoff {
   std::string too_large(const SculptureSettings& settings) const {
     const double mb = 1e-6 * bytes_if_all_touched(settings);
     if (mb <= options_.budget_mb) return {};
-    return "its stock may need " + figure("%.0f", mb) + " MB; --budget-mb is " +
+    return "skipped, its stock may need " + figure("%.0f", mb) + " MB; --budget-mb is " +
            figure("%.0f", options_.budget_mb);
   }
 
-  // Carves within the budgets; the error names the exceeded one and is empty after an interrupt.
-  std::expected<CarvedOnce, std::string> carve(const SculptureSettings& settings, double until_s,
+  // Carves within the budgets; the error names the exceeded one.
+  std::expected<CarvedOnce, std::string> carve(const SculptureSettings& settings,
+                                               const std::stop_token& stop,
                                                const std::string& phase) {
     if (std::string large = too_large(settings); !large.empty())
       return std::unexpected(std::move(large));
     double reached = 0;
-    const GoOn go_on = [&](double share) {
+    progress_.show(phase, reached);
+    const auto progress = [&](double share) {
       progress_.show(phase, share);
       reached = share;
-      return interrupted == 0 && elapsed_s() < until_s;
     };
-    auto carved = carve_once(settings, scene_, program_, go_on);
+    auto carved = carve_once(settings, scene_, program_, progress, stop);
     if (!carved && carved.error().empty())
-      return std::unexpected("--budget-seconds allows " + figure("%.0f", 100 * reached) +
-                             " % of it");
+      return std::unexpected(stop_.stop_requested()
+                                 ? kNotReached
+                                 : "stopped, --budget-seconds allows " +
+                                       figure("%.0f", 100 * reached) + " % of its cuts");
     return carved;
   }
 
   void measure(std::size_t n) {
-    TradeoffRow& row = rows_[n];
+    TradeoffRow row = rows_[n];
+    Carved result;
+    row.skipped = measured(row, result,
+                           std::to_string(n + 1) + " of " + std::to_string(rows_.size()) +
+                               ": pitch " + figure("%.4g", row.pitch_mm));
+    const std::scoped_lock lock(mutex_);
+    rows_[n] = std::move(row);
+    results_[n] = std::move(result);
+  }
+
+  // Fills the row within its share of the budget. Returns why it could not; else an empty text.
+  std::string measured(TradeoffRow& row, Carved& result, const std::string& phase) {
     const double end_s = kSweepShare * options_.budget_seconds;
-    const double until_s = std::min(end_s, elapsed_s() + kOneShare * options_.budget_seconds);
-    const std::string phase = std::to_string(n + 1) + " of " + std::to_string(rows_.size()) +
-                              ": pitch " + figure("%.4g", row.pitch_mm);
-    auto carved = carve(settings_of(row), until_s, phase);
-    if (!carved) {
-      row.skipped = carved.error();
-      return;
-    }
+    const CpuBudget budget(
+        start_s_ + std::min(end_s, elapsed_s() + kOneShare * options_.budget_seconds), stop_);
+    auto carved = carve(settings_of(row), budget.token(), phase);
+    if (!carved) return carved.error();
     for (int again = 1; again < kRepeats && carved->cpu_s < kRepeatBelowS; ++again) {
-      const auto repeated = carve(settings_of(row), until_s, phase);
+      const auto repeated = carve(settings_of(row), budget.token(), phase);
       if (repeated) carved->cpu_s = std::min(carved->cpu_s, repeated->cpu_s);
     }
     const auto motions = double(program_.motions.size());
     row.us_per_motion = 1e6 * carved->cpu_s / motions;
     row.bytes = carved->bytes;
     row.sub_motions = carved->sub_motions;
-    const DistanceFigures surface = measure_surface(carved->snapshot, *truth_, options_.samples);
+    const DistanceFigures surface =
+        measure_surface(carved->snapshot, *truth_, options_.samples, budget.token());
+    if (stop_.stop_requested()) return kNotReached;
+    if (budget.token().stop_requested())
+      return "stopped, --budget-seconds ended while its surface was measured";
     row.surface_max_mm = surface.max_mm;
     row.surface_rms_mm = surface.rms_mm;
     samples_ = std::max(samples_, surface.samples);
-    results_[n] = {carved->removed_mm3, std::move(carved->forces_n)};
+    result = {carved->removed_mm3, std::move(carved->forces_n)};
+    return {};
   }
 
   void compare_with_reference() {
@@ -267,8 +271,14 @@ class Tradeoff {
       if (row.skipped.empty()) finest = row.pitch_mm;
     if (finest == 0) return;
     settings.pitch_mm = fitting_pitch(settings.stock, kReferencePitch * finest);
-    const double until_s = elapsed_s() + (1 - kSweepShare) * options_.budget_seconds;
-    const auto reference = carve(settings, until_s, "reference");
+    const CpuBudget budget(cpu_seconds() + (1 - kSweepShare) * options_.budget_seconds, stop_);
+    const auto reference = carve(settings, budget.token(), "reference");
+    if (stop_.stop_requested()) return;
+    SculptureSettings coarser = settings;
+    coarser.pitch_mm = fitting_pitch(settings.stock, kCheckPitch * settings.pitch_mm);
+    const auto check = reference ? carve(coarser, budget.token(), "reference's own error")
+                                 : std::expected<CarvedOnce, std::string>(std::unexpected(""));
+    const std::scoped_lock lock(mutex_);
     if (!reference) {
       reference_ = "No reference (pitch " + figure("%.4g", settings.pitch_mm) +
                    " mm): " + reference.error() + ". Volume and force errors are not available.\n";
@@ -282,10 +292,9 @@ class Tradeoff {
     reference_ = "Volume and force are compared with pitch " + figure("%.4g", settings.pitch_mm) +
                  " mm, tolerance " + figure("%.3g", settings.tolerance_mm) + " mm, " +
                  to_string(settings.rays) + ", tight";
-    settings.pitch_mm = fitting_pitch(settings.stock, kCheckPitch * settings.pitch_mm);
-    if (const auto check = carve(settings, until_s, "reference's own error"))
+    if (check)
       reference_ +=
-          "; against that, pitch " + figure("%.4g", settings.pitch_mm) + " mm differs by " +
+          "; against that, pitch " + figure("%.4g", coarser.pitch_mm) + " mm differs by " +
           figure("%.1g", volume_difference(check->removed_mm3, reference->removed_mm3)) +
           " in volume and " +
           figure("%.1g", force_difference(program_, check->forces_n, reference->forces_n)) +
@@ -297,7 +306,19 @@ class Tradeoff {
     return reference_mm3 > 0 ? std::abs(removed_mm3 - reference_mm3) / reference_mm3 : 0;
   }
 
-  void print() const {
+  // Prints once; a second caller waits until it is done.
+  void print() {
+    std::call_once(printed_, [this] {
+      const std::scoped_lock lock(mutex_);
+      if (rows_.empty()) return;
+      mark_front(rows_);
+      if (options_.target_mm) mark_cheapest(rows_, *options_.target_mm);
+      print_table();
+      std::cout.flush();
+    });
+  }
+
+  void print_table() const {
     std::cout << scene_.name << ", " << program_.name << ": " << program_.motions.size()
               << " motions; CPU time of one core of " << machine_name() << "\n\n"
               << tradeoff_text(rows_) << "\n* Pareto front of time and greatest surface error.";
@@ -309,13 +330,12 @@ class Tradeoff {
       std::cout << "The program has no rotation: motion model and tolerance have no effect.\n";
   }
 
-  Result write() const {
+  Result write() {
     const std::string title = scene_.name + ", " + options_.program.filename().string();
     const std::string note =
         std::to_string(program_.motions.size()) + " motions; one core of " + machine_name();
-    std::vector<std::unique_ptr<OutputFile>> files;
-    const auto write_one = [&files](const std::filesystem::path& path, const std::string& text) {
-      auto& file = *files.emplace_back(std::make_unique<OutputFile>(path));
+    const auto write_one = [this](const std::filesystem::path& path, const std::string& text) {
+      const OutputFile& file = outputs_.add(path);
       std::ofstream stream(file.temporary(), std::ios::binary);
       return bool((stream << text).flush());
     };
@@ -324,17 +344,14 @@ class Tradeoff {
       return std::unexpected(failure);
     if (options_.svg && !write_one(*options_.svg, tradeoff_svg(rows_, title, note)))
       return std::unexpected(failure);
-    for (const auto& file : files)
-      if (auto done = file->commit(); !done)
-        return std::unexpected(Failure{kBadOutput, done.error()});
+    if (auto done = outputs_.commit(); !done)
+      return std::unexpected(Failure{kBadOutput, done.error()});
     return {};
   }
 
-  struct Carved {
-    double removed_mm3 = 0;
-    std::vector<Vec3> forces_n;
-  };
   const TradeoffOptions& options_;
+  OutputFiles outputs_;
+  std::stop_token stop_;
   const double start_s_ = cpu_seconds();
   Progress progress_;
   Scene scene_;
@@ -342,18 +359,20 @@ class Tradeoff {
   std::vector<double> pitches_, tolerances_;
   bool turns_ = false;
   std::unique_ptr<TrueSolid> truth_;
+  std::mutex mutex_;  ///< guards what follows against abandon()
   std::vector<TradeoffRow> rows_;
   std::vector<Carved> results_;
   std::size_t samples_ = 0;
   std::string reference_;
+  std::once_flag printed_;
 };
 
 }  // namespace
 
 int run_tradeoff(const TradeoffOptions& options) {
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
-  const auto done = Tradeoff(options).run();
+  Tradeoff tradeoff(options);
+  const StopSignal signal([&tradeoff] { tradeoff.abandon(); });
+  const auto done = tradeoff.run(signal.token());
   if (done) return 0;
   std::cerr << done.error().line << '\n';
   return done.error().status;

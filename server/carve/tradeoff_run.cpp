@@ -1,29 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/carve/tradeoff_run.h"
 
+#include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <utility>
 
 #include "kernel/dexel/dexel_tile.h"
 #include "kernel/dexel/stock_column.h"
+#include "server/carve/cpu_budget.h"
 
 namespace kerf {
 namespace {
 
 constexpr std::size_t kMotionsPerLook = 16;
+// Allowed change of a pitch to fit the block in x and y.
+constexpr double kFitShare = 0.12;
 
 }  // namespace
 
-double cpu_seconds() {
-  std::timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-}
-
 std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& settings,
                                                   const Scene& scene, const Program& program,
-                                                  const GoOn& go_on) {
+                                                  const std::function<void(double)>& progress,
+                                                  const std::stop_token& stop) {
   auto sculpture = Sculpture::create(settings);
   if (!sculpture) return std::unexpected(sculpture.error().reason);
   for (const auto& [id, tool] : scene.tools)
@@ -33,15 +31,15 @@ std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& setti
   forces.reserve(program.motions.size());
   double cpu_s = 0, since = cpu_seconds();
   for (const ProgramMotion& motion : program.motions) {
+    if (stop.stop_requested()) return std::unexpected(std::string());
     const auto result = sculpture->apply(
         MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, !motion.rapid});
     if (!result)
       return std::unexpected("line " + std::to_string(motion.line) + ": " + result.error().reason);
     forces.push_back(result->wrench.force_n);
-    if (forces.size() % kMotionsPerLook != 0) continue;
+    if (forces.size() % kMotionsPerLook != 0 || !progress) continue;
     cpu_s += cpu_seconds() - since;
-    if (!go_on(double(forces.size()) / double(program.motions.size())))
-      return std::unexpected(std::string());
+    progress(double(forces.size()) / double(program.motions.size()));
     since = cpu_seconds();
   }
   cpu_s += cpu_seconds() - since;
@@ -59,6 +57,26 @@ double bytes_if_all_touched(const SculptureSettings& settings) {
     bytes += double(grid.tiles_x()) * double(grid.tiles_y()) * double(sizeof(DexelTile));
   }
   return bytes;
+}
+
+double fitting_pitch(const StockShape& stock, double wanted_mm) {
+  const DexelGrid grid = make_grid(stock, wanted_mm);
+  const auto* box = std::get_if<BoxStock>(&stock);
+  if (box == nullptr) return wanted_mm;
+  const Vec3 size = box->max_mm - box->min_mm;
+  double best_mm = wanted_mm, best_misfit = 1;
+  for (double n = std::ceil(grid.columns_x * (1 - kFitShare));
+       n <= grid.columns_x * (1 + kFitShare); ++n) {
+    const double pitch = size.x / n;
+    const double rows = size.y / pitch;
+    const double misfit = std::abs(std::max(1.0, std::round(rows)) / rows - 1);
+    const bool nearer = std::abs(pitch - wanted_mm) < std::abs(best_mm - wanted_mm);
+    if (misfit < best_misfit - 1e-9 || (misfit < best_misfit + 1e-9 && nearer)) {
+      best_misfit = misfit;
+      best_mm = pitch;
+    }
+  }
+  return best_mm;
 }
 
 double force_difference(const Program& program, const std::vector<Vec3>& forces_n,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,6 @@
 #include "server/formats/scene.h"
 
 namespace kerf {
-
-/// Returns the CPU time of this process, s.
-double cpu_seconds();
 
 /// Result of carving a program once.
 struct CarvedOnce {
@@ -25,18 +23,21 @@ struct CarvedOnce {
   std::vector<Vec3> forces_n;  ///< one per motion
 };
 
-/// Receives the fraction done from time to time; returns false to stop.
-using GoOn = std::function<bool(double share)>;
-
-/// Carves every motion, forces included. The error states the reason in a few words; it is empty if
-/// `go_on` stopped it.
+/// Carves every motion, forces included; `progress` receives the fraction done from time to time.
+/// The error states the reason in a few words; it is empty if a stop was requested, which is obeyed
+/// between motions.
 std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& settings,
                                                   const Scene& scene, const Program& program,
-                                                  const GoOn& go_on);
+                                                  const std::function<void(double)>& progress = {},
+                                                  const std::stop_token& stop = {});
 
 /// Returns the bytes of a stock with these settings if every tile is touched; compared with the
 /// memory budget.
 double bytes_if_all_touched(const SculptureSettings& settings);
+
+/// Returns a pitch near the requested one that divides the block most nearly evenly in x and y,
+/// because a remainder at the block's sides adds a volume error that is not due to cuts.
+double fitting_pitch(const StockShape& stock, double wanted_mm);
 
 /// Returns the rms difference of two force histories relative to the rms of the reference, over the
 /// program's time.

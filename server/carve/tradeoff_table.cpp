@@ -76,7 +76,7 @@ std::string tradeoff_text(const std::vector<TradeoffRow>& rows) {
     if (!row.skipped.empty()) {
       out << "   " << to_string(row.rays) << ' ' << motion_name(row.motion) << " pitch "
           << figure("%.4g", row.pitch_mm) << " tolerance " << figure("%.3g", row.tolerance_mm)
-          << ": skipped, " << row.skipped << '\n';
+          << ": " << row.skipped << '\n';
       continue;
     }
     line({std::string(row.front ? "*" : "") + (row.cheapest ? "<" : ""), to_string(row.rays),

@@ -15,7 +15,7 @@ struct TradeoffRow {
   Rays rays = Rays::kDexel;
   MotionModel motion = MotionModel::kTight;
   double pitch_mm = 0, tolerance_mm = 0;
-  std::string skipped;  ///< reason why it was not carved; else empty
+  std::string skipped;  ///< why it was not carved or not measured, as "skipped, …"; else empty
 
   double us_per_motion = 0;  ///< CPU time, force included
   std::uint64_t bytes = 0;   ///< of the stock

@@ -17,19 +17,11 @@ constexpr double kFoundMm = 1e-6;
 // mm. Parts of a motion in which no point of the tool moves farther are approximated by a parabola;
 // for a tool of 0.1 mm radius the error is below 1e-7 mm.
 constexpr double kPartMm = 0.005;
-constexpr int kCellsPerSide = 256;
 constexpr int kStepsMax = 64;
 
 Vec3 least(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
 Vec3 greatest(Vec3 a, Vec3 b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
-}
-
-BoxStock bounds_of(const StockShape& stock) {
-  if (const auto* box = std::get_if<BoxStock>(&stock)) return *box;
-  const auto& c = std::get<CylinderStock>(stock);
-  return {{c.center_x_mm - c.radius_mm, c.center_y_mm - c.radius_mm, c.min_z_mm},
-          {c.center_x_mm + c.radius_mm, c.center_y_mm + c.radius_mm, c.max_z_mm}};
 }
 
 // Distance of a point from a moving tool as a function of the fraction of the motion.
@@ -126,62 +118,28 @@ TrueSolid::TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>&
                      const std::vector<ProgramMotion>& motions, double reach_mm)
     : stock_(stock), reach_mm_(reach_mm) {
   for (const auto& [id, tool] : tools) profiles_.emplace(id, ToolProfile(tool.tool));
+  std::vector<Box> boxes;
   for (const ProgramMotion& motion : motions) {
     const Tool& tool = tools.at(motion.tool).tool;
     const ToolMotion m =
         make_motion({motion.from.tip_mm, normalized(motion.from.axis)},
                     {motion.to.tip_mm, normalized(motion.to.axis)}, tool.length_mm);
-    Sweep sweep{&profiles_.at(motion.tool), m.from, m.to, m.turn_rad, m.travel_mm, {}, {}};
-    sweep.low = sweep.high = m.from.tip_mm;
+    Sweep sweep{&profiles_.at(motion.tool), m.from, m.to, m.turn_rad, m.travel_mm};
+    Box box{m.from.tip_mm, m.from.tip_mm};
     for (const ToolPose& pose : {m.from, m.to}) {
       for (const Vec3 end : {pose.tip_mm, pose.tip_mm + pose.axis * tool.length_mm}) {
-        sweep.low = least(sweep.low, end);
-        sweep.high = greatest(sweep.high, end);
+        box.low = least(box.low, end);
+        box.high = greatest(box.high, end);
       }
     }
     // The radius, plus the deviation of the upper end from its chord while the axis turns.
     const double more = tool.radius_mm + tool.length_mm * (1 - std::cos(m.turn_rad / 2));
-    sweep.low = sweep.low - Vec3{more, more, more};
-    sweep.high = sweep.high + Vec3{more, more, more};
+    box.low = box.low - Vec3{more, more, more};
+    box.high = box.high + Vec3{more, more, more};
+    boxes.push_back(box);
     sweeps_.push_back(sweep);
   }
-  fill_cells(reach_mm);
-}
-
-void TrueSolid::fill_cells(double reach_mm) {
-  const BoxStock box = bounds_of(stock_);
-  origin_ = box.min_mm;
-  const Vec3 size = box.max_mm - box.min_mm;
-  cell_mm_ = std::max(size.x, size.y) / kCellsPerSide;
-  cells_x_ = static_cast<std::int32_t>(size.x / cell_mm_) + 1;
-  cells_y_ = static_cast<std::int32_t>(size.y / cell_mm_) + 1;
-  std::vector<std::vector<std::uint32_t>> lists(std::size_t(cells_x_) * std::size_t(cells_y_));
-  const auto column = [&](double offset, std::int32_t count) {
-    return std::int32_t(std::clamp(std::floor(offset / cell_mm_), 0.0, double(count - 1)));
-  };
-  for (std::uint32_t n = 0; n < sweeps_.size(); ++n) {
-    const Vec3 low = sweeps_[n].low - origin_, high = sweeps_[n].high - origin_;
-    if (low.z - reach_mm > size.z) continue;
-    const std::int32_t x1 = column(high.x + reach_mm, cells_x_);
-    const std::int32_t y1 = column(high.y + reach_mm, cells_y_);
-    for (std::int32_t y = column(low.y - reach_mm, cells_y_); y <= y1; ++y)
-      for (std::int32_t x = column(low.x - reach_mm, cells_x_); x <= x1; ++x)
-        lists[std::size_t(y * cells_x_ + x)].push_back(n);
-  }
-  for (const auto& list : lists) {
-    const auto begin = static_cast<std::uint32_t>(near_.size());
-    near_.insert(near_.end(), list.begin(), list.end());
-    cells_.push_back({begin, static_cast<std::uint32_t>(near_.size())});
-  }
-}
-
-TrueSolid::Cell TrueSolid::cell_of(Vec3 point) const {
-  const auto column = [this](double offset, std::int32_t count) {
-    return std::int32_t(std::clamp(std::floor(offset / cell_mm_), 0.0, double(count - 1)));
-  };
-  const std::int32_t x = column(point.x - origin_.x, cells_x_);
-  const std::int32_t y = column(point.y - origin_.y, cells_y_);
-  return cells_[std::size_t(y * cells_x_ + x)];
+  tree_ = BoxTree(boxes);
 }
 
 TrueSolid::Signed TrueSolid::from_stock(Vec3 point) const {
@@ -202,14 +160,12 @@ TrueSolid::Signed TrueSolid::from_stock(Vec3 point) const {
 }
 
 // Negative inside a cut, limited to the reach.
-TrueSolid::Signed TrueSolid::from_sweeps(Vec3 point) const {
+TrueSolid::Signed TrueSolid::from_sweeps(Vec3 point, const std::stop_token& stop) const {
   Least best{0, reach_mm_};
   const Sweep* nearest = nullptr;
-  const Cell cell = cell_of(point);
-  for (std::uint32_t n = cell.begin; n < cell.end; ++n) {
-    const Sweep& s = sweeps_[near_[n]];
-    const Vec3 below = s.low - point, above = point - s.high;
-    if (std::max({below.x, below.y, below.z, above.x, above.y, above.z}) >= best.mm) continue;
+  tree_.visit_nearest(point, best.mm, [&](std::uint32_t n) {
+    if (stop.stop_requested()) return;
+    const Sweep& s = sweeps_[n];
     const MovingDistance distance{*s.tool, s.from, s.to, s.turn_rad, point};
     const double lever = std::max(length(point - s.from.tip_mm), length(point - s.to.tip_mm));
     const double speed_mm = s.travel_mm + s.turn_rad * lever;
@@ -221,10 +177,10 @@ TrueSolid::Signed TrueSolid::from_sweeps(Vec3 point) const {
                   ? least_of_convex(distance, s.travel_mm, found)
                   : Search(distance, speed_mm, found).run(first, last);
     }
-    if (found.mm >= best.mm) continue;
+    if (found.mm >= best.mm) return;
     best = found;
     nearest = &s;
-  }
+  });
   if (nearest == nullptr) return {reach_mm_, {0, 0, 1}};
   const MovingDistance distance{*nearest->tool, nearest->from, nearest->to, nearest->turn_rad,
                                 point};
@@ -238,9 +194,9 @@ TrueSolid::Signed TrueSolid::from_sweeps(Vec3 point) const {
   return {best.mm, radial * border.normal_radial + pose.axis * border.normal_along};
 }
 
-TrueSolid::Distance TrueSolid::distance(Vec3 point) const {
+TrueSolid::Distance TrueSolid::distance(Vec3 point, const std::stop_token& stop) const {
   const Signed stock = from_stock(point);
-  const Signed sweeps = from_sweeps(point);
+  const Signed sweeps = from_sweeps(point, stop);
   if (stock.mm <= 0 && sweeps.mm >= 0)
     return {std::min(-stock.mm, sweeps.mm), sweeps.mm < -stock.mm};
   // Outside the solid: moves the point out of the sweep that contains it deepest, until none does.
@@ -249,10 +205,10 @@ TrueSolid::Distance TrueSolid::distance(Vec3 point) const {
   Signed from = stock, cuts = sweeps;
   double left = std::max(from.mm, -cuts.mm);
   const double at_least = left;
-  for (int step = 0; step < kStepsMax && left > kFoundMm; ++step) {
+  for (int step = 0; step < kStepsMax && left > kFoundMm && !stop.stop_requested(); ++step) {
     at = -cuts.mm > from.mm ? at - cuts.outward * cuts.mm : at - from.outward * from.mm;
     from = from_stock(at);
-    cuts = from_sweeps(at);
+    cuts = from_sweeps(at, stop);
     left = std::max(from.mm, -cuts.mm);
   }
   return {std::max(at_least, length(at - point) + std::max(0.0, left)), cut};

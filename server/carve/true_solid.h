@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <map>
+#include <stop_token>
 #include <vector>
 
 #include "kernel/sculpture.h"
+#include "server/carve/box_tree.h"
 #include "server/carve/tool_profile.h"
 #include "server/formats/program.h"
 
@@ -27,37 +29,28 @@ class TrueSolid {
     bool cut;   ///< the nearest boundary was cut by a tool; false: it is the stock's own
   };
   /// Exact for points inside the solid. Outside, it is the length of a path along normals into the
-  /// solid: equal to the distance except near an edge, where it may be longer.
-  Distance distance(Vec3 point_mm) const;
+  /// solid: equal to the distance except near an edge, where it may be longer. Ends early, with a
+  /// result of no use, if a stop is requested.
+  Distance distance(Vec3 point_mm, const std::stop_token& stop = {}) const;
 
  private:
   struct Sweep {
     const ToolProfile* tool;
     ToolPose from, to;
     double turn_rad, travel_mm;
-    Vec3 low, high;  ///< bounds of all poses
   };
   struct Signed {
     double mm;
     Vec3 outward;
   };
-  struct Cell {
-    std::uint32_t begin, end;
-  };
   Signed from_stock(Vec3 point) const;
-  Signed from_sweeps(Vec3 point) const;
-  void fill_cells(double reach_mm);
-  Cell cell_of(Vec3 point) const;
+  Signed from_sweeps(Vec3 point, const std::stop_token& stop) const;
 
   StockShape stock_;
   std::map<ToolId, ToolProfile> profiles_;
   std::vector<Sweep> sweeps_;
   double reach_mm_;
-  Vec3 origin_;
-  double cell_mm_ = 1;
-  std::int32_t cells_x_ = 1, cells_y_ = 1;
-  std::vector<Cell> cells_;          ///< row-major
-  std::vector<std::uint32_t> near_;  ///< sweeps of each cell
+  BoxTree tree_;  ///< of the sweeps
 };
 
 }  // namespace kerf

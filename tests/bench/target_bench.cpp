@@ -127,8 +127,7 @@ class Bench {
       // The block grows by less than a pitch on three sides, far from the cuts: the rays move.
       auto& box = std::get<BoxStock>(settings.stock);
       box.min_mm = box.min_mm - part * a.pitch_mm;
-      const auto carved =
-          carve_once(settings, scene_, program, [](double) { return true; }).value();
+      const auto carved = carve_once(settings, scene_, program).value();
       worst.us = std::min(worst.us, 1e6 * carved.cpu_s);
       const double error = measure_surface(carved.snapshot, *truth_, samples_).max_mm;
       worst.error_mm = std::max(worst.error_mm, error);
@@ -227,8 +226,7 @@ void print_cost_law() {
           scene.settings.pitch_mm = pitch;
           scene.settings.tolerance_mm = tolerance;
           scene.settings.motion = motion;
-          const auto carved =
-              carve_once(scene.settings, scene, program, [](double) { return true; }).value();
+          const auto carved = carve_once(scene.settings, scene, program).value();
           const auto motions = double(program.motions.size());
           std::printf("%-9s %-6s %6.3g %9.2g %9.2f %9.2f %18.2f\n", to_string(rays),
                       motion == MotionModel::kTight ? "tight" : "paper", pitch, tolerance,

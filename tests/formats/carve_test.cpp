@@ -296,7 +296,7 @@ TEST_F(KerfCarve, InterruptLeavesNoFiles) {
   ::kill(child, SIGTERM);
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child) << "it ended before it was interrupted";
-  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(WEXITSTATUS(status), 143);
   EXPECT_EQ(files(), before);
 }
 

@@ -21,10 +21,10 @@ std::uint64_t edge_key(std::uint32_t from, std::uint32_t to) {
 
 }  // namespace
 
-IndexedMesh collect_mesh(MeshSource& source) {
+IndexedMesh collect_mesh(MeshSource& source, const std::stop_token& stop) {
   IndexedMesh mesh{source.origin_mm(), {}, {}};
   VertexWelder welder;
-  for (MeshPiece piece; source.next(piece);) {
+  for (MeshPiece piece; !stop.stop_requested() && source.next(piece);) {
     const auto& welded = welder.weld(piece);
     for (const std::uint32_t n : welded.fresh) mesh.positions_mm.push_back(piece.positions_mm[n]);
     for (std::size_t t = 0; t + 2 < welded.indices.size(); t += 3) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "kernel/math/vec3.h"
@@ -27,8 +28,9 @@ struct IndexedMesh {
   }
 };
 
-/// Reads a whole source and merges its vertices; needs about 24 bytes per triangle.
-IndexedMesh collect_mesh(MeshSource& source);
+/// Reads a whole source and merges its vertices; needs about 24 bytes per triangle. Ends early,
+/// with a part of the surface, if a stop is requested.
+IndexedMesh collect_mesh(MeshSource& source, const std::stop_token& stop = {});
 
 /// Edges that violate a closed 2-manifold. Vertices are identified by their index.
 struct EdgeReport {

@@ -18,9 +18,10 @@ struct ModelOutput {
   MeshSource& source;
   const ModelRequest& request;
 
-  /// Reads the next piece and reports the progress. Returns false at the end.
+  /// Reads the next piece and reports the progress. Returns false at the end, and if a stop was
+  /// requested.
   bool next(MeshPiece& piece) const {
-    if (!source.next(piece)) return false;
+    if (request.stop.stop_requested() || !source.next(piece)) return false;
     if (request.progress) request.progress(source.share());
     return true;
   }

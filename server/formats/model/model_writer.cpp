@@ -94,6 +94,7 @@ ModelResult write_model(const std::filesystem::path& path, MeshSource& source,
   {
     FileSink sink(path);
     if (sink.ok()) written = write_format({sink, path, source, request});
+    if (request.stop.stop_requested()) written = model_error("stopped");
     if (auto finished = sink.finish(); !finished) written = model_error(finished.error());
     if (written) written->bytes = sink.bytes();
   }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -55,12 +56,14 @@ struct ModelRequest {
   ModelEncoding encoding = ModelEncoding::kBinary;
   std::string title = {};  ///< name of the model in the file
   ModelProgress progress = {};
+  std::stop_token stop = {};  ///< asked before each piece of the surface
 };
 
 /// Writes a surface to a file in scene coordinates, mm (for GLB below the root node, see
 /// README.md). Holds one piece of the source in memory, the seams of a row of pieces and, for GLB,
 /// one group of at most 65,535 vertices; data for the end of the file is spooled to an unnamed file
-/// beside it. Equal sources give equal bytes. On error no file is left behind.
+/// beside it. Equal sources give equal bytes. On error, and if a stop was requested, no
+/// file is left behind.
 std::expected<ModelSummary, ModelError> write_model(const std::filesystem::path& path,
                                                     MeshSource& source,
                                                     const ModelRequest& request);

@@ -65,7 +65,8 @@ class Simplifier {
   }
 
   std::expected<SimplifiedMesh, ModelError> run(const SimplifyRequest& request,
-                                                const ModelProgress& progress) {
+                                                const ModelProgress& progress,
+                                                const std::stop_token& stop) {
     const std::size_t target = request.triangles.value_or(0);
     // Without a bound, collapsing is reduced at the worst places as long as the error decreases.
     double bound_mm = request.error_mm.value_or(INFINITY);
@@ -74,6 +75,7 @@ class Simplifier {
     std::optional<SimplifiedMesh> best;
     int rounds = request.error_mm ? kRoundsMax : kBudgetRounds;
     for (int round = 0; round < rounds; ++round) {
+      if (stop.stop_requested()) return std::unexpected(ModelError{"stopped"});
       if (progress) progress(round / double(rounds));
       IndexedMesh result{exact_.origin_mm, exact_.positions_mm, collapse(target, estimate_mm)};
       const EdgeReport edges = check_edges(result.triangles);
@@ -208,10 +210,12 @@ std::unexpected<ModelError> budget_missed(const SimplifyRequest& request, std::s
 
 std::expected<SimplifiedMesh, ModelError> simplify_mesh(MeshSource& source,
                                                         const SimplifyRequest& request,
-                                                        const ModelProgress& progress) {
-  const IndexedMesh exact = collect_mesh(source);
+                                                        const ModelProgress& progress,
+                                                        const std::stop_token& stop) {
+  const IndexedMesh exact = collect_mesh(source, stop);
+  if (stop.stop_requested()) return std::unexpected(ModelError{"stopped"});
   if (exact.triangles.empty()) return SimplifiedMesh{exact, 0, 0};
-  auto simplified = Simplifier(exact).run(request, progress);
+  auto simplified = Simplifier(exact).run(request, progress, stop);
   if (!simplified) return simplified;
   simplified->original_triangles = exact.triangles.size();
   if (request.triangles && simplified->mesh.triangles.size() > *request.triangles) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
+#include <stop_token>
 
 #include "server/formats/model/indexed_mesh.h"
 #include "server/formats/model/model_writer.h"
@@ -28,9 +29,11 @@ struct SimplifiedMesh {
 /// after Garland, Heckbert, Surface simplification using quadric error metrics, 1997). The result
 /// stays closed and 2-manifold: where a collapse would make more than two triangles share an edge,
 /// the surface around it is kept. Needs about 200 bytes per triangle of the source. Returns an
-/// error if the limits cannot be met, with the smallest number of triangles reached.
+/// error if the limits cannot be met, with the smallest number of triangles reached, and if a stop
+/// was requested; one call of meshoptimizer is not divided.
 std::expected<SimplifiedMesh, ModelError> simplify_mesh(MeshSource& source,
                                                         const SimplifyRequest& request,
-                                                        const ModelProgress& progress = {});
+                                                        const ModelProgress& progress = {},
+                                                        const std::stop_token& stop = {});
 
 }  // namespace kerf
