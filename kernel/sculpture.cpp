@@ -300,6 +300,7 @@ MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
   const auto last = last_pose_.find(command.tool);
   const MotionStart start{last != last_pose_.end() && last->second == motion.from, continues};
   std::vector<RemovedVolume> removed;
+  removed.reserve(fields_.size());
   for (std::size_t n = 0; n < fields_.size(); ++n) {
     removed.push_back(cut_field(fields_[n], normals_[n], used, motion, start, result,
                                 feel ? &*force : nullptr, workers));

@@ -227,6 +227,7 @@ class Carving {
   Result write_models() {
     if (auto made = make_surface(); !made) return made;
     std::vector<std::function<Result()>> jobs;
+    jobs.reserve(options_.models.size());
     std::vector<std::uint64_t> triangles(options_.models.size());
     // One line on a terminal cannot show several files at once.
     ModelProgress bar;

@@ -99,8 +99,8 @@ struct Row {
 // descended into.
 void flatten(const Json& json, const std::string& path, std::vector<Row>& rows) {
   if (json.is_object()) {
-    for (const auto& [key, value] : json.items())
-      flatten(value, path.empty() ? key : path + "." + key, rows);
+    const std::string prefix = path.empty() ? "" : path + ".";
+    for (const auto& [key, value] : json.items()) flatten(value, prefix + key, rows);
   } else if (json.is_array() && !json.empty() && json.front().is_object()) {
     for (std::size_t i = 0; i < json.size(); ++i)
       flatten(json[i], path + "[" + std::to_string(i) + "]", rows);
