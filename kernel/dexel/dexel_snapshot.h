@@ -24,6 +24,12 @@ class DexelSnapshot {
   const StockShape& stock() const { return stock_; }
   /// Returns whether the tile is stored. An untouched tile has exactly the stock's shape.
   bool touched(TileIndex tile) const { return tiles_.find(tile) != nullptr; }
+  /// Calls visit(TileIndex, const DexelTile&) for every stored tile, in an order that depends only
+  /// on their indices.
+  template <class Visit>
+  void for_each_touched(Visit&& visit) const {
+    tiles_.for_each(visit);
+  }
   /// Returns the dexels of a column, sorted from the bottom up, disjoint, gaps > 0; empty outside
   /// the grid. The result is valid until the next call with the same `scratch`.
   std::span<const Dexel> column(std::int32_t i, std::int32_t j, std::vector<Dexel>& scratch) const;

@@ -39,6 +39,8 @@ class ColumnWindow {
     const std::size_t n = number(i, j);
     return {runs_->data() + start_[n], runs_->data() + start_[n + 1]};
   }
+  /// Returns the number of samples within the block: 0 to samples() - 1.
+  std::int32_t samples() const { return first_sample_at_or_above(grid_.height_quanta); }
   /// Returns whether a sample is solid.
   bool solid(std::int32_t i, std::int32_t j, std::int32_t sample) const;
   /// Returns the height of a sample, in quanta. Samples outside of the block may be higher than any

@@ -29,8 +29,20 @@ class RunCursor {
 
 }  // namespace
 
+std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell) {
+  unsigned configuration = 0;
+  for (unsigned c = 0; c < 8; ++c) {
+    const auto dx = static_cast<std::int32_t>(c & 1U);
+    const auto dy = static_cast<std::int32_t>(c >> 1 & 1U);
+    const auto dz = static_cast<std::int32_t>(c >> 2);
+    const bool solid = window.solid(cell.x + dx, cell.y + dy, cell.layer - 1 + dz);
+    configuration |= (solid ? 1U : 0U) << c;
+  }
+  return static_cast<std::uint8_t>(configuration);
+}
+
 LatticeCells::LatticeCells(const ColumnWindow& window, std::int32_t first_x, std::int32_t first_y,
-                           std::int32_t side)
+                           std::int32_t side, const NextLayer& next_needed)
     : window_(window), first_x_(first_x), first_y_(first_y), side_(side) {
   const auto columns = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
   start_.reserve(columns + 1);
@@ -40,13 +52,13 @@ LatticeCells::LatticeCells(const ColumnWindow& window, std::int32_t first_x, std
   for (std::int32_t y = first_y; y < first_y + side; ++y) {
     for (std::int32_t x = first_x; x < first_x + side; ++x) {
       start_.push_back(static_cast<std::uint32_t>(layer_.size()));
-      append_cells(x, y);
+      append_cells(x, y, next_needed);
     }
   }
   start_.push_back(static_cast<std::uint32_t>(layer_.size()));
 }
 
-void LatticeCells::append_cells(std::int32_t x, std::int32_t y) {
+void LatticeCells::append_cells(std::int32_t x, std::int32_t y, const NextLayer& next_needed) {
   std::array<RunCursor, 4> cursors{RunCursor(window_.runs(x, y)), RunCursor(window_.runs(x + 1, y)),
                                    RunCursor(window_.runs(x, y + 1)),
                                    RunCursor(window_.runs(x + 1, y + 1))};
@@ -65,7 +77,10 @@ void LatticeCells::append_cells(std::int32_t x, std::int32_t y) {
     below = above;
     const std::int32_t next = next_change();
     if (below != 0 && below != 15) {
-      for (++layer; layer < next; ++layer) {
+      const auto needed = [&](std::int32_t from) {
+        return next_needed ? next_needed({x, y, from}) : from;
+      };
+      for (layer = needed(layer + 1); layer < next; layer = needed(layer + 1)) {
         append_cell(x, y, layer, static_cast<std::uint8_t>(below | below << 4));
       }
     }
@@ -80,24 +95,12 @@ void LatticeCells::append_cell(std::int32_t x, std::int32_t y, std::int32_t laye
   flipped_.push_back(must_flip({x, y, layer}, configuration));
 }
 
-std::uint8_t LatticeCells::configuration_of(const LatticeCell& cell) const {
-  unsigned configuration = 0;
-  for (unsigned c = 0; c < 8; ++c) {
-    const auto dx = static_cast<std::int32_t>(c & 1U);
-    const auto dy = static_cast<std::int32_t>(c >> 1 & 1U);
-    const auto dz = static_cast<std::int32_t>(c >> 2);
-    const bool solid = window_.solid(cell.x + dx, cell.y + dy, cell.layer - 1 + dz);
-    configuration |= (solid ? 1U : 0U) << c;
-  }
-  return static_cast<std::uint8_t>(configuration);
-}
-
 bool LatticeCells::must_flip(const LatticeCell& cell, std::uint8_t configuration) const {
   const int face = sheets_of(configuration).doubled_face;
   if (face < 0) return false;
   LatticeCell beyond = cell;
   (face < 2 ? beyond.x : face < 4 ? beyond.y : beyond.layer) += face % 2 == 0 ? -1 : 1;
-  return sheets_of(configuration_of(beyond)).doubled_face == (face ^ 1);
+  return sheets_of(cell_configuration(window_, beyond)).doubled_face == (face ^ 1);
 }
 
 std::size_t LatticeCells::find(std::int32_t x, std::int32_t y, std::int32_t layer) const {

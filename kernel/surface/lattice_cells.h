@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "kernel/surface/column_window.h"
@@ -11,14 +12,22 @@
 
 namespace kerf {
 
+/// Returns the configuration of a cell (sheet_table.h). The window must hold its four columns.
+std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell);
+
+/// Selects cells between two changes of the columns around them: returns the lowest layer from a
+/// cell's own upwards that is needed.
+using NextLayer = std::function<std::int32_t(const LatticeCell&)>;
+
 /// The lattice cells that the surface passes through, within a square of cells. Other cells are not
 /// stored.
 class LatticeCells {
  public:
   /// Finds the cells (first_x .. first_x + side - 1) x (first_y .. first_y + side - 1). The window
-  /// must hold the columns around them that VertexPlacement reads.
+  /// must hold the columns around them that VertexPlacement reads. Where `next_needed` is set,
+  /// cells of walls that it leaves out are not stored.
   LatticeCells(const ColumnWindow& window, std::int32_t first_x, std::int32_t first_y,
-               std::int32_t side);
+               std::int32_t side, const NextLayer& next_needed = {});
 
   /// Returns the position of cell (x, y, layer), which must be stored. The stored cells directly
   /// above it follow at consecutive positions.
@@ -33,9 +42,8 @@ class LatticeCells {
   std::size_t size() const { return layer_.size(); }
 
  private:
-  void append_cells(std::int32_t x, std::int32_t y);
+  void append_cells(std::int32_t x, std::int32_t y, const NextLayer& next_needed);
   void append_cell(std::int32_t x, std::int32_t y, std::int32_t layer, std::uint8_t configuration);
-  std::uint8_t configuration_of(const LatticeCell& cell) const;
   bool must_flip(const LatticeCell& cell, std::uint8_t configuration) const;
 
   const ColumnWindow& window_;

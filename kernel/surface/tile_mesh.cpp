@@ -5,11 +5,13 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "kernel/math/tolerance.h"
 #include "kernel/surface/column_window.h"
 #include "kernel/surface/flat_quads.h"
 #include "kernel/surface/lattice_cells.h"
+#include "kernel/surface/open_patches.h"
 #include "kernel/surface/scratch.h"
 #include "kernel/surface/vertex_placement.h"
 
@@ -51,15 +53,17 @@ float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>
 /// column, or of the only column that is in the grid.
 class TileMesher {
  public:
-  TileMesher(const SolidSnapshot& solid, TileIndex tile)
+  /// `cover` may be null: then nothing is left out.
+  TileMesher(const SolidSnapshot& solid, TileIndex tile, const FaceCover* cover)
       : tile_(tile),
+        open_(cover, solid.grid(), tile),
         first_x_(tile.x * kTileSide),
         first_y_(tile.y * kTileSide),
         end_x_(std::min(first_x_ + kTileSide, solid.fields.front().grid().columns_x)),
         end_y_(std::min(first_y_ + kTileSide, solid.fields.front().grid().columns_y)),
         window_(solid, first_x_ - 1 - kGuessMargin, first_y_ - 1 - kGuessMargin,
                 kTileSide + 2 + 2 * kGuessMargin),
-        cells_(window_, first_x_ - 1, first_y_ - 1, kTileSide + 1),
+        cells_(window_, first_x_ - 1, first_y_ - 1, kTileSide + 1, open_.next_layer()),
         placement_(solid, window_),
         vertex_(cells_.size(), kNoVertex) {}
 
@@ -86,10 +90,13 @@ class TileMesher {
  private:
   /// Adds the quadrangles across the ends of a column's runs.
   void add_ends(std::int32_t i, std::int32_t j) {
-    const auto runs = window_.runs(i, j);
-    for (const SolidRun& run : runs) {
-      add_quad(around_upright(i, j, run.first), {2, true, run.bottom}, i, j);
-      add_quad(around_upright(i, j, run.end), {2, false, run.top}, i, j);
+    for (const SolidRun& run : window_.runs(i, j)) {
+      if (open_.has_bottom(run.first)) {
+        add_quad(around_upright(i, j, run.first), {2, true, run.bottom}, i, j);
+      }
+      if (open_.has_top(run.end)) {
+        add_quad(around_upright(i, j, run.end), {2, false, run.top}, i, j);
+      }
     }
   }
 
@@ -116,7 +123,12 @@ class TileMesher {
       if (change(b, nb) == first) ++nb;
       if (na % 2 == nb % 2) continue;
       const std::int32_t end = std::min(change(a, na), change(b, nb));
-      add_wall(i, j, along_x, first, end, na % 2 == 0);
+      const bool reversed = na % 2 == 0;
+      const std::optional<StockFace> side = open_.side_between(i, j, along_x);
+      for (auto open = open_.next(side, first, end); open.first < open.end;
+           open = open_.next(side, open.end, end)) {
+        add_wall(i, j, along_x, open.first, open.end, reversed);
+      }
     }
   }
 
@@ -239,6 +251,7 @@ class TileMesher {
   }
 
   TileIndex tile_;
+  OpenPatches open_;
   std::int32_t first_x_, first_y_, end_x_, end_y_;
   ColumnWindow window_;
   LatticeCells cells_;
@@ -256,7 +269,11 @@ class TileMesher {
 }  // namespace
 
 TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile) {
-  return TileMesher(solid, tile).run();
+  return TileMesher(solid, tile, nullptr).run();
+}
+
+TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile, const FaceCover& cover) {
+  return TileMesher(solid, tile, &cover).run();
 }
 
 std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,

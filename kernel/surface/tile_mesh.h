@@ -26,6 +26,11 @@ struct TileMesh {
 /// equal bytes. Thread-safe: different tiles may be meshed concurrently.
 TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile);
 
+class FaceCover;
+/// Extracts the same without the quadrangles of covered patches (face_cover.h). Time and memory do
+/// not grow with the height of the walls in covered patches.
+TileMesh mesh_tile(const SolidSnapshot& solid, TileIndex tile, const FaceCover& cover);
+
 /// Returns the tiles whose mesh may change when `changed` tiles change: these and the neighbors
 /// that read their columns. Sorted, without duplicates, within the grid.
 std::vector<TileIndex> tiles_to_remesh(const DexelGrid& grid,

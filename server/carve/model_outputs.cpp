@@ -45,7 +45,9 @@ std::expected<IndexedMesh, std::string> load_reference(const std::filesystem::pa
 
 std::unique_ptr<MeshSource> CarvedSurface::plain() const {
   if (simplified_) return std::make_unique<WholeMesh>(*simplified_);
-  return std::make_unique<SnapshotMesh>(snapshot_);
+  // Deviations vary along a face that no cut has reached.
+  return std::make_unique<SnapshotMesh>(snapshot_,
+                                        compared_ ? FlatFaces::kByTile : FlatFaces::kMerged);
 }
 
 std::expected<std::unique_ptr<CarvedSurface>, std::string> CarvedSurface::make(
@@ -53,6 +55,7 @@ std::expected<std::unique_ptr<CarvedSurface>, std::string> CarvedSurface::make(
     const ModelProgress& progress, const std::stop_token& stop) {
   std::unique_ptr<CarvedSurface> surface(new CarvedSurface(snapshot));
   SurfaceReport& report = surface->report_;
+  surface->compared_ = reference != nullptr;
   if (request.simplify.triangles || request.simplify.error_mm) {
     SnapshotMesh exact(snapshot);
     auto simplified = simplify_mesh(exact, request.simplify, progress, stop);

@@ -64,6 +64,7 @@ class CarvedSurface {
   std::unique_ptr<MeshSource> plain() const;
 
   SolidSnapshot snapshot_;
+  bool compared_ = false;  ///< with a reference
   std::optional<IndexedMesh> simplified_;
   std::optional<Deviation> deviation_;
   SurfaceReport report_;

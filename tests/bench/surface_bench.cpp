@@ -2,8 +2,10 @@
 // Measures the speed of meshing and encoding on one core and the size of the result: the block of
 // the standard job, untouched, carved in three axes and in five. Times are CPU seconds of this
 // thread. `features` prints the mesh error of random carvings, everywhere and away from features
-// below the pitch; `crossings` prints the number of triangles that cross each other. Usage:
-// surface_bench [pitch_mm=0.25]; surface_bench features; surface_bench crossings
+// below the pitch; `crossings` prints the number of triangles that cross each other; `export`
+// prints the size of the whole surface of blocks up to 10 m with one cut. Usage:
+// surface_bench [pitch_mm=0.25]; surface_bench features; surface_bench crossings; surface_bench
+// export
 
 #include <cstdio>
 #include <cstdlib>
@@ -11,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "kernel/surface/solid_surface.h"
 #include "kernel/surface/tile_mesh.h"
 #include "server/feed/mesh_glb.h"
 #include "tests/bench/crossing_count.h"
@@ -113,6 +116,34 @@ void measure(Rays rays, double pitch_mm) {
   }
 }
 
+/// Carves 100 mm x 100 mm of blocks of increasing size and prints what their surfaces cost.
+void print_exports() {
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    for (const Vec3 size :
+         {Vec3{200, 200, 100}, Vec3{1e3, 1e3, 100}, Vec3{1e4, 1e4, 100}, Vec3{1e4, 1e4, 1e4}}) {
+      SculptureSettings settings;
+      settings.stock = BoxStock{size * -0.5, size * 0.5};
+      settings.pitch_mm = 0.5;
+      settings.rays = rays;
+      auto sculpture = *Sculpture::create(settings);
+      sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
+      for (int n = 0; n <= 20; ++n) {
+        const Vec3 from{-50, 5.0 * n - 50, 0.5 * size.z - 5};
+        sculpture.apply(MoveTool{1, {from}, {from + Vec3{100, 0, 0}}, 1, false}).value();
+      }
+      const SolidSnapshot solid = sculpture.solid();
+      const double start = cpu_seconds();
+      SolidSurface surface(solid);
+      std::size_t triangles = 0;
+      for (TileMesh piece; surface.next(piece);) triangles += piece.indices.size() / 3;
+      std::printf(
+          "%-9s %5.0f x %5.0f x %5.0f mm: %7zu triangles, %4zu tiles, %4zu squares, %.0f ms\n",
+          to_string(rays), size.x, size.y, size.z, triangles, surface.tiles(), surface.squares(),
+          1e3 * (cpu_seconds() - start));
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -123,6 +154,10 @@ int main(int argc, char** argv) {
   }
   if (what == "crossings") {
     print_crossings();
+    return 0;
+  }
+  if (what == "export") {
+    print_exports();
     return 0;
   }
   const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.25;

