@@ -141,7 +141,7 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
         plan.still = still_point(extent(*piece), m);
       }
     }
-    plans.push_back(std::move(plan));
+    plans.push_back(plan);
   }
   return plans;
 }

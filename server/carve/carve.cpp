@@ -125,14 +125,21 @@ class Carving {
         return bad_input(options_.scene.string() + ": accuracy." + settled.error().field + " " +
                          settled.error().reason);
       std::cerr << "accuracy: " << scene_.accuracy->reason << '\n';
-      return {};
+      return settle_tools();
     }
     SculptureSettings& settings = scene_.settings;
     settings.pitch_mm = request.pitch_mm.value_or(settings.pitch_mm);
     settings.tolerance_mm = request.tolerance_mm.value_or(settings.tolerance_mm);
     settings.rays = request.rays.value_or(settings.rays);
     settings.motion = request.motion.value_or(settings.motion);
-    return {};
+    return settle_tools();
+  }
+
+  Result settle_tools() {
+    const auto resolved = resolve_chords(scene_);
+    if (resolved) return {};
+    return bad_input(options_.scene.string() + ": tool " + std::to_string(resolved.error().tool) +
+                     ": " + resolved.error().error.field + " " + resolved.error().error.reason);
   }
 
   Result read_program() {
@@ -180,9 +187,7 @@ class Carving {
                          result.error().reason);
       report_.machining_s += motion.duration_s;
       simulation.follow(motion, *result);
-      if (options_.forces)
-        write_forces_row(forces, report_.machining_s, motion.to, result->wrench,
-                         result->removed_mm3);
+      if (options_.forces) write_forces_row(forces, report_.machining_s, motion.to, *result);
       progress_.show("carving", static_cast<double>(++report_.motions) /
                                     static_cast<double>(program_.motions.size()));
     }
@@ -190,6 +195,7 @@ class Carving {
       return bad_output(options_.forces->string() + ": cannot be written");
     report_.stock_volume_mm3 = sculpture_->stock_volume_mm3();
     report_.removed_volume_mm3 = sculpture_->removed_volume_mm3();
+    report_.imprint_volume_mm3 = sculpture_->imprint_volume_mm3();
     report_.sub_motions = sculpture_->sub_motions();
     report_.stock_memory_bytes = sculpture_->memory_bytes();
     report_.state_hash = sculpture_->state_hash();
@@ -221,6 +227,7 @@ class Carving {
   Result write_models() {
     if (auto made = make_surface(); !made) return made;
     std::vector<std::function<Result()>> jobs;
+    jobs.reserve(options_.models.size());
     std::vector<std::uint64_t> triangles(options_.models.size());
     // One line on a terminal cannot show several files at once.
     ModelProgress bar;

@@ -73,6 +73,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"tolerance_mm", scene.settings.tolerance_mm},
                   {"stock_volume_mm3", report.stock_volume_mm3},
                   {"removed_volume_mm3", report.removed_volume_mm3},
+                  {"imprint_volume_mm3", report.imprint_volume_mm3},
                   {"motions", report.motions},
                   {"sub_motions", report.sub_motions},
                   {"machining_seconds", report.machining_s},

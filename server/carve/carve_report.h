@@ -17,7 +17,7 @@ struct CarveReport {
   std::size_t program_lines = 0;
   std::uint64_t motions = 0, sub_motions = 0;
   double machining_s = 0;  ///< sum of the durations of all motions
-  double stock_volume_mm3 = 0, removed_volume_mm3 = 0;
+  double stock_volume_mm3 = 0, removed_volume_mm3 = 0, imprint_volume_mm3 = 0;
   double read_s = 0, cut_s = 0, simulate_s = 0, mesh_s = 0, write_s = 0;
   std::optional<std::uint64_t> triangles;  ///< empty if no model was requested
   SurfaceReport surface;

@@ -24,6 +24,7 @@ std::vector<TileIndex> touched_tiles(const SolidSnapshot& snapshot) {
 // Corners, then centroids, in scene coordinates.
 std::vector<Vec3> points_of(const TileMesh& mesh, Vec3 origin_mm) {
   std::vector<Vec3> points;
+  points.reserve(mesh.positions_mm.size() + mesh.indices.size() / 3);
   for (const auto& p : mesh.positions_mm)
     points.push_back(origin_mm + Vec3{double(p[0]), double(p[1]), double(p[2])});
   for (std::size_t n = 0; n + 2 < mesh.indices.size(); n += 3)

@@ -145,7 +145,7 @@ class Tradeoff {
   // Without rotation all motion models and tolerances are equivalent.
   void plan() {
     const auto either = [](const std::vector<std::string>& asked,
-                           std::vector<std::string> otherwise) {
+                           const std::vector<std::string>& otherwise) {
       return asked.empty() ? otherwise : asked;
     };
     const std::scoped_lock lock(mutex_);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/scene.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "server/formats/text_file.h"
 
 namespace kerf {
@@ -44,6 +47,21 @@ std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const Accuracy
   scene.settings.tolerance_mm = a.tolerance_mm;
   scene.settings.motion = a.motion;
   scene.accuracy = *std::move(choice);
+  return {};
+}
+
+std::expected<void, SceneToolError> resolve_chords(Scene& scene) {
+  const double chord_mm = std::clamp(kChordShare * scene.settings.tolerance_mm,
+                                     kChordToleranceMinMm, kChordToleranceMaxMm);
+  for (auto& [id, tool] : scene.tools) {
+    if (!tool.chords_follow && !tool.holder_chords_follow) continue;
+    if (tool.chords_follow) std::get<ProfileShape>(tool.shape).chord_tolerance_mm = chord_mm;
+    if (tool.holder_chords_follow)
+      std::get<ProfileShape>(*tool.body.holder).chord_tolerance_mm = chord_mm;
+    auto made = make_tool(tool.shape, tool.body);
+    if (!made) return std::unexpected(SceneToolError{id, made.error()});
+    tool.tool = *std::move(made);
+  }
   return {};
 }
 
