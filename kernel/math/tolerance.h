@@ -77,9 +77,9 @@ inline constexpr double kAlongRays2 = 1e-24;
 /// continued by kPoleMarginMm. Owner: intersect/ray_contour. If it falls, ends near the pole err.
 inline constexpr double kPoleSine = 1 - 1e-15;
 
-/// mm. A ray this far beyond the last point of a contour at its pole meets that point: more than
-/// the part that kPoleSine leaves out, 5e-8 radii. Owner: intersect/ray_contour. If it grows, ends near
-/// the pole err by its square over a radius.
+/// mm. A ray this far beyond the last point of a contour at its pole meets that point. More than
+/// the part that kPoleSine leaves out, 5e-8 radii.
+/// Owner: intersect/ray_contour. If it grows, ends near the pole err by its square over a radius.
 inline constexpr double kPoleMarginMm = 1e-5;
 
 /// mm. How near to the outermost end the search goes where nothing turns and the sweep is convex:

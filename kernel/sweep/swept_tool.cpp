@@ -26,6 +26,7 @@ struct PiecePlan {
   double bend_mm = 0;  ///< κ of a slice
   bool round = false;  ///< the curvature of the slice exceeds the bend
   ShownDiscs shown = {true, true};
+  bool shows_edge = true;       ///< a disc that shows makes an edge with the side
   std::optional<double> still;  ///< height of the point of the axis that stays at rest
 };
 
@@ -80,7 +81,7 @@ void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
   const double nu = axial_normal(plan.piece);
   plan.bend_mm = 2 * m.turn_rad * (v.across * nu + v.along) +
                  m.turn_rad * m.turn_rad * (e.radius_mm + e.z1_mm * nu);
-  if (plan.shown.any()) {
+  if (plan.shows_edge) {
     plan.bend_mm =
         std::max(plan.bend_mm, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.z1_mm);
   } else if (const auto* f = std::get_if<FrustumPiece>(&plan.piece)) {
@@ -95,13 +96,13 @@ void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
 /// Returns the parameters of the search for the ends of a slice. Rays with a non-connected hit set
 /// are bisected until a part bends by at most twice `missed_mm`.
 SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
-  if (!(m.turn_rad > 0)) return {.search_mm = kTranslationSearchMm, .shows_disc = plan.shown.any()};
+  if (!(m.turn_rad > 0)) return {.search_mm = kTranslationSearchMm, .shows_disc = plan.shows_edge};
   const double missed = kStationShare * tolerance_mm;
   double bend = plan.bend_mm / (double(plan.parts) * double(plan.parts));
   int halvings = 0;
   for (; halvings < kHalvingsMax && bend > 2 * missed; bend /= 4) ++halvings;
-  return {static_cast<int>(plan.parts), halvings,        !plan.round, plan.bend_mm, missed,
-          kSearchShare * tolerance_mm,  plan.shown.any()};
+  return {static_cast<int>(plan.parts), halvings,       !plan.round, plan.bend_mm, missed,
+          kSearchShare * tolerance_mm,  plan.shows_edge};
 }
 
 /// Returns the height of the point of the axis that stays at rest, if it is within the slice. The
@@ -132,6 +133,9 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
       const bool clipped = extent(*piece).z1_mm < e.z1_mm;
       plan.shown = {!covers(below, e.z0_mm, radius_at(whole, e.z0_mm)),
                     !clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm))};
+      const auto* arc = std::get_if<ArcPiece>(&whole);
+      plan.shows_edge = (plan.shown.lower && !(arc != nullptr && is_level_below(*arc))) ||
+                        (plan.shown.upper && !(arc != nullptr && is_level_above(*arc)));
       if (m.turn_rad > 0) {
         plan_slice(plan, m, settings.tolerance_mm);
         plan.still = still_point(extent(*piece), m);

@@ -160,6 +160,28 @@ TEST_P(ReplicaTest, AnswersEqualTheServers) {
   expect_equal_near(winding(599));
 }
 
+TEST_P(ReplicaTest, TakesTheImprintOfAToolAsTheServerDoes) {
+  // The ball begins to cut 4 mm inside the block; the wider mill takes its place in the slot.
+  begin(GetParam());
+  const Vec3 start{0, 0, -4};
+  send(start, {0, 0, 1}, 1, 0);
+  int imprints = 0;
+  Vec3 tip = start;
+  for (int i = 0; i < 60; ++i) {
+    tip.x += 0.05;
+    const std::uint32_t tool = i < 30 ? 1 : 2;
+    const auto local = send(tip, {0, 0, 1}, tool);
+    if (!local) continue;
+    EXPECT_EQ(local->status, remote_.status) << i;
+    EXPECT_FLOAT_EQ(local->removed_mm3, remote_.removed_mm3) << i;
+    EXPECT_NEAR(local->force_n.x, remote_.force_n.x, 1e-4) << i;
+    // A ball's or mill's half section at a depth of 4 mm, with the ripple of one field.
+    EXPECT_LT(length(Vec3(local->force_n)), 1.3 * 0.4 * 8 * 4) << i;
+    imprints += (remote_.status & wire::kStatusImprint) != 0 ? 1 : 0;
+  }
+  EXPECT_EQ(imprints, 2);
+}
+
 TEST_P(ReplicaTest, AnswersDoNotDependOnTheDelay) {
   begin(GetParam());
   std::vector<Vec3f> near;
