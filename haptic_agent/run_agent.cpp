@@ -36,7 +36,7 @@ class LeaveOnSignal {
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   }
   void start() {
-    thread_ = std::jthread([this](std::stop_token stop) { wait(stop); });
+    thread_ = std::jthread([this](const std::stop_token& stop) { wait(stop); });
   }
 
  private:

@@ -189,6 +189,9 @@ void print_summary(std::ostream& out, const Summary& s) {
       << (s.trips > 0 ? to_string(s.last_trip) : "") << "; degraded in " << s.degraded_ticks
       << " ticks; stopped by the watchdog " << s.watchdog_stops << " times\n"
       << "carved   " << l.removed_mm3 << " mm³";
+  if (l.imprint_results > 0) {
+    out << "; began inside stock " << l.imprint_results << " times, there without force";
+  }
   if (s.max_deviation_mm > 0) {
     out << "; maximum deviation of the simulated hand from its path " << s.max_deviation_mm
         << " mm";
@@ -212,6 +215,7 @@ std::string summary_json(const Summary& s) {
                         {"copy", copy_json(s)},
                         {"safety", safety_json(s)},
                         {"removed_mm3", l.removed_mm3},
+                        {"imprint_results", l.imprint_results},
                         {"motions_in_session", l.motions_in_session},
                         {"max_deviation_mm", s.max_deviation_mm}};
   return summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n";

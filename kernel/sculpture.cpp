@@ -8,6 +8,7 @@
 
 #include "kernel/cut/changed_tiles.h"
 #include "kernel/cut/cut.h"
+#include "kernel/cut/imprint.h"
 #include "kernel/cut/lazy_normals.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/mesh_stock.h"
@@ -22,10 +23,17 @@
 
 namespace kerf {
 
-/// The volume that a motion removed from one field, and the number of elements that it shortened,
-/// which is the area of the cut seen along the rays, in squares of the pitch.
+/// The volume that a motion removed from one field, the part of it that is imprint, and the number
+/// of elements that it shortened, which is the area of the cut seen along the rays, in squares of
+/// the pitch.
 struct RemovedVolume {
-  double mm3, elements;
+  double mm3, imprint_mm3, elements;
+};
+
+/// What earlier motions have done at the pose where a motion starts.
+struct MotionStart {
+  bool is_cut;     ///< the tool's last motion ended there: a sweep may skip what lies behind it
+  bool continues;  ///< a motion of the tool ended there: nothing that is removed is imprint
 };
 
 namespace {
@@ -47,11 +55,11 @@ ToolMotion in_frame(RayAxis axis, ToolMotion motion) {
 /// area that it sees: for a thin layer with normal n that area is |n_a| times the layer's, so the
 /// weights are n_a². Fields whose rays graze the surface, and locate it only to a pitch, count
 /// little.
-double combined_mm3(std::span<const RemovedVolume> fields) {
-  if (fields.size() == 1) return fields.front().mm3;
+double combined_mm3(std::span<const RemovedVolume> fields, double RemovedVolume::* volume) {
+  if (fields.size() == 1) return fields.front().*volume;
   double sum = 0, weights = 0;
   for (const RemovedVolume& f : fields) {
-    sum += f.elements * f.elements * f.mm3;
+    sum += f.elements * f.elements * f.*volume;
     weights += f.elements * f.elements;
   }
   return weights > 0 ? sum / weights : 0;
@@ -232,16 +240,16 @@ SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
 }
 
 RemovedVolume Sculpture::cut_field(DexelField& field, LazyNormals& normals, const Tool& tool,
-                                   const ToolMotion& motion, bool start_is_cut,
+                                   const ToolMotion& motion, const MotionStart& start,
                                    MotionResult& result, CuttingForce* force, Workers& workers) {
   const DexelGrid& grid = field.grid();
   const bool alone = fields_.size() == 1;
   Removal& removal = *removal_;
-  std::int64_t quanta = 0;
+  std::int64_t quanta = 0, imprint = 0;
   std::int64_t elements = 0;
   std::int64_t parts = 0;
   SweepSettings settings = sweep_settings(field);
-  settings.start_is_cut = start_is_cut;
+  settings.start_is_cut = start.is_cut;
   sweep_tool(tool, in_frame(grid.axis, motion), settings, [&](const SubMotion& part) {
     const NormalCode end_code = field.keeps_normals()
                                     ? normals.add_sweep(field, SweptSurface(tool, part.motion))
@@ -254,11 +262,25 @@ RemovedVolume Sculpture::cut_field(DexelField& field, LazyNormals& normals, cons
     for (const RemovedPart& cut_part : removal.parts()) {
       for (const auto& tile : cut_part.tiles) result.cut_tiles.push_back({grid.axis, tile.index});
     }
+    // Every later part starts where the part before it ended.
+    if (parts == 0 && !start.continues) imprint = take_imprint(field, tool, motion.from, workers);
     if (force != nullptr) force->add(grid, removal, part.motion, part.share, workers);
     parts += part.count;
   });
   result.sub_motions = std::max(result.sub_motions, static_cast<std::uint32_t>(parts));
-  return {static_cast<double>(quanta) * grid.quantum_mm3(), static_cast<double>(elements)};
+  return {static_cast<double>(quanta) * grid.quantum_mm3(),
+          static_cast<double>(imprint) * grid.quantum_mm3(), static_cast<double>(elements)};
+}
+
+std::int64_t Sculpture::take_imprint(const DexelField& field, const Tool& tool,
+                                     const ToolPose& start, Workers& workers) {
+  if (removal_->quanta() == 0) return 0;
+  std::int64_t quanta = 0;
+  const ToolMotion rest = in_frame(field.grid().axis, make_motion(start, start, tool.length_mm));
+  sweep_tool(tool, rest, sweep_settings(field), [&](const SubMotion& standing) {
+    quanta += kerf::take_imprint(standing.swept, field.grid(), *removal_, workers);
+  });
+  return quanta;
 }
 
 MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
@@ -267,21 +289,25 @@ MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
   const bool feel = command.feel && command.duration_s > 0;
   MotionResult result;
   result.kind = motion.kind;
+  // The end as commanded: an axis that turns by less than rounding is not turned in `motion`.
+  const ToolPose end{command.to.tip_mm, normalized(command.to.axis)};
+  const auto [engagement, continues] = engagements_->follow(command.tool, motion.from, end, feel);
   std::optional<CuttingForce> force;
   if (feel) {
     force.emplace(settings_.force, used, motion, command.duration_s,
-                  static_cast<int>(fields_.size()),
-                  engagements_->follow(command.tool, motion.from, motion.to));
+                  static_cast<int>(fields_.size()), engagement);
   }
   const auto last = last_pose_.find(command.tool);
-  const bool start_is_cut = last != last_pose_.end() && last->second == motion.from;
+  const MotionStart start{last != last_pose_.end() && last->second == motion.from, continues};
   std::vector<RemovedVolume> removed;
+  removed.reserve(fields_.size());
   for (std::size_t n = 0; n < fields_.size(); ++n) {
-    removed.push_back(cut_field(fields_[n], normals_[n], used, motion, start_is_cut, result,
+    removed.push_back(cut_field(fields_[n], normals_[n], used, motion, start, result,
                                 feel ? &*force : nullptr, workers));
   }
   last_pose_[command.tool] = motion.to;
-  result.removed_mm3 = combined_mm3(removed);
+  result.removed_mm3 = combined_mm3(removed, &RemovedVolume::mm3);
+  result.imprint_mm3 = combined_mm3(removed, &RemovedVolume::imprint_mm3);
   std::erase_if(result.changed_tiles, [this](TileIndex tile) { return !grid().has(tile); });
   std::ranges::sort(result.changed_tiles);
   const auto repeated = std::ranges::unique(result.changed_tiles);
@@ -299,6 +325,7 @@ MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
     result.wrench = result.wrench + result.collision;
   }
   removed_mm3_ += result.removed_mm3;
+  imprint_mm3_ += result.imprint_mm3;
   ++motions_;
   sub_motions_ += result.sub_motions;
   return result;

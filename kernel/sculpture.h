@@ -26,6 +26,7 @@ class Obstacles;
 class LazyNormals;
 class Removal;
 class Workers;
+struct MotionStart;
 struct RemovedVolume;
 struct SweepSettings;
 struct ToolMotion;
@@ -96,6 +97,8 @@ class Sculpture {
   double stock_volume_mm3() const { return stock_volume_mm3_; }
   /// Returns the sum of MotionResult::removed_mm3 over all motions.
   double removed_volume_mm3() const { return removed_mm3_; }
+  /// Returns the sum of MotionResult::imprint_mm3 over all motions, a part of the removed volume.
+  double imprint_volume_mm3() const { return imprint_mm3_; }
   /// Returns the number of motions applied.
   std::uint64_t motions() const { return motions_; }
   /// Returns the sum of MotionResult::sub_motions over all motions.
@@ -108,8 +111,12 @@ class Sculpture {
   Wrench collision(const Tool& tool, const ToolPose& pose) const;
   /// Cuts one field and adds what that removed to `result` and `force` (null: none is computed).
   RemovedVolume cut_field(DexelField& field, LazyNormals& normals, const Tool& tool,
-                          const ToolMotion& motion, bool start_is_cut, MotionResult& result,
+                          const ToolMotion& motion, const MotionStart& start, MotionResult& result,
                           CuttingForce* force, Workers& workers);
+  /// Takes the imprint of the tool at the start of a motion out of what that removed from a field.
+  /// Returns its length in quanta.
+  std::int64_t take_imprint(const DexelField& field, const Tool& tool, const ToolPose& start,
+                            Workers& workers);
   SweepSettings sweep_settings(const DexelField& field) const;
 
   SculptureSettings settings_;
@@ -122,6 +129,7 @@ class Sculpture {
   std::map<ToolId, ToolPose> last_pose_;  ///< end of each tool's last motion
   double stock_volume_mm3_ = 0;
   double removed_mm3_ = 0;
+  double imprint_mm3_ = 0;
   std::uint64_t motions_ = 0;
   std::uint64_t sub_motions_ = 0;
 };

@@ -44,6 +44,10 @@ struct MotionResult {
   /// Volume removed by this motion. With three fields: their direction-weighted mean
   /// (kernel/dexel/README.md).
   double removed_mm3 = 0;
+  /// The part of `removed_mm3` that lay inside the tool where the motion began: a tool that appears
+  /// inside stock takes it without force. Exactly 0 if a motion of the same tool ended at that pose
+  /// (kernel/force/README.md, "Imprint").
+  double imprint_mm3 = 0;
   /// Number of cuts that the motion was divided into: the greatest over the fields.
   std::uint32_t sub_motions = 0;
   /// Tiles of the field along Z whose surface changed; sorted, without duplicates.

@@ -68,8 +68,9 @@ class CsvReader {
     }
     std::array<double, kColumnCount> v{};
     for (std::size_t i = 0; i < kColumnCount; ++i) {
-      if (!at_[i]) continue;
-      const std::string_view field = fields[*at_[i]];
+      const std::optional<std::size_t>& column = at_[i];
+      if (!column) continue;
+      const std::string_view field = fields[*column];
       const auto number = to_number(field);
       if (!number) return reject(join({"'", field, "' is not a finite number"}));
       v[i] = *number;

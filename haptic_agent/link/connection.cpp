@@ -17,7 +17,7 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using boost::system::error_code;
 using std::chrono::seconds;
-using Socket = websocket::stream<beast::tcp_stream>;
+using Socket = websocket::stream<beast::tcp_stream, false>;
 
 constexpr seconds kConnectTimeout{3};
 constexpr seconds kWelcomeTimeout{5};

@@ -26,7 +26,7 @@ struct Connection {
     reader_ended.expires_at(boost::asio::steady_timer::time_point::max());
   }
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket;
+  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket;
   /// Cancelled when the reader has ended, to wake the coroutine that waits for it.
   boost::asio::steady_timer reader_ended;
   bool reading = false;

@@ -69,6 +69,8 @@ struct LinkReport {
   std::uint64_t bad_frames = 0;
   std::uint64_t motions_in_session = 0;
   double removed_mm3 = 0;
+  /// Results of motions that began inside stock: what they took there gave no force.
+  std::uint64_t imprint_results = 0;
   double max_server_force_n = 0;
   UdpReport udp;
   ClockSync clock;

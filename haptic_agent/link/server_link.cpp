@@ -73,8 +73,8 @@ class ServerLink::Impl {
   std::expected<Welcome, std::string> wait_welcome() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return welcome_.has_value() || !failure_.empty(); });
-    if (!failure_.empty()) return std::unexpected(failure_);
-    return *welcome_;
+    if (welcome_ && failure_.empty()) return *welcome_;
+    return std::unexpected(failure_);
   }
 
   void interrupt() {

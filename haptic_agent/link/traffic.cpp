@@ -212,6 +212,7 @@ void Traffic::take_result(const wire::Result& result, std::uint64_t now_us) {
   queue_.answered(result.agent_sequence);
   ++report_.results;
   if ((result.status & wire::kStatusRejected) != 0) ++report_.rejected_results;
+  if ((result.status & wire::kStatusImprint) != 0) ++report_.imprint_results;
   report_.motions_in_session = result.motions_applied;
   report_.removed_mm3 += static_cast<double>(result.removed_mm3);
   report_.max_server_force_n = std::max(report_.max_server_force_n, length(answer.wrench.force_n));

@@ -52,8 +52,8 @@ bool Replica::is_settled(const MoveTool& motion, bool known) {
 
 std::optional<wire::Result> Replica::move(const wire::MotionSample& sample) {
   auto step = track_.take(sample, block_, source_.speed_max_mm_per_s());
-  if (!step) return std::nullopt;  // the server will report the reason
-  const ToolPose& pose = *track_.pose();
+  const std::optional<ToolPose>& pose = track_.pose();
+  if (!step || !pose) return std::nullopt;  // the server will report the reason
   BatchSum sum;
   bool known = false;
   if (auto* move = std::get_if<MoveTool>(&*step)) {
@@ -67,7 +67,7 @@ std::optional<wire::Result> Replica::move(const wire::MotionSample& sample) {
     known = is_settled(*move, known);
     if (known) add_motion(sum, block_, *move, *result);
   } else {
-    known = is_known(MoveTool{sample.tool_id, pose, pose});
+    known = is_known(MoveTool{sample.tool_id, *pose, *pose});
     const auto* touch = std::get_if<ToolTrack::Touch>(&*step);
     if (known && touch != nullptr) add_touch(sum, block_, *touch);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/cut/block_places.h"
 
+#include <cstddef>
 #include <cstring>
 
 #include "kernel/dexel/dexel_tile.h"
@@ -42,15 +43,15 @@ KERF_INLINE void blocks_in_lanes(const DexelGrid& grid, TileIndex tile, int half
   discs.x_mm = x_of(grid, double(tile.x) * kTileSide + across) + middle;
   discs.y_mm = y_of(grid, double(tile.y) * kTileSide + half * 16.0 + up) + middle;
   discs.reach_mm = kSqrt2 * middle;
-  const Lanes top =
-      tops != nullptr ? to_lanes(load_ints(tops + half * kLanes)) : Lanes(grid.height_quanta);
+  const Lanes top = tops != nullptr ? to_lanes(load_ints(tops + std::ptrdiff_t(half) * kLanes))
+                                    : Lanes(grid.height_quanta);
   reached_below = below_which(grid, top);
 }
 
 /// Returns the greatest depth of each of eight rows. Transposes and reduces in three steps.
 KERF_INLINE IntLanes highest_of_rows(const std::int32_t* tops) {
   IntLanes two[4], four[2];
-  for (int k = 0; k < 4; ++k) {
+  for (std::ptrdiff_t k = 0; k < 4; ++k) {
     const IntLanes a = load_ints(tops + 2 * k * kTileSide),
                    b = load_ints(tops + (2 * k + 1) * kTileSide);
     two[k] = greater(__builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13),

@@ -18,6 +18,7 @@ namespace {
 struct WorkPerBlock {
   double operator()(const BallSweep&) const { return 1; }
   double operator()(const FrustumTranslation&) const { return 4; }
+  double operator()(const ArcTranslation&) const { return 6; }
   double operator()(const TurningSweep&) const { return 20; }
 };
 /// Work, in blocks of a ball, from which on several threads are used. Less takes about as long as

@@ -21,8 +21,8 @@ void mark_topmost(DexelTile& tile, std::size_t first, const RemovedGroup& group,
   EndCodes* codes = &tile.topmost_codes[first];
   for (int c = 0; c < RemovedGroup::kLanes; ++c) {
     const bool any = (group.bottom[c] < group.top[c]) & (bottom[c] < top[c]);
-    codes[c].top = any & (top[c] == group.bottom[c]) ? code : codes[c].top;
-    codes[c].bottom = any & (bottom[c] == group.top[c]) ? code : codes[c].bottom;
+    codes[c].top = (any & (top[c] == group.bottom[c])) ? code : codes[c].top;
+    codes[c].bottom = (any & (bottom[c] == group.top[c])) ? code : codes[c].bottom;
   }
 }
 
@@ -108,7 +108,7 @@ void LazyNormals::collect(DexelTile& tile, TileIndex at, const DexelGrid& grid) 
   for (int column = 0; column < kTileColumns; ++column) {
     const auto c = std::size_t(column);
     EndCodes& codes = tile.topmost_codes[c];
-    if (is_pending(codes.top) | is_pending(codes.bottom)) {
+    if (is_pending(codes.top) || is_pending(codes.bottom)) {
       take(column, codes, {tile.bottom[c], tile.top[c]});
     }
     if (!tile.is_split(column)) continue;

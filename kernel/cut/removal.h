@@ -48,6 +48,7 @@ struct RemovedPart {
 class Removal {
  public:
   std::span<const RemovedPart> parts() const { return {parts_.data(), used_}; }
+  std::span<RemovedPart> parts() { return {parts_.data(), used_}; }
   /// Returns the total length of the removed elements, in quanta.
   std::int64_t quanta() const {
     std::int64_t sum = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/cut/subtract_rows.h"
 
+#include <cstddef>
+
 #include "kernel/math/int_lanes.h"
 
 namespace kerf {
@@ -34,8 +36,9 @@ KERF_INLINE void subtract_in_lanes(const ColumnBlock& block, unsigned rows, cons
   for (int row = 0; row < kBlockSide; ++row) {
     if ((rows >> row & 1) == 0) continue;
     const IntLanes cut_b = to_depth(block.lo_mm[row]), cut_t = to_depth(block.hi_mm[row]);
-    const IntLanes b = load_ints(elements.bottom + row * elements.stride);
-    const IntLanes t = load_ints(elements.top + row * elements.stride);
+    const std::ptrdiff_t offset = std::ptrdiff_t(row) * elements.stride;
+    const IntLanes b = load_ints(elements.bottom + offset);
+    const IntLanes t = load_ints(elements.top + offset);
     const auto split = static_cast<std::int32_t>(elements.split[row] >> elements.first_bit & 0xFFU);
     const IntLanes lo = greater(cut_b, b);
     const IntLanes hi = lesser(cut_t, t);

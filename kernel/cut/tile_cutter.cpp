@@ -4,24 +4,13 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <limits>
 
-#include "kernel/cut/block_places.h"
 #include "kernel/cut/lazy_normals.h"
 #include "kernel/cut/subtract_rows.h"
+#include "kernel/cut/swept_block.h"
 #include "kernel/dexel/dexel_tile.h"
 
 namespace kerf {
-namespace {
-
-Lanes lower_bound(const SweptPiece& piece, const Discs& discs) {
-  Lanes z = Lanes(std::numeric_limits<double>::infinity());
-  std::visit([&](const auto& s) { s.lower_bound(discs, z); }, piece);
-  return z;
-}
-
-}  // namespace
-
 void TileCutter::cut(const ReachedTile& tile) {
   Work work{tile.index, tile.stored};
   const std::int64_t before = removed_.quanta;
@@ -45,7 +34,7 @@ void TileCutter::cut_block(Work& work, int block) {
       work.index.y * kTileSide + block / kTileBlocksAcross * kBlockSide,
   };
   if (first.i >= grid_.columns_x || first.j >= grid_.columns_y) return;
-  sweep_block(work, block, first);
+  sweep_block(swept_, grid_, work.stored, first.i, first.j, block_);
   if (block_.filled == 0) return;
   const std::int64_t before = removed_.quanta;
   cut_rows(work, first, block_.filled);
@@ -55,29 +44,6 @@ void TileCutter::cut_block(Work& work, int block) {
     cut_rows(work, first, 1U << a.row);
   }
   if (removed_.quanta > before) work.changed->update_bounds(block);
-}
-
-/// Fills block_ with the intervals that the sweep removes, down to where there is stock.
-void TileCutter::sweep_block(const Work& work, int block, Column first) {
-  const std::int32_t top =
-      work.stored != nullptr ? work.stored->block_top[std::size_t(block)] : grid_.height_quanta;
-  const int corner =
-      block / kTileBlocksAcross * kBlockSide * kTileSide + block % kTileBlocksAcross * kBlockSide;
-  const std::int32_t* tops =
-      work.stored != nullptr ? &work.stored->top[std::size_t(corner)] : nullptr;
-  Discs discs;
-  Lanes reached_below;
-  place_rows(grid_, first.i, first.j, tops, block_, discs, reached_below);
-  const std::int32_t in_grid = std::min(kBlockSide, grid_.columns_y - first.j);
-  block_.top_mm = grid_.z_mm(top);
-  block_.join_mm = swept_.join_mm;
-  block_.clear();
-  for (const SweptPiece& piece : swept_.pieces) {
-    block_.lowest_mm = lower_bound(piece, discs);
-    block_.rows = lanes_below(block_.lowest_mm, reached_below) & ((1U << in_grid) - 1);
-    block_.drop_closed_rows();
-    if (block_.rows != 0) std::visit([&](const auto& s) { s.evaluate(block_); }, piece);
-  }
 }
 
 /// Subtracts the intervals in block_ of the rows set in `rows`.

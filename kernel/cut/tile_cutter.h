@@ -47,7 +47,6 @@ class TileCutter {
   };
 
   void cut_block(Work& work, int block);
-  void sweep_block(const Work& work, int block, Column first);
   void cut_rows(Work& work, Column first, unsigned rows);
   void make_editable(Work& work);
   void subtract_elements(Work& work, int column, Column at, Dexel cut);

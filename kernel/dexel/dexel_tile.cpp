@@ -2,6 +2,7 @@
 #include "kernel/dexel/dexel_tile.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "kernel/math/int_lanes.h"
 
@@ -11,7 +12,9 @@ namespace {
 /// Returns the greatest of 8 x 8 depths in rows kTileSide apart; at least 0.
 KERF_INLINE std::int32_t highest_in_lanes(const std::int32_t* depths) {
   IntLanes all{};
-  for (int row = 0; row < 8; ++row) all = greater(load_ints(depths + row * kTileSide), all);
+  for (std::ptrdiff_t row = 0; row < 8; ++row) {
+    all = greater(load_ints(depths + row * kTileSide), all);
+  }
   std::int32_t greatest = 0;
   for (int c = 0; c < 8; ++c) greatest = all[c] > greatest ? all[c] : greatest;
   return greatest;

@@ -17,7 +17,7 @@ double coordinate(NormalCode step) { return (double(step) - (kNormalSteps + 1)) 
 }  // namespace
 
 NormalCode encode_normal(Vec3 normal) {
-  double u, v;
+  double u = 0, v = 0;
   unfold_normal(normal, u, v);
   return step(u) << 16 | step(v);
 }

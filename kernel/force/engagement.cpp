@@ -5,17 +5,22 @@
 
 namespace kerf {
 
-Engagement& Engagements::follow(std::uint32_t tool, const ToolPose& from, const ToolPose& to) {
+Engagements::Followed Engagements::follow(std::uint32_t tool, const ToolPose& from,
+                                          const ToolPose& to, bool felt) {
   const auto last = std::find_if(users_.rbegin(), users_.rend(),
                                  [&](const User& u) { return u.tool == tool && u.at == from; });
-  if (last == users_.rend()) {
+  const bool continues = last != users_.rend();
+  if (!continues) {
     if (users_.size() == kUsersMax) users_.erase(users_.begin());
-    users_.push_back({tool, to, Engagement(pitch_mm_)});
+    users_.push_back({tool, to, Engagement(pitch_mm_), felt});
   } else {
     std::rotate(last.base() - 1, last.base(), users_.end());
-    users_.back().at = to;
+    User& user = users_.back();
+    user.at = to;
+    if (!felt && user.pending) user.engagement = Engagement(pitch_mm_);
+    user.pending = felt;
   }
-  return users_.back().engagement;
+  return {users_.back().engagement, continues};
 }
 
 void Engagements::forget(std::uint32_t tool) {

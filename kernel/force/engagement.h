@@ -27,13 +27,19 @@ struct Engagement {
 
 /// The engagements of all users who carve one block. A user is identified by tool and pose: a
 /// motion that starts where another of the same tool ended continues its engagement; any other
-/// motion starts a new one.
+/// motion starts a new one. Whether a motion continues does not depend on which motions were felt.
 class Engagements {
  public:
   explicit Engagements(double pitch_mm) : pitch_mm_(pitch_mm) {}
 
-  /// Returns the engagement that a motion of `tool` from `from` to `to` continues.
-  Engagement& follow(std::uint32_t tool, const ToolPose& from, const ToolPose& to);
+  /// The engagement of a motion. A motion that does not continue another may begin inside stock.
+  struct Followed {
+    Engagement& engagement;
+    bool continues;
+  };
+  /// Returns the engagement of a motion of `tool` from `from` to `to`. If the motion is not `felt`,
+  /// drops what is pending.
+  Followed follow(std::uint32_t tool, const ToolPose& from, const ToolPose& to, bool felt);
   /// Drops the engagements of a tool, because it was redefined.
   void forget(std::uint32_t tool);
 
@@ -42,6 +48,7 @@ class Engagements {
     std::uint32_t tool;
     ToolPose at;
     Engagement engagement;
+    bool pending;  ///< felt since the engagement was new
   };
   /// Greatest number of simultaneous users. A further one replaces the one that moved least
   /// recently.

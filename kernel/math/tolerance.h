@@ -51,14 +51,6 @@ inline constexpr double kStillMarginShare = 1e-3;
 /// disc of a slice. Owner: sweep/swept_tool. If it grows, rims that stick out are not searched.
 inline constexpr double kHiddenDiscShare = 1e-12;
 
-/// mm. A neighbor that is wider by more than this buries the border of a slice.
-/// Owner: sweep/swept_tool. If it grows, trails are left out where they would be safe.
-inline constexpr double kBuriedBorderMm = 1e3 * kEdgeEpsilonMm;
-
-/// Dimensionless. Two sides whose slopes differ by less meet without an edge.
-/// Owner: sweep/swept_tool. If it grows, the trail ignores edges that still cut.
-inline constexpr double kSameSlope = 1e-6;
-
 /// Squared sine of the axis' lean from which on a plane along the axis bounds a piece better than a
 /// level one. Owner: sweep/shadow. If it grows, only time is lost; at 0 the plane's normal is 0/0.
 inline constexpr double kPlaneLean2 = 1e-4;
@@ -76,6 +68,19 @@ inline constexpr double kArcFoundMm = 1e-11;
 /// width; the gap errs by its square over a radius. Owner: sweep/piece_side. If it grows, gaps are
 /// overestimated, and rays are given up that the arc still reaches.
 inline constexpr double kArcClosestMm = 1e-5;
+
+/// Squared sine of the angle between a displacement and the rays below which it is along them.
+/// Owner: intersect/ray_contour. If it grows, contours of steep plunges are lost.
+inline constexpr double kAlongRays2 = 1e-24;
+
+/// Greatest sine on the contour of an arc: at the pole, where its tangent may be undefined, it is
+/// continued by kPoleMarginMm. Owner: intersect/ray_contour. If it falls, ends near the pole err.
+inline constexpr double kPoleSine = 1 - 1e-15;
+
+/// mm. A ray this far beyond the last point of a contour at its pole meets that point. More than
+/// the part that kPoleSine leaves out, 5e-8 radii.
+/// Owner: intersect/ray_contour. If it grows, ends near the pole err by its square over a radius.
+inline constexpr double kPoleMarginMm = 1e-5;
 
 /// mm. How near to the outermost end the search goes where nothing turns and the sweep is convex:
 /// the user's tolerance has no part in it. Owner: sweep/swept_tool. If it grows, translated arcs

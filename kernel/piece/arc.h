@@ -26,6 +26,15 @@ KERF_INLINE Real radius_at(const ArcPiece& p, Real z_mm) {
                 greater(inside, splat_like(z_mm, 0)));
 }
 
+/// Return whether the side ends at the lower or upper disc as a plane across the axis: then the
+/// disc continues the side without an edge, and the body is the same without it.
+constexpr bool is_level_below(const ArcPiece& p) {
+  return p.center_r_mm >= 0 && p.z0_mm <= p.center_z_mm - p.radius_mm;
+}
+constexpr bool is_level_above(const ArcPiece& p) {
+  return p.center_r_mm >= 0 && p.z1_mm >= p.center_z_mm + p.radius_mm;
+}
+
 /// The radius is greatest at the height of the center, or at the end that is nearest to it.
 inline Extent extent(const ArcPiece& p) {
   return {p.z0_mm, p.z1_mm, radius_at(p, std::clamp(p.center_z_mm, p.z0_mm, p.z1_mm))};

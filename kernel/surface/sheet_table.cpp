@@ -72,7 +72,7 @@ constexpr CellSheets trace(unsigned configuration, int flipped_face) {
     if (is_ambiguous(configuration, face) &&
         result.of_edge[face.edges[0]] == result.of_edge[face.edges[1]] &&
         result.of_edge[face.edges[0]] == result.of_edge[face.edges[2]]) {
-      result.doubled_face = static_cast<std::int8_t>(f);
+      result.doubled_face = f;
     }
   }
   return result;
@@ -85,7 +85,7 @@ constexpr std::array<CellSheets, 256> all_sheets(bool flipped) {
     const int face = table[configuration].doubled_face;
     if (flipped && face >= 0) {
       table[configuration] = trace(configuration, face);
-      table[configuration].doubled_face = static_cast<std::int8_t>(face);
+      table[configuration].doubled_face = face;
     }
   }
   return table;

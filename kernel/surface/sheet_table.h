@@ -24,7 +24,7 @@ struct CellSheets {
   std::uint8_t count = 0;                         ///< sheets, 0 to 4
   std::array<std::uint8_t, 12> of_edge{};         ///< sheet that crosses the edge, or kNoSheet
   std::array<std::uint16_t, kSheetsMax> edges{};  ///< per sheet: bit e set where it crosses edge e
-  std::int8_t doubled_face = -1;  ///< ambiguous face that one sheet crosses twice, or -1
+  int doubled_face = -1;  ///< ambiguous face that one sheet crosses twice, or -1
 };
 
 /// Corners and edges of a face, in cyclic order; edge n joins corners n and n + 1.

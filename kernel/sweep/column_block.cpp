@@ -24,6 +24,30 @@ void ColumnBlock::drop_closed_rows() {
   if (filled != 0) rows = open_rows(*this);
 }
 
+/// Adds an interval where others are kept apart. Each one that it joins is taken into it; then it
+/// takes the place of the row's interval, or is kept apart.
+void ColumnBlock::add_among(int row, const LaneMask& adds, const Lanes& lo, const Lanes& hi) {
+  const Lanes none = Lanes(std::numeric_limits<double>::infinity());
+  Lanes joined_lo = lo, joined_hi = hi;
+  const auto take = [&](Lanes& other_lo, Lanes& other_hi) {
+    const LaneMask joins =
+        adds & (other_lo <= other_hi) & (lo <= other_hi + join_mm) & (other_lo <= hi + join_mm);
+    joined_lo = select(joins, lesser(other_lo, joined_lo), joined_lo);
+    joined_hi = select(joins, greater(other_hi, joined_hi), joined_hi);
+    other_lo = select(joins, none, other_lo);
+    other_hi = select(joins, -none, other_hi);
+  };
+  take(lo_mm[row], hi_mm[row]);
+  for (Apart& a : apart) {
+    if (a.row == row) take(a.lo_mm, a.hi_mm);
+  }
+  const LaneMask fits = adds & (lo_mm[row] > hi_mm[row]);
+  lo_mm[row] = select(fits, joined_lo, lo_mm[row]);
+  hi_mm[row] = select(fits, joined_hi, hi_mm[row]);
+  const LaneMask stays_apart = adds & ~fits;
+  if (any(stays_apart)) keep_apart(row, stays_apart, joined_lo, joined_hi);
+}
+
 void ColumnBlock::keep_apart(int row, const LaneMask& which, const Lanes& lo, const Lanes& hi) {
   const Lanes none = Lanes(std::numeric_limits<double>::infinity());
   apart.push_back({row, select(which, lo, none), select(which, hi, -none)});

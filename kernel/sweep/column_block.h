@@ -49,9 +49,10 @@ struct ColumnBlock {
   /// Removes rows without an open column from `rows`.
   void drop_closed_rows();
 
-  /// Adds the interval [lo, hi] (empty where lo > hi) to the columns of a row. Intervals that touch
-  /// are joined, so that no sliver remains where two pieces of a tool meet. Intervals above the
-  /// stock are ignored.
+  /// Adds the interval [lo, hi] (empty where lo > hi) to the columns of a row. Intervals that are
+  /// no farther apart than join_mm, directly or through others, are joined, so that no sliver
+  /// remains where two pieces of a tool meet. The result does not depend on the order of the
+  /// intervals (kernel/sweep/README.md, "Joining"). Intervals above the stock are ignored.
   KERF_INLINE void add(int row, Lanes lo, Lanes hi) {
     const LaneMask adds = (lo <= hi) & (lo < top_mm);
     if ((filled >> row & 1) == 0) {
@@ -61,6 +62,7 @@ struct ColumnBlock {
       hi_mm[row] = select(adds, hi, -none);
       return;
     }
+    if (!apart.empty()) return add_among(row, adds, lo, hi);
     const Lanes present_lo = lo_mm[row], present_hi = hi_mm[row];
     const LaneMask joins = adds & ((present_lo > present_hi) |
                                    ((lo <= present_hi + join_mm) & (present_lo <= hi + join_mm)));
@@ -71,6 +73,7 @@ struct ColumnBlock {
   }
 
  private:
+  void add_among(int row, const LaneMask& adds, const Lanes& lo, const Lanes& hi);
   void keep_apart(int row, const LaneMask& which, const Lanes& lo, const Lanes& hi);
 };
 

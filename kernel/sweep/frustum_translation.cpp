@@ -3,16 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kernel/math/tolerance.h"
-#include "kernel/piece/bounds.h"
 
 namespace kerf {
 namespace {
 
 using Surfaces = FrustumTranslation::Surfaces;
-using Rectangles = FrustumTranslation::Rectangles;
 
 /// The two generators of the side along which n·V = 0 (paper Eqs. 1–8, with cosines instead of
 /// angles): radial directions e with (e − k u)·d = 0. `exist` is false where the whole side
@@ -53,67 +50,37 @@ Surfaces make_surfaces(const FrustumPiece& piece, const ToolPose& from, const To
 }
 
 /// The lane of each surface in the rectangles.
-enum Surface { kStart, kEnd, kLeft, kRight, kLower, kUpper, kSurfaces };
+enum Surface { kStart, kEnd, kLeft, kRight, kLower, kUpper };
 
-/// Computes the rectangle of one surface.
-class RectangleMaker {
- public:
-  explicit RectangleMaker(Rectangles& rectangles, int surface) : r_(rectangles), i_(surface) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    for (Lanes* min : {&r_.min_x, &r_.min_y}) min->set(i_, kInfinity);
-    for (Lanes* max : {&r_.max_x, &r_.max_y}) max->set(i_, -kInfinity);
-  }
-  /// Includes a disc with the unit normal u; a point if the radius is 0.
-  void include(Vec3 center, Vec3 u, double radius) {
-    const double x = disc_half_width(radius, u.x) + kRectangleMarginMm;
-    const double y = disc_half_width(radius, u.y) + kRectangleMarginMm;
-    r_.min_x.set(i_, std::min(r_.min_x[i_], center.x - x));
-    r_.max_x.set(i_, std::max(r_.max_x[i_], center.x + x));
-    r_.min_y.set(i_, std::min(r_.min_y[i_], center.y - y));
-    r_.max_y.set(i_, std::max(r_.max_y[i_], center.y + y));
-  }
-
- private:
-  Rectangles& r_;
-  int i_;
-};
-
-Rectangles rectangles_of(const Surfaces& s) {
-  Rectangles all;
+SurfaceRectangles rectangles_of(const Surfaces& s) {
+  SurfaceRectangles all;
   const auto cone = [&](int i, const RayCone& c) {
-    RectangleMaker r(all, i);
-    r.include(c.base, c.axis, c.r0);
-    r.include(c.base + c.axis * c.height, c.axis, c.r0 + c.slope * c.height);
+    all.include(i, c.base, c.axis, c.r0);
+    all.include(i, c.base + c.axis * c.height, c.axis, c.r0 + c.slope * c.height);
   };
   const auto parallelogram = [&](int i, const RayParallelogram& p) {
-    RectangleMaker r(all, i);
     for (const Vec3& corner :
          {p.corner, p.corner + p.side, p.corner + p.along, p.corner + p.side + p.along}) {
-      r.include(corner, {}, 0);
+      all.include(i, corner, {}, 0);
     }
-  };
-  const auto pipe = [&](int i, const RayPipe& p) {
-    RectangleMaker r(all, i);
-    r.include(p.center, p.normal, std::sqrt(p.radius2));
-    r.include(p.center + p.along, p.normal, std::sqrt(p.radius2));
   };
   cone(kStart, s.start);
   cone(kEnd, s.end);
   parallelogram(kLeft, s.left);
   parallelogram(kRight, s.right);
-  pipe(kLower, s.lower);
-  pipe(kUpper, s.upper);
+  all.include(kLower, s.lower);
+  all.include(kUpper, s.upper);
   return all;
 }
 
-KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const Rectangles& r,
+KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const SurfaceRectangles& r,
                                             ColumnBlock& block) {
   const Lanes x = block.x_mm;
-  const LaneMask beside = (r.min_x <= x[kLanes - 1]) & (r.max_x >= x[0]);
+  const LaneMask beside = r.beside(x[0], x[kLanes - 1]);
   for (int row = 0; row < kBlockSide; ++row) {
     if ((block.rows >> row & 1) == 0) continue;
     const double row_y = block.y_mm[row];
-    const unsigned over = bits(beside & (r.min_y <= row_y) & (r.max_y >= row_y));
+    const unsigned over = r.over(beside, row_y);
     if (over == 0) continue;
     const auto may_meet = [&](Surface surface) { return (over >> surface & 1) != 0; };
     LaneSpan span;
@@ -128,7 +95,8 @@ KERF_INLINE void evaluate_surfaces_in_lanes(const Surfaces& s, const Rectangles&
   }
 }
 KERF_FOR_EACH_TARGET(void, evaluate_surfaces,
-                     (const Surfaces& s, const Rectangles& r, ColumnBlock& block), (s, r, block))
+                     (const Surfaces& s, const SurfaceRectangles& r, ColumnBlock& block),
+                     (s, r, block))
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include "kernel/intersect/ray_parallelogram.h"
 #include "kernel/intersect/ray_pipe.h"
 #include "kernel/sweep/shadow.h"
+#include "kernel/sweep/surface_rectangles.h"
 #include "kernel/tool/tool.h"
 
 namespace kerf {
@@ -25,15 +26,10 @@ class FrustumTranslation {
     RayParallelogram left, right;
     RayPipe lower, upper;
   };
-  /// Rectangles of the XY plane around the surfaces, in the order of Surfaces; enlarged by
-  /// kRectangleMarginMm, so that every ray that hits a surface is inside.
-  struct Rectangles {
-    Lanes min_x, max_x, min_y, max_y;
-  };
 
  private:
   Surfaces surfaces_;
-  Rectangles rectangles_;
+  SurfaceRectangles rectangles_;
   Shadow shadow_;
 };
 

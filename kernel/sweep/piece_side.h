@@ -93,14 +93,15 @@ struct ConeSide {
 
 /// The side of an arc piece, anchored at the height of the arc's center: F = √(m² + l²) − radius =
 /// 0, where m is the distance from the tool's axis less center_r, at least zero. F is convex along
-/// a ray, so Newton's method from outside approaches its roots monotonically.
+/// a ray, so Newton's method from outside approaches its roots monotonically. A disc that continues
+/// the side without an edge is left out: the side bounds the piece there already.
 struct ArcSide {
   double anchor, low, high, center_r, radius, reach, by_chord2;
 
   explicit ArcSide(const ArcPiece& p)
       : anchor(p.center_z_mm),
-        low(p.z0_mm - p.center_z_mm),
-        high(p.z1_mm - p.center_z_mm),
+        low(is_level_below(p) ? -2 * p.radius_mm : p.z0_mm - p.center_z_mm),
+        high(is_level_above(p) ? 2 * p.radius_mm : p.z1_mm - p.center_z_mm),
         center_r(p.center_r_mm),
         radius(p.radius_mm),
         reach(p.center_r_mm >= 0 ? p.center_r_mm + p.radius_mm

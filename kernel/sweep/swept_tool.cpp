@@ -23,10 +23,10 @@ std::int64_t parts(double count) {
 struct PiecePlan {
   ToolPiece piece;
   std::int64_t parts;
-  double bend_mm = 0;           ///< κ of a slice
-  bool round = false;           ///< the curvature of the slice exceeds the bend
-  bool shows_disc = true;       ///< a disc of the slice is not hidden within its neighbors
-  bool shows_edge = true;       ///< a disc shows, or the side makes an edge with a neighbor's side
+  double bend_mm = 0;  ///< κ of a slice
+  bool round = false;  ///< the curvature of the slice exceeds the bend
+  ShownDiscs shown = {true, true};
+  bool shows_edge = true;       ///< a disc that shows makes an edge with the side
   std::optional<double> still;  ///< height of the point of the axis that stays at rest
 };
 
@@ -49,14 +49,6 @@ double axial_normal(const ToolPiece& piece) {
 bool covers(const ToolPiece* neighbor, double z_mm, double radius_mm) {
   return neighbor != nullptr &&
          radius_at(*neighbor, z_mm) >= radius_mm * (1 - kHiddenDiscShare) - kEdgeEpsilonMm;
-}
-
-/// Returns whether the border of a slice at height z, hidden or not, makes no edge with the
-/// neighbor that covers it: the border is buried, or the two sides have the same direction.
-bool is_smooth(const ToolPiece& slice, const ToolPiece* neighbor, double z_mm) {
-  if (neighbor == nullptr) return false;
-  if (radius_at(*neighbor, z_mm) > radius_at(slice, z_mm) + kBuriedBorderMm) return true;
-  return std::abs(slope_at(*neighbor, z_mm) - slope_at(slice, z_mm)) < kSameSlope;
 }
 
 /// Speeds of a slice during a motion, in the frame of its middle: greatest along the axis, greatest
@@ -89,7 +81,7 @@ void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
   const double nu = axial_normal(plan.piece);
   plan.bend_mm = 2 * m.turn_rad * (v.across * nu + v.along) +
                  m.turn_rad * m.turn_rad * (e.radius_mm + e.z1_mm * nu);
-  if (plan.shows_disc) {
+  if (plan.shows_edge) {
     plan.bend_mm =
         std::max(plan.bend_mm, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.z1_mm);
   } else if (const auto* f = std::get_if<FrustumPiece>(&plan.piece)) {
@@ -104,13 +96,13 @@ void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
 /// Returns the parameters of the search for the ends of a slice. Rays with a non-connected hit set
 /// are bisected until a part bends by at most twice `missed_mm`.
 SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
-  if (!(m.turn_rad > 0)) return {.search_mm = kTranslationSearchMm, .shows_disc = plan.shows_disc};
+  if (!(m.turn_rad > 0)) return {.search_mm = kTranslationSearchMm, .shows_disc = plan.shows_edge};
   const double missed = kStationShare * tolerance_mm;
   double bend = plan.bend_mm / (double(plan.parts) * double(plan.parts));
   int halvings = 0;
   for (; halvings < kHalvingsMax && bend > 2 * missed; bend /= 4) ++halvings;
   return {static_cast<int>(plan.parts), halvings,       !plan.round, plan.bend_mm, missed,
-          kSearchShare * tolerance_mm,  plan.shows_disc};
+          kSearchShare * tolerance_mm,  plan.shows_edge};
 }
 
 /// Returns the height of the point of the axis that stays at rest, if it is within the slice. The
@@ -134,21 +126,22 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     PiecePlan plan{.piece = *piece, .parts = 1, .still = {}};
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
-    } else if (m.turn_rad > 0 || std::holds_alternative<FrustumPiece>(*piece)) {
+    } else {
       const Extent e = extent(whole);
       const ToolPiece* below = i > 0 ? &tool.pieces[i - 1] : nullptr;
       const ToolPiece* above = i + 1 < tool.pieces.size() ? &tool.pieces[i + 1] : nullptr;
       const bool clipped = extent(*piece).z1_mm < e.z1_mm;
-      plan.shows_disc = !covers(below, e.z0_mm, radius_at(whole, e.z0_mm)) ||
-                        (!clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm)));
-      plan.shows_edge = plan.shows_disc || !is_smooth(whole, below, e.z0_mm) ||
-                        (!clipped && !is_smooth(whole, above, e.z1_mm));
+      plan.shown = {!covers(below, e.z0_mm, radius_at(whole, e.z0_mm)),
+                    !clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm))};
+      const auto* arc = std::get_if<ArcPiece>(&whole);
+      plan.shows_edge = (plan.shown.lower && !(arc != nullptr && is_level_below(*arc))) ||
+                        (plan.shown.upper && !(arc != nullptr && is_level_above(*arc)));
       if (m.turn_rad > 0) {
         plan_slice(plan, m, settings.tolerance_mm);
         plan.still = still_point(extent(*piece), m);
       }
     }
-    plans.push_back(std::move(plan));
+    plans.push_back(plan);
   }
   return plans;
 }
@@ -168,20 +161,22 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
 
-/// Sweeps a slice. `piece` is the plan's, or the part of it on one side of its point at rest.
-SweptPiece sweep_slice(const ToolPiece& piece, const PiecePlan& plan, const ToolMotion& m,
-                       const SweepSettings& settings) {
+/// Sweeps a slice. `piece` is the plan's, or the part of it on one side of its point at rest, and
+/// `shown` its discs that no neighbor and no other part hides.
+SweptPiece sweep_slice(const ToolPiece& piece, ShownDiscs shown, const PiecePlan& plan,
+                       const ToolMotion& m, const SweepSettings& settings) {
   const SliceSearch search = search_of(plan, m, settings.tolerance_mm);
+  const auto trailing = [&](auto sweep) -> SweptPiece {
+    if (settings.start_is_cut) sweep.set_trail(Trail(piece, m.from, m.to, shown));
+    return sweep;
+  };
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    const auto trailing = [&](auto sweep) -> SweptPiece {
-      if (settings.start_is_cut) sweep.set_trail(Trail(*f, m.from, m.to, plan.shows_edge));
-      return sweep;
-    };
     if (!(m.turn_rad > 0)) return trailing(FrustumTranslation(*f, m.from, m.to));
     return trailing(TurningSweep(ConeSide(*f), *f, m.from, m.to, search));
   }
-  return TurningSweep(ArcSide(std::get<ArcPiece>(piece)), enclosing_frustum(piece), m.from, m.to,
-                      search);
+  const auto& arc = std::get<ArcPiece>(piece);
+  if (!(m.turn_rad > 0)) return trailing(ArcTranslation(arc, m.from, m.to));
+  return trailing(TurningSweep(ArcSide(arc), enclosing_frustum(piece), m.from, m.to, search));
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,
@@ -204,13 +199,15 @@ SweptTool sweep_pieces(const std::vector<PiecePlan>& plans, const ToolMotion& m,
       continue;
     }
     if (!plan.still) {
-      swept.pieces.push_back(sweep_slice(plan.piece, plan, m, settings));
+      swept.pieces.push_back(sweep_slice(plan.piece, plan.shown, plan, m, settings));
       continue;
     }
     const Extent e = extent(plan.piece);
-    for (const auto& [lo, hi] : {std::pair(e.z0_mm, *plan.still), {*plan.still, e.z1_mm}}) {
-      swept.pieces.push_back(sweep_slice(slice_of(plan.piece, lo, hi), plan, m, settings));
-    }
+    const double rest = *plan.still;
+    swept.pieces.push_back(sweep_slice(slice_of(plan.piece, e.z0_mm, rest),
+                                       {plan.shown.lower, false}, plan, m, settings));
+    swept.pieces.push_back(sweep_slice(slice_of(plan.piece, rest, e.z1_mm),
+                                       {false, plan.shown.upper}, plan, m, settings));
   }
   return swept;
 }

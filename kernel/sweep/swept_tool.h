@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "kernel/sweep/arc_translation.h"
 #include "kernel/sweep/ball_sweep.h"
 #include "kernel/sweep/frustum_translation.h"
 #include "kernel/sweep/tool_motion.h"
@@ -14,7 +15,7 @@
 
 namespace kerf {
 
-using SweptPiece = std::variant<BallSweep, FrustumTranslation, TurningSweep>;
+using SweptPiece = std::variant<BallSweep, FrustumTranslation, ArcTranslation, TurningSweep>;
 
 /// The tool during one part of its motion: the union of its swept pieces, without those that stay
 /// outside the block.

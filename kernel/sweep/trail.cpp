@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/sweep/turning_frame.h"
-
 namespace kerf {
 namespace {
 
 /// Minimum horizontal component of the axis for a position in the plane to determine the height of
 /// the slice there.
 constexpr double kLevelMin = 0.2;
+/// Minimum vertical component of the axis for a position in the plane to determine the axial speed
+/// there.
+constexpr double kAxialUprightMin = 0.3;
 
 /// Returns an upper bound of n·V times the radius, at the height l and the offset (dx, dy) from the
 /// tip.
@@ -23,33 +24,94 @@ KERF_INLINE Lanes outward(const Trail::Motion& m, Lanes dx, Lanes dy, Lanes l) {
   return along_plane + m.radius * m.lean * magnitude(vz) - (m.climb0 + m.climb1 * l);
 }
 
+/// A range of u·V, the speed of points of the slice along its axis.
+struct AxialSpeed {
+  Lanes least, most;
+};
+
+KERF_INLINE AxialSpeed axial_speed(const Trail::Motion& m, Lanes dx, Lanes dy, double reach,
+                                   Lanes l) {
+  const Lanes middle = m.axial - dx * m.axial_x - dy * m.axial_y - l * m.axial_l;
+  const double spread = m.axial_margin + reach * m.axial_per_mm;
+  return {middle - spread, middle + spread};
+}
+
+/// Returns where no disc that shows and may lie over the position moves outwards.
+KERF_INLINE LaneMask discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, double reach) {
+  LaneMask recede = every_lane();
+  for (int i = 0; i < m.face_count; ++i) {
+    const Trail::Face& face = m.faces[i];
+    const Lanes ax = dx - face.height * m.axis.x, ay = dy - face.height * m.axis.y;
+    const double over = face.radius + reach + m.half_travel + face.height * m.half_turn;
+    const AxialSpeed speed = axial_speed(m, dx, dy, reach, Lanes(face.height));
+    recede &= (ax * ax + ay * ay > over * over) |
+              (face.sign > 0 ? speed.most <= 0.0 : speed.least >= 0.0);
+  }
+  return recede;
+}
+
+/// Returns where the side of an arc recedes at both of its ends, and with that in between. `across`
+/// is an upper bound of q·V, below zero.
+KERF_INLINE LaneMask arc_recedes(const Trail::Motion& m, Lanes dx, Lanes dy, double reach,
+                                 Lanes across, Lanes low, Lanes high) {
+  const AxialSpeed at_low = axial_speed(m, dx, dy, reach, low);
+  const AxialSpeed at_high = axial_speed(m, dx, dy, reach, high);
+  const Lanes least = lesser(at_low.least, at_high.least);
+  const Lanes most = greater(at_low.most, at_high.most);
+  LaneMask recedes = every_lane();
+  for (int i = 0; i < m.lean_count; ++i) {
+    const Trail::Lean& n = m.leans[i];
+    const Lanes along = greater((n.sine > 0 ? most : least) * n.sine, Lanes(0));
+    recedes &= across * n.cosine + along * m.radius <= 0.0;
+  }
+  return recedes;
+}
+
 KERF_INLINE unsigned behind_discs_in_lanes(const Trail::Motion& m, const Discs& discs) {
   const double reach = discs.reach_mm;
   const Lanes dx = discs.x_mm - m.tip.x, dy = discs.y_mm - m.tip.y;
   Lanes low = Lanes(m.low), high = Lanes(m.high);
-  LaneMask clear = every_lane();
   if (!m.whole) {
     const Lanes along = (dx * m.axis.x + dy * m.axis.y) * (1 / m.level);
     const double spread = m.half_travel + reach + m.aside;
     const Lanes first = along - spread, last = along + spread;
     const Lanes l0 = lesser(first * (1 / m.level_min), first * (1 / m.level_max));
     const Lanes l1 = greater(last * (1 / m.level_min), last * (1 / m.level_max));
-    if (m.shows_edge) clear = (l0 > m.low) & (l1 < m.high);
     low = lesser(greater(l0, low), high);
     high = greater(lesser(l1, high), Lanes(m.low));
   }
   const Lanes ends = greater(outward(m, dx, dy, low), outward(m, dx, dy, high));
   const Lanes between = m.bend * (high - low) * (high - low);
   const double allowance = reach * m.level_speed + m.margin + reach * m.margin_per_mm;
-  return bits(clear & (ends + between + allowance < 0.0));
+  const Lanes across = ends + between + allowance;
+  LaneMask recedes = across < 0.0;
+  if (!any(recedes)) return 0;
+  recedes &= arc_recedes(m, dx, dy, reach, across, low, high);
+  return bits(recedes & discs_recede(m, dx, dy, reach));
 }
 KERF_FOR_EACH_TARGET(unsigned, behind_discs, (const Trail::Motion& m, const Discs& discs),
                      (m, discs))
 
 }  // namespace
 
-Trail::Trail(const FrustumPiece& p, const ToolPose& from, const ToolPose& to, bool shows_edge) {
+Trail::Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown) {
   const TurningFrame f(from, to);
+  // Of an arc, the bound of q·V is that of the cylinder around it.
+  set_side(f, enclosing_frustum(slice));
+  set_axial_speed(f);
+  m_.lean_count = 0;
+  if (const auto* arc = std::get_if<ArcPiece>(&slice)) {
+    for (const double z : {arc->z0_mm, arc->z1_mm}) {
+      const double sine = std::clamp((z - arc->center_z_mm) / arc->radius_mm, -1.0, 1.0);
+      m_.leans[m_.lean_count++] = {std::sqrt(1 - sine * sine), sine};
+    }
+  }
+  m_.face_count = 0;
+  if (shown.lower) m_.faces[m_.face_count++] = {-1, m_.low, radius_at(slice, m_.low)};
+  if (shown.upper) m_.faces[m_.face_count++] = {1, m_.high, radius_at(slice, m_.high)};
+}
+
+void Trail::set_side(const TurningFrame& f, const FrustumPiece& p) {
   const double slope = kerf::slope(p);
   m_.tip = f.tip;
   m_.axis = f.u;
@@ -74,7 +136,6 @@ Trail::Trail(const FrustumPiece& p, const ToolPose& from, const ToolPose& to, bo
   m_.whole = !(m_.level_min > kLevelMin);
   m_.aside = m_.radius * std::sqrt(std::max(0.0, 1 - m_.level_min * m_.level_min));
   m_.half_travel = std::sqrt(f.v.x * f.v.x + f.v.y * f.v.y) / 2;
-  m_.shows_edge = shows_edge;
   m_.bend = m_.m1 * std::max(0.0, f.u.x * m_.w.x + f.u.y * m_.w.y) / 4;
 
   // All quantities are those in the middle of the motion. The margins bound their change until its
@@ -95,9 +156,30 @@ Trail::Trail(const FrustumPiece& p, const ToolPose& from, const ToolPose& to, bo
   m_.margin_per_mm = 2 * swerve;
 }
 
-unsigned Trail::behind(const Discs& discs) const {
-  // An edge that may be over any position may also move outwards there.
-  return m_.whole && m_.shows_edge ? 0 : behind_discs(m_, discs);
+/// A point at q from the axis has the speed u·V = u·v − w·q, w = Ω × u. Over the position p of the
+/// plane, q = p − tip − l u within the plane across the axis; with the constant g = k × ẑ, k the
+/// axis of the turn, u_z (w·q) = turn (g·(p − tip) + l w_z).
+void Trail::set_axial_speed(const TurningFrame& f) {
+  const double speed = length(f.v), upright = std::abs(f.u.z), half_turn = f.turn / 2;
+  const double gx = f.k.y, gy = -f.k.x;
+  m_.half_turn = half_turn;
+  m_.axial = dot(f.u, f.v);
+  m_.axial_x = m_.axial_y = m_.axial_l = m_.axial_per_mm = 0;
+  if (f.turn == 0) {
+    m_.axial_margin = 0;
+  } else if (upright < kAxialUprightMin) {
+    m_.axial_margin = half_turn * speed + f.turn * m_.radius;
+  } else {
+    const double per_mm = f.turn * std::sqrt(gx * gx + gy * gy) / upright;
+    m_.axial_x = f.turn * gx / f.u.z;
+    m_.axial_y = f.turn * gy / f.u.z;
+    m_.axial_l = f.turn * f.w.z / f.u.z;
+    m_.axial_per_mm = per_mm;
+    m_.axial_margin = half_turn * speed + per_mm * m_.half_travel +
+                      f.turn * half_turn * (m_.high + m_.radius) / upright;
+  }
 }
+
+unsigned Trail::behind(const Discs& discs) const { return behind_discs(m_, discs); }
 
 }  // namespace kerf

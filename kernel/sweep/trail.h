@@ -1,25 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "kernel/piece/frustum.h"
+#include "kernel/piece/tool_piece.h"
 #include "kernel/sweep/column_block.h"
+#include "kernel/sweep/turning_frame.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {
 
-/// Conservative test for regions behind a moving frustum. There n·V < 0 on its whole side during
-/// the motion, and the frustum at the first pose has been removed from the stock already, so
-/// nothing more is removed. The test is cheap compared with the sweep.
+/// The discs of a slice that are not hidden within its neighbors.
+struct ShownDiscs {
+  bool lower = false, upper = false;
+  bool any() const { return lower || upper; }
+};
+
+/// Conservative test for regions behind a moving slice of the tool. There n·V < 0 on its side and
+/// on the discs that it shows during the whole motion, and the tool at the first pose has been
+/// removed from the stock already, so nothing more is removed. The test is cheap compared with the
+/// sweep (kernel/sweep/README.md, "Behind a tool").
 class Trail {
  public:
-  /// The slice moves from one pose to the other; their axes are less than kTurnPerFrameMaxRad
-  /// apart. `shows_edge`: a disc of the slice is not hidden within its neighbors, or its side makes
-  /// an edge with theirs. Regions that such an edge may reach are never reported as behind.
-  Trail(const FrustumPiece& slice, const ToolPose& from, const ToolPose& to, bool shows_edge);
+  /// The slice, a frustum or an arc, moves from one pose to the other; their axes are less than
+  /// kTurnPerFrameMaxRad apart.
+  Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown);
 
   /// Returns a mask whose bit i is set if nothing is removed over disc i.
   unsigned behind(const Discs& discs) const;
 
+  /// The direction of the side's normal where it leans most towards one end of the tool: the normal
+  /// is e cosine + u sine.
+  struct Lean {
+    double cosine, sine;
+  };
+  /// A disc of the slice; `sign` is 1 for the upper one, −1 for the lower one.
+  struct Face {
+    double sign, height, radius;
+  };
   /// Quantities of the test in the middle of the motion. For a point of the side at q from the
   /// axis, n·V times the radius is q·v′ − climb, v′ = v + m w, m = m0 + m1 l, climb = climb0 +
   /// climb1 l.
@@ -35,10 +51,20 @@ class Trail {
     double bend;         ///< of q·v′ between two heights, per mm²
     double margin, margin_per_mm;  ///< greatest change of n·V until the ends, and over a disc
     bool whole;                    ///< any height of the slice may be over a position of the plane
-    bool shows_edge;
+    /// u·V over the position (x, y) from the tip at the height l: axial − axial_x x − axial_y y −
+    /// axial_l l, up to axial_margin + axial_per_mm per mm of distance.
+    double axial, axial_x, axial_y, axial_l, axial_margin, axial_per_mm;
+    double half_turn;
+    Lean leans[2];  ///< of an arc
+    int lean_count;
+    Face faces[2];  ///< discs that show
+    int face_count;
   };
 
  private:
+  void set_side(const TurningFrame& f, const FrustumPiece& p);
+  void set_axial_speed(const TurningFrame& f);
+
   Motion m_;
 };
 

@@ -181,7 +181,8 @@ bool has_needle(const std::vector<OutlineSection>& sections) {
 Pieces resolve(const ProfileShape& shape, const std::string& prefix) {
   const std::string field = prefix + "profile_mm";
   if (auto c = check_points(shape, field); !c) return std::unexpected(c.error());
-  if (!(shape.chord_tolerance_mm >= 0.000001 && shape.chord_tolerance_mm <= 1)) {
+  if (!(shape.chord_tolerance_mm >= kChordToleranceMinMm &&
+        shape.chord_tolerance_mm <= kChordToleranceMaxMm)) {
     return reject(kOutOfRange, prefix + "chord_tolerance_mm", "must be between 0.000001 and 1 mm");
   }
   std::vector<OutlineSection> outline;

@@ -68,8 +68,9 @@ struct ProfileCenteredArc {
 /// One step of an outline: a straight line to a point, or an arc.
 using ProfileStep = std::variant<ProfilePoint, ProfileArc, ProfileCenteredArc>;
 
-/// mm. Default of ProfileShape::chord_tolerance_mm.
+/// mm. Default and limits of ProfileShape::chord_tolerance_mm.
 inline constexpr double kChordToleranceMm = 0.0001;
+inline constexpr double kChordToleranceMinMm = 0.000001, kChordToleranceMaxMm = 1;
 
 /// A free outline from the tip up: lollipops, dovetails, T-slot and form cutters. The first step is
 /// a point at height 0, on the axis or off it. Heights never fall; equal heights make a shoulder.

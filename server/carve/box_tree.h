@@ -27,11 +27,16 @@ struct Box {
   }
 };
 
+/// Returns the smallest box around two boxes.
+Box around(const Box& a, const Box& b);
+
 /// A bounding-volume tree over boxes. Immutable and safe for concurrent use.
 class BoxTree {
  public:
   BoxTree() = default;
-  explicit BoxTree(const std::vector<Box>& boxes);
+  /// Keeps runs of `run` consecutive boxes together, which makes building faster where neighbors in
+  /// the order are neighbors in space.
+  explicit BoxTree(std::vector<Box> boxes, std::uint32_t run = 1);
 
   /// Calls visit(index) for the boxes whose Box::distance_mm is below `limit_mm`, nearer parts of
   /// the tree first. `limit_mm` is read again before each box: the visitor lowers it to search for
@@ -45,19 +50,24 @@ class BoxTree {
   struct Node {
     Box box;
     std::uint32_t first,
-        count;  ///< range of leaves_; count 0: inner node, first is its right child
+        count;  ///< range of runs_; count 0: inner node, first is its right child
   };
-  struct Leaf {
+  struct Run {
     Box box;
-    std::uint32_t index;
+    std::uint32_t first, end;  ///< range of boxes_
   };
   void build(std::uint32_t first, std::uint32_t end);
 
   template <class Visit>
+  void visit_run(const Run& run, Vec3 point, const double& limit_mm, Visit& visit) const {
+    for (std::uint32_t i = run.first; i < run.end; ++i)
+      if (boxes_[i].distance_mm(point) < limit_mm) visit(i);
+  }
+  template <class Visit>
   void descend(std::uint32_t n, Vec3 point, const double& limit_mm, Visit& visit) const {
     const Node& node = nodes_[n];
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-      if (leaves_[i].box.distance_mm(point) < limit_mm) visit(leaves_[i].index);
+      if (runs_[i].box.distance_mm(point) < limit_mm) visit_run(runs_[i], point, limit_mm, visit);
     if (node.count > 0) return;
     std::pair<double, std::uint32_t> near{nodes_[n + 1].box.distance_mm(point), n + 1},
         far{nodes_[node.first].box.distance_mm(point), node.first};
@@ -67,7 +77,8 @@ class BoxTree {
   }
 
   std::vector<Node> nodes_;  ///< the left child of an inner node follows it
-  std::vector<Leaf> leaves_;
+  std::vector<Run> runs_;
+  std::vector<Box> boxes_;
 };
 
 }  // namespace kerf

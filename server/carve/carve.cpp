@@ -20,6 +20,7 @@
 #include "server/carve/progress.h"
 #include "server/carve/simulation_json.h"
 #include "server/carve/stop_signal.h"
+#include "server/carve/wall_check.h"
 #include "server/formats/forces_csv.h"
 #include "server/formats/program.h"
 #include "server/formats/program_writer.h"
@@ -58,8 +59,9 @@ class Carving {
       : options_(options), outputs_(outputs), stop_(std::move(stop)), pool_(options.threads) {}
 
   std::expected<void, Failure> run() {
-    for (const auto step : {&Carving::read_scene, &Carving::read_program, &Carving::cut,
-                            &Carving::write_models, &Carving::write_report}) {
+    for (const auto step :
+         {&Carving::read_scene, &Carving::read_program, &Carving::find_walls, &Carving::make_block,
+          &Carving::cut, &Carving::check_walls, &Carving::write_models, &Carving::write_report}) {
       const auto done = (this->*step)();
       if (stop_.stop_requested())
         return std::unexpected(Failure{StopSignal::status(), kInterrupted});
@@ -97,6 +99,11 @@ class Carving {
       reference_ = *std::move(reference);
     }
     report_.scene_file = options_.scene.string();
+    return {};
+  }
+
+  Result make_block() {
+    const SculptureSettings& settings = scene_.settings;
     progress_.show("preparing the stock", 0);
     auto sculpture = Sculpture::create(settings);
     if (!sculpture) return bad_input(options_.scene.string() + ": " + sculpture.error().reason);
@@ -105,6 +112,39 @@ class Carving {
       if (auto defined = sculpture_->apply(DefineTool{id, tool.tool}); !defined)
         return bad_input(options_.scene.string() + ": tool " + std::to_string(id) + ": " +
                          defined.error().reason);
+    report_.read_s += watch_.lap();
+    return {};
+  }
+
+  // Samples the surface that the program leaves. A target that thin walls need a finer pitch for
+  // gets it, or a warning.
+  Result find_walls() {
+    const std::size_t samples = options_.wall_samples.value_or(wall_samples(scene_, program_));
+    if (samples == 0 || program_.motions.empty()) return {};
+    progress_.show("looking for thin walls", 0);
+    walls_.emplace(scene_, program_, samples, stop_);
+    refine_for_walls();
+    report_.walls_s = watch_.lap();
+    return {};
+  }
+
+  void refine_for_walls() {
+    // Of a mesh stock only the bounding box is known here, and walls beside the mesh are none.
+    if (!scene_.accuracy || scene_.settings.stock_mesh || stop_.stop_requested()) return;
+    const double before_mm = scene_.settings.pitch_mm;
+    const auto settled = walls_->refine(scene_, stop_);
+    if (!settled) report_.warnings.push_back(options_.scene.string() + ": " + settled.error());
+    if (scene_.settings.pitch_mm < before_mm)
+      std::cerr << "accuracy: " << scene_.accuracy->reason << '\n';
+  }
+
+  Result check_walls() {
+    if (!walls_) return {};
+    WallReport found = walls_->find(stop_);
+    mark_missing(found.walls, *uncut_, sculpture_->snapshot());
+    if (!found.walls.empty()) report_.warnings.push_back(walls_->warning(found));
+    report_.walls = walls_->json(found);
+    report_.walls_s += watch_.lap();
     return {};
   }
 
@@ -125,14 +165,21 @@ class Carving {
         return bad_input(options_.scene.string() + ": accuracy." + settled.error().field + " " +
                          settled.error().reason);
       std::cerr << "accuracy: " << scene_.accuracy->reason << '\n';
-      return {};
+      return settle_tools();
     }
     SculptureSettings& settings = scene_.settings;
     settings.pitch_mm = request.pitch_mm.value_or(settings.pitch_mm);
     settings.tolerance_mm = request.tolerance_mm.value_or(settings.tolerance_mm);
     settings.rays = request.rays.value_or(settings.rays);
     settings.motion = request.motion.value_or(settings.motion);
-    return {};
+    return settle_tools();
+  }
+
+  Result settle_tools() {
+    const auto resolved = resolve_chords(scene_);
+    if (resolved) return {};
+    return bad_input(options_.scene.string() + ": tool " + std::to_string(resolved.error().tool) +
+                     ": " + resolved.error().error.field + " " + resolved.error().error.reason);
   }
 
   Result read_program() {
@@ -165,7 +212,7 @@ class Carving {
       write_forces_header(forces);
     }
     Simulation simulation(scene_, program_, options_.report.has_value());
-    const DexelSnapshot before = sculpture_->snapshot();
+    uncut_ = sculpture_->snapshot();
     progress_.show("carving", 0);
     for (const ProgramMotion& motion : program_.motions) {
       if (stop_.stop_requested()) return {};
@@ -180,9 +227,7 @@ class Carving {
                          result.error().reason);
       report_.machining_s += motion.duration_s;
       simulation.follow(motion, *result);
-      if (options_.forces)
-        write_forces_row(forces, report_.machining_s, motion.to, result->wrench,
-                         result->removed_mm3);
+      if (options_.forces) write_forces_row(forces, report_.machining_s, motion.to, *result);
       progress_.show("carving", static_cast<double>(++report_.motions) /
                                     static_cast<double>(program_.motions.size()));
     }
@@ -190,15 +235,16 @@ class Carving {
       return bad_output(options_.forces->string() + ": cannot be written");
     report_.stock_volume_mm3 = sculpture_->stock_volume_mm3();
     report_.removed_volume_mm3 = sculpture_->removed_volume_mm3();
+    report_.imprint_volume_mm3 = sculpture_->imprint_volume_mm3();
     report_.sub_motions = sculpture_->sub_motions();
     report_.stock_memory_bytes = sculpture_->memory_bytes();
     report_.state_hash = sculpture_->state_hash();
     report_.cut_s = watch_.lap();
-    return simulate(simulation, before);
+    return simulate(simulation);
   }
 
   // NC verification: times, loads, collisions, gouges.
-  Result simulate(const Simulation& simulation, const DexelSnapshot& before) {
+  Result simulate(const Simulation& simulation) {
     std::optional<Gouges> gouges;
     if (options_.reference) {
       auto mesh = load_reference(*options_.reference);
@@ -206,7 +252,7 @@ class Carving {
       const MeshDistance reference(*mesh);
       const double tolerance = options_.gouge_tolerance_mm.value_or(scene_.settings.tolerance_mm);
       gouges = find_gouges(
-          before, sculpture_->snapshot(), reference, tolerance,
+          *uncut_, sculpture_->snapshot(), reference, tolerance,
           [this](double share) { progress_.show("finding gouges", share); }, stop_);
       attribute_gouges(*gouges, program_.motions, scene_.tools, scene_.settings.tolerance_mm,
                        stop_);
@@ -221,6 +267,7 @@ class Carving {
   Result write_models() {
     if (auto made = make_surface(); !made) return made;
     std::vector<std::function<Result()>> jobs;
+    jobs.reserve(options_.models.size());
     std::vector<std::uint64_t> triangles(options_.models.size());
     // One line on a terminal cannot show several files at once.
     ModelProgress bar;
@@ -305,7 +352,9 @@ class Carving {
   Progress progress_;
   Scene scene_;
   Program program_;
+  std::optional<WallCheck> walls_;
   std::unique_ptr<Sculpture> sculpture_;
+  std::optional<DexelSnapshot> uncut_;
   std::optional<IndexedMesh> reference_;
   std::unique_ptr<CarvedSurface> surface_;
   CarveReport report_;

@@ -13,6 +13,8 @@
 namespace kerf {
 namespace {
 
+constexpr std::size_t kWallSamplesMax = 10'000'000;
+
 constexpr int kThreadsMax = 256;
 
 /// Command-line options of one model format.
@@ -82,6 +84,11 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.add_option("--gouge-tolerance", options.gouge_tolerance_mm,
                  "allowed depth below the reference surface, mm (default: the tolerance)")
       ->check(check_positive);
+  app.add_option(
+         "--wall-samples", options.wall_samples,
+         "points at which walls thinner than the pitch are searched for; 0: none (default: by "
+         "the number of motions)")
+      ->check(CLI::Range(std::size_t{0}, kWallSamplesMax));
   app.add_option("--tool-change-seconds", options.tool_change_s,
                  "duration of a tool change, added to the cycle time (default 0)")
       ->check(CLI::NonNegativeNumber);

@@ -18,6 +18,8 @@ struct CarveOptions {
   EnvironmentFiles environment;
   std::optional<std::filesystem::path> reference;  ///< gouges into this mesh are reported
   std::optional<double> gouge_tolerance_mm;        ///< default: the tolerance of the scene
+  /// Candidates of the search for thin walls; 0: none; default: by the program (wall_check.h).
+  std::optional<std::size_t> wall_samples;
   double tool_change_s = 0;
   std::optional<std::filesystem::path> explain;  ///< only explain this scene
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj

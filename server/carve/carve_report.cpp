@@ -73,12 +73,14 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"tolerance_mm", scene.settings.tolerance_mm},
                   {"stock_volume_mm3", report.stock_volume_mm3},
                   {"removed_volume_mm3", report.removed_volume_mm3},
+                  {"imprint_volume_mm3", report.imprint_volume_mm3},
                   {"motions", report.motions},
                   {"sub_motions", report.sub_motions},
                   {"machining_seconds", report.machining_s},
                   {"read_seconds", report.read_s},
                   {"cut_seconds", report.cut_s},
                   {"simulate_seconds", report.simulate_s},
+                  {"wall_seconds", report.walls_s},
                   {"mesh_seconds", report.mesh_s},
                   {"write_seconds", report.write_s},
                   {"triangles", triangles},
@@ -88,6 +90,7 @@ std::string report_json(const CarveReport& report, const Scene& scene, const Pro
                   {"stock_memory_bytes", report.stock_memory_bytes},
                   {"state_hash", hex(report.state_hash)},
                   {"simulation", Json::parse(report.simulation)},
+                  {"thin_walls", Json::parse(report.walls)},
                   {"warnings", report.warnings}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

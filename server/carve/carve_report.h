@@ -17,13 +17,15 @@ struct CarveReport {
   std::size_t program_lines = 0;
   std::uint64_t motions = 0, sub_motions = 0;
   double machining_s = 0;  ///< sum of the durations of all motions
-  double stock_volume_mm3 = 0, removed_volume_mm3 = 0;
+  double stock_volume_mm3 = 0, removed_volume_mm3 = 0, imprint_volume_mm3 = 0;
   double read_s = 0, cut_s = 0, simulate_s = 0, mesh_s = 0, write_s = 0;
   std::optional<std::uint64_t> triangles;  ///< empty if no model was requested
   SurfaceReport surface;
   std::uint64_t state_hash = 0;
   std::size_t stock_memory_bytes = 0;  ///< of the carved block
   std::string simulation = "null";     ///< JSON text (simulation_json.h)
+  std::string walls = "null";          ///< JSON text (wall_check.h)
+  double walls_s = 0;                  ///< search for thin walls
   std::vector<std::string> warnings;
 };
 

@@ -13,7 +13,7 @@ namespace {
 // Spacing of obstacle tests along a motion, and their greatest number.
 constexpr double kObstacleStepMm = 0.5;
 constexpr int kObstacleStepsMax = 10'000;
-constexpr std::size_t kRapidCutsMax = 1000;
+constexpr std::size_t kLinesMax = 1000;
 
 double turn_rad(const ProgramMotion& motion) {
   return angle_between(normalized(motion.from.axis), normalized(motion.to.axis));
@@ -22,6 +22,17 @@ double turn_rad(const ProgramMotion& motion) {
 void keep_greatest(Extreme& extreme, double value, const ProgramMotion& motion) {
   if (value <= extreme.value) return;
   extreme = {value, motion.file, motion.line, motion.tool, motion.to.tip_mm};
+}
+
+/// Adds a volume to the entry of the motion's line.
+void add_to_line(std::vector<LineVolume>& lines, const ProgramMotion& motion, double mm3) {
+  const bool same_line =
+      !lines.empty() && lines.back().line == motion.line && lines.back().file == motion.file;
+  if (same_line) {
+    lines.back().mm3 += mm3;
+  } else if (lines.size() < kLinesMax) {
+    lines.push_back({motion.file, motion.line, motion.tool, mm3});
+  }
 }
 
 }  // namespace
@@ -38,6 +49,8 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
   const bool cuts = result.removed_mm3 > kNothingRemovedMm3;
   ToolUse& use = tools_[motion.tool];
   use.removed_mm3 += result.removed_mm3;
+  use.imprint_mm3 += result.imprint_mm3;
+  if (result.imprint_mm3 > kNothingRemovedMm3) add_to_line(imprints_, motion, result.imprint_mm3);
   const auto add = [&](Travel& travel) {
     travel.seconds += motion.duration_s;
     travel.length_mm += path_mm;
@@ -46,7 +59,7 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
     dwell_s_ += motion.duration_s;
   } else if (motion.rapid) {
     add(rapid_);
-    if (cuts) note_rapid_cut(motion, result.removed_mm3);
+    if (cuts) add_to_line(rapid_cuts_, motion, result.removed_mm3);
   } else {
     add(feed_);
     add(use.feed);
@@ -56,27 +69,29 @@ void Simulation::follow(const ProgramMotion& motion, const MotionResult& result)
     }
   }
   if (cuts) {
+    // An imprint loads no tool.
+    const double cut_mm3 = result.removed_mm3 - result.imprint_mm3;
     // Path of the contact: for a rotation in place, that of the middle of the tool.
     const double contact_mm =
         std::max(path_mm, turn * scene_.tools.at(motion.tool).tool.length_mm / 2);
-    const double area = contact_mm > 0 ? result.removed_mm3 / contact_mm : 0;
+    const double area = contact_mm > 0 ? cut_mm3 / contact_mm : 0;
     keep_greatest(use.engaged_area_mm2, area, motion);
-    keep_greatest(use.removal_rate_mm3_per_s, result.removed_mm3 / motion.duration_s, motion);
-    keep_greatest(use.force_n, force_n(motion, result, area), motion);
+    keep_greatest(use.removal_rate_mm3_per_s, cut_mm3 / motion.duration_s, motion);
+    keep_greatest(use.force_n, force_n(motion, result, area, cut_mm3), motion);
   }
   stock_.follow(motion, result.stock_contact_mm);
   if (obstacles_) obstacle_.follow(motion, obstacle_push_n(motion));
 }
 
 // Returns the force of the wrench if it was computed, else that of the force law for area and rate.
-double Simulation::force_n(const ProgramMotion& motion, const MotionResult& result,
-                           double area_mm2) const {
+double Simulation::force_n(const ProgramMotion& motion, const MotionResult& result, double area_mm2,
+                           double cut_mm3) const {
   const Vec3 felt = result.wrench.force_n - result.collision.force_n;
   if (result.cutting.engaged_area_mm2 > 0) return length(felt);
   const ForceSettings& force = scene_.settings.force;
   return force.law == ForceLaw::kSpecificEnergy
              ? force.specific_force_n_per_mm2 * area_mm2
-             : force.drr_n_s_per_mm3 * result.removed_mm3 / motion.duration_s;
+             : force.drr_n_s_per_mm3 * cut_mm3 / motion.duration_s;
 }
 
 double Simulation::obstacle_push_n(const ProgramMotion& motion) const {
@@ -94,16 +109,6 @@ double Simulation::obstacle_push_n(const ProgramMotion& motion) const {
                      length(obstacles_->push(tool, pose, scene_.settings.force.pivot_mm).force_n));
   }
   return worst;
-}
-
-void Simulation::note_rapid_cut(const ProgramMotion& motion, double removed_mm3) {
-  const bool same_line = !rapid_cuts_.empty() && rapid_cuts_.back().line == motion.line &&
-                         rapid_cuts_.back().file == motion.file;
-  if (same_line) {
-    rapid_cuts_.back().removed_mm3 += removed_mm3;
-  } else if (rapid_cuts_.size() < kRapidCutsMax) {
-    rapid_cuts_.push_back({motion.file, motion.line, motion.tool, removed_mm3});
-  }
 }
 
 }  // namespace kerf

@@ -32,16 +32,16 @@ struct Travel {
 
 /// Statistics of one tool.
 struct ToolUse {
-  Travel feed, air;  ///< air: feed motions that removed nothing
-  double removed_mm3 = 0;
+  Travel feed, air;                         ///< air: feed motions that removed nothing
+  double removed_mm3 = 0, imprint_mm3 = 0;  ///< imprint: a part of the removed volume
   Extreme engaged_area_mm2, removal_rate_mm3_per_s, force_n;
 };
 
-/// A rapid motion that removed material.
-struct RapidCut {
+/// The volume that the motions of one line of the program took.
+struct LineVolume {
   std::uint32_t file = 0, line = 0;
   ToolId tool = 0;
-  double removed_mm3 = 0;
+  double mm3 = 0;
 };
 
 /// Collects the figures of an NC verification while a program is carved: times, loads, collisions,
@@ -63,14 +63,16 @@ class Simulation {
   const ContactRuns& stock_contacts() const { return stock_; }
   /// Contacts of tool, shank or holder with obstacles; the amount is the contact force, N.
   const ContactRuns& obstacle_contacts() const { return obstacle_; }
-  /// One entry per line in program order, at most 1000.
-  const std::vector<RapidCut>& rapid_cuts() const { return rapid_cuts_; }
+  /// What rapid motions removed. One entry per line in program order, at most 1000.
+  const std::vector<LineVolume>& rapid_cuts() const { return rapid_cuts_; }
+  /// The imprints of tools whose motion started inside stock, likewise.
+  const std::vector<LineVolume>& imprints() const { return imprints_; }
   const Program& program() const { return program_; }
 
  private:
   double obstacle_push_n(const ProgramMotion& motion) const;
-  double force_n(const ProgramMotion& motion, const MotionResult& result, double area_mm2) const;
-  void note_rapid_cut(const ProgramMotion& motion, double removed_mm3);
+  double force_n(const ProgramMotion& motion, const MotionResult& result, double area_mm2,
+                 double cut_mm3) const;
 
   const Scene& scene_;
   const Program& program_;
@@ -79,7 +81,7 @@ class Simulation {
   double dwell_s_ = 0;
   std::map<ToolId, ToolUse> tools_;
   ContactRuns stock_, obstacle_;
-  std::vector<RapidCut> rapid_cuts_;
+  std::vector<LineVolume> rapid_cuts_, imprints_;
 };
 
 }  // namespace kerf

@@ -33,6 +33,7 @@ Json tools_json(const Simulation& simulation) {
     tools.push_back(
         {{"tool", id},
          {"removed_mm3", use.removed_mm3},
+         {"imprint_mm3", use.imprint_mm3},
          {"feed_seconds", use.feed.seconds},
          {"feed_length_mm", use.feed.length_mm},
          {"air_seconds", use.air.seconds},
@@ -70,13 +71,13 @@ void add_contacts(Json& list, const Program& program, const ContactRuns& contact
   }
 }
 
-Json rapid_cuts_json(const Simulation& simulation) {
+Json lines_json(const Program& program, const std::vector<LineVolume>& lines, const char* volume) {
   Json list = Json::array();
-  for (const RapidCut& cut : simulation.rapid_cuts()) {
+  for (const LineVolume& line : lines) {
     if (list.size() >= kListMax) break;
-    list.push_back({{"place", place_of(simulation.program(), cut.file, cut.line)},
-                    {"tool", cut.tool},
-                    {"removed_mm3", cut.removed_mm3}});
+    list.push_back({{"place", place_of(program, line.file, line.line)},
+                    {"tool", line.tool},
+                    {volume, line.mm3}});
   }
   return list;
 }
@@ -119,37 +120,43 @@ std::string simulation_json(const Simulation& simulation, double tool_change_s,
   Json collisions = Json::array();
   add_contacts(collisions, program, simulation.stock_contacts(), "stock", "depth_mm");
   add_contacts(collisions, program, simulation.obstacle_contacts(), "obstacle", "push_n");
-  const Json json{{"cycle_seconds",
-                   feed.seconds + simulation.rapid().seconds + simulation.dwell_s() + changes_s},
-                  {"feed_seconds", feed.seconds},
-                  {"rapid_seconds", simulation.rapid().seconds},
-                  {"dwell_seconds", simulation.dwell_s()},
-                  {"tool_changes", tool_changes_json(program, tool_change_s)},
-                  {"feed_length_mm", feed.length_mm},
-                  {"rapid_length_mm", simulation.rapid().length_mm},
-                  {"air_cutting",
-                   {{"seconds", air.seconds},
-                    {"length_mm", air.length_mm},
-                    {"share_of_feed_time", share(air.seconds, feed.seconds)},
-                    {"share_of_feed_length", share(air.length_mm, feed.length_mm)}}},
-                  {"tools", tools_json(simulation)},
-                  {"max_engaged_area", extreme_json(program, "mm2", area)},
-                  {"max_removal_rate", extreme_json(program, "mm3_per_s", rate)},
-                  {"max_force", extreme_json(program, "n", force)},
-                  {"collisions", collisions},
-                  {"rapids_through_stock", rapid_cuts_json(simulation)},
-                  {"gouges", gouges_json(program, gouges)}};
+  const Json json{
+      {"cycle_seconds",
+       feed.seconds + simulation.rapid().seconds + simulation.dwell_s() + changes_s},
+      {"feed_seconds", feed.seconds},
+      {"rapid_seconds", simulation.rapid().seconds},
+      {"dwell_seconds", simulation.dwell_s()},
+      {"tool_changes", tool_changes_json(program, tool_change_s)},
+      {"feed_length_mm", feed.length_mm},
+      {"rapid_length_mm", simulation.rapid().length_mm},
+      {"air_cutting",
+       {{"seconds", air.seconds},
+        {"length_mm", air.length_mm},
+        {"share_of_feed_time", share(air.seconds, feed.seconds)},
+        {"share_of_feed_length", share(air.length_mm, feed.length_mm)}}},
+      {"tools", tools_json(simulation)},
+      {"max_engaged_area", extreme_json(program, "mm2", area)},
+      {"max_removal_rate", extreme_json(program, "mm3_per_s", rate)},
+      {"max_force", extreme_json(program, "n", force)},
+      {"collisions", collisions},
+      {"rapids_through_stock", lines_json(program, simulation.rapid_cuts(), "removed_mm3")},
+      {"starts_inside_stock", lines_json(program, simulation.imprints(), "imprint_mm3")},
+      {"gouges", gouges_json(program, gouges)}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 void warn_of_simulation(const Simulation& simulation, const std::optional<Gouges>& gouges,
                         std::vector<std::string>& warnings) {
   const Program& program = simulation.program();
-  const auto& cuts = simulation.rapid_cuts();
-  for (std::size_t i = 0; i < std::min(cuts.size(), kWarningsMax); ++i)
-    warnings.push_back(place_of(program, cuts[i].file, cuts[i].line) +
-                       ": rapid motion through material: " + std::to_string(cuts[i].removed_mm3) +
-                       " mm3 removed");
+  const auto warn_of = [&](const std::vector<LineVolume>& lines, const char* event,
+                           const char* then) {
+    for (std::size_t i = 0; i < std::min(lines.size(), kWarningsMax); ++i)
+      warnings.push_back(place_of(program, lines[i].file, lines[i].line) + ": " + event + ": " +
+                         std::to_string(lines[i].mm3) + then);
+  };
+  warn_of(simulation.rapid_cuts(), "rapid motion through material", " mm3 removed");
+  warn_of(simulation.imprints(), "the tool starts inside the stock",
+          " mm3 removed there without force");
   warn_of_stock_contacts(simulation.stock_contacts(), program, warnings);
   warn_of_obstacle_contacts(simulation.obstacle_contacts(), program, warnings);
   if (!gouges) return;

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "kernel/surface/tile_mesh.h"
+#include "server/carve/mesh_nearness.h"
 
 namespace kerf {
 namespace {
@@ -24,6 +26,7 @@ std::vector<TileIndex> touched_tiles(const SolidSnapshot& snapshot) {
 // Corners, then centroids, in scene coordinates.
 std::vector<Vec3> points_of(const TileMesh& mesh, Vec3 origin_mm) {
   std::vector<Vec3> points;
+  points.reserve(mesh.positions_mm.size() + mesh.indices.size() / 3);
   for (const auto& p : mesh.positions_mm)
     points.push_back(origin_mm + Vec3{double(p[0]), double(p[1]), double(p[2])});
   for (std::size_t n = 0; n + 2 < mesh.indices.size(); n += 3)
@@ -51,6 +54,26 @@ DistanceFigures measure_surface(const SolidSnapshot& snapshot, const TrueSolid& 
     const auto [mm, cut] = truth.distance(points[n * points.size() / taken], stop);
     if (!cut) continue;
     errors.push_back({mm});
+  }
+  return distance_figures(std::move(errors));
+}
+
+DistanceFigures measure_missing(const SolidSnapshot& snapshot, const CutSurface& surface,
+                                const std::stop_token& stop) {
+  // By tile: few of them are meshed at a time.
+  const DexelGrid& grid = snapshot.grid();
+  const double side_mm = kTileSide * grid.pitch_mm;
+  const auto tile_of = [&](const CutPoint& point) {
+    const Vec3 p = point.mm - grid.origin_mm;
+    return std::pair(std::floor(p.y / side_mm), std::floor(p.x / side_mm));
+  };
+  std::vector<CutPoint> points = surface.points;
+  std::ranges::stable_sort(points, {}, tile_of);
+  MeshNearness mesh(snapshot);
+  std::vector<DistanceSample> errors;
+  for (const CutPoint& point : points) {
+    if (stop.stop_requested()) break;
+    errors.push_back({mesh.distance_mm(point.mm)});
   }
   return distance_figures(std::move(errors));
 }

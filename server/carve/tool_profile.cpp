@@ -63,6 +63,63 @@ ToolProfile::ToolProfile(const Tool& tool) : pieces_(tool.pieces) {
   }
   add_step(reached, 0, high_mm_);
   convex_ = is_convex();
+  for (const Part& part : parts_) radius_mm_ = std::max({radius_mm_, part.a.r, part.b.r});
+  for (const ToolPiece& piece : pieces_)
+    if (const auto* ball = std::get_if<BallPiece>(&piece))
+      radius_mm_ = std::max(radius_mm_, ball->radius_mm);
+    else if (const auto* arc = std::get_if<ArcPiece>(&piece))
+      radius_mm_ = std::max(radius_mm_, arc->center_r_mm + arc->radius_mm);
+}
+
+namespace {
+
+/// Angle of a point of an arc about its center, from straight down to straight up, 0 to pi.
+double angle_on(double r, double h) { return std::atan2(r, -h); }
+
+}  // namespace
+
+double ToolProfile::length_of(const Part& part) {
+  if (part.radius <= 0) return std::hypot(part.b.r - part.a.r, part.b.h - part.a.h);
+  return part.radius * (angle_on(part.b.r - part.center.r, part.b.h - part.center.h) -
+                        angle_on(part.a.r - part.center.r, part.a.h - part.center.h));
+}
+
+ToolProfile::Point ToolProfile::at_share(const Part& part, double share) {
+  if (part.radius <= 0)
+    return {part.a.r + share * (part.b.r - part.a.r), part.a.h + share * (part.b.h - part.a.h)};
+  const double from = angle_on(part.a.r - part.center.r, part.a.h - part.center.h);
+  const double angle = from + share * length_of(part) / part.radius;
+  return {part.center.r + part.radius * std::sin(angle),
+          part.center.h - part.radius * std::cos(angle)};
+}
+
+double ToolProfile::outline_length(double up_to_mm) const {
+  double length = 0;
+  for (const Part& part : parts_) {
+    if (part.a.h >= up_to_mm) break;
+    const double share = part.b.h > up_to_mm ? (up_to_mm - part.a.h) / (part.b.h - part.a.h) : 1.0;
+    if (part.radius > 0 && share < 1) {
+      // The arc up to that height.
+      Part cut = part;
+      const double h = up_to_mm - part.center.h;
+      cut.b = {part.center.r + std::sqrt(std::max(0.0, part.radius * part.radius - h * h)),
+               up_to_mm};
+      length += length_of(cut);
+    } else {
+      length += share * length_of(part);
+    }
+  }
+  return length;
+}
+
+ToolProfile::OutlinePoint ToolProfile::outline_at(double along_mm) const {
+  std::size_t n = 0;
+  for (; n + 1 < parts_.size() && along_mm > length_of(parts_[n]); ++n)
+    along_mm -= length_of(parts_[n]);
+  const double length = length_of(parts_[n]);
+  const Point q = at_share(parts_[n], length > 0 ? std::clamp(along_mm / length, 0.0, 1.0) : 0.0);
+  const Point normal = normal_of(parts_[n], q);
+  return {q.r, q.h, normal.r, normal.h};
 }
 
 void ToolProfile::add_step(double from_r, double to_r, double height_mm) {

@@ -20,6 +20,17 @@ class ToolProfile {
     double normal_radial, normal_along;  ///< unit, in which the distance grows
   };
   Nearest nearest(double radial_mm, double height_mm) const;
+  /// A point of the outline and its unit normal, out of the tool.
+  struct OutlinePoint {
+    double radial_mm, height_mm;
+    double normal_radial, normal_along;
+  };
+  /// Returns the length of the outline from the tip up to a height, mm; 0 if that is not positive.
+  double outline_length(double up_to_mm) const;
+  /// Returns the point at a distance along the outline from the tip; its end if that is shorter.
+  OutlinePoint outline_at(double along_mm) const;
+  /// Returns the greatest radius, mm.
+  double radius_mm() const { return radius_mm_; }
   /// Whether the tool is a convex body: then its distance along a straight motion has one minimum.
   bool convex() const { return convex_; }
 
@@ -37,12 +48,14 @@ class ToolProfile {
   void add_step(double from_r, double to_r, double height_mm);
   double radius_at(double height_mm) const;
   bool is_convex() const;
+  static Point at_share(const Part& part, double share);
+  static double length_of(const Part& part);
   static Point nearest_on(const Part& part, Point p);
   static Point normal_of(const Part& part, Point q);
 
   std::vector<Part> parts_;
   std::vector<ToolPiece> pieces_;
-  double low_mm_ = 0, high_mm_ = 0;
+  double low_mm_ = 0, high_mm_ = 0, radius_mm_ = 0;
   bool convex_ = false;
 };
 

@@ -77,6 +77,8 @@ class Tradeoff {
     stop_ = stop;
     if (auto read = read_input(); !read) return read;
     plan();
+    const CpuBudget budget(start_s_ + kOneShare * options_.budget_seconds, stop_);
+    cut_surface_ = sample_cut_surface(*truth_, options_.samples, budget.token());
     for (const std::size_t n : cheapest_first())
       if (!stop_.stop_requested()) measure(n);
     if (!stop_.stop_requested()) compare_with_reference();
@@ -145,7 +147,7 @@ class Tradeoff {
   // Without rotation all motion models and tolerances are equivalent.
   void plan() {
     const auto either = [](const std::vector<std::string>& asked,
-                           std::vector<std::string> otherwise) {
+                           const std::vector<std::string>& otherwise) {
       return asked.empty() ? otherwise : asked;
     };
     const std::scoped_lock lock(mutex_);
@@ -250,10 +252,12 @@ class Tradeoff {
     row.sub_motions = carved->sub_motions;
     const DistanceFigures surface =
         measure_surface(carved->snapshot, *truth_, options_.samples, budget.token());
+    const DistanceFigures missing = measure_missing(carved->snapshot, cut_surface_, budget.token());
     if (stop_.stop_requested()) return kNotReached;
     if (budget.token().stop_requested())
       return "stopped, --budget-seconds ended while its surface was measured";
-    row.surface_max_mm = surface.max_mm;
+    row.missing_mm = missing.max_mm;
+    row.surface_max_mm = std::max(surface.max_mm, missing.max_mm);
     row.surface_rms_mm = surface.rms_mm;
     samples_ = std::max(samples_, surface.samples);
     result = {carved->removed_mm3, std::move(carved->forces_n)};
@@ -324,7 +328,9 @@ class Tradeoff {
               << tradeoff_text(rows_) << "\n* Pareto front of time and greatest surface error.";
     if (options_.target_mm) std::cout << " < cheapest within " << *options_.target_mm << " mm.";
     std::cout << "\nSurface: " << samples_
-              << " or fewer corners and centroids of the mesh against the true solid.\n"
+              << " or fewer corners and centroids of the mesh against the true solid, and "
+              << cut_surface_.points.size() << " points of the cut surface, about "
+              << figure("%.2g", cut_surface_.spacing_mm) << " mm apart, against the mesh.\n"
               << reference_;
     if (!turns_)
       std::cout << "The program has no rotation: motion model and tolerance have no effect.\n";
@@ -359,6 +365,7 @@ class Tradeoff {
   std::vector<double> pitches_, tolerances_;
   bool turns_ = false;
   std::unique_ptr<TrueSolid> truth_;
+  CutSurface cut_surface_;
   std::mutex mutex_;  ///< guards what follows against abandon()
   std::vector<TradeoffRow> rows_;
   std::vector<Carved> results_;

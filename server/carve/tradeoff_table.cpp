@@ -60,18 +60,18 @@ void mark_cheapest(std::vector<TradeoffRow>& rows, double target_mm) {
 }
 
 std::string tradeoff_text(const std::vector<TradeoffRow>& rows) {
-  constexpr const char* kFormat = "%-2s %-9s %-6s %9s %11s %13s %13s %9s %9s %11s %10s %12s\n";
+  constexpr const char* kFormat = "%-2s %-9s %-6s %9s %11s %13s %13s %11s %9s %9s %11s %10s %12s\n";
   std::ostringstream out;
-  const auto line = [&out](const std::array<std::string, 12>& c) {
+  const auto line = [&out](const std::array<std::string, 13>& c) {
     std::array<char, 400> text{};
     std::snprintf(text.data(), text.size(), kFormat, c[0].c_str(), c[1].c_str(), c[2].c_str(),
                   c[3].c_str(), c[4].c_str(), c[5].c_str(), c[6].c_str(), c[7].c_str(),
-                  c[8].c_str(), c[9].c_str(), c[10].c_str(), c[11].c_str());
+                  c[8].c_str(), c[9].c_str(), c[10].c_str(), c[11].c_str(), c[12].c_str());
     out << text.data();
   };
-  line({"", "rays", "motion", "pitch", "tolerance", "surface max", "surface rms", "volume", "force",
-        "us/motion", "MB", "sub-motions"});
-  line({"", "", "", "mm", "mm", "mm", "mm", "relative", "relative", "CPU", "", ""});
+  line({"", "rays", "motion", "pitch", "tolerance", "surface max", "surface rms", "solid-mesh",
+        "volume", "force", "us/motion", "MB", "sub-motions"});
+  line({"", "", "", "mm", "mm", "mm", "mm", "mm", "relative", "relative", "CPU", "", ""});
   for (const TradeoffRow& row : rows) {
     if (!row.skipped.empty()) {
       out << "   " << to_string(row.rays) << ' ' << motion_name(row.motion) << " pitch "
@@ -82,26 +82,28 @@ std::string tradeoff_text(const std::vector<TradeoffRow>& rows) {
     line({std::string(row.front ? "*" : "") + (row.cheapest ? "<" : ""), to_string(row.rays),
           motion_name(row.motion), figure("%.4g", row.pitch_mm), figure("%.3g", row.tolerance_mm),
           figure("%.5f", row.surface_max_mm), figure("%.5f", row.surface_rms_mm),
-          figure(row.volume_error), figure(row.force_error), figure("%.1f", row.us_per_motion),
-          figure("%.2f", 1e-6 * double(row.bytes)), std::to_string(row.sub_motions)});
+          figure("%.5f", row.missing_mm), figure(row.volume_error), figure(row.force_error),
+          figure("%.1f", row.us_per_motion), figure("%.2f", 1e-6 * double(row.bytes)),
+          std::to_string(row.sub_motions)});
   }
   return out.str();
 }
 
 std::string tradeoff_csv(const std::vector<TradeoffRow>& rows) {
   std::ostringstream out;
-  out << "rays,motion,pitch_mm,tolerance_mm,surface_max_mm,surface_rms_mm,volume_error,"
+  out << "rays,motion,pitch_mm,tolerance_mm,surface_max_mm,surface_rms_mm,solid_to_mesh_mm,volume_"
+         "error,"
          "force_error,us_per_motion,bytes,sub_motions,front,cheapest,skipped\n";
   for (const TradeoffRow& row : rows) {
     out << to_string(row.rays) << ',' << motion_name(row.motion) << ',' << exact(row.pitch_mm)
         << ',' << exact(row.tolerance_mm) << ',';
     if (row.skipped.empty()) {
       out << exact(row.surface_max_mm) << ',' << exact(row.surface_rms_mm) << ','
-          << exact(row.volume_error) << ',' << exact(row.force_error) << ','
-          << exact(row.us_per_motion) << ',' << row.bytes << ',' << row.sub_motions << ','
-          << row.front << ',' << row.cheapest << ",\n";
+          << exact(row.missing_mm) << ',' << exact(row.volume_error) << ','
+          << exact(row.force_error) << ',' << exact(row.us_per_motion) << ',' << row.bytes << ','
+          << row.sub_motions << ',' << row.front << ',' << row.cheapest << ",\n";
     } else {
-      out << ",,,,,,,,,\"" << row.skipped << "\"\n";
+      out << ",,,,,,,,,,\"" << row.skipped << "\"\n";
     }
   }
   return out.str();

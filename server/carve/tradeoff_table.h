@@ -20,7 +20,9 @@ struct TradeoffRow {
   double us_per_motion = 0;  ///< CPU time, force included
   std::uint64_t bytes = 0;   ///< of the stock
   std::uint64_t sub_motions = 0;
-  double surface_max_mm = 0, surface_rms_mm = 0;
+  double surface_max_mm = 0;  ///< greatest distance between mesh and true solid, in both directions
+  double surface_rms_mm = 0;  ///< from the mesh to the true solid
+  double missing_mm = 0;      ///< greatest distance from the true solid to the mesh
   std::optional<double>
       volume_error;                   ///< relative to the removed volume; empty without a reference
   std::optional<double> force_error;  ///< relative rms over the program's time

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <map>
+#include <span>
 #include <stop_token>
 #include <vector>
 
 #include "kernel/sculpture.h"
 #include "server/carve/box_tree.h"
-#include "server/carve/tool_profile.h"
+#include "server/carve/moving_tool.h"
 #include "server/formats/program.h"
 
 namespace kerf {
+
+/// Limits the effort of queries, which have no result of use once it is spent.
+struct QueryEffort {
+  std::size_t left;  ///< motions whose distance may still be computed
+  bool spent() const { return left == 0; }
+};
 
 /// The exact solid that a program leaves: the stock less every pose of every motion, evaluated
 /// point by point. It uses neither dexels nor sub-motions: the distance of a point from a tool is
@@ -20,9 +26,11 @@ namespace kerf {
 class TrueSolid {
  public:
   /// `reach_mm` limits the distances from cuts that are computed. `tools` must contain every tool
-  /// of the program.
+  /// of the program. A mesh stock is represented by its bounding box.
   TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>& tools,
             const std::vector<ProgramMotion>& motions, double reach_mm);
+  TrueSolid(const TrueSolid&) = delete;
+  TrueSolid& operator=(const TrueSolid&) = delete;
 
   struct Distance {
     double mm;  ///< distance of the point from the boundary of the solid, >= 0
@@ -33,22 +41,39 @@ class TrueSolid {
   /// result of no use, if a stop is requested.
   Distance distance(Vec3 point_mm, const std::stop_token& stop = {}) const;
 
- private:
-  struct Sweep {
-    const ToolProfile* tool;
-    ToolPose from, to;
-    double turn_rad, travel_mm;
-  };
+  /// A signed distance and the direction in which it grows.
   struct Signed {
     double mm;
     Vec3 outward;
   };
-  Signed from_stock(Vec3 point) const;
-  Signed from_sweeps(Vec3 point, const std::stop_token& stop) const;
+  /// Returns the signed distance from the stock: negative inside.
+  Signed from_stock(Vec3 point_mm) const;
+  /// Returns the signed distance from the nearest cut, at most `reach_mm`; negative inside a cut:
+  /// the greatest depth in a single one.
+  Signed from_cuts(Vec3 point_mm, const std::stop_token& stop = {},
+                   QueryEffort* effort = nullptr) const;
+  /// Returns whether no cut is nearer to the point than `radius_mm` (0: whether the point is in no
+  /// cut). Much faster than from_cuts().
+  bool is_clear(Vec3 point_mm, double radius_mm, QueryEffort* effort = nullptr) const;
+
+  /// Returns the motions, in the order of the program.
+  std::span<const MovingTool> sweeps() const { return sweeps_; }
+  /// Returns the motion that cuts deepest at a point, or comes nearest to it within the reach;
+  /// sweeps().size() if none does.
+  std::size_t nearest_sweep(Vec3 point_mm) const;
+  const StockShape& stock() const { return stock_; }
+
+ private:
+  struct Nearest {
+    std::size_t sweep;
+    NearestPose pose;
+  };
+  Nearest nearest(Vec3 point, double limit_mm, double enough_mm, const std::stop_token& stop,
+                  QueryEffort* effort) const;
 
   StockShape stock_;
   std::map<ToolId, ToolProfile> profiles_;
-  std::vector<Sweep> sweeps_;
+  std::vector<MovingTool> sweeps_;
   double reach_mm_;
   BoxTree tree_;  ///< of the sweeps
 };

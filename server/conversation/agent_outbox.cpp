@@ -44,7 +44,7 @@ void AgentOutbox::close() {
 bool AgentOutbox::take_slot(std::optional<OutFrame>& slot, OutFrame& out) {
   if (!slot) return false;
   spare_ = std::move(out.bytes);
-  out = *std::move(slot);
+  out = std::move(*slot);
   slot.reset();
   return true;
 }

@@ -17,6 +17,7 @@ void BatchSum::add(const MotionResult& result, double duration_s) {
   }
   if (result.cutting.engaged_area_mm2 > 0 || result.removed_mm3 > 0) cutting_ = result.cutting;
   removed_mm3_ += result.removed_mm3;
+  imprint_mm3_ += result.imprint_mm3;
   duration_s_ += duration_s;
   ++motions_;
 }
@@ -48,6 +49,7 @@ void BatchSum::write(wire::Result& result) const {
   result.specific_force_n_per_mm2 = static_cast<float>(last_specific_);
   result.removed_mm3 = static_cast<float>(removed_mm3_);
   if (removed_mm3_ > 0) result.status |= wire::kStatusCutting;
+  if (imprint_mm3_ > 0) result.status |= wire::kStatusImprint;
   if (length(collision_impulse_.force_n) > 0) result.status |= wire::kStatusColliding;
 }
 

@@ -20,14 +20,14 @@ class BatchSum {
   bool empty() const { return motions_ == 0; }
   double removed_mm3() const { return removed_mm3_; }
   double duration_s() const { return duration_s_; }
-  /// Writes force, torque, collision force, planes, cutting model, removed volume, and the cutting
-  /// and colliding bits of the status.
+  /// Writes force, torque, collision force, planes, cutting model, removed volume, and the cutting,
+  /// colliding and imprint bits of the status.
   void write(wire::Result& result) const;
 
  private:
   Wrench impulse_, collision_impulse_;  ///< N s, N mm s
   CuttingModel cutting_;
-  double duration_s_ = 0, removed_mm3_ = 0, last_specific_ = 0;
+  double duration_s_ = 0, removed_mm3_ = 0, imprint_mm3_ = 0, last_specific_ = 0;
   int motions_ = 0;
   std::uint32_t planes_count_ = 0;
   std::array<wire::ContactPlane, wire::kMaxContactPlanes> planes_{};

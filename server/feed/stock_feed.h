@@ -49,7 +49,7 @@ struct StockUpdate {
 class StockFeed {
  public:
   /// A patch ends with the tile that reaches this number of bytes of columns.
-  static constexpr std::size_t kPatchBytes = 32 * 1024;
+  static constexpr std::size_t kPatchBytes = std::size_t{32} * 1024;
 
   /// Marks tiles that another participant cut.
   void note_cut(std::span<const FieldTile> tiles);

@@ -22,8 +22,9 @@ namespace kerf {
 using ViewerId = std::uint32_t;
 
 struct FeedSettings {
-  std::size_t frame_bytes_max = 256 * 1024;  ///< a frame ends with the tile that reaches it
-  std::uint32_t frames_in_flight_max = 2;    ///< frames sent and not yet acknowledged
+  std::size_t frame_bytes_max =
+      std::size_t{256} * 1024;             ///< a frame ends with the tile that reaches it
+  std::uint32_t frames_in_flight_max = 2;  ///< frames sent and not yet acknowledged
   TileCompression compression = TileCompression::kMeshopt;
 };
 

@@ -46,6 +46,16 @@ constexpr double kTightShare = 0.1, kPaperShare = 0.3, kUprightShare = 0.02;
 constexpr double kPitchMinMm = 1e-4, kPitchMaxMm = 1000;
 constexpr double kToleranceMinMm = 1e-6;
 
+// Relative. A value this little below a short decimal is that decimal. It covers the rounding of
+// doubles: 0.9 · 0.3 + 0.03 exceeds 0.3 in the last bit. If it grows, a target may be missed by it.
+constexpr double kRounding = 1e-12;
+
+// Returns whether an expected error exceeds the target by more than the rounding of pitch and
+// tolerance.
+bool misses(double error_mm, double target_mm) {
+  return error_mm > target_mm * (1 + 2 * kRounding);
+}
+
 // Rounds down to `digits` significant digits, so that the chosen settings are readable.
 double rounded_down(double value, int digits) {
   double unit = 1;
@@ -53,7 +63,7 @@ double rounded_down(double value, int digits) {
   const double limit = digits == 3 ? 1000 : 100;
   for (; value / unit >= limit; ++exponent) unit *= 10;
   for (; value / unit < limit / 10; --exponent) unit /= 10;
-  const auto whole = static_cast<long>(value / unit * (1 + 1e-12));
+  const auto whole = static_cast<long>(value / unit * (1 + kRounding));
   const std::string text = std::to_string(whole) + "e" + std::to_string(exponent);
   double result = value;
   std::from_chars(text.data(), text.data() + text.size(), result);
@@ -72,6 +82,12 @@ double largest_radius_mm(const std::vector<Tool>& tools) {
   return radius;
 }
 
+// Coarsest pitch at which neither a cut nor a wall falls between the rays.
+double coarsest_pitch_mm(const AccuracyUse& use) {
+  double pitch = std::min(smallest_radius_mm(use.tools) / kPitchesPerRadius, kPitchMaxMm);
+  return std::min(pitch, use.wall_pitch_mm.value_or(pitch));
+}
+
 double error_per_pitch(Rays rays) {
   return rays == Rays::kTriDexel ? kErrorPerPitchTriDexel : kErrorPerPitchDexel;
 }
@@ -80,6 +96,16 @@ double error_per_pitch(Rays rays) {
 int fields(Rays rays) { return rays == Rays::kTriDexel ? 3 : 1; }
 
 std::string mm(double value) { return significant_text(value, 3) + " mm"; }
+
+// Returns an error with as many digits as distinguish it from the target, at least 3.
+std::string error_text(double error_mm, double target_mm) {
+  int digits = 3;
+  const auto same = [&] {
+    return significant_text(error_mm, digits) == significant_text(target_mm, digits);
+  };
+  while (digits < 15 && same()) ++digits;
+  return significant_text(error_mm, digits) + " mm";
+}
 
 // Coarsest pitch whose error and that of the tolerance together meet the target.
 double pitch_for(double target_mm, double tolerance_mm, Rays rays) {
@@ -105,17 +131,26 @@ std::expected<void, AccuracyError> check(const AccuracyRequest& r, const Accurac
   if (kErrorPerTolerance * tolerance >= r.target_mm)
     return failure(kUnreachable, "tolerance_mm",
                    "is " + mm(tolerance) + "; it must be below the target of " + mm(r.target_mm));
-  if (r.pitch_mm && per_pitch * *r.pitch_mm + tolerance >= r.target_mm)
+  const double expected_mm = per_pitch * r.pitch_mm.value_or(0) + kErrorPerTolerance * tolerance;
+  if (misses(expected_mm, r.target_mm))
     return failure(kUnreachable, "pitch_mm",
                    "is " + mm(*r.pitch_mm) + ", with which a surface error of " +
-                       mm(per_pitch * *r.pitch_mm + tolerance) +
+                       error_text(expected_mm, r.target_mm) +
                        " is expected, more than the target of " + mm(r.target_mm) +
                        "; reduce the pitch or raise the target");
+  if (r.pitch_mm && use.wall_pitch_mm && *r.pitch_mm > *use.wall_pitch_mm)
+    return failure(kUnreachable, "pitch_mm",
+                   "is " + mm(*r.pitch_mm) + "; thin walls of the program need at most " +
+                       mm(*use.wall_pitch_mm));
+  if (!r.tolerance_mm && expected_mm >= r.target_mm)
+    return failure(kUnreachable, "pitch_mm",
+                   "is " + mm(*r.pitch_mm) + ", which leaves nothing of the target of " +
+                       mm(r.target_mm) +
+                       " for the tolerance; reduce the pitch or raise the target");
   const double share =
       r.tolerance_mm ? 0 : share_of(r.motion.value_or(MotionModel::kTight), use.turns);
-  const double pitch = r.pitch_mm.value_or(
-      std::min({pitch_for(r.target_mm, tolerance + share * r.target_mm, rays), kPitchMaxMm,
-                smallest_radius_mm(use.tools) / kPitchesPerRadius}));
+  const double pitch = r.pitch_mm.value_or(std::min(
+      pitch_for(r.target_mm, tolerance + share * r.target_mm, rays), coarsest_pitch_mm(use)));
   const double least_tolerance = r.tolerance_mm.value_or(
       (r.target_mm - per_pitch * r.pitch_mm.value_or(0)) / kErrorPerTolerance / 2);
   if (pitch < kPitchMinMm || least_tolerance < kToleranceMinMm)
@@ -137,7 +172,7 @@ std::expected<void, AccuracyError> check(const AccuracyRequest& r, const Accurac
 
 // Returns the cheapest accuracy for given rays and motion model. Precondition: check() passed.
 Accuracy cheapest(const AccuracyRequest& r, const AccuracyUse& use, Rays rays, MotionModel motion) {
-  const double coarsest = std::min(smallest_radius_mm(use.tools) / kPitchesPerRadius, kPitchMaxMm);
+  const double coarsest = coarsest_pitch_mm(use);
   // With a fixed pitch the tolerance gets half of the remaining error.
   const double remaining_mm = r.pitch_mm ? (r.target_mm - error_per_pitch(rays) * *r.pitch_mm) / 2
                                          : share_of(motion, use.turns) * r.target_mm;
@@ -155,16 +190,21 @@ std::string reason_text(const AccuracyChoice& choice, const AccuracyUse& use) {
   const AccuracyRequest& r = choice.request;
   const Accuracy& a = choice.accuracy;
   const auto given = [&r](bool fixed) { return fixed && !all_given(r) ? " (given)" : ""; };
-  std::string text =
-      std::string(to_string(a.rays)) + given(r.rays.has_value()) + ", pitch " +
-      exact_text(a.pitch_mm) + " mm" + given(r.pitch_mm.has_value()) + ", tolerance " +
-      exact_text(a.tolerance_mm) + " mm" + given(r.tolerance_mm.has_value()) + ", " +
-      (a.motion == MotionModel::kTight ? "tight" : "paper") + given(r.motion.has_value()) +
-      ": expected surface error " + mm(choice.predicted_error_mm);
-  if (choice.predicted_error_mm > r.target_mm)
+  std::string text = std::string(to_string(a.rays)) + given(r.rays.has_value()) + ", pitch " +
+                     exact_text(a.pitch_mm) + " mm" + given(r.pitch_mm.has_value()) +
+                     ", tolerance " + exact_text(a.tolerance_mm) + " mm" +
+                     given(r.tolerance_mm.has_value()) + ", " +
+                     (a.motion == MotionModel::kTight ? "tight" : "paper") +
+                     given(r.motion.has_value()) + ": expected surface error " +
+                     (misses(choice.predicted_error_mm, r.target_mm)
+                          ? error_text(choice.predicted_error_mm, r.target_mm)
+                          : mm(choice.predicted_error_mm));
+  if (misses(choice.predicted_error_mm, r.target_mm))
     return text + ", which misses the target of " + mm(r.target_mm);
   text += " (" + exact_text(error_per_pitch(a.rays)) + " pitch + tolerance)";
-  if (!r.pitch_mm && a.pitch_mm * kPitchesPerRadius >= smallest_radius_mm(use.tools) * 0.99)
+  if (!r.pitch_mm && a.pitch_mm >= use.wall_pitch_mm.value_or(kPitchMaxMm) * 0.99)
+    text += "; the pitch is limited by thin walls of the program";
+  else if (!r.pitch_mm && a.pitch_mm * kPitchesPerRadius >= smallest_radius_mm(use.tools) * 0.99)
     text += "; the pitch is limited by the radius of the smallest tool";
   const auto times = [&](const Accuracy& other) {
     return significant_text(predicted_us(other, use) / choice.predicted_us, 2) + " times as long";

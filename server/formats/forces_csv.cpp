@@ -15,18 +15,20 @@ constexpr int kTimeDigits = 12;
 }  // namespace
 
 void write_forces_header(std::ostream& out) {
-  out << "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3\n";
+  out << "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3,"
+         "imprint_mm3\n";
 }
 
-void write_forces_row(std::ostream& out, double time_s, const ToolPose& pose, const Wrench& wrench,
-                      double removed_mm3) {
+void write_forces_row(std::ostream& out, double time_s, const ToolPose& pose,
+                      const MotionResult& result) {
+  const Wrench& wrench = result.wrench;
   out << significant_text(time_s, kTimeDigits);
   for (const double value :
        {pose.tip_mm.x, pose.tip_mm.y, pose.tip_mm.z, pose.axis.x, pose.axis.y, pose.axis.z})
     out << ',' << exact_text(value);
   for (const double value :
        {wrench.force_n.x, wrench.force_n.y, wrench.force_n.z, wrench.torque_nmm.x,
-        wrench.torque_nmm.y, wrench.torque_nmm.z, removed_mm3})
+        wrench.torque_nmm.y, wrench.torque_nmm.z, result.removed_mm3, result.imprint_mm3})
     out << ',' << significant_text(value, kValueDigits);
   out << '\n';
 }

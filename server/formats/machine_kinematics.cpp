@@ -2,6 +2,7 @@
 #include "server/formats/machine_kinematics.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "kernel/math/rotation.h"
@@ -89,7 +90,7 @@ RotaryAngles angles_from_axis(MachineKinematics kinematics, Vec3 axis,
   const double previous_tilt = ac ? previous.a : previous.b;
   const bool upright = axis.x == 0 && axis.y == 0;
   RotaryAngles best;
-  double best_change = INFINITY;
+  double best_change = std::numeric_limits<double>::infinity();
   for (const double sign : {1.0, -1.0}) {
     const double t = nearest_turn(sign * tilt, previous_tilt);
     const double c = upright ? previous.c : nearest_turn(sign > 0 ? turn : turn + 180, previous.c);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/scene.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "server/formats/text_file.h"
 
 namespace kerf {
@@ -31,10 +34,12 @@ Accuracy accuracy_of(const Scene& scene) {
   return {s.rays, s.pitch_mm, s.tolerance_mm, s.motion};
 }
 
-std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request) {
+std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request,
+                                                    std::optional<double> wall_pitch_mm) {
   AccuracyUse use{.stock = scene.settings.stock,
                   .tools = {},
-                  .turns = scene.machine.kinematics != MachineKinematics::kXyz};
+                  .turns = scene.machine.kinematics != MachineKinematics::kXyz,
+                  .wall_pitch_mm = wall_pitch_mm};
   for (const auto& [id, tool] : scene.tools) use.tools.push_back(tool.tool);
   auto choice = choose_accuracy(request, use);
   if (!choice) return std::unexpected(choice.error());
@@ -44,6 +49,21 @@ std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const Accuracy
   scene.settings.tolerance_mm = a.tolerance_mm;
   scene.settings.motion = a.motion;
   scene.accuracy = *std::move(choice);
+  return {};
+}
+
+std::expected<void, SceneToolError> resolve_chords(Scene& scene) {
+  const double chord_mm = std::clamp(kChordShare * scene.settings.tolerance_mm,
+                                     kChordToleranceMinMm, kChordToleranceMaxMm);
+  for (auto& [id, tool] : scene.tools) {
+    if (!tool.chords_follow && !tool.holder_chords_follow) continue;
+    if (tool.chords_follow) std::get<ProfileShape>(tool.shape).chord_tolerance_mm = chord_mm;
+    if (tool.holder_chords_follow)
+      std::get<ProfileShape>(*tool.body.holder).chord_tolerance_mm = chord_mm;
+    auto made = make_tool(tool.shape, tool.body);
+    if (!made) return std::unexpected(SceneToolError{id, made.error()});
+    tool.tool = *std::move(made);
+  }
   return {};
 }
 

@@ -32,7 +32,15 @@ struct SceneTool {
   ToolShape shape;  ///< parameters as written in the scene
   ToolBody body;    ///< shank and holder
   Tool tool;        ///< geometry resolved by make_tool
+  /// Whether the chord tolerance of the profile, and of the holder's, follows the scene's
+  /// tolerance_mm (resolve_chords), because the scene gives none.
+  bool chords_follow = false, holder_chords_follow = false;
 };
+
+/// Chord tolerance of profiles that give none, as a share of the scene's tolerance_mm. If it grows,
+/// fillets take a larger part of the error, and have fewer pieces: their number grows as its
+/// inverse square root.
+inline constexpr double kChordShare = 0.1;
 
 /// The machine that executes programs.
 struct Machine {
@@ -88,8 +96,20 @@ std::expected<Scene, SceneError> load_scene(const std::filesystem::path& file);
 /// Returns the accuracy in the scene's settings.
 Accuracy accuracy_of(const Scene& scene);
 /// Chooses the accuracy for a target (choose_accuracy) and stores it in `scene.accuracy` and
-/// `scene.settings`. On an error the scene is unchanged.
-std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request);
+/// `scene.settings`. `wall_pitch_mm`: AccuracyUse::wall_pitch_mm. On an error the scene is
+/// unchanged.
+std::expected<void, AccuracyError> resolve_accuracy(Scene& scene, const AccuracyRequest& request,
+                                                    std::optional<double> wall_pitch_mm = {});
+
+/// Why a tool of a scene could not be resolved.
+struct SceneToolError {
+  ToolId tool;
+  ToolError error;
+};
+/// Sets the chord tolerance of the profiles that follow the scene's tolerance_mm to kChordShare of
+/// it, and resolves their tools again. parse_scene has done so; call it after tolerance_mm was
+/// changed.
+std::expected<void, SceneToolError> resolve_chords(Scene& scene);
 
 /// Returns the scene as canonical JSON text: every field, in a fixed order. parse_scene reads it
 /// back to an equal scene, given the same files.

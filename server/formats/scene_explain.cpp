@@ -56,7 +56,7 @@ constexpr std::array kHelp{
     FieldHelp{"tools[].h_mm", "-", "mm", "apt: height of the cutter"},
     FieldHelp{"tools[].profile_mm", "-", "mm",
               "[r, h] lines; {to, radius or center, bulge out|in} arcs; from the tip up"},
-    FieldHelp{"tools[].chord_tolerance_mm", "0.0001", "mm",
+    FieldHelp{"tools[].chord_tolerance_mm", "tolerance_mm / 10", "mm",
               "greatest deviation of a profile's fillets"},
     FieldHelp{"tools[].shank.diameter_mm", "-", "mm",
               "shank diameter; the shank stands on the cutting length"},
@@ -68,7 +68,8 @@ constexpr std::array kHelp{
     FieldHelp{"tools[].holder[].length_mm", "-", "mm", "height of a section"},
     FieldHelp{"tools[].holder.profile_mm", "-", "mm",
               "outline as of a tool profile, from height 0"},
-    FieldHelp{"tools[].holder.chord_tolerance_mm", "0.0001", "mm", "as of a tool profile"},
+    FieldHelp{"tools[].holder.chord_tolerance_mm", "tolerance_mm / 10", "mm",
+              "as of a tool profile"},
     FieldHelp{"force.law", "specific_energy", "",
               "specific_energy: F = u A; drr: F = K dV/dt (the paper's)"},
     FieldHelp{"force.specific_force_n_per_mm2", "0.5", "N/mm2", "u of specific_energy"},
@@ -98,8 +99,8 @@ struct Row {
 // descended into.
 void flatten(const Json& json, const std::string& path, std::vector<Row>& rows) {
   if (json.is_object()) {
-    for (const auto& [key, value] : json.items())
-      flatten(value, path.empty() ? key : path + "." + key, rows);
+    const std::string prefix = path.empty() ? "" : path + ".";
+    for (const auto& [key, value] : json.items()) flatten(value, prefix + key, rows);
   } else if (json.is_array() && !json.empty() && json.front().is_object()) {
     for (std::size_t i = 0; i < json.size(); ++i)
       flatten(json[i], path + "[" + std::to_string(i) + "]", rows);

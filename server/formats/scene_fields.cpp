@@ -45,6 +45,7 @@ std::vector<SceneValue> SceneValue::items() const {
            std::to_string(kSceneItemsMax));
   }
   std::vector<SceneValue> items;
+  items.reserve(node(json_).size());
   for (std::size_t i = 0; i < node(json_).size(); ++i) {
     items.emplace_back(&node(json_)[i], path_ + "[" + std::to_string(i) + "]");
   }

@@ -100,7 +100,8 @@ AccuracyRequest read_accuracy(const SceneValue& value) {
   return request;
 }
 
-// Tools and machine must have been read before, because the choice depends on them.
+// Tools and machine must have been read before, because the choice depends on the largest radii of
+// the tools. Fillets, whose chords depend on the tolerance, do not change these.
 void apply_accuracy(const AccuracyRequest& request, Scene& scene) {
   if (request.target_mm > 0) {
     if (auto resolved = resolve_accuracy(scene, request); !resolved)
@@ -190,6 +191,17 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
   scene.obstacle_files.push_back(std::move(file));
 }
 
+// `tools` are the items that scene.tools was read from.
+void apply_tolerance_to_tools(const std::vector<SceneValue>& tools, Scene& scene) {
+  const auto resolved = resolve_chords(scene);
+  if (resolved) return;
+  for (const SceneValue& item : tools) {
+    SceneFields fields(item);
+    if (fields.positive("id") == resolved.error().tool)
+      fields.reject(resolved.error().error.field, resolved.error().error.reason);
+  }
+}
+
 Scene read_scene(const Json& json, const SceneSource& source) {
   SceneFields fields(SceneValue(&json, ""));
   Scene scene;
@@ -207,6 +219,7 @@ Scene read_scene(const Json& json, const SceneSource& source) {
   }
   fields.reject_unknown();
   apply_accuracy(accuracy, scene);
+  apply_tolerance_to_tools(tools, scene);
   return scene;
 }
 

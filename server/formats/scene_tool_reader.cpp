@@ -41,12 +41,15 @@ ProfileStep read_step(const SceneValue& value) {
   return ProfileCenteredArc{to, read_point(*center), bulge};
 }
 
-ProfileShape read_profile(SceneFields& fields) {
+// Sets `chords_follow` if the chord tolerance is left out. Then it is the largest one until the
+// scene's tolerance is known, so that no outline has too many pieces before.
+ProfileShape read_profile(SceneFields& fields, bool& chords_follow) {
   ProfileShape shape;
   for (const SceneValue& step : fields.required("profile_mm").items()) {
     shape.steps.push_back(read_step(step));
   }
-  shape.chord_tolerance_mm = fields.positive("chord_tolerance_mm", shape.chord_tolerance_mm);
+  chords_follow = !fields.find("chord_tolerance_mm");
+  shape.chord_tolerance_mm = fields.positive("chord_tolerance_mm", kChordToleranceMaxMm);
   return shape;
 }
 
@@ -62,7 +65,7 @@ AptShape read_apt(SceneFields& fields) {
   return s;
 }
 
-ToolShape read_shape(SceneFields& fields) {
+ToolShape read_shape(SceneFields& fields, bool& chords_follow) {
   const std::string shape = fields.text("shape");
   if (shape == "ball")
     return BallShape{fields.positive("diameter_mm"), fields.positive("length_mm")};
@@ -81,7 +84,7 @@ ToolShape read_shape(SceneFields& fields) {
                         fields.positive("length_mm")};
   }
   if (shape == "apt") return read_apt(fields);
-  if (shape == "profile") return read_profile(fields);
+  if (shape == "profile") return read_profile(fields, chords_follow);
   fields.reject("shape", "\"" + shape +
                              "\" is not a tool shape; use ball, flat, bull_nose, taper, cone_end, "
                              "apt or profile");
@@ -97,7 +100,7 @@ HolderSection read_section(const SceneValue& value) {
   return section;
 }
 
-ToolBody read_body(SceneFields& fields) {
+ToolBody read_body(SceneFields& fields, bool& chords_follow) {
   ToolBody body;
   if (const auto value = fields.find("shank")) {
     SceneFields shank(*value);
@@ -114,7 +117,7 @@ ToolBody read_body(SceneFields& fields) {
   }
   if (!value->is_object()) value->reject("must be a list of sections or an object with profile_mm");
   SceneFields holder(*value);
-  body.holder = read_profile(holder);
+  body.holder = read_profile(holder, chords_follow);
   holder.reject_unknown();
   return body;
 }
@@ -135,7 +138,11 @@ void read_scene_tool(const SceneValue& value, std::map<ToolId, SceneTool>& tools
   if (tools.contains(id)) {
     fields.reject("id", "is " + std::to_string(id) + ", which is already the id of another tool");
   }
-  SceneTool tool{.shape = read_shape(fields), .body = read_body(fields), .tool = {}};
+  bool chords = false, holder_chords = false;
+  SceneTool tool{
+      .shape = read_shape(fields, chords), .body = read_body(fields, holder_chords), .tool = {}};
+  tool.chords_follow = chords;
+  tool.holder_chords_follow = holder_chords;
   fields.reject_unknown();
   auto made = make_tool(tool.shape, tool.body);
   if (!made) fields.reject(made.error().field, made.error().reason);

@@ -34,6 +34,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"sub_motions", info.sub_motions},
           {"stock_volume_mm3", info.stock_mm3},
           {"removed_volume_mm3", info.removed_mm3},
+          {"imprint_volume_mm3", info.imprint_mm3},
           {"journal_lag", info.journal_lag},
           {"pitch_mm", session.scene().settings.pitch_mm},
           {"accuracy", Json::parse(accuracy_json(session.scene()))},

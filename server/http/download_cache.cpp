@@ -74,8 +74,7 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make)
 // A writer that runs out of memory must not leave others waiting for its file.
 DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::path& path,
                                              const Make& make) {
-  File file = std::unexpected(MakeError{"there is not enough memory"});
-  std::error_code ignored;
+  File file;
   try {
     const auto made = make(path, [&job](double share) { job.share = share; });
     if (!made) {
@@ -86,8 +85,9 @@ DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::pa
       file = std::unexpected(MakeError{opened.error()});
     }
   } catch (const std::bad_alloc&) {
-    // `file` already holds this error.
+    file = std::unexpected(MakeError{"there is not enough memory"});
   }
+  std::error_code ignored;
   std::filesystem::remove(path, ignored);
   return file;
 }

@@ -35,9 +35,9 @@ using Request = http::request<http::string_body>;
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
-constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = 16 * 1024;
+constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
 constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
-constexpr std::size_t kFileChunk = 256 * 1024;
+constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
 /// Bodies above this size are uploads; few may be in memory at once.
 constexpr std::size_t kLargeBody = std::size_t{1} << 20;
 constexpr int kLargeBodiesMax = 4;

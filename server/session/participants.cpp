@@ -86,8 +86,7 @@ std::expected<Participant, Rejection> Participants::join(const JoinRequest& requ
   state.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
   // Viewers do not change the block, so the journal does not name them.
   if (request.kind != ParticipantKind::kViewer) journal_.append(participant);
-  const Participant joined =
-      states_.emplace(participant.id, std::move(state)).first->second.participant;
+  Participant joined = states_.emplace(participant.id, std::move(state)).first->second.participant;
   notify({});
   return joined;
 }

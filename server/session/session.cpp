@@ -75,6 +75,7 @@ SessionInfo Session::info() const {
   info.sub_motions = sculpture_.sub_motions();
   info.stock_mm3 = sculpture_.stock_volume_mm3();
   info.removed_mm3 = sculpture_.removed_volume_mm3();
+  info.imprint_mm3 = sculpture_.imprint_volume_mm3();
   info.journal_lag = journal_.lag();
   info.epoch = journal_.epoch();
   info.participants = participants();

@@ -38,7 +38,7 @@ struct SessionFrame {
 struct SessionInfo {
   std::string id;
   std::uint64_t sequence = 0, motions = 0, sub_motions = 0;
-  double stock_mm3 = 0, removed_mm3 = 0;
+  double stock_mm3 = 0, removed_mm3 = 0, imprint_mm3 = 0;
   std::size_t journal_lag = 0;
   std::uint32_t epoch = 1;
   std::vector<Participant> participants;

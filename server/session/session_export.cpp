@@ -96,7 +96,7 @@ ExportResult export_forces(const std::filesystem::path& journal, std::optional<P
     if (!result) return std::unexpected(result.error().reason);
     if (move == nullptr || !move->feel) return {};
     time_s += move->duration_s;
-    write_forces_row(out, time_s, move->to, result->wrench, result->removed_mm3);
+    write_forces_row(out, time_s, move->to, *result);
     return {};
   });
   if (ok && !out) return std::unexpected("cannot write the output");

@@ -30,9 +30,9 @@ struct ProgramRequest {
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
                             std::ostream& out);
 
-/// Writes one line per motion, `t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3`,
-/// in the order of application. Forces are not stored: they are deterministic and are recomputed by
-/// carving the journal again. With `only`, writes the lines of that participant only.
+/// Writes one line per motion (server/formats/forces_csv.h), in the order of application. Forces
+/// are not stored: they are deterministic and are recomputed by carving the journal again. With
+/// `only`, writes the lines of that participant only.
 ExportResult export_forces(const std::filesystem::path& journal, std::optional<ParticipantId> only,
                            std::ostream& out);
 

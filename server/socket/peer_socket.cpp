@@ -22,7 +22,7 @@ namespace {
 
 /// Larger frames close the connection with 1009 before they are read. Frames between the protocol's
 /// limit and this one are answered with a typed error.
-constexpr std::size_t kFrameReadMax = 64 * 1024;
+constexpr std::size_t kFrameReadMax = std::size_t{64} * 1024;
 constexpr std::chrono::seconds kHandshakeTime{5};
 /// Idle peers are pinged; one that does not answer within this time is dropped.
 constexpr std::chrono::seconds kIdleTime{20};

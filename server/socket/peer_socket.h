@@ -41,7 +41,7 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   bool has_failed() const { return failed_; }
 
  private:
-  using WebSocket = boost::beast::websocket::stream<boost::beast::tcp_stream>;
+  using WebSocket = boost::beast::websocket::stream<boost::beast::tcp_stream, false>;
 
   boost::asio::awaitable<void> run(UpgradeRequest request);
   void configure();

@@ -44,7 +44,7 @@ inline constexpr std::uint32_t kMeshFramesInFlight = 2;
 /// Stock frames, and bytes of columns in them, in flight to an agent. The number of frames limits
 /// connections with a long delay, the bytes those with a low bandwidth.
 inline constexpr std::uint32_t kStockFramesInFlight = 16;
-inline constexpr std::size_t kStockBytesInFlight = 64 * 1024;
+inline constexpr std::size_t kStockBytesInFlight = std::size_t{64} * 1024;
 /// Tiles in one stock frame.
 inline constexpr std::uint32_t kMaxStockTiles = 4096;
 /// Tolerance of the length of a sample's axis, which should be 1.

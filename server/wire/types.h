@@ -24,6 +24,8 @@ inline constexpr std::uint32_t kStatusColliding = 2;
 inline constexpr std::uint32_t kStatusRejected = 4;
 /// Only in results over UDP: samples are missing before those received.
 inline constexpr std::uint32_t kStatusGap = 8;
+/// Some of the removed volume lay inside the tool where a motion began, and gives no force.
+inline constexpr std::uint32_t kStatusImprint = 16;
 
 /// One pose of a tool. It stands for the motion from the previous sample to this one; without
 /// kButtonCutting the motion does not cut.

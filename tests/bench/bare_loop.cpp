@@ -27,7 +27,7 @@ void cut_row(float* tops, int i0, int i1, const Row& r, Sums& sums) {
     const float ex = px - s * r.dx, ey = r.py - s * r.dy;
     const float w2 = 25 - ex * ex - ey * ey;
     const float lowest = r.az - std::sqrt(w2 > 0 ? w2 : 0.0F);
-    const float left = (w2 > 0) & (lowest < tops[i]) ? lowest : tops[i];
+    const float left = ((w2 > 0) & (lowest < tops[i])) ? lowest : tops[i];
     const float removed = tops[i] - left;
     volume += removed;
     x += removed * px;

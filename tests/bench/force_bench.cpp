@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the force at constant engagement: slots of constant depth and plunges at 30 mm/s with
 // ball and flat end mills, in several directions of the grid. An ideal force is constant over the
-// ticks, and independent of the tick rate and of the pitch. Prints one table. Usage: force_bench
-// [pitch_mm=0.1]
+// ticks, and independent of the tick rate and of the pitch. Then the force of motions that start
+// inside stock. Prints two tables. Usage: force_bench [pitch_mm=0.1] [steady|starts]
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "kernel/sculpture.h"
+#include "tests/bench/buried_start.h"
 
 namespace {
 
@@ -143,10 +144,7 @@ void row(const Setup& setup, const Cut& cut) {
               100 * spread(by_pitch), s.delay_mm);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.1;
+void print_constant_engagement(double pitch_mm) {
   const std::vector<Cut> cuts{slot(0), slot(30), slot(45), slot(90), plunge()};
   std::printf(
       "Constant engagement, %.0f mm/s, pitch %.3g mm, %.0f Hz, tools of %.0f mm, slots %.2f mm "
@@ -161,5 +159,14 @@ int main(int argc, char** argv) {
       }
     }
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.1;
+  const std::string table = argc > 2 ? argv[2] : "";
+  if (table != "starts") print_constant_engagement(pitch_mm);
+  if (table != "steady") kerf::bench::print_buried_starts(pitch_mm);
   return 0;
 }

@@ -20,8 +20,8 @@ bool pass(ReplayWindow& window, std::uint64_t counter) {
 TEST(ReplayWindow, AdmitsEachCounterOnce) {
   ReplayWindow window;
   EXPECT_FALSE(pass(window, 0)) << "counters start at 1";
-  for (const std::uint64_t counter : {1, 2, 5, 4, 3}) EXPECT_TRUE(pass(window, counter));
-  for (const std::uint64_t counter : {1, 2, 3, 4, 5}) EXPECT_FALSE(pass(window, counter));
+  for (const std::uint64_t counter : {1U, 2U, 5U, 4U, 3U}) EXPECT_TRUE(pass(window, counter));
+  for (const std::uint64_t counter : {1U, 2U, 3U, 4U, 5U}) EXPECT_FALSE(pass(window, counter));
   EXPECT_TRUE(pass(window, 6));
 }
 

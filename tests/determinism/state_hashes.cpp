@@ -96,6 +96,7 @@ void add(Hash& hash, const MotionResult& result) {
   add(hash, result.cutting.direction);
   add(hash, result.cutting.center_mm);
   add(hash, result.removed_mm3);
+  add(hash, result.imprint_mm3);
   hash.add(result.sub_motions);
   for (const TileIndex tile : result.changed_tiles) {
     hash.add(static_cast<std::uint64_t>(tile.x) << 32 | static_cast<std::uint32_t>(tile.y));

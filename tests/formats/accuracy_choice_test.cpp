@@ -12,6 +12,7 @@ namespace kerf {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 AccuracyUse use_of(double diameter_mm = 10, bool turns = true) {
   return {.stock = BoxStock{{0, 0, 0}, {100, 100, 50}},
@@ -41,6 +42,50 @@ TEST(AccuracyChoice, ChosenAccuracyMeetsTheTarget) {
     // It is not much finer than required either.
     EXPECT_GT(choice.predicted_error_mm, 0.95 * mm);
   }
+}
+
+TEST(AccuracyChoice, AChosenAccuracyIsNeverSaidToMissItsTarget) {
+  // 0.9 pitch + tolerance exceeds the target in the last bit, as at 0.3 mm.
+  int exceeding = 0;
+  for (int n = 1; n <= 3000; ++n) {
+    const double mm = n / 1000.0;
+    if (mm < 0.008) continue;
+    for (const bool turns : {false, true}) {
+      const AccuracyChoice choice = choose(target(mm), use_of(10, turns));
+      exceeding += choice.predicted_error_mm > mm ? 1 : 0;
+      ASSERT_THAT(choice.reason, Not(HasSubstr("misses"))) << mm;
+      // Read back from a scene, all four values are given.
+      const Accuracy& a = choice.accuracy;
+      const AccuracyChoice again = choose({.target_mm = mm,
+                                           .rays = a.rays,
+                                           .pitch_mm = a.pitch_mm,
+                                           .tolerance_mm = a.tolerance_mm,
+                                           .motion = a.motion},
+                                          use_of(10, turns));
+      ASSERT_THAT(again.reason, Not(HasSubstr("misses"))) << mm;
+    }
+  }
+  EXPECT_GT(exceeding, 0);
+  EXPECT_GT(choose(target(0.3)).predicted_error_mm, 0.3);
+}
+
+TEST(AccuracyChoice, GivenValuesMayUseTheWholeTarget) {
+  const AccuracyRequest whole{.target_mm = 0.3, .pitch_mm = 0.3, .tolerance_mm = 0.03};
+  EXPECT_EQ(choose(whole).accuracy, (Accuracy{Rays::kDexel, 0.3, 0.03, MotionModel::kTight}));
+  // Without a tolerance, the pitch must leave a part of the target to it.
+  const auto rejected =
+      choose_accuracy({.target_mm = 0.27, .rays = Rays::kDexel, .pitch_mm = 0.3}, use_of());
+  ASSERT_FALSE(rejected.has_value());
+  EXPECT_THAT(rejected.error().reason, HasSubstr("leaves nothing of the target of 0.27 mm"));
+}
+
+TEST(AccuracyChoice, AMissedTargetIsDistinguishedFromTheExpectedError) {
+  const AccuracyRequest all{.target_mm = 0.3,
+                            .rays = Rays::kDexel,
+                            .pitch_mm = 0.3,
+                            .tolerance_mm = 0.03001,
+                            .motion = MotionModel::kTight};
+  EXPECT_THAT(choose(all).reason, HasSubstr("error 0.30001 mm, which misses the target of 0.3 mm"));
 }
 
 TEST(AccuracyChoice, SmallerTargetNeverGetsCoarserPitch) {
@@ -113,6 +158,20 @@ TEST(AccuracyChoice, PitchIsAtMostTheSmallestToolRadius) {
   EXPECT_LE(choose(target(3), use_of(1)).accuracy.pitch_mm, 0.5);
   EXPECT_THAT(choose(target(3), use_of(1)).reason, HasSubstr("smallest tool"));
   EXPECT_GT(choose(target(3), use_of(10)).accuracy.pitch_mm, 1.5);
+}
+
+TEST(AccuracyChoice, ThinWallsLimitThePitch) {
+  AccuracyUse use = use_of(10, false);
+  use.wall_pitch_mm = 0.14;
+  const AccuracyChoice choice = choose(target(0.3), use);
+  EXPECT_EQ(choice.accuracy.pitch_mm, 0.14);
+  EXPECT_EQ(choice.accuracy.tolerance_mm,
+            choose(target(0.3), use_of(10, false)).accuracy.tolerance_mm);
+  EXPECT_THAT(choice.reason, HasSubstr("limited by thin walls"));
+  EXPECT_EQ(choose(target(0.05), use).accuracy, choose(target(0.05), use_of(10, false)).accuracy);
+  EXPECT_EQ(rejection({.target_mm = 0.3, .pitch_mm = 0.2}, use), AccuracyErrorCode::kUnreachable);
+  use.wall_pitch_mm = 1e-4;
+  EXPECT_EQ(rejection(target(0.3), use), AccuracyErrorCode::kTooMuchMemory);
 }
 
 TEST(AccuracyChoice, UnreachableTargetIsRejectedWithItsCode) {

@@ -203,12 +203,56 @@ TEST_F(KerfCarve, WarnsOfRapidsThroughMaterial) {
   EXPECT_THAT(content("err"), StartsWith("warning: p.ngc:3:"));
 }
 
+// Two slots with a rib of 0.14 mm between them, which no column of 0.3 mm meets.
+const char* const kRibProgram =
+    "G21 G90 T1 M6\nF600\nG0 X-5 Y10.43 Z6\nG1 X25\nG0 Z20\nX-5 Y13.57\nZ6\nG1 X25\nM2\n";
+std::string rib_scene(const std::string& accuracy) {
+  return R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [20,20,10]}, "accuracy": )" +
+         accuracy + R"(, "tools": [{"id": 1, "shape": "flat", "diameter_mm": 3, "length_mm": 20}],
+         "machine": {"kinematics": "xyz"}})";
+}
+
+TEST_F(KerfCarve, WarnsOfAWallThinnerThanThePitch) {
+  write("rib.ngc", kRibProgram);
+  write("s.json", rib_scene(R"({"pitch_mm": 0.3})"));
+  const auto json = report("--scene s.json --program rib.ngc");
+  ASSERT_EQ(json["warnings"].size(), 1u) << json["warnings"];
+  EXPECT_THAT(std::string(json["warnings"][0]), StartsWith("rib.ngc:4: a wall of 0.14 mm at X"));
+  EXPECT_THAT(std::string(json["warnings"][0]),
+              testing::AllOf(HasSubstr("in line 8"), HasSubstr("is missing")));
+  const auto& walls = json["thin_walls"];
+  EXPECT_EQ(walls["missing"], 1);
+  EXPECT_EQ(walls["walls"][0]["place"], "rib.ngc:4");
+  EXPECT_NEAR(walls["walls"][0]["thickness_mm"], 0.14, 1e-4);
+  EXPECT_NEAR(walls["walls"][0]["at_mm"][1], 12, 1e-4);
+  EXPECT_EQ(report("--scene s.json --program rib.ngc --pitch 0.1")["thin_walls"]["count"], 0);
+  EXPECT_EQ(report("--scene s.json --program rib.ngc --wall-samples 0")["thin_walls"], nullptr);
+}
+
+TEST_F(KerfCarve, TargetRefinesThePitchAtAThinWall) {
+  write("rib.ngc", kRibProgram);
+  write("s.json", rib_scene(R"({"target_mm": 0.3})"));
+  const auto json = report("--scene s.json --program rib.ngc");
+  EXPECT_LE(json["pitch_mm"], 0.142);
+  EXPECT_EQ(json["warnings"].size(), 0u) << json["warnings"];
+  EXPECT_THAT(std::string(json["accuracy"]["reason"]), HasSubstr("limited by thin walls"));
+}
+
+TEST_F(KerfCarve, TargetThatAThinWallPreventsIsAWarning) {
+  write("rib.ngc", kRibProgram);
+  write("s.json", rib_scene(R"({"target_mm": 0.3, "pitch_mm": 0.3})"));
+  const auto fixed = report("--scene s.json --program rib.ngc");
+  EXPECT_THAT(std::string(fixed["warnings"][0]), StartsWith("s.json: the target of 0.3 mm is not"));
+  EXPECT_THAT(std::string(fixed["warnings"][0]), HasSubstr("accuracy.pitch_mm is 0.3 mm"));
+}
+
 TEST_F(KerfCarve, WarnsOncePerShankContact) {
   write("s.json", R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [40,20,10]},
     "accuracy": {"pitch_mm": 0.5}, "tools": [{"id": 1, "shape": "flat", "diameter_mm": 2,
     "length_mm": 4, "shank": {"diameter_mm": 10, "length_mm": 50}}]})");
   write("q.ngc", "T1 M6\nF600\nG0 X10 Y10 Z15\nG1 Z7\nG1 Z5\nX12\nZ15\nX30\nZ5.5\nM2\n");
-  const auto json = report("--scene s.json --program q.ngc");
+  const auto json = report(  // without the warning of the cusp between the holes
+      "--scene s.json --program q.ngc --wall-samples 0");
   ASSERT_EQ(json["warnings"].size(), 2u) << json["warnings"];
   EXPECT_THAT(std::string(json["warnings"][0]),
               StartsWith("q.ngc:5: shank or holder of tool 1 enters the stock, up to 0.9"));

@@ -75,10 +75,15 @@ TEST(FeedSampler, EmptyProgramHasNoSamples) {
 TEST(ForcesCsv, HasHeaderAndOneRowPerMotion) {
   std::ostringstream out;
   write_forces_header(out);
-  write_forces_row(out, 0.25, {{1, 2.5, -3}, {0, 0, 1}}, {{0.1, 0, 1.0 / 3}, {0, -20, 0}}, 1e-7);
+  MotionResult result;
+  result.wrench = {{0.1, 0, 1.0 / 3}, {0, -20, 0}};
+  result.removed_mm3 = 1e-7;
+  result.imprint_mm3 = 5e-8;
+  write_forces_row(out, 0.25, {{1, 2.5, -3}, {0, 0, 1}}, result);
   EXPECT_EQ(out.str(),
-            "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3\n"
-            "0.25,1,2.5,-3,0,0,1,0.1,0,0.333333333,0,-20,0,0.0000001\n");
+            "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3,"
+            "imprint_mm3\n"
+            "0.25,1,2.5,-3,0,0,1,0.1,0,0.333333333,0,-20,0,0.0000001,0.00000005\n");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <sstream>
 
@@ -47,6 +48,67 @@ TEST(SceneTool, EveryShapeIsRead) {
                                      ProfileCenteredArc{{3, 9}, {0, 5}, ArcBulge::kOut},
                                      ProfilePoint{3, 30}}}));
   EXPECT_EQ(scene_of(kFormCutter).tools.at(1).tool.radius_mm, 9);
+}
+
+std::string filleted(const std::string& accuracy, const std::string& more = "") {
+  return R"({"stock": {"shape": "box", "min_mm": [0,0,-9], "max_mm": [9,9,0]}, "accuracy": )" +
+         accuracy + R"(, "tools": [{"id": 1, "shape": "profile", "profile_mm":
+           [[4,0], [4,2], {"to": [8,6], "radius": 4, "bulge": "in"}, [8,9]])" +
+         more +
+         R"(, "holder": {"profile_mm": [[9,0], {"to": [12,3], "radius": 3, "bulge": "in"}]}}]})";
+}
+
+TEST(SceneTool, FilletsFollowTheTolerance) {
+  std::size_t finer = 1000;
+  for (const double tolerance : {1e-4, 1e-3, 1e-2, 1e-1}) {
+    const auto scene =
+        parse_scene(filleted(R"({"tolerance_mm": )" + std::to_string(tolerance) + "}"), {});
+    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+    const SceneTool& tool = scene->tools.at(1);
+    const double chord = kChordShare * scene->settings.tolerance_mm;
+    EXPECT_EQ(std::get<ProfileShape>(tool.shape).chord_tolerance_mm, chord);
+    EXPECT_EQ(std::get<ProfileShape>(*tool.body.holder).chord_tolerance_mm, chord);
+    EXPECT_EQ(tool.tool, *make_tool(tool.shape, tool.body));
+    // The number of pieces grows as 1 / √tolerance.
+    EXPECT_LT(tool.tool.pieces.size(), finer);
+    EXPECT_GT(tool.tool.pieces.size(), M_PI / 4 / std::sqrt(2 * chord / 4));
+    EXPECT_LT(tool.tool.pieces.size(), M_PI / 4 / std::sqrt(2 * chord / 4) + 4);
+    finer = tool.tool.pieces.size();
+    // An agent that reads the canonical text has the same tool.
+    const auto again = parse_scene(scene_json(*scene), {});
+    ASSERT_TRUE(again.has_value()) << to_string(again.error());
+    EXPECT_EQ(again->tools.at(1).tool, tool.tool);
+    EXPECT_FALSE(again->tools.at(1).chords_follow);
+  }
+}
+
+TEST(SceneTool, FilletsFollowTheToleranceThatATargetChooses) {
+  const auto scene = parse_scene(filleted(R"({"target_mm": 0.3})"), {}).value();
+  EXPECT_EQ(std::get<ProfileShape>(scene.tools.at(1).shape).chord_tolerance_mm,
+            kChordShare * scene.settings.tolerance_mm);
+}
+
+TEST(SceneTool, AGivenChordToleranceIsKept) {
+  auto scene =
+      parse_scene(filleted(R"({"tolerance_mm": 0.1})", R"(, "chord_tolerance_mm": 0.002)"), {})
+          .value();
+  EXPECT_EQ(std::get<ProfileShape>(scene.tools.at(1).shape).chord_tolerance_mm, 0.002);
+  // A later change of the tolerance reaches the holder only.
+  scene.settings.tolerance_mm = 0.5;
+  ASSERT_TRUE(resolve_chords(scene).has_value());
+  EXPECT_EQ(std::get<ProfileShape>(scene.tools.at(1).shape).chord_tolerance_mm, 0.002);
+  EXPECT_EQ(std::get<ProfileShape>(*scene.tools.at(1).body.holder).chord_tolerance_mm, 0.05);
+}
+
+TEST(SceneTool, AFilletThatNeedsTooManyPiecesIsRejectedAtItsPlace) {
+  const auto scene = parse_scene(
+      R"({"stock": {"shape": "box", "min_mm": [0,0,-9], "max_mm": [9,9,0]},
+          "accuracy": {"tolerance_mm": 1e-6}, "tools": [{"id": 1, "shape": "profile", "profile_mm":
+          [[4,0], {"to": [104,100], "radius": 100, "bulge": "in"}]}]})",
+      {});
+  ASSERT_FALSE(scene.has_value());
+  EXPECT_EQ(scene.error().path, "tools[0].profile_mm[1]");
+  EXPECT_THAT(scene.error().reason, HasSubstr("larger chord_tolerance_mm"));
 }
 
 TEST(SceneTool, ShankAndHolderStandOnTheCutter) {

@@ -122,6 +122,24 @@ TEST(Simulation, CollisionsNameLinesAndPartner) {
                                       HasSubstr("p.ngc:7: tool 2 touches an obstacle")));
 }
 
+TEST(Simulation, ReportsToolsThatStartInsideStock) {
+  // Tool 2 cuts a slot 4 mm wide and 2 mm deep; tool 1, 6 mm wide, is chosen inside it.
+  const Simulated r = run(block(), "T2 M6\nG0 X-5 Y20 Z-2\nG1 X20 F600\nT1 M6\nX30\nM2\n");
+  ASSERT_EQ(r.report["starts_inside_stock"].size(), 1u);
+  EXPECT_EQ(r.report["starts_inside_stock"][0]["place"], "p.ngc:5");
+  EXPECT_EQ(r.report["starts_inside_stock"][0]["tool"], 1);
+  const Json& large = r.report["tools"][0];
+  const Json& small = r.report["tools"][1];
+  EXPECT_EQ(large["imprint_mm3"], r.report["starts_inside_stock"][0]["imprint_mm3"]);
+  EXPECT_EQ(small["imprint_mm3"], 0);
+  // The disc of 6 mm without the slot: a band behind its middle, a half disc of 4 mm ahead of it.
+  const double band = 2 * std::sqrt(5.0) + 9 * std::asin(2.0 / 3);
+  EXPECT_NEAR(large["imprint_mm3"], 2 * (9 * M_PI - band - 2 * M_PI), 1);
+  // Each mm of path cuts 6 x 2 mm²: the imprint adds no load.
+  EXPECT_NEAR(large["max_engaged_area"]["mm2"], 12, 0.3);
+  EXPECT_THAT(r.warnings, ElementsAre(HasSubstr("p.ngc:5: the tool starts inside the stock")));
+}
+
 TEST(Simulation, ReportsRapidsThroughMaterialOncePerLine) {
   const Simulated r = run(block(), "T1 M6\nG0 X-5 Y20 Z-2\nG0 X20\nX45\nM2\n");
   ASSERT_EQ(r.report["rapids_through_stock"].size(), 2u);

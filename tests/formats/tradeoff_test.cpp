@@ -117,6 +117,7 @@ TEST(TradeoffTable, MarksTheCheapestRowThatMeetsTheTarget) {
 
 TEST(TradeoffTable, CsvReadsBackAndListsSkippedRows) {
   std::vector<TradeoffRow> rows{row(1.25, 0.125, 0.5), row(0, 0, 0.1)};
+  rows[0].missing_mm = 0.5;
   rows[0].volume_error = 0.25;
   rows[0].bytes = 12;
   rows[1].skipped = "needs 9 MB, too much";
@@ -126,9 +127,10 @@ TEST(TradeoffTable, CsvReadsBackAndListsSkippedRows) {
   EXPECT_EQ(table[0][2], "pitch_mm");
   EXPECT_EQ(table[1][2], "0.5");
   EXPECT_EQ(table[1][4], "0.125");
-  EXPECT_EQ(table[1][6], "0.25");
-  EXPECT_EQ(table[1][7], "");
-  EXPECT_EQ(table[1][8], "1.25");
+  EXPECT_EQ(table[1][6], "0.5");
+  EXPECT_EQ(table[1][7], "0.25");
+  EXPECT_EQ(table[1][8], "");
+  EXPECT_EQ(table[1][9], "1.25");
   EXPECT_EQ(table[2].back(), "needs 9 MB, too much");
 }
 
@@ -193,12 +195,14 @@ TEST_F(Tradeoff, SweepsAProgramAndWritesTableAndPlot) {
     const double pitch = std::stod(table[n][2]);
     const double error = std::stod(table[n][4]);
     EXPECT_GT(error, 0) << n;
-    EXPECT_LT(error, pitch) << n;
+    // The true surface has a sharp ridge, of which the mesh lacks more than a pitch.
+    EXPECT_LT(error, 2.5 * pitch) << n;
     EXPECT_LT(std::stod(table[n][5]), error) << n;
-    EXPECT_LT(std::stod(table[n][6]), 0.2) << n;
-    EXPECT_FALSE(table[n][7].empty()) << n;
-    front += table[n][11] == "1" ? 1 : 0;
-    cheapest += table[n][12] == "1" ? 1 : 0;
+    EXPECT_LE(std::stod(table[n][6]), error) << n;
+    EXPECT_LT(std::stod(table[n][7]), 0.2) << n;
+    EXPECT_FALSE(table[n][8].empty()) << n;
+    front += table[n][12] == "1" ? 1 : 0;
+    cheapest += table[n][13] == "1" ? 1 : 0;
   }
   EXPECT_GE(front, 4);
   EXPECT_EQ(cheapest, 1);
@@ -212,6 +216,27 @@ TEST_F(Tradeoff, CarvesOneConfigurationWithoutRotation) {
   ASSERT_EQ(run(kInput + " --rays dexel --pitches 1,0.5 --csv t.csv"), 0) << content("err");
   EXPECT_EQ(cells(content("t.csv")).size(), 3u);
   EXPECT_THAT(content("out"), HasSubstr("The program has no rotation"));
+}
+
+TEST_F(Tradeoff, RibBetweenTheRaysDoesNotMeetTheTarget) {
+  write("rib.json",
+        R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [20,20,10]},
+            "accuracy": {"pitch_mm": 0.3, "tolerance_mm": 0.001},
+            "tools": [{"id": 1, "shape": "flat", "diameter_mm": 3, "length_mm": 20}]})");
+  write("rib.ngc",
+        "G21 G90 T1 M6\nF600\nG0 X-5 Y10.43 Z6\nG1 X25\nG0 Z20\nX-5 Y13.57\nZ6\n"
+        "G1 X25\nM2\n");
+  ASSERT_EQ(run("--scene rib.json --program rib.ngc --rays dexel --pitches 0.3,0.1 --target 0.3"
+                " --samples 1000 --csv t.csv"),
+            0)
+      << content("err");
+  const auto table = cells(content("t.csv"));
+  ASSERT_EQ(table.size(), 3u);
+  EXPECT_GT(std::stod(table[1][4]), 2);
+  EXPECT_EQ(table[1][4], table[1][6]);
+  EXPECT_EQ(table[1][13], "0");
+  EXPECT_LT(std::stod(table[2][4]), 0.1);
+  EXPECT_EQ(table[2][13], "1");
 }
 
 TEST_F(Tradeoff, SkipsAndListsConfigurationsBeyondTheBudget) {

@@ -20,6 +20,9 @@ done
 grep -q '\-\-listen' "$prefix/share/bash-completion/completions/kerf-server"
 grep -q "ExecStart=$prefix/bin/kerf-server" "$prefix/lib/systemd/system/kerf-server.service"
 test -f "$prefix/lib/udev/rules.d/70-kerf.rules"
+if command -v systemd-analyze >/dev/null; then
+  systemd-analyze verify --man=no "$prefix/lib/systemd/system/kerf-server.service"
+fi
 
 echo "headers"
 (cd "$prefix/include" && find kerf -name '*.h') >"$scratch/headers"

@@ -58,6 +58,20 @@ TEST(BatchSum, ForcesAreTimeWeightedMeans) {
   EXPECT_EQ(result.status, wire::kStatusCutting);
 }
 
+TEST(BatchSum, MarksImprints) {
+  for (const double imprint_mm3 : {0.0, 1.5}) {
+    BatchSum sum;
+    MotionResult first = result_of(0, 2, 0);
+    first.imprint_mm3 = imprint_mm3;
+    sum.add(first, 0.001);
+    sum.add(result_of(10, 1, 4), 0.001);
+    wire::Result result;
+    sum.write(result);
+    EXPECT_EQ((result.status & wire::kStatusImprint) != 0, imprint_mm3 > 0);
+    EXPECT_FLOAT_EQ(result.removed_mm3, 3);
+  }
+}
+
 TEST(BatchSum, UsesTheNewestCuttingModel) {
   BatchSum sum;
   sum.add(result_of(10, 1, 4), 0.001);

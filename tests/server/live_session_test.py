@@ -357,7 +357,7 @@ class Downloads(LiveTest):
         self.assertEqual((status, headers["content-type"]), (200, "text/csv"))
         lines = body.decode().splitlines()
         self.assertEqual(lines[0], "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,"
-                                   "removed_mm3")
+                                   "removed_mm3,imprint_mm3")
         info = self.server.info()
         self.assertEqual(len(lines) - 1, info["motions"])
         removed = sum(float(line.split(",")[13]) for line in lines[1:])

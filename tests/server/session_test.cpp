@@ -336,7 +336,7 @@ TEST_F(SessionTest, ExportedForcesEqualTheForcesSent) {
   std::vector<double> numbers;
   std::stringstream fields(line);
   for (std::string field; std::getline(fields, field, ',');) numbers.push_back(std::stod(field));
-  ASSERT_EQ(numbers.size(), 14U);
+  ASSERT_EQ(numbers.size(), 15U);
   EXPECT_NEAR(numbers[7], static_cast<double>(felt.result.force_n.x), 1e-5);
   EXPECT_NEAR(numbers[13], static_cast<double>(felt.result.removed_mm3), 1e-5);
   EXPECT_LT(numbers[7], 0);

@@ -172,16 +172,20 @@ TEST_F(ReferenceDevice, NonFiniteWrenchBecomesZero) {
 TEST_F(ReferenceDevice, DeviceFaultPreventsReady) {
   const auto device = make();
   ASSERT_TRUE(eventually([&] { return is_ready(*device); }));
-  for (const auto& [bit, words] : {std::pair{ref::kEmergencyStopBit, "emergency stop"},
-                                   {ref::kTooHotBit, "too hot"},
-                                   {ref::kOverCurrentBit, "too much current"}}) {
-    rig.query([&, bit = bit](ReferenceFirmware& firmware) { return firmware.fail(bit), 0; });
-    EXPECT_TRUE(eventually([&] { return !is_ready(*device); })) << words;
-    EXPECT_TRUE(eventually([&, words = words] {
-      return device->trouble().find(words) != std::string::npos;
-    })) << words;
+  struct Fault {
+    decltype(ref::kTooHotBit) bit;
+    const char* words;
+  };
+  for (const Fault& fault :
+       {Fault{ref::kEmergencyStopBit, "emergency stop"}, Fault{ref::kTooHotBit, "too hot"},
+        Fault{ref::kOverCurrentBit, "too much current"}}) {
+    rig.query([&](ReferenceFirmware& firmware) { return firmware.fail(fault.bit), 0; });
+    EXPECT_TRUE(eventually([&] { return !is_ready(*device); })) << fault.words;
+    EXPECT_TRUE(eventually([&] {
+      return device->trouble().find(fault.words) != std::string::npos;
+    })) << fault.words;
     rig.query([](ReferenceFirmware& firmware) { return firmware.fail(0), 0; });
-    EXPECT_TRUE(eventually([&] { return is_ready(*device); })) << words;
+    EXPECT_TRUE(eventually([&] { return is_ready(*device); })) << fault.words;
   }
 }
 

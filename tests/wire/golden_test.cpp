@@ -89,7 +89,7 @@ TEST(WireGolden, RejectsEachMalformedFrameWithItsCodeAndOffset) {
     SCOPED_TRACE(name);
     const auto message = decode(read_bytes(name));
     ASSERT_FALSE(message);
-    EXPECT_EQ(code_name(message.error().code), expected["code"]);
+    EXPECT_EQ(code_name(message.error().code), expected["code"].get<std::string>());
     EXPECT_EQ(message.error().offset, expected["offset"]);
     EXPECT_FALSE(message.error().reason.empty());
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the linter and the formatter over the whole folder, so that their findings fail the tests.
+// Runs the type checker, the linter and the formatter over the whole folder; their findings fail the
+// tests.
 import { execFile } from 'node:child_process';
 import { describe, expect, it } from 'vitest';
 
@@ -16,7 +17,7 @@ function runScript(name: string): Promise<{ code: number; output: string }> {
 }
 
 describe.concurrent('style', () => {
-  it.each(['lint', 'format:check'])(
+  it.each(['check', 'lint', 'format:check'])(
     'npm run %s finds nothing',
     { timeout: 240_000 },
     async (script) => {

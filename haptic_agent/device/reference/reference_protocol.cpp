@@ -180,10 +180,11 @@ CommandReport ReferenceProtocol::command(std::uint64_t now_us) noexcept {
     return report;
   }
   if (phase() == DevicePhase::kHoming) report.command = kStartHoming;
-  const bool current = pose_ && now_us - std::min(now_us, pose_us_) < DeviceMailbox::kPoseLifeUs;
+  if (phase() != DevicePhase::kReady || !pose_ || !report_) return report;
+  const bool current = now_us - std::min(now_us, pose_us_) < DeviceMailbox::kPoseLifeUs;
   // After its watchdog has tripped, the firmware requires a command without torque.
-  const bool tripped = report_ && (report_->status & kWatchdogBit) != 0;
-  if (phase() != DevicePhase::kReady || !current || tripped) return report;
+  const bool tripped = (report_->status & kWatchdogBit) != 0;
+  if (!current || tripped) return report;
   const PenAngles q = angles_of(*report_);
   const PointForces forces = distribute(identity_.pen, pose_->axis, wrench);
   report.torques_dnmm =

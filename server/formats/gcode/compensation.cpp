@@ -54,7 +54,7 @@ std::optional<PlanePoint> CutterCompensation::end(PlanePoint at) {
   return programmed;
 }
 
-void CutterCompensation::push(CompensatedMove move) { waiting_.push_back(std::move(move)); }
+void CutterCompensation::push(const CompensatedMove& move) { waiting_.push_back(move); }
 
 void CutterCompensation::flush(PlanePoint at) {
   shorten_to(at);
@@ -105,7 +105,7 @@ void CutterCompensation::dwell(double seconds, const CompensatedInfo& info) {
   if (waiting_.empty()) {
     emit_(move);
   } else {
-    push(std::move(move));
+    push(move);
   }
 }
 
@@ -124,7 +124,7 @@ PlanePoint CutterCompensation::straight(bool rapid, PlanePoint at, PlanePoint to
         .end = end,
         .center = {},
         .info = info};
-    push(std::move(move));
+    push(move);
   } else {
     end = follow_straight(rapid, at, to, info);
   }
@@ -148,7 +148,7 @@ PlanePoint CutterCompensation::enter_straight(bool rapid, PlanePoint at, PlanePo
   move.direction_first = std::cos(across);
   move.direction_second = std::sin(across);
   const PlanePoint end = move.end;
-  push(std::move(move));
+  push(move);
   return end;
 }
 
@@ -156,7 +156,7 @@ PlanePoint CutterCompensation::follow_straight(bool rapid, PlanePoint at, PlaneP
                                                const CompensatedInfo& info) {
   double theta = direction(programmed_, at);
   double alpha = direction(programmed_, to);
-  double beta;
+  double beta = 0;
   if (side_ > 0) {
     if (theta < alpha) theta += kTwoPi;
     beta = theta - alpha - kHalfPi;
@@ -185,7 +185,7 @@ PlanePoint CutterCompensation::follow_straight(bool rapid, PlanePoint at, PlaneP
                        .info = info};
   move.direction_first = to.first - programmed_.first;
   move.direction_second = to.second - programmed_.second;
-  push(std::move(move));
+  push(move);
   return {end.first, end.second, to.normal};
 }
 

@@ -87,7 +87,7 @@ class CutterCompensation {
   void shorten_to(PlanePoint point);
   void check_shortened(const CompensatedMove& move, PlanePoint point) const;
   void emit_waiting();
-  void push(CompensatedMove move);
+  void push(const CompensatedMove& move);
   bool inside(int turns) const { return (side_ > 0) == (turns > 0); }
   bool waiting_arc() const {
     return !waiting_.empty() && waiting_.front().kind == CompensatedMove::Kind::kArc;

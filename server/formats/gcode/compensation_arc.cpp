@@ -45,7 +45,7 @@ PlanePoint CutterCompensation::enter_arc(PlanePoint at, PlanePoint to, PlanePoin
                        .info = info};
   move.programmed_sweep_rad = sweep_rad(at, moved, signed_turns, end);
   const PlanePoint result = move.end;
-  push(std::move(move));
+  push(move);
   return result;
 }
 
@@ -84,7 +84,7 @@ PlanePoint CutterCompensation::follow_arc(PlanePoint at, PlanePoint to, PlanePoi
                        .info = info};
   move.programmed_sweep_rad = sweep_rad(programmed_, center, turns, to);
   const PlanePoint result = move.end;
-  push(std::move(move));
+  push(move);
   return result;
 }
 

@@ -125,10 +125,12 @@ GlbArray linear_colors(const std::vector<std::array<std::uint8_t, 3>>& colors) {
 GlbArray index_array(const std::vector<std::uint32_t>& indices, std::size_t vertices) {
   if (vertices > GlbGroup::kVerticesMax) {
     std::vector<std::array<std::uint32_t, 1>> wide;
+    wide.reserve(indices.size());
     for (const std::uint32_t n : indices) wide.push_back({n});
     return make_array("", kUint32, "SCALAR", false, wide);
   }
   std::vector<std::array<std::uint16_t, 1>> narrow;
+  narrow.reserve(indices.size());
   for (const std::uint32_t n : indices) narrow.push_back({static_cast<std::uint16_t>(n)});
   return make_array("", kUint16, "SCALAR", false, narrow);
 }
@@ -199,6 +201,7 @@ std::vector<GlbArray> GlbGroup::take(ModelEncoding encoding, const GlbLattice& l
   if (!mesh.colors.empty()) arrays.push_back(linear_colors(mesh.colors));
   if (!mesh.deviations_mm.empty()) {
     std::vector<std::array<float, 1>> values;
+    values.reserve(mesh.deviations_mm.size());
     for (const float d : mesh.deviations_mm) values.push_back({d});
     arrays.push_back(make_array("_DEVIATION_MM", kFloat32, "SCALAR", false, values));
   }

@@ -17,6 +17,11 @@ constexpr std::string_view kPassedOver[] = {
     "usemtl", "mtllib",   "usemap",   "l",          "p",        "lod", "bevel",
     "maplib", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
+/// Returns whether a line that begins with `word` contains no geometry: a comment or one of those.
+bool is_skipped(std::string_view word) {
+  return word.starts_with('#') || std::ranges::find(kPassedOver, word) != std::end(kPassedOver);
+}
+
 class ObjReader {
  public:
   ObjReader(std::string_view text, std::uint64_t triangles_max)
@@ -24,14 +29,12 @@ class ObjReader {
 
   MeshFileResult read() {
     for (std::string_view word = words_.next(); !word.empty() && !error_; word = words_.next()) {
-      if (word.starts_with('#')) {
+      if (is_skipped(word)) {
         words_.skip_line();
       } else if (word == "v") {
         read_vertex();
       } else if (word == "f" || word == "fo") {
         read_face();
-      } else if (std::ranges::find(kPassedOver, word) != std::end(kPassedOver)) {
-        words_.skip_line();
       } else {
         fail(MeshFileErrorCode::kSyntax, quoted(word) + " is not a statement of polygonal OBJ");
       }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,7 @@ constexpr double kSpoiltShareMax = 0.002;
 /// Lower limit of that reduction, as a fraction of the bound: rough surfaces have such places
 /// everywhere.
 constexpr double kEstimateShareMin = 0.05;
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// Drops pairs of coincident triangles of opposite orientation, which enclose nothing; the surface
 /// stays closed.
@@ -69,7 +71,7 @@ class Simplifier {
                                                 const std::stop_token& stop) {
     const std::size_t target = request.triangles.value_or(0);
     // Without a bound, collapsing is reduced at the worst places as long as the error decreases.
-    double bound_mm = request.error_mm.value_or(INFINITY);
+    double bound_mm = request.error_mm.value_or(kNoBound);
     double estimate_mm =
         bound_mm;  // limit of meshoptimizer's estimate, which is a mean and not a maximum
     std::optional<SimplifiedMesh> best;
@@ -150,7 +152,7 @@ class Simplifier {
   Measured measure(const IndexedMesh& result, double bound_mm) const {
     Measured measured;
     if (result.triangles.empty()) {
-      measured.error_mm = INFINITY;
+      measured.error_mm = kNoBound;
       measured.beyond.assign(kept_.size(), 0);
       return measured;  // no triangle is left
     }

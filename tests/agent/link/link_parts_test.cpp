@@ -191,6 +191,16 @@ TEST_F(TrafficTest, CutAfterDroppedPosesStartsAtTheLastMeasuredPose) {
   EXPECT_EQ(sent[1].tip_mm.x, 0.03);
 }
 
+TEST_F(TrafficTest, CountsResultsWithAnImprint) {
+  Traffic traffic = make({});
+  pass(traffic, 0, true);
+  take(traffic,
+       wire::Result{.agent_sequence = 1, .status = wire::kStatusCutting | wire::kStatusImprint});
+  pass(traffic, 0.1, true);
+  take(traffic, wire::Result{.agent_sequence = 2, .status = wire::kStatusCutting});
+  EXPECT_EQ(traffic.report().imprint_results, 1U);
+}
+
 TEST_F(TrafficTest, DeadbandIsInactiveInContact) {
   Traffic traffic = make({.deadband = true});
   pass(traffic, 0, false);

@@ -123,8 +123,8 @@ class UdpCarve : public testing::Test {
 
   /// Result over a good WebSocket; computed once for all tests.
   const Carved& over_web_socket() {
-    static const Carved carved = carve("plain", false);
-    return carved;
+    static const Carved kCarved = carve("plain", false);
+    return kCarved;
   }
 
   static void expect_equal(const Carved& a, const Carved& b) {

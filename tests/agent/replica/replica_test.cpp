@@ -160,6 +160,28 @@ TEST_P(ReplicaTest, AnswersEqualTheServers) {
   expect_equal_near(winding(599));
 }
 
+TEST_P(ReplicaTest, TakesTheImprintOfAToolAsTheServerDoes) {
+  // The ball begins to cut 4 mm inside the block; the wider mill takes its place in the slot.
+  begin(GetParam());
+  const Vec3 start{0, 0, -4};
+  send(start, {0, 0, 1}, 1, 0);
+  int imprints = 0;
+  Vec3 tip = start;
+  for (int i = 0; i < 60; ++i) {
+    tip.x += 0.05;
+    const std::uint32_t tool = i < 30 ? 1 : 2;
+    const auto local = send(tip, {0, 0, 1}, tool);
+    if (!local) continue;
+    EXPECT_EQ(local->status, remote_.status) << i;
+    EXPECT_FLOAT_EQ(local->removed_mm3, remote_.removed_mm3) << i;
+    EXPECT_NEAR(local->force_n.x, remote_.force_n.x, 1e-4) << i;
+    // A ball's or mill's half section at a depth of 4 mm, with the ripple of one field.
+    EXPECT_LT(length(Vec3(local->force_n)), 1.3 * 0.4 * 8 * 4) << i;
+    imprints += (remote_.status & wire::kStatusImprint) != 0 ? 1 : 0;
+  }
+  EXPECT_EQ(imprints, 2);
+}
+
 TEST_P(ReplicaTest, AnswersDoNotDependOnTheDelay) {
   begin(GetParam());
   std::vector<Vec3f> near;
@@ -335,49 +357,6 @@ TEST_F(SessionTest, IncompleteWelcomeIsRejected) {
   const auto source = BlockSource::read(text);
   ASSERT_FALSE(source);
   EXPECT_NE(source.error().find("spoon"), std::string::npos) << source.error();
-}
-
-TEST(Agreement, ReportsAPersistentDifference) {
-  Agreement agreement;
-  wire::Result local, remote;
-  const auto answer = [&](float local_n, float remote_n, int times) {
-    for (int n = 0; n < times; ++n) {
-      local.agent_time_us = remote.agent_time_us = local.agent_time_us + 1000;
-      local.force_n = {local_n, 0, 0};
-      remote.force_n = {remote_n, 0, 0};
-      agreement.note(local);
-      agreement.compare(remote);
-    }
-  };
-  answer(1.0F, 1.1F, 3000);
-  EXPECT_FALSE(agreement.take_divergence());
-  answer(0.0F, 1.0F, 900);  // other agents' cuts arrive with delay
-  answer(1.0F, 1.0F, 100);
-  EXPECT_TRUE(agreement.take_divergence());
-  EXPECT_FALSE(agreement.take_divergence()) << "once";
-  answer(0.03F, 0.0F, 2000);
-  EXPECT_FALSE(agreement.take_divergence()) << "below the threshold";
-}
-
-TEST(Agreement, ComparesAnswersToTheSameSample) {
-  Agreement agreement;
-  for (std::uint64_t n = 1; n <= 5000; ++n) {
-    wire::Result local;
-    local.agent_time_us = 1000 * n;
-    local.force_n = {static_cast<float>(n), 0, 0};
-    agreement.note(local);
-    if (n <= 1000) continue;
-    wire::Result remote;  // a second late
-    remote.agent_time_us = 1000 * (n - 1000);
-    remote.force_n = {static_cast<float>(n - 1000), 0, 0};
-    agreement.compare(remote);
-  }
-  EXPECT_EQ(agreement.compared(), 4000U);
-  EXPECT_EQ(agreement.error(), 0);
-  wire::Result unknown;
-  unknown.agent_time_us = 999;
-  agreement.compare(unknown);
-  EXPECT_EQ(agreement.compared(), 4000U);
 }
 
 }  // namespace

@@ -19,12 +19,12 @@ class FakeClock final : public Clock {
  public:
   std::uint64_t now_ns() noexcept override { return now_ns_; }
   void sleep_until_ns(std::uint64_t time_ns) noexcept override {
-    now_ns_ = std::max(now_ns_, time_ns) + (wake_ < lateness_ns_.size() ? lateness_ns_[wake_] : 0);
+    now_ns_ = std::max(now_ns_, time_ns) + (wake_ < lateness_ns.size() ? lateness_ns[wake_] : 0);
     ++wake_;
   }
   void pass(std::uint64_t ns) { now_ns_ += ns; }
   /// Lateness of each wake-up.
-  std::vector<std::uint64_t> lateness_ns_;
+  std::vector<std::uint64_t> lateness_ns;
 
  private:
   std::uint64_t now_ns_ = 500 * kMs;
@@ -63,7 +63,7 @@ TEST(ServoLoop, TicksEveryMillisecondWithoutDrift) {
 
 TEST(ServoLoop, CountsLateAndLostTicksAndStaysInPhase) {
   FakeClock clock;
-  clock.lateness_ns_ = {0, 400'000, 0, 5 * kMs + 100'000, 0};
+  clock.lateness_ns = {0, 400'000, 0, 5 * kMs + 100'000, 0};
   ServoLoop loop(clock);
   Task task([&](std::uint64_t) { return task.times_us.size() < 6; });
   loop.run(task);
@@ -101,7 +101,7 @@ TEST(ServoLoop, StopsOnRequest) {
 
 TEST(ServoLoop, ReportsHeartbeatAndLongestLoss) {
   FakeClock clock;
-  clock.lateness_ns_ = {0, 2 * kMs + 1000, 0, 3 * kMs + 1000};
+  clock.lateness_ns = {0, 2 * kMs + 1000, 0, 3 * kMs + 1000};
   ServoLoop loop(clock);
   EXPECT_EQ(loop.heartbeat_ns(), 0U);
   Task task([&](std::uint64_t now_us) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -226,7 +227,7 @@ TEST(MeshStock, OpenMeshIsRejectedWithCountsAndPosition) {
   std::swap(mesh.triangles[0][0], mesh.triangles[0][1]);
   EXPECT_NE(rejection(mesh).find("0 open edges, 3 edges between"), std::string::npos)
       << rejection(mesh);
-  mesh = box_mesh({0, 0, 0}, {1, 2, NAN});
+  mesh = box_mesh({0, 0, 0}, {1, 2, std::numeric_limits<double>::quiet_NaN()});
   EXPECT_NE(rejection(mesh).find("not finite"), std::string::npos);
   mesh = box_mesh({0, 0, 0}, {1, 2, 3});
   mesh.triangles[3][1] = 8;

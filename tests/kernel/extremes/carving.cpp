@@ -135,13 +135,16 @@ double Carving::column_error(const DexelSnapshot& snapshot, std::int32_t i, std:
     for (const double share : {0.01, 0.3, 0.5, 0.7, 0.99}) {
       const Vec3 p = at(bottom + share * (top - bottom));
       const double d = outside(p, interest_mm);
+      if (!is_solid) overcut_mm_ = std::max(overcut_mm_, std::min(d, interest_mm));
       note(std::min(is_solid ? -d : d, interest_mm), worst, p, is_solid ? "left" : "removed");
     }
   };
   const auto end = [&](std::int32_t depth) {
     if (depth == 0 || depth == g.height_quanta) return;
     const Vec3 p = at(depth);
-    const double off = std::min(std::abs(outside(p, interest_mm)), interest_mm);
+    const double distance = outside(p, interest_mm);
+    overcut_mm_ = std::max(overcut_mm_, std::min(distance, interest_mm));
+    const double off = std::min(std::abs(distance), interest_mm);
     ++ends_judged_;
     squares_mm2_ += off * off;
     note(off, worst, p, "end");

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <variant>
 
 #include "tests/kernel/extremes/carving.h"
 
@@ -293,6 +295,32 @@ TEST(FiveAxisFound, EveryContactIsKept) {
     Carving carving(block(44, 20, 1.1, m.tolerance), make_tool(m.shape).value());
     carving.move(m.from, m.to);
     carving.expect_within_tolerance(m.what, 400);
+  }
+}
+
+TEST(FiveAxis, OnlyTurningBallsRemoveWhatTheToolDoesNotReach) {
+  Random random(5);
+  const auto in = [&](double a, double b) { return random.in(a, b); };
+  constexpr double kTolerance = 0.01;
+  for (const NamedTool& t : every_tool()) {
+    const bool has_ball = std::ranges::any_of(t.tool.pieces, [](const ToolPiece& piece) {
+      return std::holds_alternative<BallPiece>(piece);
+    });
+    double overcut_mm = 0;
+    for (unsigned k = 0; k < 6; ++k) {
+      Carving carving(block(44, 20, 0.9, kTolerance), t.tool);
+      const ToolPose a = leaning({in(-1, 1), in(-1, 1), -5}, in(0, 0.4), in(0, 6.2));
+      const Vec3 axis = turned(a.axis, {in(-1, 1), in(-1, 1), 0}, 0.1 + 0.1 * k);
+      carving.move(a, {a.tip_mm + Vec3{in(-2, 2), in(-2, 2), in(-1, 1)}, axis});
+      carving.error_mm(30, 20 * kTolerance, k);
+      overcut_mm = std::max(overcut_mm, carving.overcut_mm());
+      EXPECT_LE(carving.overcut_mm(), (has_ball ? kTolerance : 0) + carving.rounding_mm())
+          << t.name << ' ' << k;
+    }
+    // What the balls' chords remove is measured, too.
+    if (has_ball) {
+      EXPECT_GT(overcut_mm, 0.01 * kTolerance) << t.name;
+    }
   }
 }
 

@@ -89,33 +89,53 @@ TEST(TravelQueue, ReportsTheEngagementAtRest) {
   EXPECT_NEAR(queue.due_per_mm().volume_mm3, 20, 0.4);
 }
 
+/// Returns the center of the engagement that a felt motion continues.
+Vec3& center(Engagements& all, std::uint32_t tool, const ToolPose& from, const ToolPose& to) {
+  return all.follow(tool, from, to, true).engagement.center_mm;
+}
+
 TEST(Engagements, ContinueByToolAndPose) {
   Engagements all(kWidth);
   const ToolPose a{{0, 0, 0}}, b{{1, 0, 0}}, c{{2, 0, 0}}, d{{3, 0, 0}};
-  all.follow(1, a, b).center_mm = {7, 0, 0};
-  all.follow(1, c, d).center_mm = {8, 0, 0};         // another user of the same tool
-  EXPECT_EQ(all.follow(1, b, a).center_mm.x, 7);     // the first user continues
-  EXPECT_EQ(all.follow(1, d, c).center_mm.x, 8);     // and the second
-  EXPECT_EQ(all.follow(2, a, b).center_mm, Vec3{});  // another tool at the same pose
-  EXPECT_EQ(all.follow(1, b, c).center_mm, Vec3{});  // no motion ended here
+  center(all, 1, a, b) = {7, 0, 0};
+  center(all, 1, c, d) = {8, 0, 0};         // another user of the same tool
+  EXPECT_EQ(center(all, 1, b, a).x, 7);     // the first user continues
+  EXPECT_EQ(center(all, 1, d, c).x, 8);     // and the second
+  EXPECT_EQ(center(all, 2, a, b), Vec3{});  // another tool at the same pose
+  EXPECT_EQ(center(all, 1, b, c), Vec3{});  // no motion ended here
+}
+
+TEST(Engagements, ContinueAnUnfeltMotionWithoutWhatWasPending) {
+  Engagements all(kWidth);
+  const ToolPose a{{0, 0, 0}}, b{{1, 0, 0}}, c{{2, 0, 0}};
+  EXPECT_FALSE(all.follow(1, a, b, true).continues);
+  center(all, 1, b, a) = {7, 0, 0};
+  const auto unfelt = all.follow(1, a, c, false);
+  EXPECT_TRUE(unfelt.continues);
+  EXPECT_EQ(unfelt.engagement.center_mm, Vec3{});
+  const auto felt = all.follow(1, c, a, true);
+  EXPECT_TRUE(felt.continues);
+  EXPECT_EQ(felt.engagement.center_mm, Vec3{});
+  EXPECT_FALSE(all.follow(2, a, b, true).continues);
+  EXPECT_FALSE(all.follow(1, c, b, true).continues);
 }
 
 TEST(Engagements, AreDroppedWhenAToolIsRedefined) {
   Engagements all(kWidth);
   const ToolPose a{{0, 0, 0}}, b{{1, 0, 0}};
-  all.follow(1, a, b).center_mm = {7, 0, 0};
-  all.follow(2, a, b).center_mm = {8, 0, 0};
+  center(all, 1, a, b) = {7, 0, 0};
+  center(all, 2, a, b) = {8, 0, 0};
   all.forget(1);
-  EXPECT_EQ(all.follow(1, b, a).center_mm, Vec3{});
-  EXPECT_EQ(all.follow(2, b, a).center_mm.x, 8);
+  EXPECT_EQ(center(all, 1, b, a), Vec3{});
+  EXPECT_EQ(center(all, 2, b, a).x, 8);
 }
 
 TEST(Engagements, DropTheLeastRecentlyMovedUser) {
   Engagements all(kWidth);
   const auto at = [](double x) { return ToolPose{{x, 0, 0}}; };
-  for (int i = 0; i < 300; ++i) all.follow(1, at(i), at(i + 0.5)).center_mm = {7, 0, 0};
-  EXPECT_EQ(all.follow(1, at(0.5), at(0.6)).center_mm, Vec3{});
-  EXPECT_EQ(all.follow(1, at(299.5), at(299.6)).center_mm.x, 7);
+  for (int i = 0; i < 300; ++i) center(all, 1, at(i), at(i + 0.5)) = {7, 0, 0};
+  EXPECT_EQ(center(all, 1, at(0.5), at(0.6)), Vec3{});
+  EXPECT_EQ(center(all, 1, at(299.5), at(299.6)).x, 7);
 }
 
 }  // namespace

@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <vector>
+
 namespace kerf {
 namespace {
 
@@ -56,6 +61,75 @@ TEST(ColumnBlock, ColumnsOfARowAreIndependent) {
   EXPECT_EQ(b.apart[0].lo_mm[5], 3);
   EXPECT_EQ(b.apart[0].hi_mm[5], 4);
   EXPECT_GT(b.apart[0].lo_mm[0], b.apart[0].hi_mm[0]);
+}
+
+TEST(ColumnBlock, BridgeJoinsIntervalsThatWereApart) {
+  ColumnBlock b = block();
+  b.join_mm = 0.125;
+  b.add(0, Lanes(1), Lanes(2));
+  b.add(0, Lanes(5), Lanes(6));
+  ASSERT_EQ(b.apart.size(), 1u);
+  b.add(0, Lanes(2.0625), Lanes(4.875));
+  for (int lane = 0; lane < kLanes; ++lane) {
+    expect_interval(b, 0, lane, 1, 6);
+    EXPECT_GT(b.apart[0].lo_mm[lane], b.apart[0].hi_mm[lane]);
+  }
+}
+
+using Interval = std::pair<double, double>;
+
+/// Returns the intervals of a column, sorted.
+std::vector<Interval> intervals(const ColumnBlock& b, int row, int lane) {
+  std::vector<Interval> all{{b.lo_mm[row][lane], b.hi_mm[row][lane]}};
+  for (const ColumnBlock::Apart& a : b.apart) {
+    if (a.row == row) all.emplace_back(a.lo_mm[lane], a.hi_mm[lane]);
+  }
+  std::erase_if(all, [](const Interval& i) { return i.first > i.second; });
+  std::ranges::sort(all);
+  return all;
+}
+
+/// Returns the union of intervals with gaps up to `join` closed.
+std::vector<Interval> closed_union(std::vector<Interval> all, double join) {
+  std::ranges::sort(all);
+  std::vector<Interval> joined;
+  for (const Interval& i : all) {
+    if (!joined.empty() && i.first <= joined.back().second + join) {
+      joined.back().second = std::max(joined.back().second, i.second);
+    } else {
+      joined.push_back(i);
+    }
+  }
+  return joined;
+}
+
+TEST(ColumnBlock, AnyOrderGivesTheUnionWithGapsClosed) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(-20, 9.9), size(0, 3);
+  for (int round = 0; round < 400; ++round) {
+    const int count = 2 + round % 8;
+    std::vector<std::pair<Lanes, Lanes>> added;
+    for (int n = 0; n < count; ++n) {
+      Lanes lo, hi;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const double from = place(random);
+        lo.set(lane, from);
+        hi.set(lane, from + size(random));
+      }
+      added.emplace_back(lo, hi);
+    }
+    for (int order = 0; order < 6; ++order) {
+      std::ranges::shuffle(added, random);
+      ColumnBlock b = block();
+      b.join_mm = 0.5;
+      for (const auto& [lo, hi] : added) b.add(3, lo, hi);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        std::vector<Interval> column;
+        for (const auto& [lo, hi] : added) column.emplace_back(lo[lane], hi[lane]);
+        ASSERT_EQ(intervals(b, 3, lane), closed_union(column, b.join_mm));
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -20,17 +20,44 @@ Discs discs_at(double x, double y, double reach) { return {Lanes(x), Lanes(y), r
 
 TEST(Trail, CylinderMovingSidewaysRemovesNothingBehindItsAxis) {
   const ToolPose from{{0, 0, 0}, {0, 0, 1}}, to{{1, 0, 0}, {0, 0, 1}};
-  const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, false);
+  const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, {});
   EXPECT_EQ(trail.behind(discs_at(-1, 2, 0.5)), 0xFFU);
   EXPECT_EQ(trail.behind(discs_at(-0.4, 2, 0.5)), 0U);  // half of it may advance
   EXPECT_EQ(trail.behind(discs_at(3, 0, 0.5)), 0U);
-  // A disc that is not hidden could be over any position.
-  EXPECT_EQ(Trail(FrustumPiece{0, 4, 50, 4}, from, to, true).behind(discs_at(-1, 2, 0.5)), 0U);
+}
+
+TEST(Trail, ADiscThatShowsCountsOnlyWhereItMovesOutwards) {
+  const FrustumPiece mill{0, 4, 50, 4};
+  const Discs behind = discs_at(-2.5, 1, 0.5);
+  const auto test = [&](Vec3 to_tip, Vec3 to_axis, ShownDiscs shown) {
+    return Trail(mill, {{0, 0, 0}, {0, 0, 1}}, {to_tip, normalized(to_axis)}, shown).behind(behind);
+  };
+  EXPECT_EQ(test({1, 0, 0}, {0, 0, 1}, {true, false}), 0xFFU);
+  EXPECT_EQ(test({1, 0, -1e-9}, {0, 0, 1}, {true, false}), 0U);
+  EXPECT_EQ(test({1, 0, -1e-9}, {0, 0, 1}, {false, true}), 0xFFU);
+  EXPECT_EQ(test({1, 0, 1e-9}, {0, 0, 1}, {true, false}), 0xFFU);
+  EXPECT_EQ(test({1, 0, 1e-9}, {0, 0, 1}, {false, true}), 0U);
+  // The rear of the bottom rises if the axis turns forwards about the tip's axis, and sinks if it
+  // turns backwards.
+  EXPECT_EQ(test({1, 0, 0.03}, {0.01, 0, 1}, {true, false}), 0xFFU);
+  EXPECT_EQ(test({1, 0, 0.01}, {-0.02, 0, 1}, {true, false}), 0U);
+}
+
+TEST(Trail, ArcRecedesWhereBothItsEndsDo) {
+  const ArcPiece corner{3, 2, 2, 0, 2};
+  const Discs behind = discs_at(-2, 0, 0.5);
+  const auto test = [&](Vec3 to_tip) {
+    return Trail(corner, {{0, 0, 0}, {0, 0, 1}}, {to_tip, {0, 0, 1}}, {}).behind(behind);
+  };
+  EXPECT_EQ(test({1, 0, 0}), 0xFFU);
+  EXPECT_EQ(test({1, 0, 0.3}), 0xFFU);
+  EXPECT_EQ(test({1, 0, -1e-9}), 0U);  // its lower border is level
+  EXPECT_EQ(test({-1, 0, 0}), 0U);
 }
 
 TEST(Trail, MotionAlongTheRaysHasNoTrail) {
   const ToolPose from{{0, 0, 0}, {1, 0, 0}}, to{{0, 0, 1}, {1, 0, 0}};
-  const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, false);
+  const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, {});
   for (const double y : {-3.0, 0.0, 3.0}) EXPECT_EQ(trail.behind(discs_at(20, y, 0.5)), 0U);
 }
 
@@ -99,7 +126,10 @@ TEST(Trail, SkippedRegionsWereAlreadyRemoved) {
       TaperShape{4, 8, 30, TaperTip::kBall},
       ProfileShape{
           {ProfilePoint{0, 0}, ProfilePoint{4, 0}, ProfilePoint{2, 4}, ProfilePoint{2, 30}}},
-      ProfileShape{{ProfilePoint{0, 0}, ProfileArc{{1, 5.828}, 3}, ProfilePoint{1, 30}}}};
+      ProfileShape{{ProfilePoint{0, 0}, ProfileArc{{1, 5.828}, 3}, ProfilePoint{1, 30}}},
+      ProfileShape{{ProfilePoint{2, 0}, ProfileArc{{3, 12}, 40}}},
+      ProfileShape{{ProfilePoint{3, 0}, ProfileArc{{4, 1}, 1}, ProfileArc{{3, 2}, 1},
+                    ProfilePoint{1.5, 2}, ProfilePoint{1.5, 30}}}};
   for (const Chain& chain : {Chain{"moves", 1, 0.04}, Chain{"ticks", 0.2, 0.004},
                              Chain{"blocks", 5, 0.3}, Chain{"translations", 1, 0}}) {
     for (std::size_t k = 0; k < shapes.size(); ++k) {

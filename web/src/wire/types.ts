@@ -44,6 +44,7 @@ export const STOCK_RESET = 1;
 export const STATUS_CUTTING = 1;
 export const STATUS_COLLIDING = 2;
 export const STATUS_REFUSED = 4;
+export const STATUS_IMPRINT = 16;
 
 export type Vec3 = [number, number, number];
 

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kernel/intersect/ray_arc.h"
+#include "kernel/intersect/ray_contour.h"
+#include "kernel/intersect/ray_pipe.h"
+#include "kernel/sweep/shadow.h"
+#include "kernel/sweep/surface_rectangles.h"
+
+namespace kerf {
+
+/// Exact sweep of an arc piece that moves without turning. Between its start and its end it is
+/// bounded by the swept contour of its side and by the pipes of its two rims (paper Eq. 11).
+class ArcTranslation {
+ public:
+  ArcTranslation(const ArcPiece& piece, const ToolPose& from, const ToolPose& to);
+
+  void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
+  const SweepBounds& bounds() const { return shadow_.bounds(); }
+  void lower_bound(const Discs& discs, Lanes& z_mm) const { shadow_.lower_bound(discs, z_mm); }
+  void evaluate(ColumnBlock& block) const;
+
+  struct Surfaces {
+    RayArc start, end;
+    RayContour contour;
+    RayPipe lower, upper;
+  };
+
+ private:
+  Surfaces surfaces_;
+  SurfaceRectangles rectangles_;
+  Shadow shadow_;
+};
+
+}  // namespace kerf

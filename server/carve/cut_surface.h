@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
+#include "server/carve/true_solid.h"
+
+namespace kerf {
+
+/// A point of the true solid's surface that a tool has cut.
+struct CutPoint {
+  Vec3 mm;
+  Vec3 into_solid;      ///< unit normal, out of the tool
+  std::uint32_t sweep;  ///< the motion that cut it
+};
+
+/// Points spread over the surface that tools have cut into a solid.
+struct CutSurface {
+  std::vector<CutPoint> points;
+  /// Mean distance of the candidates on the swept surfaces, mm: the root of their area per
+  /// candidate. A part of the surface that is smaller in both directions may have no point.
+  double spacing_mm = 0;
+};
+
+/// Samples the surface of a solid: `candidates` points spread evenly by area over the surfaces that
+/// the tools sweep inside the stock (along a motion where the normal is perpendicular to the
+/// point's velocity, and at its ends), of which those are kept that no other motion removes. A
+/// fixed sequence: equal solids give equal points. Ends early, with fewer points and a greater
+/// spacing, if a stop is requested or `effort` is spent.
+CutSurface sample_cut_surface(const TrueSolid& solid, std::size_t candidates,
+                              const std::stop_token& stop = {}, QueryEffort* effort = nullptr);
+
+}  // namespace kerf

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/carve/wall_check.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "server/formats/accuracy_choice.h"
+#include "server/formats/number_text.h"
+
+namespace kerf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kListMax = 100;
+// Motions that are evaluated: for a candidate on the average, and at least.
+constexpr std::size_t kEffortPerCandidate = 24, kEffortMin = 20000;
+constexpr std::size_t kMotionsPerSample = 4, kWallSamplesMin = 1000, kWallSamplesMax = 10000,
+                      kTargetFactor = 8;
+constexpr int kDigits = 3, kPlaceDigits = 6;
+// Distances from cuts that are computed, in the largest pitch of the search.
+constexpr double kReachPitches = 4;
+
+std::string mm(double value) { return significant_text(value, kDigits) + " mm"; }
+
+}  // namespace
+
+std::size_t wall_samples(const Scene& scene, const Program& program) {
+  const std::size_t samples =
+      std::clamp(program.motions.size() / kMotionsPerSample, kWallSamplesMin, kWallSamplesMax);
+  return scene.accuracy ? kTargetFactor * samples : samples;
+}
+
+WallCheck::WallCheck(const Scene& scene, const Program& program, std::size_t candidates,
+                     const std::stop_token& stop)
+    : scene_(scene),
+      program_(program),
+      effort_(kEffortMin + kEffortPerCandidate * candidates),
+      solid_(scene.settings.stock, scene.tools, program.motions,
+             kReachPitches * scene.settings.pitch_mm),
+      surface_(sample(candidates, stop)) {}
+
+CutSurface WallCheck::sample(std::size_t candidates, const std::stop_token& stop) const {
+  QueryEffort effort{effort_};
+  return sample_cut_surface(solid_, candidates, stop, &effort);
+}
+
+WallReport WallCheck::find(const std::stop_token& stop) const {
+  const SculptureSettings& settings = scene_.settings;
+  std::vector<std::uint64_t> lines;
+  lines.reserve(program_.motions.size());
+  for (const ProgramMotion& motion : program_.motions)
+    lines.push_back(std::uint64_t{motion.file} << 32U | motion.line);
+  QueryEffort effort{effort_};
+  WallReport report{.pitch_mm = settings.pitch_mm, .spacing_mm = surface_.spacing_mm, .walls = {}};
+  report.walls = distinct_walls(
+      find_thin_walls(solid_, surface_, {settings.pitch_mm, settings.tolerance_mm}, stop, &effort),
+      lines);
+  return report;
+}
+
+std::expected<void, std::string> WallCheck::refine(Scene& scene,
+                                                   const std::stop_token& stop) const {
+  const SculptureSettings& settings = scene.settings;
+  const AccuracyRequest request = scene.accuracy->request;
+  const std::string missed = "the target of " + mm(request.target_mm) +
+                             " is not met at thin walls and sharp edges of the program: ";
+  QueryEffort effort{effort_};
+  const auto pitch =
+      pitch_for_walls(solid_, surface_,
+                      {settings.pitch_mm, request.target_mm, settings.tolerance_mm}, stop, &effort);
+  if (!pitch)
+    return std::unexpected(missed + "no pitch above " + mm(settings.pitch_mm * kFinestWallShare) +
+                           " keeps them");
+  if (*pitch >= settings.pitch_mm) return {};
+  if (const auto settled = resolve_accuracy(scene, request, pitch); !settled)
+    return std::unexpected(missed + "accuracy." + settled.error().field + " " +
+                           settled.error().reason);
+  if (settings.pitch_mm > *pitch)
+    return std::unexpected(missed + "accuracy.pitch_mm would have to be " + mm(*pitch));
+  return {};
+}
+
+std::string WallCheck::place_text(const ThinWall& wall) const {
+  const ProgramMotion& motion = program_.motions[wall.sweep];
+  const auto number = [](double value) { return significant_text(value, kPlaceDigits); };
+  std::string text = place_of(program_, motion.file, motion.line) + ": a wall of " +
+                     mm(wall.thickness_mm) + " at X" + number(wall.mm.x) + " Y" +
+                     number(wall.mm.y) + " Z" + number(wall.mm.z) + ", ";
+  if (wall.other_sweep >= program_.motions.size()) return text + "at the border of the stock";
+  const ProgramMotion& other = program_.motions[wall.other_sweep];
+  if (other.file != motion.file)
+    return text + "cut from the other side in " + place_of(program_, other.file, other.line);
+  return text + "cut from the other side in line " + std::to_string(other.line);
+}
+
+std::string WallCheck::warning(const WallReport& report) const {
+  auto shown = std::ranges::find(report.walls, true, &ThinWall::missing);
+  if (shown == report.walls.end()) shown = report.walls.begin();
+  std::string text = place_text(*shown) + ", is thinner than the pitch of " + mm(report.pitch_mm) +
+                     (shown->missing ? " and is missing in the result" : " and may be missing") +
+                     "; its pitch would have to be below " + mm(shown->thickness_mm);
+  const std::size_t others = report.walls.size() - 1;
+  if (others > 0) text += " (and " + std::to_string(others) + " more such walls)";
+  return text;
+}
+
+std::string WallCheck::json(const WallReport& report) const {
+  Json walls = Json::array();
+  for (const ThinWall& wall : report.walls) {
+    if (walls.size() == kListMax) break;
+    const auto place = [&](std::uint32_t sweep) -> Json {
+      if (sweep >= program_.motions.size()) return nullptr;
+      const ProgramMotion& motion = program_.motions[sweep];
+      return place_of(program_, motion.file, motion.line);
+    };
+    walls.push_back({{"at_mm", {wall.mm.x, wall.mm.y, wall.mm.z}},
+                     {"thickness_mm", wall.thickness_mm},
+                     {"place", place(wall.sweep)},
+                     {"other_place", place(wall.other_sweep)},
+                     {"missing", wall.missing}});
+  }
+  const Json json{{"pitch_mm", report.pitch_mm},
+                  {"sample_spacing_mm", report.spacing_mm},
+                  {"count", report.walls.size()},
+                  {"missing", std::ranges::count(report.walls, true, &ThinWall::missing)},
+                  {"walls", walls}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace kerf

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the mesh lacks counts: errors are measured from the true surface to the mesh as well, and
+// walls that can fall between the rays are found from the swept shapes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/carve/surface_error.h"
+#include "server/carve/thin_walls.h"
+#include "tests/support/standard_job.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kPitchMm = 0.3, kRibMm = 0.14, kToolMm = 3, kDepthMm = 4;
+constexpr std::size_t kSamples = 1500;
+const BoxStock kBlock{{0, 0, 0}, {30, 30, 10}};
+
+struct Job {
+  std::map<ToolId, SceneTool> tools;
+  std::vector<ProgramMotion> motions;
+  TrueSolid truth;
+
+  Job(const ToolShape& shape, std::vector<ProgramMotion> of)
+      : tools{{1, SceneTool{.shape = shape, .body = {}, .tool = make_tool(shape).value()}}},
+        motions(std::move(of)),
+        truth(kBlock, tools, motions, 4) {}
+};
+
+ProgramMotion motion(const ToolPose& from, const ToolPose& to) {
+  return {1, from, to, 1, 0, false};
+}
+
+// Two slots through the block with a rib between them, whose middle is at `middle`.
+Job two_slots(Vec3 along, Vec3 middle, double rib_mm = kRibMm) {
+  const Vec3 half = Vec3{-along.y, along.x, 0} * ((kToolMm + rib_mm) / 2);
+  const Vec3 floor{middle.x, middle.y, 10 - kDepthMm}, far = along * 40;
+  return {FlatShape{kToolMm, 30},
+          {motion({floor + half - far}, {floor + half + far}),
+           motion({floor - half - far}, {floor - half + far})}};
+}
+const double kHalf = std::sqrt(0.5);
+// Columns are at odd multiples of 0.15 mm: the rib along x lies from 14.93 to 15.07, the diagonal
+// one between two diagonals of columns, which are 0.212 mm apart.
+Job rib_along_x() { return two_slots({1, 0, 0}, {15, 15, 0}); }
+Job diagonal_rib() { return two_slots({kHalf, kHalf, 0}, {15, 15.15, 0}); }
+
+SolidSnapshot carve(const Job& job, Rays rays = Rays::kDexel) {
+  SculptureSettings settings;
+  settings.stock = kBlock;
+  settings.pitch_mm = kPitchMm;
+  settings.tolerance_mm = 0.001;
+  settings.rays = rays;
+  settings.keep_normals = true;
+  Sculpture sculpture = Sculpture::create(settings).value();
+  for (const auto& [id, tool] : job.tools) sculpture.apply(DefineTool{id, tool.tool}).value();
+  for (const ProgramMotion& m : job.motions)
+    sculpture.apply(MoveTool{m.tool, m.from, m.to, m.duration_s, false}).value();
+  return sculpture.solid();
+}
+
+double missing_mm(const Job& job, Rays rays = Rays::kDexel) {
+  return measure_missing(carve(job, rays), sample_cut_surface(job.truth, kSamples)).max_mm;
+}
+
+std::vector<ThinWall> walls_of(const Job& job) {
+  return find_thin_walls(job.truth, sample_cut_surface(job.truth, kSamples), {kPitchMm, 0.001});
+}
+
+TEST(CutSurface, PointsAreOnTheTrueSurface) {
+  const Job job(BallShape{6, 30}, {motion({{5, 5, 6}}, {{25, 20, 5}, normalized({0.3, 0.2, 1})}),
+                                   motion({{25, 20, 5}, normalized({0.3, 0.2, 1})}, {{8, 20, 7}})});
+  const CutSurface surface = sample_cut_surface(job.truth, kSamples);
+  EXPECT_GT(surface.points.size(), kSamples / 10);
+  EXPECT_GT(surface.spacing_mm, 0.1);
+  for (const CutPoint& point : surface.points) {
+    const auto distance = job.truth.distance(point.mm);
+    EXPECT_LT(distance.mm, 1e-3);
+    EXPECT_FALSE(job.truth.is_clear(point.mm - point.into_solid * 0.01, 0));
+    EXPECT_TRUE(job.truth.is_clear(point.mm + point.into_solid * 1e-4, 0));
+  }
+}
+
+TEST(CutSurface, EqualSolidsGiveEqualPoints) {
+  const auto a = sample_cut_surface(diagonal_rib().truth, 300);
+  const auto b = sample_cut_surface(diagonal_rib().truth, 300);
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (std::size_t n = 0; n < a.points.size(); ++n) EXPECT_EQ(a.points[n].mm, b.points[n].mm);
+}
+
+TEST(MissingSurface, RibBetweenTheRaysIsAnErrorOfItsHeight) {
+  for (const Job& job : {rib_along_x(), diagonal_rib()}) {
+    for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+      // The distance from the mesh to the solid hides it: the floor is near the rib's foot.
+      EXPECT_LT(measure_surface(carve(job, rays), job.truth, kSamples).max_mm, 0.15);
+      EXPECT_GT(missing_mm(job, rays), 2);
+    }
+  }
+}
+
+TEST(MissingSurface, RibThatRaysMeetHasASmallError) {
+  EXPECT_LT(missing_mm(two_slots({1, 0, 0}, {15, 14.85, 0})), kPitchMm);
+  EXPECT_LT(missing_mm(two_slots({1, 0, 0}, {15, 15, 0}, 0.9)), kPitchMm);
+  EXPECT_LT(missing_mm(two_slots({1, 0, 0}, {15, 15, 0}, 0.9), Rays::kTriDexel), 0.01);
+}
+
+TEST(MissingSurface, GrooveBetweenTheRaysIsAnErrorOfItsDepth) {
+  const Job job(FlatShape{0.14, 30}, {motion({{-5, 15, 6}}, {{35, 15, 6}})});
+  EXPECT_EQ(measure_surface(carve(job), job.truth, kSamples).samples, 0u);
+  EXPECT_GT(missing_mm(job), 3.5);
+}
+
+TEST(ThinWalls, RibIsFoundWithPlaceAndBothCuts) {
+  for (const Job& job : {rib_along_x(), diagonal_rib()}) {
+    auto walls = walls_of(job);
+    ASSERT_FALSE(walls.empty());
+    for (const ThinWall& wall : walls) {
+      EXPECT_NEAR(wall.thickness_mm, kRibMm, 1e-4);
+      EXPECT_EQ(wall.sweep + wall.other_sweep, 1u);
+      EXPECT_NEAR(job.truth.from_cuts(wall.mm).mm, kRibMm / 2, 1e-4);
+    }
+    EXPECT_EQ(distinct_walls(walls, {7, 9}).size(), 1u);
+    const SolidSnapshot after = carve(job);
+    const SolidSnapshot before = carve(Job(FlatShape{kToolMm, 30}, {}));
+    mark_missing(walls, before.fields.front(), after.fields.front());
+    ASSERT_FALSE(walls.empty());
+    for (const ThinWall& wall : walls) EXPECT_TRUE(wall.missing);
+  }
+}
+
+TEST(ThinWalls, RibThatAColumnMeetsIsNotMissing) {
+  const Job job = two_slots({1, 0, 0}, {15, 14.85, 0});
+  auto walls = walls_of(job);
+  const SolidSnapshot before = carve(Job(FlatShape{kToolMm, 30}, {}));
+  mark_missing(walls, before.fields.front(), carve(job).fields.front());
+  ASSERT_FALSE(walls.empty());
+  for (const ThinWall& wall : walls) EXPECT_FALSE(wall.missing);
+}
+
+TEST(ThinWalls, WallBesideTheBorderOfTheStockIsFound) {
+  const Job job(FlatShape{kToolMm, 30}, {motion({{-5, 1.64, 6}}, {{35, 1.64, 6}})});
+  const auto walls = walls_of(job);
+  ASSERT_FALSE(walls.empty());
+  EXPECT_NEAR(walls[0].thickness_mm, 0.14, 1e-4);
+  EXPECT_EQ(walls[0].other_sweep, 1u);
+}
+
+TEST(ThinWalls, ThickWallsRidgesAndFloorsAreNotReported) {
+  EXPECT_TRUE(walls_of(two_slots({1, 0, 0}, {15, 15, 0}, 0.33)).empty());
+  EXPECT_TRUE(walls_of(two_slots({kHalf, kHalf, 0}, {15, 15.15, 0}, 0.33)).empty());
+  // Two balls beside each other leave a blunt ridge.
+  EXPECT_TRUE(walls_of(Job(BallShape{6, 30}, {motion({{-5, 13, 7}}, {{35, 13, 7}}),
+                                              motion({{-5, 17, 7}}, {{35, 17, 7}})}))
+                  .empty());
+  // A horizontal web of 0.14 mm: every ray along Z meets it.
+  const Vec3 lying{0, -1, 0};
+  EXPECT_TRUE(walls_of(Job(FlatShape{kToolMm, 30},
+                           {motion({{-5, 10, 5}, lying}, {{35, 10, 5}, lying}),
+                            motion({{-5, 10, 8.14}, lying}, {{35, 10, 8.14}, lying})}))
+                  .empty());
+}
+
+TEST(ThinWalls, FilmsBelowTheToleranceAreIgnored) {
+  const Job job = two_slots({1, 0, 0}, {15, 15, 0}, 0.004);
+  const CutSurface surface = sample_cut_surface(job.truth, kSamples);
+  EXPECT_FALSE(find_thin_walls(job.truth, surface, {kPitchMm, 0.001}).empty());
+  EXPECT_TRUE(find_thin_walls(job.truth, surface, {kPitchMm, 0.01}).empty());
+}
+
+TEST(ThinWalls, PitchForATargetIsThatOfTheRib) {
+  const auto pitch_of = [](const Job& job) {
+    return pitch_for_walls(job.truth, sample_cut_surface(job.truth, kSamples),
+                           {kPitchMm, kPitchMm, 0.001});
+  };
+  const auto pitch = pitch_of(rib_along_x());
+  ASSERT_TRUE(pitch.has_value());
+  EXPECT_LE(*pitch, kRibMm * 1.02);
+  EXPECT_GT(*pitch, kRibMm / 1.2);
+  EXPECT_EQ(pitch_of(two_slots({1, 0, 0}, {15, 15, 0}, 0.9)), kPitchMm);
+  // Less than an eighth of the pitch.
+  EXPECT_FALSE(pitch_of(two_slots({1, 0, 0}, {15, 15, 0}, 0.004)).has_value());
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernel/sweep/arc_translation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace kerf {
+namespace {
+
+/// Returns the argument at which a convex function is least in [a, b].
+template <class Function>
+double least_at(Function f, double a, double b) {
+  constexpr double kGolden = 0.6180339887498949;
+  double x = b - kGolden * (b - a), y = a + kGolden * (b - a), fx = f(x), fy = f(y);
+  for (int i = 0; i < 70; ++i) {
+    if (fx < fy) {
+      b = y;
+      y = x;
+      fy = fx;
+      x = b - kGolden * (b - a);
+      fx = f(x);
+    } else {
+      a = x;
+      x = y;
+      fx = fy;
+      y = a + kGolden * (b - a);
+      fy = f(y);
+    }
+  }
+  return (a + b) / 2;
+}
+
+/// A translated arc, judged by its convex distance function alone.
+struct Reference {
+  ArcPiece piece;
+  ToolPose from, to;
+
+  /// Distance of a point from the piece after a share of the motion; negative inside.
+  double distance(Vec3 point, double share) const {
+    const Vec3 q = point - from.tip_mm - (to.tip_mm - from.tip_mm) * share;
+    const double h = dot(q, from.axis);
+    const double rho = length(q - from.axis * h);
+    return std::max({side_distance(piece, rho, h).mm, piece.z0_mm - h, h - piece.z1_mm});
+  }
+  /// Distance of a point from the swept volume.
+  double off(Vec3 point) const {
+    const auto at = [&](double share) { return distance(point, share); };
+    return std::min({at(least_at(at, 0, 1)), at(0), at(1)});
+  }
+};
+
+/// Expects that every ray of a block around the motion loses exactly what the reference does.
+void expect_exact(const Reference& sweep, std::mt19937_64& random, const std::string& what) {
+  constexpr double kAllowedMm = 2e-8, kFarMm = 80;
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const double scale = in(0.02, 1.5);
+  const Vec3 corner = sweep.from.tip_mm + (sweep.to.tip_mm - sweep.from.tip_mm) * in(0, 1) +
+                      sweep.from.axis * sweep.piece.z0_mm - Vec3{in(0, 8), in(0, 8), 0} * scale;
+  ColumnBlock block;
+  for (int i = 0; i < kLanes; ++i) block.x_mm.set(i, corner.x + i * scale);
+  for (int j = 0; j < kBlockSide; ++j) block.y_mm[j] = corner.y + j * scale;
+  block.rows = 0xFF;
+  block.top_mm = 1e300;
+  block.clear();
+  ArcTranslation(sweep.piece, sweep.from, sweep.to).evaluate(block);
+  for (int j = 0; j < kBlockSide; j += 2) {
+    for (int i = 0; i < kLanes; i += 2) {
+      const bool filled = (block.filled >> j & 1) != 0 && block.lo_mm[j][i] <= block.hi_mm[j][i];
+      const auto off = [&](double z) { return sweep.off({block.x_mm[i], block.y_mm[j], z}); };
+      const double deepest = least_at(off, -kFarMm, kFarMm);
+      if (!filled) {
+        EXPECT_GT(off(deepest), -kAllowedMm) << what << ": missed at " << deepest;
+        continue;
+      }
+      const double lo = block.lo_mm[j][i], hi = block.hi_mm[j][i];
+      EXPECT_NEAR(off(lo), 0, kAllowedMm)
+          << what << ": lower end " << lo << ", deepest " << deepest;
+      EXPECT_NEAR(off(hi), 0, kAllowedMm)
+          << what << ": upper end " << hi << ", deepest " << deepest;
+      if (off(deepest) < -kAllowedMm) {
+        EXPECT_LT(lo, deepest) << what;
+        EXPECT_GT(hi, deepest) << what;
+      }
+    }
+  }
+}
+
+const ArcPiece kArcs[] = {{3, 2, 2, 0, 2},  // the corner of a bull-nose
+                          {3, 0.05, 0.05, 0, 0.05}, {-24.9954541, 12, 30, 0, 24},  // a barrel
+                          {1.5, 7.7, 4, 4, 11},                                    // a belt
+                          {0, 5, 5, 0, 3},  // the tip of a ball
+                          {0.001, 5, 5, 0, 7}};
+
+TEST(ArcTranslation, RemovesExactlyTheSweptVolume) {
+  std::mt19937_64 random(7);
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  for (int k = 0; k < 150; ++k) {
+    const ArcPiece& arc = kArcs[k % std::size(kArcs)];
+    const Vec3 axis = normalized({in(-1, 1), in(-1, 1), in(-1, 1)});
+    const Vec3 d = Vec3{in(-1, 1), in(-1, 1), in(-1, 1)} * (k % 3 == 0 ? 10 : 0.4);
+    const Vec3 tip{in(-1, 1), in(-1, 1), in(-1, 1)};
+    expect_exact({arc, {tip, axis}, {tip + d, axis}}, random, "motion " + std::to_string(k));
+  }
+}
+
+TEST(ArcTranslation, SpecialDirectionsAreExactToo) {
+  std::mt19937_64 random(8);
+  const Vec3 leaning = normalized({0.3, -0.2, 1});
+  for (const ArcPiece& arc : kArcs) {
+    for (const Vec3 axis :
+         {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}, Vec3{0, -1, 0}, leaning}) {
+      for (const Vec3 d : {Vec3{1, 0, 0}, Vec3{0, -2, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1},
+                           Vec3{1, 0, -0.01}, Vec3{1, 0, 1e-9}, Vec3{1e-6, 0, -1}, leaning * 2,
+                           cross(leaning, Vec3{1, 0, 0}), Vec3{1e-9, 0, 0}}) {
+        const Vec3 tip{0.1371, -0.2, 0.3};
+        expect_exact({arc, {tip, axis}, {tip + d, axis}}, random,
+                     "arc " + std::to_string(&arc - kArcs) + ", axis " + std::to_string(axis.x) +
+                         " " + std::to_string(axis.y) + ", d " + std::to_string(d.x) + " " +
+                         std::to_string(d.y) + " " + std::to_string(d.z));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf
