@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <limits>
 #include <optional>
 
-#include "kernel/math/tolerance.h"
 #include "kernel/surface/column_window.h"
 #include "kernel/surface/face_vertex.h"
 #include "kernel/surface/flat_quads.h"
 #include "kernel/surface/lattice_cells.h"
 #include "kernel/surface/open_patches.h"
+#include "kernel/surface/quad_shape.h"
 #include "kernel/surface/quad_split.h"
 #include "kernel/surface/scratch.h"
 #include "kernel/surface/vertex_placement.h"
@@ -38,17 +37,6 @@ struct SplitVertex {
   SurfaceVertex vertex;
   std::array<std::uint32_t, kVertexNormalsMax> index;  ///< by group of edges
 };
-
-Vec3 difference(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  return {double(a[0]) - double(b[0]), double(a[1]) - double(b[1]), double(a[2]) - double(b[2])};
-}
-
-float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  const float x = a[0] - b[0];
-  const float y = a[1] - b[1];
-  const float z = a[2] - b[2];
-  return x * x + y * y + z * z;
-}
 
 /// Builds one tile's mesh: a quadrangle for each crossed lattice edge that the tile owns. A
 /// vertical edge belongs to the tile of its column; a horizontal edge to the tile of its lower
@@ -167,22 +155,27 @@ class TileMesher {
                 const LatticeEdge& edge) {
     std::array<std::uint32_t, 4> c{};
     for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n]);
+    const QuadShape shape = shape_of(c);
     // Before flat quadrangles are merged: the two quadrangles at a segment bend it alike.
     FaceVertices::OfQuad between;
-    if (has_several_sheets(corners) && find_bends(edge, corners, c, between)) {
-      add_fan(c, between, plane.reversed, edge);
-      return;
+    if (has_several_sheets(corners)) {
+      std::array<std::size_t, 4> cells{};
+      for (std::size_t n = 0; n < 4; ++n) cells[n] = corners[n].position;
+      if (bends_.find(edge, cells, shape.positions_mm, between)) {
+        add_fan(c, between, plane.reversed, edge);
+        return;
+      }
     }
-    const bool flat = is_flat(c, plane.axis);
-    if (flat && is_rectangle(c, plane.axis)) {
+    const bool flat = is_flat(shape, plane.axis);
+    if (flat && is_rectangle(shape, plane.axis)) {
       flat_.add(plane, u, v, c, QuadSplit::kFirst);
       return;
     }
     std::array<Vec3, 4> beside;
     for (std::size_t n = 0; n < 4; ++n) {
-      beside[n] = placement_.beside_edge(edge, (*positions_)[c[n]]);
+      beside[n] = placement_.beside_edge(edge, shape.positions_mm[n]);
     }
-    const bool second = !flat && prefers_other_diagonal(c, plane.reversed);
+    const bool second = !flat && prefers_other_diagonal(shape, plane.reversed);
     const QuadSplit split =
         split_within_envelope(beside, flat, second ? QuadSplit::kSecond : QuadSplit::kFirst);
     if (split == QuadSplit::kFan) {
@@ -203,15 +196,14 @@ class TileMesher {
         corners, [&](const Corner& c) { return cells_.sheets(c.position).count > 1; });
   }
 
-  bool find_bends(const LatticeEdge& edge, const Corners& corners,
-                  const std::array<std::uint32_t, 4>& c, FaceVertices::OfQuad& between) {
-    FaceVertices::Corners at{};
-    std::array<std::size_t, 4> cells{};
+  QuadShape shape_of(const std::array<std::uint32_t, 4>& c) const {
+    QuadShape shape;
     for (std::size_t n = 0; n < 4; ++n) {
-      at[n] = (*positions_)[c[n]];
-      cells[n] = corners[n].position;
+      shape.positions_mm[n] = (*positions_)[c[n]];
+      shape.normals[n] = (*normals_)[c[n]];
+      shape.sharp |= sharp_[c[n]];
     }
-    return bends_.find(edge, cells, at, between);
+    return shape;
   }
 
   /// Adds a quadrangle as a fan about a vertex on its edge.
@@ -227,51 +219,6 @@ class TileMesher {
       const std::uint32_t a = rim[n], b = rim[(n + 1) % rim.size()];
       indices_->insert(indices_->end(), {center, reversed ? b : a, reversed ? a : b});
     }
-  }
-
-  /// Returns whether to split a quadrangle from its second to its fourth corner. That is the
-  /// shorter diagonal, or, next to a crease, the one that leaves a triangle perpendicular to the
-  /// surface's normal, so that no triangle spans the crease.
-  bool prefers_other_diagonal(std::array<std::uint32_t, 4> c, bool reversed) const {
-    if (reversed) std::swap(c[1], c[3]);
-    const auto& p = *positions_;
-    const bool shorter = distance_squared(p[c[1]], p[c[3]]) < distance_squared(p[c[0]], p[c[2]]);
-    if (!sharp_[c[0]] && !sharp_[c[1]] && !sharp_[c[2]] && !sharp_[c[3]]) return shorter;
-    Vec3 normal;
-    for (const std::uint32_t v : c) {
-      const auto& n = (*normals_)[v];
-      normal = normal + Vec3{double(n[0]), double(n[1]), double(n[2])};
-    }
-    const auto fit = [&](std::size_t a, std::size_t b, std::size_t d) {
-      const Vec3 square = cross(difference(p[c[b]], p[c[a]]), difference(p[c[d]], p[c[a]]));
-      const double size = length(square);
-      return size > 0 ? dot(square, normal) / size : 0;
-    };
-    const double here = std::max(fit(0, 1, 2), fit(0, 2, 3));
-    const double there = std::max(fit(1, 2, 3), fit(1, 3, 0));
-    const double indifferent = kFitEpsilon * length(normal);
-    return std::abs(here - there) <= indifferent ? shorter : there > here;
-  }
-
-  /// Returns whether positions and normals are perpendicular to the axis to the last bit.
-  bool is_flat(const std::array<std::uint32_t, 4>& corners, std::size_t axis) const {
-    const float position = (*positions_)[corners[0]][axis];
-    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-      return (*positions_)[v][axis] == position && std::abs((*normals_)[v][axis]) == 1;
-    });
-  }
-
-  /// Returns whether the corners of a flat quadrangle have equal coordinates in pairs: then both
-  /// diagonals fit.
-  bool is_rectangle(const std::array<std::uint32_t, 4>& corners, std::size_t axis) const {
-    const auto equal = [&](std::size_t a, std::size_t b, std::size_t along) {
-      return (*positions_)[corners[a]][along] == (*positions_)[corners[b]][along];
-    };
-    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const auto fits = [&](std::size_t s, std::size_t t) {
-      return equal(0, 3, s) && equal(1, 2, s) && equal(0, 1, t) && equal(2, 3, t);
-    };
-    return fits(u, v) || fits(v, u);
   }
 
   void drop_unused_vertices() {

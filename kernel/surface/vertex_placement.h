@@ -13,6 +13,7 @@
 #include "kernel/surface/scratch.h"
 #include "kernel/surface/sheet_point.h"
 #include "kernel/surface/sheet_table.h"
+#include "kernel/surface/vertex_normals.h"
 
 namespace kerf {
 
@@ -32,19 +33,6 @@ using LatticeSample = std::array<std::int32_t, 3>;
 struct LatticeEdge {
   std::int32_t i = 0, j = 0, k = 0;
   std::uint8_t axis = 2;
-};
-
-/// Greatest number of normals of a vertex: the faces that meet in a corner.
-inline constexpr int kVertexNormalsMax = 3;
-
-/// A vertex of the mesh. Faces on different sides of a crease use different normals: that of the
-/// group of the lattice edge that they cross.
-struct SurfaceVertex {
-  std::array<float, 3> position_mm{};  ///< relative to DexelGrid::origin_mm
-  std::array<std::array<float, 3>, kVertexNormalsMax> normals{};
-  int normal_count = 0;
-  std::array<std::uint8_t, 12> group_of_edge{};
-  bool sharp = false;
 };
 
 /// Computes positions and normals of the mesh's vertices. They depend only on nearby rays, so two
