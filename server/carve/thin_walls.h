@@ -47,8 +47,8 @@ std::vector<ThinWall> find_thin_walls(const TrueSolid& solid, const CutSurface& 
 inline constexpr double kFinestWallShare = 1.0 / 8;
 /// Returns the coarsest pitch, at most target.pitch_mm and in steps of 10 %, at which thin walls
 /// and the tips of sharp edges are expected to be kept within the target: 1.5 times the distance
-/// from every point of the surface to a ball of a pitch's diameter inside the solid, and 0.4
-/// pitches, are within the target. Empty if that needs less than kFinestWallShare of
+/// from every point of the surface to a ball of a pitch's diameter inside the solid, and half a
+/// pitch, are within the target. Empty if that needs less than kFinestWallShare of
 /// target.pitch_mm.
 std::optional<double> pitch_for_walls(const TrueSolid& solid, const CutSurface& surface,
                                       const WallTarget& target, const std::stop_token& stop = {},

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kListMax = 100;
+constexpr std::size_t kWallsListedMax = 100;
 // Motions that are evaluated: for a candidate on the average, and at least.
 constexpr std::size_t kEffortPerCandidate = 24, kEffortMin = 20000;
 constexpr std::size_t kMotionsPerSample = 4, kWallSamplesMin = 1000, kWallSamplesMax = 10000,
@@ -108,7 +108,7 @@ std::string WallCheck::warning(const WallReport& report) const {
 std::string WallCheck::json(const WallReport& report) const {
   Json walls = Json::array();
   for (const ThinWall& wall : report.walls) {
-    if (walls.size() == kListMax) break;
+    if (walls.size() == kWallsListedMax) break;
     const auto place = [&](std::uint32_t sweep) -> Json {
       if (sweep >= program_.motions.size()) return nullptr;
       const ProgramMotion& motion = program_.motions[sweep];

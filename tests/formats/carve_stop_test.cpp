@@ -203,7 +203,7 @@ TEST_F(CarveStop, TradeoffPrintsTheRowsThatItHas) {
 
 TEST_F(CarveStop, TradeoffStopsARowThatExceedsItsBudget) {
   Process process(folder_, {"tradeoff", "--scene", "scene.json", "--program", "turns.ngc",
-                            "--pitches", "2,0.1", "--rays", "dexel", "--motions", "tight",
+                            "--pitches", "2,0.02", "--rays", "dexel", "--motions", "tight",
                             "--tolerances", "0.1", "--samples", "100", "--budget-seconds", "8"});
   EXPECT_EQ(process.end(), 0);
   EXPECT_THAT(process.shown(), HasSubstr("tolerance 0.1: stopped, --budget-seconds allows"));

@@ -53,10 +53,11 @@ TEST(DownloadName, IsTheSceneNameWithoutUnsafeCharacters) {
   EXPECT_EQ(download_name("../../etc/passwd", "demo", "", ".stl"), "-..-etc-passwd.stl");
   EXPECT_EQ(download_name("a\"b\\c\r\nd", "demo", "", ".stl"), "a-b-c--d.stl");
   const std::string longest = download_name(std::string(5000, 'x'), "demo", "", ".stl");
-  EXPECT_EQ(longest, std::string(80, 'x') + ".stl");
+  EXPECT_EQ(longest, std::string(80, 'x').append(".stl"));
   // A character of several bytes is not split.
-  const std::string umlauts = download_name(std::string(79, 'x') + "\u00e4\u00e4", "d", "", "");
-  EXPECT_EQ(umlauts, std::string(79, 'x') + "\u00e4");
+  const std::string umlauts =
+      download_name(std::string(79, 'x').append("\u00e4\u00e4"), "d", "", "");
+  EXPECT_EQ(umlauts, std::string(79, 'x').append("\u00e4"));
 }
 
 TEST(DownloadName, IsSentInAsciiAndUtf8) {

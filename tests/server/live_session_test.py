@@ -300,7 +300,10 @@ class Downloads(LiveTest):
         self.assertEqual(self.get("program.apt", Range="bytes=0-6")[2], b"PARTNO/")
 
     def test_exports_lists_downloads_in_preparation(self):
-        fine = dict(SCENE, name="fine", accuracy={"pitch_mm": 0.02})
+        # The round side of a cylinder: triangles that no export merges, so the download takes long.
+        rod = {"shape": "cylinder", "center_mm": [0, 0], "radius_mm": 20, "min_z_mm": -40,
+               "max_z_mm": 0}
+        fine = dict(SCENE, name="fine", stock=rod, accuracy={"pitch_mm": 0.05})
         self.server.create("fine", fine)
         seen = []
 
