@@ -170,8 +170,9 @@ class FlatQuads::Grid {
     return any;
   }
 
-  /// Returns whether three vertices are counter-clockwise about the axis. Differences and products
-  /// of floats are exact in doubles up to a relative 2^-53, so a triangle without area never is.
+  /// Returns whether three vertices are counter-clockwise about the axis. Differences of floats of
+  /// similar size are exact in doubles, and equal products round alike, so a triangle without area
+  /// is not.
   bool turns_left(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     const std::size_t u = (plane_.axis + 1U) % 3, v = (plane_.axis + 2U) % 3;
     const auto &p = positions_[a], &q = positions_[b], &r = positions_[c];

@@ -24,28 +24,6 @@ float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>
 
 }  // namespace
 
-bool is_flat(const QuadShape& quad, std::size_t axis) {
-  const float position = quad.positions_mm[0][axis];
-  for (std::size_t n = 0; n < 4; ++n) {
-    if (quad.positions_mm[n][axis] != position || std::abs(quad.normals[n][axis]) != 1) {
-      return false;
-    }
-  }
-  return true;
-}
-
-bool is_rectangle(const QuadShape& quad, std::size_t axis) {
-  const auto& p = quad.positions_mm;
-  const auto equal = [&](std::size_t a, std::size_t b, std::size_t along) {
-    return p[a][along] == p[b][along];
-  };
-  const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const auto fits = [&](std::size_t s, std::size_t t) {
-    return equal(0, 3, s) && equal(1, 2, s) && equal(0, 1, t) && equal(2, 3, t);
-  };
-  return fits(u, v) || fits(v, u);
-}
-
 bool prefers_other_diagonal(QuadShape quad, bool reversed) {
   auto& p = quad.positions_mm;
   if (reversed) {

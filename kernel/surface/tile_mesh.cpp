@@ -21,6 +21,10 @@ namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
+/// A tile reads the columns up to kGuessMargin + 1 beyond its own (window_), so tiles_to_remesh
+/// returns all that read a changed one.
+static_assert(kGuessMargin + 1 <= kTileSide);
+
 /// One of the four cells around a crossed lattice edge.
 struct Corner {
   std::size_t position = 0;  ///< in LatticeCells
@@ -153,33 +157,19 @@ class TileMesher {
   /// if it is flat, to those that may be merged.
   void add_quad(const Corners& corners, const FlatPlane& plane, std::int32_t u, std::int32_t v,
                 const LatticeEdge& edge) {
-    std::array<std::uint32_t, 4> c{};
-    for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n]);
-    const QuadShape shape = shape_of(c);
+    QuadCorners c{};
+    bool several_sheets = false;
+    for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n], several_sheets);
     // Before flat quadrangles are merged: the two quadrangles at a segment bend it alike.
-    FaceVertices::OfQuad between;
-    if (has_several_sheets(corners)) {
-      std::array<std::size_t, 4> cells{};
-      for (std::size_t n = 0; n < 4; ++n) cells[n] = corners[n].position;
-      if (bends_.find(edge, cells, shape.positions_mm, between)) {
-        add_fan(c, between, plane.reversed, edge);
-        return;
-      }
-    }
-    const bool flat = is_flat(shape, plane.axis);
-    if (flat && is_rectangle(shape, plane.axis)) {
+    if (several_sheets && add_bent(corners, c, plane.reversed, edge)) return;
+    const bool flat = is_flat(*positions_, *normals_, c, plane.axis);
+    if (flat && is_rectangle(*positions_, c, plane.axis)) {
       flat_.add(plane, u, v, c, QuadSplit::kFirst);
       return;
     }
-    std::array<Vec3, 4> beside;
-    for (std::size_t n = 0; n < 4; ++n) {
-      beside[n] = placement_.beside_edge(edge, shape.positions_mm[n]);
-    }
-    const bool second = !flat && prefers_other_diagonal(shape, plane.reversed);
-    const QuadSplit split =
-        split_within_envelope(beside, flat, second ? QuadSplit::kSecond : QuadSplit::kFirst);
+    const QuadSplit split = split_of(c, plane.reversed, flat, edge);
     if (split == QuadSplit::kFan) {
-      add_fan(c, between, plane.reversed, edge);
+      add_fan(c, {}, plane.reversed, edge);
       return;
     }
     if (flat) {
@@ -191,32 +181,47 @@ class TileMesher {
     indices_->insert(indices_->end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
   }
 
-  bool has_several_sheets(const Corners& corners) const {
-    return std::ranges::any_of(
-        corners, [&](const Corner& c) { return cells_.sheets(c.position).count > 1; });
+  /// Adds a quadrangle with vertices between its corners. Returns false if it has none.
+  bool add_bent(const Corners& corners, const QuadCorners& c, bool reversed,
+                const LatticeEdge& edge) {
+    std::array<std::size_t, 4> cells{};
+    FaceVertices::Corners positions;
+    for (std::size_t n = 0; n < 4; ++n) {
+      cells[n] = corners[n].position;
+      positions[n] = (*positions_)[c[n]];
+    }
+    FaceVertices::OfQuad between;
+    if (!bends_.find(edge, cells, positions, between)) return false;
+    add_fan(c, between, reversed, edge);
+    return true;
   }
 
-  QuadShape shape_of(const std::array<std::uint32_t, 4>& c) const {
+  QuadSplit split_of(const QuadCorners& c, bool reversed, bool flat,
+                     const LatticeEdge& edge) const {
     QuadShape shape;
+    std::array<Vec3, 4> beside;
     for (std::size_t n = 0; n < 4; ++n) {
       shape.positions_mm[n] = (*positions_)[c[n]];
       shape.normals[n] = (*normals_)[c[n]];
       shape.sharp |= sharp_[c[n]];
+      beside[n] = placement_.beside_edge(edge, shape.positions_mm[n]);
     }
-    return shape;
+    const bool second = !flat && prefers_other_diagonal(shape, reversed);
+    return split_within_envelope(beside, flat, second ? QuadSplit::kSecond : QuadSplit::kFirst);
   }
 
   /// Adds a quadrangle as a fan about a vertex on its edge.
-  void add_fan(const std::array<std::uint32_t, 4>& c, const FaceVertices::OfQuad& between,
-               bool reversed, const LatticeEdge& edge) {
-    std::vector<std::uint32_t> rim;
+  void add_fan(const QuadCorners& c, const FaceVertices::OfQuad& between, bool reversed,
+               const LatticeEdge& edge) {
+    std::array<std::uint32_t, 8> rim{};
+    std::size_t count = 0;
     for (std::size_t n = 0; n < 4; ++n) {
-      rim.push_back(c[n]);
-      if (between[n]) rim.push_back(add_vertex(*between[n], 0));
+      rim[count++] = c[n];
+      if (between[n]) rim[count++] = add_vertex(*between[n], 0);
     }
     const std::uint32_t center = add_vertex(placement_.place_on_edge(edge), 0);
-    for (std::size_t n = 0; n < rim.size(); ++n) {
-      const std::uint32_t a = rim[n], b = rim[(n + 1) % rim.size()];
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::uint32_t a = rim[n], b = rim[(n + 1) % count];
       indices_->insert(indices_->end(), {center, reversed ? b : a, reversed ? a : b});
     }
   }
@@ -237,9 +242,10 @@ class TileMesher {
   }
 
   /// Returns the mesh vertex of a cell for an edge, and creates it on first use, so that the mesh
-  /// contains no unused vertex.
-  std::uint32_t vertex_of(const Corner& corner) {
+  /// contains no unused vertex. Sets `several_sheets` if the cell has more than one.
+  std::uint32_t vertex_of(const Corner& corner, bool& several_sheets) {
     std::uint32_t& entry = vertex_[corner.position];
+    if (entry < kSplit) return entry;
     const CellSheets& sheets = cells_.sheets(corner.position);
     if (entry == kNoVertex) {
       for (std::uint8_t sheet = 0; sheet < sheets.count; ++sheet) {
@@ -249,7 +255,7 @@ class TileMesher {
       }
       entry = kSplit | static_cast<std::uint32_t>(split_.size() - sheets.count);
     }
-    if ((entry & kSplit) == 0) return entry;
+    several_sheets |= sheets.count > 1;
     const std::uint8_t sheet = sheets.of_edge[corner.edge];
     assert(sheet != kNoSheet);
     SplitVertex& split = split_[(entry & ~kSplit) + sheet];

@@ -66,7 +66,9 @@ std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& c
 }
 
 VertexPlacement::VertexPlacement(const SolidSnapshot& solid, const ColumnWindow& window)
-    : window_(window), guess_(window, solid.fields.front().stock()) {
+    : window_(window),
+      guess_(window, solid.fields.front().stock()),
+      steps_per_mm_(1 / window.grid().pitch_mm) {
   seen_->resize(kEdgesSeen);
   if (solid.fields.size() == 3) rays_.emplace(solid);
   const DexelGrid& grid = window.grid();
@@ -192,10 +194,9 @@ SurfaceVertex VertexPlacement::place_on_edge(const LatticeEdge& edge) {
 
 std::array<double, 3> VertexPlacement::from_sample(const LatticeSample& sample,
                                                    const std::array<float, 3>& position_mm) const {
-  const double steps = 1 / window_.grid().pitch_mm;
-  return {double(position_mm[0]) * steps - 0.5 - sample[0],
-          double(position_mm[1]) * steps - 0.5 - sample[1],
-          double(position_mm[2]) * steps - window_.level_zero() - sample[2]};
+  return {double(position_mm[0]) * steps_per_mm_ - 0.5 - sample[0],
+          double(position_mm[1]) * steps_per_mm_ - 0.5 - sample[1],
+          double(position_mm[2]) * steps_per_mm_ - window_.level_zero() - sample[2]};
 }
 
 Vec3 VertexPlacement::beside_edge(const LatticeEdge& edge,
@@ -238,12 +239,13 @@ Vec3 VertexPlacement::mean_on_edges() const {
   return sum * (1 / double(found_.count));
 }
 
-/// Returns whether a cell, or the one above it, has several sheets: then its upper side may have
-/// vertices of its own, and a vertex of the cell stays below it.
+/// Returns whether a cell has several sheets, or the one above it has or may have after a flip:
+/// then its upper side may have vertices of its own, and a vertex of the cell stays below it.
 bool VertexPlacement::meets_sheets(const LatticeCell& cell, const CellSheets& sheets) const {
   if (sheets.count > 1) return true;
-  const LatticeCell above{cell.x, cell.y, cell.layer + 1};
-  return sheets_of(cell_configuration(window_, above)).count > 1;
+  const CellSheets& above =
+      sheets_of(cell_configuration(window_, {cell.x, cell.y, cell.layer + 1}));
+  return above.count > 1 || above.doubled_face >= 0;
 }
 
 SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, const CellSheets& sheets,

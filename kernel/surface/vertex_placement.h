@@ -91,6 +91,7 @@ class VertexPlacement {
   LevelGuess guess_;
   bool is_box_;                  ///< whether the stock is a box
   Vec3 stock_low_, stock_high_;  ///< in pitches
+  double steps_per_mm_;
   double margin_, margin_below_;
   Crossings found_;         ///< of the sheet being placed
   Scratch<SeenEdge> seen_;  ///< by a hash of the edge; a newer entry replaces an older one
