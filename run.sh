@@ -25,7 +25,7 @@ usage: ./run.sh [--port N] [--listen ADDR] [--data DIR] [--no-demo] [--build-onl
   --data DIR     folder of the sessions. Default: with the demo a temporary folder, removed at the end;
                  with --no-demo ~/.local/share/kerf
   --no-demo      start the server only
-  --build-only   install and build, start nothing
+  --build-only   install, build kerf-carve too, start nothing
 Ctrl-C ends all programs that this script started.
 TXT
 }
@@ -46,11 +46,13 @@ parse_options() {
 }
 
 build() {
-  local tests=ON
+  local tests=ON programs=(kerf-server)
   if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # test.sh installs the packages that only tests need
   install_sections build run
   build_web
-  build_cpp release -DKERF_TESTS=$tests -- kerf-server kerf-agent kerf-carve kerf-demo
+  if $DEMO; then programs+=(kerf-agent kerf-demo); fi
+  if $BUILD_ONLY; then programs=(kerf-server kerf-agent kerf-demo kerf-carve); fi
+  build_cpp release -DKERF_TESTS=$tests -- "${programs[@]}"
 }
 
 program() { echo "$KERF_ROOT/build/release/bin/$1"; }
