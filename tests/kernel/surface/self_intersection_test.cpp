@@ -79,6 +79,39 @@ TEST(SelfIntersection, RandomCarvingsHaveNone) {
   }
 }
 
+/// Two slots of a flat tool that leave, at one end of a flat quadrangle, a cell with several sheets
+/// where the segment to the next cell is bent.
+TEST(SelfIntersection, FlatQuadranglesBendWithTheirNeighbors) {
+  struct Slot {
+    Vec3 axis, from, to;
+  };
+  struct Case {
+    Rays rays;
+    std::array<Slot, 2> slots;
+  };
+  const std::array<Case, 2> cases{{{Rays::kDexel,
+                                    {{{{0, -1, 0}, {1.5, 0.25, 2.25}, {3.75, 3.5, 0.25}},
+                                      {{1, 0, 0}, {0.75, 3, 3}, {1.5, 4.5, 1}}}}},
+                                   {Rays::kTriDexel,
+                                    {{{{1, 0, 0}, {6, 6, 2.75}, {5, 3, 2.75}},
+                                      {{0, 0, -1}, {5, 6, 1.75}, {2.75, 5.25, 2.75}}}}}}};
+  for (const auto& [rays, slots] : cases) {
+    SCOPED_TRACE(to_string(rays));
+    SculptureSettings settings;
+    settings.stock = BoxStock{{0, 0, 0}, {6, 6, 4}};
+    settings.pitch_mm = 1;
+    settings.rays = rays;
+    auto sculpture = *Sculpture::create(settings);
+    sculpture.apply(DefineTool{1, *make_tool(FlatShape{1.5, 9})}).value();
+    for (const auto& [axis, from, to] : slots) {
+      sculpture.apply(MoveTool{1, {from, axis}, {to, axis}, 0.01, false}).value();
+    }
+    const auto meshes = test::mesh_all(sculpture.solid());
+    EXPECT_EQ(test::check_mesh(meshes).open_edges, 0U);
+    expect_none(test::count_self_intersections(meshes, 2));
+  }
+}
+
 TEST(SelfIntersection, StandardJobsHaveNone) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     for (const bool five_axis : {false, true}) {
