@@ -14,8 +14,12 @@ constexpr double kSqrt2 = 1.4142135623730952;
 /// Distance from the first column of a block or a tile to its center, in pitches.
 constexpr double kBlockMiddle = (kBlockSide - 1) / 2.0, kTileMiddle = (kTileSide - 1) / 2.0;
 
+/// A lower end is rounded to the nearest quantum, so one that is less than half a quantum below the
+/// top removes nothing. The rest of the half is for the rounding of bounds.
+constexpr double kNothingBelowQuanta = 0.4375;
+
 KERF_INLINE Lanes below_which(const DexelGrid& grid, Lanes tops) {
-  return grid.origin_mm.z + tops * grid.z_quantum_mm + grid.z_quantum_mm;
+  return grid.origin_mm.z + (tops - kNothingBelowQuanta) * grid.z_quantum_mm;
 }
 KERF_INLINE Lanes x_of(const DexelGrid& grid, Lanes i) {
   return grid.origin_mm.x + (i + 0.5) * grid.pitch_mm;

@@ -9,7 +9,7 @@ namespace kerf {
 
 // Positions of tiles, blocks and rows of columns, eight at a time: discs of the plane that enclose
 // their columns, and for each disc the height `reached_below` (mm) that a sweep must reach below to
-// change any stock there, which is one depth quantum above the stock's top.
+// change any stock there, which is almost half a depth quantum below the stock's top.
 
 /// Places eight neighboring tiles of a row. `first` is the one with the least x.
 void place_tiles(const DexelGrid& grid, TileIndex first, Discs& discs, Lanes& reached_below);

@@ -55,6 +55,10 @@ inline constexpr double kHiddenDiscShare = 1e-12;
 /// level one. Owner: sweep/shadow. If it grows, only time is lost; at 0 the plane's normal is 0/0.
 inline constexpr double kPlaneLean2 = 1e-4;
 
+/// mm. Bounds below a turning tool are taken at so many poses (up to five) that it leaves them by
+/// less in between. Owner: sweep/underside. If it grows, bounds are lower, and time is lost.
+inline constexpr double kUndersideSlackMm = 1e-3;
+
 /// Dimensionless. Smaller components of the axis along the rays are replaced by it, so that a ray
 /// at right angles to the axis crosses the planes of the discs at a finite, huge distance. Owner:
 /// sweep/slice_meeting. If it grows by orders of magnitude, discs end rays that never cross them.
@@ -147,6 +151,11 @@ inline constexpr double kMeanWeight = 3e-4;
 /// Dimensionless. Sines below which both diagonals of a quadrangle fit the surface equally well.
 /// Owner: surface/tile_mesh. If it grows, the shorter diagonal is taken against the surface.
 inline constexpr double kFitEpsilon = 1e-4;
+
+/// Pitches. A flat floor may pass the end of its lattice edge by this, so that rounding does not
+/// split floors at a sample's height; other triangles stay this far from the end. Owner:
+/// surface/quad_split. If it grows, triangles of neighboring edges may intersect.
+inline constexpr double kEnvelopeSlack = 1e-9;
 
 /// Dimensionless. A sum of unit normals shorter than this has no direction.
 /// Owner: surface/vertex_placement. If it grows, thin walls are shaded upright.

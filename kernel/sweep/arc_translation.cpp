@@ -66,7 +66,7 @@ KERF_FOR_EACH_TARGET(void, evaluate_arc_surfaces,
 ArcTranslation::ArcTranslation(const ArcPiece& p, const ToolPose& from, const ToolPose& to)
     : surfaces_(make_surfaces(p, from, to)),
       rectangles_(rectangles_of(p, surfaces_, from, to)),
-      shadow_(enclosing_frustum(p), {from, to}, kEdgeEpsilonMm) {}
+      shadow_(p, {from, to}, kEdgeEpsilonMm) {}
 
 void ArcTranslation::evaluate(ColumnBlock& block) const {
   evaluate_arc_surfaces(surfaces_, rectangles_, block);

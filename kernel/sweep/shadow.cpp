@@ -45,8 +45,8 @@ KERF_INLINE void bound_discs_in_lanes(const Discs& d, const Lanes& support_lo,
     reached &= (at + d.reach_mm >= support_lo[i]) & (at - d.reach_mm <= support_hi[i]);
   }
   const Lanes on_plane = at_origin + d.x_mm * by_x + d.y_mm * by_y - steepness * d.reach_mm;
-  const Lanes bound = greater(on_plane, Lanes(lowest));
-  z = select(reached & (bound < z), bound, z);
+  const Lanes none = std::numeric_limits<double>::infinity();
+  z = select(reached, greater(on_plane, Lanes(lowest)), none);
 }
 KERF_FOR_EACH_TARGET(void, bound_discs,
                      (const Discs& d, const Lanes& support_lo, const Lanes& support_hi,
@@ -54,9 +54,14 @@ KERF_FOR_EACH_TARGET(void, bound_discs,
                       Lanes& z),
                      (d, support_lo, support_hi, lowest, at_origin, by_x, by_y, steepness, z))
 
+KERF_INLINE void keep_lower_in_lanes(const Lanes& a, Lanes& b) { b = lesser(a, b); }
+KERF_FOR_EACH_TARGET(void, keep_lower, (const Lanes& a, Lanes& b), (a, b))
+
 }  // namespace
 
-Shadow::Shadow(const FrustumPiece& e, const std::vector<ToolPose>& poses, double margin_mm) {
+Shadow::Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, double margin_mm)
+    : underside_(slice, poses.front(), poses.back()) {
+  const FrustumPiece e = enclosing_frustum(slice);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   support_lo_ = Lanes(kInfinity);
   support_hi_ = Lanes(-kInfinity);
@@ -93,18 +98,18 @@ Shadow::Shadow(const FrustumPiece& e, const std::vector<ToolPose>& poses, double
 }
 
 void Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Lanes z = trail_ ? Lanes(kInfinity) : z_mm;
+  const Lanes none = Lanes(std::numeric_limits<double>::infinity());
+  Lanes z;
   bound_discs(discs, support_lo_, support_hi_, bounds_.min_mm.z, plane_.at_origin_mm, plane_.by_x,
               plane_.by_y, plane_.steepness, z);
+  if (lanes_below(z, none) == 0) return;
+  underside_.raise(discs, z);
   if (trail_) {
-    if (lanes_below(z, Lanes(kInfinity)) == 0) return;
     for (unsigned behind = trail_->behind(discs); behind != 0; behind &= behind - 1) {
-      z.set(std::countr_zero(behind), kInfinity);
+      z.set(std::countr_zero(behind), std::numeric_limits<double>::infinity());
     }
-    z = lesser(z, z_mm);
   }
-  z_mm = z;
+  keep_lower(z, z_mm);
 }
 
 }  // namespace kerf

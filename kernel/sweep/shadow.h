@@ -4,19 +4,20 @@
 #include <optional>
 #include <vector>
 
-#include "kernel/piece/frustum.h"
+#include "kernel/piece/tool_piece.h"
 #include "kernel/sweep/column_block.h"
 #include "kernel/sweep/trail.h"
+#include "kernel/sweep/underside.h"
 #include "kernel/tool/tool_pose.h"
 
 namespace kerf {
 
-/// Bounds of a piece at several poses: its outline in the XY plane, and a plane below it. Parts of
-/// the stock outside of them cannot be changed by the piece. Both are enlarged by `margin_mm`, the
-/// distance by which the piece may leave the hull of its poses in between.
+/// Bounds of a slice at several poses of a motion: its outline in the XY plane, and planes below
+/// it. Parts of the stock outside of them cannot be changed by the slice. The outline is enlarged
+/// by `margin_mm`, the distance by which the slice may leave the hull of its poses in between.
 class Shadow {
  public:
-  Shadow(const FrustumPiece& envelope, const std::vector<ToolPose>& poses, double margin_mm);
+  Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, double margin_mm);
 
   /// Call this if the piece at its first pose has been removed from the stock already: then the
   /// region behind the piece is excluded too.
@@ -33,6 +34,7 @@ class Shadow {
   struct Plane {
     double at_origin_mm, by_x, by_y, steepness;
   } plane_;
+  Underside underside_;
   std::optional<Trail> trail_;
 };
 

@@ -170,13 +170,11 @@ SweptPiece sweep_slice(const ToolPiece& piece, ShownDiscs shown, const PiecePlan
     if (settings.start_is_cut) sweep.set_trail(Trail(piece, m.from, m.to, shown));
     return sweep;
   };
+  if (m.turn_rad > 0) return trailing(TurningSweep(piece, m.from, m.to, search));
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    if (!(m.turn_rad > 0)) return trailing(FrustumTranslation(*f, m.from, m.to));
-    return trailing(TurningSweep(ConeSide(*f), *f, m.from, m.to, search));
+    return trailing(FrustumTranslation(*f, m.from, m.to));
   }
-  const auto& arc = std::get<ArcPiece>(piece);
-  if (!(m.turn_rad > 0)) return trailing(ArcTranslation(arc, m.from, m.to));
-  return trailing(TurningSweep(ArcSide(arc), enclosing_frustum(piece), m.from, m.to, search));
+  return trailing(ArcTranslation(std::get<ArcPiece>(piece), m.from, m.to));
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,

@@ -9,13 +9,12 @@
 namespace kerf {
 namespace {
 
-/// Distance from the tip within which all of the envelope lies.
-double upper_reach(const FrustumPiece& e) {
-  const double radius = extent(e).radius_mm;
-  return std::sqrt(e.z1_mm * e.z1_mm + radius * radius);
+/// Distance from the tip within which all of the slice lies.
+double upper_reach(const Extent& e) {
+  return std::sqrt(e.z1_mm * e.z1_mm + e.radius_mm * e.radius_mm);
 }
 
-SlicePath make_path(const FrustumPiece& e, const ToolPose& from, const ToolPose& to,
+SlicePath make_path(const Extent& e, const ToolPose& from, const ToolPose& to,
                     const SliceSearch& search) {
   const TurningFrame frame(from, to);
   const double reach = upper_reach(e);
@@ -35,21 +34,25 @@ std::vector<ToolPose> stations(const SlicePath& path, const ToolPose& from, cons
   return poses;
 }
 
-/// Returns the greatest distance of a point of the envelope from the chord between two stations.
-double bulge(const SlicePath& path, const FrustumPiece& e) {
+/// Returns the greatest distance of a point of the slice from the chord between two stations.
+double bulge(const SlicePath& path, const Extent& e) {
   const double reach = upper_reach(e);
   const double turn = path.frame.turn / path.search.parts;
   return reach * turn * turn / 8 + kEdgeEpsilonMm;
 }
 
+std::variant<ConeSide, ArcSide> side_of(const ToolPiece& slice) {
+  if (const auto* arc = std::get_if<ArcPiece>(&slice)) return ArcSide(*arc);
+  return ConeSide(std::get<FrustumPiece>(slice));
+}
+
 }  // namespace
 
-TurningSweep::TurningSweep(const std::variant<ConeSide, ArcSide>& side,
-                           const FrustumPiece& envelope, const ToolPose& from, const ToolPose& to,
+TurningSweep::TurningSweep(const ToolPiece& slice, const ToolPose& from, const ToolPose& to,
                            const SliceSearch& search)
-    : side_(side),
-      path_(make_path(envelope, from, to, search)),
-      shadow_(envelope, stations(path_, from, to), bulge(path_, envelope)) {
+    : side_(side_of(slice)),
+      path_(make_path(extent(slice), from, to, search)),
+      shadow_(slice, stations(path_, from, to), bulge(path_, extent(slice))) {
   path_.lowest_mm = shadow_.bounds().min_mm.z - path_.frame.tip.z;
 }
 

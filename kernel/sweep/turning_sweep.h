@@ -16,8 +16,9 @@ namespace kerf {
 /// "The tight model").
 class TurningSweep {
  public:
-  TurningSweep(const std::variant<ConeSide, ArcSide>& side, const FrustumPiece& envelope,
-               const ToolPose& from, const ToolPose& to, const SliceSearch& search);
+  /// `slice` is a frustum or an arc.
+  TurningSweep(const ToolPiece& slice, const ToolPose& from, const ToolPose& to,
+               const SliceSearch& search);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }

@@ -44,6 +44,21 @@ TEST(Cut, ShortensTheTop) {
   EXPECT_EQ(c[0].bottom, 0);
 }
 
+TEST(Cut, RoundsEndsToTheNearestQuantumWhereNextToNothingIsLeftToRemove) {
+  Sculpture s = block();
+  const double quantum = s.grid().z_quantum_mm;
+  const auto top_after = [&](double below_17_quanta) {
+    const Vec3 tip{20, 20, 17 - below_17_quanta * quantum};
+    s.apply(MoveTool{1, {tip, kUp}, {tip + Vec3{1, 0, 0}, kUp}, 0}).value();
+    return s.grid().z_mm(column_at(s, 20.1, 20.1)[0].top);
+  };
+  EXPECT_DOUBLE_EQ(top_after(0), 17);
+  EXPECT_DOUBLE_EQ(top_after(0.4), 17);
+  EXPECT_DOUBLE_EQ(top_after(0.6), 17 - quantum);
+  EXPECT_DOUBLE_EQ(top_after(1.4), 17 - quantum);
+  EXPECT_DOUBLE_EQ(top_after(1.6), 17 - 2 * quantum);
+}
+
 TEST(Cut, ShortensTheBottom) {
   Sculpture s = block();
   s.apply(stand(1, {20, 20, -2})).value();
