@@ -44,7 +44,9 @@ Json tip_extents(const Program& program) {
 
 Json simplified_json(const SurfaceReport& surface) {
   if (!surface.exact_triangles) return nullptr;
-  return {{"exact_triangles", *surface.exact_triangles}, {"error_mm", *surface.simplify_error_mm}};
+  return {{"exact_triangles", *surface.exact_triangles},
+          {"error_mm", *surface.simplify_error_mm},
+          {"crossing_triangles", surface.crossing_triangles}};
 }
 
 Json deviation_json(const SurfaceReport& surface) {

@@ -62,6 +62,7 @@ std::expected<std::unique_ptr<CarvedSurface>, std::string> CarvedSurface::make(
     if (!simplified) return std::unexpected(simplified.error().reason);
     report.exact_triangles = simplified->original_triangles;
     report.simplify_error_mm = simplified->error_mm;
+    report.crossing_triangles = simplified->crossing_triangles;
     surface->simplified_ = std::move(simplified->mesh);
   }
   if (reference != nullptr) {

@@ -35,6 +35,7 @@ struct SurfaceRequest {
 struct SurfaceReport {
   std::optional<std::uint64_t> exact_triangles;  ///< before simplification
   std::optional<double> simplify_error_mm;
+  std::size_t crossing_triangles = 0;  ///< after simplification (simplify_mesh.h)
   std::optional<DistanceFigures> deviation;
   double range_mm = 0;  ///< of the colors
 };

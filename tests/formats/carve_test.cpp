@@ -55,6 +55,7 @@ TEST_F(KerfCarve, SimplifiesAndMeasuresAgainstAReference) {
   EXPECT_TRUE(exact["deviation"].is_null());
   const auto json = report(kInput + " --pitch 0.2 --max-error 0.05 --stl s.stl --3mf s.3mf");
   EXPECT_EQ(json["simplified"]["exact_triangles"], exact["triangles"]);
+  EXPECT_EQ(json["simplified"]["crossing_triangles"], 0);
   EXPECT_LT(json["triangles"], exact["triangles"]);
   EXPECT_LE(json["simplified"]["error_mm"], 0.05);
   const auto map =

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "server/formats/model/mesh_crossings.h"
 #include "server/formats/model/mesh_distance.h"
 #include "server/formats/number_text.h"
 
@@ -74,24 +75,33 @@ class Simplifier {
     double bound_mm = request.error_mm.value_or(kNoBound);
     double estimate_mm =
         bound_mm;  // limit of meshoptimizer's estimate, which is a mean and not a maximum
-    std::optional<SimplifiedMesh> best;
+    std::optional<SimplifiedMesh> best, crossed;
     int rounds = request.error_mm ? kRoundsMax : kBudgetRounds;
     for (int round = 0; round < rounds; ++round) {
       if (stop.stop_requested()) return std::unexpected(ModelError{"stopped"});
       if (progress) progress(round / double(rounds));
-      IndexedMesh result{exact_.origin_mm, exact_.positions_mm, collapse(target, estimate_mm)};
-      const EdgeReport edges = check_edges(result.triangles);
-      const bool closed = edges.closed_manifold() && !result.triangles.empty();
-      Measured measured = measure(result, bound_mm);
+      const IndexedMesh result{exact_.origin_mm, exact_.positions_mm,
+                               collapse(target, estimate_mm)};
+      const Faults faults = find_faults(result);
       const bool within = request.triangles.value_or(SIZE_MAX) >= result.triangles.size();
-      if (closed && request.error_mm && measured.error_mm <= bound_mm)
-        return SimplifiedMesh{compact(result), 0, measured.error_mm};
-      if (closed && !request.error_mm && (within || !best)) {
+      if (faults.closed && !faults.none() && within && !request.error_mm &&
+          (!crossed || faults.crossing.size() < crossed->crossing_triangles)) {
+        crossed = SimplifiedMesh{compact(result), 0, 0, faults.crossing.size()};
+      }
+      if (crossed && !within) break;  // what is kept exceeds the number of triangles
+      // Otherwise only the places beyond a bound count.
+      Measured measured;
+      if (faults.none() || bound_mm < kNoBound || result.triangles.empty()) {
+        measured = measure(result, bound_mm);
+      }
+      if (faults.none() && request.error_mm && measured.error_mm <= bound_mm)
+        return SimplifiedMesh{compact(result), 0, measured.error_mm, 0};
+      if (faults.none() && !request.error_mm && (within || !best)) {
         if (!best || measured.error_mm < best->error_mm)
-          best = SimplifiedMesh{compact(result), 0, measured.error_mm};
+          best = SimplifiedMesh{compact(result), 0, measured.error_mm, 0};
         bound_mm = measured.error_mm / 2;
         measured = measure(result, bound_mm);
-      } else if (!closed) {
+      } else if (!faults.none()) {
         rounds = kRoundsMax;
       }
       const double spoilt_share =
@@ -101,19 +111,47 @@ class Simplifier {
         estimate_mm /= 2;
         continue;
       }
-      std::vector<bool> spoilt(kept_.size(), false);
-      for (const std::uint32_t v : edges.vertices) spoilt[v] = true;
-      for (const std::uint32_t v : measured.beyond) spoilt[v] = true;
-      for (int ring = 0; ring <= round / 4; ++ring) grow(spoilt);
-      for (std::size_t v = 0; v < kept_.size(); ++v) kept_[v] = kept_[v] || spoilt[v];
+      keep_around(result, faults, measured.beyond, 1 + round / 4);
     }
     if (best) return *std::move(best);
-    if (request.error_mm) return SimplifiedMesh{exact_, 0, 0};
+    if (crossed) {
+      crossed->error_mm = measure(crossed->mesh, kNoBound).error_mm;
+      return *std::move(crossed);
+    }
+    if (request.error_mm) return SimplifiedMesh{exact_, 0, 0, 0};
     return std::unexpected(
         ModelError{"the surface cannot be simplified that far and stay a closed manifold"});
   }
 
  private:
+  /// What makes a result invalid.
+  struct Faults {
+    bool closed = false;                  ///< a closed manifold with triangles
+    std::vector<std::uint32_t> at_edges;  ///< vertices where it is none
+    std::vector<std::uint32_t> crossing;  ///< triangles; not searched where it is none
+    bool none() const { return closed && crossing.empty(); }
+  };
+  static Faults find_faults(const IndexedMesh& result) {
+    EdgeReport edges = check_edges(result.triangles);
+    Faults faults{
+        edges.closed_manifold() && !result.triangles.empty(), std::move(edges.vertices), {}};
+    if (faults.closed) faults.crossing = crossing_triangles(result);
+    return faults;
+  }
+
+  /// Keeps the exact surface around faults and the vertices beyond a bound.
+  void keep_around(const IndexedMesh& result, const Faults& faults,
+                   const std::vector<std::uint32_t>& beyond, int rings) {
+    std::vector<bool> spoilt(kept_.size(), false);
+    for (const std::uint32_t v : faults.at_edges) spoilt[v] = true;
+    for (const std::uint32_t t : faults.crossing) {
+      for (const std::uint32_t v : result.triangles[t]) spoilt[v] = true;
+    }
+    for (const std::uint32_t v : beyond) spoilt[v] = true;
+    for (int ring = 0; ring < rings; ++ring) grow(spoilt);
+    for (std::size_t v = 0; v < kept_.size(); ++v) kept_[v] = kept_[v] || spoilt[v];
+  }
+
   void grow(std::vector<bool>& vertices) const {
     const std::vector<bool> before = vertices;
     for (const Triangle& t : exact_.triangles) {
@@ -216,7 +254,7 @@ std::expected<SimplifiedMesh, ModelError> simplify_mesh(MeshSource& source,
                                                         const std::stop_token& stop) {
   const IndexedMesh exact = collect_mesh(source, stop);
   if (stop.stop_requested()) return std::unexpected(ModelError{"stopped"});
-  if (exact.triangles.empty()) return SimplifiedMesh{exact, 0, 0};
+  if (exact.triangles.empty()) return SimplifiedMesh{exact, 0, 0, 0};
   auto simplified = Simplifier(exact).run(request, progress, stop);
   if (!simplified) return simplified;
   simplified->original_triangles = exact.triangles.size();

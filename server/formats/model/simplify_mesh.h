@@ -23,14 +23,19 @@ struct SimplifiedMesh {
   /// Greatest measured distance of a vertex of the exact surface from the simplified one, or of a
   /// corner, edge midpoint or centroid of the simplified surface from the exact one.
   double error_mm = 0;
+  /// Triangles that meet others elsewhere than in common corners and edges, or have no area. Not 0
+  /// only if the number of triangles requested is too small for a result without.
+  std::size_t crossing_triangles = 0;
 };
 
 /// Reduces the number of triangles by collapsing edges in order of least error (meshoptimizer,
 /// after Garland, Heckbert, Surface simplification using quadric error metrics, 1997). The result
 /// stays closed and 2-manifold: where a collapse would make more than two triangles share an edge,
-/// the surface around it is kept. Needs about 200 bytes per triangle of the source. Returns an
-/// error if the limits cannot be met, with the smallest number of triangles reached, and if a stop
-/// was requested; one call of meshoptimizer is not divided.
+/// the surface around it is kept; likewise where triangles would cross (mesh_crossings.h), unless
+/// that exceeds the number of triangles: then the result with fewest crossings is returned. Needs
+/// about 200 bytes per triangle of the source. Returns an error if the limits cannot be met, with
+/// the smallest number of triangles reached, and if a stop was requested; one call of meshoptimizer
+/// is not divided.
 std::expected<SimplifiedMesh, ModelError> simplify_mesh(MeshSource& source,
                                                         const SimplifyRequest& request,
                                                         const ModelProgress& progress = {},

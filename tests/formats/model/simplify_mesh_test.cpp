@@ -7,6 +7,7 @@
 
 #include "server/formats/model/mesh_distance.h"
 #include "tests/support/carvings.h"
+#include "tests/support/self_intersection.h"
 
 namespace kerf {
 namespace {
@@ -76,6 +77,15 @@ double greatest_distance(const IndexedMesh& from, const IndexedMesh& to, std::mt
   return greatest;
 }
 
+/// Counts with predicates that share no code with the simplification's.
+std::size_t count_crossing(const IndexedMesh& mesh) {
+  TileMesh all;
+  all.positions_mm = mesh.positions_mm;
+  for (const auto& t : mesh.triangles) all.indices.insert(all.indices.end(), t.begin(), t.end());
+  const auto found = test::count_self_intersections({all}, 1);
+  return found.crossed + found.zero_area;
+}
+
 TEST(CheckEdges, CountsOpenAndRepeatedEdges) {
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
   const Triangles tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
@@ -105,6 +115,9 @@ TEST(SimplifyMesh, KeepsTheBudgetAndStaysAClosedManifold) {
       EXPECT_LE(result->mesh.triangles.size(), budget);
       EXPECT_GE(result->mesh.triangles.size(), budget * 9 / 10);
       EXPECT_TRUE(check_edges(result->mesh.triangles).closed_manifold()) << seed << " " << share;
+      EXPECT_EQ(count_crossing(result->mesh), result->crossing_triangles);
+      // A twentieth is too few for the thin walls.
+      EXPECT_LE(result->crossing_triangles, share < 0.1 ? 12U : 0U) << seed << " " << share;
     }
   }
 }
@@ -119,6 +132,7 @@ TEST(SimplifyMesh, KeepsTheErrorBoundAndReportsTheError) {
       EXPECT_LE(result->error_mm, bound_mm);
       EXPECT_LT(result->mesh.triangles.size(), exact.triangles.size() * 9 / 10);
       EXPECT_TRUE(check_edges(result->mesh.triangles).closed_manifold());
+      EXPECT_EQ(count_crossing(result->mesh), 0U);
       EXPECT_NEAR(volume(result->mesh), volume(exact), 0.05 * volume(exact));
       EXPECT_LE(greatest_distance(exact, result->mesh, random), bound_mm);
       EXPECT_LE(greatest_distance(result->mesh, exact, random), bound_mm);

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/formats/model/indexed_mesh.h"
+
+namespace kerf {
+
+/// Returns the triangles of a mesh that meet another one elsewhere than in common corners and
+/// edges, and those without area, by exact predicates on the positions relative to the origin.
+/// Sorted, each once. Triangles are found by a tree of boxes: O(n log n) unless boxes overlap a
+/// lot.
+std::vector<std::uint32_t> crossing_triangles(const IndexedMesh& mesh);
+
+}  // namespace kerf
