@@ -156,6 +156,11 @@ inline constexpr double kMeanWeight = 3e-4;
 /// Owner: surface/tile_mesh. If it grows, the shorter diagonal is taken against the surface.
 inline constexpr double kFitEpsilon = 1e-4;
 
+/// Pitches. A flat floor may pass the end of its lattice edge by this, so that rounding does not
+/// split floors at a sample's height; other triangles stay this far from the end. Owner:
+/// surface/quad_split. If it grows, triangles of neighboring edges may intersect.
+inline constexpr double kEnvelopeSlack = 1e-9;
+
 /// Dimensionless. A sum of unit normals shorter than this has no direction.
 /// Owner: surface/vertex_placement. If it grows, thin walls are shaded upright.
 inline constexpr double kNormalMin = 1e-6;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// Rectangles that save fewer triangles than this are not merged.
 constexpr std::int64_t kSavingMin = 6;
-/// Greatest number of rectangles per plane. The rest is ragged and saves little.
+/// Greatest number of rectangles tried per plane. The rest is ragged and saves little.
 constexpr int kRectanglesMax = 48;
 
 struct Rectangle {
@@ -35,7 +35,9 @@ void append_triangle(std::vector<std::uint32_t>& indices, bool reversed, std::ui
 /// The quadrangles of one plane, indexed by position.
 class FlatQuads::Grid {
  public:
-  explicit Grid(std::span<const Quad> quads) : quads_(quads) {
+  Grid(std::span<const Quad> quads, const FlatPlane& plane,
+       std::span<const std::array<float, 3>> positions)
+      : quads_(quads), plane_(plane), positions_(positions), merged_(quads.size(), false) {
     first_u_ = last_u_ = quads[0].u;
     first_v_ = last_v_ = quads[0].v;
     for (const Quad& quad : quads) {
@@ -58,23 +60,27 @@ class FlatQuads::Grid {
   }
 
   /// Appends merged rectangles, best first, then the remaining quadrangles.
-  bool append_triangles(bool reversed, std::vector<std::uint32_t>& indices) {
+  bool append_triangles(std::vector<std::uint32_t>& indices) {
     bool joined = false;
     for (int n = 0; n < kRectanglesMax && regular_; ++n) {
       const Rectangle best = best_rectangle();
       if (best.saving() < kSavingMin) break;
-      append_fan(best, reversed, indices);
+      if (leave_out_folds(best)) continue;
+      append_fan(best, indices);
       joined = true;
       for (std::int32_t v = best.v; v < best.v + best.height; ++v) {
-        for (std::int32_t u = best.u; u < best.u + best.width; ++u) taken_or_none(u, v) = kNone;
+        for (std::int32_t u = best.u; u < best.u + best.width; ++u) {
+          merged_[at_[index(u, v)]] = true;
+          at_[index(u, v)] = kNone;
+        }
       }
     }
     for (std::size_t n = 0; n < quads_.size(); ++n) {
-      const Quad& quad = quads_[n];
-      const bool left = at_[index(quad.u - first_u_, quad.v - first_v_)] != kNone;
-      if (regular_ && !left) continue;
-      append_triangle(indices, reversed, quad.corners[0], quad.corners[1], quad.corners[2]);
-      append_triangle(indices, reversed, quad.corners[0], quad.corners[2], quad.corners[3]);
+      if (merged_[n]) continue;
+      auto c = quads_[n].corners;
+      if (quads_[n].split == QuadSplit::kSecond) c = {c[1], c[2], c[3], c[0]};
+      append_triangle(indices, plane_.reversed, c[0], c[1], c[2]);
+      append_triangle(indices, plane_.reversed, c[0], c[2], c[3]);
     }
     return joined;
   }
@@ -84,7 +90,6 @@ class FlatQuads::Grid {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
            static_cast<std::size_t>(u);
   }
-  std::uint32_t& taken_or_none(std::int32_t u, std::int32_t v) { return at_[index(u, v)]; }
   const Quad* quad(std::int32_t u, std::int32_t v) const {
     if (u >= width_ || v >= height_ || at_[index(u, v)] == kNone) return nullptr;
     return &quads_[at_[index(u, v)]];
@@ -129,41 +134,83 @@ class FlatQuads::Grid {
     return best;
   }
 
-  void append_fan(const Rectangle& r, bool reversed, std::vector<std::uint32_t>& indices) const {
-    std::vector<std::uint32_t> rim;
-    const auto corner = [this](std::int32_t u, std::int32_t v, std::size_t n) {
-      return quads_[at_[index(u, v)]].corners[n];
+  /// An edge of a rectangle's rim: its first vertex, and the quadrangle that it belongs to.
+  struct RimEdge {
+    std::uint32_t from;
+    std::size_t place;
+  };
+  std::vector<RimEdge> rim_of(const Rectangle& r) const {
+    std::vector<RimEdge> rim;
+    const auto add = [&](std::int32_t u, std::int32_t v, std::size_t n) {
+      rim.push_back({quads_[at_[index(u, v)]].corners[n], index(u, v)});
     };
     const std::int32_t end_u = r.u + r.width;
     const std::int32_t end_v = r.v + r.height;
-    for (std::int32_t u = r.u; u < end_u; ++u) rim.push_back(corner(u, r.v, 0));
-    for (std::int32_t v = r.v; v < end_v; ++v) rim.push_back(corner(end_u - 1, v, 1));
-    for (std::int32_t u = end_u; u > r.u; --u) rim.push_back(corner(u - 1, end_v - 1, 2));
-    for (std::int32_t v = end_v; v > r.v; --v) rim.push_back(corner(r.u, v - 1, 3));
-    const std::uint32_t center = corner(r.u + r.width / 2, r.v + r.height / 2, 0);
+    for (std::int32_t u = r.u; u < end_u; ++u) add(u, r.v, 0);
+    for (std::int32_t v = r.v; v < end_v; ++v) add(end_u - 1, v, 1);
+    for (std::int32_t u = end_u; u > r.u; --u) add(u - 1, end_v - 1, 2);
+    for (std::int32_t v = end_v; v > r.v; --v) add(r.u, v - 1, 3);
+    return rim;
+  }
+  std::uint32_t center_of(const Rectangle& r) const {
+    return quads_[at_[index(r.u + r.width / 2, r.v + r.height / 2)]].corners[0];
+  }
+
+  /// Takes the quadrangles at which the fan of a rectangle would fold or have no area out of the
+  /// search. Returns whether there are any.
+  bool leave_out_folds(const Rectangle& r) {
+    const std::vector<RimEdge> rim = rim_of(r);
+    const std::uint32_t center = center_of(r);
+    bool any = false;
     for (std::size_t n = 0; n < rim.size(); ++n) {
-      append_triangle(indices, reversed, center, rim[n], rim[(n + 1) % rim.size()]);
+      if (turns_left(center, rim[n].from, rim[(n + 1) % rim.size()].from)) continue;
+      at_[rim[n].place] = kNone;
+      any = true;
+    }
+    return any;
+  }
+
+  /// Returns whether three vertices are counter-clockwise about the axis. Differences of floats of
+  /// similar size are exact in doubles, and equal products round alike, so a triangle without area
+  /// is not.
+  bool turns_left(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const std::size_t u = (plane_.axis + 1U) % 3, v = (plane_.axis + 2U) % 3;
+    const auto &p = positions_[a], &q = positions_[b], &r = positions_[c];
+    return (double(q[u]) - double(p[u])) * (double(r[v]) - double(p[v])) >
+           (double(q[v]) - double(p[v])) * (double(r[u]) - double(p[u]));
+  }
+
+  void append_fan(const Rectangle& r, std::vector<std::uint32_t>& indices) const {
+    const std::vector<RimEdge> rim = rim_of(r);
+    const std::uint32_t center = center_of(r);
+    for (std::size_t n = 0; n < rim.size(); ++n) {
+      append_triangle(indices, plane_.reversed, center, rim[n].from,
+                      rim[(n + 1) % rim.size()].from);
     }
   }
 
   std::span<const Quad> quads_;
+  FlatPlane plane_;
+  std::span<const std::array<float, 3>> positions_;
+  std::vector<bool> merged_;
   std::int32_t first_u_ = 0, last_u_ = 0, first_v_ = 0, last_v_ = 0, width_ = 0, height_ = 0;
-  std::vector<std::uint32_t> at_;  ///< number of the quadrangle at each position
+  std::vector<std::uint32_t> at_;  ///< number of the quadrangle at each position that may be merged
   bool regular_ = true;
 };
 
 void FlatQuads::add(const FlatPlane& plane, std::int32_t u, std::int32_t v,
-                    const std::array<std::uint32_t, 4>& corners) {
+                    const std::array<std::uint32_t, 4>& corners, QuadSplit split) {
   if (last_ == nullptr || plane != last_plane_) {
     const auto number = static_cast<std::uint32_t>(planes_.size());
     last_ = &planes_.emplace(plane, Plane{number}).first->second;
     last_plane_ = plane;
   }
   ++last_->quads;
-  entries_->push_back({last_->number, {u, v, corners}});
+  entries_->push_back({last_->number, {u, v, corners, split}});
 }
 
-bool FlatQuads::append_triangles(std::vector<std::uint32_t>& indices) const {
+bool FlatQuads::append_triangles(std::span<const std::array<float, 3>> positions,
+                                 std::vector<std::uint32_t>& indices) const {
   std::vector<std::size_t> next(planes_.size());
   std::size_t begin = 0;
   for (const auto& [plane, of] : planes_) {
@@ -176,7 +223,7 @@ bool FlatQuads::append_triangles(std::vector<std::uint32_t>& indices) const {
   bool joined = false;
   for (const auto& [plane, of] : planes_) {
     const std::span<const Quad> quads(sorted->data() + next[of.number] - of.quads, of.quads);
-    joined |= Grid(quads).append_triangles(plane.reversed, indices);
+    joined |= Grid(quads, plane, positions).append_triangles(indices);
   }
   return joined;
 }

@@ -5,8 +5,10 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
+#include "kernel/surface/quad_split.h"
 #include "kernel/surface/scratch.h"
 
 namespace kerf {
@@ -26,16 +28,20 @@ struct FlatPlane {
 class FlatQuads {
  public:
   /// Adds a quadrangle of the plane's grid. Corners at (u, v), (u + 1, v), (u + 1, v + 1), (u, v +
-  /// 1), counter-clockwise unless the plane is reversed.
+  /// 1), counter-clockwise unless the plane is reversed. `split`: the diagonal to use where it is
+  /// not merged.
   void add(const FlatPlane& plane, std::int32_t u, std::int32_t v,
-           const std::array<std::uint32_t, 4>& corners);
-  /// Appends the triangles of all quadrangles. Returns whether any vertex became unused.
-  bool append_triangles(std::vector<std::uint32_t>& indices) const;
+           const std::array<std::uint32_t, 4>& corners, QuadSplit split);
+  /// Appends the triangles of all quadrangles. Returns whether any vertex became unused. Rectangles
+  /// whose fan would fold, because vertices of creases bend their rim, are not merged.
+  bool append_triangles(std::span<const std::array<float, 3>> positions,
+                        std::vector<std::uint32_t>& indices) const;
 
  private:
   struct Quad {
     std::int32_t u, v;
     std::array<std::uint32_t, 4> corners;
+    QuadSplit split;
   };
   struct Entry {
     std::uint32_t plane;  ///< number of its plane

@@ -29,18 +29,6 @@ class RunCursor {
 
 }  // namespace
 
-std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell) {
-  unsigned configuration = 0;
-  for (unsigned c = 0; c < 8; ++c) {
-    const auto dx = static_cast<std::int32_t>(c & 1U);
-    const auto dy = static_cast<std::int32_t>(c >> 1 & 1U);
-    const auto dz = static_cast<std::int32_t>(c >> 2);
-    const bool solid = window.solid(cell.x + dx, cell.y + dy, cell.layer - 1 + dz);
-    configuration |= (solid ? 1U : 0U) << c;
-  }
-  return static_cast<std::uint8_t>(configuration);
-}
-
 LatticeCells::LatticeCells(const ColumnWindow& window, std::int32_t first_x, std::int32_t first_y,
                            std::int32_t side, const NextLayer& next_needed)
     : window_(window), first_x_(first_x), first_y_(first_y), side_(side) {

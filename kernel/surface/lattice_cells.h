@@ -12,9 +12,6 @@
 
 namespace kerf {
 
-/// Returns the configuration of a cell (sheet_table.h). The window must hold its four columns.
-std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell);
-
 /// Selects cells between two changes of the columns around them: returns the lowest layer from a
 /// cell's own upwards that is needed.
 using NextLayer = std::function<std::int32_t(const LatticeCell&)>;
@@ -38,6 +35,10 @@ class LatticeCells {
   const CellSheets& sheets(std::size_t position) const {
     return flipped_[position] ? flipped_sheets_of(configuration_[position])
                               : sheets_of(configuration_[position]);
+  }
+  /// Returns the face on which a cell joins solid corners (sheet_table.h), or -1.
+  int flipped_face(std::size_t position) const {
+    return flipped_[position] ? sheets(position).doubled_face : -1;
   }
   std::size_t size() const { return layer_.size(); }
 

@@ -115,7 +115,79 @@ constexpr bool flipping_is_sound() {
 }
 static_assert(flipping_is_sound());
 
+/// Corners of the cell that edges of a sheet end in, as bits.
+constexpr std::array<std::uint8_t, 12> kEdgeEnds{0x03, 0x0c, 0x30, 0xc0, 0x05, 0x0a,
+                                                 0x50, 0xa0, 0x11, 0x22, 0x44, 0x88};
+constexpr unsigned ends_of(std::uint16_t edges) {
+  unsigned corners = 0;
+  for (unsigned e = 0; e < 12; ++e) {
+    if ((edges >> e & 1U) != 0) corners |= kEdgeEnds[e];
+  }
+  return corners;
+}
+
+/// A plane: x normal.x + y normal.y + z normal.z = offset / 2 in pitches from the cell's center.
+struct CellPlane {
+  int x = 0, y = 0, z = 0, offset = 0;
+};
+
+/// Returns the greatest value of a plane's sum over corners, doubled.
+constexpr int greatest(const CellPlane& n, unsigned corners) {
+  int most = -9;
+  for (unsigned c = 0; c < 8; ++c) {
+    if ((corners >> c & 1U) == 0) continue;
+    const int sum = n.x * ((c & 1U) != 0 ? 1 : -1) + n.y * ((c & 2U) != 0 ? 1 : -1) +
+                    n.z * ((c & 4U) != 0 ? 1 : -1);
+    most = most > sum ? most : sum;
+  }
+  return most;
+}
+
+/// Returns a plane with the edges of one sheet on its lower side and those of another on its upper
+/// side; its normal is zero if there is none.
+constexpr CellPlane separating_plane(std::uint16_t lower, std::uint16_t upper) {
+  const unsigned below = ends_of(lower), above = ends_of(upper);
+  for (int n = 0; n < 27; ++n) {
+    CellPlane plane{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1, 0};
+    if (n == 13) continue;  // the zero vector
+    const int low = greatest(plane, below);
+    const int high = -greatest({-plane.x, -plane.y, -plane.z, 0}, above);
+    if (low > high) continue;
+    plane.offset = low;
+    return plane;
+  }
+  return {};
+}
+
+/// Returns whether there is such a plane for any two sheets of any cell.
+constexpr bool sheets_are_separable(const std::array<CellSheets, 256>& table) {
+  for (const CellSheets& cell : table) {
+    for (unsigned s = 0; s < cell.count; ++s) {
+      for (unsigned t = s + 1; t < cell.count; ++t) {
+        const CellPlane plane = separating_plane(cell.edges[s], cell.edges[t]);
+        if (plane.x == 0 && plane.y == 0 && plane.z == 0) return false;
+      }
+    }
+  }
+  return true;
+}
+static_assert(sheets_are_separable(kSheets));
+static_assert(sheets_are_separable(kFlippedSheets));
+
 }  // namespace
+
+bool is_on_own_side(const CellSheets& sheets, std::uint8_t sheet, Vec3 place) {
+  for (std::uint8_t other = 0; other < sheets.count; ++other) {
+    if (other == sheet) continue;
+    const bool below = sheet < other;
+    const CellPlane plane =
+        separating_plane(sheets.edges[below ? sheet : other], sheets.edges[below ? other : sheet]);
+    const double beyond =
+        plane.x * place.x + plane.y * place.y + plane.z * place.z - 0.5 * plane.offset;
+    if (below ? beyond >= 0 : beyond <= 0) return false;
+  }
+  return true;
+}
 
 const CellSheets& sheets_of(std::uint8_t configuration) { return kSheets[configuration]; }
 const CellSheets& flipped_sheets_of(std::uint8_t configuration) {

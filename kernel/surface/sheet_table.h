@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "kernel/math/vec3.h"
+
 // Manifold dual contouring. Based on: G. Nielson, Dual Marching Cubes (2004), and R. Wenger,
 // Isosurfaces (2013), chapter 3. A lattice cell has one vertex for each sheet of the surface that
 // passes through it.
@@ -45,5 +47,11 @@ inline constexpr std::array<CellFace, 6> kCellFaces{{
 /// which joins the solid corners.
 const CellSheets& sheets_of(std::uint8_t configuration);
 const CellSheets& flipped_sheets_of(std::uint8_t configuration);
+
+/// Returns whether a point lies on a sheet's own side of the planes that separate the lattice edges
+/// crossed by it from those crossed by the other sheets of its cell. `place`: in pitches from the
+/// cell's center. Triangles between such points and those edges do not meet other sheets'
+/// triangles.
+bool is_on_own_side(const CellSheets& sheets, std::uint8_t sheet, Vec3 place);
 
 }  // namespace kerf

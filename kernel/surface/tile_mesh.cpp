@@ -3,15 +3,16 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <limits>
 #include <optional>
 
-#include "kernel/math/tolerance.h"
 #include "kernel/surface/column_window.h"
+#include "kernel/surface/face_vertex.h"
 #include "kernel/surface/flat_quads.h"
 #include "kernel/surface/lattice_cells.h"
 #include "kernel/surface/open_patches.h"
+#include "kernel/surface/quad_shape.h"
+#include "kernel/surface/quad_split.h"
 #include "kernel/surface/scratch.h"
 #include "kernel/surface/vertex_placement.h"
 
@@ -19,6 +20,10 @@ namespace kerf {
 namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
+
+/// A tile reads the columns up to kGuessMargin + 1 beyond its own (window_), so tiles_to_remesh
+/// returns all that read a changed one.
+static_assert(kGuessMargin + 1 <= kTileSide);
 
 /// One of the four cells around a crossed lattice edge.
 struct Corner {
@@ -37,17 +42,6 @@ struct SplitVertex {
   std::array<std::uint32_t, kVertexNormalsMax> index;  ///< by group of edges
 };
 
-Vec3 difference(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  return {double(a[0]) - double(b[0]), double(a[1]) - double(b[1]), double(a[2]) - double(b[2])};
-}
-
-float distance_squared(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  const float x = a[0] - b[0];
-  const float y = a[1] - b[1];
-  const float z = a[2] - b[2];
-  return x * x + y * y + z * z;
-}
-
 /// Builds one tile's mesh: a quadrangle for each crossed lattice edge that the tile owns. A
 /// vertical edge belongs to the tile of its column; a horizontal edge to the tile of its lower
 /// column, or of the only column that is in the grid.
@@ -65,6 +59,7 @@ class TileMesher {
                 kTileSide + 2 + 2 * kGuessMargin),
         cells_(window_, first_x_ - 1, first_y_ - 1, kTileSide + 1, open_.next_layer()),
         placement_(solid, window_),
+        bends_(window_, cells_, placement_),
         vertex_(cells_.size(), kNoVertex) {}
 
   TileMesh run() {
@@ -77,7 +72,7 @@ class TileMesher {
     for (std::int32_t j = first_y_ == 0 ? -1 : first_y_; j < end_y_; ++j) {
       for (std::int32_t i = first_x_; i < end_x_; ++i) add_sides(i, j, false);
     }
-    if (flat_.append_triangles(*indices_)) drop_unused_vertices();
+    if (flat_.append_triangles(*positions_, *indices_)) drop_unused_vertices();
     // Copied to the exact size.
     TileMesh mesh;
     mesh.tile = tile_;
@@ -92,10 +87,11 @@ class TileMesher {
   void add_ends(std::int32_t i, std::int32_t j) {
     for (const SolidRun& run : window_.runs(i, j)) {
       if (open_.has_bottom(run.first)) {
-        add_quad(around_upright(i, j, run.first), {2, true, run.bottom}, i, j);
+        add_quad(around_upright(i, j, run.first), {2, true, run.bottom}, i, j,
+                 {i, j, run.first - 1, 2});
       }
       if (open_.has_top(run.end)) {
-        add_quad(around_upright(i, j, run.end), {2, false, run.top}, i, j);
+        add_quad(around_upright(i, j, run.end), {2, false, run.top}, i, j, {i, j, run.end - 1, 2});
       }
     }
   }
@@ -153,53 +149,81 @@ class TileMesher {
                 Corner{behind, behind_x, behind_y, edge_behind + 2},
                 Corner{behind + 1, behind_x, behind_y, edge_behind},
                 Corner{before + 1, before_x, before_y, edge_before}},
-               plane, u, sample);
+               plane, u, sample, {i, j, sample, plane.axis});
     }
   }
 
-  /// Adds the quadrangle at (u, v) of the plane: as two triangles, or, if it is flat, to those that
-  /// may be merged.
-  void add_quad(const Corners& corners, const FlatPlane& plane, std::int32_t u, std::int32_t v) {
-    std::array<std::uint32_t, 4> c{};
-    for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n]);
-    if (is_flat(c, plane.axis)) {
-      flat_.add(plane, u, v, c);
+  /// Adds the quadrangle at (u, v) of the plane: as triangles within the envelope of its edge, or,
+  /// if it is flat, to those that may be merged.
+  void add_quad(const Corners& corners, const FlatPlane& plane, std::int32_t u, std::int32_t v,
+                const LatticeEdge& edge) {
+    QuadCorners c{};
+    bool several_sheets = false;
+    for (std::size_t n = 0; n < 4; ++n) c[n] = vertex_of(corners[n], several_sheets);
+    // Before flat quadrangles are merged: the two quadrangles at a segment bend it alike.
+    if (several_sheets && add_bent(corners, c, plane.reversed, edge)) return;
+    const bool flat = is_flat(*positions_, *normals_, c, plane.axis);
+    if (flat && is_rectangle(*positions_, c, plane.axis)) {
+      flat_.add(plane, u, v, c, QuadSplit::kFirst);
+      return;
+    }
+    const QuadSplit split = split_of(c, plane.reversed, flat, edge);
+    if (split == QuadSplit::kFan) {
+      add_fan(c, {}, plane.reversed, edge);
+      return;
+    }
+    if (flat) {
+      flat_.add(plane, u, v, c, split);
       return;
     }
     if (plane.reversed) std::swap(c[1], c[3]);
-    if (prefers_other_diagonal(c)) c = {c[1], c[2], c[3], c[0]};
+    if (split == QuadSplit::kSecond) c = {c[1], c[2], c[3], c[0]};
     indices_->insert(indices_->end(), {c[0], c[1], c[2], c[0], c[2], c[3]});
   }
 
-  /// Returns whether to split a quadrangle from its second to its fourth corner. That is the
-  /// shorter diagonal, or, next to a crease, the one that leaves a triangle perpendicular to the
-  /// surface's normal, so that no triangle spans the crease.
-  bool prefers_other_diagonal(const std::array<std::uint32_t, 4>& c) const {
-    const auto& p = *positions_;
-    const bool shorter = distance_squared(p[c[1]], p[c[3]]) < distance_squared(p[c[0]], p[c[2]]);
-    if (!sharp_[c[0]] && !sharp_[c[1]] && !sharp_[c[2]] && !sharp_[c[3]]) return shorter;
-    Vec3 normal;
-    for (const std::uint32_t v : c) {
-      const auto& n = (*normals_)[v];
-      normal = normal + Vec3{double(n[0]), double(n[1]), double(n[2])};
-    }
-    const auto fit = [&](std::size_t a, std::size_t b, std::size_t d) {
-      const Vec3 square = cross(difference(p[c[b]], p[c[a]]), difference(p[c[d]], p[c[a]]));
-      const double size = length(square);
-      return size > 0 ? dot(square, normal) / size : 0;
-    };
-    const double here = std::max(fit(0, 1, 2), fit(0, 2, 3));
-    const double there = std::max(fit(1, 2, 3), fit(1, 3, 0));
-    const double indifferent = kFitEpsilon * length(normal);
-    return std::abs(here - there) <= indifferent ? shorter : there > here;
+  /// Adds a quadrangle with vertices between its corners. Returns false if it has none.
+  bool add_bent(const Corners& corners, const QuadCorners& c, bool reversed,
+                const LatticeEdge& edge) {
+    std::array<std::size_t, 4> cells{};
+    for (std::size_t n = 0; n < 4; ++n) cells[n] = corners[n].position;
+    FaceVertices::OfQuad between;
+    if (!bends_.find(edge, cells, positions_of(c), between)) return false;
+    add_fan(c, between, reversed, edge);
+    return true;
   }
 
-  /// Returns whether positions and normals are perpendicular to the axis to the last bit.
-  bool is_flat(const std::array<std::uint32_t, 4>& corners, std::size_t axis) const {
-    const float position = (*positions_)[corners[0]][axis];
-    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
-      return (*positions_)[v][axis] == position && std::abs((*normals_)[v][axis]) == 1;
-    });
+  FaceVertices::Corners positions_of(const QuadCorners& c) const {
+    return {(*positions_)[c[0]], (*positions_)[c[1]], (*positions_)[c[2]], (*positions_)[c[3]]};
+  }
+
+  QuadSplit split_of(const QuadCorners& c, bool reversed, bool flat,
+                     const LatticeEdge& edge) const {
+    QuadShape shape;
+    std::array<Vec3, 4> beside;
+    for (std::size_t n = 0; n < 4; ++n) {
+      shape.positions_mm[n] = (*positions_)[c[n]];
+      shape.normals[n] = (*normals_)[c[n]];
+      shape.sharp |= sharp_[c[n]];
+      beside[n] = placement_.beside_edge(edge, shape.positions_mm[n]);
+    }
+    const bool second = !flat && prefers_other_diagonal(shape, reversed);
+    return split_within_envelope(beside, flat, second ? QuadSplit::kSecond : QuadSplit::kFirst);
+  }
+
+  /// Adds a quadrangle as a fan about a vertex on its edge.
+  void add_fan(const QuadCorners& c, const FaceVertices::OfQuad& between, bool reversed,
+               const LatticeEdge& edge) {
+    std::array<std::uint32_t, 8> rim{};
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < 4; ++n) {
+      rim[count++] = c[n];
+      if (between[n]) rim[count++] = add_vertex(*between[n], 0);
+    }
+    const std::uint32_t center = add_vertex(placement_.place_center(edge, positions_of(c)), 0);
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::uint32_t a = rim[n], b = rim[(n + 1) % count];
+      indices_->insert(indices_->end(), {center, reversed ? b : a, reversed ? a : b});
+    }
   }
 
   void drop_unused_vertices() {
@@ -218,9 +242,10 @@ class TileMesher {
   }
 
   /// Returns the mesh vertex of a cell for an edge, and creates it on first use, so that the mesh
-  /// contains no unused vertex.
-  std::uint32_t vertex_of(const Corner& corner) {
+  /// contains no unused vertex. Sets `several_sheets` if the cell has more than one.
+  std::uint32_t vertex_of(const Corner& corner, bool& several_sheets) {
     std::uint32_t& entry = vertex_[corner.position];
+    if (entry < kSplit) return entry;
     const CellSheets& sheets = cells_.sheets(corner.position);
     if (entry == kNoVertex) {
       for (std::uint8_t sheet = 0; sheet < sheets.count; ++sheet) {
@@ -230,7 +255,7 @@ class TileMesher {
       }
       entry = kSplit | static_cast<std::uint32_t>(split_.size() - sheets.count);
     }
-    if ((entry & kSplit) == 0) return entry;
+    several_sheets |= sheets.count > 1;
     const std::uint8_t sheet = sheets.of_edge[corner.edge];
     assert(sheet != kNoSheet);
     SplitVertex& split = split_[(entry & ~kSplit) + sheet];
@@ -256,6 +281,7 @@ class TileMesher {
   ColumnWindow window_;
   LatticeCells cells_;
   VertexPlacement placement_;
+  FaceVertices bends_;
   std::vector<std::uint32_t> vertex_;  ///< per cell: its vertex, or kSplit | its index in split_
   std::vector<SplitVertex> split_;     ///< of cells with several sheets or a crease
   std::vector<bool> sharp_;            ///< per mesh vertex: it lies on a crease

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "kernel/dexel/stock_column.h"
-#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
@@ -20,8 +19,9 @@ constexpr double kMarginOfSize = 1.0 / (1 << 21);
 constexpr double kMarginOfHeight = 0.25;
 /// Share of the pitch by which coinciding vertices of two sheets are separated.
 constexpr double kSheetShift = 1.0 / 64;
-/// Cosine of the angle beyond which two normals belong to different sides of a crease.
-constexpr double kCreaseCosine = 0.96;
+
+/// Share of the least distance by which the center of a fan is raised off the plane of a floor.
+constexpr double kShareRaised = 0.25;
 
 /// Number of cached horizontal edges, a power of two: those of two rows of cells.
 constexpr std::size_t kEdgesSeen = 1024;
@@ -54,59 +54,24 @@ CellLimits within_walls(std::span<const Crossing> crossings, std::span<const std
   return limits;
 }
 
-std::array<float, 3> unit_float(Vec3 sum) {
-  // The normals of a thin wall's two faces may cancel; the direction is then arbitrary.
-  const Vec3 n = length(sum) > kNormalMin ? normalized(sum) : Vec3{0, 0, 1};
-  return {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
-}
-
-/// Groups the crossings by the side of a crease that they lie on. Estimated crossings form a group
-/// of their own only if all are estimates.
-void group_normals(std::span<const Crossing> crossings, std::span<const std::uint8_t> edges,
-                   SurfaceVertex& vertex) {
-  const Crossing& one = crossings.front();
-  const bool smooth = !one.is_guess() && std::ranges::all_of(crossings, [&](const Crossing& c) {
-    return !c.is_guess() && dot(c.normal, one.normal) > kCreaseCosine;
-  });
-  if (smooth) {
-    Vec3 all;
-    for (const Crossing& c : crossings) all = all + c.normal;
-    vertex.normal_count = 1;
-    vertex.normals[0] = unit_float(all);
-    return;
-  }
-  std::array<Vec3, kVertexNormalsMax> first, sum;
-  std::size_t count = 0;
-  const auto nearest = [&](Vec3 normal) {
-    std::size_t best = 0;
-    for (std::size_t g = 1; g < count; ++g) {
-      if (dot(first[g], normal) > dot(first[best], normal)) best = g;
-    }
-    return best;
-  };
-  for (const bool guesses : {false, true}) {
-    for (std::size_t n = 0; n < crossings.size(); ++n) {
-      const Crossing& c = crossings[n];
-      if (c.is_guess() != guesses) continue;
-      std::size_t group = nearest(c.normal);
-      const bool fits = count > 0 && (guesses || dot(first[group], c.normal) > kCreaseCosine);
-      if (!fits && count < kVertexNormalsMax) {
-        group = count++;
-        first[group] = c.normal;
-        sum[group] = {};
-      }
-      if (!guesses || !fits) sum[group] = sum[group] + c.normal;
-      vertex.group_of_edge[edges[n]] = static_cast<std::uint8_t>(group);
-    }
-  }
-  vertex.normal_count = static_cast<int>(count);
-  for (std::size_t g = 0; g < count; ++g) vertex.normals[g] = unit_float(sum[g]);
-}
-
 }  // namespace
 
+std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell) {
+  unsigned configuration = 0;
+  for (unsigned c = 0; c < 8; ++c) {
+    const auto dx = static_cast<std::int32_t>(c & 1U);
+    const auto dy = static_cast<std::int32_t>(c >> 1 & 1U);
+    const auto dz = static_cast<std::int32_t>(c >> 2);
+    const bool solid = window.solid(cell.x + dx, cell.y + dy, cell.layer - 1 + dz);
+    configuration |= (solid ? 1U : 0U) << c;
+  }
+  return static_cast<std::uint8_t>(configuration);
+}
+
 VertexPlacement::VertexPlacement(const SolidSnapshot& solid, const ColumnWindow& window)
-    : window_(window), guess_(window, solid.fields.front().stock()) {
+    : window_(window),
+      guess_(window, solid.fields.front().stock()),
+      steps_per_mm_(1 / window.grid().pitch_mm) {
   seen_->resize(kEdgesSeen);
   if (solid.fields.size() == 3) rays_.emplace(solid);
   const DexelGrid& grid = window.grid();
@@ -216,6 +181,47 @@ const Crossing& VertexPlacement::level(std::int32_t i, std::int32_t j, std::int3
   return seen.crossing;
 }
 
+SurfaceVertex VertexPlacement::place_on_edge(const LatticeEdge& edge) {
+  Crossing crossing;
+  if (edge.axis == 2) {
+    upright({edge.i, edge.j, edge.k + 1}, 0, 0, crossing);
+  } else {
+    crossing = level(edge.i, edge.j, edge.k, edge.axis == 0);
+  }
+  const Vec3 along = crossing.point - Vec3{double(edge.i), double(edge.j), double(edge.k)};
+  const double share = std::clamp(along.x + along.y + along.z, edge_margin(), 1 - edge_margin());
+  Vec3 place{double(edge.i), double(edge.j), double(edge.k)};
+  (edge.axis == 0 ? place.x : edge.axis == 1 ? place.y : place.z) += share;
+  return flat_vertex(place, crossing.normal);
+}
+
+SurfaceVertex VertexPlacement::place_center(const LatticeEdge& edge,
+                                            std::span<const std::array<float, 3>, 4> corners) {
+  SurfaceVertex center = place_on_edge(edge);
+  if (edge.axis == 2) return center;
+  const double raise_mm = std::min(margin_, margin_below_) * kShareRaised / steps_per_mm_;
+  const auto height = double(center.position_mm[2]);
+  const auto level = std::ranges::count_if(corners, [&](const std::array<float, 3>& corner) {
+    return std::abs(double(corner[2]) - height) <= raise_mm;
+  });
+  if (level == 2) center.position_mm[2] = static_cast<float>(height + raise_mm);
+  return center;
+}
+
+std::array<double, 3> VertexPlacement::from_sample(const LatticeSample& sample,
+                                                   const std::array<float, 3>& position_mm) const {
+  return {double(position_mm[0]) * steps_per_mm_ - 0.5 - sample[0],
+          double(position_mm[1]) * steps_per_mm_ - 0.5 - sample[1],
+          double(position_mm[2]) * steps_per_mm_ - window_.level_zero() - sample[2]};
+}
+
+Vec3 VertexPlacement::beside_edge(const LatticeEdge& edge,
+                                  const std::array<float, 3>& position_mm) const {
+  const std::array<double, 3> p = from_sample({edge.i, edge.j, edge.k}, position_mm);
+  const std::size_t a = (edge.axis + 1U) % 3, b = (edge.axis + 2U) % 3;
+  return {p[a], p[b], p[edge.axis]};
+}
+
 void VertexPlacement::find_crossings(const LatticeCell& cell, std::uint16_t edges) {
   const Vec3 center{cell.x + 0.5, cell.y + 0.5, cell.layer - 0.5};
   Crossings& all = found_;
@@ -236,7 +242,31 @@ void VertexPlacement::find_crossings(const LatticeCell& cell, std::uint16_t edge
   }
 }
 
-SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_t edges) {
+/// Returns the mean of the crossings found, each moved onto its edge, in pitches from the cell's
+/// center.
+Vec3 VertexPlacement::mean_on_edges() const {
+  Vec3 sum;
+  for (std::size_t n = 0; n < found_.count; ++n) {
+    Vec3 p = found_.at[n].point;
+    double& along = found_.edge[n] < 4 ? p.x : found_.edge[n] < 8 ? p.y : p.z;
+    along = std::clamp(along, edge_margin() - 0.5, 0.5 - edge_margin());
+    sum = sum + p;
+  }
+  return sum * (1 / double(found_.count));
+}
+
+/// Returns whether a cell has several sheets, or the one above it has or may have after a flip:
+/// then its upper side may have vertices of its own, and a vertex of the cell stays below it.
+bool VertexPlacement::meets_sheets(const LatticeCell& cell, const CellSheets& sheets) const {
+  if (sheets.count > 1) return true;
+  const CellSheets& above =
+      sheets_of(cell_configuration(window_, {cell.x, cell.y, cell.layer + 1}));
+  return above.count > 1 || above.doubled_face >= 0;
+}
+
+SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, const CellSheets& sheets,
+                                           std::uint8_t sheet) {
+  const std::uint16_t edges = sheets.edges[sheet];
   constexpr std::uint16_t kAlongX = 0x00f, kAlongY = 0x0f0, kUpright = 0xf00;
   std::optional<SurfaceVertex> flat;
   if (edges == kUpright) {
@@ -248,8 +278,11 @@ SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_
   find_crossings(cell, edges);
   const std::span<const Crossing> crossings(found_.at.data(), found_.count);
   const std::span<const std::uint8_t> edges_found(found_.edge.data(), found_.count);
-  const SheetPoint point =
-      place_sheet(crossings, within_walls(crossings, edges_found, limits_of(cell)));
+  SheetPoint point = place_sheet(crossings, within_walls(crossings, edges_found, limits_of(cell)));
+  if (sheets.count > 1 && !is_on_own_side(sheets, sheet, point.place)) {
+    point.place = mean_on_edges();
+  }
+  if (point.place.z > 0.5 - margin_ && meets_sheets(cell, sheets)) point.place.z = 0.5 - margin_;
   SurfaceVertex vertex;
   vertex.sharp = point.sharp;
   const DexelGrid& grid = window_.grid();
@@ -263,12 +296,12 @@ SurfaceVertex VertexPlacement::place_alone(const LatticeCell& cell, std::uint16_
 
 SurfaceVertex VertexPlacement::place(const LatticeCell& cell, const CellSheets& sheets,
                                      std::uint8_t sheet) {
-  if (sheets.count == 1) return place_alone(cell, sheets.edges[0]);
+  if (sheets.count == 1) return place_alone(cell, sheets, 0);
   std::array<SurfaceVertex, kSheetsMax> placed;
   const double pitch = window_.grid().pitch_mm;
   const auto center_x = static_cast<float>((cell.x + 1) * pitch);
   for (std::uint8_t n = 0; n <= sheet; ++n) {
-    placed[n] = place_alone(cell, sheets.edges[n]);
+    placed[n] = place_alone(cell, sheets, n);
     for (std::uint8_t before = 0; before < n; ++before) {
       if (placed[before].position_mm != placed[n].position_mm) continue;
       const auto shift = static_cast<float>(n * kSheetShift * pitch);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kernel/surface/column_window.h"
@@ -12,6 +14,7 @@
 #include "kernel/surface/scratch.h"
 #include "kernel/surface/sheet_point.h"
 #include "kernel/surface/sheet_table.h"
+#include "kernel/surface/vertex_normals.h"
 
 namespace kerf {
 
@@ -21,17 +24,16 @@ struct LatticeCell {
   std::int32_t x = 0, y = 0, layer = 0;
 };
 
-/// Greatest number of normals of a vertex: the faces that meet in a corner.
-inline constexpr int kVertexNormalsMax = 3;
+/// Returns the configuration of a cell (sheet_table.h). The window must hold its four columns.
+std::uint8_t cell_configuration(const ColumnWindow& window, const LatticeCell& cell);
 
-/// A vertex of the mesh. Faces on different sides of a crease use different normals: that of the
-/// group of the lattice edge that they cross.
-struct SurfaceVertex {
-  std::array<float, 3> position_mm{};  ///< relative to DexelGrid::origin_mm
-  std::array<std::array<float, 3>, kVertexNormalsMax> normals{};
-  int normal_count = 0;
-  std::array<std::uint8_t, 12> group_of_edge{};
-  bool sharp = false;
+/// Coordinates of a sample of the lattice.
+using LatticeSample = std::array<std::int32_t, 3>;
+
+/// The edge of the lattice from sample (i, j, k) to the next along an axis (0, 1, 2).
+struct LatticeEdge {
+  std::int32_t i = 0, j = 0, k = 0;
+  std::uint8_t axis = 2;
 };
 
 /// Computes positions and normals of the mesh's vertices. They depend only on nearby rays, so two
@@ -42,6 +44,22 @@ class VertexPlacement {
 
   /// Returns the vertex of a sheet of a cell. Vertices of one cell do not coincide.
   SurfaceVertex place(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
+
+  /// Returns a vertex where the surface crosses an edge, one of whose samples is solid. It lies on
+  /// the edge to the bit, off its ends.
+  SurfaceVertex place_on_edge(const LatticeEdge& edge);
+  /// Returns the center of the fan of a quadrangle: place_on_edge(), but raised into the cells
+  /// above a horizontal edge if both corners below are at the edge's height. There, the envelope
+  /// below the edge is flat, and a triangle in it would lie in the plane of the floor next to it.
+  /// `corners`: positions relative to DexelGrid::origin_mm.
+  SurfaceVertex place_center(const LatticeEdge& edge,
+                             std::span<const std::array<float, 3>, 4> corners);
+  /// Returns a position relative to a sample of the lattice, in pitches.
+  std::array<double, 3> from_sample(const LatticeSample& sample,
+                                    const std::array<float, 3>& position_mm) const;
+  /// Returns a position relative to an edge, in pitches: the last coordinate is along the edge,
+  /// which reaches from the origin to (0, 0, 1); the axes are right-handed.
+  Vec3 beside_edge(const LatticeEdge& edge, const std::array<float, 3>& position_mm) const;
 
  private:
   /// The crossings of one sheet and their edges.
@@ -58,7 +76,12 @@ class VertexPlacement {
     Crossing crossing;
   };
 
-  SurfaceVertex place_alone(const LatticeCell& cell, std::uint16_t edges);
+  SurfaceVertex place_alone(const LatticeCell& cell, const CellSheets& sheets, std::uint8_t sheet);
+  Vec3 mean_on_edges() const;
+  /// Returns the least distance of vertices on edges from the edges' ends, in pitches: more than
+  /// margin_, so that they are not collinear with vertices at their cells' sides.
+  double edge_margin() const { return std::min(2 * margin_, 0.5); }
+  bool meets_sheets(const LatticeCell& cell, const CellSheets& sheets) const;
   /// Return the vertex of a cell on a horizontal floor or on the stock's own side, which most cells
   /// are, without computing crossings; nothing for any other cell.
   std::optional<SurfaceVertex> place_on_floor(const LatticeCell& cell) const;
@@ -75,6 +98,7 @@ class VertexPlacement {
   LevelGuess guess_;
   bool is_box_;                  ///< whether the stock is a box
   Vec3 stock_low_, stock_high_;  ///< in pitches
+  double steps_per_mm_;
   double margin_, margin_below_;
   Crossings found_;         ///< of the sheet being placed
   Scratch<SeenEdge> seen_;  ///< by a hash of the edge; a newer entry replaces an older one

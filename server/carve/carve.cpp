@@ -7,6 +7,7 @@
 #include <functional>
 #include <future>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <stop_token>
 #include <utility>
@@ -20,13 +21,13 @@
 #include "server/carve/progress.h"
 #include "server/carve/simulation_json.h"
 #include "server/carve/stop_signal.h"
-#include "server/carve/wall_check.h"
 #include "server/formats/forces_csv.h"
 #include "server/formats/program.h"
 #include "server/formats/program_writer.h"
 #include "server/formats/scene.h"
 #include "server/formats/text_file.h"
 #include "server/threads/thread_pool.h"
+#include "server/verify/wall_check.h"
 
 namespace kerf {
 namespace {
@@ -120,7 +121,7 @@ class Carving {
   // gets it, or a warning.
   Result find_walls() {
     const std::size_t samples = options_.wall_samples.value_or(wall_samples(scene_, program_));
-    if (samples == 0 || program_.motions.empty()) return {};
+    if (samples == 0 || (program_.motions.empty() && !scene_.settings.stock_mesh)) return {};
     progress_.show("looking for thin walls", 0);
     walls_.emplace(scene_, program_, samples, stop_);
     refine_for_walls();
@@ -129,8 +130,7 @@ class Carving {
   }
 
   void refine_for_walls() {
-    // Of a mesh stock only the bounding box is known here, and walls beside the mesh are none.
-    if (!scene_.accuracy || scene_.settings.stock_mesh || stop_.stop_requested()) return;
+    if (!scene_.accuracy || stop_.stop_requested()) return;
     const double before_mm = scene_.settings.pitch_mm;
     const auto settled = walls_->refine(scene_, stop_);
     if (!settled) report_.warnings.push_back(options_.scene.string() + ": " + settled.error());
@@ -141,8 +141,8 @@ class Carving {
   Result check_walls() {
     if (!walls_) return {};
     WallReport found = walls_->find(stop_);
-    mark_missing(found.walls, *uncut_, sculpture_->snapshot());
-    if (!found.walls.empty()) report_.warnings.push_back(walls_->warning(found));
+    mark_missing(found.walls, sculpture_->snapshot());
+    std::ranges::move(walls_->warnings(found), std::back_inserter(report_.warnings));
     report_.walls = walls_->json(found);
     report_.walls_s += watch_.lap();
     return {};

@@ -6,7 +6,7 @@
 #include <unordered_map>
 
 #include "kernel/math/rotation.h"
-#include "server/carve/tool_profile.h"
+#include "server/verify/tool_profile.h"
 #include "server/formats/machine_kinematics.h"
 
 namespace kerf {

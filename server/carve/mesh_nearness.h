@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
-#include "server/carve/box_tree.h"
+#include "server/verify/box_tree.h"
 
 namespace kerf {
 

@@ -5,9 +5,9 @@
 #include <stop_token>
 
 #include "kernel/dexel/solid_snapshot.h"
-#include "server/carve/cut_surface.h"
+#include "server/verify/cut_surface.h"
 #include "server/carve/distance_figures.h"
-#include "server/carve/true_solid.h"
+#include "server/verify/true_solid.h"
 
 namespace kerf {
 

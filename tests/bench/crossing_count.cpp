@@ -1,104 +1,97 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/crossing_count.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
-#include <vector>
+#include <random>
 
 #include "tests/kernel/extremes/random_carving.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/self_intersection.h"
+#include "tests/support/standard_job.h"
 
 namespace kerf {
 namespace {
 
 constexpr unsigned kCarvings = 200;
 constexpr double kColumns = 24;
-// Relative to the edge and to the triangle's height: an edge that only touches does not cross.
-constexpr double kTouch = 1e-4;
+constexpr unsigned kSlotted = 4000;
 
-struct Triangle {
-  std::array<Vec3, 3> p;
-  Vec3 low, high;
-};
-
-Vec3 least(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
-Vec3 most(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
-
-std::vector<Triangle> triangles_of(const SolidSnapshot& solid) {
-  std::vector<Triangle> all;
-  for (const TileMesh& mesh : test::mesh_all(solid)) {
-    for (std::size_t n = 0; n + 2 < mesh.indices.size(); n += 3) {
-      Triangle t;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const auto& q = mesh.positions_mm[mesh.indices[n + c]];
-        t.p[c] = {double(q[0]), double(q[1]), double(q[2])};
-      }
-      t.low = least(least(t.p[0], t.p[1]), t.p[2]);
-      t.high = most(most(t.p[0], t.p[1]), t.p[2]);
-      all.push_back(t);
-    }
-  }
-  return all;
+void print(const char* name, Rays rays, const test::SelfIntersections& found) {
+  std::printf(
+      "%-20s %-9s %8zu triangles, %5zu pairs intersect (%5zu triangles), %4zu without area\n", name,
+      to_string(rays), found.triangles, found.pairs, found.crossed, found.zero_area);
 }
 
-// Returns true if the segment passes through the interior of the triangle (Möller and Trumbore).
-bool pierces(Vec3 from, Vec3 to, const Triangle& t) {
-  const Vec3 edge = to - from, u = t.p[1] - t.p[0], v = t.p[2] - t.p[0];
-  const Vec3 h = cross(edge, v);
-  const double determinant = dot(u, h);
-  if (std::abs(determinant) < 1e-9 * length(edge) * length(u) * length(v)) return false;
-  const Vec3 s = from - t.p[0], q = cross(s, u);
-  const double a = dot(s, h) / determinant, b = dot(edge, q) / determinant;
-  const double share = dot(v, q) / determinant;
-  return a > kTouch && b > kTouch && a + b < 1 - kTouch && share > kTouch && share < 1 - kTouch;
+test::SelfIntersections of_standard_job(bool five_axis, Rays rays) {
+  constexpr double kPitchMm = 0.5;
+  SculptureSettings settings = test::standard_settings(kPitchMm, 0.01);
+  settings.keep_normals = true;
+  settings.rays = rays;
+  auto sculpture = *Sculpture::create(settings);
+  sculpture.apply(DefineTool{1, *make_tool(BallShape{10, 50})}).value();
+  const std::vector<ToolPose> path = test::standard_path(five_axis);
+  for (std::size_t n = 1; n < path.size(); ++n) {
+    sculpture.apply(MoveTool{1, path[n - 1], path[n], 0.01, false}).value();
+  }
+  return test::count_self_intersections(test::mesh_all(sculpture.solid()), 2 * kPitchMm);
 }
 
-bool cross_each_other(const Triangle& a, const Triangle& b) {
-  for (const Vec3& p : a.p)
-    if (std::ranges::count(b.p, p) > 0) return false;
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (pierces(a.p[c], a.p[(c + 1) % 3], b)) return true;
-    if (pierces(b.p[c], b.p[(c + 1) % 3], a)) return true;
+/// A small block with slots along random directions in which everything lies on quarters of the
+/// pitch, so that floors and walls coincide with samples and with each other.
+Sculpture with_slots(unsigned seed, Rays rays) {
+  std::mt19937 random(seed);
+  const auto quarter = [&](unsigned most) { return 0.25 * double(random() % (4 * most + 1)); };
+  SculptureSettings settings;
+  settings.stock = BoxStock{{0, 0, 0}, {6, 6, 4}};
+  settings.pitch_mm = 1;
+  settings.rays = rays;
+  auto sculpture = *Sculpture::create(settings);
+  sculpture.apply(DefineTool{1, *make_tool(FlatShape{1.5, 9})}).value();
+  constexpr std::array<Vec3, 6> kAxes{
+      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
+  for (unsigned slots = 2 + unsigned(random() % 3); slots > 0; --slots) {
+    const Vec3 axis = kAxes[random() % kAxes.size()];
+    std::array<double, 6> at{};
+    for (std::size_t n = 0; n < 6; ++n) at[n] = quarter(n % 3 == 2 ? 4 : 6);
+    sculpture
+        .apply(MoveTool{1, {{at[0], at[1], at[2]}, axis}, {{at[3], at[4], at[5]}, axis}, 1, false})
+        .value();
   }
-  return false;
+  return sculpture;
 }
 
-// Sorted along x; triangles with overlapping extents are tested.
-std::size_t crossings(std::vector<Triangle> all) {
-  std::ranges::sort(all, {}, [](const Triangle& t) { return t.low.x; });
-  std::vector<bool> crossed(all.size());
-  for (std::size_t n = 0; n < all.size(); ++n) {
-    const Triangle& a = all[n];
-    for (std::size_t m = n + 1; m < all.size() && all[m].low.x <= a.high.x; ++m) {
-      const Triangle& b = all[m];
-      if (b.low.y > a.high.y || a.low.y > b.high.y || b.low.z > a.high.z || a.low.z > b.high.z ||
-          !cross_each_other(a, b))
-        continue;
-      crossed[n] = crossed[m] = true;
-    }
-  }
-  return static_cast<std::size_t>(std::ranges::count(crossed, true));
+void add(const test::SelfIntersections& found, test::SelfIntersections& sum) {
+  sum.triangles += found.triangles;
+  sum.pairs += found.pairs;
+  sum.crossed += found.crossed;
+  sum.zero_area += found.zero_area;
 }
 
 }  // namespace
 
 void print_crossings() {
-  constexpr double kPitchMm = 1;
-  std::printf("%u random five-axis carvings of %.0f columns\n", kCarvings, kColumns);
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
-    std::size_t triangles = 0, crossed = 0, carvings = 0;
+    print("three axes, 0.5 mm", rays, of_standard_job(false, rays));
+    print("five axes, 0.5 mm", rays, of_standard_job(true, rays));
+    test::SelfIntersections sum;
+    unsigned carvings = 0;
     for (unsigned seed = 1; seed <= kCarvings; ++seed) {
-      test::RandomCarving carving(seed, kColumns * kPitchMm, kPitchMm, rays);
-      std::vector<Triangle> all = triangles_of(carving.sculpture.solid());
-      triangles += all.size();
-      const std::size_t found = crossings(std::move(all));
-      crossed += found;
-      carvings += found > 0 ? 1 : 0;
+      const double pitch_mm = std::array{1.0, 0.5, 0.25, 0.1}[seed % 4];
+      test::RandomCarving carving(seed, kColumns * pitch_mm, pitch_mm, rays);
+      const auto found =
+          test::count_self_intersections(test::mesh_all(carving.sculpture.solid()), 2 * pitch_mm);
+      add(found, sum);
+      carvings += found.pairs > 0 ? 1 : 0;
     }
-    std::printf("%-9s %zu of %zu triangles cross another, in %zu carvings\n", to_string(rays),
-                crossed, triangles, carvings);
+    print("200 random carvings", rays, sum);
+    std::printf("%-20s %-9s in %u of them\n", "", "", carvings);
+    test::SelfIntersections slots;
+    for (unsigned seed = 1; seed <= kSlotted; ++seed) {
+      const auto meshes = test::mesh_all(with_slots(seed, rays).solid());
+      add(test::count_self_intersections(meshes, 0.7), slots);
+    }
+    print("4000 slotted blocks", rays, slots);
   }
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks that the accuracy chosen for "target_mm" meets the target, and compares its cost with the
 // cheapest settings that do. Each generated program is carved with the chosen settings and with
-// coarser ones, and measured against the true solid (server/carve/true_solid.h) in both directions:
-// from the mesh to the solid and from points of the solid's surface to the mesh. `laws` prints the
-// data to which the laws of server/formats/accuracy_choice.cpp are fitted.
+// coarser ones, and measured against the true solid (server/verify/true_solid.h) in both
+// directions: from the mesh to the solid and from points of the solid's surface to the mesh. `laws`
+// prints the data to which the laws of server/formats/accuracy_choice.cpp are fitted.
 // Usage: target_bench [samples=30000]; target_bench laws [samples]
 
 #include <array>
@@ -19,7 +19,7 @@
 
 #include "server/carve/surface_error.h"
 #include "server/carve/tradeoff_run.h"
-#include "server/carve/wall_check.h"
+#include "server/verify/wall_check.h"
 #include "tests/support/standard_job.h"
 
 namespace {

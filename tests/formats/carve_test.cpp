@@ -1,77 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "server/carve/carve_options.h"
 #include "server/formats/model/stl_reader.h"
+#include "tests/formats/carve_fixture.h"
 
 namespace kerf {
 namespace {
 
 namespace fs = std::filesystem;
+using test::KerfCarve;
+using test::kScene;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-const char* const kScene =
-    R"({"name": "t", "stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [20,20,10]},
-        "accuracy": {"pitch_mm": 0.5},
-        "tools": [{"id": 1, "shape": "flat", "diameter_mm": 4, "length_mm": 20}],
-        "machine": {"kinematics": "tool-vector"}})";
-// A slot of 4 mm, 2 mm deep, 20 mm long, entered and left outside; then a tilted pass.
-const char* const kProgram =
-    "G21 G90 T1 M6\nG0 X-5 Y10 Z8 I0 J0 K1\nG1 X25 F600\nG0 Z15\nX25 Y5\nG1 Z9 I0 J0.6 "
-    "K0.8\nX-5\nM2\n";
-
-class KerfCarve : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("kerf-carve-test-" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-    write("scene.json", kScene);
-    write("p.ngc", kProgram);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-  std::string content(const std::string& name) const {
-    std::ifstream file(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  }
-  // The exit status; what it writes lands in the files out and err.
-  int run(const std::string& arguments) const {
-    const std::string command =
-        "cd '" + folder_.string() + "' && '" KERF_CARVE "' " + arguments + " >out 2>err </dev/null";
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  nlohmann::json report(const std::string& arguments) const {
-    EXPECT_EQ(run(arguments + " --report r.json"), 0) << content("err");
-    return nlohmann::json::parse(content("r.json"), nullptr, false);
-  }
-  std::vector<std::string> files() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_))
-      names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-
-  fs::path folder_;
-};
 
 const std::string kInput = "--scene scene.json --program p.ngc";
 
@@ -201,49 +144,6 @@ TEST_F(KerfCarve, WarnsOfRapidsThroughMaterial) {
   EXPECT_THAT(std::string(json["warnings"][0]),
               StartsWith("p.ngc:3: rapid motion through material"));
   EXPECT_THAT(content("err"), StartsWith("warning: p.ngc:3:"));
-}
-
-// Two slots with a rib of 0.14 mm between them, which no column of 0.3 mm meets.
-const char* const kRibProgram =
-    "G21 G90 T1 M6\nF600\nG0 X-5 Y10.43 Z6\nG1 X25\nG0 Z20\nX-5 Y13.57\nZ6\nG1 X25\nM2\n";
-std::string rib_scene(const std::string& accuracy) {
-  return R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [20,20,10]}, "accuracy": )" +
-         accuracy + R"(, "tools": [{"id": 1, "shape": "flat", "diameter_mm": 3, "length_mm": 20}],
-         "machine": {"kinematics": "xyz"}})";
-}
-
-TEST_F(KerfCarve, WarnsOfAWallThinnerThanThePitch) {
-  write("rib.ngc", kRibProgram);
-  write("s.json", rib_scene(R"({"pitch_mm": 0.3})"));
-  const auto json = report("--scene s.json --program rib.ngc");
-  ASSERT_EQ(json["warnings"].size(), 1u) << json["warnings"];
-  EXPECT_THAT(std::string(json["warnings"][0]), StartsWith("rib.ngc:4: a wall of 0.14 mm at X"));
-  EXPECT_THAT(std::string(json["warnings"][0]),
-              testing::AllOf(HasSubstr("in line 8"), HasSubstr("is missing")));
-  const auto& walls = json["thin_walls"];
-  EXPECT_EQ(walls["missing"], 1);
-  EXPECT_EQ(walls["walls"][0]["place"], "rib.ngc:4");
-  EXPECT_NEAR(walls["walls"][0]["thickness_mm"], 0.14, 1e-4);
-  EXPECT_NEAR(walls["walls"][0]["at_mm"][1], 12, 1e-4);
-  EXPECT_EQ(report("--scene s.json --program rib.ngc --pitch 0.1")["thin_walls"]["count"], 0);
-  EXPECT_EQ(report("--scene s.json --program rib.ngc --wall-samples 0")["thin_walls"], nullptr);
-}
-
-TEST_F(KerfCarve, TargetRefinesThePitchAtAThinWall) {
-  write("rib.ngc", kRibProgram);
-  write("s.json", rib_scene(R"({"target_mm": 0.3})"));
-  const auto json = report("--scene s.json --program rib.ngc");
-  EXPECT_LE(json["pitch_mm"], 0.142);
-  EXPECT_EQ(json["warnings"].size(), 0u) << json["warnings"];
-  EXPECT_THAT(std::string(json["accuracy"]["reason"]), HasSubstr("limited by thin walls"));
-}
-
-TEST_F(KerfCarve, TargetThatAThinWallPreventsIsAWarning) {
-  write("rib.ngc", kRibProgram);
-  write("s.json", rib_scene(R"({"target_mm": 0.3, "pitch_mm": 0.3})"));
-  const auto fixed = report("--scene s.json --program rib.ngc");
-  EXPECT_THAT(std::string(fixed["warnings"][0]), StartsWith("s.json: the target of 0.3 mm is not"));
-  EXPECT_THAT(std::string(fixed["warnings"][0]), HasSubstr("accuracy.pitch_mm is 0.3 mm"));
 }
 
 TEST_F(KerfCarve, WarnsOncePerShankContact) {

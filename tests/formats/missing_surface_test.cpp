@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "server/carve/surface_error.h"
-#include "server/carve/thin_walls.h"
+#include "server/verify/thin_walls.h"
 #include "tests/support/standard_job.h"
 
 namespace kerf {
@@ -66,6 +66,14 @@ double missing_mm(const Job& job, Rays rays = Rays::kDexel) {
 std::vector<ThinWall> walls_of(const Job& job) {
   return find_thin_walls(job.truth, sample_cut_surface(job.truth, kSamples), {kPitchMm, 0.001});
 }
+std::vector<ThinWall> grooves_of(const Job& job) {
+  auto walls = walls_of(job);
+  std::erase_if(walls, [](const ThinWall& wall) { return !wall.groove; });
+  return walls;
+}
+Job groove(double width_mm, double y) {
+  return {FlatShape{width_mm, 30}, {motion({{-5, y, 6}}, {{35, y, 6}})}};
+}
 
 TEST(CutSurface, PointsAreOnTheTrueSurface) {
   const Job job(BallShape{6, 30}, {motion({{5, 5, 6}}, {{25, 20, 5}, normalized({0.3, 0.2, 1})}),
@@ -105,7 +113,7 @@ TEST(MissingSurface, RibThatRaysMeetHasASmallError) {
 }
 
 TEST(MissingSurface, GrooveBetweenTheRaysIsAnErrorOfItsDepth) {
-  const Job job(FlatShape{0.14, 30}, {motion({{-5, 15, 6}}, {{35, 15, 6}})});
+  const Job job = groove(0.14, 15);
   EXPECT_EQ(measure_surface(carve(job), job.truth, kSamples).samples, 0u);
   EXPECT_GT(missing_mm(job), 3.5);
 }
@@ -119,11 +127,8 @@ TEST(ThinWalls, RibIsFoundWithPlaceAndBothCuts) {
       EXPECT_EQ(wall.sweep + wall.other_sweep, 1u);
       EXPECT_NEAR(job.truth.from_cuts(wall.mm).mm, kRibMm / 2, 1e-4);
     }
-    EXPECT_EQ(distinct_walls(walls, {7, 9}).size(), 1u);
-    const SolidSnapshot after = carve(job);
-    const SolidSnapshot before = carve(Job(FlatShape{kToolMm, 30}, {}));
-    mark_missing(walls, before.fields.front(), after.fields.front());
-    ASSERT_FALSE(walls.empty());
+    EXPECT_EQ(distinct_walls(walls, {7, 9}, kPitchMm).size(), 1u);
+    mark_missing(walls, carve(job).fields.front());
     for (const ThinWall& wall : walls) EXPECT_TRUE(wall.missing);
   }
 }
@@ -131,8 +136,7 @@ TEST(ThinWalls, RibIsFoundWithPlaceAndBothCuts) {
 TEST(ThinWalls, RibThatAColumnMeetsIsNotMissing) {
   const Job job = two_slots({1, 0, 0}, {15, 14.85, 0});
   auto walls = walls_of(job);
-  const SolidSnapshot before = carve(Job(FlatShape{kToolMm, 30}, {}));
-  mark_missing(walls, before.fields.front(), carve(job).fields.front());
+  mark_missing(walls, carve(job).fields.front());
   ASSERT_FALSE(walls.empty());
   for (const ThinWall& wall : walls) EXPECT_FALSE(wall.missing);
 }
@@ -165,6 +169,81 @@ TEST(ThinWalls, FilmsBelowTheToleranceAreIgnored) {
   const CutSurface surface = sample_cut_surface(job.truth, kSamples);
   EXPECT_FALSE(find_thin_walls(job.truth, surface, {kPitchMm, 0.001}).empty());
   EXPECT_TRUE(find_thin_walls(job.truth, surface, {kPitchMm, 0.01}).empty());
+}
+
+TEST(NarrowGrooves, GrooveIsFoundWithItsPlaceAndIsMissing) {
+  const Job job = groove(0.14, 15);
+  auto walls = walls_of(job);
+  ASSERT_FALSE(walls.empty());
+  for (const ThinWall& wall : walls) {
+    EXPECT_TRUE(wall.groove);
+    EXPECT_NEAR(wall.thickness_mm, 0.14, 1e-4);
+    EXPECT_NEAR(wall.mm.y, 15, 1e-4);
+    EXPECT_EQ(wall.sweep, 0u);
+    EXPECT_EQ(wall.other_sweep, 0u);
+  }
+  mark_missing(walls, carve(job).fields.front());
+  for (const ThinWall& wall : walls) EXPECT_TRUE(wall.missing);
+}
+
+TEST(NarrowGrooves, GrooveThatAColumnMeetsIsNotMissing) {
+  const Job job = groove(0.14, 14.85);
+  auto walls = walls_of(job);
+  mark_missing(walls, carve(job).fields.front());
+  ASSERT_FALSE(walls.empty());
+  for (const ThinWall& wall : walls) EXPECT_FALSE(wall.missing);
+}
+
+TEST(NarrowGrooves, NarrowHoleIsFound) {
+  const auto walls = grooves_of(Job(FlatShape{0.2, 30}, {motion({{15, 15, 12}}, {{15, 15, 6}})}));
+  ASSERT_FALSE(walls.empty());
+  EXPECT_NEAR(walls[0].thickness_mm, 0.2, 1e-3);
+}
+
+TEST(NarrowGrooves, WideShallowAndHorizontalGroovesAreNotReported) {
+  EXPECT_TRUE(grooves_of(groove(0.33, 15)).empty());
+  EXPECT_TRUE(grooves_of(Job(BallShape{6, 30}, {motion({{-5, 15, 8}}, {{35, 15, 8}})})).empty());
+  // 0.1 mm deep: the air above is within a pitch.
+  EXPECT_TRUE(
+      grooves_of(Job(FlatShape{0.14, 30}, {motion({{-5, 15, 9.9}}, {{35, 15, 9.9}})})).empty());
+  // A pocket that a thin tool widens to 0.4 mm.
+  std::vector<ProgramMotion> rows;
+  for (const double y : {15.0, 15.1, 15.2, 15.26})
+    rows.push_back(motion({{-5, y, 6}}, {{35, y, 6}}));
+  EXPECT_TRUE(grooves_of(Job(FlatShape{0.14, 30}, rows)).empty());
+  // A horizontal groove of 0.14 mm: every ray along Z meets it.
+  const Vec3 lying{0, -1, 0};
+  EXPECT_TRUE(
+      grooves_of(Job(FlatShape{0.14, 30}, {motion({{-5, 10, 5}, lying}, {{35, 10, 5}, lying})}))
+          .empty());
+}
+
+TEST(NarrowGrooves, PitchForATargetIsThatOfTheGroove) {
+  const auto pitch_of = [](const Job& job) {
+    return pitch_for_walls(job.truth, sample_cut_surface(job.truth, kSamples),
+                           {kPitchMm, kPitchMm, 0.001});
+  };
+  const auto pitch = pitch_of(groove(0.14, 15));
+  ASSERT_TRUE(pitch.has_value());
+  EXPECT_LE(*pitch, 0.14 * 1.02);
+  EXPECT_GT(*pitch, 0.14 / 1.2);
+  EXPECT_EQ(pitch_of(groove(0.9, 15)), kPitchMm);
+}
+
+TEST(NarrowGrooves, GrooveOfASmallToolIsFoundAmongWidePockets) {
+  std::map<ToolId, SceneTool> tools;
+  for (const auto& [id, mm] : {std::pair{1, 6.0}, {2, 0.14}}) {
+    const ToolShape shape = FlatShape{mm, 30};
+    tools[ToolId(id)] = {.shape = shape, .body = {}, .tool = make_tool(shape).value()};
+  }
+  std::vector<ProgramMotion> motions;
+  for (double y = 0; y <= 26; y += 1) motions.push_back(motion({{-5, y, 6}}, {{35, y, 6}}));
+  motions.push_back({2, {{15, 29.7, 9}}, {{15.5, 29.7, 9}}, 1, 0, false});
+  const TrueSolid truth(kBlock, tools, motions, 4);
+  const auto walls = find_thin_walls(truth, sample_cut_surface(truth, kSamples), {kPitchMm, 0.001});
+  ASSERT_FALSE(walls.empty());
+  EXPECT_TRUE(walls[0].groove);
+  EXPECT_EQ(walls[0].sweep, motions.size() - 1);
 }
 
 TEST(ThinWalls, PitchForATargetIsThatOfTheRib) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/true_solid.h"
+#include "server/verify/true_solid.h"
 
 #include <gtest/gtest.h>
 

@@ -165,6 +165,32 @@ TEST_F(TileFeedTest, SlowViewersConvergeToTheNewestState) {
   EXPECT_LT(slow_screen.bytes(), fast_screen.bytes());
 }
 
+TEST(TileFeedDeltas, BringEveryTileWhoseMeshChangedWithEachMotion) {
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    SculptureSettings settings;
+    settings.stock = BoxStock{{0, 0, 0}, {33, 27, 9}};
+    settings.pitch_mm = 0.5;  // the tools' features are of that size
+    settings.rays = rays;
+    Sculpture sculpture = std::move(Sculpture::create(settings).value());
+    test::RandomCarver carver(sculpture, {0, 0, 0}, {33, 27, 9}, 3);
+    TileFeed feed(sculpture.solid(), 0);
+    const ViewerId viewer = feed.add_viewer();
+    Screen screen;
+    screen.drain(feed, viewer);
+    for (std::uint64_t n = 1; n <= 20; ++n) {
+      SCOPED_TRACE("motion " + std::to_string(n) + " " + to_string(rays));
+      const auto changed = carver.cut();
+      feed.note_change(sculpture.solid(), changed, n);
+      screen.drain(feed, viewer);
+      screen.expect_equal(sculpture.solid());
+      ASSERT_FALSE(HasFatalFailure());
+      EXPECT_TRUE(screen.is_closed());
+    }
+    EXPECT_GT(feed.stats().tiles_unchanged, 0U);
+    EXPECT_EQ(screen.same_version(), 0U);
+  }
+}
+
 TEST_F(TileFeedTest, LimitsFramesInFlight) {
   TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 1, .frames_in_flight_max = 2});
   const ViewerId viewer = feed.add_viewer();

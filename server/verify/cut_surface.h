@@ -6,18 +6,19 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/carve/true_solid.h"
+#include "server/verify/true_solid.h"
 
 namespace kerf {
 
-/// A point of the true solid's surface that a tool has cut.
+/// A point of the true solid's surface, which a tool has cut or which is the stock mesh's own.
 struct CutPoint {
   Vec3 mm;
   Vec3 into_solid;      ///< unit normal, out of the tool
-  std::uint32_t sweep;  ///< the motion that cut it
+  std::uint32_t sweep;  ///< the motion that cut it; the number of motions: the stock's own
+  double share = 0;     ///< fraction of the motion at which the tool touches it
 };
 
-/// Points spread over the surface that tools have cut into a solid.
+/// Points spread over the surface of a solid.
 struct CutSurface {
   std::vector<CutPoint> points;
   /// Mean distance of the candidates on the swept surfaces, mm: the root of their area per
@@ -28,7 +29,10 @@ struct CutSurface {
 /// Samples the surface of a solid: `candidates` points spread evenly by area over the surfaces that
 /// the tools sweep inside the stock (along a motion where the normal is perpendicular to the
 /// point's velocity, and at its ends), of which those are kept that no other motion removes. A
-/// fixed sequence: equal solids give equal points. Ends early, with fewer points and a greater
+/// fixed sequence: equal solids give equal points. Of several tools each gets its part: half of the
+/// points are shared by area, half equally, because what a small tool cuts is small. If the stock
+/// is a mesh, as many points are spread over the mesh; of a box or cylinder, whose faces are wide,
+/// none. Ends early, with fewer points and a greater
 /// spacing, if a stop is requested or `effort` is spent.
 CutSurface sample_cut_surface(const TrueSolid& solid, std::size_t candidates,
                               const std::stop_token& stop = {}, QueryEffort* effort = nullptr);

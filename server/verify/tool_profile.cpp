@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/tool_profile.h"
+#include "server/verify/tool_profile.h"
 
 #include <algorithm>
 #include <cmath>

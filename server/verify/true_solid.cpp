@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/true_solid.h"
+#include "server/verify/true_solid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,11 @@ constexpr std::uint32_t kMotionsPerRun = 8;
 }  // namespace
 
 TrueSolid::TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>& tools,
-                     const std::vector<ProgramMotion>& motions, double reach_mm)
-    : stock_(stock), reach_mm_(reach_mm) {
+                     const std::vector<ProgramMotion>& motions, double reach_mm,
+                     const TriangleMesh* mesh)
+    : stock_(stock),
+      mesh_(mesh != nullptr ? std::make_unique<StockMesh>(*mesh) : nullptr),
+      reach_mm_(reach_mm) {
   for (const auto& [id, tool] : tools) profiles_.emplace(id, ToolProfile(tool.tool));
   std::vector<Box> boxes;
   boxes.reserve(motions.size());
@@ -35,7 +38,11 @@ TrueSolid::TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>&
   tree_ = BoxTree(std::move(boxes), kMotionsPerRun);
 }
 
-TrueSolid::Signed TrueSolid::from_stock(Vec3 point) const {
+TrueSolid::Signed TrueSolid::from_stock(Vec3 point, double limit_mm) const {
+  if (mesh_) {
+    const StockMesh::Nearest nearest = mesh_->nearest(point, limit_mm);
+    return {nearest.mm, nearest.outward};
+  }
   const SignedDistance d = std::visit(
       [&](const auto& stock) {
         using Shape = std::decay_t<decltype(stock)>;
@@ -50,6 +57,11 @@ TrueSolid::Signed TrueSolid::from_stock(Vec3 point) const {
       },
       stock_);
   return {d.distance_mm, d.outward};
+}
+
+bool TrueSolid::is_solid(Vec3 point, QueryEffort* effort) const {
+  const bool stock = mesh_ ? mesh_->contains(point) : from_stock(point).mm < 0;
+  return stock && is_clear(point, 0, effort);
 }
 
 TrueSolid::Nearest TrueSolid::nearest(Vec3 point, double limit_mm, double enough_mm,

@@ -7,25 +7,26 @@
 #include <string>
 #include <vector>
 
-#include "server/carve/thin_walls.h"
 #include "server/formats/program.h"
 #include "server/formats/scene.h"
+#include "server/verify/thin_walls.h"
 
 namespace kerf {
 
-/// Walls of a program's result that are thinner than the pitch of the rays.
+/// Walls and grooves of a program's result that are thinner than the pitch of the rays.
 struct WallReport {
   double pitch_mm = 0;
   double spacing_mm = 0;        ///< of the samples (CutSurface::spacing_mm)
   std::vector<ThinWall> walls;  ///< one for each pair of program lines; thinnest first
 };
 
-/// Returns the number of candidates that suits a program: one for four motions, 1000 to 10000,
-/// which takes a few percent of the time to carve it; for a scene with a target, whose pitch
-/// depends on the walls, eight times as many.
+/// Returns the number of candidates that suits a program: one for four motions, 1000 to 10000
+/// (at least 4000 if the stock is a mesh), which takes a few percent of the time to carve it; for a
+/// scene with a target, whose pitch depends on the walls, eight times as many.
 std::size_t wall_samples(const Scene& scene, const Program& program);
 
-/// Searches the swept shapes of a program for walls thinner than the pitch, without carving.
+/// Searches the swept shapes of a program, and a mesh stock, for walls and grooves thinner than the
+/// pitch, without carving.
 class WallCheck {
  public:
   /// Samples the surface with about `candidates` points. The scene and the program must outlive
@@ -35,19 +36,21 @@ class WallCheck {
   WallCheck(const Scene& scene, const Program& program, std::size_t candidates,
             const std::stop_token& stop = {});
 
-  /// Finds the walls thinner than the pitch of the scene's settings and thicker than the tolerance.
+  /// Finds the walls and grooves thinner than the pitch of the scene's settings and thicker than
+  /// the tolerance.
   WallReport find(const std::stop_token& stop = {}) const;
   /// Chooses the accuracy of a scene with a target again, with the pitch that the walls and sharp
   /// edges need (pitch_for_walls). On an error, one clause, the scene is unchanged and the target
   /// will be missed there.
   std::expected<void, std::string> refine(Scene& scene, const std::stop_token& stop = {}) const;
-  /// Returns the place of a wall: "p.ngc:5: a wall of 0.14 mm at X1 Y2 Z3, cut from the other side
-  /// in line 8".
+  /// Returns the place of a wall or groove: "p.ngc:5: a wall of 0.14 mm at X1 Y2 Z3, cut from the
+  /// other side in line 8".
   std::string place_text(const ThinWall& wall) const;
-  /// Returns one line for the warnings: the number of walls, and the thinnest that is missing, or
-  /// else the thinnest, with its place and the pitch that it needs. `report` must not be empty.
-  std::string warning(const WallReport& report) const;
-  /// Returns the JSON object of the report, with the thinnest 100 walls.
+  /// Returns one line for the walls and one for the grooves, if there are any: their number, and
+  /// the thinnest that is missing, or else the thinnest, with its place and the pitch that it
+  /// needs.
+  std::vector<std::string> warnings(const WallReport& report) const;
+  /// Returns the JSON object of the report, with the thinnest 100 places.
   std::string json(const WallReport& report) const;
 
  private:
@@ -57,6 +60,7 @@ class WallCheck {
   TrueSolid solid_;
   CutSurface surface_;
 
+  std::string warning(const WallReport& report, bool grooves) const;
   CutSurface sample(std::size_t candidates, const std::stop_token& stop) const;
 };
 

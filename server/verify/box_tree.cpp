@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/box_tree.h"
+#include "server/verify/box_tree.h"
 
 #include <utility>
 

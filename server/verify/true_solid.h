@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <map>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <vector>
 
 #include "kernel/sculpture.h"
-#include "server/carve/box_tree.h"
-#include "server/carve/moving_tool.h"
 #include "server/formats/program.h"
+#include "server/verify/box_tree.h"
+#include "server/verify/moving_tool.h"
+#include "server/verify/stock_mesh.h"
 
 namespace kerf {
 
@@ -26,9 +29,11 @@ struct QueryEffort {
 class TrueSolid {
  public:
   /// `reach_mm` limits the distances from cuts that are computed. `tools` must contain every tool
-  /// of the program. A mesh stock is represented by its bounding box.
+  /// of the program. `mesh` is the stock instead of `stock`, which is then its bounding box; null:
+  /// none.
   TrueSolid(const StockShape& stock, const std::map<ToolId, SceneTool>& tools,
-            const std::vector<ProgramMotion>& motions, double reach_mm);
+            const std::vector<ProgramMotion>& motions, double reach_mm,
+            const TriangleMesh* mesh = nullptr);
   TrueSolid(const TrueSolid&) = delete;
   TrueSolid& operator=(const TrueSolid&) = delete;
 
@@ -47,7 +52,10 @@ class TrueSolid {
     Vec3 outward;
   };
   /// Returns the signed distance from the stock: negative inside.
-  Signed from_stock(Vec3 point_mm) const;
+  /// From a mesh no farther than `limit_mm` (StockMesh::nearest).
+  Signed from_stock(Vec3 point_mm, double limit_mm = std::numeric_limits<double>::infinity()) const;
+  /// Returns whether a point is in the stock and in no cut.
+  bool is_solid(Vec3 point_mm, QueryEffort* effort = nullptr) const;
   /// Returns the signed distance from the nearest cut, at most `reach_mm`; negative inside a cut:
   /// the greatest depth in a single one.
   Signed from_cuts(Vec3 point_mm, const std::stop_token& stop = {},
@@ -61,7 +69,10 @@ class TrueSolid {
   /// Returns the motion that cuts deepest at a point, or comes nearest to it within the reach;
   /// sweeps().size() if none does.
   std::size_t nearest_sweep(Vec3 point_mm) const;
+  /// Returns the stock, or the box around its mesh.
   const StockShape& stock() const { return stock_; }
+  /// Returns the mesh of the stock; null if it has none.
+  const StockMesh* mesh() const { return mesh_.get(); }
 
  private:
   struct Nearest {
@@ -72,6 +83,7 @@ class TrueSolid {
                   QueryEffort* effort) const;
 
   StockShape stock_;
+  std::unique_ptr<StockMesh> mesh_;
   std::map<ToolId, ToolProfile> profiles_;
   std::vector<MovingTool> sweeps_;
   double reach_mm_;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/cut_surface.h"
+#include "server/verify/cut_surface.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -44,14 +45,14 @@ std::array<Vec3, 8> corners_of(const StockShape& stock) {
 struct SweptArea {
   double height_mm = 0;   // above the tip, up to which the tool may be in the stock
   double outline_mm = 0;  // length of the outline up to there
-  double until_mm2 = 0;   // area of this motion and those before
+  double area_mm2 = 0;
+  double until = 0;  // share of the candidates that this motion and those before get
 };
 
 class Sampler {
  public:
   Sampler(const TrueSolid& solid, QueryEffort* effort)
       : solid_(solid), effort_(effort), corners_(corners_of(solid.stock())) {
-    double area = 0;
     const std::span<const MovingTool> tools = solid.sweeps();
     for (std::size_t n = 0; n < tools.size(); ++n) {
       const MovingTool& tool = tools[n];
@@ -64,21 +65,23 @@ class Sampler {
       double path = tool.travel_mm + tool.turn_rad * swept.height_mm;
       if (n == 0 || tools[n - 1].to != tool.from) path += tool.profile->radius_mm();
       if (n + 1 == tools.size() || tools[n + 1].from != tool.to) path += tool.profile->radius_mm();
-      if (swept.outline_mm > 0 && is_in_reach(tool, swept)) area += 2 * swept.outline_mm * path;
-      swept.until_mm2 = area;
+      if (swept.outline_mm > 0 && is_in_reach(tool, swept))
+        swept.area_mm2 = 2 * swept.outline_mm * path;
     }
+    share_between_tools();
   }
 
-  double area_mm2() const { return areas_.empty() ? 0 : areas_.back().until_mm2; }
+  // Greatest area for a candidate, times their number.
+  double area_mm2() const { return area_mm2_ / least_density_; }
 
   // Appends the points of candidate `n` that are on the surface.
   void add(std::size_t n, std::vector<CutPoint>& points) const {
-    const double at = fraction((double(n) + 0.5) * kAlong) * area_mm2();
-    const auto swept = std::ranges::upper_bound(areas_, at, {}, &SweptArea::until_mm2);
+    const double at = fraction((double(n) + 0.5) * kAlong);
+    const auto swept = std::ranges::upper_bound(areas_, at, {}, &SweptArea::until);
     if (swept == areas_.end()) return;
     const auto index = static_cast<std::uint32_t>(swept - areas_.begin());
-    const double before = index == 0 ? 0 : areas_[index - 1].until_mm2;
-    const double along = (at - before) / (swept->until_mm2 - before);
+    const double before = index == 0 ? 0 : areas_[index - 1].until;
+    const double along = (at - before) / (swept->until - before);
     const auto outline = solid_.sweeps()[index].profile->outline_at(fraction(double(n) * kAcross) *
                                                                     swept->outline_mm);
     const double angle = 2 * std::numbers::pi * fraction(double(n) * kAround);
@@ -96,6 +99,28 @@ class Sampler {
     double share;
     ToolProfile::OutlinePoint outline;
   };
+
+  // Of several tools, each gets half of its share by area and half of an equal one.
+  void share_between_tools() {
+    std::map<const ToolProfile*, double> of_tool;
+    for (std::size_t n = 0; n < areas_.size(); ++n) {
+      if (areas_[n].area_mm2 == 0) continue;
+      of_tool[solid_.sweeps()[n].profile] += areas_[n].area_mm2;
+      area_mm2_ += areas_[n].area_mm2;
+    }
+    if (of_tool.size() > 1) least_density_ = 0.5;
+    double until = 0;
+    for (std::size_t n = 0; n < areas_.size(); ++n) {
+      SweptArea& swept = areas_[n];
+      if (swept.area_mm2 > 0) {
+        const double of_all = swept.area_mm2 / area_mm2_;
+        const double of_same =
+            swept.area_mm2 / of_tool.at(solid_.sweeps()[n].profile) / double(of_tool.size());
+        until += (of_all + of_same) / 2;
+      }
+      swept.until = until;
+    }
+  }
 
   bool is_in_reach(const MovingTool& tool, const SweptArea& swept) const {
     const Box box = tool.bounds(swept.height_mm, tool.profile->radius_mm());
@@ -139,10 +164,10 @@ class Sampler {
     const Vec3 radial = e1 * std::cos(angle) + e2 * std::sin(angle);
     const auto& [r, h, nr, nh] = circle.outline;
     const CutPoint point{pose.tip_mm + radial * r + pose.axis * h, radial * nr + pose.axis * nh,
-                         circle.sweep};
+                         circle.sweep, circle.share};
     const Vec3 beside = point.mm + point.into_solid * kOutsideMm;
-    if (solid_.from_stock(beside).mm < -kOutsideMm && solid_.is_clear(beside, 0, effort_) &&
-        (effort_ == nullptr || !effort_->spent()))
+    if (solid_.from_stock(beside, 2 * kOutsideMm).mm < -kOutsideMm &&
+        solid_.is_clear(beside, 0, effort_) && (effort_ == nullptr || !effort_->spent()))
       points.push_back(point);
   }
 
@@ -150,7 +175,24 @@ class Sampler {
   QueryEffort* effort_;
   std::array<Vec3, 8> corners_;
   std::vector<SweptArea> areas_;
+  double area_mm2_ = 0, least_density_ = 1;
 };
+
+// Appends candidate `n` of the stock's mesh if it is on the surface: not inside another body of the
+// mesh, and in no cut.
+void add_of_mesh(const TrueSolid& solid, std::size_t n, QueryEffort* effort,
+                 std::vector<CutPoint>& points) {
+  const StockMesh& mesh = *solid.mesh();
+  const auto [mm, normal] = mesh.at(fraction((double(n) + 0.5) * kAlong) * mesh.area_mm2(),
+                                    fraction(double(n) * kAcross), fraction(double(n) * kAround));
+  const Vec3 over = mm + normal * kOutsideMm, under = mm - normal * kOutsideMm;
+  const bool solid_over = mesh.contains(over);
+  if (solid_over == mesh.contains(under) || !solid.is_clear(solid_over ? over : under, 0, effort))
+    return;
+  if (effort != nullptr && effort->spent()) return;
+  points.push_back(
+      {mm, solid_over ? normal : -normal, static_cast<std::uint32_t>(solid.sweeps().size())});
+}
 
 }  // namespace
 
@@ -158,10 +200,18 @@ CutSurface sample_cut_surface(const TrueSolid& solid, std::size_t candidates,
                               const std::stop_token& stop, QueryEffort* effort) {
   const Sampler sampler(solid, effort);
   CutSurface surface;
+  std::optional<QueryEffort> of_mesh;
+  if (effort != nullptr) of_mesh = *effort;
   std::size_t n = 0;
   for (; n < candidates && !stop.stop_requested() && (effort == nullptr || !effort->spent()); ++n)
     sampler.add(n, surface.points);
-  surface.spacing_mm = std::sqrt(sampler.area_mm2() / double(std::max<std::size_t>(n, 1)));
+  double area = sampler.area_mm2();
+  if (solid.mesh() != nullptr) {
+    for (std::size_t m = 0; m < candidates && !stop.stop_requested(); ++m)
+      add_of_mesh(solid, m, of_mesh ? &*of_mesh : nullptr, surface.points);
+    area = std::max(area, solid.mesh()->area_mm2());
+  }
+  surface.spacing_mm = std::sqrt(area / double(std::max<std::size_t>(n, 1)));
   return surface;
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "kernel/sweep/tool_motion.h"
-#include "server/carve/box_tree.h"
-#include "server/carve/tool_profile.h"
+#include "server/verify/box_tree.h"
+#include "server/verify/tool_profile.h"
 
 namespace kerf {
 

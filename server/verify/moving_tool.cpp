@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/moving_tool.h"
+#include "server/verify/moving_tool.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/carve/wall_check.h"
+#include "server/verify/wall_check.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@ constexpr std::size_t kWallsListedMax = 100;
 // Motions that are evaluated: for a candidate on the average, and at least.
 constexpr std::size_t kEffortPerCandidate = 24, kEffortMin = 20000;
 constexpr std::size_t kMotionsPerSample = 4, kWallSamplesMin = 1000, kWallSamplesMax = 10000,
-                      kTargetFactor = 8;
+                      kMeshSamplesMin = 4000, kTargetFactor = 8;
 constexpr int kDigits = 3, kPlaceDigits = 6;
 // Distances from cuts that are computed, in the largest pitch of the search.
 constexpr double kReachPitches = 4;
@@ -27,7 +27,8 @@ std::string mm(double value) { return significant_text(value, kDigits) + " mm"; 
 
 std::size_t wall_samples(const Scene& scene, const Program& program) {
   const std::size_t samples =
-      std::clamp(program.motions.size() / kMotionsPerSample, kWallSamplesMin, kWallSamplesMax);
+      std::clamp(program.motions.size() / kMotionsPerSample,
+                 scene.settings.stock_mesh ? kMeshSamplesMin : kWallSamplesMin, kWallSamplesMax);
   return scene.accuracy ? kTargetFactor * samples : samples;
 }
 
@@ -37,7 +38,7 @@ WallCheck::WallCheck(const Scene& scene, const Program& program, std::size_t can
       program_(program),
       effort_(kEffortMin + kEffortPerCandidate * candidates),
       solid_(scene.settings.stock, scene.tools, program.motions,
-             kReachPitches * scene.settings.pitch_mm),
+             kReachPitches * scene.settings.pitch_mm, scene.settings.stock_mesh.get()),
       surface_(sample(candidates, stop)) {}
 
 CutSurface WallCheck::sample(std::size_t candidates, const std::stop_token& stop) const {
@@ -55,7 +56,7 @@ WallReport WallCheck::find(const std::stop_token& stop) const {
   WallReport report{.pitch_mm = settings.pitch_mm, .spacing_mm = surface_.spacing_mm, .walls = {}};
   report.walls = distinct_walls(
       find_thin_walls(solid_, surface_, {settings.pitch_mm, settings.tolerance_mm}, stop, &effort),
-      lines);
+      lines, settings.pitch_mm);
   return report;
 }
 
@@ -64,7 +65,7 @@ std::expected<void, std::string> WallCheck::refine(Scene& scene,
   const SculptureSettings& settings = scene.settings;
   const AccuracyRequest request = scene.accuracy->request;
   const std::string missed = "the target of " + mm(request.target_mm) +
-                             " is not met at thin walls and sharp edges of the program: ";
+                             " is not met at thin walls, grooves and sharp edges: ";
   QueryEffort effort{effort_};
   const auto pitch =
       pitch_for_walls(solid_, surface_,
@@ -82,26 +83,47 @@ std::expected<void, std::string> WallCheck::refine(Scene& scene,
 }
 
 std::string WallCheck::place_text(const ThinWall& wall) const {
-  const ProgramMotion& motion = program_.motions[wall.sweep];
+  const std::size_t motions = program_.motions.size();
   const auto number = [](double value) { return significant_text(value, kPlaceDigits); };
-  std::string text = place_of(program_, motion.file, motion.line) + ": a wall of " +
-                     mm(wall.thickness_mm) + " at X" + number(wall.mm.x) + " Y" +
-                     number(wall.mm.y) + " Z" + number(wall.mm.z) + ", ";
-  if (wall.other_sweep >= program_.motions.size()) return text + "at the border of the stock";
+  const std::string shape = std::string(wall.groove ? ": a groove of " : ": a wall of ") +
+                            mm(wall.thickness_mm) + " at X" + number(wall.mm.x) + " Y" +
+                            number(wall.mm.y) + " Z" + number(wall.mm.z);
+  if (wall.sweep >= motions)
+    return (scene_.stock_file.empty() ? "the stock" : scene_.stock_file) + shape;
+  const ProgramMotion& motion = program_.motions[wall.sweep];
+  const std::string text = place_of(program_, motion.file, motion.line) + shape;
+  if (wall.other_sweep >= motions) return text + ", at the border of the stock";
   const ProgramMotion& other = program_.motions[wall.other_sweep];
   if (other.file != motion.file)
-    return text + "cut from the other side in " + place_of(program_, other.file, other.line);
-  return text + "cut from the other side in line " + std::to_string(other.line);
+    return text + ", cut from the other side in " + place_of(program_, other.file, other.line);
+  if (other.line == motion.line) return text;
+  return text + ", cut from the other side in line " + std::to_string(other.line);
 }
 
-std::string WallCheck::warning(const WallReport& report) const {
-  auto shown = std::ranges::find(report.walls, true, &ThinWall::missing);
-  if (shown == report.walls.end()) shown = report.walls.begin();
-  std::string text = place_text(*shown) + ", is thinner than the pitch of " + mm(report.pitch_mm) +
+std::vector<std::string> WallCheck::warnings(const WallReport& report) const {
+  std::vector<std::string> lines;
+  for (const bool grooves : {false, true})
+    if (std::string line = warning(report, grooves); !line.empty())
+      lines.push_back(std::move(line));
+  return lines;
+}
+
+std::string WallCheck::warning(const WallReport& report, bool grooves) const {
+  const ThinWall* shown = nullptr;
+  std::size_t count = 0;
+  for (const ThinWall& wall : report.walls) {
+    if (wall.groove != grooves) continue;
+    ++count;
+    if (shown == nullptr || (wall.missing && !shown->missing)) shown = &wall;
+  }
+  if (shown == nullptr) return {};
+  std::string text = place_text(*shown) + ", is " + (grooves ? "narrower" : "thinner") +
+                     " than the pitch of " + mm(report.pitch_mm) +
                      (shown->missing ? " and is missing in the result" : " and may be missing") +
                      "; its pitch would have to be below " + mm(shown->thickness_mm);
-  const std::size_t others = report.walls.size() - 1;
-  if (others > 0) text += " (and " + std::to_string(others) + " more such walls)";
+  if (count > 1)
+    text +=
+        " (and " + std::to_string(count - 1) + " more such " + (grooves ? "grooves)" : "walls)");
   return text;
 }
 
@@ -114,7 +136,8 @@ std::string WallCheck::json(const WallReport& report) const {
       const ProgramMotion& motion = program_.motions[sweep];
       return place_of(program_, motion.file, motion.line);
     };
-    walls.push_back({{"at_mm", {wall.mm.x, wall.mm.y, wall.mm.z}},
+    walls.push_back({{"kind", wall.groove ? "groove" : "wall"},
+                     {"at_mm", {wall.mm.x, wall.mm.y, wall.mm.z}},
                      {"thickness_mm", wall.thickness_mm},
                      {"place", place(wall.sweep)},
                      {"other_place", place(wall.other_sweep)},
