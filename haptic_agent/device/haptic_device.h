@@ -54,6 +54,13 @@ struct DeviceCapabilities {
   /// Stiffness and damping that the device renders stably at 1 kHz; 0: unknown.
   double max_stiffness_n_per_mm = 0;
   double max_damping_n_s_per_mm = 0;
+  /// Greatest time from the measurement of a pose until a wrench that was computed from it acts, in
+  /// addition to the loop's period: transfers in both directions, drivers, current control.
+  std::uint64_t latency_us = 0;
+  /// Least mass that a force at the pivot moves, and least inertia about the pivot across the
+  /// tool's axis, of the device alone, which a user may let go; 0: unknown.
+  double moving_mass_kg = 0;
+  double moving_inertia_kg_m2 = 0;
   /// Workspace of the tip, in session coordinates; unknown if both corners are equal.
   Vec3 workspace_min_mm{};
   Vec3 workspace_max_mm{};

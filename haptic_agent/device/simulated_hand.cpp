@@ -40,7 +40,9 @@ DeviceCapabilities SimulatedHand::capabilities() const {
           .sensed_dof = 5,
           .actuated_dof = 5,
           .max_force_n = 15.0,
-          .max_torque_nmm = 500.0};
+          .max_torque_nmm = 500.0,
+          .moving_mass_kg = settings_.mass_kg,
+          .moving_inertia_kg_m2 = settings_.inertia_kg_m2};
 }
 
 void SimulatedHand::write(const Wrench& wrench) noexcept {

@@ -2,47 +2,102 @@
 #include "haptic_agent/servo/contact_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <span>
 
 namespace kerf::agent {
 
-Wrench ContactModel::push(const Grip& now, double max_stiffness) const noexcept {
-  Wrench sum;
+namespace {
+
+/// Shares of the limits at which oscillation would begin.
+constexpr double kStiffnessShare = 0.8;
+constexpr double kDampingShare = 0.5;
+constexpr double kMmPerM = 1000;
+
+/// Returns the mass that a push along `normal` at `arm_mm` moves, kg.
+double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcept {
+  const Vec3 lever_m = cross(arm_mm, normal) * (1 / kMmPerM);
+  return 1 / (1 / limits.mass_kg + dot(lever_m, lever_m) / limits.inertia_kg_m2);
+}
+
+}  // namespace
+
+ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
+                          std::uint32_t touches) noexcept {
+  const double share = 1.0 / std::max(1U, touches);
+  double damping = limits.max_damping;
+  if (limits.mass_kg > 0 && limits.inertia_kg_m2 > 0) {
+    const double mass = moved_mass(limits, arm_mm, normal);
+    damping = std::min(damping, kDampingShare * mass / limits.velocity_delay_s / kMmPerM);
+  }
+  const double stable = kStiffnessShare * damping / limits.force_delay_s;
+  return {.stiffness = std::min({stiffness, limits.max_stiffness, share * stable}),
+          .damping = share * damping};
+}
+
+template <typename Gains>
+Wrench ContactModel::push(const Grip& now, const Twist& velocity,
+                          const Gains& gains) const noexcept {
+  struct Touch {
+    const wire::ContactPlane* plane;
+    Vec3 arm_mm;
+    double depth_mm, fade;
+  };
+  std::array<Touch, wire::kMaxContactPlanes> touches;
+  std::uint32_t count = 0;
   const Vec3 turn = between(then_, now).angular;
   for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
     const wire::ContactPlane& plane = answer_.planes[i];
     if ((plane.flags & flags_) == 0) continue;
     const Vec3 arm = rotated(plane.point_mm - then_.pivot_mm, turn);
     const Vec3 moved = now.pivot_mm + arm - plane.point_mm;
-    const Vec3 normal(plane.normal);
-    const double depth = static_cast<double>(plane.depth_mm) - dot(normal, moved);
+    const double depth = static_cast<double>(plane.depth_mm) - dot(Vec3(plane.normal), moved);
     // Beyond its radius the plane's force fades to zero over another radius.
     const double fade =
         std::clamp(2 - length(moved) / static_cast<double>(plane.radius_mm), 0.0, 1.0);
-    if (!(depth > 0) || !(fade > 0)) continue;
-    const double stiffness = std::min(static_cast<double>(plane.stiffness_n_per_mm), max_stiffness);
-    const Vec3 force = normal * (stiffness * depth * fade);
-    sum = sum + Wrench{force, cross(arm, force)};
+    if (depth > 0 && fade > 0) touches[count++] = {&plane, arm, depth, fade};
+  }
+  Wrench sum;
+  for (const Touch& touch : std::span(touches).first(count)) {
+    const Vec3 normal(touch.plane->normal);
+    const ContactGains g = gains(*touch.plane, touch.arm_mm, count);
+    const double speed = dot(normal, velocity.at(touch.arm_mm));
+    // A contact pushes and never pulls.
+    const double newtons =
+        std::max(0.0, g.stiffness * touch.depth_mm - g.damping * speed) * touch.fade;
+    const Vec3 force = normal * newtons;
+    sum = sum + Wrench{force, cross(touch.arm_mm, force)};
   }
   sum.torque_nmm = sum.torque_nmm - now.axis * dot(sum.torque_nmm, now.axis);
   return sum;
 }
 
-void ContactModel::take(const ServerWrench& answer, const Grip& then, const Grip& now) noexcept {
-  const Wrench before = push(now, max_stiffness_) + fading_;
-  answer_ = answer;
-  then_ = then;
-  fading_ = before - push(now, max_stiffness_);
+Wrench ContactModel::damped_push(const Grip& now, const Twist& velocity) const noexcept {
+  return push(now, velocity,
+              [this](const wire::ContactPlane& plane, Vec3 arm_mm, std::uint32_t touches) {
+                return stable_gains(limits_, static_cast<double>(plane.stiffness_n_per_mm), arm_mm,
+                                    Vec3(plane.normal), touches);
+              });
 }
 
-Wrench ContactModel::at(const Grip& now, double dt_s) noexcept {
+void ContactModel::take(const ServerWrench& answer, const Grip& then, const Grip& now,
+                        const Twist& velocity) noexcept {
+  const Wrench before = damped_push(now, velocity) + fading_;
+  answer_ = answer;
+  then_ = then;
+  fading_ = before - damped_push(now, velocity);
+}
+
+Wrench ContactModel::at(const Grip& now, const Twist& velocity, double dt_s) noexcept {
   fading_ = fading_ * std::exp(-dt_s / kFadeS);
-  return push(now, max_stiffness_) + fading_;
+  return damped_push(now, velocity) + fading_;
 }
 
 Wrench ContactModel::in_answer() const noexcept {
-  return push(then_, std::numeric_limits<double>::infinity());
+  return push(then_, {}, [](const wire::ContactPlane& plane, Vec3, std::uint32_t) {
+    return ContactGains{.stiffness = static_cast<double>(plane.stiffness_n_per_mm)};
+  });
 }
 
 }  // namespace kerf::agent

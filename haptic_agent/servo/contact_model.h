@@ -6,31 +6,61 @@
 
 namespace kerf::agent {
 
-/// Renders the contact planes of the newest answer as springs that act on the moving tool between
-/// two answers. A difference between the planes of two answers fades in, so that a new answer never
-/// causes a step of the force.
+/// Limits within which a device renders a contact stably, and the mechanics that they follow from.
+struct ContactLimits {
+  /// Upper limit of the springs, N/mm, and of the dampers beside them, N s/mm.
+  double max_stiffness = 1.5;
+  double max_damping = 0.004;
+  /// Least mass and inertia of the device (DeviceCapabilities); 0: unknown, no limit follows.
+  double mass_kg = 0;
+  double inertia_kg_m2 = 0;
+  /// Time from a pose to its force, on average: latency, and half to one period; and the same for
+  /// the velocity, whose estimate is filtered.
+  double force_delay_s = 0.001;
+  double velocity_delay_s = 0.003;
+};
+
+/// Spring and damper of one contact plane: N/mm, N s/mm.
+struct ContactGains {
+  double stiffness = 0;
+  double damping = 0;
+};
+
+/// Returns gains at which a contact of a free device does not oscillate. A spring that acts t late
+/// drives like a damper of -stiffness t, for which the damper must make up; that damper itself acts
+/// late and may not exceed half of mass / delay. `arm_mm`: from the pivot to the contact, at which
+/// a push along `normal` also turns the device and moves less mass; `touches`: how many planes
+/// share the load.
+ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 arm_mm, Vec3 normal,
+                          std::uint32_t touches) noexcept;
+
+/// Renders the contact planes of the newest answer as damped springs that act on the moving tool
+/// between two answers. A difference between the planes of two answers fades in, so that a new
+/// answer never causes a step of the force.
 class ContactModel {
  public:
   /// Time constant with which a difference between two answers fades, s.
   static constexpr double kFadeS = 0.015;
 
-  /// `max_stiffness`: upper limit of the springs, N/mm, which the device renders stably. Planes
-  /// with none of `flags` (wire::ContactPlane) are ignored.
-  explicit ContactModel(double max_stiffness,
+  /// Planes with none of `flags` (wire::ContactPlane) are ignored.
+  explicit ContactModel(const ContactLimits& limits,
                         std::uint32_t flags = wire::kContactStock | wire::kContactObstacle) noexcept
-      : max_stiffness_(max_stiffness), flags_(flags) {}
+      : limits_(limits), flags_(flags) {}
 
-  /// Sets the newest answer. `then`: the grip that it answers; `now`: the newest grip.
-  void take(const ServerWrench& answer, const Grip& then, const Grip& now) noexcept;
+  /// Sets the newest answer. `then`: the grip that it answers; `now`, `velocity`: the newest.
+  void take(const ServerWrench& answer, const Grip& then, const Grip& now,
+            const Twist& velocity) noexcept;
   /// Returns force and torque about the pivot, `dt_s` after the last call.
-  Wrench at(const Grip& now, double dt_s) noexcept;
+  Wrench at(const Grip& now, const Twist& velocity, double dt_s) noexcept;
   /// Returns the part of the answer's own wrench that these planes contribute.
   Wrench in_answer() const noexcept;
 
  private:
-  Wrench push(const Grip& now, double max_stiffness) const noexcept;
+  template <typename Gains>
+  Wrench push(const Grip& now, const Twist& velocity, const Gains& gains) const noexcept;
+  Wrench damped_push(const Grip& now, const Twist& velocity) const noexcept;
 
-  double max_stiffness_;
+  ContactLimits limits_;
   std::uint32_t flags_;
   ServerWrench answer_;
   Grip then_;

@@ -35,7 +35,7 @@ Vec3 LocalModel::heading(Vec3 before, Vec3 moved_mm) noexcept {
 
 void LocalModel::take(const ServerWrench& answer, const PastGrip& then,
                       const PastGrip& now) noexcept {
-  obstacles_.take(answer, then.grip, now.grip);
+  obstacles_.take(answer, then.grip, now.grip, now.velocity);
   ServerWrench rest = answer;
   rest.wrench = answer.wrench - obstacles_.in_answer();
   take_stock(rest, then, now);
@@ -51,7 +51,7 @@ void LocalModel::take_stock(const ServerWrench& answer, const PastGrip& then,
                             const PastGrip& now) noexcept {
   if (answer.pose_us < answered_us_) return;
   answered_us_ = answer.pose_us;
-  stock_.take(answer, then.grip, now.grip);
+  stock_.take(answer, then.grip, now.grip, now.velocity);
   take_cut(answer, then);
   constexpr double kSPerUs = 1e-6;
   lag_s_ = static_cast<double>(now.time_us - then.time_us) * kSPerUs;
@@ -103,7 +103,8 @@ Wrench LocalModel::cut(const PastGrip& now) const noexcept {
 }
 
 Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
-  const Wrench touched = stock_.at(now.grip, dt_s) + obstacles_.at(now.grip, dt_s);
+  const Wrench touched =
+      stock_.at(now.grip, now.velocity, dt_s) + obstacles_.at(now.grip, now.velocity, dt_s);
   return cutting ? touched + cut(now) : touched;
 }
 

@@ -17,8 +17,8 @@ enum class CutLaw : std::uint8_t {
 
 struct ModelSettings {
   CutLaw law = CutLaw::kSpecificEnergy;
-  /// Limits that the device renders stably at 1 kHz: N/mm and N s/mm.
-  double max_stiffness = 1.5;
+  ContactLimits contact{};
+  /// Damping that the device renders stably at 1 kHz, N s/mm.
   double max_damping = 0.02;
 };
 
@@ -29,8 +29,8 @@ class LocalModel {
  public:
   explicit LocalModel(const ModelSettings& settings) noexcept
       : settings_(settings),
-        stock_(settings.max_stiffness, wire::kContactStock),
-        obstacles_(settings.max_stiffness, wire::kContactObstacle) {}
+        stock_(settings.contact, wire::kContactStock),
+        obstacles_(settings.contact, wire::kContactObstacle) {}
 
   /// Takes an answer of the server. `then`: the grip when the answered pose was measured. If the
   /// replica has already answered a newer pose, only the obstacles of this answer are used.

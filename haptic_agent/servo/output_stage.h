@@ -6,27 +6,42 @@
 
 namespace kerf::agent {
 
-/// Last stage before the motors: makes the wrench passive, limits it, and makes it passive again,
-/// because a slew-limited wrench keeps part of its previous direction.
+/// Last stage before the motors: makes the wrench passive, limits it and its rise, and shortens the
+/// result to what the energy account covers. Nothing follows that could break a limit: shortening
+/// keeps them all.
 template <typename Deficit = CarryDeficit>
 class BasicOutputStage {
  public:
   BasicOutputStage(const PassivitySettings& passivity, const WrenchLimits& limits) noexcept
       : passivity_(passivity), limiter_(limits) {}
 
-  /// Accounts for the device's motion since the last release. Call it first in each tick.
-  void settle(const Twist& moved) noexcept { passivity_.settle(released_, moved); }
+  /// Accounts for the device's motion since the last tick, at `from_us`. Call it first in each
+  /// tick.
+  void settle(const Twist& moved, std::uint64_t from_us, std::uint64_t now_us) noexcept {
+    passivity_.settle(moved, from_us, now_us);
+  }
 
-  /// Returns the wrench to write until the next tick, `dt_s` after the last one.
-  const Wrench& release(const Wrench& requested, const Twist& velocity, double dt_s) noexcept {
-    const double step_s = std::min(dt_s, kLongestStepS);
-    const Wrench passive = passivity_.admit(requested, velocity, dt_s);
-    const Wrench slewed = limiter_.limit(passive, step_s);
-    released_ = limiter_.fit(passivity_.admit(slewed, velocity, dt_s));
+  /// Returns the wrench to write until the next tick. `velocity`: the filtered estimate; `moved`:
+  /// the displacement in the last `dt_s`, which is newer and noisier. The energy must suffice for
+  /// both.
+  const Wrench& release(const Wrench& requested, const Twist& velocity, const Twist& moved,
+                        double dt_s, std::uint64_t now_us) noexcept {
+    const Wrench passive = passivity_.project(requested, velocity);
+    const Wrench slewed = limiter_.limit(passive, std::min(dt_s, kLongestStepS));
+    const double share = passivity_.share(slewed, velocity, now_us);
+    released_ = limiter_.shorten(share);
+    if (dt_s > 0) {
+      released_ = limiter_.shorten(passivity_.share(released_, moved * (1 / dt_s), now_us));
+    }
+    passivity_.wrote(released_, now_us);
     return released_;
   }
   /// Sets the output to zero at once.
-  const Wrench& silence() noexcept { return released_ = limiter_.limit({}, 0); }
+  const Wrench& silence(std::uint64_t now_us) noexcept {
+    released_ = limiter_.limit({}, 0);
+    passivity_.wrote(released_, now_us);
+    return released_;
+  }
 
   void restart() noexcept { passivity_.restart(); }
 

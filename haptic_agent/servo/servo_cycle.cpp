@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "haptic_agent/servo/silence_decay.h"
 
@@ -16,18 +17,53 @@ constexpr std::uint64_t kTickUs = 1000;
 constexpr double kFeltS = 0.01;
 /// Share of a device's stable stiffness and damping that is used.
 constexpr double kStableShare = 0.5;
+/// Share of mass / delay up to which a damper may be set.
+constexpr double kDamperShare = 0.25;
+constexpr double kTickS = 1e-3;
+constexpr double kMmPerM = 1000;
+/// kg m^2/s to N mm s.
+constexpr double kNmmPerNm = 1000;
+
+}  // namespace
+
+namespace {
+
+/// Gains that follow from the device's mass and latency: those of the dampers act a latency and a
+/// period late, and what they may take from the least mass in that time is limited.
+void adapt_to_mechanics(const DeviceCapabilities& device, ServoSettings& settings) {
+  const double latency_s = static_cast<double>(device.latency_us) * kSPerUs;
+  const double filter_s = 1 / (2 * std::numbers::pi * settings.velocity_cutoff_hz);
+  ContactLimits& contact = settings.model.contact;
+  contact.force_delay_s = latency_s + kTickS;
+  contact.velocity_delay_s = latency_s + kTickS + filter_s;
+  PassivitySettings& passivity = settings.passivity;
+  passivity.latency_us = device.latency_us;
+  if (device.moving_mass_kg > 0 && device.moving_inertia_kg_m2 > 0) {
+    contact.mass_kg = passivity.mass_kg = device.moving_mass_kg;
+    contact.inertia_kg_m2 = passivity.inertia_kg_m2 = device.moving_inertia_kg_m2;
+  }
+  const double stable_per_s = kDamperShare / contact.velocity_delay_s;
+  passivity.max_damping =
+      std::min(passivity.max_damping, stable_per_s * passivity.mass_kg / kMmPerM);
+  passivity.max_turn_damping =
+      std::min(passivity.max_turn_damping, stable_per_s * passivity.inertia_kg_m2 * kNmmPerNm);
+}
 
 }  // namespace
 
 ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings settings) {
   settings.limits = within(device, settings.limits);
   if (device.max_stiffness_n_per_mm > 0) {
-    settings.model.max_stiffness = kStableShare * device.max_stiffness_n_per_mm;
+    settings.model.contact.max_stiffness = kStableShare * device.max_stiffness_n_per_mm;
   }
   if (device.max_damping_n_s_per_mm > 0) {
     settings.model.max_damping = kStableShare * device.max_damping_n_s_per_mm;
     settings.passivity.max_damping = settings.model.max_damping;
+    settings.model.contact.max_damping =
+        std::min(settings.model.contact.max_damping, settings.model.max_damping);
   }
+  adapt_to_mechanics(device, settings);
+  settings.passivity.longest_tick_us = settings.safety.lost_in_a_row * kTickUs;
   settings.safety.continuous_force_n = device.continuous_force_n;
   settings.safety.continuous_torque_nmm = device.continuous_torque_nmm;
   settings.safety.workspace_min_mm = device.workspace_min_mm;
@@ -63,15 +99,17 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
 
   const DeviceState state = device_.read(now_us);
   const bool usable = send(state);
-  output_.settle(follow(state, usable, now_us, dt_s));
+  const Twist moved = follow(state, usable, now_us, dt_s);
+  output_.settle(moved, now_us - passed_us, now_us);
   const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
   const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
   const SafetyInput seen = safety_input(state, usable, wrench);
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
   const double gain = supervisor_.tick(seen);
   if (tripped && supervisor_.phase() != ServoPhase::kSafe) output_.restart();
-  device_.write(usable && gain > 0 ? output_.release(wrench * gain, velocity_.velocity(), dt_s)
-                                   : output_.silence());
+  device_.write(usable && gain > 0
+                    ? output_.release(wrench * gain, velocity_.velocity(), moved, dt_s, now_us)
+                    : output_.silence(now_us));
   note(seen, wrench);
 
   const bool timed_out = settings_.duration_us > 0 && now_us - start_us_ >= settings_.duration_us;

@@ -7,7 +7,7 @@ namespace kerf::agent {
 namespace {
 
 /// Shortens `v` to the length `most`; returns exactly `v` if it is not longer.
-Vec3 shorten(Vec3 v, double most, bool& shortened) noexcept {
+Vec3 shortened_to(double most, Vec3 v, bool& shortened) noexcept {
   const double current = length(v);
   if (current <= most) return v;
   shortened = true;
@@ -21,7 +21,7 @@ Vec3 slew(Vec3 current, Vec3 target, double rise, bool& slewed) noexcept {
   const double square = dot(current, current);
   const double keep = square > 0 ? std::clamp(dot(target, current) / square, 0.0, 1.0) : 0.0;
   const Vec3 base = current * keep;
-  return base + shorten(target - base, rise, slewed);
+  return base + shortened_to(rise, target - base, slewed);
 }
 
 }  // namespace
@@ -42,27 +42,22 @@ Wrench WrenchLimiter::limit(const Wrench& requested, double dt_s) noexcept {
     output_ = {};
     return output_;
   }
-  bool saturated = false;
-  bool slewed = false;
-  const Vec3 force_n = shorten(requested.force_n, limits_.force_n, saturated);
-  const Vec3 torque_nmm = shorten(requested.torque_nmm, limits_.torque_nmm, saturated);
-  output_.force_n = slew(output_.force_n, force_n, limits_.force_rise_n_per_s * dt_s, slewed);
-  output_.torque_nmm =
-      slew(output_.torque_nmm, torque_nmm, limits_.torque_rise_nmm_per_s * dt_s, slewed);
-  saturated_ += saturated ? 1 : 0;
-  slewed_ += slewed ? 1 : 0;
-  return output_;
-}
-
-Wrench WrenchLimiter::fit(const Wrench& requested) noexcept {
   double share = 1;
   const auto reduce_share = [&share](double value, double most) {
     if (value > most) share = std::min(share, most / value);
   };
   reduce_share(length(requested.force_n), limits_.force_n);
   reduce_share(length(requested.torque_nmm), limits_.torque_nmm);
-  output_ = {.force_n = requested.force_n * share, .torque_nmm = requested.torque_nmm * share};
+  bool slewed = false;
+  output_.force_n =
+      slew(output_.force_n, requested.force_n * share, limits_.force_rise_n_per_s * dt_s, slewed);
+  output_.torque_nmm = slew(output_.torque_nmm, requested.torque_nmm * share,
+                            limits_.torque_rise_nmm_per_s * dt_s, slewed);
+  saturated_ += share < 1 ? 1 : 0;
+  slewed_ += slewed ? 1 : 0;
   return output_;
 }
+
+Wrench WrenchLimiter::shorten(double share) noexcept { return output_ = output_ * share; }
 
 }  // namespace kerf::agent

@@ -23,8 +23,9 @@ WrenchLimits within(const DeviceCapabilities& device, WrenchLimits limits);
 /// Share of a device's maximum force and torque that is used.
 inline constexpr double kDeviceShare = 0.6;
 
-/// Limits force and torque. Each is shortened to its maximum length without changing direction; its
-/// rise is rate-limited, its fall is not. A wrench that is not finite gives zero.
+/// Limits force and torque. A wrench that exceeds a limit is shortened as a whole, which keeps its
+/// screw axis; the rise of force and torque is rate-limited, their fall is not. A wrench that is
+/// not finite gives zero.
 class WrenchLimiter {
  public:
   explicit WrenchLimiter(const WrenchLimits& limits) noexcept : limits_(limits) {}
@@ -32,9 +33,9 @@ class WrenchLimiter {
   /// Returns the wrench to output `dt_s` after the last one.
   Wrench limit(const Wrench& requested, double dt_s) noexcept;
 
-  /// Scales force and torque by one factor, so that neither exceeds its limit, and stores the
-  /// result as the current output. One factor cannot change the sign of the power.
-  Wrench fit(const Wrench& requested) noexcept;
+  /// Shortens the current output to a share of itself, 0 to 1, which may be done at any time: the
+  /// result is within the limits and the rates that the output was within. Returns it.
+  Wrench shorten(double share) noexcept;
 
   std::uint64_t saturated() const noexcept { return saturated_; }
   std::uint64_t slewed() const noexcept { return slewed_; }

@@ -61,7 +61,7 @@ KERF_INLINE IntLanes highest_of_rows(const std::int32_t* tops) {
     two[k] = greater(__builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13),
                      __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15));
   }
-  for (int k = 0; k < 2; ++k) {
+  for (std::ptrdiff_t k = 0; k < 2; ++k) {
     const IntLanes a = two[2 * k], b = two[2 * k + 1];
     four[k] = greater(__builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13),
                       __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15));

@@ -17,11 +17,13 @@ namespace {
 /// Groups that are processed at once, so that they stay in the first-level cache.
 constexpr std::size_t kChunk = 32;
 
-/// Sums per SIMD lane: of volume, volume x position, volume x direction, and the moment of that.
+/// Sums per SIMD lane: of volume, volume x position, volume x direction, the moment of that, and
+/// volume x the squares of the displacement across and along the rays.
 struct LaneSums {
   Lanes volume{}, x{}, y{}, z{};
   Lanes push_x{}, push_y{}, push_z{};
   Lanes turn_x{}, turn_y{}, turn_z{};
+  Lanes across2{}, along2{};
 };
 
 double total(const Lanes& lanes) {
@@ -108,7 +110,8 @@ KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, cons
     const Lanes dx = v.x + (w.y * z - w.z * y);
     const Lanes dy = v.y + (w.z * x - w.x * z);
     const Lanes dz = v.z + (w.x * y - w.y * x);
-    const Lanes n = square_root(dx * dx + dy * dy + dz * dz);
+    const Lanes across2 = dx * dx + dy * dy, along2 = dz * dz;
+    const Lanes n = square_root(across2 + along2);
     const Lanes scale = select(n > 0.0, -g.length / n, Lanes{});
     const Lanes fx = dx * scale, fy = dy * scale, fz = dz * scale;
     const Lanes ax = x - pivot.x, az = z - pivot.z;
@@ -119,6 +122,8 @@ KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, cons
     s.turn_x = s.turn_x + ay * fz - az * fy;
     s.turn_y = s.turn_y + az * fx - ax * fz;
     s.turn_z = s.turn_z + ax * fy - ay * fx;
+    s.across2 = s.across2 + g.length * across2;
+    s.along2 = s.along2 + g.length * along2;
   }
   sums = s;
 }
@@ -140,6 +145,8 @@ KERF_INLINE void fold_in_lanes(const LaneSums& tile, LaneSums& sums) {
   sums.turn_x += tile.turn_x;
   sums.turn_y += tile.turn_y;
   sums.turn_z += tile.turn_z;
+  sums.across2 += tile.across2;
+  sums.along2 += tile.along2;
 }
 KERF_FOR_EACH_TARGET(void, fold, (const LaneSums& tile, LaneSums& sums), (tile, sums))
 
@@ -194,8 +201,8 @@ LaneSums sum_parts(const Removal& removal, const Summing& s, Workers& workers) {
 
 }  // namespace
 
-CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
-               const CutFrame& frame, const SurfaceWeight* weight, Workers& workers) {
+MovedSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
+                 const CutFrame& frame, const SurfaceWeight* weight, Workers& workers) {
   const double pitch = grid.pitch_mm, quantum = grid.z_quantum_mm;
   const Vec3 from_origin = frame.tip_mm - grid.origin_mm;
   const TipInGrid tip{from_origin.x / pitch - 0.5, from_origin.y / pitch - 0.5,
@@ -204,18 +211,26 @@ CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist
   const bool common =
       length(twist.angular) * frame.reach_mm <= kCommonDirectionShare * length(twist.linear);
   const LaneSums sums = sum_parts(removal, {tip, twist, frame, weight, pivot, common}, workers);
-  const double area = pitch * pitch;
-  CutSum sum{total(sums.volume) * area, total(sums.x, sums.y, sums.z) * area, {}, {}};
+  const double area = pitch * pitch, volume = total(sums.volume);
+  CutSum sum{volume * area, total(sums.x, sums.y, sums.z) * area, {}, {}};
+  double across_mm = 0, along_mm = 0;
   if (common) {
-    const Vec3 push = -normalized(twist.at(sum.center_mm()));
+    const Vec3 d = twist.at(sum.center_mm());
+    const Vec3 push = -normalized(d);
     sum.push_mm3 = push * sum.volume_mm3;
     sum.turn_mm4 = cross(sum.moment_mm4 - pivot * sum.volume_mm3, push);
+    across_mm = std::sqrt(d.x * d.x + d.y * d.y);
+    along_mm = std::abs(d.z);
   } else {
     sum.push_mm3 = total(sums.push_x, sums.push_y, sums.push_z) * area;
     sum.turn_mm4 = total(sums.turn_x, sums.turn_y, sums.turn_z) * area;
+    if (volume > 0) {
+      across_mm = std::sqrt(total(sums.across2) / volume);
+      along_mm = std::sqrt(total(sums.along2) / volume);
+    }
   }
   sum.turn_mm4 = sum.turn_mm4 - frame.axis * dot(sum.turn_mm4, frame.axis);
-  return sum;
+  return {sum, across_mm, along_mm};
 }
 
 }  // namespace kerf

@@ -30,6 +30,14 @@ constexpr CutSum operator*(const CutSum& a, double s) {
   return {a.volume_mm3 * s, a.moment_mm4 * s, a.push_mm3 * s, a.turn_mm4 * s};
 }
 
+/// A cut and the displacements of its elements over the sub-motion, weighted by volume. The lengths
+/// are root mean squares in the frame of the field.
+struct MovedSum {
+  CutSum cut;
+  double across_mm = 0;  ///< of the components across the rays
+  double along_mm = 0;   ///< of those along them
+};
+
 /// The pose of a tool at the middle of a sub-motion, in the frame of a field, and its size.
 struct CutFrame {
   Vec3 tip_mm, axis;
@@ -44,7 +52,7 @@ struct CutFrame {
 /// translation (Eq. 22), and continuously between these. An element that does not move (the
 /// degenerate case of Eq. 21) does not push. `weight`, if not null, weights each element. The parts
 /// of `removal` are divided among `workers`.
-CutSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
-               const CutFrame& frame, const SurfaceWeight* weight, Workers& workers);
+MovedSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
+                 const CutFrame& frame, const SurfaceWeight* weight, Workers& workers);
 
 }  // namespace kerf

@@ -22,11 +22,20 @@ Twist twist_of(const ToolMotion& motion) {
 struct Crossing {
   double mm, share;
 };
-Crossing crossing_of(Vec3 d) {
-  const double across2 = d.x * d.x + d.y * d.y;
-  const double along2 = d.z * d.z * (kAlongRays * kAlongRays);
+Crossing crossing_of(double across_mm, double along_mm) {
+  const double across2 = across_mm * across_mm;
+  const double along2 = along_mm * along_mm * (kAlongRays * kAlongRays);
   const double both2 = across2 + along2;
   return {std::sqrt(both2), both2 > 0 ? across2 / both2 : 0};
+}
+Crossing crossing_of(Vec3 d) { return crossing_of(std::sqrt(d.x * d.x + d.y * d.y), d.z); }
+
+/// Returns the mean path of a cut's elements, mm: the work of their unit pushes over the sub-motion
+/// per volume. Over this path, a force of u per area does the work u V, whatever the motion.
+double mean_path_mm(const CutSum& cut, const Twist& twist, Vec3 pivot) {
+  if (!(cut.volume_mm3 > 0)) return 0;
+  const Wrench push{cut.push_mm3, cut.turn_mm4};
+  return -work(push, {twist.at(pivot), twist.angular}) / cut.volume_mm3;
 }
 
 CutSum to_world(RayAxis axis, const CutSum& s) {
@@ -50,11 +59,11 @@ CuttingForce::CuttingForce(const ForceSettings& settings, const Tool& tool,
 
 void CuttingForce::Part::add(const CutSum& s, double share, double path_mm) {
   sum = sum + s;
-  if (path_mm > kRestEpsilonMm) per_mm_mm2 += share * s.volume_mm3 / path_mm;
+  swept_mm4 += s.volume_mm3 * path_mm / share;
 }
 
 double CuttingForce::Part::path_mm(double otherwise) const {
-  return per_mm_mm2 > 0 ? sum.volume_mm3 / per_mm_mm2 : otherwise;
+  return sum.volume_mm3 > 0 ? swept_mm4 / sum.volume_mm3 : otherwise;
 }
 
 void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion,
@@ -62,14 +71,13 @@ void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const Tool
   if (removal.quanta() == 0) return;
   const ToolPose middle = motion.at(0.5);
   const Twist twist = twist_of(motion);
-  const CutSum local = sum_cut(
+  const MovedSum local = sum_cut(
       removal, grid, twist, {middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_, radius_mm_},
       weight_ ? &*weight_ : nullptr, workers);
-  const Vec3 displacement = twist.at(local.center_mm());
-  const CutSum sum = to_world(grid.axis, local);
-  all_.add(sum, share, length(displacement));
+  const CutSum sum = to_world(grid.axis, local.cut);
+  all_.add(sum, share, mean_path_mm(local.cut, twist, middle.axis * settings_.pivot_mm));
   if (weight_) return;
-  const Crossing crossing = crossing_of(displacement);
+  const Crossing crossing = crossing_of(local.across_mm, local.along_mm);
   gradual_.add(sum * crossing.share, share, crossing.mm);
 }
 

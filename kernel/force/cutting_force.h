@@ -42,12 +42,13 @@ class CuttingForce {
   FeltCut finish();
 
  private:
-  /// Sums over the motion, and the volume per mm of travel.
+  /// Sums over the motion, and of volume times the path that it would have over the whole motion.
   struct Part {
     CutSum sum;
-    double per_mm_mm2 = 0;
+    double swept_mm4 = 0;
+    /// `path_mm`: mean path of the elements in the sub-motion, `share` > 0 of the whole.
     void add(const CutSum& s, double share, double path_mm);
-    /// Returns the path over which `sum` was removed, or `otherwise` if nothing was.
+    /// Returns the mean path over which `sum` was removed, or `otherwise` if nothing was.
     double path_mm(double otherwise) const;
   };
   CutSum carried(TravelQueue& queue, double path_mm, Vec3 direction) const;

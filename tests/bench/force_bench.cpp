@@ -2,7 +2,8 @@
 // Measures the force at constant engagement: slots of constant depth and plunges at 30 mm/s with
 // ball and flat end mills, in several directions of the grid. An ideal force is constant over the
 // ticks, and independent of the tick rate and of the pitch. Then the force of motions that start
-// inside stock. Prints two tables. Usage: force_bench [pitch_mm=0.1] [steady|starts]
+// inside stock, and the work of swivels about points of the tool's axis. Prints three tables.
+// Usage: force_bench [pitch_mm=0.1] [steady|starts|swivels]
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,8 @@
 
 #include "kernel/sculpture.h"
 #include "tests/bench/buried_start.h"
+#include "tests/kernel/extremes/carving.h"
+#include "tests/support/swivel.h"
 
 namespace {
 
@@ -161,12 +164,38 @@ void print_constant_engagement(double pitch_mm) {
   }
 }
 
+void print_swivels(double pitch_mm) {
+  constexpr double kAboveTipMm[] = {-5, 0, 2, 5, 9, 30};
+  std::printf(
+      "\nSwivels of 14 degrees, 10 mm deep, about a point of the axis at a height above the tip "
+      "(mm), specific energy: work / (u V). With one field the force lags by a pitch of travel.\n");
+  std::printf("%-11s %-9s", "tool", "rays");
+  for (const double height : kAboveTipMm) std::printf(" %6.0f", height);
+  std::printf("\n");
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    double worst = 0;
+    for (const auto& named : test::every_tool(0.6)) {
+      std::printf("%-11s %-9s", named.name.c_str(), to_string(rays));
+      for (const double height : kAboveTipMm) {
+        const double share = test::work_over_energy(
+            {.tool = named.tool, .rays = rays, .pitch_mm = pitch_mm, .above_tip_mm = height});
+        worst = std::max(worst, std::abs(share - 1));
+        std::printf(" %6.3f", share);
+      }
+      std::printf("\n");
+    }
+    std::printf("%s: worst deviation %.1f %%\n", to_string(rays), 100 * worst);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const double pitch_mm = argc > 1 ? std::atof(argv[1]) : 0.1;
   const std::string table = argc > 2 ? argv[2] : "";
-  if (table != "starts") print_constant_engagement(pitch_mm);
-  if (table != "steady") kerf::bench::print_buried_starts(pitch_mm);
+  const auto wants = [&](const char* name) { return table.empty() || table == name; };
+  if (wants("steady")) print_constant_engagement(pitch_mm);
+  if (wants("starts")) kerf::bench::print_buried_starts(pitch_mm);
+  if (wants("swivels")) print_swivels(pitch_mm);
   return 0;
 }

@@ -15,6 +15,8 @@ constexpr std::uint16_t kPacketBytes = 64;
 constexpr std::uint64_t kAnswerUs = 10'000;
 /// The serial chip sends its status every millisecond, independently of the firmware.
 constexpr std::uint64_t kSilenceUs = 500'000;
+/// A request and a reply through the serial chip, whose latency timer is 1 ms.
+constexpr std::uint64_t kLatencyUs = 3000;
 /// Largest plausible movement between two poses; a larger one means that an encoder slipped.
 constexpr double kJumpMm = 10.0;
 constexpr std::uint64_t kForgetUs = 100'000;
@@ -39,6 +41,7 @@ DeviceCapabilities FalconProtocol::capabilities() const {
           .max_force_n = 8.0,
           .max_stiffness_n_per_mm = 3.0,
           .max_damping_n_s_per_mm = 0.02,
+          .latency_us = kLatencyUs,
           .workspace_min_mm = settings_.middle_mm - reach,
           .workspace_max_mm = settings_.middle_mm + reach,
           .has_deadman = false};

@@ -24,6 +24,8 @@ constexpr double kMaxAngleRad = 1.05 * std::numbers::pi;
 /// Interval at which an unchanged command is repeated, for the firmware's watchdog.
 constexpr std::uint64_t kKeepAliveUs = 4000;
 constexpr std::uint64_t kSilenceUs = 500'000;
+/// A report and a command of one 1 ms frame each, and the firmware's own loop.
+constexpr std::uint64_t kLatencyUs = 3000;
 constexpr double kUsPerS = 1e6;
 
 bool within(double value, double least, double most) noexcept {
@@ -63,6 +65,7 @@ DeviceCapabilities pen_capabilities(const PenPlace& place) {
           .continuous_torque_nmm = 100.0,
           .max_stiffness_n_per_mm = 2.0,
           .max_damping_n_s_per_mm = 0.01,
+          .latency_us = kLatencyUs,
           .workspace_min_mm = place.middle_mm - reach_mm,
           .workspace_max_mm = place.middle_mm + reach_mm,
           .has_deadman = true};

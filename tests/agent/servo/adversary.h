@@ -1,43 +1,78 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 
 #include "haptic_agent/servo/output_stage.h"
+#include "haptic_agent/servo/servo_cycle.h"
 #include "haptic_agent/servo/velocity_estimator.h"
 
 namespace kerf::agent {
 
-/// Simulation of a device of 0.1 kg held by a human hand, a network that sends adversarial
-/// wrenches, and the output stage between them, in steps of 1 ms.
+/// Deliberate errors, each of which must break the bound.
+struct AdversaryFaults {
+  /// The account assumes that a wrench acts when it is written.
+  bool ignores_latency = false;
+  /// The device declares 20 times its mass and inertia: its motion differs much from the estimate.
+  bool declares_too_much_mass = false;
+};
+
+/// Simulation of a device in a human hand, a network that sends adversarial wrenches, a loop that
+/// loses ticks, and the output stage between them. Wrenches act up to 3 ms after they are written.
+/// The work on the hand is that of the acting wrench, integrated in steps of 0.125 ms: the stage's
+/// own account is not used.
 template <typename Deficit>
 class Adversary {
  public:
-  explicit Adversary(std::uint32_t seed)
+  explicit Adversary(std::uint32_t seed, const AdversaryFaults& faults = {})
       : random_(seed), kind_(seed % 6), quantum_mm_(seed % 2 == 0 ? 0 : 0.03) {
-    hand_n_per_mm_ = uniform(0.005, 0.3);
-    hand_n_s_per_mm_ = uniform(0, 0.002);
+    mass_kg_ = log_uniform(0.05, 2);
+    inertia_kg_mm2_ = log_uniform(10, 1000);
+    latency_us_ = std::array<std::uint64_t, 4>{0, 1000, 2375, 3000}[seed / 6 % 4];
+    hand_n_per_mm_ = log_uniform(0.005, 2);
+    hand_n_s_per_mm_ =
+        uniform(0, 1) * 2 * std::sqrt(hand_n_per_mm_ * mass_kg_ / kMmPerM);  // up to critical
     hand_hz_ = uniform(0.3, 4);
     hand_mm_ = uniform(2, 40);
     strong_ = uniform(2, 30);
+    DeviceCapabilities device{.name = "adversary",
+                              .max_force_n = 20,
+                              .max_torque_nmm = 500,
+                              .max_damping_n_s_per_mm = 0.06,
+                              .latency_us = faults.ignores_latency ? 0 : latency_us_,
+                              .moving_mass_kg = mass_kg_,
+                              .moving_inertia_kg_m2 = inertia_kg_mm2_ / kMmPerM / kMmPerM};
+    if (faults.declares_too_much_mass) {
+      device.moving_mass_kg *= 20;
+      device.moving_inertia_kg_m2 *= 20;
+    }
+    const ServoSettings settings = settings_for(device, {});
+    limits_ = settings.limits;
+    stage_ = BasicOutputStage<Deficit>(settings.passivity, settings.limits);
   }
 
-  /// Returns the maximum work done on the hand over any interval, mJ, as measured by the encoders.
+  /// Returns the maximum work done on the hand over any interval, mJ.
   double run(int ticks) {
-    for (int tick = 0; tick < ticks; ++tick) step(tick * kTickS);
-    return stage_.passivity().account().most_returned_mj();
+    for (int tick = 0; tick < ticks; ++tick) step();
+    return most_returned_mj_;
   }
-  /// The wrench was always finite and within its limits.
+  /// Each wrench was finite, within its limits, and within the limits of its rise.
   bool kept_limits() const { return kept_limits_; }
 
  private:
-  static constexpr double kTickS = 0.001;
-  static constexpr double kMassKg = 0.1, kInertiaKgMm2 = 100;  // radius of gyration 30 mm
+  static constexpr double kMmPerM = 1000;
+  static constexpr std::uint64_t kTickUs = 1000, kStepUs = 125, kStartUs = 1'000'000;
 
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+  double log_uniform(double low, double high) {
+    return std::exp(uniform(std::log(low), std::log(high)));
   }
   Vec3 any(double most) {
     return {uniform(-most, most), uniform(-most, most), uniform(-most, most)};
@@ -73,40 +108,95 @@ class Adversary {
     return {{snap(at_.pivot_mm.x), snap(at_.pivot_mm.y), snap(at_.pivot_mm.z)}, at_.axis};
   }
 
-  void step(double time_s) {
+  /// One tick: after 1 ms, or after up to 5 if ticks are lost, fewer than 2 % in all.
+  void step() {
+    const bool loses = uniform(0, 1) < 0.008;
+    const auto ticks = loses ? static_cast<std::uint64_t>(uniform(2, 5.999)) : 1;
+    if (static_cast<int>(uniform(0, 150)) == 0)
+      jerk_ = any(uniform(0, std::min(20.0, 100 * mass_kg_)));
+    jerk_ = jerk_ * 0.95;
+    const std::uint64_t from_us = now_us_;
+    while (now_us_ < from_us + ticks * kTickUs) move();
+    const double dt_s = static_cast<double>(now_us_ - from_us) * 1e-6;
     const Grip seen = measured();
     const Twist moved = between(seen_, seen);
     seen_ = seen;
-    stage_.settle(moved);
-    const Twist velocity = estimate_.take(moved, kTickS);
-    const Wrench output = stage_.release(request(time_s, velocity), velocity, kTickS);
-    kept_limits_ = kept_limits_ && is_finite(output) && length(output.force_n) <= 8 * (1 + 1e-12) &&
-                   length(output.torque_nmm) <= 150 * (1 + 1e-12);
-    if (static_cast<int>(uniform(0, 150)) == 0) jerk_ = any(uniform(0, 20));
+    stage_.settle(moved, from_us, now_us_);
+    const Twist velocity = estimate_.take(moved, dt_s);
+    const Wrench before = stage_.released();
+    const double time_s = static_cast<double>(now_us_) * 1e-6;
+    const Wrench output = stage_.release(request(time_s, velocity), velocity, moved, dt_s, now_us_);
+    newest_ = (newest_ + 1) % written_.size();
+    written_[newest_] = {now_us_, output};
+    check(before, output, std::min(dt_s, 0.002));
+  }
+
+  /// Returns whether `now` may follow `before`: a share of it plus a limited rise.
+  static bool may_follow(Vec3 before, Vec3 now, double rise) {
+    const double square = dot(before, before);
+    const double keep = square > 0 ? std::clamp(dot(now, before) / square, 0.0, 1.0) : 0;
+    return length(now - before * keep) <= rise * (1 + 1e-9) + 1e-9;
+  }
+  void check(const Wrench& before, const Wrench& now, double dt_s) {
+    kept_limits_ =
+        kept_limits_ && is_finite(now) && length(now.force_n) <= limits_.force_n * (1 + 1e-12) &&
+        length(now.torque_nmm) <= limits_.torque_nmm * (1 + 1e-12) &&
+        may_follow(before.force_n, now.force_n, limits_.force_rise_n_per_s * dt_s) &&
+        may_follow(before.torque_nmm, now.torque_nmm, limits_.torque_rise_nmm_per_s * dt_s);
+  }
+
+  const Wrench& acting() const {
+    for (std::size_t age = 0; age < written_.size(); ++age) {
+      const Written& w = written_[(newest_ + written_.size() - age) % written_.size()];
+      if (w.time_us + latency_us_ <= now_us_) return w.wrench;
+    }
+    return written_[(newest_ + 1) % written_.size()].wrench;
+  }
+
+  void move() {
+    const double dt = static_cast<double>(kStepUs) * 1e-6;
+    const double time_s = static_cast<double>(now_us_ - kStartUs) * 1e-6;
     const double swing = hand_mm_ * std::sin(2 * std::numbers::pi * hand_hz_ * time_s);
     const Vec3 goal{swing, swing / 3, -swing / 2};
-    jerk_ = jerk_ * 0.95;
     const Vec3 hand = (goal - at_.pivot_mm) * hand_n_per_mm_ - v_.linear * hand_n_s_per_mm_ + jerk_;
-    v_.linear = v_.linear + (output.force_n + hand) * (1000 / kMassKg * kTickS);
-    v_.angular = v_.angular +
-                 (output.torque_nmm + jerk_ * 5 - v_.angular * 2) * (1000 / kInertiaKgMm2 * kTickS);
+    const Wrench& wrench = acting();
+    v_.linear = v_.linear + (wrench.force_n + hand) * (kMmPerM / mass_kg_ * dt);
+    v_.angular =
+        v_.angular + (wrench.torque_nmm + jerk_ * (inertia_kg_mm2_ / 20) - v_.angular * 0.5) *
+                         (kMmPerM / inertia_kg_mm2_ * dt);
     v_.angular = v_.angular - at_.axis * dot(at_.axis, v_.angular);
-    at_.pivot_mm = at_.pivot_mm + v_.linear * kTickS;
-    at_.axis = normalized(rotated(at_.axis, v_.angular * kTickS));
+    at_.pivot_mm = at_.pivot_mm + v_.linear * dt;
+    at_.axis = normalized(rotated(at_.axis, v_.angular * dt));
+    given_mj_ += work(wrench, v_ * dt);
+    least_given_mj_ = std::min(least_given_mj_, given_mj_);
+    most_returned_mj_ = std::max(most_returned_mj_, given_mj_ - least_given_mj_);
+    now_us_ += kStepUs;
   }
+
+  struct Written {
+    std::uint64_t time_us = 0;
+    Wrench wrench{};
+  };
 
   std::mt19937 random_;
   std::uint32_t kind_;
   double quantum_mm_;
+  double mass_kg_, inertia_kg_mm2_;
+  std::uint64_t latency_us_;
   double hand_n_per_mm_, hand_n_s_per_mm_, hand_hz_, hand_mm_, strong_;
+  WrenchLimits limits_;
   BasicOutputStage<Deficit> stage_{PassivitySettings{}, WrenchLimits{}};
   VelocityEstimator estimate_{100};
+  std::array<Written, 16> written_{};
+  std::size_t newest_ = 0;
+  std::uint64_t now_us_ = kStartUs;
   Grip at_, seen_;
   Twist v_, late_;
   Wrench random_wrench_;
   Vec3 jerk_;
   int ticks_since_ = 0;
-  bool kept_limits_ = true;
+  double given_mj_ = 0, least_given_mj_ = 0, most_returned_mj_ = 0;
+  bool kept_limits_ = true, tripped_ = false;
 };
 
 /// Worst result of several traces.
@@ -117,10 +207,11 @@ struct WorstReturn {
 };
 
 template <typename Deficit>
-WorstReturn worst_return(std::uint32_t first_seed, std::uint32_t traces, int ticks) {
+WorstReturn worst_return(std::uint32_t first_seed, std::uint32_t traces, int ticks,
+                         const AdversaryFaults& faults = {}) {
   WorstReturn worst;
   for (std::uint32_t seed = first_seed; seed < first_seed + traces; ++seed) {
-    Adversary<Deficit> adversary(seed);
+    Adversary<Deficit> adversary(seed, faults);
     const double returned = adversary.run(ticks);
     worst.kept_limits = worst.kept_limits && adversary.kept_limits();
     if (returned > worst.returned_mj) {

@@ -136,49 +136,84 @@ ServerWrench wall_at(const PastGrip& then, double depth_mm, double stiffness = 1
   return answer;
 }
 
+constexpr ContactLimits kLimits{.max_stiffness = 2};
+
 TEST(ContactModel, RendersAPlaneThatWasKnownBeforeContact) {
-  ContactModel contact(2);
+  ContactModel contact(kLimits);
   PastGrip now = start();
-  contact.take(wall_at(now, -1), now.grip, now.grip);
-  EXPECT_EQ(contact.at(now.grip, kDt), Wrench{});
+  contact.take(wall_at(now, -1), now.grip, now.grip, {});
+  EXPECT_EQ(contact.at(now.grip, {}, kDt), Wrench{});
   now = next(now, {1.5, 0, 0});
-  const Wrench output = contact.at(now.grip, kDt);
+  const Wrench output = contact.at(now.grip, {}, kDt);
   EXPECT_NEAR(output.force_n.x, -0.5, 1e-6);
   EXPECT_NEAR(output.torque_nmm.y, kPivotMm * 0.5, 1e-4);
 }
 
 TEST(ContactModel, StiffnessIsLimitedByTheDevice) {
-  ContactModel contact(2);
+  ContactModel contact(kLimits);
   PastGrip now = start();
-  contact.take(wall_at(now, 0, 50), now.grip, now.grip);
+  contact.take(wall_at(now, 0, 50), now.grip, now.grip, {});
   now = next(now, {0.5, 0, 0});
-  EXPECT_NEAR(contact.at(now.grip, kDt).force_n.x, -1, 1e-6);
+  EXPECT_NEAR(contact.at(now.grip, {}, kDt).force_n.x, -1, 1e-6);
 }
 
 TEST(ContactModel, NewPlaneFadesInWithoutAStep) {
-  ContactModel contact(2);
+  ContactModel contact(kLimits);
   const PastGrip now = start();
-  contact.take(wall_at(now, 2), now.grip, now.grip);
-  EXPECT_EQ(contact.at(now.grip, 0), Wrench{});
+  contact.take(wall_at(now, 2), now.grip, now.grip, {});
+  EXPECT_EQ(contact.at(now.grip, {}, 0), Wrench{});
   double before = 0, most = 0;
   for (int i = 0; i < 200; ++i) {
-    const double force = -contact.at(now.grip, kDt).force_n.x;
+    const double force = -contact.at(now.grip, {}, kDt).force_n.x;
     most = std::max(most, force - before);
     before = force;
   }
   EXPECT_LT(most, 0.15);
   EXPECT_NEAR(before, 2, 1e-3);
-  contact.take(ServerWrench{}, now.grip, now.grip);
-  EXPECT_NEAR(contact.at(now.grip, 0).force_n.x, -2, 1e-3)
+  contact.take(ServerWrench{}, now.grip, now.grip, {});
+  EXPECT_NEAR(contact.at(now.grip, {}, 0).force_n.x, -2, 1e-3)
       << "a removed plane fades out without a step";
 }
 
 TEST(ContactModel, ForceEndsBeyondThePlanesRadius) {
-  ContactModel contact(2);
+  ContactModel contact(kLimits);
   PastGrip now = start();
-  contact.take(wall_at(now, 0), now.grip, now.grip);
+  contact.take(wall_at(now, 0), now.grip, now.grip, {});
   now = next(now, {11, 0, 0});
-  EXPECT_EQ(contact.at(now.grip, kDt), Wrench{});
+  EXPECT_EQ(contact.at(now.grip, {}, kDt), Wrench{});
+}
+
+TEST(ContactModel, DampsAndNeverPulls) {
+  ContactModel contact(kLimits);
+  const PastGrip now = start();
+  contact.take(wall_at(now, 0.5), now.grip, now.grip, {});
+  for (int i = 0; i < 200; ++i) contact.at(now.grip, {}, kDt);  // until it has faded in
+  EXPECT_NEAR(contact.at(now.grip, {}, kDt).force_n.x, -0.5, 1e-4);
+  EXPECT_NEAR(contact.at(now.grip, {{50, 0, 0}, {}}, kDt).force_n.x, -0.7, 1e-4)
+      << "0.004 N s/mm while it is pressed further";
+  EXPECT_NEAR(contact.at(now.grip, {{-50, 0, 0}, {}}, kDt).force_n.x, -0.3, 1e-4);
+  EXPECT_NEAR(contact.at(now.grip, {{-500, 0, 0}, {}}, kDt).force_n.x, 0, 1e-4);
+}
+
+TEST(ContactGains, FollowFromMassAndDelay) {
+  const Vec3 normal{0, 0, 1};
+  const ContactLimits slow{
+      .mass_kg = 0.05, .inertia_kg_m2 = 1e-4, .force_delay_s = 0.004, .velocity_delay_s = 0.008};
+  const ContactGains axial = stable_gains(slow, 50, {0, 0, -60}, normal, 1);
+  EXPECT_NEAR(axial.damping, 0.5 * 0.05 / 0.008 / 1000, 1e-12);
+  EXPECT_NEAR(axial.stiffness, 0.8 * axial.damping / 0.004, 1e-12);
+  // Across the axis, a push at 60 mm turns a light pen: 1 / (1/m + r^2/I) = 17.9 g.
+  const ContactGains across = stable_gains(slow, 50, {60, 0, 0}, normal, 1);
+  EXPECT_NEAR(across.damping / axial.damping, 1 / (1 + 0.05 * 36), 1e-12);
+  const ContactGains shared = stable_gains(slow, 50, {0, 0, -60}, normal, 2);
+  EXPECT_NEAR(shared.damping, axial.damping / 2, 1e-12);
+  EXPECT_NEAR(shared.stiffness, axial.stiffness / 2, 1e-12);
+}
+
+TEST(ContactGains, AreTheSurfacesOwnWhereTheDeviceRendersThem) {
+  const ContactLimits prompt{.max_stiffness = 3, .mass_kg = 0.3, .inertia_kg_m2 = 2e-4};
+  EXPECT_EQ(stable_gains(prompt, 1.2, {0, 0, -60}, {0, 0, 1}, 1).stiffness, 1.2);
+  EXPECT_EQ(stable_gains(prompt, 50, {0, 0, -60}, {0, 0, 1}, 1).stiffness, 3);
 }
 
 TEST(GripHistory, FindsTheGripOfAnAnswer) {

@@ -143,9 +143,29 @@ TEST(SettingsFor, TakesLimitsFromTheDeviceCapabilities) {
   EXPECT_EQ(settings.safety.workspace_min_mm, (Vec3{-1, -2, -3}));
   EXPECT_EQ(settings.safety.workspace_max_mm, (Vec3{4, 5, 6}));
   EXPECT_TRUE(settings.safety.motors);
-  EXPECT_DOUBLE_EQ(settings.model.max_stiffness, 1) << "half of the stable stiffness";
+  EXPECT_DOUBLE_EQ(settings.model.contact.max_stiffness, 1) << "half of the stable stiffness";
   EXPECT_DOUBLE_EQ(settings.model.max_damping, 0.015);
-  EXPECT_DOUBLE_EQ(settings.passivity.max_damping, 0.015);
+}
+
+TEST(SettingsFor, LimitsDampersByMassInertiaAndLatency) {
+  const DeviceCapabilities light{.max_force_n = 10,
+                                 .max_damping_n_s_per_mm = 0.06,
+                                 .latency_us = 3000,
+                                 .moving_mass_kg = 0.05,
+                                 .moving_inertia_kg_m2 = 1e-5};
+  const ServoSettings settings = settings_for(light, {});
+  EXPECT_EQ(settings.passivity.latency_us, 3000U);
+  EXPECT_EQ(settings.passivity.mass_kg, 0.05);
+  EXPECT_EQ(settings.passivity.inertia_kg_m2, 1e-5);
+  EXPECT_EQ(settings.passivity.longest_tick_us, 5000U) << "four lost ticks are tolerated";
+  // A damper that acts 5.6 ms late (latency, period, filter) oscillates above mass / delay.
+  const double late_s = 0.004 + 1 / (2 * 3.14159265 * 100);
+  EXPECT_NEAR(settings.passivity.max_damping, 0.25 * 0.05 / late_s / 1000, 1e-6);
+  EXPECT_NEAR(settings.passivity.max_turn_damping, 0.25 * 1e-5 / late_s * 1000, 1e-6);
+  DeviceCapabilities heavy = light;
+  heavy.moving_mass_kg = 5;
+  heavy.moving_inertia_kg_m2 = 1;
+  EXPECT_DOUBLE_EQ(settings_for(heavy, {}).passivity.max_damping, 0.03);
 }
 
 class Listener final : public SampleListener {
@@ -223,7 +243,8 @@ TEST_F(ServoCycleTest, RendersTheServersForceAndFadesItWhenTheServerIsSilent) {
 
 TEST_F(ServoCycleTest, FollowedWrenchIsSmoothedAndFaded) {
   for (const ForceMode mode : {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold}) {
-    ServoCycle cycle = make({.mode = mode});
+    // A device so heavy that the little energy of the first ticks suffices.
+    ServoCycle cycle = make({.mode = mode, .passivity = {.mass_kg = 1}});
     std::uint64_t now_us = 10'000;
     const auto feel = [&](int ticks) {
       for (int i = 0; i < ticks; ++i, now_us += 1000) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/agent/stability/experiments.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -8,6 +9,7 @@
 #include "haptic_agent/device/carving_figure.h"
 #include "haptic_agent/device/simulated_hand.h"
 #include "tests/agent/stability/bench_hand.h"
+#include "tests/agent/stability/plant.h"
 #include "tests/agent/stability/test_bed.h"
 
 namespace kerf::agent {
@@ -24,6 +26,29 @@ std::string swing_scene(double damping_n_s_per_m) {
     "tools":[{"id":1,"shape":"flat","diameter_mm":10,"length_mm":40}],
     "force":{"law":"drr","drr_n_s_per_mm3":)" +
          std::to_string(drr) + R"(,"pivot_mm":60}})";
+}
+
+/// A block with its top at z = 0 and a wall at x = 0, as stock, or as an obstacle above the stock.
+std::string press_scene(bool obstacle) {
+  const std::string box = R"("shape":"box","min_mm":[0,-30,-20],"max_mm":[30,30,0])";
+  const std::string below = R"("shape":"box","min_mm":[0,-30,-40],"max_mm":[30,30,-39])";
+  return R"({"name":"press","stock":{)" + (obstacle ? below : box) + R"(},
+    "accuracy":{"rays":"dexel","pitch_mm":0.5,"tolerance_mm":0.01,"motion":"tight"},
+    "tools":[{"id":1,"shape":"ball","diameter_mm":6,"length_mm":40}],)" +
+         (obstacle ? R"("obstacles":[{)" + box + "}]," : std::string()) +
+         R"("force":{"law":"specific_energy","specific_force_n_per_mm2":0.2,"pivot_mm":60}})";
+}
+
+constexpr double kPressS = 0.3;  ///< duration of the approach
+constexpr double kHeldS = 1.5;
+constexpr int kBuzzTicks = 500;
+constexpr double kPressMm = 4;  ///< depth of the hand's target below the surface
+
+/// Approaches from 3 mm outside the surface, stays at kPressMm inside.
+Vec3 pressing(const Press& press, double time_s) {
+  const double share = std::clamp((time_s - kRestS) / kPressS, 0.0, 1.0);
+  const double depth = -3 + (3 + kPressMm) * share;
+  return press.sideways ? Vec3{-3 + depth, 0, -10} : Vec3{15, 0, -depth};
 }
 
 constexpr const char* kCarvingScene = R"({"name":"carving",
@@ -76,6 +101,22 @@ SwingOutcome swing(const Swing& swing) {
   outcome.active = servo.supervisor().phase() >= ServoPhase::kRamp;
   outcome.trips = servo.supervisor().trips();
   return outcome;
+}
+
+PressOutcome press(const Press& press) {
+  Plant plant([&](double time_s) { return pressing(press, time_s); }, press.mechanics, false);
+  if (press.ignores_latency) plant.declare_latency(0);
+  TestBed bed(press_scene(press.obstacle), plant, {}, press.line, true);
+  const int ticks = static_cast<int>((kRestS + kPressS + kHeldS) * 1000);
+  for (int i = 0; i < ticks; ++i) {
+    if (i == ticks - kBuzzTicks) plant.begin_rest();
+    bed.tick(!press.loses_ticks || i % 200 >= 4);
+  }
+  return {.returned_mj = plant.most_returned_mj(),
+          .buzz_mm_per_s = plant.rms_mm_per_s(),
+          .force_n = length(plant.acting().force_n),
+          .fastest_mm_per_s = plant.fastest_mm_per_s(),
+          .trips = bed.servo().supervisor().trips()};
 }
 
 Recording record_carving(double seconds) {

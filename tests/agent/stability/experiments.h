@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "haptic_agent/servo/servo_cycle.h"
+#include "tests/agent/stability/plant.h"
 #include "tests/agent/stability/virtual_line.h"
 
 namespace kerf::agent {
@@ -45,5 +46,23 @@ Recording beside_another(const Recording& recording, double ahead_s);
 /// Returns the error of the output force against the server's force without delay along that path:
 /// rms of the difference over rms of the force.
 double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy);
+
+/// Settings: the tool is pressed against a surface, and held there, by a hand of given mechanics.
+struct Press {
+  PlantMechanics mechanics{};
+  LineQuality line{};
+  bool sideways = false;  ///< against a wall, which also turns the tool; otherwise along its axis
+  bool obstacle = false;  ///< against an obstacle, which only the server knows; otherwise the stock
+  bool loses_ticks = false;      ///< four in a row, 2 % in all
+  bool ignores_latency = false;  ///< the device declares none
+};
+struct PressOutcome {
+  double returned_mj = 0;    ///< most over any interval, in the plant
+  double buzz_mm_per_s = 0;  ///< rms speed of the tip while the hand is at rest
+  double force_n = 0;        ///< that acts at the end
+  double fastest_mm_per_s = 0;
+  std::uint64_t trips = 0;
+};
+PressOutcome press(const Press& press);
 
 }  // namespace kerf::agent

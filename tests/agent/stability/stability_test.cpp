@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "tests/agent/stability/experiments.h"
 
 namespace kerf::agent {
@@ -19,6 +23,55 @@ TEST(Stability, ModelIsStableUpTo250MsRoundTrip) {
       EXPECT_GT(outcome.max_force_n, 0.2) << "the test requires a force";
     }
   }
+}
+
+/// The lightest device and hand, a heavy and stiff one, and the greatest latency and none.
+std::vector<Press> presses() {
+  std::vector<Press> all;
+  for (const std::uint64_t latency_us : {0U, 3000U}) {
+    for (const bool sideways : {false, true}) {
+      Press press{.mechanics = {.mass_kg = 0.05,
+                                .inertia_kg_m2 = 1e-5,
+                                .hand_n_per_mm = 0.02,
+                                .hand_nmm_per_rad = 13,
+                                .latency_us = latency_us},
+                  .line = {.rtt_ms = 50},
+                  .sideways = sideways,
+                  .loses_ticks = true};
+      all.push_back(press);
+      press.obstacle = true;
+      all.push_back(press);
+      press.mechanics.mass_kg = 0.5;
+      press.mechanics.inertia_kg_m2 = 2e-4;
+      press.mechanics.hand_n_per_mm = 2;
+      press.mechanics.hand_nmm_per_rad = 1340;
+      all.push_back(press);
+    }
+  }
+  return all;
+}
+
+TEST(Stability, PressedToolRestsAtAnyLatencyOfTheDevice) {
+  for (const Press& p : presses()) {
+    const PressOutcome outcome = press(p);
+    const std::string which = std::to_string(p.mechanics.latency_us) + " us, " +
+                              std::to_string(p.mechanics.mass_kg) + " kg, " +
+                              (p.sideways ? "sideways, " : "along the axis, ") +
+                              (p.obstacle ? "obstacle" : "stock");
+    EXPECT_LE(outcome.buzz_mm_per_s, 5) << which;
+    EXPECT_LE(outcome.returned_mj, PassivitySettings{}.tank_mj) << which;
+    EXPECT_EQ(outcome.trips, 0U) << which;
+    EXPECT_GT(outcome.force_n, 0.002) << which << ": the test requires a contact";
+  }
+}
+
+TEST(Stability, PressedToolBuzzesIfTheDeviceDeclaresNoLatency) {
+  double worst = 0;
+  for (Press p : presses()) {
+    p.ignores_latency = true;
+    worst = std::max(worst, press(p).buzz_mm_per_s);
+  }
+  EXPECT_GT(worst, 10);
 }
 
 TEST(Stability, WithAReplicaTheForceIsAccurateAtAnyDelay) {

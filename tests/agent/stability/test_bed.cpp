@@ -108,9 +108,9 @@ void TestBed::another_cuts_to(Vec3 tip_mm) {
   session_->move(another_, {&sample, 1});
 }
 
-void TestBed::tick() {
+void TestBed::tick(bool runs) {
   now_us_ += 1000;
-  servo_->tick(now_us_);
+  if (runs) servo_->tick(now_us_);
   if (copy_.replica) copy_.answer(exchange_, now_us_);
   traffic_->collect();
   if (const std::string text = traffic_->take_control(); !text.empty()) {

@@ -25,7 +25,8 @@ class TestBed {
   TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
           const LineQuality& quality, bool copy, std::uint32_t seed = 1);
 
-  void tick();
+  /// `runs`: whether the servo's tick is run; otherwise it is lost.
+  void tick(bool runs = true);
   /// A second agent, without delay, cuts to `tip_mm` with the first tool.
   void another_cuts_to(Vec3 tip_mm);
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernel/sculpture.h"
+#include "tests/support/swivel.h"
 
 namespace kerf {
 namespace {
@@ -57,8 +58,10 @@ TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   part.tiles = {{{0, 0}, 1}};
   SerialWorkers alone;
   const Twist along_x{{0.5, 0, 0}, {}};
-  const CutSum sum =
+  const auto [sum, across_mm, along_mm] =
       sum_cut(removal, grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50, 5}, nullptr, alone);
+  EXPECT_DOUBLE_EQ(across_mm, 0.5);
+  EXPECT_EQ(along_mm, 0);
   const double volume = 0.5 * 0.25;
   EXPECT_NEAR(sum.volume_mm3, volume, 1e-15);
   EXPECT_NEAR(sum.push_mm3.x, -volume, 1e-15);
@@ -195,6 +198,24 @@ TEST(Force, IsZeroInAir) {
   auto s = block(ForceLaw::kSpecificEnergy, BallShape{10, 50});
   EXPECT_EQ(s.apply(MoveTool{1, {{-9, 2, 4}, kUp}, {{0, 2, 4}, kUp}, 0.1}).value().wrench,
             Wrench{});
+}
+
+TEST(Force, SwivelDoesTheWorkOfTheRemovedVolume) {
+  const Tool flat = *make_tool(FlatShape{6, 40}), ball = *make_tool(BallShape{6, 40}),
+             bull_nose = *make_tool(BullNoseShape{8, 1.5, 40});
+  for (const double above_tip_mm : {-5.0, 2.0, 5.0, 9.0, 30.0}) {
+    for (const Tool& tool : {flat, ball, bull_nose}) {
+      const double share = test::work_over_energy(
+          {.tool = tool, .rays = Rays::kTriDexel, .pitch_mm = 0.15, .above_tip_mm = above_tip_mm});
+      EXPECT_NEAR(share, 1, 0.02) << above_tip_mm << " mm";
+    }
+  }
+  // With one field, the force lags the cut by a pitch of travel, over which the engagement changes.
+  for (const double above_tip_mm : {0.0, 5.0, 9.0}) {
+    const double share = test::work_over_energy(
+        {.tool = flat, .rays = Rays::kDexel, .pitch_mm = 0.05, .above_tip_mm = above_tip_mm});
+    EXPECT_NEAR(share, 1, 0.035) << above_tip_mm << " mm";
+  }
 }
 
 }  // namespace

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "haptic_agent/device/haptic_device.h"
+#include "haptic_agent/servo/grip.h"
+#include "server/wire/types.h"
+
+namespace kerf::agent {
+
+/// Mechanics of a device in a hand, and the time from a written wrench to its action.
+struct PlantMechanics {
+  double mass_kg = 0.1;
+  double inertia_kg_m2 = 1e-4;
+  double hand_n_per_mm = 0.5;  ///< critically damped, as is the rotation
+  double hand_nmm_per_rad = 300;
+  std::uint64_t latency_us = 0;
+  double pivot_mm = 60;
+};
+
+/// A device of five degrees of freedom, held by a spring-damper hand that follows a target. The
+/// wrench that acts is the one written `latency_us` ago. The work that it does is integrated in
+/// steps of 0.125 ms, as the motors and the hand see it.
+class Plant final : public HapticDevice {
+ public:
+  using Target = std::function<Vec3(double time_s)>;  ///< of the tip; the axis stays +z
+
+  Plant(Target target, const PlantMechanics& mechanics, bool cutting)
+      : target_(std::move(target)),
+        m_(mechanics),
+        cutting_(cutting),
+        grip_{target_(0) + Vec3{0, 0, mechanics.pivot_mm}, {0, 0, 1}} {}
+
+  DeviceCapabilities capabilities() const override {
+    return {.name = "plant",
+            .sensed_dof = 5,
+            .actuated_dof = 5,
+            .max_force_n = 20,
+            .max_torque_nmm = 500,
+            .max_stiffness_n_per_mm = 3,
+            .max_damping_n_s_per_mm = 0.06,
+            .latency_us = declared_latency_us_.value_or(m_.latency_us),
+            .moving_mass_kg = m_.mass_kg,
+            .moving_inertia_kg_m2 = m_.inertia_kg_m2};
+  }
+  DeviceState read(std::uint64_t now_us) noexcept override {
+    if (start_us_ == 0) start_us_ = now_us_ = now_us;
+    while (now_us_ < now_us) move();
+    return {.tip_mm = tip(),
+            .axis = grip_.axis,
+            .buttons = wire::kButtonDeadman | (cutting_ ? wire::kButtonCutting : 0U),
+            .time_us = now_us,
+            .valid = true,
+            .phase = DevicePhase::kReady};
+  }
+  void write(const Wrench& wrench) noexcept override { written_.push_back({now_us_, wrench}); }
+  void stop() noexcept override { write({}); }
+
+  /// For experiments with a device that does not know its latency.
+  void declare_latency(std::uint64_t latency_us) { declared_latency_us_ = latency_us; }
+  /// Starts to measure the speed of the tip.
+  void begin_rest() { square_sum_ = 0, steps_ = 0; }
+  /// Root mean square of the tip's speed since then, mm/s.
+  double rms_mm_per_s() const { return steps_ > 0 ? std::sqrt(square_sum_ / steps_) : 0; }
+  /// Greatest work done on the hand over any interval, mJ.
+  double most_returned_mj() const { return most_returned_mj_; }
+  double fastest_mm_per_s() const { return fastest_; }
+  Vec3 tip() const { return grip_.pivot_mm - grip_.axis * m_.pivot_mm; }
+  const Wrench& acting() const { return acting_; }
+
+ private:
+  static constexpr std::uint64_t kStepUs = 125;
+  static constexpr double kMmPerM = 1000;
+
+  void move() {
+    while (!written_.empty() && written_.front().first + m_.latency_us <= now_us_) {
+      acting_ = written_.front().second;
+      written_.pop_front();
+    }
+    const double dt = kStepUs * 1e-6;
+    const double time_s = static_cast<double>(now_us_ - start_us_) * 1e-6;
+    const Vec3 goal = target_(time_s) + Vec3{0, 0, m_.pivot_mm};
+    const double damping = 2 * std::sqrt(m_.hand_n_per_mm * m_.mass_kg / kMmPerM);
+    const Vec3 pull = (goal - grip_.pivot_mm) * m_.hand_n_per_mm - v_.linear * damping;
+    v_.linear = v_.linear + (pull + acting_.force_n) * (kMmPerM / m_.mass_kg * dt);
+    const double inertia = m_.inertia_kg_m2 * kMmPerM;  // N mm s^2
+    const double turn_damping = 2 * std::sqrt(m_.hand_nmm_per_rad * inertia);
+    const Vec3 twist =
+        cross(grip_.axis, Vec3{0, 0, 1}) * m_.hand_nmm_per_rad - v_.angular * turn_damping;
+    v_.angular = v_.angular + (twist + acting_.torque_nmm) * (dt / inertia);
+    v_.angular = v_.angular - grip_.axis * dot(grip_.axis, v_.angular);
+    grip_.pivot_mm = grip_.pivot_mm + v_.linear * dt;
+    grip_.axis = normalized(rotated(grip_.axis, v_.angular * dt));
+    account(work(acting_, v_ * dt), length(v_.at(grip_.axis * -m_.pivot_mm)));
+    now_us_ += kStepUs;
+  }
+  void account(double work_mj, double speed) {
+    given_mj_ += work_mj;
+    least_given_mj_ = std::min(least_given_mj_, given_mj_);
+    most_returned_mj_ = std::max(most_returned_mj_, given_mj_ - least_given_mj_);
+    fastest_ = std::max(fastest_, speed);
+    square_sum_ += speed * speed;
+    ++steps_;
+  }
+
+  Target target_;
+  PlantMechanics m_;
+  bool cutting_;
+  std::optional<std::uint64_t> declared_latency_us_;
+  Grip grip_;
+  Twist v_;
+  Wrench acting_{};
+  std::deque<std::pair<std::uint64_t, Wrench>> written_;
+  std::uint64_t start_us_ = 0, now_us_ = 0;
+  double given_mj_ = 0, least_given_mj_ = 0, most_returned_mj_ = 0, fastest_ = 0, square_sum_ = 0;
+  int steps_ = 0;
+};
+
+}  // namespace kerf::agent

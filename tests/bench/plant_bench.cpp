@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures passivity and stability of the agent as the motors and the hand see them: the work of
+// the wrench that acts, which is the one written a latency ago.
+//
+//   plant_bench [TRACES]        default 100000
+//
+// First table: the tool is pressed against stock and obstacles by hands of 0.02 to 2 N/mm with 0.05
+// to 2 kg and 1e-5 or 2e-4 kg m², through a device with 0 to 3 ms of latency, 2 % of the ticks lost
+// or none, a real session at a round trip of 0 to 250 ms: per latency the greatest energy returned
+// over any interval, the greatest rms speed of the tip while the hand is at rest, and the trips.
+// The last row declares no latency where there are 3 ms. Then random traces of two seconds with an
+// adversarial network (tests/agent/servo/adversary.h), and the same with deliberate errors. Fails
+// if the tank is exceeded, a wrench leaves its limits, or the tip moves faster than 5 mm/s rms.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+
+#include "tests/agent/servo/adversary.h"
+#include "tests/agent/stability/experiments.h"
+
+namespace {
+
+using namespace kerf::agent;
+
+constexpr double kMostBuzz = 5;
+constexpr double kTankMj = PassivitySettings{}.tank_mj;
+
+struct Worst {
+  double returned_mj = 0, buzz_mm_per_s = 0;
+  std::uint64_t trips = 0;
+  int runs = 0;
+
+  void take(const PressOutcome& outcome) {
+    returned_mj = std::max(returned_mj, outcome.returned_mj);
+    buzz_mm_per_s = std::max(buzz_mm_per_s, outcome.buzz_mm_per_s);
+    trips += outcome.trips;
+    ++runs;
+  }
+};
+
+/// Hands of all mechanics, along and across the tool's axis, with and without lost ticks.
+void press_with_all_hands(Press press, Worst& worst) {
+  for (const double mass_kg : {0.05, 0.3, 2.0}) {
+    for (const double inertia_kg_m2 : {1e-5, 2e-4}) {
+      for (const double n_per_mm : {0.02, 0.2, 2.0}) {
+        press.mechanics = {.mass_kg = mass_kg,
+                           .inertia_kg_m2 = inertia_kg_m2,
+                           .hand_n_per_mm = n_per_mm,
+                           .hand_nmm_per_rad = 670 * n_per_mm,
+                           .latency_us = press.mechanics.latency_us};
+        for (const bool sideways : {false, true}) {
+          for (const bool loses : {false, true}) {
+            press.sideways = sideways;
+            press.loses_ticks = loses;
+            worst.take(kerf::agent::press(press));
+          }
+        }
+      }
+    }
+  }
+}
+
+Worst press_all(std::uint64_t latency_us, bool ignores_latency) {
+  Worst worst;
+  for (const double rtt_ms : {0.0, 50.0, 250.0}) {
+    for (const bool obstacle : {false, true}) {
+      Press press{.line = {.rtt_ms = rtt_ms, .jitter = rtt_ms > 0 ? 0.2 : 0},
+                  .obstacle = obstacle,
+                  .ignores_latency = ignores_latency};
+      press.mechanics.latency_us = latency_us;
+      press_with_all_hands(press, worst);
+    }
+  }
+  return worst;
+}
+
+bool contact_table() {
+  bool holds = true;
+  std::printf("%-26s %6s %14s %20s %6s\n", "latency ms", "runs", "mJ returned", "rms mm/s at rest",
+              "trips");
+  const auto row = [](const char* name, const Worst& worst) {
+    std::printf("%-26s %6d %14.2f %20.2f %6llu\n", name, worst.runs, worst.returned_mj,
+                worst.buzz_mm_per_s, static_cast<unsigned long long>(worst.trips));
+    std::fflush(stdout);
+  };
+  for (const std::uint64_t latency_us : {0U, 1000U, 2000U, 3000U}) {
+    const Worst worst = press_all(latency_us, false);
+    char name[32];
+    std::snprintf(name, sizeof name, "%llu", static_cast<unsigned long long>(latency_us / 1000));
+    row(name, worst);
+    holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
+  }
+  row("3, but none declared", press_all(3000, true));
+  return holds;
+}
+
+bool adversary_table(std::uint32_t traces) {
+  constexpr int kTicks = 2000;
+  const WorstReturn worst = worst_return<CarryDeficit>(0, traces, kTicks);
+  std::printf(
+      "\n%u adversarial traces: at most %.2f mJ returned (seed %u), tank %.0f mJ, limits %s\n",
+      traces, worst.returned_mj, worst.seed, kTankMj, worst.kept_limits ? "kept" : "BROKEN");
+  const auto fault = [&]<typename Deficit>(const char* name, const AdversaryFaults& faults,
+                                           Deficit) {
+    const WorstReturn broken = worst_return<Deficit>(0, traces / 100 + 1, kTicks, faults);
+    std::printf("%s: %.0f mJ (seed %u)\n", name, broken.returned_mj, broken.seed);
+  };
+  fault("latency not declared", {.ignores_latency = true}, CarryDeficit{});
+  fault("20 times the mass declared", {.declares_too_much_mass = true}, CarryDeficit{});
+  fault("the same, and deficits forgiven", {.declares_too_much_mass = true}, ForgiveDeficit{});
+  return worst.kept_limits && worst.returned_mj <= kTankMj;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto traces = static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 100'000);
+  const bool rests = contact_table();
+  const bool passive = adversary_table(traces);
+  return rests && passive ? 0 : 1;
+}
