@@ -51,6 +51,10 @@ inline constexpr double kStillMarginShare = 1e-3;
 /// disc of a slice. Owner: sweep/swept_tool. If it grows, rims that stick out are not searched.
 inline constexpr double kHiddenDiscShare = 1e-12;
 
+/// mm. A disc of a smaller radius is the tip of a slice: the side ends there by itself, and has no
+/// edge. Owner: sweep/piece_side, sweep/swept_tool. If it grows, small rims are not searched.
+inline constexpr double kTipMm = 1e-9;
+
 /// Squared sine of the axis' lean from which on a plane along the axis bounds a piece better than a
 /// level one. Owner: sweep/shadow. If it grows, only time is lost; at 0 the plane's normal is 0/0.
 inline constexpr double kPlaneLean2 = 1e-4;

@@ -185,15 +185,15 @@ class TileMesher {
   bool add_bent(const Corners& corners, const QuadCorners& c, bool reversed,
                 const LatticeEdge& edge) {
     std::array<std::size_t, 4> cells{};
-    FaceVertices::Corners positions;
-    for (std::size_t n = 0; n < 4; ++n) {
-      cells[n] = corners[n].position;
-      positions[n] = (*positions_)[c[n]];
-    }
+    for (std::size_t n = 0; n < 4; ++n) cells[n] = corners[n].position;
     FaceVertices::OfQuad between;
-    if (!bends_.find(edge, cells, positions, between)) return false;
+    if (!bends_.find(edge, cells, positions_of(c), between)) return false;
     add_fan(c, between, reversed, edge);
     return true;
+  }
+
+  FaceVertices::Corners positions_of(const QuadCorners& c) const {
+    return {(*positions_)[c[0]], (*positions_)[c[1]], (*positions_)[c[2]], (*positions_)[c[3]]};
   }
 
   QuadSplit split_of(const QuadCorners& c, bool reversed, bool flat,
@@ -219,7 +219,7 @@ class TileMesher {
       rim[count++] = c[n];
       if (between[n]) rim[count++] = add_vertex(*between[n], 0);
     }
-    const std::uint32_t center = add_vertex(placement_.place_on_edge(edge), 0);
+    const std::uint32_t center = add_vertex(placement_.place_center(edge, positions_of(c)), 0);
     for (std::size_t n = 0; n < count; ++n) {
       const std::uint32_t a = rim[n], b = rim[(n + 1) % count];
       indices_->insert(indices_->end(), {center, reversed ? b : a, reversed ? a : b});

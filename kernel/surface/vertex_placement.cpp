@@ -20,6 +20,9 @@ constexpr double kMarginOfHeight = 0.25;
 /// Share of the pitch by which coinciding vertices of two sheets are separated.
 constexpr double kSheetShift = 1.0 / 64;
 
+/// Share of the least distance by which the center of a fan is raised off the plane of a floor.
+constexpr double kShareRaised = 0.25;
+
 /// Number of cached horizontal edges, a power of two: those of two rows of cells.
 constexpr std::size_t kEdgesSeen = 1024;
 
@@ -190,6 +193,19 @@ SurfaceVertex VertexPlacement::place_on_edge(const LatticeEdge& edge) {
   Vec3 place{double(edge.i), double(edge.j), double(edge.k)};
   (edge.axis == 0 ? place.x : edge.axis == 1 ? place.y : place.z) += share;
   return flat_vertex(place, crossing.normal);
+}
+
+SurfaceVertex VertexPlacement::place_center(const LatticeEdge& edge,
+                                            std::span<const std::array<float, 3>, 4> corners) {
+  SurfaceVertex center = place_on_edge(edge);
+  if (edge.axis == 2) return center;
+  const double raise_mm = std::min(margin_, margin_below_) * kShareRaised / steps_per_mm_;
+  const auto height = double(center.position_mm[2]);
+  const auto level = std::ranges::count_if(corners, [&](const std::array<float, 3>& corner) {
+    return std::abs(double(corner[2]) - height) <= raise_mm;
+  });
+  if (level == 2) center.position_mm[2] = static_cast<float>(height + raise_mm);
+  return center;
 }
 
 std::array<double, 3> VertexPlacement::from_sample(const LatticeSample& sample,

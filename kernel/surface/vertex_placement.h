@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kernel/surface/column_window.h"
@@ -47,6 +48,12 @@ class VertexPlacement {
   /// Returns a vertex where the surface crosses an edge, one of whose samples is solid. It lies on
   /// the edge to the bit, off its ends.
   SurfaceVertex place_on_edge(const LatticeEdge& edge);
+  /// Returns the center of the fan of a quadrangle: place_on_edge(), but raised into the cells
+  /// above a horizontal edge if both corners below are at the edge's height. There, the envelope
+  /// below the edge is flat, and a triangle in it would lie in the plane of the floor next to it.
+  /// `corners`: positions relative to DexelGrid::origin_mm.
+  SurfaceVertex place_center(const LatticeEdge& edge,
+                             std::span<const std::array<float, 3>, 4> corners);
   /// Returns a position relative to a sample of the lattice, in pitches.
   std::array<double, 3> from_sample(const LatticeSample& sample,
                                     const std::array<float, 3>& position_mm) const;

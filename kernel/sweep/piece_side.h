@@ -12,19 +12,28 @@
 
 namespace kerf {
 
+/// The end of a ray's interval that is searched.
+enum class End { kLower, kUpper };
+
+/// Heights at which eight rays enter and leave the slab between the discs of a piece.
+struct DiscSpan {
+  Lanes in, out;
+};
+
 /// Intervals of eight dexel rays inside the side of a piece, continued beyond its two discs.
 /// Heights t relative to the piece's anchor.
 struct SideSpan {
   Lanes in, out;    ///< may be infinite
   LaneMask exists;  ///< false: the ray misses the side
   Lanes closest;    ///< of rays that miss: the height closest to the side
+  Lanes depth;      ///< of the others: estimated depth of the ray in the side
 };
 
 /// The side of a frustum (paper Eq. 2; a cylinder when the slope is 0), anchored at the center of
 /// its lower disc. With p = (x, y, t) from the anchor and l = p·u the side is |p|² − l² = (r0 + k
 /// l)², quadratic in t with A = u_x² + u_y² − k² u_z². A > 0: the inside is between the roots. A ≤
 /// 0 (the ray is steeper than the generators): the inside is beyond one of them, on the nappe that
-/// belongs to the tool.
+/// belongs to the tool. A tip has no disc: the nappe ends there.
 struct ConeSide {
   double anchor, low, high;
   FrustumSide side;
@@ -32,13 +41,15 @@ struct ConeSide {
 
   explicit ConeSide(const FrustumPiece& p)
       : anchor(p.z0_mm),
-        low(0),
-        high(p.z1_mm - p.z0_mm),
+        low(p.r0_mm > kTipMm ? 0 : p.z0_mm - p.z1_mm),
+        high((p.r1_mm > kTipMm ? 1 : 2) * (p.z1_mm - p.z0_mm)),
         side(p),
         by_chord2(0.125 / extent(p).radius_mm) {}
 
   /// `along` = x u_x + y u_y.
-  KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
+  template <End end>
+  KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along,
+                            const DiscSpan&) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const double r0 = side.r0_mm, slope = side.slope, k1 = 1 + slope * slope;
     const Lanes a = u.x * u.x + u.y * u.y - slope * slope * (u.z * u.z);
@@ -64,7 +75,8 @@ struct ConeSide {
         (convex & (inside >= 0.0) & own_nappe) | (~convex & ~parallel) | (parallel & (c <= 0.0));
     Lanes closest = Lanes(0);
     if (any(convex & ~exists)) closest = select(convex, closest_to(x, y, u, along, a), closest);
-    return {in, out, exists, closest};
+    const Lanes chord = out - in;
+    return {in, out, exists, closest, chord * chord * by_chord2 * (u.x * u.x + u.y * u.y)};
   }
   /// Returns the outward normal, of any length, at the point p = (x, y, t) with l = p·u: the
   /// gradient of ρ − (r0 + k l), where ρ is the distance from the axis.
@@ -94,31 +106,48 @@ struct ConeSide {
 /// The side of an arc piece, anchored at the height of the arc's center: F = √(m² + l²) − radius =
 /// 0, where m is the distance from the tool's axis less center_r, at least zero. F is convex along
 /// a ray, so Newton's method from outside approaches its roots monotonically. A disc that continues
-/// the side without an edge is left out: the side bounds the piece there already.
+/// the side without an edge, or is only a tip, is left out: the side bounds the piece there
+/// already.
 struct ArcSide {
-  double anchor, low, high, center_r, radius, reach, by_chord2;
+  double anchor, low, high, center_r, radius, reach, half_height;
 
   explicit ArcSide(const ArcPiece& p)
       : anchor(p.center_z_mm),
-        low(is_level_below(p) ? -2 * p.radius_mm : p.z0_mm - p.center_z_mm),
-        high(is_level_above(p) ? 2 * p.radius_mm : p.z1_mm - p.center_z_mm),
+        low(is_level_below(p) || radius_at(p, p.z0_mm) <= kTipMm ? -2 * p.radius_mm
+                                                                 : p.z0_mm - p.center_z_mm),
+        high(is_level_above(p) || radius_at(p, p.z1_mm) <= kTipMm ? 2 * p.radius_mm
+                                                                  : p.z1_mm - p.center_z_mm),
         center_r(p.center_r_mm),
         radius(p.radius_mm),
         reach(p.center_r_mm >= 0 ? p.center_r_mm + p.radius_mm
                                  : std::sqrt(std::max(0.0, p.radius_mm * p.radius_mm -
                                                                p.center_r_mm * p.center_r_mm))),
-        by_chord2(0.125 / reach) {}
+        half_height(std::min(radius, reach)) {}
 
-  KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along) const {
+  /// Computes `end` of the intervals; the other end only up to the disc there.
+  template <End end>
+  KERF_INLINE SideSpan meet(Lanes x, Lanes y, const Vec3Lanes& u, Lanes along,
+                            const DiscSpan& discs) const {
     const Lanes p2 = x * x + y * y;
     const Lanes ball2 = reach * reach - p2;
-    const LaneMask near = ball2 >= 0.0;
-    const Lanes half = square_root(select(near, ball2, Lanes(0)));
-    Lanes in = -half, out = half;
-    const LaneMask enters = approach(p2, u.z, along, near, in);
-    if (any(enters)) approach(p2, u.z, along, enters, out);
-    const Lanes closest = any(~enters) ? closest_to(p2, u.z, along) : half - half;
-    return {in, out, enters, closest};
+    const Lanes half = square_root(greater(ball2, Lanes(0)));
+    const Lanes uz = select(magnitude(u.z) > kAxisAlongRayMin, u.z, Lanes(kAxisAlongRayMin));
+    const Lanes middle = -along / uz, thick = magnitude(half_height / uz);
+    Lanes in = greater(middle - thick, -half), out = lesser(middle + thick, half);
+    const LaneMask near = (ball2 >= 0.0) & (in <= out);
+    SideSpan span;
+    if (end == End::kLower) {
+      solve<1>(p2, u.z, along, near, in, span);
+      span.in = in;
+      span.out = select(discs.out > in, lesser(out, discs.out), out);
+      if (any(span.exists)) approach<-1>(p2, u.z, along, span.exists, span.out);
+    } else {
+      solve<-1>(p2, u.z, along, near, out, span);
+      span.out = out;
+      span.in = select(discs.in < out, greater(in, discs.in), in);
+      if (any(span.exists)) approach<1>(p2, u.z, along, span.exists, span.in);
+    }
+    return span;
   }
   KERF_INLINE Vec3Lanes normal(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes q = p - u * l;
@@ -133,9 +162,63 @@ struct ArcSide {
   }
 
  private:
-  static constexpr int kSteps = 40;  ///< at a grazed arc each step halves the distance
+  static constexpr int kFastSteps = 12;  ///< three are usual
+  static constexpr int kSteps = 60;      ///< at a grazed arc each step halves the distance
 
-  /// Returns the height at which a ray that misses is closest to the arc: where the slope of F
+  /// Half of G = m² + l² − R² at the height t of a ray, with half its derivatives along the ray.
+  /// The derivatives of ρ² = |p|² − l² give ρ′ = (t − l u_z)/ρ and ρ″ = (1 − u_z² − ρ′²)/ρ.
+  struct Square {
+    Lanes off2, slope, bend;
+  };
+  KERF_INLINE Square square_at(Lanes p2, Lanes uz, Lanes along, Lanes t) const {
+    const Lanes l = along + uz * t;
+    const Lanes rho2 = greater(p2 + t * t - l * l, Lanes(kAxisAlongRayMin));
+    const Lanes inverse = 1 / square_root(rho2);
+    const Lanes m = greater(rho2 * inverse - center_r, Lanes(0));
+    const Lanes growth = (t - l * uz) * inverse, lean2 = 1 - uz * uz;
+    const Lanes bend = lean2 - (lean2 - growth * growth) * inverse * center_r;
+    return {m * m + l * l - radius * radius, m * growth + l * uz,
+            select(m > 0.0, bend, Lanes(0)) + uz * uz};
+  }
+
+  /// Moves t to the end of the interval of each ray, the lower (kSign 1) or the upper one (−1), and
+  /// sets whether it exists, the closest height and the depth in `span`. `near`: rays that enter
+  /// the box around the arc, at t. Each step goes to the root, or to the vertex, of the parabola
+  /// that touches G at t; for an upright axis G is that parabola. Rays for which this does not
+  /// settle are left to Newton's method from outside.
+  template <int kSign>
+  KERF_INLINE void solve(Lanes p2, Lanes uz, Lanes along, LaneMask near, Lanes& t,
+                         SideSpan& span) const {
+    const double found = 2 * radius * kArcFoundMm;
+    t = select(near, t, Lanes(0));
+    const Lanes start = t;
+    LaneMask moving = every_lane(), misses = ~near;
+    for (int i = 0; i < kFastSteps; ++i) {
+      const Square g = square_at(p2, uz, along, t);
+      const Lanes slope = g.slope * double(kSign);
+      const Lanes inside = slope * slope - g.bend * g.off2;
+      const LaneMask beside = ~near | (inside < 0.0);
+      const LaneMask arrived = ~beside & (magnitude(g.off2) <= found) & (slope <= 0.0);
+      const Lanes root = square_root(greater(inside, Lanes(0)));
+      const Lanes step = select(beside, -slope, g.off2) / select(beside, g.bend, root - slope);
+      span.depth = inside / (2 * radius * g.bend);
+      moving &= ~arrived;
+      t = select(moving, t + step * double(kSign), t);
+      misses = (misses & ~moving) | (beside & moving);
+      moving &= ~(beside & (magnitude(step) <= kArcClosestMm));
+      if (!any(moving)) break;
+    }
+    span.closest = t;
+    span.exists = ~misses;
+    if (!any(moving)) return;
+    Lanes safe = start;
+    const LaneMask reached = approach<kSign>(p2, uz, along, moving & near, safe);
+    t = select(reached, safe, t);
+    span.exists = (span.exists & ~moving) | reached;
+    span.closest = select(moving & ~reached, closest_to(p2, uz, along), span.closest);
+  }
+
+  /// Returns the height at which a ray that misses is closest to the arc: where the slope of G
   /// along the ray changes sign. With θ the angle between the normal there and the axis, this is
   /// center_r |cos θ| away from the height nearest to the ball's center (less at a tip of the arc),
   /// for any gap.
@@ -144,33 +227,26 @@ struct ArcSide {
     Lanes a = -farthest, b = farthest;
     for (double width = 2 * farthest; width > kArcClosestMm; width *= 0.5) {
       const Lanes t = (a + b) * 0.5;
-      const Lanes l = along + uz * t;
-      const Lanes rho = square_root(magnitude(p2 + t * t - l * l));
-      const Lanes m = select(rho > center_r, rho - center_r, rho - rho);
-      const LaneMask falling = select(rho > 0.0, m * (t - l * uz) / rho, rho) + l * uz < 0.0;
+      const LaneMask falling = square_at(p2, uz, along, t).slope < 0.0;
       a = select(falling, t, a);
       b = select(falling, b, t);
     }
     return (a + b) * 0.5;
   }
 
-  /// Moves t by Newton's steps from outside towards the arc, in the lanes `asked`. Returns where
-  /// the arc is hit.
+  /// Moves t by Newton's steps from outside towards the arc, upwards (kSign 1) or downwards (−1),
+  /// in the lanes `asked`. Returns where the arc is hit.
+  template <int kSign>
   KERF_INLINE LaneMask approach(Lanes p2, Lanes uz, Lanes along, LaneMask asked, Lanes& t) const {
-    LaneMask met = asked;
-    LaneMask moving = asked;
-    const LaneMask from_below = t <= 0.0;
+    const double found = 2 * radius * kArcFoundMm;
+    LaneMask met = asked, moving = asked;
     for (int i = 0; i < kSteps && any(moving); ++i) {
-      const Lanes l = along + uz * t;
-      const Lanes rho = square_root(greater(p2 + t * t - l * l, Lanes(0)));
-      const CircleDistance<Lanes> d = circle_distance(center_r, radius, rho, l);
-      const Lanes across = select(rho > 0.0, d.across * (t - l * uz) / rho, Lanes(0));
-      const Lanes slope = (across + l * uz) / d.length;
-      const LaneMask outside = d.mm > kArcFoundMm;
-      const LaneMask closing = select(from_below, slope, -slope) < 0.0;
+      const Square g = square_at(p2, uz, along, t);
+      const LaneMask outside = g.off2 > found;
+      const LaneMask closing = kSign > 0 ? g.slope < 0.0 : g.slope > 0.0;
       met &= ~(moving & outside & ~closing);
       moving &= outside & closing;
-      t = select(moving, t - d.mm / slope, t);
+      t = select(moving, t - 0.5 * g.off2 / g.slope, t);
     }
     return met;
   }

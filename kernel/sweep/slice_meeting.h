@@ -8,9 +8,6 @@
 
 namespace kerf {
 
-/// The end of a ray's interval that is searched.
-enum class End { kLower, kUpper };
-
 /// Sine of the angle between ray and discs from which on the discs, not the side, are used to
 /// estimate the distance between ray and piece.
 constexpr double kSteep = 0.5;
@@ -66,12 +63,11 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   const Vec3Lanes anchor = u * Lanes(side.anchor);
   const Lanes px = x - (pose.tip.x + anchor.x), py = y - (pose.tip.y + anchor.y);
   const Lanes along = px * u.x + py * u.y;
-  const SideSpan span = side.meet(px, py, u, along);
-
   // A ray at right angles to the axis crosses the planes of the discs far away.
   const Lanes uz = select(magnitude(u.z) > kAxisAlongRayMin, u.z, Lanes(kAxisAlongRayMin));
   const Lanes to_low = (side.low - along) / uz, to_high = (side.high - along) / uz;
   const Lanes disc_in = lesser(to_low, to_high), disc_out = greater(to_low, to_high);
+  const SideSpan span = side.template meet<end>(px, py, u, along, {disc_in, disc_out});
   const LaneMask below = span.exists & (span.out < disc_in);
   const LaneMask above = span.exists & (span.in > disc_out);
   const LaneMask hit = span.exists & ~below & ~above;
@@ -105,9 +101,8 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   m.within = lesser(above_in, below_out);
   // Near the other disc the ray leaves the piece.
   const LaneMask ends_here = end == End::kLower ? above_in < below_out : below_out < above_in;
-  const Lanes chord = span.out - span.in;
   const Lanes by_discs = lesser(span.out - disc_in, disc_out - span.in);
-  m.through = lesser(by_discs, chord * chord * side.by_chord2) * (u.x * u.x + u.y * u.y);
+  m.through = lesser(by_discs * (u.x * u.x + u.y * u.y), span.depth);
   const Lanes middle = pose.tip.z + anchor.z;
   const Lanes none = std::numeric_limits<double>::infinity();
   m.side_lo = middle + select(span.exists, span.in, none);

@@ -45,8 +45,10 @@ double axial_normal(const ToolPiece& piece) {
   return std::abs(k) / std::sqrt(1 + k * k);
 }
 
-/// Returns whether a disc of a slice at height z is hidden within a neighboring piece.
+/// Returns whether a disc of a slice at height z is hidden within a neighboring piece, or is only
+/// the tip of the slice.
 bool covers(const ToolPiece* neighbor, double z_mm, double radius_mm) {
+  if (radius_mm <= kTipMm) return true;
   return neighbor != nullptr &&
          radius_at(*neighbor, z_mm) >= radius_mm * (1 - kHiddenDiscShare) - kEdgeEpsilonMm;
 }

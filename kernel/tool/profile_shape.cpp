@@ -135,7 +135,10 @@ Sections sections_of(ProfilePoint from, const Arc& arc, double chord_tolerance_m
   const OutlineArc exact{from, to, center, radius};
   if (out) return std::vector<OutlineSection>{exact};
   auto lines = tangents(exact, chord_tolerance_mm);
-  if (lines.empty()) return reject(kTooManyPieces, "", "needs a larger chord_tolerance_mm");
+  if (lines.empty())
+    return reject(kTooManyPieces, "",
+                  "needs more than " + std::to_string(kToolPiecesMax) +
+                      " pieces; give a larger chord_tolerance_mm");
   return lines;
 }
 

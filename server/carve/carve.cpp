@@ -142,6 +142,7 @@ class Carving {
     if (!walls_) return {};
     WallReport found = walls_->find(stop_);
     mark_missing(found.walls, sculpture_->snapshot());
+    if (scene_.accuracy) found.target = walls_->target_at_walls(stop_);
     std::ranges::move(walls_->warnings(found), std::back_inserter(report_.warnings));
     report_.walls = walls_->json(found);
     report_.walls_s += watch_.lap();

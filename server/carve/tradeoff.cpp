@@ -62,13 +62,6 @@ std::string figure(const char* format, double value) {
   return text.data();
 }
 
-std::string machine_name() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  return "this machine";
-}
-
 class Tradeoff {
  public:
   explicit Tradeoff(const TradeoffOptions& options) : options_(options) {}
@@ -139,12 +132,22 @@ class Tradeoff {
     turns_ = std::ranges::any_of(program_.motions, [](const ProgramMotion& motion) {
       return motion.from.axis != motion.to.axis;
     });
-    truth_ = std::make_unique<TrueSolid>(scene_.settings.stock, scene_.tools, program_.motions,
+    fillets_ = std::ranges::any_of(scene_.tools,
+                                   [](const auto& tool) { return tool.second.chords_follow; });
+    // The true solid has the fillets of the reference.
+    const auto exact = with_tolerance(scene_, reference_tolerance_mm());
+    if (!exact) return bad_input(options_.scene.string() + ": " + exact.error());
+    truth_ = std::make_unique<TrueSolid>(scene_.settings.stock, exact->tools, program_.motions,
                                          kReachPitches * pitches_.front());
     return {};
   }
 
-  // Without rotation all motion models and tolerances are equivalent.
+  double reference_tolerance_mm() const {
+    return std::max(kReferenceTolerance * tolerances_.back(), 1e-6);
+  }
+
+  // Without rotation all motion models are equivalent, and all tolerances unless fillets follow
+  // them.
   void plan() {
     const auto either = [](const std::vector<std::string>& asked,
                            const std::vector<std::string>& otherwise) {
@@ -157,7 +160,8 @@ class Tradeoff {
       for (const std::string& ray : rays) {
         for (const std::string& motion : motions) {
           for (const double tolerance : tolerances_) {
-            if (!turns_ && (motion != motions.front() || tolerance != tolerances_.back())) continue;
+            if (!turns_ && motion != motions.front()) continue;
+            if (!turns_ && !fillets_ && tolerance != tolerances_.back()) continue;
             TradeoffRow& row = rows_.emplace_back();
             row.rays = ray == "tri-dexel" ? Rays::kTriDexel : Rays::kDexel;
             row.motion = motion == "paper" ? MotionModel::kPaper : MotionModel::kTight;
@@ -209,13 +213,15 @@ class Tradeoff {
                                                const std::string& phase) {
     if (std::string large = too_large(settings); !large.empty())
       return std::unexpected(std::move(large));
+    const auto scene = with_tolerance(scene_, settings.tolerance_mm);
+    if (!scene) return std::unexpected("skipped, " + scene.error());
     double reached = 0;
     progress_.show(phase, reached);
     const auto progress = [&](double share) {
       progress_.show(phase, share);
       reached = share;
     };
-    auto carved = carve_once(settings, scene_, program_, progress, stop);
+    auto carved = carve_once(settings, *scene, program_, progress, stop);
     if (!carved && carved.error().empty())
       return std::unexpected(stop_.stop_requested()
                                  ? kNotReached
@@ -267,7 +273,7 @@ class Tradeoff {
   void compare_with_reference() {
     SculptureSettings settings = scene_.settings;
     settings.motion = MotionModel::kTight;
-    settings.tolerance_mm = std::max(kReferenceTolerance * tolerances_.back(), 1e-6);
+    settings.tolerance_mm = reference_tolerance_mm();
     // Rays along X and Y resolve a floor to half a pitch only, and most programs cut floors.
     settings.rays = Rays::kDexel;
     double finest = 0;
@@ -333,7 +339,8 @@ class Tradeoff {
               << figure("%.2g", cut_surface_.spacing_mm) << " mm apart, against the mesh.\n"
               << reference_;
     if (!turns_)
-      std::cout << "The program has no rotation: motion model and tolerance have no effect.\n";
+      std::cout << "The program has no rotation: the motion model has no effect, and the tolerance "
+                << (fillets_ ? "only on fillets.\n" : "none.\n");
   }
 
   Result write() {
@@ -364,6 +371,7 @@ class Tradeoff {
   Program program_;
   std::vector<double> pitches_, tolerances_;
   bool turns_ = false;
+  bool fillets_ = false;  ///< of the tools follow the tolerance
   std::unique_ptr<TrueSolid> truth_;
   CutSurface cut_surface_;
   std::mutex mutex_;  ///< guards what follows against abandon()

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <utility>
 
 #include "kernel/dexel/dexel_tile.h"
@@ -47,6 +48,21 @@ std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& setti
   return CarvedOnce{
       sculpture->solid(), cpu_s, sculpture->sub_motions(), bytes, sculpture->removed_volume_mm3(),
       std::move(forces)};
+}
+
+std::expected<Scene, std::string> with_tolerance(Scene scene, double tolerance_mm) {
+  scene.settings.tolerance_mm = tolerance_mm;
+  if (const auto resolved = resolve_chords(scene); !resolved)
+    return std::unexpected("tool " + std::to_string(resolved.error().tool) + ": " +
+                           resolved.error().error.field + " " + resolved.error().error.reason);
+  return scene;
+}
+
+std::string machine_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  return "this machine";
 }
 
 double bytes_if_all_touched(const SculptureSettings& settings) {

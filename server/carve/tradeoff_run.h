@@ -31,6 +31,13 @@ std::expected<CarvedOnce, std::string> carve_once(const SculptureSettings& setti
                                                   const std::function<void(double)>& progress = {},
                                                   const std::stop_token& stop = {});
 
+/// Returns a scene with another tolerance, and its fillets resolved for it. The error names the
+/// tool whose fillets need too many pieces.
+std::expected<Scene, std::string> with_tolerance(Scene scene, double tolerance_mm);
+
+/// Returns the name of the processor.
+std::string machine_name();
+
 /// Returns the bytes of a stock with these settings if every tile is touched; compared with the
 /// memory budget.
 double bytes_if_all_touched(const SculptureSettings& settings);

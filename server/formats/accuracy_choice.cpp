@@ -18,6 +18,9 @@ namespace {
 // Greatest distance between the mesh and the true solid, in pitches. With rays along Z alone it
 // occurs at steep walls and their edges, with three fields at features smaller than the pitch.
 constexpr double kErrorPerPitchDexel = 0.9, kErrorPerPitchTriDexel = 0.75;
+// Where that does not hold from the true solid to the mesh: they may be missing from it.
+constexpr const char* kExcept =
+    "; more where a wall or groove is thinner than the pitch or an edge sharper than 80 degrees";
 // Contribution of the errors of dexel ends and arc chords, in tolerances.
 constexpr double kErrorPerTolerance = 1;
 // CPU time of a motion of 1 mm with a turn of 2.5 degrees, forces included, us: per sub-motion, per
@@ -201,7 +204,7 @@ std::string reason_text(const AccuracyChoice& choice, const AccuracyUse& use) {
                           : mm(choice.predicted_error_mm));
   if (misses(choice.predicted_error_mm, r.target_mm))
     return text + ", which misses the target of " + mm(r.target_mm);
-  text += " (" + exact_text(error_per_pitch(a.rays)) + " pitch + tolerance)";
+  text += " (" + exact_text(error_per_pitch(a.rays)) + " pitch + tolerance" + kExcept + ")";
   if (!r.pitch_mm && a.pitch_mm >= use.wall_pitch_mm.value_or(kPitchMaxMm) * 0.99)
     text += "; the pitch is limited by thin walls of the program";
   else if (!r.pitch_mm && a.pitch_mm * kPitchesPerRadius >= smallest_radius_mm(use.tools) * 0.99)

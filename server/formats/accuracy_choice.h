@@ -21,7 +21,7 @@ struct Accuracy {
 
 /// A requested surface error, with any of the four accuracy values fixed by the user.
 struct AccuracyRequest {
-  double target_mm = 0;  ///< greatest surface error allowed, > 0
+  double target_mm = 0;  ///< greatest predicted_error_mm allowed, > 0
   std::optional<Rays> rays = {};
   std::optional<double> pitch_mm = {}, tolerance_mm = {};
   std::optional<MotionModel> motion = {};
@@ -41,7 +41,9 @@ struct AccuracyUse {
 struct AccuracyChoice {
   AccuracyRequest request;
   Accuracy accuracy;
-  double predicted_error_mm = 0;  ///< greatest distance between the mesh and the true solid
+  /// Greatest distance from the mesh to the true solid; and from the solid to the mesh where its
+  /// walls and grooves are at least a pitch wide and its edges at least 80 degrees.
+  double predicted_error_mm = 0;
   double predicted_us = 0;  ///< CPU time of a motion of 1 mm (and 2.5 degrees) on the machine on
                             ///< which the cost model was measured
   std::string reason;       ///< one line: the values chosen, the expected error and alternatives
@@ -59,7 +61,7 @@ struct AccuracyError {
   std::string reason;  ///< one clause about that field
 };
 
-/// Returns the greatest surface error to expect, mm, by the error model of server/carve/README.md.
+/// Returns AccuracyChoice::predicted_error_mm by the error model of server/carve/README.md.
 double predicted_error_mm(const Accuracy& accuracy);
 /// Returns the CPU time of a typical motion, us, by the cost model of server/carve/README.md.
 double predicted_us(const Accuracy& accuracy, const AccuracyUse& use);

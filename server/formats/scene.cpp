@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/formats/number_text.h"
 #include "server/formats/text_file.h"
 
 namespace kerf {
@@ -61,7 +62,13 @@ std::expected<void, SceneToolError> resolve_chords(Scene& scene) {
     if (tool.holder_chords_follow)
       std::get<ProfileShape>(*tool.body.holder).chord_tolerance_mm = chord_mm;
     auto made = make_tool(tool.shape, tool.body);
-    if (!made) return std::unexpected(SceneToolError{id, made.error()});
+    if (!made) {
+      ToolError error = made.error();
+      if (error.code == ToolErrorCode::kTooManyPieces)
+        error.reason +=
+            " (it follows accuracy.tolerance_mm: " + significant_text(chord_mm, 3) + " mm)";
+      return std::unexpected(SceneToolError{id, std::move(error)});
+    }
     tool.tool = *std::move(made);
   }
   return {};

@@ -8,6 +8,7 @@
 #include "server/http/download_name.h"
 #include "server/http/download_request.h"
 #include "server/session/hash_text.h"
+#include "server/session/session_walls.h"
 
 namespace kerf::net {
 namespace {
@@ -20,7 +21,7 @@ Made reason_only(const Result& result) {
   return {};
 }
 
-Made write_motions(const DownloadRequest& download, Session& session,
+Made write_motions(const DownloadRequest& download, Session& session, const SolidSnapshot& solid,
                    const std::filesystem::path& path) {
   if (auto ok = session.flush(); !ok) return std::unexpected(MakeError{describe(ok.error())});
   const std::string_view name = download.kind.name;
@@ -28,8 +29,10 @@ Made write_motions(const DownloadRequest& download, Session& session,
   if (name == "journal") return reason_only(copy_journal(journal, path));
   std::ofstream out(path, std::ios::binary);
   if (!out) return std::unexpected(MakeError{"the file cannot be created"});
-  const auto written = name == "forces.csv" ? export_forces(journal, download.program.only, out)
-                                            : export_program(journal, download.program, out);
+  const auto written = name == "thin_walls.json"
+                           ? export_thin_walls(journal, solid.fields.front(), out)
+                       : name == "forces.csv" ? export_forces(journal, download.program.only, out)
+                                              : export_program(journal, download.program, out);
   if (!written) return std::unexpected(MakeError{written.error()});
   out.close();
   if (!out) return std::unexpected(MakeError{"writing the file failed: the disk may be full"});
@@ -106,7 +109,7 @@ ApiResponse Api::download(const ApiCall& call) {
   const auto file = downloads_.get(
       session.id() + "/" + request.path[3] + "/" + tag + "/" + std::to_string(session.epoch()),
       [&](const std::filesystem::path& path, const DownloadCache::Progress& progress) -> Made {
-        if (!download->model) return write_motions(*download, session, path);
+        if (!download->model) return write_motions(*download, session, now.solid, path);
         return write_surface(*download, now.solid, session.scene().name, path, progress);
       });
   if (!file) {

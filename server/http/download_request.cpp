@@ -13,6 +13,7 @@ namespace {
 constexpr DownloadKind kMotionDownloads[] = {{"program.ngc", "text/plain", ".ngc"},
                                              {"program.apt", "text/plain", ".apt"},
                                              {"forces.csv", "text/csv", ".csv"},
+                                             {"thin_walls.json", "application/json", ".json"},
                                              {"journal", "application/vnd.sqlite3", ".kerf"}};
 constexpr std::string_view kModel = "model.";
 

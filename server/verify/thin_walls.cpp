@@ -12,9 +12,10 @@
 namespace kerf {
 namespace {
 
-// Greatest distance of the true surface from the mesh: 1.5 of that from a ball of a pitch's
-// diameter inside the solid + 0.5 pitches (measured at edges of 20 to 90 degrees).
-constexpr double kErrorPerReach = 1.5, kMeshPitches = 0.5;
+// Greatest distance of the true surface from the mesh: that from a ball of a pitch's diameter
+// inside the solid, beyond which an edge may fall between the rays, + 0.65 pitches (target_bench
+// laws).
+constexpr double kMeshPitches = 0.65;
 constexpr double kPitchStep = 1.1;
 constexpr std::array kSides{SurfaceSide::kSolid, SurfaceSide::kVoid};
 // Places of the stock's own surface within this many pitches count as one.
@@ -62,7 +63,7 @@ std::optional<double> pitch_for_walls(const TrueSolid& solid, const CutSurface& 
   for (const CutPoint& point : surface.points) {
     const auto is_lost = [&] {
       const WallProbe probe(solid, {pitch, target.least_mm},
-                            (target.target_mm - kMeshPitches * pitch) / kErrorPerReach, effort);
+                            target.target_mm - kMeshPitches * pitch, effort);
       return std::ranges::any_of(
           kSides, [&](SurfaceSide side) { return probe.thin_at(point, side).has_value(); });
     };

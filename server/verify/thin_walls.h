@@ -33,7 +33,7 @@ struct ThinWallLimits {
 /// How the pitch is refined for a target.
 struct WallTarget {
   double pitch_mm;      ///< coarsest pitch
-  double target_mm;     ///< greatest distance of the true surface from the mesh
+  double target_mm;     ///< greatest distance of the true surface from the mesh, less the tolerance
   double least_mm = 0;  ///< thinner films are ignored
 };
 
@@ -50,9 +50,9 @@ std::vector<ThinWall> find_thin_walls(const TrueSolid& solid, const CutSurface& 
 
 inline constexpr double kFinestWallShare = 1.0 / 8;
 /// Returns the coarsest pitch, at most target.pitch_mm and in steps of 10 %, at which thin walls,
-/// grooves and the tips of sharp edges are expected to be kept within the target: 1.5 times the
-/// distance from every point of the surface to a ball of a pitch's diameter inside the solid, and
-/// to one outside it, and half a pitch, are within the target. Empty if that needs less than
+/// grooves and the tips of sharp edges are expected to be kept within the target: the distance from
+/// every point of the surface to a ball of a pitch's diameter inside the solid, and to one outside
+/// it, and 0.65 pitches, are within the target together. Empty if that needs less than
 /// kFinestWallShare of target.pitch_mm.
 std::optional<double> pitch_for_walls(const TrueSolid& solid, const CutSurface& surface,
                                       const WallTarget& target, const std::stop_token& stop = {},

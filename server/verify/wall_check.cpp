@@ -23,6 +23,15 @@ constexpr double kReachPitches = 4;
 
 std::string mm(double value) { return significant_text(value, kDigits) + " mm"; }
 
+Json target_json(const WallReport& report) {
+  if (!report.target) return nullptr;
+  const auto& [target_mm, pitch_mm, complete] = *report.target;
+  return {{"target_mm", target_mm},
+          {"kept", pitch_mm && *pitch_mm >= report.pitch_mm},
+          {"needs_pitch_mm", pitch_mm ? Json(*pitch_mm) : Json(nullptr)},
+          {"complete", complete}};
+}
+
 }  // namespace
 
 std::size_t wall_samples(const Scene& scene, const Program& program) {
@@ -57,6 +66,7 @@ WallReport WallCheck::find(const std::stop_token& stop) const {
   report.walls = distinct_walls(
       find_thin_walls(solid_, surface_, {settings.pitch_mm, settings.tolerance_mm}, stop, &effort),
       lines, settings.pitch_mm);
+  report.complete = !effort.spent();
   return report;
 }
 
@@ -66,20 +76,32 @@ std::expected<void, std::string> WallCheck::refine(Scene& scene,
   const AccuracyRequest request = scene.accuracy->request;
   const std::string missed = "the target of " + mm(request.target_mm) +
                              " is not met at thin walls, grooves and sharp edges: ";
-  QueryEffort effort{effort_};
-  const auto pitch =
-      pitch_for_walls(solid_, surface_,
-                      {settings.pitch_mm, request.target_mm, settings.tolerance_mm}, stop, &effort);
+  const auto [target_mm, pitch, complete] = target_at_walls(stop);
   if (!pitch)
     return std::unexpected(missed + "no pitch above " + mm(settings.pitch_mm * kFinestWallShare) +
                            " keeps them");
-  if (*pitch >= settings.pitch_mm) return {};
-  if (const auto settled = resolve_accuracy(scene, request, pitch); !settled)
-    return std::unexpected(missed + "accuracy." + settled.error().field + " " +
-                           settled.error().reason);
+  if (*pitch < settings.pitch_mm) {
+    if (const auto settled = resolve_accuracy(scene, request, pitch); !settled)
+      return std::unexpected(missed + "accuracy." + settled.error().field + " " +
+                             settled.error().reason);
+  }
   if (settings.pitch_mm > *pitch)
     return std::unexpected(missed + "accuracy.pitch_mm would have to be " + mm(*pitch));
+  if (!complete)
+    return std::unexpected("the target of " + mm(target_mm) +
+                           " may not be met at thin walls, grooves and sharp edges: the search for "
+                           "them reached its limit of effort; set accuracy.pitch_mm");
   return {};
+}
+
+WallTargetResult WallCheck::target_at_walls(const std::stop_token& stop) const {
+  const SculptureSettings& settings = scene_.settings;
+  const double target_mm = scene_.accuracy->request.target_mm;
+  QueryEffort effort{effort_};
+  const auto pitch = pitch_for_walls(
+      solid_, surface_,
+      {settings.pitch_mm, target_mm - settings.tolerance_mm, settings.tolerance_mm}, stop, &effort);
+  return {target_mm, pitch, !effort.spent()};
 }
 
 std::string WallCheck::place_text(const ThinWall& wall) const {
@@ -147,6 +169,9 @@ std::string WallCheck::json(const WallReport& report) const {
                   {"sample_spacing_mm", report.spacing_mm},
                   {"count", report.walls.size()},
                   {"missing", std::ranges::count(report.walls, true, &ThinWall::missing)},
+                  {"complete", report.complete},
+                  {"target", target_json(report)},
+                  {"warnings", warnings(report)},
                   {"walls", walls}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <expected>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -13,11 +14,20 @@
 
 namespace kerf {
 
+/// What a target error needs at thin walls, grooves and sharp edges.
+struct WallTargetResult {
+  double target_mm;                ///< of the scene
+  std::optional<double> pitch_mm;  ///< greatest that keeps them (pitch_for_walls); empty: none
+  bool complete;                   ///< false: the search reached its limit of effort
+};
+
 /// Walls and grooves of a program's result that are thinner than the pitch of the rays.
 struct WallReport {
   double pitch_mm = 0;
   double spacing_mm = 0;        ///< of the samples (CutSurface::spacing_mm)
   std::vector<ThinWall> walls;  ///< one for each pair of program lines; thinnest first
+  bool complete = true;         ///< false: the search reached its limit of effort
+  std::optional<WallTargetResult> target = {};  ///< set by the caller
 };
 
 /// Returns the number of candidates that suits a program: one for four motions, 1000 to 10000
@@ -40,9 +50,11 @@ class WallCheck {
   /// the tolerance.
   WallReport find(const std::stop_token& stop = {}) const;
   /// Chooses the accuracy of a scene with a target again, with the pitch that the walls and sharp
-  /// edges need (pitch_for_walls). On an error, one clause, the scene is unchanged and the target
-  /// will be missed there.
+  /// edges need. On an error, one clause, the target will be missed there, or may be because the
+  /// search reached its limit of effort; except in the last case the scene is unchanged.
   std::expected<void, std::string> refine(Scene& scene, const std::stop_token& stop = {}) const;
+  /// Returns what the scene's target, which it must have, needs at its pitch.
+  WallTargetResult target_at_walls(const std::stop_token& stop = {}) const;
   /// Returns the place of a wall or groove: "p.ngc:5: a wall of 0.14 mm at X1 Y2 Z3, cut from the
   /// other side in line 8".
   std::string place_text(const ThinWall& wall) const;
@@ -50,7 +62,7 @@ class WallCheck {
   /// the thinnest that is missing, or else the thinnest, with its place and the pitch that it
   /// needs.
   std::vector<std::string> warnings(const WallReport& report) const;
-  /// Returns the JSON object of the report, with the thinnest 100 places.
+  /// Returns the JSON object of the report, with the warnings and the thinnest 100 places.
   std::string json(const WallReport& report) const;
 
  private:

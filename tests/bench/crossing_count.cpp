@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/crossing_count.h"
 
+#include <array>
 #include <cstdio>
+#include <random>
 
 #include "tests/kernel/extremes/random_carving.h"
 #include "tests/support/mesh_check.h"
@@ -13,6 +15,7 @@ namespace {
 
 constexpr unsigned kCarvings = 200;
 constexpr double kColumns = 24;
+constexpr unsigned kSlotted = 4000;
 
 void print(const char* name, Rays rays, const test::SelfIntersections& found) {
   std::printf(
@@ -34,6 +37,37 @@ test::SelfIntersections of_standard_job(bool five_axis, Rays rays) {
   return test::count_self_intersections(test::mesh_all(sculpture.solid()), 2 * kPitchMm);
 }
 
+/// A small block with slots along random directions in which everything lies on quarters of the
+/// pitch, so that floors and walls coincide with samples and with each other.
+Sculpture with_slots(unsigned seed, Rays rays) {
+  std::mt19937 random(seed);
+  const auto quarter = [&](unsigned most) { return 0.25 * double(random() % (4 * most + 1)); };
+  SculptureSettings settings;
+  settings.stock = BoxStock{{0, 0, 0}, {6, 6, 4}};
+  settings.pitch_mm = 1;
+  settings.rays = rays;
+  auto sculpture = *Sculpture::create(settings);
+  sculpture.apply(DefineTool{1, *make_tool(FlatShape{1.5, 9})}).value();
+  constexpr std::array<Vec3, 6> kAxes{
+      {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
+  for (unsigned slots = 2 + unsigned(random() % 3); slots > 0; --slots) {
+    const Vec3 axis = kAxes[random() % kAxes.size()];
+    std::array<double, 6> at{};
+    for (std::size_t n = 0; n < 6; ++n) at[n] = quarter(n % 3 == 2 ? 4 : 6);
+    sculpture
+        .apply(MoveTool{1, {{at[0], at[1], at[2]}, axis}, {{at[3], at[4], at[5]}, axis}, 1, false})
+        .value();
+  }
+  return sculpture;
+}
+
+void add(const test::SelfIntersections& found, test::SelfIntersections& sum) {
+  sum.triangles += found.triangles;
+  sum.pairs += found.pairs;
+  sum.crossed += found.crossed;
+  sum.zero_area += found.zero_area;
+}
+
 }  // namespace
 
 void print_crossings() {
@@ -47,14 +81,17 @@ void print_crossings() {
       test::RandomCarving carving(seed, kColumns * pitch_mm, pitch_mm, rays);
       const auto found =
           test::count_self_intersections(test::mesh_all(carving.sculpture.solid()), 2 * pitch_mm);
-      sum.triangles += found.triangles;
-      sum.pairs += found.pairs;
-      sum.crossed += found.crossed;
-      sum.zero_area += found.zero_area;
+      add(found, sum);
       carvings += found.pairs > 0 ? 1 : 0;
     }
     print("200 random carvings", rays, sum);
     std::printf("%-20s %-9s in %u of them\n", "", "", carvings);
+    test::SelfIntersections slots;
+    for (unsigned seed = 1; seed <= kSlotted; ++seed) {
+      const auto meshes = test::mesh_all(with_slots(seed, rays).solid());
+      add(test::count_self_intersections(meshes, 0.7), slots);
+    }
+    print("4000 slotted blocks", rays, slots);
   }
 }
 

@@ -4,12 +4,15 @@
 // coarser ones, and measured against the true solid (server/verify/true_solid.h) in both
 // directions: from the mesh to the solid and from points of the solid's surface to the mesh. `laws`
 // prints the data to which the laws of server/formats/accuracy_choice.cpp are fitted.
-// Usage: target_bench [samples=30000]; target_bench laws [samples]
+// The search runs over programs that were not used to fit the laws, and ends with the distribution
+// of the ratios. Usage: target_bench [samples=30000]; target_bench laws [samples]
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -20,6 +23,7 @@
 #include "server/carve/surface_error.h"
 #include "server/carve/tradeoff_run.h"
 #include "server/verify/wall_check.h"
+#include "server/verify/wall_probe.h"
 #include "tests/support/standard_job.h"
 
 namespace {
@@ -32,7 +36,9 @@ constexpr double kTrueChordMm = 1e-4;
 // target if it does so for each of these offsets (fractions of a pitch).
 constexpr std::array kPlacements{Vec3{0, 0, 0}, Vec3{0.31, 0.57, 0.43}, Vec3{0.72, 0.19, 0.81}};
 
-constexpr std::size_t kWallSamples = 4000;
+constexpr double kSearchStep = 1.15;
+// Bounds of the law's classes of sharpness, in pitches; the last class is not bounded by the law.
+constexpr std::array kSharpness{0.0, 0.27, 0.5, 1.0};
 
 struct Job {
   std::string name, tool, kinematics, program;
@@ -106,8 +112,8 @@ Scene scene_of(const Job& job, const std::string& accuracy) {
 
 struct Measured {
   double us = 0;
-  double error_mm = 0;    // greatest distance of the mesh and the true surface, in both directions
-  double missing_mm = 0;  // from the true surface to the mesh
+  double error_mm = 0;  // greatest distance of the mesh and the true surface, in both directions
+  double from_mesh_mm = 0;  // from the mesh to the true surface
 };
 
 class Bench {
@@ -120,13 +126,34 @@ class Bench {
     surface_ = sample_cut_surface(*truth_, samples);
   }
 
+  // Where the surface is as sharp or thin as between two bounds: greatest distance of its points
+  // from a ball of a pitch's diameter inside or outside the solid, in pitches. Else no points.
+  struct Sharpness {
+    double above, up_to;
+  };
+  double missing_mm(const SolidSnapshot& carved, double pitch_mm, Sharpness sharpness) const {
+    const auto fits = [&](const CutPoint& point, double pitches) {
+      const WallProbe probe(*truth_, {pitch_mm, kTrueChordMm}, pitches * pitch_mm, nullptr);
+      return !probe.thin_at(point, SurfaceSide::kSolid) &&
+             !probe.thin_at(point, SurfaceSide::kVoid);
+    };
+    CutSurface part;
+    for (const CutPoint& point : surface_.points)
+      if (fits(point, sharpness.up_to) && !(sharpness.above > 0 && fits(point, sharpness.above)))
+        part.points.push_back(point);
+    return part.points.empty() ? 0 : measure_missing(carved, part).max_mm;
+  }
+
+  SolidSnapshot carve(const Accuracy& a) {
+    set(a);
+    const Program program = parse_program("p.ngc", job_.program, scene_).value();
+    return carve_once(scene_.settings, scene_, program).value().snapshot;
+  }
+
   // Carves as for a user, with arcs at the same tolerance. The time is that of the whole program,
   // because looser arcs have fewer motions; the error is the greatest over all offsets.
   Measured measure(const Accuracy& a, double enough_mm = 1e300) {
-    scene_.settings.rays = a.rays;
-    scene_.settings.pitch_mm = a.pitch_mm;
-    scene_.settings.tolerance_mm = a.tolerance_mm;
-    scene_.settings.motion = a.motion;
+    set(a);
     const Program program = parse_program("p.ngc", job_.program, scene_).value();
     Measured worst{.us = 1e300};
     for (const Vec3 part : kPlacements) {
@@ -136,16 +163,23 @@ class Bench {
       box.min_mm = box.min_mm - part * a.pitch_mm;
       const auto carved = carve_once(settings, scene_, program).value();
       worst.us = std::min(worst.us, 1e6 * carved.cpu_s);
-      worst.missing_mm =
-          std::max(worst.missing_mm, measure_missing(carved.snapshot, surface_).max_mm);
-      const double error = measure_surface(carved.snapshot, *truth_, samples_).max_mm;
-      worst.error_mm = std::max({worst.error_mm, error, worst.missing_mm});
+      worst.from_mesh_mm =
+          std::max(worst.from_mesh_mm, measure_surface(carved.snapshot, *truth_, samples_).max_mm);
+      worst.error_mm = std::max(
+          {worst.error_mm, worst.from_mesh_mm, measure_missing(carved.snapshot, surface_).max_mm});
       if (worst.error_mm > enough_mm) break;
     }
     return worst;
   }
 
  private:
+  void set(const Accuracy& a) {
+    scene_.settings.rays = a.rays;
+    scene_.settings.pitch_mm = a.pitch_mm;
+    scene_.settings.tolerance_mm = a.tolerance_mm;
+    scene_.settings.motion = a.motion;
+  }
+
   const Job& job_;
   std::size_t samples_;
   Scene scene_;
@@ -153,8 +187,9 @@ class Bench {
   CutSurface surface_;
 };
 
-// The cheapest of those around the choice that meets the target.
-void search(Bench& bench, const AccuracyChoice& choice, bool turns) {
+// Compares the choice with the cheapest of those around it that meets the target. Returns the ratio
+// of their costs; infinity if the choice misses its target.
+double search(Bench& bench, const AccuracyChoice& choice, bool turns) {
   const double target = choice.request.target_mm;
   const Accuracy& chosen = choice.accuracy;
   const Measured of_choice = bench.measure(chosen);
@@ -164,7 +199,7 @@ void search(Bench& bench, const AccuracyChoice& choice, bool turns) {
   int tried = 0;
   for (const double looser : {1.0, 4.0}) {
     if (!turns && looser > 1) continue;
-    for (double coarser = 0.9; coarser < 20; coarser *= 1.12) {
+    for (double coarser = looser > 1 ? 1.0 : kSearchStep; coarser < 20; coarser *= kSearchStep) {
       const Accuracy a{chosen.rays, chosen.pitch_mm * coarser, chosen.tolerance_mm * looser,
                        chosen.motion};
       const Measured m = bench.measure(a, target);
@@ -176,15 +211,19 @@ void search(Bench& bench, const AccuracyChoice& choice, bool turns) {
       best_at = a;
     }
   }
+  if (of_choice.error_mm > target) best.us = of_choice.us;
   std::printf(" %6.3g | %7.4g %8.2g %7.4f %s %9.0f | %7.4g %8.2g %-5s %9.0f | %5.2f | %d\n", target,
               chosen.pitch_mm, chosen.tolerance_mm, of_choice.error_mm,
               of_choice.error_mm <= target ? "meets" : "FAILS", of_choice.us, best_at.pitch_mm,
               best_at.tolerance_mm, best_at.motion == MotionModel::kTight ? "tight" : "paper",
               best.us, of_choice.us / best.us, tried);
   std::fflush(stdout);
+  return of_choice.error_mm <= target ? of_choice.us / best.us
+                                      : std::numeric_limits<double>::infinity();
 }
 
-std::vector<Job> jobs() {
+// Programs to which the laws are fitted.
+std::vector<Job> fitted_jobs() {
   const std::string ball = R"("shape": "ball", "diameter_mm": 6, "length_mm": 40)";
   const std::string flat = R"("shape": "flat", "diameter_mm": 6, "length_mm": 40)";
   const std::string cone =
@@ -202,18 +241,40 @@ std::vector<Job> jobs() {
           {"raster, 5-axis, ball 10 mm", standard, "tool-vector", raster(true)}};
 }
 
-// Greatest error over all offsets, in pitches, at a negligible tolerance.
+// Programs that were not used to fit the laws.
+std::vector<Job> other_jobs() {
+  const auto tool = [](const std::string& shape) {
+    return R"("shape": )" + shape + R"(, "length_mm": 40)";
+  };
+  return {{"slots, flat 8 mm", tool(R"("flat", "diameter_mm": 8)"), "xyz", slots(false, 11)},
+          {"slots, ball 3 mm", tool(R"("ball", "diameter_mm": 3)"), "xyz", slots(false, 12)},
+          {"slots, bull-nose 8 r2", tool(R"("bull_nose", "diameter_mm": 8, "corner_radius_mm": 2)"),
+           "xyz", slots(false, 13)},
+          {"slots, cone end 60 degrees",
+           tool(R"("cone_end", "diameter_mm": 6, "tip_angle_deg": 60)"), "xyz", slots(false, 14)},
+          {"rings, ball 4 mm", tool(R"("ball", "diameter_mm": 4)"), "xyz", rings()},
+          {"turning slots, bull-nose 8 r2",
+           tool(R"("bull_nose", "diameter_mm": 8, "corner_radius_mm": 2)"), "tool-vector",
+           slots(true, 15)}};
+}
+
+// Greatest error over all offsets, in pitches, at a negligible tolerance: from the mesh to the
+// solid, and from the solid to the mesh by the sharpness of the solid.
 void print_error_law(std::size_t samples) {
-  std::printf("greatest surface error / pitch, and (from the true surface to the mesh)\n");
-  std::printf(
-      "                                                  pitch 0.6        0.3       0.15\n");
-  for (const Job& job : jobs()) {
+  std::printf("greatest surface error / pitch: mesh to solid | solid to mesh where a ball of a ");
+  std::printf("pitch fits within 0.27, 0.5, 1 pitch\n%-50s 0.6 %29s 0.3 %29s 0.15\n", "pitch", "",
+              "");
+  for (const Job& job : fitted_jobs()) {
     Bench bench(job, samples);
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
-      std::printf("%-40s %-9s", job.name.c_str(), to_string(rays));
+      std::printf("%-28s %-9s", job.name.c_str(), to_string(rays));
       for (const double pitch : {0.6, 0.3, 0.15}) {
-        const Measured m = bench.measure({rays, pitch, pitch / 50, MotionModel::kTight});
-        std::printf("%8.3f (%.3f)", m.error_mm / pitch, m.missing_mm / pitch);
+        const Accuracy accuracy{rays, pitch, pitch / 50, MotionModel::kTight};
+        std::printf("  %6.3f |", bench.measure(accuracy).from_mesh_mm / pitch);
+        const SolidSnapshot carved = bench.carve(accuracy);
+        for (std::size_t n = 1; n < kSharpness.size(); ++n)
+          std::printf(" %6.3f",
+                      bench.missing_mm(carved, pitch, {kSharpness[n - 1], kSharpness[n]}) / pitch);
         std::fflush(stdout);
       }
       std::printf("\n");
@@ -221,9 +282,20 @@ void print_error_law(std::size_t samples) {
   }
 }
 
+void print_distribution(std::vector<double> ratios) {
+  std::ranges::sort(ratios);
+  const auto missed = std::ranges::count(ratios, std::numeric_limits<double>::infinity());
+  const auto cheap = std::ranges::count_if(ratios, [](double ratio) { return ratio <= 1.5; });
+  std::printf(
+      "%zu choices: %td miss their target, %td take at most 1.5 times the cheapest; ratios:",
+      ratios.size(), missed, cheap);
+  for (const double ratio : ratios) std::printf(" %.2f", ratio);
+  std::printf("\n");
+}
+
 // CPU time, to which the cost law is fitted: the 5-axis raster.
 void print_cost_law() {
-  const Job job = jobs().back();
+  const Job job = fitted_jobs().back();
   Scene scene = scene_of(job, "{}");
   const Program program = parse_program("p.ngc", job.program, scene).value();
   AccuracyUse use{.stock = scene.settings.stock, .tools = {scene.tools.at(1).tool}};
@@ -263,7 +335,9 @@ int main(int argc, char** argv) {
   std::printf(
       "target |  chosen: pitch, tolerance, greatest error, us | cheapest that meets it: "
       "pitch, tolerance, motion, us | ratio | tried\n");
-  for (const Job& job : jobs()) {
+  std::vector<double> ratios;
+  int not_promised = 0;
+  for (const Job& job : other_jobs()) {
     std::printf("%s\n", job.name.c_str());
     const bool turns = job.program.find('K') != std::string::npos;
     // Distances to turning motions take longer to compute.
@@ -273,10 +347,16 @@ int main(int argc, char** argv) {
       Scene scene = scene_of(job, std::string(R"({"target_mm": )") + target + "}");
       const Program program = parse_program("p.ngc", job.program, scene).value();
       // As kerf-carve chooses.
-      if (const auto met = WallCheck(scene, program, kWallSamples).refine(scene); !met)
-        std::printf("%s\n", met.error().c_str());
-      search(bench, *scene.accuracy, turns);
+      const std::size_t wall_points = wall_samples(scene, program);
+      if (const auto met = WallCheck(scene, program, wall_points).refine(scene); !met) {
+        std::printf(" %6s | not promised: %s\n", target, met.error().c_str());
+        ++not_promised;
+        continue;
+      }
+      ratios.push_back(search(bench, *scene.accuracy, turns));
     }
   }
+  print_distribution(std::move(ratios));
+  std::printf("%d more targets were not promised\n", not_promised);
   return 0;
 }

@@ -108,7 +108,10 @@ TEST(SceneTool, AFilletThatNeedsTooManyPiecesIsRejectedAtItsPlace) {
       {});
   ASSERT_FALSE(scene.has_value());
   EXPECT_EQ(scene.error().path, "tools[0].profile_mm[1]");
+  // What is wrong, the limit, what to do, and where a value that the tool does not give is from.
+  EXPECT_THAT(scene.error().reason, HasSubstr("1024"));
   EXPECT_THAT(scene.error().reason, HasSubstr("larger chord_tolerance_mm"));
+  EXPECT_THAT(scene.error().reason, HasSubstr("(it follows accuracy.tolerance_mm: 0.000001 mm)"));
 }
 
 TEST(SceneTool, ShankAndHolderStandOnTheCutter) {

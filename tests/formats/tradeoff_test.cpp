@@ -218,6 +218,26 @@ TEST_F(Tradeoff, CarvesOneConfigurationWithoutRotation) {
   EXPECT_THAT(content("out"), HasSubstr("The program has no rotation"));
 }
 
+TEST_F(Tradeoff, FilletsFollowTheToleranceOfEachRow) {
+  write("fillet.json",
+        R"({"name": "t", "stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [20,20,10]},
+            "accuracy": {"pitch_mm": 0.5, "tolerance_mm": 0.05},
+            "tools": [{"id": 1, "shape": "profile", "profile_mm":
+              [[0.5,0], {"to": [6,6], "radius": 6, "bulge": "in"}, [6,20]]}],
+            "machine": {"kinematics": "xyz"}})");
+  write("straight.ngc", "G21 G90 T1 M6\nF600\nG0 X-9 Y10 Z5\nG1 X29\nM2\n");
+  ASSERT_EQ(run("--scene fillet.json --program straight.ngc --rays dexel --pitches 0.1"
+                " --tolerances 2,0.01 --csv t.csv --samples 1000"),
+            0)
+      << content("err");
+  const auto table = cells(content("t.csv"));
+  ASSERT_EQ(table.size(), 3u);
+  // The chords are off by 0.2 and 0.001 mm.
+  EXPECT_GT(std::stod(table[1][5]), 0.05) << content("t.csv");
+  EXPECT_LT(std::stod(table[2][5]), 0.02) << content("t.csv");
+  EXPECT_THAT(content("out"), HasSubstr("the tolerance only on fillets"));
+}
+
 TEST_F(Tradeoff, RibBetweenTheRaysDoesNotMeetTheTarget) {
   write("rib.json",
         R"({"stock": {"shape": "box", "min_mm": [0,0,0], "max_mm": [20,20,10]},

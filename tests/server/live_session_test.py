@@ -368,6 +368,15 @@ class Downloads(LiveTest):
         one = self.get(f"forces.csv?participant={self.agent.participant}")[2].decode().splitlines()
         self.assertEqual(len(one) - 1, 299)
 
+    def test_thin_walls_are_searched_on_demand(self):
+        status, headers, body = self.get("thin_walls.json")
+        self.assertEqual(status, 200)
+        self.assertEqual(headers["content-type"], "application/json")
+        report = json.loads(body)
+        self.assertEqual(report["pitch_mm"], 0.5)
+        self.assertEqual(report["count"], len(report["walls"]))
+        self.assertIsNone(report["target"])
+
     def test_journal_opens_elsewhere_with_the_same_hash(self):
         status, _, body = self.get("journal")
         self.assertEqual(status, 200)

@@ -22,6 +22,23 @@ TEST(ArcPiece, CornerOfABullNose) {
   EXPECT_EQ(side_distance(p, 2.0, -3.0).across, 0);
 }
 
+TEST(ArcPiece, IsLevelWhereItEndsAcrossTheAxis) {
+  const ArcPiece lower{4, 1, 1, 0, 1}, upper{4, 1, 1, 1, 2}, whole{4, 1, 1, 0, 2};
+  EXPECT_TRUE(is_level_below(lower));
+  EXPECT_FALSE(is_level_above(lower));
+  EXPECT_FALSE(is_level_below(upper));
+  EXPECT_TRUE(is_level_above(upper));
+  EXPECT_TRUE(is_level_below(whole) && is_level_above(whole));
+  // A slice that ends before, on either side.
+  const ArcPiece slice{4, 1, 1, 0.01, 1.99};
+  EXPECT_FALSE(is_level_below(slice) || is_level_above(slice));
+  // A ball's poles are level; a barrel's flank, whose center is beyond the axis, meets the axis at
+  // an angle.
+  const ArcPiece ball{0, 3, 3, 0, 6}, barrel{-2, 5, 6, -1, 11};
+  EXPECT_TRUE(is_level_below(ball) && is_level_above(ball));
+  EXPECT_FALSE(is_level_below(barrel) || is_level_above(barrel));
+}
+
 TEST(ArcPiece, AnArcBelowItsWidestHeightIsWidestAtItsUpperEnd) {
   const ArcPiece below{2, 10, 5, 6, 7}, above{2, 10, 5, 13, 14}, around{2, 10, 5, 6, 14};
   EXPECT_EQ(extent(below).radius_mm, 2 + 4);

@@ -79,37 +79,49 @@ TEST(SelfIntersection, RandomCarvingsHaveNone) {
   }
 }
 
-/// Two slots of a flat tool that leave, at one end of a flat quadrangle, a cell with several sheets
-/// where the segment to the next cell is bent.
-TEST(SelfIntersection, FlatQuadranglesBendWithTheirNeighbors) {
-  struct Slot {
+/// Two slots of a flat tool, at quarters of the pitch, in a small block.
+struct TwoSlots {
+  Rays rays;
+  struct {
     Vec3 axis, from, to;
-  };
-  struct Case {
-    Rays rays;
-    std::array<Slot, 2> slots;
-  };
-  const std::array<Case, 2> cases{{{Rays::kDexel,
-                                    {{{{0, -1, 0}, {1.5, 0.25, 2.25}, {3.75, 3.5, 0.25}},
-                                      {{1, 0, 0}, {0.75, 3, 3}, {1.5, 4.5, 1}}}}},
-                                   {Rays::kTriDexel,
-                                    {{{{1, 0, 0}, {6, 6, 2.75}, {5, 3, 2.75}},
-                                      {{0, 0, -1}, {5, 6, 1.75}, {2.75, 5.25, 2.75}}}}}}};
-  for (const auto& [rays, slots] : cases) {
-    SCOPED_TRACE(to_string(rays));
-    SculptureSettings settings;
-    settings.stock = BoxStock{{0, 0, 0}, {6, 6, 4}};
-    settings.pitch_mm = 1;
-    settings.rays = rays;
-    auto sculpture = *Sculpture::create(settings);
-    sculpture.apply(DefineTool{1, *make_tool(FlatShape{1.5, 9})}).value();
-    for (const auto& [axis, from, to] : slots) {
-      sculpture.apply(MoveTool{1, {from, axis}, {to, axis}, 0.01, false}).value();
-    }
-    const auto meshes = test::mesh_all(sculpture.solid());
-    EXPECT_EQ(test::check_mesh(meshes).open_edges, 0U);
-    expect_none(test::count_self_intersections(meshes, 2));
+  } slots[2];
+};
+
+void expect_sound(const TwoSlots& cut) {
+  SCOPED_TRACE(to_string(cut.rays));
+  SculptureSettings settings;
+  settings.stock = BoxStock{{0, 0, 0}, {6, 6, 4}};
+  settings.pitch_mm = 1;
+  settings.rays = cut.rays;
+  auto sculpture = *Sculpture::create(settings);
+  sculpture.apply(DefineTool{1, *make_tool(FlatShape{1.5, 9})}).value();
+  for (const auto& [axis, from, to] : cut.slots) {
+    sculpture.apply(MoveTool{1, {from, axis}, {to, axis}, 0.01, false}).value();
   }
+  const auto meshes = test::mesh_all(sculpture.solid());
+  EXPECT_EQ(test::check_mesh(meshes).open_edges, 0U);
+  expect_none(test::count_self_intersections(meshes, 2));
+}
+
+/// At one corner of a flat quadrangle is a cell with several sheets, and the segment to the next
+/// cell is bent.
+TEST(SelfIntersection, FlatQuadranglesBendWithTheirNeighbors) {
+  expect_sound({Rays::kDexel,
+                {{{0, -1, 0}, {1.5, 0.25, 2.25}, {3.75, 3.5, 0.25}},
+                 {{1, 0, 0}, {0.75, 3, 3}, {1.5, 4.5, 1}}}});
+  expect_sound(
+      {Rays::kTriDexel,
+       {{{1, 0, 0}, {6, 6, 2.75}, {5, 3, 2.75}}, {{0, 0, -1}, {5, 6, 1.75}, {2.75, 5.25, 2.75}}}});
+}
+
+/// A fan about a vertex on an edge in the plane of a floor would lie in that floor.
+TEST(SelfIntersection, FansBesideFloorsAtTheHeightOfSamplesStayOffThem) {
+  expect_sound({Rays::kDexel,
+                {{{0, 0, -1}, {3.25, 4, 3.5}, {1.75, 4, 1.5}},
+                 {{0, 0, -1}, {3.5, 4, 1.75}, {4, 3.5, 0.5}}}});
+  expect_sound({Rays::kTriDexel,
+                {{{1, 0, 0}, {2.5, 0.5, 3.25}, {0.75, 1.5, 3.25}},
+                 {{-1, 0, 0}, {1.5, 4.75, 1.25}, {4.25, 5, 4}}}});
 }
 
 TEST(SelfIntersection, StandardJobsHaveNone) {

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "kernel/sweep/piece_side.h"
+
+namespace kerf {
+namespace {
+
+const ArcPiece kSidesOfArcs[] = {
+    {3, 2, 2, 0, 2},                                         // the corner of a bull-nose
+    {3, 0.05, 0.05, 0, 0.05}, {-24.9954541, 12, 30, 0, 24},  // a barrel
+    {1.5, 7.7, 4, 4, 11},     {0, 5, 5, 0, 3},
+    {-2.5e-4, 4, 4, 0, 7.7}};
+
+/// Distance of the point of a ray at the height t from an arc's side about the origin.
+struct AlongRay {
+  ArcPiece arc;
+  Vec3 u;
+  double x, y;
+
+  double operator()(double t) const {
+    const Vec3 p{x, y, t};
+    const double l = dot(p, u);
+    return side_distance(arc, length(p - u * l), l + arc.center_z_mm).mm;
+  }
+  /// Returns the height at which it is least.
+  double least_at() const {
+    constexpr double kGolden = 0.6180339887498949;
+    double a = -60, b = 60;
+    for (int i = 0; i < 90; ++i) {
+      const double s = b - kGolden * (b - a), t = a + kGolden * (b - a);
+      ((*this)(s) < (*this)(t) ? b : a) = (*this)(s) < (*this)(t) ? t : s;
+    }
+    return (a + b) / 2;
+  }
+};
+
+template <End end>
+SideSpan meet(const ArcSide& side, const AlongRay& ray, const DiscSpan& discs) {
+  const Vec3Lanes u{Lanes(ray.u.x), Lanes(ray.u.y), Lanes(ray.u.z)};
+  return side.meet<end>(Lanes(ray.x), Lanes(ray.y), u, Lanes(ray.x * ray.u.x + ray.y * ray.u.y),
+                        discs);
+}
+
+/// The searched end lies on the side, the other one on the side or at the disc before it; a ray
+/// that misses the side is found to be closest where it is.
+TEST(ArcSide, MeetsTheSideWhereItsDistanceIsZeroAndElseFindsTheClosestHeight) {
+  std::mt19937_64 random(5);
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  int hits = 0, misses = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const ArcPiece& arc = kSidesOfArcs[std::size_t(k) % std::size(kSidesOfArcs)];
+    const ArcSide side(arc);
+    const double lean = k % 4 == 0 ? 0 : k % 4 == 1 ? 3 : 0.3;
+    const Vec3 u = k % 40 == 7 ? Vec3{1, 0, 0}
+                               : normalized({in(-lean, lean), in(-lean, lean), k % 3 ? 1.0 : -1.0});
+    const AlongRay ray{arc, u, in(-6, 6), in(-6, 6)};
+    const double best = ray.least_at(), gap = ray(best);
+    const DiscSpan discs{Lanes(best - in(0, 3)), Lanes(best + in(0, 3))};
+    const SideSpan lower = meet<End::kLower>(side, ray, discs);
+    const SideSpan upper = meet<End::kUpper>(side, ray, discs);
+    const bool exists = bits(lower.exists) != 0;
+    ASSERT_EQ(exists, bits(upper.exists) != 0);
+    if (!exists) {
+      ++misses;
+      EXPECT_GT(gap, -1e-10) << k;
+      EXPECT_NEAR(ray(lower.closest[0]), gap, 1e-9) << k;
+      EXPECT_NEAR(ray(upper.closest[0]), gap, 1e-9) << k;
+      continue;
+    }
+    ++hits;
+    EXPECT_LT(gap, 1e-10) << k;
+    EXPECT_NEAR(ray(lower.in[0]), 0, 1e-10) << k;
+    EXPECT_NEAR(ray(upper.out[0]), 0, 1e-10) << k;
+    if (gap > -1e-9) continue;
+    EXPECT_LT(lower.in[0], best);
+    EXPECT_GT(upper.out[0], best);
+    EXPECT_NEAR(lower.out[0], std::min(upper.out[0], discs.out[0]), 1e-6) << k;
+    EXPECT_NEAR(upper.in[0], std::max(lower.in[0], discs.in[0]), 1e-6) << k;
+  }
+  EXPECT_GT(hits, 500);
+  EXPECT_GT(misses, 500);
+}
+
+}  // namespace
+}  // namespace kerf
