@@ -124,8 +124,12 @@ class Adversary {
     stage_.settle(moved, from_us, now_us_);
     const Twist velocity = estimate_.take(moved, dt_s);
     const Wrench before = stage_.released();
-    const double time_s = static_cast<double>(now_us_) * 1e-6;
-    const Wrench output = stage_.release(request(time_s, velocity), velocity, moved, dt_s, now_us_);
+    const double time_s = static_cast<double>(now_us_ - kStartUs) * 1e-6;
+    // As the supervisor does: no force after the tip was too fast.
+    tripped_ = tripped_ || length(velocity.linear) > SafetyLimits{}.tip_mm_per_s;
+    const Wrench output =
+        tripped_ ? stage_.silence(now_us_)
+                 : stage_.release(request(time_s, velocity), velocity, moved, dt_s, now_us_);
     newest_ = (newest_ + 1) % written_.size();
     written_[newest_] = {now_us_, output};
     check(before, output, std::min(dt_s, 0.002));
