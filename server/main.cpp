@@ -9,6 +9,7 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <iterator>
 
@@ -120,9 +121,7 @@ int serve(const CommandLine& line) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CommandLine line;
   line.server.http.web_folder = kerf::net::find_web_folder();
   CLI::App app{"kerf-server: sessions in which several people carve one block and feel its force"};
@@ -152,4 +151,15 @@ int main(int argc, char** argv) {
     return 2;
   }
   return serve(line);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "kerf-server: %s\n", error.what());
+    return 1;
+  }
 }
