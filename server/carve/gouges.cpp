@@ -6,8 +6,8 @@
 #include <unordered_map>
 
 #include "kernel/math/rotation.h"
-#include "server/verify/tool_profile.h"
 #include "server/formats/machine_kinematics.h"
+#include "server/verify/tool_profile.h"
 
 namespace kerf {
 namespace {

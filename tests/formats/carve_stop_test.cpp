@@ -29,6 +29,7 @@ class Process {
   Process(const fs::path& folder, std::vector<std::string> words) {
     words.insert(words.begin(), "kerf-carve");
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     id_ = ::forkpty(&terminal_, nullptr, nullptr, nullptr);
