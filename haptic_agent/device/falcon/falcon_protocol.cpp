@@ -17,6 +17,9 @@ constexpr std::uint64_t kAnswerUs = 10'000;
 constexpr std::uint64_t kSilenceUs = 500'000;
 /// A request and a reply through the serial chip, whose latency timer is 1 ms.
 constexpr std::uint64_t kLatencyUs = 3000;
+/// An assumption for the grip and its three legs. The grip does not turn: no torque moves it.
+constexpr double kMovingMassKg = 0.1;
+constexpr double kMovingInertiaKgM2 = 1;
 /// Largest plausible movement between two poses; a larger one means that an encoder slipped.
 constexpr double kJumpMm = 10.0;
 constexpr std::uint64_t kForgetUs = 100'000;
@@ -42,6 +45,8 @@ DeviceCapabilities FalconProtocol::capabilities() const {
           .max_stiffness_n_per_mm = 3.0,
           .max_damping_n_s_per_mm = 0.02,
           .latency_us = kLatencyUs,
+          .moving_mass_kg = kMovingMassKg,
+          .moving_inertia_kg_m2 = kMovingInertiaKgM2,
           .workspace_min_mm = settings_.middle_mm - reach,
           .workspace_max_mm = settings_.middle_mm + reach,
           .has_deadman = false};

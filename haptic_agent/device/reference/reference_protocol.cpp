@@ -26,6 +26,9 @@ constexpr std::uint64_t kKeepAliveUs = 4000;
 constexpr std::uint64_t kSilenceUs = 500'000;
 /// A report and a command of one 1 ms frame each, and the firmware's own loop.
 constexpr std::uint64_t kLatencyUs = 3000;
+/// The least that the pen and the ends of both arms may have (README.md).
+constexpr double kMovingMassKg = 0.15;
+constexpr double kMovingInertiaKgM2 = 2e-4;
 constexpr double kUsPerS = 1e6;
 
 bool within(double value, double least, double most) noexcept {
@@ -66,6 +69,8 @@ DeviceCapabilities pen_capabilities(const PenPlace& place) {
           .max_stiffness_n_per_mm = 2.0,
           .max_damping_n_s_per_mm = 0.01,
           .latency_us = kLatencyUs,
+          .moving_mass_kg = kMovingMassKg,
+          .moving_inertia_kg_m2 = kMovingInertiaKgM2,
           .workspace_min_mm = place.middle_mm - reach_mm,
           .workspace_max_mm = place.middle_mm + reach_mm,
           .has_deadman = true};
