@@ -115,7 +115,6 @@ PressOutcome press(const Press& press) {
   return {.returned_mj = plant.most_returned_mj(),
           .buzz_mm_per_s = plant.rms_mm_per_s(),
           .force_n = length(plant.acting().force_n),
-          .fastest_mm_per_s = plant.fastest_mm_per_s(),
           .trips = bed.servo().supervisor().trips()};
 }
 

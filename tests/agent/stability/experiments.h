@@ -60,7 +60,6 @@ struct PressOutcome {
   double returned_mj = 0;    ///< most over any interval, in the plant
   double buzz_mm_per_s = 0;  ///< rms speed of the tip while the hand is at rest
   double force_n = 0;        ///< that acts at the end
-  double fastest_mm_per_s = 0;
   std::uint64_t trips = 0;
 };
 PressOutcome press(const Press& press);

@@ -71,7 +71,6 @@ class Plant final : public HapticDevice {
   double rms_mm_per_s() const { return steps_ > 0 ? std::sqrt(square_sum_ / steps_) : 0; }
   /// Greatest work done on the hand over any interval, mJ.
   double most_returned_mj() const { return most_returned_mj_; }
-  double fastest_mm_per_s() const { return fastest_; }
   Vec3 tip() const { return grip_.pivot_mm - grip_.axis * m_.pivot_mm; }
   const Wrench& acting() const { return acting_; }
 
@@ -105,7 +104,6 @@ class Plant final : public HapticDevice {
     given_mj_ += work_mj;
     least_given_mj_ = std::min(least_given_mj_, given_mj_);
     most_returned_mj_ = std::max(most_returned_mj_, given_mj_ - least_given_mj_);
-    fastest_ = std::max(fastest_, speed);
     square_sum_ += speed * speed;
     ++steps_;
   }
@@ -119,7 +117,7 @@ class Plant final : public HapticDevice {
   Wrench acting_{};
   std::deque<std::pair<std::uint64_t, Wrench>> written_;
   std::uint64_t start_us_ = 0, now_us_ = 0;
-  double given_mj_ = 0, least_given_mj_ = 0, most_returned_mj_ = 0, fastest_ = 0, square_sum_ = 0;
+  double given_mj_ = 0, least_given_mj_ = 0, most_returned_mj_ = 0, square_sum_ = 0;
   int steps_ = 0;
 };
 
