@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/device/units.h"
 #include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "haptic_agent/summary.h"
@@ -20,10 +21,8 @@
 namespace kerf::agent {
 namespace {
 
-constexpr int kFailed = 1;
 /// How long to wait for the last answers at the end. A slow server gets time to finish the cut.
 constexpr double kDrainS = 10.0;
-constexpr double kUsPerS = 1e6;
 
 /// Calls `leave` on SIGINT or SIGTERM. Construct it before any other thread starts, so that all
 /// threads inherit the blocked signals and only this one receives them.

@@ -5,8 +5,11 @@
 
 namespace kerf::agent {
 
+/// Exit code of an agent that did not reach its end.
+inline constexpr int kFailed = 1;
+
 /// Joins the session, runs the device until it ends, the duration has passed or a signal arrives,
-/// and prints the summary. Returns the exit code: 0, or 1 if the server could not be reached,
+/// and prints the summary. Returns the exit code: 0, or kFailed if the server could not be reached,
 /// rejected the agent, or was lost for good.
 int run_agent(Options options);
 

@@ -17,8 +17,6 @@
 namespace kerf::agent {
 namespace {
 
-constexpr int kFailed = 1;
-
 /// Returns the exit code of a process from its wait status.
 int code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : kFailed; }
 

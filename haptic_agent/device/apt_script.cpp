@@ -21,7 +21,6 @@ constexpr std::array<std::string_view, 3> kTextWords = {"PARTNO", "PPRINT", "REM
 
 constexpr double kSPerMinute = 60.0;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr double kAxisMinLength = 1e-6;
 /// Between opposite axes the direction of rotation is undefined.
 constexpr double kOppositeDot = -0.999;
 

@@ -13,7 +13,6 @@ constexpr std::array<std::string_view, 7> kColumns = {"t_s", "x", "y", "z", "i",
 constexpr std::size_t kCuttingColumn = 7;
 constexpr std::size_t kToolColumn = 8;
 constexpr std::size_t kColumnCount = 9;
-constexpr double kAxisMinLength = 1e-6;
 constexpr double kMaxToolId = 1e9;
 
 class CsvReader {

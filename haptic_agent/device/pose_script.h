@@ -35,6 +35,9 @@ struct ScriptError {
 /// Returns "file:line: reason".
 std::string to_string(const ScriptError& error);
 
+/// A tool axis in a file may have any length but one below this.
+inline constexpr double kAxisMinLength = 1e-6;
+
 /// Speed of moves without a programmed feed: RAPID, and the move to the first pose after the start
 /// or a tool change.
 inline constexpr double kRapidMmPerS = 10000.0 / 60.0;

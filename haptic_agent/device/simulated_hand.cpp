@@ -5,13 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "haptic_agent/device/units.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent {
 namespace {
 
-constexpr double kMmPerM = 1000.0;
-constexpr double kNmmPerNm = 1000.0;
 /// Integration step: the servo's period, far below the stability limit.
 constexpr double kStepS = 0.001;
 /// Longest time that one read simulates: after a longer pause of the loop, e.g. while the machine

@@ -12,12 +12,11 @@
 #include <thread>
 
 #include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/device/units.h"
 #include "haptic_agent/realtime/clock.h"
 
 namespace kerf::agent {
 namespace {
-
-constexpr double kUsPerS = 1e6;
 
 std::string limit_text(int resource) {
   rlimit limit{};

@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "haptic_agent/device/units.h"
 #include "haptic_agent/link/connection.h"
 #include "haptic_agent/link/traffic.h"
 #include "haptic_agent/realtime/clock.h"
@@ -37,7 +38,6 @@ constexpr milliseconds kLongestBackOff{2000};
 constexpr milliseconds kCloseTimeout{500};
 /// Period at which the ring is emptied and timeouts are checked when no sample wakes the link.
 constexpr milliseconds kHousekeeping{10};
-constexpr double kUsPerS = 1e6;
 
 std::span<const std::byte> bytes_of(const beast::flat_buffer& buffer) noexcept {
   return {static_cast<const std::byte*>(buffer.data().data()), buffer.size()};

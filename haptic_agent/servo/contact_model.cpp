@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "haptic_agent/device/units.h"
+
 namespace kerf::agent {
 
 namespace {
@@ -13,7 +15,6 @@ namespace {
 /// Shares of the limits at which oscillation would begin.
 constexpr double kStiffnessShare = 0.8;
 constexpr double kDampingShare = 0.5;
-constexpr double kMmPerM = 1000;
 
 /// Returns the mass that a push along `normal` at `arm_mm` moves, kg.
 double moved_mass(const ContactLimits& limits, Vec3 arm_mm, Vec3 normal) noexcept {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "haptic_agent/device/units.h"
 #include "haptic_agent/servo/energy_account.h"
 #include "haptic_agent/servo/grip.h"
 #include "haptic_agent/servo/written_wrenches.h"
@@ -99,8 +100,6 @@ class BasicPassivity {
  private:
   static constexpr double kSPerUs = 1e-6;
   static constexpr double kTickS = 1e-3;
-  static constexpr double kMjPerJ = 1e3;
-  static constexpr double kNmmPerNm = 1e3;
   static constexpr double kLeast = 1e-12;
   static constexpr double kStarvingShare = 0.05;
   static constexpr int kBisections = 12;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "haptic_agent/device/units.h"
 #include "haptic_agent/servo/silence_decay.h"
 
 namespace kerf::agent {
@@ -20,9 +21,7 @@ constexpr double kStableShare = 0.5;
 /// Share of mass / delay up to which a damper may be set.
 constexpr double kDamperShare = 0.25;
 constexpr double kTickS = 1e-3;
-constexpr double kMmPerM = 1000;
 /// kg m^2/s to N mm s.
-constexpr double kNmmPerNm = 1000;
 
 }  // namespace
 

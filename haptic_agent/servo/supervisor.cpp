@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptic_agent/device/units.h"
+
 namespace kerf::agent {
 namespace {
 
@@ -25,7 +27,6 @@ constexpr std::uint64_t kStarvingUs = 100 * kUsPerMs;
 constexpr std::uint64_t kForgiveUs = 300 * kUsPerMs;
 constexpr std::uint64_t kSlotUs = 100 * kUsPerMs;
 constexpr double kTicksPerS = 1000;
-constexpr double kUsPerS = 1e6;
 
 bool outside(Vec3 p, Vec3 low, Vec3 high) noexcept {
   if (low == high) return false;

@@ -12,7 +12,7 @@ namespace {
 
 /// Cosine of the angle from the mean normal up to which a sheet is considered smooth, not creased;
 /// half the angle between two planes. Near this angle a wrong choice errs by 1/40 of the pitch.
-constexpr double kSmoothCosine = 0.995;
+constexpr double kSmoothSheetCosine = 0.995;
 
 using Coordinates = std::array<double, 3>;
 
@@ -119,7 +119,7 @@ SheetPoint place_sheet(std::span<const Crossing> crossings, const CellLimits& li
   const double share = 1 / double(crossings.size());
   const Vec3 mean = point_sum * share, normal = normalized(normal_sum);
   const bool smooth = std::ranges::all_of(
-      crossings, [&](const Crossing& c) { return dot(c.normal, normal) > kSmoothCosine; });
+      crossings, [&](const Crossing& c) { return dot(c.normal, normal) > kSmoothSheetCosine; });
   if (smooth) {
     double off = 0;
     for (const Crossing& c : crossings) off += dot(c.normal, c.point - mean);

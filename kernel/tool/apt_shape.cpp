@@ -36,10 +36,6 @@ std::optional<ProfilePoint> meet(const Line& line, const AptShape& s, bool where
   return line.at(where_it_leaves ? foot + half : foot - half);
 }
 
-Pieces reject(ToolErrorCode code, const char* field, std::string reason) {
-  return std::unexpected(ToolError{code, field, std::move(reason)});
-}
-
 ToolCheck check_fields(const AptShape& s) {
   if (auto c = check_length("d_mm", s.d_mm); !c) return c;
   if (auto c = check_coordinate("r_mm", s.r_mm, 0); !c) return c;

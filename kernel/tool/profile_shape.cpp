@@ -11,10 +11,6 @@ namespace {
 
 using enum ToolErrorCode;
 
-std::unexpected<ToolError> reject(ToolErrorCode code, std::string field, std::string reason) {
-  return std::unexpected(ToolError{code, std::move(field), std::move(reason)});
-}
-
 ProfilePoint end_of(const ProfileStep& step) {
   if (const auto* point = std::get_if<ProfilePoint>(&step)) return *point;
   if (const auto* arc = std::get_if<ProfileArc>(&step)) return arc->to;

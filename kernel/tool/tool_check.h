@@ -3,6 +3,7 @@
 
 #include <expected>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernel/math/tolerance.h"
@@ -15,6 +16,11 @@ namespace kerf {
 using ToolCheck = std::expected<void, ToolError>;
 /// The convex pieces of a shape, from the tip up.
 using Pieces = std::expected<std::vector<ToolPiece>, ToolError>;
+
+inline std::unexpected<ToolError> reject(ToolErrorCode code, std::string field,
+                                         std::string reason) {
+  return std::unexpected(ToolError{code, std::move(field), std::move(reason)});
+}
 
 /// Checks for a length between kToolLengthMinMm and kToolLengthMaxMm.
 ToolCheck check_length(const std::string& field, double value_mm);

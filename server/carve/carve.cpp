@@ -16,6 +16,7 @@
 #include "kernel/sculpture.h"
 #include "server/carve/carve_report.h"
 #include "server/carve/environment_files.h"
+#include "server/carve/failure.h"
 #include "server/carve/model_outputs.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
@@ -32,15 +33,8 @@
 namespace kerf {
 namespace {
 
-constexpr int kBadInput = 2;
-constexpr int kBadOutput = 1;
 constexpr const char* kInterrupted = "interrupted";
 constexpr const char* kAbandoned = "interrupted; unfinished work was abandoned";
-
-struct Failure {
-  int status;
-  std::string line;
-};
 
 class Stopwatch {
  public:
@@ -76,12 +70,6 @@ class Carving {
 
  private:
   using Result = std::expected<void, Failure>;
-  static Result bad_input(std::string line) {
-    return std::unexpected(Failure{kBadInput, std::move(line)});
-  }
-  static Result bad_output(std::string line) {
-    return std::unexpected(Failure{kBadOutput, std::move(line)});
-  }
 
   Result read_scene() {
     auto scene = load_scene(options_.scene);

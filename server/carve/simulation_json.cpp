@@ -10,7 +10,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kListMax = 100;
-constexpr std::size_t kWarningsMax = 20;
 
 Json point(Vec3 p) { return {p.x, p.y, p.z}; }
 

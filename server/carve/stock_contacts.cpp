@@ -6,7 +6,6 @@
 namespace kerf {
 namespace {
 
-constexpr std::size_t kWarningsMax = 20;
 // Bounds the memory for a program that touches permanently with changing tools.
 constexpr std::size_t kRunsMax = 100'000;
 

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "server/formats/program.h"
 
 namespace kerf {
+
+/// Most warnings of one kind; reports list all cases.
+inline constexpr std::size_t kWarningsMax = 20;
 
 /// Consecutive motions of one tool with an unwanted contact.
 struct ContactRun {
@@ -29,10 +33,12 @@ class ContactRuns {
   bool touching_ = false;
 };
 
-/// Adds a warning for each run in which shank or holder entered the stock, at most 20.
+/// Adds a warning for each run in which shank or holder entered the stock, at most
+/// kWarningsMax.
 void warn_of_stock_contacts(const ContactRuns& contacts, const Program& program,
                             std::vector<std::string>& warnings);
-/// Adds a warning for each run in which any part of a tool touched an obstacle, at most 20.
+/// Adds a warning for each run in which any part of a tool touched an obstacle, at
+/// most kWarningsMax.
 void warn_of_obstacle_contacts(const ContactRuns& contacts, const Program& program,
                                std::vector<std::string>& warnings);
 

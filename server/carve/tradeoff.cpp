@@ -15,6 +15,7 @@
 
 #include "server/carve/cpu_budget.h"
 #include "server/carve/environment_files.h"
+#include "server/carve/failure.h"
 #include "server/carve/output_file.h"
 #include "server/carve/progress.h"
 #include "server/carve/stop_signal.h"
@@ -27,8 +28,6 @@
 namespace kerf {
 namespace {
 
-constexpr int kBadInput = 2;
-constexpr int kBadOutput = 1;
 // Fractions of the time budget: for all configurations together, and for one of them.
 constexpr double kSweepShare = 0.7;
 constexpr double kOneShare = 0.25;
@@ -46,15 +45,7 @@ constexpr double kReachPitches = 4;
 
 constexpr const char* kNotReached = "skipped, interrupted before it was measured";
 
-struct Failure {
-  int status;
-  std::string line;
-};
 using Result = std::expected<void, Failure>;
-
-std::unexpected<Failure> bad_input(std::string line) {
-  return std::unexpected(Failure{kBadInput, std::move(line)});
-}
 
 std::string figure(const char* format, double value) {
   std::array<char, 64> text{};
@@ -352,13 +343,12 @@ class Tradeoff {
       std::ofstream stream(file.temporary(), std::ios::binary);
       return bool((stream << text).flush());
     };
-    const Failure failure{kBadOutput, "kerf-carve tradeoff: a file cannot be written"};
+    constexpr const char* kNotWritten = "kerf-carve tradeoff: a file cannot be written";
     if (options_.csv && !write_one(*options_.csv, tradeoff_csv(rows_)))
-      return std::unexpected(failure);
+      return bad_output(kNotWritten);
     if (options_.svg && !write_one(*options_.svg, tradeoff_svg(rows_, title, note)))
-      return std::unexpected(failure);
-    if (auto done = outputs_.commit(); !done)
-      return std::unexpected(Failure{kBadOutput, done.error()});
+      return bad_output(kNotWritten);
+    if (auto done = outputs_.commit(); !done) return bad_output(done.error());
     return {};
   }
 

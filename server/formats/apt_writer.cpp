@@ -11,8 +11,6 @@
 namespace kerf {
 namespace {
 
-constexpr int kFeedDigits = 7;
-
 std::string pose_text(const ToolPose& pose) {
   std::string text = exact_text(pose.tip_mm.x);
   for (const double value : {pose.tip_mm.y, pose.tip_mm.z, pose.axis.x, pose.axis.y, pose.axis.z}) {

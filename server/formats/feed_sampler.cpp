@@ -15,7 +15,7 @@ namespace {
 // A sample that would turn the axis by more than this is halved, which keeps it within the kernel's
 // limit.
 constexpr double kSampleTurnMaxRad = std::numbers::pi / 2;
-constexpr int kHalvingsMax = 20;
+constexpr int kSampleHalvingsMax = 20;
 // Least distance by which a corner must be cut off for a warning: the default tolerance of a scene.
 constexpr double kCornerWarnMm = 0.01;
 
@@ -75,7 +75,7 @@ class ChainSampler {
 
   void sample(double from_s, double to_s, int halvings) {
     const ToolPose to = pose_at(to_s);
-    if (halvings < kHalvingsMax &&
+    if (halvings < kSampleHalvingsMax &&
         angle_between(normalized(last_.axis), normalized(to.axis)) > kSampleTurnMaxRad) {
       const double middle = (from_s + to_s) / 2;
       sample(from_s, middle, halvings + 1);

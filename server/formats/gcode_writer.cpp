@@ -13,10 +13,9 @@
 namespace kerf {
 namespace {
 
-constexpr int kFeedDigits = 7;
 constexpr int kAngleDecimals = 6;
 // Most halvings of one motion of a rotary machine; pieces are then as small as the angle step.
-constexpr int kHalvingsMax = 16;
+constexpr int kTurnHalvingsMax = 16;
 // When the C axis has turned this far, the tool is retracted and C is turned back to within one
 // turn. LinuxCNC's sample machines allow 100 turns; cables and hoses of real tables allow fewer.
 constexpr double kWindUpMaxDeg = 20 * 360;
@@ -140,7 +139,7 @@ class GcodeWriter final : public ProgramWriter {
       deviation = std::max(deviation, length(table_axis(kind_, angles) - turned_axis(a, b, s)));
     }
     const double reach = reach_mm(scene_, motion.tool);
-    if (deviation * reach > scene_.settings.tolerance_mm && halvings < kHalvingsMax) {
+    if (deviation * reach > scene_.settings.tolerance_mm && halvings < kTurnHalvingsMax) {
       const ToolPose middle = admit_pose({(from.tip_mm + to.tip_mm) * 0.5, turned_axis(a, b, 0.5)});
       turn(from, middle, motion, halvings + 1);
       turn(middle, to, motion, halvings + 1);

@@ -10,6 +10,9 @@ namespace kerf {
 
 // Shared by the writers of programs.
 
+/// Significant digits of feeds.
+inline constexpr int kFeedDigits = 7;
+
 /// Returns an error if writing to the stream has failed.
 WriteResult write_result(const std::ostream& out);
 

@@ -11,7 +11,7 @@ namespace kerf {
 namespace {
 
 // mm. Accuracy of the least distance along a motion.
-constexpr double kFoundMm = 1e-6;
+constexpr double kBestMm = 1e-6;
 // mm. Parts of a motion in which no point of the tool moves farther are approximated by a parabola;
 // for a tool of 0.1 mm radius the error is below 1e-7 mm.
 constexpr double kPartMm = 0.005;
@@ -69,7 +69,7 @@ class Search {
  private:
   void descend(double a, double fa, double b, double fb) {
     if (best_.mm < enough_mm_) return;
-    if ((fa + fb - speed_mm_ * (b - a)) / 2 >= best_.mm - kFoundMm) return;
+    if ((fa + fb - speed_mm_ * (b - a)) / 2 >= best_.mm - kBestMm) return;
     const double middle = (a + b) / 2;
     const double fm = distance_(middle);
     offer({middle, fm});

@@ -32,8 +32,6 @@ constexpr std::uint16_t kBaud9600 = 0x4138;
 constexpr std::uint16_t kBaudLoader = 0x0015;
 constexpr std::uint16_t kBaudRun = 0x0002;
 
-constexpr std::size_t kModemBytes = 2;
-constexpr std::size_t kPacketBytes = 64;
 constexpr std::size_t kChunkBytes = kPacketBytes - kModemBytes;
 constexpr unsigned kTimeoutMs = 200;
 /// Consecutive packets with only the modem status after which no answer is expected.

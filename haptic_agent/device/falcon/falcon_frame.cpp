@@ -10,7 +10,6 @@ namespace {
 constexpr std::uint8_t kBegin = '<';
 constexpr std::uint8_t kEnd = '>';
 constexpr std::uint8_t kBase = 'A';
-constexpr std::size_t kModemBytes = 2;
 constexpr std::size_t kFlagsAt = 13;
 constexpr double kWordsPerNmm = 10.0;
 constexpr int kHomedShift = 4;

@@ -10,6 +10,9 @@
 namespace kerf::agent::falcon {
 
 inline constexpr std::size_t kFrameBytes = 16;
+/// A packet of the USB bridge, and the modem status that each packet of its answer begins with.
+inline constexpr std::uint16_t kPacketBytes = 64;
+inline constexpr std::size_t kModemBytes = 2;
 /// Largest motor word sent. The vendor's program uses no larger ones, and values beyond the field's
 /// 16 bits would reverse the force.
 inline constexpr int kMaxMotorWord = 4096;

@@ -10,7 +10,6 @@
 namespace kerf::agent::falcon {
 namespace {
 
-constexpr std::uint16_t kPacketBytes = 64;
 /// Timeout of an answer; after it the next command is sent.
 constexpr std::uint64_t kAnswerUs = 10'000;
 /// The serial chip sends its status every millisecond, independently of the firmware.

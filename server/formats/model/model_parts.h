@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <bit>
 #include <charconv>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "server/formats/model/file_sink.h"
 #include "server/formats/model/model_writer.h"
@@ -60,6 +62,15 @@ void put_number(std::string& out, T value) {
   std::array<char, 24> digits;
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
   out.append(digits.data(), end);
+}
+
+/// Appends `word` and the numbers, with a space before each.
+inline void put_vector(std::string& out, std::string_view word, const std::array<float, 3>& v) {
+  out += word;
+  for (const float c : v) {
+    out += ' ';
+    put_number(out, c);
+  }
 }
 
 /// Returns the unit normal of a triangle; zero if its corners are collinear.

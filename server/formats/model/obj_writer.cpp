@@ -3,17 +3,6 @@
 #include "server/formats/model/vertex_welder.h"
 
 namespace kerf {
-namespace {
-
-void put(std::string& out, std::string_view before, const std::array<float, 3>& v) {
-  out += before;
-  for (const float c : v) {
-    out += ' ';
-    put_number(out, c);
-  }
-}
-
-}  // namespace
 
 // Positions are shared, so that the indices form a closed surface; normals have separate indices,
 // so that creases stay sharp. Colors follow the coordinates, the form that most readers accept.
@@ -29,15 +18,15 @@ ModelResult write_obj(const ModelOutput& output) {
     text.clear();
     const auto& welded = welder.weld(piece);
     for (const std::uint32_t n : welded.fresh) {
-      put(text, "v", output.in_scene(piece.positions_mm[n]));
+      put_vector(text, "v", output.in_scene(piece.positions_mm[n]));
       if (!piece.colors.empty()) {
         const auto& rgb = piece.colors[n];
-        put(text, "", {float(rgb[0]) / 255, float(rgb[1]) / 255, float(rgb[2]) / 255});
+        put_vector(text, "", {float(rgb[0]) / 255, float(rgb[1]) / 255, float(rgb[2]) / 255});
       }
       text += '\n';
     }
     for (const auto& normal : piece.normals) {
-      put(text, "vn", normal);
+      put_vector(text, "vn", normal);
       text += '\n';
     }
     for (std::size_t first = 0; first + 2 < piece.indices.size(); first += 3) {

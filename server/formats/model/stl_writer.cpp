@@ -35,15 +35,6 @@ std::array<float, 3> normal_of(const MeshPiece& piece, std::size_t first) {
   return facet_normal({p[i[first]], p[i[first + 1]], p[i[first + 2]]});
 }
 
-void put(std::string& out, std::string_view before, const std::array<float, 3>& v) {
-  out += before;
-  for (const float c : v) {
-    out += ' ';
-    put_number(out, c);
-  }
-  out += '\n';
-}
-
 }  // namespace
 
 ModelResult write_stl(const ModelOutput& output) {
@@ -82,9 +73,12 @@ ModelResult write_stl_ascii(const ModelOutput& output) {
   while (output.next(piece)) {
     text.clear();
     for (std::size_t first = 0; first + 2 < piece.indices.size(); first += 3) {
-      put(text, "facet normal", normal_of(piece, first));
-      text += "outer loop\n";
-      for (const auto& corner : corners_of(output, piece, first)) put(text, "vertex", corner);
+      put_vector(text, "facet normal", normal_of(piece, first));
+      text += "\nouter loop\n";
+      for (const auto& corner : corners_of(output, piece, first)) {
+        put_vector(text, "vertex", corner);
+        text += '\n';
+      }
       text += "endloop\nendfacet\n";
     }
     output.sink.write(text);

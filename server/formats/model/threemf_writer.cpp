@@ -120,7 +120,7 @@ void put(std::string& out, const std::array<std::uint32_t, 3>& triangle) {
   out += "\"/>\n";
 }
 
-constexpr std::string_view kTypes =
+constexpr std::string_view kContentTypes =
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
     "<Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">"
     "<Default Extension=\"rels\" "
@@ -178,7 +178,7 @@ ModelResult write_3mf(const ModelOutput& output) {
   SpoolFile triangles(output.path);
   Package package(output.sink);
   package.begin("[Content_Types].xml");
-  package.write(kTypes);
+  package.write(kContentTypes);
   package.end();
   package.begin("_rels/.rels");
   package.write(kRelations);

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace kerf::agent {
+
+/// Factors between SI and the units of poses, wrenches and clocks (mm, N·mm, mJ, µs).
+inline constexpr double kMmPerM = 1000.0;
+inline constexpr double kNmmPerNm = 1000.0;
+inline constexpr double kMjPerJ = 1000.0;
+inline constexpr double kUsPerS = 1e6;
+
+}  // namespace kerf::agent

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <string>
+#include <utility>
+
+namespace kerf {
+
+/// Exit statuses of kerf-carve, beside those of a signal.
+inline constexpr int kBadInput = 2;
+inline constexpr int kBadOutput = 1;
+
+/// The end of a command that did not finish: its exit status and the line to print.
+struct Failure {
+  int status;
+  std::string line;
+};
+
+inline std::unexpected<Failure> bad_input(std::string line) {
+  return std::unexpected(Failure{kBadInput, std::move(line)});
+}
+inline std::unexpected<Failure> bad_output(std::string line) {
+  return std::unexpected(Failure{kBadOutput, std::move(line)});
+}
+
+}  // namespace kerf
