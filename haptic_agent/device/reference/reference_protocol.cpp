@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/device/units.h"
 #include "server/wire/types.h"
 
 namespace kerf::agent::reference {
@@ -29,7 +30,6 @@ constexpr std::uint64_t kLatencyUs = 3000;
 /// The least that the pen and the ends of both arms may have (README.md).
 constexpr double kMovingMassKg = 0.15;
 constexpr double kMovingInertiaKgM2 = 2e-4;
-constexpr double kUsPerS = 1e6;
 
 bool within(double value, double least, double most) noexcept {
   return value >= least && value <= most;
