@@ -2,9 +2,11 @@
 // Runs one job for every tool, ray model, motion model and force law, and prints one line for each
 // with the hashes of the state, of all results (forces, volumes, tiles) and of the mesh. Two builds
 // of the kernel that print the same bytes agree to the last bit. The jobs do not depend on the
-// machine: poses are computed from integers by + − × ÷ √ alone. Usage: state_hashes [threads=1];
-// the output does not depend on the number of threads.
+// machine: poses are computed from integers by + − × ÷ √ alone. Usage: state_hashes
+// [threads=1 [every=1]]; the output does not depend on the number of threads. With `every` N, only
+// each N-th job is run.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -134,13 +136,20 @@ std::vector<ToolPose> long_path(std::uint64_t seed, int moves) {
   return poses;
 }
 
+struct Jobs {
+  test::ThreadWorkers workers;
+  int every = 1;
+  int seen = 0;
+};
+
 void run(const std::string& name, const SculptureSettings& settings, const Tool& tool,
-         const std::vector<ToolPose>& poses, test::ThreadWorkers& workers) {
+         const std::vector<ToolPose>& poses, Jobs& jobs) {
+  if (jobs.seen++ % jobs.every != 0) return;
   auto sculpture = *Sculpture::create(settings);
   sculpture.apply(DefineTool{1, tool}).value();
   Hash results;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    const auto moved = sculpture.apply(MoveTool{1, poses[i - 1], poses[i], 0.01}, workers);
+    const auto moved = sculpture.apply(MoveTool{1, poses[i - 1], poses[i], 0.01}, jobs.workers);
     if (moved) {
       add(results, *moved);
     } else {
@@ -180,7 +189,8 @@ std::shared_ptr<const TriangleMesh> mesh_stock() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  test::ThreadWorkers workers(argc > 1 ? std::atoi(argv[1]) : 1);
+  Jobs jobs{.workers = test::ThreadWorkers(argc > 1 ? std::atoi(argv[1]) : 1),
+            .every = argc > 2 ? std::max(1, std::atoi(argv[2])) : 1};
   SculptureSettings box;
   box.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
   box.pitch_mm = 0.4;
@@ -196,15 +206,15 @@ int main(int argc, char** argv) {
         settings.tolerance_mm = tolerance;
         const std::string name = tool.name + (settings.obstacles.empty() ? " box" : " cylinder") +
                                  " tolerance " + std::to_string(tolerance);
-        run(name, settings, tool.tool, path(++seed, 8), workers);
+        run(name, settings, tool.tool, path(++seed, 8), jobs);
         if (tolerance < 0.01) continue;
         settings.rays = Rays::kTriDexel;
         settings.pitch_mm = 0.6;
-        run(name + " tri-dexel", settings, tool.tool, path(++seed, 6), workers);
+        run(name + " tri-dexel", settings, tool.tool, path(++seed, 6), jobs);
         settings.rays = Rays::kDexel;
         settings.tolerance_mm = 0.03;
         settings.motion = MotionModel::kPaper;
-        run(name + " paper", settings, tool.tool, path(++seed, 1), workers);
+        run(name + " paper", settings, tool.tool, path(++seed, 1), jobs);
       }
     }
   }
@@ -213,16 +223,16 @@ int main(int argc, char** argv) {
   for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
     meshed.rays = rays;
     run(std::string("mesh ") + to_string(rays), meshed, tools().front().tool, path(++seed, 4),
-        workers);
+        jobs);
   }
   SculptureSettings wide = box;
   wide.stock = BoxStock{{-60, -60, -8}, {60, 60, 0}};
   for (const NamedTool& tool : tools()) {
     for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
       wide.rays = rays;
-      run(tool.name + " long " + to_string(rays), wide, tool.tool, long_path(++seed, 3), workers);
+      run(tool.name + " long " + to_string(rays), wide, tool.tool, long_path(++seed, 3), jobs);
     }
   }
   // Fails if several threads were available but never used: the comparison would prove nothing.
-  return workers.count() > 1 && workers.runs() == 0 ? 1 : 0;
+  return jobs.workers.count() > 1 && jobs.workers.runs() == 0 ? 1 : 0;
 }
