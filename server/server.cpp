@@ -31,6 +31,17 @@ constexpr std::chrono::seconds kDrainTime{2};
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
+void log_pause(const std::string& id, const std::optional<JournalError>& error) {
+  if (error) {
+    spdlog::error(
+        "session {}: paused: disk: {}; motions are rejected and the commit is tried "
+        "every {} ms",
+        id, describe(*error), kJournalRetry.count());
+  } else {
+    spdlog::info("session {}: the journal is written again; the session continues", id);
+  }
+}
+
 }  // namespace
 
 struct Server::Impl {
@@ -42,7 +53,7 @@ struct Server::Impl {
         control("control", 1, 5),
         workers("workers", 2, 10),
         registry(
-            {options.http.data_folder, options.sessions_max, options.session},
+            {options.http.data_folder, options.sessions_max, options.session, log_pause},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics),
@@ -108,6 +119,12 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   for (const JournalError& failure : loaded.failures) {
     spdlog::error("{}: {}", to_string(failure.code), describe(failure));
   }
+  for (const ShortenedSession& session : loaded.shortened) {
+    spdlog::warn(
+        "session {}: the journal ends after record {}, before its newest state hash: what "
+        "came later is lost, and the hash was dropped",
+        session.id, session.last_sequence);
+  }
   for (const RecarvedSession& session : loaded.recarved) {
     spdlog::warn("session {}: the journal is of kernel version {}; carved again with version {}",
                  session.id, session.kernel_version, kKernelVersion);
@@ -155,7 +172,9 @@ void Server::stop() {
     closed.set_value();
   });
   closed.get_future().wait();
-  impl_->registry.close_all("the server is shutting down");
+  for (const JournalError& lost : impl_->registry.close_all("the server is shutting down")) {
+    spdlog::error("the last records could not be written and are lost: {}", describe(lost));
+  }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
   while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
          std::chrono::steady_clock::now() < deadline) {

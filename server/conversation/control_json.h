@@ -44,7 +44,7 @@ std::string viewer_welcome(const Session& session, const Participant& self,
                            const std::vector<Participant>& participants);
 std::string participants_message(const std::vector<Participant>& participants);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled);
+                          bool settled, bool paused);
 std::string error_message(const Rejection& rejection, bool fatal);
 std::string bye_message(std::string_view reason);
 

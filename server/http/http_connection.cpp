@@ -268,7 +268,7 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
   }
   const std::string& id = target.path[2];
   session = context_.registry.find(id);
-  if (!session) return error_response(404, "unknown_session", "there is no session " + id);
+  if (!session) return no_session(context_.registry, id);
   if (!origin_allowed(request, context_.options)) {
     return error_response(403, "bad_origin", kForeignOrigin);
   }
