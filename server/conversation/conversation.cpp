@@ -26,6 +26,9 @@ void Conversation::receive(std::span<const std::byte> frame, bool is_text,
 }
 
 void Conversation::receive_text(std::string_view text) {
+  if (!texts_.allow(now_())) {
+    return reject({wire::ErrorCode::kTooFast, "text frames are limited to 100 per second"});
+  }
   const auto message = parse_control(text);
   if (!message) return reject(message.error());
   if (const auto* hello = std::get_if<HelloMessage>(&*message)) {
@@ -44,6 +47,7 @@ void Conversation::receive_binary(std::span<const std::byte> frame, Clock::time_
                        std::to_string(message.error().offset) + " of the frame)"});
   }
   if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
+    if (!pings_.allow(now_())) return metrics_.rejected(wire::to_string(wire::ErrorCode::kTooFast));
     return queue_pong(stamp(++pongs_), {ping->time_us, to_us(now_())});
   }
   const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||

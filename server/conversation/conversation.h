@@ -37,6 +37,9 @@ class Conversation {
   /// Errors beyond this rate are counted but not reported to the peer.
   static constexpr double kErrorsPerS = 20;
   static constexpr double kErrorsBurst = 50;
+  /// Text frames and pings beyond this rate are dropped before they are read.
+  static constexpr double kControlsPerS = 100;
+  static constexpr double kControlsBurst = 200;
 
   Conversation(const Conversation&) = delete;
   Conversation& operator=(const Conversation&) = delete;
@@ -104,6 +107,7 @@ class Conversation {
   std::shared_ptr<Session> session_;
   std::function<void()> wake_;
   RateLimit errors_{kErrorsPerS, kErrorsBurst};
+  RateLimit texts_{kControlsPerS, kControlsBurst}, pings_{kControlsPerS, kControlsBurst};
   bool finishing_ = false, broken_ = false;
 };
 

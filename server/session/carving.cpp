@@ -86,7 +86,7 @@ std::expected<double, Rejection> Carving::move(ParticipantId id, const ProgramMo
     wire::Result display;
     sum.write(display);
     state->update_display(display, sum);
-    if (tool_changed) participants_.notify({});
+    if (tool_changed) participants_.note_tool_change();
   }
   return result->removed_mm3;
 }

@@ -27,7 +27,26 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
                     replayed.last_participant),
       carving_(limits_, sculpture_, journal_, participants_),
-      workers_(workers) {}
+      workers_(workers) {
+  participants_.defer_changes([this] { report_changes(); });
+}
+
+/// The first change after a pause is reported at once, those that follow it together.
+void Session::report_changes() {
+  const auto now = Clock::now();
+  const auto next = changes_reported_ + kChangeInterval;
+  if (now >= next || changes_reported_ == Clock::time_point{}) {
+    changes_reported_ = now;
+    return participants_.notify_changes();
+  }
+  const auto wait = std::chrono::ceil<std::chrono::microseconds>(next - now);
+  executor_->post_after(wait, [weak = weak_from_this()] {
+    const auto self = weak.lock();
+    if (!self || self->closed_) return;
+    self->changes_reported_ = Clock::now();
+    self->participants_.notify_changes();
+  });
+}
 
 std::expected<Participant, Rejection> Session::join(const JoinRequest& request) {
   if (closed_) return std::unexpected(session_closed());

@@ -50,6 +50,9 @@ struct SessionInfo {
 /// on the session's executor, which decides the order of motions.
 class Session : public std::enable_shared_from_this<Session> {
  public:
+  /// The least time between two reports of changed participants.
+  static constexpr std::chrono::milliseconds kChangeInterval{250};
+
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
   /// outlive the session.
   Session(std::string id, Replayed replayed, JournalWriter journal, SessionLimits limits,
@@ -102,6 +105,10 @@ class Session : public std::enable_shared_from_this<Session> {
 
   SessionInfo info() const;
   std::vector<Participant> participants() const { return participants_.list(); }
+  /// The participants as viewers see them.
+  Roster roster() const { return participants_.roster(); }
+  /// The agents and programs.
+  std::vector<Participant> carvers() const { return participants_.carvers(); }
   SessionFrame frame(bool with_snapshot);
   SolidSnapshot solid() { return sculpture_.solid(); }
   std::uint64_t sequence() const { return journal_.sequence(); }
@@ -111,6 +118,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void note_hash(StateHash state);
 
   /// Calls `listener` on the executor at each event until unlisten() with the returned number.
+  /// Changes of the participants are collected: they are reported every kChangeInterval at most.
   int listen(SessionListener listener) { return participants_.listen(std::move(listener)); }
   void unlisten(int listener) { participants_.unlisten(listener); }
   /// Notifies the listeners and cancels the programs. Nothing is applied afterwards.
@@ -125,6 +133,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void retire_programs();
   void schedule_hash();
   void compute_hash();
+  void report_changes();
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;
@@ -140,6 +149,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};
   bool closed_ = false;
+  Clock::time_point changes_reported_{};
 };
 
 }  // namespace kerf

@@ -20,6 +20,7 @@ inline constexpr std::string_view kTypeLook = "look";
 inline constexpr std::string_view kTypeStock = "stock";
 inline constexpr std::string_view kTypeWelcome = "welcome";
 inline constexpr std::string_view kTypeParticipants = "participants";
+inline constexpr std::string_view kTypeParticipantsChanged = "participants_changed";
 inline constexpr std::string_view kTypeState = "state";
 inline constexpr std::string_view kTypeError = "error";
 inline constexpr std::string_view kTypeBye = "bye";

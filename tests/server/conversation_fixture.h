@@ -77,7 +77,7 @@ class ConversationTest : public SessionTest {
     const auto* request = std::get_if<JoinRequest>(&*action);
     ASSERT_NE(request, nullptr);
     const auto joined = session->join(*request);
-    conversation.joined(joined, session->participants());
+    conversation.joined(joined, session->roster());
   }
   void join_viewer(ViewerConversation& conversation) {
     send_text(conversation, R"({"type":"hello","name":"Eve"})");

@@ -292,7 +292,7 @@ TEST_F(ConversationFuzzTest, ViewersMaySendAnything) {
       }
       while (const auto action = eve->take_action()) {
         if (const auto* request = std::get_if<JoinRequest>(&*action)) {
-          eve->joined(session->join(*request), session->participants());
+          eve->joined(session->join(*request), session->roster());
         } else {
           EXPECT_TRUE(eve->has_joined());
         }

@@ -52,6 +52,7 @@ class Http:
 
 class WebSocket:
     opened = []  # keeps the sockets of a test from being garbage-collected
+    text_bytes = 0  # of the messages received
 
     def __init__(self, port, path, protocol, headers=()):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
@@ -132,6 +133,7 @@ class WebSocket:
             if opcode == 9:
                 self.send_frame(10, payload)
             elif opcode == 1:
+                self.text_bytes += len(payload)
                 return "text", json.loads(payload)
             elif opcode == 2:
                 return "binary", payload
@@ -212,9 +214,9 @@ class Agent(WebSocket):
 
 
 class Viewer(WebSocket):
-    def __init__(self, port, session, name="Grace"):
+    def __init__(self, port, session, name="Grace", **more):
         super().__init__(port, f"/v1/sessions/{session}/view", "kerf.view.v1")
-        self.send_json({"type": "hello", "name": name})
+        self.send_json({"type": "hello", "name": name, **more})
         self.welcome = self.receive_json("welcome")
         self.participant = self.welcome["participant"]
         self.tiles = {}   # version of each tile
