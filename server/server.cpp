@@ -39,13 +39,15 @@ struct Server::Impl {
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
-        control("control", 1, 5),
-        workers("workers", 2, 10),
         registry(
             {options.http.data_folder, options.sessions_max, options.session},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics),
+        at_once("at once", 1, 5),
+        control("control", 2, 5),
+        workers("workers", 2, 10),
+        exports("exports", 2, 10),
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
@@ -55,12 +57,14 @@ struct Server::Impl {
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
-  IoThreads viewers, meshing, control, workers;
+  IoThreads viewers, meshing;
   SessionRegistry registry;
   Api api;
+  IoThreads at_once, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
   PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing};
-  HttpContext context{options.http, registry, metrics, api, control, workers, peers};
+  HttpContext context{options.http, registry, metrics, api,  at_once,
+                      control,      workers,  exports, peers};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
@@ -155,6 +159,7 @@ void Server::stop() {
     closed.set_value();
   });
   closed.get_future().wait();
+  impl_->api.stop();
   impl_->registry.close_all("the server is shutting down");
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
   while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
