@@ -151,8 +151,8 @@ TEST(SimplifyMesh, ReducesABoxToAboutTwelveTriangles) {
 
 TEST(SimplifyMesh, AcceptsABudgetAboveTheNumberOfTriangles) {
   for (const std::uint64_t triangles : {std::uint64_t{1000}, std::uint64_t{1} << 62}) {
-    SnapshotMesh box(test::make_sculpture({{0, 0, 0}, {10, 10, 10}}, 1).solid());
-    const auto result = simplify_mesh(box, {triangles, std::nullopt});
+    SnapshotMesh box(test::make_sculpture(BoxStock{{0, 0, 0}, {10, 10, 10}}, 1).solid());
+    const auto result = simplify_mesh(box, SimplifyRequest{triangles, std::nullopt});
     ASSERT_TRUE(result) << result.error().reason;
     EXPECT_LT(result->original_triangles, 1000U);
     EXPECT_GT(result->mesh.triangles.size(), 0U);
