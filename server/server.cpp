@@ -50,13 +50,15 @@ struct Server::Impl {
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
-        control("control", 1, 5),
-        workers("workers", 2, 10),
         registry(
             {options.http.data_folder, options.sessions_max, options.session, log_pause},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics),
+        at_once("at once", 1, 5),
+        control("control", 2, 5),
+        workers("workers", 2, 10),
+        exports("exports", 2, 10),
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
@@ -66,12 +68,14 @@ struct Server::Impl {
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
-  IoThreads viewers, meshing, control, workers;
+  IoThreads viewers, meshing;
   SessionRegistry registry;
   Api api;
+  IoThreads at_once, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
   PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing};
-  HttpContext context{options.http, registry, metrics, api, control, workers, peers};
+  HttpContext context{options.http, registry, metrics, api,  at_once,
+                      control,      workers,  exports, peers};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
@@ -172,6 +176,7 @@ void Server::stop() {
     closed.set_value();
   });
   closed.get_future().wait();
+  impl_->api.stop();
   for (const JournalError& lost : impl_->registry.close_all("the server is shutting down")) {
     spdlog::error("the last records could not be written and are lost: {}", describe(lost));
   }

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -25,6 +26,7 @@ struct ApiRequest {
   std::map<std::string, std::string> query;  ///< decoded
   std::string if_none_match, range, if_range;
   std::string body;
+  std::stop_token stop = {};  ///< requested when the client is gone
 
   /// The value of a query parameter; null if it is missing.
   const std::string* query_value(const std::string& name) const {
@@ -69,6 +71,8 @@ class Api {
   Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics);
 
   ApiResponse handle(const ApiRequest& request);
+  /// Cancels the downloads in preparation; further ones are rejected.
+  void stop() { downloads_.stop(); }
 
   // ---- handlers of the route table (routes.cpp) ----
   ApiResponse list_sessions(const ApiCall& call);

@@ -70,14 +70,14 @@ ApiResponse registry_failure(const RegistryError& error) {
 ApiResponse Api::list_sessions(const ApiCall&) {
   Json list = Json::array();
   for (const auto& session : registry_.list()) {
-    const auto info = run_and_wait(session->executor(), [&] { return session->info(); });
-    list.push_back({{"id", info.id},
+    const SessionFigures figures = session->figures();
+    list.push_back({{"id", session->id()},
                     {"name", session->scene().name},
-                    {"url", "/v1/sessions/" + info.id},
-                    {"motions", info.motions},
-                    {"removed_volume_mm3", info.removed_mm3},
-                    {"paused", info.paused ? Json("disk") : Json()},
-                    {"participants", info.participants.size()}});
+                    {"url", "/v1/sessions/" + session->id()},
+                    {"motions", figures.motions},
+                    {"removed_volume_mm3", figures.removed_mm3},
+                    {"paused", session->pause() ? Json("disk") : Json()},
+                    {"participants", figures.participants}});
   }
   Json unreadable = Json::array();
   for (const UnreadableSession& session : registry_.unreadable()) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <expected>
@@ -46,6 +47,13 @@ struct SessionInfo {
   std::vector<Participant> participants;
 };
 
+/// What lists of sessions show, as of the end of the last motion or change of the participants.
+struct SessionFigures {
+  std::uint64_t motions = 0;
+  double removed_mm3 = 0;
+  std::size_t participants = 0;
+};
+
 /// One block with its participants, programs and journal. Functions under "executor only" must run
 /// on the session's executor, which decides the order of motions.
 class Session : public std::enable_shared_from_this<Session> {
@@ -76,12 +84,16 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<JournalError> pause() const { return journal_.pause(); }
   /// Failed commits of the journal since the server started.
   std::uint64_t failed_commits() const { return journal_.failed_commits(); }
+  /// Waits for nothing, also while the executor is busy.
+  SessionFigures figures() const {
+    return {shown_motions_, shown_removed_mm3_, shown_participants_};
+  }
   /// Motions applied since the server started.
   std::uint64_t motions_applied() const { return carving_.motions_applied(); }
 
   // ---- executor only ----
   std::expected<Participant, Rejection> join(const JoinRequest& request);
-  void leave(ParticipantId id) { participants_.leave(id); }
+  void leave(ParticipantId id);
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
   /// Validates, journals and applies each sample in turn. A rejected sample changes nothing and
   /// does not stop the samples after it.
@@ -134,6 +146,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void schedule_hash();
   void compute_hash();
   void report_changes();
+  void show_figures();
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;
@@ -150,6 +163,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::chrono::microseconds hash_cost_{0};
   bool closed_ = false;
   Clock::time_point changes_reported_{};
+  std::atomic<std::uint64_t> shown_motions_ = 0;
+  std::atomic<double> shown_removed_mm3_ = 0;
+  std::atomic<std::size_t> shown_participants_ = 0;
 };
 
 }  // namespace kerf
