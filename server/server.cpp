@@ -31,6 +31,17 @@ constexpr std::chrono::seconds kDrainTime{2};
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
+void log_pause(const std::string& id, const std::optional<JournalError>& error) {
+  if (error) {
+    spdlog::error(
+        "session {}: paused: disk: {}; motions are rejected and the commit is tried "
+        "every {} ms",
+        id, describe(*error), kJournalRetry.count());
+  } else {
+    spdlog::info("session {}: the journal is written again; the session continues", id);
+  }
+}
+
 }  // namespace
 
 struct Server::Impl {
@@ -39,13 +50,15 @@ struct Server::Impl {
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
-        control("control", 1, 5),
-        workers("workers", 2, 10),
         registry(
-            {options.http.data_folder, options.sessions_max, options.session},
+            {options.http.data_folder, options.sessions_max, options.session, log_pause},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics),
+        at_once("at once", 1, 5),
+        control("control", 2, 5),
+        workers("workers", 2, 10),
+        exports("exports", 2, 10),
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
@@ -55,12 +68,14 @@ struct Server::Impl {
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
-  IoThreads viewers, meshing, control, workers;
+  IoThreads viewers, meshing;
   SessionRegistry registry;
   Api api;
+  IoThreads at_once, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
   PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing};
-  HttpContext context{options.http, registry, metrics, api, control, workers, peers};
+  HttpContext context{options.http, registry, metrics, api,  at_once,
+                      control,      workers,  exports, peers};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
@@ -107,6 +122,12 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   const LoadReport loaded = impl->registry.load_all();
   for (const JournalError& failure : loaded.failures) {
     spdlog::error("{}: {}", to_string(failure.code), describe(failure));
+  }
+  for (const ShortenedSession& session : loaded.shortened) {
+    spdlog::warn(
+        "session {}: the journal ends after record {}, before its newest state hash: what "
+        "came later is lost, and the hash was dropped",
+        session.id, session.last_sequence);
   }
   for (const RecarvedSession& session : loaded.recarved) {
     spdlog::warn("session {}: the journal is of kernel version {}; carved again with version {}",
@@ -155,7 +176,10 @@ void Server::stop() {
     closed.set_value();
   });
   closed.get_future().wait();
-  impl_->registry.close_all("the server is shutting down");
+  impl_->api.stop();
+  for (const JournalError& lost : impl_->registry.close_all("the server is shutting down")) {
+    spdlog::error("the last records could not be written and are lost: {}", describe(lost));
+  }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
   while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
          std::chrono::steady_clock::now() < deadline) {

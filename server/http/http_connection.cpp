@@ -12,7 +12,9 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <memory>
 #include <optional>
+#include <stop_token>
 
 #include "server/http/api.h"
 #include "server/http/http_options.h"
@@ -83,6 +85,8 @@ class Connection {
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
+  IoThreads& threads_for(Runs runs) const;
+  void watch(std::shared_ptr<std::stop_source> gone);
   asio::awaitable<bool> reject_malformed();
   asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
   asio::awaitable<bool> reject(const Request& request, unsigned status, std::string_view code,
@@ -97,7 +101,37 @@ class Connection {
   HttpContext& context_;
   bool first_ = true;
   error_code error_;
+  std::shared_ptr<std::stop_source> watched_;  ///< of the request that is being handled
 };
+
+IoThreads& Connection::threads_for(Runs runs) const {
+  switch (runs) {
+    case Runs::kAtOnce:
+      return context_.at_once;
+    case Runs::kSession:
+      return context_.control;
+    case Runs::kWork:
+      return context_.workers;
+    case Runs::kExport:
+      return context_.exports;
+  }
+  return context_.workers;
+}
+
+/// Requests a stop when the client closes the connection before its request has been handled. Bytes
+/// of a next request end the watch.
+void Connection::watch(std::shared_ptr<std::stop_source> gone) {
+  watched_ = gone;
+  const int socket = stream_.socket().native_handle();
+  auto readable = [socket, weak = std::weak_ptr(gone)](error_code error) {
+    const auto source = weak.lock();
+    if (!source) return;  // handled: the socket may be another one by now
+    char next = 0;
+    const bool closed = !error && recv(socket, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+    if (closed || error) source->request_stop();
+  };
+  stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, std::move(readable));
+}
 
 asio::awaitable<void> Connection::run() {
   bool more = true;
@@ -133,8 +167,10 @@ asio::awaitable<bool> Connection::serve_one() {
   const bool keep_alive = parser.get().keep_alive();
   const bool large = request->body.size() > kLargeBody;
   if (large) ++large_bodies;
-  const bool is_long = match.route != nullptr && match.route->is_long;
-  IoThreads& threads = is_long ? context_.workers : context_.control;
+  const Runs runs = match.route == nullptr ? Runs::kAtOnce : match.route->runs;
+  const auto gone = std::make_shared<std::stop_source>();
+  request->stop = gone->get_token();
+  if (runs == Runs::kExport) watch(gone);
   auto work = [&api = context_.api, request = *std::move(request)] {
     try {
       return api.handle(request);
@@ -143,7 +179,8 @@ asio::awaitable<bool> Connection::serve_one() {
     }
   };
   stream_.expires_never();  // handling the request has no deadline
-  ApiResponse response = co_await run_on(threads, std::move(work));
+  ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
+  watched_.reset();
   if (large) --large_bodies;
   co_return co_await answer(parser.get(), response, keep_alive);
 }
@@ -268,7 +305,7 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
   }
   const std::string& id = target.path[2];
   session = context_.registry.find(id);
-  if (!session) return error_response(404, "unknown_session", "there is no session " + id);
+  if (!session) return no_session(context_.registry, id);
   if (!origin_allowed(request, context_.options)) {
     return error_response(403, "bad_origin", kForeignOrigin);
   }

@@ -52,6 +52,7 @@ class Participants {
   /// Returns null for an unknown id. The pointer is valid until the participant leaves.
   ParticipantState* find(ParticipantId id);
   std::vector<Participant> list() const;
+  std::size_t count() const { return states_.size(); }
   /// The participants as viewers see them.
   Roster roster() const;
   /// The agents and programs.

@@ -13,8 +13,9 @@ namespace {
 
 /// Calls `use` with each remaining record; stops at the first error of the journal or of `use`.
 template <typename Use>
-ExportResult for_each_record(JournalReader& reader, Use&& use) {
+ExportResult for_each_record(JournalReader& reader, const std::stop_token& stop, Use&& use) {
   for (;;) {
+    if (stop.stop_requested()) return std::unexpected("stopped");
     const auto record = reader.next();
     if (!record) return std::unexpected(describe(record.error()));
     if (!*record) return {};
@@ -27,10 +28,11 @@ bool in_span(const JournalRecord& record, const ProgramRequest& request) {
 }
 
 ExportResult write_motions(const std::filesystem::path& journal, ParticipantId participant,
-                           const ProgramRequest& request, ProgramWriter& writer) {
+                           const ProgramRequest& request, ProgramWriter& writer,
+                           const std::stop_token& stop) {
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
-  return for_each_record(*reader, [&](const JournalRecord& record) -> ExportResult {
+  return for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
     const auto* move = std::get_if<MoveTool>(&record.command);
     if (move == nullptr || record.participant != participant || move->from == move->to) return {};
     if (!in_span(record, request)) return {};
@@ -43,9 +45,10 @@ ExportResult write_motions(const std::filesystem::path& journal, ParticipantId p
   });
 }
 
-std::expected<std::set<ParticipantId>, std::string> carvers(JournalReader& reader) {
+std::expected<std::set<ParticipantId>, std::string> carvers(JournalReader& reader,
+                                                            const std::stop_token& stop) {
   std::set<ParticipantId> found;
-  auto ok = for_each_record(reader, [&](const JournalRecord& record) -> ExportResult {
+  auto ok = for_each_record(reader, stop, [&](const JournalRecord& record) -> ExportResult {
     if (std::holds_alternative<MoveTool>(record.command)) found.insert(record.participant);
     return {};
   });
@@ -56,7 +59,7 @@ std::expected<std::set<ParticipantId>, std::string> carvers(JournalReader& reade
 }  // namespace
 
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
-                            std::ostream& out) {
+                            std::ostream& out, const std::stop_token& stop) {
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto scene = journal_scene(*reader, journal);
@@ -65,13 +68,13 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
   if (request.only) {
     participants.insert(*request.only);
   } else {
-    auto found = carvers(*reader);
+    auto found = carvers(*reader, stop);
     if (!found) return std::unexpected(found.error());
     participants = *std::move(found);
   }
   const auto writer = make_program_writer(request.format, *scene, out, request.tolerance_mm);
   for (const ParticipantId participant : participants) {
-    if (auto ok = write_motions(journal, participant, request, *writer); !ok) return ok;
+    if (auto ok = write_motions(journal, participant, request, *writer, stop); !ok) return ok;
   }
   if (auto ok = writer->finish(); !ok) return ok;
   if (!out) return std::unexpected("cannot write the output");
@@ -79,7 +82,7 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
 }
 
 ExportResult export_forces(const std::filesystem::path& journal, std::optional<ParticipantId> only,
-                           std::ostream& out) {
+                           std::ostream& out, const std::stop_token& stop) {
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto scene = journal_scene(*reader, journal);
@@ -88,7 +91,7 @@ ExportResult export_forces(const std::filesystem::path& journal, std::optional<P
   if (!sculpture) return std::unexpected(sculpture.error().reason);
   write_forces_header(out);
   double time_s = 0;
-  auto ok = for_each_record(*reader, [&](const JournalRecord& record) -> ExportResult {
+  auto ok = for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
     Command command = record.command;
     auto* move = std::get_if<MoveTool>(&command);
     if (move != nullptr) move->feel = !only || *only == record.participant;

@@ -12,8 +12,10 @@ std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
                                                       const Command& command) {
   const auto appended = writer_.append(participant, command);
   if (appended) return {};
+  const JournalError& error = appended.error();
+  const bool is_full = error.code == JournalErrorCode::kFull;
   return std::unexpected(
-      Rejection{wire::ErrorCode::kBusy, "journal write failed: " + appended.error().reason});
+      Rejection{wire::ErrorCode::kBusy, (is_full ? "" : "paused: disk: ") + error.reason});
 }
 
 void SessionJournal::append(const Participant& participant) {

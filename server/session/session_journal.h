@@ -26,13 +26,18 @@ class SessionJournal {
   std::uint64_t sequence() const { return writer_.last_sequence(); }
   /// Records appended and not yet committed.
   std::size_t lag() const { return writer_.lag(); }
+  /// The error of the failed commit while the journal is paused; nullopt otherwise.
+  std::optional<JournalError> pause() const { return writer_.pause(); }
+  /// Number of failed commits since the journal was opened.
+  std::uint64_t failed_commits() const { return writer_.failed_commits(); }
   /// Blocks until all records appended before the call are committed.
   std::expected<void, JournalError> flush() { return writer_.flush(); }
   /// Commits and closes the file; later appends fail. Call once.
   std::expected<void, JournalError> finish() { return writer_.finish(); }
 
   // ---- executor only ----
-  /// Appends a command. Fails with kBusy when the disk fails or does not keep up.
+  /// Appends a command. Fails with kBusy when the disk fails ("paused: disk: …") or does not keep
+  /// up.
   std::expected<void, Rejection> append(ParticipantId participant, const Command& command);
   void append(const Participant& participant);
 

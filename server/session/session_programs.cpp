@@ -47,6 +47,7 @@ void Session::run_programs() {
                                            bool feel) { return carving_.move(id, motion, feel); });
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   retire_programs();
+  show_figures();
   if (!wait) {
     programs_scheduled_ = false;
     return;

@@ -114,7 +114,8 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
   };
   if (auto ok = fill(); !ok) {
     const JournalError error = to_journal_error(file, ok.error());
-    std::filesystem::remove(file, ignored);
+    database = std::unexpected(ok.error());  // closes it
+    remove_journal(file);
     return std::unexpected(error);
   }
   return *std::move(database);

@@ -54,8 +54,8 @@ std::expected<void, JournalError> JournalReader::read_head() {
   if (crc != std::int64_t{crc32(std::as_bytes(std::span(header_.scene_json)))}) {
     return std::unexpected(corrupt(0, "the scene is missing or its checksum is wrong"));
   }
-  const auto tables = database_.integer("SELECT count(*) FROM sqlite_master WHERE name='files'");
-  if (!tables) return std::unexpected(to_journal_error(file_, tables.error()));
+  const auto tables = integer("SELECT count(*) FROM sqlite_master WHERE name='files'");
+  if (!tables) return std::unexpected(tables.error());
   std::string damaged;
   if (*tables > 0) {
     ok = each("SELECT name, bytes, crc FROM files", [&](const SqlStatement& row) {
@@ -65,7 +65,9 @@ std::expected<void, JournalError> JournalReader::read_head() {
     });
     if (!ok) return ok;
   }
-  ok = read_kernel_version();
+  const auto last = integer("SELECT coalesce(max(sequence),0) FROM commands");
+  if (!last) return std::unexpected(last.error());
+  ok = read_kernel_version(*last);
   if (!ok) return ok;
   if (!damaged.empty()) {
     return std::unexpected(corrupt(0, "the checksum of the scene's file " + damaged + " is wrong"));
@@ -78,21 +80,31 @@ std::expected<void, JournalError> JournalReader::read_head() {
   if (!ok) return ok;
   return each("SELECT sequence, hash FROM state_hashes ORDER BY sequence",
               [&](const SqlStatement& row) {
+                if (row.integer(0) > *last) {
+                  ++dropped_hashes_;
+                  return;
+                }
                 hashes_.push_back({static_cast<std::uint64_t>(row.integer(0)),
                                    std::bit_cast<std::uint64_t>(row.integer(1))});
               });
 }
 
-std::expected<void, JournalError> JournalReader::read_kernel_version() {
+std::expected<std::int64_t, JournalError> JournalReader::integer(const std::string& sql) {
+  const auto value = database_.integer(sql);
+  if (!value) return std::unexpected(to_journal_error(file_, value.error()));
+  return *value;
+}
+
+std::expected<void, JournalError> JournalReader::read_kernel_version(std::int64_t last) {
   header_.kernel_version = kFirstKernelVersion;
-  const auto tables =
-      database_.integer("SELECT count(*) FROM sqlite_master WHERE name='kernel_versions'");
-  if (!tables) return std::unexpected(to_journal_error(file_, tables.error()));
+  const auto tables = integer("SELECT count(*) FROM sqlite_master WHERE name='kernel_versions'");
+  if (!tables) return std::unexpected(tables.error());
   if (*tables == 0) return {};
-  const auto version = database_.integer(
-      "SELECT coalesce((SELECT version FROM kernel_versions ORDER BY sequence DESC LIMIT 1)," +
-      std::to_string(kFirstKernelVersion) + ")");
-  if (!version) return std::unexpected(to_journal_error(file_, version.error()));
+  const auto version =
+      integer("SELECT coalesce((SELECT version FROM kernel_versions WHERE sequence<=" +
+              std::to_string(last) + " ORDER BY sequence DESC LIMIT 1)," +
+              std::to_string(kFirstKernelVersion) + ")");
+  if (!version) return std::unexpected(version.error());
   header_.kernel_version = *version;
   return {};
 }
@@ -105,14 +117,7 @@ std::expected<std::optional<JournalRecord>, JournalError> JournalReader::next() 
     error.sequence = expected_sequence;
     return std::unexpected(error);
   }
-  if (!*row) {
-    if (!hashes_.empty() && hashes_.back().sequence > sequence_) {
-      return std::unexpected(corrupt(expected_sequence,
-                                     "the record is missing: the journal ends "
-                                     "before its newest state hash"));
-    }
-    return std::nullopt;
-  }
+  if (!*row) return std::nullopt;
   const std::int64_t sequence = commands_.integer(0);
   if (sequence != static_cast<std::int64_t>(expected_sequence)) {
     return std::unexpected(corrupt(

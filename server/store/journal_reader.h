@@ -32,8 +32,11 @@ class JournalReader {
 
   const JournalHeader& header() const { return header_; }
   const std::vector<JournalParticipant>& participants() const { return participants_; }
-  /// Sorted by sequence.
+  /// Sorted by sequence; none is beyond the last record.
   const std::vector<StateHash>& state_hashes() const { return hashes_; }
+  /// Number of state hashes that were left out because they are beyond the last record: the journal
+  /// has lost the records before them.
+  std::size_t dropped_hashes() const { return dropped_hashes_; }
   /// Returns the next record; nullopt after the last. An error names the first bad record; reading
   /// stops there.
   std::expected<std::optional<JournalRecord>, JournalError> next();
@@ -41,7 +44,8 @@ class JournalReader {
  private:
   JournalReader(std::filesystem::path file, SqlDatabase database, SqlStatement commands);
   std::expected<void, JournalError> read_head();
-  std::expected<void, JournalError> read_kernel_version();
+  std::expected<void, JournalError> read_kernel_version(std::int64_t last);
+  std::expected<std::int64_t, JournalError> integer(const std::string& sql);
   JournalError corrupt(std::uint64_t sequence, std::string reason) const;
 
   std::filesystem::path file_;
@@ -50,6 +54,7 @@ class JournalReader {
   JournalHeader header_;
   std::vector<JournalParticipant> participants_;
   std::vector<StateHash> hashes_;
+  std::size_t dropped_hashes_ = 0;
   std::uint64_t sequence_ = 0;
 };
 
