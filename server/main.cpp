@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -94,7 +95,18 @@ std::string version_text() {
          std::to_string(kerf::kKernelVersion) + ")";
 }
 
+/// Allows as many open files as the system permits: each peer needs one.
+void raise_file_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
+  limit.rlim_cur = limit.rlim_max;
+  if (setrlimit(RLIMIT_NOFILE, &limit) != 0) {
+    spdlog::warn("the limit of open files cannot be raised to {}", limit.rlim_max);
+  }
+}
+
 int serve(const CommandLine& line) {
+  raise_file_limit();
   // Only this thread waits for signals: block them before other threads start.
   sigset_t signals;
   sigemptyset(&signals);

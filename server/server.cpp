@@ -14,6 +14,7 @@
 #include "server/http/http_connection.h"
 #include "server/metrics/metrics.h"
 #include "server/socket/viewer_hub.h"
+#include "server/store/folder_lock.h"
 #include "server/threads/io_threads.h"
 #include "server/threads/run_on.h"
 #include "server/udp/udp_port.h"
@@ -45,8 +46,9 @@ void log_pause(const std::string& id, const std::optional<JournalError>& error) 
 }  // namespace
 
 struct Server::Impl {
-  explicit Impl(ServerOptions server_options)
+  Impl(ServerOptions server_options, FolderLock folder_lock)
       : options(std::move(server_options)),
+        lock(std::move(folder_lock)),
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
@@ -65,6 +67,7 @@ struct Server::Impl {
   std::expected<void, std::string> listen_udp();
 
   ServerOptions options;
+  FolderLock lock;  ///< of the data folder; released when all journals are closed
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
@@ -118,7 +121,9 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   if (!std::filesystem::is_directory(options.http.data_folder)) {
     return std::unexpected(options.http.data_folder.string() + ": " + error.message());
   }
-  auto impl = std::make_unique<Impl>(std::move(options));
+  auto lock = FolderLock::take(options.http.data_folder);
+  if (!lock) return std::unexpected(lock.error());
+  auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock));
   const LoadReport loaded = impl->registry.load_all();
   for (const JournalError& failure : loaded.failures) {
     spdlog::error("{}: {}", to_string(failure.code), describe(failure));

@@ -39,6 +39,7 @@ constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, k
 constexpr std::chrono::seconds kLingerTime{2};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
 constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
+constexpr std::string_view kBadHost = "the request must have one Host header";
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
 /// Bodies above this size are uploads; few may be in memory at once.
 constexpr std::size_t kLargeBody = std::size_t{1} << 20;
@@ -60,6 +61,13 @@ bool origin_allowed(const Request& request, const HttpOptions& options) {
   const auto origin = view(request[http::field::origin]);
   if (origin.empty() || same_origin(origin, view(request[http::field::host]))) return true;
   return std::ranges::find(options.allow_origins, origin) != options.allow_origins.end();
+}
+
+/// HTTP/1.1 requires one Host header (RFC 9112, 3.2). With two, a proxy and this server might see
+/// different hosts.
+bool has_valid_host(const Request& request) {
+  const auto count = request.count(http::field::host);
+  return count == 1 || (count == 0 && request.version() == 10);
 }
 
 bool offers(const Request& request, std::string_view protocol) {
@@ -147,6 +155,9 @@ asio::awaitable<bool> Connection::serve_one() {
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
   if (error_) co_return co_await reject_malformed();
+  if (!has_valid_host(parser.get())) {
+    co_return co_await reject(parser.get(), 400, "bad_host", kBadHost);
+  }
   auto request = parse_target(view(parser.get().target()));
   if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));

@@ -148,6 +148,7 @@ void Session::note_hash(StateHash state) {
 void Session::close(const std::string& reason) {
   if (closed_) return;
   programs_.cancel_all();
+  retire_programs();
   closed_ = true;
   participants_.notify({reason.empty() ? "the session is closed" : reason});
   participants_.unlisten_all();

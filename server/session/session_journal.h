@@ -40,6 +40,9 @@ class SessionJournal {
   /// up.
   std::expected<void, Rejection> append(ParticipantId participant, const Command& command);
   void append(const Participant& participant);
+  /// Fails with kBusy while the journal is paused, or more records wait than programs may cause:
+  /// the rest of the buffer is for agents, which cannot wait.
+  std::expected<void, Rejection> check_space_for_programs() const;
 
   /// The last command appended removed volume: hashes of earlier records are out of date.
   void note_removal() { removal_sequence_ = sequence(); }

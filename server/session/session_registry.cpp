@@ -12,8 +12,6 @@
 namespace kerf {
 namespace {
 
-constexpr const char* kExtension = ".kerf";
-
 RegistryError journal_failure(const JournalError& error) {
   return {RegistryErrorCode::kJournal, describe(error), {}};
 }
@@ -84,7 +82,7 @@ SessionRegistry::SessionRegistry(RegistryOptions options, MakeExecutor make_exec
     : options_(std::move(options)), make_executor_(std::move(make_executor)), workers_(workers) {}
 
 std::filesystem::path SessionRegistry::journal_path(const std::string& id) const {
-  return options_.data_folder / (id + kExtension);
+  return options_.data_folder / (id + kJournalExtension);
 }
 
 std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
@@ -109,7 +107,7 @@ LoadReport SessionRegistry::load_all() {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(options_.data_folder, error)) {
     const std::string id = entry.path().stem().string();
-    if (entry.path().extension() == kExtension && is_session_id(id)) ids.push_back(id);
+    if (entry.path().extension() == kJournalExtension && is_session_id(id)) ids.push_back(id);
   }
   if (error) {
     report.failures.push_back(
@@ -277,7 +275,8 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
                              .count();
     const auto folder = options_.data_folder / "closed";
     std::filesystem::create_directories(folder, error);
-    error = move_journal(file, folder / (id + "-" + std::to_string(seconds) + kExtension));
+    const auto kept = keep_journal(file, folder, id + "-" + std::to_string(seconds));
+    if (!kept) error = kept.error();
   }
   const std::lock_guard lock(mutex_);
   sessions_.erase(id);

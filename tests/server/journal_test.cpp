@@ -203,6 +203,22 @@ TEST_F(Journal, MissingTailIsReportedByTheHashThatIsLeft) {
   EXPECT_EQ(count, 8);
 }
 
+TEST_F(Journal, DamageIsDetectedByParticipantToo) {
+  for (const char* damage : {"DELETE FROM commands WHERE sequence = 3",
+                             "UPDATE commands SET sequence = -7 WHERE sequence = 3",
+                             "UPDATE commands SET participant = 2 WHERE sequence = 4"}) {
+    remove_journal(file);
+    write_ten();
+    sql(damage);
+    auto reader = JournalReader::open(file, RecordOrder::kParticipant);
+    ASSERT_TRUE(reader);
+    auto record = reader->next();
+    while (record && *record) record = reader->next();
+    ASSERT_FALSE(record) << damage;
+    EXPECT_EQ(record.error().code, JournalErrorCode::kCorrupt);
+  }
+}
+
 TEST_F(Journal, SwappedRecordsAreDetected) {
   write_ten();
   sql("UPDATE commands SET sequence = 99 WHERE sequence = 2;"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstring>
+#include <condition_variable>
 #include <mutex>
 #include <thread>
 
@@ -18,6 +18,8 @@ struct State {
   std::uint64_t bytes_since_rule = 0;
   std::uint64_t written = 0, read = 0, failures = 0;
   std::chrono::microseconds sync_time{0};
+  bool syncs_block = false;
+  std::condition_variable unblocked;
   sqlite3_vfs* real = nullptr;
   sqlite3_vfs vfs{};
 };
@@ -73,7 +75,8 @@ int write_file(sqlite3_file* file, const void* data, int size, sqlite3_int64 off
 int sync_file(sqlite3_file* file, int flags) {
   std::chrono::microseconds time{};
   {
-    const std::lock_guard lock(state.mutex);
+    std::unique_lock lock(state.mutex);
+    state.unblocked.wait(lock, [] { return !state.syncs_block; });
     time = state.sync_time;
     if (state.rule.fault == DiskFault::kSyncFails && is_target(as_file(file))) {
       ++state.failures;
@@ -184,6 +187,14 @@ void FaultyDisk::fail(const FaultRule& rule) {
 void FaultyDisk::set_sync_time(std::chrono::microseconds time) {
   const std::lock_guard lock(state.mutex);
   state.sync_time = time;
+}
+
+void FaultyDisk::block_syncs(bool block) {
+  {
+    const std::lock_guard lock(state.mutex);
+    state.syncs_block = block;
+  }
+  state.unblocked.notify_all();
 }
 
 void FaultyDisk::hold(const std::function<void()>& work) {

@@ -40,6 +40,8 @@ class FaultyDisk {
   void heal() { fail({}); }
   /// Every fsync takes this long.
   void set_sync_time(std::chrono::microseconds time);
+  /// While set, an fsync does not return.
+  void block_syncs(bool block);
   /// Runs `work` while no write is in progress: the files are as a crash would leave them.
   void hold(const std::function<void()>& work);
 

@@ -188,6 +188,38 @@ TEST_F(JournalFaults, AJournalThatCannotBeCreatedLeavesNoFile) {
   EXPECT_TRUE(JournalWriter::create(file, header));
 }
 
+TEST_F(JournalFaults, ReadingByParticipantIsOnePassAndChecksEveryRecord) {
+  constexpr std::uint64_t kRecords = 20'000, kParticipants = 50;
+  auto writer = JournalWriter::create(file, header);
+  for (std::uint64_t n = 0; n < kRecords; ++n) {
+    ASSERT_TRUE(writer->append(static_cast<ParticipantId>(1 + n % kParticipants), move_to(0)));
+  }
+  ASSERT_TRUE(writer->finish());
+  const auto read = [&](RecordOrder order) {
+    const std::uint64_t before = disk.bytes_read();
+    auto reader = JournalReader::open(file, order);
+    ParticipantId participant = 0;
+    std::uint64_t sequence = 0, count = 0;
+    for (auto record = reader->next(); record && *record; record = reader->next(), ++count) {
+      if (order == RecordOrder::kParticipant && (*record)->participant != participant) {
+        EXPECT_GT((*record)->participant, participant);
+        participant = (*record)->participant;
+        sequence = 0;
+      }
+      EXPECT_GT((*record)->sequence, std::exchange(sequence, (*record)->sequence));
+    }
+    EXPECT_EQ(count, kRecords);
+    return disk.bytes_read() - before;
+  };
+  const std::uint64_t once = read(RecordOrder::kSequence);
+  EXPECT_GE(once, kRecords * 100);
+  EXPECT_LT(read(RecordOrder::kParticipant), 4 * once) << "the sorter's file included";
+  std::stop_source stop;
+  auto stopped = JournalReader::open(file, RecordOrder::kParticipant, stop.get_token());
+  stop.request_stop();
+  EXPECT_FALSE(stopped->next()) << "while it sorts";
+}
+
 TEST_F(JournalFaults, HashesBeyondTheLastRecordAreDroppedAndNotTakenForLaterRecords) {
   {
     auto writer = JournalWriter::create(file, header);
