@@ -3,17 +3,22 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <condition_variable>
 #include <future>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 
 #include "server/http/api.h"
 #include "server/http/http_connection.h"
 #include "server/metrics/metrics.h"
 #include "server/socket/viewer_hub.h"
+#include "server/store/folder_lock.h"
 #include "server/threads/io_threads.h"
 #include "server/threads/run_on.h"
 #include "server/udp/udp_port.h"
@@ -28,43 +33,83 @@ namespace {
 
 /// Time for peers to receive their bye when the server stops.
 constexpr std::chrono::seconds kDrainTime{2};
+/// Time until the journals that the disk did not let the server read are tried again; doubled after
+/// each attempt that changed nothing.
+constexpr std::chrono::seconds kReloadTime{1}, kReloadTimeMax{60};
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
+
+void log_pause(const std::string& id, const std::optional<JournalError>& error) {
+  if (error) {
+    spdlog::error(
+        "session {}: paused: disk: {}; motions are rejected and the commit is tried "
+        "every {} ms",
+        id, describe(*error), kJournalRetry.count());
+  } else {
+    spdlog::info("session {}: the journal is written again; the session continues", id);
+  }
+}
 
 }  // namespace
 
 struct Server::Impl {
-  explicit Impl(ServerOptions server_options)
+  Impl(ServerOptions server_options, FolderLock folder_lock)
       : options(std::move(server_options)),
+        lock(std::move(folder_lock)),
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
-        control("control", 1, 5),
-        workers("workers", 2, 10),
         registry(
-            {options.http.data_folder, options.sessions_max, options.session},
+            {options.http.data_folder, options.sessions_max, options.session, log_pause},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics),
+        at_once("at once", 1, 5),
+        control("control", 2, 5),
+        workers("workers", 2, 10),
+        exports("exports", 2, 10),
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
   std::expected<void, std::string> listen_udp();
+  /// Starts the sessions whose disk failed when the server started, as soon as it works again.
+  void reload(const std::stop_token& stop);
 
   ServerOptions options;
+  FolderLock lock;  ///< of the data folder; released when all journals are closed
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
-  IoThreads viewers, meshing, control, workers;
+  IoThreads viewers, meshing;
   SessionRegistry registry;
   Api api;
+  IoThreads at_once, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
   PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing};
-  HttpContext context{options.http, registry, metrics, api, control, workers, peers};
+  HttpContext context{options.http, registry, metrics, api,  at_once,
+                      control,      workers,  exports, peers};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
+  std::jthread reloader;
 };
+
+void Server::Impl::reload(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock guard(mutex);
+  const auto failed_disk = [](const UnreadableSession& session) {
+    return session.error.code == JournalErrorCode::kIo;
+  };
+  auto time = kReloadTime;
+  while (std::ranges::any_of(registry.unreadable(), failed_disk)) {
+    wake.wait_for(guard, stop, time, [] { return false; });
+    if (stop.stop_requested()) return;
+    const auto started = registry.retry_disk_failures();
+    for (const std::string& id : started) spdlog::info("session {}: its disk works again", id);
+    time = started.empty() ? std::min(2 * time, kReloadTimeMax) : kReloadTime;
+  }
+}
 
 std::expected<void, std::string> Server::Impl::listen_udp() {
   const UdpOptions& udp_options = options.udp;
@@ -103,15 +148,25 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   if (!std::filesystem::is_directory(options.http.data_folder)) {
     return std::unexpected(options.http.data_folder.string() + ": " + error.message());
   }
-  auto impl = std::make_unique<Impl>(std::move(options));
+  auto lock = FolderLock::take(options.http.data_folder);
+  if (!lock) return std::unexpected(lock.error());
+  auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock));
   const LoadReport loaded = impl->registry.load_all();
   for (const JournalError& failure : loaded.failures) {
     spdlog::error("{}: {}", to_string(failure.code), describe(failure));
+  }
+  for (const ShortenedSession& session : loaded.shortened) {
+    spdlog::warn(
+        "session {}: the journal ends after record {}, before its newest state hash: what "
+        "came later is lost, and the hash was dropped",
+        session.id, session.last_sequence);
   }
   for (const RecarvedSession& session : loaded.recarved) {
     spdlog::warn("session {}: the journal is of kernel version {}; carved again with version {}",
                  session.id, session.kernel_version, kKernelVersion);
   }
+  impl->reloader =
+      std::jthread([server = impl.get()](const std::stop_token& stop) { server->reload(stop); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 
@@ -147,6 +202,7 @@ std::expected<void, std::string> Server::listen() {
 
 void Server::stop() {
   if (std::exchange(impl_->stopped, true)) return;
+  impl_->reloader = {};  // stops it
   // The acceptor belongs to the viewers' thread: it is closed there and destroyed here.
   std::promise<void> closed;
   impl_->viewers.post([&closed, impl = impl_.get()] {
@@ -155,7 +211,10 @@ void Server::stop() {
     closed.set_value();
   });
   closed.get_future().wait();
-  impl_->registry.close_all("the server is shutting down");
+  impl_->api.stop();
+  for (const JournalError& lost : impl_->registry.close_all("the server is shutting down")) {
+    spdlog::error("the last records could not be written and are lost: {}", describe(lost));
+  }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
   while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
          std::chrono::steady_clock::now() < deadline) {

@@ -27,8 +27,10 @@ void AgentConversation::on_event(const SessionEvent& event) {
   if (!event.closing.empty()) {
     say(bye_message(event.closing));
     finish();
-  } else if (self_) {
-    say(participants_message(session().participants()));
+  } else if (self_ && event.carvers_changed) {
+    out_.put_participants(carvers_message(session().carvers()));
+  } else {
+    return;
   }
   wake();
 }
@@ -49,7 +51,7 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
   if (hello.udp && open_udp_) offer = open_udp_();
   has_udp_ = offer.has_value();
   say(agent_welcome(session(), *self_, limits_, offer ? &*offer : nullptr));
-  say(participants_message(session().participants()));
+  out_.put_participants(carvers_message(session().carvers()));
 }
 
 void AgentConversation::on_control(const ControlMessage& message) {
@@ -57,6 +59,9 @@ void AgentConversation::on_control(const ControlMessage& message) {
   const auto* tool = std::get_if<ToolMessage>(&message);
   if (tool == nullptr) {
     return reject({wire::ErrorCode::kBadMessage, "agents may not send 'look' messages"});
+  }
+  if (!tools_.allow(now_())) {
+    return reject({wire::ErrorCode::kTooFast, "'tool' is limited to 10 per second"});
   }
   const auto chosen = session().choose_tool(self_->id, tool->tool);
   if (!chosen) reject(chosen.error());
@@ -111,7 +116,8 @@ void AgentConversation::receive_datagram(std::span<const std::byte> frame,
   }
   if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
     queue_datagram(++pongs_, wire::Pong{ping->time_us, to_us(now_())});
-  } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
+  } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body);
+             batch != nullptr && is_of_this_epoch(*message)) {
     on_datagram_motion(*batch, arrived);
   }
 }

@@ -28,6 +28,10 @@ class AgentConversation final : public Conversation {
   /// The replica of the block that an agent keeps is updated at most this often.
   static constexpr std::chrono::milliseconds kStockInterval{20};
 
+  /// A change of the tool is reported to every participant.
+  static constexpr double kToolsPerS = 10;
+  static constexpr double kToolsBurst = 30;
+
   struct Setup {
     std::shared_ptr<Session> session;
     const SessionLimits& limits;  ///< for the welcome
@@ -75,6 +79,8 @@ class AgentConversation final : public Conversation {
   int listener_ = 0;
   AgentOutbox out_;
   std::uint64_t felts_ = 0, results_ = 0;
+
+  RateLimit tools_{kToolsPerS, kToolsBurst};
 
   bool stock_due_ = false;  ///< samples have been applied since the replica was last updated
   Clock::time_point next_stock_;

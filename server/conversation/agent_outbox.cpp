@@ -39,6 +39,7 @@ void AgentOutbox::close() {
   result_.reset();
   felt_.reset();
   stock_.reset();
+  participants_.clear();
 }
 
 bool AgentOutbox::take_slot(std::optional<OutFrame>& slot, OutFrame& out) {
@@ -51,7 +52,7 @@ bool AgentOutbox::take_slot(std::optional<OutFrame>& slot, OutFrame& out) {
 
 bool AgentOutbox::take(OutFrame& out) {
   return take_slot(result_, out) || take_slot(felt_, out) || control_.take(out) ||
-         take_slot(stock_, out);
+         take_text(participants_, OutFrame::Kind::kParticipants, out) || take_slot(stock_, out);
 }
 
 }  // namespace kerf::net

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/conversation/control_queue.h"
@@ -10,9 +12,9 @@
 namespace kerf::net {
 
 /// Frames that wait to leave for one agent over its WebSocket, in order of priority: the result,
-/// the force of the participant that the agent feels (`feel_of`), control messages, stock. A newer
-/// result or force replaces one that has not left, because only the newest is of use. Buffers are
-/// reused.
+/// the force of the participant that the agent feels (`feel_of`), control messages, the list of
+/// participants, stock. A newer result, force or list replaces one that has not left, because only
+/// the newest is of use. Buffers are reused.
 class AgentOutbox {
  public:
   void put_result(const wire::FrameStamp& stamp, const wire::Result& result,
@@ -21,6 +23,9 @@ class AgentOutbox {
   /// Returns false if the agent reads so little that the control queue is full.
   bool put_text(std::string_view text);
   void put_pong(const wire::FrameStamp& stamp, const wire::Pong& pong);
+  void put_participants(std::string text) {
+    if (!closed_) participants_ = std::move(text);
+  }
   void put_stock(const wire::FrameStamp& stamp, const wire::StockPatch& patch);
   /// Whether a stock frame waits to leave.
   bool has_stock() const { return stock_.has_value(); }
@@ -39,6 +44,7 @@ class AgentOutbox {
 
   std::optional<OutFrame> result_, felt_, stock_;
   ControlQueue control_;
+  std::string participants_;
   std::vector<std::byte> spare_;
   bool closed_ = false;
 };

@@ -13,6 +13,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kEyeMaxMm = 1e6;
+constexpr const char* kMustBeBool = "must be true or false";
 
 Rejection bad_field(const char* field, const char* rule) {
   return {wire::ErrorCode::kBadMessage, std::string("field \"") + field + "\" " + rule};
@@ -49,12 +50,16 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
   if (!tool) return std::unexpected(tool.error());
   hello.tool = *tool;
   if (const auto feel = object.find("feel"); feel != object.end()) {
-    if (!feel->is_boolean()) return std::unexpected(bad_field("feel", "must be true or false"));
+    if (!feel->is_boolean()) return std::unexpected(bad_field("feel", kMustBeBool));
     hello.feel = feel->get<bool>();
   }
   if (const auto stock = object.find("stock"); stock != object.end()) {
-    if (!stock->is_boolean()) return std::unexpected(bad_field("stock", "must be true or false"));
+    if (!stock->is_boolean()) return std::unexpected(bad_field("stock", kMustBeBool));
     hello.stock = stock->get<bool>();
+  }
+  if (const auto changes = object.find("changes"); changes != object.end()) {
+    if (!changes->is_boolean()) return std::unexpected(bad_field("changes", kMustBeBool));
+    hello.changes = changes->get<bool>();
   }
   if (const auto other = object.find("feel_of"); other != object.end()) {
     if (!other->is_number_unsigned() || other->get<std::uint64_t>() > UINT32_MAX) {
@@ -63,7 +68,7 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
     hello.feel_of = other->get<ParticipantId>();
   }
   if (const auto udp = object.find("udp"); udp != object.end()) {
-    if (!udp->is_boolean()) return std::unexpected(bad_field("udp", "must be true or false"));
+    if (!udp->is_boolean()) return std::unexpected(bad_field("udp", kMustBeBool));
     hello.udp = udp->get<bool>();
   }
   return hello;
@@ -175,29 +180,43 @@ std::string agent_welcome(const Session& session, const Participant& self,
   return text(json);
 }
 
-std::string viewer_welcome(const Session& session, const Participant& self,
-                           const std::vector<Participant>& participants) {
+std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster) {
   Json json = welcome(session, self);
   const DexelGrid& grid = session.grid();
-  json["participants"] = participants_json(participants);
+  json["participants"] = participants_json(roster.listed);
+  json["viewers"] = roster.viewers;
   json["grid"] = {{"origin_mm", {grid.origin_mm.x, grid.origin_mm.y, grid.origin_mm.z}},
                   {"columns", {grid.columns_x, grid.columns_y}},
                   {"tile", kTileSide}};
   return text(json);
 }
 
-std::string participants_message(const std::vector<Participant>& participants) {
-  return text(
-      {{"type", wire::kTypeParticipants}, {"participants", participants_json(participants)}});
+std::string participants_message(const Roster& roster) {
+  return text({{"type", wire::kTypeParticipants},
+               {"participants", participants_json(roster.listed)},
+               {"viewers", roster.viewers}});
+}
+
+std::string carvers_message(const std::vector<Participant>& carvers) {
+  return text({{"type", wire::kTypeParticipants}, {"participants", participants_json(carvers)}});
+}
+
+std::string change_message(const RosterChange& change) {
+  Json json = {{"type", wire::kTypeParticipantsChanged}, {"viewers", change.viewers}};
+  if (!change.changed.empty()) json["changed"] = participants_json(change.changed);
+  if (!change.left.empty()) json["left"] = change.left;
+  return text(json);
 }
 
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled) {
-  return text({{"type", wire::kTypeState},
+                          bool settled, bool paused) {
+  Json json = {{"type", wire::kTypeState},
                {"motions", motions},
                {"removed_volume_mm3", removed_mm3},
                {"state_hash", hash_text(hash)},
-               {"settled", settled}});
+               {"settled", settled}};
+  if (paused) json["paused"] = "disk";
+  return text(json);
 }
 
 std::string error_message(const Rejection& rejection, bool fatal) {

@@ -22,6 +22,7 @@ struct HelloMessage {
   ParticipantId feel_of = 0;  ///< participant whose force is sent too; 0: none
   bool udp = false;           ///< requests a UDP connection
   bool stock = false;         ///< requests stock frames
+  bool changes = false;       ///< viewer: understands participants_changed
 };
 struct ToolMessage {
   ToolId tool = 0;
@@ -40,11 +41,14 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 
 std::string agent_welcome(const Session& session, const Participant& self,
                           const SessionLimits& limits, const datagram::Offer* udp = nullptr);
-std::string viewer_welcome(const Session& session, const Participant& self,
-                           const std::vector<Participant>& participants);
-std::string participants_message(const std::vector<Participant>& participants);
+std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster);
+/// The complete list, for viewers.
+std::string participants_message(const Roster& roster);
+/// The agents and programs, for agents.
+std::string carvers_message(const std::vector<Participant>& carvers);
+std::string change_message(const RosterChange& change);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled);
+                          bool settled, bool paused);
 std::string error_message(const Rejection& rejection, bool fatal);
 std::string bye_message(std::string_view reason);
 

@@ -26,6 +26,9 @@ void Conversation::receive(std::span<const std::byte> frame, bool is_text,
 }
 
 void Conversation::receive_text(std::string_view text) {
+  if (!texts_.allow(now_())) {
+    return reject({wire::ErrorCode::kTooFast, "text frames are limited to 100 per second"});
+  }
   const auto message = parse_control(text);
   if (!message) return reject(message.error());
   if (const auto* hello = std::get_if<HelloMessage>(&*message)) {
@@ -44,11 +47,21 @@ void Conversation::receive_binary(std::span<const std::byte> frame, Clock::time_
                        std::to_string(message.error().offset) + " of the frame)"});
   }
   if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
+    if (!pings_.allow(now_())) return metrics_.rejected(wire::to_string(wire::ErrorCode::kTooFast));
     return queue_pong(stamp(++pongs_), {ping->time_us, to_us(now_())});
   }
   const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||
                        std::holds_alternative<wire::Pong>(message->body);
-  if (!skipped) on_message(*message, arrived);
+  if (!skipped && is_of_this_epoch(*message)) on_message(*message, arrived);
+}
+
+bool Conversation::is_of_this_epoch(const wire::Message& message) {
+  const std::uint32_t epoch = message.header.stamp.epoch;
+  if (!self_ || epoch == session_->epoch()) return true;
+  reject({wire::ErrorCode::kBadEpoch, "the frame is of epoch " + std::to_string(epoch) +
+                                          ", the session is in epoch " +
+                                          std::to_string(session_->epoch())});
+  return false;
 }
 
 void Conversation::hello_expired() {

@@ -37,6 +37,9 @@ class Conversation {
   /// Errors beyond this rate are counted but not reported to the peer.
   static constexpr double kErrorsPerS = 20;
   static constexpr double kErrorsBurst = 50;
+  /// Text frames and pings beyond this rate are dropped before they are read.
+  static constexpr double kControlsPerS = 100;
+  static constexpr double kControlsBurst = 200;
 
   Conversation(const Conversation&) = delete;
   Conversation& operator=(const Conversation&) = delete;
@@ -81,6 +84,9 @@ class Conversation {
 
   void reject(const Rejection& rejection, bool fatal = false);
   void reject_without_hello();
+  /// Rejects a frame of another epoch: it was made for the session before it was reopened, with
+  /// other sequences and perhaps another block.
+  bool is_of_this_epoch(const wire::Message& message);
   void reject_frame_type(const wire::Message& message, std::string_view kind);
   void say(std::string_view text);
   void finish();
@@ -104,6 +110,7 @@ class Conversation {
   std::shared_ptr<Session> session_;
   std::function<void()> wake_;
   RateLimit errors_{kErrorsPerS, kErrorsBurst};
+  RateLimit texts_{kControlsPerS, kControlsBurst}, pings_{kControlsPerS, kControlsBurst};
   bool finishing_ = false, broken_ = false;
 };
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 namespace kerf::net {
@@ -16,14 +18,38 @@ using SharedBytes = std::shared_ptr<const std::vector<std::byte>>;
 
 /// One WebSocket frame to send to a peer: `bytes`, followed by `shared` if it is set.
 struct OutFrame {
-  enum class Kind : std::uint8_t { kResult, kFelt, kText, kPong, kStock, kTools, kMesh, kState };
+  enum class Kind : std::uint8_t {
+    kResult,
+    kFelt,
+    kText,
+    kPong,
+    kStock,
+    kTools,
+    kMesh,
+    kState,
+    kParticipants
+  };
   Kind kind = Kind::kText;
   std::vector<std::byte> bytes = {};
   SharedBytes shared = nullptr;
   Clock::time_point arrived = {};  ///< of the motion that a result answers
 
-  bool is_text() const { return kind == Kind::kText || kind == Kind::kState; }
+  bool is_text() const {
+    return kind == Kind::kText || kind == Kind::kState || kind == Kind::kParticipants;
+  }
 };
+
+/// A text that several peers share.
+using SharedText = std::shared_ptr<const std::string>;
+
+/// Moves `text`, a message that newer ones replace, into `out`; returns false if it is empty.
+inline bool take_text(std::string& text, OutFrame::Kind kind, OutFrame& out) {
+  if (text.empty()) return false;
+  const auto bytes = std::as_bytes(std::span(text));
+  out = {.kind = kind, .bytes = {bytes.begin(), bytes.end()}};
+  text.clear();
+  return true;
+}
 
 /// The time as frames carry it: microseconds of the server's monotonic clock.
 inline std::uint64_t to_us(Clock::time_point time) {

@@ -17,14 +17,15 @@ std::optional<ViewerAction> ViewerConversation::take_action() {
 }
 
 void ViewerConversation::on_hello(const HelloMessage& hello) {
+  takes_changes_ = hello.changes;
   actions_.emplace_back(JoinRequest{ParticipantKind::kViewer, hello.name, hello.color, 0, false});
 }
 
 void ViewerConversation::joined(const std::expected<Participant, Rejection>& self,
-                                const std::vector<Participant>& participants) {
+                                const Roster& roster) {
   if (self) {
     self_ = *self;
-    say(viewer_welcome(session(), *self_, participants));
+    say(viewer_welcome(session(), *self_, roster));
   } else {
     const bool fatal = self.error().code == wire::ErrorCode::kBusy;
     reject(self.error(), fatal);
@@ -63,17 +64,23 @@ void ViewerConversation::send_mesh(FeedFrame frame) {
 
 void ViewerConversation::send_state(const SurfaceState& state) {
   const bool same = sent_state_ && sent_state_->sequence == state.sequence &&
-                    sent_state_->hash == state.hash && sent_state_->settled == state.settled;
+                    sent_state_->hash == state.hash && sent_state_->settled == state.settled &&
+                    sent_state_->paused == state.paused;
   const auto now = now_();
   if (same || (!state.settled && now - state_sent_at_ < kStateInterval)) return;
   sent_state_ = state;
   state_sent_at_ = now;
-  out_.put_state(state_message(state.motions, state.removed_mm3, state.hash, state.settled));
+  out_.put_state(
+      state_message(state.motions, state.removed_mm3, state.hash, state.settled, state.paused));
   wake();
 }
 
-void ViewerConversation::send_participants(const std::string& message) {
-  say(message);
+void ViewerConversation::send_participants(const SharedText& all, const SharedText& change) {
+  // A change is of use only to a viewer that gets every one. The list replaces changes that a slow
+  // viewer has not read yet.
+  const bool in_step = takes_changes_ && has_participants_ && !out_.has_participants();
+  has_participants_ = true;
+  out_.put_participants(in_step ? change : all);
   wake();
 }
 

@@ -19,6 +19,7 @@ struct SurfaceState {
   double removed_mm3 = 0;
   std::uint64_t hash = 0;
   bool settled = false;  ///< every mesh frame of the state with this hash has been sent
+  bool paused = false;   ///< the disk fails: nothing is carved
 };
 
 /// The viewer has applied every mesh frame up to this one.
@@ -50,15 +51,17 @@ class ViewerConversation final : public Conversation {
   std::optional<ViewerAction> take_action();
   bool has_action() const override { return !actions_.empty(); }
   /// The result of a JoinRequest, with the participants of the session at that moment.
-  void joined(const std::expected<Participant, Rejection>& self,
-              const std::vector<Participant>& participants);
+  void joined(const std::expected<Participant, Rejection>& self, const Roster& roster);
   /// 0 before the viewer has joined.
   ParticipantId id() const { return self_ ? self_->id : 0; }
 
   void send_tools(SharedBytes frame);  ///< replaces one that has not left
   void send_mesh(FeedFrame frame);
   void send_state(const SurfaceState& state);  ///< leaves after the mesh frames before it
-  void send_participants(const std::string& message);
+  /// The participants have changed. `all` is the complete list, `change` the difference to the list
+  /// of the previous call for any viewer of the session; it suffices if the viewer understands it
+  /// and has been sent that list.
+  void send_participants(const SharedText& all, const SharedText& change);
   /// The viewer has acknowledged a frame that was never sent.
   void reject_ack();
   /// The session ends: sends bye and finishes.
@@ -80,6 +83,8 @@ class ViewerConversation final : public Conversation {
   RateLimit looks_{kLooksPerS, kLooksBurst};
   ViewerOutbox out_;
   std::deque<ViewerAction> actions_;
+  bool takes_changes_ = false;     ///< understands participants_changed
+  bool has_participants_ = false;  ///< a list or a change has been sent since the welcome
   std::optional<SurfaceState> sent_state_;
   Clock::time_point state_sent_at_;
 };

@@ -8,6 +8,7 @@ namespace kerf::net {
 void ViewerOutbox::close() {
   closed_ = true;
   tools_.reset();
+  participants_.reset();
   mesh_.clear();
   state_.clear();
 }
@@ -17,6 +18,12 @@ bool ViewerOutbox::take(const wire::FrameStamp& stamp, OutFrame& out) {
   if (control_.take(out)) return true;
   if (tools_) {
     out = {.kind = OutFrame::Kind::kTools, .shared = std::exchange(tools_, nullptr)};
+    return true;
+  }
+  if (participants_) {
+    const auto bytes = std::as_bytes(std::span(*participants_));
+    out = {.kind = OutFrame::Kind::kParticipants, .bytes = {bytes.begin(), bytes.end()}};
+    participants_.reset();
     return true;
   }
   if (!mesh_.empty()) {
@@ -29,11 +36,7 @@ bool ViewerOutbox::take(const wire::FrameStamp& stamp, OutFrame& out) {
            .shared = std::move(mesh.glb)};
     return true;
   }
-  if (state_.empty()) return false;
-  const auto bytes = std::as_bytes(std::span(state_));
-  out = {.kind = OutFrame::Kind::kState, .bytes = {bytes.begin(), bytes.end()}};
-  state_.clear();
-  return true;
+  return take_text(state_, OutFrame::Kind::kState, out);
 }
 
 }  // namespace kerf::net

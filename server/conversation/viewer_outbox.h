@@ -10,8 +10,9 @@
 namespace kerf::net {
 
 /// Frames that wait to leave for one viewer, in order of priority: control messages, tool poses,
-/// mesh frames, the state message. Newer tool poses and a newer state replace older ones that have
-/// not left; mesh frames keep their order (TileFeed bounds their number).
+/// the participants, mesh frames, the state message. Newer tool poses, participants and a newer
+/// state replace older ones that have not left; mesh frames keep their order (TileFeed bounds their
+/// number).
 class ViewerOutbox {
  public:
   /// Returns false if the viewer reads so little that the control queue is full.
@@ -22,6 +23,11 @@ class ViewerOutbox {
   void put_tools(SharedBytes frame) {
     if (!closed_) tools_ = std::move(frame);
   }
+  void put_participants(SharedText text) {
+    if (!closed_) participants_ = std::move(text);
+  }
+  /// Whether a message on the participants waits to leave.
+  bool has_participants() const { return participants_ != nullptr; }
   void put_mesh(FeedFrame frame) {
     if (!closed_) mesh_.push_back(std::move(frame));
   }
@@ -38,6 +44,7 @@ class ViewerOutbox {
  private:
   ControlQueue control_;
   SharedBytes tools_;
+  SharedText participants_;
   std::deque<FeedFrame> mesh_;
   std::string state_;
   bool closed_ = false;

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -25,6 +26,7 @@ struct ApiRequest {
   std::map<std::string, std::string> query;  ///< decoded
   std::string if_none_match, range, if_range;
   std::string body;
+  std::stop_token stop = {};  ///< requested when the client is gone
 
   /// The value of a query parameter; null if it is missing.
   const std::string* query_value(const std::string& name) const {
@@ -46,6 +48,9 @@ struct ApiResponse {
 ApiResponse error_response(unsigned status, std::string_view code, std::string_view reason,
                            std::string_view path = {});
 ApiResponse not_found();
+/// The response to a request for a session that is not open: 404, or 500 if its journal cannot be
+/// read.
+ApiResponse no_session(const SessionRegistry& registry, const std::string& id);
 /// A response whose body is the JSON text `json` and a line break.
 ApiResponse json_response(unsigned status, std::string json);
 
@@ -66,6 +71,8 @@ class Api {
   Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics);
 
   ApiResponse handle(const ApiRequest& request);
+  /// Cancels the downloads in preparation; further ones are rejected.
+  void stop() { downloads_.stop(); }
 
   // ---- handlers of the route table (routes.cpp) ----
   ApiResponse list_sessions(const ApiCall& call);
@@ -80,6 +87,7 @@ class Api {
   ApiResponse list_exports(const ApiCall& call);
   ApiResponse upload_file(const ApiCall& call);
   ApiResponse health(const ApiCall& call);
+  ApiResponse ready(const ApiCall& call);
   ApiResponse metrics(const ApiCall& call);
   ApiResponse viewer_file(const ApiCall& call);
 

@@ -22,17 +22,17 @@ Made reason_only(const Result& result) {
 }
 
 Made write_motions(const DownloadRequest& download, Session& session, const SolidSnapshot& solid,
-                   const std::filesystem::path& path) {
+                   const std::filesystem::path& path, const std::stop_token& stop) {
   if (auto ok = session.flush(); !ok) return std::unexpected(MakeError{describe(ok.error())});
   const std::string_view name = download.kind.name;
   const auto& journal = session.journal_file();
   if (name == "journal") return reason_only(copy_journal(journal, path));
   std::ofstream out(path, std::ios::binary);
   if (!out) return std::unexpected(MakeError{"the file cannot be created"});
-  const auto written = name == "thin_walls.json"
-                           ? export_thin_walls(journal, solid.fields.front(), out)
-                       : name == "forces.csv" ? export_forces(journal, download.program.only, out)
-                                              : export_program(journal, download.program, out);
+  const auto written =
+      name == "thin_walls.json" ? export_thin_walls(journal, solid.fields.front(), out, stop)
+      : name == "forces.csv"    ? export_forces(journal, download.program.only, out, stop)
+                                : export_program(journal, download.program, out, stop);
   if (!written) return std::unexpected(MakeError{written.error()});
   out.close();
   if (!out) return std::unexpected(MakeError{"writing the file failed: the disk may be full"});
@@ -64,16 +64,18 @@ void put_file(const ApiRequest& request, const std::string& etag, ApiResponse& r
 
 Made write_surface(const DownloadRequest& download, const SolidSnapshot& snapshot,
                    const std::string& title, const std::filesystem::path& path,
-                   const DownloadCache::Progress& progress) {
+                   const DownloadCache::Progress& progress, const std::stop_token& stop) {
   const ModelRequest request{.format = *download.model,
                              .encoding = download.encoding,
                              .title = title,
-                             .progress = progress};
+                             .progress = progress,
+                             .stop = stop};
   SnapshotMesh exact(snapshot);
   if (!download.simplify.triangles && !download.simplify.error_mm) {
     return reason_only(write_model(path, exact, request));
   }
-  const auto simplified = simplify_mesh(exact, download.simplify, progress);
+  const auto simplified = simplify_mesh(exact, download.simplify, progress, stop);
+  if (stop.stop_requested()) return std::unexpected(MakeError{"stopped"});
   if (!simplified) return std::unexpected(MakeError{simplified.error().reason, true});
   WholeMesh mesh(simplified->mesh);
   return reason_only(write_model(path, mesh, request));
@@ -108,10 +110,12 @@ ApiResponse Api::download(const ApiCall& call) {
   }
   const auto file = downloads_.get(
       session.id() + "/" + request.path[3] + "/" + tag + "/" + std::to_string(session.epoch()),
-      [&](const std::filesystem::path& path, const DownloadCache::Progress& progress) -> Made {
-        if (!download->model) return write_motions(*download, session, now.solid, path);
-        return write_surface(*download, now.solid, session.scene().name, path, progress);
-      });
+      [&](const std::filesystem::path& path, const DownloadCache::Progress& progress,
+          const std::stop_token& stop) -> Made {
+        if (!download->model) return write_motions(*download, session, now.solid, path, stop);
+        return write_surface(*download, now.solid, session.scene().name, path, progress, stop);
+      },
+      request.stop);
   if (!file) {
     const auto& [reason, impossible] = file.error();
     return impossible ? error_response(422, "budget_impossible", reason)

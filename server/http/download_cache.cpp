@@ -38,7 +38,22 @@ DownloadCache::DownloadCache(std::filesystem::path folder) : folder_(std::move(f
   std::filesystem::create_directories(folder_, ignored);
 }
 
-DownloadCache::File DownloadCache::get(const std::string& key, const Make& make) {
+DownloadCache::File DownloadCache::wait(const std::shared_ptr<Job>& job,
+                                        const std::stop_token& gone) {
+  const std::stop_callback leave(gone, [&job] {
+    if (--job->wanted == 0) job->stop.request_stop();
+  });
+  return job->file.get();
+}
+
+void DownloadCache::stop() {
+  const std::lock_guard lock(mutex_);
+  stopped_ = true;
+  for (const auto& job : jobs_) job->stop.request_stop();
+}
+
+DownloadCache::File DownloadCache::get(const std::string& key, const Make& make,
+                                       const std::stop_token& gone) {
   std::filesystem::path path;
   auto job = std::make_shared<Job>();
   {
@@ -49,17 +64,23 @@ DownloadCache::File DownloadCache::get(const std::string& key, const Make& make)
       return entries_.front().file;
     }
     for (const auto& other : jobs_) {
-      if (other->key != key) continue;
-      const auto file = other->file;
+      // One that has been asked to stop writes no file.
+      if (other->key != key || other->stop.stop_requested()) continue;
+      const auto waiting = other;
+      ++waiting->wanted;
       lock.unlock();
-      return file.get();
+      return wait(waiting, gone);
     }
+    if (stopped_) return std::unexpected(MakeError{"the server is shutting down"});
     job->key = key;
     job->start = std::chrono::steady_clock::now();
     job->file = job->promise.get_future().share();
     jobs_.push_back(job);
     path = folder_ / std::to_string(++last_);
   }
+  const std::stop_callback leave(gone, [&job] {
+    if (--job->wanted == 0) job->stop.request_stop();
+  });
   File file = make_file(*job, path, make);
   const std::lock_guard lock(mutex_);
   jobs_.remove(job);
@@ -76,7 +97,7 @@ DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::pa
                                              const Make& make) {
   File file;
   try {
-    const auto made = make(path, [&job](double share) { job.share = share; });
+    const auto made = make(path, [&job](double share) { job.share = share; }, job.stop.get_token());
     if (!made) {
       file = std::unexpected(made.error());
     } else if (auto opened = OpenFile::open(path)) {
@@ -90,6 +111,12 @@ DownloadCache::File DownloadCache::make_file(Job& job, const std::filesystem::pa
   std::error_code ignored;
   std::filesystem::remove(path, ignored);
   return file;
+}
+
+int DownloadCache::waiting(std::string_view key) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find_if(jobs_, [&](const auto& job) { return job->key == key; });
+  return found == jobs_.end() ? 0 : (*found)->wanted.load();
 }
 
 std::vector<DownloadCache::Making> DownloadCache::making(std::string_view prefix) const {

@@ -11,6 +11,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,11 +52,14 @@ class DownloadCache {
   explicit DownloadCache(std::filesystem::path folder);
   using File = std::expected<std::shared_ptr<const OpenFile>, MakeError>;
   using Progress = std::function<void(double)>;  ///< receives the completed share, 0 to 1
-  using Make =
-      std::function<std::expected<void, MakeError>(const std::filesystem::path&, const Progress&)>;
+  using Make = std::function<std::expected<void, MakeError>(
+      const std::filesystem::path&, const Progress&, const std::stop_token&)>;
   /// Returns the file for `key`; `make` writes it if it does not exist. Blocks while another call
-  /// writes the same file.
-  File get(const std::string& key, const Make& make);
+  /// writes the same file. `make` is asked to stop once all calls for the file have been asked to
+  /// (`gone`), and by stop().
+  File get(const std::string& key, const Make& make, const std::stop_token& gone = {});
+  /// Asks all files that are being written to stop. Later calls of get() write none.
+  void stop();
 
   /// A file that is being written.
   struct Making {
@@ -65,6 +69,8 @@ class DownloadCache {
   };
   /// Returns the files being written whose key starts with `prefix`.
   std::vector<Making> making(std::string_view prefix) const;
+  /// Returns how many calls of get() want the file that is being written for `key`.
+  int waiting(std::string_view key) const;
 
  private:
   static constexpr std::size_t kFilesMax = 16;
@@ -78,7 +84,11 @@ class DownloadCache {
     std::atomic<double> share = 0;
     std::promise<File> promise;
     std::shared_future<File> file;
+    std::stop_source stop;
+    std::atomic<int> wanted = 1;  ///< calls of get() that have not been asked to stop
   };
+  /// Waits as one of the calls that want the file.
+  static File wait(const std::shared_ptr<Job>& job, const std::stop_token& gone);
   File make_file(Job& job, const std::filesystem::path& path, const Make& make);
 
   std::filesystem::path folder_;
@@ -86,6 +96,7 @@ class DownloadCache {
   std::list<Entry> entries_;  ///< newest first
   std::list<std::shared_ptr<Job>> jobs_;
   std::uint64_t last_ = 0;
+  bool stopped_ = false;
 };
 
 }  // namespace kerf::net

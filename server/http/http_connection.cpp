@@ -12,7 +12,9 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <memory>
 #include <optional>
+#include <stop_token>
 
 #include "server/http/api.h"
 #include "server/http/http_options.h"
@@ -37,6 +39,7 @@ constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, k
 constexpr std::chrono::seconds kLingerTime{2};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
 constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
+constexpr std::string_view kBadHost = "the request must have one Host header";
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
 /// Bodies above this size are uploads; few may be in memory at once.
 constexpr std::size_t kLargeBody = std::size_t{1} << 20;
@@ -58,6 +61,13 @@ bool origin_allowed(const Request& request, const HttpOptions& options) {
   const auto origin = view(request[http::field::origin]);
   if (origin.empty() || same_origin(origin, view(request[http::field::host]))) return true;
   return std::ranges::find(options.allow_origins, origin) != options.allow_origins.end();
+}
+
+/// HTTP/1.1 requires one Host header (RFC 9112, 3.2). With two, a proxy and this server might see
+/// different hosts.
+bool has_valid_host(const Request& request) {
+  const auto count = request.count(http::field::host);
+  return count == 1 || (count == 0 && request.version() == 10);
 }
 
 bool offers(const Request& request, std::string_view protocol) {
@@ -83,6 +93,8 @@ class Connection {
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
+  IoThreads& threads_for(Runs runs) const;
+  void watch(std::shared_ptr<std::stop_source> gone);
   asio::awaitable<bool> reject_malformed();
   asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
   asio::awaitable<bool> reject(const Request& request, unsigned status, std::string_view code,
@@ -97,7 +109,37 @@ class Connection {
   HttpContext& context_;
   bool first_ = true;
   error_code error_;
+  std::shared_ptr<std::stop_source> watched_;  ///< of the request that is being handled
 };
+
+IoThreads& Connection::threads_for(Runs runs) const {
+  switch (runs) {
+    case Runs::kAtOnce:
+      return context_.at_once;
+    case Runs::kSession:
+      return context_.control;
+    case Runs::kWork:
+      return context_.workers;
+    case Runs::kExport:
+      return context_.exports;
+  }
+  return context_.workers;
+}
+
+/// Requests a stop when the client closes the connection before its request has been handled. Bytes
+/// of a next request end the watch.
+void Connection::watch(std::shared_ptr<std::stop_source> gone) {
+  watched_ = gone;
+  const int socket = stream_.socket().native_handle();
+  auto readable = [socket, weak = std::weak_ptr(gone)](error_code error) {
+    const auto source = weak.lock();
+    if (!source) return;  // handled: the socket may be another one by now
+    char next = 0;
+    const bool closed = !error && recv(socket, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+    if (closed || error) source->request_stop();
+  };
+  stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, std::move(readable));
+}
 
 asio::awaitable<void> Connection::run() {
   bool more = true;
@@ -113,6 +155,9 @@ asio::awaitable<bool> Connection::serve_one() {
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
   if (error_) co_return co_await reject_malformed();
+  if (!has_valid_host(parser.get())) {
+    co_return co_await reject(parser.get(), 400, "bad_host", kBadHost);
+  }
   auto request = parse_target(view(parser.get().target()));
   if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));
@@ -133,8 +178,10 @@ asio::awaitable<bool> Connection::serve_one() {
   const bool keep_alive = parser.get().keep_alive();
   const bool large = request->body.size() > kLargeBody;
   if (large) ++large_bodies;
-  const bool is_long = match.route != nullptr && match.route->is_long;
-  IoThreads& threads = is_long ? context_.workers : context_.control;
+  const Runs runs = match.route == nullptr ? Runs::kAtOnce : match.route->runs;
+  const auto gone = std::make_shared<std::stop_source>();
+  request->stop = gone->get_token();
+  if (runs == Runs::kExport) watch(gone);
   auto work = [&api = context_.api, request = *std::move(request)] {
     try {
       return api.handle(request);
@@ -143,7 +190,8 @@ asio::awaitable<bool> Connection::serve_one() {
     }
   };
   stream_.expires_never();  // handling the request has no deadline
-  ApiResponse response = co_await run_on(threads, std::move(work));
+  ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
+  watched_.reset();
   if (large) --large_bodies;
   co_return co_await answer(parser.get(), response, keep_alive);
 }
@@ -268,7 +316,7 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
   }
   const std::string& id = target.path[2];
   session = context_.registry.find(id);
-  if (!session) return error_response(404, "unknown_session", "there is no session " + id);
+  if (!session) return no_session(context_.registry, id);
   if (!origin_allowed(request, context_.options)) {
     return error_response(403, "bad_origin", kForeignOrigin);
   }

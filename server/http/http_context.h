@@ -15,8 +15,10 @@ struct HttpContext {
   SessionRegistry& registry;
   Metrics& metrics;
   Api& api;
-  IoThreads& control;  ///< requests that are answered at once
-  IoThreads& workers;  ///< requests that may take long: downloads, uploads
+  IoThreads& at_once;  ///< requests that wait for nothing
+  IoThreads& control;  ///< requests that wait for a turn of a session's thread
+  IoThreads& workers;  ///< requests that may take long: uploads, new sessions
+  IoThreads& exports;  ///< downloads
   PeerContext& peers;  ///< for connections that become WebSockets
 };
 

@@ -15,6 +15,14 @@ namespace kerf::net {
 /// The protocol that a WebSocket upgrade of a route leads to.
 enum class Upgrade : std::uint8_t { kNone, kAgent, kViewer };
 
+/// The threads that a request runs on, by what it may wait for.
+enum class Runs : std::uint8_t {
+  kAtOnce,   ///< waits for nothing: cached figures, the viewer's files
+  kSession,  ///< waits for a turn of its session's thread
+  kWork,     ///< long: uploads, new sessions, the end of a session
+  kExport    ///< long, possibly endless: files made from a session; ends if the client is gone
+};
+
 /// One row of the HTTP interface. Everything that depends on a request's path and method is decided
 /// by this table: dispatch, 404, 405 with Allow, 426, body limits, worker threads, and the table of
 /// README.md.
@@ -28,7 +36,7 @@ struct Route {
   std::string_view query = {};  ///< names of the query parameters, for the README
   Handler handler = nullptr;
   std::size_t body_bytes_max = 0;
-  bool is_long = false;  ///< runs on a worker thread, because the answer may take long
+  Runs runs = Runs::kAtOnce;
   Upgrade upgrade = Upgrade::kNone;
   std::string_view summary;  ///< for the README
 };

@@ -9,7 +9,11 @@ namespace kerf {
 
 Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJournal& journal,
                  Participants& participants)
-    : limits_(limits), sculpture_(sculpture), journal_(journal), participants_(participants) {}
+    : limits_(limits),
+      sculpture_(sculpture),
+      journal_(journal),
+      participants_(participants),
+      air_(sculpture.settings()) {}
 
 std::expected<MotionResult, Rejection> Carving::apply(ParticipantId id, const MoveTool& move) {
   const Command command = move;
@@ -73,12 +77,42 @@ MotionAnswer Carving::move(ParticipantState& state, std::span<const wire::Motion
   return answer;
 }
 
-std::expected<double, Rejection> Carving::move(ParticipantId id, const ProgramMotion& motion,
-                                               bool feel) {
-  const auto result =
-      apply(id, MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, feel});
+std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
+  const auto found = air_paths_.find(id);
+  if (found == air_paths_.end() || !found->second.joined()) return {};
+  if (auto ok = apply(id, *found->second.joined()); !ok) return std::unexpected(ok.error());
+  found->second.clear();
+  return {};
+}
+
+std::expected<MotionResult, Rejection> Carving::apply_or_join(const ProgramStep& step) {
+  const ParticipantId id = step.participant;
+  const ProgramMotion& motion = step.motion;
+  const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, step.feel};
+  const Tool* tool = sculpture_.tool(move.tool);
+  const bool joinable = !step.is_last && tool != nullptr && air_.contains(move, *tool);
+  if (joinable) {
+    if (auto ok = sculpture_.check(move); !ok) return std::unexpected(to_rejection(ok.error()));
+    if (air_paths_[id].add(move)) return MotionResult{};
+  }
+  if (auto ok = apply_air(id); !ok) return std::unexpected(ok.error());
+  if (!joinable) return apply(id, move);
+  air_paths_[id].add(move);
+  return MotionResult{};
+}
+
+void Carving::end_program(ParticipantId id) {
+  // If the journal is paused, the last air moves of a cancelled program are lost.
+  (void)apply_air(id);
+  air_paths_.erase(id);
+}
+
+std::expected<double, Rejection> Carving::move(const ProgramStep& step) {
+  if (auto ok = journal_.check_space_for_programs(); !ok) return std::unexpected(ok.error());
+  const ProgramMotion& motion = step.motion;
+  const auto result = apply_or_join(step);
   if (!result) return std::unexpected(result.error());
-  if (ParticipantState* state = participants_.find(id)) {
+  if (ParticipantState* state = participants_.find(step.participant)) {
     const bool tool_changed = std::exchange(state->participant.tool, motion.tool) != motion.tool;
     state->display.tool_id = motion.tool;
     state->track.place(motion.to);
@@ -87,7 +121,7 @@ std::expected<double, Rejection> Carving::move(ParticipantId id, const ProgramMo
     wire::Result display;
     sum.write(display);
     state->update_display(display, sum);
-    if (tool_changed) participants_.notify({});
+    if (tool_changed) participants_.note_tool_change();
   }
   return result->removed_mm3;
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <expected>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -11,8 +12,9 @@
 
 #include "kernel/sculpture.h"
 #include "server/convert/rejection.h"
-#include "server/formats/program.h"
+#include "server/session/air_path.h"
 #include "server/session/participants.h"
+#include "server/session/program_runs.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
 #include "server/wire/types.h"
@@ -37,8 +39,12 @@ class Carving {
   /// Carves a batch of samples of one participant. A rejected sample changes nothing and does not
   /// stop the samples after it.
   MotionAnswer move(ParticipantState& state, std::span<const wire::MotionSample> samples);
-  /// Carves one motion of a program and returns the removed volume, mm^3.
-  std::expected<double, Rejection> move(ParticipantId id, const ProgramMotion& motion, bool feel);
+  /// Carves one motion of a program and returns the removed volume, mm^3. Consecutive motions
+  /// through the air are joined (air_path.h): they are applied and journaled with the next motion
+  /// that does not join them. Answers kBusy while the journal has no space for programs.
+  std::expected<double, Rejection> move(const ProgramStep& step);
+  /// The program of a participant has ended: applies the motions that are still to be joined.
+  void end_program(ParticipantId id);
 
   /// Returns the tiles changed since the previous call, sorted.
   std::vector<TileIndex> take_changed();
@@ -49,11 +55,15 @@ class Carving {
   std::optional<Rejection> take_sample(ParticipantState& state, const wire::MotionSample& sample,
                                        BatchSum& sum);
   std::expected<MotionResult, Rejection> apply(ParticipantId id, const MoveTool& move);
+  std::expected<void, Rejection> apply_air(ParticipantId id);
+  std::expected<MotionResult, Rejection> apply_or_join(const ProgramStep& step);
 
   const SessionLimits& limits_;
   Sculpture& sculpture_;
   SessionJournal& journal_;
   Participants& participants_;
+  AirSpace air_;
+  std::map<ParticipantId, AirPath> air_paths_;  ///< of programs
   std::set<TileIndex> changed_;
   std::atomic<std::uint64_t> motions_applied_{0};
 };

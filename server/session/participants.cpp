@@ -30,7 +30,9 @@ Participants::Participants(const SessionLimits& limits, const Sculpture& sculptu
       sculpture_(sculpture),
       journal_(journal),
       default_tool_(default_tool),
-      last_id_(last_id) {}
+      last_id_(last_id),
+      carver_joins_(limits.carver_joins_per_s, limits.carver_joins_burst),
+      viewer_joins_(limits.viewer_joins_per_s, limits.viewer_joins_burst) {}
 
 std::size_t Participants::limit_of(ParticipantKind kind) const {
   switch (kind) {
@@ -65,8 +67,18 @@ std::expected<void, Rejection> Participants::check(const JoinRequest& request) c
   return {};
 }
 
+/// A peer that joins and leaves again and again costs every other participant a message, and the
+/// journal a row if it is an agent.
+std::expected<void, Rejection> Participants::check_rate(ParticipantKind kind) {
+  RateLimit& joins = kind == ParticipantKind::kViewer ? viewer_joins_ : carver_joins_;
+  if (joins.allow(Clock::now())) return {};
+  return std::unexpected(Rejection{wire::ErrorCode::kBusy,
+                                   "too many participants join at the same time; try again later"});
+}
+
 std::expected<Participant, Rejection> Participants::join(const JoinRequest& request) {
   if (const auto ok = check(request); !ok) return std::unexpected(ok.error());
+  if (const auto ok = check_rate(request.kind); !ok) return std::unexpected(ok.error());
   ParticipantState state;
   Participant& participant = state.participant;
   participant = {++last_id_, request.kind, request.name, request.color, 0};
@@ -86,13 +98,32 @@ std::expected<Participant, Rejection> Participants::join(const JoinRequest& requ
   state.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
   // Viewers do not change the block, so the journal does not name them.
   if (request.kind != ParticipantKind::kViewer) journal_.append(participant);
+  const bool is_viewer = request.kind == ParticipantKind::kViewer;
+  if (is_viewer) ++viewers_;
   Participant joined = states_.emplace(participant.id, std::move(state)).first->second.participant;
-  notify({});
+  changed(!is_viewer);
   return joined;
 }
 
 void Participants::leave(ParticipantId id) {
-  if (states_.erase(id) > 0) notify({});
+  const auto found = states_.find(id);
+  if (found == states_.end()) return;
+  const bool is_viewer = found->second.participant.kind == ParticipantKind::kViewer;
+  if (is_viewer) --viewers_;
+  states_.erase(found);
+  changed(!is_viewer);
+}
+
+void Participants::changed(bool carvers) {
+  pending_carvers_ = pending_carvers_ || carvers;
+  if (std::exchange(pending_, true)) return;
+  if (schedule_) return schedule_();
+  notify_changes();
+}
+
+void Participants::notify_changes() {
+  if (!std::exchange(pending_, false)) return;
+  notify({.closing = {}, .carvers_changed = std::exchange(pending_carvers_, false)});
 }
 
 std::expected<void, Rejection> Participants::choose_tool(ParticipantId id, ToolId tool) {
@@ -103,7 +134,7 @@ std::expected<void, Rejection> Participants::choose_tool(ParticipantId id, ToolI
   if (state->participant.tool == tool) return {};
   state->participant.tool = tool;
   state->track.lift();  // the new tool starts at the pose of its next sample
-  notify({});
+  changed(true);
   return {};
 }
 
@@ -116,6 +147,21 @@ std::vector<Participant> Participants::list() const {
   std::vector<Participant> list;
   for (const auto& state : states_ | std::views::values) list.push_back(state.participant);
   return list;
+}
+
+Roster Participants::roster() const {
+  Roster roster;
+  roster.viewers = viewers_;
+  roster.listed = viewers_ > Roster::kListedViewersMax ? carvers() : list();
+  return roster;
+}
+
+std::vector<Participant> Participants::carvers() const {
+  std::vector<Participant> carvers;
+  for (const auto& state : states_ | std::views::values) {
+    if (state.participant.kind != ParticipantKind::kViewer) carvers.push_back(state.participant);
+  }
+  return carvers;
 }
 
 std::vector<wire::ToolState> Participants::tool_states() const {

@@ -12,15 +12,17 @@
 
 #include "server/convert/rejection.h"
 #include "server/session/participant_state.h"
+#include "server/session/roster.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
 
 namespace kerf {
 
-/// A participant joined, left or changed its tool (`closing` empty), or the session ends (`closing`
-/// holds the reason).
+/// Participants joined, left or changed their tools (`closing` empty), or the session ends
+/// (`closing` holds the reason).
 struct SessionEvent {
   std::string closing;
+  bool carvers_changed = false;  ///< an agent or a program is among them
 };
 using SessionListener = std::function<void(const SessionEvent&)>;
 
@@ -33,7 +35,14 @@ class Participants {
   Participants(const SessionLimits& limits, const Sculpture& sculpture, SessionJournal& journal,
                ToolId default_tool, ParticipantId last_id);
 
-  /// Adds a participant, journals it unless it is a viewer, and notifies the listeners.
+  /// Calls `schedule` at the first change after a notify_changes(), instead of notifying the
+  /// listeners at each change. The owner then calls notify_changes() when it sees fit.
+  void defer_changes(std::function<void()> schedule) { schedule_ = std::move(schedule); }
+  /// Notifies the listeners of the changes since the previous call, if there are any.
+  void notify_changes();
+
+  /// Adds a participant, journals it unless it is a viewer, and notifies the listeners. Joins above
+  /// the limits of `SessionLimits` per second are rejected with kBusy.
   std::expected<Participant, Rejection> join(const JoinRequest& request);
   /// Removes a participant and notifies the listeners; no effect for an unknown id.
   void leave(ParticipantId id);
@@ -43,6 +52,11 @@ class Participants {
   /// Returns null for an unknown id. The pointer is valid until the participant leaves.
   ParticipantState* find(ParticipantId id);
   std::vector<Participant> list() const;
+  std::size_t count() const { return states_.size(); }
+  /// The participants as viewers see them.
+  Roster roster() const;
+  /// The agents and programs.
+  std::vector<Participant> carvers() const;
   /// The tools that have a pose, as viewers display them; at most wire::kMaxToolStates.
   std::vector<wire::ToolState> tool_states() const;
   /// The tool of the participant whose force `state` receives too; nullopt if there is none.
@@ -56,12 +70,16 @@ class Participants {
   int listen(SessionListener listener);
   void unlisten(int listener);
   void unlisten_all() { listeners_.clear(); }
+  /// Notes that the tool of a program has changed.
+  void note_tool_change() { changed(true); }
   /// Calls the listeners. A listener may unlisten itself or another one.
   void notify(const SessionEvent& event);
 
  private:
   std::size_t limit_of(ParticipantKind kind) const;
   std::expected<void, Rejection> check(const JoinRequest& request) const;
+  std::expected<void, Rejection> check_rate(ParticipantKind kind);
+  void changed(bool carvers);
 
   const SessionLimits& limits_;
   const Sculpture& sculpture_;
@@ -71,6 +89,10 @@ class Participants {
   ParticipantId last_id_;
   std::map<int, SessionListener> listeners_;
   int last_listener_ = 0;
+  std::size_t viewers_ = 0;  ///< in states_
+  RateLimit carver_joins_, viewer_joins_;
+  std::function<void()> schedule_;  ///< empty: changes are notified at once
+  bool pending_ = false, pending_carvers_ = false;
 };
 
 }  // namespace kerf

@@ -27,11 +27,44 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
                     replayed.last_participant),
       carving_(limits_, sculpture_, journal_, participants_),
-      workers_(workers) {}
+      workers_(workers) {
+  participants_.defer_changes([this] { report_changes(); });
+  show_figures();
+}
+
+void Session::show_figures() {
+  shown_motions_.store(sculpture_.motions(), std::memory_order_relaxed);
+  shown_removed_mm3_.store(sculpture_.removed_volume_mm3(), std::memory_order_relaxed);
+  shown_participants_.store(participants_.count(), std::memory_order_relaxed);
+}
+
+void Session::leave(ParticipantId id) {
+  participants_.leave(id);
+  show_figures();
+}
+
+/// The first change after a pause is reported at once, those that follow it together.
+void Session::report_changes() {
+  const auto now = Clock::now();
+  const auto next = changes_reported_ + kChangeInterval;
+  if (now >= next || changes_reported_ == Clock::time_point{}) {
+    changes_reported_ = now;
+    return participants_.notify_changes();
+  }
+  const auto wait = std::chrono::ceil<std::chrono::microseconds>(next - now);
+  executor_->post_after(wait, [weak = weak_from_this()] {
+    const auto self = weak.lock();
+    if (!self || self->closed_) return;
+    self->changes_reported_ = Clock::now();
+    self->participants_.notify_changes();
+  });
+}
 
 std::expected<Participant, Rejection> Session::join(const JoinRequest& request) {
   if (closed_) return std::unexpected(session_closed());
-  return participants_.join(request);
+  auto joined = participants_.join(request);
+  show_figures();
+  return joined;
 }
 
 std::expected<void, Rejection> Session::choose_tool(ParticipantId id, ToolId tool) {
@@ -49,6 +82,7 @@ MotionAnswer Session::move(ParticipantId id, std::span<const wire::MotionSample>
   }
   const std::uint64_t removal_before = journal_.removal_sequence();
   MotionAnswer answer = carving_.move(*state, samples);
+  show_figures();
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   return answer;
 }
@@ -61,6 +95,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.changed_sequence = journal_.removal_sequence();
   frame.hash = journal_.newest_hash();
   frame.hash_is_current = current_hash().has_value();
+  frame.paused = pause().has_value();
   frame.tools.tools = participants_.tool_states();
   frame.changed = carving_.take_changed();
   if (!frame.changed.empty() || with_snapshot) frame.snapshot = sculpture_.solid();
@@ -77,6 +112,7 @@ SessionInfo Session::info() const {
   info.removed_mm3 = sculpture_.removed_volume_mm3();
   info.imprint_mm3 = sculpture_.imprint_volume_mm3();
   info.journal_lag = journal_.lag();
+  info.paused = pause().has_value();
   info.epoch = journal_.epoch();
   info.participants = participants();
   return info;
@@ -112,6 +148,7 @@ void Session::note_hash(StateHash state) {
 void Session::close(const std::string& reason) {
   if (closed_) return;
   programs_.cancel_all();
+  retire_programs();
   closed_ = true;
   participants_.notify({reason.empty() ? "the session is closed" : reason});
   participants_.unlisten_all();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <expected>
@@ -33,6 +34,7 @@ struct SessionFrame {
   std::uint64_t changed_sequence = 0;     ///< of the last record that removed volume
   std::optional<StateHash> hash;          ///< the newest one known
   bool hash_is_current = false;           ///< `hash` is that of the solid at `sequence`
+  bool paused = false;                    ///< the disk fails: motions are rejected
 };
 
 struct SessionInfo {
@@ -40,14 +42,25 @@ struct SessionInfo {
   std::uint64_t sequence = 0, motions = 0, sub_motions = 0;
   double stock_mm3 = 0, removed_mm3 = 0, imprint_mm3 = 0;
   std::size_t journal_lag = 0;
+  bool paused = false;  ///< the disk fails: motions are rejected until it recovers
   std::uint32_t epoch = 1;
   std::vector<Participant> participants;
+};
+
+/// What lists of sessions show, as of the end of the last motion or change of the participants.
+struct SessionFigures {
+  std::uint64_t motions = 0;
+  double removed_mm3 = 0;
+  std::size_t participants = 0;
 };
 
 /// One block with its participants, programs and journal. Functions under "executor only" must run
 /// on the session's executor, which decides the order of motions.
 class Session : public std::enable_shared_from_this<Session> {
  public:
+  /// The least time between two reports of changed participants.
+  static constexpr std::chrono::milliseconds kChangeInterval{250};
+
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
   /// outlive the session.
   Session(std::string id, Replayed replayed, JournalWriter journal, SessionLimits limits,
@@ -66,12 +79,21 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<void, JournalError> finish_journal() { return journal_.finish(); }
   /// Records not yet committed.
   std::size_t journal_lag() const { return journal_.lag(); }
+  /// The error of the disk while the session is paused: motions are rejected with kBusy until the
+  /// journal, which tries every second, can be written again. Nullopt otherwise.
+  std::optional<JournalError> pause() const { return journal_.pause(); }
+  /// Failed commits of the journal since the server started.
+  std::uint64_t failed_commits() const { return journal_.failed_commits(); }
+  /// Waits for nothing, also while the executor is busy.
+  SessionFigures figures() const {
+    return {shown_motions_, shown_removed_mm3_, shown_participants_};
+  }
   /// Motions applied since the server started.
   std::uint64_t motions_applied() const { return carving_.motions_applied(); }
 
   // ---- executor only ----
   std::expected<Participant, Rejection> join(const JoinRequest& request);
-  void leave(ParticipantId id) { participants_.leave(id); }
+  void leave(ParticipantId id);
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
   /// Validates, journals and applies each sample in turn. A rejected sample changes nothing and
   /// does not stop the samples after it.
@@ -95,6 +117,10 @@ class Session : public std::enable_shared_from_this<Session> {
 
   SessionInfo info() const;
   std::vector<Participant> participants() const { return participants_.list(); }
+  /// The participants as viewers see them.
+  Roster roster() const { return participants_.roster(); }
+  /// The agents and programs.
+  std::vector<Participant> carvers() const { return participants_.carvers(); }
   SessionFrame frame(bool with_snapshot);
   SolidSnapshot solid() { return sculpture_.solid(); }
   std::uint64_t sequence() const { return journal_.sequence(); }
@@ -104,6 +130,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void note_hash(StateHash state);
 
   /// Calls `listener` on the executor at each event until unlisten() with the returned number.
+  /// Changes of the participants are collected: they are reported every kChangeInterval at most.
   int listen(SessionListener listener) { return participants_.listen(std::move(listener)); }
   void unlisten(int listener) { participants_.unlisten(listener); }
   /// Notifies the listeners and cancels the programs. Nothing is applied afterwards.
@@ -118,6 +145,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void retire_programs();
   void schedule_hash();
   void compute_hash();
+  void report_changes();
+  void show_figures();
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;
@@ -133,6 +162,10 @@ class Session : public std::enable_shared_from_this<Session> {
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};
   bool closed_ = false;
+  Clock::time_point changes_reported_{};
+  std::atomic<std::uint64_t> shown_motions_ = 0;
+  std::atomic<double> shown_removed_mm3_ = 0;
+  std::atomic<std::size_t> shown_participants_ = 0;
 };
 
 }  // namespace kerf

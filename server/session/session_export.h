@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iosfwd>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "server/formats/program.h"
@@ -13,7 +14,7 @@
 
 namespace kerf {
 
-/// The error is one sentence.
+/// The error is one sentence. The exports end with an error soon after a stop was requested.
 using ExportResult = std::expected<void, std::string>;
 
 /// The motions to export, and the format and tolerance of the program.
@@ -25,15 +26,15 @@ struct ProgramRequest {
 };
 
 /// Writes the motions of a journal as one program, participant by participant: each path stays
-/// contiguous, and because cuts commute the solid is the same. Reads the journal once per
-/// participant and keeps no motions in memory.
+/// contiguous, and because cuts commute the solid is the same. Reads the journal once
+/// and keeps no motions in memory.
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
-                            std::ostream& out);
+                            std::ostream& out, const std::stop_token& stop = {});
 
 /// Writes one line per motion (server/formats/forces_csv.h), in the order of application. Forces
 /// are not stored: they are deterministic and are recomputed by carving the journal again. With
 /// `only`, writes the lines of that participant only.
 ExportResult export_forces(const std::filesystem::path& journal, std::optional<ParticipantId> only,
-                           std::ostream& out);
+                           std::ostream& out, const std::stop_token& stop = {});
 
 }  // namespace kerf

@@ -13,8 +13,12 @@ struct SessionLimits {
   std::size_t programs_max = 16;  ///< running at the same time
   /// Of one agent, on average: 1 kHz and a clock that runs a little fast.
   double samples_per_s = 1250;
-  double samples_burst = 1000;       ///< one second of a stalled network
-  double speed_mm_per_s = 5000;      ///< of the tip while cutting
+  double samples_burst = 1000;   ///< one second of a stalled network
+  double speed_mm_per_s = 5000;  ///< of the tip while cutting
+  /// Of all agents and programs together, and of all viewers: an audience that arrives at the same
+  /// time is let in, one that joins and leaves all the time is not.
+  double carver_joins_per_s = 10, carver_joins_burst = 100;
+  double viewer_joins_per_s = 250, viewer_joins_burst = 1000;
   std::int64_t tiles_max = 1 << 20;  ///< of the block: viewers receive every tile
 };
 

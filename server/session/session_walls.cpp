@@ -10,10 +10,12 @@ namespace kerf {
 namespace {
 
 // A motion's line is the number of its record.
-std::expected<Program, std::string> read_motions(JournalReader& reader) {
+std::expected<Program, std::string> read_motions(JournalReader& reader,
+                                                 const std::stop_token& stop) {
   Program program;
   program.files = {"journal"};
   for (;;) {
+    if (stop.stop_requested()) return std::unexpected("stopped");
     const auto record = reader.next();
     if (!record) return std::unexpected(describe(record.error()));
     if (!*record) return program;
@@ -35,17 +37,18 @@ std::expected<Program, std::string> read_motions(JournalReader& reader) {
 }  // namespace
 
 ExportResult export_thin_walls(const std::filesystem::path& journal, const DexelSnapshot& field,
-                               std::ostream& out) {
+                               std::ostream& out, const std::stop_token& stop) {
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
   auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
-  const auto program = read_motions(*reader);
+  const auto program = read_motions(*reader, stop);
   if (!program) return std::unexpected(program.error());
-  const WallCheck check(*scene, *program, wall_samples(*scene, *program));
-  WallReport report = check.find();
+  const WallCheck check(*scene, *program, wall_samples(*scene, *program), stop);
+  WallReport report = check.find(stop);
   mark_missing(report.walls, field);
-  if (scene->accuracy) report.target = check.target_at_walls();
+  if (scene->accuracy) report.target = check.target_at_walls(stop);
+  if (stop.stop_requested()) return std::unexpected("stopped");
   out << check.json(report) << '\n';
   if (!out) return std::unexpected("cannot write the output");
   return {};

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <stop_token>
 
 #include "kernel/dexel/dexel_snapshot.h"
 #include "server/session/session_export.h"
@@ -17,6 +18,6 @@ inline constexpr std::size_t kWallMotionsMax = 1'000'000;
 /// (server/verify/README.md). `field`: the field of the block along Z after these motions. An error
 /// if there are more than kWallMotionsMax motions.
 ExportResult export_thin_walls(const std::filesystem::path& journal, const DexelSnapshot& field,
-                               std::ostream& out);
+                               std::ostream& out, const std::stop_token& stop = {});
 
 }  // namespace kerf

@@ -63,10 +63,10 @@ asio::awaitable<void> ViewerConnection::act() {
 }
 
 asio::awaitable<void> ViewerConnection::join(const JoinRequest& request) {
-  using Joined = std::pair<std::expected<Participant, Rejection>, std::vector<Participant>>;
+  using Joined = std::pair<std::expected<Participant, Rejection>, Roster>;
   auto join = [session = session_, request]() {
     auto joined = session->join(request);
-    return Joined{std::move(joined), session->participants()};
+    return Joined{std::move(joined), session->roster()};
   };
   const Joined joined = co_await run_on(threads_of(*session_), std::move(join));
   conversation_.joined(joined.first, joined.second);

@@ -70,27 +70,29 @@ void ViewerHub::listen() {
     *listener = session->listen(
         [session = session.get(), weak, &viewers, listener](const SessionEvent& event) {
           if (weak.expired()) return session->unlisten(*listener);
-          viewers.post([weak, event, list = session->participants()] {
-            if (const auto hub = weak.lock()) hub->on_event(event, list);
+          viewers.post([weak, event, roster = session->roster()]() mutable {
+            if (const auto hub = weak.lock()) hub->on_event(event, std::move(roster));
           });
         });
     // Covers the events between the viewer's welcome and now.
-    viewers.post([weak, list = session->participants()] {
-      if (const auto hub = weak.lock()) hub->on_event({}, list);
+    viewers.post([weak, roster = session->roster()]() mutable {
+      if (const auto hub = weak.lock()) hub->on_event({}, std::move(roster));
     });
   });
 }
 
-void ViewerHub::on_event(const SessionEvent& event, const std::vector<Participant>& participants) {
-  const bool closing = !event.closing.empty();
-  const std::string message = closing ? "" : participants_message(participants);
-  for (auto& [id, viewer] : viewers_) {
-    if (closing) {
-      viewer.conversation->close(event.closing);
-    } else {
-      viewer.conversation->send_participants(message);
-    }
+void ViewerHub::on_event(const SessionEvent& event, Roster roster) {
+  if (!event.closing.empty()) {
+    for (auto& [id, viewer] : viewers_) viewer.conversation->close(event.closing);
+    return;
   }
+  if (is_same(roster_, roster)) return;
+  // Encoded once for all viewers.
+  const auto all = std::make_shared<const std::string>(participants_message(roster));
+  const auto change =
+      std::make_shared<const std::string>(change_message(difference(roster_, roster)));
+  roster_ = std::move(roster);
+  for (auto& [id, viewer] : viewers_) viewer.conversation->send_participants(all, change);
 }
 
 asio::awaitable<void> ViewerHub::run() {
@@ -139,6 +141,7 @@ void ViewerHub::send_tools() {
 void ViewerHub::send_states() {
   if (!has_newest_ || !newest_.hash) return;
   SurfaceState state{newest_.sequence, newest_.motions, newest_.removed_mm3, newest_.hash->hash};
+  state.paused = newest_.paused;
   for (auto& [id, viewer] : viewers_) {
     state.settled = newest_.hash_is_current && viewer.sent_sequence >= newest_.changed_sequence;
     viewer.conversation->send_state(state);

@@ -56,7 +56,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   };
 
   void listen();
-  void on_event(const SessionEvent& event, const std::vector<Participant>& participants);
+  void on_event(const SessionEvent& event, Roster roster);
   boost::asio::awaitable<void> run();
   void take_frame(SessionFrame frame);
   void send_tools();
@@ -70,6 +70,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   PeerContext& context_;
   boost::asio::steady_timer tick_;
   std::map<ParticipantId, Viewer> viewers_;
+  Roster roster_;  ///< as last sent to the viewers
   std::shared_ptr<FeedSide> side_;
   Job next_job_;
   bool job_runs_ = false, job_is_due_ = false, running_ = false, listening_ = false;

@@ -19,6 +19,7 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -72,6 +73,20 @@ class ServerProcess {
   std::uint16_t port() const { return port_; }
   /// SIGSTOP, SIGCONT, SIGKILL.
   void signal(int number) const { kill(pid_, number); }
+  /// CPU time of the server, user and system, s.
+  double cpu_seconds() const {
+    std::ifstream stat("/proc/" + std::to_string(pid_) + "/stat");
+    std::string line;
+    std::getline(stat, line);
+    // The fields behind the name in parentheses; utime and stime are the 14th and 15th of all.
+    const std::string rest = line.substr(line.rfind(')') + 2);
+    std::istringstream fields(rest);
+    std::string skipped;
+    for (int n = 3; n < 14; ++n) fields >> skipped;
+    double user = 0, system = 0;
+    fields >> user >> system;
+    return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+  }
   /// Peak memory of the server, MB.
   double peak_memory_mb() const {
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
@@ -147,7 +162,8 @@ inline Clock::time_point in_seconds(double seconds) {
 
 inline void post(std::uint16_t port, const std::string& path, const std::string& body) {
   const Socket socket(port);
-  const std::string request = "POST " + path + " HTTP/1.1\r\nHost: bench\r\nConnection: close\r\n" +
+  const std::string request = "POST " + path +
+                              " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
                               "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
   socket.send_all(request.data(), request.size());
   std::string answer;
@@ -162,7 +178,7 @@ class WebSocket {
       : socket_(port) {
     const std::string request =
         "GET " + path +
-        " HTTP/1.1\r\nHost: bench\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
+        " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
         "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n" +
         "Sec-WebSocket-Protocol: " + protocol + "\r\n\r\n";
     socket_.send_all(request.data(), request.size());

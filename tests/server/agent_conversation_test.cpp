@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/conversation/agent_conversation.h"
 
+#include <algorithm>
+
 #include "tests/server/conversation_fixture.h"
 
 namespace kerf::net {
@@ -14,6 +16,28 @@ class AgentConversationTest : public ConversationTest {};
 
 const wire::Result& result_of(const wire::Message& message) {
   return std::get<wire::Result>(message.body);
+}
+
+TEST_F(AgentConversationTest, FramesOfAnotherEpochHaveNoEffect) {
+  const auto ada = agent();
+  join_agent(*ada, R"({"type":"hello","udp":true})");
+  const std::uint64_t before = session->sequence();
+  for (const std::uint32_t epoch : {kEpoch - 1, kEpoch + 1}) {
+    const std::uint64_t last = sequence;
+    send(*ada, encoded(batch(4), 1, epoch));
+    EXPECT_EQ(error_code(*ada), "bad_epoch");
+    ada->receive_datagram(encoded(batch(4), 1, epoch), now);
+    EXPECT_EQ(ada->take_datagram(), nullptr);
+    EXPECT_EQ(error_code(*ada), "bad_epoch");
+    sequence = last;
+  }
+  EXPECT_EQ(session->sequence(), before);
+  EXPECT_TRUE(std::ranges::none_of(
+      drain(*ada), [](const OutFrame& frame) { return frame.kind == OutFrame::Kind::kResult; }));
+  send(*ada, encoded(wire::Ping{7}, 1, kEpoch + 1));
+  EXPECT_EQ(drain(*ada).size(), 1U) << "pings measure the time in any epoch";
+  send(*ada, encoded(batch(4)));
+  EXPECT_EQ(session->sequence(), before + 3);
 }
 
 TEST_F(AgentConversationTest, HelloIsAnsweredByWelcomeAndParticipants) {
@@ -112,9 +136,61 @@ TEST_F(AgentConversationTest, ParticipantsAreReportedToTheOthers) {
   const auto ada = agent(), bob = agent();
   join_agent(*ada);
   join_agent(*bob, R"({"type":"hello","name":"Bob"})");
+  executor->run_delayed();
   EXPECT_EQ(messages(*ada).back().at("participants").size(), 2U);
   bob->end();
+  executor->run_delayed();
   EXPECT_EQ(messages(*ada).back().at("participants").size(), 1U);
+}
+
+TEST_F(AgentConversationTest, ViewersAreNotInTheListsOfAgents) {
+  const auto ada = agent();
+  join_agent(*ada);
+  const auto eve = viewer();
+  join_viewer(*eve);
+  executor->run_delayed();
+  EXPECT_TRUE(messages(*ada).empty());
+  const auto bob = agent();
+  join_agent(*bob, R"({"type":"hello","name":"Bob"})");
+  executor->run_delayed();
+  const auto list = messages(*ada);
+  ASSERT_EQ(list.size(), 1U);
+  for (const auto& participant : list[0].at("participants")) {
+    EXPECT_EQ(participant.at("kind"), "agent");
+  }
+}
+
+TEST_F(AgentConversationTest, AnAgentThatReadsNothingSurvivesAnyNumberOfToolChanges) {
+  const auto ada = agent(), bob = agent();
+  join_agent(*ada);
+  join_agent(*bob, R"({"type":"hello","name":"Bob"})");
+  for (int n = 0; n < 1000; ++n) {
+    now += milliseconds(100);
+    send_text(*bob, n % 2 == 0 ? R"({"type":"tool","tool":2})" : R"({"type":"tool","tool":1})");
+    EXPECT_TRUE(messages(*bob).size() <= 1U);
+    executor->run_delayed();
+  }
+  EXPECT_FALSE(ada->broken());
+  const auto list = messages(*ada);
+  ASSERT_EQ(list.size(), 1U) << "a newer list replaces one that has not left";
+  EXPECT_EQ(list[0].at("participants").at(1).at("tool"), 1);
+}
+
+TEST_F(AgentConversationTest, ToolChangesAreLimitedToTenPerSecond) {
+  const auto ada = agent();
+  join_agent(*ada);
+  std::size_t errors = 0;
+  for (int ms = 0; ms < 3000; ms += 30) {
+    now += milliseconds(30);
+    send_text(*ada, ms % 60 == 0 ? R"({"type":"tool","tool":2})" : R"({"type":"tool","tool":1})");
+    for (const auto& message : messages(*ada)) {
+      if (message.at("type") != "error") continue;
+      EXPECT_EQ(message.at("code"), "too_fast");
+      ++errors;
+    }
+  }
+  EXPECT_GE(errors, 39U);
+  EXPECT_LE(errors, 41U);
 }
 
 TEST_F(AgentConversationTest, TheReplicaIsUpdatedAtMostEveryTwentyMilliseconds) {

@@ -18,10 +18,13 @@ namespace kerf::net {
 
 using Bytes = std::vector<std::byte>;
 
+/// Epoch of a new session: its journal was created and opened.
+inline constexpr std::uint32_t kEpoch = 2;
+
 template <typename Body>
-Bytes encoded(const Body& body, std::uint64_t sequence = 1) {
+Bytes encoded(const Body& body, std::uint64_t sequence = 1, std::uint32_t epoch = kEpoch) {
   Bytes bytes;
-  wire::append(bytes, {.epoch = 1, .sequence = sequence, .time_us = 0}, body);
+  wire::append(bytes, {.epoch = epoch, .sequence = sequence, .time_us = 0}, body);
   return bytes;
 }
 
@@ -77,7 +80,7 @@ class ConversationTest : public SessionTest {
     const auto* request = std::get_if<JoinRequest>(&*action);
     ASSERT_NE(request, nullptr);
     const auto joined = session->join(*request);
-    conversation.joined(joined, session->participants());
+    conversation.joined(joined, session->roster());
   }
   void join_viewer(ViewerConversation& conversation) {
     send_text(conversation, R"({"type":"hello","name":"Eve"})");

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <fstream>
+#include <stop_token>
 #include <thread>
 
 #include "server/http/byte_range.h"
@@ -69,16 +70,20 @@ TEST(DownloadName, IsSentInAsciiAndUtf8) {
 class DownloadCacheTest : public ::testing::Test {
  protected:
   std::expected<void, MakeError> write(const std::filesystem::path& path,
-                                       const DownloadCache::Progress& progress) {
+                                       const DownloadCache::Progress& progress,
+                                       const std::stop_token& stop) {
     ++made_;
     progress(0.25);
     begun_ = true;
-    while (hold_) std::this_thread::yield();
+    while (hold_ && !stop.stop_requested()) std::this_thread::yield();
+    if (stop.stop_requested()) return std::unexpected(MakeError{"stopped"});
     std::ofstream(path) << "text";
     return {};
   }
   DownloadCache::Make maker() {
-    return [this](const auto& path, const auto& progress) { return write(path, progress); };
+    return [this](const auto& path, const auto& progress, const auto& stop) {
+      return write(path, progress, stop);
+    };
   }
 
   test::TemporaryFolder folder_;
@@ -110,17 +115,54 @@ TEST_F(DownloadCacheTest, RequestsForAFileBeingWrittenWaitForIt) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path() / "downloads"));
 }
 
+TEST_F(DownloadCacheTest, AFileIsNoLongerMadeOnceNobodyWaitsForIt) {
+  DownloadCache cache(folder_.path() / "downloads");
+  hold_ = true;
+  std::stop_source one_gone, two_gone;
+  DownloadCache::File first, second;
+  std::jthread one([&] { first = cache.get("s/a", maker(), one_gone.get_token()); });
+  while (!begun_) std::this_thread::yield();
+  std::jthread two([&] { second = cache.get("s/a", maker(), two_gone.get_token()); });
+  while (cache.waiting("s/a") < 2) std::this_thread::yield();
+  one_gone.request_stop();
+  EXPECT_EQ(cache.making("s/").size(), 1U) << "another request still waits";
+  two_gone.request_stop();
+  one.join();
+  two.join();
+  EXPECT_FALSE(first);
+  EXPECT_FALSE(second);
+  EXPECT_TRUE(cache.making("s/").empty());
+  hold_ = false;
+  EXPECT_TRUE(cache.get("s/a", maker())) << "it can be requested again";
+}
+
+TEST_F(DownloadCacheTest, StoppingEndsWhatIsBeingMade) {
+  DownloadCache cache(folder_.path() / "downloads");
+  hold_ = true;
+  DownloadCache::File file;
+  std::jthread one([&] { file = cache.get("s/a", maker()); });
+  while (!begun_) std::this_thread::yield();
+  cache.stop();
+  one.join();
+  EXPECT_FALSE(file);
+  hold_ = false;
+  const int made = made_;
+  EXPECT_FALSE(cache.get("s/b", maker()));
+  EXPECT_EQ(made_, made);
+}
+
 TEST_F(DownloadCacheTest, AFailureIsReportedAndNotCached) {
   DownloadCache cache(folder_.path() / "downloads");
   const auto failed =
-      cache.get("k", [](const auto&, const auto&) -> std::expected<void, MakeError> {
+      cache.get("k", [](const auto&, const auto&, const auto&) -> std::expected<void, MakeError> {
         return std::unexpected(MakeError{"no"});
       });
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().reason, "no");
-  const auto thrown = cache.get(
-      "k",
-      [](const auto&, const auto&) -> std::expected<void, MakeError> { throw std::bad_alloc(); });
+  const auto thrown =
+      cache.get("k", [](const auto&, const auto&, const auto&) -> std::expected<void, MakeError> {
+        throw std::bad_alloc();
+      });
   EXPECT_FALSE(thrown);
   EXPECT_TRUE(cache.get("k", maker()));
 }

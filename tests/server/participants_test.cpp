@@ -25,6 +25,10 @@ class ParticipantsTest : public testing::Test {
     return participants.join({.kind = ParticipantKind::kAgent, .name = "", .color = ""})->id;
   }
 
+  ParticipantId join_viewer() {
+    return participants.join({.kind = ParticipantKind::kViewer, .name = "", .color = ""})->id;
+  }
+
   test::TemporaryFolder folder;
   std::filesystem::path file = folder / "demo.kerf";
   SessionLimits limits{.agents_max = 2};
@@ -91,6 +95,81 @@ TEST_F(ParticipantsTest, ListenersAreNotifiedOfChangesOnly) {
   participants.leave(id);
   participants.leave(id);
   EXPECT_EQ(events, 3);
+}
+
+TEST_F(ParticipantsTest, DeferredChangesAreReportedTogether) {
+  int events = 0, scheduled = 0;
+  bool carvers = false;
+  participants.listen([&](const SessionEvent& event) {
+    ++events;
+    carvers = event.carvers_changed;
+  });
+  participants.defer_changes([&] { ++scheduled; });
+  for (int n = 0; n < 5; ++n) join_viewer();
+  EXPECT_EQ(scheduled, 1);
+  EXPECT_EQ(events, 0);
+  participants.notify_changes();
+  participants.notify_changes();
+  EXPECT_EQ(events, 1);
+  EXPECT_FALSE(carvers);
+  join_viewer();
+  join_agent();
+  EXPECT_EQ(scheduled, 2);
+  participants.notify_changes();
+  EXPECT_EQ(events, 2);
+  EXPECT_TRUE(carvers);
+}
+
+TEST_F(ParticipantsTest, MoreThanFiftyViewersAreCountedOnly) {
+  const ParticipantId agent = join_agent();
+  std::vector<ParticipantId> viewers;
+  for (int n = 0; n < 50; ++n) viewers.push_back(join_viewer());
+  EXPECT_EQ(participants.roster().listed.size(), 51U);
+  const ParticipantId last = join_viewer();
+  const Roster many = participants.roster();
+  ASSERT_EQ(many.listed.size(), 1U);
+  EXPECT_EQ(many.listed[0].id, agent);
+  EXPECT_EQ(many.viewers, 51U);
+  participants.leave(last);
+  EXPECT_EQ(participants.roster().listed.size(), 51U);
+  participants.leave(agent);
+  EXPECT_EQ(participants.roster().viewers, 50U);
+}
+
+TEST_F(ParticipantsTest, AChangeTurnsOneRosterIntoTheNext) {
+  const Roster none = participants.roster();
+  const ParticipantId one = join_agent(), two = join_agent();
+  const ParticipantId three = join_viewer();
+  const Roster before = participants.roster();
+  EXPECT_EQ(difference(none, before).changed.size(), 3U);
+  participants.leave(one);
+  ASSERT_TRUE(participants.choose_tool(two, 2));
+  const Roster after = participants.roster();
+  const RosterChange change = difference(before, after);
+  EXPECT_EQ(change.left, std::vector<ParticipantId>{one});
+  ASSERT_EQ(change.changed.size(), 1U);
+  EXPECT_EQ(change.changed[0].id, two);
+  EXPECT_EQ(change.changed[0].tool, 2U);
+  EXPECT_EQ(change.viewers, 1U);
+  EXPECT_FALSE(is_same(before, after));
+  EXPECT_TRUE(is_same(after, participants.roster()));
+  EXPECT_EQ(difference(after, none).left, (std::vector<ParticipantId>{two, three}));
+}
+
+TEST_F(ParticipantsTest, APeerThatJoinsAndLeavesAgainAndAgainIsRejectedInTheEnd) {
+  std::size_t joined = 0;
+  for (int n = 0; n < 10'000; ++n) {
+    const auto viewer =
+        participants.join({.kind = ParticipantKind::kViewer, .name = "", .color = ""});
+    if (!viewer) {
+      EXPECT_EQ(viewer.error().code, wire::ErrorCode::kBusy);
+      break;
+    }
+    ++joined;
+    participants.leave(viewer->id);
+  }
+  EXPECT_GE(joined, 1000U) << "an audience that arrives at once is let in";
+  EXPECT_LT(joined, 10'000U);
 }
 
 TEST_F(ParticipantsTest, ListenersMayUnlistenDuringANotification) {

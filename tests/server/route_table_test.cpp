@@ -19,7 +19,7 @@ RouteMatch match(std::string_view method, std::string_view target) {
 TEST(Routes, MethodAndPathSelectARow) {
   const RouteMatch found = match("POST", "/v1/sessions/demo/programs");
   ASSERT_NE(found.route, nullptr);
-  EXPECT_TRUE(found.route->is_long);
+  EXPECT_EQ(found.route->runs, Runs::kWork);
   EXPECT_EQ(found.allow, "GET, HEAD, POST");
   EXPECT_EQ(match("DELETE", "/v1/sessions/demo/programs/7").captured, "7");
   EXPECT_EQ(match("GET", "/v1/sessions/demo/model.glb").captured, "glb");
@@ -104,6 +104,26 @@ TEST_F(ApiTest, UnknownPathsAreNotFound) {
   }
   EXPECT_EQ(code(ask("GET", "/v1/sessions/demo")), "unknown_session");
   EXPECT_EQ(code(ask("GET", "/v1/sessions/demo/x")), "unknown_session");
+}
+
+// The executor of this session runs nothing: a request that waits for it never returns.
+TEST_F(ApiTest, ListsAndHealthDoNotWaitForASession) {
+  const auto session = start();
+  move(*session, join(*session), 0, 0, -1);
+  for (const Route& route : routes()) {
+    if (route.runs != Runs::kAtOnce || route.upgrade != Upgrade::kNone) continue;
+    std::string target(route.pattern);
+    if (const auto id = target.find("{id}"); id != target.npos) target.replace(id, 4, "block");
+    EXPECT_NE(ask("GET", target).status, 500U) << target;
+  }
+  const auto list = nlohmann::json::parse(ask("GET", "/v1/sessions").body).at("sessions");
+  ASSERT_EQ(list.size(), 1U);
+  EXPECT_EQ(list[0].at("id"), "block");
+  EXPECT_EQ(list[0].at("participants"), 1U);
+  EXPECT_EQ(match("GET", "/healthz").route->runs, Runs::kAtOnce);
+  EXPECT_EQ(match("GET", "/v1/sessions").route->runs, Runs::kAtOnce);
+  EXPECT_EQ(match("GET", "/v1/sessions/block/model.stl").route->runs, Runs::kExport);
+  EXPECT_EQ(executor->waiting(), 0U);
 }
 
 TEST_F(ApiTest, OtherMethodsAreNotAllowed) {

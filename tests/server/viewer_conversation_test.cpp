@@ -13,6 +13,7 @@ using Kind = OutFrame::Kind;
 constexpr const char* kLook = R"({"type":"look","eye_mm":[0,0,90],"error_rad":0.001})";
 
 SharedBytes shared(std::size_t bytes) { return std::make_shared<const Bytes>(bytes); }
+SharedText shared(const char* text) { return std::make_shared<const std::string>(text); }
 
 class ViewerConversationTest : public ConversationTest {
  protected:
@@ -87,15 +88,16 @@ TEST_F(ViewerConversationTest, FramesLeaveInTheOrderOfTheirPriority) {
   eve->send_mesh({.sequence = 1, .glb = shared(10)});
   eve->send_mesh({.sequence = 2, .glb = shared(20)});
   eve->send_tools(shared(30));
-  eve->send_participants("{}");
+  eve->send_participants(shared("{}"), shared("{}"));
+  eve->reject_ack();
   const auto frames = drain(*eve);
-  ASSERT_EQ(frames.size(), 5U);
-  const std::vector<Kind> kinds = {Kind::kText, Kind::kTools, Kind::kMesh, Kind::kMesh,
-                                   Kind::kState};
+  ASSERT_EQ(frames.size(), 6U);
+  const std::vector<Kind> kinds = {Kind::kText, Kind::kTools, Kind::kParticipants,
+                                   Kind::kMesh, Kind::kMesh,  Kind::kState};
   for (std::size_t n = 0; n < kinds.size(); ++n) EXPECT_EQ(frames[n].kind, kinds[n]) << n;
-  EXPECT_EQ(frames[2].bytes.size(), std::size_t{wire::kHeaderBytes});
-  EXPECT_EQ(frames[2].shared->size(), 10U);
-  EXPECT_EQ(frames[3].shared->size(), 20U);
+  EXPECT_EQ(frames[3].bytes.size(), std::size_t{wire::kHeaderBytes});
+  EXPECT_EQ(frames[3].shared->size(), 10U);
+  EXPECT_EQ(frames[4].shared->size(), 20U);
 }
 
 TEST_F(ViewerConversationTest, NewerToolPosesReplaceOlderOnes) {
@@ -105,6 +107,66 @@ TEST_F(ViewerConversationTest, NewerToolPosesReplaceOlderOnes) {
   const auto frames = drain(*eve);
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_EQ(frames[0].shared->size(), 20U);
+}
+
+TEST_F(ViewerConversationTest, AParticipantChangeIsSentToAViewerThatKnowsTheListBefore) {
+  send_text(*eve, R"({"type":"hello","changes":true})");
+  perform_join(*eve);
+  drain(*eve);
+  const auto sent = [&](bool reads) {
+    eve->send_participants(shared("all"), shared("change"));
+    if (!reads) return std::string();
+    const auto frames = drain(*eve);
+    return frames.size() == 1 ? text_of(frames[0]) : "not one frame";
+  };
+  EXPECT_EQ(sent(true), "all") << "the welcome may be older than the list before";
+  EXPECT_EQ(sent(true), "change");
+  sent(false);
+  EXPECT_EQ(sent(true), "all") << "a change that was not read is replaced by the list";
+  EXPECT_EQ(sent(true), "change");
+}
+
+TEST_F(ViewerConversationTest, AViewerThatDoesNotKnowChangesGetsLists) {
+  join_viewer(*eve);
+  for (int n = 0; n < 3; ++n) {
+    eve->send_participants(shared("all"), shared("change"));
+    EXPECT_EQ(text_of(drain(*eve).at(0)), "all");
+  }
+}
+
+TEST_F(ViewerConversationTest, AViewerThatReadsNothingSurvivesAnyNumberOfParticipantChanges) {
+  join_viewer(*eve);
+  for (int n = 0; n < 1000; ++n) eve->send_participants(shared("all"), shared("change"));
+  EXPECT_FALSE(eve->broken());
+  EXPECT_EQ(drain(*eve).size(), 1U);
+}
+
+TEST_F(ViewerConversationTest, AWelcomeCountsTheViewersBeyondFifty) {
+  for (int n = 0; n < 60; ++n) {
+    ASSERT_TRUE(session->join({.kind = ParticipantKind::kViewer, .name = "", .color = ""}));
+  }
+  send_text(*eve, R"({"type":"hello"})");
+  perform_join(*eve);
+  const auto welcome = messages(*eve).at(0);
+  EXPECT_EQ(welcome.at("viewers"), 61U);
+  EXPECT_TRUE(welcome.at("participants").empty());
+}
+
+TEST_F(ViewerConversationTest, TextFramesAreLimitedToAHundredPerSecond) {
+  join_viewer(*eve);
+  for (int n = 0; n < 10'000; ++n) send_text(*eve, "not JSON");
+  std::size_t read = 0;
+  for (const auto& message : messages(*eve)) read += message.at("code") == "bad_json" ? 1 : 0;
+  EXPECT_FALSE(eve->broken());
+  now += seconds(1);
+  send_text(*eve, "not JSON");
+  EXPECT_EQ(error_code(*eve), "bad_json");
+  for (int n = 0; n < 99; ++n) send_text(*eve, "not JSON");
+  for (int n = 0; n < 100; ++n) {
+    send_text(*eve, kLook);
+    EXPECT_FALSE(eve->has_action()) << "it was read";
+  }
+  EXPECT_LE(read, 50U);
 }
 
 TEST_F(ViewerConversationTest, StatesAreSentEveryQuarterSecondAndAtOnceWhenSettled) {
@@ -128,7 +190,7 @@ TEST_F(ViewerConversationTest, CloseSendsAByeAndNothingAfterIt) {
   eve->send_mesh({.sequence = 1, .glb = shared(10)});
   eve->close("maintenance");
   eve->send_tools(shared(10));
-  eve->send_participants("{}");
+  eve->send_participants(shared("{}"), shared("{}"));
   eve->reject_ack();
   const auto list = messages(*eve);
   ASSERT_EQ(list.size(), 1U);

@@ -50,6 +50,20 @@ describe('control messages', () => {
       expect(parseControl(text).ok).toBe(false);
   });
 
+  it('parses changes of the participants, whose lists may be missing', () => {
+    const { participants } = welcome;
+    const change = { type: 'participants_changed', changed: participants, left: [4], viewers: 60 };
+    expect(parse(change)).toEqual({ ok: true, value: change });
+    expect(parse({ type: 'participants_changed', viewers: 60 })).toEqual({
+      ok: true,
+      value: { type: 'participants_changed', changed: [], left: [], viewers: 60 },
+    });
+    for (const bad of [{ left: ['4'] }, { changed: [{}] }, { viewers: null }])
+      expect(parse({ ...change, ...bad }).ok).toBe(false);
+    const list = { type: 'participants', participants, viewers: 812 };
+    expect(parse(list)).toEqual({ ok: true, value: list });
+  });
+
   it('replaces a color that is not six hexadecimal digits', () => {
     const evil = { ...welcome.participants[0], color: 'red;background:url(//evil)' };
     const result = parse({ type: 'participants', participants: [evil] });

@@ -42,6 +42,31 @@ describe('participants', () => {
     expect(people.get(1)).toBeUndefined();
   });
 
+  it('apply changes to the list and keep the forces of those who stay', () => {
+    const people = new Participants();
+    people.setList([ada, grace], 1);
+    people.applyTools([toolState(0)], 1000);
+    const linus = { ...ada, participant: 7, name: 'Linus' };
+    people.change({
+      type: 'participants_changed',
+      changed: [{ ...ada, tool: 2 }, linus],
+      left: [2, 99],
+      viewers: 812,
+    });
+    expect(people.all().map((p) => p.info.name)).toEqual(['Ada', 'Linus']);
+    expect(people.get(1)?.info.tool).toBe(2);
+    expect(people.get(1)?.forces.latest.forceN).toBe(5);
+    expect(people.viewers).toBe(812);
+  });
+
+  it('count the viewers of a list without a number', () => {
+    const people = new Participants();
+    people.setList([ada, grace]);
+    expect(people.viewers).toBe(1);
+    people.setList([ada], 51);
+    expect(people.viewers).toBe(51);
+  });
+
   it('lists agents but not viewers as carvers', () => {
     const people = new Participants();
     people.setList([grace, ada]);

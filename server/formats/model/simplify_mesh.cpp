@@ -70,7 +70,9 @@ class Simplifier {
   std::expected<SimplifiedMesh, ModelError> run(const SimplifyRequest& request,
                                                 const ModelProgress& progress,
                                                 const std::stop_token& stop) {
-    const std::size_t target = request.triangles.value_or(0);
+    // meshoptimizer asserts that the target is not above the number that there are.
+    const std::size_t target =
+        std::min<std::size_t>(request.triangles.value_or(0), exact_.triangles.size());
     // Without a bound, collapsing is reduced at the worst places as long as the error decreases.
     double bound_mm = request.error_mm.value_or(kNoBound);
     double estimate_mm =

@@ -149,6 +149,16 @@ TEST(SimplifyMesh, ReducesABoxToAboutTwelveTriangles) {
   EXPECT_NEAR(volume(result->mesh), 12 * 8 * 5, 1e-3);
 }
 
+TEST(SimplifyMesh, AcceptsABudgetAboveTheNumberOfTriangles) {
+  for (const std::uint64_t triangles : {std::uint64_t{1000}, std::uint64_t{1} << 62}) {
+    SnapshotMesh box(test::make_sculpture(BoxStock{{0, 0, 0}, {10, 10, 10}}, 1).solid());
+    const auto result = simplify_mesh(box, SimplifyRequest{triangles, std::nullopt});
+    ASSERT_TRUE(result) << result.error().reason;
+    EXPECT_LT(result->original_triangles, 1000U);
+    EXPECT_GT(result->mesh.triangles.size(), 0U);
+  }
+}
+
 TEST(SimplifyMesh, ReportsTheTrianglesNeededIfTheBudgetIsTooSmall) {
   const auto few = simplified(1, {.triangles = 2, .error_mm = {}});
   ASSERT_FALSE(few);

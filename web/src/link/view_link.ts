@@ -118,7 +118,8 @@ export class ViewLink {
     this.socket_ = socket;
     const current = (): boolean => generation === this.generation_ && !this.stopped_;
     socket.onopen = () => {
-      if (current()) socket.send(JSON.stringify({ type: 'hello', name: this.options.name }));
+      const hello = { type: 'hello', name: this.options.name, changes: true };
+      if (current()) socket.send(JSON.stringify(hello));
     };
     socket.onmessage = (event) => {
       if (current()) this.received_(event.data, current);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The participants of the session and the state of their tools, fed by two messages: the
-// participants list (names, colors) and the tool states (poses, forces). Either may arrive first.
+// The participants of the session and the state of their tools, fed by the participants list (names,
+// colors) with its changes, and by the tool states (poses, forces). Either may arrive first.
 // The list creates the entries; tool states of unknown participants are ignored.
 
 import { STATUS_FELT } from '../wire/types';
-import type { ParticipantInfo, ToolState } from '../wire/types';
+import type { ParticipantInfo, ParticipantsChanged, ToolState } from '../wire/types';
 import { ForceHistory } from './forces';
 import { PoseTrack } from './pose_track';
 
@@ -28,31 +28,33 @@ export interface Participant {
 export class Participants {
   private readonly byId_ = new Map<number, Participant>();
   private revision_ = 0;
+  private viewers_ = 0;
 
-  /** Replaces the list: adds new participants, updates known ones, removes those not in it. */
-  setList(list: readonly ParticipantInfo[]): void {
-    const present = new Set<number>();
-    for (const info of list) {
-      present.add(info.participant);
-      const known = this.byId_.get(info.participant);
-      if (known) {
-        known.info = info;
-      } else {
-        this.byId_.set(info.participant, {
-          info,
-          track: new PoseTrack(),
-          forces: new ForceHistory(FORCE_WINDOW_S),
-          tool: info.tool ?? 0,
-          status: 0,
-          feltShare: null,
-          seenMs: -Infinity,
-        });
-      }
-    }
+  /**
+   * Replaces the list: adds new participants, updates known ones, removes those not in it. `viewers`
+   * counts the viewers, of which the list may contain none; without it they are those in the list.
+   */
+  setList(list: readonly ParticipantInfo[], viewers?: number): void {
+    const present = new Set(list.map((info) => info.participant));
+    for (const info of list) this.put_(info);
     for (const id of this.byId_.keys()) {
       if (!present.has(id)) this.byId_.delete(id);
     }
+    this.viewers_ = viewers ?? list.filter((info) => info.kind === 'viewer').length;
     this.revision_ += 1;
+  }
+
+  /** Applies a change of the list. */
+  change(change: ParticipantsChanged): void {
+    for (const info of change.changed) this.put_(info);
+    for (const id of change.left) this.byId_.delete(id);
+    this.viewers_ = change.viewers;
+    this.revision_ += 1;
+  }
+
+  /** Number of viewers, listed or not. */
+  get viewers(): number {
+    return this.viewers_;
   }
 
   /** Applies one tools frame. `timeMs` is the frame's server time, mapped to the local clock. */
@@ -98,5 +100,22 @@ export class Participants {
   /** Counter of list changes, so that the page rebuilds its list only after a change. */
   get revision(): number {
     return this.revision_;
+  }
+
+  private put_(info: ParticipantInfo): void {
+    const known = this.byId_.get(info.participant);
+    if (known) {
+      known.info = info;
+      return;
+    }
+    this.byId_.set(info.participant, {
+      info,
+      track: new PoseTrack(),
+      forces: new ForceHistory(FORCE_WINDOW_S),
+      tool: info.tool ?? 0,
+      status: 0,
+      feltShare: null,
+      seenMs: -Infinity,
+    });
   }
 }

@@ -56,11 +56,14 @@ export class SessionModel {
         this.state = null;
         this.tiles.beginSnapshot();
         this.clock.reset();
-        this.participants.setList(message.participants);
+        this.participants.setList(message.participants, message.viewers);
         this.participants.forgetPoses();
         break;
       case 'participants':
-        this.participants.setList(message.participants);
+        this.participants.setList(message.participants, message.viewers);
+        break;
+      case 'participants_changed':
+        this.participants.change(message);
         break;
       case 'state':
         this.state = message;

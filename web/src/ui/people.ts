@@ -44,7 +44,7 @@ export class People {
     if (carvers.length === 0) {
       this.element.append(h('li', { class: 'quiet' }, 'No one is carving.'));
     }
-    const watching = this.model.participants.all().length - carvers.length;
+    const watching = this.model.participants.viewers;
     setText(
       this.watchers_,
       watching === 0

@@ -73,6 +73,17 @@ function participantsOf(value: unknown): ParticipantInfo[] {
   return list(value, 'participants').map(participantOf);
 }
 
+/** The number of viewers, which servers of earlier versions do not send. */
+function viewersOf(from: Json): { viewers?: number } {
+  return from['viewers'] === undefined ? {} : { viewers: number(from, 'viewers') };
+}
+
+function idsOf(value: unknown): number[] {
+  const ids = list(value, 'left');
+  if (!ids.every((id) => typeof id === 'number')) throw new InvalidField('left must be numbers');
+  return ids;
+}
+
 function stockOf(value: unknown): Stock {
   const from = object(value, 'stock');
   if (from['shape'] === 'box') {
@@ -112,6 +123,7 @@ function welcomeOf(from: Json): Welcome {
     stock: stockOf(from['stock']),
     tools: list(from['tools'], 'tools').map(toolOf),
     participants: participantsOf(from['participants']),
+    ...viewersOf(from),
     grid: {
       origin_mm: numbers(grid, 'origin_mm', 3) as Vec3,
       columns: numbers(grid, 'columns', 2) as [number, number],
@@ -125,7 +137,18 @@ function messageOf(from: Json): ServerMessage | null {
     case 'welcome':
       return welcomeOf(from);
     case 'participants':
-      return { type: 'participants', participants: participantsOf(from['participants']) };
+      return {
+        type: 'participants',
+        participants: participantsOf(from['participants']),
+        ...viewersOf(from),
+      };
+    case 'participants_changed':
+      return {
+        type: 'participants_changed',
+        changed: participantsOf(from['changed'] ?? []),
+        left: idsOf(from['left'] ?? []),
+        viewers: number(from, 'viewers'),
+      };
     case 'state':
       return {
         type: 'state',

@@ -225,6 +225,8 @@ export interface Welcome {
   stock: Stock;
   tools: ToolInfo[];
   participants: ParticipantInfo[];
+  /** All viewers of the session; more than fifty are counted but not listed. */
+  viewers?: number;
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 
@@ -243,9 +245,19 @@ export interface StateMessage {
   settled: boolean;
 }
 
+/** The difference to the list of participants that the viewer has. */
+export interface ParticipantsChanged {
+  type: 'participants_changed';
+  /** New participants, and known ones with another tool. */
+  changed: ParticipantInfo[];
+  left: number[];
+  viewers: number;
+}
+
 export type ServerMessage =
   | Welcome
-  | { type: 'participants'; participants: ParticipantInfo[] }
+  | { type: 'participants'; participants: ParticipantInfo[]; viewers?: number }
+  | ParticipantsChanged
   | StateMessage
   | { type: 'error'; code: string; reason: string; fatal: boolean }
   | { type: 'bye'; reason: string };

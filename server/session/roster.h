@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "server/session/participant.h"
+
+namespace kerf {
+
+/// The participants of a session as viewers see them, in the order of their ids. Viewers beyond
+/// kListedViewersMax are only counted: their names would be most of what the server sends.
+struct Roster {
+  /// If a session has more viewers than this, none of them is listed.
+  static constexpr std::size_t kListedViewersMax = 50;
+
+  std::vector<Participant> listed;
+  std::size_t viewers = 0;  ///< all of them, listed or not
+};
+
+/// The difference between two rosters of one session.
+struct RosterChange {
+  std::vector<Participant> changed;  ///< new in the list, or with another tool
+  std::vector<ParticipantId> left;   ///< no longer in the list
+  std::size_t viewers = 0;           ///< of the newer roster
+};
+
+/// Returns the change that turns `from` into `to`, in linear time. Names and colors of a
+/// participant never change.
+RosterChange difference(const Roster& from, const Roster& to);
+
+/// True if the two rosters are equal.
+bool is_same(const Roster& one, const Roster& other);
+
+}  // namespace kerf

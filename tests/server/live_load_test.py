@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests that requests that take long do not keep a real server from serving the others."""
+import select
+import socket
+import time
+import unittest
+
+from live_server import SCENE, LiveTest
+
+LONG = {**SCENE, "name": "long",
+        "stock": {"shape": "box", "min_mm": [0, 0, -10], "max_mm": [100, 100, 0]},
+        "accuracy": {**SCENE["accuracy"], "pitch_mm": 0.1}}
+
+
+def raster(rows):
+    """Rows of 100 mm with the ball, half a millimeter apart."""
+    lines = ["G21 G90 T1 M6", "G0 X0 Y0 Z5", "G1 Z-2 F6000"]
+    for row in range(rows):
+        lines += [f"G1 X{100 if row % 2 == 0 else 0}", f"Y{0.5 * (row + 1)}"]
+    return "\n".join(lines + ["M2", ""])
+
+
+class Exports(LiveTest):
+    def exports(self):
+        return self.server.http.json("GET", "/v1/sessions/long/exports")[1]["exports"]
+
+    def carve(self):
+        self.server.create("long", LONG)
+        status, program = self.server.http.json(
+            "POST", "/v1/sessions/long/programs?pace=fast&name=raster.ngc", raster(200))
+        self.assertEqual(status, 202, program)
+        while self.server.http.json("GET", program["url"])[1]["state"] == "running":
+            time.sleep(0.01)
+
+    def request(self):
+        """Starts a download that takes seconds; returns the socket once it is being made."""
+        client = socket.create_connection(("127.0.0.1", self.port))
+        client.sendall(b"GET /v1/sessions/long/forces.csv HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        while not self.exports():
+            answered = select.select([client], [], [], 0.002)[0]
+            self.assertFalse(answered, "the file was made already")
+        return client
+
+    def test_a_download_ends_when_its_client_is_gone(self):
+        self.carve()
+        self.request().close()
+        while self.exports():
+            time.sleep(0.01)
+        # It was not completed: a second request has to make the file again.
+        self.request().close()
+
+    def test_a_server_that_shuts_down_cancels_downloads(self):
+        self.carve()
+        client = self.request()
+        status, log = self.server.stop()
+        self.assertEqual(status, 0, log)
+        self.assertNotIn(b"200 OK", client.recv(4096))
+        client.close()
+
+
+if __name__ == "__main__":
+    unittest.main()
