@@ -243,6 +243,8 @@ export interface StateMessage {
   removed_volume_mm3: number;
   state_hash: string;
   settled: boolean;
+  /** The server cannot write the journal: nothing is carved until it can. */
+  paused?: 'disk';
 }
 
 /** The difference to the list of participants that the viewer has. */
