@@ -72,6 +72,7 @@ MotionAnswer Carving::move(ParticipantState& state, std::span<const wire::Motion
   sum.write(result);
   if (!answer.rejections.empty()) result.status |= wire::kStatusRejected;
   state.update_display(result, sum);
+  if (!samples.empty()) state.note_felt(samples.back());
   answer.felt = participants_.felt_by(state);
   return answer;
 }

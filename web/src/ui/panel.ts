@@ -129,7 +129,7 @@ export class Panel {
     this.people_.update(selected, followed, nowMs);
     const participant = selected === null ? undefined : this.model.participants.get(selected);
     setText(this.plotOf_, participant ? participant.info.name : '');
-    if (participant) this.plots_.show(participant.forces, nowMs / 1000);
+    if (participant) this.plots_.show(participant.forces, nowMs / 1000, participant.feltShare);
   }
 
   private toggle_(): void {
