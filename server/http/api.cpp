@@ -42,12 +42,16 @@ HashedSolid current_solid(Session& session) {
     SolidSnapshot solid;
     std::uint64_t sequence;
     std::optional<StateHash> hash;
+    bool is_between_records;
   };
   Read read = run_and_wait(session.executor(), [&] {
-    return Read{session.solid(), session.sequence(), session.current_hash()};
+    return Read{session.solid(), session.sequence(), session.current_hash(),
+                session.is_between_records()};
   });
   if (read.hash) return {std::move(read.solid), *read.hash};
   const StateHash hash{read.sequence, read.solid.hash()};
+  // A solid that holds a part of a motion has a hash too, but no replay gives it.
+  if (read.is_between_records) return {std::move(read.solid), hash};
   session.executor().post([self = session.shared_from_this(), hash] { self->note_hash(hash); });
   return {std::move(read.solid), hash};
 }

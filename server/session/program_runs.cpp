@@ -101,7 +101,8 @@ void ProgramRuns::step(Run& run, const Carve& carve) {
     end(run, ProgramState::kFailed);
     return;
   }
-  run.status.removed_mm3 += *removed_mm3;
+  if (!*removed_mm3) return;
+  run.status.removed_mm3 += **removed_mm3;
   run.done_s += motion.duration_s;
   if (++run.status.motions_done == run.status.motions) end(run, ProgramState::kFinished);
 }

@@ -44,9 +44,10 @@ struct ProgramStatus {
 class ProgramRuns {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Carves one motion for a participant and returns the removed volume, mm^3.
-  using Carve = std::function<std::expected<double, Rejection>(ParticipantId, const ProgramMotion&,
-                                                               bool feel)>;
+  /// Carves one motion for a participant and returns the removed volume, mm^3; nothing if the
+  /// motion takes longer: then it is called again with the same motion, in a later slice.
+  using Carve = std::function<std::expected<std::optional<double>, Rejection>(
+      ParticipantId, const ProgramMotion&, bool feel)>;
   /// A slice starts no further motion after this time.
   static constexpr std::chrono::microseconds kSlice{300};
   /// Number of program statuses kept; the oldest finished one is dropped first.

@@ -13,7 +13,6 @@ namespace {
 /// slice. One frame of an agent takes several turns of the executor; without the pause each turn
 /// would wait for a slice, and an agent at 1 kHz would fall behind.
 constexpr std::chrono::microseconds kPauseMin{200}, kPauseMax{5000};
-constexpr std::chrono::milliseconds kAgentIsActive{200};
 
 }  // namespace
 

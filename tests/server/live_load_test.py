@@ -6,6 +6,7 @@ import time
 import unittest
 
 from live_server import SCENE, LiveTest
+from wire_client import Agent
 
 LONG = {**SCENE, "name": "long",
         "stock": {"shape": "box", "min_mm": [0, 0, -10], "max_mm": [100, 100, 0]},
@@ -56,6 +57,29 @@ class Exports(LiveTest):
         self.assertEqual(status, 0, log)
         self.assertNotIn(b"200 OK", client.recv(4096))
         client.close()
+
+
+class LongMotions(LiveTest):
+    def test_an_agent_is_answered_while_a_motion_of_another_sweeps_the_whole_block(self):
+        scene = {**SCENE, "name": "wide",
+                 "stock": {"shape": "box", "min_mm": [0, 0, -10], "max_mm": [300, 300, 0]},
+                 "accuracy": {**SCENE["accuracy"], "pitch_mm": 0.1},
+                 "tools": [{"id": 1, "shape": "flat", "diameter_mm": 1000, "length_mm": 60},
+                           {"id": 2, "shape": "ball", "diameter_mm": 2, "length_mm": 60}]}
+        self.server.create("wide", scene)
+        mill, ball = Agent(self.port, "wide", "Mill"), Agent(self.port, "wide", "Ball", tool=2)
+        ball.move([(0, 0, 5)], tool=2)
+        ball.result()
+        while len(mill.receive_json("participants")["participants"]) < 2:
+            pass  # from now on the mill receives nothing but its result
+        mill.move([(150, 150, 1), (150, 150, -3)], step_us=100_000)
+        answered = 0
+        while not select.select([mill.socket], [], [], 0)[0]:
+            ball.move([(1 + 0.1 * answered, 1, -4)], tool=2)
+            ball.result()
+            answered += 1
+        self.assertGreater(mill.result()["removed"], 200_000)
+        self.assertGreater(answered, 20)
 
 
 if __name__ == "__main__":

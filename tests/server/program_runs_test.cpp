@@ -9,6 +9,7 @@ namespace kerf {
 namespace {
 
 using Clock = ProgramRuns::Clock;
+using Carved = std::expected<std::optional<double>, Rejection>;
 
 Program program_of(std::size_t motions, double duration_s = 0.001) {
   Program program;
@@ -25,11 +26,9 @@ Program program_of(std::size_t motions, double duration_s = 0.001) {
   return program;
 }
 
-std::expected<double, Rejection> quick_cut(ParticipantId, const ProgramMotion&, bool) {
-  return 0.5;
-}
+Carved quick_cut(ParticipantId, const ProgramMotion&, bool) { return 0.5; }
 
-std::expected<double, Rejection> slow_cut(ParticipantId, const ProgramMotion&, bool) {
+Carved slow_cut(ParticipantId, const ProgramMotion&, bool) {
   std::this_thread::sleep_for(std::chrono::microseconds(200));
   return 0.5;
 }
@@ -50,6 +49,21 @@ TEST(ProgramRuns, FastProgramIsCarvedInSlices) {
   EXPECT_TRUE(runs.take_ended().empty());
 }
 
+TEST(ProgramRuns, AMotionThatIsNotCompleteIsRepeated) {
+  ProgramRuns runs;
+  const auto id = runs.start(1, program_of(3), ProgramPace::kFast, Clock::now()).id;
+  std::vector<double> calls;
+  while (runs.slice([&](ParticipantId, const ProgramMotion& motion, bool) -> Carved {
+    calls.push_back(motion.from.tip_mm.x);
+    if (calls.size() == 2 || calls.size() == 3) return std::nullopt;
+    return 0.5;
+  })) {
+  }
+  EXPECT_EQ(calls, (std::vector<double>{0, 1, 1, 1, 2}));
+  EXPECT_EQ(runs.status(id)->motions_done, 3U);
+  EXPECT_EQ(runs.status(id)->removed_mm3, 1.5);
+}
+
 TEST(ProgramRuns, ProgramsAlternate) {
   ProgramRuns runs;
   std::vector<ParticipantId> order;
@@ -57,7 +71,7 @@ TEST(ProgramRuns, ProgramsAlternate) {
   runs.start(2, program_of(4), ProgramPace::kFast, Clock::now());
   while (runs.slice([&](ParticipantId id, const ProgramMotion&, bool) {
     order.push_back(id);
-    return std::expected<double, Rejection>(0);
+    return Carved(0);
   })) {
   }
   EXPECT_EQ(order, (std::vector<ParticipantId>{1, 2, 1, 2, 1, 2, 1, 2}));
@@ -83,7 +97,7 @@ TEST(ProgramRuns, ForcesAreComputedOnlyAtFeedRate) {
   runs.start(2, program_of(1), ProgramPace::kFast, Clock::now());
   runs.slice([&](ParticipantId id, const ProgramMotion&, bool feel) {
     felt[id] = feel;
-    return std::expected<double, Rejection>(0);
+    return Carved(0);
   });
   EXPECT_TRUE(felt.at(1));
   EXPECT_FALSE(felt.at(2));
@@ -94,9 +108,8 @@ TEST(ProgramRuns, RejectedMotionFailsTheProgramWithItsLine) {
   const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
   int calls = 0;
   const auto wait = runs.slice([&](ParticipantId, const ProgramMotion&, bool) {
-    return ++calls == 3 ? std::expected<double, Rejection>(
-                              std::unexpect, Rejection{wire::ErrorCode::kBadPose, "too far"})
-                        : std::expected<double, Rejection>(1);
+    return ++calls == 3 ? Carved(std::unexpect, Rejection{wire::ErrorCode::kBadPose, "too far"})
+                        : Carved(1);
   });
   EXPECT_FALSE(wait);
   EXPECT_EQ(runs.status(id)->state, ProgramState::kFailed);
