@@ -17,6 +17,7 @@
 #include <stop_token>
 
 #include "server/http/api.h"
+#include "server/http/browser_rules.h"
 #include "server/http/http_options.h"
 #include "server/http/routes.h"
 #include "server/metrics/metrics.h"
@@ -38,6 +39,8 @@ constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
+constexpr std::string_view kForeignHost =
+    "the server is not addressed by this name; name it with --allow-host, or use its IP address";
 constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
 /// Bodies above this size are uploads; few may be in memory at once.
@@ -47,19 +50,8 @@ int large_bodies = 0;  // viewers' thread only
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-/// Whether an Origin header names the host and port of the Host header.
-bool same_origin(std::string_view origin, std::string_view host) {
-  const auto scheme = origin.find("://");
-  return scheme != std::string_view::npos &&
-         beast::iequals({origin.data() + scheme + 3, origin.size() - scheme - 3},
-                        {host.data(), host.size()});
-}
-
-/// Browsers send Origin. A page of another site must neither change a session nor watch one.
-bool origin_allowed(const Request& request, const HttpOptions& options) {
-  const auto origin = view(request[http::field::origin]);
-  if (origin.empty() || same_origin(origin, view(request[http::field::host]))) return true;
-  return std::ranges::find(options.allow_origins, origin) != options.allow_origins.end();
+BrowserHeaders browser_headers(const Request& request) {
+  return {view(request[http::field::host]), view(request[http::field::origin])};
 }
 
 bool offers(const Request& request, std::string_view protocol) {
@@ -147,6 +139,10 @@ asio::awaitable<bool> Connection::serve_one() {
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
   if (error_) co_return co_await reject_malformed();
+  const BrowserHeaders headers = browser_headers(parser.get());
+  if (!host_allowed(headers.host, context_.options)) {
+    co_return co_await reject(parser.get(), 421, "bad_host", kForeignHost);
+  }
   auto request = parse_target(view(parser.get().target()));
   if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));
@@ -155,10 +151,15 @@ asio::awaitable<bool> Connection::serve_one() {
     co_return false;
   }
   const bool read_only = request->method == "GET" || request->method == "HEAD";
-  if (!read_only && !origin_allowed(parser.get(), context_.options)) {
+  if (!read_only && !origin_allowed(headers, context_.options)) {
     co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
   }
   const RouteMatch match = match_route(request->method, request->path);
+  if (request->method == "OPTIONS" && !headers.origin.empty() && !match.allow.empty()) {
+    ApiResponse allowed = preflight(match.allow);
+    const bool more = parser.get().keep_alive() && parser.content_length().value_or(0) == 0;
+    co_return co_await answer(parser.get(), allowed, more && !parser.chunked());
+  }
   if (!co_await read_body(parser, body_bytes_max(match, request->method))) co_return false;
   request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
   request->range = std::string(view(parser.get()[http::field::range]));
@@ -255,13 +256,13 @@ asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& re
   http::response<http::string_body> message(static_cast<http::status>(response.status),
                                             request.version() == 0 ? 11 : request.version());
   message.set(http::field::server, "kerf");
-  message.set("X-Content-Type-Options", "nosniff");
+  add_browser_headers(browser_headers(request), context_.options, response);
   for (const auto& [name, value] : response.headers) message.set(name, value);
   message.keep_alive(keep_alive);
   const bool head = request.method() == http::verb::head;
   const ByteRange part =
       response.part.value_or(ByteRange{0, response.file ? response.file->bytes() : 0});
-  if (response.status != 304) {
+  if (response.status != 304 && response.status != 204) {
     message.set(http::field::content_type, response.content_type);
     message.content_length(response.file ? part.count : response.body.size());
   }
@@ -306,7 +307,7 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
   const std::string& id = target.path[2];
   session = context_.registry.find(id);
   if (!session) return error_response(404, "unknown_session", "there is no session " + id);
-  if (!origin_allowed(request, context_.options)) {
+  if (!origin_allowed(browser_headers(request), context_.options)) {
     return error_response(403, "bad_origin", kForeignOrigin);
   }
   const auto protocol = upgrade == Upgrade::kAgent ? wire::kAgentProtocol : wire::kViewProtocol;
