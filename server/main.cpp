@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -60,13 +61,19 @@ bool parse_udp(const std::string& text, kerf::net::UdpOptions& udp) {
   return good;
 }
 
-/// Creates the session of a scene file unless it exists, e.g. from before a restart. Returns an
-/// error text, empty on success.
+/// Creates the session of a scene file unless it exists, e.g. from before a restart. Returns the
+/// error text of an invalid scene, empty otherwise. A journal that cannot be read or written is
+/// logged: it does not stop the other sessions.
 std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file) {
   const auto scene = kerf::load_scene(file);
   if (!scene) return to_string(scene.error());
   const std::string id = kerf::id_from_name(scene->name);
   if (sessions.find(id)) return {};
+  if (const auto error = sessions.unreadable(id)) {
+    spdlog::error("session {} of {} is not open, its journal stays as it is: {}", id, file,
+                  describe(*error));
+    return {};
+  }
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   kerf::SceneSource source;
@@ -74,6 +81,10 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
   source.base_folder = std::filesystem::path(file).parent_path();
   const auto created = sessions.create(id, text, source);
   if (created && scene->accuracy) spdlog::info("session {}: {}", id, scene->accuracy->reason);
+  if (!created && created.error().code == kerf::RegistryErrorCode::kJournal) {
+    spdlog::error("session {} of {} cannot be created: {}", id, file, created.error().reason);
+    return {};
+  }
   return created ? "" : created.error().reason;
 }
 
@@ -84,7 +95,18 @@ std::string version_text() {
          std::to_string(kerf::kKernelVersion) + ")";
 }
 
+/// Allows as many open files as the system permits: each peer needs one.
+void raise_file_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
+  limit.rlim_cur = limit.rlim_max;
+  if (setrlimit(RLIMIT_NOFILE, &limit) != 0) {
+    spdlog::warn("the limit of open files cannot be raised to {}", limit.rlim_max);
+  }
+}
+
 int serve(const CommandLine& line) {
+  raise_file_limit();
   // Only this thread waits for signals: block them before other threads start.
   sigset_t signals;
   sigemptyset(&signals);
@@ -92,6 +114,7 @@ int serve(const CommandLine& line) {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is like a full disk
 
   auto server = Server::create(line.server);
   if (!server) {

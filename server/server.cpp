@@ -14,6 +14,7 @@
 #include "server/http/http_connection.h"
 #include "server/metrics/metrics.h"
 #include "server/socket/viewer_hub.h"
+#include "server/store/folder_lock.h"
 #include "server/threads/io_threads.h"
 #include "server/threads/run_on.h"
 #include "server/udp/udp_port.h"
@@ -31,16 +32,28 @@ constexpr std::chrono::seconds kDrainTime{2};
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
+void log_pause(const std::string& id, const std::optional<JournalError>& error) {
+  if (error) {
+    spdlog::error(
+        "session {}: paused: disk: {}; motions are rejected and the commit is tried "
+        "every {} ms",
+        id, describe(*error), kJournalRetry.count());
+  } else {
+    spdlog::info("session {}: the journal is written again; the session continues", id);
+  }
+}
+
 }  // namespace
 
 struct Server::Impl {
-  explicit Impl(ServerOptions server_options)
+  Impl(ServerOptions server_options, FolderLock folder_lock)
       : options(std::move(server_options)),
+        lock(std::move(folder_lock)),
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
         registry(
-            {options.http.data_folder, options.sessions_max, options.session},
+            {options.http.data_folder, options.sessions_max, options.session, log_pause},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics),
@@ -54,6 +67,7 @@ struct Server::Impl {
   std::expected<void, std::string> listen_udp();
 
   ServerOptions options;
+  FolderLock lock;  ///< of the data folder; released when all journals are closed
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
@@ -107,10 +121,18 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   if (!std::filesystem::is_directory(options.http.data_folder)) {
     return std::unexpected(options.http.data_folder.string() + ": " + error.message());
   }
-  auto impl = std::make_unique<Impl>(std::move(options));
+  auto lock = FolderLock::take(options.http.data_folder);
+  if (!lock) return std::unexpected(lock.error());
+  auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock));
   const LoadReport loaded = impl->registry.load_all();
   for (const JournalError& failure : loaded.failures) {
     spdlog::error("{}: {}", to_string(failure.code), describe(failure));
+  }
+  for (const ShortenedSession& session : loaded.shortened) {
+    spdlog::warn(
+        "session {}: the journal ends after record {}, before its newest state hash: what "
+        "came later is lost, and the hash was dropped",
+        session.id, session.last_sequence);
   }
   for (const RecarvedSession& session : loaded.recarved) {
     spdlog::warn("session {}: the journal is of kernel version {}; carved again with version {}",
@@ -160,7 +182,9 @@ void Server::stop() {
   });
   closed.get_future().wait();
   impl_->api.stop();
-  impl_->registry.close_all("the server is shutting down");
+  for (const JournalError& lost : impl_->registry.close_all("the server is shutting down")) {
+    spdlog::error("the last records could not be written and are lost: {}", describe(lost));
+  }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
   while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
          std::chrono::steady_clock::now() < deadline) {

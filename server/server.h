@@ -36,8 +36,8 @@ struct ServerOptions {
 /// The complete service in one process: session registry, threads and listeners.
 class Server {
  public:
-  /// Creates the data folder if needed and reopens its sessions. A broken journal is logged and
-  /// skipped.
+  /// Creates the data folder if needed, locks it and reopens its sessions. A broken journal is
+  /// logged and skipped. Fails if another server uses the folder.
   static std::expected<std::unique_ptr<Server>, std::string> create(ServerOptions options);
   ~Server();
 

@@ -141,7 +141,8 @@ void AgentConversation::receive_datagram(std::span<const std::byte> frame,
   }
   if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
     queue_datagram(++pongs_, wire::Pong{ping->time_us, to_us(now_())});
-  } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body)) {
+  } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body);
+             batch != nullptr && is_of_this_epoch(*message)) {
     // The agent repeats what is not answered.
     if (!batch_) on_datagram_motion(*batch, arrived);
   }

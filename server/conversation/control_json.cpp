@@ -209,12 +209,14 @@ std::string change_message(const RosterChange& change) {
 }
 
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled) {
-  return text({{"type", wire::kTypeState},
+                          bool settled, bool paused) {
+  Json json = {{"type", wire::kTypeState},
                {"motions", motions},
                {"removed_volume_mm3", removed_mm3},
                {"state_hash", hash_text(hash)},
-               {"settled", settled}});
+               {"settled", settled}};
+  if (paused) json["paused"] = "disk";
+  return text(json);
 }
 
 std::string error_message(const Rejection& rejection, bool fatal) {

@@ -48,7 +48,7 @@ std::string participants_message(const Roster& roster);
 std::string carvers_message(const std::vector<Participant>& carvers);
 std::string change_message(const RosterChange& change);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled);
+                          bool settled, bool paused);
 std::string error_message(const Rejection& rejection, bool fatal);
 std::string bye_message(std::string_view reason);
 

@@ -52,7 +52,16 @@ void Conversation::receive_binary(std::span<const std::byte> frame, Clock::time_
   }
   const bool skipped = std::holds_alternative<wire::UnknownBody>(message->body) ||
                        std::holds_alternative<wire::Pong>(message->body);
-  if (!skipped) on_message(*message, arrived);
+  if (!skipped && is_of_this_epoch(*message)) on_message(*message, arrived);
+}
+
+bool Conversation::is_of_this_epoch(const wire::Message& message) {
+  const std::uint32_t epoch = message.header.stamp.epoch;
+  if (!self_ || epoch == session_->epoch()) return true;
+  reject({wire::ErrorCode::kBadEpoch, "the frame is of epoch " + std::to_string(epoch) +
+                                          ", the session is in epoch " +
+                                          std::to_string(session_->epoch())});
+  return false;
 }
 
 void Conversation::hello_expired() {

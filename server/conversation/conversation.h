@@ -84,6 +84,9 @@ class Conversation {
 
   void reject(const Rejection& rejection, bool fatal = false);
   void reject_without_hello();
+  /// Rejects a frame of another epoch: it was made for the session before it was reopened, with
+  /// other sequences and perhaps another block.
+  bool is_of_this_epoch(const wire::Message& message);
   void reject_frame_type(const wire::Message& message, std::string_view kind);
   void say(std::string_view text);
   void finish();

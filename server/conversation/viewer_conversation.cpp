@@ -64,12 +64,14 @@ void ViewerConversation::send_mesh(FeedFrame frame) {
 
 void ViewerConversation::send_state(const SurfaceState& state) {
   const bool same = sent_state_ && sent_state_->sequence == state.sequence &&
-                    sent_state_->hash == state.hash && sent_state_->settled == state.settled;
+                    sent_state_->hash == state.hash && sent_state_->settled == state.settled &&
+                    sent_state_->paused == state.paused;
   const auto now = now_();
   if (same || (!state.settled && now - state_sent_at_ < kStateInterval)) return;
   sent_state_ = state;
   state_sent_at_ = now;
-  out_.put_state(state_message(state.motions, state.removed_mm3, state.hash, state.settled));
+  out_.put_state(
+      state_message(state.motions, state.removed_mm3, state.hash, state.settled, state.paused));
   wake();
 }
 

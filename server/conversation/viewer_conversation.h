@@ -19,6 +19,7 @@ struct SurfaceState {
   double removed_mm3 = 0;
   std::uint64_t hash = 0;
   bool settled = false;  ///< every mesh frame of the state with this hash has been sent
+  bool paused = false;   ///< the disk fails: nothing is carved
 };
 
 /// The viewer has applied every mesh frame up to this one.

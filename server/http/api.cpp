@@ -37,6 +37,14 @@ ApiResponse not_found() {
   return error_response(404, "not_found", "there is no resource at this path");
 }
 
+ApiResponse no_session(const SessionRegistry& registry, const std::string& id) {
+  if (const auto error = registry.unreadable(id)) {
+    return error_response(500, "unreadable_session",
+                          "the journal cannot be read and stays as it is: " + error->reason);
+  }
+  return error_response(404, "unknown_session", "there is no session " + id);
+}
+
 HashedSolid current_solid(Session& session) {
   struct Read {
     SolidSnapshot solid;
@@ -68,7 +76,7 @@ ApiResponse Api::handle(const ApiRequest& request) {
   if (is_below_session(request.path)) {
     const std::string& id = request.path[2];
     call.session = registry_.find(id);
-    if (!call.session) return error_response(404, "unknown_session", "there is no session " + id);
+    if (!call.session) return no_session(registry_, id);
   }
   if (match.allow.empty()) return not_found();
   if (match.upgrade != Upgrade::kNone) {
@@ -87,6 +95,19 @@ ApiResponse Api::handle(const ApiRequest& request) {
 }
 
 ApiResponse Api::health(const ApiCall&) { return json_response(200, R"({"status":"ok"})"); }
+
+ApiResponse Api::ready(const ApiCall&) {
+  Json paused = Json::array();
+  for (const auto& session : registry_.list()) {
+    if (session->pause()) paused.push_back(session->id());
+  }
+  Json unreadable = Json::array();
+  for (const UnreadableSession& session : registry_.unreadable()) unreadable.push_back(session.id);
+  const bool loaded = registry_.loaded();
+  const char* status = !loaded ? "loading" : paused.empty() ? "ready" : "paused";
+  const Json json = {{"status", status}, {"paused", paused}, {"unreadable", unreadable}};
+  return json_response(loaded && paused.empty() ? 200 : 503, json.dump());
+}
 
 ApiResponse Api::metrics(const ApiCall&) {
   ApiResponse response;

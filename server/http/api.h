@@ -48,6 +48,9 @@ struct ApiResponse {
 ApiResponse error_response(unsigned status, std::string_view code, std::string_view reason,
                            std::string_view path = {});
 ApiResponse not_found();
+/// The response to a request for a session that is not open: 404, or 500 if its journal cannot be
+/// read.
+ApiResponse no_session(const SessionRegistry& registry, const std::string& id);
 /// A response whose body is the JSON text `json` and a line break.
 ApiResponse json_response(unsigned status, std::string json);
 
@@ -84,6 +87,7 @@ class Api {
   ApiResponse list_exports(const ApiCall& call);
   ApiResponse upload_file(const ApiCall& call);
   ApiResponse health(const ApiCall& call);
+  ApiResponse ready(const ApiCall& call);
   ApiResponse metrics(const ApiCall& call);
   ApiResponse viewer_file(const ApiCall& call);
 

@@ -26,6 +26,7 @@ Json status_json(const Session& session, const ProgramStatus& status) {
                {"name", status.name},
                {"pace", status.pace == ProgramPace::kFeed ? "feed" : "fast"},
                {"state", to_string(status.state)},
+               {"waiting", status.waiting},
                {"motions_done", status.motions_done},
                {"motions", status.motions},
                {"progress", status.motions == 0 ? 1.0

@@ -36,6 +36,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"removed_volume_mm3", info.removed_mm3},
           {"imprint_volume_mm3", info.imprint_mm3},
           {"journal_lag", info.journal_lag},
+          {"paused", info.paused ? Json("disk") : Json()},
           {"pitch_mm", session.scene().settings.pitch_mm},
           {"accuracy", Json::parse(accuracy_json(session.scene()))},
           {"stock", Json::parse(stock_json(session.scene()))},
@@ -75,9 +76,16 @@ ApiResponse Api::list_sessions(const ApiCall&) {
                     {"url", "/v1/sessions/" + session->id()},
                     {"motions", figures.motions},
                     {"removed_volume_mm3", figures.removed_mm3},
+                    {"paused", session->pause() ? Json("disk") : Json()},
                     {"participants", figures.participants}});
   }
-  return json_response(200, to_text({{"sessions", list}}));
+  Json unreadable = Json::array();
+  for (const UnreadableSession& session : registry_.unreadable()) {
+    unreadable.push_back({{"id", session.id},
+                          {"code", to_string(session.error.code)},
+                          {"reason", session.error.reason}});
+  }
+  return json_response(200, to_text({{"sessions", list}, {"unreadable", unreadable}}));
 }
 
 ApiResponse Api::create_session(const ApiCall& call) {

@@ -42,6 +42,7 @@ constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::s
 constexpr std::string_view kForeignHost =
     "the server is not addressed by this name; name it with --allow-host, or use its IP address";
 constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
+constexpr std::string_view kBadHost = "the request must have one Host header";
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
 /// Bodies above this size are uploads; few may be in memory at once.
 constexpr std::size_t kLargeBody = std::size_t{1} << 20;
@@ -52,6 +53,13 @@ std::string_view view(beast::string_view text) { return {text.data(), text.size(
 
 BrowserHeaders browser_headers(const Request& request) {
   return {view(request[http::field::host]), view(request[http::field::origin])};
+}
+
+/// HTTP/1.1 requires one Host header (RFC 9112, 3.2). With two, a proxy and this server might see
+/// different hosts.
+bool has_valid_host(const Request& request) {
+  const auto count = request.count(http::field::host);
+  return count == 1 || (count == 0 && request.version() == 10);
 }
 
 bool offers(const Request& request, std::string_view protocol) {
@@ -139,6 +147,9 @@ asio::awaitable<bool> Connection::serve_one() {
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
   if (error_) co_return co_await reject_malformed();
+  if (!has_valid_host(parser.get())) {
+    co_return co_await reject(parser.get(), 400, "bad_host", kBadHost);
+  }
   const BrowserHeaders headers = browser_headers(parser.get());
   if (!host_allowed(headers.host, context_.options)) {
     co_return co_await reject(parser.get(), 421, "bad_host", kForeignHost);
@@ -306,7 +317,7 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
   }
   const std::string& id = target.path[2];
   session = context_.registry.find(id);
-  if (!session) return error_response(404, "unknown_session", "there is no session " + id);
+  if (!session) return no_session(context_.registry, id);
   if (!origin_allowed(browser_headers(request), context_.options)) {
     return error_response(403, "bad_origin", kForeignOrigin);
   }

@@ -160,6 +160,11 @@ constexpr Route kRoutes[] = {
      .handler = &Api::health,
      .summary = "200 while the server runs"},
     {.methods = "GET, HEAD",
+     .pattern = "/readyz",
+     .handler = &Api::ready,
+     .summary = "200; 503 while sessions are loading or one is paused; `{status, paused, "
+                "unreadable}`"},
+    {.methods = "GET, HEAD",
      .pattern = "/metrics",
      .handler = &Api::metrics,
      .summary = "Prometheus text"},

@@ -81,10 +81,14 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   connections.Add({{"kind", "viewer"}}).Set(static_cast<double>(metrics.viewers.load()));
   connections.Add({{"kind", "http"}}).Set(static_cast<double>(metrics.connections.load()));
   auto& lag = family("kerf_journal_lag_records", "Records not yet committed to disk.");
+  auto& paused = family("kerf_journal_paused", "1 while a session is paused: its disk fails.");
+  auto& failed = family("kerf_journal_failed_commits", "Failed commits since the start.");
   auto& motions = family("kerf_session_motions", "Motions applied since the start.");
   for (const auto& session : sessions) {
     const prometheus::Labels labels = {{"session", session->id()}};
     lag.Add(labels).Set(static_cast<double>(session->journal_lag()));
+    paused.Add(labels).Set(session->pause() ? 1 : 0);
+    failed.Add(labels).Set(static_cast<double>(session->failed_commits()));
     motions.Add(labels).Set(static_cast<double>(session->motions_applied()));
   }
 }

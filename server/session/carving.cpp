@@ -11,7 +11,11 @@ namespace kerf {
 
 Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJournal& journal,
                  Participants& participants)
-    : limits_(limits), sculpture_(sculpture), journal_(journal), participants_(participants) {}
+    : limits_(limits),
+      sculpture_(sculpture),
+      journal_(journal),
+      participants_(participants),
+      air_(sculpture.settings()) {}
 
 Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles) {
   const Command command = move;
@@ -27,6 +31,15 @@ Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int
     return advance(id, tiles);
   }
   tiles -= reach;
+  auto result = sculpture_.apply(command);
+  if (!result) return std::unexpected(to_rejection(result.error()));
+  note(id, *result);
+  return *std::move(result);
+}
+
+Carving::Applied Carving::apply_at_once(ParticipantId id, const Command& command) {
+  if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
+  if (auto ok = journal_.append(id, command); !ok) return std::unexpected(ok.error());
   auto result = sculpture_.apply(command);
   if (!result) return std::unexpected(to_rejection(result.error()));
   note(id, *result);
@@ -135,12 +148,49 @@ std::optional<MotionAnswer> Carving::go_on(ParticipantState& state) {
   return complete;
 }
 
-std::expected<std::optional<double>, Rejection> Carving::move(ParticipantId id,
-                                                              const ProgramMotion& motion,
-                                                              bool feel) {
-  const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, feel};
+std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
+  const auto found = air_paths_.find(id);
+  if (found == air_paths_.end() || !found->second.joined()) return {};
+  // A motion that meets no stock is little work, however many tiles it crosses.
+  if (auto ok = apply_at_once(id, *found->second.joined()); !ok) return std::unexpected(ok.error());
+  found->second.clear();
+  return {};
+}
+
+Carving::Applied Carving::apply_or_join(const ProgramStep& step, std::int64_t& tiles) {
+  const ParticipantId id = step.participant;
+  const ProgramMotion& motion = step.motion;
+  const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, step.feel};
+  const Tool* tool = sculpture_.tool(move.tool);
+  const bool joinable = !step.is_last && tool != nullptr && air_.contains(move, *tool);
+  if (joinable) {
+    if (auto ok = sculpture_.check(move); !ok) return std::unexpected(to_rejection(ok.error()));
+    if (air_paths_[id].add(move)) return MotionResult{};
+  }
+  if (auto ok = apply_air(id); !ok) return std::unexpected(ok.error());
+  if (!joinable) return apply(id, move, tiles);
+  air_paths_[id].add(move);
+  return MotionResult{};
+}
+
+void Carving::end_program(ParticipantId id) {
+  // If the journal is paused, the last air moves of a cancelled program are lost.
+  (void)apply_air(id);
+  air_paths_.erase(id);
+}
+
+std::expected<std::optional<double>, Rejection> Carving::move(const ProgramStep& step) {
+  const ParticipantId id = step.participant;
+  const ProgramMotion& motion = step.motion;
   std::int64_t tiles = kTilesPerTurn;
-  const Applied result = cuts_.contains(id) ? Applied(advance(id, tiles)) : apply(id, move, tiles);
+  Applied result;
+  if (cuts_.contains(id)) {
+    result = advance(id, tiles);
+  } else if (auto ok = journal_.check_space_for_programs(); !ok) {
+    return std::unexpected(ok.error());
+  } else {
+    result = apply_or_join(step, tiles);
+  }
   if (!result) return std::unexpected(result.error());
   if (!*result) return std::nullopt;
   if (ParticipantState* state = participants_.find(id)) {

@@ -12,8 +12,9 @@
 
 #include "kernel/sculpture.h"
 #include "server/convert/rejection.h"
-#include "server/formats/program.h"
+#include "server/session/air_path.h"
 #include "server/session/participants.h"
+#include "server/session/program_runs.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
 #include "server/wire/types.h"
@@ -49,9 +50,12 @@ class Carving {
   /// Whether a batch of the participant is in progress.
   bool has_batch(ParticipantId id) const { return batches_.contains(id); }
   /// Carves one motion of a program and returns the removed volume, mm^3; nothing if the motion is
-  /// more work than one turn: then the call must be repeated with the same motion.
-  std::expected<std::optional<double>, Rejection> move(ParticipantId id,
-                                                       const ProgramMotion& motion, bool feel);
+  /// more work than one turn: then the call must be repeated with the same motion. Consecutive
+  /// motions through the air are joined (air_path.h): they are applied and journaled with the next
+  /// motion that does not join them. Answers kBusy while the journal has no space for programs.
+  std::expected<std::optional<double>, Rejection> move(const ProgramStep& step);
+  /// The program of a participant has ended: applies the motions that are still to be joined.
+  void end_program(ParticipantId id);
 
   /// The participant leaves. A motion of it that is in the journal must be completed all the same:
   /// finish_left() does that. The rest of its batch is dropped.
@@ -91,11 +95,16 @@ class Carving {
   /// Works on a motion in pieces of the participant; the result if it is complete.
   std::optional<MotionResult> advance(ParticipantId id, std::int64_t& tiles);
   void note(ParticipantId id, const MotionResult& result);
+  Applied apply_at_once(ParticipantId id, const Command& command);
+  std::expected<void, Rejection> apply_air(ParticipantId id);
+  Applied apply_or_join(const ProgramStep& step, std::int64_t& tiles);
 
   const SessionLimits& limits_;
   Sculpture& sculpture_;
   SessionJournal& journal_;
   Participants& participants_;
+  AirSpace air_;
+  std::map<ParticipantId, AirPath> air_paths_;  ///< of programs
   std::set<TileIndex> changed_;
   std::map<ParticipantId, Batch> batches_;  ///< in progress
   std::map<ParticipantId, Cut> cuts_;

@@ -47,6 +47,7 @@ void ProgramRuns::drop_oldest() {
 
 void ProgramRuns::end(Run& run, ProgramState state) {
   run.status.state = state;
+  run.status.waiting = false;
   ended_.push_back(run.status.participant);
   run.program.motions = {};  // a finished run keeps its status only
 }
@@ -90,37 +91,42 @@ bool ProgramRuns::due(const Run& run, Clock::time_point now) const {
   return std::chrono::duration<double>(now - run.started).count() >= end_s;
 }
 
-void ProgramRuns::step(Run& run, const Carve& carve) {
+bool ProgramRuns::step(Run& run, const Carve& carve) {
   const ProgramMotion& motion = run.program.motions[run.status.motions_done];
-  const bool feel = run.status.pace == ProgramPace::kFeed;
-  const auto removed_mm3 = carve(run.status.participant, motion, feel);
+  const auto removed_mm3 =
+      carve({run.status.participant, motion, run.status.pace == ProgramPace::kFeed,
+             run.status.motions_done + 1 == run.status.motions});
+  run.status.waiting = !removed_mm3 && removed_mm3.error().code == wire::ErrorCode::kBusy;
+  if (run.status.waiting) return false;
   run.status.line = motion.line;
   if (!removed_mm3) {
     run.status.error =
         run.status.name + ":" + std::to_string(motion.line) + ": " + removed_mm3.error().reason;
     end(run, ProgramState::kFailed);
-    return;
+    return true;
   }
-  if (!*removed_mm3) return;
+  if (!*removed_mm3) return true;
   run.status.removed_mm3 += **removed_mm3;
   run.done_s += motion.duration_s;
   if (++run.status.motions_done == run.status.motions) end(run, ProgramState::kFinished);
+  return true;
 }
 
 std::optional<std::chrono::microseconds> ProgramRuns::slice(const Carve& carve) {
   const auto start = Clock::now();
   auto now = start;
-  bool more = true;
-  while (more && now - start < kSlice) {
+  bool more = true, busy = false;
+  while (more && !busy && now - start < kSlice) {
     more = false;
     for (auto& run : runs_ | std::views::values) {
       if (!due(run, now)) continue;
-      step(run, carve);
+      busy = !step(run, carve) || busy;
       more = true;
     }
     now = Clock::now();
   }
   if (running() == 0) return std::nullopt;
+  if (busy) return kBusyPause;
   const bool more_due = std::ranges::any_of(runs_ | std::views::values,
                                             [&](const Run& run) { return due(run, now); });
   return more_due ? std::chrono::microseconds{0} : std::chrono::microseconds{1000};

@@ -35,8 +35,17 @@ struct ProgramStatus {
   std::size_t motions_done = 0, motions = 0;
   std::uint32_t line = 0;  ///< of the motion carved last
   double removed_mm3 = 0, programmed_s = 0;
-  std::string error;  ///< reason of kFailed, with file name and line
+  bool waiting = false;  ///< for the journal, which does not accept motions now
+  std::string error;     ///< reason of kFailed, with file name and line
   std::vector<std::string> warnings;
+};
+
+/// One motion of a program, to be carved for its participant.
+struct ProgramStep {
+  ParticipantId participant = 0;
+  const ProgramMotion& motion;
+  bool feel = false;     ///< compute its force
+  bool is_last = false;  ///< of the program
 };
 
 /// The programs of a session, carved in slices. Between slices the executor serves the agents, so
@@ -44,12 +53,14 @@ struct ProgramStatus {
 class ProgramRuns {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Carves one motion for a participant and returns the removed volume, mm^3; nothing if the
-  /// motion takes longer: then it is called again with the same motion, in a later slice.
-  using Carve = std::function<std::expected<std::optional<double>, Rejection>(
-      ParticipantId, const ProgramMotion&, bool feel)>;
+  /// Carves one motion and returns the removed volume, mm^3; nothing if the motion takes longer:
+  /// then it is called again with the same motion, in a later slice. kBusy: nothing was carved; the
+  /// motion is tried again later.
+  using Carve = std::function<std::expected<std::optional<double>, Rejection>(const ProgramStep&)>;
   /// A slice starts no further motion after this time.
   static constexpr std::chrono::microseconds kSlice{300};
+  /// Time until a motion that was answered with kBusy is tried again.
+  static constexpr std::chrono::microseconds kBusyPause{2000};
   /// Number of program statuses kept; the oldest finished one is dropped first.
   static constexpr std::size_t kStatusesMax = 256;
 
@@ -75,7 +86,8 @@ class ProgramRuns {
     double done_s = 0;
   };
   bool due(const Run& run, Clock::time_point now) const;
-  void step(Run& run, const Carve& carve);
+  /// Returns false if the motion must be tried again later.
+  bool step(Run& run, const Carve& carve);
   void drop_oldest();
   void end(Run& run, ProgramState state);
 

@@ -18,6 +18,8 @@ struct Replayed {
   std::uint64_t last_sequence = 0;
   ParticipantId last_participant = 0;
   StateHash hash;  ///< of the solid after the last record
+  /// Stored hashes beyond the last record, which were ignored: the journal has lost its end.
+  std::size_t dropped_hashes = 0;
 
   /// The journal's hashes are of another version of the kernel: the block has been carved again by
   /// this one, and may differ from what was cut then.

@@ -122,6 +122,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.changed_sequence = journal_.removal_sequence();
   frame.hash = journal_.newest_hash();
   frame.hash_is_current = current_hash().has_value();
+  frame.paused = pause().has_value();
   frame.tools.tools = participants_.tool_states();
   frame.changed = carving_.take_changed();
   if (!frame.changed.empty() || with_snapshot) frame.snapshot = sculpture_.solid();
@@ -138,6 +139,7 @@ SessionInfo Session::info() const {
   info.removed_mm3 = sculpture_.removed_volume_mm3();
   info.imprint_mm3 = sculpture_.imprint_volume_mm3();
   info.journal_lag = journal_.lag();
+  info.paused = pause().has_value();
   info.epoch = journal_.epoch();
   info.participants = participants();
   return info;
@@ -174,6 +176,7 @@ void Session::note_hash(StateHash state) {
 void Session::close(const std::string& reason) {
   if (closed_) return;
   programs_.cancel_all();
+  retire_programs();
   closed_ = true;
   participants_.notify({reason.empty() ? "the session is closed" : reason});
   participants_.unlisten_all();

@@ -34,6 +34,7 @@ struct SessionFrame {
   std::uint64_t changed_sequence = 0;     ///< of the last record that removed volume
   std::optional<StateHash> hash;          ///< the newest one known
   bool hash_is_current = false;           ///< `hash` is that of the solid at `sequence`
+  bool paused = false;                    ///< the disk fails: motions are rejected
 };
 
 struct SessionInfo {
@@ -41,6 +42,7 @@ struct SessionInfo {
   std::uint64_t sequence = 0, motions = 0, sub_motions = 0;
   double stock_mm3 = 0, removed_mm3 = 0, imprint_mm3 = 0;
   std::size_t journal_lag = 0;
+  bool paused = false;  ///< the disk fails: motions are rejected until it recovers
   std::uint32_t epoch = 1;
   std::vector<Participant> participants;
 };
@@ -79,6 +81,11 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<void, JournalError> finish_journal() { return journal_.finish(); }
   /// Records not yet committed.
   std::size_t journal_lag() const { return journal_.lag(); }
+  /// The error of the disk while the session is paused: motions are rejected with kBusy until the
+  /// journal, which tries every second, can be written again. Nullopt otherwise.
+  std::optional<JournalError> pause() const { return journal_.pause(); }
+  /// Failed commits of the journal since the server started.
+  std::uint64_t failed_commits() const { return journal_.failed_commits(); }
   /// Waits for nothing, also while the executor is busy.
   SessionFigures figures() const {
     return {shown_motions_, shown_removed_mm3_, shown_participants_};

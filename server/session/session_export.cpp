@@ -2,7 +2,6 @@
 #include "server/session/session_export.h"
 
 #include <ostream>
-#include <set>
 
 #include "server/formats/forces_csv.h"
 #include "server/formats/program_writer.h"
@@ -23,59 +22,33 @@ ExportResult for_each_record(JournalReader& reader, const std::stop_token& stop,
   }
 }
 
-bool in_span(const JournalRecord& record, const ProgramRequest& request) {
-  return record.sequence >= request.first && record.sequence <= request.last;
-}
-
-ExportResult write_motions(const std::filesystem::path& journal, ParticipantId participant,
-                           const ProgramRequest& request, ProgramWriter& writer,
-                           const std::stop_token& stop) {
-  auto reader = JournalReader::open(journal);
-  if (!reader) return std::unexpected(describe(reader.error()));
-  return for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
-    const auto* move = std::get_if<MoveTool>(&record.command);
-    if (move == nullptr || record.participant != participant || move->from == move->to) return {};
-    if (!in_span(record, request)) return {};
-    ProgramMotion motion;
-    motion.tool = move->tool;
-    motion.from = move->from;
-    motion.to = move->to;
-    motion.duration_s = move->duration_s;
-    return writer.add(motion);
-  });
-}
-
-std::expected<std::set<ParticipantId>, std::string> carvers(JournalReader& reader,
-                                                            const std::stop_token& stop) {
-  std::set<ParticipantId> found;
-  auto ok = for_each_record(reader, stop, [&](const JournalRecord& record) -> ExportResult {
-    if (std::holds_alternative<MoveTool>(record.command)) found.insert(record.participant);
-    return {};
-  });
-  if (!ok) return std::unexpected(ok.error());
-  return found;
+bool is_requested(const JournalRecord& record, const ProgramRequest& request) {
+  return record.sequence >= request.first && record.sequence <= request.last &&
+         (!request.only || *request.only == record.participant);
 }
 
 }  // namespace
 
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
                             std::ostream& out, const std::stop_token& stop) {
-  auto reader = JournalReader::open(journal);
+  // The path of one participant needs no sorting.
+  const auto order = request.only ? RecordOrder::kSequence : RecordOrder::kParticipant;
+  auto reader = JournalReader::open(journal, order, stop);
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
-  std::set<ParticipantId> participants;
-  if (request.only) {
-    participants.insert(*request.only);
-  } else {
-    auto found = carvers(*reader, stop);
-    if (!found) return std::unexpected(found.error());
-    participants = *std::move(found);
-  }
   const auto writer = make_program_writer(request.format, *scene, out, request.tolerance_mm);
-  for (const ParticipantId participant : participants) {
-    if (auto ok = write_motions(journal, participant, request, *writer, stop); !ok) return ok;
-  }
+  auto written = for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
+    const auto* move = std::get_if<MoveTool>(&record.command);
+    if (move == nullptr || move->from == move->to || !is_requested(record, request)) return {};
+    ProgramMotion motion;
+    motion.tool = move->tool;
+    motion.from = move->from;
+    motion.to = move->to;
+    motion.duration_s = move->duration_s;
+    return writer->add(motion);
+  });
+  if (!written) return written;
   if (auto ok = writer->finish(); !ok) return ok;
   if (!out) return std::unexpected("cannot write the output");
   return {};

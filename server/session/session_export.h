@@ -26,8 +26,8 @@ struct ProgramRequest {
 };
 
 /// Writes the motions of a journal as one program, participant by participant: each path stays
-/// contiguous, and because cuts commute the solid is the same. Reads the journal once per
-/// participant and keeps no motions in memory.
+/// contiguous, and because cuts commute the solid is the same. Reads the journal once
+/// and keeps no motions in memory.
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
                             std::ostream& out, const std::stop_token& stop = {});
 

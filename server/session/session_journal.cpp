@@ -4,6 +4,12 @@
 #include <utility>
 
 namespace kerf {
+namespace {
+
+/// Records that may wait for the disk before programs do. A slice adds a few hundred.
+constexpr std::size_t kProgramRecordsMax = kJournalBufferRecords / 4;
+
+}  // namespace
 
 SessionJournal::SessionJournal(JournalWriter writer, StateHash replayed)
     : writer_(std::move(writer)), removal_sequence_(replayed.sequence), hash_(replayed) {}
@@ -12,8 +18,18 @@ std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
                                                       const Command& command) {
   const auto appended = writer_.append(participant, command);
   if (appended) return {};
+  const JournalError& error = appended.error();
+  const bool is_full = error.code == JournalErrorCode::kFull;
   return std::unexpected(
-      Rejection{wire::ErrorCode::kBusy, "journal write failed: " + appended.error().reason});
+      Rejection{wire::ErrorCode::kBusy, (is_full ? "" : "paused: disk: ") + error.reason});
+}
+
+std::expected<void, Rejection> SessionJournal::check_space_for_programs() const {
+  if (const auto error = writer_.pause()) {
+    return std::unexpected(Rejection{wire::ErrorCode::kBusy, "paused: disk: " + error->reason});
+  }
+  if (writer_.lag() < kProgramRecordsMax) return {};
+  return std::unexpected(Rejection{wire::ErrorCode::kBusy, "the disk does not keep up"});
 }
 
 void SessionJournal::append(const Participant& participant) {

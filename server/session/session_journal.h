@@ -26,15 +26,23 @@ class SessionJournal {
   std::uint64_t sequence() const { return writer_.last_sequence(); }
   /// Records appended and not yet committed.
   std::size_t lag() const { return writer_.lag(); }
+  /// The error of the failed commit while the journal is paused; nullopt otherwise.
+  std::optional<JournalError> pause() const { return writer_.pause(); }
+  /// Number of failed commits since the journal was opened.
+  std::uint64_t failed_commits() const { return writer_.failed_commits(); }
   /// Blocks until all records appended before the call are committed.
   std::expected<void, JournalError> flush() { return writer_.flush(); }
   /// Commits and closes the file; later appends fail. Call once.
   std::expected<void, JournalError> finish() { return writer_.finish(); }
 
   // ---- executor only ----
-  /// Appends a command. Fails with kBusy when the disk fails or does not keep up.
+  /// Appends a command. Fails with kBusy when the disk fails ("paused: disk: …") or does not keep
+  /// up.
   std::expected<void, Rejection> append(ParticipantId participant, const Command& command);
   void append(const Participant& participant);
+  /// Fails with kBusy while the journal is paused, or more records wait than programs may cause:
+  /// the rest of the buffer is for agents, which cannot wait.
+  std::expected<void, Rejection> check_space_for_programs() const;
 
   /// The last command appended removed volume: hashes of earlier records are out of date.
   void note_removal() { removal_sequence_ = sequence(); }

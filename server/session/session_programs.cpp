@@ -42,8 +42,8 @@ std::expected<ProgramStatus, Rejection> Session::start_program(Program program, 
 void Session::run_programs() {
   const auto start = Clock::now();
   const std::uint64_t removal_before = journal_.removal_sequence();
-  const auto wait = programs_.slice([this](ParticipantId id, const ProgramMotion& motion,
-                                           bool feel) { return carving_.move(id, motion, feel); });
+  const auto wait =
+      programs_.slice([this](const ProgramStep& step) { return carving_.move(step); });
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   retire_programs();
   show_figures();
@@ -65,7 +65,10 @@ void Session::run_programs() {
 }
 
 void Session::retire_programs() {
-  for (const ParticipantId id : programs_.take_ended()) leave(id);
+  for (const ParticipantId id : programs_.take_ended()) {
+    carving_.end_program(id);
+    leave(id);
+  }
 }
 
 bool Session::cancel_program(ProgramId id) {

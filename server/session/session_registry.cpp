@@ -12,8 +12,6 @@
 namespace kerf {
 namespace {
 
-constexpr const char* kExtension = ".kerf";
-
 RegistryError journal_failure(const JournalError& error) {
   return {RegistryErrorCode::kJournal, describe(error), {}};
 }
@@ -84,17 +82,20 @@ SessionRegistry::SessionRegistry(RegistryOptions options, MakeExecutor make_exec
     : options_(std::move(options)), make_executor_(std::move(make_executor)), workers_(workers) {}
 
 std::filesystem::path SessionRegistry::journal_path(const std::string& id) const {
-  return options_.data_folder / (id + kExtension);
+  return options_.data_folder / (id + kJournalExtension);
 }
 
-std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(
-    const std::string& id, std::int64_t& kernel_version) {
+std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
+                                                                             Opened& opened) {
   const auto file = journal_path(id);
   auto replayed = replay(file);
   if (!replayed) return std::unexpected(replayed.error());
   auto journal = JournalWriter::open(file, replayed->last_sequence);
   if (!journal) return std::unexpected(journal.error());
-  kernel_version = replayed->header.kernel_version;
+  opened = {replayed->header.kernel_version, replayed->last_sequence, replayed->dropped_hashes > 0};
+  if (options_.on_pause) {
+    journal->on_pause([id, report = options_.on_pause](const auto& error) { report(id, error); });
+  }
   if (replayed->is_recarved()) journal->append_recarved(replayed->hash);
   return std::make_shared<Session>(id, *std::move(replayed), *std::move(journal), options_.session,
                                    make_executor_(id), workers_);
@@ -106,25 +107,57 @@ LoadReport SessionRegistry::load_all() {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(options_.data_folder, error)) {
     const std::string id = entry.path().stem().string();
-    if (entry.path().extension() == kExtension && is_session_id(id)) ids.push_back(id);
+    if (entry.path().extension() == kJournalExtension && is_session_id(id)) ids.push_back(id);
   }
   if (error) {
     report.failures.push_back(
         {JournalErrorCode::kIo, options_.data_folder.string(), 0, error.message()});
   }
   std::ranges::sort(ids);
-  for (const std::string& id : ids) {
-    std::int64_t kernel_version = kKernelVersion;
-    auto session = start(id, kernel_version);
-    if (!session) {
-      report.failures.push_back(session.error());
-      continue;
-    }
-    if (kernel_version != kKernelVersion) report.recarved.push_back({id, kernel_version});
-    const std::lock_guard lock(mutex_);
-    sessions_[id] = *std::move(session);
-  }
+  for (const std::string& id : ids) load(id, report);
+  const std::lock_guard lock(mutex_);
+  loaded_ = true;
   return report;
+}
+
+void SessionRegistry::load(const std::string& id, LoadReport& report) {
+  Opened opened;
+  std::expected<std::shared_ptr<Session>, JournalError> session;
+  try {
+    session = start(id, opened);
+  } catch (const std::exception& error) {  // e.g. not enough memory for this block
+    session = std::unexpected(
+        JournalError{JournalErrorCode::kIo, journal_path(id).string(), 0, error.what()});
+  }
+  const std::lock_guard lock(mutex_);
+  if (!session) {
+    report.failures.push_back(session.error());
+    unreadable_[id] = session.error();
+    return;
+  }
+  if (opened.kernel_version != kKernelVersion) {
+    report.recarved.push_back({id, opened.kernel_version});
+  }
+  if (opened.shortened) report.shortened.push_back({id, opened.last_sequence});
+  sessions_[id] = *std::move(session);
+}
+
+bool SessionRegistry::loaded() const {
+  const std::lock_guard lock(mutex_);
+  return loaded_;
+}
+
+std::vector<UnreadableSession> SessionRegistry::unreadable() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<UnreadableSession> list;
+  for (const auto& [id, error] : unreadable_) list.push_back({id, error});
+  return list;
+}
+
+std::optional<JournalError> SessionRegistry::unreadable(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = unreadable_.find(id);
+  return found == unreadable_.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string id,
@@ -150,6 +183,7 @@ std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string i
     return std::unexpected(RegistryError{kExists, "session " + id + " already exists", {}});
   }
   sessions_[id] = nullptr;
+  unreadable_.erase(id);  // its file has been moved away
   return id;
 }
 
@@ -181,8 +215,8 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
     header.base_folder = std::filesystem::absolute(*source.base_folder, ignored).string();
   }
   auto written = write_first_records(journal_path(*reserved), header, *scene);
-  std::int64_t kernel_version = kKernelVersion;
-  auto session = written ? start(*reserved, kernel_version) : std::unexpected(written.error());
+  Opened opened;
+  auto session = written ? start(*reserved, opened) : std::unexpected(written.error());
   const std::lock_guard lock(mutex_);
   if (!session) {
     sessions_.erase(*reserved);
@@ -241,7 +275,8 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
                              .count();
     const auto folder = options_.data_folder / "closed";
     std::filesystem::create_directories(folder, error);
-    error = move_journal(file, folder / (id + "-" + std::to_string(seconds) + kExtension));
+    const auto kept = keep_journal(file, folder, id + "-" + std::to_string(seconds));
+    if (!kept) error = kept.error();
   }
   const std::lock_guard lock(mutex_);
   sessions_.erase(id);
@@ -253,13 +288,15 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
   return {};
 }
 
-void SessionRegistry::close_all(const std::string& reason) {
+std::vector<JournalError> SessionRegistry::close_all(const std::string& reason) {
+  std::vector<JournalError> failures;
   for (const auto& session : list()) {
     end(session, reason);
-    (void)session->finish_journal();
+    if (auto ok = session->finish_journal(); !ok) failures.push_back(ok.error());
   }
   const std::lock_guard lock(mutex_);
   sessions_.clear();
+  return failures;
 }
 
 }  // namespace kerf

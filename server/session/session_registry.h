@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,9 @@ struct RegistryOptions {
   std::filesystem::path data_folder;  ///< holds one journal per session, ID.kerf
   std::size_t sessions_max = 64;
   SessionLimits session;
+  /// Called when a session pauses because its journal cannot be written, with the error, and when
+  /// it continues, with nullopt; on a thread of the journal.
+  std::function<void(const std::string& id, const std::optional<JournalError>&)> on_pause = {};
 };
 
 /// A session whose journal was written with another version of the kernel: its block has been
@@ -37,10 +41,23 @@ struct RecarvedSession {
   std::int64_t kernel_version;  ///< of the journal until then
 };
 
+/// A session whose journal ends before its newest state hash: records were lost, the rest is there.
+struct ShortenedSession {
+  std::string id;
+  std::uint64_t last_sequence;  ///< of the last record that is left
+};
+
 /// Outcome of SessionRegistry::load_all.
 struct LoadReport {
   std::vector<JournalError> failures;  ///< journals that cannot be read; they are left unchanged
   std::vector<RecarvedSession> recarved;
+  std::vector<ShortenedSession> shortened;
+};
+
+/// A journal of the data folder that load_all could not read.
+struct UnreadableSession {
+  std::string id;
+  JournalError error;
 };
 
 /// True for a valid session id: 1 to 64 characters from a–z, 0–9, - and _, which are safe in file
@@ -57,8 +74,15 @@ class SessionRegistry {
   using MakeExecutor = std::function<std::shared_ptr<Executor>(const std::string& id)>;
   SessionRegistry(RegistryOptions options, MakeExecutor make_executor, Executor& workers);
 
-  /// Starts a session for every journal of the data folder.
+  /// Starts a session for every journal of the data folder. A journal that cannot be read is
+  /// reported and stays as it is; its id remains taken.
   LoadReport load_all();
+  /// True once load_all() has ended.
+  bool loaded() const;
+  /// The journals that load_all() could not read.
+  std::vector<UnreadableSession> unreadable() const;
+  /// The error of the journal of session `id`, if load_all() could not read it.
+  std::optional<JournalError> unreadable(const std::string& id) const;
 
   /// Starts a new session. If `id` is empty, a unique one is derived from the scene's name.
   std::expected<std::shared_ptr<Session>, RegistryError> create(std::string id,
@@ -70,13 +94,21 @@ class SessionRegistry {
   /// Ends a session. Moves its journal to the folder `closed` (move it back to reopen the session),
   /// or deletes it with `purge`.
   std::expected<void, RegistryError> close(const std::string& id, bool purge);
-  /// Ends all sessions and commits their journals, when the program exits.
-  void close_all(const std::string& reason);
+  /// Ends all sessions and commits their journals, when the program exits. Returns the errors of
+  /// the journals whose last records could not be written.
+  std::vector<JournalError> close_all(const std::string& reason);
 
  private:
   std::filesystem::path journal_path(const std::string& id) const;
+  /// What the journal of a session was found to be when it was opened.
+  struct Opened {
+    std::int64_t kernel_version = kKernelVersion;
+    std::uint64_t last_sequence = 0;
+    bool shortened = false;
+  };
   std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id,
-                                                              std::int64_t& kernel_version);
+                                                              Opened& opened);
+  void load(const std::string& id, LoadReport& report);
   std::expected<std::string, RegistryError> reserve(std::string id, const std::string& name);
   void end(const std::shared_ptr<Session>& session, const std::string& reason);
 
@@ -85,6 +117,8 @@ class SessionRegistry {
   Executor& workers_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Session>> sessions_;  ///< null during creation and close
+  std::map<std::string, JournalError> unreadable_;
+  bool loaded_ = false;
 };
 
 }  // namespace kerf

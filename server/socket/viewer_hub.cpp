@@ -141,6 +141,7 @@ void ViewerHub::send_tools() {
 void ViewerHub::send_states() {
   if (!has_newest_ || !newest_.hash) return;
   SurfaceState state{newest_.sequence, newest_.motions, newest_.removed_mm3, newest_.hash->hash};
+  state.paused = newest_.paused;
   for (auto& [id, viewer] : viewers_) {
     state.settled = newest_.hash_is_current && viewer.sent_sequence >= newest_.changed_sequence;
     viewer.conversation->send_state(state);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_file.h"
 
+#include <fcntl.h>
+#include <stdio.h>
+
+#include <cerrno>
 #include <string>
 #include <utility>
 
@@ -114,7 +118,8 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
   };
   if (auto ok = fill(); !ok) {
     const JournalError error = to_journal_error(file, ok.error());
-    std::filesystem::remove(file, ignored);
+    database = std::unexpected(ok.error());  // closes it
+    remove_journal(file);
     return std::unexpected(error);
   }
   return *std::move(database);
@@ -175,13 +180,26 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
   return {};
 }
 
-std::error_code move_journal(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::error_code error;
-  for (const char* suffix : kSideFileSuffixes) {
-    std::filesystem::rename(from.string() + suffix, to.string() + suffix, error);  // often absent
+std::expected<std::filesystem::path, std::error_code> keep_journal(
+    const std::filesystem::path& from, const std::filesystem::path& folder,
+    const std::string& name) {
+  for (int n = 1;; ++n) {
+    const auto to = folder / (name + (n > 1 ? "-" + std::to_string(n) : "") + kJournalExtension);
+    if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) != 0) {
+      if (errno == EEXIST) continue;
+      if (errno != EINVAL) return std::unexpected(std::error_code(errno, std::generic_category()));
+      // A file system that cannot do this at once; only this server moves files here.
+      std::error_code error;
+      if (std::filesystem::exists(to, error)) continue;
+      std::filesystem::rename(from, to, error);
+      if (error) return std::unexpected(error);
+    }
+    std::error_code ignored;
+    for (const char* suffix : kSideFileSuffixes) {  // often absent
+      std::filesystem::rename(from.string() + suffix, to.string() + suffix, ignored);
+    }
+    return to;
   }
-  std::filesystem::rename(from, to, error);
-  return error;
 }
 
 void remove_journal(const std::filesystem::path& file) {

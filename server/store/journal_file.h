@@ -13,6 +13,8 @@
 
 namespace kerf {
 
+/// Extension of the file name of a journal.
+inline constexpr const char* kJournalExtension = ".kerf";
 /// "KERF", the application_id of the SQLite file. It identifies journals.
 inline constexpr std::int64_t kJournalApplicationId = 0x4B455246;
 /// Version of the tables. A file with another version is rejected with kForeignVersion.
@@ -40,8 +42,12 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
 /// Writes a consistent copy of a journal, which may be in use by a writer.
 std::expected<void, JournalError> copy_journal(const std::filesystem::path& from,
                                                const std::filesystem::path& to);
-/// Moves a closed journal, and the files that SQLite may have left beside it.
-std::error_code move_journal(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Moves a closed journal, and the files that SQLite may have left beside it, to
+/// `folder`/NAME.kerf, or NAME-2.kerf and so on if that name is taken: no file is overwritten.
+/// Returns the new path.
+std::expected<std::filesystem::path, std::error_code> keep_journal(
+    const std::filesystem::path& from, const std::filesystem::path& folder,
+    const std::string& name);
 /// Deletes a journal, and the files that SQLite may have left beside it. Errors are ignored.
 void remove_journal(const std::filesystem::path& file);
 /// Converts an SQLite error: kCorrupt if the file is damaged, otherwise kIo.

@@ -10,24 +10,31 @@
 namespace kerf {
 
 JournalReader::JournalReader(std::filesystem::path file, SqlDatabase database,
-                             SqlStatement commands)
-    : file_(std::move(file)), database_(std::move(database)), commands_(std::move(commands)) {}
+                             SqlStatement commands, RecordOrder order)
+    : file_(std::move(file)),
+      database_(std::move(database)),
+      commands_(std::move(commands)),
+      order_(order) {}
 
 JournalError JournalReader::corrupt(std::uint64_t sequence, std::string reason) const {
   return {JournalErrorCode::kCorrupt, file_.string(), sequence, std::move(reason)};
 }
 
-std::expected<JournalReader, JournalError> JournalReader::open(const std::filesystem::path& file) {
+std::expected<JournalReader, JournalError> JournalReader::open(const std::filesystem::path& file,
+                                                               RecordOrder order,
+                                                               std::stop_token stop) {
   auto database = open_journal(file, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
+  if (stop.stop_possible()) database->end_on(std::move(stop));
   // One transaction for all reads, so that hashes and commands belong to the same state.
   if (auto ok = database->execute("BEGIN"); !ok) {
     return std::unexpected(to_journal_error(file, ok.error()));
   }
+  const std::string by = order == RecordOrder::kParticipant ? "participant, sequence" : "sequence";
   auto commands =
-      database->prepare("SELECT sequence, participant, bytes, crc FROM commands ORDER BY sequence");
+      database->prepare("SELECT sequence, participant, bytes, crc FROM commands ORDER BY " + by);
   if (!commands) return std::unexpected(to_journal_error(file, commands.error()));
-  JournalReader reader(file, *std::move(database), *std::move(commands));
+  JournalReader reader(file, *std::move(database), *std::move(commands), order);
   if (auto ok = reader.read_head(); !ok) return std::unexpected(ok.error());
   return reader;
 }
@@ -54,8 +61,8 @@ std::expected<void, JournalError> JournalReader::read_head() {
   if (crc != std::int64_t{crc32(std::as_bytes(std::span(header_.scene_json)))}) {
     return std::unexpected(corrupt(0, "the scene is missing or its checksum is wrong"));
   }
-  const auto tables = database_.integer("SELECT count(*) FROM sqlite_master WHERE name='files'");
-  if (!tables) return std::unexpected(to_journal_error(file_, tables.error()));
+  const auto tables = integer("SELECT count(*) FROM sqlite_master WHERE name='files'");
+  if (!tables) return std::unexpected(tables.error());
   std::string damaged;
   if (*tables > 0) {
     ok = each("SELECT name, bytes, crc FROM files", [&](const SqlStatement& row) {
@@ -65,7 +72,10 @@ std::expected<void, JournalError> JournalReader::read_head() {
     });
     if (!ok) return ok;
   }
-  ok = read_kernel_version();
+  const auto last = integer("SELECT coalesce(max(sequence),0) FROM commands");
+  if (!last) return std::unexpected(last.error());
+  last_ = static_cast<std::uint64_t>(*last);
+  ok = read_kernel_version(*last);
   if (!ok) return ok;
   if (!damaged.empty()) {
     return std::unexpected(corrupt(0, "the checksum of the scene's file " + damaged + " is wrong"));
@@ -78,58 +88,74 @@ std::expected<void, JournalError> JournalReader::read_head() {
   if (!ok) return ok;
   return each("SELECT sequence, hash FROM state_hashes ORDER BY sequence",
               [&](const SqlStatement& row) {
+                if (row.integer(0) > *last) {
+                  ++dropped_hashes_;
+                  return;
+                }
                 hashes_.push_back({static_cast<std::uint64_t>(row.integer(0)),
                                    std::bit_cast<std::uint64_t>(row.integer(1))});
               });
 }
 
-std::expected<void, JournalError> JournalReader::read_kernel_version() {
+std::expected<std::int64_t, JournalError> JournalReader::integer(const std::string& sql) {
+  const auto value = database_.integer(sql);
+  if (!value) return std::unexpected(to_journal_error(file_, value.error()));
+  return *value;
+}
+
+std::expected<void, JournalError> JournalReader::read_kernel_version(std::int64_t last) {
   header_.kernel_version = kFirstKernelVersion;
-  const auto tables =
-      database_.integer("SELECT count(*) FROM sqlite_master WHERE name='kernel_versions'");
-  if (!tables) return std::unexpected(to_journal_error(file_, tables.error()));
+  const auto tables = integer("SELECT count(*) FROM sqlite_master WHERE name='kernel_versions'");
+  if (!tables) return std::unexpected(tables.error());
   if (*tables == 0) return {};
-  const auto version = database_.integer(
-      "SELECT coalesce((SELECT version FROM kernel_versions ORDER BY sequence DESC LIMIT 1)," +
-      std::to_string(kFirstKernelVersion) + ")");
-  if (!version) return std::unexpected(to_journal_error(file_, version.error()));
+  const auto version =
+      integer("SELECT coalesce((SELECT version FROM kernel_versions WHERE sequence<=" +
+              std::to_string(last) + " ORDER BY sequence DESC LIMIT 1)," +
+              std::to_string(kFirstKernelVersion) + ")");
+  if (!version) return std::unexpected(version.error());
   header_.kernel_version = *version;
   return {};
 }
 
+std::expected<std::uint64_t, JournalError> JournalReader::next_sequence() const {
+  const auto sequence = static_cast<std::uint64_t>(commands_.integer(0));
+  const std::uint64_t expected = count_ + 1;
+  if (order_ == RecordOrder::kSequence && sequence != expected) {
+    return std::unexpected(
+        corrupt(expected, "the record is missing: the next one is " + std::to_string(sequence)));
+  }
+  // Sequences are unique: if all are from 1 to last_ and there are last_ of them, none is missing.
+  if (sequence < 1 || sequence > last_) {
+    return std::unexpected(corrupt(sequence, "the number of the record is invalid"));
+  }
+  return sequence;
+}
+
 std::expected<std::optional<JournalRecord>, JournalError> JournalReader::next() {
-  const std::uint64_t expected_sequence = sequence_ + 1;
   const auto row = commands_.step();
   if (!row) {
     auto error = to_journal_error(file_, row.error());
-    error.sequence = expected_sequence;
+    if (order_ == RecordOrder::kSequence) error.sequence = count_ + 1;
     return std::unexpected(error);
   }
   if (!*row) {
-    if (!hashes_.empty() && hashes_.back().sequence > sequence_) {
-      return std::unexpected(corrupt(expected_sequence,
-                                     "the record is missing: the journal ends "
-                                     "before its newest state hash"));
-    }
-    return std::nullopt;
+    if (count_ == last_) return std::nullopt;
+    return std::unexpected(corrupt(0, std::to_string(last_ - count_) + " records are missing"));
   }
-  const std::int64_t sequence = commands_.integer(0);
-  if (sequence != static_cast<std::int64_t>(expected_sequence)) {
-    return std::unexpected(corrupt(
-        expected_sequence, "the record is missing: the next one is " + std::to_string(sequence)));
-  }
+  const auto sequence = next_sequence();
+  if (!sequence) return std::unexpected(sequence.error());
   JournalRecord record;
-  record.sequence = expected_sequence;
+  record.sequence = *sequence;
   record.participant = static_cast<ParticipantId>(commands_.integer(1));
   const auto bytes = commands_.blob(2);
   if (commands_.integer(3) !=
       std::int64_t{record_checksum(record.sequence, record.participant, bytes)}) {
-    return std::unexpected(corrupt(expected_sequence, "the checksum of the record is wrong"));
+    return std::unexpected(corrupt(record.sequence, "the checksum of the record is wrong"));
   }
   auto command = decode_command(bytes);
-  if (!command) return std::unexpected(corrupt(expected_sequence, command.error()));
+  if (!command) return std::unexpected(corrupt(record.sequence, command.error()));
   record.command = *std::move(command);
-  sequence_ = expected_sequence;
+  ++count_;
   return record;
 }
 

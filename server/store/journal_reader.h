@@ -24,24 +24,39 @@ struct StateHash {
   std::uint64_t hash = 0;
 };
 
+/// The order in which a reader returns the records.
+enum class RecordOrder {
+  kSequence,
+  kParticipant  ///< participant by participant, each in sequence; sorted by SQLite on disk
+};
+
 /// Reads a journal from its beginning and verifies each record. May run beside a writer of the same
 /// file; it reads the state that was committed when it was opened.
 class JournalReader {
  public:
-  static std::expected<JournalReader, JournalError> open(const std::filesystem::path& file);
+  /// Reading, and the sorting before it, fails soon after a stop was requested.
+  static std::expected<JournalReader, JournalError> open(const std::filesystem::path& file,
+                                                         RecordOrder order = RecordOrder::kSequence,
+                                                         std::stop_token stop = {});
 
   const JournalHeader& header() const { return header_; }
   const std::vector<JournalParticipant>& participants() const { return participants_; }
-  /// Sorted by sequence.
+  /// Sorted by sequence; none is beyond the last record.
   const std::vector<StateHash>& state_hashes() const { return hashes_; }
-  /// Returns the next record; nullopt after the last. An error names the first bad record; reading
-  /// stops there.
+  /// Number of state hashes that were left out because they are beyond the last record: the journal
+  /// has lost the records before them.
+  std::size_t dropped_hashes() const { return dropped_hashes_; }
+  /// Returns the next record; nullopt after the last. An error names a bad record, the first one in
+  /// the order of reading, and reading stops there.
   std::expected<std::optional<JournalRecord>, JournalError> next();
 
  private:
-  JournalReader(std::filesystem::path file, SqlDatabase database, SqlStatement commands);
+  JournalReader(std::filesystem::path file, SqlDatabase database, SqlStatement commands,
+                RecordOrder order);
+  std::expected<std::uint64_t, JournalError> next_sequence() const;
   std::expected<void, JournalError> read_head();
-  std::expected<void, JournalError> read_kernel_version();
+  std::expected<void, JournalError> read_kernel_version(std::int64_t last);
+  std::expected<std::int64_t, JournalError> integer(const std::string& sql);
   JournalError corrupt(std::uint64_t sequence, std::string reason) const;
 
   std::filesystem::path file_;
@@ -50,7 +65,10 @@ class JournalReader {
   JournalHeader header_;
   std::vector<JournalParticipant> participants_;
   std::vector<StateHash> hashes_;
-  std::uint64_t sequence_ = 0;
+  std::size_t dropped_hashes_ = 0;
+  RecordOrder order_;
+  std::uint64_t last_ = 0;   ///< greatest sequence of a record
+  std::uint64_t count_ = 0;  ///< records returned
 };
 
 }  // namespace kerf

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "server/store/journal_error.h"
 #include "server/store/journal_file.h"
@@ -19,10 +21,16 @@ namespace kerf {
 inline constexpr std::chrono::milliseconds kGroupCommit{10};
 /// Records that may be pending: four seconds of a stalled disk with 16 agents at 1 kHz.
 inline constexpr std::size_t kJournalBufferRecords = 65'536;
+/// A group whose commit failed is committed again at this interval.
+inline constexpr std::chrono::milliseconds kJournalRetry{1000};
 
 /// Writes a session's journal; one writer per file. append() copies into a bounded buffer, and a
 /// flusher thread commits groups. Call append() from one thread at a time (the session's executor),
 /// the other functions from any thread.
+///
+/// After a failed commit (the disk is full, an I/O error) the journal is paused: append() accepts
+/// no command, and nothing else is written until that same group has been committed. The flusher
+/// tries again every kJournalRetry; accepted records stay in memory.
 class JournalWriter {
  public:
   static std::expected<JournalWriter, JournalError> create(const std::filesystem::path& file,
@@ -36,8 +44,8 @@ class JournalWriter {
   ~JournalWriter();
 
   /// Appends a command and returns its sequence. Fails with kFull if the buffer is full, and with
-  /// the error of the commit after a failed commit, so that a session never runs ahead of a failed
-  /// disk.
+  /// the error of the commit while the journal is paused, so that a session never runs ahead of a
+  /// failed disk.
   std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
                                                     const Command& command);
   /// Stores or replaces a participant.
@@ -48,17 +56,24 @@ class JournalWriter {
   /// the version of this kernel, in one transaction.
   void append_recarved(StateHash state);
 
-  /// Blocks until all records appended before the call are committed; returns the error of a failed
-  /// commit.
+  /// Blocks until all records appended before the call are committed, or until a commit fails,
+  /// whose error it returns. A paused journal is tried at once.
   std::expected<void, JournalError> flush();
   /// Commits the pending records and closes the file, which may then be moved or deleted. Later
-  /// appends fail.
+  /// appends fail. After a failed commit it tries once more; an error means that records are lost.
   std::expected<void, JournalError> finish();
   std::uint64_t last_sequence() const;
   /// Grows each time the journal is opened; peers use it to detect a restarted server.
   std::uint32_t epoch() const;
   /// Number of records appended and not yet committed.
   std::size_t lag() const;
+  /// The error of the failed commit while the journal is paused; nullopt otherwise.
+  std::optional<JournalError> pause() const;
+  /// Number of failed commits since the journal was opened.
+  std::uint64_t failed_commits() const;
+  /// Calls `report` when a pause begins, with its error, and when it ends, with nullopt; on the
+  /// flusher's thread, which must not call this writer. Replaces the previous function.
+  void on_pause(std::function<void(const std::optional<JournalError>&)> report);
   const std::filesystem::path& file() const;
 
  private:

@@ -3,8 +3,13 @@
 
 #include <sqlite3.h>
 
+#include <utility>
+
 namespace kerf {
 namespace {
+
+/// Steps of SQLite's virtual machine, a dozen for each row, after which it looks for a stop.
+constexpr int kStepsBetweenStops = 10'000;
 
 SqlError last_error(sqlite3* database) {
   if (database == nullptr) return {SQLITE_NOMEM, "out of memory"};
@@ -73,6 +78,14 @@ SqlResult<SqlDatabase> SqlDatabase::open(const std::filesystem::path& file, SqlM
     if (auto ok = database.execute("PRAGMA query_only=ON"); !ok) return std::unexpected(ok.error());
   }
   return database;
+}
+
+void SqlDatabase::end_on(std::stop_token stop) {
+  stop_ = std::make_unique<std::stop_token>(std::move(stop));
+  const auto is_stopped = [](void* token) {
+    return static_cast<std::stop_token*>(token)->stop_requested() ? 1 : 0;
+  };
+  sqlite3_progress_handler(database_.get(), kStepsBetweenStops, is_stopped, stop_.get());
 }
 
 SqlResult<void> SqlDatabase::execute(const std::string& sql) {

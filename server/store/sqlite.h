@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -53,6 +54,8 @@ enum class SqlMode { kRead, kWrite, kCreate };
 class SqlDatabase {
  public:
   static SqlResult<SqlDatabase> open(const std::filesystem::path& file, SqlMode mode);
+  /// Makes statements fail soon after a stop was requested, also while they sort.
+  void end_on(std::stop_token stop);
   SqlResult<void> execute(const std::string& sql);
   SqlResult<SqlStatement> prepare(std::string_view sql);
   /// Returns the first column of the first row of a query; an error if there is no row.
@@ -63,6 +66,7 @@ class SqlDatabase {
     void operator()(sqlite3* database) const;
   };
   explicit SqlDatabase(sqlite3* database) : database_(database) {}
+  std::unique_ptr<std::stop_token> stop_;
   std::unique_ptr<sqlite3, Close> database_;
 };
 

@@ -44,12 +44,13 @@ enum class ErrorCode : std::uint8_t {
   kTurnTooLarge,
   kMotionRefused,
   kBusy,
+  kBadEpoch,
 };
 
-inline constexpr std::array<std::string_view, 13> kErrorNames = {
+inline constexpr std::array<std::string_view, 14> kErrorNames = {
     "bad_frame",      "bad_json",        "bad_message", "bad_pose", "bad_sequence",
     "unknown_tool",   "unknown_session", "too_large",   "too_fast", "no_hello",
-    "turn_too_large", "motion_refused",  "busy"};
+    "turn_too_large", "motion_refused",  "busy",        "bad_epoch"};
 
 /// Returns the name of `code` on the wire.
 constexpr std::string_view to_string(ErrorCode code) noexcept {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/conversation/agent_conversation.h"
 
+#include <algorithm>
+
 #include "tests/server/conversation_fixture.h"
 
 namespace kerf::net {
@@ -14,6 +16,28 @@ class AgentConversationTest : public ConversationTest {};
 
 const wire::Result& result_of(const wire::Message& message) {
   return std::get<wire::Result>(message.body);
+}
+
+TEST_F(AgentConversationTest, FramesOfAnotherEpochHaveNoEffect) {
+  const auto ada = agent();
+  join_agent(*ada, R"({"type":"hello","udp":true})");
+  const std::uint64_t before = session->sequence();
+  for (const std::uint32_t epoch : {kEpoch - 1, kEpoch + 1}) {
+    const std::uint64_t last = sequence;
+    send(*ada, encoded(batch(4), 1, epoch));
+    EXPECT_EQ(error_code(*ada), "bad_epoch");
+    ada->receive_datagram(encoded(batch(4), 1, epoch), now);
+    EXPECT_EQ(ada->take_datagram(), nullptr);
+    EXPECT_EQ(error_code(*ada), "bad_epoch");
+    sequence = last;
+  }
+  EXPECT_EQ(session->sequence(), before);
+  EXPECT_TRUE(std::ranges::none_of(
+      drain(*ada), [](const OutFrame& frame) { return frame.kind == OutFrame::Kind::kResult; }));
+  send(*ada, encoded(wire::Ping{7}, 1, kEpoch + 1));
+  EXPECT_EQ(drain(*ada).size(), 1U) << "pings measure the time in any epoch";
+  send(*ada, encoded(batch(4)));
+  EXPECT_EQ(session->sequence(), before + 3);
 }
 
 TEST_F(AgentConversationTest, HelloIsAnsweredByWelcomeAndParticipants) {

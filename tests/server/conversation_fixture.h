@@ -18,10 +18,13 @@ namespace kerf::net {
 
 using Bytes = std::vector<std::byte>;
 
+/// Epoch of a new session: its journal was created and opened.
+inline constexpr std::uint32_t kEpoch = 2;
+
 template <typename Body>
-Bytes encoded(const Body& body, std::uint64_t sequence = 1) {
+Bytes encoded(const Body& body, std::uint64_t sequence = 1, std::uint32_t epoch = kEpoch) {
   Bytes bytes;
-  wire::append(bytes, {.epoch = 1, .sequence = sequence, .time_us = 0}, body);
+  wire::append(bytes, {.epoch = epoch, .sequence = sequence, .time_us = 0}, body);
   return bytes;
 }
 

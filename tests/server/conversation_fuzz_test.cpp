@@ -198,6 +198,7 @@ class AgentRun {
   void note(const Bytes& frame, bool udp) {
     const auto message = wire::decode(frame, wire::kMaxClientFrameBytes);
     if (!message || !agent_.has_joined() || agent_.finishing() || agent_.broken()) return;
+    if (message->header.stamp.epoch != kEpoch) return;
     const auto* batch = std::get_if<wire::MotionBatch>(&message->body);
     if (batch == nullptr || (udp && udp_offers_ == 0)) return;
     const auto samples = batch->view();

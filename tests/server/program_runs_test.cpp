@@ -26,9 +26,9 @@ Program program_of(std::size_t motions, double duration_s = 0.001) {
   return program;
 }
 
-Carved quick_cut(ParticipantId, const ProgramMotion&, bool) { return 0.5; }
+Carved quick_cut(const ProgramStep&) { return 0.5; }
 
-Carved slow_cut(ParticipantId, const ProgramMotion&, bool) {
+Carved slow_cut(const ProgramStep&) {
   std::this_thread::sleep_for(std::chrono::microseconds(200));
   return 0.5;
 }
@@ -53,8 +53,8 @@ TEST(ProgramRuns, AMotionThatIsNotCompleteIsRepeated) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_of(3), ProgramPace::kFast, Clock::now()).id;
   std::vector<double> calls;
-  while (runs.slice([&](ParticipantId, const ProgramMotion& motion, bool) -> Carved {
-    calls.push_back(motion.from.tip_mm.x);
+  while (runs.slice([&](const ProgramStep& step) -> Carved {
+    calls.push_back(step.motion.from.tip_mm.x);
     if (calls.size() == 2 || calls.size() == 3) return std::nullopt;
     return 0.5;
   })) {
@@ -69,8 +69,8 @@ TEST(ProgramRuns, ProgramsAlternate) {
   std::vector<ParticipantId> order;
   runs.start(1, program_of(4), ProgramPace::kFast, Clock::now());
   runs.start(2, program_of(4), ProgramPace::kFast, Clock::now());
-  while (runs.slice([&](ParticipantId id, const ProgramMotion&, bool) {
-    order.push_back(id);
+  while (runs.slice([&](const ProgramStep& step) {
+    order.push_back(step.participant);
     return Carved(0);
   })) {
   }
@@ -95,8 +95,8 @@ TEST(ProgramRuns, ForcesAreComputedOnlyAtFeedRate) {
   std::map<ParticipantId, bool> felt;
   runs.start(1, program_of(1), ProgramPace::kFeed, Clock::now() - std::chrono::seconds(9));
   runs.start(2, program_of(1), ProgramPace::kFast, Clock::now());
-  runs.slice([&](ParticipantId id, const ProgramMotion&, bool feel) {
-    felt[id] = feel;
+  runs.slice([&](const ProgramStep& step) {
+    felt[step.participant] = step.feel;
     return Carved(0);
   });
   EXPECT_TRUE(felt.at(1));
@@ -107,7 +107,7 @@ TEST(ProgramRuns, RejectedMotionFailsTheProgramWithItsLine) {
   ProgramRuns runs;
   const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
   int calls = 0;
-  const auto wait = runs.slice([&](ParticipantId, const ProgramMotion&, bool) {
+  const auto wait = runs.slice([&](const ProgramStep&) {
     return ++calls == 3 ? Carved(std::unexpect, Rejection{wire::ErrorCode::kBadPose, "too far"})
                         : Carved(1);
   });
@@ -115,6 +115,32 @@ TEST(ProgramRuns, RejectedMotionFailsTheProgramWithItsLine) {
   EXPECT_EQ(runs.status(id)->state, ProgramState::kFailed);
   EXPECT_EQ(runs.status(id)->error, "p.ngc:12: too far");
   EXPECT_EQ(runs.status(id)->motions_done, 2U);
+}
+
+TEST(ProgramRuns, ABusyMotionIsTriedAgainAndTheLastOneIsMarked) {
+  ProgramRuns runs;
+  const auto id = runs.start(1, program_of(3), ProgramPace::kFast, Clock::now()).id;
+  bool busy = true;
+  std::vector<std::uint32_t> lines;
+  const auto carve = [&](const ProgramStep& step) -> Carved {
+    if (busy && step.motion.line == 11) {
+      return std::unexpected(Rejection{wire::ErrorCode::kBusy, "full"});
+    }
+    EXPECT_EQ(step.is_last, step.motion.line == 12);
+    lines.push_back(step.motion.line);
+    return 1;
+  };
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_EQ(runs.slice(carve), std::optional(ProgramRuns::kBusyPause));
+    EXPECT_EQ(runs.status(id)->state, ProgramState::kRunning);
+    EXPECT_TRUE(runs.status(id)->waiting);
+    EXPECT_EQ(runs.status(id)->motions_done, 1U);
+  }
+  busy = false;
+  EXPECT_FALSE(runs.slice(carve));
+  EXPECT_EQ(runs.status(id)->state, ProgramState::kFinished);
+  EXPECT_FALSE(runs.status(id)->waiting);
+  EXPECT_EQ(lines, (std::vector<std::uint32_t>{10, 11, 12}));
 }
 
 TEST(ProgramRuns, CancelledProgramStops) {

@@ -166,7 +166,10 @@ def parse_header(frame):
     return {"type": kind, "flags": flags, "epoch": epoch, "sequence": sequence, "time_us": time_us}
 
 
-def header(kind, payload_bytes, sequence=1, epoch=1, magic=MAGIC):
+NEW_EPOCH = 2  # of a new session: its journal was created and opened
+
+
+def header(kind, payload_bytes, sequence=1, epoch=NEW_EPOCH, magic=MAGIC):
     return struct.pack("<IBBHIIQQ", magic, kind, 0, 32, payload_bytes, epoch, sequence, 0)
 
 
@@ -174,9 +177,9 @@ def sample(sequence, time_us, tip, axis=(0, 0, 1), tool=1, buttons=CUTTING):
     return struct.pack("<QQ3d3fIII", sequence, time_us, *tip, *axis, tool, buttons, 0)
 
 
-def motion_frame(samples):
+def motion_frame(samples, epoch=NEW_EPOCH):
     payload = struct.pack("<II", len(samples), 0) + b"".join(samples)
-    return header(MOTION, len(payload)) + payload
+    return header(MOTION, len(payload), epoch=epoch) + payload
 
 
 def parse_result(payload):
@@ -191,10 +194,12 @@ class Agent(WebSocket):
         super().__init__(port, f"/v1/sessions/{session}/agent", "kerf.agent.v1")
         self.sequence = 0
         self.time_us = 1_000_000
+        self.epoch = NEW_EPOCH
         if hello:
             self.send_json({"type": "hello", "name": name, "tool": tool, **more})
             self.welcome = self.receive_json("welcome")
             self.participant = self.welcome["participant"]
+            self.epoch = self.welcome["epoch"]
 
     def move(self, tips, axis=(0, 0, 1), tool=1, step_us=1000, buttons=CUTTING):
         """Sends one message with a sample per tip."""
@@ -203,7 +208,7 @@ class Agent(WebSocket):
             self.sequence += 1
             self.time_us += step_us
             samples.append(sample(self.sequence, self.time_us, tip, axis, tool, buttons))
-        self.send_binary(motion_frame(samples))
+        self.send_binary(motion_frame(samples, self.epoch))
 
     def result(self, sequence=None):
         """Waits for the result that answers the given sample (or the last one sent)."""
@@ -233,7 +238,8 @@ class Viewer(WebSocket):
         fields = parse_header(message)
         if fields["type"] == MESH:
             self.apply(message[32:])
-            self.send_binary(header(ACK, 0, sequence=fields["sequence"]))
+            self.send_binary(header(ACK, 0, sequence=fields["sequence"],
+                                    epoch=self.welcome["epoch"]))
         elif fields["type"] == TOOLS:
             count = struct.unpack("<I", message[32:36])[0]
             self.tools = [struct.unpack("<II3d3fI3f3ffI", message[40 + 80 * i:120 + 80 * i])

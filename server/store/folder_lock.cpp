@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/folder_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace kerf {
+namespace {
+
+/// The process that the lock file names; empty if it names none yet.
+std::string holder(int file) {
+  std::array<char, 16> text{};
+  const ssize_t size = pread(file, text.data(), text.size(), 0);
+  std::string name(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  return name.substr(0, name.find('\n'));
+}
+
+}  // namespace
+
+std::expected<FolderLock, std::string> FolderLock::take(const std::filesystem::path& folder) {
+  const auto path = folder / kFileName;
+  FolderLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  if (lock.file_ < 0) {
+    return std::unexpected("cannot open " + path.string() + ": " + std::strerror(errno));
+  }
+  if (flock(lock.file_, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) {
+      return std::unexpected("cannot lock " + path.string() + ": " + std::strerror(errno));
+    }
+    const std::string process = holder(lock.file_);
+    return std::unexpected(
+        "the data folder " + folder.string() + " is in use by another kerf-server" +
+        (process.empty() ? "" : ", process " + process) + ": stop it or use another --data");
+  }
+  // Only the error text of a second server needs the number: a full disk does not prevent the
+  // start.
+  const std::string text = std::to_string(getpid()) + "\n";
+  if (ftruncate(lock.file_, 0) == 0) (void)!pwrite(lock.file_, text.data(), text.size(), 0);
+  return lock;
+}
+
+FolderLock::FolderLock(FolderLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
+  std::swap(file_, other.file_);
+  return *this;
+}
+FolderLock::~FolderLock() {
+  if (file_ >= 0) close(file_);
+}
+
+}  // namespace kerf

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <string>
+
+namespace kerf {
+
+/// The lock of a data folder, held by one process at a time: two servers on one folder would both
+/// append to its journals. The operating system releases it when the process ends, however that
+/// happens. The lock file, which names the process, remains.
+class FolderLock {
+ public:
+  /// Name of the lock file in the folder.
+  static constexpr const char* kFileName = "kerf-server.lock";
+
+  /// Locks `folder`. The error is one sentence; it names the process that holds the lock.
+  static std::expected<FolderLock, std::string> take(const std::filesystem::path& folder);
+  FolderLock(FolderLock&& other) noexcept;
+  FolderLock& operator=(FolderLock&& other) noexcept;
+  ~FolderLock();
+
+ private:
+  explicit FolderLock(int file) : file_(file) {}
+  int file_ = -1;
+};
+
+}  // namespace kerf

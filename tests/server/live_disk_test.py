@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A real server whose disk is full, and one that finds journals it cannot read."""
+import json
+import os
+import resource
+import signal
+import sqlite3
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+from live_server import SCENE, LiveTest, Server  # noqa: E402
+from live_session_test import Agent, carve  # noqa: E402
+from wire_client import Viewer  # noqa: E402
+
+
+def until(test, ask, wanted, timeout=30):
+    """Waits until `ask()` is `wanted`."""
+    end = time.monotonic() + timeout
+    found = ask()
+    while found != wanted and time.monotonic() < end:
+        time.sleep(0.05)
+        found = ask()
+    test.assertEqual(found, wanted)
+
+
+class FullDisk(LiveTest):
+    def limit_files(self, size):
+        """Writes beyond `size` bytes fail; needs no privilege, unlike a small file system."""
+        hard = resource.prlimit(self.server.process.pid, resource.RLIMIT_FSIZE)[1]
+        resource.prlimit(self.server.process.pid, resource.RLIMIT_FSIZE,
+                         (hard if size is None else size, hard))
+
+    def ready(self):
+        return self.server.http.json("GET", "/readyz")
+
+    def metric(self, name):
+        text = self.server.http.request("GET", "/metrics")[2].decode()
+        return [line for line in text.splitlines() if line.startswith(name + "{")]
+
+    def test_session_pauses_and_continues_without_loss(self):
+        agent, viewer = Agent(self.port, "block"), Viewer(self.port, "block")
+        carve(agent, 200)
+        self.assertEqual(self.ready(), (200, {"status": "ready", "paused": [], "unreadable": []}))
+        self.assertIsNone(self.server.info()["paused"])
+        self.limit_files(0)
+        # What was accepted before the failed commit stays in the block; then motions are rejected.
+        agent.move([(0, 0, -6)])
+        agent.result()
+        for i in range(500):
+            agent.move([(0.001 * i, 0, -6)])
+            if agent.result()["status"] & 4:
+                break
+        agent.move([(0, 0.001, -6)])
+        error = agent.receive_json("error")
+        self.assertEqual(error["code"], "busy")
+        self.assertIn("paused: disk: ", error["reason"])
+        self.assertFalse(error["fatal"])
+        status, body = self.ready()
+        self.assertEqual((status, body["status"], body["paused"]), (503, "paused", ["block"]))
+        self.assertEqual(self.server.http.request("GET", "/healthz")[0], 200)
+        info = self.server.info()
+        self.assertEqual(info["paused"], "disk")
+        listed = self.server.http.json("GET", "/v1/sessions")[1]["sessions"][0]
+        self.assertEqual(listed["paused"], "disk")
+        self.assertEqual(self.metric("kerf_journal_paused"),
+                         ['kerf_journal_paused{session="block"} 1'])
+        while viewer.receive_json("state").get("paused") != "disk":
+            pass
+        time.sleep(1.5)  # it tries again, and that is not logged again
+        self.assertEqual(self.ready()[0], 503)
+        self.limit_files(None)
+        until(self, lambda: self.ready()[0], 200)
+        while "paused" in viewer.receive_json("state"):
+            pass
+        carve(agent, 50, 1.0)
+        expected = self.server.info()
+        self.assertGreaterEqual(expected["motions"], info["motions"] + 49)
+        self.assertIsNone(expected["paused"])
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        log = self.server.stop(signal.SIGKILL)[1]
+        self.assertEqual(log.count("paused: disk"), 1, log)
+        self.assertEqual(log.count("the session continues"), 1, log)
+        self.server = Server(self.folder.name)
+        found = self.server.info()
+        self.assertEqual(found["state_hash"], expected["state_hash"])
+        self.assertEqual(found["motions"], expected["motions"])
+
+    def test_server_killed_while_paused_restarts_with_what_was_durable(self):
+        agent = Agent(self.port, "block")
+        carve(agent, 200)
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        durable = self.server.info()["motions"]
+        self.limit_files(0)
+        carve(agent, 100, 1.0)
+        # The hash of a state beyond the durable one is asked for, and must not be stored alone.
+        reached = self.server.info()["motions"]
+        time.sleep(1.2)
+        self.server.stop(signal.SIGKILL)
+        self.server = Server(self.folder.name)
+        self.assertGreaterEqual(self.server.info()["motions"], durable)
+        self.assertLessEqual(self.server.info()["motions"], reached)
+        carve(Agent(self.server.port, "block"), 50)
+
+    def test_stopped_while_paused_it_names_what_is_lost(self):
+        agent = Agent(self.port, "block")
+        carve(agent, 50)
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        self.limit_files(0)
+        carve(agent, 50, 1.0)
+        status, log = self.server.stop()
+        self.assertEqual(status, 0, log)
+        self.assertIn("the last records could not be written and are lost", log)
+        self.server = Server(self.folder.name)
+        self.assertGreaterEqual(self.server.info()["motions"], 49)
+
+
+class UnreadableJournals(LiveTest):
+    def restart_with_scene(self):
+        scene = os.path.join(self.folder.name, "scene.json")
+        with open(scene, "w") as file:
+            json.dump(SCENE, file)
+        return Server(self.folder.name, "--scene", scene)
+
+    def test_scene_option_does_not_stop_the_server_nor_overwrite_the_journal(self):
+        self.server.create("other")
+        carve(Agent(self.port, "block"), 50)
+        self.server.stop()
+        path = os.path.join(self.folder.name, "block.kerf")
+        with sqlite3.connect(path) as journal:
+            journal.execute("UPDATE commands SET bytes = zeroblob(110) WHERE sequence = 7")
+        journal.close()
+        with open(path, "rb") as file:
+            before = file.read()
+        self.server = self.restart_with_scene()
+        status, body = self.server.http.json("GET", "/v1/sessions")
+        self.assertEqual([s["id"] for s in body["sessions"]], ["other"])
+        self.assertEqual([(s["id"], s["code"]) for s in body["unreadable"]],
+                         [("block", "corrupt_journal")])
+        status, body = self.server.http.json("GET", "/v1/sessions/block")
+        self.assertEqual((status, body["error"]["code"]), (500, "unreadable_session"))
+        status, body = self.server.http.json("POST", "/v1/sessions?id=block", json.dumps(SCENE))
+        self.assertEqual((status, body["error"]["code"]), (409, "session_exists"))
+        status, body = self.server.http.json("GET", "/readyz")
+        self.assertEqual((status, body["unreadable"]), (200, ["block"]))
+        code, log = self.server.stop()
+        self.assertEqual(code, 0, log)
+        self.assertIn("its journal stays as it is", log)
+        with open(path, "rb") as file:
+            self.assertEqual(file.read(), before)
+        self.server = Server(self.folder.name)
+
+    def test_hash_beyond_the_last_command_is_dropped_with_a_warning(self):
+        carve(Agent(self.port, "block"), 50)
+        expected = self.server.hash()
+        self.server.stop()
+        with sqlite3.connect(os.path.join(self.folder.name, "block.kerf")) as journal:
+            journal.execute("INSERT INTO state_hashes VALUES(9999, 2989)")
+        journal.close()
+        self.server = self.restart_with_scene()
+        self.assertEqual(self.server.hash(), expected)
+        code, log = self.server.stop()
+        self.assertEqual(code, 0, log)
+        self.assertIn("session block: the journal ends after record", log)
+        self.server = Server(self.folder.name)
+        self.assertEqual(self.server.hash(), expected)
+        self.assertNotIn("the journal ends after", self.server.stop()[1])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The process of a real server: its data folder, its limits, and requests without one Host."""
+import os
+import re
+import resource
+import signal
+import socket
+import subprocess
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+from live_disk_test import until  # noqa: E402
+from live_server import PROGRAM, LiveTest, Server  # noqa: E402
+from wire_client import ACK, Agent, Viewer, header, motion_frame, sample  # noqa: E402
+
+
+class Folder(LiveTest):
+    def test_second_server_on_one_folder_exits_and_names_the_first(self):
+        agent = Agent(self.port, "block")
+        second = subprocess.run([PROGRAM, "--listen", "127.0.0.1:0", "--data", self.folder.name],
+                                capture_output=True, text=True, timeout=30)
+        self.assertEqual(second.returncode, 1)
+        self.assertEqual(second.stdout, "")
+        self.assertIn(f"process {self.server.process.pid}", second.stderr)
+        agent.move([(0, 0, -1)])
+        agent.move([(1, 0, -1)])
+        agent.result()
+        expected = self.server.hash()
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        # A killed server leaves its lock file, but not its lock.
+        self.server.stop(signal.SIGKILL)
+        self.assertTrue(os.path.exists(os.path.join(self.folder.name, "kerf-server.lock")))
+        self.server = Server(self.folder.name)
+        self.assertEqual(self.server.hash(), expected)
+
+    def test_limit_of_open_files_is_raised(self):
+        self.server.stop()
+        before = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (min(256, before[1]), before[1]))
+        try:
+            self.server = Server(self.folder.name)
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, before)
+        soft, hard = resource.prlimit(self.server.process.pid, resource.RLIMIT_NOFILE)
+        self.assertEqual(soft, hard)
+        self.assertGreater(hard, 256)
+
+
+class Hosts(LiveTest):
+    def ask(self, *lines):
+        with socket.create_connection(("127.0.0.1", self.port), timeout=10) as raw:
+            raw.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
+            answer = b""
+            while data := raw.recv(65536):
+                answer += data
+                if b"\r\n\r\n" in answer and b"}" in answer:
+                    break
+        status = int(answer.split()[1])
+        code = re.search(rb'"code":"([a-z_]+)"', answer)
+        return status, code and code.group(1).decode()
+
+    def test_requests_need_one_host(self):
+        upgrade = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
+                   "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+                   "Sec-WebSocket-Protocol: kerf.agent.v1")
+        for line, more in (("GET /healthz HTTP/1.1", ()),
+                           ("DELETE /v1/sessions/block HTTP/1.1", ()),
+                           ("GET /v1/sessions/block/agent HTTP/1.1", upgrade)):
+            self.assertEqual(self.ask(line, *more), (400, "bad_host"), line)
+            self.assertEqual(self.ask(line, "Host: a", "Host: b", *more), (400, "bad_host"), line)
+            self.assertEqual(self.ask(line, "Host: a", "Host: a", *more), (400, "bad_host"), line)
+        self.assertEqual(self.ask("GET /healthz HTTP/1.1", "Host: a"), (200, None))
+        self.assertEqual(self.ask("GET /healthz HTTP/1.0"), (200, None))
+        self.assertEqual(self.server.info()["id"], "block")
+
+
+class Epochs(LiveTest):
+    def test_frames_of_an_earlier_epoch_have_no_effect(self):
+        first = Agent(self.port, "block")
+        self.server.stop()
+        self.server = Server(self.folder.name)
+        agent = Agent(self.server.port, "block")
+        self.assertEqual(agent.epoch, first.epoch + 1)
+        agent.send_binary(motion_frame([sample(1, 1000, (0, 0, -1)), sample(2, 2000, (1, 0, -1))],
+                                       first.epoch))
+        self.assertEqual(agent.receive_json("error")["code"], "bad_epoch")
+        self.assertEqual(self.server.info()["motions"], 0)
+        agent.move([(0, 0, -1), (1, 0, -1)])
+        self.assertGreater(agent.result()["removed"], 0)
+        viewer = Viewer(self.server.port, "block")
+        viewer.settled()
+        viewer.send_binary(header(ACK, 0, sequence=1, epoch=first.epoch))
+        self.assertEqual(viewer.receive_json("error")["code"], "bad_epoch")
+
+
+if __name__ == "__main__":
+    unittest.main()
