@@ -45,6 +45,13 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id) {
   return error_response(404, "unknown_session", "there is no session " + id);
 }
 
+ApiResponse out_of_memory() {
+  ApiResponse response = error_response(
+      503, "busy", "uploads and running programs use all memory granted to them; try again later");
+  response.headers.emplace_back("Retry-After", "5");
+  return response;
+}
+
 HashedSolid current_solid(Session& session) {
   struct Read {
     SolidSnapshot solid;
@@ -68,7 +75,9 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
     : options_(options),
       registry_(registry),
       metrics_(metrics),
-      downloads_(options.data_folder / "downloads") {}
+      downloads_(options.data_folder / "downloads"),
+      uploads_(options.upload_bytes),
+      programs_(options.program_bytes) {}
 
 ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = match_route(request.method, request.path);

@@ -44,10 +44,6 @@ constexpr std::string_view kForeignHost =
 constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
 constexpr std::string_view kBadHost = "the request must have one Host header";
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
-/// Bodies above this size are uploads; few may be in memory at once.
-constexpr std::size_t kLargeBody = std::size_t{1} << 20;
-constexpr int kLargeBodiesMax = 4;
-int large_bodies = 0;  // viewers' thread only
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -101,6 +97,7 @@ class Connection {
   HttpContext& context_;
   bool first_ = true;
   error_code error_;
+  MemoryBudget::Share upload_;                 ///< of the body that is being read or handled
   std::shared_ptr<std::stop_source> watched_;  ///< of the request that is being handled
 };
 
@@ -177,8 +174,6 @@ asio::awaitable<bool> Connection::serve_one() {
   request->if_range = std::string(view(parser.get()[http::field::if_range]));
   request->body = std::move(parser.get().body());
   const bool keep_alive = parser.get().keep_alive();
-  const bool large = request->body.size() > kLargeBody;
-  if (large) ++large_bodies;
   const Runs runs = match.route == nullptr ? Runs::kAtOnce : match.route->runs;
   const auto gone = std::make_shared<std::stop_source>();
   request->stop = gone->get_token();
@@ -193,7 +188,7 @@ asio::awaitable<bool> Connection::serve_one() {
   stream_.expires_never();  // handling the request has no deadline
   ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
   watched_.reset();
-  if (large) --large_bodies;
+  upload_ = {};
   co_return co_await answer(parser.get(), response, keep_alive);
 }
 
@@ -224,9 +219,13 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
                                std::to_string(bytes_max);
     co_return co_await reject(parser.get(), 413, "too_large", reason);
   }
-  if (length && *length > kLargeBody && large_bodies >= kLargeBodiesMax) {
-    co_return co_await reject(parser.get(), 503, "busy",
-                              "too many uploads at the same time; try again later");
+  if (length && *length > 0) {
+    auto share = context_.api.uploads().take(static_cast<std::size_t>(*length));
+    if (!share) {
+      ApiResponse response = out_of_memory();
+      co_return co_await answer(parser.get(), response, false);
+    }
+    upload_ = *std::move(share);
   }
   stream_.expires_after(kBodyTime);
   if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {

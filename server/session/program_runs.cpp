@@ -22,7 +22,7 @@ const char* to_string(ProgramState state) {
 }
 
 ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, ProgramPace pace,
-                                 Clock::time_point now) {
+                                 Clock::time_point now, MemoryBudget::Share memory) {
   drop_oldest();
   Run run;
   run.status.id = ++last_id_;
@@ -34,6 +34,7 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, Pro
   for (const ProgramMotion& motion : program.motions) run.status.programmed_s += motion.duration_s;
   run.program = std::move(program);
   run.started = now;
+  run.memory = std::move(memory);
   if (run.status.motions == 0) end(run, ProgramState::kFinished);
   return runs_.emplace(run.status.id, std::move(run)).first->second.status;
 }
@@ -49,7 +50,9 @@ void ProgramRuns::end(Run& run, ProgramState state) {
   run.status.state = state;
   run.status.waiting = false;
   ended_.push_back(run.status.participant);
-  run.program.motions = {};  // a finished run keeps its status only
+  // A finished run keeps its status only. Assigning {} to the vector would keep its memory.
+  run.program = Program();
+  run.memory = MemoryBudget::Share();
 }
 
 bool ProgramRuns::cancel(ProgramId id) {
@@ -79,6 +82,14 @@ std::size_t ProgramRuns::running() const {
   return static_cast<std::size_t>(std::ranges::count_if(runs_ | std::views::values, [](auto& run) {
     return run.status.state == ProgramState::kRunning;
   }));
+}
+
+std::size_t ProgramRuns::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& run : runs_ | std::views::values) {
+    bytes += run.program.motions.capacity() * sizeof(ProgramMotion);
+  }
+  return bytes;
 }
 
 std::vector<ParticipantId> ProgramRuns::take_ended() { return std::exchange(ended_, {}); }

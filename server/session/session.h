@@ -124,7 +124,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void reset_stock(ParticipantId id);
 
   /// Carves a program as a further participant.
-  std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramPace pace);
+  std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramPace pace,
+                                                        MemoryBudget::Share memory = {});
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
   bool cancel_program(ProgramId id);

@@ -59,6 +59,32 @@ class Exports(LiveTest):
         client.close()
 
 
+class Uploads(LiveTest):
+    def begin(self):
+        """Sends the header of an upload of 60 MB and the first part of it."""
+        client = socket.create_connection(("127.0.0.1", self.port))
+        client.sendall(b"POST /v1/files?name=a.stl HTTP/1.1\r\nHost: localhost\r\n"
+                       b"Content-Length: 60000000\r\n\r\n" + b" " * 1000)
+        return client
+
+    def test_unfinished_uploads_count_from_their_header_on(self):
+        clients = [self.begin() for _ in range(40)]
+        rejected = []
+        while len(rejected) < 36:
+            ready = select.select([c for c in clients if c not in rejected], [], [], 30)[0]
+            self.assertTrue(ready, f"only {len(rejected)} of 36 uploads were rejected")
+            for client in ready:
+                answer = client.recv(4096)
+                self.assertIn(b" 503 ", answer)
+                self.assertIn(b"Retry-After: ", answer)
+                rejected.append(client)
+        self.assertEqual(len(rejected), 36)
+        for client in clients:
+            client.close()
+        while self.server.http.request("POST", "/v1/files?name=a.stl", b" " * 60_000_000)[0] == 503:
+            time.sleep(0.05)
+
+
 class LongMotions(LiveTest):
     def test_an_agent_is_answered_while_a_motion_of_another_sweeps_the_whole_block(self):
         scene = {**SCENE, "name": "wide",

@@ -77,6 +77,51 @@ TEST(ProgramRuns, ProgramsAlternate) {
   EXPECT_EQ(order, (std::vector<ParticipantId>{1, 2, 1, 2, 1, 2, 1, 2}));
 }
 
+TEST(ProgramRuns, AProgramThatHasEndedGivesItsMemoryBack) {
+  MemoryBudget budget(1'000'000);
+  ProgramRuns runs;
+  const auto start = [&] {
+    auto memory = budget.take(300'000);
+    return runs.start(1, program_of(1000), ProgramPace::kFast, Clock::now(), *std::move(memory)).id;
+  };
+  start();
+  EXPECT_GE(runs.memory_bytes(), 1000 * sizeof(ProgramMotion));
+  EXPECT_EQ(budget.taken(), 300'000U);
+  while (runs.slice(quick_cut)) {
+  }
+  EXPECT_EQ(runs.memory_bytes(), 0U);
+  EXPECT_EQ(budget.taken(), 0U);
+  runs.cancel(start());
+  EXPECT_EQ(runs.memory_bytes(), 0U);
+  EXPECT_EQ(budget.taken(), 0U);
+  start();
+  runs.slice([](const ProgramStep&) -> Carved {
+    return std::unexpected(Rejection{wire::ErrorCode::kBadPose, "too far"});
+  });
+  EXPECT_EQ(runs.memory_bytes(), 0U);
+  EXPECT_EQ(budget.taken(), 0U);
+}
+
+TEST(MemoryBudget, SharesAreTakenAndGivenBack) {
+  MemoryBudget budget(100);
+  auto one = budget.take(60);
+  ASSERT_TRUE(one);
+  EXPECT_FALSE(budget.take(41));
+  auto two = budget.take(40);
+  ASSERT_TRUE(two);
+  EXPECT_FALSE(budget.take(1));
+  one->reduce(10);
+  one->reduce(20);
+  EXPECT_EQ(one->bytes(), 10U);
+  EXPECT_EQ(budget.taken(), 50U);
+  MemoryBudget::Share moved = *std::move(two);
+  two.reset();
+  EXPECT_EQ(budget.taken(), 50U);
+  moved = MemoryBudget::Share();
+  EXPECT_EQ(budget.taken(), 10U);
+  EXPECT_FALSE(budget.take(~std::size_t{0}));
+}
+
 TEST(ProgramRuns, FeedRateMotionIsCarvedWhenItsTimeHasPassed) {
   ProgramRuns runs;
   const auto start = Clock::now();
