@@ -19,6 +19,10 @@ namespace {
 
 constexpr int kBadInput = 2;
 constexpr double kMaxSeconds = 1e6;
+constexpr double kMaxId = 1e9;
+constexpr double kMaxCpu = 1023;
+constexpr double kMaxLatencyMs = 20;
+constexpr double kUsPerMs = 1000;
 constexpr double kMaxForceN = 50.0;
 constexpr double kMaxTorqueNmm = 2000.0;
 constexpr double kMaxSpeed = 100.0;
@@ -57,81 +61,124 @@ CLI::Validator number_in(double least, double most) {
     reason << "must be a number from " << least << " to " << most;
     return reason.str();
   };
+  // A bound that is there for safety only says nothing to the user.
+  constexpr double kTellingMax = 1e5;
   std::ostringstream name;
-  name << least << ".." << most;
+  if (most < kTellingMax) name << least << ".." << most;
   return {check, name.str()};
 }
 
 struct Texts {
+  std::string mode = "model";
+  double latency_ms = 0;
   std::string server = "http://localhost:8080";
   std::vector<std::string> devices;
 };
 
-void describe(CLI::App& app, Options& options, Texts& texts) {
-  app.set_version_flag("--version", std::string("kerf-agent ") + kVersion + " (" +
-                                        std::string(wire::kAgentProtocol) + ")");
-  app.add_option("--server", texts.server, "address of the server, http://HOST:PORT")
-      ->capture_default_str();
-  app.add_option("--session", options.link.session, "session to join")
-      ->required()
-      ->check(CLI::Validator(check_session, "ID"));
-  app.add_option(
-         "--device", texts.devices,
-         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; sim: a simulated hand that carves "
-         "a figure; sim:FILE: a simulated hand that follows an .apt, .cls or .csv path; "
-         "replay:FILE: the exact path, without a simulated hand. May be repeated: each device "
-         "joins as a separate participant")
-      ->required();
-  app.add_option("--name", options.link.hello.name, "your name, as displayed to others")
-      ->check(CLI::Validator(check_name, "NAME"));
-  app.add_option("--color", options.link.hello.color, "color of your tool")
-      ->check(CLI::Validator(check_color, "#RRGGBB"));
-  app.add_option("--tool", options.link.hello.tool_id, "id of one of the session's tools")
-      ->check(CLI::Range(1U, 1'000'000'000U));
-  app.add_option("--duration", options.duration_s, "leave after this many seconds")
-      ->check(number_in(1e-3, kMaxSeconds));
-  app.add_flag("--loop", options.device_options.loop, "restart at the end of the path");
-  app.add_option("--speed", options.device_options.speed, "speed factor of the path")
-      ->check(number_in(1.0 / kMaxSpeed, kMaxSpeed));
-  app.add_option("--stiffness", options.device_options.stiffness_n_per_mm,
-                 "stiffness of the simulated hand, N/mm")
-      ->check(number_in(1e-2, kMaxStiffnessNPerMm))
-      ->capture_default_str();
-  app.add_option("--force-max", options.limits.force_n, "maximum force, N")
+/// Options of the force, in the order of the help.
+void describe_force(CLI::App& app, Options& options, Texts& texts) {
+  app.add_option("--force-max", options.limits.force_n,
+                 "maximum force, N; at most 0.6 of the device's is used")
+      ->type_name("N")
       ->check(number_in(0.0, kMaxForceN))
       ->capture_default_str();
-  app.add_option("--torque-max", options.limits.torque_nmm, "maximum torque, N·mm")
+  app.add_option("--torque-max", options.limits.torque_nmm, "maximum torque, N·mm; likewise")
+      ->type_name("NMM")
       ->check(number_in(0.0, kMaxTorqueNmm))
       ->capture_default_str();
   app.add_option("--cpu", options.cpu, "processor to pin the 1 kHz loop to, from 0")
-      ->check(CLI::Range(0, 1023));
+      ->type_name("N")
+      ->check(number_in(0, kMaxCpu));
   app.add_option("--feel", options.link.hello.feel_of,
                  "also feel the force of this participant, by id")
-      ->check(CLI::Range(1U, 1'000'000'000U));
+      ->type_name("PARTICIPANT")
+      ->check(number_in(1, kMaxId));
+  app.add_option(
+         "--mode", texts.mode,
+         "how forces are rendered: model computes them for the current pose from the newest "
+         "answer; interpolated and hold output the server's answers as they arrive")
+      ->type_name("MODE")
+      ->check(CLI::IsMember({"model", "interpolated", "hold"}))
+      ->capture_default_str();
+  app.add_option("--latency", texts.latency_ms,
+                 "greatest time from a pose of the device until its motors act on it, ms, if it is "
+                 "longer than its driver declares (kerf-agent doctor measures it)")
+      ->type_name("MS")
+      ->check(number_in(0.0, kMaxLatencyMs));
+  app.add_flag_callback(
+      "--no-copy", [&options] { options.keep_copy = false; },
+      "in mode model, render the server's answers only. Otherwise a replica of the block near the "
+      "tool gives the force, which hides the round trip and takes a tenth of a processor");
+  // The default, for command lines that state it.
+  app.add_flag_callback("--copy", [&options] { options.keep_copy = true; })->group("");
+}
+
+/// Options of the link and of the output of the program.
+void describe_link(CLI::App& app, Options& options) {
   app.add_flag(
       "--udp", options.link.hello.udp,
       "send poses and receive answers over UDP if the server offers it and datagrams arrive: for "
       "networks that lose packets");
   app.add_flag("--deadband", options.link.traffic.deadband,
                "out of contact, do not send poses that differ imperceptibly");
-  app.add_option("--mode", options.mode,
-                 "how the server's answers are rendered: model extrapolates them to the current "
-                 "pose, interpolated and hold output them as they arrive")
-      ->transform(CLI::CheckedTransformer(kModes))
-      ->default_str("model");
-  app.add_flag("--copy,!--no-copy", options.keep_copy,
-               "in mode model, maintain a replica of the block near the tool and render its "
-               "forces, which hides the round trip to the server (default); uses a tenth of a "
-               "processor");
   app.add_option("--patience", options.link.patience_s,
                  "retry for this many seconds while the server cannot be reached")
+      ->type_name("S")
       ->check(number_in(0.0, kMaxSeconds))
       ->capture_default_str();
   app.add_flag("--view", options.view, "show state, force, energy and link on the terminal");
   app.add_option("--trip-log", options.trip_log,
-                 "write the last 200 ms before each safety trip to this file");
+                 "write the last 200 ms before each safety trip to this file")
+      ->type_name("FILE");
   app.add_option("--status-json", options.status_json,
-                 "write the summary as JSON to a file, or to standard output for -");
+                 "write the summary as JSON to a file, or to standard output for -")
+      ->type_name("FILE");
+}
+
+void describe(CLI::App& app, Options& options, Texts& texts) {
+  app.set_version_flag("--version", std::string("kerf-agent ") + kVersion + " (" +
+                                        std::string(wire::kAgentProtocol) + ")");
+  app.footer(
+      "kerf-agent doctor --help: check the device, permissions, the 1 kHz loop and the server.");
+  app.add_option("--server", texts.server, "address of the server, http://HOST:PORT")
+      ->type_name("URL")
+      ->capture_default_str();
+  app.add_option("--session", options.link.session, "session to join")
+      ->required()
+      ->type_name("ID")
+      ->check(CLI::Validator(check_session, ""));
+  app.add_option(
+         "--device", texts.devices,
+         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; sim: a simulated hand that carves "
+         "a figure; sim:FILE: a simulated hand that follows an .apt, .cls or .csv path; "
+         "replay:FILE: the exact path, without a simulated hand. May be repeated: each device "
+         "joins as a separate participant")
+      ->type_name("DEVICE")
+      ->required();
+  app.add_option("--name", options.link.hello.name, "your name, as displayed to others")
+      ->type_name("TEXT")
+      ->check(CLI::Validator(check_name, ""));
+  app.add_option("--color", options.link.hello.color, "color of your tool")
+      ->type_name("#RRGGBB")
+      ->check(CLI::Validator(check_color, ""));
+  app.add_option("--tool", options.link.hello.tool_id,
+                 "id of one of the session's tools (default: the first)")
+      ->type_name("ID")
+      ->check(number_in(1, kMaxId));
+  app.add_option("--duration", options.duration_s, "leave after this many seconds")
+      ->type_name("S")
+      ->check(number_in(1e-3, kMaxSeconds));
+  app.add_flag("--loop", options.device_options.loop, "restart at the end of the path");
+  app.add_option("--speed", options.device_options.speed, "speed factor of the path")
+      ->type_name("FACTOR")
+      ->check(number_in(1.0 / kMaxSpeed, kMaxSpeed));
+  app.add_option("--stiffness", options.device_options.stiffness_n_per_mm,
+                 "stiffness of the simulated hand, N/mm")
+      ->type_name("N_PER_MM")
+      ->check(number_in(1e-2, kMaxStiffnessNPerMm))
+      ->capture_default_str();
+  describe_force(app, options, texts);
+  describe_link(app, options);
 }
 
 }  // namespace
@@ -153,6 +200,8 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   auto server = parse_server_url(texts.server);
   if (!server) return reject("--server: " + server.error());
   options.link.server = *std::move(server);
+  options.mode = kModes.at(texts.mode);
+  options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
   for (const std::string& text : texts.devices) {
     auto device = choose_device(text);
     if (!device) return reject(device.error());

@@ -20,6 +20,8 @@ struct Options {
   DeviceOptions device_options;
   WrenchLimits limits;
   ForceMode mode = ForceMode::kModel;
+  /// Declared latency of the device; ignored if its driver declares a longer one.
+  std::uint64_t latency_us = 0;
   /// In mode model: maintain a replica of the block near the tool and render its forces.
   bool keep_copy = true;
   double duration_s = 0;

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/force_notice.h"
 #include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "haptic_agent/summary.h"
@@ -94,7 +95,9 @@ bool write_status(const std::string& where, const Summary& summary) {
 
 ServoSettings servo_settings(const Options& options, const Welcome& welcome,
                              const HapticDevice& device, std::uint32_t tool) {
-  return settings_for(device.capabilities(),
+  DeviceCapabilities capabilities = device.capabilities();
+  capabilities.latency_us = std::max(capabilities.latency_us, options.latency_us);
+  return settings_for(capabilities,
                       {.limits = options.limits,
                        .tool_id = tool,
                        .duration_us = static_cast<std::uint64_t>(options.duration_s * kUsPerS),
@@ -106,8 +109,7 @@ ServoSettings servo_settings(const Options& options, const Welcome& welcome,
 /// Starts the replica of the block near the tool. Returns null and prints the reason if the welcome
 /// is not sufficient for one; only the server's answers are rendered then.
 ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange,
-                               const Welcome& welcome) {
-  auto source = BlockSource::read(welcome.text);
+                               std::expected<BlockSource, std::string> source) {
   if (!source) {
     print_line(join({"no replica of the block: ", source.error()}));
     replica.stop();
@@ -115,6 +117,15 @@ ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange
   }
   replica.start(*std::move(source));
   return &exchange;
+}
+
+/// Tells the user if cuts with the first tool may exceed the device.
+void notify_of_force(const std::expected<BlockSource, std::string>& block, const Welcome& welcome,
+                     const ServoSettings& settings) {
+  if (!block) return;
+  const std::uint32_t tool = settings.tool_id;
+  const std::string notice = force_notice(welcome, settings, tool, block->full_cut_mm2(tool));
+  if (!notice.empty()) print_line(notice);
 }
 
 /// Runs the device at 1 kHz until it ends; fills in the servo's part of the summary.
@@ -213,8 +224,10 @@ int run_agent(Options options) {
                    "; press Ctrl-C to leave"}));
 
   const ServoSettings settings = servo_settings(options, *welcome, *device, *tool);
+  auto block = BlockSource::read(welcome->text);
+  notify_of_force(block, *welcome, settings);
   ServoCycle cycle(*device, samples, wrenches, link, settings,
-                   keep_copy ? start_replica(replica, exchange, *welcome) : nullptr);
+                   keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr);
   {
     const TripWriter trips(cycle.recorder(), options.trip_log);
     std::optional<TerminalView> view;

@@ -86,16 +86,27 @@ json link_json(const Summary& s) {
           {"errors", errors}};
 }
 
+json sums_json(const FeltSums& sums) {
+  return {{"felt_mean", sums.felt_mean()},
+          {"felt_max", sums.felt_peak()},
+          {"computed_mean", sums.computed_mean()},
+          {"computed_max", sums.computed_peak()},
+          {"rms_error", sums.error()}};
+}
+
+json felt_json(const FeltReport& felt) {
+  return {{"ticks", felt.ticks},
+          {"reduced_ticks", felt.reduced_ticks},
+          {"force_n", sums_json(felt.force)},
+          {"torque_nmm", sums_json(felt.torque)}};
+}
+
 json force_json(const Summary& s) {
-  return {{"max_n", s.servo.max_force_n},
-          {"max_torque_nmm", s.servo.max_torque_nmm},
-          {"server_max_n", s.link.max_server_force_n},
-          {"saturated_ticks", s.saturated_ticks},
-          {"slewed_ticks", s.slewed_ticks},
-          {"decayed_ticks", s.servo.decayed_ticks},
-          {"not_finite", s.not_finite_wrenches},
-          {"projected", s.projected_wrenches},
-          {"given_mj", s.given_mj},
+  return {{"felt", felt_json(s.servo.felt)},          {"max_n", s.servo.max_force_n},
+          {"max_torque_nmm", s.servo.max_torque_nmm}, {"server_max_n", s.link.max_server_force_n},
+          {"saturated_ticks", s.saturated_ticks},     {"slewed_ticks", s.slewed_ticks},
+          {"decayed_ticks", s.servo.decayed_ticks},   {"not_finite", s.not_finite_wrenches},
+          {"projected", s.projected_wrenches},        {"given_mj", s.given_mj},
           {"most_returned_mj", s.most_returned_mj}};
 }
 
@@ -148,6 +159,25 @@ std::string udp_line(const UdpReport& udp, std::uint64_t samples_sent) {
   return out.str();
 }
 
+/// Returns the lines that compare felt and computed wrenches; empty if no force was computed.
+std::string felt_lines(const FeltReport& felt) {
+  if (felt.ticks == 0) return {};
+  constexpr double kPercent = 100;
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(2);
+  const auto line = [&](const char* name, const FeltSums& sums, const char* unit) {
+    out << name << sums.felt_mean() << " of " << sums.computed_mean() << unit << " in the mean, "
+        << sums.felt_peak() << " of " << sums.computed_peak() << unit << " at most, differs by "
+        << sums.error() * kPercent << " % rms";
+  };
+  line("felt     force ", felt.force, " N");
+  out << "\n         ";
+  line("torque ", felt.torque, " N·mm");
+  out << "\n         reduced in " << felt.reduced_ticks << " of " << felt.ticks
+      << " ticks with a computed force\n";
+  return out.str();
+}
+
 struct Copy {
   const ReplicaReport& of;
 };
@@ -182,9 +212,9 @@ void print_summary(std::ostream& out, const Summary& s) {
       << s.servo.max_force_n << " N and " << s.servo.max_torque_nmm
       << " N·mm (server: " << l.max_server_force_n << " N), saturated in " << s.saturated_ticks
       << " ticks, faded in " << s.servo.decayed_ticks << '\n'
-      << Copy{s.copy} << "energy   " << -s.given_mj << " mJ dissipated, at most "
-      << s.most_returned_mj << " mJ returned over any interval; " << s.projected_wrenches
-      << " wrenches reduced\n"
+      << felt_lines(s.servo.felt) << Copy{s.copy} << "energy   " << -s.given_mj
+      << " mJ dissipated, at most " << s.most_returned_mj << " mJ returned over any interval; "
+      << s.projected_wrenches << " wrenches reduced\n"
       << "safety   " << s.trips << " trips" << (s.trips > 0 ? ", last: " : "")
       << (s.trips > 0 ? to_string(s.last_trip) : "") << "; degraded in " << s.degraded_ticks
       << " ticks; stopped by the watchdog " << s.watchdog_stops << " times\n"

@@ -36,17 +36,21 @@ std::string view_text(const ServoStatus& servo, const LinkStatus& link, const Wr
   const auto ms = [](auto us) { return static_cast<double>(us) * kMsPerUs; };
   const double force = length(servo.output.force_n);
   const double torque = length(servo.output.torque_nmm);
+  const double force_computed = length(servo.computed.force_n);
+  const double torque_computed = length(servo.computed.torque_nmm);
   std::ostringstream out;
   out << std::fixed << std::setprecision(1) << "state   " << to_string(servo.phase);
   if (servo.trips > 0) out << "   trips " << servo.trips << ", last " << to_string(servo.code);
-  out << kEndOfLine << "force   " << bar(force, limits.force_n, kBarColumns) << ' ' << force << " N"
-      << kEndOfLine << "torque  " << bar(torque, limits.torque_nmm, kBarColumns) << ' ' << torque
-      << " N·mm" << kEndOfLine << "energy  " << bar(servo.energy_mj, tank_mj, kBarColumns) << ' '
-      << servo.energy_mj << " mJ of " << tank_mj << kEndOfLine << "link    round trip "
-      << ms(link.rtt_us) << " ms, answer " << ms(servo.answer_age_us) << " ms old, clock "
-      << std::showpos << ms(link.clock_offset_us) << std::noshowpos << " ms, connection "
-      << link.connections << (link.udp.carries ? ", UDP" : ", WebSocket") << kEndOfLine
-      << "rate    " << link.samples_sent << " poses sent, " << link.results << " answers received, "
+  out << kEndOfLine << "force   " << bar(force, limits.force_n, kBarColumns) << ' ' << force
+      << " N of " << force_computed << " computed" << kEndOfLine << "torque  "
+      << bar(torque, limits.torque_nmm, kBarColumns) << ' ' << torque << " N·mm of "
+      << torque_computed << " computed" << kEndOfLine << "energy  "
+      << bar(servo.energy_mj, tank_mj, kBarColumns) << ' ' << servo.energy_mj << " mJ of "
+      << tank_mj << kEndOfLine << "link    round trip " << ms(link.rtt_us) << " ms, answer "
+      << ms(servo.answer_age_us) << " ms old, clock " << std::showpos << ms(link.clock_offset_us)
+      << std::noshowpos << " ms, connection " << link.connections
+      << (link.udp.carries ? ", UDP" : ", WebSocket") << kEndOfLine << "rate    "
+      << link.samples_sent << " poses sent, " << link.results << " answers received, "
       << udp_rate(link.udp) << "tip " << servo.speed_mm_per_s << " mm/s" << kEndOfLine;
   return out.str();
 }

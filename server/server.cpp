@@ -3,11 +3,15 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <condition_variable>
 #include <future>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 
 #include "server/http/api.h"
@@ -29,6 +33,9 @@ namespace {
 
 /// Time for peers to receive their bye when the server stops.
 constexpr std::chrono::seconds kDrainTime{2};
+/// Time until the journals that the disk did not let the server read are tried again; doubled after
+/// each attempt that changed nothing.
+constexpr std::chrono::seconds kReloadTime{1}, kReloadTimeMax{60};
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
@@ -65,6 +72,8 @@ struct Server::Impl {
 
   asio::awaitable<void> accept();
   std::expected<void, std::string> listen_udp();
+  /// Starts the sessions whose disk failed when the server started, as soon as it works again.
+  void reload(const std::stop_token& stop);
 
   ServerOptions options;
   FolderLock lock;  ///< of the data folder; released when all journals are closed
@@ -82,7 +91,25 @@ struct Server::Impl {
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
+  std::jthread reloader;
 };
+
+void Server::Impl::reload(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock guard(mutex);
+  const auto failed_disk = [](const UnreadableSession& session) {
+    return session.error.code == JournalErrorCode::kIo;
+  };
+  auto time = kReloadTime;
+  while (std::ranges::any_of(registry.unreadable(), failed_disk)) {
+    wake.wait_for(guard, stop, time, [] { return false; });
+    if (stop.stop_requested()) return;
+    const auto started = registry.retry_disk_failures();
+    for (const std::string& id : started) spdlog::info("session {}: its disk works again", id);
+    time = started.empty() ? std::min(2 * time, kReloadTimeMax) : kReloadTime;
+  }
+}
 
 std::expected<void, std::string> Server::Impl::listen_udp() {
   const UdpOptions& udp_options = options.udp;
@@ -138,6 +165,8 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
     spdlog::warn("session {}: the journal is of kernel version {}; carved again with version {}",
                  session.id, session.kernel_version, kKernelVersion);
   }
+  impl->reloader =
+      std::jthread([server = impl.get()](const std::stop_token& stop) { server->reload(stop); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 
@@ -173,6 +202,7 @@ std::expected<void, std::string> Server::listen() {
 
 void Server::stop() {
   if (std::exchange(impl_->stopped, true)) return;
+  impl_->reloader = {};  // stops it
   // The acceptor belongs to the viewers' thread: it is closed there and destroyed here.
   std::promise<void> closed;
   impl_->viewers.post([&closed, impl = impl_.get()] {

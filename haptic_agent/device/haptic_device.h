@@ -69,6 +69,15 @@ struct DeviceCapabilities {
   bool has_deadman = false;
 };
 
+/// Measured time from the computation of a command until the device's report that it was accepted
+/// has arrived: both transfers, and up to one period of the device. The current control of the
+/// motors follows and is not included.
+struct CommandEcho {
+  std::uint64_t count = 0;  ///< 0: the device does not acknowledge commands, or none yet
+  std::uint64_t mean_us = 0;
+  std::uint64_t most_us = 0;
+};
+
 /// A hand-held device. `read` and `write` are called by the servo thread only; they neither wait
 /// nor allocate. A USB device returns the newest report that its event thread has received.
 class HapticDevice {
@@ -87,6 +96,8 @@ class HapticDevice {
   /// Returns the reason why the device is not ready, as one sentence; empty if there is none.
   /// Callable from any thread except the servo's, because it may wait and allocate.
   virtual std::string trouble() const { return {}; }
+  /// Callable from any thread.
+  virtual CommandEcho command_echo() const noexcept { return {}; }
 };
 
 /// How long a device with its own thread outputs a written wrench.

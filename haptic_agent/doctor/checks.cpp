@@ -56,6 +56,16 @@ Finding judge_found(const FoundDevice& device) {
                      "then run udevadm control --reload && udevadm trigger and plug it in again"}};
 }
 
+/// Sends commands without force for a second, so that a device can acknowledge them.
+void send_zero_force(HapticDevice& device) {
+  constexpr int kCommands = 1000;
+  for (int i = 0; i < kCommands; ++i) {
+    device.read(monotonic_us());
+    device.write({});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 /// A servo task without a device.
 class Idle final : public ServoTask {
  public:
@@ -124,7 +134,7 @@ std::string udev_rule(UsbId id) {
 std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std::string>& survey) {
   if (!survey) return {{.health = Health::kWarning, .what = survey.error()}};
   if (survey->empty()) {
-    return {{.health = Health::kWarning,
+    return {{.health = Health::kNote,
              .what = "no supported device on USB (the simulated hand, --device sim, needs none)"}};
   }
   std::vector<Finding> findings;
@@ -132,19 +142,57 @@ std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std
   return findings;
 }
 
-Finding check_device(const DeviceChoice& choice, double wait_s) {
+std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s) {
   const auto device = make_device(choice, {}, {});
   const std::string name = device->capabilities().name;
   const std::uint64_t until_us = monotonic_us() + static_cast<std::uint64_t>(wait_s * kUsPerS);
   DevicePhase phase = DevicePhase::kClosed;
   while (monotonic_us() < until_us) {
     phase = device->read(monotonic_us()).phase;
-    if (phase == DevicePhase::kReady) return {.what = join({"the ", name, " is ready"})};
+    if (phase == DevicePhase::kReady) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  const std::string trouble = device->trouble();
-  return {.health = Health::kBad,
-          .what = trouble.empty() ? join({"the ", name, " did not become ready"}) : trouble};
+  if (phase != DevicePhase::kReady) {
+    const std::string trouble = device->trouble();
+    return {{.health = Health::kBad,
+             .what = trouble.empty() ? join({"the ", name, " did not become ready"}) : trouble}};
+  }
+  std::vector<Finding> findings{{.what = join({"the ", name, " is ready"})}};
+  if (device->capabilities().max_force_n > 0 && choice.kind != DeviceKind::kSimulated) {
+    send_zero_force(*device);
+    findings.push_back(judge_latency(device->capabilities(), device->command_echo()));
+  }
+  return findings;
+}
+
+Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo) {
+  const auto ms = [](std::uint64_t us) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.1f ms", static_cast<double>(us) / 1000);
+    return std::string(text.data());
+  };
+  const std::string declared = ms(device.latency_us);
+  if (echo.count == 0) {
+    return {.health = Health::kNote,
+            .what = join({"the latency of the ", device.name, " is taken to be ", declared,
+                          ", as its driver declares; it does not acknowledge commands, so that it "
+                          "cannot be measured here"}),
+            .advice = {"if the time from a pose to the motors' current is longer, declare it: "
+                       "kerf-agent --latency MS"}};
+  }
+  Finding finding{
+      .what = join({"the ", device.name, " acknowledges commands after ", ms(echo.mean_us),
+                    " on average, ", ms(echo.most_us), " at most (of ", std::to_string(echo.count),
+                    "); a latency of ", declared, " is declared"})};
+  if (echo.most_us <= device.latency_us) return finding;
+  constexpr std::uint64_t kUsPerMs = 1000;
+  finding.health = Health::kWarning;
+  finding.advice = {
+      join({"the bound of the returned energy holds up to the declared latency: start "
+            "kerf-agent with --latency ",
+            std::to_string((echo.most_us + kUsPerMs - 1) / kUsPerMs),
+            ", or find out what delays the USB bus"})};
+  return finding;
 }
 
 LoopMeasurement measure_loop(double seconds, bool load) {

@@ -28,8 +28,11 @@ std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std
 /// Returns the udev rule that lets the local user open such devices.
 std::string udev_rule(UsbId id);
 
-/// Waits until the device is ready, at most `wait_s`.
-Finding check_device(const DeviceChoice& choice, double wait_s);
+/// Waits until the device is ready, at most `wait_s`; then measures the latency of one with motors.
+std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s);
+
+/// Judges the measured latency of a device with motors against the declared one.
+Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo);
 
 /// Statistics of the servo loop and its scheduling.
 struct LoopMeasurement {

@@ -3,9 +3,11 @@
 
 #include <CLI/CLI.hpp>
 #include <ostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/doctor/checks.h"
 
 namespace kerf::agent {
@@ -23,36 +25,64 @@ struct DoctorOptions {
   bool load = false;
 };
 
+/// Accepts a number of seconds from `least` to kMeasureMaxS; shows no range in the help.
+CLI::Validator seconds_in(double least) {
+  const auto check = [least](const std::string& text) -> std::string {
+    const auto number = to_number(text);
+    if (number && *number >= least && *number <= kMeasureMaxS) return "";
+    std::ostringstream reason;
+    reason << "must be a number from " << least << " to " << kMeasureMaxS;
+    return reason.str();
+  };
+  return {check, ""};
+}
+
 void describe(CLI::App& app, DoctorOptions& options) {
-  app.add_option(
-      "--device", options.devices,
-      "also wait until this device is ready (same values as for carving; may be repeated)");
-  app.add_option("--server", options.server, "also check this server, http://HOST:PORT");
-  app.add_option("--seconds", options.seconds, "duration of the loop measurement")
-      ->check(CLI::Range(0.1, kMeasureMaxS))
+  app.add_option("--device", options.devices,
+                 "also wait until this device is ready (values: kerf-agent --help), and "
+                 "measure its latency; may be repeated")
+      ->type_name("DEVICE");
+  app.add_option("--server", options.server, "also check this server, http://HOST:PORT")
+      ->type_name("URL");
+  app.add_option("--seconds", options.seconds, "duration of the loop measurement, s")
+      ->type_name("S")
+      ->check(seconds_in(0.1))
       ->capture_default_str();
-  app.add_option("--wait", options.wait_s, "how long to wait for a device, including its homing")
-      ->check(CLI::Range(0.0, kMeasureMaxS))
+  app.add_option("--wait", options.wait_s, "how long to wait for a device, including its homing, s")
+      ->type_name("S")
+      ->check(seconds_in(0))
       ->capture_default_str();
+  app.footer(
+      "Exit status: 0 if nothing is missing, 1 if something is, 2 for an invalid command line.");
   app.add_flag("--load", options.load, "keep all cores busy during the measurement");
 }
 
-/// Prints each finding and records whether all were fine.
+/// Prints each finding and counts those that are not fine.
 class Printer {
  public:
   explicit Printer(std::ostream& out) : out_(out) {}
   void print(const Finding& finding) {
-    constexpr std::string_view kWords[] = {"ok       ", "warning  ", "missing  "};
+    constexpr std::string_view kWords[] = {"ok       ", "note     ", "warning  ", "missing  "};
     out_ << kWords[static_cast<int>(finding.health)] << finding.what << '\n';
     for (const std::string& line : finding.advice) out_ << "         " << line << '\n';
     out_.flush();
-    fine_ = fine_ && finding.health == Health::kFine;
+    warnings_ += finding.health == Health::kWarning ? 1 : 0;
+    failures_ += finding.health == Health::kBad ? 1 : 0;
   }
-  bool fine() const { return fine_; }
+  /// Prints the result of all checks; returns the exit code.
+  int finish() {
+    if (failures_ > 0) {
+      out_ << "Some checks failed; see above.\n";
+      return kSomethingWrong;
+    }
+    out_ << (warnings_ > 0 ? "No check failed; see the warnings above.\n" : "All checks passed.\n");
+    return 0;
+  }
 
  private:
   std::ostream& out_;
-  bool fine_ = true;
+  int warnings_ = 0;
+  int failures_ = 0;
 };
 
 int examine(const DoctorOptions& options, std::ostream& out) {
@@ -76,14 +106,15 @@ int examine(const DoctorOptions& options, std::ostream& out) {
   }
   Printer printer(out);
   for (const Finding& finding : judge_usb(survey_usb())) printer.print(finding);
-  for (const DeviceChoice& choice : choices) printer.print(check_device(choice, options.wait_s));
+  for (const DeviceChoice& choice : choices) {
+    for (const Finding& finding : check_device(choice, options.wait_s)) printer.print(finding);
+  }
   const RealtimeReport rights = probe_realtime();
   printer.print(judge_priority(rights));
   printer.print(judge_memory_lock(rights));
   printer.print(judge_loop(measure_loop(options.seconds, options.load)));
   if (!options.server.empty()) printer.print(check_server(server));
-  out << (printer.fine() ? "All checks passed.\n" : "Some checks failed; see above.\n");
-  return printer.fine() ? 0 : kSomethingWrong;
+  return printer.finish();
 }
 
 }  // namespace

@@ -6,8 +6,9 @@
 
 namespace kerf::agent {
 
-/// Result of a check. kWarning: the agent works, but not as well as it could.
-enum class Health { kFine, kWarning, kBad };
+/// Result of a check. kNote: something that may concern the user, and is no fault. kWarning: the
+/// agent works, but not as well as it could. kBad: what was asked for does not work.
+enum class Health { kFine, kNote, kWarning, kBad };
 
 struct Finding {
   Health health = Health::kFine;

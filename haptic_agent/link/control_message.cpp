@@ -2,6 +2,8 @@
 #include "haptic_agent/link/control_message.h"
 
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
 
 #include "server/wire/control.h"
 
@@ -28,8 +30,7 @@ StockBox stock_box(const json& stock) {
 }
 
 /// An unknown law is rendered as kSpecificEnergy, whose force does not grow with speed.
-CutLaw cut_law(const json& message) {
-  const json force = message.value("force", json::object());
+CutLaw cut_law(const json& force) {
   return force.value("law", "") == "drr" ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
 }
 
@@ -59,18 +60,43 @@ std::optional<datagram::Offer> read_offer(const json& message) {
 }
 
 Welcome read_welcome(const json& message) {
+  const json force = message.value("force", json::object());
   Welcome welcome{.session = message.at("session"),
                   .participant = message.at("participant"),
                   .epoch = message.at("epoch"),
                   .color = message.value("color", ""),
                   .pivot_mm = message.at("pivot_mm"),
-                  .law = cut_law(message),
+                  .law = cut_law(force),
+                  .specific_force_n_per_mm2 = force.value("specific_force_n_per_mm2", 0.0),
+                  .drr_n_s_per_mm3 = force.value("drr_n_s_per_mm3", 0.0),
                   .stock = stock_box(message.at("stock")),
                   .tool_ids = {},
                   .udp = read_offer(message),
                   .text = message.dump()};
   for (const json& tool : message.at("tools")) welcome.tool_ids.push_back(tool.at("id"));
   return welcome;
+}
+
+/// Returns what is wrong with a number of the welcome; empty if nothing is.
+std::string fault_of(const Welcome& welcome) {
+  constexpr double kCoordinateMaxMm = 1e6;
+  constexpr double kCoefficientMax = 1e9;
+  std::ostringstream reason;
+  const auto check = [&reason](const char* field, double value, double least, double most) {
+    // Also rejects NaN.
+    if (!reason.str().empty() || (value >= least && value <= most)) return;
+    reason << field << " must be from " << least << " to " << most << ", not " << value;
+  };
+  check("pivot_mm", welcome.pivot_mm, 0, kPivotMaxMm);
+  check("force.specific_force_n_per_mm2", welcome.specific_force_n_per_mm2, 0, kCoefficientMax);
+  check("force.drr_n_s_per_mm3", welcome.drr_n_s_per_mm3, 0, kCoefficientMax);
+  const Vec3 &low = welcome.stock.min_mm, &high = welcome.stock.max_mm;
+  for (const auto& [from, to] :
+       {std::pair{low.x, high.x}, std::pair{low.y, high.y}, std::pair{low.z, high.z}}) {
+    check("the stock's lowest coordinate", from, -kCoordinateMaxMm, kCoordinateMaxMm);
+    check("the stock's highest coordinate", to, from, kCoordinateMaxMm);
+  }
+  return reason.str();
 }
 
 ControlMessage read_message(const json& message) {
@@ -103,11 +129,17 @@ std::string tool_text(std::uint32_t tool_id) {
 
 std::string stock_text() { return json{{"type", wire::kTypeStock}}.dump(); }
 
-std::expected<ControlMessage, std::string> parse_control(std::string_view text) {
+std::expected<ControlMessage, ControlError> parse_control(std::string_view text) {
   try {
-    return read_message(json::parse(text));
+    ControlMessage message = read_message(json::parse(text));
+    if (const auto* welcome = std::get_if<Welcome>(&message)) {
+      if (std::string reason = fault_of(*welcome); !reason.empty()) {
+        return std::unexpected(ControlError{ControlFault::kOutOfRange, std::move(reason)});
+      }
+    }
+    return message;
   } catch (const json::exception& error) {
-    return std::unexpected(error.what());
+    return std::unexpected(ControlError{ControlFault::kMalformed, error.what()});
   }
 }
 

@@ -38,6 +38,9 @@ struct Welcome {
   std::string color;
   double pivot_mm = 0;
   CutLaw law = CutLaw::kSpecificEnergy;
+  /// Coefficients of the two laws; 0: not stated.
+  double specific_force_n_per_mm2 = 0;
+  double drr_n_s_per_mm3 = 0;
   /// Bounding box of the stock.
   StockBox stock;
   std::vector<std::uint32_t> tool_ids;
@@ -67,7 +70,23 @@ std::string tool_text(std::uint32_t tool_id);
 /// Requests the stock near the tool from scratch.
 std::string stock_text();
 
-/// Parses a text frame. The error is one sentence.
-std::expected<ControlMessage, std::string> parse_control(std::string_view text);
+enum class ControlFault : std::uint8_t {
+  kMalformed,   ///< not JSON, or a field is missing or has the wrong type
+  kOutOfRange,  ///< a number of the welcome with which no device can be rendered
+};
+
+struct ControlError {
+  ControlFault fault = ControlFault::kMalformed;
+  /// One clause; for kOutOfRange it names the field and its range.
+  std::string reason;
+};
+
+/// Greatest accepted distance of the pivot from the tip, mm: the length of the longest tool. The
+/// device's grip is placed there, and a pose error of the axis moves it by that length.
+inline constexpr double kPivotMaxMm = 5000;
+
+/// Parses a text frame. Of a welcome, the pivot, the force coefficients and the stock must be in
+/// range.
+std::expected<ControlMessage, ControlError> parse_control(std::string_view text);
 
 }  // namespace kerf::agent

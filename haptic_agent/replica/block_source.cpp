@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/replica/block_source.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "kernel/dexel/stock_column.h"
 #include "server/formats/scene.h"
 #include "server/wire/limits.h"
 
@@ -45,6 +47,14 @@ std::expected<BlockSource, std::string> BlockSource::read(std::string_view welco
     return std::unexpected(block.error().reason);
   }
   return source;
+}
+
+double BlockSource::full_cut_mm2(ToolId tool) const {
+  const auto found = tools_.find(tool);
+  if (found == tools_.end()) return 0;
+  const BoxStock box = stock_bounds(settings_.stock);
+  const double height_mm = std::min(found->second.length_mm, length(box.max_mm - box.min_mm));
+  return 2 * found->second.radius_mm * height_mm;
 }
 
 Sculpture BlockSource::make() const {

@@ -20,6 +20,9 @@ class BlockSource {
   /// rendered from the server's contact planes (ContactModel). A mesh stock is replaced by its
   /// bounding box; the server sends which parts of it are empty.
   Sculpture make() const;
+  /// Returns an upper bound of the engaged area of a cut with a tool, mm²: the width of the tool
+  /// times its cutting length, or the stock's diagonal if that is shorter. 0 for an unknown tool.
+  double full_cut_mm2(ToolId tool) const;
   /// Maximum speed of the cutting tip that the server accepts.
   double speed_max_mm_per_s() const { return speed_max_mm_per_s_; }
 

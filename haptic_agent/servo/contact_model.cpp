@@ -94,8 +94,10 @@ Wrench ContactModel::at(const Grip& now, const Twist& velocity, double dt_s) noe
   return damped_push(now, velocity) + fading_;
 }
 
-Wrench ContactModel::in_answer() const noexcept {
-  return push(then_, {}, [](const wire::ContactPlane& plane, Vec3, std::uint32_t) {
+Wrench ContactModel::in_answer() const noexcept { return computed(then_); }
+
+Wrench ContactModel::computed(const Grip& now) const noexcept {
+  return push(now, {}, [](const wire::ContactPlane& plane, Vec3, std::uint32_t) {
     return ContactGains{.stiffness = static_cast<double>(plane.stiffness_n_per_mm)};
   });
 }

@@ -52,6 +52,9 @@ class ContactModel {
             const Twist& velocity) noexcept;
   /// Returns force and torque about the pivot, `dt_s` after the last call.
   Wrench at(const Grip& now, const Twist& velocity, double dt_s) noexcept;
+  /// Returns the wrench of the undamped springs of the surfaces themselves, which the session
+  /// computes, at the newest grip.
+  Wrench computed(const Grip& now) const noexcept;
   /// Returns the part of the answer's own wrench that these planes contribute.
   Wrench in_answer() const noexcept;
 

@@ -78,7 +78,8 @@ void LocalModel::take_cut(const ServerWrench& answer, const PastGrip& then) noex
   trend_.take(then.path_mm, strength, std::exp(-passed_s / (kTrendS + kTrendOfLag * lag_s_)));
 }
 
-Wrench LocalModel::cut(const PastGrip& now) const noexcept {
+Wrench LocalModel::cut(const PastGrip& now, double& rendered) const noexcept {
+  rendered = 1;
   const double answered_n = length(cut_.force_n);
   if (trend_.empty() || !(answered_n > 0)) return {};
   const double length_now = length(now.heading), length_then = length(then_.heading);
@@ -90,7 +91,8 @@ Wrench LocalModel::cut(const PastGrip& now) const noexcept {
 
   double newtons = trend_.at(now.path_mm);
   if (settings_.law == CutLaw::kRemovalRate) {
-    newtons = std::min(newtons, settings_.max_damping) * length(now.velocity.at(arm));
+    if (newtons > settings_.max_damping) rendered = settings_.max_damping / newtons;
+    newtons *= length(now.velocity.at(arm));
   }
   newtons *= kept * std::min(1.0, length_now / length_then);
   const double scale = newtons / answered_n;
@@ -105,7 +107,12 @@ Wrench LocalModel::cut(const PastGrip& now) const noexcept {
 Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
   const Wrench touched =
       stock_.at(now.grip, now.velocity, dt_s) + obstacles_.at(now.grip, now.velocity, dt_s);
-  return cutting ? touched + cut(now) : touched;
+  computed_ = stock_.computed(now.grip) + obstacles_.computed(now.grip);
+  if (!cutting) return touched;
+  double rendered = 1;
+  const Wrench cutting_wrench = cut(now, rendered);
+  computed_ = computed_ + cutting_wrench;
+  return touched + cutting_wrench * rendered;
 }
 
 }  // namespace kerf::agent

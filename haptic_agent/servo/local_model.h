@@ -40,13 +40,17 @@ class LocalModel {
   /// Returns the wrench at the newest grip, `dt_s` after the previous one. `cutting`: the user
   /// presses the cutting button.
   Wrench at(const PastGrip& now, bool cutting, double dt_s) noexcept;
+  /// Returns the wrench of the last call of `at` before it was reduced to the stiffness and damping
+  /// that the device renders stably: the one that the session computes.
+  const Wrench& computed() const noexcept { return computed_; }
 
   /// Returns the direction of travel, low-pass filtered over the path (PastGrip::heading): a vector
   /// of length <= 1, which passes through zero when the motion reverses.
   static Vec3 heading(Vec3 before, Vec3 moved_mm) noexcept;
 
  private:
-  Wrench cut(const PastGrip& now) const noexcept;
+  /// Returns the cutting wrench as computed; `rendered` is the share that the device can render.
+  Wrench cut(const PastGrip& now, double& rendered) const noexcept;
   void take_stock(const ServerWrench& answer, const PastGrip& then, const PastGrip& now) noexcept;
   void take_cut(const ServerWrench& answer, const PastGrip& then) noexcept;
 
@@ -55,6 +59,7 @@ class LocalModel {
   EngagementTrend trend_;
   /// Cutting wrench of the newest answer.
   Wrench cut_;
+  Wrench computed_;
   PastGrip then_;
   Vec3 arm_mm_{};
   double lag_s_ = 0;

@@ -102,6 +102,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   const Twist moved = follow(state, usable, now_us, dt_s);
   output_.settle(moved, now_us - passed_us, now_us);
   const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
+  computed_ = {};
   const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
   const SafetyInput seen = safety_input(state, usable, wrench);
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
@@ -110,6 +111,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   device_.write(usable && gain > 0
                     ? output_.release(wrench * gain, velocity_.velocity(), moved, dt_s, now_us)
                     : output_.silence(now_us));
+  note_felt(usable && gain > 0);
   note(seen, wrench);
 
   const bool timed_out = settings_.duration_us > 0 && now_us - start_us_ >= settings_.duration_us;
@@ -126,11 +128,13 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
     ++report_.invalid_poses;
     return false;
   }
+  const bool motors = settings_.safety.motors;
   const wire::MotionSample sample{.time_us = state.time_us,
                                   .tip_mm = state.tip_mm,
                                   .axis = Vec3f(state.axis),
                                   .tool_id = state.tool_id != 0 ? state.tool_id : settings_.tool_id,
-                                  .buttons = state.buttons};
+                                  .buttons = state.buttons | (motors ? wire::kButtonFelt : 0U),
+                                  .felt_share = motors ? static_cast<float>(share_) : 0.0F};
   if (samples_.push(sample)) {
     ++report_.samples;
   } else {
@@ -200,11 +204,13 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
   if (!has_answer_) return {};
   const double share = wrench_share(answer_age(now_us));
   if (share < 1.0) ++report_.decayed_ticks;
-  felt_ = felt_ + (interpolator_.newest().felt - felt_) * (dt_s / (kFeltS + dt_s));
-  Wrench own = felt_;
+  followed_ = followed_ + (interpolator_.newest().felt - followed_) * (dt_s / (kFeltS + dt_s));
+  Wrench own = followed_;
+  computed_ = followed_ + interpolator_.newest().wrench;
   switch (settings_.mode) {
     case ForceMode::kModel:
       own = own + model_.at(now_, cutting, dt_s);
+      computed_ = followed_ + model_.computed();
       break;
     case ForceMode::kInterpolated:
       own = own + interpolator_.at(now_us);
@@ -238,6 +244,14 @@ SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
           .overdrawn = output_.passivity().overdrawn()};
 }
 
+/// Compares the output with the computed wrench. `on`: the supervisor permits a force.
+void ServoCycle::note_felt(bool on) noexcept {
+  constexpr double kLeastLeverMm = 1;
+  const double lever_mm = std::max(kLeastLeverMm, settings_.pivot_mm);
+  share_ = felt_share(output_.released(), computed_, lever_mm);
+  if (on) report_.felt.add(output_.released(), computed_, share_);
+}
+
 void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept {
   report_.max_force_n = std::max(report_.max_force_n, length(output_.released().force_n));
   report_.max_torque_nmm = std::max(report_.max_torque_nmm, length(output_.released().torque_nmm));
@@ -257,6 +271,7 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept
                  .code = supervisor_.code(),
                  .trips = noted_trips_,
                  .output = output_.released(),
+                 .computed = computed_,
                  .energy_mj = output_.passivity().account().level_mj(),
                  .speed_mm_per_s = seen.tip_mm_per_s,
                  .answer_age_us = seen.answer_age_us});

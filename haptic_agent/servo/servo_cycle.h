@@ -6,6 +6,7 @@
 
 #include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/realtime/latest_value.h"
+#include "haptic_agent/servo/felt.h"
 #include "haptic_agent/servo/flight_recorder.h"
 #include "haptic_agent/servo/grip_history.h"
 #include "haptic_agent/servo/local_model.h"
@@ -70,6 +71,7 @@ struct ServoReport {
   std::uint64_t decayed_ticks = 0;
   double max_force_n = 0;
   double max_torque_nmm = 0;
+  FeltReport felt{};
 };
 
 /// State of the newest tick, for the terminal view.
@@ -78,6 +80,7 @@ struct ServoStatus {
   TripCode code = TripCode::kNone;
   std::uint64_t trips = 0;
   Wrench output{};
+  Wrench computed{};
   double energy_mj = 0;
   double speed_mm_per_s = 0;
   std::uint64_t answer_age_us = 0;
@@ -111,6 +114,7 @@ class ServoCycle final : public ServoTask {
   std::uint64_t answer_age(std::uint64_t now_us) const noexcept;
   SafetyInput safety_input(const DeviceState& state, bool usable,
                            const Wrench& requested) const noexcept;
+  void note_felt(bool on) noexcept;
   void note(const SafetyInput& seen, const Wrench& requested) noexcept;
 
   HapticDevice& device_;
@@ -130,7 +134,10 @@ class ServoCycle final : public ServoTask {
   ServoReport report_;
   PastGrip now_;
   /// Wrench of the followed participant, low-pass filtered.
-  Wrench felt_{};
+  Wrench followed_{};
+  /// The wrench that the session computes at the newest pose, and the share of it that is output.
+  Wrench computed_{};
+  double share_ = 1;
   Vec3 tip_mm_{};
   double jumped_mm_ = 0;
   bool has_grip_ = false;

@@ -42,12 +42,7 @@ Wrench WrenchLimiter::limit(const Wrench& requested, double dt_s) noexcept {
     output_ = {};
     return output_;
   }
-  double share = 1;
-  const auto reduce_share = [&share](double value, double most) {
-    if (value > most) share = std::min(share, most / value);
-  };
-  reduce_share(length(requested.force_n), limits_.force_n);
-  reduce_share(length(requested.torque_nmm), limits_.torque_nmm);
+  const double share = share_within({limits_.force_n, limits_.torque_nmm}, requested);
   bool slewed = false;
   output_.force_n =
       slew(output_.force_n, requested.force_n * share, limits_.force_rise_n_per_s * dt_s, slewed);

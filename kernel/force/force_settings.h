@@ -13,7 +13,7 @@ enum class ForceLaw { kDexelRemovalRate, kSpecificEnergy };
 struct ForceSettings {
   ForceLaw law = ForceLaw::kSpecificEnergy;
   double specific_force_n_per_mm2 = 0.5;  ///< u of F = u A, A = removed volume / path
-  double drr_n_s_per_mm3 = 0.01;          ///< K of F = K dV/dt
+  double drr_n_s_per_mm3 = 0.0005;        ///< K of F = K dV/dt
   double pivot_mm = 60;  ///< distance of the torque's pivot from the tip, along the axis
   double contact_stiffness_n_per_mm = 1;  ///< of the stock against shank and holder
 };

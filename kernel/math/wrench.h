@@ -22,6 +22,25 @@ constexpr Wrench operator*(const Wrench& a, double s) noexcept {
   return {a.force_n * s, a.torque_nmm * s};
 }
 
+/// Greatest force and torque that a device outputs.
+struct WrenchMaximum {
+  double force_n = 0;
+  double torque_nmm = 0;
+};
+
+/// Returns the factor, 0 to 1, by which a device shortens a wrench to its maximum. One factor for
+/// force and torque keeps the screw axis and the ratio of both; shortened apart, they would be
+/// those of another cut.
+inline double share_within(const WrenchMaximum& most, const Wrench& wrench) noexcept {
+  const double force = length(wrench.force_n);
+  const double torque = length(wrench.torque_nmm);
+  double share = 1;
+  if (force > most.force_n) share = most.force_n / force;
+  if (torque > most.torque_nmm && most.torque_nmm / torque < share)
+    share = most.torque_nmm / torque;
+  return share;
+}
+
 /// Tests the squared lengths, so a wrench whose squares overflow is not finite either.
 inline bool is_finite(const Wrench& wrench) noexcept {
   return __builtin_isfinite(dot(wrench.force_n, wrench.force_n)) &&

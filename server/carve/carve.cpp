@@ -210,7 +210,7 @@ class Carving {
     std::ofstream forces;
     if (options_.forces) {
       forces.open(output(*options_.forces).temporary(), std::ios::binary);
-      write_forces_header(forces);
+      write_forces_header(forces, options_.device_limits);
     }
     Simulation simulation(scene_, program_, options_.report.has_value());
     uncut_ = sculpture_->snapshot();
@@ -228,7 +228,9 @@ class Carving {
                          result.error().reason);
       report_.machining_s += motion.duration_s;
       simulation.follow(motion, *result);
-      if (options_.forces) write_forces_row(forces, report_.machining_s, motion.to, *result);
+      if (options_.forces) {
+        write_forces_row(forces, report_.machining_s, motion.to, *result, options_.device_limits);
+      }
       progress_.show("carving", static_cast<double>(++report_.motions) /
                                     static_cast<double>(program_.motions.size()));
     }

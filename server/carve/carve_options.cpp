@@ -107,6 +107,15 @@ void declare(CLI::App& app, CarveOptions& options) {
                  "join motions in --ngc and --apt within this, mm (default: do not join)")
       ->check(check_positive);
   app.add_option("--forces", options.forces, "write force and torque of each motion (CSV)");
+  app.add_option_function<std::vector<double>>(
+         "--device-limits",
+         [&options](const std::vector<double>& most) {
+           options.device_limits = WrenchMaximum{most[0], most[1]};
+         },
+         "FORCE_N,TORQUE_NMM: add to --forces the wrench as a device with this maximum outputs it")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(check_positive);
   app.add_option("--report", options.report, "write results and timings (JSON)");
   app.add_option("--pitch", options.pitch_mm, "spacing of the rays, mm (overrides the scene)")
       ->check(check_positive);
@@ -158,6 +167,8 @@ std::variant<CarveOptions, int> parse_carve_options(int argc, char** argv) {
   if (options.explain) return options;
   if (options.scene.empty()) return reject("--scene is required");
   if (options.program.empty()) return reject("--program is required");
+  if (options.device_limits && !options.forces)
+    return reject("--device-limits needs --forces, whose columns it adds");
   return options;
 }
 

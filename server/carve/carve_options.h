@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "kernel/math/wrench.h"
 #include "server/carve/environment_files.h"
 #include "server/carve/model_outputs.h"
 
@@ -25,6 +26,7 @@ struct CarveOptions {
   std::vector<ModelChoice> models;               ///< --stl, --glb, --3mf, --ply, --obj
   SurfaceRequest surface;  ///< --triangles, --max-error, --deviation, --deviation-range
   std::optional<std::filesystem::path> ngc, apt, forces, report;
+  std::optional<WrenchMaximum> device_limits;  ///< adds the felt columns to --forces
   std::optional<double> pitch_mm, tolerance_mm, rate_hz, nc_tolerance_mm;
   std::optional<std::string> rays, motion, law;
   int threads;  ///< for carving and for writing files

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
+#include "kernel/force/ripple.h"
 #include "server/formats/scene.h"
 
 namespace kerf {
@@ -73,7 +76,7 @@ constexpr std::array kHelp{
     FieldHelp{"force.law", "specific_energy", "",
               "specific_energy: F = u A; drr: F = K dV/dt (the paper's)"},
     FieldHelp{"force.specific_force_n_per_mm2", "0.5", "N/mm2", "u of specific_energy"},
-    FieldHelp{"force.drr_n_s_per_mm3", "0.01", "N s/mm3", "K of drr"},
+    FieldHelp{"force.drr_n_s_per_mm3", "0.0005", "N s/mm3", "K of drr"},
     FieldHelp{"force.pivot_mm", "60", "mm", "distance of the torque's pivot from the tip"},
     FieldHelp{"force.contact_stiffness_n_per_mm", "1", "N/mm",
               "contact stiffness of stock against shank and holder"},
@@ -120,6 +123,33 @@ std::string without_indices(const std::string& path) {
   return result;
 }
 
+/// States at which engagement the force of each tool is steady.
+std::string force_note(const Scene& scene) {
+  const SculptureSettings& s = scene.settings;
+  std::ostringstream out;
+  out << "\nforce: where a wall along the rays is cut, it ripples by at most 5 % rms from this "
+         "radial "
+         "engagement on";
+  const char* separator = ": ";
+  bool never = false;
+  const int fields = s.rays == Rays::kDexel ? 1 : 3;
+  for (const auto& [id, tool] : scene.tools) {
+    const double diameter_mm = 2 * tool.tool.radius_mm;
+    const double steady_mm = steady_radial_mm(fields, s.pitch_mm, diameter_mm);
+    out << std::exchange(separator, ", ") << "tool " << id << " ";
+    if (steady_mm <= diameter_mm) {
+      out << std::setprecision(2) << steady_mm << " mm";
+    } else {
+      out << "none";
+      never = true;
+    }
+  }
+  if (fields == 1) out << "; with tri-dexel from " << 5 * s.pitch_mm << " mm";
+  if (never) out << " (none: the pitch is too coarse for the tool)";
+  out << '\n';
+  return out.str();
+}
+
 }  // namespace
 
 std::string explain_scene(const Scene& scene) {
@@ -159,6 +189,7 @@ std::string explain_scene(const Scene& scene) {
            help->meaning);
     }
   }
+  out << force_note(scene);
   if (scene.accuracy)
     out << "\naccuracy for a target of " << scene.accuracy->request.target_mm
         << " mm: " << scene.accuracy->reason << '\n';

@@ -126,6 +126,7 @@ MotionAnswer Carving::answer(ParticipantState& state, Batch& batch) {
   batch.sum.write(result);
   if (!answer.rejections.empty()) result.status |= wire::kStatusRejected;
   state.update_display(result, batch.sum);
+  if (!batch.samples.empty()) state.note_felt(batch.samples.back());
   answer.felt = participants_.felt_by(state);
   return answer;
 }

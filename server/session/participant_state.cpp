@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/participant_state.h"
 
+#include <algorithm>
+
 namespace kerf {
 namespace {
 
@@ -21,6 +23,12 @@ void ParticipantState::update_display(const wire::Result& result, const BatchSum
   display.removed_rate_mm3_per_s =
       sum.duration_s() > 0 ? static_cast<float>(sum.removed_mm3() / sum.duration_s()) : 0.0F;
   display_time = Clock::now();
+}
+
+void ParticipantState::note_felt(const wire::MotionSample& newest) {
+  const bool stated = (newest.buttons & wire::kButtonFelt) != 0;
+  if (stated) display.status |= wire::kStatusFelt;
+  display.felt_share = stated ? std::clamp(newest.felt_share, 0.0F, 1.0F) : 0.0F;
 }
 
 bool ParticipantState::has_recent_force(Clock::time_point now) const {

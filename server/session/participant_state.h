@@ -30,6 +30,9 @@ struct ParticipantState {
 
   /// Updates `display` from the newest pose and the result of a batch.
   void update_display(const wire::Result& result, const BatchSum& sum);
+  /// Copies into `display` the share of the wrench that the participant's device outputs, if the
+  /// newest sample of a batch states it. Call it after update_display.
+  void note_felt(const wire::MotionSample& newest);
   /// True while the force in `display` is recent enough to be sent to others.
   bool has_recent_force(Clock::time_point now) const;
 };

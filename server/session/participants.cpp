@@ -173,7 +173,7 @@ std::vector<wire::ToolState> Participants::tool_states() const {
     if (!state.has_recent_force(now)) {
       tool.status = 0;
       tool.force_n = tool.torque_nmm = {};
-      tool.removed_rate_mm3_per_s = 0;
+      tool.removed_rate_mm3_per_s = tool.felt_share = 0;
     }
     tools.push_back(tool);
   }

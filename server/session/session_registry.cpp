@@ -130,9 +130,11 @@ void SessionRegistry::load(const std::string& id, LoadReport& report) {
         JournalError{JournalErrorCode::kIo, journal_path(id).string(), 0, error.what()});
   }
   const std::lock_guard lock(mutex_);
+  unreadable_.erase(id);
   if (!session) {
     report.failures.push_back(session.error());
-    unreadable_[id] = session.error();
+    // Its operator may have moved it away.
+    if (session.error().code != JournalErrorCode::kNotFound) unreadable_[id] = session.error();
     return;
   }
   if (opened.kernel_version != kKernelVersion) {
@@ -140,6 +142,17 @@ void SessionRegistry::load(const std::string& id, LoadReport& report) {
   }
   if (opened.shortened) report.shortened.push_back({id, opened.last_sequence});
   sessions_[id] = *std::move(session);
+}
+
+std::vector<std::string> SessionRegistry::retry_disk_failures() {
+  std::vector<std::string> started;
+  for (const UnreadableSession& session : unreadable()) {
+    if (session.error.code != JournalErrorCode::kIo) continue;
+    LoadReport report;
+    load(session.id, report);
+    if (report.failures.empty()) started.push_back(session.id);
+  }
+  return started;
 }
 
 bool SessionRegistry::loaded() const {

@@ -77,6 +77,9 @@ class SessionRegistry {
   /// Starts a session for every journal of the data folder. A journal that cannot be read is
   /// reported and stays as it is; its id remains taken.
   LoadReport load_all();
+  /// Tries again to start the sessions whose journals could not be read because of the disk, e.g.
+  /// because it was full. Returns those that were started.
+  std::vector<std::string> retry_disk_failures();
   /// True once load_all() has ended.
   bool loaded() const;
   /// The journals that load_all() could not read.

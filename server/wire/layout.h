@@ -34,7 +34,7 @@ void walk(Io& io, Sample& sample) noexcept {
   io.field(sample.axis);
   io.field(sample.tool_id);
   io.field(sample.buttons);
-  io.reserved();
+  io.field(sample.felt_share);
 }
 
 template <typename Io, MaybeConst<Result> R>
@@ -76,7 +76,7 @@ void walk(Io& io, State& state) noexcept {
   io.field(state.force_n);
   io.field(state.torque_nmm);
   io.field(state.removed_rate_mm3_per_s);
-  io.reserved();
+  io.field(state.felt_share);
 }
 
 }  // namespace kerf::wire

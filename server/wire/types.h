@@ -17,6 +17,8 @@ namespace kerf::wire {
 /// Bits of MotionSample::buttons.
 inline constexpr std::uint32_t kButtonCutting = 1;
 inline constexpr std::uint32_t kButtonDeadman = 2;
+/// MotionSample::felt_share is stated.
+inline constexpr std::uint32_t kButtonFelt = 4;
 
 /// Bits of Result::status and ToolState::status.
 inline constexpr std::uint32_t kStatusCutting = 1;
@@ -26,6 +28,8 @@ inline constexpr std::uint32_t kStatusRejected = 4;
 inline constexpr std::uint32_t kStatusGap = 8;
 /// Some of the removed volume lay inside the tool where a motion began, and gives no force.
 inline constexpr std::uint32_t kStatusImprint = 16;
+/// Only in tool states: ToolState::felt_share is stated.
+inline constexpr std::uint32_t kStatusFelt = 32;
 
 /// One pose of a tool. It stands for the motion from the previous sample to this one; without
 /// kButtonCutting the motion does not cut.
@@ -39,6 +43,9 @@ struct MotionSample {
   Vec3f axis{0.0F, 0.0F, 1.0F};
   std::uint32_t tool_id = 0;
   std::uint32_t buttons = 0;
+  /// With kButtonFelt: the share of the computed wrench, 0 to 1, that the device output when the
+  /// pose was read. Zero otherwise.
+  float felt_share = 0.0F;
 
   bool operator==(const MotionSample&) const = default;
 };
@@ -110,6 +117,9 @@ struct ToolState {
   Vec3f force_n{};
   Vec3f torque_nmm{};
   float removed_rate_mm3_per_s = 0.0F;
+  /// With kStatusFelt: the share of force and torque, 0 to 1, that the participant's device
+  /// outputs. Zero otherwise.
+  float felt_share = 0.0F;
 
   bool operator==(const ToolState&) const = default;
 };

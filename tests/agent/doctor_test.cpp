@@ -58,7 +58,8 @@ TEST(Doctor, DistinguishesAccessibleProprietaryAndMissingDevices) {
   EXPECT_EQ(findings[0].health, Health::kFine);
   EXPECT_EQ(findings[1].health, Health::kWarning);
   EXPECT_TRUE(contains(findings[1], "SDK"));
-  EXPECT_EQ(judge_usb(std::vector<FoundDevice>{})[0].health, Health::kWarning);
+  EXPECT_EQ(judge_usb(std::vector<FoundDevice>{})[0].health, Health::kNote)
+      << "a user who needs one asks for it with --device";
   EXPECT_TRUE(contains(judge_usb(std::unexpected("USB cannot be used: x"))[0], "cannot be used"));
 }
 
@@ -95,6 +96,21 @@ TEST(Doctor, UnreachableServerIsBad) {
   EXPECT_EQ(check_server({.host = "no-such-host.invalid", .port = "1"}).health, Health::kBad);
 }
 
+TEST(Doctor, LatencyOfADeviceIsComparedWithTheDeclaredOne) {
+  const DeviceCapabilities device{.name = "pen", .max_force_n = 5, .latency_us = 3000};
+  const Finding prompt = judge_latency(device, {.count = 900, .mean_us = 1200, .most_us = 3000});
+  EXPECT_EQ(prompt.health, Health::kFine);
+  EXPECT_TRUE(contains(prompt, "after 1.2 ms on average, 3.0 ms at most (of 900)"));
+  EXPECT_TRUE(contains(prompt, "a latency of 3.0 ms is declared"));
+  const Finding late = judge_latency(device, {.count = 900, .mean_us = 1200, .most_us = 4100});
+  EXPECT_EQ(late.health, Health::kWarning);
+  EXPECT_TRUE(contains(late, "--latency 5")) << all_of(late);
+  const Finding unknown = judge_latency(device, {});
+  EXPECT_EQ(unknown.health, Health::kNote);
+  EXPECT_TRUE(contains(unknown, "does not acknowledge commands"));
+  EXPECT_TRUE(contains(unknown, "--latency MS"));
+}
+
 TEST(Doctor, ExitCodeReflectsFindings) {
   std::ostringstream out;
   const char* bad[] = {"doctor", "--device", "joystick"};
@@ -105,7 +121,9 @@ TEST(Doctor, ExitCodeReflectsFindings) {
   EXPECT_EQ(run_doctor(7, missing, out), 1);
   EXPECT_NE(out.str().find("Some checks failed"), std::string::npos);
   const char* simulated[] = {"doctor", "--device", "sim", "--seconds", "0.1"};
-  run_doctor(5, simulated, out);
+  EXPECT_EQ(run_doctor(5, simulated, out), 0)
+      << "neither a missing USB device nor a slow machine is a failure\n"
+      << out.str();
   EXPECT_NE(out.str().find("the simulated hand is ready"), std::string::npos);
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -37,6 +38,44 @@ TEST(Options, HelpIsNotAnError) {
   EXPECT_EQ(options.error().code, 0);
 }
 
+TEST(Options, HelpNamesTheModesAsTheyAreTyped) {
+  testing::internal::CaptureStdout();
+  ASSERT_FALSE(read({"--help"}));
+  const std::string help = testing::internal::GetCapturedStdout();
+  EXPECT_NE(help.find("{model,interpolated,hold}"), std::string::npos) << help;
+  EXPECT_EQ(help.find("->"), std::string::npos) << "no numbers of an enumeration\n" << help;
+  EXPECT_EQ(help.find("model,interpolated,hold} OR"), std::string::npos) << help;
+  for (const char* part : {"UINT", "FLOAT", "INT in", "{false}", "e+0"}) {
+    EXPECT_EQ(help.find(part), std::string::npos) << part << " is no word for a user\n" << help;
+  }
+  EXPECT_NE(help.find("kerf-agent doctor --help"), std::string::npos);
+}
+
+TEST(Options, ModeIsOneOfTheThreeNames) {
+  const auto mode = [](const char* name) {
+    const auto options = read({"--session", "demo", "--device", "sim", "--mode", name});
+    return options ? std::optional(options->mode) : std::nullopt;
+  };
+  EXPECT_EQ(read({"--session", "demo", "--device", "sim"})->mode, ForceMode::kModel);
+  EXPECT_EQ(mode("model"), ForceMode::kModel);
+  EXPECT_EQ(mode("interpolated"), ForceMode::kInterpolated);
+  EXPECT_EQ(mode("hold"), ForceMode::kHold);
+  EXPECT_EQ(mode("2"), std::nullopt) << "a number of the enumeration is no name";
+}
+
+TEST(Options, CopyIsKeptUnlessDeclined) {
+  EXPECT_TRUE(read({"--session", "demo", "--device", "sim"})->keep_copy);
+  EXPECT_TRUE(read({"--session", "demo", "--device", "sim", "--copy"})->keep_copy);
+  EXPECT_FALSE(read({"--session", "demo", "--device", "sim", "--no-copy"})->keep_copy);
+}
+
+TEST(Options, LatencyIsInMilliseconds) {
+  const auto options = read({"--session", "demo", "--device", "usb", "--latency", "4.5"});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->latency_us, 4500U);
+  EXPECT_FALSE(read({"--session", "demo", "--device", "usb", "--latency", "21"}));
+}
+
 TEST(Options, BadInputExitsWithTwo) {
   const std::vector<std::vector<const char*>> lines = {
       {},
@@ -45,6 +84,9 @@ TEST(Options, BadInputExitsWithTwo) {
       {"--session", "a/b", "--device", "sim"},
       {"--session", "demo", "--device", "sim", "--color", "red"},
       {"--session", "demo", "--device", "sim", "--tool", "0"},
+      {"--session", "demo", "--device", "sim", "--tool", "1.5"},
+      {"--session", "demo", "--device", "sim", "--cpu", "-1"},
+      {"--session", "demo", "--device", "sim", "--mode", "fast"},
       {"--session", "demo", "--device", "sim", "--force-max", "-1"},
       {"--session", "demo", "--device", "sim", "--duration", "nan"},
       {"--session", "demo", "--device", "sim", "--server", "https://x"},
@@ -77,7 +119,26 @@ TEST(Summary, JsonHasTheFieldsThatTestsRelyOn) {
     EXPECT_TRUE(json["link"].contains(field)) << field;
   }
   EXPECT_TRUE(json["force"].contains("max_n"));
+  EXPECT_EQ(json["force"]["felt"]["ticks"], 0);
   EXPECT_EQ(json["link"]["udp"]["carries"], false);
+}
+
+TEST(Summary, ComparesFeltAndComputedForceAndTorque) {
+  Summary summary;
+  for (int i = 0; i < 2; ++i) {
+    summary.servo.felt.add({{0, 0, 3}, {0, 15, 0}}, {{0, 0, 12}, {0, 60, 0}}, 0.25);
+  }
+  std::ostringstream out;
+  print_summary(out, summary);
+  for (const char* part : {"force 3.00 of 12.00 N in the mean, 3.00 of 12.00 N at most",
+                           "torque 15.00 of 60.00 N·mm in the mean", "differs by 75.00 % rms",
+                           "reduced in 2 of 2 ticks"}) {
+    EXPECT_NE(out.str().find(part), std::string::npos) << part << " in\n" << out.str();
+  }
+  const auto json = nlohmann::json::parse(summary_json(summary))["force"]["felt"];
+  EXPECT_EQ(json["force_n"]["computed_mean"], 12);
+  EXPECT_EQ(json["torque_nmm"]["felt_max"], 15);
+  EXPECT_NEAR(json["torque_nmm"]["rms_error"].get<double>(), 0.75, 1e-12);
 }
 
 TEST(Summary, PrintsUdpCountersIfUdpWasRequested) {

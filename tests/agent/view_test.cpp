@@ -20,9 +20,11 @@ TEST(TerminalView, BarIsClampedToItsLength) {
 TEST(TerminalView, PrintsTheStateInSixLines) {
   ServoStatus servo{.phase = ServoPhase::kSafe, .code = TripCode::kJump, .trips = 2};
   servo.output.force_n = {0, 3, 4};
+  servo.computed.force_n = {0, 9, 12};
   const std::string text = view_text(servo, {.rtt_us = 25'300}, {}, 30);
   EXPECT_EQ(std::ranges::count(text, '\n'), 6);
-  for (const char* part : {"safe", "trips 2, last pose_jump", "5.0 N", "round trip 25.3 ms"}) {
+  for (const char* part :
+       {"safe", "trips 2, last pose_jump", "5.0 N of 15.0 computed", "round trip 25.3 ms"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
   }
 }

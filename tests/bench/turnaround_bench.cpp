@@ -119,6 +119,8 @@ void print_row(const char* name, std::vector<double>& times_us) {
               times_us.back());
 }
 
+/// Epoch of a new session: its journal was created and opened.
+constexpr std::uint32_t kNewEpoch = 2;
 constexpr double kStepMm = 0.05, kRowMm = 80, kStepOverMm = 4, kDownMm = 3;
 constexpr int kRows = 20;
 /// Samples per layer of the raster.
@@ -158,7 +160,7 @@ struct Figures {
 void take_stock(WebSocket& agent, const Message& message, std::size_t bytes, Figures& figures) {
   figures.stock_bytes += bytes;
   std::vector<std::byte> ack;
-  append(ack, {1, message.header.stamp.sequence, 0}, Ack{});
+  append(ack, {kNewEpoch, message.header.stamp.sequence, 0}, Ack{});
   agent.send(2, ack);
 }
 
@@ -201,7 +203,7 @@ Figures measure(WebSocket& agent, double seconds, std::uint64_t ahead) {
     batch.count = 1;
     batch.samples[0] = sample_at(n, ahead);
     frame.clear();
-    append(frame, {1, n, n * 1000}, batch);
+    append(frame, {kNewEpoch, n, n * 1000}, batch);
     sent[n] = Clock::now();
     agent.send(2, frame);
   }
@@ -276,7 +278,7 @@ void run_viewer(const std::atomic<bool>& stop, std::uint16_t port) {
     const auto message = decode(std::as_bytes(std::span(payload)));
     if (!message || !std::holds_alternative<MeshView>(message->body)) continue;
     ack.clear();
-    append(ack, {1, message->header.stamp.sequence, 0}, Ack{});
+    append(ack, {kNewEpoch, message->header.stamp.sequence, 0}, Ack{});
     viewer.send(2, ack);
   }
 }
@@ -289,7 +291,7 @@ void run_hostile_agent(const std::atomic<bool>& stop, std::uint16_t port) {
     batch.count = 1;
     batch.samples[0] = sample_at(n, 20'000);
     frame.clear();
-    append(frame, {1, n, n * 1000}, batch);
+    append(frame, {kNewEpoch, n, n * 1000}, batch);
     if (n % 2 == 0) frame[40] = std::byte{0xFF};
     if (!agent.try_send(2, frame)) return;  // disconnected, as expected
   }

@@ -49,6 +49,29 @@ TEST_F(KerfCarve, WritesEveryRequestedOutput) {
                                       "o.apt", "o.ngc", "out", "p.ngc", "r.json", "scene.json"}));
 }
 
+TEST_F(KerfCarve, DeviceLimitsAddTheFeltWrenchToTheForces) {
+  EXPECT_EQ(run(kInput + " --device-limits 2,50"), 2);
+  EXPECT_THAT(content("err"), HasSubstr("--device-limits needs --forces"));
+  ASSERT_EQ(run(kInput + " --rate 100 --forces f.csv --device-limits 2,50"), 0) << content("err");
+  std::istringstream rows(content("f.csv"));
+  std::string row;
+  std::getline(rows, row);
+  EXPECT_THAT(row, HasSubstr(",imprint_mm3,felt_fx_n,"));
+  int reduced = 0;
+  while (std::getline(rows, row)) {
+    std::vector<double> v;
+    std::istringstream fields(row);
+    for (std::string field; std::getline(fields, field, ',');) v.push_back(std::stod(field));
+    ASSERT_EQ(v.size(), 21U);
+    const double computed = std::hypot(v[7], v[8], v[9]), felt = std::hypot(v[15], v[16], v[17]);
+    EXPECT_LE(felt, 2 + 1e-6);
+    EXPECT_LE(std::hypot(v[18], v[19], v[20]), 50 + 1e-5);
+    EXPECT_NEAR(v[19] * computed, v[11] * felt, 1e-5) << "one factor for force and torque";
+    reduced += felt < computed ? 1 : 0;
+  }
+  EXPECT_GT(reduced, 50) << "the slot exceeds the device";
+}
+
 TEST_F(KerfCarve, SimplifiesAndMeasuresAgainstAReference) {
   const auto exact = report(kInput + " --stl m.stl --pitch 0.2");
   EXPECT_TRUE(exact["simplified"].is_null());
@@ -220,6 +243,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"TinyPitch", "", "", "--scene scene.json --program p.ngc --pitch 1e-9",
                  "scene.json: "},
         BadInput{"Rays", "", "", "--scene scene.json --program p.ngc --rays voxel", "kerf-carve: "},
+        BadInput{"DeviceLimit", "", "",
+                 "--scene scene.json --program p.ngc --forces f.csv --device-limits 6",
+                 "kerf-carve: "},
         BadInput{"Rate", "", "", "--scene scene.json --program p.ngc --rate 1e12", "p.ngc: needs"}),
     [](const auto& test) { return test.param.name; });
 

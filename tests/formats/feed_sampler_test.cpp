@@ -86,5 +86,18 @@ TEST(ForcesCsv, HasHeaderAndOneRowPerMotion) {
             "0.25,1,2.5,-3,0,0,1,0.1,0,0.333333333,0,-20,0,0.0000001,0.00000005\n");
 }
 
+TEST(ForcesCsv, FeltColumnsAreTheWrenchShortenedByOneFactor) {
+  std::ostringstream out;
+  const WrenchMaximum device{6, 150};
+  write_forces_header(out, device);
+  MotionResult result;
+  result.wrench = {{8, 0, 0}, {0, -600, 0}};
+  write_forces_row(out, 0.25, {{1, 2.5, -3}, {0, 0, 1}}, result, device);
+  EXPECT_EQ(out.str(),
+            "t_s,x,y,z,i,j,k,fx_n,fy_n,fz_n,tx_nmm,ty_nmm,tz_nmm,removed_mm3,"
+            "imprint_mm3,felt_fx_n,felt_fy_n,felt_fz_n,felt_tx_nmm,felt_ty_nmm,felt_tz_nmm\n"
+            "0.25,1,2.5,-3,0,0,1,8,0,0,0,-600,0,0,0,2,0,0,0,-150,0\n");
+}
+
 }  // namespace
 }  // namespace kerf

@@ -202,8 +202,9 @@ class Doctor(LiveTest):
             [AGENT, "doctor", "--seconds", "0.1", "--server", f"http://127.0.0.1:{port}"],
             capture_output=True, text=True, timeout=60)
         lines = done.stdout.splitlines()
-        # Devices and permissions depend on the machine; the exit code must match the output.
-        fine = not any(line.startswith(("warning", "missing")) for line in lines)
+        # Devices and permissions depend on the machine; the exit code must match the output. A
+        # warning (permissions, a slow machine) and the absence of a USB device are no failure.
+        fine = not any(line.startswith("missing") for line in lines)
         self.assertEqual(done.returncode, 0 if fine else 1, done.stdout)
         return [line for line in lines if str(port) in line], lines[-1]
 

@@ -104,6 +104,24 @@ class FullDisk(LiveTest):
         self.assertLessEqual(self.server.info()["motions"], reached)
         carve(Agent(self.server.port, "block"), 50)
 
+    def test_session_is_loaded_when_a_disk_that_was_full_at_the_start_has_space(self):
+        carve(Agent(self.port, "block"), 50)
+        expected = self.server.hash()
+        self.server.stop()
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
+        try:
+            self.server = Server(self.folder.name)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        listed = self.server.http.json("GET", "/v1/sessions")[1]
+        self.assertEqual([(s["id"], s["code"]) for s in listed["unreadable"]],
+                         [("block", "journal_io")])
+        self.limit_files(None)
+        until(self, lambda: self.ready()[1]["unreadable"], [])
+        self.assertEqual(self.server.hash(), expected)
+        carve(Agent(self.server.port, "block"), 50)
+
     def test_stopped_while_paused_it_names_what_is_lost(self):
         agent = Agent(self.port, "block")
         carve(agent, 50)

@@ -220,6 +220,9 @@ class Doctor(UsbTest):
                      "the 5-DOF reference device is ready",
                      f"the server 127.0.0.1:{self.port} is healthy"):
             self.assertRegex(done.stdout, f"(?m)^ok +{line}")
+        # How long depends on the machine.
+        self.assertRegex(done.stdout, "(?m)^(ok|warning) +the 5-DOF reference device acknowledges "
+                         r"commands after [0-9.]+ ms on average, [0-9.]+ ms at most \(of [1-9][0-9]*\)")
 
 
 if __name__ == "__main__":

@@ -46,11 +46,13 @@ class ReferenceProtocolAlone : public ::testing::Test {
   }
   /// Passes a report to the protocol: the pen upright at the center, homed, with additional status
   /// bits.
-  bool report(std::uint16_t status, std::uint64_t at_us, double longer_mm = 0) {
+  bool report(std::uint16_t status, std::uint64_t at_us, double longer_mm = 0,
+              std::uint16_t accepted = 0) {
     const auto pen = agent::standard_pen();
     const auto front = reach_for(pen.front, {0, 0, 0});
     const auto rear = reach_for(pen.rear, {0, 0, pen.length_mm + longer_mm});
     ref::StateReport state{.sequence = ++sequence};
+    state.accepted = accepted;
     state.status = static_cast<std::uint16_t>(ref::kHomedMask | status);
     for (std::size_t i = 0; i < 3; ++i) {
       state.angles_urad[i] = static_cast<std::int32_t>(front[i] * 1e6);
@@ -108,6 +110,34 @@ TEST_F(ReferenceProtocolAlone, ForceEndsWithTheConnection) {
   ASSERT_TRUE(composed());
   EXPECT_EQ(composed().value_or(ref::CommandReport{}).torques_dnmm, Still{});
   EXPECT_TRUE(pulls());
+}
+
+TEST_F(ReferenceProtocolAlone, EchoIsTheTimeFromACommandToTheFirstReportThatAcceptsIt) {
+  ASSERT_TRUE(report(0, now_us));
+  EXPECT_EQ(protocol.command_echo().count, 0U);
+  const auto command = [this] {
+    protocol.mailbox().write({});
+    const auto sent = composed();
+    EXPECT_TRUE(sent);
+    return sent.value_or(ref::CommandReport{}).sequence;
+  };
+  const std::uint16_t first = command();
+  ASSERT_TRUE(report(0, now_us + 1000, 0, static_cast<std::uint16_t>(first - 1)));
+  EXPECT_EQ(protocol.command_echo().count, 0U) << "an earlier command";
+  ASSERT_TRUE(report(0, now_us + 1700, 0, first));
+  ASSERT_TRUE(report(0, now_us + 2700, 0, first));
+  EXPECT_EQ(protocol.command_echo().count, 1U) << "repetitions do not count";
+  EXPECT_EQ(protocol.command_echo().most_us, 1700U);
+  const std::uint16_t second = command();
+  ASSERT_TRUE(report(0, now_us + 900, 0, second));
+  EXPECT_EQ(protocol.command_echo().count, 2U);
+  EXPECT_EQ(protocol.command_echo().mean_us, 1300U);
+  EXPECT_EQ(protocol.command_echo().most_us, 1700U);
+  const std::uint16_t lost = command();
+  protocol.disconnected();
+  protocol.connected(now_us);
+  ASSERT_TRUE(report(0, now_us + 500'000, 0, lost));
+  EXPECT_EQ(protocol.command_echo().count, 2U) << "the device was away";
 }
 
 TEST_F(ReferenceProtocolAlone, InconsistentArmsAreRejected) {

@@ -20,7 +20,8 @@ json describe_body(const MotionBatch& batch) {
                        {"tip_mm", array_of(s.tip_mm)},
                        {"axis", array_of(s.axis)},
                        {"tool_id", s.tool_id},
-                       {"buttons", s.buttons}});
+                       {"buttons", s.buttons},
+                       {"felt_share", static_cast<double>(s.felt_share)}});
   }
   return {{"samples", samples}};
 }
@@ -65,7 +66,8 @@ json describe_body(const ToolStates& states) {
                      {"status", t.status},
                      {"force_n", array_of(t.force_n)},
                      {"torque_nmm", array_of(t.torque_nmm)},
-                     {"removed_rate_mm3_per_s", static_cast<double>(t.removed_rate_mm3_per_s)}});
+                     {"removed_rate_mm3_per_s", static_cast<double>(t.removed_rate_mm3_per_s)},
+                     {"felt_share", static_cast<double>(t.felt_share)}});
   }
   return {{"tools", tools}};
 }

@@ -82,6 +82,10 @@ describe('control messages', () => {
       ok: true,
       value: { ...state, settled: false },
     });
+    expect(parse({ ...state, settled: true, paused: 'disk' })).toEqual({
+      ok: true,
+      value: { ...state, settled: true, paused: 'disk' },
+    });
     expect(parse({ ...state, settled: true })).toEqual({
       ok: true,
       value: { ...state, settled: true },

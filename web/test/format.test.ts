@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { figure, sentence, volume } from '../src/ui/format';
+import { feltBeside, figure, sentence, volume } from '../src/ui/format';
 
 describe('format', () => {
   it('keeps three significant digits', () => {
@@ -14,6 +14,14 @@ describe('format', () => {
     ]);
     expect(volume(999)).toEqual(['999', 'mm³']);
     expect(volume(49666)).toEqual(['49.7', 'cm³']);
+  });
+
+  it('shows felt beside computed where they differ', () => {
+    expect(feltBeside(18.1, 1 / 6, 'N')).toBe('18.1 N · felt 3.02 N (× 0.167)');
+    expect(feltBeside(18.1, 0, 'N')).toBe('18.1 N · felt 0 N (× 0)');
+    expect(feltBeside(18.1, 0.995, 'N')).toBe('18.1 N');
+    expect(feltBeside(18.1, null, 'N')).toBe('18.1 N');
+    expect(feltBeside(0, 0, 'N')).toBe('0 N');
   });
 
   it('turns reasons into sentences', () => {

@@ -3,6 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { ForceHistory } from '../src/model/forces';
 import { Participants } from '../src/model/participants';
 import { emptyPose, PoseTrack } from '../src/model/pose_track';
+import { STATUS_FELT } from '../src/wire/types';
 import type { ParticipantInfo, ToolState } from '../src/wire/types';
 
 const ada: ParticipantInfo = {
@@ -24,6 +25,7 @@ function toolState(x: number, fields: Partial<ToolState> = {}): ToolState {
     force_n: [3, 4, 0],
     torque_nmm: [0, 0, 10],
     removed_rate_mm3_per_s: 1,
+    felt_share: 0,
     ...fields,
   };
 }
@@ -69,6 +71,17 @@ describe('participants', () => {
     const people = new Participants();
     people.setList([grace, ada]);
     expect(people.carvers().map((p) => p.info.name)).toEqual(['Ada']);
+  });
+
+  it('know the share of the wrench that a device outputs, if the agent states it', () => {
+    const people = new Participants();
+    people.setList([ada]);
+    people.applyTools([toolState(0)], 1000);
+    expect(people.get(1)?.feltShare).toBeNull();
+    people.applyTools([toolState(1, { status: 1 | STATUS_FELT, felt_share: 0.17 })], 1100);
+    expect(people.get(1)?.feltShare).toBe(0.17);
+    people.forgetPoses();
+    expect(people.get(1)?.feltShare).toBeNull();
   });
 
   it('ignore tool states of unknown participants and outdated states', () => {

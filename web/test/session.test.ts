@@ -30,6 +30,7 @@ const cutting: ToolState = {
   force_n: [0, 3, 4],
   torque_nmm: [1, 0, 0],
   removed_rate_mm3_per_s: 2,
+  felt_share: 0,
 };
 
 describe('session', () => {

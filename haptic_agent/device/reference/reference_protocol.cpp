@@ -120,6 +120,7 @@ std::expected<void, UsbError> ReferenceProtocol::identify(UsbSyncIo& io) {
 void ReferenceProtocol::connected(std::uint64_t) noexcept {
   report_.reset();
   pose_.reset();
+  command_clock_.restart();
   mismatched_ = false;
   motors_disabled_ = false;
   sent_us_ = 0;
@@ -152,6 +153,7 @@ bool ReferenceProtocol::take(std::span<const std::uint8_t> packet, std::uint64_t
   const std::uint64_t gap_us = now_us - std::min(now_us, report_us_);
   report_ = *report;
   report_us_ = now_us;
+  command_clock_.accepted(report->accepted, now_us);
   if (phase() == DevicePhase::kHoming) {
     // The angles are not valid yet, but the report is.
     pose_.reset();
@@ -207,6 +209,7 @@ std::size_t ReferenceProtocol::compose(std::span<std::uint8_t> packet,
   if (sequence_ == before || packet.size() < kCommandBytes) return 0;
   std::ranges::copy(encode(report), packet.begin());
   sent_us_ = now_us;
+  command_clock_.composed(report.sequence, now_us);
   return kCommandBytes;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "haptic_agent/device/reference/report.h"
+#include "haptic_agent/device/usb/command_clock.h"
 #include "haptic_agent/device/usb/usb_haptic_device.h"
 
 namespace kerf::agent::reference {
@@ -31,6 +32,7 @@ class ReferenceProtocol final : public HapticProtocol {
   PipeRequirements required_pipes() const override;
   std::uint64_t silence_limit_us() const noexcept override;
   DeviceCapabilities capabilities() const override { return pen_capabilities(place_); }
+  CommandEcho command_echo() const noexcept override { return command_clock_.echo(); }
 
   std::expected<void, UsbError> identify(UsbSyncIo& io) override;
   void connected(std::uint64_t now_us) noexcept override;
@@ -57,6 +59,7 @@ class ReferenceProtocol final : public HapticProtocol {
   bool motors_disabled_ = false;
   std::uint16_t sequence_ = 0;
   std::uint64_t sent_us_ = 0;
+  CommandClock command_clock_;
 };
 
 }  // namespace kerf::agent::reference

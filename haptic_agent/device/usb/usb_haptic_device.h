@@ -15,6 +15,8 @@ class HapticProtocol : public UsbProtocol {
  public:
   DeviceMailbox& mailbox() noexcept { return mailbox_; }
   virtual DeviceCapabilities capabilities() const = 0;
+  /// As HapticDevice::command_echo; callable from any thread.
+  virtual CommandEcho command_echo() const noexcept { return {}; }
 
  protected:
   DeviceMailbox mailbox_;
@@ -31,6 +33,7 @@ class UsbHapticDevice final : public HapticDevice {
   void write(const Wrench& wrench) noexcept override;
   void stop() noexcept override;
   std::string trouble() const override { return port_.trouble(); }
+  CommandEcho command_echo() const noexcept override { return protocol_->command_echo(); }
 
   const UsbCounters& counters() const noexcept { return port_.counters(); }
 

@@ -58,8 +58,34 @@ TEST(Control, UnknownMessagesAreIgnoredAndMalformedOnesRejected) {
   EXPECT_TRUE(std::holds_alternative<OtherMessage>(*parse_control(R"({"type":"weather"})")));
   for (const char* text :
        {"", "[]", "{}", R"({"type":5})", R"({"type":"welcome"})", R"({"type":"error"})", "\xff"}) {
-    EXPECT_FALSE(parse_control(text)) << text;
+    const auto control = parse_control(text);
+    ASSERT_FALSE(control) << text;
+    EXPECT_EQ(control.error().fault, ControlFault::kMalformed);
   }
+}
+
+TEST(Control, AbsurdNumbersOfAWelcomeAreATypedError) {
+  const auto fault = [](const char* pointer, const nlohmann::json& value) {
+    auto message = nlohmann::json::parse(welcome_text());
+    message[nlohmann::json::json_pointer(pointer)] = value;
+    return parse_control(message.dump());
+  };
+  EXPECT_TRUE(fault("/pivot_mm", 0));
+  EXPECT_TRUE(fault("/pivot_mm", kPivotMaxMm));
+  for (const double pivot_mm : {-1.0, 5001.0, 1e300}) {
+    const auto control = fault("/pivot_mm", pivot_mm);
+    ASSERT_FALSE(control) << pivot_mm;
+    EXPECT_EQ(control.error().fault, ControlFault::kOutOfRange);
+    EXPECT_TRUE(control.error().reason.starts_with("pivot_mm must be from 0 to 5000, not "))
+        << control.error().reason;
+  }
+  for (const char* pointer : {"/force/specific_force_n_per_mm2", "/force/drr_n_s_per_mm3"}) {
+    const auto control = fault(pointer, -0.5);
+    ASSERT_FALSE(control) << pointer;
+    EXPECT_EQ(control.error().fault, ControlFault::kOutOfRange);
+  }
+  EXPECT_FALSE(fault("/stock/min_mm", {1e7, 0, 0}));
+  EXPECT_FALSE(fault("/stock/max_mm", {-60, 50, 50})) << "below the lowest corner";
 }
 
 TEST(Control, HelloOmitsUnsetFields) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/agent/stability/experiments.h"
+#include "tests/agent/stability/shipped_scenes.h"
 
 namespace kerf::agent {
 namespace {
@@ -90,6 +91,18 @@ TEST(Stability, ModelIsMoreAccurateThanHoldAndInterpolation) {
   EXPECT_LT(model, 0.15);
   EXPECT_LT(model, 0.6 * force_error(recording, ForceMode::kHold, line, false));
   EXPECT_LT(model, 0.6 * force_error(recording, ForceMode::kInterpolated, line, false));
+}
+
+TEST(ShippedScenes, ForceAndTorqueAreFeltAsComputedOnTheReferenceDevice) {
+  for (const ShippedScene& scene : shipped_scenes()) {
+    const ShippedFeel feel = feel_shipped(scene, 2.5);
+    const std::string which = scene.file + ", program " + std::to_string(scene.program);
+    EXPECT_LE(feel.server_force.error(), 0.05) << which;
+    EXPECT_LE(feel.server_torque.error(), 0.05) << which;
+    EXPECT_LE(feel.agent.reduced_ticks, feel.agent.ticks / 4) << which << ": the ramp only";
+    EXPECT_EQ(feel.trips, 0U) << which;
+    EXPECT_GT(feel.server_force.computed_peak(), 0.1) << which << ": the test requires a force";
+  }
 }
 
 }  // namespace

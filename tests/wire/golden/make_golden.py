@@ -4,7 +4,8 @@
 
 A second implementation of the layout, with Python's struct module, from the tables of
 server/wire/README.md, so that the bytes do not come from the codec that they test.
-Run it again only for a new version of the protocol; released frames never change.
+Run it again only for a new version of the protocol or a new optional field; the bytes of released
+frames never change.
 """
 
 import json
@@ -44,8 +45,8 @@ def reject(name, code, offset, data):
 
 
 def sample_bytes(s):
-    return struct.pack("<QQ3d3fIII", s["agent_sequence"], s["time_us"], *s["tip_mm"], *s["axis"],
-                       s["tool_id"], s["buttons"], 0)
+    return struct.pack("<QQ3d3fIIf", s["agent_sequence"], s["time_us"], *s["tip_mm"], *s["axis"],
+                       s["tool_id"], s["buttons"], s["felt_share"])
 
 
 def motion_bytes(samples, count=None):
@@ -68,8 +69,9 @@ def result_bytes(r, planes=None):
 
 
 def tool_bytes(t):
-    return struct.pack("<II3d3fI3f3ffI", t["participant"], t["tool_id"], *t["tip_mm"], *t["axis"],
-                       t["status"], *t["force_n"], *t["torque_nmm"], t["removed_rate_mm3_per_s"], 0)
+    return struct.pack("<II3d3fI3f3fff", t["participant"], t["tool_id"], *t["tip_mm"], *t["axis"],
+                       t["status"], *t["force_n"], *t["torque_nmm"], t["removed_rate_mm3_per_s"],
+                       t["felt_share"])
 
 
 def stock_bytes(time_us, tiles, count=None):
@@ -81,7 +83,7 @@ def stock_bytes(time_us, tiles, count=None):
 def sample(number, x):
     return {"agent_sequence": number, "time_us": (1 << 36) + 1000 * number,
             "tip_mm": [x, -12.3456789012345, 1e-9], "axis": [0.0, 0.6000000238418579, 0.800000011920929],
-            "tool_id": 3, "buttons": 1 + 2 * (number % 2)}
+            "tool_id": 3, "buttons": 1 + 2 * (number % 2), "felt_share": 0.0}
 
 
 result = {
@@ -98,10 +100,11 @@ planes = [
 touching = {**result, "planes": planes}
 tools = [
     {"participant": 1, "tool_id": 1, "tip_mm": [0.1, 0.2, 0.3], "axis": [0.0, 0.0, 1.0], "status": 1,
-     "force_n": [0.5, 0.25, -4.0], "torque_nmm": [1.0, 2.0, 0.0], "removed_rate_mm3_per_s": 12.5},
+     "force_n": [0.5, 0.25, -4.0], "torque_nmm": [1.0, 2.0, 0.0], "removed_rate_mm3_per_s": 12.5,
+     "felt_share": 0.0},
     {"participant": 4000000000, "tool_id": 9, "tip_mm": [-1e6, 1e-3, 0.0], "axis": [1.0, 0.0, 0.0],
      "status": 2, "force_n": [0.0, 0.0, 0.0], "torque_nmm": [0.0, 0.0, 0.0],
-     "removed_rate_mm3_per_s": 0.0}]
+     "removed_rate_mm3_per_s": 0.0, "felt_share": 0.0}]
 
 tiles = [{"axis": 2, "x": 3, "y": 70000, "columns_hex": "0500c80182018c1f" + "06" * 16},
          {"axis": 0, "x": 0, "y": 0, "columns_hex": ""}]
@@ -115,6 +118,10 @@ keep("result_planes", "result", touching, result_bytes(touching))
 keep("mesh_last_of_snapshot", "mesh", {"glb_hex": b"glTF\x02\x00\x00\x00".hex()},
      b"glTF\x02\x00\x00\x00", flags=3)
 keep("tools_two", "tools", {"tools": tools}, struct.pack("<II", 2, 0) + b"".join(map(tool_bytes, tools)))
+felt = [{**two[0], "buttons": 7, "felt_share": 0.1875}]
+felt_tools = [{**tools[0], "status": 33, "felt_share": 0.1875}]
+keep("motion_felt", "motion", {"samples": felt}, motion_bytes(felt))
+keep("tools_felt", "tools", {"tools": felt_tools}, struct.pack("<II", 1, 0) + tool_bytes(felt_tools[0]))
 keep("tools_none", "tools", {"tools": []}, struct.pack("<II", 0, 0))
 keep("ack", "ack", {}, b"", sequence=12)
 keep("ping", "ping", {"time_us": (1 << 52) + 1}, struct.pack("<Q", (1 << 52) + 1))
@@ -151,6 +158,8 @@ reject("motion_axis_long", "axis_not_unit", 80,
        header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, 1.002]}])))
 reject("motion_axis_zero", "axis_not_unit", 80,
        header(1, motion_bytes([{**two[0], "axis": [0.0, 0.0, 0.0]}])))
+reject("motion_felt_nan", "not_finite", 100,
+       header(1, motion_bytes([{**felt[0], "felt_share": nan}])))
 reject("result_short", "payload_mismatch", 8, header(2, result_bytes(result)[:-4]))
 reject("result_force_nan", "not_finite", 56, header(2, result_bytes({**result, "force_n": [nan, 0.0, 0.0]})))
 reject("result_nine_planes", "bad_count", 132,

@@ -3,6 +3,7 @@
 // colors) with its changes, and by the tool states (poses, forces). Either may arrive first.
 // The list creates the entries; tool states of unknown participants are ignored.
 
+import { STATUS_FELT } from '../wire/types';
 import type { ParticipantInfo, ParticipantsChanged, ToolState } from '../wire/types';
 import { ForceHistory } from './forces';
 import { PoseTrack } from './pose_track';
@@ -18,6 +19,8 @@ export interface Participant {
    */
   tool: number;
   status: number;
+  /** Share of force and torque that the participant's device outputs; null: not stated. */
+  feltShare: number | null;
   /** Local time of the newest tool state, ms; -Infinity before the first one. */
   seenMs: number;
 }
@@ -62,6 +65,7 @@ export class Participants {
       participant.track.push(timeMs, state);
       participant.tool = state.tool_id;
       participant.status = state.status;
+      participant.feltShare = state.status & STATUS_FELT ? state.felt_share : null;
       participant.seenMs = timeMs;
       participant.forces.push(
         timeMs / 1000,
@@ -76,6 +80,7 @@ export class Participants {
     for (const participant of this.byId_.values()) {
       participant.track.clear();
       participant.seenMs = -Infinity;
+      participant.feltShare = null;
     }
   }
 
@@ -109,6 +114,7 @@ export class Participants {
       forces: new ForceHistory(FORCE_WINDOW_S),
       tool: info.tool ?? 0,
       status: 0,
+      feltShare: null,
       seenMs: -Infinity,
     });
   }

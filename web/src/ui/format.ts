@@ -17,6 +17,16 @@ export function figure(value: number): string {
   return new Intl.NumberFormat('en', { maximumFractionDigits: digits }).format(value);
 }
 
+/**
+ * Formats a computed force or torque, and beside it what the device makes felt, where they differ:
+ * "18.1 N · felt 3.02 N (× 0.167)". `share`: felt over computed; null: not stated.
+ */
+export function feltBeside(computed: number, share: number | null, unit: string): string {
+  const text = `${figure(computed)} ${unit}`;
+  if (share === null || share >= 0.99 || figure(computed) === '0') return text;
+  return `${text} · felt ${figure(computed * share)} ${unit} (× ${figure(share)})`;
+}
+
 /** Formats a volume: in mm³, from 1000 mm³ in cm³. */
 export function volume(mm3: number): [value: string, unit: string] {
   return mm3 >= 1000 ? [figure(mm3 / 1000), 'cm³'] : [figure(mm3), 'mm³'];

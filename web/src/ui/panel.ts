@@ -124,12 +124,12 @@ export class Panel {
     );
     this.triangles_.set(count(tiles.triangles));
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
-    setText(this.hash_, state ? state.state_hash : '–');
+    setText(this.hash_, state ? (state.paused ? 'paused: disk' : state.state_hash) : '–');
     this.hash_.classList.toggle('settled', state?.settled === true);
     this.people_.update(selected, followed, nowMs);
     const participant = selected === null ? undefined : this.model.participants.get(selected);
     setText(this.plotOf_, participant ? participant.info.name : '');
-    if (participant) this.plots_.show(participant.forces, nowMs / 1000);
+    if (participant) this.plots_.show(participant.forces, nowMs / 1000, participant.feltShare);
   }
 
   private toggle_(): void {

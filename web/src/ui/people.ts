@@ -7,7 +7,7 @@ import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { STATUS_COLLIDING, STATUS_CUTTING } from '../wire/types';
 import { h, setText } from './dom';
-import { figure } from './format';
+import { feltBeside } from './format';
 
 interface Row {
   element: HTMLElement;
@@ -91,7 +91,10 @@ export class People {
     row.button.setAttribute('aria-pressed', String(id === followed));
     const fresh = nowMs - participant.seenMs < 1500;
     const { status } = participant;
-    setText(row.force, fresh ? `${figure(participant.forces.latest.forceN)} N` : '');
+    setText(
+      row.force,
+      fresh ? feltBeside(participant.forces.latest.forceN, participant.feltShare, 'N') : '',
+    );
     const word = !fresh
       ? 'idle'
       : status & STATUS_COLLIDING

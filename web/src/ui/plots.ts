@@ -6,7 +6,7 @@ import 'uplot/dist/uPlot.min.css';
 import { FORCE_WINDOW_S } from '../model/participants';
 import type { ForceHistory } from '../model/forces';
 import { h, setText } from './dom';
-import { figure } from './format';
+import { feltBeside, figure } from './format';
 
 const HEIGHT = 104;
 
@@ -64,11 +64,17 @@ class Plot {
     );
   }
 
-  show(times: Float64Array, values: Float64Array, nowS: number, peak: number): void {
+  show(
+    times: Float64Array,
+    values: Float64Array,
+    nowS: number,
+    peak: number,
+    feltShare: number | null,
+  ): void {
     this.nowS_ = nowS;
     this.plot_.setData([times, values]);
     const latest = values.length > 0 ? values[values.length - 1]! : 0;
-    setText(this.value_, `${figure(latest)} ${this.unit}`);
+    setText(this.value_, feltBeside(latest, feltShare, this.unit));
     setText(this.peak_, `peak ${figure(peak)}`);
   }
 
@@ -93,11 +99,14 @@ export class Plots {
     }).observe(this.element);
   }
 
-  /** @param nowS the right edge, on the clock of the history's samples */
-  show(history: ForceHistory, nowS: number): void {
+  /**
+   * @param nowS the right edge, on the clock of the history's samples
+   * @param feltShare share of the newest wrench that the participant feels; null: not stated
+   */
+  show(history: ForceHistory, nowS: number, feltShare: number | null): void {
     const [times, forces, torques] = history.series();
     const { forceN, torqueNmm } = history.peak;
-    this.force_.show(times, forces, nowS, forceN);
-    this.torque_.show(times, torques, nowS, torqueNmm);
+    this.force_.show(times, forces, nowS, forceN, feltShare);
+    this.torque_.show(times, torques, nowS, torqueNmm, feltShare);
   }
 }

@@ -156,6 +156,7 @@ function messageOf(from: Json): ServerMessage | null {
         removed_volume_mm3: number(from, 'removed_volume_mm3'),
         state_hash: text(from, 'state_hash'),
         settled: from['settled'] === true,
+        ...(from['paused'] === 'disk' ? { paused: 'disk' as const } : {}),
       };
     case 'error':
       return {

@@ -52,8 +52,8 @@ function readSample(from: Reader): Sample {
     axis: from.vec3f(),
     tool_id: from.u32(),
     buttons: from.u32(),
+    felt_share: from.f32(),
   };
-  from.u32(); // reserved
   return sample;
 }
 
@@ -67,8 +67,8 @@ function readToolState(from: Reader): ToolState {
     force_n: from.vec3f(),
     torque_nmm: from.vec3f(),
     removed_rate_mm3_per_s: from.f32(),
+    felt_share: from.f32(),
   };
-  from.u32(); // reserved
   return state;
 }
 

@@ -22,7 +22,7 @@ function writeSample(to: Writer, s: Sample): void {
   to.vec3f(s.axis);
   to.u32(s.tool_id);
   to.u32(s.buttons);
-  to.u32(0);
+  to.f32(s.felt_share);
 }
 
 function writeToolState(to: Writer, t: ToolState): void {
@@ -34,7 +34,7 @@ function writeToolState(to: Writer, t: ToolState): void {
   to.vec3f(t.force_n);
   to.vec3f(t.torque_nmm);
   to.f32(t.removed_rate_mm3_per_s);
-  to.u32(0);
+  to.f32(t.felt_share);
 }
 
 function writePlane(to: Writer, p: ContactPlane): void {

@@ -45,6 +45,7 @@ export const STATUS_CUTTING = 1;
 export const STATUS_COLLIDING = 2;
 export const STATUS_REFUSED = 4;
 export const STATUS_IMPRINT = 16;
+export const STATUS_FELT = 32;
 
 export type Vec3 = [number, number, number];
 
@@ -63,6 +64,8 @@ export interface Sample {
   axis: Vec3;
   tool_id: number;
   buttons: number;
+  /** Share of the computed wrench that the device outputs; zero if it is not stated. */
+  felt_share: number;
 }
 
 /** A plane on which the tool is in contact, or close to contact. */
@@ -101,6 +104,8 @@ export interface ToolState {
   force_n: Vec3;
   torque_nmm: Vec3;
   removed_rate_mm3_per_s: number;
+  /** Share of force and torque that the device outputs, 0 to 1; stated with STATUS_FELT. */
+  felt_share: number;
 }
 
 /** An upper bound of the material in one tile of the block. */
@@ -238,6 +243,8 @@ export interface StateMessage {
   removed_volume_mm3: number;
   state_hash: string;
   settled: boolean;
+  /** The server cannot write the journal: nothing is carved until it can. */
+  paused?: 'disk';
 }
 
 /** The difference to the list of participants that the viewer has. */

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptic_agent/force_notice.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+
+namespace kerf::agent {
+namespace {
+
+/// What a law computes per engaged area, and what the device outputs at most: both in N, or in N
+/// s/mm for the law whose force grows with speed.
+struct Load {
+  double per_mm2 = 0;
+  double most = 0;
+};
+
+Load load_of(const Welcome& welcome, const ServoSettings& settings) {
+  if (welcome.law == CutLaw::kRemovalRate) {
+    return {welcome.drr_n_s_per_mm3, settings.model.max_damping};
+  }
+  // The force acts near the tip, and its torque about the pivot reaches its limit as well.
+  const double at_tip_n = settings.pivot_mm > 0 ? settings.limits.torque_nmm / settings.pivot_mm
+                                                : settings.limits.force_n;
+  return {welcome.specific_force_n_per_mm2, std::min(settings.limits.force_n, at_tip_n)};
+}
+
+}  // namespace
+
+std::string force_notice(const Welcome& welcome, const ServoSettings& settings, std::uint32_t tool,
+                         double full_cut_mm2) {
+  const Load load = load_of(welcome, settings);
+  const double full = load.per_mm2 * full_cut_mm2;
+  if (!settings.safety.motors || !(full > load.most)) return {};
+  const bool viscous = welcome.law == CutLaw::kRemovalRate;
+  const char* const unit = viscous ? " N s/mm" : " N";
+  std::ostringstream out;
+  out << std::setprecision(2) << "cuts may exceed the device: above " << load.most / load.per_mm2
+      << " mm² of engaged area (" << load.most << unit;
+  if (!viscous && load.most < settings.limits.force_n) {
+    out << " at the tip, " << std::setprecision(3) << settings.limits.torque_nmm
+        << " N·mm about the pivot" << std::setprecision(2);
+  }
+  out << ") force and torque are felt reduced, both by one factor, down to " << load.most / full
+      << " in a full cut of tool " << tool << " (" << std::setprecision(3) << full_cut_mm2
+      << " mm², " << full << unit << ")";
+  return out.str();
+}
+
+}  // namespace kerf::agent

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "haptic_agent/link/control_message.h"
+#include "haptic_agent/servo/servo_cycle.h"
+
+namespace kerf::agent {
+
+/// Returns a sentence for the user if cuts with a tool may exceed what the device outputs, with the
+/// engaged area from which on force and torque are reduced and the factor at `full_cut_mm2`, an
+/// upper bound of the tool's engaged area. Empty if no cut does, or if the device has no motors.
+std::string force_notice(const Welcome& welcome, const ServoSettings& settings, std::uint32_t tool,
+                         double full_cut_mm2);
+
+}  // namespace kerf::agent

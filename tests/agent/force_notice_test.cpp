@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptic_agent/force_notice.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace kerf::agent {
+namespace {
+
+Welcome welcome_of(CutLaw law, double specific, double drr) {
+  Welcome welcome;
+  welcome.law = law;
+  welcome.specific_force_n_per_mm2 = specific;
+  welcome.drr_n_s_per_mm3 = drr;
+  return welcome;
+}
+
+/// The 5-DOF reference device at a pivot of 60 mm: 6 N, 150 N·mm, 0.005 N s/mm.
+ServoSettings reference_settings() {
+  return settings_for({.max_force_n = 10, .max_torque_nmm = 250, .max_damping_n_s_per_mm = 0.01},
+                      {});
+}
+
+TEST(ForceNotice, StatesTheEngagementFromWhichOnTheDeviceReducesTheForce) {
+  const std::string text =
+      force_notice(welcome_of(CutLaw::kSpecificEnergy, 0.5, 0), reference_settings(), 3, 180);
+  for (const char* part : {"above 5 mm²", "2.5 N at the tip, 150 N·mm about the pivot",
+                           "down to 0.028", "tool 3 (180 mm², 90 N)", "both by one factor"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
+  }
+}
+
+TEST(ForceNotice, ViscousLawIsLimitedByTheDampingOfTheDevice) {
+  const std::string text =
+      force_notice(welcome_of(CutLaw::kRemovalRate, 0, 0.01), reference_settings(), 1, 180);
+  for (const char* part : {"above 0.5 mm²", "0.005 N s/mm", "down to 0.0028"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
+  }
+}
+
+TEST(ForceNotice, IsEmptyWhereNoCutExceedsTheDevice) {
+  const ServoSettings settings = reference_settings();
+  const Welcome soft = welcome_of(CutLaw::kSpecificEnergy, 0.01, 0);
+  EXPECT_EQ(force_notice(soft, settings, 1, 249), "") << "2.49 N, of 2.5";
+  EXPECT_NE(force_notice(soft, settings, 1, 251), "");
+  EXPECT_EQ(force_notice(welcome_of(CutLaw::kSpecificEnergy, 0.5, 0), settings_for({}, {}), 1, 180),
+            "")
+      << "a device without motors outputs nothing";
+  EXPECT_EQ(force_notice(welcome_of(CutLaw::kSpecificEnergy, 0.5, 0), settings, 1, 0), "")
+      << "an unknown tool";
+}
+
+}  // namespace
+}  // namespace kerf::agent

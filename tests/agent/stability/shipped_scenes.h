@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "haptic_agent/servo/felt.h"
+
+namespace kerf::agent {
+
+/// A scene in the repository, and what carves it: a program of kerf-demo (1, 2), or the figure of
+/// `--device sim` (0).
+struct ShippedScene {
+  std::string file;  ///< relative to the source folder
+  int program = 0;
+};
+const std::vector<ShippedScene>& shipped_scenes();
+
+/// What a user of the 5-DOF reference device feels, after the ramp.
+struct ShippedFeel {
+  FeltReport agent;                      ///< against the wrench that the agent's replica computes
+  FeltSums server_force, server_torque;  ///< against the server's result for the same tick
+  std::uint64_t trips = 0;
+};
+
+/// Carves a scene for at most `seconds` on the real session, in virtual time without delay, with
+/// the path as it is: a hand that does not yield. Throws std::runtime_error if a file cannot be
+/// read.
+ShippedFeel feel_shipped(const ShippedScene& scene, double seconds);
+
+}  // namespace kerf::agent
