@@ -16,40 +16,14 @@
 #include "kernel/force/collision.h"
 #include "kernel/force/cutting_force.h"
 #include "kernel/force/stock_contact.h"
-#include "kernel/math/rotation.h"
 #include "kernel/sculpture_check.h"
+#include "kernel/sculpture_motion.h"
 #include "kernel/sweep/swept_tool.h"
 #include "kernel/sweep/tool_motion.h"
 
 namespace kerf {
 
-/// The volume that a motion removed from one field, the part of it that is imprint, and the number
-/// of elements that it shortened, which is the area of the cut seen along the rays, in squares of
-/// the pitch.
-struct RemovedVolume {
-  double mm3, imprint_mm3, elements;
-};
-
-/// What earlier motions have done at the pose where a motion starts.
-struct MotionStart {
-  bool is_cut;     ///< the tool's last motion ended there: a sweep may skip what lies behind it
-  bool continues;  ///< a motion of the tool ended there: nothing that is removed is imprint
-};
-
 namespace {
-
-ToolMotion motion_of(const MoveTool& command, const Tool& tool) {
-  return make_motion({command.from.tip_mm, normalized(command.from.axis)},
-                     {command.to.tip_mm, normalized(command.to.axis)}, tool.length_mm);
-}
-
-/// Returns the motion in the frame of the field along `axis`.
-ToolMotion in_frame(RayAxis axis, ToolMotion motion) {
-  for (ToolPose* pose : {&motion.from, &motion.to}) {
-    *pose = {to_frame(axis, pose->tip_mm), to_frame(axis, pose->axis)};
-  }
-  return motion;
-}
 
 /// Combines the volumes that the fields measured. Each of three is weighted by the square of the
 /// area that it sees: for a thin layer with normal n that area is |n_a| times the layer's, so the
@@ -306,12 +280,7 @@ MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
                                 feel ? &*force : nullptr, workers));
   }
   last_pose_[command.tool] = motion.to;
-  result.removed_mm3 = combined_mm3(removed, &RemovedVolume::mm3);
-  result.imprint_mm3 = combined_mm3(removed, &RemovedVolume::imprint_mm3);
-  std::erase_if(result.changed_tiles, [this](TileIndex tile) { return !grid().has(tile); });
-  std::ranges::sort(result.changed_tiles);
-  const auto repeated = std::ranges::unique(result.changed_tiles);
-  result.changed_tiles.erase(repeated.begin(), repeated.end());
+  count_motion(removed, result);
   if (!used.non_cutting.empty()) {
     result.stock_contact_mm = deepest_stock_contact(used, motion, fields_, settings_.tolerance_mm);
   }
@@ -324,11 +293,20 @@ MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
     result.collision = collision(used, motion.to);
     result.wrench = result.wrench + result.collision;
   }
+  return result;
+}
+
+void Sculpture::count_motion(std::span<const RemovedVolume> removed, MotionResult& result) {
+  result.removed_mm3 = combined_mm3(removed, &RemovedVolume::mm3);
+  result.imprint_mm3 = combined_mm3(removed, &RemovedVolume::imprint_mm3);
+  std::erase_if(result.changed_tiles, [this](TileIndex tile) { return !grid().has(tile); });
+  std::ranges::sort(result.changed_tiles);
+  const auto repeated = std::ranges::unique(result.changed_tiles);
+  result.changed_tiles.erase(repeated.begin(), repeated.end());
   removed_mm3_ += result.removed_mm3;
   imprint_mm3_ += result.imprint_mm3;
   ++motions_;
   sub_motions_ += result.sub_motions;
-  return result;
 }
 
 }  // namespace kerf

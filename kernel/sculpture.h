@@ -6,12 +6,15 @@
 #include <expected>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "kernel/dexel/solid_snapshot.h"
 #include "kernel/dexel/tile_columns.h"
 #include "kernel/force/contact_plane.h"
 #include "kernel/math/wrench.h"
+#include "kernel/motion_in_pieces.h"
 #include "kernel/sculpture_command.h"
 #include "kernel/sculpture_error.h"
 #include "kernel/sculpture_result.h"
@@ -52,6 +55,18 @@ class Sculpture {
   std::expected<MotionResult, SculptureError> apply(const Command& command, Workers& workers);
   /// Applies one command on the calling thread.
   std::expected<MotionResult, SculptureError> apply(const Command& command);
+  /// Returns how many tiles, over all fields, lie in the bounds of what a motion sweeps: an upper
+  /// bound of those that it may change. The command must pass check().
+  std::int64_t tiles_in_reach(const MoveTool& command) const;
+  /// Begins a motion that is cut piece by piece, because it reaches many tiles: nothing is cut yet.
+  /// Other commands, except a DefineTool of its tool, may be applied between the pieces: cuts
+  /// commute, so the solid is the same as if the motion had been applied at once, to the bit, and
+  /// so is the result, without its force and contact: such a motion is not felt.
+  std::expected<MotionInPieces, SculptureError> begin(const MoveTool& command);
+  /// Cuts the next tiles in the bounds of the motion, at most `tiles` >= 1. Returns the result once
+  /// the motion is complete. Until then the solid holds a part of the motion, which counters and
+  /// tools' poses do not show. Every motion that was begun must be completed.
+  std::optional<MotionResult> advance(MotionInPieces& motion, std::int64_t tiles, Workers& workers);
   /// Returns the error that `apply` would return, without changing anything: a session calls it
   /// before it writes a command to its journal.
   std::expected<void, SculptureError> check(const Command& command) const;
@@ -117,6 +132,11 @@ class Sculpture {
   /// Returns its length in quanta.
   std::int64_t take_imprint(const DexelField& field, const Tool& tool, const ToolPose& start,
                             Workers& workers);
+  /// Cuts at most so many tiles of the current part of a motion; returns how many.
+  std::int64_t cut_piece(MotionInPieces::State& state, std::int64_t tiles, Workers& workers);
+  MotionResult finish(MotionInPieces::State& state);
+  /// Sets the volumes of a finished motion, puts its tiles in order, and counts it.
+  void count_motion(std::span<const RemovedVolume> removed, MotionResult& result);
   SweepSettings sweep_settings(const DexelField& field) const;
 
   SculptureSettings settings_;

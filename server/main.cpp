@@ -160,6 +160,8 @@ int run(int argc, char** argv) {
   app.add_option("--scene", line.scenes,
                  "scene file whose session is created unless it exists; may be repeated");
   app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
+  app.add_option("--allow-host", line.server.http.allow_hosts,
+                 "name of the server for its clients, besides IP addresses and localhost");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
   CLI11_PARSE(app, argc, argv);

@@ -62,11 +62,14 @@ Lanes lower_bound(const SweptTool& swept, const Discs& discs) {
   return z;
 }
 
-/// Finds the tiles that a sweep may change, in tile order.
+/// Finds the tiles of a run that a sweep may change, in tile order.
 class Reach {
  public:
-  Reach(const DexelField& field, const SweptTool& swept)
-      : field_(field), grid_(field.grid()), swept_(swept) {}
+  Reach(const DexelField& field, const SweptTool& swept, TileRun run)
+      : field_(field), grid_(field.grid()), swept_(swept), run_(run) {}
+
+  /// Number of tiles in the bounds of the sweep; known after find().
+  std::int64_t in_bounds() const { return in_bounds_; }
 
   std::vector<ReachedTile> find() {
     const SweepBounds b = bounds_of(swept_);
@@ -78,10 +81,16 @@ class Reach {
         columns_in(b.min_mm.y, b.max_mm.y, grid_.origin_mm.y, grid_.pitch_mm, grid_.columns_y);
     if (is.first > is.last || js.first > js.last) return {};
     const std::int32_t first = is.first / kTileSide, last = is.last / kTileSide;
-    for (std::int32_t y = js.first / kTileSide; y <= js.last / kTileSide; ++y) {
-      for (std::int32_t x = first; x <= last; x += kLanes) {
-        add_tiles({x, y}, std::min(kLanes, last - x + 1));
-      }
+    const std::int32_t low = js.first / kTileSide, high = js.last / kTileSide;
+    const std::int64_t width = last - first + 1;
+    in_bounds_ = width * (high - low + 1);
+    const std::int64_t end = std::min(in_bounds_, run_.first + run_.count);
+    for (std::int64_t at = run_.first; at < end;) {
+      const std::int64_t y = at / width, x = at % width;
+      const std::int64_t count = std::min({std::int64_t{kLanes}, width - x, end - at});
+      add_tiles({first + static_cast<std::int32_t>(x), low + static_cast<std::int32_t>(y)},
+                static_cast<int>(count));
+      at += count;
     }
     return std::move(reached_);
   }
@@ -113,6 +122,8 @@ class Reach {
   const DexelField& field_;
   const DexelGrid& grid_;
   const SweptTool& swept_;
+  TileRun run_;
+  std::int64_t in_bounds_ = 0;
   std::vector<ReachedTile> reached_;
 };
 
@@ -148,17 +159,18 @@ std::vector<std::span<const ReachedTile>> divide(std::span<const ReachedTile> ti
 
 }  // namespace
 
-void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers,
-         NormalCode end_code) {
+std::int64_t cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers,
+                 NormalCode end_code, TileRun tiles) {
   removal.start(0);
-  if (swept.pieces.empty()) return;
-  const std::vector<ReachedTile> reached = Reach(field, swept).find();
-  if (reached.empty()) return;
+  if (swept.pieces.empty()) return 0;
+  Reach reach(field, swept, tiles);
+  const std::vector<ReachedTile> reached = reach.find();
+  if (reached.empty()) return reach.in_bounds();
   if (workers.count() == 1 || work_of(reached, swept) < kWorkForThreads) {
     TileCutter cutter(field, swept, end_code, removal.start(1).front());
     for (const ReachedTile& tile : reached) cutter.cut(tile);
     cutter.put_tiles();
-    return;
+    return reach.in_bounds();
   }
   const auto runs = divide(reached, workers.count());
   const std::span<RemovedPart> parts = removal.start(runs.size());
@@ -171,6 +183,7 @@ void cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& w
   workers.run(static_cast<int>(runs.size()), cut_run);
   // Only this thread changes the tile directory.
   for (TileCutter& cutter : cutters) cutter.put_tiles();
+  return reach.in_bounds();
 }
 
 }  // namespace kerf

@@ -70,9 +70,10 @@ void AgentConversation::on_control(const ControlMessage& message) {
 void AgentConversation::on_message(const wire::Message& message, Clock::time_point arrived) {
   if (const auto* batch = std::get_if<wire::MotionBatch>(&message.body)) {
     if (!self_) return reject_without_hello();
-    const MotionAnswer answer = apply(*batch, arrived);
-    out_.put_result(stamp(++results_), answer.result, arrived);
-    if (answer.felt) out_.put_felt(stamp(++felts_), *answer.felt);
+    if (batch_) {
+      return reject({wire::ErrorCode::kTooFast, "samples sent over UDP are still being cut"});
+    }
+    if (const auto answer = apply(*batch, arrived)) queue_answer(*answer, arrived);
     return;
   }
   if (std::holds_alternative<wire::Ack>(message.body)) {
@@ -84,19 +85,43 @@ void AgentConversation::on_message(const wire::Message& message, Clock::time_poi
   reject_frame_type(message, "agents");
 }
 
-MotionAnswer AgentConversation::apply(const wire::MotionBatch& batch, Clock::time_point arrived) {
-  auto answer = session().move(self_->id, batch.view());
+std::optional<MotionAnswer> AgentConversation::apply(const wire::MotionBatch& batch,
+                                                     Clock::time_point arrived) {
+  auto answer = session().begin_move(self_->id, batch.view());
+  if (answer) {
+    complete(*answer, arrived);
+  } else {
+    batch_ = arrived;
+  }
+  return answer;
+}
+
+void AgentConversation::complete(MotionAnswer& answer, Clock::time_point arrived) {
   for (const Rejection& rejection : answer.rejections) reject(rejection);
   answer.result.turnaround_us = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::microseconds>(now_() - arrived).count());
   gate_.applied(answer.result.agent_sequence);
   last_answer_ = answer.result;
   stock_due_ = true;
-  return answer;
+}
+
+void AgentConversation::queue_answer(const MotionAnswer& answer, Clock::time_point arrived) {
+  out_.put_result(stamp(++results_), answer.result, arrived);
+  if (answer.felt) out_.put_felt(stamp(++felts_), *answer.felt);
+}
+
+void AgentConversation::work() {
+  if (!batch_) return;
+  auto answer = session().go_on(self_->id);
+  if (!answer) return;
+  const Clock::time_point arrived = *std::exchange(batch_, std::nullopt);
+  complete(*answer, arrived);
+  queue_answer(*answer, arrived);
 }
 
 void AgentConversation::refresh() {
-  if (!std::exchange(stock_due_, false) || finishing() || broken() || out_.has_stock()) return;
+  if (batch_ || !std::exchange(stock_due_, false) || finishing() || broken() || out_.has_stock())
+    return;
   const auto now = now_();
   if (now < next_stock_) return;
   next_stock_ = now + kStockInterval;
@@ -118,7 +143,8 @@ void AgentConversation::receive_datagram(std::span<const std::byte> frame,
     queue_datagram(++pongs_, wire::Pong{ping->time_us, to_us(now_())});
   } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body);
              batch != nullptr && is_of_this_epoch(*message)) {
-    on_datagram_motion(*batch, arrived);
+    // The agent repeats what is not answered.
+    if (!batch_) on_datagram_motion(*batch, arrived);
   }
 }
 
@@ -128,9 +154,10 @@ void AgentConversation::on_datagram_motion(const wire::MotionBatch& batch,
                                            Clock::time_point arrived) {
   const Arrival arrival = gate_.judge(batch);
   if (arrival == Arrival::kNew) {
-    const MotionAnswer answer = apply(batch, arrived);
-    if (answer.felt) queue_datagram(++felts_, wire::ToolStates{{*answer.felt}});
-    return queue_datagram(++results_, answer.result, arrived);
+    const auto answer = apply(batch, arrived);
+    if (!answer) return;
+    if (answer->felt) queue_datagram(++felts_, wire::ToolStates{{*answer->felt}});
+    return queue_datagram(++results_, answer->result, arrived);
   }
   wire::Result repeated = last_answer_;
   if (arrival == Arrival::kGap) {

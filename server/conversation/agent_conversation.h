@@ -53,6 +53,13 @@ class AgentConversation final : public Conversation {
   const OutDatagram* take_datagram();
 
   void refresh() override;
+  /// A batch is more work than one turn of the executor: no frame may be passed on before work()
+  /// has completed it.
+  bool has_action() const override { return batch_.has_value(); }
+  /// Works on the batch for one turn, and queues the answer once it is complete.
+  void work();
+  /// Whether another agent of the session is moving.
+  bool has_rival() const { return self_ && session().has_other_agent(self_->id); }
   bool take(OutFrame& out) override { return out_.take(out); }
   void sent(const OutFrame& frame) override;
   void end() override;
@@ -68,7 +75,10 @@ class AgentConversation final : public Conversation {
   void discard_updates() override { out_.close(); }
 
   void on_event(const SessionEvent& event);
-  MotionAnswer apply(const wire::MotionBatch& batch, Clock::time_point arrived);
+  /// The answer, unless the batch goes on in later turns.
+  std::optional<MotionAnswer> apply(const wire::MotionBatch& batch, Clock::time_point arrived);
+  void complete(MotionAnswer& answer, Clock::time_point arrived);
+  void queue_answer(const MotionAnswer& answer, Clock::time_point arrived);
   void on_datagram_motion(const wire::MotionBatch& batch, Clock::time_point arrived);
   template <typename Body>
   void queue_datagram(std::uint64_t sequence, const Body& body,
@@ -84,6 +94,8 @@ class AgentConversation final : public Conversation {
 
   bool stock_due_ = false;  ///< samples have been applied since the replica was last updated
   Clock::time_point next_stock_;
+
+  std::optional<Clock::time_point> batch_;  ///< arrival of the batch in progress
 
   bool has_udp_ = false;
   SampleGate gate_;

@@ -45,17 +45,28 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id) {
   return error_response(404, "unknown_session", "there is no session " + id);
 }
 
+ApiResponse out_of_memory() {
+  ApiResponse response = error_response(
+      503, "busy", "uploads and running programs use all memory granted to them; try again later");
+  response.headers.emplace_back("Retry-After", "5");
+  return response;
+}
+
 HashedSolid current_solid(Session& session) {
   struct Read {
     SolidSnapshot solid;
     std::uint64_t sequence;
     std::optional<StateHash> hash;
+    bool is_between_records;
   };
   Read read = run_and_wait(session.executor(), [&] {
-    return Read{session.solid(), session.sequence(), session.current_hash()};
+    return Read{session.solid(), session.sequence(), session.current_hash(),
+                session.is_between_records()};
   });
   if (read.hash) return {std::move(read.solid), *read.hash};
   const StateHash hash{read.sequence, read.solid.hash()};
+  // A solid that holds a part of a motion has a hash too, but no replay gives it.
+  if (read.is_between_records) return {std::move(read.solid), hash};
   session.executor().post([self = session.shared_from_this(), hash] { self->note_hash(hash); });
   return {std::move(read.solid), hash};
 }
@@ -64,7 +75,9 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
     : options_(options),
       registry_(registry),
       metrics_(metrics),
-      downloads_(options.data_folder / "downloads") {}
+      downloads_(options.data_folder / "downloads"),
+      uploads_(options.upload_bytes),
+      programs_(options.program_bytes) {}
 
 ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = match_route(request.method, request.path);

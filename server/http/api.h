@@ -51,6 +51,8 @@ ApiResponse not_found();
 /// The response to a request for a session that is not open: 404, or 500 if its journal cannot be
 /// read.
 ApiResponse no_session(const SessionRegistry& registry, const std::string& id);
+/// 503 with Retry-After: the memory for uploads and programs is used up.
+ApiResponse out_of_memory();
 /// A response whose body is the JSON text `json` and a line break.
 ApiResponse json_response(unsigned status, std::string json);
 
@@ -73,6 +75,7 @@ class Api {
   ApiResponse handle(const ApiRequest& request);
   /// Cancels the downloads in preparation; further ones are rejected.
   void stop() { downloads_.stop(); }
+  MemoryBudget& uploads() { return uploads_; }
 
   // ---- handlers of the route table (routes.cpp) ----
   ApiResponse list_sessions(const ApiCall& call);
@@ -100,6 +103,7 @@ class Api {
   SessionRegistry& registry_;
   const Metrics& metrics_;
   DownloadCache downloads_;
+  MemoryBudget uploads_, programs_;
 };
 
 /// A solid and its hash.

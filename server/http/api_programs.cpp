@@ -129,10 +129,17 @@ ApiResponse Api::start_program(const ApiCall& call) {
     if (!(duration_s * *rate_hz < static_cast<double>(kMotionsMax))) {
       return error_response(413, "too_large", "the program has too many motions at this rate");
     }
+    auto sampled =
+        programs_.take(static_cast<std::size_t>(duration_s * *rate_hz) * sizeof(ProgramMotion));
+    if (!sampled) return out_of_memory();
     program = sample_program(*program, *rate_hz);
   }
-  auto started = run_and_wait(session.executor(),
-                              [&] { return session.start_program(*std::move(program), pace); });
+  program->motions.shrink_to_fit();
+  auto memory = programs_.take(program->motions.size() * sizeof(ProgramMotion));
+  if (!memory) return out_of_memory();
+  auto started = run_and_wait(session.executor(), [&] {
+    return session.start_program(*std::move(program), pace, *std::move(memory));
+  });
   if (!started) {
     const unsigned status = started.error().code == wire::ErrorCode::kBusy ? 503 : 400;
     return error_response(status, wire::to_string(started.error().code), started.error().reason);

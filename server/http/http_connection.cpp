@@ -17,6 +17,7 @@
 #include <stop_token>
 
 #include "server/http/api.h"
+#include "server/http/browser_rules.h"
 #include "server/http/http_options.h"
 #include "server/http/routes.h"
 #include "server/metrics/metrics.h"
@@ -38,29 +39,16 @@ constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
+constexpr std::string_view kForeignHost =
+    "the server is not addressed by this name; name it with --allow-host, or use its IP address";
 constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
 constexpr std::string_view kBadHost = "the request must have one Host header";
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
-/// Bodies above this size are uploads; few may be in memory at once.
-constexpr std::size_t kLargeBody = std::size_t{1} << 20;
-constexpr int kLargeBodiesMax = 4;
-int large_bodies = 0;  // viewers' thread only
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-/// Whether an Origin header names the host and port of the Host header.
-bool same_origin(std::string_view origin, std::string_view host) {
-  const auto scheme = origin.find("://");
-  return scheme != std::string_view::npos &&
-         beast::iequals({origin.data() + scheme + 3, origin.size() - scheme - 3},
-                        {host.data(), host.size()});
-}
-
-/// Browsers send Origin. A page of another site must neither change a session nor watch one.
-bool origin_allowed(const Request& request, const HttpOptions& options) {
-  const auto origin = view(request[http::field::origin]);
-  if (origin.empty() || same_origin(origin, view(request[http::field::host]))) return true;
-  return std::ranges::find(options.allow_origins, origin) != options.allow_origins.end();
+BrowserHeaders browser_headers(const Request& request) {
+  return {view(request[http::field::host]), view(request[http::field::origin])};
 }
 
 /// HTTP/1.1 requires one Host header (RFC 9112, 3.2). With two, a proxy and this server might see
@@ -109,6 +97,7 @@ class Connection {
   HttpContext& context_;
   bool first_ = true;
   error_code error_;
+  MemoryBudget::Share upload_;                 ///< of the body that is being read or handled
   std::shared_ptr<std::stop_source> watched_;  ///< of the request that is being handled
 };
 
@@ -158,6 +147,10 @@ asio::awaitable<bool> Connection::serve_one() {
   if (!has_valid_host(parser.get())) {
     co_return co_await reject(parser.get(), 400, "bad_host", kBadHost);
   }
+  const BrowserHeaders headers = browser_headers(parser.get());
+  if (!host_allowed(headers.host, context_.options)) {
+    co_return co_await reject(parser.get(), 421, "bad_host", kForeignHost);
+  }
   auto request = parse_target(view(parser.get().target()));
   if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));
@@ -166,18 +159,21 @@ asio::awaitable<bool> Connection::serve_one() {
     co_return false;
   }
   const bool read_only = request->method == "GET" || request->method == "HEAD";
-  if (!read_only && !origin_allowed(parser.get(), context_.options)) {
+  if (!read_only && !origin_allowed(headers, context_.options)) {
     co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
   }
   const RouteMatch match = match_route(request->method, request->path);
+  if (request->method == "OPTIONS" && !headers.origin.empty() && !match.allow.empty()) {
+    ApiResponse allowed = preflight(match.allow);
+    const bool more = parser.get().keep_alive() && parser.content_length().value_or(0) == 0;
+    co_return co_await answer(parser.get(), allowed, more && !parser.chunked());
+  }
   if (!co_await read_body(parser, body_bytes_max(match, request->method))) co_return false;
   request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
   request->range = std::string(view(parser.get()[http::field::range]));
   request->if_range = std::string(view(parser.get()[http::field::if_range]));
   request->body = std::move(parser.get().body());
   const bool keep_alive = parser.get().keep_alive();
-  const bool large = request->body.size() > kLargeBody;
-  if (large) ++large_bodies;
   const Runs runs = match.route == nullptr ? Runs::kAtOnce : match.route->runs;
   const auto gone = std::make_shared<std::stop_source>();
   request->stop = gone->get_token();
@@ -192,7 +188,7 @@ asio::awaitable<bool> Connection::serve_one() {
   stream_.expires_never();  // handling the request has no deadline
   ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
   watched_.reset();
-  if (large) --large_bodies;
+  upload_ = {};
   co_return co_await answer(parser.get(), response, keep_alive);
 }
 
@@ -223,9 +219,13 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
                                std::to_string(bytes_max);
     co_return co_await reject(parser.get(), 413, "too_large", reason);
   }
-  if (length && *length > kLargeBody && large_bodies >= kLargeBodiesMax) {
-    co_return co_await reject(parser.get(), 503, "busy",
-                              "too many uploads at the same time; try again later");
+  if (length && *length > 0) {
+    auto share = context_.api.uploads().take(static_cast<std::size_t>(*length));
+    if (!share) {
+      ApiResponse response = out_of_memory();
+      co_return co_await answer(parser.get(), response, false);
+    }
+    upload_ = *std::move(share);
   }
   stream_.expires_after(kBodyTime);
   if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
@@ -266,13 +266,13 @@ asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& re
   http::response<http::string_body> message(static_cast<http::status>(response.status),
                                             request.version() == 0 ? 11 : request.version());
   message.set(http::field::server, "kerf");
-  message.set("X-Content-Type-Options", "nosniff");
+  add_browser_headers(browser_headers(request), context_.options, response);
   for (const auto& [name, value] : response.headers) message.set(name, value);
   message.keep_alive(keep_alive);
   const bool head = request.method() == http::verb::head;
   const ByteRange part =
       response.part.value_or(ByteRange{0, response.file ? response.file->bytes() : 0});
-  if (response.status != 304) {
+  if (response.status != 304 && response.status != 204) {
     message.set(http::field::content_type, response.content_type);
     message.content_length(response.file ? part.count : response.body.size());
   }
@@ -317,7 +317,7 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
   const std::string& id = target.path[2];
   session = context_.registry.find(id);
   if (!session) return no_session(context_.registry, id);
-  if (!origin_allowed(request, context_.options)) {
+  if (!origin_allowed(browser_headers(request), context_.options)) {
     return error_response(403, "bad_origin", kForeignOrigin);
   }
   const auto protocol = upgrade == Upgrade::kAgent ? wire::kAgentProtocol : wire::kViewProtocol;

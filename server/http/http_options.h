@@ -8,8 +8,14 @@
 namespace kerf::net {
 
 struct HttpOptions {
+  /// Memory for all uploads together, each from its header on until it has been handled.
+  std::size_t upload_bytes = std::size_t{256} << 20;
+  /// Memory for the motions of all programs together, while they are read and until they end.
+  std::size_t program_bytes = std::size_t{1536} << 20;
   std::filesystem::path data_folder = "kerf-data";
-  std::filesystem::path web_folder;        ///< of the built viewer; empty: no viewer is served
+  std::filesystem::path web_folder;  ///< of the built viewer; empty: no viewer is served
+  /// Names, besides IP addresses and localhost, by which clients may address the server.
+  std::vector<std::string> allow_hosts;
   std::vector<std::string> allow_origins;  ///< besides the server's own host, e.g.
                                            ///< "https://kerf.example"
 };

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "kernel/cut/workers.h"
+
 namespace kerf {
 
 Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJournal& journal,
@@ -15,23 +17,58 @@ Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJourn
       participants_(participants),
       air_(sculpture.settings()) {}
 
-std::expected<MotionResult, Rejection> Carving::apply(ParticipantId id, const MoveTool& move) {
+Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles) {
   const Command command = move;
+  if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
+  if (auto ok = journal_.append(id, command); !ok) return std::unexpected(ok.error());
+  const std::int64_t reach = sculpture_.tiles_in_reach(move);
+  if (reach > kTilesPerTurn) {
+    auto pieces = sculpture_.begin(move);
+    if (!pieces) return std::unexpected(to_rejection(pieces.error()));
+    // Hashes of earlier records are out of date from now on.
+    journal_.note_removal();
+    cuts_.emplace(id, Cut{move, *std::move(pieces)});
+    return advance(id, tiles);
+  }
+  tiles -= reach;
+  auto result = sculpture_.apply(command);
+  if (!result) return std::unexpected(to_rejection(result.error()));
+  note(id, *result);
+  return *std::move(result);
+}
+
+Carving::Applied Carving::apply_at_once(ParticipantId id, const Command& command) {
   if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
   if (auto ok = journal_.append(id, command); !ok) return std::unexpected(ok.error());
   auto result = sculpture_.apply(command);
   if (!result) return std::unexpected(to_rejection(result.error()));
-  motions_applied_.fetch_add(1, std::memory_order_relaxed);
-  changed_.insert(result->changed_tiles.begin(), result->changed_tiles.end());
-  participants_.note_cut(id, result->cut_tiles);
-  // Not `changed_tiles`: rays along X and Y may be shortened where those along Z, which viewers
-  // display, are not.
-  if (result->removed_mm3 > 0) journal_.note_removal();
+  note(id, *result);
   return *std::move(result);
 }
 
+std::optional<MotionResult> Carving::advance(ParticipantId id, std::int64_t& tiles) {
+  if (tiles <= 0) return std::nullopt;
+  SerialWorkers alone;
+  auto result = sculpture_.advance(cuts_.at(id).pieces, tiles, alone);
+  tiles = 0;
+  if (!result) return std::nullopt;
+  cuts_.erase(id);
+  note(id, *result);
+  return result;
+}
+
+void Carving::note(ParticipantId id, const MotionResult& result) {
+  motions_applied_.fetch_add(1, std::memory_order_relaxed);
+  changed_.insert(result.changed_tiles.begin(), result.changed_tiles.end());
+  participants_.note_cut(id, result.cut_tiles);
+  // Not `changed_tiles`: rays along X and Y may be shortened where those along Z, which viewers
+  // display, are not.
+  if (result.removed_mm3 > 0) journal_.note_removal();
+}
+
 std::optional<Rejection> Carving::take_sample(ParticipantState& state,
-                                              const wire::MotionSample& sample, BatchSum& sum) {
+                                              const wire::MotionSample& sample, Batch& batch,
+                                              std::int64_t& tiles) {
   if (sample.agent_sequence <= state.last_sequence) return std::nullopt;  // a resent sample
   state.last_sequence = sample.agent_sequence;
   state.newest_us = sample.time_us;
@@ -46,46 +83,82 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   if (!step) return step.error();
   state.display.tool_id = sample.tool_id;
   if (const auto* touch = std::get_if<ToolTrack::Touch>(&*step); touch != nullptr && state.feel) {
-    add_touch(sum, sculpture_, *touch);
+    add_touch(batch.sum, sculpture_, *touch);
   }
   if (auto* move = std::get_if<MoveTool>(&*step)) {
     move->feel = state.feel;
-    const auto result = apply(state.participant.id, *move);
+    const auto result = apply(state.participant.id, *move, tiles);
     if (!result) return sample_rejection(sample, result.error().code, result.error().reason);
-    add_motion(sum, sculpture_, *move, *result);
+    if (*result) add_motion(batch.sum, sculpture_, *move, **result);
   }
   return std::nullopt;
 }
 
-MotionAnswer Carving::move(ParticipantState& state, std::span<const wire::MotionSample> samples) {
-  MotionAnswer answer;
-  BatchSum sum;
-  for (const wire::MotionSample& sample : samples) {
-    if (auto rejection = take_sample(state, sample, sum)) answer.rejections.push_back(*rejection);
+/// Works on a batch for one turn; true if it is complete.
+bool Carving::work(ParticipantState& state, Batch& batch) {
+  std::int64_t tiles = kTilesPerTurn;
+  if (const auto cut = cuts_.find(state.participant.id); cut != cuts_.end()) {
+    const MoveTool move = cut->second.move;
+    const auto result = advance(state.participant.id, tiles);
+    if (!result) return false;
+    add_motion(batch.sum, sculpture_, move, *result);
   }
+  while (batch.next < batch.samples.size()) {
+    if (tiles <= 0) return false;
+    const wire::MotionSample& sample = batch.samples[batch.next++];
+    if (auto rejection = take_sample(state, sample, batch, tiles)) {
+      batch.answer.rejections.push_back(*rejection);
+    }
+    if (cuts_.contains(state.participant.id)) return false;
+  }
+  return true;
+}
+
+MotionAnswer Carving::answer(ParticipantState& state, Batch& batch) {
+  MotionAnswer answer = std::move(batch.answer);
   // The agent's replica has already applied the rejected sample: resynchronize it.
   if (!answer.rejections.empty() && state.stock) state.stock->reset();
   wire::Result& result = answer.result;
   result.agent_sequence = state.last_sequence;
-  result.agent_time_us = samples.empty() ? state.track.time_us() : samples.back().time_us;
+  result.agent_time_us =
+      batch.samples.empty() ? state.track.time_us() : batch.samples.back().time_us;
   result.motions_applied = sculpture_.motions();
-  sum.write(result);
+  batch.sum.write(result);
   if (!answer.rejections.empty()) result.status |= wire::kStatusRejected;
-  state.update_display(result, sum);
-  if (!samples.empty()) state.note_felt(samples.back());
+  state.update_display(result, batch.sum);
+  if (!batch.samples.empty()) state.note_felt(batch.samples.back());
   answer.felt = participants_.felt_by(state);
   return answer;
+}
+
+std::optional<MotionAnswer> Carving::move(ParticipantState& state,
+                                          std::span<const wire::MotionSample> samples) {
+  Batch batch{.samples = samples};
+  if (work(state, batch)) return answer(state, batch);
+  batch.kept.assign(samples.begin(), samples.end());
+  batch.samples = batch.kept;
+  batches_.emplace(state.participant.id, std::move(batch));
+  return std::nullopt;
+}
+
+std::optional<MotionAnswer> Carving::go_on(ParticipantState& state) {
+  const auto batch = batches_.find(state.participant.id);
+  if (batch == batches_.end() || !work(state, batch->second)) return std::nullopt;
+  MotionAnswer complete = answer(state, batch->second);
+  batches_.erase(batch);
+  return complete;
 }
 
 std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
   const auto found = air_paths_.find(id);
   if (found == air_paths_.end() || !found->second.joined()) return {};
-  if (auto ok = apply(id, *found->second.joined()); !ok) return std::unexpected(ok.error());
+  // A motion that meets no stock is little work, however many tiles it crosses.
+  if (auto ok = apply_at_once(id, *found->second.joined()); !ok) return std::unexpected(ok.error());
   found->second.clear();
   return {};
 }
 
-std::expected<MotionResult, Rejection> Carving::apply_or_join(const ProgramStep& step) {
+Carving::Applied Carving::apply_or_join(const ProgramStep& step, std::int64_t& tiles) {
   const ParticipantId id = step.participant;
   const ProgramMotion& motion = step.motion;
   const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, step.feel};
@@ -96,7 +169,7 @@ std::expected<MotionResult, Rejection> Carving::apply_or_join(const ProgramStep&
     if (air_paths_[id].add(move)) return MotionResult{};
   }
   if (auto ok = apply_air(id); !ok) return std::unexpected(ok.error());
-  if (!joinable) return apply(id, move);
+  if (!joinable) return apply(id, move, tiles);
   air_paths_[id].add(move);
   return MotionResult{};
 }
@@ -107,23 +180,44 @@ void Carving::end_program(ParticipantId id) {
   air_paths_.erase(id);
 }
 
-std::expected<double, Rejection> Carving::move(const ProgramStep& step) {
-  if (auto ok = journal_.check_space_for_programs(); !ok) return std::unexpected(ok.error());
+std::expected<std::optional<double>, Rejection> Carving::move(const ProgramStep& step) {
+  const ParticipantId id = step.participant;
   const ProgramMotion& motion = step.motion;
-  const auto result = apply_or_join(step);
+  std::int64_t tiles = kTilesPerTurn;
+  Applied result;
+  if (cuts_.contains(id)) {
+    result = advance(id, tiles);
+  } else if (auto ok = journal_.check_space_for_programs(); !ok) {
+    return std::unexpected(ok.error());
+  } else {
+    result = apply_or_join(step, tiles);
+  }
   if (!result) return std::unexpected(result.error());
-  if (ParticipantState* state = participants_.find(step.participant)) {
+  if (!*result) return std::nullopt;
+  if (ParticipantState* state = participants_.find(id)) {
     const bool tool_changed = std::exchange(state->participant.tool, motion.tool) != motion.tool;
     state->display.tool_id = motion.tool;
     state->track.place(motion.to);
     BatchSum sum;
-    sum.add(*result, motion.duration_s);
+    sum.add(**result, motion.duration_s);
     wire::Result display;
     sum.write(display);
     state->update_display(display, sum);
     if (tool_changed) participants_.note_tool_change();
   }
-  return result->removed_mm3;
+  return (*result)->removed_mm3;
+}
+
+void Carving::leave(ParticipantId id) {
+  batches_.erase(id);
+  if (cuts_.contains(id)) left_.push_back(id);
+}
+
+bool Carving::finish_left() {
+  if (left_.empty()) return false;
+  std::int64_t tiles = kTilesPerTurn;
+  if (advance(left_.back(), tiles)) left_.pop_back();
+  return !left_.empty();
 }
 
 std::vector<TileIndex> Carving::take_changed() {

@@ -28,6 +28,10 @@ struct MotionAnswer {
   std::optional<wire::ToolState> felt;  ///< tool of the participant named by `feel_of`, if present
 };
 
+/// Work of one turn of the executor, in tiles of 32 x 32 columns: a motion that reaches more is cut
+/// in pieces, and a batch that has reached as many goes on later. A tile takes up to 60 us.
+inline constexpr std::int64_t kTilesPerTurn = 128;
+
 /// Turns samples and program motions into commands and applies them to the sculpture, each in the
 /// order validate, journal, apply. Runs on the session's executor.
 class Carving {
@@ -36,15 +40,30 @@ class Carving {
   Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJournal& journal,
           Participants& participants);
 
-  /// Carves a batch of samples of one participant. A rejected sample changes nothing and does not
-  /// stop the samples after it.
-  MotionAnswer move(ParticipantState& state, std::span<const wire::MotionSample> samples);
-  /// Carves one motion of a program and returns the removed volume, mm^3. Consecutive motions
-  /// through the air are joined (air_path.h): they are applied and journaled with the next motion
-  /// that does not join them. Answers kBusy while the journal has no space for programs.
-  std::expected<double, Rejection> move(const ProgramStep& step);
+  /// Carves a batch of samples of one participant, which has no other batch in progress. A rejected
+  /// sample changes nothing and does not stop the samples after it. Returns nothing if the batch is
+  /// more work than one turn: then go_on() must be called until it returns the answer.
+  std::optional<MotionAnswer> move(ParticipantState& state,
+                                   std::span<const wire::MotionSample> samples);
+  /// Carves for a further turn; the answer if the batch is complete.
+  std::optional<MotionAnswer> go_on(ParticipantState& state);
+  /// Whether a batch of the participant is in progress.
+  bool has_batch(ParticipantId id) const { return batches_.contains(id); }
+  /// Carves one motion of a program and returns the removed volume, mm^3; nothing if the motion is
+  /// more work than one turn: then the call must be repeated with the same motion. Consecutive
+  /// motions through the air are joined (air_path.h): they are applied and journaled with the next
+  /// motion that does not join them. Answers kBusy while the journal has no space for programs.
+  std::expected<std::optional<double>, Rejection> move(const ProgramStep& step);
   /// The program of a participant has ended: applies the motions that are still to be joined.
   void end_program(ParticipantId id);
+
+  /// The participant leaves. A motion of it that is in the journal must be completed all the same:
+  /// finish_left() does that. The rest of its batch is dropped.
+  void leave(ParticipantId id);
+  /// Works for one turn on the motions of participants that have left; false if there are none.
+  bool finish_left();
+  /// Whether a motion is cut in part: then the solid is not that of any record of the journal.
+  bool is_between_records() const { return !cuts_.empty(); }
 
   /// Returns the tiles changed since the previous call, sorted.
   std::vector<TileIndex> take_changed();
@@ -52,11 +71,33 @@ class Carving {
   std::uint64_t motions_applied() const { return motions_applied_.load(std::memory_order_relaxed); }
 
  private:
+  /// A motion that is cut in pieces.
+  struct Cut {
+    MoveTool move;
+    MotionInPieces pieces;
+  };
+  /// Samples of one participant and what has come of them.
+  struct Batch {
+    std::span<const wire::MotionSample> samples;
+    std::size_t next = 0;
+    BatchSum sum = {};
+    MotionAnswer answer = {};
+    std::vector<wire::MotionSample> kept = {};  ///< holds the samples from the second turn on
+  };
+  using Applied = std::expected<std::optional<MotionResult>, Rejection>;
+
+  bool work(ParticipantState& state, Batch& batch);
+  MotionAnswer answer(ParticipantState& state, Batch& batch);
   std::optional<Rejection> take_sample(ParticipantState& state, const wire::MotionSample& sample,
-                                       BatchSum& sum);
-  std::expected<MotionResult, Rejection> apply(ParticipantId id, const MoveTool& move);
+                                       Batch& batch, std::int64_t& tiles);
+  /// Begins a motion and works on it for up to `tiles`, which it lowers.
+  Applied apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles);
+  /// Works on a motion in pieces of the participant; the result if it is complete.
+  std::optional<MotionResult> advance(ParticipantId id, std::int64_t& tiles);
+  void note(ParticipantId id, const MotionResult& result);
+  Applied apply_at_once(ParticipantId id, const Command& command);
   std::expected<void, Rejection> apply_air(ParticipantId id);
-  std::expected<MotionResult, Rejection> apply_or_join(const ProgramStep& step);
+  Applied apply_or_join(const ProgramStep& step, std::int64_t& tiles);
 
   const SessionLimits& limits_;
   Sculpture& sculpture_;
@@ -65,6 +106,9 @@ class Carving {
   AirSpace air_;
   std::map<ParticipantId, AirPath> air_paths_;  ///< of programs
   std::set<TileIndex> changed_;
+  std::map<ParticipantId, Batch> batches_;  ///< in progress
+  std::map<ParticipantId, Cut> cuts_;
+  std::vector<ParticipantId> left_;  ///< whose cuts are in progress
   std::atomic<std::uint64_t> motions_applied_{0};
 };
 

@@ -191,10 +191,11 @@ std::optional<wire::ToolState> Participants::felt_by(const ParticipantState& sta
   return tool;
 }
 
-bool Participants::has_active_agent(Clock::duration period) const {
+bool Participants::has_active_agent(Clock::duration period, ParticipantId except) const {
   const auto now = Clock::now();
   return std::ranges::any_of(states_ | std::views::values, [&](const ParticipantState& state) {
-    return state.participant.kind == ParticipantKind::kAgent && now - state.display_time < period;
+    return state.participant.kind == ParticipantKind::kAgent && state.participant.id != except &&
+           now - state.display_time < period;
   });
 }
 

@@ -61,8 +61,8 @@ class Participants {
   std::vector<wire::ToolState> tool_states() const;
   /// The tool of the participant whose force `state` receives too; nullopt if there is none.
   std::optional<wire::ToolState> felt_by(const ParticipantState& state) const;
-  /// True if an agent sent a sample within `period`.
-  bool has_active_agent(Clock::duration period) const;
+  /// True if an agent, other than `except`, sent a sample within `period`.
+  bool has_active_agent(Clock::duration period, ParticipantId except = 0) const;
   /// Marks tiles that `author` cut as stale in the replicas of all other participants.
   void note_cut(ParticipantId author, std::span<const FieldTile> tiles);
 

@@ -22,7 +22,7 @@ const char* to_string(ProgramState state) {
 }
 
 ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, ProgramPace pace,
-                                 Clock::time_point now) {
+                                 Clock::time_point now, MemoryBudget::Share memory) {
   drop_oldest();
   Run run;
   run.status.id = ++last_id_;
@@ -34,6 +34,7 @@ ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, Pro
   for (const ProgramMotion& motion : program.motions) run.status.programmed_s += motion.duration_s;
   run.program = std::move(program);
   run.started = now;
+  run.memory = std::move(memory);
   if (run.status.motions == 0) end(run, ProgramState::kFinished);
   return runs_.emplace(run.status.id, std::move(run)).first->second.status;
 }
@@ -49,7 +50,9 @@ void ProgramRuns::end(Run& run, ProgramState state) {
   run.status.state = state;
   run.status.waiting = false;
   ended_.push_back(run.status.participant);
-  run.program.motions = {};  // a finished run keeps its status only
+  // A finished run keeps its status only. Assigning {} to the vector would keep its memory.
+  run.program = Program();
+  run.memory = MemoryBudget::Share();
 }
 
 bool ProgramRuns::cancel(ProgramId id) {
@@ -81,6 +84,14 @@ std::size_t ProgramRuns::running() const {
   }));
 }
 
+std::size_t ProgramRuns::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& run : runs_ | std::views::values) {
+    bytes += run.program.motions.capacity() * sizeof(ProgramMotion);
+  }
+  return bytes;
+}
+
 std::vector<ParticipantId> ProgramRuns::take_ended() { return std::exchange(ended_, {}); }
 
 bool ProgramRuns::due(const Run& run, Clock::time_point now) const {
@@ -105,7 +116,8 @@ bool ProgramRuns::step(Run& run, const Carve& carve) {
     end(run, ProgramState::kFailed);
     return true;
   }
-  run.status.removed_mm3 += *removed_mm3;
+  if (!*removed_mm3) return true;
+  run.status.removed_mm3 += **removed_mm3;
   run.done_s += motion.duration_s;
   if (++run.status.motions_done == run.status.motions) end(run, ProgramState::kFinished);
   return true;

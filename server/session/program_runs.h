@@ -12,6 +12,7 @@
 
 #include "server/convert/rejection.h"
 #include "server/formats/program.h"
+#include "server/session/memory_budget.h"
 #include "server/store/journal_record.h"
 
 namespace kerf {
@@ -53,9 +54,10 @@ struct ProgramStep {
 class ProgramRuns {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Carves one motion and returns the removed volume, mm^3. kBusy: nothing was carved; the motion
-  /// is tried again later.
-  using Carve = std::function<std::expected<double, Rejection>(const ProgramStep&)>;
+  /// Carves one motion and returns the removed volume, mm^3; nothing if the motion takes longer:
+  /// then it is called again with the same motion, in a later slice. kBusy: nothing was carved; the
+  /// motion is tried again later.
+  using Carve = std::function<std::expected<std::optional<double>, Rejection>(const ProgramStep&)>;
   /// A slice starts no further motion after this time.
   static constexpr std::chrono::microseconds kSlice{300};
   /// Time until a motion that was answered with kBusy is tried again.
@@ -63,13 +65,16 @@ class ProgramRuns {
   /// Number of program statuses kept; the oldest finished one is dropped first.
   static constexpr std::size_t kStatusesMax = 256;
 
+  /// `memory`: the share of a budget that the program holds until it ends.
   ProgramStatus start(ParticipantId participant, Program program, ProgramPace pace,
-                      Clock::time_point now);
+                      Clock::time_point now, MemoryBudget::Share memory = {});
   bool cancel(ProgramId id);
   void cancel_all();
   std::optional<ProgramStatus> status(ProgramId id) const;
   std::vector<ProgramStatus> list() const;
   std::size_t running() const;
+  /// Bytes of the motions that are kept.
+  std::size_t memory_bytes() const;
   /// Returns the participants whose programs ended since the previous call.
   std::vector<ParticipantId> take_ended();
 
@@ -83,6 +88,7 @@ class ProgramRuns {
     Program program;
     Clock::time_point started;
     double done_s = 0;
+    MemoryBudget::Share memory = {};
   };
   bool due(const Run& run, Clock::time_point now) const;
   /// Returns false if the motion must be tried again later.

@@ -39,8 +39,12 @@ void Session::show_figures() {
 }
 
 void Session::leave(ParticipantId id) {
+  carving_.leave(id);
   participants_.leave(id);
   show_figures();
+  if (carving_.is_between_records()) {
+    executor_->post([self = shared_from_this()] { self->finish_left(); });
+  }
 }
 
 /// The first change after a pause is reported at once, those that follow it together.
@@ -71,20 +75,43 @@ std::expected<void, Rejection> Session::choose_tool(ParticipantId id, ToolId too
   return participants_.choose_tool(id, tool);
 }
 
+MotionAnswer Session::rejected_move() const {
+  MotionAnswer answer;
+  answer.rejections.push_back(
+      closed_ ? session_closed()
+              : Rejection{wire::ErrorCode::kUnknownSession, "not a participant of the session"});
+  return answer;
+}
+
 MotionAnswer Session::move(ParticipantId id, std::span<const wire::MotionSample> samples) {
+  auto answer = begin_move(id, samples);
+  while (!answer) answer = go_on(id);
+  return *std::move(answer);
+}
+
+std::optional<MotionAnswer> Session::begin_move(ParticipantId id,
+                                                std::span<const wire::MotionSample> samples) {
   ParticipantState* state = participants_.find(id);
-  if (state == nullptr || closed_) {
-    MotionAnswer answer;
-    answer.rejections.push_back(
-        closed_ ? session_closed()
-                : Rejection{wire::ErrorCode::kUnknownSession, "not a participant of the session"});
-    return answer;
-  }
+  if (state == nullptr || closed_) return rejected_move();
   const std::uint64_t removal_before = journal_.removal_sequence();
-  MotionAnswer answer = carving_.move(*state, samples);
+  auto answer = carving_.move(*state, samples);
   show_figures();
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   return answer;
+}
+
+std::optional<MotionAnswer> Session::go_on(ParticipantId id) {
+  ParticipantState* state = participants_.find(id);
+  if (state == nullptr || closed_ || !carving_.has_batch(id)) return rejected_move();
+  auto answer = carving_.go_on(*state);
+  show_figures();
+  schedule_hash();
+  return answer;
+}
+
+void Session::finish_left() {
+  if (closed_ || !carving_.finish_left()) return schedule_hash();
+  executor_->post([self = shared_from_this()] { self->finish_left(); });
 }
 
 SessionFrame Session::frame(bool with_snapshot) {
@@ -130,6 +157,7 @@ void Session::schedule_hash() {
 void Session::compute_hash() {
   hash_scheduled_ = false;
   if (closed_ || current_hash()) return;
+  if (is_between_records()) return schedule_hash();
   workers_.post([self = shared_from_this(), solid = sculpture_.solid(), at = sequence()] {
     const auto start = Clock::now();
     const std::uint64_t hash = solid.hash();

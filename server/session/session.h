@@ -60,6 +60,8 @@ class Session : public std::enable_shared_from_this<Session> {
  public:
   /// The least time between two reports of changed participants.
   static constexpr std::chrono::milliseconds kChangeInterval{250};
+  /// An agent that has sent a sample within this time is moving.
+  static constexpr std::chrono::milliseconds kAgentIsActive{200};
 
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
   /// outlive the session.
@@ -98,6 +100,18 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Validates, journals and applies each sample in turn. A rejected sample changes nothing and
   /// does not stop the samples after it.
   MotionAnswer move(ParticipantId id, std::span<const wire::MotionSample> samples);
+  /// The same, for one turn of the executor. Returns nothing if the samples are more work than
+  /// that: then the caller calls go_on() in later turns, until it returns the answer. Motions of
+  /// other participants may come in between; the solid does not depend on that.
+  std::optional<MotionAnswer> begin_move(ParticipantId id,
+                                         std::span<const wire::MotionSample> samples);
+  std::optional<MotionAnswer> go_on(ParticipantId id);
+  /// Whether another agent is moving: a participant with much work leaves it half of the time.
+  bool has_other_agent(ParticipantId id) const {
+    return participants_.has_active_agent(kAgentIsActive, id);
+  }
+  /// Whether a motion is cut in part, so that the solid is not that of any record of the journal.
+  bool is_between_records() const { return carving_.is_between_records(); }
 
   /// Returns the update that the participant's replica of the block lacks; nullopt if it is
   /// complete or the participant keeps none.
@@ -110,7 +124,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void reset_stock(ParticipantId id);
 
   /// Carves a program as a further participant.
-  std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramPace pace);
+  std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramPace pace,
+                                                        MemoryBudget::Share memory = {});
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
   bool cancel_program(ProgramId id);
@@ -126,7 +141,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t sequence() const { return journal_.sequence(); }
   /// The hash of the solid at sequence(), if known.
   std::optional<StateHash> current_hash() const { return journal_.current_hash(); }
-  /// Stores and journals the hash of the solid after record `state.sequence`.
+  /// Stores and journals the hash of the solid after record `state.sequence`, which was read while
+  /// is_between_records() was false.
   void note_hash(StateHash state);
 
   /// Calls `listener` on the executor at each event until unlisten() with the returned number.
@@ -143,6 +159,8 @@ class Session : public std::enable_shared_from_this<Session> {
   ParticipantState* replica_owner(ParticipantId id);
   void run_programs();
   void retire_programs();
+  void finish_left();
+  MotionAnswer rejected_move() const;
   void schedule_hash();
   void compute_hash();
   void report_changes();

@@ -13,11 +13,11 @@ namespace {
 /// slice. One frame of an agent takes several turns of the executor; without the pause each turn
 /// would wait for a slice, and an agent at 1 kHz would fall behind.
 constexpr std::chrono::microseconds kPauseMin{200}, kPauseMax{5000};
-constexpr std::chrono::milliseconds kAgentIsActive{200};
 
 }  // namespace
 
-std::expected<ProgramStatus, Rejection> Session::start_program(Program program, ProgramPace pace) {
+std::expected<ProgramStatus, Rejection> Session::start_program(Program program, ProgramPace pace,
+                                                               MemoryBudget::Share memory) {
   // Reject unknown tools before the first motion is carved.
   for (const ProgramMotion& motion : program.motions) {
     if (sculpture_.tool(motion.tool) != nullptr) continue;
@@ -32,7 +32,8 @@ std::expected<ProgramStatus, Rejection> Session::start_program(Program program, 
   if (!program.motions.empty()) request.tool = program.motions.front().tool;
   const auto joined = join(request);
   if (!joined) return std::unexpected(joined.error());
-  ProgramStatus status = programs_.start(joined->id, std::move(program), pace, Clock::now());
+  ProgramStatus status =
+      programs_.start(joined->id, std::move(program), pace, Clock::now(), std::move(memory));
   if (!programs_scheduled_) {
     programs_scheduled_ = true;
     executor_->post([self = shared_from_this()] { self->run_programs(); });

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // One agent: its WebSocket and, if it has asked for it, its UDP connection. Lives on the thread of
 // its session, so that the thread that reads a motion also cuts and answers it.
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <chrono>
 #include <utility>
 
@@ -39,6 +44,7 @@ class AgentConnection final : public PeerSocket {
 
  private:
   Conversation& conversation() override { return conversation_; }
+  asio::awaitable<void> act() override;
   void closed() override {
     close_udp();
     conversation_.end();
@@ -52,6 +58,7 @@ class AgentConnection final : public PeerSocket {
   Executor& executor_;
   std::shared_ptr<UdpPeer> udp_;  ///< null without a UDP connection
   AgentConversation conversation_;
+  bool works_ = false;  ///< on a batch that came over UDP
 };
 
 std::optional<datagram::Offer> AgentConnection::open_udp() {
@@ -63,6 +70,23 @@ std::optional<datagram::Offer> AgentConnection::open_udp() {
   udp_ = context_.udp.open(executor_, std::move(take));
   if (!udp_) return std::nullopt;
   return udp_->offer();
+}
+
+/// Works on a long batch, one turn after the other. In between the thread serves the other agents:
+/// it has at least as much time for them as for this one.
+asio::awaitable<void> AgentConnection::act() {
+  asio::steady_timer pause(static_cast<IoThreads&>(executor_).context());
+  while (conversation_.has_action() && !has_failed()) {
+    const auto start = Clock::now();
+    conversation_.work();
+    pump();
+    if (!conversation_.has_action()) break;
+    pause.expires_after(conversation_.has_rival() ? Clock::now() - start : Clock::duration{});
+    error_code ignored;
+    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  }
+  conversation_.refresh();
+  pump();
 }
 
 void AgentConnection::close_udp() {
@@ -82,6 +106,13 @@ void AgentConnection::receive_datagram(std::span<const std::byte> frame,
   }
   conversation_.refresh();
   pump();
+  if (!conversation_.has_action() || std::exchange(works_, true)) return;
+  auto work = [self = std::static_pointer_cast<AgentConnection>(
+                   shared_from_this())]() -> asio::awaitable<void> {
+    co_await self->act();
+    self->works_ = false;
+  };
+  asio::co_spawn(static_cast<IoThreads&>(executor_).context(), std::move(work), asio::detached);
 }
 
 }  // namespace

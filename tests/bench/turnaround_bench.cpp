@@ -86,8 +86,8 @@ Downloads download_until(const std::atomic<bool>& stop, std::uint16_t port,
   const auto start = Clock::now();
   while (!stop) {
     const Socket socket(port);
-    const std::string request =
-        "GET /v1/sessions/bench/" + name + " HTTP/1.1\r\nHost: bench\r\nConnection: close\r\n\r\n";
+    const std::string request = "GET /v1/sessions/bench/" + name +
+                                " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
     socket.send_all(request.data(), request.size());
     std::string answer;
     std::size_t end = 0;
@@ -234,7 +234,7 @@ void wait_for_programs(std::uint16_t port) {
   for (std::string answer; answer.find("\"finished\"") == std::string::npos;) {
     const Socket socket(port);
     const std::string request =
-        "GET /v1/sessions/bench/programs HTTP/1.1\r\nHost: bench\r\nConnection: close\r\n\r\n";
+        "GET /v1/sessions/bench/programs HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
     socket.send_all(request.data(), request.size());
     answer.clear();
     while (answer.find("\"programs\"") == std::string::npos ||

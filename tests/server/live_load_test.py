@@ -6,6 +6,7 @@ import time
 import unittest
 
 from live_server import SCENE, LiveTest
+from wire_client import Agent
 
 LONG = {**SCENE, "name": "long",
         "stock": {"shape": "box", "min_mm": [0, 0, -10], "max_mm": [100, 100, 0]},
@@ -56,6 +57,55 @@ class Exports(LiveTest):
         self.assertEqual(status, 0, log)
         self.assertNotIn(b"200 OK", client.recv(4096))
         client.close()
+
+
+class Uploads(LiveTest):
+    def begin(self):
+        """Sends the header of an upload of 60 MB and the first part of it."""
+        client = socket.create_connection(("127.0.0.1", self.port))
+        client.sendall(b"POST /v1/files?name=a.stl HTTP/1.1\r\nHost: localhost\r\n"
+                       b"Content-Length: 60000000\r\n\r\n" + b" " * 1000)
+        return client
+
+    def test_unfinished_uploads_count_from_their_header_on(self):
+        clients = [self.begin() for _ in range(40)]
+        rejected = []
+        while len(rejected) < 36:
+            ready = select.select([c for c in clients if c not in rejected], [], [], 30)[0]
+            self.assertTrue(ready, f"only {len(rejected)} of 36 uploads were rejected")
+            for client in ready:
+                answer = client.recv(4096)
+                self.assertIn(b" 503 ", answer)
+                self.assertIn(b"Retry-After: ", answer)
+                rejected.append(client)
+        self.assertEqual(len(rejected), 36)
+        for client in clients:
+            client.close()
+        while self.server.http.request("POST", "/v1/files?name=a.stl", b" " * 60_000_000)[0] == 503:
+            time.sleep(0.05)
+
+
+class LongMotions(LiveTest):
+    def test_an_agent_is_answered_while_a_motion_of_another_sweeps_the_whole_block(self):
+        scene = {**SCENE, "name": "wide",
+                 "stock": {"shape": "box", "min_mm": [0, 0, -10], "max_mm": [300, 300, 0]},
+                 "accuracy": {**SCENE["accuracy"], "pitch_mm": 0.1},
+                 "tools": [{"id": 1, "shape": "flat", "diameter_mm": 1000, "length_mm": 60},
+                           {"id": 2, "shape": "ball", "diameter_mm": 2, "length_mm": 60}]}
+        self.server.create("wide", scene)
+        mill, ball = Agent(self.port, "wide", "Mill"), Agent(self.port, "wide", "Ball", tool=2)
+        ball.move([(0, 0, 5)], tool=2)
+        ball.result()
+        while len(mill.receive_json("participants")["participants"]) < 2:
+            pass  # from now on the mill receives nothing but its result
+        mill.move([(150, 150, 1), (150, 150, -3)], step_us=100_000)
+        answered = 0
+        while not select.select([mill.socket], [], [], 0)[0]:
+            ball.move([(1 + 0.1 * answered, 1, -4)], tool=2)
+            ball.result()
+            answered += 1
+        self.assertGreater(mill.result()["removed"], 200_000)
+        self.assertGreater(answered, 20)
 
 
 if __name__ == "__main__":

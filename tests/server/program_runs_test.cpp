@@ -9,6 +9,7 @@ namespace kerf {
 namespace {
 
 using Clock = ProgramRuns::Clock;
+using Carved = std::expected<std::optional<double>, Rejection>;
 
 Program program_of(std::size_t motions, double duration_s = 0.001) {
   Program program;
@@ -25,9 +26,9 @@ Program program_of(std::size_t motions, double duration_s = 0.001) {
   return program;
 }
 
-std::expected<double, Rejection> quick_cut(const ProgramStep&) { return 0.5; }
+Carved quick_cut(const ProgramStep&) { return 0.5; }
 
-std::expected<double, Rejection> slow_cut(const ProgramStep&) {
+Carved slow_cut(const ProgramStep&) {
   std::this_thread::sleep_for(std::chrono::microseconds(200));
   return 0.5;
 }
@@ -48,6 +49,21 @@ TEST(ProgramRuns, FastProgramIsCarvedInSlices) {
   EXPECT_TRUE(runs.take_ended().empty());
 }
 
+TEST(ProgramRuns, AMotionThatIsNotCompleteIsRepeated) {
+  ProgramRuns runs;
+  const auto id = runs.start(1, program_of(3), ProgramPace::kFast, Clock::now()).id;
+  std::vector<double> calls;
+  while (runs.slice([&](const ProgramStep& step) -> Carved {
+    calls.push_back(step.motion.from.tip_mm.x);
+    if (calls.size() == 2 || calls.size() == 3) return std::nullopt;
+    return 0.5;
+  })) {
+  }
+  EXPECT_EQ(calls, (std::vector<double>{0, 1, 1, 1, 2}));
+  EXPECT_EQ(runs.status(id)->motions_done, 3U);
+  EXPECT_EQ(runs.status(id)->removed_mm3, 1.5);
+}
+
 TEST(ProgramRuns, ProgramsAlternate) {
   ProgramRuns runs;
   std::vector<ParticipantId> order;
@@ -55,10 +71,55 @@ TEST(ProgramRuns, ProgramsAlternate) {
   runs.start(2, program_of(4), ProgramPace::kFast, Clock::now());
   while (runs.slice([&](const ProgramStep& step) {
     order.push_back(step.participant);
-    return std::expected<double, Rejection>(0);
+    return Carved(0);
   })) {
   }
   EXPECT_EQ(order, (std::vector<ParticipantId>{1, 2, 1, 2, 1, 2, 1, 2}));
+}
+
+TEST(ProgramRuns, AProgramThatHasEndedGivesItsMemoryBack) {
+  MemoryBudget budget(1'000'000);
+  ProgramRuns runs;
+  const auto start = [&] {
+    auto memory = budget.take(300'000);
+    return runs.start(1, program_of(1000), ProgramPace::kFast, Clock::now(), *std::move(memory)).id;
+  };
+  start();
+  EXPECT_GE(runs.memory_bytes(), 1000 * sizeof(ProgramMotion));
+  EXPECT_EQ(budget.taken(), 300'000U);
+  while (runs.slice(quick_cut)) {
+  }
+  EXPECT_EQ(runs.memory_bytes(), 0U);
+  EXPECT_EQ(budget.taken(), 0U);
+  runs.cancel(start());
+  EXPECT_EQ(runs.memory_bytes(), 0U);
+  EXPECT_EQ(budget.taken(), 0U);
+  start();
+  runs.slice([](const ProgramStep&) -> Carved {
+    return std::unexpected(Rejection{wire::ErrorCode::kBadPose, "too far"});
+  });
+  EXPECT_EQ(runs.memory_bytes(), 0U);
+  EXPECT_EQ(budget.taken(), 0U);
+}
+
+TEST(MemoryBudget, SharesAreTakenAndGivenBack) {
+  MemoryBudget budget(100);
+  auto one = budget.take(60);
+  ASSERT_TRUE(one);
+  EXPECT_FALSE(budget.take(41));
+  auto two = budget.take(40);
+  ASSERT_TRUE(two);
+  EXPECT_FALSE(budget.take(1));
+  one->reduce(10);
+  one->reduce(20);
+  EXPECT_EQ(one->bytes(), 10U);
+  EXPECT_EQ(budget.taken(), 50U);
+  MemoryBudget::Share moved = *std::move(two);
+  two.reset();
+  EXPECT_EQ(budget.taken(), 50U);
+  moved = MemoryBudget::Share();
+  EXPECT_EQ(budget.taken(), 10U);
+  EXPECT_FALSE(budget.take(~std::size_t{0}));
 }
 
 TEST(ProgramRuns, FeedRateMotionIsCarvedWhenItsTimeHasPassed) {
@@ -81,7 +142,7 @@ TEST(ProgramRuns, ForcesAreComputedOnlyAtFeedRate) {
   runs.start(2, program_of(1), ProgramPace::kFast, Clock::now());
   runs.slice([&](const ProgramStep& step) {
     felt[step.participant] = step.feel;
-    return std::expected<double, Rejection>(0);
+    return Carved(0);
   });
   EXPECT_TRUE(felt.at(1));
   EXPECT_FALSE(felt.at(2));
@@ -92,9 +153,8 @@ TEST(ProgramRuns, RejectedMotionFailsTheProgramWithItsLine) {
   const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
   int calls = 0;
   const auto wait = runs.slice([&](const ProgramStep&) {
-    return ++calls == 3 ? std::expected<double, Rejection>(
-                              std::unexpect, Rejection{wire::ErrorCode::kBadPose, "too far"})
-                        : std::expected<double, Rejection>(1);
+    return ++calls == 3 ? Carved(std::unexpect, Rejection{wire::ErrorCode::kBadPose, "too far"})
+                        : Carved(1);
   });
   EXPECT_FALSE(wait);
   EXPECT_EQ(runs.status(id)->state, ProgramState::kFailed);
@@ -107,7 +167,7 @@ TEST(ProgramRuns, ABusyMotionIsTriedAgainAndTheLastOneIsMarked) {
   const auto id = runs.start(1, program_of(3), ProgramPace::kFast, Clock::now()).id;
   bool busy = true;
   std::vector<std::uint32_t> lines;
-  const auto carve = [&](const ProgramStep& step) -> std::expected<double, Rejection> {
+  const auto carve = [&](const ProgramStep& step) -> Carved {
     if (busy && step.motion.line == 11) {
       return std::unexpected(Rejection{wire::ErrorCode::kBusy, "full"});
     }

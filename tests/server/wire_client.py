@@ -54,12 +54,13 @@ class WebSocket:
     opened = []  # keeps the sockets of a test from being garbage-collected
     text_bytes = 0  # of the messages received
 
-    def __init__(self, port, path, protocol, headers=()):
+    def __init__(self, port, path, protocol, headers=(), host=None):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
         WebSocket.opened.append(self)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         key = base64.b64encode(os.urandom(16)).decode()
-        lines = [f"GET {path} HTTP/1.1", f"Host: 127.0.0.1:{port}", "Upgrade: websocket",
+        lines = [f"GET {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{port}'}",
+                 "Upgrade: websocket",
                  "Connection: Upgrade", f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13"]
         if protocol:
             lines.append(f"Sec-WebSocket-Protocol: {protocol}")

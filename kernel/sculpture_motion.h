@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the parts of Sculpture that apply motions share.
+
+#include "kernel/math/ray_axis.h"
+#include "kernel/math/rotation.h"
+#include "kernel/sculpture_command.h"
+#include "kernel/sweep/tool_motion.h"
+#include "kernel/tool/tool.h"
+
+namespace kerf {
+
+/// The volume that a motion removed from one field, the part of it that is imprint, and the number
+/// of elements that it shortened, which is the area of the cut seen along the rays, in squares of
+/// the pitch.
+struct RemovedVolume {
+  double mm3, imprint_mm3, elements;
+};
+
+/// What earlier motions have done at the pose where a motion starts.
+struct MotionStart {
+  bool is_cut;     ///< the tool's last motion ended there: a sweep may skip what lies behind it
+  bool continues;  ///< a motion of the tool ended there: nothing that is removed is imprint
+};
+
+/// Returns the motion of a command, with unit axes.
+inline ToolMotion motion_of(const MoveTool& command, const Tool& tool) {
+  return make_motion({command.from.tip_mm, normalized(command.from.axis)},
+                     {command.to.tip_mm, normalized(command.to.axis)}, tool.length_mm);
+}
+
+/// Returns the motion in the frame of the field along `axis`.
+inline ToolMotion in_frame(RayAxis axis, ToolMotion motion) {
+  for (ToolPose* pose : {&motion.from, &motion.to}) {
+    *pose = {to_frame(axis, pose->tip_mm), to_frame(axis, pose->axis)};
+  }
+  return motion;
+}
+
+}  // namespace kerf

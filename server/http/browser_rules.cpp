@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/browser_rules.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace kerf::net {
+namespace {
+
+bool is_equal(std::string_view one, std::string_view other) {
+  return std::ranges::equal(one, other, [](unsigned char a, unsigned char b) {
+    return std::tolower(a) == std::tolower(b);
+  });
+}
+
+/// Removes ":PORT" and the brackets of an IPv6 address. Empty for a malformed text.
+std::string_view name_of(std::string_view host) {
+  const bool in_brackets = host.starts_with('[');
+  const auto end = std::min(host.find(in_brackets ? ']' : ':'), host.size());
+  std::string_view port = host.substr(end);
+  if (in_brackets && !port.empty()) port.remove_prefix(1);
+  const bool is_port = port.empty() || (port.front() == ':' && port.size() <= 6 &&
+                                        port.find_first_not_of("0123456789", 1) == port.npos);
+  if (!is_port || (in_brackets && end == host.size())) return "";
+  return in_brackets ? host.substr(1, end - 1) : host.substr(0, end);
+}
+
+bool is_address(const std::string& name) {
+  in6_addr address{};
+  return inet_pton(AF_INET, name.c_str(), &address) == 1 ||
+         inet_pton(AF_INET6, name.c_str(), &address) == 1;
+}
+
+std::string_view host_of(std::string_view origin) {
+  const auto scheme = origin.find("://");
+  return scheme == origin.npos ? "" : origin.substr(scheme + 3);
+}
+
+bool is_listed(std::string_view origin, const HttpOptions& options) {
+  return !origin.empty() &&
+         std::ranges::find(options.allow_origins, origin) != options.allow_origins.end();
+}
+
+/// The viewer: its decoder of meshes is WebAssembly, and colors are style attributes.
+std::string page_policy(std::string_view host) {
+  std::string own = "'self'";
+  // Some browsers do not count WebSockets as 'self'.
+  if (!host.empty()) own.append(" ws://").append(host).append(" wss://").append(host);
+  return "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
+         "'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; worker-src 'self' "
+         "blob:; connect-src " +
+         own +
+         " data: blob:; object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors "
+         "'none'";
+}
+
+}  // namespace
+
+bool host_allowed(std::string_view host, const HttpOptions& options) {
+  if (host.empty()) return true;
+  const std::string name(name_of(host));
+  if (name.empty()) return false;
+  if (is_address(name) || is_equal(name, "localhost")) return true;
+  const auto names_it = [&](std::string_view allowed) {
+    return is_equal(name, name_of(allowed)) || is_equal(host, allowed);
+  };
+  return std::ranges::any_of(options.allow_hosts, names_it) ||
+         std::ranges::any_of(options.allow_origins,
+                             [&](const std::string& origin) { return names_it(host_of(origin)); });
+}
+
+bool origin_allowed(const BrowserHeaders& headers, const HttpOptions& options) {
+  if (headers.origin.empty() || is_listed(headers.origin, options)) return true;
+  const std::string_view own = host_of(headers.origin);
+  return !own.empty() && is_equal(own, headers.host) && host_allowed(headers.host, options);
+}
+
+void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& options,
+                         ApiResponse& response) {
+  const auto add = [&](const char* name, std::string value) {
+    response.headers.emplace_back(name, std::move(value));
+  };
+  const bool is_page = response.content_type.starts_with("text/html");
+  add("Content-Security-Policy",
+      is_page ? page_policy(headers.host) : "default-src 'none'; frame-ancestors 'none'");
+  add("X-Content-Type-Options", "nosniff");
+  add("X-Frame-Options", "DENY");
+  add("Referrer-Policy", "no-referrer");
+  if (options.allow_origins.empty()) return;
+  add("Vary", "Origin");
+  if (!is_listed(headers.origin, options)) return;
+  add("Access-Control-Allow-Origin", std::string(headers.origin));
+  add("Access-Control-Expose-Headers",
+      "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Retry-After");
+}
+
+ApiResponse preflight(std::string_view methods) {
+  ApiResponse response;
+  response.status = 204;
+  response.headers.emplace_back("Access-Control-Allow-Methods", std::string(methods));
+  response.headers.emplace_back("Access-Control-Allow-Headers",
+                                "Content-Type, If-None-Match, If-Range, Range");
+  response.headers.emplace_back("Access-Control-Max-Age", "600");
+  return response;
+}
+
+}  // namespace kerf::net

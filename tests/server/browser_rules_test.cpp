@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/browser_rules.h"
+
+#include <gtest/gtest.h>
+
+namespace kerf::net {
+namespace {
+
+std::string header(const ApiResponse& response, std::string_view name) {
+  for (const auto& [key, value] : response.headers) {
+    if (key == name) return value;
+  }
+  return "";
+}
+
+HttpOptions options_with(std::vector<std::string> hosts, std::vector<std::string> origins) {
+  HttpOptions options;
+  options.allow_hosts = std::move(hosts);
+  options.allow_origins = std::move(origins);
+  return options;
+}
+
+TEST(BrowserRules, AddressesAndLocalhostAreAllowedAsHosts) {
+  const HttpOptions plain;
+  for (const char* host : {"127.0.0.1", "127.0.0.1:8080", "192.168.1.7:80", "[::1]", "[::1]:8080",
+                           "[fe80::1]:8080", "localhost", "localhost:8080", "LOCALHOST", ""}) {
+    EXPECT_TRUE(host_allowed(host, plain)) << host;
+  }
+}
+
+TEST(BrowserRules, OtherNamesAreNot) {
+  const HttpOptions plain;
+  for (const char* host :
+       {"evil.example", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example",
+        "evil.localhost", "localhost:8080x", "localhost:999999", "[::1", "[::1]x", "[localhost]x",
+        "1.2.3", "0x7f000001", "127.1", ":8080", "localhost; script-src *"}) {
+    EXPECT_FALSE(host_allowed(host, plain)) << host;
+  }
+}
+
+TEST(BrowserRules, NamedHostsAndTheHostsOfNamedOriginsAreAllowed) {
+  const HttpOptions named = options_with({"workshop", "kerf.lan:8443"}, {"https://kerf.example"});
+  for (const char* host : {"workshop", "Workshop:8080", "kerf.lan:8443", "kerf.lan", "kerf.example",
+                           "kerf.example:443"}) {
+    EXPECT_TRUE(host_allowed(host, named)) << host;
+  }
+  EXPECT_FALSE(host_allowed("workshop.evil.example", named));
+  EXPECT_FALSE(host_allowed("https://kerf.example", named));
+}
+
+TEST(BrowserRules, AnOriginThatEqualsAForeignHostIsNotAllowed) {
+  const HttpOptions named = options_with({"workshop"}, {"https://kerf.example"});
+  EXPECT_FALSE(origin_allowed({"evil.example:8080", "http://evil.example:8080"}, named));
+  EXPECT_TRUE(origin_allowed({"127.0.0.1:8080", "http://127.0.0.1:8080"}, named));
+  EXPECT_TRUE(origin_allowed({"workshop:8080", "http://workshop:8080"}, named));
+  EXPECT_TRUE(origin_allowed({"127.0.0.1:8080", "https://kerf.example"}, named));
+  EXPECT_TRUE(origin_allowed({"127.0.0.1:8080", ""}, named));
+  for (const char* origin : {"null", "http://127.0.0.1:8081", "https://kerf.example.evil",
+                             "http://kerf.example", "://"}) {
+    EXPECT_FALSE(origin_allowed({"127.0.0.1:8080", origin}, named)) << origin;
+  }
+}
+
+TEST(BrowserRules, ThePageMayLoadWhatItNeedsFromItsOwnServerOnly) {
+  ApiResponse page;
+  page.content_type = "text/html; charset=utf-8";
+  add_browser_headers({"localhost:8080", ""}, {}, page);
+  const std::string policy = header(page, "Content-Security-Policy");
+  EXPECT_TRUE(policy.contains("default-src 'self';"));
+  EXPECT_TRUE(policy.contains("frame-ancestors 'none'"));
+  EXPECT_TRUE(policy.contains("connect-src 'self' ws://localhost:8080 wss://localhost:8080"));
+  EXPECT_FALSE(policy.contains("'unsafe-eval'"));
+  EXPECT_EQ(header(page, "X-Content-Type-Options"), "nosniff");
+  EXPECT_EQ(header(page, "X-Frame-Options"), "DENY");
+  EXPECT_EQ(header(page, "Referrer-Policy"), "no-referrer");
+  ApiResponse data;
+  add_browser_headers({"localhost:8080", ""}, {}, data);
+  EXPECT_EQ(header(data, "Content-Security-Policy"), "default-src 'none'; frame-ancestors 'none'");
+}
+
+TEST(BrowserRules, OnlyPagesOfNamedOriginsMayReadResponses) {
+  const HttpOptions named = options_with({}, {"https://kerf.example"});
+  const auto allowed = [&](const char* origin) {
+    ApiResponse response;
+    add_browser_headers({"127.0.0.1", origin}, named, response);
+    EXPECT_EQ(header(response, "Vary"), "Origin");
+    return header(response, "Access-Control-Allow-Origin");
+  };
+  EXPECT_EQ(allowed("https://kerf.example"), "https://kerf.example");
+  EXPECT_EQ(allowed("https://evil.example"), "");
+  EXPECT_EQ(allowed(""), "");
+}
+
+}  // namespace
+}  // namespace kerf::net
