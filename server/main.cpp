@@ -5,14 +5,20 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <charconv>
+#include <climits>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "server/http/static_files.h"
 #include "server/server.h"
@@ -95,6 +101,14 @@ std::string version_text() {
          std::to_string(kerf::kKernelVersion) + ")";
 }
 
+/// The names by which a local network knows this machine: its host name, and the one of mDNS.
+std::vector<std::string> own_names() {
+  std::array<char, HOST_NAME_MAX + 1> name{};
+  if (gethostname(name.data(), name.size()) != 0 || name[0] == 0) return {};
+  const std::string host(name.data());
+  return {host, host + ".local"};
+}
+
 /// Allows as many open files as the system permits: each peer needs one.
 void raise_file_limit() {
   rlimit limit{};
@@ -160,11 +174,14 @@ int run(int argc, char** argv) {
   app.add_option("--scene", line.scenes,
                  "scene file whose session is created unless it exists; may be repeated");
   app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
-  app.add_option("--allow-host", line.server.http.allow_hosts,
-                 "name of the server for its clients, besides IP addresses and localhost");
+  app.add_option(
+      "--allow-host", line.server.http.allow_hosts,
+      "name of the server for its clients, besides IP addresses, localhost and this machine's "
+      "host name");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
   CLI11_PARSE(app, argc, argv);
+  for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
   spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout carries only the address
   spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {

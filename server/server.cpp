@@ -64,7 +64,7 @@ struct Server::Impl {
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics),
-        at_once("at once", 1, 5),
+        immediate("immediate", 1, 5),
         control("control", 2, 5),
         workers("workers", 2, 10),
         exports("exports", 2, 10),
@@ -83,10 +83,10 @@ struct Server::Impl {
   IoThreads viewers, meshing;
   SessionRegistry registry;
   Api api;
-  IoThreads at_once, control, workers, exports;  ///< after `api`, which their work uses
+  IoThreads immediate, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
   PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing};
-  HttpContext context{options.http, registry, metrics, api,  at_once,
+  HttpContext context{options.http, registry, metrics, api,  immediate,
                       control,      workers,  exports, peers};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;

@@ -88,12 +88,11 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Socket& socket, const Hello&
     if (!socket.got_text()) continue;
     const auto message = parse_control(beast::buffers_to_string(frame.data()));
     if (!message) {
-      co_return std::unexpected(
-          Loss{(message.error().fault == ControlFault::kOutOfRange
-                    ? "the server's welcome cannot be rendered: "
-                    : "cannot parse the server's welcome: ") +
-                   message.error().reason,
-               true});
+      co_return std::unexpected(Loss{(message.error().fault == ControlFault::kOutOfRange
+                                          ? "the server's welcome cannot be rendered: "
+                                          : "cannot parse the server's welcome: ") +
+                                         message.error().reason,
+                                     true});
     }
     if (const auto* error = std::get_if<ServerError>(&*message)) {
       co_return std::unexpected(

@@ -104,7 +104,7 @@ class Connection {
 IoThreads& Connection::threads_for(Runs runs) const {
   switch (runs) {
     case Runs::kAtOnce:
-      return context_.at_once;
+      return context_.immediate;
     case Runs::kSession:
       return context_.control;
     case Runs::kWork:

@@ -15,7 +15,7 @@ struct HttpContext {
   SessionRegistry& registry;
   Metrics& metrics;
   Api& api;
-  IoThreads& at_once;  ///< requests that wait for nothing
+  IoThreads& immediate;  ///< requests that wait for nothing
   IoThreads& control;  ///< requests that wait for a turn of a session's thread
   IoThreads& workers;  ///< requests that may take long: uploads, new sessions
   IoThreads& exports;  ///< downloads

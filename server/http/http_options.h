@@ -14,7 +14,8 @@ struct HttpOptions {
   std::size_t program_bytes = std::size_t{1536} << 20;
   std::filesystem::path data_folder = "kerf-data";
   std::filesystem::path web_folder;  ///< of the built viewer; empty: no viewer is served
-  /// Names, besides IP addresses and localhost, by which clients may address the server.
+  /// Names, besides IP addresses and localhost, by which clients may address the server. The
+  /// command line adds the host name.
   std::vector<std::string> allow_hosts;
   std::vector<std::string> allow_origins;  ///< besides the server's own host, e.g.
                                            ///< "https://kerf.example"

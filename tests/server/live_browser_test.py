@@ -2,6 +2,7 @@
 """Tests what a browser may do for a page: Host, Origin, CORS and the headers of responses."""
 import http.client
 import os
+import socket
 import tempfile
 import unittest
 
@@ -55,6 +56,9 @@ class Browser(LiveTest):
                      "kerf.example"):
             self.assertEqual(self.request("GET", "/v1/sessions", Host=host)[0], 200, host)
         self.assertEqual(self.request("GET", "/v1/sessions", self.port, Host="workshop")[0], 421)
+        own = socket.gethostname()
+        for host in (own, f"{own}.local:{self.port}"):
+            self.assertEqual(self.request("GET", "/v1/sessions", self.port, Host=host)[0], 200, host)
 
     def test_pages_of_an_allowed_origin_may_read_and_change(self):
         origin = "https://kerf.example"
