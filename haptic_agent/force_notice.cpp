@@ -8,14 +8,14 @@
 namespace kerf::agent {
 namespace {
 
-/// What a law computes per engaged area, and what the device outputs at most: both in N, or in N
-/// s/mm for the law whose force grows with speed.
-struct Load {
+/// The force that a law computes per engaged area, and the most that the device outputs: in N, or
+/// in N s/mm for the law whose force grows with speed.
+struct CutLoad {
   double per_mm2 = 0;
   double most = 0;
 };
 
-Load load_of(const Welcome& welcome, const ServoSettings& settings) {
+CutLoad load_of(const Welcome& welcome, const ServoSettings& settings) {
   if (welcome.law == CutLaw::kRemovalRate) {
     return {welcome.drr_n_s_per_mm3, settings.model.max_damping};
   }
@@ -29,7 +29,7 @@ Load load_of(const Welcome& welcome, const ServoSettings& settings) {
 
 std::string force_notice(const Welcome& welcome, const ServoSettings& settings, std::uint32_t tool,
                          double full_cut_mm2) {
-  const Load load = load_of(welcome, settings);
+  const CutLoad load = load_of(welcome, settings);
   const double full = load.per_mm2 * full_cut_mm2;
   if (!settings.safety.motors || !(full > load.most)) return {};
   const bool viscous = welcome.law == CutLaw::kRemovalRate;
