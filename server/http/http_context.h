@@ -16,10 +16,10 @@ struct HttpContext {
   Metrics& metrics;
   Api& api;
   IoThreads& immediate;  ///< requests that wait for nothing
-  IoThreads& control;  ///< requests that wait for a turn of a session's thread
-  IoThreads& workers;  ///< requests that may take long: uploads, new sessions
-  IoThreads& exports;  ///< downloads
-  PeerContext& peers;  ///< for connections that become WebSockets
+  IoThreads& control;    ///< requests that wait for a turn of a session's thread
+  IoThreads& workers;    ///< requests that may take long: uploads, new sessions
+  IoThreads& exports;    ///< downloads
+  PeerContext& peers;    ///< for connections that become WebSockets
 };
 
 }  // namespace kerf::net
