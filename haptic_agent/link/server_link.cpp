@@ -92,6 +92,8 @@ class ServerLink::Impl {
   }
 
   const LinkReport& report() const noexcept { return report_; }
+  bool connected() const noexcept { return connected_.load(); }
+  bool rejected() const noexcept { return rejected_.load(); }
 
  private:
   bool interrupted() const noexcept { return interrupted_.load(); }
@@ -113,13 +115,16 @@ class ServerLink::Impl {
         enter(*welcome);
         open_udp(connection, *welcome);
         pause = kFirstBackOff;
+        connected_.store(true);
         co_await serve(connection);
+        connected_.store(false);
         trying_since_us = monotonic_us();
       }
       const Loss loss = welcome ? connection->loss.value_or(Loss{}) : welcome.error();
       if (finished()) break;
       if (loss.final ||
           static_cast<double>(monotonic_us() - trying_since_us) / kUsPerS > settings_.patience_s) {
+        rejected_.store(loss.final);
         fail(loss.reason);
         break;
       }
@@ -276,7 +281,7 @@ class ServerLink::Impl {
   }
 
   LinkSettings settings_;
-  std::atomic<bool> interrupted_{false};
+  std::atomic<bool> interrupted_{false}, connected_{false}, rejected_{false};
   std::atomic<std::uint64_t> drain_until_us_{0};
 
   // The members below belong to the link thread, except those that the mutex guards.
@@ -309,6 +314,8 @@ std::expected<Welcome, std::string> ServerLink::wait_welcome() { return impl_->w
 void ServerLink::interrupt() { impl_->interrupt(); }
 void ServerLink::stop(double drain_s) { impl_->stop(drain_s); }
 void ServerLink::sample_ready() noexcept { impl_->wake(); }
+bool ServerLink::connected() const noexcept { return impl_->connected(); }
+bool ServerLink::rejected() const noexcept { return impl_->rejected(); }
 const LinkReport& ServerLink::report() const noexcept { return impl_->report(); }
 
 }  // namespace kerf::agent

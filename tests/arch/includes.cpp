@@ -18,7 +18,8 @@ const std::vector<Module>& agent_modules() {
       // Used by every thread of the agent: lock-free exchange, clock, thread priority, histogram.
       {"haptic_agent/realtime", {}},
       {"haptic_agent/device",
-       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime"}},
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime",
+        "haptic_agent/library/kerf_agent.h"}},
       {"haptic_agent/servo",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime",
         "haptic_agent/device"}},
@@ -30,6 +31,11 @@ const std::vector<Module>& agent_modules() {
        {"kernel", "server/wire", "server/convert", "server/formats/scene.h",
         "haptic_agent/realtime", "haptic_agent/device", "haptic_agent/servo",
         "haptic_agent/link/stock_listener.h"}},
+      // The C interface for other programs.
+      {"haptic_agent/library",
+       {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime",
+        "haptic_agent/device", "haptic_agent/servo", "haptic_agent/link",
+        "haptic_agent/replica"}},
       {"haptic_agent/doctor",
        {"haptic_agent/realtime", "haptic_agent/device", "haptic_agent/servo",
         "haptic_agent/link/server_url.h"}},
@@ -174,7 +180,9 @@ std::optional<std::string> fault_of_project_include(const Source& source, std::s
 
 std::optional<std::string> fault_of_system_include(const Source& source, std::string_view target) {
   // Examples are programs of the library's users: they may include anything public.
-  if (is_within(source.path, "tests") || is_within(source.path, "kernel/examples")) return {};
+  if (is_within(source.path, "tests") || is_within(source.path, "kernel/examples") ||
+      is_within(source.path, "haptic_agent/examples"))
+    return {};
   for (const Library& library : libraries()) {
     const bool named = std::ranges::any_of(
         library.headers, [&](auto beginning) { return target.starts_with(beginning); });
