@@ -214,10 +214,16 @@ int run_agent(Options options) {
     print_line(tool.error());
     return kFailed;
   }
-  const auto device = make_device(
+  const auto made = make_device(
       options.device,
       {.stock = welcome->stock, .pivot_mm = welcome->pivot_mm, .participant = welcome->participant},
       options.device_options);
+  if (!made) {
+    link.stop(0);
+    print_line(made.error());
+    return kFailed;
+  }
+  const std::unique_ptr<HapticDevice>& device = *made;
   print_line(join({"carving '", welcome->session, "' as participant ",
                    std::to_string(welcome->participant), " with the ", device->capabilities().name,
                    "; press Ctrl-C to leave"}));

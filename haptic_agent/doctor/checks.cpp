@@ -142,7 +142,9 @@ std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std
 }
 
 std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s) {
-  const auto device = make_device(choice, {}, {});
+  const auto made = make_device(choice, {}, {});
+  if (!made) return {{.health = Health::kBad, .what = made.error()}};
+  const std::unique_ptr<HapticDevice>& device = *made;
   const std::string name = device->capabilities().name;
   const std::uint64_t until_us = monotonic_us() + static_cast<std::uint64_t>(wait_s * kUsPerS);
   DevicePhase phase = DevicePhase::kClosed;

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the examples of libkerf_agent, each a device of its own, against the real server."""
+"""Runs devices of others against the real server: the examples of libkerf_agent, and drivers of
+kerf-agent outside of it."""
+import json
 import os
 import re
 import subprocess
@@ -11,6 +13,8 @@ from live_server import SCENE, LiveTest
 PRESS = os.environ["KERF_PRESS"]
 PRESS_PY = os.environ["KERF_PRESS_PY"]
 LIBRARY = os.environ["KERF_AGENT_LIBRARY"]
+AGENT = os.environ["KERF_AGENT"]
+PLUGIN = os.environ["KERF_HAND_PLUGIN"]
 # Of the scene: pressing and cutting with the 10 mm ball stay below what the device may output.
 MOST_N = 6.0
 
@@ -37,6 +41,26 @@ class Examples(LiveTest):
         for session, process in running.items():
             with self.subTest(session):
                 self.check(process, session)
+
+    def test_agent_runs_a_plugin(self):
+        done = subprocess.run([AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session",
+                               "block", "--device", f"plugin:{PLUGIN}:0.5", "--status-json", "-"],
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        status = json.loads(done.stdout)
+        self.assertEqual(status["device"], "example hand")
+        self.assertEqual(status["link"]["unanswered"], 0)
+        self.assertGreater(status["link"]["samples_sent"], 1000)
+        self.assertGreater(self.server.info()["removed_volume_mm3"], 5)
+
+    def test_faults_of_a_plugin_are_reported(self):
+        for argument, code in (("plugin:/no/such.so", 2), (f"plugin:{PLUGIN}:9", 1)):
+            done = subprocess.run([AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session",
+                                   "block", "--device", argument], capture_output=True, text=True,
+                                  timeout=60)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn("the plugin", done.stderr)
+        self.assertIn("at most 2 N/mm", done.stderr)
 
     def test_unknown_session_is_reported(self):
         done = subprocess.run([PRESS, f"http://127.0.0.1:{self.port}", "nowhere"],
