@@ -49,10 +49,10 @@ build() {
   local tests=ON programs=(kerf-server)
   if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # test.sh installs the packages that only tests need
   install_sections build run
-  build_web
+  use_node
   if $DEMO; then programs+=(kerf-agent kerf-demo); fi
   if $BUILD_ONLY; then programs=(kerf-server kerf-agent kerf-demo kerf-carve kerf_agent); fi
-  build_cpp release -DKERF_TESTS=$tests -- "${programs[@]}"
+  build_all release -DKERF_TESTS=$tests -- web "${programs[@]}"
 }
 
 program() { echo "$KERF_ROOT/build/release/bin/$1"; }

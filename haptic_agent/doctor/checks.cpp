@@ -167,6 +167,8 @@ std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s) {
 }
 
 Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo) {
+  constexpr const char* kUnmeasured =
+      "; it does not acknowledge commands, so that it cannot be measured here";
   const auto ms = [](std::uint64_t us) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.1f ms", static_cast<double>(us) / 1000);
@@ -176,8 +178,7 @@ Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo)
   if (echo.count == 0) {
     return {.health = Health::kNote,
             .what = join({"the latency of the ", device.name, " is taken to be ", declared,
-                          ", as its driver declares; it does not acknowledge commands, so that it "
-                          "cannot be measured here"}),
+                          ", as its driver declares", kUnmeasured}),
             .advice = {"if the time from a pose to the motors' current is longer, declare it: "
                        "kerf-agent --latency MS"}};
   }
