@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "haptic_agent/device/carving_figure.h"
+#include "haptic_agent/device/plugin/plugin_device.h"
 #include "haptic_agent/device/pose_script.h"
 #include "haptic_agent/device/reference/report.h"
 #include "haptic_agent/device/simulated_hand.h"
@@ -18,7 +19,7 @@
 
 namespace kerf::agent {
 
-enum class DeviceKind { kSimulated, kReplay, kReference, kFalcon, kSpaceMouse };
+enum class DeviceKind { kSimulated, kReplay, kReference, kFalcon, kSpaceMouse, kPlugin };
 
 /// A parsed `--device` option, with its file loaded.
 struct DeviceChoice {
@@ -29,11 +30,13 @@ struct DeviceChoice {
   UsbId usb_id{reference::kVendorId, reference::kProductId};
   /// Firmware of the Falcon. Empty: one must be running already.
   std::vector<std::uint8_t> firmware{};
+  /// Set for kPlugin.
+  std::optional<Plugin> plugin{};
 };
 
 /// Parses `sim[:FILE]`, `replay:FILE`, `usb[:VENDOR:PRODUCT]` (hexadecimal ids),
-/// `falcon[:FIRMWARE_FILE]` or `spacemouse`, and loads the file. The error is one sentence, with
-/// file and line where applicable.
+/// `falcon[:FIRMWARE_FILE]`, `spacemouse` or `plugin:FILE.so[:ARGUMENT]`, and loads the file. The
+/// error is one sentence, with file and line where applicable.
 std::expected<DeviceChoice, std::string> choose_device(std::string_view text);
 
 /// The parameters of a device that the session determines.
@@ -53,8 +56,10 @@ struct DeviceOptions {
 };
 
 /// Creates the device. A USB device may be plugged in later: it is searched for until found. The
-/// center of its workspace is placed on the center of the stock's top.
-std::unique_ptr<HapticDevice> make_device(const DeviceChoice& choice, const DevicePlace& place,
-                                          const DeviceOptions& options);
+/// center of its workspace is placed on the center of the stock's top. The error, of a plugin, is
+/// one sentence.
+std::expected<std::unique_ptr<HapticDevice>, std::string> make_device(const DeviceChoice& choice,
+                                                                      const DevicePlace& place,
+                                                                      const DeviceOptions& options);
 
 }  // namespace kerf::agent

@@ -53,6 +53,12 @@ class ServerLink final : public SampleListener {
 
   void sample_ready() noexcept override;
 
+  /// Whether there is a welcomed connection now. From any thread.
+  bool connected() const noexcept;
+  /// Whether the link has failed because the server rejected the agent, instead of being
+  /// unreachable. From any thread.
+  bool rejected() const noexcept;
+
   /// Read after stop.
   const LinkReport& report() const noexcept;
 

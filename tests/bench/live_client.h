@@ -135,6 +135,8 @@ class Socket {
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
+  int descriptor() const { return descriptor_; }
+
   void send_all(const void* data, std::size_t size) const {
     if (!try_send_all(data, size, -1)) fail("the connection broke");
   }
@@ -202,16 +204,19 @@ inline std::string get(std::uint16_t port, const std::string& path) {
   }
 }
 
+inline std::string upgrade_request(const std::string& path, const std::string& protocol) {
+  return "GET " + path +
+         " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
+         "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n" +
+         "Sec-WebSocket-Protocol: " + protocol + "\r\n\r\n";
+}
+
 /// The parts of a WebSocket client that the benchmarks need.
 class WebSocket {
  public:
   WebSocket(std::uint16_t port, const std::string& path, const std::string& protocol)
       : socket_(port) {
-    const std::string request =
-        "GET " + path +
-        " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
-        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n" +
-        "Sec-WebSocket-Protocol: " + protocol + "\r\n\r\n";
+    const std::string request = upgrade_request(path, protocol);
     socket_.send_all(request.data(), request.size());
     std::size_t end = 0;
     while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {
