@@ -170,7 +170,12 @@ class ServerLink::Impl {
 
   void enter(const Welcome& welcome) {
     if (settings_.hello.udp) traffic_.ask_for_udp();
-    traffic_.begin(welcome.epoch, settings_.hello.tool_id, monotonic_us(), welcome.udp.has_value());
+    std::optional<std::uint64_t> server_has;
+    if (welcome.resume) server_has = welcome.resume->agent_sequence;
+    traffic_.begin(welcome.epoch, settings_.hello.tool_id, monotonic_us(), welcome.udp.has_value(),
+                   server_has);
+    if (welcome.resume) settings_.hello.resume = welcome.resume->token;
+    if (welcome.resume && welcome.resume->resumed) traffic_.note_resumed();
     if (welcome_) notice("connected again");
     {
       const std::scoped_lock lock(mutex_);
@@ -277,7 +282,7 @@ class ServerLink::Impl {
     const std::uint64_t until_us = drain_until_us_.load();
     if (until_us == 0) return false;
     traffic_.collect();
-    return traffic_.settled() || monotonic_us() >= until_us;
+    return traffic_.settle(monotonic_us()) || monotonic_us() >= until_us;
   }
 
   LinkSettings settings_;
