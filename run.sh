@@ -25,7 +25,7 @@ usage: ./run.sh [--port N] [--listen ADDR] [--data DIR] [--no-demo] [--build-onl
   --data DIR     folder of the sessions. Default: with the demo a temporary folder, removed at the end;
                  with --no-demo ~/.local/share/kerf
   --no-demo      start the server only
-  --build-only   install, build kerf-carve too, start nothing
+  --build-only   install, build kerf-carve and libkerf_agent too, start nothing
 Ctrl-C ends all programs that this script started.
 TXT
 }
@@ -49,10 +49,10 @@ build() {
   local tests=ON programs=(kerf-server)
   if [ -n "$(packages_missing test)" ]; then tests=OFF; fi # test.sh installs the packages that only tests need
   install_sections build run
-  build_web
+  use_node
   if $DEMO; then programs+=(kerf-agent kerf-demo); fi
-  if $BUILD_ONLY; then programs=(kerf-server kerf-agent kerf-demo kerf-carve); fi
-  build_cpp release -DKERF_TESTS=$tests -- "${programs[@]}"
+  if $BUILD_ONLY; then programs=(kerf-server kerf-agent kerf-demo kerf-carve kerf_agent); fi
+  build_all release -DKERF_TESTS=$tests -- web "${programs[@]}"
 }
 
 program() { echo "$KERF_ROOT/build/release/bin/$1"; }

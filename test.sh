@@ -89,8 +89,8 @@ main() {
   parse_options "$@"
   install_sections build test run
   fetch_linuxcnc
-  build_web
-  build_cpp "$PRESET" -DKERF_TESTS=ON ${CI:+-DKERF_WERROR=ON}
+  use_node
+  build_all "$PRESET" -DKERF_TESTS=ON ${CI:+-DKERF_WERROR=ON} -- web all
   RESULTS="$KERF_ROOT/build/$PRESET/results"
   rm -rf "$RESULTS" && mkdir -p "$RESULTS"
   export GTEST_OUTPUT="xml:$RESULTS/gtest/"

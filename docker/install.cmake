@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` installs, in three components that become the Debian packages (package.cmake):
+# What `cmake --install` installs, in four components that become the Debian packages (package.cmake):
 #   server  kerf-server, kerf-carve, kerf-demo, the web page, the systemd unit
 #   agent   kerf-agent, its udev rules
+#   library libkerf_agent.so
 #   dev     libraries, public headers, CMake and pkg-config files, examples
 include(CMakePackageConfigHelpers)
 
@@ -39,6 +40,7 @@ kerf_install_help(kerf-agent agent)
 # The libraries. kerf::kernel needs the standard library only; kerf::formats needs what kerfConfig.cmake.in finds.
 set_target_properties(kerf_kernel PROPERTIES EXPORT_NAME kernel)
 set_target_properties(kerf_formats PROPERTIES EXPORT_NAME formats)
+set_target_properties(kerf_agent PROPERTIES EXPORT_NAME agent)
 install(TARGETS kerf_options kerf_kernel EXPORT kerf-kernel ARCHIVE COMPONENT dev)
 install(TARGETS kerf_formats EXPORT kerf-formats ARCHIVE COMPONENT dev)
 set(kerf_cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/kerf)
@@ -48,7 +50,10 @@ configure_package_config_file(docker/kerfConfig.cmake.in kerfConfig.cmake INSTAL
 write_basic_package_version_file(kerfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/kerfConfig.cmake ${PROJECT_BINARY_DIR}/kerfConfigVersion.cmake
   DESTINATION ${kerf_cmake_folder} COMPONENT dev)
-foreach(library kernel formats)
+install(TARGETS kerf_agent EXPORT kerf-agent LIBRARY COMPONENT library NAMELINK_COMPONENT dev)
+install(EXPORT kerf-agent NAMESPACE kerf:: DESTINATION ${kerf_cmake_folder} COMPONENT dev)
+install(FILES haptic_agent/library/kerf_agent.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf COMPONENT dev)
+foreach(library kernel formats agent)
   configure_file(docker/kerf-${library}.pc.in kerf-${library}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/kerf-${library}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
 endforeach()
@@ -86,3 +91,4 @@ endwhile()
 install(DIRECTORY ${PROJECT_BINARY_DIR}/public/kerf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 install(FILES ${PROJECT_BINARY_DIR}/include/kerf/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf COMPONENT dev)
 install(DIRECTORY kernel/examples DESTINATION share/doc/libkerf-dev COMPONENT dev)
+install(DIRECTORY haptic_agent/examples/ DESTINATION share/doc/libkerf-dev/agent_examples COMPONENT dev)

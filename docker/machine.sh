@@ -101,12 +101,12 @@ build_web() {
   step "Building the web viewer" web npm --prefix "$KERF_ROOT/web" run build
 }
 
-# build_cpp PRESET [CMAKE-OPTION...] -- [TARGET...]
-build_cpp() {
-  local preset="$1" options=() targets=()
+# build_all PRESET [CMAKE-OPTION...] -- TARGET...: configures and builds; the target `web` is the viewer.
+build_all() {
+  local preset="$1" options=()
   shift
-  while [ $# -gt 0 ] && [ "$1" != -- ]; do options+=("$1"); shift; done
-  if [ $# -gt 0 ]; then shift; targets=("$@"); fi
+  while [ "$1" != -- ]; do options+=("$1"); shift; done
+  shift
   if [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ] && command -v ccache >/dev/null; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
     export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros}" # precompiled headers need it
@@ -114,7 +114,7 @@ build_cpp() {
   cd "$KERF_ROOT" || exit 1
   step "Configuring ($preset)" "configure-$preset" cmake --preset "$preset" "${options[@]}"
   step "Building ($preset); the first time takes minutes" "build-$preset" \
-    cmake --build --preset "$preset" ${targets[0]:+--target "${targets[@]}"}
+    cmake --build --preset "$preset" --target "$@"
 }
 
 # Prints the packages whose shared libraries a program loads: those that a slim image needs.

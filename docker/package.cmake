@@ -2,7 +2,7 @@
 # Debian packages of the components of install.cmake: `cpack --config build/release/CPackConfig.cmake` (docker/README.md).
 set(KERF_MAINTAINER "Kerf maintainers <maintainers@kerf.example>" CACHE STRING "Maintainer of the Debian packages")
 
-foreach(pair server:kerf agent:kerf-agent dev:libkerf-dev)
+foreach(pair server:kerf agent:kerf-agent library:libkerf-agent1 dev:libkerf-dev)
   string(REPLACE ":" ";" pair ${pair})
   list(GET pair 0 component)
   list(GET pair 1 package)
@@ -16,7 +16,7 @@ set(CPACK_PACKAGE_VENDOR Kerf)
 set(CPACK_PACKAGE_CONTACT ${KERF_MAINTAINER})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL server agent dev)
+set(CPACK_COMPONENTS_ALL server agent library dev)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${KERF_MAINTAINER})
@@ -40,11 +40,21 @@ set(CPACK_COMPONENT_AGENT_DESCRIPTION "haptic device agent of Kerf\n\
  the device's motion and displays the force and torque of the cut at 1 kHz.")
 set(CPACK_DEBIAN_AGENT_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/docker/debian/agent/postinst)
 
+# Named after its SONAME, so that programs keep the version that they were linked with.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libkerf-agent1)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/docker/debian/library/triggers)
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "haptic devices in Kerf sessions, from other programs\n\
+ libkerf_agent joins a session for a program that has a device of its own: poses\n\
+ in, force and torque out, at 1 kHz, passive and within a safety envelope.")
+
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libkerf-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libmeshoptimizer-dev, libminizip-dev, pkg-config")
-set(CPACK_COMPONENT_DEV_DESCRIPTION "kernel and file formats of Kerf, as static libraries\n\
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
+  "libkerf-agent1 (= ${PROJECT_VERSION}), libmeshoptimizer-dev, libminizip-dev, pkg-config")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "kernel, file formats and agent of Kerf, for other programs\n\
  kerf::kernel removes the sweeps of tools from dexel stock and computes cutting\n\
- force and torque; kerf::formats reads and writes scenes, G-code, APT and meshes.")
+ force and torque; kerf::formats reads and writes scenes, G-code, APT and meshes;\n\
+ kerf::agent joins a session with a haptic device.")
 include(CPack)

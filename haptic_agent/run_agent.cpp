@@ -79,6 +79,22 @@ std::expected<std::uint32_t, std::string> pick_tool(const Options& options,
   return tool != 0 ? tool : welcome.tool_ids.front();
 }
 
+/// Creates the device and tells the user; null, with the reason printed, if that fails.
+std::unique_ptr<HapticDevice> open_device(const Options& options, const Welcome& welcome) {
+  auto device = make_device(
+      options.device,
+      {.stock = welcome.stock, .pivot_mm = welcome.pivot_mm, .participant = welcome.participant},
+      options.device_options);
+  if (!device) {
+    print_line(device.error());
+    return nullptr;
+  }
+  print_line(
+      join({"carving '", welcome.session, "' as participant ", std::to_string(welcome.participant),
+            " with the ", (*device)->capabilities().name, "; press Ctrl-C to leave"}));
+  return *std::move(device);
+}
+
 bool write_status(const std::string& where, const Summary& summary) {
   if (where.empty()) return true;
   if (where == "-") {
@@ -214,13 +230,11 @@ int run_agent(Options options) {
     print_line(tool.error());
     return kFailed;
   }
-  const auto device = make_device(
-      options.device,
-      {.stock = welcome->stock, .pivot_mm = welcome->pivot_mm, .participant = welcome->participant},
-      options.device_options);
-  print_line(join({"carving '", welcome->session, "' as participant ",
-                   std::to_string(welcome->participant), " with the ", device->capabilities().name,
-                   "; press Ctrl-C to leave"}));
+  const auto device = open_device(options, *welcome);
+  if (!device) {
+    link.stop(0);
+    return kFailed;
+  }
 
   const ServoSettings settings = servo_settings(options, *welcome, *device, *tool);
   auto block = BlockSource::read(welcome->text);

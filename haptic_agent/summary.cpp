@@ -74,6 +74,9 @@ json link_json(const Summary& s) {
           {"forgotten", l.forgotten},
           {"held_back", l.held_back},
           {"unanswered", l.unanswered},
+          {"resumed", l.resumed},
+          {"not_durable", l.not_durable},
+          {"given_up", l.given_up},
           {"results", l.results},
           {"rejected_results", l.rejected_results},
           {"old_results", l.old_results},
@@ -178,6 +181,16 @@ std::string felt_lines(const FeltReport& felt) {
   return out.str();
 }
 
+/// Returns the line about samples that a loss of the server could affect; empty if none did.
+std::string durable_line(const LinkReport& link) {
+  if (link.resumed + link.not_durable + link.given_up == 0) return {};
+  std::ostringstream out;
+  out << "durable  continued as the same participant " << link.resumed << " times; "
+      << link.not_durable << " answered samples not durable at the end, " << link.given_up
+      << " given up before\n";
+  return out.str();
+}
+
 struct Copy {
   const ReplicaReport& of;
 };
@@ -208,8 +221,8 @@ void print_summary(std::ostream& out, const Summary& s) {
       << l.results << " results, " << l.connections << " connection"
       << (l.connections == 1 ? "" : "s") << ", " << l.resent << " resent, " << l.unanswered
       << " unanswered, " << l.merged_air + l.merged_cuts + l.thinned_cuts << " merged\n"
-      << udp_line(l.udp, l.samples_sent - l.resent) << "force    up to " << std::setprecision(2)
-      << s.servo.max_force_n << " N and " << s.servo.max_torque_nmm
+      << udp_line(l.udp, l.samples_sent - l.resent) << durable_line(l) << "force    up to "
+      << std::setprecision(2) << s.servo.max_force_n << " N and " << s.servo.max_torque_nmm
       << " N·mm (server: " << l.max_server_force_n << " N), saturated in " << s.saturated_ticks
       << " ticks, faded in " << s.servo.decayed_ticks << '\n'
       << felt_lines(s.servo.felt) << Copy{s.copy} << "energy   " << -s.given_mj

@@ -2,8 +2,6 @@
 // kerf-server: sessions in which several people carve one block, over HTTP and WebSockets.
 #include <kerf/version.h>
 #include <pthread.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -21,6 +19,7 @@
 #include <vector>
 
 #include "server/http/static_files.h"
+#include "server/log/log.h"
 #include "server/server.h"
 #include "server/store/journal_file.h"
 #include "server/wire/control.h"
@@ -76,8 +75,8 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
   const std::string id = kerf::id_from_name(scene->name);
   if (sessions.find(id)) return {};
   if (const auto error = sessions.unreadable(id)) {
-    spdlog::error("session {} of {} is not open, its journal stays as it is: {}", id, file,
-                  describe(*error));
+    kerf::log::error("session " + id + " of " + file +
+                     " is not open, its journal stays as it is: " + describe(*error));
     return {};
   }
   std::ifstream in(file, std::ios::binary);
@@ -86,9 +85,12 @@ std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file)
   source.name = file;
   source.base_folder = std::filesystem::path(file).parent_path();
   const auto created = sessions.create(id, text, source);
-  if (created && scene->accuracy) spdlog::info("session {}: {}", id, scene->accuracy->reason);
+  if (created && scene->accuracy) {
+    kerf::log::info("session " + id + ": " + scene->accuracy->reason);
+  }
   if (!created && created.error().code == kerf::RegistryErrorCode::kJournal) {
-    spdlog::error("session {} of {} cannot be created: {}", id, file, created.error().reason);
+    kerf::log::error("session " + id + " of " + file +
+                     " cannot be created: " + created.error().reason);
     return {};
   }
   return created ? "" : created.error().reason;
@@ -115,7 +117,8 @@ void raise_file_limit() {
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
   limit.rlim_cur = limit.rlim_max;
   if (setrlimit(RLIMIT_NOFILE, &limit) != 0) {
-    spdlog::warn("the limit of open files cannot be raised to {}", limit.rlim_max);
+    kerf::log::warn("the limit of open files cannot be raised to " +
+                    std::to_string(limit.rlim_max));
   }
 }
 
@@ -147,13 +150,16 @@ int serve(const CommandLine& line) {
   }
   std::printf("%s\n", (*server)->url().c_str());
   std::fflush(stdout);
-  if (const auto port = (*server)->udp_port(); port != 0) spdlog::info("UDP: port {}", port);
+  if (const auto port = (*server)->udp_port(); port != 0) {
+    kerf::log::info("UDP: port " + std::to_string(port));
+  }
   for (const auto& session : (*server)->sessions().list()) {
-    spdlog::info("session {}: {}/?session={}", session->id(), (*server)->url(), session->id());
+    kerf::log::info("session " + session->id() + ": " + (*server)->url() +
+                    "/?session=" + session->id());
   }
   int signal = 0;
   sigwait(&signals, &signal);
-  spdlog::info("shutting down");
+  kerf::log::info("shutting down");
   (*server)->stop();
   return 0;
 }
@@ -182,8 +188,7 @@ int run(int argc, char** argv) {
                  "origin of other web pages that may connect, e.g. https://kerf.example");
   CLI11_PARSE(app, argc, argv);
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
-  spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));  // stdout carries only the address
-  spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
+  kerf::log::open();
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {
     std::fprintf(stderr, "kerf-server: --listen %s is not ADDR:PORT\n", line.listen.c_str());
     return 2;

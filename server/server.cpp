@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/server.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -16,6 +14,7 @@
 
 #include "server/http/api.h"
 #include "server/http/http_connection.h"
+#include "server/log/log.h"
 #include "server/metrics/metrics.h"
 #include "server/socket/viewer_hub.h"
 #include "server/store/folder_lock.h"
@@ -41,12 +40,11 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 
 void log_pause(const std::string& id, const std::optional<JournalError>& error) {
   if (error) {
-    spdlog::error(
-        "session {}: paused: disk: {}; motions are rejected and the commit is tried "
-        "every {} ms",
-        id, describe(*error), kJournalRetry.count());
+    log::error("session " + id + ": paused: disk: " + describe(*error) +
+               "; motions are rejected and the commit is tried every " +
+               std::to_string(kJournalRetry.count()) + " ms");
   } else {
-    spdlog::info("session {}: the journal is written again; the session continues", id);
+    log::info("session " + id + ": the journal is written again; the session continues");
   }
 }
 
@@ -106,7 +104,7 @@ void Server::Impl::reload(const std::stop_token& stop) {
     wake.wait_for(guard, stop, time, [] { return false; });
     if (stop.stop_requested()) return;
     const auto started = registry.retry_disk_failures();
-    for (const std::string& id : started) spdlog::info("session {}: its disk works again", id);
+    for (const std::string& id : started) log::info("session " + id + ": its disk works again");
     time = started.empty() ? std::min(2 * time, kReloadTimeMax) : kReloadTime;
   }
 }
@@ -117,7 +115,7 @@ std::expected<void, std::string> Server::Impl::listen_udp() {
   auto listening = udp.listen(udp_options.address.empty() ? options.address : udp_options.address,
                               udp_options.port.value_or(port));
   if (listening || udp_options.required) return listening;
-  spdlog::warn("{}; agents will use their WebSockets", listening.error());
+  log::warn(listening.error() + "; agents will use their WebSockets");
   return {};
 }
 
@@ -128,7 +126,7 @@ asio::awaitable<void> Server::Impl::accept() {
         co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, error));
     if (error == asio::error::operation_aborted || !acceptor.is_open()) co_return;
     if (error) {
-      spdlog::warn("accept: {}", error.message());
+      log::warn("accept: " + error.message());
       asio::steady_timer pause(viewers.context(), kAcceptPause);
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
       continue;
@@ -153,17 +151,17 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock));
   const LoadReport loaded = impl->registry.load_all();
   for (const JournalError& failure : loaded.failures) {
-    spdlog::error("{}: {}", to_string(failure.code), describe(failure));
+    log::error(std::string(to_string(failure.code)) + ": " + describe(failure));
   }
   for (const ShortenedSession& session : loaded.shortened) {
-    spdlog::warn(
-        "session {}: the journal ends after record {}, before its newest state hash: what "
-        "came later is lost, and the hash was dropped",
-        session.id, session.last_sequence);
+    log::warn("session " + session.id + ": the journal ends after record " +
+              std::to_string(session.last_sequence) +
+              ", before its newest state hash: what came later is lost, and the hash was dropped");
   }
   for (const RecarvedSession& session : loaded.recarved) {
-    spdlog::warn("session {}: the journal is of kernel version {}; carved again with version {}",
-                 session.id, session.kernel_version, kKernelVersion);
+    log::warn("session " + session.id + ": the journal is of kernel version " +
+              std::to_string(session.kernel_version) + "; carved again with version " +
+              std::to_string(kKernelVersion));
   }
   impl->reloader =
       std::jthread([server = impl.get()](const std::stop_token& stop) { server->reload(stop); });
@@ -213,7 +211,7 @@ void Server::stop() {
   closed.get_future().wait();
   impl_->api.stop();
   for (const JournalError& lost : impl_->registry.close_all("the server is shutting down")) {
-    spdlog::error("the last records could not be written and are lost: {}", describe(lost));
+    log::error("the last records could not be written and are lost: " + describe(lost));
   }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
   while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&

@@ -142,7 +142,9 @@ std::vector<Finding> judge_usb(const std::expected<std::vector<FoundDevice>, std
 }
 
 std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s) {
-  const auto device = make_device(choice, {}, {});
+  const auto made = make_device(choice, {}, {});
+  if (!made) return {{.health = Health::kBad, .what = made.error()}};
+  const std::unique_ptr<HapticDevice>& device = *made;
   const std::string name = device->capabilities().name;
   const std::uint64_t until_us = monotonic_us() + static_cast<std::uint64_t>(wait_s * kUsPerS);
   DevicePhase phase = DevicePhase::kClosed;
@@ -165,6 +167,8 @@ std::vector<Finding> check_device(const DeviceChoice& choice, double wait_s) {
 }
 
 Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo) {
+  constexpr const char* kUnmeasured =
+      "; it does not acknowledge commands, so that it cannot be measured here";
   const auto ms = [](std::uint64_t us) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.1f ms", static_cast<double>(us) / 1000);
@@ -174,8 +178,7 @@ Finding judge_latency(const DeviceCapabilities& device, const CommandEcho& echo)
   if (echo.count == 0) {
     return {.health = Health::kNote,
             .what = join({"the latency of the ", device.name, " is taken to be ", declared,
-                          ", as its driver declares; it does not acknowledge commands, so that it "
-                          "cannot be measured here"}),
+                          ", as its driver declares", kUnmeasured}),
             .advice = {"if the time from a pose to the motors' current is longer, declare it: "
                        "kerf-agent --latency MS"}};
   }

@@ -4,16 +4,16 @@
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
 #include <expected>
 #include <memory>
 #include <optional>
 
 #include "haptic_agent/link/datagram_socket.h"
 #include "haptic_agent/link/server_link.h"
+#include "server/websocket/web_socket.h"
 
 namespace kerf::agent {
 
@@ -22,11 +22,15 @@ inline constexpr auto kAwait = boost::asio::as_tuple(boost::asio::use_awaitable)
 
 /// One connection, shared by its reading and its writing coroutine.
 struct Connection {
-  explicit Connection(boost::asio::io_context& io) : socket(io), reader_ended(io) {
+  explicit Connection(boost::asio::io_context& io) : tcp(io), reader_ended(io) {
     reader_ended.expires_at(boost::asio::steady_timer::time_point::max());
   }
+  /// Ends the connection at once, in whatever stage it is.
+  void cut();
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream, false> socket;
+  /// Until it is connected; then it belongs to `socket`.
+  boost::asio::ip::tcp::socket tcp;
+  std::unique_ptr<net::WebSocket> socket;
   /// Cancelled when the reader has ended, to wake the coroutine that waits for it.
   boost::asio::steady_timer reader_ended;
   bool reading = false;

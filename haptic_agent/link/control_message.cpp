@@ -59,6 +59,26 @@ std::optional<datagram::Offer> read_offer(const json& message) {
                          *to_server, *to_agent};
 }
 
+/// Returns nothing for a field that is missing or invalid: the agent then does without.
+std::optional<Resume> read_resume(const json& message) {
+  const json resume = message.value("resume", json::object());
+  if (!resume.is_object()) return std::nullopt;
+  const auto token = resume.find("token");
+  const auto sequence = resume.find("agent_sequence");
+  const auto resumed = resume.find("resumed");
+  if (token == resume.end() || !token->is_string() || sequence == resume.end() ||
+      !sequence->is_number_unsigned() || resumed == resume.end() || !resumed->is_boolean()) {
+    return std::nullopt;
+  }
+  return Resume{token->get<std::string>(), sequence->get<std::uint64_t>(), resumed->get<bool>()};
+}
+
+std::string without_secrets(json message) {
+  message.erase("resume");
+  message.erase("udp");
+  return message.dump();
+}
+
 Welcome read_welcome(const json& message) {
   const json force = message.value("force", json::object());
   Welcome welcome{.session = message.at("session"),
@@ -72,7 +92,8 @@ Welcome read_welcome(const json& message) {
                   .stock = stock_box(message.at("stock")),
                   .tool_ids = {},
                   .udp = read_offer(message),
-                  .text = message.dump()};
+                  .resume = read_resume(message),
+                  .text = without_secrets(message)};
   for (const json& tool : message.at("tools")) welcome.tool_ids.push_back(tool.at("id"));
   return welcome;
 }
@@ -114,12 +135,14 @@ ControlMessage read_message(const json& message) {
 }  // namespace
 
 std::string hello_text(const Hello& hello) {
-  json message = {{"type", wire::kTypeHello}, {"name", hello.name}, {"feel", true}};
+  json message = {
+      {"type", wire::kTypeHello}, {"name", hello.name}, {"feel", true}, {"durable", true}};
   if (!hello.color.empty()) message["color"] = hello.color;
   if (hello.stock) message["stock"] = true;
   if (hello.feel_of != 0) message["feel_of"] = hello.feel_of;
   if (hello.tool_id != 0) message["tool"] = hello.tool_id;
   if (hello.udp) message["udp"] = true;
+  if (!hello.resume.empty()) message["resume"] = hello.resume;
   return message.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

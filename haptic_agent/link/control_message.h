@@ -28,6 +28,18 @@ struct Hello {
   bool udp = false;
   /// Request updates of the stock near the tool.
   bool stock = false;
+  /// Token of an earlier welcome: continue as the same participant. Not to be logged.
+  std::string resume = {};
+};
+
+/// The server states which samples are durable, and how far a participant has come.
+struct Resume {
+  /// For the next hello. Not to be logged.
+  std::string token;
+  /// The server has all samples up to this number; 0: none.
+  std::uint64_t agent_sequence = 0;
+  /// This is the participant of the token in the hello.
+  bool resumed = false;
 };
 
 /// The fields of the server's welcome that an agent uses.
@@ -46,7 +58,9 @@ struct Welcome {
   std::vector<std::uint32_t> tool_ids;
   /// The UDP transport; empty if it was not requested, or is unavailable or not supported here.
   std::optional<datagram::Offer> udp;
-  /// The whole message, from which the replica is created.
+  /// Empty: the server does not support it.
+  std::optional<Resume> resume;
+  /// The message without its secrets, from which the replica is created.
   std::string text;
 };
 

@@ -62,6 +62,11 @@ struct LinkReport {
   /// Poses out of contact that the deadband has dropped.
   std::uint64_t held_back = 0;
   std::uint64_t unanswered = 0;
+  /// Connections on which the server has recognized the agent by its token.
+  std::uint64_t resumed = 0;
+  /// Answered samples that were not durable at the end, and such that were dropped.
+  std::uint64_t not_durable = 0;
+  std::uint64_t given_up = 0;
   std::uint64_t results = 0;
   std::uint64_t rejected_results = 0;
   /// Answers that were not newer than an earlier one.

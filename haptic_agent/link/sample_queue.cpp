@@ -46,7 +46,7 @@ void SampleQueue::push(const wire::MotionSample& sample) {
     merge_straight();
     fresh_ = 0;
   }
-  if (samples_.size() > kMaxKept) drop_oldest();
+  if (samples_.size() > kMaxKept + returned_) drop_oldest();
 }
 
 wire::MotionBatch SampleQueue::take(std::size_t most) {
@@ -124,12 +124,54 @@ void SampleQueue::answered(std::uint64_t agent_sequence) {
   // After a reconnection the server may answer a number that it received on the old connection.
   while (samples_.size() > 1 && next_ > 1 && samples_[1].agent_sequence != 0 &&
          samples_[1].agent_sequence <= answered_) {
-    samples_.pop_front();
+    release_first();
     --next_;
   }
 }
 
-void SampleQueue::rewind() noexcept { next_ = 0; }
+/// Removes the first sample, or keeps it until it is durable.
+void SampleQueue::release_first() {
+  if (keeps_) {
+    kept_.push_back(samples_.front());
+    if (kept_.size() > kMaxNotDurable) {
+      kept_.pop_front();
+      ++given_up_;
+    }
+  } else {
+    kept_.clear();
+  }
+  samples_.pop_front();
+  if (returned_ > 0) --returned_;
+}
+
+void SampleQueue::durable(std::uint64_t agent_sequence) {
+  if (agent_sequence > last_number_ || agent_sequence <= durable_) return;
+  durable_ = agent_sequence;
+  // The newest durable one is the start of the first motion after it.
+  while (!kept_.empty()) {
+    const std::uint64_t second =
+        kept_.size() > 1 ? kept_[1].agent_sequence : samples_.front().agent_sequence;
+    if (second == 0 || second > durable_) break;
+    kept_.pop_front();
+  }
+}
+
+void SampleQueue::rewind(std::uint64_t server_has) {
+  const std::uint64_t from = std::max(server_has, durable_);
+  next_ = samples_.size();
+  answered(from);
+  next_ = 0;
+  if (!kept_.empty()) answered_ = std::min(answered_, from);
+  while (!kept_.empty() && samples_.front().agent_sequence > from) {
+    samples_.push_front(kept_.back());
+    kept_.pop_back();
+    ++returned_;
+  }
+}
+
+std::uint64_t SampleQueue::not_durable() const noexcept {
+  return keeps_ && answered_ > durable_ ? answered_ - durable_ : 0;
+}
 
 bool SampleQueue::in_window(const wire::MotionSample& sample) const noexcept {
   for (std::size_t i = 0; i < next_; ++i) {
@@ -212,11 +254,26 @@ void SampleQueue::thin_cuts() {
 void SampleQueue::drop_oldest() {
   merge_air();
   if (samples_.size() > kMaxKept / 2) thin_cuts();
-  while (samples_.size() > kMaxKept) {
-    samples_.pop_front();
-    if (next_ > 0) --next_;
+  while (samples_.size() > kMaxKept + returned_) {
+    if (returned_ > 0) {
+      if (!drop_unsent()) return;
+    } else {
+      samples_.pop_front();
+      if (next_ > 0) --next_;
+    }
     ++forgotten_;
   }
+}
+
+/// Drops the oldest sample that was never sent; false if there is none. The tool moves to the next
+/// one without cutting.
+bool SampleQueue::drop_unsent() {
+  const auto oldest =
+      std::ranges::find(samples_, std::uint64_t{0}, &wire::MotionSample::agent_sequence);
+  if (oldest == samples_.end()) return false;
+  const auto next = samples_.erase(oldest);
+  if (next != samples_.end()) next->buttons &= ~wire::kButtonCutting;
+  return true;
 }
 
 }  // namespace kerf::agent

@@ -11,14 +11,18 @@
 
 namespace kerf::agent {
 
-/// Queue of samples that the server has not answered yet, sent or not. Each gets its number when it
-/// is first sent, so that numbers are consecutive even if samples were merged. After a reconnection
-/// all unanswered samples are sent again, preceded by the last answered one, at which the first
-/// motion starts. Cuts are idempotent, so samples that had already arrived change nothing.
+/// Queue of samples that the server has not answered yet, sent or not, and of those that it has
+/// answered and not yet stored durably. Each gets its number when it is first sent, so that numbers
+/// are consecutive even if samples were merged. After a reconnection all samples that the server
+/// does not have are sent again, preceded by the last one that it has, at which the first motion
+/// starts. Cuts are idempotent, so samples that had already arrived change nothing.
 class SampleQueue {
  public:
   /// Capacity: eight seconds at 1 kHz.
   static constexpr std::size_t kMaxKept = 8192;
+  /// Answered samples kept until they are durable: a minute of a stalled disk. Older ones are given
+  /// up. A server accepts no more than this before its disk has caught up.
+  static constexpr std::size_t kMaxNotDurable = 65'536;
   /// Maximum time between the oldest unanswered sample and one that may be sent; bounds the backlog
   /// sent to a slow server. An older answer gives no force anyway.
   static constexpr std::uint64_t kWindowUs = 120'000;
@@ -56,14 +60,21 @@ class SampleQueue {
   void answered(std::uint64_t agent_sequence);
   /// Extends the window by the round-trip time, up to kMaxRttUs.
   void set_rtt(std::uint64_t rtt_us) noexcept { rtt_us_ = std::min(rtt_us, kMaxRttUs); }
-  /// Prepares for a new connection: all unanswered samples are sent again.
-  void rewind() noexcept;
+  /// Keep answered samples until durable() names them; otherwise they are released when answered.
+  void keep_until_durable(bool keep) noexcept { keeps_ = keep; }
+  /// The server has stored all samples up to this number.
+  void durable(std::uint64_t agent_sequence);
+  /// Prepares for a new connection. `server_has`: the number up to which the server has the
+  /// samples; 0 if it knows nothing of them: then all that are not durable are sent again.
+  void rewind(std::uint64_t server_has = 0);
 
   std::size_t unsent() const noexcept { return samples_.size() - next_; }
   /// Returns true if every sample pushed so far is answered.
   bool settled() const noexcept;
   /// Number of unanswered samples, sent or not.
   std::uint64_t unanswered() const noexcept;
+  /// Number of answered samples that may be lost with the server.
+  std::uint64_t not_durable() const noexcept;
   /// Returns the tool of the next sample to send; empty if there is none.
   std::optional<std::uint32_t> next_tool() const noexcept;
 
@@ -78,6 +89,8 @@ class SampleQueue {
   std::uint64_t thinned_cuts() const noexcept { return thinned_cuts_; }
   /// Unanswered samples dropped because the queue was full.
   std::uint64_t forgotten() const noexcept { return forgotten_; }
+  /// Answered samples dropped before they were durable, because there were too many.
+  std::uint64_t given_up() const noexcept { return given_up_; }
 
  private:
   void drop_oldest();
@@ -88,7 +101,17 @@ class SampleQueue {
   void merge_air();
   void merge_straight();
   void thin_cuts();
+  void release_first();
+  bool drop_unsent();
 
+  /// Answered and, but for the first, not durable; in order, before those of `samples_`.
+  std::deque<wire::MotionSample> kept_;
+  bool keeps_ = false;
+  std::uint64_t durable_ = 0;
+  /// Number of samples at the start of `samples_` that were answered before a rewind: they were
+  /// felt, so they are not dropped.
+  std::size_t returned_ = 0;
+  std::uint64_t given_up_ = 0;
   /// In order. The first may be answered already; it is kept as the start of the first motion.
   std::deque<wire::MotionSample> samples_;
   std::size_t next_ = 0;

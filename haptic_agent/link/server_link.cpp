@@ -28,8 +28,6 @@ namespace kerf::agent {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace websocket = beast::websocket;
 using boost::system::error_code;
 using std::chrono::milliseconds;
 
@@ -39,9 +37,8 @@ constexpr milliseconds kCloseTimeout{500};
 /// Period at which the ring is emptied and timeouts are checked when no sample wakes the link.
 constexpr milliseconds kHousekeeping{10};
 
-std::span<const std::byte> bytes_of(const beast::flat_buffer& buffer) noexcept {
-  return {static_cast<const std::byte*>(buffer.data().data()), buffer.size()};
-}
+/// WebSocket close code 1000: the purpose of the connection is fulfilled.
+constexpr std::uint16_t kNormalClosure = 1000;
 
 }  // namespace
 
@@ -95,6 +92,8 @@ class ServerLink::Impl {
   }
 
   const LinkReport& report() const noexcept { return report_; }
+  bool connected() const noexcept { return connected_.load(); }
+  bool rejected() const noexcept { return rejected_.load(); }
 
  private:
   bool interrupted() const noexcept { return interrupted_.load(); }
@@ -116,13 +115,16 @@ class ServerLink::Impl {
         enter(*welcome);
         open_udp(connection, *welcome);
         pause = kFirstBackOff;
+        connected_.store(true);
         co_await serve(connection);
+        connected_.store(false);
         trying_since_us = monotonic_us();
       }
       const Loss loss = welcome ? connection->loss.value_or(Loss{}) : welcome.error();
       if (finished()) break;
       if (loss.final ||
           static_cast<double>(monotonic_us() - trying_since_us) / kUsPerS > settings_.patience_s) {
+        rejected_.store(loss.final);
         fail(loss.reason);
         break;
       }
@@ -162,13 +164,18 @@ class ServerLink::Impl {
       if (!finished()) continue;
       // Cancels a pending reconnection.
       back_off_.cancel();
-      if (greeting_) beast::get_lowest_layer(greeting_->socket).close();
+      if (greeting_) greeting_->cut();
     }
   }
 
   void enter(const Welcome& welcome) {
     if (settings_.hello.udp) traffic_.ask_for_udp();
-    traffic_.begin(welcome.epoch, settings_.hello.tool_id, monotonic_us(), welcome.udp.has_value());
+    std::optional<std::uint64_t> server_has;
+    if (welcome.resume) server_has = welcome.resume->agent_sequence;
+    traffic_.begin(welcome.epoch, settings_.hello.tool_id, monotonic_us(), welcome.udp.has_value(),
+                   server_has);
+    if (welcome.resume) settings_.hello.resume = welcome.resume->token;
+    if (welcome.resume && welcome.resume->resumed) traffic_.note_resumed();
     if (welcome_) notice("connected again");
     {
       const std::scoped_lock lock(mutex_);
@@ -180,8 +187,7 @@ class ServerLink::Impl {
   /// Opens UDP, if offered, for the lifetime of the WebSocket.
   void open_udp(const std::shared_ptr<Connection>& connection, const Welcome& welcome) {
     error_code failed;
-    const auto server =
-        beast::get_lowest_layer(connection->socket).socket().remote_endpoint(failed);
+    const auto server = connection->socket->tcp().remote_endpoint(failed);
     if (settings_.hello.udp && !welcome.udp && !std::exchange(notified_no_udp_, true)) {
       notice("the server has no UDP transport, staying on the WebSocket");
     }
@@ -216,29 +222,27 @@ class ServerLink::Impl {
       // must not delay the agent.
       asio::steady_timer deadline(io_, kCloseTimeout);
       deadline.async_wait([connection](error_code stopped) {
-        if (!stopped) beast::get_lowest_layer(connection->socket).close();
+        if (!stopped) connection->cut();
       });
-      co_await connection->socket.async_close(websocket::close_code::normal, kAwait);
+      co_await connection->socket->close(kNormalClosure);
     }
-    beast::get_lowest_layer(connection->socket).close();
+    connection->cut();
     if (connection->udp) connection->udp->close();
     while (connection->reading) co_await connection->reader_ended.async_wait(kAwait);
   }
 
   asio::awaitable<void> read_all(std::shared_ptr<Connection> connection) {
-    beast::flat_buffer frame;
+    net::WebSocket& socket = *connection->socket;
     while (!connection->loss) {
-      frame.clear();
-      const auto [failed, got] = co_await connection->socket.async_read(frame, kAwait);
+      const error_code failed = co_await socket.read();
       if (failed) {
         if (!connection->loss) connection->loss = Loss{failed.message()};
         break;
       }
       std::string text;
-      const std::optional<Loss> loss =
-          connection->socket.got_text()
-              ? traffic_.take_text(beast::buffers_to_string(frame.data()), text)
-              : traffic_.take_frame(bytes_of(frame), monotonic_us());
+      const std::optional<Loss> loss = socket.is_text()
+                                           ? traffic_.take_text(socket.text(), text)
+                                           : traffic_.take_frame(socket.message(), monotonic_us());
       if (!text.empty()) notice(text);
       if (loss) connection->loss = loss;
     }
@@ -269,8 +273,7 @@ class ServerLink::Impl {
   }
 
   asio::awaitable<void> write(Connection& connection, bool text, asio::const_buffer bytes) {
-    connection.socket.text(text);
-    const auto [failed, sent] = co_await connection.socket.async_write(bytes, kAwait);
+    const error_code failed = co_await connection.socket->write(text, bytes);
     if (failed && !connection.loss) connection.loss = Loss{failed.message()};
   }
 
@@ -279,11 +282,11 @@ class ServerLink::Impl {
     const std::uint64_t until_us = drain_until_us_.load();
     if (until_us == 0) return false;
     traffic_.collect();
-    return traffic_.settled() || monotonic_us() >= until_us;
+    return traffic_.settle(monotonic_us()) || monotonic_us() >= until_us;
   }
 
   LinkSettings settings_;
-  std::atomic<bool> interrupted_{false};
+  std::atomic<bool> interrupted_{false}, connected_{false}, rejected_{false};
   std::atomic<std::uint64_t> drain_until_us_{0};
 
   // The members below belong to the link thread, except those that the mutex guards.
@@ -316,6 +319,8 @@ std::expected<Welcome, std::string> ServerLink::wait_welcome() { return impl_->w
 void ServerLink::interrupt() { impl_->interrupt(); }
 void ServerLink::stop(double drain_s) { impl_->stop(drain_s); }
 void ServerLink::sample_ready() noexcept { impl_->wake(); }
+bool ServerLink::connected() const noexcept { return impl_->connected(); }
+bool ServerLink::rejected() const noexcept { return impl_->rejected(); }
 const LinkReport& ServerLink::report() const noexcept { return impl_->report(); }
 
 }  // namespace kerf::agent

@@ -30,8 +30,9 @@ struct LinkSettings {
 };
 
 /// The connection to the server, on its own thread: sends the samples of the ring, receives
-/// wrenches, and reconnects after a loss. Every sample is sent once per WebSocket connection, and
-/// again with the same number on the next one if it was not answered.
+/// wrenches, and reconnects after a loss as the same participant. Every sample is sent once per
+/// WebSocket connection, and again with the same number on the next one if the server does not have
+/// it any more.
 class ServerLink final : public SampleListener {
  public:
   /// Both references must outlive the link.
@@ -46,11 +47,17 @@ class ServerLink final : public SampleListener {
   std::expected<Welcome, std::string> wait_welcome();
   /// Ends wait_welcome and all attempts to connect; the link then fails. From any thread.
   void interrupt();
-  /// Sends the remaining samples, waits at most `drain_s` for their answers, closes the connection
-  /// and ends the thread. Call from the thread that called start.
+  /// Sends the remaining samples, waits at most `drain_s` until they are answered and durable,
+  /// closes the connection and ends the thread. Call from the thread that called start.
   void stop(double drain_s);
 
   void sample_ready() noexcept override;
+
+  /// Whether there is a welcomed connection now. From any thread.
+  bool connected() const noexcept;
+  /// Whether the link has failed because the server rejected the agent, instead of being
+  /// unreachable. From any thread.
+  bool rejected() const noexcept;
 
   /// Read after stop.
   const LinkReport& report() const noexcept;

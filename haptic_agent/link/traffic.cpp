@@ -11,6 +11,8 @@ namespace kerf::agent {
 namespace {
 
 constexpr std::uint64_t kPingEveryUs = 100'000;
+/// While the link waits for nothing but the server's disk.
+constexpr std::uint64_t kLastPingsEveryUs = 20'000;
 /// Maximum length of a quoted HTTP body.
 constexpr std::size_t kMaxQuotedBytes = 200;
 constexpr unsigned kHttpClientError = 400;
@@ -31,20 +33,27 @@ Loss declined(const std::string& session, unsigned status, std::string_view body
 }
 
 void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
-                    bool udp_offered) {
+                    bool udp_offered, std::optional<std::uint64_t> server_has) {
   ++report_.connections;
   epoch_ = epoch;
   tool_id_ = tool_id;
   motion_sequence_ = ping_sequence_ = pong_sequence_ = 0;
   next_ping_us_ = now_us;
   pong_due_.reset();
-  queue_.rewind();
+  queue_.keep_until_durable(server_has.has_value());
+  queue_.rewind(server_has.value_or(0));
   newest_result_ = newest_felt_ = 0;
   base_ = 0;
   based_ = false;
   progress_us_ = now_us;
   transport_.begin(udp_offered, now_us);
   report_.udp.offered |= udp_offered;
+}
+
+bool Traffic::settle(std::uint64_t now_us) noexcept {
+  if (settled()) return true;
+  if (queue_.settled()) next_ping_us_ = std::min(next_ping_us_, now_us + kLastPingsEveryUs);
+  return false;
 }
 
 void Traffic::collect() {
@@ -165,8 +174,10 @@ std::optional<Loss> Traffic::take_message(const wire::Message& message, std::uin
   if (const auto* result = std::get_if<wire::Result>(&message.body)) {
     if (message.header.stamp.epoch != epoch_) return Loss{"the session has been rebuilt"};
     take_result(*result, now_us);
+    queue_.durable(result->durable_sequence);
   } else if (const auto* pong = std::get_if<wire::Pong>(&message.body)) {
     take_pong(*pong, now_us);
+    queue_.durable(pong->durable_sequence);
   } else if (const auto* states = std::get_if<wire::ToolStates>(&message.body)) {
     take_felt(*states);
   } else if (const auto* ping = std::get_if<wire::Ping>(&message.body)) {
@@ -228,6 +239,8 @@ LinkReport Traffic::report() const {
   report.thinned_cuts = queue_.thinned_cuts();
   report.forgotten = queue_.forgotten();
   report.unanswered = queue_.unanswered();
+  report.not_durable = queue_.not_durable();
+  report.given_up = queue_.given_up();
   report.udp = udp_report();
   return report;
 }

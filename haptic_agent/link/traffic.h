@@ -47,16 +47,22 @@ class Traffic {
   Traffic(SampleRing& samples, LatestValue<ServerWrench>& wrenches, TrafficOptions options = {})
       : ring_(samples), wrenches_(wrenches), options_(options) {}
 
-  /// A connection has been welcomed; `tool_id` is the one of the hello.
+  /// A connection has been welcomed; `tool_id` is the one of the hello. `server_has`: the number up
+  /// to which the server has the samples of this agent, if it states what is durable.
   void begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t now_us,
-             bool udp_offered = false);
+             bool udp_offered = false, std::optional<std::uint64_t> server_has = {});
+  /// The server has recognized the agent.
+  void note_resumed() noexcept { ++report_.resumed; }
   /// Records that the user requested UDP.
   void ask_for_udp() noexcept { report_.udp.asked = true; }
 
   /// Moves the samples of the ring to the queue.
   void collect();
-  /// Returns true if every collected sample is answered.
-  bool settled() const noexcept { return queue_.settled(); }
+  /// Returns true if every collected sample is answered and durable.
+  bool settled() const noexcept { return queue_.settled() && queue_.not_durable() == 0; }
+  /// The same; if all are answered, it also hastens the next ping, whose answer states what is
+  /// durable.
+  bool settle(std::uint64_t now_us) noexcept;
 
   /// Returns the control message that must precede the next frame, e.g. a tool change; empty: none.
   std::string take_control();

@@ -273,7 +273,8 @@ void ServoCycle::note(const SafetyInput& seen, const Wrench& requested) noexcept
                  .computed = computed_,
                  .energy_mj = output_.passivity().account().level_mj(),
                  .speed_mm_per_s = seen.tip_mm_per_s,
-                 .answer_age_us = seen.answer_age_us});
+                 .answer_age_us = seen.answer_age_us,
+                 .felt_share = share_});
 }
 
 }  // namespace kerf::agent

@@ -84,6 +84,8 @@ struct ServoStatus {
   double energy_mj = 0;
   double speed_mm_per_s = 0;
   std::uint64_t answer_age_us = 0;
+  /// Share of the computed wrench that is output.
+  double felt_share = 1;
 };
 
 /// One tick: reads the device, passes the pose to the link and the replica, and renders the newest

@@ -19,10 +19,22 @@ AgentConversation::~AgentConversation() { end(); }
 void AgentConversation::end() {
   if (listener_ == 0) return;
   session().unlisten(std::exchange(listener_, 0));
-  if (self_) session().leave(self_->id);
+  if (self_ && !replaced_) session().leave(self_->id);
+}
+
+std::uint64_t AgentConversation::durable_sequence() const {
+  return states_durable_ && self_ ? session().durable_sequence(self_->id) : 0;
 }
 
 void AgentConversation::on_event(const SessionEvent& event) {
+  if (event.replaced != 0) {
+    if (!self_ || event.replaced != self_->id || std::exchange(replaced_, true)) return;
+    batch_.reset();
+    if (finishing() || broken()) return;
+    say(bye_message("the agent has connected again"));
+    finish();
+    return wake();
+  }
   if (finishing() || broken()) return;
   if (!event.closing.empty()) {
     say(bye_message(event.closing));
@@ -37,20 +49,21 @@ void AgentConversation::on_event(const SessionEvent& event) {
 
 void AgentConversation::on_hello(const HelloMessage& hello) {
   const JoinRequest request{
-      ParticipantKind::kAgent, hello.name, hello.color, hello.tool, hello.feel,
-      hello.feel_of,           hello.stock};
-  const auto joined = session().join(request);
-  if (!joined) {
-    const bool fatal = joined.error().code == wire::ErrorCode::kBusy;
-    reject(joined.error(), fatal);
+      ParticipantKind::kAgent, hello.name,  hello.color,   hello.tool,  hello.feel,
+      hello.feel_of,           hello.stock, hello.durable, hello.resume};
+  const auto admission = session().admit(request);
+  if (!admission) {
+    const bool fatal = admission.error().code == wire::ErrorCode::kBusy;
+    reject(admission.error(), fatal);
     if (fatal) finish();
     return;
   }
-  self_ = *joined;
+  self_ = admission->participant;
+  states_durable_ = !admission->token.empty();
   std::optional<datagram::Offer> offer;
   if (hello.udp && open_udp_) offer = open_udp_();
   has_udp_ = offer.has_value();
-  say(agent_welcome(session(), *self_, limits_, offer ? &*offer : nullptr));
+  say(agent_welcome(session(), *admission, limits_, offer ? &*offer : nullptr));
   out_.put_participants(carvers_message(session().carvers()));
 }
 
@@ -100,6 +113,7 @@ void AgentConversation::complete(MotionAnswer& answer, Clock::time_point arrived
   for (const Rejection& rejection : answer.rejections) reject(rejection);
   answer.result.turnaround_us = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::microseconds>(now_() - arrived).count());
+  answer.result.durable_sequence = durable_sequence();
   gate_.applied(answer.result.agent_sequence);
   last_answer_ = answer.result;
   stock_due_ = true;
@@ -140,7 +154,7 @@ void AgentConversation::receive_datagram(std::span<const std::byte> frame,
         {wire::protocol_error(message.error().code), std::string(message.error().reason)});
   }
   if (const auto* ping = std::get_if<wire::Ping>(&message->body)) {
-    queue_datagram(++pongs_, wire::Pong{ping->time_us, to_us(now_())});
+    queue_datagram(++pongs_, wire::Pong{ping->time_us, to_us(now_()), durable_sequence()});
   } else if (const auto* batch = std::get_if<wire::MotionBatch>(&message->body);
              batch != nullptr && is_of_this_epoch(*message)) {
     // The agent repeats what is not answered.

@@ -70,11 +70,13 @@ class AgentConversation final : public Conversation {
   void on_message(const wire::Message& message, Clock::time_point arrived) override;
   bool queue_text(std::string_view text) override { return out_.put_text(text); }
   void queue_pong(const wire::FrameStamp& stamp, const wire::Pong& pong) override {
-    out_.put_pong(stamp, pong);
+    out_.put_pong(stamp, {pong.ping_time_us, pong.time_us, durable_sequence()});
   }
   void discard_updates() override { out_.close(); }
 
   void on_event(const SessionEvent& event);
+  /// What results and pongs state; 0 unless the agent has asked for it.
+  std::uint64_t durable_sequence() const;
   /// The answer, unless the batch goes on in later turns.
   std::optional<MotionAnswer> apply(const wire::MotionBatch& batch, Clock::time_point arrived);
   void complete(MotionAnswer& answer, Clock::time_point arrived);
@@ -89,6 +91,8 @@ class AgentConversation final : public Conversation {
   int listener_ = 0;
   AgentOutbox out_;
   std::uint64_t felts_ = 0, results_ = 0;
+  bool states_durable_ = false;
+  bool replaced_ = false;  ///< the participant belongs to a newer connection of the agent
 
   RateLimit tools_{kToolsPerS, kToolsBurst};
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "kernel/dexel/tile_index.h"
 #include "server/session/hash_text.h"
@@ -49,27 +50,23 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
   const auto tool = tool_field(object, false);
   if (!tool) return std::unexpected(tool.error());
   hello.tool = *tool;
-  if (const auto feel = object.find("feel"); feel != object.end()) {
-    if (!feel->is_boolean()) return std::unexpected(bad_field("feel", kMustBeBool));
-    hello.feel = feel->get<bool>();
+  for (const auto& [key, field] :
+       {std::pair{"feel", &HelloMessage::feel}, std::pair{"stock", &HelloMessage::stock},
+        std::pair{"changes", &HelloMessage::changes}, std::pair{"durable", &HelloMessage::durable},
+        std::pair{"udp", &HelloMessage::udp}}) {
+    const auto found = object.find(key);
+    if (found == object.end()) continue;
+    if (!found->is_boolean()) return std::unexpected(bad_field(key, kMustBeBool));
+    hello.*field = found->get<bool>();
   }
-  if (const auto stock = object.find("stock"); stock != object.end()) {
-    if (!stock->is_boolean()) return std::unexpected(bad_field("stock", kMustBeBool));
-    hello.stock = stock->get<bool>();
-  }
-  if (const auto changes = object.find("changes"); changes != object.end()) {
-    if (!changes->is_boolean()) return std::unexpected(bad_field("changes", kMustBeBool));
-    hello.changes = changes->get<bool>();
-  }
+  auto resume = text_field(object, "resume");
+  if (!resume) return std::unexpected(resume.error());
+  hello.resume = *std::move(resume);
   if (const auto other = object.find("feel_of"); other != object.end()) {
     if (!other->is_number_unsigned() || other->get<std::uint64_t>() > UINT32_MAX) {
       return std::unexpected(bad_field("feel_of", "must be a participant number"));
     }
     hello.feel_of = other->get<ParticipantId>();
-  }
-  if (const auto udp = object.find("udp"); udp != object.end()) {
-    if (!udp->is_boolean()) return std::unexpected(bad_field("udp", kMustBeBool));
-    hello.udp = udp->get<bool>();
   }
   return hello;
 }
@@ -167,9 +164,14 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
                 "field \"type\" must be \"hello\", \"tool\", \"look\" or \"stock\""});
 }
 
-std::string agent_welcome(const Session& session, const Participant& self,
+std::string agent_welcome(const Session& session, const Admission& admission,
                           const SessionLimits& limits, const datagram::Offer* udp) {
-  Json json = welcome(session, self);
+  Json json = welcome(session, admission.participant);
+  if (!admission.token.empty()) {
+    json["resume"] = {{"token", admission.token},
+                      {"resumed", admission.resumed},
+                      {"agent_sequence", admission.agent_sequence}};
+  }
   json["accuracy"] = Json::parse(accuracy_json(session.scene()));
   json["rate_hz"] = wire::kMotionRateHz;
   json["limits"] = {{"samples_per_message", wire::kMaxSamplesPerMotion},

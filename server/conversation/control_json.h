@@ -23,6 +23,8 @@ struct HelloMessage {
   bool udp = false;           ///< requests a UDP connection
   bool stock = false;         ///< requests stock frames
   bool changes = false;       ///< viewer: understands participants_changed
+  bool durable = false;       ///< agent: keeps what is not durable and sends it again
+  std::string resume;         ///< agent: token of the participant that it continues as
 };
 struct ToolMessage {
   ToolId tool = 0;
@@ -39,7 +41,7 @@ using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, Stoc
 /// bad_message (names the field).
 std::expected<ControlMessage, Rejection> parse_control(std::string_view text);
 
-std::string agent_welcome(const Session& session, const Participant& self,
+std::string agent_welcome(const Session& session, const Admission& admission,
                           const SessionLimits& limits, const datagram::Offer* udp = nullptr);
 std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster);
 /// The complete list, for viewers.

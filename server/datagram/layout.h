@@ -24,7 +24,7 @@ inline constexpr std::size_t kMaxFrameBytes = kMaxBytes - kHeaderBytes - kTagByt
 static_assert(wire::kHeaderBytes + wire::kListHeadBytes +
                   wire::kMaxSamplesPerMotion * wire::kSampleBytes <=
               kMaxFrameBytes);
-static_assert(wire::kHeaderBytes + wire::kMaxResultBytes <= kMaxFrameBytes);
+static_assert(wire::kDurableHeaderBytes + wire::kMaxResultBytes <= kMaxFrameBytes);
 
 /// The header of a datagram: not encrypted, but authenticated together with the frame.
 struct Header {

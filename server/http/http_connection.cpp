@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/http_connection.h"
 
+#include <array>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
@@ -8,9 +9,7 @@
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
-#include <boost/beast/http/serializer.hpp>
 #include <boost/beast/http/string_body.hpp>
-#include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <memory>
 #include <optional>
@@ -19,6 +18,7 @@
 #include "server/http/api.h"
 #include "server/http/browser_rules.h"
 #include "server/http/http_options.h"
+#include "server/http/response_head.h"
 #include "server/http/routes.h"
 #include "server/metrics/metrics.h"
 #include "server/socket/serve_peer.h"
@@ -82,8 +82,9 @@ class Connection {
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
   IoThreads& threads_for(Runs runs) const;
-  void watch(std::shared_ptr<std::stop_source> gone);
+  void watch(const std::shared_ptr<std::stop_source>& gone);
   asio::awaitable<bool> reject_malformed();
+  asio::awaitable<void> send(std::string_view first, std::string_view second);
   asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
   asio::awaitable<bool> reject(const Request& request, unsigned status, std::string_view code,
                                std::string_view reason);
@@ -117,7 +118,7 @@ IoThreads& Connection::threads_for(Runs runs) const {
 
 /// Requests a stop when the client closes the connection before its request has been handled. Bytes
 /// of a next request end the watch.
-void Connection::watch(std::shared_ptr<std::stop_source> gone) {
+void Connection::watch(const std::shared_ptr<std::stop_source>& gone) {
   watched_ = gone;
   const int socket = stream_.socket().native_handle();
   auto readable = [socket, weak = std::weak_ptr(gone)](error_code error) {
@@ -227,13 +228,12 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
     }
     upload_ = *std::move(share);
   }
-  stream_.expires_after(kBodyTime);
   if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
     static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
-    co_await asio::async_write(stream_, asio::buffer(kContinue),
-                               asio::redirect_error(asio::use_awaitable, error_));
+    co_await send(kContinue, {});
     if (error_) co_return false;
   }
+  stream_.expires_after(kBodyTime);
   co_await http::async_read(stream_, buffer_, parser,
                             asio::redirect_error(asio::use_awaitable, error_));
   co_return !error_;
@@ -263,31 +263,24 @@ asio::awaitable<void> Connection::linger() {
 asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& response,
                                          bool keep_alive) {
   context_.metrics.http_answered(response.status);
-  http::response<http::string_body> message(static_cast<http::status>(response.status),
-                                            request.version() == 0 ? 11 : request.version());
-  message.set(http::field::server, "kerf");
   add_browser_headers(browser_headers(request), context_.options, response);
-  for (const auto& [name, value] : response.headers) message.set(name, value);
-  message.keep_alive(keep_alive);
-  const bool head = request.method() == http::verb::head;
-  const ByteRange part =
-      response.part.value_or(ByteRange{0, response.file ? response.file->bytes() : 0});
-  if (response.status != 304 && response.status != 204) {
-    message.set(http::field::content_type, response.content_type);
-    message.content_length(response.file ? part.count : response.body.size());
-  }
-  if (!response.file && !head) message.body() = std::move(response.body);
-  stream_.expires_after(kChunkTime);
-  http::response_serializer<http::string_body> serializer(message);
-  if (response.file || head) {
-    co_await http::async_write_header(stream_, serializer,
-                                      asio::redirect_error(asio::use_awaitable, error_));
-    if (!error_ && !head) co_await send_file(*response.file, part);
-  } else {
-    co_await http::async_write(stream_, serializer,
-                               asio::redirect_error(asio::use_awaitable, error_));
+  const std::string head = response_head(
+      response, {.version = request.version() == 0 ? 11 : request.version(),
+                 .reason = view(http::obsolete_reason(static_cast<http::status>(response.status))),
+                 .keep_alive = keep_alive});
+  const bool has_body = request.method() != http::verb::head;
+  co_await send(head, has_body ? std::string_view(response.body) : std::string_view());
+  if (has_body && response.file) {
+    const ByteRange part = response.part.value_or(ByteRange{0, response.file->bytes()});
+    co_await send_file(*response.file, part);
   }
   co_return !error_ && keep_alive;
+}
+
+asio::awaitable<void> Connection::send(std::string_view first, std::string_view second) {
+  const std::array<asio::const_buffer, 2> parts = {asio::buffer(first), asio::buffer(second)};
+  stream_.expires_after(kChunkTime);
+  co_await asio::async_write(stream_, parts, asio::redirect_error(asio::use_awaitable, error_));
 }
 
 asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRange& part) {
@@ -300,9 +293,8 @@ asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRang
       error_ = asio::error::broken_pipe;  // the announced length cannot be sent: close
       co_return;
     }
-    stream_.expires_after(kChunkTime);
-    co_await asio::async_write(stream_, asio::buffer(chunk.data(), size),
-                               asio::redirect_error(asio::use_awaitable, error_));
+    const std::string_view bytes(chunk.data(), size);
+    co_await send(bytes, {});
     offset += size;
   }
 }
@@ -338,7 +330,8 @@ asio::awaitable<void> Connection::upgrade(const Request& request, const ApiReque
     co_return;
   }
   context_.metrics.http_answered(101);
-  UpgradeRequest handshake(http::request_header<>(request.base()));
+  UpgradeRequest handshake;
+  handshake.message.base() = request.base();
   stream_.expires_never();
   auto socket = stream_.release_socket();
   if (match_route(target.method, target.path).upgrade == Upgrade::kAgent) {

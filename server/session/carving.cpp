@@ -17,10 +17,13 @@ Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJourn
       participants_(participants),
       air_(sculpture.settings()) {}
 
-Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles) {
+Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
+                                std::uint64_t agent_sequence) {
   const Command command = move;
   if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
-  if (auto ok = journal_.append(id, command); !ok) return std::unexpected(ok.error());
+  if (auto ok = journal_.append(id, command, agent_sequence); !ok) {
+    return std::unexpected(ok.error());
+  }
   const std::int64_t reach = sculpture_.tiles_in_reach(move);
   if (reach > kTilesPerTurn) {
     auto pieces = sculpture_.begin(move);
@@ -69,7 +72,12 @@ void Carving::note(ParticipantId id, const MotionResult& result) {
 std::optional<Rejection> Carving::take_sample(ParticipantState& state,
                                               const wire::MotionSample& sample, Batch& batch,
                                               std::int64_t& tiles) {
-  if (sample.agent_sequence <= state.last_sequence) return std::nullopt;  // a resent sample
+  if (sample.agent_sequence <= state.last_sequence) {  // a resent sample
+    // From it the motions to new ones begin. It was judged when it came for the first time.
+    if (state.has_resumed) (void)state.track.take(sample, sculpture_, limits_.speed_mm_per_s);
+    return std::nullopt;
+  }
+  state.has_resumed = false;
   state.last_sequence = sample.agent_sequence;
   state.newest_us = sample.time_us;
   if (!state.samples.allow(ParticipantState::Clock::now())) {
@@ -87,7 +95,9 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   }
   if (auto* move = std::get_if<MoveTool>(&*step)) {
     move->feel = state.feel;
-    const auto result = apply(state.participant.id, *move, tiles);
+    const std::uint64_t before = journal_.sequence();
+    const auto result = apply(state.participant.id, *move, tiles, sample.agent_sequence);
+    if (journal_.sequence() != before) state.durable.journaled(journal_.sequence());
     if (!result) return sample_rejection(sample, result.error().code, result.error().reason);
     if (*result) add_motion(batch.sum, sculpture_, *move, **result);
   }
@@ -120,6 +130,8 @@ MotionAnswer Carving::answer(ParticipantState& state, Batch& batch) {
   if (!answer.rejections.empty() && state.stock) state.stock->reset();
   wire::Result& result = answer.result;
   result.agent_sequence = state.last_sequence;
+  state.durable.handled(state.last_sequence);
+  state.durable.committed(journal_.durable_sequence());
   result.agent_time_us =
       batch.samples.empty() ? state.track.time_us() : batch.samples.back().time_us;
   result.motions_applied = sculpture_.motions();
@@ -216,7 +228,8 @@ void Carving::leave(ParticipantId id) {
 bool Carving::finish_left() {
   if (left_.empty()) return false;
   std::int64_t tiles = kTilesPerTurn;
-  if (advance(left_.back(), tiles)) left_.pop_back();
+  // The participant may have come back and completed the motion.
+  if (!cuts_.contains(left_.back()) || advance(left_.back(), tiles)) left_.pop_back();
   return !left_.empty();
 }
 

@@ -91,7 +91,8 @@ class Carving {
   std::optional<Rejection> take_sample(ParticipantState& state, const wire::MotionSample& sample,
                                        Batch& batch, std::int64_t& tiles);
   /// Begins a motion and works on it for up to `tiles`, which it lowers.
-  Applied apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles);
+  Applied apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
+                std::uint64_t agent_sequence = 0);
   /// Works on a motion in pieces of the participant; the result if it is complete.
   std::optional<MotionResult> advance(ParticipantId id, std::int64_t& tiles);
   void note(ParticipantId id, const MotionResult& result);
@@ -108,7 +109,7 @@ class Carving {
   std::set<TileIndex> changed_;
   std::map<ParticipantId, Batch> batches_;  ///< in progress
   std::map<ParticipantId, Cut> cuts_;
-  std::vector<ParticipantId> left_;  ///< whose cuts are in progress
+  std::vector<ParticipantId> left_;  ///< whose cuts may be in progress
   std::atomic<std::uint64_t> motions_applied_{0};
 };
 

@@ -29,6 +29,16 @@ struct JoinRequest {
   bool feel = true;           ///< false: no force is computed for this participant
   ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0: none
   bool stock = false;         ///< keeps a replica of the block near its tool (StockFeed)
+  bool durable = false;       ///< an agent that sends again what is not durable; gets a token
+  std::string token = {};     ///< of the participant to continue as; empty or unknown: a new one
+};
+
+/// A participant that has joined, and how it continues after a loss of the connection.
+struct Admission {
+  Participant participant;
+  std::string token = {};            ///< empty: not requested; not stored and never logged
+  std::uint64_t agent_sequence = 0;  ///< newest sample that the session has from this participant
+  bool resumed = false;              ///< it continues as a participant of before
 };
 
 }  // namespace kerf

@@ -7,8 +7,10 @@
 
 #include "server/convert/tool_track.h"
 #include "server/feed/stock_feed.h"
+#include "server/session/durable_mark.h"
 #include "server/session/participant.h"
 #include "server/session/rate_limit.h"
+#include "server/store/resume_token.h"
 #include "server/wire/types.h"
 
 namespace kerf {
@@ -22,7 +24,11 @@ struct ParticipantState {
   ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0: none
   ToolTrack track;
   std::uint64_t last_sequence = 0;  ///< agent_sequence of the newest sample
-  std::uint64_t newest_us = 0;      ///< agent's time of the newest sample, accepted or rejected
+  /// It has resumed and sent no new sample yet: known ones place the tool, as it was before.
+  bool has_resumed = false;
+  DurableMark durable;
+  std::optional<TokenHash> token;  ///< set if it may resume
+  std::uint64_t newest_us = 0;     ///< agent's time of the newest sample, accepted or rejected
   RateLimit samples{0, 0};
   wire::ToolState display;  ///< the tool as viewers show it
   Clock::time_point display_time{};

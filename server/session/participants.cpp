@@ -25,12 +25,14 @@ bool is_color(const std::string& text) {
 }  // namespace
 
 Participants::Participants(const SessionLimits& limits, const Sculpture& sculpture,
-                           SessionJournal& journal, ToolId default_tool, ParticipantId last_id)
+                           SessionJournal& journal, ToolId default_tool, ParticipantId last_id,
+                           Resumable resumable)
     : limits_(limits),
       sculpture_(sculpture),
       journal_(journal),
       default_tool_(default_tool),
       last_id_(last_id),
+      resumable_(std::move(resumable)),
       carver_joins_(limits.carver_joins_per_s, limits.carver_joins_burst),
       viewer_joins_(limits.viewer_joins_per_s, limits.viewer_joins_burst) {}
 
@@ -46,11 +48,13 @@ std::size_t Participants::limit_of(ParticipantKind kind) const {
   return 0;
 }
 
-std::expected<void, Rejection> Participants::check(const JoinRequest& request) const {
+std::expected<void, Rejection> Participants::check(const JoinRequest& request,
+                                                   ParticipantId resumed) const {
   using enum wire::ErrorCode;
-  const auto count = static_cast<std::size_t>(std::ranges::count_if(
-      states_ | std::views::values,
-      [&](const ParticipantState& state) { return state.participant.kind == request.kind; }));
+  const auto count = static_cast<std::size_t>(
+      std::ranges::count_if(states_ | std::views::values, [&](const ParticipantState& state) {
+        return state.participant.kind == request.kind && state.participant.id != resumed;
+      }));
   const std::size_t limit = limit_of(request.kind);
   if (count >= limit) {
     return std::unexpected(Rejection{kBusy, "the session is full: it admits at most " +
@@ -76,17 +80,21 @@ std::expected<void, Rejection> Participants::check_rate(ParticipantKind kind) {
                                    "too many participants join at the same time; try again later"});
 }
 
-std::expected<Participant, Rejection> Participants::join(const JoinRequest& request) {
-  if (const auto ok = check(request); !ok) return std::unexpected(ok.error());
-  if (const auto ok = check_rate(request.kind); !ok) return std::unexpected(ok.error());
+std::expected<ParticipantState, Rejection> Participants::make_state(const JoinRequest& request,
+                                                                    ParticipantId resumed) {
   ParticipantState state;
   Participant& participant = state.participant;
-  participant = {++last_id_, request.kind, request.name, request.color, 0};
+  participant = {resumed != 0 ? resumed : last_id_ + 1, request.kind, request.name, request.color,
+                 0};
   if (request.kind != ParticipantKind::kViewer) {
     participant.tool = request.tool != 0 ? request.tool : default_tool_;
     if (sculpture_.tool(participant.tool) == nullptr) {
       return std::unexpected(unknown_tool(participant.tool));
     }
+  }
+  if (const ResumableAgent* known = resumable_.find(participant.id); known != nullptr) {
+    if (participant.name.empty()) participant.name = known->name;
+    if (participant.color.empty()) participant.color = known->color;
   }
   if (participant.name.empty()) {
     participant.name = std::string(to_string(request.kind)) + " " + std::to_string(participant.id);
@@ -96,13 +104,49 @@ std::expected<Participant, Rejection> Participants::join(const JoinRequest& requ
   state.feel_of = request.feel_of;
   if (request.stock) state.stock.emplace();
   state.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
+  return state;
+}
+
+std::expected<Admission, Rejection> Participants::admit(const JoinRequest& request) {
+  const ParticipantId resumed = resumable_.owner(request.token).value_or(0);
+  if (const auto ok = check(request, resumed); !ok) return std::unexpected(ok.error());
+  if (const auto ok = check_rate(request.kind); !ok) return std::unexpected(ok.error());
+  auto state = make_state(request, resumed);
+  if (!state) return std::unexpected(state.error());
+  Admission admission{.participant = state->participant};
+  if (resumed != 0) {
+    if (states_.contains(resumed)) {
+      notify({.closing = {}, .replaced = resumed});
+      leave(resumed);
+    }
+    const ResumableAgent& known = *resumable_.find(resumed);
+    state->token = known.token;
+    state->last_sequence = known.last_sequence;
+    state->durable = known.durable;
+    state->has_resumed = admission.resumed = true;
+    admission.token = request.token;
+    admission.agent_sequence = known.last_sequence;
+  } else {
+    ++last_id_;
+    if (const auto token = request.durable ? random_token() : std::nullopt) {
+      state->token = hash_token(*token);
+      admission.token = *token;
+    }
+  }
+  if (state->token) keep_resumable(*state);
   // Viewers do not change the block, so the journal does not name them.
-  if (request.kind != ParticipantKind::kViewer) journal_.append(participant);
   const bool is_viewer = request.kind == ParticipantKind::kViewer;
+  if (!is_viewer) journal_.append(state->participant, state->token);
   if (is_viewer) ++viewers_;
-  Participant joined = states_.emplace(participant.id, std::move(state)).first->second.participant;
+  states_.emplace(state->participant.id, *std::move(state));
   changed(!is_viewer);
-  return joined;
+  return admission;
+}
+
+void Participants::keep_resumable(ParticipantState& state) {
+  resumable_.keep(state.participant.id,
+                  {*state.token, state.participant.name, state.participant.color,
+                   state.last_sequence, state.durable});
 }
 
 void Participants::leave(ParticipantId id) {
@@ -110,6 +154,7 @@ void Participants::leave(ParticipantId id) {
   if (found == states_.end()) return;
   const bool is_viewer = found->second.participant.kind == ParticipantKind::kViewer;
   if (is_viewer) --viewers_;
+  if (found->second.token) keep_resumable(found->second);
   states_.erase(found);
   changed(!is_viewer);
 }

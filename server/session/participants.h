@@ -8,10 +8,12 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/convert/rejection.h"
 #include "server/session/participant_state.h"
+#include "server/session/resumable.h"
 #include "server/session/roster.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
@@ -23,6 +25,9 @@ namespace kerf {
 struct SessionEvent {
   std::string closing;
   bool carvers_changed = false;  ///< an agent or a program is among them
+  /// The agent of this participant has connected again: its previous connection ends, without an
+  /// effect on the participant. 0: none.
+  ParticipantId replaced = 0;
 };
 using SessionListener = std::function<void(const SessionEvent&)>;
 
@@ -33,7 +38,7 @@ class Participants {
   using Clock = ParticipantState::Clock;
   /// `sculpture` and `journal` must outlive this. Ids continue after `last_id`.
   Participants(const SessionLimits& limits, const Sculpture& sculpture, SessionJournal& journal,
-               ToolId default_tool, ParticipantId last_id);
+               ToolId default_tool, ParticipantId last_id, Resumable resumable = {});
 
   /// Calls `schedule` at the first change after a notify_changes(), instead of notifying the
   /// listeners at each change. The owner then calls notify_changes() when it sees fit.
@@ -43,7 +48,14 @@ class Participants {
 
   /// Adds a participant, journals it unless it is a viewer, and notifies the listeners. Joins above
   /// the limits of `SessionLimits` per second are rejected with kBusy.
-  std::expected<Participant, Rejection> join(const JoinRequest& request);
+  /// An agent with a valid token continues as the same participant, also while that is present.
+  std::expected<Admission, Rejection> admit(const JoinRequest& request);
+  /// As admit(), for a participant that does not resume.
+  std::expected<Participant, Rejection> join(const JoinRequest& request) {
+    auto admission = admit(request);
+    if (!admission) return std::unexpected(admission.error());
+    return std::move(admission->participant);
+  }
   /// Removes a participant and notifies the listeners; no effect for an unknown id.
   void leave(ParticipantId id);
   /// Changes the tool of a participant and notifies the listeners if it differs.
@@ -77,7 +89,11 @@ class Participants {
 
  private:
   std::size_t limit_of(ParticipantKind kind) const;
-  std::expected<void, Rejection> check(const JoinRequest& request) const;
+  std::expected<void, Rejection> check(const JoinRequest& request, ParticipantId resumed) const;
+  std::expected<ParticipantState, Rejection> make_state(const JoinRequest& request,
+                                                        ParticipantId resumed);
+  /// Moves what must last of a participant to `resumable_`.
+  void keep_resumable(ParticipantState& state);
   std::expected<void, Rejection> check_rate(ParticipantKind kind);
   void changed(bool carvers);
 
@@ -90,6 +106,7 @@ class Participants {
   std::map<int, SessionListener> listeners_;
   int last_listener_ = 0;
   std::size_t viewers_ = 0;  ///< in states_
+  Resumable resumable_;
   RateLimit carver_joins_, viewer_joins_;
   std::function<void()> schedule_;  ///< empty: changes are notified at once
   bool pending_ = false, pending_carvers_ = false;

@@ -66,8 +66,13 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file) 
     last_participant = std::max(last_participant, participant.participant);
   }
   const StateHash hash{last_sequence, sculpture->state_hash()};
-  return Replayed{*std::move(scene),       reader->header(), *std::move(sculpture),
-                  last_sequence,           last_participant, hash,
+  return Replayed{*std::move(scene),
+                  reader->header(),
+                  *std::move(sculpture),
+                  last_sequence,
+                  last_participant,
+                  Resumable(reader->participants()),
+                  hash,
                   reader->dropped_hashes()};
 }
 

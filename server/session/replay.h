@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "server/formats/scene.h"
+#include "server/session/resumable.h"
 #include "server/store/journal_reader.h"
 
 namespace kerf {
@@ -17,6 +18,7 @@ struct Replayed {
   Sculpture sculpture;
   std::uint64_t last_sequence = 0;
   ParticipantId last_participant = 0;
+  Resumable resumable;
   StateHash hash;  ///< of the solid after the last record
   /// Stored hashes beyond the last record, which were ignored: the journal has lost its end.
   std::size_t dropped_hashes = 0;

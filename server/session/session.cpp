@@ -25,7 +25,7 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       limits_(limits),
       journal_(std::move(journal), replayed.hash),
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
-                    replayed.last_participant),
+                    replayed.last_participant, std::move(replayed.resumable)),
       carving_(limits_, sculpture_, journal_, participants_),
       workers_(workers) {
   participants_.defer_changes([this] { report_changes(); });
@@ -39,9 +39,14 @@ void Session::show_figures() {
 }
 
 void Session::leave(ParticipantId id) {
-  carving_.leave(id);
+  forget_batch(id);
   participants_.leave(id);
   show_figures();
+}
+
+/// Drops the rest of a participant's batch; completes the motion that is cut in part.
+void Session::forget_batch(ParticipantId id) {
+  carving_.leave(id);
   if (carving_.is_between_records()) {
     executor_->post([self = shared_from_this()] { self->finish_left(); });
   }
@@ -64,11 +69,23 @@ void Session::report_changes() {
   });
 }
 
-std::expected<Participant, Rejection> Session::join(const JoinRequest& request) {
+std::expected<Admission, Rejection> Session::admit(const JoinRequest& request) {
   if (closed_) return std::unexpected(session_closed());
-  auto joined = participants_.join(request);
+  auto admission = participants_.admit(request);
+  if (admission && admission->resumed) forget_batch(admission->participant.id);
   show_figures();
-  return joined;
+  return admission;
+}
+
+std::expected<Participant, Rejection> Session::join(const JoinRequest& request) {
+  auto admission = admit(request);
+  if (!admission) return std::unexpected(admission.error());
+  return std::move(admission->participant);
+}
+
+std::uint64_t Session::durable_sequence(ParticipantId id) {
+  ParticipantState* state = participants_.find(id);
+  return state == nullptr ? 0 : state->durable.committed(journal_.durable_sequence());
 }
 
 std::expected<void, Rejection> Session::choose_tool(ParticipantId id, ToolId tool) {

@@ -94,6 +94,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t motions_applied() const { return carving_.motions_applied(); }
 
   // ---- executor only ----
+  std::expected<Admission, Rejection> admit(const JoinRequest& request);
+  /// As admit(), for a participant that does not resume.
   std::expected<Participant, Rejection> join(const JoinRequest& request);
   void leave(ParticipantId id);
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
@@ -106,6 +108,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::optional<MotionAnswer> begin_move(ParticipantId id,
                                          std::span<const wire::MotionSample> samples);
   std::optional<MotionAnswer> go_on(ParticipantId id);
+  /// The newest sample of an agent that is durable (DurableMark); 0: none.
+  std::uint64_t durable_sequence(ParticipantId id);
   /// Whether another agent is moving: a participant with much work leaves it half of the time.
   bool has_other_agent(ParticipantId id) const {
     return participants_.has_active_agent(kAgentIsActive, id);
@@ -159,6 +163,7 @@ class Session : public std::enable_shared_from_this<Session> {
   ParticipantState* replica_owner(ParticipantId id);
   void run_programs();
   void retire_programs();
+  void forget_batch(ParticipantId id);
   void finish_left();
   MotionAnswer rejected_move() const;
   void schedule_hash();

@@ -15,8 +15,9 @@ SessionJournal::SessionJournal(JournalWriter writer, StateHash replayed)
     : writer_(std::move(writer)), removal_sequence_(replayed.sequence), hash_(replayed) {}
 
 std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
-                                                      const Command& command) {
-  const auto appended = writer_.append(participant, command);
+                                                      const Command& command,
+                                                      std::uint64_t agent_sequence) {
+  const auto appended = writer_.append(participant, command, agent_sequence);
   if (appended) return {};
   const JournalError& error = appended.error();
   const bool is_full = error.code == JournalErrorCode::kFull;
@@ -32,9 +33,9 @@ std::expected<void, Rejection> SessionJournal::check_space_for_programs() const 
   return std::unexpected(Rejection{wire::ErrorCode::kBusy, "the disk does not keep up"});
 }
 
-void SessionJournal::append(const Participant& participant) {
+void SessionJournal::append(const Participant& participant, const std::optional<TokenHash>& token) {
   writer_.append(JournalParticipant{participant.id, participant.name, participant.color,
-                                    to_string(participant.kind)});
+                                    to_string(participant.kind), token});
 }
 
 std::optional<StateHash> SessionJournal::current_hash() const {

@@ -24,6 +24,8 @@ class SessionJournal {
   std::uint32_t epoch() const { return writer_.epoch(); }
   /// Number of the last record appended.
   std::uint64_t sequence() const { return writer_.last_sequence(); }
+  /// Number of the last command that is committed.
+  std::uint64_t durable_sequence() const { return writer_.durable_sequence(); }
   /// Records appended and not yet committed.
   std::size_t lag() const { return writer_.lag(); }
   /// The error of the failed commit while the journal is paused; nullopt otherwise.
@@ -38,8 +40,11 @@ class SessionJournal {
   // ---- executor only ----
   /// Appends a command. Fails with kBusy when the disk fails ("paused: disk: …") or does not keep
   /// up.
-  std::expected<void, Rejection> append(ParticipantId participant, const Command& command);
-  void append(const Participant& participant);
+  /// With the command of an agent goes the number of its sample.
+  std::expected<void, Rejection> append(ParticipantId participant, const Command& command,
+                                        std::uint64_t agent_sequence = 0);
+  /// Appends a participant, with the hash of its token if it may resume.
+  void append(const Participant& participant, const std::optional<TokenHash>& token);
   /// Fails with kBusy while the journal is paused, or more records wait than programs may cause:
   /// the rest of the buffer is for agents, which cannot wait.
   std::expected<void, Rejection> check_space_for_programs() const;

@@ -4,14 +4,12 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/websocket/stream.hpp>
 #include <memory>
 #include <string_view>
 
 #include "server/conversation/conversation.h"
 #include "server/socket/serve_peer.h"
+#include "server/websocket/web_socket.h"
 
 namespace kerf::net {
 
@@ -41,17 +39,13 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   bool has_failed() const { return failed_; }
 
  private:
-  using WebSocket = boost::beast::websocket::stream<boost::beast::tcp_stream, false>;
-
   boost::asio::awaitable<void> run(UpgradeRequest request);
-  void configure();
   void limit_hello();
   void written(boost::system::error_code error);
 
   WebSocket socket_;
   std::string_view protocol_;
   boost::asio::steady_timer hello_timer_;
-  boost::beast::flat_buffer in_;
   OutFrame out_;  ///< being sent
   bool open_ = false, writing_ = false, failed_ = false;
 };

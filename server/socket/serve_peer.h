@@ -2,15 +2,12 @@
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/message.hpp>
 #include <memory>
 
 #include "server/socket/peer_context.h"
+#include "server/websocket/upgrade_request.h"
 
 namespace kerf::net {
-
-using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 
 /// Serves an agent or a viewer until its WebSocket closes. Both take over an accepted socket whose
 /// upgrade request has been read and checked.

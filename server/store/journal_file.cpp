@@ -24,6 +24,8 @@ constexpr const char* kTables = R"(
                         bytes BLOB NOT NULL, crc INTEGER NOT NULL);
   CREATE TABLE state_hashes(sequence INTEGER PRIMARY KEY, hash INTEGER NOT NULL);
   CREATE TABLE kernel_versions(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);
+  CREATE TABLE agents(participant INTEGER PRIMARY KEY, token BLOB NOT NULL,
+                      agent_sequence INTEGER NOT NULL, crc INTEGER NOT NULL);
 )";
 
 /// Created only if the scene names files.
@@ -153,10 +155,12 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
                                           std::to_string(kJournalVersion)));
   }
   if (mode == SqlMode::kWrite) {
-    // The first journals had no table of kernel versions.
+    // The first journals had no table of kernel versions, and none of agents that may resume.
     const std::string setup =
         "PRAGMA synchronous=FULL; CREATE TABLE IF NOT EXISTS kernel_versions"
         "(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);"
+        "CREATE TABLE IF NOT EXISTS agents(participant INTEGER PRIMARY KEY, token BLOB NOT NULL,"
+        "agent_sequence INTEGER NOT NULL, crc INTEGER NOT NULL);"
         "UPDATE session SET epoch=epoch+1";
     if (auto ok = database->execute(setup); !ok) {
       return std::unexpected(to_journal_error(file, ok.error()));

@@ -2,6 +2,7 @@
 #include "server/store/journal_group.h"
 
 #include <bit>
+#include <map>
 #include <span>
 #include <utility>
 
@@ -32,6 +33,13 @@ SqlResult<void> insert_participant(SqlStatement& statement, const JournalPartici
   return run(statement);
 }
 
+SqlResult<void> insert_agent(SqlStatement& statement, const JournalParticipant& participant) {
+  statement.bind(1, std::int64_t{participant.participant});
+  statement.bind(2, std::span<const std::byte>(*participant.token));
+  statement.bind(3, std::int64_t{progress_checksum(participant.participant, 0)});
+  return run(statement);
+}
+
 SqlResult<void> insert_hash(SqlStatement& statement, const StateHash& state) {
   statement.bind(1, static_cast<std::int64_t>(state.sequence));
   statement.bind(2, std::bit_cast<std::int64_t>(state.hash));
@@ -58,8 +66,14 @@ SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
   if (!hash) return std::unexpected(hash.error());
   auto version = database.prepare("INSERT OR REPLACE INTO kernel_versions VALUES(?,?)");
   if (!version) return std::unexpected(version.error());
-  return JournalGroups(std::move(database), {*std::move(command), *std::move(participant),
-                                             *std::move(hash), *std::move(version)});
+  // An agent that has resumed keeps its row.
+  auto agent = database.prepare("INSERT OR IGNORE INTO agents VALUES(?,?,0,?)");
+  if (!agent) return std::unexpected(agent.error());
+  auto progress = database.prepare("UPDATE agents SET agent_sequence=?,crc=? WHERE participant=?");
+  if (!progress) return std::unexpected(progress.error());
+  return JournalGroups(std::move(database),
+                       {*std::move(command), *std::move(participant), *std::move(hash),
+                        *std::move(version), *std::move(agent), *std::move(progress)});
 }
 
 SqlResult<void> JournalGroups::insert(const Pending& pending, std::uint64_t stored) {
@@ -68,13 +82,32 @@ SqlResult<void> JournalGroups::insert(const Pending& pending, std::uint64_t stor
     return insert_command(inserts_.command, *command);
   }
   if (const auto* participant = std::get_if<JournalParticipant>(&pending)) {
-    return insert_participant(inserts_.participant, *participant);
+    if (auto ok = insert_participant(inserts_.participant, *participant); !ok) return ok;
+    return participant->token ? insert_agent(inserts_.agent, *participant) : SqlResult<void>{};
   }
   if (const auto* recarved = std::get_if<RecarvedHash>(&pending)) {
     if (auto ok = insert_version(inserts_.version, recarved->state.sequence); !ok) return ok;
     return insert_hash(inserts_.hash, recarved->state);
   }
   return insert_hash(inserts_.hash, std::get<StateHash>(pending));
+}
+
+/// Stores the number of each agent's newest sample in the group, in the transaction of its record.
+SqlResult<void> JournalGroups::note_progress(const std::vector<Pending>& group) {
+  std::map<ParticipantId, std::uint64_t> newest;
+  for (const Pending& item : group) {
+    const auto* command = std::get_if<PendingCommand>(&item);
+    if (command != nullptr && command->agent_sequence != 0) {
+      newest[command->participant] = command->agent_sequence;
+    }
+  }
+  for (const auto& [participant, sequence] : newest) {
+    inserts_.progress.bind(1, static_cast<std::int64_t>(sequence));
+    inserts_.progress.bind(2, std::int64_t{progress_checksum(participant, sequence)});
+    inserts_.progress.bind(3, std::int64_t{participant});
+    if (auto ok = run(inserts_.progress); !ok) return ok;
+  }
+  return {};
 }
 
 SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
@@ -85,6 +118,7 @@ SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
     outcome = insert(item, stored);
     if (!outcome) break;
   }
+  if (outcome) outcome = note_progress(group);
   if (outcome) outcome = database_.execute("COMMIT");
   // SQLite may have rolled back by itself; then this fails without an effect.
   if (!outcome) (void)database_.execute("ROLLBACK");

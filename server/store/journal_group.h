@@ -16,6 +16,7 @@ struct PendingCommand {
   std::uint64_t sequence;
   ParticipantId participant;
   std::vector<std::byte> bytes;
+  std::uint64_t agent_sequence = 0;  ///< of the agent's sample; 0: not an agent's
 };
 /// A hash that another version of the kernel would not compute.
 struct RecarvedHash {
@@ -38,10 +39,11 @@ class JournalGroups {
 
  private:
   struct Inserts {
-    SqlStatement command, participant, hash, version;
+    SqlStatement command, participant, hash, version, agent, progress;
   };
   JournalGroups(SqlDatabase database, Inserts inserts);
   SqlResult<void> commit_after(const std::vector<Pending>& group, std::uint64_t stored);
+  SqlResult<void> note_progress(const std::vector<Pending>& group);
   SqlResult<void> insert(const Pending& pending, std::uint64_t stored);
 
   SqlDatabase database_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_reader.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <utility>
@@ -86,6 +87,8 @@ std::expected<void, JournalError> JournalReader::read_head() {
                                        row.text(2), row.text(3)});
             });
   if (!ok) return ok;
+  ok = read_agents();
+  if (!ok) return ok;
   return each("SELECT sequence, hash FROM state_hashes ORDER BY sequence",
               [&](const SqlStatement& row) {
                 if (row.integer(0) > *last) {
@@ -97,6 +100,38 @@ std::expected<void, JournalError> JournalReader::read_head() {
               });
 }
 
+std::expected<bool, JournalError> JournalReader::has_table(const std::string& name) {
+  const auto tables = integer("SELECT count(*) FROM sqlite_master WHERE name='" + name + "'");
+  if (!tables) return std::unexpected(tables.error());
+  return *tables > 0;
+}
+
+std::expected<void, JournalError> JournalReader::read_agents() {
+  const auto has_agents = has_table("agents");
+  if (!has_agents) return std::unexpected(has_agents.error());
+  if (!*has_agents) return {};
+  auto rows = database_.prepare("SELECT participant, token, agent_sequence, crc FROM agents");
+  if (!rows) return std::unexpected(to_journal_error(file_, rows.error()));
+  for (;;) {
+    const auto row = rows->step();
+    if (!row) return std::unexpected(to_journal_error(file_, row.error()));
+    if (!*row) return {};
+    const auto id = static_cast<ParticipantId>(rows->integer(0));
+    const auto agent_sequence = static_cast<std::uint64_t>(rows->integer(2));
+    const auto token = rows->blob(1);
+    if (token.size() != kTokenHashBytes ||
+        rows->integer(3) != std::int64_t{progress_checksum(id, agent_sequence)}) {
+      return std::unexpected(
+          corrupt(0, "the progress of participant " + std::to_string(id) + " is damaged"));
+    }
+    const auto found =
+        std::ranges::lower_bound(participants_, id, {}, &JournalParticipant::participant);
+    if (found == participants_.end() || found->participant != id) continue;
+    found->agent_sequence = agent_sequence;
+    std::ranges::copy(token, found->token.emplace().begin());
+  }
+}
+
 std::expected<std::int64_t, JournalError> JournalReader::integer(const std::string& sql) {
   const auto value = database_.integer(sql);
   if (!value) return std::unexpected(to_journal_error(file_, value.error()));
@@ -105,9 +140,9 @@ std::expected<std::int64_t, JournalError> JournalReader::integer(const std::stri
 
 std::expected<void, JournalError> JournalReader::read_kernel_version(std::int64_t last) {
   header_.kernel_version = kFirstKernelVersion;
-  const auto tables = integer("SELECT count(*) FROM sqlite_master WHERE name='kernel_versions'");
-  if (!tables) return std::unexpected(tables.error());
-  if (*tables == 0) return {};
+  const auto has_versions = has_table("kernel_versions");
+  if (!has_versions) return std::unexpected(has_versions.error());
+  if (!*has_versions) return {};
   const auto version =
       integer("SELECT coalesce((SELECT version FROM kernel_versions WHERE sequence<=" +
               std::to_string(last) + " ORDER BY sequence DESC LIMIT 1)," +

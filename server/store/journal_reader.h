@@ -9,6 +9,7 @@
 #include "server/store/journal_error.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_record.h"
+#include "server/store/resume_token.h"
 
 namespace kerf {
 
@@ -16,6 +17,10 @@ namespace kerf {
 struct JournalParticipant {
   ParticipantId participant = 0;
   std::string name, color, kind;
+  std::optional<TokenHash> token = std::nullopt;  ///< set if the agent may resume
+  /// Number of the newest sample of the agent that is in the journal; 0: none. Read only: it is
+  /// written with the commands.
+  std::uint64_t agent_sequence = 0;
 };
 
 /// The hash of the solid after the record `sequence`.
@@ -55,6 +60,8 @@ class JournalReader {
                 RecordOrder order);
   std::expected<std::uint64_t, JournalError> next_sequence() const;
   std::expected<void, JournalError> read_head();
+  std::expected<void, JournalError> read_agents();
+  std::expected<bool, JournalError> has_table(const std::string& name);
   std::expected<void, JournalError> read_kernel_version(std::int64_t last);
   std::expected<std::int64_t, JournalError> integer(const std::string& sql);
   JournalError corrupt(std::uint64_t sequence, std::string reason) const;

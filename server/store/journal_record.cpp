@@ -234,4 +234,8 @@ std::uint32_t record_checksum(std::uint64_t sequence, ParticipantId participant,
   return crc32(bytes, crc32(head_bytes));
 }
 
+std::uint32_t progress_checksum(ParticipantId participant, std::uint64_t agent_sequence) {
+  return record_checksum(agent_sequence, participant, {});
+}
+
 }  // namespace kerf

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_writer.h"
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -17,7 +18,8 @@ struct JournalWriter::Impl {
       : file(std::move(path)),
         groups(std::move(journal_groups)),
         epoch(opened),
-        last_sequence(last) {
+        last_sequence(last),
+        durable_sequence(last) {
     flusher = std::thread([this] { run(); });
   }
   ~Impl() { stop(); }
@@ -65,11 +67,20 @@ struct JournalWriter::Impl {
       lock.lock();
       if (outcome) {
         committed += group.size();
+        note_durable(group);
         in_commit = 0;
         group.clear();
       }
       note_outcome(outcome, lock);
       if (!outcome && is_last_try) return;
+    }
+  }
+
+  void note_durable(const std::vector<Pending>& group) {
+    for (auto item = group.rbegin(); item != group.rend(); ++item) {
+      if (const auto* command = std::get_if<PendingCommand>(&*item)) {
+        return durable_sequence.store(command->sequence);
+      }
     }
   }
 
@@ -107,6 +118,7 @@ struct JournalWriter::Impl {
   std::optional<JournalError> failure;  ///< of the last commit
   std::function<void(const std::optional<JournalError>&)> report;
   std::uint64_t last_sequence;
+  std::atomic<std::uint64_t> durable_sequence;
   std::thread flusher;
 };
 
@@ -144,7 +156,8 @@ std::expected<JournalWriter, JournalError> JournalWriter::open(const std::filesy
 }
 
 std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId participant,
-                                                                 const Command& command) {
+                                                                 const Command& command,
+                                                                 std::uint64_t agent_sequence) {
   std::uint64_t sequence = 0;
   {
     const std::lock_guard lock(impl_->mutex);
@@ -157,7 +170,7 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
     }
     sequence = ++impl_->last_sequence;
   }
-  impl_->push(PendingCommand{sequence, participant, encode_command(command)});
+  impl_->push(PendingCommand{sequence, participant, encode_command(command), agent_sequence});
   return sequence;
 }
 
@@ -195,6 +208,7 @@ std::uint64_t JournalWriter::last_sequence() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->last_sequence;
 }
+std::uint64_t JournalWriter::durable_sequence() const { return impl_->durable_sequence.load(); }
 std::uint32_t JournalWriter::epoch() const { return impl_->epoch; }
 std::size_t JournalWriter::lag() const {
   const std::lock_guard lock(impl_->mutex);

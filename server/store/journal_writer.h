@@ -45,10 +45,11 @@ class JournalWriter {
 
   /// Appends a command and returns its sequence. Fails with kFull if the buffer is full, and with
   /// the error of the commit while the journal is paused, so that a session never runs ahead of a
-  /// failed disk.
+  /// failed disk. With the command of an agent goes the number of its sample.
   std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
-                                                    const Command& command);
-  /// Stores or replaces a participant.
+                                                    const Command& command,
+                                                    std::uint64_t agent_sequence = 0);
+  /// Stores or replaces a participant. Its token is stored when it comes for the first time.
   void append(const JournalParticipant& participant);
   /// Appends the hash of the solid after record `state.sequence`.
   void append(StateHash state);
@@ -63,6 +64,8 @@ class JournalWriter {
   /// appends fail. After a failed commit it tries once more; an error means that records are lost.
   std::expected<void, JournalError> finish();
   std::uint64_t last_sequence() const;
+  /// Sequence of the last command that is committed. Waits for nothing.
+  std::uint64_t durable_sequence() const;
   /// Grows each time the journal is opened; peers use it to detect a restarted server.
   std::uint32_t epoch() const;
   /// Number of records appended and not yet committed.

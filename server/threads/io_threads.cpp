@@ -2,7 +2,6 @@
 #include "server/threads/io_threads.h"
 
 #include <pthread.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -15,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/log/log.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf {
@@ -39,7 +39,7 @@ void run(asio::io_context& context, const std::string& name, int niceness) {
     } catch (const std::exception& error) {
       // Kerf's own work does not throw. An exception of a library must not end the sessions of this
       // thread.
-      spdlog::error("thread {}: {}", name, error.what());
+      log::error("thread " + name + ": " + error.what());
     }
   }
 }

@@ -152,6 +152,15 @@ Pong decode_pong(ByteReader& from) noexcept {
   return pong;
 }
 
+/// The durable sequence in the header of a result or a pong; 0 if it states none.
+std::uint64_t decode_durable(std::span<const std::byte> frame, const FrameHeader& header) noexcept {
+  std::uint64_t durable = 0;
+  if ((header.flags & kStatesDurable) == 0 || header.header_bytes < kDurableHeaderBytes) return 0;
+  ByteReader from(frame, kHeaderBytes);
+  from.field(durable);
+  return durable;
+}
+
 /// Returns the payload size of a type with a fixed one; nullopt for lists, results, meshes and
 /// unknown types.
 std::optional<std::size_t> fixed_payload_bytes(MessageType type) noexcept {
@@ -237,6 +246,9 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
       break;
     case MessageType::kResult:
       keep(decode_result(from, header->payload_bytes));
+      if (auto* result = message ? std::get_if<Result>(&message->body) : nullptr) {
+        result->durable_sequence = decode_durable(frame, *header);
+      }
       break;
     case MessageType::kMesh:
       message->body = MeshView{frame.subspan(header->header_bytes)};
@@ -252,6 +264,7 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
       break;
     case MessageType::kPong:
       message->body = decode_pong(from);
+      std::get<Pong>(message->body).durable_sequence = decode_durable(frame, *header);
       break;
     case MessageType::kStock:
       keep(decode_stock(from, header->payload_bytes, header->flags));

@@ -9,17 +9,31 @@ namespace kerf::wire {
 namespace {
 
 ByteWriter start_frame(const FrameStamp& stamp, MessageType type, std::uint8_t flags,
-                       std::size_t frame_bytes, std::span<std::byte> out) noexcept {
-  assert(out.size() >= kHeaderBytes && frame_bytes <= kMaxServerFrameBytes);
+                       std::size_t frame_bytes, std::span<std::byte> out,
+                       std::size_t header_bytes = kHeaderBytes) noexcept {
+  assert(out.size() >= header_bytes && frame_bytes <= kMaxServerFrameBytes);
   const FrameHeader header{.type = type,
                            .flags = flags,
-                           .header_bytes = kHeaderBytes,
-                           .payload_bytes = static_cast<std::uint32_t>(frame_bytes - kHeaderBytes),
+                           .header_bytes = static_cast<std::uint16_t>(header_bytes),
+                           .payload_bytes = static_cast<std::uint32_t>(frame_bytes - header_bytes),
                            .stamp = stamp};
   ByteWriter to(out);
   to.field(kMagic);
   to.field(static_cast<std::uint8_t>(header.type));
   walk(to, header);
+  return to;
+}
+
+constexpr std::size_t header_bytes(std::uint64_t durable_sequence) noexcept {
+  return durable_sequence == 0 ? kHeaderBytes : kDurableHeaderBytes;
+}
+
+/// Starts a frame whose header states a durable sequence unless that is 0.
+ByteWriter start_frame(const FrameStamp& stamp, MessageType type, std::size_t frame_bytes,
+                       std::span<std::byte> out, std::uint64_t durable_sequence) noexcept {
+  const std::uint8_t flags = durable_sequence == 0 ? 0 : kStatesDurable;
+  ByteWriter to = start_frame(stamp, type, flags, frame_bytes, out, header_bytes(durable_sequence));
+  if (durable_sequence != 0) to.field(durable_sequence);
   return to;
 }
 
@@ -29,7 +43,8 @@ std::size_t encoded_bytes(const MotionBatch& batch) noexcept {
   return kHeaderBytes + kListHeadBytes + batch.count * kSampleBytes;
 }
 std::size_t encoded_bytes(const Result& result) noexcept {
-  return kHeaderBytes + kResultBytes + result.plane_count * kContactPlaneBytes;
+  return header_bytes(result.durable_sequence) + kResultBytes +
+         result.plane_count * kContactPlaneBytes;
 }
 std::size_t encoded_bytes(const MeshView& mesh) noexcept { return kHeaderBytes + mesh.glb.size(); }
 std::size_t encoded_bytes(const ToolStates& states) noexcept {
@@ -37,7 +52,9 @@ std::size_t encoded_bytes(const ToolStates& states) noexcept {
 }
 std::size_t encoded_bytes(const Ack&) noexcept { return kHeaderBytes; }
 std::size_t encoded_bytes(const Ping&) noexcept { return kHeaderBytes + kPingBytes; }
-std::size_t encoded_bytes(const Pong&) noexcept { return kHeaderBytes + kPongBytes; }
+std::size_t encoded_bytes(const Pong& pong) noexcept {
+  return header_bytes(pong.durable_sequence) + kPongBytes;
+}
 
 std::size_t encoded_bytes(const StockPatch& patch) noexcept {
   std::size_t bytes = kHeaderBytes + kStockHeadBytes;
@@ -58,7 +75,8 @@ std::size_t encode(const FrameStamp& stamp, const MotionBatch& batch,
 std::size_t encode(const FrameStamp& stamp, const Result& result,
                    std::span<std::byte> out) noexcept {
   assert(result.plane_count <= kMaxContactPlanes);
-  ByteWriter to = start_frame(stamp, MessageType::kResult, 0, encoded_bytes(result), out);
+  ByteWriter to =
+      start_frame(stamp, MessageType::kResult, encoded_bytes(result), out, result.durable_sequence);
   walk(to, result);
   for (const ContactPlane& plane : result.contact()) walk(to, plane);
   return to.at();
@@ -102,7 +120,8 @@ std::size_t encode(const FrameStamp& stamp, const Ping& ping, std::span<std::byt
 }
 
 std::size_t encode(const FrameStamp& stamp, const Pong& pong, std::span<std::byte> out) noexcept {
-  ByteWriter to = start_frame(stamp, MessageType::kPong, 0, encoded_bytes(pong), out);
+  ByteWriter to =
+      start_frame(stamp, MessageType::kPong, encoded_bytes(pong), out, pong.durable_sequence);
   to.field(pong.ping_time_us);
   to.field(pong.time_us);
   return to.at();

@@ -29,6 +29,10 @@ inline constexpr std::uint8_t kMeshSnapshotEnd = 2;
 /// Flag of a stock frame: StockPatch::reset.
 inline constexpr std::uint8_t kStockReset = 1;
 
+/// Flag of a result or a pong: its header is kDurableHeaderBytes long and ends with the durable
+/// sequence of the agent.
+inline constexpr std::uint8_t kStatesDurable = 1;
+
 /// The header fields that the sender sets for each frame; the encoder fills in the others.
 struct FrameStamp {
   /// Grows when the server reopens a session.

@@ -12,6 +12,8 @@ namespace kerf::wire {
 inline constexpr std::size_t kHeaderBytes = 32;
 /// Largest header of a later minor version; a reader skips the bytes after kHeaderBytes.
 inline constexpr std::size_t kMaxHeaderBytes = 256;
+/// Size of the header of a result or a pong that states a durable sequence.
+inline constexpr std::size_t kDurableHeaderBytes = kHeaderBytes + 8;
 inline constexpr std::size_t kListHeadBytes = 8;
 inline constexpr std::size_t kSampleBytes = 64;
 inline constexpr std::size_t kResultBytes = 120;

@@ -102,6 +102,9 @@ struct Result {
   /// Only the first `plane_count` are sent.
   std::uint32_t plane_count = 0;
   std::array<ContactPlane, kMaxContactPlanes> planes{};
+  /// The samples of the agent up to this number are on the server's disk, or need not be. 0: not
+  /// stated.
+  std::uint64_t durable_sequence = 0;
 
   std::span<const ContactPlane> contact() const noexcept { return {planes.data(), plane_count}; }
   bool operator==(const Result&) const = default;
@@ -166,6 +169,7 @@ struct Ping {
 struct Pong {
   std::uint64_t ping_time_us = 0;
   std::uint64_t time_us = 0;
+  std::uint64_t durable_sequence = 0;  ///< as in a result
   bool operator==(const Pong&) const = default;
 };
 

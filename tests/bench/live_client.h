@@ -38,30 +38,10 @@ using Clock = std::chrono::steady_clock;
 /// The server as a child process with its own data folder.
 class ServerProcess {
  public:
-  explicit ServerProcess(const std::string& program) {
+  explicit ServerProcess(std::string program) : program_(std::move(program)) {
     std::string name = (std::filesystem::temp_directory_path() / "kerf-bench-XXXXXX").string();
     folder_ = mkdtemp(name.data());
-    std::array<int, 2> out{};
-    if (pipe(out.data()) != 0) fail("no pipe");
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
-    posix_spawn_file_actions_addclose(&actions, out[0]);
-    const std::string data = folder_.string();
-    std::vector<std::string> words = {program, "--listen", "127.0.0.1:0", "--data", data};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    if (posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments.data(), environ) != 0) {
-      fail("cannot start " + program);
-    }
-    posix_spawn_file_actions_destroy(&actions);
-    close(out[1]);
-    std::array<char, 256> line{};
-    const ssize_t count = read(out[0], line.data(), line.size() - 1);
-    const char* colon = count > 0 ? std::strrchr(line.data(), ':') : nullptr;
-    if (colon == nullptr) fail("the server did not print its address");
-    port_ = static_cast<std::uint16_t>(std::atoi(colon + 1));
+    start();
   }
   ~ServerProcess() {
     kill(pid_, SIGTERM);
@@ -70,6 +50,38 @@ class ServerProcess {
   }
   ServerProcess(const ServerProcess&) = delete;
   ServerProcess& operator=(const ServerProcess&) = delete;
+  /// Ends the process without a chance to write anything.
+  void kill_hard() const {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  /// Starts the process, again on the same port; returns when it listens.
+  void start() {
+    std::array<int, 2> out{};
+    if (pipe(out.data()) != 0) fail("no pipe");
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addclose(&actions, out[0]);
+    const std::string data = folder_.string();
+    const std::string address = "127.0.0.1:" + std::to_string(port_);
+    std::vector<std::string> words = {program_, "--listen", address, "--data", data};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    if (posix_spawn(&pid_, program_.c_str(), &actions, nullptr, arguments.data(), environ) != 0) {
+      fail("cannot start " + program_);
+    }
+    posix_spawn_file_actions_destroy(&actions);
+    close(out[1]);
+    std::array<char, 256> line{};
+    const ssize_t count = read(out[0], line.data(), line.size() - 1);
+    close(out[0]);
+    const char* colon = count > 0 ? std::strrchr(line.data(), ':') : nullptr;
+    if (colon == nullptr) fail("the server did not print its address");
+    port_ = static_cast<std::uint16_t>(std::atoi(colon + 1));
+  }
+  const std::filesystem::path& folder() const { return folder_; }
   std::uint16_t port() const { return port_; }
   /// SIGSTOP, SIGCONT, SIGKILL.
   void signal(int number) const { kill(pid_, number); }
@@ -97,6 +109,7 @@ class ServerProcess {
   }
 
  private:
+  std::string program_;
   std::filesystem::path folder_;
   pid_t pid_ = 0;
   std::uint16_t port_ = 0;
@@ -121,6 +134,8 @@ class Socket {
   Socket(Socket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
+
+  int descriptor() const { return descriptor_; }
 
   void send_all(const void* data, std::size_t size) const {
     if (!try_send_all(data, size, -1)) fail("the connection broke");
@@ -171,16 +186,37 @@ inline void post(std::uint16_t port, const std::string& path, const std::string&
   if (answer.compare(9, 2, "20") != 0) fail(path + ": " + answer);
 }
 
+/// The body of the answer to a GET request.
+inline std::string get(std::uint16_t port, const std::string& path) {
+  const Socket socket(port);
+  const std::string request =
+      "GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+  socket.send_all(request.data(), request.size());
+  std::string answer;
+  for (;;) {
+    const std::size_t head = answer.find("\r\n\r\n");
+    const std::size_t length = answer.find("Content-Length: ");
+    if (head != std::string::npos && length < head) {
+      const auto bytes = std::strtoull(answer.c_str() + length + 16, nullptr, 10);
+      if (answer.size() >= head + 4 + bytes) return answer.substr(head + 4, bytes);
+    }
+    if (!socket.receive(answer, in_seconds(60))) fail("no answer: " + path);
+  }
+}
+
+inline std::string upgrade_request(const std::string& path, const std::string& protocol) {
+  return "GET " + path +
+         " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
+         "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n" +
+         "Sec-WebSocket-Protocol: " + protocol + "\r\n\r\n";
+}
+
 /// The parts of a WebSocket client that the benchmarks need.
 class WebSocket {
  public:
   WebSocket(std::uint16_t port, const std::string& path, const std::string& protocol)
       : socket_(port) {
-    const std::string request =
-        "GET " + path +
-        " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
-        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n" +
-        "Sec-WebSocket-Protocol: " + protocol + "\r\n\r\n";
+    const std::string request = upgrade_request(path, protocol);
     socket_.send_all(request.data(), request.size());
     std::size_t end = 0;
     while ((end = buffer_.find("\r\n\r\n")) == std::string::npos) {

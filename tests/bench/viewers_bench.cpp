@@ -71,27 +71,13 @@ Options parse(int argc, char** argv) {
 /// One viewer, read without blocking. A mesh frame is acknowledged as soon as it is complete.
 class Viewer {
  public:
-  Viewer(std::uint16_t port, int number, const Options& options)
-      : descriptor_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
-      fail("cannot connect");
-    }
-    put("GET /v1/sessions/bench/view HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
-        "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n"
-        "Sec-WebSocket-Protocol: kerf.view.v1\r\n\r\n");
+  Viewer(std::uint16_t port, int number, const Options& options) : socket_(port) {
+    put(upgrade_request("/v1/sessions/bench/view", "kerf.view.v1"));
     hello_ = R"({"type":"hello","name":"viewer )" + std::to_string(number) +
              (options.lists ? R"("})" : R"(","changes":true})");
   }
-  ~Viewer() { close(descriptor_); }
-  Viewer(const Viewer&) = delete;
-  Viewer& operator=(const Viewer&) = delete;
 
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return socket_.descriptor(); }
   bool joined() const { return joined_; }
   bool dropped() const { return dropped_; }
   std::uint64_t text_bytes() const { return text_bytes_; }
@@ -99,7 +85,7 @@ class Viewer {
   /// Reads what has arrived; returns false once the server has closed the connection.
   bool read_some() {
     std::array<char, 65536> chunk{};
-    const ssize_t count = recv(descriptor_, chunk.data(), chunk.size(), MSG_DONTWAIT);
+    const ssize_t count = recv(descriptor(), chunk.data(), chunk.size(), MSG_DONTWAIT);
     if (count < 0 && errno == EAGAIN) return true;
     if (count <= 0) dropped_ = true;
     if (dropped_) return false;
@@ -118,7 +104,7 @@ class Viewer {
 
  private:
   void put(const std::string& bytes) {
-    if (::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0) dropped_ = true;
+    if (::send(descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0) dropped_ = true;
   }
   void put_frame(unsigned char opcode, std::string_view payload) {
     std::string frame = {static_cast<char>(0x80 | opcode),
@@ -155,7 +141,7 @@ class Viewer {
     put_frame(2, {reinterpret_cast<const char*>(ack.data()), ack.size()});
   }
 
-  int descriptor_;
+  Socket socket_;
   std::string hello_, in_;
   bool joined_ = false, dropped_ = false;
   std::uint64_t text_bytes_ = 0;

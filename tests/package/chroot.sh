@@ -36,6 +36,7 @@ cp /etc/resolv.conf "$root/etc/resolv.conf"
 { grep -ls '^ *Acquire' /etc/apt/apt.conf /etc/apt/apt.conf.d/* || true; } | while read -r file; do cp "$file" "$root$file"; done
 mkdir -p "$root/debs" "$root/test"
 cp "$root.debs"/*.deb "$root/debs/"
+cp -r haptic_agent/examples "$root/test/agent_examples"
 cp -r kernel/examples tests/package/*.ngc tests/package/*.json "$root/test/"
 
 cat >"$root/test/run.sh" <<'TXT'
@@ -54,13 +55,15 @@ for i in 1 2 3 4 5 6 7 8 9; do curl -fsS http://127.0.0.1:8099/healthz && break;
 curl -fsS http://127.0.0.1:8099/ | grep -qi '<html'
 curl -fsS http://127.0.0.1:8099/v1/sessions | grep -q pocket
 kill $server; wait $server
-apt-get install -qy --no-install-recommends /debs/libkerf-dev_*.deb g++ cmake make
+apt-get install -qy --no-install-recommends /debs/libkerf-dev_*.deb /debs/libkerf-agent1_*.deb g++ cmake make
 cmake -S /test/examples -B /test/build && cmake --build /test/build
+cmake -S /test/agent_examples -B /test/agent_build && cmake --build /test/agent_build
+/test/agent_build/press 2>&1 | grep usage
 /test/build/carve /test/block.stl
 /test/build/verify_nc /test/pocket.json /test/pocket.ngc
 g++ $(pkg-config --cflags kerf-formats) /test/examples/carve.cpp -o /test/carve $(pkg-config --libs kerf-formats)
 /test/carve
-apt-get remove -qy kerf kerf-agent libkerf-dev
+apt-get remove -qy kerf kerf-agent libkerf-dev libkerf-agent1
 TXT
 echo "installing and running in the chroot"
 chroot "$root" sh /test/run.sh >"$root.debs/run.log" 2>&1 || { tail -n 60 "$root.debs/run.log"; exit 1; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # install.sh BUILD SOURCE: installs a build into an empty prefix and checks what an embedder gets: every public header
-# compiles alone, the examples build with find_package and with pkg-config, and the installed programs run.
+# compiles alone, the examples build with find_package and with pkg-config, and the installed programs and devices run.
 set -euo pipefail
 build=$1 source=$2
 scratch=$(mktemp -d)
@@ -48,6 +48,22 @@ for name in carve force verify_nc; do
   g++ $(pkg-config --cflags kerf-formats) "$source/kernel/examples/$name.cpp" -o "$scratch/$name" \
     $(pkg-config --libs kerf-formats)
 done
+
+echo "agent examples"
+cmake -S "$source/haptic_agent/examples" -B "$scratch/agent" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >"$scratch/cmake.log" ||
+  { cat "$scratch/cmake.log"; exit 1; }
+cmake --build "$scratch/agent"
+# shellcheck disable=SC2046
+gcc -std=c11 -Wall -Wextra -Wpedantic -Werror $(pkg-config --cflags kerf-agent) \
+  "$source/haptic_agent/examples/press.c" -o "$scratch/press" $(pkg-config --libs kerf-agent) -lm
+mkdir "$scratch/data"
+"$prefix/bin/kerf-server" --listen 127.0.0.1:0 --data "$scratch/data" --scene "$source/tests/package/pocket.json" \
+  >"$scratch/address" &
+server=$!
+trap 'kill $server; rm -rf "$scratch"' EXIT
+until grep -q '^http' "$scratch/address"; do sleep 0.05; done
+LD_LIBRARY_PATH=$lib "$scratch/press" "$(head -1 "$scratch/address")" pocket
+LD_LIBRARY_PATH=$lib python3 "$source/haptic_agent/examples/press.py" "$(head -1 "$scratch/address")" pocket
 
 echo "runs"
 for folder in "$scratch/examples" "$scratch"; do

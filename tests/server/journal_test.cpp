@@ -98,6 +98,65 @@ TEST_F(Journal, OpenContinuesAfterTheLastRecordAndIncrementsTheEpoch) {
   EXPECT_EQ(count, 11);
 }
 
+TEST_F(Journal, StoresHowFarEachAgentHasComeWithItsRecords) {
+  const TokenHash token = *hash_token("0123456789abcdef0123456789abcdef");
+  {
+    auto writer = JournalWriter::create(file, kHeader);
+    ASSERT_TRUE(writer);
+    writer->append(JournalParticipant{1, "Ada", "#112233", "agent", token});
+    writer->append(JournalParticipant{2, "Bob", "#112233", "agent"});
+    EXPECT_EQ(writer->durable_sequence(), 0U);
+    for (int i = 1; i <= 10; ++i) {
+      ASSERT_TRUE(writer->append(1, move_to(i), 100U + static_cast<std::uint64_t>(i)));
+      ASSERT_TRUE(writer->append(2, move_to(i), 7));
+    }
+    ASSERT_TRUE(writer->flush());
+    EXPECT_EQ(writer->durable_sequence(), 20U);
+    writer->append(JournalParticipant{1, "Ada again", "#112233", "agent", token});
+  }
+  auto reader = JournalReader::open(file);
+  ASSERT_TRUE(reader) << describe(reader.error());
+  EXPECT_EQ(reader->participants()[0].name, "Ada again");
+  EXPECT_EQ(reader->participants()[0].agent_sequence, 110U);
+  EXPECT_EQ(reader->participants()[0].token, token);
+  EXPECT_FALSE(reader->participants()[1].token);
+  EXPECT_EQ(JournalWriter::open(file, 20)->durable_sequence(), 20U);
+  sql("UPDATE agents SET agent_sequence = 109");
+  reader = JournalReader::open(file);
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(reader.error().code, JournalErrorCode::kCorrupt);
+}
+
+TEST_F(Journal, OneWithoutAgentsThatMayResumeIsContinued) {
+  write_ten();
+  sql("DROP TABLE agents");
+  EXPECT_FALSE(JournalReader::open(file)->participants()[0].token);
+  auto writer = JournalWriter::open(file, 10);
+  ASSERT_TRUE(writer) << describe(writer.error());
+  const auto token = hash_token("0123456789abcdef0123456789abcdef");
+  writer->append(JournalParticipant{2, "Bob", "#112233", "agent", token});
+  ASSERT_TRUE(writer->append(2, move_to(11), 5));
+  ASSERT_TRUE(writer->flush());
+  EXPECT_EQ(JournalReader::open(file)->participants()[1].agent_sequence, 5U);
+}
+
+TEST(ResumeToken, IsRandomAndHashedWithSha256) {
+  const auto a = random_token(), b = random_token();
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->size(), 32U);
+  EXPECT_NE(*a, *b);
+  EXPECT_TRUE(are_equal(*hash_token(*a), *hash_token(*a)));
+  EXPECT_FALSE(are_equal(*hash_token(*a), *hash_token(*b)));
+  // sha256sum of the text
+  const TokenHash hash = *hash_token("00000000000000000000000000000000");
+  EXPECT_EQ(std::to_integer<int>(hash[0]), 0x84);
+  EXPECT_EQ(std::to_integer<int>(hash[31]), 0x5a);
+  for (const char* text :
+       {"", "0", "0000000000000000000000000000000g", "000000000000000000000000000000000"}) {
+    EXPECT_FALSE(hash_token(text)) << text;
+  }
+}
+
 TEST_F(Journal, StoresTheKernelVersionOfItsNewestHash) {
   write_ten();
   EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kKernelVersion);

@@ -26,10 +26,10 @@ SCENE = {
 
 
 class Server:
-    def __init__(self, data, *more):
+    def __init__(self, data, *more, port=0):
         self.data = data
         self.process = subprocess.Popen(
-            [PROGRAM, "--listen", "127.0.0.1:0", "--data", data, *more],
+            [PROGRAM, "--listen", f"127.0.0.1:{port}", "--data", data, *more],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
         if not line.startswith("http://127.0.0.1:"):

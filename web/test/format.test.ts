@@ -17,8 +17,8 @@ describe('format', () => {
   });
 
   it('shows felt beside computed where they differ', () => {
-    expect(feltBeside(18.1, 1 / 6, 'N')).toBe('18.1 N · felt 3.02 N (× 0.167)');
-    expect(feltBeside(18.1, 0, 'N')).toBe('18.1 N · felt 0 N (× 0)');
+    expect(feltBeside(18.1, 1 / 6, 'N')).toBe('18.1 N · felt 3.02 (× 0.167)');
+    expect(feltBeside(18.1, 0, 'N')).toBe('18.1 N · not felt');
     expect(feltBeside(18.1, 0.995, 'N')).toBe('18.1 N');
     expect(feltBeside(18.1, null, 'N')).toBe('18.1 N');
     expect(feltBeside(0, 0, 'N')).toBe('0 N');

@@ -14,7 +14,8 @@ TEST(DeviceChoice, SimWithoutFileUsesTheCarvingFigure) {
   ASSERT_TRUE(choice);
   EXPECT_FALSE(choice->script);
   const auto device = make_device(*choice, {.stock = {{0, 0, 0}, {10, 10, 10}}}, {});
-  EXPECT_EQ(device->capabilities().actuated_dof, 5);
+  ASSERT_TRUE(device);
+  EXPECT_EQ((*device)->capabilities().actuated_dof, 5);
 }
 
 TEST(DeviceChoice, FileIsPlayedBySimOrReplay) {
@@ -23,8 +24,8 @@ TEST(DeviceChoice, FileIsPlayedBySimOrReplay) {
   const auto hand = choose_device("sim:" + path.string());
   const auto replay = choose_device("replay:" + path.string());
   ASSERT_TRUE(hand && replay);
-  EXPECT_EQ(make_device(*hand, {}, {})->capabilities().actuated_dof, 5);
-  EXPECT_EQ(make_device(*replay, {}, {})->capabilities().actuated_dof, 0);
+  EXPECT_EQ(make_device(*hand, {}, {}).value()->capabilities().actuated_dof, 5);
+  EXPECT_EQ(make_device(*replay, {}, {}).value()->capabilities().actuated_dof, 0);
   std::filesystem::remove(path);
 }
 
@@ -37,7 +38,7 @@ TEST(DeviceChoice, UsbDevicesAreChosenByName) {
 
 TEST(DeviceChoice, MissingUsbDeviceIsClosed) {
   for (const char* name : {"usb", "falcon", "spacemouse"}) {
-    const auto device = make_device(*choose_device(name), {}, {});
+    const auto device = make_device(*choose_device(name), {}, {}).value();
     const DeviceState state = device->read(1000);
     EXPECT_FALSE(state.valid) << name;
     EXPECT_EQ(state.phase, DevicePhase::kClosed) << name;

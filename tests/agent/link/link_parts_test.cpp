@@ -90,8 +90,28 @@ TEST(Control, AbsurdNumbersOfAWelcomeAreATypedError) {
 
 TEST(Control, HelloOmitsUnsetFields) {
   const auto hello = nlohmann::json::parse(hello_text({.name = "Ada", .color = "", .tool_id = 0}));
-  EXPECT_EQ(hello, nlohmann::json::parse(R"({"type":"hello","name":"Ada","feel":true})"));
+  EXPECT_EQ(hello,
+            nlohmann::json::parse(R"({"type":"hello","name":"Ada","feel":true,"durable":true})"));
   EXPECT_EQ(nlohmann::json::parse(hello_text({.name = "", .color = "", .udp = true}))["udp"], true);
+}
+
+TEST(Control, TheTokenIsPresentedAndNotInTheTextOfTheWelcome) {
+  const auto hello = nlohmann::json::parse(hello_text({.name = "", .color = "", .resume = "abc"}));
+  EXPECT_EQ(hello["resume"], "abc");
+  const auto read = [](const nlohmann::json& resume) {
+    auto message = nlohmann::json::parse(welcome_text());
+    message["resume"] = resume;
+    return std::get<Welcome>(parse_control(message.dump()).value());
+  };
+  const Welcome welcome = read({{"token", "0123abcd"}, {"agent_sequence", 17}, {"resumed", true}});
+  ASSERT_TRUE(welcome.resume);
+  EXPECT_EQ(welcome.resume->token, "0123abcd");
+  EXPECT_EQ(welcome.resume->agent_sequence, 17U);
+  EXPECT_TRUE(welcome.resume->resumed);
+  EXPECT_EQ(welcome.text.find("0123abcd"), std::string::npos);
+  EXPECT_FALSE(read({{"token", 5}, {"agent_sequence", 17}, {"resumed", true}}).resume);
+  EXPECT_FALSE(read({{"token", ""}, {"agent_sequence", -1}, {"resumed", true}}).resume);
+  EXPECT_FALSE(read(7).resume);
 }
 
 TEST(Control, InvalidUdpOfferIsIgnored) {

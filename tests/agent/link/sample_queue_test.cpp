@@ -75,6 +75,83 @@ TEST(SampleQueue, RewindStartsAtTheLastAnsweredSample) {
   EXPECT_EQ(queue.unanswered(), 0U);
 }
 
+TEST(SampleQueue, AnsweredSamplesAreKeptUntilTheyAreDurable) {
+  SampleQueue queue;
+  queue.keep_until_durable(true);
+  for (std::uint64_t i = 1; i <= 10; ++i) queue.push(sample(i));
+  queue.take(16);
+  queue.answered(8);
+  queue.durable(3);
+  EXPECT_EQ(queue.not_durable(), 5U);
+  // The server was killed: it has what was durable.
+  queue.rewind(3);
+  auto batch = queue.take(16);
+  ASSERT_EQ(batch.count, 8U);
+  EXPECT_EQ(batch.samples[0].agent_sequence, 3U) << "the start of the first motion";
+  EXPECT_EQ(batch.samples[7].time_us, 10U);
+  queue.answered(10);
+  EXPECT_TRUE(queue.settled());
+  EXPECT_EQ(queue.not_durable(), 7U);
+  // Only the connection was lost: the server has everything, also what it did not answer.
+  queue.push(sample(11));
+  queue.take(16);
+  queue.rewind(11);
+  batch = queue.take(16);
+  ASSERT_EQ(batch.count, 1U);
+  EXPECT_EQ(batch.samples[0].agent_sequence, 11U);
+  // A server that does not know the agent gets all that is not durable.
+  queue.rewind(0);
+  EXPECT_EQ(queue.take(16).samples[0].agent_sequence, 3U);
+  queue.durable(11);
+  queue.rewind(0);
+  EXPECT_EQ(queue.take(16).samples[0].agent_sequence, 11U);
+  EXPECT_EQ(queue.not_durable(), 0U);
+}
+
+TEST(SampleQueue, ABoundedNumberOfSamplesIsKeptForASlowDisk) {
+  SampleQueue queue;
+  queue.keep_until_durable(true);
+  constexpr std::uint64_t kMore = 1000;
+  for (std::uint64_t i = 1; i <= SampleQueue::kMaxNotDurable + kMore; ++i) {
+    queue.push(sample(i));
+    queue.take(16);
+    queue.answered(i);
+  }
+  EXPECT_EQ(queue.given_up(), kMore - 1);
+  queue.rewind(0);
+  EXPECT_EQ(queue.take(1).samples[0].agent_sequence, kMore);
+}
+
+TEST(SampleQueue, SamplesThatWereFeltAreNotDroppedForNewOnes) {
+  SampleQueue queue;
+  queue.keep_until_durable(true);
+  for (std::uint64_t i = 1; i <= 2000; ++i) {
+    queue.push(sample(i));
+    queue.take(16);
+    queue.answered(i);
+  }
+  queue.rewind(0);
+  // Every second one cuts: none may be merged or thinned out.
+  for (std::uint64_t i = 2001; i <= 2400 + SampleQueue::kMaxKept; ++i) {
+    queue.push(sample(i, i % 2 == 0));
+  }
+  EXPECT_GE(queue.forgotten(), 399U);
+  std::uint64_t number = 0, last_us = 0;
+  for (auto batch = queue.take(16); batch.count > 0; batch = queue.take(16)) {
+    for (const wire::MotionSample& sent : batch.view()) {
+      EXPECT_EQ(sent.agent_sequence, ++number);
+      if (number <= 2000) {
+        EXPECT_EQ(sent.time_us, number);
+      }
+      const bool cuts = (sent.buttons & wire::kButtonCutting) != 0;
+      EXPECT_TRUE(!cuts || sent.time_us <= last_us + 1) << "no chord across a gap";
+      last_us = sent.time_us;
+    }
+    queue.answered(number);
+  }
+  EXPECT_TRUE(queue.settled());
+}
+
 TEST(SampleQueue, AnswersToUnsentNumbersAreIgnored) {
   SampleQueue queue;
   queue.push(sample(1));

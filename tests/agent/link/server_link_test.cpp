@@ -101,9 +101,10 @@ TEST_F(ServerLinkTest, SendsHelloAndParsesTheWelcome) {
   EXPECT_EQ(welcome->pivot_mm, 60);
   EXPECT_EQ(welcome->stock.min_mm, (Vec3{-50, -50, -50}));
   EXPECT_EQ(welcome->tool_ids, (std::vector<std::uint32_t>{1, 2}));
-  EXPECT_EQ(nlohmann::json::parse(hello),
-            nlohmann::json::parse(
-                R"({"type":"hello","name":"Ada","color":"#112233","tool":2,"feel":true})"));
+  EXPECT_EQ(
+      nlohmann::json::parse(hello),
+      nlohmann::json::parse(
+          R"({"type":"hello","name":"Ada","color":"#112233","tool":2,"feel":true,"durable":true})"));
   EXPECT_EQ(server.target(), "/v1/sessions/demo/agent");
   link.stop(1.0);
   EXPECT_EQ(link.report().failure, "");

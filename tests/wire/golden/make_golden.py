@@ -27,11 +27,15 @@ def header(kind, payload, flags=0, header_bytes=32, epoch=7, sequence=(1 << 40) 
                        time_us) + extra + payload
 
 
-def keep(name, kind, body, payload, flags=0, **options):
+def keep(name, kind, body, payload, flags=0, durable=0, **options):
+    if durable:
+        flags |= 1
+        options = {**options, "header_bytes": 40, "extra": struct.pack("<Q", durable)}
     data = header(TYPES.get(kind, kind), payload, flags, **options)
     (HERE / f"{name}.bin").write_bytes(data)
+    stated = {"durable_sequence": durable} if durable else {}
     frames.append({
-        "file": f"{name}.bin", "type": kind if isinstance(kind, str) else "unknown",
+        **stated, "file": f"{name}.bin", "type": kind if isinstance(kind, str) else "unknown",
         "type_number": TYPES.get(kind, kind), "flags": flags,
         "header_bytes": options.get("header_bytes", 32),
         "payload_bytes": len(payload), "epoch": options.get("epoch", 7),
@@ -130,6 +134,9 @@ keep("pong", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
 keep("stock_two", "stock", {"reset": False, "agent_time_us": (1 << 36) + 5, "tiles": tiles},
      stock_bytes((1 << 36) + 5, tiles))
 keep("stock_reset", "stock", {"reset": True, "agent_time_us": 0, "tiles": []}, stock_bytes(0, []), flags=1)
+keep("result_durable", "result", touching, result_bytes(touching), durable=(1 << 33) + 5)
+keep("pong_durable", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
+     struct.pack("<QQ", (1 << 52) + 1, 99), durable=1)
 keep("longer_header", "ping", {"time_us": 5}, struct.pack("<Q", 5), header_bytes=48, extra=b"\xee" * 16)
 keep("unknown_type", 200, {}, b"\x01\x02\x03")
 

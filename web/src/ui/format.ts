@@ -19,12 +19,14 @@ export function figure(value: number): string {
 
 /**
  * Formats a computed force or torque, and beside it what the device makes felt, where they differ:
- * "18.1 N · felt 3.02 N (× 0.167)". `share`: felt over computed; null: not stated.
+ * "18.1 N · felt 3.02 (× 0.167)", or "18.1 N · not felt" while the motors are off. `share`: felt over
+ * computed; null: not stated.
  */
 export function feltBeside(computed: number, share: number | null, unit: string): string {
   const text = `${figure(computed)} ${unit}`;
   if (share === null || share >= 0.99 || figure(computed) === '0') return text;
-  return `${text} · felt ${figure(computed * share)} ${unit} (× ${figure(share)})`;
+  if (figure(share) === '0') return `${text} · not felt`;
+  return `${text} · felt ${figure(computed * share)} (× ${figure(share)})`;
 }
 
 /** Formats a volume: in mm³, from 1000 mm³ in cm³. */

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * press URL SESSION: a device of one's own in 100 lines of C. A simulated hand lowers the tool onto
+ * the middle of the stock, presses, then cuts along x; prints what it feels. A real device reads
+ * its encoders where `move` computes a position, and sets its motors where it takes `wrench`. */
+#define _GNU_SOURCE
+#include <kerf/kerf_agent.h>
+#include <math.h>
+#include <sched.h>
+#include <stdio.h>
+#include <time.h>
+
+#define PERIOD_NS 1000000L
+#define END_S 3.5
+
+/* A mass of 0.2 kg, pulled to a target by a hand of 0.5 N/mm with damping: mm and seconds. */
+struct hand {
+  double at[3], speed[3];
+};
+
+static void move(struct hand* hand, const double target[3], const kerf_agent_wrench* felt) {
+  const double mass = 0.2e-3, stiffness = 0.5, damping = 0.02, dt = 1e-3; /* N, mm, s */
+  for (int i = 0; i < 3; ++i) {
+    const double pull = stiffness * (target[i] - hand->at[i]) - damping * hand->speed[i];
+    hand->speed[i] += (pull + felt->force_n[i]) / mass * dt;
+    hand->at[i] += hand->speed[i] * dt;
+  }
+}
+
+/* The path of the hand: waits 5 mm above, presses 2 mm deep without cutting, cuts 15 mm along x. */
+static int aim(double t, const kerf_agent_session* session, double target[3]) {
+  const double sink = t < 0.8 ? 0 : t < 1.5 ? 10 * (t - 0.8) : 7;
+  const double run = t < 2 ? 0 : 10 * (t - 2);
+  target[0] = (session->stock_min_mm[0] + session->stock_max_mm[0]) / 2 + run;
+  target[1] = (session->stock_min_mm[1] + session->stock_max_mm[1]) / 2;
+  target[2] = session->stock_max_mm[2] + 5 - sink;
+  return t >= 2;
+}
+
+static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+/* Prints the state; returns 1 after the safety envelope has tripped, for example for lost ticks. */
+static int print(kerf_agent* agent, double t, const struct hand* hand) {
+  kerf_agent_status status = {.struct_size = sizeof status};
+  kerf_agent_get_status(agent, &status);
+  printf("%4.2f s  z %6.2f mm  feels %5.2f N of %5.2f  %s\n", t, hand->at[2],
+         length(status.felt_force_n), length(status.computed_force_n),
+         status.tripped ? status.trip_text : status.phase_text);
+  return (int)status.tripped;
+}
+
+static int feel(kerf_agent* agent) {
+  kerf_agent_session session = {.struct_size = sizeof session};
+  kerf_agent_get_session(agent, &session);
+  kerf_agent_pose pose = {.struct_size = sizeof pose, .state = KERF_AGENT_READY, .axis = {0, 0, 1}};
+  kerf_agent_wrench wrench = {.struct_size = sizeof wrench};
+  struct hand hand = {0};
+  aim(0, &session, hand.at);
+  double pressed = 0, cut = 0;
+  const struct sched_param priority = {.sched_priority = 80};
+  sched_setscheduler(0, SCHED_FIFO, &priority); /* if permitted */
+  struct timespec due;
+  clock_gettime(CLOCK_MONOTONIC, &due);
+  for (int tick = 0, trips = 0; tick < (int)(END_S * 1000); ++tick) {
+    due.tv_nsec += PERIOD_NS;
+    if (due.tv_nsec >= 1000 * PERIOD_NS) due.tv_nsec -= 1000 * PERIOD_NS, ++due.tv_sec;
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL);
+    double target[3];
+    const int cutting = aim(tick * 1e-3, &session, target);
+    move(&hand, target, &wrench);
+    for (int i = 0; i < 3; ++i) pose.tip_mm[i] = hand.at[i];
+    pose.buttons = cutting ? KERF_AGENT_CUT : 0;
+    if (kerf_agent_step(agent, &pose, &wrench) != KERF_AGENT_OK) return 1;
+    const double newtons = length(wrench.force_n);
+    if (cutting && newtons > cut) cut = newtons;
+    if (!cutting && newtons > pressed) pressed = newtons;
+    if (tick % 250 == 0 && print(agent, tick * 1e-3, &hand)) {
+      if (++trips > 20) return 2;
+      kerf_agent_rearm(agent); /* A program asks its user first. */
+      tick = 0;                /* The hand lifts the tool and tries again. */
+    }
+  }
+  printf("greatest force: pressing %.2f N, cutting %.2f N\n", pressed, cut);
+  return pressed > 0.1 && cut > 0.1 ? 0 : 2;
+}
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    fprintf(stderr, "usage: press http://HOST:PORT SESSION\n");
+    return 2;
+  }
+  const kerf_agent_capabilities device = {.struct_size = sizeof device,
+                                          .name = "simulated hand",
+                                          .sensed_dof = 3,
+                                          .actuated_dof = 3,
+                                          .max_force_n = 10,
+                                          .max_stiffness_n_per_mm = 2,
+                                          .moving_mass_kg = 0.2,
+                                          .moving_inertia_kg_m2 = 1e-4};
+  const kerf_agent_options options = {.struct_size = sizeof options,
+                                      .server = argv[1],
+                                      .session = argv[2],
+                                      .name = "C example",
+                                      .device = &device};
+  kerf_agent* agent = NULL;
+  kerf_agent_result result = kerf_agent_connect(&options, &agent);
+  if (result == KERF_AGENT_OK) result = feel(agent);
+  if (result < 0 || result == 1) fprintf(stderr, "press: %s\n", kerf_agent_last_error());
+  kerf_agent_close(agent, 2);
+  return result == KERF_AGENT_OK ? 0 : 1;
+}

@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""press.py URL SESSION [LIBRARY]: a device of one's own in Python, with nothing but ctypes. A
+simulated hand lowers the tool onto the middle of the stock, presses, then cuts along x; prints what
+it feels. A real device reads its encoders in `read_pose` and sets its motors in `write_wrench`."""
+import ctypes
+import ctypes.util
+import sys
+from ctypes import CFUNCTYPE, POINTER, byref, c_char_p, c_double, c_int32, c_uint32, c_uint64, c_void_p
+
+READY, FINISHED, CUT, ABI = 3, 4, 1, 1
+Vector = c_double * 3
+
+
+class Sized(ctypes.Structure):
+    """A structure of kerf_agent.h: begins with its size."""
+
+    def __init__(self, **fields):
+        super().__init__(struct_size=ctypes.sizeof(self), **fields)
+
+
+class Pose(Sized):
+    _fields_ = [("struct_size", c_uint32), ("state", c_uint32), ("tip_mm", Vector), ("axis", Vector),
+                ("buttons", c_uint32), ("tool_id", c_uint32), ("time_us", c_uint64)]
+
+
+class Wrench(Sized):
+    _fields_ = [("struct_size", c_uint32), ("reserved", c_uint32), ("force_n", Vector),
+                ("torque_nmm", Vector)]
+
+
+class Capabilities(Sized):
+    _fields_ = [("struct_size", c_uint32), ("flags", c_uint32), ("name", c_char_p),
+                ("sensed_dof", c_uint32), ("actuated_dof", c_uint32), ("max_force_n", c_double),
+                ("max_torque_nmm", c_double), ("continuous_force_n", c_double),
+                ("continuous_torque_nmm", c_double), ("max_stiffness_n_per_mm", c_double),
+                ("max_damping_n_s_per_mm", c_double), ("latency_us", c_uint32),
+                ("reserved", c_uint32), ("moving_mass_kg", c_double),
+                ("moving_inertia_kg_m2", c_double), ("workspace_min_mm", Vector),
+                ("workspace_max_mm", Vector)]
+
+
+class Options(Sized):
+    _fields_ = [("struct_size", c_uint32), ("flags", c_uint32), ("server", c_char_p),
+                ("session", c_char_p), ("name", c_char_p), ("color", c_char_p),
+                ("tool_id", c_uint32), ("feel_of", c_uint32), ("patience_s", c_double),
+                ("max_force_n", c_double), ("max_torque_nmm", c_double),
+                ("device", POINTER(Capabilities)), ("notice", c_void_p), ("context", c_void_p)]
+
+
+class Session(Sized):
+    _fields_ = [("struct_size", c_uint32), ("participant", c_uint32), ("name", c_char_p),
+                ("tool_ids", POINTER(c_uint32)), ("tool_count", c_uint32), ("tool_id", c_uint32),
+                ("pivot_mm", c_double), ("stock_min_mm", Vector), ("stock_max_mm", Vector)]
+
+
+class Status(Sized):
+    _fields_ = [("struct_size", c_uint32), ("connected", c_uint32), ("phase", c_uint32),
+                ("tripped", c_uint32), ("phase_text", c_char_p), ("trip_text", c_char_p),
+                ("trips", c_uint64), ("ticks", c_uint64), ("round_trip_us", c_uint64),
+                ("answer_age_us", c_uint64), ("felt_factor", c_double), ("felt", Vector * 2),
+                ("computed", Vector * 2), ("energy_mj", c_double)]
+
+
+ReadPose = CFUNCTYPE(None, c_void_p, c_uint64, POINTER(Pose))
+WriteWrench = CFUNCTYPE(None, c_void_p, POINTER(Wrench))
+
+
+class Device(Sized):
+    _fields_ = [("struct_size", c_uint32), ("abi", c_uint32), ("name", c_char_p),
+                ("open", c_void_p), ("capabilities", c_void_p), ("read_pose", ReadPose),
+                ("write_wrench", WriteWrench), ("stop", c_void_p), ("close", c_void_p)]
+
+
+class Hand:
+    """A mass of 0.2 kg, pulled along a path by a spring of 0.5 N/mm with damping."""
+
+    def __init__(self, kerf, agent, session):
+        self.kerf, self.agent, self.status = kerf, agent, Status()
+        low, high = session.stock_min_mm, session.stock_max_mm
+        self.start = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2] + 5]
+        self.at, self.speed, self.force = list(self.start), [0.0] * 3, [0.0] * 3
+        self.tick, self.pressed, self.cut = 0, 0.0, 0.0
+
+    def aim(self, t):
+        """Waits above the stock, presses 2 mm deep without cutting, cuts 15 mm along x."""
+        x, y, z = self.start
+        return (x + 10 * max(0.0, t - 2), y, z - min(7.0, max(0.0, 10 * (t - 0.8))))
+
+    def read_pose(self, _, now_us, pose):
+        t = self.tick * 1e-3
+        for i, target in enumerate(self.aim(t)):
+            pull = 0.5 * (target - self.at[i]) - 0.02 * self.speed[i] + self.force[i]
+            self.speed[i] += pull / 0.2e-3 * 1e-3
+            self.at[i] += self.speed[i] * 1e-3
+        pose[0].state = READY if t < 3.5 else FINISHED
+        pose[0].tip_mm[:] = self.at
+        pose[0].axis[2] = 1
+        pose[0].buttons = CUT if t >= 2 else 0
+        self.tick += 1
+
+    def write_wrench(self, _, wrench):
+        self.force = wrench[0].force_n[:]
+        newtons = sum(f * f for f in self.force) ** 0.5
+        cutting = self.tick > 2000
+        self.cut = max(self.cut, newtons if cutting else 0)
+        self.pressed = max(self.pressed, 0 if cutting else newtons)
+        if self.tick % 250 == 0:
+            self.kerf.kerf_agent_get_status(self.agent, byref(self.status))
+            print(f"{self.tick * 1e-3:4.2f} s  z {self.at[2]:6.2f} mm  feels {newtons:5.2f} N",
+                  self.status.trip_text.decode() if self.status.tripped else "")
+            if self.status.tripped and self.status.trips <= 20:
+                self.kerf.kerf_agent_rearm(self.agent)  # a program asks its user first
+                self.tick = 0  # the hand lifts the tool and tries again
+
+
+def main():
+    if len(sys.argv) not in (3, 4):
+        sys.exit("usage: press.py http://HOST:PORT SESSION [LIBRARY]")
+    name = sys.argv[3] if len(sys.argv) == 4 else ctypes.util.find_library("kerf_agent")
+    kerf = ctypes.CDLL(name or "libkerf_agent.so.1")
+    kerf.kerf_agent_last_error.restype = c_char_p
+    kerf.kerf_agent_close.argtypes = [c_void_p, c_double]
+    kerf.kerf_agent_close.restype = None
+
+    def check(result):
+        if c_int32(result).value != 0:
+            sys.exit("press.py: " + kerf.kerf_agent_last_error().decode())
+
+    device = Capabilities(name=b"simulated hand", sensed_dof=3, actuated_dof=3, max_force_n=10,
+                          max_stiffness_n_per_mm=2, moving_mass_kg=0.2, moving_inertia_kg_m2=1e-4)
+    options = Options(server=sys.argv[1].encode(), session=sys.argv[2].encode(),
+                      name=b"Python example", device=ctypes.pointer(device))
+    agent = c_void_p()
+    check(kerf.kerf_agent_connect(byref(options), byref(agent)))
+    session = Session()
+    check(kerf.kerf_agent_get_session(agent, byref(session)))
+    hand = Hand(kerf, agent, session)
+    loop = Device(abi=ABI, read_pose=ReadPose(hand.read_pose),
+                  write_wrench=WriteWrench(hand.write_wrench))
+    check(kerf.kerf_agent_run(agent, byref(loop), None))
+    kerf.kerf_agent_close(agent, 2)
+    print(f"greatest force: pressing {hand.pressed:.2f} N, cutting {hand.cut:.2f} N")
+    return 0 if hand.pressed > 0.1 and hand.cut > 0.1 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

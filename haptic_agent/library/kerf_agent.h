@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/* libkerf_agent: a haptic device in a Kerf session, from C or any language that calls C.
+ *
+ * A program connects to a session, gives the pose of its device 1000 times per second and outputs
+ * the force and torque that it gets back. The library contains what kerf-agent contains: the
+ * connection, a copy of the block near the tool, the passivity layer and the safety envelope.
+ *
+ * Units: mm, N, N·mm, rad, s, kg; times in microseconds of CLOCK_MONOTONIC. Coordinates are the
+ * session's (z up). A pose is the tool's tip and the unit axis from the tip to the spindle.
+ * Force and torque refer to the pivot: the point on the axis, kerf_agent_session.pivot_mm from the
+ * tip, at which the user holds the tool. Torque about the axis itself is always zero.
+ *
+ * Structures. The first field of each is its size, as the caller compiled it. Set everything to
+ * zero, then `struct_size = sizeof` the structure; zero is the default of every other field. A
+ * library with a shorter structure accepts a longer one if what it does not know is zero
+ * (otherwise KERF_AGENT_UNSUPPORTED); a newer library fills in and reads only `struct_size` bytes.
+ *
+ * Ownership. The caller owns what it passes; the library copies what it keeps, strings included.
+ * Pointers in what the library returns belong to it and are valid until kerf_agent_close; texts of
+ * results, phases and trips are static.
+ *
+ * Threads. kerf_agent_step and kerf_agent_run may be called from any thread, by one at a time;
+ * kerf_agent_close by one thread when no other call is active; all other functions by any thread at
+ * any time. Only connect, close and run wait. kerf_agent_step does not allocate or lock. The
+ * library starts threads of its own and installs no signal handler.
+ *
+ * Errors. Every call that can fail returns a kerf_agent_result; kerf_agent_last_error has the
+ * sentence to show to the user. No C++ exception leaves the library. */
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define KERF_AGENT_API __attribute__((visibility("default")))
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Version of this interface. Programs and plugins of one ABI number work with every library of the
+ * same number; a library with a higher minor number knows more functions and fields. */
+#define KERF_AGENT_ABI 1
+#define KERF_AGENT_MINOR 0
+#define KERF_AGENT_VERSION ((KERF_AGENT_ABI << 16) | KERF_AGENT_MINOR)
+
+/** Result of a call: KERF_AGENT_OK or a negative number. */
+typedef int32_t kerf_agent_result;
+enum {
+  KERF_AGENT_OK = 0,
+  KERF_AGENT_INVALID = -1,     /**< an argument is null, not finite or out of range */
+  KERF_AGENT_UNREACHABLE = -2, /**< the server did not answer within `patience_s` */
+  KERF_AGENT_REJECTED = -3,    /**< the server or the library rejects the session or the welcome */
+  KERF_AGENT_NO_TOOL = -4,     /**< the session does not have this tool */
+  KERF_AGENT_LOST = -5,        /**< the connection has been lost for good; the force is zero */
+  KERF_AGENT_BUSY = -6,        /**< another thread is in kerf_agent_step or kerf_agent_run */
+  KERF_AGENT_UNSUPPORTED = -7, /**< a structure or plugin of another ABI version */
+  KERF_AGENT_DEVICE = -8,      /**< the device reports a failure */
+  KERF_AGENT_OUT_OF_MEMORY = -9,
+  KERF_AGENT_INTERNAL = -10 /**< a fault of the library */
+};
+
+/** State of the device at a pose. In every state but READY the force is zero. */
+enum {
+  KERF_AGENT_ABSENT = 0,  /**< there is no pose: unplugged, not found */
+  KERF_AGENT_FAULT = 1,   /**< overheated, emergency stop */
+  KERF_AGENT_HOMING = 2,  /**< the pose is not known yet */
+  KERF_AGENT_READY = 3,   /**< the pose is valid and motors accept forces */
+  KERF_AGENT_FINISHED = 4 /**< as READY; kerf_agent_run ends after this pose */
+};
+
+/** Bits of kerf_agent_pose.buttons. */
+enum {
+  KERF_AGENT_CUT = 1,    /**< the tool removes material; without it the tool only touches */
+  KERF_AGENT_DEADMAN = 2 /**< the user holds the device; ignored without KERF_AGENT_HAS_DEADMAN */
+};
+
+typedef struct kerf_agent_pose {
+  uint32_t struct_size;
+  uint32_t state; /**< KERF_AGENT_ABSENT ... KERF_AGENT_FINISHED */
+  double tip_mm[3];
+  double axis[3];   /**< of length 1 ± 0.0005, from the tip to the spindle */
+  uint32_t buttons; /**< KERF_AGENT_CUT, KERF_AGENT_DEADMAN */
+  uint32_t tool_id; /**< 0: the one that kerf_agent_choose_tool chose */
+  uint64_t time_us; /**< when it was measured; 0: now. A pose of 20 ms or older is not valid */
+} kerf_agent_pose;
+
+typedef struct kerf_agent_wrench {
+  uint32_t struct_size;
+  uint32_t reserved;
+  double force_n[3];    /**< on the user's hand, at the pivot */
+  double torque_nmm[3]; /**< about the pivot, across the axis */
+} kerf_agent_wrench;
+
+/** Flags of kerf_agent_capabilities. */
+enum {
+  /** The device senses that the user holds it and reports KERF_AGENT_DEADMAN. Without this flag the
+   * library takes the device for held whenever it is ready. */
+  KERF_AGENT_HAS_DEADMAN = 1
+};
+
+/** A device's ratings, from its data sheet or measured. They decide which forces are safe: rate low
+ * rather than high, except `latency_us`. */
+typedef struct kerf_agent_capabilities {
+  uint32_t struct_size;
+  uint32_t flags;            /**< KERF_AGENT_HAS_DEADMAN */
+  const char* name;          /**< at most 64 bytes are used; null: "device" */
+  uint32_t sensed_dof;       /**< 3 or 5: with 3 the axis is (0, 0, 1) throughout; 0: 5 */
+  uint32_t actuated_dof;     /**< 0 (no motors), 3 (force) or 5 (force, torque across the axis) */
+  double max_force_n;        /**< peak, 0 to 100; 0: no motors. At most 0.6 of it is used */
+  double max_torque_nmm;     /**< peak, 0 to 10000; 0: no torque */
+  double continuous_force_n; /**< mean over 10 s; 0: unknown, not supervised */
+  double continuous_torque_nmm;  /**< likewise */
+  double max_stiffness_n_per_mm; /**< that it renders stably at 1 kHz, 0 to 100; 0: unknown */
+  double max_damping_n_s_per_mm; /**< likewise, 0 to 1 */
+  /** Greatest time from the measurement of a pose until a wrench computed from it acts, beside the
+   * loop's own period of 1 ms, µs: transfers, drivers, motor control. 0 to 20000. The bound on the
+   * energy that the device returns holds up to this latency only. */
+  uint32_t latency_us;
+  uint32_t reserved;
+  double moving_mass_kg;       /**< least mass that a force at the pivot moves; 0: 0.05 */
+  double moving_inertia_kg_m2; /**< least inertia about the pivot, across the axis; 0: 1e-5 */
+  /** Range of the tip in session coordinates, mm: outside the force is switched off. Equal corners:
+   * unknown, not supervised. */
+  double workspace_min_mm[3], workspace_max_mm[3];
+} kerf_agent_capabilities;
+
+/** Flags of kerf_agent_options. */
+enum {
+  KERF_AGENT_NO_COPY = 1, /**< keep no copy of the block: forces are a round trip late */
+  KERF_AGENT_UDP = 2,     /**< use the server's UDP transport, if it offers one */
+  /** kerf_agent_run requests neither SCHED_FIFO nor locked memory for its loop. */
+  KERF_AGENT_NO_REALTIME = 4
+};
+
+typedef struct kerf_agent_options {
+  uint32_t struct_size;
+  uint32_t flags;        /**< KERF_AGENT_NO_COPY, KERF_AGENT_UDP, KERF_AGENT_NO_REALTIME */
+  const char* server;    /**< "http://HOST[:PORT]"; null: http://localhost:8080 */
+  const char* session;   /**< required: letters, digits, '.', '_' or '-', at most 64 */
+  const char* name;      /**< of the user, as shown to others, at most 64 bytes; null: none */
+  const char* color;     /**< of the user's tool, "#rrggbb"; null: the server chooses */
+  uint32_t tool_id;      /**< 0: the session's first tool */
+  uint32_t feel_of;      /**< also feel the force of this participant; 0: none */
+  double patience_s;     /**< how long to retry connecting, at first and after a loss; 0: 30 */
+  double max_force_n;    /**< limit beside the device's own, 0 to 50; 0: 8 */
+  double max_torque_nmm; /**< likewise, 0 to 2000; 0: 150 */
+  const kerf_agent_capabilities* device; /**< null: a device without motors */
+  /** Receives lines for the user (connection lost, errors of the server), on a thread of the
+   * library, until kerf_agent_close returns; must return soon. Null: none. */
+  void (*notice)(void* context, const char* line);
+  void* context;
+} kerf_agent_options;
+
+/** What the session determines. */
+typedef struct kerf_agent_session {
+  uint32_t struct_size;
+  uint32_t participant; /**< this agent's number in the session */
+  const char* name;
+  const uint32_t* tool_ids;
+  uint32_t tool_count;
+  uint32_t tool_id; /**< the tool that is chosen now */
+  double pivot_mm;  /**< from the tip along the axis to the point that the user holds */
+  double stock_min_mm[3], stock_max_mm[3];
+} kerf_agent_session;
+
+/** Phases of the safety envelope (haptic_agent/servo/README.md). */
+enum {
+  KERF_AGENT_PHASE_READY = 0, /**< no force: not held, or the server has not answered yet */
+  KERF_AGENT_PHASE_ARMED = 1, /**< no force: the tip must be slow and the force small for 50 ms */
+  KERF_AGENT_PHASE_RAMP = 2,  /**< the force rises to its full value within 0.5 s */
+  KERF_AGENT_PHASE_ACTIVE = 3,
+  KERF_AGENT_PHASE_DEGRADED = 4, /**< as ACTIVE; the server is late or the loop loses ticks */
+  KERF_AGENT_PHASE_SAFE = 5      /**< tripped: no force until the user re-arms */
+};
+
+/** State of the newest tick. */
+typedef struct kerf_agent_status {
+  uint32_t struct_size;
+  uint32_t connected;     /**< 1: there is a connection to the server now; 0: not */
+  uint32_t phase;         /**< KERF_AGENT_PHASE_... */
+  uint32_t tripped;       /**< 1 in KERF_AGENT_PHASE_SAFE, else 0 */
+  const char* phase_text; /**< "ready", "armed", "ramp", "active", "degraded" or "safe" */
+  const char* trip_text;  /**< why it tripped last, for example "lost_ticks"; "none" before */
+  uint64_t trips;
+  uint64_t ticks;         /**< valid poses so far */
+  uint64_t round_trip_us; /**< of the newest ping to the server; 0: none yet */
+  uint64_t answer_age_us; /**< of the answer that the newest wrench follows */
+  double felt_factor;     /**< share of the computed wrench that is felt, 0 to 1; 1: all of it */
+  double felt_force_n[3], felt_torque_nmm[3];         /**< the newest wrench */
+  double computed_force_n[3], computed_torque_nmm[3]; /**< what the session computes there */
+  double energy_mj; /**< in the tank that bounds what the device may return, -6 to 18 */
+} kerf_agent_status;
+
+/** Where the device works: known when the session is. */
+typedef struct kerf_agent_place {
+  uint32_t struct_size;
+  uint32_t participant;
+  double pivot_mm;
+  double stock_min_mm[3], stock_max_mm[3];
+  const char* argument; /**< text after the colon of plugin:FILE.so:ARGUMENT; "" without */
+} kerf_agent_place;
+
+/** A device as a table of functions, for loops that the library runs: kerf_agent_run takes one, and
+ * a plugin of kerf-agent (--device plugin:FILE.so) exports one. `device` is the pointer that `open`
+ * has set, or that was given to kerf_agent_run. */
+typedef struct kerf_agent_device {
+  uint32_t struct_size;
+  uint32_t abi; /**< KERF_AGENT_ABI */
+  const char* name;
+  /** Plugin only; may be null. Opens the device; may wait for a few seconds. A device that is not
+   * plugged in yet is opened too and reports KERF_AGENT_ABSENT. On failure it writes a sentence
+   * to `error`, at most `error_bytes` with the terminating zero, and returns KERF_AGENT_DEVICE. */
+  kerf_agent_result (*open)(const kerf_agent_place* place, void** device, char* error,
+                            size_t error_bytes);
+  /** Plugin only; required. Called after `open`, once or more. */
+  kerf_agent_result (*capabilities)(void* device, kerf_agent_capabilities* capabilities);
+  /** Required. Fills in the newest pose, which was set to KERF_AGENT_ABSENT before. 1 kHz thread:
+   * must neither wait nor allocate. */
+  void (*read_pose)(void* device, uint64_t now_us, kerf_agent_pose* pose);
+  /** Required if the device has motors. Outputs this wrench until the next call; a device with a
+   * thread of its own sets its motors to zero if none comes within 10 ms. 1 kHz thread. */
+  void (*write_wrench)(void* device, const kerf_agent_wrench* wrench);
+  /** May be null. Sets the motors to zero until the next write_wrench. Any thread: called when the
+   * 1 kHz thread hangs. Must not wait. */
+  void (*stop)(void* device);
+  /** Plugin only; may be null. Sets the motors to zero and frees `device`. */
+  void (*close)(void* device);
+} kerf_agent_device;
+
+/** The only symbol that a plugin exports, under the name "kerf_agent_plugin": returns a table that
+ * stays valid and unchanged as long as the plugin is loaded. */
+typedef const kerf_agent_device* kerf_agent_plugin_function(void);
+
+typedef struct kerf_agent kerf_agent;
+
+/** KERF_AGENT_VERSION of the library in use, which may be newer than the header's. */
+KERF_AGENT_API uint32_t kerf_agent_version(void);
+/** A static sentence for a result; for an unknown number "unknown result". */
+KERF_AGENT_API const char* kerf_agent_result_text(kerf_agent_result result);
+/** The reason of the calling thread's latest failed call, one sentence; "" if none has failed.
+ * Valid until its next failure. */
+KERF_AGENT_API const char* kerf_agent_last_error(void);
+
+/** Joins a session; waits for the server's welcome. On success sets `agent`, which
+ * kerf_agent_close must free, otherwise null. INVALID, UNREACHABLE, REJECTED, NO_TOOL, UNSUPPORTED,
+ * OUT_OF_MEMORY. */
+KERF_AGENT_API kerf_agent_result kerf_agent_connect(const kerf_agent_options* options,
+                                                    kerf_agent** agent);
+/** Sets the motors' wrench aside, waits at most `drain_s` (0 to 60) until the server has answered
+ * the last poses, leaves the session and frees `agent`. Null is allowed. */
+KERF_AGENT_API void kerf_agent_close(kerf_agent* agent, double drain_s);
+
+KERF_AGENT_API kerf_agent_result kerf_agent_get_session(kerf_agent* agent,
+                                                        kerf_agent_session* session);
+KERF_AGENT_API kerf_agent_result kerf_agent_get_status(kerf_agent* agent,
+                                                       kerf_agent_status* status);
+/** From the next pose on; NO_TOOL. */
+KERF_AGENT_API kerf_agent_result kerf_agent_choose_tool(kerf_agent* agent, uint32_t tool_id);
+/** Ends KERF_AGENT_PHASE_SAFE as the user does by releasing the device and holding it again: during
+ * the next 0.35 s the device counts as released. No effect in other phases. Call it only when the
+ * user asks for it: for devices without a deadman sensor. */
+KERF_AGENT_API kerf_agent_result kerf_agent_rearm(kerf_agent* agent);
+
+/** One tick of a loop that the device or the program owns, for example in the servo callback of a
+ * vendor's library: takes the newest pose and sets `wrench` to what the device outputs until the
+ * next tick. Call it every millisecond; a call within 0.5 ms after a tick returns the same wrench
+ * again. The loop must set its motors to zero when it stops calling; five missing ticks, or 2 % in
+ * a second, trip the safety envelope. INVALID (null, a pose that is not finite or an axis that is
+ * not of length 1: the wrench is zero, and the envelope trips), LOST, BUSY (the wrench is zero). */
+KERF_AGENT_API kerf_agent_result kerf_agent_step(kerf_agent* agent, const kerf_agent_pose* pose,
+                                                 kerf_agent_wrench* wrench);
+
+/** Runs the 1 kHz loop on a thread of its own, with `device`, of which only read_pose, write_wrench
+ * and stop are called; returns after kerf_agent_stop or a FINISHED pose (both OK), or LOST. Another
+ * thread watches the loop and calls `stop` when it hangs for 10 ms. INVALID, BUSY, UNSUPPORTED. */
+KERF_AGENT_API kerf_agent_result kerf_agent_run(kerf_agent* agent, const kerf_agent_device* device,
+                                                void* context);
+/** Makes kerf_agent_run return after its current tick; if it does not run, the next one after its
+ * first tick. */
+KERF_AGENT_API kerf_agent_result kerf_agent_stop(kerf_agent* agent);
+
+#ifdef __cplusplus
+}
+#endif

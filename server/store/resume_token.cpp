@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/resume_token.h"
+
+#include <openssl/crypto.h>
+#include <openssl/evp.h>
+#include <openssl/rand.h>
+
+#include <algorithm>
+
+namespace kerf {
+namespace {
+
+constexpr std::size_t kTokenBytes = 16;
+constexpr std::string_view kHexDigits = "0123456789abcdef";
+
+}  // namespace
+
+std::optional<std::string> random_token() {
+  std::array<unsigned char, kTokenBytes> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) return std::nullopt;
+  std::string token;
+  for (const unsigned char byte : bytes) {
+    token += kHexDigits[byte >> 4U];
+    token += kHexDigits[byte & 0xFU];
+  }
+  return token;
+}
+
+std::optional<TokenHash> hash_token(std::string_view token) {
+  const bool is_token = token.size() == 2 * kTokenBytes &&
+                        std::ranges::all_of(token, [](char c) { return kHexDigits.contains(c); });
+  TokenHash hash{};
+  if (!is_token ||
+      EVP_Digest(token.data(), token.size(), reinterpret_cast<unsigned char*>(hash.data()), nullptr,
+                 EVP_sha256(), nullptr) != 1) {
+    return std::nullopt;
+  }
+  return hash;
+}
+
+bool are_equal(const TokenHash& a, const TokenHash& b) {
+  return CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+}  // namespace kerf

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace kerf {
+
+/// SHA-256 of a resume token, the form in which tokens are stored.
+inline constexpr std::size_t kTokenHashBytes = 32;
+using TokenHash = std::array<std::byte, kTokenHashBytes>;
+
+/// Returns a new resume token: 128 random bits as 32 lowercase hexadecimal digits. Nullopt if the
+/// system's random generator fails. The agent that presents it continues as the participant that it
+/// was given to, so it must not be logged.
+std::optional<std::string> random_token();
+/// Returns the SHA-256 of a token's text; nullopt if the text has not the form of a token.
+std::optional<TokenHash> hash_token(std::string_view token);
+/// Compares in a time that does not depend on the contents.
+bool are_equal(const TokenHash& a, const TokenHash& b);
+
+}  // namespace kerf

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace kerf::net {
+
+struct UpgradeRequest;
+
+struct WebSocketLimits {
+  std::chrono::milliseconds handshake;  ///< for the opening and for the closing handshake
+  /// A peer from which nothing has come for half of this time is pinged; after all of it, reading
+  /// fails.
+  std::chrono::milliseconds idle;
+  std::size_t message_bytes;  ///< a longer one ends the connection with close code 1009
+};
+
+/// The server's answer to a client that asks for a WebSocket.
+struct HandshakeAnswer {
+  boost::system::error_code error;  ///< set if there is no WebSocket
+  /// HTTP status and body of a server that has declined; 0 and empty otherwise.
+  unsigned declined_status = 0;
+  std::string declined_body;
+  std::string protocol;  ///< sub-protocol that the server has chosen; empty if none
+};
+
+/// One WebSocket (RFC 6455) over a connected TCP socket, of a client or a server: binary and text
+/// messages, each in one frame, without compression. At most one read and one write may be in
+/// progress. Everything runs on the executor of the TCP socket; the WebSocket must outlive its
+/// operations. Beast's templates are compiled here alone: they take the compiler half a minute.
+class WebSocket {
+ public:
+  /// Called once at the end of a write, on the executor.
+  using Written = std::move_only_function<void(boost::system::error_code)>;
+  template <class T>
+  using Awaitable = boost::asio::awaitable<T>;
+
+  WebSocket(boost::asio::ip::tcp::socket socket, const WebSocketLimits& limits);
+  ~WebSocket();
+  WebSocket(const WebSocket&) = delete;
+  WebSocket& operator=(const WebSocket&) = delete;
+
+  boost::asio::any_io_executor executor() const;
+  /// The underlying socket, for its options and addresses.
+  boost::asio::ip::tcp::socket& tcp();
+
+  /// Answers `request`, which must remain meanwhile, as a server that speaks `protocol`.
+  Awaitable<boost::system::error_code> accept(const UpgradeRequest& request,
+                                              std::string_view protocol);
+  /// Asks `host` (name and port) for a WebSocket at `target` that speaks `protocol`.
+  Awaitable<HandshakeAnswer> shake_hands(std::string_view host, std::string_view target,
+                                         std::string_view protocol);
+  /// Waits for the next message; the functions below describe it until the next read.
+  Awaitable<boost::system::error_code> read();
+  std::span<const std::byte> message() const;
+  std::string_view text() const;
+  bool is_text() const;
+  /// Sends the parts as one message. Their bytes must remain until `written` is called.
+  void write(bool text, std::array<boost::asio::const_buffer, 2> parts, Written written);
+  /// The same for a coroutine.
+  Awaitable<boost::system::error_code> write(bool text, boost::asio::const_buffer bytes);
+  /// Sends a close frame with `code` (RFC 6455, 7.4.1) and waits for the peer's.
+  Awaitable<boost::system::error_code> close(std::uint16_t code);
+  /// Closes the TCP socket; operations in progress end with an error.
+  void cut();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace kerf::net

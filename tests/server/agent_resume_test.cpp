@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is durable, and agents that continue as the same participant.
+#include <fstream>
+#include <iterator>
+
+#include "tests/server/conversation_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+using Kind = OutFrame::Kind;
+
+const wire::Result& result_of(const wire::Message& message) {
+  return std::get<wire::Result>(message.body);
+}
+
+class AgentResumeTest : public ConversationTest {
+ protected:
+  /// Sends a hello; returns the welcome.
+  nlohmann::json hello(AgentConversation& conversation, const std::string& token = {}) {
+    nlohmann::json message = {{"type", "hello"}, {"tool", 1}, {"durable", true}};
+    if (!token.empty()) message["resume"] = token;
+    send_text(conversation, message.dump());
+    const auto list = messages(conversation);
+    return list.empty() ? nlohmann::json() : list.front();
+  }
+  wire::Result move(AgentConversation& conversation, const wire::MotionBatch& samples) {
+    send(conversation, encoded(samples));
+    for (const OutFrame& frame : drain(conversation)) {
+      if (frame.kind == Kind::kResult) return result_of(*wire::decode(frame.bytes));
+    }
+    ADD_FAILURE() << "no result";
+    return {};
+  }
+};
+
+TEST_F(AgentResumeTest, AnAgentThatDoesNotAskGetsNeitherATokenNorADurableSequence) {
+  const auto ada = agent();
+  send_text(*ada, R"({"type":"hello","tool":1})");
+  EXPECT_FALSE(messages(*ada).at(0).contains("resume"));
+  ASSERT_TRUE(session->flush());
+  send(*ada, encoded(batch(3)));
+  send(*ada, encoded(wire::Ping{7}));
+  for (const OutFrame& frame : drain(*ada)) {
+    EXPECT_EQ(wire::decode(frame.bytes)->header.header_bytes, wire::kHeaderBytes);
+  }
+}
+
+TEST_F(AgentResumeTest, ResultsAndPongsStateWhatIsDurable) {
+  const auto ada = agent();
+  const auto welcome = hello(*ada);
+  EXPECT_EQ(welcome.at("resume").at("token").get<std::string>().size(), 32U);
+  EXPECT_EQ(welcome.at("resume").at("resumed"), false);
+  EXPECT_EQ(welcome.at("resume").at("agent_sequence"), 0);
+  const wire::Result first = move(*ada, batch(3));
+  EXPECT_LE(first.durable_sequence, 3U);
+  ASSERT_TRUE(session->flush());
+  send(*ada, encoded(wire::Ping{7}));
+  const auto frames = drain(*ada);
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(std::get<wire::Pong>(wire::decode(frames[0].bytes)->body).durable_sequence, 3U);
+  EXPECT_GE(move(*ada, batch(1)).durable_sequence, 3U);
+}
+
+TEST_F(AgentResumeTest, ATokenContinuesAfterTheLastSampleWithoutAGapOrASecondCut) {
+  auto ada = agent();
+  const std::string token = hello(*ada)["resume"]["token"];
+  const wire::MotionBatch first = batch(4);
+  move(*ada, first);
+  const std::uint64_t before = session->sequence();
+  ada->end();
+  ada = agent();
+  const auto welcome = hello(*ada, token);
+  EXPECT_EQ(welcome.at("participant"), 1);
+  EXPECT_EQ(welcome.at("resume").at("resumed"), true);
+  EXPECT_EQ(welcome.at("resume").at("agent_sequence"), 4);
+  EXPECT_EQ(welcome.at("resume").at("token"), token);
+  EXPECT_EQ(move(*ada, first).agent_sequence, 4U);
+  EXPECT_EQ(session->sequence(), before) << "known samples are not cut again";
+  move(*ada, batch(1));
+  EXPECT_EQ(session->sequence(), before + 1) << "the motion from the last known sample";
+}
+
+TEST_F(AgentResumeTest, ANewConnectionEndsTheOneThatIsStillOpen) {
+  const auto old = agent(), ada = agent();
+  const std::string token = hello(*old)["resume"]["token"];
+  move(*old, batch(2));
+  EXPECT_EQ(hello(*ada, token).at("participant"), 1);
+  EXPECT_TRUE(old->finishing());
+  EXPECT_EQ(messages(*old).at(0).at("type"), "bye");
+  old->end();
+  EXPECT_EQ(session->info().participants.size(), 1U) << "the participant stays";
+  EXPECT_EQ(move(*ada, batch(1)).agent_sequence, 3U);
+}
+
+TEST_F(AgentResumeTest, AnUnknownOrMalformedTokenMakesANewParticipant) {
+  const auto ada = agent();
+  hello(*ada);
+  std::uint64_t participant = 1;
+  for (const std::string token :
+       {"0123456789abcdef0123456789abcdef", "", "short", "0123456789ABCDEF0123456789ABCDEF"}) {
+    const auto other = agent();
+    const auto welcome = hello(*other, token);
+    EXPECT_EQ(welcome.at("participant"), ++participant);
+    EXPECT_EQ(welcome.at("resume").at("resumed"), false);
+    EXPECT_NE(welcome.at("resume").at("token"), token);
+  }
+  const auto last = agent();
+  send_text(*last, R"({"type":"hello","resume":5})");
+  EXPECT_EQ(error_code(*last), "bad_message");
+}
+
+TEST_F(AgentResumeTest, TokensSurviveARestartAndAreStoredHashed) {
+  auto ada = agent();
+  const std::string token = hello(*ada)["resume"]["token"];
+  move(*ada, batch(4));
+  ASSERT_TRUE(session->flush());
+  const auto file = session->journal_file();
+  ada.reset();
+  session.reset();
+  restart();
+  ASSERT_TRUE(registry->load_all().failures.empty());
+  session = registry->find("block");
+  for (const char* suffix : {"", "-wal"}) {
+    std::ifstream text(file.string() + suffix, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(text), {}};
+    EXPECT_EQ(bytes.find(token), std::string::npos);
+  }
+  ada = agent();
+  const auto welcome = hello(*ada, token);
+  EXPECT_EQ(welcome.at("participant"), 1);
+  EXPECT_EQ(welcome.at("resume").at("agent_sequence"), 4);
+}
+
+TEST_F(AgentResumeTest, AFullSessionAdmitsAnAgentThatResumes) {
+  std::vector<std::unique_ptr<AgentConversation>> agents;
+  std::string token;
+  for (std::size_t n = 0; n < limits.agents_max; ++n) {
+    token = hello(*agents.emplace_back(agent()))["resume"]["token"];
+  }
+  const auto again = agent(), more = agent();
+  EXPECT_EQ(hello(*again, token).at("participant"), limits.agents_max);
+  EXPECT_EQ(hello(*more).at("code"), "busy");
+}
+
+}  // namespace
+}  // namespace kerf::net

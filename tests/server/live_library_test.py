@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs devices of others against the real server: the examples of libkerf_agent, and drivers of
+kerf-agent outside of it."""
+import json
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+from live_server import SCENE, LiveTest
+
+PRESS = os.environ["KERF_PRESS"]
+PRESS_PY = os.environ["KERF_PRESS_PY"]
+LIBRARY = os.environ["KERF_AGENT_LIBRARY"]
+AGENT = os.environ["KERF_AGENT"]
+PLUGIN = os.environ["KERF_HAND_PLUGIN"]
+SOCKET_HAND = os.environ["KERF_SOCKET_HAND"]
+# Of the scene: pressing and cutting with the 10 mm ball stay below what the device may output.
+MOST_N = 6.0
+
+
+class Examples(LiveTest):
+    def check(self, process, session):
+        text = process.communicate(timeout=60)[0]
+        self.assertEqual(process.returncode, 0, text)
+        pressed, cut = map(float, re.search(
+            r"greatest force: pressing ([0-9.]+) N, cutting ([0-9.]+) N", text).groups())
+        self.assertTrue(0.1 < pressed <= MOST_N and 0.1 < cut <= MOST_N, text)
+        # A slot of 15 mm, in which the ball is pressed into the stock by a soft hand.
+        self.assertGreater(self.server.info(session)["removed_volume_mm3"], 5, text)
+
+    def test_c_and_python_devices_press_and_cut(self):
+        url = f"http://127.0.0.1:{self.port}"
+        commands = {"in_c": [PRESS, url, "in_c"],
+                    "in_python": [sys.executable, PRESS_PY, url, "in_python", LIBRARY]}
+        running = {}
+        for session, words in commands.items():
+            self.server.create(session, SCENE)
+            running[session] = subprocess.Popen(words, stdout=subprocess.PIPE,
+                                                stderr=subprocess.STDOUT, text=True)
+        for session, process in running.items():
+            with self.subTest(session):
+                self.check(process, session)
+
+    def test_agent_runs_a_plugin_and_a_device_of_another_process(self):
+        path = os.path.join(self.folder.name, "hand")
+        hand = subprocess.Popen([sys.executable, SOCKET_HAND, path], stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, text=True)
+        devices = {"example hand": f"plugin:{PLUGIN}:0.5", "socket_hand": f"socket:{path}"}
+        running = {}
+        for device, argument in devices.items():
+            self.server.create(device.replace(" ", "_"), SCENE)
+            running[device] = subprocess.Popen(
+                [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session",
+                 device.replace(" ", "_"), "--device", argument, "--status-json", "-"],
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for device, process in running.items():
+            out, log = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 0, log)
+            status = json.loads(out)
+            self.assertEqual(status["device"], device)
+            self.assertEqual(status["link"]["unanswered"], 0)
+            self.assertGreater(status["link"]["samples_sent"], 500)
+            session = self.server.info(device.replace(" ", "_"))
+            self.assertGreater(session["removed_volume_mm3"], 5)
+        text = hand.communicate(timeout=60)[0]
+        self.assertEqual(hand.returncode, 0, text)
+        self.assertRegex(text, "greatest force: [0-9.]+ N")
+
+    def test_faults_of_a_plugin_are_reported(self):
+        for argument, code in (("plugin:/no/such.so", 2), (f"plugin:{PLUGIN}:9", 1)):
+            done = subprocess.run([AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session",
+                                   "block", "--device", argument], capture_output=True, text=True,
+                                  timeout=60)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn("the plugin", done.stderr)
+        self.assertIn("at most 2 N/mm", done.stderr)
+
+    def test_unknown_session_is_reported(self):
+        done = subprocess.run([PRESS, f"http://127.0.0.1:{self.port}", "nowhere"],
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("nowhere", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

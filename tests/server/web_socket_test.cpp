@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// A server's and a client's WebSocket over loopback.
+#include "server/websocket/web_socket.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/streambuf.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/read.hpp>
+#include <exception>
+#include <string>
+
+#include "server/websocket/upgrade_request.h"
+
+namespace kerf::net {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr WebSocketLimits kLimits{
+    .handshake = std::chrono::seconds(5), .idle = std::chrono::seconds(20), .message_bytes = 1024};
+
+/// Two connected TCP sockets; the first is a server's.
+class WebSocketTest : public testing::Test {
+ protected:
+  WebSocketTest() : server_(io_), client_(io_) {
+    tcp::acceptor acceptor(io_, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
+    client_.connect(acceptor.local_endpoint());
+    acceptor.accept(server_);
+  }
+
+  /// Runs both coroutines to their ends, the client first, because the server waits for its request
+  /// without yielding; rethrows what they throw.
+  template <class Server, class Client>
+  void run(Server server, Client client) {
+    const auto rethrow = [](const std::exception_ptr& error) {
+      if (error) std::rethrow_exception(error);
+    };
+    asio::co_spawn(io_, std::move(client), rethrow);
+    asio::co_spawn(io_, std::move(server), rethrow);
+    io_.run();
+  }
+
+  /// Accepts a WebSocket that speaks `protocol` on the server's socket.
+  asio::awaitable<std::unique_ptr<WebSocket>> accept(std::string_view protocol) {
+    UpgradeRequest request;
+    boost::beast::flat_buffer buffer;
+    boost::beast::http::read(server_, buffer, request.message);
+    auto socket = std::make_unique<WebSocket>(std::move(server_), kLimits);
+    const error_code error = co_await socket->accept(request, protocol);
+    EXPECT_FALSE(error) << error.message();
+    co_return socket;
+  }
+
+  asio::io_context io_;
+  tcp::socket server_, client_;
+};
+
+TEST_F(WebSocketTest, CarriesTextAndBinaryMessagesWhole) {
+  const std::string first = "{\"a\":", second(900, 'x');
+  run(
+      [&]() -> asio::awaitable<void> {
+        const auto socket = co_await accept("kerf.test");
+        EXPECT_FALSE(co_await socket->read());
+        EXPECT_TRUE(socket->is_text());
+        EXPECT_EQ(socket->text(), "hello");
+        const std::array<asio::const_buffer, 2> parts = {asio::buffer(first), asio::buffer(second)};
+        bool written = false;
+        socket->write(false, parts, [&](error_code error) { written = !error; });
+        EXPECT_FALSE(co_await socket->read());
+        EXPECT_TRUE(written);
+        EXPECT_EQ(socket->message().size(), 3u);
+        EXPECT_TRUE(co_await socket->read()) << "the client has closed";
+      },
+      [&]() -> asio::awaitable<void> {
+        WebSocket socket(std::move(client_), kLimits);
+        const HandshakeAnswer answer = co_await socket.shake_hands("localhost", "/x", "kerf.test");
+        EXPECT_FALSE(answer.error) << answer.error.message();
+        EXPECT_EQ(answer.protocol, "kerf.test");
+        const std::string hello = "hello", end = "end";
+        EXPECT_FALSE(co_await socket.write(true, asio::buffer(hello)));
+        EXPECT_FALSE(co_await socket.read());
+        EXPECT_FALSE(socket.is_text());
+        EXPECT_EQ(socket.text(), first + second);
+        EXPECT_FALSE(co_await socket.write(false, asio::buffer(end)));
+        EXPECT_FALSE(co_await socket.close(1000));
+      });
+}
+
+TEST_F(WebSocketTest, ALongerMessageThanTheLimitEndsTheConnection) {
+  run(
+      [&]() -> asio::awaitable<void> {
+        const auto socket = co_await accept("kerf.test");
+        EXPECT_TRUE(co_await socket->read());
+      },
+      [&]() -> asio::awaitable<void> {
+        WebSocket socket(std::move(client_), kLimits);
+        co_await socket.shake_hands("localhost", "/x", "kerf.test");
+        const std::string bytes(kLimits.message_bytes + 1, 'x');
+        EXPECT_FALSE(co_await socket.write(false, asio::buffer(bytes)));
+        EXPECT_TRUE(co_await socket.read());
+      });
+}
+
+TEST_F(WebSocketTest, AServerThatDeclinesIsReportedWithStatusAndBody) {
+  run(
+      [&]() -> asio::awaitable<void> {
+        const std::string answer = "HTTP/1.1 404 Not Found\r\nContent-Length: 7\r\n\r\nnothing";
+        asio::write(server_, asio::buffer(answer));
+        co_return;
+      },
+      [&]() -> asio::awaitable<void> {
+        WebSocket socket(std::move(client_), kLimits);
+        const HandshakeAnswer answer = co_await socket.shake_hands("localhost", "/x", "kerf.test");
+        EXPECT_TRUE(answer.error);
+        EXPECT_EQ(answer.declined_status, 404u);
+        EXPECT_EQ(answer.declined_body, "nothing");
+      });
+}
+
+TEST_F(WebSocketTest, CuttingEndsAReadInProgress) {
+  std::unique_ptr<WebSocket> socket;
+  run(
+      [&]() -> asio::awaitable<void> {
+        socket = co_await accept("kerf.test");
+        EXPECT_TRUE(co_await socket->read());
+        socket.reset();  // and its timer
+      },
+      [&]() -> asio::awaitable<void> {
+        WebSocket client(std::move(client_), kLimits);
+        co_await client.shake_hands("localhost", "/x", "kerf.test");
+        asio::post(io_, [&] { socket->cut(); });
+        EXPECT_TRUE(co_await client.read());
+      });
+}
+
+}  // namespace
+}  // namespace kerf::net
