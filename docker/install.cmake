@@ -91,4 +91,5 @@ endwhile()
 install(DIRECTORY ${PROJECT_BINARY_DIR}/public/kerf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 install(FILES ${PROJECT_BINARY_DIR}/include/kerf/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kerf COMPONENT dev)
 install(DIRECTORY kernel/examples DESTINATION share/doc/libkerf-dev COMPONENT dev)
-install(DIRECTORY haptic_agent/examples/ DESTINATION share/doc/libkerf-dev/agent_examples COMPONENT dev)
+install(DIRECTORY haptic_agent/examples/ DESTINATION share/doc/libkerf-dev/agent_examples COMPONENT dev
+  PATTERN .clang-tidy EXCLUDE PATTERN custom_device.cpp EXCLUDE)

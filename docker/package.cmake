@@ -43,7 +43,6 @@ set(CPACK_DEBIAN_AGENT_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/docker/debian
 # Named after its SONAME, so that programs keep the version that they were linked with.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libkerf-agent1)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/docker/debian/library/triggers)
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "haptic devices in Kerf sessions, from other programs\n\
  libkerf_agent joins a session for a program that has a device of its own: poses\n\
  in, force and torque out, at 1 kHz, passive and within a safety envelope.")

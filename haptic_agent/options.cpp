@@ -150,10 +150,10 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.add_option(
          "--device", texts.devices,
          "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; plugin:FILE.so[:ARGUMENT]: a "
-         "driver "
-         "in a shared library (kerf_agent.h); sim: a simulated hand that carves "
-         "a figure; sim:FILE: a simulated hand that follows an .apt, .cls or .csv path; "
-         "replay:FILE: the exact path, without a simulated hand. May be repeated: each device "
+         "driver in a shared library (kerf_agent.h); socket:PATH, socket:HOST:PORT: a device that "
+         "another process serves; sim: a simulated hand that carves a figure; sim:FILE: a "
+         "simulated hand that follows an .apt, .cls or .csv path; replay:FILE: the exact path, "
+         "without a simulated hand. May be repeated: each device "
          "joins as a separate participant")
       ->type_name("DEVICE")
       ->required();

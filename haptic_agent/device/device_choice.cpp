@@ -8,6 +8,7 @@
 #include "haptic_agent/device/falcon/falcon_protocol.h"
 #include "haptic_agent/device/reference/reference_protocol.h"
 #include "haptic_agent/device/replay.h"
+#include "haptic_agent/device/socket/socket_device.h"
 #include "haptic_agent/device/spacemouse/space_mouse.h"
 #include "haptic_agent/device/text_fields.h"
 
@@ -55,6 +56,12 @@ std::expected<DeviceChoice, std::string> with_plugin(std::string_view text) {
   return DeviceChoice{.kind = DeviceKind::kPlugin, .plugin = *std::move(plugin)};
 }
 
+std::expected<DeviceChoice, std::string> with_socket(std::string_view text) {
+  auto address = parse_socket_address(text);
+  if (!address) return std::unexpected(address.error());
+  return DeviceChoice{.kind = DeviceKind::kSocket, .socket = *std::move(address)};
+}
+
 std::expected<std::unique_ptr<HapticDevice>, std::string> open_plugin(const Plugin& plugin,
                                                                       const DevicePlace& place) {
   auto device = PluginDevice::open(plugin, place.stock, place.pivot_mm, place.participant);
@@ -83,10 +90,11 @@ std::expected<DeviceChoice, std::string> choose_device(std::string_view text) {
   if (kind == "usb" && !rest.empty()) return with_ids(rest);
   if (kind == "falcon" && !rest.empty()) return with_firmware(rest);
   if (kind == "plugin") return with_plugin(rest);
+  if (kind == "socket") return with_socket(rest);
   if (kind == "replay") return std::unexpected("replay needs a file: replay:FILE");
-  return std::unexpected(
-      join({"unknown device '", text,
-            "'; use usb, falcon, spacemouse, plugin:FILE.so, sim, sim:FILE or replay:FILE"}));
+  return std::unexpected(join({"unknown device '", text,
+                               "'; use usb, falcon, spacemouse, plugin:FILE.so, socket:PATH, sim, "
+                               "sim:FILE or replay:FILE"}));
 }
 
 std::expected<std::unique_ptr<HapticDevice>, std::string> make_device(
@@ -109,6 +117,12 @@ std::expected<std::unique_ptr<HapticDevice>, std::string> make_device(
       return std::make_unique<SpaceMouse>(place.stock, port);
     case DeviceKind::kPlugin:
       return open_plugin(*choice.plugin, place);
+    case DeviceKind::kSocket:
+      return SocketDevice::open({.address = choice.socket,
+                                 .stock = place.stock,
+                                 .pivot_mm = place.pivot_mm,
+                                 .participant = place.participant,
+                                 .notice = options.notice});
     case DeviceKind::kSimulated:
     case DeviceKind::kReplay:
       break;

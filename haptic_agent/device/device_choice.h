@@ -15,11 +15,12 @@
 #include "haptic_agent/device/pose_script.h"
 #include "haptic_agent/device/reference/report.h"
 #include "haptic_agent/device/simulated_hand.h"
+#include "haptic_agent/device/socket/line_stream.h"
 #include "haptic_agent/device/usb/usb_protocol.h"
 
 namespace kerf::agent {
 
-enum class DeviceKind { kSimulated, kReplay, kReference, kFalcon, kSpaceMouse, kPlugin };
+enum class DeviceKind { kSimulated, kReplay, kReference, kFalcon, kSpaceMouse, kPlugin, kSocket };
 
 /// A parsed `--device` option, with its file loaded.
 struct DeviceChoice {
@@ -32,10 +33,13 @@ struct DeviceChoice {
   std::vector<std::uint8_t> firmware{};
   /// Set for kPlugin.
   std::optional<Plugin> plugin{};
+  /// Of the process of a kSocket.
+  SocketAddress socket{};
 };
 
 /// Parses `sim[:FILE]`, `replay:FILE`, `usb[:VENDOR:PRODUCT]` (hexadecimal ids),
-/// `falcon[:FIRMWARE_FILE]`, `spacemouse` or `plugin:FILE.so[:ARGUMENT]`, and loads the file. The
+/// `falcon[:FIRMWARE_FILE]`, `spacemouse`, `plugin:FILE.so[:ARGUMENT]` or
+/// `socket:PATH|HOST:PORT`, and loads the file. The
 /// error is one sentence, with file and line where applicable.
 std::expected<DeviceChoice, std::string> choose_device(std::string_view text);
 
@@ -50,14 +54,14 @@ struct DeviceOptions {
   bool loop = false;
   double speed = 1.0;
   double stiffness_n_per_mm = HandSettings{}.stiffness_n_per_mm;
-  /// Called by a USB device on its event thread: with the reason why it is not ready, and when it
-  /// is.
+  /// Called by a USB device or one of another process on its own thread: with the reason why it is
+  /// not ready, and when it is.
   std::function<void(const std::string&)> notice{};
 };
 
 /// Creates the device. A USB device may be plugged in later: it is searched for until found. The
-/// center of its workspace is placed on the center of the stock's top. The error, of a plugin, is
-/// one sentence.
+/// center of its workspace is placed on the center of the stock's top. The error, of a plugin
+/// or a device in another process, is one sentence.
 std::expected<std::unique_ptr<HapticDevice>, std::string> make_device(const DeviceChoice& choice,
                                                                       const DevicePlace& place,
                                                                       const DeviceOptions& options);

@@ -2,7 +2,6 @@
 #include "haptic_agent/servo/contact_model.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 
@@ -37,32 +36,30 @@ ContactGains stable_gains(const ContactLimits& limits, double stiffness, Vec3 ar
           .damping = share * damping};
 }
 
-template <typename Gains>
-Wrench ContactModel::push(const Grip& now, const Twist& velocity,
-                          const Gains& gains) const noexcept {
-  struct Touch {
-    const wire::ContactPlane* plane;
-    Vec3 arm_mm;
-    double depth_mm, fade;
-  };
-  std::array<Touch, wire::kMaxContactPlanes> touches;
-  std::uint32_t count = 0;
-  const Vec3 turn = between(then_, now).angular;
+ContactModel::Touches ContactModel::touches_at(const Grip& grip) const noexcept {
+  Touches touches;
+  const Vec3 turn = between(then_, grip).angular;
   for (std::uint32_t i = 0; i < answer_.plane_count; ++i) {
     const wire::ContactPlane& plane = answer_.planes[i];
     if ((plane.flags & flags_) == 0) continue;
     const Vec3 arm = rotated(plane.point_mm - then_.pivot_mm, turn);
-    const Vec3 moved = now.pivot_mm + arm - plane.point_mm;
+    const Vec3 moved = grip.pivot_mm + arm - plane.point_mm;
     const double depth = static_cast<double>(plane.depth_mm) - dot(Vec3(plane.normal), moved);
     // Beyond its radius the plane's force fades to zero over another radius.
     const double fade =
         std::clamp(2 - length(moved) / static_cast<double>(plane.radius_mm), 0.0, 1.0);
-    if (depth > 0 && fade > 0) touches[count++] = {&plane, arm, depth, fade};
+    if (depth > 0 && fade > 0) touches.all[touches.count++] = {&plane, arm, depth, fade};
   }
+  return touches;
+}
+
+template <typename Gains>
+Wrench ContactModel::push(const Touches& touches, Vec3 axis, const Twist& velocity,
+                          const Gains& gains) noexcept {
   Wrench sum;
-  for (const Touch& touch : std::span(touches).first(count)) {
+  for (const Touch& touch : std::span(touches.all).first(touches.count)) {
     const Vec3 normal(touch.plane->normal);
-    const ContactGains g = gains(*touch.plane, touch.arm_mm, count);
+    const ContactGains g = gains(*touch.plane, touch.arm_mm, touches.count);
     const double speed = dot(normal, velocity.at(touch.arm_mm));
     // A contact pushes and never pulls.
     const double newtons =
@@ -70,37 +67,40 @@ Wrench ContactModel::push(const Grip& now, const Twist& velocity,
     const Vec3 force = normal * newtons;
     sum = sum + Wrench{force, cross(touch.arm_mm, force)};
   }
-  sum.torque_nmm = sum.torque_nmm - now.axis * dot(sum.torque_nmm, now.axis);
+  sum.torque_nmm = sum.torque_nmm - axis * dot(sum.torque_nmm, axis);
   return sum;
 }
 
-Wrench ContactModel::damped_push(const Grip& now, const Twist& velocity) const noexcept {
-  return push(now, velocity,
-              [this](const wire::ContactPlane& plane, Vec3 arm_mm, std::uint32_t touches) {
+Wrench ContactModel::damped(const Touches& touches, Vec3 axis,
+                            const Twist& velocity) const noexcept {
+  return push(touches, axis, velocity,
+              [this](const wire::ContactPlane& plane, Vec3 arm_mm, std::uint32_t count) {
                 return stable_gains(limits_, static_cast<double>(plane.stiffness_n_per_mm), arm_mm,
-                                    Vec3(plane.normal), touches);
+                                    Vec3(plane.normal), count);
               });
+}
+
+Wrench ContactModel::undamped(const Touches& touches, Vec3 axis) noexcept {
+  return push(touches, axis, {}, [](const wire::ContactPlane& plane, Vec3, std::uint32_t) {
+    return ContactGains{.stiffness = static_cast<double>(plane.stiffness_n_per_mm)};
+  });
 }
 
 void ContactModel::take(const ServerWrench& answer, const Grip& then, const Grip& now,
                         const Twist& velocity) noexcept {
-  const Wrench before = damped_push(now, velocity) + fading_;
+  const Wrench before = damped(touches_at(now), now.axis, velocity) + fading_;
   answer_ = answer;
   then_ = then;
-  fading_ = before - damped_push(now, velocity);
+  fading_ = before - damped(touches_at(now), now.axis, velocity);
 }
 
 Wrench ContactModel::at(const Grip& now, const Twist& velocity, double dt_s) noexcept {
   fading_ = fading_ * std::exp(-dt_s / kFadeS);
-  return damped_push(now, velocity) + fading_;
+  const Touches touches = touches_at(now);
+  computed_ = undamped(touches, now.axis);
+  return damped(touches, now.axis, velocity) + fading_;
 }
 
-Wrench ContactModel::in_answer() const noexcept { return computed(then_); }
-
-Wrench ContactModel::computed(const Grip& now) const noexcept {
-  return push(now, {}, [](const wire::ContactPlane& plane, Vec3, std::uint32_t) {
-    return ContactGains{.stiffness = static_cast<double>(plane.stiffness_n_per_mm)};
-  });
-}
+Wrench ContactModel::in_answer() const noexcept { return undamped(touches_at(then_), then_.axis); }
 
 }  // namespace kerf::agent

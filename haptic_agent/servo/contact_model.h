@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "haptic_agent/servo/grip.h"
 #include "haptic_agent/servo/server_wrench.h"
 
@@ -53,21 +56,35 @@ class ContactModel {
   /// Returns force and torque about the pivot, `dt_s` after the last call.
   Wrench at(const Grip& now, const Twist& velocity, double dt_s) noexcept;
   /// Returns the wrench of the undamped springs of the surfaces themselves, which the session
-  /// computes, at the newest grip.
-  Wrench computed(const Grip& now) const noexcept;
+  /// computes, at the grip of the last call of `at`.
+  const Wrench& computed() const noexcept { return computed_; }
   /// Returns the part of the answer's own wrench that these planes contribute.
   Wrench in_answer() const noexcept;
 
  private:
+  /// A plane that pushes at a grip.
+  struct Touch {
+    const wire::ContactPlane* plane;
+    Vec3 arm_mm;
+    double depth_mm, fade;
+  };
+  struct Touches {
+    std::array<Touch, wire::kMaxContactPlanes> all;
+    std::uint32_t count = 0;
+  };
+  Touches touches_at(const Grip& grip) const noexcept;
   template <typename Gains>
-  Wrench push(const Grip& now, const Twist& velocity, const Gains& gains) const noexcept;
-  Wrench damped_push(const Grip& now, const Twist& velocity) const noexcept;
+  static Wrench push(const Touches& touches, Vec3 axis, const Twist& velocity,
+                     const Gains& gains) noexcept;
+  Wrench damped(const Touches& touches, Vec3 axis, const Twist& velocity) const noexcept;
+  static Wrench undamped(const Touches& touches, Vec3 axis) noexcept;
 
   ContactLimits limits_;
   std::uint32_t flags_;
   ServerWrench answer_;
   Grip then_;
   Wrench fading_;
+  Wrench computed_;
 };
 
 }  // namespace kerf::agent

@@ -107,7 +107,7 @@ Wrench LocalModel::cut(const PastGrip& now, double& rendered) const noexcept {
 Wrench LocalModel::at(const PastGrip& now, bool cutting, double dt_s) noexcept {
   const Wrench touched =
       stock_.at(now.grip, now.velocity, dt_s) + obstacles_.at(now.grip, now.velocity, dt_s);
-  computed_ = stock_.computed(now.grip) + obstacles_.computed(now.grip);
+  computed_ = stock_.computed() + obstacles_.computed();
   if (!cutting) return touched;
   double rendered = 1;
   const Wrench cutting_wrench = cut(now, rendered);

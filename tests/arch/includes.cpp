@@ -34,8 +34,7 @@ const std::vector<Module>& agent_modules() {
       // The C interface for other programs.
       {"haptic_agent/library",
        {"kernel/math/vec3.h", "kernel/math/wrench.h", "server/wire", "haptic_agent/realtime",
-        "haptic_agent/device", "haptic_agent/servo", "haptic_agent/link",
-        "haptic_agent/replica"}},
+        "haptic_agent/device", "haptic_agent/servo", "haptic_agent/link", "haptic_agent/replica"}},
       {"haptic_agent/doctor",
        {"haptic_agent/realtime", "haptic_agent/device", "haptic_agent/servo",
         "haptic_agent/link/server_url.h"}},

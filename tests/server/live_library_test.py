@@ -15,6 +15,7 @@ PRESS_PY = os.environ["KERF_PRESS_PY"]
 LIBRARY = os.environ["KERF_AGENT_LIBRARY"]
 AGENT = os.environ["KERF_AGENT"]
 PLUGIN = os.environ["KERF_HAND_PLUGIN"]
+SOCKET_HAND = os.environ["KERF_SOCKET_HAND"]
 # Of the scene: pressing and cutting with the 10 mm ball stay below what the device may output.
 MOST_N = 6.0
 
@@ -42,16 +43,30 @@ class Examples(LiveTest):
             with self.subTest(session):
                 self.check(process, session)
 
-    def test_agent_runs_a_plugin(self):
-        done = subprocess.run([AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session",
-                               "block", "--device", f"plugin:{PLUGIN}:0.5", "--status-json", "-"],
-                              capture_output=True, text=True, timeout=60)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        status = json.loads(done.stdout)
-        self.assertEqual(status["device"], "example hand")
-        self.assertEqual(status["link"]["unanswered"], 0)
-        self.assertGreater(status["link"]["samples_sent"], 1000)
-        self.assertGreater(self.server.info()["removed_volume_mm3"], 5)
+    def test_agent_runs_a_plugin_and_a_device_of_another_process(self):
+        path = os.path.join(self.folder.name, "hand")
+        hand = subprocess.Popen([sys.executable, SOCKET_HAND, path], stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, text=True)
+        devices = {"example hand": f"plugin:{PLUGIN}:0.5", "socket_hand": f"socket:{path}"}
+        running = {}
+        for device, argument in devices.items():
+            self.server.create(device.replace(" ", "_"), SCENE)
+            running[device] = subprocess.Popen(
+                [AGENT, "--server", f"http://127.0.0.1:{self.port}", "--session",
+                 device.replace(" ", "_"), "--device", argument, "--status-json", "-"],
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for device, process in running.items():
+            out, log = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 0, log)
+            status = json.loads(out)
+            self.assertEqual(status["device"], device)
+            self.assertEqual(status["link"]["unanswered"], 0)
+            self.assertGreater(status["link"]["samples_sent"], 500)
+            session = self.server.info(device.replace(" ", "_"))
+            self.assertGreater(session["removed_volume_mm3"], 5)
+        text = hand.communicate(timeout=60)[0]
+        self.assertEqual(hand.returncode, 0, text)
+        self.assertRegex(text, "greatest force: [0-9.]+ N")
 
     def test_faults_of_a_plugin_are_reported(self):
         for argument, code in (("plugin:/no/such.so", 2), (f"plugin:{PLUGIN}:9", 1)):
