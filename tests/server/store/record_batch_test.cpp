@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "server/formats/pose_grid.h"
 #include "server/store/journal_reader.h"
@@ -185,7 +187,9 @@ TEST(JournalVersion1, IsReadAndContinuedWithBatches) {
   EXPECT_EQ(after[44].stroke, 45U);
   EXPECT_EQ(JournalReader::open(file)->participants()[3].agent_sequence, 5U);
   const auto sorted = read(RecordOrder::kParticipant);
-  std::ranges::stable_sort(after, {}, &JournalRecord::participant);
+  std::ranges::sort(after, {}, [](const JournalRecord& record) {
+    return std::pair(record.participant, record.sequence);
+  });
   ASSERT_EQ(sorted.size(), after.size());
   for (std::size_t i = 0; i < after.size(); ++i) {
     EXPECT_EQ(sorted[i].sequence, after[i].sequence);
