@@ -72,6 +72,11 @@ inline constexpr double kAxisAlongRayMin = 1e-290;
 /// Owner: sweep/piece_side. If it grows, ends on arcs err by it over the sine of the grazing angle.
 inline constexpr double kArcFoundMm = 1e-11;
 
+/// Squared length of a step along a ray, relative to the distance from the axis, up to which the
+/// bound of the step's error is taken at its start. Owner: sweep/piece_side. If it grows to the
+/// order of 1, steps near the axis of an arc end too early, and ends on arcs err.
+inline constexpr double kArcShortStep2 = 1e-4;
+
 /// mm along the ray. A ray that misses an arc is closest to it somewhere in an interval of this
 /// width; the gap errs by its square over a radius. Owner: sweep/piece_side. If it grows, gaps are
 /// overestimated, and rays are given up that the arc still reaches.

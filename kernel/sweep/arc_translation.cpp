@@ -63,12 +63,15 @@ KERF_FOR_EACH_TARGET(void, evaluate_arc_surfaces,
 
 }  // namespace
 
-ArcTranslation::ArcTranslation(const ArcPiece& p, const ToolPose& from, const ToolPose& to)
+ArcTranslation::ArcTranslation(const ArcPiece& p, const ToolPose& from, const ToolPose& to,
+                               ShownDiscs shown)
     : surfaces_(make_surfaces(p, from, to)),
       rectangles_(rectangles_of(p, surfaces_, from, to)),
-      shadow_(p, {from, to}, kEdgeEpsilonMm) {}
+      shadow_(p, {from, to}, kEdgeEpsilonMm),
+      slice_(p, from, to, shown, {.checked = false}) {}
 
 void ArcTranslation::evaluate(ColumnBlock& block) const {
+  slice_.add_simple_rows(block);
   evaluate_arc_surfaces(surfaces_, rectangles_, block);
 }
 

@@ -4,6 +4,7 @@
 #include "kernel/intersect/ray_arc.h"
 #include "kernel/intersect/ray_contour.h"
 #include "kernel/intersect/ray_pipe.h"
+#include "kernel/sweep/moving_slice.h"
 #include "kernel/sweep/shadow.h"
 #include "kernel/sweep/surface_rectangles.h"
 
@@ -13,7 +14,8 @@ namespace kerf {
 /// bounded by the swept contour of its side and by the pipes of its two rims (paper Eq. 11).
 class ArcTranslation {
  public:
-  ArcTranslation(const ArcPiece& piece, const ToolPose& from, const ToolPose& to);
+  /// `shown`: the discs of the piece that are not hidden within its neighbors.
+  ArcTranslation(const ArcPiece& piece, const ToolPose& from, const ToolPose& to, ShownDiscs shown);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
@@ -30,6 +32,7 @@ class ArcTranslation {
   Surfaces surfaces_;
   SurfaceRectangles rectangles_;
   Shadow shadow_;
+  MovingSlice slice_;
 };
 
 }  // namespace kerf

@@ -101,12 +101,14 @@ KERF_FOR_EACH_TARGET(void, evaluate_surfaces,
 }  // namespace
 
 FrustumTranslation::FrustumTranslation(const FrustumPiece& p, const ToolPose& from,
-                                       const ToolPose& to)
+                                       const ToolPose& to, ShownDiscs shown)
     : surfaces_(make_surfaces(p, from, to)),
       rectangles_(rectangles_of(surfaces_)),
-      shadow_(p, {from, to}, kEdgeEpsilonMm) {}
+      shadow_(p, {from, to}, kEdgeEpsilonMm),
+      slice_(p, from, to, shown, {.checked = false}) {}
 
 void FrustumTranslation::evaluate(ColumnBlock& block) const {
+  slice_.add_simple_rows(block);
   evaluate_surfaces(surfaces_, rectangles_, block);
 }
 

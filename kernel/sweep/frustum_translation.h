@@ -4,6 +4,7 @@
 #include "kernel/intersect/ray_cone.h"
 #include "kernel/intersect/ray_parallelogram.h"
 #include "kernel/intersect/ray_pipe.h"
+#include "kernel/sweep/moving_slice.h"
 #include "kernel/sweep/shadow.h"
 #include "kernel/sweep/surface_rectangles.h"
 #include "kernel/tool/tool.h"
@@ -14,7 +15,9 @@ namespace kerf {
 /// by two parallelograms of the side and the pipes of the two rims (paper Eq. 11).
 class FrustumTranslation {
  public:
-  FrustumTranslation(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to);
+  /// `shown`: the discs of the piece that are not hidden within its neighbors.
+  FrustumTranslation(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to,
+                     ShownDiscs shown);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
@@ -31,6 +34,7 @@ class FrustumTranslation {
   Surfaces surfaces_;
   SurfaceRectangles rectangles_;
   Shadow shadow_;
+  MovingSlice slice_;
 };
 
 }  // namespace kerf

@@ -15,9 +15,9 @@ namespace kerf {
 /// The end of a ray's interval that is searched.
 enum class End { kLower, kUpper };
 
-/// Heights at which eight rays enter and leave the slab between the discs of a piece.
+/// Heights at which eight rays enter and leave the slab between the discs of a piece, and 1 / u_z.
 struct DiscSpan {
-  Lanes in, out;
+  Lanes in, out, inverse_uz;
 };
 
 /// Intervals of eight dexel rays inside the side of a piece, continued beyond its two discs.
@@ -58,7 +58,8 @@ struct ConeSide {
     const Lanes inside = b * b - a * c;
     const Lanes root = square_root(greater(inside, Lanes(0)));
     const Lanes q = select(b < 0.0, root - b, -b - root);
-    const Lanes t0 = q / a;
+    const Lanes inverse_a = 1 / a;
+    const Lanes t0 = q * inverse_a;
     const Lanes t1 = select(q == 0.0, t0, c / q);
     const Lanes first = select(t1 < t0, t1, t0), second = select(t1 < t0, t0, t1);
     const LaneMask convex = a > 0.0;
@@ -70,7 +71,7 @@ struct ConeSide {
     in = select(parallel, Lanes(-kInfinity), in);
     out = select(parallel, Lanes(kInfinity), out);
     // Between two roots the ray may be inside the mirrored nappe, which is not part of the tool.
-    const LaneMask own_nappe = r0 + slope * (along - u.z * b / a) >= 0.0;
+    const LaneMask own_nappe = r0 + slope * (along - u.z * b * inverse_a) >= 0.0;
     const LaneMask exists =
         (convex & (inside >= 0.0) & own_nappe) | (~convex & ~parallel) | (parallel & (c <= 0.0));
     Lanes closest = Lanes(0);
@@ -88,6 +89,11 @@ struct ConeSide {
   KERF_INLINE Lanes clearance(const Vec3Lanes& p, Lanes l, const Vec3Lanes& u) const {
     const Vec3Lanes radial = p - u * l;
     return side.distance(square_root(dot(radial, radial)), l);
+  }
+  /// Returns where a point at the squared distance `rho2` from the axis, at l, is inside the side.
+  KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const {
+    const Lanes r = side.r0_mm + side.slope * l;
+    return (r > 0.0) & (rho2 <= r * r);
   }
 
  private:
@@ -131,21 +137,23 @@ struct ArcSide {
     const Lanes p2 = x * x + y * y;
     const Lanes ball2 = reach * reach - p2;
     const Lanes half = square_root(greater(ball2, Lanes(0)));
-    const Lanes uz = select(magnitude(u.z) > kAxisAlongRayMin, u.z, Lanes(kAxisAlongRayMin));
-    const Lanes middle = -along / uz, thick = magnitude(half_height / uz);
+    const Lanes middle = -along * discs.inverse_uz;
+    const Lanes thick = half_height * magnitude(discs.inverse_uz);
     Lanes in = greater(middle - thick, -half), out = lesser(middle + thick, half);
     const LaneMask near = (ball2 >= 0.0) & (in <= out);
     SideSpan span;
     if (end == End::kLower) {
-      solve<1>(p2, u.z, along, near, in, span);
+      solve<1>(p2, u.z, along, near, out - in, in, span);
       span.in = in;
       span.out = select(discs.out > in, lesser(out, discs.out), out);
-      if (any(span.exists)) approach<-1>(p2, u.z, along, span.exists, span.out);
+      const LaneMask asked = span.exists & ~ends_on_disc(p2, u.z, along, span.out, discs.out);
+      if (any(asked)) approach<-1>(p2, u.z, along, asked, span.out);
     } else {
-      solve<-1>(p2, u.z, along, near, out, span);
+      solve<-1>(p2, u.z, along, near, out - in, out, span);
       span.out = out;
       span.in = select(discs.in < out, greater(in, discs.in), in);
-      if (any(span.exists)) approach<1>(p2, u.z, along, span.exists, span.in);
+      const LaneMask asked = span.exists & ~ends_on_disc(p2, u.z, along, span.in, discs.in);
+      if (any(asked)) approach<1>(p2, u.z, along, asked, span.in);
     }
     return span;
   }
@@ -160,15 +168,27 @@ struct ArcSide {
     const Vec3Lanes q = p - u * l;
     return circle_distance(center_r, radius, square_root(dot(q, q)), l).mm;
   }
+  /// Returns where a point at the squared distance `rho2` from the axis, at l, is inside the side.
+  KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const {
+    const Lanes m = greater(square_root(greater(rho2, Lanes(0))) - center_r, Lanes(0));
+    return m * m + l * l <= radius * radius;
+  }
 
  private:
-  static constexpr int kFastSteps = 12;  ///< three are usual
-  static constexpr int kSteps = 60;      ///< at a grazed arc each step halves the distance
+  static constexpr int kFastSteps = 12;  ///< two or three are usual
+  /// Share of the ray's path through the box around the arc after which the search begins.
+  static constexpr double kStartShare = 0.15;
+  /// The third derivative of half G is at most 3 |c_r|/ρ² times |g (λ² − g²)| ≤ 2 λ³/√27, g the
+  /// growth of ρ and λ the sine of the lean; a sixth of that.
+  static constexpr double kThirdShare = 0.1925;
+  static constexpr int kSteps = 60;  ///< at a grazed arc each step halves the distance
 
   /// Half of G = m² + l² − R² at the height t of a ray, with half its derivatives along the ray.
   /// The derivatives of ρ² = |p|² − l² give ρ′ = (t − l u_z)/ρ and ρ″ = (1 − u_z² − ρ′²)/ρ.
   struct Square {
     Lanes off2, slope, bend;
+    Lanes inverse2;   ///< 1 / ρ²
+    LaneMask beyond;  ///< m > 0
   };
   KERF_INLINE Square square_at(Lanes p2, Lanes uz, Lanes along, Lanes t) const {
     const Lanes l = along + uz * t;
@@ -178,36 +198,58 @@ struct ArcSide {
     const Lanes growth = (t - l * uz) * inverse, lean2 = 1 - uz * uz;
     const Lanes bend = lean2 - (lean2 - growth * growth) * inverse * center_r;
     return {m * m + l * l - radius * radius, m * growth + l * uz,
-            select(m > 0.0, bend, Lanes(0)) + uz * uz};
+            select(m > 0.0, bend, Lanes(0)) + uz * uz, inverse * inverse, m > 0.0};
+  }
+  /// Returns the rays that cross a disc at t, inside the side.
+  KERF_INLINE LaneMask ends_on_disc(Lanes p2, Lanes uz, Lanes along, Lanes t, Lanes disc) const {
+    const Lanes l = along + uz * t;
+    return (t == disc) & holds(p2 + t * t - l * l, l);
+  }
+  /// Returns where m > 0 as it was where `g` was evaluated: where it changes, G has a bend.
+  KERF_INLINE LaneMask on_same_part(Lanes p2, Lanes uz, Lanes along, Lanes t,
+                                    const Square& g) const {
+    if (center_r <= 0) return every_lane();
+    const Lanes l = along + uz * t;
+    return ~((p2 + t * t - l * l > center_r * center_r) ^ g.beyond);
   }
 
   /// Moves t to the end of the interval of each ray, the lower (kSign 1) or the upper one (−1), and
   /// sets whether it exists, the closest height and the depth in `span`. `near`: rays that enter
-  /// the box around the arc, at t. Each step goes to the root, or to the vertex, of the parabola
-  /// that touches G at t; for an upright axis G is that parabola. Rays for which this does not
-  /// settle are left to Newton's method from outside.
+  /// the box around the arc, at t, and leave it `across` farther. Each step goes to the root, or to
+  /// the vertex, of the parabola that touches G at t. For an upright axis G is that parabola; else
+  /// G leaves it by at most step³/6 of its third derivative, which is at most 1.16 |c_r| (1 − u_z²)
+  /// / ρ² (kernel/sweep/README.md, "The tight model"), so a short step needs no check. Rays for
+  /// which this does not settle are left to Newton's method from outside.
   template <int kSign>
-  KERF_INLINE void solve(Lanes p2, Lanes uz, Lanes along, LaneMask near, Lanes& t,
+  KERF_INLINE void solve(Lanes p2, Lanes uz, Lanes along, LaneMask near, Lanes across, Lanes& t,
                          SideSpan& span) const {
     const double found = 2 * radius * kArcFoundMm;
+    const Lanes lean2 = 1 - uz * uz, third = lean2 * (kThirdShare * std::abs(center_r));
     t = select(near, t, Lanes(0));
     const Lanes start = t;
+    t = t + select(near, across * (kSign * kStartShare), Lanes(0));
     LaneMask moving = every_lane(), misses = ~near;
+    Lanes inside, bend;
     for (int i = 0; i < kFastSteps; ++i) {
       const Square g = square_at(p2, uz, along, t);
       const Lanes slope = g.slope * double(kSign);
-      const Lanes inside = slope * slope - g.bend * g.off2;
+      inside = slope * slope - g.bend * g.off2;
+      bend = g.bend;
       const LaneMask beside = ~near | (inside < 0.0);
       const LaneMask arrived = ~beside & (magnitude(g.off2) <= found) & (slope <= 0.0);
       const Lanes root = square_root(greater(inside, Lanes(0)));
       const Lanes step = select(beside, -slope, g.off2) / select(beside, g.bend, root - slope);
-      span.depth = inside / (2 * radius * g.bend);
       moving &= ~arrived;
       t = select(moving, t + step * double(kSign), t);
       misses = (misses & ~moving) | (beside & moving);
-      moving &= ~(beside & (magnitude(step) <= kArcClosestMm));
+      const Lanes length = magnitude(step);
+      const LaneMask settled = (length * length * length * third * g.inverse2 <= found) &
+                               (length * length * g.inverse2 <= kArcShortStep2) &
+                               on_same_part(p2, uz, along, t, g);
+      moving &= ~((beside & (length <= kArcClosestMm)) | (~beside & settled));
       if (!any(moving)) break;
     }
+    span.depth = inside / (2 * radius * bend);
     span.closest = t;
     span.exists = ~misses;
     if (!any(moving)) return;

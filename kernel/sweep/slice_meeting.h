@@ -19,6 +19,7 @@ struct Meeting {
   LaneMask hit;
   Lanes side_lo, side_hi;  ///< of the side, continued beyond the discs; lo > hi where it is missed
   LaneMask on_side;        ///< of hits: the end lies on the side, not on a disc
+  LaneMask enters_side, leaves_side;  ///< of hits: the lower, or upper, end lies on the side
   Lanes within;   ///< distance along the ray of the side's end from the nearer disc; < 0 beyond it
   Lanes through;  ///< depth of the ray in the piece; < 0: distance by which it misses
   /// Speed of the end outwards, or of the piece towards a ray that misses it. > 0: later in the
@@ -54,24 +55,57 @@ KERF_INLINE void note_clearance(Meeting& m, const Side& side, const SideSpan& sp
   m.through = select(span.exists, m.through, -off_side);
 }
 
+/// Intersection of eight rays with a piece, each at a pose of its own. Heights are relative to the
+/// piece's anchor.
+struct Crossing {
+  Vec3Lanes anchor;     ///< from the tip
+  Lanes px, py, along;  ///< position of the ray from the anchor, its component along the axis
+  Lanes inverse_uz;
+  Lanes disc_in, disc_out;  ///< heights between the planes of the discs
+  SideSpan span;
+  LaneMask below, above;  ///< the ray leaves the side before, enters it beyond the discs
+  LaneMask hit;
+  Lanes in, out;  ///< interval; empty unless hit
+};
+
+/// Intersects eight rays with a piece. `end` is computed exactly, the other end up to the disc
+/// there. `x`, `y` are relative to the middle tip.
+template <End end, class Side>
+KERF_INLINE Crossing cross_piece(const Side& side, const TurningFrame::Poses& pose, Lanes x,
+                                 Lanes y) {
+  const Vec3Lanes& u = pose.u;
+  Crossing c;
+  c.anchor = u * Lanes(side.anchor);
+  c.px = x - (pose.tip.x + c.anchor.x);
+  c.py = y - (pose.tip.y + c.anchor.y);
+  c.along = c.px * u.x + c.py * u.y;
+  // A ray at right angles to the axis crosses the planes of the discs far away.
+  c.inverse_uz = 1 / select(magnitude(u.z) > kAxisAlongRayMin, u.z, Lanes(kAxisAlongRayMin));
+  const Lanes to_low = (side.low - c.along) * c.inverse_uz;
+  const Lanes to_high = (side.high - c.along) * c.inverse_uz;
+  c.disc_in = lesser(to_low, to_high);
+  c.disc_out = greater(to_low, to_high);
+  c.span = side.template meet<end>(c.px, c.py, u, c.along, {c.disc_in, c.disc_out, c.inverse_uz});
+  c.below = c.span.exists & (c.span.out < c.disc_in);
+  c.above = c.span.exists & (c.span.in > c.disc_out);
+  c.hit = c.span.exists & ~c.below & ~c.above;
+  c.in = greater(c.span.in, c.disc_in);
+  c.out = lesser(c.span.out, c.disc_out);
+  return c;
+}
+
 /// Intersects eight rays with a piece at eight shares of its path. `x`, `y` are relative to the
 /// middle tip. `end` is the end for which the speeds are computed.
 template <End end, class Side>
 KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes y, Lanes share) {
   const TurningFrame::Poses pose = path.frame.at(share);
-  const Vec3Lanes& u = pose.u;
-  const Vec3Lanes anchor = u * Lanes(side.anchor);
-  const Lanes px = x - (pose.tip.x + anchor.x), py = y - (pose.tip.y + anchor.y);
-  const Lanes along = px * u.x + py * u.y;
-  // A ray at right angles to the axis crosses the planes of the discs far away.
-  const Lanes uz = select(magnitude(u.z) > kAxisAlongRayMin, u.z, Lanes(kAxisAlongRayMin));
-  const Lanes to_low = (side.low - along) / uz, to_high = (side.high - along) / uz;
-  const Lanes disc_in = lesser(to_low, to_high), disc_out = greater(to_low, to_high);
-  const SideSpan span = side.template meet<end>(px, py, u, along, {disc_in, disc_out});
-  const LaneMask below = span.exists & (span.out < disc_in);
-  const LaneMask above = span.exists & (span.in > disc_out);
-  const LaneMask hit = span.exists & ~below & ~above;
-  const Lanes in = greater(span.in, disc_in), out = lesser(span.out, disc_out);
+  const Crossing crossing = cross_piece<end>(side, pose, x, y);
+  const Vec3Lanes &u = pose.u, &anchor = crossing.anchor;
+  const SideSpan& span = crossing.span;
+  const Lanes px = crossing.px, py = crossing.py, along = crossing.along;
+  const Lanes disc_in = crossing.disc_in, disc_out = crossing.disc_out;
+  const Lanes in = crossing.in, out = crossing.out;
+  const LaneMask below = crossing.below, hit = crossing.hit;
 
   // The deciding point: the end of the interval, or where side and discs are closest to
   // overlapping.
@@ -88,7 +122,7 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   const Lanes outward = end == End::kLower ? -axis_speed : axis_speed;
   const Lanes disc_speed = select(u.z < 0.0, -outward, outward);
   // For rays that miss: speed at which the gap closes, at the nearer disc or at the side's end.
-  const Lanes from_disc = side_speed - n.z * axis_speed / uz;
+  const Lanes from_disc = side_speed - n.z * axis_speed * crossing.inverse_uz;
   const Lanes rise = select(span.exists, u.z * side_speed / n.z, Lanes(0)) - axis_speed;
   const Lanes from_side = select(span.exists, select(l < side.low, rise, -rise), side_speed);
   const Lanes gap_speed = select(steep, from_disc, from_side);
@@ -96,6 +130,9 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   Meeting m;
   m.hit = hit;
   m.on_side = on_side;
+  // The other end than `end` is computed up to the disc.
+  m.enters_side = span.in > disc_in;
+  m.leaves_side = span.out < disc_out;
   const Lanes side_end = end == End::kLower ? span.in : span.out;
   const Lanes above_in = side_end - disc_in, below_out = disc_out - side_end;
   m.within = lesser(above_in, below_out);

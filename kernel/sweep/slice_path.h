@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "kernel/sweep/turning_frame.h"
 
 namespace kerf {
@@ -18,6 +20,34 @@ struct SliceSearch {
   double missed_mm = 0;    ///< greatest depth in the sweep of an end that is not found
   double search_mm = 0;    ///< distance off the surface at which the search for an end stops
   bool shows_disc = true;  ///< a disc of the slice is not hidden within its neighbors
+  /// The disc through which rays may enter or leave the slice is hidden within a neighbor: an end
+  /// there is one of the neighbor too, so it needs no search.
+  bool hides_entry = false, hides_exit = false;
+};
+
+/// The planes of the discs of a slice, or of the level ends of an arc: a ray that crosses one
+/// within its radius enters or leaves the slice there. Heights from the anchor of the side; a
+/// negative radius: there is none.
+struct DiscPlanes {
+  double low, low_radius, high, high_radius;
+};
+
+/// A slice at one pose, for rays that cross its discs.
+struct DiscPose {
+  Vec3 center;  ///< the anchor, relative to the middle tip
+  Vec3 u;
+  double inverse_uz;
+  double speed;   ///< u·V of the anchor
+  Vec3 by_place;  ///< u·V at the place p from the anchor: speed + by_place·p
+  DiscPlanes discs;
+  double low_radius2, high_radius2;  ///< squares, less an allowance for rounding
+};
+
+/// The discs of an upright or leaning slice at its stations.
+struct DiscPath {
+  /// At all stations, or only at the last if these are many; empty if the slice leans too much.
+  std::vector<DiscPose> poses;
+  double least_uz = 0;
 };
 
 /// The path of a slice, and the parameters of its search.
@@ -26,6 +56,7 @@ struct SlicePath {
   SliceSearch search;
   double speed_max_mm;  ///< greatest speed of a point of the slice, per unit of share
   double lowest_mm;     ///< lower bound of the slice's heights, relative to the middle tip
+  DiscPath discs;
 };
 
 }  // namespace kerf

@@ -27,15 +27,29 @@ KERF_INLINE void include_end(LaneSpan& span, const Meeting& m) {
 /// Maximum number of steps of a search. It brackets the solution and stops when all lanes are done.
 constexpr int kSearchSteps = 120;
 
-/// An interval of shares between two stations, and the intersections there.
+/// Intervals of shares between two stations, and the intersections there.
 struct Stretch {
-  double from, to;
+  Lanes from, to;
   const Meeting &first, &last;
 };
 
 /// Returns where the end is on the same surface, side or disc, as at a station.
 KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
   return m.hit & station.hit & ~(m.on_side ^ station.on_side);
+}
+
+/// Returns the rays that leave the slice through a hidden disc at both stations. They go on in a
+/// neighbor, which they enter there, so no upper end has to be searched.
+KERF_INLINE LaneMask hidden_exit(const SlicePath& path, const Stretch& stretch) {
+  const Meeting &first = stretch.first, &last = stretch.last;
+  if (!path.search.hides_exit) return ~every_lane();
+  return first.hit & last.hit & ~first.leaves_side & ~last.leaves_side;
+}
+/// The same for the lower ends.
+KERF_INLINE LaneMask hidden_entry(const SlicePath& path, const Stretch& stretch) {
+  const Meeting &first = stretch.first, &last = stretch.last;
+  if (!path.search.hides_entry) return ~every_lane();
+  return first.hit & last.hit & ~first.enters_side & ~last.enters_side;
 }
 
 /// The quantity that is searched in each lane; at most one of the masks is set.
@@ -98,7 +112,7 @@ KERF_INLINE Lanes falsi(Lanes a, Lanes b, const Sought& fa, const Sought& fb) {
 template <End end, class Side>
 KERF_INLINE Lanes search(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                          const Stretch& stretch, const Searches& what, LaneSpan& span) {
-  Lanes a = Lanes(stretch.from), b = Lanes(stretch.to);
+  Lanes a = stretch.from, b = stretch.to;
   Sought fa(stretch.first), fb(stretch.last);
   LaneMask was_later = ~every_lane(), was_earlier = was_later;
   const Lanes travel = (stretch.to - stretch.from) * path.speed_max_mm;
@@ -174,15 +188,53 @@ KERF_INLINE LaneMask doubtful(const SlicePath& path, const Stretch& stretch, Lan
          ((right > 0.0) & ~(least_off(path, last, z1, best, -last.advance, right) >= missed));
 }
 
+/// The rays of a stretch in which an end may lie farther out than the one found.
+struct Doubts {
+  LaneMask checked;  ///< the bend is so large that the first bound does not cover the stretch
+  double covered;    ///< share around a stationary end within which nothing deeper is missed
+};
+KERF_INLINE Doubts doubts_of(const SlicePath& path, const Stretch& stretch) {
+  const double covered = std::sqrt(2 * path.search.missed_mm / path.search.bend_mm);
+  const LaneMask longer = Lanes(covered) < stretch.to - stretch.from;
+  return {path.search.checked ? longer : ~every_lane(), covered};
+}
+
+/// Returns the rays of a stretch that remain doubtful, where `found` is the share of the end that
+/// was searched and `span` the outermost end.
+template <End end>
+KERF_INLINE LaneMask remaining_doubts(const SlicePath& path, const Stretch& stretch,
+                                      const Doubts& doubts, LaneMask turn, Lanes found,
+                                      const LaneSpan& span) {
+  const Meeting &first = stretch.first, &last = stretch.last;
+  const LaneMask at_first = end == End::kLower ? first.lo < last.lo : first.hi > last.hi;
+  const Lanes station = select(at_first, stretch.from, stretch.to);
+  const Lanes best = end == End::kLower ? span.lo : span.hi;
+  return doubts.checked & first.hit & last.hit &
+         doubtful<end>(path, stretch, select(turn, found, station), best, doubts.covered);
+}
+
+/// Returns the rays among `asked` whose outermost end may lie between the stations: search_stretch
+/// must be called for them. `span` holds the ends at the stations.
+template <End end>
+KERF_INLINE LaneMask needs_search(const SlicePath& path, const Stretch& stretch, LaneMask asked,
+                                  const LaneSpan& span) {
+  asked &= ~hidden_entry(path, stretch);
+  const LaneMask searched = searches_of(path, stretch, asked).all();
+  const Doubts doubts = doubts_of(path, stretch);
+  if (!any(doubts.checked)) return searched;
+  return searched |
+         (asked & remaining_doubts<end>(path, stretch, doubts, ~every_lane(), stretch.from, span));
+}
+
 /// Widens `span` by the outermost end between two stations, up to `missed_mm`. A stretch that
 /// remains doubtful is bisected once: its halves bend so little that no doubt remains.
 template <End end, class Side>
 KERF_INLINE void search_stretch(const Side& side, const SlicePath& path, Lanes x, Lanes y,
                                 const Stretch& stretch, LaneMask asked, LaneSpan& span) {
   const Meeting &first = stretch.first, &last = stretch.last;
-  const double length = stretch.to - stretch.from, share = (stretch.from + stretch.to) * 0.5;
-  const double covered = std::sqrt(2 * path.search.missed_mm / path.search.bend_mm);
-  const bool checked = path.search.checked && covered < length;
+  const Lanes share = (stretch.from + stretch.to) * 0.5;
+  const Doubts doubts = doubts_of(path, stretch);
+  const bool checked = any(doubts.checked);
   Meeting middle;
   const Stretch stretches[] = {
       stretch, {stretch.from, share, first, middle}, {share, stretch.to, middle, last}};
@@ -190,11 +242,7 @@ KERF_INLINE void search_stretch(const Side& side, const SlicePath& path, Lanes x
     const Searches what = searches_of(path, stretches[k], asked);
     const Lanes found = search<end>(side, path, x, y, stretches[k], what, span);
     if (!checked || k > 0) continue;
-    const LaneMask at_first = end == End::kLower ? first.lo < last.lo : first.hi > last.hi;
-    const Lanes station = select(at_first, Lanes(stretch.from), Lanes(stretch.to));
-    const Lanes best = end == End::kLower ? span.lo : span.hi;
-    asked &= first.hit & last.hit &
-             doubtful<end>(path, stretch, select(what.turn, found, station), best, covered);
+    asked &= remaining_doubts<end>(path, stretch, doubts, what.turn, found, span);
     if (!any(asked)) return;
     middle = meet<end>(side, path, x, y, share);
     Meeting asked_only = middle;

@@ -172,11 +172,11 @@ SweptPiece sweep_slice(const ToolPiece& piece, ShownDiscs shown, const PiecePlan
     if (settings.start_is_cut) sweep.set_trail(Trail(piece, m.from, m.to, shown));
     return sweep;
   };
-  if (m.turn_rad > 0) return trailing(TurningSweep(piece, m.from, m.to, search));
+  if (m.turn_rad > 0) return trailing(TurningSweep(piece, m.from, m.to, shown, search));
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    return trailing(FrustumTranslation(*f, m.from, m.to));
+    return trailing(FrustumTranslation(*f, m.from, m.to, shown));
   }
-  return trailing(ArcTranslation(std::get<ArcPiece>(piece), m.from, m.to));
+  return trailing(ArcTranslation(std::get<ArcPiece>(piece), m.from, m.to, shown));
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,

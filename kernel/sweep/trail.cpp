@@ -13,6 +13,8 @@ constexpr double kLevelMin = 0.2;
 /// Minimum vertical component of the axis for a position in the plane to determine the axial speed
 /// there.
 constexpr double kAxialUprightMin = 0.3;
+/// Allowance for rounding in the sines of an arc's part.
+constexpr double kLeanMargin = 0x1p-26;
 
 /// Returns an upper bound of n·V times the radius, at the height l and the offset (dx, dy) from the
 /// tip.
@@ -50,19 +52,53 @@ KERF_INLINE LaneMask discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, do
   return recede;
 }
 
-/// Returns where the side of an arc recedes at both of its ends, and with that in between. `across`
-/// is an upper bound of q·V, below zero.
+/// Distances from the axis of points of the slice over a disc of the plane, between two heights.
+struct AxisDistances {
+  Lanes least, most;
+};
+
+KERF_INLINE AxisDistances axis_distances(const Trail::Motion& m, Lanes dx, Lanes dy, double reach,
+                                         Lanes low, Lanes high) {
+  const auto at = [&](Lanes l) __attribute__((always_inline)) {
+    const Lanes x = dx - l * m.axis.x, y = dy - l * m.axis.y;
+    const Lanes z = (x * m.axis.x + y * m.axis.y) * m.by_upright;
+    return Vec3Lanes{x, y, z};
+  };
+  const Vec3Lanes first = at(low), last = at(high), step = last - first;
+  const Lanes at_low = square_root(dot(first, first)), at_high = square_root(dot(last, last));
+  const double spread =
+      (reach + m.half_travel + (m.high + m.radius) * m.half_turn) * std::abs(m.by_upright);
+  // Between the two points, which are this far apart, the distance falls at most at unit rate.
+  const Lanes least = (at_low + at_high - square_root(dot(step, step))) * 0.5 - spread;
+  return {greater(least, Lanes(0)), greater(at_low, at_high) + spread};
+}
+
+/// Returns where the side of an arc recedes at both ends of the part of it that may lie over the
+/// place, and with that in between. `across` is an upper bound of q·V.
 KERF_INLINE LaneMask arc_recedes(const Trail::Motion& m, Lanes dx, Lanes dy, double reach,
                                  Lanes across, Lanes low, Lanes high) {
   const AxialSpeed at_low = axial_speed(m, dx, dy, reach, low);
   const AxialSpeed at_high = axial_speed(m, dx, dy, reach, high);
   const Lanes least = lesser(at_low.least, at_high.least);
   const Lanes most = greater(at_low.most, at_high.most);
-  LaneMask recedes = every_lane();
-  for (int i = 0; i < m.lean_count; ++i) {
-    const Trail::Lean& n = m.leans[i];
-    const Lanes along = greater((n.sine > 0 ? most : least) * n.sine, Lanes(0));
-    recedes &= across * n.cosine + along * m.radius <= 0.0;
+  Lanes lowest = Lanes(m.sine_low), highest = Lanes(m.sine_high);
+  AxisDistances rho{Lanes(0), Lanes(m.radius)};
+  if (m.by_upright != 0) {
+    rho = axis_distances(m, dx, dy, reach, low, high);
+    rho.most = lesser(rho.most, Lanes(m.radius));
+    const Lanes inner = greater((rho.least - m.arc_center_r) * (1 / m.arc_radius), Lanes(0));
+    const Lanes outer = greater((rho.most - m.arc_center_r) * (1 / m.arc_radius), Lanes(0));
+    const Lanes steepest = square_root(greater(1 - inner * inner, Lanes(0))) + kLeanMargin;
+    const Lanes flattest = square_root(greater(1 - outer * outer, Lanes(0))) - kLeanMargin;
+    lowest = lesser(greater(-steepest, lowest), highest);
+    highest = greater(lesser(m.sine_high > 0 ? steepest : -flattest, highest), lowest);
+  }
+  // Across the equator the bound consists of two sinusoids, which meet there.
+  LaneMask recedes = (across < 0.0) | (lowest >= 0.0) | (highest <= 0.0);
+  for (const Lanes& sine : {lowest, highest}) {
+    const Lanes cosine = square_root(greater(1 - sine * sine, Lanes(0)));
+    const Lanes along = select(sine > 0.0, most, least) * sine;
+    recedes &= across * cosine + along * select(along > 0.0, rho.most, rho.least) <= 0.0;
   }
   return recedes;
 }
@@ -84,9 +120,9 @@ KERF_INLINE unsigned behind_discs_in_lanes(const Trail::Motion& m, const Discs& 
   const Lanes between = m.bend * (high - low) * (high - low);
   const double allowance = reach * m.level_speed + m.margin + reach * m.margin_per_mm;
   const Lanes across = ends + between + allowance;
-  LaneMask recedes = across < 0.0;
+  const LaneMask recedes =
+      m.is_arc ? arc_recedes(m, dx, dy, reach, across, low, high) : across < 0.0;
   if (!any(recedes)) return 0;
-  recedes &= arc_recedes(m, dx, dy, reach, across, low, high);
   return bits(recedes & discs_recede(m, dx, dy, reach));
 }
 KERF_FOR_EACH_TARGET(unsigned, behind_discs, (const Trail::Motion& m, const Discs& discs),
@@ -99,12 +135,18 @@ Trail::Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, S
   // Of an arc, the bound of q·V is that of the cylinder around it.
   set_side(f, enclosing_frustum(slice));
   set_axial_speed(f);
-  m_.lean_count = 0;
-  if (const auto* arc = std::get_if<ArcPiece>(&slice)) {
-    for (const double z : {arc->z0_mm, arc->z1_mm}) {
-      const double sine = std::clamp((z - arc->center_z_mm) / arc->radius_mm, -1.0, 1.0);
-      m_.leans[m_.lean_count++] = {std::sqrt(1 - sine * sine), sine};
-    }
+  const auto* arc = std::get_if<ArcPiece>(&slice);
+  m_.is_arc = arc != nullptr;
+  m_.by_upright = 0;
+  if (arc != nullptr) {
+    const auto sine = [&](double z) {
+      return std::clamp((z - arc->center_z_mm) / arc->radius_mm, -1.0, 1.0);
+    };
+    m_.sine_low = sine(arc->z0_mm);
+    m_.sine_high = sine(arc->z1_mm);
+    m_.arc_center_r = arc->center_r_mm;
+    m_.arc_radius = arc->radius_mm;
+    if (std::abs(f.u.z) >= kAxialUprightMin) m_.by_upright = 1 / f.u.z;
   }
   m_.face_count = 0;
   if (shown.lower) m_.faces[m_.face_count++] = {-1, m_.low, radius_at(slice, m_.low)};

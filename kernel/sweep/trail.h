@@ -27,11 +27,6 @@ class Trail {
   /// Returns a mask whose bit i is set if nothing is removed over disc i.
   unsigned behind(const Discs& discs) const;
 
-  /// The direction of the side's normal where it leans most towards one end of the tool: the normal
-  /// is e cosine + u sine.
-  struct Lean {
-    double cosine, sine;
-  };
   /// A disc of the slice; `sign` is 1 for the upper one, −1 for the lower one.
   struct Face {
     double sign, height, radius;
@@ -55,9 +50,11 @@ class Trail {
     /// axial_l l, up to axial_margin + axial_per_mm per mm of distance.
     double axial, axial_x, axial_y, axial_l, axial_margin, axial_per_mm;
     double half_turn;
-    Lean leans[2];  ///< of an arc
-    int lean_count;
-    Face faces[2];  ///< discs that show
+    /// Of an arc: the sines of its normal's angle from the plane across the axis, at its ends.
+    bool is_arc;
+    double sine_low, sine_high, arc_center_r, arc_radius;
+    double by_upright;  ///< 1/u_z; 0 if a position does not determine the distance from the axis
+    Face faces[2];      ///< discs that show
     int face_count;
   };
 

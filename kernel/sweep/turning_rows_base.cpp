@@ -9,6 +9,8 @@ namespace {
 template <class Side>
 struct OutOfLine {
   const Side& side;
+
+  KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const { return side.holds(rho2, l); }
 };
 
 template <End end, class Side>
@@ -17,14 +19,50 @@ template <End end, class Side>
   return kerf::meet<end>(outer.side, path, x, y, share);
 }
 
+template <End end, class Side>
+[[gnu::noinline]] Crossing cross_piece(const OutOfLine<Side>& outer,
+                                       const TurningFrame::Poses& pose, const Lanes& x,
+                                       const Lanes& y) {
+  return kerf::cross_piece<end>(outer.side, pose, x, y);
+}
+
+template <class Side>
+void search_rays(const OutOfLine<Side>& outer, const SlicePath& path, PackedRays& rays, bool finish,
+                 ColumnBlock& block) {
+  kerf::search_rays(outer.side, path, rays, finish, block);
+}
+
 [[maybe_unused]] KERF_INLINE void evaluate_cone_in_lanes(const ConeSide& side,
                                                          const SlicePath& path,
                                                          ColumnBlock& block) {
   evaluate_rows(OutOfLine<ConeSide>{side}, path, block);
 }
+[[maybe_unused]] KERF_INLINE void add_simple_cone_rows_in_lanes(const ConeSide& side,
+                                                                const SlicePath& path,
+                                                                unsigned ahead,
+                                                                ColumnBlock& block) {
+  add_simple_rows(OutOfLine<ConeSide>{side}, path, ahead, block);
+}
+[[maybe_unused]] KERF_INLINE void search_packed_cone_in_lanes(const ConeSide& side,
+                                                              const SlicePath& path,
+                                                              PackedRays& rays, bool finish,
+                                                              ColumnBlock& block) {
+  search_packed(OutOfLine<ConeSide>{side}, path, rays, finish, block);
+}
 [[maybe_unused]] KERF_INLINE void evaluate_arc_in_lanes(const ArcSide& side, const SlicePath& path,
                                                         ColumnBlock& block) {
   evaluate_rows(OutOfLine<ArcSide>{side}, path, block);
+}
+[[maybe_unused]] KERF_INLINE void add_simple_arc_rows_in_lanes(const ArcSide& side,
+                                                               const SlicePath& path,
+                                                               unsigned ahead, ColumnBlock& block) {
+  add_simple_rows(OutOfLine<ArcSide>{side}, path, ahead, block);
+}
+[[maybe_unused]] KERF_INLINE void search_packed_arc_in_lanes(const ArcSide& side,
+                                                             const SlicePath& path,
+                                                             PackedRays& rays, bool finish,
+                                                             ColumnBlock& block) {
+  search_packed(OutOfLine<ArcSide>{side}, path, rays, finish, block);
 }
 
 }  // namespace
@@ -32,8 +70,24 @@ template <End end, class Side>
 KERF_FOR_BASE_TARGET(void, evaluate_cone,
                      (const ConeSide& side, const SlicePath& path, ColumnBlock& block),
                      (side, path, block))
+KERF_FOR_BASE_TARGET(void, add_simple_cone_rows,
+                     (const ConeSide& side, const SlicePath& path, unsigned ahead,
+                      ColumnBlock& block),
+                     (side, path, ahead, block))
+KERF_FOR_BASE_TARGET(void, search_packed_cone,
+                     (const ConeSide& side, const SlicePath& path, PackedRays& rays, bool finish,
+                      ColumnBlock& block),
+                     (side, path, rays, finish, block))
 KERF_FOR_BASE_TARGET(void, evaluate_arc,
                      (const ArcSide& side, const SlicePath& path, ColumnBlock& block),
                      (side, path, block))
+KERF_FOR_BASE_TARGET(void, add_simple_arc_rows,
+                     (const ArcSide& side, const SlicePath& path, unsigned ahead,
+                      ColumnBlock& block),
+                     (side, path, ahead, block))
+KERF_FOR_BASE_TARGET(void, search_packed_arc,
+                     (const ArcSide& side, const SlicePath& path, PackedRays& rays, bool finish,
+                      ColumnBlock& block),
+                     (side, path, rays, finish, block))
 
 }  // namespace kerf

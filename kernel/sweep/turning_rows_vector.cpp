@@ -9,9 +9,32 @@ namespace {
                                                          ColumnBlock& block) {
   evaluate_rows(side, path, block);
 }
+[[maybe_unused]] KERF_INLINE void add_simple_cone_rows_in_lanes(const ConeSide& side,
+                                                                const SlicePath& path,
+                                                                unsigned ahead,
+                                                                ColumnBlock& block) {
+  add_simple_rows(side, path, ahead, block);
+}
+[[maybe_unused]] KERF_INLINE void search_packed_cone_in_lanes(const ConeSide& side,
+                                                              const SlicePath& path,
+                                                              PackedRays& rays, bool finish,
+                                                              ColumnBlock& block) {
+  search_packed(side, path, rays, finish, block);
+}
 [[maybe_unused]] KERF_INLINE void evaluate_arc_in_lanes(const ArcSide& side, const SlicePath& path,
                                                         ColumnBlock& block) {
   evaluate_rows(side, path, block);
+}
+[[maybe_unused]] KERF_INLINE void add_simple_arc_rows_in_lanes(const ArcSide& side,
+                                                               const SlicePath& path,
+                                                               unsigned ahead, ColumnBlock& block) {
+  add_simple_rows(side, path, ahead, block);
+}
+[[maybe_unused]] KERF_INLINE void search_packed_arc_in_lanes(const ArcSide& side,
+                                                             const SlicePath& path,
+                                                             PackedRays& rays, bool finish,
+                                                             ColumnBlock& block) {
+  search_packed(side, path, rays, finish, block);
 }
 
 }  // namespace
@@ -19,8 +42,24 @@ namespace {
 KERF_FOR_VECTOR_TARGETS(void, evaluate_cone,
                         (const ConeSide& side, const SlicePath& path, ColumnBlock& block),
                         (side, path, block))
+KERF_FOR_VECTOR_TARGETS(void, add_simple_cone_rows,
+                        (const ConeSide& side, const SlicePath& path, unsigned ahead,
+                         ColumnBlock& block),
+                        (side, path, ahead, block))
+KERF_FOR_VECTOR_TARGETS(void, search_packed_cone,
+                        (const ConeSide& side, const SlicePath& path, PackedRays& rays, bool finish,
+                         ColumnBlock& block),
+                        (side, path, rays, finish, block))
 KERF_FOR_VECTOR_TARGETS(void, evaluate_arc,
                         (const ArcSide& side, const SlicePath& path, ColumnBlock& block),
                         (side, path, block))
+KERF_FOR_VECTOR_TARGETS(void, add_simple_arc_rows,
+                        (const ArcSide& side, const SlicePath& path, unsigned ahead,
+                         ColumnBlock& block),
+                        (side, path, ahead, block))
+KERF_FOR_VECTOR_TARGETS(void, search_packed_arc,
+                        (const ArcSide& side, const SlicePath& path, PackedRays& rays, bool finish,
+                         ColumnBlock& block),
+                        (side, path, rays, finish, block))
 
 }  // namespace kerf

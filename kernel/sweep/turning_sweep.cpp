@@ -1,26 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/sweep/turning_sweep.h"
 
-#include <algorithm>
 #include <cmath>
-
-#include "kernel/sweep/turning_rows.h"
+#include <vector>
 
 namespace kerf {
 namespace {
-
-/// Distance from the tip within which all of the slice lies.
-double upper_reach(const Extent& e) {
-  return std::sqrt(e.z1_mm * e.z1_mm + e.radius_mm * e.radius_mm);
-}
-
-SlicePath make_path(const Extent& e, const ToolPose& from, const ToolPose& to,
-                    const SliceSearch& search) {
-  const TurningFrame frame(from, to);
-  const double reach = upper_reach(e);
-  const double speed = length(frame.v) + frame.turn * reach;
-  return {frame, search, speed > 0 ? speed : 1, 0};
-}
 
 std::vector<ToolPose> stations(const SlicePath& path, const ToolPose& from, const ToolPose& to) {
   const TurningFrame& f = path.frame;
@@ -36,32 +21,20 @@ std::vector<ToolPose> stations(const SlicePath& path, const ToolPose& from, cons
 
 /// Returns the greatest distance of a point of the slice from the chord between two stations.
 double bulge(const SlicePath& path, const Extent& e) {
-  const double reach = upper_reach(e);
+  const double reach = std::sqrt(e.z1_mm * e.z1_mm + e.radius_mm * e.radius_mm);
   const double turn = path.frame.turn / path.search.parts;
   return reach * turn * turn / 8 + kEdgeEpsilonMm;
-}
-
-std::variant<ConeSide, ArcSide> side_of(const ToolPiece& slice) {
-  if (const auto* arc = std::get_if<ArcPiece>(&slice)) return ArcSide(*arc);
-  return ConeSide(std::get<FrustumPiece>(slice));
 }
 
 }  // namespace
 
 TurningSweep::TurningSweep(const ToolPiece& slice, const ToolPose& from, const ToolPose& to,
-                           const SliceSearch& search)
-    : side_(side_of(slice)),
-      path_(make_path(extent(slice), from, to, search)),
-      shadow_(slice, stations(path_, from, to), bulge(path_, extent(slice))) {
-  path_.lowest_mm = shadow_.bounds().min_mm.z - path_.frame.tip.z;
+                           ShownDiscs shown, const SliceSearch& search)
+    : slice_(slice, from, to, shown, search),
+      shadow_(slice, stations(slice_.path(), from, to), bulge(slice_.path(), extent(slice))) {
+  slice_.set_lowest(shadow_.bounds().min_mm.z);
 }
 
-void TurningSweep::evaluate(ColumnBlock& block) const {
-  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    evaluate_cone(*cone, path_, block);
-  } else {
-    evaluate_arc(std::get<ArcSide>(side_), path_, block);
-  }
-}
+void TurningSweep::evaluate(ColumnBlock& block) const { slice_.evaluate(block); }
 
 }  // namespace kerf

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <variant>
-
-#include "kernel/math/span.h"
-#include "kernel/sweep/piece_side.h"
+#include "kernel/sweep/moving_slice.h"
 #include "kernel/sweep/shadow.h"
-#include "kernel/sweep/slice_path.h"
 
 namespace kerf {
 
@@ -16,8 +12,8 @@ namespace kerf {
 /// "The tight model").
 class TurningSweep {
  public:
-  /// `slice` is a frustum or an arc.
-  TurningSweep(const ToolPiece& slice, const ToolPose& from, const ToolPose& to,
+  /// `slice` is a frustum or an arc, and `shown` its discs that are not hidden within neighbors.
+  TurningSweep(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown,
                const SliceSearch& search);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
@@ -26,8 +22,7 @@ class TurningSweep {
   void evaluate(ColumnBlock& block) const;
 
  private:
-  std::variant<ConeSide, ArcSide> side_;
-  SlicePath path_;
+  MovingSlice slice_;
   Shadow shadow_;
 };
 

@@ -9,6 +9,12 @@
 
 namespace kerf {
 
+namespace {
+
+bool cuts(const wire::MotionSample& sample) { return (sample.buttons & wire::kButtonCutting) != 0; }
+
+}  // namespace
+
 Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJournal& journal,
                  Participants& participants)
     : limits_(limits),
@@ -17,11 +23,21 @@ Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJourn
       participants_(participants),
       air_(sculpture.settings()) {}
 
+/// A stroke begins with the first motion after the tool was lifted; a program is one stroke.
+std::expected<void, Rejection> Carving::journal(ParticipantId id, const Command& command,
+                                                std::uint64_t agent_sequence) {
+  ParticipantState* state = participants_.find(id);
+  const bool begins_stroke = state != nullptr && !state->in_stroke;
+  if (auto ok = journal_.append(id, command, {agent_sequence, begins_stroke}); !ok) return ok;
+  if (state != nullptr) state->in_stroke = true;
+  return {};
+}
+
 Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                                 std::uint64_t agent_sequence) {
   const Command command = move;
   if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
-  if (auto ok = journal_.append(id, command, agent_sequence); !ok) {
+  if (auto ok = journal(id, command, agent_sequence); !ok) {
     return std::unexpected(ok.error());
   }
   const std::int64_t reach = sculpture_.tiles_in_reach(move);
@@ -42,7 +58,7 @@ Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int
 
 Carving::Applied Carving::apply_at_once(ParticipantId id, const Command& command) {
   if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
-  if (auto ok = journal_.append(id, command); !ok) return std::unexpected(ok.error());
+  if (auto ok = journal(id, command); !ok) return std::unexpected(ok.error());
   auto result = sculpture_.apply(command);
   if (!result) return std::unexpected(to_rejection(result.error()));
   note(id, *result);
@@ -74,7 +90,10 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
                                               std::int64_t& tiles) {
   if (sample.agent_sequence <= state.last_sequence) {  // a resent sample
     // From it the motions to new ones begin. It was judged when it came for the first time.
-    if (state.has_resumed) (void)state.track.take(sample, sculpture_, limits_.speed_mm_per_s);
+    if (state.has_resumed) {
+      (void)state.track.take(sample, sculpture_, limits_.speed_mm_per_s);
+      state.in_stroke = state.in_stroke && cuts(sample);
+    }
     return std::nullopt;
   }
   state.has_resumed = false;
@@ -87,6 +106,7 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
                                 std::to_string(std::llround(limits_.samples_per_s)) +
                                 " per second");
   }
+  if (!cuts(sample) || !state.track.pose()) state.in_stroke = false;
   auto step = state.track.take(sample, sculpture_, limits_.speed_mm_per_s);
   if (!step) return step.error();
   state.display.tool_id = sample.tool_id;

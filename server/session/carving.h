@@ -90,6 +90,9 @@ class Carving {
   MotionAnswer answer(ParticipantState& state, Batch& batch);
   std::optional<Rejection> take_sample(ParticipantState& state, const wire::MotionSample& sample,
                                        Batch& batch, std::int64_t& tiles);
+  /// Journals a command of a participant.
+  std::expected<void, Rejection> journal(ParticipantId id, const Command& command,
+                                         std::uint64_t agent_sequence = 0);
   /// Begins a motion and works on it for up to `tiles`, which it lowers.
   Applied apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                 std::uint64_t agent_sequence = 0);

@@ -27,6 +27,7 @@ struct ParticipantState {
   /// It has resumed and sent no new sample yet: known ones place the tool, as it was before.
   bool has_resumed = false;
   DurableMark durable;
+  bool in_stroke = false;          ///< the next motion continues its stroke
   std::optional<TokenHash> token;  ///< set if it may resume
   std::uint64_t newest_us = 0;     ///< agent's time of the newest sample, accepted or rejected
   RateLimit samples{0, 0};

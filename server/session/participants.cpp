@@ -123,6 +123,7 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& reque
     state->token = known.token;
     state->last_sequence = known.last_sequence;
     state->durable = known.durable;
+    state->in_stroke = known.in_stroke;
     state->has_resumed = admission.resumed = true;
     admission.token = request.token;
     admission.agent_sequence = known.last_sequence;
@@ -146,7 +147,7 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& reque
 void Participants::keep_resumable(ParticipantState& state) {
   resumable_.keep(state.participant.id,
                   {*state.token, state.participant.name, state.participant.color,
-                   state.last_sequence, state.durable});
+                   state.last_sequence, state.durable, state.in_stroke});
 }
 
 void Participants::leave(ParticipantId id) {

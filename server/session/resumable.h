@@ -20,6 +20,7 @@ struct ResumableAgent {
   std::string name, color;
   std::uint64_t last_sequence = 0;  ///< agent_sequence of its newest sample
   DurableMark durable{};
+  bool in_stroke = false;  ///< its newest sample ended a motion of a stroke
 };
 
 /// The agents of a session that may resume, by participant: the newest kKept of them.

@@ -40,9 +40,9 @@ class SessionJournal {
   // ---- executor only ----
   /// Appends a command. Fails with kBusy when the disk fails ("paused: disk: …") or does not keep
   /// up.
-  /// With the command of an agent goes the number of its sample.
+  /// `note` is stored with the command.
   std::expected<void, Rejection> append(ParticipantId participant, const Command& command,
-                                        std::uint64_t agent_sequence = 0);
+                                        RecordNote note = {});
   /// Appends a participant, with the hash of its token if it may resume.
   void append(const Participant& participant, const std::optional<TokenHash>& token);
   /// Fails with kBusy while the journal is paused, or more records wait than programs may cause:

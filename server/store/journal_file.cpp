@@ -20,13 +20,29 @@ constexpr const char* kTables = R"(
                        base_folder TEXT NOT NULL, epoch INTEGER NOT NULL);
   CREATE TABLE participants(participant INTEGER PRIMARY KEY, name TEXT NOT NULL,
                             color TEXT NOT NULL, kind TEXT NOT NULL);
-  CREATE TABLE commands(sequence INTEGER PRIMARY KEY, participant INTEGER NOT NULL,
-                        bytes BLOB NOT NULL, crc INTEGER NOT NULL);
   CREATE TABLE state_hashes(sequence INTEGER PRIMARY KEY, hash INTEGER NOT NULL);
   CREATE TABLE kernel_versions(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);
-  CREATE TABLE agents(participant INTEGER PRIMARY KEY, token BLOB NOT NULL,
-                      agent_sequence INTEGER NOT NULL, crc INTEGER NOT NULL);
 )";
+
+/// Since version 2. Version 1 had the records in a table `commands`, one row each.
+constexpr const char* kTables2 = R"(
+  CREATE TABLE IF NOT EXISTS agents(participant INTEGER PRIMARY KEY, token BLOB NOT NULL,
+                                    agent_sequence INTEGER NOT NULL, crc INTEGER NOT NULL);
+  CREATE TABLE IF NOT EXISTS batches(first INTEGER PRIMARY KEY, count INTEGER NOT NULL,
+                       wall_ms INTEGER NOT NULL, span_ms INTEGER NOT NULL, bytes BLOB NOT NULL,
+                       crc INTEGER NOT NULL);
+)";
+
+std::string set_version() { return "PRAGMA user_version=" + std::to_string(kJournalVersion) + ";"; }
+
+/// Makes a journal one of this version. Its records stay in their table.
+SqlResult<void> migrate(SqlDatabase& database) {
+  // The first journals had no table of kernel versions.
+  return database.execute(
+      "BEGIN;CREATE TABLE IF NOT EXISTS kernel_versions"
+      "(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);" +
+      std::string(kTables2) + set_version() + "COMMIT");
+}
 
 /// Created only if the scene names files.
 constexpr const char* kFilesTable =
@@ -101,9 +117,9 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
   if (!database) return std::unexpected(to_journal_error(file, database.error()));
   const auto fill = [&]() -> SqlResult<void> {
     const std::string setup = "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; BEGIN;" +
-                              std::string(kTables) +
+                              std::string(kTables) + kTables2 +
                               "PRAGMA application_id=" + std::to_string(kJournalApplicationId) +
-                              "; PRAGMA user_version=" + std::to_string(kJournalVersion) + ";";
+                              ";" + set_version();
     if (auto ok = database->execute(setup); !ok) return ok;
     auto insert = database->prepare("INSERT INTO session VALUES(?,?,?,?,1)");
     if (!insert) return std::unexpected(insert.error());
@@ -148,20 +164,20 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
   }
   const auto version = database->integer("PRAGMA user_version");
   if (!version) return std::unexpected(to_journal_error(file, version.error()));
-  if (*version != kJournalVersion) {
+  if (*version < kOldestJournalVersion || *version > kJournalVersion) {
     return std::unexpected(make_error(JournalErrorCode::kForeignVersion, file,
                                       "journal version " + std::to_string(*version) +
-                                          " is not supported; this program reads version " +
+                                          " is not supported; this program reads versions " +
+                                          std::to_string(kOldestJournalVersion) + " to " +
                                           std::to_string(kJournalVersion)));
   }
   if (mode == SqlMode::kWrite) {
-    // The first journals had no table of kernel versions, and none of agents that may resume.
-    const std::string setup =
-        "PRAGMA synchronous=FULL; CREATE TABLE IF NOT EXISTS kernel_versions"
-        "(sequence INTEGER PRIMARY KEY, version INTEGER NOT NULL);"
-        "CREATE TABLE IF NOT EXISTS agents(participant INTEGER PRIMARY KEY, token BLOB NOT NULL,"
-        "agent_sequence INTEGER NOT NULL, crc INTEGER NOT NULL);"
-        "UPDATE session SET epoch=epoch+1";
+    const std::string setup = "PRAGMA synchronous=FULL; UPDATE session SET epoch=epoch+1";
+    if (*version < kJournalVersion) {
+      if (auto ok = migrate(*database); !ok) {
+        return std::unexpected(to_journal_error(file, ok.error()));
+      }
+    }
     if (auto ok = database->execute(setup); !ok) {
       return std::unexpected(to_journal_error(file, ok.error()));
     }

@@ -17,8 +17,10 @@ namespace kerf {
 inline constexpr const char* kJournalExtension = ".kerf";
 /// "KERF", the application_id of the SQLite file. It identifies journals.
 inline constexpr std::int64_t kJournalApplicationId = 0x4B455246;
-/// Version of the tables. A file with another version is rejected with kForeignVersion.
-inline constexpr std::int64_t kJournalVersion = 1;
+/// Version of the tables. Opening a file of an older version for writing makes it one of this
+/// version; its records stay as they are. A newer one is rejected with kForeignVersion.
+inline constexpr std::int64_t kJournalVersion = 2;
+inline constexpr std::int64_t kOldestJournalVersion = 1;
 /// Kernel version of a journal that stores none.
 inline constexpr std::int64_t kFirstKernelVersion = 1;
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_group.h"
 
+#include <algorithm>
 #include <bit>
 #include <map>
 #include <span>
 #include <utility>
 
 #include "kernel/kernel_version.h"
+#include "server/store/record_rows.h"
 
 namespace kerf {
 namespace {
@@ -14,15 +16,6 @@ namespace {
 SqlResult<void> run(SqlStatement& statement) {
   if (auto row = statement.step(); !row) return std::unexpected(row.error());
   return {};
-}
-
-SqlResult<void> insert_command(SqlStatement& statement, const PendingCommand& command) {
-  statement.bind(1, static_cast<std::int64_t>(command.sequence));
-  statement.bind(2, std::int64_t{command.participant});
-  statement.bind(3, std::span<const std::byte>(command.bytes));
-  statement.bind(
-      4, std::int64_t{record_checksum(command.sequence, command.participant, command.bytes)});
-  return run(statement);
 }
 
 SqlResult<void> insert_participant(SqlStatement& statement, const JournalParticipant& participant) {
@@ -58,8 +51,8 @@ JournalGroups::JournalGroups(SqlDatabase database, Inserts inserts)
     : database_(std::move(database)), inserts_(std::move(inserts)) {}
 
 SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
-  auto command = database.prepare("INSERT INTO commands VALUES(?,?,?,?)");
-  if (!command) return std::unexpected(command.error());
+  auto batch = database.prepare("INSERT INTO batches VALUES(?,?,?,?,?,?)");
+  if (!batch) return std::unexpected(batch.error());
   auto participant = database.prepare("INSERT OR REPLACE INTO participants VALUES(?,?,?,?)");
   if (!participant) return std::unexpected(participant.error());
   auto hash = database.prepare("INSERT OR REPLACE INTO state_hashes VALUES(?,?)");
@@ -72,15 +65,38 @@ SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
   auto progress = database.prepare("UPDATE agents SET agent_sequence=?,crc=? WHERE participant=?");
   if (!progress) return std::unexpected(progress.error());
   return JournalGroups(std::move(database),
-                       {*std::move(command), *std::move(participant), *std::move(hash),
+                       {*std::move(batch), *std::move(participant), *std::move(hash),
                         *std::move(version), *std::move(agent), *std::move(progress)});
 }
 
-SqlResult<void> JournalGroups::insert(const Pending& pending, std::uint64_t stored) {
-  if (const auto* command = std::get_if<PendingCommand>(&pending)) {
-    if (command->sequence <= stored) return {};
-    return insert_command(inserts_.command, *command);
+JournalGroups::Batch JournalGroups::encode(const std::vector<Pending>& group) {
+  std::vector<BatchRecord> records;
+  BatchHead head;
+  for (const Pending& item : group) {
+    const auto* command = std::get_if<PendingCommand>(&item);
+    if (command == nullptr) continue;
+    if (records.empty()) head = {command->sequence, 0, command->wall_ms, 0};
+    head.span_ms = std::max<std::int64_t>(command->wall_ms - head.wall_ms, 0);
+    records.push_back({command->participant, command->command, command->note.begins_stroke});
   }
+  head.count = records.size();
+  if (records.empty()) return {};
+  return {head, encoder_.encode(records)};
+}
+
+SqlResult<void> JournalGroups::insert_batch() {
+  const BatchHead& head = batch_.head;
+  inserts_.batch.bind(1, static_cast<std::int64_t>(head.first));
+  inserts_.batch.bind(2, static_cast<std::int64_t>(head.count));
+  inserts_.batch.bind(3, head.wall_ms);
+  inserts_.batch.bind(4, head.span_ms);
+  inserts_.batch.bind(5, std::span<const std::byte>(batch_.bytes));
+  inserts_.batch.bind(6, batch_checksum(head, batch_.bytes));
+  return run(inserts_.batch);
+}
+
+SqlResult<void> JournalGroups::insert(const Pending& pending) {
+  if (std::holds_alternative<PendingCommand>(pending)) return {};  // in the batch
   if (const auto* participant = std::get_if<JournalParticipant>(&pending)) {
     if (auto ok = insert_participant(inserts_.participant, *participant); !ok) return ok;
     return participant->token ? insert_agent(inserts_.agent, *participant) : SqlResult<void>{};
@@ -97,8 +113,8 @@ SqlResult<void> JournalGroups::note_progress(const std::vector<Pending>& group) 
   std::map<ParticipantId, std::uint64_t> newest;
   for (const Pending& item : group) {
     const auto* command = std::get_if<PendingCommand>(&item);
-    if (command != nullptr && command->agent_sequence != 0) {
-      newest[command->participant] = command->agent_sequence;
+    if (command != nullptr && command->note.agent_sequence != 0) {
+      newest[command->participant] = command->note.agent_sequence;
     }
   }
   for (const auto& [participant, sequence] : newest) {
@@ -114,9 +130,9 @@ SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
                                             std::uint64_t stored) {
   if (auto ok = database_.execute("BEGIN IMMEDIATE"); !ok) return ok;
   SqlResult<void> outcome;
+  if (batch_.head.count > 0 && batch_.head.first > stored) outcome = insert_batch();
   for (const Pending& item : group) {
-    outcome = insert(item, stored);
-    if (!outcome) break;
+    if (outcome) outcome = insert(item);
   }
   if (outcome) outcome = note_progress(group);
   if (outcome) outcome = database_.execute("COMMIT");
@@ -126,13 +142,14 @@ SqlResult<void> JournalGroups::commit_after(const std::vector<Pending>& group,
 }
 
 SqlResult<void> JournalGroups::commit(const std::vector<Pending>& group) {
+  batch_ = encode(group);
   return commit_after(group, 0);
 }
 
 SqlResult<void> JournalGroups::commit_again(const std::vector<Pending>& group) {
-  const auto stored = database_.integer("SELECT coalesce(max(sequence),0) FROM commands");
+  const auto stored = last_record(database_);
   if (!stored) return std::unexpected(stored.error());
-  return commit_after(group, static_cast<std::uint64_t>(*stored));
+  return commit_after(group, *stored);
 }
 
 }  // namespace kerf

@@ -8,15 +8,23 @@
 
 #include "server/store/journal_reader.h"
 #include "server/store/journal_record.h"
+#include "server/store/record_batch.h"
 #include "server/store/sqlite.h"
 
 namespace kerf {
 
-struct PendingCommand {
-  std::uint64_t sequence;
-  ParticipantId participant;
-  std::vector<std::byte> bytes;
+/// What is stored with a command.
+struct RecordNote {
   std::uint64_t agent_sequence = 0;  ///< of the agent's sample; 0: not an agent's
+  bool begins_stroke = false;
+};
+
+struct PendingCommand {
+  std::uint64_t sequence = 0;
+  ParticipantId participant = 0;
+  Command command;
+  RecordNote note;
+  std::int64_t wall_ms = 0;
 };
 /// A hash that another version of the kernel would not compute.
 struct RecarvedHash {
@@ -25,7 +33,8 @@ struct RecarvedHash {
 /// One row of a journal that has not been committed.
 using Pending = std::variant<PendingCommand, JournalParticipant, StateHash, RecarvedHash>;
 
-/// Commits groups of rows to the tables of a journal, each in one transaction.
+/// Commits groups of rows to the tables of a journal, each in one transaction. The commands of a
+/// group are one batch.
 class JournalGroups {
  public:
   /// `database` was opened for writing.
@@ -34,18 +43,27 @@ class JournalGroups {
   /// Commits a group. After an error nothing of it is stored, as far as SQLite can tell: a failed
   /// sync leaves that open.
   SqlResult<void> commit(const std::vector<Pending>& group);
-  /// Commits a group whose commit has failed; skips the commands that are stored after all.
+  /// Commits a group whose commit has failed; skips the batch if it is stored after all.
   SqlResult<void> commit_again(const std::vector<Pending>& group);
 
  private:
   struct Inserts {
-    SqlStatement command, participant, hash, version, agent, progress;
+    SqlStatement batch, participant, hash, version, agent, progress;
   };
   JournalGroups(SqlDatabase database, Inserts inserts);
+  /// The commands of a group, encoded once: a batch builds on the one before.
+  struct Batch {
+    BatchHead head;
+    std::vector<std::byte> bytes;
+  };
+  Batch encode(const std::vector<Pending>& group);
   SqlResult<void> commit_after(const std::vector<Pending>& group, std::uint64_t stored);
+  SqlResult<void> insert_batch();
   SqlResult<void> note_progress(const std::vector<Pending>& group);
-  SqlResult<void> insert(const Pending& pending, std::uint64_t stored);
+  SqlResult<void> insert(const Pending& pending);
 
+  BatchEncoder encoder_;
+  Batch batch_;  ///< of the last group
   SqlDatabase database_;
   Inserts inserts_;  // destroyed before the database
 };

@@ -10,12 +10,12 @@
 
 namespace kerf {
 
-JournalReader::JournalReader(std::filesystem::path file, SqlDatabase database,
-                             SqlStatement commands, RecordOrder order)
+JournalReader::JournalReader(std::filesystem::path file, SqlDatabase database, RecordOrder order,
+                             std::stop_token stop)
     : file_(std::move(file)),
-      database_(std::move(database)),
-      commands_(std::move(commands)),
-      order_(order) {}
+      database_(std::make_unique<SqlDatabase>(std::move(database))),
+      order_(order),
+      stop_(std::move(stop)) {}
 
 JournalError JournalReader::corrupt(std::uint64_t sequence, std::string reason) const {
   return {JournalErrorCode::kCorrupt, file_.string(), sequence, std::move(reason)};
@@ -26,23 +26,22 @@ std::expected<JournalReader, JournalError> JournalReader::open(const std::filesy
                                                                std::stop_token stop) {
   auto database = open_journal(file, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
-  if (stop.stop_possible()) database->end_on(std::move(stop));
+  if (stop.stop_possible()) database->end_on(stop);
   // One transaction for all reads, so that hashes and commands belong to the same state.
   if (auto ok = database->execute("BEGIN"); !ok) {
     return std::unexpected(to_journal_error(file, ok.error()));
   }
-  const std::string by = order == RecordOrder::kParticipant ? "participant, sequence" : "sequence";
-  auto commands =
-      database->prepare("SELECT sequence, participant, bytes, crc FROM commands ORDER BY " + by);
-  if (!commands) return std::unexpected(to_journal_error(file, commands.error()));
-  JournalReader reader(file, *std::move(database), *std::move(commands), order);
+  JournalReader reader(file, *std::move(database), order, std::move(stop));
+  auto rows = RecordRows::open(file, *reader.database_);
+  if (!rows) return std::unexpected(rows.error());
+  reader.rows_ = *std::move(rows);
   if (auto ok = reader.read_head(); !ok) return std::unexpected(ok.error());
   return reader;
 }
 
 std::expected<void, JournalError> JournalReader::read_head() {
   const auto each = [&](std::string_view sql, auto&& use) -> std::expected<void, JournalError> {
-    auto statement = database_.prepare(sql);
+    auto statement = database_->prepare(sql);
     if (!statement) return std::unexpected(to_journal_error(file_, statement.error()));
     for (;;) {
       const auto row = statement->step();
@@ -73,10 +72,8 @@ std::expected<void, JournalError> JournalReader::read_head() {
     });
     if (!ok) return ok;
   }
-  const auto last = integer("SELECT coalesce(max(sequence),0) FROM commands");
-  if (!last) return std::unexpected(last.error());
-  last_ = static_cast<std::uint64_t>(*last);
-  ok = read_kernel_version(*last);
+  const auto last = static_cast<std::int64_t>(rows_->last());
+  ok = read_kernel_version(last);
   if (!ok) return ok;
   if (!damaged.empty()) {
     return std::unexpected(corrupt(0, "the checksum of the scene's file " + damaged + " is wrong"));
@@ -91,7 +88,7 @@ std::expected<void, JournalError> JournalReader::read_head() {
   if (!ok) return ok;
   return each("SELECT sequence, hash FROM state_hashes ORDER BY sequence",
               [&](const SqlStatement& row) {
-                if (row.integer(0) > *last) {
+                if (row.integer(0) > last) {
                   ++dropped_hashes_;
                   return;
                 }
@@ -110,7 +107,7 @@ std::expected<void, JournalError> JournalReader::read_agents() {
   const auto has_agents = has_table("agents");
   if (!has_agents) return std::unexpected(has_agents.error());
   if (!*has_agents) return {};
-  auto rows = database_.prepare("SELECT participant, token, agent_sequence, crc FROM agents");
+  auto rows = database_->prepare("SELECT participant, token, agent_sequence, crc FROM agents");
   if (!rows) return std::unexpected(to_journal_error(file_, rows.error()));
   for (;;) {
     const auto row = rows->step();
@@ -133,7 +130,7 @@ std::expected<void, JournalError> JournalReader::read_agents() {
 }
 
 std::expected<std::int64_t, JournalError> JournalReader::integer(const std::string& sql) {
-  const auto value = database_.integer(sql);
+  const auto value = database_->integer(sql);
   if (!value) return std::unexpected(to_journal_error(file_, value.error()));
   return *value;
 }
@@ -152,46 +149,14 @@ std::expected<void, JournalError> JournalReader::read_kernel_version(std::int64_
   return {};
 }
 
-std::expected<std::uint64_t, JournalError> JournalReader::next_sequence() const {
-  const auto sequence = static_cast<std::uint64_t>(commands_.integer(0));
-  const std::uint64_t expected = count_ + 1;
-  if (order_ == RecordOrder::kSequence && sequence != expected) {
-    return std::unexpected(
-        corrupt(expected, "the record is missing: the next one is " + std::to_string(sequence)));
-  }
-  // Sequences are unique: if all are from 1 to last_ and there are last_ of them, none is missing.
-  if (sequence < 1 || sequence > last_) {
-    return std::unexpected(corrupt(sequence, "the number of the record is invalid"));
-  }
-  return sequence;
-}
-
 std::expected<std::optional<JournalRecord>, JournalError> JournalReader::next() {
-  const auto row = commands_.step();
-  if (!row) {
-    auto error = to_journal_error(file_, row.error());
-    if (order_ == RecordOrder::kSequence) error.sequence = count_ + 1;
-    return std::unexpected(error);
+  if (order_ == RecordOrder::kSequence) return rows_->next();
+  if (!sorted_) {
+    auto sorted = SortedRecords::sort(*rows_, file_, stop_);
+    if (!sorted) return std::unexpected(sorted.error());
+    sorted_ = *std::move(sorted);
   }
-  if (!*row) {
-    if (count_ == last_) return std::nullopt;
-    return std::unexpected(corrupt(0, std::to_string(last_ - count_) + " records are missing"));
-  }
-  const auto sequence = next_sequence();
-  if (!sequence) return std::unexpected(sequence.error());
-  JournalRecord record;
-  record.sequence = *sequence;
-  record.participant = static_cast<ParticipantId>(commands_.integer(1));
-  const auto bytes = commands_.blob(2);
-  if (commands_.integer(3) !=
-      std::int64_t{record_checksum(record.sequence, record.participant, bytes)}) {
-    return std::unexpected(corrupt(record.sequence, "the checksum of the record is wrong"));
-  }
-  auto command = decode_command(bytes);
-  if (!command) return std::unexpected(corrupt(record.sequence, command.error()));
-  record.command = *std::move(command);
-  ++count_;
-  return record;
+  return sorted_->next();
 }
 
 }  // namespace kerf

@@ -3,12 +3,15 @@
 
 #include <expected>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "server/store/journal_error.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_record.h"
+#include "server/store/record_rows.h"
 #include "server/store/resume_token.h"
 
 namespace kerf {
@@ -56,9 +59,8 @@ class JournalReader {
   std::expected<std::optional<JournalRecord>, JournalError> next();
 
  private:
-  JournalReader(std::filesystem::path file, SqlDatabase database, SqlStatement commands,
-                RecordOrder order);
-  std::expected<std::uint64_t, JournalError> next_sequence() const;
+  JournalReader(std::filesystem::path file, SqlDatabase database, RecordOrder order,
+                std::stop_token stop);
   std::expected<void, JournalError> read_head();
   std::expected<void, JournalError> read_agents();
   std::expected<bool, JournalError> has_table(const std::string& name);
@@ -67,15 +69,15 @@ class JournalReader {
   JournalError corrupt(std::uint64_t sequence, std::string reason) const;
 
   std::filesystem::path file_;
-  SqlDatabase database_;
-  SqlStatement commands_;
+  std::unique_ptr<SqlDatabase> database_;  ///< in one place, for `rows_`
+  std::optional<RecordRows> rows_;
+  std::optional<SortedRecords> sorted_;
   JournalHeader header_;
   std::vector<JournalParticipant> participants_;
   std::vector<StateHash> hashes_;
   std::size_t dropped_hashes_ = 0;
   RecordOrder order_;
-  std::uint64_t last_ = 0;   ///< greatest sequence of a record
-  std::uint64_t count_ = 0;  ///< records returned
+  std::stop_token stop_;
 };
 
 }  // namespace kerf

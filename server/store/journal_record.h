@@ -20,6 +20,11 @@ struct JournalRecord {
   std::uint64_t sequence = 0;  ///< order of application: from 1, consecutive
   ParticipantId participant = 0;
   Command command;
+  /// When it was appended, ms since 1970 UTC, to some 10 ms. 0: of a journal of version 1.
+  std::int64_t wall_ms = 0;
+  /// The record with which its stroke begins: what a participant cuts between touching down and
+  /// lifting, or a program. 0: none, or of a journal of version 1.
+  std::uint64_t stroke = 0;
 };
 
 /// The layout number, the first byte of an encoded command. A changed layout gets a new number, and

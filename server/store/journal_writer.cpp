@@ -12,6 +12,17 @@
 
 namespace kerf {
 
+namespace {
+
+/// ms since 1970, UTC.
+std::int64_t wall_ms() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
 struct JournalWriter::Impl {
   Impl(std::filesystem::path path, JournalGroups journal_groups, std::uint64_t last,
        std::uint32_t opened)
@@ -157,7 +168,7 @@ std::expected<JournalWriter, JournalError> JournalWriter::open(const std::filesy
 
 std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId participant,
                                                                  const Command& command,
-                                                                 std::uint64_t agent_sequence) {
+                                                                 RecordNote note) {
   std::uint64_t sequence = 0;
   {
     const std::lock_guard lock(impl_->mutex);
@@ -170,7 +181,7 @@ std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId p
     }
     sequence = ++impl_->last_sequence;
   }
-  impl_->push(PendingCommand{sequence, participant, encode_command(command), agent_sequence});
+  impl_->push(PendingCommand{sequence, participant, command, note, wall_ms()});
   return sequence;
 }
 

@@ -12,6 +12,7 @@
 
 #include "server/store/journal_error.h"
 #include "server/store/journal_file.h"
+#include "server/store/journal_group.h"
 #include "server/store/journal_reader.h"
 #include "server/store/journal_record.h"
 
@@ -45,10 +46,9 @@ class JournalWriter {
 
   /// Appends a command and returns its sequence. Fails with kFull if the buffer is full, and with
   /// the error of the commit while the journal is paused, so that a session never runs ahead of a
-  /// failed disk. With the command of an agent goes the number of its sample.
+  /// failed disk. `note` is stored with the command.
   std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
-                                                    const Command& command,
-                                                    std::uint64_t agent_sequence = 0);
+                                                    const Command& command, RecordNote note = {});
   /// Stores or replaces a participant. Its token is stored when it comes for the first time.
   void append(const JournalParticipant& participant);
   /// Appends the hash of the solid after record `state.sequence`.

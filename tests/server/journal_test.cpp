@@ -33,6 +33,7 @@ class Journal : public testing::Test {
       const auto sequence = writer->append(static_cast<ParticipantId>(1 + i % 2), move_to(i));
       ASSERT_TRUE(sequence);
       EXPECT_EQ(*sequence, static_cast<std::uint64_t>(i));
+      ASSERT_TRUE(writer->flush());  // a batch for each record
     }
     writer->append(StateHash{10, 0xFEDCBA9876543210U});
     ASSERT_TRUE(writer->flush());
@@ -107,8 +108,8 @@ TEST_F(Journal, StoresHowFarEachAgentHasComeWithItsRecords) {
     writer->append(JournalParticipant{2, "Bob", "#112233", "agent"});
     EXPECT_EQ(writer->durable_sequence(), 0U);
     for (int i = 1; i <= 10; ++i) {
-      ASSERT_TRUE(writer->append(1, move_to(i), 100U + static_cast<std::uint64_t>(i)));
-      ASSERT_TRUE(writer->append(2, move_to(i), 7));
+      ASSERT_TRUE(writer->append(1, move_to(i), {100U + static_cast<std::uint64_t>(i), false}));
+      ASSERT_TRUE(writer->append(2, move_to(i), {7, false}));
     }
     ASSERT_TRUE(writer->flush());
     EXPECT_EQ(writer->durable_sequence(), 20U);
@@ -125,19 +126,6 @@ TEST_F(Journal, StoresHowFarEachAgentHasComeWithItsRecords) {
   reader = JournalReader::open(file);
   ASSERT_FALSE(reader);
   EXPECT_EQ(reader.error().code, JournalErrorCode::kCorrupt);
-}
-
-TEST_F(Journal, OneWithoutAgentsThatMayResumeIsContinued) {
-  write_ten();
-  sql("DROP TABLE agents");
-  EXPECT_FALSE(JournalReader::open(file)->participants()[0].token);
-  auto writer = JournalWriter::open(file, 10);
-  ASSERT_TRUE(writer) << describe(writer.error());
-  const auto token = hash_token("0123456789abcdef0123456789abcdef");
-  writer->append(JournalParticipant{2, "Bob", "#112233", "agent", token});
-  ASSERT_TRUE(writer->append(2, move_to(11), 5));
-  ASSERT_TRUE(writer->flush());
-  EXPECT_EQ(JournalReader::open(file)->participants()[1].agent_sequence, 5U);
 }
 
 TEST(ResumeToken, IsRandomAndHashedWithSha256) {
@@ -175,7 +163,7 @@ TEST_F(Journal, StoresTheKernelVersionOfItsNewestHash) {
 
 TEST_F(Journal, WithoutAKernelVersionItIsOfTheFirst) {
   write_ten();
-  sql("DROP TABLE kernel_versions");
+  sql("DROP TABLE kernel_versions; PRAGMA user_version = 1");
   EXPECT_EQ(JournalReader::open(file)->header().kernel_version, kFirstKernelVersion);
   {
     auto writer = JournalWriter::open(file, 10);
@@ -233,26 +221,26 @@ TEST_F(Journal, CreateDoesNotOverwriteAnExistingJournal) {
 
 TEST_F(Journal, CorruptByteIsReportedWithItsRecord) {
   write_ten();
-  sql("UPDATE commands SET bytes = CAST(substr(bytes,1,20) || x'FF' || substr(bytes,22) AS BLOB) "
-      "WHERE sequence = 4");
+  sql("UPDATE batches SET bytes = CAST(substr(bytes,1,1) || x'A5' || substr(bytes,3) AS BLOB) "
+      "WHERE first = 4");
   expect_corrupt_at(4);
 }
 
-TEST_F(Journal, ChangedParticipantIsDetected) {
+TEST_F(Journal, ChangedTimeIsDetected) {
   write_ten();
-  sql("UPDATE commands SET participant = 9 WHERE sequence = 6");
+  sql("UPDATE batches SET wall_ms = wall_ms + 1 WHERE first = 6");
   expect_corrupt_at(6);
 }
 
 TEST_F(Journal, MissingRecordIsDetected) {
   write_ten();
-  sql("DELETE FROM commands WHERE sequence = 3");
+  sql("DELETE FROM batches WHERE first = 3");
   expect_corrupt_at(3);
 }
 
 TEST_F(Journal, MissingTailIsReportedByTheHashThatIsLeft) {
   write_ten();
-  sql("DELETE FROM commands WHERE sequence > 8");
+  sql("DELETE FROM batches WHERE first > 8");
   auto reader = JournalReader::open(file);
   ASSERT_TRUE(reader) << describe(reader.error());
   EXPECT_EQ(reader->dropped_hashes(), 1U);
@@ -263,9 +251,9 @@ TEST_F(Journal, MissingTailIsReportedByTheHashThatIsLeft) {
 }
 
 TEST_F(Journal, DamageIsDetectedByParticipantToo) {
-  for (const char* damage : {"DELETE FROM commands WHERE sequence = 3",
-                             "UPDATE commands SET sequence = -7 WHERE sequence = 3",
-                             "UPDATE commands SET participant = 2 WHERE sequence = 4"}) {
+  for (const char* damage :
+       {"DELETE FROM batches WHERE first = 3", "UPDATE batches SET first = -7 WHERE first = 3",
+        "UPDATE batches SET count = 2 WHERE first = 4"}) {
     remove_journal(file);
     write_ten();
     sql(damage);
@@ -280,9 +268,9 @@ TEST_F(Journal, DamageIsDetectedByParticipantToo) {
 
 TEST_F(Journal, SwappedRecordsAreDetected) {
   write_ten();
-  sql("UPDATE commands SET sequence = 99 WHERE sequence = 2;"
-      "UPDATE commands SET sequence = 2 WHERE sequence = 4;"
-      "UPDATE commands SET sequence = 4 WHERE sequence = 99");
+  sql("UPDATE batches SET first = 99 WHERE first = 2;"
+      "UPDATE batches SET first = 2 WHERE first = 4;"
+      "UPDATE batches SET first = 4 WHERE first = 99");
   expect_corrupt_at(2);
 }
 

@@ -148,7 +148,8 @@ class UnreadableJournals(LiveTest):
         self.server.stop()
         path = os.path.join(self.folder.name, "block.kerf")
         with sqlite3.connect(path) as journal:
-            journal.execute("UPDATE commands SET bytes = zeroblob(110) WHERE sequence = 7")
+            journal.execute("UPDATE batches SET bytes = zeroblob(7) "
+                            "WHERE first = (SELECT max(first) FROM batches)")
         journal.close()
         with open(path, "rb") as file:
             before = file.read()

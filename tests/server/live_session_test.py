@@ -496,7 +496,8 @@ class Restarts(LiveTest):
         for name in ("flipped", "foreign", "truncated"):
             shutil.copy(path, os.path.join(self.folder.name, name + ".kerf"))
         with sqlite3.connect(os.path.join(self.folder.name, "flipped.kerf")) as flipped:
-            flipped.execute("UPDATE commands SET bytes = zeroblob(110) WHERE sequence = 77")
+            first = flipped.execute("SELECT max(first) FROM batches").fetchone()[0]
+            flipped.execute("UPDATE batches SET bytes = zeroblob(7) WHERE first = ?", (first,))
         with sqlite3.connect(os.path.join(self.folder.name, "foreign.kerf")) as foreign:
             foreign.execute("PRAGMA user_version = 99")
         flipped.close()
@@ -509,7 +510,7 @@ class Restarts(LiveTest):
         self.assertEqual(sessions, ["block", "other"])
         self.assertEqual(self.server.hash(), expected)
         code, log = self.server.stop()
-        self.assertIn("flipped.kerf: record 77: the checksum of the record is wrong", log)
+        self.assertIn(f"flipped.kerf: record {first}: the checksum of the records is wrong", log)
         self.assertIn("foreign_journal_version", log)
         self.assertIn("truncated.kerf", log)
         self.assertIn("not_a_journal", log)

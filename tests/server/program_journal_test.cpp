@@ -206,5 +206,38 @@ TEST_F(ProgramJournal, ACancelledProgramKeepsThePathThatItHasTravelled) {
   EXPECT_EQ(last, points.at(done));
 }
 
+TEST_F(SessionTest, RecordsTellTheirStrokeAndTheirTime) {
+  const auto session = start();
+  const auto ada = join(*session), bob = join(*session, "Bob");
+  const auto lift = [&](ParticipantId id, double x_mm) {
+    wire::MotionSample sample = next(x_mm, 0, 1);
+    sample.buttons = 0;
+    session->move(id, {&sample, 1});
+  };
+  move(*session, ada, 0, 0, -1);    // places the tool
+  move(*session, ada, 0.1, 0, -1);  // record 3, after the tools
+  move(*session, bob, 5, 5, -1);
+  move(*session, bob, 5.1, 5, -1);  // record 4
+  move(*session, ada, 0.2, 0, -1);  // record 5
+  lift(ada, 0.3);
+  move(*session, bob, 5.2, 5, -1);    // record 6
+  move(*session, ada, 0.3, 0, -0.5);  // record 7, touches down
+  move(*session, ada, 0.4, 0, -0.5);  // record 8
+  ASSERT_TRUE(session->choose_tool(ada, 2));
+  ASSERT_TRUE(session->choose_tool(ada, 1));
+  move(*session, ada, 0.5, 0, -0.5);  // places the tool
+  move(*session, ada, 0.6, 0, -0.5);  // record 9
+  ASSERT_TRUE(session->flush());
+  auto reader = JournalReader::open(session->journal_file());
+  std::vector<std::uint64_t> strokes;
+  std::int64_t wall_ms = 1'700'000'000'000;
+  for (auto record = reader->next(); record && *record; record = reader->next()) {
+    strokes.push_back((*record)->stroke);
+    EXPECT_GE((*record)->wall_ms, wall_ms);
+    wall_ms = (*record)->wall_ms;
+  }
+  EXPECT_EQ(strokes, (std::vector<std::uint64_t>{0, 0, 3, 4, 3, 4, 7, 7, 9}));
+}
+
 }  // namespace
 }  // namespace kerf

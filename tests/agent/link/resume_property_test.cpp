@@ -42,6 +42,7 @@ struct World {
 struct MadeMotion {
   ToolId tool = 0;
   Vec3 from_mm, to_mm;
+  std::uint64_t stroke = 0;  ///< in the journal
 };
 
 /// The session rounds positions to 1e-6 mm.
@@ -146,7 +147,7 @@ class Carver {
                             .tip_mm = tip,
                             .tool_id = tool_,
                             .buttons = wire::kButtonCutting}));
-    if (made_ > 1 && tool_ == before) motions_.push_back({tool_, last_tip_, tip});
+    if (made_ > 1 && tool_ == before) motions_.push_back({tool_, last_tip_, tip, 0});
     last_tip_ = tip;
   }
 
@@ -231,7 +232,8 @@ class ResumeProperty : public SessionTest {
     for (auto record = reader->next(); record && *record; record = reader->next()) {
       const auto* move = std::get_if<MoveTool>(&(*record)->command);
       if (move == nullptr) continue;
-      motions[(*record)->participant].push_back({move->tool, move->from.tip_mm, move->to.tip_mm});
+      motions[(*record)->participant].push_back(
+          {move->tool, move->from.tip_mm, move->to.tip_mm, (*record)->stroke});
     }
     return motions;
   }
@@ -243,6 +245,10 @@ class ResumeProperty : public SessionTest {
     ASSERT_TRUE(differs.in1 == journaled.end() && differs.in2 == carver.made().end())
         << "motion " << differs.in1 - journaled.begin() << " of " << journaled.size()
         << "; made were " << carver.made().size();
+    for (std::size_t i = 1; i < journaled.size(); ++i) {
+      const bool continues = journaled[i].from_mm == journaled[i - 1].to_mm;
+      EXPECT_EQ(journaled[i].stroke == journaled[i - 1].stroke, continues) << i;
+    }
     for (const MadeMotion& motion : carver.made()) {
       const ToolPose from = admit_pose({motion.from_mm, {0, 0, 1}});
       const ToolPose to = admit_pose({motion.to_mm, {0, 0, 1}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -61,7 +62,9 @@ TEST(ArcSide, MeetsTheSideWhereItsDistanceIsZeroAndElseFindsTheClosestHeight) {
                                : normalized({in(-lean, lean), in(-lean, lean), k % 3 ? 1.0 : -1.0});
     const AlongRay ray{arc, u, in(-6, 6), in(-6, 6)};
     const double best = ray.least_at(), gap = ray(best);
-    const DiscSpan discs{Lanes(best - in(0, 3)), Lanes(best + in(0, 3))};
+    const double upright = std::max(std::abs(u.z), kAxisAlongRayMin);
+    const DiscSpan discs{Lanes(best - in(0, 3)), Lanes(best + in(0, 3)),
+                         Lanes(u.z < 0 ? -1 / upright : 1 / upright)};
     const SideSpan lower = meet<End::kLower>(side, ray, discs);
     const SideSpan upper = meet<End::kUpper>(side, ray, discs);
     const bool exists = bits(lower.exists) != 0;

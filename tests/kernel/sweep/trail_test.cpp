@@ -55,6 +55,14 @@ TEST(Trail, ArcRecedesWhereBothItsEndsDo) {
   EXPECT_EQ(test({-1, 0, 0}), 0U);
 }
 
+TEST(Trail, OnlyThePartOfAnArcOverAPlaceCounts) {
+  // The corner sinks while it moves sideways: its bottom advances, its outer part recedes.
+  const ToolPose from{{0, 0, 0}, {0, 0, 1}}, to{{1, 0, -0.1}, {0, 0, 1}};
+  const Trail trail(ArcPiece{3, 2, 2, 0, 2}, from, to, {});
+  EXPECT_EQ(trail.behind(discs_at(-5, 0, 0.1)), 0xFFU);
+  EXPECT_EQ(trail.behind(discs_at(-3.3, 0, 0.1)), 0U);
+}
+
 TEST(Trail, MotionAlongTheRaysHasNoTrail) {
   const ToolPose from{{0, 0, 0}, {1, 0, 0}}, to{{0, 0, 1}, {1, 0, 0}};
   const Trail trail(FrustumPiece{5, 4, 50, 4}, from, to, {});

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernel/sweep/moving_slice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernel/sweep/turning_rows.h"
+
+namespace kerf {
+namespace {
+
+std::variant<ConeSide, ArcSide> side_of(const ToolPiece& slice) {
+  if (const auto* arc = std::get_if<ArcPiece>(&slice)) return ArcSide(*arc);
+  return ConeSide(std::get<FrustumPiece>(slice));
+}
+
+/// Returns the distance from the tip within which all of the slice lies.
+double upper_reach(const Extent& e) {
+  return std::sqrt(e.z1_mm * e.z1_mm + e.radius_mm * e.radius_mm);
+}
+
+SlicePath make_path(const Extent& e, const ToolPose& from, const ToolPose& to,
+                    const SliceSearch& search) {
+  const TurningFrame frame(from, to);
+  const double reach = upper_reach(e);
+  const double speed = length(frame.v) + frame.turn * reach;
+  return {frame, search, speed > 0 ? speed : 1, 0, {}};
+}
+
+/// Greatest number of parts whose stations are kept in a DiscPath, and least vertical component of
+/// the axis there.
+constexpr int kDiscPartsMax = 16;
+constexpr double kDiscUprightMin = 0.3;
+
+DiscPlanes disc_planes(const ToolPiece& slice) {
+  const auto radius_or_none = [](double r) { return r > kTipMm ? r : -1; };
+  if (const auto* f = std::get_if<FrustumPiece>(&slice)) {
+    return {0, radius_or_none(f->r0_mm), f->z1_mm - f->z0_mm, radius_or_none(f->r1_mm)};
+  }
+  const auto& a = std::get<ArcPiece>(slice);
+  const double r0 = is_level_below(a) ? a.center_r_mm : radius_at(a, a.z0_mm);
+  const double r1 = is_level_above(a) ? a.center_r_mm : radius_at(a, a.z1_mm);
+  return {std::max(a.z0_mm - a.center_z_mm, -a.radius_mm), radius_or_none(r0),
+          std::min(a.z1_mm - a.center_z_mm, a.radius_mm), radius_or_none(r1)};
+}
+
+DiscPose disc_pose(const TurningFrame& frame, double anchor, const DiscPlanes& discs,
+                   double share) {
+  const TurningFrame::Poses at = frame.at(Lanes(share));
+  const Vec3 u{at.u.x[0], at.u.y[0], at.u.z[0]}, tip{at.tip.x[0], at.tip.y[0], at.tip.z[0]};
+  const auto square = [](double r) { return r > 0 ? r * r * (1 - kHiddenDiscShare) : -1; };
+  return {tip + u * anchor,
+          u,
+          1 / u.z,
+          dot(u, frame.v),
+          cross(u, frame.k * frame.turn),
+          discs,
+          square(discs.low_radius),
+          square(discs.high_radius)};
+}
+
+DiscPath disc_path(const ToolPiece& slice, double anchor, const SlicePath& path) {
+  DiscPath result;
+  const TurningFrame& f = path.frame;
+  result.least_uz = f.u.z - f.turn;
+  if (!(result.least_uz > kDiscUprightMin)) return result;
+  const DiscPlanes discs = disc_planes(slice);
+  const int parts = path.search.parts;
+  for (int i = parts <= kDiscPartsMax ? 0 : parts; i <= parts; ++i) {
+    result.poses.push_back(disc_pose(f, anchor, discs, double(i) / parts));
+  }
+  return result;
+}
+
+/// Returns discs that enclose the rows of a block.
+Discs rows_of(const ColumnBlock& block) {
+  const double first = block.x_mm[0], last = block.x_mm[kLanes - 1];
+  Discs discs{Lanes((first + last) * 0.5), {}, (last - first) * 0.5};
+  for (int row = 0; row < kBlockSide; ++row) discs.y_mm.set(row, block.y_mm[row]);
+  return discs;
+}
+
+}  // namespace
+
+MovingSlice::MovingSlice(const ToolPiece& slice, const ToolPose& from, const ToolPose& to,
+                         ShownDiscs shown, const SliceSearch& search)
+    : side_(side_of(slice)),
+      path_(make_path(extent(slice), from, to, search)),
+      ahead_(slice, to, from, shown) {
+  const double anchor = std::visit([](const auto& side) { return side.anchor; }, side_);
+  path_.discs = disc_path(slice, anchor, path_);
+  const double uz = path_.frame.u.z, turn = path_.frame.turn;
+  if (uz > turn) {
+    path_.search.hides_entry = !shown.lower;
+    path_.search.hides_exit = !shown.upper;
+  } else if (uz < -turn) {
+    path_.search.hides_entry = !shown.upper;
+    path_.search.hides_exit = !shown.lower;
+  }
+}
+
+void MovingSlice::add_simple_rows(ColumnBlock& block) const {
+  const unsigned ahead = ahead_.behind(rows_of(block)) & block.rows;
+  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
+    add_simple_cone_rows(*cone, path_, ahead, block);
+  } else {
+    add_simple_arc_rows(std::get<ArcSide>(side_), path_, ahead, block);
+  }
+}
+
+void MovingSlice::evaluate(ColumnBlock& block) const {
+  add_simple_rows(block);
+  if (block.rows == 0) return;
+  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
+    evaluate_cone(*cone, path_, block);
+  } else {
+    evaluate_arc(std::get<ArcSide>(side_), path_, block);
+  }
+}
+
+}  // namespace kerf

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <variant>
+
+#include "kernel/sweep/column_block.h"
+#include "kernel/sweep/piece_side.h"
+#include "kernel/sweep/slice_path.h"
+#include "kernel/sweep/trail.h"
+
+namespace kerf {
+
+/// A slice of the tool (frustum or arc) that moves between two poses whose axes are less than
+/// kTurnPerFrameMaxRad apart. Adds what it removes to the rows of a block, and tells the rows that
+/// need no search.
+class MovingSlice {
+ public:
+  /// `shown`: the discs of the slice that are not hidden within its neighbors.
+  MovingSlice(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown,
+              const SliceSearch& search);
+
+  const SlicePath& path() const { return path_; }
+  /// Sets a lower bound of the slice's heights (mm).
+  void set_lowest(double z_mm) { path_.lowest_mm = z_mm - path_.frame.tip.z; }
+
+  /// Adds the intervals of the rows of a block that are ahead of the slice, so that it sweeps no
+  /// more there than what its last pose takes, and of those whose rays all cross its discs
+  /// (kernel/sweep/README.md, "Ahead of a tool", "Rays through the discs"). Removes them from the
+  /// rows to be evaluated.
+  void add_simple_rows(ColumnBlock& block) const;
+  /// Adds the intervals of all rows, by search where it is needed.
+  void evaluate(ColumnBlock& block) const;
+
+ private:
+  std::variant<ConeSide, ArcSide> side_;
+  SlicePath path_;
+  Trail ahead_;  ///< of the motion back
+};
+
+}  // namespace kerf

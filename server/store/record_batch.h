@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/store/bit_code.h"
+#include "server/store/journal_record.h"
+
+namespace kerf {
+
+/// What a batch stores of one record.
+struct BatchRecord {
+  ParticipantId participant = 0;
+  Command command;
+  bool begins_stroke = false;
+};
+
+/// The last motion of each participant, from which the next one is predicted. Encoder and decoder
+/// hold the same states; a batch that restarts clears them.
+class MotionStates {
+ public:
+  /// Tip and axis of a pose in steps of the pose grid.
+  using Grid = std::array<std::int64_t, 6>;
+  struct State {
+    Grid before{}, at{};           ///< start and end of the last motion
+    std::int64_t duration_us = 0;  ///< of that motion
+    ToolId tool = 0;
+    bool feel = true;
+    /// Of the differences to the prediction, by coordinate; of the other numbers.
+    std::array<NumberSize, 6> coordinates{};
+    NumberSize duration, jump, other;
+  };
+  State& of(ParticipantId participant) { return states_[participant]; }
+  void clear() { *this = {}; }
+
+  NumberSize participants, sizes;  ///< of participant numbers and of encoded commands
+  unsigned flags = 0;              ///< of the last record
+
+ private:
+  std::map<ParticipantId, State> states_;
+};
+
+/// Encodes the records of a commit (README.md, "Batches"). Batches build on the ones before.
+class BatchEncoder {
+ public:
+  /// A batch that restarts can be decoded without those before. The first one does.
+  static constexpr int kBatchesPerRestart = 256;
+  std::vector<std::byte> encode(std::span<const BatchRecord> records);
+
+ private:
+  MotionStates states_;
+  int batches_ = 0;
+};
+
+class BatchDecoder {
+ public:
+  /// Decodes the next batch, or one that restarts, with `count` records. The error is one sentence;
+  /// afterwards only a batch that restarts can be decoded.
+  std::expected<std::vector<BatchRecord>, std::string> decode(std::span<const std::byte> bytes,
+                                                              std::size_t count);
+
+ private:
+  MotionStates states_;
+  bool can_continue_ = false;
+};
+
+/// What is stored beside the bytes of a batch.
+struct BatchHead {
+  std::uint64_t first = 0, count = 0;  ///< sequence of its first record; number of records
+  std::int64_t wall_ms = 0;            ///< when the first one was appended; ms since 1970, UTC
+  std::int64_t span_ms = 0;            ///< from then to the last one
+};
+
+/// Returns the CRC-32 of a batch and its head, as a signed number, which SQLite stores in 4 bytes.
+std::int32_t batch_checksum(const BatchHead& head, std::span<const std::byte> bytes);
+
+}  // namespace kerf

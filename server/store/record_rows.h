@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/store/journal_error.h"
+#include "server/store/journal_record.h"
+#include "server/store/record_batch.h"
+#include "server/store/sqlite.h"
+
+namespace kerf {
+
+/// Reads and verifies the records of a journal in sequence: the single rows of version 1, if there
+/// are any, then the batches.
+class RecordRows {
+ public:
+  /// Fails with the error of SQLite. `database` must outlive the result.
+  static std::expected<RecordRows, JournalError> open(const std::filesystem::path& file,
+                                                      SqlDatabase& database);
+  /// Returns the next record; nullopt after the last. An error names the first bad record; of a
+  /// batch, the first one of the batch.
+  std::expected<std::optional<JournalRecord>, JournalError> next();
+  /// Sequence of the last record.
+  std::uint64_t last() const { return last_; }
+
+ private:
+  explicit RecordRows(std::filesystem::path file) : file_(std::move(file)) {}
+  JournalError corrupt(std::uint64_t sequence, std::string reason) const;
+  std::expected<std::optional<JournalRecord>, JournalError> next_single();
+  std::expected<bool, JournalError> next_batch();
+  std::expected<bool, JournalError> step(SqlStatement& rows) const;
+
+  std::filesystem::path file_;
+  std::optional<SqlStatement> singles_, batches_;  ///< empty: no such table, or all read
+  BatchDecoder decoder_;
+  std::vector<JournalRecord> batch_;  ///< decoded
+  std::size_t at_ = 0;                ///< in batch_
+  std::map<ParticipantId, std::uint64_t> strokes_;
+  std::uint64_t last_ = 0;
+  std::uint64_t count_ = 0;  ///< records of the rows read so far
+};
+
+/// The records of a journal, participant by participant, each in sequence. SQLite sorts them in a
+/// temporary file, which vanishes with this.
+class SortedRecords {
+ public:
+  /// Reads all rows. Fails soon after a stop was requested.
+  static std::expected<SortedRecords, JournalError> sort(RecordRows& rows,
+                                                         const std::filesystem::path& file,
+                                                         const std::stop_token& stop);
+  std::expected<std::optional<JournalRecord>, JournalError> next();
+
+ private:
+  SortedRecords(std::filesystem::path file, SqlDatabase database, SqlStatement rows)
+      : file_(std::move(file)), database_(std::move(database)), rows_(std::move(rows)) {}
+
+  std::filesystem::path file_;
+  SqlDatabase database_;
+  SqlStatement rows_;  // destroyed before the database
+};
+
+/// Returns the sequence of the last record of a journal; 0 if it has none.
+SqlResult<std::uint64_t> last_record(SqlDatabase& database);
+
+}  // namespace kerf
