@@ -24,8 +24,9 @@ Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJourn
       air_(sculpture.settings()) {}
 
 /// A stroke begins with the first motion after the tool was lifted; a program is one stroke.
-std::expected<void, Rejection> Carving::journal(ParticipantId id, const Command& command,
-                                                std::uint64_t agent_sequence) {
+std::expected<void, Rejection> Carving::record(ParticipantId id, const Command& command,
+                                               std::uint64_t agent_sequence) {
+  if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
   ParticipantState* state = participants_.find(id);
   const bool begins_stroke = state != nullptr && !state->in_stroke;
   if (auto ok = journal_.append(id, command, {agent_sequence, begins_stroke}); !ok) return ok;
@@ -36,10 +37,7 @@ std::expected<void, Rejection> Carving::journal(ParticipantId id, const Command&
 Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                                 std::uint64_t agent_sequence) {
   const Command command = move;
-  if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
-  if (auto ok = journal(id, command, agent_sequence); !ok) {
-    return std::unexpected(ok.error());
-  }
+  if (auto ok = record(id, command, agent_sequence); !ok) return std::unexpected(ok.error());
   const std::int64_t reach = sculpture_.tiles_in_reach(move);
   if (reach > kTilesPerTurn) {
     auto pieces = sculpture_.begin(move);
@@ -50,15 +48,10 @@ Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int
     return advance(id, tiles);
   }
   tiles -= reach;
-  auto result = sculpture_.apply(command);
-  if (!result) return std::unexpected(to_rejection(result.error()));
-  note(id, *result);
-  return *std::move(result);
+  return apply_recorded(id, command);
 }
 
-Carving::Applied Carving::apply_at_once(ParticipantId id, const Command& command) {
-  if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
-  if (auto ok = journal(id, command); !ok) return std::unexpected(ok.error());
+Carving::Applied Carving::apply_recorded(ParticipantId id, const Command& command) {
   auto result = sculpture_.apply(command);
   if (!result) return std::unexpected(to_rejection(result.error()));
   note(id, *result);
@@ -185,7 +178,9 @@ std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
   const auto found = air_paths_.find(id);
   if (found == air_paths_.end() || !found->second.joined()) return {};
   // A motion that meets no stock is little work, however many tiles it crosses.
-  if (auto ok = apply_at_once(id, *found->second.joined()); !ok) return std::unexpected(ok.error());
+  const Command command = *found->second.joined();
+  if (auto ok = record(id, command); !ok) return ok;
+  if (auto done = apply_recorded(id, command); !done) return std::unexpected(done.error());
   found->second.clear();
   return {};
 }

@@ -90,16 +90,16 @@ class Carving {
   MotionAnswer answer(ParticipantState& state, Batch& batch);
   std::optional<Rejection> take_sample(ParticipantState& state, const wire::MotionSample& sample,
                                        Batch& batch, std::int64_t& tiles);
-  /// Journals a command of a participant.
-  std::expected<void, Rejection> journal(ParticipantId id, const Command& command,
-                                         std::uint64_t agent_sequence = 0);
+  /// Checks a command of a participant and appends it to the journal.
+  std::expected<void, Rejection> record(ParticipantId id, const Command& command,
+                                        std::uint64_t agent_sequence = 0);
+  Applied apply_recorded(ParticipantId id, const Command& command);
   /// Begins a motion and works on it for up to `tiles`, which it lowers.
   Applied apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                 std::uint64_t agent_sequence = 0);
   /// Works on a motion in pieces of the participant; the result if it is complete.
   std::optional<MotionResult> advance(ParticipantId id, std::int64_t& tiles);
   void note(ParticipantId id, const MotionResult& result);
-  Applied apply_at_once(ParticipantId id, const Command& command);
   std::expected<void, Rejection> apply_air(ParticipantId id);
   Applied apply_or_join(const ProgramStep& step, std::int64_t& tiles);
 

@@ -113,7 +113,7 @@ std::string WallCheck::place_text(const ThinWall& wall) const {
   if (wall.sweep >= motions)
     return (scene_.stock_file.empty() ? "the stock" : scene_.stock_file) + shape;
   const ProgramMotion& motion = program_.motions[wall.sweep];
-  const std::string text = place_of(program_, motion.file, motion.line) + shape;
+  std::string text = place_of(program_, motion.file, motion.line) + shape;
   if (wall.other_sweep >= motions) return text + ", at the border of the stock";
   const ProgramMotion& other = program_.motions[wall.other_sweep];
   if (other.file != motion.file)
