@@ -57,13 +57,14 @@ cmake --build "$scratch/agent"
 gcc -std=c11 -Wall -Wextra -Wpedantic -Werror $(pkg-config --cflags kerf-agent) \
   "$source/haptic_agent/examples/press.c" -o "$scratch/press" $(pkg-config --libs kerf-agent) -lm
 mkdir "$scratch/data"
+sed 's/"pocket"/"second"/' "$source/tests/package/pocket.json" >"$scratch/second.json"
 "$prefix/bin/kerf-server" --listen 127.0.0.1:0 --data "$scratch/data" --scene "$source/tests/package/pocket.json" \
-  >"$scratch/address" &
+  --scene "$scratch/second.json" >"$scratch/address" &
 server=$!
 trap 'kill $server; rm -rf "$scratch"' EXIT
 until grep -q '^http' "$scratch/address"; do sleep 0.05; done
 LD_LIBRARY_PATH=$lib "$scratch/press" "$(head -1 "$scratch/address")" pocket
-LD_LIBRARY_PATH=$lib python3 "$source/haptic_agent/examples/press.py" "$(head -1 "$scratch/address")" pocket
+LD_LIBRARY_PATH=$lib python3 "$source/haptic_agent/examples/press.py" "$(head -1 "$scratch/address")" second
 
 echo "runs"
 for folder in "$scratch/examples" "$scratch"; do
