@@ -146,17 +146,13 @@ void notify_of_force(const std::expected<BlockSource, std::string>& block, const
 /// Runs the device at 1 kHz until it ends; fills in the servo's part of the summary.
 void run_servo(HapticDevice& device, ServoLoop& loop, ServoCycle& cycle, int cpu,
                Summary& summary) {
-  Watchdog watchdog(loop, [&device] { device.stop(); });
-  watchdog.start();
-  std::thread servo([&] {
+  const MotorSwitch motors{.zero = [&device] { device.write({}); },
+                           .stop = [&device] { device.stop(); }};
+  summary.watchdog_stops = run_watched(loop, cycle, motors, [&] {
     summary.realtime = make_realtime({.priority = kServoPriority, .cpu = cpu});
     if (!summary.realtime.warning.empty())
       print_line(join({"warning: ", summary.realtime.warning}));
-    loop.run(cycle);
   });
-  servo.join();
-  watchdog.end();
-  summary.watchdog_stops = watchdog.stops();
   summary.trips = cycle.supervisor().trips();
   summary.last_trip = cycle.supervisor().code();
   summary.degraded_ticks = cycle.supervisor().degraded_ticks();

@@ -69,6 +69,14 @@ struct DeviceCapabilities {
   bool has_deadman = false;
 };
 
+/// Returns a wrench without the parts for which a device has no motors: zero without a rated force,
+/// no torque without a rated torque.
+inline Wrench rated(const Wrench& wrench, const DeviceCapabilities& device) noexcept {
+  if (!(device.max_force_n > 0)) return {};
+  return {.force_n = wrench.force_n,
+          .torque_nmm = device.max_torque_nmm > 0 ? wrench.torque_nmm : Vec3{}};
+}
+
 /// Measured time from the computation of a command until the device's report that it was accepted
 /// has arrived: both transfers, and up to one period of the device. The current control of the
 /// motors follows and is not included.

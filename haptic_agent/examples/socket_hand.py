@@ -63,9 +63,13 @@ def main():
     if len(sys.argv) != 2:
         sys.exit("usage: socket_hand.py PATH | PORT")
     with listen(sys.argv[1]) as server:
-        print("waiting for kerf-agent", flush=True)
-        with server.accept()[0] as agent:
-            serve(agent)
+        while True:
+            print("waiting for kerf-agent", flush=True)
+            try:
+                with server.accept()[0] as agent:
+                    return serve(agent)
+            except OSError as loss:  # the agent connects again
+                print(f"lost kerf-agent: {loss}")
 
 
 if __name__ == "__main__":

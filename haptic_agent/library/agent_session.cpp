@@ -2,7 +2,6 @@
 #include "haptic_agent/library/agent_session.h"
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "haptic_agent/device/plugin/c_structs.h"
@@ -50,7 +49,8 @@ class DeviceLoop final : public ServoTask {
     device_.write_wrench(context_, &output);
   }
   void stop() const noexcept {
-    if (device_.stop != nullptr) device_.stop(context_);
+    if (device_.stop != nullptr) return device_.stop(context_);
+    write({});
   }
 
  private:
@@ -123,12 +123,15 @@ bool AgentSession::choose_tool(std::uint32_t tool) noexcept {
   return true;
 }
 
-void AgentSession::rearm() noexcept { released_until_us_.store(monotonic_us() + kRearmUs); }
+void AgentSession::rearm() {
+  if (status().tripped != 0) released_until_us_.store(monotonic_us() + kRearmUs);
+}
 
 Wrench AgentSession::step(const kerf_agent_pose& pose, std::uint64_t now_us) noexcept {
-  if (last_us_ != 0 && now_us < last_us_ + kShortestUs) return device_.taken();
-  last_us_ = now_us;
   DeviceState state = state_of(pose, options_.device.has_deadman, now_us);
+  const bool repeated = last_us_ != 0 && now_us < last_us_ + kShortestUs;
+  if (repeated && is_pose(pose)) return state.valid ? device_.taken() : Wrench{};
+  last_us_ = now_us;
   if (state.tool_id == 0) state.tool_id = tool();
   if (now_us < released_until_us_.load()) state.buttons &= ~wire::kButtonDeadman;
   state.finished = false;
@@ -170,18 +173,12 @@ void AgentSession::run(const kerf_agent_device& device, void* context, bool real
   MonotonicClock clock;
   ServoLoop loop(clock);
   DeviceLoop task(*this, device, context, stopping_);
-  Watchdog watchdog(loop, [&task] { task.stop(); });
-  watchdog.start();
-  std::thread servo([&] {
-    if (realtime) {
-      const RealtimeReport report = make_realtime({});
-      if (!report.warning.empty()) notice("warning: " + report.warning);
-    }
-    loop.run(task);
+  const MotorSwitch motors{.zero = [&task] { task.write({}); }, .stop = [&task] { task.stop(); }};
+  run_watched(loop, task, motors, [&] {
+    if (!realtime) return;
+    const RealtimeReport report = make_realtime({});
+    if (!report.warning.empty()) notice("warning: " + report.warning);
   });
-  servo.join();
-  watchdog.end();
-  task.stop();
   stopping_.store(false);
 }
 

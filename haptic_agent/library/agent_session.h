@@ -41,7 +41,7 @@ class GivenDevice final : public HapticDevice {
 
   DeviceCapabilities capabilities() const override { return capabilities_; }
   DeviceState read(std::uint64_t) noexcept override { return state_; }
-  void write(const Wrench& wrench) noexcept override { wrench_ = wrench; }
+  void write(const Wrench& wrench) noexcept override { wrench_ = rated(wrench, capabilities_); }
   void stop() noexcept override {}
 
  private:
@@ -65,15 +65,16 @@ class AgentSession {
   std::uint32_t tool() const noexcept { return tool_.load(); }
   /// From any thread. Returns false if the session has no such tool.
   bool choose_tool(std::uint32_t tool) noexcept;
-  /// The device counts as released for kRearmUs. From any thread.
-  void rearm() noexcept;
+  /// If the envelope has tripped, the device counts as released for kRearmUs. From any thread.
+  void rearm();
   bool lost() const noexcept { return lost_.load(); }
 
   /// Reserves the servo cycle for the calling thread; returns false if another has it.
   bool enter() noexcept { return !ticking_.test_and_set(std::memory_order_acquire); }
   void leave() noexcept { ticking_.clear(std::memory_order_release); }
   /// One tick, by the thread that entered; returns the wrench until the next one. Within
-  /// kShortestUs after a tick, the same again.
+  /// kShortestUs after a tick, the same again, or zero if the device is not ready; a malformed pose
+  /// is a tick at any time.
   Wrench step(const kerf_agent_pose& pose, std::uint64_t now_us) noexcept;
 
   /// From any thread.

@@ -132,23 +132,17 @@ AgentSession* session_of(kerf_agent* agent) noexcept {
   return agent != nullptr ? agent->session.get() : nullptr;
 }
 
-bool is_pose(const kerf_agent_pose& pose) noexcept {
-  if (pose.state != KERF_AGENT_READY && pose.state != KERF_AGENT_FINISHED) return true;
-  const Vec3 tip{pose.tip_mm[0], pose.tip_mm[1], pose.tip_mm[2]};
-  const Vec3 axis{pose.axis[0], pose.axis[1], pose.axis[2]};
-  return is_finite(tip) && std::abs(length(axis) - 1) <= wire::kAxisLengthTolerance / 2;
-}
-
+/// `wrench` has been set to zero before and stays so on failure.
 kerf_agent_result step(AgentSession& session, const kerf_agent_pose& pose,
                        kerf_agent_wrench* wrench) noexcept {
   if (!session.enter()) return fail(KERF_AGENT_BUSY, "another thread runs this agent's loop");
   const Wrench output = session.step(pose, monotonic_us());
   session.leave();
-  write_struct(wrench_of(output), wrench);
   if (!is_pose(pose)) {
     return fail(KERF_AGENT_INVALID, "the pose is not finite or its axis not of length 1");
   }
   if (session.lost()) return fail(KERF_AGENT_LOST, "the connection to the server is lost");
+  write_struct(wrench_of(output), wrench);
   return KERF_AGENT_OK;
 }
 
@@ -263,8 +257,10 @@ kerf_agent_result kerf_agent_choose_tool(kerf_agent* agent, uint32_t tool_id) {
 kerf_agent_result kerf_agent_rearm(kerf_agent* agent) {
   AgentSession* joined = session_of(agent);
   if (joined == nullptr) return KERF_AGENT_INVALID;
-  joined->rearm();
-  return KERF_AGENT_OK;
+  return guarded([&] {
+    joined->rearm();
+    return KERF_AGENT_OK;
+  });
 }
 
 kerf_agent_result kerf_agent_step(kerf_agent* agent, const kerf_agent_pose* pose,

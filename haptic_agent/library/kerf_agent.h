@@ -14,8 +14,9 @@
  *
  * Structures. The first field of each is its size, as the caller compiled it. Set everything to
  * zero, then `struct_size = sizeof` the structure; zero is the default of every other field. A
- * library with a shorter structure accepts a longer one if what it does not know is zero
- * (otherwise KERF_AGENT_UNSUPPORTED); a newer library fills in and reads only `struct_size` bytes.
+ * library with a shorter structure accepts a longer one, to 4096 bytes, if what it does not know is
+ * zero (otherwise KERF_AGENT_UNSUPPORTED); a newer library fills in and reads only `struct_size`
+ * bytes.
  *
  * Ownership. The caller owns what it passes; the library copies what it keeps, strings included.
  * Pointers in what the library returns belong to it and are valid until kerf_agent_close; texts of
@@ -82,7 +83,8 @@ typedef struct kerf_agent_pose {
   double axis[3];   /**< of length 1 ± 0.0005, from the tip to the spindle */
   uint32_t buttons; /**< KERF_AGENT_CUT, KERF_AGENT_DEADMAN */
   uint32_t tool_id; /**< 0: the one that kerf_agent_choose_tool chose */
-  uint64_t time_us; /**< when it was measured; 0: now. A pose of 20 ms or older is not valid */
+  /** When it was measured; 0: now. A pose that is 20 ms old, or over 20 ms ahead, is not valid. */
+  uint64_t time_us;
 } kerf_agent_pose;
 
 typedef struct kerf_agent_wrench {
@@ -107,7 +109,7 @@ typedef struct kerf_agent_capabilities {
   const char* name;          /**< at most 64 bytes are used; null: "device" */
   uint32_t sensed_dof;       /**< 3 or 5: with 3 the axis is (0, 0, 1) throughout; 0: 5 */
   uint32_t actuated_dof;     /**< 0 (no motors), 3 (force) or 5 (force, torque across the axis) */
-  double max_force_n;        /**< peak, 0 to 100; 0: no motors. At most 0.6 of it is used */
+  double max_force_n;        /**< peak, to 100; 0 if actuated_dof is. At most 0.6 of it is used */
   double max_torque_nmm;     /**< peak, 0 to 10000; 0: no torque */
   double continuous_force_n; /**< mean over 10 s; 0: unknown, not supervised */
   double continuous_torque_nmm;  /**< likewise */
@@ -219,10 +221,12 @@ typedef struct kerf_agent_device {
    * must neither wait nor allocate. */
   void (*read_pose)(void* device, uint64_t now_us, kerf_agent_pose* pose);
   /** Required if the device has motors. Outputs this wrench until the next call; a device with a
-   * thread of its own sets its motors to zero if none comes within 10 ms. 1 kHz thread. */
+   * thread of its own sets its motors to zero if none comes within 10 ms. 1 kHz thread; a last
+   * wrench of zero after that thread has ended. Always zero without motors. */
   void (*write_wrench)(void* device, const kerf_agent_wrench* wrench);
-  /** May be null. Sets the motors to zero until the next write_wrench. Any thread: called when the
-   * 1 kHz thread hangs. Must not wait. */
+  /** Sets the motors to zero until the next write_wrench. Any thread: called when the 1 kHz thread
+   * hangs, and at the end. Must not wait. Null: write_wrench is called with a wrench of zero in its
+   * place, from any thread too. */
   void (*stop)(void* device);
   /** Plugin only; may be null. Sets the motors to zero and frees `device`. */
   void (*close)(void* device);
@@ -265,9 +269,10 @@ KERF_AGENT_API kerf_agent_result kerf_agent_rearm(kerf_agent* agent);
 /** One tick of a loop that the device or the program owns, for example in the servo callback of a
  * vendor's library: takes the newest pose and sets `wrench` to what the device outputs until the
  * next tick. Call it every millisecond; a call within 0.5 ms after a tick returns the same wrench
- * again. The loop must set its motors to zero when it stops calling; five missing ticks, or 2 % in
- * a second, trip the safety envelope. INVALID (null, a pose that is not finite or an axis that is
- * not of length 1: the wrench is zero, and the envelope trips), LOST, BUSY (the wrench is zero). */
+ * again if its pose is valid. The loop must set its motors to zero when it stops calling; five
+ * missing ticks, or 2 % in a second, trip the safety envelope. INVALID (null, a pose that is not
+ * finite or an axis that is not of length 1: the envelope trips), LOST, BUSY: the wrench is zero.
+ */
 KERF_AGENT_API kerf_agent_result kerf_agent_step(kerf_agent* agent, const kerf_agent_pose* pose,
                                                  kerf_agent_wrench* wrench);
 

@@ -4,6 +4,7 @@
 
 #include <boost/asio/connect.hpp>
 #include <chrono>
+#include <memory>
 
 #include "server/wire/control.h"
 
@@ -27,12 +28,14 @@ constexpr net::WebSocketLimits kLimits{
 class Deadline {
  public:
   Deadline(Connection& connection, seconds time) : timer_(connection.tcp.get_executor(), time) {
-    timer_.async_wait([&connection](error_code stopped) {
-      if (!stopped) connection.cut();
+    // The wait may have ended, and its handler be queued, when the timer is destroyed.
+    timer_.async_wait([&connection, alive = std::weak_ptr(alive_)](error_code stopped) {
+      if (!stopped && !alive.expired()) connection.cut();
     });
   }
 
  private:
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   asio::steady_timer timer_;
 };
 

@@ -34,4 +34,20 @@ void Watchdog::end() {
   if (thread_.joinable()) thread_.join();
 }
 
+std::uint64_t run_watched(ServoLoop& loop, ServoTask& task, const MotorSwitch& motors,
+                          const std::function<void()>& prepare) {
+  Watchdog watchdog(loop, motors.stop);
+  watchdog.start();
+  std::thread servo([&] {
+    prepare();
+    loop.run(task);
+  });
+  servo.join();
+  watchdog.end();
+  // The last tick may have output a force, and a device may ignore one of the two calls.
+  motors.zero();
+  motors.stop();
+  return watchdog.stops();
+}
+
 }  // namespace kerf::agent

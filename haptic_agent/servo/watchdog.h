@@ -40,4 +40,17 @@ class Watchdog {
   std::thread thread_;
 };
 
+/// The motors of a loop's device.
+struct MotorSwitch {
+  /// Outputs a wrench of zero. Called when the servo thread has ended.
+  std::function<void()> zero;
+  /// Callable from any thread; must not wait.
+  std::function<void()> stop;
+};
+
+/// Runs the loop on a new thread, which calls `prepare` first, with a watchdog beside it. When it
+/// has ended, for any reason, the motors are set to zero and stopped. Returns the number of stalls.
+std::uint64_t run_watched(ServoLoop& loop, ServoTask& task, const MotorSwitch& motors,
+                          const std::function<void()>& prepare);
+
 }  // namespace kerf::agent

@@ -64,11 +64,11 @@ KERF_FOR_EACH_TARGET(void, evaluate_arc_surfaces,
 }  // namespace
 
 ArcTranslation::ArcTranslation(const ArcPiece& p, const ToolPose& from, const ToolPose& to,
-                               ShownDiscs shown)
+                               ShownDiscs shown, const SliceSearch& search)
     : surfaces_(make_surfaces(p, from, to)),
       rectangles_(rectangles_of(p, surfaces_, from, to)),
       shadow_(p, {from, to}, kEdgeEpsilonMm),
-      slice_(p, from, to, shown, {.checked = false}) {}
+      slice_(p, from, to, shown, search) {}
 
 void ArcTranslation::evaluate(ColumnBlock& block) const {
   slice_.add_simple_rows(block);

@@ -15,7 +15,8 @@ namespace kerf {
 class ArcTranslation {
  public:
   /// `shown`: the discs of the piece that are not hidden within its neighbors.
-  ArcTranslation(const ArcPiece& piece, const ToolPose& from, const ToolPose& to, ShownDiscs shown);
+  ArcTranslation(const ArcPiece& piece, const ToolPose& from, const ToolPose& to, ShownDiscs shown,
+                 const SliceSearch& search);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }

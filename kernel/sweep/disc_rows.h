@@ -66,26 +66,27 @@ KERF_INLINE LaneMask may_exceed(const SlicePath& path, double length, Lanes beyo
   return may | ~(path.discs.least_uz * rise - fall * left >= -path.search.missed_mm);
 }
 
-/// Adds the intervals of a row whose rays `open` all enter the slice through its lower disc and
-/// leave it through the upper one or above the stock. `ahead`: only the last pose counts. Returns
-/// false if there are other rays, or an end has to be searched; the row may have got a part of its
-/// intervals then.
+/// Adds the intervals of the rays `open` of a row whose rays all enter the slice through its lower
+/// disc and leave it through the upper one or above the grid: whether they do must not depend on
+/// the stock, and the other formulas differ in the last bits. `ahead`: only the last pose counts.
+/// Returns false if there are other rays, or an end has to be searched; the row may have got a part
+/// of its intervals then.
 template <class Side>
 KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, int row,
                               LaneMask open, bool ahead, ColumnBlock& block) {
   const Lanes x = block.x_mm - path.frame.tip.x, none = std::numeric_limits<double>::infinity();
-  const double z = path.frame.tip.z, top = block.top_mm - z;
+  const double z = path.frame.tip.z, top = path.search.top_mm - z;
   const std::vector<DiscPose>& poses = path.discs.poses;
   if (ahead) {
     const DiscMeeting m = meet_discs(side, poses.back(), x, y, top);
-    if (any(open & ~m.usable)) return false;
+    if (any(~m.usable)) return false;
     block.add(row, select(open, m.lo + z, none), select(open, m.hi + z, -none));
     return true;
   }
   if (poses.size() == 1) return false;
   const double length = 1 / double(poses.size() - 1);
   DiscMeeting first = meet_discs(side, poses[0], x, y, top);
-  if (any(open & ~first.usable)) return false;
+  if (any(~first.usable)) return false;
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const DiscMeeting last = meet_discs(side, poses[k], x, y, top);
     LaneMask bad = ~last.usable | (first.lo > last.hi) | (last.lo > first.hi);
@@ -96,7 +97,7 @@ KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, 
       bad |= ~(first.covers | last.covers) &
              may_exceed(path, length, last.hi - first.hi, first.out_hi, last.out_hi);
     }
-    if (any(open & bad)) return false;
+    if (any(bad)) return false;
     const Lanes lo = lesser(first.lo, last.lo), hi = greater(first.hi, last.hi);
     block.add(row, select(open, lo + z, none), select(open, hi + z, -none));
     first = last;

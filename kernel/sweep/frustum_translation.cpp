@@ -101,11 +101,12 @@ KERF_FOR_EACH_TARGET(void, evaluate_surfaces,
 }  // namespace
 
 FrustumTranslation::FrustumTranslation(const FrustumPiece& p, const ToolPose& from,
-                                       const ToolPose& to, ShownDiscs shown)
+                                       const ToolPose& to, ShownDiscs shown,
+                                       const SliceSearch& search)
     : surfaces_(make_surfaces(p, from, to)),
       rectangles_(rectangles_of(surfaces_)),
       shadow_(p, {from, to}, kEdgeEpsilonMm),
-      slice_(p, from, to, shown, {.checked = false}) {}
+      slice_(p, from, to, shown, search) {}
 
 void FrustumTranslation::evaluate(ColumnBlock& block) const {
   slice_.add_simple_rows(block);

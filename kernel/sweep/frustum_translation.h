@@ -17,7 +17,7 @@ class FrustumTranslation {
  public:
   /// `shown`: the discs of the piece that are not hidden within its neighbors.
   FrustumTranslation(const FrustumPiece& piece, const ToolPose& from, const ToolPose& to,
-                     ShownDiscs shown);
+                     ShownDiscs shown, const SliceSearch& search);
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }

@@ -229,12 +229,12 @@ struct ArcSide {
     const Lanes start = t;
     t = t + select(near, across * (kSign * kStartShare), Lanes(0));
     LaneMask moving = every_lane(), misses = ~near;
-    Lanes inside, bend;
+    Lanes inside = Lanes(0), bend = Lanes(1);
     for (int i = 0; i < kFastSteps; ++i) {
       const Square g = square_at(p2, uz, along, t);
       const Lanes slope = g.slope * double(kSign);
-      inside = slope * slope - g.bend * g.off2;
-      bend = g.bend;
+      inside = select(moving, slope * slope - g.bend * g.off2, inside);
+      bend = select(moving, g.bend, bend);
       const LaneMask beside = ~near | (inside < 0.0);
       const LaneMask arrived = ~beside & (magnitude(g.off2) <= found) & (slope <= 0.0);
       const Lanes root = square_root(greater(inside, Lanes(0)));

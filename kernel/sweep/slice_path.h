@@ -18,6 +18,7 @@ struct SliceSearch {
   bool checked = false;    ///< search once more for ends that the bend leaves in doubt
   double bend_mm = 0;      ///< κ: greatest bend of a fixed point's path relative to the slice
   double missed_mm = 0;    ///< greatest depth in the sweep of an end that is not found
+  double top_mm = 0;       ///< top of the grid, above which no end matters
   double search_mm = 0;    ///< distance off the surface at which the search for an end stops
   bool shows_disc = true;  ///< a disc of the slice is not hidden within its neighbors
   /// The disc through which rays may enter or leave the slice is hidden within a neighbor: an end

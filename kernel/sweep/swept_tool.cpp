@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "kernel/math/tolerance.h"
@@ -23,6 +24,9 @@ std::int64_t parts(double count) {
 struct PiecePlan {
   ToolPiece piece;
   std::int64_t parts;
+  double top_mm;  ///< of the block
+  /// Height of the slice at which it was clipped: the tool above stays outside the block.
+  double clipped_at_mm = std::numeric_limits<double>::infinity();
   double bend_mm = 0;  ///< κ of a slice
   bool round = false;  ///< the curvature of the slice exceeds the bend
   ShownDiscs shown = {true, true};
@@ -98,13 +102,17 @@ void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
 /// Returns the parameters of the search for the ends of a slice. Rays with a non-connected hit set
 /// are bisected until a part bends by at most twice `missed_mm`.
 SliceSearch search_of(const PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
-  if (!(m.turn_rad > 0)) return {.search_mm = kTranslationSearchMm, .shows_disc = plan.shows_edge};
+  if (!(m.turn_rad > 0)) {
+    return {
+        .top_mm = plan.top_mm, .search_mm = kTranslationSearchMm, .shows_disc = plan.shows_edge};
+  }
   const double missed = kStationShare * tolerance_mm;
   double bend = plan.bend_mm / (double(plan.parts) * double(plan.parts));
   int halvings = 0;
   for (; halvings < kHalvingsMax && bend > 2 * missed; bend /= 4) ++halvings;
-  return {static_cast<int>(plan.parts), halvings,       !plan.round, plan.bend_mm, missed,
-          kSearchShare * tolerance_mm,  plan.shows_edge};
+  return {
+      static_cast<int>(plan.parts), halvings,       !plan.round, plan.bend_mm, missed, plan.top_mm,
+      kSearchShare * tolerance_mm,  plan.shows_edge};
 }
 
 /// Returns the height of the point of the axis that stays at rest, if it is within the slice. The
@@ -125,7 +133,7 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     const ToolPiece& whole = tool.pieces[i];
     const auto piece = clip_to_block(whole, m, settings.block);
     if (!piece) continue;
-    PiecePlan plan{.piece = *piece, .parts = 1, .still = {}};
+    PiecePlan plan{.piece = *piece, .parts = 1, .top_mm = settings.block.max_mm.z, .still = {}};
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
     } else {
@@ -133,6 +141,7 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
       const ToolPiece* below = i > 0 ? &tool.pieces[i - 1] : nullptr;
       const ToolPiece* above = i + 1 < tool.pieces.size() ? &tool.pieces[i + 1] : nullptr;
       const bool clipped = extent(*piece).z1_mm < e.z1_mm;
+      if (clipped) plan.clipped_at_mm = extent(*piece).z1_mm;
       plan.shown = {!covers(below, e.z0_mm, radius_at(whole, e.z0_mm)),
                     !clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm))};
       const auto* arc = std::get_if<ArcPiece>(&whole);
@@ -163,20 +172,28 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
 
+/// Returns the discs of a slice that may lie within the block. Behind a tool, what enters a slice
+/// through a disc that a neighbor hides is left to that neighbor, which must therefore find all
+/// that it sweeps by itself, whatever passes through the same disc.
+ShownDiscs within_block(const ToolPiece& piece, const PiecePlan& plan) {
+  return {true, extent(piece).z1_mm < plan.clipped_at_mm};
+}
+
 /// Sweeps a slice. `piece` is the plan's, or the part of it on one side of its point at rest, and
 /// `shown` its discs that no neighbor and no other part hides.
 SweptPiece sweep_slice(const ToolPiece& piece, ShownDiscs shown, const PiecePlan& plan,
                        const ToolMotion& m, const SweepSettings& settings) {
   const SliceSearch search = search_of(plan, m, settings.tolerance_mm);
+  const ShownDiscs searched = settings.start_is_cut ? within_block(piece, plan) : shown;
   const auto trailing = [&](auto sweep) -> SweptPiece {
     if (settings.start_is_cut) sweep.set_trail(Trail(piece, m.from, m.to, shown));
     return sweep;
   };
-  if (m.turn_rad > 0) return trailing(TurningSweep(piece, m.from, m.to, shown, search));
+  if (m.turn_rad > 0) return trailing(TurningSweep(piece, m.from, m.to, searched, search));
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    return trailing(FrustumTranslation(*f, m.from, m.to, shown));
+    return trailing(FrustumTranslation(*f, m.from, m.to, searched, search));
   }
-  return trailing(ArcTranslation(std::get<ArcPiece>(piece), m.from, m.to, shown));
+  return trailing(ArcTranslation(std::get<ArcPiece>(piece), m.from, m.to, searched, search));
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,

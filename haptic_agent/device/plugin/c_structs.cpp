@@ -51,6 +51,9 @@ std::string fault_of(const kerf_agent_capabilities& given) {
   if (std::string fault = fault_of(ranges); !fault.empty()) return fault;
   if (!is_dof(given.sensed_dof)) return "sensed_dof must be 3 or 5";
   if (!is_dof(given.actuated_dof)) return "actuated_dof must be 0, 3 or 5";
+  if ((given.max_force_n > 0) != (given.actuated_dof > 0)) {
+    return "max_force_n and actuated_dof must both be 0, for a device without motors, or neither";
+  }
   if ((given.flags & ~std::uint32_t{KERF_AGENT_HAS_DEADMAN}) != 0) return "unknown bits in flags";
   for (int i = 0; i < 3; ++i) {
     const double least = given.workspace_min_mm[i], most = given.workspace_max_mm[i];
@@ -67,13 +70,12 @@ std::expected<DeviceCapabilities, std::string> capabilities_of(
     const kerf_agent_capabilities& given) {
   if (std::string fault = fault_of(given); !fault.empty()) return std::unexpected(fault);
   const std::string_view name = given.name != nullptr ? given.name : "device";
-  const bool force = given.max_force_n > 0 && given.actuated_dof > 0;
-  const bool torque = force && given.actuated_dof == 5;
+  const bool torque = given.actuated_dof == 5;
   return DeviceCapabilities{
       .name = std::string(name.substr(0, kNameBytes)),
       .sensed_dof = given.sensed_dof == 0 ? 5 : static_cast<int>(given.sensed_dof),
-      .actuated_dof = force ? static_cast<int>(given.actuated_dof) : 0,
-      .max_force_n = force ? given.max_force_n : 0,
+      .actuated_dof = static_cast<int>(given.actuated_dof),
+      .max_force_n = given.max_force_n,
       .max_torque_nmm = torque ? given.max_torque_nmm : 0,
       .continuous_force_n = given.continuous_force_n,
       .continuous_torque_nmm = given.continuous_torque_nmm,
@@ -87,13 +89,20 @@ std::expected<DeviceCapabilities, std::string> capabilities_of(
       .has_deadman = (given.flags & KERF_AGENT_HAS_DEADMAN) != 0};
 }
 
+bool is_pose(const kerf_agent_pose& pose) noexcept {
+  if (pose.state != KERF_AGENT_READY && pose.state != KERF_AGENT_FINISHED) return true;
+  return is_finite(vec_of(pose.tip_mm)) &&
+         std::abs(length(vec_of(pose.axis)) - 1) <= wire::kAxisLengthTolerance / 2;
+}
+
 DeviceState state_of(const kerf_agent_pose& pose, bool has_deadman, std::uint64_t now_us) noexcept {
   DeviceState state{.tip_mm = vec_of(pose.tip_mm),
                     .axis = vec_of(pose.axis),
                     .buttons = pose.buttons & (wire::kButtonCutting | wire::kButtonDeadman),
                     .tool_id = pose.tool_id,
                     .time_us = pose.time_us != 0 ? pose.time_us : now_us};
-  const bool current = now_us < state.time_us + DeviceMailbox::kPoseLifeUs;
+  const bool current = state.time_us > now_us ? state.time_us - now_us <= DeviceMailbox::kPoseLifeUs
+                                              : now_us - state.time_us < DeviceMailbox::kPoseLifeUs;
   switch (pose.state) {
     case KERF_AGENT_FINISHED:
       state.finished = true;

@@ -13,14 +13,19 @@
 
 namespace kerf::agent {
 
+/// Greatest size that a structure of the C interface may state.
+inline constexpr std::uint32_t kMaxStructBytes = 4096;
+
 /// Copies a structure of the C interface, whose first field is its size. A shorter one, from an
 /// older header, is completed with zeros; a longer one is accepted if the rest is zero. Returns
-/// false if it is not, or if the structure is null or shorter than its size field.
+/// false if it is not, or if the structure is null, shorter than its size field or longer than
+/// kMaxStructBytes.
 template <typename T>
 bool read_struct(const T* from, T& to) noexcept {
   to = {};
   if (from == nullptr || from->struct_size < sizeof from->struct_size) return false;
   const std::size_t size = from->struct_size;
+  if (size > kMaxStructBytes) return false;
   const auto* bytes = reinterpret_cast<const std::byte*>(from);
   std::memcpy(&to, bytes, std::min(size, sizeof(T)));
   to.struct_size = sizeof(T);
@@ -43,9 +48,12 @@ bool write_struct(const T& from, T* to) noexcept {
 std::expected<DeviceCapabilities, std::string> capabilities_of(
     const kerf_agent_capabilities& given);
 
-/// Converts a pose. It is not valid if the device is not ready or it is as old as
-/// DeviceMailbox::kPoseLifeUs; the servo checks its numbers. A device without a deadman sensor
-/// counts as held.
+/// Whether the tip of a ready device is finite and its axis of length 1; true if it is not ready.
+bool is_pose(const kerf_agent_pose& pose) noexcept;
+
+/// Converts a pose. It is not valid if the device is not ready, it is as old as
+/// DeviceMailbox::kPoseLifeUs or dated further ahead than that; the servo checks its numbers. A
+/// device without a deadman sensor counts as held.
 DeviceState state_of(const kerf_agent_pose& pose, bool has_deadman, std::uint64_t now_us) noexcept;
 
 kerf_agent_wrench wrench_of(const Wrench& wrench) noexcept;

@@ -122,12 +122,13 @@ DeviceState PluginDevice::read(std::uint64_t now_us) noexcept {
 
 void PluginDevice::write(const Wrench& wrench) noexcept {
   if (functions_.write_wrench == nullptr) return;
-  const kerf_agent_wrench output = wrench_of(wrench);
+  const kerf_agent_wrench output = wrench_of(rated(wrench, capabilities_));
   functions_.write_wrench(device_, &output);
 }
 
 void PluginDevice::stop() noexcept {
-  if (functions_.stop != nullptr) functions_.stop(device_);
+  if (functions_.stop != nullptr) return functions_.stop(device_);
+  write({});
 }
 
 std::string PluginDevice::trouble() const {

@@ -21,6 +21,8 @@ namespace kerf::agent {
 namespace {
 
 constexpr int kConnectMs = 1000;
+/// Size of the kernel's send buffer: a peer that does not read is noticed after about ten lines.
+constexpr int kSendBytes = 4096;
 
 std::string error_text(int error) { return std::generic_category().message(error); }
 
@@ -28,6 +30,7 @@ std::string error_text(int error) { return std::generic_category().message(error
 int start_connecting(int family, const sockaddr* address, socklen_t bytes) noexcept {
   const int fd = ::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (fd < 0) return -errno;
+  ::setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &kSendBytes, sizeof kSendBytes);
   if (::connect(fd, address, bytes) == 0 || errno == EINPROGRESS) return fd;
   const int error = errno;
   ::close(fd);

@@ -23,6 +23,9 @@ constexpr std::uint64_t kRepeatUs = 4000;
 constexpr int kPollMs = 4;
 /// A device that sends nothing for this time counts as lost.
 constexpr std::uint64_t kQuietUs = 500'000;
+/// A wrench that cannot be sent, or is not acknowledged, within this time ends the connection:
+/// later ones would wait behind it and act when they are old.
+constexpr std::uint64_t kUntakenUs = 20'000;
 constexpr std::chrono::milliseconds kRetry{100};
 constexpr std::uint64_t kGreetingUs = 1'000'000;
 
@@ -78,15 +81,18 @@ std::expected<void, std::string> SocketDevice::connect() {
   if (!device_line_.empty() && line != device_line_) {
     return fail("its capabilities have changed; start the agent again");
   }
-  auto capabilities = parse_device_line(line);
-  if (!capabilities) return fail(capabilities.error());
-  device_line_ = line;
-  capabilities_ = *std::move(capabilities);
+  if (device_line_.empty()) {
+    auto capabilities = parse_device_line(line);
+    if (!capabilities) return fail(capabilities.error());
+    device_line_ = line;
+    capabilities_ = *std::move(capabilities);
+  }
   stream_.queue(session_line(settings_.stock, settings_.pivot_mm, settings_.participant));
   if (!stream_.flush()) return fail("it closed the connection");
   clock_.restart();
   newest_ = {};
   sent_us_ = 0;
+  queued_us_ = monotonic_us();
   return {};
 }
 
@@ -114,6 +120,7 @@ void SocketDevice::serve() {
     pollfd waited[] = {
         {.fd = stream_.fd(), .events = static_cast<short>(POLLIN | out), .revents = 0},
         {.fd = wake_fd_, .events = POLLIN, .revents = 0}};
+    const std::uint64_t asked_us = monotonic_us();
     ::poll(waited, 2, kPollMs);
     std::uint64_t wakes = 0;
     [[maybe_unused]] const auto got = ::read(wake_fd_, &wakes, sizeof wakes);
@@ -127,6 +134,7 @@ void SocketDevice::serve() {
     }
     if (now_us - heard_us > kQuietUs) return lose("it sends nothing");
     if (!send_wrench(now_us)) return lose("it closed the connection");
+    if (!takes_wrenches(asked_us)) return lose("it does not take wrenches");
   }
   mailbox_.stop();
   sent_us_ = 0;
@@ -160,14 +168,24 @@ bool SocketDevice::send_wrench(std::uint64_t now_us) {
       number_ = number_ == UINT16_MAX ? std::uint16_t{1} : static_cast<std::uint16_t>(number_ + 1);
       stream_.queue(write_wrench_line(line, number_, ready ? wrench : Wrench{}));
       clock_.composed(number_, now_us);
-      sent_us_ = now_us;
+      sent_us_ = queued_us_ = now_us;
     }
   }
   return stream_.flush();
 }
 
+/// Whether, as seen at `asked_us`, no wrench waits too long to be sent or, if the process
+/// acknowledges them, to be taken. What has arrived by then must have been received, so that a
+/// pause of this thread does not count.
+bool SocketDevice::takes_wrenches(std::uint64_t asked_us) const noexcept {
+  if (stream_.waiting() && asked_us > queued_us_ + kUntakenUs) return false;
+  const std::uint64_t waiting_us = clock_.waiting_since_us();
+  return waiting_us == 0 || asked_us <= waiting_us + kUntakenUs + capabilities_.latency_us;
+}
+
 void SocketDevice::lose(const std::string& reason) {
   stream_.close();
+  newest_ = {};
   mailbox_.publish({});
   report(join({"the device at ", to_string(settings_.address), " is lost: ", reason}));
 }
@@ -185,7 +203,7 @@ void SocketDevice::report(const std::string& trouble) {
 }
 
 void SocketDevice::write(const Wrench& wrench) noexcept {
-  mailbox_.write(wrench);
+  mailbox_.write(rated(wrench, capabilities_));
   wake();
 }
 

@@ -54,11 +54,13 @@ class SocketDevice final : public HapticDevice {
   void serve();
   bool take_lines();
   bool send_wrench(std::uint64_t now_us);
+  bool takes_wrenches(std::uint64_t asked_us) const noexcept;
   void lose(const std::string& reason);
   void report(const std::string& trouble);
   void wake() noexcept;
 
   SocketDeviceSettings settings_;
+  /// Assigned at the first connection, before the device's thread starts; constant afterwards.
   DeviceCapabilities capabilities_;
   /// The device's first line; after a loss it must be the same.
   std::string device_line_;
@@ -67,7 +69,8 @@ class SocketDevice final : public HapticDevice {
   CommandClock clock_;
   DeviceState newest_;
   std::uint16_t number_ = 0;
-  std::uint64_t sent_us_ = 0;
+  std::uint64_t sent_us_ = 0;    ///< when the newest wrench was queued; 0: none is
+  std::uint64_t queued_us_ = 0;  ///< when the newest line was
   int wake_fd_;
   mutable std::mutex mutex_;  ///< guards trouble_
   std::string trouble_;

@@ -16,22 +16,42 @@ namespace kerf::agent {
 class CommandClock {
  public:
   /// A device was connected: earlier commands will not be acknowledged.
-  void restart() noexcept { sent_ = {}; }
+  void restart() noexcept {
+    sent_ = {};
+    newest_ = 0;
+    acknowledges_ = false;
+    waiting_us_ = 0;
+  }
   void composed(std::uint16_t sequence, std::uint64_t now_us) noexcept {
     sent_[sequence % kKept] = {sequence, now_us};
+    newest_ = sequence;
+    if (waiting_us_ == 0) waiting_us_ = now_us;
   }
-  /// A report says that this command was the last one accepted. Repetitions are ignored.
+  /// A report says that this command was the last one accepted, after all earlier ones. Repetitions
+  /// are ignored.
   void accepted(std::uint16_t sequence, std::uint64_t now_us) noexcept {
     Sent& sent = sent_[sequence % kKept];
     if (sent.time_us == 0 || sent.sequence != sequence) return;
     const std::uint64_t passed_us = now_us - std::min(now_us, sent.time_us);
     sent.time_us = 0;
+    acknowledges_ = true;
+    const auto next = static_cast<std::uint16_t>(sequence == UINT16_MAX ? 1 : sequence + 1);
+    const Sent& later = sent_[next % kKept];
+    if (sequence == newest_) {
+      waiting_us_ = 0;
+    } else if (later.sequence == next && later.time_us != 0) {
+      waiting_us_ = later.time_us;
+    }
     count_.fetch_add(1, std::memory_order_relaxed);
     sum_us_.fetch_add(passed_us, std::memory_order_relaxed);
     if (passed_us > most_us_.load(std::memory_order_relaxed)) {
       most_us_.store(passed_us, std::memory_order_relaxed);
     }
   }
+
+  /// Time of the oldest command that is not accepted yet, for numbers of 1 to 65535 in turn; 0 if
+  /// there is none or the device has not acknowledged any.
+  std::uint64_t waiting_since_us() const noexcept { return acknowledges_ ? waiting_us_ : 0; }
 
   CommandEcho echo() const noexcept {
     const std::uint64_t count = count_.load(std::memory_order_relaxed);
@@ -49,6 +69,9 @@ class CommandClock {
   };
 
   std::array<Sent, kKept> sent_{};
+  std::uint16_t newest_ = 0;
+  bool acknowledges_ = false;
+  std::uint64_t waiting_us_ = 0;  ///< of the oldest command in flight; 0: none
   std::atomic<std::uint64_t> count_{0}, sum_us_{0}, most_us_{0};
 };
 

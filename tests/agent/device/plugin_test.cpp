@@ -81,7 +81,7 @@ TEST_F(PluginTest, DeviceGetsThePlaceAndExchangesPosesAndWrenches) {
 
     device.write({.force_n = {1, 2, 3}, .torque_nmm = {4, 5, 6}});
     EXPECT_EQ(log.wrench.force_n[2], 3);
-    EXPECT_EQ(log.wrench.torque_nmm[0], 4);
+    EXPECT_EQ(log.wrench.torque_nmm[0], 0) << "no torque is rated";
     device.stop();
     EXPECT_EQ(log.stops, 1);
   }
@@ -89,13 +89,49 @@ TEST_F(PluginTest, DeviceGetsThePlaceAndExchangesPosesAndWrenches) {
   EXPECT_EQ(log.closes, 1);
 }
 
-TEST_F(PluginTest, OldPosesAndOtherStatesAreNotValid) {
+TEST_F(PluginTest, MotorsGetWhatTheyAreRatedFor) {
+  log.capabilities.actuated_dof = 5;
+  log.capabilities.max_torque_nmm = 100;
+  const Wrench wrench{.force_n = {1, 2, 3}, .torque_nmm = {4, 5, 6}};
+  {
+    const auto opened = open();
+    ASSERT_TRUE(opened);
+    (*opened)->write(wrench);
+    EXPECT_EQ(log.wrench.force_n[2], 3);
+    EXPECT_EQ(log.wrench.torque_nmm[0], 4);
+  }
+  log.capabilities.actuated_dof = 0;
+  log.capabilities.max_force_n = 0;
+  const auto sensor = open();
+  ASSERT_TRUE(sensor) << sensor.error().text;
+  (*sensor)->write(wrench);
+  EXPECT_EQ(log.wrench.force_n[2], 0);
+  EXPECT_EQ(log.wrench.torque_nmm[0], 0);
+}
+
+TEST_F(PluginTest, WithoutAFunctionStopGetsAWrenchOfZero) {
+  auto plugin = load_plugin(text());
+  ASSERT_TRUE(plugin);
+  plugin->functions.stop = nullptr;
+  const auto opened = PluginDevice::open(*plugin, kStock, 60, 7);
+  ASSERT_TRUE(opened);
+  (*opened)->write({.force_n = {1, 2, 3}});
+  EXPECT_EQ(log.wrench.force_n[2], 3);
+  (*opened)->stop();
+  EXPECT_EQ(log.wrench.force_n[2], 0);
+}
+
+TEST_F(PluginTest, PosesOfAnotherTimeAndOtherStatesAreNotValid) {
   const auto opened = open();
   ASSERT_TRUE(opened);
   log.pose.state = KERF_AGENT_READY;
   log.pose.time_us = 100'000;
   EXPECT_TRUE((*opened)->read(119'999).valid);
   EXPECT_FALSE((*opened)->read(120'000).valid);
+  EXPECT_TRUE((*opened)->read(80'000).valid);
+  EXPECT_FALSE((*opened)->read(79'999).valid) << "in the future";
+  log.pose.time_us = UINT64_MAX;
+  EXPECT_FALSE((*opened)->read(100'000).valid);
   log.pose.time_us = 0;
   for (const std::uint32_t state : {KERF_AGENT_FAULT, KERF_AGENT_HOMING, KERF_AGENT_ABSENT}) {
     log.pose.state = state;
@@ -139,6 +175,12 @@ TEST_F(PluginTest, EachFaultHasATypeAndASentence) {
   log.capabilities.workspace_min_mm[0] = 1;
   EXPECT_EQ(open_fault(), PluginFault::kCapability);
   log.capabilities.workspace_min_mm[0] = 0;
+  log.capabilities.actuated_dof = 0;
+  EXPECT_EQ(open_fault(), PluginFault::kCapability) << "a force without motors";
+  log.capabilities.actuated_dof = 3;
+  log.capabilities.max_force_n = 0;
+  EXPECT_EQ(open_fault(), PluginFault::kCapability) << "motors without a force";
+  log.capabilities.max_force_n = 10;
   log.rated = KERF_AGENT_DEVICE;
   EXPECT_EQ(open_fault(), PluginFault::kOpen);
 }

@@ -4,10 +4,15 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <deque>
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "haptic_agent/device/device_choice.h"
 #include "haptic_agent/device/socket/line_protocol.h"
@@ -48,6 +53,8 @@ TEST(LineProtocol, MalformedCapabilitiesAreRejectedWithAReason) {
            {"kerf-device 1 workspace_min_mm=1,2", "workspace_min_mm"},
            {"kerf-device 1 sensed_dof=6", "sensed_dof"},
            {"kerf-device 1 deadman=2", "flags"},
+           {"kerf-device 1 max_force_n=5", "actuated_dof"},
+           {"kerf-device 1 actuated_dof=3", "max_force_n"},
            {"kerf-device 1  name=x", "KEY=VALUE"}}) {
     const auto device = parse_device_line(line);
     ASSERT_FALSE(device) << line;
@@ -115,17 +122,29 @@ class FakeProcess {
   void accept(std::string_view first_line) {
     fd_ = ::accept(listener_, nullptr, nullptr);
     if (!first_line.empty()) say(std::string(first_line) + "\n");
+    reader_ = std::thread([this] { read(); });
   }
   void say(const std::string& text) const { ::send(fd_, text.data(), text.size(), MSG_NOSIGNAL); }
   /// Returns the next line; empty at the end.
   std::string hear() {
-    std::string line;
-    for (char c = 0; ::recv(fd_, &c, 1, 0) == 1 && c != '\n';) line += c;
+    std::unique_lock lock(mutex_);
+    came_.wait(lock, [this] { return !lines_.empty() || ended_; });
+    if (lines_.empty()) return {};
+    std::string line = std::move(lines_.front());
+    lines_.pop_front();
     return line;
   }
+  /// The process takes no more bytes from its socket.
+  void freeze() { frozen_ = true; }
   void hang_up() {
-    if (fd_ >= 0) ::close(fd_);
+    if (fd_ < 0) return;
+    frozen_ = false;
+    ::shutdown(fd_, SHUT_RDWR);
+    if (reader_.joinable()) reader_.join();
+    ::close(fd_);
     fd_ = -1;
+    lines_.clear();
+    ended_ = false;
   }
 
   std::string path =
@@ -133,7 +152,30 @@ class FakeProcess {
           .string();
 
  private:
+  void read() {
+    std::string line;
+    for (char c = 0; ::recv(fd_, &c, 1, 0) == 1;) {
+      while (frozen_) std::this_thread::sleep_for(milliseconds(1));
+      if (c != '\n') {
+        line += c;
+        continue;
+      }
+      const std::scoped_lock lock(mutex_);
+      lines_.push_back(std::exchange(line, {}));
+      came_.notify_one();
+    }
+    const std::scoped_lock lock(mutex_);
+    ended_ = true;
+    came_.notify_one();
+  }
+
   int listener_ = -1, fd_ = -1;
+  std::thread reader_;
+  std::atomic<bool> frozen_{false};
+  std::mutex mutex_;  ///< guards the lines and whether there are more
+  std::condition_variable came_;
+  std::deque<std::string> lines_;
+  bool ended_ = false;
 };
 
 class SocketDeviceTest : public ::testing::Test {
@@ -187,14 +229,62 @@ TEST_F(SocketDeviceTest, ExchangesPosesAndWrenches) {
     return line.ends_with(" 0 0 2.5 0 0 0");
   }));
   EXPECT_TRUE(line.starts_with("wrench ")) << line;
+  agent->stop();
+  EXPECT_TRUE(eventually([&] { return process.hear().ends_with(" 0 0 0 0 0 0"); }));
   // The device acknowledges it, from which its latency is measured.
   const auto number = static_cast<std::uint16_t>(std::stoi(line.substr(7)));
   EXPECT_TRUE(eventually([&] {
     process.say("pose ready 1 2 3 0 0 1 1 " + std::to_string(number) + "\n");
     return agent->command_echo().count > 0;
   }));
-  agent->stop();
-  EXPECT_TRUE(eventually([&] { return process.hear().ends_with(" 0 0 0 0 0 0"); }));
+}
+
+TEST_F(SocketDeviceTest, ProcessThatDoesNotReadIsLost) {
+  open();
+  ASSERT_TRUE(ready());
+  process.freeze();
+  ASSERT_TRUE(eventually([&] {
+    process.say("pose ready 1 2 3 0 0 1 1 0\n");
+    agent->write({.force_n = {0, 0, 2.5}});
+    return !agent->trouble().empty();
+  }));
+  EXPECT_NE(agent->trouble().find("does not take wrenches"), std::string::npos) << agent->trouble();
+  EXPECT_FALSE(agent->read(monotonic_us()).valid);
+}
+
+TEST_F(SocketDeviceTest, ProcessThatNoLongerAcknowledgesIsLost) {
+  open();
+  ASSERT_TRUE(ready());
+  const auto number = static_cast<std::uint16_t>(std::stoi(process.hear().substr(7)));
+  ASSERT_TRUE(eventually([&] {
+    process.say("pose ready 1 2 3 0 0 1 1 " + std::to_string(number) + "\n");
+    return !agent->trouble().empty();
+  }));
+  EXPECT_NE(agent->trouble().find("does not take wrenches"), std::string::npos) << agent->trouble();
+}
+
+TEST(CommandClock, StatesTheOldestCommandThatIsNotAccepted) {
+  CommandClock clock;
+  clock.composed(65534, 100);
+  EXPECT_EQ(clock.waiting_since_us(), 0U) << "it may acknowledge nothing";
+  clock.composed(65535, 200);
+  clock.composed(1, 300);
+  clock.accepted(65534, 350);
+  EXPECT_EQ(clock.waiting_since_us(), 200U);
+  clock.accepted(65534, 360);
+  EXPECT_EQ(clock.waiting_since_us(), 200U);
+  clock.accepted(65535, 400);
+  EXPECT_EQ(clock.waiting_since_us(), 300U);
+  clock.accepted(1, 500);
+  EXPECT_EQ(clock.waiting_since_us(), 0U);
+  clock.composed(2, 600);
+  clock.composed(3, 700);
+  EXPECT_EQ(clock.waiting_since_us(), 600U);
+  clock.accepted(3, 800);
+  EXPECT_EQ(clock.waiting_since_us(), 0U) << "with all earlier ones";
+  clock.restart();
+  clock.composed(4, 900);
+  EXPECT_EQ(clock.waiting_since_us(), 0U);
 }
 
 TEST_F(SocketDeviceTest, GetsNoForceUntilReadyAndNoneAtTheEnd) {
@@ -222,6 +312,16 @@ TEST_F(SocketDeviceTest, DeviceThatHasFinishedIsNotLost) {
   process.hang_up();
   ASSERT_TRUE(eventually([&] { return agent->read(monotonic_us()).finished; }));
   EXPECT_EQ(agent->trouble(), "");
+}
+
+TEST_F(SocketDeviceTest, MalformedLineAfterTheEndIsALoss) {
+  open();
+  ASSERT_TRUE(ready());
+  process.say("pose finished 1 2 3 0 0 1 1 0\npose ready 1 2\n");
+  ASSERT_TRUE(eventually([&] { return !agent->trouble().empty(); }));
+  process.hang_up();
+  process.accept(kRated);
+  EXPECT_EQ(process.hear(), "session 4 60 0 0 0 1 1 1") << "the agent looks for it again";
 }
 
 TEST_F(SocketDeviceTest, LossesAndMalformedLinesEndTheForceAndAreRecoveredFrom) {

@@ -258,6 +258,30 @@ TEST(Watchdog, StopsTheDeviceWhenTheLoopStalls) {
   static_assert(Watchdog::kStaleNs + Watchdog::kEveryNs <= 15'000'000, "documented in the README");
 }
 
+TEST(Watchdog, MotorsAreOffHoweverTheLoopEnds) {
+  for (const bool stopped : {false, true}) {
+    ManualClock clock;
+    ServoLoop loop(clock);
+    Motors device;
+    struct Push final : ServoTask {
+      Motors& device;
+      ServoLoop* loop;
+      Push(Motors& d, ServoLoop* l) : device(d), loop(l) {}
+      bool tick(std::uint64_t) noexcept override {
+        device.write({.force_n = {0, 0, 3}});
+        if (loop != nullptr) loop->stop();
+        return loop != nullptr;
+      }
+    } task(device, stopped ? &loop : nullptr);
+    bool prepared = false;
+    run_watched(loop, task, {.zero = [&] { device.write({}); }, .stop = [&] { device.stop(); }},
+                [&] { prepared = true; });
+    EXPECT_TRUE(prepared);
+    EXPECT_EQ(device.output, Wrench{}) << stopped;
+    EXPECT_GE(device.stops, 1);
+  }
+}
+
 TEST(Watchdog, RunsOnItsOwnThread) {
   MonotonicClock clock;
   ServoLoop loop(clock);

@@ -90,5 +90,38 @@ TEST(ArcSide, MeetsTheSideWhereItsDistanceIsZeroAndElseFindsTheClosestHeight) {
   EXPECT_GT(misses, 500);
 }
 
+/// Rays are packed into lanes as they come, and which ones come depends on the stock.
+TEST(ArcSide, ARayIsMetAlikeWhateverTheOtherLanesHold) {
+  std::mt19937_64 random(7);
+  const auto in = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  int hits = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const ArcSide side(kSidesOfArcs[std::size_t(k) % std::size(kSidesOfArcs)]);
+    const Vec3 u = normalized(Vec3{in(-0.5, 0.5), in(-0.5, 0.5), 1});
+    Lanes x, y;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      x.set(lane, in(-6, 6));
+      y.set(lane, in(-6, 6));
+    }
+    const auto met = [&](Lanes at_x, Lanes at_y) {
+      const Lanes along = at_x * u.x + at_y * u.y, inverse = Lanes(1 / u.z);
+      return side.meet<End::kLower>(
+          at_x, at_y, {Lanes(u.x), Lanes(u.y), Lanes(u.z)}, along,
+          {(side.low - along) * inverse, (side.high - along) * inverse, inverse});
+    };
+    const SideSpan together = met(x, y), alone = met(Lanes(x[0]), Lanes(y[0]));
+    const bool exists = (bits(alone.exists) & 1U) != 0;
+    ASSERT_EQ((bits(together.exists) & 1U) != 0, exists) << k;
+    if (!exists) continue;
+    ++hits;
+    EXPECT_EQ(together.in[0], alone.in[0]) << k;
+    EXPECT_EQ(together.out[0], alone.out[0]) << k;
+    EXPECT_EQ(together.depth[0], alone.depth[0]) << k;
+  }
+  EXPECT_GT(hits, 500);
+}
+
 }  // namespace
 }  // namespace kerf

@@ -40,16 +40,17 @@ struct Sample {
   MovingSlice moving() const { return {slice, from, to, {true, true}, search}; }
 };
 
-Sample sample(int k, Random& random) {
+Sample sample(int k, Random& random, double greatest_turn = 0.004) {
   Sample s;
   s.slice = kSlices[std::size_t(k) % std::size(kSlices)];
-  const double lean = k % 3 == 0 ? 0.05 : 0.4, turn = k % 5 == 0 ? 0 : 0.004, step = 0.15;
+  const double lean = k % 3 == 0 ? 0.05 : 0.4, turn = k % 5 == 0 ? 0 : greatest_turn, step = 0.15;
   s.from.axis = normalized(random.vec(0) * lean + Vec3{0, 0, 1});
   s.from.tip_mm = {0, 0, 0};
   s.to.axis = turn > 0 ? normalized(s.from.axis + random.vec(1) * turn) : s.from.axis;
   s.to.tip_mm = random.vec(0.5) * step;
   // The bend of such a motion is below the tolerance: two stations suffice.
   s.search.bend_mm = 0.0015;
+  s.search.top_mm = kTopMm;
   s.search.missed_mm = 0.9 * kToleranceMm;
   s.search.search_mm = 0.1 * kToleranceMm;
   const double pitch = random.in(0.05, 0.3), x = random.in(-7, 6), y = random.in(-7, 6);
@@ -112,8 +113,9 @@ TEST(MovingSlice, SimpleRowsLoseWhatTheSliceTakesAtAnyPose) {
 
 TEST(MovingSlice, ARowDoesNotDependOnTheOthersThatAreEvaluated) {
   Random random(4);
-  for (int k = 0; k < 400; ++k) {
-    Sample s = sample(k, random);
+  for (int k = 0; k < 1600; ++k) {
+    Sample s = sample(k, random, k % 2 == 0 ? 0.004 : 0.12);
+    s.search.parts = 1 + k % 3;
     const MovingSlice moving = s.moving();
     ColumnBlock together = s.block;
     moving.evaluate(together);

@@ -72,6 +72,7 @@ TEST(Trail, MotionAlongTheRaysHasNoTrail) {
 struct Chain {
   const char* name;
   double step_mm, turn;
+  double steep = 0.3;  ///< greatest share of the direction along z
 };
 
 /// Returns the greatest difference of the ends between two carvings: a chain of motions of one
@@ -96,9 +97,9 @@ double greatest_difference(const ToolShape& shape, const Chain& chain, std::uint
   };
   ToolPose last{vec(0) * 10 + Vec3{0, 0, -3 + 2 * any(random)},
                 normalized(vec(0) * 0.4 + Vec3{0, 0, 1})};
-  Vec3 direction = normalized(vec(0.3));
+  Vec3 direction = normalized(vec(chain.steep));
   for (ToolId i = 0; i < 10; ++i) {
-    direction = normalized(direction + vec(0.3) * 0.3);
+    direction = normalized(direction + vec(chain.steep) * 0.3);
     const ToolPose next{last.tip_mm + direction * chain.step_mm,
                         chain.turn > 0 ? normalized(last.axis + vec(1) * chain.turn) : last.axis};
     one.apply(MoveTool{1, last, next, 0}).value();
@@ -127,19 +128,22 @@ double greatest_difference(const ToolShape& shape, const Chain& chain, std::uint
 
 TEST(Trail, SkippedRegionsWereAlreadyRemoved) {
   const std::vector<ToolShape> shapes{
-      FlatShape{6, 30},
-      TaperShape{3, 12, 30},
-      BullNoseShape{6, 1, 30},
-      ConeEndShape{8, 90, 30},
+      FlatShape{6, 30}, TaperShape{3, 12, 30}, BullNoseShape{6, 1, 30}, ConeEndShape{8, 90, 30},
       TaperShape{4, 8, 30, TaperTip::kBall},
       ProfileShape{
           {ProfilePoint{0, 0}, ProfilePoint{4, 0}, ProfilePoint{2, 4}, ProfilePoint{2, 30}}},
       ProfileShape{{ProfilePoint{0, 0}, ProfileArc{{1, 5.828}, 3}, ProfilePoint{1, 30}}},
-      ProfileShape{{ProfilePoint{2, 0}, ProfileArc{{3, 12}, 40}}},
+      ProfileShape{{ProfilePoint{2, 0}, ProfileArc{{3, 12}, 40}}}, BullNoseShape{10, 0.5, 30},
+      // Points enter these through the side of one piece and pass through a disc into the next.
+      ProfileShape{
+          {ProfilePoint{2, 0}, ProfilePoint{6, 4}, ProfilePoint{2, 8}, ProfilePoint{2, 30}}},
+      ProfileShape{{ProfilePoint{1, 0}, ProfilePoint{4, 2}, ProfilePoint{2, 4}, ProfilePoint{5, 6},
+                    ProfilePoint{1, 9}, ProfilePoint{3, 30}}},
       ProfileShape{{ProfilePoint{3, 0}, ProfileArc{{4, 1}, 1}, ProfileArc{{3, 2}, 1},
                     ProfilePoint{1.5, 2}, ProfilePoint{1.5, 30}}}};
   for (const Chain& chain : {Chain{"moves", 1, 0.04}, Chain{"ticks", 0.2, 0.004},
-                             Chain{"blocks", 5, 0.3}, Chain{"translations", 1, 0}}) {
+                             Chain{"blocks", 5, 0.3}, Chain{"translations", 1, 0},
+                             Chain{"plunges", 0.5, 0, 3}, Chain{"tilted plunges", 0.5, 0.01, 3}}) {
     for (std::size_t k = 0; k < shapes.size(); ++k) {
       for (std::uint64_t seed = 1; seed <= 2; ++seed) {
         EXPECT_LE(greatest_difference(shapes[k], chain, 10 * k + seed), kToleranceMm)

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "haptic_agent/library/kerf_agent.h"
+#include "tests/agent/link/fake_server.h"
+
+namespace kerf::agent {
+
+using std::chrono::milliseconds;
+
+/// The surface of the server below, and how deep the test presses into it.
+inline constexpr double kNPerMm = 0.5, kPressedMm = 3, kServedN = kNPerMm * kPressedMm;
+
+template <typename T>
+T sized() {
+  T value{};
+  value.struct_size = sizeof value;
+  return value;
+}
+
+inline kerf_agent_pose pose_at(double z_mm, std::uint32_t buttons = 0) {
+  auto pose = sized<kerf_agent_pose>();
+  pose.state = KERF_AGENT_READY;
+  pose.tip_mm[2] = z_mm;
+  pose.axis[2] = 1;
+  pose.buttons = buttons;
+  return pose;
+}
+
+inline double norm(const double (&v)[3]) { return std::hypot(v[0], v[1], v[2]); }
+
+/// A server with an elastic surface at z = 0.
+class LibraryTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    device_.name = "test device";
+    device_.actuated_dof = 3;
+    device_.max_force_n = 10;
+    device_.moving_mass_kg = 1;
+    device_.moving_inertia_kg_m2 = 1e-3;
+  }
+  void TearDown() override {
+    kerf_agent_close(agent_, 0);
+    server_.reset();
+  }
+
+  void serve(FakeServer::Behaviour behaviour = {}) {
+    server_.emplace([this](FakePeer& peer, int) { push_up(peer); }, behaviour);
+  }
+
+  void push_up(FakePeer& peer) {
+    peer.read_text();
+    peer.send_text(welcome_text());
+    while (const auto batch = peer.read_motion()) {
+      const wire::MotionSample& last = batch->view().back();
+      tool_ = last.tool_id;
+      const double depth_mm = -last.tip_mm.z;
+      wire::Result result{.agent_sequence = last.agent_sequence,
+                          .agent_time_us = last.time_us,
+                          .force_n = {0, 0, static_cast<float>(kNPerMm * std::max(0.0, depth_mm))},
+                          .plane_count = 1};
+      result.planes[0] = {.point_mm = last.tip_mm,
+                          .normal = {0, 0, 1},
+                          .depth_mm = static_cast<float>(depth_mm),
+                          .stiffness_n_per_mm = static_cast<float>(kNPerMm),
+                          .radius_mm = 5,
+                          .flags = wire::kContactStock};
+      peer.send_result(result, 1);
+    }
+  }
+
+  kerf_agent_options options() {
+    auto options = sized<kerf_agent_options>();
+    url_ = "http://127.0.0.1:" + std::to_string(server_ ? server_->port() : 1);
+    options.flags = KERF_AGENT_NO_COPY | KERF_AGENT_NO_REALTIME;
+    options.server = url_.c_str();
+    options.session = "demo";
+    options.patience_s = 5;
+    options.device = &device_;
+    return options;
+  }
+  void connect() {
+    const kerf_agent_options given = options();
+    ASSERT_EQ(kerf_agent_connect(&given, &agent_), KERF_AGENT_OK) << kerf_agent_last_error();
+  }
+  kerf_agent_result connect_fails(const kerf_agent_options& given) {
+    agent_ = reinterpret_cast<kerf_agent*>(this);  // to be set to null
+    const kerf_agent_result result = kerf_agent_connect(&given, &agent_);
+    EXPECT_EQ(agent_, nullptr);
+    EXPECT_STRNE(kerf_agent_last_error(), "");
+    return result;
+  }
+
+  kerf_agent_status status() {
+    auto status = sized<kerf_agent_status>();
+    EXPECT_EQ(kerf_agent_get_status(agent_, &status), KERF_AGENT_OK);
+    return status;
+  }
+  kerf_agent_result step(const kerf_agent_pose& pose) {
+    return kerf_agent_step(agent_, &pose, &wrench_);
+  }
+  /// Runs a loop of 1 kHz until the condition holds. A busy machine trips the envelope, which the
+  /// user then re-arms; the limit of 20 s only ends a failed test.
+  template <typename Condition>
+  bool tick_until(const kerf_agent_pose& pose, Condition condition, bool rearm = true) {
+    auto due = std::chrono::steady_clock::now();
+    for (int i = 0; i < 20'000; ++i) {
+      std::this_thread::sleep_until(due += milliseconds(1));
+      EXPECT_EQ(step(pose), KERF_AGENT_OK);
+      if (condition()) return true;
+      if (rearm && i % 500 == 499 && status().tripped) kerf_agent_rearm(agent_);
+    }
+    return false;
+  }
+  /// Holds the device above the surface until the force is on, then presses until it is felt.
+  bool feel(std::uint32_t buttons = 0) {
+    kerf_agent_pose pose = pose_at(1, buttons);
+    const auto felt = [&] {
+      const double aim_mm = status().phase == KERF_AGENT_PHASE_ACTIVE ? -kPressedMm : 1;
+      constexpr double kStepMm = 0.05;
+      pose.tip_mm[2] += std::clamp(aim_mm - pose.tip_mm[2], -kStepMm, kStepMm);
+      return pose.tip_mm[2] <= -kPressedMm && std::abs(wrench_.force_n[2] - kServedN) < 0.1;
+    };
+    return tick_until(pose, felt);
+  }
+
+  std::optional<FakeServer> server_;
+  std::string url_;
+  kerf_agent_capabilities device_ = sized<kerf_agent_capabilities>();
+  kerf_agent* agent_ = nullptr;
+  kerf_agent_wrench wrench_ = sized<kerf_agent_wrench>();
+  std::atomic<std::uint32_t> tool_{0};
+};
+
+}  // namespace kerf::agent
