@@ -162,7 +162,9 @@ void SampleQueue::rewind(std::uint64_t server_has) {
   answered(from);
   next_ = 0;
   if (!kept_.empty()) answered_ = std::min(answered_, from);
-  while (!kept_.empty() && samples_.front().agent_sequence > from) {
+  // A first sample without a number was never sent: those before it were dropped.
+  while (!kept_.empty() &&
+         (samples_.front().agent_sequence == 0 || samples_.front().agent_sequence > from)) {
     samples_.push_front(kept_.back());
     kept_.pop_back();
     ++returned_;
@@ -255,14 +257,23 @@ void SampleQueue::drop_oldest() {
   merge_air();
   if (samples_.size() > kMaxKept / 2) thin_cuts();
   while (samples_.size() > kMaxKept + returned_) {
-    if (returned_ > 0) {
-      if (!drop_unsent()) return;
-    } else {
-      samples_.pop_front();
-      if (next_ > 0) --next_;
+    if (returned_ == 0) {
+      drop_first();
+    } else if (!drop_unsent()) {
+      return;
     }
-    ++forgotten_;
   }
+}
+
+/// Removes the first sample. An answered one is kept until it is durable; after an unanswered one
+/// the tool moves to the next one without cutting.
+void SampleQueue::drop_first() {
+  if (next_ > 0) --next_;
+  const std::uint64_t number = samples_.front().agent_sequence;
+  if (number != 0 && number <= answered_) return release_first();
+  samples_.pop_front();
+  samples_.front().buttons &= ~wire::kButtonCutting;
+  ++forgotten_;
 }
 
 /// Drops the oldest sample that was never sent; false if there is none. The tool moves to the next
@@ -273,6 +284,7 @@ bool SampleQueue::drop_unsent() {
   if (oldest == samples_.end()) return false;
   const auto next = samples_.erase(oldest);
   if (next != samples_.end()) next->buttons &= ~wire::kButtonCutting;
+  ++forgotten_;
   return true;
 }
 

@@ -94,6 +94,7 @@ class SampleQueue {
 
  private:
   void drop_oldest();
+  void drop_first();
   bool in_window(const wire::MotionSample& sample) const noexcept;
   std::size_t first_unanswered() const noexcept;
   void prepend_unanswered(wire::MotionBatch& batch, std::size_t end);

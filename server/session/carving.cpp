@@ -243,8 +243,9 @@ void Carving::leave(ParticipantId id) {
 bool Carving::finish_left() {
   if (left_.empty()) return false;
   std::int64_t tiles = kTilesPerTurn;
-  // The participant may have come back and completed the motion.
-  if (!cuts_.contains(left_.back()) || advance(left_.back(), tiles)) left_.pop_back();
+  const ParticipantId id = left_.back();
+  // The participant may have come back and completed the motion, or complete it with a batch.
+  if (batches_.contains(id) || !cuts_.contains(id) || advance(id, tiles)) left_.pop_back();
   return !left_.empty();
 }
 

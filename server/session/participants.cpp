@@ -73,8 +73,10 @@ std::expected<void, Rejection> Participants::check(const JoinRequest& request,
 
 /// A peer that joins and leaves again and again costs every other participant a message, and the
 /// journal a row if it is an agent.
-std::expected<void, Rejection> Participants::check_rate(ParticipantKind kind) {
-  RateLimit& joins = kind == ParticipantKind::kViewer ? viewer_joins_ : carver_joins_;
+std::expected<void, Rejection> Participants::check_rate(ParticipantKind kind,
+                                                        ParticipantId resumed) {
+  RateLimit& carvers = resumed != 0 ? resumable_.find(resumed)->resumes : carver_joins_;
+  RateLimit& joins = kind == ParticipantKind::kViewer ? viewer_joins_ : carvers;
   if (joins.allow(Clock::now())) return {};
   return std::unexpected(Rejection{wire::ErrorCode::kBusy,
                                    "too many participants join at the same time; try again later"});
@@ -110,7 +112,10 @@ std::expected<ParticipantState, Rejection> Participants::make_state(const JoinRe
 std::expected<Admission, Rejection> Participants::admit(const JoinRequest& request) {
   const ParticipantId resumed = resumable_.owner(request.token).value_or(0);
   if (const auto ok = check(request, resumed); !ok) return std::unexpected(ok.error());
-  if (const auto ok = check_rate(request.kind); !ok) return std::unexpected(ok.error());
+  if (const auto error = resumed != 0 ? journal_.pause() : std::nullopt) {
+    return std::unexpected(Rejection{wire::ErrorCode::kBusy, "paused: disk: " + error->reason});
+  }
+  if (const auto ok = check_rate(request.kind, resumed); !ok) return std::unexpected(ok.error());
   auto state = make_state(request, resumed);
   if (!state) return std::unexpected(state.error());
   Admission admission{.participant = state->participant};
@@ -129,7 +134,8 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& reque
     admission.agent_sequence = known.last_sequence;
   } else {
     ++last_id_;
-    if (const auto token = request.durable ? random_token() : std::nullopt) {
+    const bool may_resume = request.durable || !request.token.empty();
+    if (const auto token = may_resume ? random_token() : std::nullopt) {
       state->token = hash_token(*token);
       admission.token = *token;
     }
@@ -147,7 +153,8 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& reque
 void Participants::keep_resumable(ParticipantState& state) {
   resumable_.keep(state.participant.id,
                   {*state.token, state.participant.name, state.participant.color,
-                   state.last_sequence, state.durable, state.in_stroke});
+                   state.last_sequence, state.durable, state.in_stroke},
+                  [&](ParticipantId id) { return states_.contains(id); });
 }
 
 void Participants::leave(ParticipantId id) {

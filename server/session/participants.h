@@ -48,7 +48,9 @@ class Participants {
 
   /// Adds a participant, journals it unless it is a viewer, and notifies the listeners. Joins above
   /// the limits of `SessionLimits` per second are rejected with kBusy.
-  /// An agent with a valid token continues as the same participant, also while that is present.
+  /// An agent with a valid token continues as the same participant, also while that is present. It
+  /// has a limit of its own, and is rejected with kBusy while the journal is paused: the samples
+  /// that it sends again could not be journaled.
   std::expected<Admission, Rejection> admit(const JoinRequest& request);
   /// As admit(), for a participant that does not resume.
   std::expected<Participant, Rejection> join(const JoinRequest& request) {
@@ -94,7 +96,7 @@ class Participants {
                                                         ParticipantId resumed);
   /// Moves what must last of a participant to `resumable_`.
   void keep_resumable(ParticipantState& state);
-  std::expected<void, Rejection> check_rate(ParticipantKind kind);
+  std::expected<void, Rejection> check_rate(ParticipantKind kind, ParticipantId resumed);
   void changed(bool carvers);
 
   const SessionLimits& limits_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/resumable.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace kerf {
@@ -10,13 +11,19 @@ Resumable::Resumable(std::span<const JournalParticipant> participants) {
     if (!participant.token) continue;
     keep(participant.participant,
          {*participant.token, participant.name, participant.color, participant.agent_sequence,
-          DurableMark(participant.agent_sequence), participant.agent_sequence > 0});
+          DurableMark(participant.agent_sequence), participant.agent_sequence > 0},
+         [](ParticipantId) { return false; });
   }
 }
 
-void Resumable::keep(ParticipantId id, ResumableAgent agent) {
+void Resumable::keep(ParticipantId id, ResumableAgent agent,
+                     const std::function<bool(ParticipantId)>& is_present) {
+  if (const ResumableAgent* known = find(id)) agent.resumes = known->resumes;
   agents_.insert_or_assign(id, std::move(agent));
-  if (agents_.size() > kKept) agents_.erase(agents_.begin());
+  if (agents_.size() <= kKept) return;
+  const auto oldest = std::ranges::find_if(
+      agents_, [&](const auto& entry) { return entry.first != id && !is_present(entry.first); });
+  if (oldest != agents_.end()) agents_.erase(oldest);
 }
 
 ResumableAgent* Resumable::find(ParticipantId id) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -10,6 +11,7 @@
 #include <string_view>
 
 #include "server/session/durable_mark.h"
+#include "server/session/rate_limit.h"
 #include "server/store/journal_reader.h"
 
 namespace kerf {
@@ -21,9 +23,11 @@ struct ResumableAgent {
   std::uint64_t last_sequence = 0;  ///< agent_sequence of its newest sample
   DurableMark durable{};
   bool in_stroke = false;  ///< its newest sample ended a motion of a stroke
+  RateLimit resumes{2, 10};
 };
 
-/// The agents of a session that may resume, by participant: the newest kKept of them.
+/// The agents of a session that may resume, by participant: those that are present, and the newest
+/// others up to kKept together.
 class Resumable {
  public:
   static constexpr std::size_t kKept = 1024;
@@ -32,8 +36,10 @@ class Resumable {
   /// The agents of a journal that has been replayed.
   explicit Resumable(std::span<const JournalParticipant> participants);
 
-  /// Adds an agent, or updates what is known of it.
-  void keep(ParticipantId id, ResumableAgent agent);
+  /// Adds an agent, or updates what is known of it but for its rate of resuming. Above kKept the
+  /// lowest other one that is not present is forgotten.
+  void keep(ParticipantId id, ResumableAgent agent,
+            const std::function<bool(ParticipantId)>& is_present);
   ResumableAgent* find(ParticipantId id);
   /// Returns the participant to whom a token was given; nullopt for an unknown or malformed one.
   /// Compares with every token, each in constant time.

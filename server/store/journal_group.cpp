@@ -29,7 +29,8 @@ SqlResult<void> insert_participant(SqlStatement& statement, const JournalPartici
 SqlResult<void> insert_agent(SqlStatement& statement, const JournalParticipant& participant) {
   statement.bind(1, std::int64_t{participant.participant});
   statement.bind(2, std::span<const std::byte>(*participant.token));
-  statement.bind(3, std::int64_t{progress_checksum(participant.participant, 0)});
+  statement.bind(3,
+                 std::int64_t{progress_checksum(participant.participant, 0, *participant.token)});
   return run(statement);
 }
 
@@ -64,9 +65,12 @@ SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
   if (!agent) return std::unexpected(agent.error());
   auto progress = database.prepare("UPDATE agents SET agent_sequence=?,crc=? WHERE participant=?");
   if (!progress) return std::unexpected(progress.error());
-  return JournalGroups(std::move(database),
-                       {*std::move(batch), *std::move(participant), *std::move(hash),
-                        *std::move(version), *std::move(agent), *std::move(progress)});
+  auto token = database.prepare("SELECT token FROM agents WHERE participant=?");
+  if (!token) return std::unexpected(token.error());
+  return JournalGroups(
+      std::move(database),
+      {*std::move(batch), *std::move(participant), *std::move(hash), *std::move(version),
+       *std::move(agent), *std::move(progress), *std::move(token)});
 }
 
 JournalGroups::Batch JournalGroups::encode(const std::vector<Pending>& group) {
@@ -76,7 +80,7 @@ JournalGroups::Batch JournalGroups::encode(const std::vector<Pending>& group) {
     const auto* command = std::get_if<PendingCommand>(&item);
     if (command == nullptr) continue;
     if (records.empty()) head = {command->sequence, 0, command->wall_ms, 0};
-    head.span_ms = std::max<std::int64_t>(command->wall_ms - head.wall_ms, 0);
+    head.span_ms = std::clamp(command->wall_ms - head.wall_ms, std::int64_t{0}, kSpanMaxMs);
     records.push_back({command->participant, command->command, command->note.begins_stroke});
   }
   head.count = records.size();
@@ -118,8 +122,15 @@ SqlResult<void> JournalGroups::note_progress(const std::vector<Pending>& group) 
     }
   }
   for (const auto& [participant, sequence] : newest) {
+    SqlStatement& token = inserts_.token;
+    token.bind(1, std::int64_t{participant});
+    const auto row = token.step();
+    if (!row) return std::unexpected(row.error());
+    if (!*row) continue;  // it may not resume
+    const auto checksum = progress_checksum(participant, sequence, token.blob(0));
+    if (const auto end = token.step(); !end) return std::unexpected(end.error());
     inserts_.progress.bind(1, static_cast<std::int64_t>(sequence));
-    inserts_.progress.bind(2, std::int64_t{progress_checksum(participant, sequence)});
+    inserts_.progress.bind(2, std::int64_t{checksum});
     inserts_.progress.bind(3, std::int64_t{participant});
     if (auto ok = run(inserts_.progress); !ok) return ok;
   }

@@ -116,10 +116,10 @@ std::expected<void, JournalError> JournalReader::read_agents() {
     const auto id = static_cast<ParticipantId>(rows->integer(0));
     const auto agent_sequence = static_cast<std::uint64_t>(rows->integer(2));
     const auto token = rows->blob(1);
+    // An agent whose row is damaged joins as a new participant.
     if (token.size() != kTokenHashBytes ||
-        rows->integer(3) != std::int64_t{progress_checksum(id, agent_sequence)}) {
-      return std::unexpected(
-          corrupt(0, "the progress of participant " + std::to_string(id) + " is damaged"));
+        rows->integer(3) != std::int64_t{progress_checksum(id, agent_sequence, token)}) {
+      continue;
     }
     const auto found =
         std::ranges::lower_bound(participants_, id, {}, &JournalParticipant::participant);

@@ -234,8 +234,9 @@ std::uint32_t record_checksum(std::uint64_t sequence, ParticipantId participant,
   return crc32(bytes, crc32(head_bytes));
 }
 
-std::uint32_t progress_checksum(ParticipantId participant, std::uint64_t agent_sequence) {
-  return record_checksum(agent_sequence, participant, {});
+std::uint32_t progress_checksum(ParticipantId participant, std::uint64_t agent_sequence,
+                                std::span<const std::byte> token) {
+  return record_checksum(agent_sequence, participant, token);
 }
 
 }  // namespace kerf

@@ -47,7 +47,9 @@ std::expected<Command, std::string> decode_command(std::span<const std::byte> by
 /// moved or attributed to another participant.
 std::uint32_t record_checksum(std::uint64_t sequence, ParticipantId participant,
                               std::span<const std::byte> bytes);
-/// Returns the CRC-32 of an agent's progress: the number of its newest sample in the journal.
-std::uint32_t progress_checksum(ParticipantId participant, std::uint64_t agent_sequence);
+/// Returns the CRC-32 of an agent's progress: the number of its newest sample in the journal, and
+/// the hash of its token.
+std::uint32_t progress_checksum(ParticipantId participant, std::uint64_t agent_sequence,
+                                std::span<const std::byte> token);
 
 }  // namespace kerf

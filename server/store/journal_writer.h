@@ -21,7 +21,7 @@ namespace kerf {
 /// Longest time from an append to the start of its group's commit.
 inline constexpr std::chrono::milliseconds kGroupCommit{10};
 /// Records that may be pending: four seconds of a stalled disk with 16 agents at 1 kHz.
-inline constexpr std::size_t kJournalBufferRecords = 65'536;
+inline constexpr std::size_t kJournalBufferRecords = kBatchRecordsMax;
 /// A group whose commit failed is committed again at this interval.
 inline constexpr std::chrono::milliseconds kJournalRetry{1000};
 

@@ -20,19 +20,21 @@ constexpr double kTipScale = 1e6, kAxisScale = 1e9, kUsPerS = 1e6, kSecondsPerUs
 constexpr double kStepsMax = 1e18;
 constexpr std::int64_t kDurationMaxUs = std::int64_t{1} << 40;
 
-constexpr unsigned kFlagBits = 7;
+constexpr unsigned kFlagBits = 8;
 /// Whole commands, i.e. tools, are shorter than this.
 constexpr std::uint64_t kCommandBytesMax = std::uint64_t{1} << 20;
 
 /// Flags of a record.
 enum Flag : unsigned {
-  kOther = 1,     ///< the participant differs from that of the record before
-  kWhole = 2,     ///< an encoded command follows instead of a motion
-  kJump = 4,      ///< the motion does not start where the last one ended
-  kSameAxis = 8,  ///< the axis does not change
-  kTool = 16,     ///< tool or feel differ
-  kStroke = 32,   ///< begins a stroke
-  kDuration = 64  ///< the duration differs
+  kOther = 1,      ///< the participant differs from that of the record before
+  kWhole = 2,      ///< an encoded command follows instead of a motion
+  kJump = 4,       ///< the motion does not start where the last one ended
+  kSameAxis = 8,   ///< the axis does not change
+  kTool = 16,      ///< tool or feel differ
+  kStroke = 32,    ///< begins a stroke
+  kDuration = 64,  ///< the duration differs
+  /// With kDuration: the duration is not a number of microseconds; its 64 bits follow instead.
+  kExactDuration = 128
 };
 
 constexpr std::uint64_t fold(std::int64_t value) {
@@ -49,14 +51,14 @@ constexpr std::int64_t difference(std::int64_t a, std::int64_t b) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
 }
 
+std::uint64_t bits_of(double value) { return std::bit_cast<std::uint64_t>(value); }
+
 std::optional<std::int64_t> to_steps(double value, double scale) {
   const double steps = std::round(value * scale);
   if (!(std::abs(steps) < kStepsMax)) return std::nullopt;
   const auto whole = static_cast<std::int64_t>(steps);
   const double again = static_cast<double>(whole) / scale;
-  if (std::bit_cast<std::uint64_t>(again) != std::bit_cast<std::uint64_t>(value)) {
-    return std::nullopt;
-  }
+  if (bits_of(again) != bits_of(value)) return std::nullopt;
   return whole;
 }
 
@@ -80,13 +82,12 @@ ToolPose to_pose(const Grid& grid) {
   return {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
 }
 
-/// Nullopt for a duration that is not a number of microseconds to the bit.
+double to_seconds(std::int64_t us) { return static_cast<double>(us) * kSecondsPerUs; }
+
+/// Rounds a duration to microseconds; nullopt if it is negative, not finite or too long.
 std::optional<std::int64_t> to_us(double seconds) {
   const double us = std::round(seconds * kUsPerS);
-  if (!(us >= 0 && us < static_cast<double>(kDurationMaxUs))) return std::nullopt;
-  if (std::bit_cast<std::uint64_t>(us * kSecondsPerUs) != std::bit_cast<std::uint64_t>(seconds)) {
-    return std::nullopt;
-  }
+  if (std::signbit(seconds) || !(us < static_cast<double>(kDurationMaxUs))) return std::nullopt;
   return static_cast<std::int64_t>(us);
 }
 
@@ -118,10 +119,11 @@ std::int64_t read_offset(BitReader& in, std::int64_t predicted, NumberSize& size
   return sum(predicted, unfold(in.number(size)));
 }
 
-/// A motion in integers.
+/// A motion in integers, and its exact duration.
 struct GridMotion {
   Grid from{}, to{};
-  std::int64_t duration_us = 0;
+  double duration_s = 0;
+  std::int64_t duration_us = 0;  ///< rounded
   ToolId tool = 0;
   bool feel = true;
 };
@@ -132,7 +134,7 @@ std::optional<GridMotion> to_grid(const Command& command) {
   const auto from = to_grid(move->from), to = to_grid(move->to);
   const auto duration_us = to_us(move->duration_s);
   if (!from || !to || !duration_us) return std::nullopt;
-  return GridMotion{*from, *to, *duration_us, move->tool, move->feel};
+  return GridMotion{*from, *to, move->duration_s, *duration_us, move->tool, move->feel};
 }
 
 std::uint64_t tool_number(ToolId tool, bool feel) {
@@ -142,6 +144,7 @@ std::uint64_t tool_number(ToolId tool, bool feel) {
 void note(State& state, const GridMotion& motion) {
   state.before = motion.from;
   state.at = motion.to;
+  state.duration_s = motion.duration_s;
   state.duration_us = motion.duration_us;
   state.tool = motion.tool;
   state.feel = motion.feel;
@@ -154,13 +157,20 @@ unsigned flags_of(const GridMotion& motion, const State& state) {
     flags |= kSameAxis;
   }
   if (motion.tool != state.tool || motion.feel != state.feel) flags |= kTool;
-  if (motion.duration_us != state.duration_us) flags |= kDuration;
+  if (bits_of(motion.duration_s) != bits_of(state.duration_s)) {
+    flags |= kDuration;
+    if (bits_of(to_seconds(motion.duration_us)) != bits_of(motion.duration_s)) {
+      flags |= kExactDuration;
+    }
+  }
   return flags;
 }
 
 void write_motion(BitWriter& out, const GridMotion& motion, State& state, unsigned flags) {
   if ((flags & kTool) != 0) out.number(tool_number(motion.tool, motion.feel), state.other);
-  if ((flags & kDuration) != 0) {
+  if ((flags & kExactDuration) != 0) {
+    out.bits(bits_of(motion.duration_s), 64);
+  } else if ((flags & kDuration) != 0) {
     write_offset(out, motion.duration_us, state.duration_us, state.duration);
   }
   if ((flags & kJump) != 0) {
@@ -178,15 +188,26 @@ void write_motion(BitWriter& out, const GridMotion& motion, State& state, unsign
                state.coordinates[5]);
 }
 
-GridMotion read_motion(BitReader& in, State& state, unsigned flags) {
-  GridMotion motion{state.at, {}, state.duration_us, state.tool, state.feel};
+/// False for a duration that no encoder writes.
+bool read_duration(BitReader& in, GridMotion& motion, State& state, unsigned flags) {
+  if ((flags & kDuration) == 0) return (flags & kExactDuration) == 0;
+  motion.duration_s = (flags & kExactDuration) != 0
+                          ? std::bit_cast<double>(in.bits(64))
+                          : to_seconds(read_offset(in, state.duration_us, state.duration));
+  const auto us = to_us(motion.duration_s);
+  motion.duration_us = us.value_or(0);
+  return us.has_value();
+}
+
+std::expected<GridMotion, std::string> read_motion(BitReader& in, State& state, unsigned flags) {
+  GridMotion motion{state.at, {}, state.duration_s, state.duration_us, state.tool, state.feel};
   if ((flags & kTool) != 0) {
     const std::uint64_t tool = in.number(state.other);
     motion.tool = static_cast<ToolId>(tool >> 1U);
     motion.feel = (tool & 1U) != 0;
   }
-  if ((flags & kDuration) != 0) {
-    motion.duration_us = read_offset(in, state.duration_us, state.duration);
+  if (!read_duration(in, motion, state, flags)) {
+    return std::unexpected("a motion has an invalid duration");
   }
   if ((flags & kJump) != 0) {
     for (std::size_t i = 0; i < 6; ++i) {
@@ -206,8 +227,8 @@ GridMotion read_motion(BitReader& in, State& state, unsigned flags) {
 }
 
 Command to_command(const GridMotion& motion) {
-  return MoveTool{motion.tool, to_pose(motion.from), to_pose(motion.to),
-                  static_cast<double>(motion.duration_us) * kSecondsPerUs, motion.feel};
+  return MoveTool{motion.tool, to_pose(motion.from), to_pose(motion.to), motion.duration_s,
+                  motion.feel};
 }
 
 void write_whole(BitWriter& out, const Command& command, NumberSize& size) {
@@ -229,6 +250,8 @@ std::expected<Command, std::string> read_whole(BitReader& in, NumberSize& size) 
 }  // namespace
 
 std::vector<std::byte> BatchEncoder::encode(std::span<const BatchRecord> records) {
+  const bool is_full = states_.size() + records.size() > MotionStates::kMax;
+  if (is_full) batches_ = 0;
   const bool restarts = batches_++ % kBatchesPerRestart == 0;
   if (restarts) states_.clear();
   BitWriter out;
@@ -277,9 +300,13 @@ std::expected<std::vector<BatchRecord>, std::string> BatchDecoder::decode(
       record.command = *std::move(command);
     } else {
       State& state = states_.of(participant);
-      const GridMotion motion = read_motion(in, state, flags);
-      note(state, motion);
-      record.command = to_command(motion);
+      if (states_.size() > MotionStates::kMax) {
+        return std::unexpected("the batches have too many participants");
+      }
+      const auto motion = read_motion(in, state, flags);
+      if (!motion) return std::unexpected(motion.error());
+      note(state, *motion);
+      record.command = to_command(*motion);
     }
     records.push_back(std::move(record));
   }

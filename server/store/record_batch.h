@@ -15,6 +15,9 @@
 
 namespace kerf {
 
+/// Records of a batch, which the buffer of the writer can hold.
+inline constexpr std::size_t kBatchRecordsMax = 65'536;
+
 /// What a batch stores of one record.
 struct BatchRecord {
   ParticipantId participant = 0;
@@ -28,9 +31,12 @@ class MotionStates {
  public:
   /// Tip and axis of a pose in steps of the pose grid.
   using Grid = std::array<std::int64_t, 6>;
+  /// Participants, between two batches that restart: bounds the memory that a file can cause.
+  static constexpr std::size_t kMax = kBatchRecordsMax;
   struct State {
     Grid before{}, at{};           ///< start and end of the last motion
-    std::int64_t duration_us = 0;  ///< of that motion
+    double duration_s = 0;         ///< of that motion
+    std::int64_t duration_us = 0;  ///< rounded, for the prediction
     ToolId tool = 0;
     bool feel = true;
     /// Of the differences to the prediction, by coordinate; of the other numbers.
@@ -38,6 +44,7 @@ class MotionStates {
     NumberSize duration, jump, other;
   };
   State& of(ParticipantId participant) { return states_[participant]; }
+  std::size_t size() const { return states_.size(); }
   void clear() { *this = {}; }
 
   NumberSize participants, sizes;  ///< of participant numbers and of encoded commands
@@ -50,8 +57,10 @@ class MotionStates {
 /// Encodes the records of a commit (README.md, "Batches"). Batches build on the ones before.
 class BatchEncoder {
  public:
-  /// A batch that restarts can be decoded without those before. The first one does.
+  /// A batch that restarts can be decoded without those before. The first one does, and one before
+  /// which there could be more than MotionStates::kMax participants.
   static constexpr int kBatchesPerRestart = 256;
+  /// At most kBatchRecordsMax records.
   std::vector<std::byte> encode(std::span<const BatchRecord> records);
 
  private:
@@ -77,6 +86,8 @@ struct BatchHead {
   std::int64_t wall_ms = 0;            ///< when the first one was appended; ms since 1970, UTC
   std::int64_t span_ms = 0;            ///< from then to the last one
 };
+inline constexpr std::int64_t kWallMaxMs = std::int64_t{1} << 53;  ///< of either sign
+inline constexpr std::int64_t kSpanMaxMs = std::int64_t{1} << 40;
 
 /// Returns the CRC-32 of a batch and its head, as a signed number, which SQLite stores in 4 bytes.
 std::int32_t batch_checksum(const BatchHead& head, std::span<const std::byte> bytes);

@@ -8,8 +8,11 @@
 namespace kerf {
 namespace {
 
-/// More than the buffer of the writer holds.
-constexpr std::int64_t kBatchRecordsMax = 1 << 20;
+/// False for numbers that no writer stores; their sums could overflow.
+bool is_valid(const BatchHead& head) {
+  return head.count >= 1 && head.count <= kBatchRecordsMax && head.wall_ms >= -kWallMaxMs &&
+         head.wall_ms <= kWallMaxMs && head.span_ms >= 0 && head.span_ms <= kSpanMaxMs;
+}
 
 SqlResult<bool> has_table(SqlDatabase& database, const std::string& name) {
   const auto tables =
@@ -132,8 +135,10 @@ std::expected<bool, JournalError> RecordRows::next_batch() {
   const BatchHead head{first, static_cast<std::uint64_t>(count), batches_->integer(2),
                        batches_->integer(3)};
   const auto bytes = batches_->blob(4);
-  if (count < 1 || count > kBatchRecordsMax ||
-      batches_->integer(5) != std::int64_t{batch_checksum(head, bytes)}) {
+  if (!is_valid(head)) {
+    return std::unexpected(corrupt(first, "the number or the time of the records is invalid"));
+  }
+  if (batches_->integer(5) != std::int64_t{batch_checksum(head, bytes)}) {
     return std::unexpected(corrupt(first, "the checksum of the records is wrong"));
   }
   auto records = decoder_.decode(bytes, static_cast<std::size_t>(count));
@@ -164,7 +169,9 @@ std::expected<SortedRecords, JournalError> SortedRecords::sort(RecordRows& rows,
   if (stop.stop_possible()) database->end_on(stop);
   if (auto ok = database->execute(
           "PRAGMA journal_mode=OFF;PRAGMA synchronous=OFF;BEGIN;CREATE TABLE records(participant "
-          "INTEGER,sequence INTEGER,wall_ms INTEGER,stroke INTEGER,bytes BLOB)");
+          "INTEGER,sequence INTEGER,wall_ms INTEGER,stroke INTEGER,bytes BLOB,PRIMARY "
+          "KEY(participant,"
+          "sequence)) WITHOUT ROWID");
       !ok) {
     return failed(ok.error());
   }

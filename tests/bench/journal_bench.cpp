@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints how many bytes of a journal one motion takes: of hands at 1 kHz with a commit every 10 ms,
-// and of a program that is carved fast. The size is that of the file, rows and index pages
+// and of programs that are carved fast. The size is that of the file, rows and index pages
 // included, without the empty journal of 28 kB.
 //
 //   journal_bench
@@ -34,6 +34,9 @@ struct Kind {
   double lean_rad = 0;   ///< amplitude of the axis
   double noise_mm = 0;   ///< of the device's encoders
   int motions_per_commit = 10;
+  /// Of a program in G-code, with tips in whole micrometers; 0: motions last as long as the clock
+  /// says.
+  double feed_mm_per_min = 0;
 };
 
 /// A hand that moves some 100 mm/s and trembles, at time `t`.
@@ -48,6 +51,10 @@ ToolPose hand(double t, const Kind& kind, std::mt19937_64& random) {
   const Vec3 tip{30 * std::sin(1.7 * t) + 10 * std::sin(5.1 * t) + rough(),
                  25 * std::sin(2.3 * t) + 0.1 * std::sin(20 * std::numbers::pi * t) + rough(),
                  -3 + std::sin(3.1 * t) + rough()};
+  if (kind.feed_mm_per_min > 0) {
+    const auto round = [](double mm) { return std::round(1000 * mm) / 1000; };
+    return admit_pose({{round(tip.x), round(tip.y), round(tip.z)}, {0, 0, 1}});
+  }
   // Samples carry the axis as floats.
   return admit_pose({tip, kind.lean_rad > 0 ? Vec3(Vec3f(axis)) : Vec3{0, 0, 1}});
 }
@@ -68,7 +75,10 @@ void measure(const Kind& kind, const std::filesystem::path& file) {
                                static_cast<std::uint64_t>(std::abs(jitter(random)));
       const ToolPose pose =
           hand(static_cast<double>(us) * 1e-6 + 10.0 * static_cast<double>(h), kind, random);
-      const double duration_s = static_cast<double>(us - last_us[h]) * 1e-6;
+      double duration_s = static_cast<double>(us - last_us[h]) * 1e-6;
+      if (kind.feed_mm_per_min > 0) {
+        duration_s = 60 * length(pose.tip_mm - last[h].tip_mm) / kind.feed_mm_per_min;
+      }
       if (n > 0) {
         const MoveTool move{1, last[h], pose, duration_s, true};
         if (!writer.append(static_cast<ParticipantId>(h + 1), move, {1, n == 1})) std::abort();
@@ -102,6 +112,7 @@ int main() {
       {"a hand, five axes, encoder noise of 10 um", 1, 20, 0.3, 0.01, 10},
       {"four hands, five axes", 4, 20, 0.3, 0, 10},
       {"a fast program, 1000 motions a commit", 1, 0, 0.3, 0, 1000},
+      {"a fast program, durations by travel and feed", 1, 0, 0, 0, 1000, 800},
   };
   for (const Kind& kind : kinds) measure(kind, file);
 }

@@ -105,6 +105,10 @@ TEST_F(AgentResumeTest, AnUnknownOrMalformedTokenMakesANewParticipant) {
     EXPECT_EQ(welcome.at("resume").at("resumed"), false);
     EXPECT_NE(welcome.at("resume").at("token"), token);
   }
+  const auto plain = agent();
+  send_text(*plain, R"({"type":"hello","resume":"0123456789abcdef0123456789abcdef"})");
+  EXPECT_EQ(messages(*plain).at(0).at("resume").at("token").get<std::string>().size(), 32U)
+      << "resume implies durable";
   const auto last = agent();
   send_text(*last, R"({"type":"hello","resume":5})");
   EXPECT_EQ(error_code(*last), "bad_message");

@@ -122,10 +122,32 @@ TEST_F(Journal, StoresHowFarEachAgentHasComeWithItsRecords) {
   EXPECT_EQ(reader->participants()[0].token, token);
   EXPECT_FALSE(reader->participants()[1].token);
   EXPECT_EQ(JournalWriter::open(file, 20)->durable_sequence(), 20U);
-  sql("UPDATE agents SET agent_sequence = 109");
-  reader = JournalReader::open(file);
-  ASSERT_FALSE(reader);
-  EXPECT_EQ(reader.error().code, JournalErrorCode::kCorrupt);
+}
+
+TEST_F(Journal, AnAgentWhoseProgressIsDamagedMayNotResume) {
+  const TokenHash token = *hash_token("0123456789abcdef0123456789abcdef");
+  for (const char* damage : {"agent_sequence=109", "token=zeroblob(32)", "token=x'00'", "crc=5"}) {
+    std::filesystem::remove(file);
+    {
+      auto writer = JournalWriter::create(file, kHeader);
+      ASSERT_TRUE(writer);
+      writer->append(JournalParticipant{1, "Ada", "#112233", "agent", token});
+      writer->append(JournalParticipant{2, "Bob", "#112233", "agent", token});
+      ASSERT_TRUE(writer->append(1, move_to(1), {110, false}));
+      ASSERT_TRUE(writer->append(2, move_to(1), {7, false}));
+    }
+    sql("UPDATE agents SET " + std::string(damage) + " WHERE participant=1");
+    auto reader = JournalReader::open(file);
+    ASSERT_TRUE(reader) << damage << ": " << describe(reader.error());
+    ASSERT_EQ(reader->participants().size(), 2U);
+    EXPECT_FALSE(reader->participants()[0].token) << damage;
+    EXPECT_EQ(reader->participants()[0].agent_sequence, 0U);
+    EXPECT_EQ(reader->participants()[1].token, token);
+    EXPECT_EQ(reader->participants()[1].agent_sequence, 7U);
+    int count = 0;
+    while (reader->next().value()) ++count;
+    EXPECT_EQ(count, 2);
+  }
 }
 
 TEST(ResumeToken, IsRandomAndHashedWithSha256) {

@@ -87,6 +87,26 @@ TEST_F(LongMotionTest, IsCompletedWhenItsParticipantLeaves) {
   EXPECT_EQ(session->solid().hash(), replayed_hash());
 }
 
+TEST_F(LongMotionTest, OfAParticipantThatComesBackIsPartOfItsNextAnswer) {
+  JoinRequest request{
+      .kind = ParticipantKind::kAgent, .name = "", .color = "", .tool = 1, .durable = true};
+  const auto admission = session->admit(request);
+  ASSERT_TRUE(admission);
+  mill = admission->participant.id;
+  ASSERT_FALSE(plunge());
+  session->leave(mill);
+  request.token = admission->token;
+  ASSERT_TRUE(session->admit(request)->resumed);
+  const wire::MotionSample sample = next(0, 0, -2);
+  ASSERT_FALSE(session->begin_move(mill, {&sample, 1}));
+  executor->run();
+  std::optional<MotionAnswer> answer;
+  while (!answer) answer = session->go_on(mill);
+  EXPECT_GT(answer->result.removed_mm3, 1000);
+  EXPECT_NEAR(session->info().removed_mm3, 80 * 80 * 2, 1e-6);
+  EXPECT_EQ(session->solid().hash(), replayed_hash());
+}
+
 TEST_F(LongMotionTest, OfAProgramTakesSeveralSlicesAndSurvivesItsCancellation) {
   Program program;
   program.name = "wide.ngc";

@@ -172,6 +172,53 @@ TEST_F(ParticipantsTest, APeerThatJoinsAndLeavesAgainAndAgainIsRejectedInTheEnd)
   EXPECT_LT(joined, 10'000U);
 }
 
+TEST_F(ParticipantsTest, AnAgentThatIsPresentCanResumeHoweverManyComeAfterIt) {
+  const SessionLimits many{.agents_max = 2, .carver_joins_per_s = 1e9, .carver_joins_burst = 1e9};
+  Participants others{many, sculpture, journal, 1, 0};
+  const auto admit = [&](const std::string& token) {
+    return others
+        .admit({.kind = ParticipantKind::kAgent,
+                .name = "",
+                .color = "",
+                .durable = true,
+                .token = token})
+        .value();
+  };
+  const Admission ada = admit("");
+  std::vector<std::string> tokens;
+  for (std::size_t n = 0; n < Resumable::kKept + 10; ++n) {
+    const Admission other = admit("");
+    tokens.push_back(other.token);
+    others.leave(other.participant.id);
+  }
+  EXPECT_EQ(admit(ada.token).participant.id, ada.participant.id);
+  const Admission last = admit(tokens.back());
+  EXPECT_TRUE(last.resumed);
+  others.leave(last.participant.id);
+  EXPECT_FALSE(admit(tokens.front()).resumed) << "the oldest that is absent is forgotten";
+}
+
+TEST_F(ParticipantsTest, ResumingHasALimitOfItsOwnForEachAgent) {
+  JoinRequest request{.kind = ParticipantKind::kAgent, .name = "", .color = "", .durable = true};
+  const JoinRequest plain{.kind = ParticipantKind::kAgent, .name = "", .color = ""};
+  const auto ada = participants.admit(request), bob = participants.admit(request);
+  ASSERT_TRUE(ada && bob);
+  participants.leave(bob->participant.id);
+  for (int n = 0; n < 10'000; ++n) {
+    const auto other = participants.join(plain);
+    if (!other) break;
+    participants.leave(other->id);
+  }
+  ASSERT_FALSE(participants.join(plain));
+  int resumed = 0;
+  request.token = ada->token;
+  while (resumed < 10'000 && participants.admit(request)) ++resumed;
+  EXPECT_GE(resumed, 10);
+  EXPECT_LT(resumed, 10'000);
+  request.token = bob->token;
+  EXPECT_TRUE(participants.admit(request)) << "the limit is that of one agent";
+}
+
 TEST_F(ParticipantsTest, ListenersMayUnlistenDuringANotification) {
   int first_events = 0, second_events = 0;
   int first = 0, second = 0;

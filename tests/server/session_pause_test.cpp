@@ -75,6 +75,28 @@ TEST_F(SessionPause, MotionsAreRejectedWhileTheDiskIsFullAndNothingAcceptedIsLos
   EXPECT_TRUE(move(*session, id, 0.2, 0, -5).rejections.empty());
 }
 
+TEST_F(SessionPause, AnAgentResumesOnlyWhenItsSamplesCanBeJournaled) {
+  registry->load_all();
+  const auto session = start();
+  JoinRequest request{.kind = ParticipantKind::kAgent, .name = "Ada", .color = "", .durable = true};
+  const auto ada = session->admit(request);
+  ASSERT_TRUE(ada);
+  carve_circle(*session, ada->participant.id);
+  request.token = ada->token;
+  disk.fail({DiskFault::kNoSpace, FaultTarget::kAll, 0});
+  EXPECT_FALSE(session->flush());
+  const auto refused = session->admit(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, wire::ErrorCode::kBusy);
+  EXPECT_TRUE(refused.error().reason.contains("paused: disk: "));
+  EXPECT_EQ(session->info().participants.size(), 1U);
+  disk.heal();
+  ASSERT_TRUE(session->flush());
+  const auto resumed = session->admit(request);
+  ASSERT_TRUE(resumed);
+  EXPECT_TRUE(resumed->resumed);
+}
+
 TEST_F(SessionPause, PausesAreReportedWithTheSession) {
   std::vector<std::string> reports;
   registry.emplace(

@@ -152,6 +152,27 @@ TEST(SampleQueue, SamplesThatWereFeltAreNotDroppedForNewOnes) {
   EXPECT_TRUE(queue.settled());
 }
 
+TEST(SampleQueue, AFullQueueKeepsTheLastAnsweredSampleAndCutsNoChordFromIt) {
+  SampleQueue queue;
+  queue.keep_until_durable(true);
+  for (std::uint64_t i = 1; i <= 10; ++i) queue.push(sample(i));
+  queue.take(16);
+  queue.answered(10);
+  // As above, none of these may be merged. The last two are too many, with sample 10.
+  for (std::uint64_t i = 11; i <= 11 + SampleQueue::kMaxKept; ++i) {
+    queue.push(sample(i, i % 2 == 0));
+  }
+  EXPECT_EQ(queue.forgotten(), 1U);
+  queue.rewind(0);
+  const auto batch = queue.take(16);
+  ASSERT_EQ(batch.count, 16U);
+  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(batch.samples[i].time_us, i + 1);
+  EXPECT_EQ(batch.samples[10].time_us, 12U);
+  EXPECT_EQ(batch.samples[10].agent_sequence, 11U);
+  EXPECT_EQ(batch.samples[10].buttons & wire::kButtonCutting, 0U) << "a gap lies before it";
+  EXPECT_NE(batch.samples[12].buttons & wire::kButtonCutting, 0U);
+}
+
 TEST(SampleQueue, AnswersToUnsentNumbersAreIgnored) {
   SampleQueue queue;
   queue.push(sample(1));

@@ -93,6 +93,42 @@ TEST(RecordBatch, ExtremeNumbersAreKept) {
   }
 }
 
+/// A path of segments as programs have them: each as long as its travel at the feed takes.
+std::vector<BatchRecord> program_records(int count) {
+  std::vector<BatchRecord> records;
+  ToolPose last = pose_of(20, 0, -1);
+  for (int n = 1; n <= count; ++n) {
+    const ToolPose pose =
+        pose_of(std::round(20e3 * std::cos(0.02 * n)) / 1e3, 15 * std::sin(0.02 * n), -1);
+    const double travel_mm = length(pose.tip_mm - last.tip_mm);
+    records.push_back({1, MoveTool{1, last, pose, 60 * travel_mm / 800, false}, n == 1});
+    last = pose;
+  }
+  return records;
+}
+
+TEST(RecordBatch, ADurationBetweenMicrosecondsTakesItsEightBytesAndNoWholeCommand) {
+  BatchEncoder encoder;
+  BatchDecoder decoder;
+  const auto records = program_records(1000);
+  const auto bytes = encoder.encode(records);
+  EXPECT_LT(bytes.size(), 1000 * 18U);
+  const auto decoded = decoder.decode(bytes, records.size());
+  ASSERT_TRUE(decoded) << decoded.error();
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    EXPECT_EQ(encode_command((*decoded)[i].command), encode_command(records[i].command)) << i;
+  }
+}
+
+TEST(RecordBatch, ARepeatedExactDurationIsNotStoredAgain) {
+  std::vector<BatchRecord> records;
+  for (int n = 0; n < 1000; ++n) {
+    records.push_back({1, MoveTool{1, pose_of(n, 0, 0), pose_of(n + 1, 0, 0), 1.0 / 3, false}});
+  }
+  BatchEncoder encoder;
+  EXPECT_LT(encoder.encode(records).size(), 1000U);
+}
+
 TEST(RecordBatch, DamageNeverCrashesAndABatchNeedsThoseBefore) {
   std::mt19937_64 random(6);
   BatchEncoder encoder;
