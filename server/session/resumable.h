@@ -22,8 +22,8 @@ struct ResumableAgent {
   std::string name, color;
   std::uint64_t last_sequence = 0;  ///< agent_sequence of its newest sample
   DurableMark durable{};
-  bool in_stroke = false;  ///< its newest sample ended a motion of a stroke
-  RateLimit resumes{2, 10};
+  bool in_stroke = false;    ///< its newest sample ended a motion of a stroke
+  RateLimit resumes{2, 10};  ///< per second, and at once
 };
 
 /// The agents of a session that may resume, by participant: those that are present, and the newest
