@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <climits>
 #include <csignal>
 #include <cstdio>
@@ -20,6 +22,7 @@
 
 #include "server/http/static_files.h"
 #include "server/log/log.h"
+#include "server/maintenance.h"
 #include "server/server.h"
 #include "server/store/journal_file.h"
 #include "server/wire/control.h"
@@ -33,6 +36,7 @@ struct CommandLine {
   std::string listen = "127.0.0.1:8080";
   std::string udp;
   std::vector<std::string> scenes;
+  double snapshot_s = 1;
   ServerOptions server;
 };
 
@@ -66,14 +70,14 @@ bool parse_udp(const std::string& text, kerf::net::UdpOptions& udp) {
   return good;
 }
 
-/// Creates the session of a scene file unless it exists, e.g. from before a restart. Returns the
-/// error text of an invalid scene, empty otherwise. A journal that cannot be read or written is
-/// logged: it does not stop the other sessions.
+/// Creates the session of a scene file unless it exists or is being loaded, e.g. from before a
+/// restart. Returns the error text of an invalid scene, empty otherwise. A journal that cannot be
+/// read or written is logged: it does not stop the other sessions.
 std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file) {
   const auto scene = kerf::load_scene(file);
   if (!scene) return to_string(scene.error());
   const std::string id = kerf::id_from_name(scene->name);
-  if (sessions.find(id)) return {};
+  if (sessions.is_loading(id) || sessions.find(id)) return {};
   if (const auto error = sessions.unreadable(id)) {
     kerf::log::error("session " + id + " of " + file +
                      " is not open, its journal stays as it is: " + describe(*error));
@@ -153,9 +157,8 @@ int serve(const CommandLine& line) {
   if (const auto port = (*server)->udp_port(); port != 0) {
     kerf::log::info("UDP: port " + std::to_string(port));
   }
-  for (const auto& session : (*server)->sessions().list()) {
-    kerf::log::info("session " + session->id() + ": " + (*server)->url() +
-                    "/?session=" + session->id());
+  for (const std::string& id : (*server)->sessions().ids()) {
+    kerf::log::info("session " + id + ": " + (*server)->url() + "/?session=" + id);
   }
   int signal = 0;
   sigwait(&signals, &signal);
@@ -177,6 +180,10 @@ int run(int argc, char** argv) {
       "--listen");
   app.add_option("--data", line.server.http.data_folder, "folder of the sessions' journals")
       ->capture_default_str();
+  app.add_option("--snapshot-after", line.snapshot_s,
+                 "s of replay at the next start after which a snapshot of a block is written")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.add_option("--scene", line.scenes,
                  "scene file whose session is created unless it exists; may be repeated");
   app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
@@ -186,9 +193,26 @@ int run(int argc, char** argv) {
       "host name");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
+  std::string folder, journal;
+  app.add_subcommand("check",
+                     "reads the journals and snapshots of a data folder; exits with 1 if "
+                     "something is wrong, and says what to do")
+      ->add_option("DATA", folder, "data folder, also of a running server")
+      ->required();
+  app.add_subcommand("replay",
+                     "carves a journal from the start and compares it with its state "
+                     "hashes and its snapshot; exits with 1 at the first difference")
+      ->add_option("FILE", journal, "journal, DATA/SESSION.kerf")
+      ->required();
   CLI11_PARSE(app, argc, argv);
+  if (app.got_subcommand("check")) return kerf::check_data(folder);
+  if (app.got_subcommand("replay")) return kerf::replay_journal(journal);
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
   kerf::log::open();
+  const auto replay_time = std::chrono::duration<double>(line.snapshot_s);
+  kerf::SnapshotLimits& limits = line.server.snapshots;
+  limits.replay_time = std::chrono::round<std::chrono::microseconds>(replay_time);
+  limits.pause = std::min(limits.pause, 2 * limits.replay_time);
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {
     std::fprintf(stderr, "kerf-server: --listen %s is not ADDR:PORT\n", line.listen.c_str());
     return 2;
