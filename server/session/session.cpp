@@ -136,7 +136,6 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.sequence = sequence();
   frame.motions = sculpture_.motions();
   frame.removed_mm3 = sculpture_.removed_volume_mm3();
-  frame.changed_sequence = journal_.removal_sequence();
   frame.hash = journal_.newest_hash();
   frame.hash_is_current = current_hash().has_value();
   frame.paused = pause().has_value();

@@ -31,7 +31,6 @@ struct SessionFrame {
   wire::ToolStates tools;
   std::vector<TileIndex> changed;         ///< since the previous frame; sorted
   std::optional<SolidSnapshot> snapshot;  ///< set if a tile changed or a snapshot was requested
-  std::uint64_t changed_sequence = 0;     ///< of the last record that removed volume
   std::optional<StateHash> hash;          ///< the newest one known
   bool hash_is_current = false;           ///< `hash` is that of the solid at `sequence`
   bool paused = false;                    ///< the disk fails: motions are rejected
