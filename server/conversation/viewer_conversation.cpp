@@ -18,6 +18,7 @@ std::optional<ViewerAction> ViewerConversation::take_action() {
 
 void ViewerConversation::on_hello(const HelloMessage& hello) {
   takes_changes_ = hello.changes;
+  first_look_ = {hello.look_follows, hello.look};
   actions_.emplace_back(JoinRequest{ParticipantKind::kViewer, hello.name, hello.color, 0, false});
 }
 

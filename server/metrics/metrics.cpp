@@ -86,12 +86,28 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   auto& lag = family("kerf_journal_lag_records", "Records not yet committed to disk.");
   auto& paused = family("kerf_journal_paused", "1 while a session is paused: its disk fails.");
   auto& failed = family("kerf_journal_failed_commits", "Failed commits since the start.");
+  auto& commits = family("kerf_journal_commits", "Commits since the start.");
+  auto& commit_s =
+      family("kerf_journal_commit_seconds", "Duration of all commits since the start.");
+  auto& pending = family("kerf_journal_oldest_pending_seconds",
+                         "Age of the oldest record that is not committed.");
+  auto& bytes = family("kerf_journal_bytes", "Size of the journal on the disk.");
+  auto& cpu = family("kerf_participant_cpu_seconds",
+                     "CPU time that the motions of a participant took on the session's thread.");
   auto& motions = family("kerf_session_motions", "Motions applied since the start.");
   for (const auto& session : sessions) {
     const prometheus::Labels labels = {{"session", session->id()}};
     lag.Add(labels).Set(static_cast<double>(session->journal_lag()));
     paused.Add(labels).Set(session->pause() ? 1 : 0);
-    failed.Add(labels).Set(static_cast<double>(session->failed_commits()));
+    const JournalFigures journal = session->journal_figures();
+    failed.Add(labels).Set(static_cast<double>(journal.failed_commits));
+    commits.Add(labels).Set(static_cast<double>(journal.commits));
+    commit_s.Add(labels).Set(journal.commit_s);
+    pending.Add(labels).Set(journal.oldest_pending_s);
+    bytes.Add(labels).Set(static_cast<double>(session->journal_bytes()));
+    for (const auto& [id, seconds] : session->cpu_costs()) {
+      cpu.Add({{"session", session->id()}, {"participant", std::to_string(id)}}).Set(seconds);
+    }
     motions.Add(labels).Set(static_cast<double>(session->motions_applied()));
   }
 }

@@ -14,6 +14,7 @@
 #include "kernel/sculpture.h"
 #include "server/convert/rejection.h"
 #include "server/session/air_path.h"
+#include "server/session/cpu_costs.h"
 #include "server/session/participants.h"
 #include "server/session/program_runs.h"
 #include "server/session/session_journal.h"
@@ -72,6 +73,9 @@ class Carving {
   std::chrono::microseconds work_time() const {
     return std::chrono::duration_cast<std::chrono::microseconds>(work_time_);
   }
+  /// CPU time by participant (any thread).
+  CpuCosts& costs() { return costs_; }
+  const CpuCosts& costs() const { return costs_; }
   /// Motions applied since the server started (any thread).
   std::uint64_t motions_applied() const { return motions_applied_.load(std::memory_order_relaxed); }
 
@@ -120,6 +124,7 @@ class Carving {
   std::vector<ParticipantId> left_;  ///< whose cuts may be in progress
   std::chrono::steady_clock::duration work_time_{0};
   std::atomic<std::uint64_t> motions_applied_{0};
+  CpuCosts costs_;
 };
 
 }  // namespace kerf
