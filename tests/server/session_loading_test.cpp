@@ -60,6 +60,7 @@ TEST_F(SessionLoading, RequestsForASessionThatIsNotLoadedYetSaySoAndWhenToComeAg
   EXPECT_EQ(body(ready)["status"], "loading");
   EXPECT_EQ(body(ready)["loading"], nlohmann::json::array({"a", "b"}));
   EXPECT_EQ(body(ask("GET", "/v1/sessions"))["loading"], nlohmann::json::array({"a", "b"}));
+  EXPECT_TRUE(metrics.text(*registry).contains("\nkerf_sessions_loading 2\n"));
   EXPECT_EQ(registry->ids(), (std::vector<std::string>{"a", "b"}));
 
   LoadReport report;
