@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The process of a real server: its data folder, its limits, and requests without one Host."""
+import json
 import os
 import re
 import resource
@@ -46,6 +47,41 @@ class Folder(LiveTest):
         soft, hard = resource.prlimit(self.server.process.pid, resource.RLIMIT_NOFILE)
         self.assertEqual(soft, hard)
         self.assertGreater(hard, 256)
+
+
+class Metrics(LiveTest):
+    """Served, listed in the README and shown by the dashboard are the same metrics."""
+    NAME = re.compile(r"\bkerf_[a-z_]+")
+
+    def read(self, *path):
+        top = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+        with open(os.path.join(top, *path), encoding="utf-8") as file:
+            return file.read()
+
+    def served(self):
+        agent = Agent(self.port, "block")
+        agent.move([(0, 0, -1)])
+        agent.move([(1, 0, -1)])
+        agent.result()
+        text = self.server.http.request("GET", "/metrics")[2].decode()
+        return set(re.findall(r"^# TYPE (\S+)", text, re.MULTILINE))
+
+    def test_readme_lists_every_metric(self):
+        rows = [row for row in self.read("server", "metrics", "README.md").splitlines()
+                if row.startswith("| `")]
+        listed = {name for row in rows for name in self.NAME.findall(row.split("|")[1])}
+        # Counted by label, so it appears with the first one.
+        self.assertEqual(listed, self.served() | {"kerf_refused_total"})
+
+    def test_dashboard_shows_metrics_that_exist(self):
+        dashboard = json.loads(self.read("docker", "grafana.json"))
+        expressions = [target["expr"] for panel in dashboard["panels"]
+                       for target in panel["targets"]]
+        self.assertGreater(len(expressions), 12)
+        served = self.served() | {"kerf_refused_total"}
+        for expression in expressions:
+            for name in self.NAME.findall(expression):
+                self.assertIn(name.removesuffix("_bucket"), served, expression)
 
 
 class Hosts(LiveTest):
