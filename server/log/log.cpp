@@ -22,6 +22,7 @@ void write(spdlog::level::level_enum level, std::string_view text) {
 
 void open(Format format) {
   chosen = format;
+  spdlog::drop("kerf");  // from an earlier call
   spdlog::set_default_logger(spdlog::stderr_color_mt("kerf"));
   if (format == Format::kText) {
     spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");

@@ -13,7 +13,7 @@ enum class Format {
   kJson,  ///< an object per line: time (UTC, ISO 8601), level, message
 };
 
-/// Sets the format of the lines; called once, before the first thread starts.
+/// Sets the format of the lines; called before the first thread starts.
 void open(Format format = Format::kText);
 void info(std::string_view text);
 void warn(std::string_view text);
