@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <climits>
@@ -16,6 +17,7 @@
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -167,6 +169,57 @@ int serve(const CommandLine& line) {
   return 0;
 }
 
+/// Lets each option be set in a file and in the environment too: `--allow-host` is `allow-host` in
+/// the file and KERF_ALLOW_HOST in the environment. The command line counts before the file, and
+/// the file before the environment. A key that is not an option is an error.
+void accept_configuration(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_single_name();
+    if (name == "help" || name == "version") continue;
+    std::string variable = "KERF_";
+    for (const char c : name) {
+      variable += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    }
+    option->envname(variable);
+  }
+  app.set_config("--config", "",
+                 "TOML file of options, e.g. listen = \"0.0.0.0:8080\"; the environment may set "
+                 "them too, e.g. KERF_LISTEN");
+  app.allow_config_extras(CLI::config_extras_mode::error);
+}
+
+/// The commands that verify files instead of serving sessions.
+struct Commands {
+  std::string folder, journal;
+
+  void add(CLI::App& app) {
+    app.add_subcommand("check",
+                       "reads the journals and snapshots of a data folder; exits with 1 if "
+                       "something is wrong, and says what to do")
+        ->add_option("DATA", folder, "data folder, also of a running server")
+        ->required();
+    app.add_subcommand("replay",
+                       "carves a journal from the start and compares it with its state hashes and "
+                       "its snapshot; exits with 1 at the first difference")
+        ->add_option("FILE", journal, "journal, DATA/SESSION.kerf")
+        ->required();
+  }
+  /// The exit status of the command that was named; nullopt if none was.
+  std::optional<int> run(const CLI::App& app) const {
+    if (app.got_subcommand("check")) return kerf::check_data(folder);
+    if (app.got_subcommand("replay")) return kerf::replay_journal(journal);
+    return std::nullopt;
+  }
+};
+
+kerf::SnapshotLimits snapshot_limits(double replay_s) {
+  kerf::SnapshotLimits limits;
+  limits.replay_time =
+      std::chrono::round<std::chrono::microseconds>(std::chrono::duration<double>(replay_s));
+  limits.pause = std::min(limits.pause, 2 * limits.replay_time);
+  return limits;
+}
+
 int run(int argc, char** argv) {
   CommandLine line;
   line.server.http.web_folder = kerf::net::find_web_folder();
@@ -193,26 +246,25 @@ int run(int argc, char** argv) {
       "host name");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
-  std::string folder, journal;
-  app.add_subcommand("check",
-                     "reads the journals and snapshots of a data folder; exits with 1 if "
-                     "something is wrong, and says what to do")
-      ->add_option("DATA", folder, "data folder, also of a running server")
-      ->required();
-  app.add_subcommand("replay",
-                     "carves a journal from the start and compares it with its state "
-                     "hashes and its snapshot; exits with 1 at the first difference")
-      ->add_option("FILE", journal, "journal, DATA/SESSION.kerf")
-      ->required();
-  CLI11_PARSE(app, argc, argv);
-  if (app.got_subcommand("check")) return kerf::check_data(folder);
-  if (app.got_subcommand("replay")) return kerf::replay_journal(journal);
+  Commands commands;
+  commands.add(app);
+  std::string log_format = "text";
+  app.add_option("--log-format", log_format, "text, or json: an object per line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  accept_configuration(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ConfigError& error) {
+    std::fprintf(stderr, "kerf-server: --config: %s; --help lists the options\n", error.what());
+    return 2;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  }
+  if (const auto status = commands.run(app)) return *status;
+  line.server.snapshots = snapshot_limits(line.snapshot_s);
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
-  kerf::log::open();
-  const auto replay_time = std::chrono::duration<double>(line.snapshot_s);
-  kerf::SnapshotLimits& limits = line.server.snapshots;
-  limits.replay_time = std::chrono::round<std::chrono::microseconds>(replay_time);
-  limits.pause = std::min(limits.pause, 2 * limits.replay_time);
+  kerf::log::open(log_format == "json" ? kerf::log::Format::kJson : kerf::log::Format::kText);
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {
     std::fprintf(stderr, "kerf-server: --listen %s is not ADDR:PORT\n", line.listen.c_str());
     return 2;

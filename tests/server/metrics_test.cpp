@@ -45,8 +45,8 @@ TEST_F(MetricsTest, GaugesOfTheJournalFollowItsCommits) {
     const auto at = text.find("\n" + name + "{session=\"block\"} ");
     return at == text.npos ? -1 : std::stod(text.substr(text.find(' ', at + 1)));
   };
-  EXPECT_GE(value("kerf_journal_commits"), 1);
-  EXPECT_GT(value("kerf_journal_commit_seconds"), 0);
+  EXPECT_GE(value("kerf_journal_commits_total"), 1);
+  EXPECT_GT(value("kerf_journal_commit_seconds_total"), 0);
   EXPECT_EQ(value("kerf_journal_oldest_pending_seconds"), 0);
   EXPECT_GT(value("kerf_journal_bytes"), 4096);
 }
@@ -59,7 +59,7 @@ TEST_F(MetricsTest, TheCpuTimeOfAParticipantGrowsWhileItCarvesAndEndsWithIt) {
   ASSERT_TRUE(costs.contains(ada));
   EXPECT_GT(costs.at(ada), 0);
   EXPECT_FALSE(costs.contains(ben));
-  EXPECT_TRUE(metrics.text(*registry).contains("kerf_participant_cpu_seconds{participant=\"" +
+  EXPECT_TRUE(metrics.text(*registry).contains("kerf_participant_cpu_seconds_total{participant=\"" +
                                                std::to_string(ada) + "\",session=\"block\"}"));
   session->leave(ada);
   EXPECT_TRUE(session->cpu_costs().empty());
