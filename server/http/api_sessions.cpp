@@ -85,7 +85,9 @@ ApiResponse Api::list_sessions(const ApiCall&) {
                           {"code", to_string(session.error.code)},
                           {"reason", session.error.reason}});
   }
-  return json_response(200, to_text({{"sessions", list}, {"unreadable", unreadable}}));
+  return json_response(
+      200,
+      to_text({{"sessions", list}, {"loading", registry_.loading()}, {"unreadable", unreadable}}));
 }
 
 ApiResponse Api::create_session(const ApiCall& call) {

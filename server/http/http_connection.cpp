@@ -3,6 +3,7 @@
 
 #include <array>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -38,6 +39,9 @@ using Request = http::request<http::string_body>;
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
+/// A request for a session that is being loaded waits for it as long as this.
+constexpr std::chrono::seconds kLoadTime{5};
+constexpr std::chrono::milliseconds kLoadPoll{5};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
 constexpr std::string_view kForeignHost =
     "the server is not addressed by this name; name it with --allow-host, or use its IP address";
@@ -81,6 +85,7 @@ class Connection {
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
+  asio::awaitable<void> wait_until_loaded(const ApiRequest& target);
   IoThreads& threads_for(Runs runs) const;
   void watch(const std::shared_ptr<std::stop_source>& gone);
   asio::awaitable<bool> reject_malformed();
@@ -155,6 +160,7 @@ asio::awaitable<bool> Connection::serve_one() {
   auto request = parse_target(view(parser.get().target()));
   if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));
+  co_await wait_until_loaded(*request);
   if (beast::websocket::is_upgrade(parser.get())) {
     co_await upgrade(parser.get(), *request);
     co_return false;
@@ -191,6 +197,21 @@ asio::awaitable<bool> Connection::serve_one() {
   watched_.reset();
   upload_ = {};
   co_return co_await answer(parser.get(), response, keep_alive);
+}
+
+asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target) {
+  if (!is_below_session(target.path) || !context_.registry.is_loading(target.path[2])) co_return;
+  context_.registry.hasten(target.path[2]);
+  stream_.expires_never();
+  ++context_.metrics.waiting_to_load;
+  asio::steady_timer pause(stream_.get_executor());
+  const auto end = std::chrono::steady_clock::now() + kLoadTime;
+  while (context_.registry.is_loading(target.path[2]) && std::chrono::steady_clock::now() < end) {
+    pause.expires_after(kLoadPoll);
+    error_code ignored;
+    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  }
+  --context_.metrics.waiting_to_load;
 }
 
 asio::awaitable<bool> Connection::reject_malformed() {

@@ -162,8 +162,8 @@ constexpr Route kRoutes[] = {
     {.methods = "GET, HEAD",
      .pattern = "/readyz",
      .handler = &Api::ready,
-     .summary = "200; 503 while sessions are loading or one is paused; `{status, paused, "
-                "unreadable}`"},
+     .summary = "200; 503 while sessions are loading or one is paused; `{status, loading, "
+                "paused, unreadable}`"},
     {.methods = "GET, HEAD",
      .pattern = "/metrics",
      .handler = &Api::metrics,
