@@ -125,7 +125,7 @@ def frame(first, payload, mask=True, length=None):
     return head + (bytes(4) if mask else b"") + payload  # a mask of zero leaves the payload as it is
 
 
-# Name, bytes, code with which the server closes; None: the connection ends in some way.
+# Name, bytes, code with which the server closes; None: with any.
 FRAMES = [
     ("an unmasked text", frame(0x81, b"{}", mask=False), 1002),
     ("an unmasked ping", frame(0x89, b"", mask=False), 1002),
