@@ -20,6 +20,7 @@
 
 #include "server/http/static_files.h"
 #include "server/log/log.h"
+#include "server/rights/admin_token.h"
 #include "server/server.h"
 #include "server/store/journal_file.h"
 #include "server/wire/control.h"
@@ -33,6 +34,7 @@ struct CommandLine {
   std::string listen = "127.0.0.1:8080";
   std::string udp;
   std::vector<std::string> scenes;
+  std::string admin_token_file;
   ServerOptions server;
 };
 
@@ -122,7 +124,7 @@ void raise_file_limit() {
   }
 }
 
-int serve(const CommandLine& line) {
+int serve(CommandLine line) {
   raise_file_limit();
   // Only this thread waits for signals: block them before other threads start.
   sigset_t signals;
@@ -133,7 +135,7 @@ int serve(const CommandLine& line) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is like a full disk
 
-  auto server = Server::create(line.server);
+  auto server = Server::create(std::move(line.server));
   if (!server) {
     std::fprintf(stderr, "kerf-server: %s\n", server.error().c_str());
     return 1;
@@ -186,6 +188,12 @@ int run(int argc, char** argv) {
       "host name");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
+  app.add_option("--admin-token-file", line.admin_token_file,
+                 "file with the administrator's token; made with a random one if it does not "
+                 "exist. Or the environment variable KERF_ADMIN_TOKEN. Then everybody needs a "
+                 "token or an invitation");
+  app.add_flag("--open", line.server.open,
+               "for demonstrations: who has no token watches, and carves within limits");
   CLI11_PARSE(app, argc, argv);
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
   kerf::log::open();
@@ -197,7 +205,13 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "kerf-server: --udp %s is not [ADDR:]PORT or off\n", line.udp.c_str());
     return 2;
   }
-  return serve(line);
+  auto token = kerf::read_admin_token(line.admin_token_file);
+  if (!token) {
+    std::fprintf(stderr, "kerf-server: %s\n", token.error().c_str());
+    return 1;
+  }
+  line.server.admin_token = *std::move(token);
+  return serve(std::move(line));
 }
 
 }  // namespace

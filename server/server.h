@@ -31,6 +31,8 @@ struct ServerOptions {
   std::size_t sessions_max = 64;
   SessionLimits session;
   UdpOptions udp;
+  std::string admin_token;  ///< empty: none; kept as its hash only
+  bool open = false;        ///< who has no token is a guest
 };
 
 /// The complete service in one process: session registry, threads and listeners.
