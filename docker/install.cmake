@@ -9,6 +9,7 @@ include(CMakePackageConfigHelpers)
 install(TARGETS kerf-server kerf-carve kerf-demo RUNTIME COMPONENT server)
 install(TARGETS kerf-agent RUNTIME COMPONENT agent)
 install(DIRECTORY web/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf/web COMPONENT server OPTIONAL)
+install(FILES docker/grafana.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf COMPONENT server)
 install(FILES haptic_agent/demo/demo.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf/demo COMPONENT server)
 install(FILES haptic_agent/70-kerf.rules DESTINATION lib/udev/rules.d COMPONENT agent)
 

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <climits>
 #include <csignal>
@@ -166,6 +167,25 @@ int serve(CommandLine line) {
   return 0;
 }
 
+/// Lets each option be set in a file and in the environment too: `--allow-host` is `allow-host` in
+/// the file and KERF_ALLOW_HOST in the environment. The command line counts before the file, and
+/// the file before the environment. A key that is not an option is an error.
+void accept_configuration(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_single_name();
+    if (name == "help" || name == "version") continue;
+    std::string variable = "KERF_";
+    for (const char c : name) {
+      variable += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    }
+    option->envname(variable);
+  }
+  app.set_config("--config", "",
+                 "TOML file of options, e.g. listen = \"0.0.0.0:8080\"; the environment may set "
+                 "them too, e.g. KERF_LISTEN");
+  app.allow_config_extras(CLI::config_extras_mode::error);
+}
+
 int run(int argc, char** argv) {
   CommandLine line;
   line.server.http.web_folder = kerf::net::find_web_folder();
@@ -194,9 +214,21 @@ int run(int argc, char** argv) {
                  "token or an invitation");
   app.add_flag("--open", line.server.open,
                "for demonstrations: who has no token watches, and carves within limits");
-  CLI11_PARSE(app, argc, argv);
+  std::string log_format = "text";
+  app.add_option("--log-format", log_format, "text, or json: an object per line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  accept_configuration(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ConfigError& error) {
+    std::fprintf(stderr, "kerf-server: --config: %s; --help lists the options\n", error.what());
+    return 2;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error);
+  }
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
-  kerf::log::open();
+  kerf::log::open(log_format == "json" ? kerf::log::Format::kJson : kerf::log::Format::kText);
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {
     std::fprintf(stderr, "kerf-server: --listen %s is not ADDR:PORT\n", line.listen.c_str());
     return 2;

@@ -2,6 +2,7 @@
 #include "haptic_agent/library/agent_session.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "haptic_agent/device/plugin/c_structs.h"
@@ -20,6 +21,13 @@ static_assert(static_cast<int>(ServoPhase::kActive) == KERF_AGENT_PHASE_ACTIVE);
 static_assert(static_cast<int>(ServoPhase::kDegraded) == KERF_AGENT_PHASE_DEGRADED);
 static_assert(static_cast<int>(ServoPhase::kSafe) == KERF_AGENT_PHASE_SAFE);
 static_assert(KERF_AGENT_CUT == wire::kButtonCutting && KERF_AGENT_DEADMAN == wire::kButtonDeadman);
+
+/// The text of an enumerator: a literal, so it ends with a zero.
+template <class Enum>
+const char* text_of(Enum value) noexcept {
+  const std::string_view text = to_string(value);
+  return text.data();
+}
 
 void set(double (&to)[3], Vec3 from) noexcept {
   to[0] = from.x;
@@ -150,8 +158,8 @@ kerf_agent_status AgentSession::status() {
                            .connected = link_->connected() ? 1U : 0U,
                            .phase = static_cast<std::uint32_t>(servo.phase),
                            .tripped = servo.phase == ServoPhase::kSafe ? 1U : 0U,
-                           .phase_text = to_string(servo.phase).data(),
-                           .trip_text = to_string(servo.code).data(),
+                           .phase_text = text_of(servo.phase),
+                           .trip_text = text_of(servo.code),
                            .trips = servo.trips,
                            .ticks = ticks_.load(std::memory_order_relaxed),
                            .round_trip_us = link_now_.rtt_us,

@@ -86,7 +86,8 @@ void TileCutter::cut_rows(Work& work, Column first, unsigned rows) {
        std::span(change.left_over, std::size_t(change.left_overs))) {
     const unsigned before = change.changed & ((1U << rest.row) - 1);
     const bool has_group = (change.changed >> rest.row & 1) != 0;
-    group_ = has_group ? first_group + std::size_t(std::popcount(before)) : kNoGroup;
+    row_groups_.clear();
+    if (has_group) row_groups_.push_back(first_group + std::size_t(std::popcount(before)));
     const int column = static_cast<int>(corner) + rest.row * kTileSide;
     for (unsigned left = rest.columns; left != 0; left &= left - 1) {
       const int c = std::countr_zero(left);
@@ -111,8 +112,9 @@ void TileCutter::subtract_elements(Work& work, int column, Column at, Dexel cut)
   if (!subtract_in_place(work, column, at, cut)) rewrite_elements(work, column, at, cut);
 }
 
-/// Subtracts the cut in place if it removes nothing, or only one end of one element; the column's
-/// other elements are not touched then. Returns false, without changes, for any other cut.
+/// Subtracts the cut in place if no element has to be added or removed: it removes nothing, one end
+/// of one element, or the facing ends of two neighbors. The column's other elements are not touched
+/// then. Returns false, without changes, for any other cut.
 bool TileCutter::subtract_in_place(Work& work, int column, Column at, Dexel cut) {
   const auto c = std::size_t(column);
   const Dexel top{work.stored->bottom[c], work.stored->top[c]};
@@ -120,26 +122,53 @@ bool TileCutter::subtract_in_place(Work& work, int column, Column at, Dexel cut)
       work.stored->is_split(column) ? work.stored->lower.of(column) : std::span<const Dexel>{};
   const auto is_lower = [&](const Dexel& d) { return d.top <= cut.bottom; };
   const auto first = std::size_t(std::ranges::partition_point(below, is_lower) - below.begin());
-  const std::size_t last = first + 1;
+  const auto meets = [&](std::size_t n) { return n < below.size() && below[n].bottom < cut.top; };
   const bool meets_top = top.bottom < cut.top && top.bottom < top.top && cut.bottom < top.top;
-  const bool meets_below = first < below.size() && below[first].bottom < cut.top;
-  if (!meets_top && !meets_below) return true;
-  if (meets_below && (meets_top || (last < below.size() && below[last].bottom < cut.top))) {
-    return false;
+  if (!meets(first)) return !meets_top || shorten(work, column, at, cut, first, true);
+  if (!meets(first + 1)) {
+    return meets_top ? part(work, column, at, cut, first, true)
+                     : shorten(work, column, at, cut, first, false);
   }
-  Dexel rest = meets_top ? top : below[first];
+  if (meets_top || meets(first + 2)) return false;
+  return part(work, column, at, cut, first, false);
+}
+
+/// Removes one end of the topmost element (`top`), or of the lower one with this number, unless the
+/// cut takes or divides it.
+bool TileCutter::shorten(Work& work, int column, Column at, Dexel cut, std::size_t lower,
+                         bool top) {
+  const auto c = std::size_t(column);
+  Dexel rest = top ? Dexel{work.stored->bottom[c], work.stored->top[c]}
+                   : work.stored->lower.of(column)[lower];
   const Dexel removed{std::max(rest.bottom, cut.bottom), std::min(rest.top, cut.top)};
   if ((removed.bottom > rest.bottom) == (removed.top < rest.top)) return false;
   (removed.bottom > rest.bottom ? rest.top : rest.bottom) =
       removed.bottom > rest.bottom ? removed.bottom : removed.top;
   make_editable(work);
-  if (meets_top) {
+  if (top) {
     work.changed->bottom[c] = rest.bottom;
     work.changed->top[c] = rest.top;
   } else {
-    work.changed->lower.edit(column)[first] = rest;
+    work.changed->lower.edit(column)[lower] = rest;
   }
   record(at, removed);
+  return true;
+}
+
+/// Removes the facing ends of the lower element with this number and of the one above it, which is
+/// the topmost one (`top`) or the next, unless the cut takes one of them.
+bool TileCutter::part(Work& work, int column, Column at, Dexel cut, std::size_t lower, bool top) {
+  const auto c = std::size_t(column);
+  const std::span<const Dexel> below = work.stored->lower.of(column);
+  const Dexel under = below[lower];
+  const Dexel over = top ? Dexel{work.stored->bottom[c], work.stored->top[c]} : below[lower + 1];
+  if (cut.bottom <= under.bottom || cut.top >= over.top) return false;
+  make_editable(work);
+  const std::span<Dexel> rest = work.changed->lower.edit(column);
+  rest[lower].top = cut.bottom;
+  (top ? work.changed->bottom[c] : rest[lower + 1].bottom) = cut.top;
+  record(at, {cut.bottom, under.top});
+  record(at, {over.bottom, cut.top});
   return true;
 }
 
@@ -163,17 +192,20 @@ void TileCutter::rewrite_elements(Work& work, int column, Column at, Dexel cut) 
   work.changed->write(column, after_);
 }
 
-/// Records a removed element in the row's group, or in a new group if that already holds an element
-/// of the column.
+/// Records a removed element in the first of the row's groups that holds none of the column, or in
+/// a new one.
 void TileCutter::record(Column at, Dexel removed) {
   const std::int32_t lane = at.i % kLanes;
   std::vector<RemovedGroup>& groups = removed_.groups;
-  if (group_ == kNoGroup || groups[group_].bottom[lane] < groups[group_].top[lane]) {
-    group_ = groups.size();
+  const auto is_free = [&](std::size_t g) { return groups[g].bottom[lane] >= groups[g].top[lane]; };
+  const auto found = std::ranges::find_if(row_groups_, is_free);
+  const std::size_t group = found != row_groups_.end() ? *found : groups.size();
+  if (found == row_groups_.end()) {
+    row_groups_.push_back(group);
     groups.push_back({at.i - lane, at.j, {}, {}});
   }
-  groups[group_].bottom[lane] = removed.bottom;
-  groups[group_].top[lane] = removed.top;
+  groups[group].bottom[lane] = removed.bottom;
+  groups[group].top[lane] = removed.top;
   removed_.quanta += removed.top - removed.bottom;
 }
 

@@ -51,6 +51,8 @@ class TileCutter {
   void make_editable(Work& work);
   void subtract_elements(Work& work, int column, Column at, Dexel cut);
   bool subtract_in_place(Work& work, int column, Column at, Dexel cut);
+  bool shorten(Work& work, int column, Column at, Dexel cut, std::size_t lower, bool top);
+  bool part(Work& work, int column, Column at, Dexel cut, std::size_t lower, bool top);
   void rewrite_elements(Work& work, int column, Column at, Dexel cut);
   void record(Column at, Dexel removed);
 
@@ -60,8 +62,7 @@ class TileCutter {
   NormalCode end_code_;
   RemovedPart& removed_;
   ColumnBlock block_;
-  static constexpr std::size_t kNoGroup = ~std::size_t{0};
-  std::size_t group_ = kNoGroup;  ///< group that receives the elements removed from a row
+  std::vector<std::size_t> row_groups_;  ///< groups that receive the elements removed from a row
   std::vector<Dexel> before_, after_;
   std::vector<Made> made_;
 };

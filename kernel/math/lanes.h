@@ -100,6 +100,12 @@ KERF_INLINE unsigned bits(LaneMask m) {
   const HalfMask weighted = (m.a & HalfMask{1, 2, 4, 8}) | (m.b & HalfMask{16, 32, 64, 128});
   return static_cast<unsigned>(weighted[0] | weighted[1] | weighted[2] | weighted[3]);
 }
+/// Returns the mask whose lane i is true where bit i is set.
+KERF_INLINE LaneMask mask_of(unsigned bits) {
+  const std::int64_t b = bits;
+  const HalfMask all{b, b, b, b};
+  return {(all & HalfMask{1, 2, 4, 8}) != 0, (all & HalfMask{16, 32, 64, 128}) != 0};
+}
 
 }  // namespace kerf
 

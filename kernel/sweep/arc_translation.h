@@ -20,7 +20,9 @@ class ArcTranslation {
 
   void set_trail(const Trail& trail) { shadow_.set_trail(trail); }
   const SweepBounds& bounds() const { return shadow_.bounds(); }
-  void lower_bound(const Discs& discs, Lanes& z_mm) const { shadow_.lower_bound(discs, z_mm); }
+  unsigned lower_bound(const Discs& discs, Lanes& z_mm) const {
+    return shadow_.lower_bound(discs, z_mm);
+  }
   void evaluate(ColumnBlock& block) const;
 
   struct Surfaces {

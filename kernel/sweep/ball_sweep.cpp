@@ -14,12 +14,16 @@ struct OneEnd {
 };
 KERF_INLINE void include(OneEnd& end, LaneMask hit, Lanes z) { end = {z, hit}; }
 
-/// Returns a lower bound of the heights that a capsule removes within each disc; +inf where it
-/// removes nothing. At horizontal distance ρ from the path the ball reaches √(r² − ρ²) below it,
-/// and no point of the path is below its lower end. Where no point of the surface advances (the
-/// ball moves away from the whole disc), the ball at the start has removed everything already.
-KERF_INLINE Lanes bound_capsule(const RayCapsule& c, const Discs& discs, double radius,
-                                bool start_is_cut) {
+/// Lower bounds of the heights that a capsule removes within each disc; +inf where it removes
+/// nothing. At horizontal distance ρ from the path the ball reaches √(r² − ρ²) below it, and no
+/// point of the path is below its lower end. Where no point of the surface advances (the ball moves
+/// away from the whole disc), the ball at the start has removed everything already.
+struct CapsuleBound {
+  Lanes z;
+  LaneMask reached, advances;
+};
+KERF_INLINE CapsuleBound bound_capsule(const RayCapsule& c, const Discs& discs, double radius,
+                                       bool start_is_cut) {
   const Lanes px = discs.x_mm - c.from.x, py = discs.y_mm - c.from.y;
   const Lanes along = px * c.along_x + py * c.along_y;
   const Lanes s = lesser(greater(along * c.inverse_h, Lanes(0)), Lanes(1));
@@ -30,18 +34,24 @@ KERF_INLINE Lanes bound_capsule(const RayCapsule& c, const Discs& discs, double 
   const double away = radius * (c.lean < 0 ? c.lean : -c.lean);
   const LaneMask reached = w2 >= 0.0;
   const LaneMask advances = start_is_cut ? along + discs.reach_mm > away : w2 == w2;
-  return select(reached & advances, lowest - square_root(w2),
-                Lanes(std::numeric_limits<double>::infinity()));
+  return {select(reached & advances, lowest - square_root(w2),
+                 Lanes(std::numeric_limits<double>::infinity())),
+          reached, advances};
 }
 
-KERF_INLINE void bound_chain_in_lanes(std::span<const RayCapsule> capsules, const Discs& discs,
-                                      double radius, bool start_is_cut, Lanes& z) {
+KERF_INLINE unsigned bound_chain_in_lanes(std::span<const RayCapsule> capsules, const Discs& discs,
+                                          double radius, bool start_is_cut, Lanes& z) {
+  LaneMask reached = ~every_lane(), swept = reached;
   for (const RayCapsule& c : capsules) {
-    z = lesser(bound_capsule(c, discs, radius, start_is_cut), z);
+    const CapsuleBound bound = bound_capsule(c, discs, radius, start_is_cut);
+    z = lesser(bound.z, z);
+    reached = reached | bound.reached;
+    swept = swept | (bound.reached & bound.advances);
     start_is_cut = true;  // The previous capsule ended there.
   }
+  return bits(reached & ~swept);
 }
-KERF_FOR_EACH_TARGET(void, bound_chain,
+KERF_FOR_EACH_TARGET(unsigned, bound_chain,
                      (std::span<const RayCapsule> capsules, const Discs& discs, double radius,
                       bool start_is_cut, Lanes& z),
                      (capsules, discs, radius, start_is_cut, z))
@@ -58,7 +68,7 @@ KERF_INLINE void evaluate_chain_in_lanes(std::span<const RayCapsule> capsules, C
         OneEnd lower;
         c.include_end(lower, block.x_mm, y, Lanes(-1));
         span.lo = select(lower.hit, lower.z, span.lo);
-        span.hi = select(lower.hit, Lanes(block.top_mm), span.hi);
+        span.hi = select(lower.hit, Lanes(block.top_mm + block.join_mm), span.hi);
       } else {
         c.extend(span, block.x_mm, y);
       }
@@ -90,8 +100,8 @@ SweepBounds BallSweep::bounds() const {
   return b;
 }
 
-void BallSweep::lower_bound(const Discs& discs, Lanes& z_mm) const {
-  bound_chain(capsules_, discs, radius_, start_is_cut_, z_mm);
+unsigned BallSweep::lower_bound(const Discs& discs, Lanes& z_mm) const {
+  return bound_chain(capsules_, discs, radius_, start_is_cut_, z_mm);
 }
 
 void BallSweep::evaluate(ColumnBlock& block) const { evaluate_chain(capsules_, block); }

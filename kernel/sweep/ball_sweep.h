@@ -17,8 +17,9 @@ class BallSweep {
   BallSweep(const std::vector<Vec3>& centers_mm, double radius_mm, bool start_is_cut);
 
   SweepBounds bounds() const;
-  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc.
-  void lower_bound(const Discs& discs, Lanes& z_mm) const;
+  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc. Returns the
+  /// discs (bit i: disc i) that are left out because they are behind the ball.
+  unsigned lower_bound(const Discs& discs, Lanes& z_mm) const;
   void evaluate(ColumnBlock& block) const;
 
  private:

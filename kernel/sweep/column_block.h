@@ -27,11 +27,19 @@ struct ColumnBlock {
   unsigned rows = 0;         ///< bit r: row r is to be evaluated
   double join_mm = 0;        ///< intervals of a column that are no farther apart are joined
   double top_mm = 0;         ///< upper bound of the stock: ends above it need not be exact
+  double grid_top_mm = 0;    ///< top of the grid, which no stock exceeds
   Lanes lo_mm[kBlockSide];   ///< out: lower end of the interval; +inf where nothing is removed
   Lanes hi_mm[kBlockSide];   ///< out: upper end of the interval; −inf where nothing is removed
   std::vector<Apart> apart;  ///< out: further intervals; empty lanes have lo > hi
 
-  Lanes lowest_mm;      ///< of each row: lower bound of what the evaluated piece removes
+  Lanes lowest_mm;  ///< of each row: lower bound of what the evaluated piece removes
+  /// Bit r: in row r the piece below, or above, the evaluated one is not left out as behind the
+  /// tool, so what passes into it through a common disc is removed with it.
+  unsigned below_is_swept = 0xFF, above_is_swept = 0xFF;
+  /// Bit r: in row r the columns `raised[r]` lose everything above a point that the evaluated piece
+  /// removes (ToolAbove).
+  unsigned raised_rows = 0;
+  LaneMask raised[kBlockSide];
   unsigned filled = 0;  ///< bit r: row r holds intervals
 
   /// Empties all rows.
@@ -46,15 +54,23 @@ struct ColumnBlock {
     if ((filled >> row & 1) == 0) return every_lane();
     return (lo_mm[row] > lowest_mm[row]) | (hi_mm[row] < top_mm);
   }
+  /// Returns the columns of a row in which no upper end matters.
+  KERF_INLINE LaneMask loses_all_above(int row) const {
+    return (raised_rows >> row & 1) != 0 ? raised[row] : ~every_lane();
+  }
   /// Removes rows without an open column from `rows`.
   void drop_closed_rows();
 
   /// Adds the interval [lo, hi] (empty where lo > hi) to the columns of a row. Intervals that are
   /// no farther apart than join_mm, directly or through others, are joined, so that no sliver
   /// remains where two pieces of a tool meet. The result does not depend on the order of the
-  /// intervals (kernel/sweep/README.md, "Joining"). Intervals above the stock are ignored.
+  /// intervals (kernel/sweep/README.md, "Joining"). Intervals that are farther above the stock are
+  /// ignored.
   KERF_INLINE void add(int row, Lanes lo, Lanes hi) {
-    const LaneMask adds = (lo <= hi) & (lo < top_mm);
+    const LaneMask adds = (lo <= hi) & (lo < top_mm + join_mm);
+    if ((raised_rows >> row & 1) != 0) {
+      hi = select(raised[row] & (hi < grid_top_mm), Lanes(grid_top_mm), hi);
+    }
     if ((filled >> row & 1) == 0) {
       const Lanes none = std::numeric_limits<double>::infinity();
       filled |= 1U << row;

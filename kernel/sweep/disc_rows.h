@@ -68,16 +68,16 @@ KERF_INLINE LaneMask may_exceed(const SlicePath& path, double length, Lanes beyo
 
 /// Adds the intervals of the rays `open` of a row whose rays all enter the slice through its lower
 /// disc and leave it through the upper one or above the grid: whether they do must not depend on
-/// the stock, and the other formulas differ in the last bits. `ahead`: only the last pose counts.
+/// the stock, and the other formulas differ in the last bits. `known`: of all rows of the block.
 /// Returns false if there are other rays, or an end has to be searched; the row may have got a part
 /// of its intervals then.
 template <class Side>
 KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, int row,
-                              LaneMask open, bool ahead, ColumnBlock& block) {
+                              LaneMask open, const RowBits& known, ColumnBlock& block) {
   const Lanes x = block.x_mm - path.frame.tip.x, none = std::numeric_limits<double>::infinity();
   const double z = path.frame.tip.z, top = path.search.top_mm - z;
   const std::vector<DiscPose>& poses = path.discs.poses;
-  if (ahead) {
+  if ((known.ahead >> row & 1) != 0) {
     const DiscMeeting m = meet_discs(side, poses.back(), x, y, top);
     if (any(~m.usable)) return false;
     block.add(row, select(open, m.lo + z, none), select(open, m.hi + z, -none));
@@ -90,11 +90,11 @@ KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, 
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const DiscMeeting last = meet_discs(side, poses[k], x, y, top);
     LaneMask bad = ~last.usable | (first.lo > last.hi) | (last.lo > first.hi);
-    if (!path.search.hides_entry) {
+    if ((known.hides_entry >> row & 1) == 0) {
       bad |= may_exceed(path, length, first.lo - last.lo, first.out_lo, last.out_lo);
     }
-    if (!path.search.hides_exit) {
-      bad |= ~(first.covers | last.covers) &
+    if ((known.hides_exit >> row & 1) == 0) {
+      bad |= ~(first.covers | last.covers | block.loses_all_above(row)) &
              may_exceed(path, length, last.hi - first.hi, first.out_hi, last.out_hi);
     }
     if (any(bad)) return false;

@@ -86,35 +86,47 @@ MovingSlice::MovingSlice(const ToolPiece& slice, const ToolPose& from, const Too
                          ShownDiscs shown, const SliceSearch& search)
     : side_(side_of(slice)),
       path_(make_path(extent(slice), from, to, search)),
-      ahead_(slice, to, from, shown) {
+      shown_(shown),
+      ahead_(slice, to, from, {true, !shown.upper_is_outside}) {
   const double anchor = std::visit([](const auto& side) { return side.anchor; }, side_);
   path_.discs = disc_path(slice, anchor, path_);
+}
+
+RowBits MovingSlice::know(const ColumnBlock& block) const {
+  UntestedDiscs hidden;
+  if (!shown_.lower) hidden.lower = block.below_is_swept;
+  if (!shown_.upper) hidden.upper = shown_.upper_is_outside ? 0xFF : block.above_is_swept;
+  RowBits known;
+  known.ahead = ahead_.behind(rows_of(block), hidden) & block.rows;
   const double uz = path_.frame.u.z, turn = path_.frame.turn;
   if (uz > turn) {
-    path_.search.hides_entry = !shown.lower;
-    path_.search.hides_exit = !shown.upper;
+    known.hides_entry = hidden.lower;
+    known.hides_exit = hidden.upper;
   } else if (uz < -turn) {
-    path_.search.hides_entry = !shown.upper;
-    path_.search.hides_exit = !shown.lower;
+    known.hides_entry = hidden.upper;
+    known.hides_exit = hidden.lower;
+  }
+  return known;
+}
+
+void MovingSlice::add_simple_rows(ColumnBlock& block, const RowBits& known) const {
+  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
+    add_simple_cone_rows(*cone, path_, known, block);
+  } else {
+    add_simple_arc_rows(std::get<ArcSide>(side_), path_, known, block);
   }
 }
 
-void MovingSlice::add_simple_rows(ColumnBlock& block) const {
-  const unsigned ahead = ahead_.behind(rows_of(block)) & block.rows;
-  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    add_simple_cone_rows(*cone, path_, ahead, block);
-  } else {
-    add_simple_arc_rows(std::get<ArcSide>(side_), path_, ahead, block);
-  }
-}
+void MovingSlice::add_simple_rows(ColumnBlock& block) const { add_simple_rows(block, know(block)); }
 
 void MovingSlice::evaluate(ColumnBlock& block) const {
-  add_simple_rows(block);
+  const RowBits known = know(block);
+  add_simple_rows(block, known);
   if (block.rows == 0) return;
   if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    evaluate_cone(*cone, path_, block);
+    evaluate_cone(*cone, path_, known, block);
   } else {
-    evaluate_arc(std::get<ArcSide>(side_), path_, block);
+    evaluate_arc(std::get<ArcSide>(side_), path_, known, block);
   }
 }
 

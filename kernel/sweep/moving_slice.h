@@ -15,7 +15,8 @@ namespace kerf {
 /// need no search.
 class MovingSlice {
  public:
-  /// `shown`: the discs of the slice that are not hidden within its neighbors.
+  /// `shown`: the discs of the slice that are not hidden within its neighbors. Ends on the others
+  /// are left to the neighbors, in rows in which these are swept too.
   MovingSlice(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown,
               const SliceSearch& search);
 
@@ -32,8 +33,12 @@ class MovingSlice {
   void evaluate(ColumnBlock& block) const;
 
  private:
+  RowBits know(const ColumnBlock& block) const;
+  void add_simple_rows(ColumnBlock& block, const RowBits& known) const;
+
   std::variant<ConeSide, ArcSide> side_;
   SlicePath path_;
+  ShownDiscs shown_;
   Trail ahead_;  ///< of the motion back
 };
 

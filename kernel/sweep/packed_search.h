@@ -27,6 +27,7 @@ struct RayBatch {
   Lanes x, y, from, to;
   Meeting first, last;
   LaneSpan span;
+  LaneMask settled;  ///< the upper end needs no search
   int row[kLanes], lane[kLanes];
   int count = 0;
 
@@ -34,7 +35,7 @@ struct RayBatch {
   KERF_INLINE LaneMask used() const { return lane_numbers() < Lanes(count); }
 
   KERF_INLINE void copy(int source_lane, const Lanes& ray_x, const Lanes& ray_y, const Stretch& of,
-                        const LaneSpan& ends, int at) {
+                        const LaneSpan& ends, const LaneMask& upper_settled, int at) {
     copy_lane(ray_x, source_lane, x, at);
     copy_lane(ray_y, source_lane, y, at);
     copy_lane(of.from, source_lane, from, at);
@@ -42,10 +43,11 @@ struct RayBatch {
     copy_lane(of.first, source_lane, first, at);
     copy_lane(of.last, source_lane, last, at);
     copy_lane(ends, source_lane, span, at);
+    copy_lane(upper_settled, source_lane, settled, at);
   }
   /// Fills the empty lanes with the first ray, so that no other value delays an iteration.
   KERF_INLINE void fill_up() {
-    for (int k = count; k < kLanes; ++k) copy(0, x, y, stretch(), span, k);
+    for (int k = count; k < kLanes; ++k) copy(0, x, y, stretch(), span, settled, k);
   }
   /// Adds the intervals in `span` to the rows of a block whose heights are relative to z.
   KERF_INLINE void add_to(ColumnBlock& block, double z, LaneMask which) const {
@@ -74,11 +76,11 @@ struct PackedRays {
   KERF_INLINE bool is_full() const { return both.count == kLanes || upper.count == kLanes; }
 
   KERF_INLINE static void push(RayBatch& batch, int lane, const Lanes& x, const Lanes& y,
-                               const Stretch& stretch, const LaneSpan& span, int row,
-                               int row_lane) {
+                               const Stretch& stretch, const LaneSpan& span,
+                               const LaneMask& settled, int row, int row_lane) {
     batch.row[batch.count] = row;
     batch.lane[batch.count] = row_lane;
-    batch.copy(lane, x, y, stretch, span, batch.count);
+    batch.copy(lane, x, y, stretch, span, settled, batch.count);
     ++batch.count;
   }
   KERF_INLINE RayBatch& upper_batch() { return upper.count < kLanes ? upper : spare; }
@@ -95,11 +97,11 @@ KERF_INLINE void search_packed(const Side& side, const SlicePath& path, PackedRa
     b.fill_up();
     search_stretch<End::kLower>(side, path, b.x, b.y, b.stretch(), b.used(), b.span);
     b.add_to(block, z, every_lane());
-    const LaneMask inside =
-        b.used() & ~hidden_exit(path, b.stretch()) & (b.span.lo <= b.span.hi) & (b.span.hi < top);
+    const LaneMask inside = b.used() & ~b.settled & (b.span.lo <= b.span.hi) & (b.span.hi < top);
     for (unsigned left = bits(inside); left != 0; left &= left - 1) {
       const int k = __builtin_ctz(left);
-      PackedRays::push(rays.upper_batch(), k, b.x, b.y, b.stretch(), b.span, b.row[k], b.lane[k]);
+      PackedRays::push(rays.upper_batch(), k, b.x, b.y, b.stretch(), b.span, b.settled, b.row[k],
+                       b.lane[k]);
     }
     b.count = 0;
   }

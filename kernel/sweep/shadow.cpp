@@ -97,19 +97,20 @@ Shadow::Shadow(const ToolPiece& slice, const std::vector<ToolPose>& poses, doubl
   plane_ = {(support - margin_mm) / n.z, -n.x / n.z, -n.y / n.z, u.z / lean};
 }
 
-void Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
+unsigned Shadow::lower_bound(const Discs& discs, Lanes& z_mm) const {
   const Lanes none = Lanes(std::numeric_limits<double>::infinity());
   Lanes z;
   bound_discs(discs, support_lo_, support_hi_, bounds_.min_mm.z, plane_.at_origin_mm, plane_.by_x,
               plane_.by_y, plane_.steepness, z);
-  if (lanes_below(z, none) == 0) return;
+  const unsigned reached = lanes_below(z, none);
+  if (reached == 0) return 0;
   underside_.raise(discs, z);
-  if (trail_) {
-    for (unsigned behind = trail_->behind(discs); behind != 0; behind &= behind - 1) {
-      z.set(std::countr_zero(behind), std::numeric_limits<double>::infinity());
-    }
+  const unsigned behind = trail_ ? trail_->behind(discs) & reached : 0;
+  for (unsigned left = behind; left != 0; left &= left - 1) {
+    z.set(std::countr_zero(left), std::numeric_limits<double>::infinity());
   }
   keep_lower(z, z_mm);
+  return behind;
 }
 
 }  // namespace kerf

@@ -24,8 +24,9 @@ class Shadow {
   void set_trail(const Trail& trail) { trail_ = trail; }
 
   const SweepBounds& bounds() const { return bounds_; }
-  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc.
-  void lower_bound(const Discs& discs, Lanes& z_mm) const;
+  /// Lowers `z_mm` to a lower bound of the heights that are removed within each disc. Returns the
+  /// discs (bit i: disc i) that are left out because they are behind the piece.
+  unsigned lower_bound(const Discs& discs, Lanes& z_mm) const;
 
  private:
   Lanes support_lo_, support_hi_;  ///< extent along eight directions, 22.5 degrees apart

@@ -156,4 +156,27 @@ KERF_INLINE Meeting meet(const Side& side, const SlicePath& path, Lanes x, Lanes
   return m;
 }
 
+/// Returns `m`, met at a share for the lower ends, with the surface and the speed of the upper ends
+/// of hits. Its `within` and `beyond` are those of the lower ends.
+template <class Side>
+KERF_INLINE Meeting at_upper_end(const Side& side, const SlicePath& path, Lanes x, Lanes y,
+                                 Lanes share, const Meeting& m) {
+  const TurningFrame::Poses pose = path.frame.at(share);
+  const Vec3Lanes& u = pose.u;
+  const Vec3Lanes anchor = u * Lanes(side.anchor);
+  const Vec3Lanes p{x - (pose.tip.x + anchor.x), y - (pose.tip.y + anchor.y),
+                    m.hi - (pose.tip.z + anchor.z)};
+  const Lanes l = dot(p, u);
+  const Vec3Lanes n = side.normal(p, l, u);
+  const Vec3Lanes v = path.frame.velocity(anchor + p);
+  const Lanes axis_speed = dot(u, v);
+  const Lanes disc_speed = select(u.z < 0.0, -axis_speed, axis_speed);
+  Meeting upper = m;
+  upper.on_side = m.leaves_side;
+  upper.advance = select(m.hit, select(m.leaves_side, dot(n, v), disc_speed), m.advance);
+  upper.upright = select(m.hit, select(m.leaves_side, n.z, u.z), Lanes(0));
+  upper.normal2 = select(m.hit, select(m.leaves_side, dot(n, n), Lanes(1)), m.normal2);
+  return upper;
+}
+
 }  // namespace kerf

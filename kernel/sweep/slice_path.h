@@ -21,9 +21,14 @@ struct SliceSearch {
   double top_mm = 0;       ///< top of the grid, above which no end matters
   double search_mm = 0;    ///< distance off the surface at which the search for an end stops
   bool shows_disc = true;  ///< a disc of the slice is not hidden within its neighbors
-  /// The disc through which rays may enter or leave the slice is hidden within a neighbor: an end
-  /// there is one of the neighbor too, so it needs no search.
-  bool hides_entry = false, hides_exit = false;
+};
+
+/// What is known of the rows of a block before a slice is evaluated; bit r: row r.
+struct RowBits {
+  unsigned ahead = 0;  ///< the slice at its last pose is all that it sweeps
+  /// The disc through which rays may enter, or leave, the slice is hidden within a neighbor that is
+  /// swept there too: an end on it is one of the neighbor too, and needs no search.
+  unsigned hides_entry = 0, hides_exit = 0;
 };
 
 /// The planes of the discs of a slice, or of the level ends of an arc: a ray that crosses one

@@ -38,17 +38,16 @@ KERF_INLINE LaneMask continues(const Meeting& m, const Meeting& station) {
   return m.hit & station.hit & ~(m.on_side ^ station.on_side);
 }
 
-/// Returns the rays that leave the slice through a hidden disc at both stations. They go on in a
-/// neighbor, which they enter there, so no upper end has to be searched.
-KERF_INLINE LaneMask hidden_exit(const SlicePath& path, const Stretch& stretch) {
+/// Returns the rays that leave the slice through a disc at both stations. If a neighbor that is
+/// swept too hides it, they go on in the neighbor, which they enter there, so no upper end has to
+/// be searched.
+KERF_INLINE LaneMask leaves_by_disc(const Stretch& stretch) {
   const Meeting &first = stretch.first, &last = stretch.last;
-  if (!path.search.hides_exit) return ~every_lane();
   return first.hit & last.hit & ~first.leaves_side & ~last.leaves_side;
 }
 /// The same for the lower ends.
-KERF_INLINE LaneMask hidden_entry(const SlicePath& path, const Stretch& stretch) {
+KERF_INLINE LaneMask enters_by_disc(const Stretch& stretch) {
   const Meeting &first = stretch.first, &last = stretch.last;
-  if (!path.search.hides_entry) return ~every_lane();
   return first.hit & last.hit & ~first.enters_side & ~last.enters_side;
 }
 
@@ -218,7 +217,6 @@ KERF_INLINE LaneMask remaining_doubts(const SlicePath& path, const Stretch& stre
 template <End end>
 KERF_INLINE LaneMask needs_search(const SlicePath& path, const Stretch& stretch, LaneMask asked,
                                   const LaneSpan& span) {
-  asked &= ~hidden_entry(path, stretch);
   const LaneMask searched = searches_of(path, stretch, asked).all();
   const Doubts doubts = doubts_of(path, stretch);
   if (!any(doubts.checked)) return searched;

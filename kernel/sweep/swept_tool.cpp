@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstddef>
 #include <optional>
+#include <utility>
 
 #include "kernel/math/tolerance.h"
 #include "kernel/sweep/clip_to_block.h"
@@ -23,10 +24,9 @@ std::int64_t parts(double count) {
 /// A piece of the tool during a motion that turns little, and how it is swept.
 struct PiecePlan {
   ToolPiece piece;
+  std::size_t which;  ///< of the tool's pieces
   std::int64_t parts;
-  double top_mm;  ///< of the block
-  /// Height of the slice at which it was clipped: the tool above stays outside the block.
-  double clipped_at_mm = std::numeric_limits<double>::infinity();
+  double top_mm;       ///< of the block
   double bend_mm = 0;  ///< κ of a slice
   bool round = false;  ///< the curvature of the slice exceeds the bend
   ShownDiscs shown = {true, true};
@@ -133,7 +133,8 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
     const ToolPiece& whole = tool.pieces[i];
     const auto piece = clip_to_block(whole, m, settings.block);
     if (!piece) continue;
-    PiecePlan plan{.piece = *piece, .parts = 1, .top_mm = settings.block.max_mm.z, .still = {}};
+    PiecePlan plan{
+        .piece = *piece, .which = i, .parts = 1, .top_mm = settings.block.max_mm.z, .still = {}};
     if (const auto* ball = std::get_if<BallPiece>(&*piece)) {
       plan.parts = parts(m.turn_rad * std::sqrt(ball->center_mm / (8 * settings.tolerance_mm)));
     } else {
@@ -141,9 +142,8 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
       const ToolPiece* below = i > 0 ? &tool.pieces[i - 1] : nullptr;
       const ToolPiece* above = i + 1 < tool.pieces.size() ? &tool.pieces[i + 1] : nullptr;
       const bool clipped = extent(*piece).z1_mm < e.z1_mm;
-      if (clipped) plan.clipped_at_mm = extent(*piece).z1_mm;
       plan.shown = {!covers(below, e.z0_mm, radius_at(whole, e.z0_mm)),
-                    !clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm))};
+                    !clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm)), clipped};
       const auto* arc = std::get_if<ArcPiece>(&whole);
       plan.shows_edge = (plan.shown.lower && !(arc != nullptr && is_level_below(*arc))) ||
                         (plan.shown.upper && !(arc != nullptr && is_level_above(*arc)));
@@ -172,28 +172,20 @@ ToolMotion part_of(const ToolMotion& m, double from_share, double to_share, doub
   return make_motion(m.at(from_share), m.at(to_share), reach_mm);
 }
 
-/// Returns the discs of a slice that may lie within the block. Behind a tool, what enters a slice
-/// through a disc that a neighbor hides is left to that neighbor, which must therefore find all
-/// that it sweeps by itself, whatever passes through the same disc.
-ShownDiscs within_block(const ToolPiece& piece, const PiecePlan& plan) {
-  return {true, extent(piece).z1_mm < plan.clipped_at_mm};
-}
-
 /// Sweeps a slice. `piece` is the plan's, or the part of it on one side of its point at rest, and
 /// `shown` its discs that no neighbor and no other part hides.
 SweptPiece sweep_slice(const ToolPiece& piece, ShownDiscs shown, const PiecePlan& plan,
                        const ToolMotion& m, const SweepSettings& settings) {
   const SliceSearch search = search_of(plan, m, settings.tolerance_mm);
-  const ShownDiscs searched = settings.start_is_cut ? within_block(piece, plan) : shown;
   const auto trailing = [&](auto sweep) -> SweptPiece {
     if (settings.start_is_cut) sweep.set_trail(Trail(piece, m.from, m.to, shown));
     return sweep;
   };
-  if (m.turn_rad > 0) return trailing(TurningSweep(piece, m.from, m.to, searched, search));
+  if (m.turn_rad > 0) return trailing(TurningSweep(piece, m.from, m.to, shown, search));
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
-    return trailing(FrustumTranslation(*f, m.from, m.to, searched, search));
+    return trailing(FrustumTranslation(*f, m.from, m.to, shown, search));
   }
-  return trailing(ArcTranslation(std::get<ArcPiece>(piece), m.from, m.to, searched, search));
+  return trailing(ArcTranslation(std::get<ArcPiece>(piece), m.from, m.to, shown, search));
 }
 
 SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n,
@@ -206,25 +198,35 @@ SweptPiece sweep_ball(const BallPiece& ball, const ToolMotion& m, std::int64_t n
   return BallSweep(centers, ball.radius_mm, start_is_cut);
 }
 
-SweptTool sweep_pieces(const std::vector<PiecePlan>& plans, const ToolMotion& m,
+SweptTool sweep_pieces(const Tool& tool, const std::vector<PiecePlan>& plans, const ToolMotion& m,
                        const SweepSettings& settings) {
   SweptTool swept;
   if (m.turn_rad > 0) swept.join_mm = std::max(swept.join_mm, settings.tolerance_mm);
   for (const PiecePlan& plan : plans) {
+    // Above the last piece there is nothing that could be left out.
+    const bool is_last = &plan == &plans.back();
+    const ToolAbove above =
+        is_last ? ToolAbove() : ToolAbove(tool, plan.which, m, settings.block.max_mm.z);
+    const auto add = [&](SweptPiece piece, const ToolAbove& over) {
+      swept.pieces.push_back(std::move(piece));
+      swept.above.push_back(over);
+    };
     if (const auto* ball = std::get_if<BallPiece>(&plan.piece)) {
-      swept.pieces.push_back(sweep_ball(*ball, m, plan.parts, settings.start_is_cut));
+      add(sweep_ball(*ball, m, plan.parts, settings.start_is_cut), above);
       continue;
     }
     if (!plan.still) {
-      swept.pieces.push_back(sweep_slice(plan.piece, plan.shown, plan, m, settings));
+      add(sweep_slice(plan.piece, plan.shown, plan, m, settings), above);
       continue;
     }
     const Extent e = extent(plan.piece);
     const double rest = *plan.still;
-    swept.pieces.push_back(sweep_slice(slice_of(plan.piece, e.z0_mm, rest),
-                                       {plan.shown.lower, false}, plan, m, settings));
-    swept.pieces.push_back(sweep_slice(slice_of(plan.piece, rest, e.z1_mm),
-                                       {false, plan.shown.upper}, plan, m, settings));
+    add(sweep_slice(slice_of(plan.piece, e.z0_mm, rest), {plan.shown.lower, false}, plan, m,
+                    settings),
+        above);
+    add(sweep_slice(slice_of(plan.piece, rest, e.z1_mm),
+                    {false, plan.shown.upper, plan.shown.upper_is_outside}, plan, m, settings),
+        above);
   }
   return swept;
 }
@@ -279,7 +281,7 @@ class TightSweep {
   template <class Visit>
   void emit(const Visit& visit, const std::vector<PiecePlan>& plans, const ToolMotion& m,
             double share, std::int64_t count) {
-    visit({sweep_pieces(plans, m, settings_), m, share, count});
+    visit({sweep_pieces(tool_, plans, m, settings_), m, share, count});
     settings_.start_is_cut = true;
   }
 
@@ -308,7 +310,7 @@ void sweep_as_paper(const Tool& tool, const ToolMotion& motion, SweepSettings se
   const std::int64_t n = paper_parts(tool, motion, settings);
   const double share = 1 / double(n);
   const auto emit = [&](const ToolMotion& m, double of_time) {
-    visit({sweep_pieces(plan_pieces(tool, m, settings), m, settings), m, of_time, 1});
+    visit({sweep_pieces(tool, plan_pieces(tool, m, settings), m, settings), m, of_time, 1});
     settings.start_is_cut = true;
   };
   if (motion.turn_rad == 0) return emit(motion, 1);

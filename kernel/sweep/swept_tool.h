@@ -9,6 +9,7 @@
 #include "kernel/sweep/arc_translation.h"
 #include "kernel/sweep/ball_sweep.h"
 #include "kernel/sweep/frustum_translation.h"
+#include "kernel/sweep/tool_above.h"
 #include "kernel/sweep/tool_motion.h"
 #include "kernel/sweep/turning_sweep.h"
 #include "kernel/tool/tool.h"
@@ -21,6 +22,7 @@ using SweptPiece = std::variant<BallSweep, FrustumTranslation, ArcTranslation, T
 /// outside the block.
 struct SweptTool {
   std::vector<SweptPiece> pieces;
+  std::vector<ToolAbove> above;  ///< of each piece
   /// Gaps between two pieces that are shorter than this on a ray are removed too. It is rounding
   /// where nothing turns, else the tolerance, by which each piece may fall short of the seam.
   double join_mm = kEdgeEpsilonMm;

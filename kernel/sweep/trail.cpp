@@ -39,7 +39,8 @@ KERF_INLINE AxialSpeed axial_speed(const Trail::Motion& m, Lanes dx, Lanes dy, d
 }
 
 /// Returns where no disc that shows and may lie over the position moves outwards.
-KERF_INLINE LaneMask discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, double reach) {
+KERF_INLINE LaneMask discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, double reach,
+                                  const UntestedDiscs& untested) {
   LaneMask recede = every_lane();
   for (int i = 0; i < m.face_count; ++i) {
     const Trail::Face& face = m.faces[i];
@@ -47,7 +48,8 @@ KERF_INLINE LaneMask discs_recede(const Trail::Motion& m, Lanes dx, Lanes dy, do
     const double over = face.radius + reach + m.half_travel + face.height * m.half_turn;
     const AxialSpeed speed = axial_speed(m, dx, dy, reach, Lanes(face.height));
     recede &= (ax * ax + ay * ay > over * over) |
-              (face.sign > 0 ? speed.most <= 0.0 : speed.least >= 0.0);
+              (face.sign > 0 ? speed.most <= 0.0 : speed.least >= 0.0) |
+              mask_of(face.sign > 0 ? untested.upper : untested.lower);
   }
   return recede;
 }
@@ -103,7 +105,8 @@ KERF_INLINE LaneMask arc_recedes(const Trail::Motion& m, Lanes dx, Lanes dy, dou
   return recedes;
 }
 
-KERF_INLINE unsigned behind_discs_in_lanes(const Trail::Motion& m, const Discs& discs) {
+KERF_INLINE unsigned behind_discs_in_lanes(const Trail::Motion& m, const Discs& discs,
+                                           const UntestedDiscs& untested) {
   const double reach = discs.reach_mm;
   const Lanes dx = discs.x_mm - m.tip.x, dy = discs.y_mm - m.tip.y;
   Lanes low = Lanes(m.low), high = Lanes(m.high);
@@ -123,10 +126,11 @@ KERF_INLINE unsigned behind_discs_in_lanes(const Trail::Motion& m, const Discs& 
   const LaneMask recedes =
       m.is_arc ? arc_recedes(m, dx, dy, reach, across, low, high) : across < 0.0;
   if (!any(recedes)) return 0;
-  return bits(recedes & discs_recede(m, dx, dy, reach));
+  return bits(recedes & discs_recede(m, dx, dy, reach, untested));
 }
-KERF_FOR_EACH_TARGET(unsigned, behind_discs, (const Trail::Motion& m, const Discs& discs),
-                     (m, discs))
+KERF_FOR_EACH_TARGET(unsigned, behind_discs,
+                     (const Trail::Motion& m, const Discs& discs, const UntestedDiscs& untested),
+                     (m, discs, untested))
 
 }  // namespace
 
@@ -222,6 +226,8 @@ void Trail::set_axial_speed(const TurningFrame& f) {
   }
 }
 
-unsigned Trail::behind(const Discs& discs) const { return behind_discs(m_, discs); }
+unsigned Trail::behind(const Discs& discs, UntestedDiscs untested) const {
+  return behind_discs(m_, discs, untested);
+}
 
 }  // namespace kerf

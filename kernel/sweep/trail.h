@@ -11,7 +11,13 @@ namespace kerf {
 /// The discs of a slice that are not hidden within its neighbors.
 struct ShownDiscs {
   bool lower = false, upper = false;
+  bool upper_is_outside = false;  ///< the slice was clipped there: the disc is outside the block
   bool any() const { return lower || upper; }
+};
+
+/// The discs of the plane (bit i: disc i) for which a disc of a slice needs no test.
+struct UntestedDiscs {
+  unsigned lower = 0, upper = 0;
 };
 
 /// Conservative test for regions behind a moving slice of the tool. There n·V < 0 on its side and
@@ -25,7 +31,7 @@ class Trail {
   Trail(const ToolPiece& slice, const ToolPose& from, const ToolPose& to, ShownDiscs shown);
 
   /// Returns a mask whose bit i is set if nothing is removed over disc i.
-  unsigned behind(const Discs& discs) const;
+  unsigned behind(const Discs& discs, UntestedDiscs untested = {}) const;
 
   /// A disc of the slice; `sign` is 1 for the upper one, −1 for the lower one.
   struct Face {

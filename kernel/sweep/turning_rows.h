@@ -100,6 +100,7 @@ inline void search_rays(const ArcSide& side, const SlicePath& path, PackedRays& 
 struct RayRow {
   Lanes x, y;
   int number;
+  bool hides_entry, hides_exit;  ///< as in RowBits
 };
 
 /// Adds the intervals between two stations to a row, of the rays `asked`. Upper ends are searched
@@ -113,14 +114,24 @@ KERF_INLINE void sweep_stretch(const Side& side, const SlicePath& path, const Ra
   include_hits(span, stretch.first);
   include_hits(span, stretch.last);
   add_span(block, row.number, z, span, asked);
-  const LaneMask both = needs_search<End::kLower>(path, stretch, asked, span);
-  const LaneMask hidden = hidden_exit(path, stretch);
-  const LaneMask upper =
-      asked & ~both & ~hidden & (span.lo <= span.hi) & (span.hi < block.top_mm - z);
+  const LaneMask none = ~every_lane();
+  const LaneMask hidden_entry = row.hides_entry ? enters_by_disc(stretch) : none;
+  const LaneMask hidden = row.hides_exit ? leaves_by_disc(stretch) : none;
+  const LaneMask both = needs_search<End::kLower>(path, stretch, asked & ~hidden_entry, span);
+  const LaneMask empty = span.lo > span.hi;
+  LaneMask upper =
+      asked & ~hidden & ~block.loses_all_above(row.number) & (empty | (span.hi < block.top_mm - z));
+  if (any(upper)) {
+    const Meeting first = at_upper_end(side, path, row.x, row.y, stretch.from, stretch.first);
+    const Meeting last = at_upper_end(side, path, row.x, row.y, stretch.to, stretch.last);
+    upper = needs_search<End::kUpper>(path, {stretch.from, stretch.to, first, last}, upper, span);
+  }
+  const LaneMask settled = ~upper;
+  upper &= ~both & ~empty;
   for (unsigned left = bits(both | upper); left != 0; left &= left - 1) {
     const int lane = __builtin_ctz(left);
     RayBatch& batch = (bits(both) >> lane & 1) != 0 ? packed.both : packed.upper_batch();
-    PackedRays::push(batch, lane, row.x, row.y, stretch, span, row.number, lane);
+    PackedRays::push(batch, lane, row.x, row.y, stretch, span, settled, row.number, lane);
     if (packed.is_full()) search_rays(side, path, packed, false, block);
   }
 }
@@ -163,40 +174,70 @@ KERF_INLINE void add_last_pose(const Side& side, const SlicePath& path, const Ra
   add_span(block, row.number, path.frame.tip.z, span, open & c.hit);
 }
 
+/// Returns the hits at the last pose whose end lay nowhere farther out before: it moves outwards
+/// faster than the bend can make up for (kernel/sweep/README.md, "Stations").
+KERF_INLINE LaneMask outermost_at_end(const SlicePath& path, const Meeting& m) {
+  const Lanes scale = 1 / square_root(m.normal2);
+  const double turn = path.frame.turn;
+  const double bend = path.search.bend_mm + turn * turn * path.speed_max_mm;
+  const LaneMask bound = m.on_side | (path.search.shows_disc ? every_lane() : ~every_lane());
+  return m.hit & bound & (m.advance * scale >= 0.5 * bend) & (magnitude(m.upright) * scale >= turn);
+}
+
+/// Returns the rays of a row for which the slice at its last pose, met in `end`, is all that it
+/// sweeps. Whether it is must not depend on the stock.
+template <class Side>
+KERF_INLINE LaneMask settled_at_end(const Side& side, const SlicePath& path, const RayRow& row,
+                                    const Meeting& end, const ColumnBlock& block) {
+  LaneMask settled = outermost_at_end(path, end);
+  const LaneMask above =
+      (end.hi >= path.search.top_mm - path.frame.tip.z) | block.loses_all_above(row.number);
+  if (any(settled & ~above)) {
+    const Meeting upper = at_upper_end(side, path, row.x, row.y, 1, end);
+    settled &= above | outermost_at_end(path, upper);
+  }
+  return settled;
+}
+
 /// Adds the intervals that a slice removes along its path to a row.
 template <class Side>
 KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const RayRow& row,
                               LaneMask open, PackedRays& packed, ColumnBlock& block) {
   const int parts = path.search.parts;
+  const double top = block.top_mm - path.frame.tip.z;
+  const Meeting end = meet<End::kLower>(side, path, row.x, row.y, 1);
+  const LaneMask settled = open & settled_at_end(side, path, row, end, block);
+  if (any(settled)) add_span(block, row.number, path.frame.tip.z, {end.lo, end.hi}, settled);
+  open &= ~settled & (end.hit | (least_share(path, end, -end.advance, top, 1) <= 1.0));
+  if (!any(open)) return;
   Station first{0, 0, open, meet<End::kLower>(side, path, row.x, row.y, 0)};
   if (!any(open & first.met.hit)) {
-    const double top = block.top_mm - path.frame.tip.z;
     open &= least_share(path, first.met, first.met.advance, top, 1) <= 1.0;
     if (!any(open)) return;
   }
   for (int part = 1; part <= parts; ++part) {
     const double share = double(part) / parts;
     StationStack waiting;
-    waiting.push({share, 0, open, meet<End::kLower>(side, path, row.x, row.y, share)});
+    const Meeting met = part == parts ? end : meet<End::kLower>(side, path, row.x, row.y, share);
+    waiting.push({share, 0, open, met});
     evaluate_stretch(side, path, row, first, waiting, packed, block);
   }
 }
 
 /// Adds the intervals of the rows that need no search, and removes them from the rows to be
-/// evaluated. `ahead`: rows in which the slice at its last pose is all that it sweeps.
+/// evaluated.
 template <class Side>
-KERF_INLINE void add_simple_rows(const Side& side, const SlicePath& path, unsigned ahead,
+KERF_INLINE void add_simple_rows(const Side& side, const SlicePath& path, const RowBits& known,
                                  ColumnBlock& block) {
   const Lanes x = block.x_mm - path.frame.tip.x;
   const bool has_discs = !path.discs.poses.empty();
-  for (unsigned left = has_discs ? block.rows : ahead; left != 0; left &= left - 1) {
+  for (unsigned left = has_discs ? block.rows : known.ahead; left != 0; left &= left - 1) {
     const int row = __builtin_ctz(left);
     const Lanes y = block.y_mm[row] - path.frame.tip.y;
     const LaneMask open = block.open(row);
-    const bool is_ahead = (ahead >> row & 1) != 0;
-    if (!has_discs || !add_disc_row(side, path, y, row, open, is_ahead, block)) {
-      if (!is_ahead) continue;
-      add_last_pose(side, path, {x, y, row}, open, block);
+    if (!has_discs || !add_disc_row(side, path, y, row, open, known, block)) {
+      if ((known.ahead >> row & 1) == 0) continue;
+      add_last_pose(side, path, {x, y, row, false, false}, open, block);
     }
     block.rows &= ~(1U << row);
   }
@@ -204,13 +245,16 @@ KERF_INLINE void add_simple_rows(const Side& side, const SlicePath& path, unsign
 
 /// Adds the intervals that a slice removes along its path to the rows of a block.
 template <class Side>
-KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, ColumnBlock& block) {
+KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, const RowBits& known,
+                               ColumnBlock& block) {
   const Lanes x = block.x_mm - path.frame.tip.x;
   PackedRays packed;
   for (unsigned left = block.rows; left != 0; left &= left - 1) {
     const int row = __builtin_ctz(left);
     const Lanes y = block.y_mm[row] - path.frame.tip.y;
-    evaluate_row(side, path, {x, y, row}, block.open(row), packed, block);
+    const bool hides_entry = (known.hides_entry >> row & 1) != 0;
+    const bool hides_exit = (known.hides_exit >> row & 1) != 0;
+    evaluate_row(side, path, {x, y, row, hides_entry, hides_exit}, block.open(row), packed, block);
   }
   search_rays(side, path, packed, true, block);
 }
@@ -218,14 +262,16 @@ KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, ColumnBl
 /// evaluate_rows and add_simple_rows, compiled for each instruction set. The versions are divided
 /// over two units, because together they would be by far the slowest unit of the kernel to compile.
 KERF_DECLARE_TARGETS(void, evaluate_cone,
-                     (const ConeSide& side, const SlicePath& path, ColumnBlock& block))
+                     (const ConeSide& side, const SlicePath& path, const RowBits& known,
+                      ColumnBlock& block))
 KERF_DECLARE_TARGETS(void, evaluate_arc,
-                     (const ArcSide& side, const SlicePath& path, ColumnBlock& block))
+                     (const ArcSide& side, const SlicePath& path, const RowBits& known,
+                      ColumnBlock& block))
 KERF_DECLARE_TARGETS(void, add_simple_cone_rows,
-                     (const ConeSide& side, const SlicePath& path, unsigned ahead,
+                     (const ConeSide& side, const SlicePath& path, const RowBits& known,
                       ColumnBlock& block))
 KERF_DECLARE_TARGETS(void, add_simple_arc_rows,
-                     (const ArcSide& side, const SlicePath& path, unsigned ahead,
+                     (const ArcSide& side, const SlicePath& path, const RowBits& known,
                       ColumnBlock& block))
 
 }  // namespace kerf

@@ -13,6 +13,13 @@ struct OutOfLine {
   KERF_INLINE LaneMask holds(Lanes rho2, Lanes l) const { return side.holds(rho2, l); }
 };
 
+template <class Side>
+[[gnu::noinline]] Meeting at_upper_end(const OutOfLine<Side>& outer, const SlicePath& path,
+                                       const Lanes& x, const Lanes& y, const Lanes& share,
+                                       const Meeting& m) {
+  return kerf::at_upper_end(outer.side, path, x, y, share, m);
+}
+
 template <End end, class Side>
 [[gnu::noinline]] Meeting meet(const OutOfLine<Side>& outer, const SlicePath& path, const Lanes& x,
                                const Lanes& y, const Lanes& share) {
@@ -34,14 +41,14 @@ void search_rays(const OutOfLine<Side>& outer, const SlicePath& path, PackedRays
 
 [[maybe_unused]] KERF_INLINE void evaluate_cone_in_lanes(const ConeSide& side,
                                                          const SlicePath& path,
-                                                         ColumnBlock& block) {
-  evaluate_rows(OutOfLine<ConeSide>{side}, path, block);
+                                                         const RowBits& known, ColumnBlock& block) {
+  evaluate_rows(OutOfLine<ConeSide>{side}, path, known, block);
 }
 [[maybe_unused]] KERF_INLINE void add_simple_cone_rows_in_lanes(const ConeSide& side,
                                                                 const SlicePath& path,
-                                                                unsigned ahead,
+                                                                const RowBits& known,
                                                                 ColumnBlock& block) {
-  add_simple_rows(OutOfLine<ConeSide>{side}, path, ahead, block);
+  add_simple_rows(OutOfLine<ConeSide>{side}, path, known, block);
 }
 [[maybe_unused]] KERF_INLINE void search_packed_cone_in_lanes(const ConeSide& side,
                                                               const SlicePath& path,
@@ -50,13 +57,14 @@ void search_rays(const OutOfLine<Side>& outer, const SlicePath& path, PackedRays
   search_packed(OutOfLine<ConeSide>{side}, path, rays, finish, block);
 }
 [[maybe_unused]] KERF_INLINE void evaluate_arc_in_lanes(const ArcSide& side, const SlicePath& path,
-                                                        ColumnBlock& block) {
-  evaluate_rows(OutOfLine<ArcSide>{side}, path, block);
+                                                        const RowBits& known, ColumnBlock& block) {
+  evaluate_rows(OutOfLine<ArcSide>{side}, path, known, block);
 }
 [[maybe_unused]] KERF_INLINE void add_simple_arc_rows_in_lanes(const ArcSide& side,
                                                                const SlicePath& path,
-                                                               unsigned ahead, ColumnBlock& block) {
-  add_simple_rows(OutOfLine<ArcSide>{side}, path, ahead, block);
+                                                               const RowBits& known,
+                                                               ColumnBlock& block) {
+  add_simple_rows(OutOfLine<ArcSide>{side}, path, known, block);
 }
 [[maybe_unused]] KERF_INLINE void search_packed_arc_in_lanes(const ArcSide& side,
                                                              const SlicePath& path,
@@ -68,23 +76,25 @@ void search_rays(const OutOfLine<Side>& outer, const SlicePath& path, PackedRays
 }  // namespace
 
 KERF_FOR_BASE_TARGET(void, evaluate_cone,
-                     (const ConeSide& side, const SlicePath& path, ColumnBlock& block),
-                     (side, path, block))
-KERF_FOR_BASE_TARGET(void, add_simple_cone_rows,
-                     (const ConeSide& side, const SlicePath& path, unsigned ahead,
+                     (const ConeSide& side, const SlicePath& path, const RowBits& known,
                       ColumnBlock& block),
-                     (side, path, ahead, block))
+                     (side, path, known, block))
+KERF_FOR_BASE_TARGET(void, add_simple_cone_rows,
+                     (const ConeSide& side, const SlicePath& path, const RowBits& known,
+                      ColumnBlock& block),
+                     (side, path, known, block))
 KERF_FOR_BASE_TARGET(void, search_packed_cone,
                      (const ConeSide& side, const SlicePath& path, PackedRays& rays, bool finish,
                       ColumnBlock& block),
                      (side, path, rays, finish, block))
 KERF_FOR_BASE_TARGET(void, evaluate_arc,
-                     (const ArcSide& side, const SlicePath& path, ColumnBlock& block),
-                     (side, path, block))
-KERF_FOR_BASE_TARGET(void, add_simple_arc_rows,
-                     (const ArcSide& side, const SlicePath& path, unsigned ahead,
+                     (const ArcSide& side, const SlicePath& path, const RowBits& known,
                       ColumnBlock& block),
-                     (side, path, ahead, block))
+                     (side, path, known, block))
+KERF_FOR_BASE_TARGET(void, add_simple_arc_rows,
+                     (const ArcSide& side, const SlicePath& path, const RowBits& known,
+                      ColumnBlock& block),
+                     (side, path, known, block))
 KERF_FOR_BASE_TARGET(void, search_packed_arc,
                      (const ArcSide& side, const SlicePath& path, PackedRays& rays, bool finish,
                       ColumnBlock& block),

@@ -6,14 +6,14 @@ namespace {
 
 [[maybe_unused]] KERF_INLINE void evaluate_cone_in_lanes(const ConeSide& side,
                                                          const SlicePath& path,
-                                                         ColumnBlock& block) {
-  evaluate_rows(side, path, block);
+                                                         const RowBits& known, ColumnBlock& block) {
+  evaluate_rows(side, path, known, block);
 }
 [[maybe_unused]] KERF_INLINE void add_simple_cone_rows_in_lanes(const ConeSide& side,
                                                                 const SlicePath& path,
-                                                                unsigned ahead,
+                                                                const RowBits& known,
                                                                 ColumnBlock& block) {
-  add_simple_rows(side, path, ahead, block);
+  add_simple_rows(side, path, known, block);
 }
 [[maybe_unused]] KERF_INLINE void search_packed_cone_in_lanes(const ConeSide& side,
                                                               const SlicePath& path,
@@ -22,13 +22,14 @@ namespace {
   search_packed(side, path, rays, finish, block);
 }
 [[maybe_unused]] KERF_INLINE void evaluate_arc_in_lanes(const ArcSide& side, const SlicePath& path,
-                                                        ColumnBlock& block) {
-  evaluate_rows(side, path, block);
+                                                        const RowBits& known, ColumnBlock& block) {
+  evaluate_rows(side, path, known, block);
 }
 [[maybe_unused]] KERF_INLINE void add_simple_arc_rows_in_lanes(const ArcSide& side,
                                                                const SlicePath& path,
-                                                               unsigned ahead, ColumnBlock& block) {
-  add_simple_rows(side, path, ahead, block);
+                                                               const RowBits& known,
+                                                               ColumnBlock& block) {
+  add_simple_rows(side, path, known, block);
 }
 [[maybe_unused]] KERF_INLINE void search_packed_arc_in_lanes(const ArcSide& side,
                                                              const SlicePath& path,
@@ -40,23 +41,25 @@ namespace {
 }  // namespace
 
 KERF_FOR_VECTOR_TARGETS(void, evaluate_cone,
-                        (const ConeSide& side, const SlicePath& path, ColumnBlock& block),
-                        (side, path, block))
-KERF_FOR_VECTOR_TARGETS(void, add_simple_cone_rows,
-                        (const ConeSide& side, const SlicePath& path, unsigned ahead,
+                        (const ConeSide& side, const SlicePath& path, const RowBits& known,
                          ColumnBlock& block),
-                        (side, path, ahead, block))
+                        (side, path, known, block))
+KERF_FOR_VECTOR_TARGETS(void, add_simple_cone_rows,
+                        (const ConeSide& side, const SlicePath& path, const RowBits& known,
+                         ColumnBlock& block),
+                        (side, path, known, block))
 KERF_FOR_VECTOR_TARGETS(void, search_packed_cone,
                         (const ConeSide& side, const SlicePath& path, PackedRays& rays, bool finish,
                          ColumnBlock& block),
                         (side, path, rays, finish, block))
 KERF_FOR_VECTOR_TARGETS(void, evaluate_arc,
-                        (const ArcSide& side, const SlicePath& path, ColumnBlock& block),
-                        (side, path, block))
-KERF_FOR_VECTOR_TARGETS(void, add_simple_arc_rows,
-                        (const ArcSide& side, const SlicePath& path, unsigned ahead,
+                        (const ArcSide& side, const SlicePath& path, const RowBits& known,
                          ColumnBlock& block),
-                        (side, path, ahead, block))
+                        (side, path, known, block))
+KERF_FOR_VECTOR_TARGETS(void, add_simple_arc_rows,
+                        (const ArcSide& side, const SlicePath& path, const RowBits& known,
+                         ColumnBlock& block),
+                        (side, path, known, block))
 KERF_FOR_VECTOR_TARGETS(void, search_packed_arc,
                         (const ArcSide& side, const SlicePath& path, PackedRays& rays, bool finish,
                          ColumnBlock& block),

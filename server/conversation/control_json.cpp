@@ -40,6 +40,54 @@ std::expected<ToolId, Rejection> tool_field(const Json& object, bool required) {
   return found->get<ToolId>();
 }
 
+std::expected<double, Rejection> number_of(const Json& value, const char* field, double low,
+                                           double high) {
+  if (!value.is_number()) return std::unexpected(bad_field(field, "must be a number"));
+  const double number = value.get<double>();
+  if (!(number >= low && number <= high)) {
+    return std::unexpected(bad_field(field, "is out of range"));
+  }
+  return number;
+}
+
+std::expected<ViewerLook, Rejection> look_of(const Json& object) {
+  ViewerLook look;
+  const auto eye = object.find("eye_mm");
+  if (eye == object.end() || !eye->is_array() || eye->size() != 3) {
+    return std::unexpected(bad_field("eye_mm", "must be three numbers"));
+  }
+  std::array<double, 3> at{};
+  for (std::size_t n = 0; n < at.size(); ++n) {
+    const auto number = number_of((*eye)[n], "eye_mm", -kEyeMaxMm, kEyeMaxMm);
+    if (!number) return std::unexpected(number.error());
+    at[n] = *number;
+  }
+  look.eye_mm = {at[0], at[1], at[2]};
+  const auto error = object.find("error_rad");
+  if (error == object.end()) return std::unexpected(bad_field("error_rad", "is missing"));
+  const auto angle = number_of(*error, "error_rad", 0, 1);
+  if (!angle) return std::unexpected(angle.error());
+  look.error_rad = *angle;
+  return look;
+}
+
+/// Reads the look of a viewer's hello: an object, or true if a look message follows.
+std::expected<void, Rejection> read_look(const Json& object, HelloMessage& hello) {
+  const auto found = object.find("look");
+  if (found == object.end()) return {};
+  if (found->is_boolean()) {
+    hello.look_follows = found->get<bool>();
+    return {};
+  }
+  if (!found->is_object()) {
+    return std::unexpected(bad_field("look", "must be true, false or an object"));
+  }
+  const auto look = look_of(*found);
+  if (!look) return std::unexpected(look.error());
+  hello.look = *look;
+  return {};
+}
+
 std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
   HelloMessage hello;
   auto name = text_field(object, "name");
@@ -60,6 +108,7 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
     if (!found->is_boolean()) return std::unexpected(bad_field(key, kMustBeBool));
     hello.*field = found->get<bool>();
   }
+  if (const auto look = read_look(object, hello); !look) return std::unexpected(look.error());
   auto resume = text_field(object, "resume");
   if (!resume) return std::unexpected(resume.error());
   hello.resume = *std::move(resume);
@@ -70,37 +119,6 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
     hello.feel_of = other->get<ParticipantId>();
   }
   return hello;
-}
-
-std::expected<double, Rejection> number_of(const Json& value, const char* field, double low,
-                                           double high) {
-  if (!value.is_number()) return std::unexpected(bad_field(field, "must be a number"));
-  const double number = value.get<double>();
-  if (!(number >= low && number <= high)) {
-    return std::unexpected(bad_field(field, "is out of range"));
-  }
-  return number;
-}
-
-std::expected<ControlMessage, Rejection> parse_look(const Json& object) {
-  LookMessage message;
-  const auto eye = object.find("eye_mm");
-  if (eye == object.end() || !eye->is_array() || eye->size() != 3) {
-    return std::unexpected(bad_field("eye_mm", "must be three numbers"));
-  }
-  std::array<double, 3> at{};
-  for (std::size_t n = 0; n < at.size(); ++n) {
-    const auto number = number_of((*eye)[n], "eye_mm", -kEyeMaxMm, kEyeMaxMm);
-    if (!number) return std::unexpected(number.error());
-    at[n] = *number;
-  }
-  message.look.eye_mm = {at[0], at[1], at[2]};
-  const auto error = object.find("error_rad");
-  if (error == object.end()) return std::unexpected(bad_field("error_rad", "is missing"));
-  const auto angle = number_of(*error, "error_rad", 0, 1);
-  if (!angle) return std::unexpected(angle.error());
-  message.look.error_rad = *angle;
-  return message;
 }
 
 Json participants_json(const std::vector<Participant>& participants) {
@@ -164,7 +182,11 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
     if (!tool) return std::unexpected(tool.error());
     return ToolMessage{*tool};
   }
-  if (*type == wire::kTypeLook) return parse_look(object);
+  if (*type == wire::kTypeLook) {
+    const auto look = look_of(object);
+    if (!look) return std::unexpected(look.error());
+    return LookMessage{*look};
+  }
   if (*type == wire::kTypeStock) return StockMessage{};
   return std::unexpected(
       Rejection{wire::ErrorCode::kBadMessage,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -23,8 +24,10 @@ struct HelloMessage {
   bool udp = false;           ///< requests a UDP connection
   bool stock = false;         ///< requests stock frames
   bool changes = false;       ///< viewer: understands participants_changed
-  bool durable = false;       ///< agent: keeps what is not durable and sends it again
-  std::string resume;         ///< agent: token of the participant that it continues as
+  bool look_follows = false;  ///< viewer: sends a look at once, which the first snapshot awaits
+  std::optional<ViewerLook> look;  ///< viewer: where it looks from, if it knows
+  bool durable = false;            ///< agent: keeps what is not durable and sends it again
+  std::string resume;              ///< agent: token of the participant that it continues as
 };
 struct ToolMessage {
   ToolId tool = 0;

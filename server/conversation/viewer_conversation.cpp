@@ -19,6 +19,7 @@ std::optional<ViewerAction> ViewerConversation::take_action() {
 
 void ViewerConversation::on_hello(const HelloMessage& hello) {
   takes_changes_ = hello.changes;
+  first_look_ = {hello.look_follows, hello.look};
   JoinRequest request = join_request(ParticipantKind::kViewer, hello);
   request.feel = false;
   actions_.emplace_back(std::move(request));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -25,6 +26,13 @@ struct SurfaceState {
 /// The viewer has applied every mesh frame up to this one.
 struct MeshAck {
   std::uint64_t sequence = 0;
+};
+
+/// How a viewer's first snapshot starts: from its first look if that is known or follows at once,
+/// otherwise with exact tiles. Tiles that were sent before a look would be sent twice.
+struct FirstLook {
+  bool follows = false;
+  std::optional<ViewerLook> look;
 };
 
 /// What a viewer's owner must do elsewhere: join the session on the session's executor and pass the
@@ -54,6 +62,8 @@ class ViewerConversation final : public Conversation {
   void joined(const std::expected<Participant, Rejection>& self, const Roster& roster);
   /// 0 before the viewer has joined.
   ParticipantId id() const { return self_ ? self_->id : 0; }
+  /// As the hello states it.
+  const FirstLook& first_look() const { return first_look_; }
 
   void send_tools(SharedBytes frame);  ///< replaces one that has not left
   void send_mesh(FeedFrame frame);
@@ -85,6 +95,7 @@ class ViewerConversation final : public Conversation {
   RateLimit looks_{kLooksPerS, kLooksBurst};
   ViewerOutbox out_;
   std::deque<ViewerAction> actions_;
+  FirstLook first_look_;
   bool takes_changes_ = false;     ///< understands participants_changed
   bool has_participants_ = false;  ///< a list or a change has been sent since the welcome
   std::optional<SurfaceState> sent_state_;

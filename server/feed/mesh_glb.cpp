@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 
 namespace kerf {
 namespace {
@@ -61,9 +62,32 @@ struct Sizes {
   std::size_t raw = 0;     ///< of compressed views after decompression: the fallback buffer
 };
 
-Sizes sizes_of(std::span<const EncodedTile* const> tiles) {
+/// The meshes of a frame. Tiles of the same shape share one.
+struct Meshes {
+  std::vector<const EncodedTile*> distinct;  ///< a tile of each shape
+  std::vector<std::size_t> of_tile;          ///< by tile: its mesh; undefined for empty tiles
+};
+
+Meshes meshes_of(std::span<const EncodedTile* const> tiles) {
+  Meshes meshes;
+  meshes.of_tile.resize(tiles.size());
+  std::unordered_map<std::uint64_t, std::size_t> by_hash;
+  for (std::size_t n = 0; n < tiles.size(); ++n) {
+    if (tiles[n]->vertices == 0) continue;
+    const auto [known, is_new] = by_hash.try_emplace(tiles[n]->shape_hash, meshes.distinct.size());
+    if (!is_new && tiles[n]->has_shape_of(*meshes.distinct[known->second])) {
+      meshes.of_tile[n] = known->second;
+    } else {
+      meshes.of_tile[n] = meshes.distinct.size();
+      meshes.distinct.push_back(tiles[n]);
+    }
+  }
+  return meshes;
+}
+
+Sizes sizes_of(const std::vector<const EncodedTile*>& meshes) {
   Sizes sizes;
-  for (const EncodedTile* tile : tiles) {
+  for (const EncodedTile* tile : meshes) {
     for (const Part& part : parts_of(*tile)) {
       sizes.stored += padded(part.bytes.size());
       if (tile->compression == TileCompression::kMeshopt) sizes.raw += padded(part.raw_bytes());
@@ -103,7 +127,7 @@ void add_accessors(Json& json, const EncodedTile& tile, int first_view) {
   json.text(",\"type\":\"SCALAR\",\"count\":").number(tile.indices).text("}");
 }
 
-void add_node(Json& json, const EncodedTile& tile, double step_mm, int mesh) {
+void add_node(Json& json, const EncodedTile& tile, double step_mm, std::size_t mesh) {
   json.text("{\"name\":\"t_").number(tile.tile.x).text("_").number(tile.tile.y);
   json.text("\",\"extras\":{\"tile\":[").number(tile.tile.x).text(",").number(tile.tile.y);
   json.text("],\"version\":").number(tile.version);
@@ -117,7 +141,7 @@ void add_node(Json& json, const EncodedTile& tile, double step_mm, int mesh) {
   json.text("}");
 }
 
-void add_meshes(Json& json, std::span<const EncodedTile* const> tiles, const Sizes& sizes) {
+void add_meshes(Json& json, const std::vector<const EncodedTile*>& meshes, const Sizes& sizes) {
   const std::string_view extensions =
       sizes.raw > 0 ? "[\"KHR_mesh_quantization\",\"EXT_meshopt_compression\"]"
                     : "[\"KHR_mesh_quantization\"]";
@@ -131,16 +155,14 @@ void add_meshes(Json& json, std::span<const EncodedTile* const> tiles, const Siz
   json.text("],\"bufferViews\":[");
   bool first = true;
   Sizes at;
-  for (const EncodedTile* tile : tiles) {
-    if (tile->vertices == 0) continue;
+  for (const EncodedTile* tile : meshes) {
     const bool compressed = tile->compression == TileCompression::kMeshopt;
     for (const Part& part : parts_of(*tile)) add_view(json.next(first), part, compressed, at);
   }
   json.text("],\"accessors\":[");
   first = true;
   int view = 0;
-  for (const EncodedTile* tile : tiles) {
-    if (tile->vertices == 0) continue;
+  for (const EncodedTile* tile : meshes) {
     add_accessors(json.next(first), *tile, view);
     view += 3;
   }
@@ -154,8 +176,8 @@ void add_meshes(Json& json, std::span<const EncodedTile* const> tiles, const Siz
   json.text("]");
 }
 
-std::string make_json(std::span<const EncodedTile* const> tiles, const Sizes& sizes, double step_mm,
-                      std::uint64_t from, std::uint64_t to) {
+std::string make_json(std::span<const EncodedTile* const> tiles, const Meshes& meshes,
+                      const Sizes& sizes, double step_mm, std::uint64_t from, std::uint64_t to) {
   Json json;
   json.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"Kerf\"},\"scene\":0,\"scenes\":[{");
   bool first = true;
@@ -168,14 +190,12 @@ std::string make_json(std::span<const EncodedTile* const> tiles, const Sizes& si
   if (!tiles.empty()) {
     json.text(",\"nodes\":[");
     first = true;
-    int mesh = 0;
-    for (const EncodedTile* tile : tiles) {
-      add_node(json.next(first), *tile, step_mm, mesh);
-      mesh += tile->vertices > 0 ? 1 : 0;
+    for (std::size_t n = 0; n < tiles.size(); ++n) {
+      add_node(json.next(first), *tiles[n], step_mm, meshes.of_tile[n]);
     }
     json.text("]");
   }
-  if (sizes.stored > 0) add_meshes(json, tiles, sizes);
+  if (sizes.stored > 0) add_meshes(json, meshes.distinct, sizes);
   return json.text("}").take();
 }
 
@@ -188,8 +208,9 @@ void append_word(std::vector<std::byte>& out, std::size_t value) {
 std::vector<std::byte> write_mesh_glb(std::span<const EncodedTile* const> tiles,
                                       const MeshQuantization& quantization, std::uint64_t from,
                                       std::uint64_t to) {
-  const Sizes sizes = sizes_of(tiles);
-  std::string json = make_json(tiles, sizes, quantization.step_mm, from, to);
+  const Meshes meshes = meshes_of(tiles);
+  const Sizes sizes = sizes_of(meshes.distinct);
+  std::string json = make_json(tiles, meshes, sizes, quantization.step_mm, from, to);
   json.resize(padded(json.size()), ' ');
   const std::size_t total = 12 + 8 + json.size() + (sizes.stored > 0 ? 8 + sizes.stored : 0);
   std::vector<std::byte> out;
@@ -204,7 +225,7 @@ std::vector<std::byte> write_mesh_glb(std::span<const EncodedTile* const> tiles,
   if (sizes.stored == 0) return out;
   append_word(out, sizes.stored);
   append_word(out, 0x004E4942);  // "BIN"
-  for (const EncodedTile* tile : tiles) {
+  for (const EncodedTile* tile : meshes.distinct) {
     for (const Part& part : parts_of(*tile)) {
       out.insert(out.end(), part.bytes.begin(), part.bytes.end());
       out.resize(padded(out.size()));

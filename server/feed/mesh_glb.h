@@ -14,7 +14,7 @@ namespace kerf {
 /// `t_X_Y` with extras {tile, version, level if coarse}; translation and scale give world
 /// coordinates (mm, Z up, as everywhere on the wire; downloads use glTF's meters and Y up);
 /// KHR_mesh_quantization, and EXT_meshopt_compression for compressed tiles; scene.extras {from,
-/// to}.
+/// to}. Tiles of the same shape share one mesh.
 std::vector<std::byte> write_mesh_glb(std::span<const EncodedTile* const> tiles,
                                       const MeshQuantization& quantization, std::uint64_t from,
                                       std::uint64_t to);

@@ -9,6 +9,7 @@
 #include <limits>
 #include <mutex>
 #include <numeric>
+#include <string_view>
 
 namespace kerf {
 namespace {
@@ -182,7 +183,23 @@ void fix_codec_versions() {
   });
 }
 
+std::uint64_t hash_of(const EncodedTile& tile) {
+  std::uint64_t hash = tile.indices;
+  for (const auto* bytes : {&tile.positions, &tile.normals, &tile.index_bytes}) {
+    const std::string_view text{reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+    hash = std::rotl(hash, 21) ^ std::hash<std::string_view>{}(text);
+  }
+  return hash;
+}
+
 }  // namespace
+
+bool EncodedTile::has_shape_of(const EncodedTile& other) const {
+  return shape_hash == other.shape_hash && compression == other.compression &&
+         vertices == other.vertices && indices == other.indices && min == other.min &&
+         max == other.max && positions == other.positions && normals == other.normals &&
+         index_bytes == other.index_bytes;
+}
 
 MeshQuantization mesh_quantization(const DexelGrid& grid) {
   const double span =
@@ -209,12 +226,13 @@ EncodedTile encode_tile(const TileMesh& mesh, const MeshQuantization& quantizati
   encode_normals(mesh, order, out);
   if (!packed) {
     encode_indices(order, out);
-    return out;
+  } else {
+    fix_codec_versions();
+    out.positions = compressed_vertices(out.positions, out.vertices, EncodedTile::kPositionStride);
+    out.normals = compressed_vertices(out.normals, out.vertices, EncodedTile::kNormalStride);
+    out.index_bytes = compressed_indices(order);
   }
-  fix_codec_versions();
-  out.positions = compressed_vertices(out.positions, out.vertices, EncodedTile::kPositionStride);
-  out.normals = compressed_vertices(out.normals, out.vertices, EncodedTile::kNormalStride);
-  out.index_bytes = compressed_indices(order);
+  out.shape_hash = hash_of(out);
   return out;
 }
 

@@ -38,9 +38,13 @@ struct EncodedTile {
   std::array<double, 3> translation_mm{};                  ///< world position of step 0
   std::array<std::int16_t, 3> min{}, max{};                ///< of the positions, in steps
   std::vector<std::byte> positions, normals, index_bytes;  ///< as in the GLB, unpadded
+  std::uint64_t shape_hash = 0;  ///< equal for tiles that have the same shape
 
   std::size_t index_stride() const { return wide_indices ? 4 : 2; }
   std::size_t bytes() const { return positions.size() + normals.size() + index_bytes.size(); }
+  /// Whether the meshes of two tiles are the same except for their places, as those of untouched
+  /// tiles inside a block are.
+  bool has_shape_of(const EncodedTile& other) const;
 };
 
 /// Quantizes a tile to int16 positions and int8 normals, with errors of at most half a step and 0.4

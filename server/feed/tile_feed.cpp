@@ -8,8 +8,11 @@
 namespace kerf {
 namespace {
 
-/// Approximate size of a tile's JSON in a frame, for the byte budget.
-constexpr std::size_t kTileJsonBytes = 1100;
+/// Approximate sizes in a frame, for the byte budget: the JSON of a tile's mesh, and its node.
+constexpr std::size_t kMeshJsonBytes = 900, kNodeBytes = 200;
+/// A frame ends with the last of so many tiles meshed for it, which takes some 0.1 s: other viewers
+/// wait meanwhile, and tiles that share a mesh take hardly any bytes.
+constexpr std::uint64_t kMeshedMax = 200;
 /// Number of frames kept for other viewers in step.
 constexpr std::size_t kRecentFramesMax = 16;
 /// Number of encoded forms kept per tile, for viewers at different distances.
@@ -94,13 +97,18 @@ void TileFeed::take_update() {
   }
 }
 
-ViewerId TileFeed::add_viewer() {
+ViewerId TileFeed::add_viewer(const std::optional<ViewerLook>& look) {
   const std::scoped_lock lock(mutex_);
   take_update();
   Viewer viewer;
   viewer.sent_tiles.resize(tiles_.size());
   viewer.level.resize(tiles_.size());
   viewer.in_changed.resize(tiles_.size());
+  if (look) {
+    for (std::uint32_t n = 0; n < tiles_.size(); ++n) {
+      viewer.level[n] = level_from(*look, n, 0);
+    }
+  }
   // Carved tiles first: they are of most interest.
   for (const bool touched : {true, false}) {
     for (std::uint32_t n = 0; n < tiles_.size(); ++n) {
@@ -128,10 +136,9 @@ void TileFeed::look(ViewerId viewer_id, const ViewerLook& look) {
   const auto found = viewers_.find(viewer_id);
   if (found == viewers_.end()) return;
   Viewer& viewer = found->second;
-  const DexelGrid& grid = snapshot_.grid();
   for (std::uint32_t n = 0; n < tiles_.size(); ++n) {
     const TileIndex tile = index_of(n);
-    const auto level = static_cast<std::uint8_t>(detail_level(look, grid, tile, viewer.level[n]));
+    const std::uint8_t level = level_from(look, n, viewer.level[n]);
     if (level == viewer.level[n]) continue;
     viewer.level[n] = level;
     viewer.queue_change(n);
@@ -155,6 +162,11 @@ std::optional<std::uint32_t> TileFeed::number_of(TileIndex index) const {
     return std::nullopt;
   }
   return static_cast<std::uint32_t>(index.y * grid.tiles_x() + index.x);
+}
+
+std::uint8_t TileFeed::level_from(const ViewerLook& look, std::uint32_t tile,
+                                  std::uint8_t level) const {
+  return static_cast<std::uint8_t>(detail_level(look, snapshot_.grid(), index_of(tile), level));
 }
 
 TileDetail TileFeed::detail_of(const Viewer& viewer, std::uint32_t tile) const {
@@ -199,9 +211,10 @@ TileFeed::SharedTile TileFeed::current(std::uint32_t tile, const TileDetail& det
   return cached.forms.back().encoded;
 }
 
-std::size_t TileFeed::pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes,
-                                 std::size_t bytes_max, std::vector<Picked>& picked) {
-  while (!queue.empty() && bytes < bytes_max) {
+void TileFeed::select_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes_max,
+                            Selection& selection) {
+  while (!queue.empty() && selection.bytes < bytes_max &&
+         (selection.tiles.empty() || stats_.tiles_meshed < selection.meshed_max)) {
     const std::uint32_t tile = queue.pop();
     if (&queue == &viewer.changed) viewer.in_changed[tile] = false;
     const TileDetail detail = detail_of(viewer, tile);
@@ -209,10 +222,12 @@ std::size_t TileFeed::pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t b
     SentTile& sent = viewer.sent_tiles[tile];
     if (sent.version == encoded->version && sent.detail == detail) continue;
     sent = {encoded->version, detail};
-    bytes += encoded->bytes() + kTileJsonBytes;
-    picked.push_back({tile, {detail, std::move(encoded)}});
+    selection.bytes += kNodeBytes;
+    if (selection.shapes.insert(encoded->shape_hash).second) {
+      selection.bytes += encoded->bytes() + kMeshJsonBytes;
+    }
+    selection.tiles.push_back({tile, {detail, std::move(encoded)}});
   }
-  return bytes;
 }
 
 std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
@@ -224,19 +239,21 @@ std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
   if (viewer.sent - viewer.acked >= settings_.frames_in_flight_max) return std::nullopt;
 
   const bool first_snapshot = !viewer.first.empty();
-  std::vector<Picked> picked;
+  Selection selection;
   // During the first snapshot, changes get at most half of a frame, so that neither starves the
   // other.
-  const std::size_t changed_max = settings_.frame_bytes_max / (first_snapshot ? 2 : 1);
-  const std::size_t bytes = pick_tiles(viewer, viewer.changed, 0, changed_max, picked);
-  pick_tiles(viewer, viewer.first, bytes, settings_.frame_bytes_max, picked);
-  if (picked.empty()) return std::nullopt;
+  const unsigned share = first_snapshot ? 2 : 1;
+  selection.meshed_max = stats_.tiles_meshed + kMeshedMax / share;
+  select_tiles(viewer, viewer.changed, settings_.frame_bytes_max / share, selection);
+  selection.meshed_max = stats_.tiles_meshed + kMeshedMax / share;
+  select_tiles(viewer, viewer.first, settings_.frame_bytes_max, selection);
+  if (selection.tiles.empty()) return std::nullopt;
 
   FeedFrame frame;
   if (first_snapshot) frame.flags |= kFirstSnapshot;
   if (first_snapshot && viewer.first.empty()) frame.flags |= kFirstSnapshotEnd;
   frame.sequence = ++viewer.sent;
-  frame.glb = compose(picked, viewer.revision);
+  frame.glb = compose(selection.tiles, viewer.revision);
   viewer.revision = revision_;
   return frame;
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -48,7 +49,7 @@ inline constexpr std::uint8_t kFirstSnapshotEnd = 2;  ///< its last part
 /// tiles are meshed.
 class TileFeed {
  public:
-  /// `revision` identifies the state of the snapshot (the session's count of motions); it never
+  /// `revision` is the session's count of motions at the moment of the snapshot; it never
   /// decreases.
   TileFeed(SolidSnapshot snapshot, std::uint64_t revision, FeedSettings settings = {});
 
@@ -58,12 +59,12 @@ class TileFeed {
   void note_change(SolidSnapshot snapshot, std::span<const TileIndex> changed,
                    std::uint64_t revision);
 
-  ViewerId add_viewer();
+  /// Adds a viewer. Until it looks from somewhere, all its tiles are exact.
+  ViewerId add_viewer(const std::optional<ViewerLook>& look = std::nullopt);
   void remove_viewer(ViewerId viewer);  ///< unknown viewers are ignored
   std::size_t viewers() const;
   /// Sets the viewpoint of a viewer, and sends the tiles again whose level of detail changes.
-  /// Before the first call all tiles are exact. Unknown viewers are ignored. Costs a few operations
-  /// per tile of the block.
+  /// Unknown viewers are ignored. Costs a few operations per tile of the block.
   void look(ViewerId viewer, const ViewerLook& look);
 
   /// Returns the next frame for a viewer; nullopt if it has every tile, or while the limit of
@@ -141,6 +142,13 @@ class TileFeed {
     std::uint32_t tile = 0;
     Form form;
   };
+  /// The tiles of the next frame of a viewer.
+  struct Selection {
+    std::vector<Picked> tiles;
+    std::unordered_set<std::uint64_t> shapes;  ///< of their meshes
+    std::size_t bytes = 0;                     ///< of the frame, about
+    std::uint64_t meshed_max = 0;              ///< Stats::tiles_meshed at which the frame ends
+  };
 
   void take_update();
   TileIndex index_of(std::uint32_t tile) const;
@@ -148,8 +156,9 @@ class TileFeed {
   std::optional<std::uint32_t> number_of(TileIndex index) const;
   TileDetail detail_of(const Viewer& viewer, std::uint32_t tile) const;
   SharedTile current(std::uint32_t tile, const TileDetail& detail);
-  std::size_t pick_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes, std::size_t bytes_max,
-                         std::vector<Picked>& picked);
+  /// Level of detail of a tile from a viewpoint; `level` is the present one.
+  std::uint8_t level_from(const ViewerLook& look, std::uint32_t tile, std::uint8_t level) const;
+  void select_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes_max, Selection& selection);
   std::shared_ptr<const std::vector<std::byte>> compose(const std::vector<Picked>& tiles,
                                                         std::uint64_t from);
 

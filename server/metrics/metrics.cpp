@@ -66,11 +66,15 @@ struct Metrics::Impl {
 
 namespace {
 
-/// Adds the gauges. They are rebuilt on every scrape, so that a closed session leaves no line.
+/// Adds what belongs to a session. It is rebuilt on every scrape, so that a closed session leaves
+/// no line.
 void add_gauges(prometheus::Registry& now, const Metrics& metrics,
                 const SessionRegistry& registry) {
   const auto family = [&](const char* name, const char* help) -> auto& {
     return prometheus::BuildGauge().Name(name).Help(help).Register(now);
+  };
+  const auto counter = [&](const char* name, const char* help) -> auto& {
+    return prometheus::BuildCounter().Name(name).Help(help).Register(now);
   };
   const auto sessions = registry.list();
   family("kerf_sessions", "Sessions that are open.")
@@ -83,12 +87,28 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   auto& lag = family("kerf_journal_lag_records", "Records not yet committed to disk.");
   auto& paused = family("kerf_journal_paused", "1 while a session is paused: its disk fails.");
   auto& failed = family("kerf_journal_failed_commits", "Failed commits since the start.");
+  auto& commits = counter("kerf_journal_commits_total", "Commits since the start.");
+  auto& commit_s =
+      counter("kerf_journal_commit_seconds_total", "Duration of all commits since the start.");
+  auto& pending = family("kerf_journal_oldest_pending_seconds",
+                         "Age of the oldest record that is not committed.");
+  auto& bytes = family("kerf_journal_bytes", "Size of the journal on the disk.");
+  auto& cpu = counter("kerf_participant_cpu_seconds_total",
+                      "CPU time that the motions of a participant took on the session's thread.");
   auto& motions = family("kerf_session_motions", "Motions applied since the start.");
   for (const auto& session : sessions) {
     const prometheus::Labels labels = {{"session", session->id()}};
     lag.Add(labels).Set(static_cast<double>(session->journal_lag()));
     paused.Add(labels).Set(session->pause() ? 1 : 0);
-    failed.Add(labels).Set(static_cast<double>(session->failed_commits()));
+    const JournalFigures journal = session->journal_figures();
+    failed.Add(labels).Set(static_cast<double>(journal.failed_commits));
+    commits.Add(labels).Increment(static_cast<double>(journal.commits));
+    commit_s.Add(labels).Increment(journal.commit_s);
+    pending.Add(labels).Set(journal.oldest_pending_s);
+    bytes.Add(labels).Set(static_cast<double>(session->journal_bytes()));
+    for (const auto& [id, seconds] : session->cpu_costs()) {
+      cpu.Add({{"session", session->id()}, {"participant", std::to_string(id)}}).Increment(seconds);
+    }
     motions.Add(labels).Set(static_cast<double>(session->motions_applied()));
   }
 }

@@ -176,6 +176,7 @@ MotionAnswer Carving::answer(ParticipantState& state, Batch& batch) {
 
 std::optional<MotionAnswer> Carving::move(ParticipantState& state,
                                           std::span<const wire::MotionSample> samples) {
+  const CpuCosts::Meter meter(costs_, state.participant.id);
   Batch batch{.samples = samples};
   if (work(state, batch)) return answer(state, batch);
   batch.kept.assign(samples.begin(), samples.end());
@@ -185,6 +186,7 @@ std::optional<MotionAnswer> Carving::move(ParticipantState& state,
 }
 
 std::optional<MotionAnswer> Carving::go_on(ParticipantState& state) {
+  const CpuCosts::Meter meter(costs_, state.participant.id);
   const auto batch = batches_.find(state.participant.id);
   if (batch == batches_.end() || !work(state, batch->second)) return std::nullopt;
   MotionAnswer complete = answer(state, batch->second);
@@ -205,6 +207,7 @@ std::expected<void, Rejection> Carving::apply_air(ParticipantId id) {
 
 Carving::Applied Carving::apply_or_join(const ProgramStep& step, std::int64_t& tiles) {
   const ParticipantId id = step.participant;
+  const CpuCosts::Meter meter(costs_, id);
   const ProgramMotion& motion = step.motion;
   const MoveTool move{motion.tool, motion.from, motion.to, motion.duration_s, step.feel};
   const Tool* tool = sculpture_.tool(move.tool);

@@ -13,6 +13,7 @@
 #include "kernel/sculpture.h"
 #include "server/convert/rejection.h"
 #include "server/session/air_path.h"
+#include "server/session/cpu_costs.h"
 #include "server/session/participants.h"
 #include "server/session/program_runs.h"
 #include "server/session/reserved.h"
@@ -71,6 +72,9 @@ class Carving {
 
   /// Returns the tiles changed since the previous call, sorted.
   std::vector<TileIndex> take_changed();
+  /// CPU time by participant (any thread).
+  CpuCosts& costs() { return costs_; }
+  const CpuCosts& costs() const { return costs_; }
   /// Motions applied since the server started (any thread).
   std::uint64_t motions_applied() const { return motions_applied_.load(std::memory_order_relaxed); }
 
@@ -121,6 +125,7 @@ class Carving {
   std::map<ParticipantId, Cut> cuts_;
   std::vector<ParticipantId> left_;  ///< whose cuts may be in progress
   std::atomic<std::uint64_t> motions_applied_{0};
+  CpuCosts costs_;
 };
 
 }  // namespace kerf

@@ -151,7 +151,8 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& reque
   const bool is_viewer = request.kind == ParticipantKind::kViewer;
   if (!is_viewer) journal_.append(state->participant, state->token);
   if (is_viewer) ++viewers_;
-  states_.emplace(state->participant.id, *std::move(state));
+  const ParticipantId id = state->participant.id;
+  states_.emplace(id, *std::move(state));
   changed(!is_viewer);
   return admission;
 }

@@ -41,6 +41,7 @@ void Session::show_figures() {
 void Session::leave(ParticipantId id) {
   forget_batch(id);
   participants_.leave(id);
+  carving_.costs().forget(id);
   show_figures();
 }
 
@@ -136,7 +137,6 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.sequence = sequence();
   frame.motions = sculpture_.motions();
   frame.removed_mm3 = sculpture_.removed_volume_mm3();
-  frame.changed_sequence = journal_.removal_sequence();
   frame.hash = journal_.newest_hash();
   frame.hash_is_current = current_hash().has_value();
   frame.paused = pause().has_value();
@@ -144,6 +144,16 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.changed = carving_.take_changed();
   if (!frame.changed.empty() || with_snapshot) frame.snapshot = sculpture_.solid();
   return frame;
+}
+
+std::uintmax_t Session::journal_bytes() const {
+  std::uintmax_t bytes = 0;
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    std::error_code absent;
+    const auto size = std::filesystem::file_size(journal_.file().string() + suffix, absent);
+    if (!absent) bytes += size;
+  }
+  return bytes;
 }
 
 SessionInfo Session::info() const {

@@ -32,7 +32,6 @@ struct SessionFrame {
   wire::ToolStates tools;
   std::vector<TileIndex> changed;         ///< since the previous frame; sorted
   std::optional<SolidSnapshot> snapshot;  ///< set if a tile changed or a snapshot was requested
-  std::uint64_t changed_sequence = 0;     ///< of the last record that removed volume
   std::optional<StateHash> hash;          ///< the newest one known
   bool hash_is_current = false;           ///< `hash` is that of the solid at `sequence`
   bool paused = false;                    ///< the disk fails: motions are rejected
@@ -85,14 +84,17 @@ class Session : public std::enable_shared_from_this<Session> {
   /// The error of the disk while the session is paused: motions are rejected with kBusy until the
   /// journal, which tries every second, can be written again. Nullopt otherwise.
   std::optional<JournalError> pause() const { return journal_.pause(); }
-  /// Failed commits of the journal since the server started.
-  std::uint64_t failed_commits() const { return journal_.failed_commits(); }
+  JournalFigures journal_figures() const { return journal_.figures(); }
+  /// Size of the journal and its side files, bytes.
+  std::uintmax_t journal_bytes() const;
   /// Waits for nothing, also while the executor is busy.
   SessionFigures figures() const {
     return {shown_motions_, shown_removed_mm3_, shown_participants_};
   }
   /// Motions applied since the server started.
   std::uint64_t motions_applied() const { return carving_.motions_applied(); }
+  /// CPU time of the session's thread by participant, s.
+  std::map<ParticipantId, double> cpu_costs() const { return carving_.costs().all(); }
 
   // ---- executor only ----
   std::expected<Admission, Rejection> admit(const JoinRequest& request);

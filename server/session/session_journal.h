@@ -30,8 +30,7 @@ class SessionJournal {
   std::size_t lag() const { return writer_.lag(); }
   /// The error of the failed commit while the journal is paused; nullopt otherwise.
   std::optional<JournalError> pause() const { return writer_.pause(); }
-  /// Number of failed commits since the journal was opened.
-  std::uint64_t failed_commits() const { return writer_.failed_commits(); }
+  JournalFigures figures() const { return writer_.figures(); }
   /// Blocks until all records appended before the call are committed.
   std::expected<void, JournalError> flush() { return writer_.flush(); }
   /// Commits and closes the file; later appends fail. Call once.

@@ -73,7 +73,7 @@ asio::awaitable<void> ViewerConnection::join(const JoinRequest& request) {
   conversation_.joined(joined.first, joined.second);
   if (!joined.first) co_return;
   hub_ = context_.hubs.get(session_, context_);
-  hub_->add(conversation_.id(), &conversation_);
+  hub_->add(conversation_.id(), &conversation_, conversation_.first_look());
 }
 
 void ViewerConnection::leave_hub() {

@@ -30,9 +30,13 @@ ViewerHub::ViewerHub(std::shared_ptr<Session> session, PeerContext& context)
       side_(std::make_shared<FeedSide>()) {}
 ViewerHub::~ViewerHub() = default;
 
-void ViewerHub::add(ParticipantId id, ViewerConversation* viewer) {
+void ViewerHub::add(ParticipantId id, ViewerConversation* viewer, const FirstLook& first) {
   viewers_[id].conversation = viewer;
-  next_job_.joined.push_back(id);
+  if (first.follows) {
+    viewers_[id].look_due = Clock::now() + kLookWait;
+  } else {
+    next_job_.joined.emplace_back(id, first.look);
+  }
   if (running_) return start_job();
   running_ = true;
   listen();
@@ -56,7 +60,12 @@ void ViewerHub::acknowledge(ParticipantId id, std::uint64_t sequence) {
 }
 
 void ViewerHub::look(ParticipantId id, const ViewerLook& look) {
-  next_job_.looks[id] = look;
+  Viewer* viewer = find(id);
+  if (viewer != nullptr && std::exchange(viewer->look_due, std::nullopt)) {
+    next_job_.joined.emplace_back(id, look);
+  } else {
+    next_job_.looks[id] = look;
+  }
   start_job();
 }
 
@@ -107,6 +116,7 @@ asio::awaitable<void> ViewerHub::run() {
     SessionFrame frame = co_await run_on(threads_of(*session_), std::move(read));
     first = false;
     take_frame(std::move(frame));
+    start_overdue_snapshots();
     start_job();
     tick_.expires_after(kTick);
     boost::system::error_code ignored;
@@ -117,10 +127,11 @@ asio::awaitable<void> ViewerHub::run() {
 
 void ViewerHub::take_frame(SessionFrame frame) {
   if (frame.snapshot) {
+    revision_ = frame.motions;
     if (!side_->feed) {
-      side_->feed = std::make_unique<TileFeed>(*frame.snapshot, frame.changed_sequence);
+      side_->feed = std::make_unique<TileFeed>(*frame.snapshot, revision_);
     } else {
-      side_->feed->note_change(*frame.snapshot, frame.changed, frame.changed_sequence);
+      side_->feed->note_change(*frame.snapshot, frame.changed, revision_);
     }
     // The feed holds the snapshot. A second reference would make the kernel copy more tiles.
     frame.snapshot.reset();
@@ -129,6 +140,15 @@ void ViewerHub::take_frame(SessionFrame frame) {
   has_newest_ = true;
   send_tools();
   send_states();
+}
+
+void ViewerHub::start_overdue_snapshots() {
+  const auto now = Clock::now();
+  for (auto& [id, viewer] : viewers_) {
+    if (!viewer.look_due || now < *viewer.look_due) continue;
+    viewer.look_due.reset();
+    next_job_.joined.emplace_back(id, std::nullopt);
+  }
 }
 
 void ViewerHub::send_tools() {
@@ -147,7 +167,7 @@ void ViewerHub::send_states() {
   SurfaceState state{newest_.sequence, newest_.motions, newest_.removed_mm3, newest_.hash->hash};
   state.paused = newest_.paused;
   for (auto& [id, viewer] : viewers_) {
-    state.settled = newest_.hash_is_current && viewer.sent_sequence >= newest_.changed_sequence;
+    state.settled = newest_.hash_is_current && viewer.sent && *viewer.sent >= revision_;
     viewer.conversation->send_state(state);
   }
 }
@@ -170,7 +190,7 @@ void ViewerHub::start_job() {
 
 ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
   JobResult result;
-  for (const ParticipantId id : job.joined) side.ids[id] = side.feed->add_viewer();
+  for (const auto& [id, look] : job.joined) side.ids[id] = side.feed->add_viewer(look);
   for (const ParticipantId id : job.left) {
     const auto found = side.ids.find(id);
     if (found == side.ids.end()) continue;
@@ -190,7 +210,7 @@ ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
   for (const auto& [id, viewer] : side.ids) {
     while (auto frame = side.feed->next_frame(viewer)) result.frames.emplace_back(id, *frame);
     const auto state = side.feed->viewer_state(viewer);
-    if (state && state->sent) result.sent_sequences.emplace_back(id, state->revision);
+    if (state && state->sent) result.sent.emplace_back(id, state->revision);
   }
   const auto stats = side.feed->stats();
   result.tiles = stats.tiles_meshed - side.counted.tiles_meshed;
@@ -210,9 +230,8 @@ void ViewerHub::deliver(JobResult result) {
   for (auto& [id, frame] : result.frames) {
     if (Viewer* viewer = find(id)) viewer->conversation->send_mesh(std::move(frame));
   }
-  for (const auto& [id, sequence] : result.sent_sequences) {
-    Viewer* viewer = find(id);
-    if (viewer != nullptr) viewer->sent_sequence = std::max(viewer->sent_sequence, sequence);
+  for (const auto& [id, revision] : result.sent) {
+    if (Viewer* viewer = find(id)) viewer->sent = revision;
   }
   for (const ParticipantId id : result.bad_acks) {
     if (Viewer* viewer = find(id)) viewer->conversation->reject_ack();

@@ -3,8 +3,10 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,12 +25,14 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   ViewerHub(std::shared_ptr<Session> session, PeerContext& context);
   ~ViewerHub();
 
-  /// `viewer` must stay valid until remove().
-  void add(ParticipantId id, ViewerConversation* viewer);
+  /// `viewer` must stay valid until remove(). If its first look follows, its first snapshot starts
+  /// with that look, or after kLookWait without it.
+  void add(ParticipantId id, ViewerConversation* viewer, const FirstLook& first);
   void remove(ParticipantId id);
   void acknowledge(ParticipantId id, std::uint64_t sequence);
   /// Sets the position from which a viewer looks; only the newest counts.
   void look(ParticipantId id, const ViewerLook& look);
+  static constexpr std::chrono::seconds kLookWait{1};
   const std::shared_ptr<Session>& session() const { return session_; }
 
  private:
@@ -40,18 +44,20 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   };
   struct Viewer {
     ViewerConversation* conversation = nullptr;
-    std::uint64_t sent_sequence = 0;  ///< all mesh frames of the session up to here were sent
+    std::optional<Clock::time_point> look_due;  ///< the first snapshot awaits a look until then
+    std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
   /// Requests that have come since the last job.
   struct Job {
-    std::vector<ParticipantId> joined, left;
+    std::vector<std::pair<ParticipantId, std::optional<ViewerLook>>> joined;
+    std::vector<ParticipantId> left;
     std::vector<std::pair<ParticipantId, std::uint64_t>> acks;
     std::map<ParticipantId, ViewerLook> looks;
   };
   struct JobResult {
     std::vector<std::pair<ParticipantId, FeedFrame>> frames;
     std::vector<ParticipantId> bad_acks;
-    std::vector<std::pair<ParticipantId, std::uint64_t>> sent_sequences;
+    std::vector<std::pair<ParticipantId, std::uint64_t>> sent;
     std::uint64_t tiles = 0, bytes = 0;
   };
 
@@ -59,6 +65,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void on_event(const SessionEvent& event, Roster roster);
   boost::asio::awaitable<void> run();
   void take_frame(SessionFrame frame);
+  void start_overdue_snapshots();
   void send_tools();
   void send_states();
   void start_job();
@@ -78,6 +85,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   std::uint64_t tools_sent_ = 0;
   SessionFrame newest_;  ///< of the session, without its snapshot
   bool has_newest_ = false;
+  std::uint64_t revision_ = 0;  ///< newest one of the feed: the motions that its tiles include
 };
 
 /// The hubs of the sessions that have viewers. Viewers' thread only.

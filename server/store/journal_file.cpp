@@ -204,7 +204,7 @@ std::expected<std::filesystem::path, std::error_code> keep_journal(
     const std::filesystem::path& from, const std::filesystem::path& folder,
     const std::string& name) {
   for (int n = 1;; ++n) {
-    const auto to = folder / (name + (n > 1 ? "-" + std::to_string(n) : "") + kJournalExtension);
+    auto to = folder / (name + (n > 1 ? "-" + std::to_string(n) : "") + kJournalExtension);
     if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) != 0) {
       if (errno == EEXIST) continue;
       if (errno != EINVAL) return std::unexpected(std::error_code(errno, std::generic_category()));

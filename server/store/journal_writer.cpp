@@ -14,6 +14,12 @@ namespace kerf {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 /// ms since 1970, UTC.
 std::int64_t wall_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -50,6 +56,7 @@ struct JournalWriter::Impl {
     {
       const std::lock_guard lock(mutex);
       was_empty = buffer.empty();
+      if (was_empty) buffer_since = Clock::now();
       buffer.push_back(std::move(item));
       ++pushed;
     }
@@ -66,6 +73,7 @@ struct JournalWriter::Impl {
         if (buffer.empty()) return;
         wake.wait_for(lock, kGroupCommit, [&] { return stopping || flushing > 0; });
         group = std::exchange(buffer, {});
+        group_since = buffer_since;
       } else {
         wake.wait_for(lock, kJournalRetry, [&] { return stopping || retry_now; });
       }
@@ -74,8 +82,12 @@ struct JournalWriter::Impl {
       const bool is_last_try = stopping;
       const bool again = failure.has_value();
       lock.unlock();
+      const auto start = Clock::now();
       const auto outcome = again ? groups->commit_again(group) : groups->commit(group);
+      const double seconds = seconds_since(start);
       lock.lock();
+      figures.commit_s += seconds;
+      ++(outcome ? figures.commits : figures.failed_commits);
       if (outcome) {
         committed += group.size();
         note_durable(group);
@@ -99,7 +111,6 @@ struct JournalWriter::Impl {
   void note_outcome(const SqlResult<void>& outcome, std::unique_lock<std::mutex>& lock) {
     const bool was_paused = failure.has_value();
     failure = outcome ? std::nullopt : std::optional(to_journal_error(file, outcome.error()));
-    if (failure) ++failed_commits;
     done.notify_all();
     if (was_paused == failure.has_value() || !report) return;
     const auto call = report;
@@ -122,8 +133,10 @@ struct JournalWriter::Impl {
   mutable std::mutex mutex;
   std::condition_variable wake, done;
   std::vector<Pending> buffer;
-  std::size_t in_commit = 0;
-  std::uint64_t pushed = 0, committed = 0, failed_commits = 0;
+  std::size_t in_commit = 0;                    ///< rows of the group, until they are committed
+  Clock::time_point buffer_since, group_since;  ///< when their oldest rows were pushed
+  std::uint64_t pushed = 0, committed = 0;
+  JournalFigures figures;  ///< but for the age of the oldest record
   int flushing = 0;
   bool stopping = false, closed = false, retry_now = false;
   std::optional<JournalError> failure;  ///< of the last commit
@@ -196,9 +209,10 @@ std::expected<void, JournalError> JournalWriter::flush() {
   impl_->retry_now = impl_->failure.has_value();
   impl_->wake.notify_one();
   const std::uint64_t target = impl_->pushed;
-  const std::uint64_t failed_before = impl_->failed_commits;
+  const std::uint64_t failed_before = impl_->figures.failed_commits;
   impl_->done.wait(lock, [&] {
-    return impl_->closed || impl_->failed_commits > failed_before || impl_->committed >= target;
+    return impl_->closed || impl_->figures.failed_commits > failed_before ||
+           impl_->committed >= target;
   });
   --impl_->flushing;
   if (impl_->committed >= target) return {};
@@ -229,9 +243,15 @@ std::optional<JournalError> JournalWriter::pause() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->failure;
 }
-std::uint64_t JournalWriter::failed_commits() const {
+JournalFigures JournalWriter::figures() const {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->failed_commits;
+  JournalFigures figures = impl_->figures;
+  if (impl_->in_commit > 0) {
+    figures.oldest_pending_s = seconds_since(impl_->group_since);
+  } else if (!impl_->buffer.empty()) {
+    figures.oldest_pending_s = seconds_since(impl_->buffer_since);
+  }
+  return figures;
 }
 void JournalWriter::on_pause(std::function<void(const std::optional<JournalError>&)> report) {
   const std::lock_guard lock(impl_->mutex);

@@ -25,6 +25,13 @@ inline constexpr std::size_t kJournalBufferRecords = kBatchRecordsMax;
 /// A group whose commit failed is committed again at this interval.
 inline constexpr std::chrono::milliseconds kJournalRetry{1000};
 
+/// What a journal has done since it was opened.
+struct JournalFigures {
+  std::uint64_t commits = 0, failed_commits = 0;
+  double commit_s = 0;          ///< duration of all commits, the failed ones included
+  double oldest_pending_s = 0;  ///< age of the oldest record that is not committed
+};
+
 /// Writes a session's journal; one writer per file. append() copies into a bounded buffer, and a
 /// flusher thread commits groups. Call append() from one thread at a time (the session's executor),
 /// the other functions from any thread.
@@ -72,8 +79,7 @@ class JournalWriter {
   std::size_t lag() const;
   /// The error of the failed commit while the journal is paused; nullopt otherwise.
   std::optional<JournalError> pause() const;
-  /// Number of failed commits since the journal was opened.
-  std::uint64_t failed_commits() const;
+  JournalFigures figures() const;
   /// Calls `report` when a pause begins, with its error, and when it ends, with nullopt; on the
   /// flusher's thread, which must not call this writer. Replaces the previous function.
   void on_pause(std::function<void(const std::optional<JournalError>&)> report);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The process of a real server: its data folder, its limits, and requests without one Host."""
+import json
 import os
 import re
 import resource
@@ -7,6 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -46,6 +48,85 @@ class Folder(LiveTest):
         soft, hard = resource.prlimit(self.server.process.pid, resource.RLIMIT_NOFILE)
         self.assertEqual(soft, hard)
         self.assertGreater(hard, 256)
+
+
+class Configuration(LiveTest):
+    """Options from the command line, a file and the environment."""
+
+    def run_server(self, *options, text=None, **environment):
+        """Starts a server that a signal ends; returns its address, exit code and log."""
+        with tempfile.TemporaryDirectory() as folder:
+            if text is not None:
+                path = os.path.join(folder, "kerf.toml")
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(text)
+                options += ("--config", path)
+            process = subprocess.Popen(
+                [PROGRAM, *options], env={**os.environ, "KERF_DATA": folder, **environment},
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            address = process.stdout.readline().strip()
+            if address:
+                process.send_signal(signal.SIGTERM)
+            _, log = process.communicate(timeout=30)
+            return address, process.returncode, log
+
+    def test_options_may_stand_in_a_file_and_in_the_environment(self):
+        address, code, log = self.run_server(
+            text='listen = "127.0.0.2:0"\nlog-format = "json"\nallow-host = ["a.example"]\n')
+        self.assertTrue(address.startswith("http://127.0.0.2:"), address)
+        self.assertEqual(code, 0)
+        messages = [json.loads(line)["message"] for line in log.splitlines()]
+        self.assertIn("shutting down", messages)
+        address, code, _ = self.run_server(KERF_LISTEN="127.0.0.3:0")
+        self.assertTrue(address.startswith("http://127.0.0.3:"), address)
+
+    def test_the_command_line_counts_before_the_file_and_the_file_before_the_environment(self):
+        text = 'listen = "127.0.0.2:0"\n'
+        address, _, _ = self.run_server(text=text, KERF_LISTEN="127.0.0.3:0")
+        self.assertTrue(address.startswith("http://127.0.0.2:"), address)
+        address, _, _ = self.run_server("--listen", "127.0.0.4:0", text=text)
+        self.assertTrue(address.startswith("http://127.0.0.4:"), address)
+
+    def test_an_unknown_key_of_the_file_is_an_error_that_names_it(self):
+        address, code, log = self.run_server(text='lisen = "127.0.0.2:0"\n')
+        self.assertEqual((address, code), ("", 2))
+        self.assertIn("lisen", log)
+        self.assertIn("--config", log)
+
+
+class Metrics(LiveTest):
+    """Served, listed in the README and shown by the dashboard are the same metrics."""
+    NAME = re.compile(r"\bkerf_[a-z_]+")
+
+    def read(self, *path):
+        top = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+        with open(os.path.join(top, *path), encoding="utf-8") as file:
+            return file.read()
+
+    def served(self):
+        agent = Agent(self.port, "block")
+        agent.move([(0, 0, -1)])
+        agent.move([(1, 0, -1)])
+        agent.result()
+        text = self.server.http.request("GET", "/metrics")[2].decode()
+        return set(re.findall(r"^# TYPE (\S+)", text, re.MULTILINE))
+
+    def test_readme_lists_every_metric(self):
+        rows = [row for row in self.read("server", "metrics", "README.md").splitlines()
+                if row.startswith("| `")]
+        listed = {name for row in rows for name in self.NAME.findall(row.split("|")[1])}
+        # Counted by label, so it appears with the first one.
+        self.assertEqual(listed, self.served() | {"kerf_refused_total"})
+
+    def test_dashboard_shows_metrics_that_exist(self):
+        dashboard = json.loads(self.read("docker", "grafana.json"))
+        expressions = [target["expr"] for panel in dashboard["panels"]
+                       for target in panel["targets"]]
+        self.assertGreater(len(expressions), 12)
+        served = self.served() | {"kerf_refused_total"}
+        for expression in expressions:
+            for name in self.NAME.findall(expression):
+                self.assertIn(name.removesuffix("_bucket"), served, expression)
 
 
 class Hosts(LiveTest):

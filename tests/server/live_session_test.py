@@ -218,6 +218,32 @@ class Carving(LiveTest):
         self.assertEqual(far.receive_json("error")["code"], "too_fast")
 
 
+    def test_the_first_snapshot_starts_with_the_first_look(self):
+        carve(Agent(self.port, "block"), 100)
+        afar = {"eye_mm": [0, 0, 1e5], "error_rad": 0.01}
+        known = Viewer(self.port, "block", look=afar)
+        known.settled()
+        following = Viewer(self.port, "block", "Later", look=True)
+        following.send_json({"type": "look", **afar})
+        following.settled()
+        for viewer in known, following:
+            self.assertEqual((viewer.received, set(viewer.levels.values())), (9, {3}))
+        silent = Viewer(self.port, "block", "Silent", look=True)
+        silent.settled()
+        self.assertEqual((silent.received, set(silent.levels.values())), (9, {0}))
+
+    def test_mesh_frames_state_the_motions_that_they_include(self):
+        agent = Agent(self.port, "block")
+        carve(agent, 50)
+        viewer = Viewer(self.port, "block")
+        state = viewer.settled()
+        self.assertGreaterEqual(state["motions"], 49)
+        self.assertEqual(viewer.motions, state["motions"])
+        carve(agent, 50, phase=2.0)
+        while viewer.motions <= state["motions"]:
+            viewer.take()
+
+
 class Downloads(LiveTest):
     def setUp(self):
         super().setUp()

@@ -35,6 +35,36 @@ TEST_F(MetricsTest, GaugesFollowTheOpenSessions) {
   EXPECT_TRUE(has_line("kerf_session_motions{session=\"block\"} 0"));
 }
 
+TEST_F(MetricsTest, GaugesOfTheJournalFollowItsCommits) {
+  const auto session = start();
+  const auto id = join(*session);
+  carve_circle(*session, id, 20);
+  ASSERT_TRUE(session->flush());
+  const auto value = [&](const std::string& name) {
+    const std::string text = metrics.text(*registry);
+    const auto at = text.find("\n" + name + "{session=\"block\"} ");
+    return at == text.npos ? -1 : std::stod(text.substr(text.find(' ', at + 1)));
+  };
+  EXPECT_GE(value("kerf_journal_commits_total"), 1);
+  EXPECT_GT(value("kerf_journal_commit_seconds_total"), 0);
+  EXPECT_EQ(value("kerf_journal_oldest_pending_seconds"), 0);
+  EXPECT_GT(value("kerf_journal_bytes"), 4096);
+}
+
+TEST_F(MetricsTest, TheCpuTimeOfAParticipantGrowsWhileItCarvesAndEndsWithIt) {
+  const auto session = start();
+  const auto ada = join(*session), ben = join(*session, "Ben");
+  carve_circle(*session, ada, 100);
+  const auto costs = session->cpu_costs();
+  ASSERT_TRUE(costs.contains(ada));
+  EXPECT_GT(costs.at(ada), 0);
+  EXPECT_FALSE(costs.contains(ben));
+  EXPECT_TRUE(metrics.text(*registry).contains("kerf_participant_cpu_seconds_total{participant=\"" +
+                                               std::to_string(ada) + "\",session=\"block\"}"));
+  session->leave(ada);
+  EXPECT_TRUE(session->cpu_costs().empty());
+}
+
 TEST_F(MetricsTest, SortsTurnaroundsIntoBuckets) {
   metrics.motion_answered(80e-6);
   EXPECT_TRUE(has_line("kerf_turnaround_seconds_bucket{le=\"5e-05\"} 0"));

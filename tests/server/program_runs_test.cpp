@@ -114,7 +114,7 @@ TEST(MemoryBudget, SharesAreTakenAndGivenBack) {
   one->reduce(20);
   EXPECT_EQ(one->bytes(), 10U);
   EXPECT_EQ(budget.taken(), 50U);
-  MemoryBudget::Share moved = *std::move(two);
+  MemoryBudget::Share moved = std::move(*two);
   two.reset();
   EXPECT_EQ(budget.taken(), 50U);
   moved = MemoryBudget::Share();

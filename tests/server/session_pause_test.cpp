@@ -147,7 +147,7 @@ TEST_F(SessionPause, AJournalWithAHashBeyondItsEndIsLoadedAndNamed) {
 }
 
 TEST_F(SessionPause, AnUnreadableJournalIsListedAndItsIdStaysTaken) {
-  registry->create("good", kScene, SceneSource{});
+  ASSERT_TRUE(registry->create("good", kScene, SceneSource{}));
   std::ofstream(folder / "block.kerf") << std::string(5000, 'x');
   restart();
   api.emplace(options, *registry, metrics, *access);

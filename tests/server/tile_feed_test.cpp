@@ -124,6 +124,54 @@ TEST_F(TileFeedTest, FirstSnapshotIsSentInPartsWithAnEndFlag) {
   screen.expect_equal(sculpture_.solid());
 }
 
+TEST(TileFeedFirstSnapshot, UntouchedTilesShareTheirMeshes) {
+  Sculpture sculpture = test::make_sculpture(BoxStock{{0, 0, 0}, {400, 400, 8}}, 0.5);
+  TileFeed feed(sculpture.solid(), 0);
+  const ViewerId viewer = feed.add_viewer();
+  Screen screen;
+  std::uint64_t meshed = 0;
+  while (auto frame = feed.next_frame(viewer)) {
+    // A frame ends before other viewers have waited long for the tiles meshed for it.
+    EXPECT_LE(feed.stats().tiles_meshed - meshed, 200U);
+    meshed = feed.stats().tiles_meshed;
+    screen.apply(*frame);
+    ASSERT_TRUE(feed.ack(viewer, frame->sequence));
+  }
+  EXPECT_EQ(screen.tiles(), 625U);
+  EXPECT_LT(screen.bytes(), 300 * screen.tiles());
+  EXPECT_TRUE(screen.is_closed());
+  screen.expect_equal(sculpture.solid());
+}
+
+TEST_F(TileFeedTest, AFrameOfUnchangedTilesDoesNotEndBeforeTheChangedOnes) {
+  TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 1});
+  const ViewerId viewer = feed.add_viewer();
+  Screen screen;
+  screen.drain(feed, viewer);
+  for (int n = 0; n < 8; ++n) {
+    cut(feed);
+    screen.drain(feed, viewer);
+    EXPECT_TRUE(feed.viewer_state(viewer)->applied);
+    screen.expect_equal(sculpture_.solid());
+  }
+  EXPECT_GT(feed.stats().tiles_unchanged, 0U);
+}
+
+TEST_F(TileFeedTest, AViewerThatJoinsWithALookGetsEachTileOnce) {
+  TileFeed feed(sculpture_.solid(), 0);
+  cut(feed, 6);
+  const ViewerLook look{{20, 15, 3000}, 0.001};
+  const ViewerId viewer = feed.add_viewer(look);
+  Screen screen;
+  screen.drain(feed, viewer);
+  const int tiles = int(screen.tiles());
+  EXPECT_EQ(screen.levels(), (std::map<int, int>{{kDetailLevelMax, tiles}}));
+  feed.look(viewer, look);
+  EXPECT_FALSE(feed.next_frame(viewer));
+  EXPECT_EQ(screen.same_version(), 0U);
+  EXPECT_TRUE(screen.is_closed());
+}
+
 TEST_F(TileFeedTest, SlowViewersConvergeToTheNewestState) {
   TileFeed feed(sculpture_.solid(), 0, {.frame_bytes_max = 30000});
   const ViewerId fast = feed.add_viewer();

@@ -39,7 +39,8 @@ class UdpPortTest : public SessionTest {
     client = ::socket(AF_INET, SOCK_DGRAM, 0);
     ASSERT_GE(client, 0);
     server = *to_address("127.0.0.1", port.port());
-    ::connect(client, reinterpret_cast<const sockaddr*>(&server.peer), server.peer_bytes);
+    ASSERT_EQ(::connect(client, reinterpret_cast<const sockaddr*>(&server.peer), server.peer_bytes),
+              0);
     const timeval limit{5, 0};
     ::setsockopt(client, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
   }

@@ -45,6 +45,30 @@ TEST_F(ViewerConversationTest, ARejectedHelloMayBeRepeated) {
   join_viewer(*eve);
 }
 
+TEST_F(ViewerConversationTest, AHelloMayStateTheFirstLook) {
+  send_text(*eve, R"({"type":"hello","look":{"eye_mm":[0,0,90],"error_rad":0.001}})");
+  perform_join(*eve);
+  ASSERT_TRUE(eve->first_look().look);
+  EXPECT_EQ(eve->first_look().look->eye_mm.z, 90);
+  EXPECT_EQ(eve->first_look().look->error_rad, 0.001);
+  EXPECT_FALSE(eve->first_look().follows);
+  const auto later = viewer();
+  send_text(*later, R"({"type":"hello","look":true})");
+  EXPECT_TRUE(later->first_look().follows);
+  EXPECT_FALSE(later->first_look().look);
+}
+
+TEST_F(ViewerConversationTest, AHelloWithAnInvalidLookIsRejected) {
+  for (const char* look :
+       {"1", "[]", "null", "{}", R"({"eye_mm":[0,0,90]})",
+        R"({"eye_mm":[0,0,1e9],"error_rad":0.001})", R"({"eye_mm":[0,0,90],"error_rad":2})"}) {
+    const auto other = viewer();
+    send_text(*other, std::string(R"({"type":"hello","look":)") + look + "}");
+    EXPECT_EQ(error_code(*other), "bad_message") << look;
+    EXPECT_FALSE(other->has_action());
+  }
+}
+
 TEST_F(ViewerConversationTest, LooksAreLimitedToFivePerSecond) {
   join_viewer(*eve);
   int looks = 0;

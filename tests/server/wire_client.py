@@ -227,6 +227,7 @@ class Viewer(WebSocket):
         self.participant = self.welcome["participant"]
         self.tiles = {}   # version of each tile
         self.levels = {}  # level of detail of each tile
+        self.received = 0  # tiles of all frames
         self.tools = []
 
     def take(self, timeout=30):
@@ -249,9 +250,11 @@ class Viewer(WebSocket):
     def apply(self, glb):
         length = struct.unpack("<I", glb[12:16])[0]
         document = json.loads(glb[20:20 + length])
+        self.motions = document["scenes"][0]["extras"]["to"]
         for node in document["nodes"]:
             tile = node.get("extras", {}).get("tile")
             if tile is not None:
+                self.received += 1
                 self.tiles[tuple(tile)] = node["extras"]["version"]
                 self.levels[tuple(tile)] = node["extras"].get("level", 0)
 

@@ -3,6 +3,7 @@ import { beforeAll, describe, expect, it } from 'vitest';
 import * as THREE from 'three';
 import { TileParser } from '../src/view/glb_tiles';
 import { TileView } from '../src/view/tile_view';
+import { tileKey } from '../src/model/tiles';
 import { writeMeshGlb } from './support/glb.mjs';
 import type { TestTile } from './support/glb.mjs';
 
@@ -81,5 +82,27 @@ describe('tile view', () => {
     });
     expect(disposed).toEqual([1, 2]);
     expect(view.group.children).toHaveLength(0);
+  });
+
+  it('keeps a geometry that tiles share until the last one is gone', () => {
+    const view = new TileView(new THREE.MeshBasicMaterial());
+    const geometry = new THREE.BufferGeometry();
+    let disposed = 0;
+    geometry.addEventListener('dispose', () => (disposed += 1));
+    const tile = (x: number) => ({
+      x,
+      y: 0,
+      version: 1,
+      level: 0,
+      triangles: 2,
+      geometry,
+      matrix: new THREE.Matrix4(),
+    });
+    view.set(tile(0));
+    view.set(tile(1));
+    view.set({ ...tile(0), version: 2, geometry: new THREE.BufferGeometry() });
+    expect(disposed).toBe(0);
+    view.remove(tileKey(1, 0));
+    expect(disposed).toBe(1);
   });
 });

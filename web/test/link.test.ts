@@ -7,6 +7,8 @@ import type { LinkStatus, Socket } from '../src/link/view_link';
 import { SessionModel } from '../src/model/session';
 import { FakeServer } from './support/fake_server.mjs';
 
+const CAMERA = { eye_mm: [0, -50, 90] as [number, number, number], error_rad: 0.001 };
+
 /** Connects to the fake server; events update a model, mesh frames count as applied. */
 function join(
   port: number,
@@ -23,6 +25,7 @@ function join(
       name: 'Tester',
       open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
       probe,
+      look: () => (model.welcome ? CAMERA : null),
       nowMs: () => performance.now(),
       backoff: new Backoff(5, 20),
     },
@@ -93,6 +96,8 @@ describe('view link', () => {
       soon,
     );
     expect(server.hellos).toHaveLength(2);
+    // The first look follows the welcome, which has the size of the block.
+    expect(server.firstLooks).toEqual([true, CAMERA]);
     expect(model.tiles.complete).toBe(false);
     await vi.waitFor(() => expect(model.state).not.toBeNull(), soon);
     link.stop();

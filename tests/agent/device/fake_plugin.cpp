@@ -57,7 +57,7 @@ void close_device(void* device) { ++log_of(device).closes; }
 }  // namespace
 
 extern "C" KERF_AGENT_API const kerf_agent_device* KERF_FAKE_SYMBOL(void) {
-  static const kerf_agent_device table = {.struct_size = sizeof table,
+  static const kerf_agent_device kTable = {.struct_size = sizeof kTable,
                                           .abi = KERF_FAKE_ABI,
                                           .name = "fake plugin",
                                           .open = open_device,
@@ -66,5 +66,5 @@ extern "C" KERF_AGENT_API const kerf_agent_device* KERF_FAKE_SYMBOL(void) {
                                           .write_wrench = write_wrench,
                                           .stop = stop,
                                           .close = close_device};
-  return &table;
+  return &kTable;
 }

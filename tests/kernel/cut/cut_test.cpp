@@ -169,6 +169,29 @@ TEST(Cut, MotionsCommuteToTheBit) {
   }
 }
 
+TEST(Cut, AGapThatIsClosedDoesNotDependOnTheTopOfTheStock) {
+  // The groove of the tool is narrower than the tolerance, so it leaves no fin, also where the
+  // stock has ended within it before.
+  const double z = 12, groove = 0.0005, radius = 4, turn = 2e-5;
+  const Tool grooved = *make_tool(ProfileShape{
+      {ProfilePoint{radius, 0}, ProfilePoint{radius, 2}, ProfilePoint{1, 2},
+       ProfilePoint{1, 2 + groove}, ProfilePoint{radius, 2 + groove}, ProfilePoint{radius, 20}}});
+  const ToolPose from{{20, 20, z - 2}, kUp}, to{{20, 20, z - 2}, normalized(Vec3{turn, 0, 1})};
+  for (const double share : {0.25, 0.5, 0.75, 1.5}) {
+    const MoveTool level = stand(4, {20, 20, z + share * groove}), turning{3, from, to, 0};
+    Sculpture first = block(), second = block();
+    for (Sculpture* s : {&first, &second}) {
+      s->apply(DefineTool{3, grooved}).value();
+      s->apply(DefineTool{4, *make_tool(FlatShape{60, 8})}).value();
+    }
+    first.apply(level).value();
+    first.apply(turning).value();
+    second.apply(turning).value();
+    second.apply(level).value();
+    EXPECT_EQ(first.state_hash(), second.state_hash()) << share;
+  }
+}
+
 TEST(Cut, VolumeDecreasesByTheRemovedVolume) {
   Sculpture s = block();
   double removed = 0;

@@ -111,6 +111,21 @@ TEST(MovingSlice, SimpleRowsLoseWhatTheSliceTakesAtAnyPose) {
   EXPECT_GT(rows, 1500);
 }
 
+TEST(MovingSlice, EvaluatedRowsLoseWhatTheSliceTakesAtAnyPose) {
+  Random random(6);
+  int rows = 0;
+  for (int k = 0; k < 600; ++k) {
+    Sample s = sample(k, random);
+    s.search.bend_mm = 0.003;
+    ColumnBlock block = s.block, simple = s.block;
+    s.moving().add_simple_rows(simple);
+    s.moving().evaluate(block);
+    rows += std::popcount(block.filled & simple.rows);
+    expect_swept(s, block, 0xFF, "sample " + std::to_string(k));
+  }
+  EXPECT_GT(rows, 500);
+}
+
 TEST(MovingSlice, ARowDoesNotDependOnTheOthersThatAreEvaluated) {
   Random random(4);
   for (int k = 0; k < 1600; ++k) {

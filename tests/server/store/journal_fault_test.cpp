@@ -148,7 +148,7 @@ TEST_F(JournalFaults, ContinuesByItselfAndReportsEachPauseOnce) {
   disk.fail({DiskFault::kNoSpace, FaultTarget::kLog, 0});
   ASSERT_TRUE(append(*writer));
   ASSERT_TRUE(wait_for(1));
-  while (writer->failed_commits() < 3) EXPECT_FALSE(writer->flush());
+  while (writer->figures().failed_commits < 3) EXPECT_FALSE(writer->flush());
   disk.heal();
   ASSERT_TRUE(wait_for(2)) << "nobody calls flush: the journal itself tries again";
   EXPECT_EQ(reports, (std::vector<bool>{true, false}));
@@ -277,7 +277,7 @@ TEST_F(JournalFaults, AfterRandomFaultsTheJournalIsAPrefixWithEverythingDurable)
         if (below(2) == 0 && accepted > 0) writer->append(StateHash{accepted, accepted});
         if (below(3) == 0 && writer->flush()) durable = accepted;
       }
-      pauses += writer->failed_commits();
+      pauses += writer->figures().failed_commits;
       expect_prefix(motions_after_a_crash(), durable);  // heals the disk
       ASSERT_TRUE(writer->flush());
       durable = accepted;

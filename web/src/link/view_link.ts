@@ -49,6 +49,11 @@ export interface LinkOptions {
    * user; null retries.
    */
   probe(): Promise<string | null>;
+  /**
+   * The camera, once the block has been seen. It stands in the hello, so that the first snapshot
+   * has the right levels of detail. Before, null: a look follows the welcome.
+   */
+  look(): Look | null;
   nowMs(): number;
   backoff?: Backoff;
 }
@@ -118,7 +123,8 @@ export class ViewLink {
     this.socket_ = socket;
     const current = (): boolean => generation === this.generation_ && !this.stopped_;
     socket.onopen = () => {
-      const hello = { type: 'hello', name: this.options.name, changes: true };
+      const look = this.options.look() ?? true;
+      const hello = { type: 'hello', name: this.options.name, changes: true, look };
       if (current()) socket.send(JSON.stringify(hello));
     };
     socket.onmessage = (event) => {

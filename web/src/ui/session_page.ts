@@ -127,6 +127,7 @@ export class SessionPage {
         name,
         open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
         probe: () => probeSession(this.session),
+        look: () => (this.model.welcome ? this.viewer_.look().look : null),
         nowMs: () => performance.now(),
       },
       {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The block's surface: one mesh per tile. Tiles are replaced as a whole; the old tile's GPU buffers
-// are released immediately.
+// are released as soon as no tile uses them.
 
 import * as THREE from 'three';
 import { tileKey } from '../model/tiles';
@@ -9,6 +9,8 @@ import type { ParsedTile } from './glb_tiles';
 export class TileView {
   readonly group = new THREE.Group();
   private readonly meshes_ = new Map<number, THREE.Mesh>();
+  /** Number of displayed tiles by geometry: those of equal shape share one. */
+  private readonly users_ = new Map<THREE.BufferGeometry, number>();
 
   constructor(private readonly material: THREE.Material) {
     this.group.matrixAutoUpdate = false;
@@ -21,8 +23,9 @@ export class TileView {
       return;
     }
     let mesh = this.meshes_.get(key);
+    this.users_.set(tile.geometry, (this.users_.get(tile.geometry) ?? 0) + 1);
     if (mesh) {
-      mesh.geometry.dispose();
+      this.release_(mesh.geometry);
       mesh.geometry = tile.geometry;
     } else {
       mesh = new THREE.Mesh(tile.geometry, this.material);
@@ -40,8 +43,18 @@ export class TileView {
     const mesh = this.meshes_.get(key);
     if (!mesh) return;
     this.group.remove(mesh);
-    mesh.geometry.dispose();
+    this.release_(mesh.geometry);
     this.meshes_.delete(key);
+  }
+
+  private release_(geometry: THREE.BufferGeometry): void {
+    const left = (this.users_.get(geometry) ?? 0) - 1;
+    if (left > 0) {
+      this.users_.set(geometry, left);
+    } else {
+      this.users_.delete(geometry);
+      geometry.dispose();
+    }
   }
 
   /** Returns the first intersection of a ray with the block, or null. */

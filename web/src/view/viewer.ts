@@ -90,7 +90,6 @@ export class Viewer {
     for (const tile of tiles) {
       if (this.model.tiles.offer(tile.x, tile.y, tile.version, tile.triangles, tile.level))
         this.tiles_.set(tile);
-      else tile.geometry?.dispose();
     }
     if (header.flags & MESH_SNAPSHOT_LAST) {
       for (const key of this.model.tiles.finishSnapshot()) this.tiles_.remove(key);

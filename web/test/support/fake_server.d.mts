@@ -4,6 +4,7 @@ export class FakeServer {
   readonly acks: bigint[];
   readonly hellos: string[];
   readonly lookMessages: unknown[];
+  readonly firstLooks: unknown[];
   readonly viewers: Set<{
     ws: { send(data: string | Uint8Array): void; close(code: number): void };
   }>;

@@ -58,6 +58,7 @@ export class FakeServer {
     this.acks = [];
     this.hellos = [];
     this.lookMessages = [];
+    this.firstLooks = [];
   }
 
   async listen(port = 0) {
@@ -143,6 +144,7 @@ export class FakeServer {
     if (message.type !== 'hello') return;
     viewer.name = message.name;
     this.hellos.push(message.name);
+    this.firstLooks.push(message.look);
     this.viewers.add(viewer);
     const half = this.block.sizeMm / 2;
     viewer.ws.send(
