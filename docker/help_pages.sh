@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # help_pages.sh PROGRAM VERSION FOLDER: writes a man page (NAME.1) and completions for bash, fish and zsh, generated from
-# the program's --help, and from that of its subcommand where it has one.
+# the program's --help, and from that of its subcommands where it has some.
 set -eu
 program=$1 version=$2 folder=$3
 name=$(basename "$program")
 case $name in
-  kerf-agent) subcommand=doctor purpose='carve in a Kerf session with a haptic device' ;;
-  kerf-carve) subcommand=tradeoff purpose='carve a block with an NC program' ;;
-  kerf-server) subcommand='' purpose='sessions in which several people carve one block' ;;
-  *) subcommand='' purpose='write the tool paths of the Kerf demo' ;;
+  kerf-agent) subcommands=doctor purpose='carve in a Kerf session with a haptic device' ;;
+  kerf-carve) subcommands=tradeoff purpose='carve a block with an NC program' ;;
+  kerf-server) subcommands='check replay' purpose='sessions in which several people carve one block' ;;
+  *) subcommands='' purpose='write the tool paths of the Kerf demo' ;;
 esac
 mkdir -p "$folder"
 
@@ -43,30 +43,33 @@ man_options() {
       printf "\n%s\n", ($3 == "" ? "See above." : escape($3)) }'
 }
 
-usage_of() { "$program" --help | sed -n 's|^[Uu]sage: *[^ ]* *||p'; }
+usage_of() { "$program" "$@" --help | sed -n 's|^[Uu]sage: *[^ ]* *||p'; }
 summary_of() { "$program" "$@" --help | sed -n '1{/^[Uu]sage/!p}'; }
 escaped() { sed 's/\\/\\e/g; s/-/\\-/g'; }
 
 {
   printf '.TH %s 1 "" "kerf %s" "Kerf"\n.SH NAME\n%s \\- %s\n' "$(echo "$name" | tr '[:lower:]' '[:upper:]')" "$version" "$name" "$purpose"
   printf '.SH SYNOPSIS\n.B %s\n%s\n' "$name" "$(usage_of | escaped)"
-  if [ -n "$subcommand" ]; then printf '.br\n.B %s %s\n[OPTIONS]\n' "$name" "$subcommand"; fi
+  for subcommand in $subcommands; do
+    printf '.br\n.B %s %s\n%s\n' "$name" "$subcommand" "$(usage_of "$subcommand" | sed "s|^$subcommand *||" | escaped)"
+  done
   summary=$(summary_of | escaped)
   if [ -n "$summary" ]; then printf '.SH DESCRIPTION\n%s\n' "$summary"; fi
   if [ -n "$(options_of)" ]; then printf '.SH OPTIONS\n'; man_options; fi
-  if [ -n "$subcommand" ]; then
-    printf '.SH SUBCOMMAND\n.B %s %s\n.PP\n%s\n' "$name" "$subcommand" "$(summary_of "$subcommand" | escaped)"
+  if [ -n "$subcommands" ]; then printf '.SH SUBCOMMANDS\n'; fi
+  for subcommand in $subcommands; do
+    printf '.SS "%s %s"\n%s\n' "$name" "$subcommand" "$(summary_of "$subcommand" | escaped)"
     man_options "$subcommand"
-  fi
+  done
 } >"$folder/$name.1"
 
-# Words that may follow the program's name: long options, and the subcommand.
+# Words that may follow the program's name: long options, and the subcommands.
 words() {
-  { options_of; if [ -n "$subcommand" ]; then options_of "$subcommand"; fi; } | cut -f1 | tr ',' '\n' | grep '^--' | sort -u
+  { options_of; for subcommand in $subcommands; do options_of "$subcommand"; done; } | cut -f1 | tr ',' '\n' | grep '^--' | sort -u
 }
 {
   echo "# bash completion of $name"
-  echo "complete -o bashdefault -o default -W '$(words | tr '\n' ' ')$subcommand' $name"
+  echo "complete -o bashdefault -o default -W '$(words | tr '\n' ' ')$subcommands' $name"
 } >"$folder/$name.bash"
 
 options_of | awk -F '\t' -v name="$name" '
@@ -74,7 +77,9 @@ options_of | awk -F '\t' -v name="$name" '
     for (i = 1; i <= count; i++) if (names[i] ~ /^--/)
       printf "complete -c %s -l %s%s -d \047%s\047\n", name, substr(names[i], 3), ($2 == "" ? "" : " -r"), text }
   ' >"$folder/$name.fish"
-if [ -n "$subcommand" ]; then echo "complete -c $name -n __fish_use_subcommand -a $subcommand" >>"$folder/$name.fish"; fi
+for subcommand in $subcommands; do
+  echo "complete -c $name -n __fish_use_subcommand -a $subcommand" >>"$folder/$name.fish"
+done
 
 {
   printf '#compdef %s\n_arguments' "$name"

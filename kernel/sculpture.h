@@ -31,6 +31,7 @@ class Removal;
 class Workers;
 struct MotionStart;
 struct RemovedVolume;
+struct SculptureState;
 struct SweepSettings;
 struct ToolMotion;
 
@@ -103,6 +104,12 @@ class Sculpture {
   DexelSnapshot snapshot(RayAxis axis = RayAxis::kZ);
   /// Returns an immutable view of all fields.
   SolidSnapshot solid();
+  /// Returns the state after the last command; copies no column, and may be read on any thread
+  /// while the block changes. No motion may be applied in part (begin).
+  SculptureState state();
+  /// Takes over a state that state() returned for equal settings, in place of the present one;
+  /// false, without a change, if it is that of a block with other rays.
+  bool restore(const SculptureState& state);
   /// Hashes the solid over all fields; O(touched tiles). Replays, replicas and tests compare it.
   std::uint64_t state_hash() { return solid().hash(); }
   /// Returns the bytes that all fields hold; O(touched tiles).

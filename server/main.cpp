@@ -6,21 +6,25 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <chrono>
 #include <climits>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "server/http/static_files.h"
 #include "server/log/log.h"
+#include "server/maintenance.h"
 #include "server/rights/admin_token.h"
 #include "server/server.h"
 #include "server/store/journal_file.h"
@@ -36,6 +40,7 @@ struct CommandLine {
   std::string udp;
   std::vector<std::string> scenes;
   std::string admin_token_file;
+  double snapshot_s = 1;
   ServerOptions server;
 };
 
@@ -69,14 +74,14 @@ bool parse_udp(const std::string& text, kerf::net::UdpOptions& udp) {
   return good;
 }
 
-/// Creates the session of a scene file unless it exists, e.g. from before a restart. Returns the
-/// error text of an invalid scene, empty otherwise. A journal that cannot be read or written is
-/// logged: it does not stop the other sessions.
+/// Creates the session of a scene file unless it exists or is being loaded, e.g. from before a
+/// restart. Returns the error text of an invalid scene, empty otherwise. A journal that cannot be
+/// read or written is logged: it does not stop the other sessions.
 std::string open_scene(kerf::SessionRegistry& sessions, const std::string& file) {
   const auto scene = kerf::load_scene(file);
   if (!scene) return to_string(scene.error());
   const std::string id = kerf::id_from_name(scene->name);
-  if (sessions.find(id)) return {};
+  if (sessions.is_loading(id) || sessions.find(id)) return {};
   if (const auto error = sessions.unreadable(id)) {
     kerf::log::error("session " + id + " of " + file +
                      " is not open, its journal stays as it is: " + describe(*error));
@@ -156,9 +161,8 @@ int serve(CommandLine line) {
   if (const auto port = (*server)->udp_port(); port != 0) {
     kerf::log::info("UDP: port " + std::to_string(port));
   }
-  for (const auto& session : (*server)->sessions().list()) {
-    kerf::log::info("session " + session->id() + ": " + (*server)->url() +
-                    "/?session=" + session->id());
+  for (const std::string& id : (*server)->sessions().ids()) {
+    kerf::log::info("session " + id + ": " + (*server)->url() + "/?session=" + id);
   }
   int signal = 0;
   sigwait(&signals, &signal);
@@ -186,6 +190,47 @@ void accept_configuration(CLI::App& app) {
   app.allow_config_extras(CLI::config_extras_mode::error);
 }
 
+/// The commands that verify files instead of serving sessions.
+struct Commands {
+  std::string folder, journal;
+
+  void add(CLI::App& app) {
+    app.add_subcommand("check",
+                       "reads the journals and snapshots of a data folder; exits with 1 if "
+                       "something is wrong, and says what to do")
+        ->add_option("DATA", folder, "data folder, also of a running server")
+        ->required();
+    app.add_subcommand("replay",
+                       "carves a journal from the start and compares it with its state hashes and "
+                       "its snapshot; exits with 1 at the first difference")
+        ->add_option("FILE", journal, "journal, DATA/SESSION.kerf")
+        ->required();
+  }
+  /// The exit status of the command that was named; nullopt if none was.
+  std::optional<int> run(const CLI::App& app) const {
+    if (app.got_subcommand("check")) return kerf::check_data(folder);
+    if (app.got_subcommand("replay")) return kerf::replay_journal(journal);
+    return std::nullopt;
+  }
+};
+
+kerf::SnapshotLimits snapshot_limits(double replay_s) {
+  kerf::SnapshotLimits limits;
+  limits.replay_time =
+      std::chrono::round<std::chrono::microseconds>(std::chrono::duration<double>(replay_s));
+  limits.pause = std::min(limits.pause, 2 * limits.replay_time);
+  return limits;
+}
+
+void describe_rights(CLI::App& app, CommandLine& line) {
+  app.add_option("--admin-token-file", line.admin_token_file,
+                 "file with the administrator's token; made with a random one if it does not "
+                 "exist. Or the environment variable KERF_ADMIN_TOKEN. Then everybody needs a "
+                 "token or an invitation");
+  app.add_flag("--open", line.server.open,
+               "for demonstrations: who has no token watches, and carves within limits");
+}
+
 int run(int argc, char** argv) {
   CommandLine line;
   line.server.http.web_folder = kerf::net::find_web_folder();
@@ -199,6 +244,10 @@ int run(int argc, char** argv) {
       "--listen");
   app.add_option("--data", line.server.http.data_folder, "folder of the sessions' journals")
       ->capture_default_str();
+  app.add_option("--snapshot-after", line.snapshot_s,
+                 "s of replay at the next start after which a snapshot of a block is written")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.add_option("--scene", line.scenes,
                  "scene file whose session is created unless it exists; may be repeated");
   app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
@@ -208,12 +257,9 @@ int run(int argc, char** argv) {
       "host name");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
-  app.add_option("--admin-token-file", line.admin_token_file,
-                 "file with the administrator's token; made with a random one if it does not "
-                 "exist. Or the environment variable KERF_ADMIN_TOKEN. Then everybody needs a "
-                 "token or an invitation");
-  app.add_flag("--open", line.server.open,
-               "for demonstrations: who has no token watches, and carves within limits");
+  describe_rights(app, line);
+  Commands commands;
+  commands.add(app);
   std::string log_format = "text";
   app.add_option("--log-format", log_format, "text, or json: an object per line")
       ->check(CLI::IsMember({"text", "json"}))
@@ -227,6 +273,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
   }
+  if (const auto status = commands.run(app)) return *status;
+  line.server.snapshots = snapshot_limits(line.snapshot_s);
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
   kerf::log::open(log_format == "json" ? kerf::log::Format::kJson : kerf::log::Format::kText);
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {

@@ -35,6 +35,8 @@ constexpr std::chrono::seconds kDrainTime{2};
 /// Time until the journals that the disk did not let the server read are tried again; doubled after
 /// each attempt that changed nothing.
 constexpr std::chrono::seconds kReloadTime{1}, kReloadTimeMax{60};
+/// Sessions that are loaded at the same time: each needs a core, and memory beside its block.
+constexpr unsigned kLoadersMax = 4;
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
@@ -53,6 +55,33 @@ void log_pause(const std::string& id, const std::optional<JournalError>& error) 
   }
 }
 
+void log_snapshot_failure(const std::string& id, const std::string& reason) {
+  log::warn("session " + id + ": no snapshot can be written: " + reason +
+            "; the next start will take longer");
+}
+
+void log_report(const LoadReport& report) {
+  for (const std::string& id : report.loaded) log::info("session " + id + " is loaded");
+  for (const JournalError& failure : report.failures) {
+    log::error(std::string(to_string(failure.code)) + ": " + describe(failure) +
+               "; its session is not open, and its journal stays as it is");
+  }
+  for (const IgnoredSnapshot& snapshot : report.ignored) {
+    log::warn("session " + snapshot.id + ": its snapshot was ignored: " + snapshot.reason +
+              "; all records were replayed");
+  }
+  for (const ShortenedSession& session : report.shortened) {
+    log::warn("session " + session.id + ": the journal ends after record " +
+              std::to_string(session.last_sequence) +
+              ", before its newest state hash: what came later is lost, and the hash was dropped");
+  }
+  for (const RecarvedSession& session : report.recarved) {
+    log::warn("session " + session.id + ": the journal is of kernel version " +
+              std::to_string(session.kernel_version) + "; carved again with version " +
+              std::to_string(kKernelVersion));
+  }
+}
+
 }  // namespace
 
 struct Server::Impl {
@@ -63,8 +92,10 @@ struct Server::Impl {
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
+        snapshots("snapshots", 1, 10),
         registry(
-            {options.http.data_folder, options.sessions_max, options.session, log_pause},
+            {options.http.data_folder, options.sessions_max, options.session, log_pause,
+             SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics, *access),
@@ -76,7 +107,9 @@ struct Server::Impl {
 
   asio::awaitable<void> accept();
   std::expected<void, std::string> listen_udp();
-  /// Starts the sessions whose disk failed when the server started, as soon as it works again.
+  /// Loads the sessions of the folder side by side; then those whose disk failed meanwhile, as
+  /// soon as it works again.
+  void load(const std::stop_token& stop);
   void reload(const std::stop_token& stop);
 
   ServerOptions options;
@@ -85,7 +118,7 @@ struct Server::Impl {
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
-  IoThreads viewers, meshing;
+  IoThreads viewers, meshing, snapshots;
   SessionRegistry registry;
   Api api;
   IoThreads immediate, control, workers, exports;  ///< after `api`, which their work uses
@@ -96,8 +129,23 @@ struct Server::Impl {
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
-  std::jthread reloader;
+  std::jthread loader;
 };
+
+void Server::Impl::load(const std::stop_token& stop) {
+  const std::stop_callback end(stop, [this] { registry.stop_loading(); });
+  {
+    std::vector<std::jthread> threads;
+    const unsigned count = std::clamp(std::thread::hardware_concurrency(), 1U, kLoadersMax);
+    for (unsigned n = 0; n < count; ++n) {
+      threads.emplace_back([this] {
+        LoadReport report;
+        while (registry.load_next(report)) log_report(std::exchange(report, {}));
+      });
+    }
+  }
+  reload(stop);
+}
 
 void Server::Impl::reload(const std::stop_token& stop) {
   std::mutex mutex;
@@ -160,22 +208,11 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
                               .open = options.open});
   if (!access) return std::unexpected(access.error());
   auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock), *std::move(access));
-  const LoadReport loaded = impl->registry.load_all();
-  for (const JournalError& failure : loaded.failures) {
-    log::error(std::string(to_string(failure.code)) + ": " + describe(failure));
+  if (const auto found = impl->registry.find_journals(); !found) {
+    log::error(describe(found.error()));
   }
-  for (const ShortenedSession& session : loaded.shortened) {
-    log::warn("session " + session.id + ": the journal ends after record " +
-              std::to_string(session.last_sequence) +
-              ", before its newest state hash: what came later is lost, and the hash was dropped");
-  }
-  for (const RecarvedSession& session : loaded.recarved) {
-    log::warn("session " + session.id + ": the journal is of kernel version " +
-              std::to_string(session.kernel_version) + "; carved again with version " +
-              std::to_string(kKernelVersion));
-  }
-  impl->reloader =
-      std::jthread([server = impl.get()](const std::stop_token& stop) { server->reload(stop); });
+  impl->loader =
+      std::jthread([server = impl.get()](const std::stop_token& stop) { server->load(stop); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 
@@ -214,7 +251,7 @@ std::expected<void, std::string> Server::listen() {
 
 void Server::stop() {
   if (std::exchange(impl_->stopped, true)) return;
-  impl_->reloader = {};  // stops it
+  impl_->loader = {};  // stops it
   // The acceptor belongs to the viewers' thread: it is closed there and destroyed here.
   std::promise<void> closed;
   impl_->viewers.post([&closed, impl = impl_.get()] {
@@ -228,7 +265,8 @@ void Server::stop() {
     log::error("the last records could not be written and are lost: " + describe(lost));
   }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
-  while (impl_->metrics.agents + impl_->metrics.viewers > 0 &&
+  const Metrics& metrics = impl_->metrics;
+  while (metrics.agents + metrics.viewers + metrics.waiting_to_load > 0 &&
          std::chrono::steady_clock::now() < deadline) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

@@ -30,6 +30,7 @@ struct ServerOptions {
   std::size_t connections_max = 4096;
   std::size_t sessions_max = 64;
   SessionLimits session;
+  SnapshotLimits snapshots;
   UdpOptions udp;
   std::string admin_token;  ///< empty: none; kept as its hash only
   bool open = false;        ///< who has no token is a guest
@@ -38,8 +39,8 @@ struct ServerOptions {
 /// The complete service in one process: session registry, threads and listeners.
 class Server {
  public:
-  /// Creates the data folder if needed, locks it and reopens its sessions. A broken journal is
-  /// logged and skipped. Fails if another server uses the folder.
+  /// Creates the data folder if needed, locks it, and begins to load its sessions on threads of
+  /// their own. A broken journal is logged and skipped. Fails if another server uses the folder.
   static std::expected<std::unique_ptr<Server>, std::string> create(ServerOptions options);
   ~Server();
 

@@ -45,6 +45,11 @@ DexelSnapshot DexelField::snapshot() {
   return {grid_, stock_, tiles_};
 }
 
+void DexelField::restore(const DexelSnapshot& state) {
+  tiles_ = state.tiles();
+  ++era_;  // the tiles are shared with the view
+}
+
 std::size_t DexelField::memory_bytes() const {
   std::size_t bytes = sizeof *this + tiles_.bytes();
   tiles_.for_each([&](TileIndex, const DexelTile& tile) { bytes += tile.bytes(); });

@@ -40,6 +40,12 @@ class DexelField {
   void put(TileIndex tile, std::shared_ptr<DexelTile> fresh);
   /// Returns an immutable view of the present state.
   DexelSnapshot snapshot();
+  /// Returns whether a view is one of a field with the same rays and stock.
+  bool fits(const DexelSnapshot& state) const {
+    return state.grid() == grid_ && state.stock() == stock_;
+  }
+  /// Takes over the tiles of a view that fits.
+  void restore(const DexelSnapshot& state);
   /// Returns the volume of the stock's columns before the first cut, mm^3.
   double stock_volume_mm3() const { return stock_volume_mm3_; }
   /// Returns the bytes of the field, including what it shares with snapshots; O(touched tiles).

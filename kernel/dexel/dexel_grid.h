@@ -19,6 +19,7 @@ struct DexelGrid {
   std::int32_t columns_x = 0, columns_y = 0;
   std::int32_t height_quanta = 0;  ///< the block's height
   RayAxis axis = RayAxis::kZ;      ///< world axis that the frame's Z points along
+  friend bool operator==(const DexelGrid&, const DexelGrid&) = default;
   std::int32_t tiles_x() const { return (columns_x + kTileSide - 1) / kTileSide; }
   std::int32_t tiles_y() const { return (columns_y + kTileSide - 1) / kTileSide; }
   bool has(TileIndex tile) const {

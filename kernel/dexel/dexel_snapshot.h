@@ -22,6 +22,7 @@ class DexelSnapshot {
 
   const DexelGrid& grid() const { return grid_; }
   const StockShape& stock() const { return stock_; }
+  const TileDirectory& tiles() const { return tiles_; }
   /// Returns whether the tile is stored. An untouched tile has exactly the stock's shape.
   bool touched(TileIndex tile) const { return tiles_.find(tile) != nullptr; }
   /// Calls visit(TileIndex, const DexelTile&) for every stored tile, in an order that depends only

@@ -27,4 +27,18 @@ void Engagements::forget(std::uint32_t tool) {
   std::erase_if(users_, [tool](const User& u) { return u.tool == tool; });
 }
 
+std::vector<ToolUser> Engagements::users() const {
+  std::vector<ToolUser> users;
+  users.reserve(users_.size());
+  for (const User& user : users_) users.push_back({user.tool, user.at});
+  return users;
+}
+
+void Engagements::restore(std::span<const ToolUser> users) {
+  users_.clear();
+  for (const ToolUser& user : users.last(std::min(users.size(), kUsersMax))) {
+    users_.push_back({user.tool, user.at, Engagement(pitch_mm_), false});
+  }
+}
+
 }  // namespace kerf

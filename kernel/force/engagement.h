@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kernel/force/travel_queue.h"
@@ -25,6 +26,12 @@ struct Engagement {
   Vec3 direction;       ///< mean direction of that centroid over kFeltTravelMm; length <= 1
 };
 
+/// Where the last motion of a user of a tool ended.
+struct ToolUser {
+  std::uint32_t tool = 0;
+  ToolPose at;
+};
+
 /// The engagements of all users who carve one block. A user is identified by tool and pose: a
 /// motion that starts where another of the same tool ended continues its engagement; any other
 /// motion starts a new one. Whether a motion continues does not depend on which motions were felt.
@@ -42,6 +49,13 @@ class Engagements {
   Followed follow(std::uint32_t tool, const ToolPose& from, const ToolPose& to, bool felt);
   /// Drops the engagements of a tool, because it was redefined.
   void forget(std::uint32_t tool);
+  /// Returns the users; the most recently moved is last.
+  std::vector<ToolUser> users() const;
+  /// Replaces all users by these, at most kUsersMax, with nothing pending.
+  void restore(std::span<const ToolUser> users);
+  /// Greatest number of simultaneous users. A further one replaces the one that moved least
+  /// recently.
+  static constexpr std::size_t kUsersMax = 256;
 
  private:
   struct User {
@@ -50,9 +64,6 @@ class Engagements {
     Engagement engagement;
     bool pending;  ///< felt since the engagement was new
   };
-  /// Greatest number of simultaneous users. A further one replaces the one that moved least
-  /// recently.
-  static constexpr std::size_t kUsersMax = 256;
 
   double pitch_mm_;
   std::vector<User> users_;  ///< the most recently moved is last

@@ -13,6 +13,8 @@ namespace {
 
 using Json = nlohmann::json;
 
+}  // namespace
+
 bool is_below_session(const std::vector<std::string>& path) {
   return path.size() > 2 && path[0] == "v1" && path[1] == "sessions";
 }
@@ -49,6 +51,12 @@ ApiResponse not_found() {
 }
 
 ApiResponse no_session(const SessionRegistry& registry, const std::string& id) {
+  if (registry.is_loading(id)) {
+    ApiResponse response = error_response(503, "session_loading",
+                                          "session " + id + " is being loaded; try again later");
+    response.headers.emplace_back("Retry-After", "1");
+    return response;
+  }
   if (const auto error = registry.unreadable(id)) {
     return error_response(500, "unreadable_session",
                           "the journal cannot be read and stays as it is: " + error->reason);
@@ -156,7 +164,10 @@ ApiResponse Api::ready(const ApiCall&) {
   for (const UnreadableSession& session : registry_.unreadable()) unreadable.push_back(session.id);
   const bool loaded = registry_.loaded();
   const char* status = !loaded ? "loading" : paused.empty() ? "ready" : "paused";
-  const Json json = {{"status", status}, {"paused", paused}, {"unreadable", unreadable}};
+  const Json json = {{"status", status},
+                     {"loading", registry_.loading()},
+                     {"paused", paused},
+                     {"unreadable", unreadable}};
   return json_response(loaded && paused.empty() ? 200 : 503, json.dump());
 }
 

@@ -55,8 +55,10 @@ struct ApiResponse {
 ApiResponse error_response(unsigned status, std::string_view code, std::string_view reason,
                            std::string_view path = {});
 ApiResponse not_found();
-/// The response to a request for a session that is not open: 404, or 500 if its journal cannot be
-/// read.
+/// Whether a path is that of a session, or of something in it.
+bool is_below_session(const std::vector<std::string>& path);
+/// The response to a request for a session that is not open: 503 with Retry-After while it is being
+/// loaded, 500 if its journal cannot be read, otherwise 404.
 ApiResponse no_session(const SessionRegistry& registry, const std::string& id);
 /// 503 with Retry-After: the memory for uploads and programs is used up.
 ApiResponse out_of_memory();

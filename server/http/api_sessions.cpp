@@ -90,7 +90,12 @@ ApiResponse Api::list_sessions(const ApiCall& call) {
                           {"code", to_string(session.error.code)},
                           {"reason", session.error.reason}});
   }
-  return json_response(200, to_text({{"sessions", list}, {"unreadable", unreadable}}));
+  auto loading = registry_.loading();
+  std::erase_if(loading, [&](const std::string& id) {
+    return !call.caller.grant.empty() && id != call.caller.session;
+  });
+  return json_response(
+      200, to_text({{"sessions", list}, {"loading", loading}, {"unreadable", unreadable}}));
 }
 
 ApiResponse Api::create_session(const ApiCall& call) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -39,6 +40,9 @@ using Request = http::request<http::string_body>;
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
 constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
+/// A request for a session that is being loaded waits for it as long as this.
+constexpr std::chrono::seconds kLoadTime{5};
+constexpr std::chrono::milliseconds kLoadPoll{5};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
 constexpr std::string_view kForeignHost =
     "the server is not addressed by this name; name it with --allow-host, or use its IP address";
@@ -89,6 +93,7 @@ class Connection {
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
+  asio::awaitable<void> wait_until_loaded(const ApiRequest& target);
   IoThreads& threads_for(Runs runs) const;
   void watch(const std::shared_ptr<std::stop_source>& gone);
   asio::awaitable<bool> reject_malformed();
@@ -164,6 +169,11 @@ asio::awaitable<bool> Connection::serve_one() {
   if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));
   add_credentials(parser.get(), *request);
+  // Who has no right to a session does not learn that it is loading.
+  Caller caller;
+  const RouteMatch match = match_route(request->method, request->path);
+  auto rejection = context_.api.refuse(*request, match, caller);
+  if (!rejection) co_await wait_until_loaded(*request);
   if (beast::websocket::is_upgrade(parser.get())) {
     co_await upgrade(parser.get(), *request);
     co_return false;
@@ -172,16 +182,12 @@ asio::awaitable<bool> Connection::serve_one() {
   if (!read_only && !origin_allowed(headers, context_.options)) {
     co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
   }
-  const RouteMatch match = match_route(request->method, request->path);
   if (request->method == "OPTIONS" && !headers.origin.empty() && !match.allow.empty()) {
     ApiResponse allowed = preflight(match.allow);
     const bool more = parser.get().keep_alive() && parser.content_length().value_or(0) == 0;
     co_return co_await answer(parser.get(), allowed, more && !parser.chunked());
   }
-  Caller caller;
-  if (auto rejection = context_.api.refuse(*request, match, caller)) {
-    co_return co_await answer(parser.get(), *rejection, false);
-  }
+  if (rejection) co_return co_await answer(parser.get(), *rejection, false);
   if (!co_await read_body(parser, body_bytes_max(match, request->method))) co_return false;
   request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
   request->range = std::string(view(parser.get()[http::field::range]));
@@ -204,6 +210,21 @@ asio::awaitable<bool> Connection::serve_one() {
   watched_.reset();
   upload_ = {};
   co_return co_await answer(parser.get(), response, keep_alive);
+}
+
+asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target) {
+  if (!is_below_session(target.path) || !context_.registry.is_loading(target.path[2])) co_return;
+  context_.registry.hasten(target.path[2]);
+  stream_.expires_never();
+  ++context_.metrics.waiting_to_load;
+  asio::steady_timer pause(stream_.get_executor());
+  const auto end = std::chrono::steady_clock::now() + kLoadTime;
+  while (context_.registry.is_loading(target.path[2]) && std::chrono::steady_clock::now() < end) {
+    pause.expires_after(kLoadPoll);
+    error_code ignored;
+    co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  }
+  --context_.metrics.waiting_to_load;
 }
 
 asio::awaitable<bool> Connection::reject_malformed() {

@@ -80,6 +80,9 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   family("kerf_sessions", "Sessions that are open.")
       .Add({})
       .Set(static_cast<double>(sessions.size()));
+  family("kerf_sessions_loading", "Sessions that are not loaded yet.")
+      .Add({})
+      .Set(static_cast<double>(registry.loading().size()));
   auto& connections = family("kerf_connections", "Open connections by kind.");
   connections.Add({{"kind", "agent"}}).Set(static_cast<double>(metrics.agents.load()));
   connections.Add({{"kind", "viewer"}}).Set(static_cast<double>(metrics.viewers.load()));

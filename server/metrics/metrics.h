@@ -42,6 +42,8 @@ class Metrics {
   void motion_gap();
 
   std::atomic<std::int64_t> agents{0}, viewers{0}, connections{0};
+  /// Requests that wait until their session is loaded.
+  std::atomic<std::int64_t> waiting_to_load{0};
 
   /// Returns everything as text, with gauges of the sessions that are open now.
   std::string text(const SessionRegistry& registry) const;

@@ -70,7 +70,9 @@ Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int
 }
 
 Carving::Applied Carving::apply_recorded(ParticipantId id, const Command& command) {
+  const auto start = std::chrono::steady_clock::now();
   auto result = sculpture_.apply(command);
+  work_time_ += std::chrono::steady_clock::now() - start;
   if (!result) return std::unexpected(to_rejection(result.error()));
   note(id, *result);
   return *std::move(result);
@@ -79,7 +81,9 @@ Carving::Applied Carving::apply_recorded(ParticipantId id, const Command& comman
 std::optional<MotionResult> Carving::advance(ParticipantId id, std::int64_t& tiles) {
   if (tiles <= 0) return std::nullopt;
   SerialWorkers alone;
+  const auto start = std::chrono::steady_clock::now();
   auto result = sculpture_.advance(cuts_.at(id).pieces, tiles, alone);
+  work_time_ += std::chrono::steady_clock::now() - start;
   tiles = 0;
   if (!result) return std::nullopt;
   cuts_.erase(id);

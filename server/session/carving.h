@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <map>
@@ -72,6 +73,10 @@ class Carving {
 
   /// Returns the tiles changed since the previous call, sorted.
   std::vector<TileIndex> take_changed();
+  /// Time spent on applying motions: what their replay takes, or more.
+  std::chrono::microseconds work_time() const {
+    return std::chrono::duration_cast<std::chrono::microseconds>(work_time_);
+  }
   /// CPU time by participant (any thread).
   CpuCosts& costs() { return costs_; }
   const CpuCosts& costs() const { return costs_; }
@@ -124,6 +129,7 @@ class Carving {
   std::map<ParticipantId, Batch> batches_;  ///< in progress
   std::map<ParticipantId, Cut> cuts_;
   std::vector<ParticipantId> left_;  ///< whose cuts may be in progress
+  std::chrono::steady_clock::duration work_time_{0};
   std::atomic<std::uint64_t> motions_applied_{0};
   CpuCosts costs_;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "server/session/hash_text.h"
+#include "server/store/block_snapshot.h"
 
 namespace kerf {
 namespace {
@@ -35,45 +36,119 @@ std::expected<Scene, JournalError> journal_scene(const JournalReader& reader,
   return *std::move(scene);
 }
 
-std::expected<Replayed, JournalError> replay(const std::filesystem::path& file) {
-  auto reader = JournalReader::open(file);
-  if (!reader) return std::unexpected(reader.error());
-  auto scene = journal_scene(*reader, file);
+namespace {
+
+/// Creates the block of a journal as it was before the first record.
+std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
+                                                const std::filesystem::path& file) {
+  auto scene = journal_scene(reader, file);
   if (!scene) return std::unexpected(scene.error());
   auto sculpture = Sculpture::create(scene->settings);
   if (!sculpture) return std::unexpected(corrupt(file, 0, sculpture.error().reason));
-
-  const auto& hashes = reader->state_hashes();
-  const bool comparable = reader->header().kernel_version == kKernelVersion && !hashes.empty();
-  const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash
-  std::uint64_t last_sequence = 0;
-  for (;;) {
-    auto record = reader->next();
-    if (!record) return std::unexpected(record.error());
-    if (!*record) break;
-    last_sequence = (*record)->sequence;
-    const auto applied = sculpture->apply(without_force(std::move((*record)->command)));
-    if (!applied) return std::unexpected(corrupt(file, last_sequence, applied.error().reason));
-    if (newest.sequence == last_sequence && sculpture->state_hash() != newest.hash) {
-      return std::unexpected(corrupt(file, last_sequence,
-                                     "replay gives state hash " +
-                                         hash_text(sculpture->state_hash()) +
-                                         ", the journal stores " + hash_text(newest.hash)));
-    }
-  }
   ParticipantId last_participant = 0;
-  for (const JournalParticipant& participant : reader->participants()) {
+  for (const JournalParticipant& participant : reader.participants()) {
     last_participant = std::max(last_participant, participant.participant);
   }
-  const StateHash hash{last_sequence, sculpture->state_hash()};
-  return Replayed{*std::move(scene),
-                  reader->header(),
-                  *std::move(sculpture),
-                  last_sequence,
-                  last_participant,
-                  Resumable(reader->participants()),
-                  hash,
-                  reader->dropped_hashes()};
+  return Replayed{.scene = *std::move(scene),
+                  .header = reader.header(),
+                  .sculpture = *std::move(sculpture),
+                  .last_participant = last_participant,
+                  .resumable = Resumable(reader.participants()),
+                  .hash = {},
+                  .dropped_hashes = reader.dropped_hashes()};
+}
+
+/// Applies the records of a reader, and compares the solid with the newest stored hash.
+std::expected<void, JournalError> apply_records(JournalReader& reader,
+                                                const std::filesystem::path& file,
+                                                const std::stop_token& stop, Replayed& block) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto& hashes = reader.state_hashes();
+  const bool comparable = reader.header().kernel_version == kKernelVersion && !hashes.empty();
+  const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash
+  const auto compare = [&]() -> std::expected<void, JournalError> {
+    if (newest.sequence == 0 || newest.sequence != block.last_sequence) return {};
+    const std::uint64_t hash = block.sculpture.state_hash();
+    if (hash == newest.hash) return {};
+    return std::unexpected(corrupt(file, block.last_sequence,
+                                   "replay gives state hash " + hash_text(hash) +
+                                       ", the journal stores " + hash_text(newest.hash)));
+  };
+  if (auto ok = compare(); !ok) return ok;  // of the snapshot
+  for (;;) {
+    auto record = reader.next();
+    if (!record) return std::unexpected(record.error());
+    if (!*record) break;
+    if (stop.stop_requested()) {
+      return std::unexpected(JournalError{JournalErrorCode::kIo, file.string(), 0, "stopped"});
+    }
+    block.last_sequence = (*record)->sequence;
+    const auto applied = block.sculpture.apply(without_force(std::move((*record)->command)));
+    if (!applied) {
+      return std::unexpected(corrupt(file, block.last_sequence, applied.error().reason));
+    }
+    if (auto ok = compare(); !ok) return ok;
+  }
+  block.replay_time = std::chrono::duration_cast<std::chrono::microseconds>(
+      std::chrono::steady_clock::now() - start);
+  block.hash = {block.last_sequence, block.sculpture.state_hash()};
+  return {};
+}
+
+/// The error says why the snapshot, or the records after it, cannot be used.
+std::expected<Replayed, std::string> replay_from_snapshot(const std::filesystem::path& file,
+                                                          const SnapshotHead& head,
+                                                          const std::stop_token& stop) {
+  auto reader = JournalReader::open(file, RecordOrder::kSequence, stop, head.sequence + 1);
+  if (!reader) return std::unexpected(describe(reader.error()));
+  if (reader->header().kernel_version != kKernelVersion) {
+    return std::unexpected("the journal is of another version of the kernel");
+  }
+  if (head.sequence > reader->last_sequence()) {
+    return std::unexpected("it holds records that the journal does not have");
+  }
+  const auto mark = reader->mark(head.sequence);
+  if (!mark || *mark != head.mark) return std::unexpected("it is of another journal");
+  auto block = untouched(*reader, file);
+  if (!block) return std::unexpected(describe(block.error()));
+  {
+    const auto snapshot = read_snapshot(snapshot_file(file), block->sculpture);
+    if (!snapshot) return std::unexpected(snapshot.error().reason);
+    if (!block->sculpture.restore(snapshot->state)) {
+      return std::unexpected("it is of another block");
+    }
+  }
+  block->last_sequence = block->snapshot_sequence = head.sequence;
+  if (auto ok = apply_records(*reader, file, stop, *block); !ok) {
+    return std::unexpected(describe(ok.error()));
+  }
+  return *std::move(block);
+}
+
+}  // namespace
+
+std::expected<Replayed, JournalError> replay(const std::filesystem::path& file,
+                                             const std::stop_token& stop) {
+  auto reader = JournalReader::open(file, RecordOrder::kSequence, stop);
+  if (!reader) return std::unexpected(reader.error());
+  auto block = untouched(*reader, file);
+  if (!block) return block;
+  if (auto ok = apply_records(*reader, file, stop, *block); !ok) return std::unexpected(ok.error());
+  return block;
+}
+
+std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
+                                              const std::stop_token& stop) {
+  const auto head = read_snapshot_head(snapshot_file(file));
+  std::string fault = head || head.error().is_missing ? "" : head.error().reason;
+  if (head) {
+    auto restored = replay_from_snapshot(file, *head, stop);
+    if (restored) return *std::move(restored);
+    fault = restored.error();
+  }
+  auto replayed = replay(file, stop);
+  if (replayed) replayed->snapshot_fault = std::move(fault);
+  return replayed;
 }
 
 }  // namespace kerf

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <expected>
 #include <filesystem>
-#include <functional>
+#include <stop_token>
+#include <string>
 
 #include "server/formats/scene.h"
 #include "server/session/resumable.h"
@@ -22,6 +25,11 @@ struct Replayed {
   StateHash hash;  ///< of the solid after the last record
   /// Stored hashes beyond the last record, which were ignored: the journal has lost its end.
   std::size_t dropped_hashes = 0;
+  /// The last record of the snapshot from which the replay began; 0: from the start.
+  std::uint64_t snapshot_sequence = 0;
+  /// Why the snapshot was ignored, as one sentence; empty: it was used, or there is none.
+  std::string snapshot_fault = {};
+  std::chrono::microseconds replay_time{0};  ///< of the records after the snapshot
 
   /// The journal's hashes are of another version of the kernel: the block has been carved again by
   /// this one, and may differ from what was cut then.
@@ -31,8 +39,15 @@ struct Replayed {
 /// Applies every record of a journal to the initial block and compares the result with the newest
 /// stored state hash. Errors name the file and the first record that is damaged, is rejected by the
 /// kernel, or gives a different state hash. Hashes of another version of the kernel are not
-/// compared (is_recarved).
-std::expected<Replayed, JournalError> replay(const std::filesystem::path& file);
+/// compared (is_recarved). Fails soon after a stop was requested.
+std::expected<Replayed, JournalError> replay(const std::filesystem::path& file,
+                                             const std::stop_token& stop = {});
+
+/// The same result, from the snapshot beside the journal and the records after it. A snapshot that
+/// cannot be used is ignored: then all records are replayed. Records before the snapshot are not
+/// verified.
+std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
+                                              const std::stop_token& stop = {});
 
 /// Parses the scene of a journal. It was valid when it was stored, so an invalid scene is reported
 /// as kCorrupt.

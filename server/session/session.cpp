@@ -27,7 +27,8 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
                     replayed.last_participant, std::move(replayed.resumable)),
       carving_(limits_, sculpture_, journal_, participants_),
-      workers_(workers) {
+      workers_(workers),
+      schedule_({}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()) {
   participants_.defer_changes([this] { report_changes(); });
   show_figures();
 }
@@ -115,6 +116,7 @@ std::optional<MotionAnswer> Session::begin_move(ParticipantId id,
   auto answer = carving_.move(*state, samples);
   show_figures();
   if (journal_.removal_sequence() != removal_before) schedule_hash();
+  write_snapshot_if_due();
   return answer;
 }
 
@@ -124,6 +126,7 @@ std::optional<MotionAnswer> Session::go_on(ParticipantId id) {
   auto answer = carving_.go_on(*state);
   show_figures();
   schedule_hash();
+  write_snapshot_if_due();
   return answer;
 }
 
@@ -205,6 +208,7 @@ void Session::close(const std::string& reason) {
   programs_.cancel_all();
   retire_programs();
   closed_ = true;
+  keep_last_state();
   participants_.notify({reason.empty() ? "the session is closed" : reason});
   participants_.unlisten_all();
 }

@@ -6,12 +6,15 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "kernel/sculpture_state.h"
 #include "server/formats/scene.h"
 #include "server/rights/caller.h"
 #include "server/session/carving.h"
@@ -20,6 +23,7 @@
 #include "server/session/replay.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
+#include "server/session/snapshot_schedule.h"
 #include "server/threads/executor.h"
 
 namespace kerf {
@@ -45,6 +49,14 @@ struct SessionInfo {
   bool paused = false;  ///< the disk fails: motions are rejected until it recovers
   std::uint32_t epoch = 1;
   std::vector<Participant> participants;
+};
+
+/// How a session keeps snapshots of its block beside its journal.
+struct SnapshotOptions {
+  Executor* writer = nullptr;  ///< writes them and outlives the session; null: none are written
+  SnapshotLimits limits;
+  /// Called with the reason when one cannot be written, after one that could; on any thread.
+  std::function<void(const std::string& id, const std::string& reason)> on_failure = {};
 };
 
 /// What lists of sessions show, as of the end of the last motion or change of the participants.
@@ -77,8 +89,9 @@ class Session : public std::enable_shared_from_this<Session> {
   const DexelGrid& grid() const { return sculpture_.grid(); }
   /// Blocks until all motions applied before the call are in the journal file.
   std::expected<void, JournalError> flush() { return journal_.flush(); }
-  /// Commits and closes the journal. Call once, after close().
-  std::expected<void, JournalError> finish_journal() { return journal_.finish(); }
+  /// Commits and closes the journal, with a last snapshot if that saves time at the next start.
+  /// Call once, after close(). Afterwards no snapshot is written.
+  std::expected<void, JournalError> finish_journal(bool with_snapshot = false);
   /// Records not yet committed.
   std::size_t journal_lag() const { return journal_.lag(); }
   /// The error of the disk while the session is paused: motions are rejected with kBusy until the
@@ -95,6 +108,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t motions_applied() const { return carving_.motions_applied(); }
   /// CPU time of the session's thread by participant, s.
   std::map<ParticipantId, double> cpu_costs() const { return carving_.costs().all(); }
+
+  /// Writes a snapshot now and then from now on. Call once, when the session has been created.
+  void keep_snapshots(SnapshotOptions options);
 
   // ---- executor only ----
   std::expected<Admission, Rejection> admit(const JoinRequest& request);
@@ -197,6 +213,11 @@ class Session : public std::enable_shared_from_this<Session> {
   void compute_hash();
   void report_changes();
   void show_figures();
+  void write_snapshot_if_due();
+  std::expected<void, std::string> write_snapshot(std::uint64_t at, const SculptureState& state);
+  std::expected<void, std::string> write_snapshot_locked(std::uint64_t at,
+                                                         const SculptureState& state);
+  void keep_last_state();
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;
@@ -212,6 +233,11 @@ class Session : public std::enable_shared_from_this<Session> {
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};
   bool closed_ = false;
+  SnapshotOptions snapshots_;
+  SnapshotSchedule schedule_;
+  std::unique_ptr<SculptureState> last_state_;  ///< of a closed session
+  std::mutex snapshot_mutex_;                   ///< held while one is written; guards the next two
+  bool snapshots_ended_ = false, snapshots_fail_ = false;
   Clock::time_point changes_reported_{};
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;

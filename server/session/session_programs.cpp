@@ -54,6 +54,7 @@ void Session::run_programs() {
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   retire_programs();
   show_figures();
+  write_snapshot_if_due();
   if (!wait) {
     programs_scheduled_ = false;
     return;

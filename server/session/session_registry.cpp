@@ -85,94 +85,6 @@ std::filesystem::path SessionRegistry::journal_path(const std::string& id) const
   return options_.data_folder / (id + kJournalExtension);
 }
 
-std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
-                                                                             Opened& opened) {
-  const auto file = journal_path(id);
-  auto replayed = replay(file);
-  if (!replayed) return std::unexpected(replayed.error());
-  auto journal = JournalWriter::open(file, replayed->last_sequence);
-  if (!journal) return std::unexpected(journal.error());
-  opened = {replayed->header.kernel_version, replayed->last_sequence, replayed->dropped_hashes > 0};
-  if (options_.on_pause) {
-    journal->on_pause([id, report = options_.on_pause](const auto& error) { report(id, error); });
-  }
-  if (replayed->is_recarved()) journal->append_recarved(replayed->hash);
-  return std::make_shared<Session>(id, *std::move(replayed), *std::move(journal), options_.session,
-                                   make_executor_(id), workers_);
-}
-
-LoadReport SessionRegistry::load_all() {
-  LoadReport report;
-  std::vector<std::string> ids;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(options_.data_folder, error)) {
-    const std::string id = entry.path().stem().string();
-    if (entry.path().extension() == kJournalExtension && is_session_id(id)) ids.push_back(id);
-  }
-  if (error) {
-    report.failures.push_back(
-        {JournalErrorCode::kIo, options_.data_folder.string(), 0, error.message()});
-  }
-  std::ranges::sort(ids);
-  for (const std::string& id : ids) load(id, report);
-  const std::lock_guard lock(mutex_);
-  loaded_ = true;
-  return report;
-}
-
-void SessionRegistry::load(const std::string& id, LoadReport& report) {
-  Opened opened;
-  std::expected<std::shared_ptr<Session>, JournalError> session;
-  try {
-    session = start(id, opened);
-  } catch (const std::exception& error) {  // e.g. not enough memory for this block
-    session = std::unexpected(
-        JournalError{JournalErrorCode::kIo, journal_path(id).string(), 0, error.what()});
-  }
-  const std::lock_guard lock(mutex_);
-  unreadable_.erase(id);
-  if (!session) {
-    report.failures.push_back(session.error());
-    // Its operator may have moved it away.
-    if (session.error().code != JournalErrorCode::kNotFound) unreadable_[id] = session.error();
-    return;
-  }
-  if (opened.kernel_version != kKernelVersion) {
-    report.recarved.push_back({id, opened.kernel_version});
-  }
-  if (opened.shortened) report.shortened.push_back({id, opened.last_sequence});
-  sessions_[id] = *std::move(session);
-}
-
-std::vector<std::string> SessionRegistry::retry_disk_failures() {
-  std::vector<std::string> started;
-  for (const UnreadableSession& session : unreadable()) {
-    if (session.error.code != JournalErrorCode::kIo) continue;
-    LoadReport report;
-    load(session.id, report);
-    if (report.failures.empty()) started.push_back(session.id);
-  }
-  return started;
-}
-
-bool SessionRegistry::loaded() const {
-  const std::lock_guard lock(mutex_);
-  return loaded_;
-}
-
-std::vector<UnreadableSession> SessionRegistry::unreadable() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<UnreadableSession> list;
-  for (const auto& [id, error] : unreadable_) list.push_back({id, error});
-  return list;
-}
-
-std::optional<JournalError> SessionRegistry::unreadable(const std::string& id) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = unreadable_.find(id);
-  return found == unreadable_.end() ? std::nullopt : std::optional(found->second);
-}
-
 std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string id,
                                                                    const std::string& name) {
   using enum RegistryErrorCode;
@@ -255,6 +167,15 @@ std::vector<std::shared_ptr<Session>> SessionRegistry::list() const {
   return list;
 }
 
+std::vector<std::string> SessionRegistry::ids() const {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> ids = loading_;
+  for (const auto& [id, session] : sessions_) {
+    if (session) ids.insert(id);
+  }
+  return {ids.begin(), ids.end()};
+}
+
 void SessionRegistry::end(const std::shared_ptr<Session>& session, const std::string& reason) {
   std::promise<void> closed;
   session->executor().post([&] {
@@ -305,7 +226,7 @@ std::vector<JournalError> SessionRegistry::close_all(const std::string& reason) 
   std::vector<JournalError> failures;
   for (const auto& session : list()) {
     end(session, reason);
-    if (auto ok = session->finish_journal(); !ok) failures.push_back(ok.error());
+    if (auto ok = session->finish_journal(true); !ok) failures.push_back(ok.error());
   }
   const std::lock_guard lock(mutex_);
   sessions_.clear();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <expected>
 #include <filesystem>
 #include <functional>
@@ -8,6 +9,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +35,7 @@ struct RegistryOptions {
   /// Called when a session pauses because its journal cannot be written, with the error, and when
   /// it continues, with nullopt; on a thread of the journal.
   std::function<void(const std::string& id, const std::optional<JournalError>&)> on_pause = {};
+  SnapshotOptions snapshots = {};
 };
 
 /// A session whose journal was written with another version of the kernel: its block has been
@@ -47,14 +51,22 @@ struct ShortenedSession {
   std::uint64_t last_sequence;  ///< of the last record that is left
 };
 
-/// Outcome of SessionRegistry::load_all.
+/// A session whose snapshot could not be used: all of its records were replayed.
+struct IgnoredSnapshot {
+  std::string id;
+  std::string reason;
+};
+
+/// Outcome of SessionRegistry::load_all or load_next.
 struct LoadReport {
+  std::vector<std::string> loaded;     ///< sessions that are open now
   std::vector<JournalError> failures;  ///< journals that cannot be read; they are left unchanged
   std::vector<RecarvedSession> recarved;
   std::vector<ShortenedSession> shortened;
+  std::vector<IgnoredSnapshot> ignored;
 };
 
-/// A journal of the data folder that load_all could not read.
+/// A journal of the data folder that could not be loaded.
 struct UnreadableSession {
   std::string id;
   JournalError error;
@@ -74,17 +86,31 @@ class SessionRegistry {
   using MakeExecutor = std::function<std::shared_ptr<Executor>(const std::string& id)>;
   SessionRegistry(RegistryOptions options, MakeExecutor make_executor, Executor& workers);
 
-  /// Starts a session for every journal of the data folder. A journal that cannot be read is
+  /// Lists the journals of the data folder without reading them: their sessions are loading from
+  /// now on. The error is that of a folder that cannot be read.
+  std::expected<void, JournalError> find_journals();
+  /// Starts one of the sessions that wait to be loaded and adds the outcome to `report`; false if
+  /// none waits. Several threads may call it at the same time. A journal that cannot be loaded is
   /// reported and stays as it is; its id remains taken.
+  bool load_next(LoadReport& report);
+  /// find_journals(), then load_next() until none waits.
   LoadReport load_all();
+  /// Makes a session that waits the next one to be loaded; no effect for any other.
+  void hasten(const std::string& id);
+  /// Ends the loading: those in progress fail soon, those that wait are not started.
+  void stop_loading();
+  /// Whether a session waits to be loaded, or is being loaded.
+  bool is_loading(const std::string& id) const;
+  /// The sessions that wait or are being loaded, sorted.
+  std::vector<std::string> loading() const;
   /// Tries again to start the sessions whose journals could not be read because of the disk, e.g.
   /// because it was full. Returns those that were started.
   std::vector<std::string> retry_disk_failures();
-  /// True once load_all() has ended.
+  /// True once the journals have been found and none is loading.
   bool loaded() const;
-  /// The journals that load_all() could not read.
+  /// The journals that could not be loaded.
   std::vector<UnreadableSession> unreadable() const;
-  /// The error of the journal of session `id`, if load_all() could not read it.
+  /// The error of the journal of session `id`, if it could not be loaded.
   std::optional<JournalError> unreadable(const std::string& id) const;
 
   /// Starts a new session. If `id` is empty, a unique one is derived from the scene's name.
@@ -93,6 +119,8 @@ class SessionRegistry {
                                                                 const SceneSource& source);
   std::shared_ptr<Session> find(const std::string& id) const;
   std::vector<std::shared_ptr<Session>> list() const;
+  /// The sessions that are open or loading, sorted.
+  std::vector<std::string> ids() const;
 
   /// Ends a session. Moves its journal to the folder `closed` (move it back to reopen the session),
   /// or deletes it with `purge`.
@@ -108,6 +136,7 @@ class SessionRegistry {
     std::int64_t kernel_version = kKernelVersion;
     std::uint64_t last_sequence = 0;
     bool shortened = false;
+    std::string snapshot_fault = {};
   };
   std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id,
                                                               Opened& opened);
@@ -121,7 +150,10 @@ class SessionRegistry {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Session>> sessions_;  ///< null during creation and close
   std::map<std::string, JournalError> unreadable_;
-  bool loaded_ = false;
+  std::deque<std::string> waiting_;  ///< to be loaded, in this order
+  std::set<std::string> loading_;    ///< those that wait, and those that are being loaded
+  std::stop_source stop_loading_;
+  bool found_ = false;
 };
 
 }  // namespace kerf

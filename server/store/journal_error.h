@@ -13,7 +13,8 @@ enum class JournalErrorCode {
   kForeignVersion,  ///< unsupported version of the tables
   kCorrupt,         ///< `sequence` is the first bad record (0: outside the records)
   kIo,              ///< an operation of the disk or the operating system failed
-  kFull             ///< the disk does not keep up and the bounded buffer is full
+  kFull,            ///< the disk does not keep up and the bounded buffer is full
+  kNotLoaded        ///< its session cannot be loaded for another reason, e.g. lack of memory
 };
 
 struct JournalError {

@@ -65,8 +65,8 @@ SqlResult<void> insert_files(SqlDatabase& database,
 }
 
 /// Suffixes of the write-ahead log and its index, which SQLite keeps beside an open database and
-/// leaves after a crash.
-constexpr const char* kSideFileSuffixes[] = {"-wal", "-shm"};
+/// leaves after a crash, and of the snapshot (block_snapshot.h).
+constexpr const char* kSideFileSuffixes[] = {"-wal", "-shm", "-snapshot"};
 
 JournalError make_error(JournalErrorCode code, const std::filesystem::path& file,
                         std::string reason) {
@@ -91,6 +91,8 @@ const char* to_string(JournalErrorCode code) {
       return "journal_io";
     case JournalErrorCode::kFull:
       return "journal_full";
+    case JournalErrorCode::kNotLoaded:
+      return "journal_not_loaded";
   }
   return "journal_io";
 }

@@ -33,6 +33,8 @@ struct JournalHeader {
   std::map<std::string, std::string> files = {};  ///< contents of the scene's files, by name
   /// Version of the kernel that computed the newest state hash.
   std::int64_t kernel_version = kKernelVersion;
+  /// The first record whose hash that version has computed. Read only.
+  std::uint64_t kernel_since = 0;
 };
 
 /// Creates an empty journal; fails with kExists if the file exists.
@@ -44,13 +46,14 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
 /// Writes a consistent copy of a journal, which may be in use by a writer.
 std::expected<void, JournalError> copy_journal(const std::filesystem::path& from,
                                                const std::filesystem::path& to);
-/// Moves a closed journal, and the files that SQLite may have left beside it, to
+/// Moves a closed journal, its snapshot, and the files that SQLite may have left beside it, to
 /// `folder`/NAME.kerf, or NAME-2.kerf and so on if that name is taken: no file is overwritten.
 /// Returns the new path.
 std::expected<std::filesystem::path, std::error_code> keep_journal(
     const std::filesystem::path& from, const std::filesystem::path& folder,
     const std::string& name);
-/// Deletes a journal, and the files that SQLite may have left beside it. Errors are ignored.
+/// Deletes a journal, its snapshot, and the files that SQLite may have left beside it. Errors are
+/// ignored.
 void remove_journal(const std::filesystem::path& file);
 /// Converts an SQLite error: kCorrupt if the file is damaged, otherwise kIo.
 JournalError to_journal_error(const std::filesystem::path& file, const SqlError& error);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "kernel/math/hash.h"
 #include "server/store/crc32.h"
 
 namespace kerf {
@@ -23,7 +24,8 @@ JournalError JournalReader::corrupt(std::uint64_t sequence, std::string reason) 
 
 std::expected<JournalReader, JournalError> JournalReader::open(const std::filesystem::path& file,
                                                                RecordOrder order,
-                                                               std::stop_token stop) {
+                                                               std::stop_token stop,
+                                                               std::uint64_t from) {
   auto database = open_journal(file, SqlMode::kRead);
   if (!database) return std::unexpected(database.error());
   if (stop.stop_possible()) database->end_on(stop);
@@ -32,7 +34,7 @@ std::expected<JournalReader, JournalError> JournalReader::open(const std::filesy
     return std::unexpected(to_journal_error(file, ok.error()));
   }
   JournalReader reader(file, *std::move(database), order, std::move(stop));
-  auto rows = RecordRows::open(file, *reader.database_);
+  auto rows = RecordRows::open(file, *reader.database_, from);
   if (!rows) return std::unexpected(rows.error());
   reader.rows_ = *std::move(rows);
   if (auto ok = reader.read_head(); !ok) return std::unexpected(ok.error());
@@ -129,6 +131,32 @@ std::expected<void, JournalError> JournalReader::read_agents() {
   }
 }
 
+std::expected<std::optional<std::uint64_t>, JournalError> JournalReader::mark(
+    std::uint64_t sequence) {
+  Hash hash;
+  hash.add(crc32(std::as_bytes(std::span(header_.session))));
+  hash.add(crc32(std::as_bytes(std::span(header_.scene_json))));
+  hash.add(sequence);
+  const std::string at = std::to_string(sequence);
+  const std::pair<const char*, std::string> queries[] = {
+      {"batches", "SELECT first, count, wall_ms, span_ms, crc FROM batches WHERE first<=" + at +
+                      " AND first+count>" + at + " ORDER BY first DESC LIMIT 1"},
+      {"commands", "SELECT sequence, participant, crc, 0, 0 FROM commands WHERE sequence=" + at}};
+  for (const auto& [table, query] : queries) {
+    const auto exists = has_table(table);
+    if (!exists) return std::unexpected(exists.error());
+    if (!*exists) continue;
+    auto row = database_->prepare(query);
+    if (!row) return std::unexpected(to_journal_error(file_, row.error()));
+    const auto found = row->step();
+    if (!found) return std::unexpected(to_journal_error(file_, found.error()));
+    if (!*found) continue;
+    for (int n = 0; n < 5; ++n) hash.add(static_cast<std::uint64_t>(row->integer(n)));
+    return hash.value();
+  }
+  return std::nullopt;
+}
+
 std::expected<std::int64_t, JournalError> JournalReader::integer(const std::string& sql) {
   const auto value = database_->integer(sql);
   if (!value) return std::unexpected(to_journal_error(file_, value.error()));
@@ -140,11 +168,14 @@ std::expected<void, JournalError> JournalReader::read_kernel_version(std::int64_
   const auto has_versions = has_table("kernel_versions");
   if (!has_versions) return std::unexpected(has_versions.error());
   if (!*has_versions) return {};
-  const auto version =
-      integer("SELECT coalesce((SELECT version FROM kernel_versions WHERE sequence<=" +
-              std::to_string(last) + " ORDER BY sequence DESC LIMIT 1)," +
-              std::to_string(kFirstKernelVersion) + ")");
+  const std::string newest = " FROM kernel_versions WHERE sequence<=" + std::to_string(last) +
+                             " ORDER BY sequence DESC LIMIT 1),";
+  const auto version = integer("SELECT coalesce((SELECT version" + newest +
+                               std::to_string(kFirstKernelVersion) + ")");
   if (!version) return std::unexpected(version.error());
+  const auto since = integer("SELECT coalesce((SELECT sequence" + newest + "0)");
+  if (!since) return std::unexpected(since.error());
+  header_.kernel_since = static_cast<std::uint64_t>(*since);
   header_.kernel_version = *version;
   return {};
 }

@@ -42,10 +42,12 @@ enum class RecordOrder {
 /// file; it reads the state that was committed when it was opened.
 class JournalReader {
  public:
-  /// Reading, and the sorting before it, fails soon after a stop was requested.
+  /// Reading, and the sorting before it, fails soon after a stop was requested. Begins with record
+  /// `from` (RecordRows::open).
   static std::expected<JournalReader, JournalError> open(const std::filesystem::path& file,
                                                          RecordOrder order = RecordOrder::kSequence,
-                                                         std::stop_token stop = {});
+                                                         std::stop_token stop = {},
+                                                         std::uint64_t from = 1);
 
   const JournalHeader& header() const { return header_; }
   const std::vector<JournalParticipant>& participants() const { return participants_; }
@@ -54,6 +56,12 @@ class JournalReader {
   /// Number of state hashes that were left out because they are beyond the last record: the journal
   /// has lost the records before them.
   std::size_t dropped_hashes() const { return dropped_hashes_; }
+  /// Number of the last record.
+  std::uint64_t last_sequence() const { return rows_->last(); }
+  /// Returns a number that tells the journal, as far as record `sequence`, from another one: of the
+  /// session, its scene, and the row of that record with its time. Nullopt if it has no such
+  /// record.
+  std::expected<std::optional<std::uint64_t>, JournalError> mark(std::uint64_t sequence);
   /// Returns the next record; nullopt after the last. An error names a bad record, the first one in
   /// the order of reading, and reading stops there.
   std::expected<std::optional<JournalRecord>, JournalError> next();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/store/journal_record.h"
 
-#include <bit>
 #include <utility>
 
+#include "server/store/byte_code.h"
 #include "server/store/crc32.h"
 
 namespace kerf {
@@ -14,60 +14,6 @@ constexpr std::uint32_t kPiecesMax = 4096;
 constexpr std::uint8_t kBallPiece = 1;
 constexpr std::uint8_t kFrustumPiece = 2;
 constexpr std::uint8_t kArcPiece = 3;
-
-class ByteWriter {
- public:
-  template <typename Unsigned>
-  void put(Unsigned value) {
-    for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
-      bytes_.push_back(static_cast<std::byte>((value >> (8 * i)) & 0xFFU));
-    }
-  }
-  void put(double value) { put(std::bit_cast<std::uint64_t>(value)); }
-  void put(Vec3 value) {
-    put(value.x);
-    put(value.y);
-    put(value.z);
-  }
-  void reserve(std::size_t size) { bytes_.reserve(size); }
-  std::vector<std::byte> take() { return std::move(bytes_); }
-
- private:
-  std::vector<std::byte> bytes_;
-};
-
-class ByteReader {
- public:
-  explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
-
-  template <typename Unsigned>
-  Unsigned get() {
-    if (bytes_.size() < sizeof(Unsigned)) {
-      bytes_ = {};
-      truncated_ = true;
-      return 0;
-    }
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
-      value |= std::to_integer<std::uint64_t>(bytes_[i]) << (8 * i);
-    }
-    bytes_ = bytes_.subspan(sizeof(Unsigned));
-    return static_cast<Unsigned>(value);
-  }
-  double get_double() { return std::bit_cast<double>(get<std::uint64_t>()); }
-  Vec3 get_vec3() {
-    const double x = get_double();
-    const double y = get_double();
-    const double z = get_double();
-    return {x, y, z};
-  }
-  bool truncated() const { return truncated_; }
-  bool at_end() const { return bytes_.empty(); }
-
- private:
-  std::span<const std::byte> bytes_;
-  bool truncated_ = false;
-};
 
 void put_piece(ByteWriter& out, const ToolPiece& piece) {
   if (const auto* ball = std::get_if<BallPiece>(&piece)) {

@@ -276,6 +276,8 @@ std::vector<std::byte> BatchEncoder::encode(std::span<const BatchRecord> records
   return out.take();
 }
 
+bool restarts(std::span<const std::byte> bytes) { return BitReader(bytes).bits(1) != 0; }
+
 std::expected<std::vector<BatchRecord>, std::string> BatchDecoder::decode(
     std::span<const std::byte> bytes, std::size_t count) {
   const bool could_continue = std::exchange(can_continue_, false);

@@ -68,6 +68,9 @@ class BatchEncoder {
   int batches_ = 0;
 };
 
+/// Whether a batch can be decoded without those before.
+bool restarts(std::span<const std::byte> bytes);
+
 class BatchDecoder {
  public:
   /// Decodes the next batch, or one that restarts, with `count` records. The error is one sentence;

@@ -32,6 +32,24 @@ SqlResult<std::optional<SqlStatement>> prepare_if(SqlDatabase& database, const s
   return std::optional(*std::move(statement));
 }
 
+/// The first record of the last batch up to record `from` that can be read without those before it;
+/// 0 if there is none, as in a journal whose record `from` is a single row.
+SqlResult<std::int64_t> first_batch(SqlDatabase& database, std::uint64_t from) {
+  if (from <= 1) return 0;
+  auto rows =
+      prepare_if(database, "batches",
+                 "SELECT first, count, bytes FROM batches WHERE first<=? ORDER BY first DESC");
+  if (!rows) return std::unexpected(rows.error());
+  if (!*rows) return 0;
+  (*rows)->bind(1, static_cast<std::int64_t>(from));
+  for (;;) {
+    const auto row = (*rows)->step();
+    if (!row) return std::unexpected(row.error());
+    if (!*row) return 0;
+    if (restarts((*rows)->blob(2))) return (*rows)->integer(0);
+  }
+}
+
 }  // namespace
 
 SqlResult<std::uint64_t> last_record(SqlDatabase& database) {
@@ -52,22 +70,36 @@ SqlResult<std::uint64_t> last_record(SqlDatabase& database) {
 }
 
 std::expected<RecordRows, JournalError> RecordRows::open(const std::filesystem::path& file,
-                                                         SqlDatabase& database) {
+                                                         SqlDatabase& database,
+                                                         std::uint64_t from) {
   RecordRows rows(file);
+  if (auto ok = rows.prepare(database, from); !ok) {
+    return std::unexpected(to_journal_error(file, ok.error()));
+  }
+  return rows;
+}
+
+SqlResult<void> RecordRows::prepare(SqlDatabase& database, std::uint64_t from) {
+  from_ = from;
+  const auto last = last_record(database);
+  if (!last) return std::unexpected(last.error());
+  last_ = *last;
+  const auto start = first_batch(database, from);
+  if (!start) return std::unexpected(start.error());
+  if (from > 1) count_ = (*start > 0 ? *start : from) - 1;
   auto singles =
       prepare_if(database, "commands",
-                 "SELECT sequence, participant, bytes, crc FROM commands ORDER BY sequence");
-  if (!singles) return std::unexpected(to_journal_error(file, singles.error()));
+                 "SELECT sequence, participant, bytes, crc FROM commands WHERE sequence>" +
+                     std::to_string(count_) + " ORDER BY sequence");
+  if (!singles) return std::unexpected(singles.error());
   auto batches =
       prepare_if(database, "batches",
-                 "SELECT first, count, wall_ms, span_ms, bytes, crc FROM batches ORDER BY first");
-  if (!batches) return std::unexpected(to_journal_error(file, batches.error()));
-  const auto last = last_record(database);
-  if (!last) return std::unexpected(to_journal_error(file, last.error()));
-  rows.singles_ = *std::move(singles);
-  rows.batches_ = *std::move(batches);
-  rows.last_ = *last;
-  return rows;
+                 "SELECT first, count, wall_ms, span_ms, bytes, crc FROM batches WHERE first>=" +
+                     std::to_string(*start) + " ORDER BY first");
+  if (!batches) return std::unexpected(batches.error());
+  singles_ = *std::move(singles);
+  batches_ = *std::move(batches);
+  return {};
 }
 
 JournalError RecordRows::corrupt(std::uint64_t sequence, std::string reason) const {
@@ -83,6 +115,13 @@ std::expected<bool, JournalError> RecordRows::step(SqlStatement& rows) const {
 }
 
 std::expected<std::optional<JournalRecord>, JournalError> RecordRows::next() {
+  for (;;) {
+    auto record = next_of_all();
+    if (!record || !*record || (*record)->sequence >= from_) return record;
+  }
+}
+
+std::expected<std::optional<JournalRecord>, JournalError> RecordRows::next_of_all() {
   if (singles_) {
     auto record = next_single();
     if (!record || *record) return record;

@@ -21,9 +21,12 @@ namespace kerf {
 /// are any, then the batches.
 class RecordRows {
  public:
-  /// Fails with the error of SQLite. `database` must outlive the result.
+  /// Fails with the error of SQLite. `database` must outlive the result. Begins with record `from`,
+  /// and verifies none before the batch that holds it; the stroke of a record whose participant
+  /// began it earlier is 0 then.
   static std::expected<RecordRows, JournalError> open(const std::filesystem::path& file,
-                                                      SqlDatabase& database);
+                                                      SqlDatabase& database,
+                                                      std::uint64_t from = 1);
   /// Returns the next record; nullopt after the last. An error names the first bad record; of a
   /// batch, the first one of the batch.
   std::expected<std::optional<JournalRecord>, JournalError> next();
@@ -32,6 +35,8 @@ class RecordRows {
 
  private:
   explicit RecordRows(std::filesystem::path file) : file_(std::move(file)) {}
+  SqlResult<void> prepare(SqlDatabase& database, std::uint64_t from);
+  std::expected<std::optional<JournalRecord>, JournalError> next_of_all();
   JournalError corrupt(std::uint64_t sequence, std::string reason) const;
   std::expected<std::optional<JournalRecord>, JournalError> next_single();
   std::expected<bool, JournalError> next_batch();
@@ -44,7 +49,8 @@ class RecordRows {
   std::size_t at_ = 0;                ///< in batch_
   std::map<ParticipantId, std::uint64_t> strokes_;
   std::uint64_t last_ = 0;
-  std::uint64_t count_ = 0;  ///< records of the rows read so far
+  std::uint64_t count_ = 0;  ///< number of the last record of the rows read so far
+  std::uint64_t from_ = 1;
 };
 
 /// The records of a journal, participant by participant, each in sequence. SQLite sorts them in a

@@ -130,6 +130,7 @@ const std::vector<Library>& libraries() {
        {"server/formats", "server/feed"},
        "meshes are compressed where they are encoded"},
       {{"sqlite3.h"}, false, {"server/store"}, "only the store knows the database"},
+      {{"zstd.h"}, false, {"server/store"}, "only the store compresses files with it"},
       {{"openssl/"},
        false,
        {"server/store", "server/datagram"},

@@ -4,8 +4,10 @@
 // the server had acknowledged as durable, and after the agents have come back that the block is
 // that of an uninterrupted run.
 //
-//   kill_soak [--rounds N] [--seed N] [--server PATH]
+//   kill_soak [--rounds N] [--seed N] [--snapshot-after S] [--server PATH]
 //
+// The server writes snapshots after S seconds of replay, 0.1 by default, so that most restarts
+// begin with one.
 // Prints the totals; exits with 1 if anything was lost or cut twice, or a hash differs.
 #include <algorithm>
 #include <array>
@@ -275,15 +277,17 @@ int main(int count, char** arguments) {
   std::string program = KERF_SERVER_PROGRAM;
   int rounds = 100;
   std::uint64_t seed = 1;
+  std::string snapshot_after = "0.1";
   for (int i = 1; i + 1 < count; i += 2) {
     const std::string name = arguments[i];
     if (name == "--rounds") rounds = std::atoi(arguments[i + 1]);
+    if (name == "--snapshot-after") snapshot_after = arguments[i + 1];
     if (name == "--seed") seed = std::strtoull(arguments[i + 1], nullptr, 10);
     if (name == "--server") program = arguments[i + 1];
   }
   std::mt19937_64 random(seed);
   Totals totals;
-  bench::ServerProcess server(program);
+  bench::ServerProcess server(program, {"--snapshot-after", snapshot_after});
   for (int round = 0; round < rounds; round += kRoundsPerSession) {
     run_session(server, "kill" + std::to_string(round), std::min(kRoundsPerSession, rounds - round),
                 random, totals);

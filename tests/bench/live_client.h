@@ -38,7 +38,9 @@ using Clock = std::chrono::steady_clock;
 /// The server as a child process with its own data folder.
 class ServerProcess {
  public:
-  explicit ServerProcess(std::string program) : program_(std::move(program)) {
+  /// `options`: further words of the command line.
+  explicit ServerProcess(std::string program, std::vector<std::string> options = {})
+      : program_(std::move(program)), options_(std::move(options)) {
     std::string name = (std::filesystem::temp_directory_path() / "kerf-bench-XXXXXX").string();
     folder_ = mkdtemp(name.data());
     start();
@@ -66,6 +68,7 @@ class ServerProcess {
     const std::string data = folder_.string();
     const std::string address = "127.0.0.1:" + std::to_string(port_);
     std::vector<std::string> words = {program_, "--listen", address, "--data", data};
+    words.insert(words.end(), options_.begin(), options_.end());
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -110,6 +113,7 @@ class ServerProcess {
 
  private:
   std::string program_;
+  std::vector<std::string> options_;
   std::filesystem::path folder_;
   pid_t pid_ = 0;
   std::uint16_t port_ = 0;

@@ -43,7 +43,8 @@ class FullDisk(LiveTest):
     def test_session_pauses_and_continues_without_loss(self):
         agent, viewer = Agent(self.port, "block"), Viewer(self.port, "block")
         carve(agent, 200)
-        self.assertEqual(self.ready(), (200, {"status": "ready", "paused": [], "unreadable": []}))
+        self.assertEqual(self.ready(), (200, {"status": "ready", "loading": [], "paused": [],
+                                              "unreadable": []}))
         self.assertIsNone(self.server.info()["paused"])
         self.limit_files(0)
         # What was accepted before the failed commit stays in the block; then motions are rejected.

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -36,6 +37,8 @@ class Server:
             raise RuntimeError(self.process.communicate()[1])
         self.port = int(line.rsplit(":", 1)[1])
         self.http = Http(self.port)
+        while self.http.json("GET", "/readyz")[1]["status"] == "loading":
+            time.sleep(0.005)
 
     def stop(self, how=signal.SIGTERM):
         """Stops the server; returns its exit status and its log."""

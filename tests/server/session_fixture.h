@@ -28,8 +28,8 @@ class SessionTest : public testing::Test {
   /// Discards the sessions and creates a registry of the same folder, as a restarted server does.
   void restart() {
     registry.emplace(
-        RegistryOptions{folder.path(), 4, limits}, [this](const std::string&) { return executor; },
-        workers);
+        RegistryOptions{folder.path(), 4, limits, {}, snapshots},
+        [this](const std::string&) { return executor; }, workers);
   }
   void SetUp() override { restart(); }
   std::shared_ptr<Session> start(const std::string& scene = kScene) {
@@ -67,6 +67,7 @@ class SessionTest : public testing::Test {
 
   test::TemporaryFolder folder;
   SessionLimits limits;
+  SnapshotOptions snapshots;  ///< none by default
   std::shared_ptr<test::ManualExecutor> executor = std::make_shared<test::ManualExecutor>();
   test::ManualExecutor workers;
   std::optional<SessionRegistry> registry;

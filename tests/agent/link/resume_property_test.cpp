@@ -197,30 +197,37 @@ class ResumeProperty : public SessionTest {
     // The session limits rates by the real clock, which is slower than the simulated one.
     limits.samples_per_s = limits.samples_burst = limits.speed_mm_per_s = 1e12;
     limits.carver_joins_per_s = limits.carver_joins_burst = 1e12;
+    snapshots = {.writer = &writer, .limits = {.replay_time = {}, .age = {}, .pause = {}}};
     SessionTest::SetUp();
   }
-  void TearDown() override { registry.reset(); }  // closes the journals before the disk goes
+  void TearDown() override {
+    writer = {};
+    registry.reset();  // closes the journals before the disk goes
+  }
 
   /// Ends the server as SIGKILL does: the files stay as they are at this moment.
   void kill(World& world, const std::string& id) {
     const auto file = folder.path() / (id + kJournalExtension);
     const auto copy = folder.path() / "killed";
     disk.hold([&] {
-      for (const char* suffix : {"", "-wal"}) {
+      for (const char* suffix : {"", "-wal", "-snapshot"}) {
         std::error_code ignored;
         std::filesystem::copy_file(file.string() + suffix, copy.string() + suffix,
                                    std::filesystem::copy_options::overwrite_existing, ignored);
       }
     });
+    writer = {};  // its work holds the session
     world.session.reset();
     restart();
     remove_journal(file);
-    for (const char* suffix : {"", "-wal"}) {
+    for (const char* suffix : {"", "-wal", "-snapshot"}) {
       std::error_code ignored;
       std::filesystem::rename(copy.string() + suffix, file.string() + suffix, ignored);
     }
     const LoadReport report = registry->load_all();
     ASSERT_TRUE(report.failures.empty()) << describe(report.failures.front());
+    ASSERT_TRUE(report.ignored.empty()) << report.ignored.front().reason;
+    restored += std::filesystem::exists(file.string() + "-snapshot") ? 1 : 0;
     world.session = registry->find(id);
   }
 
@@ -258,6 +265,8 @@ class ResumeProperty : public SessionTest {
 
   test::FaultyDisk disk;
   net::Metrics metrics;
+  test::ManualExecutor writer;
+  int restored = 0;  ///< sessions that a snapshot has restored
 };
 
 TEST_F(ResumeProperty, NothingIsLostOrCutTwiceHoweverOftenTheServerIsKilled) {
@@ -277,6 +286,10 @@ TEST_F(ResumeProperty, NothingIsLostOrCutTwiceHoweverOftenTheServerIsKilled) {
     bool settled = false;
     for (int ms = 0; ms < 30'000 && !settled; ++ms) {
       const bool moves = ms < 700;
+      if (random() % 100 == 0) {
+        writer.run();  // writes the snapshot that is due
+        executor->run();
+      }
       world.now_us += 1000;
       // The disk commits at random moments; time passes faster than it.
       if (random() % 60 == 0) {
@@ -319,6 +332,7 @@ TEST_F(ResumeProperty, NothingIsLostOrCutTwiceHoweverOftenTheServerIsKilled) {
   }
   // All of these cases have occurred.
   EXPECT_GT(kills, 10U);
+  EXPECT_GT(restored, 3);
   EXPECT_GT(lost, 200U) << "motions that were not on the disk when the server was killed";
   EXPECT_GT(resent, 300U);
   EXPECT_GT(resumed, 40U);

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/maintenance.h"
+
+#include <cstdio>
+#include <string>
+
+#include "server/session/hash_text.h"
+#include "server/session/journal_check.h"
+
+namespace kerf {
+
+int check_data(const std::filesystem::path& folder) {
+  bool good = true;
+  const auto checked = check_folder(folder, [&](const CheckedFile& file) {
+    std::string line = file.name + ": " + (file.faults.empty() ? "good" : "");
+    for (const FileFault& fault : file.faults) {
+      line += (&fault == file.faults.data() ? "" : " | ") + fault.problem + " -> " + fault.remedy;
+    }
+    if (!file.summary.empty()) line += " (" + file.summary + ")";
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+    good = good && file.faults.empty();
+  });
+  if (!checked) std::fprintf(stderr, "kerf-server: %s\n", describe(checked.error()).c_str());
+  return checked && good ? 0 : 1;
+}
+
+int replay_journal(const std::filesystem::path& file) {
+  const auto verified = verify_journal(file);
+  if (!verified) {
+    std::fprintf(stderr, "kerf-server: %s: %s\n", to_string(verified.error().code),
+                 describe(verified.error()).c_str());
+    return 1;
+  }
+  if (!verified->note.empty()) std::printf("%s\n", verified->note.c_str());
+  if (!verified->difference.empty()) {
+    std::printf("differs: %s\n", verified->difference.c_str());
+    return 1;
+  }
+  std::printf("equal: %llu records, %llu motions, %zu state hashes%s, hash %s\n",
+              static_cast<unsigned long long>(verified->records),
+              static_cast<unsigned long long>(verified->motions), verified->hashes_compared,
+              verified->snapshot_compared ? " and the snapshot" : "",
+              hash_text(verified->hash).c_str());
+  return 0;
+}
+
+}  // namespace kerf

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/journal_check.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <optional>
+#include <utility>
+
+#include "server/session/hash_text.h"
+#include "server/session/replay.h"
+#include "server/store/block_snapshot.h"
+
+namespace kerf {
+namespace {
+
+constexpr const char* kSnapshotExtension = ".kerf-snapshot";
+constexpr const char* kDeleteIt = "delete it: it only makes the next start quicker";
+
+/// What an operator can do about a journal that cannot be read.
+std::string remedy_of(const JournalError& error) {
+  switch (error.code) {
+    case JournalErrorCode::kCorrupt:
+      return "restore a copy of the file, or move it away; the server leaves it as it is";
+    case JournalErrorCode::kForeignVersion:
+      return "open it with the version of Kerf that wrote it";
+    case JournalErrorCode::kNotAJournal:
+      return "move the file away";
+    default:
+      return "check the disk and the permissions of the file";
+  }
+}
+
+FileFault fault_of(const JournalError& error) {
+  return {std::string(to_string(error.code)) + ": " +
+              (error.sequence != 0 ? "record " + std::to_string(error.sequence) + ": " : "") +
+              error.reason,
+          remedy_of(error)};
+}
+
+CheckedFile check_journal(const std::filesystem::path& file) {
+  CheckedFile checked{file.filename().string(), {}, {}};
+  auto reader = JournalReader::open(file);
+  if (!reader) {
+    checked.faults.push_back(fault_of(reader.error()));
+    return checked;
+  }
+  if (const auto scene = journal_scene(*reader, file); !scene) {
+    checked.faults.push_back(fault_of(scene.error()));
+  }
+  std::uint64_t records = 0;
+  for (;;) {
+    const auto record = reader->next();
+    if (!record) checked.faults.push_back(fault_of(record.error()));
+    if (!record || !*record) break;
+    records = (*record)->sequence;
+  }
+  if (reader->dropped_hashes() > 0) {
+    checked.faults.push_back({"it ends before its newest state hash: records were lost",
+                              "nothing; the server goes on after record " +
+                                  std::to_string(records) + " and warns once"});
+  }
+  const JournalHeader& header = reader->header();
+  checked.summary = "session " + header.session + ", " + std::to_string(records) + " records, " +
+                    std::to_string(reader->participants().size()) + " participants, kernel " +
+                    std::to_string(header.kernel_version);
+  return checked;
+}
+
+/// Why the snapshot of a journal cannot be used; nullopt if it can.
+std::optional<std::string> snapshot_problem(const std::filesystem::path& journal,
+                                            const std::filesystem::path& file,
+                                            const SnapshotHead& head) {
+  if (head.kernel_version != kKernelVersion) {
+    return "it is of version " + std::to_string(head.kernel_version) + " of the kernel";
+  }
+  auto reader = JournalReader::open(journal);
+  if (!reader) return "its journal cannot be read";
+  const auto mark = reader->mark(head.sequence);
+  if (!mark) return mark.error().reason;
+  if (*mark != head.mark) return "it is not a snapshot of " + journal.filename().string();
+  const auto scene = journal_scene(*reader, journal);
+  if (!scene) return "its journal cannot be read";
+  const auto block = Sculpture::create(scene->settings);
+  if (!block) return "its journal cannot be read";
+  const auto snapshot = read_snapshot(file, *block);
+  return snapshot ? std::nullopt : std::optional(snapshot.error().reason);
+}
+
+CheckedFile check_snapshot(const std::filesystem::path& file) {
+  CheckedFile checked{file.filename().string(), {}, {}};
+  std::filesystem::path journal = file;
+  journal.replace_extension(kJournalExtension);
+  const auto head = read_snapshot_head(file);
+  if (!head) {
+    checked.faults.push_back({head.error().reason, kDeleteIt});
+    return checked;
+  }
+  checked.summary = "session " + head->session + ", after record " +
+                    std::to_string(head->sequence) + ", kernel " +
+                    std::to_string(head->kernel_version);
+  std::error_code ignored;
+  if (!std::filesystem::exists(journal, ignored)) {
+    checked.faults.push_back({"there is no journal " + journal.filename().string(), kDeleteIt});
+  } else if (const auto problem = snapshot_problem(journal, file, *head)) {
+    checked.faults.push_back({*problem, kDeleteIt});
+  }
+  return checked;
+}
+
+/// "YYYY-MM-DDTHH:MM:SS.mmmZ"; "unknown time" for a record of a journal of version 1.
+std::string time_text(std::int64_t wall_ms) {
+  if (wall_ms <= 0) return "unknown time";
+  const auto seconds = static_cast<std::time_t>(wall_ms / 1000);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  char text[40];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &parts);
+  const std::string ms = std::to_string(1000 + wall_ms % 1000).substr(1);
+  return std::string(text) + "." + ms + "Z";
+}
+
+/// Carves a journal and compares it as it goes.
+class Verification {
+ public:
+  Verification(const std::filesystem::path& file, JournalReader& reader, Sculpture sculpture)
+      : reader_(reader), sculpture_(std::move(sculpture)) {
+    const auto& hashes = reader.state_hashes();
+    const bool comparable = reader.header().kernel_version == kKernelVersion;
+    next_hash_ = std::ranges::find_if(hashes, [&](const StateHash& hash) {
+      return comparable && hash.sequence >= reader.header().kernel_since;
+    });
+    skipped_ = static_cast<std::size_t>(next_hash_ - hashes.begin());
+    const auto head = read_snapshot_head(snapshot_file(file));
+    if (head) snapshot_ = *head;
+    if (!head && !head.error().is_missing) note("the snapshot: " + head.error().reason);
+    if (head && head->kernel_version != kKernelVersion) {
+      note("the snapshot: it is of another version of the kernel");
+      snapshot_.reset();
+    }
+    if (skipped_ > 0) {
+      note(std::to_string(skipped_) + " state hashes: they are of another version of the kernel");
+    }
+  }
+
+  /// Applies a record; the error is that of the kernel.
+  std::expected<void, std::string> apply(const JournalRecord& record) {
+    Command command = record.command;
+    if (auto* move = std::get_if<MoveTool>(&command)) move->feel = false;
+    if (const auto applied = sculpture_.apply(command); !applied) {
+      return std::unexpected(applied.error().reason);
+    }
+    verified_.records = record.sequence;
+    const bool has_hash =
+        next_hash_ != reader_.state_hashes().end() && next_hash_->sequence == record.sequence;
+    const bool has_snapshot = snapshot_ && snapshot_->sequence == record.sequence;
+    if (!has_hash && !has_snapshot) return {};
+    const std::uint64_t hash = sculpture_.state_hash();
+    if (has_hash) compare("the journal stores", (next_hash_++)->hash, hash, record);
+    if (has_hash) ++verified_.hashes_compared;
+    if (has_snapshot) compare("the snapshot holds", snapshot_->hash, hash, record);
+    if (has_snapshot) verified_.snapshot_compared = true;
+    if (verified_.difference.empty()) last_equal_ = record.sequence;
+    return {};
+  }
+  bool differs() const { return !verified_.difference.empty(); }
+
+  VerifiedJournal finish() {
+    if (snapshot_ && snapshot_->sequence > verified_.records) {
+      note("the snapshot: it holds records that the journal does not have");
+    }
+    verified_.motions = sculpture_.motions();
+    verified_.hash = sculpture_.state_hash();
+    return std::move(verified_);
+  }
+
+ private:
+  void note(const std::string& text) {
+    verified_.note += (verified_.note.empty() ? "not compared: " : "; ") + text;
+  }
+  void compare(const char* whose, std::uint64_t stored, std::uint64_t found,
+               const JournalRecord& record) {
+    if (stored == found || differs()) return;
+    verified_.difference = "record " + std::to_string(record.sequence) + " of participant " +
+                           std::to_string(record.participant) + " at " + time_text(record.wall_ms) +
+                           ": replay gives state hash " + hash_text(found) + ", " + whose + " " +
+                           hash_text(stored) + "; the last equal one is that after record " +
+                           std::to_string(last_equal_);
+  }
+
+  JournalReader& reader_;
+  Sculpture sculpture_;
+  std::vector<StateHash>::const_iterator next_hash_;
+  std::size_t skipped_ = 0;
+  std::optional<SnapshotHead> snapshot_;
+  std::uint64_t last_equal_ = 0;
+  VerifiedJournal verified_;
+};
+
+}  // namespace
+
+std::expected<void, JournalError> check_folder(
+    const std::filesystem::path& folder, const std::function<void(const CheckedFile&)>& report) {
+  std::error_code error;
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const auto extension = entry.path().extension();
+    if (extension == kJournalExtension || extension == kSnapshotExtension) {
+      files.push_back(entry.path());
+    }
+  }
+  if (error) {
+    return std::unexpected(
+        JournalError{JournalErrorCode::kIo, folder.string(), 0, error.message()});
+  }
+  std::ranges::sort(files);
+  for (const auto& file : files) {
+    report(file.extension() == kJournalExtension ? check_journal(file) : check_snapshot(file));
+  }
+  return {};
+}
+
+std::expected<VerifiedJournal, JournalError> verify_journal(const std::filesystem::path& file) {
+  auto reader = JournalReader::open(file);
+  if (!reader) return std::unexpected(reader.error());
+  const auto scene = journal_scene(*reader, file);
+  if (!scene) return std::unexpected(scene.error());
+  auto sculpture = Sculpture::create(scene->settings);
+  const auto corrupt_at = [&](std::uint64_t sequence, const std::string& reason) {
+    return std::unexpected(
+        JournalError{JournalErrorCode::kCorrupt, file.string(), sequence, reason});
+  };
+  if (!sculpture) return corrupt_at(0, sculpture.error().reason);
+  Verification verification(file, *reader, *std::move(sculpture));
+  while (!verification.differs()) {
+    const auto record = reader->next();
+    if (!record) return std::unexpected(record.error());
+    if (!*record) break;
+    if (const auto applied = verification.apply(**record); !applied) {
+      return corrupt_at((*record)->sequence, applied.error());
+    }
+  }
+  return verification.finish();
+}
+
+}  // namespace kerf

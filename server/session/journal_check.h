@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/store/journal_error.h"
+
+namespace kerf {
+
+/// What is wrong with a file of a data folder, and what its operator can do.
+struct FileFault {
+  std::string problem, remedy;  ///< one sentence each
+};
+
+/// A journal or snapshot that has been read from its beginning to its end.
+struct CheckedFile {
+  std::string name;     ///< of the file
+  std::string summary;  ///< what it holds; empty if it cannot be read
+  std::vector<FileFault> faults;
+};
+
+/// Reads the journals and snapshots of a data folder and verifies their checksums, without cutting
+/// anything. Calls `report` for each file, sorted by name. Fails if the folder cannot be read.
+std::expected<void, JournalError> check_folder(
+    const std::filesystem::path& folder, const std::function<void(const CheckedFile&)>& report);
+
+/// The outcome of verify_journal.
+struct VerifiedJournal {
+  std::uint64_t records = 0, motions = 0, hash = 0;
+  std::size_t hashes_compared = 0;
+  bool snapshot_compared = false;
+  /// The first difference, with the record, its participant and its time; empty: none.
+  std::string difference;
+  std::string note;  ///< what could not be compared and why; empty: nothing
+};
+
+/// Carves a journal from its first record and compares the solid with each stored hash that this
+/// version of the kernel has computed, and with the snapshot. Changes no file.
+std::expected<VerifiedJournal, JournalError> verify_journal(const std::filesystem::path& file);
+
+}  // namespace kerf

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of SessionRegistry that opens the sessions of the data folder.
+#include <algorithm>
+#include <exception>
+#include <system_error>
+#include <utility>
+
+#include "server/session/session_registry.h"
+
+namespace kerf {
+
+std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
+                                                                             Opened& opened) {
+  const auto file = journal_path(id);
+  auto replayed = restore(file, stop_loading_.get_token());
+  if (!replayed) return std::unexpected(replayed.error());
+  auto journal = JournalWriter::open(file, replayed->last_sequence);
+  if (!journal) return std::unexpected(journal.error());
+  opened = {replayed->header.kernel_version, replayed->last_sequence, replayed->dropped_hashes > 0,
+            replayed->snapshot_fault};
+  if (options_.on_pause) {
+    journal->on_pause([id, report = options_.on_pause](const auto& error) { report(id, error); });
+  }
+  if (replayed->is_recarved()) journal->append_recarved(replayed->hash);
+  auto session = std::make_shared<Session>(id, *std::move(replayed), *std::move(journal),
+                                           options_.session, make_executor_(id), workers_);
+  if (options_.snapshots.writer != nullptr) session->keep_snapshots(options_.snapshots);
+  return session;
+}
+
+std::expected<void, JournalError> SessionRegistry::find_journals() {
+  std::vector<std::string> ids;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(options_.data_folder, error)) {
+    const std::string id = entry.path().stem().string();
+    if (entry.path().extension() == kJournalExtension && is_session_id(id)) ids.push_back(id);
+  }
+  std::ranges::sort(ids);
+  const std::lock_guard lock(mutex_);
+  for (std::string& id : ids) {
+    if (sessions_.contains(id) || !loading_.insert(id).second) continue;
+    waiting_.push_back(std::move(id));
+  }
+  found_ = true;
+  if (!error) return {};
+  return std::unexpected(
+      JournalError{JournalErrorCode::kIo, options_.data_folder.string(), 0, error.message()});
+}
+
+LoadReport SessionRegistry::load_all() {
+  LoadReport report;
+  if (const auto found = find_journals(); !found) report.failures.push_back(found.error());
+  while (load_next(report)) {
+  }
+  return report;
+}
+
+bool SessionRegistry::load_next(LoadReport& report) {
+  std::string id;
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return false;
+    id = std::move(waiting_.front());
+    waiting_.pop_front();
+  }
+  load(id, report);
+  const std::lock_guard lock(mutex_);
+  loading_.erase(id);
+  return true;
+}
+
+void SessionRegistry::load(const std::string& id, LoadReport& report) {
+  const auto failed = [&](JournalErrorCode code, const std::exception& error) {
+    return std::unexpected(JournalError{code, journal_path(id).string(), 0, error.what()});
+  };
+  Opened opened;
+  std::expected<std::shared_ptr<Session>, JournalError> session;
+  try {
+    session = start(id, opened);
+  } catch (const std::system_error& error) {  // of the operating system
+    session = failed(JournalErrorCode::kIo, error);
+  } catch (const std::exception& error) {  // e.g. not enough memory for this block
+    session = failed(JournalErrorCode::kNotLoaded, error);
+  }
+  const std::lock_guard lock(mutex_);
+  unreadable_.erase(id);
+  if (!session) {
+    if (stop_loading_.stop_requested()) return;
+    report.failures.push_back(session.error());
+    // Its operator may have moved it away.
+    if (session.error().code != JournalErrorCode::kNotFound) unreadable_[id] = session.error();
+    return;
+  }
+  report.loaded.push_back(id);
+  if (opened.kernel_version != kKernelVersion) {
+    report.recarved.push_back({id, opened.kernel_version});
+  }
+  if (opened.shortened) report.shortened.push_back({id, opened.last_sequence});
+  if (!opened.snapshot_fault.empty()) report.ignored.push_back({id, opened.snapshot_fault});
+  sessions_[id] = *std::move(session);
+}
+
+void SessionRegistry::hasten(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(waiting_, id);
+  if (found != waiting_.end()) std::rotate(waiting_.begin(), found, found + 1);
+}
+
+void SessionRegistry::stop_loading() {
+  stop_loading_.request_stop();
+  const std::lock_guard lock(mutex_);
+  for (const std::string& id : waiting_) loading_.erase(id);
+  waiting_.clear();
+}
+
+bool SessionRegistry::is_loading(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  return loading_.contains(id);
+}
+
+std::vector<std::string> SessionRegistry::loading() const {
+  const std::lock_guard lock(mutex_);
+  return {loading_.begin(), loading_.end()};
+}
+
+std::vector<std::string> SessionRegistry::retry_disk_failures() {
+  std::vector<std::string> started;
+  for (const UnreadableSession& session : unreadable()) {
+    if (session.error.code != JournalErrorCode::kIo) continue;
+    LoadReport report;
+    load(session.id, report);
+    if (!report.loaded.empty()) started.push_back(session.id);
+  }
+  return started;
+}
+
+bool SessionRegistry::loaded() const {
+  const std::lock_guard lock(mutex_);
+  return found_ && loading_.empty();
+}
+
+std::vector<UnreadableSession> SessionRegistry::unreadable() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<UnreadableSession> list;
+  for (const auto& [id, error] : unreadable_) list.push_back({id, error});
+  return list;
+}
+
+std::optional<JournalError> SessionRegistry::unreadable(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = unreadable_.find(id);
+  return found == unreadable_.end() ? std::nullopt : std::optional(found->second);
+}
+
+}  // namespace kerf

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+
+namespace kerf {
+
+/// When the snapshot of a session is written again.
+struct SnapshotLimits {
+  /// Time that a restart would spend on the records after the snapshot.
+  std::chrono::microseconds replay_time{1'000'000};
+  /// Age of a snapshot after which any further record makes it due.
+  std::chrono::microseconds age{600'000'000};
+  /// Least time between two snapshots.
+  std::chrono::microseconds pause{2'000'000};
+};
+
+/// Decides when a session's snapshot is due. Times are of one steady clock.
+class SnapshotSchedule {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Micros = std::chrono::microseconds;
+  /// Writing takes at most this part of the time.
+  static constexpr int kShare = 10;
+  /// Reading one record from the journal, without applying it.
+  static constexpr std::chrono::nanoseconds kRecordTime{1000};
+
+  /// The snapshot holds the records up to `sequence`; a restart has spent `replay_time` on those
+  /// after it, which are `records`.
+  SnapshotSchedule(SnapshotLimits limits, std::uint64_t sequence, Micros replay_time,
+                   Clock::time_point now)
+      : limits_(limits), written_({sequence, -replay_time, now}), next_(now) {}
+
+  void set(SnapshotLimits limits) { limits_ = limits; }
+  /// Whether a snapshot is due after record `sequence`, when the session has worked on motions for
+  /// `work` since it was started.
+  bool is_due(std::uint64_t sequence, Micros work, Clock::time_point now) const {
+    if (is_writing_ || now < next_ || sequence == written_.sequence) return false;
+    return replay_time(sequence, work) >= limits_.replay_time || now - written_.at >= limits_.age;
+  }
+  /// What a restart would spend on the records after the snapshot.
+  Micros replay_time(std::uint64_t sequence, Micros work) const {
+    const auto reading = static_cast<std::int64_t>(sequence - written_.sequence) * kRecordTime;
+    return work - written_.work + std::chrono::duration_cast<Micros>(reading);
+  }
+  void begin(std::uint64_t sequence, Micros work, Clock::time_point now) {
+    is_writing_ = true;
+    begun_ = {sequence, work, now};
+  }
+  void end(bool is_written, Clock::time_point now) {
+    is_writing_ = false;
+    next_ = now + std::max<Clock::duration>(limits_.pause, kShare * (now - begun_.at));
+    if (is_written) written_ = begun_;
+  }
+
+ private:
+  struct Snapshot {
+    std::uint64_t sequence = 0;
+    Micros work{0};
+    Clock::time_point at;
+  };
+  SnapshotLimits limits_;
+  Snapshot written_, begun_ = {};
+  Clock::time_point next_;
+  bool is_writing_ = false;
+};
+
+}  // namespace kerf

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/store/zstd_pack.h"
+
+namespace kerf {
+
+/// Writes a file of compressed chunks with checksums (README.md, "Snapshots"), in place of the one
+/// of that name: the present one stays until finish() has succeeded.
+class ChunkWriter {
+ public:
+  ChunkWriter(std::filesystem::path file, std::uint32_t version);
+  ChunkWriter(const ChunkWriter&) = delete;
+  ChunkWriter& operator=(const ChunkWriter&) = delete;
+  /// Removes what has not been finished.
+  ~ChunkWriter();
+
+  /// Appends a chunk of 1 byte to 4 GB. After an error it does nothing.
+  void write(std::span<const std::byte> chunk);
+  /// Synchronizes the file with the disk and renames it. Returns its size, or what failed, as one
+  /// sentence.
+  std::expected<std::uint64_t, std::string> finish();
+
+ private:
+  void put(std::span<const std::byte> bytes);
+  void fail(const char* what);
+
+  std::filesystem::path file_, temporary_;
+  int descriptor_ = -1;
+  std::string error_;
+  std::uint64_t chunks_ = 0, bytes_ = 0;
+  ZstdPack pack_;
+};
+
+/// Reads such a file.
+class ChunkReader {
+ public:
+  ChunkReader(const std::filesystem::path& file, std::uint32_t version);
+  /// Returns the next chunk, valid until the next call. The error is one sentence: the file is of
+  /// another kind or version, damaged, or at its end.
+  std::expected<std::span<const std::byte>, std::string> next();
+  bool at_end() const { return left_ == 0; }
+
+ private:
+  bool read(std::span<std::byte> bytes);
+
+  std::ifstream in_;
+  std::uint32_t version_;
+  std::uint64_t left_ = 0, chunks_ = 0;
+  std::vector<std::byte> packed_;
+  ZstdPack pack_;
+};
+
+}  // namespace kerf

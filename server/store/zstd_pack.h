@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace kerf {
+
+/// Compresses and decompresses with Zstandard (RFC 8878), at its fastest usual level. Reuses its
+/// memory from call to call.
+class ZstdPack {
+ public:
+  ZstdPack();
+  ZstdPack(ZstdPack&&) noexcept;
+  ~ZstdPack();
+
+  /// The result is valid until the next call.
+  std::span<const std::byte> pack(std::span<const std::byte> bytes);
+  /// Returns the `size` bytes of a frame, valid until the next call; nullopt if it is not one of
+  /// that many bytes.
+  std::optional<std::span<const std::byte>> unpack(std::span<const std::byte> frame,
+                                                   std::size_t size);
+
+ private:
+  struct Contexts;
+  std::unique_ptr<Contexts> contexts_;
+  std::vector<std::byte> buffer_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Programs, tables, scenes and meshes that people upload.
+#include <string>
+
+#include "server/formats/gcode/parameter_file.h"
+#include "server/formats/gcode/tool_table.h"
+#include "server/formats/model/mesh_reader.h"
+#include "server/formats/program.h"
+#include "server/formats/scene.h"
+#include "tests/fuzz/targets.h"
+
+namespace kerf::fuzz {
+namespace {
+
+const Scene& scene() {
+  static const Scene made =
+      parse_scene(
+          R"({"name": "fuzz", "stock": {"shape": "box", "min_mm": [-50,-50,-50], "max_mm": [50,50,0]},
+              "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
+                        {"id": 2, "shape": "flat", "diameter_mm": 10, "length_mm": 50}],
+              "machine": {"kinematics": "xyzac-trt"}})",
+          {})
+          .value();
+  return made;
+}
+
+/// The motions of a program are finite, positive in time, and each starts where it says.
+void check_program(const std::string& name, Bytes input) {
+  const auto program = parse_program(name, text_of(input), scene());
+  if (!program) {
+    require(!to_string(program.error()).empty(), "an error says what is wrong");
+    return;
+  }
+  for (const ProgramMotion& motion : program->motions) {
+    require(motion.duration_s > 0 && motion.duration_s < 1e12, "a motion takes time");
+    const Vec3 length = motion.to.tip_mm - motion.from.tip_mm;
+    require(dot(length, length) < 1e18, "a motion is finite");
+    require(scene().tools.contains(motion.tool), "a motion has a tool of the scene");
+  }
+}
+
+}  // namespace
+
+void read_gcode(Bytes input) { check_program("fuzz.ngc", input); }
+
+void read_apt(Bytes input) { check_program("fuzz.apt", input); }
+
+void read_tables(Bytes input) {
+  (void)read_tool_table("fuzz.tbl", std::string(text_of(input)));
+  (void)read_parameter_file("fuzz.var", std::string(text_of(input)));
+}
+
+/// The canonical text of a scene is a scene.
+void read_scene(Bytes input) {
+  const auto scene = parse_scene(text_of(input), {});
+  if (!scene) return;
+  const std::string text = scene_json(*scene);
+  const auto again = parse_scene(text, {});
+  require(again.has_value(), "the canonical text can be read");
+  require(scene_json(*again) == text, "and is canonical");
+}
+
+/// The first byte chooses the format.
+void read_mesh(Bytes input) {
+  if (input.empty()) return;
+  constexpr MeshFileFormat kFormats[] = {MeshFileFormat::kStl, MeshFileFormat::kPly,
+                                         MeshFileFormat::kObj};
+  const auto format = kFormats[std::to_integer<unsigned>(input[0]) % std::size(kFormats)];
+  const auto mesh = kerf::read_mesh(format, input.subspan(1), 100'000);
+  if (!mesh) return;
+  for (const auto& triangle : mesh->triangles) {
+    for (const std::uint32_t corner : triangle) {
+      require(corner < mesh->vertices_mm.size(), "the corners of a triangle exist");
+    }
+  }
+}
+
+}  // namespace kerf::fuzz

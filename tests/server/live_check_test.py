@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Snapshots of a real server, and the commands that verify its files."""
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+from live_disk_test import until  # noqa: E402
+from live_server import PROGRAM, LiveTest, Server  # noqa: E402
+from live_session_test import Agent, carve  # noqa: E402
+
+
+def run(*words):
+    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, timeout=60)
+    return done.returncode, done.stdout + done.stderr
+
+
+class Check(LiveTest):
+    def setUp(self):
+        super().setUp()
+        self.journal = os.path.join(self.folder.name, "block.kerf")
+        self.snapshot = self.journal + "-snapshot"
+        self.restart()
+
+    def restart(self):
+        if self.server.process.poll() is None:
+            self.server.stop()
+        self.server = Server(self.folder.name, "--snapshot-after", "0")
+
+    def carved(self):
+        carve(Agent(self.server.port, "block"), 300)
+        until(self, lambda: os.path.exists(self.snapshot), True)
+        return self.server.info()
+
+    def sql(self, text):
+        with sqlite3.connect(self.journal) as journal:
+            journal.execute(text)
+        journal.close()
+
+    def test_killed_server_goes_on_from_its_snapshot(self):
+        expected = self.carved()
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        status, text = run("check", self.folder.name)  # beside the server
+        self.assertEqual(status, 0, text)
+        self.server.stop(signal.SIGKILL)
+        self.restart()
+        found = self.server.info()
+        for figure in ("state_hash", "motions", "sub_motions", "removed_volume_mm3"):
+            self.assertEqual(found[figure], expected[figure], figure)
+        self.assertNotIn("ignored", self.server.stop()[1])
+        # Nothing before it was read: only the whole journal is damaged.
+        self.sql("UPDATE batches SET crc=crc+1 WHERE first=1")
+        self.restart()
+        self.assertEqual(self.server.hash(), expected["state_hash"])
+        self.server.stop()
+        os.remove(self.snapshot)
+        self.restart()
+        self.assertEqual(self.server.http.json("GET", "/v1/sessions/block")[0], 500)
+
+    def test_good_files_pass_and_a_replay_compares_hashes_and_snapshot(self):
+        self.carved()
+        self.server.hash()
+        self.server.stop()
+        status, text = run("check", self.folder.name)
+        self.assertEqual(status, 0, text)
+        self.assertEqual([line.split(":")[0] for line in text.splitlines()],
+                         ["block.kerf", "block.kerf-snapshot"])
+        self.assertEqual(text.count(": good"), 2)
+        status, text = run("replay", self.journal)
+        self.assertEqual(status, 0, text)
+        self.assertIn("and the snapshot", text)
+
+    def test_faults_are_named_with_what_to_do(self):
+        expected = self.carved()["state_hash"]
+        self.server.stop()
+        with open(self.snapshot, "r+b") as file:
+            file.truncate(os.path.getsize(self.snapshot) - 1)
+        status, text = run("check", self.folder.name)
+        self.assertEqual(status, 1)
+        self.assertIn("block.kerf: good", text)
+        self.assertIn("block.kerf-snapshot: it is truncated -> delete it", text)
+        self.restart()
+        self.assertEqual(self.server.hash(), expected)
+        log = self.server.stop()[1]
+        self.assertIn("session block: its snapshot was ignored: it is truncated", log)
+        # A hash that no replay gives, of the last record.
+        self.sql("INSERT OR REPLACE INTO state_hashes SELECT max(first+count)-1, 2989 FROM batches")
+        status, text = run("replay", self.journal)
+        self.assertEqual(status, 1)
+        self.assertRegex(text, r"differs: record \d+ of participant \d+ at 20\d\d-.*Z: replay gives")
+        self.sql("UPDATE batches SET bytes=zeroblob(7) WHERE first=(SELECT max(first) FROM batches)")
+        status, text = run("check", self.folder.name)
+        self.assertEqual(status, 1)
+        self.assertRegex(text, r"block.kerf: corrupt_journal: record \d+: .* -> restore a copy")
+        self.assertEqual(run("replay", self.journal)[0], 1)
+        self.assertEqual(run("check", os.path.join(self.folder.name, "none"))[0], 1)
+        os.remove(self.journal)
+        self.assertIn("there is no journal block.kerf", run("check", self.folder.name)[1])
+        os.remove(self.snapshot)
+        self.server = Server(self.folder.name)
+
+
+if __name__ == "__main__":
+    unittest.main()

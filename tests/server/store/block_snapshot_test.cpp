@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/block_snapshot.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/kernel_version.h"
+#include "kernel/sculpture.h"
+#include "server/store/tile_code.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+SculptureSettings settings_of(Rays rays, bool keep_normals) {
+  SculptureSettings settings;
+  settings.stock = BoxStock{{-15, -15, -12}, {15, 15, 0}};
+  settings.rays = rays;
+  settings.pitch_mm = 0.5;
+  settings.tolerance_mm = 0.01;
+  settings.keep_normals = keep_normals;
+  return settings;
+}
+
+Sculpture make(const SculptureSettings& settings) {
+  Sculpture sculpture = Sculpture::create(settings).value();
+  // The second one leaves stock above it: columns of several elements.
+  EXPECT_TRUE(
+      sculpture.apply(DefineTool{1, make_tool(std::vector<ToolPiece>{BallPiece{2, 2}}).value()}));
+  EXPECT_TRUE(
+      sculpture.apply(DefineTool{2, make_tool(std::vector<ToolPiece>{BallPiece{1, 1}}).value()}));
+  return sculpture;
+}
+
+/// Motions of three users, two of them with the same tool; some begin where none has ended.
+class Random {
+ public:
+  explicit Random(unsigned seed) : random_(seed) {}
+  MoveTool motion() {
+    const std::size_t user = random_() % at_.size();
+    if (random_() % 8 == 0) at_[user] = pose();
+    const ToolPose from = at_[user];
+    ToolPose to = pose();
+    to.tip_mm = from.tip_mm + (to.tip_mm - from.tip_mm) * 0.2;
+    at_[user] = to;
+    return {user == 0 ? 1U : 2U, from, to, 0.01, random_() % 2 == 0};
+  }
+
+ private:
+  ToolPose pose() {
+    std::uniform_real_distribution<double> side(-17, 17), depth(-11, 2), lean(-0.3, 0.3);
+    const Vec3 tip{side(random_), side(random_), depth(random_)};
+    return {tip, normalized({lean(random_), lean(random_), 1})};
+  }
+  std::mt19937 random_;
+  std::array<ToolPose, 3> at_ = {pose(), pose(), pose()};
+};
+
+/// The stored tiles of all fields as bytes, normals included.
+std::vector<std::byte> tiles_of(Sculpture& sculpture) {
+  std::vector<std::byte> bytes;
+  for (const DexelSnapshot& field : sculpture.solid().fields) {
+    field.for_each_touched([&](TileIndex, const DexelTile& tile) { encode_tile(tile, bytes); });
+  }
+  return bytes;
+}
+
+class BlockSnapshots : public testing::Test {
+ protected:
+  SnapshotHead head_of(Sculpture& sculpture) const {
+    return {kKernelVersion, "block", 77, sculpture.state_hash(), 4242, 0};
+  }
+  Sculpture carved(const SculptureSettings& settings, int motions = 60) {
+    Sculpture sculpture = make(settings);
+    Random random(1);
+    for (int n = 0; n < motions; ++n) EXPECT_TRUE(sculpture.apply(random.motion()));
+    return sculpture;
+  }
+  std::string bytes() const {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+  void put(const std::string& bytes) const { std::ofstream(file, std::ios::binary) << bytes; }
+
+  test::TemporaryFolder folder;
+  std::filesystem::path file = folder / "block.kerf-snapshot";
+};
+
+TEST_F(BlockSnapshots, ARestoredBlockGoesOnAsTheOneThatWasSaved) {
+  for (const auto& [rays, keep_normals] :
+       {std::pair(Rays::kDexel, true), std::pair(Rays::kDexel, false),
+        std::pair(Rays::kTriDexel, true)}) {
+    const SculptureSettings settings = settings_of(rays, keep_normals);
+    Sculpture saved = make(settings);
+    Random random(rays == Rays::kDexel ? 2 : 3);
+    for (int n = 0; n < 200; ++n) ASSERT_TRUE(saved.apply(random.motion()));
+    ASSERT_TRUE(write_snapshot(file, head_of(saved), saved.state()));
+    Sculpture restored = Sculpture::create(settings).value();
+    const auto snapshot = read_snapshot(file, restored);
+    ASSERT_TRUE(snapshot) << snapshot.error().reason;
+    ASSERT_TRUE(restored.restore(snapshot->state));
+    EXPECT_EQ(snapshot->head.session, "block");
+    EXPECT_EQ(snapshot->head.sequence, 77U);
+    EXPECT_EQ(snapshot->head.mark, 4242U);
+    EXPECT_EQ(read_snapshot_head(file)->motions, 200U);
+    EXPECT_EQ(tiles_of(restored), tiles_of(saved));
+    for (int n = 0; n < 100; ++n) {
+      MoveTool motion = random.motion();
+      motion.feel = false;  // the force that was pending is not saved
+      const auto expected = saved.apply(motion), found = restored.apply(motion);
+      ASSERT_TRUE(expected && found);
+      EXPECT_EQ(found->removed_mm3, expected->removed_mm3);
+      EXPECT_EQ(found->imprint_mm3, expected->imprint_mm3);
+      EXPECT_EQ(found->sub_motions, expected->sub_motions);
+    }
+    EXPECT_EQ(tiles_of(restored), tiles_of(saved));
+    EXPECT_EQ(restored.state_hash(), saved.state_hash());
+    EXPECT_EQ(restored.removed_volume_mm3(), saved.removed_volume_mm3());
+    EXPECT_EQ(restored.imprint_volume_mm3(), saved.imprint_volume_mm3());
+    EXPECT_GT(restored.imprint_volume_mm3(), 0);
+    EXPECT_EQ(restored.motions(), saved.motions());
+    EXPECT_EQ(restored.sub_motions(), saved.sub_motions());
+  }
+}
+
+TEST_F(BlockSnapshots, AStateDoesNotChangeWhileItsBlockDoes) {
+  const SculptureSettings settings = settings_of(Rays::kTriDexel, true);
+  Sculpture sculpture = carved(settings);
+  const std::uint64_t hash = sculpture.state_hash();
+  const SculptureState state = sculpture.state();
+  Random random(9);
+  for (int n = 0; n < 60; ++n) ASSERT_TRUE(sculpture.apply(random.motion()));
+  EXPECT_NE(sculpture.state_hash(), hash);
+  EXPECT_EQ(state.solid.hash(), hash);
+  ASSERT_TRUE(write_snapshot(file, {kKernelVersion, "block", 1, hash, 1, 0}, state));
+  EXPECT_TRUE(read_snapshot(file, Sculpture::create(settings).value()));
+}
+
+TEST_F(BlockSnapshots, EveryTruncationAndEveryFlippedByteIsFound) {
+  const SculptureSettings settings = settings_of(Rays::kDexel, true);
+  Sculpture sculpture = carved(settings, 10);
+  ASSERT_TRUE(write_snapshot(file, head_of(sculpture), sculpture.state()));
+  const std::string whole = bytes();
+  const Sculpture like = Sculpture::create(settings).value();
+  const std::size_t step = whole.size() / 150 + 1;
+  for (std::size_t at = 0; at < whole.size(); at += at < 200 ? 1 : step) {
+    put(whole.substr(0, at));
+    EXPECT_FALSE(read_snapshot(file, like)) << "cut to " << at;
+    std::string flipped = whole;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
+    put(flipped);
+    EXPECT_FALSE(read_snapshot(file, like)) << "flipped at " << at;
+  }
+  put(whole + "x");
+  EXPECT_EQ(read_snapshot(file, like).error().reason, "bytes follow its end");
+  put(whole);
+  EXPECT_TRUE(read_snapshot(file, like));
+}
+
+TEST_F(BlockSnapshots, ForeignAndNewerFilesAreNamed) {
+  const SculptureSettings settings = settings_of(Rays::kDexel, true);
+  const Sculpture like = Sculpture::create(settings).value();
+  EXPECT_TRUE(read_snapshot(file, like).error().is_missing);
+  EXPECT_TRUE(read_snapshot_head(file).error().is_missing);
+  put(std::string(500, 'x'));
+  EXPECT_EQ(read_snapshot(file, like).error().reason, "it is not a snapshot of Kerf");
+  Sculpture sculpture = carved(settings, 5);
+  ASSERT_TRUE(write_snapshot(file, head_of(sculpture), sculpture.state()));
+  std::string newer = bytes();
+  newer[8] = 9;
+  put(newer);
+  EXPECT_EQ(read_snapshot(file, like).error().reason, "it is of version 9 of its format");
+  SnapshotHead wrong = head_of(sculpture);
+  wrong.hash ^= 1;
+  ASSERT_TRUE(write_snapshot(file, wrong, sculpture.state()));
+  EXPECT_EQ(read_snapshot(file, like).error().reason,
+            "its columns do not have the hash that it states");
+  // Another pitch, other rays, normals or not.
+  for (SculptureSettings other :
+       {settings_of(Rays::kTriDexel, true), settings_of(Rays::kDexel, false), settings}) {
+    if (other.rays == Rays::kDexel && other.keep_normals) other.pitch_mm = 1;
+    Sculpture block = carved(other, 5);
+    ASSERT_TRUE(write_snapshot(file, head_of(block), block.state()));
+    EXPECT_FALSE(read_snapshot(file, like));
+  }
+}
+
+TEST_F(BlockSnapshots, ADiskThatFailsLeavesTheSnapshotBefore) {
+  const SculptureSettings settings = settings_of(Rays::kDexel, true);
+  Sculpture sculpture = carved(settings);
+  ASSERT_TRUE(write_snapshot(file, head_of(sculpture), sculpture.state()));
+  const std::string before = bytes();
+  rlimit limit{};
+  getrlimit(RLIMIT_FSIZE, &limit);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit full = limit;
+  full.rlim_cur = before.size() / 2;
+  setrlimit(RLIMIT_FSIZE, &full);
+  const auto written = write_snapshot(file, head_of(sculpture), sculpture.state());
+  setrlimit(RLIMIT_FSIZE, &limit);
+  std::signal(SIGXFSZ, handler);
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().reason.find("cannot be written"), std::string::npos);
+  EXPECT_EQ(bytes(), before);
+  EXPECT_FALSE(std::filesystem::exists(file.string() + ".tmp"));
+  EXPECT_FALSE(write_snapshot(folder / "none" / "x", head_of(sculpture), sculpture.state()));
+}
+
+}  // namespace
+}  // namespace kerf
