@@ -13,12 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-}  // namespace
-
-bool is_below_session(const std::vector<std::string>& path) {
-  return path.size() > 2 && path[0] == "v1" && path[1] == "sessions";
-}
-
 /// 401, with the reason.
 ApiResponse needs_token(const Caller& caller) {
   auto response = error_response(
@@ -30,6 +24,10 @@ ApiResponse needs_token(const Caller& caller) {
 }
 
 }  // namespace
+
+bool is_below_session(const std::vector<std::string>& path) {
+  return path.size() > 2 && path[0] == "v1" && path[1] == "sessions";
+}
 
 ApiResponse json_response(unsigned status, std::string json) {
   ApiResponse response;
