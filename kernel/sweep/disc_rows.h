@@ -50,20 +50,56 @@ KERF_INLINE DiscMeeting meet_discs(const Side& side, const DiscPose& pose, Lanes
   return m;
 }
 
-/// Returns the rays for which the end of a disc, at `from` with the speed `out_from` outwards, and
-/// after the share `length` at `to` with `out_to`, may lie farther out in between by more than the
-/// search may miss.
-KERF_INLINE LaneMask may_exceed(const SlicePath& path, double length, Lanes beyond, Lanes out_from,
-                                Lanes out_to) {
-  LaneMask may = (out_from > 0.0) & (out_to < 0.0);
+/// The ends of eight rays on a disc at one station or the next: the speeds outwards there, and by
+/// how much the last end is farther out than the first.
+struct DiscEnds {
+  Lanes out_from, out_to, beyond;
+
+  /// Returns the rays whose end moves outwards first and inwards last.
+  KERF_INLINE LaneMask turn() const { return (out_from > 0.0) & (out_to < 0.0); }
+};
+
+/// Returns the other rays for which the end of a disc may lie farther out between two stations, the
+/// share `length` apart, by more than the search may miss.
+KERF_INLINE LaneMask may_exceed(const SlicePath& path, double length, const DiscEnds& ends) {
   const double covered = std::sqrt(2 * path.search.missed_mm / path.search.bend_mm);
   const double left = length - covered;
-  if (!path.search.checked || !(left > 0)) return may;
-  // `beyond` > 0: the last end is farther out. The bound is that of least_off, from the other one.
-  const Lanes rise = magnitude(beyond);
-  const Lanes advance = greater(select(beyond > 0.0, out_from, -out_to), Lanes(0));
-  const Lanes fall = advance + path.frame.turn * rise + 0.5 * path.search.bend_mm * left;
-  return may | ~(path.discs.least_uz * rise - fall * left >= -path.search.missed_mm);
+  if (!path.search.checked || !(left > 0)) return ~every_lane();
+  // `beyond` > 0: the bound is that of least_off, from the first station; else from the last.
+  const Lanes rise = magnitude(ends.beyond);
+  const Lanes inwards = select(ends.beyond > 0.0, ends.out_from, -ends.out_to);
+  const Lanes fall =
+      greater(inwards, Lanes(0)) + path.frame.turn * rise + 0.5 * path.search.bend_mm * left;
+  return ~ends.turn() & ~(path.discs.least_uz * rise - fall * left >= -path.search.missed_mm);
+}
+
+/// The outermost ends of rays on a disc, between two stations.
+struct DiscTurn {
+  Lanes z;
+  LaneMask found;  ///< it is that end, and lies within the disc
+};
+
+/// Finds the ends that turn from outwards to inwards after the share `from`. The speed of a plane
+/// is almost linear in the share, so the zero of the straight line suffices.
+KERF_INLINE DiscTurn turn_on_disc(const SlicePath& path, Lanes x, Lanes y, double from,
+                                  double length, const DiscEnds& ends, End end) {
+  const DiscPose& first = path.discs.poses.front();
+  const bool lower = end == End::kLower;
+  const double height = lower ? first.discs.low : first.discs.high;
+  const Lanes after = length * (ends.out_from / (ends.out_from - ends.out_to));
+  const TurningFrame::Poses pose = path.frame.at(from + after);
+  const Vec3Lanes& u = pose.u;
+  const Vec3Lanes anchor = u * Lanes(path.discs.anchor);
+  const Lanes px = x - (pose.tip.x + anchor.x), py = y - (pose.tip.y + anchor.y);
+  const Lanes t = (height - px * u.x - py * u.y) / u.z;
+  const Lanes speed = dot(u, path.frame.velocity(anchor + Vec3Lanes{px, py, t}));
+  const double radius2 = lower ? first.low_radius2 : first.high_radius2;
+  const LaneMask within = px * px + py * py + t * t - height * height < radius2;
+  const LaneMask settled = magnitude(speed) * length <= path.search.search_mm * u.z;
+  const double covered =
+      path.search.checked ? std::sqrt(2 * path.search.missed_mm / path.search.bend_mm) : length;
+  const LaneMask reaches = (after <= covered) & (length - after <= covered);
+  return {pose.tip.z + anchor.z + t, within & settled & reaches};
 }
 
 /// Adds the intervals of the rays `open` of a row whose rays all enter the slice through its lower
@@ -89,16 +125,31 @@ KERF_INLINE bool add_disc_row(const Side& side, const SlicePath& path, Lanes y, 
   if (any(~first.usable)) return false;
   for (std::size_t k = 1; k < poses.size(); ++k) {
     const DiscMeeting last = meet_discs(side, poses[k], x, y, top);
+    const double from = double(k - 1) * length;
     LaneMask bad = ~last.usable | (first.lo > last.hi) | (last.lo > first.hi);
+    Lanes lo = lesser(first.lo, last.lo), hi = greater(first.hi, last.hi);
     if ((known.hides_entry >> row & 1) == 0) {
-      bad |= may_exceed(path, length, first.lo - last.lo, first.out_lo, last.out_lo);
+      const DiscEnds ends{first.out_lo, last.out_lo, first.lo - last.lo};
+      bad |= may_exceed(path, length, ends);
+      const LaneMask turns = ends.turn();
+      if (any(turns)) {
+        const DiscTurn turn = turn_on_disc(path, x, y, from, length, ends, End::kLower);
+        bad |= turns & ~turn.found;
+        lo = select(turns, lesser(turn.z, lo), lo);
+      }
     }
     if ((known.hides_exit >> row & 1) == 0) {
-      bad |= ~(first.covers | last.covers | block.loses_all_above(row)) &
-             may_exceed(path, length, last.hi - first.hi, first.out_hi, last.out_hi);
+      const DiscEnds ends{first.out_hi, last.out_hi, last.hi - first.hi};
+      const LaneMask below = ~(first.covers | last.covers | block.loses_all_above(row));
+      bad |= below & may_exceed(path, length, ends);
+      const LaneMask turns = below & ends.turn();
+      if (any(turns)) {
+        const DiscTurn turn = turn_on_disc(path, x, y, from, length, ends, End::kUpper);
+        bad |= turns & ~turn.found;
+        hi = select(turns, greater(turn.z, hi), hi);
+      }
     }
     if (any(bad)) return false;
-    const Lanes lo = lesser(first.lo, last.lo), hi = greater(first.hi, last.hi);
     block.add(row, select(open, lo + z, none), select(open, hi + z, -none));
     first = last;
   }

@@ -63,6 +63,7 @@ DiscPath disc_path(const ToolPiece& slice, double anchor, const SlicePath& path)
   DiscPath result;
   const TurningFrame& f = path.frame;
   result.least_uz = f.u.z - f.turn;
+  result.anchor = anchor;
   if (!(result.least_uz > kDiscUprightMin)) return result;
   const DiscPlanes discs = disc_planes(slice);
   const int parts = path.search.parts;

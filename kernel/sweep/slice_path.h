@@ -54,6 +54,7 @@ struct DiscPath {
   /// At all stations, or only at the last if these are many; empty if the slice leans too much.
   std::vector<DiscPose> poses;
   double least_uz = 0;
+  double anchor = 0;  ///< height of the side's anchor
 };
 
 /// The path of a slice, and the parameters of its search.

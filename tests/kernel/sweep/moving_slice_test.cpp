@@ -159,5 +159,22 @@ TEST(MovingSlice, AMillThatSinksTakesOnlyItsLastPoseBelowIt) {
   for (int row = 0; row < kBlockSide; ++row) EXPECT_NEAR(s.block.lo_mm[row][3], 0.9, 1e-12);
 }
 
+TEST(MovingSlice, ABottomThatSinksAndRisesNeedsNoSearch) {
+  Random random(8);
+  Sample s = sample(0, random);
+  s.slice = FrustumPiece{0, 5, 8, 5};
+  // Below the middle of its path the bottom is lowest halfway, by 0.025 mm.
+  s.from = {{-0.5, 0, 0}, normalized(Vec3{-0.05, 0, 1})};
+  s.to = {{0.5, 0, 0}, normalized(Vec3{0.05, 0, 1})};
+  s.search.search_mm = 1e-3;
+  for (int i = 0; i < kLanes; ++i) s.block.x_mm.set(i, -0.1 + i * 0.025);
+  for (int j = 0; j < kBlockSide; ++j) s.block.y_mm[j] = j * 0.1;
+  ColumnBlock block = s.block;
+  MovingSlice(s.slice, s.from, s.to, {true, false, true}, s.search).add_simple_rows(block);
+  EXPECT_EQ(block.rows, 0U);
+  expect_swept(s, block, 0xFF, "bottom");
+  EXPECT_NEAR(block.lo_mm[0][4], 0, 1e-3);
+}
+
 }  // namespace
 }  // namespace kerf
