@@ -188,15 +188,22 @@ void accept_configuration(CLI::App& app) {
   app.allow_config_extras(CLI::config_extras_mode::error);
 }
 
-/// The commands that verify files instead of serving sessions.
+/// The commands that verify or copy files instead of serving sessions.
 struct Commands {
-  std::string folder, journal;
+  std::string folder, journal, backup;
 
   void add(CLI::App& app) {
     app.add_subcommand("check",
                        "reads the journals and snapshots of a data folder; exits with 1 if "
                        "something is wrong, and says what to do")
         ->add_option("DATA", folder, "data folder, also of a running server")
+        ->required();
+    CLI::App* copy = app.add_subcommand(
+        "backup",
+        "copies the journals of a data folder into another folder, also while a server "
+        "runs on it");
+    copy->add_option("DATA", folder, "data folder")->required();
+    copy->add_option("TO", backup, "folder of the copies, created if missing; no file is replaced")
         ->required();
     app.add_subcommand("replay",
                        "carves a journal from the start and compares it with its state hashes and "
@@ -207,6 +214,7 @@ struct Commands {
   /// The exit status of the command that was named; nullopt if none was.
   std::optional<int> run(const CLI::App& app) const {
     if (app.got_subcommand("check")) return kerf::check_data(folder);
+    if (app.got_subcommand("backup")) return kerf::back_up(folder, backup);
     if (app.got_subcommand("replay")) return kerf::replay_journal(journal);
     return std::nullopt;
   }

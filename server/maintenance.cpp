@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/maintenance.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "server/session/hash_text.h"
 #include "server/session/journal_check.h"
+#include "server/store/journal_file.h"
 
 namespace kerf {
 
@@ -23,6 +26,37 @@ int check_data(const std::filesystem::path& folder) {
   });
   if (!checked) std::fprintf(stderr, "kerf-server: %s\n", describe(checked.error()).c_str());
   return checked && good ? 0 : 1;
+}
+
+int back_up(const std::filesystem::path& data, const std::filesystem::path& to) {
+  std::error_code error;
+  std::filesystem::create_directories(to, error);
+  std::vector<std::filesystem::path> journals;
+  if (!error) {
+    for (auto entry = std::filesystem::directory_iterator(data, error);
+         !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+      if (entry->path().extension() == kJournalExtension) journals.push_back(entry->path());
+    }
+  }
+  if (error) {
+    std::fprintf(stderr, "kerf-server: %s to %s: %s\n", data.c_str(), to.c_str(),
+                 error.message().c_str());
+    return 1;
+  }
+  std::ranges::sort(journals);
+  bool good = true;
+  for (const auto& journal : journals) {
+    const auto copy = to / journal.filename();
+    const auto copied = copy_journal(journal, copy);
+    if (copied) {
+      std::printf("%s\n", copy.c_str());
+    } else {
+      std::fprintf(stderr, "kerf-server: %s: %s\n", journal.c_str(),
+                   describe(copied.error()).c_str());
+      good = false;
+    }
+  }
+  return good ? 0 : 1;
 }
 
 int replay_journal(const std::filesystem::path& file) {

@@ -37,6 +37,8 @@ using Parser = http::request_parser<http::string_body>;
 using Request = http::request<http::string_body>;
 
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
+/// Length of a Sec-WebSocket-Key.
+constexpr std::size_t kKeyBytes = 24;
 constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 /// A request for a session that is being loaded waits for it as long as this.
@@ -337,6 +339,10 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
   if (!offers(request, protocol)) {
     return error_response(400, "bad_protocol",
                           "Sec-WebSocket-Protocol must list " + std::string(protocol));
+  }
+  // Beast does not check it.
+  if (request[http::field::sec_websocket_key].size() != kKeyBytes) {
+    return error_response(400, "bad_request", "Sec-WebSocket-Key must be 16 bytes in base64");
   }
   if (buffer_.size() != 0) {
     return error_response(400, "bad_request", "data was sent before the connection was upgraded");

@@ -4,9 +4,6 @@
 // long the thread of a session stands still for a snapshot.
 //
 //   restart_bench [--minutes N] [--server PATH]
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -23,6 +20,7 @@
 #include "server/session/replay.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/journal_writer.h"
+#include "tests/bench/cpu_clock.h"
 #include "tests/bench/live_client.h"
 
 namespace {
@@ -47,9 +45,7 @@ ToolPose hand(int n, double t, double total_s) {
   const Vec3 tip{70 * std::sin(0.11 * t + phase) + 20 * std::sin(1.7 * t),
                  70 * std::sin(0.13 * t + 2 * phase) + 20 * std::sin(2.3 * t),
                  -depth - std::sin(0.9 * t + phase) + 0.05 * std::sin(20 * std::numbers::pi * t)};
-  const double lean = 0.3 * std::sin(0.7 * t + phase), turn = 0.3 * std::sin(0.5 * t);
-  const Vec3 axis = normalized({std::sin(lean), std::sin(turn), 1.0});
-  return admit_pose({tip, Vec3(Vec3f(axis))});
+  return admit_pose({tip, {0, 0, 1}});
 }
 
 /// The journal of `seconds` of four hands.
@@ -87,8 +83,9 @@ double mb(const std::filesystem::path& file) {
 }
 
 /// Starts the server on the folder; prints when it listens, and its CPU time until the session is
-/// back.
-void restart(const char* name, bench::ServerProcess& server) {
+/// back. Ends it when `snapshot` exists.
+void restart(const char* name, bench::ServerProcess& server,
+             const std::filesystem::path& snapshot) {
   const auto start = Clock::now();
   server.start();
   const double listens_ms = ms_since(start);
@@ -97,6 +94,10 @@ void restart(const char* name, bench::ServerProcess& server) {
   }
   std::printf("%-26s listens after %5.0f ms; back after %6.2f s, %6.2f s of CPU\n", name,
               listens_ms, ms_since(start) / 1000, server.cpu_seconds());
+  std::fflush(stdout);
+  while (!std::filesystem::exists(snapshot)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
   server.kill_hard();
 }
 
@@ -110,18 +111,19 @@ void measure_stalls(Sculpture& block) {
                         0.001, false};
     const bool takes = ms % 100 == 0;
     if (takes) {
-      const auto start = Clock::now();
+      const double start_us = 1e6 * test::cpu_seconds();
       SculptureState state = block.state();
-      state_us = std::max(state_us, 1000 * ms_since(start));
+      state_us = std::max(state_us, 1e6 * test::cpu_seconds() - start_us);
       kept.assign(1, std::move(state));
     }
-    const auto start = Clock::now();
+    const double start_us = 1e6 * test::cpu_seconds();
     if (!block.apply(move)) bench::fail("a motion was rejected");
-    (takes ? after_us : plain_us) = std::max(takes ? after_us : plain_us, 1000 * ms_since(start));
+    double& longest = takes ? after_us : plain_us;
+    longest = std::max(longest, 1e6 * test::cpu_seconds() - start_us);
   }
   std::printf(
-      "stall of a session: %.0f us for the state of its block at most; motions at most %.0f us "
-      "after it, %.0f us otherwise\n",
+      "stall of a session: at most %.0f us of CPU for the state of its block; motions at most %.0f "
+      "us after it, %.0f us otherwise\n",
       state_us, after_us, plain_us);
 }
 
@@ -141,18 +143,13 @@ int main(int count, char** arguments) {
   const std::uint64_t records = write_journal(journal, 60 * minutes);
   std::printf("%d min of %d hands: %llu records, journal %.1f MB\n", minutes, kHands,
               static_cast<unsigned long long>(records), mb(journal));
-  restart("without a snapshot", server);
-  auto replayed = replay(journal);
+  std::fflush(stdout);
+  const auto snapshot = snapshot_file(journal);
+  restart("without a snapshot", server, snapshot);
+  std::printf("snapshot %.1f MB\n", mb(snapshot));
+  restart("with a snapshot", server, snapshot);
+  auto replayed = restore(journal);
   if (!replayed) bench::fail(describe(replayed.error()));
-  const auto mark = JournalReader::open(journal)->mark(replayed->last_sequence).value().value();
-  const SnapshotHead head{kKernelVersion,      "hour", replayed->last_sequence,
-                          replayed->hash.hash, mark,   0};
-  const auto start = Clock::now();
-  const auto written = write_snapshot(snapshot_file(journal), head, replayed->sculpture.state());
-  if (!written) bench::fail(written.error().reason);
-  std::printf("snapshot %.1f MB, written in %.0f ms\n", static_cast<double>(*written) / 1e6,
-              ms_since(start));
-  restart("with a snapshot", server);
   measure_stalls(replayed->sculpture);
   server.start();  // ends with the program
 }

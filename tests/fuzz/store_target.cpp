@@ -2,8 +2,12 @@
 // The files of a session: a batch, and a whole journal.
 #include <fstream>
 
+#include "kernel/sculpture.h"
+#include "server/store/block_snapshot.h"
+#include "server/store/byte_code.h"
 #include "server/store/journal_reader.h"
 #include "server/store/record_batch.h"
+#include "server/store/tile_code.h"
 #include "tests/fuzz/targets.h"
 #include "tests/server/temporary_folder.h"
 
@@ -30,10 +34,53 @@ void read_batch(Bytes input) {
   }
 }
 
-void read_journal(Bytes input) {
+namespace {
+
+/// Writes the input to a file in a folder of this process.
+std::filesystem::path file_with(Bytes input) {
   static const test::TemporaryFolder folder;
   const auto file = folder / "fuzz.kerf";
   std::ofstream(file, std::ios::binary).write(text_of(input).data(), std::ssize(input));
+  return file;
+}
+
+}  // namespace
+
+/// Of the block in corpus/snapshot: 80 x 80 x 30 mm at 0.5 mm.
+void read_snapshot(Bytes input) {
+  static const Sculpture block = [] {
+    SculptureSettings settings;
+    settings.stock = BoxStock{{-40, -40, -30}, {40, 40, 0}};
+    settings.pitch_mm = 0.5;
+    return Sculpture::create(settings).value();
+  }();
+  const auto file = file_with(input);
+  (void)read_snapshot_head(file);
+  if (const auto read = kerf::read_snapshot(file, block)) {
+    require(read->head.kernel_version > 0, "a snapshot states its kernel");
+  }
+}
+
+/// The columns of a tile, inside the checksums of a snapshot. One that can be read is written as
+/// the same tile.
+void read_tile(Bytes input) {
+  for (const bool keeps_normals : {false, true}) {
+    ByteReader in(input);
+    const auto tile = decode_tile(in, 1 << 20, keeps_normals);
+    if (!tile) continue;
+    std::vector<std::byte> bytes;
+    encode_tile(*tile, bytes);
+    ByteReader again(bytes);
+    const auto same = decode_tile(again, 1 << 20, keeps_normals);
+    require(same != nullptr, "an encoded tile can be decoded");
+    std::vector<std::byte> twice;
+    encode_tile(*same, twice);
+    require(bytes == twice, "to the same tile");
+  }
+}
+
+void read_journal(Bytes input) {
+  const auto file = file_with(input);
   auto reader = JournalReader::open(file);
   while (reader) {
     const auto record = reader->next();

@@ -11,7 +11,8 @@ std::span<const Target> targets() {
       {"wire", read_wire},    {"columns", read_columns}, {"control", read_control},
       {"gcode", read_gcode},  {"apt", read_apt},         {"tables", read_tables},
       {"scene", read_scene},  {"mesh", read_mesh},       {"batch", read_batch},
-      {"http", read_request}, {"journal", read_journal}, {"conversation", converse}};
+      {"http", read_request}, {"journal", read_journal}, {"snapshot", read_snapshot},
+      {"tile", read_tile},    {"conversation", converse}};
   return kTargets;
 }
 

@@ -33,6 +33,8 @@ void read_scene(Bytes input);
 void read_mesh(Bytes input);
 void read_batch(Bytes input);
 void read_journal(Bytes input);
+void read_snapshot(Bytes input);
+void read_tile(Bytes input);
 void read_request(Bytes input);
 
 }  // namespace kerf::fuzz

@@ -61,6 +61,24 @@ class Check(LiveTest):
         self.restart()
         self.assertEqual(self.server.http.json("GET", "/v1/sessions/block")[0], 500)
 
+    def test_a_backup_of_a_running_server_serves_the_same_block(self):
+        expected = self.carved()
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        to = os.path.join(self.folder.name, "copies")
+        status, text = run("backup", self.folder.name, to)
+        self.assertEqual((status, text), (0, os.path.join(to, "block.kerf") + "\n"))
+        carve(Agent(self.server.port, "block"), 50, phase=1.0)  # the server goes on
+        status, text = run("check", to)
+        self.assertEqual(status, 0, text)
+        copy = Server(to)
+        self.addCleanup(copy.stop)
+        self.assertEqual(copy.hash(), expected["state_hash"])
+        status, text = run("backup", self.folder.name, to)
+        self.assertEqual(status, 1)
+        self.assertIn("block.kerf", text)
+        status, text = run("backup", os.path.join(self.folder.name, "missing"), to)
+        self.assertEqual(status, 1)
+
     def test_good_files_pass_and_a_replay_compares_hashes_and_snapshot(self):
         self.carved()
         self.server.hash()
