@@ -21,7 +21,8 @@ usage() {
   cat <<'TXT'
 usage: ./run.sh [--port N] [--listen ADDR] [--data DIR] [--no-demo] [--build-only]
   --port N       port to serve on (default 8080; the next free one if it is taken)
-  --listen ADDR  address to serve on (default 127.0.0.1; 0.0.0.0 also serves the network)
+  --listen ADDR  address to serve on (default 127.0.0.1). 0.0.0.0 also serves the network, where people watch and carve
+                 as guests (kerf-server --open), unless KERF_ADMIN_TOKEN is set: then they need an invitation
   --data DIR     folder of the sessions. Default: with the demo a temporary folder, removed at the end;
                  with --no-demo ~/.local/share/kerf
   --no-demo      start the server only
@@ -98,6 +99,10 @@ server_failed() {
 
 start_server() {
   local options=(--listen "$LISTEN:$PORT" --data "$DATA" --web web/dist)
+  case "$LISTEN" in
+    127.*|::1|'[::1]') ;;
+    *) if [ -z "${KERF_ADMIN_TOKEN:-}" ]; then options+=(--open); fi ;;
+  esac
   if $DEMO; then options+=(--scene haptic_agent/demo/demo.json); fi
   start kerf-server "$(program kerf-server)" "${options[@]}"
   SERVER=$!
@@ -152,6 +157,7 @@ main() {
     if $DEMO; then DATA="$SCRATCH/data"; else DATA="${XDG_DATA_HOME:-$HOME/.local/share}/kerf"; fi
   fi
   mkdir -p "$DATA" "$KERF_LOGS"
+  export KERF_TOKEN="${KERF_TOKEN:-${KERF_ADMIN_TOKEN:-}}" # for the simulated hands
   if $DEMO; then step "Computing the tool paths of the demo" kerf-demo "$(program kerf-demo)" "$SCRATCH"; fi
   find_port
   start_server

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "haptic_agent/device/text_fields.h"
+#include "haptic_agent/link/token.h"
 #include "server/wire/control.h"
 #include "server/wire/limits.h"
 
@@ -72,6 +73,7 @@ struct Texts {
   std::string mode = "model";
   double latency_ms = 0;
   std::string server = "http://localhost:8080";
+  std::string token_file;
   std::vector<std::string> devices;
 };
 
@@ -143,6 +145,10 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
   app.add_option("--server", texts.server, "address of the server, http://HOST:PORT")
       ->type_name("URL")
       ->capture_default_str();
+  app.add_option("--token-file", texts.token_file,
+                 "file with the token or the invitation's link of this session, if the server asks "
+                 "for one. Or the environment variable KERF_TOKEN")
+      ->type_name("FILE");
   app.add_option("--session", options.link.session, "session to join")
       ->required()
       ->type_name("ID")
@@ -202,6 +208,9 @@ std::expected<Options, EarlyExit> read_options(int argc, const char* const* argv
   auto server = parse_server_url(texts.server);
   if (!server) return reject("--server: " + server.error());
   options.link.server = *std::move(server);
+  auto token = read_token(texts.token_file);
+  if (!token) return reject(token.error());
+  options.link.token = *std::move(token);
   options.mode = kModes.at(texts.mode);
   options.latency_us = static_cast<std::uint64_t>(texts.latency_ms * kUsPerMs);
   for (const std::string& text : texts.devices) {

@@ -25,6 +25,7 @@
 #include "server/http/static_files.h"
 #include "server/log/log.h"
 #include "server/maintenance.h"
+#include "server/rights/admin_token.h"
 #include "server/server.h"
 #include "server/store/journal_file.h"
 #include "server/wire/control.h"
@@ -38,6 +39,7 @@ struct CommandLine {
   std::string listen = "127.0.0.1:8080";
   std::string udp;
   std::vector<std::string> scenes;
+  std::string admin_token_file;
   double snapshot_s = 1;
   ServerOptions server;
 };
@@ -128,7 +130,7 @@ void raise_file_limit() {
   }
 }
 
-int serve(const CommandLine& line) {
+int serve(CommandLine line) {
   raise_file_limit();
   // Only this thread waits for signals: block them before other threads start.
   sigset_t signals;
@@ -139,7 +141,7 @@ int serve(const CommandLine& line) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is like a full disk
 
-  auto server = Server::create(line.server);
+  auto server = Server::create(std::move(line.server));
   if (!server) {
     std::fprintf(stderr, "kerf-server: %s\n", server.error().c_str());
     return 1;
@@ -228,6 +230,15 @@ kerf::SnapshotLimits snapshot_limits(double replay_s) {
   return limits;
 }
 
+void describe_rights(CLI::App& app, CommandLine& line) {
+  app.add_option("--admin-token-file", line.admin_token_file,
+                 "file with the administrator's token; made with a random one if it does not "
+                 "exist. Or the environment variable KERF_ADMIN_TOKEN. Then everybody needs a "
+                 "token or an invitation");
+  app.add_flag("--open", line.server.open,
+               "for demonstrations: who has no token watches, and carves within limits");
+}
+
 int run(int argc, char** argv) {
   CommandLine line;
   line.server.http.web_folder = kerf::net::find_web_folder();
@@ -254,6 +265,7 @@ int run(int argc, char** argv) {
       "host name");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
+  describe_rights(app, line);
   Commands commands;
   commands.add(app);
   std::string log_format = "text";
@@ -281,7 +293,13 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "kerf-server: --udp %s is not [ADDR:]PORT or off\n", line.udp.c_str());
     return 2;
   }
-  return serve(line);
+  auto token = kerf::read_admin_token(line.admin_token_file);
+  if (!token) {
+    std::fprintf(stderr, "kerf-server: %s\n", token.error().c_str());
+    return 1;
+  }
+  line.server.admin_token = *std::move(token);
+  return serve(std::move(line));
 }
 
 }  // namespace

@@ -40,6 +40,11 @@ constexpr unsigned kLoadersMax = 4;
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
+constexpr std::string_view kNeedsRights =
+    " can be reached from other machines, and everybody there could carve and delete. Start with "
+    "--admin-token-file FILE (made if it does not exist) and invite people, with --open for a "
+    "demonstration, or listen on 127.0.0.1";
+
 void log_pause(const std::string& id, const std::optional<JournalError>& error) {
   if (error) {
     log::error("session " + id + ": paused: disk: " + describe(*error) +
@@ -80,9 +85,10 @@ void log_report(const LoadReport& report) {
 }  // namespace
 
 struct Server::Impl {
-  Impl(ServerOptions server_options, FolderLock folder_lock)
+  Impl(ServerOptions server_options, FolderLock folder_lock, std::unique_ptr<Access> rights)
       : options(std::move(server_options)),
         lock(std::move(folder_lock)),
+        access(std::move(rights)),
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
@@ -92,7 +98,7 @@ struct Server::Impl {
              SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
-        api(options.http, registry, metrics),
+        api(options.http, registry, metrics, *access),
         immediate("immediate", 1, 5),
         control("control", 2, 5),
         workers("workers", 2, 10),
@@ -108,6 +114,7 @@ struct Server::Impl {
 
   ServerOptions options;
   FolderLock lock;  ///< of the data folder; released when all journals are closed
+  std::unique_ptr<Access> access;
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
@@ -196,7 +203,11 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   }
   auto lock = FolderLock::take(options.http.data_folder);
   if (!lock) return std::unexpected(lock.error());
-  auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock));
+  auto access = Access::open({.folder = options.http.data_folder,
+                              .admin_token = std::exchange(options.admin_token, {}),
+                              .open = options.open});
+  if (!access) return std::unexpected(access.error());
+  auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock), *std::move(access));
   if (const auto found = impl->registry.find_journals(); !found) {
     log::error(describe(found.error()));
   }
@@ -219,6 +230,9 @@ std::expected<void, std::string> Server::listen() {
   error_code error;
   const auto address = asio::ip::make_address(impl_->options.address, error);
   if (error) return std::unexpected(impl_->options.address + " is not an IP address");
+  if (!address.is_loopback() && impl_->access->regime() == Regime::kLocal) {
+    return std::unexpected(impl_->options.address + std::string(kNeedsRights));
+  }
   const tcp::endpoint endpoint(address, impl_->options.port);
   tcp::acceptor& acceptor = impl_->acceptor;
   const auto fail = [&] {

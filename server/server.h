@@ -32,6 +32,8 @@ struct ServerOptions {
   SessionLimits session;
   SnapshotLimits snapshots;
   UdpOptions udp;
+  std::string admin_token;  ///< empty: none; kept as its hash only
+  bool open = false;        ///< who has no token is a guest
 };
 
 /// The complete service in one process: session registry, threads and listeners.

@@ -11,6 +11,7 @@
 
 #include "haptic_agent/device/plugin/c_structs.h"
 #include "haptic_agent/library/agent_session.h"
+#include "haptic_agent/link/token.h"
 #include "haptic_agent/realtime/clock.h"
 #include "server/wire/limits.h"
 
@@ -66,6 +67,7 @@ const char* fault_of(const kerf_agent_options& given) {
     return "name must be at most 64 bytes long";
   }
   if (given.color != nullptr && !is_color(given.color)) return "color must have the form #rrggbb";
+  if (given.token != nullptr && !is_token(given.token)) return "token is not a token";
   if (!in_range(given.patience_s, kMaxPatienceS)) return "patience_s must be 0 to 1e6";
   if (!in_range(given.max_force_n, kMaxForceN)) return "max_force_n must be 0 to 50";
   if (!in_range(given.max_torque_nmm, kMaxTorqueNmm)) return "max_torque_nmm must be 0 to 2000";
@@ -83,6 +85,7 @@ std::expected<SessionOptions, SessionFailure> options_of(const kerf_agent_option
   if (!server) return invalid("server: " + server.error());
   options.link.server = *std::move(server);
   options.link.session = given.session;
+  if (given.token != nullptr) options.link.token = given.token;
   options.link.hello = {.name = given.name != nullptr ? given.name : "",
                         .color = given.color != nullptr ? given.color : "",
                         .tool_id = given.tool_id,

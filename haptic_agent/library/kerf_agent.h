@@ -42,7 +42,7 @@ extern "C" {
 /** Version of this interface. Programs and plugins of one ABI number work with every library of the
  * same number; a library with a higher minor number knows more functions and fields. */
 #define KERF_AGENT_ABI 1
-#define KERF_AGENT_MINOR 0
+#define KERF_AGENT_MINOR 1
 #define KERF_AGENT_VERSION ((KERF_AGENT_ABI << 16) | KERF_AGENT_MINOR)
 
 /** Result of a call: KERF_AGENT_OK or a negative number. */
@@ -152,6 +152,8 @@ typedef struct kerf_agent_options {
    * library, until kerf_agent_close returns; must return soon. Null: none. */
   void (*notice)(void* context, const char* line);
   void* context;
+  /** Proves the right to join, for servers that ask for a token; null: none. Minor 1. */
+  const char* token;
 } kerf_agent_options;
 
 /** What the session determines. */

@@ -63,7 +63,7 @@ asio::awaitable<std::optional<Loss>> upgrade(net::WebSocket& socket, const LinkS
   const std::string host = settings.server.host + ":" + settings.server.port;
   const std::string target = "/v1/sessions/" + settings.session + "/agent";
   const net::HandshakeAnswer answer =
-      co_await socket.shake_hands(host, target, wire::kAgentProtocol);
+      co_await socket.shake_hands(host, target, wire::kAgentProtocol, settings.token);
   if (answer.declined_status != 0) {
     co_return declined(settings.session, answer.declined_status, answer.declined_body);
   }

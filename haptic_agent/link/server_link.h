@@ -18,6 +18,8 @@ namespace kerf::agent {
 struct LinkSettings {
   ServerUrl server;
   std::string session;
+  /// Proves the right to join (token.h); empty: none. Not to be logged.
+  std::string token{};
   Hello hello;
   TrafficOptions traffic{};
   /// How long to retry connecting, at the start and after each loss.

@@ -8,7 +8,7 @@ namespace kerf::net {
 
 AgentConversation::AgentConversation(Setup setup)
     : Conversation(std::move(setup.session), setup.metrics, std::move(setup.now),
-                   std::move(setup.wake)),
+                   std::move(setup.wake), std::move(setup.caller)),
       limits_(setup.limits),
       open_udp_(std::move(setup.open_udp)) {
   listener_ = session().listen([this](const SessionEvent& event) { on_event(event); });
@@ -35,8 +35,13 @@ void AgentConversation::on_event(const SessionEvent& event) {
     finish();
     return wake();
   }
+  if (event.removed != 0 && (!self_ || event.removed != self_->id)) return;
   if (finishing() || broken()) return;
-  if (!event.closing.empty()) {
+  if (event.removed != 0) {
+    batch_.reset();
+    reject({wire::ErrorCode::kRemoved, event.closing}, true);
+    finish();
+  } else if (!event.closing.empty()) {
     say(bye_message(event.closing));
     finish();
   } else if (self_ && event.carvers_changed) {
@@ -48,16 +53,15 @@ void AgentConversation::on_event(const SessionEvent& event) {
 }
 
 void AgentConversation::on_hello(const HelloMessage& hello) {
-  const JoinRequest request{
-      ParticipantKind::kAgent, hello.name,  hello.color,   hello.tool,  hello.feel,
-      hello.feel_of,           hello.stock, hello.durable, hello.resume};
+  JoinRequest request = join_request(ParticipantKind::kAgent, hello);
+  request.tool = hello.tool;
+  request.feel = hello.feel;
+  request.feel_of = hello.feel_of;
+  request.stock = hello.stock;
+  request.durable = hello.durable;
+  request.token = hello.resume;
   const auto admission = session().admit(request);
-  if (!admission) {
-    const bool fatal = admission.error().code == wire::ErrorCode::kBusy;
-    reject(admission.error(), fatal);
-    if (fatal) finish();
-    return;
-  }
+  if (!admission) return reject_hello(admission.error());
   self_ = admission->participant;
   states_durable_ = !admission->token.empty();
   std::optional<datagram::Offer> offer;

@@ -41,6 +41,7 @@ class AgentConversation final : public Conversation {
     std::function<void()> wake;
     /// Opens a UDP connection for this agent; nothing if none is available.
     std::function<std::optional<datagram::Offer>()> open_udp;
+    Caller caller = Caller::local();
   };
 
   explicit AgentConversation(Setup setup);

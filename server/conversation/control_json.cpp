@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "kernel/dexel/tile_index.h"
+#include "server/rights/rights.h"
 #include "server/session/hash_text.h"
 
 namespace kerf::net {
@@ -128,6 +129,8 @@ Json participants_json(const std::vector<Participant>& participants) {
                   {"color", participant.color},
                   {"kind", to_string(participant.kind)}};
     if (participant.tool != 0) entry["tool"] = participant.tool;
+    if (participant.role != Role::kAdministrator) entry["role"] = to_string(participant.role);
+    if (participant.is_muted) entry["muted"] = true;
     list.push_back(std::move(entry));
   }
   return list;
@@ -135,16 +138,20 @@ Json participants_json(const std::vector<Participant>& participants) {
 
 Json welcome(const Session& session, const Participant& self) {
   const Scene& scene = session.scene();
-  return {{"type", wire::kTypeWelcome},
-          {"session", session.id()},
-          {"participant", self.id},
-          {"epoch", session.epoch()},
-          {"color", self.color},
-          {"pitch_mm", scene.settings.pitch_mm},
-          {"pivot_mm", scene.settings.force.pivot_mm},
-          {"force", Json::parse(force_json(scene))},
-          {"stock", Json::parse(stock_json(scene))},
-          {"tools", Json::parse(tools_json(scene))}};
+  Json json = {{"type", wire::kTypeWelcome},
+               {"session", session.id()},
+               {"participant", self.id},
+               {"epoch", session.epoch()},
+               {"color", self.color},
+               {"pitch_mm", scene.settings.pitch_mm},
+               {"pivot_mm", scene.settings.force.pivot_mm},
+               {"force", Json::parse(force_json(scene))},
+               {"stock", Json::parse(stock_json(scene))},
+               {"tools", Json::parse(tools_json(scene))}};
+  if (self.role == Role::kAdministrator) return json;
+  json["role"] = to_string(self.role);
+  json["may"] = allowed_actions(self.role);
+  return json;
 }
 
 Json udp_json(const datagram::Offer& offer) {

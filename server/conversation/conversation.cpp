@@ -7,11 +7,12 @@
 namespace kerf::net {
 
 Conversation::Conversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
-                           std::function<void()> wake)
+                           std::function<void()> wake, Caller caller)
     : metrics_(metrics),
       now_(std::move(now)),
       session_(std::move(session)),
-      wake_(std::move(wake)) {}
+      wake_(std::move(wake)),
+      caller_(std::move(caller)) {}
 
 void Conversation::receive(std::span<const std::byte> frame, bool is_text,
                            Clock::time_point arrived) {
@@ -68,6 +69,31 @@ void Conversation::hello_expired() {
   if (self_ || finishing_ || broken_) return;
   reject({wire::ErrorCode::kNoHello, "no hello within 5 s"}, true);
   finish();
+}
+
+void Conversation::grant_expired() {
+  if (finishing_ || broken_) return;
+  reject({wire::ErrorCode::kNotAllowed, "the invitation has expired"}, true);
+  finish();
+}
+
+JoinRequest Conversation::join_request(ParticipantKind kind, const HelloMessage& hello) const {
+  JoinRequest request;
+  request.kind = kind;
+  request.name = caller_.name.empty() ? hello.name : caller_.name;
+  request.color = caller_.color.empty() ? hello.color : caller_.color;
+  request.role = caller_.role;
+  request.grant = caller_.grant;
+  request.is_personal = caller_.is_personal;
+  request.is_muted = caller_.is_muted;
+  return request;
+}
+
+void Conversation::reject_hello(const Rejection& rejection) {
+  const bool fatal =
+      rejection.code == wire::ErrorCode::kBusy || rejection.code == wire::ErrorCode::kNotAllowed;
+  reject(rejection, fatal);
+  if (fatal) finish();
 }
 
 void Conversation::reject(const Rejection& rejection, bool fatal) {

@@ -10,6 +10,7 @@
 #include "server/conversation/control_json.h"
 #include "server/conversation/out_frame.h"
 #include "server/metrics/metrics.h"
+#include "server/rights/caller.h"
 #include "server/session/rate_limit.h"
 #include "server/session/session.h"
 #include "server/wire/codec.h"
@@ -49,6 +50,8 @@ class Conversation {
   void receive(std::span<const std::byte> frame, bool is_text, Clock::time_point arrived);
   /// Rejects the peer that has not sent its hello in time.
   void hello_expired();
+  /// The grant by which the peer is here has ended.
+  void grant_expired();
   /// Queues what can wait until the answers to a received frame have left.
   virtual void refresh() {}
   /// There is something for the owner to do before it passes on the next frame.
@@ -70,9 +73,14 @@ class Conversation {
 
  protected:
   Conversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
-               std::function<void()> wake);
+               std::function<void()> wake, Caller caller);
 
   virtual void on_hello(const HelloMessage& hello) = 0;
+  /// The join of a peer of this name and color, with the rights that its token gives it.
+  JoinRequest join_request(ParticipantKind kind, const HelloMessage& hello) const;
+  /// Rejects a hello. The peer may try another one unless it has to come back later, or may not
+  /// come at all.
+  void reject_hello(const Rejection& rejection);
   /// Any other control message, after the hello.
   virtual void on_control(const ControlMessage& message) = 0;
   /// A well-formed binary message other than ping, pong and unknown types.
@@ -109,6 +117,7 @@ class Conversation {
 
   std::shared_ptr<Session> session_;
   std::function<void()> wake_;
+  Caller caller_;
   RateLimit errors_{kErrorsPerS, kErrorsBurst};
   RateLimit texts_{kControlsPerS, kControlsBurst}, pings_{kControlsPerS, kControlsBurst};
   bool finishing_ = false, broken_ = false;

@@ -6,8 +6,9 @@
 namespace kerf::net {
 
 ViewerConversation::ViewerConversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
-                                       std::function<void()> wake)
-    : Conversation(std::move(session), metrics, std::move(now), std::move(wake)) {}
+                                       std::function<void()> wake, Caller caller)
+    : Conversation(std::move(session), metrics, std::move(now), std::move(wake),
+                   std::move(caller)) {}
 
 std::optional<ViewerAction> ViewerConversation::take_action() {
   if (actions_.empty()) return std::nullopt;
@@ -19,7 +20,9 @@ std::optional<ViewerAction> ViewerConversation::take_action() {
 void ViewerConversation::on_hello(const HelloMessage& hello) {
   takes_changes_ = hello.changes;
   first_look_ = {hello.look_follows, hello.look};
-  actions_.emplace_back(JoinRequest{ParticipantKind::kViewer, hello.name, hello.color, 0, false});
+  JoinRequest request = join_request(ParticipantKind::kViewer, hello);
+  request.feel = false;
+  actions_.emplace_back(std::move(request));
 }
 
 void ViewerConversation::joined(const std::expected<Participant, Rejection>& self,
@@ -28,9 +31,7 @@ void ViewerConversation::joined(const std::expected<Participant, Rejection>& sel
     self_ = *self;
     say(viewer_welcome(session(), *self_, roster));
   } else {
-    const bool fatal = self.error().code == wire::ErrorCode::kBusy;
-    reject(self.error(), fatal);
-    if (fatal) finish();
+    reject_hello(self.error());
   }
   wake();
 }
@@ -88,6 +89,13 @@ void ViewerConversation::send_participants(const SharedText& all, const SharedTe
 void ViewerConversation::reject_ack() {
   if (finishing()) return;
   reject({wire::ErrorCode::kBadSequence, "ack of a mesh frame that was never sent"});
+  wake();
+}
+
+void ViewerConversation::remove(const std::string& reason) {
+  if (finishing()) return;
+  reject({wire::ErrorCode::kRemoved, reason}, true);
+  finish();
   wake();
 }
 

@@ -52,7 +52,7 @@ class ViewerConversation final : public Conversation {
   static constexpr std::chrono::milliseconds kStateInterval{250};
 
   ViewerConversation(std::shared_ptr<Session> session, Metrics& metrics, Now now,
-                     std::function<void()> wake);
+                     std::function<void()> wake, Caller caller = Caller::local());
 
   /// The next action, in the order of the frames that caused them; nothing if there is none. Until
   /// the result of a JoinRequest is known, no further frame may be passed to receive().
@@ -74,6 +74,8 @@ class ViewerConversation final : public Conversation {
   void send_participants(const SharedText& all, const SharedText& change);
   /// The viewer has acknowledged a frame that was never sent.
   void reject_ack();
+  /// An owner has removed the viewer.
+  void remove(const std::string& reason);
   /// The session ends: sends bye and finishes.
   void close(const std::string& reason);
 

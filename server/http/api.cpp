@@ -5,12 +5,23 @@
 
 #include "server/http/routes.h"
 #include "server/http/static_files.h"
+#include "server/rights/rights.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
 namespace {
 
 using Json = nlohmann::json;
+
+/// 401, with the reason.
+ApiResponse needs_token(const Caller& caller) {
+  auto response = error_response(
+      401, caller.has_bad_token ? "bad_token" : "no_token",
+      caller.has_bad_token ? "the token is unknown here, has expired or was revoked"
+                           : "this server needs a token: ask an owner of the session for a link");
+  response.headers.emplace_back("WWW-Authenticate", "Bearer");
+  return response;
+}
 
 }  // namespace
 
@@ -77,21 +88,27 @@ HashedSolid current_solid(Session& session) {
   return {std::move(read.solid), hash};
 }
 
-Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics)
+Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics,
+         Access& access)
     : options_(options),
       registry_(registry),
       metrics_(metrics),
+      access_(access),
       downloads_(options.data_folder / "downloads"),
       uploads_(options.upload_bytes),
       programs_(options.program_bytes) {}
 
 ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = match_route(request.method, request.path);
-  ApiCall call{request, nullptr, std::move(match.captured)};
+  Caller caller;
+  if (auto rejection = refuse(request, match, caller)) return *std::move(rejection);
+  ApiCall call{request, nullptr, std::move(match.captured), std::move(caller)};
   if (is_below_session(request.path)) {
     const std::string& id = request.path[2];
     call.session = registry_.find(id);
-    if (!call.session) return no_session(registry_, id);
+    // Who has no right here learns nothing of the sessions.
+    const bool is_stranger = call.caller.role == Role::kNobody;
+    if (!call.session) return is_stranger ? needs_token(call.caller) : no_session(registry_, id);
   }
   if (match.allow.empty()) return not_found();
   if (match.upgrade != Upgrade::kNone) {
@@ -107,6 +124,31 @@ ApiResponse Api::handle(const ApiRequest& request) {
     return response;
   }
   return (this->*match.route->handler)(call);
+}
+
+std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMatch& match,
+                                       Caller& caller) const {
+  const bool is_below = is_below_session(request.path);
+  if (request.is_forwarded && access_.regime() == Regime::kLocal) {
+    return error_response(403, "forwarded",
+                          "a proxy forwards this request, but the server has no rights: everybody "
+                          "would be its administrator; start it with --admin-token-file or --open");
+  }
+  caller = access_.identify(request.token, is_below ? request.path[2] : "");
+  // Unknown paths below a session tell whether it exists.
+  const Action unknown = is_below ? Action::kWatch : Action::kReach;
+  const Action action = match.route != nullptr ? match.route->action : unknown;
+  if (may(caller.role, action)) return std::nullopt;
+  if (caller.has_bad_token || caller.role == Role::kNobody) return needs_token(caller);
+  return error_response(403, wire::to_string(wire::ErrorCode::kNotAllowed),
+                        "a " + std::string(to_string(caller.role)) + " may not " +
+                            std::string(to_string(action)) + "; it takes a " +
+                            std::string(to_string(lowest_invited(action))));
+}
+
+void Api::tell_regions(Session& session) const {
+  session.executor().post([self = session.shared_from_this(),
+                           regions = access_.regions(session.id())] { self->reserve(regions); });
 }
 
 ApiResponse Api::health(const ApiCall&) { return json_response(200, R"({"status":"ok"})"); }

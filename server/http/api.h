@@ -15,9 +15,12 @@
 #include "server/http/download_cache.h"
 #include "server/http/http_options.h"
 #include "server/metrics/metrics.h"
+#include "server/rights/access.h"
 #include "server/session/session_registry.h"
 
 namespace kerf::net {
+
+struct RouteMatch;
 
 /// An HTTP request as the interface sees it: no sockets, no Beast.
 struct ApiRequest {
@@ -25,6 +28,10 @@ struct ApiRequest {
   std::vector<std::string> path;             ///< decoded segments, e.g. {"v1", "sessions"}
   std::map<std::string, std::string> query;  ///< decoded
   std::string if_none_match, range, if_range;
+  std::string token;          ///< of the Authorization header, else `pass`; empty: none
+  std::string pass;           ///< of the Cookie header; empty: none
+  bool is_secure = false;     ///< it has come over TLS
+  bool is_forwarded = false;  ///< a proxy has added the address of its client
   std::string body;
   std::stop_token stop = {};  ///< requested when the client is gone
 
@@ -66,15 +73,23 @@ struct ApiCall {
   const ApiRequest& request;
   std::shared_ptr<Session> session;  ///< null outside /v1/sessions/{id}
   std::string captured;              ///< RouteMatch::captured
+  Caller caller;                     ///< has the right to the route
 };
 
 /// The HTTP interface (README.md). Thread-safe. May block on a session's executor, so it must not
 /// be called on one, nor on the viewers' thread.
 class Api {
  public:
-  Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics);
+  Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& metrics,
+      Access& access);
 
   ApiResponse handle(const ApiRequest& request);
+  /// The response to a caller without the right to a route; nullopt: it has the right, and `caller`
+  /// is who it is. Cheap enough to be asked before the body of a request is read.
+  std::optional<ApiResponse> refuse(const ApiRequest& request, const RouteMatch& match,
+                                    Caller& caller) const;
+  /// The regions that are reserved in a session. Must be given to it before somebody may carve.
+  void tell_regions(Session& session) const;
   /// Cancels the downloads in preparation; further ones are rejected.
   void stop() { downloads_.stop(); }
   MemoryBudget& uploads() { return uploads_; }
@@ -90,6 +105,15 @@ class Api {
   ApiResponse cancel_program(const ApiCall& call);
   ApiResponse download(const ApiCall& call);
   ApiResponse list_exports(const ApiCall& call);
+  ApiResponse list_invitations(const ApiCall& call);
+  ApiResponse invite(const ApiCall& call);
+  ApiResponse revoke(const ApiCall& call);
+  ApiResponse redeem(const ApiCall& call);
+  ApiResponse change_participant(const ApiCall& call);
+  ApiResponse remove_participant(const ApiCall& call);
+  ApiResponse list_regions(const ApiCall& call);
+  ApiResponse reserve(const ApiCall& call);
+  ApiResponse release(const ApiCall& call);
   ApiResponse upload_file(const ApiCall& call);
   ApiResponse health(const ApiCall& call);
   ApiResponse ready(const ApiCall& call);
@@ -104,6 +128,7 @@ class Api {
   const HttpOptions& options_;
   SessionRegistry& registry_;
   const Metrics& metrics_;
+  Access& access_;
   DownloadCache downloads_;
   MemoryBudget uploads_, programs_;
 };

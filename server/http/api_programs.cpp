@@ -138,7 +138,8 @@ ApiResponse Api::start_program(const ApiCall& call) {
   auto memory = programs_.take(program->motions.size() * sizeof(ProgramMotion));
   if (!memory) return out_of_memory();
   auto started = run_and_wait(session.executor(), [&] {
-    return session.start_program(*std::move(program), pace, *std::move(memory));
+    session.reserve(access_.regions(session.id()));
+    return session.start_program(*std::move(program), pace, *std::move(memory), call.caller);
   });
   if (!started) {
     const unsigned status = started.error().code == wire::ErrorCode::kBusy ? 503 : 400;

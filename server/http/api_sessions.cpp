@@ -23,6 +23,9 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
                             {"color", participant.color},
                             {"kind", to_string(participant.kind)},
                             {"tool", participant.tool}});
+    if (participant.role == Role::kAdministrator) continue;
+    participants.back()["role"] = to_string(participant.role);
+    participants.back()["muted"] = participant.is_muted;
   }
   return {{"id", info.id},
           {"name", session.scene().name},
@@ -67,9 +70,10 @@ ApiResponse registry_failure(const RegistryError& error) {
 
 }  // namespace
 
-ApiResponse Api::list_sessions(const ApiCall&) {
+ApiResponse Api::list_sessions(const ApiCall& call) {
   Json list = Json::array();
   for (const auto& session : registry_.list()) {
+    if (!call.caller.grant.empty() && session->id() != call.caller.session) continue;
     const SessionFigures figures = session->figures();
     list.push_back({{"id", session->id()},
                     {"name", session->scene().name},
@@ -81,13 +85,17 @@ ApiResponse Api::list_sessions(const ApiCall&) {
   }
   Json unreadable = Json::array();
   for (const UnreadableSession& session : registry_.unreadable()) {
+    if (!call.caller.grant.empty() && session.id != call.caller.session) continue;
     unreadable.push_back({{"id", session.id},
                           {"code", to_string(session.error.code)},
                           {"reason", session.error.reason}});
   }
+  auto loading = registry_.loading();
+  std::erase_if(loading, [&](const std::string& id) {
+    return !call.caller.grant.empty() && id != call.caller.session;
+  });
   return json_response(
-      200,
-      to_text({{"sessions", list}, {"loading", registry_.loading()}, {"unreadable", unreadable}}));
+      200, to_text({{"sessions", list}, {"loading", loading}, {"unreadable", unreadable}}));
 }
 
 ApiResponse Api::create_session(const ApiCall& call) {
@@ -120,6 +128,7 @@ ApiResponse Api::close_session(const ApiCall& call) {
   if (auto ok = registry_.close(call.session->id(), purge); !ok) {
     return registry_failure(ok.error());
   }
+  access_.forget(call.session->id());
   return json_response(200, to_text({{"closed", call.session->id()}, {"purged", purge}}));
 }
 

@@ -101,7 +101,7 @@ ApiResponse preflight(std::string_view methods) {
   response.status = 204;
   response.headers.emplace_back("Access-Control-Allow-Methods", std::string(methods));
   response.headers.emplace_back("Access-Control-Allow-Headers",
-                                "Content-Type, If-None-Match, If-Range, Range");
+                                "Authorization, Content-Type, If-None-Match, If-Range, Range");
   response.headers.emplace_back("Access-Control-Max-Age", "600");
   return response;
 }

@@ -18,6 +18,7 @@
 
 #include "server/http/api.h"
 #include "server/http/browser_rules.h"
+#include "server/http/cookie.h"
 #include "server/http/http_options.h"
 #include "server/http/response_head.h"
 #include "server/http/routes.h"
@@ -64,6 +65,13 @@ bool has_valid_host(const Request& request) {
   return count == 1 || (count == 0 && request.version() == 10);
 }
 
+void add_credentials(const Request& request, ApiRequest& target) {
+  target.pass = pass_of_cookies(view(request[http::field::cookie]));
+  target.token = bearer_token(view(request[http::field::authorization]));
+  if (target.token.empty()) target.token = target.pass;
+  target.is_forwarded = request.count("X-Forwarded-For") + request.count("Forwarded") > 0;
+}
+
 bool offers(const Request& request, std::string_view protocol) {
   for (const auto offered : http::token_list(request[http::field::sec_websocket_protocol])) {
     if (view(offered) == protocol) return true;
@@ -97,7 +105,7 @@ class Connection {
                                std::string_view reason);
   asio::awaitable<void> linger();
   std::optional<ApiResponse> check_upgrade(const Request& request, const ApiRequest& target,
-                                           std::shared_ptr<Session>& session) const;
+                                           std::shared_ptr<Session>& session, Caller& caller) const;
   asio::awaitable<void> upgrade(const Request& request, const ApiRequest& target);
 
   beast::tcp_stream stream_;
@@ -162,7 +170,12 @@ asio::awaitable<bool> Connection::serve_one() {
   auto request = parse_target(view(parser.get().target()));
   if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
   request->method = std::string(view(parser.get().method_string()));
-  co_await wait_until_loaded(*request);
+  add_credentials(parser.get(), *request);
+  // Who has no right to a session does not learn that it is loading.
+  Caller caller;
+  const RouteMatch match = match_route(request->method, request->path);
+  auto rejection = context_.api.refuse(*request, match, caller);
+  if (!rejection) co_await wait_until_loaded(*request);
   if (beast::websocket::is_upgrade(parser.get())) {
     co_await upgrade(parser.get(), *request);
     co_return false;
@@ -171,12 +184,12 @@ asio::awaitable<bool> Connection::serve_one() {
   if (!read_only && !origin_allowed(headers, context_.options)) {
     co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
   }
-  const RouteMatch match = match_route(request->method, request->path);
   if (request->method == "OPTIONS" && !headers.origin.empty() && !match.allow.empty()) {
     ApiResponse allowed = preflight(match.allow);
     const bool more = parser.get().keep_alive() && parser.content_length().value_or(0) == 0;
     co_return co_await answer(parser.get(), allowed, more && !parser.chunked());
   }
+  if (rejection) co_return co_await answer(parser.get(), *rejection, false);
   if (!co_await read_body(parser, body_bytes_max(match, request->method))) co_return false;
   request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
   request->range = std::string(view(parser.get()[http::field::range]));
@@ -324,11 +337,14 @@ asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRang
 
 std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
                                                      const ApiRequest& target,
-                                                     std::shared_ptr<Session>& session) const {
-  const Upgrade upgrade = match_route(target.method, target.path).upgrade;
+                                                     std::shared_ptr<Session>& session,
+                                                     Caller& caller) const {
+  const RouteMatch match = match_route(target.method, target.path);
+  const Upgrade upgrade = match.upgrade;
   if (upgrade == Upgrade::kNone) {
     return error_response(404, "not_found", "there is no WebSocket at this path");
   }
+  if (auto rejection = context_.api.refuse(target, match, caller)) return rejection;
   const std::string& id = target.path[2];
   session = context_.registry.find(id);
   if (!session) return no_session(context_.registry, id);
@@ -352,7 +368,8 @@ std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
 
 asio::awaitable<void> Connection::upgrade(const Request& request, const ApiRequest& target) {
   std::shared_ptr<Session> session;
-  if (auto rejection = check_upgrade(request, target, session)) {
+  Caller caller;
+  if (auto rejection = check_upgrade(request, target, session, caller)) {
     co_await answer(request, *rejection, false);
     co_return;
   }
@@ -362,9 +379,12 @@ asio::awaitable<void> Connection::upgrade(const Request& request, const ApiReque
   stream_.expires_never();
   auto socket = stream_.release_socket();
   if (match_route(target.method, target.path).upgrade == Upgrade::kAgent) {
-    serve_agent(std::move(socket), std::move(handshake), std::move(session), context_.peers);
+    context_.api.tell_regions(*session);
+    serve_agent(std::move(socket), std::move(handshake), std::move(session), std::move(caller),
+                context_.peers);
   } else {
-    serve_viewer(std::move(socket), std::move(handshake), std::move(session), context_.peers);
+    serve_viewer(std::move(socket), std::move(handshake), std::move(session), std::move(caller),
+                 context_.peers);
   }
 }
 

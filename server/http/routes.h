@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/http/api.h"
+#include "server/rights/rights.h"
 
 namespace kerf::net {
 
@@ -37,6 +38,7 @@ struct Route {
   Handler handler = nullptr;
   std::size_t body_bytes_max = 0;
   Runs runs = Runs::kAtOnce;
+  Action action = Action::kAdminister;  ///< that the caller must have the right to
   Upgrade upgrade = Upgrade::kNone;
   std::string_view summary;  ///< for the README
 };

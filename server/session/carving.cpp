@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "kernel/cut/workers.h"
+#include "server/rights/rights.h"
 
 namespace kerf {
 
@@ -21,7 +22,8 @@ Carving::Carving(const SessionLimits& limits, Sculpture& sculpture, SessionJourn
       sculpture_(sculpture),
       journal_(journal),
       participants_(participants),
-      air_(sculpture.settings()) {}
+      air_(sculpture.settings()),
+      reserved_(sculpture.settings()) {}
 
 /// A stroke begins with the first motion after the tool was lifted; a program is one stroke.
 std::expected<void, Rejection> Carving::record(ParticipantId id, const Command& command,
@@ -34,9 +36,25 @@ std::expected<void, Rejection> Carving::record(ParticipantId id, const Command& 
   return {};
 }
 
+std::optional<Rejection> Carving::judge(ParticipantId id, const MoveTool& move) const {
+  const ParticipantState* state = participants_.find(id);
+  const Tool* tool = sculpture_.tool(move.tool);
+  if (state == nullptr || tool == nullptr) return std::nullopt;
+  const Participant& participant = state->participant;
+  if (!may(participant.role, Action::kCarve)) {
+    return Rejection{wire::ErrorCode::kNotAllowed,
+                     "a " + std::string(to_string(participant.role)) + " may not carve"};
+  }
+  if (participant.is_muted) {
+    return Rejection{wire::ErrorCode::kMuted, "an owner has muted this participant"};
+  }
+  return reserved_.judge(*state, move, *tool);
+}
+
 Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                                 std::uint64_t agent_sequence) {
   const Command command = move;
+  if (auto rejection = judge(id, move)) return std::unexpected(*std::move(rejection));
   if (auto ok = record(id, command, agent_sequence); !ok) return std::unexpected(ok.error());
   const std::int64_t reach = sculpture_.tiles_in_reach(move);
   if (reach > kTilesPerTurn) {
@@ -88,7 +106,7 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   if (sample.agent_sequence <= state.last_sequence) {  // a resent sample
     // From it the motions to new ones begin. It was judged when it came for the first time.
     if (state.has_resumed) {
-      (void)state.track.take(sample, sculpture_, limits_.speed_mm_per_s);
+      (void)state.track.take(sample, sculpture_, state.speed_mm_per_s);
       state.in_stroke = state.in_stroke && cuts(sample);
     }
     return std::nullopt;
@@ -104,7 +122,7 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
                                 " per second");
   }
   if (!cuts(sample) || !state.track.pose()) state.in_stroke = false;
-  auto step = state.track.take(sample, sculpture_, limits_.speed_mm_per_s);
+  auto step = state.track.take(sample, sculpture_, state.speed_mm_per_s);
   if (!step) return step.error();
   state.display.tool_id = sample.tool_id;
   if (const auto* touch = std::get_if<ToolTrack::Touch>(&*step); touch != nullptr && state.feel) {

@@ -17,6 +17,7 @@
 #include "server/session/cpu_costs.h"
 #include "server/session/participants.h"
 #include "server/session/program_runs.h"
+#include "server/session/reserved.h"
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
 #include "server/wire/types.h"
@@ -67,6 +68,9 @@ class Carving {
   /// Whether a motion is cut in part: then the solid is not that of any record of the journal.
   bool is_between_records() const { return !cuts_.empty(); }
 
+  /// Replaces the regions that are reserved.
+  void reserve(const std::vector<Region>& regions) { reserved_.set(regions); }
+
   /// Returns the tiles changed since the previous call, sorted.
   std::vector<TileIndex> take_changed();
   /// Time spent on applying motions: what their replay takes, or more.
@@ -103,6 +107,8 @@ class Carving {
   std::expected<void, Rejection> record(ParticipantId id, const Command& command,
                                         std::uint64_t agent_sequence = 0);
   Applied apply_recorded(ParticipantId id, const Command& command);
+  /// Whether a participant may cut, and there.
+  std::optional<Rejection> judge(ParticipantId id, const MoveTool& move) const;
   /// Begins a motion and works on it for up to `tiles`, which it lowers.
   Applied apply(ParticipantId id, const MoveTool& move, std::int64_t& tiles,
                 std::uint64_t agent_sequence = 0);
@@ -117,6 +123,7 @@ class Carving {
   SessionJournal& journal_;
   Participants& participants_;
   AirSpace air_;
+  Reserved reserved_;
   std::map<ParticipantId, AirPath> air_paths_;  ///< of programs
   std::set<TileIndex> changed_;
   std::map<ParticipantId, Batch> batches_;  ///< in progress

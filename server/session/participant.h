@@ -4,6 +4,7 @@
 #include <string>
 
 #include "kernel/sculpture.h"
+#include "server/rights/role.h"
 #include "server/store/journal_record.h"
 
 namespace kerf {
@@ -16,8 +17,10 @@ const char* to_string(ParticipantKind kind);
 struct Participant {
   ParticipantId id = 0;
   ParticipantKind kind = ParticipantKind::kViewer;
-  std::string name, color;  ///< color as "#rrggbb"
-  ToolId tool = 0;          ///< 0 for viewers
+  std::string name, color;           ///< color as "#rrggbb"
+  ToolId tool = 0;                   ///< 0 for viewers
+  Role role = Role::kAdministrator;  ///< everybody's on a server without rights
+  bool is_muted = false;             ///< its motions are rejected
 };
 
 /// The parameters of a new participant.
@@ -31,6 +34,10 @@ struct JoinRequest {
   bool stock = false;         ///< keeps a replica of the block near its tool (StockFeed)
   bool durable = false;       ///< an agent that sends again what is not durable; gets a token
   std::string token = {};     ///< of the participant to continue as; empty or unknown: a new one
+  Role role = Role::kAdministrator;
+  std::string grant = {};    ///< by which it may join; empty: none
+  bool is_personal = false;  ///< the grant belongs to this person alone
+  bool is_muted = false;
 };
 
 /// A participant that has joined, and how it continues after a loss of the connection.

@@ -20,6 +20,8 @@ struct ParticipantState {
   using Clock = std::chrono::steady_clock;
 
   Participant participant;
+  std::string grant;          ///< by which it has joined; empty: none
+  std::string person;         ///< the grant, if it belongs to this participant alone
   bool feel = true;           ///< compute forces for it
   ParticipantId feel_of = 0;  ///< participant whose force it receives too; 0: none
   ToolTrack track;
@@ -31,7 +33,8 @@ struct ParticipantState {
   std::optional<TokenHash> token;  ///< set if it may resume
   std::uint64_t newest_us = 0;     ///< agent's time of the newest sample, accepted or rejected
   RateLimit samples{0, 0};
-  wire::ToolState display;  ///< the tool as viewers show it
+  double speed_mm_per_s = 0;  ///< greatest one of the tip while cutting
+  wire::ToolState display;    ///< the tool as viewers show it
   Clock::time_point display_time{};
   std::optional<StockFeed> stock;  ///< set if the agent keeps a replica of the block
 

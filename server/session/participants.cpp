@@ -2,19 +2,15 @@
 #include "server/session/participants.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <ranges>
 #include <utility>
 
+#include "server/rights/default_color.h"
 #include "server/wire/limits.h"
 
 namespace kerf {
 namespace {
-
-/// Default colors of tools: eight hues that remain distinguishable with color-vision deficiency.
-constexpr std::array<const char*, 8> kColors = {"#d9541e", "#0072b2", "#009e73", "#cc79a7",
-                                                "#e69f00", "#56b4e9", "#8c6d31", "#6f4fa0"};
 
 bool is_color(const std::string& text) {
   return text.size() == 7 && text.front() == '#' &&
@@ -34,7 +30,8 @@ Participants::Participants(const SessionLimits& limits, const Sculpture& sculptu
       last_id_(last_id),
       resumable_(std::move(resumable)),
       carver_joins_(limits.carver_joins_per_s, limits.carver_joins_burst),
-      viewer_joins_(limits.viewer_joins_per_s, limits.viewer_joins_burst) {}
+      viewer_joins_(limits.viewer_joins_per_s, limits.viewer_joins_burst),
+      guest_joins_(limits.guest_joins_per_s, limits.guest_joins_burst) {}
 
 std::size_t Participants::limit_of(ParticipantKind kind) const {
   switch (kind) {
@@ -51,6 +48,7 @@ std::size_t Participants::limit_of(ParticipantKind kind) const {
 std::expected<void, Rejection> Participants::check(const JoinRequest& request,
                                                    ParticipantId resumed) const {
   using enum wire::ErrorCode;
+  if (auto rejection = check_role(request, resumed)) return std::unexpected(*std::move(rejection));
   const auto count = static_cast<std::size_t>(
       std::ranges::count_if(states_ | std::views::values, [&](const ParticipantState& state) {
         return state.participant.kind == request.kind && state.participant.id != resumed;
@@ -73,10 +71,11 @@ std::expected<void, Rejection> Participants::check(const JoinRequest& request,
 
 /// A peer that joins and leaves again and again costs every other participant a message, and the
 /// journal a row if it is an agent.
-std::expected<void, Rejection> Participants::check_rate(ParticipantKind kind,
+std::expected<void, Rejection> Participants::check_rate(const JoinRequest& request,
                                                         ParticipantId resumed) {
-  RateLimit& carvers = resumed != 0 ? resumable_.find(resumed)->resumes : carver_joins_;
-  RateLimit& joins = kind == ParticipantKind::kViewer ? viewer_joins_ : carvers;
+  RateLimit& fresh = request.role == Role::kGuest ? guest_joins_ : carver_joins_;
+  RateLimit& carvers = resumed != 0 ? resumable_.find(resumed)->resumes : fresh;
+  RateLimit& joins = request.kind == ParticipantKind::kViewer ? viewer_joins_ : carvers;
   if (joins.allow(Clock::now())) return {};
   return std::unexpected(Rejection{wire::ErrorCode::kBusy,
                                    "too many participants join at the same time; try again later"});
@@ -94,18 +93,25 @@ std::expected<ParticipantState, Rejection> Participants::make_state(const JoinRe
       return std::unexpected(unknown_tool(participant.tool));
     }
   }
+  participant.role = request.role;
+  participant.is_muted = request.is_muted;
+  state.grant = request.grant;
+  if (request.is_personal) state.person = request.grant;
   if (const ResumableAgent* known = resumable_.find(participant.id); known != nullptr) {
+    participant.is_muted = participant.is_muted || known->is_muted;
     if (participant.name.empty()) participant.name = known->name;
     if (participant.color.empty()) participant.color = known->color;
   }
   if (participant.name.empty()) {
     participant.name = std::string(to_string(request.kind)) + " " + std::to_string(participant.id);
   }
-  if (participant.color.empty()) participant.color = kColors[(participant.id - 1) % kColors.size()];
+  if (participant.color.empty()) participant.color = default_color(participant.id - 1);
   state.feel = request.feel;
   state.feel_of = request.feel_of;
   if (request.stock) state.stock.emplace();
   state.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
+  state.speed_mm_per_s =
+      request.role == Role::kGuest ? limits_.guest_speed_mm_per_s : limits_.speed_mm_per_s;
   return state;
 }
 
@@ -115,7 +121,7 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& reque
   if (const auto error = resumed != 0 ? journal_.pause() : std::nullopt) {
     return std::unexpected(Rejection{wire::ErrorCode::kBusy, "paused: disk: " + error->reason});
   }
-  if (const auto ok = check_rate(request.kind, resumed); !ok) return std::unexpected(ok.error());
+  if (const auto ok = check_rate(request, resumed); !ok) return std::unexpected(ok.error());
   auto state = make_state(request, resumed);
   if (!state) return std::unexpected(state.error());
   Admission admission{.participant = state->participant};
@@ -152,9 +158,10 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& reque
 }
 
 void Participants::keep_resumable(ParticipantState& state) {
-  resumable_.keep(state.participant.id,
-                  {*state.token, state.participant.name, state.participant.color,
-                   state.last_sequence, state.durable, state.in_stroke},
+  ResumableAgent agent{*state.token,        state.participant.name, state.participant.color,
+                       state.last_sequence, state.durable,          state.in_stroke};
+  agent.is_muted = state.participant.is_muted;
+  resumable_.keep(state.participant.id, std::move(agent),
                   [&](ParticipantId id) { return states_.contains(id); });
 }
 

@@ -28,6 +28,8 @@ struct SessionEvent {
   /// The agent of this participant has connected again: its previous connection ends, without an
   /// effect on the participant. 0: none.
   ParticipantId replaced = 0;
+  /// This participant has to go, for the reason in `closing`; 0: all of them, if there is a reason.
+  ParticipantId removed = 0;
 };
 using SessionListener = std::function<void(const SessionEvent&)>;
 
@@ -63,6 +65,20 @@ class Participants {
   /// Changes the tool of a participant and notifies the listeners if it differs.
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
 
+  /// Ends a participant's connections: an agent cannot resume. The listeners make it leave. False
+  /// for an unknown id.
+  bool remove(ParticipantId id, const std::string& reason);
+  /// Removes those who joined with one of these grants.
+  void remove_holders(std::span<const std::string> grants, const std::string& reason);
+  /// Changes who a participant is, also for those who hold the same personal grant; false for an
+  /// unknown id.
+  bool set_role(ParticipantId id, Role role);
+  /// The same for those who hold a personal grant.
+  void set_role_of(const std::string& person, Role role);
+  /// Rejects the motions of a participant, and of those with the same personal grant, or accepts
+  /// them again; false for an unknown id.
+  bool set_muted(ParticipantId id, bool muted);
+
   /// Returns null for an unknown id. The pointer is valid until the participant leaves.
   ParticipantState* find(ParticipantId id);
   std::vector<Participant> list() const;
@@ -96,8 +112,12 @@ class Participants {
                                                         ParticipantId resumed);
   /// Moves what must last of a participant to `resumable_`.
   void keep_resumable(ParticipantState& state);
-  std::expected<void, Rejection> check_rate(ParticipantKind kind, ParticipantId resumed);
+  /// What the role of a peer does not allow it; nullopt: it may join.
+  std::optional<Rejection> check_role(const JoinRequest& request, ParticipantId resumed) const;
+  std::expected<void, Rejection> check_rate(const JoinRequest& request, ParticipantId resumed);
   void changed(bool carvers);
+  /// Calls `change` for the participant and all who share its personal grant.
+  bool change_person(ParticipantId id, const std::function<void(ParticipantState&)>& change);
 
   const SessionLimits& limits_;
   const Sculpture& sculpture_;
@@ -109,7 +129,7 @@ class Participants {
   int last_listener_ = 0;
   std::size_t viewers_ = 0;  ///< in states_
   Resumable resumable_;
-  RateLimit carver_joins_, viewer_joins_;
+  RateLimit carver_joins_, viewer_joins_, guest_joins_;
   std::function<void()> schedule_;  ///< empty: changes are notified at once
   bool pending_ = false, pending_carvers_ = false;
 };

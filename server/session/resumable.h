@@ -24,6 +24,7 @@ struct ResumableAgent {
   DurableMark durable{};
   bool in_stroke = false;    ///< its newest sample ended a motion of a stroke
   RateLimit resumes{2, 10};  ///< per second, and at once
+  bool is_muted = false;
 };
 
 /// The agents of a session that may resume, by participant: those that are present, and the newest
@@ -40,6 +41,8 @@ class Resumable {
   /// lowest other one that is not present is forgotten.
   void keep(ParticipantId id, ResumableAgent agent,
             const std::function<bool(ParticipantId)>& is_present);
+  /// The agent cannot resume any more.
+  void forget(ParticipantId id) { agents_.erase(id); }
   ResumableAgent* find(ParticipantId id);
   /// Returns the participant to whom a token was given; nullopt for an unknown or malformed one.
   /// Compares with every token, each in constant time.

@@ -2,6 +2,13 @@
 #include "server/session/roster.h"
 
 namespace kerf {
+namespace {
+
+bool is_different(const Participant& one, const Participant& other) {
+  return one.tool != other.tool || one.role != other.role || one.is_muted != other.is_muted;
+}
+
+}  // namespace
 
 RosterChange difference(const Roster& from, const Roster& to) {
   RosterChange change;
@@ -10,7 +17,7 @@ RosterChange difference(const Roster& from, const Roster& to) {
   for (const Participant& participant : to.listed) {
     while (old != from.listed.end() && old->id < participant.id) change.left.push_back(old++->id);
     const bool known = old != from.listed.end() && old->id == participant.id;
-    if (!known || old->tool != participant.tool) change.changed.push_back(participant);
+    if (!known || is_different(*old, participant)) change.changed.push_back(participant);
     if (known) ++old;
   }
   for (; old != from.listed.end(); ++old) change.left.push_back(old->id);

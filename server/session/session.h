@@ -16,6 +16,7 @@
 
 #include "kernel/sculpture_state.h"
 #include "server/formats/scene.h"
+#include "server/rights/caller.h"
 #include "server/session/carving.h"
 #include "server/session/participants.h"
 #include "server/session/program_runs.h"
@@ -116,6 +117,29 @@ class Session : public std::enable_shared_from_this<Session> {
   /// As admit(), for a participant that does not resume.
   std::expected<Participant, Rejection> join(const JoinRequest& request);
   void leave(ParticipantId id);
+  /// A participant as it is now; nullopt for an unknown id.
+  std::optional<Participant> participant(ParticipantId id) {
+    const ParticipantState* state = participants_.find(id);
+    return state == nullptr ? std::nullopt : std::optional(state->participant);
+  }
+  /// The personal grant of a participant; empty: it has none.
+  std::string person(ParticipantId id) {
+    const ParticipantState* state = participants_.find(id);
+    return state == nullptr ? "" : state->person;
+  }
+  /// See Participants.
+  bool remove(ParticipantId id, const std::string& reason) {
+    return participants_.remove(id, reason);
+  }
+  void remove_holders(std::span<const std::string> grants, const std::string& reason) {
+    participants_.remove_holders(grants, reason);
+  }
+  void set_role_of(const std::string& person, Role role) {
+    participants_.set_role_of(person, role);
+  }
+  bool set_muted(ParticipantId id, bool muted) { return participants_.set_muted(id, muted); }
+  /// Replaces the regions of the block that are reserved.
+  void reserve(const std::vector<Region>& regions) { carving_.reserve(regions); }
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);
   /// Validates, journals and applies each sample in turn. A rejected sample changes nothing and
   /// does not stop the samples after it.
@@ -147,7 +171,8 @@ class Session : public std::enable_shared_from_this<Session> {
 
   /// Carves a program as a further participant.
   std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramPace pace,
-                                                        MemoryBudget::Share memory = {});
+                                                        MemoryBudget::Share memory = {},
+                                                        const Caller& caller = Caller::local());
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
   bool cancel_program(ProgramId id);

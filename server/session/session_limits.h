@@ -19,6 +19,11 @@ struct SessionLimits {
   /// time is let in, one that joins and leaves all the time is not.
   double carver_joins_per_s = 10, carver_joins_burst = 100;
   double viewer_joins_per_s = 250, viewer_joins_burst = 1000;
+  /// Guests of an open server (server/rights): fewer at a time, slower to come, and with a slower
+  /// tool.
+  std::size_t guest_agents_max = 8;
+  double guest_joins_per_s = 0.5, guest_joins_burst = 8;
+  double guest_speed_mm_per_s = 500;
   std::int64_t tiles_max = 1 << 20;  ///< of the block: viewers receive every tile
 };
 

@@ -17,7 +17,8 @@ constexpr std::chrono::microseconds kPauseMin{200}, kPauseMax{5000};
 }  // namespace
 
 std::expected<ProgramStatus, Rejection> Session::start_program(Program program, ProgramPace pace,
-                                                               MemoryBudget::Share memory) {
+                                                               MemoryBudget::Share memory,
+                                                               const Caller& caller) {
   // Reject unknown tools before the first motion is carved.
   for (const ProgramMotion& motion : program.motions) {
     if (sculpture_.tool(motion.tool) != nullptr) continue;
@@ -28,6 +29,10 @@ std::expected<ProgramStatus, Rejection> Session::start_program(Program program, 
   }
   JoinRequest request;
   request.kind = ParticipantKind::kProgram;
+  request.role = caller.role;
+  request.grant = caller.grant;
+  request.is_personal = caller.is_personal;
+  request.is_muted = caller.is_muted;
   request.name = program.name.substr(0, wire::kMaxNameBytes);
   if (!program.motions.empty()) request.tool = program.motions.front().tool;
   const auto joined = join(request);

@@ -25,8 +25,8 @@ using boost::system::error_code;
 class AgentConnection final : public PeerSocket {
  public:
   AgentConnection(asio::ip::tcp::socket socket, const std::shared_ptr<Session>& session,
-                  PeerContext& context)
-      : PeerSocket(std::move(socket), wire::kAgentProtocol),
+                  Caller caller, PeerContext& context)
+      : PeerSocket(std::move(socket), wire::kAgentProtocol, caller.remaining_s),
         context_(context),
         executor_(session->executor()),
         conversation_({.session = session,
@@ -34,7 +34,8 @@ class AgentConnection final : public PeerSocket {
                        .metrics = context.metrics,
                        .now = Clock::now,
                        .wake = [this] { pump(); },
-                       .open_udp = [this] { return open_udp(); }}) {
+                       .open_udp = [this] { return open_udp(); },
+                       .caller = std::move(caller)}) {
     ++context_.metrics.agents;
   }
   ~AgentConnection() override {
@@ -118,7 +119,7 @@ void AgentConnection::receive_datagram(std::span<const std::byte> frame,
 }  // namespace
 
 void serve_agent(asio::ip::tcp::socket socket, UpgradeRequest request,
-                 std::shared_ptr<Session> session, PeerContext& context) {
+                 std::shared_ptr<Session> session, Caller caller, PeerContext& context) {
   error_code error;
   socket.set_option(asio::ip::tcp::no_delay(true), error);
   const auto protocol = socket.local_endpoint(error).protocol();
@@ -126,9 +127,9 @@ void serve_agent(asio::ip::tcp::socket socket, UpgradeRequest request,
   if (error) return;
   IoThreads& thread = threads_of(*session);
   thread.post([native, protocol, &thread, request = std::move(request),
-               session = std::move(session), &context]() mutable {
+               session = std::move(session), caller = std::move(caller), &context]() mutable {
     asio::ip::tcp::socket moved(thread.context(), protocol, native);
-    std::make_shared<AgentConnection>(std::move(moved), session, context)
+    std::make_shared<AgentConnection>(std::move(moved), session, std::move(caller), context)
         ->start(std::move(request));
   });
 }

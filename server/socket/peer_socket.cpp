@@ -26,8 +26,13 @@ constexpr std::uint16_t kGoingAway = 1001;
 
 }  // namespace
 
-PeerSocket::PeerSocket(asio::ip::tcp::socket socket, std::string_view protocol)
-    : socket_(std::move(socket), kLimits), protocol_(protocol), hello_timer_(socket_.executor()) {}
+PeerSocket::PeerSocket(asio::ip::tcp::socket socket, std::string_view protocol,
+                       std::int64_t remaining_s)
+    : socket_(std::move(socket), kLimits),
+      protocol_(protocol),
+      remaining_s_(remaining_s),
+      hello_timer_(socket_.executor()),
+      grant_timer_(socket_.executor()) {}
 
 void PeerSocket::start(UpgradeRequest request) {
   auto run = [self = shared_from_this(), request = std::move(request)]() mutable {
@@ -43,6 +48,7 @@ asio::awaitable<void> PeerSocket::run(UpgradeRequest request) {
   if (!error) {
     open_ = true;
     limit_hello();
+    limit_grant();
     pump();
   }
   while (!error && !failed_ && !conversation().broken()) {
@@ -55,6 +61,7 @@ asio::awaitable<void> PeerSocket::run(UpgradeRequest request) {
     if (conversation().has_action()) co_await act();
   }
   hello_timer_.cancel();
+  grant_timer_.cancel();
   closed();
 }
 
@@ -63,6 +70,16 @@ void PeerSocket::limit_hello() {
   hello_timer_.async_wait([self = shared_from_this()](error_code error) {
     if (error) return;
     self->conversation().hello_expired();
+    self->pump();
+  });
+}
+
+void PeerSocket::limit_grant() {
+  if (remaining_s_ < 0) return;
+  grant_timer_.expires_after(std::chrono::seconds(remaining_s_));
+  grant_timer_.async_wait([self = shared_from_this()](error_code error) {
+    if (error) return;
+    self->conversation().grant_expired();
     self->pump();
   });
 }

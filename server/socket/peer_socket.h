@@ -25,7 +25,9 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   void start(UpgradeRequest request);
 
  protected:
-  PeerSocket(boost::asio::ip::tcp::socket socket, std::string_view protocol);
+  /// `remaining_s`: time until the peer's grant expires; negative: it does not.
+  PeerSocket(boost::asio::ip::tcp::socket socket, std::string_view protocol,
+             std::int64_t remaining_s);
 
   virtual Conversation& conversation() = 0;
   /// Does what Conversation::has_action announces; no frame is read meanwhile.
@@ -41,11 +43,13 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
  private:
   boost::asio::awaitable<void> run(UpgradeRequest request);
   void limit_hello();
+  void limit_grant();
   void written(boost::system::error_code error);
 
   WebSocket socket_;
   std::string_view protocol_;
-  boost::asio::steady_timer hello_timer_;
+  std::int64_t remaining_s_;
+  boost::asio::steady_timer hello_timer_, grant_timer_;
   OutFrame out_;  ///< being sent
   bool open_ = false, writing_ = false, failed_ = false;
 };

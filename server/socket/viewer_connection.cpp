@@ -24,12 +24,13 @@ constexpr int kNotSentBytes = 32 * 1024;
 
 class ViewerConnection final : public PeerSocket {
  public:
-  ViewerConnection(asio::ip::tcp::socket socket, std::shared_ptr<Session> session,
+  ViewerConnection(asio::ip::tcp::socket socket, std::shared_ptr<Session> session, Caller caller,
                    PeerContext& context)
-      : PeerSocket(std::move(socket), wire::kViewProtocol),
+      : PeerSocket(std::move(socket), wire::kViewProtocol, caller.remaining_s),
         session_(std::move(session)),
         context_(context),
-        conversation_(session_, context.metrics, Clock::now, [this] { pump(); }) {
+        conversation_(
+            session_, context.metrics, Clock::now, [this] { pump(); }, std::move(caller)) {
     ++context_.metrics.viewers;
   }
   ~ViewerConnection() override {
@@ -89,12 +90,13 @@ void ViewerConnection::closed() {
 }  // namespace
 
 void serve_viewer(asio::ip::tcp::socket socket, UpgradeRequest request,
-                  std::shared_ptr<Session> session, PeerContext& context) {
+                  std::shared_ptr<Session> session, Caller caller, PeerContext& context) {
   error_code ignored;
   socket.set_option(asio::ip::tcp::no_delay(true), ignored);
   setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kNotSentBytes,
              sizeof kNotSentBytes);
-  std::make_shared<ViewerConnection>(std::move(socket), std::move(session), context)
+  std::make_shared<ViewerConnection>(std::move(socket), std::move(session), std::move(caller),
+                                     context)
       ->start(std::move(request));
 }
 

@@ -91,6 +91,10 @@ void ViewerHub::listen() {
 }
 
 void ViewerHub::on_event(const SessionEvent& event, Roster roster) {
+  if (event.removed != 0) {
+    if (Viewer* viewer = find(event.removed)) viewer->conversation->remove(event.closing);
+    return;
+  }
   if (!event.closing.empty()) {
     for (auto& [id, viewer] : viewers_) viewer.conversation->close(event.closing);
     return;

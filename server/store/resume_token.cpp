@@ -29,10 +29,13 @@ std::optional<std::string> random_token() {
 std::optional<TokenHash> hash_token(std::string_view token) {
   const bool is_token = token.size() == 2 * kTokenBytes &&
                         std::ranges::all_of(token, [](char c) { return kHexDigits.contains(c); });
+  return is_token ? hash_secret(token) : std::nullopt;
+}
+
+std::optional<TokenHash> hash_secret(std::string_view secret) {
   TokenHash hash{};
-  if (!is_token ||
-      EVP_Digest(token.data(), token.size(), reinterpret_cast<unsigned char*>(hash.data()), nullptr,
-                 EVP_sha256(), nullptr) != 1) {
+  if (EVP_Digest(secret.data(), secret.size(), reinterpret_cast<unsigned char*>(hash.data()),
+                 nullptr, EVP_sha256(), nullptr) != 1) {
     return std::nullopt;
   }
   return hash;

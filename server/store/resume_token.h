@@ -19,6 +19,8 @@ using TokenHash = std::array<std::byte, kTokenHashBytes>;
 std::optional<std::string> random_token();
 /// Returns the SHA-256 of a token's text; nullopt if the text has not the form of a token.
 std::optional<TokenHash> hash_token(std::string_view token);
+/// Returns the SHA-256 of any secret text; nullopt if the system's library fails.
+std::optional<TokenHash> hash_secret(std::string_view secret);
 /// Compares in a time that does not depend on the contents.
 bool are_equal(const TokenHash& a, const TokenHash& b);
 

@@ -61,10 +61,13 @@ asio::awaitable<error_code> WebSocket::accept(const UpgradeRequest& request,
 
 asio::awaitable<HandshakeAnswer> WebSocket::shake_hands(std::string_view host,
                                                         std::string_view target,
-                                                        std::string_view protocol) {
-  state_->stream.set_option(websocket::stream_base::decorator(
-      [name = std::string(protocol)](websocket::request_type& request) {
+                                                        std::string_view protocol,
+                                                        std::string_view token) {
+  state_->stream.set_option(
+      websocket::stream_base::decorator([name = std::string(protocol), secret = std::string(token)](
+                                            websocket::request_type& request) {
         request.set(http::field::sec_websocket_protocol, name);
+        if (!secret.empty()) request.set(http::field::authorization, "Bearer " + secret);
       }));
   HandshakeAnswer answer;
   websocket::response_type response;

@@ -60,9 +60,10 @@ class WebSocket {
   /// Answers `request`, which must remain meanwhile, as a server that speaks `protocol`.
   Awaitable<boost::system::error_code> accept(const UpgradeRequest& request,
                                               std::string_view protocol);
-  /// Asks `host` (name and port) for a WebSocket at `target` that speaks `protocol`.
+  /// Asks `host` (name and port) for a WebSocket at `target` that speaks `protocol`, with `token`
+  /// in an Authorization header unless it is empty.
   Awaitable<HandshakeAnswer> shake_hands(std::string_view host, std::string_view target,
-                                         std::string_view protocol);
+                                         std::string_view protocol, std::string_view token = {});
   /// Waits for the next message; the functions below describe it until the next read.
   Awaitable<boost::system::error_code> read();
   std::span<const std::byte> message() const;

@@ -45,12 +45,17 @@ enum class ErrorCode : std::uint8_t {
   kMotionRefused,
   kBusy,
   kBadEpoch,
+  kNotAllowed,
+  kRemoved,
+  kMuted,
+  kReserved,
 };
 
-inline constexpr std::array<std::string_view, 14> kErrorNames = {
-    "bad_frame",      "bad_json",        "bad_message", "bad_pose", "bad_sequence",
-    "unknown_tool",   "unknown_session", "too_large",   "too_fast", "no_hello",
-    "turn_too_large", "motion_refused",  "busy",        "bad_epoch"};
+inline constexpr std::array<std::string_view, 18> kErrorNames = {
+    "bad_frame",      "bad_json",        "bad_message", "bad_pose",  "bad_sequence",
+    "unknown_tool",   "unknown_session", "too_large",   "too_fast",  "no_hello",
+    "turn_too_large", "motion_refused",  "busy",        "bad_epoch", "not_allowed",
+    "removed",        "muted",           "reserved"};
 
 /// Returns the name of `code` on the wire.
 constexpr std::string_view to_string(ErrorCode code) noexcept {

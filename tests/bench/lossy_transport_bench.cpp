@@ -136,8 +136,8 @@ int main(int argc, char** argv) {
   {
     LossyPath path;
     path.faults().delay_us = static_cast<std::int64_t>(options.delay_ms * 1000);
-    path.start(options.server + " --listen 10.83.0.2:8080 --data " + folder + "/data --scene " +
-               scene + " 2>" + folder + "/log");
+    path.start(options.server + " --open --listen 10.83.0.2:8080 --data " + folder +
+               "/data --scene " + scene + " 2>" + folder + "/log");
     std::printf("%.0f ms per direction, %.0f s at 1 kHz per row; ms from pose to result\n",
                 options.delay_ms, options.seconds);
     std::printf("%6s  %-9s %23s   %23s\n", "", "", "results received", "age of newest result");

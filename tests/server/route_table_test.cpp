@@ -74,7 +74,8 @@ class ApiTest : public SessionTest {
   void SetUp() override {
     SessionTest::SetUp();
     options.data_folder = folder.path();
-    api.emplace(options, *registry, metrics);
+    access = *Access::open({});
+    api.emplace(options, *registry, metrics, *access);
   }
   ApiResponse ask(const std::string& method, std::string_view target) {
     ApiRequest request = *parse_target(target);
@@ -93,6 +94,7 @@ class ApiTest : public SessionTest {
 
   HttpOptions options;
   Metrics metrics;
+  std::unique_ptr<Access> access;
   std::optional<Api> api;
 };
 

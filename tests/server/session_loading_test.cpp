@@ -26,7 +26,7 @@ class SessionLoading : public SessionTest {
     }
     restart();
     options.data_folder = folder.path();
-    api.emplace(options, *registry, metrics);
+    api.emplace(options, *registry, metrics, *access);
     ASSERT_TRUE(registry->find_journals());
   }
   ApiResponse ask(const std::string& method, std::string_view target) {
@@ -42,6 +42,7 @@ class SessionLoading : public SessionTest {
   std::map<std::string, std::uint64_t> hashes;
   HttpOptions options;
   Metrics metrics;
+  std::unique_ptr<Access> access = *Access::open({});
   std::optional<Api> api;
 };
 

@@ -19,7 +19,7 @@ class SessionPause : public SessionTest {
   void SetUp() override {
     SessionTest::SetUp();
     options.data_folder = folder.path();
-    api.emplace(options, *registry, metrics);
+    api.emplace(options, *registry, metrics, *access);
   }
   void TearDown() override { registry.reset(); }  // closes the journals before the disk goes
   ApiResponse get(std::string_view target) {
@@ -37,6 +37,7 @@ class SessionPause : public SessionTest {
   test::FaultyDisk disk;
   HttpOptions options;
   Metrics metrics;
+  std::unique_ptr<Access> access = *Access::open({});
   std::optional<Api> api;
 };
 
@@ -149,7 +150,7 @@ TEST_F(SessionPause, AnUnreadableJournalIsListedAndItsIdStaysTaken) {
   ASSERT_TRUE(registry->create("good", kScene, SceneSource{}));
   std::ofstream(folder / "block.kerf") << std::string(5000, 'x');
   restart();
-  api.emplace(options, *registry, metrics);
+  api.emplace(options, *registry, metrics, *access);
   EXPECT_EQ(get("/readyz").status, 503U);
   EXPECT_EQ(body(get("/readyz"))["status"], "loading");
   EXPECT_EQ(registry->load_all().failures.size(), 1U);

@@ -2,6 +2,8 @@
 import '@fontsource-variable/inter/wght.css';
 import './ui/style/index.css';
 import { installHook } from './hook';
+import { invitationIn, redeemInvitation } from './link/invitation';
+import { sentence } from './ui/format';
 import { recall, remember } from './ui/memory';
 import { failurePage } from './ui/notice';
 import { showSessions } from './ui/session_list';
@@ -45,7 +47,24 @@ async function main(): Promise<void> {
   const app = document.getElementById('app')!;
   const parameters = new URLSearchParams(location.search);
   const session = parameters.get('session');
+  const invitation = invitationIn(location.hash);
+  // Before anything else: a token does not stay in the address, nor in the history.
+  if (invitation !== null) history.replaceState(null, '', location.pathname + location.search);
   if (session) {
+    const problem =
+      invitation === null
+        ? null
+        : await redeemInvitation(session, invitation, viewerName(parameters));
+    if (problem !== null) {
+      app.replaceChildren(
+        failurePage(
+          'This invitation does not work',
+          `${sentence(problem)} Ask an owner of the session for a new link.`,
+          [],
+        ),
+      );
+      return;
+    }
     openSession(app, session, parameters);
     return;
   }

@@ -9,6 +9,15 @@ export interface SessionSummary {
   participants: number;
 }
 
+const INVITATION_NEEDED = 'Open the link of an invitation: this server lets nobody else in.';
+
+/** The server tells its sessions only to people who were invited. */
+export class InvitationNeeded extends Error {
+  constructor() {
+    super(INVITATION_NEEDED);
+  }
+}
+
 function numberOr(value: unknown, otherwise: number): number {
   return typeof value === 'number' && Number.isFinite(value) ? value : otherwise;
 }
@@ -38,6 +47,7 @@ export async function listSessions(): Promise<SessionSummary[]> {
       throw new Error('The server did not answer.');
     },
   );
+  if (response.status === 401) throw new InvitationNeeded();
   if (!response.ok)
     throw new Error(`The server answered ${response.status} ${response.statusText}.`);
   const body: unknown = await response.json().catch(() => {
@@ -55,6 +65,7 @@ export async function listSessions(): Promise<SessionSummary[]> {
 export async function probeSession(id: string): Promise<string | null> {
   try {
     const response = await fetch(`/v1/sessions/${encodeURIComponent(id)}`);
+    if (response.status === 401) return INVITATION_NEEDED;
     return response.status === 404 ? `There is no session “${id}” on this server.` : null;
   } catch {
     return null; // the server is unreachable, perhaps only for now

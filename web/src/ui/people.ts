@@ -6,6 +6,7 @@ import { toolName } from '../model/tool_profile';
 import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { STATUS_COLLIDING, STATUS_CUTTING } from '../wire/types';
+import type { ParticipantInfo } from '../wire/types';
 import { h, setText } from './dom';
 import { feltBeside } from './format';
 
@@ -14,6 +15,12 @@ interface Row {
   button: HTMLButtonElement;
   force: HTMLElement;
   state: HTMLElement;
+}
+
+/** What stands before the tool of a participant. */
+function marksOf({ kind, role }: ParticipantInfo): string[] {
+  if (kind === 'program') return ['program'];
+  return role === undefined ? [] : [role];
 }
 
 export class People {
@@ -56,7 +63,7 @@ export class People {
   }
 
   private row_(participant: Participant): Row {
-    const { participant: id, name, color, kind } = participant.info;
+    const { participant: id, name, color } = participant.info;
     const force = h('span', { class: 'person-force' });
     const state = h('span', { class: 'person-state' });
     const tool = toolName(this.model.tool(participant.tool || (participant.info.tool ?? 0)));
@@ -68,7 +75,7 @@ export class People {
         'span',
         { class: 'person-name' },
         name,
-        h('small', {}, kind === 'program' ? `program · ${tool}` : tool),
+        h('small', {}, [...marksOf(participant.info), tool].join(' · ')),
       ),
       state,
       force,
@@ -95,13 +102,15 @@ export class People {
       row.force,
       fresh ? feltBeside(participant.forces.latest.forceN, participant.feltShare, 'N') : '',
     );
-    const word = !fresh
-      ? 'idle'
-      : status & STATUS_COLLIDING
-        ? 'colliding'
-        : status & STATUS_CUTTING
-          ? 'cutting'
-          : 'in the air';
+    const word = participant.info.muted
+      ? 'muted'
+      : !fresh
+        ? 'idle'
+        : status & STATUS_COLLIDING
+          ? 'colliding'
+          : status & STATUS_CUTTING
+            ? 'cutting'
+            : 'in the air';
     setText(row.state, id === followed ? `${word} · followed` : word);
     row.state.dataset['state'] = word;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The front page: the list of this server's sessions; skipped if there is only one.
 
-import { listSessions } from '../link/api';
+import { InvitationNeeded, listSessions } from '../link/api';
 import type { SessionSummary } from '../link/api';
 import { h } from './dom';
 import { count, volume } from './format';
@@ -33,6 +33,10 @@ export async function showSessions(app: HTMLElement): Promise<string | null> {
   try {
     sessions = await listSessions();
   } catch (problem) {
+    if (problem instanceof InvitationNeeded) {
+      app.replaceChildren(failurePage('By invitation', problem.message, []));
+      return null;
+    }
     const text = `${(problem as Error).message} Check that kerf-server is running at this address.`;
     app.replaceChildren(failurePage('No connection', text, [{ label: 'Try again', href: '?' }]));
     return null;

@@ -13,6 +13,7 @@ import { Badge } from './badge';
 import { h, iconButton, setText } from './dom';
 import { figure, sentence } from './format';
 import { helpDialog } from './help';
+import { inviteDialog } from './invite';
 import { ICONS } from './icons';
 import { listenToKeys } from './keyboard';
 import { failurePage, Notice } from './notice';
@@ -35,6 +36,11 @@ export class SessionPage {
   private readonly badge_ = new Badge();
   private readonly scale_ = h('div', { class: 'arrow-scale', 'aria-hidden': 'true' });
   private readonly help_ = helpDialog();
+  private readonly role_ = h('span', { class: 'role', hidden: '' });
+  private readonly invite_ = iconButton(ICONS.invite, 'Invite people', '', () =>
+    this.inviteDialog_.showModal(),
+  );
+  private readonly inviteDialog_: HTMLDialogElement;
   private readonly toolbar_: HTMLElement;
   private readonly bar_: HTMLElement;
   private readonly panel_: Panel;
@@ -67,6 +73,7 @@ export class SessionPage {
         },
       },
     );
+    this.inviteDialog_ = inviteDialog(session);
     this.toolbar_ = this.makeToolbar_();
     this.bar_ = this.makeBar_();
     this.link_ = this.makeLink_(name);
@@ -82,6 +89,7 @@ export class SessionPage {
         this.panel_.element,
         this.notice_.element,
         this.help_,
+        this.inviteDialog_,
       ),
     );
     this.listen_();
@@ -152,6 +160,7 @@ export class SessionPage {
       const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
       void clipboard?.writeText(location.href).then(() => this.flash_('Link copied.'));
     });
+    this.invite_.hidden = true;
     const home = h(
       'a',
       { class: 'brand', href: '?list', 'aria-label': 'Kerf: all sessions' },
@@ -163,7 +172,9 @@ export class SessionPage {
       { class: 'bar' },
       home,
       h('h1', { class: 'session-name', title: this.session }, this.session),
+      this.role_,
       copy,
+      this.invite_,
       this.badge_.element,
     );
   }
@@ -250,7 +261,18 @@ export class SessionPage {
     const scaleVisible = participants.carvers().length > 0 && this.viewer_.arrowsVisible;
     this.scale_.hidden = !scaleVisible;
     if (scaleVisible) this.updateScale_();
+    this.updateRole_();
     this.notice_.show(this.noticeText_(nowMs));
+  }
+
+  /** Shows who this viewer is, and offers what that role may do. */
+  private updateRole_(): void {
+    const { welcome, participants } = this.model;
+    const own = welcome ? participants.get(welcome.participant)?.info.role : undefined;
+    const role = own ?? welcome?.role;
+    this.role_.hidden = role === undefined;
+    setText(this.role_, role ?? '');
+    this.invite_.hidden = welcome?.may?.includes('invite') !== true;
   }
 
   private updateScale_(): void {

@@ -58,6 +58,8 @@ function participantOf(value: unknown): ParticipantInfo {
     color: colorOf(from['color']),
     kind: kind === 'program' || kind === 'viewer' ? kind : 'agent',
     ...(typeof from['tool'] === 'number' ? { tool: from['tool'] } : {}),
+    ...roleOf(from),
+    ...(from['muted'] === true ? { muted: true } : {}),
   };
 }
 
@@ -71,6 +73,16 @@ function colorOf(value: unknown): string {
 
 function participantsOf(value: unknown): ParticipantInfo[] {
   return list(value, 'participants').map(participantOf);
+}
+
+/** Servers without rights send no role. */
+function roleOf(from: Json): { role?: string } {
+  return from['role'] === undefined ? {} : { role: text(from, 'role') };
+}
+
+function mayOf(from: Json): { may?: string[] } {
+  if (from['may'] === undefined) return {};
+  return { may: list(from['may'], 'may').filter((name) => typeof name === 'string') };
 }
 
 /** The number of viewers, which servers of earlier versions do not send. */
@@ -124,6 +136,8 @@ function welcomeOf(from: Json): Welcome {
     tools: list(from['tools'], 'tools').map(toolOf),
     participants: participantsOf(from['participants']),
     ...viewersOf(from),
+    ...roleOf(from),
+    ...mayOf(from),
     grid: {
       origin_mm: numbers(grid, 'origin_mm', 3) as Vec3,
       columns: numbers(grid, 'columns', 2) as [number, number],

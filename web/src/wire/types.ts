@@ -158,6 +158,10 @@ export interface ParticipantInfo {
   color: string;
   tool?: number;
   kind: ParticipantKind;
+  /** Missing on a server without rights. */
+  role?: string;
+  /** Its motions are rejected. */
+  muted?: boolean;
 }
 
 /** A step of an outline: a straight line to a point (r, h), or an arc. */
@@ -227,6 +231,9 @@ export interface Welcome {
   participants: ParticipantInfo[];
   /** All viewers of the session; more than fifty are counted but not listed. */
   viewers?: number;
+  /** Who this viewer is, and what it may do; missing: everything, on a server without rights. */
+  role?: string;
+  may?: string[];
   grid: { origin_mm: Vec3; columns: [number, number]; tile: number };
 }
 

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rights/access.h"
+
+#include <algorithm>
+#include <chrono>
+#include <ranges>
+#include <utility>
+
+#include "server/rights/default_color.h"
+#include "server/wire/limits.h"
+
+namespace kerf {
+namespace {
+
+std::unexpected<AccessError> fail(AccessFault fault, std::string reason) {
+  return std::unexpected(AccessError{fault, std::move(reason)});
+}
+
+}  // namespace
+
+Access::Access(AccessOptions options) : options_(std::move(options)), file_(options_.folder) {
+  if (!options_.admin_token.empty()) admin_ = hash_secret(options_.admin_token);
+  std::ranges::fill(options_.admin_token, '\0');
+  options_.admin_token.clear();
+  regime_ = options_.open ? Regime::kOpen : admin_ ? Regime::kTokens : Regime::kLocal;
+}
+
+std::expected<std::unique_ptr<Access>, std::string> Access::open(AccessOptions options) {
+  if (!options.admin_token.empty() && options.admin_token.size() < kAdminTokenBytesMin) {
+    return std::unexpected("the administrator's token must have at least " +
+                           std::to_string(kAdminTokenBytesMin) +
+                           " characters; \"openssl rand -hex 32\" makes one");
+  }
+  std::unique_ptr<Access> access(new Access(std::move(options)));
+  auto content = access->file_.read();
+  if (!content) return std::unexpected(content.error());
+  for (Grant& grant : content->grants) {
+    if (access->is_valid(grant)) access->grants_.emplace(grant.id, std::move(grant));
+  }
+  for (SessionRegion& found : content->regions) {
+    access->regions_[found.session].push_back(std::move(found.region));
+  }
+  return access;
+}
+
+std::int64_t Access::now_s() const {
+  if (options_.now_s) return options_.now_s();
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::seconds>(now).count();
+}
+
+bool Access::is_valid(const Grant& grant) const {
+  return grant.role != Role::kNobody && (grant.expires_s == 0 || now_s() < grant.expires_s);
+}
+
+const Grant* Access::find(std::string_view token, std::string_view session) const {
+  const auto parsed = parse_access_token(token);
+  const auto hash = parsed ? hash_token(parsed->secret) : std::nullopt;
+  if (!hash) return nullptr;
+  const auto found = grants_.find(parsed->id);
+  if (found == grants_.end() || !are_equal(found->second.hash, *hash)) return nullptr;
+  const Grant& grant = found->second;
+  if (!is_valid(grant) || (!session.empty() && grant.session != session)) return nullptr;
+  return &grant;
+}
+
+Caller Access::identify(std::string_view token, std::string_view session) const {
+  if (regime_ == Regime::kLocal) return Caller::local();
+  Caller caller;
+  if (regime_ == Regime::kOpen) caller.role = Role::kGuest;
+  if (token.empty()) return caller;
+  if (admin_) {
+    const auto hash = hash_secret(token);
+    if (hash && are_equal(*admin_, *hash)) return Caller::local();
+  }
+  const std::scoped_lock lock(mutex_);
+  const Grant* grant = find(token, session);
+  caller.has_bad_token = grant == nullptr;
+  if (grant == nullptr) return caller;
+  caller.role = grant->role;
+  caller.grant = grant->id;
+  caller.session = grant->session;
+  caller.is_personal = grant->is_personal();
+  caller.name = grant->name;
+  caller.color = grant->color;
+  caller.is_muted = grant->muted;
+  if (grant->expires_s != 0) caller.remaining_s = grant->expires_s - now_s();
+  return caller;
+}
+
+AccessResult<void> Access::put(const Grant& grant) {
+  if (auto done = file_.put(grant); !done) return fail(AccessFault::kStorage, done.error());
+  grants_.insert_or_assign(grant.id, grant);
+  return {};
+}
+
+AccessResult<Issued> Access::issue(Grant grant) {
+  const auto token = new_access_token();
+  const auto hash = token ? hash_token(token->secret) : std::nullopt;
+  if (!hash || grants_.contains(token->id)) {
+    return fail(AccessFault::kStorage, "the system gives no random numbers; try again");
+  }
+  grant.id = token->id;
+  grant.hash = *hash;
+  grant.created_s = now_s();
+  if (auto done = put(grant); !done) return std::unexpected(done.error());
+  return Issued{std::move(grant), token->text()};
+}
+
+AccessResult<Issued> Access::invite(const std::string& session, const Invitation& invitation) {
+  if (invitation.lifetime_s < 0 || invitation.lifetime_s > kLifetimeMaxS) {
+    return fail(AccessFault::kInvalid, "an invitation lasts at most 366 days");
+  }
+  if (invitation.name.size() > wire::kMaxNameBytes) {
+    return fail(AccessFault::kInvalid, "name must be at most 64 bytes");
+  }
+  const std::scoped_lock lock(mutex_);
+  const auto is_one = [&](const Grant& grant) {
+    return !grant.is_pass() && grant.session == session && is_valid(grant);
+  };
+  if (static_cast<std::size_t>(std::ranges::count_if(grants_ | std::views::values, is_one)) >=
+      kInvitationsMax) {
+    return fail(AccessFault::kLimit, "the session has 1000 invitations; revoke some");
+  }
+  Grant grant;
+  grant.session = session;
+  grant.role = invitation.role;
+  grant.name = invitation.name;
+  grant.color = invitation.color;
+  if (invitation.lifetime_s > 0) grant.expires_s = now_s() + invitation.lifetime_s;
+  return issue(std::move(grant));
+}
+
+AccessResult<Issued> Access::redeem(std::string_view token, const std::string& session,
+                                    const std::string& name) {
+  if (name.size() > wire::kMaxNameBytes) {
+    return fail(AccessFault::kInvalid, "name must be at most 64 bytes");
+  }
+  const std::scoped_lock lock(mutex_);
+  const Grant* found = find(token, session);
+  if (found == nullptr || found->is_pass()) {
+    return fail(AccessFault::kUnknown, "the invitation is unknown, has expired or was revoked");
+  }
+  std::erase_if(grants_, [&](const auto& entry) { return !is_valid(entry.second); });
+  const auto is_pass_for_it = [&](const Grant& grant) { return grant.invitation == found->id; };
+  const auto passes =
+      static_cast<std::size_t>(std::ranges::count_if(grants_ | std::views::values, is_pass_for_it));
+  if (passes >= kPassesMax) {
+    return fail(AccessFault::kLimit, "too many people have used this invitation");
+  }
+  Grant pass = *found;
+  pass.invitation = found->id;
+  if (pass.name.empty()) pass.name = name;
+  if (pass.color.empty()) pass.color = default_color(passes);
+  return issue(std::move(pass));
+}
+
+std::vector<Grant> Access::grants(std::string_view session) const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<Grant> list;
+  for (const Grant& grant : grants_ | std::views::values) {
+    if (grant.session == session && is_valid(grant)) list.push_back(grant);
+  }
+  std::ranges::stable_sort(list, {}, &Grant::created_s);
+  return list;
+}
+
+AccessResult<std::vector<std::string>> Access::revoke(std::string_view session,
+                                                      const std::string& id) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = grants_.find(id);
+  if (found == grants_.end() || found->second.session != session) {
+    return fail(AccessFault::kUnknown, "the session has no invitation " + id);
+  }
+  if (auto done = file_.remove(id); !done) return fail(AccessFault::kStorage, done.error());
+  std::vector<std::string> ended;
+  std::erase_if(grants_, [&](const auto& entry) {
+    const bool ends = entry.first == id || entry.second.invitation == id;
+    if (ends) ended.push_back(entry.first);
+    return ends;
+  });
+  return ended;
+}
+
+AccessResult<void> Access::set_role(const std::string& id, Role role) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = grants_.find(id);
+  if (found == grants_.end()) return fail(AccessFault::kUnknown, "there is no grant " + id);
+  Grant changed = found->second;
+  changed.role = role;
+  return put(changed);
+}
+
+AccessResult<void> Access::set_muted(const std::string& id, bool muted) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = grants_.find(id);
+  if (found == grants_.end()) return fail(AccessFault::kUnknown, "there is no grant " + id);
+  Grant changed = found->second;
+  changed.muted = muted;
+  return put(changed);
+}
+
+std::vector<Region> Access::regions(std::string_view session) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = regions_.find(session);
+  return found == regions_.end() ? std::vector<Region>() : found->second;
+}
+
+AccessResult<std::uint32_t> Access::reserve(const std::string& session, Region region) {
+  const std::scoped_lock lock(mutex_);
+  auto& list = regions_[session];
+  if (list.size() >= kRegionsMax) {
+    return fail(AccessFault::kLimit, "the session has 64 reserved regions; release some");
+  }
+  region.id = list.empty() ? 1 : list.back().id + 1;
+  if (auto done = file_.put(session, region); !done) {
+    return fail(AccessFault::kStorage, done.error());
+  }
+  list.push_back(region);
+  return region.id;
+}
+
+AccessResult<void> Access::release(const std::string& session, std::uint32_t region) {
+  const std::scoped_lock lock(mutex_);
+  const auto found = regions_.find(session);
+  const auto has_id = [&](const Region& one) { return one.id == region; };
+  if (found == regions_.end() || std::ranges::none_of(found->second, has_id)) {
+    return fail(AccessFault::kUnknown, "there is no region " + std::to_string(region));
+  }
+  if (auto done = file_.remove_region(session, region); !done) {
+    return fail(AccessFault::kStorage, done.error());
+  }
+  std::erase_if(found->second, has_id);
+  return {};
+}
+
+void Access::forget(const std::string& session) {
+  const std::scoped_lock lock(mutex_);
+  (void)file_.forget(session);
+  std::erase_if(grants_, [&](const auto& entry) { return entry.second.session == session; });
+  regions_.erase(session);
+}
+
+}  // namespace kerf

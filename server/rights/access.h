@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/rights/access_token.h"
+#include "server/rights/caller.h"
+#include "server/rights/grant.h"
+#include "server/rights/grant_file.h"
+#include "server/rights/region.h"
+
+namespace kerf {
+
+/// How a server decides who somebody is.
+enum class Regime : std::uint8_t {
+  kLocal,   ///< everybody administers: for loopback
+  kOpen,    ///< who has no token is a guest
+  kTokens,  ///< who has no token is nobody
+};
+
+struct AccessOptions {
+  std::filesystem::path folder = {};  ///< of the file of grants; empty: nothing is kept
+  std::string admin_token = {};       ///< empty: there is no administrator but on loopback
+  bool open = false;
+  std::function<std::int64_t()> now_s = {};  ///< seconds since 1970; empty: the system's clock
+};
+
+enum class AccessFault : std::uint8_t { kUnknown, kLimit, kStorage, kInvalid };
+struct AccessError {
+  AccessFault fault = AccessFault::kUnknown;
+  std::string reason;
+};
+template <typename T>
+using AccessResult = std::expected<T, AccessError>;
+
+/// The wishes of an owner who invites.
+struct Invitation {
+  Role role = Role::kWatcher;
+  std::int64_t lifetime_s = 7 * 24 * 3600;  ///< 0: it does not expire
+  std::string name = {}, color = {};        ///< of the one person that is invited; empty: anybody
+};
+
+/// A new grant and its token, which is not stored and can be read here only.
+struct Issued {
+  Grant grant;
+  std::string token;
+};
+
+/// The tokens of a server and what they grant, and the regions that are reserved. Thread-safe.
+class Access {
+ public:
+  static constexpr std::size_t kInvitationsMax = 1000;  ///< of a session
+  static constexpr std::size_t kPassesMax = 2000;       ///< given for one invitation
+  static constexpr std::size_t kRegionsMax = 64;        ///< of a session
+  static constexpr std::int64_t kLifetimeMaxS = std::int64_t{366} * 24 * 3600;
+
+  /// Reads the grants. The error is one sentence.
+  static std::expected<std::unique_ptr<Access>, std::string> open(AccessOptions options);
+
+  Regime regime() const { return regime_; }
+  /// Who presents `token` (empty: none) to a session (empty: none in particular). An invalid token
+  /// makes a guest of an open server, and nobody otherwise.
+  Caller identify(std::string_view token, std::string_view session) const;
+
+  AccessResult<Issued> invite(const std::string& session, const Invitation& invitation);
+  /// Gives the holder of an invitation a pass of its own, with a lasting name (at most 64 bytes;
+  /// that of the invitation comes first) and color.
+  AccessResult<Issued> redeem(std::string_view token, const std::string& session,
+                              const std::string& name);
+  /// The grants of a session that have not expired, the oldest first.
+  std::vector<Grant> grants(std::string_view session) const;
+  /// Ends a grant, and the passes given for it; returns their ids.
+  AccessResult<std::vector<std::string>> revoke(std::string_view session, const std::string& id);
+  /// Changes what the grant of a person says.
+  AccessResult<void> set_role(const std::string& id, Role role);
+  AccessResult<void> set_muted(const std::string& id, bool muted);
+
+  std::vector<Region> regions(std::string_view session) const;
+  /// Adds a region and returns its number.
+  AccessResult<std::uint32_t> reserve(const std::string& session, Region region);
+  AccessResult<void> release(const std::string& session, std::uint32_t region);
+
+  /// A session is gone: another one of the same id begins without grants and regions.
+  void forget(const std::string& session);
+
+ private:
+  explicit Access(AccessOptions options);
+  std::int64_t now_s() const;
+  bool is_valid(const Grant& grant) const;
+  /// The grant of a token in a session; null if there is none.
+  const Grant* find(std::string_view token, std::string_view session) const;
+  AccessResult<void> put(const Grant& grant);
+  AccessResult<Issued> issue(Grant grant);
+
+  AccessOptions options_;
+  Regime regime_ = Regime::kLocal;
+  std::optional<TokenHash> admin_;
+  mutable std::mutex mutex_;
+  GrantFile file_;
+  std::map<std::string, Grant, std::less<>> grants_;                 ///< by id
+  std::map<std::string, std::vector<Region>, std::less<>> regions_;  ///< by session
+};
+
+}  // namespace kerf

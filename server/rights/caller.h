@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "server/rights/role.h"
+
+namespace kerf {
+
+/// Who sends a request, or opens a WebSocket, as far as its token tells.
+struct Caller {
+  Role role = Role::kNobody;
+  std::string grant;         ///< id of its grant; empty: guest, administrator, nobody
+  std::string session;       ///< of the grant
+  bool is_personal = false;  ///< the grant belongs to one person
+  std::string name, color;   ///< that the grant states; empty: the peer's own choice
+  bool is_muted = false;
+  std::int64_t remaining_s = -1;  ///< until the grant expires; negative: it does not
+  bool has_bad_token = false;     ///< a token that is unknown, expired or of another session
+
+  /// Somebody on a server without rights: loopback, without tokens.
+  static Caller local() {
+    Caller caller;
+    caller.role = Role::kAdministrator;
+    return caller;
+  }
+};
+
+}  // namespace kerf

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/rights/role.h"
+
+namespace kerf {
+
+/// What a peer may ask for. The first one is that of a route that names none: only an administrator
+/// may do it.
+enum class Action : std::uint8_t {
+  kAdminister,
+  kReach,
+  kList,
+  kWatch,
+  kDownload,
+  kCarve,
+  kRunPrograms,
+  kInvite,
+  kModerate,
+  kCloseSession,
+};
+
+/// Returns whether a role may do something, from the table of README.md (rights.cpp). Every check
+/// of the server calls this function.
+bool may(Role role, Action action);
+
+/// The name of an action in errors and on the wire, e.g. "run_programs".
+std::string_view to_string(Action action);
+
+/// The first of watcher, sculptor, owner and administrator that may do something, for error texts.
+Role lowest_invited(Action action);
+
+/// The names of the actions that a role may do, in the order of the table.
+std::vector<std::string_view> allowed_actions(Role role);
+
+/// The table of README.md.
+std::string rights_markdown();
+
+}  // namespace kerf

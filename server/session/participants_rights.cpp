@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of Participants that applies the roles and what owners decide about others.
+#include <algorithm>
+#include <ranges>
+#include <utility>
+
+#include "server/rights/rights.h"
+#include "server/session/participants.h"
+
+namespace kerf {
+
+std::optional<Rejection> Participants::check_role(const JoinRequest& request,
+                                                  ParticipantId resumed) const {
+  const bool watches = request.kind == ParticipantKind::kViewer;
+  const bool runs = request.kind == ParticipantKind::kProgram;
+  const Action action = watches ? Action::kWatch : runs ? Action::kRunPrograms : Action::kCarve;
+  const std::string role(to_string(request.role));
+  if (!may(request.role, action)) {
+    return Rejection{wire::ErrorCode::kNotAllowed,
+                     role + "s may not join as " + to_string(request.kind) + "s"};
+  }
+  if (runs && request.is_muted) {
+    return Rejection{wire::ErrorCode::kMuted, "an owner has muted this participant"};
+  }
+  if (request.role != Role::kGuest || watches) return std::nullopt;
+  const auto guests =
+      std::ranges::count_if(states_ | std::views::values, [&](const ParticipantState& state) {
+        const Participant& other = state.participant;
+        return other.kind == ParticipantKind::kAgent && other.role == Role::kGuest &&
+               other.id != resumed;
+      });
+  if (static_cast<std::size_t>(guests) < limits_.guest_agents_max) return std::nullopt;
+  return Rejection{wire::ErrorCode::kBusy, "the session admits at most " +
+                                               std::to_string(limits_.guest_agents_max) +
+                                               " guests who carve; try again later"};
+}
+
+bool Participants::remove(ParticipantId id, const std::string& reason) {
+  ParticipantState* state = find(id);
+  if (state == nullptr || state->participant.kind == ParticipantKind::kProgram) return false;
+  state->token.reset();
+  resumable_.forget(id);
+  notify({.closing = reason, .removed = id});
+  return true;
+}
+
+void Participants::remove_holders(std::span<const std::string> grants, const std::string& reason) {
+  std::vector<ParticipantId> holders;
+  for (const auto& [id, state] : states_) {
+    if (std::ranges::find(grants, state.grant) != grants.end()) holders.push_back(id);
+  }
+  for (const ParticipantId id : holders) remove(id, reason);
+}
+
+bool Participants::change_person(ParticipantId id,
+                                 const std::function<void(ParticipantState&)>& change) {
+  ParticipantState* state = find(id);
+  if (state == nullptr) return false;
+  const std::string person = state->person;
+  change(*state);
+  for (auto& [other, one] : states_) {
+    if (other != id && !person.empty() && one.person == person) change(one);
+  }
+  changed(true);
+  return true;
+}
+
+bool Participants::set_role(ParticipantId id, Role role) {
+  return change_person(id, [&](ParticipantState& state) {
+    state.participant.role = role;
+    state.speed_mm_per_s =
+        role == Role::kGuest ? limits_.guest_speed_mm_per_s : limits_.speed_mm_per_s;
+  });
+}
+
+void Participants::set_role_of(const std::string& person, Role role) {
+  for (const auto& [id, state] : states_) {
+    if (!person.empty() && state.person == person) {
+      set_role(id, role);
+      return;
+    }
+  }
+}
+
+bool Participants::set_muted(ParticipantId id, bool muted) {
+  return change_person(id, [&](ParticipantState& state) {
+    state.participant.is_muted = muted;
+    if (state.token) keep_resumable(state);
+  });
+}
+
+}  // namespace kerf

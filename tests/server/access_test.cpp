@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rights/access.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "server/rights/admin_token.h"
+#include "server/rights/rights.h"
+#include "tests/server/temporary_folder.h"
+
+namespace kerf {
+namespace {
+
+const std::string kAdmin = "0123456789abcdef0123456789abcdef";
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+class AccessTest : public testing::Test {
+ protected:
+  void SetUp() override { reopen(); }
+  void reopen(bool open = false, const std::string& admin = kAdmin) {
+    access.reset();
+    auto opened =
+        Access::open({.folder = folder.path(), .admin_token = admin, .open = open, .now_s = [this] {
+                        return now_s;
+                      }});
+    ASSERT_TRUE(opened) << opened.error();
+    access = *std::move(opened);
+  }
+  Issued invite(Role role, const std::string& name = "", std::int64_t lifetime_s = 3600) {
+    auto issued = access->invite("block", {.role = role, .lifetime_s = lifetime_s, .name = name});
+    EXPECT_TRUE(issued);
+    return *std::move(issued);
+  }
+  Role role_of(const std::string& token, std::string_view session = "block") const {
+    return access->identify(token, session).role;
+  }
+
+  test::TemporaryFolder folder;
+  std::int64_t now_s = 1'700'000'000;
+  std::unique_ptr<Access> access;
+};
+
+TEST(Rights, TheReadmeHoldsTheTable) {
+  const std::string readme = bytes_of(KERF_SOURCE_DIR "/server/rights/README.md");
+  EXPECT_TRUE(readme.contains(rights_markdown()))
+      << "server/rights/README.md must contain this table:\n"
+      << rights_markdown();
+}
+
+TEST(Rights, ARoleThatIsInvitedMayDoAllThatALowerOneMay) {
+  constexpr Role kRoles[] = {Role::kWatcher, Role::kSculptor, Role::kOwner, Role::kAdministrator};
+  for (std::size_t n = 0; n + 1 < std::size(kRoles); ++n) {
+    for (int number = 0; number <= static_cast<int>(Action::kCloseSession); ++number) {
+      const auto action = static_cast<Action>(number);
+      EXPECT_LE(may(kRoles[n], action), may(kRoles[n + 1], action)) << to_string(action);
+    }
+  }
+  EXPECT_FALSE(may(Role::kWatcher, Action::kCarve));
+  EXPECT_FALSE(may(Role::kSculptor, Action::kInvite));
+  EXPECT_FALSE(may(Role::kOwner, Action::kAdminister));
+  for (const Action action : {Action::kCloseSession, Action::kModerate, Action::kRunPrograms,
+                              Action::kInvite, Action::kAdminister}) {
+    EXPECT_FALSE(may(Role::kGuest, action)) << to_string(action);
+    EXPECT_FALSE(may(Role::kNobody, action)) << to_string(action);
+  }
+}
+
+TEST_F(AccessTest, ATokenGivesItsRoleInItsSessionOnly) {
+  const Issued sculptor = invite(Role::kSculptor);
+  EXPECT_EQ(role_of(sculptor.token), Role::kSculptor);
+  EXPECT_EQ(role_of(sculptor.token, "other"), Role::kNobody);
+  EXPECT_EQ(role_of(sculptor.token, ""), Role::kSculptor);
+  EXPECT_EQ(access->identify(sculptor.token, "").session, "block");
+  EXPECT_EQ(role_of(kAdmin, "other"), Role::kAdministrator);
+  EXPECT_EQ(role_of(""), Role::kNobody);
+}
+
+TEST_F(AccessTest, AnyOtherTextIsNobody) {
+  const Issued owner = invite(Role::kOwner);
+  std::vector<std::string> others = {"kerf_", "x", kAdmin + "0", kAdmin.substr(1), owner.grant.id};
+  for (std::size_t n = 0; n < owner.token.size(); ++n) {
+    std::string changed = owner.token;
+    changed[n] = changed[n] == 'a' ? 'b' : 'a';
+    others.push_back(changed);
+    others.push_back(owner.token.substr(0, n));
+  }
+  for (const std::string& other : others) {
+    EXPECT_EQ(role_of(other), Role::kNobody) << other;
+    EXPECT_EQ(access->identify(other, "block").has_bad_token, !other.empty()) << other;
+  }
+}
+
+TEST_F(AccessTest, AnInvitationExpiresAndItsPassesWithIt) {
+  const Issued invitation = invite(Role::kSculptor, "", 60);
+  const auto pass = access->redeem(invitation.token, "block", "Ada");
+  ASSERT_TRUE(pass);
+  EXPECT_EQ(access->identify(pass->token, "block").remaining_s, 60);
+  now_s += 59;
+  EXPECT_EQ(role_of(pass->token), Role::kSculptor);
+  now_s += 1;
+  EXPECT_EQ(role_of(pass->token), Role::kNobody);
+  EXPECT_EQ(role_of(invitation.token), Role::kNobody);
+  EXPECT_FALSE(access->redeem(invitation.token, "block", "Eve"));
+  EXPECT_TRUE(access->grants("block").empty());
+}
+
+TEST_F(AccessTest, RevokingAnInvitationEndsItsPasses) {
+  const Issued invitation = invite(Role::kWatcher), other = invite(Role::kWatcher);
+  const auto pass = access->redeem(invitation.token, "block", "Ada");
+  ASSERT_TRUE(pass);
+  EXPECT_FALSE(access->revoke("other", invitation.grant.id));
+  const auto ended = access->revoke("block", invitation.grant.id);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->size(), 2U);
+  EXPECT_EQ(role_of(pass->token), Role::kNobody);
+  EXPECT_EQ(role_of(invitation.token), Role::kNobody);
+  EXPECT_EQ(role_of(other.token), Role::kWatcher);
+  reopen();
+  EXPECT_EQ(role_of(pass->token), Role::kNobody);
+  EXPECT_EQ(role_of(other.token), Role::kWatcher);
+}
+
+TEST_F(AccessTest, APersonKeepsNameColorAndMuteOverARestart) {
+  const Issued invitation = invite(Role::kSculptor);
+  const auto ada = access->redeem(invitation.token, "block", "Ada");
+  const auto grace = access->redeem(invitation.token, "block", "Grace");
+  ASSERT_TRUE(ada && grace);
+  EXPECT_NE(ada->grant.color, grace->grant.color);
+  ASSERT_TRUE(access->set_muted(ada->grant.id, true));
+  ASSERT_TRUE(access->set_role(grace->grant.id, Role::kOwner));
+  reopen();
+  const Caller again = access->identify(ada->token, "block");
+  EXPECT_EQ(again.name, "Ada");
+  EXPECT_EQ(again.color, ada->grant.color);
+  EXPECT_TRUE(again.is_muted);
+  EXPECT_TRUE(again.is_personal);
+  EXPECT_FALSE(access->identify(invitation.token, "block").is_personal);
+  EXPECT_EQ(role_of(grace->token), Role::kOwner);
+}
+
+TEST_F(AccessTest, APassIsNoInvitation) {
+  const auto pass = access->redeem(invite(Role::kOwner).token, "block", "Ada");
+  ASSERT_TRUE(pass);
+  EXPECT_FALSE(access->redeem(pass->token, "block", "Eve"));
+}
+
+TEST_F(AccessTest, TokensAreStoredAsHashesInAFileOfTheirOwner) {
+  const Issued invitation = invite(Role::kOwner, "Ada");
+  const std::string secret = invitation.token.substr(invitation.token.rfind('_') + 1);
+  ASSERT_EQ(secret.size(), 32U);
+  const auto file = folder.path() / GrantFile::kName;
+  const std::string bytes = bytes_of(file);
+  EXPECT_TRUE(bytes.contains(invitation.grant.id));
+  EXPECT_FALSE(bytes.contains(secret));
+  EXPECT_FALSE(bytes.contains(kAdmin));
+  struct stat status{};
+  ASSERT_EQ(stat(file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+}
+
+TEST_F(AccessTest, AnOpenServerHasGuestsAndALocalOneAdministrators) {
+  const Issued owner = invite(Role::kOwner);
+  reopen(true);
+  EXPECT_EQ(access->regime(), Regime::kOpen);
+  EXPECT_EQ(role_of(""), Role::kGuest);
+  EXPECT_EQ(role_of("kerf_of_yesterday"), Role::kGuest);
+  EXPECT_EQ(role_of(owner.token), Role::kOwner);
+  reopen(false, "");
+  EXPECT_EQ(access->regime(), Regime::kLocal);
+  EXPECT_EQ(role_of(""), Role::kAdministrator);
+}
+
+TEST_F(AccessTest, ASessionOfTheSameIdBeginsWithoutRights) {
+  const Issued owner = invite(Role::kOwner);
+  ASSERT_TRUE(access->reserve("block", {.min_mm = {0, 0, 0}, .max_mm = {1, 1, 1}}));
+  access->forget("block");
+  EXPECT_EQ(role_of(owner.token), Role::kNobody);
+  reopen();
+  EXPECT_EQ(role_of(owner.token), Role::kNobody);
+  EXPECT_TRUE(access->regions("block").empty());
+}
+
+TEST_F(AccessTest, RegionsLastOverARestart) {
+  ASSERT_TRUE(access->reserve("block", {.min_mm = {0, 0.25, 0}, .max_mm = {1, 1, 1}}));
+  const auto second = access->reserve(
+      "block", {.min_mm = {2, 0, 0}, .max_mm = {3, 1, 1}, .participant = 7, .person = "p"});
+  ASSERT_TRUE(second);
+  ASSERT_TRUE(access->release("block", 1));
+  EXPECT_FALSE(access->release("block", 1));
+  reopen();
+  const auto regions = access->regions("block");
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_EQ(regions[0].id, *second);
+  EXPECT_EQ(regions[0].min_mm, (Vec3{2, 0, 0}));
+  EXPECT_EQ(regions[0].participant, 7U);
+  EXPECT_EQ(regions[0].person, "p");
+}
+
+TEST_F(AccessTest, LimitsAreErrors) {
+  access = *Access::open({.admin_token = kAdmin});
+  EXPECT_EQ(access->invite("block", {.lifetime_s = Access::kLifetimeMaxS + 1}).error().fault,
+            AccessFault::kInvalid);
+  EXPECT_EQ(access->invite("block", {.name = std::string(65, 'a')}).error().fault,
+            AccessFault::kInvalid);
+  for (std::size_t n = 0; n < Access::kRegionsMax; ++n) {
+    ASSERT_TRUE(access->reserve("block", {.max_mm = {1, 1, 1}}));
+  }
+  EXPECT_EQ(access->reserve("block", {.max_mm = {1, 1, 1}}).error().fault, AccessFault::kLimit);
+  EXPECT_FALSE(Access::open({.admin_token = "short"}));
+}
+
+TEST(AdminToken, AFileIsMadeOnceAndForItsOwnerOnly) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "admin").string();
+  const auto made = read_admin_token(file);
+  ASSERT_TRUE(made) << made.error();
+  EXPECT_GE(made->size(), kAdminTokenBytesMin);
+  EXPECT_EQ(*read_admin_token(file), *made);
+  struct stat status{};
+  ASSERT_EQ(stat(file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  EXPECT_FALSE(read_admin_token((folder.path() / "no" / "folder").string()));
+  std::ofstream(folder.path() / "empty").close();
+  EXPECT_FALSE(read_admin_token((folder.path() / "empty").string()));
+}
+
+}  // namespace
+}  // namespace kerf

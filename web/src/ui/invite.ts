@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// The dialog by which an owner makes an invitation: a role, a time, and the link to send.
+
+import { makeInvitation } from '../link/invitation';
+import type { InvitedRole } from '../link/invitation';
+import { h, setText } from './dom';
+import { sentence } from './format';
+
+const ROLES: readonly [InvitedRole, string, string][] = [
+  ['watcher', 'Watcher', 'sees the block and downloads it'],
+  ['sculptor', 'Sculptor', 'carves too, and runs programs'],
+  ['owner', 'Owner', 'invites, mutes and removes people, closes the session'],
+];
+const TIMES: readonly [string, number][] = [
+  ['for a day', 24],
+  ['for a week', 7 * 24],
+  ['for a month', 30 * 24],
+];
+
+export function inviteDialog(session: string): HTMLDialogElement {
+  let role: InvitedRole = 'sculptor';
+  const choices = ROLES.map(([value, name, may]) => {
+    const input = h('input', { type: 'radio', name: 'invited-role', value });
+    input.checked = value === role;
+    input.addEventListener('change', () => (role = value));
+    return h('label', { class: 'invite-role' }, input, h('b', {}, name), h('small', {}, may));
+  });
+  const time = h(
+    'select',
+    { class: 'invite-time', 'aria-label': 'The link works' },
+    ...TIMES.map(([text, hours]) => h('option', { value: String(hours) }, text)),
+  );
+  time.value = String(TIMES[1]![1]);
+  const link = h('input', {
+    class: 'invite-link',
+    readonly: '',
+    hidden: '',
+    'aria-label': 'The link to send',
+  });
+  const note = h('p', { class: 'quiet', role: 'status' });
+  const make = h('button', { type: 'button', class: 'button' }, 'Make a link');
+  make.addEventListener('click', () => {
+    makeInvitation(session, role, Number(time.value)).then(
+      (address) => {
+        link.value = address;
+        link.hidden = false;
+        link.select();
+        setText(note, 'Anyone with this link gets the role. It is shown only here.');
+        const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
+        void clipboard
+          ?.writeText(address)
+          .then(() => setText(note, 'Copied. Send it to the person.'));
+      },
+      (problem: unknown) => setText(note, sentence((problem as Error).message)),
+    );
+  });
+  const close = h('button', { type: 'button', class: 'button quiet-button' }, 'Close');
+  const dialog = h(
+    'dialog',
+    { class: 'help invite', 'aria-label': 'Invite' },
+    h('h2', {}, 'Invite'),
+    h('div', { role: 'radiogroup', 'aria-label': 'Role' }, ...choices),
+    h('p', { class: 'invite-make' }, make, time, close),
+    link,
+    note,
+  );
+  close.addEventListener('click', () => dialog.close());
+  dialog.addEventListener('close', () => {
+    link.value = '';
+    link.hidden = true;
+    setText(note, '');
+  });
+  return dialog;
+}
