@@ -137,7 +137,12 @@ class Rights(unittest.TestCase):
             socket.send_json({"type": "hello"})
             socket.receive_json("welcome")
             sockets.append(socket)
+        # Opened before the invitation ends, and silent until then.
+        spare = WebSocket(self.port, "/v1/sessions/block/view", "kerf.view.v1",
+                          [f"Authorization: Bearer {invitation['token']}"])
         self.ask("DELETE", f"/v1/sessions/block/invitations/{invitation['id']}", self.admin)
+        spare.send_json({"type": "hello"})
+        self.assertEqual(spare.receive_json("error")["code"], "not_allowed")
         self.assertEqual(sockets[0].receive_json("error")["code"], "removed")
         self.assertEqual(sockets[1].receive_json("error")["code"], "not_allowed")
         for token in (invitation["token"], brief["token"]):
