@@ -161,8 +161,14 @@ int serve(CommandLine line) {
   if (const auto port = (*server)->udp_port(); port != 0) {
     kerf::log::info("UDP: port " + std::to_string(port));
   }
+  const std::string url = (*server)->url();
   for (const std::string& id : (*server)->sessions().ids()) {
-    kerf::log::info("session " + id + ": " + (*server)->url() + "/?session=" + id);
+    kerf::log::info(std::string("session ")
+                        .append(id)
+                        .append(": ")
+                        .append(url)
+                        .append("/?session=")
+                        .append(id));
   }
   int signal = 0;
   sigwait(&signals, &signal);

@@ -137,6 +137,7 @@ void Server::Impl::load(const std::stop_token& stop) {
   {
     std::vector<std::jthread> threads;
     const unsigned count = std::clamp(std::thread::hardware_concurrency(), 1U, kLoadersMax);
+    threads.reserve(count);
     for (unsigned n = 0; n < count; ++n) {
       threads.emplace_back([this] {
         LoadReport report;

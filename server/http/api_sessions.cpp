@@ -2,6 +2,7 @@
 // The routes that create, list, describe and close sessions.
 #include <nlohmann/json.hpp>
 
+#include "server/http/access_errors.h"
 #include "server/http/api.h"
 #include "server/session/hash_text.h"
 #include "server/threads/run_and_wait.h"

@@ -45,8 +45,8 @@ using AccessResult = std::expected<T, AccessError>;
 /// The wishes of an owner who invites.
 struct Invitation {
   Role role = Role::kWatcher;
-  std::int64_t lifetime_s = 7 * 24 * 3600;  ///< 0: it does not expire
-  std::string name = {}, color = {};        ///< of the one person that is invited; empty: anybody
+  std::int64_t lifetime_s = std::int64_t{7} * 24 * 3600;  ///< 0: it does not expire
+  std::string name = {}, color = {};  ///< of the one person that is invited; empty: anybody
 };
 
 /// A new grant and its token, which is not stored and can be read here only.

@@ -142,6 +142,7 @@ bool SessionRegistry::loaded() const {
 std::vector<UnreadableSession> SessionRegistry::unreadable() const {
   const std::lock_guard lock(mutex_);
   std::vector<UnreadableSession> list;
+  list.reserve(unreadable_.size());
   for (const auto& [id, error] : unreadable_) list.push_back({id, error});
   return list;
 }
