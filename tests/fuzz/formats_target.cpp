@@ -13,7 +13,7 @@ namespace kerf::fuzz {
 namespace {
 
 const Scene& scene() {
-  static const Scene made =
+  static const Scene kMade =
       parse_scene(
           R"({"name": "fuzz", "stock": {"shape": "box", "min_mm": [-50,-50,-50], "max_mm": [50,50,0]},
               "tools": [{"id": 1, "shape": "ball", "diameter_mm": 10, "length_mm": 60},
@@ -21,7 +21,7 @@ const Scene& scene() {
               "machine": {"kinematics": "xyzac-trt"}})",
           {})
           .value();
-  return made;
+  return kMade;
 }
 
 /// The motions of a program are finite, positive in time, and each starts where it says.

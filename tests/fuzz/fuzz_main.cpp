@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include "tests/fuzz/targets.h"
 
@@ -20,7 +21,7 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   if (chosen == nullptr) {
     std::fputs("usage: kerf_fuzz TARGET [CORPUS...] [-options]; targets:", stderr);
     for (const auto& target : kerf::fuzz::targets()) {
-      std::fprintf(stderr, " %s", target.name.data());
+      std::fprintf(stderr, " %s", std::string(target.name).c_str());
     }
     std::fputs("\n", stderr);
     std::exit(2);

@@ -38,9 +38,9 @@ namespace {
 
 /// Writes the input to a file in a folder of this process.
 std::filesystem::path file_with(Bytes input) {
-  static const test::TemporaryFolder folder;
-  const auto file = folder / "fuzz.kerf";
-  std::ofstream(file, std::ios::binary).write(text_of(input).data(), std::ssize(input));
+  static const test::TemporaryFolder kFolder;
+  const auto file = kFolder / "fuzz.kerf";
+  std::ofstream(file, std::ios::binary) << text_of(input);
   return file;
 }
 
@@ -48,7 +48,7 @@ std::filesystem::path file_with(Bytes input) {
 
 /// Of the block in corpus/snapshot: 80 x 80 x 30 mm at 0.5 mm.
 void read_snapshot(Bytes input) {
-  static const Sculpture block = [] {
+  static const Sculpture kBlock = [] {
     SculptureSettings settings;
     settings.stock = BoxStock{{-40, -40, -30}, {40, 40, 0}};
     settings.pitch_mm = 0.5;
@@ -56,7 +56,7 @@ void read_snapshot(Bytes input) {
   }();
   const auto file = file_with(input);
   (void)read_snapshot_head(file);
-  if (const auto read = kerf::read_snapshot(file, block)) {
+  if (const auto read = kerf::read_snapshot(file, kBlock)) {
     require(read->head.kernel_version > 0, "a snapshot states its kernel");
   }
 }

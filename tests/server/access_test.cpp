@@ -218,7 +218,7 @@ TEST_F(AccessTest, AnOpenServerHasGuestsAndALocalOneAdministrators) {
 TEST_F(AccessTest, ASessionOfTheSameIdBeginsWithoutRights) {
   const Issued owner = invite(Role::kOwner);
   ASSERT_TRUE(access->reserve("block", {.min_mm = {0, 0, 0}, .max_mm = {1, 1, 1}}));
-  access->forget("block");
+  ASSERT_TRUE(access->forget("block"));
   EXPECT_EQ(role_of(owner.token), Role::kNobody);
   reopen();
   EXPECT_EQ(role_of(owner.token), Role::kNobody);
