@@ -202,8 +202,8 @@ struct Commands {
         ->required();
     CLI::App* copy = app.add_subcommand(
         "backup",
-        "copies the journals of a data folder into another folder, also while a server "
-        "runs on it");
+        "copies the journals and the rights of a data folder into another folder, also while "
+        "a server runs on it");
     copy->add_option("DATA", folder, "data folder")->required();
     copy->add_option("TO", backup, "folder of the copies, created if missing; no file is replaced")
         ->required();

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <expected>
 #include <string>
 #include <vector>
 
+#include "server/rights/grant_file.h"
 #include "server/session/hash_text.h"
 #include "server/session/journal_check.h"
 #include "server/store/journal_file.h"
@@ -27,6 +29,30 @@ int check_data(const std::filesystem::path& folder) {
   if (!checked) std::fprintf(stderr, "kerf-server: %s\n", describe(checked.error()).c_str());
   return checked && good ? 0 : 1;
 }
+
+namespace {
+
+/// Copies the grants and regions of a data folder, if it has any. The error is one sentence.
+std::expected<void, std::string> copy_rights(const std::filesystem::path& data,
+                                             const std::filesystem::path& to) {
+  if (!std::filesystem::exists(data / GrantFile::kName)) return {};
+  if (std::filesystem::exists(to / GrantFile::kName)) {
+    return std::unexpected((to / GrantFile::kName).string() + " exists");
+  }
+  const auto content = GrantFile(data).read();
+  if (!content) return std::unexpected(content.error());
+  GrantFile copy(to);
+  for (const Grant& grant : content->grants) {
+    if (auto done = copy.put(grant); !done) return done;
+  }
+  for (const auto& [session, region] : content->regions) {
+    if (auto done = copy.put(session, region); !done) return done;
+  }
+  std::printf("%s\n", (to / GrantFile::kName).c_str());
+  return {};
+}
+
+}  // namespace
 
 int back_up(const std::filesystem::path& data, const std::filesystem::path& to) {
   std::error_code error;
@@ -55,6 +81,10 @@ int back_up(const std::filesystem::path& data, const std::filesystem::path& to) 
                    describe(copied.error()).c_str());
       good = false;
     }
+  }
+  if (const auto rights = copy_rights(data, to); !rights) {
+    std::fprintf(stderr, "kerf-server: %s\n", rights.error().c_str());
+    good = false;
   }
   return good ? 0 : 1;
 }

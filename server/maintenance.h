@@ -9,10 +9,10 @@ namespace kerf {
 /// exit status: 0, or 1 if something is wrong; the lines say what, and what to do.
 int check_data(const std::filesystem::path& folder);
 
-/// `kerf-server backup`: copies the journals of a data folder, also of a running server, into
-/// another folder, which is created; each copy holds what was committed when it was begun. A kept
-/// journal is copied too; a snapshot is not needed. Prints one line for each. Returns the exit
-/// status: 0, or 1 if a journal cannot be copied, e.g. because a file of its name is there.
+/// `kerf-server backup`: copies the journals and the rights of a data folder, also of a running
+/// server, into another folder, which is created; each copy holds what was committed when it was
+/// begun. Snapshots are not needed. Prints one line for each. Returns the exit status: 0, or 1 if
+/// one cannot be copied, e.g. because a file of its name is there.
 int back_up(const std::filesystem::path& data, const std::filesystem::path& to);
 
 /// `kerf-server replay`: carves a journal from the start, compares it with its stored hashes and

@@ -203,10 +203,12 @@ std::string agent_welcome(const Session& session, const Admission& admission,
   }
   json["accuracy"] = Json::parse(accuracy_json(session.scene()));
   json["rate_hz"] = wire::kMotionRateHz;
-  json["limits"] = {{"samples_per_message", wire::kMaxSamplesPerMotion},
-                    {"speed_mm_per_s", limits.speed_mm_per_s},
-                    {"samples_per_s", limits.samples_per_s},
-                    {"frame_bytes", wire::kMaxClientFrameBytes}};
+  json["limits"] = {
+      {"samples_per_message", wire::kMaxSamplesPerMotion},
+      {"speed_mm_per_s", admission.participant.role == Role::kGuest ? limits.guest_speed_mm_per_s
+                                                                    : limits.speed_mm_per_s},
+      {"samples_per_s", limits.samples_per_s},
+      {"frame_bytes", wire::kMaxClientFrameBytes}};
   if (udp != nullptr) json["udp"] = udp_json(*udp);
   return text(json);
 }

@@ -121,6 +121,9 @@ class Api {
   ApiResponse viewer_file(const ApiCall& call);
 
  private:
+  /// Mutes a participant, or ends that; for a person, also its other connections and later ones.
+  AccessResult<void> mute(Session& session, ParticipantId id, const std::string& person,
+                          bool muted);
   /// The uploaded files that a scene names.
   std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;
   std::filesystem::path upload_folder() const { return options_.data_folder / "uploads"; }

@@ -71,16 +71,8 @@ ApiResponse Api::change_participant(const ApiCall& call) {
   if (!target) return no_participant(call.captured);
   const ParticipantId id = target->participant.id;
   const std::string* muted = call.request.query_value("muted");
-  if (muted != nullptr) {
-    if (*muted != "0" && *muted != "1") {
-      return error_response(400, "bad_value", "muted must be 0 or 1");
-    }
-    if (!target->person.empty()) {
-      if (auto done = access_.set_muted(target->person, *muted == "1"); !done) {
-        return access_failure(done.error());
-      }
-    }
-    run_and_wait(session.executor(), [&] { return session.set_muted(id, *muted == "1"); });
+  if (muted != nullptr && *muted != "0" && *muted != "1") {
+    return error_response(400, "bad_value", "muted must be 0 or 1");
   }
   const std::string* transfer = call.request.query_value("transfer");
   const bool transfers = transfer != nullptr && *transfer == "1";
@@ -90,25 +82,46 @@ ApiResponse Api::change_participant(const ApiCall& call) {
   if (role_text != nullptr && !role) {
     return error_response(400, "bad_role", "role must be watcher, sculptor or owner");
   }
-  if (role) {
-    const bool keeps_own = transfers && call.caller.role == Role::kOwner;
-    if (target->person.empty() || (keeps_own && !call.caller.is_personal)) return no_person();
-    if (auto done = access_.set_role(target->person, *role); !done) {
+  const bool keeps_own = transfers && call.caller.role == Role::kOwner;
+  if (role && (target->person.empty() || (keeps_own && !call.caller.is_personal))) {
+    return no_person();
+  }
+  if (muted != nullptr) {
+    if (auto done = mute(session, id, target->person, *muted == "1"); !done) {
       return access_failure(done.error());
     }
-    const bool steps_back = keeps_own && call.caller.grant != target->person;
-    if (steps_back) {
-      if (auto done = access_.set_role(call.caller.grant, Role::kSculptor); !done) {
-        return access_failure(done.error());
-      }
+  }
+  if (role) {
+    auto changed = access_.set_role(target->person, *role);
+    if (!changed) return access_failure(changed.error());
+    std::vector<std::string> lowered;
+    if (keeps_own && access_.root_of(call.caller.grant) != access_.root_of(target->person)) {
+      auto done = access_.step_down(call.caller.grant, Role::kSculptor);
+      if (!done) return access_failure(done.error());
+      lowered = *std::move(done);
     }
     run_and_wait(session.executor(), [&] {
-      if (steps_back) session.set_role_of(call.caller.grant, Role::kSculptor);
-      session.set_role_of(target->person, *role);
+      for (const std::string& person : lowered) session.set_role_of(person, Role::kSculptor);
+      for (const std::string& person : *changed) session.set_role_of(person, *role);
       return true;
     });
   }
   return json_response(200, Json{{"participant", id}}.dump());
+}
+
+AccessResult<void> Api::mute(Session& session, ParticipantId id, const std::string& person,
+                             bool muted) {
+  std::vector<std::string> people;
+  if (!person.empty()) {
+    auto changed = access_.set_muted(person, muted);
+    if (!changed) return std::unexpected(changed.error());
+    people = *std::move(changed);
+  }
+  run_and_wait(session.executor(), [&] {
+    for (const std::string& one : people) session.set_muted_of(one, muted);
+    return session.set_muted(id, muted);
+  });
+  return {};
 }
 
 ApiResponse Api::remove_participant(const ApiCall& call) {
@@ -120,7 +133,7 @@ ApiResponse Api::remove_participant(const ApiCall& call) {
                                                                 : given->substr(0, kReasonBytesMax);
   std::vector<std::string> grants;
   if (!target->person.empty()) {
-    auto ended = access_.revoke(session.id(), target->person);
+    auto ended = access_.revoke(session.id(), access_.root_of(target->person));
     if (!ended) return access_failure(ended.error());
     grants = *std::move(ended);
   }

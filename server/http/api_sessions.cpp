@@ -125,10 +125,11 @@ ApiResponse Api::create_session(const ApiCall& call) {
 ApiResponse Api::close_session(const ApiCall& call) {
   const std::string* value = call.request.query_value("purge");
   const bool purge = value != nullptr && *value == "1";
+  // First, so that nobody has rights to a later session of the same id.
+  if (auto done = access_.forget(call.session->id()); !done) return access_failure(done.error());
   if (auto ok = registry_.close(call.session->id(), purge); !ok) {
     return registry_failure(ok.error());
   }
-  access_.forget(call.session->id());
   return json_response(200, to_text({{"closed", call.session->id()}, {"purged", purge}}));
 }
 

@@ -35,7 +35,11 @@ std::expected<std::unique_ptr<Access>, std::string> Access::open(AccessOptions o
   auto content = access->file_.read();
   if (!content) return std::unexpected(content.error());
   for (Grant& grant : content->grants) {
-    if (access->is_valid(grant)) access->grants_.emplace(grant.id, std::move(grant));
+    if (access->is_valid(grant)) {
+      access->grants_.emplace(grant.id, std::move(grant));
+    } else if (auto done = access->file_.remove(grant.id); !done) {
+      return std::unexpected(done.error());
+    }
   }
   for (SessionRegion& found : content->regions) {
     access->regions_[found.session].push_back(std::move(found.region));
@@ -90,6 +94,7 @@ Caller Access::identify(std::string_view token, std::string_view session) const 
 
 AccessResult<void> Access::put(const Grant& grant) {
   if (auto done = file_.put(grant); !done) return fail(AccessFault::kStorage, done.error());
+  const std::scoped_lock lock(mutex_);
   grants_.insert_or_assign(grant.id, grant);
   return {};
 }
@@ -114,7 +119,10 @@ AccessResult<Issued> Access::invite(const std::string& session, const Invitation
   if (invitation.name.size() > wire::kMaxNameBytes) {
     return fail(AccessFault::kInvalid, "name must be at most 64 bytes");
   }
-  const std::scoped_lock lock(mutex_);
+  if (!invitation.color.empty() && !is_color(invitation.color)) {
+    return fail(AccessFault::kInvalid, "color must have the form #rrggbb");
+  }
+  const std::scoped_lock writing(file_mutex_);
   const auto is_one = [&](const Grant& grant) {
     return !grant.is_pass() && grant.session == session && is_valid(grant);
   };
@@ -136,20 +144,24 @@ AccessResult<Issued> Access::redeem(std::string_view token, const std::string& s
   if (name.size() > wire::kMaxNameBytes) {
     return fail(AccessFault::kInvalid, "name must be at most 64 bytes");
   }
-  const std::scoped_lock lock(mutex_);
-  const Grant* found = find(token, session);
-  if (found == nullptr || found->is_pass()) {
+  const std::scoped_lock writing(file_mutex_);
+  const Grant* known = find(token, session);
+  if (known == nullptr || known->is_pass()) {
     return fail(AccessFault::kUnknown, "the invitation is unknown, has expired or was revoked");
   }
-  std::erase_if(grants_, [&](const auto& entry) { return !is_valid(entry.second); });
-  const auto is_pass_for_it = [&](const Grant& grant) { return grant.invitation == found->id; };
+  const Grant found = *known;  // it may expire now
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(grants_, [&](const auto& entry) { return !is_valid(entry.second); });
+  }
+  const auto is_pass_for_it = [&](const Grant& grant) { return grant.invitation == found.id; };
   const auto passes =
       static_cast<std::size_t>(std::ranges::count_if(grants_ | std::views::values, is_pass_for_it));
   if (passes >= kPassesMax) {
     return fail(AccessFault::kLimit, "too many people have used this invitation");
   }
-  Grant pass = *found;
-  pass.invitation = found->id;
+  Grant pass = found;
+  pass.invitation = found.id;
   if (pass.name.empty()) pass.name = name;
   if (pass.color.empty()) pass.color = default_color(passes);
   return issue(std::move(pass));
@@ -167,13 +179,14 @@ std::vector<Grant> Access::grants(std::string_view session) const {
 
 AccessResult<std::vector<std::string>> Access::revoke(std::string_view session,
                                                       const std::string& id) {
-  const std::scoped_lock lock(mutex_);
+  const std::scoped_lock writing(file_mutex_);
   const auto found = grants_.find(id);
   if (found == grants_.end() || found->second.session != session) {
     return fail(AccessFault::kUnknown, "the session has no invitation " + id);
   }
   if (auto done = file_.remove(id); !done) return fail(AccessFault::kStorage, done.error());
   std::vector<std::string> ended;
+  const std::scoped_lock lock(mutex_);
   std::erase_if(grants_, [&](const auto& entry) {
     const bool ends = entry.first == id || entry.second.invitation == id;
     if (ends) ended.push_back(entry.first);
@@ -182,22 +195,53 @@ AccessResult<std::vector<std::string>> Access::revoke(std::string_view session,
   return ended;
 }
 
-AccessResult<void> Access::set_role(const std::string& id, Role role) {
+std::string Access::root_of(const std::string& id) const {
   const std::scoped_lock lock(mutex_);
   const auto found = grants_.find(id);
-  if (found == grants_.end()) return fail(AccessFault::kUnknown, "there is no grant " + id);
-  Grant changed = found->second;
-  changed.role = role;
-  return put(changed);
+  if (found == grants_.end()) return id;
+  const auto invitation = grants_.find(found->second.invitation);
+  const bool is_by_name = invitation != grants_.end() && !invitation->second.name.empty();
+  return is_by_name ? invitation->first : id;
 }
 
-AccessResult<void> Access::set_muted(const std::string& id, bool muted) {
-  const std::scoped_lock lock(mutex_);
-  const auto found = grants_.find(id);
+AccessResult<std::vector<std::string>> Access::change_person(
+    const std::string& id, const std::function<void(Grant&)>& change) {
+  const std::string root = root_of(id);
+  const auto found = grants_.find(root);
   if (found == grants_.end()) return fail(AccessFault::kUnknown, "there is no grant " + id);
-  Grant changed = found->second;
-  changed.muted = muted;
-  return put(changed);
+  const bool has_passes = !found->second.is_pass() && !found->second.name.empty();
+  std::vector<std::string> changed;
+  for (const auto& [other, grant] : std::map(grants_)) {
+    if (other != root && !(has_passes && grant.invitation == root)) continue;
+    Grant next = grant;
+    change(next);
+    if (auto done = put(next); !done) return std::unexpected(done.error());
+    changed.push_back(other);
+  }
+  return changed;
+}
+
+AccessResult<std::vector<std::string>> Access::set_role(const std::string& id, Role role) {
+  const std::scoped_lock writing(file_mutex_);
+  return change_person(id, [&](Grant& grant) { grant.role = role; });
+}
+
+AccessResult<std::vector<std::string>> Access::set_muted(const std::string& id, bool muted) {
+  const std::scoped_lock writing(file_mutex_);
+  return change_person(id, [&](Grant& grant) { grant.muted = muted; });
+}
+
+AccessResult<std::vector<std::string>> Access::step_down(const std::string& id, Role role) {
+  const std::scoped_lock writing(file_mutex_);
+  if (const auto found = grants_.find(id); found != grants_.end() && found->second.is_pass()) {
+    if (const auto invitation = grants_.find(found->second.invitation);
+        invitation != grants_.end()) {
+      Grant next = invitation->second;
+      next.role = role;
+      if (auto done = put(next); !done) return std::unexpected(done.error());
+    }
+  }
+  return change_person(id, [&](Grant& grant) { grant.role = role; });
 }
 
 std::vector<Region> Access::regions(std::string_view session) const {
@@ -207,8 +251,9 @@ std::vector<Region> Access::regions(std::string_view session) const {
 }
 
 AccessResult<std::uint32_t> Access::reserve(const std::string& session, Region region) {
-  const std::scoped_lock lock(mutex_);
-  auto& list = regions_[session];
+  const std::scoped_lock writing(file_mutex_);
+  const auto found = regions_.find(session);
+  std::vector<Region> list = found == regions_.end() ? std::vector<Region>() : found->second;
   if (list.size() >= kRegionsMax) {
     return fail(AccessFault::kLimit, "the session has 64 reserved regions; release some");
   }
@@ -217,11 +262,13 @@ AccessResult<std::uint32_t> Access::reserve(const std::string& session, Region r
     return fail(AccessFault::kStorage, done.error());
   }
   list.push_back(region);
+  const std::scoped_lock lock(mutex_);
+  regions_.insert_or_assign(session, std::move(list));
   return region.id;
 }
 
 AccessResult<void> Access::release(const std::string& session, std::uint32_t region) {
-  const std::scoped_lock lock(mutex_);
+  const std::scoped_lock writing(file_mutex_);
   const auto found = regions_.find(session);
   const auto has_id = [&](const Region& one) { return one.id == region; };
   if (found == regions_.end() || std::ranges::none_of(found->second, has_id)) {
@@ -230,15 +277,20 @@ AccessResult<void> Access::release(const std::string& session, std::uint32_t reg
   if (auto done = file_.remove_region(session, region); !done) {
     return fail(AccessFault::kStorage, done.error());
   }
+  const std::scoped_lock lock(mutex_);
   std::erase_if(found->second, has_id);
   return {};
 }
 
-void Access::forget(const std::string& session) {
+AccessResult<void> Access::forget(const std::string& session) {
+  const std::scoped_lock writing(file_mutex_);
+  if (auto done = file_.forget(session); !done) {
+    return fail(AccessFault::kStorage, done.error());
+  }
   const std::scoped_lock lock(mutex_);
-  (void)file_.forget(session);
   std::erase_if(grants_, [&](const auto& entry) { return entry.second.session == session; });
   regions_.erase(session);
+  return {};
 }
 
 }  // namespace kerf

@@ -80,9 +80,15 @@ class Access {
   std::vector<Grant> grants(std::string_view session) const;
   /// Ends a grant, and the passes given for it; returns their ids.
   AccessResult<std::vector<std::string>> revoke(std::string_view session, const std::string& id);
-  /// Changes what the grant of a person says.
-  AccessResult<void> set_role(const std::string& id, Role role);
-  AccessResult<void> set_muted(const std::string& id, bool muted);
+  /// The grant by which a person comes: of a pass for an invitation by name, that invitation;
+  /// otherwise `id`. What ends it keeps the person out.
+  std::string root_of(const std::string& id) const;
+  /// Change what the grants of a person say: an invitation by name with its passes, otherwise the
+  /// grant alone. Return their ids.
+  AccessResult<std::vector<std::string>> set_role(const std::string& id, Role role);
+  AccessResult<std::vector<std::string>> set_muted(const std::string& id, bool muted);
+  /// As set_role, also for the invitation of a pass: who opens it from now on gets the new role.
+  AccessResult<std::vector<std::string>> step_down(const std::string& id, Role role);
 
   std::vector<Region> regions(std::string_view session) const;
   /// Adds a region and returns its number.
@@ -90,7 +96,7 @@ class Access {
   AccessResult<void> release(const std::string& session, std::uint32_t region);
 
   /// A session is gone: another one of the same id begins without grants and regions.
-  void forget(const std::string& session);
+  AccessResult<void> forget(const std::string& session);
 
  private:
   explicit Access(AccessOptions options);
@@ -99,14 +105,19 @@ class Access {
   /// The grant of a token in a session; null if there is none.
   const Grant* find(std::string_view token, std::string_view session) const;
   AccessResult<void> put(const Grant& grant);
+  AccessResult<std::vector<std::string>> change_person(const std::string& id,
+                                                       const std::function<void(Grant&)>& change);
   AccessResult<Issued> issue(Grant grant);
 
   AccessOptions options_;
   Regime regime_ = Regime::kLocal;
   std::optional<TokenHash> admin_;
-  mutable std::mutex mutex_;
+  /// Guards the file and is held by all that change the members below, which may therefore read
+  /// them without mutex_. Nobody who asks for rights waits for the disk.
+  std::mutex file_mutex_;
   GrantFile file_;
-  std::map<std::string, Grant, std::less<>> grants_;                 ///< by id
+  mutable std::mutex mutex_;                          ///< guards the members below; held briefly
+  std::map<std::string, Grant, std::less<>> grants_;  ///< by id
   std::map<std::string, std::vector<Region>, std::less<>> regions_;  ///< by session
 };
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 
 namespace kerf {
 
@@ -12,6 +13,12 @@ constexpr const char* default_color(std::size_t n) {
   constexpr std::array kColors = {"#d9541e", "#0072b2", "#009e73", "#cc79a7",
                                   "#e69f00", "#56b4e9", "#8c6d31", "#6f4fa0"};
   return kColors[n % kColors.size()];
+}
+
+/// Whether a text has the form #rrggbb.
+constexpr bool is_color(std::string_view text) {
+  return text.size() == 7 && text.front() == '#' &&
+         text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string_view::npos;
 }
 
 }  // namespace kerf

@@ -10,16 +10,6 @@
 #include "server/wire/limits.h"
 
 namespace kerf {
-namespace {
-
-bool is_color(const std::string& text) {
-  return text.size() == 7 && text.front() == '#' &&
-         std::all_of(text.begin() + 1, text.end(),
-                     [](unsigned char c) { return std::isxdigit(c) != 0; });
-}
-
-}  // namespace
-
 Participants::Participants(const SessionLimits& limits, const Sculpture& sculpture,
                            SessionJournal& journal, ToolId default_tool, ParticipantId last_id,
                            Resumable resumable)
@@ -115,7 +105,10 @@ std::expected<ParticipantState, Rejection> Participants::make_state(const JoinRe
   return state;
 }
 
-std::expected<Admission, Rejection> Participants::admit(const JoinRequest& request) {
+std::expected<Admission, Rejection> Participants::admit(const JoinRequest& asked) {
+  const auto decided = as_decided(asked);
+  if (!decided) return std::unexpected(decided.error());
+  const JoinRequest& request = *decided;
   const ParticipantId resumed = resumable_.owner(request.token).value_or(0);
   if (const auto ok = check(request, resumed); !ok) return std::unexpected(ok.error());
   if (const auto error = resumed != 0 ? journal_.pause() : std::nullopt) {

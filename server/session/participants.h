@@ -68,7 +68,8 @@ class Participants {
   /// Ends a participant's connections: an agent cannot resume. The listeners make it leave. False
   /// for an unknown id.
   bool remove(ParticipantId id, const std::string& reason);
-  /// Removes those who joined with one of these grants.
+  /// Removes those who joined with one of these grants. Who has opened a connection with one of
+  /// them but has not said hello may not join any more.
   void remove_holders(std::span<const std::string> grants, const std::string& reason);
   /// Changes who a participant is, also for those who hold the same personal grant; false for an
   /// unknown id.
@@ -78,6 +79,8 @@ class Participants {
   /// Rejects the motions of a participant, and of those with the same personal grant, or accepts
   /// them again; false for an unknown id.
   bool set_muted(ParticipantId id, bool muted);
+  /// The same for those who hold a personal grant.
+  void set_muted_of(const std::string& person, bool muted);
 
   /// Returns null for an unknown id. The pointer is valid until the participant leaves.
   ParticipantState* find(ParticipantId id);
@@ -116,6 +119,9 @@ class Participants {
   std::optional<Rejection> check_role(const JoinRequest& request, ParticipantId resumed) const;
   std::expected<void, Rejection> check_rate(const JoinRequest& request, ParticipantId resumed);
   void changed(bool carvers);
+  /// A request with the role and the mute that owners have decided since its connection was opened;
+  /// rejected if its grant has ended.
+  std::expected<JoinRequest, Rejection> as_decided(JoinRequest request) const;
   /// Calls `change` for the participant and all who share its personal grant.
   bool change_person(ParticipantId id, const std::function<void(ParticipantState&)>& change);
 
@@ -129,6 +135,13 @@ class Participants {
   int last_listener_ = 0;
   std::size_t viewers_ = 0;  ///< in states_
   Resumable resumable_;
+  /// What owners have decided about the holders of a grant.
+  struct Decision {
+    bool has_ended = false;
+    std::optional<Role> role;
+    std::optional<bool> is_muted;
+  };
+  std::map<std::string, Decision, std::less<>> decided_;  ///< by grant
   RateLimit carver_joins_, viewer_joins_, guest_joins_;
   std::function<void()> schedule_;  ///< empty: changes are notified at once
   bool pending_ = false, pending_carvers_ = false;

@@ -45,6 +45,7 @@ bool Participants::remove(ParticipantId id, const std::string& reason) {
 }
 
 void Participants::remove_holders(std::span<const std::string> grants, const std::string& reason) {
+  for (const std::string& grant : grants) decided_[grant].has_ended = true;
   std::vector<ParticipantId> holders;
   for (const auto& [id, state] : states_) {
     if (std::ranges::find(grants, state.grant) != grants.end()) holders.push_back(id);
@@ -74,12 +75,39 @@ bool Participants::set_role(ParticipantId id, Role role) {
 }
 
 void Participants::set_role_of(const std::string& person, Role role) {
+  if (person.empty()) return;
+  decided_[person].role = role;
   for (const auto& [id, state] : states_) {
-    if (!person.empty() && state.person == person) {
+    if (state.person == person) {
       set_role(id, role);
       return;
     }
   }
+}
+
+void Participants::set_muted_of(const std::string& person, bool muted) {
+  if (person.empty()) return;
+  decided_[person].is_muted = muted;
+  for (const auto& [id, state] : states_) {
+    if (state.person == person) {
+      set_muted(id, muted);
+      return;
+    }
+  }
+}
+
+/// The grant of a request is that of the upgrade of its connection, which may be seconds old.
+std::expected<JoinRequest, Rejection> Participants::as_decided(JoinRequest request) const {
+  const auto found = decided_.find(request.grant);
+  if (request.grant.empty() || found == decided_.end()) return request;
+  const Decision& decision = found->second;
+  if (decision.has_ended) {
+    return std::unexpected(Rejection{wire::ErrorCode::kNotAllowed,
+                                     "your invitation was revoked, or you were removed"});
+  }
+  request.role = decision.role.value_or(request.role);
+  request.is_muted = decision.is_muted.value_or(request.is_muted);
+  return request;
 }
 
 bool Participants::set_muted(ParticipantId id, bool muted) {

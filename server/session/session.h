@@ -131,13 +131,15 @@ class Session : public std::enable_shared_from_this<Session> {
   bool remove(ParticipantId id, const std::string& reason) {
     return participants_.remove(id, reason);
   }
-  void remove_holders(std::span<const std::string> grants, const std::string& reason) {
-    participants_.remove_holders(grants, reason);
-  }
+  /// Removes those who hold one of these grants, and cancels their programs.
+  void remove_holders(std::span<const std::string> grants, const std::string& reason);
   void set_role_of(const std::string& person, Role role) {
     participants_.set_role_of(person, role);
   }
   bool set_muted(ParticipantId id, bool muted) { return participants_.set_muted(id, muted); }
+  void set_muted_of(const std::string& person, bool muted) {
+    participants_.set_muted_of(person, muted);
+  }
   /// Replaces the regions of the block that are reserved.
   void reserve(const std::vector<Region>& regions) { carving_.reserve(regions); }
   std::expected<void, Rejection> choose_tool(ParticipantId id, ToolId tool);

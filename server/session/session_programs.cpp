@@ -79,6 +79,15 @@ void Session::retire_programs() {
   }
 }
 
+void Session::remove_holders(std::span<const std::string> grants, const std::string& reason) {
+  for (const ProgramStatus& program : programs()) {
+    const ParticipantState* state = participants_.find(program.participant);
+    if (state == nullptr || std::ranges::find(grants, state->grant) == grants.end()) continue;
+    cancel_program(program.id);
+  }
+  participants_.remove_holders(grants, reason);
+}
+
 bool Session::cancel_program(ProgramId id) {
   const bool cancelled = programs_.cancel(id);
   retire_programs();

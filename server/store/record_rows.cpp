@@ -86,7 +86,7 @@ SqlResult<void> RecordRows::prepare(SqlDatabase& database, std::uint64_t from) {
   last_ = *last;
   const auto start = first_batch(database, from);
   if (!start) return std::unexpected(start.error());
-  if (from > 1) count_ = (*start > 0 ? *start : from) - 1;
+  if (from > 1) count_ = (*start > 0 ? static_cast<std::uint64_t>(*start) : from) - 1;
   auto singles =
       prepare_if(database, "commands",
                  "SELECT sequence, participant, bytes, crc FROM commands WHERE sequence>" +

@@ -26,7 +26,10 @@ const Scene& scene() {
 
 /// The motions of a program are finite, positive in time, and each starts where it says.
 void check_program(const std::string& name, Bytes input) {
-  const auto program = parse_program(name, text_of(input), scene());
+  // A loop of a few bytes may read ten million lines.
+  GcodeEnvironment environment;
+  environment.lines_max = 20'000;
+  const auto program = parse_program(name, text_of(input), scene(), environment);
   if (!program) {
     require(!to_string(program.error()).empty(), "an error says what is wrong");
     return;

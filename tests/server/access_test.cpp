@@ -145,6 +145,44 @@ TEST_F(AccessTest, APersonKeepsNameColorAndMuteOverARestart) {
   EXPECT_EQ(role_of(grace->token), Role::kOwner);
 }
 
+TEST_F(AccessTest, DecisionsAboutAPersonInvitedByNameHoldForItsLink) {
+  const auto ada = access->invite("block", {.role = Role::kSculptor, .name = "Ada"}).value();
+  const auto pass = access->redeem(ada.token, "block", "").value();
+  const auto changed = access->set_role(pass.grant.id, Role::kWatcher);
+  ASSERT_TRUE(changed);
+  EXPECT_EQ(changed->size(), 2U);
+  EXPECT_EQ(access->identify(ada.token, "block").role, Role::kWatcher);
+  ASSERT_TRUE(access->set_muted(pass.grant.id, true));
+  const auto again = access->redeem(ada.token, "block", "").value();
+  EXPECT_EQ(access->identify(again.token, "block").role, Role::kWatcher);
+  EXPECT_TRUE(access->identify(again.token, "block").is_muted);
+  EXPECT_EQ(access->root_of(again.grant.id), ada.grant.id);
+  EXPECT_EQ(access->revoke("block", access->root_of(pass.grant.id))->size(), 3U);
+  EXPECT_EQ(access->identify(ada.token, "block").role, Role::kNobody);
+}
+
+TEST_F(AccessTest, DecisionsAboutOneHolderOfASharedLinkLeaveTheOthersAlone) {
+  const auto shared = access->invite("block", {.role = Role::kOwner}).value();
+  const auto one = access->redeem(shared.token, "block", "One").value();
+  const auto two = access->redeem(shared.token, "block", "Two").value();
+  ASSERT_TRUE(access->set_muted(one.grant.id, true));
+  EXPECT_FALSE(access->identify(two.token, "block").is_muted);
+  EXPECT_EQ(access->root_of(one.grant.id), one.grant.id);
+  // Who gives ownership away does not get it back from the link.
+  ASSERT_TRUE(access->step_down(one.grant.id, Role::kSculptor));
+  EXPECT_EQ(access->identify(one.token, "block").role, Role::kSculptor);
+  EXPECT_EQ(access->identify(two.token, "block").role, Role::kOwner);
+  const auto again = access->redeem(shared.token, "block", "One").value();
+  EXPECT_EQ(access->identify(again.token, "block").role, Role::kSculptor);
+}
+
+TEST_F(AccessTest, AnInvitationHasAColorOrNone) {
+  for (const char* color : {"red", "#12345", "#1234567", "#12345g", "red;"}) {
+    EXPECT_FALSE(access->invite("block", {.role = Role::kWatcher, .color = color})) << color;
+  }
+  EXPECT_TRUE(access->invite("block", {.role = Role::kWatcher, .color = "#12aBcf"}));
+}
+
 TEST_F(AccessTest, APassIsNoInvitation) {
   const auto pass = access->redeem(invite(Role::kOwner).token, "block", "Ada");
   ASSERT_TRUE(pass);

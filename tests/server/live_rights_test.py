@@ -137,7 +137,12 @@ class Rights(unittest.TestCase):
             socket.send_json({"type": "hello"})
             socket.receive_json("welcome")
             sockets.append(socket)
+        # Opened before the invitation ends, and silent until then.
+        spare = WebSocket(self.port, "/v1/sessions/block/view", "kerf.view.v1",
+                          [f"Authorization: Bearer {invitation['token']}"])
         self.ask("DELETE", f"/v1/sessions/block/invitations/{invitation['id']}", self.admin)
+        spare.send_json({"type": "hello"})
+        self.assertEqual(spare.receive_json("error")["code"], "not_allowed")
         self.assertEqual(sockets[0].receive_json("error")["code"], "removed")
         self.assertEqual(sockets[1].receive_json("error")["code"], "not_allowed")
         for token in (invitation["token"], brief["token"]):
@@ -152,6 +157,18 @@ class Rights(unittest.TestCase):
         self.assertEqual(agent.welcome["role"], "sculptor")
         everybody = self.ask("GET", "/v1/sessions/block", token)[1]["participants"]
         self.assertEqual([(p["name"], p["role"]) for p in everybody], [("Ada", "sculptor")])
+
+    def test_a_backup_has_the_rights_too(self):
+        token = self.invite("watcher", name="Eve")["token"]
+        data, to = (os.path.join(self.folder.name, name) for name in ("data", "copies"))
+        done = subprocess.run([PROGRAM, "backup", data, to], capture_output=True, text=True,
+                              timeout=60, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(os.stat(os.path.join(to, "rights.db")).st_mode & 0o077, 0)
+        copy = Server(to, "--admin-token-file", self.file)
+        self.addCleanup(copy.stop)
+        status, _ = copy.http.json("GET", "/v1/sessions/block", headers=bearer(token))
+        self.assertEqual(status, 200)
 
     def test_the_agent_takes_its_token_from_a_file_or_the_environment(self):
         file = os.path.join(self.folder.name, "link")

@@ -100,6 +100,38 @@ TEST_F(SessionRightsTest, ARemovedAgentCannotResume) {
   EXPECT_FALSE(session->remove(99, ""));
 }
 
+TEST_F(SessionRightsTest, AConnectionOpenedBeforeADecisionJoinsAsDecided) {
+  session->remove_holders(std::vector<std::string>{"ended"}, "the invitation was revoked");
+  EXPECT_EQ(join_as(Role::kSculptor, "ended").error().code, ErrorCode::kNotAllowed);
+  EXPECT_EQ(join_as(Role::kSculptor, "ended", ParticipantKind::kViewer).error().code,
+            ErrorCode::kNotAllowed);
+  session->set_role_of("lowered", Role::kWatcher);
+  EXPECT_EQ(join_as(Role::kSculptor, "lowered").error().code, ErrorCode::kNotAllowed);
+  session->set_muted_of("muted", true);
+  EXPECT_TRUE(join_as(Role::kSculptor, "muted")->is_muted);
+  session->set_muted_of("muted", false);
+  EXPECT_FALSE(join_as(Role::kSculptor, "muted")->is_muted);
+  EXPECT_TRUE(join_as(Role::kSculptor, "other"));
+}
+
+TEST_F(SessionRightsTest, ProgramsEndWithTheGrantOfTheirAuthor) {
+  Program program;
+  program.name = "p.ngc";
+  for (int n = 0; n < 1000; ++n) {
+    program.motions.push_back({1, {{0, 0, -1}, {0, 0, 1}}, {{1, 0, -1}, {0, 0, 1}}, 1});
+  }
+  Caller ada;
+  ada.role = Role::kSculptor;
+  ada.grant = "ada";
+  const auto started = session->start_program(program, ProgramPace::kFeed, {}, ada);
+  ada.grant = "ben";
+  const auto other = session->start_program(program, ProgramPace::kFeed, {}, ada);
+  ASSERT_TRUE(started && other);
+  session->remove_holders(std::vector<std::string>{"ada"}, "the invitation was revoked");
+  EXPECT_EQ(session->program(started->id)->state, ProgramState::kCancelled);
+  EXPECT_EQ(session->program(other->id)->state, ProgramState::kRunning);
+}
+
 TEST_F(SessionRightsTest, ASculptorWhoBecomesAWatcherStopsCutting) {
   const ParticipantId id = join_as(Role::kSculptor, "pass")->id;
   cut_to(id, 0, 0, -1);

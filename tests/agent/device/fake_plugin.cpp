@@ -58,13 +58,13 @@ void close_device(void* device) { ++log_of(device).closes; }
 
 extern "C" KERF_AGENT_API const kerf_agent_device* KERF_FAKE_SYMBOL(void) {
   static const kerf_agent_device kTable = {.struct_size = sizeof kTable,
-                                          .abi = KERF_FAKE_ABI,
-                                          .name = "fake plugin",
-                                          .open = open_device,
-                                          .capabilities = rate,
-                                          .read_pose = KERF_FAKE_READ,
-                                          .write_wrench = write_wrench,
-                                          .stop = stop,
-                                          .close = close_device};
+                                           .abi = KERF_FAKE_ABI,
+                                           .name = "fake plugin",
+                                           .open = open_device,
+                                           .capabilities = rate,
+                                           .read_pose = KERF_FAKE_READ,
+                                           .write_wrench = write_wrench,
+                                           .stop = stop,
+                                           .close = close_device};
   return &kTable;
 }
