@@ -19,7 +19,7 @@ AgentConversation::~AgentConversation() { end(); }
 void AgentConversation::end() {
   if (listener_ == 0) return;
   session().unlisten(std::exchange(listener_, 0));
-  if (self_ && !replaced_) session().leave(self_->id);
+  if (self_ && !left_) session().leave(self_->id);
 }
 
 std::uint64_t AgentConversation::durable_sequence() const {
@@ -28,7 +28,7 @@ std::uint64_t AgentConversation::durable_sequence() const {
 
 void AgentConversation::on_event(const SessionEvent& event) {
   if (event.replaced != 0) {
-    if (!self_ || event.replaced != self_->id || std::exchange(replaced_, true)) return;
+    if (!self_ || event.replaced != self_->id || std::exchange(left_, true)) return;
     batch_.reset();
     if (finishing() || broken()) return;
     say(bye_message("the agent has connected again"));
@@ -36,9 +36,13 @@ void AgentConversation::on_event(const SessionEvent& event) {
     return wake();
   }
   if (event.removed != 0 && (!self_ || event.removed != self_->id)) return;
+  if (event.removed != 0 && self_ && !std::exchange(left_, true)) {
+    // The motion that is cut in part is completed without the peer, which may not read for long.
+    batch_.reset();
+    session().leave(self_->id);
+  }
   if (finishing() || broken()) return;
   if (event.removed != 0) {
-    batch_.reset();
     reject({wire::ErrorCode::kRemoved, event.closing}, true);
     finish();
   } else if (!event.closing.empty()) {

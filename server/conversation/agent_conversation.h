@@ -93,7 +93,8 @@ class AgentConversation final : public Conversation {
   AgentOutbox out_;
   std::uint64_t felts_ = 0, results_ = 0;
   bool states_durable_ = false;
-  bool replaced_ = false;  ///< the participant belongs to a newer connection of the agent
+  /// The participant was removed, or belongs to a newer connection of the agent.
+  bool left_ = false;
 
   RateLimit tools_{kToolsPerS, kToolsBurst};
 

@@ -59,6 +59,12 @@ ApiResponse no_session(const SessionRegistry& registry, const std::string& id) {
     return error_response(500, "unreadable_session",
                           "the journal cannot be read and stays as it is: " + error->reason);
   }
+  if (registry.is_stopping()) {  // 404 would be final for an agent
+    ApiResponse response =
+        error_response(503, "stopping", "the server is shutting down; try again later");
+    response.headers.emplace_back("Retry-After", "1");
+    return response;
+  }
   return error_response(404, "unknown_session", "there is no session " + id);
 }
 
@@ -153,7 +159,7 @@ void Api::tell_regions(Session& session) const {
 
 ApiResponse Api::health(const ApiCall&) { return json_response(200, R"({"status":"ok"})"); }
 
-ApiResponse Api::ready(const ApiCall&) {
+ApiResponse Api::ready(const ApiCall& call) {
   Json paused = Json::array();
   for (const auto& session : registry_.list()) {
     if (session->pause()) paused.push_back(session->id());
@@ -162,10 +168,14 @@ ApiResponse Api::ready(const ApiCall&) {
   for (const UnreadableSession& session : registry_.unreadable()) unreadable.push_back(session.id);
   const bool loaded = registry_.loaded();
   const char* status = !loaded ? "loading" : paused.empty() ? "ready" : "paused";
-  const Json json = {{"status", status},
-                     {"loading", registry_.loading()},
-                     {"paused", paused},
-                     {"unreadable", unreadable}};
+  Json json = {{"status", status},
+               {"loading", registry_.loading()},
+               {"paused", paused},
+               {"unreadable", unreadable}};
+  // An invitation is for one session, and gives no right to list the others.
+  if (!may(call.caller.role, Action::kList) || !call.caller.grant.empty()) {
+    for (const char* list : {"loading", "paused", "unreadable"}) json[list] = json[list].size();
+  }
   return json_response(loaded && paused.empty() ? 200 : 503, json.dump());
 }
 

@@ -2,6 +2,7 @@
 #include "server/session/replay.h"
 
 #include <algorithm>
+#include <exception>
 
 #include "server/session/hash_text.h"
 #include "server/store/block_snapshot.h"
@@ -139,12 +140,18 @@ std::expected<Replayed, JournalError> replay(const std::filesystem::path& file,
 
 std::expected<Replayed, JournalError> restore(const std::filesystem::path& file,
                                               const std::stop_token& stop) {
-  const auto head = read_snapshot_head(snapshot_file(file));
-  std::string fault = head || head.error().is_missing ? "" : head.error().reason;
-  if (head) {
-    auto restored = replay_from_snapshot(file, *head, stop);
-    if (restored) return *std::move(restored);
-    fault = restored.error();
+  std::string fault;
+  try {
+    const auto head = read_snapshot_head(snapshot_file(file));
+    if (head) {
+      auto restored = replay_from_snapshot(file, *head, stop);
+      if (restored) return *std::move(restored);
+      fault = restored.error();
+    } else if (!head.error().is_missing) {
+      fault = head.error().reason;
+    }
+  } catch (const std::exception& error) {  // e.g. it needs more memory than there is
+    fault = std::string("it cannot be used: ") + error.what();
   }
   auto replayed = replay(file, stop);
   if (replayed) replayed->snapshot_fault = std::move(fault);

@@ -6,12 +6,16 @@
 #include <utility>
 
 #include "server/session/session_registry.h"
+#include "server/store/block_snapshot.h"
+#include "server/store/chunk_file.h"
 
 namespace kerf {
 
 std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
                                                                              Opened& opened) {
   const auto file = journal_path(id);
+  std::error_code often_absent;
+  std::filesystem::remove(unfinished_file(snapshot_file(file)), often_absent);
   auto replayed = restore(file, stop_loading_.get_token());
   if (!replayed) return std::unexpected(replayed.error());
   auto journal = JournalWriter::open(file, replayed->last_sequence);

@@ -223,6 +223,7 @@ std::expected<void, RegistryError> SessionRegistry::close(const std::string& id,
 }
 
 std::vector<JournalError> SessionRegistry::close_all(const std::string& reason) {
+  stop_loading_.request_stop();
   std::vector<JournalError> failures;
   for (const auto& session : list()) {
     end(session, reason);

@@ -99,6 +99,9 @@ class SessionRegistry {
   void hasten(const std::string& id);
   /// Ends the loading: those in progress fail soon, those that wait are not started.
   void stop_loading();
+  /// Whether the loading was ended, or all sessions are: the next start loads those that are not
+  /// open now.
+  bool is_stopping() const { return stop_loading_.stop_requested(); }
   /// Whether a session waits to be loaded, or is being loaded.
   bool is_loading(const std::string& id) const;
   /// The sessions that wait or are being loaded, sorted.

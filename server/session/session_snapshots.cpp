@@ -28,9 +28,15 @@ void Session::write_snapshot_if_due() {
   schedule_.begin(sequence(), carving_.work_time(), now);
   // Tiles are shared until they are cut next: then each is copied, which takes some microseconds.
   snapshots_.writer->post([self = shared_from_this(), at = sequence(), state = sculpture_.state()] {
-    const auto written = self->write_snapshot(at, state);
-    self->executor_->post(
-        [self, good = written.has_value()] { self->schedule_.end(good, Clock::now()); });
+    const auto end = [&](bool is_written) {
+      self->executor_->post([self, is_written] { self->schedule_.end(is_written, Clock::now()); });
+    };
+    try {
+      end(self->write_snapshot(at, state).has_value());
+    } catch (...) {  // the next one is due all the same
+      end(false);
+      throw;
+    }
   });
 }
 

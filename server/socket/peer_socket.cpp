@@ -27,12 +27,14 @@ constexpr std::uint16_t kGoingAway = 1001;
 }  // namespace
 
 PeerSocket::PeerSocket(asio::ip::tcp::socket socket, std::string_view protocol,
-                       std::int64_t remaining_s)
+                       std::int64_t remaining_s, std::chrono::milliseconds leave_time)
     : socket_(std::move(socket), kLimits),
       protocol_(protocol),
       remaining_s_(remaining_s),
+      leave_time_(leave_time),
       hello_timer_(socket_.executor()),
-      grant_timer_(socket_.executor()) {}
+      grant_timer_(socket_.executor()),
+      leave_timer_(socket_.executor()) {}
 
 void PeerSocket::start(UpgradeRequest request) {
   auto run = [self = shared_from_this(), request = std::move(request)]() mutable {
@@ -62,6 +64,8 @@ asio::awaitable<void> PeerSocket::run(UpgradeRequest request) {
   }
   hello_timer_.cancel();
   grant_timer_.cancel();
+  open_ = false;
+  leave_timer_.cancel();
   closed();
 }
 
@@ -84,9 +88,19 @@ void PeerSocket::limit_grant() {
   });
 }
 
+/// A peer that does not read blocks the last frames, and any byte from it resets the idle timer.
+void PeerSocket::limit_leaving() {
+  if (std::exchange(leaving_, true)) return;
+  leave_timer_.expires_after(leave_time_);
+  leave_timer_.async_wait([self = shared_from_this()](error_code error) {
+    if (!error) self->socket_.cut();
+  });
+}
+
 void PeerSocket::pump() {
   if (!open_ || failed_) return;
   if (conversation().broken()) return socket_.cut();
+  if (conversation().finishing()) limit_leaving();
   if (writing_) return;
   const bool leaves = conversation().take(out_);
   if (!leaves && !conversation().finishing()) return;

@@ -4,6 +4,8 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string_view>
 
@@ -25,9 +27,12 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   void start(UpgradeRequest request);
 
  protected:
+  /// Time that a peer has to read the last frames and to close, once its conversation is over.
+  static constexpr std::chrono::milliseconds kLeaveTime{5000};
+
   /// `remaining_s`: time until the peer's grant expires; negative: it does not.
   PeerSocket(boost::asio::ip::tcp::socket socket, std::string_view protocol,
-             std::int64_t remaining_s);
+             std::int64_t remaining_s, std::chrono::milliseconds leave_time = kLeaveTime);
 
   virtual Conversation& conversation() = 0;
   /// Does what Conversation::has_action announces; no frame is read meanwhile.
@@ -44,14 +49,16 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   boost::asio::awaitable<void> run(UpgradeRequest request);
   void limit_hello();
   void limit_grant();
+  void limit_leaving();
   void written(boost::system::error_code error);
 
   WebSocket socket_;
   std::string_view protocol_;
   std::int64_t remaining_s_;
-  boost::asio::steady_timer hello_timer_, grant_timer_;
+  std::chrono::milliseconds leave_time_;
+  boost::asio::steady_timer hello_timer_, grant_timer_, leave_timer_;
   OutFrame out_;  ///< being sent
-  bool open_ = false, writing_ = false, failed_ = false;
+  bool open_ = false, writing_ = false, failed_ = false, leaving_ = false;
 };
 
 }  // namespace kerf::net

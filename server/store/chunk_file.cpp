@@ -39,8 +39,12 @@ void sync_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
+std::filesystem::path unfinished_file(const std::filesystem::path& file) {
+  return file.string() + ".tmp";
+}
+
 ChunkWriter::ChunkWriter(std::filesystem::path file, std::uint32_t version)
-    : file_(std::move(file)), temporary_(file_.string() + ".tmp") {
+    : file_(std::move(file)), temporary_(unfinished_file(file_)) {
   descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
   if (descriptor_ < 0) {
     fail("cannot be created");
@@ -74,6 +78,10 @@ void ChunkWriter::put(std::span<const std::byte> bytes) {
 
 void ChunkWriter::write(std::span<const std::byte> chunk) {
   if (!error_.empty()) return;
+  if (chunk.size() > kChunkBytesMax) {
+    error_ = "a part of the snapshot is too long";
+    return;
+  }
   const auto packed = pack_.pack(chunk);
   const auto size = static_cast<std::uint32_t>(chunk.size());
   ByteWriter head;
@@ -123,6 +131,7 @@ std::expected<std::span<const std::byte>, std::string> ChunkReader::next() {
   ByteReader fields(head);
   const auto size = fields.get<std::uint32_t>(), packed_size = fields.get<std::uint32_t>();
   const auto checksum = fields.get<std::uint32_t>();
+  if (size > kChunkBytesMax) return std::unexpected("it states a chunk that is too long");
   if (packed_size > left_) return std::unexpected("it is truncated");
   packed_.resize(packed_size);
   if (!read(packed_)) return std::unexpected("it cannot be read");

@@ -14,6 +14,15 @@
 
 namespace kerf {
 
+/// Longest chunk before it is compressed; readers reserve no more memory than that for a file that
+/// states more. A snapshot's chunk of tiles is at most 1 MB and one tile, whose 1024 columns may
+/// have 4,000 elements of 16 bytes each; its head may have 500,000 poses of tools and users.
+inline constexpr std::size_t kChunkBytesMax = std::size_t{64} << 20;
+
+/// The file that a ChunkWriter of `file` writes until it has finished; a process that is killed
+/// leaves it.
+std::filesystem::path unfinished_file(const std::filesystem::path& file);
+
 /// Writes a file of compressed chunks with checksums (README.md, "Snapshots"), in place of the one
 /// of that name: the present one stays until finish() has succeeded.
 class ChunkWriter {
@@ -24,7 +33,8 @@ class ChunkWriter {
   /// Removes what has not been finished.
   ~ChunkWriter();
 
-  /// Appends a chunk of 1 byte to 4 GB. After an error it does nothing.
+  /// Appends a chunk of 1 byte to kChunkBytesMax; a longer one is an error. After an error it does
+  /// nothing.
   void write(std::span<const std::byte> chunk);
   /// Synchronizes the file with the disk and renames it. Returns its size, or what failed, as one
   /// sentence.

@@ -132,6 +132,35 @@ TEST_F(AgentConversationTest, TheSessionsEndIsABye) {
   EXPECT_EQ(list[0].at("reason"), "maintenance");
 }
 
+TEST_F(AgentConversationTest, ARemovedAgentLeavesAtOnceAlthoughItsConnectionIsStillThere) {
+  const auto ada = agent(), bob = agent();
+  join_agent(*ada);
+  join_agent(*bob, R"({"type":"hello","name":"Bob"})");
+  ASSERT_TRUE(session->remove(1, "enough"));
+  EXPECT_EQ(session->info().participants.size(), 1U);
+  EXPECT_EQ(error_code(*ada), "removed");
+  EXPECT_TRUE(ada->finishing());
+  ada->end();
+  EXPECT_EQ(session->info().participants.size(), 1U);
+}
+
+TEST_F(AgentConversationTest, AMotionOfARemovedAgentIsCompletedWithoutIt) {
+  std::string fine = kScene;  // tiles of 0.96 mm: one motion is the work of several turns
+  fine.replace(fine.find("0.5"), 3, "0.03");
+  session = *registry->create("fine", fine, {});
+  const auto ada = agent();
+  join_agent(*ada);
+  wire::MotionBatch plunge;
+  for (const double z : {1.0, -2.0}) plunge.samples.at(plunge.count++) = next(0, 0, z);
+  send(*ada, encoded(plunge));
+  ASSERT_TRUE(ada->has_action());
+  ASSERT_TRUE(session->is_between_records());
+  ASSERT_TRUE(session->remove(1, "enough"));
+  EXPECT_FALSE(ada->has_action());
+  executor->run();
+  EXPECT_FALSE(session->is_between_records());
+}
+
 TEST_F(AgentConversationTest, ParticipantsAreReportedToTheOthers) {
   const auto ada = agent(), bob = agent();
   join_agent(*ada);

@@ -74,6 +74,17 @@ TEST_F(SessionLoading, RequestsForASessionThatIsNotLoadedYetSaySoAndWhenToComeAg
   for (const auto& [id, hash] : hashes) EXPECT_EQ(registry->find(id)->current_hash()->hash, hash);
 }
 
+TEST_F(SessionLoading, AStrangerLearnsHowManySessionsAreNotReadyAndNotTheirNames) {
+  leave_sessions({"a", "b"});
+  access = *Access::open({.admin_token = std::string(40, 'x')});
+  api.emplace(options, *registry, metrics, *access);
+  const auto ready = body(ask("GET", "/readyz"));
+  EXPECT_EQ(ready["status"], "loading");
+  EXPECT_EQ(ready["loading"], 2);
+  EXPECT_EQ(ready["paused"], 0);
+  EXPECT_EQ(ready["unreadable"], 0);
+}
+
 TEST_F(SessionLoading, ASessionThatIsAskedForIsLoadedNext) {
   leave_sessions({"a", "b", "c"});
   registry->hasten("c");
@@ -145,6 +156,11 @@ TEST_F(SessionLoading, AServerThatStopsLoadsNoFurtherSessionAndReportsNoFailure)
   registry->stop_loading();
   EXPECT_FALSE(registry->load_next(report));
   EXPECT_TRUE(registry->loading().empty());
+  // A peer that waited for one comes again, and does not take it for gone.
+  const ApiResponse waited = ask("GET", "/v1/sessions/b");
+  EXPECT_EQ(waited.status, 503U);
+  EXPECT_EQ(body(waited)["error"]["code"], "stopping");
+  EXPECT_EQ(waited.headers.at(0), std::pair(std::string("Retry-After"), std::string("1")));
   // One that is being replayed fails soon.
   std::stop_source stop;
   stop.request_stop();
