@@ -122,6 +122,8 @@ class Participants {
   /// A request with the role and the mute that owners have decided since its connection was opened;
   /// rejected if its grant has ended.
   std::expected<JoinRequest, Rejection> as_decided(JoinRequest request) const;
+  /// A participant that holds the personal grant; 0: none.
+  ParticipantId holder_of(const std::string& person) const;
   /// Calls `change` for the participant and all who share its personal grant.
   bool change_person(ParticipantId id, const std::function<void(ParticipantState&)>& change);
 

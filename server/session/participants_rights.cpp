@@ -74,26 +74,22 @@ bool Participants::set_role(ParticipantId id, Role role) {
   });
 }
 
+ParticipantId Participants::holder_of(const std::string& person) const {
+  const auto is_holder = [&](const auto& entry) { return entry.second.person == person; };
+  const auto found = std::ranges::find_if(states_, is_holder);
+  return found == states_.end() ? 0 : found->first;
+}
+
 void Participants::set_role_of(const std::string& person, Role role) {
   if (person.empty()) return;
   decided_[person].role = role;
-  for (const auto& [id, state] : states_) {
-    if (state.person == person) {
-      set_role(id, role);
-      return;
-    }
-  }
+  set_role(holder_of(person), role);
 }
 
 void Participants::set_muted_of(const std::string& person, bool muted) {
   if (person.empty()) return;
   decided_[person].is_muted = muted;
-  for (const auto& [id, state] : states_) {
-    if (state.person == person) {
-      set_muted(id, muted);
-      return;
-    }
-  }
+  set_muted(holder_of(person), muted);
 }
 
 /// The grant of a request is that of the upgrade of its connection, which may be seconds old.
