@@ -208,6 +208,14 @@ inline std::string get(std::uint16_t port, const std::string& path) {
   }
 }
 
+/// The first value of the name in a JSON text that is no list or object.
+inline std::string json_field(const std::string& json, const std::string& name) {
+  const std::size_t at = json.find("\"" + name + "\":");
+  if (at == std::string::npos) fail("no " + name + " in " + json);
+  const std::size_t start = json.find_first_not_of(" \"", at + name.size() + 3);
+  return json.substr(start, json.find_first_of(",\"}", start) - start);
+}
+
 inline std::string upgrade_request(const std::string& path, const std::string& protocol) {
   return "GET " + path +
          " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
