@@ -19,7 +19,8 @@ struct Swivel {
 
 /// Returns the work of the wrench against a whole engagement over u V: of `specific_energy`, 1. The
 /// engagement begins free, since the imprint gives no force, and ends free: when the tool has
-/// swivelled by 14 degrees, another has cleared its way, and it goes on until nothing is pending.
+/// swivelled by 14 degrees, another has cleared the path ahead, and it goes on until nothing is
+/// pending.
 inline double work_over_energy(const Swivel& swivel) {
   constexpr double kTickRad = 0.005, kSpecific = 0.5, kPivotMm = 60;
   constexpr int kCut = 50, kFree = 50;
