@@ -41,6 +41,7 @@ struct CommandLine {
   std::vector<std::string> scenes;
   std::string admin_token_file;
   double snapshot_s = 1;
+  double session_mb = 0, total_mb = 0, reserve_mb = 256;
   ServerOptions server;
 };
 
@@ -236,6 +237,30 @@ kerf::SnapshotLimits snapshot_limits(double replay_s) {
   return limits;
 }
 
+void describe_disk(CLI::App& app, CommandLine& line) {
+  const CLI::Range megabytes(0.0, 1e9);
+  app.add_option("--disk-per-session", line.session_mb,
+                 "MB that the journal and the snapshot of a session may have; then it is paused. "
+                 "0: no limit")
+      ->check(megabytes)
+      ->capture_default_str();
+  app.add_option("--disk-total", line.total_mb,
+                 "MB that the files of the data folder may have, closed sessions included; then "
+                 "all sessions are paused. 0: no limit")
+      ->check(megabytes)
+      ->capture_default_str();
+  app.add_option("--disk-reserve", line.reserve_mb,
+                 "MB that stay free on the file system of the data folder: with less, all sessions "
+                 "are paused")
+      ->check(megabytes)
+      ->capture_default_str();
+}
+
+kerf::DiskLimits disk_limits(const CommandLine& line) {
+  const auto bytes = [](double mb) { return static_cast<std::uintmax_t>(mb * 1e6); };
+  return {bytes(line.session_mb), bytes(line.total_mb), bytes(line.reserve_mb)};
+}
+
 void describe_rights(CLI::App& app, CommandLine& line) {
   app.add_option("--admin-token-file", line.admin_token_file,
                  "file with the administrator's token; made with a random one if it does not "
@@ -271,6 +296,7 @@ int run(int argc, char** argv) {
       "host name");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
+  describe_disk(app, line);
   describe_rights(app, line);
   Commands commands;
   commands.add(app);
@@ -289,6 +315,7 @@ int run(int argc, char** argv) {
   }
   if (const auto status = commands.run(app)) return *status;
   line.server.snapshots = snapshot_limits(line.snapshot_s);
+  line.server.disk = disk_limits(line);
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
   kerf::log::open(log_format == "json" ? kerf::log::Format::kJson : kerf::log::Format::kText);
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {
