@@ -181,6 +181,18 @@ std::expected<SolidSnapshot, SnapshotError> read_solid(ChunkReader& in, const Sc
   return solid;
 }
 
+/// The chunk with the head, valid until the next one is read.
+std::expected<std::span<const std::byte>, SnapshotError> first_chunk(
+    const std::filesystem::path& file, ChunkReader& in) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    return std::unexpected(SnapshotError{true, "there is no snapshot"});
+  }
+  const auto chunk = in.next();
+  if (!chunk) return damaged(chunk.error());
+  return *chunk;
+}
+
 }  // namespace
 
 std::filesystem::path snapshot_file(const std::filesystem::path& journal) {
@@ -199,13 +211,9 @@ std::expected<std::uint64_t, SnapshotError> write_snapshot(const std::filesystem
 }
 
 std::expected<SnapshotHead, SnapshotError> read_snapshot_head(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    return std::unexpected(SnapshotError{true, "there is no snapshot"});
-  }
   ChunkReader in(file, kSnapshotVersion);
-  const auto chunk = in.next();
-  if (!chunk) return damaged(chunk.error());
+  const auto chunk = first_chunk(file, in);
+  if (!chunk) return std::unexpected(chunk.error());
   ByteReader bytes(*chunk);
   SculptureState state;
   std::uint32_t fields = 0;
@@ -216,13 +224,9 @@ std::expected<SnapshotHead, SnapshotError> read_snapshot_head(const std::filesys
 
 std::expected<BlockSnapshot, SnapshotError> read_snapshot(const std::filesystem::path& file,
                                                           const Sculpture& like) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    return std::unexpected(SnapshotError{true, "there is no snapshot"});
-  }
   ChunkReader in(file, kSnapshotVersion);
-  const auto chunk = in.next();
-  if (!chunk) return damaged(chunk.error());
+  const auto chunk = first_chunk(file, in);
+  if (!chunk) return std::unexpected(chunk.error());
   BlockSnapshot snapshot;
   ByteReader bytes(*chunk);
   std::uint32_t fields = 0;
