@@ -127,6 +127,25 @@ class Journal {
   std::map<ParticipantId, std::set<Key>> ends_;
 };
 
+/// A carver and the samples that it has made.
+struct Hand {
+  Hand(int number, std::uint16_t port, const std::string& session)
+      : carver(number, port, session) {}
+  void take_made(Totals& totals) {
+    for (const wire::MotionSample& sample : carver.take_made()) {
+      made.push_back(sample);
+      ++totals.made;
+    }
+  }
+  /// Whether a journal has the motion of a sample. The first one only places the tool.
+  bool is_in(Journal& journal, std::uint64_t number) const {
+    return number == 1 || journal.has(carver.participant(), to_pose(made.at(number - 1)).value());
+  }
+
+  LineCarver carver;
+  std::vector<wire::MotionSample> made;
+};
+
 class Soak {
  public:
   Soak(const std::string& program, std::uint64_t seed)
@@ -138,28 +157,28 @@ class Soak {
 
   void run_session(const std::string& id, int rounds) {
     bench::post(server_.port(), "/v1/sessions?id=" + id, bench::kCarverScene);
-    const auto file = server_.folder() / (id + kJournalExtension);
-    Journal journal(file);
-    std::deque<LineCarver> carvers;
-    std::vector<std::vector<wire::MotionSample>> made(bench::kCarvers);
-    for (int n = 0; n < bench::kCarvers; ++n) carvers.emplace_back(n, server_.port(), id);
+    Journal journal(server_.folder() / (id + kJournalExtension));
+    std::deque<Hand> hands;
+    for (int n = 0; n < bench::kCarvers; ++n) hands.emplace_back(n, server_.port(), id);
+    wait_until_durable(
+        id);  // their joins too: a participant that is not would come back as another
     for (int round = 0; round < rounds; ++round) {
       const std::size_t fault = random_() % kFaults.size();
       Totals& totals = totals_[fault];
-      for (LineCarver& carver : carvers) carver.move(true);
-      fail_and_kill(kFaults[fault].fault, totals, file, carvers);
+      for (Hand& hand : hands) hand.carver.move(true);
+      fail_and_kill(kFaults[fault].fault, totals);
+      check_durable(journal, hands, totals);
+      server_.start();
       wait(200);
-      for (LineCarver& carver : carvers) carver.move(false);
-      for (LineCarver& carver : carvers) {
-        if (!carver.settle()) bench::fail("an agent did not come back");
+      for (Hand& hand : hands) hand.carver.move(false);
+      for (Hand& hand : hands) {
+        if (!hand.carver.settle()) bench::fail("an agent did not come back");
       }
-      while (info(id, "journal_lag") != "0") std::this_thread::sleep_for(milliseconds(5));
-      journal.read_on(totals);
-      for (std::size_t n = 0; n < carvers.size(); ++n)
-        check_cut(carvers[n], made[n], journal, totals);
+      wait_until_durable(id);
+      check_cut(journal, hands, totals);
       if (info(id, "state_hash") != journal.hash()) ++totals.unequal;
     }
-    for (LineCarver& carver : carvers) carver.finish();
+    for (Hand& hand : hands) hand.carver.finish();
   }
 
   bool print() const {
@@ -186,8 +205,11 @@ class Soak {
     return bench::json_field(bench::get(server_.port(), "/v1/sessions/" + id), name);
   }
 
-  void fail_and_kill(DiskFault fault, Totals& totals, const std::filesystem::path& journal,
-                     const std::deque<LineCarver>& carvers) {
+  void wait_until_durable(const std::string& id) {
+    while (info(id, "journal_lag") != "0") std::this_thread::sleep_for(milliseconds(5));
+  }
+
+  void fail_and_kill(DiskFault fault, Totals& totals) {
     wait(300);
     const std::uint32_t failed_before = disk_.failed_calls();
     disk_.let(fault);
@@ -199,34 +221,31 @@ class Soak {
     }
     server_.kill_hard();
     disk_.let(DiskFault::kNone);
-    std::this_thread::sleep_for(milliseconds(20));  // answers in transit to the agents
-    const auto stored = bench::JournalCopy(journal).agent_sequences();
-    for (const LineCarver& carver : carvers) {
-      const auto at = stored.find(carver.participant());
-      const std::uint64_t has = at == stored.end() ? 1 : at->second;  // the first one cuts nothing
-      for (const std::uint64_t number : carver.cut()) {
-        if (number <= has) continue;
-        ++(number <= carver.durable() ? totals.durable_lost : totals.not_stored);
-      }
-    }
     ++totals.kills;
     totals.failed_calls += disk_.failed_calls() - failed_before;
-    server_.start();
   }
 
-  /// Looks for the motion of each sample that was answered as cut. The first sample of a carver
-  /// only places its tool.
-  static void check_cut(LineCarver& carver, std::vector<wire::MotionSample>& made, Journal& journal,
-                        Totals& totals) {
-    for (const wire::MotionSample& sample : carver.take_made()) {
-      made.push_back(sample);
-      ++totals.made;
+  /// Looks in what the kill has left for the motions of the samples that were stated as durable.
+  static void check_durable(Journal& journal, std::deque<Hand>& hands, Totals& totals) {
+    std::this_thread::sleep_for(milliseconds(20));  // answers in transit to the agents
+    journal.read_on(totals);
+    for (Hand& hand : hands) {
+      hand.take_made(totals);
+      for (const std::uint64_t number : hand.carver.cut()) {
+        if (hand.is_in(journal, number)) continue;
+        ++(number <= hand.carver.durable() ? totals.durable_lost : totals.not_stored);
+      }
     }
-    for (const std::uint64_t number : carver.take_cut()) {
-      if (number == 1) continue;
-      ++totals.cut;
-      if (!journal.has(carver.participant(), to_pose(made.at(number - 1)).value())) {
-        ++totals.cut_lost;
+  }
+
+  /// Looks for the motion of each sample that was answered as cut.
+  static void check_cut(Journal& journal, std::deque<Hand>& hands, Totals& totals) {
+    journal.read_on(totals);
+    for (Hand& hand : hands) {
+      hand.take_made(totals);
+      for (const std::uint64_t number : hand.carver.take_cut()) {
+        ++totals.cut;
+        if (!hand.is_in(journal, number)) ++totals.cut_lost;
       }
     }
   }
