@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/http/http_connection.h"
-
 #include <array>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -17,15 +15,12 @@
 #include <stop_token>
 
 #include "server/http/api.h"
-#include "server/http/browser_rules.h"
-#include "server/http/cookie.h"
-#include "server/http/http_options.h"
+#include "server/http/http_connection.h"
+#include "server/http/request_head.h"
 #include "server/http/response_head.h"
-#include "server/http/routes.h"
 #include "server/metrics/metrics.h"
 #include "server/socket/serve_peer.h"
 #include "server/threads/run_on.h"
-#include "server/wire/control.h"
 
 namespace kerf::net {
 namespace {
@@ -38,45 +33,32 @@ using Parser = http::request_parser<http::string_body>;
 using Request = http::request<http::string_body>;
 
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
-/// Length of a Sec-WebSocket-Key.
-constexpr std::size_t kKeyBytes = 24;
 constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 /// A request for a session that is being loaded waits for it as long as this.
 constexpr std::chrono::seconds kLoadTime{5};
 constexpr std::chrono::milliseconds kLoadPoll{5};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
-constexpr std::string_view kForeignHost =
-    "the server is not addressed by this name; name it with --allow-host, or use its IP address";
-constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
-constexpr std::string_view kBadHost = "the request must have one Host header";
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-BrowserHeaders browser_headers(const Request& request) {
-  return {view(request[http::field::host]), view(request[http::field::origin])};
-}
-
-/// HTTP/1.1 requires one Host header (RFC 9112, 3.2). With two, a proxy and this server might see
-/// different hosts.
-bool has_valid_host(const Request& request) {
-  const auto count = request.count(http::field::host);
-  return count == 1 || (count == 0 && request.version() == 10);
-}
-
-void add_credentials(const Request& request, ApiRequest& target) {
-  target.pass = pass_of_cookies(view(request[http::field::cookie]));
-  target.token = bearer_token(view(request[http::field::authorization]));
-  if (target.token.empty()) target.token = target.pass;
-  target.is_forwarded = request.count("X-Forwarded-For") + request.count("Forwarded") > 0;
-}
-
-bool offers(const Request& request, std::string_view protocol) {
-  for (const auto offered : http::token_list(request[http::field::sec_websocket_protocol])) {
-    if (view(offered) == protocol) return true;
-  }
-  return false;
+RequestHead head_of(const Request& request) {
+  const auto value = [&](http::field name) { return view(request[name]); };
+  return {.method = view(request.method_string()),
+          .target = view(request.target()),
+          .version = request.version() == 0 ? 11 : request.version(),
+          .hosts = request.count(http::field::host),
+          .host = value(http::field::host),
+          .origin = value(http::field::origin),
+          .cookie = value(http::field::cookie),
+          .authorization = value(http::field::authorization),
+          .if_none_match = value(http::field::if_none_match),
+          .range = value(http::field::range),
+          .if_range = value(http::field::if_range),
+          .is_forwarded = request.count("X-Forwarded-For") + request.count("Forwarded") > 0,
+          .protocols = value(http::field::sec_websocket_protocol),
+          .key = value(http::field::sec_websocket_key)};
 }
 
 class Connection {
@@ -94,19 +76,18 @@ class Connection {
  private:
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
-  asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
+  asio::awaitable<bool> answer(const RequestHead& head, ApiResponse& response, bool keep_alive);
   asio::awaitable<void> wait_until_loaded(const ApiRequest& target);
   IoThreads& threads_for(Runs runs) const;
   void watch(const std::shared_ptr<std::stop_source>& gone);
   asio::awaitable<bool> reject_malformed();
   asio::awaitable<void> send(std::string_view first, std::string_view second);
   asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
-  asio::awaitable<bool> reject(const Request& request, unsigned status, std::string_view code,
+  asio::awaitable<bool> reject(const RequestHead& head, unsigned status, std::string_view code,
                                std::string_view reason);
   asio::awaitable<void> linger();
-  std::optional<ApiResponse> check_upgrade(const Request& request, const ApiRequest& target,
-                                           std::shared_ptr<Session>& session, Caller& caller) const;
-  asio::awaitable<void> upgrade(const Request& request, const ApiRequest& target);
+  asio::awaitable<void> upgrade(const Request& request, const RequestHead& head,
+                                const ApiRequest& target);
 
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
@@ -160,40 +141,29 @@ asio::awaitable<bool> Connection::serve_one() {
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
   if (error_) co_return co_await reject_malformed();
-  if (!has_valid_host(parser.get())) {
-    co_return co_await reject(parser.get(), 400, "bad_host", kBadHost);
-  }
-  const BrowserHeaders headers = browser_headers(parser.get());
-  if (!host_allowed(headers.host, context_.options)) {
-    co_return co_await reject(parser.get(), 421, "bad_host", kForeignHost);
-  }
-  auto request = parse_target(view(parser.get().target()));
-  if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
-  request->method = std::string(view(parser.get().method_string()));
-  add_credentials(parser.get(), *request);
+  const RequestHead head = head_of(parser.get());
+  auto request = screen(head, context_.options);
+  if (!request) co_return co_await answer(head, request.error(), false);
   // Who has no right to a session does not learn that it is loading.
   Caller caller;
   const RouteMatch match = match_route(request->method, request->path);
   auto rejection = context_.api.refuse(*request, match, caller);
   if (!rejection) co_await wait_until_loaded(*request);
   if (beast::websocket::is_upgrade(parser.get())) {
-    co_await upgrade(parser.get(), *request);
+    co_await upgrade(parser.get(), head, *request);
     co_return false;
   }
-  const bool read_only = request->method == "GET" || request->method == "HEAD";
-  if (!read_only && !origin_allowed(headers, context_.options)) {
-    co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
+  if (!head.reads_only() && !origin_allowed(head.browser(), context_.options)) {
+    ApiResponse foreign = foreign_origin();
+    co_return co_await answer(head, foreign, false);
   }
-  if (request->method == "OPTIONS" && !headers.origin.empty() && !match.allow.empty()) {
+  if (request->method == "OPTIONS" && !head.origin.empty() && !match.allow.empty()) {
     ApiResponse allowed = preflight(match.allow);
     const bool more = parser.get().keep_alive() && parser.content_length().value_or(0) == 0;
-    co_return co_await answer(parser.get(), allowed, more && !parser.chunked());
+    co_return co_await answer(head, allowed, more && !parser.chunked());
   }
-  if (rejection) co_return co_await answer(parser.get(), *rejection, false);
+  if (rejection) co_return co_await answer(head, *rejection, false);
   if (!co_await read_body(parser, body_bytes_max(match, request->method))) co_return false;
-  request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
-  request->range = std::string(view(parser.get()[http::field::range]));
-  request->if_range = std::string(view(parser.get()[http::field::if_range]));
   request->body = std::move(parser.get().body());
   const bool keep_alive = parser.get().keep_alive();
   const Runs runs = match.route == nullptr ? Runs::kAtOnce : match.route->runs;
@@ -211,7 +181,7 @@ asio::awaitable<bool> Connection::serve_one() {
   ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
   watched_.reset();
   upload_ = {};
-  co_return co_await answer(parser.get(), response, keep_alive);
+  co_return co_await answer(head, response, keep_alive);
 }
 
 asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target) {
@@ -234,7 +204,7 @@ asio::awaitable<bool> Connection::reject_malformed() {
       error_.category() == http::make_error_code(http::error::bad_method).category() &&
       error_ != http::error::end_of_stream && error_ != http::error::partial_message;
   if (!is_http) co_return false;
-  const Request unknown;
+  const RequestHead unknown;
   if (error_ == http::error::header_limit) {
     co_return co_await reject(unknown, 431, "too_large", "the request header is larger than 8 kB");
   }
@@ -247,20 +217,21 @@ asio::awaitable<bool> Connection::reject_malformed() {
 
 asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_max) {
   const auto length = parser.content_length();
+  const RequestHead head = head_of(parser.get());
   if (parser.chunked() && bytes_max > 0) {
-    co_return co_await reject(parser.get(), 411, "length_required",
+    co_return co_await reject(head, 411, "length_required",
                               "the body needs a Content-Length; chunked bodies are not supported");
   }
   if (length && *length > bytes_max) {
     const std::string reason = "the body has " + std::to_string(*length) + " bytes; the limit is " +
                                std::to_string(bytes_max);
-    co_return co_await reject(parser.get(), 413, "too_large", reason);
+    co_return co_await reject(head, 413, "too_large", reason);
   }
   if (length && *length > 0) {
     auto share = context_.api.uploads().take(static_cast<std::size_t>(*length));
     if (!share) {
       ApiResponse response = out_of_memory();
-      co_return co_await answer(parser.get(), response, false);
+      co_return co_await answer(head, response, false);
     }
     upload_ = *std::move(share);
   }
@@ -277,10 +248,10 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
 
 // The parameters are references and views because g++ 12 destroys some temporaries in the arguments
 // of awaited calls twice.
-asio::awaitable<bool> Connection::reject(const Request& request, unsigned status,
+asio::awaitable<bool> Connection::reject(const RequestHead& head, unsigned status,
                                          std::string_view code, std::string_view reason) {
   ApiResponse response = error_response(status, code, reason);
-  co_return co_await answer(request, response, false);
+  co_return co_await answer(head, response, false);
 }
 
 /// Reads what the peer still sends. Closing at once would reset the connection, and the peer might
@@ -296,16 +267,16 @@ asio::awaitable<void> Connection::linger() {
   }
 }
 
-asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& response,
+asio::awaitable<bool> Connection::answer(const RequestHead& head, ApiResponse& response,
                                          bool keep_alive) {
   context_.metrics.http_answered(response.status);
-  add_browser_headers(browser_headers(request), context_.options, response);
-  const std::string head = response_head(
-      response, {.version = request.version() == 0 ? 11 : request.version(),
+  add_browser_headers(head.browser(), context_.options, response);
+  const std::string first = response_head(
+      response, {.version = head.version,
                  .reason = view(http::obsolete_reason(static_cast<http::status>(response.status))),
                  .keep_alive = keep_alive});
-  const bool has_body = request.method() != http::verb::head;
-  co_await send(head, has_body ? std::string_view(response.body) : std::string_view());
+  const bool has_body = head.method != "HEAD";
+  co_await send(first, has_body ? std::string_view(response.body) : std::string_view());
   if (has_body && response.file) {
     const ByteRange part = response.part.value_or(ByteRange{0, response.file->bytes()});
     co_await send_file(*response.file, part);
@@ -335,42 +306,15 @@ asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRang
   }
 }
 
-std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
-                                                     const ApiRequest& target,
-                                                     std::shared_ptr<Session>& session,
-                                                     Caller& caller) const {
-  const RouteMatch match = match_route(target.method, target.path);
-  const Upgrade upgrade = match.upgrade;
-  if (upgrade == Upgrade::kNone) {
-    return error_response(404, "not_found", "there is no WebSocket at this path");
+asio::awaitable<void> Connection::upgrade(const Request& request, const RequestHead& head,
+                                          const ApiRequest& target) {
+  auto open = open_upgrade(head, target, context_.api, context_.registry, context_.options);
+  if (open && buffer_.size() != 0) {
+    open = std::unexpected(
+        error_response(400, "bad_request", "data was sent before the connection was upgraded"));
   }
-  if (auto rejection = context_.api.refuse(target, match, caller)) return rejection;
-  const std::string& id = target.path[2];
-  session = context_.registry.find(id);
-  if (!session) return no_session(context_.registry, id);
-  if (!origin_allowed(browser_headers(request), context_.options)) {
-    return error_response(403, "bad_origin", kForeignOrigin);
-  }
-  const auto protocol = upgrade == Upgrade::kAgent ? wire::kAgentProtocol : wire::kViewProtocol;
-  if (!offers(request, protocol)) {
-    return error_response(400, "bad_protocol",
-                          "Sec-WebSocket-Protocol must list " + std::string(protocol));
-  }
-  // Beast does not check it.
-  if (request[http::field::sec_websocket_key].size() != kKeyBytes) {
-    return error_response(400, "bad_request", "Sec-WebSocket-Key must be 16 bytes in base64");
-  }
-  if (buffer_.size() != 0) {
-    return error_response(400, "bad_request", "data was sent before the connection was upgraded");
-  }
-  return std::nullopt;
-}
-
-asio::awaitable<void> Connection::upgrade(const Request& request, const ApiRequest& target) {
-  std::shared_ptr<Session> session;
-  Caller caller;
-  if (auto rejection = check_upgrade(request, target, session, caller)) {
-    co_await answer(request, *rejection, false);
+  if (!open) {
+    co_await answer(head, open.error(), false);
     co_return;
   }
   context_.metrics.http_answered(101);
@@ -378,13 +322,13 @@ asio::awaitable<void> Connection::upgrade(const Request& request, const ApiReque
   handshake.message.base() = request.base();
   stream_.expires_never();
   auto socket = stream_.release_socket();
-  if (match_route(target.method, target.path).upgrade == Upgrade::kAgent) {
-    context_.api.tell_regions(*session);
-    serve_agent(std::move(socket), std::move(handshake), std::move(session), std::move(caller),
-                context_.peers);
+  if (open->kind == Upgrade::kAgent) {
+    context_.api.tell_regions(*open->session);
+    serve_agent(std::move(socket), std::move(handshake), std::move(open->session),
+                std::move(open->caller), context_.peers);
   } else {
-    serve_viewer(std::move(socket), std::move(handshake), std::move(session), std::move(caller),
-                 context_.peers);
+    serve_viewer(std::move(socket), std::move(handshake), std::move(open->session),
+                 std::move(open->caller), context_.peers);
   }
 }
 
