@@ -38,7 +38,7 @@ using kerf::net::ServerOptions;
 struct CommandLine {
   std::string listen = "127.0.0.1:8080";
   std::string udp;
-  std::vector<std::string> scenes;
+  std::vector<std::string> scenes, proxies;
   std::string admin_token_file;
   double snapshot_s = 1;
   ServerOptions server;
@@ -130,6 +130,14 @@ void raise_file_limit() {
   }
 }
 
+void reload(Server& server) {
+  if (const auto done = server.reload_certificate(); !done) {
+    kerf::log::error("SIGHUP: " + done.error() + "; the last certificate stays in use");
+  } else {
+    kerf::log::info("SIGHUP: new connections get the certificate that was read now");
+  }
+}
+
 int serve(CommandLine line) {
   raise_file_limit();
   // Only this thread waits for signals: block them before other threads start.
@@ -137,9 +145,12 @@ int serve(CommandLine line) {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is like a full disk
+
+  // Without a certificate SIGHUP ends the process, as when its terminal closes.
+  if (!line.server.tls_certificate.empty()) sigaddset(&signals, SIGHUP);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   auto server = Server::create(std::move(line.server));
   if (!server) {
@@ -170,8 +181,8 @@ int serve(CommandLine line) {
                         .append("/?session=")
                         .append(id));
   }
-  int signal = 0;
-  sigwait(&signals, &signal);
+  int signal = SIGHUP;
+  for (sigwait(&signals, &signal); signal == SIGHUP; sigwait(&signals, &signal)) reload(**server);
   kerf::log::info("shutting down");
   (*server)->stop();
   return 0;
@@ -236,6 +247,24 @@ kerf::SnapshotLimits snapshot_limits(double replay_s) {
   return limits;
 }
 
+void describe_tls(CLI::App& app, CommandLine& line) {
+  CLI::Option* certificate =
+      app.add_option("--tls-cert", line.server.tls_certificate,
+                     "PEM file of the certificate chain: the server then speaks TLS 1.3 only. "
+                     "SIGHUP reads it and the key again");
+  CLI::Option* key =
+      app.add_option("--tls-key", line.server.tls_key, "PEM file of its private key");
+  certificate->needs(key);
+  key->needs(certificate);
+}
+
+void describe_proxy(CLI::App& app, CommandLine& line) {
+  app.add_option(
+      "--trust-proxy", line.proxies,
+      "IP address, or network (10.0.0.0/8), of a proxy whose X-Forwarded-For, -Proto and "
+      "-Host count; may be repeated");
+}
+
 void describe_rights(CLI::App& app, CommandLine& line) {
   app.add_option("--admin-token-file", line.admin_token_file,
                  "file with the administrator's token; made with a random one if it does not "
@@ -272,6 +301,8 @@ int run(int argc, char** argv) {
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
   describe_rights(app, line);
+  describe_tls(app, line);
+  describe_proxy(app, line);
   Commands commands;
   commands.add(app);
   std::string log_format = "text";
@@ -299,6 +330,12 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "kerf-server: --udp %s is not [ADDR:]PORT or off\n", line.udp.c_str());
     return 2;
   }
+  auto proxies = kerf::net::TrustedProxies::parse(line.proxies);
+  if (!proxies) {
+    std::fprintf(stderr, "kerf-server: --trust-proxy: %s\n", proxies.error().c_str());
+    return 2;
+  }
+  line.server.http.proxies = *std::move(proxies);
   auto token = kerf::read_admin_token(line.admin_token_file);
   if (!token) {
     std::fprintf(stderr, "kerf-server: %s\n", token.error().c_str());

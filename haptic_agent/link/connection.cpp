@@ -39,7 +39,8 @@ class Deadline {
   asio::steady_timer timer_;
 };
 
-asio::awaitable<std::optional<Loss>> connect(Connection& connection, const ServerUrl& server) {
+asio::awaitable<std::optional<Loss>> connect(Connection& connection, const LinkSettings& settings) {
+  const ServerUrl& server = settings.server;
   tcp::resolver resolver(connection.tcp.get_executor());
   const auto [unresolved, addresses] =
       co_await resolver.async_resolve(server.host, server.port, kAwait);
@@ -55,7 +56,22 @@ asio::awaitable<std::optional<Loss>> connect(Connection& connection, const Serve
                    (late ? "no answer within 3 s" : unconnected.message())};
   }
   connection.tcp.set_option(tcp::no_delay(true));
-  connection.socket = std::make_unique<net::WebSocket>(std::move(connection.tcp), kLimits);
+  std::unique_ptr<net::TlsChannel> tls;
+  if (server.tls) {
+    const auto context = net::TlsContext::of_client(settings.authorities);
+    if (!context) co_return Loss{context.error(), true};
+    tls = std::make_unique<net::TlsChannel>(*context, connection.tcp.native_handle(), server.host);
+  }
+  connection.stream.emplace(std::move(connection.tcp), std::move(tls));
+  const error_code unsafe = co_await connection.stream->shake_hands();
+  if (unsafe == asio::error::operation_aborted) {
+    co_return Loss{"no TLS with " + server.host + ":" + server.port + ": no answer within 3 s"};
+  }
+  if (unsafe) {
+    const net::TlsChannel& channel = *connection.stream->tls();
+    co_return Loss{channel.failure(), channel.is_final()};
+  }
+  connection.socket = std::make_unique<net::WebSocket>(*std::move(connection.stream), kLimits);
   co_return std::nullopt;
 }
 
@@ -113,13 +129,14 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Connection& connection, cons
 
 void Connection::cut() {
   if (socket) return socket->cut();
+  if (stream) return stream->close();
   error_code ignored;
   tcp.close(ignored);
 }
 
 asio::awaitable<std::expected<Welcome, Loss>> join(Connection& connection,
                                                    const LinkSettings& settings) {
-  std::optional<Loss> rejected = co_await connect(connection, settings.server);
+  std::optional<Loss> rejected = co_await connect(connection, settings);
   if (!rejected) rejected = co_await upgrade(*connection.socket, settings);
   if (rejected) co_return std::unexpected(*rejected);
   co_return co_await greet(connection, settings.hello);

@@ -11,12 +11,14 @@ namespace kerf::agent {
 struct ServerUrl {
   std::string host;
   std::string port;
+  bool tls = false;
 
   bool operator==(const ServerUrl&) const = default;
 };
 
-/// Parses `http://HOST[:PORT]`, `ws://…` or `HOST[:PORT]`; an IPv6 address is in brackets. The
-/// default port is 8080. The error is one sentence.
+/// Parses `http://HOST[:PORT]`, `ws://…` or `HOST[:PORT]`, whose default port is 8080, or, with
+/// TLS, `https://…` or `wss://…`, whose default port is 443; an IPv6 address is in brackets. The
+/// error is one sentence.
 std::expected<ServerUrl, std::string> parse_server_url(std::string_view text);
 
 /// Returns true for a valid session identifier: letters, digits, `.`, `_`, `-`; at most

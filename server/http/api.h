@@ -30,6 +30,8 @@ struct ApiRequest {
   std::string if_none_match, range, if_range;
   std::string token;          ///< of the Authorization header, else `pass`; empty: none
   std::string pass;           ///< of the Cookie header; empty: none
+  std::string host;           ///< as the client has addressed the server
+  std::string network;        ///< of the client (network_of)
   bool is_secure = false;     ///< it has come over TLS
   bool is_forwarded = false;  ///< a proxy has added the address of its client
   std::string body;

@@ -87,7 +87,12 @@ ApiResponse Api::invite(const ApiCall& call) {
   if (!issued) return access_failure(issued.error());
   Json json = grant_json(issued->grant);
   json["token"] = issued->token;
-  json["link"] = "/?session=" + call.session->id() + "#invite=" + issued->token;
+  const std::string link = "/?session=" + call.session->id() + "#invite=" + issued->token;
+  json["link"] = link;
+  const ApiRequest& request = call.request;
+  if (!request.host.empty()) {
+    json["url"] = (request.is_secure ? "https://" : "http://") + request.host + link;
+  }
   return json_response(201, text_of(json));
 }
 

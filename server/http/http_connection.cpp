@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/http/http_connection.h"
+
 #include <array>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
@@ -15,7 +16,8 @@
 #include <stop_token>
 
 #include "server/http/api.h"
-#include "server/http/http_connection.h"
+#include "server/http/beast_head.h"
+#include "server/http/proxies.h"
 #include "server/http/request_head.h"
 #include "server/http/response_head.h"
 #include "server/metrics/metrics.h"
@@ -30,10 +32,11 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using boost::system::error_code;
 using Parser = http::request_parser<http::string_body>;
-using Request = http::request<http::string_body>;
+using Request = BeastRequest;
 
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
-constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
+constexpr std::chrono::seconds kHandshakeTime{5}, kHeaderTime{10}, kIdleTime{60}, kBodyTime{120},
+    kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 /// A request for a session that is being loaded waits for it as long as this.
 constexpr std::chrono::seconds kLoadTime{5};
@@ -41,30 +44,20 @@ constexpr std::chrono::milliseconds kLoadPoll{5};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
 
-std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
-
-RequestHead head_of(const Request& request) {
-  const auto value = [&](http::field name) { return view(request[name]); };
-  return {.method = view(request.method_string()),
-          .target = view(request.target()),
-          .version = request.version() == 0 ? 11 : request.version(),
-          .hosts = request.count(http::field::host),
-          .host = value(http::field::host),
-          .origin = value(http::field::origin),
-          .cookie = value(http::field::cookie),
-          .authorization = value(http::field::authorization),
-          .if_none_match = value(http::field::if_none_match),
-          .range = value(http::field::range),
-          .if_range = value(http::field::if_range),
-          .is_forwarded = request.count("X-Forwarded-For") + request.count("Forwarded") > 0,
-          .protocols = value(http::field::sec_websocket_protocol),
-          .key = value(http::field::sec_websocket_key)};
+std::string address_of(const asio::ip::tcp::socket& socket) {
+  error_code error;
+  const auto peer = socket.remote_endpoint(error);
+  return error ? std::string() : peer.address().to_string();
 }
 
 class Connection {
  public:
-  Connection(asio::ip::tcp::socket socket, HttpContext& context)
-      : stream_(std::move(socket)), context_(context) {
+  Connection(ByteStream stream, HttpContext& context)
+      : stream_(std::move(stream)),
+        is_secure_(stream_.tls() != nullptr),
+        address_(address_of(stream_.socket())),
+        deadline_(stream_.get_executor()),
+        context_(context) {
     ++context_.metrics.connections;
   }
   ~Connection() { --context_.metrics.connections; }
@@ -74,7 +67,13 @@ class Connection {
   asio::awaitable<void> run();
 
  private:
+  /// Shakes hands if there is TLS; false if the connection is of no use.
+  asio::awaitable<bool> secure();
   asio::awaitable<bool> serve_one();
+  /// The head of a request, from whom it comes.
+  RequestHead understand(const Request& request) const;
+  /// Closes the connection after this time, unless it is called again before.
+  void expires_after(std::chrono::seconds time);
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const RequestHead& head, ApiResponse& response, bool keep_alive);
   asio::awaitable<void> wait_until_loaded(const ApiRequest& target);
@@ -89,7 +88,11 @@ class Connection {
   asio::awaitable<void> upgrade(const Request& request, const RequestHead& head,
                                 const ApiRequest& target);
 
-  beast::tcp_stream stream_;
+  ByteStream stream_;
+  bool is_secure_;
+  std::string address_;  ///< of the peer
+  asio::steady_timer deadline_;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   beast::flat_buffer buffer_;
   HttpContext& context_;
   bool first_ = true;
@@ -116,19 +119,44 @@ IoThreads& Connection::threads_for(Runs runs) const {
 /// of a next request end the watch.
 void Connection::watch(const std::shared_ptr<std::stop_source>& gone) {
   watched_ = gone;
-  const int socket = stream_.socket().native_handle();
-  auto readable = [socket, weak = std::weak_ptr(gone)](error_code error) {
+  auto readable = [this, weak = std::weak_ptr(gone)](error_code error) {
     const auto source = weak.lock();
-    if (!source) return;  // handled: the socket may be another one by now
-    char next = 0;
-    const bool closed = !error && recv(socket, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
-    if (closed || error) source->request_stop();
+    if (!source) return;  // handled: the connection may be another one by now, or none
+    if (error || stream_.has_peer_ended()) source->request_stop();
   };
   stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, std::move(readable));
 }
 
+void Connection::expires_after(std::chrono::seconds time) {
+  deadline_.expires_after(time);
+  deadline_.async_wait([this, alive = std::weak_ptr(alive_)](error_code error) {
+    // A wait that had ended before the deadline was moved must not count.
+    if (error || alive.expired() || deadline_.expiry() > std::chrono::steady_clock::now()) return;
+    stream_.close();
+  });
+}
+
+asio::awaitable<bool> Connection::secure() {
+  expires_after(kHandshakeTime);
+  error_ = co_await stream_.shake_hands();
+  if (!error_) co_return true;
+  context_.metrics.rejected("tls");
+  if (stream_.tls() == nullptr || !stream_.tls()->is_peer_plain()) co_return false;
+  stream_.release_tls();
+  const RequestHead unknown;
+  co_return co_await reject(unknown, 400, "tls_required", "this port speaks TLS: use https://");
+}
+
+RequestHead Connection::understand(const Request& request) const {
+  RequestHead head = head_of(request);
+  head.is_secure = is_secure_;
+  head.address = address_;
+  apply_forwarding(head, context_.options.proxies);
+  return head;
+}
+
 asio::awaitable<void> Connection::run() {
-  bool more = true;
+  bool more = co_await secure();
   while (more) more = co_await serve_one();
   if (stream_.socket().is_open()) co_await linger();
 }
@@ -137,11 +165,11 @@ asio::awaitable<bool> Connection::serve_one() {
   Parser parser;
   parser.header_limit(kHeaderBytesMax);
   parser.body_limit(std::uint64_t{64} << 20);
-  stream_.expires_after(std::exchange(first_, false) ? kHeaderTime : kIdleTime);
+  expires_after(std::exchange(first_, false) ? kHeaderTime : kIdleTime);
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
   if (error_) co_return co_await reject_malformed();
-  const RequestHead head = head_of(parser.get());
+  const RequestHead head = understand(parser.get());
   auto request = screen(head, context_.options);
   if (!request) co_return co_await answer(head, request.error(), false);
   // Who has no right to a session does not learn that it is loading.
@@ -177,7 +205,7 @@ asio::awaitable<bool> Connection::serve_one() {
       return error_response(500, "internal_error", error.what());
     }
   };
-  stream_.expires_never();  // handling the request has no deadline
+  deadline_.cancel();  // handling the request has no deadline
   ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
   watched_.reset();
   upload_ = {};
@@ -187,7 +215,7 @@ asio::awaitable<bool> Connection::serve_one() {
 asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target) {
   if (!is_below_session(target.path) || !context_.registry.is_loading(target.path[2])) co_return;
   context_.registry.hasten(target.path[2]);
-  stream_.expires_never();
+  deadline_.cancel();
   ++context_.metrics.waiting_to_load;
   asio::steady_timer pause(stream_.get_executor());
   const auto end = std::chrono::steady_clock::now() + kLoadTime;
@@ -217,7 +245,7 @@ asio::awaitable<bool> Connection::reject_malformed() {
 
 asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_max) {
   const auto length = parser.content_length();
-  const RequestHead head = head_of(parser.get());
+  const RequestHead head = understand(parser.get());
   if (parser.chunked() && bytes_max > 0) {
     co_return co_await reject(head, 411, "length_required",
                               "the body needs a Content-Length; chunked bodies are not supported");
@@ -240,7 +268,7 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
     co_await send(kContinue, {});
     if (error_) co_return false;
   }
-  stream_.expires_after(kBodyTime);
+  expires_after(kBodyTime);
   co_await http::async_read(stream_, buffer_, parser,
                             asio::redirect_error(asio::use_awaitable, error_));
   co_return !error_;
@@ -258,12 +286,12 @@ asio::awaitable<bool> Connection::reject(const RequestHead& head, unsigned statu
 /// not receive the response.
 asio::awaitable<void> Connection::linger() {
   error_code ignored;
-  stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-  stream_.expires_after(kLingerTime);
+  stream_.end_sending();
+  expires_after(kLingerTime);
   std::vector<char> rest(kLingerChunk);
   for (std::size_t read = 0; read < kLingerBytes && !ignored;) {
-    read += co_await stream_.async_read_some(asio::buffer(rest),
-                                             asio::redirect_error(asio::use_awaitable, ignored));
+    read += co_await stream_.socket().async_read_some(
+        asio::buffer(rest), asio::redirect_error(asio::use_awaitable, ignored));
   }
 }
 
@@ -286,7 +314,7 @@ asio::awaitable<bool> Connection::answer(const RequestHead& head, ApiResponse& r
 
 asio::awaitable<void> Connection::send(std::string_view first, std::string_view second) {
   const std::array<asio::const_buffer, 2> parts = {asio::buffer(first), asio::buffer(second)};
-  stream_.expires_after(kChunkTime);
+  expires_after(kChunkTime);
   co_await asio::async_write(stream_, parts, asio::redirect_error(asio::use_awaitable, error_));
 }
 
@@ -320,14 +348,13 @@ asio::awaitable<void> Connection::upgrade(const Request& request, const RequestH
   context_.metrics.http_answered(101);
   UpgradeRequest handshake;
   handshake.message.base() = request.base();
-  stream_.expires_never();
-  auto socket = stream_.release_socket();
+  deadline_.cancel();
   if (open->kind == Upgrade::kAgent) {
     context_.api.tell_regions(*open->session);
-    serve_agent(std::move(socket), std::move(handshake), std::move(open->session),
+    serve_agent(std::move(stream_), std::move(handshake), std::move(open->session),
                 std::move(open->caller), context_.peers);
   } else {
-    serve_viewer(std::move(socket), std::move(handshake), std::move(open->session),
+    serve_viewer(std::move(stream_), std::move(handshake), std::move(open->session),
                  std::move(open->caller), context_.peers);
   }
 }
@@ -335,7 +362,12 @@ asio::awaitable<void> Connection::upgrade(const Request& request, const RequestH
 }  // namespace
 
 asio::awaitable<void> serve_http(asio::ip::tcp::socket socket, HttpContext& context) {
-  Connection connection(std::move(socket), context);
+  std::unique_ptr<TlsChannel> tls;
+  if (context.certificate != nullptr) {
+    tls = std::make_unique<TlsChannel>(context.certificate->current(), socket.native_handle());
+  }
+  ByteStream stream(std::move(socket), std::move(tls));
+  Connection connection(std::move(stream), context);
   co_await connection.run();
 }
 

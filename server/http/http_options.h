@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/http/proxies.h"
+
 namespace kerf::net {
 
 struct HttpOptions {
@@ -19,6 +21,7 @@ struct HttpOptions {
   std::vector<std::string> allow_hosts;
   std::vector<std::string> allow_origins;  ///< besides the server's own host, e.g.
                                            ///< "https://kerf.example"
+  TrustedProxies proxies;
 };
 
 }  // namespace kerf::net

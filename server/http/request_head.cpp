@@ -6,6 +6,7 @@
 #include <string>
 
 #include "server/http/cookie.h"
+#include "server/http/proxies.h"
 #include "server/wire/control.h"
 
 namespace kerf::net {
@@ -21,7 +22,7 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kBlanks) + 1);
 }
 
-bool lists(std::string_view protocols, std::string_view protocol) {
+bool offers(std::string_view protocols, std::string_view protocol) {
   return std::ranges::any_of(std::views::split(protocols, ','), [&](const auto& part) {
     return without_blanks({part.begin(), part.end()}) == protocol;
   });
@@ -54,6 +55,9 @@ std::expected<ApiRequest, ApiResponse> screen(const RequestHead& head, const Htt
   request->pass = pass_of_cookies(head.cookie);
   request->token = bearer_token(head.authorization);
   if (request->token.empty()) request->token = request->pass;
+  request->is_secure = head.is_secure;
+  request->host = std::string(head.host);
+  request->network = network_of(head.address);
   request->is_forwarded = head.is_forwarded;
   return *std::move(request);
 }
@@ -80,7 +84,7 @@ std::expected<UpgradeTarget, ApiResponse> open_upgrade(const RequestHead& head,
   if (!origin_allowed(head.browser(), options)) return std::unexpected(foreign_origin());
   const auto protocol =
       match.upgrade == Upgrade::kAgent ? wire::kAgentProtocol : wire::kViewProtocol;
-  if (!lists(head.protocols, protocol)) {
+  if (!offers(head.protocols, protocol)) {
     return std::unexpected(error_response(
         400, "bad_protocol", "Sec-WebSocket-Protocol must list " + std::string(protocol)));
   }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <expected>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "server/http/api.h"
@@ -20,10 +21,14 @@ struct RequestHead {
   std::size_t hosts = 1;  ///< number of Host headers
   std::string_view host, origin, cookie, authorization;
   std::string_view if_none_match, range, if_range;
-  bool is_forwarded = false;        ///< a proxy has added the address of its client
+  bool is_secure = false;          ///< it has come over TLS
+  std::string address = {};        ///< of the peer, or of the client behind a trusted proxy
+  bool is_forwarded = false;       ///< a proxy has added the address of its client
+  std::string forwarded_for = {};  ///< X-Forwarded-For, all of them
+  std::string_view forwarded_host, forwarded_proto;  ///< X-Forwarded-Host, -Proto
   std::string_view protocols, key;  ///< of an upgrade: sub-protocols offered, Sec-WebSocket-Key
 
-  BrowserHeaders browser() const { return {host, origin}; }
+  BrowserHeaders browser() const { return {host, origin, is_secure}; }
   bool reads_only() const { return method == "GET" || method == "HEAD"; }
 };
 

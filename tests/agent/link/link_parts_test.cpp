@@ -22,12 +22,13 @@ TEST(ServerUrl, ReadsHostAndPort) {
   EXPECT_EQ(parse_server_url("ws://10.0.0.1:1/"), (ServerUrl{"10.0.0.1", "1"}));
   EXPECT_EQ(parse_server_url("carve.example"), (ServerUrl{"carve.example", "8080"}));
   EXPECT_EQ(parse_server_url("http://[::1]:81"), (ServerUrl{"::1", "81"}));
+  EXPECT_EQ(parse_server_url("https://carve.example"), (ServerUrl{"carve.example", "443", true}));
+  EXPECT_EQ(parse_server_url("wss://[::1]:81"), (ServerUrl{"::1", "81", true}));
 }
 
 TEST(ServerUrl, RejectsInvalidAddresses) {
-  for (const char* text :
-       {"", "http://", "https://host", "wss://host", "ftp://host", "host:0", "host:65536", "host:x",
-        "host:", "host/path", "host?q", "[::1", "[::1]x", ":80"}) {
+  for (const char* text : {"", "http://", "https://", "ftp://host", "host:0", "host:65536",
+                           "host:x", "host:", "host/path", "host?q", "[::1", "[::1]x", ":80"}) {
     EXPECT_FALSE(parse_server_url(text)) << text;
   }
 }
