@@ -113,6 +113,11 @@ struct Server::Impl {
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
+  /// Where the sessions go on: as an administrator has asked, else as the server was started.
+  std::string redirect() const {
+    const std::string asked = api.drain_target();
+    return asked.empty() ? options.drain_to : asked;
+  }
   std::expected<void, std::string> listen_udp();
   /// Loads the sessions of the folder side by side; then those whose disk failed meanwhile, as
   /// soon as it works again.
@@ -286,7 +291,10 @@ void Server::stop() {
   });
   closed.get_future().wait();
   impl_->api.stop();
-  for (const JournalError& lost : impl_->registry.close_all("the server is shutting down")) {
+  const std::string redirect = impl_->redirect();
+  const std::string reason =
+      redirect.empty() ? "the server is shutting down" : "the session continues at " + redirect;
+  for (const JournalError& lost : impl_->registry.close_all(reason, redirect)) {
     log::error("the last records could not be written and are lost: " + describe(lost));
   }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;

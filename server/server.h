@@ -34,6 +34,8 @@ struct ServerOptions {
   UdpOptions udp;
   std::string admin_token;  ///< empty: none; kept as its hash only
   bool open = false;        ///< who has no token is a guest
+  /// Address of the server that continues the sessions after this one has stopped; empty: none.
+  std::string drain_to;
   /// PEM files of the certificate and its key; both empty: no TLS.
   std::filesystem::path tls_certificate, tls_key;
 };
@@ -57,7 +59,8 @@ class Server {
   /// Reads the certificate again, for new connections; the last one stays if it cannot be used. The
   /// error is one sentence.
   std::expected<void, std::string> reload_certificate();
-  /// Sends `bye` to all peers, commits the journals and stops. Also called by the destructor.
+  /// Sends `bye` to all peers, with the address of the server that continues, commits the journals
+  /// and stops. Also called by the destructor.
   void stop();
 
  private:

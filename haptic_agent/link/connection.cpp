@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "server/wire/control.h"
+#include "server/wire/limits.h"
 
 namespace kerf::agent {
 namespace {
@@ -18,8 +19,11 @@ using std::chrono::seconds;
 
 constexpr seconds kConnectTimeout{3};
 constexpr seconds kWelcomeTimeout{5};
+/// The server may load the session first.
+constexpr seconds kUpgradeTimeout{8};
+static_assert(kUpgradeTimeout > seconds(wire::kLoadWaitS));
 constexpr net::WebSocketLimits kLimits{
-    .handshake = kConnectTimeout,
+    .handshake = kUpgradeTimeout,
     .idle = seconds(6),
     .message_bytes = wire::kMaxServerFrameBytes,
 };
@@ -119,7 +123,8 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Connection& connection, cons
                error->code != wire::to_string(wire::ErrorCode::kBusy)});
     }
     if (const auto* bye = std::get_if<Bye>(&*message)) {
-      co_return std::unexpected(Loss{"the server closed the connection: " + bye->reason});
+      co_return std::unexpected(
+          Loss{"the server closed the connection: " + bye->reason, false, bye->redirect});
     }
     if (const auto* welcome = std::get_if<Welcome>(&*message)) co_return *welcome;
   }

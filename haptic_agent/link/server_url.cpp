@@ -58,6 +58,12 @@ std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
   return url;
 }
 
+std::optional<ServerUrl> follow_redirect(const ServerUrl& from, std::string_view redirect) {
+  auto to = redirect.empty() ? std::nullopt : std::optional(parse_server_url(redirect));
+  if (!to || !*to || (from.tls && !(*to)->tls)) return std::nullopt;
+  return **std::move(to);
+}
+
 bool is_session_id(std::string_view text) noexcept {
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||

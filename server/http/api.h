@@ -4,6 +4,7 @@
 #include <expected>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -92,6 +93,9 @@ class Api {
                                     Caller& caller) const;
   /// The regions that are reserved in a session. Must be given to it before somebody may carve.
   void tell_regions(Session& session) const;
+  /// Address of the server at which an administrator wants the sessions to go on; empty: none
+  /// asked.
+  std::string drain_target() const;
   /// Cancels the downloads in preparation; further ones are rejected.
   void stop() { downloads_.stop(); }
   MemoryBudget& uploads() { return uploads_; }
@@ -117,6 +121,7 @@ class Api {
   ApiResponse reserve(const ApiCall& call);
   ApiResponse release(const ApiCall& call);
   ApiResponse upload_file(const ApiCall& call);
+  ApiResponse drain(const ApiCall& call);
   ApiResponse health(const ApiCall& call);
   ApiResponse ready(const ApiCall& call);
   ApiResponse metrics(const ApiCall& call);
@@ -136,6 +141,8 @@ class Api {
   Access& access_;
   DownloadCache downloads_;
   MemoryBudget uploads_, programs_;
+  mutable std::mutex drain_mutex_;  ///< guards drain_to_
+  std::string drain_to_;
 };
 
 /// A solid and its hash.

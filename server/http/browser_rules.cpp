@@ -101,6 +101,15 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
       "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Retry-After");
 }
 
+bool is_server_address(std::string_view text) {
+  constexpr std::size_t kBytesMax = 200;
+  const std::string_view host = host_of(text);
+  return (text.starts_with("http://") || text.starts_with("https://")) &&
+         text.size() <= kBytesMax && !name_of(host).empty() &&
+         host.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_[]") == host.npos;
+}
+
 ApiResponse preflight(std::string_view methods) {
   ApiResponse response;
   response.status = 204;

@@ -32,6 +32,10 @@ bool origin_allowed(const BrowserHeaders& headers, const HttpOptions& options);
 void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& options,
                          ApiResponse& response);
 
+/// Returns whether a text is the address of a server: http:// or https://, a name or an IP address,
+/// and perhaps a port.
+bool is_server_address(std::string_view text);
+
 /// Returns the answer to a CORS preflight of an allowed origin for a resource with these methods.
 ApiResponse preflight(std::string_view methods);
 

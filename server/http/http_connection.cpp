@@ -23,6 +23,7 @@
 #include "server/metrics/metrics.h"
 #include "server/socket/serve_peer.h"
 #include "server/threads/run_on.h"
+#include "server/wire/limits.h"
 
 namespace kerf::net {
 namespace {
@@ -39,7 +40,7 @@ constexpr std::chrono::seconds kHandshakeTime{5}, kHeaderTime{10}, kIdleTime{60}
     kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 /// A request for a session that is being loaded waits for it as long as this.
-constexpr std::chrono::seconds kLoadTime{5};
+constexpr std::chrono::seconds kLoadTime{wire::kLoadWaitS};
 constexpr std::chrono::milliseconds kLoadPoll{5};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct HttpOptions {
   std::vector<std::string> allow_origins;  ///< besides the server's own host, e.g.
                                            ///< "https://kerf.example"
   TrustedProxies proxies;
+  /// Makes the process stop, soon; empty: it cannot be stopped by a request.
+  std::function<void()> request_stop;
 };
 
 }  // namespace kerf::net

@@ -142,8 +142,8 @@ const std::vector<Library>& libraries() {
       {{"prometheus/"}, false, {"server/metrics"}, "one class counts for the whole server"},
       {{"CLI/"},
        false,
-       {"server/main.cpp", "server/carve", "haptic_agent/main.cpp", "haptic_agent/options.cpp",
-        "haptic_agent/doctor"},
+       {"server/command_line.cpp", "server/carve", "haptic_agent/main.cpp",
+        "haptic_agent/options.cpp", "haptic_agent/doctor"},
        "the command line belongs to the programs"},
       {{"libusb"}, false, {"haptic_agent/device"}, "USB belongs to the devices"},
   };

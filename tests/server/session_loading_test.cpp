@@ -74,6 +74,18 @@ TEST_F(SessionLoading, RequestsForASessionThatIsNotLoadedYetSaySoAndWhenToComeAg
   for (const auto& [id, hash] : hashes) EXPECT_EQ(registry->find(id)->current_hash()->hash, hash);
 }
 
+TEST_F(SessionLoading, SessionsThatAreLoadingCount) {
+  leave_sessions({"a", "b", "c", "d"});
+  EXPECT_EQ(body(ask("POST", "/v1/sessions?id=e"))["error"]["code"], "too_many_sessions");
+  LoadReport report;
+  while (registry->load_next(report)) {
+  }
+  EXPECT_EQ(report.loaded.size(), 4U);
+  EXPECT_EQ(body(ask("POST", "/v1/sessions?id=e"))["error"]["code"], "too_many_sessions");
+  ASSERT_TRUE(registry->close("a", false));
+  EXPECT_EQ(ask("POST", "/v1/sessions?id=e").status, 201U);
+}
+
 TEST_F(SessionLoading, AStrangerLearnsHowManySessionsAreNotReadyAndNotTheirNames) {
   leave_sessions({"a", "b"});
   access = *Access::open({.admin_token = std::string(40, 'x')});

@@ -34,16 +34,16 @@ class Rejected(Exception):
 
 
 class Http:
-    def __init__(self, port, tls=None):
-        self.port = port
+    def __init__(self, port, tls=None, host="127.0.0.1"):
+        self.port, self.host = port, host
         self.tls = tls  # an ssl.SSLContext, for a server with TLS
 
     def request(self, method, path, body=None, headers=None):
         if self.tls:
-            connection = http.client.HTTPSConnection("127.0.0.1", self.port, timeout=60,
+            connection = http.client.HTTPSConnection(self.host, self.port, timeout=60,
                                                      context=self.tls)
         else:
-            connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+            connection = http.client.HTTPConnection(self.host, self.port, timeout=60)
         connection.request(method, path, body=body, headers=headers or {})
         response = connection.getresponse()
         data = response.read()

@@ -33,6 +33,16 @@ TEST(ServerUrl, RejectsInvalidAddresses) {
   }
 }
 
+TEST(ServerUrl, ARedirectDoesNotLeadOutOfTls) {
+  const ServerUrl plain{"a", "8080"}, safe{"a", "443", true};
+  EXPECT_EQ(follow_redirect(plain, "http://b:81"), (ServerUrl{"b", "81"}));
+  EXPECT_EQ(follow_redirect(plain, "https://b"), (ServerUrl{"b", "443", true}));
+  EXPECT_EQ(follow_redirect(safe, "https://b:81"), (ServerUrl{"b", "81", true}));
+  EXPECT_FALSE(follow_redirect(safe, "http://b:81"));
+  EXPECT_FALSE(follow_redirect(plain, ""));
+  EXPECT_FALSE(follow_redirect(plain, "ftp://b"));
+}
+
 TEST(SessionId, AcceptsOnlyNamesThatAreSafeInAPath) {
   EXPECT_TRUE(is_session_id("demo-2.a_B"));
   for (const std::string bad : {"", "..", "a/b", "a b", "ä", "a%2f"}) {
