@@ -88,6 +88,11 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
       ->type_name("NMM")
       ->check(number_in(0.0, kMaxTorqueNmm))
       ->capture_default_str();
+  app.add_option("--guides", options.guide_strength,
+                 "strength of the session's guides, from 0 (off) to 1 (as the scene states)")
+      ->type_name("STRENGTH")
+      ->check(number_in(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--cpu", options.cpu, "processor to pin the 1 kHz loop to, from 0")
       ->type_name("N")
       ->check(number_in(0, kMaxCpu));

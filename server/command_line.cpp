@@ -36,6 +36,7 @@ struct Words {
   std::vector<std::string> scenes, proxies;
   std::string admin_token_file;
   double snapshot_s = 1;
+  double session_mb = 0, total_mb = 0, reserve_mb = 256;
   std::string log_format = "text";
   net::ServerOptions server;
 };
@@ -172,6 +173,30 @@ SnapshotLimits snapshot_limits(double replay_s) {
   return limits;
 }
 
+void describe_disk(CLI::App& app, Words& line) {
+  const CLI::Range megabytes(0.0, 1e9);
+  app.add_option("--disk-per-session", line.session_mb,
+                 "MB that the journal and the snapshot of a session may have; then it is paused. "
+                 "0: no limit")
+      ->check(megabytes)
+      ->capture_default_str();
+  app.add_option("--disk-total", line.total_mb,
+                 "MB that the files of the data folder may have, closed sessions included; then "
+                 "all sessions are paused. 0: no limit")
+      ->check(megabytes)
+      ->capture_default_str();
+  app.add_option("--disk-reserve", line.reserve_mb,
+                 "MB that stay free on the file system of the data folder: with less, all sessions "
+                 "are paused")
+      ->check(megabytes)
+      ->capture_default_str();
+}
+
+DiskLimits disk_limits(const Words& line) {
+  const auto bytes = [](double mb) { return static_cast<std::uintmax_t>(mb * 1e6); };
+  return {bytes(line.session_mb), bytes(line.total_mb), bytes(line.reserve_mb)};
+}
+
 void describe_tls(CLI::App& app, Words& line) {
   CLI::Option* certificate =
       app.add_option("--tls-cert", line.server.tls_certificate,
@@ -232,6 +257,7 @@ void describe_server(CLI::App& app, Words& line) {
       "host name");
   app.add_option("--allow-origin", line.server.http.allow_origins,
                  "origin of other web pages that may connect, e.g. https://kerf.example");
+  describe_disk(app, line);
   describe_rights(app, line);
   describe_tls(app, line);
   describe_proxy(app, line);
@@ -244,6 +270,7 @@ void describe_server(CLI::App& app, Words& line) {
 /// Turns the words of a valid command line into options.
 std::expected<CommandLine, int> understand(Words line) {
   line.server.snapshots = snapshot_limits(line.snapshot_s);
+  line.server.disk = disk_limits(line);
   for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
   log::open(line.log_format == "json" ? log::Format::kJson : log::Format::kText);
   if (!parse_listen(line.listen, line.server.address, line.server.port)) {

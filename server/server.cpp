@@ -38,6 +38,8 @@ constexpr std::chrono::seconds kDrainTime{2};
 constexpr std::chrono::seconds kReloadTime{1}, kReloadTimeMax{60};
 /// Sessions that are loaded at the same time: each needs a core, and memory beside its block.
 constexpr unsigned kLoadersMax = 4;
+/// Time between two looks at the sizes of the files.
+constexpr std::chrono::seconds kDiskTime{1};
 /// Pause after an accept error, e.g. because the process is out of file descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
@@ -51,12 +53,15 @@ constexpr std::string_view kProxyNeedsRights =
     "--admin-token-file FILE or --open";
 
 void log_pause(const std::string& id, const std::optional<JournalError>& error) {
-  if (error) {
+  if (error && error->code == JournalErrorCode::kDiskBudget) {
+    log::error("session " + id + ": paused: disk: " + error->reason +
+               "; motions are rejected until then");
+  } else if (error) {
     log::error("session " + id + ": paused: disk: " + describe(*error) +
                "; motions are rejected and the commit is tried every " +
                std::to_string(kJournalRetry.count()) + " ms");
   } else {
-    log::info("session " + id + ": the journal is written again; the session continues");
+    log::info("session " + id + ": the journal may be written again; the session continues");
   }
 }
 
@@ -102,7 +107,7 @@ struct Server::Impl {
         snapshots("snapshots", 1, 10),
         registry(
             {options.http.data_folder, options.sessions_max, options.session, log_pause,
-             SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}},
+             SnapshotOptions{&snapshots, options.snapshots, log_snapshot_failure}, options.disk},
             [this](const std::string& id) { return spawner.create_nested("s:" + id, 1, 0); },
             meshing),
         api(options.http, registry, metrics, *access),
@@ -123,6 +128,8 @@ struct Server::Impl {
   /// soon as it works again.
   void load(const std::stop_token& stop);
   void reload(const std::stop_token& stop);
+  /// Keeps the limits of the disk.
+  void watch_disk(const std::stop_token& stop);
 
   ServerOptions options;
   FolderLock lock;  ///< of the data folder; released when all journals are closed
@@ -142,7 +149,7 @@ struct Server::Impl {
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
-  std::jthread loader;
+  std::jthread loader, disk_watch;
 };
 
 void Server::Impl::load(const std::stop_token& stop) {
@@ -175,6 +182,16 @@ void Server::Impl::reload(const std::stop_token& stop) {
     const auto started = registry.retry_disk_failures();
     for (const std::string& id : started) log::info("session " + id + ": its disk works again");
     time = started.empty() ? std::min(2 * time, kReloadTimeMax) : kReloadTime;
+  }
+}
+
+void Server::Impl::watch_disk(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock guard(mutex);
+  while (!stop.stop_requested()) {
+    registry.keep_disk_limits();
+    wake.wait_for(guard, stop, kDiskTime, [] { return false; });
   }
 }
 
@@ -234,6 +251,8 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
   }
   impl->loader =
       std::jthread([server = impl.get()](const std::stop_token& stop) { server->load(stop); });
+  impl->disk_watch = std::jthread(
+      [server = impl.get()](const std::stop_token& stop) { server->watch_disk(stop); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 
@@ -282,6 +301,7 @@ std::expected<void, std::string> Server::listen() {
 void Server::stop() {
   if (std::exchange(impl_->stopped, true)) return;
   impl_->loader = {};  // stops it
+  impl_->disk_watch = {};
   // The acceptor belongs to the viewers' thread: it is closed there and destroyed here.
   std::promise<void> closed;
   impl_->viewers.post([&closed, impl = impl_.get()] {

@@ -31,6 +31,7 @@ struct ServerOptions {
   std::size_t sessions_max = 64;
   SessionLimits session;
   SnapshotLimits snapshots;
+  DiskLimits disk;
   UdpOptions udp;
   std::string admin_token;  ///< empty: none; kept as its hash only
   bool open = false;        ///< who has no token is a guest

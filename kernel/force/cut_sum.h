@@ -4,6 +4,7 @@
 #include "kernel/cut/removal.h"
 #include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/math/rotation.h"
 #include "kernel/math/wrench.h"
 
 namespace kerf {
@@ -28,6 +29,10 @@ constexpr CutSum operator+(const CutSum& a, const CutSum& b) {
 }
 constexpr CutSum operator*(const CutSum& a, double s) {
   return {a.volume_mm3 * s, a.moment_mm4 * s, a.push_mm3 * s, a.turn_mm4 * s};
+}
+/// Returns the sum as it would be had the tool, its axis and the cut been turned together.
+constexpr CutSum turned(const CutSum& s, const Turn& turn) {
+  return {s.volume_mm3, turn(s.moment_mm4), turn(s.push_mm3), turn(s.turn_mm4)};
 }
 
 /// A cut and the displacements of its elements over the sub-motion, weighted by volume. The lengths

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/cutting_force.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "kernel/math/tolerance.h"
@@ -11,6 +12,9 @@ namespace {
 /// Weight of travel along the rays, relative to travel across them, in crossing a column's square:
 /// small, but enough to deliver what is pending when the tool retracts along the rays.
 constexpr double kAlongRays = 0.25;
+/// Least path of delivered elements, relative to the path of those that a motion cuts: it bounds
+/// the force where the tool turns about elements that are still to be delivered.
+constexpr double kDuePathMin = 0.01;
 
 Twist twist_of(const ToolMotion& motion) {
   return {motion.to.tip_mm - motion.from.tip_mm,
@@ -38,6 +42,13 @@ double mean_path_mm(const CutSum& cut, const Twist& twist, Vec3 pivot) {
   return -work(push, {twist.at(pivot), twist.angular}) / cut.volume_mm3;
 }
 
+/// Returns the mean path, mm, of elements of which earlier motions cut a part. Where the tool
+/// turned off since, their pushes do less work; then it is the path of their centroid, which is
+/// never longer than the mean.
+double delivered_path_mm(const CutSum& cut, const Twist& twist, Vec3 pivot) {
+  return std::max(mean_path_mm(cut, twist, pivot), length(twist.at(cut.center_mm())));
+}
+
 CutSum to_world(RayAxis axis, const CutSum& s) {
   return {s.volume_mm3, from_frame(axis, s.moment_mm4), from_frame(axis, s.push_mm3),
           from_frame(axis, s.turn_mm4)};
@@ -62,8 +73,8 @@ void CuttingForce::Part::add(const CutSum& s, double share, double path_mm) {
   swept_mm4 += s.volume_mm3 * path_mm / share;
 }
 
-double CuttingForce::Part::path_mm(double otherwise) const {
-  return sum.volume_mm3 > 0 ? swept_mm4 / sum.volume_mm3 : otherwise;
+double CuttingForce::Part::path_mm() const {
+  return sum.volume_mm3 > 0 ? swept_mm4 / sum.volume_mm3 : 0;
 }
 
 void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion,
@@ -81,11 +92,10 @@ void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const Tool
   gradual_.add(sum * crossing.share, share, crossing.mm);
 }
 
-/// Advances a queue and returns what earlier motions left pending. It pushes as it did when it was
-/// cut, but its component along the tool's present direction is removed: a tool that turns back
-/// cuts nothing, and must not be driven by the force.
-CutSum CuttingForce::carried(TravelQueue& queue, double path_mm, Vec3 direction) const {
-  CutSum due = queue.advance(path_mm);
+/// Returns what earlier motions left pending as it pushes now: as it did when it was cut, but
+/// without its component along the tool's present direction. A tool that turns back cuts nothing,
+/// and must not be driven by the force.
+CutSum CuttingForce::not_driving(CutSum due, Vec3 direction) const {
   const double along = dot(due.push_mm3, direction);
   if (along <= 0) return due;
   const Vec3 taken = direction * -along;
@@ -98,24 +108,35 @@ CutSum CuttingForce::carried(TravelQueue& queue, double path_mm, Vec3 direction)
 
 FeltCut CuttingForce::finish() {
   Engagement& e = engagement_;
+  if (motion_.turn_rad > 0) e.turn({motion_.from.axis, motion_.to.axis});
   const Twist twist = twist_of(motion_);
   const Vec3 displacement = twist.at(all_.sum.volume_mm3 > 0 ? all_.sum.center_mm() : e.center_mm);
   const double distance_mm = length(displacement);
   e.direction = (e.direction * kFeltTravelMm + displacement) * (1 / (kFeltTravelMm + distance_mm));
   const Vec3 direction = normalized(e.direction);
 
-  const double path_mm = all_.path_mm(distance_mm);
-  const double crossing_mm = gradual_.path_mm(crossing_of(displacement).mm);
-  CutSum due = carried(e.gradual, crossing_mm, direction);
-  due = due + carried(e.prompt, path_mm, direction);
-  due = due + e.gradual.take(gradual_.sum, crossing_mm);
-  due = due + e.prompt.take(all_.sum + gradual_.sum * -1, path_mm);
+  const Vec3 pivot = motion_.at(0.5).axis * settings_.pivot_mm;
+  double path_mm = distance_mm, crossing_mm = crossing_of(displacement).mm;
+  if (all_.sum.volume_mm3 > 0) {
+    path_mm = all_.path_mm();
+    if (gradual_.sum.volume_mm3 > 0) crossing_mm = gradual_.path_mm();
+  } else {
+    const CutSum gradual = e.gradual.pending();
+    path_mm = std::max(path_mm, mean_path_mm(gradual + e.prompt.pending(), twist, pivot));
+    crossing_mm = std::max(crossing_mm, mean_path_mm(gradual, twist, pivot));
+  }
+  const CutSum gradual = e.gradual.advance(crossing_mm), prompt = e.prompt.advance(path_mm);
+  const CutSum now = e.gradual.take(gradual_.sum, crossing_mm) +
+                     e.prompt.take(all_.sum + gradual_.sum * -1, path_mm);
+  const double due_path_mm =
+      std::max(delivered_path_mm(gradual + prompt + now, twist, pivot), path_mm * kDuePathMin);
+  const CutSum due = not_driving(gradual, direction) + not_driving(prompt, direction) + now;
   FeltCut felt;
   felt.volume_mm3 = due.volume_mm3;
   if (due.volume_mm3 > 0) e.center_mm = due.center_mm();
   const bool rests = path_mm <= kRestEpsilonMm;
   const CutSum per_mm =
-      rests ? e.gradual.due_per_mm() + e.prompt.due_per_mm() : due * (1 / path_mm);
+      rests ? e.gradual.due_per_mm() + e.prompt.due_per_mm() : due * (1 / due_path_mm);
   felt.area_mm2 = per_mm.volume_mm3;
   felt.center_mm = motion_.at(0.5).tip_mm + e.center_mm;
   if (settings_.law == ForceLaw::kDexelRemovalRate) {

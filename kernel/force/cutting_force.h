@@ -48,10 +48,10 @@ class CuttingForce {
     double swept_mm4 = 0;
     /// `path_mm`: mean path of the elements in the sub-motion, `share` > 0 of the whole.
     void add(const CutSum& s, double share, double path_mm);
-    /// Returns the mean path over which `sum` was removed, or `otherwise` if nothing was.
-    double path_mm(double otherwise) const;
+    /// Returns the mean path over which `sum` was removed; 0 if nothing was.
+    double path_mm() const;
   };
-  CutSum carried(TravelQueue& queue, double path_mm, Vec3 direction) const;
+  CutSum not_driving(CutSum due, Vec3 direction) const;
 
   ForceSettings settings_;
   const ToolMotion& motion_;

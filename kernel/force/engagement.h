@@ -20,6 +20,14 @@ inline constexpr double kFeltTravelMm = 0.01;
 struct Engagement {
   explicit Engagement(double pitch_mm) : gradual(pitch_mm), prompt(kFeltTravelMm / 2) {}
 
+  /// Turns with the tool: what is pending keeps its place on the tool, and its torque about the
+  /// pivot.
+  void turn(const Turn& turn) {
+    gradual.turn(turn);
+    prompt.turn(turn);
+    center_mm = turn(center_mm);
+  }
+
   TravelQueue gradual;  ///< columns removed whole by a wall parallel to the rays
   TravelQueue prompt;   ///< everything else
   Vec3 center_mm;       ///< centroid of the last delivered volume, relative to the tip

@@ -72,14 +72,20 @@ CutSum TravelQueue::take(const CutSum& removed, double path_mm) {
   return removed * now;
 }
 
+void TravelQueue::turn(const Turn& turn) {
+  if (empty_) return;
+  for (CutSum& b : bins_) b = turned(b, turn);
+}
+
 CutSum TravelQueue::due_per_mm() const {
   if (empty_) return {};
   return (bin(0) + bin(1)) * (1 / (head_left_mm_ + bin_mm()));
 }
 
-double TravelQueue::pending_mm3() const {
-  double sum = 0;
-  for (const CutSum& b : bins_) sum += b.volume_mm3;
+CutSum TravelQueue::pending() const {
+  CutSum sum;
+  if (empty_) return sum;
+  for (const CutSum& b : bins_) sum = sum + b;
   return sum;
 }
 

@@ -22,10 +22,13 @@ class TravelQueue {
   /// that is due already. Later advances deliver the rest.
   CutSum take(const CutSum& removed, double path_mm);
 
+  /// Turns what is pending with the tool.
+  void turn(const Turn& turn);
+
   /// Returns what becomes due next, per mm of travel: the engagement of a tool at rest.
   CutSum due_per_mm() const;
-  /// Returns the volume not yet delivered.
-  double pending_mm3() const;
+  /// Returns what is not yet delivered.
+  CutSum pending() const;
 
  private:
   static constexpr int kBinsPerWidth = 8;

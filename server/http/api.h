@@ -105,6 +105,9 @@ class Api {
   ApiResponse create_session(const ApiCall& call);
   ApiResponse session_info(const ApiCall& call);
   ApiResponse close_session(const ApiCall& call);
+  ApiResponse list_closed(const ApiCall& call);
+  ApiResponse reopen_session(const ApiCall& call);
+  ApiResponse delete_closed(const ApiCall& call);
   ApiResponse list_programs(const ApiCall& call);
   ApiResponse start_program(const ApiCall& call);
   ApiResponse program_status(const ApiCall& call);

@@ -58,6 +58,9 @@ ApiResponse Api::upload_file(const ApiCall& call) {
   if (!mesh) return error_response(400, to_string(mesh.error().code), mesh.error().reason);
   const std::string fault = mesh_stock_fault(*mesh);
   if (!fault.empty()) return error_response(400, "not_closed", fault);
+  if (const auto full = registry_.disk_obstacle()) {
+    return error_response(507, to_string(full->code), full->reason);
+  }
   const std::string stored = upload_name(name, request.body);
   const fs::path folder = upload_folder();
   std::error_code ignored;

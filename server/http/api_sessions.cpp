@@ -41,6 +41,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"imprint_volume_mm3", info.imprint_mm3},
           {"journal_lag", info.journal_lag},
           {"paused", info.paused ? Json("disk") : Json()},
+          {"disk_bytes", session.disk_bytes()},
           {"pitch_mm", session.scene().settings.pitch_mm},
           {"accuracy", Json::parse(accuracy_json(session.scene()))},
           {"stock", Json::parse(stock_json(session.scene()))},
@@ -61,6 +62,8 @@ unsigned http_status(RegistryErrorCode code) {
       return 503;
     case RegistryErrorCode::kJournal:
       return 500;
+    case RegistryErrorCode::kDiskFull:
+      return 507;
   }
   return 500;
 }
@@ -132,6 +135,34 @@ ApiResponse Api::close_session(const ApiCall& call) {
     return registry_failure(ok.error());
   }
   return json_response(200, to_text({{"closed", call.session->id()}, {"purged", purge}}));
+}
+
+ApiResponse Api::list_closed(const ApiCall&) {
+  Json list = Json::array();
+  for (const ClosedSession& session : registry_.closed()) {
+    list.push_back({{"name", session.name},
+                    {"id", session.id},
+                    {"bytes", session.bytes},
+                    {"closed_s", session.closed_s == 0 ? Json() : Json(session.closed_s)}});
+  }
+  return json_response(200, to_text({{"closed", list}}));
+}
+
+ApiResponse Api::reopen_session(const ApiCall& call) {
+  LoadReport report;
+  const auto reopened = registry_.reopen(call.captured, report);
+  if (!reopened) return registry_failure(reopened.error());
+  const std::string url = "/v1/sessions/" + (*reopened)->id();
+  const bool recarved = !report.recarved.empty();
+  auto response = json_response(
+      201, to_text({{"id", (*reopened)->id()}, {"url", url}, {"recarved", recarved}}));
+  response.headers.emplace_back("Location", url);
+  return response;
+}
+
+ApiResponse Api::delete_closed(const ApiCall& call) {
+  if (auto ok = registry_.delete_closed(call.captured); !ok) return registry_failure(ok.error());
+  return json_response(200, to_text({{"deleted", call.captured}}));
 }
 
 ApiResponse Api::session_info(const ApiCall& call) {

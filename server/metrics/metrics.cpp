@@ -83,6 +83,13 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
   family("kerf_sessions_loading", "Sessions that are not loaded yet.")
       .Add({})
       .Set(static_cast<double>(registry.loading().size()));
+  const DiskUse disk = registry.disk_use();
+  family("kerf_data_bytes", "Size of all files of the data folder.")
+      .Add({})
+      .Set(static_cast<double>(disk.folder));
+  family("kerf_disk_free_bytes", "Free space of the file system of the data folder.")
+      .Add({})
+      .Set(static_cast<double>(disk.free));
   auto& connections = family("kerf_connections", "Open connections by kind.");
   connections.Add({{"kind", "agent"}}).Set(static_cast<double>(metrics.agents.load()));
   connections.Add({{"kind", "viewer"}}).Set(static_cast<double>(metrics.viewers.load()));
@@ -95,7 +102,7 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
       counter("kerf_journal_commit_seconds_total", "Duration of all commits since the start.");
   auto& pending = family("kerf_journal_oldest_pending_seconds",
                          "Age of the oldest record that is not committed.");
-  auto& bytes = family("kerf_journal_bytes", "Size of the journal on the disk.");
+  auto& bytes = family("kerf_session_bytes", "Size of the journal and the snapshot on the disk.");
   auto& cpu = counter("kerf_participant_cpu_seconds_total",
                       "CPU time that the motions of a participant took on the session's thread.");
   auto& motions = family("kerf_session_motions", "Motions applied since the start.");
@@ -108,7 +115,7 @@ void add_gauges(prometheus::Registry& now, const Metrics& metrics,
     commits.Add(labels).Increment(static_cast<double>(journal.commits));
     commit_s.Add(labels).Increment(journal.commit_s);
     pending.Add(labels).Set(journal.oldest_pending_s);
-    bytes.Add(labels).Set(static_cast<double>(session->journal_bytes()));
+    bytes.Add(labels).Set(static_cast<double>(session->disk_bytes()));
     for (const auto& [id, seconds] : session->cpu_costs()) {
       cpu.Add({{"session", session->id()}, {"participant", std::to_string(id)}}).Increment(seconds);
     }

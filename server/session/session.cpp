@@ -149,16 +149,6 @@ SessionFrame Session::frame(bool with_snapshot) {
   return frame;
 }
 
-std::uintmax_t Session::journal_bytes() const {
-  std::uintmax_t bytes = 0;
-  for (const char* suffix : {"", "-wal", "-shm"}) {
-    std::error_code absent;
-    const auto size = std::filesystem::file_size(journal_.file().string() + suffix, absent);
-    if (!absent) bytes += size;
-  }
-  return bytes;
-}
-
 SessionInfo Session::info() const {
   SessionInfo info;
   info.id = id_;

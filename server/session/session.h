@@ -18,6 +18,7 @@
 #include "server/formats/scene.h"
 #include "server/rights/caller.h"
 #include "server/session/carving.h"
+#include "server/session/disk_limits.h"
 #include "server/session/participants.h"
 #include "server/session/program_runs.h"
 #include "server/session/replay.h"
@@ -95,11 +96,12 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Records not yet committed.
   std::size_t journal_lag() const { return journal_.lag(); }
   /// The error of the disk while the session is paused: motions are rejected with kBusy until the
-  /// journal, which tries every second, can be written again. Nullopt otherwise.
+  /// journal, which tries every second, can be written again, or a limit of the disk allows more.
+  /// Nullopt otherwise.
   std::optional<JournalError> pause() const { return journal_.pause(); }
   JournalFigures journal_figures() const { return journal_.figures(); }
-  /// Size of the journal and its side files, bytes.
-  std::uintmax_t journal_bytes() const;
+  /// Size of the journal, its side files and the snapshot, bytes.
+  std::uintmax_t disk_bytes() const { return session_bytes(journal_.file()); }
   /// Waits for nothing, also while the executor is busy.
   SessionFigures figures() const {
     return {shown_motions_, shown_removed_mm3_, shown_participants_};
@@ -109,6 +111,10 @@ class Session : public std::enable_shared_from_this<Session> {
   /// CPU time of the session's thread by participant, s.
   std::map<ParticipantId, double> cpu_costs() const { return carving_.costs().all(); }
 
+  /// Pauses the session while its files, or all of the folder, have reached a limit; writes no
+  /// snapshots when they are close to it. `shared` is the level of the limits of all sessions. Call
+  /// from one thread at a time.
+  void keep_disk_limits(const DiskLimits& limits, const DiskUse& use, DiskLevel shared);
   /// Writes a snapshot now and then from now on. Call once, when the session has been created.
   void keep_snapshots(SnapshotOptions options);
 
@@ -240,6 +246,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::unique_ptr<SculptureState> last_state_;  ///< of a closed session
   std::mutex snapshot_mutex_;                   ///< held while one is written; guards the next two
   bool snapshots_ended_ = false, snapshots_fail_ = false;
+  std::atomic<bool> disk_is_low_ = false;
+  DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
+  bool held_by_disk_ = false;
   Clock::time_point changes_reported_{};
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;

@@ -28,8 +28,9 @@ class SessionJournal {
   std::uint64_t durable_sequence() const { return writer_.durable_sequence(); }
   /// Records appended and not yet committed.
   std::size_t lag() const { return writer_.lag(); }
-  /// The error of the failed commit while the journal is paused; nullopt otherwise.
+  /// See JournalWriter.
   std::optional<JournalError> pause() const { return writer_.pause(); }
+  void hold(std::optional<JournalError> error) { writer_.hold(std::move(error)); }
   JournalFigures figures() const { return writer_.figures(); }
   /// Blocks until all records appended before the call are committed.
   std::expected<void, JournalError> flush() { return writer_.flush(); }

@@ -57,6 +57,8 @@ const char* to_string(RegistryErrorCode code) {
       return "unknown_session";
     case RegistryErrorCode::kJournal:
       return "journal_error";
+    case RegistryErrorCode::kDiskFull:
+      return "disk_full";
   }
   return "journal_error";
 }
@@ -134,6 +136,7 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
   if (auto ok = check_tiles(probe->grid(), options_.session.tiles_max); !ok) {
     return std::unexpected(ok.error());
   }
+  if (auto full = disk_obstacle()) return std::unexpected(*std::move(full));
   const auto reserved = reserve(std::move(id), scene->name);
   if (!reserved) return std::unexpected(reserved.error());
   JournalHeader header{*reserved, scene_json(*scene), {}, 1, std::exchange(scene->files, {})};
@@ -186,43 +189,6 @@ void SessionRegistry::end(const std::shared_ptr<Session>& session, const std::st
     closed.set_value();
   });
   closed.get_future().wait();
-}
-
-std::expected<void, RegistryError> SessionRegistry::close(const std::string& id, bool purge) {
-  std::shared_ptr<Session> session;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = sessions_.find(id);
-    if (found == sessions_.end() || !found->second) {
-      return std::unexpected(
-          RegistryError{RegistryErrorCode::kUnknown, "unknown session " + id, {}});
-    }
-    session = std::move(found->second);
-    found->second = nullptr;  // the id stays reserved until the file has been moved
-  }
-  end(session, "the session was closed by its operator");
-  const auto flushed = session->finish_journal();
-  const auto file = journal_path(id);
-  std::error_code error;
-  if (purge) {
-    remove_journal(file);
-  } else {
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(
-                             std::chrono::system_clock::now().time_since_epoch())
-                             .count();
-    const auto folder = options_.data_folder / "closed";
-    std::filesystem::create_directories(folder, error);
-    const auto kept = keep_journal(file, folder, id + "-" + std::to_string(seconds));
-    if (!kept) error = kept.error();
-  }
-  const std::lock_guard lock(mutex_);
-  sessions_.erase(id);
-  if (!flushed) return std::unexpected(journal_failure(flushed.error()));
-  if (error) {
-    return std::unexpected(RegistryError{
-        RegistryErrorCode::kJournal, "cannot move the journal: " + error.message(), {}});
-  }
-  return {};
 }
 
 std::vector<JournalError> SessionRegistry::close_all(const std::string& reason,

@@ -19,7 +19,15 @@
 
 namespace kerf {
 
-enum class RegistryErrorCode { kBadId, kBadScene, kExists, kTooMany, kUnknown, kJournal };
+enum class RegistryErrorCode {
+  kBadId,
+  kBadScene,
+  kExists,
+  kTooMany,
+  kUnknown,
+  kJournal,
+  kDiskFull
+};
 struct RegistryError {
   RegistryErrorCode code = RegistryErrorCode::kUnknown;
   std::string reason;  ///< one sentence
@@ -36,6 +44,7 @@ struct RegistryOptions {
   /// it continues, with nullopt; on a thread of the journal.
   std::function<void(const std::string& id, const std::optional<JournalError>&)> on_pause = {};
   SnapshotOptions snapshots = {};
+  DiskLimits disk = {};
 };
 
 /// A session whose journal was written with another version of the kernel: its block has been
@@ -70,6 +79,14 @@ struct LoadReport {
 struct UnreadableSession {
   std::string id;
   JournalError error;
+};
+
+/// A journal in the folder `closed`.
+struct ClosedSession {
+  std::string name;           ///< of its file, without the extension
+  std::string id;             ///< of the session that it was, and that reopen() makes it
+  std::int64_t closed_s = 0;  ///< s since 1970, UTC; 0: unknown
+  std::uintmax_t bytes = 0;   ///< with its snapshot
 };
 
 /// True for a valid session id: 1 to 64 characters from a–z, 0–9, - and _, which are safe in file
@@ -125,9 +142,23 @@ class SessionRegistry {
   /// The sessions that are open or loading, sorted.
   std::vector<std::string> ids() const;
 
-  /// Ends a session. Moves its journal to the folder `closed` (move it back to reopen the session),
-  /// or deletes it with `purge`.
+  /// Measures the data folder and pauses the sessions that have reached a limit. Call now and then
+  /// from one thread.
+  void keep_disk_limits();
+  /// As of the last keep_disk_limits().
+  DiskUse disk_use() const;
+  /// Why nothing may be added to the data folder now; nullopt: it may.
+  std::optional<RegistryError> disk_obstacle() const;
+
+  /// Ends a session. Moves its journal to the folder `closed`, or deletes it with `purge`.
   std::expected<void, RegistryError> close(const std::string& id, bool purge);
+  /// The closed sessions, sorted by name.
+  std::vector<ClosedSession> closed() const;
+  /// Moves a closed session back and opens it; adds the outcome to `report`. Fails if its id is
+  /// taken, and then, or if its journal cannot be loaded, leaves it where it is.
+  std::expected<std::shared_ptr<Session>, RegistryError> reopen(const std::string& name,
+                                                                LoadReport& report);
+  std::expected<void, RegistryError> delete_closed(const std::string& name);
   /// Ends all sessions and commits their journals, when the program exits; peers are asked to go
   /// on at the server `redirect` unless it is empty. Returns the errors of
   /// the journals whose last records could not be written.
@@ -135,6 +166,8 @@ class SessionRegistry {
 
  private:
   std::filesystem::path journal_path(const std::string& id) const;
+  std::filesystem::path closed_folder() const;
+  std::expected<std::filesystem::path, RegistryError> find_closed(const std::string& name) const;
   /// What the journal of a session was found to be when it was opened.
   struct Opened {
     std::int64_t kernel_version = kKernelVersion;
@@ -159,6 +192,8 @@ class SessionRegistry {
   std::set<std::string> loading_;    ///< those that wait, and those that are being loaded
   std::stop_source stop_loading_;
   bool found_ = false;
+  DiskUse disk_use_;
+  DiskLevel disk_level_ = DiskLevel::kFine;  ///< of the limits of all sessions
 };
 
 }  // namespace kerf

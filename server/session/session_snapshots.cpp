@@ -24,7 +24,7 @@ void Session::keep_snapshots(SnapshotOptions options) {
 void Session::write_snapshot_if_due() {
   const auto now = Clock::now();
   if (snapshots_.writer == nullptr || closed_ || is_between_records()) return;
-  if (!schedule_.is_due(sequence(), carving_.work_time(), now)) return;
+  if (!schedule_.is_due(sequence(), carving_.work_time(), now) || disk_is_low_) return;
   schedule_.begin(sequence(), carving_.work_time(), now);
   // Tiles are shared until they are cut next: then each is copied, which takes some microseconds.
   snapshots_.writer->post([self = shared_from_this(), at = sequence(), state = sculpture_.state()] {
@@ -76,7 +76,7 @@ std::expected<void, std::string> Session::write_snapshot_locked(std::uint64_t at
 
 /// Called by close(), after which nothing is applied.
 void Session::keep_last_state() {
-  if (snapshots_.writer == nullptr || is_between_records()) return;
+  if (snapshots_.writer == nullptr || is_between_records() || disk_is_low_) return;
   const auto replay_time = schedule_.replay_time(sequence(), carving_.work_time());
   if (replay_time * kLastSnapshotShare < snapshots_.limits.replay_time) return;
   last_state_ = std::make_unique<SculptureState>(sculpture_.state());

@@ -14,6 +14,7 @@ enum class JournalErrorCode {
   kCorrupt,         ///< `sequence` is the first bad record (0: outside the records)
   kIo,              ///< an operation of the disk or the operating system failed
   kFull,            ///< the disk does not keep up and the bounded buffer is full
+  kDiskBudget,      ///< its files have the size that the limits of the disk allow
   kNotLoaded        ///< its session cannot be loaded for another reason, e.g. lack of memory
 };
 

@@ -91,6 +91,8 @@ const char* to_string(JournalErrorCode code) {
       return "journal_io";
     case JournalErrorCode::kFull:
       return "journal_full";
+    case JournalErrorCode::kDiskBudget:
+      return "disk_budget";
     case JournalErrorCode::kNotLoaded:
       return "journal_not_loaded";
   }

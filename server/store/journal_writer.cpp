@@ -109,20 +109,26 @@ struct JournalWriter::Impl {
 
   /// Wakes the waiting threads; reports the start and the end of a pause.
   void note_outcome(const SqlResult<void>& outcome, std::unique_lock<std::mutex>& lock) {
-    const bool was_paused = failure.has_value();
+    const bool was_paused = pause().has_value();
     failure = outcome ? std::nullopt : std::optional(to_journal_error(file, outcome.error()));
     done.notify_all();
-    if (was_paused == failure.has_value() || !report) return;
+    report_change(was_paused, lock);
+  }
+
+  void report_change(bool was_paused, std::unique_lock<std::mutex>& lock) const {
+    const auto error = pause();
+    if (was_paused == error.has_value() || !report) return;
     const auto call = report;
-    const auto error = failure;
     lock.unlock();
     call(error);
     lock.lock();
   }
 
+  const std::optional<JournalError>& pause() const { return failure ? failure : held; }
+
   /// The error with which append() and flush() fail now.
   std::optional<JournalError> obstacle() const {
-    if (!closed) return failure;
+    if (!closed) return pause();
     return JournalError{JournalErrorCode::kIo, file.string(), 0, "the journal is closed"};
   }
 
@@ -140,6 +146,7 @@ struct JournalWriter::Impl {
   int flushing = 0;
   bool stopping = false, closed = false, retry_now = false;
   std::optional<JournalError> failure;  ///< of the last commit
+  std::optional<JournalError> held;
   std::function<void(const std::optional<JournalError>&)> report;
   std::uint64_t last_sequence;
   std::atomic<std::uint64_t> durable_sequence;
@@ -241,7 +248,13 @@ std::size_t JournalWriter::lag() const {
 }
 std::optional<JournalError> JournalWriter::pause() const {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->failure;
+  return impl_->pause();
+}
+void JournalWriter::hold(std::optional<JournalError> error) {
+  std::unique_lock lock(impl_->mutex);
+  const bool was_paused = impl_->pause().has_value();
+  impl_->held = std::move(error);
+  impl_->report_change(was_paused, lock);
 }
 JournalFigures JournalWriter::figures() const {
   const std::lock_guard lock(impl_->mutex);

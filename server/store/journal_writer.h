@@ -38,7 +38,8 @@ struct JournalFigures {
 ///
 /// After a failed commit (the disk is full, an I/O error) the journal is paused: append() accepts
 /// no command, and nothing else is written until that same group has been committed. The flusher
-/// tries again every kJournalRetry; accepted records stay in memory.
+/// tries again every kJournalRetry; accepted records stay in memory. It is paused too while it is
+/// held: then what was accepted is committed.
 class JournalWriter {
  public:
   static std::expected<JournalWriter, JournalError> create(const std::filesystem::path& file,
@@ -77,11 +78,14 @@ class JournalWriter {
   std::uint32_t epoch() const;
   /// Number of records appended and not yet committed.
   std::size_t lag() const;
-  /// The error of the failed commit while the journal is paused; nullopt otherwise.
+  /// The error of the failed commit, or of hold(), while the journal is paused; nullopt otherwise.
   std::optional<JournalError> pause() const;
+  /// Accepts no command from now on, because of `error`; nullopt ends that.
+  void hold(std::optional<JournalError> error);
   JournalFigures figures() const;
   /// Calls `report` when a pause begins, with its error, and when it ends, with nullopt; on the
-  /// flusher's thread, which must not call this writer. Replaces the previous function.
+  /// flusher's thread or that of hold(), which must not call this writer. Replaces the previous
+  /// function.
   void on_pause(std::function<void(const std::optional<JournalError>&)> report);
   const std::filesystem::path& file() const;
 

@@ -170,7 +170,7 @@ void print_swivels(double pitch_mm) {
   constexpr double kAboveTipMm[] = {-5, 0, 2, 5, 9, 30};
   std::printf(
       "\nSwivels of 14 degrees, 10 mm deep, about a point of the axis at a height above the tip "
-      "(mm), specific energy: work / (u V). With one field the force lags by a pitch of travel.\n");
+      "(mm), until nothing is pending, specific energy: work / (u V).\n");
   std::printf("%-11s %-9s", "tool", "rays");
   for (const double height : kAboveTipMm) std::printf(" %6.0f", height);
   std::printf("\n");

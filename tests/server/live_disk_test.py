@@ -136,6 +136,44 @@ class FullDisk(LiveTest):
         self.assertGreaterEqual(self.server.info()["motions"], 49)
 
 
+class DiskLimits(LiveTest):
+    def test_limits_pause_sessions_and_closed_ones_make_space_and_come_back(self):
+        agent = Agent(self.port, "block")
+        carve(agent, 200)
+        until(self, lambda: self.server.info()["journal_lag"], 0)
+        bytes_now, expected = self.server.info()["disk_bytes"], self.server.hash()
+        self.server.stop()
+        limit = ["--disk-per-session", str(bytes_now / 2e6)]
+        self.server = Server(self.folder.name, *limit)
+        until(self, lambda: self.server.info()["paused"], "disk")
+        self.assertEqual(self.server.http.json("GET", "/readyz")[0], 503)
+        http = self.server.http
+        # The limit of one session is not that of another, nor of the folder.
+        self.server.create("second")
+        carve(Agent(self.server.port, "second"), 20)
+        self.assertEqual(http.json("DELETE", "/v1/sessions/block")[0], 200)
+        closed = http.json("GET", "/v1/closed")[1]["closed"]
+        self.assertEqual([entry["id"] for entry in closed], ["block"])
+        name = closed[0]["name"]
+        self.server.stop()
+        self.server = Server(self.folder.name, "--disk-total", "0.001")
+        http = self.server.http
+        until(self, lambda: self.server.info("second")["paused"], "disk")
+        status, body = http.json("POST", "/v1/sessions?id=third", json.dumps(SCENE))
+        self.assertEqual((status, body["error"]["code"]), (507, "disk_full"))
+        self.assertIn("--disk-total", body["error"]["reason"])
+        status, log = self.server.stop()
+        self.assertEqual(log.count("paused: disk"), 1, log)
+        self.server = Server(self.folder.name)
+        http = self.server.http
+        self.assertEqual(http.json("POST", f"/v1/closed/{name}"),
+                         (201, {"id": "block", "url": "/v1/sessions/block", "recarved": False}))
+        self.assertEqual(self.server.hash(), expected)
+        self.assertEqual(http.json("POST", f"/v1/closed/{name}")[0], 404)
+        self.assertEqual(http.json("DELETE", "/v1/closed/..%2Fblock")[0], 404)
+        carve(Agent(self.server.port, "block"), 20)
+
+
 class UnreadableJournals(LiveTest):
     def restart_with_scene(self):
         scene = os.path.join(self.folder.name, "scene.json")

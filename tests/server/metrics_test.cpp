@@ -48,7 +48,7 @@ TEST_F(MetricsTest, GaugesOfTheJournalFollowItsCommits) {
   EXPECT_GE(value("kerf_journal_commits_total"), 1);
   EXPECT_GT(value("kerf_journal_commit_seconds_total"), 0);
   EXPECT_EQ(value("kerf_journal_oldest_pending_seconds"), 0);
-  EXPECT_GT(value("kerf_journal_bytes"), 4096);
+  EXPECT_GT(value("kerf_session_bytes"), 4096);
 }
 
 TEST_F(MetricsTest, TheCpuTimeOfAParticipantGrowsWhileItCarvesAndEndsWithIt) {

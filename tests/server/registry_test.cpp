@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fstream>
 #include <set>
 
 #include "server/session/replay.h"
@@ -33,6 +34,75 @@ TEST_F(SessionTest, KeptJournalsOfOneNameDoNotOverwriteEachOther) {
     kept.insert(replayed->last_sequence);
   }
   EXPECT_EQ(kept, sequences);
+}
+
+class ClosedSessions : public SessionTest {
+ protected:
+  void SetUp() override {
+    registry.emplace(
+        RegistryOptions{folder.path(), 4, limits},
+        [](const std::string&) { return std::make_shared<ImmediateExecutor>(); }, workers);
+  }
+  std::uint64_t leave_closed() {
+    const auto session = start();
+    sequence = 0;
+    carve_circle(*session, join(*session));
+    const std::uint64_t hash = session->solid().hash();
+    EXPECT_TRUE(registry->close("block", false));
+    return hash;
+  }
+};
+
+TEST_F(ClosedSessions, AreListedAndReopenedToTheBit) {
+  const std::uint64_t hash = leave_closed();
+  const auto closed = registry->closed();
+  ASSERT_EQ(closed.size(), 1U);
+  EXPECT_EQ(closed[0].id, "block");
+  EXPECT_GT(closed[0].closed_s, 1'700'000'000);
+  EXPECT_GT(closed[0].bytes, 1000U);
+  EXPECT_FALSE(registry->find("block"));
+  LoadReport report;
+  const auto reopened = registry->reopen(closed[0].name, report);
+  ASSERT_TRUE(reopened) << reopened.error().reason;
+  EXPECT_EQ(registry->find("block"), *reopened);
+  EXPECT_EQ((*reopened)->solid().hash(), hash);
+  EXPECT_TRUE(registry->closed().empty());
+}
+
+TEST_F(ClosedSessions, KeepTheirPlaceIfTheyCannotBeReopened) {
+  leave_closed();
+  leave_closed();
+  auto closed = registry->closed();
+  ASSERT_EQ(closed.size(), 2U);
+  EXPECT_EQ(closed[1].id, "block");  // also with a name that tells it from the first
+  const auto open = start();
+  LoadReport report;
+  const auto taken = registry->reopen(closed[0].name, report);
+  ASSERT_FALSE(taken);
+  EXPECT_EQ(taken.error().code, RegistryErrorCode::kExists);
+  EXPECT_TRUE(registry->close("block", true));
+  std::ofstream(folder / "closed" / (closed[0].name + ".kerf")) << "broken";
+  EXPECT_FALSE(registry->reopen(closed[0].name, report));
+  EXPECT_EQ(registry->closed().size(), 2U);
+  EXPECT_TRUE(registry->unreadable().empty());
+  EXPECT_TRUE(registry->reopen(closed[1].name, report));
+}
+
+TEST_F(ClosedSessions, AreFoundByNamesOfTheFolderOnly) {
+  leave_closed();
+  start();
+  LoadReport report;
+  for (const char* name : {"block", "../block", "", ".", "closed/block"}) {
+    EXPECT_FALSE(registry->reopen(name, report)) << name;
+    const auto deleted = registry->delete_closed(name);
+    ASSERT_FALSE(deleted) << name;
+    EXPECT_EQ(deleted.error().code, RegistryErrorCode::kUnknown);
+  }
+  EXPECT_TRUE(registry->find("block"));
+  const auto closed = registry->closed();
+  EXPECT_TRUE(registry->delete_closed(closed[0].name));
+  EXPECT_TRUE(registry->closed().empty());
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "closed"));
 }
 
 }  // namespace

@@ -40,12 +40,12 @@ TEST(TravelQueue, DeliversExactlyWhatWasAdded) {
       const double due = step(queue, removed, path);
       EXPECT_GE(due, -1e-9 * in);
       out += due;
-      ASSERT_NEAR(in, out + queue.pending_mm3(), 1e-12 * in + 1e-9);
+      ASSERT_NEAR(in, out + queue.pending().volume_mm3, 1e-12 * in + 1e-9);
     }
     out += queue.advance(2 * kWidth + 1e-9).volume_mm3;
     out += queue.advance(kWidth).volume_mm3;
     EXPECT_NEAR(out, in, 1e-9 * in);
-    EXPECT_EQ(queue.pending_mm3(), 0);
+    EXPECT_EQ(queue.pending().volume_mm3, 0);
     EXPECT_EQ(queue.advance(1).volume_mm3, 0);
   }
 }

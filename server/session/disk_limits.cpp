@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/disk_limits.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <system_error>
+
+#include "server/store/block_snapshot.h"
+
+namespace kerf {
+namespace {
+
+constexpr double kLowShare = 0.9;
+
+std::uintmax_t size_of(const std::filesystem::path& file) {
+  std::error_code absent;
+  const auto size = std::filesystem::file_size(file, absent);
+  return absent ? 0 : size;
+}
+
+/// "12.3 MB".
+std::string megabytes(std::uintmax_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f MB", static_cast<double>(bytes) / 1e6);
+  return text;
+}
+
+}  // namespace
+
+DiskUse measure_disk(const std::filesystem::path& folder) {
+  DiskUse use;
+  std::error_code error;
+  // Files come and go meanwhile.
+  using Iterator = std::filesystem::recursive_directory_iterator;
+  const auto options = std::filesystem::directory_options::skip_permission_denied;
+  for (Iterator entry(folder, options, error); !error && entry != Iterator();
+       entry.increment(error)) {
+    std::error_code gone;
+    if (entry->is_regular_file(gone)) use.folder += size_of(entry->path());
+  }
+  const auto space = std::filesystem::space(folder, error);
+  use.free = error ? std::numeric_limits<std::uintmax_t>::max() : space.available;
+  return use;
+}
+
+std::uintmax_t session_bytes(const std::filesystem::path& journal) {
+  std::uintmax_t bytes = size_of(snapshot_file(journal));
+  for (const char* suffix : {"", "-wal", "-shm"}) bytes += size_of(journal.string() + suffix);
+  return bytes;
+}
+
+DiskLevel disk_level(double share, DiskLevel before) {
+  if (share >= 1) return DiskLevel::kFull;
+  if (share < kLowShare) return DiskLevel::kFine;
+  return before == DiskLevel::kFull ? DiskLevel::kFull : DiskLevel::kLow;
+}
+
+double share_of(std::uintmax_t bytes, std::uintmax_t limit) {
+  return limit == 0 ? 0 : static_cast<double>(bytes) / static_cast<double>(limit);
+}
+
+double shared_share(const DiskUse& use, const DiskLimits& limits) {
+  const auto free = std::max<std::uintmax_t>(use.free, 1);
+  const double reserve = static_cast<double>(limits.reserve) / static_cast<double>(free);
+  return std::max(share_of(use.folder, limits.folder), reserve);
+}
+
+std::string session_full(std::uintmax_t bytes, const DiskLimits& limits) {
+  return "the session's files have " + megabytes(bytes) + " of the " + megabytes(limits.session) +
+         " that --disk-per-session allows: raise it, or close the session and start another";
+}
+
+std::string folder_full(const DiskUse& use, const DiskLimits& limits) {
+  if (share_of(use.folder, limits.folder) < kLowShare) {
+    return "the file system of the data folder has " + megabytes(use.free) +
+           " left, and --disk-reserve keeps " + megabytes(limits.reserve) + " free: make space";
+  }
+  return "the data folder has " + megabytes(use.folder) + " of the " + megabytes(limits.folder) +
+         " that --disk-total allows: raise it, or delete closed sessions";
+}
+
+}  // namespace kerf

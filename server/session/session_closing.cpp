@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of SessionRegistry that closes sessions, lists the closed ones and reopens them.
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "server/session/session_registry.h"
+
+namespace kerf {
+namespace {
+
+RegistryError no_closed_session(const std::string& name) {
+  return {RegistryErrorCode::kUnknown, "no closed session has the name " + name, {}};
+}
+
+/// s since 1970; the smaller numbers at the ends of names tell files of one second apart.
+constexpr std::int64_t kSecondsMin = 1'000'000'000;
+
+/// Takes "-NUMBER" off the end of a name and returns the number; 0: the name has none.
+std::int64_t take_number(std::string_view& name) {
+  const std::size_t dash = name.rfind('-');
+  if (dash == std::string_view::npos || dash == 0) return 0;
+  std::int64_t number = 0;
+  const char* end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data() + dash + 1, end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end) return 0;
+  name = name.substr(0, dash);
+  return number;
+}
+
+/// The id and the time in the name of a closed session, ID-SECONDS or ID-SECONDS-N. Any other name,
+/// as of a file that somebody has put there, is the id.
+ClosedSession parse_name(const std::string& name) {
+  std::string_view id = name;
+  std::int64_t seconds = take_number(id);
+  if (seconds < kSecondsMin) seconds = take_number(id);
+  if (seconds < kSecondsMin) return {name, name, 0, 0};
+  return {name, std::string(id), seconds, 0};
+}
+
+}  // namespace
+
+std::filesystem::path SessionRegistry::closed_folder() const {
+  return options_.data_folder / "closed";
+}
+
+std::expected<void, RegistryError> SessionRegistry::close(const std::string& id, bool purge) {
+  std::shared_ptr<Session> session;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = sessions_.find(id);
+    if (found == sessions_.end() || !found->second) {
+      return std::unexpected(
+          RegistryError{RegistryErrorCode::kUnknown, "unknown session " + id, {}});
+    }
+    session = std::move(found->second);
+    found->second = nullptr;  // the id stays reserved until the file has been moved
+  }
+  end(session, "the session was closed by its operator");
+  const auto flushed = session->finish_journal();
+  const auto file = journal_path(id);
+  std::error_code error;
+  if (purge) {
+    remove_journal(file);
+  } else {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(
+                             std::chrono::system_clock::now().time_since_epoch())
+                             .count();
+    std::filesystem::create_directories(closed_folder(), error);
+    const auto kept = keep_journal(file, closed_folder(), id + "-" + std::to_string(seconds));
+    if (!kept) error = kept.error();
+  }
+  const std::lock_guard lock(mutex_);
+  sessions_.erase(id);
+  if (!flushed) {
+    return std::unexpected(
+        RegistryError{RegistryErrorCode::kJournal, describe(flushed.error()), {}});
+  }
+  if (error) {
+    return std::unexpected(RegistryError{
+        RegistryErrorCode::kJournal, "cannot move the journal: " + error.message(), {}});
+  }
+  return {};
+}
+
+std::vector<ClosedSession> SessionRegistry::closed() const {
+  std::vector<ClosedSession> list;
+  std::error_code absent;
+  for (const auto& entry : std::filesystem::directory_iterator(closed_folder(), absent)) {
+    if (entry.path().extension() != kJournalExtension) continue;
+    ClosedSession session = parse_name(entry.path().stem().string());
+    session.bytes = session_bytes(entry.path());
+    list.push_back(std::move(session));
+  }
+  std::ranges::sort(list, {}, &ClosedSession::name);
+  return list;
+}
+
+std::expected<std::filesystem::path, RegistryError> SessionRegistry::find_closed(
+    const std::string& name) const {
+  const auto sessions = closed();  // a name that is not in the folder is no path either
+  if (std::ranges::find(sessions, name, &ClosedSession::name) == sessions.end()) {
+    return std::unexpected(no_closed_session(name));
+  }
+  return closed_folder() / (name + kJournalExtension);
+}
+
+std::expected<void, RegistryError> SessionRegistry::delete_closed(const std::string& name) {
+  const auto file = find_closed(name);
+  if (!file) return std::unexpected(file.error());
+  remove_journal(*file);
+  std::error_code error;
+  if (!std::filesystem::exists(*file, error)) return {};
+  return std::unexpected(
+      RegistryError{RegistryErrorCode::kJournal, "the file of " + name + " cannot be deleted", {}});
+}
+
+std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::reopen(
+    const std::string& name, LoadReport& report) {
+  const auto file = find_closed(name);
+  if (!file) return std::unexpected(file.error());
+  const std::string id = parse_name(name).id;
+  if (!is_session_id(id)) {
+    return std::unexpected(
+        RegistryError{RegistryErrorCode::kBadId, name + " does not name a session", {}});
+  }
+  if (const auto reserved = reserve(id, {}); !reserved) return std::unexpected(reserved.error());
+  const auto moved = keep_journal(*file, options_.data_folder, id);
+  if (moved) load(id, report);
+  const std::lock_guard lock(mutex_);
+  if (auto session = sessions_[id]) return session;
+  sessions_.erase(id);
+  unreadable_.erase(id);
+  if (!moved) {
+    return std::unexpected(RegistryError{
+        RegistryErrorCode::kJournal, file->string() + ": " + moved.error().message(), {}});
+  }
+  // Back to where it was. If that fails too, the journal is loaded at the next start.
+  (void)keep_journal(*moved, closed_folder(), name);
+  return std::unexpected(RegistryError{
+      RegistryErrorCode::kJournal,
+      report.failures.empty() ? "the server is stopping" : describe(report.failures.back()),
+      {}});
+}
+
+}  // namespace kerf

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parts of Session and SessionRegistry that keep the limits of the disk.
+#include <utility>
+
+#include "server/session/session_registry.h"
+
+namespace kerf {
+
+void Session::keep_disk_limits(const DiskLimits& limits, const DiskUse& use, DiskLevel shared) {
+  const std::uintmax_t bytes = disk_bytes();
+  const DiskLevel own = disk_level(share_of(bytes, limits.session), own_disk_level_);
+  own_disk_level_ = own;
+  const DiskLevel level = std::max(own, shared);
+  disk_is_low_.store(level != DiskLevel::kFine, std::memory_order_relaxed);
+  const bool was_held = std::exchange(held_by_disk_, level == DiskLevel::kFull);
+  if (was_held == held_by_disk_) return;
+  if (!held_by_disk_) return journal_.hold(std::nullopt);
+  const std::string reason =
+      own == DiskLevel::kFull ? session_full(bytes, limits) : folder_full(use, limits);
+  journal_.hold(JournalError{JournalErrorCode::kDiskBudget, journal_.file().string(), 0, reason});
+}
+
+void SessionRegistry::keep_disk_limits() {
+  const DiskUse use = measure_disk(options_.data_folder);
+  DiskLevel shared = DiskLevel::kFine;
+  {
+    const std::lock_guard lock(mutex_);
+    disk_use_ = use;
+    shared = disk_level_ = disk_level(shared_share(use, options_.disk), disk_level_);
+  }
+  for (const auto& session : list()) session->keep_disk_limits(options_.disk, use, shared);
+}
+
+DiskUse SessionRegistry::disk_use() const {
+  const std::lock_guard lock(mutex_);
+  return disk_use_;
+}
+
+std::optional<RegistryError> SessionRegistry::disk_obstacle() const {
+  const DiskUse use = measure_disk(options_.data_folder);
+  const std::lock_guard lock(mutex_);
+  if (disk_level(shared_share(use, options_.disk), disk_level_) != DiskLevel::kFull) {
+    return std::nullopt;
+  }
+  return RegistryError{RegistryErrorCode::kDiskFull, folder_full(use, options_.disk), {}};
+}
+
+}  // namespace kerf
