@@ -45,6 +45,12 @@ class Deadline {
 
 asio::awaitable<std::optional<Loss>> connect(Connection& connection, const LinkSettings& settings) {
   const ServerUrl& server = settings.server;
+  std::optional<net::TlsContext> context;
+  if (server.tls) {
+    auto made = net::TlsContext::of_client(settings.authorities);
+    if (!made) co_return Loss{made.error(), true};
+    context = *std::move(made);
+  }
   tcp::resolver resolver(connection.tcp.get_executor());
   const auto [unresolved, addresses] =
       co_await resolver.async_resolve(server.host, server.port, kAwait);
@@ -61,9 +67,7 @@ asio::awaitable<std::optional<Loss>> connect(Connection& connection, const LinkS
   }
   connection.tcp.set_option(tcp::no_delay(true));
   std::unique_ptr<net::TlsChannel> tls;
-  if (server.tls) {
-    const auto context = net::TlsContext::of_client(settings.authorities);
-    if (!context) co_return Loss{context.error(), true};
+  if (context) {
     tls = std::make_unique<net::TlsChannel>(*context, connection.tcp.native_handle(), server.host);
   }
   connection.stream.emplace(std::move(connection.tcp), std::move(tls));

@@ -61,13 +61,17 @@ void ByteStream::close() {
 
 void ByteStream::read_tls(asio::mutable_buffer to, Done done) {
   const std::span<std::byte> bytes(static_cast<std::byte*>(to.data()), to.size());
-  go_on([this, bytes](std::size_t& count) { return tls_->read(bytes, count); }, std::move(done),
-        true);
+  const auto attempt = [this, bytes](std::size_t& count) {
+    return bytes.empty() ? TlsStep::kDone : tls_->read(bytes, count);
+  };
+  go_on(attempt, std::move(done), true);
 }
 
 void ByteStream::write_tls(Done done) {
-  go_on([this](std::size_t& count) { return tls_->write(outgoing_, count); }, std::move(done),
-        true);
+  const auto attempt = [this](std::size_t& count) {
+    return outgoing_.empty() ? TlsStep::kDone : tls_->write(outgoing_, count);
+  };
+  go_on(attempt, std::move(done), true);
 }
 
 /// Repeats the attempt until it has ended. An operation never ends within the call that starts it.

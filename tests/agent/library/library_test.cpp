@@ -90,6 +90,18 @@ TEST_F(LibraryTest, ServerThatIsAbsentOrRejectsHasAResultOfItsOwn) {
   EXPECT_EQ(connect_fails(options()), KERF_AGENT_REJECTED);
 }
 
+TEST_F(LibraryTest, AuthoritiesThatCannotBeReadAreNamed) {
+  kerf_agent_options given = options();
+  given.server = "https://127.0.0.1:1";
+  given.ca_file = "/no/such/authority.pem";
+  EXPECT_EQ(connect_fails(given), KERF_AGENT_REJECTED);
+  EXPECT_TRUE(std::string_view(kerf_agent_last_error()).contains("/no/such/authority.pem"));
+  // A program of minor 1 ends its options before the field.
+  given.struct_size = offsetof(kerf_agent_options, ca_file);
+  given.patience_s = 0.05;
+  EXPECT_EQ(connect_fails(given), KERF_AGENT_UNREACHABLE);
+}
+
 TEST_F(LibraryTest, GuidesOfTheSessionAreFeltWithoutAnyOption) {
   welcome_.insert(1, R"("guides":[{"kind":"depth","lowest_z_mm":5,"stiffness_n_per_mm":0.5}],)");
   serve();
