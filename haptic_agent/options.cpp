@@ -166,7 +166,8 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
       ->check(CLI::Validator(check_session, ""));
   app.add_option(
          "--device", texts.devices,
-         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; plugin:FILE.so[:ARGUMENT]: a "
+         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; gamepad[:/dev/input/eventN]: a "
+         "gamepad, with rumble; plugin:FILE.so[:ARGUMENT]: a "
          "driver in a shared library (kerf_agent.h); socket:PATH, socket:HOST:PORT: a device that "
          "another process serves; sim: a simulated hand that carves a figure; sim:FILE: a "
          "simulated hand that follows an .apt, .cls or .csv path; replay:FILE: the exact path, "
