@@ -88,6 +88,11 @@ void describe_force(CLI::App& app, Options& options, Texts& texts) {
       ->type_name("NMM")
       ->check(number_in(0.0, kMaxTorqueNmm))
       ->capture_default_str();
+  app.add_option("--guides", options.guide_strength,
+                 "strength of the session's guides, from 0 (off) to 1 (as the scene states)")
+      ->type_name("STRENGTH")
+      ->check(number_in(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--cpu", options.cpu, "processor to pin the 1 kHz loop to, from 0")
       ->type_name("N")
       ->check(number_in(0, kMaxCpu));
@@ -155,7 +160,8 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
       ->check(CLI::Validator(check_session, ""));
   app.add_option(
          "--device", texts.devices,
-         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; plugin:FILE.so[:ARGUMENT]: a "
+         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; gamepad[:/dev/input/eventN]: a "
+         "gamepad, with rumble; plugin:FILE.so[:ARGUMENT]: a "
          "driver in a shared library (kerf_agent.h); socket:PATH, socket:HOST:PORT: a device that "
          "another process serves; sim: a simulated hand that carves a figure; sim:FILE: a "
          "simulated hand that follows an .apt, .cls or .csv path; replay:FILE: the exact path, "

@@ -13,6 +13,7 @@
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/force_notice.h"
+#include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/replica/replica_thread.h"
 #include "haptic_agent/servo/watchdog.h"
 #include "haptic_agent/summary.h"
@@ -80,11 +81,15 @@ std::expected<std::uint32_t, std::string> pick_tool(const Options& options,
 }
 
 /// Creates the device and tells the user; null, with the reason printed, if that fails.
-std::unique_ptr<HapticDevice> open_device(const Options& options, const Welcome& welcome) {
-  auto device = make_device(
-      options.device,
-      {.stock = welcome.stock, .pivot_mm = welcome.pivot_mm, .participant = welcome.participant},
-      options.device_options);
+std::unique_ptr<HapticDevice> open_device(const Options& options, const Welcome& welcome,
+                                          std::uint32_t tool) {
+  auto device = make_device(options.device,
+                            {.stock = welcome.stock,
+                             .pivot_mm = welcome.pivot_mm,
+                             .participant = welcome.participant,
+                             .tools = welcome.tool_ids,
+                             .tool = tool},
+                            options.device_options);
   if (!device) {
     print_line(device.error());
     return nullptr;
@@ -134,9 +139,10 @@ ReplicaExchange* start_replica(ReplicaThread& replica, ReplicaExchange& exchange
   return &exchange;
 }
 
-/// Tells the user if cuts with the first tool may exceed the device.
+/// Tells the user of the session's guides, and if cuts with the first tool may exceed the device.
 void notify_of_force(const std::expected<BlockSource, std::string>& block, const Welcome& welcome,
-                     const ServoSettings& settings) {
+                     const ServoSettings& settings, const std::string& guides) {
+  if (!guides.empty()) print_line(guides);
   if (!block) return;
   const std::uint32_t tool = settings.tool_id;
   const std::string notice = force_notice(welcome, settings, tool, block->full_cut_mm2(tool));
@@ -221,12 +227,13 @@ int run_agent(Options options) {
   joined.store(true);
   summary.welcome = *welcome;
   const auto tool = pick_tool(options, *welcome);
-  if (!tool) {
+  const auto guides = guides_of(welcome->text);
+  if (!tool || !guides) {
     link.stop(0);
-    print_line(tool.error());
+    print_line(!tool ? tool.error() : guides.error());
     return kFailed;
   }
-  const auto device = open_device(options, *welcome);
+  const auto device = open_device(options, *welcome, *tool);
   if (!device) {
     link.stop(0);
     return kFailed;
@@ -234,9 +241,11 @@ int run_agent(Options options) {
 
   const ServoSettings settings = servo_settings(options, *welcome, *device, *tool);
   auto block = BlockSource::read(welcome->text);
-  notify_of_force(block, *welcome, settings);
+  notify_of_force(block, *welcome, settings, guide_notice(*guides, options.guide_strength));
+  GuideModel guidance(*guides, settings, options.guide_strength);
   ServoCycle cycle(*device, samples, wrenches, link, settings,
-                   keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr);
+                   keep_copy ? start_replica(replica, exchange, std::move(block)) : nullptr,
+                   &guidance);
   {
     const TripWriter trips(cycle.recorder(), options.trip_log);
     std::optional<TerminalView> view;
@@ -245,6 +254,7 @@ int run_agent(Options options) {
   }
   replica.stop();
   summary.copy = replica.report();
+  summary.guides = guidance.uses();
   link.stop(kDrainS);
   summary.link = link.report();
 

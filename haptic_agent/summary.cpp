@@ -128,6 +128,14 @@ json copy_json(const Summary& s) {
           {"error", s.copy.error}};
 }
 
+json guides_json(const Summary& s) {
+  json guides = json::array();
+  for (const GuideUse& use : s.guides) {
+    guides.push_back({{"kind", use.kind}, {"ticks", use.ticks}, {"max_n", use.max_force_n}});
+  }
+  return guides;
+}
+
 json safety_json(const Summary& s) {
   return {{"trips", s.trips},
           {"last_trip", to_string(s.last_trip)},
@@ -191,6 +199,21 @@ std::string durable_line(const LinkReport& link) {
   return out.str();
 }
 
+/// Returns the line about the guides; empty if there are none.
+std::string guides_line(const std::vector<GuideUse>& guides) {
+  if (guides.empty()) return {};
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(2) << "guides   ";
+  const char* separator = "";
+  for (const GuideUse& use : guides) {
+    out << separator << use.kind << " in " << use.ticks << " ticks, up to " << use.max_force_n
+        << " N";
+    separator = "; ";
+  }
+  out << '\n';
+  return out.str();
+}
+
 struct Copy {
   const ReplicaReport& of;
 };
@@ -225,9 +248,9 @@ void print_summary(std::ostream& out, const Summary& s) {
       << std::setprecision(2) << s.servo.max_force_n << " N and " << s.servo.max_torque_nmm
       << " N·mm (server: " << l.max_server_force_n << " N), saturated in " << s.saturated_ticks
       << " ticks, faded in " << s.servo.decayed_ticks << '\n'
-      << felt_lines(s.servo.felt) << Copy{s.copy} << "energy   " << -s.given_mj
-      << " mJ dissipated, at most " << s.most_returned_mj << " mJ returned over any interval; "
-      << s.projected_wrenches << " wrenches reduced\n"
+      << felt_lines(s.servo.felt) << guides_line(s.guides) << Copy{s.copy} << "energy   "
+      << -s.given_mj << " mJ dissipated, at most " << s.most_returned_mj
+      << " mJ returned over any interval; " << s.projected_wrenches << " wrenches reduced\n"
       << "safety   " << s.trips << " trips" << (s.trips > 0 ? ", last: " : "")
       << (s.trips > 0 ? to_string(s.last_trip) : "") << "; degraded in " << s.degraded_ticks
       << " ticks; stopped by the watchdog " << s.watchdog_stops << " times\n"
@@ -255,6 +278,7 @@ std::string summary_json(const Summary& s) {
                         {"servo", servo_json(s)},
                         {"link", link_json(s)},
                         {"force", force_json(s)},
+                        {"guides", guides_json(s)},
                         {"copy", copy_json(s)},
                         {"safety", safety_json(s)},
                         {"removed_mm3", l.removed_mm3},

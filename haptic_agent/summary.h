@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <ostream>
 #include <string>
+#include <vector>
 
+#include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/link/server_link.h"
 #include "haptic_agent/realtime/realtime_thread.h"
 #include "haptic_agent/replica/replica_thread.h"
@@ -35,6 +37,7 @@ struct Summary {
   double most_returned_mj = 0;
   LinkReport link;
   ReplicaReport copy;
+  std::vector<GuideUse> guides;
 };
 
 /// Prints the summary as text.

@@ -102,6 +102,8 @@ std::optional<SessionFailure> AgentSession::join() {
     return SessionFailure{KERF_AGENT_NO_TOOL, "the session has no tool " + std::to_string(wanted)};
   }
   lever_mm_ = std::max(1.0, welcome_.pivot_mm);
+  const auto guides = guides_of(welcome_.text);
+  if (!guides) return SessionFailure{KERF_AGENT_REJECTED, guides.error()};
   ReplicaExchange* replica = nullptr;
   if (options_.keep_copy) {
     auto block = BlockSource::read(welcome_.text);
@@ -117,7 +119,9 @@ std::optional<SessionFailure> AgentSession::join() {
                                                                 .tool_id = tool(),
                                                                 .model = {.law = welcome_.law},
                                                                 .pivot_mm = welcome_.pivot_mm});
-  cycle_.emplace(device_, samples_, wrenches_, *link_, settings, replica);
+  if (!guides->empty()) guidance_.emplace(*guides, settings, 1.0);
+  cycle_.emplace(device_, samples_, wrenches_, *link_, settings, replica,
+                 guidance_ ? &*guidance_ : nullptr);
   return std::nullopt;
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/library/kerf_agent.h"
 #include "haptic_agent/link/server_link.h"
 #include "haptic_agent/replica/replica_thread.h"
@@ -105,6 +106,7 @@ class AgentSession {
   std::unique_ptr<ServerLink> link_;
   Welcome welcome_;
   GivenDevice device_;
+  std::optional<GuideModel> guidance_;
   std::optional<ServoCycle> cycle_;
   double lever_mm_ = 1;
   bool closed_ = false;

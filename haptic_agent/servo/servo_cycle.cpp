@@ -73,12 +73,14 @@ ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings setti
 
 ServoCycle::ServoCycle(HapticDevice& device, SampleRing& samples,
                        LatestValue<ServerWrench>& wrenches, SampleListener& listener,
-                       const ServoSettings& settings, ReplicaExchange* replica) noexcept
+                       const ServoSettings& settings, ReplicaExchange* replica,
+                       Guidance* guidance) noexcept
     : device_(device),
       samples_(samples),
       wrenches_(wrenches),
       listener_(listener),
       replica_(replica),
+      guidance_(guidance),
       settings_(settings),
       model_(settings.model),
       velocity_(settings.velocity_cutoff_hz),
@@ -101,7 +103,7 @@ bool ServoCycle::tick(std::uint64_t now_us) noexcept {
   const Twist moved = follow(state, usable, now_us, dt_s);
   output_.settle(moved, now_us - passed_us, now_us);
   const bool cutting = (state.buttons & wire::kButtonCutting) != 0;
-  computed_ = {};
+  computed_ = guided_ = {};
   const Wrench wrench = usable ? requested_wrench(now_us, cutting, dt_s) : Wrench{};
   const SafetyInput seen = safety_input(state, usable, wrench);
   const bool tripped = supervisor_.phase() == ServoPhase::kSafe;
@@ -218,6 +220,12 @@ Wrench ServoCycle::requested_wrench(std::uint64_t now_us, bool cutting, double d
       own = own + interpolator_.newest().wrench;
       break;
   }
+  if (guidance_ != nullptr) {
+    guided_ = guidance_->at(now_);
+    own = own + guided_;
+    computed_ = computed_ + guided_;
+    guided_ = guided_ * share;
+  }
   return own * share;
 }
 
@@ -238,6 +246,7 @@ SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
           .answer_age_us = has_answer_ ? answer_age(last_us_) : 0,
           .lost_now = lost_now_,
           .requested = requested,
+          .guided = guided_,
           .output = output_.released(),
           .starving = output_.passivity().starving(),
           .overdrawn = output_.passivity().overdrawn()};

@@ -9,6 +9,7 @@
 #include "haptic_agent/servo/felt.h"
 #include "haptic_agent/servo/flight_recorder.h"
 #include "haptic_agent/servo/grip_history.h"
+#include "haptic_agent/servo/guidance.h"
 #include "haptic_agent/servo/local_model.h"
 #include "haptic_agent/servo/output_stage.h"
 #include "haptic_agent/servo/replica_exchange.h"
@@ -93,10 +94,10 @@ struct ServoStatus {
 /// passive, limited. No allocation, lock, exception or printing.
 class ServoCycle final : public ServoTask {
  public:
-  /// All references and `replica` must outlive the cycle. `replica` may be null.
+  /// All references, `replica` and `guidance` must outlive the cycle. The last two may be null.
   ServoCycle(HapticDevice& device, SampleRing& samples, LatestValue<ServerWrench>& wrenches,
              SampleListener& listener, const ServoSettings& settings,
-             ReplicaExchange* replica = nullptr) noexcept;
+             ReplicaExchange* replica = nullptr, Guidance* guidance = nullptr) noexcept;
 
   bool tick(std::uint64_t now_us) noexcept override;
 
@@ -124,6 +125,7 @@ class ServoCycle final : public ServoTask {
   LatestValue<ServerWrench>& wrenches_;
   SampleListener& listener_;
   ReplicaExchange* replica_;
+  Guidance* guidance_;
   ServoSettings settings_;
   WrenchInterpolator interpolator_;
   LocalModel model_;
@@ -137,6 +139,8 @@ class ServoCycle final : public ServoTask {
   PastGrip now_;
   /// Wrench of the followed participant, low-pass filtered.
   Wrench followed_{};
+  /// Part of the requested wrench that comes from the guides.
+  Wrench guided_{};
   /// The wrench that the session computes at the newest pose, and the share of it that is output.
   Wrench computed_{};
   double share_ = 1;

@@ -94,7 +94,7 @@ void Supervisor::advance(const SafetyInput& in) noexcept {
       next = ServoPhase::kArmed;
       break;
     case ServoPhase::kArmed:
-      holds = fresh && in.tip_mm_per_s < kArmingMmPerS && small(in.requested);
+      holds = fresh && in.tip_mm_per_s < kArmingMmPerS && small(in.requested - in.guided);
       wait_us = kArmingUs;
       next = ServoPhase::kRamp;
       break;

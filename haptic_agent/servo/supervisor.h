@@ -96,6 +96,7 @@ struct SafetyInput {
   std::uint64_t answer_age_us = 0;
   std::uint64_t lost_now = 0;  ///< ticks lost since the previous one
   Wrench requested{};          ///< before the gain is applied
+  Wrench guided{};             ///< part of it that guides ask for: no reason not to arm
   Wrench output{};             ///< of the previous tick
   bool starving = false;
   bool overdrawn = false;

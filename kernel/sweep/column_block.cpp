@@ -48,7 +48,15 @@ void ColumnBlock::add_among(int row, const LaneMask& adds, const Lanes& lo, cons
   if (any(stays_apart)) keep_apart(row, stays_apart, joined_lo, joined_hi);
 }
 
+/// Keeps an interval apart, where entries of the row are empty if there are any: so there are no
+/// more entries than intervals apart in one column at a time, times the columns.
 void ColumnBlock::keep_apart(int row, const LaneMask& which, const Lanes& lo, const Lanes& hi) {
+  for (Apart& a : apart) {
+    if (a.row != row || any(which & (a.lo_mm <= a.hi_mm))) continue;
+    a.lo_mm = select(which, lo, a.lo_mm);
+    a.hi_mm = select(which, hi, a.hi_mm);
+    return;
+  }
   const Lanes none = Lanes(std::numeric_limits<double>::infinity());
   apart.push_back({row, select(which, lo, none), select(which, hi, -none)});
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -14,7 +15,8 @@ namespace kerf {
 inline constexpr int kBlockSide = kLanes;
 
 /// A block of 8 x 8 columns, and the intervals of heights that a sweep removes from them: the unit
-/// of work. Most columns lose one interval; further ones that do not join it are in `apart`.
+/// of work. Most columns lose one interval; further ones that do not join it are in
+/// `apart`.
 struct ColumnBlock {
   /// Further intervals of a row.
   struct Apart {
@@ -41,6 +43,9 @@ struct ColumnBlock {
   unsigned raised_rows = 0;
   LaneMask raised[kBlockSide];
   unsigned filled = 0;  ///< bit r: row r holds intervals
+  /// Rows of eight rays that were met at a station in the middle of a stretch: the work beyond that
+  /// of a motion's own stations. Only added to.
+  std::int64_t stations = 0;
 
   /// Empties all rows.
   void clear() {

@@ -24,7 +24,7 @@ SlicePath make_path(const Extent& e, const ToolPose& from, const ToolPose& to,
   const TurningFrame frame(from, to);
   const double reach = upper_reach(e);
   const double speed = length(frame.v) + frame.turn * reach;
-  return {frame, search, speed > 0 ? speed : 1, 0, {}};
+  return {frame, search, reach, speed > 0 ? speed : 1, 0, {}};
 }
 
 /// Greatest number of parts whose stations are kept in a DiscPath, and least vertical component of
@@ -59,13 +59,12 @@ DiscPose disc_pose(const TurningFrame& frame, double anchor, const DiscPlanes& d
           square(discs.high_radius)};
 }
 
-DiscPath disc_path(const ToolPiece& slice, double anchor, const SlicePath& path) {
+DiscPath disc_path(const DiscPlanes& discs, double anchor, const SlicePath& path) {
   DiscPath result;
   const TurningFrame& f = path.frame;
   result.least_uz = f.u.z - f.turn;
   result.anchor = anchor;
   if (!(result.least_uz > kDiscUprightMin)) return result;
-  const DiscPlanes discs = disc_planes(slice);
   const int parts = path.search.parts;
   for (int i = parts <= kDiscPartsMax ? 0 : parts; i <= parts; ++i) {
     result.poses.push_back(disc_pose(f, anchor, discs, double(i) / parts));
@@ -86,11 +85,12 @@ Discs rows_of(const ColumnBlock& block) {
 MovingSlice::MovingSlice(const ToolPiece& slice, const ToolPose& from, const ToolPose& to,
                          ShownDiscs shown, const SliceSearch& search)
     : side_(side_of(slice)),
+      disc_planes_(disc_planes(slice)),
       path_(make_path(extent(slice), from, to, search)),
       shown_(shown),
       ahead_(slice, to, from, {true, !shown.upper_is_outside}) {
   const double anchor = std::visit([](const auto& side) { return side.anchor; }, side_);
-  path_.discs = disc_path(slice, anchor, path_);
+  path_.discs = disc_path(disc_planes_, anchor, path_);
 }
 
 RowBits MovingSlice::know(const ColumnBlock& block) const {
@@ -110,25 +110,45 @@ RowBits MovingSlice::know(const ColumnBlock& block) const {
   return known;
 }
 
-void MovingSlice::add_simple_rows(ColumnBlock& block, const RowBits& known) const {
+void MovingSlice::set_bare_search(const SliceSearch& search) {
+  bare_path_ = path_;
+  bare_path_->search = search;
+  bare_path_->discs = disc_path(disc_planes_, path_.discs.anchor, *bare_path_);
+}
+
+void MovingSlice::add_simple_rows(const SlicePath& path, ColumnBlock& block,
+                                  const RowBits& known) const {
   if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    add_simple_cone_rows(*cone, path_, known, block);
+    add_simple_cone_rows(*cone, path, known, block);
   } else {
-    add_simple_arc_rows(std::get<ArcSide>(side_), path_, known, block);
+    add_simple_arc_rows(std::get<ArcSide>(side_), path, known, block);
   }
 }
 
-void MovingSlice::add_simple_rows(ColumnBlock& block) const { add_simple_rows(block, know(block)); }
+void MovingSlice::add_simple_rows(ColumnBlock& block) const {
+  add_simple_rows(path_, block, know(block));
+}
+
+void MovingSlice::evaluate(const SlicePath& path, ColumnBlock& block, const RowBits& known) const {
+  add_simple_rows(path, block, known);
+  if (block.rows == 0) return;
+  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
+    evaluate_cone(*cone, path, known, block);
+  } else {
+    evaluate_arc(std::get<ArcSide>(side_), path, known, block);
+  }
+}
 
 void MovingSlice::evaluate(ColumnBlock& block) const {
   const RowBits known = know(block);
-  add_simple_rows(block, known);
-  if (block.rows == 0) return;
-  if (const auto* cone = std::get_if<ConeSide>(&side_)) {
-    evaluate_cone(*cone, path_, known, block);
-  } else {
-    evaluate_arc(std::get<ArcSide>(side_), path_, known, block);
-  }
+  unsigned bare = 0;
+  if (bare_path_ && !shown_.lower) bare |= ~block.below_is_swept;
+  if (bare_path_ && !shown_.upper && !shown_.upper_is_outside) bare |= ~block.above_is_swept;
+  bare &= block.rows;
+  block.rows &= ~bare;
+  if (block.rows != 0) evaluate(path_, block, known);
+  block.rows = bare;
+  if (bare != 0) evaluate(*bare_path_, block, known);
 }
 
 }  // namespace kerf

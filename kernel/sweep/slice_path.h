@@ -61,6 +61,7 @@ struct DiscPath {
 struct SlicePath {
   TurningFrame frame;
   SliceSearch search;
+  double reach_mm;      ///< greatest distance of a point of the slice from the tip
   double speed_max_mm;  ///< greatest speed of a point of the slice, per unit of share
   double lowest_mm;     ///< lower bound of the slice's heights, relative to the middle tip
   DiscPath discs;

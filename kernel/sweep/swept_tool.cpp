@@ -26,11 +26,13 @@ struct PiecePlan {
   ToolPiece piece;
   std::size_t which;  ///< of the tool's pieces
   std::int64_t parts;
-  double top_mm;       ///< of the block
-  double bend_mm = 0;  ///< κ of a slice
-  bool round = false;  ///< the curvature of the slice exceeds the bend
+  double top_mm;            ///< of the block
+  double bend_mm = 0;       ///< κ of a slice
+  double bare_bend_mm = 0;  ///< κ of it and of its discs, hidden or not
+  bool round = false;       ///< the curvature of the slice exceeds the bend
   ShownDiscs shown = {true, true};
   bool shows_edge = true;       ///< a disc that shows makes an edge with the side
+  bool hides_edge = false;      ///< so does one that a neighbor hides, where it is not swept
   std::optional<double> still;  ///< height of the point of the axis that stays at rest
 };
 
@@ -79,6 +81,11 @@ struct SliceSpeeds {
   }
 };
 
+/// Returns the number of parts of a slice whose ends may bend by `bend_mm`.
+std::int64_t parts_of(double bend_mm, double tolerance_mm) {
+  return parts(std::sqrt(bend_mm / (8 * kStationShare * tolerance_mm)));
+}
+
 /// Sets κ of a slice that turns by `m`, and its number of parts (kernel/sweep/README.md, "The tight
 /// model").
 void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
@@ -87,16 +94,17 @@ void plan_slice(PiecePlan& plan, const ToolMotion& m, double tolerance_mm) {
   const double nu = axial_normal(plan.piece);
   plan.bend_mm = 2 * m.turn_rad * (v.across * nu + v.along) +
                  m.turn_rad * m.turn_rad * (e.radius_mm + e.z1_mm * nu);
+  const double bend_of_disc = 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.z1_mm;
+  plan.bare_bend_mm = std::max(plan.bend_mm, bend_of_disc);
   if (plan.shows_edge) {
-    plan.bend_mm =
-        std::max(plan.bend_mm, 2 * m.turn_rad * v.across + m.turn_rad * m.turn_rad * e.z1_mm);
+    plan.bend_mm = plan.bare_bend_mm;
   } else if (const auto* f = std::get_if<FrustumPiece>(&plan.piece)) {
     // If the slice is round, each ray has a single local extremum.
     const double k = slope(*f);
     const double round2 = v.across_least * v.across_least - k * k * v.along * v.along;
     plan.round = round2 >= plan.bend_mm * e.radius_mm * std::sqrt(1 + k * k);
   }
-  if (!plan.round) plan.parts = parts(std::sqrt(plan.bend_mm / (8 * kStationShare * tolerance_mm)));
+  if (!plan.round) plan.parts = parts_of(plan.bend_mm, tolerance_mm);
 }
 
 /// Returns the parameters of the search for the ends of a slice. Rays with a non-connected hit set
@@ -145,11 +153,15 @@ std::vector<PiecePlan> plan_pieces(const Tool& tool, const ToolMotion& m,
       plan.shown = {!covers(below, e.z0_mm, radius_at(whole, e.z0_mm)),
                     !clipped && !covers(above, e.z1_mm, radius_at(whole, e.z1_mm)), clipped};
       const auto* arc = std::get_if<ArcPiece>(&whole);
-      plan.shows_edge = (plan.shown.lower && !(arc != nullptr && is_level_below(*arc))) ||
-                        (plan.shown.upper && !(arc != nullptr && is_level_above(*arc)));
+      const bool edge_below = radius_at(whole, e.z0_mm) > kTipMm && !(arc && is_level_below(*arc));
+      const bool edge_above = radius_at(whole, e.z1_mm) > kTipMm && !(arc && is_level_above(*arc));
+      plan.shows_edge = (plan.shown.lower && edge_below) || (plan.shown.upper && edge_above);
+      plan.hides_edge =
+          (!plan.shown.lower && edge_below) || (!plan.shown.upper && !clipped && edge_above);
       if (m.turn_rad > 0) {
         plan_slice(plan, m, settings.tolerance_mm);
         plan.still = still_point(extent(*piece), m);
+        plan.hides_edge |= plan.still.has_value();
       }
     }
     plans.push_back(plan);
@@ -181,7 +193,19 @@ SweptPiece sweep_slice(const ToolPiece& piece, ShownDiscs shown, const PiecePlan
     if (settings.start_is_cut) sweep.set_trail(Trail(piece, m.from, m.to, shown));
     return sweep;
   };
-  if (m.turn_rad > 0) return trailing(TurningSweep(piece, m.from, m.to, shown, search));
+  if (m.turn_rad > 0) {
+    TurningSweep sweep(piece, m.from, m.to, shown, search);
+    // Without a trail no neighbor is left out.
+    if (settings.start_is_cut && plan.hides_edge && !plan.shows_edge) {
+      PiecePlan bare = plan;
+      bare.bend_mm = plan.bare_bend_mm;
+      bare.parts = std::max(plan.parts, parts_of(bare.bend_mm, settings.tolerance_mm));
+      bare.shows_edge = true;
+      bare.round = false;
+      sweep.set_bare_search(search_of(bare, m, settings.tolerance_mm));
+    }
+    return trailing(std::move(sweep));
+  }
   if (const auto* f = std::get_if<FrustumPiece>(&piece)) {
     return trailing(FrustumTranslation(*f, m.from, m.to, shown, search));
   }

@@ -27,23 +27,69 @@ KERF_INLINE Lanes least_share(const SlicePath& path, const Meeting& m, Lanes adv
   return greater(m.off_side / closing, m.clearance / path.speed_max_mm);
 }
 
+/// A row of eight rays.
+struct RayRow {
+  Lanes x, y;
+  int number;
+  bool hides_entry, hides_exit;  ///< as in RowBits
+};
+
 /// The rays of a stretch that are bisected, and those that are searched.
 struct Division {
   LaneMask halved, searched;
 };
 
+/// Returns the depth in the piece of the middle of each ray's interval at a station.
+template <class Side>
+KERF_INLINE Lanes depth_at(const Side& side, const SlicePath& path, const RayRow& row, Lanes share,
+                           const Meeting& m) {
+  const TurningFrame::Poses pose = path.frame.at(share);
+  const Vec3Lanes& u = pose.u;
+  const Vec3Lanes anchor = u * Lanes(side.anchor);
+  const Vec3Lanes p{row.x - (pose.tip.x + anchor.x), row.y - (pose.tip.y + anchor.y),
+                    (m.lo + m.hi) * 0.5 - (pose.tip.z + anchor.z)};
+  const Lanes l = dot(p, u);
+  return -greater(side.clearance(p, l, u), greater(side.low - l, l - side.high));
+}
+
+/// Returns which rays that are hit at both stations may leave the piece in between by more than the
+/// search may miss (kernel/sweep/README.md, "Rays met intermittently").
+template <class Side>
+KERF_INLINE LaneMask may_leave(const Side& side, const SlicePath& path, const RayRow& row,
+                               const Stretch& stretch) {
+  const Meeting &first = stretch.first, &last = stretch.last;
+  const TurningFrame& f = path.frame;
+  const Lanes length = stretch.to - stretch.from;
+  const Lanes rise = ((last.lo + last.hi) - (first.lo + first.hi)) * 0.5;
+  const Vec3Lanes run = Vec3Lanes{Lanes(0), Lanes(0), rise} - f.v * length;
+  const Vec3Lanes aside = cross(f.k, run);
+  const Lanes turn = f.turn * length;
+  const Lanes bulge = turn * (0.125 * path.reach_mm * turn + 0.25 * square_root(dot(aside, aside)));
+  const LaneMask far = bulge > path.search.search_mm;
+  if (!any(far)) return far;
+  return far & (bulge > lesser(depth_at(side, path, row, stretch.from, first),
+                               depth_at(side, path, row, stretch.to, last)));
+}
+
 /// Divides the rays of a stretch. Bisected are rays that the piece may hit late, leave or hit
 /// again: all except those inside at both stations without a gap in between, and those that cannot
 /// be reached from either station, which are not searched either. A ray that crosses a hidden disc
 /// is inside a neighbor, so only the side counts then. From the level that the bend requires on,
-/// only rays that are inside at both stations, but in separate intervals, are bisected.
-KERF_INLINE Division divide(const SlicePath& path, const Stretch& stretch, LaneMask asked,
-                            double top, int level) {
+/// only rays that are inside at both stations, but may leave the piece in between, are bisected.
+template <class Side>
+KERF_INLINE Division divide(const Side& side, const SlicePath& path, const RayRow& row,
+                            const Stretch& stretch, LaneMask asked, int level,
+                            const ColumnBlock& block) {
   const Meeting &first = stretch.first, &last = stretch.last;
+  const double top = block.top_mm + block.join_mm - path.frame.tip.z;
   const LaneMask inside = first.hit & last.hit;
   const LaneMask overlap = (first.lo <= last.hi) & (last.lo <= first.hi);
   if (level >= path.search.halvings) {
-    const LaneMask halved = level < kHalvingsMax ? asked & inside & ~overlap : ~every_lane();
+    LaneMask halved = asked & inside & ~overlap;
+    if (level >= kHalvingsMax || !any(halved)) return {~every_lane(), asked};
+    const double join = block.join_mm;
+    halved &= ~((first.lo <= last.hi + join) & (last.lo <= first.hi + join));
+    if (any(halved)) halved &= may_leave(side, path, row, stretch);
     return {halved, asked & ~halved};
   }
   const LaneMask sides = (first.side_lo <= last.side_hi) & (last.side_lo <= first.side_hi);
@@ -96,13 +142,6 @@ inline void search_rays(const ArcSide& side, const SlicePath& path, PackedRays& 
   search_packed_arc(side, path, rays, finish, block);
 }
 
-/// A row of eight rays.
-struct RayRow {
-  Lanes x, y;
-  int number;
-  bool hides_entry, hides_exit;  ///< as in RowBits
-};
-
 /// Adds the intervals between two stations to a row, of the rays `asked`. Upper ends are searched
 /// only where they lie below `top`.
 template <class Side>
@@ -144,17 +183,17 @@ template <class Side>
 KERF_INLINE void evaluate_stretch(const Side& side, const SlicePath& path, const RayRow& row,
                                   Station& first, StationStack& waiting, PackedRays& packed,
                                   ColumnBlock& block) {
-  const double top = block.top_mm - path.frame.tip.z;
   while (!waiting.is_empty()) {
     Station& last = waiting.top();
     const Stretch s{Lanes(first.share), Lanes(last.share), first.met, last.met};
-    const Division rays = divide(path, s, last.asked, top, last.level);
+    const Division rays = divide(side, path, row, s, last.asked, last.level, block);
     if (any(rays.searched)) sweep_stretch(side, path, row, s, rays.searched, packed, block);
     if (any(rays.halved)) {
       ++last.level;
       last.asked = rays.halved;
       const double share = (first.share + last.share) * 0.5;
       const Meeting met = meet<End::kLower>(side, path, row.x, row.y, share);
+      ++block.stations;
       waiting.push({share, last.level, rays.halved, met});
     } else {
       first = last;
@@ -204,7 +243,7 @@ template <class Side>
 KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const RayRow& row,
                               LaneMask open, PackedRays& packed, ColumnBlock& block) {
   const int parts = path.search.parts;
-  const double top = block.top_mm - path.frame.tip.z;
+  const double top = block.top_mm + block.join_mm - path.frame.tip.z;
   const Meeting end = meet<End::kLower>(side, path, row.x, row.y, 1);
   const LaneMask settled = open & settled_at_end(side, path, row, end, block);
   if (any(settled)) add_span(block, row.number, path.frame.tip.z, {end.lo, end.hi}, settled);

@@ -34,6 +34,12 @@ template <End end, class Side>
 }
 
 template <class Side>
+[[gnu::noinline]] Lanes depth_at(const OutOfLine<Side>& outer, const SlicePath& path,
+                                 const RayRow& row, const Lanes& share, const Meeting& m) {
+  return kerf::depth_at(outer.side, path, row, share, m);
+}
+
+template <class Side>
 void search_rays(const OutOfLine<Side>& outer, const SlicePath& path, PackedRays& rays, bool finish,
                  ColumnBlock& block) {
   kerf::search_rays(outer.side, path, rays, finish, block);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "kernel/dexel/tile_index.h"
+#include "server/formats/guide_json.h"
 #include "server/rights/rights.h"
 #include "server/session/hash_text.h"
 
@@ -202,6 +203,8 @@ std::string agent_welcome(const Session& session, const Admission& admission,
                       {"agent_sequence", admission.agent_sequence}};
   }
   json["accuracy"] = Json::parse(accuracy_json(session.scene()));
+  if (const auto& guides = session.scene().guides; !guides.empty())
+    json["guides"] = Json::parse(guides_json(guides, GuideFiles::kExpanded));
   json["rate_hz"] = wire::kMotionRateHz;
   json["limits"] = {
       {"samples_per_message", wire::kMaxSamplesPerMotion},

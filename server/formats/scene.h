@@ -13,6 +13,7 @@
 #include "kernel/sculpture.h"
 #include "kernel/tool/tool.h"
 #include "server/formats/accuracy_choice.h"
+#include "server/formats/guide.h"
 
 namespace kerf {
 
@@ -59,7 +60,8 @@ struct Scene {
   std::optional<AccuracyChoice> accuracy;
   /// File name of each of settings.obstacles as written in the scene; "" unless it is an STL mesh.
   std::vector<std::string> obstacle_files;
-  std::string stock_file;  ///< file name of a mesh stock as written in the scene; "" otherwise
+  std::vector<Guide> guides;  ///< virtual fixtures that haptic devices feel
+  std::string stock_file;     ///< file name of a mesh stock as written in the scene; "" otherwise
   std::map<std::string, std::string> files;  ///< name to content, if SceneSource::keep_files
 };
 
@@ -111,8 +113,8 @@ struct SceneToolError {
 /// changed.
 std::expected<void, SceneToolError> resolve_chords(Scene& scene);
 
-/// Returns the scene as canonical JSON text: every field, in a fixed order. parse_scene reads it
-/// back to an equal scene, given the same files.
+/// Returns the scene as canonical JSON text: every field, in a fixed order ("guides" only if there
+/// are any). parse_scene reads it back to an equal scene, given the same files.
 std::string scene_json(const Scene& scene);
 /// The following return parts of the canonical JSON text, as welcome messages carry them.
 /// The "stock" object; for a mesh stock, its bounding box.

@@ -107,6 +107,27 @@ constexpr std::array kHelp{
     FieldHelp{"obstacles[].center_mm", "-", "mm", "center of the sphere"},
     FieldHelp{"obstacles[].file", "-", "", "STL file, relative to the scene"},
     FieldHelp{"obstacles[].stiffness_n_per_mm", "1", "N/mm", "force per depth of penetration"},
+    FieldHelp{"guides", "[]", "", "virtual fixtures that haptic devices feel; they cut nothing"},
+    FieldHelp{"guides[].kind", "-", "", "path, stroke, plane, depth, region or snap"},
+    FieldHelp{"guides[].file", "-", "", "path: a program; stroke: a forces file (CSV)"},
+    FieldHelp{"guides[].paths", "-", "",
+              "in place of file: lists of poses [x, y, z, i, j, k]; stroke: and the wrench"},
+    FieldHelp{"guides[].within_mm", "3", "mm", "distance of the tip from the path without force"},
+    FieldHelp{"guides[].axis_within_deg", "180", "deg", "angle from the path's axis likewise"},
+    FieldHelp{"guides[].turn_stiffness_nmm_per_rad", "1000", "Nmm/rad", "torque beyond that angle"},
+    FieldHelp{"guides[].max_torque_nmm", "60", "Nmm", "greatest torque of the guide"},
+    FieldHelp{"guides[].felt_share", "1", "", "share of a stroke's recorded wrench that is felt"},
+    FieldHelp{"guides[].point_mm", "-", "mm", "a point of the plane"},
+    FieldHelp{"guides[].normal", "-", "", "side of the plane on which the tip may be"},
+    FieldHelp{"guides[].lowest_z_mm", "-", "mm", "depth limit of the tip"},
+    FieldHelp{"guides[].min_mm", "-", "mm", "lowest corner of the region that the tip stays off"},
+    FieldHelp{"guides[].max_mm", "-", "mm", "its highest corner"},
+    FieldHelp{"guides[].range_mm", "5", "mm", "snap: distance from which the surface attracts"},
+    FieldHelp{"guides[].surface.shape", "that of the stock", "", "snap: box or cylinder"},
+    FieldHelp{"guides[].surface.min_mm", "-", "mm", "lowest corner of its bounding box"},
+    FieldHelp{"guides[].surface.max_mm", "-", "mm", "highest corner of its bounding box"},
+    FieldHelp{"guides[].stiffness_n_per_mm", "1", "N/mm", "force per distance; devices limit it"},
+    FieldHelp{"guides[].max_force_n", "3", "N", "greatest force of the guide"},
 };
 
 struct Row {
@@ -174,6 +195,7 @@ std::string explain_scene(const Scene& scene) {
     const auto at = std::ranges::find(rows, "accuracy.rays", &Row::path);
     rows.insert(at, {"accuracy.target_mm", "none"});
   }
+  if (scene.guides.empty()) rows.push_back({"guides", "[]"});
   std::size_t path_width = 5;
   std::size_t value_width = 5;
   for (const Row& row : rows) {

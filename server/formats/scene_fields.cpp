@@ -9,9 +9,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Limit for hostile input; far above any real scene.
-constexpr std::size_t kSceneItemsMax = 1000;
-
 const Json& node(const void* json) { return *static_cast<const Json*>(json); }
 
 std::string json_text(double value) { return Json(value).dump(); }
@@ -38,11 +35,11 @@ std::string SceneValue::text() const {
   return node(json_).get<std::string>();
 }
 
-std::vector<SceneValue> SceneValue::items() const {
+std::vector<SceneValue> SceneValue::items(std::size_t most) const {
   if (!is_list()) reject("must be a list […]");
-  if (node(json_).size() > kSceneItemsMax) {
+  if (node(json_).size() > most) {
     reject("has " + std::to_string(node(json_).size()) + " items; the limit is " +
-           std::to_string(kSceneItemsMax));
+           std::to_string(most));
   }
   std::vector<SceneValue> items;
   items.reserve(node(json_).size());

@@ -39,8 +39,8 @@ class SceneValue {
   /// A finite number, > `above` and <= `most`.
   double number(double above = -kInfinity, double most = kInfinity) const;
   std::string text() const;
-  /// The items of a list; at most 1000.
-  std::vector<SceneValue> items() const;
+  /// The items of a list; at most `most`.
+  std::vector<SceneValue> items(std::size_t most = kItemsMax) const;
   /// A list of exactly N finite numbers.
   template <std::size_t N>
   std::array<double, N> numbers() const {
@@ -52,6 +52,8 @@ class SceneValue {
  private:
   friend class SceneFields;
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  /// Limit for hostile input; far above any real scene.
+  static constexpr std::size_t kItemsMax = 1000;
   void read_numbers(std::span<double> into) const;
 
   const void* json_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <nlohmann/json.hpp>
 
+#include "server/formats/guide_json.h"
 #include "server/formats/scene.h"
 
 namespace kerf {
@@ -211,15 +212,18 @@ std::string scene_json(const Scene& scene) {
   Json obstacles = Json::array();
   for (std::size_t i = 0; i < settings.obstacles.size(); ++i)
     obstacles.push_back(to_json(settings.obstacles[i], scene.obstacle_files[i]));
-  return text_of({{"name", scene.name},
-                  {"stock", stock},
-                  {"accuracy", accuracy_to_json(scene)},
-                  {"tools", tools_to_json(scene)},
-                  {"force", to_json(settings.force)},
-                  {"machine",
-                   {{"kinematics", to_string(scene.machine.kinematics)},
-                    {"rapid_mm_per_min", scene.machine.rapid_mm_per_min}}},
-                  {"obstacles", obstacles}});
+  Json json = {{"name", scene.name},
+               {"stock", stock},
+               {"accuracy", accuracy_to_json(scene)},
+               {"tools", tools_to_json(scene)},
+               {"force", to_json(settings.force)},
+               {"machine",
+                {{"kinematics", to_string(scene.machine.kinematics)},
+                 {"rapid_mm_per_min", scene.machine.rapid_mm_per_min}}},
+               {"obstacles", obstacles}};
+  if (!scene.guides.empty())
+    json["guides"] = Json::parse(guides_json(scene.guides, GuideFiles::kNamed));
+  return text_of(json);
 }
 
 std::string stock_json(const Scene& scene) { return text_of(to_json(scene.settings.stock)); }

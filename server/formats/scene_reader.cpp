@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "kernel/dexel/mesh_stock.h"
+#include "server/formats/guide_paths.h"
+#include "server/formats/guide_reader.h"
 #include "server/formats/json_location.h"
 #include "server/formats/model/mesh_reader.h"
 #include "server/formats/model/stl_reader.h"
@@ -173,6 +175,38 @@ void read_obstacle(const SceneValue& value, const SceneSource& source, Scene& sc
   scene.obstacle_files.push_back(std::move(file));
 }
 
+/// Paths are joined, and strokes thinned, within this share of the distance that they allow.
+constexpr double kGuideJoinShare = 0.05;
+
+std::vector<GuidePath> read_guide_file(SceneFields& fields, const PathGuide& guide,
+                                       const SceneSource& source, Scene& scene) {
+  const std::string bytes = read_scene_file(fields, guide.file, source, scene);
+  const double apart_mm = kGuideJoinShare * guide.within_mm;
+  auto paths = guide.stroke ? strokes_of_forces(bytes, apart_mm)
+                            : paths_of_program(guide.file, bytes, scene, apart_mm);
+  if (!paths) fields.reject("file", "\"" + guide.file + "\": " + paths.error());
+  return *std::move(paths);
+}
+
+// The surface of the stock, for guides that name no other.
+SnapSurface stock_surface(const Scene& scene, const SceneValue& guides) {
+  if (scene.settings.stock_mesh)
+    guides.reject("snap to a box or cylinder only: state a \"surface\" beside the mesh stock");
+  const BoxStock box = stock_bounds(scene.settings.stock);
+  return {std::holds_alternative<CylinderStock>(scene.settings.stock), box.min_mm, box.max_mm};
+}
+
+// Call after all else has been read: programs depend on tools, machine and tolerance.
+void read_scene_guides(const SceneValue& list, const SceneSource& source, Scene& scene) {
+  scene.guides = read_guides(list, [&](SceneFields& fields, const PathGuide& guide) {
+    return read_guide_file(fields, guide, source, scene);
+  });
+  for (Guide& guide : scene.guides) {
+    auto* snap = std::get_if<SnapGuide>(&guide.shape);
+    if (snap != nullptr && !snap->surface) snap->surface = stock_surface(scene, list);
+  }
+}
+
 // `tools` are the items that scene.tools was read from.
 void apply_tolerance_to_tools(const std::vector<SceneValue>& tools, Scene& scene) {
   const auto resolved = resolve_chords(scene);
@@ -199,9 +233,11 @@ Scene read_scene(const Json& json, const SceneSource& source) {
   if (const auto obstacles = fields.find("obstacles")) {
     for (const SceneValue& obstacle : obstacles->items()) read_obstacle(obstacle, source, scene);
   }
+  const auto guides = fields.find("guides");
   fields.reject_unknown();
   apply_accuracy(accuracy, scene);
   apply_tolerance_to_tools(tools, scene);
+  if (guides) read_scene_guides(*guides, source, scene);
   return scene;
 }
 

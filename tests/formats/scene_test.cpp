@@ -323,7 +323,7 @@ TEST(Scene, ExplainListsEveryFieldWithItsMeaning) {
     // A line of a field without help ends after its value.
     EXPECT_FALSE(line.ends_with(' ')) << line;
   }
-  EXPECT_EQ(count, 32);
+  EXPECT_EQ(count, 33);
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ class LibraryTest : public ::testing::Test {
 
   void push_up(FakePeer& peer) {
     peer.read_text();
-    peer.send_text(welcome_text());
+    peer.send_text(welcome_);
     while (const auto batch = peer.read_motion()) {
       const wire::MotionSample& last = batch->view().back();
       tool_ = last.tool_id;
@@ -134,6 +134,7 @@ class LibraryTest : public ::testing::Test {
     return tick_until(pose, felt);
   }
 
+  std::string welcome_ = welcome_text();
   std::optional<FakeServer> server_;
   std::string url_;
   kerf_agent_capabilities device_ = sized<kerf_agent_capabilities>();

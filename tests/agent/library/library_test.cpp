@@ -90,6 +90,29 @@ TEST_F(LibraryTest, ServerThatIsAbsentOrRejectsHasAResultOfItsOwn) {
   EXPECT_EQ(connect_fails(options()), KERF_AGENT_REJECTED);
 }
 
+TEST_F(LibraryTest, GuidesOfTheSessionAreFeltWithoutAnyOption) {
+  welcome_.insert(1, R"("guides":[{"kind":"depth","lowest_z_mm":5,"stiffness_n_per_mm":0.5}],)");
+  serve();
+  connect();
+  kerf_agent_pose pose = pose_at(6);
+  const auto felt = [&] {
+    const double aim_mm = status().phase == KERF_AGENT_PHASE_ACTIVE ? 2 : 6;
+    constexpr double kStepMm = 0.05;
+    pose.tip_mm[2] += std::clamp(aim_mm - pose.tip_mm[2], -kStepMm, kStepMm);
+    return std::abs(wrench_.force_n[2] - 1.5) < 0.1;  // 3 mm below the limit, 2 mm above the stock
+  };
+  EXPECT_TRUE(tick_until(pose, felt)) << wrench_.force_n[2] << " N, " << status().trip_text;
+}
+
+TEST_F(LibraryTest, GuidesThatAreNotValidAreRejected) {
+  welcome_.insert(1, R"("guides":[{"kind":"rail"}],)");
+  serve();
+  EXPECT_EQ(connect_fails(options()), KERF_AGENT_REJECTED);
+  EXPECT_STREQ(kerf_agent_last_error(),
+               "the session's guides are not valid: guides[0].kind \"rail\" is not a kind of "
+               "guide; use path, stroke, plane, depth, region or snap");
+}
+
 TEST_F(LibraryTest, ToolsOfTheSessionCanBeChosen) {
   serve();
   kerf_agent_options given = options();

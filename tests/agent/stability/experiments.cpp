@@ -29,13 +29,14 @@ std::string swing_scene(double damping_n_s_per_m) {
 }
 
 /// A block with its top at z = 0 and a wall at x = 0, as stock, or as an obstacle above the stock.
-std::string press_scene(bool obstacle) {
+std::string press_scene(bool obstacle, const std::string& guides) {
   const std::string box = R"("shape":"box","min_mm":[0,-30,-20],"max_mm":[30,30,0])";
   const std::string below = R"("shape":"box","min_mm":[0,-30,-40],"max_mm":[30,30,-39])";
-  return R"({"name":"press","stock":{)" + (obstacle ? below : box) + R"(},
+  return R"({"name":"press","stock":{)" + (obstacle || !guides.empty() ? below : box) + R"(},
     "accuracy":{"rays":"dexel","pitch_mm":0.5,"tolerance_mm":0.01,"motion":"tight"},
     "tools":[{"id":1,"shape":"ball","diameter_mm":6,"length_mm":40}],)" +
          (obstacle ? R"("obstacles":[{)" + box + "}]," : std::string()) +
+         (guides.empty() ? std::string() : R"("guides":)" + guides + ",") +
          R"("force":{"law":"specific_energy","specific_force_n_per_mm2":0.2,"pivot_mm":60}})";
 }
 
@@ -106,15 +107,18 @@ SwingOutcome swing(const Swing& swing) {
 PressOutcome press(const Press& press) {
   Plant plant([&](double time_s) { return pressing(press, time_s); }, press.mechanics, false);
   if (press.ignores_latency) plant.declare_latency(0);
-  TestBed bed(press_scene(press.obstacle), plant, {}, press.line, true);
+  TestBed bed(press_scene(press.obstacle, press.guides), plant, {}, press.line, true);
   const int ticks = static_cast<int>((kRestS + kPressS + kHeldS) * 1000);
+  double most_n = 0;
   for (int i = 0; i < ticks; ++i) {
     if (i == ticks - kBuzzTicks) plant.begin_rest();
     bed.tick(!press.loses_ticks || i % 200 >= 4);
+    most_n = std::max(most_n, length(plant.acting().force_n));
   }
   return {.returned_mj = plant.most_returned_mj(),
           .buzz_mm_per_s = plant.rms_mm_per_s(),
           .force_n = length(plant.acting().force_n),
+          .most_force_n = most_n,
           .trips = bed.servo().supervisor().trips()};
 }
 
@@ -147,6 +151,17 @@ Recording beside_another(const Recording& alone, double ahead_s) {
     recording.force_n.push_back(felt(bed));
   }
   return recording;
+}
+
+double carved_volume_mm3(const Recording& recording, const std::string& guides) {
+  RecordedHand hand(recording.poses);
+  std::string scene = kCarvingScene;
+  if (!guides.empty()) scene.insert(scene.size() - 1, R"(,"guides":)" + guides);
+  TestBed bed(scene, hand, {}, {}, true);
+  for (std::size_t i = 0; i < recording.poses.size(); ++i) bed.tick();
+  if (!guides.empty() && bed.guidance()->uses().front().ticks == 0)
+    throw std::runtime_error("the guide was not felt");
+  return bed.session().info().removed_mm3;
 }
 
 double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "haptic_agent/servo/servo_cycle.h"
@@ -47,6 +48,10 @@ Recording beside_another(const Recording& recording, double ahead_s);
 /// rms of the difference over rms of the force.
 double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy);
 
+/// Returns the volume that the path removes in a scene with these guides (JSON list; none if
+/// empty).
+double carved_volume_mm3(const Recording& recording, const std::string& guides);
+
 /// Settings: the tool is pressed against a surface, and held there, by a hand of given mechanics.
 struct Press {
   PlantMechanics mechanics{};
@@ -55,11 +60,13 @@ struct Press {
   bool obstacle = false;  ///< against an obstacle, which only the server knows; otherwise the stock
   bool loses_ticks = false;      ///< four in a row, 2 % in all
   bool ignores_latency = false;  ///< the device declares none
+  std::string guides = {};       ///< JSON list; there is no surface then, only the guides push
 };
 struct PressOutcome {
   double returned_mj = 0;    ///< most over any interval, in the plant
   double buzz_mm_per_s = 0;  ///< rms speed of the tip while the hand is at rest
   double force_n = 0;        ///< that acts at the end
+  double most_force_n = 0;   ///< that acted
   std::uint64_t trips = 0;
 };
 PressOutcome press(const Press& press);

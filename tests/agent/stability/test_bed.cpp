@@ -27,9 +27,13 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
   settings.model.law =
       force.law == ForceLaw::kDexelRemovalRate ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
   settings.pivot_mm = force.pivot_mm;
-  servo_ = std::make_unique<ServoCycle>(device, samples_, wrenches_, listener_,
-                                        settings_for(device.capabilities(), settings),
-                                        copy ? &exchange_ : nullptr);
+  settings = settings_for(device.capabilities(), settings);
+  const auto guides = guides_of(welcome_);
+  if (!guides) throw std::runtime_error(guides.error());
+  if (!guides->empty()) guidance_.emplace(*guides, settings, 1.0);
+  servo_ =
+      std::make_unique<ServoCycle>(device, samples_, wrenches_, listener_, settings,
+                                   copy ? &exchange_ : nullptr, guidance_ ? &*guidance_ : nullptr);
   traffic_->begin(session_->epoch(), 0, now_us_);
 }
 
@@ -47,9 +51,9 @@ void TestBed::join(const SessionLimits& limits, bool copy) {
   conversation_->receive(std::as_bytes(std::span(hello)), true, time());
   net::OutFrame welcome;
   if (!conversation_->take(welcome)) throw std::runtime_error("the server sends no welcome");
+  welcome_.assign(reinterpret_cast<const char*>(welcome.bytes.data()), welcome.bytes.size());
   if (!copy) return;
-  auto source = BlockSource::read(
-      {reinterpret_cast<const char*>(welcome.bytes.data()), welcome.bytes.size()});
+  auto source = BlockSource::read(welcome_);
   if (!source) throw std::runtime_error(source.error());
   copy_.replica.emplace(*std::move(source));
 }

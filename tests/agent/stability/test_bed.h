@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/link/traffic.h"
 #include "haptic_agent/replica/replica.h"
 #include "haptic_agent/servo/servo_cycle.h"
@@ -36,6 +37,8 @@ class TestBed {
   Session& session() { return *session_; }
   /// Null if there is none.
   const Replica* replica() const { return copy_.replica ? &*copy_.replica : nullptr; }
+  /// Null if the scene has no guides.
+  const GuideModel* guidance() const { return guidance_ ? &*guidance_ : nullptr; }
   LinkReport link() const { return traffic_->report(); }
   std::uint64_t now_us() const { return now_us_; }
 
@@ -74,6 +77,8 @@ class TestBed {
   Copy copy_;
   std::unique_ptr<Traffic> traffic_;
   VirtualLine up_, down_;
+  std::string welcome_;
+  std::optional<GuideModel> guidance_;
   std::unique_ptr<ServoCycle> servo_;
   wire::Result newest_;
   std::unique_ptr<net::AgentConversation> conversation_;

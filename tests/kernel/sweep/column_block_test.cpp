@@ -76,6 +76,15 @@ TEST(ColumnBlock, BridgeJoinsIntervalsThatWereApart) {
   }
 }
 
+TEST(ColumnBlock, AnIntervalThatGrowsApartFromAnotherTakesOneEntry) {
+  ColumnBlock b = block();
+  b.add(0, Lanes(8), Lanes(9));
+  for (int k = 0; k < 1000; ++k) b.add(0, Lanes(k * 0.005), Lanes(k * 0.005 + 0.01));
+  ASSERT_EQ(b.apart.size(), 1U);
+  EXPECT_EQ(b.apart[0].lo_mm[0], 0);
+  EXPECT_EQ(b.apart[0].hi_mm[0], 999 * 0.005 + 0.01);
+}
+
 using Interval = std::pair<double, double>;
 
 /// Returns the intervals of a column, sorted.

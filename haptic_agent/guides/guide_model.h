@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptic_agent/guides/path_tree.h"
+#include "haptic_agent/servo/contact_model.h"
+#include "haptic_agent/servo/guidance.h"
+#include "haptic_agent/servo/servo_cycle.h"
+#include "server/formats/guide.h"
+
+namespace kerf::agent {
+
+/// Use of a guide in a run.
+struct GuideUse {
+  std::string kind;
+  std::uint64_t ticks = 0;  ///< in which it pushed or turned the tool
+  double max_force_n = 0;   ///< of the wrench that it requested
+};
+
+/// Computes the forces of a session's guides: damped springs on the tip, and on the axis of a path,
+/// no stiffer than the device renders stably (stable_gains).
+class GuideModel final : public Guidance {
+ public:
+  /// `settings`: those of the servo cycle. `strength`: factor of all guides, 0 to 1. Allocates;
+  /// `at` does not.
+  GuideModel(const std::vector<Guide>& guides, const ServoSettings& settings, double strength);
+
+  Wrench at(const PastGrip& now) noexcept override;
+
+  const std::vector<GuideUse>& uses() const noexcept { return uses_; }
+
+ private:
+  struct Compiled {
+    Guide guide;
+    std::optional<PathTree> tree;
+    /// Of a stroke: direction of travel over the last heading_mm, of length <= 1; and the tip then.
+    Vec3 heading{};
+    std::optional<Vec3> last_mm;
+  };
+  /// The tip, as the guides see it.
+  struct Tip {
+    const PastGrip& now;
+    Vec3 tip_mm, arm_mm, velocity_mm_per_s;
+  };
+
+  Wrench wrench(Compiled& compiled, const Tip& tip) const noexcept;
+  Wrench along_path(Compiled& compiled, const PathGuide& path, const Tip& tip) const noexcept;
+  Wrench taught(Compiled& compiled, const PathGuide& path, const GuidePoint& near,
+                const Tip& tip) const noexcept;
+  ContactGains gains(const Guide& guide, Vec3 normal, const Tip& tip) const noexcept;
+  Wrench snap(const Guide& guide, const SnapGuide& shape, const Tip& tip) const noexcept;
+  Wrench push(const Guide& guide, Vec3 normal, double depth_mm, const Tip& tip) const noexcept;
+  Vec3 turn(const PathGuide& path, Vec3 axis, const Tip& tip) const noexcept;
+
+  ServoSettings settings_;
+  double strength_;
+  std::vector<Compiled> guides_;
+  std::vector<GuideUse> uses_;
+};
+
+/// Reads the guides of a session from the text of its welcome; none if it has none. The error is
+/// one sentence.
+std::expected<std::vector<Guide>, std::string> guides_of(std::string_view welcome);
+
+/// Returns one line about a session's guides; empty if there are none.
+std::string guide_notice(const std::vector<Guide>& guides, double strength);
+
+}  // namespace kerf::agent

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "server/formats/guide.h"
+
+namespace kerf::agent {
+
+/// A point of a path.
+struct GuidePoint {
+  Vec3 tip_mm{};
+  Vec3 axis{0, 0, 1};
+  Vec3 tangent{};  ///< unit; zero where the tip does not move
+  Wrench felt{};
+  double distance_mm = 0;
+};
+
+/// Finds the point of polylines that is nearest to a given one: a tree of bounding boxes over
+/// consecutive segments. Queries do not allocate, and examine a bounded number of boxes.
+class PathTree {
+ public:
+  /// Allocates. `paths` must contain at least one pose.
+  explicit PathTree(const std::vector<GuidePath>& paths);
+
+  /// Boxes that a query examines at most. A path all of which is about equally near, such as a
+  /// circle around the point, would need all of them: then the query returns the nearest of those
+  /// examined, and of those near the previous query's result, which no step of the search is
+  /// farther than.
+  static constexpr std::size_t kMostVisits = 1024;
+
+  /// Returns the point nearest to `tip_mm`. Remembers its segment, at which the next query begins.
+  GuidePoint nearest(Vec3 tip_mm) noexcept;
+
+  std::size_t segments() const noexcept { return segments_.size(); }
+  /// Boxes that the last query examined.
+  std::size_t visits() const noexcept { return visits_; }
+
+ private:
+  struct Segment {
+    GuidePose from, to;
+  };
+  struct Box {
+    Vec3 min_mm{}, max_mm{};
+  };
+  struct Best {
+    std::size_t segment = 0;
+    double share = 0, distance2 = 0;
+  };
+
+  Box build(std::size_t node, std::size_t first, std::size_t end);
+  void examine(std::size_t segment, Vec3 tip_mm, Best& best) const noexcept;
+  void search(Vec3 tip_mm, Best& best) noexcept;
+  GuidePoint point(const Best& best) const noexcept;
+
+  std::vector<Segment> segments_;
+  std::vector<Box> boxes_;  ///< node n has the children 2n + 1 and 2n + 2
+  std::size_t last_ = 0, visits_ = 0;
+};
+
+}  // namespace kerf::agent

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptic_agent/guides/guide_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "haptic_agent/guides/surface_distance.h"
+
+namespace kerf::agent {
+namespace {
+
+constexpr double kPivotMm = 50;
+
+/// A grip whose tip is at `tip_mm`, at rest unless stated.
+PastGrip at(Vec3 tip_mm, Vec3 axis = {0, 0, 1}, Twist velocity = {}) {
+  return {.grip = {tip_mm + axis * kPivotMm, axis}, .velocity = velocity};
+}
+
+ServoSettings settings() { return {.pivot_mm = kPivotMm}; }
+
+GuideModel model(const Guide& guide, double strength = 1) {
+  return {{guide}, settings(), strength};
+}
+
+void expect_force(const Wrench& wrench, Vec3 force_n, Vec3 torque_nmm = {}) {
+  EXPECT_LT(length(wrench.force_n - force_n), 1e-9)
+      << wrench.force_n.x << ' ' << wrench.force_n.y << ' ' << wrench.force_n.z;
+  EXPECT_LT(length(wrench.torque_nmm - torque_nmm), 1e-7)
+      << wrench.torque_nmm.x << ' ' << wrench.torque_nmm.y << ' ' << wrench.torque_nmm.z;
+}
+
+GuidePath line(Vec3 from, Vec3 to, Vec3 axis = {0, 0, 1}, Wrench felt = {}) {
+  return {{.tip_mm = from, .axis = axis, .felt = felt}, {.tip_mm = to, .axis = axis, .felt = felt}};
+}
+
+TEST(GuideModel, PathPullsTheTipBackToItsDistanceOnly) {
+  GuideModel guides = model(
+      {.shape = PathGuide{.within_mm = 3, .file = {}, .paths = {line({0, 0, 0}, {20, 0, 0})}}});
+  expect_force(guides.at(at({10, 2.9, 0})), {});
+  // 1.5 N toward the path; about the pivot, 50 mm above the tip: (0, 0, -50) x (0, -1.5, 0).
+  expect_force(guides.at(at({10, 4.5, 0})), {0, -1.5, 0}, {-75, 0, 0});
+  expect_force(guides.at(at({25, 0, 0})), {-2, 0, 0}, {0, 100, 0});
+  expect_force(guides.at(at({10, 40, 0})), {0, -3, 0}, {-150, 0, 0});  // the guide's greatest force
+  EXPECT_EQ(guides.uses().front().ticks, 3U);
+  EXPECT_DOUBLE_EQ(guides.uses().front().max_force_n, 3);
+}
+
+TEST(GuideModel, PathTurnsTheAxisBackToItsAngleOnly) {
+  GuideModel guides = model({.shape = PathGuide{.axis_within_deg = 10,
+                                                .turn_stiffness_nmm_per_rad = 100,
+                                                .file = {},
+                                                .paths = {line({0, 0, 0}, {20, 0, 0})}}});
+  const auto tilted = [](double degrees) {
+    const double angle = degrees * std::numbers::pi / 180;
+    return Vec3{std::sin(angle), 0, std::cos(angle)};
+  };
+  expect_force(guides.at(at({10, 0, 0}, tilted(9.9))), {});
+  // From +x back to +z the axis turns about -y.
+  expect_force(guides.at(at({10, 0, 0}, tilted(20))), {},
+               {0, -100 * 10 * std::numbers::pi / 180, 0});
+  expect_force(guides.at(at({10, 0, 0}, tilted(80))), {}, {0, -60, 0});
+}
+
+TEST(GuideModel, PlaneDepthAndRegionAreWalls) {
+  GuideModel plane = model({.shape = PlaneGuide{{0, 0, 5}, {0.6, 0, 0.8}}});
+  expect_force(plane.at(at({0, 0, 5.1})), {});
+  expect_force(plane.at(at({-1, 0, 4.25})), {0.72, 0, 0.96}, {0, -36, 0});
+  GuideModel depth = model({.shape = DepthGuide{-4}, .stiffness_n_per_mm = 0.5});
+  expect_force(depth.at(at({0, 0, -4})), {});
+  expect_force(depth.at(at({0, 0, -6})), {0, 0, 1});
+  GuideModel region = model({.shape = RegionGuide{{0, 0, 0}, {20, 10, 10}}});
+  expect_force(region.at(at({10, -0.1, 5})), {});
+  expect_force(region.at(at({10, 2, 5})), {0, -2, 0}, {-100, 0, 0});
+  expect_force(region.at(at({19, 5, 5})), {1, 0, 0}, {0, -50, 0});
+}
+
+TEST(GuideModel, SnapAttractsWithinItsRange) {
+  const SnapSurface box{false, {-20, -20, -20}, {20, 20, 0}};
+  GuideModel snap = model({.shape = SnapGuide{.range_mm = 4, .surface = box}});
+  expect_force(snap.at(at({0, 0, 0})), {});
+  expect_force(snap.at(at({0, 0, 1})), {0, 0, -1});
+  expect_force(snap.at(at({0, 0, -1})), {0, 0, 1});
+  expect_force(snap.at(at({0, 0, 2})), {0, 0, -1.5 * 4 / 3});
+  expect_force(snap.at(at({0, 0, 3.5})), {0, 0, -0.5});
+  expect_force(snap.at(at({0, 0, 4.1})), {});
+  const SnapSurface rod{true, {-10, -10, -20}, {10, 10, 0}};
+  GuideModel round = model({.shape = SnapGuide{.range_mm = 4, .surface = rod}});
+  expect_force(round.at(at({6.6, 8.8, -10})), {-0.6, -0.8, 0}, {-40, 30, 0});
+}
+
+TEST(GuideModel, StrokeIsFeltForwardAndNearOnly) {
+  const Wrench taught{{-1, 0, 0.5}, {0, 50, 0}};
+  GuideModel guides =
+      model({.shape = PathGuide{.within_mm = 2,
+                                .stroke = true,
+                                .felt_share = 0.5,
+                                .file = {},
+                                .paths = {line({0, 0, 0}, {20, 0, 0}, {0, 0, 1}, taught)}}});
+  // In steps of 0.1 mm, much farther than the 3 mm over which the direction of travel is measured.
+  const auto move = [&](double from_mm, double to_mm, double beside_mm) {
+    Wrench last;
+    const double step = from_mm < to_mm ? 0.1 : -0.1;
+    for (double x = from_mm; (to_mm - x) * step > 0; x += step)
+      last = guides.at(at({x, beside_mm, 0}));
+    return last;
+  };
+  Wrench forward = move(0, 19, 0);
+  EXPECT_NEAR(forward.force_n.x, -0.5, 0.01);
+  EXPECT_NEAR(forward.force_n.z, 0.25, 0.005);
+  EXPECT_NEAR(forward.torque_nmm.y, 25, 0.5);
+  expect_force(move(19, 5, 0), {});
+  forward = move(5, 19, 3);  // beyond 2 mm the guide pulls back with 1 N, and half is felt
+  EXPECT_NEAR(forward.force_n.x, -0.25, 0.01);
+  EXPECT_NEAR(forward.force_n.y, -1, 1e-9);
+}
+
+TEST(GuideModel, StrengthOfTheUserScalesAllAndZeroSwitchesOff) {
+  const Guide guide{.shape = DepthGuide{0}};
+  GuideModel half = model(guide, 0.5);
+  expect_force(half.at(at({0, 0, -2})), {0, 0, 1});
+  expect_force(half.at(at({0, 0, -20})), {0, 0, 1.5});
+  GuideModel none = model(guide, 0);
+  EXPECT_EQ(none.at(at({0, 0, -2})), Wrench{});
+  EXPECT_EQ(none.uses().front().ticks, 0U);
+  EXPECT_THAT(guide_notice({guide}, 0), testing::HasSubstr("switched off"));
+}
+
+TEST(GuideModel, SpringsAreDampedAndNoStifferThanTheDevice) {
+  ServoSettings soft = settings();
+  soft.model.contact.max_stiffness = 0.25;
+  GuideModel guides({{.shape = DepthGuide{0}, .stiffness_n_per_mm = 50}}, soft, 1);
+  expect_force(guides.at(at({0, 0, -2})), {0, 0, 0.5});
+  const double damping = soft.model.contact.max_damping;
+  const Twist down{{0, 0, -100}, {}};
+  expect_force(guides.at(at({0, 0, -2}, {0, 0, 1}, down)), {0, 0, 0.5 + damping * 100});
+  EXPECT_EQ(guides.at(at({0, 0, -2}, {0, 0, 1}, down * -10)).force_n.z, 0) << "a wall never pulls";
+}
+
+TEST(GuideModel, ForceIsTheGradientOfAnEnergyInPosition) {
+  // So a guide gives back no more than was put into it. The work around closed loops is zero.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> spread(-6, 6);
+  const SnapSurface box{false, {-5, -5, -5}, {5, 5, 5}};
+  for (const Guide& guide :
+       {Guide{.shape =
+                  PathGuide{.within_mm = 1, .file = {}, .paths = {line({-5, 0, 0}, {5, 1, 0})}}},
+        Guide{.shape = RegionGuide{{-5, -5, -5}, {5, 5, 5}}},
+        Guide{.shape = SnapGuide{.range_mm = 3, .surface = box}},
+        Guide{.shape = PlaneGuide{{0, 0, 0}, {0.6, 0.8, 0}}}}) {
+    GuideModel guides = model(guide);
+    for (int loop = 0; loop < 20; ++loop) {
+      const Vec3 corner[3] = {{spread(random), spread(random), spread(random)},
+                              {spread(random), spread(random), spread(random)},
+                              {spread(random), spread(random), spread(random)}};
+      double work_mj = 0;
+      constexpr int kSteps = 4000;
+      for (int side = 0; side < 3; ++side) {
+        const Vec3 step = (corner[(side + 1) % 3] - corner[side]) * (1.0 / kSteps);
+        for (int i = 0; i < kSteps; ++i)
+          work_mj += dot(guides.at(at(corner[side] + step * (i + 0.5))).force_n, step);
+      }
+      EXPECT_NEAR(work_mj, 0, 0.05) << kind_of(guide);
+    }
+  }
+}
+
+TEST(GuideModel, EqualMotionsGiveEqualBits) {
+  GuidePath path;
+  for (int i = 0; i < 3000; ++i)
+    path.push_back({.tip_mm = {20 * std::cos(0.01 * i), 20 * std::sin(0.01 * i), 0.001 * i}});
+  const Guide guide{
+      .shape = PathGuide{.within_mm = 1, .axis_within_deg = 5, .file = {}, .paths = {path}}};
+  GuideModel one = model(guide), other = model(guide);
+  std::mt19937 random(9);
+  std::normal_distribution<double> spread(0, 12);
+  for (int i = 0; i < 500; ++i) {
+    const PastGrip grip =
+        at({spread(random), spread(random), spread(random)},
+           normalized({spread(random), spread(random), 20}), {{spread(random), 0, 0}, {}});
+    EXPECT_EQ(one.at(grip), other.at(grip));
+  }
+}
+
+TEST(GuideModel, ReadsTheGuidesOfAWelcome) {
+  const auto guides =
+      guides_of(R"({"type":"welcome","guides":[{"kind":"depth","lowest_z_mm":-3}]})");
+  ASSERT_TRUE(guides.has_value()) << guides.error();
+  EXPECT_EQ(guide_notice(*guides, 1),
+            "the session has guides: depth; strength 1, --guides 0 switches them off");
+  EXPECT_TRUE(guides_of(R"({"type":"welcome"})")->empty());
+  EXPECT_THAT(guides_of(R"({"guides":[{"kind":"depth","lowest_z_mm":"deep"}]})").error(),
+              testing::HasSubstr("guides[0].lowest_z_mm must be a number"));
+}
+
+}  // namespace
+}  // namespace kerf::agent

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays that a moving slice meets late, leaves or meets again, and the work that they cost.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <variant>
+
+#include "kernel/cut/swept_block.h"
+#include "kernel/sweep/swept_tool.h"
+#include "kernel/tool/tool.h"
+
+namespace kerf {
+namespace {
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double in(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine_); }
+  double power(double a, double b) { return std::pow(10.0, in(a, b)); }
+  Vec3 vec() { return {in(-1, 1), in(-1, 1), in(-1, 1)}; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// 32 x 32 columns around the Z axis, from −6 mm to 0.
+DexelGrid grid_of(double pitch_mm) {
+  DexelGrid grid;
+  grid.origin_mm = {-16 * pitch_mm, -16 * pitch_mm, -6};
+  grid.pitch_mm = pitch_mm;
+  grid.columns_x = grid.columns_y = 32;
+  grid.height_quanta = 1 << 29;
+  grid.z_quantum_mm = 6.0 / (1 << 29);
+  return grid;
+}
+
+struct Work {
+  std::int64_t most = 0;       ///< rows met between stations, of a block and a sub-motion
+  std::size_t most_apart = 0;  ///< entries for intervals apart, of a block
+};
+
+/// Sweeps a tool over a stock that nothing has cut.
+Work work_of(const Tool& tool, const ToolPose& from, const ToolPose& to, double pitch_mm,
+             double tolerance_mm) {
+  const DexelGrid grid = grid_of(pitch_mm);
+  const double half = 16 * pitch_mm;
+  const SweepSettings settings{
+      MotionModel::kTight, tolerance_mm, {{-half, -half, -6}, {half, half, 0}}};
+  const ToolMotion motion = make_motion(from, to, tool.length_mm);
+  Work work;
+  ColumnBlock block;
+  sweep_tool(tool, motion, settings, [&](const SubMotion& sub) {
+    for (int k = 0; k < kTileBlocks; ++k) {
+      const std::int64_t before = block.stations;
+      sweep_block(sub.swept, grid, nullptr, k % kTileBlocksAcross * kBlockSide,
+                  k / kTileBlocksAcross * kBlockSide, block);
+      work.most = std::max(work.most, (block.stations - before) / sub.count);
+      work.most_apart = std::max(work.most_apart, block.apart.size());
+    }
+  });
+  return work;
+}
+
+/// A grazing row took up to 2^16 for each of its rays.
+constexpr std::int64_t kMeetingsMax = 1 << 11;
+
+TEST(MetAgain, APlungePastAThinShelfIsMetAFewTimes) {
+  const auto tool = make_tool(
+      ProfileShape{{ProfilePoint{3.49238522, 0}, ProfilePoint{3.55352746, 1.79575729},
+                    ProfilePoint{2.18959022, 1.90149829}, ProfilePoint{2.73861209, 1.90149829},
+                    ProfilePoint{2.73861209, 26.9014983}}});
+  ASSERT_TRUE(tool);
+  const ToolPose from{{3.3729262179685917, -1.1868581337104469, -6.3553961488073085}, {0, 0, 1}};
+  const ToolPose to{{3.3847884200206844, -1.1830430419141984, -10.028028495660916},
+                    {-0.00016901341612678142, -0.00031221611086185082, 0.99999993697778067}};
+  for (const double tolerance : {1e-6, 1e-4, 0.01, 1.02125}) {
+    const Work work = work_of(*tool, from, to, 0.0162465, tolerance);
+    EXPECT_LE(work.most, kMeetingsMax) << tolerance;
+    EXPECT_LE(work.most_apart, 64U) << tolerance;
+  }
+}
+
+/// Tools with thin discs, shelves and needles.
+ToolShape thin_shape(int k, Random& random) {
+  const double r = random.in(1, 6), w = random.power(-5, -0.5);
+  switch (k % 4) {
+    case 0:
+      return ProfileShape{
+          {ProfilePoint{r, 0}, ProfilePoint{r, w}, ProfilePoint{0.5, w}, ProfilePoint{0.5, 20}}};
+    case 1:
+      return ProfileShape{{ProfilePoint{r * 0.7, 0}, ProfilePoint{r, w}, ProfilePoint{1, w * 1.5},
+                           ProfilePoint{1, 20}}};
+    case 2:
+      return ProfileShape{{ProfilePoint{w, 0}, ProfilePoint{2 * w, random.in(1, 20)}}};
+    default:
+      return ProfileShape{
+          {ProfilePoint{r, 0}, ProfileArc{{r, w}, w}, ProfilePoint{0.5, w}, ProfilePoint{0.5, 20}}};
+  }
+}
+
+TEST(MetAgain, ThinToolsAreMetAFewTimesInAnyMotion) {
+  Random random(11);
+  int met = 0;
+  for (int k = 0; k < 1200; ++k) {
+    const auto tool = make_tool(thin_shape(k, random));
+    if (!tool) continue;
+    const double pitch = random.power(-2.3, 0), tolerance = pitch * random.power(-4, 1);
+    const double lean = k % 3 == 0 ? 0.01 : k % 3 == 1 ? 3 : 1000;
+    const Vec3 axis = normalized(Vec3{random.in(-1, 1) * lean, random.in(-1, 1) * lean, 1});
+    const Vec3 side = normalized(cross(axis, random.vec()));
+    const double radius = extent(tool->pieces.front()).radius_mm;
+    const ToolPose from{Vec3{0, 0, random.in(-4, 0)} - side * radius * random.in(0.9, 1), axis};
+    ToolPose to = from;
+    to.axis = normalized(axis + random.vec() * random.power(-5, -0.5));
+    const double step = random.power(-3, 1);
+    if (k % 5 == 0) to.tip_mm = from.tip_mm + Vec3{0, 0, k % 2 == 0 ? step : -step};
+    if (k % 5 == 1) to.tip_mm = from.tip_mm + axis * step;
+    if (k % 5 == 2) to.tip_mm = from.tip_mm + random.vec() * step;
+    if (k % 5 == 3) to.tip_mm = from.tip_mm + axis * step - to.axis * step;
+    const Work work = work_of(*tool, from, to, pitch, tolerance);
+    EXPECT_LE(work.most, kMeetingsMax) << k;
+    EXPECT_LE(work.most_apart, 64U) << k;
+    met += work.most > 0 ? 1 : 0;
+  }
+  EXPECT_GT(met, 150);
+}
+
+/// Returns how deep a point is inside a frustum at a pose; below zero: its distance, or less.
+double depth_in(const FrustumPiece& f, const ToolPose& pose, Vec3 point) {
+  const Vec3 p = point - pose.tip_mm;
+  const double l = dot(p, pose.axis);
+  const double rho = std::sqrt(std::max(0.0, dot(p, p) - l * l));
+  return -std::max({FrustumSide(f).distance(rho, l - f.z0_mm), f.z0_mm - l, l - f.z1_mm});
+}
+
+bool is_apart(const ColumnBlock& block, int row, int lane, double z) {
+  return std::ranges::any_of(block.apart, [&](const ColumnBlock::Apart& a) {
+    return a.row == row && a.lo_mm[lane] <= z && z <= a.hi_mm[lane];
+  });
+}
+
+TEST(MetAgain, ADiscBesideATrailIsSearchedAsOneThatShows) {
+  Random random(12);
+  const double tolerance = 0.001;
+  double deepest = 0;
+  int hits = 0;
+  for (int k = 0; k < 300; ++k) {
+    const double r = random.in(2, 5), h = random.in(0.5, 3);
+    const auto tool = make_tool(ProfileShape{
+        {ProfilePoint{r * random.in(0.9, 1), 0}, ProfilePoint{r, h}, ProfilePoint{r * 1.05, 20}}});
+    ASSERT_TRUE(tool);
+    const FrustumPiece low = std::get<FrustumPiece>(tool->pieces.front());
+    const ToolPose from{random.vec() * 0.5 + Vec3{0, 0, -3},
+                        normalized(Vec3{0, 0, 1} + random.vec() * 0.3)};
+    const ToolPose to{from.tip_mm + random.vec() * 2, normalized(from.axis + random.vec() * 0.08)};
+    SweepSettings settings{MotionModel::kTight, tolerance, {{-9, -9, -20}, {9, 9, 20}}};
+    settings.start_is_cut = true;
+    const ToolMotion motion = make_motion(from, to, tool->length_mm);
+    sweep_tool(*tool, motion, settings, [&](const SubMotion& sub) {
+      if (sub.swept.pieces.size() != 2) return;  // divided at a point at rest
+      ColumnBlock block;
+      const double x = random.in(-5, 5), y = random.in(-5, 5);
+      for (int i = 0; i < kLanes; ++i) block.x_mm.set(i, x + i * 0.05);
+      for (int j = 0; j < kBlockSide; ++j) block.y_mm[j] = y + j * 0.05;
+      block.rows = 0xFF;
+      block.top_mm = block.grid_top_mm = 20;
+      block.lowest_mm = Lanes(-100);
+      block.join_mm = tolerance;
+      block.clear();
+      block.above_is_swept = 0;
+      std::visit([&](const auto& sweep) { sweep.evaluate(block); }, sub.swept.pieces.front());
+      for (int row = 0; row < kBlockSide; ++row) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+          if ((block.filled >> row & 1) == 0 || !(block.lo_mm[row][lane] < block.hi_mm[row][lane]))
+            continue;
+          ++hits;
+          for (int pose = 0; pose <= 64; ++pose) {
+            const ToolPose at = sub.motion.at(pose / 64.0);
+            for (const double off : {0.0, 0.001, 0.003, 0.01, 0.03, 0.1}) {
+              const double z = block.hi_mm[row][lane] + off;
+              if (is_apart(block, row, lane, z)) continue;
+              const double depth = depth_in(low, at, {block.x_mm[lane], block.y_mm[row], z});
+              deepest = std::max(deepest, depth);
+            }
+          }
+        }
+      }
+    });
+  }
+  EXPECT_GT(hits, 1000);
+  EXPECT_LE(deepest, tolerance);
+}
+
+}  // namespace
+}  // namespace kerf
