@@ -84,8 +84,8 @@ constexpr const char* kGuides[] = {
     R"([{"kind":"region","min_mm":[-3,-30,-30],"max_mm":[30,30,0],"max_force_n":8}])",
     R"([{"kind":"path","axis_within_deg":0.2,"stiffness_n_per_mm":20,
          "paths":[[[-6,0,-30,0,0,1],[-6,0,10,0,0,1]],[[9,0,3,0,0,1],[40,0,3,0,0,1]]]}])",
-    R"([{"kind":"stroke","within_mm":1,"max_force_n":4,
-         "paths":[[[15,0,3,0,0,1,0,0,-3,0,0,0],[15,0,-4,0,0,1,0,0,-3,0,0,0]],
+    R"([{"kind":"stroke","within_mm":1,"max_force_n":8,"stiffness_n_per_mm":20,
+         "paths":[[[15,0,3,0,0,1,0,0,-8,0,0,0],[15,0,-90,0,0,1,0,0,-8,0,0,0]],
                   [[-6,0,-10,0,0,1,-3,0,0,0,20,0],[1,0,-10,0,0,1,-3,0,0,0,20,0]]]}])",
     R"([{"kind":"snap","range_mm":6,"stiffness_n_per_mm":5,"max_force_n":8,
          "surface":{"shape":"box","min_mm":[-3,-30,-30],"max_mm":[30,30,0]}}])"};
