@@ -147,13 +147,19 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
                                         std::string(wire::kAgentProtocol) + ")");
   app.footer(
       "kerf-agent doctor --help: check the device, permissions, the 1 kHz loop and the server.");
-  app.add_option("--server", texts.server, "address of the server, http://HOST:PORT")
+  app.add_option("--server", texts.server,
+                 "address of the server, http://HOST:PORT or https://HOST:PORT")
       ->type_name("URL")
       ->capture_default_str();
   app.add_option("--token-file", texts.token_file,
                  "file with the token or the invitation's link of this session, if the server asks "
                  "for one. Or the environment variable KERF_TOKEN")
       ->type_name("FILE");
+  app.add_option("--ca", options.link.authorities,
+                 "PEM file of the authority that has certified an https:// server, if the system "
+                 "does not know it")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
   app.add_option("--session", options.link.session, "session to join")
       ->required()
       ->type_name("ID")

@@ -130,7 +130,9 @@ ControlMessage read_message(const json& message) {
                        .reason = message.value("reason", ""),
                        .fatal = message.value("fatal", false)};
   }
-  if (type == wire::kTypeBye) return Bye{.reason = message.value("reason", "")};
+  if (type == wire::kTypeBye) {
+    return Bye{.reason = message.value("reason", ""), .redirect = message.value("redirect", "")};
+  }
   return OtherMessage{};
 }
 
