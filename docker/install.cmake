@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # What `cmake --install` installs, in four components that become the Debian packages (package.cmake):
 #   server  kerf-server, kerf-carve, kerf-demo, the web page, the systemd unit
-#   agent   kerf-agent, its udev rules
+#   agent   kerf-agent, kerf-haply, their udev rules
 #   library libkerf_agent.so
 #   dev     libraries, public headers, CMake and pkg-config files, examples
 include(CMakePackageConfigHelpers)
@@ -11,6 +11,7 @@ install(TARGETS kerf-agent RUNTIME COMPONENT agent)
 install(DIRECTORY web/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf/web COMPONENT server OPTIONAL)
 install(FILES docker/grafana.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf COMPONENT server)
 install(FILES haptic_agent/demo/demo.json DESTINATION ${CMAKE_INSTALL_DATADIR}/kerf/demo COMPONENT server)
+install(PROGRAMS haptic_agent/haply/kerf_haply.py RENAME kerf-haply DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT agent)
 install(FILES haptic_agent/70-kerf.rules DESTINATION lib/udev/rules.d COMPONENT agent)
 
 # The unit names the installed program, whose prefix is known only when it is installed (CPack changes it).

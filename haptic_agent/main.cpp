@@ -4,9 +4,12 @@
 
 #include "haptic_agent/doctor/doctor.h"
 #include "haptic_agent/options.h"
+#include "haptic_agent/realtime/realtime_thread.h"
 #include "haptic_agent/run_agents.h"
 
 int main(int argc, char** argv) {
+  // If this fails, more memory is locked.
+  kerf::agent::limit_thread_stacks();
   if (argc > 1 && std::string_view(argv[1]) == "doctor") {
     return kerf::agent::run_doctor(argc - 1, argv + 1, std::cout);
   }

@@ -147,20 +147,27 @@ void describe(CLI::App& app, Options& options, Texts& texts) {
                                         std::string(wire::kAgentProtocol) + ")");
   app.footer(
       "kerf-agent doctor --help: check the device, permissions, the 1 kHz loop and the server.");
-  app.add_option("--server", texts.server, "address of the server, http://HOST:PORT")
+  app.add_option("--server", texts.server,
+                 "address of the server, http://HOST:PORT or https://HOST:PORT")
       ->type_name("URL")
       ->capture_default_str();
   app.add_option("--token-file", texts.token_file,
                  "file with the token or the invitation's link of this session, if the server asks "
                  "for one. Or the environment variable KERF_TOKEN")
       ->type_name("FILE");
+  app.add_option("--ca", options.link.authorities,
+                 "PEM file of the authority that has certified an https:// server, if the system "
+                 "does not know it")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
   app.add_option("--session", options.link.session, "session to join")
       ->required()
       ->type_name("ID")
       ->check(CLI::Validator(check_session, ""));
   app.add_option(
          "--device", texts.devices,
-         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; plugin:FILE.so[:ARGUMENT]: a "
+         "usb, falcon[:FIRMWARE_FILE], spacemouse: a USB device; gamepad[:/dev/input/eventN]: a "
+         "gamepad, with rumble; plugin:FILE.so[:ARGUMENT]: a "
          "driver in a shared library (kerf_agent.h); socket:PATH, socket:HOST:PORT: a device that "
          "another process serves; sim: a simulated hand that carves a figure; sim:FILE: a "
          "simulated hand that follows an .apt, .cls or .csv path; replay:FILE: the exact path, "

@@ -81,11 +81,15 @@ std::expected<std::uint32_t, std::string> pick_tool(const Options& options,
 }
 
 /// Creates the device and tells the user; null, with the reason printed, if that fails.
-std::unique_ptr<HapticDevice> open_device(const Options& options, const Welcome& welcome) {
-  auto device = make_device(
-      options.device,
-      {.stock = welcome.stock, .pivot_mm = welcome.pivot_mm, .participant = welcome.participant},
-      options.device_options);
+std::unique_ptr<HapticDevice> open_device(const Options& options, const Welcome& welcome,
+                                          std::uint32_t tool) {
+  auto device = make_device(options.device,
+                            {.stock = welcome.stock,
+                             .pivot_mm = welcome.pivot_mm,
+                             .participant = welcome.participant,
+                             .tools = welcome.tool_ids,
+                             .tool = tool},
+                            options.device_options);
   if (!device) {
     print_line(device.error());
     return nullptr;
@@ -229,7 +233,7 @@ int run_agent(Options options) {
     print_line(!tool ? tool.error() : guides.error());
     return kFailed;
   }
-  const auto device = open_device(options, *welcome);
+  const auto device = open_device(options, *welcome, *tool);
   if (!device) {
     link.stop(0);
     return kFailed;

@@ -40,6 +40,27 @@ Check check_stock(const StockShape& stock) {
                    {c.center_x_mm + r, c.center_y_mm + r, c.max_z_mm});
 }
 
+Check check_milling(const MillingSettings& m) {
+  using enum SculptureErrorCode;
+  const auto within = [](double v, double most) { return v >= 0 && v <= most; };
+  const auto usable = [&](const EdgeCoefficients& k) {
+    return within(k.tangential, kForceCoefficientMax) && within(k.radial, kForceCoefficientMax) &&
+           within(k.axial, kForceCoefficientMax);
+  };
+  if (!(m.spindle_rpm > 0 && m.spindle_rpm <= kSpindleMaxRpm))
+    return reject(kBadForce, "spindle_rpm must be above 0 and at most 1e6");
+  if (m.teeth < 1 || m.teeth > kTeethMax) return reject(kBadForce, "teeth must be from 1 to 100");
+  if (!within(m.helix_deg, kHelixMaxDeg))
+    return reject(kBadForce, "helix_deg must be from 0 to 80");
+  if (!within(m.chip_exponent, kChipExponentMax))
+    return reject(kBadForce, "chip_exponent must be from 0 to 0.9");
+  if (!usable(m.cut_n_per_mm2) || !usable(m.edge_n_per_mm) ||
+      !within(m.feed_per_tooth_mm, kFeedPerToothMaxMm) || !within(m.runout_mm, kRunoutMaxMm) ||
+      !within(m.ripple_hz, kForceCoefficientMax) || !within(m.scale, 1))
+    return reject(kBadForce, "every coefficient of milling must be from 0 to its maximum");
+  return {};
+}
+
 double longest_side_mm(const StockShape& stock) {
   const BoxStock box = stock_bounds(stock);
   const Vec3 size = box.max_mm - box.min_mm;
@@ -87,6 +108,9 @@ Check check_settings(const SculptureSettings& s) {
   if (!usable(f.specific_force_n_per_mm2) || !usable(f.drr_n_s_per_mm3) || !usable(f.pivot_mm) ||
       !usable(f.contact_stiffness_n_per_mm)) {
     return reject(kBadForce, "every force setting must be finite and >= 0");
+  }
+  if (f.law == ForceLaw::kMechanistic) {
+    if (auto c = check_milling(f.milling); !c) return c;
   }
   for (std::size_t i = 0; i < s.obstacles.size(); ++i) {
     const std::string fault = check_obstacle(s.obstacles[i]);

@@ -20,6 +20,7 @@
 #include "server/store/folder_lock.h"
 #include "server/threads/io_threads.h"
 #include "server/threads/run_on.h"
+#include "server/tls/tls_context.h"
 #include "server/udp/udp_port.h"
 
 namespace kerf::net {
@@ -46,6 +47,10 @@ constexpr std::string_view kNeedsRights =
     " can be reached from other machines, and everybody there could carve and delete. Start with "
     "--admin-token-file FILE (made if it does not exist) and invite people, with --open for a "
     "demonstration, or listen on 127.0.0.1";
+
+constexpr std::string_view kProxyNeedsRights =
+    " makes everybody behind the proxy an administrator of a server without rights. Start with "
+    "--admin-token-file FILE or --open";
 
 void log_pause(const std::string& id, const std::optional<JournalError>& error) {
   if (error && error->code == JournalErrorCode::kDiskBudget) {
@@ -90,10 +95,12 @@ void log_report(const LoadReport& report) {
 }  // namespace
 
 struct Server::Impl {
-  Impl(ServerOptions server_options, FolderLock folder_lock, std::unique_ptr<Access> rights)
+  Impl(ServerOptions server_options, FolderLock folder_lock, std::unique_ptr<Access> rights,
+       std::unique_ptr<TlsCertificate> tls)
       : options(std::move(server_options)),
         lock(std::move(folder_lock)),
         access(std::move(rights)),
+        certificate(std::move(tls)),
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
@@ -111,6 +118,11 @@ struct Server::Impl {
         acceptor(viewers.context()) {}
 
   asio::awaitable<void> accept();
+  /// Where the sessions go on: as an administrator has asked, else as the server was started.
+  std::string redirect() const {
+    const std::string asked = api.drain_target();
+    return asked.empty() ? options.drain_to : asked;
+  }
   std::expected<void, std::string> listen_udp();
   /// Loads the sessions of the folder side by side; then those whose disk failed meanwhile, as
   /// soon as it works again.
@@ -122,6 +134,7 @@ struct Server::Impl {
   ServerOptions options;
   FolderLock lock;  ///< of the data folder; released when all journals are closed
   std::unique_ptr<Access> access;
+  std::unique_ptr<TlsCertificate> certificate;  ///< null: without TLS
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
@@ -131,8 +144,8 @@ struct Server::Impl {
   IoThreads immediate, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
   PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing};
-  HttpContext context{options.http, registry, metrics, api,  immediate,
-                      control,      workers,  exports, peers};
+  HttpContext context{options.http, registry, metrics, api,   immediate,
+                      control,      workers,  exports, peers, certificate.get()};
   tcp::acceptor acceptor;
   std::uint16_t port = 0;
   bool stopped = false;
@@ -225,7 +238,14 @@ std::expected<std::unique_ptr<Server>, std::string> Server::create(ServerOptions
                               .admin_token = std::exchange(options.admin_token, {}),
                               .open = options.open});
   if (!access) return std::unexpected(access.error());
-  auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock), *std::move(access));
+  std::unique_ptr<TlsCertificate> certificate;
+  if (!options.tls_certificate.empty()) {
+    auto loaded = TlsCertificate::load(options.tls_certificate, options.tls_key);
+    if (!loaded) return std::unexpected(loaded.error());
+    certificate = *std::move(loaded);
+  }
+  auto impl = std::make_unique<Impl>(std::move(options), *std::move(lock), *std::move(access),
+                                     std::move(certificate));
   if (const auto found = impl->registry.find_journals(); !found) {
     log::error(describe(found.error()));
   }
@@ -243,7 +263,13 @@ std::uint16_t Server::udp_port() const { return impl_->udp.port(); }
 std::string Server::url() const {
   const std::string& address = impl_->options.address;
   const bool v6 = address.find(':') != std::string::npos;
-  return "http://" + (v6 ? "[" + address + "]" : address) + ":" + std::to_string(impl_->port);
+  const std::string scheme = impl_->certificate ? "https://" : "http://";
+  return scheme + (v6 ? "[" + address + "]" : address) + ":" + std::to_string(impl_->port);
+}
+
+std::expected<void, std::string> Server::reload_certificate() {
+  if (!impl_->certificate) return std::unexpected("the server has no certificate");
+  return impl_->certificate->reload();
 }
 
 std::expected<void, std::string> Server::listen() {
@@ -252,6 +278,9 @@ std::expected<void, std::string> Server::listen() {
   if (error) return std::unexpected(impl_->options.address + " is not an IP address");
   if (!address.is_loopback() && impl_->access->regime() == Regime::kLocal) {
     return std::unexpected(impl_->options.address + std::string(kNeedsRights));
+  }
+  if (!impl_->options.http.proxies.empty() && impl_->access->regime() == Regime::kLocal) {
+    return std::unexpected("--trust-proxy" + std::string(kProxyNeedsRights));
   }
   const tcp::endpoint endpoint(address, impl_->options.port);
   tcp::acceptor& acceptor = impl_->acceptor;
@@ -282,7 +311,10 @@ void Server::stop() {
   });
   closed.get_future().wait();
   impl_->api.stop();
-  for (const JournalError& lost : impl_->registry.close_all("the server is shutting down")) {
+  const std::string redirect = impl_->redirect();
+  const std::string reason =
+      redirect.empty() ? "the server is shutting down" : "the session continues at " + redirect;
+  for (const JournalError& lost : impl_->registry.close_all(reason, redirect)) {
     log::error("the last records could not be written and are lost: " + describe(lost));
   }
   const auto deadline = std::chrono::steady_clock::now() + kDrainTime;

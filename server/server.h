@@ -35,6 +35,10 @@ struct ServerOptions {
   UdpOptions udp;
   std::string admin_token;  ///< empty: none; kept as its hash only
   bool open = false;        ///< who has no token is a guest
+  /// Address of the server that continues the sessions after this one has stopped; empty: none.
+  std::string drain_to;
+  /// PEM files of the certificate and its key; both empty: no TLS.
+  std::filesystem::path tls_certificate, tls_key;
 };
 
 /// The complete service in one process: session registry, threads and listeners.
@@ -48,12 +52,16 @@ class Server {
   SessionRegistry& sessions();
   /// Starts listening. The error is one sentence.
   std::expected<void, std::string> listen();
-  /// Returns "http://ADDRESS:PORT" with the bound port.
+  /// Returns "http://ADDRESS:PORT", or "https://" with TLS, with the bound port.
   std::string url() const;
   std::uint16_t port() const;
   /// Returns the bound UDP port; 0 if UDP is off.
   std::uint16_t udp_port() const;
-  /// Sends `bye` to all peers, commits the journals and stops. Also called by the destructor.
+  /// Reads the certificate again, for new connections; the last one stays if it cannot be used. The
+  /// error is one sentence.
+  std::expected<void, std::string> reload_certificate();
+  /// Sends `bye` to all peers, with the address of the server that continues, commits the journals
+  /// and stops. Also called by the destructor.
   void stop();
 
  private:

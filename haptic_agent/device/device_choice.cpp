@@ -6,6 +6,7 @@
 
 #include "haptic_agent/device/falcon/falcon_firmware.h"
 #include "haptic_agent/device/falcon/falcon_protocol.h"
+#include "haptic_agent/device/gamepad/gamepad.h"
 #include "haptic_agent/device/reference/reference_protocol.h"
 #include "haptic_agent/device/replay.h"
 #include "haptic_agent/device/socket/socket_device.h"
@@ -81,6 +82,7 @@ std::expected<DeviceChoice, std::string> choose_device(std::string_view text) {
   if (text == "usb") return DeviceChoice{.kind = DeviceKind::kReference};
   if (text == "falcon") return DeviceChoice{.kind = DeviceKind::kFalcon};
   if (text == "spacemouse") return DeviceChoice{.kind = DeviceKind::kSpaceMouse};
+  if (text == "gamepad") return DeviceChoice{.kind = DeviceKind::kGamepad};
   const std::size_t colon = text.find(':');
   const std::string_view kind = text.substr(0, colon);
   const std::string_view rest =
@@ -89,12 +91,15 @@ std::expected<DeviceChoice, std::string> choose_device(std::string_view text) {
   if (kind == "replay" && !rest.empty()) return with_file(DeviceKind::kReplay, rest);
   if (kind == "usb" && !rest.empty()) return with_ids(rest);
   if (kind == "falcon" && !rest.empty()) return with_firmware(rest);
+  if (kind == "gamepad" && !rest.empty())
+    return DeviceChoice{.kind = DeviceKind::kGamepad, .node = std::string(rest)};
   if (kind == "plugin") return with_plugin(rest);
   if (kind == "socket") return with_socket(rest);
   if (kind == "replay") return std::unexpected("replay needs a file: replay:FILE");
-  return std::unexpected(join({"unknown device '", text,
-                               "'; use usb, falcon, spacemouse, plugin:FILE.so, socket:PATH, sim, "
-                               "sim:FILE or replay:FILE"}));
+  return std::unexpected(
+      join({"unknown device '", text,
+            "'; use usb, falcon, spacemouse, gamepad, plugin:FILE.so, socket:PATH, sim, "
+            "sim:FILE or replay:FILE"}));
 }
 
 std::expected<std::unique_ptr<HapticDevice>, std::string> make_device(
@@ -115,6 +120,12 @@ std::expected<std::unique_ptr<HapticDevice>, std::string> make_device(
           port);
     case DeviceKind::kSpaceMouse:
       return std::make_unique<SpaceMouse>(place.stock, port);
+    case DeviceKind::kGamepad:
+      return std::make_unique<Gamepad>(GamepadSettings{.node = choice.node,
+                                                       .stock = place.stock,
+                                                       .tools = place.tools,
+                                                       .tool = place.tool,
+                                                       .notice = options.notice});
     case DeviceKind::kPlugin:
       return open_plugin(*choice.plugin, place);
     case DeviceKind::kSocket:

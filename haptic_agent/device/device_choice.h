@@ -20,7 +20,16 @@
 
 namespace kerf::agent {
 
-enum class DeviceKind { kSimulated, kReplay, kReference, kFalcon, kSpaceMouse, kPlugin, kSocket };
+enum class DeviceKind {
+  kSimulated,
+  kReplay,
+  kReference,
+  kFalcon,
+  kSpaceMouse,
+  kGamepad,
+  kPlugin,
+  kSocket
+};
 
 /// A parsed `--device` option, with its file loaded.
 struct DeviceChoice {
@@ -35,12 +44,14 @@ struct DeviceChoice {
   std::optional<Plugin> plugin{};
   /// Of the process of a kSocket.
   SocketAddress socket{};
+  /// Event device of a kGamepad; empty: the first gamepad found.
+  std::string node{};
 };
 
 /// Parses `sim[:FILE]`, `replay:FILE`, `usb[:VENDOR:PRODUCT]` (hexadecimal ids),
-/// `falcon[:FIRMWARE_FILE]`, `spacemouse`, `plugin:FILE.so[:ARGUMENT]` or
-/// `socket:PATH|HOST:PORT`, and loads the file. The
-/// error is one sentence, with file and line where applicable.
+/// `falcon[:FIRMWARE_FILE]`, `spacemouse`, `gamepad[:/dev/input/eventN]`,
+/// `plugin:FILE.so[:ARGUMENT]` or `socket:PATH|HOST:PORT`, and loads the file. The error is one
+/// sentence, with file and line where applicable.
 std::expected<DeviceChoice, std::string> choose_device(std::string_view text);
 
 /// The parameters of a device that the session determines.
@@ -48,6 +59,9 @@ struct DevicePlace {
   StockBox stock{};
   double pivot_mm = 60;
   std::uint32_t participant = 0;
+  /// The session's tools, and the one to start with; for devices that change it.
+  std::vector<std::uint32_t> tools{};
+  std::uint32_t tool = 0;
 };
 
 struct DeviceOptions {

@@ -49,6 +49,6 @@ LoopMeasurement measure_loop(double seconds, bool load);
 Finding judge_loop(const LoopMeasurement& measurement);
 
 /// Connects several times, measures the round trip, and requests /healthz once.
-Finding check_server(const ServerUrl& server);
+Finding check_server(const ServerUrl& server, const std::string& authorities = {});
 
 }  // namespace kerf::agent

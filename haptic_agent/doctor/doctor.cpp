@@ -19,7 +19,7 @@ constexpr double kMeasureMaxS = 3600;
 
 struct DoctorOptions {
   std::vector<std::string> devices{};
-  std::string server{};
+  std::string server{}, authorities{};
   double seconds = 5;
   double wait_s = 10;
   bool load = false;
@@ -42,8 +42,13 @@ void describe(CLI::App& app, DoctorOptions& options) {
                  "also wait until this device is ready (values: kerf-agent --help), and "
                  "measure its latency; may be repeated")
       ->type_name("DEVICE");
-  app.add_option("--server", options.server, "also check this server, http://HOST:PORT")
+  app.add_option("--server", options.server,
+                 "also check this server, http://HOST:PORT or https://HOST:PORT")
       ->type_name("URL");
+  app.add_option("--ca", options.authorities,
+                 "PEM file of the authority that has certified an https:// server")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
   app.add_option("--seconds", options.seconds, "duration of the loop measurement, s")
       ->type_name("S")
       ->check(seconds_in(0.1))
@@ -113,7 +118,7 @@ int examine(const DoctorOptions& options, std::ostream& out) {
   printer.print(judge_priority(rights));
   printer.print(judge_memory_lock(rights));
   printer.print(judge_loop(measure_loop(options.seconds, options.load)));
-  if (!options.server.empty()) printer.print(check_server(server));
+  if (!options.server.empty()) printer.print(check_server(server, options.authorities));
   return printer.finish();
 }
 

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -16,12 +17,14 @@
 #include "haptic_agent/device/text_fields.h"
 #include "haptic_agent/doctor/checks.h"
 #include "haptic_agent/realtime/clock.h"
+#include "server/tls/tls_channel.h"
 
 namespace kerf::agent {
 namespace {
 
 constexpr int kTimeoutMs = 3000;
 constexpr int kConnections = 9;
+constexpr std::size_t kAnswerBytes = 256;
 /// Beyond this round trip a user feels the delay of the server's force, before it becomes visible.
 constexpr std::uint64_t kPromptUs = 25'000;
 
@@ -57,15 +60,50 @@ std::string connect_to(const addrinfo& address, int fd) {
   return error == 0 ? std::string() : std::generic_category().message(error);
 }
 
-/// Returns the status line of the response to GET /healthz.
-std::string request_health(int fd, const ServerUrl& server) {
+/// Repeats a step of TLS until it has ended, or nothing comes.
+template <class Attempt>
+net::TlsStep complete(int fd, const Attempt& attempt) {
+  while (true) {
+    const net::TlsStep step = attempt();
+    const bool reads = step == net::TlsStep::kWantsRead;
+    if (!reads && step != net::TlsStep::kWantsWrite) return step;
+    if (!ready(fd, reads ? POLLIN : POLLOUT)) return net::TlsStep::kFailed;
+  }
+}
+
+/// The response to a request, or what is wrong with TLS; empty without a response.
+std::string ask_over_tls(int fd, const ServerUrl& server, const std::string& authorities,
+                         const std::string& request) {
+  const auto context = net::TlsContext::of_client(authorities);
+  if (!context) return context.error();
+  net::TlsChannel channel(*context, fd, server.host);
+  if (complete(fd, [&] { return channel.handshake(); }) != net::TlsStep::kDone) {
+    return channel.failure();
+  }
+  std::size_t count = 0;
+  std::array<char, kAnswerBytes> answer{};
+  const auto sent = std::as_bytes(std::span(request));
+  const auto got = std::as_writable_bytes(std::span(answer));
+  if (complete(fd, [&] { return channel.write(sent, count); }) != net::TlsStep::kDone ||
+      complete(fd, [&] { return channel.read(got, count); }) != net::TlsStep::kDone) {
+    return channel.failure();
+  }
+  return {answer.data(), count};
+}
+
+std::string ask(int fd, const std::string& request) {
+  if (send(fd, request.data(), request.size(), MSG_NOSIGNAL) < 0 || !ready(fd, POLLIN)) return {};
+  std::array<char, kAnswerBytes> answer{};
+  const auto got = recv(fd, answer.data(), answer.size(), 0);
+  return got <= 0 ? std::string() : std::string(answer.data(), static_cast<std::size_t>(got));
+}
+
+/// Returns the status line of the response to GET /healthz, or why there is none.
+std::string request_health(int fd, const ServerUrl& server, const std::string& authorities) {
   const std::string request =
       join({"GET /healthz HTTP/1.1\r\nHost: ", server.host, "\r\nConnection: close\r\n\r\n"});
-  if (send(fd, request.data(), request.size(), MSG_NOSIGNAL) < 0 || !ready(fd, POLLIN)) return {};
-  std::array<char, 256> answer{};
-  const auto got = recv(fd, answer.data(), answer.size(), 0);
-  if (got <= 0) return {};
-  const std::string text(answer.data(), static_cast<std::size_t>(got));
+  const std::string text =
+      server.tls ? ask_over_tls(fd, server, authorities, request) : ask(fd, request);
   return text.substr(0, text.find('\r'));
 }
 
@@ -79,7 +117,7 @@ Finding unreachable(const ServerUrl& server, const std::string& reason) {
 
 }  // namespace
 
-Finding check_server(const ServerUrl& server) {
+Finding check_server(const ServerUrl& server, const std::string& authorities) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -99,12 +137,12 @@ Finding check_server(const ServerUrl& server) {
       reason = connect_to(*at, socket.fd());
       if (!reason.empty()) continue;
       times_us.push_back(monotonic_us() - start_us);
-      if (i == 0) health = request_health(socket.fd(), server);
+      if (i == 0) health = request_health(socket.fd(), server, authorities);
       break;
     }
     if (!reason.empty()) return unreachable(server, reason);
   }
-  if (health.find(" 200") == std::string::npos) {
+  if (!health.starts_with("HTTP/") || health.find(" 200") == std::string::npos) {
     return {.health = Health::kBad,
             .what = join({"no healthy kerf-server at ", server.host, ":", server.port, " (",
                           health.empty() ? "no response" : health, ")"})};

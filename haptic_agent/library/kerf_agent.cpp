@@ -86,6 +86,7 @@ std::expected<SessionOptions, SessionFailure> options_of(const kerf_agent_option
   options.link.server = *std::move(server);
   options.link.session = given.session;
   if (given.token != nullptr) options.link.token = given.token;
+  if (given.ca_file != nullptr) options.link.authorities = given.ca_file;
   options.link.hello = {.name = given.name != nullptr ? given.name : "",
                         .color = given.color != nullptr ? given.color : "",
                         .tool_id = given.tool_id,

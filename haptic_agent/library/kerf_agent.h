@@ -42,7 +42,7 @@ extern "C" {
 /** Version of this interface. Programs and plugins of one ABI number work with every library of the
  * same number; a library with a higher minor number knows more functions and fields. */
 #define KERF_AGENT_ABI 1
-#define KERF_AGENT_MINOR 1
+#define KERF_AGENT_MINOR 2
 #define KERF_AGENT_VERSION ((KERF_AGENT_ABI << 16) | KERF_AGENT_MINOR)
 
 /** Result of a call: KERF_AGENT_OK or a negative number. */
@@ -138,7 +138,7 @@ enum {
 typedef struct kerf_agent_options {
   uint32_t struct_size;
   uint32_t flags;        /**< KERF_AGENT_NO_COPY, KERF_AGENT_UDP, KERF_AGENT_NO_REALTIME */
-  const char* server;    /**< "http://HOST[:PORT]"; null: http://localhost:8080 */
+  const char* server;    /**< "http://HOST[:PORT]", "https://…"; null: http://localhost:8080 */
   const char* session;   /**< required: letters, digits, '.', '_' or '-', at most 64 */
   const char* name;      /**< of the user, as shown to others, at most 64 bytes; null: none */
   const char* color;     /**< of the user's tool, "#rrggbb"; null: the server chooses */
@@ -154,6 +154,9 @@ typedef struct kerf_agent_options {
   void* context;
   /** Proves the right to join, for servers that ask for a token; null: none. Minor 1. */
   const char* token;
+  /** PEM file of the authority that has certified an https:// server; null: the system's
+   * authorities. Minor 2. */
+  const char* ca_file;
 } kerf_agent_options;
 
 /** What the session determines. */

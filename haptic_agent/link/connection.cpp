@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "server/wire/control.h"
+#include "server/wire/limits.h"
 
 namespace kerf::agent {
 namespace {
@@ -18,8 +19,11 @@ using std::chrono::seconds;
 
 constexpr seconds kConnectTimeout{3};
 constexpr seconds kWelcomeTimeout{5};
+/// The server may load the session first.
+constexpr seconds kUpgradeTimeout{8};
+static_assert(kUpgradeTimeout > seconds(wire::kLoadWaitS));
 constexpr net::WebSocketLimits kLimits{
-    .handshake = kConnectTimeout,
+    .handshake = kUpgradeTimeout,
     .idle = seconds(6),
     .message_bytes = wire::kMaxServerFrameBytes,
 };
@@ -39,7 +43,14 @@ class Deadline {
   asio::steady_timer timer_;
 };
 
-asio::awaitable<std::optional<Loss>> connect(Connection& connection, const ServerUrl& server) {
+asio::awaitable<std::optional<Loss>> connect(Connection& connection, const LinkSettings& settings) {
+  const ServerUrl& server = settings.server;
+  std::optional<net::TlsContext> context;
+  if (server.tls) {
+    auto made = net::TlsContext::of_client(settings.authorities);
+    if (!made) co_return Loss{made.error(), true};
+    context = *std::move(made);
+  }
   tcp::resolver resolver(connection.tcp.get_executor());
   const auto [unresolved, addresses] =
       co_await resolver.async_resolve(server.host, server.port, kAwait);
@@ -55,7 +66,20 @@ asio::awaitable<std::optional<Loss>> connect(Connection& connection, const Serve
                    (late ? "no answer within 3 s" : unconnected.message())};
   }
   connection.tcp.set_option(tcp::no_delay(true));
-  connection.socket = std::make_unique<net::WebSocket>(std::move(connection.tcp), kLimits);
+  std::unique_ptr<net::TlsChannel> tls;
+  if (context) {
+    tls = std::make_unique<net::TlsChannel>(*context, connection.tcp.native_handle(), server.host);
+  }
+  connection.stream.emplace(std::move(connection.tcp), std::move(tls));
+  const error_code unsafe = co_await connection.stream->shake_hands();
+  if (unsafe == asio::error::operation_aborted) {
+    co_return Loss{"no TLS with " + server.host + ":" + server.port + ": no answer within 3 s"};
+  }
+  if (unsafe) {
+    const net::TlsChannel& channel = *connection.stream->tls();
+    co_return Loss{channel.failure(), channel.is_final()};
+  }
+  connection.socket = std::make_unique<net::WebSocket>(*std::move(connection.stream), kLimits);
   co_return std::nullopt;
 }
 
@@ -103,7 +127,8 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Connection& connection, cons
                error->code != wire::to_string(wire::ErrorCode::kBusy)});
     }
     if (const auto* bye = std::get_if<Bye>(&*message)) {
-      co_return std::unexpected(Loss{"the server closed the connection: " + bye->reason});
+      co_return std::unexpected(
+          Loss{"the server closed the connection: " + bye->reason, false, bye->redirect});
     }
     if (const auto* welcome = std::get_if<Welcome>(&*message)) co_return *welcome;
   }
@@ -113,13 +138,14 @@ asio::awaitable<std::expected<Welcome, Loss>> greet(Connection& connection, cons
 
 void Connection::cut() {
   if (socket) return socket->cut();
+  if (stream) return stream->close();
   error_code ignored;
   tcp.close(ignored);
 }
 
 asio::awaitable<std::expected<Welcome, Loss>> join(Connection& connection,
                                                    const LinkSettings& settings) {
-  std::optional<Loss> rejected = co_await connect(connection, settings.server);
+  std::optional<Loss> rejected = co_await connect(connection, settings);
   if (!rejected) rejected = co_await upgrade(*connection.socket, settings);
   if (rejected) co_return std::unexpected(*rejected);
   co_return co_await greet(connection, settings.hello);

@@ -28,8 +28,9 @@ struct Connection {
   /// Ends the connection at once, in whatever stage it is.
   void cut();
 
-  /// Until it is connected; then it belongs to `socket`.
+  /// Until it is connected; then it belongs to `stream`, and, once TLS is there, to `socket`.
   boost::asio::ip::tcp::socket tcp;
+  std::optional<net::ByteStream> stream;
   std::unique_ptr<net::WebSocket> socket;
   /// Cancelled when the reader has ended, to wake the coroutine that waits for it.
   boost::asio::steady_timer reader_ended;

@@ -31,7 +31,9 @@ StockBox stock_box(const json& stock) {
 
 /// An unknown law is rendered as kSpecificEnergy, whose force does not grow with speed.
 CutLaw cut_law(const json& force) {
-  return force.value("law", "") == "drr" ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
+  const std::string law = force.value("law", "");
+  if (law == "mechanistic") return CutLaw::kMechanistic;
+  return law == "drr" ? CutLaw::kRemovalRate : CutLaw::kSpecificEnergy;
 }
 
 /// Returns nothing for an offer that is missing or invalid: the WebSocket then carries everything.
@@ -128,7 +130,9 @@ ControlMessage read_message(const json& message) {
                        .reason = message.value("reason", ""),
                        .fatal = message.value("fatal", false)};
   }
-  if (type == wire::kTypeBye) return Bye{.reason = message.value("reason", "")};
+  if (type == wire::kTypeBye) {
+    return Bye{.reason = message.value("reason", ""), .redirect = message.value("redirect", "")};
+  }
   return OtherMessage{};
 }
 

@@ -72,6 +72,7 @@ struct ServerError {
 
 struct Bye {
   std::string reason;
+  std::string redirect;  ///< address of the server that continues the session; empty: none
 };
 
 /// A message that an agent ignores.

@@ -129,11 +129,20 @@ class ServerLink::Impl {
         break;
       }
       if (welcome) notice("connection lost (" + loss.reason + "), connecting again");
+      follow(loss.redirect);
       back_off_.expires_after(pause);
       co_await back_off_.async_wait(kAwait);
       pause = std::min(pause * 2, kLongestBackOff);
     }
     end();
+  }
+
+  /// The server that has ended the connection says where the session continues.
+  void follow(const std::string& redirect) {
+    if (redirect.empty()) return;
+    const auto server = follow_redirect(settings_.server, redirect);
+    if (!server) return notice("the address at which the session continues is not safe to follow");
+    settings_.server = *server;
   }
 
   void fail(const std::string& reason) {

@@ -18,6 +18,8 @@ namespace kerf::agent {
 struct LinkSettings {
   ServerUrl server;
   std::string session;
+  /// PEM file of the authorities that may certify the server; empty: those of the system.
+  std::string authorities{};
   /// Proves the right to join (token.h); empty: none. Not to be logged.
   std::string token{};
   Hello hello;

@@ -9,7 +9,7 @@
 namespace kerf::agent {
 namespace {
 
-constexpr std::string_view kDefaultPort = "8080";
+constexpr std::string_view kDefaultPort = "8080", kDefaultTlsPort = "443";
 constexpr int kMaxPort = 65535;
 
 bool is_port(std::string_view text) noexcept {
@@ -21,24 +21,22 @@ bool is_port(std::string_view text) noexcept {
 }  // namespace
 
 std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
-  if (text.starts_with("https://") || text.starts_with("wss://")) {
-    return std::unexpected("TLS is not supported; use http:// or ws://");
-  }
-  for (const std::string_view scheme : {"http://", "ws://"}) {
-    if (text.starts_with(scheme)) {
-      text.remove_prefix(scheme.size());
-      break;
-    }
+  bool tls = false;
+  for (const std::string_view scheme : {"http://", "ws://", "https://", "wss://"}) {
+    if (!text.starts_with(scheme)) continue;
+    tls = scheme == "https://" || scheme == "wss://";
+    text.remove_prefix(scheme.size());
+    break;
   }
   if (text.find("://") != std::string_view::npos) {
-    return std::unexpected("the server address must start with http:// or ws://");
+    return std::unexpected("the server address must start with http://, https://, ws:// or wss://");
   }
   if (text.ends_with('/')) text.remove_suffix(1);
   if (text.find_first_of("/?# ") != std::string_view::npos) {
     return std::unexpected(
         "the server address must be a host and an optional port, without a path");
   }
-  ServerUrl url{.host = {}, .port = std::string(kDefaultPort)};
+  ServerUrl url{.host = {}, .port = std::string(tls ? kDefaultTlsPort : kDefaultPort), .tls = tls};
   std::string_view rest;
   if (text.starts_with('[')) {
     const std::size_t close = text.find(']');
@@ -58,6 +56,12 @@ std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
   }
   url.port = rest.substr(1);
   return url;
+}
+
+std::optional<ServerUrl> follow_redirect(const ServerUrl& from, std::string_view redirect) {
+  auto to = redirect.empty() ? std::nullopt : std::optional(parse_server_url(redirect));
+  if (!to || !*to || (from.tls && !(*to)->tls)) return std::nullopt;
+  return **std::move(to);
 }
 
 bool is_session_id(std::string_view text) noexcept {

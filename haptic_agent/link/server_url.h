@@ -2,6 +2,7 @@
 #pragma once
 
 #include <expected>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,13 +12,19 @@ namespace kerf::agent {
 struct ServerUrl {
   std::string host;
   std::string port;
+  bool tls = false;
 
   bool operator==(const ServerUrl&) const = default;
 };
 
-/// Parses `http://HOST[:PORT]`, `ws://…` or `HOST[:PORT]`; an IPv6 address is in brackets. The
-/// default port is 8080. The error is one sentence.
+/// Parses `http://HOST[:PORT]`, `ws://…` or `HOST[:PORT]`, whose default port is 8080, or, with
+/// TLS, `https://…` or `wss://…`, whose default port is 443; an IPv6 address is in brackets. The
+/// error is one sentence.
 std::expected<ServerUrl, std::string> parse_server_url(std::string_view text);
+
+/// Returns the server at which a session continues according to the server `from`; nullopt if the
+/// address is invalid, or would take an agent from TLS to a connection without.
+std::optional<ServerUrl> follow_redirect(const ServerUrl& from, std::string_view redirect);
 
 /// Returns true for a valid session identifier: letters, digits, `.`, `_`, `-`; at most
 /// kMaxSessionIdBytes, not starting with `.`.

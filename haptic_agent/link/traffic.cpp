@@ -143,7 +143,7 @@ std::optional<Loss> Traffic::take_text(std::string_view text, std::string& notic
     return std::nullopt;
   }
   if (const auto* bye = std::get_if<Bye>(&*message)) {
-    return Loss{"the server closed the connection: " + bye->reason};
+    return Loss{"the server closed the connection: " + bye->reason, false, bye->redirect};
   }
   const auto* error = std::get_if<ServerError>(&*message);
   if (error == nullptr) return std::nullopt;

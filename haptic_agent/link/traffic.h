@@ -24,6 +24,7 @@ namespace kerf::agent {
 struct Loss {
   std::string reason;
   bool final = false;
+  std::string redirect = {};  ///< address of the server that continues the session; empty: the same
 };
 
 /// Returns the loss for a server that declined the WebSocket with an HTTP status and body. Client

@@ -39,6 +39,15 @@ void warn(RealtimeReport& report, std::initializer_list<std::string_view> parts)
 
 }  // namespace
 
+int limit_thread_stacks() noexcept {
+  pthread_attr_t attributes;
+  if (const int failed = pthread_getattr_default_np(&attributes); failed != 0) return failed;
+  int failed = pthread_attr_setstacksize(&attributes, kThreadStackBytes);
+  if (failed == 0) failed = pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+  return failed;
+}
+
 int request_fifo(int priority) noexcept {
   const sched_param parameter{.sched_priority = priority};
   return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace kerf::agent {
@@ -28,6 +29,13 @@ struct RealtimeRequest {
   /// Processor to pin the thread to, from 0; negative: any.
   int cpu = -1;
 };
+
+/// Stack of a thread of kerf-agent: far more than any of them uses.
+inline constexpr std::size_t kThreadStackBytes = std::size_t{1024} * 1024;
+/// Gives threads that are created later a stack of kThreadStackBytes: locked memory is resident,
+/// also stacks that nobody uses, of 8 MiB each by default. For programs, not for libraries. Returns
+/// 0 or an error number.
+int limit_thread_stacks() noexcept;
 
 /// Requests SCHED_FIFO for the calling thread. Returns 0 or an error number.
 int request_fifo(int priority) noexcept;

@@ -7,12 +7,14 @@
 
 namespace kerf::agent {
 
-/// The server's two force laws (server/wire/README.md, "force").
+/// The server's force laws (server/wire/README.md, "force").
 enum class CutLaw : std::uint8_t {
   /// The cutting force depends on the engaged area only.
   kSpecificEnergy,
   /// The cutting force is proportional to the tool's speed, like that of a damper.
   kRemovalRate,
+  /// The force of a milling cutter, with the ripple of its teeth.
+  kMechanistic,
 };
 
 struct ModelSettings {

@@ -49,6 +49,13 @@ double delivered_path_mm(const CutSum& cut, const Twist& twist, Vec3 pivot) {
   return std::max(mean_path_mm(cut, twist, pivot), length(twist.at(cut.center_mm())));
 }
 
+/// Returns the share of a pending milling force that is felt: all of it ahead and at a right angle
+/// to the direction in which it was cut, and none behind.
+double kept_share(const CutSum& due, Vec3 direction) {
+  const double push = length(due.push_mm3);
+  return push > 0 ? std::clamp(1 - 2 * dot(due.push_mm3, direction) / push, 0.0, 1.0) : 1;
+}
+
 CutSum to_world(RayAxis axis, const CutSum& s) {
   return {s.volume_mm3, from_frame(axis, s.moment_mm4), from_frame(axis, s.push_mm3),
           from_frame(axis, s.turn_mm4)};
@@ -66,6 +73,10 @@ CuttingForce::CuttingForce(const ForceSettings& settings, const Tool& tool,
       duration_s_(duration_s),
       engagement_(engagement) {
   if (fields > 1) weight_.emplace(tool);
+  if (settings.law != ForceLaw::kMechanistic) return;
+  milling_.emplace(settings.milling, tool, motion.at(0.5).axis, duration_s);
+  if (engagement.milling) return;
+  engagement.milling = std::make_unique<MillingEngagement>(engagement.gradual.width_mm());
 }
 
 void CuttingForce::Part::add(const CutSum& s, double share, double path_mm) {
@@ -82,13 +93,15 @@ void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const Tool
   if (removal.quanta() == 0) return;
   const ToolPose middle = motion.at(0.5);
   const Twist twist = twist_of(motion);
-  const MovedSum local = sum_cut(
-      removal, grid, twist, {middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_, radius_mm_},
-      weight_ ? &*weight_ : nullptr, workers);
+  const CutFrame frame{middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_, radius_mm_};
+  const MovedSum local =
+      sum_cut(removal, grid, twist, frame, weight_ ? &*weight_ : nullptr, workers);
   const CutSum sum = to_world(grid.axis, local.cut);
   all_.add(sum, share, mean_path_mm(local.cut, twist, middle.axis * settings_.pivot_mm));
+  const Crossing crossing = weight_ ? Crossing{0, 0} : crossing_of(local.across_mm, local.along_mm);
+  if (milling_)
+    milling_->add(removal, grid, twist, frame, share, crossing.share, weight_.has_value());
   if (weight_) return;
-  const Crossing crossing = crossing_of(local.across_mm, local.along_mm);
   gradual_.add(sum * crossing.share, share, crossing.mm);
 }
 
@@ -139,7 +152,11 @@ FeltCut CuttingForce::finish() {
       rests ? e.gradual.due_per_mm() + e.prompt.due_per_mm() : due * (1 / due_path_mm);
   felt.area_mm2 = per_mm.volume_mm3;
   felt.center_mm = motion_.at(0.5).tip_mm + e.center_mm;
-  if (settings_.law == ForceLaw::kDexelRemovalRate) {
+  if (milling_) {
+    felt.wrench = milling_->finish(
+        *e.milling, {crossing_mm, path_mm, due_path_mm, rests, kept_share(gradual, direction),
+                     kept_share(prompt, direction)});
+  } else if (settings_.law == ForceLaw::kDexelRemovalRate) {
     const double scale = settings_.drr_n_s_per_mm3 / duration_s_;
     felt.wrench = {due.push_mm3 * scale, due.turn_mm4 * scale};
   } else {

@@ -8,6 +8,7 @@
 #include "kernel/force/cut_sum.h"
 #include "kernel/force/engagement.h"
 #include "kernel/force/force_settings.h"
+#include "kernel/force/milling_force.h"
 #include "kernel/force/surface_weight.h"
 #include "kernel/math/wrench.h"
 #include "kernel/sweep/tool_motion.h"
@@ -59,6 +60,7 @@ class CuttingForce {
   double duration_s_;
   std::optional<SurfaceWeight> weight_;  ///< set if there are three fields
   Engagement& engagement_;
+  std::optional<MillingForce> milling_;  ///< set if the law is mechanistic
   Part all_, gradual_;
 };
 

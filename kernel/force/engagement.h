@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,14 @@ namespace kerf {
 /// of it, and by all of it at a corner.
 inline constexpr double kFeltTravelMm = 0.01;
 
+/// What the mechanistic law has not delivered yet, and the angle of the spindle.
+struct MillingEngagement {
+  explicit MillingEngagement(double pitch_mm) : gradual(pitch_mm), prompt(kFeltTravelMm / 2) {}
+
+  TravelQueueOf<MillingSum> gradual, prompt;  ///< as of Engagement
+  double turns = 0;                           ///< of the spindle since the cut began; below 1
+};
+
 /// The cut volume not yet delivered as force, carried from one motion to the next, of one user of a
 /// tool.
 struct Engagement {
@@ -26,12 +35,16 @@ struct Engagement {
     gradual.turn(turn);
     prompt.turn(turn);
     center_mm = turn(center_mm);
+    if (!milling) return;
+    milling->gradual.turn(turn);
+    milling->prompt.turn(turn);
   }
 
   TravelQueue gradual;  ///< columns removed whole by a wall parallel to the rays
   TravelQueue prompt;   ///< everything else
   Vec3 center_mm;       ///< centroid of the last delivered volume, relative to the tip
   Vec3 direction;       ///< mean direction of that centroid over kFeltTravelMm; length <= 1
+  std::unique_ptr<MillingEngagement> milling;  ///< of the mechanistic law only
 };
 
 /// Where the last motion of a user of a tool ended.

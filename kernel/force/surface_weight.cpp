@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernel/force/surface_weight.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "kernel/math/lanes.h"
-#include "kernel/math/tolerance.h"
 
 namespace kerf {
 namespace {
@@ -16,14 +13,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Segments longer than this share of the tool's radius are weighted at two points. Over a shorter
 /// one of a ball, the error of the weight at its center is below 1/100.
 constexpr double kShortSegment = 0.25;
-
-/// Returns the radius of a piece at a height, which may be beyond its ends by rounding; 0 farther
-/// away.
-double radius_near(const ToolPiece& piece, double z_mm) {
-  const Extent e = extent(piece);
-  if (z_mm < e.z0_mm - kCoverEpsilonMm || z_mm > e.z1_mm + kCoverEpsilonMm) return 0;
-  return radius_at(piece, std::clamp(z_mm, e.z0_mm, e.z1_mm));
-}
 
 }  // namespace
 
@@ -40,26 +29,12 @@ struct SurfaceWeight::Meridian {
   }
 };
 
-SurfaceWeight::SurfaceWeight(const Tool& tool) {
-  for (const ToolPiece& piece : tool.pieces) {
-    const Extent e = extent(piece);
-    double below = 0, above = 0;
-    for (const ToolPiece& other : tool.pieces) {
-      if (&other == &piece) continue;
-      below = std::max(below, radius_near(other, e.z0_mm));
-      above = std::max(above, radius_near(other, e.z1_mm));
-    }
-    const bool hides_below = below > radius_at(piece, e.z0_mm) - kCoverEpsilonMm;
-    const bool hides_above = above > radius_at(piece, e.z1_mm) - kCoverEpsilonMm;
-    pieces_.push_back({PieceProfile(piece), hides_below ? kInfinity : below * below,
-                       hides_above ? kInfinity : above * above});
-  }
-}
+SurfaceWeight::SurfaceWeight(const Tool& tool) : pieces_(covered_pieces(tool)) {}
 
 /// Updates `nearest`, and the normal's component along the rays, where a piece is nearer than those
 /// before (less far outside, or the point deeper inside).
-KERF_INLINE void SurfaceWeight::nearest_of(const Piece& p, const Meridian& at, Lanes& nearest,
-                                           Lanes& normal_z) {
+KERF_INLINE void SurfaceWeight::nearest_of(const CoveredPiece& p, const Meridian& at,
+                                           Lanes& nearest, Lanes& normal_z) {
   const PieceProfile& f = p.profile;
   const Lanes below = f.z0_mm - at.h, above = at.h - f.z1_mm;
   Lanes face, n;  // signed distance from the side, and its normal along the rays
@@ -102,7 +77,7 @@ KERF_INLINE Lanes SurfaceWeight::evaluate_in_lanes(const GroupPoints& points, Ve
   at.rho2 = qx * qx + qy * qy + qz * qz;
   at.across_z = qz;
   Lanes nearest(kInfinity), normal_z(0);
-  for (const Piece& p : pieces_) {
+  for (const CoveredPiece& p : pieces_) {
     // Most points are near one piece only; the others need no square root.
     const Lanes beside = greater(p.profile.z0_mm - at.h, at.h - p.profile.z1_mm);
     if (any(beside < nearest)) nearest_of(p, at, nearest, normal_z);

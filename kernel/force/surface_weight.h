@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/force/tool_side.h"
 #include "kernel/math/lanes.h"
 #include "kernel/math/vec3.h"
 #include "kernel/tool/tool.h"
@@ -44,16 +45,11 @@ class SurfaceWeight {
   void weigh_in_lanes(std::span<GroupSegments> groups, Vec3 axis, double radius_mm) const;
 
  private:
-  /// A piece, and the radii up to which other pieces cover the discs at its ends. Beyond these
-  /// radii the discs bound the tool.
-  struct Piece {
-    PieceProfile profile;
-    double covered_below2, covered_above2;  ///< squares of those radii
-  };
   struct Meridian;
-  static void nearest_of(const Piece& piece, const Meridian& at, Lanes& nearest, Lanes& normal_z);
+  static void nearest_of(const CoveredPiece& piece, const Meridian& at, Lanes& nearest,
+                         Lanes& normal_z);
 
-  std::vector<Piece> pieces_;
+  std::vector<CoveredPiece> pieces_;
 };
 
 }  // namespace kerf

@@ -34,8 +34,9 @@ double delivered(double ahead, double path) {
 
 }  // namespace
 
-CutSum TravelQueue::advance(double path_mm) {
-  CutSum due;
+template <class Sum>
+Sum TravelQueueOf<Sum>::advance(double path_mm) {
+  Sum due;
   if (empty_) return due;
   for (int k = 0; k < kBins; ++k) {
     if (path_mm < head_left_mm_) {
@@ -55,7 +56,8 @@ CutSum TravelQueue::advance(double path_mm) {
   return due;
 }
 
-CutSum TravelQueue::take(const CutSum& removed, double path_mm) {
+template <class Sum>
+Sum TravelQueueOf<Sum>::take(const Sum& removed, double path_mm) {
   if (!(removed.volume_mm3 > 0)) return {};
   const double path = path_mm / width_mm_;
   double until_mm = head_left_mm_;
@@ -72,21 +74,27 @@ CutSum TravelQueue::take(const CutSum& removed, double path_mm) {
   return removed * now;
 }
 
-void TravelQueue::turn(const Turn& turn) {
+template <class Sum>
+void TravelQueueOf<Sum>::turn(const Turn& turn) {
   if (empty_) return;
-  for (CutSum& b : bins_) b = turned(b, turn);
+  for (Sum& b : bins_) b = turned(b, turn);
 }
 
-CutSum TravelQueue::due_per_mm() const {
+template <class Sum>
+Sum TravelQueueOf<Sum>::due_per_mm() const {
   if (empty_) return {};
   return (bin(0) + bin(1)) * (1 / (head_left_mm_ + bin_mm()));
 }
 
-CutSum TravelQueue::pending() const {
-  CutSum sum;
+template <class Sum>
+Sum TravelQueueOf<Sum>::pending() const {
+  Sum sum;
   if (empty_) return sum;
-  for (const CutSum& b : bins_) sum = sum + b;
+  for (const Sum& b : bins_) sum = sum + b;
   return sum;
 }
+
+template class TravelQueueOf<CutSum>;
+template class TravelQueueOf<MillingSum>;
 
 }  // namespace kerf

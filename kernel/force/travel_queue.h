@@ -4,6 +4,7 @@
 #include <array>
 
 #include "kernel/force/cut_sum.h"
+#include "kernel/force/milling_sum.h"
 
 namespace kerf {
 
@@ -12,23 +13,26 @@ namespace kerf {
 /// mean delay is one width, and any input that is periodic in the width, or in an integer fraction
 /// of it, is delivered as a constant. The output depends on travel only, not on time or ticks, and
 /// is complete: delivered + pending = removed, to rounding. Derivation: kernel/force/README.md.
-class TravelQueue {
+/// `Sum` is CutSum or MillingSum.
+template <class Sum>
+class TravelQueueOf {
  public:
-  explicit TravelQueue(double width_mm) : width_mm_(width_mm), head_left_mm_(bin_mm()) {}
+  explicit TravelQueueOf(double width_mm) : width_mm_(width_mm), head_left_mm_(bin_mm()) {}
 
+  double width_mm() const { return width_mm_; }
   /// Advances by `path_mm` of travel and returns what became due.
-  CutSum advance(double path_mm);
+  Sum advance(double path_mm);
   /// Adds what was removed evenly over the last `path_mm` of travel, and returns the part of it
   /// that is due already. Later advances deliver the rest.
-  CutSum take(const CutSum& removed, double path_mm);
+  Sum take(const Sum& removed, double path_mm);
 
   /// Turns what is pending with the tool.
   void turn(const Turn& turn);
 
   /// Returns what becomes due next, per mm of travel: the engagement of a tool at rest.
-  CutSum due_per_mm() const;
+  Sum due_per_mm() const;
   /// Returns what is not yet delivered.
-  CutSum pending() const;
+  Sum pending() const;
 
  private:
   static constexpr int kBinsPerWidth = 8;
@@ -36,14 +40,18 @@ class TravelQueue {
   static constexpr int kBins = 2 * kBinsPerWidth + 1;
 
   double bin_mm() const { return width_mm_ / kBinsPerWidth; }
-  CutSum& bin(int k) { return bins_[std::size_t((head_ + k) % kBins)]; }
-  const CutSum& bin(int k) const { return bins_[std::size_t((head_ + k) % kBins)]; }
+  Sum& bin(int k) { return bins_[std::size_t((head_ + k) % kBins)]; }
+  const Sum& bin(int k) const { return bins_[std::size_t((head_ + k) % kBins)]; }
 
   double width_mm_;
   double head_left_mm_;  ///< remaining length of the first bin
   int head_ = 0;
   bool empty_ = true;
-  std::array<CutSum, kBins> bins_;  ///< amounts due, by travel ahead; a ring buffer
+  std::array<Sum, kBins> bins_;  ///< amounts due, by travel ahead; a ring buffer
 };
+
+extern template class TravelQueueOf<CutSum>;
+extern template class TravelQueueOf<MillingSum>;
+using TravelQueue = TravelQueueOf<CutSum>;
 
 }  // namespace kerf

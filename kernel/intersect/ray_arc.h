@@ -53,25 +53,59 @@ struct RayArc {
   static constexpr int kSteps = 60;  ///< at a grazed arc each step halves the distance
   static constexpr double square(double v) { return v * v; }
 
-  /// Moves t by Newton's steps upwards (kSign 1) or downwards (−1) to the side, in the lanes
-  /// `asked`, at most to `end`. Returns the lanes where it is reached.
+  /// The side's distance F at a height of the rays, and its derivative along them times the length
+  /// of the normal.
+  struct Off {
+    CircleDistance<Lanes> d;
+    Lanes slope, rho;
+  };
+  KERF_INLINE Off off_at(Lanes p2, Lanes along, Lanes t) const {
+    const Lanes l = along + axis.z * t;
+    const Lanes rho = square_root(greater(p2 + t * t - l * l, Lanes(0)));
+    const CircleDistance<Lanes> d = circle_distance(center_r, radius, rho, l);
+    const Lanes share = select(rho > 0.0, d.across / rho, Lanes(0));
+    return {d, share * (t - l * axis.z) + l * axis.z, rho};
+  }
+
+  /// Returns the step to the root of the parabola that touches G = m² + l² − R² at t, with its
+  /// first two derivatives: the exact root where the axis is upright or center_r is 0.
+  template <int kSign>
+  KERF_INLINE Lanes step_to_root(Lanes along, Lanes t, const Off& off) const {
+    const Lanes growth = (t - (along + axis.z * t) * axis.z) / off.rho;
+    const double lean2 = 1 - axis.z * axis.z, upright2 = axis.z * axis.z;
+    const Lanes bend = lean2 - (lean2 - growth * growth) * (center_r / off.rho) + upright2;
+    const Lanes off2 = off.d.mm * (off.d.mm + 2 * radius), slope = off.slope * double(kSign);
+    return off2 / (square_root(slope * slope - bend * off2) - slope) * double(kSign);
+  }
+
+  /// Moves t upwards (kSign 1) or downwards (−1) to the side, in the lanes `asked`, at most to
+  /// `end`: first to the root of a parabola, if F still falls there, then by Newton's steps, which
+  /// stay outside. Returns the lanes where the side is reached.
   template <int kSign>
   KERF_INLINE LaneMask approach(Lanes p2, Lanes along, Lanes end, LaneMask asked, Lanes& t) const {
-    LaneMask moving = asked, met = asked;
-    for (int i = 0; i < kSteps; ++i) {
-      const Lanes l = along + axis.z * t;
-      const Lanes rho = square_root(greater(p2 + t * t - l * l, Lanes(0)));
-      const CircleDistance<Lanes> d = circle_distance(center_r, radius, rho, l);
-      moving &= d.mm > kArcFoundMm;
-      if (!any(moving)) break;
-      const Lanes share = select(rho > 0.0, d.across / rho, Lanes(0));
-      const Lanes slope = share * (t - l * axis.z) + l * axis.z;  // of F, times the length
-      const LaneMask closes = kSign > 0 ? slope < 0.0 : slope > 0.0;
-      const Lanes next = t - d.mm * d.length / slope;
+    Off off = off_at(p2, along, t);
+    LaneMask moving = asked & (off.d.mm > kArcFoundMm), met = asked;
+    if (!any(moving)) return met;
+    const Lanes guess = t + step_to_root<kSign>(along, t, off);
+    LaneMask usable = moving & (kSign > 0 ? guess <= end : guess >= end);
+    if (any(usable)) {
+      const Off there = off_at(p2, along, select(usable, guess, t));
+      usable &= there.d.across > 0.0 & (kSign > 0 ? there.slope < 0.0 : there.slope > 0.0);
+      t = select(usable, guess, t);
+      off.d.mm = select(usable, there.d.mm, off.d.mm);
+      off.d.length = select(usable, there.d.length, off.d.length);
+      off.slope = select(usable, there.slope, off.slope);
+      moving &= magnitude(off.d.mm) > kArcFoundMm;
+    }
+    for (int i = 0; i < kSteps && any(moving); ++i) {
+      const LaneMask closes = kSign > 0 ? off.slope < 0.0 : off.slope > 0.0;
+      const Lanes next = t - off.d.mm * off.d.length / off.slope;
       const LaneMask within = kSign > 0 ? next <= end : next >= end;
       met &= ~(moving & ~(closes & within));
       moving &= closes & within;
       t = select(moving, next, t);
+      off = off_at(p2, along, t);
+      moving &= off.d.mm > kArcFoundMm;
     }
     return met;
   }

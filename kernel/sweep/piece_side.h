@@ -276,19 +276,34 @@ struct ArcSide {
     return (a + b) * 0.5;
   }
 
-  /// Moves t by Newton's steps from outside towards the arc, upwards (kSign 1) or downwards (−1),
-  /// in the lanes `asked`. Returns where the arc is hit.
+  /// Moves t from outside to the arc, upwards (kSign 1) or downwards (−1), in the lanes `asked`: to
+  /// the root of the parabola that touches G, if G still falls there, then by Newton's steps, which
+  /// stay outside. Returns where the arc is hit.
   template <int kSign>
   KERF_INLINE LaneMask approach(Lanes p2, Lanes uz, Lanes along, LaneMask asked, Lanes& t) const {
     const double found = 2 * radius * kArcFoundMm;
-    LaneMask met = asked, moving = asked;
+    const auto closes = [](Lanes slope) __attribute__((always_inline)) {
+      return kSign > 0 ? slope < 0.0 : slope > 0.0;
+    };
+    Square g = square_at(p2, uz, along, t);
+    LaneMask met = asked, moving = asked & (g.off2 > found);
+    if (!any(moving)) return met;
+    const Lanes slope = g.slope * double(kSign);
+    const Lanes step = g.off2 / (square_root(slope * slope - g.bend * g.off2) - slope);
+    const LaneMask reaches = moving & (step > 0.0);
+    const Lanes guess = select(reaches, t + step * double(kSign), t);
+    const Square there = square_at(p2, uz, along, guess);
+    const LaneMask usable = reaches & there.beyond & closes(there.slope);
+    t = select(usable, guess, t);
+    g.off2 = select(usable, there.off2, g.off2);
+    g.slope = select(usable, there.slope, g.slope);
+    moving &= magnitude(g.off2) > found;
     for (int i = 0; i < kSteps && any(moving); ++i) {
-      const Square g = square_at(p2, uz, along, t);
-      const LaneMask outside = g.off2 > found;
-      const LaneMask closing = kSign > 0 ? g.slope < 0.0 : g.slope > 0.0;
-      met &= ~(moving & outside & ~closing);
-      moving &= outside & closing;
+      met &= ~(moving & ~closes(g.slope));
+      moving &= closes(g.slope);
       t = select(moving, t - 0.5 * g.off2 / g.slope, t);
+      g = square_at(p2, uz, along, t);
+      moving &= g.off2 > found;
     }
     return met;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/force/milling_force.h"
 #include "kernel/math/rotation.h"
 #include "server/formats/machine_kinematics.h"
 
@@ -89,6 +90,10 @@ double Simulation::force_n(const ProgramMotion& motion, const MotionResult& resu
   const Vec3 felt = result.wrench.force_n - result.collision.force_n;
   if (result.cutting.engaged_area_mm2 > 0) return length(felt);
   const ForceSettings& force = scene_.settings.force;
+  if (force.law == ForceLaw::kMechanistic) {
+    return milling_force_n(force.milling, scene_.tools.at(motion.tool).tool.radius_mm,
+                           cut_mm3 / motion.duration_s);
+  }
   return force.law == ForceLaw::kSpecificEnergy
              ? force.specific_force_n_per_mm2 * area_mm2
              : force.drr_n_s_per_mm3 * cut_mm3 / motion.duration_s;

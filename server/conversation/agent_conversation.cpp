@@ -46,7 +46,7 @@ void AgentConversation::on_event(const SessionEvent& event) {
     reject({wire::ErrorCode::kRemoved, event.closing}, true);
     finish();
   } else if (!event.closing.empty()) {
-    say(bye_message(event.closing));
+    say(bye_message(event.closing, event.redirect));
     finish();
   } else if (self_ && event.carvers_changed) {
     out_.put_participants(carvers_message(session().carvers()));

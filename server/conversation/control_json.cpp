@@ -262,8 +262,10 @@ std::string error_message(const Rejection& rejection, bool fatal) {
                {"fatal", fatal}});
 }
 
-std::string bye_message(std::string_view reason) {
-  return text({{"type", wire::kTypeBye}, {"reason", reason}});
+std::string bye_message(std::string_view reason, std::string_view redirect) {
+  Json message = {{"type", wire::kTypeBye}, {"reason", reason}};
+  if (!redirect.empty()) message["redirect"] = redirect;
+  return text(message);
 }
 
 }  // namespace kerf::net

@@ -55,6 +55,6 @@ std::string change_message(const RosterChange& change);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
                           bool settled, bool paused);
 std::string error_message(const Rejection& rejection, bool fatal);
-std::string bye_message(std::string_view reason);
+std::string bye_message(std::string_view reason, std::string_view redirect = {});
 
 }  // namespace kerf::net

@@ -86,6 +86,7 @@ JoinRequest Conversation::join_request(ParticipantKind kind, const HelloMessage&
   request.grant = caller_.grant;
   request.is_personal = caller_.is_personal;
   request.is_muted = caller_.is_muted;
+  request.network = caller_.network;
   return request;
 }
 

@@ -99,9 +99,9 @@ void ViewerConversation::remove(const std::string& reason) {
   wake();
 }
 
-void ViewerConversation::close(const std::string& reason) {
+void ViewerConversation::close(const std::string& reason, const std::string& redirect) {
   if (finishing()) return;
-  say(bye_message(reason));
+  say(bye_message(reason, redirect));
   finish();
   wake();
 }

@@ -76,8 +76,9 @@ class ViewerConversation final : public Conversation {
   void reject_ack();
   /// An owner has removed the viewer.
   void remove(const std::string& reason);
-  /// The session ends: sends bye and finishes.
-  void close(const std::string& reason);
+  /// The session ends, and goes on at the server `redirect` unless that is empty: sends bye and
+  /// finishes.
+  void close(const std::string& reason, const std::string& redirect = {});
 
   bool take(OutFrame& out) override;
   void end() override {}

@@ -137,11 +137,28 @@ Json tools_to_json(const Scene& scene) {
 }
 
 Json to_json(const ForceSettings& force) {
-  return {{"law", force.law == ForceLaw::kSpecificEnergy ? "specific_energy" : "drr"},
-          {"specific_force_n_per_mm2", force.specific_force_n_per_mm2},
-          {"drr_n_s_per_mm3", force.drr_n_s_per_mm3},
-          {"pivot_mm", force.pivot_mm},
-          {"contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm}};
+  Json json = {{"law", to_string(force.law)},
+               {"specific_force_n_per_mm2", force.specific_force_n_per_mm2},
+               {"drr_n_s_per_mm3", force.drr_n_s_per_mm3},
+               {"pivot_mm", force.pivot_mm},
+               {"contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm}};
+  if (force.law != ForceLaw::kMechanistic) return json;
+  const MillingSettings& m = force.milling;
+  json["spindle_rpm"] = m.spindle_rpm;
+  json["teeth"] = m.teeth;
+  json["helix_deg"] = m.helix_deg;
+  json["feed_per_tooth_mm"] = m.feed_per_tooth_mm;
+  json["runout_mm"] = m.runout_mm;
+  json["ripple_hz"] = m.ripple_hz;
+  json["scale"] = m.scale;
+  json["tangential_n_per_mm2"] = m.cut_n_per_mm2.tangential;
+  json["radial_n_per_mm2"] = m.cut_n_per_mm2.radial;
+  json["axial_n_per_mm2"] = m.cut_n_per_mm2.axial;
+  json["tangential_edge_n_per_mm"] = m.edge_n_per_mm.tangential;
+  json["radial_edge_n_per_mm"] = m.edge_n_per_mm.radial;
+  json["axial_edge_n_per_mm"] = m.edge_n_per_mm.axial;
+  json["chip_exponent"] = m.chip_exponent;
+  return json;
 }
 
 Json to_json(const Obstacle& obstacle, const std::string& file) {

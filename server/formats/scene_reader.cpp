@@ -11,6 +11,7 @@
 #include "server/formats/model/stl_reader.h"
 #include "server/formats/scene.h"
 #include "server/formats/scene_fields.h"
+#include "server/formats/scene_force_reader.h"
 #include "server/formats/scene_tool_reader.h"
 #include "server/formats/text_file.h"
 
@@ -115,25 +116,6 @@ void apply_accuracy(const AccuracyRequest& request, Scene& scene) {
   settings.pitch_mm = request.pitch_mm.value_or(settings.pitch_mm);
   settings.tolerance_mm = request.tolerance_mm.value_or(settings.tolerance_mm);
   settings.motion = request.motion.value_or(settings.motion);
-}
-
-ForceSettings read_force(const SceneValue& value) {
-  SceneFields fields(value);
-  ForceSettings force;
-  const std::string law = fields.text("law", "specific_energy");
-  if (law == "drr") {
-    force.law = ForceLaw::kDexelRemovalRate;
-  } else if (law != "specific_energy") {
-    fields.reject("law", "\"" + law + "\" is not a force law; use specific_energy or drr");
-  }
-  force.specific_force_n_per_mm2 =
-      fields.not_negative("specific_force_n_per_mm2", force.specific_force_n_per_mm2);
-  force.drr_n_s_per_mm3 = fields.not_negative("drr_n_s_per_mm3", force.drr_n_s_per_mm3);
-  force.pivot_mm = fields.not_negative("pivot_mm", force.pivot_mm);
-  force.contact_stiffness_n_per_mm =
-      fields.not_negative("contact_stiffness_n_per_mm", force.contact_stiffness_n_per_mm);
-  fields.reject_unknown();
-  return force;
 }
 
 Machine read_machine(const SceneValue& value) {

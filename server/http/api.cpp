@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/http/browser_rules.h"
 #include "server/http/routes.h"
 #include "server/http/static_files.h"
 #include "server/rights/rights.h"
@@ -141,6 +142,7 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
                           "would be its administrator; start it with --admin-token-file or --open");
   }
   caller = access_.identify(request.token, is_below ? request.path[2] : "");
+  caller.network = request.network;
   // Unknown paths below a session tell whether it exists.
   const Action unknown = is_below ? Action::kWatch : Action::kReach;
   const Action action = match.route != nullptr ? match.route->action : unknown;
@@ -153,8 +155,31 @@ std::optional<ApiResponse> Api::refuse(const ApiRequest& request, const RouteMat
 }
 
 void Api::tell_regions(Session& session) const {
-  session.executor().post([self = session.shared_from_this(),
-                           regions = access_.regions(session.id())] { self->reserve(regions); });
+  // Read in the order of the changes: of two at a time, the last one must be the one that stays.
+  session.executor().post([self = session.shared_from_this(), &access = access_] {
+    self->reserve(access.regions(self->id()));
+  });
+}
+
+ApiResponse Api::drain(const ApiCall& call) {
+  const std::string* to = call.request.query_value("to");
+  if (to == nullptr || !is_server_address(*to)) {
+    return error_response(400, "bad_address", "to must be http:// or https://, a host and a port");
+  }
+  if (!options_.request_stop) {
+    return error_response(409, "cannot_stop", "this server cannot be stopped by a request");
+  }
+  {
+    const std::scoped_lock lock(drain_mutex_);
+    drain_to_ = *to;
+  }
+  options_.request_stop();
+  return json_response(202, Json{{"to", *to}}.dump());
+}
+
+std::string Api::drain_target() const {
+  const std::scoped_lock lock(drain_mutex_);
+  return drain_to_;
 }
 
 ApiResponse Api::health(const ApiCall&) { return json_response(200, R"({"status":"ok"})"); }

@@ -4,6 +4,7 @@
 #include <expected>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -30,6 +31,8 @@ struct ApiRequest {
   std::string if_none_match, range, if_range;
   std::string token;          ///< of the Authorization header, else `pass`; empty: none
   std::string pass;           ///< of the Cookie header; empty: none
+  std::string host;           ///< as the client has addressed the server
+  std::string network;        ///< of the client (network_of)
   bool is_secure = false;     ///< it has come over TLS
   bool is_forwarded = false;  ///< a proxy has added the address of its client
   std::string body;
@@ -90,6 +93,9 @@ class Api {
                                     Caller& caller) const;
   /// The regions that are reserved in a session. Must be given to it before somebody may carve.
   void tell_regions(Session& session) const;
+  /// Address of the server at which an administrator wants the sessions to go on; empty: none
+  /// asked.
+  std::string drain_target() const;
   /// Cancels the downloads in preparation; further ones are rejected.
   void stop() { downloads_.stop(); }
   MemoryBudget& uploads() { return uploads_; }
@@ -118,6 +124,7 @@ class Api {
   ApiResponse reserve(const ApiCall& call);
   ApiResponse release(const ApiCall& call);
   ApiResponse upload_file(const ApiCall& call);
+  ApiResponse drain(const ApiCall& call);
   ApiResponse health(const ApiCall& call);
   ApiResponse ready(const ApiCall& call);
   ApiResponse metrics(const ApiCall& call);
@@ -137,6 +144,8 @@ class Api {
   Access& access_;
   DownloadCache downloads_;
   MemoryBudget uploads_, programs_;
+  mutable std::mutex drain_mutex_;  ///< guards drain_to_
+  std::string drain_to_;
 };
 
 /// A solid and its hash.

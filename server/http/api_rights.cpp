@@ -25,6 +25,8 @@ Json grant_json(const Grant& grant) {
                {"name", grant.name},
                {"color", grant.color},
                {"muted", grant.muted}};
+  if (grant.uses > 0) json["uses"] = grant.uses;
+  if (!grant.is_pass()) json["used"] = grant.used;
   if (grant.is_pass()) json["invitation"] = grant.invitation;
   return json;
 }
@@ -78,7 +80,13 @@ ApiResponse Api::invite(const ApiCall& call) {
   if (!hours || !(*hours > 0 && *hours <= kHoursMax)) {
     return error_response(400, "bad_hours", "hours must be a number above 0, at most 8784");
   }
+  const std::string uses_text = value("uses");
+  const auto uses = uses_text.empty() ? 0 : parse_number<std::int64_t>(uses_text);
+  if (!uses || (!uses_text.empty() && *uses < 1)) {
+    return error_response(400, "bad_uses", "uses must be a number from 1 to 2000");
+  }
   Invitation invitation;
+  invitation.uses = *uses;
   invitation.role = *role;
   invitation.lifetime_s = static_cast<std::int64_t>(std::ceil(*hours * kSecondsPerHour));
   invitation.name = value("name");
@@ -87,7 +95,12 @@ ApiResponse Api::invite(const ApiCall& call) {
   if (!issued) return access_failure(issued.error());
   Json json = grant_json(issued->grant);
   json["token"] = issued->token;
-  json["link"] = "/?session=" + call.session->id() + "#invite=" + issued->token;
+  const std::string link = "/?session=" + call.session->id() + "#invite=" + issued->token;
+  json["link"] = link;
+  const ApiRequest& request = call.request;
+  if (!request.host.empty()) {
+    json["url"] = (request.is_secure ? "https://" : "http://") + request.host + link;
+  }
   return json_response(201, text_of(json));
 }
 
@@ -112,7 +125,8 @@ ApiResponse Api::redeem(const ApiCall& call) {
     if (is_theirs && grant.invitation == call.caller.grant) return joined(holder);
   }
   const std::string* name = request.query_value("name");
-  const auto issued = access_.redeem(request.token, id, name == nullptr ? "" : *name);
+  const auto issued =
+      access_.redeem(request.token, id, name == nullptr ? "" : *name, request.network);
   if (!issued) {
     if (issued.error().fault != AccessFault::kUnknown) return access_failure(issued.error());
     return error_response(401, "bad_token", issued.error().reason);

@@ -44,10 +44,12 @@ bool is_listed(std::string_view origin, const HttpOptions& options) {
 }
 
 /// The viewer: its decoder of meshes is WebAssembly, and colors are style attributes.
-std::string page_policy(std::string_view host) {
+std::string page_policy(const BrowserHeaders& headers) {
   std::string own = "'self'";
   // Some browsers do not count WebSockets as 'self'.
-  if (!host.empty()) own.append(" ws://").append(host).append(" wss://").append(host);
+  const std::string_view host = headers.host;
+  if (!host.empty() && !headers.is_secure) own.append(" ws://").append(host);
+  if (!host.empty()) own.append(" wss://").append(host);
   return "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
          "'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; worker-src 'self' "
          "blob:; connect-src " +
@@ -84,16 +86,28 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
   };
   const bool is_page = response.content_type.starts_with("text/html");
   add("Content-Security-Policy",
-      is_page ? page_policy(headers.host) : "default-src 'none'; frame-ancestors 'none'");
+      is_page ? page_policy(headers) : "default-src 'none'; frame-ancestors 'none'");
   add("X-Content-Type-Options", "nosniff");
   add("X-Frame-Options", "DENY");
   add("Referrer-Policy", "no-referrer");
+  if (headers.is_secure && !is_equal(name_of(headers.host), "localhost")) {
+    add("Strict-Transport-Security", "max-age=15552000");
+  }
   if (options.allow_origins.empty()) return;
   add("Vary", "Origin");
   if (!is_listed(headers.origin, options)) return;
   add("Access-Control-Allow-Origin", std::string(headers.origin));
   add("Access-Control-Expose-Headers",
       "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Retry-After");
+}
+
+bool is_server_address(std::string_view text) {
+  constexpr std::size_t kBytesMax = 200;
+  const std::string_view host = host_of(text);
+  return (text.starts_with("http://") || text.starts_with("https://")) &&
+         text.size() <= kBytesMax && !name_of(host).empty() &&
+         host.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_[]") == host.npos;
 }
 
 ApiResponse preflight(std::string_view methods) {

@@ -12,6 +12,7 @@ namespace kerf::net {
 /// The headers of a request by which a browser says what it talks to and for which page.
 struct BrowserHeaders {
   std::string_view host, origin;  ///< empty if missing
+  bool is_secure = false;         ///< the page has come over TLS
 };
 
 /// Returns whether the Host header names this server: an IP address, localhost, the host of an
@@ -26,9 +27,14 @@ bool origin_allowed(const BrowserHeaders& headers, const HttpOptions& options);
 
 /// Adds the headers that restrict what a browser does with a response: content is what its type
 /// says, nothing frames it, the page loads nothing from elsewhere, and no address is sent to other
-/// sites. Pages of listed origins may read the response (CORS).
+/// sites. Pages of listed origins may read the response (CORS). Over TLS, browsers are asked to use
+/// nothing else for this host (HSTS), but for localhost, where other ports are other programs.
 void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& options,
                          ApiResponse& response);
+
+/// Returns whether a text is the address of a server: http:// or https://, a name or an IP address,
+/// and perhaps a port.
+bool is_server_address(std::string_view text);
 
 /// Returns the answer to a CORS preflight of an allowed origin for a resource with these methods.
 ApiResponse preflight(std::string_view methods);

@@ -7,7 +7,6 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
@@ -17,15 +16,14 @@
 #include <stop_token>
 
 #include "server/http/api.h"
-#include "server/http/browser_rules.h"
-#include "server/http/cookie.h"
-#include "server/http/http_options.h"
+#include "server/http/beast_head.h"
+#include "server/http/proxies.h"
+#include "server/http/request_head.h"
 #include "server/http/response_head.h"
-#include "server/http/routes.h"
 #include "server/metrics/metrics.h"
 #include "server/socket/serve_peer.h"
 #include "server/threads/run_on.h"
-#include "server/wire/control.h"
+#include "server/wire/limits.h"
 
 namespace kerf::net {
 namespace {
@@ -35,54 +33,32 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using boost::system::error_code;
 using Parser = http::request_parser<http::string_body>;
-using Request = http::request<http::string_body>;
+using Request = BeastRequest;
 
 constexpr std::uint32_t kHeaderBytesMax = 8 * 1024;
-/// Length of a Sec-WebSocket-Key.
-constexpr std::size_t kKeyBytes = 24;
-constexpr std::chrono::seconds kHeaderTime{10}, kIdleTime{60}, kBodyTime{120}, kChunkTime{30};
+constexpr std::chrono::seconds kHandshakeTime{5}, kHeaderTime{10}, kIdleTime{60}, kBodyTime{120},
+    kChunkTime{30};
 constexpr std::chrono::seconds kLingerTime{2};
 /// A request for a session that is being loaded waits for it as long as this.
-constexpr std::chrono::seconds kLoadTime{5};
+constexpr std::chrono::seconds kLoadTime{wire::kLoadWaitS};
 constexpr std::chrono::milliseconds kLoadPoll{5};
 constexpr std::size_t kLingerBytes = std::size_t{4} << 20, kLingerChunk = std::size_t{16} * 1024;
-constexpr std::string_view kForeignHost =
-    "the server is not addressed by this name; name it with --allow-host, or use its IP address";
-constexpr std::string_view kForeignOrigin = "this origin is not allowed (--allow-origin)";
-constexpr std::string_view kBadHost = "the request must have one Host header";
 constexpr std::size_t kFileChunk = std::size_t{256} * 1024;
 
-std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
-
-BrowserHeaders browser_headers(const Request& request) {
-  return {view(request[http::field::host]), view(request[http::field::origin])};
-}
-
-/// HTTP/1.1 requires one Host header (RFC 9112, 3.2). With two, a proxy and this server might see
-/// different hosts.
-bool has_valid_host(const Request& request) {
-  const auto count = request.count(http::field::host);
-  return count == 1 || (count == 0 && request.version() == 10);
-}
-
-void add_credentials(const Request& request, ApiRequest& target) {
-  target.pass = pass_of_cookies(view(request[http::field::cookie]));
-  target.token = bearer_token(view(request[http::field::authorization]));
-  if (target.token.empty()) target.token = target.pass;
-  target.is_forwarded = request.count("X-Forwarded-For") + request.count("Forwarded") > 0;
-}
-
-bool offers(const Request& request, std::string_view protocol) {
-  for (const auto offered : http::token_list(request[http::field::sec_websocket_protocol])) {
-    if (view(offered) == protocol) return true;
-  }
-  return false;
+std::string address_of(const asio::ip::tcp::socket& socket) {
+  error_code error;
+  const auto peer = socket.remote_endpoint(error);
+  return error ? std::string() : peer.address().to_string();
 }
 
 class Connection {
  public:
-  Connection(asio::ip::tcp::socket socket, HttpContext& context)
-      : stream_(std::move(socket)), context_(context) {
+  Connection(ByteStream stream, HttpContext& context)
+      : stream_(std::move(stream)),
+        is_secure_(stream_.tls() != nullptr),
+        address_(address_of(stream_.socket())),
+        deadline_(stream_.get_executor()),
+        context_(context) {
     ++context_.metrics.connections;
   }
   ~Connection() { --context_.metrics.connections; }
@@ -92,23 +68,32 @@ class Connection {
   asio::awaitable<void> run();
 
  private:
+  /// Shakes hands if there is TLS; false if the connection is of no use.
+  asio::awaitable<bool> secure();
   asio::awaitable<bool> serve_one();
+  /// The head of a request, from whom it comes.
+  RequestHead understand(const Request& request) const;
+  /// Closes the connection after this time, unless it is called again before.
+  void expires_after(std::chrono::seconds time);
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
-  asio::awaitable<bool> answer(const Request& request, ApiResponse& response, bool keep_alive);
+  asio::awaitable<bool> answer(const RequestHead& head, ApiResponse& response, bool keep_alive);
   asio::awaitable<void> wait_until_loaded(const ApiRequest& target);
   IoThreads& threads_for(Runs runs) const;
   void watch(const std::shared_ptr<std::stop_source>& gone);
   asio::awaitable<bool> reject_malformed();
   asio::awaitable<void> send(std::string_view first, std::string_view second);
   asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
-  asio::awaitable<bool> reject(const Request& request, unsigned status, std::string_view code,
+  asio::awaitable<bool> reject(const RequestHead& head, unsigned status, std::string_view code,
                                std::string_view reason);
   asio::awaitable<void> linger();
-  std::optional<ApiResponse> check_upgrade(const Request& request, const ApiRequest& target,
-                                           std::shared_ptr<Session>& session, Caller& caller) const;
-  asio::awaitable<void> upgrade(const Request& request, const ApiRequest& target);
+  asio::awaitable<void> upgrade(const Request& request, const RequestHead& head,
+                                const ApiRequest& target);
 
-  beast::tcp_stream stream_;
+  ByteStream stream_;
+  bool is_secure_;
+  std::string address_;  ///< of the peer
+  asio::steady_timer deadline_;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
   beast::flat_buffer buffer_;
   HttpContext& context_;
   bool first_ = true;
@@ -135,19 +120,44 @@ IoThreads& Connection::threads_for(Runs runs) const {
 /// of a next request end the watch.
 void Connection::watch(const std::shared_ptr<std::stop_source>& gone) {
   watched_ = gone;
-  const int socket = stream_.socket().native_handle();
-  auto readable = [socket, weak = std::weak_ptr(gone)](error_code error) {
+  auto readable = [this, weak = std::weak_ptr(gone)](error_code error) {
     const auto source = weak.lock();
-    if (!source) return;  // handled: the socket may be another one by now
-    char next = 0;
-    const bool closed = !error && recv(socket, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
-    if (closed || error) source->request_stop();
+    if (!source) return;  // handled: the connection may be another one by now, or none
+    if (error || stream_.has_peer_ended()) source->request_stop();
   };
   stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, std::move(readable));
 }
 
+void Connection::expires_after(std::chrono::seconds time) {
+  deadline_.expires_after(time);
+  deadline_.async_wait([this, alive = std::weak_ptr(alive_)](error_code error) {
+    // A wait that had ended before the deadline was moved must not count.
+    if (error || alive.expired() || deadline_.expiry() > std::chrono::steady_clock::now()) return;
+    stream_.close();
+  });
+}
+
+asio::awaitable<bool> Connection::secure() {
+  expires_after(kHandshakeTime);
+  error_ = co_await stream_.shake_hands();
+  if (!error_) co_return true;
+  context_.metrics.rejected("tls");
+  if (stream_.tls() == nullptr || !stream_.tls()->is_peer_plain()) co_return false;
+  stream_.release_tls();
+  const RequestHead unknown;
+  co_return co_await reject(unknown, 400, "tls_required", "this port speaks TLS: use https://");
+}
+
+RequestHead Connection::understand(const Request& request) const {
+  RequestHead head = head_of(request);
+  head.is_secure = is_secure_;
+  head.address = address_;
+  apply_forwarding(head, context_.options.proxies);
+  return head;
+}
+
 asio::awaitable<void> Connection::run() {
-  bool more = true;
+  bool more = co_await secure();
   while (more) more = co_await serve_one();
   if (stream_.socket().is_open()) co_await linger();
 }
@@ -156,44 +166,33 @@ asio::awaitable<bool> Connection::serve_one() {
   Parser parser;
   parser.header_limit(kHeaderBytesMax);
   parser.body_limit(std::uint64_t{64} << 20);
-  stream_.expires_after(std::exchange(first_, false) ? kHeaderTime : kIdleTime);
+  expires_after(std::exchange(first_, false) ? kHeaderTime : kIdleTime);
   co_await http::async_read_header(stream_, buffer_, parser,
                                    asio::redirect_error(asio::use_awaitable, error_));
   if (error_) co_return co_await reject_malformed();
-  if (!has_valid_host(parser.get())) {
-    co_return co_await reject(parser.get(), 400, "bad_host", kBadHost);
-  }
-  const BrowserHeaders headers = browser_headers(parser.get());
-  if (!host_allowed(headers.host, context_.options)) {
-    co_return co_await reject(parser.get(), 421, "bad_host", kForeignHost);
-  }
-  auto request = parse_target(view(parser.get().target()));
-  if (!request) co_return co_await reject(parser.get(), 400, "bad_target", request.error());
-  request->method = std::string(view(parser.get().method_string()));
-  add_credentials(parser.get(), *request);
+  const RequestHead head = understand(parser.get());
+  auto request = screen(head, context_.options);
+  if (!request) co_return co_await answer(head, request.error(), false);
   // Who has no right to a session does not learn that it is loading.
   Caller caller;
   const RouteMatch match = match_route(request->method, request->path);
   auto rejection = context_.api.refuse(*request, match, caller);
   if (!rejection) co_await wait_until_loaded(*request);
   if (beast::websocket::is_upgrade(parser.get())) {
-    co_await upgrade(parser.get(), *request);
+    co_await upgrade(parser.get(), head, *request);
     co_return false;
   }
-  const bool read_only = request->method == "GET" || request->method == "HEAD";
-  if (!read_only && !origin_allowed(headers, context_.options)) {
-    co_return co_await reject(parser.get(), 403, "bad_origin", kForeignOrigin);
+  if (!head.reads_only() && !origin_allowed(head.browser(), context_.options)) {
+    ApiResponse foreign = foreign_origin();
+    co_return co_await answer(head, foreign, false);
   }
-  if (request->method == "OPTIONS" && !headers.origin.empty() && !match.allow.empty()) {
+  if (request->method == "OPTIONS" && !head.origin.empty() && !match.allow.empty()) {
     ApiResponse allowed = preflight(match.allow);
     const bool more = parser.get().keep_alive() && parser.content_length().value_or(0) == 0;
-    co_return co_await answer(parser.get(), allowed, more && !parser.chunked());
+    co_return co_await answer(head, allowed, more && !parser.chunked());
   }
-  if (rejection) co_return co_await answer(parser.get(), *rejection, false);
+  if (rejection) co_return co_await answer(head, *rejection, false);
   if (!co_await read_body(parser, body_bytes_max(match, request->method))) co_return false;
-  request->if_none_match = std::string(view(parser.get()[http::field::if_none_match]));
-  request->range = std::string(view(parser.get()[http::field::range]));
-  request->if_range = std::string(view(parser.get()[http::field::if_range]));
   request->body = std::move(parser.get().body());
   const bool keep_alive = parser.get().keep_alive();
   const Runs runs = match.route == nullptr ? Runs::kAtOnce : match.route->runs;
@@ -207,17 +206,17 @@ asio::awaitable<bool> Connection::serve_one() {
       return error_response(500, "internal_error", error.what());
     }
   };
-  stream_.expires_never();  // handling the request has no deadline
+  deadline_.cancel();  // handling the request has no deadline
   ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
   watched_.reset();
   upload_ = {};
-  co_return co_await answer(parser.get(), response, keep_alive);
+  co_return co_await answer(head, response, keep_alive);
 }
 
 asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target) {
   if (!is_below_session(target.path) || !context_.registry.is_loading(target.path[2])) co_return;
   context_.registry.hasten(target.path[2]);
-  stream_.expires_never();
+  deadline_.cancel();
   ++context_.metrics.waiting_to_load;
   asio::steady_timer pause(stream_.get_executor());
   const auto end = std::chrono::steady_clock::now() + kLoadTime;
@@ -234,7 +233,7 @@ asio::awaitable<bool> Connection::reject_malformed() {
       error_.category() == http::make_error_code(http::error::bad_method).category() &&
       error_ != http::error::end_of_stream && error_ != http::error::partial_message;
   if (!is_http) co_return false;
-  const Request unknown;
+  const RequestHead unknown;
   if (error_ == http::error::header_limit) {
     co_return co_await reject(unknown, 431, "too_large", "the request header is larger than 8 kB");
   }
@@ -247,20 +246,21 @@ asio::awaitable<bool> Connection::reject_malformed() {
 
 asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_max) {
   const auto length = parser.content_length();
+  const RequestHead head = understand(parser.get());
   if (parser.chunked() && bytes_max > 0) {
-    co_return co_await reject(parser.get(), 411, "length_required",
+    co_return co_await reject(head, 411, "length_required",
                               "the body needs a Content-Length; chunked bodies are not supported");
   }
   if (length && *length > bytes_max) {
     const std::string reason = "the body has " + std::to_string(*length) + " bytes; the limit is " +
                                std::to_string(bytes_max);
-    co_return co_await reject(parser.get(), 413, "too_large", reason);
+    co_return co_await reject(head, 413, "too_large", reason);
   }
   if (length && *length > 0) {
     auto share = context_.api.uploads().take(static_cast<std::size_t>(*length));
     if (!share) {
       ApiResponse response = out_of_memory();
-      co_return co_await answer(parser.get(), response, false);
+      co_return co_await answer(head, response, false);
     }
     upload_ = *std::move(share);
   }
@@ -269,7 +269,7 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
     co_await send(kContinue, {});
     if (error_) co_return false;
   }
-  stream_.expires_after(kBodyTime);
+  expires_after(kBodyTime);
   co_await http::async_read(stream_, buffer_, parser,
                             asio::redirect_error(asio::use_awaitable, error_));
   co_return !error_;
@@ -277,35 +277,35 @@ asio::awaitable<bool> Connection::read_body(Parser& parser, std::size_t bytes_ma
 
 // The parameters are references and views because g++ 12 destroys some temporaries in the arguments
 // of awaited calls twice.
-asio::awaitable<bool> Connection::reject(const Request& request, unsigned status,
+asio::awaitable<bool> Connection::reject(const RequestHead& head, unsigned status,
                                          std::string_view code, std::string_view reason) {
   ApiResponse response = error_response(status, code, reason);
-  co_return co_await answer(request, response, false);
+  co_return co_await answer(head, response, false);
 }
 
 /// Reads what the peer still sends. Closing at once would reset the connection, and the peer might
 /// not receive the response.
 asio::awaitable<void> Connection::linger() {
   error_code ignored;
-  stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-  stream_.expires_after(kLingerTime);
+  stream_.end_sending();
+  expires_after(kLingerTime);
   std::vector<char> rest(kLingerChunk);
   for (std::size_t read = 0; read < kLingerBytes && !ignored;) {
-    read += co_await stream_.async_read_some(asio::buffer(rest),
-                                             asio::redirect_error(asio::use_awaitable, ignored));
+    read += co_await stream_.socket().async_read_some(
+        asio::buffer(rest), asio::redirect_error(asio::use_awaitable, ignored));
   }
 }
 
-asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& response,
+asio::awaitable<bool> Connection::answer(const RequestHead& head, ApiResponse& response,
                                          bool keep_alive) {
   context_.metrics.http_answered(response.status);
-  add_browser_headers(browser_headers(request), context_.options, response);
-  const std::string head = response_head(
-      response, {.version = request.version() == 0 ? 11 : request.version(),
+  add_browser_headers(head.browser(), context_.options, response);
+  const std::string first = response_head(
+      response, {.version = head.version,
                  .reason = view(http::obsolete_reason(static_cast<http::status>(response.status))),
                  .keep_alive = keep_alive});
-  const bool has_body = request.method() != http::verb::head;
-  co_await send(head, has_body ? std::string_view(response.body) : std::string_view());
+  const bool has_body = head.method != "HEAD";
+  co_await send(first, has_body ? std::string_view(response.body) : std::string_view());
   if (has_body && response.file) {
     const ByteRange part = response.part.value_or(ByteRange{0, response.file->bytes()});
     co_await send_file(*response.file, part);
@@ -315,7 +315,7 @@ asio::awaitable<bool> Connection::answer(const Request& request, ApiResponse& re
 
 asio::awaitable<void> Connection::send(std::string_view first, std::string_view second) {
   const std::array<asio::const_buffer, 2> parts = {asio::buffer(first), asio::buffer(second)};
-  stream_.expires_after(kChunkTime);
+  expires_after(kChunkTime);
   co_await asio::async_write(stream_, parts, asio::redirect_error(asio::use_awaitable, error_));
 }
 
@@ -335,63 +335,40 @@ asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRang
   }
 }
 
-std::optional<ApiResponse> Connection::check_upgrade(const Request& request,
-                                                     const ApiRequest& target,
-                                                     std::shared_ptr<Session>& session,
-                                                     Caller& caller) const {
-  const RouteMatch match = match_route(target.method, target.path);
-  const Upgrade upgrade = match.upgrade;
-  if (upgrade == Upgrade::kNone) {
-    return error_response(404, "not_found", "there is no WebSocket at this path");
+asio::awaitable<void> Connection::upgrade(const Request& request, const RequestHead& head,
+                                          const ApiRequest& target) {
+  auto open = open_upgrade(head, target, context_.api, context_.registry, context_.options);
+  if (open && buffer_.size() != 0) {
+    open = std::unexpected(
+        error_response(400, "bad_request", "data was sent before the connection was upgraded"));
   }
-  if (auto rejection = context_.api.refuse(target, match, caller)) return rejection;
-  const std::string& id = target.path[2];
-  session = context_.registry.find(id);
-  if (!session) return no_session(context_.registry, id);
-  if (!origin_allowed(browser_headers(request), context_.options)) {
-    return error_response(403, "bad_origin", kForeignOrigin);
-  }
-  const auto protocol = upgrade == Upgrade::kAgent ? wire::kAgentProtocol : wire::kViewProtocol;
-  if (!offers(request, protocol)) {
-    return error_response(400, "bad_protocol",
-                          "Sec-WebSocket-Protocol must list " + std::string(protocol));
-  }
-  // Beast does not check it.
-  if (request[http::field::sec_websocket_key].size() != kKeyBytes) {
-    return error_response(400, "bad_request", "Sec-WebSocket-Key must be 16 bytes in base64");
-  }
-  if (buffer_.size() != 0) {
-    return error_response(400, "bad_request", "data was sent before the connection was upgraded");
-  }
-  return std::nullopt;
-}
-
-asio::awaitable<void> Connection::upgrade(const Request& request, const ApiRequest& target) {
-  std::shared_ptr<Session> session;
-  Caller caller;
-  if (auto rejection = check_upgrade(request, target, session, caller)) {
-    co_await answer(request, *rejection, false);
+  if (!open) {
+    co_await answer(head, open.error(), false);
     co_return;
   }
   context_.metrics.http_answered(101);
   UpgradeRequest handshake;
   handshake.message.base() = request.base();
-  stream_.expires_never();
-  auto socket = stream_.release_socket();
-  if (match_route(target.method, target.path).upgrade == Upgrade::kAgent) {
-    context_.api.tell_regions(*session);
-    serve_agent(std::move(socket), std::move(handshake), std::move(session), std::move(caller),
-                context_.peers);
+  deadline_.cancel();
+  if (open->kind == Upgrade::kAgent) {
+    context_.api.tell_regions(*open->session);
+    serve_agent(std::move(stream_), std::move(handshake), std::move(open->session),
+                std::move(open->caller), context_.peers);
   } else {
-    serve_viewer(std::move(socket), std::move(handshake), std::move(session), std::move(caller),
-                 context_.peers);
+    serve_viewer(std::move(stream_), std::move(handshake), std::move(open->session),
+                 std::move(open->caller), context_.peers);
   }
 }
 
 }  // namespace
 
 asio::awaitable<void> serve_http(asio::ip::tcp::socket socket, HttpContext& context) {
-  Connection connection(std::move(socket), context);
+  std::unique_ptr<TlsChannel> tls;
+  if (context.certificate != nullptr) {
+    tls = std::make_unique<TlsChannel>(context.certificate->current(), socket.native_handle());
+  }
+  ByteStream stream(std::move(socket), std::move(tls));
+  Connection connection(std::move(stream), context);
   co_await connection.run();
 }
 

@@ -7,6 +7,7 @@
 namespace kerf::net {
 
 class Api;
+class TlsCertificate;
 struct HttpOptions;
 
 /// The parts of the server that an HTTP connection uses; outlives every connection.
@@ -20,6 +21,7 @@ struct HttpContext {
   IoThreads& workers;    ///< requests that may take long: uploads, new sessions
   IoThreads& exports;    ///< downloads
   PeerContext& peers;    ///< for connections that become WebSockets
+  const TlsCertificate* certificate = nullptr;  ///< null: without TLS
 };
 
 }  // namespace kerf::net

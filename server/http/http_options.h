@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
+
+#include "server/http/proxies.h"
 
 namespace kerf::net {
 
@@ -19,6 +22,9 @@ struct HttpOptions {
   std::vector<std::string> allow_hosts;
   std::vector<std::string> allow_origins;  ///< besides the server's own host, e.g.
                                            ///< "https://kerf.example"
+  TrustedProxies proxies;
+  /// Makes the process stop, soon; empty: it cannot be stopped by a request.
+  std::function<void()> request_stop;
 };
 
 }  // namespace kerf::net

@@ -122,6 +122,9 @@ AccessResult<Issued> Access::invite(const std::string& session, const Invitation
   if (!invitation.color.empty() && !is_color(invitation.color)) {
     return fail(AccessFault::kInvalid, "color must have the form #rrggbb");
   }
+  if (invitation.uses < 0 || invitation.uses > static_cast<std::int64_t>(kPassesMax)) {
+    return fail(AccessFault::kInvalid, "uses must be 1 to 2000");
+  }
   const std::scoped_lock writing(file_mutex_);
   const auto is_one = [&](const Grant& grant) {
     return !grant.is_pass() && grant.session == session && is_valid(grant);
@@ -135,12 +138,13 @@ AccessResult<Issued> Access::invite(const std::string& session, const Invitation
   grant.role = invitation.role;
   grant.name = invitation.name;
   grant.color = invitation.color;
+  grant.uses = invitation.uses;
   if (invitation.lifetime_s > 0) grant.expires_s = now_s() + invitation.lifetime_s;
   return issue(std::move(grant));
 }
 
 AccessResult<Issued> Access::redeem(std::string_view token, const std::string& session,
-                                    const std::string& name) {
+                                    const std::string& name, const std::string& network) {
   if (name.size() > wire::kMaxNameBytes) {
     return fail(AccessFault::kInvalid, "name must be at most 64 bytes");
   }
@@ -149,18 +153,29 @@ AccessResult<Issued> Access::redeem(std::string_view token, const std::string& s
   if (known == nullptr || known->is_pass()) {
     return fail(AccessFault::kUnknown, "the invitation is unknown, has expired or was revoked");
   }
-  const Grant found = *known;  // it may expire now
+  Grant found = *known;  // it may expire now
   {
     const std::scoped_lock lock(mutex_);
     std::erase_if(grants_, [&](const auto& entry) { return !is_valid(entry.second); });
   }
-  const auto is_pass_for_it = [&](const Grant& grant) { return grant.invitation == found.id; };
-  const auto passes =
-      static_cast<std::size_t>(std::ranges::count_if(grants_ | std::views::values, is_pass_for_it));
-  if (passes >= kPassesMax) {
-    return fail(AccessFault::kLimit, "too many people have used this invitation");
+  std::erase_if(network_passes_,
+                [&](const auto& entry) { return !grants_.contains(entry.first.first); });
+  const auto passes = static_cast<std::size_t>(found.used);
+  if (passes >= (found.uses > 0 ? static_cast<std::size_t>(found.uses) : kPassesMax)) {
+    return fail(AccessFault::kLimit, "this invitation has been used as often as it may be");
   }
+  // Without it, one person could use up an invitation for many.
+  std::size_t unknown = 0;
+  std::size_t& of_network = network.empty() ? unknown : network_passes_[{found.id, network}];
+  if (of_network >= kNetworkPassesMax) {
+    return fail(AccessFault::kLimit, "too many people of your network have used this invitation");
+  }
+  // Counted before the pass exists: a failure between the two costs a use.
+  ++found.used;
+  if (auto done = put(found); !done) return std::unexpected(done.error());
+  ++of_network;
   Grant pass = found;
+  pass.uses = pass.used = 0;
   pass.invitation = found.id;
   if (pass.name.empty()) pass.name = name;
   if (pass.color.empty()) pass.color = default_color(passes);

@@ -47,6 +47,7 @@ struct Invitation {
   Role role = Role::kWatcher;
   std::int64_t lifetime_s = std::int64_t{7} * 24 * 3600;  ///< 0: it does not expire
   std::string name = {}, color = {};  ///< of the one person that is invited; empty: anybody
+  std::int64_t uses = 0;              ///< passes that it gives, to kPassesMax; 0: kPassesMax
 };
 
 /// A new grant and its token, which is not stored and can be read here only.
@@ -58,9 +59,10 @@ struct Issued {
 /// The tokens of a server and what they grant, and the regions that are reserved. Thread-safe.
 class Access {
  public:
-  static constexpr std::size_t kInvitationsMax = 1000;  ///< of a session
-  static constexpr std::size_t kPassesMax = 2000;       ///< given for one invitation
-  static constexpr std::size_t kRegionsMax = 64;        ///< of a session
+  static constexpr std::size_t kInvitationsMax = 1000;   ///< of a session
+  static constexpr std::size_t kPassesMax = 2000;        ///< given for one invitation
+  static constexpr std::size_t kNetworkPassesMax = 100;  ///< of these, to one network
+  static constexpr std::size_t kRegionsMax = 64;         ///< of a session
   static constexpr std::int64_t kLifetimeMaxS = std::int64_t{366} * 24 * 3600;
 
   /// Reads the grants. The error is one sentence.
@@ -73,9 +75,9 @@ class Access {
 
   AccessResult<Issued> invite(const std::string& session, const Invitation& invitation);
   /// Gives the holder of an invitation a pass of its own, with a lasting name (at most 64 bytes;
-  /// that of the invitation comes first) and color.
+  /// that of the invitation comes first) and color. `network`: from which it comes; empty: unknown.
   AccessResult<Issued> redeem(std::string_view token, const std::string& session,
-                              const std::string& name);
+                              const std::string& name, const std::string& network = {});
   /// The grants of a session that have not expired, the oldest first.
   std::vector<Grant> grants(std::string_view session) const;
   /// Ends a grant, and the passes given for it; returns their ids.
@@ -116,6 +118,8 @@ class Access {
   /// them without mutex_. Nobody who asks for rights waits for the disk.
   std::mutex file_mutex_;
   GrantFile file_;
+  /// Passes given since the start, by invitation and network. Guarded by file_mutex_.
+  std::map<std::pair<std::string, std::string>, std::size_t> network_passes_;
   mutable std::mutex mutex_;                          ///< guards the members below; held briefly
   std::map<std::string, Grant, std::less<>> grants_;  ///< by id
   std::map<std::string, std::vector<Region>, std::less<>> regions_;  ///< by session

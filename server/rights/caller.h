@@ -17,6 +17,7 @@ struct Caller {
   std::string name, color;   ///< that the grant states; empty: the peer's own choice
   bool is_muted = false;
   std::int64_t remaining_s = -1;  ///< until the grant expires; negative: it does not
+  std::string network = {};       ///< from which it comes; empty: unknown
   bool has_bad_token = false;     ///< a token that is unknown, expired or of another session
 
   /// Somebody on a server without rights: loopback, without tokens.

@@ -20,6 +20,9 @@ struct Grant {
   std::string name, color;                    ///< of the person; empty: not said
   std::int64_t created_s = 0, expires_s = 0;  ///< seconds since 1970; expires_s 0: never
   bool muted = false;
+  /// Of an invitation: passes that it gives, 0: Access::kPassesMax, and that it has given so far,
+  /// also to those who were removed.
+  std::int64_t uses = 0, used = 0;
   TokenHash hash{};
 
   bool is_pass() const { return !invitation.empty(); }

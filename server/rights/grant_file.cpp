@@ -13,11 +13,17 @@ PRAGMA journal_mode=DELETE;
 PRAGMA synchronous=FULL;
 CREATE TABLE IF NOT EXISTS grants(
   id TEXT PRIMARY KEY, session TEXT, role TEXT, invitation TEXT, name TEXT, color TEXT,
-  created_s INTEGER, expires_s INTEGER, muted INTEGER, hash BLOB) WITHOUT ROWID;
+  created_s INTEGER, expires_s INTEGER, muted INTEGER, hash BLOB,
+  uses INTEGER DEFAULT 0, used INTEGER DEFAULT 0) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS regions(
   session TEXT, id INTEGER, box_mm BLOB, participant INTEGER, person TEXT,
   PRIMARY KEY(session, id)) WITHOUT ROWID;
 )";
+
+/// For files from before these columns.
+constexpr const char* kNewColumns =
+    "ALTER TABLE grants ADD COLUMN uses INTEGER DEFAULT 0;"
+    "ALTER TABLE grants ADD COLUMN used INTEGER DEFAULT 0;";
 
 using Box = std::array<double, 6>;
 
@@ -36,6 +42,8 @@ Grant grant_of(const SqlStatement& row) {
   grant.created_s = row.integer(6);
   grant.expires_s = row.integer(7);
   grant.muted = row.integer(8) != 0;
+  grant.uses = row.integer(10);
+  grant.used = row.integer(11);
   const auto hash = row.blob(9);
   // A row of another length fits no token.
   if (hash.size() != grant.hash.size()) grant.role = Role::kNobody;
@@ -85,6 +93,10 @@ GrantFile::Done GrantFile::open() {
   using std::filesystem::perms;
   std::filesystem::permissions(file_, perms::owner_read | perms::owner_write, ignored);
   if (auto done = opened->execute(kTables); !done) return std::unexpected(failure(done.error()));
+  if (!opened->prepare("SELECT uses, used FROM grants")) {
+    auto done = opened->execute(kNewColumns);
+    if (!done) return std::unexpected(failure(done.error()));
+  }
   database_ = *std::move(opened);
   return {};
 }
@@ -96,7 +108,7 @@ std::expected<GrantFile::Content, std::string> GrantFile::read() {
   if (auto done = open(); !done) return std::unexpected(done.error());
   auto done = read_rows(*database_,
                         "SELECT id, session, role, invitation, name, color, created_s, expires_s, "
-                        "muted, hash FROM grants",
+                        "muted, hash, uses, used FROM grants",
                         [&](auto& row) { content.grants.push_back(grant_of(row)); });
   if (done) {
     done = read_rows(*database_, "SELECT session, id, box_mm, participant, person FROM regions",
@@ -109,7 +121,7 @@ std::expected<GrantFile::Content, std::string> GrantFile::read() {
 GrantFile::Done GrantFile::put(const Grant& grant) {
   if (file_.empty()) return {};
   if (auto done = open(); !done) return done;
-  auto row = database_->prepare("INSERT OR REPLACE INTO grants VALUES(?,?,?,?,?,?,?,?,?,?)");
+  auto row = database_->prepare("INSERT OR REPLACE INTO grants VALUES(?,?,?,?,?,?,?,?,?,?,?,?)");
   if (!row) return std::unexpected(failure(row.error()));
   row->bind(1, grant.id);
   row->bind(2, grant.session);
@@ -121,6 +133,8 @@ GrantFile::Done GrantFile::put(const Grant& grant) {
   row->bind(8, grant.expires_s);
   row->bind(9, std::int64_t{grant.muted});
   row->bind(10, std::span<const std::byte>(grant.hash));
+  row->bind(11, grant.uses);
+  row->bind(12, grant.used);
   return finish(*row);
 }
 

@@ -38,6 +38,7 @@ struct JoinRequest {
   std::string grant = {};    ///< by which it may join; empty: none
   bool is_personal = false;  ///< the grant belongs to this person alone
   bool is_muted = false;
+  std::string network = {};  ///< from which it comes, for limits; empty: unknown
 };
 
 /// A participant that has joined, and how it continues after a loss of the connection.

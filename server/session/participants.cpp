@@ -63,12 +63,26 @@ std::expected<void, Rejection> Participants::check(const JoinRequest& request,
 /// journal a row if it is an agent.
 std::expected<void, Rejection> Participants::check_rate(const JoinRequest& request,
                                                         ParticipantId resumed) {
+  const bool is_new_guest =
+      request.role == Role::kGuest && resumed == 0 && request.kind != ParticipantKind::kViewer;
+  if (is_new_guest && !allows_network(request)) {
+    return std::unexpected(Rejection{wire::ErrorCode::kBusy,
+                                     "too many guests join from your network; try again later"});
+  }
   RateLimit& fresh = request.role == Role::kGuest ? guest_joins_ : carver_joins_;
   RateLimit& carvers = resumed != 0 ? resumable_.find(resumed)->resumes : fresh;
   RateLimit& joins = request.kind == ParticipantKind::kViewer ? viewer_joins_ : carvers;
   if (joins.allow(Clock::now())) return {};
   return std::unexpected(Rejection{wire::ErrorCode::kBusy,
                                    "too many participants join at the same time; try again later"});
+}
+
+/// One network does not use up what all guests together may join.
+bool Participants::allows_network(const JoinRequest& request) {
+  if (request.network.empty()) return true;
+  if (network_joins_.size() >= kNetworksMax) network_joins_.clear();
+  const RateLimit whole(limits_.network_joins_per_s, limits_.network_joins_burst);
+  return network_joins_.try_emplace(request.network, whole).first->second.allow(Clock::now());
 }
 
 std::expected<ParticipantState, Rejection> Participants::make_state(const JoinRequest& request,

@@ -24,6 +24,7 @@ namespace kerf {
 /// (`closing` holds the reason).
 struct SessionEvent {
   std::string closing;
+  std::string redirect = {};  ///< with `closing`: address of the server that continues the session
   bool carvers_changed = false;  ///< an agent or a program is among them
   /// The agent of this participant has connected again: its previous connection ends, without an
   /// effect on the participant. 0: none.
@@ -118,6 +119,7 @@ class Participants {
   /// What the role of a peer does not allow it; nullopt: it may join.
   std::optional<Rejection> check_role(const JoinRequest& request, ParticipantId resumed) const;
   std::expected<void, Rejection> check_rate(const JoinRequest& request, ParticipantId resumed);
+  bool allows_network(const JoinRequest& request);
   void changed(bool carvers);
   /// A request with the role and the mute that owners have decided since its connection was opened;
   /// rejected if its grant has ended.
@@ -145,6 +147,9 @@ class Participants {
   };
   std::map<std::string, Decision, std::less<>> decided_;  ///< by grant
   RateLimit carver_joins_, viewer_joins_, guest_joins_;
+  /// Of the guests who carve, by network; as many as have come lately.
+  static constexpr std::size_t kNetworksMax = 1024;
+  std::map<std::string, RateLimit, std::less<>> network_joins_;
   std::function<void()> schedule_;  ///< empty: changes are notified at once
   bool pending_ = false, pending_carvers_ = false;
 };

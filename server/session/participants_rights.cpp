@@ -40,6 +40,9 @@ bool Participants::remove(ParticipantId id, const std::string& reason) {
   if (state == nullptr || state->participant.kind == ParticipantKind::kProgram) return false;
   state->token.reset();
   resumable_.forget(id);
+  if (state->participant.kind == ParticipantKind::kAgent) {
+    journal_.append_removal(state->participant);
+  }
   notify({.closing = reason, .removed = id});
   return true;
 }

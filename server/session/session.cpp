@@ -193,13 +193,14 @@ void Session::note_hash(StateHash state) {
   if (!closed_) journal_.note_hash(state);
 }
 
-void Session::close(const std::string& reason) {
+void Session::close(const std::string& reason, const std::string& redirect) {
   if (closed_) return;
   programs_.cancel_all();
   retire_programs();
   closed_ = true;
   keep_last_state();
-  participants_.notify({reason.empty() ? "the session is closed" : reason});
+  participants_.notify(
+      {.closing = reason.empty() ? "the session is closed" : reason, .redirect = redirect});
   participants_.unlisten_all();
 }
 

@@ -205,7 +205,7 @@ class Session : public std::enable_shared_from_this<Session> {
   int listen(SessionListener listener) { return participants_.listen(std::move(listener)); }
   void unlisten(int listener) { participants_.unlisten(listener); }
   /// Notifies the listeners and cancels the programs. Nothing is applied afterwards.
-  void close(const std::string& reason);
+  void close(const std::string& reason, const std::string& redirect = {});
   bool closed() const { return closed_; }
 
  private:

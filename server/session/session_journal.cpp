@@ -37,6 +37,13 @@ void SessionJournal::append(const Participant& participant, const std::optional<
                                     to_string(participant.kind), token});
 }
 
+void SessionJournal::append_removal(const Participant& participant) {
+  JournalParticipant removed{participant.id, participant.name, participant.color,
+                             to_string(participant.kind)};
+  removed.is_removed = true;
+  writer_.append(removed);
+}
+
 std::optional<StateHash> SessionJournal::current_hash() const {
   // Records after the last removal did not change the solid.
   if (!hash_ || hash_->sequence < removal_sequence_) return std::nullopt;

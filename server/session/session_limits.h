@@ -23,6 +23,7 @@ struct SessionLimits {
   /// tool.
   std::size_t guest_agents_max = 8;
   double guest_joins_per_s = 0.5, guest_joins_burst = 8;
+  double network_joins_per_s = 0.1, network_joins_burst = 4;  ///< of guests of one network
   double guest_speed_mm_per_s = 500;
   std::int64_t tiles_max = 1 << 20;  ///< of the block: viewers receive every tile
 };

@@ -96,7 +96,9 @@ std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string i
     return sessions_.contains(candidate) ||
            std::filesystem::exists(journal_path(candidate), ignored);
   };
-  if (sessions_.size() >= options_.sessions_max) {
+  const auto only_loading = static_cast<std::size_t>(std::ranges::count_if(
+      loading_, [&](const std::string& other) { return !sessions_.contains(other); }));
+  if (sessions_.size() + only_loading >= options_.sessions_max) {
     return std::unexpected(RegistryError{kTooMany,
                                          "the server is full: it admits at most " +
                                              std::to_string(options_.sessions_max) + " sessions",
@@ -179,20 +181,22 @@ std::vector<std::string> SessionRegistry::ids() const {
   return {ids.begin(), ids.end()};
 }
 
-void SessionRegistry::end(const std::shared_ptr<Session>& session, const std::string& reason) {
+void SessionRegistry::end(const std::shared_ptr<Session>& session, const std::string& reason,
+                          const std::string& redirect) {
   std::promise<void> closed;
   session->executor().post([&] {
-    session->close(reason);
+    session->close(reason, redirect);
     closed.set_value();
   });
   closed.get_future().wait();
 }
 
-std::vector<JournalError> SessionRegistry::close_all(const std::string& reason) {
+std::vector<JournalError> SessionRegistry::close_all(const std::string& reason,
+                                                     const std::string& redirect) {
   stop_loading_.request_stop();
   std::vector<JournalError> failures;
   for (const auto& session : list()) {
-    end(session, reason);
+    end(session, reason, redirect);
     if (auto ok = session->finish_journal(true); !ok) failures.push_back(ok.error());
   }
   const std::lock_guard lock(mutex_);

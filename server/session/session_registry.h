@@ -159,9 +159,10 @@ class SessionRegistry {
   std::expected<std::shared_ptr<Session>, RegistryError> reopen(const std::string& name,
                                                                 LoadReport& report);
   std::expected<void, RegistryError> delete_closed(const std::string& name);
-  /// Ends all sessions and commits their journals, when the program exits. Returns the errors of
+  /// Ends all sessions and commits their journals, when the program exits; peers are asked to go
+  /// on at the server `redirect` unless it is empty. Returns the errors of
   /// the journals whose last records could not be written.
-  std::vector<JournalError> close_all(const std::string& reason);
+  std::vector<JournalError> close_all(const std::string& reason, const std::string& redirect = {});
 
  private:
   std::filesystem::path journal_path(const std::string& id) const;
@@ -178,7 +179,8 @@ class SessionRegistry {
                                                               Opened& opened);
   void load(const std::string& id, LoadReport& report);
   std::expected<std::string, RegistryError> reserve(std::string id, const std::string& name);
-  void end(const std::shared_ptr<Session>& session, const std::string& reason);
+  void end(const std::shared_ptr<Session>& session, const std::string& reason,
+           const std::string& redirect = {});
 
   RegistryOptions options_;
   MakeExecutor make_executor_;

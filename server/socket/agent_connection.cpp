@@ -24,9 +24,9 @@ using boost::system::error_code;
 
 class AgentConnection final : public PeerSocket {
  public:
-  AgentConnection(asio::ip::tcp::socket socket, const std::shared_ptr<Session>& session,
-                  Caller caller, PeerContext& context)
-      : PeerSocket(std::move(socket), wire::kAgentProtocol, caller.remaining_s),
+  AgentConnection(ByteStream stream, const std::shared_ptr<Session>& session, Caller caller,
+                  PeerContext& context)
+      : PeerSocket(std::move(stream), wire::kAgentProtocol, caller.remaining_s),
         context_(context),
         executor_(session->executor()),
         conversation_({.session = session,
@@ -118,17 +118,18 @@ void AgentConnection::receive_datagram(std::span<const std::byte> frame,
 
 }  // namespace
 
-void serve_agent(asio::ip::tcp::socket socket, UpgradeRequest request,
-                 std::shared_ptr<Session> session, Caller caller, PeerContext& context) {
+void serve_agent(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,
+                 Caller caller, PeerContext& context) {
   error_code error;
-  socket.set_option(asio::ip::tcp::no_delay(true), error);
-  const auto protocol = socket.local_endpoint(error).protocol();
-  const auto native = socket.release(error);
+  stream.socket().set_option(asio::ip::tcp::no_delay(true), error);
+  const auto protocol = stream.socket().local_endpoint(error).protocol();
+  auto tls = stream.release_tls();
+  const auto native = stream.socket().release(error);
   if (error) return;
   IoThreads& thread = threads_of(*session);
-  thread.post([native, protocol, &thread, request = std::move(request),
+  thread.post([native, protocol, &thread, tls = std::move(tls), request = std::move(request),
                session = std::move(session), caller = std::move(caller), &context]() mutable {
-    asio::ip::tcp::socket moved(thread.context(), protocol, native);
+    ByteStream moved(asio::ip::tcp::socket(thread.context(), protocol, native), std::move(tls));
     std::make_shared<AgentConnection>(std::move(moved), session, std::move(caller), context)
         ->start(std::move(request));
   });

@@ -26,9 +26,9 @@ constexpr std::uint16_t kGoingAway = 1001;
 
 }  // namespace
 
-PeerSocket::PeerSocket(asio::ip::tcp::socket socket, std::string_view protocol,
-                       std::int64_t remaining_s, std::chrono::milliseconds leave_time)
-    : socket_(std::move(socket), kLimits),
+PeerSocket::PeerSocket(ByteStream stream, std::string_view protocol, std::int64_t remaining_s,
+                       std::chrono::milliseconds leave_time)
+    : socket_(std::move(stream), kLimits),
       protocol_(protocol),
       remaining_s_(remaining_s),
       leave_time_(leave_time),

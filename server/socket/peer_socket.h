@@ -31,8 +31,8 @@ class PeerSocket : public std::enable_shared_from_this<PeerSocket> {
   static constexpr std::chrono::milliseconds kLeaveTime{5000};
 
   /// `remaining_s`: time until the peer's grant expires; negative: it does not.
-  PeerSocket(boost::asio::ip::tcp::socket socket, std::string_view protocol,
-             std::int64_t remaining_s, std::chrono::milliseconds leave_time = kLeaveTime);
+  PeerSocket(ByteStream stream, std::string_view protocol, std::int64_t remaining_s,
+             std::chrono::milliseconds leave_time = kLeaveTime);
 
   virtual Conversation& conversation() = 0;
   /// Does what Conversation::has_action announces; no frame is read meanwhile.

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <boost/asio/ip/tcp.hpp>
 #include <memory>
 
 #include "server/rights/caller.h"
 #include "server/socket/peer_context.h"
+#include "server/websocket/byte_stream.h"
 #include "server/websocket/upgrade_request.h"
 
 namespace kerf::net {
 
-/// Serves an agent or a viewer until its WebSocket closes. Both take over an accepted socket whose
-/// upgrade request has been read and checked; `caller` is who the request's token says it is.
-void serve_agent(boost::asio::ip::tcp::socket socket, UpgradeRequest request,
-                 std::shared_ptr<Session> session, Caller caller, PeerContext& context);
-void serve_viewer(boost::asio::ip::tcp::socket socket, UpgradeRequest request,
-                  std::shared_ptr<Session> session, Caller caller, PeerContext& context);
+/// Serves an agent or a viewer until its WebSocket closes. Both take over an accepted connection
+/// whose upgrade request has been read and checked; `caller` is who the request's token says it is.
+void serve_agent(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,
+                 Caller caller, PeerContext& context);
+void serve_viewer(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,
+                  Caller caller, PeerContext& context);
 
 }  // namespace kerf::net

@@ -24,9 +24,9 @@ constexpr int kNotSentBytes = 32 * 1024;
 
 class ViewerConnection final : public PeerSocket {
  public:
-  ViewerConnection(asio::ip::tcp::socket socket, std::shared_ptr<Session> session, Caller caller,
+  ViewerConnection(ByteStream stream, std::shared_ptr<Session> session, Caller caller,
                    PeerContext& context)
-      : PeerSocket(std::move(socket), wire::kViewProtocol, caller.remaining_s),
+      : PeerSocket(std::move(stream), wire::kViewProtocol, caller.remaining_s),
         session_(std::move(session)),
         context_(context),
         conversation_(
@@ -89,13 +89,13 @@ void ViewerConnection::closed() {
 
 }  // namespace
 
-void serve_viewer(asio::ip::tcp::socket socket, UpgradeRequest request,
-                  std::shared_ptr<Session> session, Caller caller, PeerContext& context) {
+void serve_viewer(ByteStream stream, UpgradeRequest request, std::shared_ptr<Session> session,
+                  Caller caller, PeerContext& context) {
   error_code ignored;
-  socket.set_option(asio::ip::tcp::no_delay(true), ignored);
-  setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kNotSentBytes,
+  stream.socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+  setsockopt(stream.socket().native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kNotSentBytes,
              sizeof kNotSentBytes);
-  std::make_shared<ViewerConnection>(std::move(socket), std::move(session), std::move(caller),
+  std::make_shared<ViewerConnection>(std::move(stream), std::move(session), std::move(caller),
                                      context)
       ->start(std::move(request));
 }

@@ -96,7 +96,9 @@ void ViewerHub::on_event(const SessionEvent& event, Roster roster) {
     return;
   }
   if (!event.closing.empty()) {
-    for (auto& [id, viewer] : viewers_) viewer.conversation->close(event.closing);
+    for (auto& [id, viewer] : viewers_) {
+      viewer.conversation->close(event.closing, event.redirect);
+    }
     return;
   }
   if (is_same(roster_, roster)) return;

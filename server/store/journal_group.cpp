@@ -67,10 +67,12 @@ SqlResult<JournalGroups> JournalGroups::prepare(SqlDatabase database) {
   if (!progress) return std::unexpected(progress.error());
   auto token = database.prepare("SELECT token FROM agents WHERE participant=?");
   if (!token) return std::unexpected(token.error());
+  auto removal = database.prepare("DELETE FROM agents WHERE participant=?");
+  if (!removal) return std::unexpected(removal.error());
   return JournalGroups(
       std::move(database),
       {*std::move(batch), *std::move(participant), *std::move(hash), *std::move(version),
-       *std::move(agent), *std::move(progress), *std::move(token)});
+       *std::move(agent), *std::move(progress), *std::move(token), *std::move(removal)});
 }
 
 JournalGroups::Batch JournalGroups::encode(const std::vector<Pending>& group) {
@@ -103,6 +105,10 @@ SqlResult<void> JournalGroups::insert(const Pending& pending) {
   if (std::holds_alternative<PendingCommand>(pending)) return {};  // in the batch
   if (const auto* participant = std::get_if<JournalParticipant>(&pending)) {
     if (auto ok = insert_participant(inserts_.participant, *participant); !ok) return ok;
+    if (participant->is_removed) {
+      inserts_.removal.bind(1, std::int64_t{participant->participant});
+      return run(inserts_.removal);
+    }
     return participant->token ? insert_agent(inserts_.agent, *participant) : SqlResult<void>{};
   }
   if (const auto* recarved = std::get_if<RecarvedHash>(&pending)) {

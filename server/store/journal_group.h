@@ -48,7 +48,7 @@ class JournalGroups {
 
  private:
   struct Inserts {
-    SqlStatement batch, participant, hash, version, agent, progress, token;
+    SqlStatement batch, participant, hash, version, agent, progress, token, removal;
   };
   JournalGroups(SqlDatabase database, Inserts inserts);
   /// The commands of a group, encoded once: a batch builds on the one before.

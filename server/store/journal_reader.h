@@ -24,6 +24,7 @@ struct JournalParticipant {
   /// Number of the newest sample of the agent that is in the journal; 0: none. Read only: it is
   /// written with the commands.
   std::uint64_t agent_sequence = 0;
+  bool is_removed = false;  ///< write only: its token, if it has one, is forgotten
 };
 
 /// The hash of the solid after the record `sequence`.

@@ -4,8 +4,8 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket/stream.hpp>
+#include <boost/beast/websocket/teardown.hpp>
 #include <utility>
 
 #include "server/websocket/upgrade_request.h"
@@ -18,6 +18,13 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using boost::system::error_code;
 
+/// For Beast: the end of the connection below a WebSocket that has been closed.
+template <class Handler>
+void async_teardown(beast::role_type role, ByteStream& stream, Handler&& handler) {
+  if (stream.tls() != nullptr) stream.tls()->say_end();
+  websocket::async_teardown(role, stream.socket(), std::forward<Handler>(handler));
+}
+
 namespace {
 
 beast::string_view view(std::string_view text) { return {text.data(), text.size()}; }
@@ -25,14 +32,13 @@ beast::string_view view(std::string_view text) { return {text.data(), text.size(
 }  // namespace
 
 struct WebSocket::State {
-  explicit State(asio::ip::tcp::socket socket) : stream(std::move(socket)) {}
-  websocket::stream<beast::tcp_stream, false> stream;
+  explicit State(ByteStream below) : stream(std::move(below)) {}
+  websocket::stream<ByteStream, false> stream;
   beast::flat_buffer in;
 };
 
-WebSocket::WebSocket(asio::ip::tcp::socket socket, const WebSocketLimits& limits)
-    : state_(std::make_unique<State>(std::move(socket))) {
-  beast::get_lowest_layer(state_->stream).expires_never();  // the WebSocket has its own deadlines
+WebSocket::WebSocket(ByteStream stream, const WebSocketLimits& limits)
+    : state_(std::make_unique<State>(std::move(stream))) {
   state_->stream.set_option(websocket::stream_base::timeout{.handshake_timeout = limits.handshake,
                                                             .idle_timeout = limits.idle,
                                                             .keep_alive_pings = true});
@@ -44,7 +50,7 @@ WebSocket::~WebSocket() = default;
 
 asio::any_io_executor WebSocket::executor() const { return state_->stream.get_executor(); }
 
-asio::ip::tcp::socket& WebSocket::tcp() { return beast::get_lowest_layer(state_->stream).socket(); }
+asio::ip::tcp::socket& WebSocket::tcp() { return state_->stream.next_layer().socket(); }
 
 asio::awaitable<error_code> WebSocket::accept(const UpgradeRequest& request,
                                               std::string_view protocol) {
@@ -124,6 +130,6 @@ asio::awaitable<error_code> WebSocket::close(std::uint16_t code) {
   co_return error;
 }
 
-void WebSocket::cut() { beast::get_lowest_layer(state_->stream).close(); }
+void WebSocket::cut() { state_->stream.next_layer().close(); }
 
 }  // namespace kerf::net

@@ -15,6 +15,8 @@
 #include <string>
 #include <string_view>
 
+#include "server/websocket/byte_stream.h"
+
 namespace kerf::net {
 
 struct UpgradeRequest;
@@ -37,10 +39,11 @@ struct HandshakeAnswer {
   std::string protocol;  ///< sub-protocol that the server has chosen; empty if none
 };
 
-/// One WebSocket (RFC 6455) over a connected TCP socket, of a client or a server: binary and text
-/// messages, each in one frame, without compression. At most one read and one write may be in
-/// progress. Everything runs on the executor of the TCP socket; the WebSocket must outlive its
-/// operations. Beast's WebSocket is included in web_socket.cpp alone, which takes 16 s to compile.
+/// One WebSocket (RFC 6455) over a connected TCP socket, with TLS or without, of a client or a
+/// server: binary and text messages, each in one frame, without compression. At most one read and
+/// one write may be in progress. Everything runs on the executor of the TCP socket; the WebSocket
+/// must outlive its operations. Beast's WebSocket is included in web_socket.cpp alone, which takes
+/// 16 s to compile.
 class WebSocket {
  public:
   /// Called once at the end of a write, on the executor.
@@ -48,7 +51,9 @@ class WebSocket {
   template <class T>
   using Awaitable = boost::asio::awaitable<T>;
 
-  WebSocket(boost::asio::ip::tcp::socket socket, const WebSocketLimits& limits);
+  WebSocket(ByteStream stream, const WebSocketLimits& limits);
+  WebSocket(boost::asio::ip::tcp::socket socket, const WebSocketLimits& limits)
+      : WebSocket(ByteStream(std::move(socket)), limits) {}
   ~WebSocket();
   WebSocket(const WebSocket&) = delete;
   WebSocket& operator=(const WebSocket&) = delete;

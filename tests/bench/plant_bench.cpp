@@ -8,9 +8,11 @@
 // to 2 kg and 1e-5 or 2e-4 kg m², through a device with 0 to 3 ms of latency, 2 % of the ticks lost
 // or none, a real session at a round trip of 0 to 250 ms: per latency the greatest energy returned
 // over any interval, the greatest rms speed of the tip while the hand is at rest, and the trips.
-// The last row declares no latency where there are 3 ms. Then random traces of two seconds with an
-// adversarial network (tests/agent/servo/adversary.h), and the same with deliberate errors. Fails
-// if the tank is exceeded, a wrench leaves its limits, or the tip moves faster than 5 mm/s rms.
+// The last row declares no latency where there are 3 ms. Then the same hands press against guides
+// of each kind in place of surfaces, at a round trip of 50 ms. Then random traces of two seconds
+// with an adversarial network (tests/agent/servo/adversary.h), and the same with deliberate errors.
+// Fails if the tank is exceeded, a wrench leaves its limits, or the tip moves faster than 5 mm/s
+// rms.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -75,6 +77,16 @@ Worst press_all(std::uint64_t latency_us, bool ignores_latency) {
   return worst;
 }
 
+Worst press_guides(std::uint64_t latency_us) {
+  Worst worst;
+  for (const char* guides : kPressedGuides) {
+    Press press{.line = {.rtt_ms = 50, .jitter = 0.2}, .guides = guides};
+    press.mechanics.latency_us = latency_us;
+    press_with_all_hands(press, worst);
+  }
+  return worst;
+}
+
 bool contact_table() {
   bool holds = true;
   std::printf("%-26s %6s %14s %20s %6s\n", "latency ms", "runs", "mJ returned", "rms mm/s at rest",
@@ -92,6 +104,11 @@ bool contact_table() {
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
   }
   row("3, but none declared", press_all(3000, true));
+  for (const std::uint64_t latency_us : {0U, 3000U}) {
+    const Worst worst = press_guides(latency_us);
+    row(latency_us == 0 ? "0, guides" : "3, guides", worst);
+    holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
+  }
   return holds;
 }
 

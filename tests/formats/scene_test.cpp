@@ -103,6 +103,24 @@ TEST(Scene, PartsAreCanonicalJson) {
   EXPECT_THAT(tools_json(scene), HasSubstr(R"({"id":2,"shape":"flat","diameter_mm":10.0)"));
 }
 
+TEST(Scene, MaterialSetsTheCoefficientsThatAreNotGiven) {
+  const auto scene = parse_scene(with("\"specific_energy\"",
+                                      "\"mechanistic\", \"material\": \"aluminium-7075\", "
+                                      "\"teeth\": 3, \"radial_n_per_mm2\": 170.5"),
+                                 {});
+  ASSERT_TRUE(scene) << to_string(scene.error());
+  const MillingSettings& milling = scene->settings.force.milling;
+  EXPECT_EQ(milling.teeth, 3);
+  EXPECT_EQ(milling.cut_n_per_mm2.tangential, 767.01);
+  EXPECT_EQ(milling.cut_n_per_mm2.radial, 170.5);
+  EXPECT_EQ(milling.edge_n_per_mm.radial, 26.6);
+  // Agents and journals hold the coefficients, not the name: presets may change.
+  const auto again = parse_scene(scene_json(*scene), {});
+  ASSERT_TRUE(again) << to_string(again.error());
+  EXPECT_EQ(force_json(*again), force_json(*scene));
+  EXPECT_THAT(force_json(*scene), HasSubstr("\"radial_edge_n_per_mm\":26.6"));
+}
+
 struct BadScene {
   const char* from;
   const char* to;
@@ -140,6 +158,21 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"\"length_mm\": 60}", "\"length_mm\": 60}, {\"id\": 1}", "tools[1].id", "already"},
         BadScene{"\"specific_energy\"", "\"magic\"", "force.law", "magic"},
         BadScene{"\"pivot_mm\": 60", "\"pivot_mm\": -1", "force.pivot_mm", "negative"},
+        BadScene{"\"specific_energy\"", "\"mechanistic\"", "force.material", "missing"},
+        BadScene{"\"specific_energy\"", "\"mechanistic\", \"material\": \"cheese\"",
+                 "force.material", "beech"},
+        BadScene{"\"specific_energy\"", "\"drr\", \"teeth\": 2", "force.teeth", "mechanistic"},
+        BadScene{"\"specific_energy\"", "\"mechanistic\", \"material\": \"oak\", \"teeth\": 1.5",
+                 "force.teeth", "whole"},
+        BadScene{"\"specific_energy\"",
+                 "\"mechanistic\", \"material\": \"oak\", \"spindle_rpm\": 0", "force.spindle_rpm",
+                 "above 0"},
+        BadScene{"\"specific_energy\"",
+                 "\"mechanistic\", \"material\": \"oak\", \"chip_exponent\": 1",
+                 "force.chip_exponent", "0.9"},
+        BadScene{"\"specific_energy\"",
+                 "\"mechanistic\", \"material\": \"oak\", \"runout_mm\": -0.1", "force.runout_mm",
+                 "negative"},
         BadScene{"xyzac-trt", "hexapod", "machine.kinematics", "hexapod"},
         BadScene{"\"obstacles\": []", "\"obstacles\": {}", "obstacles", "list"},
         BadScene{"\"obstacles\": []", "\"obstacles\": [{\"shape\": \"cone\"}]",

@@ -111,6 +111,54 @@ TEST_F(AccessTest, AnInvitationExpiresAndItsPassesWithIt) {
   EXPECT_TRUE(access->grants("block").empty());
 }
 
+TEST_F(AccessTest, AnInvitationIsUsedAsOftenAsItsOwnerSays) {
+  EXPECT_FALSE(access->invite("block", {.uses = -1}));
+  EXPECT_FALSE(access->invite("block", {.uses = 2001}));
+  const Issued invitation = access->invite("block", {.uses = 2}).value();
+  const auto ada = access->redeem(invitation.token, "block", "Ada");
+  ASSERT_TRUE(ada);
+  EXPECT_EQ(ada->grant.uses, 0);
+  ASSERT_TRUE(access->redeem(invitation.token, "block", "Grace"));
+  // Who was removed does not come back by the same link, not even after a restart.
+  ASSERT_TRUE(access->revoke("block", ada->grant.id));
+  EXPECT_EQ(access->redeem(invitation.token, "block", "Ada").error().fault, AccessFault::kLimit);
+  reopen();
+  EXPECT_EQ(access->redeem(invitation.token, "block", "Ada").error().fault, AccessFault::kLimit);
+  EXPECT_EQ(access->grants("block").front().used, 2);
+}
+
+TEST_F(AccessTest, OneNetworkDoesNotUseUpAnInvitation) {
+  access = *Access::open({.admin_token = kAdmin});  // without a file
+  const Issued invitation = invite(Role::kWatcher);
+  const auto redeem = [&](const std::string& network) {
+    return access->redeem(invitation.token, "block", "Eve", network);
+  };
+  for (std::size_t n = 0; n < Access::kNetworkPassesMax; ++n) ASSERT_TRUE(redeem("10.0.0.1"));
+  EXPECT_EQ(redeem("10.0.0.1").error().fault, AccessFault::kLimit);
+  EXPECT_TRUE(redeem("10.0.0.2"));
+}
+
+TEST_F(AccessTest, AFileFromBeforeUsesWereCountedIsContinued) {
+  access.reset();
+  std::filesystem::remove(folder.path() / GrantFile::kName);
+  {
+    auto file = SqlDatabase::open(folder.path() / GrantFile::kName, SqlMode::kCreate);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(
+        file->execute("CREATE TABLE grants(id TEXT PRIMARY KEY, session TEXT, role TEXT, "
+                      "invitation TEXT, name TEXT, color TEXT, created_s INTEGER, "
+                      "expires_s INTEGER, muted INTEGER, hash BLOB) WITHOUT ROWID; "
+                      "INSERT INTO grants VALUES('0123456789ab','block','owner','','Ada',"
+                      "'',1,0,0,zeroblob(32));"));
+  }
+  reopen();
+  ASSERT_EQ(access->grants("block").size(), 1U);
+  EXPECT_EQ(access->grants("block").front().name, "Ada");
+  invite(Role::kWatcher);
+  reopen();
+  EXPECT_EQ(access->grants("block").size(), 2U);
+}
+
 TEST_F(AccessTest, RevokingAnInvitationEndsItsPasses) {
   const Issued invitation = invite(Role::kWatcher), other = invite(Role::kWatcher);
   const auto pass = access->redeem(invitation.token, "block", "Ada");

@@ -20,6 +20,16 @@ HttpOptions options_with(std::vector<std::string> hosts, std::vector<std::string
   return options;
 }
 
+TEST(ServerAddress, HasASchemeAHostAndNoPath) {
+  for (const char* good : {"http://127.0.0.1:8081", "https://kerf.example", "https://[::1]:8443"}) {
+    EXPECT_TRUE(is_server_address(good)) << good;
+  }
+  for (const char* bad : {"", "kerf.example", "ftp://kerf.example", "http://", "http://a/b",
+                          "http://a?b", "http://a b", "http://a@b", "http://a:x", "http://[::1"}) {
+    EXPECT_FALSE(is_server_address(bad)) << bad;
+  }
+}
+
 TEST(BrowserRules, AddressesAndLocalhostAreAllowedAsHosts) {
   const HttpOptions plain;
   for (const char* host : {"127.0.0.1", "127.0.0.1:8080", "192.168.1.7:80", "[::1]", "[::1]:8080",

@@ -16,6 +16,7 @@ LIBRARY = os.environ["KERF_AGENT_LIBRARY"]
 AGENT = os.environ["KERF_AGENT"]
 PLUGIN = os.environ["KERF_HAND_PLUGIN"]
 SOCKET_HAND = os.environ["KERF_SOCKET_HAND"]
+ROS2_NODE = os.path.join(os.path.dirname(PRESS_PY), "ros2_node.py")
 # Of the scene: pressing and cutting with the 10 mm ball stay below what the device may output.
 MOST_N = 6.0
 
@@ -67,6 +68,21 @@ class Examples(LiveTest):
         text = hand.communicate(timeout=60)[0]
         self.assertEqual(hand.returncode, 0, text)
         self.assertRegex(text, "greatest force: [0-9.]+ N")
+
+    def test_the_ros_2_node_carves_with_a_stand_in_for_rclpy(self):
+        self.server.create("ros", SCENE)
+        given = {"server": f"http://127.0.0.1:{self.port}", "session": "ros", "library": LIBRARY}
+        stand_in = os.path.join(os.path.dirname(os.path.abspath(__file__)), "ros_stand_in")
+        node = subprocess.run(
+            [sys.executable, ROS2_NODE], capture_output=True, text=True, timeout=100,
+            env={**os.environ, "PYTHONPATH": stand_in, "ROS_PARAMETERS": json.dumps(given)})
+        self.assertEqual(node.returncode, 0, node.stdout + node.stderr)
+        force, torque, count = map(float, re.search(
+            r"greatest ([0-9.]+) N, ([0-9.]+) Nm in ([0-9]+) messages", node.stdout).groups())
+        self.assertTrue(0.1 < force <= 3.001, node.stdout)
+        self.assertEqual(torque, 0, "it has no motors for torque")
+        self.assertGreater(count, 1000)
+        self.assertGreater(self.server.info("ros")["removed_volume_mm3"], 5, node.stdout)
 
     def test_faults_of_a_plugin_are_reported(self):
         for argument, code in (("plugin:/no/such.so", 2), (f"plugin:{PLUGIN}:9", 1)):

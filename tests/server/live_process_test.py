@@ -14,7 +14,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from live_disk_test import until  # noqa: E402
-from live_server import PROGRAM, LiveTest, Server  # noqa: E402
+from live_server import PROGRAM, SCENE, LiveTest, Server  # noqa: E402
 from wire_client import ACK, Agent, Viewer, header, motion_frame, sample  # noqa: E402
 
 
@@ -86,6 +86,24 @@ class Configuration(LiveTest):
         self.assertTrue(address.startswith("http://127.0.0.2:"), address)
         address, _, _ = self.run_server("--listen", "127.0.0.4:0", text=text)
         self.assertTrue(address.startswith("http://127.0.0.4:"), address)
+
+    def test_a_list_in_the_environment_is_separated_by_commas_or_spaces(self):
+        scenes = []
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("one", "two", "three"):
+                scenes.append(os.path.join(folder, name + ".json"))
+                with open(scenes[-1], "w", encoding="utf-8") as file:
+                    json.dump(dict(SCENE, name=name), file)
+            listen = {"KERF_LISTEN": "127.0.0.1:0"}
+            lists = {"KERF_SCENE": f"{scenes[0]}, {scenes[1]}  {scenes[2]}"}
+            _, code, log = self.run_server(**listen, **lists)
+            self.assertEqual(code, 0, log)
+            for name in ("one", "two", "three"):
+                self.assertIn(f"session {name}: ", log)
+            # The command line counts before it.
+            _, code, log = self.run_server("--scene", scenes[0], **listen, **lists)
+            self.assertIn("session one: ", log)
+            self.assertNotIn("session two: ", log)
 
     def test_an_unknown_key_of_the_file_is_an_error_that_names_it(self):
         address, code, log = self.run_server(text='lisen = "127.0.0.2:0"\n')

@@ -149,6 +149,29 @@ class Rights(unittest.TestCase):
             self.assertEqual(self.ask("GET", "/v1/sessions/block", token)[1]["error"]["code"],
                              "bad_token")
 
+    def test_only_a_trusted_proxy_says_what_its_clients_use(self):
+        said = {"X-Forwarded-For": "203.0.113.9", "X-Forwarded-Proto": "https",
+                "X-Forwarded-Host": "kerf.example"}
+        for trusted in (False, True):
+            if trusted:
+                self.assertEqual(self.server.stop()[0], 0)
+                self.start("--trust-proxy", "10.0.0.1", "--trust-proxy", "127.0.0.0/8",
+                           "--allow-host", "kerf.example")
+            status, body = self.ask("POST", "/v1/sessions/block/invitations?role=watcher",
+                                    self.admin, headers=said)
+            self.assertEqual(status, 201, body)
+            start = "https://kerf.example" if trusted else f"http://127.0.0.1:{self.port}"
+            self.assertEqual(body["url"], start + body["link"])
+            _, headers, _ = self.server.http.request("POST", "/v1/sessions/block/join",
+                                                     headers=dict(said, **bearer(body["token"])))
+            self.assertEqual("; Secure" in headers["set-cookie"], trusted)
+        environment = {k: v for k, v in os.environ.items() if k != "KERF_ADMIN_TOKEN"}
+        done = subprocess.run([PROGRAM, "--listen", "127.0.0.1:0", "--data", self.folder.name,
+                               "--trust-proxy", "127.0.0.1"], env=environment,
+                              capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("--admin-token-file", done.stderr)
+
     def test_grants_last_over_a_restart(self):
         token = self.invite("sculptor", name="Ada")["token"]
         self.assertEqual(self.server.stop()[0], 0)

@@ -27,16 +27,16 @@ SCENE = {
 
 
 class Server:
-    def __init__(self, data, *more, port=0):
+    def __init__(self, data, *more, port=0, tls=None, host="127.0.0.1"):
         self.data = data
         self.process = subprocess.Popen(
-            [PROGRAM, "--listen", f"127.0.0.1:{port}", "--data", data, *more],
+            [PROGRAM, "--listen", f"{host}:{port}", "--data", data, *more],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
-        if not line.startswith("http://127.0.0.1:"):
+        if not line.startswith(f"https://{host}:" if tls else f"http://{host}:"):
             raise RuntimeError(self.process.communicate()[1])
         self.port = int(line.rsplit(":", 1)[1])
-        self.http = Http(self.port)
+        self.http = Http(self.port, tls, host)
         while self.http.json("GET", "/readyz")[1]["status"] == "loading":
             time.sleep(0.005)
 

@@ -47,7 +47,7 @@ class LongConversation final : public Conversation {
 class LongPeer final : public PeerSocket {
  public:
   LongPeer(tcp::socket socket, Conversation& conversation, bool& is_closed)
-      : PeerSocket(std::move(socket), "kerf.test", -1, std::chrono::milliseconds(20)),
+      : PeerSocket(ByteStream(std::move(socket)), "kerf.test", -1, std::chrono::milliseconds(20)),
         conversation_(conversation),
         is_closed_(is_closed) {}
   using PeerSocket::pump;

@@ -74,6 +74,16 @@ TEST_F(SessionLoading, RequestsForASessionThatIsNotLoadedYetSaySoAndWhenToComeAg
   for (const auto& [id, hash] : hashes) EXPECT_EQ(registry->find(id)->current_hash()->hash, hash);
 }
 
+TEST_F(SessionLoading, SessionsThatAreLoadingCount) {
+  leave_sessions({"a", "b", "c", "d"});
+  EXPECT_EQ(body(ask("POST", "/v1/sessions?id=e"))["error"]["code"], "too_many_sessions");
+  LoadReport report;
+  while (registry->load_next(report)) {
+  }
+  EXPECT_EQ(report.loaded.size(), 4U);
+  EXPECT_EQ(body(ask("POST", "/v1/sessions?id=e"))["error"]["code"], "too_many_sessions");
+}
+
 TEST_F(SessionLoading, AStrangerLearnsHowManySessionsAreNotReadyAndNotTheirNames) {
   leave_sessions({"a", "b"});
   access = *Access::open({.admin_token = std::string(40, 'x')});

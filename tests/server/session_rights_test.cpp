@@ -5,6 +5,7 @@
 #include <random>
 
 #include "kernel/tool/tool_bounds.h"
+#include "server/http/api.h"
 #include "server/session/reserved.h"
 #include "tests/server/session_fixture.h"
 
@@ -98,6 +99,52 @@ TEST_F(SessionRightsTest, ARemovedAgentCannotResume) {
   ASSERT_TRUE(again);
   EXPECT_FALSE(again->resumed);
   EXPECT_FALSE(session->remove(99, ""));
+}
+
+TEST_F(SessionRightsTest, ARemovedAgentCannotResumeAfterARestart) {
+  JoinRequest ada{ParticipantKind::kAgent, "Ada", "", 0, true};
+  ada.durable = true;
+  JoinRequest grace = ada;
+  ada.token = session->admit(ada)->token;
+  const auto admitted = session->admit(grace);
+  grace.token = admitted->token;
+  ASSERT_TRUE(session->remove(admitted->participant.id, "too loud"));
+  ASSERT_TRUE(session->flush());
+  session.reset();
+  restart();
+  ASSERT_EQ(registry->load_all().failures.size(), 0U);
+  session = registry->find("block");
+  EXPECT_TRUE(session->admit(ada)->resumed);
+  EXPECT_FALSE(session->admit(grace)->resumed);
+}
+
+TEST_F(SessionRightsTest, OneNetworkOfGuestsDoesNotKeepOthersOut) {
+  JoinRequest guest{ParticipantKind::kAgent, "Eve", "", 0, true};
+  guest.role = Role::kGuest;
+  guest.network = "10.0.0.1";
+  for (int n = 0; n < 4; ++n) ASSERT_TRUE(session->join(guest)) << n;
+  EXPECT_EQ(session->join(guest).error().code, ErrorCode::kBusy);
+  JoinRequest viewer = guest;
+  viewer.kind = ParticipantKind::kViewer;
+  EXPECT_TRUE(session->join(viewer));
+  guest.network = "10.0.0.2";
+  EXPECT_TRUE(session->join(guest));
+}
+
+TEST_F(SessionRightsTest, OfTwoChangesOfRegionsTheNewestStays) {
+  net::HttpOptions options;
+  options.data_folder = folder.path();
+  const net::Metrics metrics;
+  const auto access = *Access::open({});
+  net::Api api(options, *registry, metrics, *access);
+  ASSERT_TRUE(access->reserve("block", {.min_mm = {5, -20, -20}, .max_mm = {20, 20, 10}}));
+  api.tell_regions(*session);
+  // Another request, whose own message to the session came before the one above.
+  ASSERT_TRUE(access->release("block", 1));
+  executor->run();
+  const ParticipantId id = join_as(Role::kSculptor)->id;
+  cut_to(id, 6, 0, -1);
+  EXPECT_EQ(cut_to(id, 7, 0, -1), std::nullopt);
 }
 
 TEST_F(SessionRightsTest, AConnectionOpenedBeforeADecisionJoinsAsDecided) {

@@ -34,11 +34,16 @@ class Rejected(Exception):
 
 
 class Http:
-    def __init__(self, port):
-        self.port = port
+    def __init__(self, port, tls=None, host="127.0.0.1"):
+        self.port, self.host = port, host
+        self.tls = tls  # an ssl.SSLContext, for a server with TLS
 
     def request(self, method, path, body=None, headers=None):
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        if self.tls:
+            connection = http.client.HTTPSConnection(self.host, self.port, timeout=60,
+                                                     context=self.tls)
+        else:
+            connection = http.client.HTTPConnection(self.host, self.port, timeout=60)
         connection.request(method, path, body=body, headers=headers or {})
         response = connection.getresponse()
         data = response.read()
@@ -54,8 +59,10 @@ class WebSocket:
     opened = []  # keeps the sockets of a test from being garbage-collected
     text_bytes = 0  # of the messages received
 
-    def __init__(self, port, path, protocol, headers=(), host=None):
+    def __init__(self, port, path, protocol, headers=(), host=None, tls=None):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
+        if tls:
+            self.socket = tls.wrap_socket(self.socket, server_hostname="127.0.0.1")
         WebSocket.opened.append(self)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         key = base64.b64encode(os.urandom(16)).decode()

@@ -30,7 +30,7 @@ TEST_F(LibraryTest, InvalidOptionsNameTheirField) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(names(fault([](auto& o) { o.session = nullptr; }), "session"));
   EXPECT_TRUE(names(fault([](auto& o) { o.session = "a/b"; }), "session"));
-  EXPECT_TRUE(names(fault([](auto& o) { o.server = "https://x"; }), "TLS"));
+  EXPECT_TRUE(names(fault([](auto& o) { o.server = "ftp://x"; }), "https://"));
   EXPECT_TRUE(names(fault([](auto& o) { o.color = "red"; }), "color"));
   EXPECT_TRUE(names(fault([](auto& o) { o.max_force_n = kNan; }), "max_force_n"));
   EXPECT_TRUE(names(fault([](auto& o) { o.patience_s = -1; }), "patience_s"));
@@ -88,6 +88,18 @@ TEST_F(LibraryTest, ServerThatIsAbsentOrRejectsHasAResultOfItsOwn) {
   EXPECT_EQ(connect_fails(absent), KERF_AGENT_UNREACHABLE);
   serve({.decline_status = 404});
   EXPECT_EQ(connect_fails(options()), KERF_AGENT_REJECTED);
+}
+
+TEST_F(LibraryTest, AuthoritiesThatCannotBeReadAreNamed) {
+  kerf_agent_options given = options();
+  given.server = "https://127.0.0.1:1";
+  given.ca_file = "/no/such/authority.pem";
+  EXPECT_EQ(connect_fails(given), KERF_AGENT_REJECTED);
+  EXPECT_TRUE(std::string_view(kerf_agent_last_error()).contains("/no/such/authority.pem"));
+  // A program of minor 1 ends its options before the field.
+  given.struct_size = offsetof(kerf_agent_options, ca_file);
+  given.patience_s = 0.05;
+  EXPECT_EQ(connect_fails(given), KERF_AGENT_UNREACHABLE);
 }
 
 TEST_F(LibraryTest, GuidesOfTheSessionAreFeltWithoutAnyOption) {

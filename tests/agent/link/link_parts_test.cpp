@@ -22,14 +22,25 @@ TEST(ServerUrl, ReadsHostAndPort) {
   EXPECT_EQ(parse_server_url("ws://10.0.0.1:1/"), (ServerUrl{"10.0.0.1", "1"}));
   EXPECT_EQ(parse_server_url("carve.example"), (ServerUrl{"carve.example", "8080"}));
   EXPECT_EQ(parse_server_url("http://[::1]:81"), (ServerUrl{"::1", "81"}));
+  EXPECT_EQ(parse_server_url("https://carve.example"), (ServerUrl{"carve.example", "443", true}));
+  EXPECT_EQ(parse_server_url("wss://[::1]:81"), (ServerUrl{"::1", "81", true}));
 }
 
 TEST(ServerUrl, RejectsInvalidAddresses) {
-  for (const char* text :
-       {"", "http://", "https://host", "wss://host", "ftp://host", "host:0", "host:65536", "host:x",
-        "host:", "host/path", "host?q", "[::1", "[::1]x", ":80"}) {
+  for (const char* text : {"", "http://", "https://", "ftp://host", "host:0", "host:65536",
+                           "host:x", "host:", "host/path", "host?q", "[::1", "[::1]x", ":80"}) {
     EXPECT_FALSE(parse_server_url(text)) << text;
   }
+}
+
+TEST(ServerUrl, ARedirectDoesNotLeadOutOfTls) {
+  const ServerUrl plain{"a", "8080"}, safe{"a", "443", true};
+  EXPECT_EQ(follow_redirect(plain, "http://b:81"), (ServerUrl{"b", "81"}));
+  EXPECT_EQ(follow_redirect(plain, "https://b"), (ServerUrl{"b", "443", true}));
+  EXPECT_EQ(follow_redirect(safe, "https://b:81"), (ServerUrl{"b", "81", true}));
+  EXPECT_FALSE(follow_redirect(safe, "http://b:81"));
+  EXPECT_FALSE(follow_redirect(plain, ""));
+  EXPECT_FALSE(follow_redirect(plain, "ftp://b"));
 }
 
 TEST(SessionId, AcceptsOnlyNamesThatAreSafeInAPath) {

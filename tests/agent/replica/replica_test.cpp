@@ -20,14 +20,20 @@ using agent::Agreement;
 using agent::BlockSource;
 using agent::Replica;
 
-std::string scene(const std::string& rays) {
+constexpr const char* kSpecificEnergy =
+    R"({"law": "specific_energy", "specific_force_n_per_mm2": 0.4, "pivot_mm": 40})";
+constexpr const char* kMilling =
+    R"({"law": "mechanistic", "material": "beech", "runout_mm": 0.01, "pivot_mm": 40})";
+
+std::string scene(const std::string& rays, const std::string& force) {
   return R"({"name": "copied", "stock": {"shape": "box", "min_mm": [-30, -30, -20], "max_mm": [30, 30, 0]},
     "accuracy": {"rays": ")" +
          rays + R"(", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
     "tools": [{"id": 1, "shape": "ball", "diameter_mm": 6, "length_mm": 30},
               {"id": 2, "shape": "flat", "diameter_mm": 8, "length_mm": 20,
                "shank": {"diameter_mm": 12, "length_mm": 30}}],
-    "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.4, "pivot_mm": 40}})";
+    "force": )" +
+         force + "}";
 }
 
 std::string welcome_of(const Scene& scene) {
@@ -39,7 +45,7 @@ std::string welcome_of(const Scene& scene) {
 /// to the server.
 class ReplicaTest : public SessionTest, public testing::WithParamInterface<const char*> {
  protected:
-  void begin(const char* rays) {
+  void begin(const char* rays, const char* force = kSpecificEnergy) {
     // Samples arrive faster here than the session's rate limit permits.
     limits.samples_burst = max_samples;
     limits.samples_per_s = 2.5 * max_samples;
@@ -47,7 +53,7 @@ class ReplicaTest : public SessionTest, public testing::WithParamInterface<const
     in_flight_.clear();
     sequence = other_sequence_ = 0;
     auto created =
-        registry->create("block" + std::to_string(++blocks_), scene(rays), SceneSource{});
+        registry->create("block" + std::to_string(++blocks_), scene(rays, force), SceneSource{});
     ASSERT_TRUE(created) << created.error().reason;
     session_ = *created;
     self_ =
@@ -158,6 +164,19 @@ TEST_P(ReplicaTest, AnswersEqualTheServers) {
   arrive_all();
   EXPECT_EQ(replica_->agreement().error(), 0);
   expect_equal_near(winding(599));
+}
+
+TEST_P(ReplicaTest, FeelsTheMillingForceOfTheServer) {
+  begin(GetParam(), kMilling);
+  int pushed = 0;
+  for (int n = 0; n < 200; ++n) {
+    const auto local = send(winding(n));
+    if (!local) continue;
+    pushed += local->force_n != Vec3f{};
+    EXPECT_EQ(local->force_n, remote_.force_n) << n;
+    EXPECT_EQ(local->torque_nmm, remote_.torque_nmm) << n;
+  }
+  EXPECT_GT(pushed, 150);
 }
 
 TEST_P(ReplicaTest, TakesTheImprintOfAToolAsTheServerDoes) {

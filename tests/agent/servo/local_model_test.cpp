@@ -56,6 +56,28 @@ TEST(LocalModel, ReproducesAnAnswerWithoutDelay) {
   EXPECT_EQ(model.at(now, false, kDt), Wrench{}) << "no cutting force without the cutting button";
 }
 
+/// Returns the range of the rendered force, over the mean, where fresh answers alternate.
+double rendered_ripple(CutLaw law) {
+  LocalModel model({.law = law});
+  PastGrip now = move_along_x(start(), 200);
+  double least = 1e9, most = 0;
+  for (int i = 0; i < 40; ++i) {
+    const PastGrip then = now;
+    now = next(now, {0.05, 0, 0});
+    model.take_replica(cut_of(then, i % 4 < 2 ? 2.5 : 3.5), then, now);
+    const double newtons = -model.at(now, true, kDt).force_n.x;
+    if (i < 20) continue;
+    least = std::min(least, newtons);
+    most = std::max(most, newtons);
+  }
+  return (most - least) / 3;
+}
+
+TEST(LocalModel, RippleOfTeethIsRenderedFromFreshAnswers) {
+  EXPECT_NEAR(rendered_ripple(CutLaw::kMechanistic), 1.0 / 3, 1e-9);
+  EXPECT_LT(rendered_ripple(CutLaw::kSpecificEnergy), 0.25);
+}
+
 TEST(LocalModel, ExtrapolatesARisingForceFromDelayedAnswers) {
   LocalModel model({});
   PastGrip path[300];

@@ -47,6 +47,16 @@ class SupervisorTest : public ::testing::Test {
   SafetyInput in{.now_us = 1'000'000, .deadman = true, .has_answer = true};
 };
 
+TEST_F(SupervisorTest, ForceOfTheSessionPreventsArmingAndThatOfGuidesDoesNot) {
+  in.requested.force_n = {3, 0, 0};
+  pass(700);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);
+  in.guided = in.requested;
+  in.requested.force_n.y = 0.1;
+  EXPECT_EQ(pass(700), 1);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kActive);
+}
+
 TEST_F(SupervisorTest, ArmsThenRampsToFullForce) {
   EXPECT_EQ(pass(1), 0);
   EXPECT_EQ(supervisor.phase(), ServoPhase::kArmed);

@@ -75,23 +75,8 @@ TEST(Stability, PressedToolBuzzesIfTheDeviceDeclaresNoLatency) {
   EXPECT_GT(worst, 10);
 }
 
-/// One guide of each kind that the pressed tool meets at the surface of press_scene, along the axis
-/// and sideways; of the strokes one drives the tool on, the other holds it back.
-constexpr const char* kGuides[] = {
-    R"([{"kind":"plane","point_mm":[0,0,0],"normal":[0,0,1]},
-        {"kind":"plane","point_mm":[-3,0,0],"normal":[-1,0,0],"stiffness_n_per_mm":20}])",
-    R"([{"kind":"depth","lowest_z_mm":0}, {"kind":"depth","lowest_z_mm":-9}])",
-    R"([{"kind":"region","min_mm":[-3,-30,-30],"max_mm":[30,30,0],"max_force_n":8}])",
-    R"([{"kind":"path","axis_within_deg":0.2,"stiffness_n_per_mm":20,
-         "paths":[[[-6,0,-30,0,0,1],[-6,0,10,0,0,1]],[[9,0,3,0,0,1],[40,0,3,0,0,1]]]}])",
-    R"([{"kind":"stroke","within_mm":1,"max_force_n":4,
-         "paths":[[[15,0,3,0,0,1,0,0,-3,0,0,0],[15,0,-4,0,0,1,0,0,-3,0,0,0]],
-                  [[-6,0,-10,0,0,1,-3,0,0,0,20,0],[1,0,-10,0,0,1,-3,0,0,0,20,0]]]}])",
-    R"([{"kind":"snap","range_mm":6,"stiffness_n_per_mm":5,"max_force_n":8,
-         "surface":{"shape":"box","min_mm":[-3,-30,-30],"max_mm":[30,30,0]}}])"};
-
 TEST(Stability, EveryGuideIsPassiveAndRestsAtAnyLatencyOfTheDevice) {
-  for (const char* guides : kGuides) {
+  for (const char* guides : kPressedGuides) {
     double felt_n = 0;
     for (Press p : presses()) {
       if (p.obstacle && p.mechanics.mass_kg < 0.1) continue;

@@ -1,0 +1,310 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Serves a Haply Inverse3, with a VerseGrip if there is one, to `kerf-agent --device socket:`.
+
+Exchanges cursor positions and forces with the Haply Inverse Service (its simulation channel, a
+WebSocket with JSON, as documented for version 3.5) and lines with the agent
+(haptic_agent/device/socket/README.md). README.md beside this file."""
+import argparse
+import base64
+import hashlib
+import json
+import math
+import os
+import socket
+import struct
+import sys
+import time
+from urllib.parse import urlsplit
+
+MM_PER_M = 1000.0
+PERIOD_S = 1e-3
+WRENCH_LIFE_S = 0.02  # a wrench that the agent has not renewed for this time ends
+SERVICE_QUIET_S = 0.5  # a service that does not answer for this time is lost
+RETRY_S = 0.5
+START_ABOVE_MM = 10.0
+GUID = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"  # RFC 6455
+TEXT, CLOSE, PING, PONG = 1, 8, 9, 10
+
+
+class Lost(Exception):
+    """The service or the agent is gone; the text is the reason."""
+
+
+class Service:
+    """The simulation channel: one state comes back for each message sent."""
+
+    def __init__(self, url):
+        parts = urlsplit(url)
+        if parts.scheme != "ws" or not parts.hostname:
+            raise ValueError(f"{url} is not an address such as ws://localhost:10001")
+        port = parts.port or 10001
+        self.pending = b""
+        self.socket = socket.create_connection((parts.hostname, port), timeout=SERVICE_QUIET_S)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        key = base64.b64encode(os.urandom(16)).decode()
+        self.socket.sendall(
+            f"GET {parts.path or '/'} HTTP/1.1\r\nHost: {parts.hostname}:{port}\r\n"
+            f"Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n"
+            f"Sec-WebSocket-Version: 13\r\n\r\n".encode())
+        head = b""
+        while not head.endswith(b"\r\n\r\n"):
+            head += self._read(1)
+        accept = base64.b64encode(hashlib.sha1((key + GUID).encode()).digest())
+        if b" 101 " not in head.split(b"\r\n")[0] + b" " or accept not in head:
+            raise Lost("it is not a WebSocket service")
+
+    def close(self):
+        self.socket.close()
+
+    def send(self, message):
+        self._frame(TEXT, json.dumps(message).encode())
+
+    def receive(self):
+        """Returns the next message."""
+        whole = b""
+        while True:
+            first, second = self._read(2)
+            size = second & 0x7F
+            if size == 126:
+                size, = struct.unpack(">H", self._read(2))
+            elif size == 127:
+                size, = struct.unpack(">Q", self._read(8))
+            if second & 0x80 or size > 1 << 20:
+                raise Lost("it sent a malformed frame")
+            data, kind = self._read(size), first & 0x0F
+            if kind == CLOSE:
+                raise Lost("it closed the connection")
+            if kind == PING:
+                self._frame(PONG, data)
+            elif kind <= 2:
+                whole += data
+                if first & 0x80:
+                    return json.loads(whole)
+
+    def _frame(self, kind, data):
+        mask = os.urandom(4)
+        size = len(data)
+        head = struct.pack(">BB", 0x80 | kind, 0x80 | size) if size < 126 else struct.pack(
+            ">BBH", 0x80 | kind, 0x80 | 126, size)
+        self.socket.sendall(head + mask + bytes(b ^ mask[i & 3] for i, b in enumerate(data)))
+
+    def _read(self, size):
+        while len(self.pending) < size:
+            got = self.socket.recv(65536)
+            if not got:
+                raise Lost("it closed the connection")
+            self.pending += got
+        data, self.pending = self.pending[:size], self.pending[size:]
+        return data
+
+
+def vector(value):
+    """The numbers of {"x", "y", "z"}; raises ValueError if one is not finite."""
+    numbers = [float(value[name]) for name in "xyz"]
+    if not all(map(math.isfinite, numbers)):
+        raise ValueError("not finite")
+    return numbers
+
+
+def axis_of(quaternion, sign):
+    """The unit axis of the tool: `sign` times the grip's local +Y, along which it points."""
+    w, x, y, z = (float(quaternion[name]) for name in "wxyz")
+    norm = w * w + x * x + y * y + z * z
+    if not (math.isfinite(norm) and norm > 1e-6):
+        raise ValueError("not a rotation")
+    s = 2 * sign / norm
+    return [s * (x * y - w * z), sign - s * (x * x + z * z), s * (y * z + w * x)]
+
+
+class Inverse3:
+    """Reads one Inverse3 and one grip out of the service's states."""
+
+    def __init__(self, inventory, axis_sign):
+        devices = inventory.get("inverse3") or []
+        if not devices:
+            raise Lost("it has no Inverse3")
+        self.device_id = devices[0]["device_id"]
+        self.axis_sign = axis_sign
+        self.grip_kind = next((kind for kind in ("wireless_verse_grip", "verse_grip",
+                                                 "custom_verse_grip") if inventory.get(kind)), None)
+        self.position, self.axis, self.cut, self.state = [0.0] * 3, [0.0, 0.0, 1.0], False, "homing"
+
+    def take(self, message):
+        """Takes a state update; a device that is missing from it is absent."""
+        device = next((d for d in message.get("inverse3") or []
+                       if d.get("device_id") == self.device_id), None)
+        if device is None:
+            self.state = "absent"
+            return
+        status = device.get("status") or {}
+        self.state = "homing" if status.get("calibrated") is False else "ready"
+        self.position = [MM_PER_M * v for v in vector(device["state"]["cursor_position"])]
+        grips = message.get(self.grip_kind) or [] if self.grip_kind else []
+        if grips:
+            state = grips[0]["state"]
+            self.axis = axis_of(state["orientation"], self.axis_sign)
+            self.cut = bool(state.get("button") or (state.get("buttons") or {}).get("a"))
+        elif self.grip_kind:
+            self.cut = False
+
+    def command(self, force_n):
+        force = dict(zip("xyz", force_n))
+        return {"inverse3": [{"device_id": self.device_id,
+                              "commands": {"set_cursor_force": {"vector": force}}}]}
+
+
+def hello(device, handshake):
+    """The first message: states who this is, and commands no force."""
+    return {"session": {"configure": {"profile": {"name": handshake}}}, **device.command([0.0] * 3)}
+
+
+class Agent:
+    """The connection of kerf-agent."""
+
+    def __init__(self, connection, capabilities):
+        self.socket = connection
+        self.pending, self.number, self.force_n, self.renewed_s = b"", 0, [0.0] * 3, 0.0
+        connection.sendall(capabilities.encode())
+        connection.settimeout(5)
+        while b"\n" not in self.pending:
+            self._read()
+        line, self.pending = self.pending.split(b"\n", 1)
+        words = line.split()
+        if len(words) != 9 or words[0] != b"session":
+            raise Lost("it is no kerf-agent")
+        self.pivot_mm, x0, y0, _, x1, y1, z1 = map(float, words[2:])
+        self.start_mm = [(x0 + x1) / 2, (y0 + y1) / 2, z1 + START_ABOVE_MM]
+        connection.setblocking(False)
+
+    def wrench(self, now_s):
+        """The newest force and its number; no force if the agent has not renewed it."""
+        try:
+            while True:
+                self._read()
+        except BlockingIOError:
+            pass
+        *lines, self.pending = self.pending.split(b"\n")
+        if lines:
+            words = lines[-1].split()
+            self.number, self.force_n = int(words[1]), [float(word) for word in words[2:5]]
+            self.renewed_s = now_s
+        return (self.force_n if now_s - self.renewed_s <= WRENCH_LIFE_S else [0.0] * 3), self.number
+
+    def pose(self, state, tip_mm, axis, cut, accepted):
+        words = [state, *(f"{v:.6f}" for v in tip_mm), *(f"{v:.9f}" for v in axis), int(cut), accepted]
+        try:
+            self.socket.send(("pose " + " ".join(map(str, words)) + "\n").encode())
+        except BlockingIOError:
+            raise Lost("it does not read") from None
+
+    def _read(self):
+        got = self.socket.recv(65536)
+        if not got:
+            raise Lost("it left")
+        self.pending += got
+
+
+def run(service, device, agent):
+    """Exchanges states and forces until one side is lost. The cursor holds the tool at its pivot:
+    where it is when the device is ready, the tip is START_ABOVE_MM above the stock."""
+    offset, accepted, due_s = None, 0, time.monotonic()
+    while True:
+        force_n, number = agent.wrench(time.monotonic())
+        ready = device.state == "ready"
+        service.send(device.command(force_n if ready else [0.0] * 3))
+        device.take(service.receive())
+        accepted = number
+        if device.state == "ready" and offset is None:
+            pivot = [s + agent.pivot_mm * a for s, a in zip(agent.start_mm, device.axis)]
+            offset = [p - c for p, c in zip(pivot, device.position)]
+        tip = [c + o - agent.pivot_mm * a
+               for c, o, a in zip(device.position, offset or [0.0] * 3, device.axis)]
+        agent.pose(device.state, tip, device.axis, device.cut, accepted)
+        due_s = max(due_s + PERIOD_S, time.monotonic() - PERIOD_S)
+        time.sleep(max(0.0, due_s - time.monotonic()))
+
+
+def open_service(options):
+    """Connects; tells the service the name of this program and commands no force."""
+    service = Service(options.service)
+    try:
+        device = Inverse3(service.receive(), options.axis_sign)
+        service.send(hello(device, options.profile))
+        device.take(service.receive())
+        return service, device
+    except BaseException:
+        service.close()
+        raise
+
+
+def capabilities(device, options):
+    dof = 5 if device.grip_kind else 3
+    return (f"kerf-device 1 name=haply_inverse3 sensed_dof={dof} actuated_dof=3 "
+            f"max_force_n={options.max_force:g} max_stiffness_n_per_mm={options.max_stiffness:g} "
+            f"latency_us={int(options.latency * 1000)}\n")
+
+
+def serve(listener, options):
+    """Serves one agent after another. While the service is away, no agent is accepted: kerf-agent
+    then states that it waits."""
+    while True:
+        service = None
+        try:
+            service, device = open_service(options)
+            print(f"{options.service}: Inverse3 {device.device_id}, "
+                  f"{device.grip_kind or 'no grip'}; waiting for kerf-agent", flush=True)
+            connection = listener.accept()[0]
+            with connection:
+                service.close()  # its states waited: start with new ones
+                service, device = open_service(options)
+                run(service, device, Agent(connection, capabilities(device, options)))
+        except (Lost, OSError, ValueError, LookupError, TypeError) as loss:
+            print(f"lost: {loss or type(loss).__name__}", file=sys.stderr, flush=True)
+            time.sleep(RETRY_S)
+        finally:
+            if service is not None:
+                stop(service, device)
+
+
+def stop(service, device):
+    """Commands no force, as far as the service still listens, and leaves."""
+    try:
+        service.send(device.command([0.0] * 3))
+        service.receive()
+    except (Lost, OSError, ValueError):
+        pass
+    service.close()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("listen", metavar="PATH|PORT", help="where kerf-agent connects to")
+    parser.add_argument("--service", default="ws://localhost:10001", metavar="URL",
+                        help="the simulation channel of the Inverse Service (%(default)s)")
+    parser.add_argument("--max-force", type=float, default=5, metavar="N",
+                        help="greatest force of the device (%(default)s); the agent uses 0.6 of it")
+    parser.add_argument("--max-stiffness", type=float, default=1, metavar="N_PER_MM",
+                        help="stiffness that it renders stably (%(default)s)")
+    parser.add_argument("--latency", type=float, default=5, metavar="MS",
+                        help="from a pose until its force acts (%(default)s); measure it with "
+                        "kerf-agent doctor")
+    parser.add_argument("--axis-sign", type=int, choices=(-1, 1), default=-1,
+                        help="-1: the grip points from the spindle to the tip (%(default)s)")
+    parser.add_argument("--profile", default="org.kerf.agent:inverse3", help="name for Haply Hub")
+    options = parser.parse_args()
+    if options.listen.isdigit():
+        listener = socket.create_server(("localhost", int(options.listen)))
+    else:
+        if os.path.exists(options.listen):
+            os.unlink(options.listen)
+        listener = socket.create_server(options.listen, family=socket.AF_UNIX)
+    try:
+        serve(listener, options)
+    except KeyboardInterrupt:
+        pass
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kernel/force/engagement.h"
+#include "kernel/force/milling_sum.h"
+
+namespace kerf {
+
+/// The travel over which a motion delivers a cut (CuttingForce::finish).
+struct MillingTravel {
+  double crossing_mm = 0, path_mm = 0;  ///< of the two queues
+  double due_path_mm = 0;               ///< mean path of what is delivered
+  bool rests = false;
+  /// Shares of what earlier motions left in the two queues that is still felt.
+  double gradual_kept = 1, prompt_kept = 1;
+};
+
+/// The wrench of one motion by the mechanistic law (kernel/force/README.md, "Mechanistic law").
+class MillingForce {
+ public:
+  /// `axis`: of the tool in the middle of the motion.
+  MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, double duration_s);
+
+  /// Adds what one sub-motion removed from the field on `grid`. `twist` and `frame` are in that
+  /// field's frame, `share` is its part of the duration, `gradual` the share of the cut that passes
+  /// through the queue of that name.
+  void add(const Removal& removal, const DexelGrid& grid, const Twist& twist, const CutFrame& frame,
+           double share, double gradual, bool weighted);
+
+  /// Ends the motion and returns its wrench about the tool's pivot.
+  Wrench finish(MillingEngagement& engagement, const MillingTravel& travel) const;
+
+ private:
+  double turns_per_s() const { return settings_.spindle_rpm / 60; }
+  double feed_per_tooth_mm(double path_mm, double duration_s) const;
+  Wrench at(const MillingSpectrum& spectrum, double turns, double duration_s) const;
+
+  MillingSettings settings_;
+  Harmonics harmonics_;
+  ToolSide side_;
+  Vec3 zero_;
+  double duration_s_;
+  MillingSum gradual_, prompt_;
+};
+
+/// Returns an estimate of the cutting force, N, at a rate of removal, where no force was computed:
+/// that of the tangential and radial coefficients at the full radius of the tool.
+double milling_force_n(const MillingSettings& settings, double radius_mm, double mm3_per_s);
+
+}  // namespace kerf

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace kerf {
+
+/// Coefficients of the force on a cutting edge, in the directions of its cut: against the tooth's
+/// motion; normal to the surface that it cuts, into the tool; along the edge's generator, towards
+/// the tip.
+struct EdgeCoefficients {
+  double tangential = 0, radial = 0, axial = 0;
+};
+
+/// Parameters of ForceLaw::kMechanistic (kernel/force/README.md, "Mechanistic law"). The spindle
+/// turns clockwise as seen along the axis towards the tip (M3).
+struct MillingSettings {
+  double spindle_rpm = 12000;    ///< in (0, 1e6]
+  int teeth = 2;                 ///< 1 to 100, evenly spaced
+  double helix_deg = 30;         ///< 0 to 80; right-handed
+  double feed_per_tooth_mm = 0;  ///< fixed chip load; 0: that of the motion's speed
+  double runout_mm = 0;          ///< offset of the tool's axis from the spindle's
+  double ripple_hz = 250;        ///< greatest frequency of the ripple; 0: mean forces only
+  double scale = 1;              ///< of the whole wrench; at most 1
+  EdgeCoefficients cut_n_per_mm2;
+  EdgeCoefficients edge_n_per_mm;
+  /// m of Kienzle's law: a chip of thickness h has cut_n_per_mm2 · (h / 1 mm)^−m; in [0, 0.9].
+  double chip_exponent = 0;
+};
+
+/// Greatest coefficient, in its unit, and greatest ripple_hz.
+inline constexpr double kForceCoefficientMax = 1e6;
+inline constexpr double kFeedPerToothMaxMm = 100;
+inline constexpr double kRunoutMaxMm = 1;
+inline constexpr double kSpindleMaxRpm = 1e6;
+inline constexpr int kTeethMax = 100;
+inline constexpr double kHelixMaxDeg = 80;
+inline constexpr double kChipExponentMax = 0.9;
+
+}  // namespace kerf

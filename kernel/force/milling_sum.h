@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "kernel/cut/removal.h"
+#include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/force/cut_sum.h"
+#include "kernel/force/milling_settings.h"
+#include "kernel/force/tool_side.h"
+
+namespace kerf {
+
+inline constexpr double kMillingPi = 3.14159265358979323846;
+
+/// Greatest number of frequencies in the ripple of a milling force.
+inline constexpr int kHarmonicsMax = 3;
+
+/// A wrench that depends on the angle θ of the spindle: mean + Σ_k cos kθ · cosine + sin kθ · sine.
+struct MillingSpectrum {
+  Wrench mean;
+  std::array<Wrench, kHarmonicsMax> cosine, sine;
+};
+
+/// Sums over the removed elements of a cut, from which the mechanistic law computes its wrench.
+/// V: volume; ρ: distance from the axis; A: area of the cut surface; K: coefficients, as a vector.
+struct MillingSum {
+  double volume_mm3 = 0;
+  MillingSpectrum cut;   ///< Σ V K_cut / ρ
+  MillingSpectrum edge;  ///< Σ A · path · K_edge / ρ
+};
+
+MillingSum operator+(const MillingSum& a, const MillingSum& b);
+MillingSum operator*(const MillingSum& a, double s);
+/// Returns the sum as it would be had tool and cut been turned together.
+MillingSum turned(const MillingSum& sum, const Turn& turn);
+
+/// Converts from the frame of a field to the world.
+MillingSum to_world(RayAxis axis, const MillingSum& sum);
+
+/// Frequencies of the ripple, in multiples of the spindle's.
+struct Harmonics {
+  std::array<int, kHarmonicsMax> multiple{};
+  int count = 0;
+  /// Strength of the edge terms of the first, which is the spindle's own frequency, by runout, mm;
+  /// 0: none. Its chip is that much thicker per tooth and radian.
+  double runout_mm = 0;
+};
+/// Returns those up to ripple_hz: of the teeth passing, and before them of runout.
+Harmonics harmonics_of(const MillingSettings& settings);
+
+/// A sub-motion whose elements are summed; all in the frame of a field.
+struct MillingPass {
+  const MillingSettings& settings;
+  const Harmonics& harmonics;
+  const ToolSide& side;
+  Twist twist;
+  CutFrame frame;
+  Vec3 zero;               ///< unit vector across the axis, from which angles count
+  double feed_per_mm = 0;  ///< feed per tooth over path
+  bool weighted = false;   ///< of three fields: weight each element by n_z²
+};
+
+/// Sums what a sub-motion removed from the field on `grid`. Serial, in the order of the tiles.
+MillingSum sum_milling(const Removal& removal, const DexelGrid& grid, const MillingPass& pass);
+
+}  // namespace kerf

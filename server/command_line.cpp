@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/command_line.h"
+
+#include <kerf/version.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <chrono>
+#include <climits>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "server/http/browser_rules.h"
+#include "server/http/static_files.h"
+#include "server/log/log.h"
+#include "server/maintenance.h"
+#include "server/rights/admin_token.h"
+#include "server/store/journal_file.h"
+#include "server/wire/control.h"
+
+namespace kerf {
+namespace {
+
+/// The options as they are given.
+struct Words {
+  std::string listen = "127.0.0.1:8080";
+  std::string udp;
+  std::vector<std::string> scenes, proxies;
+  std::string admin_token_file;
+  double snapshot_s = 1;
+  double session_mb = 0, total_mb = 0, reserve_mb = 256;
+  std::string log_format = "text";
+  net::ServerOptions server;
+};
+
+std::unexpected<int> reject(const std::string& reason, int status = 2) {
+  std::fprintf(stderr, "kerf-server: %s\n", reason.c_str());
+  return std::unexpected(status);
+}
+
+bool parse_port(std::string_view text, std::uint16_t& port) {
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, port);
+  return parsed.ec == std::errc() && parsed.ptr == end;
+}
+
+/// Splits ADDR:PORT; an IPv6 address is in brackets.
+bool parse_listen(const std::string& text, std::string& address, std::uint16_t& port) {
+  const auto colon = text.rfind(':');
+  if (colon == std::string::npos) return false;
+  address = text.substr(0, colon);
+  if (address.size() > 2 && address.front() == '[' && address.back() == ']') {
+    address = address.substr(1, address.size() - 2);
+  }
+  return !address.empty() && parse_port(std::string_view(text).substr(colon + 1), port);
+}
+
+/// Parses [ADDR:]PORT or off; an empty text keeps the default.
+bool parse_udp(const std::string& text, net::UdpOptions& udp) {
+  if (text.empty()) return true;
+  udp.on = text != "off";
+  if (!udp.on) return true;
+  udp.required = true;
+  std::uint16_t port = 0;
+  const bool good =
+      text.contains(':') ? parse_listen(text, udp.address, port) : parse_port(text, port);
+  udp.port = port;
+  return good;
+}
+
+std::string version_text() {
+  return std::string("kerf-server ") + kVersion + " (" + std::string(wire::kAgentProtocol) + ", " +
+         std::string(wire::kViewProtocol) + ", journal format " + std::to_string(kJournalVersion) +
+         ", kernel " + std::to_string(kKernelVersion) + ")";
+}
+
+/// The names by which a local network knows this machine: its host name, and the one of mDNS.
+std::vector<std::string> own_names() {
+  std::array<char, HOST_NAME_MAX + 1> name{};
+  if (gethostname(name.data(), name.size()) != 0 || name[0] == 0) return {};
+  const std::string host(name.data());
+  return {host, host + ".local"};
+}
+
+std::string variable_of(const std::string& option) {
+  std::string variable = "KERF_";
+  for (const char c : option) {
+    variable += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return variable;
+}
+
+bool is_list(const CLI::Option& option) { return option.get_items_expected_max() > 1; }
+
+/// Takes the options that may be repeated from the environment, unless the command line or the file
+/// has them.
+void take_environment_lists(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (!is_list(*option) || option->count() > 0) continue;
+    const char* text = std::getenv(variable_of(option->get_single_name()).c_str());
+    std::string_view rest = text == nullptr ? "" : text;
+    constexpr std::string_view kSeparators = ", ";
+    while (!rest.empty()) {
+      const auto end = std::min(rest.find_first_of(kSeparators), rest.size());
+      if (end > 0) option->add_result(std::string(rest.substr(0, end)));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    if (option->count() > 0) option->run_callback();
+  }
+}
+
+/// Lets each option be set in a file and in the environment too: `--allow-host` is `allow-host` in
+/// the file and KERF_ALLOW_HOST in the environment. The command line counts before the file, and
+/// the file before the environment. A key that is not an option is an error. Lists are separated by
+/// commas or spaces in the environment (take_environment_lists).
+void accept_configuration(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_single_name();
+    if (name == "help" || name == "version" || is_list(*option)) continue;
+    option->envname(variable_of(name));
+  }
+  app.set_config("--config", "",
+                 "TOML file of options, e.g. listen = \"0.0.0.0:8080\"; the environment may set "
+                 "them too, e.g. KERF_LISTEN");
+  app.allow_config_extras(CLI::config_extras_mode::error);
+}
+
+/// The commands that verify or copy files instead of serving sessions.
+struct Commands {
+  std::string folder, journal, backup;
+
+  void add(CLI::App& app) {
+    app.add_subcommand("check",
+                       "reads the journals and snapshots of a data folder; exits with 1 if "
+                       "something is wrong, and says what to do")
+        ->add_option("DATA", folder, "data folder, also of a running server")
+        ->required();
+    CLI::App* copy = app.add_subcommand(
+        "backup",
+        "copies the journals and the rights of a data folder into another folder, also while "
+        "a server runs on it");
+    copy->add_option("DATA", folder, "data folder")->required();
+    copy->add_option("TO", backup, "folder of the copies, created if missing; no file is replaced")
+        ->required();
+    app.add_subcommand("replay",
+                       "carves a journal from the start and compares it with its state hashes and "
+                       "its snapshot; exits with 1 at the first difference")
+        ->add_option("FILE", journal, "journal, DATA/SESSION.kerf")
+        ->required();
+  }
+  /// The exit status of the command that was named; nullopt if none was.
+  std::optional<int> run(const CLI::App& app) const {
+    if (app.got_subcommand("check")) return check_data(folder);
+    if (app.got_subcommand("backup")) return back_up(folder, backup);
+    if (app.got_subcommand("replay")) return replay_journal(journal);
+    return std::nullopt;
+  }
+};
+
+SnapshotLimits snapshot_limits(double replay_s) {
+  SnapshotLimits limits;
+  limits.replay_time =
+      std::chrono::round<std::chrono::microseconds>(std::chrono::duration<double>(replay_s));
+  limits.pause = std::min(limits.pause, 2 * limits.replay_time);
+  return limits;
+}
+
+void describe_disk(CLI::App& app, Words& line) {
+  const CLI::Range megabytes(0.0, 1e9);
+  app.add_option("--disk-per-session", line.session_mb,
+                 "MB that the journal and the snapshot of a session may have; then it is paused. "
+                 "0: no limit")
+      ->check(megabytes)
+      ->capture_default_str();
+  app.add_option("--disk-total", line.total_mb,
+                 "MB that the files of the data folder may have, closed sessions included; then "
+                 "all sessions are paused. 0: no limit")
+      ->check(megabytes)
+      ->capture_default_str();
+  app.add_option("--disk-reserve", line.reserve_mb,
+                 "MB that stay free on the file system of the data folder: with less, all sessions "
+                 "are paused")
+      ->check(megabytes)
+      ->capture_default_str();
+}
+
+DiskLimits disk_limits(const Words& line) {
+  const auto bytes = [](double mb) { return static_cast<std::uintmax_t>(mb * 1e6); };
+  return {bytes(line.session_mb), bytes(line.total_mb), bytes(line.reserve_mb)};
+}
+
+void describe_tls(CLI::App& app, Words& line) {
+  CLI::Option* certificate =
+      app.add_option("--tls-cert", line.server.tls_certificate,
+                     "PEM file of the certificate chain: the server then speaks TLS 1.3 only. "
+                     "SIGHUP reads it and the key again");
+  CLI::Option* key =
+      app.add_option("--tls-key", line.server.tls_key, "PEM file of its private key");
+  certificate->needs(key);
+  key->needs(certificate);
+}
+
+void describe_drain(CLI::App& app, Words& line) {
+  const auto check = [](const std::string& address) -> std::string {
+    return net::is_server_address(address) ? "" : "must be http:// or https://, a host and a port";
+  };
+  app.add_option("--drain-to", line.server.drain_to,
+                 "address of the server that continues on the data folder: on SIGTERM, agents are "
+                 "sent there")
+      ->check(CLI::Validator(check, ""));
+}
+
+void describe_proxy(CLI::App& app, Words& line) {
+  app.add_option(
+      "--trust-proxy", line.proxies,
+      "IP address, or network (10.0.0.0/8), of a proxy whose X-Forwarded-For, -Proto and "
+      "-Host count; may be repeated");
+}
+
+void describe_rights(CLI::App& app, Words& line) {
+  app.add_option("--admin-token-file", line.admin_token_file,
+                 "file with the administrator's token; made with a random one if it does not "
+                 "exist. Or the environment variable KERF_ADMIN_TOKEN. Then everybody needs a "
+                 "token or an invitation");
+  app.add_flag("--open", line.server.open,
+               "for demonstrations: who has no token watches, and carves within limits");
+}
+
+void describe_server(CLI::App& app, Words& line) {
+  app.set_version_flag("--version", version_text());
+  app.add_option("--listen", line.listen, "ADDR:PORT; with port 0 the system picks one")
+      ->capture_default_str();
+  app.add_option(
+      "--udp", line.udp,
+      "[ADDR:]PORT on which agents may use UDP, or off; default: the address and port of "
+      "--listen");
+  app.add_option("--data", line.server.http.data_folder, "folder of the sessions' journals")
+      ->capture_default_str();
+  app.add_option("--snapshot-after", line.snapshot_s,
+                 "s of replay at the next start after which a snapshot of a block is written")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--scene", line.scenes,
+                 "scene file whose session is created unless it exists; may be repeated");
+  app.add_option("--web", line.server.http.web_folder, "folder of the built viewer");
+  app.add_option(
+      "--allow-host", line.server.http.allow_hosts,
+      "name of the server for its clients, besides IP addresses, localhost and this machine's "
+      "host name");
+  app.add_option("--allow-origin", line.server.http.allow_origins,
+                 "origin of other web pages that may connect, e.g. https://kerf.example");
+  describe_disk(app, line);
+  describe_rights(app, line);
+  describe_tls(app, line);
+  describe_proxy(app, line);
+  describe_drain(app, line);
+  app.add_option("--log-format", line.log_format, "text, or json: an object per line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+}
+
+/// Turns the words of a valid command line into options.
+std::expected<CommandLine, int> understand(Words line) {
+  line.server.snapshots = snapshot_limits(line.snapshot_s);
+  line.server.disk = disk_limits(line);
+  for (std::string& name : own_names()) line.server.http.allow_hosts.push_back(std::move(name));
+  log::open(line.log_format == "json" ? log::Format::kJson : log::Format::kText);
+  if (!parse_listen(line.listen, line.server.address, line.server.port)) {
+    return reject("--listen " + line.listen + " is not ADDR:PORT");
+  }
+  if (!parse_udp(line.udp, line.server.udp)) {
+    return reject("--udp " + line.udp + " is not [ADDR:]PORT or off");
+  }
+  auto proxies = net::TrustedProxies::parse(line.proxies);
+  if (!proxies) return reject("--trust-proxy: " + proxies.error());
+  line.server.http.proxies = *std::move(proxies);
+  auto token = read_admin_token(line.admin_token_file);
+  if (!token) return reject(token.error(), 1);
+  line.server.admin_token = *std::move(token);
+  line.server.http.request_stop = [] { kill(getpid(), SIGTERM); };
+  return CommandLine{std::move(line.scenes), std::move(line.server)};
+}
+
+}  // namespace
+
+std::expected<CommandLine, int> read_command_line(int argc, char** argv) {
+  Words line;
+  line.server.http.web_folder = net::find_web_folder();
+  CLI::App app{"kerf-server: sessions in which several people carve one block and feel its force"};
+  describe_server(app, line);
+  Commands commands;
+  commands.add(app);
+  accept_configuration(app);
+  try {
+    app.parse(argc, argv);
+    take_environment_lists(app);
+  } catch (const CLI::ConfigError& error) {
+    return reject(std::string("--config: ") + error.what() + "; --help lists the options");
+  } catch (const CLI::ParseError& error) {
+    return std::unexpected(app.exit(error));
+  }
+  if (const auto status = commands.run(app)) return std::unexpected(*status);
+  return understand(std::move(line));
+}
+
+}  // namespace kerf

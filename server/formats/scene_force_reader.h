@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kernel/force/force_settings.h"
+#include "server/formats/scene_fields.h"
+
+namespace kerf {
+
+/// Reads the "force" object of a scene. `material` of the law mechanistic sets the coefficients
+/// that are not given themselves (kernel/force/milling_presets.h). Throws SceneRejection.
+ForceSettings read_force(const SceneValue& value);
+
+}  // namespace kerf

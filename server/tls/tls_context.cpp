@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/tls/tls_context.h"
+
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
+#include <chrono>
+#include <ctime>
+#include <utility>
+
+namespace kerf::net {
+namespace {
+
+/// Takes the first error of this thread's queue and empties it.
+std::string library_error() {
+  const char* reason = ERR_reason_error_string(ERR_peek_error());
+  ERR_clear_error();
+  return reason == nullptr ? "unknown error" : reason;
+}
+
+std::shared_ptr<ssl_ctx_st> new_context(const SSL_METHOD* method) {
+  std::shared_ptr<SSL_CTX> context(SSL_CTX_new(method), SSL_CTX_free);
+  if (!context) return nullptr;
+  SSL_CTX_set_min_proto_version(context.get(), TLS1_3_VERSION);
+  // A peer may close TCP without saying so in TLS. Nothing here depends on it: HTTP bodies have a
+  // length, WebSockets a close frame.
+  SSL_CTX_set_options(context.get(), SSL_OP_IGNORE_UNEXPECTED_EOF | SSL_OP_NO_RENEGOTIATION);
+  SSL_CTX_set_mode(context.get(), SSL_MODE_ENABLE_PARTIAL_WRITE |
+                                      SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
+                                      SSL_MODE_RELEASE_BUFFERS);
+  // Tickets that a client has not read when it closes would reset the connection, and what it sent
+  // last would be lost.
+  SSL_CTX_set_num_tickets(context.get(), 0);
+  SSL_CTX_set_session_cache_mode(context.get(), SSL_SESS_CACHE_OFF);
+  return context;
+}
+
+std::int64_t to_seconds(const ASN1_TIME* time) {
+  std::tm parts{};
+  return ASN1_TIME_to_tm(time, &parts) == 1 ? timegm(&parts) : 0;
+}
+
+std::int64_t now_s() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::seconds>(now).count();
+}
+
+}  // namespace
+
+std::expected<TlsContext, std::string> TlsContext::of_server(
+    const std::filesystem::path& certificate, const std::filesystem::path& key) {
+  ERR_clear_error();
+  auto native = new_context(TLS_server_method());
+  if (!native) return std::unexpected("TLS is not available: " + library_error());
+  if (SSL_CTX_use_certificate_chain_file(native.get(), certificate.c_str()) != 1) {
+    return std::unexpected("the certificate " + certificate.string() +
+                           " cannot be used: " + library_error());
+  }
+  if (SSL_CTX_use_PrivateKey_file(native.get(), key.c_str(), SSL_FILETYPE_PEM) != 1) {
+    return std::unexpected("the private key " + key.string() +
+                           " cannot be used: " + library_error());
+  }
+  TlsContext context(std::move(native));
+  const X509* own = SSL_CTX_get0_certificate(context.native());
+  context.expires_s_ = to_seconds(X509_get0_notAfter(own));
+  return context;
+}
+
+std::expected<TlsContext, std::string> TlsContext::of_client(
+    const std::filesystem::path& authorities) {
+  ERR_clear_error();
+  auto native = new_context(TLS_client_method());
+  if (!native) return std::unexpected("TLS is not available: " + library_error());
+  SSL_CTX_set_verify(native.get(), SSL_VERIFY_PEER, nullptr);
+  const bool is_own = !authorities.empty();
+  const int loaded = is_own ? SSL_CTX_load_verify_file(native.get(), authorities.c_str())
+                            : SSL_CTX_set_default_verify_paths(native.get());
+  if (loaded != 1) {
+    return std::unexpected((is_own ? "the authorities " + authorities.string()
+                                   : std::string("the authorities of this system")) +
+                           " cannot be read: " + library_error());
+  }
+  return TlsContext(std::move(native));
+}
+
+TlsCertificate::TlsCertificate(std::filesystem::path certificate, std::filesystem::path key,
+                               TlsContext context)
+    : certificate_(std::move(certificate)), key_(std::move(key)), current_(std::move(context)) {}
+
+std::expected<std::unique_ptr<TlsCertificate>, std::string> TlsCertificate::load(
+    std::filesystem::path certificate, std::filesystem::path key) {
+  auto context = TlsContext::of_server(certificate, key);
+  if (!context) return std::unexpected(context.error());
+  return std::unique_ptr<TlsCertificate>(
+      new TlsCertificate(std::move(certificate), std::move(key), *std::move(context)));
+}
+
+TlsContext TlsCertificate::current() const {
+  const std::scoped_lock lock(mutex_);
+  return current_;
+}
+
+std::expected<void, std::string> TlsCertificate::reload() {
+  auto context = TlsContext::of_server(certificate_, key_);
+  if (!context) return std::unexpected(context.error());
+  if (context->expires_s() <= now_s()) {
+    return std::unexpected("the certificate " + certificate_.string() + " has expired");
+  }
+  const std::scoped_lock lock(mutex_);
+  current_ = *std::move(context);
+  return {};
+}
+
+}  // namespace kerf::net

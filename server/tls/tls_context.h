@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+
+struct ssl_ctx_st;
+
+namespace kerf::net {
+
+/// The rules of TLS connections, of a server or a client: version 1.3 only, no resumption. Copies
+/// share them.
+class TlsContext {
+ public:
+  /// A server that proves who it is with a certificate: PEM files of the chain, its own certificate
+  /// first, and of the private key. The error is one sentence.
+  static std::expected<TlsContext, std::string> of_server(const std::filesystem::path& certificate,
+                                                          const std::filesystem::path& key);
+  /// A client that accepts servers whose certificates come from the authorities of a PEM file, or,
+  /// if it is empty, from those of the system. The error is one sentence.
+  static std::expected<TlsContext, std::string> of_client(const std::filesystem::path& authorities);
+
+  /// End of the validity of a server's certificate, seconds since 1970.
+  std::int64_t expires_s() const { return expires_s_; }
+  ssl_ctx_st* native() const { return context_.get(); }
+
+ private:
+  explicit TlsContext(std::shared_ptr<ssl_ctx_st> context) : context_(std::move(context)) {}
+  std::shared_ptr<ssl_ctx_st> context_;
+  std::int64_t expires_s_ = 0;
+};
+
+/// The certificate of a server, which may be replaced while it runs. Thread-safe.
+class TlsCertificate {
+ public:
+  /// Reads the files. The error is one sentence.
+  static std::expected<std::unique_ptr<TlsCertificate>, std::string> load(
+      std::filesystem::path certificate, std::filesystem::path key);
+
+  /// For new connections.
+  TlsContext current() const;
+  /// Reads the files again. Connections that exist continue with the certificate that they have
+  /// seen. If the files cannot be used, or the certificate has expired, the last one stays, and the
+  /// error says why.
+  std::expected<void, std::string> reload();
+
+ private:
+  TlsCertificate(std::filesystem::path certificate, std::filesystem::path key, TlsContext context);
+  std::filesystem::path certificate_, key_;
+  mutable std::mutex mutex_;  ///< guards current_
+  TlsContext current_;
+};
+
+}  // namespace kerf::net

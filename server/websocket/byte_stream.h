@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/async_result.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "server/tls/tls_channel.h"
+
+namespace kerf::net {
+
+/// A connected TCP socket, with TLS or without: an asynchronous stream of Asio, of which Beast
+/// makes HTTP and WebSockets. One type for both, so that Beast's templates are compiled once. At
+/// most one read and one write may be in progress; it must not move meanwhile, and it must outlive
+/// them. Everything runs on the one thread of the socket's executor.
+class ByteStream {
+ public:
+  using executor_type = boost::asio::any_io_executor;
+  using Done = std::move_only_function<void(boost::system::error_code, std::size_t)>;
+
+  explicit ByteStream(boost::asio::ip::tcp::socket socket,
+                      std::unique_ptr<TlsChannel> tls = nullptr)
+      : socket_(std::move(socket)), tls_(std::move(tls)) {}
+  ByteStream(ByteStream&&) = default;
+
+  executor_type get_executor() { return socket_.get_executor(); }
+  /// For options, addresses and waiting. What is read from it is ciphertext if there is TLS.
+  boost::asio::ip::tcp::socket& socket() { return socket_; }
+  /// Null without TLS.
+  TlsChannel* tls() { return tls_.get(); }
+  /// Gives up the channel, to continue with the same TCP socket on another thread.
+  std::unique_ptr<TlsChannel> release_tls() { return std::move(tls_); }
+
+  /// Shakes hands if there is TLS; the channel says why it failed.
+  boost::asio::awaitable<boost::system::error_code> shake_hands();
+  /// Tells the peer that nothing more comes, in TLS too.
+  void end_sending();
+  /// Whether the peer has closed its end, as far as has arrived.
+  bool has_peer_ended();
+  /// Closes the socket; operations in progress end with an error.
+  void close();
+
+  template <class Buffers, class Token>
+  auto async_read_some(const Buffers& buffers, Token&& token) {
+    return boost::asio::async_initiate<Token, void(boost::system::error_code, std::size_t)>(
+        [this](auto handler, const Buffers& to) {
+          if (!tls_) return socket_.async_read_some(to, std::move(handler));
+          read_tls(first_of(to), Done(std::move(handler)));
+        },
+        token, buffers);
+  }
+  template <class Buffers, class Token>
+  auto async_write_some(const Buffers& buffers, Token&& token) {
+    return boost::asio::async_initiate<Token, void(boost::system::error_code, std::size_t)>(
+        [this](auto handler, const Buffers& from) {
+          if (!tls_) return socket_.async_write_some(from, std::move(handler));
+          // One record for all parts, of at most the size that TLS allows.
+          outgoing_.resize(std::min(boost::asio::buffer_size(from), kRecordBytes));
+          boost::asio::buffer_copy(boost::asio::buffer(outgoing_), from);
+          write_tls(Done(std::move(handler)));
+        },
+        token, buffers);
+  }
+
+ private:
+  static constexpr std::size_t kRecordBytes = std::size_t{16} * 1024;
+  using Attempt = std::move_only_function<TlsStep(std::size_t& count)>;
+
+  template <class Buffers>
+  static boost::asio::mutable_buffer first_of(const Buffers& buffers) {
+    const auto end = boost::asio::buffer_sequence_end(buffers);
+    for (auto part = boost::asio::buffer_sequence_begin(buffers); part != end; ++part) {
+      const boost::asio::mutable_buffer bytes = *part;
+      if (bytes.size() > 0) return bytes;
+    }
+    return {};
+  }
+  void read_tls(boost::asio::mutable_buffer to, Done done);
+  void write_tls(Done done);
+  void go_on(Attempt attempt, Done done, bool is_first);
+
+  boost::asio::ip::tcp::socket socket_;
+  std::unique_ptr<TlsChannel> tls_;
+  std::vector<std::byte> outgoing_;  ///< being written with TLS
+};
+
+/// For Beast: what a WebSocket does when its deadline has passed.
+inline void beast_close_socket(ByteStream& stream) { stream.close(); }
+
+}  // namespace kerf::net

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Emulates the Haply Inverse Service for the tests: its simulation channel, a WebSocket on which one
+state answers each message, with an Inverse3 in a simulated hand and a Wireless VerseGrip."""
+import base64
+import hashlib
+import json
+import socket
+import struct
+import threading
+import time
+
+GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
+
+
+class Service:
+    """`aim(t)` returns where the hand wants the cursor t seconds after the first command, in m."""
+
+    def __init__(self, aim=lambda t: (0.0, 0.0, 0.0), orientation=(0, 1, 0, 0), port=0):
+        self.aim, self.orientation = aim, orientation  # w, x, y, z
+        self.calibrated, self.button, self.grips = True, False, True
+        self.forces, self.profiles, self.faults = [], [], []  # forces: (seconds, (x, y, z) in N)
+        self.listener = socket.create_server(("127.0.0.1", port))
+        self.port = self.listener.getsockname()[1]
+        self.url = f"ws://127.0.0.1:{self.port}"
+        self.peers = []
+        self.begun_s = None
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def stop(self):
+        self.listener.shutdown(socket.SHUT_RDWR)
+        self.listener.close()
+        for peer in self.peers:
+            try:
+                peer.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass
+
+    def newest_force(self):
+        return self.forces[-1][1] if self.forces else None
+
+    def _listen(self):
+        while True:
+            try:
+                peer = self.listener.accept()[0]
+            except OSError:
+                return
+            self.peers.append(peer)
+            threading.Thread(target=self._serve, args=(peer,), daemon=True).start()
+
+    def _serve(self, peer):
+        try:
+            with peer, peer.makefile("rb") as stream:
+                self._handshake(peer, stream)
+                self._talk(peer, stream)
+        except (OSError, ValueError, LookupError, struct.error) as fault:
+            if isinstance(fault, (ValueError, LookupError)):
+                self.faults.append(repr(fault))
+
+    def _handshake(self, peer, stream):
+        key = b""
+        while (line := stream.readline().strip()):
+            if line.lower().startswith(b"sec-websocket-key:"):
+                key = line.split(b":")[1].strip()
+        accept = base64.b64encode(hashlib.sha1(key + GUID).digest()).decode()
+        peer.sendall(f"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\n"
+                     f"Connection: Upgrade\r\nSec-WebSocket-Accept: {accept}\r\n\r\n".encode())
+
+    def _talk(self, peer, stream):
+        at, speed, last_s = list(self.aim(0)), [0.0] * 3, time.monotonic()
+        self._send(peer, self._state(at, config=True))
+        first = True
+        while (message := self._receive(stream)) is not None:
+            if first != ("session" in message):
+                self.faults.append("the session is configured in the first message, and only there")
+            if first:
+                self.profiles.append(message["session"]["configure"]["profile"]["name"])
+            first = False
+            device, = message["inverse3"]
+            assert device["device_id"] == "049D"
+            force = tuple(device["commands"]["set_cursor_force"]["vector"][n] for n in "xyz")
+            now_s = time.monotonic()
+            if self.begun_s is None and any(force):
+                self.begun_s = now_s
+            self.forces.append((now_s, force))
+            self._move(at, speed, force, min(now_s - last_s, 0.01), now_s)
+            last_s = now_s
+            self._send(peer, self._state(at))
+
+    def _move(self, at, speed, force, dt, now_s):
+        """A mass of 0.3 kg, held by 1 N/mm with some damping."""
+        goal = self.aim(now_s)
+        steps = max(1, round(dt / 0.0005))
+        for _ in range(steps):
+            for i in range(3):
+                pull = 1000 * (goal[i] - at[i]) - 25 * speed[i] + force[i]
+                speed[i] += pull / 0.3 * dt / steps
+                at[i] += speed[i] * dt / steps
+
+    def _state(self, at, config=False):
+        zero = dict.fromkeys("xyz", 0.0)
+        inverse3 = {"device_id": "049D",
+                    "state": {"cursor_position": dict(zip("xyz", at)), "cursor_velocity": zero,
+                              "current_cursor_force": zero, "control_mode": "force"},
+                    "status": {"calibrated": self.calibrated, "in_use": True, "ready": True}}
+        grip = {"device_id": "6157",
+                "state": {"orientation": dict(zip("wxyz", self.orientation)), "hall": 0,
+                          "buttons": {"a": self.button, "b": False, "c": False}},
+                "status": {"connected": True}}
+        if config:
+            inverse3["config"] = {"type": "inverse3", "handedness": "right"}
+            grip["config"] = {"type": "wireless_verse_grip"}
+        return {"inverse3": [inverse3], "wireless_verse_grip": [grip] if self.grips else []}
+
+    @staticmethod
+    def _send(peer, message):
+        data = json.dumps(message).encode()
+        peer.sendall(struct.pack(">BBH", 0x81, 126, len(data)) + data)
+
+    @staticmethod
+    def _receive(stream):
+        head = stream.read(2)
+        if len(head) < 2 or head[0] != 0x81:
+            return None
+        if not head[1] & 0x80:
+            raise ValueError("a client masks its frames")
+        size = head[1] & 0x7F
+        if size == 126:
+            size, = struct.unpack(">H", stream.read(2))
+        mask = stream.read(4)
+        return json.loads(bytes(b ^ mask[i & 3] for i, b in enumerate(stream.read(size))))
