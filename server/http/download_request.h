@@ -26,7 +26,7 @@ struct DownloadRequest {
   SimplifyRequest simplify;
   ProgramRequest program;
   ForcesRequest forces;
-  std::string suffix;      ///< of the file name: the parameters that are not the defaults
+  std::string suffix;  ///< of the file name: the parameters that are not the defaults
 };
 
 struct DownloadError {

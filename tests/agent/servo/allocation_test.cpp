@@ -66,8 +66,9 @@ class CirclingDevice final : public HapticDevice {
 
 /// A guide of each kind, all of which the circling hand meets.
 std::vector<Guide> every_guide() {
-  PathGuide path{.within_mm = 1};
-  PathGuide stroke{.within_mm = 1, .stroke = true};
+  PathGuide path, stroke;
+  path.within_mm = stroke.within_mm = 1;
+  stroke.stroke = true;
   for (int n = 0; n < 1000; ++n) {
     const double angle = 0.01 * n;
     const GuidePose pose{
@@ -78,12 +79,12 @@ std::vector<Guide> every_guide() {
     stroke.paths.back().push_back(pose);
   }
   const SnapSurface box{.min_mm = {-20, -20, -10}, .max_mm = {20, 20, 0}};
-  return {{path},
-          {stroke},
-          {PlaneGuide{.point_mm = {9, 0, 0}, .normal = {-1, 0, 0}}},
-          {DepthGuide{0}},
-          {RegionGuide{{5, 5, -5}, {15, 15, 5}}},
-          {SnapGuide{.range_mm = 5, .surface = box}}};
+  return {{.shape = path},
+          {.shape = stroke},
+          {.shape = PlaneGuide{.point_mm = {9, 0, 0}, .normal = {-1, 0, 0}}},
+          {.shape = DepthGuide{0}},
+          {.shape = RegionGuide{{5, 5, -5}, {15, 15, 5}}},
+          {.shape = SnapGuide{.range_mm = 5, .surface = box}}};
 }
 
 class Listener final : public SampleListener {
