@@ -3,11 +3,11 @@
 """Makes the tables and plots of server/carve/tradeoff again.
 
     tests/bench/tradeoff_tables.py [--build build/release] [--linuxcnc build/linuxcnc]
-                                   [--seconds 150] [--only NAME]...
+                                   [--seconds 60] [--only NAME]...
 
 Each job is carved by `kerf-carve tradeoff` with every setting, for at most --seconds of CPU time.
-The jobs with names of LinuxCNC's samples need the folder that ./test.sh unpacks. Takes half an hour
-on an otherwise idle machine; two jobs run at a time.
+The jobs with names of LinuxCNC's samples need the folder that ./test.sh unpacks. Takes some four
+minutes on an otherwise idle machine; two jobs run at a time.
 """
 import argparse
 import concurrent.futures
@@ -119,7 +119,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     parser.add_argument("--linuxcnc", type=pathlib.Path, default=ROOT / "build/linuxcnc")
-    parser.add_argument("--seconds", type=int, default=150)
+    parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--only", action="append", default=[])
     options = parser.parse_args()
     jobs = [job for job in JOBS if not options.only or job[0] in options.only]
