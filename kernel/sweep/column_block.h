@@ -15,8 +15,7 @@ namespace kerf {
 inline constexpr int kBlockSide = kLanes;
 
 /// A block of 8 x 8 columns, and the intervals of heights that a sweep removes from them: the unit
-/// of work. Most columns lose one interval; further ones that do not join it are in
-/// `apart`.
+/// of work. Most columns lose one interval; further ones that do not join it are in `apart`.
 struct ColumnBlock {
   /// Further intervals of a row.
   struct Apart {
