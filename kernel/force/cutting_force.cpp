@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/math/rotation.h"
 #include "kernel/math/tolerance.h"
 
 namespace kerf {
@@ -74,9 +75,10 @@ CuttingForce::CuttingForce(const ForceSettings& settings, const Tool& tool,
       engagement_(engagement) {
   if (fields > 1) weight_.emplace(tool);
   if (settings.law != ForceLaw::kMechanistic) return;
-  milling_.emplace(settings.milling, tool, motion.at(0.5).axis, duration_s);
-  if (engagement.milling) return;
-  engagement.milling = std::make_unique<MillingEngagement>(engagement.gradual.width_mm());
+  std::unique_ptr<MillingEngagement>& milling = engagement.milling;
+  if (!milling) milling = std::make_unique<MillingEngagement>(engagement.gradual.width_mm());
+  if (milling->zero == Vec3{}) milling->zero = any_perpendicular(motion.from.axis);
+  milling_.emplace(settings.milling, tool, motion.from.axis, milling->zero, duration_s);
 }
 
 void CuttingForce::Part::add(const CutSum& s, double share, double path_mm) {

@@ -24,12 +24,13 @@ SinCos at_turns(double turns) {
 
 }  // namespace
 
-MillingForce::MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis,
+MillingForce::MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, Vec3 zero,
                            double duration_s)
     : settings_(settings),
       harmonics_(harmonics_of(settings)),
       side_(tool),
-      zero_(any_perpendicular(axis)),
+      axis_(axis),
+      zero_(zero),
       duration_s_(duration_s) {}
 
 double MillingForce::feed_per_tooth_mm(double path_mm, double duration_s) const {
@@ -41,7 +42,7 @@ void MillingForce::add(const Removal& removal, const DexelGrid& grid, const Twis
                        const CutFrame& frame, double share, double gradual, bool weighted) {
   const double path_mm = length(twist.linear) + length(twist.angular) * frame.reach_mm;
   if (!(path_mm > 0)) return;
-  const Vec3 zero = to_frame(grid.axis, zero_);
+  const Vec3 zero = Turn(to_frame(grid.axis, axis_), frame.axis)(to_frame(grid.axis, zero_));
   const MillingPass pass{.settings = settings_,
                          .harmonics = harmonics_,
                          .side = side_,
@@ -80,6 +81,7 @@ Wrench MillingForce::finish(MillingEngagement& e, const MillingTravel& t) const 
       due.volume_mm3 > 0 || e.gradual.pending().volume_mm3 > 0 || e.prompt.pending().volume_mm3 > 0;
   if (!engaged) {
     e.turns = 0;
+    e.zero = {};
     return {};
   }
   const double turned = turns_per_s() * duration_s_;

@@ -18,8 +18,10 @@ struct MillingTravel {
 /// The wrench of one motion by the mechanistic law (kernel/force/README.md, "Mechanistic law").
 class MillingForce {
  public:
-  /// `axis`: of the tool in the middle of the motion.
-  MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, double duration_s);
+  /// `axis`: of the tool at the start of the motion; `zero`: of its engagement
+  /// (MillingEngagement::zero).
+  MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, Vec3 zero,
+               double duration_s);
 
   /// Adds what one sub-motion removed from the field on `grid`. `twist` and `frame` are in that
   /// field's frame, `share` is its part of the duration, `gradual` the share of the cut that passes
@@ -38,7 +40,7 @@ class MillingForce {
   MillingSettings settings_;
   Harmonics harmonics_;
   ToolSide side_;
-  Vec3 zero_;
+  Vec3 axis_, zero_;
   double duration_s_;
   MillingSum gradual_, prompt_;
 };
