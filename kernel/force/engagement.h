@@ -44,10 +44,11 @@ struct Engagement {
     milling->zero = turn(milling->zero);
   }
 
-  TravelQueue gradual;  ///< columns removed whole by a wall parallel to the rays
-  TravelQueue prompt;   ///< everything else
-  Vec3 center_mm;       ///< centroid of the last delivered volume, relative to the tip
-  Vec3 direction;       ///< mean direction of that centroid over kFeltTravelMm; length <= 1
+  TravelQueue gradual;         ///< columns removed whole by a wall parallel to the rays
+  TravelQueue prompt;          ///< everything else
+  Vec3 center_mm;              ///< centroid of the last delivered volume, relative to the tip
+  Vec3 direction;              ///< mean direction of that centroid over kFeltTravelMm; length <= 1
+  double crossing_per_mm = 1;  ///< of the last cut: distance across columns over path
   std::unique_ptr<MillingEngagement> milling;  ///< of the mechanistic law only
 };
 

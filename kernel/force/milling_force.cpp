@@ -73,8 +73,8 @@ Wrench MillingForce::at(const MillingSpectrum& spectrum, double turns, double du
 }
 
 Wrench MillingForce::finish(MillingEngagement& e, const MillingTravel& t) const {
-  const MillingSum later = e.gradual.advance(t.crossing_mm) * t.gradual_kept +
-                           e.prompt.advance(t.path_mm) * t.prompt_kept;
+  const MillingSum later = e.gradual.advance(t.gradual_mm) * t.gradual_kept +
+                           e.prompt.advance(t.prompt_mm) * t.prompt_kept;
   MillingSum due =
       later + e.gradual.take(gradual_, t.crossing_mm) + e.prompt.take(prompt_, t.path_mm);
   const bool engaged =
@@ -91,7 +91,7 @@ Wrench MillingForce::finish(MillingEngagement& e, const MillingTravel& t) const 
   const bool fixed = settings_.feed_per_tooth_mm > 0;
   if (t.rests) {
     if (!fixed) return {};
-    due = e.gradual.due_per_mm() + e.prompt.due_per_mm();
+    due = e.gradual.due_per_mm() * t.crossing_per_mm + e.prompt.due_per_mm();
     path_mm = 1;
   }
   if (!(path_mm > 0)) return {};

@@ -8,8 +8,10 @@ namespace kerf {
 
 /// The travel over which a motion delivers a cut (CuttingForce::finish).
 struct MillingTravel {
-  double crossing_mm = 0, path_mm = 0;  ///< of the two queues
-  double due_path_mm = 0;               ///< mean path of what is delivered
+  double crossing_mm = 0, path_mm = 0;   ///< over which the motion's own cut enters the two queues
+  double gradual_mm = 0, prompt_mm = 0;  ///< by which the two queues advance
+  double due_path_mm = 0;                ///< mean path of what is delivered
+  double crossing_per_mm = 1;            ///< of the last cut: the first over the second
   bool rests = false;
   /// Shares of what earlier motions left in the two queues that is still felt.
   double gradual_kept = 1, prompt_kept = 1;
