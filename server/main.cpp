@@ -2,6 +2,7 @@
 // kerf-server: sessions in which several people carve one block, over HTTP and WebSockets.
 #include <pthread.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
@@ -62,7 +63,7 @@ void raise_file_limit() {
 
 void reload(Server& server) {
   if (const auto done = server.reload_certificate(); !done) {
-    kerf::log::error("SIGHUP: " + done.error() + "; the last certificate stays in use");
+    kerf::log::error("SIGHUP: nothing is changed: " + done.error());
   } else {
     kerf::log::info("SIGHUP: new connections get the certificate that was read now");
   }
@@ -78,8 +79,9 @@ int serve(kerf::CommandLine line) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of the file size is like a full disk
 
-  // Without a certificate SIGHUP ends the process, as when its terminal closes.
-  if (!line.server.tls_certificate.empty()) sigaddset(&signals, SIGHUP);
+  // Without a certificate and at a terminal SIGHUP ends the process, as when the terminal closes.
+  const bool is_service = isatty(STDIN_FILENO) == 0;
+  if (is_service || !line.server.tls_certificate.empty()) sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   auto server = Server::create(std::move(line.server));

@@ -53,7 +53,7 @@ constexpr std::string_view kProxyNeedsRights =
     "--admin-token-file FILE or --open";
 
 void log_pause(const std::string& id, const std::optional<JournalError>& error) {
-  if (error && error->code == JournalErrorCode::kDiskBudget) {
+  if (error && is_limit(error->code)) {
     log::error("session " + id + ": paused: disk: " + error->reason +
                "; motions are rejected until then");
   } else if (error) {

@@ -100,8 +100,8 @@ std::string ask(int fd, const std::string& request) {
 
 /// Returns the status line of the response to GET /healthz, or why there is none.
 std::string request_health(int fd, const ServerUrl& server, const std::string& authorities) {
-  const std::string request =
-      join({"GET /healthz HTTP/1.1\r\nHost: ", server.host, "\r\nConnection: close\r\n\r\n"});
+  const std::string request = join(
+      {"GET /healthz HTTP/1.1\r\nHost: ", server.authority(), "\r\nConnection: close\r\n\r\n"});
   const std::string text =
       server.tls ? ask_over_tls(fd, server, authorities, request) : ask(fd, request);
   return text.substr(0, text.find('\r'));

@@ -12,6 +12,7 @@ import json
 import math
 import os
 import socket
+import stat
 import struct
 import sys
 import time
@@ -20,6 +21,7 @@ from urllib.parse import urlsplit
 MM_PER_M = 1000.0
 PERIOD_S = 1e-3
 WRENCH_LIFE_S = 0.02  # a wrench that the agent has not renewed for this time ends
+MOST_M = 100.0  # a cursor farther away is an error of the service
 SERVICE_QUIET_S = 0.5  # a service that does not answer for this time is lost
 RETRY_S = 0.5
 START_ABOVE_MM = 10.0
@@ -29,6 +31,10 @@ TEXT, CLOSE, PING, PONG = 1, 8, 9, 10
 
 class Lost(Exception):
     """The service or the agent is gone; the text is the reason."""
+
+
+# Raised for what the service or the agent sends; it is then lost, and a new connection made.
+FAULTS = (Lost, OSError, ValueError, LookupError, TypeError, AttributeError, OverflowError)
 
 
 class Service:
@@ -80,7 +86,7 @@ class Service:
             elif kind <= 2:
                 whole += data
                 if first & 0x80:
-                    return json.loads(whole)
+                    return message_of(whole)
 
     def _frame(self, kind, data):
         mask = os.urandom(4)
@@ -99,11 +105,22 @@ class Service:
         return data
 
 
-def vector(value):
-    """The numbers of {"x", "y", "z"}; raises ValueError if one is not finite."""
+def message_of(text):
+    """The JSON object that a message holds."""
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError):
+        raise Lost("it sent a message that is not JSON") from None
+    if not isinstance(message, dict):
+        raise Lost("it sent a message that is no object")
+    return message
+
+
+def position_of(value):
+    """The numbers of {"x", "y", "z"}, m; raises ValueError if one is beyond MOST_M or no number."""
     numbers = [float(value[name]) for name in "xyz"]
-    if not all(map(math.isfinite, numbers)):
-        raise ValueError("not finite")
+    if not all(abs(number) <= MOST_M for number in numbers):
+        raise ValueError("the position is out of range")
     return numbers
 
 
@@ -139,7 +156,7 @@ class Inverse3:
             return
         status = device.get("status") or {}
         self.state = "homing" if status.get("calibrated") is False else "ready"
-        self.position = [MM_PER_M * v for v in vector(device["state"]["cursor_position"])]
+        self.position = [MM_PER_M * v for v in position_of(device["state"]["cursor_position"])]
         grips = message.get(self.grip_kind) or [] if self.grip_kind else []
         if grips:
             state = grips[0]["state"]
@@ -259,7 +276,7 @@ def serve(listener, options):
                 service.close()  # its states waited: start with new ones
                 service, device = open_service(options)
                 run(service, device, Agent(connection, capabilities(device, options)))
-        except (Lost, OSError, ValueError, LookupError, TypeError) as loss:
+        except FAULTS as loss:
             print(f"lost: {loss or type(loss).__name__}", file=sys.stderr, flush=True)
             time.sleep(RETRY_S)
         finally:
@@ -272,9 +289,20 @@ def stop(service, device):
     try:
         service.send(device.command([0.0] * 3))
         service.receive()
-    except (Lost, OSError, ValueError):
+    except FAULTS:
         pass
     service.close()
+
+
+def listen(where):
+    """Listens at a port of this machine, or at a path, where it replaces a socket but no file."""
+    if where.isdigit():
+        return socket.create_server(("localhost", int(where)))
+    if os.path.lexists(where):
+        if not stat.S_ISSOCK(os.lstat(where).st_mode):
+            raise ValueError(f"{where} exists and is not a socket")
+        os.unlink(where)
+    return socket.create_server(where, family=socket.AF_UNIX)
 
 
 def main():
@@ -294,12 +322,10 @@ def main():
                         help="-1: the grip points from the spindle to the tip (%(default)s)")
     parser.add_argument("--profile", default="org.kerf.agent:inverse3", help="name for Haply Hub")
     options = parser.parse_args()
-    if options.listen.isdigit():
-        listener = socket.create_server(("localhost", int(options.listen)))
-    else:
-        if os.path.exists(options.listen):
-            os.unlink(options.listen)
-        listener = socket.create_server(options.listen, family=socket.AF_UNIX)
+    try:
+        listener = listen(options.listen)
+    except ValueError as fault:
+        parser.error(str(fault))
     try:
         serve(listener, options)
     except KeyboardInterrupt:

@@ -62,7 +62,7 @@ asio::awaitable<std::optional<Loss>> connect(Connection& connection, const LinkS
       co_await asio::async_connect(connection.tcp, addresses, kAwait);
   if (unconnected) {
     const bool late = unconnected == asio::error::operation_aborted;
-    co_return Loss{"cannot connect to " + server.host + ":" + server.port + ": " +
+    co_return Loss{"cannot connect to " + server.authority() + ": " +
                    (late ? "no answer within 3 s" : unconnected.message())};
   }
   connection.tcp.set_option(tcp::no_delay(true));
@@ -73,7 +73,7 @@ asio::awaitable<std::optional<Loss>> connect(Connection& connection, const LinkS
   connection.stream.emplace(std::move(connection.tcp), std::move(tls));
   const error_code unsafe = co_await connection.stream->shake_hands();
   if (unsafe == asio::error::operation_aborted) {
-    co_return Loss{"no TLS with " + server.host + ":" + server.port + ": no answer within 3 s"};
+    co_return Loss{"no TLS with " + server.authority() + ": no answer within 3 s"};
   }
   if (unsafe) {
     const net::TlsChannel& channel = *connection.stream->tls();
@@ -84,7 +84,7 @@ asio::awaitable<std::optional<Loss>> connect(Connection& connection, const LinkS
 }
 
 asio::awaitable<std::optional<Loss>> upgrade(net::WebSocket& socket, const LinkSettings& settings) {
-  const std::string host = settings.server.host + ":" + settings.server.port;
+  const std::string host = settings.server.authority();
   const std::string target = "/v1/sessions/" + settings.session + "/agent";
   const net::HandshakeAnswer answer =
       co_await socket.shake_hands(host, target, wire::kAgentProtocol, settings.token);

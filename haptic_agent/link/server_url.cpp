@@ -20,6 +20,11 @@ bool is_port(std::string_view text) noexcept {
 
 }  // namespace
 
+std::string ServerUrl::authority() const {
+  const bool is_v6 = host.find(':') != std::string::npos;
+  return (is_v6 ? "[" + host + "]" : host) + ":" + port;
+}
+
 std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
   bool tls = false;
   for (const std::string_view scheme : {"http://", "ws://", "https://", "wss://"}) {

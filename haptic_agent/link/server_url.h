@@ -15,6 +15,8 @@ struct ServerUrl {
   bool tls = false;
 
   bool operator==(const ServerUrl&) const = default;
+  /// HOST:PORT, an IPv6 address in brackets, as in the header `Host`.
+  std::string authority() const;
 };
 
 /// Parses `http://HOST[:PORT]`, `ws://…` or `HOST[:PORT]`, whose default port is 8080, or, with

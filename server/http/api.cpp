@@ -186,13 +186,18 @@ ApiResponse Api::health(const ApiCall&) { return json_response(200, R"({"status"
 
 ApiResponse Api::ready(const ApiCall& call) {
   Json paused = Json::array();
+  bool disk_fails = false;
   for (const auto& session : registry_.list()) {
-    if (session->pause()) paused.push_back(session->id());
+    const auto error = session->pause();
+    if (!error) continue;
+    paused.push_back(session->id());
+    // One that has reached a limit of its own is no fault of the server.
+    disk_fails = disk_fails || error->code != JournalErrorCode::kSessionLimit;
   }
   Json unreadable = Json::array();
   for (const UnreadableSession& session : registry_.unreadable()) unreadable.push_back(session.id);
   const bool loaded = registry_.loaded();
-  const char* status = !loaded ? "loading" : paused.empty() ? "ready" : "paused";
+  const char* status = !loaded ? "loading" : disk_fails ? "paused" : "ready";
   Json json = {{"status", status},
                {"loading", registry_.loading()},
                {"paused", paused},
@@ -201,7 +206,7 @@ ApiResponse Api::ready(const ApiCall& call) {
   if (!may(call.caller.role, Action::kList) || !call.caller.grant.empty()) {
     for (const char* list : {"loading", "paused", "unreadable"}) json[list] = json[list].size();
   }
-  return json_response(loaded && paused.empty() ? 200 : 503, json.dump());
+  return json_response(loaded && !disk_fails ? 200 : 503, json.dump());
 }
 
 ApiResponse Api::metrics(const ApiCall&) {

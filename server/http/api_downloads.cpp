@@ -31,7 +31,7 @@ Made write_motions(const DownloadRequest& download, Session& session, const Soli
   if (!out) return std::unexpected(MakeError{"the file cannot be created"});
   const auto written =
       name == "thin_walls.json" ? export_thin_walls(journal, solid.fields.front(), out, stop)
-      : name == "forces.csv"    ? export_forces(journal, download.program.only, out, stop)
+      : name == "forces.csv"    ? export_forces(journal, download.forces, out, stop)
                                 : export_program(journal, download.program, out, stop);
   if (!written) return std::unexpected(MakeError{written.error()});
   out.close();

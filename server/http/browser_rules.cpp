@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+
+#include "server/http/number.h"
 
 namespace kerf::net {
 namespace {
@@ -103,11 +106,19 @@ void add_browser_headers(const BrowserHeaders& headers, const HttpOptions& optio
 
 bool is_server_address(std::string_view text) {
   constexpr std::size_t kBytesMax = 200;
+  if (!text.starts_with("http://") && !text.starts_with("https://")) return false;
   const std::string_view host = host_of(text);
-  return (text.starts_with("http://") || text.starts_with("https://")) &&
-         text.size() <= kBytesMax && !name_of(host).empty() &&
-         host.find_first_not_of(
-             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_[]") == host.npos;
+  const std::string name(name_of(host));
+  if (text.size() > kBytesMax || name.empty()) return false;
+  const bool in_brackets = host.starts_with('[');
+  const bool is_name = std::ranges::all_of(name, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '.' || c == '-' || c == '_';
+  });
+  if (in_brackets ? !is_address(name) : !is_name) return false;
+  const std::size_t colon = host.find(':', in_brackets ? host.find(']') : 0);
+  if (colon == host.npos) return true;
+  const auto port = parse_number<std::uint16_t>(host.substr(colon + 1));
+  return port && *port > 0;
 }
 
 ApiResponse preflight(std::string_view methods) {

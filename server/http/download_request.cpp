@@ -64,6 +64,7 @@ std::expected<void, DownloadError> read_program(const ApiRequest& request,
     if (!program.only) {
       return bad_request("bad_participant", "participant must be a participant number");
     }
+    download.forces.only = program.only;
     download.suffix += "-p" + *id;
   }
   const auto record = [&](const char* name, std::uint64_t& value) {
@@ -87,6 +88,26 @@ std::expected<void, DownloadError> read_program(const ApiRequest& request,
   return {};
 }
 
+std::expected<void, DownloadError> read_device(const ApiRequest& request,
+                                               DownloadRequest& download) {
+  const std::string* text = request.query_value("device_limits");
+  if (text == nullptr) return {};
+  const std::size_t comma = text->find(',');
+  const auto limit = [&](std::size_t from, std::size_t to) {
+    const auto value = parse_number<double>(text->substr(from, to));
+    return value && *value > 0 && std::isfinite(*value) ? *value : 0;
+  };
+  const double force_n = comma == std::string::npos ? 0 : limit(0, comma);
+  const double torque_nmm = comma == std::string::npos ? 0 : limit(comma + 1, text->npos);
+  if (force_n == 0 || torque_nmm == 0) {
+    return bad_request("bad_device_limits",
+                       "device_limits must be two numbers > 0: FORCE_N,TORQUE_NMM");
+  }
+  download.forces.device = WrenchMaximum{force_n, torque_nmm};
+  download.suffix += "-felt-" + text->substr(0, comma) + '-' + text->substr(comma + 1);
+  return {};
+}
+
 }  // namespace
 
 std::expected<DownloadRequest, DownloadError> read_download_request(const ApiRequest& request) {
@@ -96,6 +117,7 @@ std::expected<DownloadRequest, DownloadError> read_download_request(const ApiReq
     DownloadRequest download;
     download.kind = kind;
     if (auto read = read_program(request, download); !read) return std::unexpected(read.error());
+    if (auto read = read_device(request, download); !read) return std::unexpected(read.error());
     return download;
   }
   if (name.starts_with(kModel)) {

@@ -24,8 +24,9 @@ struct DownloadRequest {
   std::optional<ModelFormat> model;  ///< nothing: made of motions
   ModelEncoding encoding = ModelEncoding::kBinary;
   SimplifyRequest simplify;
-  ProgramRequest program;  ///< its participant applies to forces too
-  std::string suffix;      ///< of the file name: the parameters that are not the defaults
+  ProgramRequest program;
+  ForcesRequest forces;
+  std::string suffix;  ///< of the file name: the parameters that are not the defaults
 };
 
 struct DownloadError {

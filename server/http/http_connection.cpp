@@ -75,6 +75,7 @@ class Connection {
   RequestHead understand(const Request& request) const;
   /// Closes the connection after this time, unless it is called again before.
   void expires_after(std::chrono::seconds time);
+  void end_deadline();
   asio::awaitable<bool> read_body(Parser& parser, std::size_t bytes_max);
   asio::awaitable<bool> answer(const RequestHead& head, ApiResponse& response, bool keep_alive);
   asio::awaitable<void> wait_until_loaded(const ApiRequest& target);
@@ -126,6 +127,11 @@ void Connection::watch(const std::shared_ptr<std::stop_source>& gone) {
     if (error || stream_.has_peer_ended()) source->request_stop();
   };
   stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, std::move(readable));
+}
+
+/// Not cancel(): a handler that waits to be called already would close the connection.
+void Connection::end_deadline() {
+  deadline_.expires_at(std::chrono::steady_clock::time_point::max());
 }
 
 void Connection::expires_after(std::chrono::seconds time) {
@@ -206,7 +212,7 @@ asio::awaitable<bool> Connection::serve_one() {
       return error_response(500, "internal_error", error.what());
     }
   };
-  deadline_.cancel();  // handling the request has no deadline
+  end_deadline();  // handling the request has none
   ApiResponse response = co_await run_on(threads_for(runs), std::move(work));
   watched_.reset();
   upload_ = {};
@@ -216,7 +222,7 @@ asio::awaitable<bool> Connection::serve_one() {
 asio::awaitable<void> Connection::wait_until_loaded(const ApiRequest& target) {
   if (!is_below_session(target.path) || !context_.registry.is_loading(target.path[2])) co_return;
   context_.registry.hasten(target.path[2]);
-  deadline_.cancel();
+  end_deadline();
   ++context_.metrics.waiting_to_load;
   asio::steady_timer pause(stream_.get_executor());
   const auto end = std::chrono::steady_clock::now() + kLoadTime;
@@ -349,7 +355,7 @@ asio::awaitable<void> Connection::upgrade(const Request& request, const RequestH
   context_.metrics.http_answered(101);
   UpgradeRequest handshake;
   handshake.message.base() = request.base();
-  deadline_.cancel();
+  end_deadline();
   if (open->kind == Upgrade::kAgent) {
     context_.api.tell_regions(*open->session);
     serve_agent(std::move(stream_), std::move(handshake), std::move(open->session),

@@ -161,7 +161,7 @@ constexpr Route kRoutes[] = {
      .summary = "the motions as APT"},
     {.methods = "GET, HEAD",
      .pattern = "/v1/sessions/{id}/forces.csv",
-     .query = "participant",
+     .query = "participant, device_limits",
      .handler = &Api::download,
      .runs = Runs::kExport,
      .action = Action::kDownload,
@@ -265,8 +265,8 @@ constexpr Route kRoutes[] = {
      .pattern = "/readyz",
      .handler = &Api::ready,
      .action = Action::kReach,
-     .summary = "200; 503 while sessions are loading or one is paused; `{status, loading, "
-                "paused, unreadable}`"},
+     .summary = "200; 503 while sessions are loading or the disk has paused one; `{status, "
+                "loading, paused, unreadable}`"},
     {.methods = "GET, HEAD",
      .pattern = "/metrics",
      .handler = &Api::metrics,

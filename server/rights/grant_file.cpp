@@ -22,8 +22,8 @@ CREATE TABLE IF NOT EXISTS regions(
 
 /// For files from before these columns.
 constexpr const char* kNewColumns =
-    "ALTER TABLE grants ADD COLUMN uses INTEGER DEFAULT 0;"
-    "ALTER TABLE grants ADD COLUMN used INTEGER DEFAULT 0;";
+    "BEGIN IMMEDIATE; ALTER TABLE grants ADD COLUMN uses INTEGER DEFAULT 0;"
+    "ALTER TABLE grants ADD COLUMN used INTEGER DEFAULT 0; COMMIT";
 
 using Box = std::array<double, 6>;
 

@@ -40,7 +40,8 @@ DiskUse measure_disk(const std::filesystem::path& folder) {
     if (entry->is_regular_file(gone)) use.folder += size_of(entry->path());
   }
   const auto space = std::filesystem::space(folder, error);
-  use.free = error ? std::numeric_limits<std::uintmax_t>::max() : space.available;
+  const bool is_known = !error && space.capacity > 0;  // some file systems state nothing
+  use.free = is_known ? space.available : std::numeric_limits<std::uintmax_t>::max();
   return use;
 }
 
@@ -72,7 +73,7 @@ std::string session_full(std::uintmax_t bytes, const DiskLimits& limits) {
 }
 
 std::string folder_full(const DiskUse& use, const DiskLimits& limits) {
-  if (share_of(use.folder, limits.folder) < kLowShare) {
+  if (share_of(use.folder, limits.folder) < shared_share(use, limits)) {
     return "the file system of the data folder has " + megabytes(use.free) +
            " left, and --disk-reserve keeps " + megabytes(limits.reserve) + " free: make space";
   }

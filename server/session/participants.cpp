@@ -125,7 +125,8 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& asked
   const JoinRequest& request = *decided;
   const ParticipantId resumed = resumable_.owner(request.token).value_or(0);
   if (const auto ok = check(request, resumed); !ok) return std::unexpected(ok.error());
-  if (const auto error = resumed != 0 ? journal_.pause() : std::nullopt) {
+  if (const auto error = resumed != 0 ? journal_.pause() : std::nullopt;
+      error && !is_limit(error->code)) {
     return std::unexpected(Rejection{wire::ErrorCode::kBusy, "paused: disk: " + error->reason});
   }
   if (const auto ok = check_rate(request, resumed); !ok) return std::unexpected(ok.error());

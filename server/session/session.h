@@ -248,7 +248,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool snapshots_ended_ = false, snapshots_fail_ = false;
   std::atomic<bool> disk_is_low_ = false;
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
-  bool held_by_disk_ = false;
+  std::optional<JournalErrorCode> reached_;      ///< the limit of the disk
   Clock::time_point changes_reported_{};
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;

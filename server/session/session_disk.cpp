@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts of Session and SessionRegistry that keep the limits of the disk.
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "server/session/session_registry.h"
@@ -12,12 +14,15 @@ void Session::keep_disk_limits(const DiskLimits& limits, const DiskUse& use, Dis
   own_disk_level_ = own;
   const DiskLevel level = std::max(own, shared);
   disk_is_low_.store(level != DiskLevel::kFine, std::memory_order_relaxed);
-  const bool was_held = std::exchange(held_by_disk_, level == DiskLevel::kFull);
-  if (was_held == held_by_disk_) return;
-  if (!held_by_disk_) return journal_.hold(std::nullopt);
-  const std::string reason =
-      own == DiskLevel::kFull ? session_full(bytes, limits) : folder_full(use, limits);
-  journal_.hold(JournalError{JournalErrorCode::kDiskBudget, journal_.file().string(), 0, reason});
+  const bool by_all = shared == DiskLevel::kFull;
+  std::optional<JournalErrorCode> limit;
+  if (level == DiskLevel::kFull) {
+    limit = by_all ? JournalErrorCode::kDiskLimit : JournalErrorCode::kSessionLimit;
+  }
+  if (std::exchange(reached_, limit) == limit) return;
+  if (!limit) return journal_.hold(std::nullopt);
+  journal_.hold(JournalError{*limit, journal_.file().string(), 0,
+                             by_all ? folder_full(use, limits) : session_full(bytes, limits)});
 }
 
 void SessionRegistry::keep_disk_limits() {

@@ -54,7 +54,7 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
   return {};
 }
 
-ExportResult export_forces(const std::filesystem::path& journal, std::optional<ParticipantId> only,
+ExportResult export_forces(const std::filesystem::path& journal, const ForcesRequest& request,
                            std::ostream& out, const std::stop_token& stop) {
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
@@ -62,17 +62,17 @@ ExportResult export_forces(const std::filesystem::path& journal, std::optional<P
   if (!scene) return std::unexpected(describe(scene.error()));
   auto sculpture = Sculpture::create(scene->settings);
   if (!sculpture) return std::unexpected(sculpture.error().reason);
-  write_forces_header(out);
+  write_forces_header(out, request.device);
   double time_s = 0;
   auto ok = for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
     Command command = record.command;
     auto* move = std::get_if<MoveTool>(&command);
-    if (move != nullptr) move->feel = !only || *only == record.participant;
+    if (move != nullptr) move->feel = !request.only || *request.only == record.participant;
     const auto result = sculpture->apply(command);
     if (!result) return std::unexpected(result.error().reason);
     if (move == nullptr || !move->feel) return {};
     time_s += move->duration_s;
-    write_forces_row(out, time_s, move->to, *result);
+    write_forces_row(out, time_s, move->to, *result, request.device);
     return {};
   });
   if (ok && !out) return std::unexpected("cannot write the output");

@@ -9,6 +9,7 @@
 #include <stop_token>
 #include <string>
 
+#include "kernel/math/wrench.h"
 #include "server/formats/program.h"
 #include "server/store/journal_record.h"
 
@@ -31,10 +32,15 @@ struct ProgramRequest {
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
                             std::ostream& out, const std::stop_token& stop = {});
 
+/// The forces to export.
+struct ForcesRequest {
+  std::optional<ParticipantId> only = {};    ///< only lines of this participant
+  std::optional<WrenchMaximum> device = {};  ///< adds the wrench as this device outputs it
+};
+
 /// Writes one line per motion (server/formats/forces_csv.h), in the order of application. Forces
-/// are not stored: they are deterministic and are recomputed by carving the journal again. With
-/// `only`, writes the lines of that participant only.
-ExportResult export_forces(const std::filesystem::path& journal, std::optional<ParticipantId> only,
+/// are not stored: they are deterministic and are recomputed by carving the journal again.
+ExportResult export_forces(const std::filesystem::path& journal, const ForcesRequest& request,
                            std::ostream& out, const std::stop_token& stop = {});
 
 }  // namespace kerf

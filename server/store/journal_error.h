@@ -14,7 +14,8 @@ enum class JournalErrorCode {
   kCorrupt,         ///< `sequence` is the first bad record (0: outside the records)
   kIo,              ///< an operation of the disk or the operating system failed
   kFull,            ///< the disk does not keep up and the bounded buffer is full
-  kDiskBudget,      ///< its files have the size that the limits of the disk allow
+  kSessionLimit,    ///< its files have the size that a session may have
+  kDiskLimit,       ///< the files of all sessions have the size that they may have
   kNotLoaded        ///< its session cannot be loaded for another reason, e.g. lack of memory
 };
 
@@ -24,6 +25,12 @@ struct JournalError {
   std::uint64_t sequence = 0;
   std::string reason;  ///< one sentence
 };
+
+/// Whether a journal is paused by a limit, and not because its disk fails: what it has accepted is
+/// committed.
+constexpr bool is_limit(JournalErrorCode code) {
+  return code == JournalErrorCode::kSessionLimit || code == JournalErrorCode::kDiskLimit;
+}
 
 /// Returns the name of a code in logs and in the HTTP interface, e.g. "corrupt_journal".
 const char* to_string(JournalErrorCode code);

@@ -91,8 +91,10 @@ const char* to_string(JournalErrorCode code) {
       return "journal_io";
     case JournalErrorCode::kFull:
       return "journal_full";
-    case JournalErrorCode::kDiskBudget:
-      return "disk_budget";
+    case JournalErrorCode::kSessionLimit:
+      return "session_limit";
+    case JournalErrorCode::kDiskLimit:
+      return "disk_limit";
     case JournalErrorCode::kNotLoaded:
       return "journal_not_loaded";
   }

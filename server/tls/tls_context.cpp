@@ -57,6 +57,8 @@ std::expected<TlsContext, std::string> TlsContext::of_server(
     return std::unexpected("the certificate " + certificate.string() +
                            " cannot be used: " + library_error());
   }
+  // A server cannot be asked for the password of a key.
+  SSL_CTX_set_default_passwd_cb(native.get(), [](char*, int, int, void*) { return -1; });
   if (SSL_CTX_use_PrivateKey_file(native.get(), key.c_str(), SSL_FILETYPE_PEM) != 1) {
     return std::unexpected("the private key " + key.string() +
                            " cannot be used: " + library_error());

@@ -43,12 +43,14 @@ asio::awaitable<error_code> ByteStream::shake_hands() {
 }
 
 void ByteStream::end_sending() {
+  if (!socket_.is_open()) return;
   if (tls_) tls_->say_end();
   error_code ignored;
   socket_.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
 bool ByteStream::has_peer_ended() {
+  if (!socket_.is_open()) return true;
   if (tls_) return tls_->has_peer_ended();
   char next = 0;
   return recv(socket_.native_handle(), &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
@@ -77,7 +79,9 @@ void ByteStream::write_tls(Done done) {
 /// Repeats the attempt until it has ended. An operation never ends within the call that starts it.
 void ByteStream::go_on(Attempt attempt, Done done, bool is_first) {
   std::size_t count = 0;
-  const TlsStep step = attempt(count);
+  // The number of a closed descriptor may belong to another connection by now.
+  const bool is_open = socket_.is_open();
+  const TlsStep step = is_open ? attempt(count) : TlsStep::kFailed;
   if (waits(step)) {
     socket_.async_wait(event_of(step), [this, attempt = std::move(attempt),
                                         done = std::move(done)](error_code error) mutable {
@@ -86,7 +90,7 @@ void ByteStream::go_on(Attempt attempt, Done done, bool is_first) {
     });
     return;
   }
-  const error_code error = error_of(step);
+  const error_code error = is_open ? error_of(step) : asio::error::operation_aborted;
   if (!is_first) return done(error, count);
   asio::post(socket_.get_executor(),
              [done = std::move(done), error, count]() mutable { done(error, count); });

@@ -24,8 +24,10 @@ TEST(ServerAddress, HasASchemeAHostAndNoPath) {
   for (const char* good : {"http://127.0.0.1:8081", "https://kerf.example", "https://[::1]:8443"}) {
     EXPECT_TRUE(is_server_address(good)) << good;
   }
-  for (const char* bad : {"", "kerf.example", "ftp://kerf.example", "http://", "http://a/b",
-                          "http://a?b", "http://a b", "http://a@b", "http://a:x", "http://[::1"}) {
+  for (const char* bad :
+       {"", "kerf.example", "ftp://kerf.example", "http://", "http://a/b", "http://a?b",
+        "http://a b", "http://a@b", "http://a:x", "http://[::1", "http://a:", "http://a:0",
+        "http://a:99999", "http://]:1", "http://[a]:1", "http://a:80:81", "http://[::1]x"}) {
     EXPECT_FALSE(is_server_address(bad)) << bad;
   }
 }

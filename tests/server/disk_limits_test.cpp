@@ -85,11 +85,40 @@ TEST_F(SessionDisk, ASessionPausesAtItsLimitAndEverythingAcceptedIsCommitted) {
       << refused.rejections[0].reason;
   EXPECT_TRUE(session->info().paused);
   ASSERT_TRUE(session->flush());
-  EXPECT_EQ(reports, (std::vector<std::string>{"disk_budget"}));
+  EXPECT_EQ(reports, (std::vector<std::string>{"session_limit"}));
   const auto replayed = replay(session->journal_file());
   ASSERT_TRUE(replayed);
   EXPECT_EQ(replayed->hash.hash, session->solid().hash());
   EXPECT_NE(replayed->hash.hash, hash);
+}
+
+TEST_F(SessionDisk, AnAgentResumesInASessionThatALimitHasPaused) {
+  limit({.session = 1});
+  const auto session = start();
+  JoinRequest request{.kind = ParticipantKind::kAgent, .name = "Ada", .color = "", .durable = true};
+  const auto ada = session->admit(request);
+  ASSERT_TRUE(ada);
+  carve_circle(*session, ada->participant.id);
+  ASSERT_TRUE(session->flush());
+  registry->keep_disk_limits();
+  ASSERT_TRUE(session->pause());
+  request.token = ada->token;
+  const auto resumed = session->admit(request);
+  ASSERT_TRUE(resumed) << resumed.error().reason;
+  EXPECT_TRUE(resumed->resumed);
+}
+
+TEST_F(SessionDisk, ALimitOfAllSessionsIsNamedAlsoWhereASessionHasReachedItsOwn) {
+  limit({.session = 1, .folder = 1'000'000});
+  const auto session = start();
+  registry->keep_disk_limits();
+  EXPECT_EQ(session->pause()->code, JournalErrorCode::kSessionLimit);
+  fill(1'000'000);
+  registry->keep_disk_limits();
+  EXPECT_EQ(session->pause()->code, JournalErrorCode::kDiskLimit);
+  fill(0);
+  registry->keep_disk_limits();
+  EXPECT_EQ(session->pause()->code, JournalErrorCode::kSessionLimit);
 }
 
 TEST_F(SessionDisk, AFullFolderPausesEverySessionAndTakesNoNewOneUntilThereIsSpace) {
@@ -109,7 +138,7 @@ TEST_F(SessionDisk, AFullFolderPausesEverySessionAndTakesNoNewOneUntilThereIsSpa
   EXPECT_FALSE(session->info().paused);
   EXPECT_TRUE(move(*session, id, 9.8, 0, -4).rejections.empty());
   EXPECT_TRUE(registry->create("second", kScene, SceneSource{}));
-  EXPECT_EQ(reports, (std::vector<std::string>{"disk_budget", "continues"}));
+  EXPECT_EQ(reports, (std::vector<std::string>{"disk_limit", "continues"}));
 }
 
 TEST_F(SessionDisk, TheReserveIsKeptFree) {

@@ -15,7 +15,7 @@ from wire_client import Agent, Viewer, WebSocket
 
 class Drain(LiveTest):
     def run_agent(self, server, session):
-        path = os.path.join(self.folder.name, "rows.csv")
+        path = os.path.join(self.folder.name, session + ".csv")
         with open(path, "w", encoding="ascii") as file:
             file.write(rows(480.0))
         return subprocess.Popen(

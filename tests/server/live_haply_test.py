@@ -21,7 +21,7 @@ BUSY_MACHINE = ("lost_ticks", "lost_ticks_in_a_row", "device_lost")
 ATTEMPTS = 4
 sys.path.insert(0, os.path.dirname(HAPLY))
 
-from kerf_haply import axis_of  # noqa: E402
+from kerf_haply import axis_of, listen, position_of  # noqa: E402
 
 
 class Bridge:
@@ -157,6 +157,37 @@ class Adapter(unittest.TestCase):
         again = self.bridge.join()
         self.assertEqual(again.pose()[0], "ready")
         again.leave()
+
+    def test_a_message_that_is_no_state_ends_the_connection_only(self):
+        for odd in ("[1]", "null", "[" * 5000 + "]" * 5000, '{"inverse3": ["049D"]}'):
+            agent = self.bridge.join()
+            agent.pose()
+            self.service.odd.append(odd)
+            with self.assertRaises(OSError, msg=odd[:20]):
+                while True:
+                    agent.pose()
+            agent.leave()
+        self.assertIsNone(self.bridge.process.poll())
+
+    def test_a_position_out_of_range_is_an_error(self):
+        self.assertEqual(position_of({"x": 0.1, "y": -0.2, "z": 0}), [0.1, -0.2, 0])
+        for far in (1e308, -101, math.inf, math.nan):
+            with self.assertRaises(ValueError):
+                position_of({"x": 0, "y": far, "z": 0})
+
+    def test_replaces_a_socket_but_no_file(self):
+        path = os.path.join(self.folder.name, "kept")
+        with open(path, "w") as file:
+            file.write("text")
+        done = subprocess.run([sys.executable, HAPLY, path], capture_output=True, text=True,
+                              timeout=20)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("exists and is not a socket", done.stderr)
+        with open(path) as file:
+            self.assertEqual(file.read(), "text")
+        left = os.path.join(self.folder.name, "left")
+        listen(left).close()  # a socket stays where it was
+        listen(left).close()
 
     def test_axis_of_the_grip(self):
         self.assertEqual(axis_of({"w": 1, "x": 0, "y": 0, "z": 0}, 1), [0, 1, 0])

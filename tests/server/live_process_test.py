@@ -70,6 +70,16 @@ class Configuration(LiveTest):
             _, log = process.communicate(timeout=30)
             return address, process.returncode, log
 
+    def test_a_service_without_a_certificate_survives_a_reload(self):
+        with tempfile.TemporaryDirectory() as folder:
+            server = Server(folder)
+            server.process.send_signal(signal.SIGHUP)
+            self.assertIn("SIGHUP: nothing is changed", next(
+                line for line in server.process.stderr if "SIGHUP" in line))
+            self.assertEqual(server.http.request("GET", "/healthz")[0], 200)
+            status, _ = server.stop()
+            self.assertEqual(status, 0)
+
     def test_options_may_stand_in_a_file_and_in_the_environment(self):
         address, code, log = self.run_server(
             text='listen = "127.0.0.2:0"\nlog-format = "json"\nallow-host = ["a.example"]\n')

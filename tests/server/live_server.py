@@ -31,7 +31,7 @@ class Server:
         self.data = data
         self.process = subprocess.Popen(
             [PROGRAM, "--listen", f"{host}:{port}", "--data", data, *more],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
         if not line.startswith(f"https://{host}:" if tls else f"http://{host}:"):
             raise RuntimeError(self.process.communicate()[1])

@@ -393,6 +393,12 @@ class Downloads(LiveTest):
         self.assertAlmostEqual(removed, info["removed_volume_mm3"], delta=1e-6 * removed)
         one = self.get(f"forces.csv?participant={self.agent.participant}")[2].decode().splitlines()
         self.assertEqual(len(one) - 1, 299)
+        felt = self.get("forces.csv?device_limits=0.01,1e9")[2].decode().splitlines()
+        self.assertTrue(felt[0].startswith(lines[0] + ",felt_fx_n,felt_fy_n,"))
+        self.assertEqual([line.rsplit(",", 6)[0] for line in felt[1:]], lines[1:])
+        for row in ([float(value) for value in line.split(",")] for line in felt[1:]):
+            computed, shown = math.hypot(*row[7:10]), math.hypot(*row[15:18])
+            self.assertAlmostEqual(shown, min(computed, 0.01), delta=1e-6)
 
     def test_thin_walls_are_searched_on_demand(self):
         status, headers, body = self.get("thin_walls.json")

@@ -205,7 +205,7 @@ class Tls(unittest.TestCase):
                 with open(self.path("used" + kind), "wb") as file:
                     file.write(bytes_read)
             self.server.process.send_signal(signal.SIGHUP)
-            self.assertIn("the last certificate stays in use",
+            self.assertIn("nothing is changed",
                           self.log_line("SIGHUP"))
             self.assertEqual(self.serial(), first)
         self.install("next")

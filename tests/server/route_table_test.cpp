@@ -163,7 +163,10 @@ TEST_F(ApiTest, InvalidDownloadParametersAreNamed) {
       {"model.glb?encoding=zip", "encoding must be one of: "},
       {"program.ngc?from=a", "from and to must be journal record numbers"},
       {"program.apt?tolerance_mm=-1", "tolerance_mm must be a number >= 0"},
-      {"forces.csv?participant=Ada", "participant must be a participant number"}};
+      {"forces.csv?participant=Ada", "participant must be a participant number"},
+      {"forces.csv?device_limits=6", "device_limits must be two numbers > 0"},
+      {"forces.csv?device_limits=6,nan", "device_limits must be two numbers > 0"},
+      {"forces.csv?device_limits=6,150,1", "device_limits must be two numbers > 0"}};
   for (const auto& [target, reason] : cases) {
     const ApiResponse response = ask("GET", std::string("/v1/sessions/block/") + target);
     EXPECT_EQ(response.status, 400U) << target;

@@ -329,7 +329,7 @@ TEST_F(SessionTest, ExportedForcesEqualTheForcesSent) {
   const auto felt = move(*session, id, -9, 0, -2);
   ASSERT_TRUE(session->flush());
   std::stringstream csv;
-  ASSERT_TRUE(export_forces(session->journal_file(), std::nullopt, csv));
+  ASSERT_TRUE(export_forces(session->journal_file(), {}, csv));
   std::string head, line;
   std::getline(csv, head);
   std::getline(csv, line);

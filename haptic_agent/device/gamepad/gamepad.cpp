@@ -160,10 +160,15 @@ int Gamepad::open_gamepad(const std::string& node, std::string& trouble) {
     if (named) trouble = join({node, " is not a gamepad"});
     return -1;
   }
-  constexpr std::array kCodes{ABS_X, ABS_Y, ABS_RX, ABS_RY, ABS_Z, ABS_RZ};
+  const auto axes = codes<ABS_CNT>(fd, EV_ABS);
+  const auto has_both = [&](std::size_t one, std::size_t other) {
+    return has<ABS_CNT>(axes, one) && has<ABS_CNT>(axes, other);
+  };
+  const PadCodes axis_codes = pad_codes(has_both(ABS_RX, ABS_RY), has_both(ABS_GAS, ABS_BRAKE));
+  report_.set_codes(axis_codes);
   for (std::size_t i = 0; i < kPadAxes; ++i) {
     input_absinfo info{};
-    if (::ioctl(fd, EVIOCGABS(kCodes[i]), &info) < 0) info = {};
+    if (::ioctl(fd, EVIOCGABS(axis_codes[i]), &info) < 0) info = {};
     report_.set_range(static_cast<PadAxis>(i), {info.minimum, info.maximum});
   }
   upload(fd);

@@ -4,35 +4,21 @@
 #include <linux/input.h>
 
 #include <algorithm>
-#include <optional>
+#include <numeric>
 
 namespace kerf::agent {
 namespace {
 
 constexpr std::uint32_t kCutKey = 1, kSlowKey = 2;
 
-std::optional<PadAxis> pad_axis(std::uint16_t code) noexcept {
-  switch (code) {
-    case ABS_X:
-      return PadAxis::kX;
-    case ABS_Y:
-      return PadAxis::kY;
-    case ABS_RX:
-      return PadAxis::kRx;
-    case ABS_RY:
-      return PadAxis::kRy;
-    case ABS_Z:
-      return PadAxis::kZ;
-    case ABS_RZ:
-      return PadAxis::kRz;
-    default:
-      return std::nullopt;
-  }
-}
-
-std::size_t axis_index(PadAxis axis) noexcept { return static_cast<std::size_t>(axis); }
+constexpr std::size_t axis_index(PadAxis axis) noexcept { return static_cast<std::size_t>(axis); }
 
 }  // namespace
+
+PadCodes pad_codes(bool has_rx_ry, bool has_gas_brake) noexcept {
+  if (has_gas_brake || !has_rx_ry) return {ABS_X, ABS_Y, ABS_Z, ABS_RZ, ABS_BRAKE, ABS_GAS};
+  return {ABS_X, ABS_Y, ABS_RX, ABS_RY, ABS_Z, ABS_RZ};
+}
 
 void GamepadReport::set_range(PadAxis axis, AxisRange range) noexcept {
   ranges_[axis_index(axis)] = range;
@@ -40,10 +26,10 @@ void GamepadReport::set_range(PadAxis axis, AxisRange range) noexcept {
 }
 
 void GamepadReport::release() noexcept {
-  constexpr std::size_t kFirstTrigger = static_cast<std::size_t>(PadAxis::kZ);
+  constexpr std::size_t kFirstTrigger = axis_index(PadAxis::kLeftTrigger);
   for (std::size_t i = 0; i < kPadAxes; ++i) {
     const AxisRange& range = ranges_[i];
-    values_[i] = i < kFirstTrigger ? range.least + (range.most - range.least) / 2 : range.least;
+    values_[i] = i < kFirstTrigger ? std::midpoint(range.least, range.most) : range.least;
   }
   state_.cap = {};
 }
@@ -79,13 +65,13 @@ bool GamepadReport::take(const input_event& event) noexcept {
   const PadState before = state_;
   if (event.type == EV_KEY && event.value <= 1) take_key(event.code, event.value == 1);
   if (event.type != EV_ABS) return state_ != before;
-  const auto axis = pad_axis(event.code);
-  if (!axis) return false;
-  values_[axis_index(*axis)] = event.value;
+  const auto found = std::ranges::find(codes_, event.code);
+  if (found == codes_.end()) return false;
+  values_[static_cast<std::size_t>(found - codes_.begin())] = event.value;
   // Sticks report up as negative. The right trigger lowers the tool.
-  state_.cap.push = {stick(PadAxis::kX), -stick(PadAxis::kY),
-                     trigger(PadAxis::kZ) - trigger(PadAxis::kRz)};
-  state_.cap.turn = {stick(PadAxis::kRy), stick(PadAxis::kRx), 0};
+  state_.cap.push = {stick(PadAxis::kLeftX), -stick(PadAxis::kLeftY),
+                     trigger(PadAxis::kLeftTrigger) - trigger(PadAxis::kRightTrigger)};
+  state_.cap.turn = {stick(PadAxis::kRightY), stick(PadAxis::kRightX), 0};
   return state_ != before;
 }
 

@@ -11,9 +11,18 @@ struct input_event;
 
 namespace kerf::agent {
 
-/// The axes of a gamepad that are used, by the names of Linux (linux/input-event-codes.h).
-enum class PadAxis : std::uint8_t { kX, kY, kRx, kRy, kZ, kRz };
+/// The axes of a gamepad that are used, in the order of PadCodes.
+enum class PadAxis : std::uint8_t { kLeftX, kLeftY, kRightX, kRightY, kLeftTrigger, kRightTrigger };
 inline constexpr std::size_t kPadAxes = 6;
+
+/// Event codes of the axes (ABS_... of linux/input-event-codes.h).
+using PadCodes = std::array<std::uint16_t, kPadAxes>;
+
+/// Returns the codes under which a pad reports its axes. Linux's drivers of gamepads report the
+/// right stick as RX and RY, and the triggers as Z and RZ. Generic HID pads, such as an Xbox pad
+/// over Bluetooth, report that stick as Z and RZ, and the triggers as BRAKE and GAS or not at all.
+/// `has_rx_ry`: the pad has RX and RY; `has_gas_brake`: it has GAS and BRAKE.
+PadCodes pad_codes(bool has_rx_ry, bool has_gas_brake) noexcept;
 
 /// Least and greatest value that an axis reports; unknown if equal.
 struct AxisRange {
@@ -25,8 +34,10 @@ struct PadState {
   /// Left stick: across; triggers: up and down; right stick: tilt. Buttons as of a SpaceMouse: bit
   /// 0 cuts (A, or a cross), bit 1 is the fifth of the speed (left shoulder).
   CapDeflection cap{};
-  /// Presses of the button for the next tool (Y, or a triangle) less those for the previous one (X,
-  /// or a square).
+  /// Presses of the button for the next tool (BTN_NORTH) less those for the previous one
+  /// (BTN_WEST). On a pad whose driver reports positions these are the upper button (a triangle)
+  /// and the left one (a square). xpad, the driver of Xbox pads, reports labels instead, and the
+  /// label X has the code of BTN_NORTH, Y that of BTN_WEST.
   std::int32_t tool_steps = 0;
 
   bool operator==(const PadState&) const = default;
@@ -35,6 +46,8 @@ struct PadState {
 /// Decodes the events of a gamepad (linux/input.h). Whatever the device sends is valid.
 class GamepadReport {
  public:
+  /// Default: pad_codes(true, false).
+  void set_codes(const PadCodes& codes) noexcept { codes_ = codes; }
   void set_range(PadAxis axis, AxisRange range) noexcept;
   /// Returns whether the state changed.
   bool take(const input_event& event) noexcept;
@@ -47,6 +60,7 @@ class GamepadReport {
   double stick(PadAxis axis) const noexcept;
   double trigger(PadAxis axis) const noexcept;
 
+  PadCodes codes_ = pad_codes(true, false);
   std::array<AxisRange, kPadAxes> ranges_{};
   std::array<std::int32_t, kPadAxes> values_{};
   PadState state_;

@@ -32,8 +32,9 @@ constexpr std::int32_t kStickMost = 32767, kTriggerMost = 1023;
 /// The kernel's side of an event device: a socket for its events, and answers to ioctl.
 class FakePad {
  public:
-  explicit FakePad(bool gamepad = true, bool rumbles = true)
-      : gamepad_(gamepad), rumbles_(rumbles) {}
+  /// `hid`: a generic pad, whose right stick is ABS_Z and ABS_RZ.
+  explicit FakePad(bool gamepad = true, bool rumbles = true, bool hid = false)
+      : gamepad_(gamepad), rumbles_(rumbles), hid_(hid) {}
   ~FakePad() { unplug(); }
 
   /// For GamepadSettings::open.
@@ -70,10 +71,15 @@ class FakePad {
     const unsigned number = _IOC_NR(request);
     if (request == EVIOCSFF) return upload(*static_cast<ff_effect*>(argument));
     if (number == 0x20 + EV_KEY) return gamepad_ ? bits({BTN_GAMEPAD, BTN_TL}) : bits({KEY_A});
-    if (number == 0x20 + EV_ABS) return bits({ABS_X, ABS_Y, ABS_Z});
+    if (number == 0x20 + EV_ABS) {
+      return hid_ ? bits({ABS_X, ABS_Y, ABS_Z, ABS_RZ, ABS_GAS, ABS_BRAKE})
+                  : bits({ABS_X, ABS_Y, ABS_RX, ABS_RY, ABS_Z, ABS_RZ});
+    }
     if (number == 0x20 + EV_FF) return rumbles_ ? bits({FF_RUMBLE}) : bits({});
     if (number >= 0x40 && number < 0x40 + ABS_CNT) {
-      const bool trigger = number == 0x40 + ABS_Z || number == 0x40 + ABS_RZ;
+      const unsigned axis = number - 0x40;
+      const bool trigger =
+          hid_ ? axis == ABS_GAS || axis == ABS_BRAKE : axis == ABS_Z || axis == ABS_RZ;
       *static_cast<input_absinfo*>(argument) = {.value = 0,
                                                 .minimum = trigger ? 0 : -kStickMost - 1,
                                                 .maximum = trigger ? kTriggerMost : kStickMost,
@@ -116,7 +122,7 @@ class FakePad {
     return 0;
   }
 
-  bool gamepad_, rumbles_;
+  bool gamepad_, rumbles_, hid_;
   std::mutex mutex_;
   std::atomic<int> own_{-1}, fd_{-1};
   RumbleLevel level_;
@@ -171,9 +177,9 @@ input_event event(std::uint16_t type, std::uint16_t code, std::int32_t value) {
 
 TEST(GamepadReport, MapsSticksTriggersAndButtons) {
   GamepadReport report;
-  for (const PadAxis stick : {PadAxis::kX, PadAxis::kY, PadAxis::kRx, PadAxis::kRy})
+  for (const PadAxis stick : {PadAxis::kLeftX, PadAxis::kLeftY, PadAxis::kRightX, PadAxis::kRightY})
     report.set_range(stick, {-kStickMost - 1, kStickMost});
-  for (const PadAxis trigger : {PadAxis::kZ, PadAxis::kRz})
+  for (const PadAxis trigger : {PadAxis::kLeftTrigger, PadAxis::kRightTrigger})
     report.set_range(trigger, {0, kTriggerMost});
   EXPECT_EQ(report.state(), PadState{});
   EXPECT_TRUE(report.take(event(EV_ABS, ABS_X, kStickMost)));
@@ -201,9 +207,32 @@ TEST(GamepadReport, MapsSticksTriggersAndButtons) {
 TEST(GamepadReport, AnAxisWithoutRangeRests) {
   GamepadReport report;
   EXPECT_FALSE(report.take(event(EV_ABS, ABS_X, 100)));
-  report.set_range(PadAxis::kX, {INT32_MIN, INT32_MAX});
+  report.set_range(PadAxis::kLeftX, {INT32_MIN, INT32_MAX});
+  report.set_range(PadAxis::kLeftY, {-100, 100});
+  EXPECT_TRUE(report.take(event(EV_ABS, ABS_Y, 100)));
+  EXPECT_NEAR(report.state().cap.push.x, 0, 1e-9) << "an axis rests in the middle of any range";
   report.take(event(EV_ABS, ABS_X, INT32_MIN));
   EXPECT_NEAR(report.state().cap.push.x, -1, 1e-9);
+}
+
+TEST(GamepadReport, AGenericPadHasItsRightStickOnZAndRz) {
+  EXPECT_EQ(pad_codes(false, false)[2], ABS_Z) << "a pad without RX and RY, and no triggers";
+  GamepadReport report;
+  report.set_codes(pad_codes(false, true));
+  for (const PadAxis stick : {PadAxis::kLeftX, PadAxis::kLeftY, PadAxis::kRightX, PadAxis::kRightY})
+    report.set_range(stick, {0, 65535});
+  for (const PadAxis trigger : {PadAxis::kLeftTrigger, PadAxis::kRightTrigger})
+    report.set_range(trigger, {0, kTriggerMost});
+  for (const int axis : {ABS_Z, ABS_RZ})
+    report.take(event(EV_ABS, static_cast<std::uint16_t>(axis), 32768));
+  EXPECT_EQ(report.state().cap.push.z, 0) << "a stick at rest does not move the tool";
+  EXPECT_NEAR(length(report.state().cap.turn), 0, 1e-4);
+  report.take(event(EV_ABS, ABS_Z, 65535));
+  EXPECT_NEAR(report.state().cap.turn.y, 1, 1e-9);
+  report.take(event(EV_ABS, ABS_GAS, kTriggerMost));
+  EXPECT_NEAR(report.state().cap.push.z, -1, 1e-9) << "the right trigger lowers";
+  report.take(event(EV_ABS, ABS_BRAKE, kTriggerMost));
+  EXPECT_NEAR(report.state().cap.push.z, 0, 1e-9);
 }
 
 TEST(Rumble, GrowsWithForceAndTorqueUpToFullStrength) {
@@ -258,6 +287,18 @@ TEST_F(GamepadTest, MovesCutsAndChangesTools) {
   EXPECT_TRUE(reads([](const DeviceState& s) { return (s.buttons & wire::kButtonCutting) == 0; }));
   const Vec3 rest = state_.tip_mm;
   EXPECT_EQ(device_->read(now_us_ += 1000).tip_mm, rest) << "events were lost: all is released";
+}
+
+TEST_F(GamepadTest, AGenericPadMovesByItsTriggersAndNotByItsRightStick) {
+  FakePad pad(true, true, true);
+  open(pad);
+  ASSERT_TRUE(reads([](const DeviceState& s) { return s.valid; }));
+  const double rest_mm = state_.tip_mm.z;
+  pad.send(EV_ABS, ABS_Z, kStickMost);
+  ASSERT_TRUE(reads([](const DeviceState& s) { return s.axis.x > 0; })) << "it tilts the tool";
+  EXPECT_EQ(state_.tip_mm.z, rest_mm);
+  pad.send(EV_ABS, ABS_GAS, kTriggerMost);
+  EXPECT_TRUE(reads([&](const DeviceState& s) { return s.tip_mm.z < rest_mm; }));
 }
 
 TEST_F(GamepadTest, RumblesWithTheWrenchWhileItIsRenewed) {

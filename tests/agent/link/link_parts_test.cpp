@@ -22,6 +22,8 @@ TEST(ServerUrl, ReadsHostAndPort) {
   EXPECT_EQ(parse_server_url("ws://10.0.0.1:1/"), (ServerUrl{"10.0.0.1", "1"}));
   EXPECT_EQ(parse_server_url("carve.example"), (ServerUrl{"carve.example", "8080"}));
   EXPECT_EQ(parse_server_url("http://[::1]:81"), (ServerUrl{"::1", "81"}));
+  EXPECT_EQ(parse_server_url("http://[::1]:81")->authority(), "[::1]:81");
+  EXPECT_EQ(parse_server_url("carve.example")->authority(), "carve.example:8080");
   EXPECT_EQ(parse_server_url("https://carve.example"), (ServerUrl{"carve.example", "443", true}));
   EXPECT_EQ(parse_server_url("wss://[::1]:81"), (ServerUrl{"::1", "81", true}));
 }

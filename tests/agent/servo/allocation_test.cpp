@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <new>
+#include <vector>
 
+#include "haptic_agent/guides/guide_model.h"
 #include "haptic_agent/servo/servo_cycle.h"
 
 namespace {
@@ -62,6 +64,29 @@ class CirclingDevice final : public HapticDevice {
   Wrench newest{};
 };
 
+/// A guide of each kind, all of which the circling hand meets.
+std::vector<Guide> every_guide() {
+  PathGuide path, stroke;
+  path.within_mm = stroke.within_mm = 1;
+  stroke.stroke = true;
+  for (int n = 0; n < 1000; ++n) {
+    const double angle = 0.01 * n;
+    const GuidePose pose{
+        {11.5 * std::cos(angle), 11.5 * std::sin(angle), 0}, {0, 0, 1}, {{0, 0, 1}}};
+    if (n % 100 == 0) path.paths.emplace_back();
+    path.paths.back().push_back(pose);
+    if (n == 0) stroke.paths.emplace_back();
+    stroke.paths.back().push_back(pose);
+  }
+  const SnapSurface box{.min_mm = {-20, -20, -10}, .max_mm = {20, 20, 0}};
+  return {{.shape = path},
+          {.shape = stroke},
+          {.shape = PlaneGuide{.point_mm = {9, 0, 0}, .normal = {-1, 0, 0}}},
+          {.shape = DepthGuide{0}},
+          {.shape = RegionGuide{{5, 5, -5}, {15, 15, 5}}},
+          {.shape = SnapGuide{.range_mm = 5, .surface = box}}};
+}
+
 class Listener final : public SampleListener {
  public:
   void sample_ready() noexcept override {}
@@ -82,8 +107,9 @@ TEST(Allocation, DoesNotHappenInATick) {
   Listener listener;
   ReplicaExchange replica;
   for (const ForceMode mode : {ForceMode::kModel, ForceMode::kInterpolated, ForceMode::kHold}) {
-    ServoCycle cycle(device, samples, wrenches, listener,
-                     settings_for(device.capabilities(), {.mode = mode}), &replica);
+    const ServoSettings settings = settings_for(device.capabilities(), {.mode = mode});
+    GuideModel guides(every_guide(), settings, 1);
+    ServoCycle cycle(device, samples, wrenches, listener, settings, &replica, &guides);
     int in_ticks = 0;
     double most_n = 0;
     for (std::uint64_t now_us = 10'000; now_us < 3'000'000; now_us += 1000) {
@@ -113,6 +139,7 @@ TEST(Allocation, DoesNotHappenInATick) {
     }
     EXPECT_EQ(in_ticks, 0);
     EXPECT_GT(most_n, 0.5) << "forces were rendered";
+    for (const GuideUse& use : guides.uses()) EXPECT_GT(use.ticks, 0U) << use.kind;
   }
 }
 
