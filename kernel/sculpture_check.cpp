@@ -47,8 +47,8 @@ Check check_milling(const MillingSettings& m) {
     return within(k.tangential, kForceCoefficientMax) && within(k.radial, kForceCoefficientMax) &&
            within(k.axial, kForceCoefficientMax);
   };
-  if (!(m.spindle_rpm > 0 && m.spindle_rpm <= kSpindleMaxRpm))
-    return reject(kBadForce, "spindle_rpm must be above 0 and at most 1e6");
+  if (!(m.spindle_rpm >= kSpindleMinRpm && m.spindle_rpm <= kSpindleMaxRpm))
+    return reject(kBadForce, "spindle_rpm must be from 1 to 1e6");
   if (m.teeth < 1 || m.teeth > kTeethMax) return reject(kBadForce, "teeth must be from 1 to 100");
   if (!within(m.helix_deg, kHelixMaxDeg))
     return reject(kBadForce, "helix_deg must be from 0 to 80");

@@ -8,6 +8,7 @@
 
 #include "haptic_agent/device/units.h"
 #include "haptic_agent/guides/surface_distance.h"
+#include "haptic_agent/servo/grip.h"
 #include "server/formats/guide_reader.h"
 
 namespace kerf::agent {
@@ -18,21 +19,27 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kUsed = 0.01;
 /// N/mm; bounds the length over which a stroke's force reverses.
 constexpr double kLeastStiffness = 0.05;
+/// N·mm; bounds the turn of a path's axis per distance.
+constexpr double kLeastTorqueNmm = 1e-3;
+/// Far above the rounding of an axis.
+constexpr double kSameAxisRad = 1e-9;
 
 double force_and_torque(const Wrench& wrench) noexcept {
   return std::max(length(wrench.force_n), length(wrench.torque_nmm));
 }
 
 /// Stiffest torsional spring and its damper for the least inertia, as stable_gains has them for
-/// forces: N·mm/rad, N·mm·s/rad.
-ContactGains stable_turn_gains(const ServoSettings& settings, double stiffness) noexcept {
+/// forces, shared by `touches` springs: N·mm/rad, N·mm·s/rad.
+ContactGains stable_turn_gains(const ServoSettings& settings, double stiffness,
+                               std::uint32_t touches) noexcept {
   constexpr double kStiffnessShare = 0.8, kDampingShare = 0.5;
   const double inertia = settings.passivity.inertia_kg_m2 * kNmmPerNm;
   const double damping =
       std::min(settings.passivity.max_turn_damping,
                kDampingShare * inertia / settings.model.contact.velocity_delay_s);
   const double stable = kStiffnessShare * damping / settings.model.contact.force_delay_s;
-  return {.stiffness = std::min(stiffness, stable), .damping = damping};
+  const double share = 1.0 / std::max(1U, touches);
+  return {.stiffness = std::min(stiffness, share * stable), .damping = share * damping};
 }
 
 }  // namespace
@@ -121,17 +128,62 @@ Wrench GuideModel::snap(const Guide& guide, const SnapGuide& shape, const Tip& t
   return {force, cross(tip.arm_mm, force)};
 }
 
-/// Returns the torque that turns the tool's axis back to within an angle of the path's.
-Vec3 GuideModel::turn(const PathGuide& path, Vec3 axis, const Tip& tip) const noexcept {
-  const Vec3 normal = cross(tip.now.grip.axis, axis);
+/// Turns the axis that the tool is turned to toward the path's, by at most max_force_n /
+/// max_torque_nmm per distance that the tip moves: the two differ after a jump of the nearest point
+/// from one part of the path to another. Returns whether they are equal.
+bool GuideModel::follow(Compiled& compiled, const PathGuide& path, Vec3 axis,
+                        double moved_mm) const noexcept {
+  const double most_rad =
+      moved_mm * compiled.guide.max_force_n / std::max(path.max_torque_nmm, kLeastTorqueNmm);
+  const Vec3 normal = cross(compiled.axis, axis);
+  const double sine = length(normal);
+  const double apart_rad = std::atan2(sine, dot(compiled.axis, axis));
+  if (!compiled.last_mm || apart_rad <= most_rad + kSameAxisRad) {
+    compiled.axis = axis;
+    return true;
+  }
+  // Between opposite axes every turn is a shortest one: about any direction across them.
+  constexpr double kHalf = 0.5;
+  const Vec3 about =
+      sine > 0 ? normal * (1 / sine)
+               : normalized(cross(axis, std::abs(axis.x) < kHalf ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+  compiled.axis = normalized(rotated(compiled.axis, about * most_rad));
+  return false;
+}
+
+/// Returns the wrench that turns the tool's axis back to within an angle of the path's. Where the
+/// path's axis varies by `axis_rate` along it, a force on the tip is part of it: motion along the
+/// path changes the angle, and thereby the energy of the spring.
+Wrench GuideModel::turn(const Compiled& compiled, const PathGuide& path, Vec3 axis_rate,
+                        const GuidePoint& near, const Tip& tip) const noexcept {
+  const Vec3 axis = tip.now.grip.axis;
+  const Vec3 normal = cross(axis, compiled.axis);
   const double sine = length(normal);
   const double excess =
-      std::atan2(sine, dot(tip.now.grip.axis, axis)) - path.axis_within_deg * kRadPerDeg;
+      std::atan2(sine, dot(axis, compiled.axis)) - path.axis_within_deg * kRadPerDeg;
   if (!(excess > 0) || !(sine > 0)) return {};
   const Vec3 about = normal * (1 / sine);
-  const ContactGains g = stable_turn_gains(settings_, strength_ * path.turn_stiffness_nmm_per_rad);
-  const double torque = g.stiffness * excess - g.damping * dot(about, tip.now.velocity.angular);
-  return about * std::clamp(torque, 0.0, strength_ * path.max_torque_nmm);
+  const auto touches = static_cast<std::uint32_t>(guides_.size());
+  const ContactGains g =
+      stable_turn_gains(settings_, strength_ * path.turn_stiffness_nmm_per_rad, touches);
+  const double most = strength_ * path.max_torque_nmm;
+  const double spring = std::min(g.stiffness * excess, most);
+  const double damped = spring - g.damping * dot(about, tip.now.velocity.angular);
+  Wrench sum{{}, about * std::clamp(damped, 0.0, most)};
+  // The angle falls by this much per mm along the tangent.
+  const double fall = dot(axis, axis_rate) / sine;
+  const double stiffness = g.stiffness * fall * fall;
+  if (!(stiffness > 0)) return sum;
+  const ContactGains along =
+      stable_gains(settings_.model.contact, stiffness, tip.arm_mm, near.tangent, touches);
+  const double share = along.stiffness / stiffness;
+  const double pull = std::abs(fall) * spring * share;
+  const Vec3 direction = near.tangent * std::copysign(1.0, fall);
+  const double newtons =
+      std::clamp(pull - along.damping * dot(direction, tip.velocity_mm_per_s), 0.0,
+                 std::min(2 * pull, strength_ * compiled.guide.max_force_n));
+  const Vec3 force = direction * newtons;
+  return sum + Wrench{force, cross(tip.arm_mm, force)};
 }
 
 Wrench GuideModel::along_path(Compiled& compiled, const PathGuide& path,
@@ -143,22 +195,24 @@ Wrench GuideModel::along_path(Compiled& compiled, const PathGuide& path,
     const Vec3 inward = (near.tip_mm - tip.tip_mm) * (1 / near.distance_mm);
     sum = push(compiled.guide, inward, beyond, tip);
   }
-  sum.torque_nmm = sum.torque_nmm + turn(path, near.axis, tip);
-  if (path.stroke) sum = sum + taught(compiled, path, near, tip);
+  const Vec3 moved_mm = compiled.last_mm ? tip.tip_mm - *compiled.last_mm : Vec3{};
+  const bool follows = follow(compiled, path, near.axis, length(moved_mm));
+  compiled.last_mm = tip.tip_mm;
+  sum = sum + turn(compiled, path, follows ? near.axis_rate : Vec3{}, near, tip);
+  if (path.stroke) sum = sum + taught(compiled, path, near, moved_mm, tip);
   return sum;
 }
 
 /// Returns the teacher's wrench: in full while the tool moves forward along the stroke, not at all
 /// backward, and less beyond the distance that the guide allows.
 Wrench GuideModel::taught(Compiled& compiled, const PathGuide& path, const GuidePoint& near,
-                          const Tip& tip) const noexcept {
+                          Vec3 moved_mm, const Tip& tip) const noexcept {
   const Guide& guide = compiled.guide;
   const ContactGains g = gains(guide, near.tangent, tip);
   // A force F that reverses over a shorter length than F/k would be a stiffer spring than k.
   const double heading_mm = guide.max_force_n / std::max(g.stiffness, kLeastStiffness);
-  const Vec3 moved = compiled.last_mm ? tip.tip_mm - *compiled.last_mm : Vec3{};
-  compiled.heading = (compiled.heading * heading_mm + moved) * (1 / (heading_mm + length(moved)));
-  compiled.last_mm = tip.tip_mm;
+  compiled.heading =
+      (compiled.heading * heading_mm + moved_mm) * (1 / (heading_mm + length(moved_mm)));
   const double forward = std::max(0.0, dot(compiled.heading, near.tangent));
   const double fade = std::clamp(2 - near.distance_mm / path.within_mm, 0.0, 1.0);
   const Wrench felt = near.felt * path.felt_share;

@@ -41,7 +41,9 @@ class GuideModel final : public Guidance {
     std::optional<PathTree> tree;
     /// Of a stroke: direction of travel over the last heading_mm, of length <= 1; and the tip then.
     Vec3 heading{};
+    /// Of a path: the tip in the tick before, and the axis that the tool was turned to then.
     std::optional<Vec3> last_mm;
+    Vec3 axis{0, 0, 1};
   };
   /// The tip, as the guides see it.
   struct Tip {
@@ -51,12 +53,14 @@ class GuideModel final : public Guidance {
 
   Wrench wrench(Compiled& compiled, const Tip& tip) const noexcept;
   Wrench along_path(Compiled& compiled, const PathGuide& path, const Tip& tip) const noexcept;
-  Wrench taught(Compiled& compiled, const PathGuide& path, const GuidePoint& near,
+  bool follow(Compiled& compiled, const PathGuide& path, Vec3 axis, double moved_mm) const noexcept;
+  Wrench turn(const Compiled& compiled, const PathGuide& path, Vec3 axis_rate,
+              const GuidePoint& near, const Tip& tip) const noexcept;
+  Wrench taught(Compiled& compiled, const PathGuide& path, const GuidePoint& near, Vec3 moved_mm,
                 const Tip& tip) const noexcept;
   ContactGains gains(const Guide& guide, Vec3 normal, const Tip& tip) const noexcept;
   Wrench snap(const Guide& guide, const SnapGuide& shape, const Tip& tip) const noexcept;
   Wrench push(const Guide& guide, Vec3 normal, double depth_mm, const Tip& tip) const noexcept;
-  Vec3 turn(const PathGuide& path, Vec3 axis, const Tip& tip) const noexcept;
 
   ServoSettings settings_;
   double strength_;

@@ -109,9 +109,16 @@ GuidePoint PathTree::point(const Best& best) const noexcept {
   const Segment& s = segments_[best.segment];
   const auto between = [&](Vec3 from, Vec3 to) { return from + (to - from) * best.share; };
   const Vec3 axis = between(s.from.axis, s.to.axis);
+  const double axis_length = length(axis), along_mm = length(s.to.tip_mm - s.from.tip_mm);
+  Vec3 rate{};
+  if (best.share > 0 && best.share < 1 && axis_length > 0) {
+    const Vec3 turned = (s.to.axis - s.from.axis) * (1 / (axis_length * along_mm));
+    rate = turned - axis * (dot(axis, turned) / (axis_length * axis_length));
+  }
   return {.tip_mm = between(s.from.tip_mm, s.to.tip_mm),
-          .axis = dot(axis, axis) > 0 ? normalized(axis) : s.from.axis,
+          .axis = axis_length > 0 ? normalized(axis) : s.from.axis,
           .tangent = normalized(s.to.tip_mm - s.from.tip_mm),
+          .axis_rate = rate,
           .felt = s.from.felt + (s.to.felt - s.from.felt) * best.share,
           .distance_mm = std::sqrt(best.distance2)};
 }

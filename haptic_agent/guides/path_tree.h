@@ -14,6 +14,8 @@ struct GuidePoint {
   Vec3 tip_mm{};
   Vec3 axis{0, 0, 1};
   Vec3 tangent{};  ///< unit; zero where the tip does not move
+  /// Change of the axis with the tip's position along the tangent, 1/mm; zero at a pose.
+  Vec3 axis_rate{};
   Wrench felt{};
   double distance_mm = 0;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/math/rotation.h"
 #include "kernel/math/tolerance.h"
 
 namespace kerf {
@@ -12,9 +13,9 @@ namespace {
 /// Weight of travel along the rays, relative to travel across them, in crossing a column's square:
 /// small, but enough to deliver what is pending when the tool retracts along the rays.
 constexpr double kAlongRays = 0.25;
-/// Least path of delivered elements, relative to the path of those that a motion cuts: it bounds
+/// Least path of delivered elements, relative to the path by which their queues advanced: it bounds
 /// the force where the tool turns about elements that are still to be delivered.
-constexpr double kDuePathMin = 0.01;
+constexpr double kDuePathMin = 0.8;
 
 Twist twist_of(const ToolMotion& motion) {
   return {motion.to.tip_mm - motion.from.tip_mm,
@@ -74,9 +75,10 @@ CuttingForce::CuttingForce(const ForceSettings& settings, const Tool& tool,
       engagement_(engagement) {
   if (fields > 1) weight_.emplace(tool);
   if (settings.law != ForceLaw::kMechanistic) return;
-  milling_.emplace(settings.milling, tool, motion.at(0.5).axis, duration_s);
-  if (engagement.milling) return;
-  engagement.milling = std::make_unique<MillingEngagement>(engagement.gradual.width_mm());
+  std::unique_ptr<MillingEngagement>& milling = engagement.milling;
+  if (!milling) milling = std::make_unique<MillingEngagement>(engagement.gradual.width_mm());
+  if (milling->zero == Vec3{}) milling->zero = any_perpendicular(motion.from.axis);
+  milling_.emplace(settings.milling, tool, motion.from.axis, milling->zero, duration_s);
 }
 
 void CuttingForce::Part::add(const CutSum& s, double share, double path_mm) {
@@ -129,33 +131,46 @@ FeltCut CuttingForce::finish() {
   const Vec3 direction = normalized(e.direction);
 
   const Vec3 pivot = motion_.at(0.5).axis * settings_.pivot_mm;
+  // What is pending is delivered over its own path. Over that of the motion's cut, the tool could
+  // turn about it, and deliver it at once.
   double path_mm = distance_mm, crossing_mm = crossing_of(displacement).mm;
+  const CutSum gradual_pending = e.gradual.pending(), prompt_pending = e.prompt.pending();
+  const double gradual_path_mm = delivered_path_mm(gradual_pending, twist, pivot);
+  const double prompt_path_mm = delivered_path_mm(prompt_pending, twist, pivot);
+  double ahead_mm = 0;
   if (all_.sum.volume_mm3 > 0) {
     path_mm = all_.path_mm();
     if (gradual_.sum.volume_mm3 > 0) crossing_mm = gradual_.path_mm();
+    if (path_mm > kRestEpsilonMm) e.crossing_per_mm = crossing_mm / path_mm;
+    ahead_mm = path_mm > 0 ? crossing_mm * (gradual_path_mm / path_mm) : crossing_mm;
   } else {
-    const CutSum gradual = e.gradual.pending();
-    path_mm = std::max(path_mm, mean_path_mm(gradual + e.prompt.pending(), twist, pivot));
-    crossing_mm = std::max(crossing_mm, mean_path_mm(gradual, twist, pivot));
+    ahead_mm = std::max(crossing_mm, mean_path_mm(gradual_pending, twist, pivot));
+    path_mm = std::max(path_mm, mean_path_mm(gradual_pending + prompt_pending, twist, pivot));
   }
-  const CutSum gradual = e.gradual.advance(crossing_mm), prompt = e.prompt.advance(path_mm);
+  const CutSum gradual = e.gradual.advance(ahead_mm), prompt = e.prompt.advance(prompt_path_mm);
   const CutSum now = e.gradual.take(gradual_.sum, crossing_mm) +
                      e.prompt.take(all_.sum + gradual_.sum * -1, path_mm);
+  const double volume = gradual.volume_mm3 + prompt.volume_mm3 + now.volume_mm3;
+  const double advanced_mm = volume > 0
+                                 ? (gradual.volume_mm3 * gradual_path_mm +
+                                    prompt.volume_mm3 * prompt_path_mm + now.volume_mm3 * path_mm) /
+                                       volume
+                                 : path_mm;
   const double due_path_mm =
-      std::max(delivered_path_mm(gradual + prompt + now, twist, pivot), path_mm * kDuePathMin);
+      std::max(delivered_path_mm(gradual + prompt + now, twist, pivot), advanced_mm * kDuePathMin);
   const CutSum due = not_driving(gradual, direction) + not_driving(prompt, direction) + now;
   FeltCut felt;
   felt.volume_mm3 = due.volume_mm3;
   if (due.volume_mm3 > 0) e.center_mm = due.center_mm();
   const bool rests = path_mm <= kRestEpsilonMm;
-  const CutSum per_mm =
-      rests ? e.gradual.due_per_mm() + e.prompt.due_per_mm() : due * (1 / due_path_mm);
+  const CutSum per_mm = rests ? e.gradual.due_per_mm() * e.crossing_per_mm + e.prompt.due_per_mm()
+                              : due * (1 / due_path_mm);
   felt.area_mm2 = per_mm.volume_mm3;
   felt.center_mm = motion_.at(0.5).tip_mm + e.center_mm;
   if (milling_) {
     felt.wrench = milling_->finish(
-        *e.milling, {crossing_mm, path_mm, due_path_mm, rests, kept_share(gradual, direction),
-                     kept_share(prompt, direction)});
+        *e.milling, {crossing_mm, path_mm, ahead_mm, prompt_path_mm, due_path_mm, e.crossing_per_mm,
+                     rests, kept_share(gradual, direction), kept_share(prompt, direction)});
   } else if (settings_.law == ForceLaw::kDexelRemovalRate) {
     const double scale = settings_.drr_n_s_per_mm3 / duration_s_;
     felt.wrench = {due.push_mm3 * scale, due.turn_mm4 * scale};

@@ -22,6 +22,9 @@ struct MillingEngagement {
 
   TravelQueueOf<MillingSum> gradual, prompt;  ///< as of Engagement
   double turns = 0;                           ///< of the spindle since the cut began; below 1
+  /// Unit vector across the tool's axis, from which angles count. It turns with the tool; zero
+  /// before an engagement begins.
+  Vec3 zero;
 };
 
 /// The cut volume not yet delivered as force, carried from one motion to the next, of one user of a
@@ -38,12 +41,14 @@ struct Engagement {
     if (!milling) return;
     milling->gradual.turn(turn);
     milling->prompt.turn(turn);
+    milling->zero = turn(milling->zero);
   }
 
-  TravelQueue gradual;  ///< columns removed whole by a wall parallel to the rays
-  TravelQueue prompt;   ///< everything else
-  Vec3 center_mm;       ///< centroid of the last delivered volume, relative to the tip
-  Vec3 direction;       ///< mean direction of that centroid over kFeltTravelMm; length <= 1
+  TravelQueue gradual;         ///< columns removed whole by a wall parallel to the rays
+  TravelQueue prompt;          ///< everything else
+  Vec3 center_mm;              ///< centroid of the last delivered volume, relative to the tip
+  Vec3 direction;              ///< mean direction of that centroid over kFeltTravelMm; length <= 1
+  double crossing_per_mm = 1;  ///< of the last cut: distance across columns over path
   std::unique_ptr<MillingEngagement> milling;  ///< of the mechanistic law only
 };
 

@@ -24,12 +24,13 @@ SinCos at_turns(double turns) {
 
 }  // namespace
 
-MillingForce::MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis,
+MillingForce::MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, Vec3 zero,
                            double duration_s)
     : settings_(settings),
       harmonics_(harmonics_of(settings)),
       side_(tool),
-      zero_(any_perpendicular(axis)),
+      axis_(axis),
+      zero_(zero),
       duration_s_(duration_s) {}
 
 double MillingForce::feed_per_tooth_mm(double path_mm, double duration_s) const {
@@ -41,7 +42,7 @@ void MillingForce::add(const Removal& removal, const DexelGrid& grid, const Twis
                        const CutFrame& frame, double share, double gradual, bool weighted) {
   const double path_mm = length(twist.linear) + length(twist.angular) * frame.reach_mm;
   if (!(path_mm > 0)) return;
-  const Vec3 zero = to_frame(grid.axis, zero_);
+  const Vec3 zero = Turn(to_frame(grid.axis, axis_), frame.axis)(to_frame(grid.axis, zero_));
   const MillingPass pass{.settings = settings_,
                          .harmonics = harmonics_,
                          .side = side_,
@@ -72,14 +73,15 @@ Wrench MillingForce::at(const MillingSpectrum& spectrum, double turns, double du
 }
 
 Wrench MillingForce::finish(MillingEngagement& e, const MillingTravel& t) const {
-  const MillingSum later = e.gradual.advance(t.crossing_mm) * t.gradual_kept +
-                           e.prompt.advance(t.path_mm) * t.prompt_kept;
+  const MillingSum later = e.gradual.advance(t.gradual_mm) * t.gradual_kept +
+                           e.prompt.advance(t.prompt_mm) * t.prompt_kept;
   MillingSum due =
       later + e.gradual.take(gradual_, t.crossing_mm) + e.prompt.take(prompt_, t.path_mm);
   const bool engaged =
       due.volume_mm3 > 0 || e.gradual.pending().volume_mm3 > 0 || e.prompt.pending().volume_mm3 > 0;
   if (!engaged) {
     e.turns = 0;
+    e.zero = {};
     return {};
   }
   const double turned = turns_per_s() * duration_s_;
@@ -89,7 +91,7 @@ Wrench MillingForce::finish(MillingEngagement& e, const MillingTravel& t) const 
   const bool fixed = settings_.feed_per_tooth_mm > 0;
   if (t.rests) {
     if (!fixed) return {};
-    due = e.gradual.due_per_mm() + e.prompt.due_per_mm();
+    due = e.gradual.due_per_mm() * t.crossing_per_mm + e.prompt.due_per_mm();
     path_mm = 1;
   }
   if (!(path_mm > 0)) return {};

@@ -8,8 +8,10 @@ namespace kerf {
 
 /// The travel over which a motion delivers a cut (CuttingForce::finish).
 struct MillingTravel {
-  double crossing_mm = 0, path_mm = 0;  ///< of the two queues
-  double due_path_mm = 0;               ///< mean path of what is delivered
+  double crossing_mm = 0, path_mm = 0;   ///< over which the motion's own cut enters the two queues
+  double gradual_mm = 0, prompt_mm = 0;  ///< by which the two queues advance
+  double due_path_mm = 0;                ///< mean path of what is delivered
+  double crossing_per_mm = 1;            ///< of the last cut: the first over the second
   bool rests = false;
   /// Shares of what earlier motions left in the two queues that is still felt.
   double gradual_kept = 1, prompt_kept = 1;
@@ -18,8 +20,10 @@ struct MillingTravel {
 /// The wrench of one motion by the mechanistic law (kernel/force/README.md, "Mechanistic law").
 class MillingForce {
  public:
-  /// `axis`: of the tool in the middle of the motion.
-  MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, double duration_s);
+  /// `axis`: of the tool at the start of the motion; `zero`: of its engagement
+  /// (MillingEngagement::zero).
+  MillingForce(const MillingSettings& settings, const Tool& tool, Vec3 axis, Vec3 zero,
+               double duration_s);
 
   /// Adds what one sub-motion removed from the field on `grid`. `twist` and `frame` are in that
   /// field's frame, `share` is its part of the duration, `gradual` the share of the cut that passes
@@ -38,7 +42,7 @@ class MillingForce {
   MillingSettings settings_;
   Harmonics harmonics_;
   ToolSide side_;
-  Vec3 zero_;
+  Vec3 axis_, zero_;
   double duration_s_;
   MillingSum gradual_, prompt_;
 };

@@ -13,7 +13,7 @@ struct EdgeCoefficients {
 /// Parameters of ForceLaw::kMechanistic (kernel/force/README.md, "Mechanistic law"). The spindle
 /// turns clockwise as seen along the axis towards the tip (M3).
 struct MillingSettings {
-  double spindle_rpm = 12000;    ///< in (0, 1e6]
+  double spindle_rpm = 12000;    ///< 1 to 1e6
   int teeth = 2;                 ///< 1 to 100, evenly spaced
   double helix_deg = 30;         ///< 0 to 80; right-handed
   double feed_per_tooth_mm = 0;  ///< fixed chip load; 0: that of the motion's speed
@@ -30,6 +30,8 @@ struct MillingSettings {
 inline constexpr double kForceCoefficientMax = 1e6;
 inline constexpr double kFeedPerToothMaxMm = 100;
 inline constexpr double kRunoutMaxMm = 1;
+/// Below, a tooth would take minutes, and the feed per tooth has no bound.
+inline constexpr double kSpindleMinRpm = 1;
 inline constexpr double kSpindleMaxRpm = 1e6;
 inline constexpr int kTeethMax = 100;
 inline constexpr double kHelixMaxDeg = 80;

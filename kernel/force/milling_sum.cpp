@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "kernel/math/power.h"
 #include "kernel/math/rotation.h"
@@ -12,8 +13,10 @@ namespace {
 
 /// Elements are divided into parts of this share of the tool's radius along the rays, so that the
 /// angle at which a helical edge cuts them is nearly the same over each.
-constexpr double kPartShare = 0.1;
+constexpr double kPartShare = 0.2;
 constexpr int kPartsMax = 256;
+/// Parts that one sub-motion is summed over, about: of more, every n-th element counts for n.
+constexpr double kPartsMost = 16384;
 /// Least sine of the angle between the surface and the displacement. Where the edge of an
 /// engagement grazes the surface, one column would count as an unbounded area.
 constexpr double kGrazingSine = 0.02;
@@ -21,8 +24,12 @@ constexpr double kGrazingSine = 0.02;
 constexpr double kAxisShare = 0.05;
 /// Thinnest chip of Kienzle's law, mm: its coefficient is unbounded at 0.
 constexpr double kChipMinMm = 0.001;
-/// Steps of the two searches for the pose at which a long motion cut an element.
-constexpr int kEntrySteps = 16;
+/// Most evaluations of the surface in the search for the pose at which a motion cut an element.
+constexpr int kEntryEvaluations = 8;
+/// As many where the path is short.
+constexpr int kNearEvaluations = 2;
+/// Distance from the surface, in radii of the tool, at which the search ends.
+constexpr double kEntryShare = 0.0005;
 
 void add(MillingSpectrum& sum, const MillingSpectrum& s, double scale) {
   sum.mean = sum.mean + s.mean * scale;
@@ -82,7 +89,7 @@ class MillingSums {
         quarter_(cross(pass.zero, pass.frame.axis)),
         lag_per_mm_(tangent(pass.settings.helix_deg) / pass.frame.radius_mm) {}
 
-  /// Adds a part of an element: at `middle` from the tip, of a volume.
+  /// Adds a part of an element: at `middle` from the tip, of a volume. `near_mm`: a short path.
   void add_part(Vec3 middle, double volume_mm3, double near_mm);
   MillingSum sum() const { return sum_; }
 
@@ -92,8 +99,10 @@ class MillingSums {
     return sc.sin / sc.cos;
   }
   Contact contact_at(Vec3 arm) const;
-  double distance_at(Vec3 arm) const { return contact_at(arm).side.distance_mm; }
-  Vec3 entered(Vec3 middle, Vec3 path) const;
+  Vec3 normal_of(const Contact& c) const {
+    return c.radial * c.side.radial + p_.frame.axis * c.side.axial;
+  }
+  Contact entered(Vec3 middle, Vec3 path, int evaluations) const;
   Wrench push(const EdgeCoefficients& k, const Contact& c, Vec3 normal, double scale) const;
   void add_ripple(const Contact& c, const Wrench& cut, const Wrench& edge, const Wrench& runout);
 
@@ -104,6 +113,7 @@ class MillingSums {
 };
 
 Contact MillingSums::contact_at(Vec3 arm) const {
+  if (p_.evaluations) ++*p_.evaluations;
   Contact c{.arm = arm, .radial = {}, .rho = 0, .h = dot(arm, p_.frame.axis), .side = {}};
   const Vec3 across = arm - p_.frame.axis * c.h;
   c.rho = length(across);
@@ -112,25 +122,36 @@ Contact MillingSums::contact_at(Vec3 arm) const {
   return c;
 }
 
-/// Returns the point, relative to the tip at that time, at which the tool reached an element that
-/// is at `middle` from the tip in the middle of a path: on a line through convex pieces, the
-/// distance falls to its least value and rises again.
-Vec3 MillingSums::entered(Vec3 middle, Vec3 path) const {
-  double before = -0.5, after = 0.5;
-  for (int i = 0; i < kEntrySteps; ++i) {
-    const double a = before + (after - before) / 3, b = after - (after - before) / 3;
-    if (distance_at(middle - path * a) <= distance_at(middle - path * b)) {
-      after = b;
+/// Returns where the tool reached an element that is at `middle` from the tip in the middle of a
+/// path: Newton's method from the start of the path. The distance from a convex piece is convex
+/// along the path, so the steps do not pass its surface; where they enter another piece, the secant
+/// leads back. If the tool only passes the element, as rounding may leave it, returns the nearest
+/// pose found.
+Contact MillingSums::entered(Vec3 middle, Vec3 path, int evaluations) const {
+  const double path_mm = length(path), found_mm = kEntryShare * p_.frame.radius_mm;
+  const Vec3 forward = path * (1 / path_mm);
+  const Vec3 start = middle + path * 0.5;
+  Contact best = contact_at(start), at = best;
+  double travelled_mm = 0, before_mm = 0;
+  for (int i = 1; i < evaluations && std::abs(best.side.distance_mm) > found_mm; ++i) {
+    const double distance = at.side.distance_mm, outside = best.side.distance_mm;
+    if (distance < 0 && at.arm == start) break;
+    const double sine = dot(normal_of(at), forward);
+    double next = travelled_mm;
+    if (distance < 0) {
+      next = before_mm + (travelled_mm - before_mm) * (outside / (outside - distance));
     } else {
-      before = a;
+      next += sine > 0 ? distance / sine : distance;
     }
+    next = std::min(next, path_mm);
+    if (!(next > before_mm) || next == travelled_mm) break;
+    travelled_mm = next;
+    at = contact_at(start - forward * travelled_mm);
+    if (at.side.distance_mm < 0 || at.side.distance_mm > outside) continue;
+    best = at;
+    before_mm = travelled_mm;
   }
-  double outside = -0.5, inside = (before + after) / 2;
-  for (int i = 0; i < kEntrySteps; ++i) {
-    const double s = (outside + inside) / 2;
-    (distance_at(middle - path * s) > 0 ? outside : inside) = s;
-  }
-  return middle - path * inside;
+  return best;
 }
 
 Wrench MillingSums::push(const EdgeCoefficients& k, const Contact& c, Vec3 normal,
@@ -167,9 +188,10 @@ void MillingSums::add_part(Vec3 middle, double volume_mm3, double near_mm) {
   const Vec3 path = p_.twist.at(middle);
   const double path_mm = length(path);
   if (!(path_mm > 0)) return;
-  const Contact c = contact_at(path_mm > near_mm ? entered(middle, path) : middle);
-  const Vec3 normal = c.radial * c.side.radial + p_.frame.axis * c.side.axial;
+  const Contact c = entered(middle, path, path_mm > near_mm ? kEntryEvaluations : kNearEvaluations);
+  const Vec3 normal = normal_of(c);
   const double volume = p_.weighted ? volume_mm3 * (normal.z * normal.z) : volume_mm3;
+  if (!(volume > 0)) return;
   const double sine = std::max(dot(normal, path) / path_mm, kGrazingSine);
   const double rho = std::max(c.rho, kAxisShare * p_.frame.radius_mm);
   const double m = p_.settings.chip_exponent;
@@ -188,6 +210,12 @@ void MillingSums::add_part(Vec3 middle, double volume_mm3, double near_mm) {
                   edge_scale * thinner * (1 - m) * p_.harmonics.runout_mm);
   }
   add_ripple(c, cut, edge, runout);
+}
+
+/// Returns n where every n-th element is summed. It is odd, because rows and tiles are powers of 2.
+std::int64_t stride_of(const Removal& removal, double length_mm, double part_mm) {
+  const double parts = double(removal.elements()) + length_mm / part_mm;
+  return 2 * static_cast<std::int64_t>(parts / kPartsMost / 2 + 0.5) + 1;
 }
 
 }  // namespace
@@ -232,23 +260,28 @@ Harmonics harmonics_of(const MillingSettings& s) {
 
 MillingSum sum_milling(const Removal& removal, const DexelGrid& grid, const MillingPass& pass) {
   MillingSums summing(pass);
-  const double area = grid.pitch_mm * grid.pitch_mm;
+  const double area = grid.pitch_mm * grid.pitch_mm, near_mm = grid.pitch_mm / 2;
   const double part_mm = kPartShare * pass.frame.radius_mm;
+  const double length_mm = double(removal.quanta()) * grid.z_quantum_mm;
+  const std::int64_t stride = stride_of(removal, length_mm, part_mm);
+  std::int64_t element = stride / 2;
+  double summed_mm = 0;
   for (const RemovedPart& part : removal.parts()) {
     for (const RemovedGroup& g : part.groups) {
       for (int c = 0; c < RemovedGroup::kLanes; ++c) {
-        if (g.bottom[c] >= g.top[c]) continue;
+        if (g.bottom[c] >= g.top[c] || ++element % stride != 0) continue;
         const double bottom = grid.z_mm(g.bottom[c]), top = grid.z_mm(g.top[c]);
         const Vec3 foot = Vec3{grid.x_mm(g.i + c), grid.y_mm(g.j), bottom} - pass.frame.tip_mm;
         const int parts = std::min(1 + static_cast<int>((top - bottom) / part_mm), kPartsMax);
         const double step = (top - bottom) / parts;
+        summed_mm += top - bottom;
         for (int k = 0; k < parts; ++k) {
-          summing.add_part(foot + Vec3{0, 0, (k + 0.5) * step}, step * area, grid.pitch_mm / 2);
+          summing.add_part(foot + Vec3{0, 0, (k + 0.5) * step}, step * area, near_mm);
         }
       }
     }
   }
-  return summing.sum();
+  return stride > 1 && summed_mm > 0 ? summing.sum() * (length_mm / summed_mm) : summing.sum();
 }
 
 }  // namespace kerf

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -61,6 +62,8 @@ struct MillingPass {
   Vec3 zero;               ///< unit vector across the axis, from which angles count
   double feed_per_mm = 0;  ///< feed per tooth over path
   bool weighted = false;   ///< of three fields: weight each element by n_z²
+  /// If set, counts the evaluations of the tool's surface, on which the cost depends.
+  std::int64_t* evaluations = nullptr;
 };
 
 /// Sums what a sub-motion removed from the field on `grid`. Serial, in the order of the tiles.

@@ -73,6 +73,13 @@ struct Guide {
 /// "snap".
 const char* kind_of(const Guide& guide);
 
+/// Greatest component of a pose's felt wrench, N and N·mm, and greatest felt_share.
+inline constexpr double kGuideFeltMax = 1e6;
+inline constexpr double kGuideFeltShareMax = 10;
+/// Range of the length of an axis or normal as it is given.
+inline constexpr double kGuideAxisMin = 1e-6;
+inline constexpr double kGuideAxisMax = 1e6;
+
 /// Most guides of a scene, and most poses of all its paths together.
 inline constexpr std::size_t kGuidesMax = 16;
 inline constexpr std::size_t kGuidePosesMax = 20'000;

@@ -88,7 +88,7 @@ class ForcesTable {
         return std::nullopt;
     }
     const Vec3 axis{v[3], v[4], v[5]};
-    if (!(length(axis) > kAxisMin)) return std::nullopt;
+    if (!(length(axis) > kGuideAxisMin && length(axis) <= kGuideAxisMax)) return std::nullopt;
     return ForcesRow{.pose = {.tip_mm = {v[0], v[1], v[2]},
                               .axis = normalized(axis),
                               .felt = {{v[6], v[7], v[8]}, {v[9], v[10], v[11]}}},
@@ -96,7 +96,6 @@ class ForcesTable {
   }
 
  private:
-  static constexpr double kAxisMin = 1e-6;
   std::array<std::size_t, kColumns.size()> columns_{};
   std::size_t width_ = 0;
 };
@@ -175,7 +174,9 @@ std::expected<std::vector<GuidePath>, std::string> strokes_of_forces(std::string
     }
     if (line.empty()) continue;
     const auto row = table.read(line);
-    if (!row) return std::unexpected("line " + std::to_string(number) + " is not a row of numbers");
+    if (!row)
+      return std::unexpected("line " + std::to_string(number) +
+                             " is not a row of numbers in range");
     strokes.add(*row);
   }
   auto paths = strokes.finish();

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/formats/guide_reader.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "kernel/sculpture_settings.h"
 
 namespace kerf {
 namespace {
 
-constexpr double kAxisLengthMin = 1e-6;
 constexpr double kDegreesMax = 180;
 constexpr std::size_t kPoseNumbers = 6, kStrokeNumbers = 12;
 
@@ -22,8 +24,33 @@ double limited(SceneFields& fields, const std::string& field, double standard, d
   return value ? value->number(0, most) : standard;
 }
 
+bool within(Vec3 v, double most) {
+  return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most;
+}
+
+/// Why a pose cannot be used, whatever it was read from; empty if it can.
+const char* pose_fault(const GuidePose& pose) {
+  if (!within(pose.tip_mm, kCoordinateMaxMm)) return "has a coordinate beyond 1000000 mm";
+  if (within(pose.felt.force_n, kGuideFeltMax) && within(pose.felt.torque_nmm, kGuideFeltMax))
+    return "";
+  return "has a force or torque beyond 1000000 N or Nmm";
+}
+
+double coordinate(const SceneValue& value, double number) {
+  if (!(std::abs(number) <= kCoordinateMaxMm)) value.reject("is beyond 1000000 mm");
+  return number;
+}
+
+Vec3 point(SceneFields& fields, const std::string& field) {
+  const SceneValue value = fields.required(field);
+  const auto v = value.numbers<3>();
+  for (const double number : v) coordinate(value, number);
+  return {v[0], v[1], v[2]};
+}
+
 Vec3 unit(const SceneValue& value, Vec3 v) {
-  if (!(length(v) > kAxisLengthMin)) value.reject("must not be zero");
+  if (!(length(v) > kGuideAxisMin)) value.reject("must not be zero");
+  if (!(length(v) <= kGuideAxisMax)) value.reject("has a direction longer than 1000000");
   return normalized(v);
 }
 
@@ -42,8 +69,10 @@ std::vector<GuidePath> read_paths(const SceneValue& list, bool stroke) {
   std::vector<GuidePath> paths;
   for (const SceneValue& item : list.items(kGuidePosesMax)) {
     GuidePath path;
-    for (const SceneValue& pose : item.items(kGuidePosesMax))
+    for (const SceneValue& pose : item.items(kGuidePosesMax)) {
       path.push_back(read_pose(pose, stroke));
+      if (const std::string fault = pose_fault(path.back()); !fault.empty()) pose.reject(fault);
+    }
     if (path.empty()) item.reject("must have at least one pose");
     paths.push_back(std::move(path));
   }
@@ -54,12 +83,15 @@ std::vector<GuidePath> read_paths(const SceneValue& list, bool stroke) {
 PathGuide read_path(SceneFields& fields, bool stroke, const GuideFile& read_file) {
   PathGuide guide;
   guide.stroke = stroke;
-  guide.within_mm = fields.positive("within_mm", guide.within_mm);
+  guide.within_mm = limited(fields, "within_mm", guide.within_mm, kCoordinateMaxMm);
   guide.axis_within_deg = limited(fields, "axis_within_deg", guide.axis_within_deg, kDegreesMax);
   guide.turn_stiffness_nmm_per_rad = limited(fields, "turn_stiffness_nmm_per_rad",
                                              guide.turn_stiffness_nmm_per_rad, kTurnStiffnessMax);
   guide.max_torque_nmm = limited(fields, "max_torque_nmm", guide.max_torque_nmm, kTorqueMaxNmm);
-  if (stroke) guide.felt_share = fields.not_negative("felt_share", guide.felt_share);
+  if (stroke) {
+    guide.felt_share = fields.not_negative("felt_share", guide.felt_share);
+    if (guide.felt_share > kGuideFeltShareMax) fields.reject("felt_share", "must be at most 10");
+  }
   const auto paths = fields.find("paths");
   const auto file = fields.find("file");
   if (paths && file) fields.reject("file", "must not be given together with \"paths\"");
@@ -70,11 +102,16 @@ PathGuide read_path(SceneFields& fields, bool stroke, const GuideFile& read_file
   guide.file = fields.text("file");
   if (!read_file) fields.reject("file", "may not name a file");
   guide.paths = read_file(fields, guide);
+  for (const GuidePath& path : guide.paths) {
+    for (const GuidePose& pose : path) {
+      if (const std::string fault = pose_fault(pose); !fault.empty()) fields.reject("file", fault);
+    }
+  }
   return guide;
 }
 
 RegionGuide read_region(SceneFields& fields) {
-  const RegionGuide region{fields.vec3("min_mm"), fields.vec3("max_mm")};
+  const RegionGuide region{point(fields, "min_mm"), point(fields, "max_mm")};
   const Vec3 size = region.max_mm - region.min_mm;
   if (!(size.x > 0 && size.y > 0 && size.z > 0))
     fields.reject("max_mm", "must be greater than min_mm in every coordinate");
@@ -82,7 +119,8 @@ RegionGuide read_region(SceneFields& fields) {
 }
 
 SnapGuide read_snap(SceneFields& fields) {
-  SnapGuide guide{.range_mm = fields.positive("range_mm", SnapGuide{}.range_mm), .surface = {}};
+  SnapGuide guide{.range_mm = limited(fields, "range_mm", SnapGuide{}.range_mm, kCoordinateMaxMm),
+                  .surface = {}};
   const auto surface = fields.find("surface");
   if (!surface) return guide;
   SceneFields shape(*surface);
@@ -104,9 +142,10 @@ Guide read_guide(const SceneValue& value, const GuideFile& read_file) {
   } else if (kind == "plane") {
     const SceneValue normal = fields.required("normal");
     const auto n = normal.numbers<3>();
-    guide.shape = PlaneGuide{fields.vec3("point_mm"), unit(normal, {n[0], n[1], n[2]})};
+    guide.shape = PlaneGuide{point(fields, "point_mm"), unit(normal, {n[0], n[1], n[2]})};
   } else if (kind == "depth") {
-    guide.shape = DepthGuide{fields.number("lowest_z_mm")};
+    const SceneValue lowest = fields.required("lowest_z_mm");
+    guide.shape = DepthGuide{coordinate(lowest, lowest.number())};
   } else if (kind == "region") {
     guide.shape = read_region(fields);
   } else if (kind == "snap") {

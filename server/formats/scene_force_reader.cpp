@@ -58,7 +58,10 @@ void read_material(SceneFields& fields, MillingSettings& milling) {
 MillingSettings read_milling(SceneFields& fields) {
   MillingSettings m;
   read_material(fields, m);
-  if (const auto rpm = fields.find("spindle_rpm")) m.spindle_rpm = rpm->number(0, kSpindleMaxRpm);
+  if (const auto rpm = fields.find("spindle_rpm")) {
+    m.spindle_rpm = rpm->number(0, kSpindleMaxRpm);
+    if (m.spindle_rpm < kSpindleMinRpm) rpm->reject("must be from 1 to 1e6");
+  }
   if (const auto teeth = fields.find("teeth")) {
     const double number = teeth->number(0, kTeethMax);
     m.teeth = static_cast<int>(number);

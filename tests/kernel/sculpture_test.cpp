@@ -42,6 +42,13 @@ TEST(Sculpture, RejectsBadSettingsWithTheirCode) {
   EXPECT_EQ(code([](auto& s) { s.pitch_mm = 1e-4; }), kTooManyColumns);
   EXPECT_EQ(code([](auto& s) { s.tolerance_mm = 0; }), kBadTolerance);
   EXPECT_EQ(code([](auto& s) { s.force.pivot_mm = kNan; }), kBadForce);
+  const auto turns_at = [](auto& s, double rpm) {
+    s.force.law = ForceLaw::kMechanistic;
+    s.force.milling.spindle_rpm = rpm;
+  };
+  EXPECT_EQ(code([&](auto& s) { turns_at(s, 0.99); }), kBadForce);
+  EXPECT_EQ(code([&](auto& s) { turns_at(s, 1e-320); }), kBadForce);
+  EXPECT_EQ(code([&](auto& s) { turns_at(s, kNan); }), kBadForce);
   EXPECT_EQ(code([](auto& s) { s.obstacles = {{SphereObstacle{{0, 0, 0}, -1}, 1}}; }),
             kBadObstacle);
 }

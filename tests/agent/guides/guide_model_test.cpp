@@ -168,6 +168,80 @@ TEST(GuideModel, ForceIsTheGradientOfAnEnergyInPosition) {
   }
 }
 
+TEST(GuideModel, ATurningPathCreatesNoEnergy) {
+  // Loops in the tip's position along a path whose axis tilts by 40 degrees, and in the tool's
+  // tilt.
+  const double most_rad = 40 * std::numbers::pi / 180;
+  const auto tilted = [](double rad) { return Vec3{std::sin(rad), 0, std::cos(rad)}; };
+  GuideModel guides = model(
+      {.shape = PathGuide{
+           .within_mm = 3,
+           .axis_within_deg = 5,
+           .turn_stiffness_nmm_per_rad = 100,
+           .file = {},
+           .paths = {{{.tip_mm = {0, 0, 0}}, {.tip_mm = {40, 0, 0}, .axis = tilted(most_rad)}}}}});
+  constexpr int kSteps = 4000;
+  const double corner[4][2] = {{0, 0}, {40, 0}, {40, most_rad}, {0, most_rad}};
+  double work_mj = 0, given_mj = 0;
+  for (int side = 0; side < 4; ++side) {
+    const double *from = corner[side], *to = corner[(side + 1) % 4];
+    const double dx = (to[0] - from[0]) / kSteps, dtilt = (to[1] - from[1]) / kSteps;
+    for (int i = 0; i < kSteps; ++i) {
+      const Vec3 axis = tilted(from[1] + dtilt * (i + 0.5));
+      const Wrench wrench = guides.at(at({from[0] + dx * (i + 0.5), 0, 0}, axis));
+      const Vec3 turned{0, dtilt, 0};
+      const Vec3 pivot_moved = Vec3{dx, 0, 0} + cross(turned, axis * kPivotMm);
+      const double work = dot(wrench.force_n, pivot_moved) + dot(wrench.torque_nmm, turned);
+      work_mj += work;
+      given_mj += std::abs(work);
+    }
+  }
+  EXPECT_NEAR(work_mj, 0, 0.01);
+  EXPECT_GT(given_mj, 50) << "the test requires work";
+}
+
+TEST(GuideModel, TorqueHasNoStepBetweenTwoPaths) {
+  GuideModel guides =
+      model({.shape = PathGuide{
+                 .within_mm = 3,
+                 .axis_within_deg = 5,
+                 .file = {},
+                 .paths = {line({0, 0, 0}, {20, 0, 0}), line({20, 1, 0}, {0, 1, 0}, {1, 0, 0})}}});
+  const Vec3 axis{0.6, 0, 0.8};
+  const double before = guides.at(at({5, 0.4999, 0}, axis)).torque_nmm.y;
+  EXPECT_NEAR(before, -60, 1e-9) << "toward +z";
+  EXPECT_NEAR(guides.at(at({5, 0.5001, 0}, axis)).torque_nmm.y, before, 0.1);
+  double last = before, widest = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double now = guides.at(at({5 + 0.01 * i, 1, 0}, axis)).torque_nmm.y;
+    if (i > 0) widest = std::max(widest, std::abs(now - last));  // at first the tip moves by 0.5 mm
+    last = now;
+  }
+  EXPECT_LT(widest, 0.6) << "1000 N mm/rad, 0.05 rad/mm, 0.01 mm";
+  for (int i = 0; i < 3000; ++i) last = guides.at(at({15 - 0.005 * i, 1, 0}, axis)).torque_nmm.y;
+  EXPECT_NEAR(last, 60, 1e-9) << "it has turned to the second path's axis";
+}
+
+TEST(GuideModel, GuidesShareWhatADeviceRendersOfTheirTorsionalSprings) {
+  ServoSettings light = settings();
+  light.passivity.inertia_kg_m2 = 2e-4;
+  const auto torque = [&](std::size_t count, double tilt_rad, double rad_per_s) {
+    const Guide guide{.shape = PathGuide{.axis_within_deg = 0,
+                                         .turn_stiffness_nmm_per_rad = 1e5,
+                                         .max_torque_nmm = 2000,
+                                         .file = {},
+                                         .paths = {line({0, 0, 0}, {20, 0, 0})}}};
+    GuideModel guides(std::vector<Guide>(count, guide), light, 1);
+    const Vec3 axis{std::sin(tilt_rad), 0, std::cos(tilt_rad)};
+    return guides.at(at({10, 0, 0}, axis, {{}, {0, rad_per_s, 0}})).torque_nmm.y;
+  };
+  EXPECT_LT(torque(1, 1e-3, 0), -1);
+  EXPECT_NEAR(torque(16, 1e-3, 0), torque(1, 1e-3, 0), 1e-9);
+  const double damper = torque(1, 1e-3, 1) - torque(1, 1e-3, 0);
+  EXPECT_LT(damper, -0.1);
+  EXPECT_NEAR(torque(16, 1e-3, 1) - torque(16, 1e-3, 0), damper, 1e-9);
+}
+
 TEST(GuideModel, EqualMotionsGiveEqualBits) {
   GuidePath path;
   for (int i = 0; i < 3000; ++i)

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -212,6 +213,61 @@ TEST(Force, SwivelDoesTheWorkOfTheRemovedVolume) {
       }
     }
   }
+}
+
+/// Cuts a slot along +X, then swivels in it about Y, about the point `about` from the tip. Returns
+/// the greatest force of the swivel over that of the slot.
+double swivel_over_slot(const ToolShape& shape, Rays rays, Vec3 about) {
+  constexpr double kTickRad = 0.01;
+  SculptureSettings settings;
+  settings.stock = BoxStock{{-15, -15, -10}, {15, 15, 0}};
+  settings.rays = rays;
+  settings.pitch_mm = 0.2;
+  settings.tolerance_mm = 0.002;
+  settings.force = {ForceLaw::kSpecificEnergy, kSpecific, kDrr, kPivot};
+  Sculpture b = *Sculpture::create(settings);
+  b.apply(DefineTool{1, *make_tool(shape)}).value();
+  Vec3 tip{-8, 0.02, -3};
+  b.apply(MoveTool{1, {{-25, 0.02, -3}, kUp}, {tip, kUp}, 1, false}).value();
+  double slot = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 to = tip + Vec3{0.03, 0, 0};
+    slot = length(b.apply(MoveTool{1, {tip, kUp}, {to, kUp}, 0.001})->wrench.force_n);
+    tip = to;
+  }
+  const auto pose = [&](int tick) {
+    const double s = std::sin(tick * kTickRad), c = std::cos(tick * kTickRad);
+    const Vec3 turned{about.x * c + about.z * s, 0, about.z * c - about.x * s};
+    return ToolPose{tip + about - turned, {s, 0, c}};
+  };
+  double most = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto r = b.apply(MoveTool{1, pose(i), pose(i + 1), 0.001});
+    most = std::max(most, length(r->wrench.force_n));
+  }
+  return most / slot;
+}
+
+TEST(Force, SwivelAboutPendingCutDoesNotDeliverItAtOnce) {
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    for (const Vec3 about : {Vec3{2, 0, 1.5}, Vec3{2.5, 0, 1}, Vec3{1, 0, 2}}) {
+      EXPECT_LT(swivel_over_slot(BallShape{6, 30}, rays, about), 1.3)
+          << "ball, " << to_string(rays) << ", " << about.x;
+      EXPECT_LT(swivel_over_slot(FlatShape{6, 30}, rays, about), 1.3)
+          << "flat, " << to_string(rays) << ", " << about.x;
+    }
+  }
+}
+
+TEST(Force, StoppingKeepsTheForceOfACutAlongAndAcrossTheRays) {
+  Sculpture b = block(ForceLaw::kSpecificEnergy, BallShape{6, 40});
+  const auto at = [](int i) { return ToolPose{{-10 + i * 0.03, 0.02, -2 - i * 0.03}, kUp}; };
+  b.apply(MoveTool{1, {{-30, 0.02, -2}, kUp}, at(0), 1, false}).value();
+  double moving = 0;
+  for (int i = 0; i < 60; ++i)
+    moving = length(b.apply(MoveTool{1, at(i), at(i + 1), 0.001})->wrench.force_n);
+  const double resting = length(b.apply(MoveTool{1, at(60), at(60), 0.001})->wrench.force_n);
+  EXPECT_NEAR(resting / moving, 1, 0.1);
 }
 
 }  // namespace
