@@ -21,9 +21,12 @@
 #include "haptic_agent/device/device_choice.h"
 #include "haptic_agent/realtime/clock.h"
 #include "server/wire/types.h"
+#include "tests/support/eventually.h"
 
 namespace kerf::agent {
 namespace {
+
+using test::eventually;
 
 using std::chrono::milliseconds;
 
@@ -131,15 +134,6 @@ class FakePad {
 };
 
 std::atomic<FakePad*> served{nullptr};
-
-template <typename Condition>
-bool eventually(Condition condition) {
-  for (int i = 0; i < 4000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(milliseconds(5));
-  }
-  return false;
-}
 
 class GamepadTest : public testing::Test {
  protected:

@@ -16,9 +16,12 @@
 #include "server/threads/run_and_wait.h"
 #include "tests/agent/link/lossy_line.h"
 #include "tests/server/temporary_folder.h"
+#include "tests/support/eventually.h"
 
 namespace kerf::agent {
 namespace {
+
+using test::eventually;
 
 using std::chrono::milliseconds;
 
@@ -40,16 +43,6 @@ wire::MotionSample path(std::uint64_t n, std::uint64_t tool_change_at) {
           .tip_mm = {radius * std::cos(turn), radius * std::sin(turn), depth},
           .tool_id = n >= tool_change_at ? 2U : 1U,
           .buttons = wire::kButtonCutting};
-}
-
-/// Waits until the condition holds; the limit only ends a failed test.
-template <typename Condition>
-bool eventually(Condition condition) {
-  for (int i = 0; i < 4000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(milliseconds(5));
-  }
-  return false;
 }
 
 class UdpCarve : public testing::Test {
