@@ -31,7 +31,7 @@ std::expected<void, Rejection> Carving::record(ParticipantId id, const Command& 
   if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
   ParticipantState* state = participants_.find(id);
   const bool begins_stroke = state != nullptr && !state->in_stroke;
-  if (auto ok = journal_.append(id, command, {agent_sequence, begins_stroke}); !ok) return ok;
+  if (auto ok = journal_.append(id, recorded(command), {agent_sequence, begins_stroke}); !ok) return ok;
   if (state != nullptr) state->in_stroke = true;
   return {};
 }
