@@ -55,6 +55,18 @@ MotionSet StrokeTable::at(std::uint64_t record) const {
   return set;
 }
 
+StrokeId StrokeTable::last_undone(ParticipantId participant) const {
+  const StrokeSet undone = at(last_).without;
+  for (auto change = changes_.rbegin(); change != changes_.rend(); ++change) {
+    const Stroke* stroke = find(change->change.stroke);
+    if (stroke != nullptr && stroke->participant == participant && change->change.undone &&
+        undone.contains(stroke->id)) {
+      return stroke->id;
+    }
+  }
+  return 0;
+}
+
 bool StrokeTable::changes_between(std::uint64_t after, std::uint64_t until) const {
   const auto next = std::ranges::upper_bound(changes_, after, {}, &Change::record);
   return next != changes_.end() && next->record <= until;

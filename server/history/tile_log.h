@@ -38,7 +38,7 @@ struct MotionGroup {
 class TileLog {
  public:
   static constexpr std::size_t kGroupsMax = 128;
-  static constexpr std::uint64_t kMotionsOfGroup = 256;  ///< at first
+  static constexpr std::uint64_t kMotionsOfGroup = 512;  ///< at first
   /// Records of others, or of motions that do not reach the tile, that a run may hold in between.
   static constexpr std::uint64_t kGap = 64;
 

@@ -67,8 +67,7 @@ std::expected<void, JournalError> apply_records(JournalReader& reader,
   RecordedBlock carved(std::move(block.sculpture), block.start, file);
   const auto settle = [&]() -> std::expected<void, JournalError> {
     if (const auto ok = carved.settle(stop); !ok) {
-      const auto code =
-          stop.stop_requested() ? JournalErrorCode::kIo : JournalErrorCode::kCorrupt;
+      const auto code = stop.stop_requested() ? JournalErrorCode::kIo : JournalErrorCode::kCorrupt;
       return std::unexpected(JournalError{code, file.string(), block.last_sequence, ok.error()});
     }
     return {};

@@ -25,8 +25,8 @@ ExportResult for_each_record(JournalReader& reader, const std::stop_token& stop,
 
 bool is_requested(const JournalRecord& record, const ProgramRequest& request,
                   const StrokeSet& undone) {
-  return !undone.contains(record.stroke) && record.sequence >= request.first && record.sequence <= request.last &&
-         (!request.only || *request.only == record.participant);
+  return !undone.contains(record.stroke) && record.sequence >= request.first &&
+         record.sequence <= request.last && (!request.only || *request.only == record.participant);
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ const std::vector<Module>& other_modules() {
       {"server/session",
        {"kernel", "server/wire", "server/convert", "server/formats", "server/verify",
         "server/store", "server/history", "server/feed", "server/rights",
-        "server/threads/executor.h"}},
+        "server/threads/executor.h", "server/threads/run_and_wait.h"}},
       {"server/metrics", {"server/session"}},
       // The protocols of agents and viewers as state machines: no socket, no thread, no Boost.
       {"server/conversation",
