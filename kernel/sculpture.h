@@ -99,6 +99,12 @@ class Sculpture {
   /// it suits blocks that keep none.
   void keep_common(FieldTile at, const TileColumns& other);
 
+  /// Replaces tiles of existing fields, within their grids: what undoing a motion needs, which
+  /// brings stock back. This is not a motion; removed_volume_mm3() falls by what came back, and the
+  /// counters of motions stay. Force that is pending is dropped, and no motion continues another:
+  /// stock that has come back around a tool is imprint to its next motion, not a cut that is felt.
+  ReplacedTiles replace(std::span<const TileReplacement> tiles);
+
   /// Returns an immutable view of one field, which must exist. Copies no column; resolves pending
   /// normals first.
   DexelSnapshot snapshot(RayAxis axis = RayAxis::kZ);
@@ -145,6 +151,8 @@ class Sculpture {
   /// Sets the volumes of a finished motion, puts its tiles in order, and counts it.
   void count_motion(std::span<const RemovedVolume> removed, MotionResult& result);
   SweepSettings sweep_settings(const DexelField& field) const;
+  /// Returns the place of a field in fields_, which must exist.
+  std::size_t place_of(RayAxis axis) const;
 
   SculptureSettings settings_;
   std::vector<DexelField> fields_;        ///< along Z; then along X and Y if Rays::kTriDexel
