@@ -12,6 +12,7 @@
 #include "kernel/dexel/tile_region.h"
 #include "kernel/force/engagement.h"
 #include "kernel/force/stock_contact.h"
+#include "kernel/motion_reach.h"
 #include "kernel/sculpture.h"
 #include "kernel/sculpture_motion.h"
 #include "kernel/sweep/swept_tool.h"
@@ -40,21 +41,10 @@ MotionInPieces::~MotionInPieces() = default;
 std::int64_t Sculpture::tiles_in_reach(const MoveTool& command) const {
   const Tool* used = tool(command.tool);
   if (used == nullptr) return 0;
-  const ToolMotion motion = motion_of(command, *used);
-  // Between its poses an axis that turns leaves the hull of both by the sagitta of its arc at most.
-  const double sagitta_mm = used->length_mm * motion.turn_rad * motion.turn_rad / 8;
-  const double beyond_mm = used->radius_mm + sagitta_mm;
-  Vec3 lo = motion.from.tip_mm, hi = lo;
-  for (const ToolPose& pose : {motion.from, motion.to}) {
-    for (const Vec3& at : {pose.tip_mm, pose.tip_mm + pose.axis * used->length_mm}) {
-      lo = {std::min(lo.x, at.x), std::min(lo.y, at.y), std::min(lo.z, at.z)};
-      hi = {std::max(hi.x, at.x), std::max(hi.y, at.y), std::max(hi.z, at.z)};
-    }
-  }
-  const Vec3 margin{beyond_mm, beyond_mm, beyond_mm};
+  const Bounds box = reach_of(*used, motion_of(command, *used));
   std::int64_t tiles = 0;
   for (const DexelField& f : fields_)
-    tiles += tiles_through(f.grid(), lo - margin, hi + margin).count();
+    tiles += tiles_through(f.grid(), box.lo_mm, box.hi_mm).count();
   return tiles;
 }
 

@@ -39,13 +39,6 @@ double combined_mm3(std::span<const RemovedVolume> fields, double RemovedVolume:
   return weights > 0 ? sum / weights : 0;
 }
 
-/// Returns the bounds of the field's rays.
-SweepBounds bounds_of(const DexelGrid& grid) {
-  return {{grid.x_mm(0), grid.y_mm(0), grid.origin_mm.z},
-          {grid.x_mm(grid.columns_x - 1), grid.y_mm(grid.columns_y - 1),
-           grid.z_mm(grid.height_quanta)}};
-}
-
 }  // namespace
 
 Sculpture::Sculpture(SculptureSettings settings)
@@ -105,9 +98,14 @@ const Tool* Sculpture::tool(ToolId id) const {
   return it == tools_.end() ? nullptr : &it->second;
 }
 
-DexelSnapshot Sculpture::snapshot(RayAxis axis) {
+std::size_t Sculpture::place_of(RayAxis axis) const {
   std::size_t n = 0;
   while (fields_[n].grid().axis != axis) ++n;
+  return n;
+}
+
+DexelSnapshot Sculpture::snapshot(RayAxis axis) {
+  const std::size_t n = place_of(axis);
   normals_[n].resolve(fields_[n]);
   return fields_[n].snapshot();
 }
@@ -210,7 +208,7 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
 }
 
 SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
-  return {settings_.motion, settings_.tolerance_mm, bounds_of(field.grid())};
+  return {settings_.motion, settings_.tolerance_mm, ray_bounds(field.grid())};
 }
 
 RemovedVolume Sculpture::cut_field(DexelField& field, LazyNormals& normals, const Tool& tool,

@@ -99,6 +99,12 @@ class Sculpture {
   /// it suits blocks that keep none.
   void keep_common(FieldTile at, const TileColumns& other);
 
+  /// Replaces tiles of existing fields, within their grids: what undoing a motion needs, which
+  /// brings stock back. This is not a motion; removed_volume_mm3() falls by what came back, and the
+  /// counters of motions stay. Force that is pending is dropped, and no motion continues another:
+  /// stock that has come back around a tool is imprint to its next motion, not a cut that is felt.
+  ReplacedTiles replace(std::span<const TileReplacement> tiles);
+
   /// Returns an immutable view of one field, which must exist. Copies no column; resolves pending
   /// normals first.
   DexelSnapshot snapshot(RayAxis axis = RayAxis::kZ);
@@ -110,6 +116,10 @@ class Sculpture {
   /// Takes over a state that state() returned for equal settings, in place of the present one;
   /// false, without a change, if it is that of a block with other rays.
   bool restore(const SculptureState& state);
+  /// Takes over the stock of a block with equal settings, as solid() returned it. Tools, their
+  /// poses, pending force and counters stay: a copy of a block on which something is tried returns
+  /// to it while its user feels on. False, without a change, if the block has other rays.
+  bool restore(const SolidSnapshot& solid);
   /// Hashes the solid over all fields; O(touched tiles). Replays, replicas and tests compare it.
   std::uint64_t state_hash() { return solid().hash(); }
   /// Returns the bytes that all fields hold; O(touched tiles).
@@ -145,6 +155,8 @@ class Sculpture {
   /// Sets the volumes of a finished motion, puts its tiles in order, and counts it.
   void count_motion(std::span<const RemovedVolume> removed, MotionResult& result);
   SweepSettings sweep_settings(const DexelField& field) const;
+  /// Returns the place of a field in fields_, which must exist.
+  std::size_t place_of(RayAxis axis) const;
 
   SculptureSettings settings_;
   std::vector<DexelField> fields_;        ///< along Z; then along X and Y if Rays::kTriDexel

@@ -3,9 +3,11 @@
 
 // What the parts of Sculpture that apply motions share.
 
+#include "kernel/dexel/dexel_grid.h"
 #include "kernel/math/ray_axis.h"
 #include "kernel/math/rotation.h"
 #include "kernel/sculpture_command.h"
+#include "kernel/sweep/column_block.h"
 #include "kernel/sweep/tool_motion.h"
 #include "kernel/tool/tool.h"
 
@@ -36,6 +38,13 @@ inline ToolMotion in_frame(RayAxis axis, ToolMotion motion) {
     *pose = {to_frame(axis, pose->tip_mm), to_frame(axis, pose->axis)};
   }
   return motion;
+}
+
+/// Returns the bounds of the rays of a field.
+inline SweepBounds ray_bounds(const DexelGrid& grid) {
+  return {{grid.x_mm(0), grid.y_mm(0), grid.origin_mm.z},
+          {grid.x_mm(grid.columns_x - 1), grid.y_mm(grid.columns_y - 1),
+           grid.z_mm(grid.height_quanta)}};
 }
 
 }  // namespace kerf

@@ -5,6 +5,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "kernel/dexel/tile_index.h"
@@ -14,6 +15,8 @@
 #include "kernel/sweep/motion_kind.h"
 
 namespace kerf {
+
+struct DexelTile;
 
 /// A local model of the cut, from which a haptic device renders the cutting force between two
 /// results as a function of its own velocity.
@@ -54,6 +57,20 @@ struct MotionResult {
   std::vector<TileIndex> changed_tiles;
   /// Tiles of any field that lost material; may contain duplicates.
   std::vector<FieldTile> cut_tiles;
+};
+
+/// A tile as another set of motions leaves it (TileCarver).
+struct TileReplacement {
+  FieldTile at;
+  std::shared_ptr<const DexelTile> tile;  ///< null: untouched stock
+};
+
+/// The result of Sculpture::replace.
+struct ReplacedTiles {
+  /// Volume that came back, less what was removed; with three fields the mean of what they see.
+  double returned_mm3 = 0;
+  std::vector<TileIndex> changed_tiles;  ///< as in MotionResult
+  std::vector<FieldTile> tiles;          ///< those that differ from before, in the order given
 };
 
 }  // namespace kerf

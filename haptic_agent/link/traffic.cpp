@@ -167,6 +167,10 @@ std::optional<Loss> Traffic::take_frame(std::span<const std::byte> frame, std::u
     if (options_.copy != nullptr) options_.copy->take_stock(frame);
     return std::nullopt;
   }
+  if (std::holds_alternative<wire::Intents>(message->body)) {
+    if (options_.copy != nullptr) options_.copy->take_stock(frame);
+    return std::nullopt;
+  }
   return take_message(*message, now_us);
 }
 

@@ -65,7 +65,7 @@ Lanes lower_bound(const SweptTool& swept, const Discs& discs) {
 /// Finds the tiles of a run that a sweep may change, in tile order.
 class Reach {
  public:
-  Reach(const DexelField& field, const SweptTool& swept, TileRun run)
+  Reach(const DexelField& field, const SweptTool& swept, TileRun run = {})
       : field_(field), grid_(field.grid()), swept_(swept), run_(run) {}
 
   /// Number of tiles in the bounds of the sweep; known after find().
@@ -92,6 +92,11 @@ class Reach {
                 static_cast<int>(count));
       at += count;
     }
+    return std::move(reached_);
+  }
+  /// Finds those of these tiles that the sweep may change.
+  std::vector<ReachedTile> find(std::span<const TileIndex> tiles) {
+    for (const TileIndex tile : tiles) add(tile);
     return std::move(reached_);
   }
 
@@ -184,6 +189,17 @@ std::int64_t cut(DexelField& field, const SweptTool& swept, Removal& removal, Wo
   // Only this thread changes the tile directory.
   for (TileCutter& cutter : cutters) cutter.put_tiles();
   return reach.in_bounds();
+}
+
+void cut_tiles(DexelField& field, const SweptTool& swept, std::span<const TileIndex> tiles,
+               Removal& removal, NormalCode end_code) {
+  removal.start(0);
+  if (swept.pieces.empty()) return;
+  const std::vector<ReachedTile> reached = Reach(field, swept).find(tiles);
+  if (reached.empty()) return;
+  TileCutter cutter(field, swept, end_code, removal.start(1).front());
+  for (const ReachedTile& tile : reached) cutter.cut(tile);
+  cutter.put_tiles();
 }
 
 }  // namespace kerf

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "kernel/cut/removal.h"
 #include "kernel/cut/workers.h"
@@ -26,5 +27,10 @@ struct TileRun {
 /// tiles in the bounds of the sweep.
 std::int64_t cut(DexelField& field, const SweptTool& swept, Removal& removal, Workers& workers,
                  NormalCode end_code = kStockNormal, TileRun tiles = {});
+
+/// The same for these tiles of the grid only, in this order and without duplicates, on the calling
+/// thread.
+void cut_tiles(DexelField& field, const SweptTool& swept, std::span<const TileIndex> tiles,
+               Removal& removal, NormalCode end_code = kStockNormal);
 
 }  // namespace kerf

@@ -40,6 +40,17 @@ void DexelField::put(TileIndex tile, std::shared_ptr<DexelTile> fresh) {
   tiles_.slot(tile, era_) = std::move(fresh);
 }
 
+void DexelField::put_shared(TileIndex tile, const std::shared_ptr<const DexelTile>& shared) {
+  if (!shared && find(tile) == nullptr) return;
+  // Only a tile of the present era is edited, and this one is not.
+  put(tile, std::const_pointer_cast<DexelTile>(shared));
+}
+
+std::shared_ptr<DexelTile> DexelField::take(TileIndex tile) {
+  if (editable(tile) == nullptr) return nullptr;
+  return std::exchange(tiles_.slot(tile, era_), nullptr);
+}
+
 DexelSnapshot DexelField::snapshot() {
   ++era_;
   return {grid_, stock_, tiles_};

@@ -38,6 +38,11 @@ class DexelField {
   std::shared_ptr<DexelTile> fresh(TileIndex tile) const;
   /// Stores a tile in place of the present one.
   void put(TileIndex tile, std::shared_ptr<DexelTile> fresh);
+  /// Stores a tile that others share, of era 0 or of a copy of this field; null: untouched.
+  void put_shared(TileIndex tile, const std::shared_ptr<const DexelTile>& shared);
+  /// Takes a tile out of the field, which is untouched there from then on, if it was stored after
+  /// the last snapshot; otherwise returns null, and nothing changes.
+  std::shared_ptr<DexelTile> take(TileIndex tile);
   /// Returns an immutable view of the present state.
   DexelSnapshot snapshot();
   /// Returns whether a view is one of a field with the same rays and stock.

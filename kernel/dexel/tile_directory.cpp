@@ -28,6 +28,11 @@ TileDirectory::TileDirectory(std::int32_t tiles_x, std::int32_t tiles_y)
   root_->child.resize(std::size_t(root_x_) * std::size_t(roots(tiles_y, 2 * kLeafBits)));
 }
 
+std::shared_ptr<const DexelTile> TileDirectory::share(TileIndex tile) const {
+  const Leaf* leaf = leaf_of(tile);
+  return leaf == nullptr ? nullptr : leaf->child[index(tile, 0)];
+}
+
 DexelTile* TileDirectory::own(TileIndex tile, std::uint64_t era) {
   // A tile of this era was stored during it, so its parent nodes are of this era too.
   DexelTile* stored = locate(tile);

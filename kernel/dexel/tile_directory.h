@@ -24,6 +24,8 @@ class TileDirectory {
 
   /// Returns a tile, or null while it is untouched. It must lie in the grid.
   const DexelTile* find(TileIndex tile) const { return locate(tile); }
+  /// Returns a tile to be shared, or null while it is untouched.
+  std::shared_ptr<const DexelTile> share(TileIndex tile) const;
   /// Returns a tile for editing if it is of this era, hence not shared with a copy; else null.
   DexelTile* own(TileIndex tile, std::uint64_t era);
   /// Returns the slot of a tile, to be filled or replaced. Creates or copies the nodes on its path.
@@ -71,10 +73,13 @@ class TileDirectory {
     return {at.x + (static_cast<std::int32_t>(child & kMask) << shift),
             at.y + (static_cast<std::int32_t>(child >> kLeafBits) << shift)};
   }
-  DexelTile* locate(TileIndex tile) const {
+  /// Returns the leaf that holds a tile, or null.
+  const Leaf* leaf_of(TileIndex tile) const {
     const Branch* branch = root_->child[root_index(tile)].get();
-    if (branch == nullptr) return nullptr;
-    const Leaf* leaf = branch->child[index(tile, kLeafBits)].get();
+    return branch == nullptr ? nullptr : branch->child[index(tile, kLeafBits)].get();
+  }
+  DexelTile* locate(TileIndex tile) const {
+    const Leaf* leaf = leaf_of(tile);
     return leaf == nullptr ? nullptr : leaf->child[index(tile, 0)].get();
   }
   std::size_t root_index(TileIndex tile) const {

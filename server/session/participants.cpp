@@ -113,6 +113,7 @@ std::expected<ParticipantState, Rejection> Participants::make_state(const JoinRe
   state.feel = request.feel;
   state.feel_of = request.feel_of;
   if (request.stock) state.stock.emplace();
+  state.intent = request.intent;
   state.samples = RateLimit(limits_.samples_per_s, limits_.samples_burst);
   state.speed_mm_per_s =
       request.role == Role::kGuest ? limits_.guest_speed_mm_per_s : limits_.speed_mm_per_s;

@@ -9,8 +9,8 @@
 namespace kerf::agent {
 
 TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
-                 const LineQuality& quality, bool copy, std::uint32_t seed)
-    : up_(quality, 2 * seed), down_(quality, 2 * seed + 1) {
+                 const LineQuality& quality, bool copy, std::uint32_t seed, bool intent)
+    : up_(quality, 2 * seed), down_(quality, 2 * seed + 1), another_up_(quality, ~seed) {
   // Virtual time runs faster than the session's rate limits permit.
   SessionLimits limits;
   limits.samples_per_s = limits.samples_burst = 1e12;
@@ -20,7 +20,7 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
   auto created = registry_->create("bed", scene, SceneSource{});
   if (!created) throw std::runtime_error(created.error().reason);
   session_ = *created;
-  join(limits, copy);
+  join(limits, copy, intent);
   traffic_ = std::make_unique<Traffic>(samples_, wrenches_,
                                        TrafficOptions{.copy = copy ? &copy_ : nullptr});
   const ForceSettings& force = session_->scene().settings.force;
@@ -38,7 +38,7 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
 }
 
 /// Sends the hello and creates the replica from the welcome.
-void TestBed::join(const SessionLimits& limits, bool copy) {
+void TestBed::join(const SessionLimits& limits, bool copy, bool intent) {
   conversation_ = std::make_unique<net::AgentConversation>(
       net::AgentConversation::Setup{.session = session_,
                                     .limits = limits,
@@ -46,8 +46,9 @@ void TestBed::join(const SessionLimits& limits, bool copy) {
                                     .now = [this] { return time(); },
                                     .wake = {},
                                     .open_udp = {}});
-  const std::string hello =
-      std::string(R"({"type":"hello","name":"hand","stock":)") + (copy ? "true}" : "false}");
+  const std::string hello = std::string(R"({"type":"hello","name":"hand","stock":)") +
+                            (copy ? "true" : "false") + R"(,"intent":)" +
+                            (copy && intent ? "true}" : "false}");
   conversation_->receive(std::as_bytes(std::span(hello)), true, time());
   net::OutFrame welcome;
   if (!conversation_->take(welcome)) throw std::runtime_error("the server sends no welcome");
@@ -60,6 +61,9 @@ void TestBed::join(const SessionLimits& limits, bool copy) {
 
 void TestBed::Copy::take_stock(std::span<const std::byte> frame) {
   const auto message = wire::decode(frame);
+  if (const auto* intents = std::get_if<wire::Intents>(&message->body)) {
+    return replica->take(*intents);
+  }
   if (!replica->take(std::get<wire::StockPatch>(message->body))) {
     throw std::runtime_error("the replica rejects a patch of the server");
   }
@@ -98,18 +102,25 @@ void TestBed::send_answers() {
 }
 
 void TestBed::another_cuts_to(Vec3 tip_mm) {
-  if (another_ == 0) {
-    another_ = session_->join({.kind = ParticipantKind::kAgent, .name = "another", .color = ""})
-                   .value()
-                   .id;
-  }
-  wire::MotionSample sample;
+  wire::MotionBatch batch{.count = 1};
+  wire::MotionSample& sample = batch.samples[0];
   sample.agent_sequence = ++another_sequence_;
   sample.time_us = now_us_;
   sample.tip_mm = tip_mm;
   sample.tool_id = session_->scene().tools.begin()->first;
   sample.buttons = wire::kButtonCutting;
-  session_->move(another_, {&sample, 1});
+  std::vector<std::byte> bytes;
+  wire::append(bytes, {}, batch);
+  another_up_.send(bytes, now_us_);
+}
+
+void TestBed::another_arrives(std::span<const std::byte> bytes) {
+  if (another_ == 0) {
+    another_ = session_->join({.kind = ParticipantKind::kAgent, .name = "another", .color = ""})
+                   .value()
+                   .id;
+  }
+  session_->move(another_, std::get<wire::MotionBatch>(wire::decode(bytes)->body).view());
 }
 
 void TestBed::tick(bool runs) {
@@ -124,6 +135,8 @@ void TestBed::tick(bool runs) {
   while (const std::size_t bytes = traffic_->fill(now_us_, frame)) {
     up_.send(std::span(frame).first(bytes), now_us_);
   }
+  another_up_.receive(now_us_,
+                      [this](std::span<const std::byte> bytes) { another_arrives(bytes); });
   up_.receive(now_us_, [this](std::span<const std::byte> bytes) { serve(bytes); });
   down_.receive(now_us_,
                 [this](std::span<const std::byte> bytes) { traffic_->take_frame(bytes, now_us_); });

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kernel/dexel/dexel_grid.h"
+#include "kernel/piece/bounds.h"
+#include "kernel/sculpture_command.h"
+#include "kernel/sculpture_result.h"
+#include "kernel/sweep/tool_motion.h"
+
+namespace kerf {
+
+/// Returns a box around everything that the cutting part of a tool passes in a motion.
+Bounds reach_of(const Tool& tool, const ToolMotion& motion);
+
+/// Replaces `tiles` by those that a motion may change, over the fields with these grids; sorted,
+/// without duplicates. Depends on the motion and the grids alone, not on the stock that is left. A
+/// long motion is divided, so that a diagonal does not name the tiles of its bounding box.
+/// `tolerance_mm`: of the block.
+void find_reach(const Tool& tool, const MoveTool& motion, std::span<const DexelGrid> grids,
+                double tolerance_mm, std::vector<FieldTile>& tiles);
+
+}  // namespace kerf

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of Sculpture that replaces tiles.
+#include <algorithm>
+#include <memory>
+
+#include "kernel/cut/lazy_normals.h"
+#include "kernel/cut/removal.h"
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/dexel/stock_column.h"
+#include "kernel/force/collision.h"
+#include "kernel/force/engagement.h"
+#include "kernel/sculpture.h"
+
+namespace kerf {
+namespace {
+
+/// Where two forms of a tile differ.
+struct Difference {
+  std::int64_t quanta = 0;                 ///< that the second holds more than the first
+  std::int32_t low = INT32_MAX, high = 0;  ///< bounds of the columns that differ
+  bool any() const { return low < high; }
+};
+
+std::int64_t length_of(std::span<const Dexel> column) {
+  std::int64_t sum = 0;
+  for (const Dexel& d : column) sum += d.top - d.bottom;
+  return sum;
+}
+
+Difference difference(const DexelTile& before, const DexelTile& after) {
+  Difference sum;
+  std::vector<Dexel> a, b;
+  for (int column = 0; column < kTileColumns; ++column) {
+    before.read(column, a);
+    after.read(column, b);
+    if (a == b) continue;
+    sum.quanta += length_of(b) - length_of(a);
+    for (const auto* elements : {&a, &b}) {
+      if (elements->empty()) continue;
+      sum.low = std::min(sum.low, elements->front().bottom);
+      sum.high = std::max(sum.high, elements->back().top);
+    }
+  }
+  return sum;
+}
+
+/// Appends the tiles of the field along Z whose surface a tile of any field shares, between two
+/// depths.
+void append_seen_tiles(const DexelGrid& grid, TileIndex at, const Difference& where,
+                       std::vector<TileIndex>& changed) {
+  if (grid.axis == RayAxis::kZ) {
+    changed.push_back(at);
+    return;
+  }
+  const double tile_quanta = kTileSide * grid.pitch_mm / grid.z_quantum_mm;
+  const auto first = static_cast<std::int32_t>(where.low / tile_quanta);
+  const auto last = static_cast<std::int32_t>(where.high / tile_quanta);
+  for (std::int32_t t = first; t <= last; ++t) {
+    changed.push_back(grid.axis == RayAxis::kX ? TileIndex{t, at.x} : TileIndex{at.y, t});
+  }
+}
+
+}  // namespace
+
+ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles) {
+  ReplacedTiles result;
+  const auto untouched = std::make_unique<DexelTile>();
+  for (const TileReplacement& tile : tiles) {
+    const std::size_t n = place_of(tile.at.axis);
+    DexelField& field = fields_[n];
+    const auto form = [&](const DexelTile* stored) -> const DexelTile& {
+      if (stored != nullptr) return *stored;
+      fill_from_stock(field.stock(), field.grid(), tile.at.tile, *untouched);
+      return *untouched;
+    };
+    if (field.find(tile.at.tile) == nullptr && !tile.tile) continue;
+    const Difference changed = difference(form(field.find(tile.at.tile)), form(tile.tile.get()));
+    if (!changed.any()) continue;
+    normals_[n].resolve(field);  // The ends that are pending may be in this tile.
+    field.put_shared(tile.at.tile, tile.tile);
+    append_seen_tiles(field.grid(), tile.at.tile, changed, result.changed_tiles);
+    result.tiles.push_back(tile.at);
+    result.returned_mm3 +=
+        double(changed.quanta) * field.grid().quantum_mm3() / static_cast<double>(fields_.size());
+  }
+  std::erase_if(result.changed_tiles, [this](TileIndex tile) { return !grid().has(tile); });
+  std::ranges::sort(result.changed_tiles);
+  const auto repeated = std::ranges::unique(result.changed_tiles);
+  result.changed_tiles.erase(repeated.begin(), repeated.end());
+  if (result.tiles.empty()) return result;
+  removed_mm3_ -= result.returned_mm3;
+  engagements_->clear();
+  last_pose_.clear();
+  return result;
+}
+
+}  // namespace kerf

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "kernel/dexel/solid_snapshot.h"
+#include "kernel/sculpture_command.h"
+#include "kernel/sculpture_result.h"
+#include "kernel/sculpture_settings.h"
+
+namespace kerf {
+
+class DexelField;
+class LazyNormals;
+class Removal;
+
+/// Carves single tiles of a block, beside the block itself: what a set of motions leaves of them.
+/// What a motion removes from a column depends on the motion and the column alone, so the result is
+/// to the bit what these motions, and no others, leave of the tile in a Sculpture, in any order.
+/// Computes no force. Not thread-safe; several may share one start.
+class TileCarver {
+ public:
+  /// `start`: the block with these settings before its first motion. Its tiles are shared.
+  TileCarver(const SculptureSettings& settings, const SolidSnapshot& start);
+  TileCarver(TileCarver&&) noexcept;
+  ~TileCarver();
+
+  /// Cuts these tiles, of existing fields and within their grids, with the swept volume of a motion
+  /// that a Sculpture has accepted. `tiles` is sorted, without duplicates.
+  void cut(const Tool& tool, const MoveTool& motion, std::span<const FieldTile> tiles);
+  /// Returns a tile as the motions since its last take() have left it, and begins it again as it
+  /// was at the start; null if they have not changed it.
+  std::shared_ptr<const DexelTile> take(FieldTile at);
+  /// Returns a tile at the start; null: it is untouched stock.
+  std::shared_ptr<const DexelTile> start(FieldTile at) const;
+
+ private:
+  struct Layer;
+  Layer& layer(RayAxis axis);
+
+  MotionModel motion_model_;
+  double tolerance_mm_;
+  SolidSnapshot start_;
+  std::vector<Layer> layers_;  ///< of each field
+  std::unique_ptr<Removal> removal_;
+  std::vector<TileIndex> tiles_;  ///< of one field; reuses its memory
+};
+
+}  // namespace kerf
