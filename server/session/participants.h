@@ -141,6 +141,8 @@ class Participants {
   SessionJournal& journal_;
   ToolId default_tool_;
   std::map<ParticipantId, ParticipantState> states_;
+  /// The agents and programs in `states_`: a motion looks at each of them, and at no viewer.
+  std::map<ParticipantId, ParticipantState*> carvers_;
   ParticipantId last_id_;
   std::map<int, SessionListener> listeners_;
   int last_listener_ = 0;
