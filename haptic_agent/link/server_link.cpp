@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/server_link.h"
 
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -63,7 +64,7 @@ class ServerLink::Impl {
     thread_ = std::thread([this] {
       // If this is denied, the servo thread's warning explains it.
       request_fifo(kLinkPriority);
-      io_.run();
+      run_io();
     });
   }
 
@@ -96,6 +97,21 @@ class ServerLink::Impl {
   bool rejected() const noexcept { return rejected_.load(); }
 
  private:
+  /// While the servo hands over several samples at a time, because the replica answers them,
+  /// nothing that arrives is urgent: it is handled when the servo wakes the link the next time.
+  void run_io() {
+    while (!io_.stopped()) {
+      const bool drains = drain_until_us_.load() != 0 || interrupted();
+      if (!in_batches_ || !connected_.load() || drains) {
+        io_.run_one();
+        continue;
+      }
+      pollfd event{.fd = wake_fd_, .events = POLLIN, .revents = 0};
+      ::poll(&event, 1, static_cast<int>(kHousekeeping.count()));
+      io_.poll();
+    }
+  }
+
   bool interrupted() const noexcept { return interrupted_.load(); }
 
   void notice(const std::string& text) const {
@@ -264,7 +280,7 @@ class ServerLink::Impl {
   asio::awaitable<void> write_all(Connection& connection) {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     while (!connection.loss && !finished()) {
-      traffic_.collect();
+      if (const std::size_t count = traffic_.collect(); count > 0) in_batches_ = count > 1;
       send_datagrams(connection);
       if (const std::string text = traffic_.take_control(); !text.empty()) {
         co_await write(connection, true, asio::buffer(text));
@@ -308,6 +324,7 @@ class ServerLink::Impl {
   /// The connection whose handshake is in progress; null if none.
   std::shared_ptr<Connection> greeting_;
   bool ended_ = false;
+  bool in_batches_ = false;  ///< the servo wakes the link for several samples at a time
   bool notified_no_udp_ = false;
   LinkReport report_;
   std::thread thread_;
