@@ -121,6 +121,10 @@ class Sculpture {
   /// Takes over a state that state() returned for equal settings, in place of the present one;
   /// false, without a change, if it is that of a block with other rays.
   bool restore(const SculptureState& state);
+  /// Takes over the stock of a block with equal settings, as solid() returned it. Tools, their
+  /// poses, pending force and counters stay: a copy of a block on which something is tried returns
+  /// to it while its user feels on. False, without a change, if the block has other rays.
+  bool restore(const SolidSnapshot& solid);
   /// Hashes the solid over all fields; O(touched tiles). Replays, replicas and tests compare it.
   std::uint64_t state_hash() { return solid().hash(); }
   /// Returns the bytes that all fields hold; O(touched tiles).

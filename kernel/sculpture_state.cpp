@@ -19,14 +19,19 @@ SculptureState Sculpture::state() {
           removed_mm3_, imprint_mm3_, motions_,   sub_motions_};
 }
 
-bool Sculpture::restore(const SculptureState& state) {
-  const auto& fields = state.solid.fields;
+bool Sculpture::restore(const SolidSnapshot& solid) {
+  const auto& fields = solid.fields;
   if (fields.size() != fields_.size()) return false;
   for (std::size_t n = 0; n < fields.size(); ++n) {
     if (!fields_[n].fits(fields[n])) return false;
   }
   for (std::size_t n = 0; n < fields.size(); ++n) fields_[n].restore(fields[n]);
   for (LazyNormals& normals : normals_) normals = {};
+  return true;
+}
+
+bool Sculpture::restore(const SculptureState& state) {
+  if (!restore(state.solid)) return false;
   tools_ = state.tools;
   last_pose_ = state.last_poses;
   engagements_->restore(state.users);

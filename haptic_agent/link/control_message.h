@@ -26,7 +26,7 @@ struct Hello {
   std::uint32_t feel_of = 0;
   /// Request the UDP transport.
   bool udp = false;
-  /// Request updates of the stock near the tool.
+  /// Request updates of the stock near the tool, and the poses of other tools there.
   bool stock = false;
   /// Token of an earlier welcome: continue as the same participant. Not to be logged.
   std::string resume = {};

@@ -13,7 +13,7 @@ namespace kerf::agent {
 class StockListener {
  public:
   virtual ~StockListener() = default;
-  /// A stock frame has arrived; the bytes are valid during the call only.
+  /// A stock or an intent frame has arrived; the bytes are valid during the call only.
   virtual void take_stock(std::span<const std::byte> frame) = 0;
   virtual void take_result(const wire::Result& result) = 0;
   /// Returns true once if the server must send the stock from scratch.

@@ -11,6 +11,12 @@
 namespace kerf::agent {
 namespace {
 
+/// Applies a motion that another copy of the block has accepted.
+void cut_unfelt(Sculpture& block, MoveTool move) {
+  move.feel = false;
+  block.apply(move).value();
+}
+
 constexpr RayAxis kAxes[] = {RayAxis::kZ, RayAxis::kX, RayAxis::kY};
 
 }  // namespace
@@ -50,7 +56,27 @@ bool Replica::is_settled(const MoveTool& motion, bool known) {
   return known && unsettled_mm_ <= 0;
 }
 
+/// Cuts in block_ what others are expected to have cut by now, and nothing else that stock_ has not
+/// lost.
+void Replica::look_ahead(std::uint64_t now_us) {
+  if (!others_.are_near(now_us)) {
+    if (stock_) block_.restore(stock_->solid());
+    stock_.reset();
+    return;
+  }
+  if (!stock_) {
+    stock_.emplace(source_.make());
+    stock_->restore(block_.solid());
+    others_.restart();
+  } else if (others_.are_off(now_us)) {
+    block_.restore(stock_->solid());
+    others_.restart();
+  }
+  others_.cut(block_, now_us);
+}
+
 std::optional<wire::Result> Replica::move(const wire::MotionSample& sample) {
+  look_ahead(sample.time_us);
   auto step = track_.take(sample, block_, source_.speed_max_mm_per_s());
   const std::optional<ToolPose>& pose = track_.pose();
   if (!step || !pose) return std::nullopt;  // the server will report the reason
@@ -62,6 +88,7 @@ std::optional<wire::Result> Replica::move(const wire::MotionSample& sample) {
     move->feel = known;
     const auto result = block_.apply(*move);
     if (!result) return std::nullopt;
+    if (stock_) cut_unfelt(*stock_, *move);
     cuts_.push_back({sample.time_us, *move});
     while (cuts_.front().time_us + kRememberedUs < sample.time_us) cuts_.pop_front();
     known = is_settled(*move, known);
@@ -99,6 +126,7 @@ std::expected<void, std::string_view> Replica::take_tile(const wire::StockTile& 
   const auto columns = decode_columns(tile.columns);
   if (!columns) return std::unexpected(columns.error());
   block_.keep_common(at, *columns);
+  if (stock_) stock_->keep_common(at, *columns);
   known_.insert(at);
   return {};
 }
@@ -106,6 +134,7 @@ std::expected<void, std::string_view> Replica::take_tile(const wire::StockTile& 
 std::expected<void, std::string_view> Replica::take(const wire::StockPatch& patch) {
   if (patch.reset) {
     block_ = source_.make();
+    stock_.reset();
     known_.clear();
     known_region_ = {};
   }

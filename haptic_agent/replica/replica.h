@@ -11,6 +11,7 @@
 
 #include "haptic_agent/replica/agreement.h"
 #include "haptic_agent/replica/block_source.h"
+#include "haptic_agent/replica/other_tools.h"
 #include "kernel/dexel/tile_region.h"
 #include "server/convert/tool_track.h"
 #include "server/wire/types.h"
@@ -32,6 +33,9 @@ class Replica {
   /// Applies the contents of tiles near the tool. On an error, neither the tile at fault nor the
   /// later ones of the patch have been applied.
   std::expected<void, std::string_view> take(const wire::StockPatch& patch);
+  /// Takes the poses of other tools nearby. Their motions up to now are expected, and the force of
+  /// the next samples is that in a block without what they cut.
+  void take(const wire::Intents& intents) { others_.take(intents, track_.time_us()); }
   /// Compares an answer of the server.
   void compare(const wire::Result& remote) { agreement_.compare(remote); }
   /// Returns true once after the replica has diverged; it then needs a reset from the server.
@@ -39,8 +43,8 @@ class Replica {
 
   const Agreement& agreement() const { return agreement_; }
   std::uint64_t tiles_known() const { return known_.size(); }
-  /// For tests.
-  const Sculpture& block() const { return block_; }
+  /// Returns the replica of the server's block, without what others are expected to cut. For tests.
+  const Sculpture& block() const { return stock_ ? *stock_ : block_; }
 
  private:
   struct Cut {
@@ -55,9 +59,14 @@ class Replica {
   bool is_known(const DexelField& field, std::size_t n, const TileRegion& region);
   std::expected<void, std::string_view> take_tile(const wire::StockTile& tile);
   void cut_again(std::uint64_t server_has_us);
+  void look_ahead(std::uint64_t now_us);
 
   BlockSource source_;
+  /// The block of which the force is computed.
   Sculpture block_;
+  /// While other tools are near: the replica. block_ is then what remains of it when they have cut.
+  std::optional<Sculpture> stock_;
+  OtherTools others_;
   ToolTrack track_;
   std::set<FieldTile> known_;
   /// Per field, the region of the last query, all of whose tiles were known. Speeds up the next

@@ -54,6 +54,11 @@ void ReplicaThread::take_patches() {
   }
   for (const std::vector<std::byte>& frame : patches) {
     const auto message = wire::decode(frame);
+    if (const auto* intents = message ? std::get_if<wire::Intents>(&message->body) : nullptr) {
+      replica_->take(*intents);
+      ++report_.intents;
+      continue;
+    }
     const auto* patch = message ? std::get_if<wire::StockPatch>(&message->body) : nullptr;
     if (patch == nullptr || !replica_->take(*patch)) {
       ++report_.bad_patches;

@@ -24,6 +24,7 @@ struct ReplicaReport {
   Histogram answer_us;         ///< from the measurement of a pose to its answer
   std::uint64_t patches = 0, tiles = 0, bytes = 0;
   std::uint64_t bad_patches = 0;
+  std::uint64_t intents = 0;  ///< frames with poses of other tools nearby
   std::uint64_t resyncs = 0;
   std::uint64_t compared = 0;  ///< answers compared with the server's
   double error = 0;            ///< rms difference of the forces over the rms of the server's

@@ -78,7 +78,7 @@ Wrench MillingForce::finish(MillingEngagement& e, const MillingTravel& t) const 
   MillingSum due =
       later + e.gradual.take(gradual_, t.crossing_mm) + e.prompt.take(prompt_, t.path_mm);
   const bool engaged =
-      due.volume_mm3 > 0 || e.gradual.pending().volume_mm3 > 0 || e.prompt.pending().volume_mm3 > 0;
+      due.volume_mm3 > 0 || e.gradual.pending_mm3() > 0 || e.prompt.pending_mm3() > 0;
   if (!engaged) {
     e.turns = 0;
     e.zero = {};

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernel/force/engagement.h"
-#include "kernel/force/milling_sum.h"
+#include "kernel/force/milling_elements.h"
 
 namespace kerf {
 

@@ -2,15 +2,9 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <span>
-#include <vector>
 
-#include "kernel/cut/removal.h"
-#include "kernel/dexel/dexel_snapshot.h"
 #include "kernel/force/cut_sum.h"
 #include "kernel/force/milling_settings.h"
-#include "kernel/force/tool_side.h"
 
 namespace kerf {
 
@@ -22,6 +16,7 @@ inline constexpr int kHarmonicsMax = 3;
 /// A wrench that depends on the angle θ of the spindle: mean + Σ_k cos kθ · cosine + sin kθ · sine.
 struct MillingSpectrum {
   Wrench mean;
+  int count = 0;  ///< of frequencies; beyond it, the coefficients are 0
   std::array<Wrench, kHarmonicsMax> cosine, sine;
 };
 
@@ -51,22 +46,5 @@ struct Harmonics {
 };
 /// Returns those up to ripple_hz: of the teeth passing, and before them of runout.
 Harmonics harmonics_of(const MillingSettings& settings);
-
-/// A sub-motion whose elements are summed; all in the frame of a field.
-struct MillingPass {
-  const MillingSettings& settings;
-  const Harmonics& harmonics;
-  const ToolSide& side;
-  Twist twist;
-  CutFrame frame;
-  Vec3 zero;               ///< unit vector across the axis, from which angles count
-  double feed_per_mm = 0;  ///< feed per tooth over path
-  bool weighted = false;   ///< of three fields: weight each element by n_z²
-  /// If set, counts the evaluations of the tool's surface, on which the cost depends.
-  std::int64_t* evaluations = nullptr;
-};
-
-/// Sums what a sub-motion removed from the field on `grid`. Serial, in the order of the tiles.
-MillingSum sum_milling(const Removal& removal, const DexelGrid& grid, const MillingPass& pass);
 
 }  // namespace kerf

@@ -19,17 +19,6 @@ double radius_near(const ToolPiece& piece, double z_mm) {
   return radius_at(piece, std::clamp(z_mm, e.z0_mm, e.z1_mm));
 }
 
-/// Returns the side of a piece that is nearest, without its discs.
-ToolSide::Nearest side_of(const PieceProfile& piece, double rho_mm, double h_mm) {
-  if (piece.side == PieceProfile::Side::kLine) {
-    return {piece.line_distance(rho_mm, h_mm), piece.line.cosine,
-            -piece.line.slope * piece.line.cosine};
-  }
-  const CircleDistance<double> d = piece.arc_distance(rho_mm, h_mm);
-  if (!(d.length > 0)) return {d.mm, 1, 0};
-  return {d.mm, d.across / d.length, d.along / d.length};
-}
-
 }  // namespace
 
 std::vector<CoveredPiece> covered_pieces(const Tool& tool) {
@@ -49,21 +38,6 @@ std::vector<CoveredPiece> covered_pieces(const Tool& tool) {
                       hides_above ? kFarAway : above * above});
   }
   return pieces;
-}
-
-ToolSide::Nearest ToolSide::at(double rho_mm, double h_mm) const {
-  Nearest nearest{kFarAway, 1, 0};
-  for (const CoveredPiece& p : pieces_) {
-    const double below = p.profile.z0_mm - h_mm, above = h_mm - p.profile.z1_mm;
-    if (std::max(below, above) >= nearest.distance_mm) continue;
-    Nearest face = side_of(p.profile, rho_mm, h_mm);
-    const double distance = std::max({face.distance_mm, below, above});
-    if (distance >= nearest.distance_mm) continue;
-    if (below > face.distance_mm && rho_mm * rho_mm > p.covered_below2) face = {below, 0, -1};
-    if (above > face.distance_mm && rho_mm * rho_mm > p.covered_above2) face = {above, 0, 1};
-    nearest = {distance, face.radial, face.axial};
-  }
-  return nearest;
 }
 
 }  // namespace kerf

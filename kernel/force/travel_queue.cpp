@@ -94,6 +94,14 @@ Sum TravelQueueOf<Sum>::pending() const {
   return sum;
 }
 
+template <class Sum>
+double TravelQueueOf<Sum>::pending_mm3() const {
+  double sum = 0;
+  if (empty_) return sum;
+  for (const Sum& b : bins_) sum += b.volume_mm3;
+  return sum;
+}
+
 template class TravelQueueOf<CutSum>;
 template class TravelQueueOf<MillingSum>;
 

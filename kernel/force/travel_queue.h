@@ -33,6 +33,8 @@ class TravelQueueOf {
   Sum due_per_mm() const;
   /// Returns what is not yet delivered.
   Sum pending() const;
+  /// Returns the volume of what is not yet delivered.
+  double pending_mm3() const;
 
  private:
   static constexpr int kBinsPerWidth = 8;

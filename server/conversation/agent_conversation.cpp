@@ -62,6 +62,7 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
   request.feel = hello.feel;
   request.feel_of = hello.feel_of;
   request.stock = hello.stock;
+  request.intent = hello.intent;
   request.durable = hello.durable;
   request.token = hello.resume;
   const auto admission = session().admit(request);
@@ -124,7 +125,7 @@ void AgentConversation::complete(MotionAnswer& answer, Clock::time_point arrived
   answer.result.durable_sequence = durable_sequence();
   gate_.applied(answer.result.agent_sequence);
   last_answer_ = answer.result;
-  stock_due_ = true;
+  stock_due_ = intents_due_ = true;
 }
 
 void AgentConversation::queue_answer(const MotionAnswer& answer, Clock::time_point arrived) {
@@ -141,7 +142,19 @@ void AgentConversation::work() {
   queue_answer(*answer, arrived);
 }
 
+/// Once no tool is near any more, one empty frame says so.
+void AgentConversation::send_intents(Clock::time_point now) {
+  if (!intents_due_ || now < next_intents_) return;
+  intents_due_ = false;
+  const wire::Intents near = session().intents(self_->id);
+  if (near.count == 0 && !has_near_) return;
+  has_near_ = near.count > 0;
+  next_intents_ = now + kIntentInterval;
+  out_.put_intents(stamp(++intents_), near);
+}
+
 void AgentConversation::refresh() {
+  if (self_ && !batch_ && !finishing() && !broken()) send_intents(now_());
   if (batch_ || !std::exchange(stock_due_, false) || finishing() || broken() || out_.has_stock())
     return;
   const auto now = now_();

@@ -28,6 +28,9 @@ class AgentConversation final : public Conversation {
   /// The replica of the block that an agent keeps is updated at most this often.
   static constexpr std::chrono::milliseconds kStockInterval{20};
 
+  /// The tools near the agent's are sent at most this often.
+  static constexpr std::chrono::milliseconds kIntentInterval{10};
+
   /// A change of the tool is reported to every participant.
   static constexpr double kToolsPerS = 10;
   static constexpr double kToolsBurst = 30;
@@ -75,6 +78,7 @@ class AgentConversation final : public Conversation {
   }
   void discard_updates() override { out_.close(); }
 
+  void send_intents(Clock::time_point now);
   void on_event(const SessionEvent& event);
   /// What results and pongs state; 0 unless the agent has asked for it.
   std::uint64_t durable_sequence() const;
@@ -91,7 +95,7 @@ class AgentConversation final : public Conversation {
   std::function<std::optional<datagram::Offer>()> open_udp_;
   int listener_ = 0;
   AgentOutbox out_;
-  std::uint64_t felts_ = 0, results_ = 0;
+  std::uint64_t felts_ = 0, results_ = 0, intents_ = 0;
   bool states_durable_ = false;
   /// The participant was removed, or belongs to a newer connection of the agent.
   bool left_ = false;
@@ -100,6 +104,9 @@ class AgentConversation final : public Conversation {
 
   bool stock_due_ = false;  ///< samples have been applied since the replica was last updated
   Clock::time_point next_stock_;
+  bool intents_due_ = false;  ///< as stock_due_
+  bool has_near_ = false;     ///< the last intent frame listed a tool
+  Clock::time_point next_intents_;
 
   std::optional<Clock::time_point> batch_;  ///< arrival of the batch in progress
 

@@ -20,6 +20,10 @@ void AgentOutbox::put_result(const wire::FrameStamp& stamp, const wire::Result& 
   if (result_) result_->arrived = arrived;
 }
 
+void AgentOutbox::put_intents(const wire::FrameStamp& stamp, const wire::Intents& intents) {
+  put(intents_, OutFrame::Kind::kIntent, stamp, intents);
+}
+
 void AgentOutbox::put_felt(const wire::FrameStamp& stamp, const wire::ToolState& felt) {
   put(felt_, OutFrame::Kind::kFelt, stamp, wire::ToolStates{{felt}});
 }
@@ -37,6 +41,7 @@ void AgentOutbox::put_stock(const wire::FrameStamp& stamp, const wire::StockPatc
 void AgentOutbox::close() {
   closed_ = true;
   result_.reset();
+  intents_.reset();
   felt_.reset();
   stock_.reset();
   participants_.clear();
@@ -51,8 +56,9 @@ bool AgentOutbox::take_slot(std::optional<OutFrame>& slot, OutFrame& out) {
 }
 
 bool AgentOutbox::take(OutFrame& out) {
-  return take_slot(result_, out) || take_slot(felt_, out) || control_.take(out) ||
-         take_text(participants_, OutFrame::Kind::kParticipants, out) || take_slot(stock_, out);
+  return take_slot(result_, out) || take_slot(intents_, out) || take_slot(felt_, out) ||
+         control_.take(out) || take_text(participants_, OutFrame::Kind::kParticipants, out) ||
+         take_slot(stock_, out);
 }
 
 }  // namespace kerf::net

@@ -12,13 +12,15 @@
 namespace kerf::net {
 
 /// Frames that wait to leave for one agent over its WebSocket, in order of priority: the result,
-/// the force of the participant that the agent feels (`feel_of`), control messages, the list of
+/// the tools near the agent's, the force of the participant that it feels (`feel_of`), control
+/// messages, the list of
 /// participants, stock. A newer result, force or list replaces one that has not left, because only
 /// the newest is of use. Buffers are reused.
 class AgentOutbox {
  public:
   void put_result(const wire::FrameStamp& stamp, const wire::Result& result,
                   Clock::time_point arrived);
+  void put_intents(const wire::FrameStamp& stamp, const wire::Intents& intents);
   void put_felt(const wire::FrameStamp& stamp, const wire::ToolState& felt);
   /// Returns false if the agent reads so little that the control queue is full.
   bool put_text(std::string_view text);
@@ -42,7 +44,7 @@ class AgentOutbox {
            const Body& body);
   bool take_slot(std::optional<OutFrame>& slot, OutFrame& out);
 
-  std::optional<OutFrame> result_, felt_, stock_;
+  std::optional<OutFrame> result_, intents_, felt_, stock_;
   ControlQueue control_;
   std::string participants_;
   std::vector<std::byte> spare_;

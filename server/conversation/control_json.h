@@ -23,6 +23,7 @@ struct HelloMessage {
   ParticipantId feel_of = 0;  ///< participant whose force is sent too; 0: none
   bool udp = false;           ///< requests a UDP connection
   bool stock = false;         ///< requests stock frames
+  bool intent = false;        ///< requests intent frames
   bool changes = false;       ///< viewer: understands participants_changed
   bool look_follows = false;  ///< viewer: sends a look at once, which the first snapshot awaits
   std::optional<ViewerLook> look;  ///< viewer: where it looks from, if it knows

@@ -24,6 +24,7 @@ struct OutFrame {
     kText,
     kPong,
     kStock,
+    kIntent,
     kTools,
     kMesh,
     kState,

@@ -145,6 +145,7 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   state.has_resumed = false;
   state.last_sequence = sample.agent_sequence;
   state.newest_us = sample.time_us;
+  state.cuts = false;
   if (!state.samples.allow(ParticipantState::Clock::now())) {
     state.track.lift();  // leaves a gap: a chord across the dropped samples would gouge the block
     return sample_rejection(sample, wire::ErrorCode::kTooFast,
@@ -166,6 +167,7 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
     const auto result = apply(state.participant.id, *move, tiles, sample.agent_sequence);
     if (journal_.sequence() != before) state.durable.journaled(journal_.sequence());
     if (!result) return sample_rejection(sample, result.error().code, result.error().reason);
+    state.cuts = true;
     if (*result) add_motion(batch.sum, sculpture_, *move, **result);
   }
   return std::nullopt;

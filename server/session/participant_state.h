@@ -38,6 +38,8 @@ struct ParticipantState {
   double speed_mm_per_s = 0;  ///< greatest one of the tip while cutting
   wire::ToolState display;    ///< the tool as viewers show it
   Clock::time_point display_time{};
+  bool cuts = false;               ///< its newest motion cut, and was not rejected
+  bool intent = false;             ///< receives the poses of tools near its own
   std::optional<StockFeed> stock;  ///< set if the agent keeps a replica of the block
 
   /// Updates `display` from the newest pose and the result of a batch.

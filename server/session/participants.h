@@ -34,6 +34,10 @@ struct SessionEvent {
 };
 using SessionListener = std::function<void(const SessionEvent&)>;
 
+/// The gap, mm, between two tools up to which their agents receive each other's poses: a fast hand
+/// crosses it in the delay of a slow network.
+inline constexpr double kIntentReachMm = 20;
+
 /// The participants of a session and the listeners that are notified when they change. Runs on the
 /// session's executor.
 class Participants {
@@ -97,6 +101,9 @@ class Participants {
   std::optional<wire::ToolState> felt_by(const ParticipantState& state) const;
   /// True if an agent, other than `except`, sent a sample within `period`.
   bool has_active_agent(Clock::duration period, ParticipantId except = 0) const;
+  /// Returns the tools of other agents within kIntentReachMm of a participant's, nearest first;
+  /// none unless it has asked for them. Muted participants are left out.
+  wire::Intents near(const ParticipantState& self) const;
   /// Marks tiles that `author` cut as stale in the replicas of all other participants.
   void note_cut(ParticipantId author, std::span<const FieldTile> tiles);
   /// Stock has come back to these tiles: replicas that hold one of them begin again.
@@ -140,6 +147,8 @@ class Participants {
   SessionJournal& journal_;
   ToolId default_tool_;
   std::map<ParticipantId, ParticipantState> states_;
+  /// The agents and programs in `states_`: a motion looks at each of them, and at no viewer.
+  std::map<ParticipantId, ParticipantState*> carvers_;
   ParticipantId last_id_;
   std::map<int, SessionListener> listeners_;
   int last_listener_ = 0;

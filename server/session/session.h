@@ -179,6 +179,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// The participant has applied all patches up to `sequence`. Rejects a patch that was not sent,
   /// and participants without a replica.
   std::expected<void, Rejection> ack_stock(ParticipantId id, std::uint64_t sequence);
+  /// Returns the poses of other agents' tools near the participant's; none unless it has asked.
+  wire::Intents intents(ParticipantId id);
   /// The participant's replica is invalid: the next patch starts a new one. No effect for
   /// participants without a replica.
   void reset_stock(ParticipantId id);

@@ -28,6 +28,11 @@ std::expected<void, Rejection> Session::ack_stock(ParticipantId id, std::uint64_
       Rejection{kBadSequence, "stock frame " + std::to_string(sequence) + " was not sent"});
 }
 
+wire::Intents Session::intents(ParticipantId id) {
+  const ParticipantState* state = participants_.find(id);
+  return state == nullptr || closed_ ? wire::Intents{} : participants_.near(*state);
+}
+
 void Session::reset_stock(ParticipantId id) {
   if (ParticipantState* state = replica_owner(id)) state->stock->reset();
 }

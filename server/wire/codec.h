@@ -56,6 +56,7 @@ std::size_t encoded_bytes(const Ack& ack) noexcept;
 std::size_t encoded_bytes(const Ping& ping) noexcept;
 std::size_t encoded_bytes(const Pong& pong) noexcept;
 std::size_t encoded_bytes(const StockPatch& patch) noexcept;
+std::size_t encoded_bytes(const Intents& intents) noexcept;
 
 /// Write one frame to the start of `out`, which must have encoded_bytes(body) bytes, and return
 /// that number. Counts must be within the limits of limits.h; other values are not checked. They do
@@ -72,6 +73,8 @@ std::size_t encode(const FrameStamp& stamp, const Ack& ack, std::span<std::byte>
 std::size_t encode(const FrameStamp& stamp, const Ping& ping, std::span<std::byte> out) noexcept;
 std::size_t encode(const FrameStamp& stamp, const Pong& pong, std::span<std::byte> out) noexcept;
 std::size_t encode(const FrameStamp& stamp, const StockPatch& patch,
+                   std::span<std::byte> out) noexcept;
+std::size_t encode(const FrameStamp& stamp, const Intents& intents,
                    std::span<std::byte> out) noexcept;
 
 /// Returns the header of a mesh frame, for a sender that shares the GLB's buffer among receivers.

@@ -74,6 +74,25 @@ std::expected<ToolStates, DecodeError> decode_tools(ByteReader& from, std::size_
   return states;
 }
 
+std::expected<Intents, DecodeError> decode_intents(ByteReader& from,
+                                                   std::size_t payload_bytes) noexcept {
+  const auto count = decode_count(from, payload_bytes, 0, kMaxIntents, kIntentBytes);
+  if (!count) return std::unexpected(count.error());
+  constexpr std::size_t kAxisOffset = 48;
+  Intents intents;
+  intents.count = *count;
+  for (std::uint32_t i = 0; i < *count; ++i) {
+    const std::size_t start = from.at();
+    walk(from, intents.tools[i]);
+    if (from.not_finite_at() != 0) return reject_not_finite(from.not_finite_at());
+    if (std::abs(length(Vec3(intents.tools[i].axis)) - 1.0) > kAxisLengthTolerance) {
+      return reject(DecodeErrorCode::kAxisNotUnit, start + kAxisOffset,
+                    "the axis must have length 1");
+    }
+  }
+  return intents;
+}
+
 std::expected<Result, DecodeError> decode_result(ByteReader& from,
                                                  std::size_t payload_bytes) noexcept {
   constexpr std::size_t kPlaneCountOffset = 100;
@@ -268,6 +287,9 @@ std::expected<Message, DecodeError> decode(std::span<const std::byte> frame,
       break;
     case MessageType::kStock:
       keep(decode_stock(from, header->payload_bytes, header->flags));
+      break;
+    case MessageType::kIntent:
+      keep(decode_intents(from, header->payload_bytes));
       break;
   }
   return message;

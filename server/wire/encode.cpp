@@ -62,6 +62,20 @@ std::size_t encoded_bytes(const StockPatch& patch) noexcept {
   return bytes;
 }
 
+std::size_t encoded_bytes(const Intents& intents) noexcept {
+  return kHeaderBytes + kListHeadBytes + intents.count * kIntentBytes;
+}
+
+std::size_t encode(const FrameStamp& stamp, const Intents& intents,
+                   std::span<std::byte> out) noexcept {
+  assert(intents.count <= kMaxIntents);
+  ByteWriter to = start_frame(stamp, MessageType::kIntent, 0, encoded_bytes(intents), out);
+  to.field(intents.count);
+  to.reserved();
+  for (const Intent& intent : intents.view()) walk(to, intent);
+  return to.at();
+}
+
 std::size_t encode(const FrameStamp& stamp, const MotionBatch& batch,
                    std::span<std::byte> out) noexcept {
   assert(batch.count >= 1 && batch.count <= kMaxSamplesPerMotion);

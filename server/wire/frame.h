@@ -20,6 +20,7 @@ enum class MessageType : std::uint8_t {
   kPing = 6,
   kPong = 7,
   kStock = 8,
+  kIntent = 9,
 };
 
 /// Flags of a mesh frame: part of the first snapshot; last part of it.

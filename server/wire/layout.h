@@ -79,4 +79,15 @@ void walk(Io& io, State& state) noexcept {
   io.field(state.felt_share);
 }
 
+template <typename Io, MaybeConst<Intent> I>
+void walk(Io& io, I& intent) noexcept {
+  io.field(intent.participant);
+  io.field(intent.tool_id);
+  io.field(intent.time_us);
+  io.field(intent.agent_time_us);
+  io.field(intent.tip_mm);
+  io.field(intent.axis);
+  io.field(intent.status);
+}
+
 }  // namespace kerf::wire

@@ -23,6 +23,7 @@ inline constexpr std::size_t kPingBytes = 8;
 inline constexpr std::size_t kPongBytes = 16;
 inline constexpr std::size_t kStockHeadBytes = 16;
 inline constexpr std::size_t kStockTileBytes = 16;
+inline constexpr std::size_t kIntentBytes = 64;
 
 inline constexpr std::uint32_t kMaxSamplesPerMotion = 16;
 inline constexpr std::uint32_t kMaxToolStates = 1024;
@@ -49,6 +50,8 @@ inline constexpr std::uint32_t kStockFramesInFlight = 16;
 inline constexpr std::size_t kStockBytesInFlight = std::size_t{64} * 1024;
 /// Tiles in one stock frame.
 inline constexpr std::uint32_t kMaxStockTiles = 4096;
+/// Tools in one intent frame.
+inline constexpr std::uint32_t kMaxIntents = 16;
 /// Tolerance of the length of a sample's axis, which should be 1.
 inline constexpr double kAxisLengthTolerance = 1e-3;
 /// Highest speed of the tip that the server accepts while cutting (`limits.speed_mm_per_s`).

@@ -157,6 +157,33 @@ struct StockPatch {
   std::vector<StockTile> tiles;
 };
 
+/// A pose of the tool of another participant near an agent's. It is sent ahead of the stock frames,
+/// which hold what the tool has cut.
+struct Intent {
+  std::uint32_t participant = 0;
+  std::uint32_t tool_id = 0;
+  /// The author's clock at the pose. Only differences have a meaning.
+  std::uint64_t time_us = 0;
+  /// `time_us` of the newest sample that the server had from the receiver when it had this pose.
+  std::uint64_t agent_time_us = 0;
+  Vec3 tip_mm{};
+  Vec3f axis{0.0F, 0.0F, 1.0F};
+  /// kStatusCutting: the motion to this pose cut. Other bits are zero.
+  std::uint32_t status = 0;
+
+  bool operator==(const Intent&) const = default;
+};
+
+/// The tools near an agent's; those that are not listed are no longer near. Only the first `count`
+/// are sent.
+struct Intents {
+  std::uint32_t count = 0;
+  std::array<Intent, kMaxIntents> tools{};
+
+  std::span<const Intent> view() const noexcept { return {tools.data(), count}; }
+  bool operator==(const Intents&) const = default;
+};
+
 struct Ack {
   bool operator==(const Ack&) const = default;
 };
@@ -180,7 +207,8 @@ struct UnknownBody {
 
 struct Message {
   FrameHeader header;
-  std::variant<MotionBatch, Result, MeshView, ToolStates, Ack, Ping, Pong, StockPatch, UnknownBody>
+  std::variant<MotionBatch, Result, MeshView, ToolStates, Ack, Ping, Pong, StockPatch, Intents,
+               UnknownBody>
       body;
 };
 

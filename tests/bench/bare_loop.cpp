@@ -4,58 +4,93 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/math/lanes.h"
+#include "tests/bench/bare_surfaces.h"
 
 namespace kerf::test {
 namespace {
 
-struct Row {
-  float pitch, py, ax, az, dx, dy, per_length2;
-};
-struct Sums {
-  float volume, x, z;
-};
+constexpr double kStockTop = 50, kStockSide = 100;
 
-KERF_VECTOR_CLONES
-void cut_row(float* tops, int i0, int i1, const Row& r, Sums& sums) {
+template <class Surface>
+KERF_INLINE BareLoop::Sums cut_row(const Surface& surface, const BareLoop::Row& row) {
   float volume = 0, x = 0, z = 0;
-  for (int i = i0; i <= i1; ++i) {
-    const float px = (float(i) + 0.5F) * r.pitch - r.ax;
-    float s = (px * r.dx + r.py * r.dy) * r.per_length2;
-    s = s > 0 ? s : 0;
-    s = s < 1 ? s : 1;
-    const float ex = px - s * r.dx, ey = r.py - s * r.dy;
-    const float w2 = 25 - ex * ex - ey * ey;
-    const float lowest = r.az - std::sqrt(w2 > 0 ? w2 : 0.0F);
-    const float left = ((w2 > 0) & (lowest < tops[i])) ? lowest : tops[i];
-    const float removed = tops[i] - left;
+  for (int i = 0; i < row.count; ++i) {
+    const float px = row.x + float(i) * row.pitch;
+    const float top = row.tops[i], lowest = surface.at(px, row.y);
+    const float left = lowest < top ? lowest : top, removed = top - left;
     volume += removed;
     x += removed * px;
-    z += removed * (tops[i] + left);
-    tops[i] = left;
+    z += removed * (top + left);
+    row.tops[i] = left;
   }
-  sums = {volume, x, z};
+  return {volume, x, z};
+}
+
+// A function for each surface, because templates cannot be cloned for several targets.
+#define KERF_CUT_ROW_OF(Surface)                                                       \
+  KERF_VECTOR_CLONES                                                                   \
+  void cut_one_row(const Surface& s, const BareLoop::Row& row, BareLoop::Sums& sums) { \
+    sums = cut_row(s, row);                                                            \
+  }
+KERF_CUT_ROW_OF(UprightSweep<BareTool::kBall>)
+KERF_CUT_ROW_OF(UprightSweep<BareTool::kFlat>)
+KERF_CUT_ROW_OF(UprightSweep<BareTool::kBullNose>)
+KERF_CUT_ROW_OF(TurningMove<BareTool::kBall>)
+KERF_CUT_ROW_OF(TurningMove<BareTool::kFlat>)
+KERF_CUT_ROW_OF(TurningMove<BareTool::kBullNose>)
+#undef KERF_CUT_ROW_OF
+
+/// Calls `cut` with the tool that moves between two poses.
+template <template <BareTool> class Surface, class Cut>
+void visit(BareTool tool, const ToolPose& from, const ToolPose& to, const Cut& cut) {
+  switch (tool) {
+    case BareTool::kBall:
+      return cut(Surface<BareTool::kBall>(from, to));
+    case BareTool::kFlat:
+      return cut(Surface<BareTool::kFlat>(from, to));
+    case BareTool::kBullNose:
+      return cut(Surface<BareTool::kBullNose>(from, to));
+  }
 }
 
 }  // namespace
 
-BareLoop::BareLoop(double pitch_mm)
-    : columns_(int(100 / pitch_mm)),
+BareLoop::BareLoop(BareTool tool, double pitch_mm)
+    : tool_(tool),
+      columns_(int(std::lround(kStockSide / pitch_mm))),
       pitch_(float(pitch_mm)),
-      top_(std::size_t(columns_) * std::size_t(columns_), 50.0F) {}
+      top_(std::size_t(columns_) * std::size_t(columns_), float(kStockTop)) {}
 
-void BareLoop::move(Vec3 a, Vec3 b) {
+void BareLoop::move(const ToolPose& from, const ToolPose& to) {
+  // The tool up to the stock's top, whose axis may lean.
+  Vec3 min{1e300, 1e300, 0}, max{-1e300, -1e300, 0};
+  for (const ToolPose& p : {from, to}) {
+    const double high = std::max(0.0, kStockTop + 5 - p.tip_mm.z) / p.axis.z;
+    for (const Vec3& at : {p.tip_mm, p.tip_mm + p.axis * (p.axis.z < 1 ? high : 0)}) {
+      min = {std::min(min.x, at.x - 5), std::min(min.y, at.y - 5), 0};
+      max = {std::max(max.x, at.x + 5), std::max(max.y, at.y + 5), 0};
+    }
+  }
+  const auto cut_with = [&](const auto& surface) { cut(surface, min, max); };
+  if (from.axis.z == 1 && to.axis.z == 1) {
+    visit<UprightSweep>(tool_, from, to, cut_with);
+  } else {
+    visit<TurningMove>(tool_, from, to, cut_with);
+  }
+}
+
+template <class Surface>
+void BareLoop::cut(const Surface& surface, Vec3 min, Vec3 max) {
   const auto index = [&](double x) { return std::clamp(int(x / double(pitch_)), 0, columns_ - 1); };
-  Row row{pitch_, 0, float(a.x), float(a.z) + 5, float(b.x - a.x), float(b.y - a.y), 0};
-  row.per_length2 = 1 / (row.dx * row.dx + row.dy * row.dy);
-  const int i0 = index(std::min(a.x, b.x) - 5), i1 = index(std::max(a.x, b.x) + 5);
-  for (int j = index(std::min(a.y, b.y) - 5); j <= index(std::max(a.y, b.y) + 5); ++j) {
-    row.py = (float(j) + 0.5F) * pitch_ - float(a.y);
-    Sums sums{};
-    cut_row(&top_[std::size_t(j) * std::size_t(columns_)], i0, i1, row, sums);
+  const int i0 = index(min.x), count = index(max.x) - i0 + 1;
+  for (int j = index(min.y); j <= index(max.y); ++j) {
+    const std::size_t at = std::size_t(j) * std::size_t(columns_) + std::size_t(i0);
+    const float y = (float(j) + 0.5F) * pitch_;
+    Sums sums;
+    cut_one_row(surface, {&top_[at], count, pitch_, (float(i0) + 0.5F) * pitch_, y}, sums);
     volume_ += double(sums.volume);
     moment_x_ += double(sums.x);
-    moment_y_ += double(sums.volume * row.py);
+    moment_y_ += double(sums.volume * y);
     moment_z_ += double(sums.z);
   }
 }

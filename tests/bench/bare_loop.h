@@ -3,21 +3,43 @@
 
 #include <vector>
 
-#include "kernel/math/vec3.h"
+#include "kernel/tool/tool_pose.h"
 
 namespace kerf::test {
 
-/// Runs the three-axis standard job on a bare height map as an upper bound of the speed of one
-/// core: a 10 mm ball in horizontal translation, single precision, sums in any order, one number
-/// per column, no interval lists and no other tool. Computes the removed volume and its moments, as
-/// the force requires.
+/// Tools that bare loops know: diameter 10 mm; the corner of the bull-nose has the radius 2 mm.
+enum class BareTool { kBall, kFlat, kBullNose };
+
+/// Runs the standard job on a bare height map as an upper bound of the speed of one core: single
+/// precision, sums in any order, one number per column, no interval lists. Computes the removed
+/// volume and its moments, as the force requires.
+///
+/// A tool that stays upright moves horizontally, and its lower envelope is exact. Where the axis
+/// turns, a ball makes one sub-motion: it is met at both ends of the move, and translated between
+/// them with the axis of the middle. Flat and bull-nose are met at the two ends only, which is less
+/// than any sweep needs. What would remain above a leaning tool is removed too.
 class BareLoop {
  public:
-  explicit BareLoop(double pitch_mm);
-  void move(Vec3 from_mm, Vec3 to_mm);
+  BareLoop(BareTool tool, double pitch_mm);
+  void move(const ToolPose& from, const ToolPose& to);
   double removed_mm3() const;
 
+  /// Sums over the columns of a move, in units of the pitch squared.
+  struct Sums {
+    float volume = 0, x = 0, z = 0;
+  };
+  /// The columns of a row, and the place of the first one's center.
+  struct Row {
+    float* tops;
+    int count;
+    float pitch, x, y;
+  };
+
  private:
+  template <class Surface>
+  void cut(const Surface& surface, Vec3 min_mm, Vec3 max_mm);
+
+  BareTool tool_;
   int columns_;
   float pitch_;
   std::vector<float> top_;

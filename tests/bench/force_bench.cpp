@@ -2,9 +2,9 @@
 // Measures the force at constant engagement: slots of constant depth and plunges at 30 mm/s with
 // ball and flat end mills, in several directions of the grid. An ideal force is constant over the
 // ticks, and independent of the tick rate and of the pitch. Then the force of motions that start
-// inside stock, the work of swivels about points of the tool's axis, and light side cuts. Prints
-// four tables.
-// Usage: force_bench [pitch_mm=0.1] [steady|starts|swivels|light]
+// inside stock, the work of swivels about points of the tool's axis, light side cuts, and the cost
+// of the force laws. Prints five tables. Usage: force_bench [pitch_mm=0.1]
+// [steady|starts|swivels|light|cost]
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,7 @@
 
 #include "kernel/sculpture.h"
 #include "tests/bench/buried_start.h"
+#include "tests/bench/law_cost.h"
 #include "tests/bench/light_cut.h"
 #include "tests/kernel/extremes/carving.h"
 #include "tests/support/swivel.h"
@@ -200,5 +201,6 @@ int main(int argc, char** argv) {
   if (wants("starts")) kerf::bench::print_buried_starts(pitch_mm);
   if (wants("swivels")) print_swivels(pitch_mm);
   if (wants("light")) kerf::bench::print_light_cuts(pitch_mm);
+  if (wants("cost")) kerf::bench::print_law_costs(pitch_mm);
   return 0;
 }

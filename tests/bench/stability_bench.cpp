@@ -3,13 +3,15 @@
 // virtual time, connected by a simulated line with delay, jitter, loss (retransmitted in order, as
 // by TCP) and outages.
 //
-//   stability_bench [--fast]
+//   stability_bench [--fast | --others]
 //
 // First table: a light simulated hand (0.1 kg, 20 N/m) swings through stock that acts as a damper;
 // for each line and mode, the largest damping (N s/m) up to which all runs were stable, and the
 // greatest speed and returned energy of all runs. Second table: rms error of the output force along
-// a recorded path, relative to the server's force without delay.
+// a recorded path, relative to the server's force without delay. Third table, the only one with
+// --others: the same while another agent, behind an equal line, carves ahead and beside.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -81,6 +83,12 @@ bool stability_table(bool fast) {
   return model_is_stable;
 }
 
+double rms_n(const Recording& recording) {
+  double sum = 0;
+  for (const kerf::Vec3& force_n : recording.force_n) sum += dot(force_n, force_n);
+  return std::sqrt(sum / static_cast<double>(recording.force_n.size()));
+}
+
 void error_table(const char* title, const Recording& recording) {
   std::printf("\n%-8s", "RTT ms");
   for (const Scheme& scheme : kSchemes) std::printf(" %12s", scheme.name);
@@ -99,14 +107,45 @@ void error_table(const char* title, const Recording& recording) {
 void error_tables(bool fast) {
   const Recording alone = record_carving(fast ? 5 : 12);
   error_table("rms force error, %", alone);
-  error_table("rms force error, %, another user carves 0.2 s ahead", beside_another(alone, 0.2));
+}
+
+/// The path of another agent relative to that of the measured one.
+struct Neighbor {
+  double ahead_s, beside_mm;
+};
+constexpr Neighbor kNeighbors[] = {{0.02, 2}, {0.05, 2}, {0.1, 2},  {0.2, 2},  {0.5, 2},
+                                   {0.05, 0}, {0.05, 1}, {0.05, 3}, {0.05, 4}, {-0.05, 2}};
+
+void others_table(bool fast) {
+  std::printf("\nrms force error, %%, another user ahead and beside: with, without intent\n%-18s",
+              "s ahead, mm beside");
+  constexpr double kRtts[] = {0, 25, 50, 100, 250};
+  for (const double rtt : kRtts) std::printf(" %9.0f ms     ", rtt);
+  std::printf(" rms N alone, beside\n");
+  const Recording alone = record_carving(fast ? 5 : 12);
+  for (const auto& [ahead_s, beside_mm] : kNeighbors) {
+    const Recording both = beside_another(alone, ahead_s, beside_mm);
+    std::printf("%8.2f %9.1f", ahead_s, beside_mm);
+    for (const double rtt : kRtts) {
+      std::printf("  ");
+      for (const bool intent : {true, false}) {
+        const LineQuality line{.rtt_ms = rtt};
+        std::printf(" %6.1f", 100 * force_error(both, ForceMode::kModel, line, true, intent));
+        std::fflush(stdout);
+      }
+    }
+    std::printf("   %6.2f %6.2f\n", rms_n(alone), rms_n(both));
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   const bool fast = argc > 1 && std::strcmp(argv[1], "--fast") == 0;
-  error_tables(fast);
+  const bool others = argc > 1 && std::strcmp(argv[1], "--others") == 0;
+  if (!others) error_tables(fast);
+  others_table(fast);
+  if (others) return 0;
   const bool stable = stability_table(fast);
   std::printf("model mode: %s\n", stable ? "stable everywhere" : "NOT stable everywhere");
   return stable ? 0 : 1;

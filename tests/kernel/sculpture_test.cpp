@@ -53,6 +53,23 @@ TEST(Sculpture, RejectsBadSettingsWithTheirCode) {
             kBadObstacle);
 }
 
+TEST(Sculpture, ReturnsToAnEarlierSolidWhileItsUserFeelsOn) {
+  auto tried = sculpture(), plain = sculpture();
+  const SolidSnapshot before = tried.solid();
+  const MoveTool other{1, {{25, 5, 16}, kUp}, {{5, 25, 14}, kUp}, 0.1, false};
+  ASSERT_GT(tried.apply(other).value().removed_mm3, 1);
+  ASSERT_TRUE(tried.restore(before));
+  EXPECT_EQ(tried.state_hash(), plain.state_hash());
+  const MoveTool next{1, {{20, 20, 15}, kUp}, {{20.1, 20, 15}, kUp}, 0.01};
+  const MotionResult felt = tried.apply(next).value(), expected = plain.apply(next).value();
+  EXPECT_EQ(felt.wrench.force_n, expected.wrench.force_n) << "with what was pending";
+  EXPECT_GT(length(felt.wrench.force_n), 0.1);
+  SculptureSettings three = settings();
+  three.rays = Rays::kTriDexel;
+  auto others = Sculpture::create(three).value();
+  EXPECT_FALSE(others.restore(before));
+}
+
 TEST(Sculpture, RejectedCommandChangesNothing) {
   using enum SculptureErrorCode;
   auto s = sculpture();

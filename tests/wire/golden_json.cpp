@@ -93,6 +93,20 @@ json describe_body(const StockPatch& patch) {
   return {{"reset", patch.reset}, {"agent_time_us", patch.agent_time_us}, {"tiles", tiles}};
 }
 
+json describe_body(const Intents& intents) {
+  json list = json::array();
+  for (const Intent& t : intents.view()) {
+    list.push_back({{"participant", t.participant},
+                    {"tool_id", t.tool_id},
+                    {"time_us", t.time_us},
+                    {"agent_time_us", t.agent_time_us},
+                    {"tip_mm", array_of(t.tip_mm)},
+                    {"axis", array_of(t.axis)},
+                    {"status", t.status}});
+  }
+  return {{"intents", list}};
+}
+
 json describe_body(const Ping& ping) { return {{"time_us", ping.time_us}}; }
 json describe_body(const Pong& pong) {
   return {{"ping_time_us", pong.ping_time_us}, {"time_us", pong.time_us}};

@@ -136,12 +136,13 @@ Recording record_carving(double seconds) {
   return recording;
 }
 
-Recording beside_another(const Recording& alone, double ahead_s) {
+Recording beside_another(const Recording& alone, double ahead_s, double beside_mm) {
+  const double along_mm = beside_mm / std::numbers::sqrt2;
   Recording recording{.poses = alone.poses, .force_n = {}, .another = {}};
   const auto ahead = static_cast<std::size_t>(ahead_s * 1000);
   for (std::size_t i = 0; i < alone.poses.size(); ++i) {
     const DeviceState& pose = alone.poses[std::min(i + ahead, alone.poses.size() - 1)];
-    recording.another.push_back(pose.tip_mm + Vec3{1.4, 1.4, 0});
+    recording.another.push_back(pose.tip_mm + Vec3{along_mm, along_mm, 0});
   }
   RecordedHand hand(recording.poses);
   TestBed bed(kCarvingScene, hand, {.mode = ForceMode::kInterpolated}, {}, false);
@@ -164,9 +165,10 @@ double carved_volume_mm3(const Recording& recording, const std::string& guides) 
   return bed.session().info().removed_mm3;
 }
 
-double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy) {
+double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy,
+                   bool intent) {
   RecordedHand hand(recording.poses);
-  TestBed bed(kCarvingScene, hand, {.mode = mode}, line, copy);
+  TestBed bed(kCarvingScene, hand, {.mode = mode}, line, copy, 1, intent);
   double error2 = 0, force2 = 0;
   for (std::size_t i = 0; i < recording.poses.size(); ++i) {
     if (!recording.another.empty()) bed.another_cuts_to(recording.another[i]);

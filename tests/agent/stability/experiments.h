@@ -40,13 +40,15 @@ struct Recording {
   std::vector<Vec3> another;
 };
 Recording record_carving(double seconds);
-/// The same path while a second agent carves 2 mm beside the position that the first one reaches
-/// `ahead_s` later: much of the stock there was cut since the replica's last update.
-Recording beside_another(const Recording& recording, double ahead_s);
+/// The same path while a second agent carves `beside_mm` beside the position that the first one
+/// reaches `ahead_s` later: much of the stock there was cut since the replica's last update.
+Recording beside_another(const Recording& recording, double ahead_s, double beside_mm = 2);
 
 /// Returns the error of the output force against the server's force without delay along that path:
-/// rms of the difference over rms of the force.
-double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy);
+/// rms of the difference over rms of the force. Both agents have a line of that quality. `intent`:
+/// whether the agent asks for the poses of other tools.
+double force_error(const Recording& recording, ForceMode mode, const LineQuality& line, bool copy,
+                   bool intent = true);
 
 /// Returns the volume that the path removes in a scene with these guides (JSON list; none if
 /// empty).

@@ -111,6 +111,15 @@ TEST(Stability, WithAReplicaTheForceIsAccurateAtAnyDelay) {
   EXPECT_LT(force_error(recording, ForceMode::kModel, poor, true), 0.1);
 }
 
+TEST(Stability, CutsOfAnotherAreFeltInTime) {
+  const Recording both = beside_another(record_carving(6), 0.05);
+  const LineQuality line{.rtt_ms = 100};
+  EXPECT_LT(force_error(both, ForceMode::kModel, line, true), 0.15);
+  EXPECT_GT(force_error(both, ForceMode::kModel, line, true, false), 0.4) << "without intent";
+  const LineQuality uneven{.rtt_ms = 100, .jitter = 0.2};
+  EXPECT_LT(force_error(both, ForceMode::kModel, uneven, true), 0.2);
+}
+
 TEST(Stability, ModelIsMoreAccurateThanHoldAndInterpolation) {
   const Recording recording = record_carving(4);
   const LineQuality line{.rtt_ms = 25};

@@ -5,12 +5,19 @@
 #include <chrono>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 namespace kerf::agent {
+namespace {
+
+/// The link sends acknowledgements and pings at least this often.
+constexpr std::uint64_t kHousekeepingUs = 10'000;
+
+}  // namespace
 
 TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
-                 const LineQuality& quality, bool copy, std::uint32_t seed)
-    : up_(quality, 2 * seed), down_(quality, 2 * seed + 1) {
+                 const LineQuality& quality, bool copy, std::uint32_t seed, bool intent)
+    : up_(quality, 2 * seed), down_(quality, 2 * seed + 1), another_up_(quality, ~seed) {
   // Virtual time runs faster than the session's rate limits permit.
   SessionLimits limits;
   limits.samples_per_s = limits.samples_burst = 1e12;
@@ -20,7 +27,7 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
   auto created = registry_->create("bed", scene, SceneSource{});
   if (!created) throw std::runtime_error(created.error().reason);
   session_ = *created;
-  join(limits, copy);
+  join(limits, copy, intent);
   traffic_ = std::make_unique<Traffic>(samples_, wrenches_,
                                        TrafficOptions{.copy = copy ? &copy_ : nullptr});
   const ForceSettings& force = session_->scene().settings.force;
@@ -38,7 +45,7 @@ TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings s
 }
 
 /// Sends the hello and creates the replica from the welcome.
-void TestBed::join(const SessionLimits& limits, bool copy) {
+void TestBed::join(const SessionLimits& limits, bool copy, bool intent) {
   conversation_ = std::make_unique<net::AgentConversation>(
       net::AgentConversation::Setup{.session = session_,
                                     .limits = limits,
@@ -46,8 +53,9 @@ void TestBed::join(const SessionLimits& limits, bool copy) {
                                     .now = [this] { return time(); },
                                     .wake = {},
                                     .open_udp = {}});
-  const std::string hello =
-      std::string(R"({"type":"hello","name":"hand","stock":)") + (copy ? "true}" : "false}");
+  const std::string hello = std::string(R"({"type":"hello","name":"hand","stock":)") +
+                            (copy ? "true" : "false") + R"(,"intent":)" +
+                            (copy && intent ? "true}" : "false}");
   conversation_->receive(std::as_bytes(std::span(hello)), true, time());
   net::OutFrame welcome;
   if (!conversation_->take(welcome)) throw std::runtime_error("the server sends no welcome");
@@ -60,12 +68,17 @@ void TestBed::join(const SessionLimits& limits, bool copy) {
 
 void TestBed::Copy::take_stock(std::span<const std::byte> frame) {
   const auto message = wire::decode(frame);
+  if (const auto* intents = std::get_if<wire::Intents>(&message->body)) {
+    return replica->take(*intents);
+  }
   if (!replica->take(std::get<wire::StockPatch>(message->body))) {
     throw std::runtime_error("the replica rejects a patch of the server");
   }
 }
 
 void TestBed::Copy::answer(ReplicaExchange& servo, std::uint64_t now_us) {
+  if (!servo.is_woken()) return;
+  servo.wait();
   wire::MotionSample sample;
   while (servo.pop(sample)) {
     if (const auto mine = replica->move(sample)) servo.write(answer_of(*mine, now_us));
@@ -75,6 +88,7 @@ void TestBed::Copy::answer(ReplicaExchange& servo, std::uint64_t now_us) {
 void TestBed::serve(std::span<const std::byte> frame) {
   const bool is_text = !frame.empty() && frame.front() == std::byte{'{'};
   conversation_->receive(frame, is_text, time());
+  while (conversation_->has_action()) conversation_->work();
   send_answers();
   conversation_->refresh();
   send_answers();
@@ -98,24 +112,42 @@ void TestBed::send_answers() {
 }
 
 void TestBed::another_cuts_to(Vec3 tip_mm) {
-  if (another_ == 0) {
-    another_ = session_->join({.kind = ParticipantKind::kAgent, .name = "another", .color = ""})
-                   .value()
-                   .id;
-  }
-  wire::MotionSample sample;
+  wire::MotionBatch batch{.count = 1};
+  wire::MotionSample& sample = batch.samples[0];
   sample.agent_sequence = ++another_sequence_;
   sample.time_us = now_us_;
   sample.tip_mm = tip_mm;
   sample.tool_id = session_->scene().tools.begin()->first;
   sample.buttons = wire::kButtonCutting;
-  session_->move(another_, {&sample, 1});
+  std::vector<std::byte> bytes;
+  wire::append(bytes, {}, batch);
+  another_up_.send(bytes, now_us_);
+}
+
+void TestBed::another_arrives(std::span<const std::byte> bytes) {
+  if (another_ == 0) {
+    another_ = session_->join({.kind = ParticipantKind::kAgent, .name = "another", .color = ""})
+                   .value()
+                   .id;
+  }
+  session_->move(another_, std::get<wire::MotionBatch>(wire::decode(bytes)->body).view());
 }
 
 void TestBed::tick(bool runs) {
   now_us_ += 1000;
   if (runs) servo_->tick(now_us_);
   if (copy_.replica) copy_.answer(exchange_, now_us_);
+  if (std::exchange(listener_.is_woken, false) || now_us_ % kHousekeepingUs == 0) send();
+  another_up_.receive(now_us_,
+                      [this](std::span<const std::byte> bytes) { another_arrives(bytes); });
+  up_.receive(now_us_, [this](std::span<const std::byte> bytes) { serve(bytes); });
+  down_.receive(now_us_,
+                [this](std::span<const std::byte> bytes) { traffic_->take_frame(bytes, now_us_); });
+  executor_->run();
+}
+
+/// Does what the link thread does when it is woken.
+void TestBed::send() {
   traffic_->collect();
   if (const std::string text = traffic_->take_control(); !text.empty()) {
     up_.send(std::as_bytes(std::span(text)), now_us_);
@@ -124,10 +156,6 @@ void TestBed::tick(bool runs) {
   while (const std::size_t bytes = traffic_->fill(now_us_, frame)) {
     up_.send(std::span(frame).first(bytes), now_us_);
   }
-  up_.receive(now_us_, [this](std::span<const std::byte> bytes) { serve(bytes); });
-  down_.receive(now_us_,
-                [this](std::span<const std::byte> bytes) { traffic_->take_frame(bytes, now_us_); });
-  executor_->run();
 }
 
 }  // namespace kerf::agent

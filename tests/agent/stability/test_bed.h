@@ -22,13 +22,14 @@ namespace kerf::agent {
 /// one call of `tick` is one millisecond.
 class TestBed {
  public:
-  /// `scene`: a scene in JSON. `device` must outlive the object. `copy`: the agent has a replica.
+  /// `scene`: a scene in JSON. `device` must outlive the object. `copy`: the agent has a replica,
+  /// and with `intent` that looks ahead of the tools of others.
   TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
-          const LineQuality& quality, bool copy, std::uint32_t seed = 1);
+          const LineQuality& quality, bool copy, std::uint32_t seed = 1, bool intent = true);
 
   /// `runs`: whether the servo's tick is run; otherwise it is lost.
   void tick(bool runs = true);
-  /// A second agent, without delay, cuts to `tip_mm` with the first tool.
+  /// A second agent, on a line of the same quality, cuts to `tip_mm` with the first tool.
   void another_cuts_to(Vec3 tip_mm);
 
   const ServoCycle& servo() const { return *servo_; }
@@ -44,9 +45,10 @@ class TestBed {
 
  private:
   struct Listener final : SampleListener {
-    void sample_ready() noexcept override {}
+    bool is_woken = false;
+    void sample_ready() noexcept override { is_woken = true; }
   };
-  /// The agent's replica; it answers within the tick.
+  /// The agent's replica; it answers within the tick in which it is woken.
   struct Copy final : StockListener {
     std::optional<Replica> replica;
     void take_stock(std::span<const std::byte> frame) override;
@@ -55,7 +57,9 @@ class TestBed {
     void answer(ReplicaExchange& servo, std::uint64_t now_us);
   };
 
-  void join(const SessionLimits& limits, bool copy);
+  void join(const SessionLimits& limits, bool copy, bool intent);
+  void another_arrives(std::span<const std::byte> bytes);
+  void send();
   void serve(std::span<const std::byte> frame);
   void send_answers();
   net::Clock::time_point time() const {
@@ -76,7 +80,7 @@ class TestBed {
   ReplicaExchange exchange_;
   Copy copy_;
   std::unique_ptr<Traffic> traffic_;
-  VirtualLine up_, down_;
+  VirtualLine up_, down_, another_up_;
   std::string welcome_;
   std::optional<GuideModel> guidance_;
   std::unique_ptr<ServoCycle> servo_;

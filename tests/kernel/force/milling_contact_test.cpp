@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kernel/force/milling_sum.h"
+#include "kernel/force/milling_elements.h"
 #include "kernel/sculpture.h"
 
 namespace kerf {
@@ -99,9 +99,12 @@ std::int64_t evaluations_of(int groups, double path_mm) {
 
 TEST(MillingContact, CostsFewEvaluationsPerColumn) {
   constexpr int kGroups = 40, kColumns = 8 * kGroups, kParts = 4;
-  EXPECT_LE(evaluations_of(kGroups, 0.03), kColumns * kParts * 2);
-  EXPECT_LE(evaluations_of(kGroups, 0.06), kColumns * kParts * 8);
-  EXPECT_LE(evaluations_of(kGroups, 10), kColumns * kParts * 8);
+  // A tick finds the surface at once, and sums about 1024 parts at most.
+  EXPECT_LE(evaluations_of(kGroups / 4, 0.03), kColumns * kParts / 4);
+  EXPECT_LE(evaluations_of(kGroups, 0.03), 1536);
+  EXPECT_LE(evaluations_of(1000, 0.03), 1536);
+  EXPECT_LE(evaluations_of(kGroups, 0.12), kColumns * (kParts + 3) * 8);
+  EXPECT_LE(evaluations_of(kGroups, 10), kColumns * (kParts + 3) * 8);
 }
 
 TEST(MillingContact, CostsOfALongMotionAreBounded) {

@@ -15,7 +15,7 @@ import struct
 HERE = pathlib.Path(__file__).parent
 MAGIC = 0x3146524B
 TYPES = {"motion": 1, "result": 2, "mesh": 3, "tools": 4, "ack": 5, "ping": 6, "pong": 7,
-         "stock": 8}
+         "stock": 8, "intent": 9}
 frames = []
 rejected = []
 
@@ -84,6 +84,13 @@ def stock_bytes(time_us, tiles, count=None):
                            + bytes.fromhex(t["columns_hex"]) for t in tiles)
 
 
+def intent_bytes(intents, count=None):
+    head = struct.pack("<II", len(intents) if count is None else count, 0)
+    return head + b"".join(struct.pack("<IIQQ3d3fI", t["participant"], t["tool_id"], t["time_us"],
+                                       t["agent_time_us"], *t["tip_mm"], *t["axis"], t["status"])
+                           for t in intents)
+
+
 def sample(number, x):
     return {"agent_sequence": number, "time_us": (1 << 36) + 1000 * number,
             "tip_mm": [x, -12.3456789012345, 1e-9], "axis": [0.0, 0.6000000238418579, 0.800000011920929],
@@ -113,6 +120,11 @@ tools = [
 tiles = [{"axis": 2, "x": 3, "y": 70000, "columns_hex": "0500c80182018c1f" + "06" * 16},
          {"axis": 0, "x": 0, "y": 0, "columns_hex": ""}]
 
+intents = [{"participant": 7, "tool_id": 2, "time_us": (1 << 41) + 9, "agent_time_us": (1 << 36) + 5,
+            "tip_mm": [0.1, -20.5, 1e-9], "axis": [0.0, 0.6000000238418579, 0.800000011920929], "status": 1},
+           {"participant": 4000000000, "tool_id": 1, "time_us": 3, "agent_time_us": 0,
+            "tip_mm": [-1e6, 0.0, 0.0], "axis": [1.0, 0.0, 0.0], "status": 0}]
+
 two = [sample(41, 0.1), sample(42, 0.2)]
 sixteen = [sample(100 + i, i * 0.1) for i in range(16)]
 keep("motion_two", "motion", {"samples": two}, motion_bytes(two))
@@ -134,6 +146,8 @@ keep("pong", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
 keep("stock_two", "stock", {"reset": False, "agent_time_us": (1 << 36) + 5, "tiles": tiles},
      stock_bytes((1 << 36) + 5, tiles))
 keep("stock_reset", "stock", {"reset": True, "agent_time_us": 0, "tiles": []}, stock_bytes(0, []), flags=1)
+keep("intent_two", "intent", {"intents": intents}, intent_bytes(intents))
+keep("intent_none", "intent", {"intents": []}, intent_bytes([]))
 keep("result_durable", "result", touching, result_bytes(touching), durable=(1 << 33) + 5)
 keep("pong_durable", "pong", {"ping_time_us": (1 << 52) + 1, "time_us": 99},
      struct.pack("<QQ", (1 << 52) + 1, 99), durable=1)
@@ -182,6 +196,12 @@ reject("stock_count_lies", "payload_mismatch", 88, header(8, stock_bytes(1, tile
 reject("stock_count_over", "payload_mismatch", 104, header(8, stock_bytes(1, tiles, count=3)))
 reject("stock_axis_three", "bad_count", 48, header(8, stock_bytes(1, [{**tiles[0], "axis": 3}])))
 reject("stock_tile_cut", "payload_mismatch", 48, header(8, stock_bytes(1, tiles[:1])[:-1]))
+reject("intent_count_huge", "bad_count", 32, header(9, intent_bytes(intents, count=17)))
+reject("intent_count_lies", "payload_mismatch", 32, header(9, intent_bytes(intents, count=1)))
+reject("intent_tip_nan", "not_finite", 72,
+       header(9, intent_bytes([{**intents[0], "tip_mm": [0.0, nan, 0.0]}])))
+reject("intent_axis_long", "axis_not_unit", 88,
+       header(9, intent_bytes([{**intents[0], "axis": [0.0, 0.0, 1.002]}])))
 reject("ack_with_payload", "payload_mismatch", 8, header(5, b"\0"))
 reject("ping_empty", "payload_mismatch", 8, header(6, b""))
 reject("pong_short", "payload_mismatch", 8, header(7, bytes(8)))

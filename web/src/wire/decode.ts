@@ -11,6 +11,8 @@ import {
   FrameType,
   HEADER_BYTES,
   HEADER_BYTES_MAX,
+  INTENT_BYTES,
+  INTENTS_MAX,
   LIST_HEAD_BYTES,
   MAGIC,
   RESULT_BYTES,
@@ -29,6 +31,7 @@ import type {
   DecodeError,
   Frame,
   Header,
+  Intent,
   Payload,
   Sample,
   StockTile,
@@ -177,6 +180,31 @@ function readTools(from: Reader, bytes: number): Decoded<Payload> {
   return notFinite(from) ?? { ok: true, value: { kind: 'tools', tools } };
 }
 
+function readIntents(from: Reader, bytes: number): Decoded<Payload> {
+  const count = readCount(from, bytes, 0, INTENTS_MAX, INTENT_BYTES);
+  if (!count.ok) return count;
+  const intents: Intent[] = [];
+  for (let i = 0; i < count.value; ++i) {
+    const start = from.at;
+    const intent = {
+      participant: from.u32(),
+      tool_id: from.u32(),
+      time_us: from.u64(),
+      agent_time_us: from.u64(),
+      tip_mm: from.vec3d(),
+      axis: from.vec3f(),
+      status: from.u32(),
+    };
+    const failure = notFinite(from);
+    if (failure) return failure;
+    if (Math.abs(Math.hypot(...intent.axis) - 1) > AXIS_LENGTH_TOLERANCE) {
+      return reject('axis_not_unit', start + 48, 'the axis is not a unit vector');
+    }
+    intents.push(intent);
+  }
+  return { ok: true, value: { kind: 'intent', intents } };
+}
+
 function readStock(from: Reader, bytes: number, flags: number): Decoded<Payload> {
   const start = from.at;
   const end = start + bytes;
@@ -239,6 +267,8 @@ function readPayload(
       return readResult(from, bytes);
     case FrameType.Stock:
       return readStock(from, bytes, flags);
+    case FrameType.Intent:
+      return readIntents(from, bytes);
     case FrameType.Ack:
       return { ok: true, value: { kind: 'ack' } };
     case FrameType.Ping:

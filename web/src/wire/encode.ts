@@ -5,6 +5,7 @@ import { Writer } from './cursor';
 import {
   CONTACT_PLANE_BYTES,
   HEADER_BYTES,
+  INTENT_BYTES,
   LIST_HEAD_BYTES,
   MAGIC,
   RESULT_BYTES,
@@ -13,7 +14,16 @@ import {
   STOCK_TILE_BYTES,
   TOOL_STATE_BYTES,
 } from './types';
-import type { ContactPlane, Frame, Payload, Result, Sample, StockTile, ToolState } from './types';
+import type {
+  ContactPlane,
+  Frame,
+  Intent,
+  Payload,
+  Result,
+  Sample,
+  StockTile,
+  ToolState,
+} from './types';
 
 function writeSample(to: Writer, s: Sample): void {
   to.u64(s.agent_sequence);
@@ -73,6 +83,16 @@ function writeStockTile(to: Writer, tile: StockTile): void {
   to.bytes(tile.columns);
 }
 
+function writeIntent(to: Writer, intent: Intent): void {
+  to.u32(intent.participant);
+  to.u32(intent.tool_id);
+  to.u64(intent.time_us);
+  to.u64(intent.agent_time_us);
+  to.vec3d(intent.tip_mm);
+  to.vec3f(intent.axis);
+  to.u32(intent.status);
+}
+
 function payloadSize(frame: Payload): number {
   switch (frame.kind) {
     case 'motion':
@@ -88,6 +108,8 @@ function payloadSize(frame: Payload): number {
         (sum, tile) => sum + STOCK_TILE_BYTES + tile.columns.byteLength,
         STOCK_HEAD_BYTES,
       );
+    case 'intent':
+      return LIST_HEAD_BYTES + frame.intents.length * INTENT_BYTES;
     case 'ping':
       return 8;
     case 'pong':
@@ -125,6 +147,9 @@ function writePayload(to: Writer, bytes: Uint8Array, frame: Payload): void {
     case 'stock':
       to.u64(frame.agent_time_us);
       writeList(to, frame.tiles, writeStockTile);
+      break;
+    case 'intent':
+      writeList(to, frame.intents, writeIntent);
       break;
     case 'ping':
       to.u64(frame.time_us);

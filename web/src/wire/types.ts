@@ -17,6 +17,8 @@ export const TOOL_STATES_MAX = 1024;
 export const STOCK_HEAD_BYTES = 16;
 export const STOCK_TILE_BYTES = 16;
 export const STOCK_TILES_MAX = 4096;
+export const INTENT_BYTES = 64;
+export const INTENTS_MAX = 16;
 export const AXIS_LENGTH_TOLERANCE = 1e-3;
 
 export const VIEW_PROTOCOL = 'kerf.view.v1';
@@ -30,6 +32,7 @@ export const FrameType = {
   Ping: 6,
   Pong: 7,
   Stock: 8,
+  Intent: 9,
 } as const;
 export type FrameType = (typeof FrameType)[keyof typeof FrameType];
 
@@ -108,6 +111,17 @@ export interface ToolState {
   felt_share: number;
 }
 
+/** A pose of another participant's tool near this agent's. */
+export interface Intent {
+  participant: number;
+  tool_id: number;
+  time_us: bigint;
+  agent_time_us: bigint;
+  tip_mm: Vec3;
+  axis: Vec3;
+  status: number;
+}
+
 /** An upper bound of the material in one tile of the block. */
 export interface StockTile {
   axis: number;
@@ -125,6 +139,7 @@ export type Payload =
   | { kind: 'ping'; time_us: bigint }
   | { kind: 'pong'; ping_time_us: bigint; time_us: bigint }
   | { kind: 'stock'; reset: boolean; agent_time_us: bigint; tiles: StockTile[] }
+  | { kind: 'intent'; intents: Intent[] }
   | { kind: 'unknown' };
 
 export type Frame = { header: Header } & Payload;
@@ -269,4 +284,4 @@ export type ServerMessage =
   | ParticipantsChanged
   | StateMessage
   | { type: 'error'; code: string; reason: string; fatal: boolean }
-  | { type: 'bye'; reason: string };
+  | { type: 'bye'; reason: string; redirect?: string };
