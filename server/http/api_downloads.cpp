@@ -94,7 +94,18 @@ ApiResponse Api::download(const ApiCall& call) {
   if (!download) {
     return error_response(download.error().status, download.error().code, download.error().reason);
   }
-  const HashedSolid now = current_solid(session);
+  HashedSolid now;
+  if (download->at) {
+    const auto then = session.solid_at(*download->at, carvers_, request.stop);
+    if (!then) return error_response(503, "busy", then.error());
+    if (!*then) {
+      return error_response(404, "no_record",
+                            "the session has no record " + std::to_string(*download->at) + " yet");
+    }
+    now = {**then, {*download->at, (*then)->hash()}};
+  } else {
+    now = current_solid(session);
+  }
   std::string tag = hash_text(now.hash.hash);
   // Different motions may leave the same solid, so files made of motions are also identified by the
   // number of the last record.

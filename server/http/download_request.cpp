@@ -44,6 +44,11 @@ std::expected<void, DownloadError> read_model(const ApiRequest& request,
     }
     download.suffix += '-' + *text + "-triangles";
   }
+  if (const std::string* text = request.query_value("at")) {
+    download.at = parse_number<std::uint64_t>(*text);
+    if (!download.at) return bad_request("bad_at", "at must be the number of a record");
+    download.suffix += "-at-" + *text;
+  }
   if (const std::string* text = request.query_value("error_mm")) {
     download.simplify.error_mm = parse_number<double>(*text);
     const double bound = download.simplify.error_mm.value_or(0);

@@ -24,6 +24,7 @@ struct DownloadRequest {
   std::optional<ModelFormat> model;  ///< nothing: made of motions
   ModelEncoding encoding = ModelEncoding::kBinary;
   SimplifyRequest simplify;
+  std::optional<std::uint64_t> at;  ///< of a model: the record after which; nothing: now
   ProgramRequest program;
   ForcesRequest forces;
   std::string suffix;  ///< of the file name: the parameters that are not the defaults

@@ -216,6 +216,10 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<StrokesChanged, Rejection> change_strokes(const StrokeRequest& request,
                                                           Workers& workers,
                                                           const std::stop_token& stop = {});
+  /// Returns the solid as it was after a record: without the strokes that were undone then. Blocks:
+  /// not on the executor. The error is one sentence; nullopt if there is no such record yet.
+  std::expected<std::optional<SolidSnapshot>, std::string> solid_at(
+      std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
   /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
   std::expected<std::vector<ListedStroke>, std::string> strokes(std::uint64_t since,
                                                                 const std::stop_token& stop = {});

@@ -182,6 +182,23 @@ void Session::retry_settling() {
   });
 }
 
+std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
+    std::uint64_t record, Workers& workers, const std::stop_token& stop) {
+  const std::lock_guard lock(history_mutex_);
+  if (auto read = read_history(stop); !read) return std::unexpected(read.error());
+  if (record > history_->last()) return std::nullopt;
+  const auto tiles =
+      history_->carve(history_->tiles(), history_->strokes().at(record), workers, stop);
+  if (!tiles) return std::unexpected(tiles.error());
+  auto block = Sculpture::create(sculpture_.settings());
+  if (!block) return std::unexpected(block.error().reason);
+  SculptureState untouched;
+  untouched.solid = start_;
+  if (!block->restore(untouched)) return std::unexpected("the block is of another size");
+  block->replace(*tiles);
+  return block->solid();
+}
+
 std::expected<std::vector<ListedStroke>, std::string> Session::strokes(
     std::uint64_t since, const std::stop_token& stop) {
   const std::lock_guard lock(history_mutex_);

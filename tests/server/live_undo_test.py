@@ -48,13 +48,21 @@ class Undo(LiveTest):
         self.assertEqual(self.server.hash(), before)
         self.assertGreater(undone["returned_mm3"], 100)
         self.assertEqual([s["undone"] for s in self.strokes()], [False, True])
-        self.assertEqual(viewer.settled()["state_hash"], before)
+        until(self, lambda: viewer.settled()["state_hash"], before)
         # What was answered outlasts the death of the server.
         self.server.stop(signal.SIGKILL)
         self.server = Server(self.folder.name, port=self.port)
         until(self, lambda: self.server.http.json("GET", "/readyz")[0], 200)
         self.assertEqual(self.server.hash(), before)
         number = undone["strokes"][0]
+        now, then, then_too = (self.server.http.request("GET", "/v1/sessions/block/model.stl" + at)
+                               for at in ("", f"?at={undone['sequence']}",
+                                          f"?at={undone['strokes'][0] - 1}"))
+        self.assertEqual([now[0], then[0], then_too[0]], [200, 200, 200])
+        self.assertEqual(now[2], then[2])
+        self.assertEqual(now[2], then_too[2])
+        self.assertEqual(
+            self.server.http.json("GET", "/v1/sessions/block/model.stl?at=99999")[0], 404)
         status, redone = self.post(f"redo?strokes={number}")
         self.assertEqual(status, 200, redone)
         self.assertEqual(self.server.hash(), after)

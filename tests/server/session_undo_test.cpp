@@ -131,6 +131,35 @@ TEST_F(SessionUndo, ARestartGivesTheSameBlock) {
   EXPECT_GT(verified->hashes_compared, 0U);
 }
 
+TEST_F(SessionUndo, ThePastIsTheBlockAfterARecordToTheBit) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  std::map<std::uint64_t, std::uint64_t> hashes = {{0, hash()}};
+  const auto note = [&] { hashes[session_->sequence()] = hash(); };
+  const StrokeId a = stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  note();
+  const StrokeId b = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  note();
+  undo({a});
+  note();
+  stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  note();
+  redo({a});
+  undo({b});
+  note();
+  test::ThreadWorkers two(2);
+  for (int round = 0; round < 2; ++round) {
+    for (const auto& [record, expected] : hashes) {
+      const auto then = session_->solid_at(record, two);
+      ASSERT_TRUE(then && *then) << record;
+      EXPECT_EQ((*then)->hash(), expected) << "after record " << record;
+    }
+    reload();
+  }
+  const auto later = session_->solid_at(session_->sequence() + 1, two);
+  EXPECT_TRUE(later && !*later);
+}
+
 TEST_F(SessionUndo, ExportsLeaveUndoneStrokesOut) {
   create();
   const ParticipantId ada = join("Ada"), bo = join("Bo");
