@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptic_agent/link/server_link.h"
 
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -37,6 +38,9 @@ constexpr milliseconds kCloseTimeout{500};
 /// Period at which the ring is emptied and timeouts are checked when no sample wakes the link.
 constexpr milliseconds kHousekeeping{10};
 
+/// A link that is late finds several samples too, but not so often in a row.
+constexpr int kBatchesInARow = 8;
+
 /// WebSocket close code 1000: the purpose of the connection is fulfilled.
 constexpr std::uint16_t kNormalClosure = 1000;
 
@@ -63,7 +67,7 @@ class ServerLink::Impl {
     thread_ = std::thread([this] {
       // If this is denied, the servo thread's warning explains it.
       request_fifo(kLinkPriority);
-      io_.run();
+      run_io();
     });
   }
 
@@ -96,6 +100,27 @@ class ServerLink::Impl {
   bool rejected() const noexcept { return rejected_.load(); }
 
  private:
+  /// While the servo hands over several samples at a time, because the replica answers them,
+  /// nothing that arrives is urgent: it is handled when the servo wakes the link the next time.
+  void run_io() {
+    while (!io_.stopped()) {
+      const bool drains = drain_until_us_.load() != 0 || interrupted();
+      if (batches_ < kBatchesInARow || !connected_.load() || drains) {
+        io_.run_one();
+        continue;
+      }
+      pollfd event{.fd = wake_fd_, .events = POLLIN, .revents = 0};
+      ::poll(&event, 1, static_cast<int>(kHousekeeping.count()));
+      io_.poll();
+    }
+  }
+
+  void count_batch(std::size_t samples) {
+    if (samples == 0) return;
+    const bool is_batch = samples > 1 && settings_.traffic.copy != nullptr;
+    batches_ = is_batch ? std::min(batches_ + 1, kBatchesInARow) : 0;
+  }
+
   bool interrupted() const noexcept { return interrupted_.load(); }
 
   void notice(const std::string& text) const {
@@ -264,7 +289,7 @@ class ServerLink::Impl {
   asio::awaitable<void> write_all(Connection& connection) {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     while (!connection.loss && !finished()) {
-      traffic_.collect();
+      count_batch(traffic_.collect());
       send_datagrams(connection);
       if (const std::string text = traffic_.take_control(); !text.empty()) {
         co_await write(connection, true, asio::buffer(text));
@@ -308,6 +333,7 @@ class ServerLink::Impl {
   /// The connection whose handshake is in progress; null if none.
   std::shared_ptr<Connection> greeting_;
   bool ended_ = false;
+  int batches_ = 0;  ///< wake-ups in a row with several samples, while there is a replica
   bool notified_no_udp_ = false;
   LinkReport report_;
   std::thread thread_;

@@ -56,9 +56,11 @@ bool Traffic::settle(std::uint64_t now_us) noexcept {
   return false;
 }
 
-void Traffic::collect() {
+std::size_t Traffic::collect() {
+  std::size_t count = 0;
   wire::MotionSample sample;
   while (ring_.pop(sample)) {
+    ++count;
     if (options_.deadband && holds_back(sample)) {
       held_ = sample;
       ++report_.held_back;
@@ -71,6 +73,7 @@ void Traffic::collect() {
     queue_.push(sample);
     queued_ = sample;
   }
+  return count;
 }
 
 /// Returns true for poses out of contact that differ imperceptibly from the last one, for at most

@@ -57,8 +57,8 @@ class Traffic {
   /// Records that the user requested UDP.
   void ask_for_udp() noexcept { report_.udp.asked = true; }
 
-  /// Moves the samples of the ring to the queue.
-  void collect();
+  /// Moves the samples of the ring to the queue. Returns how many there were.
+  std::size_t collect();
   /// Returns true if every collected sample is answered and durable.
   bool settled() const noexcept { return queue_.settled() && queue_.not_durable() == 0; }
   /// The same; if all are answered, it also hastens the next ping, whose answer states what is

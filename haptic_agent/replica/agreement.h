@@ -21,11 +21,18 @@ class Agreement {
     kept_[count_++ % kKept] = {local.agent_time_us, Vec3(local.force_n)};
   }
 
-  /// Compares an answer of the server; ignored if the replica had no answer to that sample.
+  /// Compares an answer of the server, which is the mean over the samples since its last one, with
+  /// the mean of the replica's; ignored if the replica had no answer to the newest of them.
   void compare(const wire::Result& remote) {
-    const Answer* local = find(remote.agent_time_us);
-    if (local == nullptr) return;
-    const Vec3 force(remote.force_n), difference = local->force_n - force;
+    const std::size_t last = find(remote.agent_time_us), before = find(remote_us_);
+    remote_us_ = remote.agent_time_us;
+    if (last == kNone) return;
+    const bool follows = before != kNone && before < last && last - before <= kBatchMax;
+    const std::size_t count = follows ? last - before : 1;
+    Vec3 sum;
+    for (std::size_t n = last + 1 - count; n <= last; ++n) sum = sum + kept_[n % kKept].force_n;
+    const Vec3 force(remote.force_n);
+    const Vec3 difference = sum * (1 / static_cast<double>(count)) - force;
     ++compared_;
     square_error_ += dot(difference, difference);
     square_force_ += dot(force, force);
@@ -54,6 +61,7 @@ class Agreement {
   /// The last two seconds.
   static constexpr std::size_t kKept = 2048;
   static constexpr int kWindow = 1000;
+  static constexpr std::size_t kBatchMax = wire::kMaxSamplesPerMotion;
   /// Smaller rms differences never count as divergence.
   static constexpr double kMinErrorN = 0.05;
   struct Answer {
@@ -65,7 +73,9 @@ class Agreement {
     double square_error = 0, square_force = 0;
   };
 
-  const Answer* find(std::uint64_t time_us) const {
+  static constexpr std::size_t kNone = SIZE_MAX;
+  /// Returns the number of the answer to the sample of that time.
+  std::size_t find(std::uint64_t time_us) const {
     std::size_t low = count_ > kKept ? count_ - kKept : 0, high = count_;
     while (low < high) {
       const std::size_t middle = low + (high - low) / 2;
@@ -76,11 +86,12 @@ class Agreement {
       }
     }
     const bool found = low < count_ && kept_[low % kKept].time_us == time_us;
-    return found ? &kept_[low % kKept] : nullptr;
+    return found ? low : kNone;
   }
 
   std::array<Answer, kKept> kept_{};
   std::size_t count_ = 0;
+  std::uint64_t remote_us_ = 0;  ///< of the server's last answer
   std::uint64_t compared_ = 0;
   double square_error_ = 0, square_force_ = 0;
   Window window_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -21,23 +22,24 @@ class ReplicaExchange {
   ReplicaExchange(const ReplicaExchange&) = delete;
   ReplicaExchange& operator=(const ReplicaExchange&) = delete;
 
-  /// Servo thread. Returns false, and drops the sample, if the ring is full.
-  bool push(const wire::MotionSample& sample) noexcept {
-    const bool taken = samples_.push(sample);
-    wake();
-    return taken;
-  }
+  /// Servo thread. Returns false, and drops the sample, if the ring is full. Wakes nobody.
+  bool push(const wire::MotionSample& sample) noexcept { return samples_.push(sample); }
   /// Servo thread. Fetches the newest answer; returns false if there is none since the last call.
   bool read(ServerWrench& answer) noexcept { return answers_.read(answer); }
 
   /// Replica thread. Fetches the next sample; returns false if there is none.
   bool pop(wire::MotionSample& sample) noexcept { return samples_.pop(sample); }
   void write(const ServerWrench& answer) noexcept { answers_.write(answer); }
-  /// Replica thread. Sleeps until a sample is pushed or `wake` is called.
+  /// Replica thread. Sleeps until `wake` is called, unless it was since the last call.
   void wait() noexcept {
     std::uint64_t times = 0;
     // An interrupting signal ends the wait too.
     [[maybe_unused]] const auto read_bytes = ::read(wake_, &times, sizeof times);
+  }
+  /// Returns whether `wait` would return at once.
+  bool is_woken() const noexcept {
+    pollfd event{.fd = wake_, .events = POLLIN, .revents = 0};
+    return ::poll(&event, 1, 0) == 1;
   }
   void wake() noexcept {
     const std::uint64_t one = 1;

@@ -141,8 +141,27 @@ bool ServoCycle::send(const DeviceState& state) noexcept {
   } else {
     ++report_.ring_overflows;
   }
-  if (replica_ != nullptr && !replica_->push(sample)) ++report_.replica_overflows;
-  listener_.sample_ready();
+  if (replica_ != nullptr) pass_to_replica(sample);
+  if (must_wake_link(sample.buttons)) listener_.sample_ready();
+  return true;
+}
+
+/// Wakes the replica for every second sample: a thread that wakes costs more than a cut. The ripple
+/// of teeth needs an answer to each.
+void ServoCycle::pass_to_replica(const wire::MotionSample& sample) noexcept {
+  if (!replica_->push(sample)) ++report_.replica_overflows;
+  replica_waits_ = !replica_waits_ && settings_.model.law != CutLaw::kMechanistic;
+  if (!replica_waits_) replica_->wake();
+}
+
+/// Returns whether the link must send now. While the replica answers, nothing waits for the server,
+/// and samples are sent a few at a time: each wake-up costs a message in both directions.
+bool ServoCycle::must_wake_link(std::uint32_t buttons) noexcept {
+  const bool answered = replica_us_ != 0 && last_us_ - replica_us_ <= kReplicaFreshUs;
+  ++unsent_;
+  if (answered && buttons == sent_buttons_ && unsent_ < kSamplesPerWake) return false;
+  unsent_ = 0;
+  sent_buttons_ = buttons;
   return true;
 }
 

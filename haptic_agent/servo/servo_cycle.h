@@ -89,6 +89,11 @@ struct ServoStatus {
   double felt_share = 1;
 };
 
+/// Samples that the link sends together while the replica answers, and how old, us, its answer may
+/// be. The server's copy of the path is late by as many ticks.
+inline constexpr int kSamplesPerWake = 4;
+inline constexpr std::uint64_t kReplicaFreshUs = 5'000;
+
 /// One tick: reads the device, passes the pose to the link and the replica, and renders the newest
 /// answer for the current pose: faded when the server is silent, scaled by the supervisor, made
 /// passive, limited. No allocation, lock, exception or printing.
@@ -111,6 +116,8 @@ class ServoCycle final : public ServoTask {
 
  private:
   bool send(const DeviceState& state) noexcept;
+  void pass_to_replica(const wire::MotionSample& sample) noexcept;
+  bool must_wake_link(std::uint32_t buttons) noexcept;
   Twist follow(const DeviceState& state, bool usable, std::uint64_t now_us, double dt_s) noexcept;
   void take_answers(std::uint64_t now_us) noexcept;
   Wrench requested_wrench(std::uint64_t now_us, bool cutting, double dt_s) noexcept;
@@ -150,6 +157,11 @@ class ServoCycle final : public ServoTask {
   bool has_answer_ = false;
   /// Time of the replica's latest answer; 0: never.
   std::uint64_t replica_us_ = 0;
+  /// The replica has a sample for which it was not woken.
+  bool replica_waits_ = false;
+  /// Samples for which the link was not woken, and the buttons for which it was.
+  int unsent_ = 0;
+  std::uint32_t sent_buttons_ = 0;
   std::uint64_t lost_now_ = 0;
   std::uint64_t noted_trips_ = 0;
   std::uint64_t start_us_ = 0;

@@ -15,15 +15,18 @@ bool Watchdog::check(std::uint64_t now_ns) {
   return true;
 }
 
+std::uint64_t Watchdog::next_check_ns(std::uint64_t now_ns) const {
+  const std::uint64_t stale_ns = loop_.heartbeat_ns() + kStaleNs + 1;
+  return stale_ns > now_ns && stale_ns <= now_ns + kStaleNs + 1 ? stale_ns : now_ns + kEveryNs;
+}
+
 void Watchdog::start() {
   thread_ = std::thread([this] {
     // If this is denied, the servo thread's warning explains it.
     request_fifo(kWatchdogPriority);
     MonotonicClock clock;
-    std::uint64_t due_ns = clock.now_ns();
     while (!ending_.load()) {
-      due_ns += kEveryNs;
-      clock.sleep_until_ns(due_ns);
+      clock.sleep_until_ns(next_check_ns(clock.now_ns()));
       check(clock.now_ns());
     }
   });

@@ -14,6 +14,8 @@ namespace kerf::agent {
 /// stalls. The loop itself trips when it resumes.
 class Watchdog {
  public:
+  /// Period of the checks before the first heartbeat and during a stall. Otherwise the next check
+  /// is when the newest heartbeat becomes stale.
   static constexpr std::uint64_t kEveryNs = 5'000'000;
   static constexpr std::uint64_t kStaleNs = 10'000'000;
 
@@ -28,6 +30,8 @@ class Watchdog {
   void end();
   /// Checks the heartbeat at `now_ns` on the loop's clock; returns true if it stopped the device.
   bool check(std::uint64_t now_ns);
+  /// Returns when to check again, on the loop's clock.
+  std::uint64_t next_check_ns(std::uint64_t now_ns) const;
   /// Number of stalls detected.
   std::uint64_t stops() const noexcept { return stops_.load(); }
 

@@ -59,6 +59,8 @@ class Conversation {
 
   /// Moves the next frame to send into `out`, reusing its memory; returns false if there is none.
   virtual bool take(OutFrame& out) = 0;
+  /// Another frame waits to leave at once: the network may carry both together.
+  virtual bool has_more() const { return false; }
   /// `frame`, the last one taken, has been handed to the operating system.
   virtual void sent(const OutFrame&) {}
 

@@ -59,7 +59,8 @@ void ViewerConversation::send_tools(SharedBytes frame) {
   wake();
 }
 
-void ViewerConversation::send_mesh(FeedFrame frame) {
+void ViewerConversation::send_mesh(FeedFrame frame, SharedBytes tools) {
+  if (tools) out_.put_tools(std::move(tools));
   out_.put_mesh(std::move(frame));
   wake();
 }

@@ -66,7 +66,8 @@ class ViewerConversation final : public Conversation {
   const FirstLook& first_look() const { return first_look_; }
 
   void send_tools(SharedBytes frame);  ///< replaces one that has not left
-  void send_mesh(FeedFrame frame);
+  /// `tools`, unless null, leaves before it, as with send_tools.
+  void send_mesh(FeedFrame frame, SharedBytes tools = nullptr);
   void send_state(const SurfaceState& state);  ///< leaves after the mesh frames before it
   /// The participants have changed. `all` is the complete list, `change` the difference to the list
   /// of the previous call for any viewer of the session; it suffices if the viewer understands it
@@ -81,6 +82,7 @@ class ViewerConversation final : public Conversation {
   void close(const std::string& reason, const std::string& redirect = {});
 
   bool take(OutFrame& out) override;
+  bool has_more() const override { return out_.has_mesh(); }
   void end() override {}
 
  private:

@@ -28,6 +28,8 @@ class ViewerOutbox {
   }
   /// Whether a message on the participants waits to leave.
   bool has_participants() const { return participants_ != nullptr; }
+  /// Whether a mesh frame waits to leave.
+  bool has_mesh() const { return !mesh_.empty(); }
   void put_mesh(FeedFrame frame) {
     if (!closed_) mesh_.push_back(std::move(frame));
   }

@@ -161,7 +161,8 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& asked
   if (!is_viewer) journal_.append(state->participant, state->token);
   if (is_viewer) ++viewers_;
   const ParticipantId id = state->participant.id;
-  states_.emplace(id, *std::move(state));
+  const auto added = states_.emplace(id, *std::move(state)).first;
+  if (!is_viewer) carvers_.emplace(id, &added->second);
   changed(!is_viewer);
   return admission;
 }
@@ -180,6 +181,7 @@ void Participants::leave(ParticipantId id) {
   const bool is_viewer = found->second.participant.kind == ParticipantKind::kViewer;
   if (is_viewer) --viewers_;
   if (found->second.token) keep_resumable(found->second);
+  carvers_.erase(id);
   states_.erase(found);
   changed(!is_viewer);
 }
@@ -228,19 +230,17 @@ Roster Participants::roster() const {
 
 std::vector<Participant> Participants::carvers() const {
   std::vector<Participant> carvers;
-  for (const auto& state : states_ | std::views::values) {
-    if (state.participant.kind != ParticipantKind::kViewer) carvers.push_back(state.participant);
-  }
+  for (const auto* state : carvers_ | std::views::values) carvers.push_back(state->participant);
   return carvers;
 }
 
 std::vector<wire::ToolState> Participants::tool_states() const {
   std::vector<wire::ToolState> tools;
   const auto now = Clock::now();
-  for (const auto& state : states_ | std::views::values) {
-    if (!state.track.pose() || tools.size() == wire::kMaxToolStates) continue;
-    wire::ToolState tool = state.display;
-    if (!state.has_recent_force(now)) {
+  for (const auto* state : carvers_ | std::views::values) {
+    if (!state->track.pose() || tools.size() == wire::kMaxToolStates) continue;
+    wire::ToolState tool = state->display;
+    if (!state->has_recent_force(now)) {
       tool.status = 0;
       tool.force_n = tool.torque_nmm = {};
       tool.removed_rate_mm3_per_s = tool.felt_share = 0;
@@ -263,15 +263,33 @@ std::optional<wire::ToolState> Participants::felt_by(const ParticipantState& sta
 
 bool Participants::has_active_agent(Clock::duration period, ParticipantId except) const {
   const auto now = Clock::now();
-  return std::ranges::any_of(states_ | std::views::values, [&](const ParticipantState& state) {
-    return state.participant.kind == ParticipantKind::kAgent && state.participant.id != except &&
-           now - state.display_time < period;
+  return std::ranges::any_of(carvers_ | std::views::values, [&](const ParticipantState* state) {
+    return state->participant.kind == ParticipantKind::kAgent && state->participant.id != except &&
+           now - state->display_time < period;
   });
 }
 
 void Participants::note_cut(ParticipantId author, std::span<const FieldTile> tiles) {
+  for (const auto& [id, state] : carvers_) {
+    if (id != author && state->stock) state->stock->note_cut(tiles);
+  }
+}
+
+void Participants::note_returned(std::span<const FieldTile> tiles) {
   for (auto& [id, state] : states_) {
-    if (id != author && state.stock) state.stock->note_cut(tiles);
+    if (state.stock) state.stock->note_returned(tiles);
+  }
+}
+
+void Participants::end_strokes() {
+  for (auto& [id, state] : states_) state.in_stroke = false;
+  resumable_.end_strokes();
+}
+
+void Participants::hold_tools_in_stock() {
+  for (auto& [id, state] : states_) {
+    if (state.participant.kind != ParticipantKind::kAgent || !state.track.pose()) continue;
+    state.is_in_stock = sculpture_.depth_in_stock(state.track.tool(), *state.track.pose()) > 0;
   }
 }
 

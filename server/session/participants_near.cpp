@@ -26,14 +26,14 @@ wire::Intents Participants::near(const ParticipantState& self) const {
   if (!self.intent || own == nullptr || !self.track.pose()) return intents;
   const Bounds reach = grown(tool_bounds(*own, *self.track.pose()), kIntentReachMm);
   std::vector<Near> near;
-  for (const auto& state : states_ | std::views::values) {
-    const Tool* tool = sculpture_.tool(state.track.tool());
-    if (&state == &self || tool == nullptr || !state.track.pose() || state.participant.is_muted ||
-        state.participant.kind != ParticipantKind::kAgent) {
+  for (const ParticipantState* state : carvers_ | std::views::values) {
+    const Tool* tool = sculpture_.tool(state->track.tool());
+    if (state == &self || tool == nullptr || !state->track.pose() || state->participant.is_muted ||
+        state->participant.kind != ParticipantKind::kAgent) {
       continue;
     }
-    if (!meet(reach, tool_bounds(*tool, *state.track.pose()))) continue;
-    near.push_back({length(state.track.pose()->tip_mm - self.track.pose()->tip_mm), &state});
+    if (!meet(reach, tool_bounds(*tool, *state->track.pose()))) continue;
+    near.push_back({length(state->track.pose()->tip_mm - self.track.pose()->tip_mm), state});
   }
   std::ranges::sort(near, {}, &Near::distance_mm);
   for (const Near& one : near | std::views::take(wire::kMaxIntents)) {

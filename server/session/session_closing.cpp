@@ -108,7 +108,22 @@ std::expected<std::filesystem::path, RegistryError> SessionRegistry::find_closed
   return closed_folder() / (name + kJournalExtension);
 }
 
+SessionRegistry::ClosedFile::ClosedFile(SessionRegistry& registry, const std::string& name)
+    : registry_(registry), name_(name) {
+  std::unique_lock lock(registry_.mutex_);
+  registry_.closed_free_.wait(lock, [&] { return registry_.closed_in_use_.insert(name).second; });
+}
+
+SessionRegistry::ClosedFile::~ClosedFile() {
+  {
+    const std::lock_guard lock(registry_.mutex_);
+    registry_.closed_in_use_.erase(name_);
+  }
+  registry_.closed_free_.notify_all();
+}
+
 std::expected<void, RegistryError> SessionRegistry::delete_closed(const std::string& name) {
+  const ClosedFile mine(*this, name);
   const auto file = find_closed(name);
   if (!file) return std::unexpected(file.error());
   remove_journal(*file);
@@ -120,6 +135,7 @@ std::expected<void, RegistryError> SessionRegistry::delete_closed(const std::str
 
 std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::reopen(
     const std::string& name, LoadReport& report) {
+  const ClosedFile mine(*this, name);
   const auto file = find_closed(name);
   if (!file) return std::unexpected(file.error());
   const std::string id = parse_name(name).id;

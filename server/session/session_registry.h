@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <condition_variable>
 #include <deque>
 #include <expected>
 #include <filesystem>
@@ -168,6 +169,19 @@ class SessionRegistry {
   std::filesystem::path journal_path(const std::string& id) const;
   std::filesystem::path closed_folder() const;
   std::expected<std::filesystem::path, RegistryError> find_closed(const std::string& name) const;
+  /// Holds the file of a closed session: of several callers that name the same one, each waits for
+  /// those before it.
+  class ClosedFile {
+   public:
+    ClosedFile(SessionRegistry& registry, const std::string& name);
+    ~ClosedFile();
+    ClosedFile(const ClosedFile&) = delete;
+    ClosedFile& operator=(const ClosedFile&) = delete;
+
+   private:
+    SessionRegistry& registry_;
+    const std::string& name_;
+  };
   /// What the journal of a session was found to be when it was opened.
   struct Opened {
     std::int64_t kernel_version = kKernelVersion;
@@ -188,8 +202,10 @@ class SessionRegistry {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Session>> sessions_;  ///< null during creation and close
   std::map<std::string, JournalError> unreadable_;
-  std::deque<std::string> waiting_;  ///< to be loaded, in this order
-  std::set<std::string> loading_;    ///< those that wait, and those that are being loaded
+  std::deque<std::string> waiting_;      ///< to be loaded, in this order
+  std::set<std::string> closed_in_use_;  ///< names that a ClosedFile holds
+  std::condition_variable closed_free_;
+  std::set<std::string> loading_;  ///< those that wait, and those that are being loaded
   std::stop_source stop_loading_;
   bool found_ = false;
   DiskUse disk_use_;

@@ -113,6 +113,7 @@ void PeerSocket::pump() {
   }
   const std::array<asio::const_buffer, 2> parts = {
       asio::buffer(out_.bytes), out_.shared ? asio::buffer(*out_.shared) : asio::const_buffer()};
+  socket_.hold(conversation().has_more());
   socket_.write(out_.is_text(), parts,
                 [self = shared_from_this()](error_code error) { self->written(error); });
 }

@@ -20,6 +20,8 @@ namespace asio = boost::asio;
 /// Thirty times a second: viewers interpolate poses in between, and a tile that changes all the
 /// time is meshed at most this often.
 constexpr std::chrono::milliseconds kTick{33};
+/// The same for a crowd.
+constexpr std::chrono::milliseconds kCrowdTick{50};
 
 }  // namespace
 
@@ -56,7 +58,10 @@ void ViewerHub::remove(ParticipantId id) {
 
 void ViewerHub::acknowledge(ParticipantId id, std::uint64_t sequence) {
   next_job_.acks.emplace_back(id, sequence);
-  start_job();
+  const Viewer* viewer = find(id);
+  // Unless the viewer has everything, a frame that waits may leave now.
+  const bool has_all = viewer != nullptr && viewer->sent && *viewer->sent >= revision_;
+  if (!has_all) start_job();
 }
 
 void ViewerHub::look(ParticipantId id, const ViewerLook& look) {
@@ -113,14 +118,17 @@ void ViewerHub::on_event(const SessionEvent& event, Roster roster) {
 asio::awaitable<void> ViewerHub::run() {
   const auto self = shared_from_this();
   bool first = side_->feed == nullptr;
+  Clock::time_point next{};
   while (!viewers_.empty()) {
     auto read = [session = session_, first] { return session->frame(first); };
     SessionFrame frame = co_await run_on(threads_of(*session_), std::move(read));
     first = false;
     take_frame(std::move(frame));
     start_overdue_snapshots();
-    start_job();
-    tick_.expires_after(kTick);
+    if (!next_job_.empty()) start_job();
+    const auto period = is_crowd() ? kCrowdTick : kTick;
+    next = std::max(next + period, Clock::now() + period / 2);
+    tick_.expires_at(next);
     boost::system::error_code ignored;
     co_await tick_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
   }
@@ -137,10 +145,14 @@ void ViewerHub::take_frame(SessionFrame frame) {
     }
     // The feed holds the snapshot. A second reference would make the kernel copy more tiles.
     frame.snapshot.reset();
+    next_job_.is_for_all = true;
   }
   newest_ = std::move(frame);
   has_newest_ = true;
+  // The poses before these have waited for tiles long enough.
   send_tools();
+  encode_tools();
+  if (!is_crowd() || !next_job_.is_for_all) send_tools();
   send_states();
 }
 
@@ -153,15 +165,22 @@ void ViewerHub::start_overdue_snapshots() {
   }
 }
 
-void ViewerHub::send_tools() {
+void ViewerHub::encode_tools() {
   std::vector<std::byte> bytes(wire::encoded_bytes(newest_.tools));
   wire::encode({session_->epoch(), 0, 0}, newest_.tools, bytes);
   if (bytes == last_tools_) return;
   last_tools_ = bytes;
   const wire::FrameStamp stamp{session_->epoch(), ++tools_sent_, to_us(Clock::now())};
   wire::encode(stamp, newest_.tools, bytes);
-  const auto shared = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
-  for (auto& [id, viewer] : viewers_) viewer.conversation->send_tools(shared);
+  tools_ = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+}
+
+void ViewerHub::send_tools() {
+  const SharedBytes tools = std::exchange(tools_, nullptr);
+  if (!tools) return;
+  for (auto& [id, viewer] : viewers_) {
+    if (!std::exchange(viewer.has_tools, false)) viewer.conversation->send_tools(tools);
+  }
 }
 
 void ViewerHub::send_states() {
@@ -209,16 +228,27 @@ ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
     const auto found = side.ids.find(id);
     if (found != side.ids.end()) side.feed->look(found->second, look);
   }
-  for (const auto& [id, viewer] : side.ids) {
-    while (auto frame = side.feed->next_frame(viewer)) result.frames.emplace_back(id, *frame);
-    const auto state = side.feed->viewer_state(viewer);
-    if (state && state->sent) result.sent.emplace_back(id, state->revision);
+  if (job.is_for_all) {
+    for (const auto& [id, viewer] : side.ids) serve(side, id, result);
+  } else {
+    for (const auto& [id, look] : job.joined) serve(side, id, result);
+    for (const auto& [id, sequence] : job.acks) serve(side, id, result);
+    for (const auto& [id, look] : job.looks) serve(side, id, result);
   }
   const auto stats = side.feed->stats();
   result.tiles = stats.tiles_meshed - side.counted.tiles_meshed;
   result.bytes = stats.bytes_composed - side.counted.bytes_composed;
   side.counted = stats;
   return result;
+}
+
+/// Adds the frames that a viewer may be sent.
+void ViewerHub::serve(FeedSide& side, ParticipantId id, JobResult& result) {
+  const auto found = side.ids.find(id);
+  if (found == side.ids.end()) return;
+  while (auto frame = side.feed->next_frame(found->second)) result.frames.emplace_back(id, *frame);
+  const auto state = side.feed->viewer_state(found->second);
+  if (state && state->sent) result.sent.emplace_back(id, state->revision);
 }
 
 ViewerHub::Viewer* ViewerHub::find(ParticipantId id) {
@@ -229,9 +259,16 @@ ViewerHub::Viewer* ViewerHub::find(ParticipantId id) {
 void ViewerHub::deliver(JobResult result) {
   job_runs_ = false;
   context_.metrics.mesh_made(result.tiles, result.bytes);
+  // Poses leave before tiles, those who get both in one piece.
+  ParticipantId previous = 0;
   for (auto& [id, frame] : result.frames) {
-    if (Viewer* viewer = find(id)) viewer->conversation->send_mesh(std::move(frame));
+    const bool is_first = std::exchange(previous, id) != id;
+    Viewer* viewer = find(id);
+    if (viewer == nullptr) continue;
+    viewer->conversation->send_mesh(std::move(frame), is_first ? tools_ : nullptr);
+    viewer->has_tools = viewer->has_tools || tools_;
   }
+  send_tools();
   for (const auto& [id, revision] : result.sent) {
     if (Viewer* viewer = find(id)) viewer->sent = revision;
   }

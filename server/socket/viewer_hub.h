@@ -33,6 +33,9 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   /// Sets the position from which a viewer looks; only the newest counts.
   void look(ParticipantId id, const ViewerLook& look);
   static constexpr std::chrono::seconds kLookWait{1};
+  /// With more viewers than these it reads the session 20 times a second instead of 30, and sends
+  /// tool poses with the tiles.
+  static constexpr std::size_t kCrowd = 50;
   const std::shared_ptr<Session>& session() const { return session_; }
 
  private:
@@ -45,17 +48,22 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   struct Viewer {
     ViewerConversation* conversation = nullptr;
     std::optional<Clock::time_point> look_due;  ///< the first snapshot awaits a look until then
+    bool has_tools = false;                     ///< has been sent `tools_` already
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
   /// Requests that have come since the last job.
   struct Job {
+    bool is_for_all = false;  ///< the surface has changed: every viewer needs a frame
     std::vector<std::pair<ParticipantId, std::optional<ViewerLook>>> joined;
     std::vector<ParticipantId> left;
     std::vector<std::pair<ParticipantId, std::uint64_t>> acks;
     std::map<ParticipantId, ViewerLook> looks;
+    bool empty() const {
+      return !is_for_all && joined.empty() && left.empty() && acks.empty() && looks.empty();
+    }
   };
   struct JobResult {
-    std::vector<std::pair<ParticipantId, FeedFrame>> frames;
+    std::vector<std::pair<ParticipantId, FeedFrame>> frames;  ///< those of a viewer together
     std::vector<ParticipantId> bad_acks;
     std::vector<std::pair<ParticipantId, std::uint64_t>> sent;
     std::uint64_t tiles = 0, bytes = 0;
@@ -66,10 +74,13 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   boost::asio::awaitable<void> run();
   void take_frame(SessionFrame frame);
   void start_overdue_snapshots();
+  void encode_tools();
   void send_tools();
   void send_states();
+  bool is_crowd() const { return viewers_.size() > kCrowd; }
   void start_job();
   static JobResult run_job(FeedSide& side, const Job& job);
+  static void serve(FeedSide& side, ParticipantId id, JobResult& result);
   void deliver(JobResult result);
   Viewer* find(ParticipantId id);
 
@@ -82,6 +93,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   Job next_job_;
   bool job_runs_ = false, job_is_due_ = false, running_ = false, listening_ = false;
   std::vector<std::byte> last_tools_;  ///< encoded without sequence and time, to detect changes
+  SharedBytes tools_;                  ///< tool poses that have not been passed on yet
   std::uint64_t tools_sent_ = 0;
   SessionFrame newest_;  ///< of the session, without its snapshot
   bool has_newest_ = false;

@@ -2,13 +2,16 @@
 #include "server/threads/io_threads.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cstdint>
 #include <exception>
 #include <thread>
 #include <utility>
@@ -29,9 +32,42 @@ struct IoThreads::State {
 
 namespace {
 
+/// Slice of the threads of agents. A thread that wakes up interrupts one with a longer slice (Linux
+/// since 6.12; ignored before), so an agent does not wait for the default slice, 3 ms or more, of
+/// another process.
+constexpr std::uint64_t kShortSliceNs = 100'000;
+
+/// `struct sched_attr` of the operating system, whose header collides with <sched.h>; see
+/// sched_setattr(2).
+struct SchedulingAttributes {
+  std::uint32_t size = sizeof(SchedulingAttributes), policy = SCHED_OTHER;
+  std::uint64_t flags = 0;
+  std::int32_t niceness = 0;
+  std::uint32_t priority = 0;
+  std::uint64_t slice_ns = 0, deadline_ns = 0, period_ns = 0;
+};
+
+/// Sets how the calling thread competes for the cores. On Linux niceness belongs to the thread;
+/// neither a higher one, nor SCHED_BATCH, nor a slice needs a privilege.
+void set_priority(int niceness) {
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  SchedulingAttributes attributes;
+  attributes.niceness = getpriority(PRIO_PROCESS, thread);  // of the process
+  if (niceness > 0) attributes.niceness = std::max(attributes.niceness, niceness);
+  if (niceness > 0) {
+    attributes.policy = SCHED_BATCH;  // a thread that wakes up interrupts nobody
+  } else {
+    attributes.slice_ns = kShortSliceNs;
+  }
+  if (syscall(SYS_sched_setattr, 0, &attributes, 0U) == 0) return;
+  // A container may forbid it, but not this.
+  setpriority(PRIO_PROCESS, thread, attributes.niceness);
+  const sched_param none{};
+  if (niceness > 0) sched_setscheduler(0, SCHED_BATCH, &none);
+}
+
 void run(asio::io_context& context, const std::string& name, int niceness) {
-  // On Linux niceness belongs to the thread; raising it needs no privilege.
-  if (niceness > 0) setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), niceness);
+  set_priority(niceness);
   for (;;) {
     try {
       context.run();

@@ -83,6 +83,22 @@ std::string describe_certificate(long fault, const std::string& host) {
   }
 }
 
+/// Whether the next attempt would fail for the same reason: the certificate is not accepted, or the
+/// peer does not speak this TLS. Anything else, such as an alert of a server that is overloaded or
+/// restarting, may pass.
+bool is_lasting(int reason) {
+  switch (reason) {
+    case SSL_R_CERTIFICATE_VERIFY_FAILED:
+    case SSL_R_HTTP_REQUEST:
+    case SSL_R_WRONG_VERSION_NUMBER:
+    case SSL_R_UNSUPPORTED_PROTOCOL:
+    case SSL_R_TLSV1_ALERT_PROTOCOL_VERSION:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 struct TlsChannel::Native {
@@ -169,7 +185,7 @@ TlsStep TlsChannel::judge(int result) {
       return TlsStep::kFailed;
     default:
       failure_ = describe_failure(ERR_peek_error());
-      is_final_ = true;
+      is_final_ = is_lasting(ERR_GET_REASON(ERR_peek_error()));
       is_peer_plain_ = ERR_GET_REASON(ERR_peek_error()) == SSL_R_HTTP_REQUEST ||
                        ERR_GET_REASON(ERR_peek_error()) == SSL_R_WRONG_VERSION_NUMBER;
       return TlsStep::kFailed;

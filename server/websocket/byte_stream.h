@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/socket.h>
+
 #include <algorithm>
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/async_result.hpp>
@@ -41,6 +43,8 @@ class ByteStream {
 
   /// Shakes hands if there is TLS; the channel says why it failed.
   boost::asio::awaitable<boost::system::error_code> shake_hands();
+  /// Whether what is written is held for what is written next (MSG_MORE); ignored with TLS.
+  void hold(bool on) { hold_ = on; }
   /// Tells the peer that nothing more comes, in TLS too.
   void end_sending();
   /// Whether the peer has closed its end, as far as has arrived.
@@ -61,7 +65,7 @@ class ByteStream {
   auto async_write_some(const Buffers& buffers, Token&& token) {
     return boost::asio::async_initiate<Token, void(boost::system::error_code, std::size_t)>(
         [this](auto handler, const Buffers& from) {
-          if (!tls_) return socket_.async_write_some(from, std::move(handler));
+          if (!tls_) return socket_.async_send(from, hold_ ? MSG_MORE : 0, std::move(handler));
           // One record for all parts, of at most the size that TLS allows.
           outgoing_.resize(std::min(boost::asio::buffer_size(from), kRecordBytes));
           boost::asio::buffer_copy(boost::asio::buffer(outgoing_), from);
@@ -89,6 +93,7 @@ class ByteStream {
 
   boost::asio::ip::tcp::socket socket_;
   std::unique_ptr<TlsChannel> tls_;
+  bool hold_ = false;
   std::vector<std::byte> outgoing_;  ///< being written with TLS
 };
 

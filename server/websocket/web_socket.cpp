@@ -106,6 +106,8 @@ std::string_view WebSocket::text() const {
 
 bool WebSocket::is_text() const { return state_->stream.got_text(); }
 
+void WebSocket::hold(bool on) { state_->stream.next_layer().hold(on); }
+
 void WebSocket::write(bool text, std::array<asio::const_buffer, 2> parts, Written written) {
   state_->stream.text(text);
   state_->stream.async_write(parts, [written = std::move(written)](

@@ -2,7 +2,9 @@
 // Measures passivity and stability of the agent as the motors and the hand see them: the work of
 // the wrench that acts, which is the one written a latency ago.
 //
-//   plant_bench [TRACES]        default 100000
+//   plant_bench [all | surfaces | guides | traces] [TRACES]        default: all, 100000
+//
+// The parts can be run separately, each for minutes.
 //
 // First table: the tool is pressed against stock and obstacles by hands of 0.02 to 2 N/mm with 0.05
 // to 2 kg and 1e-5 or 2e-4 kg m², through a device with 0 to 3 ms of latency, 2 % of the ticks lost
@@ -17,6 +19,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 
 #include "tests/agent/servo/adversary.h"
 #include "tests/agent/stability/experiments.h"
@@ -87,7 +90,7 @@ Worst press_guides(std::uint64_t latency_us) {
   return worst;
 }
 
-bool contact_table() {
+bool contact_table(bool surfaces, bool guides) {
   bool holds = true;
   std::printf("%-26s %6s %14s %20s %6s\n", "latency ms", "runs", "mJ returned", "rms mm/s at rest",
               "trips");
@@ -97,14 +100,16 @@ bool contact_table() {
     std::fflush(stdout);
   };
   for (const std::uint64_t latency_us : {0U, 1000U, 2000U, 3000U}) {
+    if (!surfaces) break;
     const Worst worst = press_all(latency_us, false);
     char name[32];
     std::snprintf(name, sizeof name, "%llu", static_cast<unsigned long long>(latency_us / 1000));
     row(name, worst);
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
   }
-  row("3, but none declared", press_all(3000, true));
+  if (surfaces) row("3, but none declared", press_all(3000, true));
   for (const std::uint64_t latency_us : {0U, 3000U}) {
+    if (!guides) break;
     const Worst worst = press_guides(latency_us);
     row(latency_us == 0 ? "0, guides" : "3, guides", worst);
     holds = holds && worst.returned_mj <= kTankMj && worst.buzz_mm_per_s <= kMostBuzz;
@@ -132,8 +137,15 @@ bool adversary_table(std::uint32_t traces) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto traces = static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 100'000);
-  const bool rests = contact_table();
-  const bool passive = adversary_table(traces);
-  return rests && passive ? 0 : 1;
+  const std::string_view part = argc > 1 ? argv[1] : "all";
+  const auto traces = static_cast<std::uint32_t>(argc > 2 ? std::atoi(argv[2]) : 100'000);
+  const auto runs = [&](std::string_view name) { return part == "all" || part == name; };
+  if (!runs("surfaces") && !runs("guides") && !runs("traces")) {
+    std::fprintf(stderr, "plant_bench [all | surfaces | guides | traces] [TRACES]\n");
+    return 2;
+  }
+  bool holds = true;
+  if (runs("surfaces") || runs("guides")) holds = contact_table(runs("surfaces"), runs("guides"));
+  if (runs("traces")) holds = adversary_table(traces) && holds;
+  return holds ? 0 : 1;
 }

@@ -2,6 +2,7 @@
 #include "server/threads/io_threads.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -46,6 +47,14 @@ TEST(IoThreads, NestedThreadsInheritTheNicenessOfTheirCreator) {
   // A nice thread calls the spawner, like an upload that creates a session.
   const auto created = run_and_wait(nice, [&] { return spawner.create_nested("nested", 1, 0); });
   EXPECT_EQ(run_and_wait(*created, niceness), base);
+}
+
+TEST(IoThreads, OnlyThoseOfAgentsInterruptOthersWhenTheyWakeUp) {
+  const auto policy = [] { return sched_getscheduler(0); };
+  IoThreads viewers("viewers", 1, 5);
+  IoThreads spawner("spawner", 1, 0);
+  EXPECT_EQ(run_and_wait(viewers, policy), SCHED_BATCH);
+  EXPECT_EQ(run_and_wait(*spawner.create_nested("session", 1, 0), policy), SCHED_OTHER);
 }
 
 TEST(IoThreads, AnExceptionDoesNotEndTheThread) {

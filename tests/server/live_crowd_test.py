@@ -58,6 +58,21 @@ class Crowd(LiveTest):
         self.assertLess(sum(viewer.text_bytes for viewer in viewers), TEXT_BYTES_MAX)
         self.assertEqual(len(self.server.info()["participants"]), VIEWERS)
 
+    def test_every_viewer_of_a_crowd_gets_the_last_poses_and_tiles(self):
+        viewers = [Viewer(self.port, "block", f"viewer {i}") for i in range(60)]
+        agent = Agent(self.port, "block")
+        agent.move([(0.1 * n, 1.0, -2.0) for n in range(12)])
+        agent.move([(1.0, 2.0, 3.0)], buttons=0)  # no tile changes
+        agent.result(13)
+        motions = self.server.info()["motions"]
+        for viewer in viewers:
+            state = viewer.settled()
+            while state["motions"] != motions:
+                state = viewer.settled()
+            self.assertEqual(viewer.motions, motions)
+            while not viewer.tools or viewer.tools[0][2:5] != (1.0, 2.0, 3.0):
+                viewer.take()
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <barrier>
+#include <expected>
 #include <fstream>
 #include <set>
+#include <string>
+#include <thread>
 
 #include "server/session/replay.h"
 #include "tests/server/session_fixture.h"
@@ -103,6 +107,31 @@ TEST_F(ClosedSessions, AreFoundByNamesOfTheFolderOnly) {
   EXPECT_TRUE(registry->delete_closed(closed[0].name));
   EXPECT_TRUE(registry->closed().empty());
   EXPECT_TRUE(std::filesystem::is_empty(folder / "closed"));
+}
+
+TEST_F(ClosedSessions, AreEitherDeletedOrReopened) {
+  for (int round = 0; round < 8; ++round) {
+    leave_closed();
+    const std::string name = registry->closed().at(0).name;
+    std::barrier start_line(2);
+    std::expected<void, RegistryError> deleted;
+    std::jthread deleting([&] {
+      start_line.arrive_and_wait();
+      deleted = registry->delete_closed(name);
+    });
+    LoadReport report;
+    start_line.arrive_and_wait();
+    const auto reopened = registry->reopen(name, report);
+    deleting.join();
+    ASSERT_NE(deleted.has_value(), reopened.has_value()) << "round " << round;
+    const RegistryError& late = deleted ? reopened.error() : deleted.error();
+    EXPECT_EQ(late.code, RegistryErrorCode::kUnknown) << late.reason;
+    if (reopened) {
+      EXPECT_TRUE(std::filesystem::exists(folder / "block.kerf"));
+      EXPECT_TRUE(registry->close("block", true));
+    }
+    EXPECT_TRUE(registry->closed().empty());
+  }
 }
 
 }  // namespace

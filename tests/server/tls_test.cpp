@@ -48,6 +48,20 @@ TEST_F(TlsTest, AConnectionThatIsLostDuringTheHandshakeMayBeTriedAgain) {
   EXPECT_FALSE(made->failure().empty());
 }
 
+TEST_F(TlsTest, AnAlertOfTheServerMayPass) {
+  const auto made = channel("kerf.example", {"\x15\x03\x03\x00\x02\x02\x50", 7});
+  EXPECT_EQ(made->handshake(), TlsStep::kFailed);
+  EXPECT_FALSE(made->is_final()) << "an internal error of the server";
+  EXPECT_NE(made->failure().find("internal error"), std::string::npos) << made->failure();
+}
+
+TEST_F(TlsTest, AServerThatSpeaksAnotherVersionIsFinal) {
+  const auto made = channel("kerf.example", {"\x15\x03\x03\x00\x02\x02\x46", 7});
+  EXPECT_EQ(made->handshake(), TlsStep::kFailed);
+  EXPECT_TRUE(made->is_final());
+  EXPECT_EQ(made->failure(), "kerf.example does not speak TLS 1.3");
+}
+
 TEST_F(TlsTest, AClosedPeerRaisesNoSignal) {
   const auto context = TlsContext::of_client({});
   ASSERT_TRUE(context);

@@ -209,6 +209,18 @@ TEST_F(ViewerConversationTest, StatesAreSentEveryQuarterSecondAndAtOnceWhenSettl
   EXPECT_TRUE(drain(*eve).empty());
 }
 
+TEST_F(ViewerConversationTest, PosesThatComeWithTilesLeaveFirstAndTogetherWithThem) {
+  join_viewer(*eve);
+  eve->send_mesh({.sequence = 1, .glb = shared(10)}, shared(30));
+  OutFrame frame;
+  ASSERT_TRUE(eve->take(frame));
+  EXPECT_EQ(frame.kind, Kind::kTools);
+  EXPECT_TRUE(eve->has_more());
+  ASSERT_TRUE(eve->take(frame));
+  EXPECT_EQ(frame.kind, Kind::kMesh);
+  EXPECT_FALSE(eve->has_more());
+}
+
 TEST_F(ViewerConversationTest, CloseSendsAByeAndNothingAfterIt) {
   join_viewer(*eve);
   eve->send_mesh({.sequence = 1, .glb = shared(10)});

@@ -3,6 +3,8 @@
 #include "server/websocket/web_socket.h"
 
 #include <gtest/gtest.h>
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -89,6 +91,33 @@ TEST_F(WebSocketTest, CarriesTextAndBinaryMessagesWhole) {
         EXPECT_FALSE(socket.is_text());
         EXPECT_EQ(socket.text(), first + second);
         EXPECT_FALSE(co_await socket.write(false, asio::buffer(end)));
+        EXPECT_FALSE(co_await socket.close(1000));
+      });
+}
+
+TEST_F(WebSocketTest, HeldMessagesLeaveWithTheNextOne) {
+  run(
+      [&]() -> asio::awaitable<void> {
+        const auto socket = co_await accept("kerf.test");
+        const std::string first = "poses", second = "tiles";
+        socket->hold(true);
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(first)));
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(first)));
+        // Nothing has been sent: the system says how many bytes wait.
+        int unsent = 0;
+        ioctl(socket->tcp().native_handle(), SIOCOUTQNSD, &unsent);
+        EXPECT_EQ(unsent, 14);
+        socket->hold(false);
+        EXPECT_FALSE(co_await socket->write(false, asio::buffer(second)));
+        EXPECT_TRUE(co_await socket->read()) << "the client has closed";
+      },
+      [&]() -> asio::awaitable<void> {
+        WebSocket socket(std::move(client_), kLimits);
+        EXPECT_FALSE((co_await socket.shake_hands("localhost", "/", "kerf.test")).error);
+        for (const char* text : {"poses", "poses", "tiles"}) {
+          EXPECT_FALSE(co_await socket.read());
+          EXPECT_EQ(socket.text(), text);
+        }
         EXPECT_FALSE(co_await socket.close(1000));
       });
 }

@@ -2,6 +2,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import WebSocket from 'ws';
 import { Backoff } from '../src/link/backoff';
+import { redirectTarget } from '../src/link/redirect';
 import { ViewLink } from '../src/link/view_link';
 import type { LinkStatus, Socket } from '../src/link/view_link';
 import { SessionModel } from '../src/model/session';
@@ -14,6 +15,7 @@ function join(
   port: number,
   session: string,
   probe: () => Promise<string | null> = () => Promise.resolve(null),
+  follow: (redirect: string) => boolean = () => false,
 ) {
   const model = new SessionModel();
   const statuses: LinkStatus[] = [];
@@ -26,6 +28,7 @@ function join(
       open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
       probe,
       look: () => (model.welcome ? CAMERA : null),
+      follow,
       nowMs: () => performance.now(),
       backoff: new Backoff(5, 20),
     },
@@ -154,6 +157,51 @@ describe('view link', () => {
     }
     await vi.waitFor(() => expect(reasons).toContain('The server is going down.'), soon);
     link.stop();
+  });
+
+  it('follows a bye to the next server once the first one is gone', async () => {
+    const followed: string[] = [];
+    const follow = (redirect: string): boolean => followed.push(redirect) > 0;
+    const { link, model, statuses } = join(server.port, 'demo', undefined, follow);
+    const count = (): number => statuses.filter((status) => status === 'connected').length;
+    const drain = (): void => {
+      for (const { ws } of server.viewers) {
+        ws.send(JSON.stringify({ type: 'bye', reason: 'Moving.', redirect: 'http://next:1' }));
+        ws.close(1001);
+      }
+    };
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    drain();
+    // A server at the old address has the session: nothing to follow.
+    await vi.waitFor(() => expect(count()).toBe(2), soon);
+    expect(followed).toEqual([]);
+    drain();
+    void server.close();
+    await vi.waitFor(() => expect(followed).toEqual(['http://next:1']), soon);
+    const tried = statuses.length;
+    await new Promise((resolve) => setTimeout(resolve, 100));
+    expect(statuses).toHaveLength(tried); // the page leaves: no more attempts
+    link.stop();
+  });
+
+  it('stays where a redirect may not be followed', () => {
+    const page = 'https://kerf.example/?session=demo&quality=1#invite=secret';
+    const target = (redirect: string): string | null => redirectTarget(page, redirect);
+    expect(target('https://next.example:8443')).toBe(
+      'https://next.example:8443/?session=demo&quality=1',
+    );
+    for (const unsafe of [
+      'http://next.example', // from TLS to plain HTTP
+      'javascript:alert(1)',
+      'https://user:secret@next.example',
+      'https://next.example/elsewhere',
+      'https://kerf.example', // here
+      'next.example',
+      '',
+    ]) {
+      expect(target(unsafe), unsafe).toBeNull();
+    }
+    expect(redirectTarget('http://a:1/?list', 'http://a:2')).toBe('http://a:2/?list');
   });
 
   it('reports invalid messages and stays connected', async () => {

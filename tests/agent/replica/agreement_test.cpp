@@ -48,5 +48,24 @@ TEST(Agreement, ComparesAnswersToTheSameSample) {
   agreement.compare(unknown);
   EXPECT_EQ(agreement.compared(), 4000U);
 }
+
+TEST(Agreement, ComparesTheMeanOverABatchOfSamples) {
+  Agreement agreement;
+  float sum_n = 0;
+  for (std::uint64_t n = 1; n <= 400; ++n) {
+    wire::Result answer;
+    answer.agent_time_us = 1000 * n;
+    answer.force_n = {n % 2 == 0 ? 3.0F : 1.0F, 0, 0};
+    agreement.note(answer);
+    sum_n += answer.force_n.x;
+    if (n % 4 != 0) continue;
+    answer.force_n.x = sum_n / 4;
+    if (n > 4) agreement.compare(answer);
+    sum_n = 0;
+  }
+  EXPECT_EQ(agreement.compared(), 99U);
+  EXPECT_LT(agreement.error(), 0.06) << "but for the first, whose beginning is unknown";
+}
+
 }  // namespace
 }  // namespace kerf::agent

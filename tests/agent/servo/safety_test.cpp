@@ -246,6 +246,8 @@ TEST(Watchdog, StopsTheDeviceWhenTheLoopStalls) {
   int stops = 0;
   Watchdog watchdog(loop, [&] { ++stops; });
   EXPECT_FALSE(watchdog.check(clock.time_ns)) << "a loop that has not started outputs no force";
+  EXPECT_EQ(watchdog.next_check_ns(Watchdog::kStaleNs * 5),
+            Watchdog::kStaleNs * 5 + Watchdog::kEveryNs);
   struct Once final : ServoTask {
     bool tick(std::uint64_t) noexcept override { return false; }
   } once;
@@ -255,7 +257,12 @@ TEST(Watchdog, StopsTheDeviceWhenTheLoopStalls) {
   EXPECT_TRUE(watchdog.check(clock.time_ns + 2 * Watchdog::kStaleNs));
   EXPECT_EQ(stops, 2);
   EXPECT_EQ(watchdog.stops(), 1U) << "one stall";
-  static_assert(Watchdog::kStaleNs + Watchdog::kEveryNs <= 15'000'000, "documented in the README");
+  EXPECT_EQ(watchdog.next_check_ns(clock.time_ns), clock.time_ns + Watchdog::kStaleNs + 1);
+  EXPECT_EQ(watchdog.next_check_ns(clock.time_ns + 4'000'000),
+            clock.time_ns + Watchdog::kStaleNs + 1);
+  const std::uint64_t stalled_ns = clock.time_ns + 2 * Watchdog::kStaleNs;
+  EXPECT_EQ(watchdog.next_check_ns(stalled_ns), stalled_ns + Watchdog::kEveryNs);
+  static_assert(Watchdog::kStaleNs <= 10'000'000, "documented in the README");
 }
 
 TEST(Watchdog, MotorsAreOffHoweverTheLoopEnds) {

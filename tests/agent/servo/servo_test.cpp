@@ -215,6 +215,52 @@ TEST_F(ServoCycleTest, PassesEachPoseToTheLink) {
   EXPECT_EQ(listener.calls, 2);
 }
 
+TEST_F(ServoCycleTest, WakesTheLinkLessOftenWhileTheReplicaAnswers) {
+  ReplicaExchange replica;
+  ServoCycle cycle(device, samples, wrenches, listener, {.mode = ForceMode::kModel}, &replica);
+  std::uint64_t now_us = 10'000;
+  const auto tick = [&](bool answered) {
+    if (answered) replica.write({.pose_us = now_us - 1000, .arrival_us = now_us});
+    EXPECT_TRUE(cycle.tick(now_us));
+    now_us += 1000;
+  };
+  for (int i = 0; i < 8; ++i) tick(false);
+  EXPECT_EQ(listener.calls, 8);
+  for (int i = 0; i < 41; ++i) tick(true);
+  EXPECT_EQ(listener.calls, 8 + 1 + 40 / kSamplesPerWake) << "one before the first answer is read";
+  device.state.buttons = wire::kButtonCutting;
+  const int before = listener.calls;
+  tick(true);
+  EXPECT_EQ(listener.calls, before + 1) << "a button is sent at once";
+  // The replica falls silent: the server's answers are needed again.
+  for (int i = 0; i < 8; ++i) tick(false);
+  const int silent = listener.calls;
+  for (int i = 0; i < 8; ++i) tick(false);
+  EXPECT_EQ(listener.calls, silent + 8);
+  wire::MotionSample sample;
+  int sent = 0;
+  while (samples.pop(sample)) ++sent;
+  EXPECT_EQ(sent, 8 + 41 + 1 + 16) << "no sample is left out";
+}
+
+TEST_F(ServoCycleTest, WakesTheReplicaForEverySecondSampleUnlessTeethRipple) {
+  for (const CutLaw law : {CutLaw::kSpecificEnergy, CutLaw::kMechanistic}) {
+    ReplicaExchange replica;
+    ServoCycle cycle(device, samples, wrenches, listener, {.model = {.law = law}}, &replica);
+    int wakes = 0, popped = 0;
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_TRUE(cycle.tick(10'000 + 1000 * static_cast<std::uint64_t>(i)));
+      if (!replica.is_woken()) continue;
+      replica.wait();
+      ++wakes;
+      wire::MotionSample sample;
+      while (replica.pop(sample)) ++popped;
+    }
+    EXPECT_EQ(wakes, law == CutLaw::kMechanistic ? 20 : 10);
+    EXPECT_EQ(popped, 20);
+  }
+}
+
 TEST_F(ServoCycleTest, RendersTheServersForceAndFadesItWhenTheServerIsSilent) {
   ServoCycle cycle = make();
   std::uint64_t now_us = 10'000;

@@ -5,8 +5,15 @@
 #include <chrono>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 namespace kerf::agent {
+namespace {
+
+/// The link sends acknowledgements and pings at least this often.
+constexpr std::uint64_t kHousekeepingUs = 10'000;
+
+}  // namespace
 
 TestBed::TestBed(const std::string& scene, HapticDevice& device, ServoSettings settings,
                  const LineQuality& quality, bool copy, std::uint32_t seed, bool intent)
@@ -70,6 +77,8 @@ void TestBed::Copy::take_stock(std::span<const std::byte> frame) {
 }
 
 void TestBed::Copy::answer(ReplicaExchange& servo, std::uint64_t now_us) {
+  if (!servo.is_woken()) return;
+  servo.wait();
   wire::MotionSample sample;
   while (servo.pop(sample)) {
     if (const auto mine = replica->move(sample)) servo.write(answer_of(*mine, now_us));
@@ -79,6 +88,7 @@ void TestBed::Copy::answer(ReplicaExchange& servo, std::uint64_t now_us) {
 void TestBed::serve(std::span<const std::byte> frame) {
   const bool is_text = !frame.empty() && frame.front() == std::byte{'{'};
   conversation_->receive(frame, is_text, time());
+  while (conversation_->has_action()) conversation_->work();
   send_answers();
   conversation_->refresh();
   send_answers();
@@ -127,6 +137,17 @@ void TestBed::tick(bool runs) {
   now_us_ += 1000;
   if (runs) servo_->tick(now_us_);
   if (copy_.replica) copy_.answer(exchange_, now_us_);
+  if (std::exchange(listener_.is_woken, false) || now_us_ % kHousekeepingUs == 0) send();
+  another_up_.receive(now_us_,
+                      [this](std::span<const std::byte> bytes) { another_arrives(bytes); });
+  up_.receive(now_us_, [this](std::span<const std::byte> bytes) { serve(bytes); });
+  down_.receive(now_us_,
+                [this](std::span<const std::byte> bytes) { traffic_->take_frame(bytes, now_us_); });
+  executor_->run();
+}
+
+/// Does what the link thread does when it is woken.
+void TestBed::send() {
   traffic_->collect();
   if (const std::string text = traffic_->take_control(); !text.empty()) {
     up_.send(std::as_bytes(std::span(text)), now_us_);
@@ -135,12 +156,6 @@ void TestBed::tick(bool runs) {
   while (const std::size_t bytes = traffic_->fill(now_us_, frame)) {
     up_.send(std::span(frame).first(bytes), now_us_);
   }
-  another_up_.receive(now_us_,
-                      [this](std::span<const std::byte> bytes) { another_arrives(bytes); });
-  up_.receive(now_us_, [this](std::span<const std::byte> bytes) { serve(bytes); });
-  down_.receive(now_us_,
-                [this](std::span<const std::byte> bytes) { traffic_->take_frame(bytes, now_us_); });
-  executor_->run();
 }
 
 }  // namespace kerf::agent

@@ -45,9 +45,10 @@ class TestBed {
 
  private:
   struct Listener final : SampleListener {
-    void sample_ready() noexcept override {}
+    bool is_woken = false;
+    void sample_ready() noexcept override { is_woken = true; }
   };
-  /// The agent's replica; it answers within the tick.
+  /// The agent's replica; it answers within the tick in which it is woken.
   struct Copy final : StockListener {
     std::optional<Replica> replica;
     void take_stock(std::span<const std::byte> frame) override;
@@ -58,6 +59,7 @@ class TestBed {
 
   void join(const SessionLimits& limits, bool copy, bool intent);
   void another_arrives(std::span<const std::byte> bytes);
+  void send();
   void serve(std::span<const std::byte> frame);
   void send_answers();
   net::Clock::time_point time() const {

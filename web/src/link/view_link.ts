@@ -54,10 +54,17 @@ export interface LinkOptions {
    * has the right levels of detail. Before, null: a look follows the welcome.
    */
   look(): Look | null;
+  /**
+   * Goes to the server that continues the session, once this one no longer answers. False: it may
+   * not be followed, and the link retries here.
+   */
+  follow(redirect: string): boolean;
   nowMs(): number;
   backoff?: Backoff;
 }
 
+/** After so many failed connections a server that named its successor counts as gone. */
+const ATTEMPTS_BEFORE_FOLLOWING = 3;
 const PING_EVERY_MS = 2000;
 const SILENCE_MAX_MS = 10000; // without any message for so long, the connection counts as lost
 
@@ -70,6 +77,8 @@ export class ViewLink {
   private lastReceivedMs_ = 0;
   private lastTickMs_ = 0;
   private byeReason_ = '';
+  private redirect_ = ''; // named by the last bye; empty after a welcome
+  private failures_ = 0; // connections since then that were not accepted
   private welcomed_ = false;
   private stopped_ = false;
   private pingTimer_: ReturnType<typeof setInterval> | undefined;
@@ -154,6 +163,10 @@ export class ViewLink {
     this.drop_();
     const generation = this.generation_;
     this.events.status('reconnecting', reason);
+    if (this.redirect_ !== '' && ++this.failures_ > ATTEMPTS_BEFORE_FOLLOWING) {
+      if (this.options.follow(this.redirect_)) return;
+      this.redirect_ = '';
+    }
     const final = await this.options.probe();
     if (this.stopped_ || generation !== this.generation_) return;
     if (final !== null) {
@@ -217,6 +230,7 @@ export class ViewLink {
     if (message === null) return; // unknown type, from a newer server
     if (message.type === 'welcome') {
       this.welcomed_ = true;
+      this.redirect_ = '';
       this.epoch_ = message.epoch;
       this.backoff_.reset();
       this.events.message(message);
@@ -224,7 +238,11 @@ export class ViewLink {
       this.tick_();
       return;
     }
-    if (message.type === 'bye') this.byeReason_ = message.reason;
+    if (message.type === 'bye') {
+      this.byeReason_ = message.reason;
+      this.redirect_ = message.redirect ?? '';
+      this.failures_ = 0;
+    }
     this.events.message(message);
     if (message.type !== 'error' || !message.fatal) return;
     // Retry after errors that may pass, such as a late hello or a full server; only a missing

@@ -2,6 +2,7 @@
 // The page of one session: connects link, model, view and panels.
 
 import { probeSession } from '../link/api';
+import { redirectTarget } from '../link/redirect';
 import { ViewLink } from '../link/view_link';
 import type { Socket } from '../link/view_link';
 import { LookPolicy } from '../model/look_policy';
@@ -132,6 +133,11 @@ export class SessionPage {
         open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
         probe: () => probeSession(this.session),
         look: () => (this.model.welcome ? this.viewer_.look().look : null),
+        follow: (redirect) => {
+          const target = redirectTarget(location.href, redirect);
+          if (target !== null) location.assign(target);
+          return target !== null;
+        },
         nowMs: () => performance.now(),
       },
       {

@@ -190,7 +190,11 @@ function messageOf(from: Json): ServerMessage | null {
         fatal: from['fatal'] === true,
       };
     case 'bye':
-      return { type: 'bye', reason: text(from, 'reason') };
+      return {
+        type: 'bye',
+        reason: text(from, 'reason'),
+        ...(typeof from['redirect'] === 'string' ? { redirect: from['redirect'] } : {}),
+      };
     default:
       return null;
   }

@@ -286,4 +286,4 @@ export type ServerMessage =
   | ParticipantsChanged
   | StateMessage
   | { type: 'error'; code: string; reason: string; fatal: boolean }
-  | { type: 'bye'; reason: string };
+  | { type: 'bye'; reason: string; redirect?: string };
