@@ -71,7 +71,7 @@ describe('nearest cut', () => {
     expect(nearestCut(carvers, [60, 0, 90], undefined, 150)?.spindleRpm).toBe(12000);
   });
 
-  it('is none without news of a tool', () => {
+  it('is none without a recent state of a tool', () => {
     expect(nearestCut(carvers, [0, 0, 0], undefined, 3200)).toBeNull();
     expect(nearestCut([], [0, 0, 0], undefined, 150)).toBeNull();
   });

@@ -35,7 +35,7 @@ const NOISE_GAIN = 0.25;
 /** Force and removal rate at which a cut has half of its loudness. */
 const HALF_N = 10;
 const HALF_MM3_PER_S = 100;
-/** A tool without news for so long is silent. */
+/** A tool without a new state for so long is silent. */
 const STALE_MS = 3000;
 
 function clamp(value: number, [least, most]: readonly [number, number]): number {
