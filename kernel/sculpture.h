@@ -99,11 +99,16 @@ class Sculpture {
   /// it suits blocks that keep none.
   void keep_common(FieldTile at, const TileColumns& other);
 
-  /// Replaces tiles of existing fields, within their grids: what undoing a motion needs, which
-  /// brings stock back. This is not a motion; removed_volume_mm3() falls by what came back, and the
-  /// counters of motions stay. Force that is pending is dropped, and no motion continues another:
-  /// stock that has come back around a tool is imprint to its next motion, not a cut that is felt.
-  ReplacedTiles replace(std::span<const TileReplacement> tiles);
+  /// Replaces tiles of existing fields, within their grids, and cuts them with the motions `since`:
+  /// what undoing a motion needs, which brings stock back. This is not a motion;
+  /// removed_volume_mm3() falls by what came back, and the counters of motions stay. Force that is
+  /// pending is dropped, and no motion continues another: stock that has come back around a tool is
+  /// imprint to its next motion, not a cut that is felt.
+  ReplacedTiles replace(std::span<const TileReplacement> tiles,
+                        std::span<const MotionSince> since = {});
+  /// Returns how deep the cutting part of a tool at a pose is in the stock, mm; 0: it is clear, or
+  /// the tool is unknown.
+  double depth_in_stock(ToolId tool, const ToolPose& pose) const;
 
   /// Returns an immutable view of one field, which must exist. Copies no column; resolves pending
   /// normals first.
@@ -149,6 +154,8 @@ class Sculpture {
   /// Returns its length in quanta.
   std::int64_t take_imprint(const DexelField& field, const Tool& tool, const ToolPose& start,
                             Workers& workers);
+  /// Cuts tiles of one field.
+  void cut_again(std::size_t field, std::span<const TileIndex> tiles, const MotionSince& motion);
   /// Cuts at most so many tiles of the current part of a motion; returns how many.
   std::int64_t cut_piece(MotionInPieces::State& state, std::int64_t tiles, Workers& workers);
   MotionResult finish(MotionInPieces::State& state);

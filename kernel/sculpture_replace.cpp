@@ -3,13 +3,19 @@
 #include <algorithm>
 #include <memory>
 
+#include "kernel/cut/cut.h"
 #include "kernel/cut/lazy_normals.h"
 #include "kernel/cut/removal.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/stock_column.h"
 #include "kernel/force/collision.h"
 #include "kernel/force/engagement.h"
+#include "kernel/force/stock_contact.h"
 #include "kernel/sculpture.h"
+#include "kernel/sculpture_check.h"
+#include "kernel/sculpture_motion.h"
+#include "kernel/sweep/swept_surface.h"
+#include "kernel/sweep/swept_tool.h"
 
 namespace kerf {
 namespace {
@@ -62,7 +68,22 @@ void append_seen_tiles(const DexelGrid& grid, TileIndex at, const Difference& wh
 
 }  // namespace
 
-ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles) {
+void Sculpture::cut_again(std::size_t field, std::span<const TileIndex> tiles,
+                          const MotionSince& motion) {
+  DexelField& at = fields_[field];
+  sweep_tool(*motion.tool, in_frame(at.grid().axis, motion_of(motion.move, *motion.tool)),
+             sweep_settings(at), [&](const SubMotion& part) {
+               const NormalCode end_code =
+                   at.keeps_normals()
+                       ? normals_[field].add_sweep(at, SweptSurface(*motion.tool, part.motion))
+                       : kStockNormal;
+               cut_tiles(at, part.swept, tiles, *removal_, end_code);
+               if (end_code != kStockNormal) normals_[field].add_tiles(*removal_);
+             });
+}
+
+ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles,
+                                 std::span<const MotionSince> since) {
   ReplacedTiles result;
   const auto untouched = std::make_unique<DexelTile>();
   for (const TileReplacement& tile : tiles) {
@@ -74,10 +95,14 @@ ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles) {
       return *untouched;
     };
     if (field.find(tile.at.tile) == nullptr && !tile.tile) continue;
-    const Difference changed = difference(form(field.find(tile.at.tile)), form(tile.tile.get()));
-    if (!changed.any()) continue;
     normals_[n].resolve(field);  // The ends that are pending may be in this tile.
+    const std::shared_ptr<const DexelTile> before = field.share(tile.at.tile);
     field.put_shared(tile.at.tile, tile.tile);
+    for (const MotionSince& motion : since) cut_again(n, {&tile.at.tile, 1}, motion);
+    // One of the two is stored.
+    const DexelTile* after = field.find(tile.at.tile);
+    const Difference changed = difference(form(before.get()), form(after));
+    if (!changed.any()) continue;
     append_seen_tiles(field.grid(), tile.at.tile, changed, result.changed_tiles);
     result.tiles.push_back(tile.at);
     result.returned_mm3 +=
@@ -87,11 +112,21 @@ ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles) {
   std::ranges::sort(result.changed_tiles);
   const auto repeated = std::ranges::unique(result.changed_tiles);
   result.changed_tiles.erase(repeated.begin(), repeated.end());
-  if (result.tiles.empty()) return result;
   removed_mm3_ -= result.returned_mm3;
   engagements_->clear();
   last_pose_.clear();
   return result;
+}
+
+double Sculpture::depth_in_stock(ToolId id, const ToolPose& given) const {
+  const Tool* used = tool(id);
+  if (used == nullptr || !check_pose("the", given)) return 0;
+  std::vector<ContactPlane> planes;
+  stock_planes(used->pieces, {given.tip_mm, normalized(given.axis)}, fields_, settings_.force,
+               settings_.tolerance_mm, planes);
+  double deepest_mm = 0;
+  for (const ContactPlane& plane : planes) deepest_mm = std::max(deepest_mm, plane.depth_mm);
+  return deepest_mm;
 }
 
 }  // namespace kerf

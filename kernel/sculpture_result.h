@@ -12,6 +12,7 @@
 #include "kernel/math/ray_axis.h"
 #include "kernel/math/vec3.h"
 #include "kernel/math/wrench.h"
+#include "kernel/sculpture_command.h"
 #include "kernel/sweep/motion_kind.h"
 
 namespace kerf {
@@ -63,6 +64,12 @@ struct MotionResult {
 struct TileReplacement {
   FieldTile at;
   std::shared_ptr<const DexelTile> tile;  ///< null: untouched stock
+};
+
+/// A motion that a block holds and a replacement does not.
+struct MotionSince {
+  const Tool* tool = nullptr;
+  MoveTool move;
 };
 
 /// The result of Sculpture::replace.

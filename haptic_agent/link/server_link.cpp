@@ -38,6 +38,9 @@ constexpr milliseconds kCloseTimeout{500};
 /// Period at which the ring is emptied and timeouts are checked when no sample wakes the link.
 constexpr milliseconds kHousekeeping{10};
 
+/// A link that is late finds several samples too, but not so often in a row.
+constexpr int kBatchesInARow = 8;
+
 /// WebSocket close code 1000: the purpose of the connection is fulfilled.
 constexpr std::uint16_t kNormalClosure = 1000;
 
@@ -102,7 +105,7 @@ class ServerLink::Impl {
   void run_io() {
     while (!io_.stopped()) {
       const bool drains = drain_until_us_.load() != 0 || interrupted();
-      if (!in_batches_ || !connected_.load() || drains) {
+      if (batches_ < kBatchesInARow || !connected_.load() || drains) {
         io_.run_one();
         continue;
       }
@@ -110,6 +113,12 @@ class ServerLink::Impl {
       ::poll(&event, 1, static_cast<int>(kHousekeeping.count()));
       io_.poll();
     }
+  }
+
+  void count_batch(std::size_t samples) {
+    if (samples == 0) return;
+    const bool is_batch = samples > 1 && settings_.traffic.copy != nullptr;
+    batches_ = is_batch ? std::min(batches_ + 1, kBatchesInARow) : 0;
   }
 
   bool interrupted() const noexcept { return interrupted_.load(); }
@@ -280,7 +289,7 @@ class ServerLink::Impl {
   asio::awaitable<void> write_all(Connection& connection) {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     while (!connection.loss && !finished()) {
-      if (const std::size_t count = traffic_.collect(); count > 0) in_batches_ = count > 1;
+      count_batch(traffic_.collect());
       send_datagrams(connection);
       if (const std::string text = traffic_.take_control(); !text.empty()) {
         co_await write(connection, true, asio::buffer(text));
@@ -324,7 +333,7 @@ class ServerLink::Impl {
   /// The connection whose handshake is in progress; null if none.
   std::shared_ptr<Connection> greeting_;
   bool ended_ = false;
-  bool in_batches_ = false;  ///< the servo wakes the link for several samples at a time
+  int batches_ = 0;  ///< wake-ups in a row with several samples, while there is a replica
   bool notified_no_udp_ = false;
   LinkReport report_;
   std::thread thread_;

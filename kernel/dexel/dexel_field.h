@@ -30,6 +30,9 @@ class DexelField {
 
   /// Returns a stored tile, or null while it is untouched. It must lie in the grid.
   const DexelTile* find(TileIndex tile) const { return tiles_.find(tile); }
+  /// Returns a stored tile to be shared, or null while it is untouched. The field may still edit
+  /// it.
+  std::shared_ptr<const DexelTile> share(TileIndex tile) const { return tiles_.share(tile); }
   /// Returns a tile that may be edited in place; null while it is untouched or shared with a
   /// snapshot. Different tiles may be requested and edited on several threads at once.
   DexelTile* editable(TileIndex tile) { return tiles_.own(tile, era_); }

@@ -87,7 +87,9 @@ struct RayArc {
     LaneMask moving = asked & (off.d.mm > kArcFoundMm), met = asked;
     if (!any(moving)) return met;
     const Lanes guess = t + step_to_root<kSign>(along, t, off);
-    LaneMask usable = moving & (kSign > 0 ? guess <= end : guess >= end);
+    // Where F rises already the parabola's root lies behind t, and by convexity none lies ahead.
+    LaneMask usable =
+        moving & (kSign > 0 ? guess > t : guess < t) & (kSign > 0 ? guess <= end : guess >= end);
     if (any(usable)) {
       const Off there = off_at(p2, along, select(usable, guess, t));
       usable &= there.d.across > 0.0 & (kSign > 0 ? there.slope < 0.0 : there.slope > 0.0);

@@ -14,7 +14,8 @@
 
 namespace kerf {
 
-/// Eight rays and a slice at one pose. Heights are relative to the middle tip.
+/// Eight rays and a slice at one pose. Heights are relative to the middle tip. Unless all rays
+/// enter through the lower disc only `usable` is set.
 struct DiscMeeting {
   Lanes lo, hi;  ///< heights in the planes of the lower and the upper disc; `hi` is at least
                  ///< `top` where the ray is inside there
@@ -34,6 +35,8 @@ KERF_INLINE DiscMeeting meet_discs(const Side& side, const DiscPose& pose, Lanes
   DiscMeeting m;
   const Lanes t0 = (discs.low - along) * pose.inverse_uz;
   const LaneMask enters = p2 + t0 * t0 - discs.low * discs.low < pose.low_radius2;
+  m.usable = enters;
+  if (any(~enters)) return m;
   m.lo = pose.center.z + t0;
   m.out_lo = -(speed + t0 * pose.by_place.z);
   const double t = top - pose.center.z;
@@ -41,10 +44,10 @@ KERF_INLINE DiscMeeting meet_discs(const Side& side, const DiscPose& pose, Lanes
   m.covers = (l >= discs.low) & (l <= discs.high) & side.holds(p2 + t * t - l * l, l);
   m.hi = Lanes(top);
   m.out_hi = Lanes(0);
-  m.usable = enters & m.covers;
-  if (!any(enters & ~m.covers)) return m;
+  m.usable = m.covers;
+  if (!any(~m.covers)) return m;
   const Lanes t1 = (discs.high - along) * pose.inverse_uz;
-  m.usable = enters & (m.covers | (p2 + t1 * t1 - discs.high * discs.high < pose.high_radius2));
+  m.usable = m.covers | (p2 + t1 * t1 - discs.high * discs.high < pose.high_radius2);
   m.hi = select(m.covers, m.hi, pose.center.z + t1);
   m.out_hi = speed + t1 * pose.by_place.z;
   return m;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <utility>
 
 #include "kernel/sweep/column_block.h"
@@ -84,6 +85,19 @@ struct PackedRays {
     ++batch.count;
   }
   KERF_INLINE RayBatch& upper_batch() { return upper.count < kLanes ? upper : spare; }
+};
+
+/// Memory of packed rays that is not cleared: a batch is filled up before it is read.
+class PackedMemory {
+ public:
+  KERF_INLINE PackedRays& empty() {
+    PackedRays& rays = *std::launder(reinterpret_cast<PackedRays*>(memory_));
+    rays.both.count = rays.upper.count = rays.spare.count = 0;
+    return rays;
+  }
+
+ private:
+  alignas(PackedRays) std::byte memory_[sizeof(PackedRays)];
 };
 
 /// Searches the full batches of `rays`, or with `finish` all of them, and adds the intervals to the

@@ -111,19 +111,34 @@ struct Station {
   Meeting met;
 };
 
-/// The stations that follow, the next one on top. Its memory is not cleared for each row.
-class StationStack {
+/// The stations of a row. Those that follow are on a stack, the next one on top. None is copied: a
+/// meeting takes a kilobyte. The memory is not cleared for each row.
+class Stations {
  public:
-  KERF_INLINE bool is_empty() const { return count_ == 0; }
-  KERF_INLINE Station& top() { return *std::launder(reinterpret_cast<Station*>(at(count_ - 1))); }
-  KERF_INLINE void push(const Station& s) { new (at(count_++)) Station(s); }
+  /// Meets the rays of a row at a share.
+  template <class Side>
+  KERF_INLINE Station& add(const Side& side, const SlicePath& path, const RayRow& row, double share,
+                           int level, LaneMask asked) {
+    std::byte* slot =
+        spare_count_ > 0 ? spare_[--spare_count_] : memory_ + made_++ * sizeof(Station);
+    return *new (slot)
+        Station{share, level, asked, meet<End::kLower>(side, path, row.x, row.y, share)};
+  }
+  /// Reuses the memory of a station.
+  KERF_INLINE void drop(Station& s) { spare_[spare_count_++] = reinterpret_cast<std::byte*>(&s); }
+  KERF_INLINE bool none_waits() const { return count_ == 0; }
+  KERF_INLINE Station& next() const { return *waiting_[count_ - 1]; }
+  KERF_INLINE void push(Station& s) { waiting_[count_++] = &s; }
   KERF_INLINE void pop() { --count_; }
 
  private:
-  KERF_INLINE std::byte* at(std::size_t k) { return memory_ + k * sizeof(Station); }
+  /// The first and the last station of a motion, and those between the last two reached.
+  static constexpr int kSlots = kHalvingsMax + 3;
 
-  alignas(Station) std::byte memory_[(kHalvingsMax + 1) * sizeof(Station)];
-  std::size_t count_ = 0;
+  alignas(Station) std::byte memory_[kSlots * sizeof(Station)];
+  std::byte* spare_[kSlots];
+  Station* waiting_[kSlots];
+  std::size_t made_ = 0, spare_count_ = 0, count_ = 0;
 };
 
 /// Calls search_packed of a side, compiled for each instruction set.
@@ -177,29 +192,30 @@ KERF_INLINE void sweep_stretch(const Side& side, const SlicePath& path, const Ra
 
 /// Adds the intervals that the piece sweeps between two stations to a row. Rays with a
 /// non-connected hit set are bisected repeatedly, because their intervals may be separate: a disc
-/// that turns about its diameter leaves a ray on one side and comes back on the other. The last
-/// station of `waiting` ends the stretch; `first` is set to it.
+/// that turns about its diameter leaves a ray on one side and comes back on the other. The one
+/// station that waits ends the stretch, and is returned; `first` is dropped.
 template <class Side>
-KERF_INLINE void evaluate_stretch(const Side& side, const SlicePath& path, const RayRow& row,
-                                  Station& first, StationStack& waiting, PackedRays& packed,
-                                  ColumnBlock& block) {
-  while (!waiting.is_empty()) {
-    Station& last = waiting.top();
-    const Stretch s{Lanes(first.share), Lanes(last.share), first.met, last.met};
+KERF_INLINE Station& evaluate_stretch(const Side& side, const SlicePath& path, const RayRow& row,
+                                      Station* first, Stations& stations, PackedRays& packed,
+                                      ColumnBlock& block) {
+  while (!stations.none_waits()) {
+    Station& last = stations.next();
+    const Stretch s{Lanes(first->share), Lanes(last.share), first->met, last.met};
     const Division rays = divide(side, path, row, s, last.asked, last.level, block);
     if (any(rays.searched)) sweep_stretch(side, path, row, s, rays.searched, packed, block);
     if (any(rays.halved)) {
       ++last.level;
       last.asked = rays.halved;
-      const double share = (first.share + last.share) * 0.5;
-      const Meeting met = meet<End::kLower>(side, path, row.x, row.y, share);
+      const double share = (first->share + last.share) * 0.5;
+      stations.push(stations.add(side, path, row, share, last.level, rays.halved));
       ++block.stations;
-      waiting.push({share, last.level, rays.halved, met});
     } else {
-      first = last;
-      waiting.pop();
+      stations.drop(*first);
+      first = &last;
+      stations.pop();
     }
   }
+  return *first;
 }
 
 /// Adds the intervals of a slice at its last pose to a row that is ahead of it.
@@ -244,22 +260,24 @@ KERF_INLINE void evaluate_row(const Side& side, const SlicePath& path, const Ray
                               LaneMask open, PackedRays& packed, ColumnBlock& block) {
   const int parts = path.search.parts;
   const double top = block.top_mm + block.join_mm - path.frame.tip.z;
-  const Meeting end = meet<End::kLower>(side, path, row.x, row.y, 1);
-  const LaneMask settled = open & settled_at_end(side, path, row, end, block);
-  if (any(settled)) add_span(block, row.number, path.frame.tip.z, {end.lo, end.hi}, settled);
-  open &= ~settled & (end.hit | (least_share(path, end, -end.advance, top, 1) <= 1.0));
+  Stations stations;
+  Station& end = stations.add(side, path, row, 1, 0, open);
+  const LaneMask settled = open & settled_at_end(side, path, row, end.met, block);
+  if (any(settled)) {
+    add_span(block, row.number, path.frame.tip.z, {end.met.lo, end.met.hi}, settled);
+  }
+  open &= ~settled & (end.met.hit | (least_share(path, end.met, -end.met.advance, top, 1) <= 1.0));
   if (!any(open)) return;
-  Station first{0, 0, open, meet<End::kLower>(side, path, row.x, row.y, 0)};
-  if (!any(open & first.met.hit)) {
-    open &= least_share(path, first.met, first.met.advance, top, 1) <= 1.0;
+  Station* first = &stations.add(side, path, row, 0, 0, open);
+  if (!any(open & first->met.hit)) {
+    open &= least_share(path, first->met, first->met.advance, top, 1) <= 1.0;
     if (!any(open)) return;
   }
+  end.asked = open;
   for (int part = 1; part <= parts; ++part) {
     const double share = double(part) / parts;
-    StationStack waiting;
-    const Meeting met = part == parts ? end : meet<End::kLower>(side, path, row.x, row.y, share);
-    waiting.push({share, 0, open, met});
-    evaluate_stretch(side, path, row, first, waiting, packed, block);
+    stations.push(part == parts ? end : stations.add(side, path, row, share, 0, open));
+    first = &evaluate_stretch(side, path, row, first, stations, packed, block);
   }
 }
 
@@ -287,7 +305,8 @@ template <class Side>
 KERF_INLINE void evaluate_rows(const Side& side, const SlicePath& path, const RowBits& known,
                                ColumnBlock& block) {
   const Lanes x = block.x_mm - path.frame.tip.x;
-  PackedRays packed;
+  PackedMemory memory;
+  PackedRays& packed = memory.empty();
   for (unsigned left = block.rows; left != 0; left &= left - 1) {
     const int row = __builtin_ctz(left);
     const Lanes y = block.y_mm[row] - path.frame.tip.y;

@@ -41,6 +41,11 @@ void StockFeed::note_cut(std::span<const FieldTile> tiles) {
   }
 }
 
+void StockFeed::note_returned(std::span<const FieldTile> tiles) {
+  const auto has = [this](const FieldTile& tile) { return known_.contains(tile); };
+  if (std::ranges::any_of(tiles, has)) reset();
+}
+
 void StockFeed::reset() {
   known_.clear();
   stale_.clear();

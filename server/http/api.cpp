@@ -103,7 +103,8 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
       access_(access),
       downloads_(options.data_folder / "downloads"),
       uploads_(options.upload_bytes),
-      programs_(options.program_bytes) {}
+      programs_(options.program_bytes),
+      carvers_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
 
 ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = match_route(request.method, request.path);

@@ -18,6 +18,7 @@
 #include "server/metrics/metrics.h"
 #include "server/rights/access.h"
 #include "server/session/session_registry.h"
+#include "server/threads/thread_pool.h"
 
 namespace kerf::net {
 
@@ -114,6 +115,9 @@ class Api {
   ApiResponse cancel_program(const ApiCall& call);
   ApiResponse download(const ApiCall& call);
   ApiResponse list_exports(const ApiCall& call);
+  ApiResponse list_strokes(const ApiCall& call);
+  ApiResponse undo(const ApiCall& call);
+  ApiResponse redo(const ApiCall& call);
   ApiResponse list_invitations(const ApiCall& call);
   ApiResponse invite(const ApiCall& call);
   ApiResponse revoke(const ApiCall& call);
@@ -134,6 +138,7 @@ class Api {
   /// Mutes a participant, or ends that; for a person, also its other connections and later ones.
   AccessResult<void> mute(Session& session, ParticipantId id, const std::string& person,
                           bool muted);
+  ApiResponse change_strokes(const ApiCall& call, bool undone);
   /// The uploaded files that a scene names.
   std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;
   std::filesystem::path upload_folder() const { return options_.data_folder / "uploads"; }
@@ -144,6 +149,7 @@ class Api {
   Access& access_;
   DownloadCache downloads_;
   MemoryBudget uploads_, programs_;
+  ThreadPool carvers_;              ///< carve tiles again for undo and redo
   mutable std::mutex drain_mutex_;  ///< guards drain_to_
   std::string drain_to_;
 };

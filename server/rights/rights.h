@@ -19,6 +19,7 @@ enum class Action : std::uint8_t {
   kWatch,
   kDownload,
   kCarve,
+  kUndo,
   kRunPrograms,
   kInvite,
   kModerate,

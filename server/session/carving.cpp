@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/carving.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "kernel/cut/workers.h"
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/motion_reach.h"
+#include "kernel/sculpture_check.h"
 #include "server/rights/rights.h"
 
 namespace kerf {
@@ -31,9 +35,36 @@ std::expected<void, Rejection> Carving::record(ParticipantId id, const Command& 
   if (auto ok = sculpture_.check(command); !ok) return std::unexpected(to_rejection(ok.error()));
   ParticipantState* state = participants_.find(id);
   const bool begins_stroke = state != nullptr && !state->in_stroke;
-  if (auto ok = journal_.append(id, command, {agent_sequence, begins_stroke}); !ok) return ok;
+  if (auto ok = journal_.append(id, recorded(command), {agent_sequence, begins_stroke}); !ok)
+    return ok;
   if (state != nullptr) state->in_stroke = true;
+  if (since_) collect(command);
   return {};
+}
+
+void Carving::collect(const Command& command) {
+  const auto* move = std::get_if<MoveTool>(&command);
+  if (move == nullptr) return;
+  Since since{{sculpture_.tool(move->tool), *move}, {}};
+  std::vector<DexelGrid> grids;
+  for (const RayAxis axis : axes_of(sculpture_.settings().rays)) {
+    grids.push_back(sculpture_.field(axis)->grid());
+  }
+  find_reach(*since.motion.tool, *move, grids, sculpture_.settings().tolerance_mm, since.reach);
+  if (!since.reach.empty()) since_->push_back(std::move(since));
+}
+
+double Carving::replace(const TileReplacement& tile) {
+  std::vector<MotionSince> motions;
+  if (since_) {
+    for (const Since& since : *since_) {
+      if (std::ranges::binary_search(since.reach, tile.at)) motions.push_back(since.motion);
+    }
+  }
+  const ReplacedTiles replaced = sculpture_.replace({&tile, 1}, motions);
+  changed_.insert(replaced.changed_tiles.begin(), replaced.changed_tiles.end());
+  participants_.note_returned(replaced.tiles);
+  return replaced.returned_mm3;
 }
 
 std::optional<Rejection> Carving::judge(ParticipantId id, const MoveTool& move) const {
@@ -125,6 +156,7 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
   if (!cuts(sample) || !state.track.pose()) state.in_stroke = false;
   auto step = state.track.take(sample, sculpture_, state.speed_mm_per_s);
   if (!step) return step.error();
+  if (state.is_in_stock) return leave_stock(state, sample);
   state.display.tool_id = sample.tool_id;
   if (const auto* touch = std::get_if<ToolTrack::Touch>(&*step); touch != nullptr && state.feel) {
     add_touch(batch.sum, sculpture_, *touch);
@@ -139,6 +171,16 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
     if (*result) add_motion(batch.sum, sculpture_, *move, **result);
   }
   return std::nullopt;
+}
+
+/// Stock has come back around the tool: until it is clear, it neither cuts nor is pushed.
+std::optional<Rejection> Carving::leave_stock(ParticipantState& state,
+                                              const wire::MotionSample& sample) {
+  state.in_stroke = false;
+  state.is_in_stock = sculpture_.depth_in_stock(state.track.tool(), *state.track.pose()) > 0;
+  if (!state.is_in_stock || !cuts(sample)) return std::nullopt;
+  return sample_rejection(sample, wire::ErrorCode::kInStock,
+                          "stock has come back around the tool: lift the tool out of it");
 }
 
 /// Works on a batch for one turn; true if it is complete.

@@ -68,6 +68,18 @@ class Carving {
   /// Whether a motion is cut in part: then the solid is not that of any record of the journal.
   bool is_between_records() const { return !cuts_.empty(); }
 
+  /// A motion that was journaled while tiles were being carved without it.
+  struct Since {
+    MotionSince motion;
+    std::vector<FieldTile> reach;  ///< sorted
+  };
+  /// Collects the motions that are journaled from now on.
+  void begin_collecting() { since_.emplace(); }
+  void end_collecting() { since_.reset(); }
+  /// Replaces a tile by what the motions up to begin_collecting() leave of it, less those since.
+  /// Returns the volume that came back, mm³.
+  double replace(const TileReplacement& tile);
+
   /// Replaces the regions that are reserved.
   void reserve(const std::vector<Region>& regions) { reserved_.set(regions); }
 
@@ -103,9 +115,11 @@ class Carving {
   MotionAnswer answer(ParticipantState& state, Batch& batch);
   std::optional<Rejection> take_sample(ParticipantState& state, const wire::MotionSample& sample,
                                        Batch& batch, std::int64_t& tiles);
+  std::optional<Rejection> leave_stock(ParticipantState& state, const wire::MotionSample& sample);
   /// Checks a command of a participant and appends it to the journal.
   std::expected<void, Rejection> record(ParticipantId id, const Command& command,
                                         std::uint64_t agent_sequence = 0);
+  void collect(const Command& command);
   Applied apply_recorded(ParticipantId id, const Command& command);
   /// Whether a participant may cut, and there.
   std::optional<Rejection> judge(ParticipantId id, const MoveTool& move) const;
@@ -128,7 +142,8 @@ class Carving {
   std::set<TileIndex> changed_;
   std::map<ParticipantId, Batch> batches_;  ///< in progress
   std::map<ParticipantId, Cut> cuts_;
-  std::vector<ParticipantId> left_;  ///< whose cuts may be in progress
+  std::optional<std::vector<Since>> since_;  ///< set while motions are collected
+  std::vector<ParticipantId> left_;          ///< whose cuts may be in progress
   std::chrono::steady_clock::duration work_time_{0};
   std::atomic<std::uint64_t> motions_applied_{0};
   CpuCosts costs_;

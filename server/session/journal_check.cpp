@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/history/recorded_block.h"
 #include "server/session/hash_text.h"
 #include "server/session/replay.h"
 #include "server/store/block_snapshot.h"
@@ -123,8 +124,8 @@ std::string time_text(std::int64_t wall_ms) {
 /// Carves a journal and compares it as it goes.
 class Verification {
  public:
-  Verification(const std::filesystem::path& file, JournalReader& reader, Sculpture sculpture)
-      : reader_(reader), sculpture_(std::move(sculpture)) {
+  Verification(const std::filesystem::path& file, JournalReader& reader, RecordedBlock block)
+      : reader_(reader), block_(std::move(block)) {
     const auto& hashes = reader.state_hashes();
     const bool comparable = reader.header().kernel_version == kKernelVersion;
     next_hash_ = std::ranges::find_if(hashes, [&](const StateHash& hash) {
@@ -145,17 +146,14 @@ class Verification {
 
   /// Applies a record; the error is that of the kernel.
   std::expected<void, std::string> apply(const JournalRecord& record) {
-    Command command = record.command;
-    if (auto* move = std::get_if<MoveTool>(&command)) move->feel = false;
-    if (const auto applied = sculpture_.apply(command); !applied) {
-      return std::unexpected(applied.error().reason);
-    }
+    if (auto applied = block_.apply(record); !applied) return applied;
     verified_.records = record.sequence;
     const bool has_hash =
         next_hash_ != reader_.state_hashes().end() && next_hash_->sequence == record.sequence;
     const bool has_snapshot = snapshot_ && snapshot_->sequence == record.sequence;
     if (!has_hash && !has_snapshot) return {};
-    const std::uint64_t hash = sculpture_.state_hash();
+    if (auto settled = block_.settle(); !settled) return settled;
+    const std::uint64_t hash = block_.sculpture().state_hash();
     if (has_hash) compare("the journal stores", (next_hash_++)->hash, hash, record);
     if (has_hash) ++verified_.hashes_compared;
     if (has_snapshot) compare("the snapshot holds", snapshot_->hash, hash, record);
@@ -165,12 +163,13 @@ class Verification {
   }
   bool differs() const { return !verified_.difference.empty(); }
 
-  VerifiedJournal finish() {
+  std::expected<VerifiedJournal, std::string> finish() {
+    if (auto settled = block_.settle(); !settled) return std::unexpected(settled.error());
     if (snapshot_ && snapshot_->sequence > verified_.records) {
       note("the snapshot: it holds records that the journal does not have");
     }
-    verified_.motions = sculpture_.motions();
-    verified_.hash = sculpture_.state_hash();
+    verified_.motions = block_.sculpture().motions();
+    verified_.hash = block_.sculpture().state_hash();
     return std::move(verified_);
   }
 
@@ -189,7 +188,7 @@ class Verification {
   }
 
   JournalReader& reader_;
-  Sculpture sculpture_;
+  RecordedBlock block_;
   std::vector<StateHash>::const_iterator next_hash_;
   std::size_t skipped_ = 0;
   std::optional<SnapshotHead> snapshot_;
@@ -231,7 +230,8 @@ std::expected<VerifiedJournal, JournalError> verify_journal(const std::filesyste
         JournalError{JournalErrorCode::kCorrupt, file.string(), sequence, reason});
   };
   if (!sculpture) return corrupt_at(0, sculpture.error().reason);
-  Verification verification(file, *reader, *std::move(sculpture));
+  SolidSnapshot start = sculpture->solid();
+  Verification verification(file, *reader, {*std::move(sculpture), std::move(start), file});
   while (!verification.differs()) {
     const auto record = reader->next();
     if (!record) return std::unexpected(record.error());
@@ -240,7 +240,9 @@ std::expected<VerifiedJournal, JournalError> verify_journal(const std::filesyste
       return corrupt_at((*record)->sequence, applied.error());
     }
   }
-  return verification.finish();
+  auto verified = verification.finish();
+  if (!verified) return corrupt_at(0, verified.error());
+  return *std::move(verified);
 }
 
 }  // namespace kerf

@@ -29,7 +29,9 @@ struct ParticipantState {
   /// It has resumed and sent no new sample yet: known ones place the tool, as it was before.
   bool has_resumed = false;
   DurableMark durable;
-  bool in_stroke = false;          ///< the next motion continues its stroke
+  bool in_stroke = false;  ///< the next motion continues its stroke
+  /// Stock has come back around its tool: it cuts nothing until the tool is clear of the stock.
+  bool is_in_stock = false;
   std::optional<TokenHash> token;  ///< set if it may resume
   std::uint64_t newest_us = 0;     ///< agent's time of the newest sample, accepted or rejected
   RateLimit samples{0, 0};

@@ -275,6 +275,24 @@ void Participants::note_cut(ParticipantId author, std::span<const FieldTile> til
   }
 }
 
+void Participants::note_returned(std::span<const FieldTile> tiles) {
+  for (auto& [id, state] : states_) {
+    if (state.stock) state.stock->note_returned(tiles);
+  }
+}
+
+void Participants::end_strokes() {
+  for (auto& [id, state] : states_) state.in_stroke = false;
+  resumable_.end_strokes();
+}
+
+void Participants::hold_tools_in_stock() {
+  for (auto& [id, state] : states_) {
+    if (state.participant.kind != ParticipantKind::kAgent || !state.track.pose()) continue;
+    state.is_in_stock = sculpture_.depth_in_stock(state.track.tool(), *state.track.pose()) > 0;
+  }
+}
+
 int Participants::listen(SessionListener listener) {
   listeners_.emplace(++last_listener_, std::move(listener));
   return last_listener_;

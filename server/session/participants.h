@@ -106,6 +106,12 @@ class Participants {
   wire::Intents near(const ParticipantState& self) const;
   /// Marks tiles that `author` cut as stale in the replicas of all other participants.
   void note_cut(ParticipantId author, std::span<const FieldTile> tiles);
+  /// Stock has come back to these tiles: replicas that hold one of them begin again.
+  void note_returned(std::span<const FieldTile> tiles);
+  /// Ends the strokes of all participants, also of those that may resume.
+  void end_strokes();
+  /// Keeps the agents whose tools are in the stock now from cutting until they are clear of it.
+  void hold_tools_in_stock();
 
   /// Calls `listener` at each event until unlisten() with the returned number.
   int listen(SessionListener listener);

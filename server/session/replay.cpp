@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "server/history/recorded_block.h"
 #include "server/session/hash_text.h"
 #include "server/store/block_snapshot.h"
 
@@ -13,12 +14,6 @@ namespace {
 JournalError corrupt(const std::filesystem::path& file, std::uint64_t sequence,
                      std::string reason) {
   return {JournalErrorCode::kCorrupt, file.string(), sequence, std::move(reason)};
-}
-
-/// Disables force computation, which does not affect the solid, to speed up the replay.
-Command without_force(Command command) {
-  if (auto* move = std::get_if<MoveTool>(&command)) move->feel = false;
-  return command;
 }
 
 }  // namespace
@@ -50,9 +45,11 @@ std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
   for (const JournalParticipant& participant : reader.participants()) {
     last_participant = std::max(last_participant, participant.participant);
   }
+  SolidSnapshot start = sculpture->solid();
   return Replayed{.scene = *std::move(scene),
                   .header = reader.header(),
                   .sculpture = *std::move(sculpture),
+                  .start = std::move(start),
                   .last_participant = last_participant,
                   .resumable = Resumable(reader.participants()),
                   .hash = {},
@@ -63,13 +60,22 @@ std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
 std::expected<void, JournalError> apply_records(JournalReader& reader,
                                                 const std::filesystem::path& file,
                                                 const std::stop_token& stop, Replayed& block) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto begin = std::chrono::steady_clock::now();
   const auto& hashes = reader.state_hashes();
   const bool comparable = reader.header().kernel_version == kKernelVersion && !hashes.empty();
   const StateHash newest = comparable ? hashes.back() : StateHash{};  // sequence 0: no hash
+  RecordedBlock carved(std::move(block.sculpture), block.start, file);
+  const auto settle = [&]() -> std::expected<void, JournalError> {
+    if (const auto ok = carved.settle(stop); !ok) {
+      const auto code = stop.stop_requested() ? JournalErrorCode::kIo : JournalErrorCode::kCorrupt;
+      return std::unexpected(JournalError{code, file.string(), block.last_sequence, ok.error()});
+    }
+    return {};
+  };
   const auto compare = [&]() -> std::expected<void, JournalError> {
     if (newest.sequence == 0 || newest.sequence != block.last_sequence) return {};
-    const std::uint64_t hash = block.sculpture.state_hash();
+    if (auto ok = settle(); !ok) return ok;
+    const std::uint64_t hash = carved.sculpture().state_hash();
     if (hash == newest.hash) return {};
     return std::unexpected(corrupt(file, block.last_sequence,
                                    "replay gives state hash " + hash_text(hash) +
@@ -77,21 +83,22 @@ std::expected<void, JournalError> apply_records(JournalReader& reader,
   };
   if (auto ok = compare(); !ok) return ok;  // of the snapshot
   for (;;) {
-    auto record = reader.next();
+    const auto record = reader.next();
     if (!record) return std::unexpected(record.error());
     if (!*record) break;
     if (stop.stop_requested()) {
       return std::unexpected(JournalError{JournalErrorCode::kIo, file.string(), 0, "stopped"});
     }
     block.last_sequence = (*record)->sequence;
-    const auto applied = block.sculpture.apply(without_force(std::move((*record)->command)));
-    if (!applied) {
-      return std::unexpected(corrupt(file, block.last_sequence, applied.error().reason));
+    if (const auto applied = carved.apply(**record); !applied) {
+      return std::unexpected(corrupt(file, block.last_sequence, applied.error()));
     }
     if (auto ok = compare(); !ok) return ok;
   }
+  if (auto ok = settle(); !ok) return ok;
+  block.sculpture = std::move(carved.sculpture());
   block.replay_time = std::chrono::duration_cast<std::chrono::microseconds>(
-      std::chrono::steady_clock::now() - start);
+      std::chrono::steady_clock::now() - begin);
   block.hash = {block.last_sequence, block.sculpture.state_hash()};
   return {};
 }

@@ -19,6 +19,7 @@ struct Replayed {
   Scene scene;
   JournalHeader header;
   Sculpture sculpture;
+  SolidSnapshot start;  ///< the solid before the first record
   std::uint64_t last_sequence = 0;
   ParticipantId last_participant = 0;
   Resumable resumable;

@@ -44,6 +44,10 @@ class Resumable {
   /// The agent cannot resume any more.
   void forget(ParticipantId id) { agents_.erase(id); }
   ResumableAgent* find(ParticipantId id);
+  /// The next motion of each begins a stroke.
+  void end_strokes() {
+    for (auto& [id, agent] : agents_) agent.in_stroke = false;
+  }
   /// Returns the participant to whom a token was given; nullopt for an unknown or malformed one.
   /// Compares with every token, each in constant time.
   std::optional<ParticipantId> owner(std::string_view token) const;

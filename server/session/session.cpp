@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/history/block_history.h"
+
 namespace kerf {
 namespace {
 
@@ -22,6 +24,7 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
       id_(std::move(id)),
       scene_(std::move(replayed.scene)),
       sculpture_(std::move(replayed.sculpture)),
+      start_(std::move(replayed.start)),
       limits_(limits),
       journal_(std::move(journal), replayed.hash),
       participants_(limits_, sculpture_, journal_, scene_.tools.begin()->first,
@@ -32,6 +35,8 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
   participants_.defer_changes([this] { report_changes(); });
   show_figures();
 }
+
+Session::~Session() = default;
 
 void Session::show_figures() {
   shown_motions_.store(sculpture_.motions(), std::memory_order_relaxed);

@@ -25,9 +25,13 @@
 #include "server/session/session_journal.h"
 #include "server/session/session_limits.h"
 #include "server/session/snapshot_schedule.h"
+#include "server/session/stroke_request.h"
 #include "server/threads/executor.h"
 
 namespace kerf {
+
+class BlockHistory;
+class Workers;
 
 /// The state of the block that viewers need, read at one moment.
 struct SessionFrame {
@@ -80,6 +84,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// outlive the session.
   Session(std::string id, Replayed replayed, JournalWriter journal, SessionLimits limits,
           std::shared_ptr<Executor> executor, Executor& workers);
+  ~Session();
 
   // ---- any thread ----
   const std::string& id() const { return id_; }
@@ -164,8 +169,9 @@ class Session : public std::enable_shared_from_this<Session> {
   bool has_other_agent(ParticipantId id) const {
     return participants_.has_active_agent(kAgentIsActive, id);
   }
-  /// Whether a motion is cut in part, so that the solid is not that of any record of the journal.
-  bool is_between_records() const { return carving_.is_between_records(); }
+  /// Whether a motion is cut in part, or a stroke that was undone or redone is still to be taken
+  /// out or put back, so that the solid is not that of any record of the journal.
+  bool is_between_records() const { return carving_.is_between_records() || !unsettled_.empty(); }
 
   /// Returns the update that the participant's replica of the block lacks; nullopt if it is
   /// complete or the participant keeps none.
@@ -202,6 +208,18 @@ class Session : public std::enable_shared_from_this<Session> {
   /// is_between_records() was false.
   void note_hash(StateHash state);
 
+  /// Undoes or redoes strokes: afterwards the block is, to the bit, the one in which only the
+  /// others have happened. Blocks until it is so: not on the executor. Others carve meanwhile; the
+  /// session's thread is taken for about a millisecond at a time. Requests wait for each other.
+  /// Answers kNotAllowed, kBadMessage for a stroke that does not exist or is so already, and kBusy
+  /// if the journal fails or `stop` was requested early.
+  std::expected<StrokesChanged, Rejection> change_strokes(const StrokeRequest& request,
+                                                          Workers& workers,
+                                                          const std::stop_token& stop = {});
+  /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
+  std::expected<std::vector<ListedStroke>, std::string> strokes(std::uint64_t since,
+                                                                const std::stop_token& stop = {});
+
   /// Calls `listener` on the executor at each event until unlisten() with the returned number.
   /// Changes of the participants are collected: they are reported every kChangeInterval at most.
   int listen(SessionListener listener) { return participants_.listen(std::move(listener)); }
@@ -228,11 +246,21 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<void, std::string> write_snapshot_locked(std::uint64_t at,
                                                          const SculptureState& state);
   void keep_last_state();
+  std::expected<void, std::string> read_history(const std::stop_token& stop);
+  std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request) const;
+  bool may_change(const StrokeRequest& request, ParticipantId participant);
+  std::expected<std::uint64_t, Rejection> note_changes(const StrokeRequest& request,
+                                                       const std::vector<Stroke>& strokes);
+  std::expected<void, std::string> settle(Workers& workers, const std::stop_token& stop,
+                                          StrokesChanged& changed);
+  void end_settling(const StrokeSet& strokes);
+  void retry_settling();
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;
   Scene scene_;
   Sculpture sculpture_;
+  SolidSnapshot start_;  ///< the solid before the first record
   SessionLimits limits_;
   SessionJournal journal_;
   Participants participants_;
@@ -252,6 +280,9 @@ class Session : public std::enable_shared_from_this<Session> {
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the limit of the disk
   Clock::time_point changes_reported_{};
+  std::mutex history_mutex_;               ///< held while strokes change; guards the next one
+  std::unique_ptr<BlockHistory> history_;  ///< made when it is first needed
+  StrokeSet unsettled_;  ///< whose change is in the journal and not yet in the block
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;
   std::atomic<std::size_t> shown_participants_ = 0;

@@ -5,6 +5,7 @@
 
 #include "server/formats/forces_csv.h"
 #include "server/formats/program_writer.h"
+#include "server/history/recorded_block.h"
 #include "server/session/replay.h"
 
 namespace kerf {
@@ -22,15 +23,18 @@ ExportResult for_each_record(JournalReader& reader, const std::stop_token& stop,
   }
 }
 
-bool is_requested(const JournalRecord& record, const ProgramRequest& request) {
-  return record.sequence >= request.first && record.sequence <= request.last &&
-         (!request.only || *request.only == record.participant);
+bool is_requested(const JournalRecord& record, const ProgramRequest& request,
+                  const StrokeSet& undone) {
+  return !undone.contains(record.stroke) && record.sequence >= request.first &&
+         record.sequence <= request.last && (!request.only || *request.only == record.participant);
 }
 
 }  // namespace
 
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
                             std::ostream& out, const std::stop_token& stop) {
+  const auto undone = undone_strokes(journal, stop);
+  if (!undone) return std::unexpected(undone.error());
   // The path of one participant needs no sorting.
   const auto order = request.only ? RecordOrder::kSequence : RecordOrder::kParticipant;
   auto reader = JournalReader::open(journal, order, stop);
@@ -40,7 +44,8 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
   const auto writer = make_program_writer(request.format, *scene, out, request.tolerance_mm);
   auto written = for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
     const auto* move = std::get_if<MoveTool>(&record.command);
-    if (move == nullptr || move->from == move->to || !is_requested(record, request)) return {};
+    if (move == nullptr || move->from == move->to || !is_requested(record, request, *undone))
+      return {};
     ProgramMotion motion;
     motion.tool = move->tool;
     motion.from = move->from;
@@ -56,6 +61,8 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
 
 ExportResult export_forces(const std::filesystem::path& journal, const ForcesRequest& request,
                            std::ostream& out, const std::stop_token& stop) {
+  const auto undone = undone_strokes(journal, stop);
+  if (!undone) return std::unexpected(undone.error());
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
   const auto scene = journal_scene(*reader, journal);
@@ -65,10 +72,11 @@ ExportResult export_forces(const std::filesystem::path& journal, const ForcesReq
   write_forces_header(out, request.device);
   double time_s = 0;
   auto ok = for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
-    Command command = record.command;
-    auto* move = std::get_if<MoveTool>(&command);
+    auto command = kernel_command(record.command);
+    if (!command || undone->contains(record.stroke)) return {};
+    auto* move = std::get_if<MoveTool>(&*command);
     if (move != nullptr) move->feel = !request.only || *request.only == record.participant;
-    const auto result = sculpture->apply(command);
+    const auto result = sculpture->apply(*command);
     if (!result) return std::unexpected(result.error().reason);
     if (move == nullptr || !move->feel) return {};
     time_s += move->duration_s;

@@ -27,8 +27,8 @@ struct ProgramRequest {
 };
 
 /// Writes the motions of a journal as one program, participant by participant: each path stays
-/// contiguous, and because cuts commute the solid is the same. Reads the journal once
-/// and keeps no motions in memory.
+/// contiguous, and because cuts commute the solid is the same. Strokes that are undone are left
+/// out. Reads the journal twice and keeps no motions in memory.
 ExportResult export_program(const std::filesystem::path& journal, const ProgramRequest& request,
                             std::ostream& out, const std::stop_token& stop = {});
 
@@ -39,7 +39,8 @@ struct ForcesRequest {
 };
 
 /// Writes one line per motion (server/formats/forces_csv.h), in the order of application. Forces
-/// are not stored: they are deterministic and are recomputed by carving the journal again.
+/// are not stored: they are deterministic and are recomputed by carving the journal again, as if
+/// strokes that are undone had never been.
 ExportResult export_forces(const std::filesystem::path& journal, const ForcesRequest& request,
                            std::ostream& out, const std::stop_token& stop = {});
 

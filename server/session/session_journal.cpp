@@ -15,7 +15,8 @@ SessionJournal::SessionJournal(JournalWriter writer, StateHash replayed)
     : writer_(std::move(writer)), removal_sequence_(replayed.sequence), hash_(replayed) {}
 
 std::expected<void, Rejection> SessionJournal::append(ParticipantId participant,
-                                                      const Command& command, RecordNote note) {
+                                                      const RecordedCommand& command,
+                                                      RecordNote note) {
   const auto appended = writer_.append(participant, command, note);
   if (appended) return {};
   const JournalError& error = appended.error();

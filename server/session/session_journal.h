@@ -41,7 +41,7 @@ class SessionJournal {
   /// Appends a command. Fails with kBusy when the disk fails ("paused: disk: …") or does not keep
   /// up.
   /// `note` is stored with the command.
-  std::expected<void, Rejection> append(ParticipantId participant, const Command& command,
+  std::expected<void, Rejection> append(ParticipantId participant, const RecordedCommand& command,
                                         RecordNote note = {});
   /// Appends a participant, with the hash of its token if it may resume.
   void append(const Participant& participant, const std::optional<TokenHash>& token);

@@ -3,6 +3,7 @@
 
 #include <ostream>
 
+#include "server/history/recorded_block.h"
 #include "server/session/replay.h"
 #include "server/verify/wall_check.h"
 
@@ -10,7 +11,7 @@ namespace kerf {
 namespace {
 
 // A motion's line is the number of its record.
-std::expected<Program, std::string> read_motions(JournalReader& reader,
+std::expected<Program, std::string> read_motions(JournalReader& reader, const StrokeSet& undone,
                                                  const std::stop_token& stop) {
   Program program;
   program.files = {"journal"};
@@ -20,7 +21,7 @@ std::expected<Program, std::string> read_motions(JournalReader& reader,
     if (!record) return std::unexpected(describe(record.error()));
     if (!*record) return program;
     const auto* move = std::get_if<MoveTool>(&(*record)->command);
-    if (move == nullptr) continue;
+    if (move == nullptr || undone.contains((*record)->stroke)) continue;
     if (program.motions.size() == kWallMotionsMax)
       return std::unexpected("the journal has more than " + std::to_string(kWallMotionsMax) +
                              " motions, too many to be searched for thin walls; export the "
@@ -38,11 +39,13 @@ std::expected<Program, std::string> read_motions(JournalReader& reader,
 
 ExportResult export_thin_walls(const std::filesystem::path& journal, const DexelSnapshot& field,
                                std::ostream& out, const std::stop_token& stop) {
+  const auto undone = undone_strokes(journal, stop);
+  if (!undone) return std::unexpected(undone.error());
   auto reader = JournalReader::open(journal);
   if (!reader) return std::unexpected(describe(reader.error()));
   auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
-  const auto program = read_motions(*reader, stop);
+  const auto program = read_motions(*reader, *undone, stop);
   if (!program) return std::unexpected(program.error());
   const WallCheck check(*scene, *program, wall_samples(*scene, *program), stop);
   WallReport report = check.find(stop);

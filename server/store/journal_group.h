@@ -22,7 +22,7 @@ struct RecordNote {
 struct PendingCommand {
   std::uint64_t sequence = 0;
   ParticipantId participant = 0;
-  Command command;
+  RecordedCommand command;
   RecordNote note;
   std::int64_t wall_ms = 0;
 };

@@ -106,7 +106,7 @@ std::expected<std::vector<ToolPiece>, std::string> get_pieces(ByteReader& in) {
   return pieces;
 }
 
-std::expected<Command, std::string> get_define_tool(ByteReader& in, bool has_non_cutting) {
+std::expected<RecordedCommand, std::string> get_define_tool(ByteReader& in, bool has_non_cutting) {
   DefineTool define;
   define.id = in.get<std::uint32_t>();
   auto cutting = get_pieces(in);
@@ -123,7 +123,7 @@ std::expected<Command, std::string> get_define_tool(ByteReader& in, bool has_non
   return define;
 }
 
-Command get_move_tool(ByteReader& in) {
+RecordedCommand get_move_tool(ByteReader& in) {
   MoveTool move;
   move.tool = in.get<std::uint32_t>();
   move.from.tip_mm = in.get_vec3();
@@ -137,21 +137,37 @@ Command get_move_tool(ByteReader& in) {
 
 }  // namespace
 
-std::vector<std::byte> encode_command(const Command& command) {
+RecordedCommand recorded(Command command) {
+  return std::visit([](auto&& each) -> RecordedCommand { return std::move(each); },
+                    std::move(command));
+}
+
+std::optional<Command> kernel_command(const RecordedCommand& command) {
+  if (const auto* move = std::get_if<MoveTool>(&command)) return *move;
+  if (const auto* define = std::get_if<DefineTool>(&command)) return *define;
+  return std::nullopt;
+}
+
+std::vector<std::byte> encode_command(const RecordedCommand& command) {
   static_assert(std::variant_size_v<Command> == 2, "a new command needs a new layout number");
   ByteWriter out;
   if (const auto* define = std::get_if<DefineTool>(&command)) {
     put_define_tool(out, *define);
+  } else if (const auto* move = std::get_if<MoveTool>(&command)) {
+    put_move_tool(out, *move);
   } else {
-    put_move_tool(out, std::get<MoveTool>(command));
+    const auto& change = std::get<StrokeChange>(command);
+    out.put(std::to_underlying(CommandLayout::kStrokeChange1));
+    out.put(change.stroke);
+    out.put(static_cast<std::uint8_t>(change.undone ? 1 : 0));
   }
   return out.take();
 }
 
-std::expected<Command, std::string> decode_command(std::span<const std::byte> bytes) {
+std::expected<RecordedCommand, std::string> decode_command(std::span<const std::byte> bytes) {
   ByteReader in(bytes);
   const auto layout = in.get<std::uint8_t>();
-  std::expected<Command, std::string> command;
+  std::expected<RecordedCommand, std::string> command;
   switch (static_cast<CommandLayout>(layout)) {
     case CommandLayout::kDefineTool1:
       command = get_define_tool(in, false);
@@ -162,6 +178,11 @@ std::expected<Command, std::string> decode_command(std::span<const std::byte> by
     case CommandLayout::kMoveTool1:
       command = get_move_tool(in);
       break;
+    case CommandLayout::kStrokeChange1: {
+      const auto stroke = in.get<std::uint64_t>();
+      command = StrokeChange{stroke, in.get<std::uint8_t>() != 0};
+      break;
+    }
     default:
       return std::unexpected("unknown command layout " + std::to_string(layout));
   }

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "kernel/sculpture.h"
@@ -15,11 +17,26 @@ namespace kerf {
 /// Number of a participant within one session; 0 is the session itself, which defines the tools.
 using ParticipantId = std::uint32_t;
 
+/// Takes the motions of a stroke out of the block, or puts them back. The block is the stock less
+/// the motions that are not undone, in any order: what others have cut since stays.
+struct StrokeChange {
+  std::uint64_t stroke = 0;  ///< the record with which it begins
+  bool undone = true;        ///< false: it is redone
+};
+
+/// Whatever changes the block of a session.
+using RecordedCommand = std::variant<DefineTool, MoveTool, StrokeChange>;
+
+/// Returns a command of the kernel as a journal stores it.
+RecordedCommand recorded(Command command);
+/// Returns the command of the kernel that a journal stores; nullopt for a StrokeChange.
+std::optional<Command> kernel_command(const RecordedCommand& command);
+
 /// One command of a session.
 struct JournalRecord {
   std::uint64_t sequence = 0;  ///< order of application: from 1, consecutive
   ParticipantId participant = 0;
-  Command command;
+  RecordedCommand command;
   /// When it was appended, ms since 1970 UTC, to some 10 ms. 0: of a journal of version 1.
   std::int64_t wall_ms = 0;
   /// The record with which its stroke begins: what a participant cuts between touching down and
@@ -32,16 +49,17 @@ struct JournalRecord {
 enum class CommandLayout : std::uint8_t {
   kDefineTool1 = 1,  ///< cutting pieces only: balls and frusta
   kMoveTool1 = 2,
-  kDefineTool2 = 3  ///< cutting pieces, then non-cutting ones; arcs too
+  kDefineTool2 = 3,  ///< cutting pieces, then non-cutting ones; arcs too
+  kStrokeChange1 = 4
 };
 
 /// Encodes a command: layout number, then fixed-width little-endian fields. Doubles are stored as
 /// IEEE 754 bits, so replay reads identical numbers.
-std::vector<std::byte> encode_command(const Command& command);
+std::vector<std::byte> encode_command(const RecordedCommand& command);
 
 /// Decodes a command. Checks lengths, piece counts and tool shapes; Sculpture::check validates the
 /// rest. The error is one sentence.
-std::expected<Command, std::string> decode_command(std::span<const std::byte> bytes);
+std::expected<RecordedCommand, std::string> decode_command(std::span<const std::byte> bytes);
 
 /// Returns the CRC-32 of sequence, participant and bytes, which also detects a record that was
 /// moved or attributed to another participant.

@@ -187,7 +187,7 @@ std::expected<JournalWriter, JournalError> JournalWriter::open(const std::filesy
 }
 
 std::expected<std::uint64_t, JournalError> JournalWriter::append(ParticipantId participant,
-                                                                 const Command& command,
+                                                                 const RecordedCommand& command,
                                                                  RecordNote note) {
   std::uint64_t sequence = 0;
   {

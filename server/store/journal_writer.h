@@ -56,7 +56,8 @@ class JournalWriter {
   /// the error of the commit while the journal is paused, so that a session never runs ahead of a
   /// failed disk. `note` is stored with the command.
   std::expected<std::uint64_t, JournalError> append(ParticipantId participant,
-                                                    const Command& command, RecordNote note = {});
+                                                    const RecordedCommand& command,
+                                                    RecordNote note = {});
   /// Stores or replaces a participant. Its token is stored when it comes for the first time.
   void append(const JournalParticipant& participant);
   /// Appends the hash of the solid after record `state.sequence`.

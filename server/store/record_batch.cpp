@@ -128,7 +128,7 @@ struct GridMotion {
   bool feel = true;
 };
 
-std::optional<GridMotion> to_grid(const Command& command) {
+std::optional<GridMotion> to_grid(const RecordedCommand& command) {
   const auto* move = std::get_if<MoveTool>(&command);
   if (move == nullptr) return std::nullopt;
   const auto from = to_grid(move->from), to = to_grid(move->to);
@@ -226,18 +226,18 @@ std::expected<GridMotion, std::string> read_motion(BitReader& in, State& state, 
   return motion;
 }
 
-Command to_command(const GridMotion& motion) {
+RecordedCommand to_command(const GridMotion& motion) {
   return MoveTool{motion.tool, to_pose(motion.from), to_pose(motion.to), motion.duration_s,
                   motion.feel};
 }
 
-void write_whole(BitWriter& out, const Command& command, NumberSize& size) {
+void write_whole(BitWriter& out, const RecordedCommand& command, NumberSize& size) {
   const auto bytes = encode_command(command);
   out.number(bytes.size(), size);
   for (const std::byte byte : bytes) out.bits(std::to_integer<std::uint64_t>(byte), 8);
 }
 
-std::expected<Command, std::string> read_whole(BitReader& in, NumberSize& size) {
+std::expected<RecordedCommand, std::string> read_whole(BitReader& in, NumberSize& size) {
   const std::uint64_t count = in.number(size);
   std::vector<std::byte> bytes;
   if (count > kCommandBytesMax) return std::unexpected("a command is too long");

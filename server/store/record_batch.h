@@ -21,7 +21,7 @@ inline constexpr std::size_t kBatchRecordsMax = 65'536;
 /// What a batch stores of one record.
 struct BatchRecord {
   ParticipantId participant = 0;
-  Command command;
+  RecordedCommand command;
   bool begins_stroke = false;
 };
 

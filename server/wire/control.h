@@ -49,13 +49,14 @@ enum class ErrorCode : std::uint8_t {
   kRemoved,
   kMuted,
   kReserved,
+  kInStock,
 };
 
-inline constexpr std::array<std::string_view, 18> kErrorNames = {
+inline constexpr std::array<std::string_view, 19> kErrorNames = {
     "bad_frame",      "bad_json",        "bad_message", "bad_pose",  "bad_sequence",
     "unknown_tool",   "unknown_session", "too_large",   "too_fast",  "no_hello",
     "turn_too_large", "motion_refused",  "busy",        "bad_epoch", "not_allowed",
-    "removed",        "muted",           "reserved"};
+    "removed",        "muted",           "reserved",    "in_stock"};
 
 /// Returns the name of `code` on the wire.
 constexpr std::string_view to_string(ErrorCode code) noexcept {

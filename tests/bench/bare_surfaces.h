@@ -74,11 +74,13 @@ struct Cylinder {
     const float root = root_of(inside), in = (-b - root) * per_lean2;
     if (!with_disc) {
       const float l = along + in * axis.z;
-      return (inside >= 0) & (l >= 0) & (l <= length) ? base.z + in : kMissed;
+      const bool hit = (inside >= 0) & (l >= 0) & (l <= length);
+      return hit ? base.z + in : kMissed;
     }
     const float out = (root - b) * per_lean2, disc = -along / axis.z;
     const float low = in > disc ? in : disc;
-    return (inside >= 0) & (low <= out) ? base.z + low : kMissed;
+    const bool hit = (inside >= 0) & (low <= out);
+    return hit ? base.z + low : kMissed;
   }
 };
 
@@ -133,7 +135,8 @@ struct Nose {
       inside = slope * slope - bend * (m * m + l * l - kCornerRadius * kCornerRadius);
       t -= (slope + root_of(inside)) / bend;
     }
-    const float corner = (inside >= 0) & (along + u.z * t <= 0) ? shaft.base.z + t : kMissed;
+    const bool hit = (inside >= 0) & (along + u.z * t <= 0);
+    const float corner = hit ? shaft.base.z + t : kMissed;
     return lower_of(corner, shaft.at<true>(ray_x, ray_y));
   }
 };

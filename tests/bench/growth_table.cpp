@@ -23,9 +23,13 @@ constexpr std::size_t kCompared = 2;
 /// One row of the standard job, and the beginning of the next one.
 constexpr std::size_t kMoves = 130;
 
-/// CPU time per move, µs, and the volume removed.
+/// CPU times per move of the repetitions, µs, sorted, and the volume removed.
 struct Cost {
-  double best_us, median_us, removed_mm3;
+  std::vector<double> us;
+  double removed_mm3 = 0;
+
+  double best_us() const { return us.front(); }
+  double median_us() const { return us[us.size() / 2]; }
 };
 using Costs = std::array<Cost, kPitchesMm.size()>;
 
@@ -35,26 +39,14 @@ std::vector<ToolPose> path_of(bool five_axis) {
   return path;
 }
 
-/// Measures `make(pitch_mm)`, which returns a function that moves between two poses and one that
-/// returns the removed volume, at each pitch.
-template <class Make>
-Costs measure(bool five_axis, int repetitions, const Make& make) {
-  const std::vector<ToolPose> path = path_of(five_axis);
-  Costs costs;
-  for (std::size_t p = 0; p < kPitchesMm.size(); ++p) {
-    std::vector<double> us;
-    for (int k = 0; k < repetitions; ++k) {
-      auto job = make(kPitchesMm[p]);
-      const double start = cpu_seconds();
-      for (std::size_t i = 1; i < path.size(); ++i) job.move(path[i - 1], path[i]);
-      us.push_back((cpu_seconds() - start) * 1e6 / double(kMoves));
-      costs[p].removed_mm3 = job.removed_mm3();
-    }
-    std::ranges::sort(us);
-    costs[p].best_us = us.front();
-    costs[p].median_us = us[us.size() / 2];
-  }
-  return costs;
+/// Runs a job, which moves between two poses and returns the removed volume, and adds its time.
+template <class Job>
+void run(Job job, const std::vector<ToolPose>& path, Cost& cost) {
+  const double start = cpu_seconds();
+  for (std::size_t i = 1; i < path.size(); ++i) job.move(path[i - 1], path[i]);
+  cost.us.push_back((cpu_seconds() - start) * 1e6 / double(kMoves));
+  std::ranges::sort(cost.us);
+  cost.removed_mm3 = job.removed_mm3();
 }
 
 /// A sculpture that is carved by one tool.
@@ -67,22 +59,19 @@ struct KernelJob {
   double removed_mm3() const { return sculpture.removed_volume_mm3(); }
 };
 
-Costs measure_kernel(const Tool& tool, Rays rays, bool five_axis, double tolerance_mm,
-                     int repetitions) {
-  return measure(five_axis, repetitions, [&](double pitch_mm) {
-    SculptureSettings settings = standard_settings(pitch_mm, tolerance_mm);
-    settings.rays = rays;
-    KernelJob job{*Sculpture::create(settings)};
-    job.sculpture.apply(DefineTool{1, tool}).value();
-    return job;
-  });
+KernelJob kernel_job(const Tool& tool, Rays rays, double pitch_mm, double tolerance_mm) {
+  SculptureSettings settings = standard_settings(pitch_mm, tolerance_mm);
+  settings.rays = rays;
+  KernelJob job{*Sculpture::create(settings)};
+  job.sculpture.apply(DefineTool{1, tool}).value();
+  return job;
 }
 
 /// Returns the slope of the straight line through log(time) over log(1/pitch).
 double growth(const Costs& costs) {
   double x = 0, y = 0, xx = 0, xy = 0;
   for (std::size_t p = 0; p < costs.size(); ++p) {
-    const double u = -std::log(kPitchesMm[p]), v = std::log(costs[p].best_us);
+    const double u = -std::log(kPitchesMm[p]), v = std::log(costs[p].best_us());
     x += u, y += v, xx += u * u, xy += u * v;
   }
   const auto n = double(costs.size());
@@ -92,7 +81,10 @@ double growth(const Costs& costs) {
 void print_row(const std::string& tool, int axes, const char* kind, const Costs& costs,
                const std::string& compared) {
   std::printf("| %s | %d | %s |", tool.c_str(), axes, kind);
-  for (const Cost& c : costs) std::printf(" %.3g, %.3g |", c.best_us, c.median_us);
+  for (const Cost& c : costs) {
+    const int digits = c.best_us() < 10 ? 2 : c.best_us() < 100 ? 1 : 0;
+    std::printf(" %.*f, %.*f |", digits, c.best_us(), digits, c.median_us());
+  }
   std::printf(" %.2f | %s |\n", growth(costs), compared.c_str());
   std::fflush(stdout);
 }
@@ -110,24 +102,30 @@ std::optional<BareTool> bare_tool(const std::string& name) {
   return std::nullopt;
 }
 
+/// The jobs that are compared alternate, because the speed of a machine varies.
 void print_tool(const NamedTool& t, bool five_axis, double tolerance_mm, int repetitions) {
-  const int axes = five_axis ? 5 : 3;
-  const Costs one = measure_kernel(t.tool, Rays::kDexel, five_axis, tolerance_mm, repetitions);
+  const std::vector<ToolPose> path = path_of(five_axis);
   const auto bare = bare_tool(t.name);
-  std::string share;
-  Costs limit{};
-  if (bare) {
-    limit = measure(five_axis, repetitions, [&](double pitch) { return BareLoop(*bare, pitch); });
-    share = share_text("%.2f of the bare loop", limit[kCompared].best_us / one[kCompared].best_us);
+  Costs one, limit, three;
+  for (std::size_t p = 0; p < kPitchesMm.size(); ++p) {
+    const double pitch_mm = kPitchesMm[p];
+    for (int k = 0; k < repetitions; ++k) {
+      run(kernel_job(t.tool, Rays::kDexel, pitch_mm, tolerance_mm), path, one[p]);
+      if (bare) run(BareLoop(*bare, pitch_mm), path, limit[p]);
+      run(kernel_job(t.tool, Rays::kTriDexel, pitch_mm, tolerance_mm), path, three[p]);
+    }
   }
-  print_row(t.name, axes, "one field", one, share);
+  const int axes = five_axis ? 5 : 3;
+  const Cost& compared = one[kCompared];
+  const double share = bare ? limit[kCompared].best_us() / compared.best_us() : 0;
+  print_row(t.name, axes, "one field", one,
+            bare ? share_text("%.2f of the bare loop", share) : std::string());
   if (bare) {
-    const double volume = limit[kCompared].removed_mm3 / one[kCompared].removed_mm3;
+    const double volume = limit[kCompared].removed_mm3 / compared.removed_mm3;
     print_row(t.name, axes, "bare loop", limit, share_text("%.4f of the volume", volume));
   }
-  const Costs three = measure_kernel(t.tool, Rays::kTriDexel, five_axis, tolerance_mm, repetitions);
   print_row(t.name, axes, "three fields", three,
-            share_text("%.1f times one field", three[kCompared].best_us / one[kCompared].best_us));
+            share_text("%.1f times one field", three[kCompared].best_us() / compared.best_us()));
 }
 
 }  // namespace

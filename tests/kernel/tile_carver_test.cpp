@@ -164,6 +164,34 @@ TEST(TileCarver, ABlockIsCarvedOnAfterTilesWereReplaced) {
   }
 }
 
+TEST(TileCarver, MotionsSinceAreCutAgainFromTheReplacedTiles) {
+  for (const SculptureSettings& settings : every_kind()) {
+    History history(settings, 12);
+    Sculpture block = history.block(history.motions());
+    std::vector<MoveTool> rest = history.some();
+    const std::vector<MoveTool> later = history.some();
+    std::vector<MotionSince> since;
+    for (const MoveTool& motion : later) since.push_back({&history.tool(motion), motion});
+    for (const MoveTool& motion : later) block.apply(motion).value();
+    TileCarver carver = history.carver();
+    const double before_mm3 = block.removed_volume_mm3();
+    const ReplacedTiles replaced = block.replace(carved(history, carver, rest), since);
+    rest.insert(rest.end(), later.begin(), later.end());
+    EXPECT_EQ(block.state_hash(), history.block(rest).state_hash());
+    EXPECT_NEAR(before_mm3 - block.removed_volume_mm3(), replaced.returned_mm3, 1e-9);
+    EXPECT_TRUE(block.replace(carved(history, carver, rest)).tiles.empty());
+  }
+}
+
+TEST(TileCarver, DepthInStockTellsAToolThatIsClear) {
+  History history(settings_of(Rays::kTriDexel, BoxStock{{0, 0, -8}, {24, 20, 0}}), 1);
+  const Sculpture block = history.block({});
+  const Vec3 up{0, 0, 1};
+  EXPECT_EQ(block.depth_in_stock(1, {{10, 10, 0.5}, up}), 0);
+  EXPECT_NEAR(block.depth_in_stock(1, {{10, 10, -2}, up}), 2, 0.1);
+  EXPECT_EQ(block.depth_in_stock(9, {{10, 10, -2}, up}), 0);
+}
+
 TEST(TileCarver, CommonOfTwoSetsOfMotionsIsWhatAllOfThemLeave) {
   for (const SculptureSettings& settings : every_kind()) {
     History history(settings, 5);

@@ -72,9 +72,20 @@ TEST(JournalRecord, Layout1IsRead) {
   EXPECT_EQ(std::get<DefineTool>(*decoded).tool, some_tool().tool);
 }
 
+TEST(JournalRecord, ChangesOfStrokesRoundTrip) {
+  for (const bool undone : {true, false}) {
+    const auto decoded = decode_command(encode_command(StrokeChange{1ULL << 40U, undone}));
+    ASSERT_TRUE(decoded) << decoded.error();
+    EXPECT_EQ(std::get<StrokeChange>(*decoded).stroke, 1ULL << 40U);
+    EXPECT_EQ(std::get<StrokeChange>(*decoded).undone, undone);
+    EXPECT_FALSE(kernel_command(*decoded));
+  }
+}
+
 TEST(JournalRecord, EveryTruncationIsAnError) {
-  for (const Command& command :
-       {Command(some_move()), Command(some_tool()), Command(some_tool_with_holder())}) {
+  for (const RecordedCommand& command :
+       {RecordedCommand(some_move()), RecordedCommand(some_tool()),
+        RecordedCommand(some_tool_with_holder()), RecordedCommand(StrokeChange{7, true})}) {
     const auto bytes = encode_command(command);
     for (std::size_t size = 0; size < bytes.size(); ++size) {
       EXPECT_FALSE(decode_command(std::span(bytes).first(size))) << size;

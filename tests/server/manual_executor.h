@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <utility>
 
 #include "server/threads/executor.h"
@@ -33,6 +34,17 @@ class ManualExecutor final : public Executor {
   void run_delayed() {
     for (Work& work : std::exchange(delayed_, {})) work();
     run();
+  }
+  /// Takes the oldest posted work, to be run by the caller.
+  std::optional<Work> take_one() {
+    if (queue_.empty()) return std::nullopt;
+    Work work = std::move(queue_.front());
+    queue_.pop_front();
+    return work;
+  }
+  /// Posts the delayed work.
+  void release_delayed() {
+    for (Work& work : std::exchange(delayed_, {})) queue_.push_back(std::move(work));
   }
   std::size_t waiting() const { return queue_.size(); }
 

@@ -160,7 +160,7 @@ TEST(ReplicaIntent, StockThatTheOtherDidNotCutIsFelt) {
   double error_n = 0, force_n = 0;
   for (int n = 0; n < 900; ++n) {
     const Vec3 own = line(n) + Vec3{0, -2, 0};
-    const auto path = [](int at) { return line(std::min(at + 50, 350)) + Vec3{0, -2, 0}; };
+    const auto path = [](int at) { return line(std::min(at + 100, 400)) + Vec3{0, -1, 0}; };
     const Vec3 expected_n = side.cut(own, path(n));
     if (n > 0) {
       const Vec3 before = line(n - 1) + Vec3{0, -2, 0};
@@ -173,12 +173,12 @@ TEST(ReplicaIntent, StockThatTheOtherDidNotCutIsFelt) {
       side.replica.take(intents);
     }
     const Vec3 felt_n = side.felt(n, own);
-    if (n < 520) continue;
+    if (n < 440) continue;
     error_n = std::max(error_n, length(felt_n - expected_n));
     force_n = std::max(force_n, length(expected_n));
   }
   EXPECT_GT(force_n, 3);
-  EXPECT_LT(error_n, 0.05 * force_n);
+  EXPECT_LT(error_n, 0.1 * force_n);
   // The server's tiles would bring what the other has cut: it never enters the replica itself.
   EXPECT_EQ(solid_quanta(side.replica.block()), solid_quanta(own_cuts));
 }

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "kernel/cut/workers.h"
+#include "kernel/tile_carver.h"
+#include "server/history/recorded_motions.h"
+#include "server/history/tile_log.h"
+
+namespace kerf {
+
+/// What to carve: the motions of some runs, up to a record, from one tile. The result is null if
+/// they leave it as it was before the first motion.
+struct GroupJob {
+  FieldTile at;
+  std::uint64_t last = 0;                           ///< record; runs may end later
+  std::vector<MotionRun> runs = {};                 ///< of the strokes that are not left out
+  std::shared_ptr<const DexelTile> tile = nullptr;  ///< the result
+};
+
+/// Carves groups of motions. Reads each record once, however many tiles its motion reaches, and
+/// divides the tiles among workers; results do not depend on them.
+class GroupCarver {
+ public:
+  /// `start`: the block with these settings before its first motion.
+  GroupCarver(SculptureSettings settings, SolidSnapshot start);
+
+  /// Carries out the jobs, which are in the order of their tiles and, of one tile, of their
+  /// records, which no two share.
+  std::expected<void, std::string> carve(std::span<GroupJob> jobs, RecordedMotions& motions,
+                                         Workers& workers, const std::stop_token& stop);
+  /// Returns a tile before the first motion; null: untouched stock.
+  std::shared_ptr<const DexelTile> start(FieldTile at) const { return carvers_.front().start(at); }
+
+ private:
+  SculptureSettings settings_;
+  SolidSnapshot start_;
+  std::vector<TileCarver> carvers_;  ///< one of each part of the work
+};
+
+}  // namespace kerf

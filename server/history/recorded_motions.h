@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <expected>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/history/stroke_table.h"
+
+namespace kerf {
+
+/// A motion as a journal stores it. `tool` is the tool as it was defined then, null for a record
+/// that is no motion.
+struct RecordedMotion {
+  const Tool* tool = nullptr;
+  StrokeId stroke = 0;
+  MoveTool move;
+};
+
+/// The motions of a journal by record, read from the file in windows of which the newest are kept.
+/// Reads what has been committed, beside a writer of the same file. Not thread-safe.
+class RecordedMotions {
+ public:
+  /// Records of a window.
+  static constexpr std::uint64_t kWindow = 8192;
+  struct Window {
+    std::uint64_t first = 0;  ///< record
+    std::vector<RecordedMotion> motions;
+  };
+
+  /// Keeps so many windows, of 1.2 MB each.
+  RecordedMotions(std::filesystem::path journal, std::size_t windows)
+      : file_(std::move(journal)), windows_kept_(windows) {}
+
+  /// Reads the records that have been committed since the last call, and calls `visit` with each
+  /// motion. The error names the first bad record.
+  std::expected<void, std::string> catch_up(
+      const std::function<void(std::uint64_t record, const RecordedMotion& motion)>& visit,
+      const std::stop_token& stop);
+  /// Returns the window that holds a record of those that have been read.
+  std::expected<std::shared_ptr<const Window>, std::string> window(std::uint64_t record,
+                                                                   const std::stop_token& stop);
+  const StrokeTable& strokes() const { return strokes_; }
+  /// Number of the first record of the window that holds `record`.
+  static std::uint64_t window_begin(std::uint64_t record) {
+    return (record - 1) / kWindow * kWindow + 1;
+  }
+
+ private:
+  struct DefinedTool {
+    std::uint64_t record;
+    ToolId id;
+    Tool tool;
+  };
+
+  RecordedMotion motion_of(const JournalRecord& record) const;
+  std::expected<void, std::string> read(
+      std::uint64_t from, std::uint64_t until, const std::stop_token& stop,
+      const std::function<void(JournalRecord& record)>& visit) const;
+  void keep(std::shared_ptr<const Window> window);
+
+  std::filesystem::path file_;
+  std::size_t windows_kept_;
+  StrokeTable strokes_;
+  std::deque<DefinedTool> tools_;  ///< by record; they stay where they are
+  std::map<std::uint64_t, std::shared_ptr<const Window>> windows_;  ///< by first record
+  std::deque<std::uint64_t> newest_;                                ///< windows_, newest last
+};
+
+}  // namespace kerf

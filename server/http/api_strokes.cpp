@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The routes that list, undo and redo strokes.
+#include <nlohmann/json.hpp>
+#include <ranges>
+
+#include "server/http/access_errors.h"
+#include "server/http/api.h"
+#include "server/http/number.h"
+
+namespace kerf::net {
+namespace {
+
+using Json = nlohmann::json;
+
+Json stroke_json(const ListedStroke& listed) {
+  const Stroke& stroke = listed.stroke;
+  return {{"id", stroke.id},           {"participant", stroke.participant},
+          {"tool", stroke.tool},       {"last", stroke.last},
+          {"motions", stroke.motions}, {"begin_ms", stroke.begin_ms},
+          {"end_ms", stroke.end_ms},   {"undone", listed.is_undone}};
+}
+
+/// The numbers of `strokes`, separated by commas; nullopt if one is malformed or there are too
+/// many.
+std::optional<std::vector<StrokeId>> parse_strokes(const std::string& text) {
+  std::vector<StrokeId> ids;
+  for (const auto part : std::views::split(text, ',')) {
+    const auto id = parse_number<StrokeId>(std::string_view(part.begin(), part.end()));
+    if (!id || *id == 0 || ids.size() == kStrokesMax) return std::nullopt;
+    ids.push_back(*id);
+  }
+  return ids;
+}
+
+ApiResponse stroke_failure(const Rejection& rejection) {
+  using enum wire::ErrorCode;
+  const unsigned status = rejection.code == kBusy             ? 503
+                          : rejection.code == kNotAllowed     ? 403
+                          : rejection.code == kUnknownSession ? 404
+                                                              : 409;
+  const std::string_view code = status == 409 ? "bad_stroke" : wire::to_string(rejection.code);
+  return error_response(status, code, rejection.reason);
+}
+
+}  // namespace
+
+ApiResponse Api::list_strokes(const ApiCall& call) {
+  std::uint64_t since = 0;
+  if (const std::string* text = call.request.query_value("since")) {
+    const auto number = parse_number<std::uint64_t>(*text);
+    if (!number) return error_response(400, "bad_since", "since must be the number of a record");
+    since = *number;
+  }
+  const auto strokes = call.session->strokes(since, call.request.stop);
+  if (!strokes) return error_response(503, "busy", strokes.error());
+  Json list = Json::array();
+  for (const ListedStroke& stroke : *strokes) list.push_back(stroke_json(stroke));
+  return json_response(200, Json{{"strokes", std::move(list)}}.dump());
+}
+
+ApiResponse Api::undo(const ApiCall& call) { return change_strokes(call, true); }
+
+ApiResponse Api::redo(const ApiCall& call) { return change_strokes(call, false); }
+
+ApiResponse Api::change_strokes(const ApiCall& call, bool undone) {
+  StrokeRequest request{.undone = undone, .caller = call.caller};
+  const std::string* strokes = call.request.query_value("strokes");
+  const std::string* participant = call.request.query_value("participant");
+  if ((strokes == nullptr) == (participant == nullptr)) {
+    return error_response(400, "bad_request", "name either strokes or a participant");
+  }
+  if (strokes != nullptr) {
+    const auto ids = parse_strokes(*strokes);
+    if (!ids) {
+      return error_response(400, "bad_strokes",
+                            "strokes must be at most " + std::to_string(kStrokesMax) +
+                                " numbers of first records, separated by commas");
+    }
+    request.strokes = *ids;
+  } else {
+    const auto id = parse_number<ParticipantId>(*participant);
+    if (!id) return error_response(400, "bad_participant", "participant must be a number");
+    request.participant = *id;
+  }
+  const auto changed = call.session->change_strokes(request, carvers_, call.request.stop);
+  if (!changed) return stroke_failure(changed.error());
+  Json answer = {{"strokes", changed->strokes},
+                 {"sequence", changed->sequence},
+                 {"tiles", changed->tiles},
+                 {"returned_mm3", changed->returned_mm3}};
+  if (changed->pending) answer["pending"] = *changed->pending;
+  return json_response(changed->pending ? 202 : 200, answer.dump());
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of Session that undoes and redoes strokes.
+#include <algorithm>
+#include <utility>
+
+#include "server/history/block_history.h"
+#include "server/rights/rights.h"
+#include "server/session/session.h"
+#include "server/threads/run_and_wait.h"
+
+namespace kerf {
+namespace {
+
+/// Time of the session's thread that one turn of replacing tiles takes, and the pause before it is
+/// tried again to carve tiles when the journal could not be read.
+constexpr std::chrono::microseconds kTurn{1000};
+constexpr std::chrono::seconds kRetry{1};
+
+Rejection no_stroke(const std::string& reason) { return {wire::ErrorCode::kBadMessage, reason}; }
+
+/// The newest stroke of a participant that is not undone, or the one that was undone last; 0: none.
+StrokeId newest_stroke(const StrokeTable& table, const StrokeSet& undone,
+                       const StrokeRequest& request) {
+  if (!request.undone) return table.last_undone(request.participant);
+  const auto all = table.all();
+  const auto found = std::find_if(all.rbegin(), all.rend(), [&](const Stroke& stroke) {
+    return stroke.participant == request.participant && !undone.contains(stroke.id);
+  });
+  return found == all.rend() ? 0 : found->id;
+}
+
+}  // namespace
+
+/// Reads what has been committed; all that was journaled before the call. Call with the lock.
+std::expected<void, std::string> Session::read_history(const std::stop_token& stop) {
+  if (auto flushed = journal_.flush(); !flushed) return std::unexpected(describe(flushed.error()));
+  if (!history_) {
+    history_ = std::make_unique<BlockHistory>(journal_.file(), sculpture_.settings(), start_);
+  }
+  return history_->catch_up(stop);
+}
+
+/// The strokes of a request, which exist and are not so already.
+std::expected<StrokeSet, Rejection> Session::chosen_strokes(const StrokeRequest& request) const {
+  const StrokeTable& table = history_->strokes();
+  const StrokeSet undone = table.at(history_->last()).without;
+  const char* verb = request.undone ? "undone" : "redone";
+  if (request.strokes.empty()) {
+    const StrokeId newest = newest_stroke(table, undone, request);
+    if (newest != 0) return StrokeSet{newest};
+    return std::unexpected(no_stroke("participant " + std::to_string(request.participant) +
+                                     " has no stroke that can be " + verb));
+  }
+  for (const StrokeId id : request.strokes) {
+    if (table.find(id) == nullptr) {
+      return std::unexpected(no_stroke("no stroke begins with record " + std::to_string(id)));
+    }
+    if (undone.contains(id) == request.undone) {
+      return std::unexpected(no_stroke("stroke " + std::to_string(id) +
+                                       (request.undone ? " is" : " is not") + " undone"));
+    }
+  }
+  return StrokeSet(request.strokes.begin(), request.strokes.end());
+}
+
+/// Whether the author may change a stroke of a participant: its own ones, or any as an owner.
+bool Session::may_change(const StrokeRequest& request, ParticipantId participant) {
+  const ParticipantState* author = participants_.find(request.author);
+  const Role role = author != nullptr ? author->participant.role : request.caller.role;
+  if (may(role, Action::kModerate)) return true;
+  if (!may(role, Action::kUndo)) return false;
+  if (request.author != 0) return request.author == participant;
+  return request.caller.is_personal && request.caller.grant == person(participant);
+}
+
+/// Journals the changes, from which on the block is wrong until settle() has replaced its tiles.
+std::expected<std::uint64_t, Rejection> Session::note_changes(const StrokeRequest& request,
+                                                              const std::vector<Stroke>& strokes) {
+  using enum wire::ErrorCode;
+  if (closed_) return std::unexpected(Rejection{kUnknownSession, "the session is closed"});
+  for (const Stroke& stroke : strokes) {
+    if (may_change(request, stroke.participant)) continue;
+    return std::unexpected(Rejection{kNotAllowed, "stroke " + std::to_string(stroke.id) +
+                                                      " is participant " +
+                                                      std::to_string(stroke.participant) +
+                                                      "'s: an owner may change those of others"});
+  }
+  if (auto ok = journal_.check_space_for_programs(); !ok) return std::unexpected(ok.error());
+  for (const Stroke& stroke : strokes) {
+    const StrokeChange change{stroke.id, request.undone};
+    if (auto ok = journal_.append(request.author, change); !ok) {
+      return std::unexpected(ok.error());
+    }
+    unsettled_.insert(stroke.id);
+  }
+  participants_.end_strokes();
+  journal_.note_removal();
+  return sequence();
+}
+
+std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeRequest& request,
+                                                                 Workers& workers,
+                                                                 const std::stop_token& stop) {
+  const std::lock_guard lock(history_mutex_);
+  if (auto read = read_history(stop); !read) {
+    return std::unexpected(Rejection{wire::ErrorCode::kBusy, read.error()});
+  }
+  const auto chosen = chosen_strokes(request);
+  if (!chosen) return std::unexpected(chosen.error());
+  std::vector<Stroke> strokes;
+  for (const StrokeId id : *chosen) strokes.push_back(*history_->strokes().find(id));
+  const auto noted = run_and_wait(*executor_, [&] { return note_changes(request, strokes); });
+  if (!noted) return std::unexpected(noted.error());
+  StrokesChanged changed{{chosen->begin(), chosen->end()}, *noted};
+  if (auto settled = settle(workers, stop, changed); !settled) {
+    changed.pending = settled.error();
+    retry_settling();
+  }
+  return changed;
+}
+
+/// Carves the tiles of the strokes that have changed and replaces them in the block. Call with the
+/// lock.
+std::expected<void, std::string> Session::settle(Workers& workers, const std::stop_token& stop,
+                                                 StrokesChanged& changed) {
+  struct Begun {
+    StrokeSet strokes;
+    std::uint64_t sequence;
+  };
+  const Begun begun = run_and_wait(*executor_, [this] {
+    carving_.begin_collecting();
+    return Begun{unsettled_, sequence()};
+  });
+  const auto tiles = [&]() -> std::expected<std::vector<TileReplacement>, std::string> {
+    if (auto read = read_history(stop); !read) return std::unexpected(read.error());
+    const auto reach = history_->reach(begun.strokes, stop);
+    if (!reach) return std::unexpected(reach.error());
+    return history_->carve(*reach, history_->strokes().at(begun.sequence), workers, stop);
+  }();
+  if (!tiles) {
+    run_and_wait(*executor_, [this] {
+      carving_.end_collecting();
+      return 0;
+    });
+    return std::unexpected(tiles.error());
+  }
+  changed.tiles = tiles->size();
+  for (std::size_t next = 0;;) {
+    const bool done = run_and_wait(*executor_, [&] {
+      const auto end = Clock::now() + kTurn;
+      for (; next < tiles->size() && !closed_; ++next) {
+        if (Clock::now() >= end) return false;
+        changed.returned_mm3 += carving_.replace((*tiles)[next]);
+      }
+      end_settling(begun.strokes);
+      return true;
+    });
+    if (done) return {};
+  }
+}
+
+void Session::end_settling(const StrokeSet& strokes) {
+  carving_.end_collecting();
+  for (const StrokeId id : strokes) unsettled_.erase(id);
+  participants_.hold_tools_in_stock();
+  journal_.note_removal();
+  show_figures();
+  schedule_hash();
+}
+
+/// Tries again to carve the tiles of changed strokes, until it succeeds or the session is closed.
+void Session::retry_settling() {
+  executor_->post_after(kRetry, [weak = weak_from_this()] {
+    const auto self = weak.lock();
+    if (!self || self->closed_ || self->unsettled_.empty()) return;
+    self->workers_.post([self] {
+      const std::lock_guard lock(self->history_mutex_);
+      SerialWorkers alone;
+      StrokesChanged ignored;
+      if (!self->settle(alone, {}, ignored)) self->retry_settling();
+    });
+  });
+}
+
+std::expected<std::vector<ListedStroke>, std::string> Session::strokes(
+    std::uint64_t since, const std::stop_token& stop) {
+  const std::lock_guard lock(history_mutex_);
+  if (auto read = read_history(stop); !read) return std::unexpected(read.error());
+  const StrokeSet undone = history_->strokes().at(history_->last()).without;
+  std::vector<ListedStroke> list;
+  for (const Stroke& stroke : history_->strokes().all()) {
+    if (stroke.last >= since) list.push_back({stroke, undone.contains(stroke.id)});
+  }
+  return list;
+}
+
+}  // namespace kerf

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/history/block_history.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/server/history/recorded_job.h"
+#include "tests/support/thread_workers.h"
+
+namespace kerf {
+namespace {
+
+using test::RecordedJob;
+
+SolidSnapshot start_of(const SculptureSettings& settings) {
+  return Sculpture::create(settings).value().solid();
+}
+
+/// The hash of a block of which all tiles are as the history says.
+std::uint64_t hash_of(const RecordedJob& job, BlockHistory& history, const MotionSet& set,
+                      Workers& workers) {
+  const auto tiles = history.carve(history.tiles(), set, workers);
+  EXPECT_TRUE(tiles.has_value()) << tiles.error();
+  Sculpture block = Sculpture::create(job.settings()).value();
+  block.replace(*tiles);
+  return block.state_hash();
+}
+
+TEST(BlockHistory, CarvesAnySetOfMotionsToTheBit) {
+  unsigned seed = 1;
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    RecordedJob job(test::job_settings(rays, 0.5), seed++);
+    BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+    for (int round = 0; round < 4; ++round) {
+      job.carve(120);
+      if (round == 1) job.redefine();
+      ASSERT_TRUE(history.catch_up());
+      EXPECT_EQ(history.last(), job.records().size());
+      for (int question = 0; question < 4; ++question) {
+        const MotionSet set = job.some();
+        test::ThreadWorkers workers(1 + question % 3);
+        EXPECT_EQ(hash_of(job, history, set, workers), job.block(set).state_hash())
+            << "round " << round << " question " << question;
+      }
+    }
+  }
+}
+
+TEST(BlockHistory, TilesOutsideTheReachOfAStrokeDoNotChangeWithoutIt) {
+  RecordedJob job(test::job_settings(Rays::kTriDexel, 0.5), 3);
+  job.carve(300);
+  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  ASSERT_TRUE(history.catch_up());
+  SerialWorkers alone;
+  std::size_t tiles = 0;
+  for (int n = 0; n < 6; ++n) {
+    const StrokeId stroke = job.strokes()[job.random()() % job.strokes().size()];
+    Sculpture block = job.block({});
+    const auto reach = history.reach({stroke});
+    ASSERT_TRUE(reach);
+    tiles += reach->size();
+    const MotionSet without{.last = history.last(), .without = {stroke}};
+    block.replace(*history.carve(*reach, without, alone));
+    EXPECT_EQ(block.state_hash(), job.block(without).state_hash());
+  }
+  EXPECT_LT(tiles, 6 * history.tiles().size() * 3 / 4);
+}
+
+TEST(BlockHistory, KeptTilesAreUsedAgainAndLimited) {
+  RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 4);
+  job.carve(300);
+  SerialWorkers alone;
+  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  BlockHistory forgetful(job.file(), job.settings(), start_of(job.settings()),
+                         HistoryMemory{.windows = 32, .tile_bytes = 30'000});
+  for (BlockHistory* each : {&history, &forgetful}) {
+    ASSERT_TRUE(each->catch_up());
+    const MotionSet all{.last = each->last()};
+    EXPECT_EQ(hash_of(job, *each, all, alone), job.block(all).state_hash());
+    EXPECT_EQ(hash_of(job, *each, all, alone), job.block(all).state_hash());
+    const MotionSet some = job.some();
+    EXPECT_EQ(hash_of(job, *each, some, alone), job.block(some).state_hash());
+    EXPECT_EQ(hash_of(job, *each, all, alone), job.block(all).state_hash());
+  }
+  EXPECT_GT(history.tile_bytes(), 60'000U);
+  EXPECT_LE(forgetful.tile_bytes(), 30'000U);
+}
+
+TEST(BlockHistory, ReadsMoreRecordsThanItKeepsInMemory) {
+  RecordedJob job(test::job_settings(Rays::kDexel, 2.5), 5);
+  const HistoryMemory little{.windows = 2, .tile_bytes = 1'000};
+  BlockHistory history(job.file(), job.settings(), start_of(job.settings()), little);
+  for (int n = 0; n < 4; ++n) job.carve(8192, 1);
+  ASSERT_TRUE(history.catch_up());
+  SerialWorkers alone;
+  const MotionSet early{.last = 12'000, .without = {job.strokes()[3], job.strokes()[1000]}};
+  EXPECT_EQ(hash_of(job, history, early, alone), job.block(early).state_hash());
+  const MotionSet late{.last = history.last(), .without = {job.strokes()[1], job.strokes().back()}};
+  EXPECT_EQ(hash_of(job, history, late, alone), job.block(late).state_hash());
+}
+
+TEST(BlockHistory, ChangesOfStrokesMakeUpTheSetAfterEachRecord) {
+  RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 6);
+  job.carve(60);
+  const StrokeId a = job.strokes()[2], b = job.strokes()[4];
+  job.change(a, true);
+  const std::uint64_t first = job.records().size();
+  job.carve(20);
+  job.change(b, true);
+  job.change(a, false);
+  const std::uint64_t second = job.records().size();
+  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  ASSERT_TRUE(history.catch_up());
+  const StrokeTable& strokes = history.strokes();
+  EXPECT_TRUE(strokes.at(first - 1).without.empty());
+  EXPECT_EQ(strokes.at(first).without, StrokeSet{a});
+  EXPECT_EQ(strokes.at(second - 1).without, (StrokeSet{a, b}));
+  EXPECT_EQ(strokes.at(second).without, StrokeSet{b});
+  EXPECT_TRUE(strokes.changes_between(first - 1, first));
+  EXPECT_FALSE(strokes.changes_between(first, second - 2));
+  ASSERT_EQ(strokes.all().size(), job.strokes().size());
+  std::uint64_t motions = 0;
+  for (const Stroke& stroke : strokes.all()) motions += stroke.motions;
+  EXPECT_EQ(motions, 80U);
+}
+
+TEST(BlockHistory, StopsWhenItIsAskedTo) {
+  RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 7);
+  job.carve(60);
+  std::stop_source stop;
+  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  ASSERT_TRUE(history.catch_up());
+  stop.request_stop();
+  EXPECT_FALSE(BlockHistory(job.file(), job.settings(), start_of(job.settings()))
+                   .catch_up(stop.get_token()));
+  job.carve(10);
+  ASSERT_TRUE(history.catch_up());
+  SerialWorkers alone;
+  const MotionSet all{.last = history.last()};
+  EXPECT_FALSE(history.carve(history.tiles(), all, alone, stop.get_token()));
+  EXPECT_EQ(hash_of(job, history, all, alone), job.block(all).state_hash());
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "kernel/cut/workers.h"
+#include "server/formats/program.h"
+#include "server/session/journal_check.h"
+#include "server/session/session_export.h"
+#include "tests/server/undo_fixture.h"
+
+namespace kerf {
+namespace {
+
+TEST_F(SessionUndo, LeavesTheBlockInWhichTheStrokeNeverHappened) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const double before_mm3 = session_->info().removed_mm3;
+  const std::uint64_t before = hash();
+  const StrokeId second = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  const double after_mm3 = session_->info().removed_mm3;
+  const std::uint64_t after = hash();
+  const StrokesChanged undone = undo({second});
+  EXPECT_EQ(hash(), before);
+  EXPECT_NEAR(undone.returned_mm3, after_mm3 - before_mm3, 1e-6);
+  EXPECT_NEAR(session_->info().removed_mm3, before_mm3, 1e-6);
+  EXPECT_FALSE(session_->is_between_records());
+  EXPECT_FALSE(session_->frame(false).changed.empty());
+  const StrokesChanged redone = redo({second});
+  EXPECT_EQ(hash(), after);
+  EXPECT_NEAR(redone.returned_mm3, before_mm3 - after_mm3, 1e-6);
+}
+
+TEST_F(SessionUndo, TheNewestStrokeOfAParticipantComesFirst) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  const StrokeId a1 = stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const StrokeId b1 = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  const StrokeId a2 = stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  const auto step = [&](bool undone, ParticipantId who) {
+    return change({.undone = undone, .participant = who, .author = who})->strokes;
+  };
+  EXPECT_EQ(step(true, ada), std::vector{a2});
+  EXPECT_EQ(step(true, ada), std::vector{a1});
+  EXPECT_FALSE(change({.undone = true, .participant = ada, .author = ada}));
+  EXPECT_EQ(step(false, ada), std::vector{a1});
+  EXPECT_EQ(step(false, ada), std::vector{a2});
+  EXPECT_EQ(step(true, bo), std::vector{b1});
+  EXPECT_EQ(hash(), never_happened());
+}
+
+TEST_F(SessionUndo, OthersCarveWhileTilesAreCarvedAgain) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  std::vector<StrokeId> strokes;
+  for (int n = 0; n < 12; ++n) {
+    strokes.push_back(stroke(ada, {-15, n - 6.0, -3}, {15, n - 6.0, -3}, 60));
+  }
+  double angle = 0;
+  int motions = 0;
+  move(bo, {10, 0, 1}, false);
+  for (const StrokeId id : strokes) {
+    const auto done = change({.undone = true, .strokes = {id}}, [&] {
+      if (motions > 400) return;  // the limit of samples per second
+      angle += 0.05;
+      ++motions;
+      const auto answer = move(bo, {10 * std::cos(angle), 10 * std::sin(angle), -2});
+      for (const Rejection& rejection : answer.rejections) {
+        ASSERT_EQ(rejection.code, wire::ErrorCode::kInStock);
+        move(bo, {10 * std::cos(angle), 10 * std::sin(angle), 1}, false);
+      }
+    });
+    ASSERT_TRUE(done);
+    ASSERT_EQ(hash(), never_happened());
+  }
+  EXPECT_GT(motions, 20);
+}
+
+TEST_F(SessionUndo, AnUndoneStrokeIsNotContinued) {
+  create();
+  const ParticipantId ada = join("Ada");
+  move(ada, {-10, 0, 1}, false);
+  move(ada, {-10, 0, -1});
+  const StrokeId first = session_->sequence();
+  for (int n = 0; n < 10; ++n) move(ada, {-10.0 + n, 0, -1});
+  undo({first});
+  EXPECT_EQ(hash(), never_happened());
+  // Ada's tool is in the stock that has come back: it cuts nothing until it is clear.
+  const auto held = move(ada, {1, 0, -1});
+  ASSERT_EQ(held.rejections.size(), 1U);
+  EXPECT_EQ(held.rejections.front().code, wire::ErrorCode::kInStock);
+  EXPECT_EQ(held.result.removed_mm3, 0);
+  // Lifting the tool cuts nothing either.
+  const std::uint64_t records = session_->sequence();
+  EXPECT_TRUE(move(ada, {1, 0, 2}).rejections.empty());
+  EXPECT_EQ(session_->sequence(), records);
+  const auto again = move(ada, {1, 0, -1});
+  EXPECT_TRUE(again.rejections.empty());
+  EXPECT_GT(again.result.removed_mm3, 0);
+  EXPECT_EQ(hash(), never_happened());
+  EXPECT_NE(hash(), Sculpture::create(session_->scene().settings)->state_hash());
+}
+
+TEST_F(SessionUndo, ARestartGivesTheSameBlock) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  const StrokeId a = stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const StrokeId b = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  undo({a});
+  executor_->run(true);  // the hash after it
+  workers_.run();
+  executor_->run();
+  stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  undo({b});
+  const std::uint64_t expected = hash();
+  reload();
+  EXPECT_EQ(hash(), expected);
+  redo({a});
+  EXPECT_EQ(hash(), never_happened());
+  EXPECT_TRUE(session_->flush());
+  const auto verified = verify_journal(session_->journal_file());
+  ASSERT_TRUE(verified) << describe(verified.error());
+  EXPECT_EQ(verified->difference, "");
+  EXPECT_EQ(verified->hash, hash());
+  EXPECT_GT(verified->hashes_compared, 0U);
+}
+
+TEST_F(SessionUndo, ExportsLeaveUndoneStrokesOut) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const StrokeId b = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  undo({b});
+  ASSERT_TRUE(session_->flush());
+  std::ostringstream text, forces;
+  ASSERT_TRUE(export_program(session_->journal_file(), {ProgramFormat::kGcode}, text));
+  const auto program = parse_program("export.ngc", text.str(), session_->scene());
+  ASSERT_TRUE(program);
+  Sculpture block = Sculpture::create(session_->scene().settings).value();
+  for (const auto& [id, tool] : session_->scene().tools) {
+    block.apply(DefineTool{id, tool.tool}).value();
+  }
+  for (const ProgramMotion& motion : program->motions) {
+    block.apply(MoveTool{motion.tool, motion.from, motion.to, motion.duration_s, false}).value();
+  }
+  EXPECT_EQ(block.state_hash(), hash());
+  ASSERT_TRUE(export_forces(session_->journal_file(), {}, forces));
+  EXPECT_EQ(std::ranges::count(forces.str(), '\n'), 1 + 40);
+}
+
+TEST_F(SessionUndo, RequestsThatMakeNoSenseOrAreNotAllowedChangeNothing) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  const StrokeId a = stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const StrokeId b = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  const std::uint64_t before = hash(), records = session_->sequence();
+  using enum wire::ErrorCode;
+  const auto code = [&](StrokeRequest request) {
+    const auto done = change(std::move(request));
+    return done ? std::nullopt : std::optional(done.error().code);
+  };
+  EXPECT_EQ(code({.undone = true, .strokes = {a + 1}}), kBadMessage);
+  EXPECT_EQ(code({.undone = true, .strokes = {a, 9999}}), kBadMessage);
+  EXPECT_EQ(code({.undone = false, .strokes = {a}}), kBadMessage);
+  EXPECT_EQ(code({.undone = true, .participant = 77}), kBadMessage);
+  session_->set_role_of("", Role::kSculptor);
+  StrokeRequest others{.undone = true, .strokes = {b}, .author = ada};
+  // All who join a server without rights are its administrators, and may.
+  EXPECT_EQ(code(others), std::nullopt);
+  EXPECT_EQ(code({.undone = false, .strokes = {b}}), std::nullopt);
+  EXPECT_EQ(hash(), before);
+  EXPECT_EQ(session_->sequence(), records + 2);
+  Caller watcher;
+  watcher.role = Role::kWatcher;
+  std::expected<StrokesChanged, Rejection> refused;
+  auto asked = std::async(std::launch::async, [&] {
+    SerialWorkers alone;
+    return session_->change_strokes({.strokes = {a}, .caller = watcher}, alone);
+  });
+  while (asked.wait_for(std::chrono::milliseconds(1)) != std::future_status::ready) {
+    executor_->run();
+  }
+  refused = asked.get();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, kNotAllowed);
+  EXPECT_EQ(session_->sequence(), records + 2);
+}
+
+TEST_F(SessionUndo, WhatCouldNotBeCarvedIsCarvedLater) {
+  create();
+  const ParticipantId ada = join("Ada");
+  const std::uint64_t untouched = hash();
+  const StrokeId a = stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  // The client goes once the change has been journaled.
+  std::stop_source gone;
+  const std::uint64_t records = session_->sequence();
+  const auto changed = change(
+      {.undone = true, .strokes = {a}},
+      [&] {
+        if (session_->sequence() > records) gone.request_stop();
+      },
+      gone.get_token());
+  ASSERT_TRUE(changed);
+  if (changed->pending) {
+    EXPECT_TRUE(session_->is_between_records());
+    EXPECT_NE(hash(), untouched);
+    std::atomic<bool> done = false;
+    executor_->run(true);
+    std::thread worker([&] {
+      workers_.run();
+      done = true;
+    });
+    while (!done) executor_->run();
+    worker.join();
+    executor_->run();
+  }
+  EXPECT_FALSE(session_->is_between_records());
+  EXPECT_EQ(hash(), untouched);
+}
+
+TEST_F(SessionUndo, ReplicasBeginAgainWhereStockHasComeBack) {
+  create();
+  const ParticipantId ada = join("Ada", true), bo = join("Bo", true);
+  const StrokeId a = stroke(ada, {-5, 0, -2}, {5, 0, -2});
+  move(bo, {-15, -15, 2}, false);
+  move(ada, {5, 0, 5}, false);
+  move(ada, {5, 0, 1}, false);
+  for (const ParticipantId id : {ada, bo}) {
+    while (const auto patch = session_->stock_update(id)) {
+      ASSERT_TRUE(session_->ack_stock(id, patch->sequence));
+    }
+  }
+  undo({a});
+  const auto update = session_->stock_update(ada);
+  ASSERT_TRUE(update);
+  EXPECT_TRUE(update->reset);
+}
+
+TEST_F(SessionUndo, RandomHistoriesEqualTheSurvivingSetToTheBit) {
+  std::mt19937 random(11);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
+  };
+  std::string scene = kScene;
+  scene.replace(scene.find("\"dexel\""), 7, "\"tri-dexel\"");
+  create(scene);
+  std::vector<ParticipantId> hands = {join("Ada"), join("Bo"), join("Cy")};
+  std::vector<StrokeId> done, undone;
+  const auto shift = [&](std::vector<StrokeId>& from, std::vector<StrokeId>& to) {
+    std::vector<StrokeId> some;
+    for (std::size_t n = 1 + random() % 3; n > 0 && !from.empty(); --n) {
+      const auto at = from.begin() + static_cast<std::ptrdiff_t>(random() % from.size());
+      some.push_back(*at);
+      to.push_back(*at);
+      from.erase(at);
+    }
+    return some;
+  };
+  for (int round = 0; round < 60; ++round) {
+    const auto kind = random() % 8;
+    if (kind < 4 || (done.empty() && undone.empty())) {
+      const Vec3 from{uniform(-18, 18), uniform(-18, 18), uniform(-6, 0)};
+      const Vec3 to = from + Vec3{uniform(-10, 10), uniform(-10, 10), uniform(-2, 2)};
+      const ParticipantId hand = hands[random() % hands.size()];
+      done.push_back(stroke(hand, from, to, 3 + static_cast<int>(random() % 20)));
+    } else if (kind < 6 && !done.empty()) {
+      undo(shift(done, undone));
+    } else if (kind < 7 && !undone.empty()) {
+      redo(shift(undone, done));
+    } else {
+      reload();
+      sequences_.clear();
+      hands = {join("Ada"), join("Bo"), join("Cy")};
+    }
+    ASSERT_EQ(hash(), never_happened()) << "round " << round;
+  }
+}
+
+}  // namespace
+}  // namespace kerf
