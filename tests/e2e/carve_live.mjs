@@ -123,19 +123,36 @@ function startAgent(base, folder, name, tool, color) {
   ]);
 }
 
+/** Presses the button of the sound, and waits until the audio context follows. */
+async function switchSound(viewer, on) {
+  const button = viewer.page.getByRole('button', { name: 'Sound' });
+  assert.equal(await button.getAttribute('aria-pressed'), String(!on));
+  await button.click();
+  assert.equal(await button.getAttribute('aria-pressed'), String(on));
+  await until('sound on or off', SETTLE_S, async () => {
+    const { sound } = await viewer.state();
+    return sound?.context === (on ? 'running' : 'suspended') && sound;
+  });
+}
+
 /** Runs both agents; takes a screenshot meanwhile and returns its brightness variation. */
 async function carve(base, folder, viewers) {
+  assert.equal((await viewers[0].state()).sound, null, 'a page sounds that nobody asked to');
+  await switchSound(viewers[0], true);
+  assert.equal((await viewers[0].state()).sound.noise, 0);
   const agents = [
     startAgent(base, folder, 'Ada', 1, '#c2410c'),
     startAgent(base, folder, 'Linus', 2, '#0f766e'),
   ];
-  const seen = await until('two tools and a force in a browser', SETTLE_S, async () => {
-    const { participants } = await viewers[0].state();
+  const seen = await until('two tools, a force and its sound', SETTLE_S, async () => {
+    const { participants, sound } = await viewers[0].state();
     const carvers = participants.filter(({ kind }) => kind === 'agent');
     return (
       carvers.length === 2 &&
       carvers.every(({ forceSamples }) => forceSamples > 0) &&
       carvers.some(({ peakForceN }) => peakForceN > 0) &&
+      sound.tone > 0 &&
+      sound.loudest > 0 &&
       carvers
     );
   });
@@ -143,6 +160,7 @@ async function carve(base, folder, viewers) {
     'Ada #c2410c',
     'Linus #0f766e',
   ]);
+  await switchSound(viewers[0], false);
   const variance = await photograph(viewers[0], join(options.out, 'carving.png'));
   for (const agent of agents)
     assert.equal(await agent.ended, 0, `${agent.name}: ${agent.errors}${agent.lines.join('\n')}`);

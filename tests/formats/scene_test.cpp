@@ -7,7 +7,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
+#include <vector>
 
 #include "tests/formats/scene_fixture.h"
 
@@ -119,6 +121,28 @@ TEST(Scene, MaterialSetsTheCoefficientsThatAreNotGiven) {
   ASSERT_TRUE(again) << to_string(again.error());
   EXPECT_EQ(force_json(*again), force_json(*scene));
   EXPECT_THAT(force_json(*scene), HasSubstr("\"radial_edge_n_per_mm\":26.6"));
+}
+
+TEST(Scene, ForcesOfTheReadmeAreRead) {
+  std::ifstream file(KERF_SOURCE_DIR "/server/formats/README.md");
+  std::string readme(std::istreambuf_iterator<char>(file), {});
+  const std::string given =
+      R"("force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.5, "drr_n_s_per_mm3": 0.01, "pivot_mm": 60})";
+  const std::string begin = "```json\n\"force\": ", end = "\n```";
+  std::vector<MillingSettings> read;
+  for (auto at = readme.find(begin); at != readme.npos; at = readme.find(begin, at + 1)) {
+    const auto from = at + begin.size() - std::string("\"force\": ").size();
+    const auto scene =
+        parse_scene(with(given, readme.substr(from, readme.find(end, at) - from)), {});
+    ASSERT_TRUE(scene) << to_string(scene.error());
+    EXPECT_EQ(scene->settings.force.law, ForceLaw::kMechanistic);
+    read.push_back(scene->settings.force.milling);
+  }
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0].cut_n_per_mm2.tangential, 33);  // beech
+  EXPECT_EQ(read[1].cut_n_per_mm2.tangential, 958.9);
+  EXPECT_EQ(read[1].edge_n_per_mm.axial, 18.21);
+  EXPECT_EQ(read[1].scale, 0.05);
 }
 
 struct BadScene {

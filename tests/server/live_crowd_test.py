@@ -69,7 +69,7 @@ class Crowd(LiveTest):
             state = viewer.settled()
             while state["motions"] != motions:
                 state = viewer.settled()
-            self.assertEqual(viewer.motions, motions)
+            self.assertEqual(viewer.tiles[(0, 0)], viewers[0].tiles[(0, 0)])
             while not viewer.tools or viewer.tools[0][2:5] != (1.0, 2.0, 3.0):
                 viewer.take()
 

@@ -30,6 +30,7 @@ export function installHook(page: SessionPage): void {
       forceSamples: forces.count,
     })),
     followed: page.followed,
+    sound: page.sound.state,
   });
   Object.defineProperty(window, 'kerf', { value: Object.freeze({ state }), writable: false });
 }

@@ -15,6 +15,7 @@ const KEYS: readonly [string, string][] = [
   ['Esc', 'Stop following'],
   ['A', 'Force and torque arrows on or off'],
   ['G', 'Grid on or off'],
+  ['S', 'Sound on or off'],
   ['?', 'Show this help'],
 ];
 

@@ -41,5 +41,8 @@ export const ICONS = {
   follow: icon(
     '<circle cx="12" cy="12" r="6.5"/><circle cx="12" cy="12" r="1.5" fill="currentColor"/><path d="M12 2.5v3M12 18.5v3M2.5 12h3M18.5 12h3"/>',
   ),
+  sound: icon(
+    '<path d="M4 9.500v5h3.500L12 18.500v-13L7.500 9.500zM15.500 9a4.200 4.200 0 0 1 0 6M18 6.500a7.800 7.800 0 0 1 0 11"/>',
+  ),
   back: icon('<path d="M15 5l-7 7 7 7"/>'),
 };

@@ -13,6 +13,7 @@ export interface KeyActions {
   followNone: () => void;
   toggleArrows: () => void;
   toggleGrid: () => void;
+  toggleSound: () => void;
   help: () => void;
 }
 
@@ -72,6 +73,9 @@ function actionOf(event: KeyboardEvent, actions: KeyActions): (() => void) | nul
     case 'g':
     case 'G':
       return actions.toggleGrid;
+    case 's':
+    case 'S':
+      return actions.toggleSound;
     case '?':
       return actions.help;
     default:

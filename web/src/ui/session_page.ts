@@ -7,6 +7,8 @@ import { ViewLink } from '../link/view_link';
 import type { Socket } from '../link/view_link';
 import { LookPolicy } from '../model/look_policy';
 import { SessionModel } from '../model/session';
+import { nearestCut, soundOf } from '../model/sound';
+import type { SoundLevels } from '../model/sound';
 import { Viewer } from '../view/viewer';
 import type { Insets } from '../view/camera_rig';
 import { FORCE_COLOR, TORQUE_COLOR } from '../view/wrench_view';
@@ -19,6 +21,7 @@ import { ICONS } from './icons';
 import { listenToKeys } from './keyboard';
 import { failurePage, Notice } from './notice';
 import { Panel } from './panel';
+import { SoundToggle } from './sound';
 
 const SESSION_CLOSED = 'The server closed the session';
 const PANEL_EVERY_MS = 100;
@@ -37,6 +40,7 @@ export class SessionPage {
   private readonly badge_ = new Badge();
   private readonly scale_ = h('div', { class: 'arrow-scale', 'aria-hidden': 'true' });
   private readonly help_ = helpDialog();
+  readonly sound = new SoundToggle(() => this.soundLevels_());
   private readonly role_ = h('span', { class: 'role', hidden: '' });
   private readonly invite_ = iconButton(ICONS.invite, 'Invite people', '', () =>
     this.inviteDialog_.showModal(),
@@ -198,6 +202,7 @@ export class SessionPage {
       iconButton(ICONS.top, 'Top', '7', () => view.rig.preset('top', now())),
       iconButton(ICONS.follow, 'Follow the next tool', 'N', () => this.followNext_()),
       iconButton(ICONS.arrows, 'Force and torque arrows', 'A', () => this.toggleArrows_()),
+      this.sound.button,
       iconButton(ICONS.help, 'Keyboard and pointer', '?', () => this.help_.showModal()),
     );
   }
@@ -217,6 +222,7 @@ export class SessionPage {
         stage.gridVisible = !stage.gridVisible;
         this.viewer_.touch();
       },
+      toggleSound: () => this.sound.toggle(),
       help: () => this.help_.showModal(),
     });
     window.addEventListener('resize', () => this.resize_());
@@ -279,6 +285,15 @@ export class SessionPage {
     this.role_.hidden = role === undefined;
     setText(this.role_, role ?? '');
     this.invite_.hidden = welcome?.may?.includes('invite') !== true;
+  }
+
+  /** The sound of the followed tool, or of the one nearest to the camera. */
+  private soundLevels_(): SoundLevels {
+    const { participants, welcome } = this.model;
+    const followed = this.followed === null ? undefined : participants.get(this.followed);
+    const carvers = followed ? [followed] : participants.carvers();
+    const eye = this.viewer_.look().look.eye_mm;
+    return soundOf(nearestCut(carvers, eye, welcome?.force, performance.now()));
   }
 
   private updateScale_(): void {

@@ -85,6 +85,15 @@ function mayOf(from: Json): { may?: string[] } {
   return { may: list(from['may'], 'may').filter((name) => typeof name === 'string') };
 }
 
+/** Spindle and teeth of the scene's force law, if it has them. */
+function forceOf(from: Json): { force?: { spindle_rpm?: number; teeth?: number } } {
+  if (from['force'] === undefined) return {};
+  const force = object(from['force'], 'force');
+  const of = (name: 'spindle_rpm' | 'teeth') =>
+    force[name] === undefined ? {} : { [name]: number(force, name) };
+  return { force: { ...of('spindle_rpm'), ...of('teeth') } };
+}
+
 /** The number of viewers, which servers of earlier versions do not send. */
 function viewersOf(from: Json): { viewers?: number } {
   return from['viewers'] === undefined ? {} : { viewers: number(from, 'viewers') };
@@ -138,6 +147,7 @@ function welcomeOf(from: Json): Welcome {
     ...viewersOf(from),
     ...roleOf(from),
     ...mayOf(from),
+    ...forceOf(from),
     grid: {
       origin_mm: numbers(grid, 'origin_mm', 3) as Vec3,
       columns: numbers(grid, 'columns', 2) as [number, number],

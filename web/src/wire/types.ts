@@ -241,6 +241,8 @@ export interface Welcome {
   color: string;
   pitch_mm: number;
   pivot_mm: number;
+  /** Of the scene's force law, the fields that a viewer uses; only the law `mechanistic` has them. */
+  force?: { spindle_rpm?: number; teeth?: number };
   stock: Stock;
   tools: ToolInfo[];
   participants: ParticipantInfo[];
