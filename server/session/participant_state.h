@@ -30,6 +30,8 @@ struct ParticipantState {
   bool has_resumed = false;
   DurableMark durable;
   bool in_stroke = false;  ///< the next motion continues its stroke
+  /// Stock has come back to a tile that its tool reaches (Participants::note_returned).
+  bool stock_came_back = false;
   /// Stock has come back around its tool: it cuts nothing until the tool is clear of the stock.
   bool is_in_stock = false;
   std::optional<TokenHash> token;  ///< set if it may resume
