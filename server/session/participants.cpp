@@ -147,6 +147,7 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& asked
     state->last_sequence = known.last_sequence;
     state->durable = known.durable;
     state->in_stroke = known.in_stroke;
+    state->is_in_stock = known.is_in_stock;
     state->has_resumed = admission.resumed = true;
     admission.token = request.token;
     admission.agent_sequence = known.last_sequence;
@@ -174,6 +175,7 @@ void Participants::keep_resumable(ParticipantState& state) {
   ResumableAgent agent{*state.token,        state.participant.name, state.participant.color,
                        state.last_sequence, state.durable,          state.in_stroke};
   agent.is_muted = state.participant.is_muted;
+  agent.is_in_stock = state.is_in_stock;
   resumable_.keep(state.participant.id, std::move(agent),
                   [&](ParticipantId id) { return states_.contains(id); });
 }
@@ -301,7 +303,7 @@ void Participants::hold_tools_in_stock() {
     if (!std::exchange(state->stock_came_back, false)) continue;
     const bool is_agent = state->participant.kind == ParticipantKind::kAgent;
     if (!is_agent || !state->track.pose()) continue;
-    if (sculpture_.depth_in_stock(state->track.tool(), *state->track.pose()) > 0) {
+    if (sculpture_.is_in_stock(state->track.tool(), *state->track.pose())) {
       state->is_in_stock = true;
     }
   }
