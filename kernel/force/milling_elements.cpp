@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <span>
 
 #include "kernel/force/milling_contact.h"
@@ -27,6 +28,10 @@ constexpr double kPartsMost = 16384;
 constexpr double kPartsMostNear = 1024;
 /// Fewest elements that are summed, about, if there are as many.
 constexpr double kElementsLeast = 128;
+/// As many in walls along the rays, or all of less than twice as many. They are the columns of a
+/// thin arc, and few grazed ones hold much of the edges' force: sums of few of them would differ
+/// from tick to tick.
+constexpr double kWallElementsLeast = 1024;
 /// Least sine of the angle between the surface and the displacement. Where the edge of an
 /// engagement grazes the surface, one column would count as an unbounded area.
 constexpr double kGrazingSine = 0.02;
@@ -87,7 +92,7 @@ struct ElementSums {
   Vec3 first, pitch_x, pitch_y, quantum;  ///< of column (0, 0) at depth 0, and steps of the grid
   Vec3 linear, angular;                   ///< of the twist
   bool common;                            ///< all elements have one path
-  double pivot_mm, quantum_mm, part_mm, turns_per_mm;
+  double pivot_mm, pitch_mm, quantum_mm, part_mm, turns_per_mm;
   double near_mm;  ///< paths up to it are short
   int parts_min;   ///< least number of parts of an element
 
@@ -126,6 +131,7 @@ ElementSums::ElementSums(const DexelGrid& grid, const MillingPass& p)
       common(length(p.twist.angular) * p.frame.reach_mm <=
              kCommonDirectionShare * length(p.twist.linear)),
       pivot_mm(p.frame.pivot_mm),
+      pitch_mm(grid.pitch_mm),
       quantum_mm(grid.z_quantum_mm),
       part_mm(kPartShare * p.frame.radius_mm),
       turns_per_mm(tangent(p.settings.helix_deg) / p.frame.radius_mm / (2 * kMillingPi)),
@@ -285,16 +291,26 @@ void add_sampled(std::span<const RemovedGroup> groups, const ElementSums& elemen
   }
 }
 
-/// Returns a lattice of about as many parts as may be summed, and of at least kElementsLeast
-/// elements. `every` is odd, because rows and tiles are powers of 2. The slope is near every
-/// divided by the square of the golden ratio.
-Lattice lattice_of(const Removal& removal, const ElementSums& elements, double length_mm) {
-  const auto count = double(removal.elements());
+/// Returns of how many elements one is summed: an odd number, because rows and tiles are powers
+/// of 2.
+std::int64_t every_of(double count, const ElementSums& elements, double length_mm) {
   const double parts = count * elements.parts_min + length_mm / elements.part_mm;
   const double most = elements.parts_min > 1 ? kPartsMost : kPartsMostNear;
   const double wanted = std::min(parts / most, count / kElementsLeast);
   const std::int64_t every = 2 * static_cast<std::int64_t>(wanted / 2 + 0.5) + 1;
-  return {every, static_cast<std::int64_t>(0.381966 * double(every) + 0.5)};
+  // Elements of a short path are longer than a pitch in walls along the rays.
+  if (elements.parts_min > 1 || length_mm <= count * elements.pitch_mm) return every;
+  return std::min(every, 2 * static_cast<std::int64_t>(count / kWallElementsLeast / 2) + 1);
+}
+
+/// Returns the lattice of the columns that are summed. The slope is near every divided by the
+/// square of the golden ratio, and prime to every: else the lattice skips columns of all rows, and
+/// the force varies along rows more than across them.
+Lattice lattice_of(const Removal& removal, const ElementSums& elements, double length_mm) {
+  const std::int64_t every = every_of(double(removal.elements()), elements, length_mm);
+  auto slope = static_cast<std::int64_t>(0.381966 * double(every) + 0.5);
+  while (std::gcd(slope, every) > 1) ++slope;
+  return {every, slope};
 }
 
 double summed(const Lanes& lanes) {

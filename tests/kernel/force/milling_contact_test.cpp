@@ -65,17 +65,17 @@ TEST(MillingContact, LightCutMeetsTheWallAndNotTheFloor) {
   }
 }
 
-/// Returns the evaluations of the tool's surface for `groups` full groups of columns of 2 mm, cut
-/// by a flat mill of 6 mm that moved by `path_mm` along +X.
-std::int64_t evaluations_of(int groups, double path_mm) {
+/// Returns the evaluations of the tool's surface for `groups` full groups of columns of a length in
+/// µm, cut by a flat mill of 6 mm that moved by `path_mm` along +X.
+std::int64_t evaluations_of(int groups, double path_mm, int length_um = 2000) {
   const DexelGrid grid{{0, 0, -2}, 0.1, 0.001, 8, groups, 2000};
   Removal removal;
   RemovedPart& part = removal.start(1).front();
   for (int j = 0; j < groups; ++j) {
     RemovedGroup g{0, j, {}, {}};
-    for (int& top : g.top) top = 2000;
+    for (int& top : g.top) top = length_um;
     part.groups.push_back(g);
-    part.quanta += 8 * 2000;
+    part.quanta += 8 * length_um;
   }
   part.tiles = {{{0, 0}, part.groups.size()}};
   MillingSettings milling = edges();
@@ -99,10 +99,13 @@ std::int64_t evaluations_of(int groups, double path_mm) {
 
 TEST(MillingContact, CostsFewEvaluationsPerColumn) {
   constexpr int kGroups = 40, kColumns = 8 * kGroups, kParts = 4;
-  // A tick finds the surface at once, and sums about 1024 parts at most.
+  // A tick finds the surface at once, and sums about 1024 parts at most; in walls along the rays,
+  // whose elements are longer than a pitch, below 2048 elements.
   EXPECT_LE(evaluations_of(kGroups / 4, 0.03), kColumns * kParts / 4);
   EXPECT_LE(evaluations_of(kGroups, 0.03), 1536);
-  EXPECT_LE(evaluations_of(1000, 0.03), 1536);
+  EXPECT_LE(evaluations_of(1000, 0.03, 90), 1536);
+  for (const int groups : {100, 200, 255, 257, 1000})
+    EXPECT_LE(evaluations_of(groups, 0.03), 2048 * kParts) << groups;
   EXPECT_LE(evaluations_of(kGroups, 0.12), kColumns * (kParts + 3) * 8);
   EXPECT_LE(evaluations_of(kGroups, 10), kColumns * (kParts + 3) * 8);
 }
