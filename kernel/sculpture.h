@@ -101,14 +101,15 @@ class Sculpture {
 
   /// Replaces tiles of existing fields, within their grids, and cuts them with the motions `since`:
   /// what undoing a motion needs, which brings stock back. This is not a motion;
-  /// removed_volume_mm3() falls by what came back, and the counters of motions stay. Force that is
-  /// pending is dropped, and no motion continues another: stock that has come back around a tool is
-  /// imprint to its next motion, not a cut that is felt.
+  /// removed_volume_mm3() falls by what came back, and the counters of motions stay. Of tools that
+  /// reach a tile that changes, force that is pending is dropped, and the next motion continues no
+  /// other: stock that has come back around a tool is imprint to it, not a cut that is felt.
   ReplacedTiles replace(std::span<const TileReplacement> tiles,
                         std::span<const MotionSince> since = {});
-  /// Returns how deep the cutting part of a tool at a pose is in the stock, mm; 0: it is clear, or
-  /// the tool is unknown.
-  double depth_in_stock(ToolId tool, const ToolPose& pose) const;
+  /// Returns whether the cutting part of a tool at rest at a pose would remove anything; false for
+  /// an unknown tool, and at the end of a motion of the same tool, to the bit. Costs what such a
+  /// cut costs.
+  bool is_in_stock(ToolId tool, const ToolPose& pose) const;
 
   /// Returns an immutable view of one field, which must exist. Copies no column; resolves pending
   /// normals first.
@@ -154,6 +155,7 @@ class Sculpture {
   /// Returns its length in quanta.
   std::int64_t take_imprint(const DexelField& field, const Tool& tool, const ToolPose& start,
                             Workers& workers);
+  void forget_users(const FieldTile& at);
   /// Cuts tiles of one field.
   void cut_again(std::size_t field, std::span<const TileIndex> tiles, const MotionSince& motion);
   /// Cuts at most so many tiles of the current part of a motion; returns how many.

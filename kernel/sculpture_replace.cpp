@@ -8,14 +8,15 @@
 #include "kernel/cut/removal.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/stock_column.h"
+#include "kernel/dexel/tile_region.h"
 #include "kernel/force/collision.h"
 #include "kernel/force/engagement.h"
-#include "kernel/force/stock_contact.h"
 #include "kernel/sculpture.h"
 #include "kernel/sculpture_check.h"
 #include "kernel/sculpture_motion.h"
 #include "kernel/sweep/swept_surface.h"
 #include "kernel/sweep/swept_tool.h"
+#include "kernel/tool/tool_bounds.h"
 
 namespace kerf {
 namespace {
@@ -113,20 +114,42 @@ ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles,
   const auto repeated = std::ranges::unique(result.changed_tiles);
   result.changed_tiles.erase(repeated.begin(), repeated.end());
   removed_mm3_ -= result.returned_mm3;
-  engagements_->clear();
-  last_pose_.clear();
+  for (const FieldTile& tile : result.tiles) forget_users(tile);
   return result;
 }
 
-double Sculpture::depth_in_stock(ToolId id, const ToolPose& given) const {
+bool Sculpture::is_in_stock(ToolId id, const ToolPose& given) const {
   const Tool* used = tool(id);
-  if (used == nullptr || !check_pose("the", given)) return 0;
-  std::vector<ContactPlane> planes;
-  stock_planes(used->pieces, {given.tip_mm, normalized(given.axis)}, fields_, settings_.force,
-               settings_.tolerance_mm, planes);
-  double deepest_mm = 0;
-  for (const ContactPlane& plane : planes) deepest_mm = std::max(deepest_mm, plane.depth_mm);
-  return deepest_mm;
+  if (used == nullptr || !check_pose("the", given)) return false;
+  const ToolPose pose{given.tip_mm, normalized(given.axis)};
+  const ToolMotion rest = make_motion(pose, pose, used->length_mm);
+  Removal removal;
+  SerialWorkers alone;
+  bool cuts = false;
+  for (const DexelField& field : fields_) {
+    DexelField copy = field;
+    (void)copy.snapshot();  // From now on the copy shares the tiles.
+    sweep_tool(*used, in_frame(field.grid().axis, rest), sweep_settings(field),
+               [&](const SubMotion& standing) {
+                 cut(copy, standing.swept, removal, alone);
+                 cuts = cuts || removal.quanta() > 0;
+               });
+    if (cuts) return true;
+  }
+  return false;
+}
+
+/// Forgets where the tools are that reach a tile.
+void Sculpture::forget_users(const FieldTile& at) {
+  const DexelGrid& grid = fields_[place_of(at.axis)].grid();
+  const auto reaches = [&](ToolId id, const ToolPose& pose) {
+    const Tool* used = tool(id);
+    if (used == nullptr) return true;
+    const Bounds box = tool_bounds(*used, pose);
+    return tiles_through(grid, box.lo_mm, box.hi_mm).has(at.tile);
+  };
+  engagements_->forget_if(reaches);
+  std::erase_if(last_pose_, [&](const auto& last) { return reaches(last.first, last.second); });
 }
 
 }  // namespace kerf

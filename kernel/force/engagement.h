@@ -75,8 +75,11 @@ class Engagements {
   Followed follow(std::uint32_t tool, const ToolPose& from, const ToolPose& to, bool felt);
   /// Drops the engagements of a tool, because it was redefined.
   void forget(std::uint32_t tool);
-  /// Drops all engagements, because stock has come back.
-  void clear() { users_.clear(); }
+  /// Drops the engagements of the users for which drops(tool, pose) is true.
+  template <class Drops>
+  void forget_if(Drops&& drops) {
+    std::erase_if(users_, [&](const User& user) { return drops(user.tool, user.at); });
+  }
   /// Returns the users; the most recently moved is last.
   std::vector<ToolUser> users() const;
   /// Replaces all users by these, at most kUsersMax, with nothing pending.

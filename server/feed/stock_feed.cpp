@@ -42,8 +42,8 @@ void StockFeed::note_cut(std::span<const FieldTile> tiles) {
 }
 
 void StockFeed::note_returned(std::span<const FieldTile> tiles) {
-  const auto has = [this](const FieldTile& tile) { return known_.contains(tile); };
-  if (std::ranges::any_of(tiles, has)) reset();
+  // A replica also cuts where it has no tile yet: what it cut there must not outlast an undo.
+  if (!tiles.empty()) reset();
 }
 
 void StockFeed::reset() {

@@ -53,7 +53,7 @@ class StockFeed {
 
   /// Marks tiles that another participant cut.
   void note_cut(std::span<const FieldTile> tiles);
-  /// Stock has come back to these tiles: if the agent has one of them, its replica is invalid.
+  /// Stock has come back to these tiles: the replica is invalid.
   void note_returned(std::span<const FieldTile> tiles);
   /// The agent's replica is invalid: the next patch starts a new one.
   void reset();

@@ -103,8 +103,7 @@ Api::Api(const HttpOptions& options, SessionRegistry& registry, const Metrics& m
       access_(access),
       downloads_(options.data_folder / "downloads"),
       uploads_(options.upload_bytes),
-      programs_(options.program_bytes),
-      carvers_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
+      programs_(options.program_bytes) {}
 
 ApiResponse Api::handle(const ApiRequest& request) {
   RouteMatch match = match_route(request.method, request.path);

@@ -139,6 +139,7 @@ class Api {
   AccessResult<void> mute(Session& session, ParticipantId id, const std::string& person,
                           bool muted);
   ApiResponse change_strokes(const ApiCall& call, bool undone);
+  ThreadPool& carvers();
   /// The uploaded files that a scene names.
   std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;
   std::filesystem::path upload_folder() const { return options_.data_folder / "uploads"; }
@@ -149,8 +150,9 @@ class Api {
   Access& access_;
   DownloadCache downloads_;
   MemoryBudget uploads_, programs_;
-  ThreadPool carvers_;              ///< carve tiles again for undo and redo
-  mutable std::mutex drain_mutex_;  ///< guards drain_to_
+  std::once_flag carvers_made_;
+  std::unique_ptr<ThreadPool> carvers_;  ///< carve tiles for undo, redo and the past
+  mutable std::mutex drain_mutex_;       ///< guards drain_to_
   std::string drain_to_;
 };
 

@@ -96,7 +96,7 @@ ApiResponse Api::download(const ApiCall& call) {
   }
   HashedSolid now;
   if (download->at) {
-    const auto then = session.solid_at(*download->at, carvers_, request.stop);
+    const auto then = session.solid_at(*download->at, carvers(), request.stop);
     if (!then) return error_response(503, "busy", then.error());
     if (!*then) {
       return error_response(404, "no_record",

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The routes that list, undo and redo strokes.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ranges>
+#include <thread>
 
 #include "server/http/access_errors.h"
 #include "server/http/api.h"
@@ -24,6 +26,7 @@ Json stroke_json(const ListedStroke& listed) {
 /// many.
 std::optional<std::vector<StrokeId>> parse_strokes(const std::string& text) {
   std::vector<StrokeId> ids;
+  if (text.empty()) return std::nullopt;
   for (const auto part : std::views::split(text, ',')) {
     const auto id = parse_number<StrokeId>(std::string_view(part.begin(), part.end()));
     if (!id || *id == 0 || ids.size() == kStrokesMax) return std::nullopt;
@@ -43,6 +46,15 @@ ApiResponse stroke_failure(const Rejection& rejection) {
 }
 
 }  // namespace
+
+/// Made by a thread that makes files, whose niceness its threads get.
+ThreadPool& Api::carvers() {
+  std::call_once(carvers_made_, [this] {
+    carvers_ = std::make_unique<ThreadPool>(
+        std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  });
+  return *carvers_;
+}
 
 ApiResponse Api::list_strokes(const ApiCall& call) {
   std::uint64_t since = 0;
@@ -73,7 +85,7 @@ ApiResponse Api::change_strokes(const ApiCall& call, bool undone) {
     const auto ids = parse_strokes(*strokes);
     if (!ids) {
       return error_response(400, "bad_strokes",
-                            "strokes must be at most " + std::to_string(kStrokesMax) +
+                            "strokes must be 1 to " + std::to_string(kStrokesMax) +
                                 " numbers of first records, separated by commas");
     }
     request.strokes = *ids;
@@ -82,7 +94,7 @@ ApiResponse Api::change_strokes(const ApiCall& call, bool undone) {
     if (!id) return error_response(400, "bad_participant", "participant must be a number");
     request.participant = *id;
   }
-  const auto changed = call.session->change_strokes(request, carvers_, call.request.stop);
+  const auto changed = call.session->change_strokes(request, carvers(), call.request.stop);
   if (!changed) return stroke_failure(changed.error());
   Json answer = {{"strokes", changed->strokes},
                  {"sequence", changed->sequence},

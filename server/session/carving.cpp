@@ -16,6 +16,10 @@ namespace kerf {
 
 namespace {
 
+/// Time between two looks whether a tool is clear of the stock that has come back around it: one
+/// takes as long as a motion.
+constexpr std::uint64_t kInStockUs = 10'000;
+
 bool cuts(const wire::MotionSample& sample) { return (sample.buttons & wire::kButtonCutting) != 0; }
 
 }  // namespace
@@ -93,7 +97,7 @@ Carving::Applied Carving::apply(ParticipantId id, const MoveTool& move, std::int
     if (!pieces) return std::unexpected(to_rejection(pieces.error()));
     // Hashes of earlier records are out of date from now on.
     journal_.note_removal();
-    cuts_.emplace(id, Cut{move, *std::move(pieces)});
+    cuts_.emplace(id, Cut{move, *std::move(pieces), journal_.sequence()});
     return advance(id, tiles);
   }
   tiles -= reach;
@@ -177,7 +181,10 @@ std::optional<Rejection> Carving::take_sample(ParticipantState& state,
 std::optional<Rejection> Carving::leave_stock(ParticipantState& state,
                                               const wire::MotionSample& sample) {
   state.in_stroke = false;
-  state.is_in_stock = sculpture_.depth_in_stock(state.track.tool(), *state.track.pose()) > 0;
+  if (state.newest_us - state.in_stock_us >= kInStockUs) {
+    state.in_stock_us = state.newest_us;
+    state.is_in_stock = sculpture_.is_in_stock(state.track.tool(), *state.track.pose());
+  }
   if (!state.is_in_stock || !cuts(sample)) return std::nullopt;
   return sample_rejection(sample, wire::ErrorCode::kInStock,
                           "stock has come back around the tool: lift the tool out of it");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -76,6 +77,12 @@ class Carving {
   /// Collects the motions that are journaled from now on.
   void begin_collecting() { since_.emplace(); }
   void end_collecting() { since_.reset(); }
+  std::size_t collected() const { return since_ ? since_->size() : 0; }
+  /// Whether a motion of one of the records up to this one is cut in part.
+  bool is_cutting(std::uint64_t record) const {
+    return std::ranges::any_of(cuts_,
+                               [record](const auto& c) { return c.second.record <= record; });
+  }
   /// Replaces a tile by what the motions up to begin_collecting() leave of it, less those since.
   /// Returns the volume that came back, mm³.
   double replace(const TileReplacement& tile);
@@ -100,6 +107,7 @@ class Carving {
   struct Cut {
     MoveTool move;
     MotionInPieces pieces;
+    std::uint64_t record;
   };
   /// Samples of one participant and what has come of them.
   struct Batch {

@@ -30,8 +30,11 @@ struct ParticipantState {
   bool has_resumed = false;
   DurableMark durable;
   bool in_stroke = false;  ///< the next motion continues its stroke
+  /// Stock has come back to a tile that its tool reaches (Participants::note_returned).
+  bool stock_came_back = false;
   /// Stock has come back around its tool: it cuts nothing until the tool is clear of the stock.
   bool is_in_stock = false;
+  std::uint64_t in_stock_us = 0;   ///< time of the sample for which that was asked last
   std::optional<TokenHash> token;  ///< set if it may resume
   std::uint64_t newest_us = 0;     ///< agent's time of the newest sample, accepted or rejected
   RateLimit samples{0, 0};

@@ -6,6 +6,9 @@
 #include <ranges>
 #include <utility>
 
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/dexel/tile_region.h"
+#include "kernel/tool/tool_bounds.h"
 #include "server/rights/default_color.h"
 #include "server/wire/limits.h"
 
@@ -144,6 +147,7 @@ std::expected<Admission, Rejection> Participants::admit(const JoinRequest& asked
     state->last_sequence = known.last_sequence;
     state->durable = known.durable;
     state->in_stroke = known.in_stroke;
+    state->is_in_stock = known.is_in_stock;
     state->has_resumed = admission.resumed = true;
     admission.token = request.token;
     admission.agent_sequence = known.last_sequence;
@@ -171,6 +175,7 @@ void Participants::keep_resumable(ParticipantState& state) {
   ResumableAgent agent{*state.token,        state.participant.name, state.participant.color,
                        state.last_sequence, state.durable,          state.in_stroke};
   agent.is_muted = state.participant.is_muted;
+  agent.is_in_stock = state.is_in_stock;
   resumable_.keep(state.participant.id, std::move(agent),
                   [&](ParticipantId id) { return states_.contains(id); });
 }
@@ -276,20 +281,31 @@ void Participants::note_cut(ParticipantId author, std::span<const FieldTile> til
 }
 
 void Participants::note_returned(std::span<const FieldTile> tiles) {
-  for (auto& [id, state] : states_) {
-    if (state.stock) state.stock->note_returned(tiles);
+  for (const auto& [id, state] : carvers_) {
+    if (state->stock) state->stock->note_returned(tiles);
+    const Tool* tool = sculpture_.tool(state->track.tool());
+    if (state->stock_came_back || tool == nullptr || !state->track.pose()) continue;
+    const Bounds box = tool_bounds(*tool, *state->track.pose());
+    state->stock_came_back = std::ranges::any_of(tiles, [&](const FieldTile& tile) {
+      const DexelGrid& grid = sculpture_.field(tile.axis)->grid();
+      return tiles_through(grid, box.lo_mm, box.hi_mm).has(tile.tile);
+    });
   }
 }
 
 void Participants::end_strokes() {
-  for (auto& [id, state] : states_) state.in_stroke = false;
+  for (const auto& [id, state] : carvers_) state->in_stroke = false;
   resumable_.end_strokes();
 }
 
 void Participants::hold_tools_in_stock() {
-  for (auto& [id, state] : states_) {
-    if (state.participant.kind != ParticipantKind::kAgent || !state.track.pose()) continue;
-    state.is_in_stock = sculpture_.depth_in_stock(state.track.tool(), *state.track.pose()) > 0;
+  for (const auto& [id, state] : carvers_) {
+    if (!std::exchange(state->stock_came_back, false)) continue;
+    const bool is_agent = state->participant.kind == ParticipantKind::kAgent;
+    if (!is_agent || !state->track.pose()) continue;
+    if (sculpture_.is_in_stock(state->track.tool(), *state->track.pose())) {
+      state->is_in_stock = true;
+    }
   }
 }
 

@@ -106,11 +106,13 @@ class Participants {
   wire::Intents near(const ParticipantState& self) const;
   /// Marks tiles that `author` cut as stale in the replicas of all other participants.
   void note_cut(ParticipantId author, std::span<const FieldTile> tiles);
-  /// Stock has come back to these tiles: replicas that hold one of them begin again.
+  /// Stock has come back to these tiles: replicas begin again, and tools that reach one may be in
+  /// it.
   void note_returned(std::span<const FieldTile> tiles);
   /// Ends the strokes of all participants, also of those that may resume.
   void end_strokes();
-  /// Keeps the agents whose tools are in the stock now from cutting until they are clear of it.
+  /// Keeps the agents around whose tools stock has come back from cutting until they are clear of
+  /// it. Other tools may touch what they have cut.
   void hold_tools_in_stock();
 
   /// Calls `listener` at each event until unlisten() with the returned number.

@@ -11,7 +11,7 @@ Resumable::Resumable(std::span<const JournalParticipant> participants) {
     if (!participant.token) continue;
     keep(participant.participant,
          {*participant.token, participant.name, participant.color, participant.agent_sequence,
-          DurableMark(participant.agent_sequence), participant.agent_sequence > 0},
+          DurableMark(participant.agent_sequence)},
          [](ParticipantId) { return false; });
   }
 }

@@ -22,7 +22,10 @@ struct ResumableAgent {
   std::string name, color;
   std::uint64_t last_sequence = 0;  ///< agent_sequence of its newest sample
   DurableMark durable{};
-  bool in_stroke = false;    ///< its newest sample ended a motion of a stroke
+  /// Its newest sample ended a motion of a stroke. False after a restart, because that stroke may
+  /// have been undone.
+  bool in_stroke = false;
+  bool is_in_stock = false;  ///< as in ParticipantState
   RateLimit resumes{2, 10};  ///< per second, and at once
   bool is_muted = false;
 };

@@ -257,6 +257,7 @@ class Session : public std::enable_shared_from_this<Session> {
                                                        const std::vector<Stroke>& strokes);
   std::expected<void, std::string> settle(Workers& workers, const std::stop_token& stop,
                                           StrokesChanged& changed);
+  std::expected<void, std::string> wait_for_pieces(const std::stop_token& stop);
   void end_settling(const StrokeSet& strokes);
   void retry_settling();
 
@@ -284,7 +285,7 @@ class Session : public std::enable_shared_from_this<Session> {
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
   std::optional<JournalErrorCode> reached_;      ///< the limit of the disk
   Clock::time_point changes_reported_{};
-  std::mutex history_mutex_;               ///< held while strokes change; guards the next one
+  std::timed_mutex history_mutex_;         ///< held while strokes change; guards the next one
   std::unique_ptr<BlockHistory> history_;  ///< made when it is first needed
   StrokeSet unsettled_;  ///< whose change is in the journal and not yet in the block
   std::atomic<std::uint64_t> shown_motions_ = 0;

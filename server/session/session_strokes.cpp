@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of Session that undoes and redoes strokes.
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "server/history/block_history.h"
@@ -15,6 +16,12 @@ namespace {
 /// tried again to carve tiles when the journal could not be read.
 constexpr std::chrono::microseconds kTurn{1000};
 constexpr std::chrono::seconds kRetry{1};
+/// Motions that are cut again in a turn, at most as far as carving once more avoids it.
+constexpr std::size_t kSinceMax = 100;
+constexpr int kRoundsMax = 4;
+/// How long a request waits for others of the same session: threads that make files wait with it.
+constexpr std::chrono::seconds kPatience{2};
+constexpr const char* kOthersAsk = "other requests about the history of the session are running";
 
 Rejection no_stroke(const std::string& reason) { return {wire::ErrorCode::kBadMessage, reason}; }
 
@@ -89,22 +96,23 @@ std::expected<std::uint64_t, Rejection> Session::note_changes(const StrokeReques
   for (const Stroke& stroke : strokes) {
     const StrokeChange change{stroke.id, request.undone};
     if (auto ok = journal_.append(request.author, change); !ok) {
+      // Those before it are journaled.
+      if (stroke.id != strokes.front().id) retry_settling();
       return std::unexpected(ok.error());
     }
     unsettled_.insert(stroke.id);
+    participants_.end_strokes();
+    journal_.note_removal();
   }
-  participants_.end_strokes();
-  journal_.note_removal();
   return sequence();
 }
 
 std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeRequest& request,
                                                                  Workers& workers,
                                                                  const std::stop_token& stop) {
-  const std::lock_guard lock(history_mutex_);
-  if (auto read = read_history(stop); !read) {
-    return std::unexpected(Rejection{wire::ErrorCode::kBusy, read.error()});
-  }
+  const std::unique_lock lock(history_mutex_, kPatience);
+  const auto read = lock ? read_history(stop) : std::unexpected(std::string(kOthersAsk));
+  if (!read) return std::unexpected(Rejection{wire::ErrorCode::kBusy, read.error()});
   const auto chosen = chosen_strokes(request);
   if (!chosen) return std::unexpected(chosen.error());
   std::vector<Stroke> strokes;
@@ -119,24 +127,44 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
   return changed;
 }
 
+/// Waits until the motions that have been journaled by now are not cut in part: the pieces of one
+/// whose stroke is undone must not be cut from the new tiles.
+std::expected<void, std::string> Session::wait_for_pieces(const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kPause{1};
+  const std::uint64_t until = run_and_wait(*executor_, [this] { return sequence(); });
+  while (run_and_wait(*executor_, [&] { return !closed_ && carving_.is_cutting(until); })) {
+    if (stop.stop_requested()) return std::unexpected("stopped");
+    std::this_thread::sleep_for(kPause);
+  }
+  return {};
+}
+
 /// Carves the tiles of the strokes that have changed and replaces them in the block. Call with the
 /// lock.
 std::expected<void, std::string> Session::settle(Workers& workers, const std::stop_token& stop,
                                                  StrokesChanged& changed) {
   struct Begun {
-    StrokeSet strokes;
-    std::uint64_t sequence;
+    StrokeSet strokes = {};
+    std::uint64_t sequence = 0;
   };
-  const Begun begun = run_and_wait(*executor_, [this] {
-    carving_.begin_collecting();
-    return Begun{unsettled_, sequence()};
-  });
-  const auto tiles = [&]() -> std::expected<std::vector<TileReplacement>, std::string> {
+  if (auto ok = wait_for_pieces(stop); !ok) return ok;
+  Begun begun;
+  const auto carve = [&]() -> std::expected<std::vector<TileReplacement>, std::string> {
+    begun = run_and_wait(*executor_, [this] {
+      carving_.begin_collecting();
+      return Begun{unsettled_, sequence()};
+    });
     if (auto read = read_history(stop); !read) return std::unexpected(read.error());
     const auto reach = history_->reach(begun.strokes, stop);
     if (!reach) return std::unexpected(reach.error());
     return history_->carve(*reach, history_->strokes().at(begun.sequence), workers, stop);
-  }();
+  };
+  auto tiles = carve();
+  // Each round takes less time than the one before, so fewer motions come in meanwhile.
+  const auto collected = [this] { return carving_.collected(); };
+  for (int n = 1; n < kRoundsMax && tiles && run_and_wait(*executor_, collected) > kSinceMax; ++n) {
+    tiles = carve();
+  }
   if (!tiles) {
     run_and_wait(*executor_, [this] {
       carving_.end_collecting();
@@ -174,7 +202,7 @@ void Session::retry_settling() {
     const auto self = weak.lock();
     if (!self || self->closed_ || self->unsettled_.empty()) return;
     self->workers_.post([self] {
-      const std::lock_guard lock(self->history_mutex_);
+      const std::scoped_lock lock(self->history_mutex_);
       SerialWorkers alone;
       StrokesChanged ignored;
       if (!self->settle(alone, {}, ignored)) self->retry_settling();
@@ -184,7 +212,8 @@ void Session::retry_settling() {
 
 std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
     std::uint64_t record, Workers& workers, const std::stop_token& stop) {
-  const std::lock_guard lock(history_mutex_);
+  const std::unique_lock lock(history_mutex_, kPatience);
+  if (!lock) return std::unexpected(kOthersAsk);
   if (auto read = read_history(stop); !read) return std::unexpected(read.error());
   if (record > history_->last()) return std::nullopt;
   const auto tiles =
@@ -201,7 +230,8 @@ std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
 
 std::expected<std::vector<ListedStroke>, std::string> Session::strokes(
     std::uint64_t since, const std::stop_token& stop) {
-  const std::lock_guard lock(history_mutex_);
+  const std::unique_lock lock(history_mutex_, kPatience);
+  if (!lock) return std::unexpected(kOthersAsk);
   if (auto read = read_history(stop); !read) return std::unexpected(read.error());
   const StrokeSet undone = history_->strokes().at(history_->last()).without;
   std::vector<ListedStroke> list;

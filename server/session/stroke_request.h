@@ -24,7 +24,7 @@ struct StrokeRequest {
 };
 
 /// Strokes that one request may name.
-inline constexpr std::size_t kStrokesMax = 10'000;
+inline constexpr std::size_t kStrokesMax = 500;
 
 /// The answer to a StrokeRequest.
 struct StrokesChanged {

@@ -66,6 +66,7 @@ void ViewerHub::acknowledge(ParticipantId id, std::uint64_t sequence) {
 
 void ViewerHub::look(ParticipantId id, const ViewerLook& look) {
   Viewer* viewer = find(id);
+  if (viewer != nullptr) viewer->sent.reset();  // finer tiles may be due
   if (viewer != nullptr && std::exchange(viewer->look_due, std::nullopt)) {
     next_job_.joined.emplace_back(id, look);
   } else {

@@ -109,7 +109,7 @@ class Journal {
       if (const auto* move = std::get_if<MoveTool>(&(*record)->command)) {
         if (!ends_[(*record)->participant].insert(key(move->to)).second) ++totals.cut_twice;
       }
-      block_->apply((*record)->command).value();
+      if (const auto command = kernel_command((*record)->command)) block_->apply(*command).value();
     }
   }
   bool has(ParticipantId participant, const ToolPose& end) {

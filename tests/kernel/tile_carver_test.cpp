@@ -183,13 +183,44 @@ TEST(TileCarver, MotionsSinceAreCutAgainFromTheReplacedTiles) {
   }
 }
 
-TEST(TileCarver, DepthInStockTellsAToolThatIsClear) {
-  History history(settings_of(Rays::kTriDexel, BoxStock{{0, 0, -8}, {24, 20, 0}}), 1);
-  const Sculpture block = history.block({});
+TEST(TileCarver, AToolIsInStockOnlyWhereItWouldCut) {
+  for (const SculptureSettings& settings : every_kind()) {
+    History history(settings, 3);
+    Sculpture block = Sculpture::create(settings).value();
+    const Vec3 up{0, 0, 1};
+    EXPECT_FALSE(block.is_in_stock(1, {{8, 8, -2}, up}));  // an unknown tool
+    block = history.block({});
+    EXPECT_FALSE(block.is_in_stock(1, {{8, 8, 0.5}, up}));
+    EXPECT_TRUE(block.is_in_stock(1, {{8, 8, -2}, up}));
+    const std::uint64_t before = block.state_hash();
+    for (const MoveTool& motion : history.motions()) {
+      block.apply(motion).value();
+      EXPECT_FALSE(block.is_in_stock(motion.tool, motion.to));
+    }
+    EXPECT_NE(block.state_hash(), before);
+  }
+}
+
+TEST(TileCarver, AToolFarFromTheReplacedTilesKeepsItsForce) {
+  const SculptureSettings settings = settings_of(Rays::kDexel, BoxStock{{0, 0, -8}, {60, 20, 0}});
+  History history(settings, 1);
   const Vec3 up{0, 0, 1};
-  EXPECT_EQ(block.depth_in_stock(1, {{10, 10, 0.5}, up}), 0);
-  EXPECT_NEAR(block.depth_in_stock(1, {{10, 10, -2}, up}), 2, 0.1);
-  EXPECT_EQ(block.depth_in_stock(9, {{10, 10, -2}, up}), 0);
+  const auto slot = [&](double from_x) {
+    return MoveTool{1, {{from_x, 10, -4}, up}, {{from_x + 0.5, 10, -4}, up}, 0.02, true};
+  };
+  double forces_n[2] = {};
+  for (const bool replaces : {false, true}) {
+    Sculpture block = history.block({});
+    block.apply(MoveTool{2, {{55, 4, -2}, up}, {{55, 16, -2}, up}, 0.1, false}).value();
+    for (double x = -4; x < 12; x += 0.5) block.apply(slot(x)).value();
+    const FieldTile far{RayAxis::kZ, {5, 0}};
+    const TileReplacement untouched{far, nullptr};
+    if (replaces) {
+      EXPECT_GT(block.replace({&untouched, 1}).returned_mm3, 1);
+    }
+    forces_n[replaces ? 1 : 0] = length(block.apply(slot(12)).value().wrench.force_n);
+  }
+  EXPECT_EQ(forces_n[0], forces_n[1]);
 }
 
 TEST(TileCarver, CommonOfTwoSetsOfMotionsIsWhatAllOfThemLeave) {

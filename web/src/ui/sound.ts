@@ -9,6 +9,12 @@ import { ICONS } from './icons';
 
 const UPDATE_MS = 50;
 
+/** Loads the code that plays, in a chunk of its own. */
+async function createOutput(context: AudioContext): Promise<SoundOutput> {
+  const { SoundOutput } = await import('../view/sound_output');
+  return new SoundOutput(context);
+}
+
 export class SoundToggle {
   readonly button: HTMLButtonElement;
   private on_ = false;
@@ -16,24 +22,20 @@ export class SoundToggle {
   private context_: AudioContext | null = null;
   private output_: SoundOutput | null = null;
 
-  /** `levels` returns what to play now. */
-  constructor(private readonly levels: () => SoundLevels) {
+  /** `levels` returns what to play now; `create` connects an output, for tests. */
+  constructor(
+    private readonly levels: () => SoundLevels,
+    private readonly create = createOutput,
+  ) {
     this.button = iconButton(ICONS.sound, 'Sound', 'S', () => this.toggle());
     this.button.setAttribute('aria-pressed', 'false');
     document.addEventListener('visibilitychange', () => this.follow_());
   }
 
+  /** Turns sound on or off. Where sound cannot be had it stays off; the next call tries again. */
   toggle(): void {
-    this.on_ = !this.on_;
-    this.button.setAttribute('aria-pressed', String(this.on_));
-    if (!this.context_) {
-      const context = new AudioContext(); // within the gesture, as browsers demand
-      this.context_ = context;
-      void import('../view/sound_output').then(({ SoundOutput }) => {
-        this.output_ = new SoundOutput(context);
-      });
-    }
-    this.follow_();
+    if (!this.on_ && !this.context_ && !this.open_()) return;
+    this.turn_(!this.on_);
   }
 
   /** State of the audio context and present gains, for tests; null before sound was turned on. */
@@ -42,9 +44,41 @@ export class SoundToggle {
     return { context: this.context_.state, ...this.output_.gains };
   }
 
+  /** Opens the audio device and loads the output. Returns false if there is no device. */
+  private open_(): boolean {
+    let context: AudioContext;
+    try {
+      context = new AudioContext(); // within the gesture, as browsers demand
+    } catch (error) {
+      console.warn('No sound:', error);
+      return false;
+    }
+    this.context_ = context;
+    this.create(context).then(
+      (output) => {
+        this.output_ = output;
+      },
+      (error: unknown) => {
+        console.warn('No sound:', error);
+        this.context_ = null;
+        this.turn_(false);
+        context.close().catch(() => undefined);
+      },
+    );
+    return true;
+  }
+
+  private turn_(on: boolean): void {
+    this.on_ = on;
+    this.button.setAttribute('aria-pressed', String(on));
+    this.follow_();
+  }
+
   private follow_(): void {
     const plays = this.on_ && !document.hidden;
-    void (plays ? this.context_?.resume() : this.context_?.suspend());
+    // Both reject where the device went away; the button then has no effect until it is back.
+    const followed = plays ? this.context_?.resume() : this.context_?.suspend();
+    followed?.catch(() => undefined);
     clearInterval(this.timer_);
     // A timer of its own: sound follows the tools also where pictures are slow.
     if (plays) this.timer_ = setInterval(() => this.output_?.set(this.levels()), UPDATE_MS);
