@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "kernel/tool/tool_bounds.h"
+
 namespace kerf::agent {
 namespace {
 
@@ -13,6 +15,7 @@ constexpr double kSPerUs = 1e-6;
 constexpr double kFitS = 0.04;
 /// Poses are kept for this long. The server's tiles with what they cut arrive earlier.
 constexpr std::int64_t kKnownUs = 150'000;
+constexpr std::size_t kKnownMax = 64;
 constexpr std::uint64_t kRecutUs = 60'000;
 /// No chord is cut between poses that are further apart.
 constexpr std::int64_t kGapUs = 50'000;
@@ -31,8 +34,11 @@ constexpr double kTurnMaxRad = 2;
 constexpr std::uint64_t kTimeMaxUs = std::uint64_t{1} << 61;
 constexpr double kSpeedMaxMmPerS = 1000;
 constexpr double kChordMaxMm = 20;
-/// The path is cut again when it is expected further off than this.
-constexpr double kOffMm = 0.02;
+
+bool meet(const Bounds& a, const Bounds& b) {
+  return a.lo_mm.x <= b.hi_mm.x && b.lo_mm.x <= a.hi_mm.x && a.lo_mm.y <= b.hi_mm.y &&
+         b.lo_mm.y <= a.hi_mm.y && a.lo_mm.z <= b.hi_mm.z && b.lo_mm.z <= a.hi_mm.z;
+}
 
 }  // namespace
 
@@ -41,28 +47,44 @@ void OtherTool::take(const wire::Intent& intent, std::uint64_t now_us) {
   const auto time_us = static_cast<std::int64_t>(intent.time_us);
   const double offset_us =
       static_cast<double>(static_cast<std::int64_t>(intent.agent_time_us) - time_us);
-  if (intent.tool_id != tool_ || (!known_.empty() && time_us < known_.back().time_us) ||
-      std::abs(offset_us - offset_us_) > kOffsetJumpUs) {
-    known_.clear();
-    cut_.clear();
-  }
-  if (!known_.empty() && time_us == known_.back().time_us) {
-    known_.back().taken_us = now_us;
-    return;
-  }
+  const bool is_same = intent.tool_id == tool_ && time_us >= newest_us_;
+  if (is_same && time_us < newest_us_ + kStepMinUs) return;
+  if (!is_same || std::abs(offset_us - offset_us_) > kOffsetJumpUs) forget();
   offset_us_ = known_.empty() ? offset_us : std::lerp(offset_us_, offset_us, kOffsetShare);
   tool_ = intent.tool_id;
+  newest_us_ = time_us;
   known_.push_back({.time_us = time_us,
                     .pose = {intent.tip_mm, normalized(Vec3(intent.axis))},
                     .cuts = (intent.status & wire::kStatusCutting) != 0,
                     .taken_us = now_us});
-  while (known_.front().time_us + kKnownUs < time_us) known_.pop_front();
+  while (known_.front().time_us + kKnownUs < time_us || known_.size() > kKnownMax) {
+    known_.pop_front();
+  }
   is_new_ = true;
+  is_known_cut_ = false;
   fit();
+}
+
+void OtherTool::forget() {
+  is_dropped_ = is_dropped_ || has_cut_;
+  known_.clear();
+  cut_.clear();
+}
+
+void OtherTool::restart() {
+  cut_.clear();
+  is_known_cut_ = has_cut_ = is_dropped_ = false;
 }
 
 bool OtherTool::is_present(std::uint64_t now_us) const {
   return !known_.empty() && now_us < known_.back().taken_us + kGoneUs;
+}
+
+bool OtherTool::is_cutting(std::uint64_t now_us) const {
+  if (!known_.empty() && known_.back().cuts) return true;
+  return std::ranges::any_of(known_, [&](const Known& known) {
+    return known.cuts && known.taken_us + kRecutUs >= now_us;
+  });
 }
 
 std::uint64_t OtherTool::in_time(const Known& known) const {
@@ -135,29 +157,34 @@ Vec3 OtherTool::cut_at(std::uint64_t time_us) const {
   return before.pose.tip_mm + (after->pose.tip_mm - before.pose.tip_mm) * share;
 }
 
-bool OtherTool::is_off(std::uint64_t now_us) {
+bool OtherTool::is_off(std::uint64_t now_us, double off_mm) {
+  if (is_dropped_) return true;
   if (cut_.empty() || !std::exchange(is_new_, false)) return false;
   const Known& newest = known_.back();
-  if (!newest.cuts) return true;
   const std::uint64_t until_us = std::min(now_us, cut_.back().time_us);
-  return length(newest.pose.tip_mm - cut_at(in_time(newest))) > kOffMm ||
-         length(at(until_us).tip_mm - cut_at(until_us)) > kOffMm;
+  const bool off = !newest.cuts || length(newest.pose.tip_mm - cut_at(in_time(newest))) > off_mm ||
+                   length(at(until_us).tip_mm - cut_at(until_us)) > off_mm;
+  if (off && !has_cut_) restart();  // out of reach: nothing needs to be restored
+  return off && has_cut_;
 }
 
-void OtherTool::cut_to(Sculpture& block, const Placed& to) {
+void OtherTool::cut_to(Sculpture& block, const Bounds& reach, const Placed& to) {
   const MoveTool move{tool_, cut_.back().pose, to.pose, 0, false};
   cut_.push_back(to);
-  if (length(move.to.tip_mm - move.from.tip_mm) > kChordMaxMm) return;
+  const Tool* tool = block.tool(tool_);
+  if (tool == nullptr || length(move.to.tip_mm - move.from.tip_mm) > kChordMaxMm) return;
+  if (!meet(reach, joined(tool_bounds(*tool, move.from), tool_bounds(*tool, move.to)))) return;
+  has_cut_ = true;
   (void)block.apply(move);  // one out of range is left out
 }
 
-void OtherTool::cut_known(Sculpture& block, std::uint64_t now_us) {
+void OtherTool::cut_known(Sculpture& block, const Bounds& reach, std::uint64_t now_us) {
   const Known* before = nullptr;
   for (const Known& known : known_) {
     const bool recent = known.taken_us + kRecutUs >= now_us;
     if (before != nullptr && recent && known.cuts && known.time_us < before->time_us + kGapUs) {
       cut_.push_back({in_time(*before), before->pose});
-      cut_to(block, {in_time(known), known.pose});
+      cut_to(block, reach, {in_time(known), known.pose});
     }
     before = &known;
   }
@@ -165,21 +192,21 @@ void OtherTool::cut_known(Sculpture& block, std::uint64_t now_us) {
   if (known_.back().cuts) cut_.push_back({in_time(known_.back()), known_.back().pose});
 }
 
-void OtherTool::cut(Sculpture& block, std::uint64_t now_us) {
+void OtherTool::cut(Sculpture& block, const Bounds& reach, std::uint64_t now_us) {
   if (known_.empty()) return;
   std::uint64_t step_us = kStepUs;
-  if (cut_.empty()) {
-    cut_known(block, now_us);
+  if (cut_.empty() && !std::exchange(is_known_cut_, true)) {
+    cut_known(block, reach, now_us);
     step_us = kLongStepUs;
   }
   if (cut_.empty()) return;
   const std::uint64_t until_us = std::min(now_us, in_time(known_.back()) + kAheadMaxUs);
   while (cut_.back().time_us + step_us <= until_us) {
     const std::uint64_t next_us = cut_.back().time_us + step_us;
-    cut_to(block, {next_us, at(next_us)});
+    cut_to(block, reach, {next_us, at(next_us)});
   }
   const bool is_short = cut_.back().time_us >= until_us;
-  if (step_us == kLongStepUs && !is_short) cut_to(block, {until_us, at(until_us)});
+  if (step_us == kLongStepUs && !is_short) cut_to(block, reach, {until_us, at(until_us)});
   while (cut_.front().time_us + kAheadMaxUs < now_us && cut_.size() > 1) cut_.pop_front();
 }
 

@@ -21,7 +21,8 @@ constexpr RayAxis kAxes[] = {RayAxis::kZ, RayAxis::kX, RayAxis::kY};
 
 }  // namespace
 
-Replica::Replica(BlockSource source) : source_(std::move(source)), block_(source_.make()) {}
+Replica::Replica(BlockSource source)
+    : source_(std::move(source)), block_(source_.make()), others_(block_.settings().pitch_mm) {}
 
 bool Replica::is_known(const DexelField& field, std::size_t n, const TileRegion& region) {
   const TileRegion& before = known_region_[n];
@@ -56,27 +57,41 @@ bool Replica::is_settled(const MoveTool& motion, bool known) {
   return known && unsettled_mm_ <= 0;
 }
 
-/// Cuts in block_ what others are expected to have cut by now, and nothing else that stock_ has not
-/// lost.
-void Replica::look_ahead(std::uint64_t now_us) {
+/// Returns the tool in the motion to this sample. The force also depends on the stock around it and
+/// over the last two pitches of travel.
+OtherTools::Own Replica::own_tool(const wire::MotionSample& sample) const {
+  const ToolPose to{sample.tip_mm, normalized(Vec3(sample.axis))};
+  const ToolPose from = track_.pose().value_or(to);
+  Bounds box = joined({from.tip_mm, from.tip_mm}, {to.tip_mm, to.tip_mm});
+  if (const Tool* tool = block_.tool(sample.tool_id)) {
+    box = joined(tool_bounds(*tool, from), tool_bounds(*tool, to));
+  }
+  return {to.tip_mm, grown(box, 2 * block_.settings().pitch_mm)};
+}
+
+/// Cuts in block_ what others are expected to have cut by now near the tool, and nothing else that
+/// stock_ has not lost.
+void Replica::look_ahead(const wire::MotionSample& sample) {
+  const std::uint64_t now_us = sample.time_us;
   if (!others_.are_near(now_us)) {
     if (stock_) block_.restore(stock_->solid());
     stock_.reset();
     return;
   }
+  const OtherTools::Own own = own_tool(sample);
   if (!stock_) {
     stock_.emplace(source_.make());
     stock_->restore(block_.solid());
-    others_.restart();
-  } else if (others_.are_off(now_us)) {
+    others_.restart(now_us, own);
+  } else if (others_.are_off(now_us, own)) {
     block_.restore(stock_->solid());
-    others_.restart();
+    others_.restart(now_us, own);
   }
   others_.cut(block_, now_us);
 }
 
 std::optional<wire::Result> Replica::move(const wire::MotionSample& sample) {
-  look_ahead(sample.time_us);
+  look_ahead(sample);
   auto step = track_.take(sample, block_, source_.speed_max_mm_per_s());
   const std::optional<ToolPose>& pose = track_.pose();
   if (!step || !pose) return std::nullopt;  // the server will report the reason
@@ -135,6 +150,7 @@ std::expected<void, std::string_view> Replica::take(const wire::StockPatch& patc
   if (patch.reset) {
     block_ = source_.make();
     stock_.reset();
+    others_.forget();
     known_.clear();
     known_region_ = {};
   }

@@ -59,7 +59,8 @@ class Replica {
   bool is_known(const DexelField& field, std::size_t n, const TileRegion& region);
   std::expected<void, std::string_view> take_tile(const wire::StockTile& tile);
   void cut_again(std::uint64_t server_has_us);
-  void look_ahead(std::uint64_t now_us);
+  OtherTools::Own own_tool(const wire::MotionSample& sample) const;
+  void look_ahead(const wire::MotionSample& sample);
 
   BlockSource source_;
   /// The block of which the force is computed.

@@ -48,6 +48,7 @@ void Session::leave(ParticipantId id) {
   forget_batch(id);
   participants_.leave(id);
   carving_.costs().forget(id);
+  if (participants_.count() == 0) forget_history();
   show_figures();
 }
 

@@ -260,6 +260,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<void, std::string> wait_for_pieces(const std::stop_token& stop);
   void end_settling(const StrokeSet& strokes);
   void retry_settling();
+  /// Frees the memory of the history, unless somebody asks about it now.
+  void forget_history();
 
   std::shared_ptr<Executor> executor_;  ///< first, so that it is destroyed last
   std::string id_;

@@ -210,6 +210,11 @@ void Session::retry_settling() {
   });
 }
 
+void Session::forget_history() {
+  const std::unique_lock lock(history_mutex_, std::try_to_lock);
+  if (lock) history_.reset();
+}
+
 std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
     std::uint64_t record, Workers& workers, const std::stop_token& stop) {
   const std::unique_lock lock(history_mutex_, kPatience);

@@ -23,7 +23,7 @@ const { values: options } = parseArgs({
     carve: { type: 'string' },
     web: { type: 'string' },
     out: { type: 'string' },
-    seconds: { type: 'string', default: '5' },
+    seconds: { type: 'string', default: '8' },
   },
 });
 for (const name of ['server', 'agent', 'carve', 'web', 'out'])

@@ -9,38 +9,13 @@
 #include <thread>
 #include <vector>
 
-#include "haptic_agent/replica/replica.h"
 #include "haptic_agent/replica/replica_thread.h"
 #include "kernel/dexel/dexel_field.h"
 #include "server/wire/codec.h"
+#include "tests/agent/replica/intent_side.h"
 
 namespace kerf::agent {
 namespace {
-
-constexpr const char* kWelcome = R"({
-  "stock": {"shape": "box", "min_mm": [-30, -30, -20], "max_mm": [30, 30, 0]},
-  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
-  "tools": [{"id": 1, "shape": "ball", "diameter_mm": 6, "length_mm": 30}],
-  "force": {"law": "specific_energy", "specific_force_n_per_mm2": 0.4, "pivot_mm": 40}})";
-constexpr Vec3 kUp{0, 0, 1};
-constexpr std::uint32_t kOther = 7;
-/// The clock of the other agent is behind, and its poses come this many samples late.
-constexpr std::uint64_t kBehindUs = 123'456'789;
-constexpr int kLate = 100;
-constexpr int kEvery = 10;
-
-std::uint64_t time_of(int n) { return 200'000'000 + 1000 * static_cast<std::uint64_t>(n); }
-
-wire::Intent intent_of(int n, Vec3 tip_mm, bool cuts = true) {
-  wire::Intent intent;
-  intent.participant = kOther;
-  intent.tool_id = 1;
-  intent.time_us = time_of(n) - kBehindUs;
-  intent.agent_time_us = time_of(n);
-  intent.tip_mm = tip_mm;
-  intent.status = cuts ? wire::kStatusCutting : 0;
-  return intent;
-}
 
 Vec3 circle(int n) { return {8 * std::cos(0.005 * n), 8 * std::sin(0.005 * n), -2}; }
 Vec3 line(int n) { return {-15 + 0.03 * n, 2, -2}; }
@@ -65,53 +40,9 @@ TEST(OtherTool, IsGoneWithoutPoses) {
   EXPECT_FALSE(tool.is_present(time_of(kLate + 150)));
 }
 
-wire::StockPatch all_tiles() {
-  wire::StockPatch all;
-  all.reset = true;
-  for (std::uint32_t y = 0; y < 4; ++y) {
-    for (std::uint32_t x = 0; x < 4; ++x) all.tiles.push_back({2, x, y, {}});
-  }
-  return all;
-}
-
-/// The agent's replica, which has all tiles, and the block as the server cuts it.
-struct Side {
-  Side() : source(*BlockSource::read(kWelcome)), truth(source.make()), replica(source) {
-    EXPECT_TRUE(replica.take(all_tiles()));
-  }
-  /// Cuts with both tools, the other one first. Returns the force of the agent's in the true block.
-  Vec3 cut(Vec3 own, Vec3 other) {
-    Vec3 force_n;
-    if (last.count > 0) {
-      truth.apply(MoveTool{1, {last.other, kUp}, {other, kUp}, 0.001, false}).value();
-      force_n =
-          truth.apply(MoveTool{1, {last.own, kUp}, {own, kUp}, 0.001, true}).value().wrench.force_n;
-    }
-    last = {own, other, last.count + 1};
-    return force_n;
-  }
-  Vec3 felt(int n, Vec3 own) {
-    wire::MotionSample sample;
-    sample.agent_sequence = static_cast<std::uint64_t>(n + 1);
-    sample.time_us = time_of(n);
-    sample.tip_mm = own;
-    sample.tool_id = 1;
-    sample.buttons = wire::kButtonCutting;
-    const auto answer = replica.move(sample);
-    return answer ? Vec3(answer->force_n) : Vec3{};
-  }
-  struct Last {
-    Vec3 own, other;
-    int count = 0;
-  };
-  BlockSource source;
-  Sculpture truth;
-  Replica replica;
-  Last last;
-};
-
-/// The rms error of the force over its rms, with or without the other's poses.
-double error_beside_another(bool intent) {
+/// The rms error of the force over its rms, with or without the other's poses. `twice`: each frame
+/// names the other a second time, with an unknown tool.
+double error_beside_another(bool intent, bool twice = false) {
   Side side;
   double error2 = 0, force2 = 0;
   for (int n = 0; n < 700; ++n) {
@@ -121,6 +52,10 @@ double error_beside_another(bool intent) {
       wire::Intents intents;
       intents.count = 1;
       intents.tools[0] = intent_of(n - kLate, line(n - kLate + 50));
+      if (twice) {
+        intents.tools[intents.count] = intents.tools[0];
+        intents.tools[intents.count++].tool_id = 99;
+      }
       side.replica.take(intents);
     }
     const Vec3 felt_n = side.felt(n, own);
@@ -151,6 +86,10 @@ std::int64_t solid_quanta(const Sculpture& block) {
 TEST(ReplicaIntent, TheForceIsThatAfterTheCutsOfAnother) {
   EXPECT_LT(error_beside_another(true), 0.05);
   EXPECT_GT(error_beside_another(false), 0.3);
+}
+
+TEST(ReplicaIntent, OfAParticipantThatAFrameNamesTwiceTheFirstPoseCounts) {
+  EXPECT_LT(error_beside_another(true, true), 0.05);
 }
 
 TEST(ReplicaIntent, StockThatTheOtherDidNotCutIsFelt) {
