@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Sculpture that replaces tiles.
+// The part of Sculpture that replaces tiles, and tells where stock has come back around a tool.
 #include <algorithm>
 #include <memory>
 
