@@ -48,7 +48,8 @@ void TripWriter::write_one() {
   const FlightLog* log = recorder_.log();
   if (log == nullptr) return;
   std::cerr << "kerf-agent: force switched off: " << to_string(log->code)
-            << "; release the device and grip it again\n";
+            << "; release the device for 0.3 s, or its cutting button if it does not sense "
+               "that it is held\n";
   if (file_.empty()) {
     std::cerr << trip_csv(*log) << std::flush;
   } else {

@@ -268,7 +268,8 @@ KERF_AGENT_API kerf_agent_result kerf_agent_get_status(kerf_agent* agent,
 KERF_AGENT_API kerf_agent_result kerf_agent_choose_tool(kerf_agent* agent, uint32_t tool_id);
 /** Ends KERF_AGENT_PHASE_SAFE as the user does by releasing the device and holding it again: during
  * the next 0.35 s the device counts as released. No effect in other phases. Call it only when the
- * user asks for it: for devices without a deadman sensor. */
+ * user asks for it: for devices without a deadman sensor, whose user can also release the cutting
+ * button for 0.3 s. */
 KERF_AGENT_API kerf_agent_result kerf_agent_rearm(kerf_agent* agent);
 
 /** One tick of a loop that the device or the program owns, for example in the servo callback of a

@@ -21,11 +21,6 @@ constexpr double kStableShare = 0.5;
 /// Share of mass / delay up to which a damper may be set.
 constexpr double kDamperShare = 0.25;
 constexpr double kTickS = 1e-3;
-/// kg m^2/s to N mm s.
-
-}  // namespace
-
-namespace {
 
 /// Gains that follow from the device's mass and latency: those of the dampers act a latency and a
 /// period late, and what they may take from the least mass in that time is limited.
@@ -67,6 +62,7 @@ ServoSettings settings_for(const DeviceCapabilities& device, ServoSettings setti
   settings.safety.continuous_torque_nmm = device.continuous_torque_nmm;
   settings.safety.workspace_min_mm = device.workspace_min_mm;
   settings.safety.workspace_max_mm = device.workspace_max_mm;
+  settings.safety.has_deadman = device.has_deadman;
   settings.safety.motors = device.max_force_n > 0;
   return settings;
 }
@@ -257,6 +253,7 @@ SafetyInput ServoCycle::safety_input(const DeviceState& state, bool usable,
           .present = state.valid && state.phase == DevicePhase::kReady,
           .finite = usable || !state.valid,
           .deadman = (state.buttons & wire::kButtonDeadman) != 0,
+          .cutting = (state.buttons & wire::kButtonCutting) != 0,
           .tip_mm = tip_mm_,
           .jumped_mm = jumped_mm_,
           .tip_mm_per_s = length(velocity.at(arm)),

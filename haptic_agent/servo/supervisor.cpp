@@ -23,7 +23,7 @@ constexpr std::uint64_t kDisarmUs = 1000 * kUsPerMs;
 /// How long all conditions must hold before kDegraded becomes kActive again.
 constexpr std::uint64_t kRecoverUs = 200 * kUsPerMs;
 constexpr std::uint64_t kStarvingUs = 100 * kUsPerMs;
-/// How long the deadman must be released to clear a trip.
+/// How long the user must let go to clear a trip.
 constexpr std::uint64_t kForgiveUs = 300 * kUsPerMs;
 constexpr std::uint64_t kSlotUs = 100 * kUsPerMs;
 constexpr double kTicksPerS = 1000;
@@ -79,6 +79,13 @@ void Supervisor::enter(ServoPhase phase, const SafetyInput& in) noexcept {
   since_us_ = in.now_us;
   steady_from_us_ = 0;
   starving_from_us_ = 0;
+  pressed_ = false;
+}
+
+bool Supervisor::lets_go(const SafetyInput& in) noexcept {
+  if (!in.deadman) return true;
+  pressed_ = pressed_ || in.cutting;
+  return !limits_.has_deadman && pressed_ && !in.cutting;
 }
 
 /// Transitions kReady to kArmed, kArmed to kRamp and kSafe to kReady: each requires a condition to
@@ -99,7 +106,7 @@ void Supervisor::advance(const SafetyInput& in) noexcept {
       next = ServoPhase::kRamp;
       break;
     case ServoPhase::kSafe:
-      holds = in.present && !in.deadman;
+      holds = in.present && lets_go(in);
       wait_us = kForgiveUs;
       next = ServoPhase::kReady;
       break;

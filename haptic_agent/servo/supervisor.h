@@ -21,7 +21,7 @@ enum class ServoPhase : std::uint8_t {
   kActive,
   /// As kActive, while the server is late, ticks are lost or the energy tank is empty.
   kDegraded,
-  /// Tripped: no force until the user releases the deadman and presses it again.
+  /// Tripped: no force until the user has let go of the device (Supervisor) and holds it again.
   kSafe,
 };
 
@@ -77,6 +77,8 @@ struct SafetyLimits {
   Vec3 workspace_min_mm{};
   Vec3 workspace_max_mm{};  ///< equal to the minimum: unknown, not checked
   double ramp_s = 0.5;
+  /// The device senses that it is held. Otherwise the user lets go of the cutting button instead.
+  bool has_deadman = true;
   /// A device without motors needs no arming and cannot trip.
   bool motors = true;
 };
@@ -88,6 +90,7 @@ struct SafetyInput {
   bool present = true;  ///< the device is ready and has a pose
   bool finite = true;   ///< of the pose
   bool deadman = false;
+  bool cutting = false;  ///< the button that cuts
   Vec3 tip_mm{};
   double jumped_mm = 0;  ///< displacement of the tip since the previous tick
   double tip_mm_per_s = 0;
@@ -102,7 +105,9 @@ struct SafetyInput {
   bool overdrawn = false;
 };
 
-/// Decides in each tick whether force may be output, and with which gain.
+/// Decides in each tick whether force may be output, and with which gain. A trip ends when the user
+/// has let go for 0.3 s: released the deadman or, of a device without one, released the cutting
+/// button, which must have been pressed since the trip.
 class Supervisor {
  public:
   explicit Supervisor(const SafetyLimits& limits) noexcept
@@ -126,6 +131,7 @@ class Supervisor {
   void enter(ServoPhase phase, const SafetyInput& in) noexcept;
   void advance(const SafetyInput& in) noexcept;
   void monitor(const SafetyInput& in) noexcept;
+  bool lets_go(const SafetyInput& in) noexcept;
   void count_lost(const SafetyInput& in) noexcept;
   double lost_share() const noexcept;
 
@@ -137,6 +143,7 @@ class Supervisor {
   std::uint64_t since_us_ = 0;        ///< start of the phase
   std::uint64_t steady_from_us_ = 0;  ///< since when the phase's exit condition holds; 0: not now
   std::uint64_t starving_from_us_ = 0;
+  bool pressed_ = false;  ///< the cutting button, since the start of the phase
   std::uint64_t degraded_ticks_ = 0;
   std::array<std::uint32_t, 10> lost_{};  ///< per tenth of a second
   std::uint64_t lost_slot_ = 0;

@@ -191,6 +191,50 @@ TEST_F(SupervisorTest, StaysSafeUntilTheDeadmanIsReleased) {
   arm();
 }
 
+TEST_F(SupervisorTest, WithoutADeadmanReleasingTheCuttingButtonEndsATrip) {
+  limits.has_deadman = false;
+  supervisor = Supervisor(limits);
+  in.cutting = true;
+  arm();
+  in.lost_now = 5;
+  expect_trip(TripCode::kLostTicksInARow);
+  in.lost_now = 0;
+  EXPECT_EQ(pass(5000), 0);
+  in.cutting = false;
+  pass(290);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kSafe) << "a short release does not count";
+  pass(11);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
+  arm();
+}
+
+TEST_F(SupervisorTest, WithoutADeadmanATripWhileNotCuttingWaitsForAPress) {
+  limits.has_deadman = false;
+  supervisor = Supervisor(limits);
+  arm();
+  in.lost_now = 5;
+  expect_trip(TripCode::kLostTicksInARow);
+  in.lost_now = 0;
+  pass(5000);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kSafe);
+  in.cutting = true;
+  pass(20);
+  in.cutting = false;
+  pass(301);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kReady);
+}
+
+TEST_F(SupervisorTest, WithADeadmanReleasingTheCuttingButtonEndsNoTrip) {
+  in.cutting = true;
+  arm();
+  in.lost_now = 5;
+  expect_trip(TripCode::kLostTicksInARow);
+  in.lost_now = 0;
+  in.cutting = false;
+  pass(5000);
+  EXPECT_EQ(supervisor.phase(), ServoPhase::kSafe);
+}
+
 TEST_F(SupervisorTest, DegradesWhileTheServerIsLateAndDisarmsWhenItIsLost) {
   arm();
   in.answer_age_us = 30 * kMs;
