@@ -29,10 +29,11 @@ Made write_motions(const DownloadRequest& download, Session& session, const Soli
   if (name == "journal") return reason_only(copy_journal(journal, path));
   std::ofstream out(path, std::ios::binary);
   if (!out) return std::unexpected(MakeError{"the file cannot be created"});
-  const auto written =
-      name == "thin_walls.json" ? export_thin_walls(journal, solid.fields.front(), out, stop)
-      : name == "forces.csv"    ? export_forces(journal, download.forces, out, stop)
-                                : export_program(journal, download.program, out, stop);
+  const auto written = name == "thin_walls.json"
+                           ? export_thin_walls(journal, solid.fields.front(), out, stop)
+                       : name == "forces.csv" ? export_forces(journal, download.forces, out, stop)
+                       : name == "forces"     ? export_force_plot(journal, download.plot, out, stop)
+                                          : export_program(journal, download.program, out, stop);
   if (!written) return std::unexpected(MakeError{written.error()});
   out.close();
   if (!out) return std::unexpected(MakeError{"writing the file failed: the disk may be full"});
@@ -90,19 +91,19 @@ bool is_same(const std::string& if_none_match, const std::string& etag) {
 ApiResponse Api::download(const ApiCall& call) {
   const ApiRequest& request = call.request;
   Session& session = *call.session;
-  const auto download = read_download_request(request);
+  auto download = read_download_request(request);
   if (!download) {
     return error_response(download.error().status, download.error().code, download.error().reason);
   }
   HashedSolid now;
   if (download->at) {
-    const auto then = session.solid_at(*download->at, carvers(), request.stop);
+    const auto record = find_record(session, *download->at);
+    if (!record) return record.error();
+    const auto then = session.solid_at(*record, carvers(), request.stop);
     if (!then) return error_response(503, "busy", then.error());
-    if (!*then) {
-      return error_response(404, "no_record",
-                            "the session has no record " + std::to_string(*download->at) + " yet");
-    }
-    now = {**then, {*download->at, (*then)->hash()}};
+    if (!*then) return no_record(*record);
+    now = {**then, {*record, (*then)->hash()}};
+    download->suffix += "-at-" + std::to_string(*record);
   } else {
     now = current_solid(session);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/download_request.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,7 @@ namespace {
 constexpr DownloadKind kMotionDownloads[] = {{"program.ngc", "text/plain", ".ngc"},
                                              {"program.apt", "text/plain", ".apt"},
                                              {"forces.csv", "text/csv", ".csv"},
+                                             {"forces", "application/json", ".json"},
                                              {"thin_walls.json", "application/json", ".json"},
                                              {"journal", "application/vnd.sqlite3", ".kerf"}};
 constexpr std::string_view kModel = "model.";
@@ -45,9 +47,9 @@ std::expected<void, DownloadError> read_model(const ApiRequest& request,
     download.suffix += '-' + *text + "-triangles";
   }
   if (const std::string* text = request.query_value("at")) {
-    download.at = parse_number<std::uint64_t>(*text);
-    if (!download.at) return bad_request("bad_at", "at must be the number of a record");
-    download.suffix += "-at-" + *text;
+    auto point = parse_point(*text);
+    if (!point) return bad_request("bad_at", "at " + point.error());
+    download.at = *std::move(point);
   }
   if (const std::string* text = request.query_value("error_mm")) {
     download.simplify.error_mm = parse_number<double>(*text);
@@ -93,6 +95,26 @@ std::expected<void, DownloadError> read_program(const ApiRequest& request,
   return {};
 }
 
+/// After read_program().
+std::expected<void, DownloadError> read_plot(const ApiRequest& request, DownloadRequest& download) {
+  const ProgramRequest& program = download.program;
+  ForcePlotRequest& plot = download.plot;
+  plot.only = program.only;
+  plot.first = std::max<std::uint64_t>(program.first, 1);
+  plot.last = program.last;
+  if (program.first > program.last) return bad_request("bad_span", "from must not exceed to");
+  const std::string* text = request.query_value("points");
+  if (text == nullptr) return {};
+  const auto points = parse_number<std::size_t>(*text);
+  if (!points || *points < 1 || *points > kForcePointsMax) {
+    return bad_request("bad_points",
+                       "points must be an integer from 1 to " + std::to_string(kForcePointsMax));
+  }
+  plot.points = *points;
+  download.suffix += "-" + *text + "-points";
+  return {};
+}
+
 std::expected<void, DownloadError> read_device(const ApiRequest& request,
                                                DownloadRequest& download) {
   const std::string* text = request.query_value("device_limits");
@@ -123,6 +145,9 @@ std::expected<DownloadRequest, DownloadError> read_download_request(const ApiReq
     download.kind = kind;
     if (auto read = read_program(request, download); !read) return std::unexpected(read.error());
     if (auto read = read_device(request, download); !read) return std::unexpected(read.error());
+    if (auto read = read_plot(request, download); !read && name == "forces") {
+      return std::unexpected(read.error());
+    }
     return download;
   }
   if (name.starts_with(kModel)) {

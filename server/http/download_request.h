@@ -8,6 +8,7 @@
 #include "server/formats/model/model_writer.h"
 #include "server/formats/model/simplify_mesh.h"
 #include "server/http/api.h"
+#include "server/http/history_point.h"
 #include "server/session/session_export.h"
 
 namespace kerf::net {
@@ -24,9 +25,10 @@ struct DownloadRequest {
   std::optional<ModelFormat> model;  ///< nothing: made of motions
   ModelEncoding encoding = ModelEncoding::kBinary;
   SimplifyRequest simplify;
-  std::optional<std::uint64_t> at;  ///< of a model: the record after which; nothing: now
+  std::optional<HistoryPoint> at;  ///< of a model: the block as it was then; nothing: now
   ProgramRequest program;
   ForcesRequest forces;
+  ForcePlotRequest plot;
   std::string suffix;  ///< of the file name: the parameters that are not the defaults
 };
 

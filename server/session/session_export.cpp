@@ -1,24 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/session/session_export.h"
 
+#include <algorithm>
+#include <memory>
 #include <ostream>
 
 #include "server/formats/forces_csv.h"
 #include "server/formats/program_writer.h"
 #include "server/history/recorded_block.h"
+#include "server/session/force_plot.h"
 #include "server/session/replay.h"
 
 namespace kerf {
 namespace {
 
-/// Calls `use` with each remaining record; stops at the first error of the journal or of `use`.
+/// Calls `use` with each remaining record up to `last`; stops at the first error of the journal or
+/// of `use`.
 template <typename Use>
-ExportResult for_each_record(JournalReader& reader, const std::stop_token& stop, Use&& use) {
+ExportResult for_each_record(JournalReader& reader, std::uint64_t last, const std::stop_token& stop,
+                             Use&& use) {
   for (;;) {
     if (stop.stop_requested()) return std::unexpected("stopped");
     const auto record = reader.next();
     if (!record) return std::unexpected(describe(record.error()));
-    if (!*record) return {};
+    if (!*record || (*record)->sequence > last) return {};
     if (auto ok = use(**record); !ok) return ok;
   }
 }
@@ -27,6 +32,51 @@ bool is_requested(const JournalRecord& record, const ProgramRequest& request,
                   const StrokeSet& undone) {
   return !undone.contains(record.stroke) && record.sequence >= request.first &&
          record.sequence <= request.last && (!request.only || *request.only == record.participant);
+}
+
+/// A journal whose forces are computed again.
+struct FeltJournal {
+  std::unique_ptr<JournalReader> reader;
+  StrokeSet undone;
+  std::unique_ptr<Sculpture> block;  ///< before the first record
+};
+
+std::expected<FeltJournal, std::string> open_felt(const std::filesystem::path& journal,
+                                                  const std::stop_token& stop) {
+  auto undone = undone_strokes(journal, stop);
+  if (!undone) return std::unexpected(undone.error());
+  auto reader = JournalReader::open(journal);
+  if (!reader) return std::unexpected(describe(reader.error()));
+  const auto scene = journal_scene(*reader, journal);
+  if (!scene) return std::unexpected(describe(scene.error()));
+  auto sculpture = Sculpture::create(scene->settings);
+  if (!sculpture) return std::unexpected(sculpture.error().reason);
+  return FeltJournal{std::make_unique<JournalReader>(*std::move(reader)), *std::move(undone),
+                     std::make_unique<Sculpture>(*std::move(sculpture))};
+}
+
+struct FeltMotion {
+  const JournalRecord& record;
+  const MoveTool& move;
+  const MotionResult& result;
+};
+
+/// Carves the records up to `last`, without the strokes that are undone, and calls `use` with each
+/// motion, or each of one participant.
+template <typename Use>
+ExportResult for_each_felt(const FeltJournal& journal, std::optional<ParticipantId> only,
+                           std::uint64_t last, const std::stop_token& stop, Use&& use) {
+  const auto apply = [&](const JournalRecord& record) -> ExportResult {
+    auto command = kernel_command(record.command);
+    if (!command || journal.undone.contains(record.stroke)) return {};
+    auto* move = std::get_if<MoveTool>(&*command);
+    if (move != nullptr) move->feel = !only || *only == record.participant;
+    const auto result = journal.block->apply(*command);
+    if (!result) return std::unexpected(result.error().reason);
+    if (move != nullptr && move->feel) use(FeltMotion{record, *move, *result});
+    return {};
+  };
+  return for_each_record(*journal.reader, last, stop, apply);
 }
 
 }  // namespace
@@ -42,17 +92,18 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
   const auto scene = journal_scene(*reader, journal);
   if (!scene) return std::unexpected(describe(scene.error()));
   const auto writer = make_program_writer(request.format, *scene, out, request.tolerance_mm);
-  auto written = for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
-    const auto* move = std::get_if<MoveTool>(&record.command);
-    if (move == nullptr || move->from == move->to || !is_requested(record, request, *undone))
-      return {};
-    ProgramMotion motion;
-    motion.tool = move->tool;
-    motion.from = move->from;
-    motion.to = move->to;
-    motion.duration_s = move->duration_s;
-    return writer->add(motion);
-  });
+  auto written =
+      for_each_record(*reader, UINT64_MAX, stop, [&](const JournalRecord& record) -> ExportResult {
+        const auto* move = std::get_if<MoveTool>(&record.command);
+        if (move == nullptr || move->from == move->to || !is_requested(record, request, *undone))
+          return {};
+        ProgramMotion motion;
+        motion.tool = move->tool;
+        motion.from = move->from;
+        motion.to = move->to;
+        motion.duration_s = move->duration_s;
+        return writer->add(motion);
+      });
   if (!written) return written;
   if (auto ok = writer->finish(); !ok) return ok;
   if (!out) return std::unexpected("cannot write the output");
@@ -61,30 +112,32 @@ ExportResult export_program(const std::filesystem::path& journal, const ProgramR
 
 ExportResult export_forces(const std::filesystem::path& journal, const ForcesRequest& request,
                            std::ostream& out, const std::stop_token& stop) {
-  const auto undone = undone_strokes(journal, stop);
-  if (!undone) return std::unexpected(undone.error());
-  auto reader = JournalReader::open(journal);
-  if (!reader) return std::unexpected(describe(reader.error()));
-  const auto scene = journal_scene(*reader, journal);
-  if (!scene) return std::unexpected(describe(scene.error()));
-  auto sculpture = Sculpture::create(scene->settings);
-  if (!sculpture) return std::unexpected(sculpture.error().reason);
+  const auto opened = open_felt(journal, stop);
+  if (!opened) return std::unexpected(opened.error());
   write_forces_header(out, request.device);
   double time_s = 0;
-  auto ok = for_each_record(*reader, stop, [&](const JournalRecord& record) -> ExportResult {
-    auto command = kernel_command(record.command);
-    if (!command || undone->contains(record.stroke)) return {};
-    auto* move = std::get_if<MoveTool>(&*command);
-    if (move != nullptr) move->feel = !request.only || *request.only == record.participant;
-    const auto result = sculpture->apply(*command);
-    if (!result) return std::unexpected(result.error().reason);
-    if (move == nullptr || !move->feel) return {};
-    time_s += move->duration_s;
-    write_forces_row(out, time_s, move->to, *result, request.device);
-    return {};
+  auto ok = for_each_felt(*opened, request.only, UINT64_MAX, stop, [&](const FeltMotion& felt) {
+    time_s += felt.move.duration_s;
+    write_forces_row(out, time_s, felt.move.to, felt.result, request.device);
   });
   if (ok && !out) return std::unexpected("cannot write the output");
   return ok;
+}
+
+ExportResult export_force_plot(const std::filesystem::path& journal,
+                               const ForcePlotRequest& request, std::ostream& out,
+                               const std::stop_token& stop) {
+  const auto opened = open_felt(journal, stop);
+  if (!opened) return std::unexpected(opened.error());
+  const std::uint64_t last = std::min(request.last, opened->reader->last_sequence());
+  ForcePlot plot(request.first, last, request.points);
+  auto ok = for_each_felt(*opened, request.only, last, stop, [&](const FeltMotion& felt) {
+    plot.add(felt.record.sequence, felt.record.wall_ms, felt.result.wrench);
+  });
+  if (!ok) return ok;
+  plot.write(out);
+  if (!out) return std::unexpected("cannot write the output");
+  return {};
 }
 
 }  // namespace kerf

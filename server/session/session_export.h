@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -43,5 +44,19 @@ struct ForcesRequest {
 /// strokes that are undone had never been.
 ExportResult export_forces(const std::filesystem::path& journal, const ForcesRequest& request,
                            std::ostream& out, const std::stop_token& stop = {});
+
+/// The forces to plot.
+struct ForcePlotRequest {
+  std::optional<ParticipantId> only = {};      ///< only motions of this participant
+  std::uint64_t first = 1, last = UINT64_MAX;  ///< journal records, inclusive
+  std::size_t points = 1000;                   ///< spans of records, 1 to kForcePointsMax
+};
+inline constexpr std::size_t kForcePointsMax = 5000;
+
+/// Writes the forces that export_forces() would list as JSON with one value for each span of
+/// records (ForcePlot). Carves the journal up to the last record that is plotted.
+ExportResult export_force_plot(const std::filesystem::path& journal,
+                               const ForcePlotRequest& request, std::ostream& out,
+                               const std::stop_token& stop = {});
 
 }  // namespace kerf

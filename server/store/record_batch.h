@@ -88,6 +88,12 @@ struct BatchHead {
   std::uint64_t first = 0, count = 0;  ///< sequence of its first record; number of records
   std::int64_t wall_ms = 0;            ///< when the first one was appended; ms since 1970, UTC
   std::int64_t span_ms = 0;            ///< from then to the last one
+
+  /// When record `first` + n was appended, interpolated.
+  std::int64_t wall_ms_of(std::uint64_t n) const {
+    const auto steps = static_cast<std::int64_t>(count) - 1;
+    return wall_ms + span_ms * static_cast<std::int64_t>(n) / (steps < 1 ? 1 : steps);
+  }
 };
 inline constexpr std::int64_t kWallMaxMs = std::int64_t{1} << 53;  ///< of either sign
 inline constexpr std::int64_t kSpanMaxMs = std::int64_t{1} << 40;

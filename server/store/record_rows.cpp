@@ -186,12 +186,10 @@ std::expected<bool, JournalError> RecordRows::next_batch() {
   at_ = 0;
   for (BatchRecord& record : *records) {
     const std::uint64_t sequence = ++count_;
-    const auto n = static_cast<std::int64_t>(sequence - first);
     std::uint64_t& stroke = strokes_[record.participant];
     if (record.begins_stroke) stroke = sequence;
     batch_.push_back({sequence, record.participant, std::move(record.command),
-                      head.wall_ms + head.span_ms * n / std::max<std::int64_t>(count - 1, 1),
-                      stroke});
+                      head.wall_ms_of(sequence - first), stroke});
   }
   return true;
 }

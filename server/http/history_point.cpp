@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/history_point.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "server/http/number.h"
+#include "server/store/journal_times.h"
+
+namespace kerf::net {
+namespace {
+
+constexpr int kDecimals = 3;  ///< of a second that count
+
+/// The number that some digits of a text spell.
+int digits(std::string_view text, std::size_t at, std::size_t count) {
+  return parse_number<int>(text.substr(at, count)).value_or(-1);
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Whether a text begins like `form`, in which 0 is any digit.
+bool has_form(std::string_view text, std::string_view form) {
+  const auto matches = [](char c, char f) { return f == '0' ? is_digit(c) : c == f; };
+  return text.size() >= form.size() &&
+         std::ranges::equal(text.substr(0, form.size()), form, matches);
+}
+
+/// The decimals of a second, as ms; nullopt if they are malformed.
+std::optional<int> parse_decimals(std::string_view text) {
+  if (text.empty()) return 0;
+  if (text.front() != '.' || text.size() == 1) return std::nullopt;
+  text.remove_prefix(1);
+  int ms = 0;
+  for (int n = 0; n < kDecimals; ++n) {
+    const auto at = static_cast<std::size_t>(n);
+    ms = 10 * ms + (at < text.size() ? text[at] - '0' : 0);
+  }
+  return std::ranges::all_of(text, is_digit) ? std::optional(ms) : std::nullopt;
+}
+
+}  // namespace
+
+std::expected<WallTime, std::string> parse_time(std::string_view text) {
+  constexpr std::string_view kForm = "0000-00-00T00:00:00";
+  const auto failed = [] {
+    return std::unexpected(
+        std::string("must be a time in UTC, as 2026-11-22T14:03:00Z, not before 1970"));
+  };
+  if (!has_form(text, kForm) || text.back() != 'Z') return failed();
+  using std::chrono::days, std::chrono::sys_days, std::chrono::year_month_day;
+  const year_month_day date{std::chrono::year(digits(text, 0, 4)),
+                            std::chrono::month(static_cast<unsigned>(digits(text, 5, 2))),
+                            std::chrono::day(static_cast<unsigned>(digits(text, 8, 2)))};
+  const int hour = digits(text, 11, 2), minute = digits(text, 14, 2), second = digits(text, 17, 2);
+  text.remove_suffix(1);
+  const auto ms = parse_decimals(text.substr(kForm.size()));
+  if (!ms || !date.ok() || date.year() < std::chrono::year(1970) || hour > 23 || minute > 59 ||
+      second > 59) {
+    return failed();
+  }
+  const auto time = sys_days(date).time_since_epoch() + std::chrono::hours(hour) +
+                    std::chrono::minutes(minute) + std::chrono::seconds(second) +
+                    std::chrono::milliseconds(*ms);
+  return WallTime{std::chrono::duration_cast<std::chrono::milliseconds>(time).count()};
+}
+
+std::expected<HistoryPoint, std::string> parse_point(const std::string& text) {
+  if (const auto record = parse_number<std::uint64_t>(text)) return *record;
+  if (const auto time = parse_time(text)) return *time;
+  return std::unexpected(
+      "must be the number of a record or a time in UTC, as 2026-11-22T14:03:00Z");
+}
+
+std::expected<std::uint64_t, ApiResponse> find_record(Session& session, const HistoryPoint& point) {
+  if (const auto* record = std::get_if<std::uint64_t>(&point)) return *record;
+  const WallTime time = std::get<WallTime>(point);
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  if (time.ms > std::chrono::duration_cast<std::chrono::milliseconds>(now).count()) {
+    return std::unexpected(error_response(404, "no_record", "that time is still to come"));
+  }
+  const auto flushed = session.flush();
+  if (!flushed) return std::unexpected(error_response(503, "busy", describe(flushed.error())));
+  const auto record = record_at(session.journal_file(), time.ms);
+  if (!record) return std::unexpected(error_response(500, "journal_io", describe(record.error())));
+  return *record;
+}
+
+ApiResponse no_record(std::uint64_t record) {
+  return error_response(404, "no_record",
+                        "the session has no record " + std::to_string(record) + " yet");
+}
+
+}  // namespace kerf::net

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/force_plot.h"
+
+#include <algorithm>
+#include <ostream>
+#include <string>
+
+#include "server/formats/number_text.h"
+
+namespace kerf {
+namespace {
+
+template <typename Text>
+void write_array(std::ostream& out, const char* name, std::size_t count, Text&& text) {
+  out << '"' << name << "\":[";
+  for (std::size_t n = 0; n < count; ++n) out << (n == 0 ? "" : ",") << text(n);
+  out << ']';
+}
+
+}  // namespace
+
+ForcePlot::ForcePlot(std::uint64_t first, std::uint64_t last, std::size_t points)
+    : first_(first), last_(last) {
+  if (first <= last) span_ = (last - first) / points + 1;
+}
+
+void ForcePlot::Range::add(double value, bool is_first) {
+  min = is_first ? value : std::min(min, value);
+  max = is_first ? value : std::max(max, value);
+  sum += value;
+}
+
+void ForcePlot::add(std::uint64_t record, std::int64_t wall_ms, const Wrench& wrench) {
+  if (record < first_ || record > last_) return;
+  const std::uint64_t span = (record - first_) / span_;
+  const bool is_first = points_.empty() || points_.back().span != span;
+  if (is_first) points_.push_back({.span = span, .first = record, .time_ms = wall_ms});
+  Point& point = points_.back();
+  point.last = record;
+  ++point.motions;
+  point.force_n.add(length(wrench.force_n), is_first);
+  point.torque_nmm.add(length(wrench.torque_nmm), is_first);
+}
+
+void ForcePlot::write(std::ostream& out) const {
+  const std::size_t count = points_.size();
+  const auto whole = [&](const char* name, auto Point::* member) {
+    write_array(out, name, count, [&](std::size_t n) { return points_[n].*member; });
+    out << ',';
+  };
+  const auto range = [&](const char* name, Range Point::* member) {
+    out << '"' << name << "\":{";
+    write_array(out, "min", count,
+                [&](std::size_t n) { return exact_text((points_[n].*member).min); });
+    out << ',';
+    write_array(out, "mean", count, [&](std::size_t n) {
+      return exact_text((points_[n].*member).sum / static_cast<double>(points_[n].motions));
+    });
+    out << ',';
+    write_array(out, "max", count,
+                [&](std::size_t n) { return exact_text((points_[n].*member).max); });
+    out << '}';
+  };
+  out << "{\"span\":" << span_ << ',';
+  whole("first", &Point::first);
+  whole("last", &Point::last);
+  whole("time_ms", &Point::time_ms);
+  whole("motions", &Point::motions);
+  range("force_n", &Point::force_n);
+  out << ',';
+  range("torque_nmm", &Point::torque_nmm);
+  out << "}\n";
+}
+
+}  // namespace kerf

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <iosfwd>
+#include <vector>
+
+#include "kernel/math/wrench.h"
+
+namespace kerf {
+
+/// Forces of motions, decimated for a plot: least, mean and greatest magnitude in each of a number
+/// of equal spans of records.
+class ForcePlot {
+ public:
+  /// Divides the records `first` to `last` into at most `points` spans; none if `first` is greater.
+  ForcePlot(std::uint64_t first, std::uint64_t last, std::size_t points);
+  /// Adds a motion; its record ascends. Those outside the plot have no effect.
+  void add(std::uint64_t record, std::int64_t wall_ms, const Wrench& wrench);
+  /// Writes an object whose arrays have one value for each span with a motion:
+  /// {"span":N,"first":[…],"last":[…],"time_ms":[…],"motions":[…],
+  ///  "force_n":{"min":[…],"mean":[…],"max":[…]},"torque_nmm":{…}}
+  /// `span` is the number of records of a span, `first` and `last` are those of its first and last
+  /// motion, `time_ms` is when the first one was recorded. Means are over the motions.
+  void write(std::ostream& out) const;
+
+ private:
+  struct Range {
+    double min = 0, sum = 0, max = 0;
+    void add(double value, bool is_first);
+  };
+  struct Point {
+    std::uint64_t span = 0, first = 0, last = 0, motions = 0;
+    std::int64_t time_ms = 0;
+    Range force_n, torque_nmm;
+  };
+  std::uint64_t first_, last_, span_ = 1;
+  std::vector<Point> points_;
+};
+
+}  // namespace kerf

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/http/history_point.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "server/session/session_export.h"
+#include "server/store/journal_times.h"
+#include "tests/server/undo_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+TEST(HistoryPoint, TimesAreThoseOfRfc3339InUtc) {
+  const auto ms = [](const char* text) {
+    const auto time = parse_time(text);
+    return time ? time->ms : -1;
+  };
+  EXPECT_EQ(ms("1970-01-01T00:00:00Z"), 0);
+  EXPECT_EQ(ms("2000-02-29T12:34:56Z"), 951827696000);
+  EXPECT_EQ(ms("2026-11-22T14:03:00Z"), 1795356180000);
+  EXPECT_EQ(ms("2026-11-22T14:03:00.25Z"), 1795356180250);
+  EXPECT_EQ(ms("2026-11-22T14:03:00.1239Z"), 1795356180123);
+  for (const char* text :
+       {"", "Z", "2026-11-22", "2026-11-22T14:03:00", "2026-11-22T14:03Z", "2026-11-22 14:03:00Z",
+        "2026-11-22T14:03:00.Z", "2026-11-22T14:03:00.xZ", "2026-11-22T14:03:00.12x4Z",
+        "2026-11-22T14:03:00+01:00", "2026-13-01T00:00:00Z", "2026-02-29T00:00:00Z",
+        "2026-01-01T24:00:00Z", "2026-01-01T00:60:00Z", "2026-01-01T00:00:60Z",
+        "1969-12-31T23:59:59Z", "-026-11-22T14:03:00Z", "2026-11-22T14:03:00ZZ"}) {
+    EXPECT_EQ(ms(text), -1) << text;
+  }
+}
+
+TEST(HistoryPoint, IsARecordOrATime) {
+  EXPECT_EQ(std::get<std::uint64_t>(parse_point("17").value()), 17U);
+  EXPECT_EQ(std::get<WallTime>(parse_point("1970-01-01T00:00:01Z").value()).ms, 1000);
+  EXPECT_FALSE(parse_point(""));
+  EXPECT_FALSE(parse_point("-1"));
+  EXPECT_FALSE(parse_point("18446744073709551616"));
+}
+
+using JournalTimes = SessionUndo;
+
+TEST_F(JournalTimes, TheRecordOfATimeIsTheLastOneUntilThen) {
+  create();
+  const ParticipantId ada = join("Ada");
+  for (int n = 0; n < 5; ++n) {
+    stroke(ada, {-15, n - 2.0, -2}, {15, n - 2.0, -2}, 50);
+    ASSERT_TRUE(session_->flush());
+  }
+  std::map<std::int64_t, std::uint64_t> last;  // record of each time
+  auto reader = JournalReader::open(session_->journal_file());
+  for (auto record = reader->next(); record && *record; record = reader->next()) {
+    last[(*record)->wall_ms] = (*record)->sequence;
+    EXPECT_EQ(time_of(session_->journal_file(), (*record)->sequence), (*record)->wall_ms);
+  }
+  ASSERT_GE(last.size(), 2U);
+  const auto at = [&](std::int64_t ms) { return record_at(session_->journal_file(), ms); };
+  for (std::int64_t ms = last.begin()->first; ms <= last.rbegin()->first; ++ms) {
+    ASSERT_EQ(at(ms), std::prev(last.upper_bound(ms))->second) << ms - last.begin()->first;
+  }
+  EXPECT_EQ(at(0), 0U);
+  EXPECT_EQ(at(last.begin()->first - 1), 0U);
+  EXPECT_EQ(at(last.rbegin()->first + 1'000'000), session_->sequence());
+  EXPECT_EQ(time_of(session_->journal_file(), session_->sequence() + 1), 0);
+}
+
+class ForcePlots : public SessionUndo {
+ protected:
+  nlohmann::json plot(const ForcePlotRequest& request) {
+    std::ostringstream out;
+    EXPECT_TRUE(export_force_plot(session_->journal_file(), request, out));
+    return nlohmann::json::parse(out.str());
+  }
+  /// Magnitudes of force and torque in the lines of forces.csv.
+  std::vector<std::array<double, 2>> lines(const ForcesRequest& request) {
+    std::stringstream csv;
+    EXPECT_TRUE(export_forces(session_->journal_file(), request, csv));
+    std::vector<std::array<double, 2>> magnitudes;
+    std::string line;
+    std::getline(csv, line);
+    while (std::getline(csv, line)) {
+      std::vector<double> values;
+      std::stringstream cells(line);
+      for (std::string cell; std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
+      magnitudes.push_back({std::hypot(values[7], values[8], values[9]),
+                            std::hypot(values[10], values[11], values[12])});
+    }
+    return magnitudes;
+  }
+};
+
+TEST_F(ForcePlots, HoldTheExtremesAndMeansOfForcesCsv) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const StrokeId gone = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  stroke(bo, {-15, -8, -2}, {15, -8, -2});
+  undo({gone});
+  ASSERT_TRUE(session_->flush());
+  const auto all = lines({});
+  ASSERT_GT(all.size(), 40U);
+  for (const std::size_t points : {1U, 7U, 5000U}) {
+    const auto json = plot({.points = points});
+    const std::size_t spans = json["first"].size();
+    EXPECT_LE(spans, points);
+    std::size_t line = 0;
+    double greatest = 0;
+    for (std::size_t n = 0; n < spans; ++n) {
+      const char* names[] = {"force_n", "torque_nmm"};
+      for (std::size_t kind = 0; kind < 2; ++kind) {
+        double least = INFINITY, most = 0, sum = 0;
+        const std::size_t motions = json["motions"][n];
+        for (std::size_t m = line; m < line + motions; ++m) {
+          least = std::min(least, all.at(m)[kind]);
+          most = std::max(most, all.at(m)[kind]);
+          sum += all.at(m)[kind];
+        }
+        const auto& values = json[names[kind]];
+        EXPECT_NEAR(values["min"][n], least, 1e-6 * (1 + least));
+        EXPECT_NEAR(values["max"][n], most, 1e-6 * (1 + most));
+        EXPECT_NEAR(values["mean"][n], sum / static_cast<double>(motions), 1e-6 * (1 + most));
+        greatest = std::max(greatest, most);
+      }
+      line += json["motions"][n].get<std::size_t>();
+      EXPECT_EQ(json["time_ms"][n], time_of(session_->journal_file(), json["first"][n]).value());
+    }
+    EXPECT_EQ(line, all.size());
+    EXPECT_GT(greatest, 0.1);
+  }
+}
+
+TEST_F(ForcePlots, AreOfASpanAndOfOneParticipant) {
+  create();
+  const ParticipantId ada = join("Ada"), bo = join("Bo");
+  stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const std::uint64_t from = stroke(bo, {0, -15, -3}, {0, 15, -3});
+  const std::uint64_t to = session_->sequence();
+  stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  ASSERT_TRUE(session_->flush());
+  const auto span = plot({.first = from, .last = to, .points = 5000});
+  EXPECT_EQ(span["first"].front(), from);
+  EXPECT_EQ(span["last"].back(), to);
+  EXPECT_EQ(span["motions"].size(), lines({.only = bo}).size());
+  EXPECT_EQ(plot({.only = bo, .points = 5000})["force_n"], span["force_n"]);
+  EXPECT_EQ(plot({.first = to + 1000})["first"].size(), 0U);
+}
+
+}  // namespace
+}  // namespace kerf::net
