@@ -118,6 +118,9 @@ class Api {
   ApiResponse list_strokes(const ApiCall& call);
   ApiResponse undo(const ApiCall& call);
   ApiResponse redo(const ApiCall& call);
+  ApiResponse list_versions(const ApiCall& call);
+  ApiResponse name_version(const ApiCall& call);
+  ApiResponse remove_version(const ApiCall& call);
   ApiResponse list_invitations(const ApiCall& call);
   ApiResponse invite(const ApiCall& call);
   ApiResponse revoke(const ApiCall& call);
@@ -139,6 +142,7 @@ class Api {
   AccessResult<void> mute(Session& session, ParticipantId id, const std::string& person,
                           bool muted);
   ApiResponse change_strokes(const ApiCall& call, bool undone);
+  ApiResponse create_branch(const ApiCall& call, const std::string& id);
   ThreadPool& carvers();
   /// The uploaded files that a scene names.
   std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;

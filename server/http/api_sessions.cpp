@@ -4,6 +4,7 @@
 
 #include "server/http/access_errors.h"
 #include "server/http/api.h"
+#include "server/http/history_point.h"
 #include "server/session/hash_text.h"
 #include "server/threads/run_and_wait.h"
 
@@ -14,6 +15,25 @@ using Json = nlohmann::json;
 
 std::string to_text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json parent_json(const JournalParent& parent) {
+  if (parent.session.empty()) return {};
+  return {{"session", parent.session},
+          {"record", parent.record},
+          {"epoch", parent.epoch},
+          {"branched_ms", parent.branched_ms}};
+}
+
+ApiResponse created_response(const Session& session) {
+  const std::string url = "/v1/sessions/" + session.id();
+  Json json = {{"id", session.id()}, {"url", url}};
+  const Scene& scene = session.scene();
+  if (scene.accuracy) json["accuracy"] = Json::parse(accuracy_json(scene));
+  if (!session.parent().session.empty()) json["parent"] = parent_json(session.parent());
+  auto response = json_response(201, to_text(json));
+  response.headers.emplace_back("Location", url);
+  return response;
 }
 
 Json info_json(const Session& session, const SessionInfo& info, const StateHash& hash) {
@@ -32,6 +52,7 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
           {"name", session.scene().name},
           {"url", "/v1/sessions/" + info.id},
           {"epoch", info.epoch},
+          {"parent", parent_json(session.parent())},
           {"state_hash", hash_text(hash.hash)},
           {"state_sequence", hash.sequence},
           {"motions", info.motions},
@@ -111,19 +132,30 @@ ApiResponse Api::create_session(const ApiCall& call) {
                             "id must be 1 to 64 characters, each one of a-z, 0-9, - and _");
     }
   }
+  if (call.request.query_value("from") != nullptr) return create_branch(call, id);
   // A scene from the network must not read the server's files: it has no base folder and may name
   // uploaded files only.
   SceneSource source;
   source.files = uploads_named_in(call.request.body);
   const auto created = registry_.create(id, call.request.body, source);
   if (!created) return registry_failure(created.error());
-  const std::string url = "/v1/sessions/" + (*created)->id();
-  Json json = {{"id", (*created)->id()}, {"url", url}};
-  const Scene& scene = (*created)->scene();
-  if (scene.accuracy) json["accuracy"] = Json::parse(accuracy_json(scene));
-  auto response = json_response(201, to_text(json));
-  response.headers.emplace_back("Location", url);
-  return response;
+  return created_response(**created);
+}
+
+ApiResponse Api::create_branch(const ApiCall& call, const std::string& id) {
+  const std::string& from = *call.request.query_value("from");
+  const std::size_t at = from.find('@');
+  const auto parent = registry_.find(from.substr(0, at));
+  if (!parent) return no_session(registry_, from.substr(0, at));
+  if (!call.request.body.empty()) {
+    return error_response(400, "bad_request", "name either a session in from or send a scene");
+  }
+  const std::string point = at == std::string::npos ? "" : from.substr(at + 1);
+  const auto record = find_requested(*parent, at == std::string::npos ? nullptr : &point);
+  if (!record) return record.error();
+  const auto created = registry_.branch(id, *parent, *record);
+  if (!created) return registry_failure(created.error());
+  return created_response(**created);
 }
 
 ApiResponse Api::close_session(const ApiCall& call) {

@@ -7,6 +7,8 @@
 
 #include "server/http/number.h"
 #include "server/store/journal_times.h"
+#include "server/store/named_version.h"
+#include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
 namespace {
@@ -69,12 +71,22 @@ std::expected<WallTime, std::string> parse_time(std::string_view text) {
 std::expected<HistoryPoint, std::string> parse_point(const std::string& text) {
   if (const auto record = parse_number<std::uint64_t>(text)) return *record;
   if (const auto time = parse_time(text)) return *time;
+  if (is_version_name(text)) return text;
   return std::unexpected(
-      "must be the number of a record or a time in UTC, as 2026-11-22T14:03:00Z");
+      "must be the number of a record, a time in UTC, as 2026-11-22T14:03:00Z, or the name of a "
+      "version");
 }
 
 std::expected<std::uint64_t, ApiResponse> find_record(Session& session, const HistoryPoint& point) {
   if (const auto* record = std::get_if<std::uint64_t>(&point)) return *record;
+  if (const auto* name = std::get_if<std::string>(&point)) {
+    const auto named =
+        run_and_wait(session.executor(), [&] { return session.record_of_version(*name); });
+    if (named) return *named;
+    return std::unexpected(
+        error_response(404, "unknown_version",
+                       "the session has no version of this name, which is no time either"));
+  }
   const WallTime time = std::get<WallTime>(point);
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   if (time.ms > std::chrono::duration_cast<std::chrono::milliseconds>(now).count()) {
@@ -85,6 +97,18 @@ std::expected<std::uint64_t, ApiResponse> find_record(Session& session, const Hi
   const auto record = record_at(session.journal_file(), time.ms);
   if (!record) return std::unexpected(error_response(500, "journal_io", describe(record.error())));
   return *record;
+}
+
+std::expected<std::uint64_t, ApiResponse> find_requested(Session& session, const std::string* at) {
+  const auto last = [&] {
+    return run_and_wait(session.executor(), [&] { return session.sequence(); });
+  };
+  if (at == nullptr) return last();
+  const auto point = parse_point(*at);
+  if (!point) return std::unexpected(error_response(400, "bad_at", "at " + point.error()));
+  const auto record = find_record(session, *point);
+  if (record && *record > last()) return std::unexpected(no_record(*record));
+  return record;
 }
 
 ApiResponse no_record(std::uint64_t record) {

@@ -26,11 +26,13 @@ constexpr std::array kRows = {
     Row{Action::kDownload, "download", ".xxxxx", "models, programs, forces, the journal"},
     Row{Action::kCarve, "carve", ".x.xxx", "join as an agent and cut; guests within limits"},
     Row{Action::kUndo, "undo", "...xxx", "undo and redo one's own strokes"},
+    Row{Action::kNameVersions, "name_versions", "...xxx",
+        "name versions of the block, and delete one's own"},
     Row{Action::kRunPrograms, "run_programs", "...xxx", "start and cancel NC programs"},
     Row{Action::kInvite, "invite", "....xx", "make, list and revoke invitations"},
     Row{Action::kModerate, "moderate", "....xx",
         "remove and mute participants, change their roles; reserve regions, and cut in them; undo "
-        "strokes of others"},
+        "strokes of others, delete their versions"},
     Row{Action::kCloseSession, "close_session", "....xx", "close the session, or delete it"},
     Row{Action::kAdminister, "administer", ".....x", "create sessions, upload meshes, `/metrics`"},
 };

@@ -20,6 +20,7 @@ enum class Action : std::uint8_t {
   kDownload,
   kCarve,
   kUndo,
+  kNameVersions,
   kRunPrograms,
   kInvite,
   kModerate,

@@ -52,6 +52,8 @@ std::expected<Replayed, JournalError> untouched(const JournalReader& reader,
                   .start = std::move(start),
                   .last_participant = last_participant,
                   .resumable = Resumable(reader.participants()),
+                  .versions = reader.versions(),
+                  .parent = reader.parent(),
                   .hash = {},
                   .dropped_hashes = reader.dropped_hashes()};
 }

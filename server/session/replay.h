@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "server/formats/scene.h"
 #include "server/session/resumable.h"
@@ -23,6 +24,8 @@ struct Replayed {
   std::uint64_t last_sequence = 0;
   ParticipantId last_participant = 0;
   Resumable resumable;
+  std::vector<NamedVersion> versions = {};
+  JournalParent parent = {};
   StateHash hash;  ///< of the solid after the last record
   /// Stored hashes beyond the last record, which were ignored: the journal has lost its end.
   std::size_t dropped_hashes = 0;

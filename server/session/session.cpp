@@ -31,7 +31,12 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
                     replayed.last_participant, std::move(replayed.resumable)),
       carving_(limits_, sculpture_, journal_, participants_),
       workers_(workers),
-      schedule_({}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()) {
+      schedule_({}, replayed.snapshot_sequence, replayed.replay_time, Clock::now()),
+      parent_(std::move(replayed.parent)) {
+  for (NamedVersion& version : replayed.versions) {
+    std::string name = version.name;
+    versions_.emplace(std::move(name), std::move(version));
+  }
   participants_.defer_changes([this] { report_changes(); });
   show_figures();
 }

@@ -7,6 +7,7 @@
 #include <expected>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -26,6 +27,7 @@
 #include "server/session/session_limits.h"
 #include "server/session/snapshot_schedule.h"
 #include "server/session/stroke_request.h"
+#include "server/session/version_error.h"
 #include "server/threads/executor.h"
 
 namespace kerf {
@@ -90,6 +92,8 @@ class Session : public std::enable_shared_from_this<Session> {
   const std::string& id() const { return id_; }
   const Scene& scene() const { return scene_; }
   std::uint32_t epoch() const { return journal_.epoch(); }
+  /// The session from a point of which this one began; its id is empty if there is none.
+  const JournalParent& parent() const { return parent_; }
   const std::filesystem::path& journal_file() const { return journal_.file(); }
   Executor& executor() { return *executor_; }
   const DexelGrid& grid() const { return sculpture_.grid(); }
@@ -193,6 +197,14 @@ class Session : public std::enable_shared_from_this<Session> {
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
   bool cancel_program(ProgramId id);
 
+  /// Names a version; its name is one (is_version_name).
+  std::expected<void, VersionError> name_version(NamedVersion version);
+  /// Deletes a version: one's own, or any as an owner.
+  std::expected<void, VersionError> remove_version(const std::string& name, const Caller& caller);
+  /// The versions, by name.
+  std::vector<NamedVersion> versions() const;
+  std::optional<std::uint64_t> record_of_version(const std::string& name) const;
+
   SessionInfo info() const;
   std::vector<Participant> participants() const { return participants_.list(); }
   /// The participants as viewers see them.
@@ -289,6 +301,8 @@ class Session : public std::enable_shared_from_this<Session> {
   Clock::time_point changes_reported_{};
   std::timed_mutex history_mutex_;         ///< held while strokes change; guards the next one
   std::unique_ptr<BlockHistory> history_;  ///< made when it is first needed
+  std::map<std::string, NamedVersion> versions_;
+  JournalParent parent_;
   StrokeSet unsettled_;  ///< whose change is in the journal and not yet in the block
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;

@@ -144,16 +144,20 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
     std::error_code ignored;
     header.base_folder = std::filesystem::absolute(*source.base_folder, ignored).string();
   }
-  auto written = write_first_records(journal_path(*reserved), header, *scene);
+  return start_new(*reserved, write_first_records(journal_path(*reserved), header, *scene));
+}
+
+std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::start_new(
+    const std::string& id, const std::expected<void, JournalError>& written) {
   Opened opened;
-  auto session = written ? start(*reserved, opened) : std::unexpected(written.error());
+  auto session = written ? start(id, opened) : std::unexpected(written.error());
   const std::lock_guard lock(mutex_);
   if (!session) {
-    sessions_.erase(*reserved);
-    if (session.error().code != JournalErrorCode::kExists) remove_journal(journal_path(*reserved));
+    sessions_.erase(id);
+    if (session.error().code != JournalErrorCode::kExists) remove_journal(journal_path(id));
     return std::unexpected(journal_failure(session.error()));
   }
-  sessions_[*reserved] = *session;
+  sessions_[id] = *session;
   return *session;
 }
 

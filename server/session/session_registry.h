@@ -138,6 +138,11 @@ class SessionRegistry {
   std::expected<std::shared_ptr<Session>, RegistryError> create(std::string id,
                                                                 std::string_view scene_text,
                                                                 const SceneSource& source);
+  /// Starts a session that begins as another one was after a record, which it has: with its
+  /// strokes, undone or not, its participants and its versions. The other one goes on undisturbed.
+  /// If `id` is empty, a unique one is derived from the scene's name.
+  std::expected<std::shared_ptr<Session>, RegistryError> branch(std::string id, Session& parent,
+                                                                std::uint64_t record);
   std::shared_ptr<Session> find(const std::string& id) const;
   std::vector<std::shared_ptr<Session>> list() const;
   /// The sessions that are open or loading, sorted.
@@ -192,6 +197,10 @@ class SessionRegistry {
   std::expected<std::shared_ptr<Session>, JournalError> start(const std::string& id,
                                                               Opened& opened);
   void load(const std::string& id, LoadReport& report);
+  /// Starts the session of a journal that has been written, or failed to be, and deletes what
+  /// cannot be started.
+  std::expected<std::shared_ptr<Session>, RegistryError> start_new(
+      const std::string& id, const std::expected<void, JournalError>& written);
   std::expected<std::string, RegistryError> reserve(std::string id, const std::string& name);
   void end(const std::shared_ptr<Session>& session, const std::string& reason,
            const std::string& redirect = {});

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/store/crc32.h"
+#include "server/store/named_version.h"
 
 namespace kerf {
 namespace {
@@ -127,6 +128,7 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
                               "PRAGMA application_id=" + std::to_string(kJournalApplicationId) +
                               ";" + set_version();
     if (auto ok = database->execute(setup); !ok) return ok;
+    if (auto ok = create_version_table(*database); !ok) return ok;
     auto insert = database->prepare("INSERT INTO session VALUES(?,?,?,?,1)");
     if (!insert) return std::unexpected(insert.error());
     insert->bind(1, header.session);
@@ -185,6 +187,9 @@ std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::pat
       }
     }
     if (auto ok = database->execute(setup); !ok) {
+      return std::unexpected(to_journal_error(file, ok.error()));
+    }
+    if (auto ok = create_version_table(*database); !ok) {
       return std::unexpected(to_journal_error(file, ok.error()));
     }
   }

@@ -115,6 +115,9 @@ SqlResult<void> JournalGroups::insert(const Pending& pending) {
     if (auto ok = insert_version(inserts_.version, recarved->state.sequence); !ok) return ok;
     return insert_hash(inserts_.hash, recarved->state);
   }
+  if (const auto* change = std::get_if<VersionChange>(&pending)) {
+    return store_version(database_, *change);
+  }
   return insert_hash(inserts_.hash, std::get<StateHash>(pending));
 }
 

@@ -63,10 +63,10 @@ std::expected<void, JournalError> JournalReader::read_head() {
   if (crc != std::int64_t{crc32(std::as_bytes(std::span(header_.scene_json)))}) {
     return std::unexpected(corrupt(0, "the scene is missing or its checksum is wrong"));
   }
-  const auto tables = integer("SELECT count(*) FROM sqlite_master WHERE name='files'");
-  if (!tables) return std::unexpected(tables.error());
+  const auto has_files = has_table("files");
+  if (!has_files) return std::unexpected(has_files.error());
   std::string damaged;
-  if (*tables > 0) {
+  if (*has_files) {
     ok = each("SELECT name, bytes, crc FROM files", [&](const SqlStatement& row) {
       const auto bytes = row.blob(1);
       if (row.integer(2) != std::int64_t{crc32(bytes)}) damaged = row.text(0);
@@ -88,6 +88,12 @@ std::expected<void, JournalError> JournalReader::read_head() {
   if (!ok) return ok;
   ok = read_agents();
   if (!ok) return ok;
+  auto versions = read_versions(*database_, rows_->last());
+  if (!versions) return std::unexpected(to_journal_error(file_, versions.error()));
+  versions_ = *std::move(versions);
+  auto parent = read_parent(*database_);
+  if (!parent) return std::unexpected(to_journal_error(file_, parent.error()));
+  parent_ = *std::move(parent);
   return each("SELECT sequence, hash FROM state_hashes ORDER BY sequence",
               [&](const SqlStatement& row) {
                 if (row.integer(0) > last) {
@@ -100,9 +106,9 @@ std::expected<void, JournalError> JournalReader::read_head() {
 }
 
 std::expected<bool, JournalError> JournalReader::has_table(const std::string& name) {
-  const auto tables = integer("SELECT count(*) FROM sqlite_master WHERE name='" + name + "'");
-  if (!tables) return std::unexpected(tables.error());
-  return *tables > 0;
+  const auto found = database_->has_table(name);
+  if (!found) return std::unexpected(to_journal_error(file_, found.error()));
+  return *found;
 }
 
 std::expected<void, JournalError> JournalReader::read_agents() {

@@ -8,9 +8,11 @@
 #include <stop_token>
 #include <vector>
 
+#include "server/store/journal_branch.h"
 #include "server/store/journal_error.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_record.h"
+#include "server/store/named_version.h"
 #include "server/store/record_rows.h"
 #include "server/store/resume_token.h"
 
@@ -54,6 +56,10 @@ class JournalReader {
   const std::vector<JournalParticipant>& participants() const { return participants_; }
   /// Sorted by sequence; none is beyond the last record.
   const std::vector<StateHash>& state_hashes() const { return hashes_; }
+  /// The named versions, by name.
+  const std::vector<NamedVersion>& versions() const { return versions_; }
+  /// The session from a point of which this one began; its id is empty if there is none.
+  const JournalParent& parent() const { return parent_; }
   /// Number of state hashes that were left out because they are beyond the last record: the journal
   /// has lost the records before them.
   std::size_t dropped_hashes() const { return dropped_hashes_; }
@@ -84,6 +90,8 @@ class JournalReader {
   JournalHeader header_;
   std::vector<JournalParticipant> participants_;
   std::vector<StateHash> hashes_;
+  std::vector<NamedVersion> versions_;
+  JournalParent parent_;
   std::size_t dropped_hashes_ = 0;
   RecordOrder order_;
   std::stop_token stop_;

@@ -15,9 +15,9 @@ namespace {
 /// The last batch for which a condition holds; nullopt: none, or a journal of version 1.
 SqlResult<std::optional<BatchHead>> last_batch(SqlDatabase& database,
                                                const std::string& condition) {
-  const auto tables = database.integer("SELECT count(*) FROM sqlite_master WHERE name='batches'");
-  if (!tables) return std::unexpected(tables.error());
-  if (*tables == 0) return std::nullopt;
+  const auto exists = database.has_table("batches");
+  if (!exists) return std::unexpected(exists.error());
+  if (!*exists) return std::nullopt;
   auto rows = database.prepare("SELECT first, count, wall_ms, span_ms FROM batches WHERE " +
                                condition + " ORDER BY first DESC LIMIT 1");
   if (!rows) return std::unexpected(rows.error());
@@ -31,9 +31,9 @@ SqlResult<std::optional<BatchHead>> last_batch(SqlDatabase& database,
 
 /// The last record before all batches.
 SqlResult<std::uint64_t> last_without_time(SqlDatabase& database) {
-  const auto tables = database.integer("SELECT count(*) FROM sqlite_master WHERE name='commands'");
-  if (!tables) return std::unexpected(tables.error());
-  if (*tables == 0) return 0;
+  const auto exists = database.has_table("commands");
+  if (!exists) return std::unexpected(exists.error());
+  if (!*exists) return 0;
   const auto last = database.integer("SELECT coalesce(max(sequence),0) FROM commands");
   if (!last) return std::unexpected(last.error());
   return static_cast<std::uint64_t>(*last);

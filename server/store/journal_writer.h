@@ -62,6 +62,8 @@ class JournalWriter {
   void append(const JournalParticipant& participant);
   /// Appends the hash of the solid after record `state.sequence`.
   void append(StateHash state);
+  /// Stores or removes a named version.
+  void append(const VersionChange& change);
   /// Appends the hash of a block that this kernel has carved from the records of another one, and
   /// the version of this kernel, in one transaction.
   void append_recarved(StateHash state);

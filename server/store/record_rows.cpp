@@ -14,17 +14,10 @@ bool is_valid(const BatchHead& head) {
          head.wall_ms <= kWallMaxMs && head.span_ms >= 0 && head.span_ms <= kSpanMaxMs;
 }
 
-SqlResult<bool> has_table(SqlDatabase& database, const std::string& name) {
-  const auto tables =
-      database.integer("SELECT count(*) FROM sqlite_master WHERE name='" + name + "'");
-  if (!tables) return std::unexpected(tables.error());
-  return *tables > 0;
-}
-
 /// Prepares a query of a table; empty if there is no such table.
 SqlResult<std::optional<SqlStatement>> prepare_if(SqlDatabase& database, const std::string& table,
                                                   const std::string& query) {
-  const auto exists = has_table(database, table);
+  const auto exists = database.has_table(table);
   if (!exists) return std::unexpected(exists.error());
   if (!*exists) return std::optional<SqlStatement>();
   auto statement = database.prepare(query);
@@ -59,7 +52,7 @@ SqlResult<std::uint64_t> last_record(SqlDatabase& database) {
       {"batches",
        "SELECT coalesce((SELECT first+count-1 FROM batches ORDER BY first DESC LIMIT 1),0)"}};
   for (const auto& [table, query] : queries) {
-    const auto exists = has_table(database, table);
+    const auto exists = database.has_table(table);
     if (!exists) return std::unexpected(exists.error());
     if (!*exists) continue;
     const auto found = database.integer(query);

@@ -112,4 +112,11 @@ SqlResult<std::int64_t> SqlDatabase::integer(std::string_view sql) {
   return statement->integer(0);
 }
 
+SqlResult<bool> SqlDatabase::has_table(std::string_view name) {
+  auto statement = prepare("SELECT 1 FROM sqlite_master WHERE type='table' AND name=?");
+  if (!statement) return std::unexpected(statement.error());
+  statement->bind(1, name);
+  return statement->step();
+}
+
 }  // namespace kerf

@@ -60,6 +60,7 @@ class SqlDatabase {
   SqlResult<SqlStatement> prepare(std::string_view sql);
   /// Returns the first column of the first row of a query; an error if there is no row.
   SqlResult<std::int64_t> integer(std::string_view sql);
+  SqlResult<bool> has_table(std::string_view name);
 
  private:
   struct Close {

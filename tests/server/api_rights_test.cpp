@@ -140,6 +140,60 @@ TEST_F(ApiRightsTest, AListNamesTheOwnSession) {
   EXPECT_EQ(own[0].at("id"), "block");
 }
 
+TEST_F(ApiRightsTest, VersionsAreDeletedByTheirAuthorsAndByOwners) {
+  const std::string versions = "/v1/sessions/block/versions";
+  const auto passes = [&] {
+    ApiRequest request = *parse_target("/v1/sessions/block/join?name=Ada");
+    request.method = "POST";
+    request.token = invite("role=sculptor");
+    return pass_of_cookies(api->handle(request).headers.at(0).second);
+  };
+  const std::string ada = passes(), bo = passes();
+  const Json first = made("POST", versions + "?name=first%20try", ada, 201);
+  EXPECT_EQ(first.at("author"), "Ada");
+  EXPECT_EQ(first.at("record"), session->sequence());
+  made("POST", versions + "?name=second&at=1", ada, 201);
+  made("POST", versions + "?name=third&at=second", bo, 201);
+  EXPECT_EQ(made("POST", versions + "?name=second", bo, 409).at("error").at("code"),
+            "version_exists");
+  for (const char* bad : {"", "?name=", "?name=17", "?name=live", "?name=2026-11-22T14:03:00Z",
+                          "?name=a%2Fb", "?name=x&at=a%2Fb"}) {
+    made("POST", versions + bad, ada, 400);
+  }
+  made("POST", versions + "?name=x&at=99", ada, 404);
+  made("POST", versions + "?name=x&at=unknown", ada, 404);
+  made("POST", versions + "?name=x", tokens[Role::kWatcher], 403);
+  const Json list = made("GET", versions, tokens[Role::kWatcher]).at("versions");
+  ASSERT_EQ(list.size(), 3U);
+  EXPECT_EQ(list[1].at("name"), "second");
+  EXPECT_EQ(list[2].at("record"), 1);
+  made("DELETE", versions + "/first%20try", bo, 403);
+  made("DELETE", versions + "/first%20try", ada);
+  made("DELETE", versions + "/first%20try", ada, 404);
+  made("DELETE", versions + "/second", tokens[Role::kOwner]);
+}
+
+TEST_F(ApiRightsTest, AdministratorsBranchSessions) {
+  const std::string from = "/v1/sessions?id=other&from=block@";
+  made("POST", from + "1", tokens[Role::kOwner], 403);
+  made("POST", from + "99", kAdmin, 404);
+  made("POST", from + "a%2Fb", kAdmin, 400);
+  made("POST", "/v1/sessions?id=other&from=nobody", kAdmin, 404);
+  ApiRequest with_scene = *parse_target(from + "1");
+  with_scene.method = "POST";
+  with_scene.token = kAdmin;
+  with_scene.body = kScene;
+  EXPECT_EQ(api->handle(with_scene).status, 400U);
+  EXPECT_TRUE(made("GET", "/v1/sessions/block", kAdmin).at("parent").is_null());
+  made("POST", "/v1/sessions/block/versions?name=mine", kAdmin, 201);
+  const Json other = made("POST", from + "mine", kAdmin, 201);
+  EXPECT_EQ(other.at("url"), "/v1/sessions/other");
+  EXPECT_EQ(other.at("parent").at("session"), "block");
+  EXPECT_EQ(made("GET", "/v1/sessions/other", kAdmin).at("parent"), other.at("parent"));
+  made("POST", from + "1", kAdmin, 409);
+  made("POST", "/v1/sessions?from=other", kAdmin, 201);
+}
+
 TEST_F(ApiRightsTest, InvitationsAreMadeListedAndRevoked) {
   const Json made_one = made("POST", "/v1/sessions/block/invitations?role=sculptor&hours=2",
                              tokens[Role::kOwner], 201);

@@ -34,12 +34,13 @@ TEST(HistoryPoint, TimesAreThoseOfRfc3339InUtc) {
   }
 }
 
-TEST(HistoryPoint, IsARecordOrATime) {
+TEST(HistoryPoint, IsARecordATimeOrAName) {
   EXPECT_EQ(std::get<std::uint64_t>(parse_point("17").value()), 17U);
   EXPECT_EQ(std::get<WallTime>(parse_point("1970-01-01T00:00:01Z").value()).ms, 1000);
+  EXPECT_EQ(std::get<std::string>(parse_point("before lunch").value()), "before lunch");
+  EXPECT_EQ(std::get<std::string>(parse_point("-1").value()), "-1");
   EXPECT_FALSE(parse_point(""));
-  EXPECT_FALSE(parse_point("-1"));
-  EXPECT_FALSE(parse_point("18446744073709551616"));
+  EXPECT_FALSE(parse_point("a/b"));
 }
 
 using JournalTimes = SessionUndo;

@@ -2,13 +2,15 @@
 """The past of a real server's session: points in time, and forces over it."""
 import datetime
 import os
+import signal
+import subprocess
 import sys
 import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from live_server import LiveTest  # noqa: E402
+from live_server import PROGRAM, LiveTest, Server  # noqa: E402
 from live_undo_test import stroke  # noqa: E402
 from wire_client import Agent  # noqa: E402
 
@@ -40,8 +42,9 @@ class PointsInTime(LiveTest):
             self.assertEqual((past[0], past[2]), (200, expected[2]), at)
         self.assertNotIn(self.get("model.stl?at=" + utc(before - 60))[2], (then[2], now[2]))
         for at, status, code in ((utc(time.time() + 3600), 404, "no_record"),
-                                 ("99999", 404, "no_record"), ("yesterday", 400, "bad_at"),
-                                 ("-1", 400, "bad_at"), ("2026-02-30T00:00:00Z", 400, "bad_at")):
+                                 ("99999", 404, "no_record"), ("yesterday", 404, "unknown_version"),
+                                 ("a%2Fb", 400, "bad_at"),
+                                 ("2026-02-30T00:00:00Z", 404, "unknown_version")):
             answer = self.json("model.stl?at=" + at)
             self.assertEqual((answer[0], answer[1]["error"]["code"]), (status, code), at)
         motions = self.get("forces.csv")[2].decode().splitlines()[1:]
@@ -55,6 +58,42 @@ class PointsInTime(LiveTest):
                             ("from=x", "bad_span"), ("participant=x", "bad_participant")):
             answer = self.json("forces?" + query)
             self.assertEqual((answer[0], answer[1]["error"]["code"]), (400, code), query)
+
+    def test_a_version_and_a_branch_from_it_outlast_a_restart(self):
+        ada = Agent(self.port, "block")
+        stroke(ada, 0)
+        status, version = self.server.http.json("POST", "/v1/sessions/block/versions?name=one+stroke")
+        self.assertEqual(status, 201, version)
+        then = self.server.hash()
+        stroke(ada, 8)
+        undone = self.server.http.json("POST", "/v1/sessions/block/undo?participant="
+                                       + str(ada.participant))
+        self.assertEqual(undone[0], 200, undone)
+        now = self.server.hash()
+        status, branch = self.server.http.json("POST",
+                                               "/v1/sessions?id=other&from=block@one+stroke")
+        self.assertEqual(status, 201, branch)
+        self.assertEqual(branch["parent"]["session"], "block")
+        self.assertEqual(branch["parent"]["record"], version["record"])
+        bo = Agent(self.port, "other", "Bo")
+        self.assertEqual(self.server.hash("other"), then)
+        stroke(bo, -8)
+        carved = self.server.hash("other")
+        self.assertEqual(self.server.hash(), now)
+        self.assertEqual(self.json("strokes")[1]["strokes"][0],
+                         self.server.http.json("GET", "/v1/sessions/other/strokes")[1]["strokes"][0])
+        self.server.stop(signal.SIGKILL)
+        for session in ("block", "other"):
+            journal = os.path.join(self.folder.name, session + ".kerf")
+            checked = subprocess.run([PROGRAM, "replay", journal], capture_output=True, text=True)
+            self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
+        self.server = Server(self.folder.name, port=self.port)
+        self.assertEqual([self.server.hash(), self.server.hash("other")], [now, carved])
+        self.assertEqual(self.server.info("other")["parent"], branch["parent"])
+        self.assertEqual([v["name"] for v in self.json("versions")[1]["versions"]], ["one stroke"])
+        past = self.get("model.stl?at=one+stroke")
+        self.assertIn(then, past[1]["etag"])
+        self.assertEqual(self.json("model.stl?at=two")[1]["error"]["code"], "unknown_version")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of SessionRegistry that starts a session from a point of another.
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "server/session/session_registry.h"
+#include "server/store/journal_branch.h"
+
+namespace kerf {
+namespace {
+
+std::int64_t now_ms() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+}
+
+}  // namespace
+
+std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::branch(
+    std::string id, Session& parent, std::uint64_t record) {
+  using enum RegistryErrorCode;
+  if (!id.empty() && !is_session_id(id)) {
+    return std::unexpected(RegistryError{
+        kBadId, "a session id must be 1 to 64 characters from a-z, 0-9, - and _", {}});
+  }
+  if (auto full = disk_obstacle()) return std::unexpected(*std::move(full));
+  // The copy takes at most as much as the journal, which may fill the disk by itself.
+  DiskUse then = disk_use();
+  const std::uintmax_t bytes = parent.disk_bytes();
+  then.folder += bytes;
+  then.free -= std::min(then.free, bytes);
+  if (disk_level(shared_share(then, options_.disk), DiskLevel::kFine) == DiskLevel::kFull) {
+    return std::unexpected(RegistryError{kDiskFull, folder_full(then, options_.disk), {}});
+  }
+  if (auto flushed = parent.flush(); !flushed) {
+    return std::unexpected(RegistryError{kJournal, describe(flushed.error()), {}});
+  }
+  const auto reserved = reserve(std::move(id), parent.scene().name);
+  if (!reserved) return std::unexpected(reserved.error());
+  // The definitions of the tools come first; without them nobody could cut.
+  const std::uint64_t last = std::max<std::uint64_t>(record, parent.scene().tools.size());
+  const JournalParent point{parent.id(), last, parent.epoch(), now_ms()};
+  return start_new(
+      *reserved, branch_journal(parent.journal_file(), journal_path(*reserved), *reserved, point));
+}
+
+}  // namespace kerf

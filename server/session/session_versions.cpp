@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The part of Session that names versions of the block.
+#include "server/rights/rights.h"
+#include "server/session/session.h"
+
+namespace kerf {
+
+std::expected<void, VersionError> Session::name_version(NamedVersion version) {
+  using enum VersionFault;
+  if (const auto error = journal_.pause()) {
+    return std::unexpected(VersionError{kPaused, "paused: disk: " + error->reason});
+  }
+  if (closed_) return std::unexpected(VersionError{kPaused, "the session is closed"});
+  if (version.record > sequence()) {
+    return std::unexpected(VersionError{
+        kNoRecord, "the session has no record " + std::to_string(version.record) + " yet"});
+  }
+  if (versions_.contains(version.name)) {
+    return std::unexpected(VersionError{
+        kTaken, "there is a version of this name; delete it first, or choose another"});
+  }
+  if (versions_.size() >= kVersionsMax) {
+    return std::unexpected(VersionError{
+        kLimit,
+        "a session has at most " + std::to_string(kVersionsMax) + " versions; delete some"});
+  }
+  journal_.append(VersionChange{version});
+  versions_.emplace(version.name, std::move(version));
+  return {};
+}
+
+std::expected<void, VersionError> Session::remove_version(const std::string& name,
+                                                          const Caller& caller) {
+  using enum VersionFault;
+  const auto found = versions_.find(name);
+  if (found == versions_.end()) {
+    return std::unexpected(VersionError{kUnknown, "there is no version of this name"});
+  }
+  const NamedVersion& version = found->second;
+  const bool is_own =
+      caller.is_personal && !version.person.empty() && version.person == caller.grant;
+  if (!is_own && !may(caller.role, Action::kModerate)) {
+    return std::unexpected(
+        VersionError{kNotAllowed, "the version is another's: an owner may delete it"});
+  }
+  journal_.append(VersionChange{version, true});
+  versions_.erase(found);
+  return {};
+}
+
+std::vector<NamedVersion> Session::versions() const {
+  std::vector<NamedVersion> list;
+  list.reserve(versions_.size());
+  for (const auto& [name, version] : versions_) list.push_back(version);
+  return list;
+}
+
+std::optional<std::uint64_t> Session::record_of_version(const std::string& name) const {
+  const auto found = versions_.find(name);
+  return found == versions_.end() ? std::nullopt : std::optional(found->second.record);
+}
+
+}  // namespace kerf

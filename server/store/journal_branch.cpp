@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/store/journal_branch.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "server/store/crc32.h"
+#include "server/store/journal_file.h"
+#include "server/store/journal_reader.h"
+#include "server/store/named_version.h"
+#include "server/store/record_batch.h"
+#include "server/store/record_rows.h"
+
+namespace kerf {
+namespace {
+
+std::int64_t checksum(const JournalParent& parent) {
+  const std::array numbers = {static_cast<std::int64_t>(parent.record), std::int64_t{parent.epoch},
+                              parent.branched_ms};
+  return crc32(std::as_bytes(std::span(numbers)), crc32(std::as_bytes(std::span(parent.session))));
+}
+
+SqlResult<void> store_parent(SqlDatabase& database, const JournalParent& parent) {
+  if (auto ok = database.execute("CREATE TABLE parent(session TEXT NOT NULL, record INTEGER NOT "
+                                 "NULL, epoch INTEGER NOT NULL, branched_ms INTEGER NOT NULL, crc "
+                                 "INTEGER NOT NULL)");
+      !ok) {
+    return ok;
+  }
+  auto insert = database.prepare("INSERT INTO parent VALUES(?,?,?,?,?)");
+  if (!insert) return std::unexpected(insert.error());
+  insert->bind(1, parent.session);
+  insert->bind(2, static_cast<std::int64_t>(parent.record));
+  insert->bind(3, std::int64_t{parent.epoch});
+  insert->bind(4, parent.branched_ms);
+  insert->bind(5, checksum(parent));
+  if (auto row = insert->step(); !row) return std::unexpected(row.error());
+  return {};
+}
+
+enum class Column { kInteger, kText, kBytes };
+
+/// Copies the rows of a query; `columns` are its columns and those of the table.
+SqlResult<void> copy_rows(SqlDatabase& from, const std::string& query, SqlDatabase& to,
+                          const std::string& table, std::span<const Column> columns) {
+  std::string insertion = "INSERT OR REPLACE INTO " + table + " VALUES(?";
+  for (std::size_t n = 1; n < columns.size(); ++n) insertion += ",?";
+  auto rows = from.prepare(query);
+  if (!rows) return std::unexpected(rows.error());
+  auto insert = to.prepare(insertion + ")");
+  if (!insert) return std::unexpected(insert.error());
+  for (;;) {
+    const auto row = rows->step();
+    if (!row) return std::unexpected(row.error());
+    if (!*row) return {};
+    for (std::size_t n = 0; n < columns.size(); ++n) {
+      const int column = static_cast<int>(n);
+      if (columns[n] == Column::kInteger) insert->bind(column + 1, rows->integer(column));
+      if (columns[n] == Column::kText) insert->bind(column + 1, rows->text(column));
+      if (columns[n] == Column::kBytes) insert->bind(column + 1, rows->blob(column));
+    }
+    if (auto stored = insert->step(); !stored) return std::unexpected(stored.error());
+  }
+}
+
+/// Copies everything that is whole rows: all but the batch that holds records of both sides.
+SqlResult<void> copy_tables(SqlDatabase& from, SqlDatabase& to, std::uint64_t last) {
+  using enum Column;
+  struct Table {
+    const char *name, *query, *sequence;  ///< sequence: of the last record of a row; null: none
+    std::vector<Column> columns;
+  };
+  const Table tables[] = {
+      {"participants",
+       "SELECT participant, name, color, kind FROM participants",
+       nullptr,
+       {kInteger, kText, kText, kText}},
+      {"kernel_versions",
+       "SELECT sequence, version FROM kernel_versions",
+       "sequence",
+       {kInteger, kInteger}},
+      {"state_hashes", "SELECT sequence, hash FROM state_hashes", "sequence", {kInteger, kInteger}},
+      {"commands",
+       "SELECT sequence, participant, bytes, crc FROM commands",
+       "sequence",
+       {kInteger, kInteger, kBytes, kInteger}},
+      {"batches",
+       "SELECT first, count, wall_ms, span_ms, bytes, crc FROM batches",
+       "first+count-1",
+       {kInteger, kInteger, kInteger, kInteger, kBytes, kInteger}}};
+  for (const Table& table : tables) {
+    const auto exists = from.has_table(table.name);
+    if (!exists) return std::unexpected(exists.error());
+    if (!*exists) continue;
+    std::string query = table.query;
+    if (table.sequence != nullptr) {
+      query.append(" WHERE ").append(table.sequence).append("<=").append(std::to_string(last));
+    }
+    if (auto ok = copy_rows(from, query, to, table.name, table.columns); !ok) return ok;
+  }
+  const auto versions = read_versions(from, last);
+  if (!versions) return std::unexpected(versions.error());
+  for (const NamedVersion& version : *versions) {
+    if (auto ok = store_version(to, {version}); !ok) return ok;
+  }
+  return {};
+}
+
+/// The records of `from` after the last whole batch of `to`, up to `last`, as one batch.
+std::expected<void, JournalError> copy_rest(const std::filesystem::path& file, SqlDatabase& from,
+                                            SqlDatabase& to, std::uint64_t last) {
+  const auto failed = [&](const SqlError& error) {
+    return std::unexpected(to_journal_error(file, error));
+  };
+  const auto copied = last_record(to);
+  if (!copied) return failed(copied.error());
+  if (*copied == last) return {};
+  auto rows = RecordRows::open(file, from, *copied + 1);
+  if (!rows) return std::unexpected(rows.error());
+  std::vector<BatchRecord> records;
+  BatchHead head{*copied + 1};
+  while (*copied + records.size() < last) {
+    auto record = rows->next();
+    if (!record) return std::unexpected(record.error());
+    if (!*record) {
+      return std::unexpected(
+          JournalError{JournalErrorCode::kIo, file.string(), last, "the record is not there yet"});
+    }
+    JournalRecord& next = **record;
+    if (records.empty()) head.wall_ms = next.wall_ms;
+    head.span_ms = std::clamp(next.wall_ms - head.wall_ms, std::int64_t{0}, kSpanMaxMs);
+    const bool begins_stroke = next.stroke == next.sequence;
+    records.push_back({next.participant, std::move(next.command), begins_stroke});
+  }
+  head.count = records.size();
+  const std::vector<std::byte> bytes = BatchEncoder().encode(records);
+  auto insert = to.prepare("INSERT INTO batches VALUES(?,?,?,?,?,?)");
+  if (!insert) return failed(insert.error());
+  insert->bind(1, static_cast<std::int64_t>(head.first));
+  insert->bind(2, static_cast<std::int64_t>(head.count));
+  insert->bind(3, head.wall_ms);
+  insert->bind(4, head.span_ms);
+  insert->bind(5, std::span<const std::byte>(bytes));
+  insert->bind(6, batch_checksum(head, bytes));
+  if (auto row = insert->step(); !row) return failed(row.error());
+  return {};
+}
+
+std::expected<void, JournalError> fill(const std::filesystem::path& from, SqlDatabase& to,
+                                       const JournalParent& parent) {
+  auto source = open_journal(from, SqlMode::kRead);
+  if (!source) return std::unexpected(source.error());
+  const auto done = [&](const SqlResult<void>& result) -> std::expected<void, JournalError> {
+    if (result) return {};
+    return std::unexpected(to_journal_error(from, result.error()));
+  };
+  // One transaction for all reads, and one for all that is written.
+  if (auto ok = done(source->execute("BEGIN")); !ok) return ok;
+  const auto is_old = source->has_table("commands");
+  if (!is_old) return std::unexpected(to_journal_error(from, is_old.error()));
+  // The versions of the kernel that computed the hashes come with the rows.
+  std::string begin = "BEGIN;DELETE FROM kernel_versions;";
+  if (*is_old) {
+    begin +=
+        "CREATE TABLE commands(sequence INTEGER PRIMARY KEY, participant INTEGER NOT NULL, "
+        "bytes BLOB NOT NULL, crc INTEGER NOT NULL);";
+  }
+  if (auto ok = done(to.execute(begin)); !ok) return ok;
+  if (auto ok = done(store_parent(to, parent)); !ok) return ok;
+  if (auto ok = done(copy_tables(*source, to, parent.record)); !ok) return ok;
+  if (auto ok = copy_rest(from, *source, to, parent.record); !ok) return ok;
+  return done(to.execute("COMMIT"));
+}
+
+}  // namespace
+
+std::expected<void, JournalError> branch_journal(const std::filesystem::path& from,
+                                                 const std::filesystem::path& to,
+                                                 const std::string& session,
+                                                 const JournalParent& parent) {
+  const auto reader = JournalReader::open(from);
+  if (!reader) return std::unexpected(reader.error());
+  JournalHeader header = reader->header();
+  header.session = session;
+  auto database = create_journal(to, header);
+  if (!database) return std::unexpected(database.error());
+  auto filled = fill(from, *database, parent);
+  if (!filled) {
+    database = std::unexpected(JournalError{});  // closes it
+    remove_journal(to);
+  }
+  return filled;
+}
+
+SqlResult<JournalParent> read_parent(SqlDatabase& database) {
+  const auto exists = database.has_table("parent");
+  if (!exists) return std::unexpected(exists.error());
+  if (!*exists) return JournalParent{};
+  auto rows = database.prepare("SELECT session, record, epoch, branched_ms, crc FROM parent");
+  if (!rows) return std::unexpected(rows.error());
+  const auto row = rows->step();
+  if (!row) return std::unexpected(row.error());
+  if (!*row) return JournalParent{};
+  JournalParent parent{rows->text(0), static_cast<std::uint64_t>(rows->integer(1)),
+                       static_cast<std::uint32_t>(rows->integer(2)), rows->integer(3)};
+  return rows->integer(4) == checksum(parent) ? parent : JournalParent{};
+}
+
+}  // namespace kerf

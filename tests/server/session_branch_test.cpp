@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "server/session/journal_check.h"
+#include "server/store/journal_times.h"
+#include "server/store/record_rows.h"
+#include "tests/server/undo_fixture.h"
+
+namespace kerf {
+namespace {
+
+NamedVersion named(const std::string& name, std::uint64_t record) {
+  return {name, record, 1000, 2000, "Ada", ""};
+}
+
+using Versions = SessionUndo;
+
+TEST_F(Versions, OutlastARestartAndAreNotReplaced) {
+  create();
+  const ParticipantId ada = join("Ada");
+  stroke(ada, {-15, 0, -2}, {15, 0, -2});
+  const std::uint64_t record = session_->sequence();
+  ASSERT_TRUE(session_->name_version(named("first", record)));
+  ASSERT_TRUE(session_->name_version(named("gone", 1)));
+  stroke(ada, {-15, 8, -2}, {15, 8, -2});
+  EXPECT_EQ(session_->name_version(named("first", 1)).error().fault, VersionFault::kTaken);
+  EXPECT_EQ(session_->name_version(named("later", session_->sequence() + 1)).error().fault,
+            VersionFault::kNoRecord);
+  ASSERT_TRUE(session_->remove_version("gone", Caller::local()));
+  EXPECT_EQ(session_->remove_version("gone", Caller::local()).error().fault,
+            VersionFault::kUnknown);
+  for (int round = 0; round < 2; ++round) {
+    const auto versions = session_->versions();
+    ASSERT_EQ(versions.size(), 1U);
+    EXPECT_EQ(versions[0].name, "first");
+    EXPECT_EQ(versions[0].record_ms, 1000);
+    EXPECT_EQ(versions[0].created_ms, 2000);
+    EXPECT_EQ(versions[0].author, "Ada");
+    EXPECT_EQ(session_->record_of_version("first"), record);
+    EXPECT_EQ(session_->record_of_version("gone"), std::nullopt);
+    reload();
+  }
+}
+
+TEST_F(Versions, AreLimitedInNumber) {
+  create();
+  for (std::size_t n = 0; n < kVersionsMax; ++n) {
+    ASSERT_TRUE(session_->name_version(named("v" + std::to_string(n), 1)));
+  }
+  EXPECT_EQ(session_->name_version(named("more", 1)).error().fault, VersionFault::kLimit);
+}
+
+TEST_F(Versions, ADamagedRowIsLeftOut) {
+  create();
+  ASSERT_TRUE(session_->name_version(named("good", 1)));
+  ASSERT_TRUE(session_->name_version(named("bad", 1)));
+  ASSERT_TRUE(session_->flush());
+  session_.reset();
+  registry_.reset();
+  {
+    auto journal = open_journal(folder_->path() / "block.kerf", SqlMode::kWrite);
+    ASSERT_TRUE(journal->execute("UPDATE versions SET record=2 WHERE name='bad'"));
+  }
+  reload();
+  ASSERT_EQ(session_->versions().size(), 1U);
+  EXPECT_EQ(session_->versions()[0].name, "good");
+}
+
+TEST(VersionName, IsPlainUtf8) {
+  for (const char* name : {"a", "2nd try", "für Ada", "\xE2\x82\xAC", "\xF0\x9F\x98\x80"}) {
+    EXPECT_TRUE(is_version_name(name)) << name;
+  }
+  for (const char* name : {"", "a/b", "a\nb", "\x7F", "\xFF", "\xC3", "\xC0\xAF", "\xE0\x80\xAF",
+                           "\xED\xA0\x80", "\xF4\x90\x80\x80", "\x80", "\xE2\x82"}) {
+    EXPECT_FALSE(is_version_name(name)) << name;
+  }
+  EXPECT_TRUE(is_version_name(std::string(64, 'x')));
+  EXPECT_FALSE(is_version_name(std::string(65, 'x')));
+}
+
+class Branches : public SessionUndo {
+ protected:
+  std::shared_ptr<Session> branch(const std::string& id, std::uint64_t record) {
+    auto created = registry_->branch(id, *session_, record);
+    EXPECT_TRUE(created) << created.error().reason;
+    return created.value_or(nullptr);
+  }
+  std::uint64_t hash_at(std::uint64_t record) {
+    SerialWorkers alone;
+    return session_->solid_at(record, alone).value().value().hash();
+  }
+  /// Strokes, some of them undone, in several commits.
+  void carve() {
+    create();
+    ada_ = join("Ada");
+    bo_ = join("Bo");
+    a_ = stroke(ada_, {-15, 0, -2}, {15, 0, -2});
+    b_ = stroke(bo_, {0, -15, -3}, {0, 15, -3});
+    undo({a_});
+    c_ = stroke(ada_, {-15, 8, -2}, {15, 8, -2});
+    undo({b_});
+    redo({a_});
+  }
+
+  ParticipantId ada_ = 0, bo_ = 0;
+  StrokeId a_ = 0, b_ = 0, c_ = 0;
+};
+
+TEST_F(Branches, BeginAsTheParentWasToTheBit) {
+  carve();
+  ASSERT_TRUE(session_->name_version(named("early", b_)));
+  ASSERT_TRUE(session_->name_version(named("late", session_->sequence())));
+  const std::uint64_t now = hash(), last = session_->sequence();
+  int number = 0;
+  for (const std::uint64_t record : {last, a_ + 3, b_ + 20, c_, last - 1}) {
+    const auto other = branch("branch" + std::to_string(++number), record);
+    ASSERT_TRUE(other);
+    EXPECT_EQ(other->solid().hash(), hash_at(record)) << record;
+    EXPECT_EQ(other->sequence(), record);
+    EXPECT_EQ(other->parent().session, "block");
+    EXPECT_EQ(other->parent().record, record);
+    EXPECT_EQ(other->parent().epoch, session_->epoch());
+    EXPECT_EQ(other->record_of_version("early").has_value(), record >= b_);
+    EXPECT_EQ(other->record_of_version("late").has_value(), record == last);
+    EXPECT_NEAR(time_of(other->journal_file(), record - 1).value(),
+                time_of(session_->journal_file(), record - 1).value(), 1);
+    const auto verified = verify_journal(other->journal_file());
+    ASSERT_TRUE(verified) << describe(verified.error());
+    EXPECT_EQ(verified->difference, "");
+    EXPECT_EQ(verified->hash, hash_at(record));
+    auto closed =
+        std::async(std::launch::async, [&] { return registry_->close(other->id(), true); });
+    while (closed.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
+      executor_->run();
+    }
+    EXPECT_TRUE(closed.get());
+  }
+  EXPECT_EQ(hash(), now);
+  EXPECT_EQ(session_->sequence(), last);
+}
+
+TEST_F(Branches, CarryOnWithTheStrokesOfTheParent) {
+  carve();
+  const std::uint64_t parent_hash = hash(), parent_last = session_->sequence();
+  auto parent = std::exchange(session_, branch("other", c_ + 19));
+  EXPECT_EQ(session_->strokes(0)->size(), 3U);
+  // What was undone then can be redone, and what was not, undone.
+  redo({a_});
+  EXPECT_EQ(hash(), never_happened());
+  undo({b_});
+  EXPECT_EQ(hash(), never_happened());
+  const ParticipantId cy = join("Cy");
+  EXPECT_GT(cy, bo_);
+  stroke(cy, {-15, -8, -2}, {15, -8, -2});
+  EXPECT_EQ(hash(), never_happened());
+  const std::uint64_t expected = hash();
+  EXPECT_EQ(parent->solid().hash(), parent_hash);
+  EXPECT_EQ(parent->sequence(), parent_last);
+  // It needs nothing of its parent after a restart.
+  executor_->run();
+  session_.reset();
+  const auto parent_file = parent->journal_file();
+  parent.reset();
+  registry_.reset();
+  remove_journal(parent_file);
+  restart();
+  EXPECT_TRUE(registry_->load_all().failures.empty());
+  session_ = registry_->find("other");
+  ASSERT_TRUE(session_);
+  EXPECT_EQ(hash(), expected);
+  EXPECT_EQ(session_->parent().session, "block");
+  EXPECT_EQ(session_->strokes(0)->size(), 4U);
+}
+
+TEST_F(Branches, OfTheUntouchedBlockHaveItsTools) {
+  carve();
+  session_ = branch("fresh", 0);
+  EXPECT_EQ(hash(), Sculpture::create(session_->scene().settings)->state_hash());
+  stroke(join("Cy"), {-15, 0, -2}, {15, 0, -2});
+  EXPECT_EQ(hash(), never_happened());
+  EXPECT_NE(hash(), Sculpture::create(session_->scene().settings)->state_hash());
+}
+
+TEST_F(Branches, HaveNoAgentsOfTheParent) {
+  create();
+  JoinRequest request{ParticipantKind::kAgent, "Ada", "", 1, true};
+  request.durable = true;
+  const auto admitted = session_->admit(request);
+  ASSERT_TRUE(admitted);
+  request.token = admitted->token;
+  session_ = branch("other", session_->sequence());
+  const auto joined = session_->admit(request);
+  ASSERT_TRUE(joined);
+  EXPECT_FALSE(joined->resumed);
+  EXPECT_GT(joined->participant.id, admitted->participant.id);
+}
+
+TEST_F(Branches, OfAJournalOfVersion1HaveItsRecords) {
+  carve();
+  ASSERT_TRUE(session_->flush());
+  std::vector<JournalRecord> records;
+  auto reader = JournalReader::open(session_->journal_file());
+  // Records of version 1 are of no stroke.
+  for (auto record = reader->next(); record && *record; record = reader->next()) {
+    if (!std::holds_alternative<StrokeChange>((*record)->command)) records.push_back(**record);
+  }
+  const JournalHeader header = reader->header();
+  const auto old = folder_->path() / "old.kerf", copy = folder_->path() / "copy.kerf";
+  {
+    auto database = create_journal(old, header);
+    ASSERT_TRUE(database);
+    ASSERT_TRUE(database->execute(
+        "DROP TABLE batches; DROP TABLE versions; CREATE TABLE commands(sequence INTEGER PRIMARY "
+        "KEY, participant INTEGER NOT NULL, bytes BLOB NOT NULL, crc INTEGER NOT NULL); PRAGMA "
+        "user_version=1"));
+    auto insert = database->prepare("INSERT INTO commands VALUES(?,?,?,?)");
+    for (std::size_t n = 0; n < records.size(); ++n) {
+      const auto bytes = encode_command(records[n].command);
+      insert->bind(1, static_cast<std::int64_t>(n + 1));
+      insert->bind(2, std::int64_t{records[n].participant});
+      insert->bind(3, std::span<const std::byte>(bytes));
+      insert->bind(4, std::int64_t{record_checksum(n + 1, records[n].participant, bytes)});
+      ASSERT_TRUE(insert->step());
+    }
+  }
+  const auto done = branch_journal(old, copy, "copy", {"old", 30, 1, 5});
+  ASSERT_TRUE(done) << describe(done.error());
+  const auto copied = JournalReader::open(copy);
+  EXPECT_EQ(copied->last_sequence(), 30U);
+  EXPECT_EQ(copied->header().session, "copy");
+  Sculpture block = Sculpture::create(session_->scene().settings).value();
+  for (std::size_t n = 0; n < 30; ++n) block.apply(*kernel_command(records[n].command)).value();
+  EXPECT_EQ(replay(copy)->hash.hash, block.state_hash());
+}
+
+TEST_F(Branches, NeedAFreeIdAndARecordThatIsCommitted) {
+  carve();
+  EXPECT_EQ(registry_->branch("block", *session_, 5).error().code, RegistryErrorCode::kExists);
+  EXPECT_EQ(registry_->branch("Bad id", *session_, 5).error().code, RegistryErrorCode::kBadId);
+  const auto beyond = registry_->branch("beyond", *session_, session_->sequence() + 1);
+  EXPECT_EQ(beyond.error().code, RegistryErrorCode::kJournal);
+  EXPECT_FALSE(std::filesystem::exists(folder_->path() / "beyond.kerf"));
+  EXPECT_TRUE(branch("beyond", 5));
+}
+
+TEST_F(Branches, DoNotFillTheDisk) {
+  carve();
+  ASSERT_TRUE(session_->flush());
+  const std::uintmax_t bytes = measure_disk(folder_->path()).folder;
+  session_.reset();
+  registry_.emplace(
+      RegistryOptions{folder_->path(), 4, {}, {}, {}, {.folder = bytes + bytes / 3}},
+      [this](const std::string&) { return executor_; }, workers_);
+  ASSERT_TRUE(registry_->load_all().failures.empty());
+  session_ = registry_->find("block");
+  registry_->keep_disk_limits();
+  ASSERT_FALSE(registry_->disk_obstacle());
+  EXPECT_EQ(registry_->branch("other", *session_, 5).error().code, RegistryErrorCode::kDiskFull);
+}
+
+}  // namespace
+}  // namespace kerf
