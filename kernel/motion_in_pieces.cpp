@@ -64,8 +64,7 @@ std::expected<MotionInPieces, SculptureError> Sculpture::begin(const MoveTool& c
   return MotionInPieces(std::move(state));
 }
 
-std::optional<MotionResult> Sculpture::advance(MotionInPieces& pieces, std::int64_t tiles,
-                                               Workers& workers) {
+std::optional<MotionResult> Sculpture::advance(MotionInPieces& pieces, std::int64_t tiles) {
   MotionInPieces::State& s = pieces.state();
   while (s.removed.size() < fields_.size()) {
     DexelField& field = fields_[s.removed.size()];
@@ -77,7 +76,7 @@ std::optional<MotionResult> Sculpture::advance(MotionInPieces& pieces, std::int6
     }
     while (s.part < s.parts.size()) {
       if (tiles <= 0) return std::nullopt;
-      tiles -= cut_piece(s, tiles, workers);
+      tiles -= cut_piece(s, tiles);
     }
     const double quantum_mm3 = field.grid().quantum_mm3();
     s.removed.push_back({static_cast<double>(s.quanta) * quantum_mm3,
@@ -93,27 +92,24 @@ std::optional<MotionResult> Sculpture::advance(MotionInPieces& pieces, std::int6
   return finish(s);
 }
 
-std::int64_t Sculpture::cut_piece(MotionInPieces::State& s, std::int64_t tiles, Workers& workers) {
+std::int64_t Sculpture::cut_piece(MotionInPieces::State& s, std::int64_t tiles) {
   const std::size_t n = s.removed.size();
   DexelField& field = fields_[n];
   const SubMotion& part = s.parts[s.part];
-  const NormalCode end_code = field.keeps_normals()
-                                  ? normals_[n].add_sweep(field, SweptSurface(s.tool, part.motion))
-                                  : kStockNormal;
   const TileRun run{s.tile, tiles};
-  const std::int64_t in_bounds = cut(field, part.swept, *removal_, workers, end_code, run);
+  const std::int64_t in_bounds = cut(field, normals_[n], s.tool, part, *removal_, run);
   const std::int64_t done = std::min(tiles, in_bounds - s.tile);
-  if (end_code != kStockNormal) normals_[n].add_tiles(*removal_);
   s.quanta += removal_->quanta();
   if (fields_.size() > 1) s.elements += removal_->elements();
-  append_changed_tiles(field.grid(), *removal_, s.result.changed_tiles);
-  for (const RemovedPart& cut_part : removal_->parts()) {
-    for (const auto& tile : cut_part.tiles) {
-      s.result.cut_tiles.push_back({field.grid().axis, tile.index});
+  for (const RemovedPart& removed : removal_->parts()) {
+    for (std::size_t t = 0; t < removed.tiles.size(); ++t) {
+      const TileIndex tile = removed.tiles[t].index;
+      append_changed_tiles(field.grid(), tile, depths_of(removed.of(t)), s.result.changed_tiles);
+      s.result.cut_tiles.push_back({field.grid().axis, tile});
     }
   }
   if (s.sub_motions == 0 && !s.start.continues) {
-    s.imprint += take_imprint(field, s.tool, s.motion.from, workers);
+    s.imprint += take_imprint(field, s.tool, s.motion.from);
   }
   s.tile += done;
   if (s.tile >= in_bounds) {

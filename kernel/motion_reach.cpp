@@ -15,6 +15,24 @@ constexpr std::int64_t kTilesUndivided = 16;
 /// Divisions of a motion into halves, at most.
 constexpr int kDepthMax = 12;
 
+/// Returns a box around what a cylinder on the tool's axis passes.
+Bounds swept_box(const Extent& whole, const ToolMotion& motion) {
+  const auto [from, to] = std::pair(motion.from, motion.to);
+  if (motion.turn_rad == 0) {
+    return joined(cylinder_bounds(whole, from.tip_mm, from.axis),
+                  cylinder_bounds(whole, to.tip_mm, to.axis));
+  }
+  // Between its poses an axis that turns leaves the hull of both by the sagitta of its arc at most.
+  const double sagitta_mm = whole.z1_mm * motion.turn_rad * motion.turn_rad / 8;
+  Bounds box{from.tip_mm + from.axis * whole.z0_mm, from.tip_mm + from.axis * whole.z0_mm};
+  for (const ToolPose& pose : {from, to}) {
+    const Vec3 low_mm = pose.tip_mm + pose.axis * whole.z0_mm;
+    const Vec3 top_mm = pose.tip_mm + pose.axis * whole.z1_mm;
+    box = joined(box, joined({low_mm, low_mm}, {top_mm, top_mm}));
+  }
+  return grown(box, whole.radius_mm + sagitta_mm);
+}
+
 void add_reach(const Tool& tool, const ToolMotion& motion, const DexelGrid& grid, double margin_mm,
                int depth, std::vector<FieldTile>& tiles) {
   const Bounds box = grown(reach_of(tool, motion), margin_mm);
@@ -39,20 +57,17 @@ void add_reach(const Tool& tool, const ToolMotion& motion, const DexelGrid& grid
 }  // namespace
 
 Bounds reach_of(const Tool& tool, const ToolMotion& motion) {
-  const auto [from, to] = std::pair(motion.from, motion.to);
-  if (motion.turn_rad == 0) {
-    const Extent whole{0, tool.length_mm, tool.radius_mm};
-    return joined(cylinder_bounds(whole, from.tip_mm, from.axis),
-                  cylinder_bounds(whole, to.tip_mm, to.axis));
+  return swept_box({0, tool.length_mm, tool.radius_mm}, motion);
+}
+
+Bounds non_cutting_reach(const Tool& tool, const ToolMotion& motion) {
+  Extent whole = extent(tool.non_cutting.front());
+  for (const ToolPiece& piece : tool.non_cutting) {
+    const Extent e = extent(piece);
+    whole = {std::min(whole.z0_mm, e.z0_mm), std::max(whole.z1_mm, e.z1_mm),
+             std::max(whole.radius_mm, e.radius_mm)};
   }
-  // Between its poses an axis that turns leaves the hull of both by the sagitta of its arc at most.
-  const double sagitta_mm = tool.length_mm * motion.turn_rad * motion.turn_rad / 8;
-  Bounds box{from.tip_mm, from.tip_mm};
-  for (const ToolPose& pose : {from, to}) {
-    const Vec3 top_mm = pose.tip_mm + pose.axis * tool.length_mm;
-    box = joined(box, joined({pose.tip_mm, pose.tip_mm}, {top_mm, top_mm}));
-  }
-  return grown(box, tool.radius_mm + sagitta_mm);
+  return swept_box(whole, motion);
 }
 
 void find_reach(const Tool& tool, const MoveTool& move, std::span<const DexelGrid> grids,

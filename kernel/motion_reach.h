@@ -15,6 +15,9 @@ namespace kerf {
 /// Returns a box around everything that the cutting part of a tool passes in a motion.
 Bounds reach_of(const Tool& tool, const ToolMotion& motion);
 
+/// Returns a box around everything that shank and holder, of which there must be one, pass.
+Bounds non_cutting_reach(const Tool& tool, const ToolMotion& motion);
+
 /// Replaces `tiles` by those that a motion may change, over the fields with these grids; sorted,
 /// without duplicates. Depends on the motion and the grids alone, not on the stock that is left. A
 /// long motion is divided, so that a diagonal does not name the tiles of its bounding box.

@@ -6,16 +6,15 @@
 #include <optional>
 #include <span>
 
-#include "kernel/cut/changed_tiles.h"
-#include "kernel/cut/cut.h"
 #include "kernel/cut/imprint.h"
 #include "kernel/cut/lazy_normals.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/dexel/mesh_stock.h"
 #include "kernel/dexel/stock_column.h"
 #include "kernel/force/collision.h"
-#include "kernel/force/cutting_force.h"
+#include "kernel/force/engagement.h"
 #include "kernel/force/stock_contact.h"
+#include "kernel/motion_window.h"
 #include "kernel/sculpture_check.h"
 #include "kernel/sculpture_motion.h"
 #include "kernel/sweep/swept_tool.h"
@@ -46,7 +45,8 @@ Sculpture::Sculpture(SculptureSettings settings)
       obstacles_(settings_.obstacles.empty() ? nullptr
                                              : std::make_unique<Obstacles>(settings_.obstacles)),
       engagements_(std::make_unique<Engagements>(settings_.pitch_mm)),
-      removal_(std::make_unique<Removal>()) {
+      removal_(std::make_unique<Removal>()),
+      window_(std::make_unique<MotionWindow>()) {
   for (const RayAxis axis : axes_of(settings_.rays)) {
     if (settings_.stock_mesh) {
       fields_.emplace_back(*settings_.stock_mesh, settings_.pitch_mm, axis, settings_.keep_normals);
@@ -204,94 +204,29 @@ std::expected<MotionResult, SculptureError> Sculpture::apply(const Command& comm
     last_pose_.erase(define->id);
     return MotionResult{};
   }
-  return move(std::get<MoveTool>(command), workers);
+  return std::move(apply({&std::get<MoveTool>(command), 1}, workers).front());
 }
 
 SweepSettings Sculpture::sweep_settings(const DexelField& field) const {
   return {settings_.motion, settings_.tolerance_mm, ray_bounds(field.grid())};
 }
 
-RemovedVolume Sculpture::cut_field(DexelField& field, LazyNormals& normals, const Tool& tool,
-                                   const ToolMotion& motion, const MotionStart& start,
-                                   MotionResult& result, CuttingForce* force, Workers& workers) {
-  const DexelGrid& grid = field.grid();
-  const bool alone = fields_.size() == 1;
-  Removal& removal = *removal_;
-  std::int64_t quanta = 0, imprint = 0;
-  std::int64_t elements = 0;
-  std::int64_t parts = 0;
-  SweepSettings settings = sweep_settings(field);
-  settings.start_is_cut = start.is_cut;
-  sweep_tool(tool, in_frame(grid.axis, motion), settings, [&](const SubMotion& part) {
-    const NormalCode end_code = field.keeps_normals()
-                                    ? normals.add_sweep(field, SweptSurface(tool, part.motion))
-                                    : kStockNormal;
-    cut(field, part.swept, removal, workers, end_code);
-    if (end_code != kStockNormal) normals.add_tiles(removal);
-    quanta += removal.quanta();
-    if (!alone) elements += removal.elements();
-    append_changed_tiles(grid, removal, result.changed_tiles);
-    for (const RemovedPart& cut_part : removal.parts()) {
-      for (const auto& tile : cut_part.tiles) result.cut_tiles.push_back({grid.axis, tile.index});
-    }
-    // Every later part starts where the part before it ended.
-    if (parts == 0 && !start.continues) imprint = take_imprint(field, tool, motion.from, workers);
-    if (force != nullptr) force->add(grid, removal, part.motion, part.share, workers);
-    parts += part.count;
-  });
-  result.sub_motions = std::max(result.sub_motions, static_cast<std::uint32_t>(parts));
-  return {static_cast<double>(quanta) * grid.quantum_mm3(),
-          static_cast<double>(imprint) * grid.quantum_mm3(), static_cast<double>(elements)};
-}
-
 std::int64_t Sculpture::take_imprint(const DexelField& field, const Tool& tool,
-                                     const ToolPose& start, Workers& workers) {
+                                     const ToolPose& start) {
   if (removal_->quanta() == 0) return 0;
   std::int64_t quanta = 0;
   const ToolMotion rest = in_frame(field.grid().axis, make_motion(start, start, tool.length_mm));
   sweep_tool(tool, rest, sweep_settings(field), [&](const SubMotion& standing) {
-    quanta += kerf::take_imprint(standing.swept, field.grid(), *removal_, workers);
+    for (RemovedPart& part : removal_->parts()) {
+      quanta += kerf::take_imprint(standing.swept, field.grid(), part);
+    }
   });
   return quanta;
 }
 
-MotionResult Sculpture::move(const MoveTool& command, Workers& workers) {
-  const Tool& used = tools_.at(command.tool);
-  const ToolMotion motion = motion_of(command, used);
-  const bool feel = command.feel && command.duration_s > 0;
-  MotionResult result;
-  result.kind = motion.kind;
-  // The end as commanded: an axis that turns by less than rounding is not turned in `motion`.
-  const ToolPose end{command.to.tip_mm, normalized(command.to.axis)};
-  const auto [engagement, continues] = engagements_->follow(command.tool, motion.from, end, feel);
-  std::optional<CuttingForce> force;
-  if (feel) {
-    force.emplace(settings_.force, used, motion, command.duration_s,
-                  static_cast<int>(fields_.size()), engagement);
-  }
-  const auto last = last_pose_.find(command.tool);
-  const MotionStart start{last != last_pose_.end() && last->second == motion.from, continues};
-  std::vector<RemovedVolume> removed;
-  removed.reserve(fields_.size());
-  for (std::size_t n = 0; n < fields_.size(); ++n) {
-    removed.push_back(cut_field(fields_[n], normals_[n], used, motion, start, result,
-                                feel ? &*force : nullptr, workers));
-  }
-  last_pose_[command.tool] = motion.to;
-  count_motion(removed, result);
-  if (!used.non_cutting.empty()) {
-    result.stock_contact_mm = deepest_stock_contact(used, motion, fields_, settings_.tolerance_mm);
-  }
-  if (feel) {
-    const FeltCut felt = force->finish();
-    result.wrench = felt.wrench;
-    if (felt.area_mm2 > 0) {
-      result.cutting = {felt.area_mm2, normalized(felt.wrench.force_n), felt.center_mm};
-    }
-    result.collision = collision(used, motion.to);
-    result.wrench = result.wrench + result.collision;
-  }
-  return result;
+std::vector<MotionResult> Sculpture::apply(std::span<const MoveTool> motions, Workers& workers,
+                                           const AfterMotion& after) {
+  return window_->apply(*this, motions, workers, after);
 }
 
 void Sculpture::count_motion(std::span<const RemovedVolume> removed, MotionResult& result) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -22,18 +23,16 @@
 
 namespace kerf {
 
-class CuttingForce;
 class DexelField;
 class Engagements;
 class Obstacles;
 class LazyNormals;
+class MotionWindow;
 class Removal;
 class Workers;
-struct MotionStart;
 struct RemovedVolume;
 struct SculptureState;
 struct SweepSettings;
-struct ToolMotion;
 
 /// A block of stock that tools carve: a deterministic state machine. Equal settings and equal
 /// commands give equal bytes on any CPU, at any optimization level and with any number of workers.
@@ -56,6 +55,13 @@ class Sculpture {
   std::expected<MotionResult, SculptureError> apply(const Command& command, Workers& workers);
   /// Applies one command on the calling thread.
   std::expected<MotionResult, SculptureError> apply(const Command& command);
+  /// Called with the number of a motion and its result, in order, on the calling thread. Wherever
+  /// the shank and holder of its tool are, the stock is that after the motion.
+  using AfterMotion = std::function<void(std::size_t, const MotionResult&)>;
+  /// Applies motions, which must pass check(), one after the other, and returns their results.
+  /// Short motions gain from several workers only if several are applied together.
+  std::vector<MotionResult> apply(std::span<const MoveTool> motions, Workers& workers,
+                                  const AfterMotion& after = {});
   /// Returns how many tiles, over all fields, lie in the bounds of what a motion sweeps: an upper
   /// bound of those that it may change. The command must pass check().
   std::int64_t tiles_in_reach(const MoveTool& command) const;
@@ -67,7 +73,7 @@ class Sculpture {
   /// Cuts the next tiles in the bounds of the motion, at most `tiles` >= 1. Returns the result once
   /// the motion is complete. Until then the solid holds a part of the motion, which counters and
   /// tools' poses do not show. Every motion that was begun must be completed.
-  std::optional<MotionResult> advance(MotionInPieces& motion, std::int64_t tiles, Workers& workers);
+  std::optional<MotionResult> advance(MotionInPieces& motion, std::int64_t tiles);
   /// Returns the error that `apply` would return, without changing anything: a session calls it
   /// before it writes a command to its journal.
   std::expected<void, SculptureError> check(const Command& command) const;
@@ -143,23 +149,18 @@ class Sculpture {
   std::uint64_t sub_motions() const { return sub_motions_; }
 
  private:
+  friend class MotionWindow;
   explicit Sculpture(SculptureSettings settings);
   std::expected<void, SculptureError> check_move(const MoveTool& command) const;
-  MotionResult move(const MoveTool& command, Workers& workers);
   Wrench collision(const Tool& tool, const ToolPose& pose) const;
-  /// Cuts one field and adds what that removed to `result` and `force` (null: none is computed).
-  RemovedVolume cut_field(DexelField& field, LazyNormals& normals, const Tool& tool,
-                          const ToolMotion& motion, const MotionStart& start, MotionResult& result,
-                          CuttingForce* force, Workers& workers);
   /// Takes the imprint of the tool at the start of a motion out of what that removed from a field.
   /// Returns its length in quanta.
-  std::int64_t take_imprint(const DexelField& field, const Tool& tool, const ToolPose& start,
-                            Workers& workers);
+  std::int64_t take_imprint(const DexelField& field, const Tool& tool, const ToolPose& start);
   void forget_users(const FieldTile& at);
   /// Cuts tiles of one field.
   void cut_again(std::size_t field, std::span<const TileIndex> tiles, const MotionSince& motion);
   /// Cuts at most so many tiles of the current part of a motion; returns how many.
-  std::int64_t cut_piece(MotionInPieces::State& state, std::int64_t tiles, Workers& workers);
+  std::int64_t cut_piece(MotionInPieces::State& state, std::int64_t tiles);
   MotionResult finish(MotionInPieces::State& state);
   /// Sets the volumes of a finished motion, puts its tiles in order, and counts it.
   void count_motion(std::span<const RemovedVolume> removed, MotionResult& result);
@@ -172,7 +173,8 @@ class Sculpture {
   std::vector<LazyNormals> normals_;      ///< of each field
   std::unique_ptr<Obstacles> obstacles_;  ///< null in a scene without obstacles
   std::unique_ptr<Engagements> engagements_;
-  std::unique_ptr<Removal> removal_;  ///< of the last sub-motion; reuses its memory
+  std::unique_ptr<Removal> removal_;  ///< this and the next reuse their memory
+  std::unique_ptr<MotionWindow> window_;
   std::map<ToolId, Tool> tools_;
   std::map<ToolId, ToolPose> last_pose_;  ///< end of each tool's last motion
   double stock_volume_mm3_ = 0;

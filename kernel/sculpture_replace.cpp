@@ -14,7 +14,6 @@
 #include "kernel/sculpture.h"
 #include "kernel/sculpture_check.h"
 #include "kernel/sculpture_motion.h"
-#include "kernel/sweep/swept_surface.h"
 #include "kernel/sweep/swept_tool.h"
 #include "kernel/tool/tool_bounds.h"
 
@@ -72,15 +71,10 @@ void append_seen_tiles(const DexelGrid& grid, TileIndex at, const Difference& wh
 void Sculpture::cut_again(std::size_t field, std::span<const TileIndex> tiles,
                           const MotionSince& motion) {
   DexelField& at = fields_[field];
-  sweep_tool(*motion.tool, in_frame(at.grid().axis, motion_of(motion.move, *motion.tool)),
-             sweep_settings(at), [&](const SubMotion& part) {
-               const NormalCode end_code =
-                   at.keeps_normals()
-                       ? normals_[field].add_sweep(at, SweptSurface(*motion.tool, part.motion))
-                       : kStockNormal;
-               cut_tiles(at, part.swept, tiles, *removal_, end_code);
-               if (end_code != kStockNormal) normals_[field].add_tiles(*removal_);
-             });
+  const ToolMotion whole = in_frame(at.grid().axis, motion_of(motion.move, *motion.tool));
+  sweep_tool(*motion.tool, whole, sweep_settings(at), [&](const SubMotion& part) {
+    cut_tiles(at, normals_[field], *motion.tool, part, tiles, *removal_);
+  });
 }
 
 ReplacedTiles Sculpture::replace(std::span<const TileReplacement> tiles,
@@ -124,14 +118,13 @@ bool Sculpture::is_in_stock(ToolId id, const ToolPose& given) const {
   const ToolPose pose{given.tip_mm, normalized(given.axis)};
   const ToolMotion rest = make_motion(pose, pose, used->length_mm);
   Removal removal;
-  SerialWorkers alone;
   bool cuts = false;
   for (const DexelField& field : fields_) {
     DexelField copy = field;
     (void)copy.snapshot();  // From now on the copy shares the tiles.
     sweep_tool(*used, in_frame(field.grid().axis, rest), sweep_settings(field),
                [&](const SubMotion& standing) {
-                 cut(copy, standing.swept, removal, alone);
+                 cut(copy, standing.swept, removal);
                  cuts = cuts || removal.quanta() > 0;
                });
     if (cuts) return true;

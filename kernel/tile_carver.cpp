@@ -8,7 +8,6 @@
 #include "kernel/cut/lazy_normals.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/sculpture_motion.h"
-#include "kernel/sweep/swept_surface.h"
 #include "kernel/sweep/swept_tool.h"
 
 namespace kerf {
@@ -48,11 +47,7 @@ void TileCarver::cut(const Tool& tool, const MoveTool& move, std::span<const Fie
     Layer& at = layer(axis);
     const SweepSettings settings{motion_model_, tolerance_mm_, ray_bounds(at.field.grid())};
     sweep_tool(tool, in_frame(axis, motion), settings, [&](const SubMotion& part) {
-      const NormalCode end_code =
-          at.field.keeps_normals() ? at.normals.add_sweep(at.field, SweptSurface(tool, part.motion))
-                                   : kStockNormal;
-      cut_tiles(at.field, part.swept, tiles_, *removal_, end_code);
-      if (end_code != kStockNormal) at.normals.add_tiles(*removal_);
+      cut_tiles(at.field, at.normals, tool, part, tiles_, *removal_);
     });
   }
 }

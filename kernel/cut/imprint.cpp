@@ -113,22 +113,9 @@ class ImprintTaker {
 
 }  // namespace
 
-std::int64_t take_imprint(const SweptTool& standing, const DexelGrid& grid, Removal& removal,
-                          Workers& workers) {
-  const std::span<RemovedPart> parts = removal.parts();
-  if (parts.empty() || standing.pieces.empty()) return 0;
-  std::vector<std::int64_t> taken(parts.size());
-  const auto take = [&](int part) {
-    taken[std::size_t(part)] = ImprintTaker(standing, grid).take(parts[std::size_t(part)]);
-  };
-  if (parts.size() == 1) {
-    take(0);
-  } else {
-    workers.run(static_cast<int>(parts.size()), take);
-  }
-  std::int64_t quanta = 0;
-  for (const std::int64_t t : taken) quanta += t;
-  return quanta;
+std::int64_t take_imprint(const SweptTool& standing, const DexelGrid& grid, RemovedPart& removed) {
+  if (removed.tiles.empty() || standing.pieces.empty()) return 0;
+  return ImprintTaker(standing, grid).take(removed);
 }
 
 }  // namespace kerf

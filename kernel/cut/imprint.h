@@ -4,19 +4,16 @@
 #include <cstdint>
 
 #include "kernel/cut/removal.h"
-#include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_grid.h"
 #include "kernel/sweep/swept_tool.h"
 
 namespace kerf {
 
-/// Takes the imprint of a tool out of a removal: the parts of the removed elements that lie inside
-/// the tool at the pose where its motion began. `standing` is the sweep of the tool at rest at that
-/// pose, in the frame of the field on `grid`; its ends are rounded as those of a cut. `removal`
-/// keeps what the motion itself removed; an element that the imprint divides becomes two. Returns
-/// the total length of the imprint, in quanta. The stock is not involved. The parts of `removal`
-/// are divided among `workers`.
-std::int64_t take_imprint(const SweptTool& standing, const DexelGrid& grid, Removal& removal,
-                          Workers& workers);
+/// Takes the imprint of a tool out of what was removed: the parts of the removed elements that lie
+/// inside the tool at the pose where its motion began. `standing` is the sweep of the tool at rest
+/// at that pose, in the frame of the field on `grid`; its ends are rounded as those of a cut.
+/// `removed` keeps what the motion itself removed; an element that the imprint divides becomes two.
+/// Returns the total length of the imprint, in quanta. The stock is not involved.
+std::int64_t take_imprint(const SweptTool& standing, const DexelGrid& grid, RemovedPart& removed);
 
 }  // namespace kerf

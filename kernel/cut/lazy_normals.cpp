@@ -61,17 +61,12 @@ void mark_ends(DexelTile& tile, std::span<const RemovedGroup> removed, NormalCod
   }
 }
 
-NormalCode LazyNormals::add_sweep(DexelField& field, const SweptSurface& surface) {
+NormalCode LazyNormals::add_sweep(DexelField& field, const Tool& tool, const ToolMotion& part) {
   static_assert(kSweepsMax <= kPendingMax);
-  if (sweeps_.size() == kSweepsMax) resolve(field);
-  sweeps_.push_back(surface);
+  if (!field.keeps_normals()) return kStockNormal;
+  if (is_full()) resolve(field);
+  sweeps_.emplace_back(tool, part);
   return static_cast<NormalCode>(sweeps_.size());
-}
-
-void LazyNormals::add_tiles(const Removal& removal) {
-  for (const RemovedPart& part : removal.parts()) {
-    for (const RemovedPart::Tile& tile : part.tiles) tiles_.push_back(tile.index);
-  }
 }
 
 void LazyNormals::resolve(DexelField& field) {

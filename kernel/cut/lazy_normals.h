@@ -21,12 +21,16 @@ namespace kerf {
 /// state hash excludes them.
 class LazyNormals {
  public:
-  /// Registers a sweep that is about to cut the field, given its surface in the field's frame.
-  /// Returns the code with which to mark the ends that it makes (mark_ends). Resolves first if
-  /// kSweepsMax sweeps are pending.
-  NormalCode add_sweep(DexelField& field, const SweptSurface& surface);
-  /// Registers the tiles that the sweep changed.
-  void add_tiles(const Removal& removal);
+  /// Registers a part of a tool's motion that is about to cut the field, in the field's frame.
+  /// Returns the code with which to mark the ends that it makes (mark_ends): kStockNormal, and
+  /// nothing is registered, if the field keeps no normals. Resolves first if is_full().
+  NormalCode add_sweep(DexelField& field, const Tool& tool, const ToolMotion& part);
+  /// Whether as many sweeps are pending as are kept.
+  bool is_full() const { return sweeps_.size() == kSweepsMax; }
+  /// Registers a tile that a sweep changed.
+  void add_tile(TileIndex tile) {
+    if (!sweeps_.empty()) tiles_.push_back(tile);
+  }
   /// Computes all pending normals. Must run before the field's normals are read, and before a
   /// snapshot is taken, because it edits tiles in place.
   void resolve(DexelField& field);

@@ -19,6 +19,15 @@ struct RemovedGroup {
   std::int32_t bottom[kLanes], top[kLanes];
 };
 
+/// Returns the number of elements in groups.
+inline std::int64_t elements_of(std::span<const RemovedGroup> groups) {
+  std::int64_t count = 0;
+  for (const RemovedGroup& g : groups) {
+    for (int c = 0; c < RemovedGroup::kLanes; ++c) count += g.bottom[c] < g.top[c] ? 1 : 0;
+  }
+  return count;
+}
+
 /// The elements removed from a sequence of tiles. Within a tile the groups are ordered by block;
 /// columns in which several elements were cut appear in several groups.
 struct RemovedPart {
@@ -58,11 +67,7 @@ class Removal {
   /// Returns the number of elements that were shortened, split or removed entirely.
   std::int64_t elements() const {
     std::int64_t count = 0;
-    for (const RemovedPart& part : parts()) {
-      for (const RemovedGroup& g : part.groups) {
-        for (int c = 0; c < RemovedGroup::kLanes; ++c) count += g.bottom[c] < g.top[c] ? 1 : 0;
-      }
-    }
+    for (const RemovedPart& part : parts()) count += elements_of(part.groups);
     return count;
   }
 

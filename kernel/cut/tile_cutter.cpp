@@ -6,81 +6,90 @@
 #include <cstring>
 
 #include "kernel/cut/lazy_normals.h"
+#include "kernel/cut/reach.h"
 #include "kernel/cut/subtract_rows.h"
 #include "kernel/cut/swept_block.h"
 #include "kernel/dexel/dexel_tile.h"
 
 namespace kerf {
-void TileCutter::cut(const ReachedTile& tile) {
-  Work work{tile.index, tile.stored};
-  const std::int64_t before = removed_.quanta;
-  for (unsigned left = tile.blocks; left != 0; left &= left - 1) {
-    cut_block(work, std::countr_zero(left));
-  }
-  if (removed_.quanta == before) return;
-  removed_.tiles.push_back({tile.index, removed_.groups.size()});
-  if (end_code_ != kStockNormal) {
-    mark_ends(*work.changed, removed_.of(removed_.tiles.size() - 1), end_code_);
+
+void TileCutter::begin(DexelField& field, TileIndex tile) {
+  field_ = &field;
+  work_ = {tile, field.find(tile)};
+}
+
+void TileCutter::cut(const SweptTool& swept, NormalCode end_code, RemovedPart& removed) {
+  const unsigned blocks = find_blocks(grid(), swept, work_.index, work_.stored);
+  if (blocks == 0) return;
+  swept_ = &swept;
+  removed_ = &removed;
+  const std::int64_t before = removed.quanta;
+  for (unsigned left = blocks; left != 0; left &= left - 1) cut_block(std::countr_zero(left));
+  if (removed.quanta == before) return;
+  removed.tiles.push_back({work_.index, removed.groups.size()});
+  if (end_code != kStockNormal) {
+    mark_ends(*work_.changed, removed.of(removed.tiles.size() - 1), end_code);
   }
 }
 
 void TileCutter::put_tiles() {
-  for (Made& made : made_) field_.put(made.index, std::move(made.tile));
+  for (Made& made : made_) made.field->put(made.index, std::move(made.tile));
+  made_.clear();
 }
 
-void TileCutter::cut_block(Work& work, int block) {
+void TileCutter::cut_block(int block) {
   const Column first{
-      work.index.x * kTileSide + block % kTileBlocksAcross * kBlockSide,
-      work.index.y * kTileSide + block / kTileBlocksAcross * kBlockSide,
+      work_.index.x * kTileSide + block % kTileBlocksAcross * kBlockSide,
+      work_.index.y * kTileSide + block / kTileBlocksAcross * kBlockSide,
   };
-  if (first.i >= grid_.columns_x || first.j >= grid_.columns_y) return;
-  sweep_block(swept_, grid_, work.stored, first.i, first.j, block_);
+  if (first.i >= grid().columns_x || first.j >= grid().columns_y) return;
+  sweep_block(*swept_, grid(), work_.stored, first.i, first.j, block_);
   if (block_.filled == 0) return;
-  const std::int64_t before = removed_.quanta;
-  cut_rows(work, first, block_.filled);
+  const std::int64_t before = removed_->quanta;
+  cut_rows(first, block_.filled);
   for (const ColumnBlock::Apart& a : block_.apart) {
     block_.lo_mm[a.row] = a.lo_mm;
     block_.hi_mm[a.row] = a.hi_mm;
-    cut_rows(work, first, 1U << a.row);
+    cut_rows(first, 1U << a.row);
   }
-  if (removed_.quanta > before) work.changed->update_bounds(block);
+  if (removed_->quanta > before) work_.changed->update_bounds(block);
 }
 
 /// Subtracts the intervals in block_ of the rows set in `rows`.
-void TileCutter::cut_rows(Work& work, Column first, unsigned rows) {
+void TileCutter::cut_rows(Column first, unsigned rows) {
   RemovedGroup groups[kBlockSide];
-  if (work.stored == nullptr) {
+  if (work_.stored == nullptr) {
     // The tile is untouched: test whether anything would be removed before making it. Columns
     // outside the grid or beside the stock are treated as solid here, but are empty in the made
     // tile.
     std::int32_t bottom[kLanes] = {}, top[kLanes];
-    std::ranges::fill(top, grid_.height_quanta);
+    std::ranges::fill(top, grid().height_quanta);
     const std::uint32_t split[kBlockSide] = {};
     BlockChange change;
-    subtract_rows(block_, rows, grid_, {bottom, top, split, 0, 0}, first.i, first.j, groups,
+    subtract_rows(block_, rows, grid(), {bottom, top, split, 0, 0}, first.i, first.j, groups,
                   change);
     if (change.changed == 0 && change.left_overs == 0) return;
-    make_editable(work);
+    make_editable();
   }
   const int row0 = first.j % kTileSide, column0 = first.i % kTileSide;
   const auto corner = std::size_t(row0 * kTileSide + column0);
-  const DexelTile& tile = *work.stored;
+  const DexelTile& tile = *work_.stored;
   const BlockElements elements{&tile.bottom[corner], &tile.top[corner],
                                &tile.split[std::size_t(row0)], column0, kTileSide};
   BlockChange change;
-  subtract_rows(block_, rows, grid_, elements, first.i, first.j, groups, change);
-  const std::size_t first_group = removed_.groups.size();
+  subtract_rows(block_, rows, grid(), elements, first.i, first.j, groups, change);
+  const std::size_t first_group = removed_->groups.size();
   if (change.changed != 0) {
-    make_editable(work);
+    make_editable();
     for (unsigned left = change.changed; left != 0; left &= left - 1) {
       const int row = std::countr_zero(left);
       const std::size_t at = corner + std::size_t(row * kTileSide);
       const BlockChange::Row& stays = change.rows[row];
-      std::memcpy(&work.changed->bottom[at], stays.bottom, sizeof stays.bottom);
-      std::memcpy(&work.changed->top[at], stays.top, sizeof stays.top);
+      std::memcpy(&work_.changed->bottom[at], stays.bottom, sizeof stays.bottom);
+      std::memcpy(&work_.changed->top[at], stays.top, sizeof stays.top);
     }
-    removed_.groups.insert(removed_.groups.end(), groups, groups + std::popcount(change.changed));
-    removed_.quanta += change.quanta;
+    removed_->groups.insert(removed_->groups.end(), groups, groups + std::popcount(change.changed));
+    removed_->quanta += change.quanta;
   }
   for (const BlockChange::LeftOver& rest :
        std::span(change.left_over, std::size_t(change.left_overs))) {
@@ -91,65 +100,63 @@ void TileCutter::cut_rows(Work& work, Column first, unsigned rows) {
     const int column = static_cast<int>(corner) + rest.row * kTileSide;
     for (unsigned left = rest.columns; left != 0; left &= left - 1) {
       const int c = std::countr_zero(left);
-      subtract_elements(work, column + c, {first.i + c, first.j + rest.row},
+      subtract_elements(column + c, {first.i + c, first.j + rest.row},
                         {rest.cut_bottom[c], rest.cut_top[c]});
     }
   }
 }
 
-void TileCutter::make_editable(Work& work) {
-  if (work.changed != nullptr) return;
-  work.changed = field_.editable(work.index);
-  if (work.changed == nullptr) {
-    made_.push_back({work.index, field_.fresh(work.index)});
-    work.changed = made_.back().tile.get();
+void TileCutter::make_editable() {
+  if (work_.changed != nullptr) return;
+  work_.changed = field_->editable(work_.index);
+  if (work_.changed == nullptr) {
+    made_.push_back({field_, work_.index, field_->fresh(work_.index)});
+    work_.changed = made_.back().tile.get();
   }
-  work.stored = work.changed;
+  work_.stored = work_.changed;
 }
 
 /// Subtracts a cut from a column of several elements, or from one that the cut splits.
-void TileCutter::subtract_elements(Work& work, int column, Column at, Dexel cut) {
-  if (!subtract_in_place(work, column, at, cut)) rewrite_elements(work, column, at, cut);
+void TileCutter::subtract_elements(int column, Column at, Dexel cut) {
+  if (!subtract_in_place(column, at, cut)) rewrite_elements(column, at, cut);
 }
 
 /// Subtracts the cut in place if no element has to be added or removed: it removes nothing, one end
 /// of one element, or the facing ends of two neighbors. The column's other elements are not touched
 /// then. Returns false, without changes, for any other cut.
-bool TileCutter::subtract_in_place(Work& work, int column, Column at, Dexel cut) {
+bool TileCutter::subtract_in_place(int column, Column at, Dexel cut) {
   const auto c = std::size_t(column);
-  const Dexel top{work.stored->bottom[c], work.stored->top[c]};
+  const Dexel top{work_.stored->bottom[c], work_.stored->top[c]};
   const std::span<const Dexel> below =
-      work.stored->is_split(column) ? work.stored->lower.of(column) : std::span<const Dexel>{};
+      work_.stored->is_split(column) ? work_.stored->lower.of(column) : std::span<const Dexel>{};
   const auto is_lower = [&](const Dexel& d) { return d.top <= cut.bottom; };
   const auto first = std::size_t(std::ranges::partition_point(below, is_lower) - below.begin());
   const auto meets = [&](std::size_t n) { return n < below.size() && below[n].bottom < cut.top; };
   const bool meets_top = top.bottom < cut.top && top.bottom < top.top && cut.bottom < top.top;
-  if (!meets(first)) return !meets_top || shorten(work, column, at, cut, first, true);
+  if (!meets(first)) return !meets_top || shorten(column, at, cut, first, true);
   if (!meets(first + 1)) {
-    return meets_top ? part(work, column, at, cut, first, true)
-                     : shorten(work, column, at, cut, first, false);
+    return meets_top ? part(column, at, cut, first, true) : shorten(column, at, cut, first, false);
   }
   if (meets_top || meets(first + 2)) return false;
-  return part(work, column, at, cut, first, false);
+  return part(column, at, cut, first, false);
 }
 
 /// Removes one end of the topmost element (`top`), or of the lower one with this number, unless the
 /// cut takes or divides it.
-bool TileCutter::shorten(Work& work, int column, Column at, Dexel cut, std::size_t lower,
-                         bool top) {
+bool TileCutter::shorten(int column, Column at, Dexel cut, std::size_t lower, bool top) {
   const auto c = std::size_t(column);
-  Dexel rest = top ? Dexel{work.stored->bottom[c], work.stored->top[c]}
-                   : work.stored->lower.of(column)[lower];
+  Dexel rest = top ? Dexel{work_.stored->bottom[c], work_.stored->top[c]}
+                   : work_.stored->lower.of(column)[lower];
   const Dexel removed{std::max(rest.bottom, cut.bottom), std::min(rest.top, cut.top)};
   if ((removed.bottom > rest.bottom) == (removed.top < rest.top)) return false;
   (removed.bottom > rest.bottom ? rest.top : rest.bottom) =
       removed.bottom > rest.bottom ? removed.bottom : removed.top;
-  make_editable(work);
+  make_editable();
   if (top) {
-    work.changed->bottom[c] = rest.bottom;
-    work.changed->top[c] = rest.top;
+    work_.changed->bottom[c] = rest.bottom;
+    work_.changed->top[c] = rest.top;
   } else {
-    work.changed->lower.edit(column)[lower] = rest;
+    work_.changed->lower.edit(column)[lower] = rest;
   }
   record(at, removed);
   return true;
@@ -157,23 +164,23 @@ bool TileCutter::shorten(Work& work, int column, Column at, Dexel cut, std::size
 
 /// Removes the facing ends of the lower element with this number and of the one above it, which is
 /// the topmost one (`top`) or the next, unless the cut takes one of them.
-bool TileCutter::part(Work& work, int column, Column at, Dexel cut, std::size_t lower, bool top) {
+bool TileCutter::part(int column, Column at, Dexel cut, std::size_t lower, bool top) {
   const auto c = std::size_t(column);
-  const std::span<const Dexel> below = work.stored->lower.of(column);
+  const std::span<const Dexel> below = work_.stored->lower.of(column);
   const Dexel under = below[lower];
-  const Dexel over = top ? Dexel{work.stored->bottom[c], work.stored->top[c]} : below[lower + 1];
+  const Dexel over = top ? Dexel{work_.stored->bottom[c], work_.stored->top[c]} : below[lower + 1];
   if (cut.bottom <= under.bottom || cut.top >= over.top) return false;
-  make_editable(work);
-  const std::span<Dexel> rest = work.changed->lower.edit(column);
+  make_editable();
+  const std::span<Dexel> rest = work_.changed->lower.edit(column);
   rest[lower].top = cut.bottom;
-  (top ? work.changed->bottom[c] : rest[lower + 1].bottom) = cut.top;
+  (top ? work_.changed->bottom[c] : rest[lower + 1].bottom) = cut.top;
   record(at, {cut.bottom, under.top});
   record(at, {over.bottom, cut.top});
   return true;
 }
 
-void TileCutter::rewrite_elements(Work& work, int column, Column at, Dexel cut) {
-  work.stored->read(column, before_);
+void TileCutter::rewrite_elements(int column, Column at, Dexel cut) {
+  work_.stored->read(column, before_);
   after_.clear();
   bool any = false;
   for (const Dexel& d : before_) {
@@ -188,15 +195,15 @@ void TileCutter::rewrite_elements(Work& work, int column, Column at, Dexel cut) 
     if (hi < d.top) after_.push_back({hi, d.top});
   }
   if (!any) return;
-  make_editable(work);
-  work.changed->write(column, after_);
+  make_editable();
+  work_.changed->write(column, after_);
 }
 
 /// Records a removed element in the first of the row's groups that holds none of the column, or in
 /// a new one.
 void TileCutter::record(Column at, Dexel removed) {
   const std::int32_t lane = at.i % kLanes;
-  std::vector<RemovedGroup>& groups = removed_.groups;
+  std::vector<RemovedGroup>& groups = removed_->groups;
   const auto is_free = [&](std::size_t g) { return groups[g].bottom[lane] >= groups[g].top[lane]; };
   const auto found = std::ranges::find_if(row_groups_, is_free);
   const std::size_t group = found != row_groups_.end() ? *found : groups.size();
@@ -206,7 +213,7 @@ void TileCutter::record(Column at, Dexel removed) {
   }
   groups[group].bottom[lane] = removed.bottom;
   groups[group].top[lane] = removed.top;
-  removed_.quanta += removed.top - removed.bottom;
+  removed_->quanta += removed.top - removed.bottom;
 }
 
 }  // namespace kerf

@@ -17,28 +17,14 @@ namespace {
 /// Groups that are processed at once, so that they stay in the first-level cache.
 constexpr std::size_t kChunk = 32;
 
-/// Sums per SIMD lane: of volume, volume x position, volume x direction, the moment of that, and
-/// volume x the squares of the displacement across and along the rays.
-struct LaneSums {
-  Lanes volume{}, x{}, y{}, z{};
-  Lanes push_x{}, push_y{}, push_z{};
-  Lanes turn_x{}, turn_y{}, turn_z{};
-  Lanes across2{}, along2{};
-};
-
-double total(const Lanes& lanes) {
+double lanes_total(const Lanes& lanes) {
   double sum = 0;
   for (int c = 0; c < kLanes; ++c) sum += lanes[c];
   return sum;
 }
-Vec3 total(const Lanes& x, const Lanes& y, const Lanes& z) {
-  return {total(x), total(y), total(z)};
+Vec3 lanes_total(const Lanes& x, const Lanes& y, const Lanes& z) {
+  return {lanes_total(x), lanes_total(y), lanes_total(z)};
 }
-
-/// The tip in grid units, for positions relative to the tip.
-struct TipInGrid {
-  double i, j, k, pitch_mm, quantum_mm;
-};
 
 KERF_INLINE GroupSegments placed(const RemovedGroup& g, const TipInGrid& tip) {
   const Lanes beside = lane_numbers() * tip.pitch_mm;
@@ -65,14 +51,14 @@ KERF_FOR_EACH_TARGET(void, place_all,
 struct Moments {
   Lanes volume, x, y, z;
 
-  KERF_INLINE explicit Moments(const LaneSums& s) : volume(s.volume), x(s.x), y(s.y), z(s.z) {}
+  KERF_INLINE explicit Moments(const TileSum& s) : volume(s.volume), x(s.x), y(s.y), z(s.z) {}
   KERF_INLINE void add(const GroupSegments& g) {
     volume = volume + g.length;
     x = x + g.length * g.middle.x;
     y = y + g.length * g.middle.y;
     z = z + g.length * g.middle.z;
   }
-  KERF_INLINE void put(LaneSums& s) const {
+  KERF_INLINE void put(TileSum& s) const {
     s.volume = volume;
     s.x = x;
     s.y = y;
@@ -80,30 +66,30 @@ struct Moments {
   }
 };
 
-KERF_INLINE void add_moments_in_lanes(std::span<const GroupSegments> groups, LaneSums& sums) {
+KERF_INLINE void add_moments_in_lanes(std::span<const GroupSegments> groups, TileSum& sums) {
   Moments moments(sums);
   for (const GroupSegments& g : groups) moments.add(g);
   moments.put(sums);
 }
 /// Adds the moments of groups without weights.
 KERF_INLINE void add_plain_moments_in_lanes(std::span<const RemovedGroup> groups,
-                                            const TipInGrid& tip, LaneSums& sums) {
+                                            const TipInGrid& tip, TileSum& sums) {
   Moments moments(sums);
   for (const RemovedGroup& g : groups) moments.add(placed(g, tip));
   moments.put(sums);
 }
 
-KERF_FOR_EACH_TARGET(void, add_moments, (std::span<const GroupSegments> groups, LaneSums& sums),
+KERF_FOR_EACH_TARGET(void, add_moments, (std::span<const GroupSegments> groups, TileSum& sums),
                      (groups, sums))
 KERF_FOR_EACH_TARGET(void, add_plain_moments,
-                     (std::span<const RemovedGroup> groups, const TipInGrid& tip, LaneSums& sums),
+                     (std::span<const RemovedGroup> groups, const TipInGrid& tip, TileSum& sums),
                      (groups, tip, sums))
 
 /// Adds the pushes of elements whose displacements differ, and their moments about the pivot.
 KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, const Twist& twist,
-                                     Vec3 pivot, LaneSums& sums) {
+                                     Vec3 pivot, TileSum& sums) {
   const Vec3 v = twist.linear, w = twist.angular;
-  LaneSums s = sums;
+  TileSum s = sums;
   for (const GroupSegments& g : groups) {
     const Lanes x = g.middle.x, z = g.middle.z;
     const double y = g.middle.y;
@@ -129,12 +115,12 @@ KERF_INLINE void add_pushes_in_lanes(std::span<const GroupSegments> groups, cons
 }
 KERF_FOR_EACH_TARGET(void, add_pushes,
                      (std::span<const GroupSegments> groups, const Twist& twist, Vec3 pivot,
-                      LaneSums& sums),
+                      TileSum& sums),
                      (groups, twist, pivot, sums))
 
 KERF_INLINE Lanes& operator+=(Lanes& sum, const Lanes& more) { return sum = sum + more; }
 
-KERF_INLINE void fold_in_lanes(const LaneSums& tile, LaneSums& sums) {
+KERF_INLINE void fold_in_lanes(const TileSum& tile, TileSum& sums) {
   sums.volume += tile.volume;
   sums.x += tile.x;
   sums.y += tile.y;
@@ -148,88 +134,65 @@ KERF_INLINE void fold_in_lanes(const LaneSums& tile, LaneSums& sums) {
   sums.across2 += tile.across2;
   sums.along2 += tile.along2;
 }
-KERF_FOR_EACH_TARGET(void, fold, (const LaneSums& tile, LaneSums& sums), (tile, sums))
+KERF_FOR_EACH_TARGET(void, fold, (const TileSum& tile, TileSum& sums), (tile, sums))
 
-/// Inputs of the sums over a tile.
-struct Summing {
-  TipInGrid tip;
-  const Twist& twist;
-  const CutFrame& frame;
-  const SurfaceWeight* weight;
-  Vec3 pivot;
-  bool common;  ///< all elements push in one direction
-};
+}  // namespace
 
-LaneSums sum_tile(std::span<const RemovedGroup> groups, const Summing& s) {
-  LaneSums sums;
-  if (s.weight == nullptr && s.common) {
-    add_plain_moments(groups, s.tip, sums);
+void TileSum::add(const TileSum& tile) { fold(tile, *this); }
+
+CutSummer::CutSummer(const DexelGrid& grid, const Twist& twist, const CutFrame& frame,
+                     const SurfaceWeight* weight)
+    : twist_(twist),
+      frame_(frame),
+      weight_(weight),
+      pivot_(frame.axis * frame.pivot_mm),
+      common_(length(twist.angular) * frame.reach_mm <=
+              kCommonDirectionShare * length(twist.linear)) {
+  const double pitch = grid.pitch_mm, quantum = grid.z_quantum_mm;
+  const Vec3 from_origin = frame.tip_mm - grid.origin_mm;
+  tip_ = {from_origin.x / pitch - 0.5, from_origin.y / pitch - 0.5, from_origin.z / quantum, pitch,
+          quantum};
+}
+
+TileSum CutSummer::sum(std::span<const RemovedGroup> groups) const {
+  TileSum sums;
+  if (weight_ == nullptr && common_) {
+    add_plain_moments(groups, tip_, sums);
     return sums;
   }
   GroupSegments chunk[kChunk];
   for (std::size_t k = 0; k < groups.size(); k += kChunk) {
     const std::size_t count = std::min(kChunk, groups.size() - k);
     const std::span<GroupSegments> segments(chunk, count);
-    place_all(groups.subspan(k, count), s.tip, chunk);
-    if (s.weight != nullptr) s.weight->weigh(segments, s.frame.axis, s.frame.radius_mm);
+    place_all(groups.subspan(k, count), tip_, chunk);
+    if (weight_ != nullptr) weight_->weigh(segments, frame_.axis, frame_.radius_mm);
     add_moments(segments, sums);
-    if (!s.common) add_pushes(segments, s.twist, s.pivot, sums);
+    if (!common_) add_pushes(segments, twist_, pivot_, sums);
   }
   return sums;
 }
 
-/// Adds tile by tile, in tile order, so the sums do not depend on the number of parts.
-LaneSums sum_parts(const Removal& removal, const Summing& s, Workers& workers) {
-  const std::span<const RemovedPart> parts = removal.parts();
-  LaneSums sums;
-  if (parts.size() == 1) {
-    for (std::size_t t = 0; t < parts[0].tiles.size(); ++t) fold(sum_tile(parts[0].of(t), s), sums);
-    return sums;
-  }
-  std::vector<std::vector<LaneSums>> tiles(parts.size());
-  workers.run(static_cast<int>(parts.size()), [&](int part) {
-    const auto p = std::size_t(part);
-    for (std::size_t t = 0; t < parts[p].tiles.size(); ++t) {
-      tiles[p].push_back(sum_tile(parts[p].of(t), s));
-    }
-  });
-  for (const std::vector<LaneSums>& part : tiles) {
-    for (const LaneSums& tile : part) fold(tile, sums);
-  }
-  return sums;
-}
-
-}  // namespace
-
-MovedSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
-                 const CutFrame& frame, const SurfaceWeight* weight, Workers& workers) {
-  const double pitch = grid.pitch_mm, quantum = grid.z_quantum_mm;
-  const Vec3 from_origin = frame.tip_mm - grid.origin_mm;
-  const TipInGrid tip{from_origin.x / pitch - 0.5, from_origin.y / pitch - 0.5,
-                      from_origin.z / quantum, pitch, quantum};
-  const Vec3 pivot = frame.axis * frame.pivot_mm;
-  const bool common =
-      length(twist.angular) * frame.reach_mm <= kCommonDirectionShare * length(twist.linear);
-  const LaneSums sums = sum_parts(removal, {tip, twist, frame, weight, pivot, common}, workers);
-  const double area = pitch * pitch, volume = total(sums.volume);
-  CutSum sum{volume * area, total(sums.x, sums.y, sums.z) * area, {}, {}};
+MovedSum CutSummer::total(const TileSum& sums) const {
+  const double pitch = tip_.pitch_mm;
+  const double area = pitch * pitch, volume = lanes_total(sums.volume);
+  CutSum sum{volume * area, lanes_total(sums.x, sums.y, sums.z) * area, {}, {}};
   double across_mm = 0, along_mm = 0;
-  if (common) {
-    const Vec3 d = twist.at(sum.center_mm());
+  if (common_) {
+    const Vec3 d = twist_.at(sum.center_mm());
     const Vec3 push = -normalized(d);
     sum.push_mm3 = push * sum.volume_mm3;
-    sum.turn_mm4 = cross(sum.moment_mm4 - pivot * sum.volume_mm3, push);
+    sum.turn_mm4 = cross(sum.moment_mm4 - pivot_ * sum.volume_mm3, push);
     across_mm = std::sqrt(d.x * d.x + d.y * d.y);
     along_mm = std::abs(d.z);
   } else {
-    sum.push_mm3 = total(sums.push_x, sums.push_y, sums.push_z) * area;
-    sum.turn_mm4 = total(sums.turn_x, sums.turn_y, sums.turn_z) * area;
+    sum.push_mm3 = lanes_total(sums.push_x, sums.push_y, sums.push_z) * area;
+    sum.turn_mm4 = lanes_total(sums.turn_x, sums.turn_y, sums.turn_z) * area;
     if (volume > 0) {
-      across_mm = std::sqrt(total(sums.across2) / volume);
-      along_mm = std::sqrt(total(sums.along2) / volume);
+      across_mm = std::sqrt(lanes_total(sums.across2) / volume);
+      along_mm = std::sqrt(lanes_total(sums.along2) / volume);
     }
   }
-  sum.turn_mm4 = sum.turn_mm4 - frame.axis * dot(sum.turn_mm4, frame.axis);
+  sum.turn_mm4 = sum.turn_mm4 - frame_.axis * dot(sum.turn_mm4, frame_.axis);
   return {sum, across_mm, along_mm};
 }
 

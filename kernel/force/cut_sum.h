@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
 #include "kernel/cut/removal.h"
-#include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_snapshot.h"
+#include "kernel/math/lanes.h"
 #include "kernel/math/rotation.h"
 #include "kernel/math/wrench.h"
 
@@ -51,13 +53,49 @@ struct CutFrame {
   double radius_mm;  ///< of the tool
 };
 
-/// Sums what a sub-motion removed from the field on `grid`; `twist` and `frame` are in that field's
-/// frame. Every element pushes against its own displacement twist.at(r): along the axis in an axial
-/// motion (Eq. 20), around the tip in a rotation (Eq. 21), against the tip's displacement in a
-/// translation (Eq. 22), and continuously between these. An element that does not move (the
-/// degenerate case of Eq. 21) does not push. `weight`, if not null, weights each element. The parts
-/// of `removal` are divided among `workers`.
-MovedSum sum_cut(const Removal& removal, const DexelGrid& grid, const Twist& twist,
-                 const CutFrame& frame, const SurfaceWeight* weight, Workers& workers);
+/// The tip of a tool in the units of a grid, for positions relative to it.
+struct TipInGrid {
+  double i, j, k, pitch_mm, quantum_mm;
+};
+
+/// Sums per SIMD lane over the removed elements of a tile, or of several: of volume, volume x
+/// position, volume x direction, the moment of that, and volume x the squares of the displacement
+/// across and along the rays. In squares of the pitch.
+struct TileSum {
+  Lanes volume{}, x{}, y{}, z{};
+  Lanes push_x{}, push_y{}, push_z{};
+  Lanes turn_x{}, turn_y{}, turn_z{};
+  Lanes across2{}, along2{};
+
+  /// Adds lane by lane. A sum over several tiles depends on their order.
+  void add(const TileSum& tile);
+};
+
+/// Sums what a sub-motion removed from a field. Every element pushes against its own displacement
+/// twist.at(r): along the axis in an axial motion (Eq. 20), around the tip in a rotation (Eq. 21),
+/// against the tip's displacement in a translation (Eq. 22), and continuously between these. An
+/// element that does not move (the degenerate case of Eq. 21) does not push.
+class CutSummer {
+ public:
+  /// `twist` and `frame` are in the frame of the field on `grid`. `weight`, if not null, weights
+  /// each element, and must outlive this.
+  CutSummer(const DexelGrid& grid, const Twist& twist, const CutFrame& frame,
+            const SurfaceWeight* weight);
+
+  /// Sums the elements of one tile.
+  TileSum sum(std::span<const RemovedGroup> groups) const;
+  /// Returns the sums over all tiles, added up in the order of the tiles.
+  MovedSum total(const TileSum& sums) const;
+  const Twist& twist() const { return twist_; }
+  const CutFrame& frame() const { return frame_; }
+
+ private:
+  TipInGrid tip_;
+  Twist twist_;
+  CutFrame frame_;
+  const SurfaceWeight* weight_;
+  Vec3 pivot_;
+  bool common_;  ///< all elements push in one direction
+};
 
 }  // namespace kerf

@@ -64,16 +64,22 @@ CutSum to_world(RayAxis axis, const CutSum& s) {
 
 }  // namespace
 
+CutSummer make_summer(const ForceSettings& settings, const Tool& tool, const DexelGrid& grid,
+                      const ToolMotion& motion, const SurfaceWeight* weight) {
+  const ToolPose middle = motion.at(0.5);
+  const CutFrame frame{middle.tip_mm, middle.axis, settings.pivot_mm,
+                       tool.length_mm + tool.radius_mm, tool.radius_mm};
+  return {grid, twist_of(motion), frame, weight};
+}
+
 CuttingForce::CuttingForce(const ForceSettings& settings, const Tool& tool,
                            const ToolMotion& motion, double duration_s, int fields,
                            Engagement& engagement)
     : settings_(settings),
       motion_(motion),
-      reach_mm_(tool.length_mm + tool.radius_mm),
-      radius_mm_(tool.radius_mm),
       duration_s_(duration_s),
+      weighted_(fields > 1),
       engagement_(engagement) {
-  if (fields > 1) weight_.emplace(tool);
   if (settings.law != ForceLaw::kMechanistic) return;
   std::unique_ptr<MillingEngagement>& milling = engagement.milling;
   if (!milling) milling = std::make_unique<MillingEngagement>(engagement.gradual.width_mm());
@@ -90,20 +96,17 @@ double CuttingForce::Part::path_mm() const {
   return sum.volume_mm3 > 0 ? swept_mm4 / sum.volume_mm3 : 0;
 }
 
-void CuttingForce::add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion,
-                       double share, Workers& workers) {
-  if (removal.quanta() == 0) return;
-  const ToolPose middle = motion.at(0.5);
-  const Twist twist = twist_of(motion);
-  const CutFrame frame{middle.tip_mm, middle.axis, settings_.pivot_mm, reach_mm_, radius_mm_};
-  const MovedSum local =
-      sum_cut(removal, grid, twist, frame, weight_ ? &*weight_ : nullptr, workers);
+void CuttingForce::add(const DexelGrid& grid, const CutSummer& summer, const TileSum& sums,
+                       const Removal& removal, double share) {
+  const Twist& twist = summer.twist();
+  const MovedSum local = summer.total(sums);
   const CutSum sum = to_world(grid.axis, local.cut);
-  all_.add(sum, share, mean_path_mm(local.cut, twist, middle.axis * settings_.pivot_mm));
-  const Crossing crossing = weight_ ? Crossing{0, 0} : crossing_of(local.across_mm, local.along_mm);
+  all_.add(sum, share, mean_path_mm(local.cut, twist, summer.frame().axis * settings_.pivot_mm));
+  const Crossing crossing =
+      weighted_ ? Crossing{0, 0} : crossing_of(local.across_mm, local.along_mm);
   if (milling_)
-    milling_->add(removal, grid, twist, frame, share, crossing.share, weight_.has_value());
-  if (weight_) return;
+    milling_->add(removal, grid, twist, summer.frame(), share, crossing.share, weighted_);
+  if (weighted_) return;
   gradual_.add(sum * crossing.share, share, crossing.mm);
 }
 

@@ -24,6 +24,11 @@ struct FeltCut {
   Vec3 center_mm;         ///< centroid of the volume; meaningless while area is zero
 };
 
+/// Returns the sums of a sub-motion, given its motion in the frame of the field on `grid`.
+/// `weight`: of three fields, else null.
+CutSummer make_summer(const ForceSettings& settings, const Tool& tool, const DexelGrid& grid,
+                      const ToolMotion& motion, const SurfaceWeight* weight);
+
 /// Sums the force and torque of a motion over its sub-motions and fields (paper section 3, Eqs.
 /// 18–24, per unit time) and distributes it over the travel that follows
 /// (kernel/force/README.md).
@@ -34,10 +39,11 @@ class CuttingForce {
   CuttingForce(const ForceSettings& settings, const Tool& tool, const ToolMotion& motion,
                double duration_s, int fields, Engagement& engagement);
 
-  /// Adds what one sub-motion removed from the field on `grid`. `motion` is the sub-motion in that
-  /// field's frame (grid.axis), `share` its part of the duration.
-  void add(const DexelGrid& grid, const Removal& removal, const ToolMotion& motion, double share,
-           Workers& workers);
+  /// Adds what one sub-motion removed from the field on `grid`: `sums` over its tiles, made by
+  /// `summer`. `removal`: the elements, which only the mechanistic law reads. `share`: its part of
+  /// the duration.
+  void add(const DexelGrid& grid, const CutSummer& summer, const TileSum& sums,
+           const Removal& removal, double share);
 
   /// Ends the motion and returns its force. Call it once.
   FeltCut finish();
@@ -56,9 +62,8 @@ class CuttingForce {
 
   ForceSettings settings_;
   const ToolMotion& motion_;
-  double reach_mm_, radius_mm_;  ///< of the tool
   double duration_s_;
-  std::optional<SurfaceWeight> weight_;  ///< set if there are three fields
+  bool weighted_;  ///< there are three fields
   Engagement& engagement_;
   std::optional<MillingForce> milling_;  ///< set if the law is mechanistic
   Part all_, gradual_;

@@ -12,12 +12,12 @@ Engagements::Followed Engagements::follow(std::uint32_t tool, const ToolPose& fr
   const bool continues = last != users_.rend();
   if (!continues) {
     if (users_.size() == kUsersMax) users_.erase(users_.begin());
-    users_.push_back({tool, to, Engagement(pitch_mm_), felt});
+    users_.push_back({tool, to, fresh(), felt});
   } else {
     std::rotate(last.base() - 1, last.base(), users_.end());
     User& user = users_.back();
     user.at = to;
-    if (!felt && user.pending) user.engagement = Engagement(pitch_mm_);
+    if (!felt && user.pending) user.engagement = fresh();
     user.pending = felt;
   }
   return {users_.back().engagement, continues};
@@ -37,7 +37,7 @@ std::vector<ToolUser> Engagements::users() const {
 void Engagements::restore(std::span<const ToolUser> users) {
   users_.clear();
   for (const ToolUser& user : users.last(std::min(users.size(), kUsersMax))) {
-    users_.push_back({user.tool, user.at, Engagement(pitch_mm_), false});
+    users_.push_back({user.tool, user.at, fresh(), false});
   }
 }
 

@@ -67,7 +67,7 @@ class Engagements {
 
   /// The engagement of a motion. A motion that does not continue another may begin inside stock.
   struct Followed {
-    Engagement& engagement;
+    std::shared_ptr<Engagement> engagement;
     bool continues;
   };
   /// Returns the engagement of a motion of `tool` from `from` to `to`. If the motion is not `felt`,
@@ -92,9 +92,12 @@ class Engagements {
   struct User {
     std::uint32_t tool;
     ToolPose at;
-    Engagement engagement;
+    /// Motions whose force is still to be finished share it: a later one may begin a new one.
+    std::shared_ptr<Engagement> engagement;
     bool pending;  ///< felt since the engagement was new
   };
+
+  std::shared_ptr<Engagement> fresh() const { return std::make_shared<Engagement>(pitch_mm_); }
 
   double pitch_mm_;
   std::vector<User> users_;  ///< the most recently moved is last

@@ -358,7 +358,7 @@ std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
 }
 
 void sweep_tool(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings,
-                const std::function<void(const SubMotion&)>& visit) {
+                const std::function<void(SubMotion&&)>& visit) {
   if (settings.model == MotionModel::kTight) {
     TightSweep(tool, motion, settings).run(visit);
   } else {

@@ -56,6 +56,6 @@ std::int64_t count_sub_motions(const Tool& tool, const ToolMotion& motion,
 /// Sweeps a tool along a motion: calls `visit` for every part, in order. Their union is the swept
 /// volume (paper Eqs. 9–12).
 void sweep_tool(const Tool& tool, const ToolMotion& motion, const SweepSettings& settings,
-                const std::function<void(const SubMotion&)>& visit);
+                const std::function<void(SubMotion&&)>& visit);
 
 }  // namespace kerf

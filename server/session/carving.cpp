@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "kernel/cut/workers.h"
 #include "kernel/dexel/dexel_field.h"
 #include "kernel/motion_reach.h"
 #include "kernel/sculpture_check.h"
@@ -115,9 +114,8 @@ Carving::Applied Carving::apply_recorded(ParticipantId id, const Command& comman
 
 std::optional<MotionResult> Carving::advance(ParticipantId id, std::int64_t& tiles) {
   if (tiles <= 0) return std::nullopt;
-  SerialWorkers alone;
   const auto start = std::chrono::steady_clock::now();
-  auto result = sculpture_.advance(cuts_.at(id).pieces, tiles, alone);
+  auto result = sculpture_.advance(cuts_.at(id).pieces, tiles);
   work_time_ += std::chrono::steady_clock::now() - start;
   tiles = 0;
   if (!result) return std::nullopt;

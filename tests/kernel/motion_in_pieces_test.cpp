@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <random>
 
-#include "kernel/cut/workers.h"
 #include "kernel/sculpture.h"
 
 namespace kerf {
@@ -58,9 +57,8 @@ Sculpture block(Rays rays, bool keep_normals) {
 }
 
 MotionResult complete(Sculpture& sculpture, MotionInPieces motion, Moves& moves) {
-  SerialWorkers alone;
   for (;;) {
-    if (auto result = sculpture.advance(motion, moves.tiles(), alone)) return *std::move(result);
+    if (auto result = sculpture.advance(motion, moves.tiles())) return *std::move(result);
   }
 }
 
@@ -98,12 +96,11 @@ TEST(MotionInPieces, OtherMotionsInBetweenDoNotChangeTheSolid) {
   for (const bool keep_normals : {false, true}) {
     Sculpture whole = block(Rays::kDexel, keep_normals), pieces = block(Rays::kDexel, keep_normals);
     Moves moves(3), sizes(4);
-    SerialWorkers alone;
     for (int n = 0; n < 20; ++n) {
       const MoveTool move = moves.next();
       whole.apply(move).value();
       MotionInPieces motion = pieces.begin(move).value();
-      while (!pieces.advance(motion, sizes.tiles(), alone)) {
+      while (!pieces.advance(motion, sizes.tiles())) {
         const MoveTool other = moves.next();
         whole.apply(other).value();
         pieces.apply(other).value();
@@ -118,10 +115,9 @@ TEST(MotionInPieces, APieceCutsNoMoreTilesThanAllowed) {
   Sculpture sculpture = block(Rays::kDexel, false);
   const MoveTool across{2, {{-10, 12, -2}, {0, 0, 1}}, {{34, 12, -2}, {0, 0, 1}}, 1, false};
   EXPECT_GE(sculpture.tiles_in_reach(across), 16);
-  SerialWorkers alone;
   MotionInPieces motion = sculpture.begin(across).value();
   int pieces = 1;
-  while (!sculpture.advance(motion, 1, alone)) ++pieces;
+  while (!sculpture.advance(motion, 1)) ++pieces;
   EXPECT_GE(pieces, 16);
   EXPECT_LE(pieces, sculpture.tiles_in_reach(across) + 1);
 }

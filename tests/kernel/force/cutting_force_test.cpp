@@ -53,14 +53,10 @@ TEST(Force, OneDexelPushesAgainstTheMotionAndTurnsAboutThePivot) {
   // A single removed segment at a known position: dV = 0.5 mm x (0.5 mm)^2 around (1, 2, -0.25),
   // moving along +X with the tip at (0.25, 2, -0.5), the pivot 10 mm above it.
   const DexelGrid grid{{0.75, 1.75, -1}, 0.5, 0.25, 1, 1, 4};
-  Removal removal;
-  RemovedPart& part = removal.start(1).front();
-  part.groups = {{0, 0, {2}, {4}}};
-  part.tiles = {{{0, 0}, 1}};
-  SerialWorkers alone;
+  const std::vector<RemovedGroup> removed{{0, 0, {2}, {4}}};
   const Twist along_x{{0.5, 0, 0}, {}};
-  const auto [sum, across_mm, along_mm] =
-      sum_cut(removal, grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50, 5}, nullptr, alone);
+  const CutSummer summer(grid, along_x, {{0.25, 2, -0.5}, kUp, 10, 50, 5}, nullptr);
+  const auto [sum, across_mm, along_mm] = summer.total(summer.sum(removed));
   EXPECT_DOUBLE_EQ(across_mm, 0.5);
   EXPECT_EQ(along_mm, 0);
   const double volume = 0.5 * 0.25;

@@ -91,7 +91,7 @@ TEST(TravelQueue, ReportsTheEngagementAtRest) {
 
 /// Returns the center of the engagement that a felt motion continues.
 Vec3& center(Engagements& all, std::uint32_t tool, const ToolPose& from, const ToolPose& to) {
-  return all.follow(tool, from, to, true).engagement.center_mm;
+  return all.follow(tool, from, to, true).engagement->center_mm;
 }
 
 TEST(Engagements, ContinueByToolAndPose) {
@@ -112,10 +112,10 @@ TEST(Engagements, ContinueAnUnfeltMotionWithoutWhatWasPending) {
   center(all, 1, b, a) = {7, 0, 0};
   const auto unfelt = all.follow(1, a, c, false);
   EXPECT_TRUE(unfelt.continues);
-  EXPECT_EQ(unfelt.engagement.center_mm, Vec3{});
+  EXPECT_EQ(unfelt.engagement->center_mm, Vec3{});
   const auto felt = all.follow(1, c, a, true);
   EXPECT_TRUE(felt.continues);
-  EXPECT_EQ(felt.engagement.center_mm, Vec3{});
+  EXPECT_EQ(felt.engagement->center_mm, Vec3{});
   EXPECT_FALSE(all.follow(2, a, b, true).continues);
   EXPECT_FALSE(all.follow(1, c, b, true).continues);
 }

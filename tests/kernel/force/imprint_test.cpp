@@ -288,12 +288,9 @@ TEST(Imprint, DividesElementsAndTakesEveryIntervalOfAColumn) {
   part.groups = {group};
   part.tiles = {{{0, 0}, 1}};
   part.quanta = 2 * 850;
-  SerialWorkers alone;
   std::int64_t taken = 0;
   sweep_tool(dumbbell, rest, {MotionModel::kTight, 0.001, {{0, 0, 0}, {8, 8, 10}}},
-             [&](const SubMotion& standing) {
-               taken = take_imprint(standing.swept, grid, removal, alone);
-             });
+             [&](const SubMotion& standing) { taken = take_imprint(standing.swept, grid, part); });
   EXPECT_EQ(taken, 400 + 200);
   EXPECT_EQ(removal.quanta(), 2 * 850 - taken);
   std::vector<std::pair<int, int>> axis, beside;

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "kernel/cut/removal.h"
+#include "kernel/cut/tile_cutter.h"
+#include "kernel/cut/workers.h"
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/sweep/swept_tool.h"
+
+namespace kerf {
+
+/// A window of sweeps that are cut together, tile by tile: each tile by all sweeps that may reach
+/// it, in their order, so what each of them removes, and what remains, is to the bit as if they had
+/// been cut one after the other. The tiles are divided among workers.
+class CutWindow {
+ public:
+  /// A sweep and a tile that it may change. They are numbered sweep by sweep, and of each sweep row
+  /// by row.
+  struct Touch {
+    std::size_t sweep;
+    TileIndex tile;
+  };
+  /// Called on any thread with the number of a touch that has removed something, and with that. It
+  /// may change `removed`.
+  using Visit = std::function<void(std::size_t touch, RemovedPart& removed)>;
+
+  /// Adds a sweep of a field of the block, which stays where it is until cut(). `end_code`:
+  /// LazyNormals::add_sweep.
+  void add(DexelField& field, const SweptTool& swept, NormalCode end_code);
+  std::span<const Touch> touches() const { return touches_; }
+  /// Cuts all sweeps. Little work is done on the calling thread.
+  void cut(Workers& workers, const Visit& visit);
+  /// Drops the sweeps.
+  void clear();
+
+ private:
+  struct Sweep {
+    DexelField* field;
+    const SweptTool* swept;
+    NormalCode end_code;
+    double work;  ///< per tile
+  };
+  struct Job {
+    TileCutter cutter;
+    RemovedPart removed;
+  };
+  void sort_by_tile();
+  void run(Job& job, std::span<const std::size_t> touches, const Visit& visit);
+  std::vector<std::span<const std::size_t>> divide(std::size_t jobs) const;
+  bool same_tile(std::size_t a, std::size_t b) const;
+
+  std::vector<Sweep> sweeps_;
+  std::vector<Touch> touches_;
+  std::vector<TileIndex> tiles_;      ///< of one sweep
+  std::vector<std::size_t> by_tile_;  ///< touches, those of a tile together
+  double work_ = 0;                   ///< of all touches
+  std::vector<Job> jobs_;             ///< reuse their memory
+};
+
+}  // namespace kerf

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernel/motion_window.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kernel/cut/imprint.h"
+#include "kernel/cut/lazy_normals.h"
+#include "kernel/dexel/dexel_field.h"
+#include "kernel/force/collision.h"
+#include "kernel/force/cutting_force.h"
+#include "kernel/force/stock_contact.h"
+#include "kernel/motion_reach.h"
+
+namespace kerf {
+namespace {
+
+/// Sweeps that are cut together, at most: their memory is about 1 MB.
+constexpr std::size_t kSweepsMax = 256;
+
+bool overlap(const Bounds& a, const Bounds& b) {
+  return a.lo_mm.x <= b.hi_mm.x && b.lo_mm.x <= a.hi_mm.x && a.lo_mm.y <= b.hi_mm.y &&
+         b.lo_mm.y <= a.hi_mm.y && a.lo_mm.z <= b.hi_mm.z && b.lo_mm.z <= a.hi_mm.z;
+}
+
+}  // namespace
+
+/// A motion, from its plan until its force is known.
+struct MotionWindow::Motion {
+  /// What it removed from one field.
+  struct Removed {
+    std::int64_t quanta = 0, imprint = 0, elements = 0;
+  };
+  const MoveTool* move;
+  const Tool* tool;
+  ToolMotion motion;
+  MotionStart start;
+  bool feel;
+  std::shared_ptr<Engagement> engagement;
+  MotionResult* result;
+  std::vector<Removed> removed;                       ///< from each field
+  std::vector<std::vector<SubMotion>> standing = {};  ///< at its start, in each field; for imprints
+  std::optional<SurfaceWeight> weight = {};
+  std::optional<CuttingForce> force = {};
+};
+
+/// One sub-motion in one field.
+struct MotionWindow::Cut {
+  Motion* motion;
+  std::size_t field;
+  SubMotion part;
+  bool is_first;  ///< of the motion in this field
+  std::optional<CutSummer> summer;
+};
+
+/// What a sub-motion removed from a tile.
+struct MotionWindow::Outcome {
+  std::int64_t quanta = 0, imprint = 0, elements = 0;
+  RemovedDepths depths;
+  std::vector<RemovedGroup> groups;  ///< without the imprint; for the mechanistic law only
+};
+
+MotionWindow::MotionWindow() = default;
+MotionWindow::~MotionWindow() = default;
+
+std::vector<MotionResult> MotionWindow::apply(Sculpture& block, std::span<const MoveTool> moves,
+                                              Workers& workers,
+                                              const Sculpture::AfterMotion& after) {
+  block_ = &block;
+  workers_ = &workers;
+  after_ = &after;
+  finished_ = 0;
+  drop();  // what a call that ended with an exception has left
+  std::vector<MotionResult> results(moves.size());
+  for (std::size_t n = 0; n < moves.size(); ++n) plan(moves[n], results[n]);
+  flush();
+  return results;
+}
+
+/// Whether a motion may cut where an earlier one is still to look at the stock.
+bool MotionWindow::waits(const Tool& tool, const ToolMotion& motion) const {
+  if (reads_.empty()) return false;
+  double margin_mm = block_->settings_.tolerance_mm;
+  for (const DexelField& field : block_->fields_) {
+    margin_mm = std::max(margin_mm, block_->settings_.tolerance_mm + field.grid().z_quantum_mm);
+  }
+  const Bounds box = grown(reach_of(tool, motion), margin_mm);
+  return std::ranges::any_of(reads_, [&](const Bounds& read) { return overlap(read, box); });
+}
+
+void MotionWindow::plan(const MoveTool& move, MotionResult& result) {
+  Sculpture& b = *block_;
+  const Tool& tool = b.tools_.at(move.tool);
+  const ToolMotion whole = motion_of(move, tool);
+  if (waits(tool, whole)) flush();
+  const bool feel = move.feel && move.duration_s > 0;
+  // The end as commanded: an axis that turns by less than rounding is not turned in `whole`.
+  const ToolPose end{move.to.tip_mm, normalized(move.to.axis)};
+  auto [engagement, continues] = b.engagements_->follow(move.tool, whole.from, end, feel);
+  const auto last = b.last_pose_.find(move.tool);
+  const bool is_cut = last != b.last_pose_.end() && last->second == whole.from;
+  b.last_pose_[move.tool] = whole.to;
+  Motion& motion =
+      motions_.emplace_back(Motion{.move = &move,
+                                   .tool = &tool,
+                                   .motion = whole,
+                                   .start = {is_cut, continues},
+                                   .feel = feel,
+                                   .engagement = std::move(engagement),
+                                   .result = &result,
+                                   .removed = std::vector<Motion::Removed>(b.fields_.size())});
+  result.kind = whole.kind;
+  if (feel && b.fields_.size() > 1) motion.weight.emplace(tool);
+  for (std::size_t n = 0; n < b.fields_.size(); ++n) plan_field(motion, n);
+  if (tool.non_cutting.empty()) return;
+  const Bounds read = non_cutting_reach(tool, whole);
+  if (std::ranges::any_of(b.fields_, [&](const DexelField& f) {
+        const SweepBounds rays = ray_bounds(f.grid());
+        return overlap(read, grown({from_frame(f.grid().axis, rays.min_mm),
+                                    from_frame(f.grid().axis, rays.max_mm)},
+                                   f.grid().pitch_mm));
+      })) {
+    reads_.push_back(read);
+  }
+}
+
+void MotionWindow::plan_field(Motion& motion, std::size_t n) {
+  DexelField& field = block_->fields_[n];
+  LazyNormals& normals = block_->normals_[n];
+  const DexelGrid& grid = field.grid();
+  SweepSettings settings = block_->sweep_settings(field);
+  if (!motion.start.continues) {
+    const ToolPose& from = motion.motion.from;
+    std::vector<SubMotion>& standing = motion.standing.emplace_back();
+    sweep_tool(*motion.tool, in_frame(grid.axis, make_motion(from, from, motion.tool->length_mm)),
+               settings, [&](SubMotion&& rest) { standing.push_back(std::move(rest)); });
+  }
+  settings.start_is_cut = motion.start.is_cut;
+  std::int64_t parts = 0;
+  sweep_tool(*motion.tool, in_frame(grid.axis, motion.motion), settings, [&](SubMotion&& part) {
+    if (cuts_used_ == kSweepsMax || normals.is_full()) cut_all();
+    if (cuts_used_ == cuts_.size()) cuts_.push_back(std::make_unique<Cut>());
+    Cut& cut = *cuts_[cuts_used_++];
+    cut = {&motion, n, std::move(part), parts == 0, {}};
+    if (motion.feel) {
+      cut.summer = make_summer(block_->settings_.force, *motion.tool, grid, cut.part.motion,
+                               motion.weight ? &*motion.weight : nullptr);
+    }
+    window_.add(field, cut.part.swept, normals.add_sweep(field, *motion.tool, cut.part.motion));
+    parts += cut.part.count;
+  });
+  motion.result->sub_motions =
+      std::max(motion.result->sub_motions, static_cast<std::uint32_t>(parts));
+}
+
+/// Finishes all motions that have been planned.
+void MotionWindow::flush() {
+  cut_all();
+  finish_motions(nullptr);
+  reads_.clear();
+}
+
+void MotionWindow::drop() {
+  window_.clear();
+  cuts_used_ = 0;
+  motions_.clear();
+  reads_.clear();
+}
+
+/// Cuts what has been planned, and adds it to the forces of the motions.
+void MotionWindow::cut_all() {
+  const std::span<const CutWindow::Touch> touches = window_.touches();
+  if (outcomes_.size() < touches.size()) outcomes_.resize(touches.size());
+  for (std::size_t n = 0; n < touches.size(); ++n) outcomes_[n].quanta = 0;
+  const bool feel = std::ranges::any_of(motions_, &Motion::feel);
+  if (feel && sums_.size() < touches.size()) sums_.resize(touches.size());
+  window_.cut(*workers_,
+              [this](std::size_t touch, RemovedPart& removed) { measure(touch, removed); });
+  std::size_t first = 0;
+  for (std::size_t n = 0; n < cuts_used_; ++n) {
+    std::size_t end = first;
+    while (end < touches.size() && touches[end].sweep == n) ++end;
+    finish_motions(cuts_[n]->motion);
+    deliver(*cuts_[n], first, end);
+    first = end;
+  }
+  window_.clear();
+  cuts_used_ = 0;
+}
+
+/// Runs on any thread.
+void MotionWindow::measure(std::size_t touch, RemovedPart& removed) {
+  const Cut& cut = *cuts_[window_.touches()[touch].sweep];
+  const Motion& motion = *cut.motion;
+  const DexelGrid& grid = block_->fields_[cut.field].grid();
+  Outcome& outcome = outcomes_[touch];
+  outcome.quanta = removed.quanta;
+  outcome.imprint = outcome.elements = 0;
+  if (block_->fields_.size() > 1) outcome.elements = elements_of(removed.groups);
+  if (grid.axis != RayAxis::kZ) outcome.depths = depths_of(removed.groups);
+  // Every later part starts where the part before it ended.
+  if (cut.is_first && !motion.start.continues) {
+    for (const SubMotion& standing : motion.standing[cut.field]) {
+      outcome.imprint += take_imprint(standing.swept, grid, removed);
+    }
+  }
+  if (!motion.feel) return;
+  sums_[touch] = cut.summer->sum(removed.groups);
+  if (block_->settings_.force.law == ForceLaw::kMechanistic) outcome.groups = removed.groups;
+}
+
+/// Adds up what a sub-motion removed from the tiles `first` to `end` of its touches.
+void MotionWindow::deliver(Cut& cut, std::size_t first, std::size_t end) {
+  Sculpture& b = *block_;
+  Motion& motion = *cut.motion;
+  const DexelGrid& grid = b.fields_[cut.field].grid();
+  Motion::Removed& all = motion.removed[cut.field];
+  RemovedPart& felt = b.removal_->start(1).front();
+  TileSum sums;
+  std::int64_t felt_quanta = 0;
+  for (std::size_t n = first; n < end; ++n) {
+    const Outcome& outcome = outcomes_[n];
+    if (outcome.quanta == 0) continue;
+    const TileIndex tile = window_.touches()[n].tile;
+    b.normals_[cut.field].add_tile(tile);
+    append_changed_tiles(grid, tile, outcome.depths, motion.result->changed_tiles);
+    motion.result->cut_tiles.push_back({grid.axis, tile});
+    all.quanta += outcome.quanta;
+    all.imprint += outcome.imprint;
+    all.elements += outcome.elements;
+    if (!motion.feel) continue;
+    felt_quanta += outcome.quanta - outcome.imprint;
+    sums.add(sums_[n]);
+    if (b.settings_.force.law != ForceLaw::kMechanistic) continue;
+    felt.groups.insert(felt.groups.end(), outcome.groups.begin(), outcome.groups.end());
+    felt.tiles.push_back({tile, felt.groups.size()});
+    felt.quanta = felt_quanta;
+  }
+  if (!motion.feel) return;
+  CuttingForce& force = force_of(motion);
+  if (felt_quanta > 0) force.add(grid, *cut.summer, sums, *b.removal_, cut.part.share);
+}
+
+/// The forces of a tool's user are added up in the order of its motions: each begins with what the
+/// one before it has left pending.
+CuttingForce& MotionWindow::force_of(Motion& motion) {
+  if (!motion.force) {
+    motion.force.emplace(block_->settings_.force, *motion.tool, motion.motion,
+                         motion.move->duration_s, static_cast<int>(block_->fields_.size()),
+                         *motion.engagement);
+  }
+  return *motion.force;
+}
+
+/// Finishes the motions before one that has begun to be delivered; null: all.
+void MotionWindow::finish_motions(const Motion* until) {
+  while (!motions_.empty() && &motions_.front() != until) {
+    finish(motions_.front());
+    if (*after_) (*after_)(finished_, *motions_.front().result);
+    ++finished_;
+    motions_.pop_front();
+  }
+}
+
+void MotionWindow::finish(Motion& motion) {
+  Sculpture& b = *block_;
+  const Tool& tool = *motion.tool;
+  MotionResult& result = *motion.result;
+  std::vector<RemovedVolume> removed;
+  for (std::size_t n = 0; n < motion.removed.size(); ++n) {
+    const Motion::Removed& r = motion.removed[n];
+    const double quantum_mm3 = b.fields_[n].grid().quantum_mm3();
+    removed.push_back({static_cast<double>(r.quanta) * quantum_mm3,
+                       static_cast<double>(r.imprint) * quantum_mm3,
+                       static_cast<double>(r.elements)});
+  }
+  b.count_motion(removed, result);
+  if (!tool.non_cutting.empty()) {
+    result.stock_contact_mm =
+        deepest_stock_contact(tool, motion.motion, b.fields_, b.settings_.tolerance_mm);
+  }
+  if (!motion.feel) return;
+  const FeltCut felt = force_of(motion).finish();
+  result.wrench = felt.wrench;
+  if (felt.area_mm2 > 0) {
+    result.cutting = {felt.area_mm2, normalized(felt.wrench.force_n), felt.center_mm};
+  }
+  result.collision = b.collision(tool, motion.motion.to);
+  result.wrench = result.wrench + result.collision;
+}
+
+}  // namespace kerf

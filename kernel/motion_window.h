@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Motions that a Sculpture applies together; not part of its public interface.
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "kernel/cut/changed_tiles.h"
+#include "kernel/cut/cut_window.h"
+#include "kernel/force/cut_sum.h"
+#include "kernel/force/engagement.h"
+#include "kernel/force/surface_weight.h"
+#include "kernel/sculpture.h"
+#include "kernel/sculpture_motion.h"
+#include "kernel/sweep/swept_tool.h"
+
+namespace kerf {
+
+class CuttingForce;
+
+/// Applies motions to a Sculpture so that several threads can work on short ones: their sweeps are
+/// found in order, cut together (CutWindow), and summed in order. State and results are, to the
+/// bit, those of one motion after the other. Keeps nothing but memory between calls.
+class MotionWindow {
+ public:
+  MotionWindow();
+  ~MotionWindow();
+  /// The motions must pass Sculpture::check.
+  std::vector<MotionResult> apply(Sculpture& block, std::span<const MoveTool> moves,
+                                  Workers& workers, const Sculpture::AfterMotion& after);
+
+ private:
+  struct Motion;
+  struct Cut;
+  struct Outcome;
+
+  bool waits(const Tool& tool, const ToolMotion& motion) const;
+  void plan(const MoveTool& move, MotionResult& result);
+  void plan_field(Motion& motion, std::size_t field);
+  void flush();
+  void drop();
+  void cut_all();
+  void measure(std::size_t touch, RemovedPart& removed);
+  void deliver(Cut& cut, std::size_t first, std::size_t end);
+  CuttingForce& force_of(Motion& motion);
+  void finish_motions(const Motion* until);
+  void finish(Motion& motion);
+
+  Sculpture* block_ = nullptr;  ///< these: of the call in progress
+  Workers* workers_ = nullptr;
+  const Sculpture::AfterMotion* after_ = nullptr;
+  std::size_t finished_ = 0;    ///< motions
+  std::deque<Motion> motions_;  ///< that are not finished
+  std::vector<std::unique_ptr<Cut>> cuts_;
+  std::size_t cuts_used_ = 0;
+  CutWindow window_;
+  std::vector<Outcome> outcomes_;  ///< of each touch
+  std::vector<TileSum> sums_;      ///< of each touch, if any motion is felt
+  std::vector<Bounds> reads_;      ///< where motions that are not finished will look at the stock
+};
+
+}  // namespace kerf
