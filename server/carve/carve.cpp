@@ -9,6 +9,7 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <utility>
 #include <vector>
@@ -33,6 +34,10 @@
 namespace kerf {
 namespace {
 
+/// Motions that are cut together: enough work for several threads, however short they are. Together
+/// they reach about so many tiles at most, half a second's work, because a stop waits for them.
+constexpr std::size_t kMotionsTogether = 64;
+constexpr std::int64_t kTilesTogether = 8192;
 constexpr const char* kInterrupted = "interrupted";
 constexpr const char* kAbandoned = "interrupted; unfinished work was abandoned";
 
@@ -203,24 +208,21 @@ class Carving {
     Simulation simulation(scene_, program_, options_.report.has_value());
     uncut_ = sculpture_->snapshot();
     progress_.show("carving", 0);
-    for (const ProgramMotion& motion : program_.motions) {
+    const std::span<const ProgramMotion> all = program_.motions;
+    while (report_.motions < all.size()) {
       if (stop_.stop_requested()) return {};
-      auto result = sculpture_->apply(MoveTool{.tool = motion.tool,
-                                               .from = motion.from,
-                                               .to = motion.to,
-                                               .duration_s = motion.duration_s,
-                                               .feel = options_.forces.has_value()},
-                                      pool_);
-      if (!result)
-        return bad_input(place_of(program_, motion.file, motion.line) + ": " +
-                         result.error().reason);
-      report_.machining_s += motion.duration_s;
-      simulation.follow(motion, *result);
-      if (options_.forces) {
-        write_forces_row(forces, report_.machining_s, motion.to, *result, options_.device_limits);
+      const auto results = apply(all.subspan(report_.motions));
+      if (!results) return std::unexpected(results.error());
+      for (const MotionResult& result : *results) {
+        const ProgramMotion& motion = all[report_.motions++];
+        report_.machining_s += motion.duration_s;
+        simulation.follow(motion, result);
+        if (options_.forces) {
+          write_forces_row(forces, report_.machining_s, motion.to, result, options_.device_limits);
+        }
       }
-      progress_.show("carving", static_cast<double>(++report_.motions) /
-                                    static_cast<double>(program_.motions.size()));
+      progress_.show("carving",
+                     static_cast<double>(report_.motions) / static_cast<double>(all.size()));
     }
     if (options_.forces && !forces.flush())
       return bad_output(options_.forces->string() + ": cannot be written");
@@ -232,6 +234,25 @@ class Carving {
     report_.state_hash = sculpture_->state_hash();
     report_.cut_s = watch_.lap();
     return simulate(simulation);
+  }
+
+  // Applies the first of these motions. If one is rejected, the block is thrown away.
+  std::expected<std::vector<MotionResult>, Failure> apply(std::span<const ProgramMotion> motions) {
+    std::vector<MoveTool> moves;
+    std::int64_t tiles = 0;
+    for (const ProgramMotion& motion : motions) {
+      if (moves.size() == kMotionsTogether || tiles >= kTilesTogether) break;
+      moves.push_back({.tool = motion.tool,
+                       .from = motion.from,
+                       .to = motion.to,
+                       .duration_s = motion.duration_s,
+                       .feel = options_.forces.has_value()});
+      if (const auto ok = sculpture_->check(moves.back()); !ok) {
+        return bad_input(place_of(program_, motion.file, motion.line) + ": " + ok.error().reason);
+      }
+      tiles += sculpture_->tiles_in_reach(moves.back());
+    }
+    return sculpture_->apply(moves, pool_);
   }
 
   // NC verification: times, loads, collisions, gouges.

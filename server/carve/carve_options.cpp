@@ -130,7 +130,7 @@ void declare(CLI::App& app, CarveOptions& options) {
   app.add_option("--rate", options.rate_hz, "sample the path at HZ (default: one motion per block)")
       ->check(check_positive);
   app.add_option("--threads", options.threads,
-                 "threads for long motions and for writing files (default: one per core)")
+                 "threads for cutting and for writing files (default: one per core)")
       ->check(CLI::Range(1, kThreadsMax));
 }
 
