@@ -136,6 +136,7 @@ void accept_configuration(CLI::App& app) {
 /// The commands that verify or copy files instead of serving sessions.
 struct Commands {
   std::string folder, journal, backup;
+  std::vector<std::uint64_t> without_strokes;
 
   void add(CLI::App& app) {
     app.add_subcommand("check",
@@ -150,17 +151,25 @@ struct Commands {
     copy->add_option("DATA", folder, "data folder")->required();
     copy->add_option("TO", backup, "folder of the copies, created if missing; no file is replaced")
         ->required();
-    app.add_subcommand("replay",
-                       "carves a journal from the start and compares it with its state hashes and "
-                       "its snapshot; exits with 1 at the first difference")
-        ->add_option("FILE", journal, "journal, DATA/SESSION.kerf")
-        ->required();
+    CLI::App* replay =
+        app.add_subcommand("replay",
+                           "carves a journal from the start and compares it with its state hashes "
+                           "and its snapshot; exits with 1 at the first difference");
+    replay->add_option("FILE", journal, "journal, DATA/SESSION.kerf")->required();
+    replay
+        ->add_option("--without-strokes", without_strokes,
+                     "strokes, as GET .../strokes lists them, separated by commas: prints the hash "
+                     "of the block in which they never happened, and compares nothing")
+        ->delimiter(',');
   }
   /// The exit status of the command that was named; nullopt if none was.
   std::optional<int> run(const CLI::App& app) const {
     if (app.got_subcommand("check")) return check_data(folder);
     if (app.got_subcommand("backup")) return back_up(folder, backup);
-    if (app.got_subcommand("replay")) return replay_journal(journal);
+    if (app.got_subcommand("replay")) {
+      return without_strokes.empty() ? replay_journal(journal)
+                                     : replay_without(journal, without_strokes);
+    }
     return std::nullopt;
   }
 };

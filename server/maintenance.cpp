@@ -9,6 +9,7 @@
 
 #include "server/rights/grant_file.h"
 #include "server/session/hash_text.h"
+#include "server/session/journal_carve.h"
 #include "server/session/journal_check.h"
 #include "server/store/journal_file.h"
 
@@ -106,6 +107,18 @@ int replay_journal(const std::filesystem::path& file) {
               static_cast<unsigned long long>(verified->motions), verified->hashes_compared,
               verified->snapshot_compared ? " and the snapshot" : "",
               hash_text(verified->hash).c_str());
+  return 0;
+}
+
+int replay_without(const std::filesystem::path& file, const std::vector<std::uint64_t>& strokes) {
+  const auto carved = carve_without(file, {strokes.begin(), strokes.end()});
+  if (!carved) {
+    std::fprintf(stderr, "kerf-server: %s\n", carved.error().c_str());
+    return 1;
+  }
+  std::printf("carved: %llu motions, removed %.3f mm3, hash %s\n",
+              static_cast<unsigned long long>(carved->motions), carved->removed_mm3,
+              hash_text(carved->hash).c_str());
   return 0;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 namespace kerf {
 
@@ -19,5 +21,10 @@ int back_up(const std::filesystem::path& data, const std::filesystem::path& to);
 /// its snapshot, and prints the outcome. Returns the exit status: 0, or 1 if something differs or
 /// the journal cannot be read.
 int replay_journal(const std::filesystem::path& file);
+
+/// `kerf-server replay --without-strokes`: carves a journal without some strokes, and without those
+/// that are undone at its end, and prints the hash of the block. Returns the exit status: 0, or 1
+/// if there is no such stroke or the journal cannot be read.
+int replay_without(const std::filesystem::path& file, const std::vector<std::uint64_t>& strokes);
 
 }  // namespace kerf

@@ -104,6 +104,7 @@ struct Server::Impl {
         spawner("spawner", 1, 0),
         viewers("viewers", 1, 5),
         meshing("meshing", 1, 8),
+        past("past", 1, 10),
         snapshots("snapshots", 1, 10),
         registry(
             {options.http.data_folder, options.sessions_max, options.session, log_pause,
@@ -138,12 +139,12 @@ struct Server::Impl {
   Metrics metrics;
   UdpPort udp{metrics};
   IoThreads spawner;  ///< creates the sessions' threads, which inherit its niceness of 0
-  IoThreads viewers, meshing, snapshots;
+  IoThreads viewers, meshing, past, snapshots;
   SessionRegistry registry;
   Api api;
   IoThreads immediate, control, workers, exports;  ///< after `api`, which their work uses
   HubDirectory hubs;
-  PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing};
+  PeerContext peers{options.session, metrics, hubs, udp, viewers, meshing, past};
   HttpContext context{options.http, registry, metrics, api,   immediate,
                       control,      workers,  exports, peers, certificate.get()};
   tcp::acceptor acceptor;

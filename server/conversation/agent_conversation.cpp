@@ -80,7 +80,7 @@ void AgentConversation::on_control(const ControlMessage& message) {
   if (std::holds_alternative<StockMessage>(message)) return session().reset_stock(self_->id);
   const auto* tool = std::get_if<ToolMessage>(&message);
   if (tool == nullptr) {
-    return reject({wire::ErrorCode::kBadMessage, "agents may not send 'look' messages"});
+    return reject({wire::ErrorCode::kBadMessage, "agents may not send 'look' and 'seek' messages"});
   }
   if (!tools_.allow(now_())) {
     return reject({wire::ErrorCode::kTooFast, "'tool' is limited to 10 per second"});

@@ -122,6 +122,24 @@ std::expected<ControlMessage, Rejection> parse_hello(const Json& object) {
   return hello;
 }
 
+std::expected<ControlMessage, Rejection> parse_seek(const Json& object) {
+  SeekMessage seek;
+  if (const auto at = object.find("at"); at != object.end()) {
+    seek.is_live = *at == "live";
+    if (at->is_number_unsigned()) seek.record = at->get<std::uint64_t>();
+    if (!seek.is_live && !seek.record) {
+      return std::unexpected(bad_field("at", "must be the number of a record or \"live\""));
+    }
+  }
+  if (const auto found = object.find("rate"); found != object.end()) {
+    const auto rate = number_of(*found, "rate", 0, kRateMax);
+    if (!rate) return std::unexpected(rate.error());
+    if (*rate > 0 && *rate < kRateMin) return std::unexpected(bad_field("rate", "is out of range"));
+    seek.rate = *rate;
+  }
+  return seek;
+}
+
 Json participants_json(const std::vector<Participant>& participants) {
   Json list = Json::array();
   for (const Participant& participant : participants) {
@@ -188,10 +206,11 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
     if (!look) return std::unexpected(look.error());
     return LookMessage{*look};
   }
+  if (*type == wire::kTypeSeek) return parse_seek(object);
   if (*type == wire::kTypeStock) return StockMessage{};
   return std::unexpected(
       Rejection{wire::ErrorCode::kBadMessage,
-                "field \"type\" must be \"hello\", \"tool\", \"look\" or \"stock\""});
+                "field \"type\" must be \"hello\", \"tool\", \"look\", \"seek\" or \"stock\""});
 }
 
 std::string agent_welcome(const Session& session, const Admission& admission,
@@ -245,13 +264,16 @@ std::string change_message(const RosterChange& change) {
 }
 
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled, bool paused) {
+                          bool settled, bool paused, const std::optional<PastPlace>& past) {
   Json json = {{"type", wire::kTypeState},
                {"motions", motions},
                {"removed_volume_mm3", removed_mm3},
                {"state_hash", hash_text(hash)},
                {"settled", settled}};
   if (paused) json["paused"] = "disk";
+  if (past) {
+    json["at"] = {{"record", past->record}, {"time_ms", past->time_ms}, {"rate", past->rate}};
+  }
   return text(json);
 }
 

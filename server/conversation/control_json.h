@@ -37,9 +37,25 @@ struct ToolMessage {
 struct LookMessage {
   ViewerLook look;
 };
+/// Requests the block as it was after a record, and on from there.
+struct SeekMessage {
+  bool is_live = false;                 ///< the present instead
+  std::optional<std::uint64_t> record;  ///< nothing: where the viewer is
+  double rate = 0;                      ///< of the journal's time; 0: it rests
+};
+/// Where a viewer is that looks at the past.
+struct PastPlace {
+  std::uint64_t record = 0;
+  std::int64_t time_ms = 0;  ///< when it was appended, ms since 1970; 0: unknown
+  double rate = 0;           ///< with which it plays; 0: it rests
+  friend bool operator==(const PastPlace&, const PastPlace&) = default;
+};
 /// Requests that stock frames start again with an empty replica.
 struct StockMessage {};
-using ControlMessage = std::variant<HelloMessage, ToolMessage, LookMessage, StockMessage>;
+using ControlMessage =
+    std::variant<HelloMessage, ToolMessage, LookMessage, SeekMessage, StockMessage>;
+/// Rates of a seek but 0.
+inline constexpr double kRateMin = 0.25, kRateMax = 64;
 
 /// Parses one text frame. Unknown fields are ignored. Errors are bad_json (not a JSON object) and
 /// bad_message (names the field).
@@ -54,7 +70,8 @@ std::string participants_message(const Roster& roster);
 std::string carvers_message(const std::vector<Participant>& carvers);
 std::string change_message(const RosterChange& change);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
-                          bool settled, bool paused);
+                          bool settled, bool paused,
+                          const std::optional<PastPlace>& past = std::nullopt);
 std::string error_message(const Rejection& rejection, bool fatal);
 std::string bye_message(std::string_view reason, std::string_view redirect = {});
 

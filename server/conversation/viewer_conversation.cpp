@@ -37,9 +37,18 @@ void ViewerConversation::joined(const std::expected<Participant, Rejection>& sel
 }
 
 void ViewerConversation::on_control(const ControlMessage& message) {
+  if (const auto* seek = std::get_if<SeekMessage>(&message)) {
+    if (!seeks_.allow(now_())) {
+      return reject({wire::ErrorCode::kTooFast, "'seek' is limited to 20 per second"});
+    }
+    sent_state_.reset();  // the answer, also if nothing changes
+    actions_.emplace_back(*seek);
+    return;
+  }
   const auto* look = std::get_if<LookMessage>(&message);
   if (look == nullptr) {
-    return reject({wire::ErrorCode::kBadMessage, "viewers may send only 'hello' and 'look'"});
+    return reject(
+        {wire::ErrorCode::kBadMessage, "viewers may send only 'hello', 'look' and 'seek'"});
   }
   if (!looks_.allow(now_())) {
     return reject({wire::ErrorCode::kTooFast, "'look' is limited to 5 per second"});
@@ -51,7 +60,19 @@ void ViewerConversation::on_message(const wire::Message& message, Clock::time_po
   if (!std::holds_alternative<wire::Ack>(message.body))
     return reject_frame_type(message, "viewers");
   if (!self_) return reject_without_hello();
-  actions_.emplace_back(MeshAck{message.header.stamp.sequence});
+  const std::uint64_t sequence = message.header.stamp.sequence;
+  if (sequence == 0 || sequence > meshes_before_) {
+    actions_.emplace_back(MeshAck{sequence - meshes_before_});
+  }
+}
+
+void ViewerConversation::begin_again(const Roster& roster) {
+  if (finishing()) return;
+  out_.drop_surface();
+  meshes_before_ = meshes_;
+  sent_state_.reset();
+  say(viewer_welcome(session(), *self_, roster));
+  wake();
 }
 
 void ViewerConversation::send_tools(SharedBytes frame) {
@@ -61,6 +82,8 @@ void ViewerConversation::send_tools(SharedBytes frame) {
 
 void ViewerConversation::send_mesh(FeedFrame frame, SharedBytes tools) {
   if (tools) out_.put_tools(std::move(tools));
+  frame.sequence += meshes_before_;
+  meshes_ = frame.sequence;
   out_.put_mesh(std::move(frame));
   wake();
 }
@@ -68,13 +91,13 @@ void ViewerConversation::send_mesh(FeedFrame frame, SharedBytes tools) {
 void ViewerConversation::send_state(const SurfaceState& state) {
   const bool same = sent_state_ && sent_state_->sequence == state.sequence &&
                     sent_state_->hash == state.hash && sent_state_->settled == state.settled &&
-                    sent_state_->paused == state.paused;
+                    sent_state_->paused == state.paused && sent_state_->past == state.past;
   const auto now = now_();
   if (same || (!state.settled && now - state_sent_at_ < kStateInterval)) return;
   sent_state_ = state;
   state_sent_at_ = now;
-  out_.put_state(
-      state_message(state.motions, state.removed_mm3, state.hash, state.settled, state.paused));
+  out_.put_state(state_message(state.motions, state.removed_mm3, state.hash, state.settled,
+                               state.paused, state.past));
   wake();
 }
 
@@ -90,6 +113,12 @@ void ViewerConversation::send_participants(const SharedText& all, const SharedTe
 void ViewerConversation::reject_ack() {
   if (finishing()) return;
   reject({wire::ErrorCode::kBadSequence, "ack of a mesh frame that was never sent"});
+  wake();
+}
+
+void ViewerConversation::reject_seek(const Rejection& rejection) {
+  if (finishing()) return;
+  reject(rejection);
   wake();
 }
 

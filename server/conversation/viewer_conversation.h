@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/conversation/control_json.h"
 #include "server/conversation/conversation.h"
 #include "server/conversation/viewer_outbox.h"
 #include "server/feed/tile_detail.h"
@@ -21,6 +22,7 @@ struct SurfaceState {
   std::uint64_t hash = 0;
   bool settled = false;  ///< every mesh frame of the state with this hash has been sent
   bool paused = false;   ///< the disk fails: nothing is carved
+  std::optional<PastPlace> past = std::nullopt;  ///< of a viewer that looks at the past
 };
 
 /// The viewer has applied every mesh frame up to this one.
@@ -36,8 +38,8 @@ struct FirstLook {
 };
 
 /// What a viewer's owner must do elsewhere: join the session on the session's executor and pass the
-/// result to joined(), forward a view or an ack to the TileFeed.
-using ViewerAction = std::variant<JoinRequest, ViewerLook, MeshAck>;
+/// result to joined(), forward a view or an ack to the TileFeed, seek.
+using ViewerAction = std::variant<JoinRequest, ViewerLook, MeshAck, SeekMessage>;
 
 /// The server's side of one viewer's protocol. It lives on the viewers' thread, not on the
 /// session's executor, so a hello becomes an action and the answer waits for joined().
@@ -47,6 +49,9 @@ class ViewerConversation final : public Conversation {
   /// has come to rest.
   static constexpr double kLooksPerS = 5;
   static constexpr double kLooksBurst = 20;
+  /// A seek ends the one before it; a page that scrubs sends what its screen shows.
+  static constexpr double kSeeksPerS = 20;
+  static constexpr double kSeeksBurst = 40;
   /// The state message is sent at most this often, except when it says that the surface has
   /// settled.
   static constexpr std::chrono::milliseconds kStateInterval{250};
@@ -65,6 +70,11 @@ class ViewerConversation final : public Conversation {
   /// As the hello states it.
   const FirstLook& first_look() const { return first_look_; }
 
+  /// From now on the viewer is sent the surface of another block, that of the past or that of the
+  /// present: tiles and frames of the last one are dropped, and a welcome makes the viewer begin
+  /// again. The frames of the new one count from 1 in send_mesh() and MeshAck.
+  void begin_again(const Roster& roster);
+
   void send_tools(SharedBytes frame);  ///< replaces one that has not left
   /// `tools`, unless null, leaves before it, as with send_tools.
   void send_mesh(FeedFrame frame, SharedBytes tools = nullptr);
@@ -75,6 +85,8 @@ class ViewerConversation final : public Conversation {
   void send_participants(const SharedText& all, const SharedText& change);
   /// The viewer has acknowledged a frame that was never sent.
   void reject_ack();
+  /// The viewer cannot be where it has asked to be.
+  void reject_seek(const Rejection& rejection);
   /// An owner has removed the viewer.
   void remove(const std::string& reason);
   /// The session ends, and goes on at the server `redirect` unless that is empty: sends bye and
@@ -95,12 +107,14 @@ class ViewerConversation final : public Conversation {
   }
   void discard_updates() override { out_.close(); }
 
-  RateLimit looks_{kLooksPerS, kLooksBurst};
+  RateLimit looks_{kLooksPerS, kLooksBurst}, seeks_{kSeeksPerS, kSeeksBurst};
   ViewerOutbox out_;
   std::deque<ViewerAction> actions_;
   FirstLook first_look_;
   bool takes_changes_ = false;     ///< understands participants_changed
   bool has_participants_ = false;  ///< a list or a change has been sent since the welcome
+  /// Mesh frames of the blocks before the present one, and all; a viewer sees one numbering.
+  std::uint64_t meshes_before_ = 0, meshes_ = 0;
   std::optional<SurfaceState> sent_state_;
   Clock::time_point state_sent_at_;
 };

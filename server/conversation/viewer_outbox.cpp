@@ -7,8 +7,12 @@ namespace kerf::net {
 
 void ViewerOutbox::close() {
   closed_ = true;
-  tools_.reset();
+  drop_surface();
   participants_.reset();
+}
+
+void ViewerOutbox::drop_surface() {
+  tools_.reset();
   mesh_.clear();
   state_.clear();
 }

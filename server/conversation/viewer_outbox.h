@@ -37,6 +37,8 @@ class ViewerOutbox {
     if (!closed_) state_ = std::move(text);
   }
 
+  /// Discards the tiles, the tools and the state.
+  void drop_surface();
   /// Discards everything but the control messages and ignores what is put in afterwards.
   void close();
   /// Takes the next frame to send; returns false if there is none. `stamp` supplies epoch and time

@@ -232,6 +232,9 @@ class Session : public std::enable_shared_from_this<Session> {
   /// not on the executor. The error is one sentence; nullopt if there is no such record yet.
   std::expected<std::optional<SolidSnapshot>, std::string> solid_at(
       std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
+  /// Returns all tiles that motions have reached, as they were after a record; else as solid_at().
+  std::expected<std::optional<std::vector<TileReplacement>>, std::string> tiles_at(
+      std::uint64_t record, Workers& workers, const std::stop_token& stop = {});
   /// Returns the strokes whose last record is `since` or later. Blocks: not on the executor.
   std::expected<std::vector<ListedStroke>, std::string> strokes(std::uint64_t since,
                                                                 const std::stop_token& stop = {});

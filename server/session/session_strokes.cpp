@@ -215,21 +215,26 @@ void Session::forget_history() {
   if (lock) history_.reset();
 }
 
-std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
+std::expected<std::optional<std::vector<TileReplacement>>, std::string> Session::tiles_at(
     std::uint64_t record, Workers& workers, const std::stop_token& stop) {
   const std::unique_lock lock(history_mutex_, kPatience);
   if (!lock) return std::unexpected(kOthersAsk);
   if (auto read = read_history(stop); !read) return std::unexpected(read.error());
   if (record > history_->last()) return std::nullopt;
-  const auto tiles =
-      history_->carve(history_->tiles(), history_->strokes().at(record), workers, stop);
+  return history_->carve(history_->tiles(), history_->strokes().at(record), workers, stop);
+}
+
+std::expected<std::optional<SolidSnapshot>, std::string> Session::solid_at(
+    std::uint64_t record, Workers& workers, const std::stop_token& stop) {
+  const auto tiles = tiles_at(record, workers, stop);
   if (!tiles) return std::unexpected(tiles.error());
+  if (!*tiles) return std::nullopt;
   auto block = Sculpture::create(sculpture_.settings());
   if (!block) return std::unexpected(block.error().reason);
   SculptureState untouched;
   untouched.solid = start_;
   if (!block->restore(untouched)) return std::unexpected("the block is of another size");
-  block->replace(*tiles);
+  block->replace(**tiles);
   return block->solid();
 }
 

@@ -19,6 +19,7 @@ struct PeerContext {
   UdpPort& udp;
   IoThreads& viewers;  ///< viewers' sockets: one thread
   IoThreads& meshing;  ///< short background work: tiles for viewers, state hashes
+  IoThreads& past;     ///< blocks of viewers that look at the past: one thread
 };
 
 /// The thread of a session. The server creates the executor of every session as IoThreads.

@@ -59,6 +59,8 @@ asio::awaitable<void> ViewerConnection::act() {
       hub_->look(conversation_.id(), *look);
     } else if (const auto* ack = std::get_if<MeshAck>(&*action)) {
       hub_->acknowledge(conversation_.id(), ack->sequence);
+    } else if (const auto* seek = std::get_if<SeekMessage>(&*action)) {
+      hub_->seek(conversation_.id(), *seek);
     }
   }
 }

@@ -37,7 +37,8 @@ void ViewerHub::add(ParticipantId id, ViewerConversation* viewer, const FirstLoo
   if (first.follows) {
     viewers_[id].look_due = Clock::now() + kLookWait;
   } else {
-    next_job_.joined.emplace_back(id, first.look);
+    viewers_[id].look = first.look;
+    join_feed(id, first.look);
   }
   if (running_) return start_job();
   running_ = true;
@@ -47,8 +48,11 @@ void ViewerHub::add(ParticipantId id, ViewerConversation* viewer, const FirstLoo
 }
 
 void ViewerHub::remove(ParticipantId id) {
-  if (viewers_.erase(id) == 0) return;
-  next_job_.left.push_back(id);
+  const Viewer* viewer = find(id);
+  if (viewer == nullptr) return;
+  if (viewer->past) viewer->past->end();
+  viewers_.erase(id);
+  leave_feed(id);
   if (viewers_.empty()) {
     tick_.cancel();  // the loop ends now
   } else {
@@ -56,9 +60,21 @@ void ViewerHub::remove(ParticipantId id) {
   }
 }
 
+void ViewerHub::join_feed(ParticipantId id, const std::optional<ViewerLook>& look) {
+  next_job_.joined.push_back({id, ++viewers_[id].stay, look});
+}
+
+void ViewerHub::leave_feed(ParticipantId id) {
+  std::erase_if(next_job_.joined, [&](const Job::Joined& joined) { return joined.id == id; });
+  std::erase_if(next_job_.acks, [&](const auto& ack) { return ack.first == id; });
+  next_job_.looks.erase(id);
+  next_job_.left.push_back(id);
+}
+
 void ViewerHub::acknowledge(ParticipantId id, std::uint64_t sequence) {
-  next_job_.acks.emplace_back(id, sequence);
   const Viewer* viewer = find(id);
+  if (viewer != nullptr && viewer->is_past()) return viewer->past->acknowledge(sequence);
+  next_job_.acks.emplace_back(id, sequence);
   // Unless the viewer has everything, a frame that waits may leave now.
   const bool has_all = viewer != nullptr && viewer->sent && *viewer->sent >= revision_;
   if (!has_all) start_job();
@@ -66,12 +82,69 @@ void ViewerHub::acknowledge(ParticipantId id, std::uint64_t sequence) {
 
 void ViewerHub::look(ParticipantId id, const ViewerLook& look) {
   Viewer* viewer = find(id);
+  if (viewer != nullptr) viewer->look = look;
+  if (viewer != nullptr && viewer->past) viewer->past->look(look);
+  if (viewer != nullptr && viewer->is_past()) return;
   if (viewer != nullptr) viewer->sent.reset();  // finer tiles may be due
   if (viewer != nullptr && std::exchange(viewer->look_due, std::nullopt)) {
-    next_job_.joined.emplace_back(id, look);
+    join_feed(id, look);
   } else {
     next_job_.looks[id] = look;
   }
+  start_job();
+}
+
+void ViewerHub::seek(ParticipantId id, const SeekMessage& seek) {
+  Viewer* viewer = find(id);
+  if (viewer == nullptr) return;
+  if (seek.is_live) return show_present(id, *viewer);
+  if (!viewer->past && !seek.record) {
+    return viewer->conversation->reject_seek(
+        {wire::ErrorCode::kBadMessage, "field \"at\" is missing: the viewer is live"});
+  }
+  show_past(id, *viewer, seek);
+}
+
+void ViewerHub::show_past(ParticipantId id, Viewer& viewer, const SeekMessage& seek) {
+  if (!viewer.past) {
+    const auto others = std::ranges::count_if(
+        viewers_, [](const auto& other) { return other.second.past != nullptr; });
+    if (static_cast<std::size_t>(others) >= kPastViewersMax) {
+      return viewer.conversation->reject_seek(
+          {wire::ErrorCode::kBusy, "other viewers look at the past; at most " +
+                                       std::to_string(kPastViewersMax) + " of a session do"});
+    }
+    auto on_first = [this, id](bool reached) { leave_present(id, reached); };
+    viewer.past = std::make_shared<PastViewer>(session_, viewer.conversation, context_, viewer.look,
+                                               std::move(on_first));
+  }
+  viewer.past->seek(seek);
+}
+
+/// The first seek of a viewer has been carried out, or has failed.
+void ViewerHub::leave_present(ParticipantId id, bool reached) {
+  Viewer* viewer = find(id);
+  if (!reached) {
+    viewer->past->end();
+    return viewer->past.reset();
+  }
+  leave_feed(id);
+  viewer->look_due.reset();
+  viewer->conversation->begin_again(roster_);
+  start_job();
+}
+
+void ViewerHub::show_present(ParticipantId id, Viewer& viewer) {
+  if (!viewer.past) return;
+  const bool was_shown = viewer.past->is_shown();
+  viewer.past->end();
+  viewer.past.reset();
+  if (!was_shown) return;
+  viewer.conversation->begin_again(roster_);
+  viewer.sent.reset();
+  viewer.has_tools = false;
+  last_tools_.clear();  // its tools come again
+  join_feed(id, viewer.look);
   start_job();
 }
 
@@ -126,6 +199,9 @@ asio::awaitable<void> ViewerHub::run() {
     first = false;
     take_frame(std::move(frame));
     start_overdue_snapshots();
+    for (auto& [id, viewer] : viewers_) {
+      if (viewer.past) viewer.past->tick();
+    }
     if (!next_job_.empty()) start_job();
     const auto period = is_crowd() ? kCrowdTick : kTick;
     next = std::max(next + period, Clock::now() + period / 2);
@@ -162,7 +238,7 @@ void ViewerHub::start_overdue_snapshots() {
   for (auto& [id, viewer] : viewers_) {
     if (!viewer.look_due || now < *viewer.look_due) continue;
     viewer.look_due.reset();
-    next_job_.joined.emplace_back(id, std::nullopt);
+    join_feed(id, std::nullopt);
   }
 }
 
@@ -180,6 +256,7 @@ void ViewerHub::send_tools() {
   const SharedBytes tools = std::exchange(tools_, nullptr);
   if (!tools) return;
   for (auto& [id, viewer] : viewers_) {
+    if (viewer.is_past()) continue;
     if (!std::exchange(viewer.has_tools, false)) viewer.conversation->send_tools(tools);
   }
 }
@@ -189,6 +266,7 @@ void ViewerHub::send_states() {
   SurfaceState state{newest_.sequence, newest_.motions, newest_.removed_mm3, newest_.hash->hash};
   state.paused = newest_.paused;
   for (auto& [id, viewer] : viewers_) {
+    if (viewer.is_past()) continue;
     state.settled = newest_.hash_is_current && viewer.sent && *viewer.sent >= revision_;
     viewer.conversation->send_state(state);
   }
@@ -212,27 +290,29 @@ void ViewerHub::start_job() {
 
 ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
   JobResult result;
-  for (const auto& [id, look] : job.joined) side.ids[id] = side.feed->add_viewer(look);
   for (const ParticipantId id : job.left) {
     const auto found = side.ids.find(id);
     if (found == side.ids.end()) continue;
-    side.feed->remove_viewer(found->second);
+    side.feed->remove_viewer(found->second.id);
     side.ids.erase(found);
+  }
+  for (const auto& [id, stay, look] : job.joined) {
+    side.ids[id] = {side.feed->add_viewer(look), stay};
   }
   for (const auto& [id, sequence] : job.acks) {
     const auto found = side.ids.find(id);
-    if (found != side.ids.end() && !side.feed->ack(found->second, sequence)) {
+    if (found != side.ids.end() && !side.feed->ack(found->second.id, sequence)) {
       result.bad_acks.push_back(id);
     }
   }
   for (const auto& [id, look] : job.looks) {
     const auto found = side.ids.find(id);
-    if (found != side.ids.end()) side.feed->look(found->second, look);
+    if (found != side.ids.end()) side.feed->look(found->second.id, look);
   }
   if (job.is_for_all) {
     for (const auto& [id, viewer] : side.ids) serve(side, id, result);
   } else {
-    for (const auto& [id, look] : job.joined) serve(side, id, result);
+    for (const auto& joined : job.joined) serve(side, joined.id, result);
     for (const auto& [id, sequence] : job.acks) serve(side, id, result);
     for (const auto& [id, look] : job.looks) serve(side, id, result);
   }
@@ -247,9 +327,10 @@ ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
 void ViewerHub::serve(FeedSide& side, ParticipantId id, JobResult& result) {
   const auto found = side.ids.find(id);
   if (found == side.ids.end()) return;
-  while (auto frame = side.feed->next_frame(found->second)) result.frames.emplace_back(id, *frame);
-  const auto state = side.feed->viewer_state(found->second);
-  if (state && state->sent) result.sent.emplace_back(id, state->revision);
+  const auto [viewer, stay] = found->second;
+  while (auto frame = side.feed->next_frame(viewer)) result.frames.push_back({id, stay, *frame});
+  const auto state = side.feed->viewer_state(viewer);
+  if (state && state->sent) result.sent.push_back({id, stay, state->revision});
 }
 
 ViewerHub::Viewer* ViewerHub::find(ParticipantId id) {
@@ -262,19 +343,21 @@ void ViewerHub::deliver(JobResult result) {
   context_.metrics.mesh_made(result.tiles, result.bytes);
   // Poses leave before tiles, those who get both in one piece.
   ParticipantId previous = 0;
-  for (auto& [id, frame] : result.frames) {
+  for (auto& [id, stay, frame] : result.frames) {
     const bool is_first = std::exchange(previous, id) != id;
     Viewer* viewer = find(id);
-    if (viewer == nullptr) continue;
+    if (viewer == nullptr || viewer->is_past() || viewer->stay != stay) continue;
     viewer->conversation->send_mesh(std::move(frame), is_first ? tools_ : nullptr);
     viewer->has_tools = viewer->has_tools || tools_;
   }
   send_tools();
-  for (const auto& [id, revision] : result.sent) {
-    if (Viewer* viewer = find(id)) viewer->sent = revision;
+  for (const auto& [id, stay, revision] : result.sent) {
+    Viewer* viewer = find(id);
+    if (viewer != nullptr && viewer->stay == stay) viewer->sent = revision;
   }
   for (const ParticipantId id : result.bad_acks) {
-    if (Viewer* viewer = find(id)) viewer->conversation->reject_ack();
+    Viewer* viewer = find(id);
+    if (viewer != nullptr && !viewer->is_past()) viewer->conversation->reject_ack();
   }
   send_states();
   if (std::exchange(job_is_due_, false)) start_job();

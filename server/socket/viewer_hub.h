@@ -13,6 +13,7 @@
 
 #include "server/conversation/viewer_conversation.h"
 #include "server/feed/tile_feed.h"
+#include "server/socket/past_viewer.h"
 #include "server/socket/peer_context.h"
 
 namespace kerf::net {
@@ -32,7 +33,11 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void acknowledge(ParticipantId id, std::uint64_t sequence);
   /// Sets the position from which a viewer looks; only the newest counts.
   void look(ParticipantId id, const ViewerLook& look);
+  /// Shows a viewer the past, or the present again.
+  void seek(ParticipantId id, const SeekMessage& seek);
   static constexpr std::chrono::seconds kLookWait{1};
+  /// Viewers of the past of one session: each has a copy of the block.
+  static constexpr std::size_t kPastViewersMax = 4;
   /// With more viewers than these it reads the session 20 times a second instead of 30, and sends
   /// tool poses with the tiles.
   static constexpr std::size_t kCrowd = 50;
@@ -42,11 +47,20 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   /// Belongs to the meshing thread while a job runs there.
   struct FeedSide {
     std::unique_ptr<TileFeed> feed;
-    std::map<ParticipantId, ViewerId> ids;
+    struct Member {
+      ViewerId id = 0;
+      std::uint64_t stay = 0;  ///< Viewer::stay
+    };
+    std::map<ParticipantId, Member> ids;
     TileFeed::Stats counted;  ///< already reported to the metrics
   };
   struct Viewer {
     ViewerConversation* conversation = nullptr;
+    /// Tells its frames of the present, from before it looked at the past, from those after.
+    std::uint64_t stay = 0;
+    std::shared_ptr<PastViewer> past;  ///< null: it looks at the present
+    bool is_past() const { return past && past->is_shown(); }
+    std::optional<ViewerLook> look;             ///< the last one
     std::optional<Clock::time_point> look_due;  ///< the first snapshot awaits a look until then
     bool has_tools = false;                     ///< has been sent `tools_` already
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
@@ -54,8 +68,13 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   /// Requests that have come since the last job.
   struct Job {
     bool is_for_all = false;  ///< the surface has changed: every viewer needs a frame
-    std::vector<std::pair<ParticipantId, std::optional<ViewerLook>>> joined;
-    std::vector<ParticipantId> left;
+    struct Joined {
+      ParticipantId id = 0;
+      std::uint64_t stay = 0;
+      std::optional<ViewerLook> look;
+    };
+    std::vector<ParticipantId> left;  ///< before those who join
+    std::vector<Joined> joined;
     std::vector<std::pair<ParticipantId, std::uint64_t>> acks;
     std::map<ParticipantId, ViewerLook> looks;
     bool empty() const {
@@ -63,9 +82,18 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     }
   };
   struct JobResult {
-    std::vector<std::pair<ParticipantId, FeedFrame>> frames;  ///< those of a viewer together
+    struct Frame {
+      ParticipantId id = 0;
+      std::uint64_t stay = 0;
+      FeedFrame frame;
+    };
+    std::vector<Frame> frames;  ///< those of a viewer together
     std::vector<ParticipantId> bad_acks;
-    std::vector<std::pair<ParticipantId, std::uint64_t>> sent;
+    struct Sent {
+      ParticipantId id = 0;
+      std::uint64_t stay = 0, revision = 0;
+    };
+    std::vector<Sent> sent;
     std::uint64_t tiles = 0, bytes = 0;
   };
 
@@ -74,6 +102,12 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   boost::asio::awaitable<void> run();
   void take_frame(SessionFrame frame);
   void start_overdue_snapshots();
+  /// Adds a viewer to the feed of the present, or takes it out.
+  void join_feed(ParticipantId id, const std::optional<ViewerLook>& look);
+  void leave_feed(ParticipantId id);
+  void show_past(ParticipantId id, Viewer& viewer, const SeekMessage& seek);
+  void leave_present(ParticipantId id, bool reached);
+  void show_present(ParticipantId id, Viewer& viewer);
   void encode_tools();
   void send_tools();
   void send_states();

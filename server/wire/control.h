@@ -17,6 +17,7 @@ inline constexpr std::string_view kViewProtocol = "kerf.view.v1";
 inline constexpr std::string_view kTypeHello = "hello";
 inline constexpr std::string_view kTypeTool = "tool";
 inline constexpr std::string_view kTypeLook = "look";
+inline constexpr std::string_view kTypeSeek = "seek";
 inline constexpr std::string_view kTypeStock = "stock";
 inline constexpr std::string_view kTypeWelcome = "welcome";
 inline constexpr std::string_view kTypeParticipants = "participants";

@@ -69,7 +69,7 @@ TEST_F(AgentConversationTest, EachMistakeHasItsErrorText) {
   send_text(*ada, R"({"type":"hello"})");
   EXPECT_EQ(reason(), "hello may be sent only once");
   send_text(*ada, R"({"type":"look","eye_mm":[0,0,9],"error_rad":0.1})");
-  EXPECT_EQ(reason(), "agents may not send 'look' messages");
+  EXPECT_EQ(reason(), "agents may not send 'look' and 'seek' messages");
   send(*ada, encoded(wire::Result{}));
   EXPECT_EQ(reason(), "agents may not send frames of type 2");
   send(*ada, Bytes(wire::kMaxClientFrameBytes + 1));

@@ -11,8 +11,9 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from live_server import PROGRAM, LiveTest, Server  # noqa: E402
+from live_disk_test import until  # noqa: E402
 from live_undo_test import stroke  # noqa: E402
-from wire_client import Agent  # noqa: E402
+from wire_client import Agent, Viewer  # noqa: E402
 
 
 def utc(seconds):
@@ -59,7 +60,82 @@ class PointsInTime(LiveTest):
             answer = self.json("forces?" + query)
             self.assertEqual((answer[0], answer[1]["error"]["code"]), (400, code), query)
 
+    def reached(self, viewer, record, **fields):
+        """Waits until the viewer has all tiles of a record; returns the state message."""
+        while True:
+            state = viewer.settled()
+            place = state.get("at")
+            if place and place["record"] == record and all(
+                    place[name] == value for name, value in fields.items()):
+                return state
+
+    def test_one_viewer_looks_at_the_past_while_others_carve_and_watch(self):
+        ada, past, live = Agent(self.port, "block"), Viewer(self.port, "block"), \
+            Viewer(self.port, "block", "Bo")
+        past.keeps_meshes = True
+        hashes = {}
+        for y in (-8, 0, 8):
+            stroke(ada, y, count=80)
+            hashes[self.server.info()["state_sequence"]] = self.server.hash()
+        until(self, lambda: past.settled()["state_hash"], self.server.hash())
+        first, second, last = sorted(hashes)
+        untouched = dict(past.tiles)
+        for record in (second, first, last, first):
+            past.send_json({"type": "seek", "at": record})
+            state = self.reached(past, record, rate=0)
+            self.assertEqual(state["state_hash"], hashes[record])
+        self.assertEqual(past.welcomes, 2)
+        self.assertEqual(set(past.tiles), set(untouched))
+        # It plays to the end, while Ada carves on and the other viewer sees the present.
+        stroke(ada, 4)
+        now, end = self.server.hash(), self.server.info()["state_sequence"]
+        until(self, lambda: live.settled()["state_hash"], now)
+        self.assertNotIn("at", live.last)
+        past.send_json({"type": "seek", "rate": 64})
+        self.assertEqual(self.reached(past, end, rate=64)["state_hash"], now)
+        self.assertEqual([tool[0] for tool in past.tools], [ada.participant])
+        past.send_json({"type": "seek", "at": end - 5, "rate": 0.25})
+        self.assertEqual(self.reached(past, end, rate=0.25)["state_hash"], now)
+        # And is back in the present, with the tiles that a new viewer gets.
+        past.send_json({"type": "seek", "at": first})
+        self.reached(past, first)
+        past.send_json({"type": "seek", "at": "live"})
+        while "at" in past.settled():
+            pass
+        self.assertEqual(past.last["state_hash"], now)
+        fresh = Viewer(self.port, "block")
+        fresh.keeps_meshes = True
+        fresh.settled()
+        self.assertEqual(past.meshes, fresh.meshes)
+        self.assertEqual(live.welcomes, 1)
+
+    def test_seeks_that_cannot_be_met_are_rejected(self):
+        viewers = [Viewer(self.port, "block") for _ in range(5)]
+        first = viewers[0]
+        for seek, code in (({"at": 99}, "bad_message"), ({"rate": 1}, "bad_message"),
+                           ({"at": "then"}, "bad_message"), ({"at": 1, "rate": 99}, "bad_message")):
+            first.send_json({"type": "seek", **seek})
+            self.assertEqual(first.receive_json("error")["code"], code, seek)
+        self.assertEqual(first.welcomes, 1)
+        for viewer in viewers[:4]:
+            viewer.send_json({"type": "seek", "at": 1})
+            self.reached(viewer, 1)
+        viewers[4].send_json({"type": "seek", "at": 1})
+        self.assertEqual(viewers[4].receive_json("error")["code"], "busy")
+        first.send_json({"type": "seek", "at": 99})
+        self.assertEqual(first.receive_json("error")["code"], "bad_message")
+        first.send_json({"type": "seek", "at": "live"})
+        while "at" in first.settled():
+            pass
+        viewers[4].send_json({"type": "seek", "at": 1})
+        self.reached(viewers[4], 1)
+
+    def replay(self, session, *more):
+        journal = os.path.join(self.folder.name, session + ".kerf")
+        return subprocess.run([PROGRAM, "replay", journal, *more], capture_output=True, text=True)
+
     def test_a_version_and_a_branch_from_it_outlast_a_restart(self):
+        untouched = self.server.hash()
         ada = Agent(self.port, "block")
         stroke(ada, 0)
         status, version = self.server.http.json("POST", "/v1/sessions/block/versions?name=one+stroke")
@@ -82,10 +158,18 @@ class PointsInTime(LiveTest):
         self.assertEqual(self.server.hash(), now)
         self.assertEqual(self.json("strokes")[1]["strokes"][0],
                          self.server.http.json("GET", "/v1/sessions/other/strokes")[1]["strokes"][0])
+        strokes = [[s["id"] for s in self.server.http.json(
+            "GET", f"/v1/sessions/{name}/strokes")[1]["strokes"]] for name in ("block", "other")]
         self.server.stop(signal.SIGKILL)
+        for name, without, expected in (("block", strokes[0][:1], untouched),
+                                        ("other", strokes[1][1:], then),
+                                        ("other", strokes[1], untouched)):
+            done = self.replay(name, "--without-strokes", ",".join(map(str, without)))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue(done.stdout.endswith(f"hash {expected}\n"), done.stdout)
+        self.assertEqual(self.replay("block", "--without-strokes", "99999").returncode, 1)
         for session in ("block", "other"):
-            journal = os.path.join(self.folder.name, session + ".kerf")
-            checked = subprocess.run([PROGRAM, "replay", journal], capture_output=True, text=True)
+            checked = self.replay(session)
             self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
         self.server = Server(self.folder.name, port=self.port)
         self.assertEqual([self.server.hash(), self.server.hash("other")], [now, carved])

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/conversation/viewer_conversation.h"
 
+#include <cstring>
+
 #include "tests/server/conversation_fixture.h"
 
 namespace kerf::net {
@@ -83,6 +85,67 @@ TEST_F(ViewerConversationTest, LooksAreLimitedToFivePerSecond) {
   }
   EXPECT_GE(looks, 69);
   EXPECT_LE(looks, 71);
+}
+
+TEST_F(ViewerConversationTest, ASeekIsAnAction) {
+  join_viewer(*eve);
+  const auto seek = [&](const char* fields) {
+    send_text(*eve, std::string(R"({"type":"seek")") + fields + "}");
+    const auto action = eve->take_action();
+    EXPECT_TRUE(action) << fields;
+    return action ? std::get<SeekMessage>(*action) : SeekMessage{};
+  };
+  EXPECT_EQ(seek(R"(,"at":17)").record, 17U);
+  EXPECT_EQ(seek(R"(,"at":17)").rate, 0);
+  EXPECT_FALSE(seek(R"(,"at":17)").is_live);
+  EXPECT_EQ(seek(R"(,"at":17,"rate":0.25)").rate, 0.25);
+  EXPECT_TRUE(seek(R"(,"at":"live")").is_live);
+  EXPECT_EQ(seek(R"(,"rate":64)").rate, 64);
+  EXPECT_FALSE(seek(R"(,"rate":64)").record);
+  for (const char* fields :
+       {R"(,"at":-1)", R"(,"at":"now")", R"(,"at":1.5)", R"(,"at":null)", R"(,"at":1,"rate":65)",
+        R"(,"at":1,"rate":0.2)", R"(,"at":1,"rate":-1)", R"(,"at":1,"rate":"fast")"}) {
+    send_text(*eve, std::string(R"({"type":"seek")") + fields + "}");
+    EXPECT_EQ(error_code(*eve), "bad_message") << fields;
+    EXPECT_FALSE(eve->has_action());
+  }
+  int accepted = 0;
+  for (int n = 0; n < 50; ++n) {
+    send_text(*eve, R"({"type":"seek","at":1})");
+    while (eve->take_action()) ++accepted;
+  }
+  EXPECT_EQ(accepted, 40 - 7);
+  EXPECT_EQ(messages(*eve).back().at("code"), "too_fast");
+}
+
+TEST_F(ViewerConversationTest, AnotherBlockBeginsWithAWelcomeAndNumbersItsFramesOn) {
+  join_viewer(*eve);
+  const auto sequence_of = [](const OutFrame& frame) {
+    std::uint64_t sequence = 0;
+    std::memcpy(&sequence, frame.bytes.data() + 16, sizeof sequence);
+    return sequence;
+  };
+  const auto acked = [&](std::uint64_t sequence) {
+    send(*eve, encoded(wire::Ack{}, sequence));
+    const auto action = eve->take_action();
+    return action ? std::get<MeshAck>(*action).sequence : 0;
+  };
+  eve->send_mesh({.sequence = 1, .glb = shared(10)});
+  eve->send_mesh({.sequence = 2, .glb = shared(10)});
+  drain(*eve);
+  eve->send_mesh({.sequence = 3, .glb = shared(10)});
+  eve->send_state({.sequence = 1, .hash = 7, .settled = true});
+  eve->begin_again(session->roster());
+  eve->send_mesh({.sequence = 1, .glb = shared(20)});
+  eve->send_state({.sequence = 1, .hash = 7, .settled = true, .past = PastPlace{1, 2000, 4}});
+  const auto frames = drain(*eve);
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_TRUE(text_of(frames[0]).contains("welcome"));
+  EXPECT_EQ(frames[1].shared->size(), 20U);
+  EXPECT_EQ(sequence_of(frames[1]), 4U);
+  EXPECT_TRUE(text_of(frames[2]).contains(R"("at":{"rate":4.0,"record":1,"time_ms":2000})"));
+  EXPECT_EQ(acked(2), 0U);
+  EXPECT_EQ(acked(4), 1U);
 }
 
 TEST_F(ViewerConversationTest, AcksBecomeActionsOnceTheViewerHasJoined) {

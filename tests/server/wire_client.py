@@ -232,7 +232,10 @@ class Viewer(WebSocket):
         self.send_json({"type": "hello", "name": name, **more})
         self.welcome = self.receive_json("welcome")
         self.participant = self.welcome["participant"]
+        self.welcomes = 1
         self.tiles = {}   # version of each tile
+        self.keeps_meshes = False
+        self.meshes = {}  # if so: place and coded mesh of each tile
         self.levels = {}  # level of detail of each tile
         self.received = 0  # tiles of all frames
         self.tools = []
@@ -242,6 +245,9 @@ class Viewer(WebSocket):
         form, message = self.receive(timeout)
         if form == "text":
             self.last = message
+            if message["type"] == "welcome":  # the tiles of another block follow
+                self.welcomes += 1
+                self.tiles, self.levels, self.meshes = {}, {}, {}
             return message["type"]
         fields = parse_header(message)
         if fields["type"] == MESH:
@@ -264,6 +270,20 @@ class Viewer(WebSocket):
                 self.received += 1
                 self.tiles[tuple(tile)] = node["extras"]["version"]
                 self.levels[tuple(tile)] = node["extras"].get("level", 0)
+                if self.keeps_meshes:
+                    self.meshes[tuple(tile)] = self.mesh_of(document, node, glb[28 + length:])
+
+    @staticmethod
+    def mesh_of(document, node, buffer):
+        if "mesh" not in node:
+            return None
+        part = document["meshes"][node["mesh"]]["primitives"][0]
+        coded = []
+        for accessor in [*part["attributes"].values(), part["indices"]]:
+            view = document["bufferViews"][document["accessors"][accessor]["bufferView"]]
+            view = view["extensions"]["EXT_meshopt_compression"]
+            coded.append(buffer[view["byteOffset"]:view["byteOffset"] + view["byteLength"]])
+        return node["translation"], coded
 
     def settled(self, timeout=30):
         """Handles messages until the state is settled; returns that state message."""

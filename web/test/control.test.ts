@@ -86,6 +86,12 @@ describe('control messages', () => {
       ok: true,
       value: { ...state, settled: true, paused: 'disk' },
     });
+    const at = { record: 17, time_ms: 1795356180000, rate: 0.25 };
+    expect(parse({ ...state, settled: true, at })).toEqual({
+      ok: true,
+      value: { ...state, settled: true, at },
+    });
+    expect(parse({ ...state, settled: true, at: { record: 17 } }).ok).toBe(false);
     expect(parse({ ...state, settled: true })).toEqual({
       ok: true,
       value: { ...state, settled: true },

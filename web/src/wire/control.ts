@@ -6,6 +6,7 @@
 import type {
   Decoded,
   ParticipantInfo,
+  PastPlace,
   ServerMessage,
   Stock,
   ToolInfo,
@@ -99,6 +100,19 @@ function viewersOf(from: Json): { viewers?: number } {
   return from['viewers'] === undefined ? {} : { viewers: number(from, 'viewers') };
 }
 
+/** Where a viewer is that looks at the past. */
+function placeOf(from: Json): { at?: PastPlace } {
+  if (from['at'] === undefined) return {};
+  const at = object(from['at'], 'at');
+  return {
+    at: {
+      record: number(at, 'record'),
+      time_ms: number(at, 'time_ms'),
+      rate: number(at, 'rate'),
+    },
+  };
+}
+
 function idsOf(value: unknown): number[] {
   const ids = list(value, 'left');
   if (!ids.every((id) => typeof id === 'number')) throw new InvalidField('left must be numbers');
@@ -181,6 +195,7 @@ function messageOf(from: Json): ServerMessage | null {
         state_hash: text(from, 'state_hash'),
         settled: from['settled'] === true,
         ...(from['paused'] === 'disk' ? { paused: 'disk' as const } : {}),
+        ...placeOf(from),
       };
     case 'error':
       return {

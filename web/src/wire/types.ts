@@ -269,6 +269,26 @@ export interface StateMessage {
   settled: boolean;
   /** The server cannot write the journal: nothing is carved until it can. */
   paused?: 'disk';
+  /** Where this viewer looks at the past; missing: it looks at the present. */
+  at?: PastPlace;
+}
+
+/** A record of the journal, and the rate with which the block plays on from it. */
+export interface PastPlace {
+  record: number;
+  /** When the record was appended, ms since 1970; 0: unknown. */
+  time_ms: number;
+  /** Of the journal's time; 0: it rests. */
+  rate: number;
+}
+
+/** Asks for the block as it was after a record, and on from there; sent by viewers. */
+export interface Seek {
+  type: 'seek';
+  /** Missing: where the viewer is. */
+  at?: number | 'live';
+  /** 0.25 to 64; 0 or missing: it rests. */
+  rate?: number;
 }
 
 /** The difference to the list of participants that the viewer has. */

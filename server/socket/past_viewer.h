@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/conversation/viewer_conversation.h"
+#include "server/feed/tile_feed.h"
+#include "server/session/past_block.h"
+#include "server/socket/peer_context.h"
+
+namespace kerf::net {
+
+/// One viewer that looks at the past: its own copy of the block and its own feed of tiles, which
+/// jobs on the thread `past` bring to where it asks, one at a time. Everything else runs on the
+/// viewers' thread.
+class PastViewer : public std::enable_shared_from_this<PastViewer> {
+ public:
+  /// `viewer` must stay valid until end(). Until the first record has been reached it looks at the
+  /// present; then `on_first` is called, with false if it could not be reached.
+  PastViewer(std::shared_ptr<Session> session, ViewerConversation* viewer, PeerContext& context,
+             std::optional<ViewerLook> look, std::function<void(bool)> on_first);
+
+  /// Goes to a record, and on from there with a rate; a seek that is carried out is ended.
+  void seek(const SeekMessage& seek);
+  /// Whether the first record has been reached.
+  bool is_shown() const { return is_shown_; }
+  void acknowledge(std::uint64_t sequence);
+  void look(const ViewerLook& look);
+  /// Plays on. Call some thirty times a second.
+  void tick();
+  /// The viewer has left, or looks at the present again.
+  void end();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Belongs to the thread `past` while a job runs there.
+  struct Side {
+    std::shared_ptr<Session> session;
+    std::optional<PastBlock> block;
+    std::unique_ptr<TileFeed> feed;
+    ViewerId viewer = 0;
+    std::optional<ViewerLook> first_look;
+    TileFeed::Stats counted;  ///< already reported to the metrics
+  };
+  struct Job {
+    std::optional<std::uint64_t> record;   ///< to go to
+    std::optional<std::int64_t> until_ms;  ///< to play to; ms since 1970
+    bool with_hash = false;
+    std::vector<std::uint64_t> acks;
+    std::optional<ViewerLook> look;
+    bool empty() const { return !record && !until_ms && acks.empty() && !look; }
+  };
+  struct Result {
+    std::string error;  ///< empty: none
+    bool has_no_record = false, is_late = false, has_bad_ack = false, has_moved = false;
+    std::int64_t next_ms = 0;
+    std::uint64_t tiles = 0, bytes = 0;
+    std::vector<FeedFrame> frames;
+    wire::ToolStates tools;
+    SurfaceState state;  ///< without `past`: nothing has been reached
+    bool with_hash = false;
+  };
+
+  void start_job();
+  static Result run_job(Side& side, const Job& job, const std::stop_token& stop);
+  static void go(Side& side, const Job& job, const std::stop_token& stop, Result& result);
+  static void serve(Side& side, const Job& job, Result& result);
+  void deliver(Result result);
+  void reject(const Result& result);
+  void send(Result& result);
+  /// The time in the journal that has come now; ms since 1970.
+  std::int64_t journal_clock() const;
+  void set_clock(std::int64_t journal_ms);
+
+  ViewerConversation* viewer_;  ///< null after end()
+  PeerContext& context_;
+  std::function<void(bool)> on_first_;
+  std::shared_ptr<Side> side_;
+  Job next_;
+  bool job_runs_ = false, is_shown_ = false;
+  std::stop_source stop_;        ///< of the job that runs
+  double rate_ = 0;              ///< 0: it rests
+  std::int64_t journal_ms_ = 0;  ///< the time in the journal at `since_`
+  Clock::time_point since_, hashed_;
+  std::uint64_t tools_sent_ = 0;
+  SurfaceState state_;  ///< when it was hashed last
+};
+
+}  // namespace kerf::net
