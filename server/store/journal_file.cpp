@@ -123,12 +123,14 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
   auto database = SqlDatabase::open(file, SqlMode::kCreate);
   if (!database) return std::unexpected(to_journal_error(file, database.error()));
   const auto fill = [&]() -> SqlResult<void> {
-    const std::string setup = "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; BEGIN;" +
-                              std::string(kTables) + kTables2 +
+    const std::string begin = "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; BEGIN;";
+    if (auto ok = database->execute(begin + kTables); !ok) return ok;
+    if (auto ok = create_version_table(*database); !ok) return ok;
+    // The table of the records has the last page: a file without its end is damaged.
+    const std::string setup = std::string(kTables2) +
                               "PRAGMA application_id=" + std::to_string(kJournalApplicationId) +
                               ";" + set_version();
     if (auto ok = database->execute(setup); !ok) return ok;
-    if (auto ok = create_version_table(*database); !ok) return ok;
     auto insert = database->prepare("INSERT INTO session VALUES(?,?,?,?,1)");
     if (!insert) return std::unexpected(insert.error());
     insert->bind(1, header.session);

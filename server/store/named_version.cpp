@@ -58,7 +58,7 @@ SqlResult<void> create_version_table(SqlDatabase& database) {
   return database.execute(
       "CREATE TABLE IF NOT EXISTS versions(name TEXT PRIMARY KEY, record INTEGER NOT NULL, "
       "record_ms INTEGER NOT NULL, created_ms INTEGER NOT NULL, author TEXT NOT NULL, "
-      "person TEXT NOT NULL, crc INTEGER NOT NULL)");
+      "person TEXT NOT NULL, crc INTEGER NOT NULL) WITHOUT ROWID");
 }
 
 SqlResult<void> store_version(SqlDatabase& database, const VersionChange& change) {
