@@ -70,6 +70,10 @@ Bounds non_cutting_reach(const Tool& tool, const ToolMotion& motion) {
   return swept_box(whole, motion);
 }
 
+Bounds reach_of(const Tool& tool, const MoveTool& motion) {
+  return reach_of(tool, motion_of(motion, tool));
+}
+
 void find_reach(const Tool& tool, const MoveTool& move, std::span<const DexelGrid> grids,
                 double tolerance_mm, std::vector<FieldTile>& tiles) {
   tiles.clear();

@@ -14,6 +14,7 @@ namespace kerf {
 
 /// Returns a box around everything that the cutting part of a tool passes in a motion.
 Bounds reach_of(const Tool& tool, const ToolMotion& motion);
+Bounds reach_of(const Tool& tool, const MoveTool& motion);
 
 /// Returns a box around everything that shank and holder, of which there must be one, pass.
 Bounds non_cutting_reach(const Tool& tool, const ToolMotion& motion);

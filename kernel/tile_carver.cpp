@@ -38,6 +38,24 @@ TileCarver::Layer& TileCarver::layer(RayAxis axis) {
   return *std::ranges::find(layers_, axis, [](const Layer& l) { return l.field.grid().axis; });
 }
 
+const TileCarver::Layer& TileCarver::layer(RayAxis axis) const {
+  return *std::ranges::find(layers_, axis, [](const Layer& l) { return l.field.grid().axis; });
+}
+
+void TileCarver::begin(FieldTile at, const std::shared_ptr<const DexelTile>& tile) {
+  DexelField& field = layer(at.axis).field;
+  field.put_shared(at.tile, tile);
+  field.put(at.tile, field.fresh(at.tile));
+}
+
+const DexelTile* TileCarver::find(FieldTile at) const { return layer(at.axis).field.find(at.tile); }
+
+std::shared_ptr<DexelTile> TileCarver::copy_of_start(FieldTile at) const {
+  std::shared_ptr<DexelTile> tile = layer(at.axis).field.fresh(at.tile);
+  tile->era = 0;  // Eras begin at 1: no field takes it for its own.
+  return tile;
+}
+
 void TileCarver::cut(const Tool& tool, const MoveTool& move, std::span<const FieldTile> tiles) {
   const ToolMotion motion = motion_of(move, tool);
   for (auto first = tiles.begin(); first != tiles.end();) {

@@ -30,6 +30,13 @@ class TileCarver {
   /// Cuts these tiles, of existing fields and within their grids, with the swept volume of a motion
   /// that a Sculpture has accepted. `tiles` is sorted, without duplicates.
   void cut(const Tool& tool, const MoveTool& motion, std::span<const FieldTile> tiles);
+  /// Goes on with a tile as another block left it, until it is taken.
+  void begin(FieldTile at, const std::shared_ptr<const DexelTile>& tile);
+  /// Returns a tile as it is now; null: it is untouched stock.
+  const DexelTile* find(FieldTile at) const;
+  /// Returns a copy of a tile at the start, with the columns of untouched stock. The tile must not
+  /// be begun.
+  std::shared_ptr<DexelTile> copy_of_start(FieldTile at) const;
   /// Returns a tile as the motions since its last take() have left it, and begins it again as it
   /// was at the start; null if they have not changed it.
   std::shared_ptr<const DexelTile> take(FieldTile at);
@@ -39,6 +46,7 @@ class TileCarver {
  private:
   struct Layer;
   Layer& layer(RayAxis axis);
+  const Layer& layer(RayAxis axis) const;
 
   MotionModel motion_model_;
   double tolerance_mm_;

@@ -2,7 +2,9 @@
 #include "kernel/dexel/common_solid.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -64,15 +66,63 @@ void keep_common_row(DexelTile& tile, const DexelTile& other, std::size_t first)
   }
 }
 
-/// Intersects columns of several elements.
+/// Both are sorted: each element of `a` loses what those of `b` cover.
+void subtract_coded(std::span<const CodedDexel> a, std::span<const CodedDexel> b,
+                    std::vector<Dexel>& elements, std::vector<EndCodes>& codes) {
+  elements.clear();
+  codes.clear();
+  for (CodedDexel rest : a) {
+    for (const CodedDexel& gone : b) {
+      if (gone.at.top <= rest.at.bottom || gone.at.bottom >= rest.at.top) continue;
+      if (gone.at.bottom > rest.at.bottom) {
+        elements.push_back({rest.at.bottom, gone.at.bottom});
+        codes.push_back({rest.codes.bottom, gone.codes.bottom});
+      }
+      rest.at.bottom = gone.at.top;
+      rest.codes.bottom = gone.codes.top;
+    }
+    if (rest.at.bottom >= rest.at.top) continue;
+    elements.push_back(rest.at);
+    codes.push_back(rest.codes);
+  }
+}
+
+/// Both are sorted: merges them, `a` first where both begin at the same depth.
+void unite_coded(std::span<const CodedDexel> a, std::span<const CodedDexel> b,
+                 std::vector<Dexel>& elements, std::vector<EndCodes>& codes) {
+  elements.clear();
+  codes.clear();
+  for (std::size_t i = 0, j = 0; i < a.size() || j < b.size();) {
+    const bool of_a = j == b.size() || (i < a.size() && a[i].at.bottom <= b[j].at.bottom);
+    const CodedDexel& next = of_a ? a[i++] : b[j++];
+    if (elements.empty() || next.at.bottom > elements.back().top) {
+      elements.push_back(next.at);
+      codes.push_back(next.codes);
+    } else if (next.at.top > elements.back().top || (of_a && next.at.top == elements.back().top)) {
+      elements.back().top = next.at.top;
+      codes.back().top = next.codes.top;
+    }
+  }
+}
+
+/// What two columns are made into, with codes.
+using Combine = void (*)(std::span<const CodedDexel>, std::span<const CodedDexel>,
+                         std::vector<Dexel>&, std::vector<EndCodes>&);
+
+/// Combines columns of any number of elements.
 class SplitColumns {
  public:
-  SplitColumns(DexelTile& tile, const DexelTile& other) : tile_(tile), other_(other) {}
+  SplitColumns(DexelTile& tile, const DexelTile& other, Combine combine)
+      : tile_(tile), other_(other), combine_(combine) {}
 
-  void keep_common(int column) {
+  void combine_all() {
+    for (int column = 0; column < kTileColumns; ++column) combine(column);
+    tile_.update_bounds();
+  }
+  void combine(int column) {
     read_coded(tile_, column, mine_);
     read_coded(other_, column, others_);
-    intersect_coded(mine_, others_, elements_, codes_);
+    combine_(mine_, others_, elements_, codes_);
     tile_.write(column, elements_);
     if (!tile_.keeps_normals() || codes_.empty()) return;
     tile_.topmost_codes[std::size_t(column)] = codes_.back();
@@ -84,6 +134,7 @@ class SplitColumns {
  private:
   DexelTile& tile_;
   const DexelTile& other_;
+  Combine combine_;
   std::vector<CodedDexel> mine_, others_;
   std::vector<Dexel> elements_;
   std::vector<EndCodes> codes_;
@@ -92,7 +143,7 @@ class SplitColumns {
 }  // namespace
 
 void keep_common(DexelTile& tile, const DexelTile& other) {
-  SplitColumns split_columns(tile, other);
+  SplitColumns split_columns(tile, other, intersect_coded);
   for (int row = 0; row < kTileSide; ++row) {
     const int first = row * kTileSide;
     const auto r = std::size_t(row);
@@ -100,9 +151,43 @@ void keep_common(DexelTile& tile, const DexelTile& other) {
       keep_common_row(tile, other, std::size_t(first));
       continue;
     }
-    for (int c = 0; c < kTileSide; ++c) split_columns.keep_common(first + c);
+    for (int c = 0; c < kTileSide; ++c) split_columns.combine(first + c);
   }
   tile.update_bounds();
+}
+
+void remove_common(DexelTile& tile, const DexelTile& other) {
+  SplitColumns(tile, other, subtract_coded).combine_all();
+}
+
+void add_solid(DexelTile& tile, const DexelTile& other) {
+  SplitColumns(tile, other, unite_coded).combine_all();
+}
+
+std::vector<BoxStock> solid_boxes(const DexelTile& tile, TileIndex at, const DexelGrid& grid) {
+  struct Range {
+    std::int32_t low = INT32_MAX, high = 0;
+  };
+  std::array<Range, kTileBlocks> ranges;
+  for (int column = 0; column < kTileColumns; ++column) {
+    const auto c = std::size_t(column);
+    if (tile.bottom[c] >= tile.top[c]) continue;
+    const std::int32_t bottom =
+        tile.is_split(column) ? tile.lower.of(column).front().bottom : tile.bottom[c];
+    const int block = column / (8 * kTileSide) * kTileBlocksAcross + column % kTileSide / 8;
+    Range& range = ranges[std::size_t(block)];
+    range = {std::min(range.low, bottom), std::max(range.high, tile.top[c])};
+  }
+  std::vector<BoxStock> boxes;
+  for (int block = 0; block < kTileBlocks; ++block) {
+    const Range& range = ranges[std::size_t(block)];
+    if (range.low >= range.high) continue;
+    const std::int32_t i = at.x * kTileSide + block % kTileBlocksAcross * 8;
+    const std::int32_t j = at.y * kTileSide + block / kTileBlocksAcross * 8;
+    boxes.push_back({{grid.x_mm(i), grid.y_mm(j), grid.z_mm(range.low)},
+                     {grid.x_mm(i + 7), grid.y_mm(j + 7), grid.z_mm(range.high)}});
+  }
+  return boxes;
 }
 
 }  // namespace kerf

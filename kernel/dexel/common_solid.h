@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
+#include "kernel/dexel/dexel_grid.h"
+#include "kernel/dexel/stock_shape.h"
+#include "kernel/dexel/tile_index.h"
+
 namespace kerf {
 
 struct DexelTile;
@@ -9,5 +15,17 @@ struct DexelTile;
 /// the same place, with normals if `tile` has them. Each end keeps the normal of the tile that it
 /// comes from; where both have an end at the same depth, that of `tile`.
 void keep_common(DexelTile& tile, const DexelTile& other);
+
+/// Keeps of `tile` what `other` does not hold. Ends that this makes keep the normals that `other`
+/// has there.
+void remove_common(DexelTile& tile, const DexelTile& other);
+
+/// Adds what `other` holds to `tile`, with normals if `tile` has them. Elements that touch are
+/// joined; where both have an end at the same depth, it keeps the normal of `tile`.
+void add_solid(DexelTile& tile, const DexelTile& other);
+
+/// Returns boxes, in the frame of the grid, around the rays and elements of each block of 8 x 8
+/// columns that holds anything; none: the tile is empty.
+std::vector<BoxStock> solid_boxes(const DexelTile& tile, TileIndex at, const DexelGrid& grid);
 
 }  // namespace kerf

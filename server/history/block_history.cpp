@@ -6,14 +6,14 @@
 
 #include "kernel/dexel/common_solid.h"
 #include "kernel/dexel/dexel_tile.h"
+#include "kernel/dexel/tile_region.h"
 #include "kernel/motion_reach.h"
 
 namespace kerf {
 namespace {
 
-std::size_t bytes_of(const std::shared_ptr<const DexelTile>& tile) {
-  return tile ? tile->bytes() : 0;
-}
+/// A span of motions is at most so many tiles longer than its first motion.
+constexpr double kSpanTiles = 2;
 
 /// Those of the strokes of some runs that a set leaves out; ascending.
 std::vector<StrokeId> left_out(std::span<const MotionRun> runs, const StrokeSet& without) {
@@ -26,14 +26,27 @@ std::vector<StrokeId> left_out(std::span<const MotionRun> runs, const StrokeSet&
   return out;
 }
 
+SculptureSettings without_normals(SculptureSettings settings) {
+  settings.keep_normals = false;
+  return settings;
+}
+
+template <class Tile>
+void sort_unique(std::vector<Tile>& tiles) {
+  std::ranges::sort(tiles);
+  tiles.erase(std::ranges::unique(tiles).begin(), tiles.end());
+}
+
 }  // namespace
 
-/// A group that contributes to an answer.
+/// An era that contributes to an answer.
 struct BlockHistory::Wanted {
   static constexpr std::size_t kKept = SIZE_MAX;
   FieldTile at;
-  MotionGroup* group;
-  std::size_t job = kKept;  ///< kKept: the tile of the group is the right one
+  EraTile* era;
+  std::size_t job = kKept;  ///< kKept: the tile of the era is the right one
+  bool is_whole = true;     ///< the set holds the era to its end
+  std::uint64_t last = 0;   ///< record of the last motion of the era that meets the tile
   std::vector<StrokeId> without = {};
 };
 
@@ -41,19 +54,29 @@ BlockHistory::BlockHistory(std::filesystem::path journal, const SculptureSetting
                            const SolidSnapshot& start, HistoryMemory memory)
     : motions_(std::move(journal), memory.windows),
       carver_(settings, start),
+      shape_carver_(without_normals(settings), start),
+      return_carver_(settings, start),
       tolerance_mm_(settings.tolerance_mm),
+      spans_(kSpanTiles * kTileSide * settings.pitch_mm),
       tile_bytes_max_(memory.tile_bytes) {
-  for (const DexelSnapshot& field : start.fields) grids_.push_back(field.grid());
+  for (const DexelSnapshot& field : start.fields) {
+    grids_.push_back(field.grid());
+    margin_mm_ = std::max(margin_mm_, tolerance_mm_ + field.grid().z_quantum_mm);
+  }
 }
 
-void BlockHistory::note(std::uint64_t record, const RecordedMotion& motion) {
-  find_reach(*motion.tool, motion.move, grids_, tolerance_mm_, reached_);
-  for (const FieldTile at : reached_) logs_[at].add(record, motion.stroke);
+const DexelGrid& BlockHistory::grid(RayAxis axis) const {
+  return *std::ranges::find(grids_, axis, &DexelGrid::axis);
 }
 
 std::expected<void, std::string> BlockHistory::catch_up(const std::stop_token& stop) {
-  return motions_.catch_up(
-      [this](std::uint64_t record, const RecordedMotion& motion) { note(record, motion); }, stop);
+  auto ok = motions_.catch_up(
+      [this](std::uint64_t record, const RecordedMotion& motion) {
+        spans_.add(record, motion.stroke, grown(reach_of(*motion.tool, motion.move), margin_mm_));
+      },
+      stop);
+  eras_.grow(last());
+  return ok;
 }
 
 std::expected<std::vector<FieldTile>, std::string> BlockHistory::reach(
@@ -62,61 +85,81 @@ std::expected<std::vector<FieldTile>, std::string> BlockHistory::reach(
   for (const StrokeId id : strokes) {
     const Stroke* stroke = this->strokes().find(id);
     if (stroke == nullptr) continue;
-    std::vector<FieldTile> of_stroke;
     for (std::uint64_t record = id; record <= stroke->last;) {
-      const auto window = motions_.window(record, stop);
-      if (!window) return std::unexpected(window.error());
-      const std::uint64_t end = (*window)->first + (*window)->motions.size();
-      for (; record < end && record <= stroke->last; ++record) {
-        const RecordedMotion& motion = (*window)->motions[record - (*window)->first];
+      const std::uint64_t first = RecordedMotions::window_begin(record);
+      const auto windows = motions_.windows({&first, 1}, stop);
+      if (!windows) return std::unexpected(windows.error());
+      const RecordedMotions::Window& window = *windows->front();
+      const std::uint64_t end = std::min(first + window.motions.size(), stroke->last + 1);
+      for (; record < end; ++record) {
+        const RecordedMotion& motion = window.motions[record - first];
         if (motion.tool == nullptr || motion.stroke != id) continue;
         find_reach(*motion.tool, motion.move, grids_, tolerance_mm_, reached_);
-        of_stroke.insert(of_stroke.end(), reached_.begin(), reached_.end());
+        all.insert(all.end(), reached_.begin(), reached_.end());
       }
-      std::ranges::sort(of_stroke);
-      of_stroke.erase(std::ranges::unique(of_stroke).begin(), of_stroke.end());
+      sort_unique(all);
     }
-    all.insert(all.end(), of_stroke.begin(), of_stroke.end());
   }
-  std::ranges::sort(all);
-  all.erase(std::ranges::unique(all).begin(), all.end());
   return all;
 }
 
 std::vector<FieldTile> BlockHistory::tiles() const {
   std::vector<FieldTile> all;
-  for (const auto& [at, log] : logs_) all.push_back(at);
+  for (const DexelGrid& grid : grids_) {
+    std::vector<bool> reached(static_cast<std::size_t>(grid.tiles_x()) *
+                              static_cast<std::size_t>(grid.tiles_y()));
+    const auto place = [&](TileIndex tile) {
+      return static_cast<std::size_t>(tile.x) * static_cast<std::size_t>(grid.tiles_y()) +
+             static_cast<std::size_t>(tile.y);
+    };
+    for (const MotionSpan& span : spans_.all()) {
+      const Bounds box = span.bounds();
+      tiles_through(grid, box.lo_mm, box.hi_mm).all_of([&](TileIndex tile) {
+        return reached[place(tile)] = true;
+      });
+    }
+    const TileRegion whole{{0, 0}, {grid.tiles_x(), grid.tiles_y()}};
+    whole.all_of([&](TileIndex tile) {
+      if (reached[place(tile)]) all.push_back({grid.axis, tile});
+      return true;
+    });
+  }
   std::ranges::sort(all);
   return all;
 }
 
-/// Adds the groups of a tile that hold motions of a set, and jobs for those that must be carved.
-void BlockHistory::add_wanted(FieldTile at, TileLog& log, const MotionSet& set,
-                              std::vector<Wanted>& wanted, std::vector<GroupJob>& jobs) {
-  const auto overlaps = [&](const MotionGroup& group) {
-    return std::ranges::any_of(set.without, [&](StrokeId id) {
-      const Stroke* stroke = strokes().find(id);
-      return stroke != nullptr && id <= group.last && stroke->last >= group.first;
-    });
-  };
-  for (std::size_t n = 0; n < log.groups().size(); ++n) {
-    MotionGroup& group = log.groups()[n];
-    if (group.first > set.last) break;
-    group.used = questions_;
-    Wanted& next = wanted.emplace_back(Wanted{at, &group});
-    const bool is_whole = group.last <= set.last;
-    std::vector<MotionRun> runs;
-    if (overlaps(group)) {
-      runs = log.runs(n);
-      next.without = left_out(runs, set.without);
+/// Adds the eras of a tile that hold motions of a set, and jobs for those that must be carved.
+void BlockHistory::add_wanted(FieldTile at, const MotionSet& set, std::vector<Wanted>& wanted,
+                              std::vector<GroupJob>& jobs) {
+  std::map<std::size_t, std::vector<MotionRun>> runs_of;  // by era
+  const Bounds box = tile_bounds(grid(at.axis), at.tile);
+  for (const MotionSpan& span : spans_.all()) {
+    if (span.run.first > set.last) break;
+    if (!span.meets(box)) continue;
+    const std::size_t end = eras_.era_of(span.run.last);
+    for (std::size_t era = eras_.era_of(span.run.first); era <= end; ++era) {
+      const std::uint64_t first = era * eras_.length() + 1;
+      runs_of[era].push_back({span.run.stroke, std::max(span.run.first, first),
+                              std::min(span.run.last, first + eras_.length() - 1)});
     }
-    if (is_whole && group.is_carved && group.without == next.without) continue;
-    if (runs.empty()) runs = log.runs(n);
-    std::erase_if(runs, [&](const MotionRun& run) {
-      return run.first > set.last || std::ranges::binary_search(next.without, run.stroke);
-    });
-    next.job = jobs.size();
-    jobs.push_back({.at = at, .last = set.last, .runs = std::move(runs)});
+  }
+  for (auto& [n, runs] : runs_of) {
+    Wanted next{at, &eras_.of(at, n)};
+    next.era->used = questions_;
+    for (const MotionRun& run : runs) next.last = std::max(next.last, run.last);
+    next.is_whole = next.last <= set.last;
+    next.without = left_out(runs, set.without);
+    const EraTile& kept = *next.era;
+    const bool is_right =
+        next.is_whole && kept.is_carved && kept.last == next.last && kept.without == next.without;
+    if (!is_right) {
+      std::erase_if(runs, [&](const MotionRun& run) {
+        return run.first > set.last || std::ranges::binary_search(next.without, run.stroke);
+      });
+      next.job = jobs.size();
+      jobs.push_back({.at = at, .last = set.last, .runs = std::move(runs)});
+    }
+    wanted.push_back(std::move(next));
   }
 }
 
@@ -126,22 +169,23 @@ std::expected<std::vector<TileReplacement>, std::string> BlockHistory::carve(
   ++questions_;
   std::vector<Wanted> wanted;
   std::vector<GroupJob> jobs;
+  std::vector<std::size_t> begins;  // of each tile, in `wanted`
   for (const FieldTile at : tiles) {
-    if (const auto log = logs_.find(at); log != logs_.end()) {
-      add_wanted(at, log->second, set, wanted, jobs);
-    }
+    begins.push_back(wanted.size());
+    add_wanted(at, set, wanted, jobs);
   }
+  begins.push_back(wanted.size());
   if (auto ok = carver_.carve(jobs, motions_, workers, stop); !ok) {
     return std::unexpected(ok.error());
   }
-  std::vector<TileReplacement> carved;
-  carved.reserve(tiles.size());
-  auto next = wanted.begin();
-  for (const FieldTile at : tiles) {
+  std::vector<TileReplacement> carved(tiles.size());
+  workers.run(static_cast<int>(tiles.size()), [&](int number) {
+    const auto n = static_cast<std::size_t>(number);
     std::shared_ptr<const DexelTile> first;
     std::shared_ptr<DexelTile> common;  // of the first and others
-    for (; next != wanted.end() && next->at == at; ++next) {
-      const auto& tile = next->job == Wanted::kKept ? next->group->tile : jobs[next->job].tile;
+    for (std::size_t w = begins[n]; w < begins[n + 1]; ++w) {
+      const Wanted& next = wanted[w];
+      const auto& tile = next.job == Wanted::kKept ? next.era->tile : jobs[next.job].tile;
       if (tile && !first) {
         first = tile;
       } else if (tile) {
@@ -149,48 +193,14 @@ std::expected<std::vector<TileReplacement>, std::string> BlockHistory::carve(
         keep_common(*common, *tile);
       }
     }
-    carved.push_back({at, common ? common : first ? first : carver_.start(at)});
+    carved[n] = {tiles[n], common ? common : first ? first : carver_.start(tiles[n])};
+  });
+  for (Wanted& next : wanted) {
+    if (next.job == Wanted::kKept || !next.is_whole) continue;
+    *next.era = {true, jobs[next.job].tile, std::move(next.without), next.last, questions_};
   }
-  for (Wanted& group : wanted) {
-    if (group.job == Wanted::kKept || group.group->last > set.last) continue;
-    group.group->tile = jobs[group.job].tile;
-    group.group->without = std::move(group.without);
-    group.group->is_carved = true;
-  }
-  forget_oldest();
+  eras_.forget_oldest(tile_bytes_max_);
   return carved;
-}
-
-std::size_t BlockHistory::tile_bytes() const {
-  std::size_t bytes = 0;
-  for (const auto& [at, log] : logs_) {
-    for (const MotionGroup& group : log.groups()) bytes += bytes_of(group.tile);
-  }
-  return bytes;
-}
-
-void BlockHistory::forget_oldest() {
-  std::size_t bytes = tile_bytes();
-  if (bytes <= tile_bytes_max_) return;
-  std::vector<MotionGroup*> kept;
-  for (auto& [at, log] : logs_) {
-    for (MotionGroup& group : log.groups()) {
-      if (group.tile) kept.push_back(&group);
-    }
-  }
-  std::ranges::sort(kept, {}, &MotionGroup::used);
-  for (MotionGroup* group : kept) {
-    if (bytes <= tile_bytes_max_) return;
-    bytes -= bytes_of(group->tile);
-    group->tile = nullptr;
-    group->is_carved = false;
-  }
-}
-
-std::size_t BlockHistory::log_bytes() const {
-  std::size_t bytes = 0;
-  for (const auto& [at, log] : logs_) bytes += log.bytes();
-  return bytes;
 }
 
 }  // namespace kerf

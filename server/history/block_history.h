@@ -5,22 +5,25 @@
 #include <cstdint>
 #include <expected>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
+#include "server/history/era_tiles.h"
 #include "server/history/group_carver.h"
+#include "server/history/motion_spans.h"
 #include "server/history/recorded_motions.h"
-#include "server/history/tile_log.h"
+#include "server/history/return_carver.h"
 
 namespace kerf {
 
 /// What a history keeps for the next question.
 struct HistoryMemory {
-  std::size_t windows = 32;                          ///< of records (RecordedMotions)
-  std::size_t tile_bytes = std::size_t{256} << 20U;  ///< of tiles that groups of motions leave
+  std::size_t windows = 64;                          ///< of records (RecordedMotions)
+  std::size_t tile_bytes = std::size_t{256} << 20U;  ///< of tiles (EraTiles)
 };
 
 /// The history of a block: which motions of its journal reach which tile, and what any set of them
@@ -43,7 +46,7 @@ class BlockHistory {
   /// none.
   std::expected<std::vector<FieldTile>, std::string> reach(const StrokeSet& strokes,
                                                            const std::stop_token& stop = {});
-  /// Returns all tiles that any motion reaches; sorted.
+  /// Returns all tiles that a motion may have reached; sorted.
   std::vector<FieldTile> tiles() const;
   /// Returns what a set of motions leaves of these tiles, which are sorted, without duplicates. The
   /// set holds records that have been read only.
@@ -52,33 +55,42 @@ class BlockHistory {
                                                                  Workers& workers,
                                                                  const std::stop_token& stop = {});
 
-  /// Bytes of the lists of motions of all tiles.
-  std::size_t log_bytes() const;
+  /// Returns the tiles of a block that are others when strokes are undone or redone: what a set of
+  /// motions leaves of them. `solid`: what the set leaves of the block, except that of the strokes
+  /// `changed` it may hold any. Costs what the place of these strokes costs, not the history.
+  std::expected<std::vector<TileReplacement>, std::string> change(const SolidSnapshot& solid,
+                                                                  const StrokeSet& changed,
+                                                                  const MotionSet& set,
+                                                                  Workers& workers,
+                                                                  const std::stop_token& stop = {});
+
+  /// Bytes of the index of motions.
+  std::size_t index_bytes() const { return spans_.bytes(); }
   /// Bytes of the tiles that are kept.
-  std::size_t tile_bytes() const;
+  std::size_t tile_bytes() const { return eras_.bytes(); }
 
  private:
   struct Wanted;
-  struct TileHash {
-    std::size_t operator()(const FieldTile& at) const {
-      constexpr std::uint64_t kSpread = 0x9e3779b97f4a7c15;
-      const auto x = static_cast<std::uint32_t>(at.tile.x);
-      const auto y = static_cast<std::uint32_t>(at.tile.y);
-      return ((std::uint64_t{x} << 32U | y) ^ static_cast<std::uint64_t>(at.axis) << 62U) *
-                 kSpread >>
-             20U;
-    }
-  };
-  void note(std::uint64_t record, const RecordedMotion& motion);
-  void add_wanted(FieldTile at, TileLog& log, const MotionSet& set, std::vector<Wanted>& wanted,
+  struct ChangedTile;
+  void add_wanted(FieldTile at, const MotionSet& set, std::vector<Wanted>& wanted,
                   std::vector<GroupJob>& jobs);
-  void forget_oldest();
+  std::vector<ChangedTile> changed_tiles(const SolidSnapshot& solid,
+                                         std::span<const FieldTile> tiles, const StrokeSet& changed,
+                                         const MotionSet& set) const;
+  std::expected<std::vector<std::shared_ptr<const DexelTile>>, std::string> find_returning(
+      std::vector<ChangedTile>& tiles, const MotionSet& set, Workers& workers,
+      const std::stop_token& stop);
+  const DexelGrid& grid(RayAxis axis) const;
 
   RecordedMotions motions_;
   GroupCarver carver_;
+  GroupCarver shape_carver_;  ///< keeps no normals
+  ReturnCarver return_carver_;
   std::vector<DexelGrid> grids_;
   double tolerance_mm_;
-  std::unordered_map<FieldTile, TileLog, TileHash> logs_;
+  double margin_mm_ = 0;  ///< by which ends may lie off the sweep of a motion
+  MotionSpans spans_;
+  EraTiles eras_;
   std::vector<FieldTile> reached_;  ///< by one motion; reuses its memory
   std::uint64_t questions_ = 0;     ///< asked so far
   std::size_t tile_bytes_max_;

@@ -8,6 +8,11 @@
 namespace kerf {
 namespace {
 
+/// Windows that are read before they are cut: 10 MB.
+constexpr std::size_t kWindowsAtOnce = 64;
+/// Parts for each worker, so that none waits long for the others.
+constexpr int kPartsEach = 3;
+
 /// The jobs of some tiles, in the order of tiles and records, carved by one TileCarver.
 class Part {
   static constexpr std::size_t kNone = SIZE_MAX;
@@ -24,13 +29,17 @@ class Part {
     std::ranges::sort(runs_, {}, &Run::first);
   }
 
-  /// The first record that is still to be cut, at or after `from`; 0: none.
-  std::uint64_t next(std::uint64_t from) const {
-    if (!continued_.empty()) return from;
-    return next_ < runs_.size() ? runs_[next_].first : 0;
+  /// Adds the first records of the windows that it needs.
+  void add_windows(std::vector<std::uint64_t>& firsts) const {
+    for (const Run& run : runs_) {
+      for (auto first = RecordedMotions::window_begin(run.first); first <= run.last;
+           first += RecordedMotions::kWindow) {
+        if (firsts.empty() || firsts.back() != first) firsts.push_back(first);
+      }
+    }
   }
 
-  /// Cuts the motions of a window. Windows ascend.
+  /// Cuts the motions of a window. Windows ascend; none that it needs is left out.
   void cut(const RecordedMotions::Window& window) {
     const std::uint64_t end = window.first + window.motions.size();
     touches_.clear();
@@ -82,7 +91,9 @@ class Part {
   /// Before a job cuts its tile, takes what the job before it has left there.
   void hold(std::size_t job) {
     std::size_t& held = held_[tile_of_[job]];
-    if (held != job) take(std::exchange(held, job));
+    if (held == job) return;
+    take(std::exchange(held, job));
+    if (jobs_[job].from) carver_.begin(jobs_[job].at, jobs_[job].from);
   }
 
   TileCarver& carver_;
@@ -129,27 +140,29 @@ std::expected<void, std::string> GroupCarver::carve(std::span<GroupJob> jobs,
                                                     RecordedMotions& motions, Workers& workers,
                                                     const std::stop_token& stop) {
   if (jobs.empty()) return {};
-  const auto divided = divide(jobs, static_cast<std::size_t>(workers.count()));
+  const int count = workers.count();
+  const auto divided = divide(jobs, static_cast<std::size_t>(count > 1 ? count * kPartsEach : 1));
   while (carvers_.size() < divided.size()) carvers_.emplace_back(settings_, start_);
   std::vector<Part> parts;
+  std::vector<std::uint64_t> firsts;
   parts.reserve(divided.size());
-  for (std::size_t n = 0; n < divided.size(); ++n) parts.emplace_back(carvers_[n], divided[n]);
-  for (std::uint64_t from = 1;;) {
-    std::uint64_t next = 0;
-    for (const Part& part : parts) {
-      const std::uint64_t first = part.next(from);
-      if (first != 0) next = next == 0 ? first : std::min(next, first);
-    }
-    if (next == 0) break;
-    const auto window = motions.window(next, stop);
-    if (!window) {
+  for (std::size_t n = 0; n < divided.size(); ++n) {
+    parts.emplace_back(carvers_[n], divided[n]).add_windows(firsts);
+  }
+  std::ranges::sort(firsts);
+  firsts.erase(std::ranges::unique(firsts).begin(), firsts.end());
+  for (std::span left(firsts); !left.empty();) {
+    const auto now = left.first(std::min(kWindowsAtOnce, left.size()));
+    left = left.subspan(now.size());
+    const auto windows = motions.windows(now, stop);
+    if (!windows) {
       carvers_.clear();  // They hold tiles of jobs that are not done.
       carvers_.emplace_back(settings_, start_);
-      return std::unexpected(window.error());
+      return std::unexpected(windows.error());
     }
-    workers.run(static_cast<int>(parts.size()),
-                [&](int n) { parts[static_cast<std::size_t>(n)].cut(**window); });
-    from = (*window)->first + RecordedMotions::kWindow;
+    workers.run(static_cast<int>(parts.size()), [&](int n) {
+      for (const auto& window : *windows) parts[static_cast<std::size_t>(n)].cut(*window);
+    });
   }
   workers.run(static_cast<int>(parts.size()),
               [&](int n) { parts[static_cast<std::size_t>(n)].finish(); });

@@ -11,17 +11,18 @@
 
 #include "kernel/cut/workers.h"
 #include "kernel/tile_carver.h"
+#include "server/history/motion_spans.h"
 #include "server/history/recorded_motions.h"
-#include "server/history/tile_log.h"
 
 namespace kerf {
 
 /// What to carve: the motions of some runs, up to a record, from one tile. The result is null if
-/// they leave it as it was before the first motion.
+/// they do not reach it.
 struct GroupJob {
   FieldTile at;
   std::uint64_t last = 0;                           ///< record; runs may end later
   std::vector<MotionRun> runs = {};                 ///< of the strokes that are not left out
+  std::shared_ptr<const DexelTile> from = nullptr;  ///< null: the tile before the first motion
   std::shared_ptr<const DexelTile> tile = nullptr;  ///< the result
 };
 
@@ -38,6 +39,10 @@ class GroupCarver {
                                          Workers& workers, const std::stop_token& stop);
   /// Returns a tile before the first motion; null: untouched stock.
   std::shared_ptr<const DexelTile> start(FieldTile at) const { return carvers_.front().start(at); }
+  /// Returns a copy of it, of stock that is untouched too.
+  std::shared_ptr<DexelTile> copy_of_start(FieldTile at) const {
+    return carvers_.front().copy_of_start(at);
+  }
 
  private:
   SculptureSettings settings_;

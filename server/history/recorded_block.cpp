@@ -30,10 +30,9 @@ std::expected<void, std::string> RecordedBlock::settle(const std::stop_token& st
     history_ = std::make_unique<BlockHistory>(journal_, sculpture_.settings(), start_);
   }
   if (auto ok = history_->catch_up(stop); !ok) return ok;
-  const auto reach = history_->reach(changed_, stop);
-  if (!reach) return std::unexpected(reach.error());
   SerialWorkers alone;
-  const auto tiles = history_->carve(*reach, history_->strokes().at(last_), alone, stop);
+  const auto tiles =
+      history_->change(sculpture_.solid(), changed_, history_->strokes().at(last_), alone, stop);
   if (!tiles) return std::unexpected(tiles.error());
   sculpture_.replace(*tiles);
   changed_.clear();

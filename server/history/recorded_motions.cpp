@@ -10,17 +10,27 @@
 
 namespace kerf {
 
-/// Calls `visit` with the records from … until, as far as there are any.
-std::expected<void, std::string> RecordedMotions::read(
-    std::uint64_t from, std::uint64_t until, const std::stop_token& stop,
-    const std::function<void(JournalRecord&)>& visit) const {
-  auto database = open_journal(file_, SqlMode::kRead);
+namespace {
+
+/// Opens a journal for one transaction.
+std::expected<SqlDatabase, std::string> begin_reading(const std::filesystem::path& file,
+                                                      const std::stop_token& stop) {
+  auto database = open_journal(file, SqlMode::kRead);
   if (!database) return std::unexpected(describe(database.error()));
   if (stop.stop_possible()) database->end_on(stop);
   if (auto begun = database->execute("BEGIN"); !begun) {
     return std::unexpected(begun.error().reason);
   }
-  auto rows = RecordRows::open(file_, *database, from);
+  return *std::move(database);
+}
+
+}  // namespace
+
+/// Calls `visit` with the records from … until, as far as there are any.
+std::expected<void, std::string> RecordedMotions::read(
+    SqlDatabase& database, std::uint64_t from, std::uint64_t until, const std::stop_token& stop,
+    const std::function<void(JournalRecord&)>& visit) const {
+  auto rows = RecordRows::open(file_, database, from);
   if (!rows) return std::unexpected(describe(rows.error()));
   for (;;) {
     if (stop.stop_requested()) return std::unexpected("stopped");
@@ -49,7 +59,10 @@ std::expected<void, std::string> RecordedMotions::catch_up(
   windows_.erase(window_begin(from));
   std::erase(newest_, window_begin(from));
   std::shared_ptr<Window> window;
-  auto ok = read(from, std::numeric_limits<std::uint64_t>::max(), stop, [&](JournalRecord& record) {
+  auto database = begin_reading(file_, stop);
+  if (!database) return std::unexpected(database.error());
+  constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
+  auto ok = read(*database, from, kAll, stop, [&](JournalRecord& record) {
     strokes_.add(record);
     if (const auto* define = std::get_if<DefineTool>(&record.command)) {
       tools_.push_back({record.sequence, define->id, define->tool});
@@ -65,21 +78,53 @@ std::expected<void, std::string> RecordedMotions::catch_up(
   return ok;
 }
 
-std::expected<std::shared_ptr<const RecordedMotions::Window>, std::string> RecordedMotions::window(
-    std::uint64_t record, const std::stop_token& stop) {
-  const std::uint64_t first = window_begin(record);
-  if (const auto found = windows_.find(first); found != windows_.end()) {
+std::expected<RecordedMotions::Windows, std::string> RecordedMotions::windows(
+    std::span<const std::uint64_t> firsts, const std::stop_token& stop) {
+  if (stop.stop_requested()) return std::unexpected("stopped");
+  Windows windows;
+  std::vector<std::uint64_t> absent;
+  for (const std::uint64_t first : firsts) {
+    const auto found = windows_.find(first);
+    windows.push_back(found == windows_.end() ? nullptr : found->second);
+    if (!windows.back()) {
+      absent.push_back(first);
+      continue;
+    }
     std::erase(newest_, first);
     newest_.push_back(first);
-    return found->second;
   }
-  auto window = std::make_shared<Window>(Window{first, {}});
-  const std::uint64_t last = std::min(first + kWindow - 1, strokes_.last());
-  auto ok = read(first, last, stop,
-                 [&](JournalRecord& each) { window->motions.push_back(motion_of(each)); });
-  if (!ok) return std::unexpected(ok.error());
-  keep(window);
-  return window;
+  if (absent.empty()) return windows;
+  Windows read;
+  if (auto ok = read_windows(absent, read, stop); !ok) return std::unexpected(ok.error());
+  auto next = read.begin();
+  for (auto& window : windows) {
+    if (!window) window = *next++;
+  }
+  return windows;
+}
+
+/// Reads windows from the file; neighbors together, because a reader begins some records earlier.
+std::expected<void, std::string> RecordedMotions::read_windows(
+    std::span<const std::uint64_t> firsts, Windows& windows, const std::stop_token& stop) {
+  auto database = begin_reading(file_, stop);
+  if (!database) return std::unexpected(database.error());
+  for (std::size_t n = 0; n < firsts.size();) {
+    std::size_t end = n + 1;
+    while (end < firsts.size() && firsts[end] == firsts[end - 1] + kWindow) ++end;
+    std::vector<std::shared_ptr<Window>> run;
+    for (; n < end; ++n) run.push_back(std::make_shared<Window>(Window{firsts[n], {}}));
+    const std::uint64_t first = run.front()->first;
+    const std::uint64_t last = std::min(run.back()->first + kWindow - 1, strokes_.last());
+    auto ok = read(*database, first, last, stop, [&](JournalRecord& each) {
+      run[(each.sequence - first) / kWindow]->motions.push_back(motion_of(each));
+    });
+    if (!ok) return std::unexpected(ok.error());
+    for (auto& window : run) {
+      windows.push_back(window);
+      keep(std::move(window));
+    }
+  }
+  return {};
 }
 
 void RecordedMotions::keep(std::shared_ptr<const Window> window) {

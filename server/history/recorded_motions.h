@@ -9,11 +9,13 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "server/history/stroke_table.h"
+#include "server/store/sqlite.h"
 
 namespace kerf {
 
@@ -30,13 +32,13 @@ struct RecordedMotion {
 class RecordedMotions {
  public:
   /// Records of a window.
-  static constexpr std::uint64_t kWindow = 8192;
+  static constexpr std::uint64_t kWindow = 1024;
   struct Window {
     std::uint64_t first = 0;  ///< record
     std::vector<RecordedMotion> motions;
   };
 
-  /// Keeps so many windows, of 1.2 MB each.
+  /// Keeps so many windows, of 150 kB each.
   RecordedMotions(std::filesystem::path journal, std::size_t windows)
       : file_(std::move(journal)), windows_kept_(windows) {}
 
@@ -45,9 +47,10 @@ class RecordedMotions {
   std::expected<void, std::string> catch_up(
       const std::function<void(std::uint64_t record, const RecordedMotion& motion)>& visit,
       const std::stop_token& stop);
-  /// Returns the window that holds a record of those that have been read.
-  std::expected<std::shared_ptr<const Window>, std::string> window(std::uint64_t record,
-                                                                   const std::stop_token& stop);
+  using Windows = std::vector<std::shared_ptr<const Window>>;
+  /// Returns the windows with these first records, which ascend and have been read.
+  std::expected<Windows, std::string> windows(std::span<const std::uint64_t> firsts,
+                                              const std::stop_token& stop);
   const StrokeTable& strokes() const { return strokes_; }
   /// Number of the first record of the window that holds `record`.
   static std::uint64_t window_begin(std::uint64_t record) {
@@ -63,8 +66,10 @@ class RecordedMotions {
 
   RecordedMotion motion_of(const JournalRecord& record) const;
   std::expected<void, std::string> read(
-      std::uint64_t from, std::uint64_t until, const std::stop_token& stop,
+      SqlDatabase& database, std::uint64_t from, std::uint64_t until, const std::stop_token& stop,
       const std::function<void(JournalRecord& record)>& visit) const;
+  std::expected<void, std::string> read_windows(std::span<const std::uint64_t> firsts,
+                                                Windows& windows, const std::stop_token& stop);
   void keep(std::shared_ptr<const Window> window);
 
   std::filesystem::path file_;

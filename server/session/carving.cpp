@@ -57,6 +57,11 @@ void Carving::collect(const Command& command) {
   if (!since.reach.empty()) since_->push_back(std::move(since));
 }
 
+void Carving::begin_collecting() {
+  since_.emplace();
+  for (const auto& [id, cut] : cuts_) collect(cut.move);
+}
+
 double Carving::replace(const TileReplacement& tile) {
   std::vector<MotionSince> motions;
   if (since_) {

@@ -74,8 +74,8 @@ class Carving {
     MotionSince motion;
     std::vector<FieldTile> reach;  ///< sorted
   };
-  /// Collects the motions that are journaled from now on.
-  void begin_collecting() { since_.emplace(); }
+  /// Collects the motions that are journaled from now on, and those that are cut in part.
+  void begin_collecting();
   void end_collecting() { since_.reset(); }
   std::size_t collected() const { return since_ ? since_->size() : 0; }
   /// Whether a motion of one of the records up to this one is cut in part.

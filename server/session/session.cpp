@@ -128,6 +128,7 @@ std::optional<MotionAnswer> Session::begin_move(ParticipantId id,
   show_figures();
   if (journal_.removal_sequence() != removal_before) schedule_hash();
   write_snapshot_if_due();
+  read_history_ahead();
   return answer;
 }
 
@@ -138,6 +139,7 @@ std::optional<MotionAnswer> Session::go_on(ParticipantId id) {
   show_figures();
   schedule_hash();
   write_snapshot_if_due();
+  read_history_ahead();
   return answer;
 }
 

@@ -60,7 +60,9 @@ struct SessionInfo {
 
 /// How a session keeps snapshots of its block beside its journal.
 struct SnapshotOptions {
-  Executor* writer = nullptr;  ///< writes them and outlives the session; null: none are written
+  /// Writes them, and does other long work of the session that nobody waits for; outlives the
+  /// session. Null: none are written.
+  Executor* writer = nullptr;
   SnapshotLimits limits;
   /// Called with the reason when one cannot be written, after one that could; on any thread.
   std::function<void(const std::string& id, const std::string& reason)> on_failure = {};
@@ -266,6 +268,7 @@ class Session : public std::enable_shared_from_this<Session> {
                                                          const SculptureState& state);
   void keep_last_state();
   std::expected<void, std::string> read_history(const std::stop_token& stop);
+  void read_history_ahead();
   std::expected<StrokeSet, Rejection> chosen_strokes(const StrokeRequest& request) const;
   bool may_change(const StrokeRequest& request, ParticipantId participant);
   std::expected<std::uint64_t, Rejection> note_changes(const StrokeRequest& request,
@@ -275,6 +278,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<void, std::string> wait_for_pieces(const std::stop_token& stop);
   void end_settling(const StrokeSet& strokes);
   void retry_settling();
+  /// Does long work that nobody waits for.
+  Executor& background() { return snapshots_.writer != nullptr ? *snapshots_.writer : workers_; }
   /// Frees the memory of the history, unless somebody asks about it now.
   void forget_history();
 
@@ -304,6 +309,8 @@ class Session : public std::enable_shared_from_this<Session> {
   Clock::time_point changes_reported_{};
   std::timed_mutex history_mutex_;         ///< held while strokes change; guards the next one
   std::unique_ptr<BlockHistory> history_;  ///< made when it is first needed
+  std::uint64_t history_read_ = 0;         ///< record up to which it was read ahead
+  bool reads_ahead_ = false;
   std::map<std::string, NamedVersion> versions_;
   JournalParent parent_;
   StrokeSet unsettled_;  ///< whose change is in the journal and not yet in the block

@@ -19,6 +19,8 @@ constexpr std::chrono::seconds kRetry{1};
 /// Motions that are cut again in a turn, at most as far as carving once more avoids it.
 constexpr std::size_t kSinceMax = 100;
 constexpr int kRoundsMax = 4;
+/// Records after which the journal is read on, so that no undo need read more.
+constexpr std::uint64_t kReadAhead = 20'000;
 /// How long a request waits for others of the same session: threads that make files wait with it.
 constexpr std::chrono::seconds kPatience{2};
 constexpr const char* kOthersAsk = "other requests about the history of the session are running";
@@ -45,6 +47,19 @@ std::expected<void, std::string> Session::read_history(const std::stop_token& st
     history_ = std::make_unique<BlockHistory>(journal_.file(), sculpture_.settings(), start_);
   }
   return history_->catch_up(stop);
+}
+
+/// Reads the journal on the thread that writes snapshots, if it has grown enough.
+void Session::read_history_ahead() {
+  if (snapshots_.writer == nullptr || closed_ || reads_ahead_) return;
+  if (sequence() < history_read_ + kReadAhead) return;
+  reads_ahead_ = true;
+  history_read_ = sequence();
+  snapshots_.writer->post([self = shared_from_this()] {
+    const std::unique_lock lock(self->history_mutex_, std::try_to_lock);
+    if (lock) (void)self->read_history({});  // An undo reports the error.
+    self->executor_->post([self] { self->reads_ahead_ = false; });
+  });
 }
 
 /// The strokes of a request, which exist and are not so already.
@@ -146,18 +161,20 @@ std::expected<void, std::string> Session::settle(Workers& workers, const std::st
   struct Begun {
     StrokeSet strokes = {};
     std::uint64_t sequence = 0;
+    SolidSnapshot solid = {};
   };
   if (auto ok = wait_for_pieces(stop); !ok) return ok;
   Begun begun;
   const auto carve = [&]() -> std::expected<std::vector<TileReplacement>, std::string> {
     begun = run_and_wait(*executor_, [this] {
       carving_.begin_collecting();
-      return Begun{unsettled_, sequence()};
+      return Begun{unsettled_, sequence(), sculpture_.solid()};
     });
     if (auto read = read_history(stop); !read) return std::unexpected(read.error());
-    const auto reach = history_->reach(begun.strokes, stop);
-    if (!reach) return std::unexpected(reach.error());
-    return history_->carve(*reach, history_->strokes().at(begun.sequence), workers, stop);
+    const MotionSet set = history_->strokes().at(begun.sequence);
+    auto changed_tiles = history_->change(begun.solid, begun.strokes, set, workers, stop);
+    begun.solid = {};  // Frees the tiles that have been cut meanwhile.
+    return changed_tiles;
   };
   auto tiles = carve();
   // Each round takes less time than the one before, so fewer motions come in meanwhile.
@@ -201,7 +218,7 @@ void Session::retry_settling() {
   executor_->post_after(kRetry, [weak = weak_from_this()] {
     const auto self = weak.lock();
     if (!self || self->closed_ || self->unsettled_.empty()) return;
-    self->workers_.post([self] {
+    self->background().post([self] {
       const std::scoped_lock lock(self->history_mutex_);
       SerialWorkers alone;
       StrokesChanged ignored;
@@ -211,6 +228,7 @@ void Session::retry_settling() {
 }
 
 void Session::forget_history() {
+  history_read_ = 0;
   const std::unique_lock lock(history_mutex_, std::try_to_lock);
   if (lock) history_.reset();
 }

@@ -251,9 +251,15 @@ std::expected<RecordedCommand, std::string> read_whole(BitReader& in, NumberSize
 
 std::vector<std::byte> BatchEncoder::encode(std::span<const BatchRecord> records) {
   const bool is_full = states_.size() + records.size() > MotionStates::kMax;
-  if (is_full) batches_ = 0;
-  const bool restarts = batches_++ % kBatchesPerRestart == 0;
-  if (restarts) states_.clear();
+  const bool restarts =
+      is_full || batches_ == 0 || batches_ == kBatchesPerRestart || records_ >= kRecordsPerRestart;
+  if (restarts) {
+    states_.clear();
+    batches_ = 0;
+    records_ = 0;
+  }
+  ++batches_;
+  records_ += records.size();
   BitWriter out;
   out.bits(restarts ? 1 : 0, 1);
   ParticipantId last = 0;

@@ -58,14 +58,17 @@ class MotionStates {
 class BatchEncoder {
  public:
   /// A batch that restarts can be decoded without those before. The first one does, and one before
-  /// which there could be more than MotionStates::kMax participants.
+  /// which there could be more than MotionStates::kMax participants. Who reads a record in the
+  /// middle of a journal begins with such a batch.
   static constexpr int kBatchesPerRestart = 256;
+  static constexpr std::size_t kRecordsPerRestart = 2048;
   /// At most kBatchRecordsMax records.
   std::vector<std::byte> encode(std::span<const BatchRecord> records);
 
  private:
   MotionStates states_;
-  int batches_ = 0;
+  int batches_ = 0;          ///< since the last one that restarts
+  std::size_t records_ = 0;  ///< in these
 };
 
 /// Whether a batch can be decoded without those before.

@@ -71,8 +71,10 @@ class Hand {
   int left_ = 0;
 };
 
+/// Carves the block and records that. Returns the strokes.
 std::vector<StrokeId> record(const std::filesystem::path& file, const Tool& tool,
-                             std::int64_t motions) {
+                             std::int64_t motions, Sculpture& block) {
+  block.apply(DefineTool{1, tool}).value();
   auto writer = JournalWriter::create(file, {"bench", "{}", "", 1, {}}).value();
   writer.append(0, DefineTool{1, tool}).value();
   std::vector<Hand> hands;
@@ -84,8 +86,8 @@ std::vector<StrokeId> record(const std::filesystem::path& file, const Tool& tool
     const MoveTool move = hands[hand].next(begins);
     const auto at = writer.append(static_cast<ParticipantId>(hand + 1), move, {0, begins});
     if (begins) strokes.push_back(at.value());
-    // As the groups of a millisecond loop: 40 records a commit.
-    if (n % 4000 == 0) (void)writer.flush();
+    block.apply(move).value();
+    if (n % 1000 == 0) (void)writer.flush();
   }
   (void)writer.flush();
   return strokes;
@@ -110,9 +112,10 @@ int run(int argc, char** argv) {
   const int threads = argc > 4 ? std::atoi(argv[4]) : 2;
   const Tool tool = make_tool(BallShape{.diameter_mm = 10, .length_mm = 40}).value();
   const test::TemporaryFolder folder;
-  const auto strokes = record(folder / "bench.kerf", tool, motions);
   Sculpture block = Sculpture::create(settings).value();
-  BlockHistory history(folder / "bench.kerf", settings, block.solid());
+  const SolidSnapshot untouched = block.solid();
+  const auto strokes = record(folder / "bench.kerf", tool, motions, block);
+  BlockHistory history(folder / "bench.kerf", settings, untouched);
   ThreadPool pool(threads);
   std::printf("%lld motions, %zu strokes, %s, pitch %g mm, %d threads\n",
               static_cast<long long>(motions), strokes.size(), to_string(settings.rays),
@@ -123,16 +126,15 @@ int run(int argc, char** argv) {
   if (auto read = history.catch_up(); !read) return std::puts(read.error().c_str()), 1;
   std::printf("  reading the journal                %.2f s, CPU %.2f us a motion\n",
               ms_since(start) / 1000, (process_cpu_s() - cpu) * 1e6 / static_cast<double>(motions));
-  std::printf("  lists of motions of %zu tiles      %.2f bytes a motion\n", history.tiles().size(),
-              static_cast<double>(history.log_bytes()) / static_cast<double>(motions));
+  std::printf("  index of motions, %zu tiles        %.2f bytes a motion\n", history.tiles().size(),
+              static_cast<double>(history.index_bytes()) / static_cast<double>(motions));
   MotionSet set{.last = history.last()};
   std::mt19937 random(7);
   const auto change = [&](StrokeId stroke, Times& times) {
     if (!set.without.erase(stroke)) set.without.insert(stroke);
     const auto begin = Clock::now();
     const double cpu_begin = process_cpu_s();
-    const auto reach = history.reach({stroke});
-    const auto tiles = history.carve(*reach, set, pool);
+    const auto tiles = history.change(block.solid(), {stroke}, set, pool);
     for (const TileReplacement& tile : *tiles) {
       const auto turn = Clock::now();
       block.replace({&tile, 1});
@@ -145,16 +147,16 @@ int run(int argc, char** argv) {
   change(strokes.back(), first);
   std::printf("  the first undo, of the last stroke %.1f ms, CPU %.1f ms\n", first.all_ms[0],
               first.cpu_ms[0]);
-  start = Clock::now();
-  cpu = process_cpu_s();
-  block.replace(history.carve(history.tiles(), set, pool).value());
-  std::printf("  all tiles, most for the first time %.2f s, CPU %.2f us a motion\n",
-              ms_since(start) / 1000, (process_cpu_s() - cpu) * 1e6 / static_cast<double>(motions));
   Times later;
   for (int n = 0; n < 40; ++n) change(strokes[random() % strokes.size()], later);
   print("undo and redo of any stroke", later.all_ms);
   print("  CPU of all threads", later.cpu_ms);
   print("  a tile on the session's thread", later.turn_ms);
+  start = Clock::now();
+  cpu = process_cpu_s();
+  (void)history.carve(history.tiles(), set, pool);
+  std::printf("  all tiles for the first time       %.2f s, CPU %.2f us a motion\n",
+              ms_since(start) / 1000, (process_cpu_s() - cpu) * 1e6 / static_cast<double>(motions));
   Times seeks;
   for (int n = 0; n < 20; ++n) {
     const MotionSet then{.last = 1 + random() % history.last()};

@@ -47,6 +47,49 @@ TEST(BlockHistory, CarvesAnySetOfMotionsToTheBit) {
   }
 }
 
+TEST(BlockHistory, ChangesABlockIntoThatOfAnySetOfStrokesToTheBit) {
+  for (const Rays rays : {Rays::kDexel, Rays::kTriDexel}) {
+    RecordedJob job(test::job_settings(rays, 0.5), 21 + static_cast<unsigned>(rays));
+    BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+    job.carve(250);
+    job.redefine();
+    job.carve(150);
+    ASSERT_TRUE(history.catch_up());
+    MotionSet set{.last = history.last()};
+    Sculpture block = job.block(set);
+    for (int question = 0; question < 12; ++question) {
+      // Some of the strokes that are named stay as they are: the block may hold any of these.
+      StrokeSet changed = job.some().without;
+      for (const StrokeId id : changed) {
+        if (job.random()() % 4 == 0) continue;
+        if (set.without.erase(id) == 0) set.without.insert(id);
+      }
+      test::ThreadWorkers workers(1 + question % 3);
+      const auto tiles = history.change(block.solid(), changed, set, workers);
+      ASSERT_TRUE(tiles) << tiles.error();
+      EXPECT_TRUE(std::ranges::is_sorted(*tiles, {}, &TileReplacement::at));
+      block.replace(*tiles);
+      ASSERT_EQ(block.state_hash(), job.block(set).state_hash()) << "question " << question;
+    }
+  }
+}
+
+TEST(BlockHistory, ChangesNoTileWithMotionsAfterTheSet) {
+  RecordedJob job(test::job_settings(Rays::kDexel, 0.5), 31);
+  job.carve(200);
+  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  ASSERT_TRUE(history.catch_up());
+  for (int n = 0; n < 8; ++n) {
+    const std::uint64_t last = 60 + job.random()() % 100;
+    const StrokeId stroke = job.strokes()[job.random()() % 5];
+    const MotionSet set{.last = last, .without = {stroke}};
+    Sculpture block = job.block({.last = last});
+    SerialWorkers alone;
+    block.replace(*history.change(block.solid(), {stroke}, set, alone));
+    EXPECT_EQ(block.state_hash(), job.block(set).state_hash());
+  }
+}
+
 TEST(BlockHistory, TilesOutsideTheReachOfAStrokeDoNotChangeWithoutIt) {
   RecordedJob job(test::job_settings(Rays::kTriDexel, 0.5), 3);
   job.carve(300);

@@ -73,19 +73,36 @@ TEST(HostileBatch, MoreParticipantsThanTheEncoderKeepsAreRejected) {
   EXPECT_FALSE(decode(true, 1, MotionStates::kMax + 1));
 }
 
-TEST(HostileBatch, TheEncoderRestartsBeforeItHasTooManyParticipants) {
+/// Encodes batches of so many records, each of another participant. Returns of each whether it can
+/// be decoded without those before.
+std::vector<bool> restarts_of(const std::vector<std::size_t>& batches) {
   BatchEncoder encoder;
   BatchDecoder decoder;
   ParticipantId id = 0;
-  for (int n = 0; n < 5; ++n) {
-    std::vector<BatchRecord> records(30'000);
+  std::vector<bool> restarts;
+  for (const std::size_t count : batches) {
+    std::vector<BatchRecord> records(count);
     for (BatchRecord& record : records) record = {++id, MoveTool{}};
     const auto bytes = encoder.encode(records);
     const auto decoded = decoder.decode(bytes, records.size());
-    ASSERT_TRUE(decoded) << n << ": " << decoded.error();
-    EXPECT_EQ(decoded->back().participant, id);
-    EXPECT_EQ(BatchDecoder().decode(bytes, records.size()).has_value(), n % 2 == 0) << n;
+    if (decoded) {
+      EXPECT_EQ(decoded->back().participant, id);
+    } else {
+      ADD_FAILURE() << decoded.error();
+    }
+    restarts.push_back(BatchDecoder().decode(bytes, records.size()).has_value());
   }
+  return restarts;
+}
+
+TEST(HostileBatch, TheEncoderRestartsBeforeItHasTooManyParticipants) {
+  EXPECT_EQ(restarts_of({2000, 64'000}), (std::vector{true, true}));
+  EXPECT_EQ(restarts_of({2000, 60'000}), (std::vector{true, false}));
+}
+
+TEST(HostileBatch, TheEncoderRestartsAfterABoundedNumberOfRecords) {
+  const auto restarts = restarts_of(std::vector<std::size_t>(50, 100));
+  for (std::size_t n = 0; n < restarts.size(); ++n) EXPECT_EQ(restarts[n], n % 21 == 0) << n;
 }
 
 /// Returns whether a journal with this batch can be read; its checksum is right.

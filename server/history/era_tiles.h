@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "kernel/sculpture_result.h"
+#include "server/history/stroke_table.h"
+
+namespace kerf {
+
+struct DexelTile;
+
+/// What the motions of an era, without some strokes, leave of a tile.
+struct EraTile {
+  bool is_carved = false;
+  std::shared_ptr<const DexelTile> tile = nullptr;  ///< null: all of it
+  std::vector<StrokeId> without = {};               ///< of those that reach the tile; ascending
+  std::uint64_t last = 0;                           ///< record of its last motion
+  std::uint64_t used = 0;                           ///< when it was last asked for
+};
+
+/// Keeps what eras, which are equal numbers of records, leave of tiles. Eras grow with the journal,
+/// so that there are at most kErasMax of them.
+class EraTiles {
+ public:
+  static constexpr std::uint64_t kErasMax = 64;
+  static constexpr std::uint64_t kRecords = 8192;  ///< of an era, at first
+
+  /// Makes eras long enough for so many records.
+  void grow(std::uint64_t records);
+  /// Records of an era.
+  std::uint64_t length() const { return length_; }
+  std::size_t era_of(std::uint64_t record) const {
+    return static_cast<std::size_t>((record - 1) / length_);
+  }
+  /// Returns the entry of a tile in an era < kErasMax; it stays where it is until grow().
+  EraTile& of(FieldTile at, std::size_t era);
+  std::size_t bytes() const;
+  /// Forgets those that were not used for the longest time, until the others have so many bytes.
+  void forget_oldest(std::size_t bytes);
+
+ private:
+  struct TileHash {
+    std::size_t operator()(const FieldTile& at) const {
+      constexpr std::uint64_t kSpread = 0x9e3779b97f4a7c15;
+      const auto x = static_cast<std::uint32_t>(at.tile.x);
+      const auto y = static_cast<std::uint32_t>(at.tile.y);
+      return ((std::uint64_t{x} << 32U | y) ^ static_cast<std::uint64_t>(at.axis) << 62U) *
+                 kSpread >>
+             20U;
+    }
+  };
+  using Eras = std::vector<EraTile>;
+  void join_pairs();
+
+  std::uint64_t length_ = kRecords;
+  std::unordered_map<FieldTile, Eras, TileHash> tiles_;
+};
+
+}  // namespace kerf

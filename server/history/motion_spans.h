@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernel/dexel/dexel_grid.h"
+#include "kernel/piece/bounds.h"
+#include "server/history/stroke_table.h"
+
+namespace kerf {
+
+/// Motions of one stroke: those among the records first … last. Other records may lie in between.
+struct MotionRun {
+  StrokeId stroke = 0;
+  std::uint64_t first = 0, last = 0;
+  friend bool operator==(const MotionRun&, const MotionRun&) = default;
+};
+
+/// Whether two boxes have a point in common.
+inline bool meets(const Bounds& a, const Bounds& b) {
+  return a.lo_mm.x <= b.hi_mm.x && a.hi_mm.x >= b.lo_mm.x &&  //
+         a.lo_mm.y <= b.hi_mm.y && a.hi_mm.y >= b.lo_mm.y &&  //
+         a.lo_mm.z <= b.hi_mm.z && a.hi_mm.z >= b.lo_mm.z;
+}
+
+/// A run of motions and a box around what they sweep, mm.
+struct MotionSpan {
+  MotionRun run;
+  std::array<float, 3> lo_mm{}, hi_mm{};
+
+  Bounds bounds() const { return {{lo_mm[0], lo_mm[1], lo_mm[2]}, {hi_mm[0], hi_mm[1], hi_mm[2]}}; }
+  bool meets(const Bounds& box) const { return kerf::meets(bounds(), box); }
+};
+
+/// Where the motions of a journal are: boxes around short runs of them, which are compared with the
+/// place of a question one after the other.
+class MotionSpans {
+ public:
+  /// Motions that a span holds at most.
+  static constexpr int kMotionsMax = 64;
+  /// Records of others that may lie between two of its motions.
+  static constexpr std::uint64_t kGap = 64;
+
+  /// A span is at most `growth_mm` longer, along each axis, than its first motion.
+  explicit MotionSpans(double growth_mm) : growth_mm_(growth_mm) {}
+
+  /// Adds a motion, with a box around what it sweeps; records ascend.
+  void add(std::uint64_t record, StrokeId stroke, const Bounds& box);
+  /// All spans, in the order of their first records. A later motion may make one longer.
+  std::span<const MotionSpan> all() const { return spans_; }
+  std::size_t bytes() const { return spans_.capacity() * sizeof(MotionSpan); }
+
+ private:
+  /// The last span of a stroke that may go on.
+  struct Open {
+    StrokeId stroke;
+    std::size_t span;
+    int motions;
+    std::array<double, 3> most_mm;  ///< lengths that it may have
+  };
+  bool extend(Open& open, std::uint64_t record, const Bounds& box);
+
+  double growth_mm_;
+  std::vector<MotionSpan> spans_;
+  std::vector<Open> open_;  ///< the one that was extended last is the last one
+};
+
+/// Returns the box of the rays of a tile, in world coordinates, mm.
+Bounds tile_bounds(const DexelGrid& grid, TileIndex tile);
+
+}  // namespace kerf
