@@ -9,6 +9,7 @@
 #include "server/formats/guide_json.h"
 #include "server/rights/rights.h"
 #include "server/session/hash_text.h"
+#include "server/session/program_json.h"
 
 namespace kerf::net {
 namespace {
@@ -275,6 +276,12 @@ std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64
     json["at"] = {{"record", past->record}, {"time_ms", past->time_ms}, {"rate", past->rate}};
   }
   return text(json);
+}
+
+std::string programs_message(const std::vector<ProgramGlance>& programs) {
+  Json list = Json::array();
+  for (const ProgramGlance& program : programs) list.push_back(Json::parse(program_json(program)));
+  return text({{"type", wire::kTypePrograms}, {"programs", list}});
 }
 
 std::string error_message(const Rejection& rejection, bool fatal) {

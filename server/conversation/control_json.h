@@ -72,6 +72,8 @@ std::string change_message(const RosterChange& change);
 std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64_t hash,
                           bool settled, bool paused,
                           const std::optional<PastPlace>& past = std::nullopt);
+/// The programs of a session, for viewers: each message replaces the one before.
+std::string programs_message(const std::vector<ProgramGlance>& programs);
 std::string error_message(const Rejection& rejection, bool fatal);
 std::string bye_message(std::string_view reason, std::string_view redirect = {});
 

@@ -28,7 +28,8 @@ struct OutFrame {
     kTools,
     kMesh,
     kState,
-    kParticipants
+    kParticipants,
+    kPrograms
   };
   Kind kind = Kind::kText;
   std::vector<std::byte> bytes = {};
@@ -36,7 +37,8 @@ struct OutFrame {
   Clock::time_point arrived = {};  ///< of the motion that a result answers
 
   bool is_text() const {
-    return kind == Kind::kText || kind == Kind::kState || kind == Kind::kParticipants;
+    return kind == Kind::kText || kind == Kind::kState || kind == Kind::kParticipants ||
+           kind == Kind::kPrograms;
   }
 };
 

@@ -110,6 +110,11 @@ void ViewerConversation::send_participants(const SharedText& all, const SharedTe
   wake();
 }
 
+void ViewerConversation::send_programs(SharedText programs) {
+  out_.put_programs(std::move(programs));
+  wake();
+}
+
 void ViewerConversation::reject_ack() {
   if (finishing()) return;
   reject({wire::ErrorCode::kBadSequence, "ack of a mesh frame that was never sent"});

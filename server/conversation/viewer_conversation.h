@@ -83,6 +83,7 @@ class ViewerConversation final : public Conversation {
   /// of the previous call for any viewer of the session; it suffices if the viewer understands it
   /// and has been sent that list.
   void send_participants(const SharedText& all, const SharedText& change);
+  void send_programs(SharedText programs);  ///< replaces a message that has not left
   /// The viewer has acknowledged a frame that was never sent.
   void reject_ack();
   /// The viewer cannot be where it has asked to be.

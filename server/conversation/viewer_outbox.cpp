@@ -4,11 +4,24 @@
 #include <utility>
 
 namespace kerf::net {
+namespace {
+
+/// Moves `text` into `out`; returns false if it is null.
+bool take_shared(SharedText& text, OutFrame::Kind kind, OutFrame& out) {
+  if (!text) return false;
+  const auto bytes = std::as_bytes(std::span(*text));
+  out = {.kind = kind, .bytes = {bytes.begin(), bytes.end()}};
+  text.reset();
+  return true;
+}
+
+}  // namespace
 
 void ViewerOutbox::close() {
   closed_ = true;
   drop_surface();
   participants_.reset();
+  programs_.reset();
 }
 
 void ViewerOutbox::drop_surface() {
@@ -24,10 +37,8 @@ bool ViewerOutbox::take(const wire::FrameStamp& stamp, OutFrame& out) {
     out = {.kind = OutFrame::Kind::kTools, .shared = std::exchange(tools_, nullptr)};
     return true;
   }
-  if (participants_) {
-    const auto bytes = std::as_bytes(std::span(*participants_));
-    out = {.kind = OutFrame::Kind::kParticipants, .bytes = {bytes.begin(), bytes.end()}};
-    participants_.reset();
+  if (take_shared(participants_, OutFrame::Kind::kParticipants, out) ||
+      take_shared(programs_, OutFrame::Kind::kPrograms, out)) {
     return true;
   }
   if (!mesh_.empty()) {

@@ -10,9 +10,9 @@
 namespace kerf::net {
 
 /// Frames that wait to leave for one viewer, in order of priority: control messages, tool poses,
-/// the participants, mesh frames, the state message. Newer tool poses, participants and a newer
-/// state replace older ones that have not left; mesh frames keep their order (TileFeed bounds their
-/// number).
+/// the participants, the programs, mesh frames, the state message. Newer tool poses, participants,
+/// programs and a newer state replace older ones that have not left; mesh frames keep their order
+/// (TileFeed bounds their number).
 class ViewerOutbox {
  public:
   /// Returns false if the viewer reads so little that the control queue is full.
@@ -25,6 +25,9 @@ class ViewerOutbox {
   }
   void put_participants(SharedText text) {
     if (!closed_) participants_ = std::move(text);
+  }
+  void put_programs(SharedText text) {
+    if (!closed_) programs_ = std::move(text);
   }
   /// Whether a message on the participants waits to leave.
   bool has_participants() const { return participants_ != nullptr; }
@@ -48,7 +51,7 @@ class ViewerOutbox {
  private:
   ControlQueue control_;
   SharedBytes tools_;
-  SharedText participants_;
+  SharedText participants_, programs_;
   std::deque<FeedFrame> mesh_;
   std::string state_;
   bool closed_ = false;

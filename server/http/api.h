@@ -50,8 +50,9 @@ struct ApiResponse {
   unsigned status = 200;
   std::string content_type = "application/json";
   std::string body;
-  std::shared_ptr<const OpenFile> file;  ///< instead of a body
-  std::optional<ByteRange> part;         ///< of the file; nothing: all of it
+  std::shared_ptr<const std::string> text;  ///< instead of a body: shared, not copied
+  std::shared_ptr<const OpenFile> file;     ///< instead of a body
+  std::optional<ByteRange> part;            ///< of the file; nothing: all of it
   std::vector<std::pair<std::string, std::string>> headers;
 };
 
@@ -100,6 +101,8 @@ class Api {
   /// Cancels the downloads in preparation; further ones are rejected.
   void stop() { downloads_.stop(); }
   MemoryBudget& uploads() { return uploads_; }
+  /// The most points of a program's path that are kept.
+  static constexpr std::size_t kPathPointsMax = 20'000;
 
   // ---- handlers of the route table (routes.cpp) ----
   ApiResponse list_sessions(const ApiCall& call);
@@ -114,6 +117,9 @@ class Api {
   ApiResponse program_status(const ApiCall& call);
   ApiResponse cancel_program(const ApiCall& call);
   ApiResponse download(const ApiCall& call);
+  ApiResponse change_program(const ApiCall& call);
+  ApiResponse program_source(const ApiCall& call);
+  ApiResponse program_path(const ApiCall& call);
   ApiResponse list_exports(const ApiCall& call);
   ApiResponse list_strokes(const ApiCall& call);
   ApiResponse undo(const ApiCall& call);

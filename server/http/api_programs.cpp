@@ -5,6 +5,7 @@
 
 #include "server/http/api.h"
 #include "server/http/number.h"
+#include "server/session/program_json.h"
 #include "server/threads/run_and_wait.h"
 
 namespace kerf::net {
@@ -20,23 +21,8 @@ constexpr double kRateMinHz = 1, kRateMaxHz = 2000;
 constexpr std::size_t kMotionsMax = 20'000'000;
 
 Json status_json(const Session& session, const ProgramStatus& status) {
-  Json json = {{"id", status.id},
-               {"url", "/v1/sessions/" + session.id() + "/programs/" + std::to_string(status.id)},
-               {"participant", status.participant},
-               {"name", status.name},
-               {"pace", status.pace == ProgramPace::kFeed ? "feed" : "fast"},
-               {"state", to_string(status.state)},
-               {"waiting", status.waiting},
-               {"motions_done", status.motions_done},
-               {"motions", status.motions},
-               {"progress", status.motions == 0 ? 1.0
-                                                : static_cast<double>(status.motions_done) /
-                                                      static_cast<double>(status.motions)},
-               {"line", status.line},
-               {"programmed_s", status.programmed_s},
-               {"removed_volume_mm3", status.removed_mm3},
-               {"warnings", status.warnings}};
-  if (!status.error.empty()) json["error"] = status.error;
+  Json json = Json::parse(program_json(status));
+  json["url"] = "/v1/sessions/" + session.id() + "/programs/" + std::to_string(status.id);
   return json;
 }
 
@@ -59,6 +45,52 @@ ApiResponse program_failure(const ProgramError& error) {
                  {"line", error.line},
                  {"word", error.word}};
   return json_response(400, text({{"error", detail}}));
+}
+
+ApiResponse has_ended(const ApiCall& call) {
+  return error_response(409, "not_running", "program " + call.captured + " is not running");
+}
+
+std::expected<ProgramPace, ApiResponse> parse_pace(const std::string& text) {
+  if (text == "feed") return ProgramPace::kFeed;
+  if (text == "fast") return ProgramPace::kFast;
+  return std::unexpected(error_response(400, "bad_pace", "pace must be \"feed\" or \"fast\""));
+}
+
+std::expected<double, ApiResponse> parse_speed(const std::string& text) {
+  const auto speed = parse_number<double>(text);
+  if (speed && *speed >= kProgramSpeedMin && *speed <= kProgramSpeedMax) return *speed;
+  return std::unexpected(
+      error_response(400, "bad_speed", "speed must be a number from 0.1 to 20, times feed rate"));
+}
+
+std::expected<ProgramOrder, ApiResponse> parse_order(const std::string& text) {
+  if (text == "pause") return ProgramOrder::kPause;
+  if (text == "resume") return ProgramOrder::kResume;
+  if (text == "step") return ProgramOrder::kStep;
+  return std::unexpected(error_response(
+      400, "bad_order", "do must be \"pause\", \"resume\" or \"step\", which carves one block"));
+}
+
+/// The program that the new one is to follow: of `after`, or of `queue`.
+std::expected<ProgramId, ApiResponse> parse_after(const ApiRequest& request) {
+  const std::string* queue = request.query_value("queue");
+  const std::string* after = request.query_value("after");
+  if (queue != nullptr && *queue != "0" && *queue != "1") {
+    return std::unexpected(error_response(400, "bad_value", "queue must be 0 or 1"));
+  }
+  if (after == nullptr) return queue != nullptr && *queue == "1" ? kAfterNewest : ProgramId{0};
+  const auto id = parse_number<ProgramId>(*after);
+  if (id && *id != 0 && *id != kAfterNewest) return *id;
+  return std::unexpected(error_response(400, "bad_value", "after must be the number of a program"));
+}
+
+std::expected<std::optional<double>, ApiResponse> parse_limit(const std::string* text) {
+  if (text == nullptr) return std::nullopt;
+  const auto limit_n = parse_number<double>(*text);
+  if (limit_n && *limit_n > 0) return limit_n;
+  return std::unexpected(
+      error_response(400, "bad_value", "force_limit_n must be a number above 0"));
 }
 
 /// The program whose number the path holds.
@@ -95,25 +127,66 @@ ApiResponse Api::cancel_program(const ApiCall& call) {
   Session& session = *call.session;
   const bool cancelled =
       run_and_wait(session.executor(), [&, id = status->id] { return session.cancel_program(id); });
-  if (!cancelled) {
-    return error_response(409, "not_running", "program " + call.captured + " is not running");
-  }
+  if (!cancelled) return has_ended(call);
   return json_response(200, text(status_json(session, *find_program(call))));
+}
+
+ApiResponse Api::change_program(const ApiCall& call) {
+  const auto status = find_program(call);
+  if (!status) return unknown_program(call);
+  const ApiRequest& request = call.request;
+  std::optional<ProgramOrder> order;
+  if (const std::string* given = request.query_value("do")) {
+    const auto parsed = parse_order(*given);
+    if (!parsed) return parsed.error();
+    order = *parsed;
+  }
+  const std::string* pace_text = request.query_value("pace");
+  const std::string* speed_text = request.query_value("speed");
+  // A speed is one of feed rate.
+  const auto pace = pace_text != nullptr || speed_text == nullptr
+                        ? parse_pace(value_or(pace_text, "fast"))
+                        : ProgramPace::kFeed;
+  if (!pace) return pace.error();
+  const auto speed = parse_speed(value_or(speed_text, "1"));
+  if (!speed) return speed.error();
+  const bool has_pace = pace_text != nullptr || speed_text != nullptr;
+  if (!order && !has_pace) {
+    return error_response(400, "bad_value", "nothing to change: give do, pace or speed");
+  }
+  Session& session = *call.session;
+  const bool done = run_and_wait(session.executor(), [&, id = status->id] {
+    return (!has_pace || session.set_program_pace(id, *pace, *speed)) &&
+           (!order || session.order_program(id, *order));
+  });
+  if (!done) return has_ended(call);
+  return json_response(200, text(status_json(session, *find_program(call))));
+}
+
+std::optional<MemoryBudget::Share> Api::program_memory(std::size_t bytes) {
+  if (auto share = programs_.take(bytes)) return share;
+  for (const auto& session : registry_.list()) {
+    run_and_wait(session->executor(), [&] { return session->drop_ended_texts(), 0; });
+  }
+  return programs_.take(bytes);
 }
 
 ApiResponse Api::start_program(const ApiCall& call) {
   const ApiRequest& request = call.request;
   Session& session = *call.session;
-  const std::string pace_text = value_or(request.query_value("pace"), "feed");
-  if (pace_text != "feed" && pace_text != "fast") {
-    return error_response(400, "bad_pace", "pace must be \"feed\" or \"fast\"");
-  }
-  const ProgramPace pace = pace_text == "feed" ? ProgramPace::kFeed : ProgramPace::kFast;
+  const auto pace = parse_pace(value_or(request.query_value("pace"), "feed"));
+  if (!pace) return pace.error();
+  const auto speed = parse_speed(value_or(request.query_value("speed"), "1"));
+  if (!speed) return speed.error();
+  const auto after = parse_after(request);
+  if (!after) return after.error();
+  const auto limit_n = parse_limit(request.query_value("force_limit_n"));
+  if (!limit_n) return limit_n.error();
   std::optional<double> rate_hz;
   if (const std::string* given = request.query_value("rate")) {
     rate_hz = parse_rate(*given);
     if (!rate_hz) return error_response(400, "bad_rate", "rate must be a number from 1 to 2000");
-  } else if (pace == ProgramPace::kFeed) {
+  } else if (*pace == ProgramPace::kFeed) {
     rate_hz = kFeedRateHz;
   }
   const std::string name = value_or(request.query_value("name"), "program.ngc");
@@ -123,23 +196,30 @@ ApiResponse Api::start_program(const ApiCall& call) {
   }
   auto program = parse_program(name, request.body, session.scene());
   if (!program) return program_failure(program.error());
+  ProgramPath path = drawn_path(*program, kPathPointsMax);
   if (rate_hz) {
     double duration_s = 0;
     for (const ProgramMotion& motion : program->motions) duration_s += motion.duration_s;
     if (!(duration_s * *rate_hz < static_cast<double>(kMotionsMax))) {
       return error_response(413, "too_large", "the program has too many motions at this rate");
     }
-    auto sampled =
-        programs_.take(static_cast<std::size_t>(duration_s * *rate_hz) * sizeof(ProgramMotion));
+    const auto sampled =
+        program_memory(static_cast<std::size_t>(duration_s * *rate_hz) * sizeof(ProgramMotion));
     if (!sampled) return out_of_memory();
     program = sample_program(*program, *rate_hz);
   }
   program->motions.shrink_to_fit();
-  auto memory = programs_.take(program->motions.size() * sizeof(ProgramMotion));
-  if (!memory) return out_of_memory();
+  auto memory = program_memory(program->motions.size() * sizeof(ProgramMotion));
+  auto text_memory = program_memory(request.body.size() + path.points.size() * sizeof(PathPoint));
+  if (!memory || !text_memory) return out_of_memory();
+  ProgramOptions order{.pace = *pace, .speed = *speed, .after = *after};
+  order.force_limit_n = *limit_n;
+  order.text =
+      std::make_shared<const ProgramText>(request.body, std::move(path), *std::move(text_memory));
+  order.memory = *std::move(memory);
   auto started = run_and_wait(session.executor(), [&] {
     session.reserve(access_.regions(session.id()));
-    return session.start_program(*std::move(program), pace, *std::move(memory), call.caller);
+    return session.start_program(*std::move(program), std::move(order), call.caller);
   });
   if (!started) {
     const unsigned status = started.error().code == wire::ErrorCode::kBusy ? 503 : 400;

@@ -83,6 +83,7 @@ class Connection {
   void watch(const std::shared_ptr<std::stop_source>& gone);
   asio::awaitable<bool> reject_malformed();
   asio::awaitable<void> send(std::string_view first, std::string_view second);
+  asio::awaitable<void> send_text(std::string_view text);
   asio::awaitable<void> send_file(const OpenFile& file, const ByteRange& part);
   asio::awaitable<bool> reject(const RequestHead& head, unsigned status, std::string_view code,
                                std::string_view reason);
@@ -312,6 +313,7 @@ asio::awaitable<bool> Connection::answer(const RequestHead& head, ApiResponse& r
                  .keep_alive = keep_alive});
   const bool has_body = head.method != "HEAD";
   co_await send(first, has_body ? std::string_view(response.body) : std::string_view());
+  if (has_body && response.text) co_await send_text(*response.text);
   if (has_body && response.file) {
     const ByteRange part = response.part.value_or(ByteRange{0, response.file->bytes()});
     co_await send_file(*response.file, part);
@@ -323,6 +325,13 @@ asio::awaitable<void> Connection::send(std::string_view first, std::string_view 
   const std::array<asio::const_buffer, 2> parts = {asio::buffer(first), asio::buffer(second)};
   expires_after(kChunkTime);
   co_await asio::async_write(stream_, parts, asio::redirect_error(asio::use_awaitable, error_));
+}
+
+asio::awaitable<void> Connection::send_text(std::string_view text) {
+  for (std::size_t offset = 0; offset < text.size() && !error_; offset += kFileChunk) {
+    const std::string_view chunk = text.substr(offset, kFileChunk);
+    co_await send(chunk, {});
+  }
 }
 
 asio::awaitable<void> Connection::send_file(const OpenFile& file, const ByteRange& part) {

@@ -11,6 +11,7 @@ void add_field(std::string& head, std::string_view name, std::string_view value)
 }  // namespace
 
 std::uint64_t content_length(const ApiResponse& response) {
+  if (response.text) return response.text->size();
   if (!response.file) return response.body.size();
   return response.part ? response.part->count : response.file->bytes();
 }

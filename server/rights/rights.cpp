@@ -28,7 +28,8 @@ constexpr std::array kRows = {
     Row{Action::kUndo, "undo", "...xxx", "undo and redo one's own strokes"},
     Row{Action::kNameVersions, "name_versions", "...xxx",
         "name versions of the block, and delete one's own"},
-    Row{Action::kRunPrograms, "run_programs", "...xxx", "start and cancel NC programs"},
+    Row{Action::kRunPrograms, "run_programs", "...xxx",
+        "start, pause, step, pace and cancel NC programs"},
     Row{Action::kInvite, "invite", "....xx", "make, list and revoke invitations"},
     Row{Action::kModerate, "moderate", "....xx",
         "remove and mute participants, change their roles; reserve regions, and cut in them; undo "

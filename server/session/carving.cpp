@@ -286,7 +286,7 @@ void Carving::end_program(ParticipantId id) {
   air_paths_.erase(id);
 }
 
-std::expected<std::optional<double>, Rejection> Carving::move(const ProgramStep& step) {
+std::expected<std::optional<CarvedMotion>, Rejection> Carving::move(const ProgramStep& step) {
   const ParticipantId id = step.participant;
   const ProgramMotion& motion = step.motion;
   std::int64_t tiles = kTilesPerTurn;
@@ -311,7 +311,10 @@ std::expected<std::optional<double>, Rejection> Carving::move(const ProgramStep&
     state->update_display(display, sum);
     if (tool_changed) participants_.note_tool_change();
   }
-  return (*result)->removed_mm3;
+  const MotionResult& done = **result;
+  return CarvedMotion{done.removed_mm3, done.stock_contact_mm,
+                      length(done.wrench.force_n - done.collision.force_n),
+                      length(done.collision.force_n)};
 }
 
 void Carving::leave(ParticipantId id) {

@@ -53,11 +53,11 @@ class Carving {
   std::optional<MotionAnswer> go_on(ParticipantState& state);
   /// Whether a batch of the participant is in progress.
   bool has_batch(ParticipantId id) const { return batches_.contains(id); }
-  /// Carves one motion of a program and returns the removed volume, mm^3; nothing if the motion is
-  /// more work than one turn: then the call must be repeated with the same motion. Consecutive
+  /// Carves one motion of a program; returns nothing if the motion is more work than one turn: then
+  /// the call must be repeated with the same motion. Consecutive
   /// motions through the air are joined (air_path.h): they are applied and journaled with the next
   /// motion that does not join them. Answers kBusy while the journal has no space for programs.
-  std::expected<std::optional<double>, Rejection> move(const ProgramStep& step);
+  std::expected<std::optional<CarvedMotion>, Rejection> move(const ProgramStep& step);
   /// The program of a participant has ended: applies the motions that are still to be joined.
   void end_program(ParticipantId id);
 

@@ -9,8 +9,12 @@ namespace kerf {
 
 const char* to_string(ProgramState state) {
   switch (state) {
+    case ProgramState::kQueued:
+      return "queued";
     case ProgramState::kRunning:
       return "running";
+    case ProgramState::kPaused:
+      return "paused";
     case ProgramState::kFinished:
       return "finished";
     case ProgramState::kCancelled:
@@ -21,43 +25,142 @@ const char* to_string(ProgramState state) {
   return "failed";
 }
 
-ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, ProgramPace pace,
-                                 Clock::time_point now, MemoryBudget::Share memory) {
+ProgramStatus ProgramRuns::start(ParticipantId participant, Program program, ProgramOptions options,
+                                 Clock::time_point now) {
   drop_oldest();
+  ++changes_;
   Run run;
-  run.status.id = ++last_id_;
-  run.status.participant = participant;
-  run.status.name = program.name;
-  run.status.pace = pace;
-  run.status.motions = program.motions.size();
-  run.status.warnings = program.warnings;
-  for (const ProgramMotion& motion : program.motions) run.status.programmed_s += motion.duration_s;
+  ProgramStatus& status = run.status;
+  status.id = ++last_id_;
+  status.participant = participant;
+  status.name = program.name;
+  status.pace = options.pace;
+  status.speed = options.speed;
+  status.motions = program.motions.size();
+  status.warnings = program.warnings;
+  for (const ProgramMotion& motion : program.motions) {
+    status.programmed_s += motion.duration_s;
+    if (!status.tools.empty() && status.tools.back() == motion.tool) continue;
+    if (std::ranges::find(status.tools, motion.tool) == status.tools.end()) {
+      status.tools.push_back(motion.tool);
+    }
+  }
+  if (!status.tools.empty()) status.tool = status.tools.front();
   run.program = std::move(program);
-  run.started = now;
-  run.memory = std::move(memory);
+  run.text = std::move(options.text);
+  run.alarms = ProgramAlarms(options.force_limit_n);
+  run.memory = std::move(options.memory);
+  run.clock.set_speed(options.speed, now);
+  if (options.after != 0) {
+    status.state = ProgramState::kQueued;
+    status.after = options.after;
+  }
+  Run& kept = runs_.emplace(status.id, std::move(run)).first->second;
+  if (options.after == 0) begin(kept, now);
+  return kept.status;
+}
+
+void ProgramRuns::begin(Run& run, Clock::time_point now) {
+  run.status.state = ProgramState::kRunning;
+  run.clock.run(now);
   if (run.status.motions == 0) end(run, ProgramState::kFinished);
-  return runs_.emplace(run.status.id, std::move(run)).first->second.status;
 }
 
 void ProgramRuns::drop_oldest() {
   if (runs_.size() < kStatusesMax) return;
   const auto oldest = std::ranges::find_if(
-      runs_, [](const auto& entry) { return entry.second.status.state != ProgramState::kRunning; });
+      runs_, [](const auto& entry) { return is_ended(entry.second.status.state); });
   if (oldest != runs_.end()) runs_.erase(oldest);
 }
 
 void ProgramRuns::end(Run& run, ProgramState state) {
+  ++changes_;
   run.status.state = state;
   run.status.waiting = false;
   ended_.push_back(run.status.participant);
-  // A finished run keeps its status only. Assigning {} to the vector would keep its memory.
+  // A run that has ended keeps its status and text only. Assigning {} to the vector would keep its
+  // memory.
   run.program = Program();
   run.memory = MemoryBudget::Share();
+  drop_ended_texts(kEndedTextBytesMax);
+  end_wait(run.status);
+}
+
+void ProgramRuns::end_wait(const ProgramStatus& ended) {
+  for (auto& run : runs_ | std::views::values) {
+    if (run.status.state != ProgramState::kQueued || run.status.after != ended.id) continue;
+    if (ended.state == ProgramState::kFinished) {
+      begin(run, Clock::now());
+    } else {
+      run.status.error = "program " + std::to_string(ended.id) + ", which it was to follow, " +
+                         (ended.state == ProgramState::kFailed ? "failed" : "was cancelled");
+      end(run, ProgramState::kCancelled);
+    }
+  }
+}
+
+void ProgramRuns::drop_ended_texts(std::size_t bytes_max) {
+  std::size_t bytes = 0;
+  for (auto& run : runs_ | std::views::values | std::views::reverse) {
+    if (!run.text || !is_ended(run.status.state)) continue;
+    bytes += run.text->text.size();
+    if (bytes > bytes_max) run.text.reset();
+  }
+}
+
+std::shared_ptr<const ProgramText> ProgramRuns::text(ProgramId id) const {
+  const auto found = runs_.find(id);
+  return found == runs_.end() ? nullptr : found->second.text;
+}
+
+void ProgramRuns::pause(Run& run, Clock::time_point now) {
+  ++changes_;
+  run.pauses = false;
+  run.only_line.reset();
+  run.status.waiting = false;
+  run.status.state = ProgramState::kPaused;
+  run.clock.stop(now);
+}
+
+bool ProgramRuns::order(ProgramId id, ProgramOrder order, Clock::time_point now) {
+  const auto found = runs_.find(id);
+  if (found == runs_.end()) return false;
+  Run& run = found->second;
+  ProgramState& state = run.status.state;
+  if (state != ProgramState::kRunning && state != ProgramState::kPaused) return false;
+  if (order == ProgramOrder::kPause) {
+    if (run.in_pieces) {
+      run.pauses = true;
+    } else if (state == ProgramState::kRunning) {
+      pause(run, now);
+    }
+    return true;
+  }
+  ++changes_;
+  run.pauses = false;
+  run.only_line.reset();
+  if (order == ProgramOrder::kStep) run.only_line = run.next().line;
+  run.align(now);
+  run.clock.run(now);
+  state = ProgramState::kRunning;
+  return true;
+}
+
+bool ProgramRuns::set_pace(ProgramId id, ProgramPace pace, double speed, Clock::time_point now) {
+  const auto found = runs_.find(id);
+  if (found == runs_.end() || is_ended(found->second.status.state)) return false;
+  Run& run = found->second;
+  ++changes_;
+  run.status.pace = pace;
+  run.status.speed = speed;
+  run.clock.set_speed(speed, now);
+  if (run.status.state != ProgramState::kQueued) run.align(now);
+  return true;
 }
 
 bool ProgramRuns::cancel(ProgramId id) {
   const auto found = runs_.find(id);
-  if (found == runs_.end() || found->second.status.state != ProgramState::kRunning) return false;
+  if (found == runs_.end() || is_ended(found->second.status.state)) return false;
   end(found->second, ProgramState::kCancelled);
   return true;
 }
@@ -69,13 +172,31 @@ void ProgramRuns::cancel_all() {
 std::optional<ProgramStatus> ProgramRuns::status(ProgramId id) const {
   const auto found = runs_.find(id);
   if (found == runs_.end()) return std::nullopt;
-  return found->second.status;
+  return found->second.status_now();
+}
+
+std::vector<ProgramGlance> ProgramRuns::glances() const {
+  std::vector<ProgramGlance> glances;
+  std::size_t ended = 0;
+  for (const auto& run : runs_ | std::views::values | std::views::reverse) {
+    if (is_ended(run.status.state) && ++ended > kEndedShown) continue;
+    glances.push_back(run.status);
+  }
+  std::ranges::reverse(glances);
+  return glances;
 }
 
 std::vector<ProgramStatus> ProgramRuns::list() const {
   std::vector<ProgramStatus> list;
-  for (const auto& run : runs_ | std::views::values) list.push_back(run.status);
+  for (const auto& run : runs_ | std::views::values) list.push_back(run.status_now());
   return list;
+}
+
+ProgramId ProgramRuns::newest_open() const {
+  for (const auto& run : runs_ | std::views::values | std::views::reverse) {
+    if (!is_ended(run.status.state)) return run.status.id;
+  }
+  return 0;
 }
 
 std::size_t ProgramRuns::running() const {
@@ -98,29 +219,39 @@ bool ProgramRuns::due(const Run& run, Clock::time_point now) const {
   if (run.status.state != ProgramState::kRunning) return false;
   if (run.status.pace == ProgramPace::kFast) return true;
   // A motion is carved when its time has passed, as for an agent.
-  const double end_s = run.done_s + run.program.motions[run.status.motions_done].duration_s;
-  return std::chrono::duration<double>(now - run.started).count() >= end_s;
+  return run.clock.now_s(now) >= run.status.elapsed_s + run.next().duration_s;
 }
 
 bool ProgramRuns::step(Run& run, const Carve& carve) {
-  const ProgramMotion& motion = run.program.motions[run.status.motions_done];
-  const auto removed_mm3 =
-      carve({run.status.participant, motion, run.status.pace == ProgramPace::kFeed,
-             run.status.motions_done + 1 == run.status.motions});
-  run.status.waiting = !removed_mm3 && removed_mm3.error().code == wire::ErrorCode::kBusy;
-  if (run.status.waiting) return false;
-  run.status.line = motion.line;
-  if (!removed_mm3) {
-    run.status.error =
-        run.status.name + ":" + std::to_string(motion.line) + ": " + removed_mm3.error().reason;
+  const ProgramMotion& motion = run.next();
+  ProgramStatus& status = run.status;
+  const auto carved = carve({status.participant, motion, status.pace == ProgramPace::kFeed,
+                             status.motions_done + 1 == status.motions});
+  ++changes_;
+  status.waiting = !carved && carved.error().code == wire::ErrorCode::kBusy;
+  if (status.waiting) return false;
+  status.line = motion.line;
+  status.tool = motion.tool;
+  if (!carved) {
+    status.error = status.name + ":" + std::to_string(motion.line) + ": " + carved.error().reason;
     end(run, ProgramState::kFailed);
     return true;
   }
-  if (!*removed_mm3) return true;
-  run.status.removed_mm3 += **removed_mm3;
-  run.done_s += motion.duration_s;
-  if (++run.status.motions_done == run.status.motions) end(run, ProgramState::kFinished);
+  run.in_pieces = !*carved;
+  if (!run.in_pieces) advance(run, **carved);
   return true;
+}
+
+void ProgramRuns::advance(Run& run, const CarvedMotion& carved) {
+  const ProgramMotion& motion = run.next();
+  ProgramStatus& status = run.status;
+  run.alarms.follow(motion, carved);
+  status.alarm_count = run.alarms.count();
+  status.removed_mm3 += carved.removed_mm3;
+  status.elapsed_s += motion.duration_s;
+  status.feed_mm_per_min = length(motion.to.tip_mm - motion.from.tip_mm) / motion.duration_s * 60;
+  if (++status.motions_done == status.motions) return end(run, ProgramState::kFinished);
+  if (run.pauses || (run.only_line && run.next().line != *run.only_line)) pause(run, Clock::now());
 }
 
 std::optional<std::chrono::microseconds> ProgramRuns::slice(const Carve& carve) {

@@ -6,40 +6,16 @@
 #include <expected>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "server/convert/rejection.h"
 #include "server/formats/program.h"
-#include "server/session/memory_budget.h"
-#include "server/store/journal_record.h"
+#include "server/session/program_clock.h"
+#include "server/session/program_status.h"
 
 namespace kerf {
-
-using ProgramId = std::uint32_t;
-
-enum class ProgramPace {
-  kFeed,  ///< at the programmed feed rate
-  kFast   ///< as fast as possible while agents are served
-};
-enum class ProgramState { kRunning, kFinished, kCancelled, kFailed };
-/// Returns "running", "finished", "cancelled" or "failed".
-const char* to_string(ProgramState state);
-
-struct ProgramStatus {
-  ProgramId id = 0;
-  ParticipantId participant = 0;
-  std::string name;
-  ProgramPace pace = ProgramPace::kFast;
-  ProgramState state = ProgramState::kRunning;
-  std::size_t motions_done = 0, motions = 0;
-  std::uint32_t line = 0;  ///< of the motion carved last
-  double removed_mm3 = 0, programmed_s = 0;
-  bool waiting = false;  ///< for the journal, which does not accept motions now
-  std::string error;     ///< reason of kFailed, with file name and line
-  std::vector<std::string> warnings;
-};
 
 /// One motion of a program, to be carved for its participant.
 struct ProgramStep {
@@ -54,24 +30,44 @@ struct ProgramStep {
 class ProgramRuns {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Carves one motion and returns the removed volume, mm^3; nothing if the motion takes longer:
-  /// then it is called again with the same motion, in a later slice. kBusy: nothing was carved; the
-  /// motion is tried again later.
-  using Carve = std::function<std::expected<std::optional<double>, Rejection>(const ProgramStep&)>;
+  /// Carves one motion; returns nothing if the motion takes longer: then it is called again with
+  /// the same motion, in a later slice. kBusy: nothing was carved; the motion is tried again later.
+  using Carve =
+      std::function<std::expected<std::optional<CarvedMotion>, Rejection>(const ProgramStep&)>;
   /// A slice starts no further motion after this time.
   static constexpr std::chrono::microseconds kSlice{300};
   /// Time until a motion that was answered with kBusy is tried again.
   static constexpr std::chrono::microseconds kBusyPause{2000};
   /// Number of program statuses kept; the oldest finished one is dropped first.
   static constexpr std::size_t kStatusesMax = 256;
+  /// Bytes of text that are kept of programs that have ended: one of the largest uploads.
+  static constexpr std::size_t kEndedTextBytesMax = std::size_t{64} << 20;
 
-  /// `memory`: the share of a budget that the program holds until it ends.
-  ProgramStatus start(ParticipantId participant, Program program, ProgramPace pace,
-                      Clock::time_point now, MemoryBudget::Share memory = {});
+  /// `options.after` names a program that has not ended, or 0.
+  ProgramStatus start(ParticipantId participant, Program program, ProgramOptions options,
+                      Clock::time_point now);
+  /// False if the program has ended or is still queued.
+  bool order(ProgramId id, ProgramOrder order, Clock::time_point now);
+  /// Carves the program as fast as possible from now on, or at `speed` times its feed rate; false
+  /// if it has ended.
+  bool set_pace(ProgramId id, ProgramPace pace, double speed, Clock::time_point now);
   bool cancel(ProgramId id);
   void cancel_all();
   std::optional<ProgramStatus> status(ProgramId id) const;
   std::vector<ProgramStatus> list() const;
+  /// The programs that have not ended and the newest kEndedShown that have, in the order of their
+  /// numbers.
+  std::vector<ProgramGlance> glances() const;
+  static constexpr std::size_t kEndedShown = 4;
+  /// A number that grows whenever glances() may have changed.
+  std::uint64_t changes() const { return changes_; }
+  /// The newest program that has not ended; 0: there is none.
+  ProgramId newest_open() const;
+  /// The text of a program, kept as long as the program is listed and the texts of those that have
+  /// ended have at most kEndedTextBytesMax bytes; null if there is none.
+  std::shared_ptr<const ProgramText> text(ProgramId id) const;
+  /// Drops the texts of programs that have ended, oldest first, until they have `bytes_max` bytes.
+  void drop_ended_texts(std::size_t bytes_max);
   std::size_t running() const;
   /// Bytes of the motions that are kept.
   std::size_t memory_bytes() const;
@@ -79,26 +75,48 @@ class ProgramRuns {
   std::vector<ParticipantId> take_ended();
 
   /// Carves the due motions, one per program in turn, for at most one slice. Returns the time to
-  /// wait before the next slice; nullopt if no program is running.
+  /// wait before the next slice; nullopt if no program is running: paused and queued ones cost
+  /// nothing.
   std::optional<std::chrono::microseconds> slice(const Carve& carve);
 
  private:
   struct Run {
     ProgramStatus status;
     Program program;
-    Clock::time_point started;
-    double done_s = 0;
+    std::shared_ptr<const ProgramText> text;
     MemoryBudget::Share memory = {};
+    ProgramClock clock = {};
+    ProgramAlarms alarms;
+    bool in_pieces = false;  ///< the next motion is cut in part: it is completed before a pause
+    bool pauses = false;     ///< as soon as possible
+    std::optional<std::uint32_t> only_line = {};  ///< pauses before the first motion of another one
+    ProgramStatus status_now() const {
+      ProgramStatus now = status;
+      now.alarms = alarms.list();
+      return now;
+    }
+    const ProgramMotion& next() const { return program.motions[status.motions_done]; }
+    /// What the program is behind its time, because the server was busy, is not made up for.
+    void align(Clock::time_point now) {
+      clock.clamp(status.elapsed_s, status.elapsed_s + next().duration_s, now);
+    }
   };
   bool due(const Run& run, Clock::time_point now) const;
   /// Returns false if the motion must be tried again later.
   bool step(Run& run, const Carve& carve);
+  /// Counts the motion that was carved, and pauses or ends the program if that is due.
+  void advance(Run& run, const CarvedMotion& carved);
+  void begin(Run& run, Clock::time_point now);
+  void pause(Run& run, Clock::time_point now);
   void drop_oldest();
   void end(Run& run, ProgramState state);
+  /// Begins the programs that are queued after one that has ended, or cancels them.
+  void end_wait(const ProgramStatus& ended);
 
   std::map<ProgramId, Run> runs_;
   std::vector<ParticipantId> ended_;
   ProgramId last_id_ = 0;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace kerf

@@ -162,6 +162,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   return frame;
 }
 
+  frame.programs = program_news(with_snapshot);
 SessionInfo Session::info() const {
   SessionInfo info;
   info.id = id_;

@@ -46,6 +46,9 @@ struct SessionFrame {
   std::optional<StateHash> hash;          ///< the newest one known
   bool hash_is_current = false;           ///< `hash` is that of the solid at `sequence`
   bool paused = false;                    ///< the disk fails: motions are rejected
+  /// The programs that have not ended and the newest that have, if one has changed since the
+  /// previous frame that had them; at most every kProgramNewsInterval.
+  std::optional<std::vector<ProgramGlance>> programs;
 };
 
 struct SessionInfo {
@@ -84,6 +87,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// An agent that has sent a sample within this time is moving.
   static constexpr std::chrono::milliseconds kAgentIsActive{200};
 
+  /// The least time between two reports of changed programs.
+  static constexpr std::chrono::milliseconds kProgramNewsInterval{250};
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
   /// outlive the session.
   Session(std::string id, Replayed replayed, JournalWriter journal, SessionLimits limits,
@@ -191,9 +196,9 @@ class Session : public std::enable_shared_from_this<Session> {
   /// participants without a replica.
   void reset_stock(ParticipantId id);
 
-  /// Carves a program as a further participant.
-  std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramPace pace,
-                                                        MemoryBudget::Share memory = {},
+  /// Carves a program as a further participant, at once or after another one. Rejects tools that
+  /// the scene lacks, and an `after` that is unknown or has ended without having finished.
+  std::expected<ProgramStatus, Rejection> start_program(Program program, ProgramOptions request,
                                                         const Caller& caller = Caller::local());
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
@@ -213,6 +218,11 @@ class Session : public std::enable_shared_from_this<Session> {
   Roster roster() const { return participants_.roster(); }
   /// The agents and programs.
   std::vector<Participant> carvers() const { return participants_.carvers(); }
+  /// See ProgramRuns.
+  std::shared_ptr<const ProgramText> program_text(ProgramId id) const { return programs_.text(id); }
+  void drop_ended_texts() { programs_.drop_ended_texts(0); }
+  bool order_program(ProgramId id, ProgramOrder order);
+  bool set_program_pace(ProgramId id, ProgramPace pace, double speed);
   SessionFrame frame(bool with_snapshot);
   SolidSnapshot solid() { return sculpture_.solid(); }
   std::uint64_t sequence() const { return journal_.sequence(); }
@@ -261,6 +271,9 @@ class Session : public std::enable_shared_from_this<Session> {
   void schedule_hash();
   void compute_hash();
   void report_changes();
+  std::expected<ProgramId, Rejection> predecessor(ProgramId after) const;
+  void schedule_programs();
+  std::optional<std::vector<ProgramGlance>> program_news(bool all);
   void show_figures();
   void write_snapshot_if_due();
   std::expected<void, std::string> write_snapshot(std::uint64_t at, const SculptureState& state);
@@ -302,6 +315,8 @@ class Session : public std::enable_shared_from_this<Session> {
   SnapshotSchedule schedule_;
   std::unique_ptr<SculptureState> last_state_;  ///< of a closed session
   std::mutex snapshot_mutex_;                   ///< held while one is written; guards the next two
+  std::uint64_t programs_told_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
+  Clock::time_point programs_told_at_{};
   bool snapshots_ended_ = false, snapshots_fail_ = false;
   std::atomic<bool> disk_is_low_ = false;
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()

@@ -16,9 +16,28 @@ constexpr std::chrono::microseconds kPauseMin{200}, kPauseMax{5000};
 
 }  // namespace
 
-std::expected<ProgramStatus, Rejection> Session::start_program(Program program, ProgramPace pace,
-                                                               MemoryBudget::Share memory,
+/// The program that one which is to follow `after` has to wait for; 0: none.
+std::expected<ProgramId, Rejection> Session::predecessor(ProgramId after) const {
+  if (after == 0) return ProgramId{0};
+  if (after == kAfterNewest) return programs_.newest_open();
+  const auto status = programs_.status(after);
+  const std::string name = "program " + std::to_string(after);
+  if (!status) {
+    return std::unexpected(
+        Rejection{wire::ErrorCode::kBadMessage, "the session has no " + name + " to follow"});
+  }
+  if (!is_ended(status->state)) return after;
+  if (status->state == ProgramState::kFinished) return ProgramId{0};
+  return std::unexpected(Rejection{wire::ErrorCode::kBadMessage,
+                                   name + " has not finished and never will: no program follows"});
+}
+
+std::expected<ProgramStatus, Rejection> Session::start_program(Program program,
+                                                               ProgramOptions options,
                                                                const Caller& caller) {
+  const auto after = predecessor(options.after);
+  if (!after) return std::unexpected(after.error());
+  options.after = *after;
   // Reject unknown tools before the first motion is carved.
   for (const ProgramMotion& motion : program.motions) {
     if (sculpture_.tool(motion.tool) != nullptr) continue;
@@ -38,12 +57,35 @@ std::expected<ProgramStatus, Rejection> Session::start_program(Program program, 
   const auto joined = join(request);
   if (!joined) return std::unexpected(joined.error());
   ProgramStatus status =
-      programs_.start(joined->id, std::move(program), pace, Clock::now(), std::move(memory));
-  if (!programs_scheduled_) {
-    programs_scheduled_ = true;
-    executor_->post([self = shared_from_this()] { self->run_programs(); });
-  }
+      programs_.start(joined->id, std::move(program), std::move(options), Clock::now());
+  schedule_programs();
   return status;
+}
+
+/// Begins the slices, unless they have begun. They end by themselves when no program is running.
+void Session::schedule_programs() {
+  if (std::exchange(programs_scheduled_, true)) return;
+  executor_->post([self = shared_from_this()] { self->run_programs(); });
+}
+
+bool Session::order_program(ProgramId id, ProgramOrder order) {
+  const bool done = programs_.order(id, order, Clock::now());
+  schedule_programs();
+  return done;
+}
+
+bool Session::set_program_pace(ProgramId id, ProgramPace pace, double speed) {
+  return programs_.set_pace(id, pace, speed, Clock::now());
+}
+
+std::optional<std::vector<ProgramGlance>> Session::program_news(bool all) {
+  const auto now = Clock::now();
+  const bool is_due =
+      programs_.changes() != programs_told_ && now - programs_told_at_ >= kProgramNewsInterval;
+  if (programs_.changes() == 0 || (!all && !is_due)) return std::nullopt;
+  programs_told_ = programs_.changes();
+  programs_told_at_ = now;
+  return programs_.glances();
 }
 
 void Session::run_programs() {

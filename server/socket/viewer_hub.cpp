@@ -224,12 +224,17 @@ void ViewerHub::take_frame(SessionFrame frame) {
     frame.snapshot.reset();
     next_job_.is_for_all = true;
   }
+  if (frame.programs) {
+    programs_ = std::make_shared<const std::string>(programs_message(*frame.programs));
+    for (auto& [id, viewer] : viewers_) viewer.has_programs = false;
+  }
   newest_ = std::move(frame);
   has_newest_ = true;
   // The poses before these have waited for tiles long enough.
   send_tools();
   encode_tools();
   if (!is_crowd() || !next_job_.is_for_all) send_tools();
+  send_programs();
   send_states();
 }
 
@@ -258,6 +263,13 @@ void ViewerHub::send_tools() {
   for (auto& [id, viewer] : viewers_) {
     if (viewer.is_past()) continue;
     if (!std::exchange(viewer.has_tools, false)) viewer.conversation->send_tools(tools);
+  }
+}
+
+void ViewerHub::send_programs() {
+  if (!programs_) return;
+  for (auto& [id, viewer] : viewers_) {
+    if (!std::exchange(viewer.has_programs, true)) viewer.conversation->send_programs(programs_);
   }
 }
 

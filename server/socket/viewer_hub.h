@@ -63,6 +63,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
     std::optional<ViewerLook> look;             ///< the last one
     std::optional<Clock::time_point> look_due;  ///< the first snapshot awaits a look until then
     bool has_tools = false;                     ///< has been sent `tools_` already
+    bool has_programs = false;                  ///< has been sent `programs_` already
     std::optional<std::uint64_t> sent;  ///< every tile of this revision of the feed was sent
   };
   /// Requests that have come since the last job.
@@ -110,6 +111,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   void show_present(ParticipantId id, Viewer& viewer);
   void encode_tools();
   void send_tools();
+  void send_programs();
   void send_states();
   bool is_crowd() const { return viewers_.size() > kCrowd; }
   void start_job();
@@ -129,6 +131,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
   std::vector<std::byte> last_tools_;  ///< encoded without sequence and time, to detect changes
   SharedBytes tools_;                  ///< tool poses that have not been passed on yet
   std::uint64_t tools_sent_ = 0;
+  SharedText programs_;  ///< the newest message on the programs; null: there are none
   SessionFrame newest_;  ///< of the session, without its snapshot
   bool has_newest_ = false;
   std::uint64_t revision_ = 0;  ///< newest one of the feed: the motions that its tiles include

@@ -23,6 +23,7 @@ inline constexpr std::string_view kTypeWelcome = "welcome";
 inline constexpr std::string_view kTypeParticipants = "participants";
 inline constexpr std::string_view kTypeParticipantsChanged = "participants_changed";
 inline constexpr std::string_view kTypeState = "state";
+inline constexpr std::string_view kTypePrograms = "programs";
 inline constexpr std::string_view kTypeError = "error";
 inline constexpr std::string_view kTypeBye = "bye";
 

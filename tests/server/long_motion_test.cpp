@@ -114,7 +114,7 @@ TEST_F(LongMotionTest, OfAProgramTakesSeveralSlicesAndSurvivesItsCancellation) {
   for (ProgramMotion& motion : program.motions) motion.tool = 1;
   program.motions[0].from.tip_mm = program.motions[1].to.tip_mm = {0, 0, 1};
   program.motions[0].to.tip_mm = program.motions[1].from.tip_mm = {0, 0, -2};
-  const auto run = session->start_program(program, ProgramPace::kFast);
+  const auto run = session->start_program(program, {ProgramPace::kFast});
   ASSERT_TRUE(run);
   ASSERT_TRUE(executor->run_one());
   if (session->program(run->id)->state == ProgramState::kRunning) {

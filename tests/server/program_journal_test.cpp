@@ -35,7 +35,7 @@ class ProgramJournal : public SessionTest {
   /// Runs a program as the server does. A disk whose syncs block is released when the program
   /// waits.
   ProgramStatus run(Session& session, Program program) {
-    const auto started = session.start_program(std::move(program), ProgramPace::kFast);
+    const auto started = session.start_program(std::move(program), {ProgramPace::kFast});
     EXPECT_TRUE(started);
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(120);
     ProgramStatus status = *started;
@@ -106,7 +106,7 @@ TEST_F(ProgramJournal, AProgramWaitsForAFullDiskAndGoesOn) {
   const auto agent = join(*session);
   disk.fail({test::DiskFault::kNoSpace, test::FaultTarget::kAll, 300'000});
   const auto started =
-      session->start_program(program_through(zigzag(20'000, -3)), ProgramPace::kFast);
+      session->start_program(program_through(zigzag(20'000, -3)), {ProgramPace::kFast});
   ASSERT_TRUE(started);
   while (!session->pause()) {
     if (!executor->run_one()) executor->run_delayed();
@@ -192,7 +192,7 @@ TEST_F(ProgramJournal, ACancelledProgramKeepsThePathThatItHasTravelled) {
   const auto session = start();
   std::vector<Vec3> points;
   for (int n = 0; n <= 100'000; ++n) points.push_back({-30 + n * 0.0001, 0, 20});
-  const auto started = session->start_program(program_through(points), ProgramPace::kFast);
+  const auto started = session->start_program(program_through(points), {ProgramPace::kFast});
   while (session->program(started->id)->motions_done < 10) executor->run_one();
   const auto done = session->program(started->id)->motions_done;
   ASSERT_LT(done, 100'000U);

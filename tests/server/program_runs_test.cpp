@@ -9,7 +9,7 @@ namespace kerf {
 namespace {
 
 using Clock = ProgramRuns::Clock;
-using Carved = std::expected<std::optional<double>, Rejection>;
+using Carved = std::expected<std::optional<CarvedMotion>, Rejection>;
 
 Program program_of(std::size_t motions, double duration_s = 0.001) {
   Program program;
@@ -26,16 +26,16 @@ Program program_of(std::size_t motions, double duration_s = 0.001) {
   return program;
 }
 
-Carved quick_cut(const ProgramStep&) { return 0.5; }
+Carved quick_cut(const ProgramStep&) { return CarvedMotion{0.5}; }
 
 Carved slow_cut(const ProgramStep&) {
   std::this_thread::sleep_for(std::chrono::microseconds(200));
-  return 0.5;
+  return CarvedMotion{0.5};
 }
 
 TEST(ProgramRuns, FastProgramIsCarvedInSlices) {
   ProgramRuns runs;
-  const auto id = runs.start(1, program_of(50), ProgramPace::kFast, Clock::now()).id;
+  const auto id = runs.start(1, program_of(50), {ProgramPace::kFast}, Clock::now()).id;
   const auto wait = runs.slice(slow_cut);
   ASSERT_TRUE(wait);
   EXPECT_EQ(wait->count(), 0);
@@ -51,12 +51,12 @@ TEST(ProgramRuns, FastProgramIsCarvedInSlices) {
 
 TEST(ProgramRuns, AMotionThatIsNotCompleteIsRepeated) {
   ProgramRuns runs;
-  const auto id = runs.start(1, program_of(3), ProgramPace::kFast, Clock::now()).id;
+  const auto id = runs.start(1, program_of(3), {ProgramPace::kFast}, Clock::now()).id;
   std::vector<double> calls;
   while (runs.slice([&](const ProgramStep& step) -> Carved {
     calls.push_back(step.motion.from.tip_mm.x);
     if (calls.size() == 2 || calls.size() == 3) return std::nullopt;
-    return 0.5;
+    return CarvedMotion{0.5};
   })) {
   }
   EXPECT_EQ(calls, (std::vector<double>{0, 1, 1, 1, 2}));
@@ -67,11 +67,11 @@ TEST(ProgramRuns, AMotionThatIsNotCompleteIsRepeated) {
 TEST(ProgramRuns, ProgramsAlternate) {
   ProgramRuns runs;
   std::vector<ParticipantId> order;
-  runs.start(1, program_of(4), ProgramPace::kFast, Clock::now());
-  runs.start(2, program_of(4), ProgramPace::kFast, Clock::now());
+  runs.start(1, program_of(4), {ProgramPace::kFast}, Clock::now());
+  runs.start(2, program_of(4), {ProgramPace::kFast}, Clock::now());
   while (runs.slice([&](const ProgramStep& step) {
     order.push_back(step.participant);
-    return Carved(0);
+    return Carved(CarvedMotion{});
   })) {
   }
   EXPECT_EQ(order, (std::vector<ParticipantId>{1, 2, 1, 2, 1, 2, 1, 2}));
@@ -82,7 +82,10 @@ TEST(ProgramRuns, AProgramThatHasEndedGivesItsMemoryBack) {
   ProgramRuns runs;
   const auto start = [&] {
     auto memory = budget.take(300'000);
-    return runs.start(1, program_of(1000), ProgramPace::kFast, Clock::now(), *std::move(memory)).id;
+    return runs
+        .start(1, program_of(1000), {.pace = ProgramPace::kFast, .memory = *std::move(memory)},
+               Clock::now())
+        .id;
   };
   start();
   EXPECT_GE(runs.memory_bytes(), 1000 * sizeof(ProgramMotion));
@@ -125,9 +128,9 @@ TEST(MemoryBudget, SharesAreTakenAndGivenBack) {
 TEST(ProgramRuns, FeedRateMotionIsCarvedWhenItsTimeHasPassed) {
   ProgramRuns runs;
   const auto start = Clock::now();
-  const auto early = runs.start(1, program_of(3, 1000), ProgramPace::kFeed, start).id;
+  const auto early = runs.start(1, program_of(3, 1000), {ProgramPace::kFeed}, start).id;
   const auto late =
-      runs.start(2, program_of(3, 1), ProgramPace::kFeed, start - std::chrono::seconds(100)).id;
+      runs.start(2, program_of(3, 1), {ProgramPace::kFeed}, start - std::chrono::seconds(100)).id;
   const auto wait = runs.slice(quick_cut);
   ASSERT_TRUE(wait);
   EXPECT_GT(wait->count(), 0);
@@ -138,11 +141,11 @@ TEST(ProgramRuns, FeedRateMotionIsCarvedWhenItsTimeHasPassed) {
 TEST(ProgramRuns, ForcesAreComputedOnlyAtFeedRate) {
   ProgramRuns runs;
   std::map<ParticipantId, bool> felt;
-  runs.start(1, program_of(1), ProgramPace::kFeed, Clock::now() - std::chrono::seconds(9));
-  runs.start(2, program_of(1), ProgramPace::kFast, Clock::now());
+  runs.start(1, program_of(1), {ProgramPace::kFeed}, Clock::now() - std::chrono::seconds(9));
+  runs.start(2, program_of(1), {ProgramPace::kFast}, Clock::now());
   runs.slice([&](const ProgramStep& step) {
     felt[step.participant] = step.feel;
-    return Carved(0);
+    return Carved(CarvedMotion{});
   });
   EXPECT_TRUE(felt.at(1));
   EXPECT_FALSE(felt.at(2));
@@ -150,11 +153,11 @@ TEST(ProgramRuns, ForcesAreComputedOnlyAtFeedRate) {
 
 TEST(ProgramRuns, RejectedMotionFailsTheProgramWithItsLine) {
   ProgramRuns runs;
-  const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
+  const auto id = runs.start(1, program_of(5), {ProgramPace::kFast}, Clock::now()).id;
   int calls = 0;
   const auto wait = runs.slice([&](const ProgramStep&) {
     return ++calls == 3 ? Carved(std::unexpect, Rejection{wire::ErrorCode::kBadPose, "too far"})
-                        : Carved(1);
+                        : Carved(CarvedMotion{1});
   });
   EXPECT_FALSE(wait);
   EXPECT_EQ(runs.status(id)->state, ProgramState::kFailed);
@@ -164,7 +167,7 @@ TEST(ProgramRuns, RejectedMotionFailsTheProgramWithItsLine) {
 
 TEST(ProgramRuns, ABusyMotionIsTriedAgainAndTheLastOneIsMarked) {
   ProgramRuns runs;
-  const auto id = runs.start(1, program_of(3), ProgramPace::kFast, Clock::now()).id;
+  const auto id = runs.start(1, program_of(3), {ProgramPace::kFast}, Clock::now()).id;
   bool busy = true;
   std::vector<std::uint32_t> lines;
   const auto carve = [&](const ProgramStep& step) -> Carved {
@@ -173,7 +176,7 @@ TEST(ProgramRuns, ABusyMotionIsTriedAgainAndTheLastOneIsMarked) {
     }
     EXPECT_EQ(step.is_last, step.motion.line == 12);
     lines.push_back(step.motion.line);
-    return 1;
+    return CarvedMotion{1};
   };
   for (int n = 0; n < 3; ++n) {
     EXPECT_EQ(runs.slice(carve), std::optional(ProgramRuns::kBusyPause));
@@ -190,7 +193,7 @@ TEST(ProgramRuns, ABusyMotionIsTriedAgainAndTheLastOneIsMarked) {
 
 TEST(ProgramRuns, CancelledProgramStops) {
   ProgramRuns runs;
-  const auto id = runs.start(1, program_of(5), ProgramPace::kFast, Clock::now()).id;
+  const auto id = runs.start(1, program_of(5), {ProgramPace::kFast}, Clock::now()).id;
   EXPECT_TRUE(runs.cancel(id));
   EXPECT_FALSE(runs.cancel(id));
   EXPECT_FALSE(runs.cancel(id + 1));
@@ -200,7 +203,7 @@ TEST(ProgramRuns, CancelledProgramStops) {
 
 TEST(ProgramRuns, EmptyProgramIsFinishedAtOnce) {
   ProgramRuns runs;
-  EXPECT_EQ(runs.start(1, program_of(0), ProgramPace::kFast, Clock::now()).state,
+  EXPECT_EQ(runs.start(1, program_of(0), {ProgramPace::kFast}, Clock::now()).state,
             ProgramState::kFinished);
   EXPECT_EQ(runs.take_ended().size(), 1U);
 }
@@ -208,7 +211,7 @@ TEST(ProgramRuns, EmptyProgramIsFinishedAtOnce) {
 TEST(ProgramRuns, OldestFinishedStatusesAreDropped) {
   ProgramRuns runs;
   for (std::size_t i = 0; i < 2 * ProgramRuns::kStatusesMax; ++i) {
-    runs.start(1, program_of(0), ProgramPace::kFast, Clock::now());
+    runs.start(1, program_of(0), {ProgramPace::kFast}, Clock::now());
   }
   EXPECT_EQ(runs.list().size(), ProgramRuns::kStatusesMax);
   EXPECT_FALSE(runs.status(1));

@@ -170,9 +170,9 @@ TEST_F(SessionRightsTest, ProgramsEndWithTheGrantOfTheirAuthor) {
   Caller ada;
   ada.role = Role::kSculptor;
   ada.grant = "ada";
-  const auto started = session->start_program(program, ProgramPace::kFeed, {}, ada);
+  const auto started = session->start_program(program, {ProgramPace::kFeed}, ada);
   ada.grant = "ben";
-  const auto other = session->start_program(program, ProgramPace::kFeed, {}, ada);
+  const auto other = session->start_program(program, {ProgramPace::kFeed}, ada);
   ASSERT_TRUE(started && other);
   session->remove_holders(std::vector<std::string>{"ada"}, "the invitation was revoked");
   EXPECT_EQ(session->program(started->id)->state, ProgramState::kCancelled);

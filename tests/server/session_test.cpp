@@ -272,7 +272,7 @@ TEST_F(SessionTest, AgentsAreServedBetweenProgramSlices) {
   for (int i = 0; i < 3000; ++i) text += "G1 X" + std::to_string(i % 30) + " Y0 Z-1 F1000\n";
   const auto program = parse_program("long.ngc", text + "M2\n", session->scene());
   ASSERT_TRUE(program) << to_string(program.error());
-  const auto run = session->start_program(*program, ProgramPace::kFast);
+  const auto run = session->start_program(*program, {ProgramPace::kFast});
   ASSERT_TRUE(run);
   executor->run_one();
   EXPECT_EQ(session->program(run->id)->state, ProgramState::kRunning);
@@ -294,7 +294,7 @@ TEST_F(SessionTest, ProgramWithUnknownToolCutsNothing) {
   program.motions.resize(1);
   program.motions[0].tool = 9;
   program.motions[0].line = 4;
-  const auto run = session->start_program(program, ProgramPace::kFast);
+  const auto run = session->start_program(program, {ProgramPace::kFast});
   ASSERT_FALSE(run);
   EXPECT_EQ(run.error().code, wire::ErrorCode::kUnknownTool);
   EXPECT_NE(run.error().reason.find("x.ngc:4"), std::string::npos);
@@ -316,7 +316,7 @@ TEST_F(SessionTest, ExportedProgramCarvesTheSameSolid) {
     ASSERT_TRUE(program) << to_string(program.error());
     const auto other = registry->create("", kScene, SceneSource{});
     ASSERT_TRUE(other);
-    ASSERT_TRUE((*other)->start_program(*program, ProgramPace::kFast));
+    ASSERT_TRUE((*other)->start_program(*program, {ProgramPace::kFast}));
     executor->run();
     EXPECT_EQ((*other)->solid().hash(), session->solid().hash());
   }

@@ -2,6 +2,8 @@
 #include "server/conversation/viewer_conversation.h"
 
 #include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "tests/server/conversation_fixture.h"
 
@@ -175,16 +177,62 @@ TEST_F(ViewerConversationTest, FramesLeaveInTheOrderOfTheirPriority) {
   eve->send_mesh({.sequence = 1, .glb = shared(10)});
   eve->send_mesh({.sequence = 2, .glb = shared(20)});
   eve->send_tools(shared(30));
+  eve->send_programs(shared("old"));
+  eve->send_programs(shared("{}"));
   eve->send_participants(shared("{}"), shared("{}"));
   eve->reject_ack();
   const auto frames = drain(*eve);
-  ASSERT_EQ(frames.size(), 6U);
-  const std::vector<Kind> kinds = {Kind::kText, Kind::kTools, Kind::kParticipants,
+  ASSERT_EQ(frames.size(), 7U);
+  const std::vector<Kind> kinds = {Kind::kText, Kind::kTools, Kind::kParticipants, Kind::kPrograms,
                                    Kind::kMesh, Kind::kMesh,  Kind::kState};
   for (std::size_t n = 0; n < kinds.size(); ++n) EXPECT_EQ(frames[n].kind, kinds[n]) << n;
-  EXPECT_EQ(frames[3].bytes.size(), std::size_t{wire::kHeaderBytes});
-  EXPECT_EQ(frames[3].shared->size(), 10U);
-  EXPECT_EQ(frames[4].shared->size(), 20U);
+  EXPECT_EQ(text_of(frames[3]), "{}");
+  EXPECT_TRUE(frames[3].is_text());
+  EXPECT_EQ(frames[4].bytes.size(), std::size_t{wire::kHeaderBytes});
+  EXPECT_EQ(frames[4].shared->size(), 10U);
+  EXPECT_EQ(frames[5].shared->size(), 20U);
+}
+
+TEST(ProgramsMessage, IsTheGoldenOne) {
+  ProgramGlance running;
+  running.id = 3;
+  running.participant = 12;
+  running.name = "bracket.ngc";
+  running.pace = ProgramPace::kFeed;
+  running.speed = 2.5;
+  running.motions_done = 150;
+  running.motions = 600;
+  running.line = 41;
+  running.tool = 2;
+  running.elapsed_s = 20;
+  running.programmed_s = 80;
+  running.feed_mm_per_min = 900;
+  running.removed_mm3 = 12.5;
+  running.alarm_count = 1;
+  ProgramGlance queued;
+  queued.id = 4;
+  queued.participant = 13;
+  queued.name = "chamfer.ngc";
+  queued.state = ProgramState::kQueued;
+  queued.after = 3;
+  queued.motions = 7;
+  queued.tool = 1;
+  queued.programmed_s = 3;
+  ProgramGlance failed;
+  failed.id = 2;
+  failed.participant = 11;
+  failed.name = "old.ngc";
+  failed.state = ProgramState::kFailed;
+  failed.motions_done = 4;
+  failed.motions = 8;
+  failed.line = 9;
+  failed.tool = 1;
+  failed.elapsed_s = 1;
+  failed.programmed_s = 2;
+  failed.error = "old.ngc:9: too far";
+  std::ifstream file(KERF_SOURCE_DIR "/tests/wire/golden/programs.json");
+  EXPECT_EQ(nlohmann::json::parse(programs_message({running, queued, failed})),
+            nlohmann::json::parse(file));
 }
 
 TEST_F(ViewerConversationTest, NewerToolPosesReplaceOlderOnes) {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+namespace kerf {
+
+/// The time of a program, s of its cycle time at feed rate: passes `speed` times as fast as the
+/// machine's clock, and stands while the clock is stopped.
+class ProgramClock {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  double now_s(Clock::time_point now) const {
+    if (!runs_) return base_s_;
+    return base_s_ + std::chrono::duration<double>(now - base_).count() * speed_;
+  }
+  double speed() const { return speed_; }
+  void run(Clock::time_point now) {
+    base_s_ = now_s(now);
+    base_ = now;
+    runs_ = true;
+  }
+  void stop(Clock::time_point now) {
+    base_s_ = now_s(now);
+    runs_ = false;
+  }
+  void set_speed(double speed, Clock::time_point now) {
+    base_s_ = now_s(now);
+    base_ = now;
+    speed_ = speed;
+  }
+  /// Moves the time into a range.
+  void clamp(double from_s, double to_s, Clock::time_point now) {
+    base_s_ = std::clamp(now_s(now), from_s, to_s);
+    base_ = now;
+  }
+
+ private:
+  Clock::time_point base_{};
+  double base_s_ = 0, speed_ = 1;
+  bool runs_ = false;
+};
+
+}  // namespace kerf

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/program_json.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace kerf {
+namespace {
+
+using Json = nlohmann::json;
+
+const char* unit_of(AlarmKind kind) {
+  switch (kind) {
+    case AlarmKind::kRapid:
+      return "mm3";
+    case AlarmKind::kShank:
+      return "mm";
+    default:
+      return "N";
+  }
+}
+
+Json glance_json(const ProgramGlance& program) {
+  const bool is_at_feed = program.pace == ProgramPace::kFeed;
+  Json json = {{"id", program.id},
+               {"participant", program.participant},
+               {"name", program.name},
+               {"pace", is_at_feed ? "feed" : "fast"},
+               {"state", to_string(program.state)},
+               {"waiting", program.waiting},
+               {"motions_done", program.motions_done},
+               {"motions", program.motions},
+               {"progress", program.motions == 0 ? 1.0
+                                                 : static_cast<double>(program.motions_done) /
+                                                       static_cast<double>(program.motions)},
+               {"line", program.line},
+               {"tool", program.tool},
+               {"feed_mm_per_min", program.feed_mm_per_min},
+               {"programmed_s", program.programmed_s},
+               {"elapsed_s", program.elapsed_s},
+               {"remaining_s", std::max(0.0, program.programmed_s - program.elapsed_s)},
+               {"removed_volume_mm3", program.removed_mm3},
+               {"alarm_count", program.alarm_count}};
+  if (is_at_feed) json["speed"] = program.speed;
+  if (program.state == ProgramState::kQueued) json["after"] = program.after;
+  if (!program.error.empty()) json["error"] = program.error;
+  return json;
+}
+
+std::string text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string program_json(const ProgramGlance& program) { return text(glance_json(program)); }
+
+std::string program_json(const ProgramStatus& program) {
+  Json json = glance_json(program);
+  json["tools"] = program.tools;
+  json["warnings"] = program.warnings;
+  json["alarms"] = Json::array();
+  for (const ProgramAlarm& alarm : program.alarms) {
+    const Vec3 tip = alarm.tip_mm;
+    json["alarms"].push_back({{"kind", to_string(alarm.kind)},
+                              {"from_line", alarm.from_line},
+                              {"to_line", alarm.to_line},
+                              {"tool", alarm.tool},
+                              {"amount", alarm.amount},
+                              {"unit", unit_of(alarm.kind)},
+                              {"tip_mm", {tip.x, tip.y, tip.z}}});
+  }
+  return text(json);
+}
+
+}  // namespace kerf

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests the control of programs in a real server: pause, step, resume, speed, queue, source."""
+import math
+import time
+import unittest
+
+from live_server import LiveTest
+from wire_client import Viewer
+
+
+def spiral(blocks):
+    """A program with one cutting block a line."""
+    lines = ["G21 G90 G17 G94", "T2 M6", "G0 X0 Y0 Z5", "G1 Z-2 F3000"]
+    for n in range(blocks):
+        angle, radius = n * 0.1, 2 + 12 * n / blocks
+        lines.append(f"G1 X{radius * math.cos(angle):.3f} Y{radius * math.sin(angle):.3f} F6000")
+    return "\n".join(lines + ["M2", ""])
+
+
+class Programs(LiveTest):
+    def ask(self, method, path, body=None):
+        return self.server.http.json(method, path, body)
+
+    def upload(self, text, query, session="block"):
+        status, body = self.ask("POST", f"/v1/sessions/{session}/programs?{query}", text)
+        self.assertEqual(status, 202, body)
+        return body
+
+    def change(self, program, query):
+        status, body = self.ask("PATCH", f"{program['url']}?{query}")
+        self.assertEqual(status, 200, body)
+        return body
+
+    def until(self, program, *states):
+        end = time.monotonic() + 60
+        while time.monotonic() < end:
+            status = self.ask("GET", program["url"])[1]
+            if status["state"] in states:
+                return status
+            time.sleep(0.01)
+        raise AssertionError(f"the program is {status['state']}")
+
+    def refused(self, method, path):
+        status, body = self.ask(method, path)
+        return status, body["error"]["code"]
+
+    def test_a_program_that_is_paused_stepped_and_resumed_cuts_the_same(self):
+        text = spiral(300)
+        self.server.create("straight")
+        self.until(self.upload(text, "pace=fast&name=s.ngc", "straight"), "finished")
+        program = self.upload(text, "pace=feed&rate=200&speed=0.1&name=s.ngc")
+        paused = self.change(program, "do=pause")
+        self.assertEqual(paused["state"], "paused")
+        self.assertEqual(self.server.http.request("GET", program["url"] + "/source")[2],
+                         text.encode())
+        # At full speed the blocks of the sampled program come one a step.
+        self.change(program, "pace=fast")
+        lines = []
+        for _ in range(5):
+            self.change(program, "do=step")
+            lines.append(self.until(program, "paused")["line"])
+        self.assertEqual(lines, sorted(set(lines)))
+        before = self.ask("GET", program["url"])[1]
+        time.sleep(0.1)
+        self.assertEqual(self.ask("GET", program["url"])[1], before)
+        self.assertAlmostEqual(before["elapsed_s"] + before["remaining_s"],
+                               before["programmed_s"], places=6)
+        self.change(program, "do=resume&speed=1")
+        time.sleep(0.05)
+        self.change(program, "do=pause")
+        self.change(program, "do=resume&pace=fast")
+        self.until(program, "finished")
+        self.assertEqual(self.refused("PATCH", program["url"] + "?do=pause"),
+                         (409, "not_running"))
+        other = self.upload(text, "pace=fast&rate=200&name=s.ngc", "straight")
+        self.until(other, "finished")
+        # The same motions on top of the unsampled ones, in both sessions.
+        self.until(self.upload(text, "pace=fast&name=s.ngc"), "finished")
+        self.assertEqual(self.server.hash(), self.server.hash("straight"))
+
+    def test_programs_of_a_queue_run_one_after_the_other(self):
+        first = self.upload(spiral(20), "pace=feed&name=first.ngc")
+        self.change(first, "do=pause")
+        second = self.upload(spiral(20), "pace=fast&queue=1&name=second.ngc")
+        third = self.upload(spiral(20), f"pace=fast&after={second['id']}&name=third.ngc")
+        self.assertEqual([second["state"], third["state"]], ["queued", "queued"])
+        self.assertEqual(third["after"], second["id"])
+        self.assertEqual(self.refused("PATCH", second["url"] + "?do=resume"),
+                         (409, "not_running"))
+        self.change(first, "do=resume&speed=20")
+        self.until(third, "finished")
+        self.assertEqual(self.ask("GET", second["url"])[1]["state"], "finished")
+        fourth = self.upload(spiral(200), "pace=feed&speed=0.1&name=fourth.ngc")
+        fifth = self.upload(spiral(20), "queue=1&name=fifth.ngc")
+        self.ask("DELETE", fourth["url"])
+        self.assertIn("was cancelled", self.until(fifth, "cancelled")["error"])
+
+    def test_viewers_hear_of_programs_and_their_paths_can_be_drawn(self):
+        viewer = Viewer(self.port, "block")
+        text = spiral(200)
+        program = self.upload(text, "pace=feed&name=s.ngc")
+        self.change(program, "do=pause")
+        told = viewer.receive_json("programs")["programs"]
+        while told[0]["state"] != "paused":
+            told = viewer.receive_json("programs")["programs"]
+        self.assertEqual((told[0]["id"], told[0]["name"]), (program["id"], "s.ngc"))
+        self.assertEqual(Viewer(self.port, "block").receive_json("programs")["programs"], told)
+        whole = self.ask("GET", program["url"] + "/path?points=20000")[1]
+        self.assertEqual(whole["error_mm"], 0)
+        self.assertEqual((whole["kind"][:2], whole["line"][-1]), ("sf", text.count("\n") - 1))
+        few = self.ask("GET", program["url"] + "/path?points=30")[1]
+        self.assertLessEqual(few["points"], 30)
+        for column in ("x_mm", "y_mm", "z_mm", "line", "tool", "kind"):
+            self.assertEqual(len(few[column]), few["points"], column)
+        for points in ("1", "20001", "x"):
+            self.assertEqual(self.refused("GET", program["url"] + f"/path?points={points}"),
+                             (400, "bad_value"))
+        self.change(program, "do=resume&pace=fast")
+        self.until(program, "finished")
+        self.assertEqual(self.ask("GET", program["url"] + "/path?points=20000")[1], whole)
+
+    def test_orders_that_make_no_sense_are_rejected(self):
+        program = self.upload(spiral(200), "pace=feed&speed=0.1&name=s.ngc")
+        url, upload = program["url"], "/v1/sessions/block/programs?"
+        for query, code in (("", "bad_value"), ("do=jump", "bad_order"), ("speed=0.05", "bad_speed"),
+                            ("speed=21", "bad_speed"), ("speed=nan", "bad_speed"),
+                            ("pace=slow", "bad_pace")):
+            self.assertEqual(self.refused("PATCH", f"{url}?{query}"), (400, code), query)
+        for query, code in (("after=9", "bad_message"), ("after=x", "bad_value"),
+                            ("queue=2", "bad_value"), ("speed=x", "bad_speed"),
+                            ("force_limit_n=0", "bad_value")):
+            self.assertEqual(self.refused("POST", upload + query), (400, code), query)
+        self.assertEqual(self.refused("PATCH", "/v1/sessions/block/programs/9?do=pause"),
+                         (404, "unknown_program"))
+        self.assertEqual(self.refused("GET", "/v1/sessions/block/programs/9/source"),
+                         (404, "unknown_program"))
+
+
+if __name__ == "__main__":
+    unittest.main()

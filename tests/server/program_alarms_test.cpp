@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/program_alarms.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "server/session/program_json.h"
+#include "tests/server/session_fixture.h"
+
+namespace kerf {
+namespace {
+
+ProgramMotion motion_at(std::uint32_t line, double x_mm, bool rapid = false) {
+  ProgramMotion motion;
+  motion.tool = 1;
+  motion.to.tip_mm = {x_mm, 0, 0};
+  motion.duration_s = 1;
+  motion.line = line;
+  motion.rapid = rapid;
+  return motion;
+}
+
+TEST(ProgramAlarms, ConsecutiveMotionsAreOneAlarm) {
+  ProgramAlarms alarms;
+  alarms.follow(motion_at(3, 1), {.stock_contact_mm = 0.2});
+  alarms.follow(motion_at(4, 2), {.stock_contact_mm = 0.7});
+  alarms.follow(motion_at(5, 3), {.stock_contact_mm = 0.1});
+  alarms.follow(motion_at(6, 4), {});
+  alarms.follow(motion_at(7, 5), {.stock_contact_mm = 0.3});
+  ASSERT_EQ(alarms.count(), 2U);
+  const ProgramAlarm& first = alarms.list()[0];
+  EXPECT_EQ(first.kind, AlarmKind::kShank);
+  EXPECT_EQ(first.from_line, 3U);
+  EXPECT_EQ(first.to_line, 5U);
+  EXPECT_EQ(first.amount, 0.7);
+  EXPECT_EQ(first.tip_mm, (Vec3{2, 0, 0}));
+  EXPECT_EQ(alarms.list()[1].from_line, 7U);
+}
+
+TEST(ProgramAlarms, OnlyRapidsThatRemoveMaterialCount) {
+  ProgramAlarms alarms;
+  alarms.follow(motion_at(1, 1, true), {.removed_mm3 = 1e-9});
+  alarms.follow(motion_at(2, 2, false), {.removed_mm3 = 8});
+  EXPECT_EQ(alarms.count(), 0U);
+  alarms.follow(motion_at(3, 3, true), {.removed_mm3 = 2});
+  alarms.follow(motion_at(4, 4, true), {.removed_mm3 = 3});
+  ASSERT_EQ(alarms.count(), 1U);
+  EXPECT_EQ(alarms.list()[0].kind, AlarmKind::kRapid);
+  EXPECT_EQ(alarms.list()[0].amount, 5);
+  EXPECT_EQ(alarms.list()[0].tip_mm.x, 4);
+}
+
+TEST(ProgramAlarms, ForcesCountAboveTheLimitAndPushesWithoutStock) {
+  ProgramAlarms none, limited(5.0);
+  for (ProgramAlarms* alarms : {&none, &limited}) {
+    alarms->follow(motion_at(1, 1), {.cutting_n = 5});
+    alarms->follow(motion_at(2, 2), {.cutting_n = 5.1});
+    alarms->follow(motion_at(3, 3), {.stock_contact_mm = 1, .collision_n = 9});
+    alarms->follow(motion_at(4, 4), {.collision_n = 9});
+  }
+  ASSERT_EQ(none.count(), 2U);
+  EXPECT_EQ(none.list()[1].kind, AlarmKind::kObstacle);
+  EXPECT_EQ(none.list()[1].from_line, 4U);
+  ASSERT_EQ(limited.count(), 3U);
+  EXPECT_EQ(limited.list()[0].kind, AlarmKind::kForce);
+  EXPECT_EQ(limited.list()[0].from_line, 2U);
+}
+
+TEST(ProgramAlarms, TheFirstHundredAreListedAndAllAreCounted) {
+  ProgramAlarms alarms;
+  for (std::uint32_t line = 1; line <= 300; ++line) {
+    alarms.follow(motion_at(line, 1), {.stock_contact_mm = line % 2 == 0 ? 0 : 1.0});
+  }
+  EXPECT_EQ(alarms.count(), 150U);
+  EXPECT_EQ(alarms.list().size(), ProgramAlarms::kListedMax);
+  EXPECT_EQ(alarms.list().back().to_line, 199U);
+}
+
+constexpr const char* kShankScene = R"({
+  "name": "Deep",
+  "stock": {"shape": "box", "min_mm": [-20, -20, -20], "max_mm": [20, 20, 0]},
+  "accuracy": {"rays": "dexel", "pitch_mm": 0.5, "tolerance_mm": 0.01, "motion": "tight"},
+  "tools": [{"id": 1, "shape": "flat", "diameter_mm": 6, "length_mm": 4,
+             "shank": {"diameter_mm": 8, "length_mm": 30}}]})";
+
+TEST_F(SessionTest, AProgramThatCrashesListsWhereAndHow) {
+  const auto session = start(kShankScene);
+  const auto program = parse_program("crash.ngc",
+                                     "G21 G90 T1 M6\n"  // line 1
+                                     "G0 X-30 Y0 Z-2\n"
+                                     "G0 X0\n"        // through the stock
+                                     "G0 Z9\n"        // out of it
+                                     "G0 Y10\n"       // line 5
+                                     "G1 Z-6 F600\n"  // 2 mm deeper than the tool cuts
+                                     "G1 Z9\nM2\n",
+                                     session->scene());
+  ASSERT_TRUE(program);
+  const auto id = session->start_program(*program, {})->id;
+  while (session->program(id)->state == ProgramState::kRunning) executor->run();
+  const ProgramStatus status = *session->program(id);
+  EXPECT_EQ(status.state, ProgramState::kFinished);
+  ASSERT_EQ(status.alarms.size(), 2U);
+  EXPECT_EQ(status.alarm_count, 2U);
+  EXPECT_EQ(status.alarms[0].kind, AlarmKind::kRapid);
+  EXPECT_EQ(status.alarms[0].from_line, 3U);
+  EXPECT_NEAR(status.alarms[0].amount, 6 * 2 * 20 + 3.1416 * 9, 5);  // a slot with a round end
+  EXPECT_EQ(status.alarms[1].kind, AlarmKind::kShank);
+  EXPECT_EQ(status.alarms[1].from_line, 6U);
+  EXPECT_NEAR(status.alarms[1].amount, 1, 1.01);
+  const auto json = nlohmann::json::parse(program_json(status));
+  EXPECT_EQ(json.at("alarms").at(1).at("kind"), "shank");
+  EXPECT_EQ(json.at("alarms").at(0).at("unit"), "mm3");
+  EXPECT_EQ(json.at("alarm_count"), 2);
+}
+
+TEST_F(SessionTest, FramesTellOfProgramsOnlyWhenOneHasChanged) {
+  const auto session = start();
+  EXPECT_FALSE(session->frame(true).programs);
+  Program program;
+  program.motions = {motion_at(1, 1)};
+  program.motions[0].duration_s = 1000;
+  const auto id = session->start_program(program, {ProgramPace::kFeed})->id;
+  auto news = session->frame(false).programs;
+  ASSERT_TRUE(news);
+  EXPECT_EQ(news->at(0).state, ProgramState::kRunning);
+  EXPECT_FALSE(session->frame(false).programs);
+  EXPECT_TRUE(session->frame(true).programs);
+  session->order_program(id, ProgramOrder::kPause);
+  EXPECT_FALSE(session->frame(false).programs) << "four times a second at most";
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(9);
+  while (!(news = session->frame(false).programs) && std::chrono::steady_clock::now() < end) {
+  }
+  ASSERT_TRUE(news);
+  EXPECT_EQ(news->at(0).state, ProgramState::kPaused);
+  EXPECT_FALSE(session->frame(false).programs);
+  for (int n = 0; n < 7; ++n) (void)session->start_program(Program{}, {});
+  news = session->frame(true).programs;
+  ASSERT_EQ(news->size(), 1 + ProgramRuns::kEndedShown);
+  EXPECT_EQ(news->front().id, id);
+  EXPECT_EQ(news->back().id, id + 7);
+}
+
+}  // namespace
+}  // namespace kerf
