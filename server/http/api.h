@@ -107,6 +107,7 @@ class Api {
   // ---- handlers of the route table (routes.cpp) ----
   ApiResponse list_sessions(const ApiCall& call);
   ApiResponse create_session(const ApiCall& call);
+  ApiResponse list_templates(const ApiCall& call);
   ApiResponse session_info(const ApiCall& call);
   ApiResponse close_session(const ApiCall& call);
   ApiResponse list_closed(const ApiCall& call);
@@ -116,10 +117,10 @@ class Api {
   ApiResponse start_program(const ApiCall& call);
   ApiResponse program_status(const ApiCall& call);
   ApiResponse cancel_program(const ApiCall& call);
-  ApiResponse download(const ApiCall& call);
   ApiResponse change_program(const ApiCall& call);
   ApiResponse program_source(const ApiCall& call);
   ApiResponse program_path(const ApiCall& call);
+  ApiResponse download(const ApiCall& call);
   ApiResponse list_exports(const ApiCall& call);
   ApiResponse list_strokes(const ApiCall& call);
   ApiResponse undo(const ApiCall& call);
@@ -150,6 +151,11 @@ class Api {
   ApiResponse change_strokes(const ApiCall& call, bool undone);
   ApiResponse create_branch(const ApiCall& call, const std::string& id);
   ThreadPool& carvers();
+  /// What a session of a scene would cost, as JSON.
+  static std::string price_of(const Scene& scene);
+  /// A share of the memory for programs. If it is used up, the texts of programs that have ended
+  /// are dropped, in all sessions. Nothing if that does not suffice.
+  std::optional<MemoryBudget::Share> program_memory(std::size_t bytes);
   /// The uploaded files that a scene names.
   std::map<std::string, std::string> uploads_named_in(std::string_view scene_text) const;
   std::filesystem::path upload_folder() const { return options_.data_folder / "uploads"; }

@@ -36,6 +36,9 @@ ApiResponse created_response(const Session& session) {
   return response;
 }
 
+/// Null for a time that is not known.
+Json time_json(std::int64_t ms) { return ms == 0 ? Json() : Json(ms); }
+
 Json info_json(const Session& session, const SessionInfo& info, const StateHash& hash) {
   Json participants = Json::array();
   for (const Participant& participant : info.participants) {
@@ -51,6 +54,8 @@ Json info_json(const Session& session, const SessionInfo& info, const StateHash&
   return {{"id", info.id},
           {"name", session.scene().name},
           {"url", "/v1/sessions/" + info.id},
+          {"created_ms", time_json(session.figures().created_ms)},
+          {"active_ms", time_json(session.figures().active_ms)},
           {"epoch", info.epoch},
           {"parent", parent_json(session.parent())},
           {"state_hash", hash_text(hash.hash)},
@@ -106,7 +111,9 @@ ApiResponse Api::list_sessions(const ApiCall& call) {
                     {"motions", figures.motions},
                     {"removed_volume_mm3", figures.removed_mm3},
                     {"paused", session->pause() ? Json("disk") : Json()},
-                    {"participants", figures.participants}});
+                    {"participants", figures.participants},
+                    {"created_ms", time_json(figures.created_ms)},
+                    {"active_ms", time_json(figures.active_ms)}});
   }
   Json unreadable = Json::array();
   for (const UnreadableSession& session : registry_.unreadable()) {
@@ -132,11 +139,21 @@ ApiResponse Api::create_session(const ApiCall& call) {
                             "id must be 1 to 64 characters, each one of a-z, 0-9, - and _");
     }
   }
-  if (call.request.query_value("from") != nullptr) return create_branch(call, id);
+  const std::string* dry_run = call.request.query_value("dry_run");
+  const bool is_dry = dry_run != nullptr && *dry_run == "1";
+  if (call.request.query_value("from") != nullptr) {
+    if (!is_dry) return create_branch(call, id);
+    return error_response(400, "bad_request", "a dry run needs a scene: leave out from");
+  }
   // A scene from the network must not read the server's files: it has no base folder and may name
   // uploaded files only.
   SceneSource source;
   source.files = uploads_named_in(call.request.body);
+  if (is_dry) {
+    const auto scene = registry_.check_scene(call.request.body, source);
+    if (!scene) return registry_failure(scene.error());
+    return json_response(200, price_of(*scene));
+  }
   const auto created = registry_.create(id, call.request.body, source);
   if (!created) return registry_failure(created.error());
   return created_response(**created);

@@ -44,9 +44,15 @@ Session::Session(std::string id, Replayed replayed, JournalWriter journal, Sessi
 Session::~Session() = default;
 
 void Session::show_figures() {
-  shown_motions_.store(sculpture_.motions(), std::memory_order_relaxed);
-  shown_removed_mm3_.store(sculpture_.removed_volume_mm3(), std::memory_order_relaxed);
-  shown_participants_.store(participants_.count(), std::memory_order_relaxed);
+  const auto relaxed = std::memory_order_relaxed;
+  if (shown_motions_.load(relaxed) != sculpture_.motions() ||
+      shown_participants_.load(relaxed) != participants_.count()) {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    active_ms_.store(std::chrono::duration_cast<std::chrono::milliseconds>(now).count(), relaxed);
+  }
+  shown_motions_.store(sculpture_.motions(), relaxed);
+  shown_removed_mm3_.store(sculpture_.removed_volume_mm3(), relaxed);
+  shown_participants_.store(participants_.count(), relaxed);
 }
 
 void Session::leave(ParticipantId id) {
@@ -156,13 +162,13 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.hash = journal_.newest_hash();
   frame.hash_is_current = current_hash().has_value();
   frame.paused = pause().has_value();
+  frame.programs = program_news(with_snapshot);
   frame.tools.tools = participants_.tool_states();
   frame.changed = carving_.take_changed();
   if (!frame.changed.empty() || with_snapshot) frame.snapshot = sculpture_.solid();
   return frame;
 }
 
-  frame.programs = program_news(with_snapshot);
 SessionInfo Session::info() const {
   SessionInfo info;
   info.id = id_;

@@ -76,6 +76,9 @@ struct SessionFigures {
   std::uint64_t motions = 0;
   double removed_mm3 = 0;
   std::size_t participants = 0;
+  /// When the session was created, and when its block or its participants changed last; ms since
+  /// 1970 UTC, 0: unknown.
+  std::int64_t created_ms = 0, active_ms = 0;
 };
 
 /// One block with its participants, programs and journal. Functions under "executor only" must run
@@ -84,11 +87,11 @@ class Session : public std::enable_shared_from_this<Session> {
  public:
   /// The least time between two reports of changed participants.
   static constexpr std::chrono::milliseconds kChangeInterval{250};
+  /// The least time between two reports of changed programs.
+  static constexpr std::chrono::milliseconds kProgramNewsInterval{250};
   /// An agent that has sent a sample within this time is moving.
   static constexpr std::chrono::milliseconds kAgentIsActive{200};
 
-  /// The least time between two reports of changed programs.
-  static constexpr std::chrono::milliseconds kProgramNewsInterval{250};
   /// Takes over a replayed (or new) block and its journal. `workers` computes state hashes and must
   /// outlive the session.
   Session(std::string id, Replayed replayed, JournalWriter journal, SessionLimits limits,
@@ -120,7 +123,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uintmax_t disk_bytes() const { return session_bytes(journal_.file()); }
   /// Waits for nothing, also while the executor is busy.
   SessionFigures figures() const {
-    return {shown_motions_, shown_removed_mm3_, shown_participants_};
+    return {shown_motions_, shown_removed_mm3_, shown_participants_, created_ms_, active_ms_};
   }
   /// Motions applied since the server started.
   std::uint64_t motions_applied() const { return carving_.motions_applied(); }
@@ -131,6 +134,11 @@ class Session : public std::enable_shared_from_this<Session> {
   /// snapshots when they are close to it. `shared` is the level of the limits of all sessions. Call
   /// from one thread at a time.
   void keep_disk_limits(const DiskLimits& limits, const DiskUse& use, DiskLevel shared);
+  /// What the journal says of the times in figures(). Call once, before the session is used.
+  void note_times(std::int64_t created_ms, std::int64_t active_ms) {
+    created_ms_ = created_ms;
+    active_ms_ = active_ms;
+  }
   /// Writes a snapshot now and then from now on. Call once, when the session has been created.
   void keep_snapshots(SnapshotOptions options);
 
@@ -202,6 +210,11 @@ class Session : public std::enable_shared_from_this<Session> {
                                                         const Caller& caller = Caller::local());
   std::optional<ProgramStatus> program(ProgramId id) const { return programs_.status(id); }
   std::vector<ProgramStatus> programs() const { return programs_.list(); }
+  /// See ProgramRuns.
+  std::shared_ptr<const ProgramText> program_text(ProgramId id) const { return programs_.text(id); }
+  void drop_ended_texts() { programs_.drop_ended_texts(0); }
+  bool order_program(ProgramId id, ProgramOrder order);
+  bool set_program_pace(ProgramId id, ProgramPace pace, double speed);
   bool cancel_program(ProgramId id);
 
   /// Names a version; its name is one (is_version_name).
@@ -218,11 +231,6 @@ class Session : public std::enable_shared_from_this<Session> {
   Roster roster() const { return participants_.roster(); }
   /// The agents and programs.
   std::vector<Participant> carvers() const { return participants_.carvers(); }
-  /// See ProgramRuns.
-  std::shared_ptr<const ProgramText> program_text(ProgramId id) const { return programs_.text(id); }
-  void drop_ended_texts() { programs_.drop_ended_texts(0); }
-  bool order_program(ProgramId id, ProgramOrder order);
-  bool set_program_pace(ProgramId id, ProgramPace pace, double speed);
   SessionFrame frame(bool with_snapshot);
   SolidSnapshot solid() { return sculpture_.solid(); }
   std::uint64_t sequence() const { return journal_.sequence(); }
@@ -263,6 +271,9 @@ class Session : public std::enable_shared_from_this<Session> {
   using Clock = std::chrono::steady_clock;
 
   ParticipantState* replica_owner(ParticipantId id);
+  std::expected<ProgramId, Rejection> predecessor(ProgramId after) const;
+  void schedule_programs();
+  std::optional<std::vector<ProgramGlance>> program_news(bool all);
   void run_programs();
   void retire_programs();
   void forget_batch(ParticipantId id);
@@ -271,9 +282,6 @@ class Session : public std::enable_shared_from_this<Session> {
   void schedule_hash();
   void compute_hash();
   void report_changes();
-  std::expected<ProgramId, Rejection> predecessor(ProgramId after) const;
-  void schedule_programs();
-  std::optional<std::vector<ProgramGlance>> program_news(bool all);
   void show_figures();
   void write_snapshot_if_due();
   std::expected<void, std::string> write_snapshot(std::uint64_t at, const SculptureState& state);
@@ -307,6 +315,8 @@ class Session : public std::enable_shared_from_this<Session> {
   Carving carving_;
   ProgramRuns programs_;
   bool programs_scheduled_ = false;
+  std::uint64_t programs_told_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
+  Clock::time_point programs_told_at_{};
   Executor& workers_;
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};
@@ -315,8 +325,6 @@ class Session : public std::enable_shared_from_this<Session> {
   SnapshotSchedule schedule_;
   std::unique_ptr<SculptureState> last_state_;  ///< of a closed session
   std::mutex snapshot_mutex_;                   ///< held while one is written; guards the next two
-  std::uint64_t programs_told_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
-  Clock::time_point programs_told_at_{};
   bool snapshots_ended_ = false, snapshots_fail_ = false;
   std::atomic<bool> disk_is_low_ = false;
   DiskLevel own_disk_level_ = DiskLevel::kFine;  ///< this and the next: keep_disk_limits()
@@ -332,6 +340,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::atomic<std::uint64_t> shown_motions_ = 0;
   std::atomic<double> shown_removed_mm3_ = 0;
   std::atomic<std::size_t> shown_participants_ = 0;
+  std::atomic<std::int64_t> created_ms_ = 0, active_ms_ = 0;
 };
 
 }  // namespace kerf

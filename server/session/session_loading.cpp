@@ -10,6 +10,17 @@
 #include "server/store/chunk_file.h"
 
 namespace kerf {
+namespace {
+
+/// When a record was appended, ms since 1970; 0: unknown.
+std::int64_t time_of(const std::filesystem::path& journal, std::uint64_t record) {
+  auto reader = JournalReader::open(journal, RecordOrder::kSequence, {}, record);
+  if (!reader) return 0;
+  const auto read = reader->next();
+  return read && *read ? (*read)->wall_ms : 0;
+}
+
+}  // namespace
 
 std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
                                                                              Opened& opened) {
@@ -26,8 +37,14 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
     journal->on_pause([id, report = options_.on_pause](const auto& error) { report(id, error); });
   }
   if (replayed->is_recarved()) journal->append_recarved(replayed->hash);
+  // The first records define the tools. Without a record there is no time.
+  const std::uint64_t last = std::max<std::uint64_t>(replayed->last_sequence, 1);
+  const JournalParent& parent = replayed->parent;
+  const std::int64_t created_ms = parent.session.empty() ? time_of(file, 1) : parent.branched_ms;
+  const std::int64_t active_ms = std::max(created_ms, time_of(file, last));
   auto session = std::make_shared<Session>(id, *std::move(replayed), *std::move(journal),
                                            options_.session, make_executor_(id), workers_);
+  session->note_times(created_ms, active_ms);
   if (options_.snapshots.writer != nullptr) session->keep_snapshots(options_.snapshots);
   return session;
 }

@@ -116,13 +116,9 @@ std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string i
   return id;
 }
 
-std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
-    std::string id, std::string_view scene_text, const SceneSource& source) {
+std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_view scene_text,
+                                                                 const SceneSource& source) const {
   using enum RegistryErrorCode;
-  if (!id.empty() && !is_session_id(id)) {
-    return std::unexpected(RegistryError{
-        kBadId, "a session id must be 1 to 64 characters from a-z, 0-9, - and _", {}});
-  }
   // The journal stores the contents of the scene's files: these may change before a restart.
   SceneSource source_with_files = source;
   source_with_files.keep_files = true;
@@ -136,6 +132,18 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
   if (auto ok = check_tiles(probe->grid(), options_.session.tiles_max); !ok) {
     return std::unexpected(ok.error());
   }
+  return *std::move(scene);
+}
+
+std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
+    std::string id, std::string_view scene_text, const SceneSource& source) {
+  using enum RegistryErrorCode;
+  if (!id.empty() && !is_session_id(id)) {
+    return std::unexpected(RegistryError{
+        kBadId, "a session id must be 1 to 64 characters from a-z, 0-9, - and _", {}});
+  }
+  auto scene = check_scene(scene_text, source);
+  if (!scene) return std::unexpected(scene.error());
   if (auto full = disk_obstacle()) return std::unexpected(*std::move(full));
   const auto reserved = reserve(std::move(id), scene->name);
   if (!reserved) return std::unexpected(reserved.error());

@@ -143,6 +143,9 @@ class SessionRegistry {
   /// If `id` is empty, a unique one is derived from the scene's name.
   std::expected<std::shared_ptr<Session>, RegistryError> branch(std::string id, Session& parent,
                                                                 std::uint64_t record);
+  /// The scene that create() would use, with its resolved accuracy, or why it would not.
+  std::expected<Scene, RegistryError> check_scene(std::string_view scene_text,
+                                                  const SceneSource& source) const;
   std::shared_ptr<Session> find(const std::string& id) const;
   std::vector<std::shared_ptr<Session>> list() const;
   /// The sessions that are open or loading, sorted.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -77,9 +79,10 @@ class ApiTest : public SessionTest {
     access = *Access::open({});
     api.emplace(options, *registry, metrics, *access);
   }
-  ApiResponse ask(const std::string& method, std::string_view target) {
+  ApiResponse ask(const std::string& method, std::string_view target, std::string body = {}) {
     ApiRequest request = *parse_target(target);
     request.method = method;
+    request.body = std::move(body);
     return api->handle(request);
   }
   static std::string code(const ApiResponse& response) {
@@ -173,6 +176,75 @@ TEST_F(ApiTest, InvalidDownloadParametersAreNamed) {
     EXPECT_TRUE(response.body.contains(reason)) << response.body;
   }
   EXPECT_EQ(ask("GET", "/v1/sessions/block/model.xyz").status, 404U);
+}
+
+TEST_F(ApiTest, ADryRunStatesThePriceOfASceneAndCreatesNothing) {
+  using nlohmann::json;
+  json scene = json::parse(kScene);
+  const auto price = [&](double pitch_mm) {
+    scene["accuracy"]["pitch_mm"] = pitch_mm;
+    const ApiResponse response = ask("POST", "/v1/sessions?dry_run=1", scene.dump());
+    EXPECT_EQ(response.status, 200U) << response.body;
+    return json::parse(response.body);
+  };
+  const json coarse = price(0.5), fine = price(0.25);
+  EXPECT_EQ(coarse["columns"], json({80, 80}));
+  EXPECT_EQ(fine["columns"], json({160, 160}));
+  EXPECT_NEAR(fine["bytes"].get<double>() / coarse["bytes"].get<double>(), 4, 1e-9);
+  EXPECT_GT(fine["us_per_motion"], coarse["us_per_motion"]);
+  EXPECT_NEAR(coarse["predicted_error_mm"].get<double>(), 0.9 * 0.5 + 0.01, 1e-12);
+  EXPECT_EQ(coarse["accuracy"]["pitch_mm"], 0.5);
+  EXPECT_EQ(coarse["tools"].size(), 2U);
+  scene["accuracy"]["pitch_mm"] = 0;
+  const ApiResponse bad = ask("POST", "/v1/sessions?dry_run=1", scene.dump());
+  EXPECT_EQ(bad.status, 400U);
+  EXPECT_EQ(code(bad), "bad_scene");
+  EXPECT_TRUE(registry->list().empty());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "test-block.kerf"));
+}
+
+TEST_F(ApiTest, EachTemplateCanBePricedAndCreated) {
+  const auto list = nlohmann::json::parse(ask("GET", "/v1/templates").body).at("templates");
+  ASSERT_GE(list.size(), 4U);
+  registry.emplace(
+      RegistryOptions{folder.path(), 20, limits, {}, snapshots},
+      [this](const std::string&) { return executor; }, workers);
+  api.emplace(options, *registry, metrics, *access);
+  for (const auto& one : list) {
+    const std::string scene = one.at("scene").dump();
+    EXPECT_EQ(ask("POST", "/v1/sessions?dry_run=1", scene).status, 200U) << one.at("id");
+    EXPECT_EQ(ask("POST", "/v1/sessions", scene).status, 201U) << one.at("id");
+  }
+  EXPECT_EQ(registry->list().size(), list.size());
+}
+
+TEST_F(ApiTest, AListOfSessionsStatesWhenTheyWereCreatedAndUsed) {
+  const auto now_ms = [] {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  };
+  const auto listed = [&] {
+    return nlohmann::json::parse(ask("GET", "/v1/sessions").body).at("sessions").at(0);
+  };
+  const auto before_ms = now_ms() - 100;  // records are stamped to some 10 ms
+  const auto session = start();
+  const auto created = listed();
+  EXPECT_EQ(created.at("name"), "Test block");
+  EXPECT_GE(created.at("created_ms"), before_ms);
+  EXPECT_LE(created.at("created_ms"), now_ms());
+  const auto ada = join(*session);
+  move(*session, ada, 0, 0, -1);
+  move(*session, ada, 1, 0, -1);
+  const auto used = listed();
+  EXPECT_EQ(used.at("created_ms"), created.at("created_ms"));
+  EXPECT_GE(used.at("active_ms"), created.at("active_ms"));
+  ASSERT_TRUE(session->flush());
+  const auto active_ms = used.at("active_ms").get<std::int64_t>();
+  restart();
+  registry->load_all();
+  api.emplace(options, *registry, metrics, *access);
+  EXPECT_EQ(listed().at("created_ms"), created.at("created_ms"));
+  EXPECT_NEAR(listed().at("active_ms").get<double>(), static_cast<double>(active_ms), 100);
 }
 
 }  // namespace

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The routes that help to choose a new session: scenes to begin with, and what a scene would cost.
+#include <nlohmann/json.hpp>
+
+#include "kernel/dexel/stock_column.h"
+#include "server/formats/scene_templates.h"
+#include "server/http/api.h"
+
+namespace kerf::net {
+namespace {
+
+using Json = nlohmann::json;
+
+AccuracyUse use_of(const Scene& scene) {
+  AccuracyUse use{.stock = scene.settings.stock,
+                  .tools = {},
+                  .turns = scene.machine.kinematics != MachineKinematics::kXyz};
+  for (const auto& [id, tool] : scene.tools) use.tools.push_back(tool.tool);
+  return use;
+}
+
+}  // namespace
+
+ApiResponse Api::list_templates(const ApiCall&) {
+  Json list = Json::array();
+  for (const SceneTemplate& one : scene_templates()) {
+    list.push_back({{"id", one.id},
+                    {"title", one.title},
+                    {"description", one.description},
+                    {"scene", Json::parse(one.scene)}});
+  }
+  return json_response(200, Json{{"templates", list}}.dump());
+}
+
+std::string Api::price_of(const Scene& scene) {
+  const Accuracy accuracy = accuracy_of(scene);
+  const DexelGrid grid = make_grid(scene.settings.stock, accuracy.pitch_mm);
+  return Json{{"name", scene.name},
+              {"accuracy", Json::parse(accuracy_json(scene))},
+              {"predicted_error_mm", predicted_error_mm(accuracy)},
+              {"columns", {grid.columns_x, grid.columns_y}},
+              {"bytes", predicted_bytes(accuracy, scene.settings.stock)},
+              {"us_per_motion", predicted_us(accuracy, use_of(scene))},
+              {"stock", Json::parse(stock_json(scene))},
+              {"tools", Json::parse(tools_json(scene))}}
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace kerf::net

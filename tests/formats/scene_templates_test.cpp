@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/formats/scene_templates.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "server/formats/scene.h"
+
+namespace kerf {
+namespace {
+
+TEST(SceneTemplates, EachIsAValidSceneOfItsOwn) {
+  std::set<std::string_view> ids;
+  for (const SceneTemplate& one : scene_templates()) {
+    EXPECT_TRUE(ids.insert(one.id).second) << one.id;
+    EXPECT_FALSE(one.title.empty() || one.description.empty()) << one.id;
+    const auto scene = parse_scene(one.scene, SceneSource{});
+    ASSERT_TRUE(scene) << one.id << ": " << to_string(scene.error());
+    EXPECT_TRUE(Sculpture::create(scene->settings)) << one.id;
+    const Accuracy accuracy = accuracy_of(*scene);
+    EXPECT_LT(predicted_bytes(accuracy, scene->settings.stock), 64e6) << one.id;
+  }
+  EXPECT_GE(ids.size(), 4U);
+}
+
+TEST(SceneTemplates, TheAmmoniteIsThatOfTheDemo) {
+  const auto demo = load_scene(KERF_SOURCE_DIR "/haptic_agent/demo/demo.json");
+  ASSERT_TRUE(demo);
+  for (const SceneTemplate& one : scene_templates()) {
+    if (one.id != "ammonite") continue;
+    EXPECT_EQ(scene_json(*parse_scene(one.scene, SceneSource{})), scene_json(*demo));
+    return;
+  }
+  FAIL() << "there is no ammonite";
+}
+
+}  // namespace
+}  // namespace kerf
