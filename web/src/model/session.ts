@@ -14,6 +14,7 @@ import type {
 } from '../wire/types';
 import { RateMeter, ServerClock } from './clock';
 import { Participants } from './participants';
+import { Programs } from './programs';
 import { TileTable } from './tiles';
 
 export interface Bounds {
@@ -31,6 +32,7 @@ export function stockBounds(stock: Stock): Bounds {
 export class SessionModel {
   readonly tiles = new TileTable();
   readonly participants = new Participants();
+  readonly programs = new Programs();
   readonly clock = new ServerClock();
   readonly frames = new RateMeter();
   welcome: Welcome | null = null;
@@ -58,6 +60,7 @@ export class SessionModel {
         this.clock.reset();
         this.participants.setList(message.participants, message.viewers);
         this.participants.forgetPoses();
+        this.programs.clear();
         break;
       case 'participants':
         this.participants.setList(message.participants, message.viewers);
@@ -67,6 +70,9 @@ export class SessionModel {
         break;
       case 'state':
         this.state = message;
+        break;
+      case 'programs':
+        this.programs.apply(message.programs);
         break;
       case 'error':
         this.addProblem(`${message.reason} (${message.code})`);

@@ -28,6 +28,9 @@ export const ICONS = {
     '<path d="M12 3l8 4.5-8 4.5-8-4.5z" fill="currentColor" fill-opacity=".45" stroke="none"/>',
   ),
   arrows: icon('<path d="M5 19L17 7M10 7h7v7"/>'),
+  program: icon(
+    '<path d="M6 3h9l4 4v14H6zM14 3v5h5"/><path d="M9 12h3M9 16h7"/><path d="M15 11l2 1.500-2 1.500"/>',
+  ),
   help: icon(
     '<circle cx="12" cy="12" r="9"/><path d="M9.5 9.5a2.5 2.5 0 1 1 3.6 2.200c-.8.4-1.100.9-1.100 1.800M12 16.700v.1"/>',
   ),

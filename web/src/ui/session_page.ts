@@ -20,6 +20,7 @@ import { inviteDialog } from './invite';
 import { ICONS } from './icons';
 import { listenToKeys } from './keyboard';
 import { failurePage, Notice } from './notice';
+import { mountPrograms } from './programs/mount';
 import { Panel } from './panel';
 import { SoundToggle } from './sound';
 
@@ -97,6 +98,7 @@ export class SessionPage {
         this.inviteDialog_,
       ),
     );
+    mountPrograms(this.model, session, this.toolbar_);
     this.listen_();
     this.resize_();
   }

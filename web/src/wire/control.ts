@@ -7,6 +7,8 @@ import type {
   Decoded,
   ParticipantInfo,
   PastPlace,
+  ProgramInfo,
+  ProgramState,
   ServerMessage,
   Stock,
   ToolInfo,
@@ -170,6 +172,42 @@ function welcomeOf(from: Json): Welcome {
   };
 }
 
+const PROGRAM_STATES: readonly string[] = [
+  'queued',
+  'running',
+  'paused',
+  'finished',
+  'cancelled',
+  'failed',
+];
+
+/** A program of a `programs` message, or its status over HTTP. */
+export function programOf(value: unknown): ProgramInfo {
+  const from = object(value, 'program');
+  const state = text(from, 'state');
+  return {
+    id: number(from, 'id'),
+    participant: number(from, 'participant'),
+    name: text(from, 'name'),
+    pace: from['pace'] === 'feed' ? 'feed' : 'fast',
+    ...(from['speed'] === undefined ? {} : { speed: number(from, 'speed') }),
+    state: PROGRAM_STATES.includes(state) ? (state as ProgramState) : 'unknown',
+    ...(from['after'] === undefined ? {} : { after: number(from, 'after') }),
+    waiting: from['waiting'] === true,
+    motions_done: number(from, 'motions_done'),
+    motions: number(from, 'motions'),
+    line: number(from, 'line'),
+    tool: number(from, 'tool'),
+    feed_mm_per_min: number(from, 'feed_mm_per_min'),
+    programmed_s: number(from, 'programmed_s'),
+    elapsed_s: number(from, 'elapsed_s'),
+    remaining_s: number(from, 'remaining_s'),
+    removed_volume_mm3: number(from, 'removed_volume_mm3'),
+    alarm_count: number(from, 'alarm_count'),
+    ...(from['error'] === undefined ? {} : { error: text(from, 'error') }),
+  };
+}
+
 function messageOf(from: Json): ServerMessage | null {
   switch (from['type']) {
     case 'welcome':
@@ -197,6 +235,8 @@ function messageOf(from: Json): ServerMessage | null {
         ...(from['paused'] === 'disk' ? { paused: 'disk' as const } : {}),
         ...placeOf(from),
       };
+    case 'programs':
+      return { type: 'programs', programs: list(from['programs'], 'programs').map(programOf) };
     case 'error':
       return {
         type: 'error',

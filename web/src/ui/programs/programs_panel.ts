@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panel of NC programs: upload, list, control, text with the live line, alarms.
+
+import '../style/programs.css';
+import { isOpen } from '../../model/programs';
+import type { SessionModel } from '../../model/session';
+import type { ProgramInfo } from '../../wire/types';
+import { h, setText } from '../dom';
+import { count, figure, sentence, volume } from '../format';
+import { Controls } from './controls';
+import { ProgramRequests, ServerError } from './requests';
+import type { Alarm, ProgramDetails } from './requests';
+import { alarmText, duration, stateText } from './texts';
+import { TextView } from './text_view';
+import { Upload } from './upload';
+
+const UPDATE_MS = 100;
+
+export class ProgramsPanel {
+  private readonly requests_: ProgramRequests;
+  private readonly upload_: Upload;
+  private readonly controls_: Controls;
+  private readonly text_: TextView;
+  private readonly list_ = h('ul', { class: 'program-list', 'aria-label': 'Programs' });
+  private readonly note_ = h('p', { class: 'program-note', role: 'status' });
+  private readonly figures_ = h('p', { class: 'quiet program-figures' });
+  private readonly progress_ = h('progress', { max: '1', 'aria-label': 'Progress' });
+  private readonly alarms_ = h('ul', { class: 'program-alarms', 'aria-label': 'Alarms' });
+  private readonly follow_ = h(
+    'button',
+    { type: 'button', class: 'button quiet-button program-follow', hidden: '' },
+    'Show the live line',
+  );
+  private readonly one_: HTMLElement;
+  private readonly element_: HTMLElement;
+  private timer_: ReturnType<typeof setInterval> | undefined;
+  private drawn_ = -1;
+  private selected_: number | null = null;
+  /** The program whose text is shown; null: none, or one that was rejected. */
+  private textOf_: number | null = null;
+  private details_ = new Map<number, ProgramDetails>();
+  private asking_ = new Set<number>();
+
+  constructor(
+    private readonly model: SessionModel,
+    session: string,
+    private readonly opener: HTMLElement,
+  ) {
+    this.requests_ = new ProgramRequests(session);
+    this.text_ = new TextView((follows) => (this.follow_.hidden = follows));
+    this.controls_ = new Controls({
+      change: (query) => this.order_((id) => this.requests_.change(id, query)),
+      cancel: () => this.order_((id) => this.requests_.cancel(id)),
+    });
+    const close = h('button', { type: 'button', class: 'button quiet-button' }, 'Close');
+    this.one_ = h(
+      'div',
+      { class: 'program-one', hidden: '' },
+      this.controls_.element,
+      this.progress_,
+      this.figures_,
+      this.alarms_,
+    );
+    this.element_ = h(
+      'section',
+      { class: 'programs', 'aria-label': 'NC programs', hidden: '' },
+      h('header', {}, h('h2', {}, 'NC programs'), close),
+    );
+    this.upload_ = new Upload(this.element_, {
+      chosen: (file, query) => void this.send_(file, query),
+    });
+    this.element_.append(
+      this.upload_.element,
+      this.note_,
+      this.list_,
+      this.one_,
+      this.text_.element,
+      this.follow_,
+    );
+    close.addEventListener('click', () => this.toggle());
+    this.follow_.addEventListener('click', () => this.text_.follow(true));
+    (opener.closest('main') ?? document.body).append(this.element_);
+  }
+
+  toggle(): void {
+    const open = this.element_.hidden;
+    this.element_.hidden = !open;
+    this.opener.setAttribute('aria-expanded', String(open));
+    clearInterval(this.timer_);
+    if (!open) return;
+    this.timer_ = setInterval(() => this.update_(), UPDATE_MS);
+    void this.load_();
+    this.drawn_ = -1;
+    this.update_();
+  }
+
+  private get may_(): boolean {
+    const may = this.model.welcome?.may;
+    return may === undefined || may.includes('run_programs');
+  }
+
+  private update_(): void {
+    const { programs } = this.model;
+    if (programs.incomplete) {
+      programs.incomplete = false;
+      void this.load_();
+    }
+    this.upload_.element.hidden = !this.may_;
+    if (programs.changes === this.drawn_) return;
+    this.drawn_ = programs.changes;
+    const all = programs.all();
+    if (this.selected_ === null || !programs.get(this.selected_)) this.select_(all[0]?.id ?? null);
+    this.list_.replaceChildren(...all.map((program) => this.row_(program)));
+    const program = this.selected_ === null ? undefined : programs.get(this.selected_);
+    this.one_.hidden = program === undefined;
+    if (program) this.show_(program);
+  }
+
+  private row_(program: ProgramInfo): HTMLElement {
+    const noun = program.alarm_count === 1 ? 'alarm' : 'alarms';
+    const alarms = program.alarm_count > 0 ? ` · ${count(program.alarm_count)} ${noun}` : '';
+    const row = h(
+      'button',
+      {
+        type: 'button',
+        class: 'program-row-button',
+        'data-state': program.state,
+        'aria-pressed': String(program.id === this.selected_),
+      },
+      h('b', {}, program.name),
+      h('small', {}, `${stateText(program)}${alarms}`),
+    );
+    row.addEventListener('click', () => {
+      this.select_(program.id);
+      this.drawn_ = -1;
+      this.update_();
+    });
+    return h('li', {}, row);
+  }
+
+  private show_(program: ProgramInfo): void {
+    const done = program.motions === 0 ? 1 : program.motions_done / program.motions;
+    this.progress_.value = done;
+    this.controls_.update(program, this.may_);
+    const removed = volume(program.removed_volume_mm3).join(' ');
+    const details = this.details_.get(program.id);
+    const tools = details && details.tools.length > 1 ? ` of ${details.tools.join(', ')}` : '';
+    const lines = [
+      `${duration(program.elapsed_s)} of ${duration(program.programmed_s)} at feed rate, ` +
+        `line ${count(program.line)}, tool ${program.tool}${tools}, ` +
+        `feed ${figure(program.feed_mm_per_min)} mm/min, ${removed} removed.`,
+      ...(details?.warnings ?? []).slice(0, 3),
+    ];
+    setText(this.figures_, lines.join(' '));
+    if (this.textOf_ === program.id) this.text_.setLive(isOpen(program) ? program.line : 0);
+    const stale = details?.program.alarm_count !== program.alarm_count;
+    if (stale) void this.ask_(program.id);
+    if (details) this.showAlarms_(details.alarms);
+  }
+
+  private showAlarms_(alarms: Alarm[]): void {
+    if (this.alarms_.childElementCount === alarms.length) return;
+    this.alarms_.replaceChildren(
+      ...alarms.map((alarm) => {
+        const button = h('button', { type: 'button' }, alarmText(alarm));
+        button.addEventListener('click', () => this.text_.mark({ line: alarm.fromLine, word: '' }));
+        return h('li', {}, button);
+      }),
+    );
+  }
+
+  private select_(id: number | null): void {
+    if (id === this.selected_ && this.textOf_ === id) return;
+    this.selected_ = id;
+    this.textOf_ = null;
+    this.alarms_.replaceChildren();
+    this.text_.show('');
+    if (id === null) return;
+    this.requests_.source(id).then(
+      (text) => {
+        if (this.selected_ !== id) return;
+        this.textOf_ = id;
+        this.text_.show(text);
+        this.text_.follow(true);
+        this.drawn_ = -1;
+      },
+      (problem: unknown) => this.tell_(problem),
+    );
+  }
+
+  /** Everything about the programs, also about those that ended long ago. */
+  private async load_(): Promise<void> {
+    try {
+      const list = await this.requests_.list();
+      for (const details of list) this.details_.set(details.program.id, details);
+      this.model.programs.add(list.map(({ program }) => program));
+    } catch (problem) {
+      this.tell_(problem);
+    }
+  }
+
+  private async ask_(id: number): Promise<void> {
+    if (this.asking_.has(id)) return;
+    this.asking_.add(id);
+    try {
+      this.keep_(await this.requests_.details(id));
+    } catch (problem) {
+      this.tell_(problem);
+    }
+    this.asking_.delete(id);
+  }
+
+  private keep_(details: ProgramDetails): void {
+    this.details_.set(details.program.id, details);
+    this.model.programs.add([details.program]);
+  }
+
+  private order_(order: (id: number) => Promise<ProgramDetails>): void {
+    if (this.selected_ === null) return;
+    setText(this.note_, '');
+    order(this.selected_).then(
+      (details) => this.keep_(details),
+      (problem: unknown) => this.tell_(problem),
+    );
+  }
+
+  private async send_(file: File, query: string): Promise<void> {
+    this.note_.classList.remove('bad');
+    setText(this.note_, `Sending ${file.name}…`);
+    try {
+      const details = await this.requests_.upload(file, query);
+      setText(this.note_, '');
+      this.keep_(details);
+      this.select_(details.program.id);
+    } catch (problem) {
+      this.tell_(problem);
+      if (!(problem instanceof ServerError) || problem.line === 0) return;
+      this.selected_ = null;
+      this.textOf_ = null;
+      this.text_.show(await file.text());
+      this.text_.mark(problem);
+    }
+  }
+
+  private tell_(problem: unknown): void {
+    this.note_.classList.add('bad');
+    setText(this.note_, sentence((problem as Error).message));
+  }
+}

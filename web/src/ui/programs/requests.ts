@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// HTTP requests about the programs of a session.
+
+import { programOf } from '../../wire/control';
+import type { ProgramInfo, Vec3 } from '../../wire/types';
+
+/** Consecutive motions with something that should not happen. */
+export interface Alarm {
+  kind: string;
+  fromLine: number;
+  toLine: number;
+  tool: number;
+  amount: number;
+  unit: string;
+  tip: Vec3;
+}
+
+export interface ProgramDetails {
+  program: ProgramInfo;
+  tools: number[];
+  warnings: string[];
+  alarms: Alarm[];
+}
+
+/** Why the server rejected a request: one sentence, and the place in the program if it has one. */
+export class ServerError extends Error {
+  constructor(
+    message: string,
+    readonly line = 0,
+    readonly word = '',
+  ) {
+    super(message);
+  }
+}
+
+type Json = Record<string, unknown>;
+
+function listOf(value: unknown): unknown[] {
+  return Array.isArray(value) ? value : [];
+}
+
+function alarmOf(value: unknown): Alarm {
+  const from = value as Json;
+  const [x = 0, y = 0, z = 0] = listOf(from['tip_mm']).map(Number);
+  return {
+    kind: String(from['kind']),
+    fromLine: Number(from['from_line']),
+    toLine: Number(from['to_line']),
+    tool: Number(from['tool']),
+    amount: Number(from['amount']),
+    unit: String(from['unit']),
+    tip: [x, y, z],
+  };
+}
+
+function detailsOf(value: unknown): ProgramDetails {
+  const from = value as Json;
+  return {
+    program: programOf(value),
+    tools: listOf(from['tools']).map(Number),
+    warnings: listOf(from['warnings']).map(String),
+    alarms: listOf(from['alarms']).map(alarmOf),
+  };
+}
+
+async function errorOf(response: Response): Promise<ServerError> {
+  const body = (await response.json().catch(() => null)) as { error?: Json } | null;
+  const error = body?.error ?? {};
+  const reason = error['reason'];
+  if (typeof reason !== 'string')
+    return new ServerError(`The server answered ${response.status} ${response.statusText}.`);
+  return new ServerError(
+    reason,
+    typeof error['line'] === 'number' ? error['line'] : 0,
+    typeof error['word'] === 'string' ? error['word'] : '',
+  );
+}
+
+/** The programs of one session. All functions reject with a ServerError. */
+export class ProgramRequests {
+  private readonly folder_: string;
+
+  constructor(session: string) {
+    this.folder_ = `/v1/sessions/${encodeURIComponent(session)}/programs`;
+  }
+
+  async list(): Promise<ProgramDetails[]> {
+    const body = (await this.json_('GET', '')) as Json;
+    return listOf(body['programs']).map(detailsOf);
+  }
+
+  async details(id: number): Promise<ProgramDetails> {
+    return detailsOf(await this.json_('GET', `/${id}`));
+  }
+
+  async source(id: number): Promise<string> {
+    return (await this.ask_('GET', `/${id}/source`)).text();
+  }
+
+  /** `query`: as in server/http/README.md, e.g. `do=pause`. */
+  async change(id: number, query: string): Promise<ProgramDetails> {
+    return detailsOf(await this.json_('PATCH', `/${id}?${query}`));
+  }
+
+  async cancel(id: number): Promise<ProgramDetails> {
+    return detailsOf(await this.json_('DELETE', `/${id}`));
+  }
+
+  async upload(file: File, query: string): Promise<ProgramDetails> {
+    const name = encodeURIComponent(uploadName(file.name));
+    return detailsOf(await this.json_('POST', `?name=${name}&${query}`, file));
+  }
+
+  private async json_(method: string, path: string, body?: Blob): Promise<unknown> {
+    return (await this.ask_(method, path, body)).json();
+  }
+
+  private async ask_(method: string, path: string, body?: Blob): Promise<Response> {
+    const response = await fetch(this.folder_ + path, { method, body: body ?? null }).catch(() => {
+      throw new ServerError('The server did not answer.');
+    });
+    if (!response.ok) throw await errorOf(response);
+    return response;
+  }
+}
+
+const NAME_BYTES_MAX = 64;
+
+/** A file name as the server takes it: at most 64 bytes, with the same extension. */
+export function uploadName(name: string): string {
+  const plain = name.replace(/[\\/\r\n]/g, '_');
+  const dot = plain.lastIndexOf('.');
+  const extension = dot > 0 ? plain.slice(dot) : '';
+  let stem = Array.from(dot > 0 ? plain.slice(0, dot) : plain);
+  const bytes = (text: string): number => new TextEncoder().encode(text).length;
+  while (stem.length > 0 && bytes(stem.join('') + extension) > NAME_BYTES_MAX)
+    stem = stem.slice(0, -1);
+  return stem.join('') + extension;
+}

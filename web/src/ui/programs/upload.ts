@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Choosing or dropping an NC or APT file, and how it is to be run.
+
+import { h } from '../dom';
+
+export interface UploadActions {
+  /** `query`: pace, speed and queue, as in server/http/README.md. */
+  chosen: (file: File, query: string) => void;
+}
+
+const EXTENSIONS = '.ngc,.nc,.tap,.gcode,.apt,.cls';
+
+export class Upload {
+  private readonly file_ = h('input', {
+    type: 'file',
+    accept: EXTENSIONS,
+    class: 'program-file',
+    'aria-label': 'NC or APT program',
+  });
+  private readonly pace_ = h(
+    'select',
+    { class: 'program-speed', 'aria-label': 'How to run it' },
+    h('option', { value: 'pace=feed' }, 'at feed rate'),
+    h('option', { value: 'pace=fast' }, 'at full speed'),
+  );
+  private readonly queue_ = h('input', { type: 'checkbox' });
+  readonly element = h(
+    'div',
+    { class: 'program-upload' },
+    h('p', {}, 'Drop an NC or APT file here, or choose one.'),
+    this.file_,
+    h(
+      'p',
+      { class: 'program-options' },
+      this.pace_,
+      h('label', {}, this.queue_, ' after the others'),
+    ),
+  );
+
+  /** `area`: where files may be dropped. */
+  constructor(
+    area: HTMLElement,
+    private readonly actions: UploadActions,
+  ) {
+    this.queue_.checked = true;
+    this.file_.addEventListener('change', () => {
+      this.send_(this.file_.files);
+      this.file_.value = ''; // the same file may be chosen again
+    });
+    area.addEventListener('dragover', (event) => {
+      if (this.element.hidden || !event.dataTransfer?.types.includes('Files')) return;
+      event.preventDefault();
+      area.classList.add('dropping');
+    });
+    for (const end of ['dragleave', 'drop'])
+      area.addEventListener(end, () => area.classList.remove('dropping'));
+    area.addEventListener('drop', (event) => {
+      if (this.element.hidden) return;
+      event.preventDefault();
+      this.send_(event.dataTransfer?.files ?? null);
+    });
+  }
+
+  private send_(files: FileList | null): void {
+    const query = `${this.pace_.value}&queue=${this.queue_.checked ? 1 : 0}`;
+    for (const file of files ?? []) this.actions.chosen(file, query);
+  }
+}
