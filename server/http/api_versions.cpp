@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::string text_of(const Json& json) {
+std::string version_text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -55,7 +55,7 @@ ApiResponse Api::list_versions(const ApiCall& call) {
   const auto versions =
       run_and_wait(call.session->executor(), [&] { return call.session->versions(); });
   for (const NamedVersion& version : versions) list.push_back(version_json(version));
-  return json_response(200, text_of({{"versions", list}}));
+  return json_response(200, version_text({{"versions", list}}));
 }
 
 ApiResponse Api::name_version(const ApiCall& call) {
@@ -84,7 +84,7 @@ ApiResponse Api::name_version(const ApiCall& call) {
   if (const auto flushed = session.flush(); !flushed) {
     return error_response(503, "busy", describe(flushed.error()));
   }
-  return json_response(201, text_of(version_json(version)));
+  return json_response(201, version_text(version_json(version)));
 }
 
 ApiResponse Api::remove_version(const ApiCall& call) {
@@ -95,7 +95,7 @@ ApiResponse Api::remove_version(const ApiCall& call) {
   if (const auto flushed = session.flush(); !flushed) {
     return error_response(503, "busy", describe(flushed.error()));
   }
-  return json_response(200, text_of({{"deleted", call.captured}}));
+  return json_response(200, version_text({{"deleted", call.captured}}));
 }
 
 }  // namespace kerf::net
