@@ -162,7 +162,7 @@ SessionFrame Session::frame(bool with_snapshot) {
   frame.hash = journal_.newest_hash();
   frame.hash_is_current = current_hash().has_value();
   frame.paused = pause().has_value();
-  frame.programs = program_news(with_snapshot);
+  frame.programs = program_update(with_snapshot);
   frame.tools.tools = participants_.tool_states();
   frame.changed = carving_.take_changed();
   if (!frame.changed.empty() || with_snapshot) frame.snapshot = sculpture_.solid();

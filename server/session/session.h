@@ -47,7 +47,7 @@ struct SessionFrame {
   bool hash_is_current = false;           ///< `hash` is that of the solid at `sequence`
   bool paused = false;                    ///< the disk fails: motions are rejected
   /// The programs that have not ended and the newest that have, if one has changed since the
-  /// previous frame that had them; at most every kProgramNewsInterval.
+  /// previous frame that had them; at most every kProgramUpdateInterval.
   std::optional<std::vector<ProgramGlance>> programs;
 };
 
@@ -88,7 +88,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// The least time between two reports of changed participants.
   static constexpr std::chrono::milliseconds kChangeInterval{250};
   /// The least time between two reports of changed programs.
-  static constexpr std::chrono::milliseconds kProgramNewsInterval{250};
+  static constexpr std::chrono::milliseconds kProgramUpdateInterval{250};
   /// An agent that has sent a sample within this time is moving.
   static constexpr std::chrono::milliseconds kAgentIsActive{200};
 
@@ -273,7 +273,7 @@ class Session : public std::enable_shared_from_this<Session> {
   ParticipantState* replica_owner(ParticipantId id);
   std::expected<ProgramId, Rejection> predecessor(ProgramId after) const;
   void schedule_programs();
-  std::optional<std::vector<ProgramGlance>> program_news(bool all);
+  std::optional<std::vector<ProgramGlance>> program_update(bool all);
   void run_programs();
   void retire_programs();
   void forget_batch(ParticipantId id);
@@ -315,8 +315,8 @@ class Session : public std::enable_shared_from_this<Session> {
   Carving carving_;
   ProgramRuns programs_;
   bool programs_scheduled_ = false;
-  std::uint64_t programs_told_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
-  Clock::time_point programs_told_at_{};
+  std::uint64_t programs_sent_ = 0;  ///< ProgramRuns::changes() as of the last frame with programs
+  Clock::time_point programs_sent_at_{};
   Executor& workers_;
   bool hash_scheduled_ = false;
   std::chrono::microseconds hash_cost_{0};

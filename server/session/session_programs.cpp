@@ -78,13 +78,13 @@ bool Session::set_program_pace(ProgramId id, ProgramPace pace, double speed) {
   return programs_.set_pace(id, pace, speed, Clock::now());
 }
 
-std::optional<std::vector<ProgramGlance>> Session::program_news(bool all) {
+std::optional<std::vector<ProgramGlance>> Session::program_update(bool all) {
   const auto now = Clock::now();
   const bool is_due =
-      programs_.changes() != programs_told_ && now - programs_told_at_ >= kProgramNewsInterval;
+      programs_.changes() != programs_sent_ && now - programs_sent_at_ >= kProgramUpdateInterval;
   if (programs_.changes() == 0 || (!all && !is_due)) return std::nullopt;
-  programs_told_ = programs_.changes();
-  programs_told_at_ = now;
+  programs_sent_ = programs_.changes();
+  programs_sent_at_ = now;
   return programs_.glances();
 }
 

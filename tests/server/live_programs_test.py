@@ -100,11 +100,11 @@ class Programs(LiveTest):
         text = spiral(200)
         program = self.upload(text, "pace=feed&name=s.ngc")
         self.change(program, "do=pause")
-        told = viewer.receive_json("programs")["programs"]
-        while told[0]["state"] != "paused":
-            told = viewer.receive_json("programs")["programs"]
-        self.assertEqual((told[0]["id"], told[0]["name"]), (program["id"], "s.ngc"))
-        self.assertEqual(Viewer(self.port, "block").receive_json("programs")["programs"], told)
+        sent = viewer.receive_json("programs")["programs"]
+        while sent[0]["state"] != "paused":
+            sent = viewer.receive_json("programs")["programs"]
+        self.assertEqual((sent[0]["id"], sent[0]["name"]), (program["id"], "s.ngc"))
+        self.assertEqual(Viewer(self.port, "block").receive_json("programs")["programs"], sent)
         whole = self.ask("GET", program["url"] + "/path?points=20000")[1]
         self.assertEqual(whole["error_mm"], 0)
         self.assertEqual((whole["kind"][:2], whole["line"][-1]), ("sf", text.count("\n") - 1))

@@ -121,24 +121,24 @@ TEST_F(SessionTest, FramesTellOfProgramsOnlyWhenOneHasChanged) {
   program.motions = {motion_at(1, 1)};
   program.motions[0].duration_s = 1000;
   const auto id = session->start_program(program, {ProgramPace::kFeed})->id;
-  auto news = session->frame(false).programs;
-  ASSERT_TRUE(news);
-  EXPECT_EQ(news->at(0).state, ProgramState::kRunning);
+  auto update = session->frame(false).programs;
+  ASSERT_TRUE(update);
+  EXPECT_EQ(update->at(0).state, ProgramState::kRunning);
   EXPECT_FALSE(session->frame(false).programs);
   EXPECT_TRUE(session->frame(true).programs);
   session->order_program(id, ProgramOrder::kPause);
   EXPECT_FALSE(session->frame(false).programs) << "four times a second at most";
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(9);
-  while (!(news = session->frame(false).programs) && std::chrono::steady_clock::now() < end) {
+  while (!(update = session->frame(false).programs) && std::chrono::steady_clock::now() < end) {
   }
-  ASSERT_TRUE(news);
-  EXPECT_EQ(news->at(0).state, ProgramState::kPaused);
+  ASSERT_TRUE(update);
+  EXPECT_EQ(update->at(0).state, ProgramState::kPaused);
   EXPECT_FALSE(session->frame(false).programs);
   for (int n = 0; n < 7; ++n) (void)session->start_program(Program{}, {});
-  news = session->frame(true).programs;
-  ASSERT_EQ(news->size(), 1 + ProgramRuns::kEndedShown);
-  EXPECT_EQ(news->front().id, id);
-  EXPECT_EQ(news->back().id, id + 7);
+  update = session->frame(true).programs;
+  ASSERT_EQ(update->size(), 1 + ProgramRuns::kEndedShown);
+  EXPECT_EQ(update->front().id, id);
+  EXPECT_EQ(update->back().id, id + 7);
 }
 
 }  // namespace
