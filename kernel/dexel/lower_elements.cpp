@@ -61,7 +61,7 @@ void LowerElements<Element>::assign(int column, std::span<const Element> element
   if (held && (elements.empty() || from != to)) give_block(run.first, from);
   if (!elements.empty() && (!held || from != to)) run.first = take_block(to);
   run.count = static_cast<std::uint32_t>(elements.size());
-  std::ranges::copy(elements, pool_.begin() + run.first);
+  std::ranges::copy(elements, pool_.begin() + std::ptrdiff_t(run.first));
   if (elements.empty()) {
     std::uint16_t& n = run_of_[std::size_t(column)];
     free_runs_.push_back(n);

@@ -94,8 +94,8 @@ bool LatticeCells::must_flip(const LatticeCell& cell, std::uint8_t configuration
 std::size_t LatticeCells::find(std::int32_t x, std::int32_t y, std::int32_t layer) const {
   const std::size_t n = static_cast<std::size_t>(y - first_y_) * static_cast<std::size_t>(side_) +
                         static_cast<std::size_t>(x - first_x_);
-  const auto first = layer_.begin() + start_[n];
-  const auto last = layer_.begin() + start_[n + 1];
+  const auto first = layer_.begin() + std::ptrdiff_t(start_[n]);
+  const auto last = layer_.begin() + std::ptrdiff_t(start_[n + 1]);
   const auto found = std::lower_bound(first, last, layer);
   assert(found != last && *found == layer);
   return static_cast<std::size_t>(found - layer_.begin());

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the kernel and state_hashes with another compiler, optimization level or instruction set, and compares its output
-byte for byte with that of the reference state_hashes. With --threads, compares the reference with itself on several threads.
+"""Builds the kernel and state_hashes with another compiler, optimization level or instruction set, or as WebAssembly, and
+compares its output byte for byte with that of the reference state_hashes. With --threads, compares the reference with itself
+on several threads.
 
 Exit status: 0 equal; 1 different, or the build failed; 77 this machine cannot run that build (the reason is printed).
 """
@@ -18,11 +19,14 @@ SOURCES = pathlib.Path(__file__).resolve().parents[2]
 # CPU features that x86-64-v3 and x86-64-v4 require, as named in /proc/cpuinfo.
 V3 = {"avx2", "fma", "bmi2"}
 V4 = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
+WASM_TOOLCHAIN = SOURCES / "web/wasm/toolchain.cmake"
+WASI_HEADERS = pathlib.Path("/usr/include/wasm32-wasi/c++/v1")
 
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--compiler")
+    parser.add_argument("--wasm", action="store_true", help="build WebAssembly, and run it in node")
     parser.add_argument("--flags", help="compiler flags, e.g. -O2")
     parser.add_argument("--vector", choices=["clones", "avx2", "avx512", "none"])
     parser.add_argument("--folder", type=pathlib.Path, help="where to build")
@@ -36,6 +40,10 @@ def why_not(options):
     """Returns why this machine cannot run the build, or an empty string."""
     if shutil.which(options.compiler) is None:
         return f"{options.compiler} is not installed"
+    if options.wasm:
+        missing = [tool for tool in ("wasm-ld-19", "node") if shutil.which(tool) is None]
+        missing += [] if WASI_HEADERS.is_dir() else ["libc++-19-dev-wasm32"]
+        return f"{', '.join(missing)}: not installed" if missing else ""
     needs = set()
     if options.vector == "avx2" or "x86-64-v3" in options.flags:
         needs = V3
@@ -52,6 +60,8 @@ def build(options):
     configure = ["cmake", "-G", "Ninja", "-S", SOURCES, "-B", options.folder, "-DKERF_KERNEL_ONLY=ON",
                  f"-DCMAKE_CXX_COMPILER={options.compiler}", f"-DCMAKE_CXX_FLAGS={options.flags}",
                  f"-DKERF_VECTOR={options.vector}", "-DKERF_FAST_BUILD=ON"]
+    if options.wasm:
+        configure.append(f"-DCMAKE_TOOLCHAIN_FILE={WASM_TOOLCHAIN}")
     if launcher:
         configure.append(f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}")
     # One job, because ctest runs several of these builds at a time.
@@ -87,7 +97,10 @@ def main():
         sys.exit(CANNOT_RUN)
     build(options)
     jobs = ("1", str(options.every))
-    compare(printed_by(options.reference, *jobs), printed_by(options.folder / "tests/determinism/state_hashes", *jobs))
+    program = [options.folder / "tests/determinism/state_hashes"]
+    if options.wasm:
+        program = ["node", "--no-warnings", SOURCES / "tests/determinism/run_wasi.mjs", f"{program[0]}.wasm"]
+    compare(printed_by(options.reference, *jobs), printed_by(*program, *jobs))
 
 
 main()

@@ -19,7 +19,7 @@
 #include "kernel/math/hash.h"
 #include "kernel/sculpture.h"
 #include "kernel/surface/tile_mesh.h"
-#include "tests/support/thread_workers.h"
+#include "tests/determinism/job_workers.h"
 
 namespace {
 
@@ -137,7 +137,7 @@ std::vector<ToolPose> long_path(std::uint64_t seed, int moves) {
 }
 
 struct Jobs {
-  test::ThreadWorkers workers;
+  test::JobWorkers workers;
   int every = 1;
   int seen = 0;
 };
@@ -189,7 +189,7 @@ std::shared_ptr<const TriangleMesh> mesh_stock() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Jobs jobs{.workers = test::ThreadWorkers(argc > 1 ? std::atoi(argv[1]) : 1),
+  Jobs jobs{.workers = test::JobWorkers(argc > 1 ? std::atoi(argv[1]) : 1),
             .every = argc > 2 ? std::max(1, std::atoi(argv[2])) : 1};
   SculptureSettings box;
   box.stock = BoxStock{{-12, -12, -8}, {12, 12, 0}};
