@@ -102,10 +102,11 @@ class ServerLink::Impl {
  private:
   /// While the servo hands over several samples at a time, because the replica answers them,
   /// nothing that arrives is urgent: it is handled when the servo wakes the link the next time.
+  /// While a peer that does not read keeps a frame from being written, the wake-ups are not taken.
   void run_io() {
     while (!io_.stopped()) {
       const bool drains = drain_until_us_.load() != 0 || interrupted();
-      if (batches_ < kBatchesInARow || !connected_.load() || drains) {
+      if (batches_ < kBatchesInARow || !awaits_wake_ || drains) {
         io_.run_one();
         continue;
       }
@@ -299,7 +300,9 @@ class ServerLink::Impl {
       if (bytes > 0) {
         co_await write(connection, false, asio::buffer(frame.data(), bytes));
       } else {
+        awaits_wake_ = true;
         co_await wake_.async_wait(asio::posix::stream_descriptor::wait_read, kAwait);
+        awaits_wake_ = false;
         std::uint64_t wakes = 0;
         [[maybe_unused]] const auto got = ::read(wake_fd_, &wakes, sizeof wakes);
       }
@@ -327,6 +330,7 @@ class ServerLink::Impl {
   asio::io_context io_{1};
   int wake_fd_;
   asio::posix::stream_descriptor wake_;
+  bool awaits_wake_ = false;  ///< the writing coroutine has written all that is due
   asio::steady_timer housekeeping_;
   asio::steady_timer back_off_;
   Traffic traffic_;
