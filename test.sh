@@ -15,7 +15,7 @@ usage() {
 usage: ./test.sh [--preset release|dev|asan|tsan] [--filter REGEX] [--jobs N]
   --preset P      build preset (default: release); asan and tsan build with the sanitizers
   --filter REGEX  only the test programs whose name matches (ctest -R); the viewer's own tests if it matches "web"
-  --jobs N        tests at a time (default: the number of cores); server and e2e tests run one at a time
+  --jobs N        tests at a time (default: the number of cores); those that load the machine, and e2e tests, run alone
 CI=true makes every compiler warning an error.
 TXT
 }
@@ -96,7 +96,7 @@ main() {
   export GTEST_OUTPUT="xml:$RESULTS/gtest/"
   run_ctest fast -LE 'server|e2e' -j "$JOBS"
   run_web_tests
-  run_ctest server -L server
+  run_ctest server -L server -j "$JOBS"
   run_ctest e2e -L e2e
   python3 tests/summary.py "$RESULTS"
 }
