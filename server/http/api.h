@@ -29,7 +29,7 @@ struct ApiRequest {
   std::string method;                        ///< GET, HEAD, POST, DELETE
   std::vector<std::string> path;             ///< decoded segments, e.g. {"v1", "sessions"}
   std::map<std::string, std::string> query;  ///< decoded
-  std::string if_none_match, range, if_range;
+  std::string if_none_match, range, if_range, accept_encoding;
   std::string token;          ///< of the Authorization header, else `pass`; empty: none
   std::string pass;           ///< of the Cookie header; empty: none
   std::string host;           ///< as the client has addressed the server

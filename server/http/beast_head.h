@@ -39,6 +39,7 @@ inline RequestHead head_of(const BeastRequest& request) {
           .if_none_match = value(boost::beast::http::field::if_none_match),
           .range = value(boost::beast::http::field::range),
           .if_range = value(boost::beast::http::field::if_range),
+          .accept_encoding = value(boost::beast::http::field::accept_encoding),
           .is_forwarded = request.count("X-Forwarded-For") + request.count("Forwarded") > 0,
           .forwarded_for = values_of(request, "X-Forwarded-For"),
           .forwarded_host = view(request["X-Forwarded-Host"]),

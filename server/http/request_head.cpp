@@ -52,6 +52,7 @@ std::expected<ApiRequest, ApiResponse> screen(const RequestHead& head, const Htt
   request->if_none_match = std::string(head.if_none_match);
   request->range = std::string(head.range);
   request->if_range = std::string(head.if_range);
+  request->accept_encoding = std::string(head.accept_encoding);
   request->pass = pass_of_cookies(head.cookie);
   request->token = bearer_token(head.authorization);
   if (request->token.empty()) request->token = request->pass;

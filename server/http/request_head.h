@@ -20,7 +20,7 @@ struct RequestHead {
   unsigned version = 11;  ///< of HTTP: 10 or 11
   std::size_t hosts = 1;  ///< number of Host headers
   std::string_view host, origin, cookie, authorization;
-  std::string_view if_none_match, range, if_range;
+  std::string_view if_none_match, range, if_range, accept_encoding;
   bool is_secure = false;          ///< it has come over TLS
   std::string address = {};        ///< of the peer, or of the client behind a trusted proxy
   bool is_forwarded = false;       ///< a proxy has added the address of its client

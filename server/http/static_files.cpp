@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/http/static_files.h"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
+#include <ranges>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace kerf::net {
@@ -31,6 +35,47 @@ std::string content_type(const std::filesystem::path& path) {
   return "application/octet-stream";
 }
 
+/// Returns whether a client accepts a content coding, as its Accept-Encoding says (RFC 9110,
+/// 12.5.3). Only codings that are named count: "*" does not.
+bool accepts(std::string_view accept_encoding, std::string_view coding) {
+  constexpr std::string_view kBlanks = " \t";
+  for (const auto part : std::views::split(accept_encoding, ',')) {
+    std::string_view entry(part.begin(), part.end());
+    entry.remove_prefix(std::min(entry.find_first_not_of(kBlanks), entry.size()));
+    const std::string_view name = entry.substr(0, entry.find_first_of(" \t;"));
+    if (name != coding) continue;
+    const auto quality = entry.find("q=");
+    // "q=0", "q=0.0": not acceptable
+    return quality == entry.npos ||
+           entry.find_first_of("123456789", quality) != std::string_view::npos;
+  }
+  return false;
+}
+
+/// A file as it is sent.
+struct SentFile {
+  std::filesystem::path path;
+  std::string coding;  ///< empty: none
+};
+
+SentFile choose(const std::filesystem::path& path, std::string_view accept_encoding) {
+  for (const auto& [coding, ending] : {std::pair{"br", ".br"}, std::pair{"gzip", ".gz"}}) {
+    if (!accepts(accept_encoding, coding)) continue;
+    auto packed = path;
+    packed += ending;
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(packed, ignored)) return {std::move(packed), coding};
+  }
+  return {path, {}};
+}
+
+/// Two builds may give a file of the same size, but not at the same nanosecond.
+std::string etag_of(const std::filesystem::path& path, std::uint64_t bytes) {
+  std::error_code ignored;
+  const auto time = std::filesystem::last_write_time(path, ignored).time_since_epoch().count();
+  return '"' + std::to_string(time) + '-' + std::to_string(bytes) + '"';
+}
+
 }  // namespace
 
 ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& request) {
@@ -46,11 +91,20 @@ ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& r
     path /= segment;
   }
   if (request.path.empty()) path /= "index.html";
-  auto file = OpenFile::open(path);
+  const SentFile sent = choose(path, request.accept_encoding);
+  auto file = OpenFile::open(sent.path);
   if (!file) return not_found();
   ApiResponse response;
+  const std::string etag = etag_of(sent.path, (*file)->bytes());
+  if (request.if_none_match.find(etag) != std::string::npos) {
+    response.status = 304;
+  } else {
+    response.file = *std::move(file);
+  }
   response.content_type = content_type(path);
-  response.file = *std::move(file);
+  response.headers.emplace_back("ETag", etag);
+  response.headers.emplace_back("Vary", "Accept-Encoding");
+  if (!sent.coding.empty()) response.headers.emplace_back("Content-Encoding", sent.coding);
   // The names of the viewer's assets contain a hash of the content: they never change.
   const bool hashed = request.path.size() > 1 && request.path.front() == "assets";
   response.headers.emplace_back("Cache-Control",

@@ -8,7 +8,9 @@
 namespace kerf::net {
 
 /// Serves a file of the built viewer; "/" is index.html. Paths outside the folder, hidden files and
-/// folders are 404.
+/// folders are 404. To clients that accept it, FILE.br or FILE.gz is sent in place of FILE where
+/// the build has made it. The ETag is that of the bytes sent (from their time and size), so a
+/// client that has them gets 304.
 ApiResponse static_file(const std::filesystem::path& folder, const ApiRequest& request);
 
 /// Returns the default folder of the built viewer: beside the executable (web, ../share/kerf/web)
