@@ -239,6 +239,7 @@ std::string agent_welcome(const Session& session, const Admission& admission,
 std::string viewer_welcome(const Session& session, const Participant& self, const Roster& roster) {
   Json json = welcome(session, self);
   const DexelGrid& grid = session.grid();
+  if (!session.scene().name.empty()) json["name"] = session.scene().name;
   json["participants"] = participants_json(roster.listed);
   json["viewers"] = roster.viewers;
   json["grid"] = {{"origin_mm", {grid.origin_mm.x, grid.origin_mm.y, grid.origin_mm.z}},
