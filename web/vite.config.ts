@@ -1,12 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
+import { brotliCompressSync, constants, gzipSync } from 'node:zlib';
+import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import type { HtmlTagDescriptor, Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 
 // In development Vite serves the page and forwards /v1 to a running kerf-server (or to `npm run
 // fake`). In production the server itself serves dist/.
 const server = process.env['KERF_SERVER'] ?? 'http://127.0.0.1:8080';
 
+/** Fetches the code of the picture beside that of the page, which runs it once it is connected. */
+function preloadView(): Plugin {
+  return {
+    name: 'preload-view',
+    transformIndexHtml: {
+      order: 'post',
+      handler: (_html, { bundle }) =>
+        Object.keys(bundle ?? {})
+          .filter((file) => /^assets\/(viewer|three)-.*\.js$/.test(file))
+          .map((file): HtmlTagDescriptor => ({
+            tag: 'link',
+            attrs: { rel: 'modulepreload', crossorigin: true, href: `./${file}` },
+            injectTo: 'head',
+          })),
+    },
+  };
+}
+
+/** Puts FILE.gz and FILE.br beside each file of text, which the server sends to those who ask. */
+function compress(): Plugin {
+  let folder = '';
+  return {
+    name: 'compress',
+    apply: 'build',
+    configResolved: ({ root, build }) => {
+      folder = join(root, build.outDir);
+    },
+    closeBundle: () => {
+      for (const name of readdirSync(folder, { recursive: true, encoding: 'utf8' })) {
+        if (!/\.(js|css|html|svg)$/.test(name)) continue;
+        const file = join(folder, name);
+        const bytes = readFileSync(file);
+        writeFileSync(`${file}.gz`, gzipSync(bytes, { level: 9 }));
+        const params = {
+          [constants.BROTLI_PARAM_QUALITY]: 11,
+          [constants.BROTLI_PARAM_SIZE_HINT]: bytes.length,
+        };
+        writeFileSync(`${file}.br`, brotliCompressSync(bytes, { params }));
+      }
+    },
+  };
+}
+
 export default defineConfig({
   base: './',
+  plugins: [preloadView(), compress()],
   build: {
     target: 'es2022',
     chunkSizeWarningLimit: 900,

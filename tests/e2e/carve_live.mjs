@@ -219,6 +219,8 @@ async function compareDetail(viewer, wire) {
     exact.every(({ level }) => level === 0),
     'a viewer that sent no camera received coarse tiles',
   );
+  await viewer.page.locator('.canvas').focus();
+  for (let i = 0; i < 6; ++i) await viewer.page.keyboard.press('-');
   const away = await until('coarse tiles in a browser', SETTLE_S, async () => {
     const state = await viewer.state();
     return state.tiles.every(({ level }) => level > 0) && state;
@@ -227,8 +229,7 @@ async function compareDetail(viewer, wire) {
     2 * away.triangles < trianglesOf(exact),
     `${away.triangles} of ${trianglesOf(exact)} triangles`,
   );
-  await viewer.page.locator('.canvas').focus();
-  for (let i = 0; i < 12; ++i) await viewer.page.keyboard.press('+');
+  for (let i = 0; i < 18; ++i) await viewer.page.keyboard.press('+');
   const near = await until('exact tiles in a browser after zooming in', SETTLE_S, async () => {
     const state = await viewer.state();
     return state.tiles.some(({ level }) => level === 0) && state;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Publishes window.kerf.state(), a read-only snapshot of the page's state for tests.
+// Publishes window.kerf for tests: state(), a read-only snapshot of the page's state, and marks, the
+// times of its start.
 
+import { marks } from './marks';
 import type { SessionPage } from './ui/session_page';
 
 export function installHook(page: SessionPage): void {
@@ -29,8 +31,15 @@ export function installHook(page: SessionPage): void {
       peakForceN: forces.peak.forceN,
       forceSamples: forces.count,
     })),
-    followed: page.followed,
+    hasPicture: page.picture.viewer !== null,
+    blockBox: page.picture.viewer?.blockBox ?? null,
+    drawCalls: page.picture.viewer?.drawCalls ?? 0,
+    meshBytes: model.meshBytes,
+    followed: page.picture.followed,
     sound: page.sound.state,
   });
-  Object.defineProperty(window, 'kerf', { value: Object.freeze({ state }), writable: false });
+  Object.defineProperty(window, 'kerf', {
+    value: Object.freeze({ state, marks }),
+    writable: false,
+  });
 }

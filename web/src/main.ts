@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import './marks';
 import '@fontsource-variable/inter/wght.css';
 import './ui/style/index.css';
 import { installHook } from './hook';
@@ -21,26 +22,10 @@ function viewerName(parameters: URLSearchParams): string {
 
 function openSession(app: HTMLElement, session: string, parameters: URLSearchParams): void {
   document.title = `${session} · Kerf`;
-  try {
-    const page = new SessionPage(
-      app,
-      session,
-      viewerName(parameters),
-      parameters.get('quality') === 'full',
-    );
-    installHook(page);
-    page.start();
-  } catch (problem) {
-    console.error(problem);
-    app.replaceChildren(
-      failurePage(
-        'This browser cannot draw in 3D',
-        "Kerf needs WebGL 2. Enable hardware acceleration in the browser's settings, or try another " +
-          `browser. (${(problem as Error).message})`,
-        [{ label: 'Try again', href: location.search || '?' }],
-      ),
-    );
-  }
+  const fullQuality = parameters.get('quality') === 'full';
+  const page = new SessionPage(app, session, viewerName(parameters), fullQuality);
+  installHook(page);
+  page.start();
 }
 
 async function main(): Promise<void> {
@@ -68,7 +53,7 @@ async function main(): Promise<void> {
     openSession(app, session, parameters);
     return;
   }
-  const only = await showSessions(app);
+  const only = await showSessions(app, parameters.has('list'));
   if (only !== null) {
     history.replaceState(null, '', `?session=${encodeURIComponent(only)}`);
     openSession(app, only, parameters);

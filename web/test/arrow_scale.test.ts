@@ -3,6 +3,18 @@ import { describe, expect, it } from 'vitest';
 import { ArrowScale, roundUp125 } from '../src/model/arrow_scale';
 import { ForceHistory } from '../src/model/forces';
 
+it('a history forgets what is older than its window, also when nothing new comes', () => {
+  const history = new ForceHistory(10);
+  for (let s = 0; s < 5; ++s) history.push(s, s, 2 * s);
+  history.forget(12.5);
+  expect([...history.series()[0]]).toEqual([3, 4]);
+  history.forget(100);
+  expect(history.count).toBe(0);
+  expect(history.latest).toEqual({ forceN: 0, torqueNmm: 0 });
+  history.push(200, 1, 1);
+  expect(history.count).toBe(1);
+});
+
 function participant(forceN: number, torqueNmm: number): { forces: ForceHistory } {
   const forces = new ForceHistory(10);
   for (let i = 0; i < 100; ++i) forces.push(i / 10, forceN, torqueNmm);

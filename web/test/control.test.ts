@@ -25,6 +25,13 @@ describe('control messages', () => {
     expect(parse(welcome)).toEqual({ ok: true, value: welcome });
   });
 
+  it('takes the name of the scene, where there is one', () => {
+    const named = { ...welcome, name: 'Bracket op 1' };
+    expect(parse(named)).toEqual({ ok: true, value: named });
+    expect(parse({ ...welcome, name: '' })).toEqual({ ok: true, value: welcome });
+    expect(parse({ ...welcome, name: 7 })).toEqual({ ok: true, value: welcome });
+  });
+
   it('ignores unknown fields and skips unknown types', () => {
     expect(parse({ ...welcome, weather: 'fine' })).toEqual({ ok: true, value: welcome });
     expect(parse({ type: 'weather', fine: true })).toEqual({ ok: true, value: null });

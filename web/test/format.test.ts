@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { feltBeside, figure, sentence, volume } from '../src/ui/format';
+import { duration, feltBeside, figure, sentence, volume } from '../src/ui/format';
 
 describe('format', () => {
   it('keeps three significant digits', () => {
@@ -22,6 +22,18 @@ describe('format', () => {
     expect(feltBeside(18.1, 0.995, 'N')).toBe('18.1 N');
     expect(feltBeside(18.1, null, 'N')).toBe('18.1 N');
     expect(feltBeside(0, 0, 'N')).toBe('0 N');
+  });
+
+  it('says how long ago', () => {
+    expect([0, 999, 3400, 59_999, 60_000, 3_599_999, 7_200_000].map(duration)).toEqual([
+      '0 s',
+      '0 s',
+      '3 s',
+      '59 s',
+      '1 min',
+      '59 min',
+      '2 h',
+    ]);
   });
 
   it('turns reasons into sentences', () => {

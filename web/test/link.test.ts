@@ -16,6 +16,7 @@ function join(
   session: string,
   probe: () => Promise<string | null> = () => Promise.resolve(null),
   follow: (redirect: string) => boolean = () => false,
+  firstRetryMs = 5,
 ) {
   const model = new SessionModel();
   const statuses: LinkStatus[] = [];
@@ -30,9 +31,11 @@ function join(
       look: () => (model.welcome ? CAMERA : null),
       follow,
       nowMs: () => performance.now(),
-      backoff: new Backoff(5, 20),
+      backoff: new Backoff(firstRetryMs, 4 * firstRetryMs),
     },
     {
+      greeted: () => undefined,
+      pinged: () => undefined,
       status: (status, reason) => {
         statuses.push(status);
         reasons.push(reason);
@@ -107,6 +110,38 @@ describe('view link', () => {
     expect(statuses).toEqual(
       expect.arrayContaining(['connecting', 'connected', 'reconnecting', 'stopped']),
     );
+  });
+
+  it('joins again under another name, and keeps it', async () => {
+    const { link, statuses } = join(server.port, 'demo');
+    const joined = (count: number) =>
+      vi.waitFor(
+        () => expect(statuses.filter((status) => status === 'connected')).toHaveLength(count),
+        soon,
+      );
+    await joined(1);
+    link.rename('Grace');
+    await joined(2);
+    server.dropViewers();
+    await joined(3);
+    expect(server.hellos).toEqual(['Tester', 'Grace', 'Grace']);
+    link.stop();
+  });
+
+  it('says when it tries again, and tries at once when asked', async () => {
+    const { link, model, statuses } = join(server.port, 'demo', undefined, undefined, 60_000);
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    expect(link.retryAtMs).toBeNull();
+    server.dropViewers();
+    await vi.waitFor(() => expect(link.retryAtMs).not.toBeNull(), soon);
+    expect(link.retryAtMs! - performance.now()).toBeGreaterThan(30_000);
+    link.retryNow();
+    expect(link.retryAtMs).toBeNull();
+    await vi.waitFor(
+      () => expect(statuses.filter((status) => status === 'connected')).toHaveLength(2),
+      soon,
+    );
+    link.stop();
   });
 
   it('stops with the reason if the session does not exist', async () => {

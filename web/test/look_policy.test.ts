@@ -8,10 +8,12 @@ function from(x: number, error_rad = 0.001): Look {
 }
 
 describe('look policy', () => {
-  it('scales the error with the pixel size and doubles it on weak devices', () => {
-    expect(errorRad(30, 1000, false)).toBeCloseTo((0.5 * 2 * Math.tan(Math.PI / 12)) / 1000, 12);
-    expect(errorRad(30, 500, false)).toBeCloseTo(2 * errorRad(30, 1000, false), 12);
-    expect(errorRad(30, 1000, true)).toBeCloseTo(2 * errorRad(30, 1000, false), 12);
+  it('allows half a pixel of the picture, however many of them make a CSS pixel', () => {
+    const cssPixel = (2 * Math.tan(Math.PI / 12)) / 1000; // 30° over 1000 of them
+    expect(errorRad(1000, 1)).toBeCloseTo(0.5 * cssPixel, 12);
+    expect(errorRad(500, 1)).toBeCloseTo(2 * 0.5 * cssPixel, 12);
+    expect(errorRad(1000, 2)).toBeCloseTo(0.25 * cssPixel, 12);
+    expect(errorRad(1000, 3)).toBe(errorRad(1000, 2)); // no picture has more than two
   });
 
   it('sends the first look immediately, and again after a reset', () => {

@@ -4,20 +4,19 @@
 import { writeFile } from 'node:fs/promises';
 import { chromium } from 'playwright-core';
 
+const SOFTWARE_WEBGL = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 const ARGS = [
   '--no-sandbox',
-  '--use-gl=angle',
-  '--use-angle=swiftshader',
-  '--enable-unsafe-swiftshader',
   '--disable-background-networking',
   '--disable-quic',
   '--no-first-run',
 ];
 
-export function launchBrowser() {
+/** `graphics`: what the browser draws with. */
+export function launchBrowser(graphics = SOFTWARE_WEBGL) {
   return chromium.launch({
     executablePath: process.env.KERF_CHROMIUM ?? '/usr/bin/chromium',
-    args: ARGS,
+    args: [...ARGS, ...graphics],
   });
 }
 
@@ -38,6 +37,39 @@ export async function openViewer(browser, url, viewport) {
   return { page, problems, state: () => page.evaluate(() => window.kerf?.state()) };
 }
 
+/** Pixels of a screenshot, RGBA, of the part that begins at x, y. */
+async function pixelsOf(page, png, [x, y, width, height]) {
+  return page.evaluate(
+    async ([base64, left, top, columns, rows]) => {
+      const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+      const context = new OffscreenCanvas(columns, rows).getContext('2d');
+      context.drawImage(bitmap, -left, -top);
+      return Array.from(context.getImageData(0, 0, columns, rows).data);
+    },
+    [png.toString('base64'), x, y, width, height],
+  );
+}
+
+/** Brightness of each pixel, 0 to 255. */
+function brightnessOf(rgba) {
+  const values = [];
+  for (let i = 0; i < rgba.length; i += 4)
+    values.push(0.299 * rgba[i] + 0.587 * rgba[i + 1] + 0.114 * rgba[i + 2]);
+  return values;
+}
+
+/** Mean luminance, 0 to 1, of the middle of a box of the page: left, top, right, bottom. */
+export async function luminanceIn(page, [left, top, right, bottom]) {
+  const png = await page.screenshot({ timeout: 120_000 });
+  const width = Math.max(1, Math.floor((right - left) * 0.7));
+  const height = Math.max(1, Math.floor((bottom - top) * 0.7));
+  const corner = [Math.floor((left + right - width) / 2), Math.floor((top + bottom - height) / 2)];
+  const values = brightnessOf(await pixelsOf(page, png, [...corner, width, height]));
+  // sRGB's transfer curve, nearly.
+  return values.reduce((sum, value) => sum + (value / 255) ** 2.2, 0) / values.length;
+}
+
 /**
  * Saves a screenshot. Returns the standard deviation of the brightness (0 to 255) in its middle,
  * where the block is.
@@ -45,22 +77,10 @@ export async function openViewer(browser, url, viewport) {
 export async function photograph(viewer, file) {
   const png = await viewer.page.screenshot({ timeout: 120_000 });
   await writeFile(file, png);
-  return viewer.page.evaluate(async (base64) => {
-    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-    const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
-    const [width, height] = [Math.floor(bitmap.width * 0.4), Math.floor(bitmap.height * 0.5)];
-    const canvas = new OffscreenCanvas(width, height);
-    const context = canvas.getContext('2d');
-    context.drawImage(bitmap, -bitmap.width * 0.2, -bitmap.height * 0.25);
-    const { data } = context.getImageData(0, 0, width, height);
-    let sum = 0;
-    let squares = 0;
-    for (let i = 0; i < data.length; i += 4) {
-      const brightness = 0.299 * data[i] + 0.587 * data[i + 1] + 0.114 * data[i + 2];
-      sum += brightness;
-      squares += brightness * brightness;
-    }
-    const count = data.length / 4;
-    return Math.sqrt(Math.max(0, squares / count - (sum / count) ** 2));
-  }, png.toString('base64'));
+  const { width, height } = viewer.page.viewportSize();
+  const middle = [0.2 * width, 0.25 * height, 0.4 * width, 0.5 * height].map(Math.floor);
+  const values = brightnessOf(await pixelsOf(viewer.page, png, middle));
+  const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+  const squares = values.reduce((sum, value) => sum + (value - mean) ** 2, 0);
+  return Math.sqrt(squares / values.length);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /**
- * Delays between connection attempts: doubling from 250 ms to 8 s, each shortened by up to 25 % at
+ * Delays between connection attempts: doubling from 250 ms to 2 s, each shortened by up to 25 % at
  * random, so that many viewers do not reconnect at the same instant.
  */
 export class Backoff {
@@ -8,7 +8,7 @@ export class Backoff {
 
   constructor(
     private readonly firstMs = 250,
-    private readonly longestMs = 8000,
+    private readonly longestMs = 2000,
     private readonly random: () => number = Math.random,
   ) {}
 

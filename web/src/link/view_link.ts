@@ -13,6 +13,8 @@ import { Backoff } from './backoff';
 export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped';
 
 export interface LinkEvents {
+  /** The hello was sent. */
+  greeted(): void;
   /** The status changed; `reason` is a sentence for the user, empty if there is no problem. */
   status(status: LinkStatus, reason: string): void;
   message(message: ServerMessage): void;
@@ -22,6 +24,8 @@ export interface LinkEvents {
    * promise.
    */
   mesh(header: Header, glb: Uint8Array): Promise<void>;
+  /** A ping was sent. */
+  pinged(): void;
   pong(sentMs: number, receivedMs: number, serverUs: bigint): void;
   /**
    * The server sent something invalid, or a frame could not be applied. The connection stays open.
@@ -42,6 +46,7 @@ export interface Socket {
 
 export interface LinkOptions {
   url: string;
+  /** Under which the viewer joins; rename() changes it. */
   name: string;
   open(url: string, protocol: string): Socket;
   /**
@@ -83,6 +88,8 @@ export class ViewLink {
   private stopped_ = false;
   private pingTimer_: ReturnType<typeof setInterval> | undefined;
   private retryTimer_: ReturnType<typeof setTimeout> | undefined;
+  private retryAtMs_: number | null = null;
+  private name_: string;
   private readonly backoff_: Backoff;
 
   constructor(
@@ -90,6 +97,7 @@ export class ViewLink {
     private readonly events: LinkEvents,
   ) {
     this.backoff_ = options.backoff ?? new Backoff();
+    this.name_ = options.name;
   }
 
   start(): void {
@@ -103,6 +111,19 @@ export class ViewLink {
     this.drop_();
     clearTimeout(this.retryTimer_);
     this.events.status('stopped', reason);
+  }
+
+  /** When the next attempt to connect begins, by the clock of `nowMs`; null: none is waiting. */
+  get retryAtMs(): number | null {
+    return this.retryAtMs_;
+  }
+
+  /** Joins again under another name: participants keep theirs as long as they are connected. */
+  rename(name: string): void {
+    this.name_ = name;
+    if (this.stopped_ || !this.socket_) return;
+    this.drop_();
+    this.connect_('reconnecting', 'You take another name.');
   }
 
   /** Reconnects now instead of after the backoff delay, e.g. when the device is online again. */
@@ -123,6 +144,7 @@ export class ViewLink {
   private connect_(status: LinkStatus, reason: string): void {
     const generation = ++this.generation_;
     this.welcomed_ = false;
+    this.retryAtMs_ = null;
     this.byeReason_ = '';
     this.lastReceivedMs_ = this.options.nowMs();
     this.lastTickMs_ = this.lastReceivedMs_;
@@ -133,8 +155,10 @@ export class ViewLink {
     const current = (): boolean => generation === this.generation_ && !this.stopped_;
     socket.onopen = () => {
       const look = this.options.look() ?? true;
-      const hello = { type: 'hello', name: this.options.name, changes: true, look };
-      if (current()) socket.send(JSON.stringify(hello));
+      const hello = { type: 'hello', name: this.name_, changes: true, look };
+      if (!current()) return;
+      socket.send(JSON.stringify(hello));
+      this.events.greeted();
     };
     socket.onmessage = (event) => {
       if (current()) this.received_(event.data, current);
@@ -173,10 +197,9 @@ export class ViewLink {
       this.stop(final);
       return;
     }
-    this.retryTimer_ = setTimeout(
-      () => this.connect_('reconnecting', reason),
-      this.backoff_.next(),
-    );
+    const delayMs = this.backoff_.next();
+    this.retryAtMs_ = this.options.nowMs() + delayMs;
+    this.retryTimer_ = setTimeout(() => this.connect_('reconnecting', reason), delayMs);
   }
 
   private tick_(): void {
@@ -188,6 +211,7 @@ export class ViewLink {
     if (now - this.lastReceivedMs_ > SILENCE_MAX_MS) {
       void this.lost_('The server stopped answering.');
     } else if (this.welcomed_) {
+      this.events.pinged();
       this.sendFrame_(FrameType.Ping, { kind: 'ping', time_us: BigInt(Math.round(now * 1000)) });
     }
   }

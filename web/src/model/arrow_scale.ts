@@ -3,6 +3,9 @@
 
 import type { ForceHistory } from './forces';
 
+/** Of force and torque, in arrows, scale and plots. */
+export const WRENCH_COLORS = { force: '#1f66e5', torque: '#d8262c' } as const;
+
 const UPDATE_EVERY_MS = 250;
 const FULL_PER_TYPICAL = 2;
 const LEAST_FULL_N = 0.1; // smaller scales would display noise

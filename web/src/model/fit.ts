@@ -1,9 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera distance at which a whole box is in view.
+// Camera position from which a whole box is in view. Needs no three.js, so that the server can be
+// told where the page will look from before the GPU is ready.
 
 import type { Bounds } from './session';
 
 type V = readonly [number, number, number];
+
+/** Vertical field of view, degrees. */
+export const FOV_DEG = 30;
+/** Towards the camera in the default view. */
+export const ISO_DIRECTION: V = [-0.45, -1, 1.42];
+const MARGIN = 1.03;
+const FREE_MIN_PX = 80; // panels may cover everything
+
+/** Widths of the picture's margins that panels cover, CSS pixels. */
+export interface Insets {
+  left: number;
+  right: number;
+  top: number;
+  bottom: number;
+}
+
+/** Size of the picture, CSS pixels. */
+export interface Viewport {
+  width: number;
+  height: number;
+  insets: Insets;
+}
 
 function dot(a: V, b: V): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -13,7 +36,7 @@ function cross(a: V, b: V): [number, number, number] {
   return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 }
 
-function unit(a: V): [number, number, number] {
+export function unit(a: V): [number, number, number] {
   const length = Math.hypot(...a) || 1;
   return [a[0] / length, a[1] / length, a[2] / length];
 }
@@ -51,4 +74,24 @@ export function fitDistance(
     );
   }
   return distance;
+}
+
+/**
+ * Returns the distance from the box's center, along the unit vector `towardsCamera`, at which the box
+ * fills the part of the picture that no panel covers.
+ */
+export function viewDistance(bounds: Bounds, towardsCamera: V, view: Viewport): number {
+  const { width, height, insets } = view;
+  const tangent = Math.tan((FOV_DEG * Math.PI) / 360);
+  const free = (of: number, covered: number): number =>
+    (tangent * Math.max(FREE_MIN_PX, of - covered)) / height;
+  return (
+    MARGIN *
+    fitDistance(
+      bounds,
+      towardsCamera,
+      free(width, insets.left + insets.right),
+      free(height, insets.top + insets.bottom),
+    )
+  );
 }

@@ -26,6 +26,12 @@ export class ForceHistory {
     while (this.times_[this.begin_]! < timeS - this.windowS) this.begin_ += 1;
   }
 
+  /** Drops what is older than the window at `timeS`, for a participant who sends nothing more. */
+  forget(timeS: number): void {
+    while (this.begin_ < this.end_ && this.times_[this.begin_]! < timeS - this.windowS)
+      this.begin_ += 1;
+  }
+
   get count(): number {
     return this.end_ - this.begin_;
   }

@@ -3,21 +3,22 @@
 // server picks each tile's level.
 
 import type { Look } from '../wire/types';
+import { FOV_DEG } from './fit';
+import { drawnRatio } from './quality';
 
-/** Acceptable surface error on screen, in CSS pixels. */
+/** Acceptable surface error on screen, in pixels of the picture. */
 const ERROR_PX = 0.5;
-const WEAK_ERROR_PX = 1; // on phones and with software rendering
 const SETTLED_MS = 250;
 const WHILE_MOVING_MS = 1000;
 const MOVED_FRACTION = 0.08; // of the distance to the camera's target
 
 /**
- * Returns the acceptable error as an angle, for a picture of this height and vertical field of
- * view.
+ * Returns the acceptable error as an angle, for a picture of this height in CSS pixels that is drawn
+ * with `pixelRatio` pixels for each.
  */
-export function errorRad(fovDeg: number, heightPx: number, weak: boolean): number {
-  const pixelRad = (2 * Math.tan((fovDeg * Math.PI) / 360)) / heightPx;
-  return (weak ? WEAK_ERROR_PX : ERROR_PX) * pixelRad;
+export function errorRad(heightPx: number, pixelRatio: number): number {
+  const pixelRad = (2 * Math.tan((FOV_DEG * Math.PI) / 360)) / (heightPx * drawnRatio(pixelRatio));
+  return ERROR_PX * pixelRad;
 }
 
 /**

@@ -3,6 +3,8 @@
 // surfaces, so that cuts stand out. `ring` is the color and `grain` the strength (0 to 1) of the
 // growth rings of wood, a solid texture through the whole block.
 
+import type { ParticipantKind } from '../wire/types';
+
 export interface StockMaterialPreset {
   name: string;
   skin: string;
@@ -60,3 +62,13 @@ export const STOCK_MATERIALS: readonly StockMaterialPreset[] = [
     metalness: 0,
   },
 ];
+
+/**
+ * Returns the material of a session in which these carve and no one has chosen another: wood for
+ * hands, a plain board for programs, because grain hides the marks that a program leaves.
+ */
+export function sessionMaterial(kinds: readonly ParticipantKind[]): StockMaterialPreset {
+  const isProgram = kinds.length > 0 && kinds.every((kind) => kind === 'program');
+  const name = isProgram ? 'Tooling board' : 'Limewood';
+  return STOCK_MATERIALS.find((preset) => preset.name === name)!;
+}

@@ -3,6 +3,8 @@
 // when frames are slow and up again when they are fast. A still picture is drawn once at full
 // quality.
 
+/** Pictures have at most so many pixels for a CSS pixel. */
+const RATIO_MAX = 2;
 const LEVELS = [1, 0.8, 0.62, 0.48, 0.36, 0.28] as const;
 const SLOW_MS = 30;
 const FAST_MS = 13;
@@ -10,6 +12,11 @@ const SAMPLES_DOWN = 6;
 const SAMPLES_UP = 90;
 const THROTTLE_AFTER = 30; // consecutive slow frames at the lowest ratio
 const THROTTLED_PAUSE_MS = 140;
+
+/** Returns how many pixels a still picture has for each CSS pixel of a screen. */
+export function drawnRatio(devicePixelRatio: number): number {
+  return Math.min(RATIO_MAX, devicePixelRatio || 1);
+}
 
 export class Quality {
   private level_: number;

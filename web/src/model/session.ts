@@ -13,6 +13,7 @@ import type {
   Welcome,
 } from '../wire/types';
 import { RateMeter, ServerClock } from './clock';
+import { Liveness } from './liveness';
 import { Participants } from './participants';
 import { Programs } from './programs';
 import { TileTable } from './tiles';
@@ -35,6 +36,7 @@ export class SessionModel {
   readonly programs = new Programs();
   readonly clock = new ServerClock();
   readonly frames = new RateMeter();
+  readonly liveness = new Liveness();
   welcome: Welcome | null = null;
   state: StateMessage | null = null;
   status: LinkStatus = 'connecting';
@@ -58,6 +60,7 @@ export class SessionModel {
         this.state = null;
         this.tiles.beginSnapshot();
         this.clock.reset();
+        this.liveness.reset();
         this.participants.setList(message.participants, message.viewers);
         this.participants.forgetPoses();
         this.programs.clear();
@@ -91,6 +94,11 @@ export class SessionModel {
     this.frameArrived_(header, nowMs);
     this.meshFrames += 1;
     this.meshBytes += bytes;
+  }
+
+  /** The answer to a ping arrived. Its round trip counts if the page did not stand still. */
+  pong(sentMs: number, receivedMs: number, serverUs: bigint): void {
+    if (this.liveness.answered(sentMs, receivedMs)) this.clock.pong(sentMs, receivedMs, serverUs);
   }
 
   addProblem(text: string): void {

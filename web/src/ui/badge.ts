@@ -7,43 +7,71 @@ import { milliseconds } from './format';
 
 const STALE_MS = 1000;
 
+export type BadgeState = SessionModel['status'] | 'stale' | 'silent';
+
+/** What the badge says of a session now. `brief` is all that fits on a phone. */
+export function badgeOf(
+  model: SessionModel,
+  nowMs: number,
+): { state: BadgeState; label: string; brief: string; more: string } {
+  if (model.status !== 'connected')
+    return { state: model.status, label: LABELS[model.status], brief: '', more: '' };
+  const { overdueMs } = model.liveness;
+  if (overdueMs > 0) {
+    const brief = `for ${Math.floor(overdueMs / 1000)} s`;
+    return { state: 'silent', label: LABELS.silent, brief, more: '' };
+  }
+  const active = model.active(nowMs);
+  const staleness = model.stalenessMs(nowMs);
+  const state = active && staleness > STALE_MS ? 'stale' : 'connected';
+  const age = active ? `${milliseconds(staleness)} old` : 'still';
+  return {
+    state,
+    label: LABELS[state],
+    brief: `RTT ${milliseconds(model.clock.rttMs)}`,
+    more: ` · ${model.frames.perSecond(nowMs)} frames/s · ${age}`,
+  };
+}
+
 export class Badge {
   private readonly state_ = h('span', { class: 'badge-state' });
-  private readonly rtt_ = h('span');
+  private readonly brief_ = h('span');
   private readonly more_ = h('span', { class: 'badge-more' });
   // Hidden from screen readers, which announce changes of the state only.
   private readonly detail_ = h(
     'span',
     { class: 'badge-detail', 'aria-hidden': 'true' },
-    this.rtt_,
+    this.brief_,
     this.more_,
   );
   readonly element = h(
     'div',
-    { class: 'badge', role: 'status', 'aria-live': 'polite' },
+    {
+      class: 'badge',
+      role: 'status',
+      'aria-live': 'polite',
+      title: 'Round trip to the server, frames received per second, age of the picture',
+    },
     h('span', { class: 'badge-dot' }),
     this.state_,
     this.detail_,
   );
 
   update(model: SessionModel, nowMs: number): void {
-    const staleness = model.stalenessMs(nowMs);
-    const stale = model.status === 'connected' && model.active(nowMs) && staleness > STALE_MS;
-    this.element.dataset['state'] = stale ? 'stale' : model.status;
-    setText(this.state_, stale ? 'Behind' : LABELS[model.status]);
-    this.detail_.hidden = model.status !== 'connected';
-    if (this.detail_.hidden) return;
-    const frames = model.frames.perSecond(nowMs);
-    const age = model.active(nowMs) ? `${milliseconds(staleness)} old` : 'still';
-    setText(this.rtt_, `RTT ${milliseconds(model.clock.rttMs)}`);
-    setText(this.more_, ` · ${frames} frames/s · ${age}`);
-    this.element.title = 'Round trip to the server, frames received per second, age of the picture';
+    const { state, label, brief, more } = badgeOf(model, nowMs);
+    this.element.dataset['state'] = state;
+    setText(this.state_, label);
+    this.detail_.hidden = brief === '';
+    setText(this.brief_, brief);
+    setText(this.more_, more);
   }
 }
 
 const LABELS = {
   connecting: 'Connecting',
   connected: 'Live',
+  stale: 'Behind',
+  silent: 'No answer',
   reconnecting: 'Reconnecting',
   stopped: 'Disconnected',
 } as const;

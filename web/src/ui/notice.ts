@@ -3,12 +3,36 @@
 
 import { h, setText } from './dom';
 
-export class Notice {
-  readonly element = h('div', { class: 'notice', role: 'alert', hidden: '' });
+/** What a notice says; `wait` counts down and is not read aloud. */
+export interface NoticeText {
+  text: string;
+  wait?: string;
+  action?: string;
+}
 
-  show(text: string): void {
+export class Notice {
+  private readonly text_ = h('span');
+  private readonly wait_ = h('span', { class: 'notice-wait', 'aria-hidden': 'true' });
+  private readonly action_ = h('button', { type: 'button', class: 'notice-action', hidden: '' });
+  readonly element = h(
+    'div',
+    { class: 'notice', role: 'alert', hidden: '' },
+    this.text_,
+    this.wait_,
+    this.action_,
+  );
+
+  /** `act` is called when the action is pressed. */
+  constructor(act: () => void) {
+    this.action_.addEventListener('click', act);
+  }
+
+  show({ text, wait = '', action = '' }: NoticeText): void {
     this.element.hidden = text === '';
-    setText(this.element, text);
+    setText(this.text_, text);
+    setText(this.wait_, wait);
+    this.action_.hidden = action === '';
+    setText(this.action_, action);
   }
 }
 

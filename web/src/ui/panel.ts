@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The side panel (a bottom sheet on phones): figures, participants, plots, downloads, material.
 
-import { STOCK_MATERIALS } from '../model/materials';
 import type { StockMaterialPreset } from '../model/materials';
+import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
-import { count, figure, volume } from './format';
+import { count, duration, figure, volume } from './format';
 import { ICONS } from './icons';
-import { recall, remember } from './memory';
+import { MaterialChoice } from './material_choice';
 import { People } from './people';
 import { Plots } from './plots';
 
+const SILENT_MS = 1500; // without a tool state for so long, there is no newest force
 const DOWNLOADS = [
   ['model.stl', 'STL', 'Closed surface for printing'],
   ['model.3mf', '3MF', 'Closed surface for printing, in millimetres'],
@@ -29,6 +30,8 @@ const VARIANTS = [
 
 export interface PanelActions {
   personPressed: (participant: number) => void;
+  /** The viewer has chosen another name. */
+  renamed: (name: string) => void;
   materialChosen: (look: StockMaterialPreset) => void;
   /** The panel was resized. */
   layoutChanged: () => void;
@@ -75,6 +78,8 @@ export class Panel {
     title: 'State hash: two viewers with the same hash show the same block',
   });
   private readonly plotOf_ = h('span', { class: 'plot-of' });
+  private plotted_: Participant | null = null; // stays when the participant leaves
+  private readonly material_: MaterialChoice;
   private readonly people_: People;
   private readonly plots_: Plots;
 
@@ -84,7 +89,8 @@ export class Panel {
     colors: { force: string; torque: string },
     private readonly actions: PanelActions,
   ) {
-    this.people_ = new People(model, actions.personPressed);
+    this.material_ = new MaterialChoice(actions.materialChosen);
+    this.people_ = new People(model, actions.personPressed, actions.renamed);
     this.plots_ = new Plots(colors.force, colors.torque);
     const figures = h(
       'dl',
@@ -107,7 +113,7 @@ export class Panel {
         section('Participants', this.people_.root),
         forces,
         section('Downloads', downloads(session)),
-        section('Material', materials(actions.materialChosen)),
+        section('Material', this.material_.element),
         h('p', { class: 'quiet hash' }, 'State ', this.hash_),
       ),
     );
@@ -126,10 +132,21 @@ export class Panel {
     this.pitch_.set(welcome ? figure(welcome.pitch_mm) : '–', 'mm');
     setText(this.hash_, state ? (state.paused ? 'paused: disk' : state.state_hash) : '–');
     this.hash_.classList.toggle('settled', state?.settled === true);
+    this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
     this.people_.update(selected, followed, nowMs);
-    const participant = selected === null ? undefined : this.model.participants.get(selected);
-    setText(this.plotOf_, participant ? participant.info.name : '');
-    if (participant) this.plots_.show(participant.forces, nowMs / 1000, participant.feltShare);
+    const { participants } = this.model;
+    this.plotted_ = (selected === null ? undefined : participants.get(selected)) ?? this.plotted_;
+    if (this.plotted_) this.plot_(this.plotted_, nowMs);
+  }
+
+  /** Plots the forces of a participant, also after it has left. */
+  private plot_({ info, seenMs, forces, feltShare }: Participant, nowMs: number): void {
+    const silentMs = nowMs - seenMs;
+    const silent = silentMs > SILENT_MS;
+    const isGone = !this.model.participants.get(info.participant);
+    const ago = isGone && Number.isFinite(silentMs) ? `, ${duration(silentMs)} ago` : '';
+    setText(this.plotOf_, info.name + ago);
+    this.plots_.show(forces, nowMs / 1000, silent ? 'gone' : feltShare);
   }
 
   private toggle_(): void {
@@ -165,25 +182,4 @@ function downloads(session: string): HTMLElement {
     h('div', { class: 'downloads' }, ...buttons),
     h('p', { class: 'variants quiet' }, 'Also: ', ...variants),
   );
-}
-
-function materials(chosen: (preset: StockMaterialPreset) => void): HTMLElement {
-  const group = h('div', { class: 'materials', role: 'radiogroup', 'aria-label': 'Material' });
-  const saved = recall('look');
-  const first = STOCK_MATERIALS.find((preset) => preset.name === saved) ?? STOCK_MATERIALS[0]!;
-  for (const preset of STOCK_MATERIALS) {
-    const input = h('input', { type: 'radio', name: 'material', 'aria-label': preset.name });
-    input.checked = preset === first;
-    input.addEventListener('change', () => {
-      remember('look', preset.name);
-      chosen(preset);
-    });
-    const swatch = h('span', {
-      class: 'material',
-      style: `background:linear-gradient(135deg, ${preset.core} 55%, ${preset.skin} 56%)`,
-    });
-    group.append(h('label', { title: preset.name }, input, swatch));
-  }
-  chosen(first);
-  return group;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The list of participants: color, name, tool, current force. Pressing a name follows that tool and
-// plots its forces.
+// The list of participants: color, name, tool, current force; below it those who watch. Pressing a
+// name follows that tool and plots its forces.
 
 import { toolName } from '../model/tool_profile';
 import type { Participant } from '../model/participants';
@@ -9,6 +9,7 @@ import { STATUS_COLLIDING, STATUS_CUTTING } from '../wire/types';
 import type { ParticipantInfo } from '../wire/types';
 import { h, setText } from './dom';
 import { feltBeside } from './format';
+import { Watchers } from './watchers';
 
 interface Row {
   element: HTMLElement;
@@ -25,15 +26,19 @@ function marksOf({ kind, role }: ParticipantInfo): string[] {
 
 export class People {
   readonly element = h('ul', { class: 'people' });
-  private readonly watchers_ = h('p', { class: 'quiet' });
-  readonly root = h('div', {}, this.element, this.watchers_);
+  private readonly watchers_: Watchers;
+  readonly root: HTMLElement;
   private readonly rows_ = new Map<number, Row>();
   private revision_ = -1;
 
   constructor(
     private readonly model: SessionModel,
     private readonly pressed: (participant: number) => void,
-  ) {}
+    renamed: (name: string) => void,
+  ) {
+    this.watchers_ = new Watchers(model, renamed);
+    this.root = h('div', {}, this.element, this.watchers_.element);
+  }
 
   update(selected: number | null, followed: number | null, nowMs: number): void {
     if (this.revision_ !== this.model.participants.revision) this.rebuild_();
@@ -51,15 +56,7 @@ export class People {
     if (carvers.length === 0) {
       this.element.append(h('li', { class: 'quiet' }, 'No one is carving.'));
     }
-    const watching = this.model.participants.viewers;
-    setText(
-      this.watchers_,
-      watching === 0
-        ? ''
-        : watching === 1
-          ? '1 viewer: you'
-          : `${watching} viewers, you among them`,
-    );
+    this.watchers_.update();
   }
 
   private row_(participant: Participant): Row {

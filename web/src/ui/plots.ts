@@ -10,9 +10,12 @@ import { feltBeside, figure } from './format';
 
 const HEIGHT = 104;
 
+/** Share of the newest wrench that the participant feels; null: not stated; gone: there is none. */
+export type Felt = number | null | 'gone';
+
 class Plot {
   readonly element: HTMLElement;
-  private readonly value_ = h('output', { class: 'plot-value' });
+  private readonly value_ = h('span', { class: 'plot-value' });
   private readonly peak_ = h('span', { class: 'plot-peak' });
   private readonly frame_ = h('div', { class: 'plot-frame' });
   private readonly plot_: uPlot;
@@ -26,14 +29,18 @@ class Plot {
     const swatch = h('span', { class: 'plot-swatch', style: `background:${color}` });
     this.element = h(
       'figure',
-      { class: 'plot', 'aria-label': `${title}, last ${FORCE_WINDOW_S} seconds` },
+      {
+        class: 'plot',
+        'aria-live': 'off',
+        'aria-label': `${title}, last ${FORCE_WINDOW_S} seconds`,
+      },
       h('figcaption', {}, swatch, title, this.value_, this.peak_),
       this.frame_,
     );
     const axis = {
       stroke: '#7a8699',
       font: '11px "Inter Variable", sans-serif',
-      grid: { stroke: '#e3e8ef', width: 1 },
+      grid: { stroke: '#8090a640', width: 1 },
       ticks: { show: false },
     };
     this.plot_ = new uPlot(
@@ -64,18 +71,13 @@ class Plot {
     );
   }
 
-  show(
-    times: Float64Array,
-    values: Float64Array,
-    nowS: number,
-    peak: number,
-    feltShare: number | null,
-  ): void {
+  show(times: Float64Array, values: Float64Array, nowS: number, peak: number, felt: Felt): void {
     this.nowS_ = nowS;
     this.plot_.setData([times, values]);
-    const latest = values.length > 0 ? values[values.length - 1]! : 0;
-    setText(this.value_, feltBeside(latest, feltShare, this.unit));
-    setText(this.peak_, `peak ${figure(peak)}`);
+    const latest = felt === 'gone' ? undefined : values[values.length - 1];
+    const share = felt === 'gone' ? null : felt;
+    setText(this.value_, latest === undefined ? '' : feltBeside(latest, share, this.unit));
+    setText(this.peak_, peak > 0 ? `peak ${figure(peak)}` : '');
   }
 
   resize(): void {
@@ -101,12 +103,14 @@ export class Plots {
 
   /**
    * @param nowS the right edge, on the clock of the history's samples
-   * @param feltShare share of the newest wrench that the participant feels; null: not stated
+   * Samples that are older than the plot are not shown, so a plot of a participant who is gone
+   * becomes empty.
    */
-  show(history: ForceHistory, nowS: number, feltShare: number | null): void {
+  show(history: ForceHistory, nowS: number, felt: Felt): void {
+    history.forget(nowS);
     const [times, forces, torques] = history.series();
     const { forceN, torqueNmm } = history.peak;
-    this.force_.show(times, forces, nowS, forceN, feltShare);
-    this.torque_.show(times, torques, nowS, torqueNmm, feltShare);
+    this.force_.show(times, forces, nowS, forceN, felt);
+    this.torque_.show(times, torques, nowS, torqueNmm, felt);
   }
 }

@@ -27,8 +27,8 @@ function card(session: SessionSummary): HTMLElement {
   );
 }
 
-/** Shows the list and returns null, or returns the id of the only session. */
-export async function showSessions(app: HTMLElement): Promise<string | null> {
+/** Shows the list and returns null, or returns the id of the only session, unless `always`. */
+export async function showSessions(app: HTMLElement, always: boolean): Promise<string | null> {
   let sessions: SessionSummary[];
   try {
     sessions = await listSessions();
@@ -41,7 +41,7 @@ export async function showSessions(app: HTMLElement): Promise<string | null> {
     app.replaceChildren(failurePage('No connection', text, [{ label: 'Try again', href: '?' }]));
     return null;
   }
-  if (sessions.length === 1) return sessions[0]!.id;
+  if (sessions.length === 1 && !always) return sessions[0]!.id;
   const empty = sessions.length === 0;
   const lead = empty
     ? 'There are no sessions on this server.'

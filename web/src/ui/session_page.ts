@@ -5,26 +5,33 @@ import { probeSession } from '../link/api';
 import { redirectTarget } from '../link/redirect';
 import { ViewLink } from '../link/view_link';
 import type { Socket } from '../link/view_link';
+import { WRENCH_COLORS } from '../model/arrow_scale';
+import { BEAT_MS } from '../model/liveness';
 import { LookPolicy } from '../model/look_policy';
 import { SessionModel } from '../model/session';
 import { nearestCut, soundOf } from '../model/sound';
 import type { SoundLevels } from '../model/sound';
-import { Viewer } from '../view/viewer';
-import type { Insets } from '../view/camera_rig';
-import { FORCE_COLOR, TORQUE_COLOR } from '../view/wrench_view';
-import { Badge } from './badge';
-import { h, iconButton, setText } from './dom';
+import type { CameraRig } from '../view/camera_rig';
+import type { Insets } from '../model/fit';
+import { mark } from '../marks';
+import { h, setText } from './dom';
 import { figure, sentence } from './format';
 import { helpDialog } from './help';
 import { inviteDialog } from './invite';
-import { ICONS } from './icons';
 import { listenToKeys } from './keyboard';
+import { remember } from './memory';
 import { failurePage, Notice } from './notice';
-import { mountPrograms } from './programs/mount';
+import type { NoticeText } from './notice';
 import { Panel } from './panel';
+import { Picture } from './picture';
+import { mountPrograms } from './programs/mount';
 import { SoundToggle } from './sound';
+import { TitleBar } from './title_bar';
+import { Toolbar } from './toolbar';
 
 const SESSION_CLOSED = 'The server closed the session';
+const NO_PICTURE =
+  'No picture: this browser has no WebGL 2. Turn on hardware acceleration to see the block; the rest works.';
 const PANEL_EVERY_MS = 100;
 const SHEET_MS = 240; // duration of the bottom sheet's transition (style/phone.css)
 
@@ -37,60 +44,60 @@ export class SessionPage {
     'aria-label': 'The block and the tools, in 3D',
   });
   private readonly overlay_ = h('div', { class: 'overlay', 'aria-hidden': 'true' });
-  private readonly notice_ = new Notice();
-  private readonly badge_ = new Badge();
+  private readonly notice_ = new Notice(() => this.link_.retryNow());
   private readonly scale_ = h('div', { class: 'arrow-scale', 'aria-hidden': 'true' });
   private readonly help_ = helpDialog();
   readonly sound = new SoundToggle(() => this.soundLevels_());
-  private readonly role_ = h('span', { class: 'role', hidden: '' });
-  private readonly invite_ = iconButton(ICONS.invite, 'Invite people', '', () =>
-    this.inviteDialog_.showModal(),
-  );
   private readonly inviteDialog_: HTMLDialogElement;
-  private readonly toolbar_: HTMLElement;
-  private readonly bar_: HTMLElement;
+  private readonly toolbar_: Toolbar;
+  private readonly bar_: TitleBar;
   private readonly panel_: Panel;
-  private readonly viewer_: Viewer;
+  readonly picture: Picture;
   private readonly link_: ViewLink;
   private readonly lookPolicy_ = new LookPolicy();
   private selected_: number | null = null;
   private panelMs_ = 0;
   private contextLost_ = false;
 
-  /** Throws if WebGL is not available. */
   constructor(
     private readonly app: HTMLElement,
     private readonly session: string,
     name: string,
-    fixedQuality: boolean,
+    fullQuality: boolean,
   ) {
-    this.viewer_ = new Viewer(this.canvas_, this.overlay_, this.model, fixedQuality);
-    this.panel_ = new Panel(
-      this.model,
-      session,
-      { force: FORCE_COLOR, torque: TORQUE_COLOR },
-      {
-        personPressed: (id) => this.personPressed_(id),
-        materialChosen: (preset) => this.viewer_.setMaterial(preset),
-        layoutChanged: () => this.resize_(),
-        toggled: (open) => {
-          this.toolbar_.classList.toggle('covered', open);
-          setTimeout(() => this.viewer_.rig.fit(performance.now()), SHEET_MS);
-        },
+    this.picture = new Picture(this.canvas_, this.overlay_, this.model, fullQuality);
+    this.link_ = this.makeLink_(name);
+    this.link_.start(); // first: the server answers while the page is built
+    this.panel_ = new Panel(this.model, session, WRENCH_COLORS, {
+      personPressed: (id) => this.personPressed_(id),
+      renamed: (name) => {
+        remember('name', name);
+        this.link_.rename(name);
       },
-    );
+      materialChosen: (preset) => this.picture.setMaterial(preset),
+      layoutChanged: () => this.resize_(),
+      toggled: (open) => {
+        this.toolbar_.element.classList.toggle('covered', open);
+        setTimeout(() => this.rig_?.fit(performance.now()), SHEET_MS);
+      },
+    });
     this.inviteDialog_ = inviteDialog(session);
     this.toolbar_ = this.makeToolbar_();
-    this.bar_ = this.makeBar_();
-    this.link_ = this.makeLink_(name);
+    this.bar_ = new TitleBar(session, {
+      copyLink: () => {
+        const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
+        void clipboard?.writeText(location.href).then(() => this.flash_('Link copied.'));
+      },
+      invite: () => this.inviteDialog_.showModal(),
+    });
     app.replaceChildren(
       h(
         'main',
         { class: 'viewer' },
         this.canvas_,
         this.overlay_,
-        this.bar_,
-        this.toolbar_,
+        this.bar_.element,
+        this.toolbar_.element,
         this.scale_,
         this.panel_.element,
         this.notice_.element,
@@ -98,15 +105,15 @@ export class SessionPage {
         this.inviteDialog_,
       ),
     );
-    mountPrograms(this.model, session, this.toolbar_);
+    mountPrograms(this.model, session, this.toolbar_.element);
     this.listen_();
     this.resize_();
   }
 
   start(): void {
-    this.link_.start();
+    setInterval(() => this.model.liveness.beat(performance.now()), BEAT_MS);
     const frame = (nowMs: number): void => {
-      this.viewer_.tick(nowMs);
+      this.picture.tick(nowMs);
       this.sendLook_(nowMs);
       if (nowMs - this.panelMs_ >= PANEL_EVERY_MS) this.updatePanel_(nowMs);
       requestAnimationFrame(frame);
@@ -114,15 +121,15 @@ export class SessionPage {
     requestAnimationFrame(frame);
   }
 
-  /** The participant whose tool is followed, or null. */
-  get followed(): number | null {
-    return this.viewer_.followed;
+  private get rig_(): CameraRig | undefined {
+    return this.picture.viewer?.rig;
   }
 
   private sendLook_(nowMs: number): void {
     if (this.model.status !== 'connected') return;
-    const { look, distanceMm } = this.viewer_.look();
-    const changed = this.lookPolicy_.next(look, distanceMm, nowMs);
+    const placed = this.picture.look();
+    if (!placed) return;
+    const changed = this.lookPolicy_.next(placed.look, placed.distanceMm, nowMs);
     if (changed) this.link_.sendLook(changed);
   }
 
@@ -134,7 +141,7 @@ export class SessionPage {
         name,
         open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
         probe: () => probeSession(this.session),
-        look: () => (this.model.welcome ? this.viewer_.look().look : null),
+        look: () => this.picture.look()?.look ?? null,
         follow: (redirect) => {
           const target = redirectTarget(location.href, redirect);
           if (target !== null) location.assign(target);
@@ -143,22 +150,26 @@ export class SessionPage {
         nowMs: () => performance.now(),
       },
       {
+        greeted: () => mark('hello'),
         status: (status, reason) => {
           this.model.setStatus(status, reason);
+          if (status === 'connected') this.sendLook_(performance.now());
           if (status === 'stopped') this.showStopped_(reason);
         },
         message: (message) => {
           this.model.apply(message);
           if (message.type !== 'welcome') return;
-          this.viewer_.welcome(message);
+          mark('welcome');
+          this.picture.welcome(message);
           this.lookPolicy_.reset();
         },
         tools: (header, tools) => this.model.applyTools(header, tools, performance.now()),
         mesh: async (header, glb) => {
           this.model.meshArrived(header, glb.byteLength, performance.now());
-          await this.viewer_.applyMesh(header, glb);
+          await this.picture.applyMesh(header, glb);
         },
-        pong: (sent, received, serverUs) => this.model.clock.pong(sent, received, serverUs),
+        pinged: () => this.model.liveness.pinged(),
+        pong: (sent, received, serverUs) => this.model.pong(sent, received, serverUs),
         problem: (reason) => {
           this.model.addProblem(reason);
           console.warn(reason);
@@ -167,70 +178,44 @@ export class SessionPage {
     );
   }
 
-  private makeBar_(): HTMLElement {
-    const copy = iconButton(ICONS.link, 'Copy a link to this session', '', () => {
-      const clipboard = navigator.clipboard as Clipboard | undefined; // undefined on plain HTTP
-      void clipboard?.writeText(location.href).then(() => this.flash_('Link copied.'));
-    });
-    this.invite_.hidden = true;
-    const home = h(
-      'a',
-      { class: 'brand', href: '?list', 'aria-label': 'Kerf: all sessions' },
-      h('img', { src: './icon.svg', alt: '', width: '28', height: '28' }),
-      'Kerf',
-    );
-    return h(
-      'header',
-      { class: 'bar' },
-      home,
-      h('h1', { class: 'session-name', title: this.session }, this.session),
-      this.role_,
-      copy,
-      this.invite_,
-      this.badge_.element,
-    );
-  }
-
-  private makeToolbar_(): HTMLElement {
-    const view = this.viewer_;
+  private makeToolbar_(): Toolbar {
     const now = (): number => performance.now();
-    return h(
-      'div',
-      { class: 'toolbar', role: 'toolbar', 'aria-label': 'View' },
-      iconButton(ICONS.fit, 'Fit', 'F', () => view.rig.fit(now())),
-      iconButton(ICONS.iso, 'Three-quarter view', '0', () => view.rig.preset('iso', now())),
-      iconButton(ICONS.front, 'Front', '1', () => view.rig.preset('front', now())),
-      iconButton(ICONS.right, 'Right', '3', () => view.rig.preset('right', now())),
-      iconButton(ICONS.top, 'Top', '7', () => view.rig.preset('top', now())),
-      iconButton(ICONS.follow, 'Follow the next tool', 'N', () => this.followNext_()),
-      iconButton(ICONS.arrows, 'Force and torque arrows', 'A', () => this.toggleArrows_()),
+    return new Toolbar(
+      {
+        fit: () => this.rig_?.fit(now()),
+        iso: () => this.rig_?.preset('iso', now()),
+        front: () => this.rig_?.preset('front', now()),
+        right: () => this.rig_?.preset('right', now()),
+        top: () => this.rig_?.preset('top', now()),
+        followNext: () => this.followNext_(),
+        toggleArrows: () => this.toggleArrows_(),
+        help: () => this.help_.showModal(),
+      },
       this.sound.button,
-      iconButton(ICONS.help, 'Keyboard and pointer', '?', () => this.help_.showModal()),
     );
   }
 
   private listen_(): void {
-    const { rig, stage } = this.viewer_;
     listenToKeys({
-      preset: (preset) => rig.preset(preset, performance.now()),
-      fit: () => rig.fit(performance.now()),
-      orbit: (around, up) => rig.orbit(around, up),
-      pan: (right, up) => rig.pan(right, up),
-      zoom: (factor) => rig.zoom(factor),
+      preset: (preset) => this.rig_?.preset(preset, performance.now()),
+      fit: () => this.rig_?.fit(performance.now()),
+      orbit: (around, up) => this.rig_?.orbit(around, up),
+      pan: (right, up) => this.rig_?.pan(right, up),
+      zoom: (factor) => this.rig_?.zoom(factor),
       followNext: () => this.followNext_(),
-      followNone: () => this.viewer_.follow(null),
+      followNone: () => this.picture.follow(null),
       toggleArrows: () => this.toggleArrows_(),
-      toggleGrid: () => {
-        stage.gridVisible = !stage.gridVisible;
-        this.viewer_.touch();
-      },
+      toggleGrid: () => this.picture.viewer?.toggleGrid(),
       toggleSound: () => this.sound.toggle(),
       help: () => this.help_.showModal(),
     });
     window.addEventListener('resize', () => this.resize_());
     window.addEventListener('online', () => this.link_.retryNow());
+    document.addEventListener('visibilitychange', () => {
+      if (!document.hidden) this.link_.retryNow();
+    });
     this.canvas_.addEventListener('dblclick', (event) =>
-      this.viewer_.lookAtPixel(event.offsetX, event.offsetY),
+      this.picture.viewer?.lookAtPixel(event.offsetX, event.offsetY),
     );
     this.canvas_.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
@@ -238,29 +223,28 @@ export class SessionPage {
     });
     this.canvas_.addEventListener('webglcontextrestored', () => {
       this.contextLost_ = false;
-      this.viewer_.touch();
+      this.picture.viewer?.touch();
     });
   }
 
   private resize_(): void {
     const width = Math.max(1, this.app.clientWidth);
     const height = Math.max(1, this.app.clientHeight);
-    this.viewer_.resize(width, height, this.insets_(width, height));
+    this.picture.resize({ width, height, insets: this.insets_(width, height) });
   }
 
   /** What the panels cover of the picture. */
   private insets_(width: number, height: number): Insets {
     const panel = this.panel_.element.getBoundingClientRect();
-    const bar = this.bar_.getBoundingClientRect();
-    const sheet = panel.width > 0.9 * width;
-    return sheet
-      ? {
-          left: 0,
-          right: 0,
-          top: bar.bottom,
-          bottom: Math.min(0.75 * height, Math.max(0, height - panel.top)),
-        }
-      : { left: 0, right: Math.max(0, width - panel.left), top: bar.bottom, bottom: 24 };
+    const toolbar = this.toolbar_.element.getBoundingClientRect();
+    const top = this.bar_.element.getBoundingClientRect().bottom;
+    const isSheet = panel.width > 0.9 * width;
+    if (isSheet) {
+      const isCovered = toolbar.height === 0;
+      const covered = height - (isCovered ? panel.top : toolbar.top);
+      return { left: 0, right: 0, top, bottom: Math.min(0.75 * height, Math.max(0, covered)) };
+    }
+    return { left: toolbar.right, right: Math.max(0, width - panel.left), top, bottom: 24 };
   }
 
   private updatePanel_(nowMs: number): void {
@@ -269,41 +253,40 @@ export class SessionPage {
     if (this.selected_ === null || !participants.get(this.selected_)) {
       this.selected_ = participants.carvers()[0]?.info.participant ?? null;
     }
-    if (this.followed !== null && !participants.get(this.followed)) this.viewer_.follow(null);
-    this.panel_.update(this.selected_, this.followed, nowMs);
-    this.badge_.update(this.model, nowMs);
-    const scaleVisible = participants.carvers().length > 0 && this.viewer_.arrowsVisible;
-    this.scale_.hidden = !scaleVisible;
-    if (scaleVisible) this.updateScale_();
-    this.updateRole_();
+    const { followed } = this.picture;
+    if (followed !== null && !participants.get(followed)) this.picture.follow(null);
+    this.panel_.update(this.selected_, followed, nowMs);
+    this.bar_.update(this.model, nowMs);
+    this.toolbar_.update({
+      hasPicture: this.picture.viewer !== null,
+      canFollow: participants.carvers().length > 0,
+      follows: this.picture.followed !== null,
+      arrowsVisible: this.picture.arrowsVisible,
+    });
+    this.updateScale_();
     this.notice_.show(this.noticeText_(nowMs));
-  }
-
-  /** Shows who this viewer is, and offers what that role may do. */
-  private updateRole_(): void {
-    const { welcome, participants } = this.model;
-    const own = welcome ? participants.get(welcome.participant)?.info.role : undefined;
-    const role = own ?? welcome?.role;
-    this.role_.hidden = role === undefined;
-    setText(this.role_, role ?? '');
-    this.invite_.hidden = welcome?.may?.includes('invite') !== true;
   }
 
   /** The sound of the followed tool, or of the one nearest to the camera. */
   private soundLevels_(): SoundLevels {
     const { participants, welcome } = this.model;
-    const followed = this.followed === null ? undefined : participants.get(this.followed);
+    const { followed: id } = this.picture;
+    const followed = id === null ? undefined : participants.get(id);
     const carvers = followed ? [followed] : participants.carvers();
-    const eye = this.viewer_.look().look.eye_mm;
+    const eye = this.picture.look()?.look.eye_mm ?? [0, 0, 0];
     return soundOf(nearestCut(carvers, eye, welcome?.force, performance.now()));
   }
 
   private updateScale_(): void {
-    const { forceFullN, torqueFullNmm } = this.viewer_.arrowScale;
+    const { viewer, arrowsVisible } = this.picture;
+    const hasCarvers = this.model.participants.carvers().length > 0;
+    this.scale_.hidden = !viewer || !arrowsVisible || !hasCarvers;
+    if (!viewer || this.scale_.hidden) return;
+    const { forceFullN, torqueFullNmm } = viewer.arrowScale;
     if (this.scale_.childElementCount === 0) {
       this.scale_.append(
-        h('span', { style: `--line:${FORCE_COLOR}` }),
-        h('span', { style: `--line:${TORQUE_COLOR}` }),
+        h('span', { style: `--line:${WRENCH_COLORS.force}` }),
+        h('span', { style: `--line:${WRENCH_COLORS.torque}` }),
       );
     }
     setText(this.scale_.children[0] as HTMLElement, `${figure(forceFullN)} N`);
@@ -318,17 +301,29 @@ export class SessionPage {
     this.flashUntilMs_ = performance.now() + 2500;
   }
 
-  private noticeText_(nowMs: number): string {
+  private noticeText_(nowMs: number): NoticeText {
     const { status, statusReason, tiles } = this.model;
-    if (this.contextLost_)
-      return 'The graphics device was lost. Drawing resumes when the browser restores it.';
-    if (status === 'reconnecting')
-      return `${sentence(statusReason || 'The connection was lost')} Reconnecting…`;
+    if (status === 'reconnecting') return this.reconnecting_(nowMs);
     if (status === 'stopped')
-      return `${sentence(statusReason || SESSION_CLOSED)} The last picture stays on screen.`;
-    if (status === 'connecting') return 'Connecting…';
-    if (!tiles.complete) return 'Loading the block…';
-    return nowMs < this.flashUntilMs_ ? this.flashText_ : '';
+      return {
+        text: `${sentence(statusReason || SESSION_CLOSED)} The last picture stays on screen.`,
+      };
+    if (status === 'connecting') return { text: 'Connecting…' };
+    if (this.contextLost_)
+      return {
+        text: 'The graphics device was lost. Drawing resumes when the browser restores it.',
+      };
+    if (nowMs < this.flashUntilMs_) return { text: this.flashText_ };
+    if (this.picture.problem) return { text: NO_PICTURE };
+    return { text: tiles.complete ? '' : 'Loading the block…' };
+  }
+
+  private reconnecting_(nowMs: number): NoticeText {
+    const text = sentence(this.model.statusReason || 'The connection was lost');
+    const { retryAtMs } = this.link_;
+    if (retryAtMs === null) return { text: `${text} Reconnecting…` };
+    const seconds = Math.max(1, Math.ceil((retryAtMs - nowMs) / 1000));
+    return { text, wait: `Reconnecting in ${seconds} s`, action: 'Now' };
   }
 
   private showStopped_(reason: string): void {
@@ -343,17 +338,17 @@ export class SessionPage {
 
   private personPressed_(id: number): void {
     this.selected_ = id;
-    this.viewer_.follow(this.followed === id ? null : id);
+    this.picture.follow(this.picture.followed === id ? null : id);
   }
 
   private followNext_(): void {
     const ids = this.model.participants.carvers().map((p) => p.info.participant);
-    const next = ids[ids.indexOf(this.followed ?? -1) + 1] ?? null;
+    const next = ids[ids.indexOf(this.picture.followed ?? -1) + 1] ?? null;
     if (next !== null) this.selected_ = next;
-    this.viewer_.follow(next);
+    this.picture.follow(next);
   }
 
   private toggleArrows_(): void {
-    this.viewer_.arrowsVisible = !this.viewer_.arrowsVisible;
+    this.picture.arrowsVisible = !this.picture.arrowsVisible;
   }
 }

@@ -4,13 +4,14 @@
 
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { boxCenter, fitDistance } from '../model/fit';
+import { boxCenter, FOV_DEG, ISO_DIRECTION, viewDistance } from '../model/fit';
+import type { Insets, Viewport } from '../model/fit';
 import type { Bounds } from '../model/session';
 
 export type Preset = 'iso' | 'front' | 'back' | 'left' | 'right' | 'top' | 'bottom';
 
-const DIRECTIONS: Record<Preset, [number, number, number]> = {
-  iso: [-0.45, -1, 1.42],
+const DIRECTIONS: Record<Preset, readonly [number, number, number]> = {
+  iso: ISO_DIRECTION,
   front: [0, -1, 0],
   back: [0, 1, 0],
   left: [-1, 0, 0],
@@ -19,15 +20,6 @@ const DIRECTIONS: Record<Preset, [number, number, number]> = {
   bottom: [0, -0.0002, -1],
 };
 const FLIGHT_MS = 450;
-const FIT_MARGIN = 1.03;
-
-/** Widths of the canvas margins that panels cover, CSS pixels. */
-export interface Insets {
-  left: number;
-  right: number;
-  top: number;
-  bottom: number;
-}
 
 interface Flight {
   startMs: number;
@@ -38,19 +30,23 @@ interface Flight {
 }
 
 export class CameraRig {
-  readonly camera = new THREE.PerspectiveCamera(30, 1, 1, 1000);
+  readonly camera = new THREE.PerspectiveCamera(FOV_DEG, 1, 1, 1000);
   readonly controls: OrbitControls;
   private readonly center_ = new THREE.Vector3();
   private readonly offset_ = new THREE.Vector3();
   private bounds_: Bounds = { min: [0, 0, 0], max: [1, 1, 1] };
   private radius_ = 100;
-  private width_ = 1;
-  private height_ = 1;
-  private insets_: Insets = { left: 0, right: 0, top: 0, bottom: 0 };
+  private view_: Viewport = {
+    width: 1,
+    height: 1,
+    insets: { left: 0, right: 0, top: 0, bottom: 0 },
+  };
   private flight_: Flight | null = null;
   private readonly follow_ = new THREE.Vector3();
   private following_ = false;
   private changed_ = true;
+  /** Direction from which the block fills the view; null: the user has moved the camera. */
+  private fittedFrom_: THREE.Vector3 | null = null;
 
   constructor(
     element: HTMLElement,
@@ -67,6 +63,7 @@ export class CameraRig {
     });
     this.controls.addEventListener('start', () => {
       this.flight_ = null;
+      this.fittedFrom_ = null;
     });
   }
 
@@ -83,14 +80,13 @@ export class CameraRig {
   }
 
   resize(width: number, height: number, insets: Insets): void {
-    this.width_ = width;
-    this.height_ = height;
-    this.insets_ = insets;
+    this.view_ = { width, height, insets };
     this.camera.aspect = width / height;
     // Shifts the picture's center to the center of the area that no panel covers.
     const { left, right, top, bottom } = insets;
     this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
     this.changed_ = true;
+    if (this.fittedFrom_) this.lookFrom_(this.fittedFrom_, -Infinity);
   }
 
   /** Moves the camera to a preset direction, with the whole block in view. */
@@ -105,6 +101,7 @@ export class CameraRig {
 
   /** Moves a point to the center of the picture. */
   lookAt(point: THREE.Vector3, nowMs: number): void {
+    this.fittedFrom_ = null;
     this.fly_(this.camera.position.clone().add(point).sub(this.controls.target), point, nowMs);
   }
 
@@ -114,10 +111,12 @@ export class CameraRig {
    */
   followPoint(point: readonly [number, number, number] | null): void {
     this.following_ = point !== null;
+    if (point) this.fittedFrom_ = null;
     if (point) this.follow_.set(...point);
   }
 
   orbit(aroundRad: number, upRad: number): void {
+    this.fittedFrom_ = null;
     const arm = this.offset_.copy(this.camera.position).sub(this.controls.target);
     const polar = Math.acos(THREE.MathUtils.clamp(arm.z / arm.length(), -1, 1));
     const toPolar = THREE.MathUtils.clamp(polar - upRad, 0.001, Math.PI - 0.001);
@@ -134,6 +133,7 @@ export class CameraRig {
 
   /** Pans by fractions of the view's height. */
   pan(right: number, up: number): void {
+    this.fittedFrom_ = null;
     const reach =
       this.camera.position.distanceTo(this.controls.target) *
       Math.tan((this.camera.fov * Math.PI) / 360) *
@@ -150,6 +150,7 @@ export class CameraRig {
   }
 
   zoom(factor: number): void {
+    this.fittedFrom_ = null;
     const arm = this.offset_.copy(this.camera.position).sub(this.controls.target);
     const length = THREE.MathUtils.clamp(
       arm.length() * factor,
@@ -181,15 +182,10 @@ export class CameraRig {
     this.changed_ = true;
   }
 
+  /** `nowMs` -Infinity: at once. */
   private lookFrom_(direction: THREE.Vector3, nowMs: number): void {
-    const freeHeight =
-      Math.max(80, this.height_ - this.insets_.top - this.insets_.bottom) / this.height_;
-    const freeWidth =
-      Math.max(80, this.width_ - this.insets_.left - this.insets_.right) / this.height_;
-    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
-    const distance =
-      FIT_MARGIN *
-      fitDistance(this.bounds_, direction.toArray(), tangent * freeWidth, tangent * freeHeight);
+    this.fittedFrom_ = direction;
+    const distance = viewDistance(this.bounds_, direction.toArray(), this.view_);
     this.fly_(this.center_.clone().addScaledVector(direction, distance), this.center_, nowMs);
   }
 
@@ -203,6 +199,7 @@ export class CameraRig {
     };
     // The first view is not animated.
     if (this.flight_.fromPosition.lengthSq() === 0) this.flight_.startMs = -Infinity;
+    if (this.flight_.startMs === -Infinity) this.advance_(this.flight_, performance.now());
   }
 
   /**

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renderer, lights and ground: one low key light, a weak fill light, and a millimeter grid under
+// Renderer, lights and ground: one low key light, a weak fill light, light all around, light from
+// the camera where these leave a side dark, and a millimeter grid under
 // the block. World units are mm, Z is up.
 
 import * as THREE from 'three';
-import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
 import type { Bounds } from '../model/session';
+import { roomLight } from './room_light';
 
 const GRID_VERTEX = /* glsl */ `
 varying vec3 vWorld;
@@ -41,11 +42,18 @@ void main() {
   gl_FragColor = vec4(color, alpha);
 }`;
 
+const UP = new THREE.Vector3(0, 0, 1);
+const FACING_LIGHT = 0.65;
+
 export class Stage {
   readonly scene = new THREE.Scene();
   readonly renderer: THREE.WebGLRenderer;
   private readonly key_ = new THREE.DirectionalLight('#fff0dc', 4.1);
   private readonly fill_ = new THREE.DirectionalLight('#e6eeff', 1.15);
+  private readonly head_ = new THREE.DirectionalLight('#f4f4ff', 0);
+  private readonly room_ = roomLight(0.26);
+  private readonly center_ = new THREE.Vector3();
+  private readonly facing_ = new THREE.Vector3();
   private readonly ground_ = new THREE.Mesh(
     new THREE.PlaneGeometry(1, 1),
     new THREE.ShadowMaterial({ opacity: 0.13 }),
@@ -97,17 +105,33 @@ export class Stage {
   }
 
   private addLight_(): void {
-    const environment = new RoomEnvironment();
-    const generator = new THREE.PMREMGenerator(this.renderer);
-    this.scene.environment = generator.fromScene(environment, 0.04).texture;
-    this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // RoomEnvironment has Y up
-    this.scene.environmentIntensity = 0.26;
-    generator.dispose();
-    environment.dispose();
     this.key_.castShadow = true;
     this.key_.shadow.mapSize.set(2048, 2048);
     this.key_.shadow.radius = 7;
-    this.scene.add(this.key_, this.key_.target, this.fill_, this.fill_.target);
+    this.scene.add(this.room_);
+    for (const light of [this.key_, this.fill_, this.head_]) this.scene.add(light, light.target);
+  }
+
+  /**
+   * Gives a face towards the camera at least FACING_LIGHT of the light that a horizontal one has:
+   * sides and bottom are not in the dark, and the default view keeps its shading.
+   */
+  private lightFacing_(camera: THREE.Camera): void {
+    this.facing_.copy(camera.position).sub(this.center_).normalize();
+    const missing = FACING_LIGHT * this.irradiance_(UP) - this.irradiance_(this.facing_);
+    this.head_.intensity = Math.max(0, missing);
+    this.head_.position.copy(this.center_).add(this.facing_);
+  }
+
+  /** Light on a face of this normal, without shadows and the light from the camera. */
+  private irradiance_(normal: THREE.Vector3): number {
+    const around = this.room_.sh.getIrradianceAt(normal, new THREE.Vector3()).x;
+    let sum = this.room_.intensity * Math.max(0, around);
+    for (const { position, target, intensity } of [this.key_, this.fill_]) {
+      const towards = position.clone().sub(target.position).normalize();
+      sum += intensity * Math.max(0, towards.dot(normal));
+    }
+    return sum;
   }
 
   /** Fits lights, shadows and ground to the block. */
@@ -128,6 +152,8 @@ export class Stage {
       .copy(center)
       .add(new THREE.Vector3(0.7, -1.2, 0.55).multiplyScalar(diagonal));
     this.fill_.target.position.copy(center);
+    this.head_.target.position.copy(center);
+    this.center_.copy(center);
     const half = 0.72 * diagonal;
     Object.assign(shadow.camera, {
       left: -half,
@@ -172,7 +198,14 @@ export class Stage {
     this.renderer.setSize(width, height, false);
   }
 
+  /** Resolves when the shaders of this stage and of an object that is to be in it are ready. */
+  async compile(object: THREE.Object3D, camera: THREE.Camera): Promise<void> {
+    await this.renderer.compileAsync(this.scene, camera);
+    await this.renderer.compileAsync(object, camera, this.scene);
+  }
+
   render(camera: THREE.Camera, withShadows: boolean): void {
+    this.lightFacing_(camera);
     if (withShadows) this.renderer.shadowMap.needsUpdate = true;
     this.renderer.render(this.scene, camera);
   }

@@ -6,6 +6,7 @@
 import * as THREE from 'three';
 import type { StockMaterialPreset } from '../model/materials';
 import type { Stock } from '../wire/types';
+import { withMirroredRoom } from './room_light';
 
 const VERTEX_HEAD = /* glsl */ `
 varying vec3 vStockPosition;
@@ -114,7 +115,11 @@ export class StockMaterial {
       shader.vertexShader =
         VERTEX_HEAD + shader.vertexShader.replace('#include <fog_vertex>', VERTEX_BODY);
       shader.fragmentShader =
-        FRAGMENT_HEAD + shader.fragmentShader.replace('#include <color_fragment>', FRAGMENT_COLOR);
+        FRAGMENT_HEAD +
+        withMirroredRoom(shader.fragmentShader).replace(
+          '#include <color_fragment>',
+          FRAGMENT_COLOR,
+        );
     };
   }
 

@@ -16,6 +16,14 @@ export class TileView {
     this.group.matrixAutoUpdate = false;
   }
 
+  /** Returns a tile that is not displayed, by which shaders can be compiled. */
+  sample(): THREE.Mesh {
+    const mesh = new THREE.Mesh(new THREE.PlaneGeometry(), this.material);
+    mesh.castShadow = true;
+    mesh.receiveShadow = true;
+    return mesh;
+  }
+
   set(tile: ParsedTile): void {
     const key = tileKey(tile.x, tile.y);
     if (!tile.geometry) {

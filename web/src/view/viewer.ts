@@ -5,15 +5,16 @@
 import * as THREE from 'three';
 import type { StockMaterialPreset } from '../model/materials';
 import type { ArrowScale } from '../model/arrow_scale';
-import { errorRad } from '../model/look_policy';
-import { Quality } from '../model/quality';
+import { viewBounds } from '../model/first_look';
+import type { PlacedLook } from '../model/first_look';
+import type { Viewport } from '../model/fit';
+import { drawnRatio, Quality } from '../model/quality';
 import { stockBounds } from '../model/session';
-import type { Bounds, SessionModel } from '../model/session';
-import { toolProfile } from '../model/tool_profile';
+import type { SessionModel } from '../model/session';
+import { mark } from '../marks';
 import { MESH_SNAPSHOT_LAST } from '../wire/types';
-import type { Header, Look, Welcome } from '../wire/types';
+import type { Header, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
-import type { Insets } from './camera_rig';
 import { CarverViews } from './carver_views';
 import { TileParser } from './glb_tiles';
 import { Stage } from './stage';
@@ -21,7 +22,6 @@ import { StockMaterial } from './stock_material';
 import { TileView } from './tile_view';
 
 const STILL_AFTER_MS = 260;
-const PHONE_WIDTH_PX = 760; // as in ui/style/phone.css
 const ARROW_FRACTION = 0.34; // length of a full-scale arrow relative to the block's diagonal
 
 export class Viewer {
@@ -42,6 +42,8 @@ export class Viewer {
   private lastTickMs_ = 0;
   private followed_: number | null = null;
   private fitted_ = false;
+  private compiled_: Promise<void> | null = null;
+  private canDraw_ = false;
 
   /** @param fixedQuality draw every frame at full quality, regardless of speed */
   constructor(
@@ -52,7 +54,7 @@ export class Viewer {
   ) {
     this.stage = new Stage(canvas);
     this.quality_ = new Quality(
-      Math.min(2, window.devicePixelRatio || 1),
+      drawnRatio(window.devicePixelRatio),
       !fixedQuality && this.stage.drawsInSoftware,
     );
     this.stage.scene.add(this.tiles_.group);
@@ -64,7 +66,7 @@ export class Viewer {
   welcome(welcome: Welcome): void {
     const bounds = stockBounds(welcome.stock);
     this.stage.setBounds(bounds, welcome.pitch_mm);
-    this.rig.setBounds(withSpaceForTools(bounds, welcome));
+    this.rig.setBounds(viewBounds(welcome));
     this.stockMaterial_.setStock(
       welcome.stock,
       welcome.pitch_mm,
@@ -78,6 +80,7 @@ export class Viewer {
     this.shadowsDirty_ = true;
     if (!this.fitted_) this.rig.preset('iso', performance.now());
     this.fitted_ = true;
+    this.compiled_ ??= this.compile_();
     this.touch();
   }
 
@@ -98,13 +101,9 @@ export class Viewer {
     this.touch();
   }
 
-  /**
-   * Returns the camera position with the acceptable error, and the camera's distance to its target.
-   */
-  look(): { look: Look; distanceMm: number } {
+  /** Returns the camera position, with the acceptable error. */
+  look(error_rad: number): PlacedLook {
     const { camera, controls } = this.rig;
-    const weak = this.width_ <= PHONE_WIDTH_PX || this.stage.drawsInSoftware;
-    const error_rad = this.fixedQuality ? 0 : errorRad(camera.fov, this.height_, weak);
     return {
       look: { eye_mm: camera.position.toArray(), error_rad },
       distanceMm: camera.position.distanceTo(controls.target),
@@ -116,16 +115,38 @@ export class Viewer {
     this.touch();
   }
 
+  /** Where the block is in the picture, CSS pixels: left, top, right, bottom. */
+  get blockBox(): [number, number, number, number] | null {
+    const { welcome } = this.model;
+    if (!welcome) return null;
+    const { min, max } = stockBounds(welcome.stock);
+    const x: number[] = [];
+    const y: number[] = [];
+    for (let corner = 0; corner < 8; ++corner) {
+      const at = (n: 0 | 1 | 2): number => ((corner >> n) & 1 ? max[n] : min[n]);
+      const seen = new THREE.Vector3(at(0), at(1), at(2)).project(this.rig.camera);
+      x.push(((1 + seen.x) / 2) * this.width_);
+      y.push(((1 - seen.y) / 2) * this.height_);
+    }
+    return [Math.min(...x), Math.min(...y), Math.max(...x), Math.max(...y)];
+  }
+
+  /** Calls of the last picture, those of its shadows included if they changed. */
+  get drawCalls(): number {
+    return this.stage.renderer.info.render.calls;
+  }
+
   get arrowScale(): ArrowScale {
     return this.carvers_.scale;
   }
 
-  get arrowsVisible(): boolean {
-    return this.carvers_.arrowsVisible;
-  }
-
   set arrowsVisible(visible: boolean) {
     this.carvers_.arrowsVisible = visible;
+    this.touch();
+  }
+
+  toggleGrid(): void {
+    this.stage.gridVisible = !this.stage.gridVisible;
     this.touch();
   }
 
@@ -139,11 +160,7 @@ export class Viewer {
     if (participant === null) this.rig.followPoint(null);
   }
 
-  get followed(): number | null {
-    return this.followed_;
-  }
-
-  resize(width: number, height: number, insets: Insets): void {
+  resize({ width, height, insets }: Viewport): void {
     this.width_ = width;
     this.height_ = height;
     this.clearTop_ = insets.top;
@@ -172,9 +189,18 @@ export class Viewer {
     const tip = this.followed_ === null ? null : this.carvers_.tipOf(this.followed_);
     if (tip) this.rig.followPoint(tip);
     if (this.rig.update(nowMs, since)) this.touch();
+    if (!this.canDraw_) return;
     if (this.dirty_) {
       if (nowMs - this.lastDrawMs_ >= this.quality_.pauseMs) this.drawMoving_(nowMs);
     } else if (!this.stillDrawn_ && nowMs - this.lastDrawMs_ > STILL_AFTER_MS) this.drawStill_();
+  }
+
+  /** Compiles the shaders beside the rest of the page, where the browser can, before it draws. */
+  private async compile_(): Promise<void> {
+    const sample = this.tiles_.sample();
+    await this.stage.compile(sample, this.rig.camera);
+    sample.geometry.dispose();
+    this.canDraw_ = true;
   }
 
   private drawMoving_(nowMs: number): void {
@@ -197,15 +223,7 @@ export class Viewer {
   private draw_(withShadows: boolean): void {
     if (withShadows) this.shadowsDirty_ = false;
     this.stage.render(this.rig.camera, withShadows);
+    mark('picture');
     this.carvers_.placeLabels(this.rig.camera, this.width_, this.height_, this.clearTop_);
   }
-}
-
-/**
- * Returns the box that a full view shows: the block, extended upward by part of the longest tool.
- */
-function withSpaceForTools({ min, max }: Bounds, { tools }: Welcome): Bounds {
-  const longest = Math.max(0, ...tools.map((tool) => toolProfile(tool).lengthMm));
-  const diagonal = Math.hypot(max[0] - min[0], max[1] - min[1], max[2] - min[2]);
-  return { min, max: [max[0], max[1], max[2] + Math.min(0.6 * longest, 0.16 * diagonal)] };
 }

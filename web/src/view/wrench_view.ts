@@ -4,9 +4,7 @@
 // without depth test, so that the block does not hide them.
 
 import * as THREE from 'three';
-
-export const FORCE_COLOR = '#1f66e5';
-export const TORQUE_COLOR = '#d8262c';
+import { WRENCH_COLORS } from '../model/arrow_scale';
 
 const SHAFT = 0.011; // radii and lengths relative to the arrow length at full scale
 const HEAD = 0.036;
@@ -74,8 +72,8 @@ class Arrow {
 
 export class WrenchView {
   readonly group = new THREE.Group();
-  private readonly force_ = new Arrow(FORCE_COLOR, 1);
-  private readonly torque_ = new Arrow(TORQUE_COLOR, 2);
+  private readonly force_ = new Arrow(WRENCH_COLORS.force, 1);
+  private readonly torque_ = new Arrow(WRENCH_COLORS.torque, 2);
   private readonly origin_ = new THREE.Vector3();
 
   constructor() {

@@ -83,6 +83,11 @@ function roleOf(from: Json): { role?: string } {
   return from['role'] === undefined ? {} : { role: text(from, 'role') };
 }
 
+/** The scene's name; servers of earlier versions do not send it. */
+function nameOf(from: Json): { name?: string } {
+  return typeof from['name'] === 'string' && from['name'] !== '' ? { name: from['name'] } : {};
+}
+
 function mayOf(from: Json): { may?: string[] } {
   if (from['may'] === undefined) return {};
   return { may: list(from['may'], 'may').filter((name) => typeof name === 'string') };
@@ -152,6 +157,7 @@ function welcomeOf(from: Json): Welcome {
   return {
     type: 'welcome',
     session: text(from, 'session'),
+    ...nameOf(from),
     participant: number(from, 'participant'),
     epoch: number(from, 'epoch'),
     color: colorOf(from['color']),

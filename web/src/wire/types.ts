@@ -236,6 +236,8 @@ export type Stock = BoxStock | CylinderStock;
 export interface Welcome {
   type: 'welcome';
   session: string;
+  /** Of the scene; missing where it has none. */
+  name?: string;
   participant: number;
   epoch: number;
   color: string;

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// End-to-end test of what only a browser shows of the page: it connects before it touches the GPU,
+// loads little, covers the block with nothing at any size, has no side in the dark, and works
+// without WebGL. See README.md.
+//
+// node page_live.mjs --server PROGRAM --web FOLDER --out FOLDER
+
+import assert from 'node:assert/strict';
+import { mkdir, mkdtemp, rm, writeFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { parseArgs } from 'node:util';
+import { launchBrowser, luminanceIn, openViewer } from './support/browser.mjs';
+import { start, stop, stopAll, until } from './support/processes.mjs';
+
+const { values: options } = parseArgs({
+  options: { server: { type: 'string' }, web: { type: 'string' }, out: { type: 'string' } },
+});
+for (const name of ['server', 'web', 'out']) assert(options[name], `--${name} is missing`);
+
+const SETTLE_S = 90; // software WebGL on a busy machine
+const FIRST_LOAD_BYTES = 300_000;
+const SCENE = {
+  name: 'Bracket op 1',
+  stock: { shape: 'box', min_mm: [-30, -20, -20], max_mm: [30, 20, 0] },
+  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
+};
+const SIZES = [
+  [320, 640],
+  [390, 844],
+  [844, 390],
+  [768, 1024],
+  [1440, 900],
+  [2560, 1440],
+];
+const SIDES = ['1', 'Shift+1', '3', 'Shift+3', '7', 'Shift+7'];
+
+async function startServer(folder) {
+  const server = start(options.server, [
+    '--listen',
+    '127.0.0.1:0',
+    '--data',
+    join(folder, 'data'),
+    '--web',
+    options.web,
+  ]);
+  const base = await until('server address', 20, () =>
+    server.lines.find((line) => line.startsWith('http')),
+  );
+  const body = JSON.stringify(SCENE);
+  const created = await fetch(`${base}/v1/sessions?id=page`, { method: 'POST', body });
+  assert.equal(created.status, 201, await created.text());
+  return { server, base };
+}
+
+/** Opens the page and counts the bytes of its files on the wire. */
+async function openCounted(browser, url) {
+  const viewer = await openViewer(browser, 'about:blank', { width: 1440, height: 900 });
+  const network = await viewer.page.context().newCDPSession(viewer.page);
+  await network.send('Network.enable');
+  viewer.bytes = 0;
+  network.on('Network.loadingFinished', ({ encodedDataLength }) => {
+    viewer.bytes += encodedDataLength;
+  });
+  await viewer.page.goto(url);
+  await until('picture', SETTLE_S, async () => {
+    const marks = await viewer.page.evaluate(() => window.kerf?.marks);
+    return marks?.picture && (await viewer.state()).snapshotComplete;
+  });
+  return viewer;
+}
+
+function checkStart(viewer, marks) {
+  assert(marks.hello < marks.view, `the GPU came before the connection: ${JSON.stringify(marks)}`);
+  assert(viewer.bytes > 100_000 && viewer.bytes <= FIRST_LOAD_BYTES, `${viewer.bytes} bytes`);
+  console.log(
+    `hello after ${marks.hello.toFixed(0)} ms, picture after ${marks.picture.toFixed(0)} ms, ` +
+      `${viewer.bytes} bytes of files`,
+  );
+}
+
+/** At every size, block, bar, toolbar and panel have boxes that do not intersect. */
+async function checkLayouts({ page, state }) {
+  for (const [width, height] of SIZES) {
+    await page.setViewportSize({ width, height });
+    await until(`free block at ${width} × ${height}`, 10, async () => {
+      const all = await page.evaluate(() =>
+        ['.bar', '.toolbar', '.panel'].map((selector) => {
+          const { left, top, right, bottom } = document
+            .querySelector(selector)
+            .getBoundingClientRect();
+          return [left, top, right, bottom];
+        }),
+      );
+      const block = (await state()).blockBox;
+      all.push(block);
+      const [left, top, right, bottom] = block;
+      const isInside = left >= 0 && top >= 0 && right <= width && bottom <= height;
+      const share = Math.max((right - left) / width, (bottom - top) / height);
+      const isFree = all.every((box, n) =>
+        all.slice(0, n).every((other) => !intersect(box, other)),
+      );
+      return isFree && isInside && share > 0.3;
+    });
+  }
+}
+
+function intersect(a, b) {
+  return a[0] < b[2] - 1 && b[0] < a[2] - 1 && a[1] < b[3] - 1 && b[1] < a[3] - 1;
+}
+
+/** No side of the block is twice as bright as another. */
+async function checkSides(viewer) {
+  const { page, state } = viewer;
+  await page.setViewportSize({ width: 640, height: 480 });
+  await page.emulateMedia({ reducedMotion: 'reduce' });
+  await page.reload();
+  await until('picture', SETTLE_S, () => page.evaluate(() => window.kerf?.marks.picture));
+  await page.locator('.canvas').focus();
+  const luminances = [];
+  for (const side of SIDES) {
+    await page.keyboard.press(side);
+    await page.waitForTimeout(500); // until the still picture is drawn
+    luminances.push(await luminanceIn(page, (await state()).blockBox));
+  }
+  const text = luminances.map((value) => value.toFixed(3)).join(', ');
+  console.log(`luminance of front, back, right, left, top, bottom: ${text}`);
+  assert(Math.max(...luminances) <= 2 * Math.min(...luminances), text);
+}
+
+/** People, figures and downloads are there where WebGL is not. */
+async function checkWithoutWebGl(base, scratch) {
+  const browser = await launchBrowser(['--disable-gpu', '--disable-3d-apis']);
+  try {
+    const viewer = await openViewer(browser, `${base}/?session=page&name=Mary`, {
+      width: 800,
+      height: 600,
+    });
+    const { page, state } = viewer;
+    await until('session without a picture', SETTLE_S, async () => (await state())?.settled);
+    assert.equal((await state()).hasPicture, false);
+    await page.getByText('No picture').waitFor();
+    await page.getByText('Mary (you)').waitFor();
+    await page.getByRole('heading', { name: SCENE.name }).waitFor();
+    const started = page.waitForEvent('download');
+    await page.getByRole('link', { name: 'STL', exact: true }).click();
+    await (await started).saveAs(join(scratch, 'block.stl'));
+  } finally {
+    await browser.close();
+  }
+}
+
+async function test(folder) {
+  const { server, base } = await startServer(folder);
+  const browser = await launchBrowser();
+  try {
+    const viewer = await openCounted(browser, `${base}/?session=page&name=Grace`);
+    const { page, problems } = viewer;
+    checkStart(viewer, await page.evaluate(() => window.kerf.marks));
+    assert.equal(await page.title(), `${SCENE.name} · Kerf`);
+    await writeFile(join(options.out, 'page.png'), await page.screenshot());
+    await checkLayouts(viewer);
+    await checkSides(viewer);
+    await page.goto(`${base}/?list`);
+    await page.getByText('Choose one to watch').waitFor(); // although there is only one
+    assert.deepEqual(problems, []);
+  } finally {
+    await browser.close();
+  }
+  await checkWithoutWebGl(base, folder);
+  assert.equal(await stop(server), 0, `the server exited with an error: ${server.errors}`);
+}
+
+await mkdir(options.out, { recursive: true });
+const folder = await mkdtemp(join(tmpdir(), 'kerf-page-'));
+try {
+  await test(folder);
+  console.log('ok');
+} catch (problem) {
+  console.error(problem);
+  process.exitCode = 1;
+} finally {
+  await stopAll();
+  await rm(folder, { recursive: true, force: true });
+}

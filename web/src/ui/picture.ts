@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The 3D view as the page sees it. It opens once the session was joined, because its code and the GPU
+// take time, and a browser without WebGL has none at all. So what the user sets is kept here.
+
+import { firstLook } from '../model/first_look';
+import type { PlacedLook } from '../model/first_look';
+import type { Viewport } from '../model/fit';
+import { errorRad } from '../model/look_policy';
+import type { StockMaterialPreset } from '../model/materials';
+import type { SessionModel } from '../model/session';
+import type { Viewer } from '../view/viewer';
+import { mark } from '../marks';
+import { MESH_SNAPSHOT_LAST } from '../wire/types';
+import type { Header, Welcome } from '../wire/types';
+
+/** Without a picture any error is allowed: the server sends as little as it can. */
+const ANY_ERROR_RAD = 1;
+
+/** Runs the code of the view, which is in a chunk of its own (index.html has it fetched early). */
+export type LoadViewer = () => Promise<typeof import('../view/viewer')>;
+
+export class Picture {
+  /** Null until the view is open, and where there is none. */
+  viewer: Viewer | null = null;
+  /** Why there is no picture; empty: there is one, or will be. */
+  problem = '';
+  private opening_: Promise<void> | null = null;
+  private viewport_: Viewport = {
+    width: 1,
+    height: 1,
+    insets: { left: 0, right: 0, top: 0, bottom: 0 },
+  };
+  private preset_: StockMaterialPreset | null = null;
+  private followed_: number | null = null;
+  private arrowsVisible_ = true;
+
+  /** @param fullQuality draw every frame at full quality and get exact tiles, regardless of speed */
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly overlay: HTMLElement,
+    private readonly model: SessionModel,
+    private readonly fullQuality: boolean,
+    private readonly load: LoadViewer = () => import('../view/viewer'),
+  ) {}
+
+  /** Opens the view of a session that was joined, or prepares it for one joined again. */
+  welcome(welcome: Welcome): void {
+    if (this.viewer) this.viewer.welcome(welcome);
+    else this.opening_ ??= this.open_();
+  }
+
+  /** Displays a mesh frame once there is a view. */
+  async applyMesh(header: Header, glb: Uint8Array): Promise<void> {
+    const { tiles } = this.model;
+    const { generation } = tiles;
+    await this.opening_;
+    if (generation !== tiles.generation) return; // joined again meanwhile
+    if (this.viewer) await this.viewer.applyMesh(header, glb);
+    else if (header.flags & MESH_SNAPSHOT_LAST) tiles.finishSnapshot();
+  }
+
+  /** Where the page looks from; null before the first welcome. */
+  look(): PlacedLook | null {
+    const { welcome } = this.model;
+    if (!welcome) return null;
+    const error = this.errorRad_();
+    return this.viewer?.look(error) ?? firstLook(welcome, this.viewport_, error);
+  }
+
+  tick(nowMs: number): void {
+    this.viewer?.tick(nowMs);
+  }
+
+  resize(viewport: Viewport): void {
+    this.viewport_ = viewport;
+    this.viewer?.resize(viewport);
+  }
+
+  setMaterial(preset: StockMaterialPreset): void {
+    this.preset_ = preset;
+    this.viewer?.setMaterial(preset);
+  }
+
+  get followed(): number | null {
+    return this.followed_;
+  }
+
+  follow(participant: number | null): void {
+    this.followed_ = participant;
+    this.viewer?.follow(participant);
+  }
+
+  get arrowsVisible(): boolean {
+    return this.arrowsVisible_;
+  }
+
+  set arrowsVisible(visible: boolean) {
+    this.arrowsVisible_ = visible;
+    if (this.viewer) this.viewer.arrowsVisible = visible;
+  }
+
+  private errorRad_(): number {
+    if (this.problem) return ANY_ERROR_RAD;
+    return this.fullQuality ? 0 : errorRad(this.viewport_.height, window.devicePixelRatio);
+  }
+
+  private async open_(): Promise<void> {
+    try {
+      const { Viewer } = await this.load();
+      mark('view');
+      const viewer = new Viewer(this.canvas, this.overlay, this.model, this.fullQuality);
+      viewer.resize(this.viewport_);
+      if (this.preset_) viewer.setMaterial(this.preset_);
+      viewer.arrowsVisible = this.arrowsVisible_;
+      viewer.follow(this.followed_);
+      if (this.model.welcome) viewer.welcome(this.model.welcome);
+      this.viewer = viewer;
+    } catch (problem) {
+      console.warn(problem);
+      this.problem = (problem as Error).message;
+    }
+  }
+}

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { firstLook, viewBounds } from '../src/model/first_look';
+import type { Viewport } from '../src/model/fit';
+import { errorRad } from '../src/model/look_policy';
+import { STOCK_MATERIALS } from '../src/model/materials';
+import { SessionModel } from '../src/model/session';
+import { Picture } from '../src/ui/picture';
+import type { LoadViewer } from '../src/ui/picture';
+import { MESH_SNAPSHOT_LAST } from '../src/wire/types';
+import type { Header, Vec3, Welcome } from '../src/wire/types';
+
+const welcome: Welcome = {
+  type: 'welcome',
+  session: 'demo',
+  participant: 9,
+  epoch: 1,
+  color: '#888888',
+  pitch_mm: 0.5,
+  pivot_mm: 60,
+  stock: { shape: 'box', min_mm: [0, 0, -20], max_mm: [100, 60, 0] },
+  tools: [{ id: 4, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
+  participants: [],
+  grid: { origin_mm: [0, 0, 0], columns: [2, 2], tile: 32 },
+};
+const PHONE: Viewport = {
+  width: 390,
+  height: 844,
+  insets: { left: 0, right: 0, top: 60, bottom: 136 },
+};
+const last: Header = { type: 3, flags: MESH_SNAPSHOT_LAST, epoch: 1, sequence: 1n, time_us: 0n };
+
+/** Records what the page does with a view. */
+class FakeViewer {
+  static made: FakeViewer[] = [];
+  readonly calls: string[] = [];
+  constructor() {
+    FakeViewer.made.push(this);
+  }
+  set arrowsVisible(visible: boolean) {
+    this.calls.push(`arrows ${visible}`);
+  }
+  resize({ width }: Viewport): void {
+    this.calls.push(`resize ${width}`);
+  }
+  setMaterial({ name }: { name: string }): void {
+    this.calls.push(name);
+  }
+  follow(id: number | null): void {
+    this.calls.push(`follow ${id}`);
+  }
+  welcome(): void {
+    this.calls.push('welcome');
+  }
+  applyMesh({ sequence }: Header): Promise<void> {
+    this.calls.push(`mesh ${sequence}`);
+    return Promise.resolve();
+  }
+}
+
+function makePicture(model: SessionModel, make: () => FakeViewer = () => new FakeViewer()) {
+  // Called with new: what it returns is the view.
+  const Viewer = function () {
+    return make();
+  };
+  const load = vi.fn(() => Promise.resolve({ Viewer })) as unknown as LoadViewer;
+  const picture = new Picture({} as HTMLCanvasElement, {} as HTMLElement, model, false, load);
+  picture.resize(PHONE);
+  return { picture, load };
+}
+
+beforeEach(() => {
+  FakeViewer.made = [];
+  vi.stubGlobal('window', { devicePixelRatio: 3 });
+});
+afterEach(() => vi.unstubAllGlobals());
+
+describe('picture', () => {
+  it('does not load the view before the session was joined', () => {
+    const { picture, load } = makePicture(new SessionModel());
+    expect(load).not.toHaveBeenCalled();
+    expect(picture.look()).toBeNull();
+  });
+
+  it('knows where it will look from as soon as the session was joined', () => {
+    const model = new SessionModel();
+    const { picture } = makePicture(model);
+    model.apply(welcome);
+    picture.welcome(welcome);
+    expect(picture.viewer).toBeNull();
+    expect(picture.look()).toEqual(firstLook(welcome, PHONE, errorRad(844, 3)));
+  });
+
+  it('opens the view with what was set before, and then applies the frames that waited', async () => {
+    const model = new SessionModel();
+    const { picture } = makePicture(model);
+    picture.setMaterial(STOCK_MATERIALS[2]!);
+    picture.follow(7);
+    picture.arrowsVisible = false;
+    model.apply(welcome);
+    picture.welcome(welcome);
+    await picture.applyMesh(last, new Uint8Array());
+    expect(FakeViewer.made).toHaveLength(1);
+    expect([...FakeViewer.made[0]!.calls].sort()).toEqual(
+      ['Tooling board', 'arrows false', 'follow 7', 'mesh 1', 'resize 390', 'welcome'].sort(),
+    );
+    expect(FakeViewer.made[0]!.calls.at(-1)).toBe('mesh 1');
+  });
+
+  it('drops frames of a connection that was lost before the view was open', async () => {
+    const model = new SessionModel();
+    const { picture } = makePicture(model);
+    model.apply(welcome);
+    picture.welcome(welcome);
+    const applied = picture.applyMesh(last, new Uint8Array());
+    model.apply(welcome); // joined again
+    await applied;
+    expect(FakeViewer.made[0]!.calls).not.toContain('mesh 1');
+  });
+
+  it('goes on without a picture where WebGL is missing, and asks for the least', async () => {
+    vi.spyOn(console, 'warn').mockImplementation(() => undefined);
+    const model = new SessionModel();
+    const { picture } = makePicture(model, () => {
+      throw new Error('no WebGL');
+    });
+    model.apply(welcome);
+    picture.welcome(welcome);
+    await picture.applyMesh(last, new Uint8Array());
+    expect(picture.problem).toBe('no WebGL');
+    expect(model.tiles.complete).toBe(true);
+    expect(picture.look()!.look.error_rad).toBe(1);
+  });
+});
+
+describe('first look', () => {
+  it('has every corner of the block and the tool above it where no panel is', () => {
+    const { look } = firstLook(welcome, PHONE, 0);
+    const { min, max } = viewBounds(welcome);
+    expect(max[2]).toBeGreaterThan(0);
+    const center = min.map((low, n) => (low + max[n]!) / 2) as Vec3;
+    const arm = look.eye_mm.map((eye, n) => eye - center[n]!) as Vec3;
+    const distance = Math.hypot(...arm);
+    const u = arm.map((a) => a / distance) as Vec3;
+    const side: Vec3 = [-u[1] / Math.hypot(u[0], u[1]), u[0] / Math.hypot(u[0], u[1]), 0];
+    const tangent = Math.tan(Math.PI / 12); // half of 30°, over half of the height
+    let widest = 0;
+    for (let corner = 0; corner < 8; ++corner) {
+      const p = min.map((low, n) => ((corner >> n) & 1 ? max[n]! : low) - center[n]!);
+      const depth = distance - (p[0]! * u[0] + p[1]! * u[1] + p[2]! * u[2]);
+      const across = Math.abs(p[0]! * side[0] + p[1]! * side[1]) / depth;
+      widest = Math.max(widest, (across / tangent) * (PHONE.height / 2));
+    }
+    expect(widest).toBeLessThan(PHONE.width / 2);
+    expect(widest).toBeGreaterThan(0.9 * (PHONE.width / 2));
+  });
+});
