@@ -25,6 +25,7 @@ struct HelloMessage {
   bool stock = false;         ///< requests stock frames
   bool intent = false;        ///< requests intent frames
   bool changes = false;       ///< viewer: understands participants_changed
+  bool repeat = false;        ///< viewer: understands nodes for several tiles
   bool look_follows = false;  ///< viewer: sends a look at once, which the first snapshot awaits
   std::optional<ViewerLook> look;  ///< viewer: where it looks from, if it knows
   bool durable = false;            ///< agent: keeps what is not durable and sends it again

@@ -19,7 +19,8 @@ std::optional<ViewerAction> ViewerConversation::take_action() {
 
 void ViewerConversation::on_hello(const HelloMessage& hello) {
   takes_changes_ = hello.changes;
-  first_look_ = {hello.look_follows, hello.look};
+  first_look_ = {hello.look_follows, hello.look,
+                 hello.repeat ? TileNodes::kRepeated : TileNodes::kSingle};
   JoinRequest request = join_request(ParticipantKind::kViewer, hello);
   request.feel = false;
   actions_.emplace_back(std::move(request));

@@ -35,6 +35,7 @@ struct MeshAck {
 struct FirstLook {
   bool follows = false;
   std::optional<ViewerLook> look;
+  TileNodes nodes = TileNodes::kSingle;  ///< what the viewer understands
 };
 
 /// What a viewer's owner must do elsewhere: join the session on the session's executor and pass the

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "server/feed/tile_runs.h"
+
 namespace kerf {
 namespace {
 
@@ -127,11 +129,15 @@ void add_accessors(Json& json, const EncodedTile& tile, int first_view) {
   json.text(",\"type\":\"SCALAR\",\"count\":").number(tile.indices).text("}");
 }
 
-void add_node(Json& json, const EncodedTile& tile, double step_mm, std::size_t mesh) {
+void add_node(Json& json, const EncodedTile& tile, const TileRun& run, double step_mm,
+              std::size_t mesh) {
   json.text("{\"name\":\"t_").number(tile.tile.x).text("_").number(tile.tile.y);
   json.text("\",\"extras\":{\"tile\":[").number(tile.tile.x).text(",").number(tile.tile.y);
   json.text("],\"version\":").number(tile.version);
   if (tile.level > 0) json.text(",\"level\":").number(int{tile.level});
+  if (run.columns > 1 || run.rows > 1) {
+    json.text(",\"repeat\":[").number(run.columns).text(",").number(run.rows).text("]");
+  }
   json.text("}");
   if (tile.vertices > 0) {
     json.text(",\"mesh\":").number(mesh);
@@ -176,22 +182,30 @@ void add_meshes(Json& json, const std::vector<const EncodedTile*>& meshes, const
   json.text("]");
 }
 
-std::string make_json(std::span<const EncodedTile* const> tiles, const Meshes& meshes,
-                      const Sizes& sizes, double step_mm, std::uint64_t from, std::uint64_t to) {
+/// The tiles of a frame, and how its nodes and meshes stand for them.
+struct FrameTiles {
+  std::span<const EncodedTile* const> tiles;
+  std::vector<TileRun> runs;
+  Meshes meshes;
+};
+
+std::string make_json(const FrameTiles& frame, const Sizes& sizes, double step_mm,
+                      std::uint64_t from, std::uint64_t to) {
+  const auto& [tiles, runs, meshes] = frame;
   Json json;
   json.text("{\"asset\":{\"version\":\"2.0\",\"generator\":\"Kerf\"},\"scene\":0,\"scenes\":[{");
   bool first = true;
   if (!tiles.empty()) {
     json.text("\"nodes\":[");
-    for (std::size_t n = 0; n < tiles.size(); ++n) json.next(first).number(n);
+    for (std::size_t n = 0; n < runs.size(); ++n) json.next(first).number(n);
     json.text("],");
   }
   json.text("\"extras\":{\"from\":").number(from).text(",\"to\":").number(to).text("}}]");
   if (!tiles.empty()) {
     json.text(",\"nodes\":[");
     first = true;
-    for (std::size_t n = 0; n < tiles.size(); ++n) {
-      add_node(json.next(first), *tiles[n], step_mm, meshes.of_tile[n]);
+    for (const TileRun& run : runs) {
+      add_node(json.next(first), *tiles[run.first], run, step_mm, meshes.of_tile[run.first]);
     }
     json.text("]");
   }
@@ -207,10 +221,16 @@ void append_word(std::vector<std::byte>& out, std::size_t value) {
 
 std::vector<std::byte> write_mesh_glb(std::span<const EncodedTile* const> tiles,
                                       const MeshQuantization& quantization, std::uint64_t from,
-                                      std::uint64_t to) {
-  const Meshes meshes = meshes_of(tiles);
+                                      std::uint64_t to, TileNodes nodes) {
+  FrameTiles frame{tiles, {}, meshes_of(tiles)};
+  if (nodes == TileNodes::kRepeated) {
+    frame.runs = runs_of(tiles, quantization);
+  } else {
+    for (std::size_t n = 0; n < tiles.size(); ++n) frame.runs.push_back({n});
+  }
+  const Meshes& meshes = frame.meshes;
   const Sizes sizes = sizes_of(meshes.distinct);
-  std::string json = make_json(tiles, meshes, sizes, quantization.step_mm, from, to);
+  std::string json = make_json(frame, sizes, quantization.step_mm, from, to);
   json.resize(padded(json.size()), ' ');
   const std::size_t total = 12 + 8 + json.size() + (sizes.stored > 0 ? 8 + sizes.stored : 0);
   std::vector<std::byte> out;

@@ -207,7 +207,7 @@ MeshQuantization mesh_quantization(const DexelGrid& grid) {
   double step = grid.pitch_mm;
   for (int n = 0; n < kStepHalvingsMax && 2 * span <= step * kStepsMax; ++n) step /= 2;
   while (span > step * kStepsMax) step *= 2;
-  return {grid.origin_mm, step};
+  return {grid.origin_mm, step, kTileSide * grid.pitch_mm};
 }
 
 EncodedTile encode_tile(const TileMesh& mesh, const MeshQuantization& quantization,

@@ -14,8 +14,9 @@ namespace kerf {
 /// The lattice of the positions of all tiles of a block. It is common to them, so neighboring tiles
 /// meet exactly.
 struct MeshQuantization {
-  Vec3 origin_mm;      ///< DexelGrid::origin_mm
-  double step_mm = 1;  ///< the pitch, halved up to 8 times while a tile fits 65536 steps
+  Vec3 origin_mm;              ///< DexelGrid::origin_mm
+  double step_mm = 1;          ///< the pitch, halved up to 8 times while a tile fits 65536 steps
+  double tile_mm = kTileSide;  ///< side of a tile
 };
 MeshQuantization mesh_quantization(const DexelGrid& grid);
 

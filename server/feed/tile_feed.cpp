@@ -97,10 +97,11 @@ void TileFeed::take_update() {
   }
 }
 
-ViewerId TileFeed::add_viewer(const std::optional<ViewerLook>& look) {
+ViewerId TileFeed::add_viewer(const std::optional<ViewerLook>& look, TileNodes nodes) {
   const std::scoped_lock lock(mutex_);
   take_update();
   Viewer viewer;
+  viewer.nodes = nodes;
   viewer.sent_tiles.resize(tiles_.size());
   viewer.level.resize(tiles_.size());
   viewer.in_changed.resize(tiles_.size());
@@ -253,14 +254,14 @@ std::optional<FeedFrame> TileFeed::next_frame(ViewerId viewer_id) {
   if (first_snapshot) frame.flags |= kFirstSnapshot;
   if (first_snapshot && viewer.first.empty()) frame.flags |= kFirstSnapshotEnd;
   frame.sequence = ++viewer.sent;
-  frame.glb = compose(selection.tiles, viewer.revision);
+  frame.glb = compose(selection.tiles, viewer);
   viewer.revision = revision_;
   return frame;
 }
 
 std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(const std::vector<Picked>& tiles,
-                                                                std::uint64_t from) {
-  std::vector<std::uint64_t> key{from, revision_};
+                                                                const Viewer& viewer) {
+  std::vector<std::uint64_t> key{viewer.revision, revision_, std::uint64_t(viewer.nodes)};
   for (const auto& [tile, form] : tiles) {
     key.push_back(std::uint64_t{tile} << 32U | form.encoded->version);
     key.push_back(word_of(form.detail));
@@ -274,7 +275,7 @@ std::shared_ptr<const std::vector<std::byte>> TileFeed::compose(const std::vecto
   encoded.reserve(tiles.size());
   for (const Picked& picked : tiles) encoded.push_back(picked.form.encoded.get());
   auto glb = std::make_shared<const std::vector<std::byte>>(
-      write_mesh_glb(encoded, quantization_, from, revision_));
+      write_mesh_glb(encoded, quantization_, viewer.revision, revision_, viewer.nodes));
   ++stats_.frames_composed;
   stats_.bytes_composed += glb->size();
   if (recent_.size() == kRecentFramesMax) recent_.pop_front();

@@ -60,7 +60,8 @@ class TileFeed {
                    std::uint64_t revision);
 
   /// Adds a viewer. Until it looks from somewhere, all its tiles are exact.
-  ViewerId add_viewer(const std::optional<ViewerLook>& look = std::nullopt);
+  ViewerId add_viewer(const std::optional<ViewerLook>& look = std::nullopt,
+                      TileNodes nodes = TileNodes::kSingle);
   void remove_viewer(ViewerId viewer);  ///< unknown viewers are ignored
   std::size_t viewers() const;
   /// Sets the viewpoint of a viewer, and sends the tiles again whose level of detail changes.
@@ -122,6 +123,7 @@ class TileFeed {
     TileDetail detail;
   };
   struct Viewer {
+    TileNodes nodes = TileNodes::kSingle;
     std::uint64_t sent = 0, acked = 0;  ///< frame sequences
     std::uint64_t revision = 0;         ///< of the last frame
     std::vector<SentTile> sent_tiles;   ///< per tile
@@ -134,7 +136,8 @@ class TileFeed {
     void queue_change(std::uint32_t tile);
   };
   struct ComposedFrame {
-    std::vector<std::uint64_t> key;  ///< revisions, and the tiles with their versions and details
+    std::vector<std::uint64_t>
+        key;  ///< revisions, nodes, and the tiles with their versions and details
     std::shared_ptr<const std::vector<std::byte>> glb;
   };
 
@@ -160,7 +163,7 @@ class TileFeed {
   std::uint8_t level_from(const ViewerLook& look, std::uint32_t tile, std::uint8_t level) const;
   void select_tiles(Viewer& viewer, TileQueue& queue, std::size_t bytes_max, Selection& selection);
   std::shared_ptr<const std::vector<std::byte>> compose(const std::vector<Picked>& tiles,
-                                                        std::uint64_t from);
+                                                        const Viewer& viewer);
 
   const FeedSettings settings_;
   const MeshQuantization quantization_;

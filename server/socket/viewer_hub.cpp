@@ -61,7 +61,9 @@ void ViewerHub::remove(ParticipantId id) {
 }
 
 void ViewerHub::join_feed(ParticipantId id, const std::optional<ViewerLook>& look) {
-  next_job_.joined.push_back({id, ++viewers_[id].stay, look});
+  Viewer& viewer = viewers_[id];
+  const TileNodes nodes = viewer.conversation->first_look().nodes;
+  next_job_.joined.push_back({id, ++viewer.stay, look, nodes});
 }
 
 void ViewerHub::leave_feed(ParticipantId id) {
@@ -308,8 +310,8 @@ ViewerHub::JobResult ViewerHub::run_job(FeedSide& side, const Job& job) {
     side.feed->remove_viewer(found->second.id);
     side.ids.erase(found);
   }
-  for (const auto& [id, stay, look] : job.joined) {
-    side.ids[id] = {side.feed->add_viewer(look), stay};
+  for (const auto& [id, stay, look, nodes] : job.joined) {
+    side.ids[id] = {side.feed->add_viewer(look, nodes), stay};
   }
   for (const auto& [id, sequence] : job.acks) {
     const auto found = side.ids.find(id);

@@ -73,6 +73,7 @@ class ViewerHub : public std::enable_shared_from_this<ViewerHub> {
       ParticipantId id = 0;
       std::uint64_t stay = 0;
       std::optional<ViewerLook> look;
+      TileNodes nodes = TileNodes::kSingle;
     };
     std::vector<ParticipantId> left;  ///< before those who join
     std::vector<Joined> joined;

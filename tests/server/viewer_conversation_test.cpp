@@ -57,9 +57,13 @@ TEST_F(ViewerConversationTest, AHelloMayStateTheFirstLook) {
   EXPECT_EQ(eve->first_look().look->eye_mm.z, 90);
   EXPECT_EQ(eve->first_look().look->error_rad, 0.001);
   EXPECT_FALSE(eve->first_look().follows);
+  EXPECT_EQ(eve->first_look().nodes, TileNodes::kSingle);
   const auto later = viewer();
   send_text(*later, R"({"type":"hello","look":true})");
   EXPECT_TRUE(later->first_look().follows);
+  const auto new_viewer = viewer();
+  send_text(*new_viewer, R"({"type":"hello","repeat":true})");
+  EXPECT_EQ(new_viewer->first_look().nodes, TileNodes::kRepeated);
   EXPECT_FALSE(later->first_look().look);
 }
 

@@ -27,6 +27,7 @@ struct DecodedTile {
 struct DecodedFrame {
   std::uint64_t from = 0, to = 0;
   std::map<TileIndex, DecodedTile> tiles;
+  std::size_t nodes = 0;
 };
 
 /// The parts of a GLB.
@@ -108,12 +109,14 @@ inline void decode_mesh(const GlbParts& glb, const nlohmann::json& node, Decoded
 }
 
 /// Reads a mesh frame as the glTF specification defines it. Shares no code with its writer.
-inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes) {
+/// `tile_mm`: side of a tile, for nodes that stand for several.
+inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes, double tile_mm = 0) {
   const GlbParts glb = split_glb(glb_bytes);
   DecodedFrame frame;
   frame.from = glb.json["scenes"][0]["extras"]["from"].get<std::uint64_t>();
   frame.to = glb.json["scenes"][0]["extras"]["to"].get<std::uint64_t>();
   if (!glb.json.contains("nodes")) return frame;
+  frame.nodes = glb.json["nodes"].size();
   for (const auto& node : glb.json["nodes"]) {
     const TileIndex tile{node["extras"]["tile"][0], node["extras"]["tile"][1]};
     EXPECT_EQ(node["name"], "t_" + std::to_string(tile.x) + "_" + std::to_string(tile.y));
@@ -121,6 +124,16 @@ inline DecodedFrame read_mesh_glb(const std::vector<std::byte>& glb_bytes) {
     out.version = node["extras"]["version"].get<std::uint64_t>();
     out.level = node["extras"].value("level", 0);
     if (node.contains("mesh")) decode_mesh(glb, node, out);
+    const auto repeat = node["extras"].value("repeat", std::array{1, 1});
+    for (int n = 1; n < repeat[0] * repeat[1]; ++n) {
+      const TileIndex move{n % repeat[0], n / repeat[0]};
+      const TileIndex at{tile.x + move.x, tile.y + move.y};
+      EXPECT_FALSE(frame.tiles.contains(at)) << at.x << " " << at.y;
+      DecodedTile& copy = frame.tiles[at] = out;
+      for (Vec3& p : copy.positions_mm) {
+        p = p + Vec3{move.x * tile_mm, move.y * tile_mm, 0};
+      }
+    }
   }
   return frame;
 }
