@@ -23,7 +23,7 @@ const FIRST_LOAD_BYTES = 300_000;
 const SCENE = {
   name: 'Bracket op 1',
   stock: { shape: 'box', min_mm: [-30, -20, -20], max_mm: [30, 20, 0] },
-  accuracy: { rays: 'dexel', pitch_mm: 0.5, tolerance_mm: 0.01, motion: 'tight' },
+  accuracy: { rays: 'dexel', pitch_mm: 0.1, tolerance_mm: 0.01, motion: 'tight' },
   tools: [{ id: 1, shape: 'ball', diameter_mm: 6, length_mm: 30 }],
 };
 const SIZES = [
@@ -78,6 +78,14 @@ function checkStart(viewer, marks) {
     `hello after ${marks.hello.toFixed(0)} ms, picture after ${marks.picture.toFixed(0)} ms, ` +
       `${viewer.bytes} bytes of files`,
   );
+}
+
+/** Equal tiles come in few bytes and are drawn in few calls, shadows included. */
+function checkUntouched({ tiles, meshBytes, drawCalls }) {
+  assert(tiles.length > 200, `${tiles.length} tiles`);
+  assert(meshBytes < 250 * tiles.length, `${meshBytes} bytes for ${tiles.length} tiles`);
+  assert(drawCalls < tiles.length / 4, `${drawCalls} calls for ${tiles.length} tiles`);
+  console.log(`${tiles.length} untouched tiles: ${meshBytes} bytes, ${drawCalls} draw calls`);
 }
 
 /** At every size, block, bar, toolbar and panel have boxes that do not intersect. */
@@ -158,6 +166,7 @@ async function test(folder) {
     const viewer = await openCounted(browser, `${base}/?session=page&name=Grace`);
     const { page, problems } = viewer;
     checkStart(viewer, await page.evaluate(() => window.kerf.marks));
+    checkUntouched(await viewer.state());
     assert.equal(await page.title(), `${SCENE.name} · Kerf`);
     await writeFile(join(options.out, 'page.png'), await page.screenshot());
     await checkLayouts(viewer);

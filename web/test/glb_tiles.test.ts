@@ -2,6 +2,7 @@
 import { beforeAll, describe, expect, it } from 'vitest';
 import * as THREE from 'three';
 import { TileParser } from '../src/view/glb_tiles';
+import type { ParsedTile } from '../src/view/glb_tiles';
 import { TileView } from '../src/view/tile_view';
 import { tileKey } from '../src/model/tiles';
 import { writeMeshGlb } from './support/glb.mjs';
@@ -60,49 +61,84 @@ describe('mesh frames', () => {
   });
 });
 
+/** Displays the only tile of a frame at its place. */
+function show(view: TileView, tile: ParsedTile): void {
+  for (let y = tile.y; y < tile.y + tile.rows; ++y)
+    for (let x = tile.x; x < tile.x + tile.columns; ++x) view.set(tile, x, y, 8);
+}
+
+async function parsed(tile: TestTile): Promise<ParsedTile> {
+  const [only] = await parser.parse(writeMeshGlb([tile], STEP_MM, 0, 1));
+  return only!;
+}
+
+const gone = (x: number, y: number): TestTile => ({
+  x,
+  y,
+  version: 9,
+  positions: [],
+  normals: [],
+  indices: [],
+});
+
+/** Where the first corner of each tile is drawn, mm. */
+function places(view: TileView): string[] {
+  const found: string[] = [];
+  for (const mesh of view.group.children) {
+    if (!(mesh instanceof THREE.InstancedMesh)) throw new Error('not instanced');
+    for (let n = 0; n < mesh.count; ++n) {
+      const matrix = new THREE.Matrix4();
+      mesh.getMatrixAt(n, matrix);
+      const geometry = mesh.geometry as THREE.BufferGeometry;
+      const corner = geometry.getAttribute('position') as THREE.BufferAttribute;
+      const at = new THREE.Vector3().fromBufferAttribute(corner, 0).applyMatrix4(matrix);
+      found.push(`${Math.round(at.x)} ${Math.round(at.y)}`);
+    }
+  }
+  return found.sort();
+}
+
 describe('tile view', () => {
   it('disposes of the geometry of replaced and removed tiles', async () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
     const disposed: number[] = [];
     for (const version of [1, 2]) {
-      const [tile] = await parser.parse(writeMeshGlb([triangle(0, 0, version)], STEP_MM, 0, 1));
-      tile?.geometry?.addEventListener('dispose', () => disposed.push(version));
-      if (tile) view.set(tile);
+      const tile = await parsed(triangle(0, 0, version, [0, 0, 0, 8, 0, 0, 0, 8, -version]));
+      tile.geometry?.addEventListener('dispose', () => disposed.push(version));
+      show(view, tile);
     }
     expect(disposed).toEqual([1]);
     expect(view.group.children).toHaveLength(1);
-    view.set({
-      x: 0,
-      y: 0,
-      version: 3,
-      level: 0,
-      triangles: 0,
-      geometry: null,
-      matrix: new THREE.Matrix4(),
-    });
+    show(view, await parsed(gone(0, 0)));
     expect(disposed).toEqual([1, 2]);
     expect(view.group.children).toHaveLength(0);
   });
 
-  it('keeps a geometry that tiles share until the last one is gone', () => {
+  it('draws tiles of the same shape in one call, in whatever frames they come', async () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
-    const geometry = new THREE.BufferGeometry();
-    let disposed = 0;
-    geometry.addEventListener('dispose', () => (disposed += 1));
-    const tile = (x: number) => ({
-      x,
-      y: 0,
-      version: 1,
-      level: 0,
-      triangles: 2,
-      geometry,
-      matrix: new THREE.Matrix4(),
-    });
-    view.set(tile(0));
-    view.set(tile(1));
-    view.set({ ...tile(0), version: 2, geometry: new THREE.BufferGeometry() });
-    expect(disposed).toBe(0);
-    view.remove(tileKey(1, 0));
-    expect(disposed).toBe(1);
+    for (const x of [0, 1, 2, 3]) show(view, await parsed(triangle(x, 0, 1)));
+    expect(view.shapes).toBe(1);
+    expect(places(view)).toEqual(['0 0', '16 0', '24 0', '8 0']);
+    show(view, await parsed(triangle(1, 0, 2, [0, 0, 0, 8, 0, 0, 0, 8, -1])));
+    expect(view.shapes).toBe(2);
+    expect(places(view)).toEqual(['0 0', '16 0', '24 0', '8 0']);
+    view.remove(tileKey(0, 0)); // the last instance takes its place
+    expect(places(view)).toEqual(['16 0', '24 0', '8 0']);
+    view.remove(tileKey(2, 0)); // that instance
+    expect(places(view)).toEqual(['24 0', '8 0']);
+    for (const x of [1, 3]) view.remove(tileKey(x, 0));
+    expect(view.group.children).toHaveLength(0);
+  });
+
+  it('displays all tiles that one node stands for, and replaces one of them', async () => {
+    const view = new TileView(new THREE.MeshBasicMaterial());
+    const tile = await parsed({ ...triangle(1, 2, 1), repeat: [2, 3] });
+    expect([tile.columns, tile.rows]).toEqual([2, 3]);
+    show(view, tile);
+    expect(view.shapes).toBe(1);
+    const all = ['8 0', '8 8', '8 16', '16 0', '16 8', '16 16'].sort();
+    expect(places(view)).toEqual(all);
+    show(view, await parsed(gone(2, 3)));
+    expect(places(view)).toEqual(all.filter((at) => at !== '16 8'));
   });
 });

@@ -134,24 +134,36 @@ describe('picture', () => {
 });
 
 describe('first look', () => {
-  it('has every corner of the block and the tool above it where no panel is', () => {
-    const { look } = firstLook(welcome, PHONE, 0);
+  const tablet: Viewport = {
+    width: 768,
+    height: 1024,
+    insets: { left: 68, right: 348, top: 60, bottom: 24 },
+  };
+  const low: Viewport = { ...tablet, height: 300 };
+
+  it.each([PHONE, tablet, low])('fills the part of the picture without panels: %j', (view) => {
+    const { look } = firstLook(welcome, view, 0);
     const { min, max } = viewBounds(welcome);
-    expect(max[2]).toBeGreaterThan(0);
-    const center = min.map((low, n) => (low + max[n]!) / 2) as Vec3;
+    expect(max[2]).toBeGreaterThan(0); // there is space for the tool
+    const center = min.map((value, n) => (value + max[n]!) / 2) as Vec3;
     const arm = look.eye_mm.map((eye, n) => eye - center[n]!) as Vec3;
     const distance = Math.hypot(...arm);
     const u = arm.map((a) => a / distance) as Vec3;
-    const side: Vec3 = [-u[1] / Math.hypot(u[0], u[1]), u[0] / Math.hypot(u[0], u[1]), 0];
-    const tangent = Math.tan(Math.PI / 12); // half of 30°, over half of the height
-    let widest = 0;
+    const flat = Math.hypot(u[0], u[1]);
+    const side: Vec3 = [-u[1] / flat, u[0] / flat, 0];
+    const up: Vec3 = [-u[2] * side[1], u[2] * side[0], u[0] * side[1] - u[1] * side[0]];
+    const pixels = view.height / 2 / Math.tan(Math.PI / 12); // half of 30°
+    let fills = 0;
     for (let corner = 0; corner < 8; ++corner) {
-      const p = min.map((low, n) => ((corner >> n) & 1 ? max[n]! : low) - center[n]!);
-      const depth = distance - (p[0]! * u[0] + p[1]! * u[1] + p[2]! * u[2]);
-      const across = Math.abs(p[0]! * side[0] + p[1]! * side[1]) / depth;
-      widest = Math.max(widest, (across / tangent) * (PHONE.height / 2));
+      const p = min.map((value, n) => ((corner >> n) & 1 ? max[n]! : value) - center[n]!);
+      const along = (axis: Vec3): number => p[0]! * axis[0] + p[1]! * axis[1] + p[2]! * axis[2];
+      const depth = distance - along(u);
+      const { left, right, top, bottom } = view.insets;
+      const across = (2 * pixels * Math.abs(along(side))) / depth / (view.width - left - right);
+      const above = (2 * pixels * Math.abs(along(up))) / depth / (view.height - top - bottom);
+      fills = Math.max(fills, across, above);
     }
-    expect(widest).toBeLessThan(PHONE.width / 2);
-    expect(widest).toBeGreaterThan(0.9 * (PHONE.width / 2));
+    expect(fills).toBeLessThan(1);
+    expect(fills).toBeGreaterThan(0.9);
   });
 });

@@ -155,7 +155,7 @@ export class ViewLink {
     const current = (): boolean => generation === this.generation_ && !this.stopped_;
     socket.onopen = () => {
       const look = this.options.look() ?? true;
-      const hello = { type: 'hello', name: this.name_, changes: true, look };
+      const hello = { type: 'hello', name: this.name_, changes: true, repeat: true, look };
       if (!current()) return;
       socket.send(JSON.stringify(hello));
       this.events.greeted();

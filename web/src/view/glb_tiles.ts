@@ -6,13 +6,18 @@ import * as THREE from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'three/examples/jsm/libs/meshopt_decoder.module.js';
 
+/** A tile, or a rectangle of tiles that differ in their places only, from x, y up. */
 export interface ParsedTile {
   x: number;
   y: number;
+  columns: number;
+  rows: number;
   version: number;
   /** Level of detail; 0 is exact. */
   level: number;
   triangles: number;
+  /** Equal for tiles of the same shape. */
+  shape: string;
   /** null if no material is left in the tile */
   geometry: THREE.BufferGeometry | null;
   matrix: THREE.Matrix4;
@@ -22,9 +27,36 @@ function isCoordinatePair(value: unknown): value is [x: number, y: number] {
   return Array.isArray(value) && value.length === 2 && value.every(Number.isInteger);
 }
 
+/**
+ * Returns a text that is equal for equal geometries, and different for others with a probability of
+ * 2^-64: two hashes (FNV-1a with different primes) of positions, normals and indices.
+ */
+function shapeOf(geometry: THREE.BufferGeometry): string {
+  let one = 0x811c9dc5;
+  let other = 0x9747b28c;
+  const mix = (word: number): void => {
+    one = Math.imul(one ^ word, 0x01000193);
+    other = Math.imul(other ^ word, 0x5bd1e995);
+    other ^= other >>> 15;
+  };
+  const { position, normal } = geometry.attributes;
+  for (const attribute of [position, normal, geometry.index]) {
+    if (!attribute) continue;
+    const array = 'data' in attribute ? attribute.data.array : attribute.array;
+    mix(array.length);
+    for (const word of array) mix(word);
+  }
+  return `${one >>> 0} ${other >>> 0}`;
+}
+
 function tileOf(node: THREE.Object3D): ParsedTile | null {
-  const { tile, version, level = 0 } = node.userData as Record<string, unknown>;
-  if (!isCoordinatePair(tile) || typeof version !== 'number' || typeof level !== 'number')
+  const { tile, version, level = 0, repeat = [1, 1] } = node.userData as Record<string, unknown>;
+  if (
+    !isCoordinatePair(tile) ||
+    !isCoordinatePair(repeat) ||
+    typeof version !== 'number' ||
+    typeof level !== 'number'
+  )
     return null;
   node.updateWorldMatrix(true, false);
   const geometry = node instanceof THREE.Mesh ? (node as THREE.Mesh).geometry : null;
@@ -32,9 +64,12 @@ function tileOf(node: THREE.Object3D): ParsedTile | null {
   return {
     x: tile[0],
     y: tile[1],
+    columns: repeat[0],
+    rows: repeat[1],
     version,
     level,
     triangles: corners / 3,
+    shape: geometry ? shapeOf(geometry) : '',
     geometry,
     matrix: node.matrixWorld.clone(),
   };

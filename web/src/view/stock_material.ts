@@ -14,8 +14,12 @@ varying vec3 vStockNormal;
 `;
 
 const VERTEX_BODY = /* glsl */ `
-vStockPosition = (modelMatrix * vec4(transformed, 1.0)).xyz;
-vStockNormal = normalize(mat3(modelMatrix) * objectNormal);
+mat4 stockMatrix = modelMatrix;
+#ifdef USE_INSTANCING
+stockMatrix = modelMatrix * instanceMatrix;
+#endif
+vStockPosition = (stockMatrix * vec4(transformed, 1.0)).xyz;
+vStockNormal = normalize(mat3(stockMatrix) * objectNormal);
 `;
 
 const FRAGMENT_HEAD = /* glsl */ `

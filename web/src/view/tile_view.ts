@@ -1,72 +1,148 @@
 // SPDX-License-Identifier: Apache-2.0
-// The block's surface: one mesh per tile. Tiles are replaced as a whole; the old tile's GPU buffers
-// are released as soon as no tile uses them.
+// The block's surface. Tiles of the same shape, such as the untouched ones of a box, are instances of
+// one mesh: one draw call, however many frames they came in. Tiles are replaced as a whole; the GPU
+// buffers of a shape are released with its last tile.
 
 import * as THREE from 'three';
 import { tileKey } from '../model/tiles';
 import type { ParsedTile } from './glb_tiles';
 
+/** The tiles of one shape. */
+class Batch {
+  mesh: THREE.InstancedMesh;
+  private readonly keys_: number[] = [];
+
+  constructor(
+    readonly shape: string,
+    geometry: THREE.BufferGeometry,
+    material: THREE.Material,
+    private readonly group: THREE.Group,
+  ) {
+    this.mesh = this.make_(geometry, material, 1);
+  }
+
+  get size(): number {
+    return this.keys_.length;
+  }
+
+  add(key: number, matrix: THREE.Matrix4): void {
+    if (this.size === this.mesh.instanceMatrix.count) this.grow_();
+    this.mesh.setMatrixAt(this.size, matrix);
+    this.keys_.push(key);
+    this.changed_();
+  }
+
+  /** The last tile takes the place of the one that leaves. */
+  remove(key: number): void {
+    const at = this.keys_.indexOf(key);
+    const last = this.keys_.pop()!;
+    if (at < this.size) {
+      const matrix = new THREE.Matrix4();
+      this.mesh.getMatrixAt(this.size, matrix);
+      this.mesh.setMatrixAt(at, matrix);
+      this.keys_[at] = last;
+    }
+    this.changed_();
+  }
+
+  dispose(): void {
+    this.group.remove(this.mesh);
+    this.mesh.geometry.dispose();
+    this.mesh.dispose();
+  }
+
+  private changed_(): void {
+    this.mesh.count = this.size;
+    this.mesh.instanceMatrix.needsUpdate = true;
+    this.mesh.boundingSphere = null; // computed again when it is needed
+  }
+
+  private grow_(): void {
+    const { geometry, material, instanceMatrix } = this.mesh;
+    const old = this.mesh;
+    this.mesh = this.make_(geometry, material as THREE.Material, 4 * this.size);
+    this.mesh.instanceMatrix.array.set(instanceMatrix.array);
+    this.group.remove(old);
+    old.dispose();
+  }
+
+  private make_(
+    geometry: THREE.BufferGeometry,
+    material: THREE.Material,
+    capacity: number,
+  ): THREE.InstancedMesh {
+    const mesh = new THREE.InstancedMesh(geometry, material, capacity);
+    mesh.matrixAutoUpdate = false;
+    mesh.castShadow = true;
+    mesh.receiveShadow = true;
+    this.group.add(mesh);
+    return mesh;
+  }
+}
+
 export class TileView {
   readonly group = new THREE.Group();
-  private readonly meshes_ = new Map<number, THREE.Mesh>();
-  /** Number of displayed tiles by geometry: those of equal shape share one. */
-  private readonly users_ = new Map<THREE.BufferGeometry, number>();
+  private readonly batches_ = new Map<string, Batch>();
+  private readonly batchOf_ = new Map<number, Batch>();
 
   constructor(private readonly material: THREE.Material) {
     this.group.matrixAutoUpdate = false;
   }
 
+  /** Number of distinct shapes, each of which is a draw call. */
+  get shapes(): number {
+    return this.batches_.size;
+  }
+
   /** Returns a tile that is not displayed, by which shaders can be compiled. */
   sample(): THREE.Mesh {
-    const mesh = new THREE.Mesh(new THREE.PlaneGeometry(), this.material);
+    const mesh = new THREE.InstancedMesh(new THREE.PlaneGeometry(), this.material, 1);
     mesh.castShadow = true;
     mesh.receiveShadow = true;
     return mesh;
   }
 
-  set(tile: ParsedTile): void {
-    const key = tileKey(tile.x, tile.y);
+  /** Displays the tile at x, y of those that `tile` stands for, whose sides have `sideMm`. */
+  set(tile: ParsedTile, x: number, y: number, sideMm: number): void {
+    const key = tileKey(x, y);
     if (!tile.geometry) {
       this.remove(key);
       return;
     }
-    let mesh = this.meshes_.get(key);
-    this.users_.set(tile.geometry, (this.users_.get(tile.geometry) ?? 0) + 1);
-    if (mesh) {
-      this.release_(mesh.geometry);
-      mesh.geometry = tile.geometry;
-    } else {
-      mesh = new THREE.Mesh(tile.geometry, this.material);
-      mesh.matrixAutoUpdate = false;
-      mesh.castShadow = true;
-      mesh.receiveShadow = true;
-      this.meshes_.set(key, mesh);
-      this.group.add(mesh);
-    }
-    mesh.matrix.copy(tile.matrix);
-    mesh.matrixWorldNeedsUpdate = true;
+    const batch = this.batch_(tile.shape, tile.geometry);
+    if (this.batchOf_.get(key) !== batch) this.remove(key);
+    else batch.remove(key);
+    const matrix = new THREE.Matrix4().makeTranslation(
+      (x - tile.x) * sideMm,
+      (y - tile.y) * sideMm,
+      0,
+    );
+    batch.add(key, matrix.multiply(tile.matrix));
+    this.batchOf_.set(key, batch);
   }
 
   remove(key: number): void {
-    const mesh = this.meshes_.get(key);
-    if (!mesh) return;
-    this.group.remove(mesh);
-    this.release_(mesh.geometry);
-    this.meshes_.delete(key);
-  }
-
-  private release_(geometry: THREE.BufferGeometry): void {
-    const left = (this.users_.get(geometry) ?? 0) - 1;
-    if (left > 0) {
-      this.users_.set(geometry, left);
-    } else {
-      this.users_.delete(geometry);
-      geometry.dispose();
-    }
+    const batch = this.batchOf_.get(key);
+    if (!batch) return;
+    this.batchOf_.delete(key);
+    batch.remove(key);
+    if (batch.size > 0) return;
+    this.batches_.delete(batch.shape);
+    batch.dispose();
   }
 
   /** Returns the first intersection of a ray with the block, or null. */
   pick(raycaster: THREE.Raycaster): THREE.Vector3 | null {
-    return raycaster.intersectObjects([...this.meshes_.values()], false)[0]?.point ?? null;
+    const meshes = [...this.batches_.values()].map(({ mesh }) => mesh);
+    return raycaster.intersectObjects(meshes, false)[0]?.point ?? null;
+  }
+
+  private batch_(shape: string, geometry: THREE.BufferGeometry): Batch {
+    let batch = this.batches_.get(shape);
+    if (!batch) {
+      batch = new Batch(shape, geometry, this.material, this.group);
+      this.batches_.set(shape, batch);
+    }
+    return batch;
   }
 }

@@ -17,6 +17,7 @@ import type { Header, Welcome } from '../wire/types';
 import { CameraRig } from './camera_rig';
 import { CarverViews } from './carver_views';
 import { TileParser } from './glb_tiles';
+import type { ParsedTile } from './glb_tiles';
 import { Stage } from './stage';
 import { StockMaterial } from './stock_material';
 import { TileView } from './tile_view';
@@ -90,15 +91,22 @@ export class Viewer {
     const tiles = await this.parser_.parse(glb);
     // Reconnected meanwhile: a new snapshot follows.
     if (generation !== this.model.tiles.generation) return;
-    for (const tile of tiles) {
-      if (this.model.tiles.offer(tile.x, tile.y, tile.version, tile.triangles, tile.level))
-        this.tiles_.set(tile);
-    }
+    for (const tile of tiles) this.offer_(tile);
     if (header.flags & MESH_SNAPSHOT_LAST) {
       for (const key of this.model.tiles.finishSnapshot()) this.tiles_.remove(key);
     }
     this.shadowsDirty_ = true;
     this.touch();
+  }
+
+  private offer_(tile: ParsedTile): void {
+    const { grid, pitch_mm } = this.model.welcome!;
+    for (let y = tile.y; y < tile.y + tile.rows; ++y) {
+      for (let x = tile.x; x < tile.x + tile.columns; ++x) {
+        if (this.model.tiles.offer(x, y, tile.version, tile.triangles, tile.level))
+          this.tiles_.set(tile, x, y, grid.tile * pitch_mm);
+      }
+    }
   }
 
   /** Returns the camera position, with the acceptable error. */

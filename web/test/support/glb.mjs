@@ -11,7 +11,7 @@ function pad4(bytes, fill) {
 
 /**
  * @param tiles [{x, y, version, positions: Float64Array (mm, world), normals: Float64Array,
- * indices: number[]}]; no indices: an empty tile
+ * indices: number[], repeat?: [columns, rows]}]; no indices: an empty tile
  */
 export function writeMeshGlb(tiles, stepMm, from, to) {
   const parts = [];
@@ -43,7 +43,11 @@ export function writeMeshGlb(tiles, stepMm, from, to) {
   for (const tile of tiles) {
     const node = {
       name: `t_${tile.x}_${tile.y}`,
-      extras: { tile: [tile.x, tile.y], version: tile.version },
+      extras: {
+        tile: [tile.x, tile.y],
+        version: tile.version,
+        ...(tile.repeat ? { repeat: tile.repeat } : {}),
+      },
     };
     gltf.nodes.push(node);
     if (tile.indices.length === 0) continue;
