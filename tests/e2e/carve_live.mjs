@@ -314,6 +314,25 @@ async function checkExports(base, folder, session, wire) {
   logStep(`kerf-carve of the exported APT program results in the same state ${report.state_hash}`);
 }
 
+/** Undo by the keyboard and redo in the list of strokes, until the page has the block of before. */
+async function checkHistory({ page, state }, session) {
+  await page.keyboard.press('Control+z');
+  await until('undone stroke', SETTLE_S, async () => {
+    const { hash } = await state();
+    return hash !== null && hash !== session.state_hash;
+  });
+  await page.getByRole('button', { name: 'Show strokes' }).click();
+  const list = page.getByRole('list', { name: 'Strokes' });
+  await list.getByRole('button', { name: /^Undo/ }).first().waitFor();
+  await list.getByRole('button', { name: /^Redo/ }).first().click();
+  await until(
+    'block with the stroke again',
+    SETTLE_S,
+    async () => (await state()).hash === session.state_hash,
+  );
+  logStep('a page undid a stroke and redid it');
+}
+
 async function test(folder) {
   const { server, base } = await startServer(folder);
   const browser = await launchBrowser();
@@ -331,6 +350,7 @@ async function test(folder) {
     await compareDetail(viewers[0], wire);
     await checkDownloads(viewers[1]);
     await checkExports(base, folder, session, wire);
+    await checkHistory(viewers[1], session);
     wire.close();
   } finally {
     await browser.close();

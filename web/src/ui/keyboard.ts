@@ -14,6 +14,8 @@ export interface KeyActions {
   toggleArrows: () => void;
   toggleGrid: () => void;
   toggleSound: () => void;
+  undo: () => void;
+  redo: () => void;
   help: () => void;
 }
 
@@ -83,6 +85,18 @@ function actionOf(event: KeyboardEvent, actions: KeyActions): (() => void) | nul
   }
 }
 
+function isCommand(event: KeyboardEvent): boolean {
+  return event.ctrlKey || event.metaKey || event.altKey;
+}
+
+/** Ctrl (on a Mac, Cmd) with Z, Shift + Z or Y; other combinations belong to the browser. */
+function commandOf(event: KeyboardEvent, actions: KeyActions): (() => void) | null {
+  if (event.altKey) return null;
+  const key = event.key.toLowerCase();
+  if (key === 'z') return event.shiftKey ? actions.redo : actions.undo;
+  return key === 'y' ? actions.redo : null;
+}
+
 /**
  * Handles key presses on the whole page, except in input fields and dialogs, and except browser
  * shortcuts.
@@ -90,9 +104,8 @@ function actionOf(event: KeyboardEvent, actions: KeyActions): (() => void) | nul
 export function listenToKeys(actions: KeyActions): void {
   window.addEventListener('keydown', (event) => {
     const target = event.target as HTMLElement;
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (target.closest('input, textarea, select, dialog')) return;
-    const action = actionOf(event, actions);
+    const action = isCommand(event) ? commandOf(event, actions) : actionOf(event, actions);
     if (!action) return;
     event.preventDefault();
     action();

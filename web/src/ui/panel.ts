@@ -6,6 +6,7 @@ import type { Participant } from '../model/participants';
 import type { SessionModel } from '../model/session';
 import { h, setText } from './dom';
 import { count, duration, figure, volume } from './format';
+import { History } from './history';
 import { ICONS } from './icons';
 import { MaterialChoice } from './material_choice';
 import { People } from './people';
@@ -81,6 +82,7 @@ export class Panel {
   private plotted_: Participant | null = null; // stays when the participant leaves
   private readonly material_: MaterialChoice;
   private readonly people_: People;
+  readonly history: History;
   private readonly plots_: Plots;
 
   constructor(
@@ -91,6 +93,7 @@ export class Panel {
   ) {
     this.material_ = new MaterialChoice(actions.materialChosen);
     this.people_ = new People(model, actions.personPressed, actions.renamed);
+    this.history = new History(model, session);
     this.plots_ = new Plots(colors.force, colors.torque);
     const figures = h(
       'dl',
@@ -112,6 +115,7 @@ export class Panel {
         figures,
         section('Participants', this.people_.root),
         forces,
+        section('History', this.history.element),
         section('Downloads', downloads(session)),
         section('Material', this.material_.element),
         h('p', { class: 'quiet hash' }, 'State ', this.hash_),
@@ -134,6 +138,7 @@ export class Panel {
     this.hash_.classList.toggle('settled', state?.settled === true);
     this.material_.suggest(this.model.participants.carvers().map(({ info }) => info.kind));
     this.people_.update(selected, followed, nowMs);
+    this.history.update(selected, nowMs);
     const { participants } = this.model;
     this.plotted_ = (selected === null ? undefined : participants.get(selected)) ?? this.plotted_;
     if (this.plotted_) this.plot_(this.plotted_, nowMs);

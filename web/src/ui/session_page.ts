@@ -207,6 +207,8 @@ export class SessionPage {
       toggleArrows: () => this.toggleArrows_(),
       toggleGrid: () => this.picture.viewer?.toggleGrid(),
       toggleSound: () => this.sound.toggle(),
+      undo: () => void this.panel_.history.change('undo'),
+      redo: () => void this.panel_.history.change('redo'),
       help: () => this.help_.showModal(),
     });
     window.addEventListener('resize', () => this.resize_());

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests that list strokes, undo and redo them.
+
+/** An uninterrupted series of motions of one participant. */
+export interface Stroke {
+  /** Number of its first record in the journal. */
+  id: number;
+  participant: number;
+  tool: number;
+  motions: number;
+  /** Wall time, ms since 1970. */
+  begin_ms: number;
+  end_ms: number;
+  undone: boolean;
+}
+
+export type StrokeChange = 'undo' | 'redo';
+
+function pathOf(session: string, what: string): string {
+  return `/v1/sessions/${encodeURIComponent(session)}/${what}`;
+}
+
+async function reasonOf(response: Response): Promise<string> {
+  const body = (await response.json().catch(() => null)) as {
+    error?: { reason?: unknown };
+  } | null;
+  const reason = body?.error?.reason;
+  return typeof reason === 'string' ? reason : `the server answered ${response.status}`;
+}
+
+async function ask(path: string, method: string): Promise<unknown> {
+  const response = await fetch(path, { method }).catch(() => {
+    throw new Error('The server did not answer.');
+  });
+  if (!response.ok) throw new Error(await reasonOf(response));
+  return response.json();
+}
+
+function isStroke(value: unknown): value is Stroke {
+  if (typeof value !== 'object' || value === null) return false;
+  const from = value as Record<string, unknown>;
+  const numbers = ['id', 'participant', 'tool', 'motions', 'begin_ms', 'end_ms'];
+  return (
+    numbers.every((name) => Number.isFinite(from[name])) && typeof from['undone'] === 'boolean'
+  );
+}
+
+/**
+ * Returns the strokes of a session that begin at the record `since` or later, oldest first. Rejects,
+ * as changeStrokes does, with an error whose message says why.
+ */
+export async function listStrokes(session: string, since = 0): Promise<Stroke[]> {
+  const body = (await ask(pathOf(session, `strokes?since=${since}`), 'GET')) as {
+    strokes?: unknown;
+  };
+  return Array.isArray(body.strokes) ? body.strokes.filter(isStroke) : [];
+}
+
+/** Undoes or redoes a stroke; resolves when the block has changed, or will once the disk allows. */
+export async function changeStroke(
+  session: string,
+  change: StrokeChange,
+  stroke: number,
+): Promise<void> {
+  await ask(pathOf(session, `${change}?strokes=${stroke}`), 'POST');
+}

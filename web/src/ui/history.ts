@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Undo and redo of strokes. The buttons are here; the list of strokes is a chunk of its own, loaded
+// when it is first opened.
+
+import { changeStroke, listStrokes } from '../link/strokes';
+import type { Stroke, StrokeChange } from '../link/strokes';
+import type { SessionModel } from '../model/session';
+import { nextStroke, whyNotUndo } from '../model/stroke_choice';
+import { h, setText } from './dom';
+import { sentence } from './format';
+import type { StrokeList } from './stroke_list';
+
+const REFRESH_MS = 1500; // while the list is open and the block changes
+
+export class History {
+  readonly element: HTMLElement;
+  private readonly undo_ = this.button_('Undo', 'Ctrl+Z', 'undo');
+  private readonly redo_ = this.button_('Redo', 'Ctrl+Shift+Z', 'redo');
+  private readonly toggle_ = h(
+    'button',
+    { type: 'button', class: 'quiet-action', 'aria-expanded': 'false' },
+    'Show strokes',
+  );
+  private readonly note_ = h('p', { class: 'quiet history-note', role: 'status' });
+  private readonly body_ = h('div', { hidden: '' });
+  private list_: StrokeList | null = null;
+  private selected_: number | null = null;
+  private busy_ = false;
+  private shownMotions_ = -1;
+  private shownMs_ = -Infinity;
+
+  constructor(
+    private readonly model: SessionModel,
+    private readonly session: string,
+  ) {
+    this.element = h(
+      'div',
+      {},
+      h('div', { class: 'history-actions' }, this.undo_, this.redo_, this.toggle_),
+      this.note_,
+      this.body_,
+    );
+    this.toggle_.addEventListener('click', () => void this.open_(this.body_.hidden));
+  }
+
+  /** `selected`: the participant whose strokes the buttons mean; null: the newest of all. */
+  update(selected: number | null, nowMs: number): void {
+    this.selected_ = selected;
+    const { welcome, state } = this.model;
+    const reason = welcome ? whyNotUndo(welcome) : '';
+    for (const button of [this.undo_, this.redo_]) {
+      const isDisabled = String(reason !== '' || this.busy_);
+      if (button.getAttribute('aria-disabled') !== isDisabled)
+        button.setAttribute('aria-disabled', isDisabled);
+    }
+    if (reason !== '') setText(this.note_, reason);
+    const motions = state?.motions ?? 0;
+    const isDue = motions !== this.shownMotions_ && nowMs - this.shownMs_ > REFRESH_MS;
+    if (this.body_.hidden || !isDue) return;
+    this.shownMotions_ = motions;
+    this.shownMs_ = nowMs;
+    void this.refresh_();
+  }
+
+  /** Undoes or redoes the next stroke of the selected participant. */
+  async change(change: StrokeChange): Promise<void> {
+    await this.attempt_(async () => {
+      const stroke = nextStroke(await listStrokes(this.session), change, this.selected_);
+      if (!stroke) return `There is nothing to ${change}.`;
+      return this.changeOne_(change, stroke);
+    });
+  }
+
+  private button_(label: string, key: string, change: StrokeChange): HTMLButtonElement {
+    const title = `${label} the newest stroke of the participant that is selected (${key})`;
+    const button = h('button', { type: 'button', class: 'history-button', title }, label);
+    button.addEventListener('click', () => void this.change(change));
+    return button;
+  }
+
+  private async changeOne_(change: StrokeChange, stroke: Stroke): Promise<string> {
+    await changeStroke(this.session, change, stroke.id);
+    const name = this.model.participants.get(stroke.participant)?.info.name;
+    const whose = name === undefined ? 'A stroke' : `A stroke of ${name}`;
+    return `${whose} was ${change === 'undo' ? 'undone' : 'redone'}.`;
+  }
+
+  /** Runs a change and tells its outcome, also that of a failure. One at a time. */
+  private async attempt_(act: () => Promise<string>): Promise<void> {
+    const { welcome } = this.model;
+    if (this.busy_ || !welcome || whyNotUndo(welcome) !== '') return;
+    this.busy_ = true;
+    try {
+      setText(this.note_, await act());
+    } catch (problem) {
+      setText(this.note_, sentence((problem as Error).message));
+    }
+    this.busy_ = false;
+    if (!this.body_.hidden) await this.refresh_();
+  }
+
+  private async open_(open: boolean): Promise<void> {
+    this.body_.hidden = !open;
+    this.toggle_.setAttribute('aria-expanded', String(open));
+    setText(this.toggle_, open ? 'Hide strokes' : 'Show strokes');
+    if (!open) return;
+    if (!this.list_) {
+      const { StrokeList } = await import('./stroke_list');
+      this.list_ ??= new StrokeList(this.model, (change, stroke) => {
+        void this.attempt_(() => this.changeOne_(change, stroke));
+      });
+      this.body_.replaceChildren(this.list_.element);
+    }
+    await this.refresh_();
+  }
+
+  private async refresh_(): Promise<void> {
+    try {
+      this.list_?.show(await listStrokes(this.session));
+    } catch (problem) {
+      setText(this.note_, sentence((problem as Error).message));
+    }
+  }
+}

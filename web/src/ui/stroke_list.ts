@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The strokes of a session, newest first: author, tool, time, motions; each can be undone or redone.
+
+import type { Stroke, StrokeChange } from '../link/strokes';
+import type { SessionModel } from '../model/session';
+import { toolName } from '../model/tool_profile';
+import { h } from './dom';
+import { count } from './format';
+
+const SHOWN_MAX = 200;
+const CLOCK = new Intl.DateTimeFormat('en', { timeStyle: 'medium', hourCycle: 'h23' });
+
+interface Author {
+  name: string;
+  color: string;
+}
+
+export class StrokeList {
+  readonly element = h('ol', { class: 'strokes', 'aria-label': 'Strokes, newest first' });
+  private readonly authors_ = new Map<number, Author>(); // also of those who have left
+
+  constructor(
+    private readonly model: SessionModel,
+    private readonly change: (change: StrokeChange, stroke: Stroke) => void,
+  ) {}
+
+  /** Shows these strokes, given oldest first. */
+  show(strokes: readonly Stroke[]): void {
+    for (const { info } of this.model.participants.carvers())
+      this.authors_.set(info.participant, info);
+    const newest = strokes.slice(-SHOWN_MAX).reverse();
+    this.element.replaceChildren(...newest.map((stroke) => this.row_(stroke)));
+    const hidden = strokes.length - newest.length;
+    if (hidden > 0) this.element.append(h('li', { class: 'quiet' }, `${count(hidden)} older ones`));
+    if (strokes.length === 0) this.element.append(h('li', { class: 'quiet' }, 'No strokes yet.'));
+  }
+
+  private row_(stroke: Stroke): HTMLElement {
+    const author = this.authors_.get(stroke.participant);
+    const name = author?.name ?? `Participant ${stroke.participant}`;
+    const tool = toolName(this.model.tool(stroke.tool));
+    const change: StrokeChange = stroke.undone ? 'redo' : 'undo';
+    const label = change === 'undo' ? 'Undo' : 'Redo';
+    const time = CLOCK.format(stroke.begin_ms);
+    const button = h(
+      'button',
+      { type: 'button', class: 'quiet-action', 'aria-label': `${label} ${name}, ${time}` },
+      label,
+    );
+    button.addEventListener('click', () => this.change(change, stroke));
+    return h(
+      'li',
+      {
+        class: stroke.undone ? 'stroke undone' : 'stroke',
+        style: `--who:${author?.color ?? '#7a8699'}`,
+        title: `Record ${stroke.id}`,
+      },
+      h('span', { class: 'stroke-dot' }),
+      h('span', {}, name, h('small', {}, `${tool} · ${time} · ${count(stroke.motions)} motions`)),
+      button,
+    );
+  }
+}
