@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera position from which a whole box is in view. Needs no three.js, so that the server can be
-// told where the page will look from before the GPU is ready.
+// Camera position from which a whole box is in view. Needs no three.js, so that the server learns
+// where the page will look from before the GPU is ready.
 
 import type { Bounds } from './session';
 

@@ -5,7 +5,7 @@
 
 import * as THREE from 'three';
 import type { Bounds } from '../model/session';
-import { roomLight } from './room_light';
+import { ambientLight } from './ambient_light';
 
 const GRID_VERTEX = /* glsl */ `
 varying vec3 vWorld;
@@ -51,7 +51,7 @@ export class Stage {
   private readonly key_ = new THREE.DirectionalLight('#fff0dc', 4.1);
   private readonly fill_ = new THREE.DirectionalLight('#e6eeff', 1.15);
   private readonly head_ = new THREE.DirectionalLight('#f4f4ff', 0);
-  private readonly room_ = roomLight(0.26);
+  private readonly ambient_ = ambientLight(0.26);
   private readonly center_ = new THREE.Vector3();
   private readonly facing_ = new THREE.Vector3();
   private readonly ground_ = new THREE.Mesh(
@@ -108,7 +108,7 @@ export class Stage {
     this.key_.castShadow = true;
     this.key_.shadow.mapSize.set(2048, 2048);
     this.key_.shadow.radius = 7;
-    this.scene.add(this.room_);
+    this.scene.add(this.ambient_);
     for (const light of [this.key_, this.fill_, this.head_]) this.scene.add(light, light.target);
   }
 
@@ -125,8 +125,8 @@ export class Stage {
 
   /** Light on a face of this normal, without shadows and the light from the camera. */
   private irradiance_(normal: THREE.Vector3): number {
-    const around = this.room_.sh.getIrradianceAt(normal, new THREE.Vector3()).x;
-    let sum = this.room_.intensity * Math.max(0, around);
+    const around = this.ambient_.sh.getIrradianceAt(normal, new THREE.Vector3()).x;
+    let sum = this.ambient_.intensity * Math.max(0, around);
     for (const { position, target, intensity } of [this.key_, this.fill_]) {
       const towards = position.clone().sub(target.position).normalize();
       sum += intensity * Math.max(0, towards.dot(normal));

@@ -6,7 +6,7 @@
 import * as THREE from 'three';
 import type { StockMaterialPreset } from '../model/materials';
 import type { Stock } from '../wire/types';
-import { withMirroredRoom } from './room_light';
+import { withMirroredLight } from './ambient_light';
 
 const VERTEX_HEAD = /* glsl */ `
 varying vec3 vStockPosition;
@@ -120,7 +120,7 @@ export class StockMaterial {
         VERTEX_HEAD + shader.vertexShader.replace('#include <fog_vertex>', VERTEX_BODY);
       shader.fragmentShader =
         FRAGMENT_HEAD +
-        withMirroredRoom(shader.fragmentShader).replace(
+        withMirroredLight(shader.fragmentShader).replace(
           '#include <color_fragment>',
           FRAGMENT_COLOR,
         );

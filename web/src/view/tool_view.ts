@@ -8,7 +8,7 @@ import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js
 import { toolProfile } from '../model/tool_profile';
 import type { OutlinePoint, ToolProfile } from '../model/tool_profile';
 import type { ToolInfo } from '../wire/types';
-import { mirrorRoom } from './room_light';
+import { mirrorAmbient } from './ambient_light';
 
 type Drawable = THREE.Object3D & { geometry: THREE.BufferGeometry; material: THREE.Material };
 
@@ -123,7 +123,7 @@ export class ToolView {
   }
 
   private part_(pieces: OutlinePoint[][], material: THREE.Material): THREE.Mesh {
-    const mesh = new THREE.Mesh(lathe(pieces), mirrorRoom(material));
+    const mesh = new THREE.Mesh(lathe(pieces), mirrorAmbient(material));
     // No receiveShadow: on thin round parts the shadow map's aliasing would be visible.
     mesh.castShadow = true;
     return mesh;
