@@ -112,8 +112,8 @@ using Combine = void (*)(std::span<const CodedDexel>, std::span<const CodedDexel
 /// Combines columns of any number of elements.
 class SplitColumns {
  public:
-  SplitColumns(DexelTile& tile, const DexelTile& other, Combine combine)
-      : tile_(tile), other_(other), combine_(combine) {}
+  SplitColumns(DexelTile& tile, const DexelTile& other, Combine rule)
+      : tile_(tile), other_(other), combine_(rule) {}
 
   void combine_all() {
     for (int column = 0; column < kTileColumns; ++column) combine(column);
