@@ -14,7 +14,7 @@ constexpr double kFirstTolerance = 1e-5, kLastTolerance = 0.2;
 constexpr double kToleranceStep = 2;
 // Greatest distance of a point from the joined path, in tolerances: a point and the end of its
 // run are each within one of the line along which the run began, and a run may end one short of it.
-constexpr double kErrorPerTolerance = 3;
+constexpr double kPathErrorPerTolerance = 3;
 
 /// Passes the points of a path on, until the receiver returns false.
 using Points = std::function<void(const std::function<bool(const PathPoint&)>&)>;
@@ -108,7 +108,7 @@ ProgramPath thinned(const Points& points, std::size_t points_max) {
   for (double share = kFirstTolerance; share < kLastTolerance; share *= kToleranceStep) {
     const double tolerance_mm = share * extent_mm;
     if (auto fewer = joined(points, tolerance_mm, points_max)) {
-      return {*std::move(fewer), kErrorPerTolerance * tolerance_mm};
+      return {*std::move(fewer), kPathErrorPerTolerance * tolerance_mm};
     }
   }
   ProgramPath path{{}, extent_mm};
