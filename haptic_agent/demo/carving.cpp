@@ -125,6 +125,9 @@ Carving carve(const Ammonite& ammonite) {
                                .along(along_coil(ammonite, ammonite.first_angle_rad() + kTurn * 0.3,
                                                  one_back + 0.35, 25),
                                       45));
+  for (auto* strokes : {&carving.first, &carving.second}) {
+    *strokes = divided(*strokes, kStrokeSeconds);
+  }
   return carving;
 }
 

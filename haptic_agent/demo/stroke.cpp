@@ -104,6 +104,26 @@ Stroke Follower::along(const std::vector<Vec3>& line, double feed_mm_per_s, doub
   return stroke;
 }
 
+std::vector<Stroke> divided(const std::vector<Stroke>& strokes, double seconds) {
+  std::vector<Stroke> parts;
+  for (const Stroke& stroke : strokes) {
+    const double most_mm = seconds * stroke.feed_mm_per_s;
+    double length_mm = 0;
+    parts.push_back({stroke.tool, stroke.feed_mm_per_s, {stroke.poses.front()}});
+    for (std::size_t i = 1; i < stroke.poses.size(); ++i) {
+      const DemoPose& from = stroke.poses[i - 1];
+      const double step_mm = length(stroke.poses[i].tip_mm - from.tip_mm);
+      if (length_mm > 0 && length_mm + step_mm > most_mm) {
+        parts.push_back({stroke.tool, stroke.feed_mm_per_s, {from}});
+        length_mm = 0;
+      }
+      parts.back().poses.push_back(stroke.poses[i]);
+      length_mm += step_mm;
+    }
+  }
+  return parts;
+}
+
 std::string apt_text(const std::string& name, const std::vector<Stroke>& strokes,
                      double retract_mm) {
   std::string text = "PARTNO/" + name + "\nUNITS/MM\nMULTAX/ON\n";
@@ -116,6 +136,7 @@ std::string apt_text(const std::string& name, const std::vector<Stroke>& strokes
     };
     text += "RAPID\n";
     append_goto(text, above(stroke.poses.front()), stroke.poses.front().axis);
+    append(text, "DELAY/%.1f\n", kRestSeconds);
     append(text, "FEDRAT/%.1f,MMPM\n", stroke.feed_mm_per_s * 60);
     for (const DemoPose& pose : stroke.poses) append_goto(text, pose.tip_mm, pose.axis);
     text += "RAPID\n";

@@ -60,6 +60,12 @@ class Follower {
   HeightMap centers_;
 };
 
+/// Divides strokes into ones of at most `seconds` at their feeds, which meet at common poses.
+std::vector<Stroke> divided(const std::vector<Stroke>& strokes, double seconds);
+
+/// Rest above the block before each stroke. An agent whose force was switched off, for example
+/// because the machine stalled, arms again meanwhile.
+inline constexpr double kRestSeconds = 0.5;
 /// Returns the strokes as an APT program, with rapid moves at `retract_mm` between them.
 std::string apt_text(const std::string& name, const std::vector<Stroke>& strokes,
                      double retract_mm);

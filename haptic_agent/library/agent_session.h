@@ -68,6 +68,9 @@ class AgentSession {
   bool choose_tool(std::uint32_t tool) noexcept;
   /// If the envelope has tripped, the device counts as released for kRearmUs. From any thread.
   void rearm();
+  /// From any thread.
+  void ask(bool undone) noexcept { link_->ask(undone); }
+  bool connected() const noexcept { return link_->connected(); }
   bool lost() const noexcept { return lost_.load(); }
 
   /// Reserves the servo cycle for the calling thread; returns false if another has it.

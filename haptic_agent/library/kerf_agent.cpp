@@ -136,6 +136,14 @@ AgentSession* session_of(kerf_agent* agent) noexcept {
   return agent != nullptr ? agent->session.get() : nullptr;
 }
 
+kerf_agent_result ask(kerf_agent* agent, bool undone) noexcept {
+  AgentSession* session = session_of(agent);
+  if (session == nullptr) return KERF_AGENT_INVALID;
+  if (!session->connected()) return fail(KERF_AGENT_LOST, "there is no connection to the server");
+  session->ask(undone);
+  return KERF_AGENT_OK;
+}
+
 /// `wrench` has been set to zero before and stays so on failure.
 kerf_agent_result step(AgentSession& session, const kerf_agent_pose& pose,
                        kerf_agent_wrench* wrench) noexcept {
@@ -266,6 +274,10 @@ kerf_agent_result kerf_agent_rearm(kerf_agent* agent) {
     return KERF_AGENT_OK;
   });
 }
+
+kerf_agent_result kerf_agent_undo(kerf_agent* agent) { return ask(agent, true); }
+
+kerf_agent_result kerf_agent_redo(kerf_agent* agent) { return ask(agent, false); }
 
 kerf_agent_result kerf_agent_step(kerf_agent* agent, const kerf_agent_pose* pose,
                                   kerf_agent_wrench* wrench) {

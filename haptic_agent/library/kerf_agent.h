@@ -42,7 +42,7 @@ extern "C" {
 /** Version of this interface. Programs and plugins of one ABI number work with every library of the
  * same number; a library with a higher minor number knows more functions and fields. */
 #define KERF_AGENT_ABI 1
-#define KERF_AGENT_MINOR 2
+#define KERF_AGENT_MINOR 3
 #define KERF_AGENT_VERSION ((KERF_AGENT_ABI << 16) | KERF_AGENT_MINOR)
 
 /** Result of a call: KERF_AGENT_OK or a negative number. */
@@ -72,8 +72,10 @@ enum {
 
 /** Bits of kerf_agent_pose.buttons. */
 enum {
-  KERF_AGENT_CUT = 1,    /**< the tool removes material; without it the tool only touches */
-  KERF_AGENT_DEADMAN = 2 /**< the user holds the device; ignored without KERF_AGENT_HAS_DEADMAN */
+  KERF_AGENT_CUT = 1,     /**< the tool removes material; without it the tool only touches */
+  KERF_AGENT_DEADMAN = 2, /**< the user holds the device; ignored without KERF_AGENT_HAS_DEADMAN */
+  KERF_AGENT_UNDO = 256,  /**< a press calls kerf_agent_undo. Minor 3 */
+  KERF_AGENT_REDO = 512   /**< a press calls kerf_agent_redo. Minor 3 */
 };
 
 typedef struct kerf_agent_pose {
@@ -81,7 +83,7 @@ typedef struct kerf_agent_pose {
   uint32_t state; /**< KERF_AGENT_ABSENT ... KERF_AGENT_FINISHED */
   double tip_mm[3];
   double axis[3];   /**< of length 1 ± 0.0005, from the tip to the spindle */
-  uint32_t buttons; /**< KERF_AGENT_CUT, KERF_AGENT_DEADMAN */
+  uint32_t buttons; /**< KERF_AGENT_CUT ... KERF_AGENT_REDO */
   uint32_t tool_id; /**< 0: the one that kerf_agent_choose_tool chose */
   /** When it was measured; 0: now. A pose that is 20 ms old, or over 20 ms ahead, is not valid. */
   uint64_t time_us;
@@ -271,6 +273,13 @@ KERF_AGENT_API kerf_agent_result kerf_agent_choose_tool(kerf_agent* agent, uint3
  * user asks for it: for devices without a deadman sensor, whose user can also release the cutting
  * button for 0.3 s. */
 KERF_AGENT_API kerf_agent_result kerf_agent_rearm(kerf_agent* agent);
+
+/** Undoes the user's newest stroke that is not undone: what the tool cut between touching down and
+ * lifting. Redo takes back the undo of the stroke that was undone last. Returns at once; a line of
+ * kerf_agent_options.notice says what has come of it. Stock that comes back around the tool gives
+ * no force until the tool has left it. LOST without a connection. Minor 3. */
+KERF_AGENT_API kerf_agent_result kerf_agent_undo(kerf_agent* agent);
+KERF_AGENT_API kerf_agent_result kerf_agent_redo(kerf_agent* agent);
 
 /** One tick of a loop that the device or the program owns, for example in the servo callback of a
  * vendor's library: takes the newest pose and sets `wrench` to what the device outputs until the

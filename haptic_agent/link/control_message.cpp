@@ -133,6 +133,11 @@ ControlMessage read_message(const json& message) {
   if (type == wire::kTypeBye) {
     return Bye{.reason = message.value("reason", ""), .redirect = message.value("redirect", "")};
   }
+  if (type == wire::kTypeStroke) {
+    const bool undone = message.at("undone");
+    if (!message.contains("code")) return StrokeChanged{undone, message.at("stroke")};
+    return ChangeRefused{undone, message.at("code"), message.value("reason", "")};
+  }
   return OtherMessage{};
 }
 
@@ -152,6 +157,10 @@ std::string hello_text(const Hello& hello) {
 
 std::string tool_text(std::uint32_t tool_id) {
   return json{{"type", wire::kTypeTool}, {"tool", tool_id}}.dump();
+}
+
+std::string change_text(bool undone) {
+  return json{{"type", undone ? wire::kTypeUndo : wire::kTypeRedo}}.dump();
 }
 
 std::string stock_text() { return json{{"type", wire::kTypeStock}}.dump(); }

@@ -75,13 +75,29 @@ struct Bye {
   std::string redirect;  ///< address of the server that continues the session; empty: none
 };
 
+/// A stroke of this agent has been undone or redone, as it asked.
+struct StrokeChanged {
+  bool undone = true;
+  std::uint64_t stroke = 0;  ///< its first record
+};
+
+/// Nothing has been undone or redone, although the agent asked.
+struct ChangeRefused {
+  bool undone = true;
+  std::string code;
+  std::string reason;
+};
+
 /// A message that an agent ignores.
 struct OtherMessage {};
 
-using ControlMessage = std::variant<Welcome, ServerError, Bye, OtherMessage>;
+using ControlMessage =
+    std::variant<Welcome, ServerError, Bye, StrokeChanged, ChangeRefused, OtherMessage>;
 
 std::string hello_text(const Hello& hello);
 std::string tool_text(std::uint32_t tool_id);
+/// Undoes the agent's newest stroke, or redoes the one that was undone last.
+std::string change_text(bool undone);
 /// Requests the stock near the tool from scratch.
 std::string stock_text();
 

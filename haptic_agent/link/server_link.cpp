@@ -89,6 +89,12 @@ class ServerLink::Impl {
     if (thread_.joinable()) thread_.join();
   }
 
+  void ask(bool undone) noexcept {
+    if (!connected()) return;
+    (undone ? undos_ : redos_).fetch_add(1);
+    wake();
+  }
+
   void wake() noexcept {
     const std::uint64_t one = 1;
     // The write fails only if the counter is full, and then the link is awake already.
@@ -291,6 +297,8 @@ class ServerLink::Impl {
     std::array<std::byte, wire::kMaxClientFrameBytes> frame;
     while (!connection.loss && !finished()) {
       count_batch(traffic_.collect());
+      for (int n = undos_.exchange(0); n > 0; --n) traffic_.ask(true);
+      for (int n = redos_.exchange(0); n > 0; --n) traffic_.ask(false);
       send_datagrams(connection);
       if (const std::string text = traffic_.take_control(); !text.empty()) {
         co_await write(connection, true, asio::buffer(text));
@@ -325,6 +333,7 @@ class ServerLink::Impl {
   LinkSettings settings_;
   std::atomic<bool> interrupted_{false}, connected_{false}, rejected_{false};
   std::atomic<std::uint64_t> drain_until_us_{0};
+  std::atomic<int> undos_{0}, redos_{0};  ///< requested, not yet taken by the link thread
 
   // The members below belong to the link thread, except those that the mutex guards.
   asio::io_context io_{1};
@@ -357,6 +366,7 @@ void ServerLink::start() { impl_->start(); }
 std::expected<Welcome, std::string> ServerLink::wait_welcome() { return impl_->wait_welcome(); }
 void ServerLink::interrupt() { impl_->interrupt(); }
 void ServerLink::stop(double drain_s) { impl_->stop(drain_s); }
+void ServerLink::ask(bool undone) noexcept { impl_->ask(undone); }
 void ServerLink::sample_ready() noexcept { impl_->wake(); }
 bool ServerLink::connected() const noexcept { return impl_->connected(); }
 bool ServerLink::rejected() const noexcept { return impl_->rejected(); }

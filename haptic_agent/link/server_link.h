@@ -55,6 +55,10 @@ class ServerLink final : public SampleListener {
   /// closes the connection and ends the thread. Call from the thread that called start.
   void stop(double drain_s);
 
+  /// Requests that this agent's newest stroke be undone, or the one that was undone last be redone;
+  /// a notice says what has come of it. From any thread; no effect without a connection.
+  void ask(bool undone) noexcept;
+
   void sample_ready() noexcept override;
 
   /// Whether there is a welcomed connection now. From any thread.

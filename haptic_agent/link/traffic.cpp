@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "haptic_agent/device/haptic_device.h"
 #include "haptic_agent/link/control_message.h"
 #include "server/wire/codec.h"
 
@@ -40,6 +41,7 @@ void Traffic::begin(std::uint32_t epoch, std::uint32_t tool_id, std::uint64_t no
   motion_sequence_ = ping_sequence_ = pong_sequence_ = 0;
   next_ping_us_ = now_us;
   pong_due_.reset();
+  asked_.clear();
   queue_.keep_until_durable(server_has.has_value());
   queue_.rewind(server_has.value_or(0));
   newest_result_ = newest_felt_ = 0;
@@ -61,6 +63,7 @@ std::size_t Traffic::collect() {
   wire::MotionSample sample;
   while (ring_.pop(sample)) {
     ++count;
+    take_buttons(sample);
     if (options_.deadband && holds_back(sample)) {
       held_ = sample;
       ++report_.held_back;
@@ -74,6 +77,15 @@ std::size_t Traffic::collect() {
     queued_ = sample;
   }
   return count;
+}
+
+/// Takes out the buttons that are not part of the protocol; their presses become requests.
+void Traffic::take_buttons(wire::MotionSample& sample) {
+  const std::uint32_t now = sample.buttons & (kButtonUndo | kButtonRedo);
+  const std::uint32_t pressed = now & ~std::exchange(pressed_, now);
+  sample.buttons &= ~now;
+  if ((pressed & kButtonUndo) != 0) ask(true);
+  if ((pressed & kButtonRedo) != 0) ask(false);
 }
 
 /// Returns true for poses out of contact that differ imperceptibly from the last one, for at most
@@ -94,6 +106,11 @@ bool Traffic::holds_back(const wire::MotionSample& sample) const noexcept {
 
 std::string Traffic::take_control() {
   if (options_.copy != nullptr && options_.copy->wants_reset()) return stock_text();
+  if (!asked_.empty() && queue_.unsent() == 0) {
+    const bool undone = asked_.front();
+    asked_.pop_front();
+    return change_text(undone);
+  }
   const auto tool = queue_.next_tool();
   if (!tool || *tool == tool_id_) return {};
   // A tool change is sent over the WebSocket, in order with the samples: earlier samples precede it
@@ -147,6 +164,15 @@ std::optional<Loss> Traffic::take_text(std::string_view text, std::string& notic
   }
   if (const auto* bye = std::get_if<Bye>(&*message)) {
     return Loss{"the server closed the connection: " + bye->reason, false, bye->redirect};
+  }
+  if (const auto* changed = std::get_if<StrokeChanged>(&*message)) {
+    notice =
+        "stroke " + std::to_string(changed->stroke) + (changed->undone ? " undone" : " redone");
+    return std::nullopt;
+  }
+  if (const auto* refused = std::get_if<ChangeRefused>(&*message)) {
+    notice = std::string("cannot ") + (refused->undone ? "undo: " : "redo: ") + refused->reason;
+    return std::nullopt;
   }
   const auto* error = std::get_if<ServerError>(&*message);
   if (error == nullptr) return std::nullopt;

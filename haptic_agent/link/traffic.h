@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -57,6 +58,9 @@ class Traffic {
   /// Records that the user requested UDP.
   void ask_for_udp() noexcept { report_.udp.asked = true; }
 
+  /// Requests that the agent's newest stroke be undone (or the one undone last be redone). Given up
+  /// with the connection.
+  void ask(bool undone) { asked_.push_back(undone); }
   /// Moves the samples of the ring to the queue. Returns how many there were.
   std::size_t collect();
   /// Returns true if every collected sample is answered and durable.
@@ -87,6 +91,7 @@ class Traffic {
   LinkReport report() const;
 
  private:
+  void take_buttons(wire::MotionSample& sample);
   bool holds_back(const wire::MotionSample& sample) const noexcept;
   void take_pong(const wire::Pong& pong, std::uint64_t now_us);
   void take_felt(const wire::ToolStates& states);
@@ -135,6 +140,9 @@ class Traffic {
   unsigned fruitless_resends_ = 0;
   std::uint64_t udp_rtt_us_ = 0;
   std::uint64_t newest_felt_ = 0;
+  /// Requests to undo (true) or redo that are not sent yet.
+  std::deque<bool> asked_;
+  std::uint32_t pressed_ = 0;  ///< kButtonUndo, kButtonRedo of the last sample
   /// Sequence of the stock frame to acknowledge.
   std::optional<std::uint64_t> ack_due_;
 };

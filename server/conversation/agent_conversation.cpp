@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "server/rights/rights.h"
+
 namespace kerf::net {
 
 AgentConversation::AgentConversation(Setup setup)
@@ -78,6 +80,9 @@ void AgentConversation::on_hello(const HelloMessage& hello) {
 
 void AgentConversation::on_control(const ControlMessage& message) {
   if (std::holds_alternative<StockMessage>(message)) return session().reset_stock(self_->id);
+  if (const auto* change = std::get_if<ChangeMessage>(&message)) {
+    return change_stroke(change->undone);
+  }
   const auto* tool = std::get_if<ToolMessage>(&message);
   if (tool == nullptr) {
     return reject({wire::ErrorCode::kBadMessage, "agents may not send 'look' and 'seek' messages"});
@@ -87,6 +92,29 @@ void AgentConversation::on_control(const ControlMessage& message) {
   }
   const auto chosen = session().choose_tool(self_->id, tool->tool);
   if (!chosen) reject(chosen.error());
+}
+
+/// One at a time: each carves on a thread that all sessions share.
+void AgentConversation::change_stroke(bool undone) {
+  using enum wire::ErrorCode;
+  const auto refuse = [&](wire::ErrorCode code, const char* reason) {
+    say(stroke_message(undone, std::unexpected(Rejection{code, reason})));
+  };
+  if (!may(self_->role, Action::kUndo)) {
+    return refuse(kNotAllowed, "the role of this participant may not undo");
+  }
+  if (*changes_) return refuse(kBusy, "the undo or redo before is not done yet");
+  *changes_ = true;
+  const StrokeRequest request{
+      .undone = undone, .participant = self_->id, .author = self_->id, .caller = {}};
+  session().change_strokes_later(
+      request, [this, undone, alive = std::weak_ptr(changes_)](const auto& changed) {
+        if (alive.expired()) return;
+        *changes_ = false;
+        if (finishing() || broken()) return;
+        say(stroke_message(undone, changed));
+        wake();
+      });
 }
 
 void AgentConversation::on_message(const wire::Message& message, Clock::time_point arrived) {

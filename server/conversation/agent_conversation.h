@@ -78,6 +78,7 @@ class AgentConversation final : public Conversation {
   }
   void discard_updates() override { out_.close(); }
 
+  void change_stroke(bool undone);
   void send_intents(Clock::time_point now);
   void on_event(const SessionEvent& event);
   /// What results and pongs state; 0 unless the agent has asked for it.
@@ -101,6 +102,8 @@ class AgentConversation final : public Conversation {
   bool left_ = false;
 
   RateLimit tools_{kToolsPerS, kToolsBurst};
+  /// Whether a stroke is being undone or redone; expires with the conversation.
+  std::shared_ptr<bool> changes_ = std::make_shared<bool>(false);
 
   bool stock_due_ = false;  ///< samples have been applied since the replica was last updated
   Clock::time_point next_stock_;

@@ -210,9 +210,12 @@ std::expected<ControlMessage, Rejection> parse_control(std::string_view frame) {
   }
   if (*type == wire::kTypeSeek) return parse_seek(object);
   if (*type == wire::kTypeStock) return StockMessage{};
+  if (*type == wire::kTypeUndo) return ChangeMessage{.undone = true};
+  if (*type == wire::kTypeRedo) return ChangeMessage{.undone = false};
   return std::unexpected(
       Rejection{wire::ErrorCode::kBadMessage,
-                "field \"type\" must be \"hello\", \"tool\", \"look\", \"seek\" or \"stock\""});
+                "field \"type\" must be \"hello\", \"tool\", \"look\", \"seek\", \"stock\", "
+                "\"undo\" or \"redo\""});
 }
 
 std::string agent_welcome(const Session& session, const Admission& admission,
@@ -291,6 +294,20 @@ std::string error_message(const Rejection& rejection, bool fatal) {
                {"code", wire::to_string(rejection.code)},
                {"reason", rejection.reason},
                {"fatal", fatal}});
+}
+
+std::string stroke_message(bool undone, const std::expected<StrokesChanged, Rejection>& changed) {
+  Json message = {{"type", wire::kTypeStroke}, {"undone", undone}};
+  if (!changed) {
+    message["code"] = wire::to_string(changed.error().code);
+    message["reason"] = changed.error().reason;
+    return text(message);
+  }
+  message["stroke"] = changed->strokes.front();
+  message["sequence"] = changed->sequence;
+  message["returned_mm3"] = changed->returned_mm3;
+  if (changed->pending) message["pending"] = *changed->pending;
+  return text(message);
 }
 
 std::string bye_message(std::string_view reason, std::string_view redirect) {

@@ -53,8 +53,12 @@ struct PastPlace {
 };
 /// Requests that stock frames start again with an empty replica.
 struct StockMessage {};
+/// Undoes the newest stroke of the agent, or redoes the one that was undone last.
+struct ChangeMessage {
+  bool undone = true;
+};
 using ControlMessage =
-    std::variant<HelloMessage, ToolMessage, LookMessage, SeekMessage, StockMessage>;
+    std::variant<HelloMessage, ToolMessage, LookMessage, SeekMessage, StockMessage, ChangeMessage>;
 /// Rates of a seek but 0.
 inline constexpr double kRateMin = 0.25, kRateMax = 64;
 
@@ -76,6 +80,8 @@ std::string state_message(std::uint64_t motions, double removed_mm3, std::uint64
 /// The programs of a session, for viewers: each message replaces the one before.
 std::string programs_message(const std::vector<ProgramGlance>& programs);
 std::string error_message(const Rejection& rejection, bool fatal);
+/// What has come of a ChangeMessage.
+std::string stroke_message(bool undone, const std::expected<StrokesChanged, Rejection>& changed);
 std::string bye_message(std::string_view reason, std::string_view redirect = {});
 
 }  // namespace kerf::net

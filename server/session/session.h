@@ -248,6 +248,10 @@ class Session : public std::enable_shared_from_this<Session> {
   std::expected<StrokesChanged, Rejection> change_strokes(const StrokeRequest& request,
                                                           Workers& workers,
                                                           const std::stop_token& stop = {});
+  using StrokesDone = std::function<void(const std::expected<StrokesChanged, Rejection>&)>;
+  /// The same, from the executor: it is done on the thread that does long work, with the caller's
+  /// turn of the executor free, and `done` is called on the executor.
+  void change_strokes_later(StrokeRequest request, StrokesDone done);
   /// Returns the solid as it was after a record: without the strokes that were undone then. Blocks:
   /// not on the executor. The error is one sentence; nullopt if there is no such record yet.
   std::expected<std::optional<SolidSnapshot>, std::string> solid_at(

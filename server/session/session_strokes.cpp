@@ -142,6 +142,15 @@ std::expected<StrokesChanged, Rejection> Session::change_strokes(const StrokeReq
   return changed;
 }
 
+void Session::change_strokes_later(StrokeRequest request, StrokesDone done) {
+  background().post(
+      [self = shared_from_this(), request = std::move(request), done = std::move(done)] {
+        SerialWorkers alone;
+        auto changed = self->change_strokes(request, alone);
+        self->executor_->post([changed = std::move(changed), done] { done(changed); });
+      });
+}
+
 /// Waits until the motions that have been journaled by now are not cut in part: the pieces of one
 /// whose stroke is undone must not be cut from the new tiles.
 std::expected<void, std::string> Session::wait_for_pieces(const std::stop_token& stop) {

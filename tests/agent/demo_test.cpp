@@ -153,11 +153,26 @@ TEST_F(DemoCarving, BothProgramsTakeThreeToFourMinutes) {
   }
 }
 
+TEST_F(DemoCarving, HandsLiftEveryFewSecondsAndGoOnWhereTheyWere) {
+  for (const auto& strokes : {carving().first, carving().second}) {
+    EXPECT_GT(strokes.size(), 20U);
+    for (const Stroke& stroke : strokes) {
+      EXPECT_GE(stroke.poses.size(), 2U);
+      EXPECT_LE(cutting_seconds({stroke}), kStrokeSeconds);
+    }
+    int joined = 0;
+    for (std::size_t n = 1; n < strokes.size(); ++n) {
+      joined += strokes[n].poses.front().tip_mm == strokes[n - 1].poses.back().tip_mm ? 1 : 0;
+    }
+    EXPECT_GT(joined, static_cast<int>(strokes.size()) - 6);
+  }
+}
+
 TEST(DemoApt, WritesToolChangeApproachFeedAndRetract) {
   const Stroke stroke{2, 50, {{{1, 2, -3}, {0, 0, 1}}, {{4, 2, -3}, {0.6, 0, 0.8}}}};
   EXPECT_EQ(apt_text("X", {stroke}, 12),
             "PARTNO/X\nUNITS/MM\nMULTAX/ON\nLOADTL/2\nRAPID\n"
-            "GOTO/1.0000,2.0000,12.0000,0.000000,0.000000,1.000000\nFEDRAT/3000.0,MMPM\n"
+            "GOTO/1.0000,2.0000,12.0000,0.000000,0.000000,1.000000\nDELAY/0.5\nFEDRAT/3000.0,MMPM\n"
             "GOTO/1.0000,2.0000,-3.0000,0.000000,0.000000,1.000000\n"
             "GOTO/4.0000,2.0000,-3.0000,0.600000,0.000000,0.800000\nRAPID\n"
             "GOTO/4.0000,2.0000,12.0000,0.600000,0.000000,0.800000\nFINI\n");

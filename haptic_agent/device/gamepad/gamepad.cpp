@@ -106,10 +106,13 @@ DeviceState Gamepad::read(std::uint64_t now_us) noexcept {
     const std::int64_t index = (first % count + pad.tool_steps) % count;
     tool = tools[static_cast<std::size_t>(index < 0 ? index + count : index)];
   }
-  const bool cutting = newest_.ready && (pad.cap.buttons & 1U) != 0;
+  const auto button = [&](std::uint32_t key, std::uint32_t bit) {
+    return newest_.ready && (pad.cap.buttons & key) != 0 ? bit : 0U;
+  };
   return {.tip_mm = control_.tip_mm(),
           .axis = control_.axis(),
-          .buttons = wire::kButtonDeadman | (cutting ? wire::kButtonCutting : 0U),
+          .buttons = wire::kButtonDeadman | button(1, wire::kButtonCutting) |
+                     button(4, kButtonUndo) | button(8, kButtonRedo),
           .tool_id = tool,
           .time_us = now_us,
           .valid = newest_.ready,

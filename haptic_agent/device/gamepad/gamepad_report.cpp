@@ -9,7 +9,7 @@
 namespace kerf::agent {
 namespace {
 
-constexpr std::uint32_t kCutKey = 1, kSlowKey = 2;
+constexpr std::uint32_t kCutKey = 1, kSlowKey = 2, kUndoKey = 4, kRedoKey = 8;
 
 constexpr std::size_t axis_index(PadAxis axis) noexcept { return static_cast<std::size_t>(axis); }
 
@@ -57,6 +57,8 @@ void GamepadReport::take_key(std::uint16_t code, bool pressed) noexcept {
   };
   if (code == BTN_SOUTH) set(kCutKey);
   if (code == BTN_TL) set(kSlowKey);
+  if (code == BTN_EAST) set(kUndoKey);
+  if (code == BTN_TR) set(kRedoKey);
   if (code == BTN_NORTH && pressed) ++state_.tool_steps;
   if (code == BTN_WEST && pressed) --state_.tool_steps;
 }

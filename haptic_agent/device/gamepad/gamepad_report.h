@@ -32,7 +32,8 @@ struct AxisRange {
 /// What a gamepad commands.
 struct PadState {
   /// Left stick: across; triggers: up and down; right stick: tilt. Buttons as of a SpaceMouse: bit
-  /// 0 cuts (A, or a cross), bit 1 is the fifth of the speed (left shoulder).
+  /// 0 cuts (A, or a cross), bit 1 is the fifth of the speed (left shoulder); bit 2 undoes (B, or a
+  /// circle), bit 3 redoes (right shoulder).
   CapDeflection cap{};
   /// Presses of the button for the next tool (BTN_NORTH) less those for the previous one
   /// (BTN_WEST). On a pad whose driver reports positions these are the upper button (a triangle)

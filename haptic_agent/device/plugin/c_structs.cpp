@@ -95,10 +95,14 @@ bool is_pose(const kerf_agent_pose& pose) noexcept {
          std::abs(length(vec_of(pose.axis)) - 1) <= wire::kAxisLengthTolerance / 2;
 }
 
+static_assert(KERF_AGENT_UNDO == kButtonUndo && KERF_AGENT_REDO == kButtonRedo);
+constexpr std::uint32_t kKnownButtons =
+    wire::kButtonCutting | wire::kButtonDeadman | kButtonUndo | kButtonRedo;
+
 DeviceState state_of(const kerf_agent_pose& pose, bool has_deadman, std::uint64_t now_us) noexcept {
   DeviceState state{.tip_mm = vec_of(pose.tip_mm),
                     .axis = vec_of(pose.axis),
-                    .buttons = pose.buttons & (wire::kButtonCutting | wire::kButtonDeadman),
+                    .buttons = pose.buttons & kKnownButtons,
                     .tool_id = pose.tool_id,
                     .time_us = pose.time_us != 0 ? pose.time_us : now_us};
   const bool current = state.time_us > now_us ? state.time_us - now_us <= DeviceMailbox::kPoseLifeUs

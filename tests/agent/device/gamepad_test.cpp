@@ -271,6 +271,12 @@ TEST_F(GamepadTest, MovesCutsAndChangesTools) {
       << "a held stick sends nothing";
   pad.send(EV_KEY, BTN_SOUTH, 1);
   EXPECT_TRUE(reads([](const DeviceState& s) { return (s.buttons & wire::kButtonCutting) != 0; }));
+  for (const auto& [key, bit] : {std::pair{BTN_EAST, kButtonUndo}, {BTN_TR, kButtonRedo}}) {
+    pad.send(EV_KEY, static_cast<std::uint16_t>(key), 1);
+    EXPECT_TRUE(reads([&](const DeviceState& s) { return (s.buttons & bit) != 0; }));
+    pad.send(EV_KEY, static_cast<std::uint16_t>(key), 0);
+    EXPECT_TRUE(reads([&](const DeviceState& s) { return (s.buttons & bit) == 0; }));
+  }
   for (const std::uint32_t tool : {9U, 4U, 6U}) {
     pad.send(EV_KEY, BTN_NORTH, 1);
     EXPECT_TRUE(reads([&](const DeviceState& s) { return s.tool_id == tool; })) << tool;

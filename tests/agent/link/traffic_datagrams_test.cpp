@@ -268,6 +268,41 @@ TEST_F(TrafficDatagrams, ToolChangeIsSentAtOnceIfEverythingIsAnswered) {
   EXPECT_EQ(traffic.take_control(), "");
 }
 
+TEST_F(TrafficDatagrams, APressOfTheUndoButtonIsOneRequestAfterItsSamples) {
+  const auto press = [&](std::uint32_t buttons) {
+    ASSERT_TRUE(ring.push({.time_us = now_us, .tool_id = 1, .buttons = buttons}));
+    traffic.collect();
+  };
+  for (int n = 0; n < 3; ++n) press(wire::kButtonCutting | kButtonUndo);
+  EXPECT_EQ(traffic.take_control(), "") << "the samples before it precede it";
+  const auto sent = next(false);
+  ASSERT_TRUE(sent);
+  for (const auto& sample : sent->view()) EXPECT_EQ(sample.buttons, wire::kButtonCutting);
+  EXPECT_EQ(traffic.take_control(), change_text(true));
+  EXPECT_EQ(traffic.take_control(), "") << "held, not pressed again";
+  press(0);
+  press(kButtonRedo);
+  press(kButtonUndo);
+  while (next(false)) continue;
+  EXPECT_EQ(traffic.take_control(), change_text(false));
+  EXPECT_EQ(traffic.take_control(), change_text(true));
+  press(kButtonRedo);
+  traffic.begin(1, 1, now_us, true);
+  while (next(false)) continue;
+  EXPECT_EQ(traffic.take_control(), "") << "given up with the connection";
+}
+
+TEST_F(TrafficDatagrams, TheUserIsNotifiedOfWhatAnUndoHasDone) {
+  std::string notice;
+  EXPECT_FALSE(traffic.take_text(R"({"type":"stroke","undone":true,"stroke":12})", notice));
+  EXPECT_EQ(notice, "stroke 12 undone");
+  EXPECT_FALSE(traffic.take_text(R"({"type":"stroke","undone":false,"stroke":7})", notice));
+  EXPECT_EQ(notice, "stroke 7 redone");
+  EXPECT_FALSE(traffic.take_text(
+      R"({"type":"stroke","undone":true,"code":"busy","reason":"not yet"})", notice));
+  EXPECT_EQ(notice, "cannot undo: not yet");
+}
+
 TEST_F(TrafficDatagrams, OldAnswersAreIgnored) {
   switch_to_udp();
   push(5);

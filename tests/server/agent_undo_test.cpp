@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <future>
+#include <nlohmann/json.hpp>
+
+#include "server/conversation/agent_conversation.h"
+#include "tests/server/undo_fixture.h"
+
+namespace kerf::net {
+namespace {
+
+using nlohmann::json;
+
+/// Agents that undo, in a session whose long work is done on another thread.
+class AgentUndo : public SessionUndo {
+ protected:
+  void SetUp() override {
+    SessionUndo::SetUp();
+    create();
+    agent_ =
+        std::make_unique<AgentConversation>(AgentConversation::Setup{.session = session_,
+                                                                     .limits = limits_,
+                                                                     .metrics = metrics_,
+                                                                     .wake = [this] { ++wakes_; },
+                                                                     .open_udp = {}});
+    send(R"({"type":"hello","name":"Ada","tool":1})");
+    id_ = read().at(0).at("participant");
+  }
+  void TearDown() override { agent_.reset(); }
+
+  void send(std::string_view text) {
+    agent_->receive(std::as_bytes(std::span(text)), true, Clock::now());
+  }
+  std::vector<json> read() {
+    std::vector<json> list;
+    for (OutFrame frame; agent_->take(frame); agent_->sent(frame)) {
+      if (!frame.is_text()) continue;
+      list.push_back(
+          json::parse(reinterpret_cast<const char*>(frame.bytes.data()),
+                      reinterpret_cast<const char*>(frame.bytes.data()) + frame.bytes.size()));
+    }
+    return list;
+  }
+  /// Does the long work on another thread, and the session's turns meanwhile.
+  void work() {
+    auto done = std::async(std::launch::async, [this] { workers_.run(); });
+    while (done.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
+      executor_->run();
+    }
+    executor_->run();
+  }
+  json answer(std::string_view text) {
+    send(text);
+    work();
+    const auto list = read();
+    return list.size() == 1 ? list[0] : json(list);
+  }
+
+  SessionLimits limits_;
+  Metrics metrics_;
+  int wakes_ = 0;
+  std::unique_ptr<AgentConversation> agent_;
+  ParticipantId id_ = 0;
+};
+
+TEST_F(AgentUndo, TakesBackItsOwnNewestStrokesOneByOneAndPutsThemBack) {
+  const ParticipantId other = join("Bo");
+  const std::uint64_t untouched = hash();
+  const StrokeId first = stroke(id_, {-10, 0, -2}, {10, 0, -2});
+  const std::uint64_t one = hash();
+  const StrokeId second = stroke(id_, {0, -10, -2}, {0, 10, -2});
+  const std::uint64_t both = hash();
+  const json undone = answer(R"({"type":"undo"})");
+  EXPECT_EQ(undone.at("type"), "stroke");
+  EXPECT_EQ(undone.at("undone"), true);
+  EXPECT_EQ(undone.at("stroke"), second);
+  EXPECT_GT(undone.at("returned_mm3"), 1.0);
+  EXPECT_GT(wakes_, 0);
+  EXPECT_EQ(hash(), one);
+  EXPECT_EQ(answer(R"({"type":"undo"})").at("stroke"), first);
+  EXPECT_EQ(hash(), untouched);
+  EXPECT_EQ(answer(R"({"type":"redo"})").at("stroke"), first);
+  EXPECT_EQ(answer(R"({"type":"redo"})").at("stroke"), second);
+  EXPECT_EQ(hash(), both);
+
+  stroke(other, {-10, 8, -2}, {10, 8, -2});
+  EXPECT_EQ(answer(R"({"type":"undo"})").at("stroke"), second) << "those of others stay";
+  EXPECT_EQ(hash(), never_happened());
+}
+
+TEST_F(AgentUndo, LearnsWhyNothingChanges) {
+  const json none = answer(R"({"type":"undo"})");
+  EXPECT_EQ(none.at("type"), "stroke");
+  EXPECT_EQ(none.at("code"), "bad_message");
+  EXPECT_EQ(answer(R"({"type":"redo"})").at("undone"), false);
+  stroke(id_, {-10, 0, -2}, {10, 0, -2});
+  send(R"({"type":"undo"})");
+  send(R"({"type":"undo"})");
+  const auto busy = read();
+  ASSERT_EQ(busy.size(), 1U);
+  EXPECT_EQ(busy[0].at("code"), "busy");
+  work();
+  ASSERT_EQ(read().size(), 1U);
+}
+
+TEST_F(AgentUndo, MayLeaveBeforeItsUndoBegins) {
+  stroke(id_, {-10, 0, -2}, {10, 0, -2});
+  const std::uint64_t carved = hash();
+  send(R"({"type":"undo"})");
+  agent_.reset();
+  work();
+  EXPECT_EQ(hash(), carved) << "who has left has no right any more";
+}
+
+}  // namespace
+}  // namespace kerf::net
