@@ -33,7 +33,7 @@ class ForcePlot {
   struct Point {
     std::uint64_t span = 0, first = 0, last = 0, motions = 0;
     std::int64_t time_ms = 0;
-    Range force_n, torque_nmm;
+    Range force_n{}, torque_nmm{};
   };
   std::uint64_t first_, last_, span_ = 1;
   std::vector<Point> points_;

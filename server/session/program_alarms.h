@@ -33,7 +33,7 @@ struct ProgramAlarm {
   std::uint32_t from_line = 0, to_line = 0;
   ToolId tool = 0;
   double amount = 0;  ///< the greatest one; of kRapid the sum
-  Vec3 tip_mm;        ///< at the end of the motion with the greatest amount
+  Vec3 tip_mm{};      ///< at the end of the motion with the greatest amount
 };
 
 /// Collects the alarms of a program while it is carved. It costs a few comparisons a motion: forces

@@ -145,7 +145,9 @@ TEST(ProgramControl, AQueuedProgramBeginsWhenTheOneBeforeItHasFinished) {
   std::vector<ParticipantId> order;
   run(runs, [&](const ProgramStep& step) -> Carved {
     order.push_back(step.participant);
-    if (order.size() < 3) EXPECT_EQ(runs.status(third)->state, ProgramState::kQueued);
+    if (order.size() < 3) {
+      EXPECT_EQ(runs.status(third)->state, ProgramState::kQueued);
+    }
     return CarvedMotion{1};
   });
   EXPECT_EQ(order, (std::vector<ParticipantId>{1, 1, 2}));

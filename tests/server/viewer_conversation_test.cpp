@@ -128,12 +128,12 @@ TEST_F(ViewerConversationTest, ASeekIsAnAction) {
 TEST_F(ViewerConversationTest, AnotherBlockBeginsWithAWelcomeAndNumbersItsFramesOn) {
   join_viewer(*eve);
   const auto sequence_of = [](const OutFrame& frame) {
-    std::uint64_t sequence = 0;
-    std::memcpy(&sequence, frame.bytes.data() + 16, sizeof sequence);
-    return sequence;
+    std::uint64_t number = 0;
+    std::memcpy(&number, frame.bytes.data() + 16, sizeof number);
+    return number;
   };
-  const auto acked = [&](std::uint64_t sequence) {
-    send(*eve, encoded(wire::Ack{}, sequence));
+  const auto acked = [&](std::uint64_t number) {
+    send(*eve, encoded(wire::Ack{}, number));
     const auto action = eve->take_action();
     return action ? std::get<MeshAck>(*action).sequence : 0;
   };
