@@ -17,6 +17,8 @@ namespace {
 
 /// Sweeps that are cut together, at most: their memory is about 1 MB.
 constexpr std::size_t kSweepsMax = 256;
+/// From so many touches of tiles on no sweep is added: their sums take 3 MB.
+constexpr std::size_t kTouchesMax = 4096;
 
 bool overlap(const Bounds& a, const Bounds& b) {
   return a.lo_mm.x <= b.hi_mm.x && b.lo_mm.x <= a.hi_mm.x && a.lo_mm.y <= b.hi_mm.y &&
@@ -138,7 +140,8 @@ void MotionWindow::plan_field(Motion& motion, std::size_t n) {
   settings.start_is_cut = motion.start.is_cut;
   std::int64_t parts = 0;
   sweep_tool(*motion.tool, in_frame(grid.axis, motion.motion), settings, [&](SubMotion&& part) {
-    if (cuts_used_ == kSweepsMax || normals.is_full()) cut_all();
+    const bool is_full = cuts_used_ == kSweepsMax || window_.touches().size() >= kTouchesMax;
+    if (is_full || normals.is_full()) cut_all();
     if (cuts_used_ == cuts_.size()) cuts_.push_back(std::make_unique<Cut>());
     Cut& cut = *cuts_[cuts_used_++];
     cut = {&motion, n, std::move(part), parts == 0, {}};

@@ -2,6 +2,7 @@
 #include "server/history/block_history.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "kernel/dexel/common_solid.h"
@@ -167,19 +168,37 @@ std::expected<std::vector<TileReplacement>, std::string> BlockHistory::carve(
     std::span<const FieldTile> tiles, const MotionSet& set, Workers& workers,
     const std::stop_token& stop) {
   ++questions_;
+  std::vector<TileReplacement> carved;
+  carved.reserve(tiles.size());
+  while (carved.size() < tiles.size()) {
+    if (auto ok = carve_some(tiles.subspan(carved.size()), set, workers, stop, carved); !ok) {
+      return std::unexpected(ok.error());
+    }
+  }
+  return carved;
+}
+
+/// Carves the first of some tiles, as many as fit into the memory for tiles of eras, but at least
+/// one, and appends them.
+std::expected<void, std::string> BlockHistory::carve_some(std::span<const FieldTile> tiles,
+                                                          const MotionSet& set, Workers& workers,
+                                                          const std::stop_token& stop,
+                                                          std::vector<TileReplacement>& carved) {
   std::vector<Wanted> wanted;
   std::vector<GroupJob> jobs;
   std::vector<std::size_t> begins;  // of each tile, in `wanted`
-  for (const FieldTile at : tiles) {
+  while (begins.size() < tiles.size() && jobs.size() * sizeof(DexelTile) <= tile_bytes_max_) {
+    const FieldTile at = tiles[begins.size()];
     begins.push_back(wanted.size());
     add_wanted(at, set, wanted, jobs);
   }
+  const std::size_t count = begins.size();
   begins.push_back(wanted.size());
   if (auto ok = carver_.carve(jobs, motions_, workers, stop); !ok) {
     return std::unexpected(ok.error());
   }
-  std::vector<TileReplacement> carved(tiles.size());
-  workers.run(static_cast<int>(tiles.size()), [&](int number) {
+  std::vector<TileReplacement> made(count);
+  workers.run(static_cast<int>(count), [&](int number) {
     const auto n = static_cast<std::size_t>(number);
     std::shared_ptr<const DexelTile> first;
     std::shared_ptr<DexelTile> common;  // of the first and others
@@ -193,14 +212,15 @@ std::expected<std::vector<TileReplacement>, std::string> BlockHistory::carve(
         keep_common(*common, *tile);
       }
     }
-    carved[n] = {tiles[n], common ? common : first ? first : carver_.start(tiles[n])};
+    made[n] = {tiles[n], common ? common : first ? first : carver_.start(tiles[n])};
   });
   for (Wanted& next : wanted) {
     if (next.job == Wanted::kKept || !next.is_whole) continue;
     *next.era = {true, jobs[next.job].tile, std::move(next.without), next.last, questions_};
   }
+  std::ranges::move(made, std::back_inserter(carved));
   eras_.forget_oldest(tile_bytes_max_);
-  return carved;
+  return {};
 }
 
 }  // namespace kerf

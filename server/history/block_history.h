@@ -74,6 +74,10 @@ class BlockHistory {
   struct ChangedTile;
   void add_wanted(FieldTile at, const MotionSet& set, std::vector<Wanted>& wanted,
                   std::vector<GroupJob>& jobs);
+  std::expected<void, std::string> carve_some(std::span<const FieldTile> tiles,
+                                              const MotionSet& set, Workers& workers,
+                                              const std::stop_token& stop,
+                                              std::vector<TileReplacement>& carved);
   std::vector<ChangedTile> changed_tiles(const SolidSnapshot& solid,
                                          std::span<const FieldTile> tiles, const StrokeSet& changed,
                                          const MotionSet& set) const;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -24,7 +25,8 @@ struct EraTile {
 };
 
 /// Keeps what eras, which are equal numbers of records, leave of tiles. Eras grow with the journal,
-/// so that there are at most kErasMax of them.
+/// so that there are at most kErasMax of them; nothing is kept then: two eras may have been carved
+/// without different strokes.
 class EraTiles {
  public:
   static constexpr std::uint64_t kErasMax = 64;
@@ -37,10 +39,12 @@ class EraTiles {
   std::size_t era_of(std::uint64_t record) const {
     return static_cast<std::size_t>((record - 1) / length_);
   }
-  /// Returns the entry of a tile in an era < kErasMax; it stays where it is until grow().
-  EraTile& of(FieldTile at, std::size_t era);
+  /// Returns the entry of a tile in an era; it stays where it is until grow() or forget_oldest().
+  EraTile& of(FieldTile at, std::size_t era) { return tiles_[at][era]; }
+  /// Of all entries, carved or not.
   std::size_t bytes() const;
-  /// Forgets those that were not used for the longest time, until the others have so many bytes.
+  /// Forgets the entries that are not carved, and those that were not used for the longest time,
+  /// until the others have so many bytes.
   void forget_oldest(std::size_t bytes);
 
  private:
@@ -54,8 +58,7 @@ class EraTiles {
              20U;
     }
   };
-  using Eras = std::vector<EraTile>;
-  void join_pairs();
+  using Eras = std::map<std::size_t, EraTile>;
 
   std::uint64_t length_ = kRecords;
   std::unordered_map<FieldTile, Eras, TileHash> tiles_;
