@@ -30,7 +30,7 @@ bool MotionSpans::extend(Open& open, std::uint64_t record, const Bounds& box) {
   for (std::size_t n = 0; n < 3; ++n) {
     longer.lo_mm[n] = std::min(longer.lo_mm[n], rounded_down(lo[n]));
     longer.hi_mm[n] = std::max(longer.hi_mm[n], rounded_up(hi[n]));
-    if (double{longer.hi_mm[n]} - double{longer.lo_mm[n]} > open.most_mm[n]) return false;
+    if (double(longer.hi_mm[n]) - double(longer.lo_mm[n]) > open.most_mm[n]) return false;
   }
   longer.run.last = record;
   spans_[open.span] = longer;

@@ -32,7 +32,10 @@ struct MotionSpan {
   MotionRun run;
   std::array<float, 3> lo_mm{}, hi_mm{};
 
-  Bounds bounds() const { return {{lo_mm[0], lo_mm[1], lo_mm[2]}, {hi_mm[0], hi_mm[1], hi_mm[2]}}; }
+  Bounds bounds() const {
+    return {{double(lo_mm[0]), double(lo_mm[1]), double(lo_mm[2])},
+            {double(hi_mm[0]), double(hi_mm[1]), double(hi_mm[2])}};
+  }
   bool meets(const Bounds& box) const { return kerf::meets(bounds(), box); }
 };
 

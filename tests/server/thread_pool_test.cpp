@@ -115,7 +115,8 @@ TEST(ThreadPool, ThrowsTheExceptionOfTheLowestFailedJob) {
     } catch (const std::runtime_error& error) {
       EXPECT_STREQ(error.what(), "3");
     }
-    EXPECT_EQ(ended, 20);
+    EXPECT_GE(ended, 4);
+    EXPECT_LE(ended, 20);
   }
   int sum = 0;
   several.run(1, [&](int) { ++sum; });
