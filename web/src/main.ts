@@ -9,12 +9,12 @@ import { recall, remember } from './ui/memory';
 import { failurePage } from './ui/notice';
 import { showSessions } from './ui/session_list';
 import { SessionPage } from './ui/session_page';
+import { nameThatFits } from './wire/names';
 
 function viewerName(parameters: URLSearchParams): string {
-  const requested = parameters.get('name')?.trim().slice(0, 40);
-  if (requested) return requested;
-  const saved = recall('name');
-  if (saved) return saved;
+  const requested = parameters.get('name')?.trim() ?? '';
+  const known = requested === '' ? recall('name') : requested;
+  if (known) return nameThatFits(known);
   const name = `Guest ${100 + Math.floor(Math.random() * 900)}`;
   remember('name', name);
   return name;

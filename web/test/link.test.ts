@@ -17,15 +17,17 @@ function join(
   probe: () => Promise<string | null> = () => Promise.resolve(null),
   follow: (redirect: string) => boolean = () => false,
   firstRetryMs = 5,
+  name = 'Tester',
 ) {
   const model = new SessionModel();
   const statuses: LinkStatus[] = [];
   const reasons: string[] = [];
   const applied: bigint[] = [];
+  const names: string[] = [];
   const link = new ViewLink(
     {
       url: `ws://127.0.0.1:${port}/v1/sessions/${session}/view`,
-      name: 'Tester',
+      name,
       open: (url, protocol) => new WebSocket(url, protocol) as unknown as Socket,
       probe,
       look: () => (model.welcome ? CAMERA : null),
@@ -35,6 +37,7 @@ function join(
     },
     {
       greeted: () => undefined,
+      renamed: (accepted) => names.push(accepted),
       pinged: () => undefined,
       status: (status, reason) => {
         statuses.push(status);
@@ -52,7 +55,7 @@ function join(
     },
   );
   link.start();
-  return { link, model, statuses, reasons, applied };
+  return { link, model, statuses, reasons, applied, names };
 }
 
 describe('view link', () => {
@@ -125,6 +128,35 @@ describe('view link', () => {
     server.dropViewers();
     await joined(3);
     expect(server.hellos).toEqual(['Tester', 'Grace', 'Grace']);
+    link.stop();
+  });
+
+  it('cuts names to the limit of the server', async () => {
+    const long = 'ü'.repeat(40);
+    const { link, statuses, names } = join(server.port, 'demo', undefined, undefined, 5, long);
+    const joined = (count: number) =>
+      vi.waitFor(
+        () => expect(statuses.filter((status) => status === 'connected')).toHaveLength(count),
+        soon,
+      );
+    await joined(1);
+    link.rename('木'.repeat(40));
+    await joined(2);
+    link.stop();
+    expect(server.hellos).toEqual(['ü'.repeat(32), '木'.repeat(21)]);
+    expect(names).toEqual(['木'.repeat(21)]);
+  });
+
+  it('reports a new name once the server has welcomed the viewer under it', async () => {
+    const { link, model, names, reasons } = join(server.port, 'demo');
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    server.refusedName = 'Grace';
+    link.rename('Grace');
+    await vi.waitFor(() => expect(reasons).toContain('name must be at most 64 bytes'), soon);
+    expect(names).toEqual([]);
+    server.refusedName = null;
+    await vi.waitFor(() => expect(model.status).toBe('connected'), soon);
+    expect(names).toEqual(['Grace']);
     link.stop();
   });
 

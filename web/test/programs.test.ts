@@ -172,5 +172,6 @@ describe('the sentences', () => {
     const long = uploadName(`${'ü'.repeat(80)}.tap`);
     expect(long.endsWith('ü.tap')).toBe(true);
     expect(new TextEncoder().encode(long).length).toBeLessThanOrEqual(64);
+    expect(uploadName(`a.${'b'.repeat(80)}`)).toHaveLength(64);
   });
 });

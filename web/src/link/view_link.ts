@@ -6,6 +6,7 @@
 import { decodeFrame } from '../wire/decode';
 import { encodeFrame } from '../wire/encode';
 import { parseControl } from '../wire/control';
+import { nameThatFits } from '../wire/names';
 import { FrameType, VIEW_PROTOCOL } from '../wire/types';
 import type { Frame, Header, Look, ServerMessage, ToolState } from '../wire/types';
 import { Backoff } from './backoff';
@@ -15,6 +16,8 @@ export type LinkStatus = 'connecting' | 'connected' | 'reconnecting' | 'stopped'
 export interface LinkEvents {
   /** The hello was sent. */
   greeted(): void;
+  /** The server has welcomed the viewer under a name given to rename(), cut to its limit. */
+  renamed(name: string): void;
   /** The status changed; `reason` is a sentence for the user, empty if there is no problem. */
   status(status: LinkStatus, reason: string): void;
   message(message: ServerMessage): void;
@@ -46,7 +49,7 @@ export interface Socket {
 
 export interface LinkOptions {
   url: string;
-  /** Under which the viewer joins; rename() changes it. */
+  /** Under which the viewer joins, cut to what the server takes; rename() changes it. */
   name: string;
   open(url: string, protocol: string): Socket;
   /**
@@ -90,6 +93,7 @@ export class ViewLink {
   private retryTimer_: ReturnType<typeof setTimeout> | undefined;
   private retryAtMs_: number | null = null;
   private name_: string;
+  private chosen_: string | null = null; // by rename(), not welcomed yet
   private readonly backoff_: Backoff;
 
   constructor(
@@ -97,7 +101,7 @@ export class ViewLink {
     private readonly events: LinkEvents,
   ) {
     this.backoff_ = options.backoff ?? new Backoff();
-    this.name_ = options.name;
+    this.name_ = nameThatFits(options.name);
   }
 
   start(): void {
@@ -120,7 +124,8 @@ export class ViewLink {
 
   /** Joins again under another name: participants keep theirs as long as they are connected. */
   rename(name: string): void {
-    this.name_ = name;
+    this.name_ = nameThatFits(name);
+    this.chosen_ = this.name_;
     if (this.stopped_ || !this.socket_) return;
     this.drop_();
     this.connect_('reconnecting', 'You take another name.');
@@ -257,6 +262,8 @@ export class ViewLink {
       this.redirect_ = '';
       this.epoch_ = message.epoch;
       this.backoff_.reset();
+      if (this.chosen_ !== null) this.events.renamed(this.chosen_);
+      this.chosen_ = null;
       this.events.message(message);
       this.events.status('connected', '');
       this.tick_();

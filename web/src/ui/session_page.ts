@@ -70,10 +70,7 @@ export class SessionPage {
     this.link_.start(); // first: the server answers while the page is built
     this.panel_ = new Panel(this.model, session, WRENCH_COLORS, {
       personPressed: (id) => this.personPressed_(id),
-      renamed: (name) => {
-        remember('name', name);
-        this.link_.rename(name);
-      },
+      renamed: (name) => this.link_.rename(name),
       materialChosen: (preset) => this.picture.setMaterial(preset),
       layoutChanged: () => this.resize_(),
       toggled: (open) => {
@@ -151,6 +148,7 @@ export class SessionPage {
       },
       {
         greeted: () => mark('hello'),
+        renamed: (name) => remember('name', name),
         status: (status, reason) => {
           this.model.setStatus(status, reason);
           if (status === 'connected') this.sendLook_(performance.now());

@@ -2,10 +2,8 @@
 // Those who watch, as chips. The viewer's own chip is a button that makes its name editable.
 
 import type { SessionModel } from '../model/session';
+import { NAME_BYTES_MAX } from '../wire/names';
 import { h } from './dom';
-
-/** Longer names are rejected by the server. */
-const NAME_MAX = 40;
 
 export class Watchers {
   readonly element = h('ul', { class: 'watchers', 'aria-label': 'Watching' });
@@ -46,7 +44,7 @@ export class Watchers {
     const input = h('input', {
       class: 'chip-input',
       'aria-label': 'Your name',
-      maxlength: String(NAME_MAX),
+      maxlength: String(NAME_BYTES_MAX),
       value: name,
     });
     const form = h('form', {}, input);

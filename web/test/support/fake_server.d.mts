@@ -3,6 +3,7 @@ export class FakeServer {
   readonly port: number;
   readonly acks: bigint[];
   readonly hellos: string[];
+  refusedName: string | null;
   readonly lookMessages: unknown[];
   readonly firstLooks: unknown[];
   readonly viewers: Set<{

@@ -11,6 +11,7 @@ import { FakeBlock } from './fake_block.mjs';
 import { writeMeshGlb } from './glb.mjs';
 
 const STEP_MM = 1 / 512;
+const NAME_BYTES_MAX = 64;
 const TYPES = {
   '.html': 'text/html',
   '.js': 'text/javascript',
@@ -57,6 +58,7 @@ export class FakeServer {
     ].slice(0, agents);
     this.acks = [];
     this.hellos = [];
+    this.refusedName = null; // refused like one that is too long
     this.lookMessages = [];
     this.firstLooks = [];
   }
@@ -142,6 +144,11 @@ export class FakeServer {
   text_(viewer, message) {
     if (message.type === 'look') this.lookMessages.push(message);
     if (message.type !== 'hello') return;
+    if (Buffer.byteLength(message.name) > NAME_BYTES_MAX || message.name === this.refusedName) {
+      const reason = `name must be at most ${NAME_BYTES_MAX} bytes`;
+      viewer.ws.send(JSON.stringify({ type: 'error', code: 'too_large', reason, fatal: true }));
+      return;
+    }
     viewer.name = message.name;
     this.hellos.push(message.name);
     this.firstLooks.push(message.look);

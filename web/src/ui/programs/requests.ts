@@ -2,6 +2,7 @@
 // HTTP requests about the programs of a session.
 
 import { programOf } from '../../wire/control';
+import { nameThatFits } from '../../wire/names';
 import type { ProgramInfo, Vec3 } from '../../wire/types';
 
 /** Consecutive motions with something that should not happen. */
@@ -124,16 +125,10 @@ export class ProgramRequests {
   }
 }
 
-const NAME_BYTES_MAX = 64;
-
 /** A file name as the server takes it: at most 64 bytes, with the same extension. */
 export function uploadName(name: string): string {
   const plain = name.replace(/[\\/\r\n]/g, '_');
   const dot = plain.lastIndexOf('.');
   const extension = dot > 0 ? plain.slice(dot) : '';
-  let stem = Array.from(dot > 0 ? plain.slice(0, dot) : plain);
-  const bytes = (text: string): number => new TextEncoder().encode(text).length;
-  while (stem.length > 0 && bytes(stem.join('') + extension) > NAME_BYTES_MAX)
-    stem = stem.slice(0, -1);
-  return stem.join('') + extension;
+  return nameThatFits(nameThatFits(dot > 0 ? plain.slice(0, dot) : plain, extension));
 }
