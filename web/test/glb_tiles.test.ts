@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { beforeAll, describe, expect, it } from 'vitest';
+import { afterEach, beforeAll, describe, expect, it, vi } from 'vitest';
 import * as THREE from 'three';
 import { TileParser } from '../src/view/glb_tiles';
 import type { ParsedTile } from '../src/view/glb_tiles';
@@ -98,7 +98,71 @@ function places(view: TileView): string[] {
   return found.sort();
 }
 
+/** 0 to count - 1 in an order without pattern, the same in every run. */
+function shuffled(count: number): number[] {
+  const order = Array.from({ length: count }, (_, n) => n);
+  let random = 1;
+  for (let n = count - 1; n > 0; --n) {
+    random = (random * 48271) % 2147483647;
+    const other = random % (n + 1);
+    [order[n], order[other]] = [order[other]!, order[n]!];
+  }
+  return order;
+}
+
 describe('tile view', () => {
+  afterEach(() => vi.restoreAllMocks());
+
+  it('keeps the right tiles, in whatever order the others are removed and replaced', async () => {
+    const view = new TileView(new THREE.MeshBasicMaterial());
+    const tile = await parsed(triangle(0, 0, 1));
+    const side = 12;
+    const left = new Set<number>();
+    const expected = (): string[] =>
+      [...left].map((n) => `${8 * (n % side)} ${8 * Math.floor(n / side)}`).sort();
+    const set = (n: number): void => {
+      view.set(tile, n % side, Math.floor(n / side), 8);
+      left.add(n);
+    };
+    const order = shuffled(side * side);
+    for (const n of order) set(n);
+    for (const n of shuffled(side * side)) {
+      view.remove(tileKey(n % side, Math.floor(n / side)));
+      left.delete(n);
+      if (n % 3 === 0) set(order[n]!); // displayed or not
+      if (n % 16 === 0) expect(places(view)).toEqual(expected());
+    }
+    for (const n of [...left]) {
+      view.remove(tileKey(n % side, Math.floor(n / side)));
+      left.delete(n);
+      expect(places(view)).toEqual(expected());
+    }
+    expect(view.group.children).toHaveLength(0);
+  });
+
+  it('moves at most one other tile for each that is replaced, and searches none', async () => {
+    const view = new TileView(new THREE.MeshBasicMaterial());
+    const coarse = await parsed(triangle(0, 0, 1));
+    const fine = await parsed(triangle(0, 0, 1, [0, 0, 0, 8, 0, 0, 0, 8, -1]));
+    const count = 500;
+    for (let x = 0; x < count; ++x) view.set(coarse, x, 0, 8);
+    const written = vi.spyOn(THREE.InstancedMesh.prototype, 'setMatrixAt');
+    let compared = 0;
+    const found = vi.spyOn(Array.prototype, 'indexOf');
+    found.mockImplementation(function (this: unknown[], sought: unknown, from = 0) {
+      compared += this.length;
+      for (let at = from; at < this.length; ++at) if (this[at] === sought) return at;
+      return -1;
+    });
+    for (let x = count - 1; x >= 0; --x) view.set(coarse, x, 0, 8); // a reconnection
+    for (let x = 0; x < count; ++x) view.set(fine, x, 0, 8); // another level of detail
+    found.mockRestore();
+    expect(compared).toBeLessThan(count);
+    // Four for a tile and, as three.js writes all places of a batch that has grown, some more.
+    expect(written.mock.calls.length).toBeLessThan(10 * count);
+    expect(places(view)).toHaveLength(count);
+  });
+
   it('disposes of the geometry of replaced and removed tiles', async () => {
     const view = new TileView(new THREE.MeshBasicMaterial());
     const disposed: number[] = [];

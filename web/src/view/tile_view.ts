@@ -10,7 +10,8 @@ import type { ParsedTile } from './glb_tiles';
 /** The tiles of one shape. */
 class Batch {
   mesh: THREE.InstancedMesh;
-  private readonly keys_: number[] = [];
+  private readonly keys_: number[] = []; // of the instances, in their order
+  private readonly at_ = new Map<number, number>(); // the instance of a key
 
   constructor(
     readonly shape: string,
@@ -28,19 +29,22 @@ class Batch {
   add(key: number, matrix: THREE.Matrix4): void {
     if (this.size === this.mesh.instanceMatrix.count) this.grow_();
     this.mesh.setMatrixAt(this.size, matrix);
+    this.at_.set(key, this.size);
     this.keys_.push(key);
     this.changed_();
   }
 
   /** The last tile takes the place of the one that leaves. */
   remove(key: number): void {
-    const at = this.keys_.indexOf(key);
+    const at = this.at_.get(key)!;
     const last = this.keys_.pop()!;
+    this.at_.delete(key);
     if (at < this.size) {
       const matrix = new THREE.Matrix4();
       this.mesh.getMatrixAt(this.size, matrix);
       this.mesh.setMatrixAt(at, matrix);
       this.keys_[at] = last;
+      this.at_.set(last, at);
     }
     this.changed_();
   }
