@@ -7,25 +7,30 @@ import type { SessionModel } from '../../model/session';
 import type { ProgramInfo } from '../../wire/types';
 import { h, setText } from '../dom';
 import { count, figure, sentence, volume } from '../format';
+import { AlarmList } from './alarm_list';
 import { Controls } from './controls';
-import { ProgramRequests, ServerError } from './requests';
-import type { Alarm, ProgramDetails } from './requests';
-import { alarmText, duration, stateText } from './texts';
+import { ProgramList } from './program_list';
+import { isOutdated, ProgramRequests, ServerError } from './requests';
+import type { ProgramDetails } from './requests';
+import { duration } from './texts';
 import { TextView } from './text_view';
 import { Upload } from './upload';
 
 const UPDATE_MS = 100;
+const ASK_EVERY_MS = 1000; // for the details of a program that moves
 
 export class ProgramsPanel {
   private readonly requests_: ProgramRequests;
   private readonly upload_: Upload;
   private readonly controls_: Controls;
   private readonly text_: TextView;
-  private readonly list_ = h('ul', { class: 'program-list', 'aria-label': 'Programs' });
+  private readonly list_ = new ProgramList((id) => this.press_(id));
   private readonly note_ = h('p', { class: 'program-note', role: 'status' });
   private readonly figures_ = h('p', { class: 'quiet program-figures' });
   private readonly progress_ = h('progress', { max: '1', 'aria-label': 'Progress' });
-  private readonly alarms_ = h('ul', { class: 'program-alarms', 'aria-label': 'Alarms' });
+  private readonly alarms_ = new AlarmList(({ fromLine }) =>
+    this.text_.mark({ line: fromLine, word: '' }),
+  );
   private readonly follow_ = h(
     'button',
     { type: 'button', class: 'button quiet-button program-follow', hidden: '' },
@@ -36,10 +41,13 @@ export class ProgramsPanel {
   private timer_: ReturnType<typeof setInterval> | undefined;
   private drawn_ = -1;
   private selected_: number | null = null;
+  /** A file that was rejected is shown, which no program replaces unless the user selects it. */
+  private showsRejected_ = false;
   /** The program whose text is shown; null: none, or one that was rejected. */
   private textOf_: number | null = null;
   private details_ = new Map<number, ProgramDetails>();
-  private asking_ = new Set<number>();
+  private asking_ = false;
+  private askedMs_ = -Infinity;
 
   constructor(
     private readonly model: SessionModel,
@@ -59,7 +67,7 @@ export class ProgramsPanel {
       this.controls_.element,
       this.progress_,
       this.figures_,
-      this.alarms_,
+      this.alarms_.element,
     );
     this.element_ = h(
       'section',
@@ -72,7 +80,7 @@ export class ProgramsPanel {
     this.element_.append(
       this.upload_.element,
       this.note_,
-      this.list_,
+      this.list_.element,
       this.one_,
       this.text_.element,
       this.follow_,
@@ -106,36 +114,30 @@ export class ProgramsPanel {
       void this.load_();
     }
     this.upload_.element.hidden = !this.may_;
-    if (programs.changes === this.drawn_) return;
+    if (programs.changes !== this.drawn_) this.draw_();
+    const program = this.program_;
+    if (program && isOutdated(this.details_.get(program.id), program)) void this.ask_(program.id);
+  }
+
+  private get program_(): ProgramInfo | undefined {
+    return this.selected_ === null ? undefined : this.model.programs.get(this.selected_);
+  }
+
+  private draw_(): void {
+    const { programs } = this.model;
     this.drawn_ = programs.changes;
     const all = programs.all();
-    if (this.selected_ === null || !programs.get(this.selected_)) this.select_(all[0]?.id ?? null);
-    this.list_.replaceChildren(...all.map((program) => this.row_(program)));
-    const program = this.selected_ === null ? undefined : programs.get(this.selected_);
+    if (!this.program_ && !this.showsRejected_) this.select_(all[0]?.id ?? null);
+    this.list_.update(all, this.selected_);
+    const program = this.program_;
     this.one_.hidden = program === undefined;
     if (program) this.show_(program);
   }
 
-  private row_(program: ProgramInfo): HTMLElement {
-    const noun = program.alarm_count === 1 ? 'alarm' : 'alarms';
-    const alarms = program.alarm_count > 0 ? ` · ${count(program.alarm_count)} ${noun}` : '';
-    const row = h(
-      'button',
-      {
-        type: 'button',
-        class: 'program-row-button',
-        'data-state': program.state,
-        'aria-pressed': String(program.id === this.selected_),
-      },
-      h('b', {}, program.name),
-      h('small', {}, `${stateText(program)}${alarms}`),
-    );
-    row.addEventListener('click', () => {
-      this.select_(program.id);
-      this.drawn_ = -1;
-      this.update_();
-    });
-    return h('li', {}, row);
+  private press_(id: number): void {
+    this.select_(id);
+    this.drawn_ = -1;
+    this.update_();
   }
 
   private show_(program: ProgramInfo): void {
@@ -153,27 +155,15 @@ export class ProgramsPanel {
     ];
     setText(this.figures_, lines.join(' '));
     if (this.textOf_ === program.id) this.text_.setLive(isOpen(program) ? program.line : 0);
-    const stale = details?.program.alarm_count !== program.alarm_count;
-    if (stale) void this.ask_(program.id);
-    if (details) this.showAlarms_(details.alarms);
-  }
-
-  private showAlarms_(alarms: Alarm[]): void {
-    if (this.alarms_.childElementCount === alarms.length) return;
-    this.alarms_.replaceChildren(
-      ...alarms.map((alarm) => {
-        const button = h('button', { type: 'button' }, alarmText(alarm));
-        button.addEventListener('click', () => this.text_.mark({ line: alarm.fromLine, word: '' }));
-        return h('li', {}, button);
-      }),
-    );
+    if (details) this.alarms_.update(details.alarms);
   }
 
   private select_(id: number | null): void {
     if (id === this.selected_ && this.textOf_ === id) return;
     this.selected_ = id;
+    this.showsRejected_ = false;
     this.textOf_ = null;
-    this.alarms_.replaceChildren();
+    this.alarms_.update([]);
     this.text_.show('');
     if (id === null) return;
     this.requests_.source(id).then(
@@ -200,14 +190,16 @@ export class ProgramsPanel {
   }
 
   private async ask_(id: number): Promise<void> {
-    if (this.asking_.has(id)) return;
-    this.asking_.add(id);
+    const nowMs = performance.now();
+    if (this.asking_ || nowMs - this.askedMs_ < ASK_EVERY_MS) return;
+    this.asking_ = true;
+    this.askedMs_ = nowMs;
     try {
       this.keep_(await this.requests_.details(id));
     } catch (problem) {
       this.tell_(problem);
     }
-    this.asking_.delete(id);
+    this.asking_ = false;
   }
 
   private keep_(details: ProgramDetails): void {
@@ -235,11 +227,16 @@ export class ProgramsPanel {
     } catch (problem) {
       this.tell_(problem);
       if (!(problem instanceof ServerError) || problem.line === 0) return;
-      this.selected_ = null;
-      this.textOf_ = null;
-      this.text_.show(await file.text());
-      this.text_.mark(problem);
+      this.showRejected_(await file.text(), problem);
     }
+  }
+
+  private showRejected_(text: string, problem: ServerError): void {
+    this.select_(null);
+    this.showsRejected_ = true;
+    this.text_.show(text);
+    this.text_.mark(problem);
+    this.drawn_ = -1;
   }
 
   private tell_(problem: unknown): void {

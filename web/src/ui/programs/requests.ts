@@ -34,6 +34,17 @@ export class ServerError extends Error {
   }
 }
 
+/**
+ * Whether `program`, as it was pushed, has details newer than those: it has other alarms, or it has
+ * moved or ended since, by which its last alarms may have grown.
+ */
+export function isOutdated(details: ProgramDetails | undefined, program: ProgramInfo): boolean {
+  if (details?.program.alarm_count !== program.alarm_count) return true;
+  const { motions_done, state } = details.program;
+  const hasChanged = motions_done !== program.motions_done || state !== program.state;
+  return program.alarm_count > 0 && hasChanged;
+}
+
 type Json = Record<string, unknown>;
 
 function listOf(value: unknown): unknown[] {

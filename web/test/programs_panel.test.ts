@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+import { readFileSync } from 'node:fs';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { SessionModel } from '../src/model/session';
+import { ProgramsPanel } from '../src/ui/programs/programs_panel';
+import { parseControl } from '../src/wire/control';
+import { FakeElement, stubPage } from './support/fake_dom';
+
+type Json = Record<string, unknown>;
+
+const GOLDEN = JSON.parse(
+  readFileSync(new URL('../../tests/wire/golden/programs.json', import.meta.url), 'utf8'),
+) as { programs: [Json, ...Json[]] };
+
+/** The programs of a server that answers over HTTP and pushes to the model. */
+class FakePrograms {
+  readonly model = new SessionModel();
+  readonly asked: string[] = [];
+  programs: Json[] = [];
+  alarms: Json[] = [];
+
+  readonly fetch = (address: string, { method }: { method: string }): Promise<unknown> => {
+    const path = address.replace('/v1/sessions/demo/programs', '');
+    this.asked.push(`${method} ${path}`);
+    if (method === 'POST') {
+      const error = { reason: 'G99 is not supported', line: 2, word: 'G99' };
+      return answer(400, { error });
+    }
+    const all = this.programs.map((program) => ({
+      ...program,
+      alarms: Number(program['alarm_count']) > 0 ? this.alarms : [],
+    }));
+    if (path === '') return answer(200, { programs: all });
+    const id = Number(path.split('/')[1]);
+    if (path.endsWith('/source')) return answer(200, `source of ${id}`);
+    return answer(200, all.find((program: Json) => program['id'] === id) ?? {});
+  };
+
+  push(): void {
+    const message = parseControl(JSON.stringify({ type: 'programs', programs: this.programs }));
+    if (message.ok && message.value) this.model.apply(message.value);
+  }
+}
+
+function answer(status: number, body: unknown): Promise<unknown> {
+  const snapshot = structuredClone(body);
+  return Promise.resolve({
+    ok: status === 200,
+    json: () => Promise.resolve(snapshot),
+    text: () => Promise.resolve(snapshot),
+  });
+}
+
+function program(id: number, more: Json = {}): Json {
+  const plain = { name: `${id}.ngc`, alarm_count: 0, line: 1, motions_done: 10, motions: 100 };
+  return { ...GOLDEN.programs[0], ...plain, id, state: 'running', ...more };
+}
+
+function alarm(amount: number, toLine: number): Json {
+  const place = { tool: 1, unit: 'mm3', tip_mm: [1, 2, 3] };
+  return { kind: 'rapid', from_line: 14, to_line: toLine, amount, ...place };
+}
+
+const wait = (ms: number): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
+
+describe('the panel of programs', () => {
+  let server: FakePrograms;
+  let page: FakeElement;
+  const rows = (): FakeElement[] => page.all('program-row-button');
+  const text = (): string => page.all('program-text')[0]!.textContent;
+  const alarms = (): FakeElement[] =>
+    page.all('program-alarms')[0]!.children.map((row) => row.children[0]!);
+
+  beforeEach(() => {
+    vi.useFakeTimers();
+    page = stubPage();
+    server = new FakePrograms();
+    vi.stubGlobal('fetch', server.fetch);
+  });
+  afterEach(async () => {
+    await wait(1000); // answers that the panel waits for
+    vi.useRealTimers();
+    vi.unstubAllGlobals();
+  });
+
+  async function open(...programs: Json[]): Promise<void> {
+    server.programs = programs;
+    server.push();
+    const opener = new FakeElement() as unknown as HTMLElement;
+    new ProgramsPanel(server.model, 'demo', opener).toggle();
+    await wait(1000);
+  }
+
+  it('shows a rejected file until the user selects a program', async () => {
+    await open(program(3));
+    expect(text()).toContain('source of 3');
+    const choose = page.all('program-file')[0]!;
+    choose.files = [{ name: 'new.ngc', text: () => Promise.resolve('G1 X1\nG99 X2') }];
+    choose.dispatch('change');
+    await wait(500);
+    for (let n = 0; n < 3; n += 1) {
+      expect(text()).toContain('G99 X2');
+      expect(page.all('marked')).toHaveLength(1);
+      expect(rows().map((row) => row.getAttribute('aria-pressed'))).toEqual(['false']);
+      server.programs = [program(3, { motions_done: 20 + n })];
+      server.push();
+      await wait(250);
+    }
+    rows()[0]!.click();
+    await wait(250);
+    expect(text()).toContain('source of 3');
+    expect(rows()[0]!.getAttribute('aria-pressed')).toBe('true');
+  });
+
+  it('shows an alarm as far as the program has come, and asks once a second', async () => {
+    server.alarms = [alarm(1, 14)];
+    await open(program(3, { alarm_count: 1 }));
+    const [button] = alarms();
+    expect(button!.textContent).toContain('1 mm³: line 14,');
+    server.asked.length = 0;
+    for (let n = 1; n <= 20; n += 1) {
+      server.alarms = [alarm(1 + n, 14 + n)];
+      server.programs = [program(3, { alarm_count: 1, motions_done: 10 + n })];
+      server.push();
+      await wait(250);
+    }
+    expect(server.asked.length).toBeGreaterThan(3);
+    expect(server.asked.length).toBeLessThan(7);
+    expect(button!.textContent).toMatch(/(18|19|20|21) mm³/);
+    server.alarms = [alarm(40, 99)];
+    server.programs = [program(3, { alarm_count: 1, motions_done: 100, state: 'finished' })];
+    server.push();
+    await wait(1500);
+    expect(alarms()).toHaveLength(1);
+    expect(alarms()[0]).toBe(button);
+    expect(button!.textContent).toContain('40 mm³: lines 14–99,');
+    server.asked.length = 0;
+    server.push();
+    await wait(5000);
+    expect(server.asked).toEqual([]); // nothing has changed
+  });
+
+  it('lists the alarms of the selected program only', async () => {
+    server.alarms = [alarm(1, 14), alarm(2, 30)];
+    await open(program(3, { alarm_count: 2 }));
+    expect(alarms()).toHaveLength(2);
+    server.programs.push(program(4, { alarm_count: 1 })); // its details are not known yet
+    server.push();
+    await wait(200);
+    rows()[1]!.click();
+    expect(alarms()).toHaveLength(0);
+  });
+
+  it('keeps the rows while their texts change', async () => {
+    await open(program(3), program(4));
+    const [first, second] = rows();
+    const list = page.all('program-list')[0]!;
+    const changes = list.changes;
+    server.programs = [program(3, { state: 'paused', line: 77 }), program(4, { alarm_count: 2 })];
+    server.push();
+    await wait(250);
+    expect(rows()[0]).toBe(first);
+    expect(rows()[1]).toBe(second);
+    expect(list.changes).toBe(changes);
+    expect(first!.textContent).toBe('3.ngcpaused at line 77');
+    expect(first!.getAttribute('data-state')).toBe('paused');
+    expect(second!.textContent).toContain('2 alarms');
+    server.programs = [program(3, { state: 'finished' }), program(4), program(5)];
+    server.push();
+    await wait(250);
+    expect(rows().map((row) => row.textContent.slice(0, 5))).toEqual(['4.ngc', '5.ngc', '3.ngc']);
+    expect(rows()[0]).toBe(second);
+    expect(rows()[2]).toBe(first);
+    server.model.programs.clear();
+    await wait(250);
+    expect(rows()).toEqual([]);
+  });
+});
