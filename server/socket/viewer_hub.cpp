@@ -133,6 +133,7 @@ void ViewerHub::leave_present(ParticipantId id, bool reached) {
   leave_feed(id);
   viewer->look_due.reset();
   viewer->conversation->begin_again(roster_);
+  viewer->has_programs = false;
   start_job();
 }
 
@@ -144,7 +145,7 @@ void ViewerHub::show_present(ParticipantId id, Viewer& viewer) {
   if (!was_shown) return;
   viewer.conversation->begin_again(roster_);
   viewer.sent.reset();
-  viewer.has_tools = false;
+  viewer.has_tools = viewer.has_programs = false;
   last_tools_.clear();  // its tools come again
   join_feed(id, viewer.look);
   start_job();

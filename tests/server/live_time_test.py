@@ -109,6 +109,26 @@ class PointsInTime(LiveTest):
         self.assertEqual(past.meshes, fresh.meshes)
         self.assertEqual(live.welcomes, 1)
 
+    def await_message(self, viewer, kind):
+        end = time.monotonic() + 10
+        while viewer.take() != kind:
+            self.assertLess(time.monotonic(), end, kind)
+        return viewer.last
+
+    def test_programs_are_told_again_after_each_seek(self):
+        status, program = self.server.http.json(
+            "POST", "/v1/sessions/block/programs?pace=fast&name=p.ngc",
+            "G21 G90 G94\nT2 M6\nG0 X0 Y0 Z5\nG1 Z-2 F3000\nM2\n")
+        self.assertEqual(status, 202, program)
+        until(self, lambda: self.server.http.json("GET", program["url"])[1]["state"], "finished")
+        viewer = Viewer(self.port, "block")
+        self.assertEqual(len(self.await_message(viewer, "programs")["programs"]), 1)
+        viewer.settled()
+        for at in (1, "live"):
+            viewer.send_json({"type": "seek", "at": at})
+            self.await_message(viewer, "welcome")
+            self.assertEqual(len(self.await_message(viewer, "programs")["programs"]), 1, at)
+
     def test_seeks_that_cannot_be_met_are_rejected(self):
         viewers = [Viewer(self.port, "block") for _ in range(5)]
         first = viewers[0]
