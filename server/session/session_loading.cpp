@@ -8,19 +8,9 @@
 #include "server/session/session_registry.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/chunk_file.h"
+#include "server/store/journal_times.h"
 
 namespace kerf {
-namespace {
-
-/// When a record was appended, ms since 1970; 0: unknown.
-std::int64_t time_of(const std::filesystem::path& journal, std::uint64_t record) {
-  auto reader = JournalReader::open(journal, RecordOrder::kSequence, {}, record);
-  if (!reader) return 0;
-  const auto read = reader->next();
-  return read && *read ? (*read)->wall_ms : 0;
-}
-
-}  // namespace
 
 std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(const std::string& id,
                                                                              Opened& opened) {
@@ -40,8 +30,9 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
   // The first records define the tools. Without a record there is no time.
   const std::uint64_t last = std::max<std::uint64_t>(replayed->last_sequence, 1);
   const JournalParent& parent = replayed->parent;
-  const std::int64_t created_ms = parent.session.empty() ? time_of(file, 1) : parent.branched_ms;
-  const std::int64_t active_ms = std::max(created_ms, time_of(file, last));
+  const std::int64_t created_ms =
+      parent.session.empty() ? time_of(file, 1).value_or(0) : parent.branched_ms;
+  const std::int64_t active_ms = std::max(created_ms, time_of(file, last).value_or(0));
   auto session = std::make_shared<Session>(id, *std::move(replayed), *std::move(journal),
                                            options_.session, make_executor_(id), workers_);
   session->note_times(created_ms, active_ms);
