@@ -8,6 +8,7 @@
 #include "server/session/session_registry.h"
 #include "server/store/block_snapshot.h"
 #include "server/store/chunk_file.h"
+#include "server/store/journal_branch.h"
 #include "server/store/journal_times.h"
 
 namespace kerf {
@@ -42,11 +43,14 @@ std::expected<std::shared_ptr<Session>, JournalError> SessionRegistry::start(con
 
 std::expected<void, JournalError> SessionRegistry::find_journals() {
   std::vector<std::string> ids;
+  std::vector<std::filesystem::path> unfinished;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(options_.data_folder, error)) {
     const std::string id = entry.path().stem().string();
     if (entry.path().extension() == kJournalExtension && is_session_id(id)) ids.push_back(id);
+    if (is_unfinished_branch(entry.path())) unfinished.push_back(entry.path());
   }
+  for (const auto& file : unfinished) remove_journal(file);
   std::ranges::sort(ids);
   const std::lock_guard lock(mutex_);
   for (std::string& id : ids) {

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <system_error>
 #include <utility>
 #include <vector>
 
+#include "server/store/chunk_file.h"
 #include "server/store/crc32.h"
 #include "server/store/journal_file.h"
 #include "server/store/journal_reader.h"
@@ -172,7 +174,16 @@ std::expected<void, JournalError> fill(const std::filesystem::path& from, SqlDat
   if (auto ok = done(store_parent(to, parent)); !ok) return ok;
   if (auto ok = done(copy_tables(*source, to, parent.record)); !ok) return ok;
   if (auto ok = copy_rest(from, *source, to, parent.record); !ok) return ok;
-  return done(to.execute("COMMIT"));
+  return done(to.execute("COMMIT; PRAGMA journal_mode=WAL"));
+}
+
+std::expected<void, JournalError> rename_branch(const std::filesystem::path& copy,
+                                                const std::filesystem::path& to) {
+  using enum JournalErrorCode;
+  const std::error_code error = rename_new(copy, to);
+  if (!error) return {};
+  const auto code = error == std::errc::file_exists ? kExists : kIo;
+  return std::unexpected(JournalError{code, to.string(), 0, error.message()});
 }
 
 }  // namespace
@@ -185,14 +196,20 @@ std::expected<void, JournalError> branch_journal(const std::filesystem::path& fr
   if (!reader) return std::unexpected(reader.error());
   JournalHeader header = reader->header();
   header.session = session;
-  auto database = create_journal(to, header);
+  const std::filesystem::path copy = unfinished_file(to);
+  remove_journal(copy);  // which a crash may have left
+  auto database = create_journal(copy, header, CreateMode::kCopy);
   if (!database) return std::unexpected(database.error());
   auto filled = fill(from, *database, parent);
-  if (!filled) {
-    database = std::unexpected(JournalError{});  // closes it
-    remove_journal(to);
-  }
+  database = std::unexpected(JournalError{});  // closes it
+  if (filled) filled = rename_branch(copy, to);
+  if (!filled) remove_journal(copy);
   return filled;
+}
+
+bool is_unfinished_branch(const std::filesystem::path& file) {
+  const std::filesystem::path journal = file.parent_path() / file.stem();
+  return journal.extension() == kJournalExtension && file == unfinished_file(journal);
 }
 
 SqlResult<JournalParent> read_parent(SqlDatabase& database) {

@@ -114,7 +114,8 @@ JournalError to_journal_error(const std::filesystem::path& file, const SqlError&
 }
 
 std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::path& file,
-                                                        const JournalHeader& header) {
+                                                        const JournalHeader& header,
+                                                        CreateMode mode) {
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) {
     return std::unexpected(
@@ -123,7 +124,8 @@ std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::p
   auto database = SqlDatabase::open(file, SqlMode::kCreate);
   if (!database) return std::unexpected(to_journal_error(file, database.error()));
   const auto fill = [&]() -> SqlResult<void> {
-    const std::string begin = "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; BEGIN;";
+    const std::string log = mode == CreateMode::kLive ? "WAL" : "OFF";
+    const std::string begin = "PRAGMA journal_mode=" + log + "; PRAGMA synchronous=FULL; BEGIN;";
     if (auto ok = database->execute(begin + kTables); !ok) return ok;
     if (auto ok = create_version_table(*database); !ok) return ok;
     // The table of the records has the last page: a file without its end is damaged.
@@ -213,20 +215,24 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
   return {};
 }
 
+std::error_code rename_new(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return {};
+  if (errno != EINVAL) return {errno, std::generic_category()};
+  // A file system that cannot do this at once; only this server moves files here.
+  std::error_code error;
+  if (std::filesystem::exists(to, error)) return make_error_code(std::errc::file_exists);
+  std::filesystem::rename(from, to, error);
+  return error;
+}
+
 std::expected<std::filesystem::path, std::error_code> keep_journal(
     const std::filesystem::path& from, const std::filesystem::path& folder,
     const std::string& name) {
   for (int n = 1;; ++n) {
     auto to = folder / (name + (n > 1 ? "-" + std::to_string(n) : "") + kJournalExtension);
-    if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) != 0) {
-      if (errno == EEXIST) continue;
-      if (errno != EINVAL) return std::unexpected(std::error_code(errno, std::generic_category()));
-      // A file system that cannot do this at once; only this server moves files here.
-      std::error_code error;
-      if (std::filesystem::exists(to, error)) continue;
-      std::filesystem::rename(from, to, error);
-      if (error) return std::unexpected(error);
-    }
+    const std::error_code error = rename_new(from, to);
+    if (error == std::errc::file_exists) continue;
+    if (error) return std::unexpected(error);
     std::error_code ignored;
     for (const char* suffix : kSideFileSuffixes) {  // often absent
       std::filesystem::rename(from.string() + suffix, to.string() + suffix, ignored);

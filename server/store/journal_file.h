@@ -37,9 +37,14 @@ struct JournalHeader {
   std::uint64_t kernel_since = 0;
 };
 
+/// How a new journal is written: kLive through a write-ahead log; kCopy straight to the file, which
+/// needs no space twice and is damaged after a crash.
+enum class CreateMode { kLive, kCopy };
+
 /// Creates an empty journal; fails with kExists if the file exists.
 std::expected<SqlDatabase, JournalError> create_journal(const std::filesystem::path& file,
-                                                        const JournalHeader& header);
+                                                        const JournalHeader& header,
+                                                        CreateMode mode = CreateMode::kLive);
 /// Opens a journal and checks its application_id and version.
 std::expected<SqlDatabase, JournalError> open_journal(const std::filesystem::path& file,
                                                       SqlMode mode);
@@ -52,6 +57,8 @@ std::expected<void, JournalError> copy_journal(const std::filesystem::path& from
 std::expected<std::filesystem::path, std::error_code> keep_journal(
     const std::filesystem::path& from, const std::filesystem::path& folder,
     const std::string& name);
+/// Renames a file; fails with file_exists instead of replacing another one.
+std::error_code rename_new(const std::filesystem::path& from, const std::filesystem::path& to);
 /// Deletes a journal, its snapshot, and the files that SQLite may have left beside it. Errors are
 /// ignored.
 void remove_journal(const std::filesystem::path& file);

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "server/session/journal_check.h"
 #include "server/store/journal_times.h"
@@ -245,6 +252,89 @@ TEST_F(Branches, NeedAFreeIdAndARecordThatIsCommitted) {
   EXPECT_EQ(beyond.error().code, RegistryErrorCode::kJournal);
   EXPECT_FALSE(std::filesystem::exists(folder_->path() / "beyond.kerf"));
   EXPECT_TRUE(branch("beyond", 5));
+}
+
+TEST_F(Branches, ThatWereNotFinishedAreNoSessions) {
+  carve();
+  const auto leave_copy = [&] {
+    for (const char* end : {".kerf.tmp", ".kerf.tmp-wal"}) {
+      std::ofstream(folder_->path() / (std::string("other") + end)) << "half a copy";
+    }
+  };
+  const auto is_left = [&] {
+    return std::filesystem::exists(folder_->path() / "other.kerf.tmp") ||
+           std::filesystem::exists(folder_->path() / "other.kerf.tmp-wal");
+  };
+  leave_copy();
+  reload();
+  EXPECT_FALSE(is_left());
+  EXPECT_EQ(registry_->ids(), std::vector<std::string>{"block"});
+  leave_copy();
+  EXPECT_TRUE(branch("other", session_->sequence()));
+  EXPECT_FALSE(is_left());
+}
+
+/// A journal with a few MB of records.
+class LargeJournal : public testing::Test {
+ protected:
+  static constexpr int kRows = 40;
+  static constexpr std::size_t kRowBytes = 100'000;
+  void SetUp() override {
+    auto database = create_journal(file_, {"large", "{}", {}});
+    ASSERT_TRUE(database);
+    auto insert = database->prepare("INSERT INTO batches VALUES(?,1,0,0,?,0)");
+    const std::vector<std::byte> bytes(kRowBytes, std::byte{7});
+    for (int row = 1; row <= kRows; ++row) {
+      insert->bind(1, std::int64_t{row});
+      insert->bind(2, std::span<const std::byte>(bytes));
+      ASSERT_TRUE(insert->step());
+    }
+  }
+  bool branch() const {
+    return branch_journal(file_, copy_, "copy", {"large", kRows, 1, 5}).has_value();
+  }
+
+  test::TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_.path() / "large.kerf", copy_ = folder_.path() / "copy.kerf";
+};
+
+using LargeJournalDeathTest = LargeJournal;
+
+TEST_F(LargeJournalDeathTest, OfWhichABranchIsHalfWrittenLeavesNoJournal) {
+  // The system kills a process whose file becomes larger than this.
+  for (const rlim_t bytes : {rlim_t{20'000}, rlim_t{200'000}, rlim_t{kRows * kRowBytes}}) {
+    const auto branch_in_vain = [&] {
+      const rlimit no_core{0, 0}, limit{bytes, bytes};
+      setrlimit(RLIMIT_CORE, &no_core);
+      setrlimit(RLIMIT_FSIZE, &limit);
+      branch();
+    };
+    EXPECT_EXIT(branch_in_vain(), testing::KilledBySignal(SIGXFSZ), "") << bytes;
+    EXPECT_FALSE(std::filesystem::exists(copy_)) << bytes;
+  }
+  EXPECT_TRUE(branch());
+  EXPECT_EQ(JournalReader::open(copy_)->last_sequence(), std::uint64_t{kRows});
+}
+
+TEST_F(LargeJournal, IsWrittenOnceForABranch) {
+  const auto written = [] {
+    std::ifstream in("/proc/self/io");
+    std::string name;
+    std::uint64_t bytes = 0;
+    while (in >> name >> bytes && name != "wchar:") {
+    }
+    return bytes;
+  };
+  const std::uint64_t before = written();
+  ASSERT_TRUE(branch());
+  const std::uint64_t bytes = written() - before;
+  EXPECT_GT(bytes, kRows * kRowBytes);
+  EXPECT_LT(bytes, kRows * kRowBytes * 3 / 2);
+  // Later records go through the log.
+  auto database = open_journal(copy_, SqlMode::kWrite);
+  ASSERT_TRUE(database);
+  EXPECT_TRUE(std::filesystem::exists(copy_.string() + "-wal"));
+  EXPECT_FALSE(std::filesystem::exists(copy_.string() + ".tmp"));
 }
 
 TEST_F(Branches, DoNotFillTheDisk) {
