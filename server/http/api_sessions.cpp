@@ -150,7 +150,7 @@ ApiResponse Api::create_session(const ApiCall& call) {
   SceneSource source;
   source.files = uploads_named_in(call.request.body);
   if (is_dry) {
-    const auto scene = registry_.check_scene(call.request.body, source);
+    const auto scene = registry_.check(id, call.request.body, source);
     if (!scene) return registry_failure(scene.error());
     return json_response(200, price_of(*scene));
   }

@@ -87,10 +87,10 @@ std::filesystem::path SessionRegistry::journal_path(const std::string& id) const
   return options_.data_folder / (id + kJournalExtension);
 }
 
-std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string id,
-                                                                   const std::string& name) {
+/// The id of a new session, or why there can be none. Call with the lock.
+std::expected<std::string, RegistryError> SessionRegistry::free_id(std::string id,
+                                                                   const std::string& name) const {
   using enum RegistryErrorCode;
-  const std::lock_guard lock(mutex_);
   const auto taken = [&](const std::string& candidate) {
     std::error_code ignored;
     return sessions_.contains(candidate) ||
@@ -111,9 +111,17 @@ std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string i
   } else if (taken(id)) {
     return std::unexpected(RegistryError{kExists, "session " + id + " already exists", {}});
   }
-  sessions_[id] = nullptr;
-  unreadable_.erase(id);  // its file has been moved away
   return id;
+}
+
+std::expected<std::string, RegistryError> SessionRegistry::reserve(std::string id,
+                                                                   const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  auto reserved = free_id(std::move(id), name);
+  if (!reserved) return reserved;
+  sessions_[*reserved] = nullptr;
+  unreadable_.erase(*reserved);  // its file has been moved away
+  return reserved;
 }
 
 std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_view scene_text,
@@ -135,8 +143,9 @@ std::expected<Scene, RegistryError> SessionRegistry::check_scene(std::string_vie
   return *std::move(scene);
 }
 
-std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
-    std::string id, std::string_view scene_text, const SceneSource& source) {
+std::expected<Scene, RegistryError> SessionRegistry::check(const std::string& id,
+                                                           std::string_view scene_text,
+                                                           const SceneSource& source) const {
   using enum RegistryErrorCode;
   if (!id.empty() && !is_session_id(id)) {
     return std::unexpected(RegistryError{
@@ -145,6 +154,17 @@ std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
   auto scene = check_scene(scene_text, source);
   if (!scene) return std::unexpected(scene.error());
   if (auto full = disk_obstacle()) return std::unexpected(*std::move(full));
+  const std::lock_guard lock(mutex_);
+  if (const auto is_free = free_id(id, scene->name); !is_free) {
+    return std::unexpected(is_free.error());
+  }
+  return scene;
+}
+
+std::expected<std::shared_ptr<Session>, RegistryError> SessionRegistry::create(
+    std::string id, std::string_view scene_text, const SceneSource& source) {
+  auto scene = check(id, scene_text, source);
+  if (!scene) return std::unexpected(scene.error());
   const auto reserved = reserve(std::move(id), scene->name);
   if (!reserved) return std::unexpected(reserved.error());
   JournalHeader header{*reserved, scene_json(*scene), {}, 1, std::exchange(scene->files, {})};

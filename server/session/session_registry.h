@@ -143,9 +143,9 @@ class SessionRegistry {
   /// If `id` is empty, a unique one is derived from the scene's name.
   std::expected<std::shared_ptr<Session>, RegistryError> branch(std::string id, Session& parent,
                                                                 std::uint64_t record);
-  /// The scene that create() would use, with its resolved accuracy, or why it would not.
-  std::expected<Scene, RegistryError> check_scene(std::string_view scene_text,
-                                                  const SceneSource& source) const;
+  /// The scene that create() would use now, with its resolved accuracy, or why it would not.
+  std::expected<Scene, RegistryError> check(const std::string& id, std::string_view scene_text,
+                                            const SceneSource& source) const;
   std::shared_ptr<Session> find(const std::string& id) const;
   std::vector<std::shared_ptr<Session>> list() const;
   /// The sessions that are open or loading, sorted.
@@ -204,6 +204,9 @@ class SessionRegistry {
   /// cannot be started.
   std::expected<std::shared_ptr<Session>, RegistryError> start_new(
       const std::string& id, const std::expected<void, JournalError>& written);
+  std::expected<Scene, RegistryError> check_scene(std::string_view scene_text,
+                                                  const SceneSource& source) const;
+  std::expected<std::string, RegistryError> free_id(std::string id, const std::string& name) const;
   std::expected<std::string, RegistryError> reserve(std::string id, const std::string& name);
   void end(const std::shared_ptr<Session>& session, const std::string& reason,
            const std::string& redirect = {});

@@ -203,6 +203,32 @@ TEST_F(ApiTest, ADryRunStatesThePriceOfASceneAndCreatesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "test-block.kerf"));
 }
 
+TEST_F(ApiTest, ADryRunFailsAsCreatingWould) {
+  const auto fails = [&](const std::string& query, unsigned status, const std::string& error) {
+    for (const char* dry : {"&dry_run=1", ""}) {
+      const ApiResponse response = ask("POST", "/v1/sessions?" + query + dry, kScene);
+      EXPECT_EQ(response.status, status) << query << dry << response.body;
+      EXPECT_EQ(code(response), error) << query << dry;
+    }
+  };
+  const auto renew = [&](std::size_t sessions, std::uintmax_t bytes) {
+    registry.emplace(
+        RegistryOptions{folder.path(), sessions, limits, {}, snapshots, {.folder = bytes}},
+        [this](const std::string&) { return executor; }, workers);
+    api.emplace(options, *registry, metrics, *access);
+  };
+  renew(1, 0);
+  for (int n = 0; n < 2; ++n) {
+    EXPECT_EQ(ask("POST", "/v1/sessions?id=one&dry_run=1", kScene).status, 200U);
+  }
+  EXPECT_EQ(ask("POST", "/v1/sessions?id=one", kScene).status, 201U);
+  fails("id=two", 503, "too_many_sessions");
+  renew(4, 0);
+  fails("id=one", 409, "session_exists");
+  renew(4, 1);
+  fails("id=two", 507, "disk_full");
+}
+
 TEST_F(ApiTest, EachTemplateCanBePricedAndCreated) {
   const auto list = nlohmann::json::parse(ask("GET", "/v1/templates").body).at("templates");
   ASSERT_GE(list.size(), 4U);
