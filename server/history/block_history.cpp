@@ -195,6 +195,11 @@ std::expected<void, std::string> BlockHistory::carve_some(std::span<const FieldT
   const std::size_t count = begins.size();
   begins.push_back(wanted.size());
   if (auto ok = carver_.carve(jobs, motions_, workers, stop); !ok) {
+    // What it has carved is there when the question is asked again.
+    std::erase_if(wanted, [&](const Wanted& next) {
+      return next.job != Wanted::kKept && jobs[next.job].tile == nullptr;
+    });
+    keep(wanted, jobs);
     return std::unexpected(ok.error());
   }
   std::vector<TileReplacement> made(count);
@@ -214,13 +219,18 @@ std::expected<void, std::string> BlockHistory::carve_some(std::span<const FieldT
     }
     made[n] = {tiles[n], common ? common : first ? first : carver_.start(tiles[n])};
   });
+  keep(wanted, jobs);
+  std::ranges::move(made, std::back_inserter(carved));
+  return {};
+}
+
+/// Keeps the tiles of eras that a set holds to their end.
+void BlockHistory::keep(std::span<Wanted> wanted, std::span<const GroupJob> jobs) {
   for (Wanted& next : wanted) {
     if (next.job == Wanted::kKept || !next.is_whole) continue;
     *next.era = {true, jobs[next.job].tile, std::move(next.without), next.last, questions_};
   }
-  std::ranges::move(made, std::back_inserter(carved));
   eras_.forget_oldest(tile_bytes_max_);
-  return {};
 }
 
 }  // namespace kerf

@@ -78,6 +78,7 @@ class BlockHistory {
                                               const MotionSet& set, Workers& workers,
                                               const std::stop_token& stop,
                                               std::vector<TileReplacement>& carved);
+  void keep(std::span<Wanted> wanted, std::span<const GroupJob> jobs);
   std::vector<ChangedTile> changed_tiles(const SolidSnapshot& solid,
                                          std::span<const FieldTile> tiles, const StrokeSet& changed,
                                          const MotionSet& set) const;

@@ -155,14 +155,19 @@ std::expected<void, std::string> GroupCarver::carve(std::span<GroupJob> jobs,
     const auto now = left.first(std::min(kWindowsAtOnce, left.size()));
     left = left.subspan(now.size());
     const auto windows = motions.windows(now, stop);
-    if (!windows) {
+    if (windows) {
+      workers.run(static_cast<int>(parts.size()), [&](int n) {
+        for (const auto& window : *windows) {
+          if (stop.stop_requested()) return;
+          parts[static_cast<std::size_t>(n)].cut(*window);
+        }
+      });
+    }
+    if (!windows || stop.stop_requested()) {
       carvers_.clear();  // They hold tiles of jobs that are not done.
       carvers_.emplace_back(settings_, start_);
-      return std::unexpected(windows.error());
+      return std::unexpected(windows ? "stopped" : windows.error());
     }
-    workers.run(static_cast<int>(parts.size()), [&](int n) {
-      for (const auto& window : *windows) parts[static_cast<std::size_t>(n)].cut(*window);
-    });
   }
   workers.run(static_cast<int>(parts.size()),
               [&](int n) { parts[static_cast<std::size_t>(n)].finish(); });

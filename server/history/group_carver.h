@@ -34,7 +34,8 @@ class GroupCarver {
   GroupCarver(SculptureSettings settings, SolidSnapshot start);
 
   /// Carries out the jobs, which are in the order of their tiles and, of one tile, of their
-  /// records, which no two share.
+  /// records, which no two share. After an error,
+  /// the results that are not null are right.
   std::expected<void, std::string> carve(std::span<GroupJob> jobs, RecordedMotions& motions,
                                          Workers& workers, const std::stop_token& stop);
   /// Returns a tile before the first motion; null: untouched stock.

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <stop_token>
 
 #include "tests/server/history/recorded_job.h"
 #include "tests/support/thread_workers.h"
@@ -182,6 +184,37 @@ TEST(BlockHistory, StopsWhenItIsAskedTo) {
   SerialWorkers alone;
   const MotionSet all{.last = history.last()};
   EXPECT_FALSE(history.carve(history.tiles(), all, alone, stop.get_token()));
+  EXPECT_EQ(hash_of(job, history, all, alone), job.block(all).state_hash());
+}
+
+/// Requests a stop after the first job of each batch.
+class StoppingWorkers final : public Workers {
+ public:
+  int count() const override { return 2; }
+  void run(int jobs, const std::function<void(int)>& job) override {
+    for (int n = 0; n < jobs; ++n) {
+      job(n);
+      stop_.request_stop();
+    }
+  }
+  std::stop_token token() const { return stop_.get_token(); }
+
+ private:
+  std::stop_source stop_;
+};
+
+TEST(BlockHistory, KeepsWhatItHasCarvedWhenItIsStopped) {
+  RecordedJob job(test::job_settings(Rays::kDexel, 2.5), 8);
+  job.carve(static_cast<int>(EraTiles::kRecords) + 600, 1);
+  BlockHistory history(job.file(), job.settings(), start_of(job.settings()));
+  ASSERT_TRUE(history.catch_up());
+  const MotionSet all{.last = history.last()};
+  StoppingWorkers stopping;
+  const auto stopped = history.carve(history.tiles(), all, stopping, stopping.token());
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error(), "stopped");
+  EXPECT_GT(history.tile_bytes(), 0U);
+  SerialWorkers alone;
   EXPECT_EQ(hash_of(job, history, all, alone), job.block(all).state_hash());
 }
 
